@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Everything is built below $(BUILD). `make help` lists the targets.
+
+BUILD     ?= build
+CC        ?= gcc
+PREFIX    ?= /usr/local
+DESTDIR   ?=
+MARCH     ?= native
+SANITIZE  ?=
+VERSION   := 0.1.0
+PYTHON    := /usr/bin/python3
+
+WARN      := -Wall -Wextra -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla -Wpointer-arith -Werror
+# No -ffast-math: NaN must stay NaN. No contraction: the force of i on j must be minus that of j on i to the last bit.
+FLOAT     := -fno-math-errno -fno-trapping-math -ffp-contract=off
+OPT       := -O2 -ftree-vectorize -march=$(MARCH)
+PKGS      := libzmq libprotobuf-c hdf5-serial yaml-0.1 jansson cairo libsystemd libxxhash lua5.4
+CPPFLAGS  += -Iinclude -Iserver -I. -I$(BUILD)/gen -D_GNU_SOURCE -DMENISCUS_VERSION='"$(VERSION)"' \
+             -DMENISCUS_CASES='"$(PREFIX)/share/meniscus/cases"' $(shell pkg-config --cflags $(PKGS) 2>/dev/null | sed 's/-I/-isystem /g')
+CFLAGS    += -std=c17 -g $(OPT) $(FLOAT) $(WARN) -fopenmp -fPIC -ffile-prefix-map=$(CURDIR)=. $(if $(SANITIZE),-fsanitize=$(SANITIZE) -fno-omit-frame-pointer)
+LDLIBS    += $(shell pkg-config --libs $(PKGS) 2>/dev/null) -lm -lpthread
+LDFLAGS   += -fopenmp $(if $(SANITIZE),-fsanitize=$(SANITIZE))
+
+sources    = $(sort $(foreach d,$(1),$(wildcard $(d)/*.c)))
+objects    = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
+GEN       := $(BUILD)/gen/case.pb-c.c $(BUILD)/gen/meniscus.pb-c.c $(BUILD)/gen/case_schema.c
+SOLVER    := $(call objects,$(call sources,server/base server/sim server/sim/terms server/sim/locals server/sim/schemes))
+PROTO     := $(call objects,$(call sources,proto)) $(patsubst $(BUILD)/gen/%.c,$(BUILD)/obj/gen/%.o,$(GEN))
+DAEMON    := $(call objects,$(call sources,server/cases server/io server/run server/net))
+CLIENT    := $(call objects,$(call sources,client/lib)) $(BUILD)/obj/server/base/status.o
+CLI       := $(call objects,$(call sources,client/cli))
+UNIT      := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/unit tests/protocol))
+BENCH     := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/bench))
+SUPPORT   := $(call objects,$(call sources,tests/support))
+
+.PHONY: all help packages demo check validate bench reference install uninstall clean lint format asan tsan
+all: $(BUILD)/meniscusd $(BUILD)/meniscus $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-client.a $(BUILD)/libmeniscus-client.so $(BUILD)/case-reference.md ## build everything
+
+help: ## list the targets
+	@awk -F ':.*## ' '/^[a-z][a-z-]*:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' Makefile
+	@echo "variables: BUILD=$(BUILD) CC=$(CC) PREFIX=$(PREFIX) MARCH=$(MARCH) SANITIZE=$(SANITIZE)"
+
+packages: ## install the Debian packages that are missing
+	@tests/support/packages.sh
+
+demo: packages ## build, run a dam break in a daemon, stream, write HDF5, draw pictures
+	@$(MAKE) --no-print-directory all
+	@BUILD=$(BUILD) tests/support/demo.sh
+
+check: packages ## build and run every test; last line: N passed, N failed
+	@$(MAKE) --no-print-directory all tests bench-programs
+	@BUILD=$(BUILD) CC=$(CC) tests/support/check.sh
+
+validate: all ## the papers' cases against their references [CASE=name] [SIZE=paper]
+	@BUILD=$(BUILD) $(PYTHON) tests/physics/validate.py $(if $(CASE),--case $(CASE)) $(if $(SIZE),--size $(SIZE))
+
+bench: bench-programs ## benchmarks as JSON lines
+	@for b in $(BENCH); do $$b || exit 1; done
+
+.PHONY: tests bench-programs
+tests: $(UNIT)
+bench-programs: all $(BENCH)
+
+reference: $(BUILD)/case-reference.md ## write the manual of the case format from its schema
+	cp $< server/cases/REFERENCE.md
+
+asan: ## unit and protocol tests under address and undefined-behaviour sanitizers
+	@$(MAKE) --no-print-directory BUILD=$(BUILD)/asan SANITIZE=address,undefined all tests
+	@BUILD=$(BUILD)/asan tests/support/sanitize.sh address
+
+tsan: ## the same under the thread sanitizer (clang, libomp)
+	@$(MAKE) --no-print-directory BUILD=$(BUILD)/tsan CC=clang SANITIZE=thread all tests
+	@BUILD=$(BUILD)/tsan tests/support/sanitize.sh thread
+
+lint: all ## clang-format, clang-tidy, cppcheck, shellcheck, layers
+	@BUILD=$(BUILD) tests/support/lint.sh "$(CPPFLAGS)"
+
+format: ## lay out the sources
+	clang-format -i $$(git ls-files '*.c' '*.h')
+
+install: all ## install below $(DESTDIR)$(PREFIX)
+	DESTDIR=$(DESTDIR) PREFIX=$(PREFIX) BUILD=$(BUILD) VERSION=$(VERSION) tests/support/install.sh install
+
+uninstall: ## remove what install put there
+	DESTDIR=$(DESTDIR) PREFIX=$(PREFIX) BUILD=$(BUILD) VERSION=$(VERSION) tests/support/install.sh uninstall
+
+clean: ## remove the build
+	rm -rf $(BUILD)
+
+# --- programs and libraries ---------------------------------------------------------------------------------------------
+$(BUILD)/meniscusd: $(BUILD)/obj/server/main.o $(DAEMON) $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-proto.a
+	$(CC) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+$(BUILD)/meniscus: $(CLI) $(BUILD)/libmeniscus-client.a
+	$(CC) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+$(BUILD)/libmeniscus.a: $(SOLVER)
+$(BUILD)/libmeniscus-proto.a: $(PROTO)
+$(BUILD)/libmeniscus-client.a: $(CLIENT) $(PROTO)
+$(BUILD)/libmeniscusd.a: $(DAEMON)
+%.a:
+	rm -f $@ && ar rcs $@ $^
+$(BUILD)/libmeniscus-client.so: $(CLIENT) $(PROTO)
+	$(CC) $(LDFLAGS) -shared -Wl,-soname,libmeniscus-client.so.0 -o $@ $^ $(shell pkg-config --libs libzmq libprotobuf-c yaml-0.1 2>/dev/null)
+$(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT) $(BUILD)/libmeniscus-client.a $(BUILD)/libmeniscusd.a $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-proto.a
+	@mkdir -p $(@D)
+	$(CC) $(LDFLAGS) -o $@ $< $(SUPPORT) -Wl,--start-group $(filter %.a,$^) -Wl,--end-group $(LDLIBS) -lcmocka
+
+# --- objects and generated sources --------------------------------------------------------------------------------------
+$(BUILD)/obj/%.o: %.c | $(GEN)
+	@mkdir -p $(@D)
+	$(CC) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
+$(BUILD)/obj/gen/%.o: $(BUILD)/gen/%.c | $(GEN)
+	@mkdir -p $(@D)
+	$(CC) $(CPPFLAGS) $(filter-out $(WARN),$(CFLAGS)) -MMD -MP -c -o $@ $<
+$(BUILD)/gen/%.pb-c.c: proto/%.proto $(wildcard proto/*.proto)
+	@mkdir -p $(@D)
+	protoc-c -Iproto --c_out=$(@D) $<
+$(BUILD)/gen/case_schema.c $(BUILD)/case-reference.md &: proto/case.proto proto/schema.py
+	@mkdir -p $(BUILD)/gen
+	protoc -Iproto --include_source_info --descriptor_set_out=$(BUILD)/gen/case.desc proto/case.proto
+	$(PYTHON) proto/schema.py $(BUILD)/gen/case.desc $(BUILD)/gen/case_schema.c $(BUILD)/case-reference.md
+
+.SECONDARY:
+-include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)

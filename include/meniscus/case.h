@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** case.h - description of a run as plain values, in SI units: what the solver starts from.
+ *
+ *  proto/case.proto says what each entry means, its unit, bounds and default; this is the same without messages. Strings
+ *  are never NULL. Vectors have three components; in two dimensions the third is 0 or, for formulas, "0". */
+#ifndef MENISCUS_CASE_H
+#define MENISCUS_CASE_H
+
+#include <meniscus/status.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { MNS_MAX_FLUIDS = 16, MNS_MAX_WALLS = 64, MNS_MAX_PROBES = 256 };
+
+typedef enum MnsPrimitive {
+    MNS_BOX,
+    MNS_BALL,
+    MNS_CYLINDER,
+    MNS_PLATE,
+    MNS_HALF_SPACE,
+    MNS_FORMULA
+} MnsPrimitive;
+typedef enum MnsOperation { MNS_ADD, MNS_SUBTRACT, MNS_INTERSECT } MnsOperation;
+
+typedef struct MnsPart {
+    MnsOperation operation;
+    bool outside;
+    MnsPrimitive primitive;
+    double a[3];                     /* box: lower corner; ball, plate: centre; cylinder: from; half space: point  [m]  */
+    double b[3];                     /* box: upper corner; plate: along; cylinder: to; half space: normal               */
+    double c[3];                     /* plate: normal                                                                   */
+    double radius;                   /* ball, cylinder                                                             [m]  */
+    double length, width, thickness; /* plate                                                                      [m]  */
+    char *formula;
+} MnsPart;
+
+typedef struct MnsShape {
+    size_t n;
+    MnsPart *parts; /* [n] */
+} MnsShape;
+
+typedef struct MnsConstant {
+    char *name, *value;
+} MnsConstant;
+
+typedef enum MnsDensityMethod { MNS_DENSITY_AUTOMATIC, MNS_DENSITY_CONTINUITY, MNS_DENSITY_SUMMATION } MnsDensityMethod;
+
+typedef struct MnsFluid {
+    char *name;
+    double density, viscosity, sound_speed; /* [kg/m^3], [Pa s], [m/s] */
+    MnsShape shape;                         /* no parts: what the others leave */
+    char *velocity[3];                      /* formulas of x y z [m/s] */
+    char *pressure;                         /* formula of x y z [Pa], or "hydrostatic" */
+    MnsDensityMethod density_method;
+} MnsFluid;
+
+typedef enum MnsMotionKind { MNS_STILL, MNS_SINE, MNS_ONE_MINUS_COSINE, MNS_TABLE } MnsMotionKind;
+
+typedef struct MnsMotionPoint {
+    double t, x[3], v[3];
+} MnsMotionPoint;
+
+typedef struct MnsMotion {
+    MnsMotionKind kind;
+    double amplitude[3], frequency, phase; /* [m], [Hz], [rad] */
+    size_t n;
+    MnsMotionPoint *points; /* [n] */
+} MnsMotion;
+
+typedef struct MnsWall {
+    char *name;
+    MnsShape shape;
+    bool no_slip;
+    MnsMotion motion;
+    char *surface_velocity[3]; /* formulas of t [m/s] */
+} MnsWall;
+
+typedef enum MnsKernel { MNS_WENDLAND_C2, MNS_TRUNCATED_GAUSSIAN, MNS_QUINTIC_SPLINE } MnsKernel;
+
+typedef struct MnsRiemann {
+    double limiter, background_pressure, guard;
+} MnsRiemann;
+
+typedef struct MnsSchemeOptions {
+    const char *name; /* of the scheme: "riemann"; a literal */
+    MnsKernel kernel;
+    double smoothing, cfl, skin;
+    MnsRiemann riemann;
+} MnsSchemeOptions;
+
+typedef enum MnsProbeKind {
+    MNS_PROBE_PRESSURE,
+    MNS_PROBE_HEIGHT,
+    MNS_PROBE_FRONT,
+    MNS_PROBE_KINETIC_ENERGY,
+    MNS_PROBE_POTENTIAL_ENERGY,
+    MNS_PROBE_MASS_CENTRE,
+    MNS_PROBE_MOMENTUM,
+    MNS_PROBE_MASS,
+    MNS_PROBE_EXTREMUM,
+    MNS_PROBE_COVERAGE,
+    MNS_PROBE_ESCAPED,
+    MNS_PROBE_PRESSURE_DEVIATION
+} MnsProbeKind;
+
+typedef struct MnsProbe {
+    char *name;
+    MnsProbeKind kind;
+    int fluid;         /* index, or -1 for all fluids */
+    int wall;          /* index of the wall it moves with, or -1 */
+    int axis;          /* 0, 1, 2; for a height, the vertical one */
+    bool least;        /* extremum: smallest; front: backwards */
+    double at[3];      /* [m] */
+    double radius;     /* [m]; 0: the support of the kernel */
+    bool within;       /* whether the box below counts */
+    double min[3], max[3];
+    char *field;       /* extremum */
+    char *formula;     /* pressure deviation */
+} MnsProbe;
+
+typedef struct MnsOutput {
+    double probe_interval, snapshot_interval, checkpoint_interval, checkpoint_wall_interval; /* [s] */
+    unsigned checkpoints_kept;
+    size_t n_fields;
+    char **fields; /* [n_fields] */
+    bool walls;
+} MnsOutput;
+
+typedef struct MnsLimits {
+    double time_step_floor, density_min, density_max;
+} MnsLimits;
+
+typedef struct MnsCase {
+    char *title;
+    int dim;                             /* 2 or 3 */
+    double reference_length, resolution; /* [m], particles per reference length */
+    double min[3], max[3];               /* domain [m] */
+    bool periodic[3];
+    size_t n_constants;
+    MnsConstant *constants;
+    char *gravity[3]; /* formulas of t [m/s^2] */
+    size_t n_fluids;
+    MnsFluid *fluids;
+    size_t n_walls;
+    MnsWall *walls;
+    MnsSchemeOptions scheme;
+    double end_time; /* [s] */
+    unsigned threads;
+    size_t n_probes;
+    MnsProbe *probes;
+    MnsOutput output;
+    MnsLimits limits;
+} MnsCase;
+
+/** Is the case physical, within limits, and can the scheme do it? Formulas are compiled and shapes measured; nothing is
+ *  changed. @return MNS_OK; MNS_E_INVALID or MNS_E_LIMIT with error->path naming the entry, as in "fluids[1].density". */
+MnsStatus mns_case_check(const MnsCase *c, MnsError *error);
+
+/** Free a case and all it owns; NULL is fine. All of it must come from malloc, but for scheme.name. */
+void mns_case_free(MnsCase *c);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

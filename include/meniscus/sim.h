@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** sim.h - build a simulation, step it, look at it, copy its state out and in again. No network, no files, no messages, no
+ *  global state; SI units throughout. One caller at a time; OpenMP inside. The bits of every result are the same for any
+ *  number of threads. */
+#ifndef MENISCUS_SIM_H
+#define MENISCUS_SIM_H
+
+#include <meniscus/case.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct MnsSim MnsSim;
+
+/** Place the particles of a case and make it ready to step.
+ *  @param c  borrowed until mns_sim_free(), or until mns_sim_steer() replaces it.
+ *  @return MNS_OK; what mns_case_check() returns; MNS_E_MEMORY. On failure *ret_sim is untouched. */
+MnsStatus mns_sim_new(const MnsCase *c, MnsSim **ret_sim, MnsError *error);
+
+/** Free a simulation; NULL is fine. */
+void mns_sim_free(MnsSim *sim);
+
+/** Advance by one time step: the smallest limit of the scheme, cut so that the step does not pass t_max. A step that ends
+ *  within a rounding error of t_max ends exactly there.
+ *  @param t_max  [s], later than the current time; INFINITY for no cut.
+ *  @return MNS_OK; MNS_E_DIVERGED if a field is not finite, dt fell under its floor or a density left its bounds: the
+ *          state is kept for inspection and further calls say the same; MNS_E_LIMIT if a particle has too many neighbours
+ *          (the same). The sentence names the particle, the place and the term. */
+MnsStatus mns_sim_step(MnsSim *sim, double t_max, MnsError *error);
+
+/** Adopt the entries of c that proto/case.proto marks as steerable (gravity, end time, output, threads, scheme options);
+ *  all others must be as they were. c takes the place of the case the simulation borrowed, which may then be freed.
+ *  @return MNS_OK; MNS_E_INVALID, the simulation unchanged. */
+MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error);
+
+const MnsCase *mns_sim_case(const MnsSim *sim);
+
+/** What has happened so far. All of it is part of the state: a restored run counts on. */
+typedef struct MnsProgress {
+    double t;           /* [s]                                                                        */
+    double dt;          /* last time step [s]; 0 before the first                                     */
+    double dt_first;    /* first time step that was not cut by t_max [s]; 0 before                    */
+    uint64_t step;      /* time steps done                                                            */
+    uint64_t rebuilds;  /* neighbour lists built                                                      */
+    uint64_t guarded;   /* times a particle was kept from entering a wall                             */
+} MnsProgress;
+
+MnsProgress mns_sim_progress(const MnsSim *sim);
+
+size_t mns_sim_particles(const MnsSim *sim);       /* fluid and wall */
+size_t mns_sim_fluid_particles(const MnsSim *sim); /* these come first in every field */
+double mns_sim_spacing(const MnsSim *sim);         /* dx [m] */
+double mns_sim_mean_neighbours(const MnsSim *sim); /* of a fluid particle, within the kernel's support */
+size_t mns_sim_bytes(const MnsSim *sim);           /* memory of particles and neighbour lists */
+
+/** Hash of the full state (every field of a checkpoint, by particle id, and the progress): independent of storage order and
+ *  threads. */
+uint64_t mns_sim_hash(const MnsSim *sim);
+
+/* --- fields ------------------------------------------------------------------------------------------------------------ */
+
+typedef enum MnsType { MNS_F64, MNS_U32, MNS_U8 } MnsType;
+
+typedef struct MnsFieldInfo {
+    const char *name, *unit, *meaning; /* "velocity", "m/s", "..." */
+    int components;                    /* 1; or 3 for a vector, of which the case's dim are kept */
+    MnsType type;
+    bool is_state; /* in checkpoints and in the hash */
+} MnsFieldInfo;
+
+/** The table of all fields; ends with a NULL name. Positions, identity and phase are fields too: "position" (m), "id" and
+ *  "phase" (fluid particles: index of the fluid; wall particles: number of fluids + index of the wall). */
+const MnsFieldInfo *mns_fields(void);
+
+/** Index in mns_fields(), or -1. */
+int mns_field_find(const char *name);
+
+/** Borrow component d of a field: [mns_sim_particles()] values of its type, until the next step. NULL if there is none. */
+const void *mns_sim_field(const MnsSim *sim, int field, int d);
+
+/* --- captures ---------------------------------------------------------------------------------------------------------- */
+
+enum { MNS_MAX_FIELDS = 32 };
+
+/** A copy of fields at one step boundary. Nobody changes it once it is made, so any thread may read it. */
+typedef struct MnsCapture {
+    int dim;
+    size_t n, n_fluid; /* fluid particles first */
+    double spacing;    /* dx [m] */
+    MnsProgress progress;
+    uint64_t fields;                 /* bit k set: field k of mns_fields() is here */
+    void *data[MNS_MAX_FIELDS][3];   /* [n] values each */
+} MnsCapture;
+
+/** Copy fields out. @param fields  bit k for field k of mns_fields(); mns_state_fields() for a checkpoint.
+ *  @return MNS_OK; MNS_E_MEMORY. */
+MnsStatus mns_sim_capture(const MnsSim *sim, uint64_t fields, MnsCapture **ret_capture, MnsError *error);
+
+/** An empty capture with room for its fields, to be filled by a reader. @return NULL if there is no memory. */
+MnsCapture *mns_capture_new(int dim, size_t n, size_t n_fluid, uint64_t fields);
+
+void mns_capture_free(MnsCapture *capture);
+
+uint64_t mns_state_fields(void);
+
+/** Put a captured state back. The run goes on bit for bit as if it had never stopped.
+ *  @param sim  made from the case the captured run had at that time.
+ *  @return MNS_OK; MNS_E_INVALID if the capture does not fit the case: sim unchanged. */
+MnsStatus mns_sim_restore(MnsSim *sim, const MnsCapture *capture, MnsError *error);
+
+/* --- measuring --------------------------------------------------------------------------------------------------------- */
+
+/** Value of probe k of the case, now; NAN where there is nothing to measure. */
+double mns_sim_probe(const MnsSim *sim, size_t k);
+
+/** Unit of a probe, as in "Pa". */
+const char *mns_probe_unit(const MnsProbe *probe);
+
+/** A scalar field, or the magnitude of a vector field, at points: kernel average over the fluid (P3 eq. 21).
+ *  @param field   index in mns_fields()
+ *  @param d       component, or -1 for the magnitude of a vector
+ *  @param points  [n][3], m
+ *  @param values  [n]; NAN where no fluid is near. */
+void mns_sim_sample(const MnsSim *sim, int field, int d, size_t n, const double (*points)[3], double *values);
+
+/* --- the cost of a step ------------------------------------------------------------------------------------------------ */
+
+typedef struct MnsTimer {
+    const char *name; /* of the pass */
+    double seconds;   /* wall-clock time since the simulation was made */
+    uint64_t calls, pairs;
+} MnsTimer;
+
+/** Wall-clock time by pass, borrowed; *ret_n timers. */
+const MnsTimer *mns_sim_timers(const MnsSim *sim, size_t *ret_n);
+
+/* --- schemes ----------------------------------------------------------------------------------------------------------- */
+
+/** Describe scheme number k (from 0): names, sources and equations of its passes and terms, as text for people.
+ *  @return its name; NULL if there is no scheme k. */
+const char *mns_scheme_describe(size_t k, char *text, size_t size);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
