@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The case as text: YAML to message and back, by walking the descriptors of case.proto. No entry is named here. */
+#ifndef PROTO_CASE_FILE_H
+#define PROTO_CASE_FILE_H
+
+#include "case.pb-c.h"
+#include <meniscus/status.h>
+#include <stdio.h>
+
+/* Where each entry stands in the file, so that a later complaint about a path can name line and column. */
+typedef struct CaseFile CaseFile;
+
+/* Read a file. On failure error->text begins "FILE:LINE:COLUMN: ".
+ * MNS_OK; MNS_E_NOT_FOUND, MNS_E_IO; MNS_E_INVALID: not YAML, unknown key (with a suggestion), wrong type, out of bounds,
+ * missing entry. */
+MnsStatus case_file_read(const char *path, CaseFile **ret, MnsError *error);
+
+/* The same from memory; name stands for the file in complaints. */
+MnsStatus case_file_parse(const char *name, const char *text, size_t size, CaseFile **ret, MnsError *error);
+
+/* Override an entry: "output.snapshot_interval=0.1", "fluids[1].density=2", "gravity=[0, -1]"; the value is YAML. */
+MnsStatus case_file_set(CaseFile *file, const char *assignment, MnsError *error);
+
+/* Borrow the message; owned by the file, changed by case_file_set(). */
+const Meniscus__Case *case_file_message(const CaseFile *file);
+
+/* Give error->text the prefix "FILE:LINE:COLUMN: " of the entry error->path, or of the nearest entry around it (or
+ * "--set PATH" if it came from there). Does nothing if the text has such a prefix. */
+void case_file_locate(const CaseFile *file, MnsError *error);
+
+void case_file_free(CaseFile *file);
+
+/* --- on messages, wherever they come from ------------------------------------------------------------------------------ */
+
+/* Bounds, counts, required entries and names of enums as case.proto's comments say: for messages from a socket. */
+MnsStatus case_message_check(const Meniscus__Case *message, MnsError *error);
+
+/* Copy of message with one entry changed. */
+MnsStatus case_message_set(const Meniscus__Case *message, const char *path, const char *yaml, Meniscus__Case **ret,
+                           MnsError *error);
+
+/* Value of an entry as one line of YAML (a default if it is not there), and its unit. ret_text is yours. */
+MnsStatus case_message_get(const Meniscus__Case *message, const char *path, char **ret_text, const char **ret_unit,
+                           MnsError *error);
+
+/* The whole message as YAML that case_file_parse() reads back to the same message. Yours. */
+char *case_message_print(const Meniscus__Case *message);
+
+/* MNS_OK if b differs from a in steerable entries only; else MNS_E_INVALID with the path of the first other difference. */
+MnsStatus case_message_steerable(const Meniscus__Case *a, const Meniscus__Case *b, MnsError *error);
+
+/* A steerable entry of the schema, for `capabilities`. */
+typedef struct CaseParameter {
+    const char *path, *type, *unit, *range, *meaning;
+} CaseParameter;
+const CaseParameter *case_parameters(size_t *ret_n);
+
+#endif

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The state for a bitwise restart: rotated files, whole or absent, verified by checksum when read. */
+#ifndef IO_CHECKPOINT_H
+#define IO_CHECKPOINT_H
+
+#include "io/file.h"
+
+/* Write DIR/checkpoint-STEP.hdf (step with ten digits) and drop the oldest beyond `keep`.
+ * case_blob: the packed Case message, kept as it is. ret_path: where it went; may be NULL. */
+MnsStatus checkpoint_write(const char *dir, const MnsCapture *state, const FileMeta *meta, const void *case_blob,
+                           size_t case_size, unsigned keep, char ret_path[static 4096], MnsError *error);
+
+typedef struct Checkpoint {
+    MnsCapture *state;
+    void *case_blob; /* the packed Case message of the run, as it was when this was written */
+    size_t case_size;
+    char path[4096];
+} Checkpoint;
+
+/* Read one file. MNS_E_CORRUPT if a checksum does not match or the file cannot be opened as HDF5; MNS_E_VERSION. */
+MnsStatus checkpoint_read(const char *path, Checkpoint *ret, MnsError *error);
+
+/* Read the newest whole one in dir. Damaged newer ones are passed over; note() is told of each, if it is given.
+ * MNS_E_NOT_FOUND if there is none. */
+MnsStatus checkpoint_newest(const char *dir, Checkpoint *ret, void (*note)(void *arg, const char *text), void *arg,
+                            MnsError *error);
+
+void checkpoint_done(Checkpoint *checkpoint);
+
+#endif

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Time series of the probes: kept in memory, written whole to DIR/probes.hdf each time it is flushed. */
+#ifndef IO_SERIES_H
+#define IO_SERIES_H
+
+#include "io/file.h"
+
+typedef struct Series Series;
+
+/* A series for the probes of meta->c. What an existing DIR/probes.hdf holds up to and including `last_step` is kept if its
+ * probes are the same; pass resume = false to begin anew. Nothing is written yet. */
+MnsStatus series_new(const char *dir, const FileMeta *meta, bool resume, uint64_t last_step, Series **ret, MnsError *error);
+
+/* Add a row. values: [meta->c->n_probes], NAN where there is nothing. */
+MnsStatus series_append(Series *series, uint64_t step, double t, const double *values, MnsError *error);
+
+/* Write the file: temporary file, fsync, rename. Nothing to do if nothing was added. After a failure it may be tried again. */
+MnsStatus series_flush(Series *series, MnsError *error);
+
+void series_free(Series *series);
+
+#endif
