@@ -47,7 +47,8 @@ demo: packages ## build, run a dam break in a daemon, stream, write HDF5, draw p
 	@$(MAKE) --no-print-directory all
 	@BUILD=$(BUILD) tests/support/demo.sh
 
-check: packages ## build and run every test; last line: N passed, N failed
+check: ## build and run every test; last line: N passed, N failed
+	@tests/support/packages.sh check
 	@$(MAKE) --no-print-directory all tests bench-programs
 	@BUILD=$(BUILD) CC=$(CC) tests/support/check.sh
 
@@ -57,7 +58,7 @@ validate: all ## the papers' cases against their references [CASE=name] [SIZE=pa
 bench: bench-programs ## benchmarks as JSON lines
 	@for b in $(BENCH); do $$b || exit 1; done
 
-.PHONY: tests bench-programs
+.PHONY: tests bench-programs flags
 tests: $(UNIT)
 bench-programs: all $(BENCH)
 
@@ -73,7 +74,12 @@ tsan: ## the same under the thread sanitizer (clang, libomp)
 	@BUILD=$(BUILD)/tsan tests/support/sanitize.sh thread
 
 lint: all ## clang-format, clang-tidy, cppcheck, shellcheck, layers
-	@BUILD=$(BUILD) tests/support/lint.sh "$(CPPFLAGS)"
+	@BUILD=$(BUILD) tests/support/layers.sh
+	@BUILD=$(BUILD) tests/support/headers.sh
+	@BUILD=$(BUILD) tests/support/lint.sh
+
+flags: # the preprocessor's, quoted for a shell: for the scripts of tests/support
+	$(info $(CPPFLAGS))@:
 
 format: ## lay out the sources
 	clang-format -i $$(git ls-files '*.c' '*.h')

@@ -1,0 +1,107 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# check.sh: run everything there is to check, after the build. Prints a line for each group, all output of what failed, and
+# at the end one line: N passed, N failed. Single tests are counted where a program tells of them (TAP, unittest).
+set -eu
+cd "$(dirname "$0")/../.."
+BUILD=${BUILD:-build}
+CC=${CC:-gcc}
+PYTHON=/usr/bin/python3
+passed=0 failed=0 skipped=0 failures=()
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+export BUILD CC CMOCKA_MESSAGE_OUTPUT=TAP PYTHONDONTWRITEBYTECODE=1
+unset MAKEFLAGS MFLAGS MAKELEVEL
+
+# Lines of TAP, or the summary of Python's unittest: "passed failed skipped".
+count() {
+    awk '
+    /^ok\>/     { if (/# *SKIP/) s++; else p++ }
+    /^not ok\>/ { if (/# *SKIP/) s++; else f++ }
+    /^Ran [0-9]+ tests? in / { n = $2; python = 1 }
+    python && /^(OK|FAILED)\>/ {
+        bad = skip = 0
+        line = $0
+        gsub(/[(),]/, " ", line)
+        k = split(line, words, " ")
+        for (i = 2; i <= k; i++) {
+            split(words[i], pair, "=")
+            if (pair[1] == "failures" || pair[1] == "errors" || pair[1] == "successes") bad += pair[2]
+            if (pair[1] == "skipped") skip += pair[2]
+        }
+        p += n - bad - skip; f += bad; s += skip
+    }
+    END { print p + 0, f + 0, s + 0 }' "$log"
+}
+
+# run NAME SECONDS COMMAND...: a program that hangs has failed; so has one that ends badly without naming a test.
+run() {
+    local name=$1 limit=$2 status=0 p f s
+    shift 2
+    timeout --kill-after=10 "$limit" "$@" >"$log" 2>&1 </dev/null || status=$?
+    read -r p f s < <(count)
+    if [ $status -ne 0 ] && [ "$f" -eq 0 ]; then f=1; fi
+    if [ $status -eq 0 ] && [ $((p + f + s)) -eq 0 ]; then p=1; fi
+    passed=$((passed + p)) failed=$((failed + f)) skipped=$((skipped + s))
+    [ "$f" -eq 0 ] && return
+    echo "---- $name: $f failed, exit status $status$([ $status -ne 124 ] || echo ": still running after $limit s")"
+    cat "$log"
+    echo "----"
+    failures+=("$name")
+}
+
+group() {
+    local title=$1 started=$SECONDS before="$passed $failed"
+    shift
+    printf '== %s\n' "$title"
+    "$@"
+    read -r p f <<<"$before"
+    printf '   %d passed, %d failed, %d s\n' $((passed - p)) $((failed - f)) $((SECONDS - started))
+}
+
+programs() {
+    local file
+    for file in "$BUILD"/tests/unit/* "$BUILD"/tests/protocol/*; do
+        if [ -f "$file" ] && [ -x "$file" ]; then run "$file" 120 "$file"; fi
+    done
+}
+
+scripts() {
+    local file
+    for file in tests/*/test_*.py client/python/tests/test_*.py; do
+        if [ -f "$file" ]; then run "$file" 240 $PYTHON -W ignore::ResourceWarning "$file"; fi
+    done
+    for file in tests/*/test_*.sh; do
+        if [ -f "$file" ]; then run "$file" 240 "$file"; fi
+    done
+}
+
+house() {
+    run "layers" 60 tests/support/layers.sh
+    run "headers" 120 tests/support/headers.sh
+    run "lint" 400 tests/support/lint.sh
+    run "server/cases/REFERENCE.md is what \`make reference\` writes" 10 \
+        diff -u server/cases/REFERENCE.md "$BUILD/case-reference.md"
+}
+
+other_compiler() {
+    run "build with clang" 300 make -s -j2 BUILD="$BUILD/clang" CC=clang all tests
+}
+
+sanitizers() {
+    run "build with address sanitizer" 300 make -s -j2 BUILD="$BUILD/asan" SANITIZE=address,undefined all tests
+    run "address and undefined-behaviour sanitizers" 300 env BUILD="$BUILD/asan" tests/support/sanitize.sh address
+    run "build with thread sanitizer" 300 make -s -j2 BUILD="$BUILD/tsan" CC=clang SANITIZE=thread all tests
+    run "thread sanitizer" 300 env BUILD="$BUILD/tsan" tests/support/sanitize.sh thread
+}
+
+group "unit and protocol tests" programs
+group "system tests" scripts
+group "the house: layers, headers, style, manual" house
+group "clang" other_compiler
+group "sanitizers" sanitizers
+
+[ ${#failures[@]} -eq 0 ] || printf 'failed: %s\n' "${failures[@]}"
+printf '%d seconds\n' $SECONDS
+printf '%d passed, %d failed%s\n' "$passed" "$failed" "$([ "$skipped" -eq 0 ] || echo ", $skipped skipped")"
+[ "$failed" -eq 0 ]

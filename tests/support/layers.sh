@@ -1,0 +1,88 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# layers.sh: prove that each folder uses only what lies below it. First by reading its includes, then by asking the linker:
+# the solver library must be complete without the libraries of messages, files and sockets. Prints TAP.
+set -eu
+cd "$(dirname "$0")/../.."
+BUILD=${BUILD:-build}
+CC=${CC:-gcc}
+failed=0
+
+# folder              may use: folders of ours, `messages` (generated from proto/), libraries
+table='
+include/meniscus      meniscus
+server/base           meniscus base
+server/sim            meniscus base sim lua xxhash openmp
+server/cases          meniscus base sim cases proto messages
+server/io             meniscus base sim cases io messages hdf5 xxhash
+server/run            meniscus base sim cases io run proto messages
+server/net            meniscus base sim cases io run net proto messages zmq
+server/main.c         meniscus base sim cases io run net proto messages zmq systemd jansson
+proto                 meniscus proto messages yaml
+client/lib            meniscus client proto messages zmq
+client/cli            meniscus client proto messages snapshot jansson cairo
+'
+
+# What an include names, in the words of the table. Angle brackets that are none of these are the C library's.
+kind_of() {
+    case $1 in
+    '<meniscus/'*) echo meniscus ;;
+    *.pb-c.h? | '<protobuf-c/'*) echo messages ;;
+    '<zmq'*) echo zmq ;;
+    '<hdf5'* | '<H5'*) echo hdf5 ;;
+    '<yaml.h>') echo yaml ;;
+    '<jansson.h>') echo jansson ;;
+    '<cairo'*) echo cairo ;;
+    '<systemd/'*) echo systemd ;;
+    '<lua'* | '<lauxlib.h>') echo lua ;;
+    '<xxh'*) echo xxhash ;;
+    '<omp.h>') echo openmp ;;
+    '<'*) echo system ;;
+    '"io/snapshot.h"' | '"io/file.h"') echo snapshot io ;; # the renderer reads the files the daemon wrote
+    '"'*/*)
+        local path=${1#\"}
+        echo "${path%%/*}"
+        ;;
+    *) echo "$1, which does not begin with its folder" ;;
+    esac
+}
+
+while read -r folder allowed; do
+    [ -n "$folder" ] || continue
+    bad=$(find "$folder" -name '*.[ch]' -exec grep -HnE '^[[:space:]]*#[[:space:]]*include' {} + |
+        sed 's|^\([^:]*:[0-9]*\):[^<"]*\([<"][^>"]*[>"]\).*|\1 \2|' |
+        while read -r where include; do
+            fine=no
+            kinds=$(kind_of "$include")
+            for kind in $kinds; do
+                case " $allowed system " in *" $kind "*) fine=yes ;; esac
+            done
+            [ $fine = yes ] || echo "# $where includes $include: $kinds"
+        done)
+    if [ -z "$bad" ]; then
+        echo "ok - $folder includes only: $allowed"
+    else
+        echo "not ok - $folder includes only: $allowed"
+        echo "$bad"
+        failed=1
+    fi
+done <<<"$table"
+
+# What a folder may not include it may still declare and call by hand, so the linker has the last word.
+undefined=$(nm -u "$BUILD/libmeniscus.a")
+if undefined=$(grep -E ' U (zmq_|H5|protobuf_c_|meniscus__|yaml_|json_|cairo_|sd_)' <<<"$undefined"); then
+    echo "not ok - the solver library calls no library of messages, files or sockets"
+    echo "# ${undefined//$'\n'/$'\n'# }"
+    failed=1
+else
+    echo "ok - the solver library calls no library of messages, files or sockets"
+fi
+if output=$("$CC" -shared -fopenmp -o "$BUILD/libmeniscus-alone.so" -Wl,--no-undefined -Wl,--whole-archive \
+    "$BUILD/libmeniscus.a" -Wl,--no-whole-archive -llua5.4 -lxxhash -lm 2>&1); then
+    echo "ok - the solver library is complete by itself"
+else
+    echo "not ok - the solver library is complete by itself"
+    echo "# ${output//$'\n'/$'\n'# }"
+    failed=1
+fi
+exit $failed

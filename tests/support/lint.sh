@@ -1,0 +1,75 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# lint.sh: layout, static analysis, scripts, licence lines. Needs a finished build in $BUILD for the generated headers.
+# Prints TAP.
+# shellcheck disable=SC2317 # functions are called by check()
+set -eu
+cd "$(dirname "$0")/../.."
+BUILD=${BUILD:-build}
+failed=0
+flags=$(MAKEFLAGS='' make -s --no-print-directory BUILD="$BUILD" flags)
+mapfile -t sources < <(find server proto client tests -name '*.c' | sort)
+mapfile -t headers < <(find include server proto client tests -name '*.h' | sort)
+mapfile -t scripts < <({
+    find tests client systemd -name '*.sh'
+    echo .ci/run
+} | sort)
+
+# check WHAT COMMAND...: the command's output is shown if it fails.
+check() {
+    local what=$1 started=$SECONDS
+    shift
+    if output=$("$@" 2>&1); then
+        echo "ok - $what ($((SECONDS - started)) s)"
+    else
+        echo "not ok - $what ($((SECONDS - started)) s)"
+        echo "# ${output//$'\n'/$'\n'# }"
+        failed=1
+    fi
+}
+
+licensed() {
+    local file bad=0
+    while read -r file; do
+        head -n 3 "$file" | grep -q 'SPDX-License-Identifier: BSD-3-Clause' || {
+            echo "$file has no SPDX line at its top"
+            bad=1
+        }
+    done < <(find include server proto client tests systemd Makefile -type f \( -name '*.[ch]' -o -name '*.proto' -o -name '*.py' \
+        -o -name '*.sh' -o -name '*.yaml' -o -name Makefile \) -not -path '*/__pycache__/*')
+    return "$bad"
+}
+
+layout() {
+    local file bad=0
+    for file in "${sources[@]}" "${headers[@]}"; do
+        clang-format "$file" | cmp -s - "$file" || {
+            echo "$file is laid out otherwise by \`make format\`"
+            bad=1
+        }
+    done
+    return "$bad"
+}
+
+tidy() {
+    # Two at a time, as in the builds. On standard error it only counts what it does not show.
+    # shellcheck disable=SC2016 # the inner shell expands, as it must unquote the flags
+    printf '%s\n' "${sources[@]}" | FLAGS=$flags xargs -P 2 -n 2 \
+        sh -c 'eval "clang-tidy --quiet \"\$@\" -- -std=c17 -fopenmp $FLAGS" 2>/dev/null' sh
+}
+
+python_compiles() {
+    find tests client proto -name '*.py' -print0 | xargs -0 -r /usr/bin/python3 -c '
+import ast, sys
+for name in sys.argv[1:]:
+    ast.parse(open(name, encoding="utf-8").read(), name)'
+}
+
+check "every source names its licence" licensed
+check "layout of C (clang-format)" layout
+check "shell scripts (shellcheck)" shellcheck "${scripts[@]}"
+check "Python parses" python_compiles
+check "cppcheck" cppcheck --quiet -j 2 --std=c11 --enable=warning,performance,portability --error-exitcode=1 \
+    --inline-suppr --suppress=missingIncludeSystem --library=posix -Iinclude -Iserver -I. "${sources[@]}"
+check "clang-tidy" tidy
+exit $failed

@@ -1,0 +1,46 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# sanitize.sh address|thread: run the unit and protocol tests of a sanitizer's build, $BUILD. Each program is one test, as a
+# sanitizer ends a program at its first find. Prints TAP.
+set -eu
+cd "$(dirname "$0")/../.."
+BUILD=${BUILD:-build}
+LIMIT=${LIMIT:-240} # seconds for a program
+run=()
+case ${1:-} in
+address)
+    export ASAN_OPTIONS=detect_leaks=1:detect_stack_use_after_return=1:strict_string_checks=1
+    export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
+    ;;
+thread)
+    # The OpenMP runtime is not instrumented: Archer tells the sanitizer about its barriers. Addresses are not randomised, as
+    # the sanitizer of this version does not find its shadow memory on kernels that use many random bits.
+    export OMP_TOOL_LIBRARIES=/usr/lib/llvm-14/lib/libarcher.so
+    export TSAN_OPTIONS=ignore_noninstrumented_modules=1:halt_on_error=1
+    run=(setarch "$(uname -m)" -R)
+    ;;
+*)
+    echo "usage: sanitize.sh address|thread" >&2
+    exit 64
+    ;;
+esac
+export OMP_NUM_THREADS=${OMP_NUM_THREADS:-2} MENISCUS_SANITIZED=$1 CMOCKA_MESSAGE_OUTPUT=STDOUT
+
+failed=0
+output=$BUILD/sanitize.log
+for program in "$BUILD"/tests/unit/* "$BUILD"/tests/protocol/*; do
+    if [ ! -f "$program" ] || [ ! -x "$program" ]; then continue; fi
+    name=${program#"$BUILD"/tests/}
+    status=0
+    timeout --kill-after=10 "$LIMIT" "${run[@]}" "$program" >"$output" 2>&1 || status=$?
+    if [ $status -eq 0 ]; then
+        echo "ok - $name under the $1 sanitizer"
+    else
+        echo "not ok - $name under the $1 sanitizer"
+        [ $status -ne 124 ] || echo "# still running after $LIMIT seconds"
+        sed 's/^/# /' "$output"
+        failed=1
+    fi
+done
+rm -f "$output"
+exit $failed
