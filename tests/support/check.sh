@@ -16,10 +16,10 @@ unset MAKEFLAGS MFLAGS MAKELEVEL
 # Lines of TAP, or the summary of Python's unittest: "passed failed skipped".
 count() {
     awk '
-    /^ok\>/     { if (/# *SKIP/) s++; else p++ }
-    /^not ok\>/ { if (/# *SKIP/) s++; else f++ }
+    /^ok[ \t]/   { if (/# *SKIP/) s++; else p++ }
+    /^not ok[ \t]/ { if (/# *SKIP/) s++; else f++ }
     /^Ran [0-9]+ tests? in / { n = $2; python = 1 }
-    python && /^(OK|FAILED)\>/ {
+    python && /^(OK|FAILED)/ {
         bad = skip = 0
         line = $0
         gsub(/[(),]/, " ", line)

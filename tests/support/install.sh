@@ -1,0 +1,76 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# install.sh install|uninstall: put what was built below $DESTDIR$PREFIX, or take the same files away again. One list serves
+# both, so uninstall leaves nothing behind.
+set -eu
+cd "$(dirname "$0")/../.."
+BUILD=${BUILD:-build} PREFIX=${PREFIX:-/usr/local} DESTDIR=${DESTDIR:-} VERSION=${VERSION:?}
+case ${1:-} in
+install | uninstall) action=$1 ;;
+*)
+    echo "usage: install.sh install|uninstall" >&2
+    exit 64
+    ;;
+esac
+
+bin=$PREFIX/bin lib=$PREFIX/lib share=$PREFIX/share/meniscus doc=$PREFIX/share/doc/meniscus
+python=$PREFIX/lib/python3/dist-packages/meniscus
+units=$PREFIX/lib/systemd/system sysusers=$PREFIX/lib/sysusers.d tmpfiles=$PREFIX/lib/tmpfiles.d
+if [ "$PREFIX" = /usr ]; then
+    # The distribution says where its own packages put these.
+    units=$(pkg-config --variable=systemdsystemunitdir systemd 2>/dev/null || echo "$units")
+    sysusers=$(pkg-config --variable=sysusersdir systemd 2>/dev/null || echo "$sysusers")
+    tmpfiles=$(pkg-config --variable=tmpfilesdir systemd 2>/dev/null || echo "$tmpfiles")
+fi
+
+# put MODE FILE TARGET
+put() {
+    if [ "$action" = install ]; then
+        install -D -m "$1" "$2" "$DESTDIR$3"
+    else
+        rm -f "$DESTDIR$3"
+    fi
+}
+
+# fill FILE TARGET: put a template, its @words@ replaced.
+fill() {
+    local filled
+    filled=$(mktemp)
+    sed -e "s|@bindir@|$bin|g" -e "s|@docdir@|$doc|g" -e "s|@prefix@|$PREFIX|g" -e "s|@version@|$VERSION|g" "$1" >"$filled"
+    put 644 "$filled" "$2"
+    rm -f "$filled"
+}
+
+# link TARGET NAME
+link() {
+    if [ "$action" = install ]; then ln -sf "$1" "$DESTDIR$2"; else rm -f "$DESTDIR$2"; fi
+}
+
+put 755 "$BUILD/meniscusd" "$bin/meniscusd"
+put 755 "$BUILD/meniscus" "$bin/meniscus"
+put 644 "$BUILD/libmeniscus.a" "$lib/libmeniscus.a"
+put 644 "$BUILD/libmeniscus-client.a" "$lib/libmeniscus-client.a"
+put 755 "$BUILD/libmeniscus-client.so" "$lib/libmeniscus-client.so.$VERSION"
+link "libmeniscus-client.so.$VERSION" "$lib/libmeniscus-client.so.${VERSION%%.*}"
+link "libmeniscus-client.so.${VERSION%%.*}" "$lib/libmeniscus-client.so"
+fill tests/support/meniscus.pc.in "$lib/pkgconfig/meniscus.pc"
+fill tests/support/meniscus-client.pc.in "$lib/pkgconfig/meniscus-client.pc"
+for file in include/meniscus/*.h; do put 644 "$file" "$PREFIX/$file"; done
+for file in server/cases/*.yaml; do put 644 "$file" "$share/cases/${file##*/}"; done
+for file in proto/*.proto; do put 644 "$file" "$share/${file}"; done
+for file in README.md ARCHITECTURE.md CHANGELOG.md LICENSE systemd/meniscus.conf; do put 644 "$file" "$doc/${file##*/}"; done
+put 644 "$BUILD/case-reference.md" "$doc/case-reference.md"
+for file in client/python/meniscus/*.py "$BUILD"/python/meniscus/*.py; do
+    if [ -f "$file" ]; then put 644 "$file" "$python/${file##*/}"; fi
+done
+fill systemd/meniscusd@.service "$units/meniscusd@.service"
+put 644 systemd/meniscus.sysusers "$sysusers/meniscus.conf"
+put 644 systemd/meniscus.tmpfiles "$tmpfiles/meniscus.conf"
+
+if [ "$action" = uninstall ]; then
+    # Directories of our own go too, once they are empty; those that others share stay.
+    for directory in "$PREFIX/include/meniscus" "$share/cases" "$share/proto" "$share" "$doc" "$python/__pycache__" "$python"; do
+        case $directory in */__pycache__) rm -rf "${DESTDIR:?}$directory" ;; esac
+        if [ -d "$DESTDIR$directory" ]; then rmdir --ignore-fail-on-non-empty "$DESTDIR$directory"; fi
+    done
+fi

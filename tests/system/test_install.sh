@@ -1,0 +1,77 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# What is installed can be used by a stranger, through pkg-config alone, and goes away again without a trace. Prints TAP.
+# shellcheck disable=SC2317 # functions are called by expect()
+set -eu
+cd "$(dirname "$0")/../.."
+BUILD=${BUILD:-build}
+CC=${CC:-gcc}
+unset MAKEFLAGS MFLAGS MAKELEVEL
+stage=$(mktemp -d)
+trap 'rm -rf "$stage"' EXIT
+failed=0
+
+expect() {
+    local what=$1
+    shift
+    if "$@" >"$stage/log" 2>&1; then
+        echo "ok - $what"
+    else
+        echo "not ok - $what"
+        sed 's/^/# /' "$stage/log"
+        failed=1
+    fi
+}
+
+root=$stage/root
+export PKG_CONFIG_SYSROOT_DIR='' PKG_CONFIG_PATH=$root/opt/lib/pkgconfig
+expect "make install works below DESTDIR" make -s BUILD="$BUILD" DESTDIR="$root" PREFIX=/opt install
+
+cat >"$stage/solver.c" <<'C'
+#include <meniscus/sim.h>
+#include <stdio.h>
+int main(void)
+{
+    MnsError error;
+    MnsCase nothing = {0};
+    printf("%s, %s\n", mns_fields()[0].name, mns_status_name(mns_case_check(&nothing, &error)));
+    return mns_field_find("position") < 0;
+}
+C
+cat >"$stage/client.c" <<'C'
+#include <meniscus/client.h>
+#include <stdio.h>
+int main(void)
+{
+    MnsError error;
+    char endpoint[MNS_ENDPOINT_SIZE];
+    const MnsStatus status = mns_daemon_endpoint("nobody", endpoint, &error);
+    printf("%s\n", status == MNS_OK ? endpoint : error.text);
+    return 0;
+}
+C
+build() {
+    local flags
+    # The prefix in the files is the final one; below a DESTDIR it must be said.
+    flags=$(pkg-config --define-variable=prefix="$root/opt" --cflags --libs "$2")
+    # shellcheck disable=SC2086 # words
+    "$CC" -std=c17 -o "$stage/$1" "$stage/$1.c" $flags
+}
+expect "a program builds with the solver library" build solver meniscus
+expect "it runs" "$stage/solver"
+expect "a program builds with the client library" build client meniscus-client
+expect "it runs" env LD_LIBRARY_PATH="$root/opt/lib" "$stage/client"
+expect "the installed command line runs" "$root/opt/bin/meniscus" --help
+expect "the installed daemon runs" "$root/opt/bin/meniscusd" --help
+expect "the cases are there" test -f "$root/opt/share/meniscus/cases/dambreak2d.yaml"
+expect "the unit names the installed daemon" grep -q '^ExecStart=/opt/bin/meniscusd ' "$root/opt/lib/systemd/system/meniscusd@.service"
+
+expect "make uninstall works" make -s BUILD="$BUILD" DESTDIR="$root" PREFIX=/opt uninstall
+nothing_left() {
+    local left
+    left=$(find "$root" \( -type f -o -type l -o -name '*meniscus*' \))
+    echo "$left"
+    [ -z "$left" ]
+}
+expect "uninstall leaves nothing" nothing_left
+exit $failed

@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# systemd accepts what we install for it: the unit without a word of complaint and well closed in, the user, the
+# directories. Nothing is started. Prints TAP.
+# shellcheck disable=SC2317 # functions are called by expect()
+set -eu
+cd "$(dirname "$0")/../.."
+BUILD=${BUILD:-build}
+unset MAKEFLAGS MFLAGS MAKELEVEL
+stage=$(mktemp -d)
+trap 'rm -rf "$stage"' EXIT
+failed=0
+
+expect() {
+    local what=$1
+    shift
+    if "$@" >"$stage/log" 2>&1; then
+        echo "ok - $what"
+    else
+        echo "not ok - $what"
+        sed 's/^/# /' "$stage/log"
+        failed=1
+    fi
+}
+
+make -s BUILD="$BUILD" DESTDIR= PREFIX="$stage/usr" install
+unit=$stage/usr/lib/systemd/system/meniscusd@dam.service
+mv "$stage/usr/lib/systemd/system/meniscusd@.service" "$unit"
+
+clean() { # unknown keys are only warnings there
+    "$@" 2>&1 | tee "$stage/words"
+    [ "${PIPESTATUS[0]}" -eq 0 ] && [ ! -s "$stage/words" ]
+}
+expect "systemd-analyze verify has nothing to say" clean systemd-analyze verify --man=no "$unit"
+expect "the exposure level is at most 2.5" systemd-analyze security --offline=yes --threshold=25 --no-pager "$unit"
+expect "the user can be made" systemd-sysusers --dry-run "$stage/usr/lib/sysusers.d/meniscus.conf"
+for word in "Type=notify" "NotifyAccess=main" "TimeoutStopSec=300" "StateDirectory=meniscus/%i" "RuntimeDirectory=meniscus/%i"; do
+    expect "the unit says $word" grep -qx "$word" "$unit"
+done
+directories() {
+    # In a directory that plays the root of a machine, with the user just made.
+    systemd-sysusers --root="$stage/root" "$stage/usr/lib/sysusers.d/meniscus.conf"
+    systemd-tmpfiles --create --root="$stage/root" "$stage/usr/lib/tmpfiles.d/meniscus.conf"
+    [ "$(stat -c %a "$stage/root/var/lib/meniscus")" = 750 ]
+}
+expect "the directories can be made" directories
+exit $failed
