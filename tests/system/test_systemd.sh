@@ -39,9 +39,14 @@ for word in "Type=notify" "NotifyAccess=main" "TimeoutStopSec=300" "StateDirecto
 done
 directories() {
     # In a directory that plays the root of a machine, with the user just made.
+    mkdir -p "$stage/root/etc"
     systemd-sysusers --root="$stage/root" "$stage/usr/lib/sysusers.d/meniscus.conf"
     systemd-tmpfiles --create --root="$stage/root" "$stage/usr/lib/tmpfiles.d/meniscus.conf"
     [ "$(stat -c %a "$stage/root/var/lib/meniscus")" = 750 ]
 }
-expect "the directories can be made" directories
+if [ "$(id -u)" -eq 0 ]; then
+    expect "the directories can be made" directories
+else
+    echo "ok - the directories can be made # SKIP only root may give files away"
+fi
 exit $failed
