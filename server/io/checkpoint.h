@@ -5,10 +5,12 @@
 
 #include "io/file.h"
 
-/* Write DIR/checkpoint-STEP.hdf (step with ten digits) and drop the oldest beyond `keep`.
- * case_blob: the packed Case message, kept as it is. ret_path: where it went; may be NULL. */
+/* Write DIR/checkpoint-STEP.hdf (step with ten digits) and drop the oldest beyond `keep`, never this one. Age is when a
+ * file was written, not its step: after a restore the run goes on from there.
+ * case_blob: the packed Case message, kept as it is. ret_path: [4096] where it went; may be NULL.
+ * MNS_OK; MNS_E_NO_SPACE, MNS_E_IO, MNS_E_MEMORY: none was written, none dropped. */
 MnsStatus checkpoint_write(const char *dir, const MnsCapture *state, const FileMeta *meta, const void *case_blob,
-                           size_t case_size, unsigned keep, char ret_path[static 4096], MnsError *error);
+                           size_t case_size, unsigned keep, char *ret_path, MnsError *error);
 
 typedef struct Checkpoint {
     MnsCapture *state;
@@ -17,10 +19,11 @@ typedef struct Checkpoint {
     char path[4096];
 } Checkpoint;
 
-/* Read one file. MNS_E_CORRUPT if a checksum does not match or the file cannot be opened as HDF5; MNS_E_VERSION. */
+/* Read one file. MNS_E_NOT_FOUND, MNS_E_IO; MNS_E_CORRUPT if a checksum does not match; MNS_E_VERSION; MNS_E_MEMORY: *ret
+ * is untouched. */
 MnsStatus checkpoint_read(const char *path, Checkpoint *ret, MnsError *error);
 
-/* Read the newest whole one in dir. Damaged newer ones are passed over; note() is told of each, if it is given.
+/* Read the last written whole one in dir. Damaged newer ones are passed over; note() is told of each, if it is given.
  * MNS_E_NOT_FOUND if there is none. */
 MnsStatus checkpoint_newest(const char *dir, Checkpoint *ret, void (*note)(void *arg, const char *text), void *arg,
                             MnsError *error);

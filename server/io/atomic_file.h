@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Files that are whole or absent: written as PATH.tmp, synced, renamed, directory synced. */
+#ifndef IO_ATOMIC_FILE_H
+#define IO_ATOMIC_FILE_H
+
+#include <meniscus/status.h>
+#include <stddef.h>
+
+enum { IO_PATH_MAX = 4096 };
+
+typedef struct AtomicFile {
+    int fd;           /* open for reading and writing */
+    const char *path; /* borrowed: the final name */
+    char temporary[IO_PATH_MAX];
+} AtomicFile;
+
+/* Open PATH.tmp, empty. path is borrowed until commit or cancel, one of which must follow a success.
+ * MNS_E_INVALID if the path is too long; otherwise as file_fail(). */
+MnsStatus atomic_begin(AtomicFile *file, const char *path, MnsError *error);
+
+/* Give the file its name. On failure the temporary is gone and an older file of that name is untouched, unless only the
+ * last step failed, syncing the directory: then the new file is in place and whole. */
+MnsStatus atomic_commit(AtomicFile *file, MnsError *error);
+
+/* Forget the file: the temporary is removed. */
+void atomic_cancel(AtomicFile *file);
+
+/* A whole file from memory. */
+MnsStatus atomic_write(const char *path, const void *data, size_t size, MnsError *error);
+
+/* Read or write `size` bytes at `offset`, whatever the system does in one go. @return 0 or an errno; a read sets *ret_got to
+ * what there was before the end of the file. */
+int file_read_at(int fd, void *data, size_t size, size_t offset, size_t *ret_got);
+int file_write_at(int fd, const void *data, size_t size, size_t offset);
+
+/* Turn an errno into a status and a sentence: MNS_E_NO_SPACE if disk, quota or size limit is used up, MNS_E_NOT_FOUND if
+ * there is no such file, MNS_E_MEMORY, MNS_E_IO else. @param verb  as in "write" */
+MnsStatus file_fail(MnsError *error, int number, const char *verb, const char *path);
+
+#endif

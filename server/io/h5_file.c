@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* HDF5 files from opening to closing: atomic when written, checked when read, closed whatever happens in between. */
+#include "io/atomic_file.h"
+#include "io/h5.h"
+#include "io/seal.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <unistd.h>
+
+/* HDF5 prints its errors to standard error unless told not to. The caller's choice comes back afterwards. */
+typedef struct Printing {
+    H5E_auto2_t print;
+    void *arg;
+} Printing;
+
+static Printing printing_off(void)
+{
+    Printing was = {0};
+    H5Eget_auto2(H5E_DEFAULT, &was.print, &was.arg);
+    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+    return was;
+}
+
+static void printing_restore(Printing was)
+{
+    H5Eclear2(H5E_DEFAULT);
+    H5Eset_auto2(H5E_DEFAULT, was.print, was.arg);
+}
+
+/* Everything opened within the file is closed with it, also after a failure. The newest formats are asked for because they
+ * carry checksums of all metadata: a damaged file is reported rather than believed. */
+static hid_t new_access(Disk *disk)
+{
+    const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    if (access < 0) return access;
+    if (h5_driver_use(access, disk) >= 0 && H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0 &&
+        H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110) >= 0)
+        return access;
+    H5Pclose(access);
+    return -1;
+}
+
+static void create(H5 *h, bool sealed)
+{
+    const hid_t access = new_access(&h->disk), creation = H5Pcreate(H5P_FILE_CREATE);
+    h->file = -1;
+    if (access >= 0 && creation >= 0 && H5Pset_userblock(creation, sealed ? SEAL_SIZE : 0) >= 0)
+        h->file = H5Fcreate(h->path, H5F_ACC_TRUNC, creation, access);
+    if (h->file < 0) h5_raise(h, MNS_E_IO, "cannot begin the HDF5 file '%s'", h->path);
+    if (creation >= 0) H5Pclose(creation);
+    if (access >= 0) H5Pclose(access);
+}
+
+static void open_existing(H5 *h)
+{
+    const hid_t access = new_access(&h->disk);
+    h->file = access < 0 ? -1 : H5Fopen(h->path, H5F_ACC_RDONLY, access);
+    if (h->file < 0) h5_raise(h, MNS_E_CORRUPT, "'%s' is damaged, or not an HDF5 file", h->path);
+    if (access >= 0) H5Pclose(access);
+}
+
+/* Also reports what the disk refused, which HDF5 was not told. */
+static void finish(H5 *h)
+{
+    if (h->file >= 0 && H5Fclose(h->file) < 0) h5_raise(h, MNS_E_IO, "cannot close the HDF5 file '%s'", h->path);
+    if (h->disk.failure && !h->status)
+        h->status = file_fail(h->error, h->disk.failure, h->writing ? "write" : "read", h->path);
+}
+
+MnsStatus h5_save(const char *path, bool sealed, H5Fill *fill, const void *what, MnsError *error)
+{
+    AtomicFile file;
+    const MnsStatus begun = atomic_begin(&file, path, error);
+    if (begun) return begun;
+    H5 h = {.path = path, .disk = {.fd = file.fd}, .writing = true, .error = error};
+    const Printing printing = printing_off();
+    create(&h, sealed);
+    if (!h.status) fill(&h, what);
+    finish(&h);
+    printing_restore(printing);
+    if (!h.status && sealed) h.status = seal_write(file.fd, path, error);
+    if (!h.status) return atomic_commit(&file, error);
+    atomic_cancel(&file);
+    return h.status;
+}
+
+MnsStatus h5_load(const char *path, bool sealed, H5Read *read, void *into, MnsError *error)
+{
+    const int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0) return file_fail(error, errno, "open", path);
+    H5 h = {.path = path, .disk = {.fd = fd}, .file = -1, .error = error};
+    const Printing printing = printing_off();
+    if (sealed) h.status = seal_check(fd, path, error);
+    if (!h.status) open_existing(&h);
+    if (!h.status) read(&h, into);
+    finish(&h);
+    printing_restore(printing);
+    close(fd);
+    return h.status;
+}

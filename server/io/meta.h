@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The group /meniscus of every output file: which run, which moment.
+ *
+ *  /meniscus            attributes title, case, scheme, version, units, dim; of a moment also spacing [m], particles,
+ *                       fluid_particles, step, time [s], dt [s]
+ *  /meniscus/case_text  the whole case as YAML
+ *  /meniscus/fluids     [fluids] their names; phase k is fluid k
+ *  /meniscus/walls      [walls] their names; phase k is wall k - fluids */
+#ifndef IO_META_H
+#define IO_META_H
+
+#include "io/file.h"
+#include "io/h5.h"
+
+void meta_put_run(H5 *h, const FileMeta *meta);
+
+/* @param n  particles in the file */
+void meta_put_moment(H5 *h, const MnsCapture *capture, size_t n);
+
+/* Say what a dataset holds and in which unit. */
+void meta_put_field(H5 *h, const char *name, const MnsFieldInfo *field);
+
+#endif
