@@ -120,7 +120,7 @@ $(BUILD)/obj/gen/%.o: $(BUILD)/gen/%.c | $(GEN)
 $(BUILD)/gen/%.pb-c.c: proto/%.proto $(wildcard proto/*.proto)
 	@mkdir -p $(@D)
 	protoc-c -Iproto --c_out=$(@D) $<
-$(BUILD)/gen/case_schema.c $(BUILD)/case-reference.md &: proto/case.proto proto/schema.py
+$(BUILD)/gen/case_schema.c $(BUILD)/case-reference.md &: proto/case.proto proto/schema.py proto/manual.md
 	@mkdir -p $(BUILD)/gen
 	protoc -Iproto --include_source_info --descriptor_set_out=$(BUILD)/gen/case.desc proto/case.proto
 	$(PYTHON) proto/schema.py $(BUILD)/gen/case.desc $(BUILD)/gen/case_schema.c $(BUILD)/case-reference.md
