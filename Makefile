@@ -9,6 +9,8 @@ MARCH     ?= native
 SANITIZE  ?=
 VERSION   := 0.1.0
 PYTHON    := /usr/bin/python3
+# All processors, unless whoever called said -j.
+PARALLEL   = $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc))
 
 WARN      := -Wall -Wextra -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla -Wpointer-arith -Werror
 # No -ffast-math: NaN must stay NaN. No contraction: the force of i on j must be minus that of j on i to the last bit.
@@ -44,12 +46,12 @@ packages: ## install the Debian packages that are missing
 	@tests/support/packages.sh
 
 demo: packages ## build, run a dam break in a daemon, stream, write HDF5, draw pictures
-	@$(MAKE) --no-print-directory all
+	@$(MAKE) --no-print-directory -s $(PARALLEL) all
 	@BUILD=$(BUILD) tests/support/demo.sh
 
 check: ## build and run every test; last line: N passed, N failed
 	@tests/support/packages.sh check
-	@$(MAKE) --no-print-directory all tests bench-programs
+	@$(MAKE) --no-print-directory -s $(PARALLEL) all tests bench-programs
 	@BUILD=$(BUILD) CC=$(CC) tests/support/check.sh
 
 validate: all ## the papers' cases against their references [CASE=name] [SIZE=paper]
@@ -66,11 +68,11 @@ reference: $(BUILD)/case-reference.md ## write the manual of the case format fro
 	cp $< server/cases/REFERENCE.md
 
 asan: ## unit and protocol tests under address and undefined-behaviour sanitizers
-	@$(MAKE) --no-print-directory BUILD=$(BUILD)/asan SANITIZE=address,undefined all tests
+	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/asan SANITIZE=address,undefined all tests
 	@BUILD=$(BUILD)/asan tests/support/sanitize.sh address
 
 tsan: ## the same under the thread sanitizer (clang, libomp)
-	@$(MAKE) --no-print-directory BUILD=$(BUILD)/tsan CC=clang SANITIZE=thread all tests
+	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/tsan CC=clang SANITIZE=thread all tests
 	@BUILD=$(BUILD)/tsan tests/support/sanitize.sh thread
 
 lint: all ## clang-format, clang-tidy, cppcheck, shellcheck, layers

@@ -7,7 +7,7 @@ cd "$(dirname "$0")/../.."
 BUILD=${BUILD:-build}
 CC=${CC:-gcc}
 PYTHON=/usr/bin/python3
-passed=0 failed=0 skipped=0 failures=()
+jobs=$(nproc) passed=0 failed=0 skipped=0 failures=()
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 export BUILD CC CMOCKA_MESSAGE_OUTPUT=TAP PYTHONDONTWRITEBYTECODE=1
@@ -85,13 +85,13 @@ house() {
 }
 
 other_compiler() {
-    run "build with clang" 300 make -s -j2 BUILD="$BUILD/clang" CC=clang all tests
+    run "build with clang" 300 make -s -j"$jobs" BUILD="$BUILD/clang" CC=clang all tests
 }
 
 sanitizers() {
-    run "build with address sanitizer" 300 make -s -j2 BUILD="$BUILD/asan" SANITIZE=address,undefined all tests
+    run "build with address sanitizer" 300 make -s -j"$jobs" BUILD="$BUILD/asan" SANITIZE=address,undefined all tests
     run "address and undefined-behaviour sanitizers" 300 env BUILD="$BUILD/asan" tests/support/sanitize.sh address
-    run "build with thread sanitizer" 300 make -s -j2 BUILD="$BUILD/tsan" CC=clang SANITIZE=thread all tests
+    run "build with thread sanitizer" 300 make -s -j"$jobs" BUILD="$BUILD/tsan" CC=clang SANITIZE=thread all tests
     run "thread sanitizer" 300 env BUILD="$BUILD/tsan" tests/support/sanitize.sh thread
 }
 

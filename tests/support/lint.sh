@@ -35,8 +35,8 @@ licensed() {
             echo "$file has no SPDX line at its top"
             bad=1
         }
-    done < <(find include server proto client tests systemd Makefile -type f \( -name '*.[ch]' -o -name '*.proto' -o -name '*.py' \
-        -o -name '*.sh' -o -name '*.yaml' -o -name Makefile \) -not -path '*/__pycache__/*')
+    done < <(find include server proto client tests systemd Makefile .ci/run -type f \( -name '*.[ch]' -o -name '*.proto' -o -name '*.py' \
+        -o -name '*.sh' -o -name '*.yaml' -o -name Makefile -o -name run \) -not -path '*/__pycache__/*')
     return "$bad"
 }
 
