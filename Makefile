@@ -2,7 +2,10 @@
 # Everything is built below $(BUILD). `make help` lists the targets.
 
 BUILD     ?= build
-CC        ?= gcc
+# make comes with a CC of its own, so ?= would have no effect.
+ifeq ($(origin CC),default)
+CC        := gcc
+endif
 PREFIX    ?= /usr/local
 DESTDIR   ?=
 MARCH     ?= native
@@ -21,7 +24,7 @@ CPPFLAGS  += -Iinclude -Iserver -I. -I$(BUILD)/gen -D_GNU_SOURCE -DMENISCUS_VERS
              -DMENISCUS_CASES='"$(PREFIX)/share/meniscus/cases"' $(shell pkg-config --cflags $(PKGS) 2>/dev/null | sed 's/-I/-isystem /g')
 CFLAGS    += -std=c17 -g $(OPT) $(FLOAT) $(WARN) -fopenmp -fPIC -ffile-prefix-map=$(CURDIR)=. $(if $(SANITIZE),-fsanitize=$(SANITIZE) -fno-omit-frame-pointer)
 LDLIBS    += $(shell pkg-config --libs $(PKGS) 2>/dev/null) -lm -lpthread
-LDFLAGS   += -fopenmp $(if $(SANITIZE),-fsanitize=$(SANITIZE))
+LDFLAGS   += -fopenmp -Wl,--as-needed $(if $(SANITIZE),-fsanitize=$(SANITIZE))
 
 sources    = $(sort $(foreach d,$(1),$(wildcard $(d)/*.c)))
 objects    = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
