@@ -148,7 +148,7 @@ const MnsArray *mns_reply_array(const MnsReply *reply, const char *name);
  *                 /run/meniscus/NAME and /tmp/meniscus-UID/NAME; or an endpoint: ipc://PATH or tcp://127.0.0.1:PORT.
  *                 NULL: $MENISCUS_DAEMON, or "default".
  *  @return MNS_OK; MNS_E_INVALID; MNS_E_UNAVAILABLE if there is no such socket: the sentence says where it looked. */
-MnsStatus mns_daemon_endpoint(const char *daemon, char ret_endpoint[static MNS_ENDPOINT_SIZE], MnsError *error);
+MnsStatus mns_daemon_endpoint(const char *daemon, char ret_endpoint[MNS_ENDPOINT_SIZE], MnsError *error);
 
 /** Call visit(arg, name, endpoint) for every daemon of this host that has a socket, alive or not, until it returns
  * false. */
@@ -168,7 +168,7 @@ void mns_client_set_timeout(MnsClient *client, double seconds);
 
 /** Use this id for the next command, instead of a random one: the same id never happens twice, so a script may repeat a
  *  command of which it does not know whether it arrived, and mns_client_cancel() can name it. */
-void mns_client_set_request_id(MnsClient *client, const uint8_t id[static MNS_REQUEST_ID_SIZE]);
+void mns_client_set_request_id(MnsClient *client, const uint8_t id[MNS_REQUEST_ID_SIZE]);
 
 /* --- commands
  * ---------------------------------------------------------------------------------------------------------- */
@@ -261,7 +261,7 @@ MnsStatus mns_client_breakpoint(MnsClient *client, const MnsBreakpoint *breakpoi
                                 MnsError *error);
 
 /** End a pending step, run_until or wait; it returns MNS_E_INTERRUPTED to who asked. @param id  of that request. */
-MnsStatus mns_client_cancel(MnsClient *client, const uint8_t id[static MNS_REQUEST_ID_SIZE], MnsReply **ret_reply,
+MnsStatus mns_client_cancel(MnsClient *client, const uint8_t id[MNS_REQUEST_ID_SIZE], MnsReply **ret_reply,
                             MnsError *error);
 
 /** End the daemon. @param checkpoint  write one first. */

@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A request and its reply. After a lost connection the same request goes out under the same id, so it happens once; unless
+ * the daemon was restarted meanwhile and may have forgotten the id: then only questions are asked again. */
+#include "client/lib/call.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+#include <xxhash.h>
+
+static const double greeting_s = 5; /* a daemon answers greetings at once, whatever it computes        */
+static const double grace_s = 2;    /* beyond the deadline the daemon knows, for its answer to get here */
+
+static const MnsStatus statuses[] = {
+    [MENISCUS__CODE__OK] = MNS_OK,
+    [MENISCUS__CODE__INVALID_ARGUMENT] = MNS_E_INVALID,
+    [MENISCUS__CODE__DEADLINE_EXCEEDED] = MNS_E_TIMEOUT,
+    [MENISCUS__CODE__NOT_FOUND] = MNS_E_NOT_FOUND,
+    [MENISCUS__CODE__ALREADY_EXISTS] = MNS_E_STATE,
+    [MENISCUS__CODE__PERMISSION_DENIED] = MNS_E_STATE,
+    [MENISCUS__CODE__RESOURCE_EXHAUSTED] = MNS_E_LIMIT,
+    [MENISCUS__CODE__FAILED_PRECONDITION] = MNS_E_STATE,
+    [MENISCUS__CODE__ABORTED] = MNS_E_INTERRUPTED,
+    [MENISCUS__CODE__OUT_OF_RANGE] = MNS_E_INVALID,
+    [MENISCUS__CODE__UNIMPLEMENTED] = MNS_E_VERSION,
+    [MENISCUS__CODE__INTERNAL] = MNS_E_INTERNAL,
+    [MENISCUS__CODE__UNAVAILABLE] = MNS_E_UNAVAILABLE,
+    [MENISCUS__CODE__DATA_LOSS] = MNS_E_CORRUPT,
+    [MENISCUS__CODE__UNAUTHENTICATED] = MNS_E_STATE,
+};
+
+MnsStatus call_random(uint8_t *data, size_t size, MnsError *error)
+{
+    if (getrandom(data, size, 0) == (ssize_t)size) return MNS_OK;
+    return mns_fail(error, MNS_E_IO, "the system gives no random numbers for a request id");
+}
+
+/* Fill in the envelope. id: [MNS_REQUEST_ID_SIZE], borrowed. */
+static void seal(MnsClient *client, Meniscus__Request *request, uint8_t *id, double timeout)
+{
+    request->has_major = request->has_id = request->has_session = true;
+    request->major = MENISCUS__PROTOCOL_VERSION__PROTOCOL_MAJOR;
+    request->id = (ProtobufCBinaryData){.len = MNS_REQUEST_ID_SIZE, .data = id};
+    request->session = (ProtobufCBinaryData){.len = sizeof client->session, .data = client->session};
+    request->has_deadline_ms = timeout >= 0;
+    if (request->has_deadline_ms) request->deadline_ms = (uint64_t)fmin(1e3 * timeout, 1e15);
+}
+
+/* Is this the reply to that request? Replies to earlier ones, given up, may still come. */
+static bool answers(const Meniscus__Reply *reply, const Meniscus__Request *request)
+{
+    return reply->has_id && reply->id.len == request->id.len &&
+           memcmp(reply->id.data, request->id.data, request->id.len) == 0;
+}
+
+/* Wait for the reply to a request that was sent. *ret = NULL: the connection was made anew, send again. */
+static MnsStatus await(MnsClient *client, const Meniscus__Request *request, double deadline, Meniscus__Reply **ret,
+                       Frames *frames, MnsError *error)
+{
+    for (;;) {
+        const MnsStatus status = wire_receive(&client->wire, deadline, frames, error);
+        *ret = NULL;
+        if (status != MNS_OK || frames->n == 0) return status;
+        zmq_msg_t *first = &frames->frame[0];
+        *ret = meniscus__reply__unpack(NULL, zmq_msg_size(first), zmq_msg_data(first));
+        if (*ret && answers(*ret, request)) return MNS_OK;
+        const bool readable = *ret;
+        if (readable) meniscus__reply__free_unpacked(*ret, NULL);
+        frames_done(frames);
+        if (!readable)
+            return mns_fail(error, MNS_E_VERSION,
+                            "cannot read the reply of %s; is it a meniscusd of this "
+                            "version?",
+                            client->wire.endpoint);
+    }
+}
+
+static bool asks_only(const Meniscus__Request *request)
+{
+    switch (request->command_case) {
+    case MENISCUS__REQUEST__COMMAND_STATUS:
+    case MENISCUS__REQUEST__COMMAND_CAPABILITIES:
+    case MENISCUS__REQUEST__COMMAND_GET:
+    case MENISCUS__REQUEST__COMMAND_QUERY:
+    case MENISCUS__REQUEST__COMMAND_WAIT: return true;
+    default: return false;
+    }
+}
+
+/* After a lost connection: is this still the daemon that has, or has not, heard the request? */
+static MnsStatus may_repeat(MnsClient *client, const Meniscus__Request *request, MnsError *error)
+{
+    const uint64_t before = client->epoch;
+    const MnsStatus status = call_greet(client, error);
+    if (status != MNS_OK) return status;
+    if (client->epoch == before || asks_only(request)) return MNS_OK;
+    return mns_fail(error, MNS_E_UNAVAILABLE,
+                    "the daemon at %s was restarted before it answered; ask `meniscus status` "
+                    "what it is doing and give the command again if need be",
+                    client->wire.endpoint);
+}
+
+/* Send until there is a reply. The reply may be a refusal. */
+static MnsStatus exchange(MnsClient *client, const Meniscus__Request *request, double deadline, Meniscus__Reply **ret,
+                          Frames *frames, MnsError *error)
+{
+    const size_t size = meniscus__request__get_packed_size(request);
+    if (size > CALL_MAX_REQUEST)
+        return mns_fail(error, MNS_E_LIMIT, "the request has %zu bytes, a daemon takes %d", size,
+                        (int)CALL_MAX_REQUEST);
+    uint8_t *packed = malloc(size + 1);
+    if (!packed) return mns_fail(error, MNS_E_MEMORY, "no memory for a request of %zu bytes", size);
+    meniscus__request__pack(request, packed);
+    MnsStatus status = MNS_OK;
+    for (*ret = NULL; status == MNS_OK && !*ret;) {
+        status = wire_send(&client->wire, packed, size, error);
+        if (status == MNS_OK) status = await(client, request, deadline, ret, frames, error);
+        if (status == MNS_OK && !*ret && request->command_case != MENISCUS__REQUEST__COMMAND_STATUS)
+            status = may_repeat(client, request, error);
+    }
+    free(packed);
+    return status;
+}
+
+static MnsStatus refusal(const Meniscus__Reply *reply, MnsError *error)
+{
+    const unsigned code = (unsigned)reply->code;
+    MnsStatus status = code < sizeof statuses / sizeof *statuses ? statuses[code] : MNS_E_INTERNAL;
+    if (status == MNS_OK && code != MENISCUS__CODE__OK) status = MNS_E_INTERNAL;
+    const char *message = reply->message && *reply->message ? reply->message : "the daemon refused without a reason";
+    return mns_fail_at(error, status, reply->path ? reply->path : "", "%s", message);
+}
+
+static MnsStatus check_arrays(const Meniscus__Reply *reply, Frames *frames, MnsError *error)
+{
+    if (reply->n_arrays != (size_t)(frames->n - 1))
+        return mns_fail(error, MNS_E_CORRUPT, "the reply announces %zu arrays and has %d; ask again", reply->n_arrays,
+                        frames->n - 1);
+    for (size_t k = 0; k < reply->n_arrays; k++) {
+        const Meniscus__Array *array = reply->arrays[k];
+        zmq_msg_t *frame = &frames->frame[1 + k];
+        if (array->has_xxh64 && XXH64(zmq_msg_data(frame), zmq_msg_size(frame), 0) == array->xxh64) continue;
+        return mns_fail(error, MNS_E_CORRUPT, "array \"%s\" came damaged: its checksum does not match; ask again",
+                        array->name ? array->name : "");
+    }
+    return MNS_OK;
+}
+
+/* id: [MNS_REQUEST_ID_SIZE]; timeout [s], negative: none. */
+static MnsStatus call_as(MnsClient *client, Meniscus__Request *request, uint8_t *id, double timeout,
+                         Meniscus__Reply **ret_reply, Frames *ret_frames, MnsError *error)
+{
+    const double deadline = timeout < 0 ? INFINITY : wire_clock() + timeout + grace_s;
+    seal(client, request, id, timeout);
+    MnsStatus status = exchange(client, request, deadline, ret_reply, ret_frames, error);
+    if (status != MNS_OK) return status;
+    status = (*ret_reply)->code == MENISCUS__CODE__OK ? check_arrays(*ret_reply, ret_frames, error)
+                                                      : refusal(*ret_reply, error);
+    if (status == MNS_OK) return MNS_OK;
+    meniscus__reply__free_unpacked(*ret_reply, NULL);
+    frames_done(ret_frames);
+    return status;
+}
+
+MnsStatus call_greet(MnsClient *client, MnsError *error)
+{
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__GetStatus greeting = MENISCUS__GET_STATUS__INIT;
+    request.command_case = MENISCUS__REQUEST__COMMAND_STATUS;
+    request.status = &greeting;
+    Meniscus__Reply *reply;
+    Frames frames;
+    uint8_t id[MNS_REQUEST_ID_SIZE];
+    MnsStatus status = call_random(id, sizeof id, error);
+    if (status == MNS_OK) status = call_as(client, &request, id, greeting_s, &reply, &frames, error);
+    if (status == MNS_E_TIMEOUT)
+        return mns_fail(error, MNS_E_UNAVAILABLE, "%s is open, but nobody answers there", client->wire.endpoint);
+    if (status != MNS_OK) return status;
+    client->epoch = reply->daemon_epoch;
+    meniscus__reply__free_unpacked(reply, NULL);
+    frames_done(&frames);
+    return MNS_OK;
+}
+
+MnsStatus call(MnsClient *client, Meniscus__Request *request, Meniscus__Reply **ret_reply, Frames *ret_frames,
+               MnsError *error)
+{
+    uint8_t id[MNS_REQUEST_ID_SIZE];
+    if (client->has_id) {
+        memcpy(id, client->next_id, sizeof id);
+        client->has_id = false;
+    } else {
+        const MnsStatus status = call_random(id, sizeof id, error);
+        if (status != MNS_OK) return status;
+    }
+    return call_as(client, request, id, client->timeout, ret_reply, ret_frames, error);
+}

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A request and its reply, whatever the command is: ids, deadlines, safe repetition, checks. */
+#ifndef CLIENT_CALL_H
+#define CLIENT_CALL_H
+
+#include "client/lib/wire.h"
+#include "meniscus.pb-c.h"
+
+enum { CALL_MAX_REQUEST = 1 << 20 }; /* bytes; a daemon takes no more */
+
+struct MnsClient {
+    Wire wire;
+    uint8_t session[8];
+    uint64_t epoch; /* of the daemon that was greeted       */
+    double timeout; /* [s]; negative: none                  */
+    bool has_id;    /* next_id is to be used                */
+    uint8_t next_id[MNS_REQUEST_ID_SIZE];
+    void *telemetry; /* SUB socket, or NULL                  */
+    struct {
+        uint64_t epoch, sequence; /* of the last message; epoch 0: none   */
+    } heard[4];                   /* by topic                             */
+};
+
+/* Fill with random bytes. MNS_OK; MNS_E_IO. */
+MnsStatus call_random(uint8_t *data, size_t size, MnsError *error);
+
+/* Ask the daemon who it is: sets client->epoch. MNS_E_UNAVAILABLE if it does not answer, MNS_E_VERSION. */
+MnsStatus call_greet(MnsClient *client, MnsError *error);
+
+/* Send a request and wait for its reply. Version, session, id and deadline are filled in here. Each array of the reply has
+ * its frame, checked. On failure, when the daemon refused, error->path is the reply's.
+ * MNS_OK: free *ret_reply with meniscus__reply__free_unpacked() and *ret_frames with frames_done(); all else: as client.h
+ * says, nothing to free. */
+MnsStatus call(MnsClient *client, Meniscus__Request *request, Meniscus__Reply **ret_reply, Frames *ret_frames,
+               MnsError *error);
+
+#endif

@@ -1,0 +1,273 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Every command of the protocol but load, as a function. */
+#include "client/lib/commands.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+MnsStatus command_call(MnsClient *client, Meniscus__Request *request, MnsReply **ret_reply, MnsError *error)
+{
+    Meniscus__Reply *message;
+    Frames frames;
+    MnsReply *reply = NULL;
+    MnsStatus status = call(client, request, &message, &frames, error);
+    if (status == MNS_OK) status = reply_new(message, &frames, &reply, error);
+    if (status != MNS_OK) return status;
+    if (ret_reply) *ret_reply = reply;
+    else mns_reply_free(reply);
+    return MNS_OK;
+}
+
+/* A request made of one command: REQUEST(request, PAUSE, pause, &message). */
+#define REQUEST(variable, KIND, member, message)                                                                       \
+    Meniscus__Request variable = MENISCUS__REQUEST__INIT;                                                              \
+    variable.command_case = MENISCUS__REQUEST__COMMAND_##KIND;                                                         \
+    variable.member = (message)
+
+MnsStatus mns_client_start(MnsClient *client, MnsReply **ret_reply, MnsError *error)
+{
+    Meniscus__Start start = MENISCUS__START__INIT;
+    REQUEST(request, START, start, &start);
+    return command_call(client, &request, ret_reply, error);
+}
+
+MnsStatus mns_client_pause(MnsClient *client, MnsReply **ret_reply, MnsError *error)
+{
+    Meniscus__Pause pause = MENISCUS__PAUSE__INIT;
+    REQUEST(request, PAUSE, pause, &pause);
+    return command_call(client, &request, ret_reply, error);
+}
+
+MnsStatus mns_client_resume(MnsClient *client, MnsReply **ret_reply, MnsError *error)
+{
+    Meniscus__Resume resume = MENISCUS__RESUME__INIT;
+    REQUEST(request, RESUME, resume, &resume);
+    return command_call(client, &request, ret_reply, error);
+}
+
+MnsStatus mns_client_step(MnsClient *client, uint64_t count, MnsReply **ret_reply, MnsError *error)
+{
+    Meniscus__Step step = MENISCUS__STEP__INIT;
+    step.has_count = true;
+    step.count = count;
+    REQUEST(request, STEP, step, &step);
+    return command_call(client, &request, ret_reply, error);
+}
+
+MnsStatus mns_client_run_until(MnsClient *client, double time, bool exact, MnsReply **ret_reply, MnsError *error)
+{
+    Meniscus__RunUntil until = MENISCUS__RUN_UNTIL__INIT;
+    until.has_time = until.has_exact = true;
+    until.time = time;
+    until.exact = exact;
+    REQUEST(request, RUN_UNTIL, run_until, &until);
+    return command_call(client, &request, ret_reply, error);
+}
+
+MnsStatus mns_client_stop(MnsClient *client, bool checkpoint, MnsReply **ret_reply, MnsError *error)
+{
+    Meniscus__Stop stop = MENISCUS__STOP__INIT;
+    stop.has_checkpoint = true;
+    stop.checkpoint = checkpoint;
+    REQUEST(request, STOP, stop, &stop);
+    return command_call(client, &request, ret_reply, error);
+}
+
+MnsStatus mns_client_reset(MnsClient *client, MnsReply **ret_reply, MnsError *error)
+{
+    Meniscus__Reset reset = MENISCUS__RESET__INIT;
+    REQUEST(request, RESET, reset, &reset);
+    return command_call(client, &request, ret_reply, error);
+}
+
+MnsStatus mns_client_restore(MnsClient *client, const char *checkpoint, MnsReply **ret_reply, MnsError *error)
+{
+    Meniscus__Restore restore = MENISCUS__RESTORE__INIT;
+    restore.checkpoint = (char *)checkpoint;
+    REQUEST(request, RESTORE, restore, &restore);
+    return command_call(client, &request, ret_reply, error);
+}
+
+MnsStatus mns_client_checkpoint(MnsClient *client, MnsReply **ret_reply, MnsError *error)
+{
+    Meniscus__CheckpointNow checkpoint = MENISCUS__CHECKPOINT_NOW__INIT;
+    REQUEST(request, CHECKPOINT, checkpoint, &checkpoint);
+    return command_call(client, &request, ret_reply, error);
+}
+
+MnsStatus mns_client_snapshot(MnsClient *client, size_t n, const char *const *fields, MnsReply **ret_reply,
+                              MnsError *error)
+{
+    Meniscus__SnapshotNow snapshot = MENISCUS__SNAPSHOT_NOW__INIT;
+    snapshot.n_fields = n;
+    snapshot.fields = (char **)fields;
+    REQUEST(request, SNAPSHOT, snapshot, &snapshot);
+    return command_call(client, &request, ret_reply, error);
+}
+
+/* Split "path=value" into two strings within one that is yours; NULL if there is no "=" or no memory. */
+static char *split(const char *text, Meniscus__Assignment *ret)
+{
+    char *copy = strchr(text, '=') > text ? strdup(text) : NULL;
+    if (!copy) return NULL;
+    char *equals = strchr(copy, '=');
+    *equals = 0;
+    meniscus__assignment__init(ret);
+    ret->path = copy;
+    ret->value = equals + 1;
+    return copy;
+}
+
+MnsStatus mns_client_set(MnsClient *client, size_t n, const char *const *assignments, MnsReply **ret_reply,
+                         MnsError *error)
+{
+    Meniscus__Assignment *items = calloc(n + 1, sizeof *items);
+    Meniscus__Assignment **list = calloc(n + 1, sizeof *list);
+    MnsStatus status = items && list ? MNS_OK : mns_fail(error, MNS_E_MEMORY, "no memory for %zu assignments", n);
+    size_t done = 0;
+    for (; status == MNS_OK && done < n; done++) {
+        list[done] = &items[done];
+        if (!split(assignments[done], list[done])) break;
+    }
+    if (status == MNS_OK && done < n)
+        status = mns_fail(error, MNS_E_INVALID, "\"%s\" is not an assignment; write PATH=VALUE, as in end_time=3",
+                          assignments[done]);
+    if (status == MNS_OK) {
+        Meniscus__Set set = MENISCUS__SET__INIT;
+        set.n_assignments = n;
+        set.assignments = list;
+        REQUEST(request, SET, set, &set);
+        status = command_call(client, &request, ret_reply, error);
+    }
+    for (size_t k = 0; k < done; k++) free(items[k].path);
+    free(list);
+    free(items);
+    return status;
+}
+
+MnsStatus mns_client_get(MnsClient *client, size_t n, const char *const *paths, MnsReply **ret_reply, MnsError *error)
+{
+    Meniscus__Get get = MENISCUS__GET__INIT;
+    get.n_paths = n;
+    get.paths = (char **)paths;
+    REQUEST(request, GET, get, &get);
+    return command_call(client, &request, ret_reply, error);
+}
+
+static MnsStatus query(MnsClient *client, Meniscus__Query *what, MnsReply **ret_reply, MnsError *error)
+{
+    REQUEST(request, QUERY, query, what);
+    return command_call(client, &request, ret_reply, error);
+}
+
+MnsStatus mns_client_query_probes(MnsClient *client, size_t n, const char *const *names, MnsReply **ret_reply,
+                                  MnsError *error)
+{
+    Meniscus__ProbeQuery probes = MENISCUS__PROBE_QUERY__INIT;
+    probes.n_names = n;
+    probes.names = (char **)names;
+    Meniscus__Query what = MENISCUS__QUERY__INIT;
+    what.what_case = MENISCUS__QUERY__WHAT_PROBES;
+    what.probes = &probes;
+    return query(client, &what, ret_reply, error);
+}
+
+MnsStatus mns_client_query_points(MnsClient *client, const char *field, size_t n, int dim, const double *points,
+                                  MnsReply **ret_reply, MnsError *error)
+{
+    if (dim != 2 && dim != 3)
+        return mns_fail(error, MNS_E_INVALID, "points of %d coordinates; a case has 2 or 3 dimensions", dim);
+    Meniscus__PointQuery message = MENISCUS__POINT_QUERY__INIT;
+    message.field = (char *)field;
+    message.n_points = n * (size_t)dim;
+    message.points = (double *)points;
+    Meniscus__Query what = MENISCUS__QUERY__INIT;
+    what.what_case = MENISCUS__QUERY__WHAT_POINTS;
+    what.points = &message;
+    return query(client, &what, ret_reply, error);
+}
+
+MnsStatus mns_client_query_particles(MnsClient *client, const MnsParticleQuery *from, MnsReply **ret_reply,
+                                     MnsError *error)
+{
+    if (from->dim != 0 && from->dim != 2 && from->dim != 3)
+        return mns_fail(error, MNS_E_INVALID, "a box in %d dimensions; a case has 2 or 3", from->dim);
+    Meniscus__ParticleQuery particles = MENISCUS__PARTICLE_QUERY__INIT;
+    particles.n_min = particles.n_max = (size_t)from->dim;
+    particles.min = (double *)from->min;
+    particles.max = (double *)from->max;
+    particles.n_fields = from->n_fields;
+    particles.fields = (char **)from->fields;
+    particles.has_limit = from->limit > 0;
+    particles.limit = from->limit;
+    particles.has_walls = true;
+    particles.walls = from->walls;
+    Meniscus__Query what = MENISCUS__QUERY__INIT;
+    what.what_case = MENISCUS__QUERY__WHAT_PARTICLES;
+    what.particles = &particles;
+    return query(client, &what, ret_reply, error);
+}
+
+MnsStatus mns_client_wait(MnsClient *client, unsigned states, double time, uint64_t step, MnsReply **ret_reply,
+                          MnsError *error)
+{
+    Meniscus__State list[MNS_STATE_COUNT];
+    Meniscus__Wait wait = MENISCUS__WAIT__INIT;
+    wait.states = list;
+    for (unsigned k = 0; k < MNS_STATE_COUNT; k++)
+        if (states & 1u << k) list[wait.n_states++] = (Meniscus__State)k;
+    wait.has_time = !isnan(time);
+    wait.time = time;
+    wait.has_step = step > 0;
+    wait.step = step;
+    REQUEST(request, WAIT, wait, &wait);
+    return command_call(client, &request, ret_reply, error);
+}
+
+MnsStatus mns_client_status(MnsClient *client, MnsReply **ret_reply, MnsError *error)
+{
+    Meniscus__GetStatus status = MENISCUS__GET_STATUS__INIT;
+    REQUEST(request, STATUS, status, &status);
+    return command_call(client, &request, ret_reply, error);
+}
+
+MnsStatus mns_client_capabilities(MnsClient *client, MnsReply **ret_reply, MnsError *error)
+{
+    Meniscus__GetCapabilities capabilities = MENISCUS__GET_CAPABILITIES__INIT;
+    REQUEST(request, CAPABILITIES, capabilities, &capabilities);
+    return command_call(client, &request, ret_reply, error);
+}
+
+MnsStatus mns_client_breakpoint(MnsClient *client, const MnsBreakpoint *breakpoint, MnsReply **ret_reply,
+                                MnsError *error)
+{
+    Meniscus__SetBreakpoint message = MENISCUS__SET_BREAKPOINT__INIT;
+    message.name = (char *)breakpoint->name;
+    message.condition = (char *)breakpoint->condition;
+    message.has_time = !isnan(breakpoint->time);
+    message.time = breakpoint->time;
+    message.has_step = breakpoint->step > 0;
+    message.step = breakpoint->step;
+    message.has_remove = message.remove = !message.condition && !message.has_time && !message.has_step;
+    REQUEST(request, BREAKPOINT, breakpoint, &message);
+    return command_call(client, &request, ret_reply, error);
+}
+
+MnsStatus mns_client_cancel(MnsClient *client, const uint8_t id[MNS_REQUEST_ID_SIZE], MnsReply **ret_reply,
+                            MnsError *error)
+{
+    Meniscus__Cancel cancel = MENISCUS__CANCEL__INIT;
+    cancel.has_id = true;
+    cancel.id = (ProtobufCBinaryData){.len = MNS_REQUEST_ID_SIZE, .data = (uint8_t *)id};
+    REQUEST(request, CANCEL, cancel, &cancel);
+    return command_call(client, &request, ret_reply, error);
+}
+
+MnsStatus mns_client_shutdown(MnsClient *client, bool checkpoint, MnsReply **ret_reply, MnsError *error)
+{
+    Meniscus__Shutdown shutdown = MENISCUS__SHUTDOWN__INIT;
+    shutdown.has_checkpoint = true;
+    shutdown.checkpoint = checkpoint;
+    REQUEST(request, SHUTDOWN, shutdown, &shutdown);
+    return command_call(client, &request, ret_reply, error);
+}

@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Where daemons listen: names to endpoints, and the list of those on this host. */
+#include "client/lib/endpoint.h"
+#include <dirent.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+enum { DIRECTORY_COUNT = 3, DIRECTORY_SIZE = 256 };
+
+/* The directories that hold one directory per daemon, in the order in which they are searched; empty if it does not apply. */
+static void directories(char ret[DIRECTORY_COUNT][DIRECTORY_SIZE])
+{
+    const char *runtime = getenv("XDG_RUNTIME_DIR");
+    ret[0][0] = 0;
+    if (runtime && *runtime) snprintf(ret[0], DIRECTORY_SIZE, "%s/meniscus", runtime);
+    snprintf(ret[1], DIRECTORY_SIZE, "/run/meniscus");
+    snprintf(ret[2], DIRECTORY_SIZE, "/tmp/meniscus-%u", (unsigned)getuid());
+}
+
+static bool begins(const char *text, const char *with)
+{
+    return strncmp(text, with, strlen(with)) == 0;
+}
+
+static MnsStatus ipc_endpoint(const char *path, char ret[MNS_ENDPOINT_SIZE], MnsError *error)
+{
+    const size_t longest = sizeof((struct sockaddr_un *)NULL)->sun_path - 1;
+    if (!*path || strlen(path) > longest)
+        return mns_fail(error, MNS_E_INVALID, "socket path \"%s\" has %zu characters; a Unix socket may have 1 to %zu",
+                        path, strlen(path), longest);
+    snprintf(ret, MNS_ENDPOINT_SIZE, "ipc://%s", path);
+    return MNS_OK;
+}
+
+/* The telemetry socket is at PORT + 1, so the last port has no place for it. */
+static MnsStatus tcp_endpoint(const char *endpoint, char ret[MNS_ENDPOINT_SIZE], MnsError *error)
+{
+    static const char loopback[] = "tcp://127.0.0.1:";
+    char *end = NULL;
+    const char *digits = endpoint + sizeof loopback - 1;
+    const long port = begins(endpoint, loopback) && *digits >= '0' && *digits <= '9' ? strtol(digits, &end, 10) : 0;
+    if (port < 1 || port > 65534 || *end)
+        return mns_fail(error, MNS_E_INVALID,
+                        "\"%s\" is not an endpoint; allowed is tcp://127.0.0.1:PORT with 1 <= PORT "
+                        "<= 65534",
+                        endpoint);
+    snprintf(ret, MNS_ENDPOINT_SIZE, "%s%ld", loopback, port);
+    return MNS_OK;
+}
+
+static MnsStatus named_endpoint(const char *name, char ret[MNS_ENDPOINT_SIZE], MnsError *error)
+{
+    if (!*name || *name == '.' || strpbrk(name, "/:"))
+        return mns_fail(error, MNS_E_INVALID,
+                        "\"%s\" is neither the name of a daemon (no slash, no colon, no leading "
+                        "dot) nor ipc://PATH nor tcp://127.0.0.1:PORT",
+                        name);
+    char base[DIRECTORY_COUNT][DIRECTORY_SIZE];
+    char path[PATH_MAX];
+    directories(base);
+    for (int k = 0; k < DIRECTORY_COUNT; k++) {
+        snprintf(path, sizeof path, "%s/%s/control.ipc", base[k], name);
+        if (*base[k] && access(path, F_OK) == 0) return ipc_endpoint(path, ret, error);
+    }
+    return mns_fail(error, MNS_E_UNAVAILABLE,
+                    "no daemon \"%s\": there is no %s/control.ipc in %s%s%s or %s; start one "
+                    "with `meniscusd --name %s`",
+                    name, name, base[0], *base[0] ? ", " : "", base[1], base[2], name);
+}
+
+MnsStatus mns_daemon_endpoint(const char *daemon, char ret_endpoint[MNS_ENDPOINT_SIZE], MnsError *error)
+{
+    const char *chosen = daemon ? daemon : getenv("MENISCUS_DAEMON");
+    if (!chosen || !*chosen) chosen = "default";
+    if (begins(chosen, "ipc://")) return ipc_endpoint(chosen + strlen("ipc://"), ret_endpoint, error);
+    if (begins(chosen, "tcp://")) return tcp_endpoint(chosen, ret_endpoint, error);
+    return named_endpoint(chosen, ret_endpoint, error);
+}
+
+MnsStatus endpoint_telemetry(const char *control, char ret[MNS_ENDPOINT_SIZE], MnsError *error)
+{
+    if (begins(control, "tcp://")) {
+        const char *colon = strrchr(control, ':');
+        snprintf(ret, MNS_ENDPOINT_SIZE, "%.*s:%ld", (int)(colon - control), control, strtol(colon + 1, NULL, 10) + 1);
+        return MNS_OK;
+    }
+    const char *path = control + strlen("ipc://"), *slash = strrchr(path, '/');
+    char beside[MNS_ENDPOINT_SIZE + 16];
+    snprintf(beside, sizeof beside, "%.*stelemetry.ipc", slash ? (int)(slash - path + 1) : 0, path);
+    return ipc_endpoint(beside, ret, error);
+}
+
+/* Visit the daemons below one directory. @return false if the visitor has had enough. */
+static bool list_directory(const char *base, bool (*visit)(void *, const char *, const char *), void *arg)
+{
+    DIR *directory = *base ? opendir(base) : NULL;
+    if (!directory) return true;
+    bool more = true;
+    for (struct dirent *entry; more && (entry = readdir(directory));) {
+        char path[PATH_MAX], endpoint[MNS_ENDPOINT_SIZE];
+        snprintf(path, sizeof path, "%s/%s/control.ipc", base, entry->d_name);
+        if (entry->d_name[0] == '.' || access(path, F_OK) != 0) continue;
+        if (ipc_endpoint(path, endpoint, NULL) == MNS_OK) more = visit(arg, entry->d_name, endpoint);
+    }
+    closedir(directory);
+    return more;
+}
+
+void mns_daemon_list(bool (*visit)(void *arg, const char *name, const char *endpoint), void *arg)
+{
+    char base[DIRECTORY_COUNT][DIRECTORY_SIZE];
+    directories(base);
+    for (int k = 0; k < DIRECTORY_COUNT; k++)
+        if (!list_directory(base[k], visit, arg)) return;
+}

@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Where a daemon's other socket is. */
+#ifndef CLIENT_ENDPOINT_H
+#define CLIENT_ENDPOINT_H
+
+#include <meniscus/client.h>
+
+/* The telemetry socket that belongs to a control endpoint: telemetry.ipc beside it, or the next port.
+ * MNS_OK; MNS_E_INVALID if its path would be too long. */
+MnsStatus endpoint_telemetry(const char *control, char ret[MNS_ENDPOINT_SIZE], MnsError *error);
+
+#endif

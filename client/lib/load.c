@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Loading a case from a file: complaints of the daemon point to line and column of the file, as complaints about the text
+ * do. */
+#include "client/lib/commands.h"
+#include "proto/case_file.h"
+#include <stdio.h>
+#include <string.h>
+
+enum { NAME_SIZE = 256 };
+
+/* "cases/tank.yaml" gives "tank". */
+static void name_of(const char *file, char ret[NAME_SIZE])
+{
+    const char *slash = strrchr(file, '/'), *base = slash ? slash + 1 : file, *dot = strrchr(base, '.');
+    snprintf(ret, NAME_SIZE, "%.*s", dot && dot > base ? (int)(dot - base) : NAME_SIZE - 1, base);
+}
+
+static MnsStatus send_case(MnsClient *client, const MnsLoad *from, const CaseFile *file, MnsReply **ret_reply,
+                           MnsError *error)
+{
+    char name[NAME_SIZE];
+    name_of(from->file, name);
+    Meniscus__Load load = MENISCUS__LOAD__INIT;
+    load.case_ = (Meniscus__Case *)case_file_message(file);
+    load.name = from->name ? (char *)from->name : name;
+    load.has_resume = true;
+    load.resume = from->resume;
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    request.command_case = MENISCUS__REQUEST__COMMAND_LOAD;
+    request.load = &load;
+    MnsError why = {0};
+    const MnsStatus status = command_call(client, &request, ret_reply, &why);
+    if (status != MNS_OK && *why.path) case_file_locate(file, &why);
+    if (status != MNS_OK && error) *error = why;
+    return status;
+}
+
+MnsStatus mns_client_load(MnsClient *client, const MnsLoad *load, MnsReply **ret_reply, MnsError *error)
+{
+    CaseFile *file = NULL;
+    MnsStatus status = case_file_read(load->file, &file, error);
+    for (size_t k = 0; status == MNS_OK && k < load->n_sets; k++) status = case_file_set(file, load->sets[k], error);
+    if (status == MNS_OK) status = send_case(client, load, file, ret_reply, error);
+    case_file_free(file);
+    return status;
+}

@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* One connection to a control socket. A monitor tells when it is made and lost, so that a dead daemon is noticed while a
+ * reply may take hours. */
+#include "client/lib/wire.h"
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+enum {
+    CONNECT_MS = 1000, /* to a daemon that should be there             */
+    RECONNECT_S = 5,   /* to a daemon that was there: it may be restarted */
+    HEARTBEAT_MS = 2000,
+    HEARTBEAT_TIMEOUT_MS = 6000,
+    RETRY_MS = 100,
+    RETRY_MAX_MS = 1000,
+    POLL_MAX_MS = 1000
+};
+
+double wire_clock(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static void set(void *socket, int option, int value)
+{
+    zmq_setsockopt(socket, option, &value, sizeof value);
+}
+
+/* IMMEDIATE: a request is handed to a connection that exists, or we know that there is none. */
+static void set_options(void *dealer)
+{
+    set(dealer, ZMQ_LINGER, 0);
+    set(dealer, ZMQ_IMMEDIATE, 1);
+    set(dealer, ZMQ_HEARTBEAT_IVL, HEARTBEAT_MS);
+    set(dealer, ZMQ_HEARTBEAT_TIMEOUT, HEARTBEAT_TIMEOUT_MS);
+    set(dealer, ZMQ_RECONNECT_IVL, RETRY_MS);
+    set(dealer, ZMQ_RECONNECT_IVL_MAX, RETRY_MAX_MS);
+}
+
+static bool watch_dealer(Wire *wire)
+{
+    static const int events = ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_CONNECT_RETRIED;
+    static const char address[] = "inproc://monitor"; /* every client has a context of its own */
+    wire->monitor = zmq_socket(wire->context, ZMQ_PAIR);
+    return wire->monitor && zmq_socket_monitor(wire->dealer, address, events) == 0 &&
+           zmq_connect(wire->monitor, address) == 0;
+}
+
+/* Take note of what the monitor has to say. @return the last event; 0 if there was none. */
+static int note_events(Wire *wire)
+{
+    uint16_t event = 0;
+    char data[6], address[MNS_ENDPOINT_SIZE];
+    while (zmq_recv(wire->monitor, data, sizeof data, ZMQ_DONTWAIT) >= 0) {
+        zmq_recv(wire->monitor, address, sizeof address, 0);
+        memcpy(&event, data, sizeof event);
+        if (event == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) {
+            wire->connected = true;
+            wire->connections++;
+        } else if (event == ZMQ_EVENT_DISCONNECTED && wire->connected) {
+            wire->connected = false;
+            wire->lost_since = wire_clock();
+        }
+    }
+    return event;
+}
+
+static MnsStatus await_connection(Wire *wire, MnsError *error)
+{
+    const double deadline = wire_clock() + 1e-3 * CONNECT_MS;
+    zmq_pollitem_t item = {.socket = wire->monitor, .events = ZMQ_POLLIN};
+    bool refused = false;
+    while (!wire->connected && !refused && wire_clock() < deadline) {
+        zmq_poll(&item, 1, (long)fmax(1, 1e3 * (deadline - wire_clock())));
+        refused = note_events(wire) == ZMQ_EVENT_CONNECT_RETRIED;
+    }
+    if (wire->connected) return MNS_OK;
+    return mns_fail(error, MNS_E_UNAVAILABLE,
+                    "nobody listens at %s; start a daemon with `meniscusd`, or see `meniscus ls`", wire->endpoint);
+}
+
+MnsStatus wire_open(Wire *wire, const char *endpoint, MnsError *error)
+{
+    *wire = (Wire){0};
+    snprintf(wire->endpoint, sizeof wire->endpoint, "%s", endpoint);
+    const bool is_ipc = strncmp(endpoint, "ipc://", 6) == 0;
+    if (is_ipc && access(endpoint + 6, F_OK) != 0)
+        return mns_fail(error, MNS_E_UNAVAILABLE, "there is no socket %s (%s); start a daemon with `meniscusd`",
+                        endpoint + 6, strerror(errno));
+    wire->context = zmq_ctx_new();
+    wire->dealer = wire->context ? zmq_socket(wire->context, ZMQ_DEALER) : NULL;
+    if (!wire->dealer || !watch_dealer(wire))
+        return mns_fail(error, MNS_E_MEMORY, "cannot make a socket: %s", zmq_strerror(errno));
+    set_options(wire->dealer);
+    if (zmq_connect(wire->dealer, endpoint) != 0)
+        return mns_fail(error, MNS_E_UNAVAILABLE, "cannot connect to %s: %s", endpoint, zmq_strerror(errno));
+    return await_connection(wire, error);
+}
+
+void wire_close(Wire *wire)
+{
+    if (wire->dealer) {
+        zmq_socket_monitor(wire->dealer, NULL, 0);
+        zmq_close(wire->dealer);
+    }
+    if (wire->monitor) {
+        set(wire->monitor, ZMQ_LINGER, 0);
+        zmq_close(wire->monitor);
+    }
+    if (wire->context) zmq_ctx_term(wire->context);
+    *wire = (Wire){0};
+}
+
+static MnsStatus gone(const Wire *wire, MnsError *error)
+{
+    return mns_fail(error, MNS_E_UNAVAILABLE,
+                    "the daemon at %s went away; whether the command took effect is not known: "
+                    "ask `meniscus status` when it is back",
+                    wire->endpoint);
+}
+
+MnsStatus wire_send(Wire *wire, const void *data, size_t size, MnsError *error)
+{
+    const double deadline = wire_clock() + RECONNECT_S;
+    for (;;) {
+        note_events(wire);
+        if (zmq_send(wire->dealer, data, size, ZMQ_DONTWAIT) >= 0) return MNS_OK;
+        if (errno != EAGAIN && errno != EINTR)
+            return mns_fail(error, MNS_E_UNAVAILABLE, "cannot send to %s: %s", wire->endpoint, zmq_strerror(errno));
+        if (wire_clock() > deadline) return gone(wire, error);
+        zmq_pollitem_t item = {.socket = wire->dealer, .events = ZMQ_POLLOUT};
+        zmq_poll(&item, 1, RETRY_MS);
+    }
+}
+
+/* How long to sleep: not past the deadline, nor past the moment at which a lost connection is given up. */
+static long patience_ms(const Wire *wire, double deadline)
+{
+    double until = deadline;
+    if (!wire->connected) until = fmin(until, wire->lost_since + RECONNECT_S);
+    return (long)fmin(POLL_MAX_MS, fmax(0, 1 + 1e3 * (until - wire_clock())));
+}
+
+MnsStatus wire_receive(Wire *wire, double deadline, Frames *ret, MnsError *error)
+{
+    const unsigned connections = wire->connections;
+    ret->n = 0;
+    for (;;) {
+        zmq_pollitem_t items[] = {{.socket = wire->dealer, .events = ZMQ_POLLIN},
+                                  {.socket = wire->monitor, .events = ZMQ_POLLIN}};
+        zmq_poll(items, 2, patience_ms(wire, deadline));
+        if (frames_receive(ret, wire->dealer)) return MNS_OK;
+        note_events(wire);
+        if (wire->connections > connections) return MNS_OK;
+        const double now = wire_clock();
+        if (!wire->connected && now > wire->lost_since + RECONNECT_S) return gone(wire, error);
+        if (now > deadline) return mns_fail(error, MNS_E_TIMEOUT, "no answer from %s in time", wire->endpoint);
+    }
+}
+
+bool frames_receive(Frames *frames, void *socket)
+{
+    zmq_msg_t surplus;
+    bool more = true;
+    frames->n = 0;
+    while (more) {
+        const bool fits = frames->n < WIRE_MAX_FRAMES;
+        zmq_msg_t *frame = fits ? &frames->frame[frames->n] : &surplus;
+        zmq_msg_init(frame);
+        const bool received = zmq_msg_recv(frame, socket, ZMQ_DONTWAIT) >= 0;
+        more = received && zmq_msg_more(frame);
+        if (received && fits) frames->n++;
+        else zmq_msg_close(frame);
+    }
+    return frames->n > 0;
+}
+
+void frames_done(Frames *frames)
+{
+    for (int k = 0; k < frames->n; k++) zmq_msg_close(&frames->frame[k]);
+    frames->n = 0;
+}

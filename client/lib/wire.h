@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* One connection to a control socket: frames out, frames in, and whether the other side is there. Knows no message. */
+#ifndef CLIENT_WIRE_H
+#define CLIENT_WIRE_H
+
+#include <meniscus/client.h>
+#include <zmq.h>
+
+enum { WIRE_MAX_FRAMES = 66 };
+
+typedef struct Wire {
+    void *context, *dealer, *monitor;
+    char endpoint[MNS_ENDPOINT_SIZE];
+    bool connected;       /* the last the monitor said                                     */
+    unsigned connections; /* how often a connection was made: more than before = reconnected */
+    double lost_since;    /* monotonic time [s] at which it was lost                        */
+} Wire;
+
+/* The frames of one message. */
+typedef struct Frames {
+    int n;
+    zmq_msg_t frame[WIRE_MAX_FRAMES];
+} Frames;
+
+/* Monotonic time [s]. */
+double wire_clock(void);
+
+/* Connect. MNS_OK; MNS_E_UNAVAILABLE at once if the connection is refused, within a second if there is no answer. */
+MnsStatus wire_open(Wire *wire, const char *endpoint, MnsError *error);
+
+void wire_close(Wire *wire);
+
+/* Send one frame; waits for a connection as long as a daemon may take to be restarted. MNS_E_UNAVAILABLE. */
+MnsStatus wire_send(Wire *wire, const void *data, size_t size, MnsError *error);
+
+/* Receive one message into ret, which the caller passes to frames_done(). Comes back with ret->n = 0 when the connection was
+ * made anew, because an answer may be lost then. MNS_OK; MNS_E_TIMEOUT at `deadline` (monotonic, INFINITY for none);
+ * MNS_E_UNAVAILABLE when the connection is lost and does not come back. */
+MnsStatus wire_receive(Wire *wire, double deadline, Frames *ret, MnsError *error);
+
+/* Receive all frames of one message from a socket that has one. Frames beyond the limit are dropped. @return false: none. */
+bool frames_receive(Frames *frames, void *socket);
+
+void frames_done(Frames *frames);
+
+#endif
