@@ -85,7 +85,8 @@ static void read_all(H5 *h, void *into)
 MnsStatus checkpoint_read(const char *path, Checkpoint *ret, MnsError *error)
 {
     Checkpoint found = {0};
-    if (strlen(path) >= sizeof found.path) return mns_fail(error, MNS_E_INVALID, "the path '%.60s...' is too long", path);
+    if (strlen(path) >= sizeof found.path)
+        return mns_fail(error, MNS_E_INVALID, "the path '%.60s...' is too long", path);
     const MnsStatus status = h5_load(path, true, read_all, &found, error);
     if (status) {
         checkpoint_done(&found);
@@ -103,23 +104,29 @@ void checkpoint_done(Checkpoint *checkpoint)
     *checkpoint = (Checkpoint){0};
 }
 
+/* Lack of memory says nothing about a file: going back to an older one would lose work. */
+static bool passed_over(MnsStatus status)
+{
+    return status != MNS_OK && status != MNS_E_MEMORY;
+}
+
 MnsStatus checkpoint_newest(const char *dir, Checkpoint *ret, void (*note)(void *arg, const char *text), void *arg,
                             MnsError *error)
 {
     DirectoryEntry *entries = NULL;
-    size_t n = 0, k;
+    size_t n = 0, k = 0;
     char path[IO_PATH_MAX];
     MnsError why = {0};
     MnsStatus status = directory_list(dir, begin, end, &entries, &n, error);
     if (status) return status;
-    for (k = 0; k < n; k++) {
+    for (; k < n; k++) {
         status = directory_path(path, dir, entries[k].name, &why);
         if (!status) status = checkpoint_read(path, ret, &why);
-        if (!status) break;
+        if (!passed_over(status)) break;
         if (note) note(arg, why.text);
     }
     free(entries);
-    if (k < n) return MNS_OK;
-    return mns_fail(error, MNS_E_NOT_FOUND, n ? "none of the %zu checkpoints in '%s' is whole" : "%zu checkpoints in '%s'", n,
-                    dir);
+    if (n == 0) return mns_fail(error, MNS_E_NOT_FOUND, "there is no checkpoint in '%s'", dir);
+    if (k == n) return mns_fail(error, MNS_E_NOT_FOUND, "none of the %zu checkpoints in '%s' is whole", n, dir);
+    return status ? mns_fail(error, status, "%s", why.text) : MNS_OK;
 }

@@ -11,10 +11,8 @@ static void interleave(char *rows, const void *column, size_t first, size_t n, i
 {
     for (size_t k = 0; k < n; k++) {
         char *to = rows + (k * (size_t)width + (size_t)d) * size;
-        if (column)
-            memcpy(to, (const char *)column + (first + k) * size, size);
-        else
-            memset(to, 0, size);
+        if (column) memcpy(to, (const char *)column + (first + k) * size, size);
+        else memset(to, 0, size);
     }
 }
 

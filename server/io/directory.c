@@ -61,8 +61,8 @@ static int collect(List *list, DIR *stream, const char *begin, const char *end)
     }
 }
 
-MnsStatus directory_list(const char *dir, const char *begin, const char *end, DirectoryEntry **ret_entries, size_t *ret_n,
-                         MnsError *error)
+MnsStatus directory_list(const char *dir, const char *begin, const char *end, DirectoryEntry **ret_entries,
+                         size_t *ret_n, MnsError *error)
 {
     List list = {0};
     DIR *stream = opendir(dir);

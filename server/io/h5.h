@@ -41,21 +41,22 @@ size_t h5_size(MnsType type);
 
 void h5_make_group(H5 *h, const char *name);
 void h5_make(H5 *h, const char *name, hid_t type, int rank, const hsize_t *dims);
-void h5_put_rows(H5 *h, const char *name, hid_t type, size_t first, size_t n, const void *data); /* [n][all other dims] */
-void h5_put(H5 *h, const char *name, hid_t type, size_t n, const void *data);                    /* makes and fills [n] */
+void h5_put_rows(H5 *h, const char *name, hid_t type, size_t first, size_t n,
+                 const void *data);                                           /* [n][all other dims] */
+void h5_put(H5 *h, const char *name, hid_t type, size_t n, const void *data); /* makes and fills [n] */
 void h5_put_texts(H5 *h, const char *name, size_t n, const char *const *texts);
-void h5_put_text(H5 *h, const char *name, const char *text); /* a scalar */
-void h5_mark(H5 *h, const char *name, const char *attribute, hid_t type, size_t n, const void *values); /* n 0: a scalar */
+void h5_mark(H5 *h, const char *name, const char *attribute, hid_t type, size_t n,
+             const void *values); /* n 0: a scalar */
 void h5_mark_text(H5 *h, const char *name, const char *attribute, const char *text);
 
 /* --- reading ------------------------------------------------------------------------------------------------------------- */
 
-bool h5_has(H5 *h, const char *name);               /* a path, none of whose parts need exist */
-size_t h5_members(H5 *h, const char *group);        /* how many it has */
-size_t h5_rows(H5 *h, const char *name);            /* the first dimension of a dataset */
+bool h5_has(H5 *h, const char *name);                                   /* a path, none of whose parts need exist */
+size_t h5_members(H5 *h, const char *group);                            /* how many it has */
+size_t h5_rows(H5 *h, const char *name);                                /* the first dimension of a dataset */
 void h5_expect(H5 *h, const char *name, int rank, const hsize_t *dims); /* raises MNS_E_CORRUPT if the shape differs */
 void h5_get_rows(H5 *h, const char *name, hid_t type, size_t first, size_t n, void *data); /* [n][all other dims] */
 void h5_get_mark(H5 *h, const char *name, const char *attribute, hid_t type, void *value); /* a scalar */
-bool h5_mark_is(H5 *h, const char *name, const char *attribute, const char *text);         /* what h5_mark_text() wrote */
+bool h5_mark_is(H5 *h, const char *name, const char *attribute, const char *text); /* what h5_mark_text() wrote */
 
 #endif

@@ -22,7 +22,7 @@ void meta_put_run(H5 *h, const FileMeta *meta)
     h5_mark_text(h, group, "version", MENISCUS_VERSION);
     h5_mark_text(h, group, "units", "SI");
     h5_mark(h, group, "dim", H5T_NATIVE_INT, 0, &meta->c->dim);
-    h5_put_text(h, "/meniscus/case_text", meta->case_text);
+    h5_put_texts(h, "/meniscus/case_text", 1, &meta->case_text);
     put_names(h, meta->c);
 }
 

@@ -3,7 +3,7 @@
  *
  *  /meniscus            attributes title, case, scheme, version, units, dim; of a moment also spacing [m], particles,
  *                       fluid_particles, step, time [s], dt [s]
- *  /meniscus/case_text  the whole case as YAML
+ *  /meniscus/case_text  [1] the whole case as YAML
  *  /meniscus/fluids     [fluids] their names; phase k is fluid k
  *  /meniscus/walls      [walls] their names; phase k is wall k - fluids */
 #ifndef IO_META_H

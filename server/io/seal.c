@@ -66,8 +66,7 @@ MnsStatus seal_write(int fd, const char *path, MnsError *error)
 
 static MnsStatus check_itself(const Seal *seal, size_t got, const char *path, MnsError *error)
 {
-    if (got < sizeof *seal)
-        return mns_fail(error, MNS_E_CORRUPT, "'%s' is damaged: it has only %zu bytes", path, got);
+    if (got < sizeof *seal) return mns_fail(error, MNS_E_CORRUPT, "'%s' is damaged: it has only %zu bytes", path, got);
     if (memcmp(seal->magic, seal_magic, sizeof seal->magic) != 0)
         return mns_fail(error, MNS_E_CORRUPT, "'%s' is damaged, or not a file of ours: it has no seal", path);
     if (seal->own_hash != own_hash(seal))

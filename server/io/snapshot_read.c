@@ -27,10 +27,8 @@ static void get_fields(H5 *h, MnsCapture *capture)
     for (int k = 0; mns_fields()[k].name; k++) {
         const MnsFieldInfo *field = &mns_fields()[k];
         if (!(capture->fields >> k & 1)) continue;
-        if (k == position)
-            snprintf(name, sizeof name, "/VTKHDF/Points");
-        else
-            snprintf(name, sizeof name, "/VTKHDF/PointData/%s", field->name);
+        if (k == position) snprintf(name, sizeof name, "/VTKHDF/Points");
+        else snprintf(name, sizeof name, "/VTKHDF/PointData/%s", field->name);
         columns_get(h, name, field->type, capture->n, field->components, capture->data[k]);
     }
 }
@@ -73,9 +71,7 @@ MnsStatus snapshot_read(const char *path, MnsCapture **ret_capture, MnsError *er
 {
     MnsCapture *capture = NULL;
     const MnsStatus status = h5_load(path, false, read_all, &capture, error);
-    if (status)
-        mns_capture_free(capture);
-    else
-        *ret_capture = capture;
+    if (status) mns_capture_free(capture);
+    else *ret_capture = capture;
     return status;
 }

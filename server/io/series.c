@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Time series of the probes: kept in memory, written whole each time it is flushed. */
+#include "io/series.h"
+#include "io/atomic_file.h"
+#include "io/directory.h"
+#include "io/meta.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct Series {
+    FileMeta meta;
+    char path[IO_PATH_MAX];
+    size_t n, room;     /* rows */
+    uint64_t *step;     /* [room] */
+    double *time;       /* [room] s */
+    double **value;     /* [probes][room] */
+    bool changed;       /* since it was last written */
+    uint64_t last_step; /* of interest when an old file is read */
+};
+
+static size_t probes(const Series *s)
+{
+    return s->meta.c->n_probes;
+}
+
+static bool grow_column(double **column, size_t room)
+{
+    double *grown = realloc(*column, room * sizeof *grown);
+    if (grown) *column = grown;
+    return grown != NULL;
+}
+
+/* Columns that grew before one that did not are merely longer than they need to be. */
+static MnsStatus make_room(Series *s, size_t rows, MnsError *error)
+{
+    if (rows <= s->room) return MNS_OK;
+    const size_t room = rows > 2 * s->room ? rows : 2 * s->room;
+    uint64_t *step = realloc(s->step, room * sizeof *step);
+    if (step) s->step = step;
+    bool grown = step && grow_column(&s->time, room);
+    for (size_t k = 0; k < probes(s) && grown; k++) grown = grow_column(&s->value[k], room);
+    if (!grown) return mns_fail(error, MNS_E_MEMORY, "no memory for %zu rows of probe values", room);
+    s->room = room;
+    return MNS_OK;
+}
+
+static void name_of(char name[static 256], const MnsProbe *probe)
+{
+    snprintf(name, 256, "/probes/%s", probe->name);
+}
+
+/* --- reading what is there ----------------------------------------------------------------------------------------------- */
+
+static bool same_probes(H5 *h, const Series *s)
+{
+    char name[256];
+    if (h5_members(h, "/probes") != probes(s)) return false;
+    for (size_t k = 0; k < probes(s); k++) {
+        const MnsProbe *probe = &s->meta.c->probes[k];
+        name_of(name, probe);
+        if (!h5_has(h, name) || !h5_mark_is(h, name, "unit", mns_probe_unit(probe))) return false;
+    }
+    return true;
+}
+
+static void get_rows(H5 *h, void *into)
+{
+    Series *s = into;
+    char name[256];
+    if (!same_probes(h, s)) return;
+    const size_t n = h5_rows(h, "/step");
+    if (!h->status) h->status = make_room(s, n, h->error);
+    h5_get_rows(h, "/step", H5T_NATIVE_UINT64, 0, n, s->step);
+    h5_get_rows(h, "/time", H5T_NATIVE_DOUBLE, 0, n, s->time);
+    for (size_t k = 0; k < probes(s) && !h->status; k++) {
+        name_of(name, &s->meta.c->probes[k]);
+        h5_get_rows(h, name, H5T_NATIVE_DOUBLE, 0, n, s->value[k]);
+    }
+    while (!h->status && s->n < n && s->step[s->n] <= s->last_step) s->n++;
+    s->changed = s->n < n;
+}
+
+/* The sentence of a file that cannot be read says what to do about it. */
+static MnsStatus take_over(Series *s, MnsError *error)
+{
+    MnsError why = {0};
+    const MnsStatus status = h5_load(s->path, true, get_rows, s, &why);
+    if (status == MNS_OK || status == MNS_E_NOT_FOUND) return MNS_OK;
+    return mns_fail(error, status, "%s; move it away to begin a new series", why.text);
+}
+
+/* --- the series ---------------------------------------------------------------------------------------------------------- */
+
+MnsStatus series_new(const char *dir, const FileMeta *meta, bool resume, uint64_t last_step, Series **ret,
+                     MnsError *error)
+{
+    Series *s = calloc(1, sizeof *s);
+    if (s) s->value = calloc(meta->c->n_probes + 1, sizeof *s->value);
+    if (!s || !s->value) {
+        free(s);
+        return mns_fail(error, MNS_E_MEMORY, "no memory for the series of %zu probes", meta->c->n_probes);
+    }
+    s->meta = *meta;
+    s->last_step = last_step;
+    MnsStatus status = directory_path(s->path, dir, "probes.hdf", error);
+    if (!status && resume) status = take_over(s, error);
+    if (status) series_free(s);
+    else *ret = s;
+    return status;
+}
+
+MnsStatus series_append(Series *series, uint64_t step, double t, const double *values, MnsError *error)
+{
+    const MnsStatus status = make_room(series, series->n + 1, error);
+    if (status) return status;
+    const size_t row = series->n++;
+    series->step[row] = step;
+    series->time[row] = t;
+    for (size_t k = 0; k < probes(series); k++) series->value[k][row] = values[k];
+    series->changed = true;
+    return MNS_OK;
+}
+
+static void fill(H5 *h, const void *what)
+{
+    const Series *s = what;
+    char name[256];
+    meta_put_run(h, &s->meta);
+    h5_put(h, "/step", H5T_NATIVE_UINT64, s->n, s->step);
+    h5_put(h, "/time", H5T_NATIVE_DOUBLE, s->n, s->time);
+    h5_mark_text(h, "/time", "unit", "s");
+    h5_make_group(h, "/probes");
+    for (size_t k = 0; k < probes(s); k++) {
+        name_of(name, &s->meta.c->probes[k]);
+        h5_put(h, name, H5T_NATIVE_DOUBLE, s->n, s->value[k]);
+        h5_mark_text(h, name, "unit", mns_probe_unit(&s->meta.c->probes[k]));
+    }
+}
+
+MnsStatus series_flush(Series *series, MnsError *error)
+{
+    if (!series->changed) return MNS_OK;
+    const MnsStatus status = h5_save(series->path, true, fill, series, error);
+    series->changed = status != MNS_OK;
+    return status;
+}
+
+void series_free(Series *series)
+{
+    if (!series) return;
+    for (size_t k = 0; k < probes(series); k++) free(series->value[k]);
+    free(series->value);
+    free(series->time);
+    free(series->step);
+    free(series);
+}
