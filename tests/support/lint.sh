@@ -54,7 +54,7 @@ layout() {
 tidy() {
     # Two at a time, as in the builds. On standard error it only counts what it does not show.
     # shellcheck disable=SC2016 # the inner shell expands, as it must unquote the flags
-    printf '%s\n' "${sources[@]}" | FLAGS=$flags xargs -P 2 -n 2 \
+    printf '%s\n' "${sources[@]}" | FLAGS=$flags xargs -P 2 -n 1 \
         sh -c 'eval "clang-tidy --quiet \"\$@\" -- -std=c17 -fopenmp $FLAGS" 2>/dev/null' sh
 }
 
@@ -69,7 +69,8 @@ check "every source names its licence" licensed
 check "layout of C (clang-format)" layout
 check "shell scripts (shellcheck)" shellcheck "${scripts[@]}"
 check "Python parses" python_compiles
+# readdir is safe on a stream of its own, and readdir_r is deprecated.
 check "cppcheck" cppcheck --quiet -j 2 --std=c11 --enable=warning,performance,portability --error-exitcode=1 \
-    --inline-suppr --suppress=missingIncludeSystem --library=posix -Iinclude -Iserver -I. "${sources[@]}"
+    --inline-suppr --suppress=missingIncludeSystem --suppress=readdirCalled --library=posix -Iinclude -Iserver -I. "${sources[@]}"
 check "clang-tidy" tidy
 exit $failed
