@@ -1,0 +1,320 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A snapshot holds what was captured, in the layout ParaView knows; a full or broken disk costs that snapshot only. */
+#include "io/h5.h"
+#include "io/snapshot.h"
+#include "tests/support/io_fixture.h"
+
+#include <errno.h>
+#include <jansson.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mount.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+static int set_up(void **state)
+{
+    *state = scratch_new();
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    limit_files(SIZE_MAX);
+    scratch_free(*state);
+    return 0;
+}
+
+static void assert_comes_back(const char *dir, int dim, size_t n)
+{
+    char *path = path_in(dir, "snapshot.hdf");
+    const FileMeta meta = noise_meta();
+    MnsCapture *written = noise_capture(dim, n, n / 2, 1), *read = NULL;
+    MnsCase run = *meta.c;
+    run.dim = dim;
+    assert_int_equal(snapshot_write(path, written, &(FileMeta){&run, "noise", "title: Noise\n"}, NULL), MNS_OK);
+    assert_int_equal(snapshot_read(path, &read, NULL), MNS_OK);
+    assert_int_equal(read->fields, written->fields);
+    assert_true(same_values(written, read, written->fields));
+    assert_true(read->progress.t == written->progress.t && read->progress.dt == written->progress.dt);
+    assert_int_equal(read->progress.step, written->progress.step);
+    mns_capture_free(read);
+    mns_capture_free(written);
+    free(path);
+}
+
+/* 70 000 rows are more than the buffer between columns and rows holds. */
+static void every_field_comes_back_bit_for_bit(void **state)
+{
+    assert_comes_back(*state, 2, 101);
+    assert_comes_back(*state, 3, 101);
+    assert_comes_back(*state, 3, 70000);
+}
+
+static void fields_that_were_not_captured_are_not_there(void **state)
+{
+    char *path = path_in(*state, "snapshot.hdf");
+    const FileMeta meta = noise_meta();
+    const uint64_t few = UINT64_C(1) << mns_field_find("position") | UINT64_C(1) << mns_field_find("pressure");
+    MnsCapture *written = noise_capture(2, 50, 50, 1), *read = NULL;
+    written->fields = few;
+    assert_int_equal(snapshot_write(path, written, &meta, NULL), MNS_OK);
+    assert_int_equal(snapshot_read(path, &read, NULL), MNS_OK);
+    assert_int_equal(read->fields, few);
+    mns_capture_free(read);
+    mns_capture_free(written);
+    free(path);
+}
+
+static void a_capture_without_positions_is_refused(void **state)
+{
+    char *path = path_in(*state, "snapshot.hdf");
+    const FileMeta meta = noise_meta();
+    MnsCapture *capture = noise_capture(2, 50, 50, 1);
+    capture->fields = UINT64_C(1) << mns_field_find("pressure");
+    assert_int_equal(snapshot_write(path, capture, &meta, NULL), MNS_E_INVALID);
+    assert_int_equal(access(path, F_OK), -1);
+    mns_capture_free(capture);
+    free(path);
+}
+
+static void walls_stay_out_if_the_case_says_so(void **state)
+{
+    char *path = path_in(*state, "snapshot.hdf");
+    FileMeta meta = noise_meta();
+    MnsCase run = *meta.c;
+    MnsCapture *written = noise_capture(2, 100, 60, 1), *read = NULL;
+    run.output.walls = false;
+    meta.c = &run;
+    assert_int_equal(snapshot_write(path, written, &meta, NULL), MNS_OK);
+    assert_int_equal(snapshot_read(path, &read, NULL), MNS_OK);
+    assert_int_equal(read->n, 60);
+    assert_int_equal(read->n_fluid, 60);
+    mns_capture_free(read);
+    mns_capture_free(written);
+    free(path);
+}
+
+/* --- the layout, seen with HDF5 alone ------------------------------------------------------------------------------------ */
+
+static void assert_texts(hid_t file, const char *name)
+{
+    static const char *const wanted[] = {"unit", "meaning"};
+    for (int k = 0; k < 2; k++) assert_true(H5Aexists_by_name(file, name, wanted[k], H5P_DEFAULT) > 0);
+}
+
+static herr_t look_at(hid_t group, const char *name, const H5L_info_t *info, void *count)
+{
+    (void)info;
+    assert_texts(group, name);
+    ++*(int *)count;
+    return 0;
+}
+
+static void every_field_says_its_unit_and_meaning(void **state)
+{
+    char *path = path_in(*state, "snapshot.hdf");
+    const FileMeta meta = noise_meta();
+    MnsCapture *capture = noise_capture(2, 10, 5, 1);
+    int count = 0, fields = 0;
+    while (mns_fields()[fields].name) fields++;
+    assert_int_equal(snapshot_write(path, capture, &meta, NULL), MNS_OK);
+    const hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+    assert_true(file >= 0);
+    assert_texts(file, "/VTKHDF/Points");
+    assert_true(H5Literate_by_name(file, "/VTKHDF/PointData", H5_INDEX_NAME, H5_ITER_INC, NULL, look_at, &count,
+                                   H5P_DEFAULT) >= 0);
+    assert_int_equal(count, fields - 1);
+    H5Fclose(file);
+    mns_capture_free(capture);
+    free(path);
+}
+
+static void get(hid_t file, const char *name, hid_t type, void *values)
+{
+    const hid_t set = H5Dopen2(file, name, H5P_DEFAULT);
+    assert_true(set >= 0 && H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0);
+    H5Dclose(set);
+}
+
+static void every_particle_is_a_vertex_cell(void **state)
+{
+    enum { N = 7 };
+    char *path = path_in(*state, "snapshot.hdf");
+    const FileMeta meta = noise_meta();
+    MnsCapture *capture = noise_capture(2, N, 5, 1);
+    int64_t count = 0, connectivity[N], offsets[N + 1];
+    uint8_t types[N];
+    double points[N][3];
+    assert_int_equal(snapshot_write(path, capture, &meta, NULL), MNS_OK);
+    const hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+    get(file, "/VTKHDF/NumberOfCells", H5T_NATIVE_INT64, &count);
+    get(file, "/VTKHDF/Connectivity", H5T_NATIVE_INT64, connectivity);
+    get(file, "/VTKHDF/Offsets", H5T_NATIVE_INT64, offsets);
+    get(file, "/VTKHDF/Types", H5T_NATIVE_UINT8, types);
+    get(file, "/VTKHDF/Points", H5T_NATIVE_DOUBLE, points);
+    assert_int_equal(count, N);
+    for (int k = 0; k < N; k++) {
+        assert_int_equal(connectivity[k], k);
+        assert_int_equal(offsets[k], k);
+        assert_int_equal(types[k], 1);
+        assert_true(points[k][2] == 0);
+    }
+    assert_int_equal(offsets[N], N);
+    H5Fclose(file);
+    mns_capture_free(capture);
+    free(path);
+}
+
+/* --- disks that are full, files that are broken -------------------------------------------------------------------------- */
+
+/* Wherever the disk fills up, in a dataset, in the metadata written at closing or in between. */
+static void a_disk_full_at_any_byte_costs_only_the_new_file(void **state)
+{
+    char *path = path_in(*state, "snapshot.hdf");
+    const FileMeta meta = noise_meta();
+    MnsCapture *old = noise_capture(2, 10, 5, 1), *new = noise_capture(3, 100, 50, 2), *read = NULL;
+    MnsError error;
+    size_t whole = 0, failures = 0;
+    assert_int_equal(snapshot_write(path, new, &meta, NULL), MNS_OK);
+    free(bytes_of(path, &whole));
+    assert_int_equal(snapshot_write(path, old, &meta, NULL), MNS_OK);
+    for (size_t limit = 0; limit < whole; limit += 509) {
+        limit_files(limit);
+        assert_int_equal(snapshot_write(path, new, &meta, &error), MNS_E_NO_SPACE);
+        assert_non_null(strstr(error.text, path));
+        assert_false(holds(*state, ".tmp"));
+        assert_int_equal(H5Fget_obj_count((hid_t)H5F_OBJ_ALL, H5F_OBJ_ALL), 0);
+        failures++;
+    }
+    assert_true(failures > 20);
+    assert_int_equal(snapshot_read(path, &read, NULL), MNS_OK);
+    assert_true(same_values(old, read, old->fields));
+    limit_files(SIZE_MAX);
+    assert_int_equal(snapshot_write(path, new, &meta, NULL), MNS_OK);
+    mns_capture_free(read);
+    mns_capture_free(new);
+    mns_capture_free(old);
+    free(path);
+}
+
+static void a_full_file_system_is_no_space(void **state)
+{
+    char *path = path_in(*state, "snapshot.hdf");
+    const FileMeta meta = noise_meta();
+    if (mount("tmpfs", *state, "tmpfs", 0, "size=64k") != 0) {
+        print_message("skipped: cannot mount a small file system: %s\n", strerror(errno));
+        free(path);
+        skip();
+    }
+    MnsCapture *big = noise_capture(3, 1000, 500, 1), *small = noise_capture(3, 10, 5, 2);
+    const MnsStatus full = snapshot_write(path, big, &meta, NULL);
+    const bool left = holds(*state, ".tmp");
+    const MnsStatus after = snapshot_write(path, small, &meta, NULL);
+    umount(*state);
+    assert_int_equal(full, MNS_E_NO_SPACE);
+    assert_false(left);
+    assert_int_equal(after, MNS_OK);
+    mns_capture_free(small);
+    mns_capture_free(big);
+    free(path);
+}
+
+static void a_cut_file_is_refused_wherever_it_was_cut(void **state)
+{
+    char *path = path_in(*state, "snapshot.hdf");
+    const FileMeta meta = noise_meta();
+    MnsCapture *capture = noise_capture(2, 20, 10, 1), *read = NULL;
+    size_t size = 0;
+    assert_int_equal(snapshot_write(path, capture, &meta, NULL), MNS_OK);
+    unsigned char *bytes = bytes_of(path, &size);
+    for (size_t cut = 0; cut < size; cut += 101) {
+        put_bytes(path, bytes, cut);
+        assert_int_equal(snapshot_read(path, &read, NULL), MNS_E_CORRUPT);
+    }
+    assert_null(read);
+    free(bytes);
+    mns_capture_free(capture);
+    free(path);
+}
+
+static void a_missing_snapshot_is_not_found(void **state)
+{
+    char *path = path_in(*state, "snapshot.hdf");
+    MnsCapture *read = NULL;
+    assert_int_equal(snapshot_read(path, &read, NULL), MNS_E_NOT_FOUND);
+    free(path);
+}
+
+/* --- the index ----------------------------------------------------------------------------------------------------------- */
+
+static void write_at(const char *dir, const char *name, double t)
+{
+    char *path = path_in(dir, name);
+    const FileMeta meta = noise_meta();
+    MnsCapture *capture = noise_capture(2, 10, 5, 1);
+    capture->progress.t = t;
+    assert_int_equal(snapshot_write(path, capture, &meta, NULL), MNS_OK);
+    mns_capture_free(capture);
+    free(path);
+}
+
+static void the_index_lists_whole_snapshots_by_time(void **state)
+{
+    char *index = path_in(*state, "snapshots.hdf.series"), *broken = path_in(*state, "snapshot-3.hdf");
+    const char *name = NULL;
+    double t = 0;
+    write_at(*state, "snapshot-2.hdf", 0.5);
+    write_at(*state, "snapshot-1.hdf", 1.0 / 3);
+    put_bytes(broken, "garbage", 7);
+    assert_int_equal(snapshot_index(*state, NULL), MNS_OK);
+    json_t *json = json_load_file(index, 0, NULL);
+    json_t *files = json_object_get(json, "files");
+    assert_string_equal(json_string_value(json_object_get(json, "file-series-version")), "1.0");
+    assert_int_equal(json_array_size(files), 2);
+    assert_int_equal(json_unpack(json_array_get(files, 0), "{s:s, s:f}", "name", &name, "time", &t), 0);
+    assert_string_equal(name, "snapshot-1.hdf");
+    assert_true(t == 1.0 / 3);
+    assert_int_equal(json_unpack(json_array_get(files, 1), "{s:s, s:f}", "name", &name, "time", &t), 0);
+    assert_string_equal(name, "snapshot-2.hdf");
+    assert_true(t == 0.5);
+    json_decref(json);
+    free(broken);
+    free(index);
+}
+
+static void a_directory_without_snapshots_has_an_empty_index(void **state)
+{
+    char *index = path_in(*state, "snapshots.hdf.series"), *nowhere = path_in(*state, "nowhere");
+    assert_int_equal(snapshot_index(*state, NULL), MNS_OK);
+    json_t *json = json_load_file(index, 0, NULL);
+    assert_true(json_is_array(json_object_get(json, "files")));
+    assert_int_equal(json_array_size(json_object_get(json, "files")), 0);
+    assert_int_equal(snapshot_index(nowhere, NULL), MNS_E_NOT_FOUND);
+    json_decref(json);
+    free(nowhere);
+    free(index);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(every_field_comes_back_bit_for_bit, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(fields_that_were_not_captured_are_not_there, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_capture_without_positions_is_refused, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(walls_stay_out_if_the_case_says_so, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(every_field_says_its_unit_and_meaning, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(every_particle_is_a_vertex_cell, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_disk_full_at_any_byte_costs_only_the_new_file, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_full_file_system_is_no_space, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_cut_file_is_refused_wherever_it_was_cut, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_missing_snapshot_is_not_found, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(the_index_lists_whole_snapshots_by_time, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_directory_without_snapshots_has_an_empty_index, set_up, tear_down),
+    };
+    return cmocka_run_group_tests_name("snapshot", tests, NULL, NULL);
+}
