@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* One line per event on standard error; with the priority in front where the journal reads it. */
+#include "base/log.h"
+
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static _Atomic int log_level = LOG_INFORMATION;
+
+void log_set_level(LogLevel level) { log_level = (int)level; }
+
+int log_level_find(const char *word)
+{
+    static const char *const words[] = {[LOG_ERROR] = "error",
+                                        [LOG_WARNING] = "warning",
+                                        [LOG_NOTICE] = "notice",
+                                        [LOG_INFORMATION] = "info",
+                                        [LOG_DETAIL] = "debug"};
+    for (int level = LOG_ERROR; level <= LOG_DETAIL; level++)
+        if (!strcmp(word, words[level])) return level;
+    return -1;
+}
+
+void log_line(LogLevel level, const char *format, ...)
+{
+    if ((int)level > log_level) return;
+    char line[1024];
+    va_list list;
+    va_start(list, format);
+    vsnprintf(line, sizeof line, format, list);
+    va_end(list);
+    for (char *c = line; *c; c++)
+        if ((unsigned char)*c < ' ' || *c == 127) *c = ' ';
+    if (getenv("JOURNAL_STREAM")) fprintf(stderr, "<%d>%s\n", (int)level, line);
+    else fprintf(stderr, "meniscusd: %s\n", line);
+}

@@ -1,0 +1,222 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Case message to MnsCase: names resolved, counts checked against the dimensions, defaults filled in. */
+#include "cases/translate.h"
+#include "cases/translation.h"
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAX_CONSTANTS = 256 };
+
+static MnsStatus translate_domain(Translation *t, const Meniscus__Domain *m)
+{
+    MnsCase *c = t->c;
+    const Meniscus__Box box = {.n_min = m->n_min, .min = m->min, .n_max = m->n_max, .max = m->max};
+    const size_t outer = translation_enter(t, "domain");
+    MnsStatus status = take_box(t, &box, c->min, c->max);
+    for (size_t k = 0; k < m->n_periodic && !status; k++) {
+        int axis = 0;
+        const size_t before = translation_enter_item(t, "periodic", k);
+        status = take_axis(t, NULL, m->periodic[k], &axis);
+        if (!status && c->periodic[axis]) status = translation_fail(t, MNS_E_INVALID, NULL, "\"%c\" is there twice", "xyz"[axis]);
+        c->periodic[axis] = true;
+        case_path_cut(&t->path, before);
+    }
+    case_path_cut(&t->path, outer);
+    return status;
+}
+
+static bool is_identifier(const char *name)
+{
+    if (!isalpha((unsigned char)*name) && *name != '_') return false;
+    while (isalnum((unsigned char)*name) || *name == '_') name++;
+    return !*name;
+}
+
+static MnsStatus translate_constant(Translation *t, const Meniscus__Constant *m, size_t k)
+{
+    static const char *const variables[] = {"x", "y", "z", "t", "dx", "pi"};
+    char shown[48];
+    case_shown(m->name, shown);
+    if (!is_identifier(m->name))
+        return translation_fail(t, MNS_E_INVALID, "name", "found \"%s\", allowed: letters, digits and underscores, a letter first",
+                                shown);
+    for (size_t v = 0; v < sizeof variables / sizeof *variables; v++)
+        if (!strcmp(m->name, variables[v]))
+            return translation_fail(t, MNS_E_INVALID, "name", "\"%s\" is a variable of formulas: choose another name", shown);
+    for (size_t other = 0; other < k; other++)
+        if (!strcmp(m->name, t->c->constants[other].name))
+            return translation_fail(t, MNS_E_INVALID, "name", "found \"%s\", which constant %zu has too: names must differ",
+                                    shown, other);
+    const MnsStatus status = take_text(t, m->name, &t->c->constants[k].name);
+    return status ? status : take_text(t, m->value, &t->c->constants[k].value);
+}
+
+static MnsStatus translate_constants(Translation *t, const Meniscus__Case *m)
+{
+    MnsStatus status = check_limit(t, "constants", m->n_constants, MAX_CONSTANTS);
+    if (status || !m->n_constants) return status;
+    t->c->constants = calloc(m->n_constants, sizeof *t->c->constants);
+    if (!t->c->constants) return case_no_memory(t->error);
+    t->c->n_constants = m->n_constants;
+    for (size_t k = 0; k < m->n_constants && !status; k++) {
+        const size_t before = translation_enter_item(t, "constants", k);
+        status = translate_constant(t, m->constants[k], k);
+        case_path_cut(&t->path, before);
+    }
+    return status;
+}
+
+static MnsStatus translate_fluid(Translation *t, const Meniscus__Fluid *m, const Names *before, MnsFluid *fluid)
+{
+    static const MnsDensityMethod methods[] = {MNS_DENSITY_AUTOMATIC, MNS_DENSITY_CONTINUITY, MNS_DENSITY_SUMMATION};
+    fluid->density = m->density;
+    fluid->viscosity = m->viscosity;
+    fluid->sound_speed = m->sound_speed;
+    fluid->density_method = methods[m->density_method];
+    MnsStatus status = take_name(t, m->name, before, &fluid->name);
+    if (!status) status = translate_shape(t, m->n_shape, m->shape, true, &fluid->shape);
+    if (!status) status = take_formulas(t, "velocity", m->n_velocity, m->velocity, fluid->velocity);
+    return status ? status : take_text(t, m->pressure, &fluid->pressure);
+}
+
+static MnsStatus translate_fluids(Translation *t, const Meniscus__Case *m)
+{
+    Names before = {.what = "fluid"};
+    MnsStatus status = check_limit(t, "fluids", m->n_fluids, MNS_MAX_FLUIDS);
+    if (status) return status;
+    t->c->fluids = calloc(m->n_fluids, sizeof *t->c->fluids);
+    if (!t->c->fluids) return case_no_memory(t->error);
+    t->c->n_fluids = m->n_fluids;
+    for (size_t k = 0; k < m->n_fluids && !status; k++) {
+        const size_t outer = translation_enter_item(t, "fluids", k);
+        status = translate_fluid(t, m->fluids[k], &before, &t->c->fluids[k]);
+        case_path_cut(&t->path, outer);
+        before.list[before.n++] = t->c->fluids[k].name;
+    }
+    return status;
+}
+
+static MnsStatus translate_wall(Translation *t, const Meniscus__Wall *m, const Names *before, MnsWall *wall)
+{
+    wall->no_slip = m->slip == MENISCUS__SLIP__NONE;
+    MnsStatus status = take_name(t, m->name, before, &wall->name);
+    if (!status) status = translate_shape(t, m->n_shape, m->shape, false, &wall->shape);
+    if (!status && m->motion) status = translate_motion(t, m->motion, &wall->motion);
+    if (status) return status;
+    return take_formulas(t, "surface_velocity", m->n_surface_velocity, m->surface_velocity, wall->surface_velocity);
+}
+
+static MnsStatus translate_walls(Translation *t, const Meniscus__Case *m)
+{
+    Names before = {.what = "wall"};
+    MnsStatus status = check_limit(t, "walls", m->n_walls, MNS_MAX_WALLS);
+    if (status || !m->n_walls) return status;
+    t->c->walls = calloc(m->n_walls, sizeof *t->c->walls);
+    if (!t->c->walls) return case_no_memory(t->error);
+    t->c->n_walls = m->n_walls;
+    for (size_t k = 0; k < m->n_walls && !status; k++) {
+        const size_t outer = translation_enter_item(t, "walls", k);
+        status = translate_wall(t, m->walls[k], &before, &t->c->walls[k]);
+        case_path_cut(&t->path, outer);
+        before.list[before.n++] = t->c->walls[k].name;
+    }
+    return status;
+}
+
+/* There is one method so far; its absence means the same with its defaults. */
+static void translate_scheme(const Meniscus__Scheme *given, MnsSchemeOptions *ret)
+{
+    static const MnsKernel kernels[] = {MNS_WENDLAND_C2, MNS_TRUNCATED_GAUSSIAN, MNS_QUINTIC_SPLINE};
+    const Meniscus__Scheme scheme_defaults = MENISCUS__SCHEME__INIT;
+    const Meniscus__Riemann riemann_defaults = MENISCUS__RIEMANN__INIT;
+    const Meniscus__Scheme *m = given ? given : &scheme_defaults;
+    const Meniscus__Riemann *r = m->method_case == MENISCUS__SCHEME__METHOD_RIEMANN ? m->riemann : &riemann_defaults;
+    *ret = (MnsSchemeOptions){
+        .name = "riemann",
+        .kernel = kernels[m->kernel],
+        .smoothing = m->smoothing,
+        .cfl = m->cfl,
+        .skin = m->skin,
+        .riemann = {.limiter = r->limiter, .background_pressure = r->background_pressure, .guard = r->guard},
+    };
+}
+
+static MnsStatus translate_fields(Translation *t, const Meniscus__Output *m, MnsOutput *ret)
+{
+    Names fields;
+    MnsStatus status = MNS_OK;
+    names_of_fields(&fields);
+    if (!m->n_fields) return MNS_OK;
+    ret->fields = calloc(m->n_fields, sizeof *ret->fields);
+    if (!ret->fields) return case_no_memory(t->error);
+    ret->n_fields = m->n_fields;
+    for (size_t k = 0; k < m->n_fields && !status; k++) {
+        int index;
+        const size_t before = translation_enter_item(t, "fields", k);
+        status = take_reference(t, NULL, m->fields[k], &fields, &index);
+        for (size_t other = 0; other < k && !status; other++)
+            if (!strcmp(m->fields[k], m->fields[other]))
+                status = translation_fail(t, MNS_E_INVALID, NULL, "\"%s\" is there twice", m->fields[k]);
+        if (!status) status = take_text(t, m->fields[k], &ret->fields[k]);
+        case_path_cut(&t->path, before);
+    }
+    return status;
+}
+
+static MnsStatus translate_output(Translation *t, const Meniscus__Output *given)
+{
+    const Meniscus__Output defaults = MENISCUS__OUTPUT__INIT;
+    const Meniscus__Output *m = given ? given : &defaults;
+    t->c->output = (MnsOutput){
+        .probe_interval = m->probe_interval,
+        .snapshot_interval = m->snapshot_interval,
+        .checkpoint_interval = m->checkpoint_interval,
+        .checkpoint_wall_interval = m->checkpoint_wall_interval,
+        .checkpoints_kept = m->checkpoints_kept,
+        .walls = m->walls,
+    };
+    const size_t before = translation_enter(t, "output");
+    const MnsStatus status = translate_fields(t, m, &t->c->output);
+    case_path_cut(&t->path, before);
+    return status;
+}
+
+static MnsLimits translate_limits(const Meniscus__Limits *given)
+{
+    const Meniscus__Limits defaults = MENISCUS__LIMITS__INIT;
+    const Meniscus__Limits *m = given ? given : &defaults;
+    return (MnsLimits){m->time_step_floor, m->density_min, m->density_max};
+}
+
+static MnsStatus translate_all(Translation *t, const Meniscus__Case *m)
+{
+    MnsCase *c = t->c;
+    c->dim = (int)m->dimensions;
+    c->reference_length = m->reference_length;
+    c->resolution = m->resolution;
+    c->end_time = m->end_time;
+    c->threads = m->threads;
+    translate_scheme(m->scheme, &c->scheme);
+    c->limits = translate_limits(m->limits);
+    MnsStatus status = take_text(t, m->title ? m->title : "", &c->title);
+    if (!status) status = translate_domain(t, m->domain);
+    if (!status) status = translate_constants(t, m);
+    if (!status) status = take_formulas(t, "gravity", m->n_gravity, m->gravity, c->gravity);
+    if (!status) status = translate_fluids(t, m);
+    if (!status) status = translate_walls(t, m);
+    if (!status) status = translate_probes(t, m);
+    return status ? status : translate_output(t, m->output);
+}
+
+MnsStatus case_translate(const Meniscus__Case *message, MnsCase **ret, MnsError *error)
+{
+    Translation t = {.c = calloc(1, sizeof *t.c), .error = error};
+    if (!t.c) return case_no_memory(error);
+    const MnsStatus status = translate_all(&t, message);
+    if (status)
+        mns_case_free(t.c);
+    else
+        *ret = t.c;
+    return status;
+}

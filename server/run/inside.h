@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The inside of a run, for the files of this folder that make it up: run.c, go.c, load.c, steer.c, publish.c. */
+#ifndef RUN_INSIDE_H
+#define RUN_INSIDE_H
+
+#include "run/mailbox.h"
+#include "run/meter.h"
+#include "run/outputs.h"
+#include "run/run.h"
+#include <stdio.h>
+
+/* What a step or run_until is after; on while it is. */
+typedef struct Goal {
+    bool on, exact;
+    double t; /* [s]; INFINITY: no matter */
+    uint64_t step;
+    Order *order;
+} Goal;
+
+typedef struct Waiter {
+    struct Waiter *next;
+    RunWait wait;
+    Order *order;
+} Waiter;
+
+struct Run {
+    RunOptions options;
+    pthread_t thread;
+    Mailbox mailbox;
+    Outbox outbox;
+    _Atomic uint64_t beat;
+
+    /* Of the runner's thread alone: */
+    RunState state;
+    bool leaving;
+    bool output_failed; /* why it is in FAULT, if it is not the solver */
+    MnsError fault;
+    MnsSim *sim; /* NULL without a case, as are the next two */
+    Document *document;
+    Breakpoints *breakpoints;
+    Outputs outputs;
+    Goal goal;
+    Waiter *waiters;
+    Meter meter;
+    double loaded;   /* clock_now() when the case was loaded     */
+    double progress; /* clock_now() of the last progress note    */
+    FILE *log;       /* of the run directory; NULL if there is none */
+
+    /* For everybody: */
+    pthread_mutex_t lock;
+    RunStatus status;
+    Document *published;
+};
+
+/* publish.c: what others see. */
+void run_beat(void *run);
+void run_publish_step(Run *run);                          /* the numbers that change with every step           */
+void run_publish(Run *run);                               /* all                                               */
+void run_enter(Run *run, RunState state, const char *text); /* a new state: published, told, and who waits answered */
+void run_tell(Run *run, int level, const char *word, const char *text); /* an event                                */
+void run_tell_progress(Run *run);
+
+/* go.c: goals and waiters. */
+void run_begin(Run *run, const char *text);                         /* RUNNING, with the outputs of the first boundary    */
+void run_goal_end(Run *run, MnsStatus status, const MnsError *error); /* answers who is after it                            */
+void run_answer_waiters(Run *run);                                  /* those whose wait is over                           */
+void run_expire(Run *run);                                          /* those whose deadline has passed                    */
+double run_next_deadline(const Run *run);                           /* of clock_now(); INFINITY: none                     */
+void run_fault(Run *run, const MnsError *error, bool output);
+void run_advance(Run *run);                                         /* one step and all that hangs on it                  */
+
+#endif

@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The jobs of the writer's thread. */
+#include "run/jobs.h"
+
+#include "io/snapshot.h"
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A file with particles in it. */
+typedef struct FileJob {
+    Job job;
+    Outputs *outputs;
+    MnsCapture *capture;
+    Document *document;
+    Order *order;
+    char directory[RUNDIR_PATH];
+} FileJob;
+
+static FileMeta meta_of(const Document *document)
+{
+    return (FileMeta){.c = document->c, .case_name = document->name, .case_text = document->text};
+}
+
+static MnsStatus write_snapshot(Job *base, MnsError *error)
+{
+    const FileJob *job = (const FileJob *)base;
+    const FileMeta meta = meta_of(job->document);
+    char path[4096];
+    snprintf(path, sizeof path, "%s/snapshot-%010" PRIu64 ".hdf", job->directory, job->capture->progress.step);
+    MnsStatus status = snapshot_write(path, job->capture, &meta, error);
+    if (!status) status = snapshot_index(job->directory, error);
+    if (!status && job->order) memcpy(job->order->path, path, sizeof path);
+    return status;
+}
+
+static MnsStatus write_checkpoint(Job *base, MnsError *error)
+{
+    const FileJob *job = (const FileJob *)base;
+    const Document *document = job->document;
+    const FileMeta meta = meta_of(document);
+    char path[4096];
+    const MnsStatus status = checkpoint_write(job->directory, job->capture, &meta, document->blob, document->size,
+                                              document->c->output.checkpoints_kept, path, error);
+    if (!status && job->order) memcpy(job->order->path, path, sizeof path);
+    return status;
+}
+
+static void tell_order(Job *base, MnsStatus status, const MnsError *error)
+{
+    FileJob *job = (FileJob *)base;
+    Order *order = job->order;
+    job->order = NULL;
+    if (order) job->outputs->answer(job->outputs->arg, order, status, error);
+}
+
+static void free_file_job(Job *base)
+{
+    FileJob *job = (FileJob *)base;
+    mns_capture_free(job->capture);
+    document_leave(job->document);
+    free(job);
+}
+
+static MnsStatus post_file(Outputs *outputs, MnsStatus (*write)(Job *, MnsError *), MnsCapture *capture,
+                           Document *document, Order *order, MnsError *error)
+{
+    FileJob *job = malloc(sizeof *job);
+    if (!job) {
+        mns_capture_free(capture);
+        return mns_fail(error, MNS_E_MEMORY, "no memory for an output");
+    }
+    *job = (FileJob){.job = {.heavy = true, .write = write, .told = tell_order, .free = free_file_job},
+                     .outputs = outputs,
+                     .capture = capture,
+                     .document = document_share(document),
+                     .order = order};
+    memcpy(job->directory, outputs->directory, sizeof job->directory);
+    writer_post(outputs->writer, &job->job);
+    return MNS_OK;
+}
+
+MnsStatus job_post_snapshot(Outputs *outputs, MnsCapture *capture, Document *document, Order *order, MnsError *error)
+{
+    return post_file(outputs, write_snapshot, capture, document, order, error);
+}
+
+MnsStatus job_post_checkpoint(Outputs *outputs, MnsCapture *capture, Document *document, Order *order, MnsError *error)
+{
+    return post_file(outputs, write_checkpoint, capture, document, order, error);
+}
+
+/* A sample of all probes; with n = 0, the wish that the series be written. */
+typedef struct RowJob {
+    Job job;
+    Series *series;
+    uint64_t step;
+    double t;
+    size_t n;
+    double values[];
+} RowJob;
+
+static MnsStatus write_row(Job *base, MnsError *error)
+{
+    const RowJob *row = (const RowJob *)base;
+    return row->n ? series_append(row->series, row->step, row->t, row->values, error) : series_flush(row->series, error);
+}
+
+static void free_row(Job *base) { free(base); }
+
+MnsStatus job_post_row(Outputs *outputs, MnsProgress at, size_t n, const double *values, MnsError *error)
+{
+    RowJob *row = malloc(sizeof *row + n * sizeof *values);
+    if (!row) return mns_fail(error, MNS_E_MEMORY, "no memory for a sample of the probes");
+    *row = (RowJob){.job = {.write = write_row, .free = free_row},
+                    .series = outputs->series,
+                    .step = at.step,
+                    .t = at.t,
+                    .n = n};
+    for (size_t k = 0; k < n; k++) row->values[k] = values[k];
+    writer_post(outputs->writer, &row->job);
+    return MNS_OK;
+}
+
+MnsStatus job_post_flush(Outputs *outputs, MnsError *error)
+{
+    return job_post_row(outputs, (MnsProgress){.t = 0}, 0, NULL, error);
+}
+
+typedef struct OpenJob {
+    Job job;
+    const char *directory;
+    const Document *document;
+    bool goes_on;
+    uint64_t last_step;
+    Series **ret;
+} OpenJob;
+
+static MnsStatus open_series(Job *base, MnsError *error)
+{
+    const OpenJob *job = (const OpenJob *)base;
+    const FileMeta meta = meta_of(job->document);
+    return series_new(job->directory, &meta, job->goes_on, job->last_step, job->ret, error);
+}
+
+MnsStatus job_open_series(Writer *writer, const char *directory, const Document *document, bool goes_on, uint64_t last_step,
+                          Series **ret, MnsError *error)
+{
+    OpenJob job = {{.write = open_series}, directory, document, goes_on, last_step, ret};
+    return writer_call(writer, &job.job, error);
+}
+
+typedef struct ReadJob {
+    Job job;
+    const char *path;
+    bool newest;
+    void (*note)(void *arg, const char *text);
+    void *arg;
+    Checkpoint *ret;
+} ReadJob;
+
+static MnsStatus read_checkpoint(Job *base, MnsError *error)
+{
+    const ReadJob *job = (const ReadJob *)base;
+    if (job->newest) return checkpoint_newest(job->path, job->ret, job->note, job->arg, error);
+    return checkpoint_read(job->path, job->ret, error);
+}
+
+MnsStatus outputs_read(Writer *writer, const char *path, bool newest, void (*note)(void *arg, const char *text), void *arg,
+                       Checkpoint *ret, MnsError *error)
+{
+    ReadJob job = {{.write = read_checkpoint}, path, newest, note, arg, ret};
+    return writer_call(writer, &job.job, error);
+}

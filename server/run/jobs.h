@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The jobs of the writer's thread: each owns all it needs, so that the run may go on, change its case or end meanwhile. */
+#ifndef RUN_JOBS_H
+#define RUN_JOBS_H
+
+#include "run/outputs.h"
+
+/* All return MNS_OK when the job is queued, or MNS_E_MEMORY. */
+
+/* Each takes over the capture, and the order if it is queued. */
+MnsStatus job_post_snapshot(Outputs *outputs, MnsCapture *capture, Document *document, Order *order, MnsError *error);
+MnsStatus job_post_checkpoint(Outputs *outputs, MnsCapture *capture, Document *document, Order *order, MnsError *error);
+
+/* Add a row of n values to the series; write the series. */
+MnsStatus job_post_row(Outputs *outputs, MnsProgress at, size_t n, const double *values, MnsError *error);
+MnsStatus job_post_flush(Outputs *outputs, MnsError *error);
+
+/* Waits: series_new(). */
+MnsStatus job_open_series(Writer *writer, const char *directory, const Document *document, bool goes_on, uint64_t last_step,
+                          Series **ret, MnsError *error);
+
+#endif

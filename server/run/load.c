@@ -1,0 +1,264 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Where a simulation comes from and where it goes: load, reset, restore, stop, leave. A new one is complete before the old
+ * one is given up, so that a bad case or a damaged file changes nothing. */
+#include "run/inside.h"
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "proto/case_file.h"
+#include <math.h>
+#include <string.h>
+
+/* What is to take the place of the present run. */
+typedef struct Candidate {
+    Document *document;
+    MnsSim *sim;
+    bool goes_on; /* from a checkpoint */
+    char directory[RUNDIR_PATH];
+} Candidate;
+
+static void candidate_drop(Candidate *candidate)
+{
+    mns_sim_free(candidate->sim);
+    document_leave(candidate->document);
+}
+
+static void note_damaged(void *arg, const char *text) { run_tell(arg, LOG_WARNING, "checkpoint", text); }
+
+/* --- building ---------------------------------------------------------------------------------------------------------- */
+
+static MnsStatus build(Candidate *candidate, Document *document, const MnsCapture *state, MnsError *error)
+{
+    candidate->document = document;
+    MnsStatus status = mns_sim_new(document->c, &candidate->sim, error);
+    if (!status && state) status = mns_sim_restore(candidate->sim, state, error);
+    candidate->goes_on = state != NULL;
+    return status;
+}
+
+/* Go over to the steerable entries of another document of the same case; it is taken over. */
+static MnsStatus adopt(Candidate *candidate, Document *document, MnsError *error)
+{
+    const MnsStatus status = mns_sim_steer(candidate->sim, document->c, error);
+    document_leave(status ? document : candidate->document);
+    if (!status) candidate->document = document;
+    return status;
+}
+
+/* From a checkpoint that has been read. given: what the case file says now, or NULL; borrowed. */
+static MnsStatus build_from(const Run *run, Candidate *candidate, const Checkpoint *checkpoint, const char *name,
+                            Document *given, MnsError *error)
+{
+    Document *stored;
+    MnsStatus status = document_unpack(checkpoint->case_blob, checkpoint->case_size, name, &stored, error);
+    if (status) return status;
+    if (given && case_message_steerable(stored->message, given->message, error)) {
+        char text[sizeof error->text];
+        snprintf(text, sizeof text, "%s", error->text);
+        document_leave(stored);
+        return mns_fail_at(error, MNS_E_INVALID, error->path,
+                           "the case does not agree with that of %s, which can only go on with the same case: %.300s",
+                           checkpoint->path, text);
+    }
+    status = build(candidate, stored, checkpoint->state, error);
+    if (status || !given || !run->options.case_decides) return status;
+    return adopt(candidate, document_share(given), error);
+}
+
+/* --- replacing --------------------------------------------------------------------------------------------------------- */
+
+static void close_log(Run *run)
+{
+    if (run->log) fclose(run->log);
+    run->log = NULL;
+}
+
+/* Give up the present run; its files stay. MNS_OK, or why some output could not be written. */
+static MnsStatus close_run(Run *run, MnsError *error)
+{
+    const MnsStatus status = outputs_close(&run->outputs, error);
+    close_log(run);
+    mns_sim_free(run->sim);
+    document_leave(run->document);
+    breakpoints_free(run->breakpoints);
+    run->breakpoints = breakpoints_new();
+    run->sim = NULL;
+    run->document = NULL;
+    return status;
+}
+
+static void open_log(Run *run)
+{
+    char path[4096];
+    snprintf(path, sizeof path, "%s/log", run->outputs.directory);
+    run->log = fopen(path, "ae");
+}
+
+/* Put the candidate in place. On failure there is no run left. */
+static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
+{
+    MnsError lost;
+    if (close_run(run, &lost)) run_tell(run, LOG_WARNING, "lost", lost.text);
+    const MnsStatus status = outputs_open(&run->outputs, candidate->directory, candidate->document,
+                                          mns_sim_progress(candidate->sim), candidate->goes_on, error);
+    if (status) return status;
+    run->sim = candidate->sim;
+    run->document = candidate->document;
+    *candidate = (Candidate){.sim = NULL};
+    run->meter = (Meter){.stepping = 0};
+    run->loaded = clock_now();
+    open_log(run);
+    return MNS_OK;
+}
+
+/* Install it and answer; status: whether it could be built. previous: the state to fall back to. */
+static void replace(Run *run, Order *order, Candidate *candidate, MnsStatus status, RunState previous, const char *text,
+                    MnsError *error)
+{
+    if (!status) status = rundir_make(candidate->directory, error);
+    if (!status) status = install(run, candidate, error);
+    if (status) {
+        candidate_drop(candidate);
+        run_enter(run, run->sim ? previous : RUN_EMPTY, error->text);
+    } else {
+        snprintf(order->path, sizeof order->path, "%s", run->outputs.directory);
+        order->effect_step = mns_sim_progress(run->sim).step;
+        run_enter(run, RUN_READY, text);
+    }
+    run_answer(run, order, status, error);
+}
+
+/* --- the orders -------------------------------------------------------------------------------------------------------- */
+
+static MnsStatus choose_directory(const Run *run, const RunLoad *load, char ret[static RUNDIR_PATH], MnsError *error)
+{
+    if (!run->options.directory) return rundir_choose(run->options.parent, load->name, load->resume, ret, error);
+    if (strlen(run->options.directory) >= RUNDIR_PATH)
+        return mns_fail(error, MNS_E_LIMIT, "the path of the run directory is too long: %.200s...", run->options.directory);
+    snprintf(ret, RUNDIR_PATH, "%s", run->options.directory);
+    return MNS_OK;
+}
+
+/* document is taken over. */
+static MnsStatus build_load(Run *run, const RunLoad *load, Document *document, Candidate *candidate, MnsError *error)
+{
+    Checkpoint checkpoint;
+    MnsStatus status = MNS_E_NOT_FOUND;
+    if (load->resume)
+        status = outputs_read(run->outputs.writer, candidate->directory, true, note_damaged, run, &checkpoint, error);
+    if (status == MNS_E_NOT_FOUND) return build(candidate, document, NULL, error);
+    if (!status) {
+        status = build_from(run, candidate, &checkpoint, load->name, document, error);
+        checkpoint_done(&checkpoint);
+    }
+    document_leave(document);
+    return status;
+}
+
+void run_load(Run *run, Order *order, const RunLoad *load)
+{
+    const RunState previous = run->state;
+    MnsError error;
+    Candidate candidate = {.sim = NULL};
+    Document *document;
+    MnsStatus status = document_new(load->message, load->name, &document, &error);
+    if (status) {
+        run_answer(run, order, status, &error);
+        return;
+    }
+    run_enter(run, RUN_LOADING, load->name);
+    status = choose_directory(run, load, candidate.directory, &error);
+    if (status) document_leave(document);
+    else status = build_load(run, load, document, &candidate, &error);
+    replace(run, order, &candidate, status, previous, candidate.goes_on ? "loaded, to go on from a checkpoint" : "loaded",
+            &error);
+}
+
+void run_reset(Run *run, Order *order)
+{
+    const RunState previous = run->state;
+    MnsError error;
+    Candidate candidate = {.sim = NULL};
+    snprintf(candidate.directory, sizeof candidate.directory, "%s", run->outputs.directory);
+    run_enter(run, RUN_LOADING, "placing the particles again");
+    const MnsStatus status = build(&candidate, document_share(run->document), NULL, &error);
+    replace(run, order, &candidate, status, previous, "back at the beginning", &error);
+}
+
+static MnsStatus read_named(Run *run, const char *name, Checkpoint *ret, MnsError *error)
+{
+    char path[4096];
+    const char *directory = run->outputs.directory;
+    if (!name) return outputs_read(run->outputs.writer, directory, true, note_damaged, run, ret, error);
+    if (strchr(name, '/') || strlen(name) > 60)
+        return mns_fail_at(error, MNS_E_INVALID, "checkpoint",
+                           "a checkpoint is named by its file in the run directory, as in checkpoint-0000000100.hdf; found "
+                           "\"%.60s\"",
+                           name);
+    snprintf(path, sizeof path, "%s/%s", directory, name);
+    return outputs_read(run->outputs.writer, path, false, NULL, NULL, ret, error);
+}
+
+void run_restore(Run *run, Order *order, const char *name)
+{
+    const RunState previous = run->state;
+    MnsError error;
+    Checkpoint checkpoint;
+    Candidate candidate = {.sim = NULL};
+    snprintf(candidate.directory, sizeof candidate.directory, "%s", run->outputs.directory);
+    MnsStatus status = read_named(run, name, &checkpoint, &error);
+    if (status) {
+        run_answer(run, order, status, &error);
+        return;
+    }
+    char text[4200];
+    snprintf(text, sizeof text, "restored from %s", checkpoint.path);
+    run_enter(run, RUN_LOADING, "restoring");
+    status = build_from(run, &candidate, &checkpoint, run->document->name, NULL, &error);
+    checkpoint_done(&checkpoint);
+    replace(run, order, &candidate, status, previous, text, &error);
+}
+
+/* Leave a checkpoint of this very step and an up-to-date series behind. A diverged state is not worth going on from. */
+static MnsStatus secure(Run *run, bool checkpoint, MnsError *error)
+{
+    const bool diverged = run->fault.status && !run->output_failed;
+    if (!run->sim) return MNS_OK;
+    if (run->fault.status && run->output_failed && writer_retry(run->outputs.writer, error)) return error->status;
+    if (checkpoint && !diverged) return outputs_finish(&run->outputs, run->sim, run->document, error);
+    outputs_flush(&run->outputs, NULL);
+    return writer_drain(run->outputs.writer, error);
+}
+
+void run_stop(Run *run, Order *order, bool checkpoint)
+{
+    MnsError error;
+    MnsError ended;
+    const MnsStatus status = secure(run, checkpoint, &error);
+    mns_fail(&ended, MNS_E_INTERRUPTED, "stopped on request");
+    snprintf(order->path, sizeof order->path, "%s", run->outputs.directory);
+    if (status && checkpoint) { /* asked to keep it, so it is kept until there is room */
+        run_fault(run, &error, true);
+        run_answer(run, order, status, &error);
+        return;
+    }
+    run_goal_end(run, MNS_E_INTERRUPTED, &ended);
+    if (close_run(run, &error)) run_tell(run, LOG_WARNING, "lost", error.text);
+    run_enter(run, RUN_EMPTY, "stopped on request");
+    run_answer(run, order, MNS_OK, NULL);
+}
+
+void run_leave(Run *run, Order *order, bool checkpoint)
+{
+    MnsError error, ended;
+    mns_fail(&ended, MNS_E_INTERRUPTED, "the program is stopping");
+    run_enter(run, RUN_STOPPING, checkpoint ? "stopping, with a checkpoint" : "stopping");
+    run_goal_end(run, MNS_E_INTERRUPTED, &ended);
+    snprintf(order->path, sizeof order->path, "%s", run->outputs.directory);
+    const MnsStatus status = secure(run, checkpoint, &error);
+    if (status) run_tell(run, LOG_ERROR, "lost", error.text);
+    MnsError lost;
+    close_run(run, &lost);
+    run->leaving = true;
+    run_answer(run, order, status, &error);
+}

@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Orders on their way to the runner: two lists, so that pause, stop and cancel overtake everything queued. */
+#include "run/mailbox.h"
+
+#include <math.h>
+#include <string.h>
+#include <time.h>
+
+void mailbox_init(Mailbox *box, size_t limit)
+{
+    *box = (Mailbox){.limit = limit};
+    pthread_mutex_init(&box->lock, NULL);
+    pthread_condattr_t attributes;
+    pthread_condattr_init(&attributes);
+    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
+    pthread_cond_init(&box->filled, &attributes);
+    pthread_condattr_destroy(&attributes);
+}
+
+void mailbox_done(Mailbox *box)
+{
+    pthread_cond_destroy(&box->filled);
+    pthread_mutex_destroy(&box->lock);
+}
+
+static void append(Order **list, Order *order)
+{
+    order->next = NULL;
+    while (*list) list = &(*list)->next;
+    *list = order;
+}
+
+MnsStatus mailbox_post(Mailbox *box, Order *order, MnsError *error)
+{
+    pthread_mutex_lock(&box->lock);
+    const bool full = box->n >= (order->urgent ? 2 * box->limit : box->limit);
+    if (!full) {
+        append(order->urgent ? &box->urgent : &box->plain, order);
+        box->n++;
+        pthread_cond_signal(&box->filled);
+    }
+    pthread_mutex_unlock(&box->lock);
+    if (!full) return MNS_OK;
+    return mns_fail(error, MNS_E_LIMIT, "%zu commands are waiting already; send this one again later", box->limit);
+}
+
+/* With the lock held. */
+static Order *first(Mailbox *box)
+{
+    Order **list = box->urgent ? &box->urgent : &box->plain, *order = *list;
+    if (!order) return NULL;
+    *list = order->next;
+    box->n--;
+    return order;
+}
+
+Order *mailbox_take(Mailbox *box, double until)
+{
+    pthread_mutex_lock(&box->lock);
+    const struct timespec moment = {.tv_sec = (time_t)fmin(until, 1e15),
+                                    .tv_nsec = isfinite(until) ? (long)(1e9 * (until - floor(until))) : 0};
+    int waited = 0;
+    while (!box->urgent && !box->plain && !waited && until > 0)
+        waited = pthread_cond_timedwait(&box->filled, &box->lock, &moment);
+    Order *order = first(box);
+    pthread_mutex_unlock(&box->lock);
+    return order;
+}
+
+static Order *unlink_id(Order **list, const uint8_t *id)
+{
+    for (; *list; list = &(*list)->next) {
+        Order *order = *list;
+        if (memcmp(order->id, id, ORDER_ID)) continue;
+        *list = order->next;
+        return order;
+    }
+    return NULL;
+}
+
+Order *mailbox_remove(Mailbox *box, const uint8_t id[static ORDER_ID])
+{
+    pthread_mutex_lock(&box->lock);
+    Order *order = unlink_id(&box->plain, id);
+    if (!order) order = unlink_id(&box->urgent, id);
+    if (order) box->n--;
+    pthread_mutex_unlock(&box->lock);
+    return order;
+}

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Orders on their way to the runner: a bounded queue that says "full" rather than grow. Any thread may post, one takes. */
+#ifndef RUN_MAILBOX_H
+#define RUN_MAILBOX_H
+
+#include "run/order.h"
+#include <pthread.h>
+#include <stddef.h>
+
+typedef struct Mailbox {
+    pthread_mutex_t lock;
+    pthread_cond_t filled;
+    Order *urgent, *plain; /* first of each list */
+    size_t n, limit;
+} Mailbox;
+
+/* limit: how many plain orders it holds; urgent ones always find room for as many again. */
+void mailbox_init(Mailbox *box, size_t limit);
+
+/* Orders still inside are the caller's business: take them first. */
+void mailbox_done(Mailbox *box);
+
+/* MNS_OK; MNS_E_LIMIT if it is full, and the order stays the caller's. */
+MnsStatus mailbox_post(Mailbox *box, Order *order, MnsError *error);
+
+/* The next order, urgent ones first; waits for one until the moment `until` (clock_now()). NULL if there is none. */
+Order *mailbox_take(Mailbox *box, double until);
+
+/* Take the order of this id out of the queue; NULL if it is not there. */
+Order *mailbox_remove(Mailbox *box, const uint8_t id[static ORDER_ID]);
+
+#endif

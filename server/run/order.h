@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What somebody wants of the runner, and the answer: an order travels through the mailbox, is served between two steps, and
+ * comes back through the outbox exactly once. */
+#ifndef RUN_ORDER_H
+#define RUN_ORDER_H
+
+#include <meniscus/status.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+struct Run;
+
+/* Numbered as in the protocol. */
+typedef enum RunState {
+    RUN_EMPTY,
+    RUN_LOADING,
+    RUN_READY,
+    RUN_RUNNING,
+    RUN_PAUSED,
+    RUN_DONE,
+    RUN_FAULT,
+    RUN_STOPPING,
+    RUN_STATES
+} RunState;
+
+/* "RUNNING". */
+const char *run_state_name(RunState state);
+
+enum { ORDER_ID = 16 };
+
+typedef struct Order {
+    struct Order *next;
+    uint8_t id[ORDER_ID];
+    bool urgent;     /* overtakes all that are not                                           */
+    double deadline; /* [s] of clock_now(); INFINITY: none                                   */
+
+    /* Called on the runner's thread. Must lead to one run_answer(), at once or later. */
+    void (*serve)(struct Run *run, struct Order *order);
+
+    /* The answer: */
+    MnsStatus status;
+    MnsError error; /* if status is not MNS_OK                                              */
+    RunState state; /* after the effect                                                     */
+    uint64_t step, effect_step;
+    double t;        /* [s]                                                                  */
+    char path[4096]; /* of the file written, or the run directory; empty if there is none    */
+} Order;
+
+#endif

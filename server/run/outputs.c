@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What a run leaves behind, and when: taken after a step, written elsewhere. */
+#include "run/outputs.h"
+
+#include "base/clock.h"
+#include "run/jobs.h"
+#include "run/schedule.h"
+#include <math.h>
+#include <stdio.h>
+
+/* A series is written whole each time, so a crash may cost the samples of this long [s], not more work. */
+static const double FLUSH_INTERVAL = 10;
+
+MnsStatus outputs_open(Outputs *outputs, const char *directory, const Document *document, MnsProgress progress,
+                       bool goes_on, MnsError *error)
+{
+    Series *series = NULL;
+    MnsStatus status = rundir_abandon(directory, !goes_on, progress.step, error);
+    if (!status) status = rundir_write(directory, "case.yaml", document->text, error);
+    if (!status && document->c->n_probes)
+        status = job_open_series(outputs->writer, directory, document, goes_on, progress.step, &series, error);
+    if (status) return status;
+    snprintf(outputs->directory, sizeof outputs->directory, "%s", directory);
+    outputs->series = series;
+    outputs->t_before = goes_on && progress.step > 0 ? progress.t : -INFINITY;
+    outputs->at_checkpoint = goes_on ? progress.step : UINT64_MAX;
+    outputs->wall_checkpoint = outputs->wall_flush = clock_now();
+    return MNS_OK;
+}
+
+MnsStatus outputs_close(Outputs *outputs, MnsError *error)
+{
+    if (!outputs->directory[0]) return MNS_OK;
+    outputs_flush(outputs, NULL);
+    const MnsStatus status = writer_drain(outputs->writer, error);
+    writer_discard(outputs->writer);
+    series_free(outputs->series);
+    outputs->series = NULL;
+    outputs->directory[0] = 0;
+    return status;
+}
+
+/* Measure all probes; the samples go to the file and to whoever watches. */
+static MnsStatus take_probes(Outputs *outputs, const MnsSim *sim, Document *document, MnsError *error)
+{
+    const size_t n = document->c->n_probes;
+    const MnsProgress now = mns_sim_progress(sim);
+    double values[MNS_MAX_PROBES];
+    for (size_t k = 0; k < n; k++) values[k] = mns_sim_probe(sim, k);
+    Note *note = note_new(NOTE_PROBES, n);
+    if (!note) return mns_fail(error, MNS_E_MEMORY, "no memory for a sample of the probes");
+    note->state = RUN_RUNNING;
+    note->step = now.step;
+    note->t = now.t;
+    note->document = document_share(document);
+    for (size_t k = 0; k < n; k++) note->values[k] = values[k];
+    outbox_put(outputs->outbox, note);
+    return job_post_row(outputs, now, n, values, error);
+}
+
+MnsStatus outputs_flush(Outputs *outputs, MnsError *error)
+{
+    outputs->wall_flush = clock_now();
+    return outputs->series ? job_post_flush(outputs, error) : MNS_OK;
+}
+
+MnsStatus outputs_checkpoint(Outputs *outputs, const MnsSim *sim, Document *document, Order *order, MnsError *error)
+{
+    MnsCapture *capture;
+    const MnsStatus status = mns_sim_capture(sim, mns_state_fields(), &capture, error);
+    if (status) return status;
+    outputs->wall_checkpoint = clock_now();
+    outputs->at_checkpoint = capture->progress.step;
+    outputs_flush(outputs, NULL); /* a restart needs the samples up to the checkpoint */
+    return job_post_checkpoint(outputs, capture, document, order, error);
+}
+
+static uint64_t field_bit(const char *name)
+{
+    const int k = mns_field_find(name);
+    return k < 0 ? 0 : (uint64_t)1 << k;
+}
+
+MnsStatus outputs_snapshot(Outputs *outputs, const MnsSim *sim, Document *document, uint64_t fields, Order *order,
+                           MnsError *error)
+{
+    const MnsOutput *output = &document->c->output;
+    MnsCapture *capture;
+    fields |= field_bit("position") | field_bit("id") | field_bit("phase");
+    for (size_t k = 0; k < output->n_fields; k++) fields |= field_bit(output->fields[k]);
+    const MnsStatus status = mns_sim_capture(sim, fields, &capture, error);
+    return status ? status : job_post_snapshot(outputs, capture, document, order, error);
+}
+
+static bool checkpoint_due(const Outputs *outputs, const MnsOutput *output, double t)
+{
+    const double wall = output->checkpoint_wall_interval;
+    if (wall > 0 && clock_now() - outputs->wall_checkpoint >= wall) return true;
+    return schedule_due(output->checkpoint_interval, outputs->t_before, t);
+}
+
+MnsStatus outputs_take(Outputs *outputs, const MnsSim *sim, Document *document, MnsError *error)
+{
+    const MnsOutput *output = &document->c->output;
+    const double before = outputs->t_before, t = mns_sim_progress(sim).t;
+    MnsStatus status = MNS_OK;
+    if (outputs->series && schedule_due(output->probe_interval, before, t))
+        status = take_probes(outputs, sim, document, error);
+    if (!status && schedule_due(output->snapshot_interval, before, t))
+        status = outputs_snapshot(outputs, sim, document, 0, NULL, error);
+    if (!status && checkpoint_due(outputs, output, t)) status = outputs_checkpoint(outputs, sim, document, NULL, error);
+    if (!status && clock_now() - outputs->wall_flush >= FLUSH_INTERVAL) status = outputs_flush(outputs, error);
+    if (status) return status;
+    outputs->t_before = t;
+    return writer_failure(outputs->writer, error);
+}
+
+MnsStatus outputs_finish(Outputs *outputs, const MnsSim *sim, Document *document, MnsError *error)
+{
+    MnsStatus status = MNS_OK;
+    if (outputs->at_checkpoint != mns_sim_progress(sim).step)
+        status = outputs_checkpoint(outputs, sim, document, NULL, error);
+    else status = outputs_flush(outputs, error);
+    return status ? status : writer_drain(outputs->writer, error);
+}

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What a run leaves behind in its directory: probe series, snapshots, checkpoints. The runner copies what is due after a
+ * step; the writer's thread writes it. Whatever is due waits for a slow disk, so that nothing is lost. */
+#ifndef RUN_OUTPUTS_H
+#define RUN_OUTPUTS_H
+
+#include "io/checkpoint.h"
+#include "io/series.h"
+#include "run/document.h"
+#include "run/outbox.h"
+#include "run/rundir.h"
+#include "run/writer.h"
+
+typedef struct Outputs {
+    char directory[RUNDIR_PATH];
+    Writer *writer;
+    Outbox *outbox;
+    Series *series;         /* the writer's thread only; NULL without probes                    */
+    double t_before;        /* of the boundary before [s]; -INFINITY: nothing has been taken    */
+    double wall_checkpoint; /* clock_now() of the last one; of the beginning if there is none   */
+    double wall_flush;      /* the same for the series                                          */
+    uint64_t at_checkpoint; /* step of the last one; UINT64_MAX: none                           */
+
+    /* Tell who ordered an output that it is written or failed; on the writer's thread. */
+    void (*answer)(void *arg, Order *order, MnsStatus status, const MnsError *error);
+    void *arg;
+} Outputs;
+
+/* Go to a directory, which exists, with a state at `progress`: the series begins there, or goes on if `goes_on`, and files of
+ * later steps are moved aside. On failure outputs is as it was, but for files moved. */
+MnsStatus outputs_open(Outputs *outputs, const char *directory, const Document *document, MnsProgress progress,
+                       bool goes_on, MnsError *error);
+
+/* Write what is left and close the series. MNS_OK; or the failure, and what could not be written is given up. */
+MnsStatus outputs_close(Outputs *outputs, MnsError *error);
+
+/* Take what is due at this boundary. MNS_OK; MNS_E_MEMORY; or the failure of an output by the writer: then what is due has
+ * been taken all the same and is kept behind the one that failed. */
+MnsStatus outputs_take(Outputs *outputs, const MnsSim *sim, Document *document, MnsError *error);
+
+/* Take a checkpoint now, or a snapshot with these fields besides those of the case. MNS_OK or MNS_E_MEMORY.
+ *  order  answered when it is written, or not: then it is taken over unless MNS_E_MEMORY is returned; NULL if nobody asked */
+MnsStatus outputs_checkpoint(Outputs *outputs, const MnsSim *sim, Document *document, Order *order, MnsError *error);
+MnsStatus outputs_snapshot(Outputs *outputs, const MnsSim *sim, Document *document, uint64_t fields, Order *order,
+                           MnsError *error);
+
+/* Have the series written soon. */
+MnsStatus outputs_flush(Outputs *outputs, MnsError *error);
+
+/* The series and a checkpoint of this very step, written before this returns. */
+MnsStatus outputs_finish(Outputs *outputs, const MnsSim *sim, Document *document, MnsError *error);
+
+/* Read a checkpoint on the writer's thread: a path, or the newest whole one in a directory; damaged ones are told to note.
+ * What checkpoint_read() and checkpoint_newest() return. */
+MnsStatus outputs_read(Writer *writer, const char *path, bool newest, void (*note)(void *arg, const char *text), void *arg,
+                       Checkpoint *ret, MnsError *error);
+
+#endif

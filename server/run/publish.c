@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What others see of a run: its status, and notes of what happens. */
+#include "run/inside.h"
+
+#include "base/clock.h"
+#include "base/log.h"
+#include <math.h>
+#include <sched.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+const char *run_state_name(RunState state)
+{
+    static const char *const names[RUN_STATES] = {"EMPTY",  "LOADING", "READY", "RUNNING",
+                                                  "PAUSED", "DONE",    "FAULT", "STOPPING"};
+    return (unsigned)state < RUN_STATES ? names[state] : "UNKNOWN";
+}
+
+void run_beat(void *run) { ((Run *)run)->beat++; }
+
+uint64_t run_heartbeat(Run *run) { return run->beat; }
+
+void run_status(Run *run, RunStatus *ret)
+{
+    pthread_mutex_lock(&run->lock);
+    *ret = run->status;
+    pthread_mutex_unlock(&run->lock);
+    ret->skipped = outbox_skipped(&run->outbox);
+}
+
+Document *run_document(Run *run)
+{
+    pthread_mutex_lock(&run->lock);
+    Document *document = document_share(run->published);
+    pthread_mutex_unlock(&run->lock);
+    return document;
+}
+
+/* With the lock held, and a simulation. */
+static void fill_numbers(const Run *run, RunStatus *status)
+{
+    status->progress = mns_sim_progress(run->sim);
+    status->steps_per_second = run->state == RUN_RUNNING && run->meter.steps_rate > 0 ? run->meter.steps_rate : NAN;
+    status->eta = run->state == RUN_RUNNING ? meter_eta(&run->meter, status->progress.t, status->end_time) : NAN;
+    status->ns_per_particle_step = meter_ns(&run->meter);
+    status->stepping = run->meter.stepping;
+    status->wall = clock_now() - run->loaded;
+    const MnsTimer *timers = mns_sim_timers(run->sim, &status->n_timers);
+    if (status->n_timers > RUN_TIMERS) status->n_timers = RUN_TIMERS;
+    memcpy(status->timers, timers, status->n_timers * sizeof *timers);
+}
+
+void run_publish_step(Run *run)
+{
+    pthread_mutex_lock(&run->lock);
+    fill_numbers(run, &run->status);
+    pthread_mutex_unlock(&run->lock);
+}
+
+/* 0 in a case stands for all processors the process may use. */
+static unsigned threads_of(const MnsCase *c)
+{
+    cpu_set_t set;
+    if (c->threads) return c->threads;
+    return sched_getaffinity(0, sizeof set, &set) ? 1 : (unsigned)CPU_COUNT(&set);
+}
+
+static void fill_case(const Run *run, RunStatus *status)
+{
+    const MnsCase *c = run->document->c;
+    snprintf(status->case_name, sizeof status->case_name, "%s", run->document->name);
+    snprintf(status->title, sizeof status->title, "%s", c->title);
+    memcpy(status->directory, run->outputs.directory, sizeof status->directory);
+    status->end_time = c->end_time;
+    status->threads = threads_of(c);
+    status->particles = mns_sim_particles(run->sim);
+    status->fluid_particles = mns_sim_fluid_particles(run->sim);
+    status->bytes = mns_sim_bytes(run->sim);
+    breakpoints_list(run->breakpoints, status->breakpoints, &status->n_breakpoints);
+    fill_numbers(run, status);
+}
+
+void run_publish(Run *run)
+{
+    const bool still = run->sim && run->state != RUN_RUNNING && run->state != RUN_LOADING;
+    const uint64_t hash = still ? mns_sim_hash(run->sim) : 0;
+    pthread_mutex_lock(&run->lock);
+    RunStatus *status = &run->status;
+    memset(status, 0, sizeof *status);
+    status->steps_per_second = status->ns_per_particle_step = status->eta = status->end_time = NAN;
+    status->state = run->state;
+    status->hash = hash;
+    if (run->state == RUN_FAULT) status->fault = run->fault;
+    if (run->sim) fill_case(run, status);
+    document_leave(run->published);
+    run->published = document_share(run->document);
+    pthread_mutex_unlock(&run->lock);
+}
+
+static Note *note_now(const Run *run, NoteKind kind)
+{
+    Note *note = note_new(kind, 0);
+    if (!note) return NULL;
+    const MnsProgress now = run->sim ? mns_sim_progress(run->sim) : (MnsProgress){.t = 0};
+    note->state = run->state;
+    note->step = now.step;
+    note->t = now.t;
+    return note;
+}
+
+/* A line in the log of the run directory; a full disk must not stop a run because of its log. */
+static void write_log(const Run *run, const char *word, const char *text)
+{
+    char moment[32];
+    const time_t now = time(NULL);
+    struct tm parts;
+    if (!run->log || !run->sim) return;
+    strftime(moment, sizeof moment, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &parts));
+    const MnsProgress at = mns_sim_progress(run->sim);
+    fprintf(run->log, "%s step %lu t %.9g %s: %s\n", moment, (unsigned long)at.step, at.t, word, text);
+    fflush(run->log);
+}
+
+void run_tell(Run *run, int level, const char *word, const char *text)
+{
+    log_line((LogLevel)level, "%s: %s", word, text);
+    write_log(run, word, text);
+    Note *event = note_now(run, level == LOG_INFORMATION || level == LOG_ERROR ? NOTE_EVENT : NOTE_LOG);
+    if (!event) return;
+    event->level = level;
+    snprintf(event->word, sizeof event->word, "%s", word);
+    snprintf(event->text, sizeof event->text, "%s", text);
+    outbox_put(&run->outbox, event);
+}
+
+void run_tell_progress(Run *run)
+{
+    Note *note = note_now(run, NOTE_PROGRESS);
+    run->progress = clock_now();
+    if (!note) return;
+    note->end_time = run->document->c->end_time;
+    note->fraction = note->end_time > 0 ? fmin(note->t / note->end_time, 1) : 1;
+    note->dt = mns_sim_progress(run->sim).dt;
+    note->eta = meter_eta(&run->meter, note->t, note->end_time);
+    note->steps_per_second = run->meter.steps_rate > 0 ? run->meter.steps_rate : NAN;
+    outbox_put(&run->outbox, note);
+}
+
+void run_enter(Run *run, RunState state, const char *text)
+{
+    run->state = state;
+    if (state != RUN_FAULT && state != RUN_STOPPING && state != RUN_LOADING) run->fault = (MnsError){.status = MNS_OK};
+    run_publish(run);
+    char word[24];
+    snprintf(word, sizeof word, "%s", run_state_name(state));
+    for (char *c = word; *c; c++) *c = (char)(*c >= 'A' && *c <= 'Z' ? *c + 'a' - 'A' : *c);
+    run_tell(run, state == RUN_FAULT ? LOG_ERROR : LOG_INFORMATION, word, text);
+    if (run->sim && state != RUN_LOADING) run_tell_progress(run);
+    run_answer_waiters(run);
+}
+
+void run_answer(Run *run, Order *order, MnsStatus status, const MnsError *error)
+{
+    order->status = status;
+    if (status) order->error = *error;
+    pthread_mutex_lock(&run->lock);
+    order->state = run->status.state;
+    order->step = run->status.progress.step;
+    order->t = run->status.progress.t;
+    pthread_mutex_unlock(&run->lock);
+    Note *note = note_new(NOTE_ANSWER, 0);
+    if (!note) return; /* the sender's deadline must do */
+    note->order = order;
+    outbox_put(&run->outbox, note);
+}

@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The whole life of the solver's thread: serve orders, step, and again. */
+#include "run/inside.h"
+
+#include "base/clock.h"
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+/* How many orders wait at most, and how many are served between two steps. */
+enum { MAILBOX_LIMIT = 2048, SERVED_AT_ONCE = 64 };
+
+static void serve(Run *run, Order *order)
+{
+    MnsError error;
+    order->effect_step = run->sim ? mns_sim_progress(run->sim).step : 0;
+    if (order->deadline < clock_now())
+        run_answer(run, order,
+                   mns_fail(&error, MNS_E_TIMEOUT, "the deadline passed before the command could take effect; nothing was done"),
+                   &error);
+    else order->serve(run, order);
+}
+
+/* Until when to sleep if nobody wants anything: a paused run uses no processor. The OpenMP team does not either: both
+ * runtimes put their threads to sleep after a short spin. */
+static double wake_time(const Run *run)
+{
+    if (run->state == RUN_RUNNING) return 0;
+    const double beat = run->options.beat_interval > 0 ? clock_now() + run->options.beat_interval : INFINITY;
+    return fmin(beat, run_next_deadline(run));
+}
+
+static void serve_some(Run *run)
+{
+    for (int k = 0; k < SERVED_AT_ONCE && !run->leaving; k++) {
+        Order *order = mailbox_take(&run->mailbox, wake_time(run));
+        run_beat(run);
+        if (!order) break;
+        serve(run, order);
+    }
+    run_expire(run);
+}
+
+/* Whoever still waits is told that it was in vain. */
+static void answer_all(Run *run)
+{
+    MnsError error;
+    mns_fail(&error, MNS_E_UNAVAILABLE, "the daemon is leaving");
+    run_goal_end(run, MNS_E_UNAVAILABLE, &error);
+    for (Waiter *waiter; (waiter = run->waiters); free(waiter)) {
+        run->waiters = waiter->next;
+        run_answer(run, waiter->order, MNS_E_UNAVAILABLE, &error);
+    }
+    for (Order *order; (order = mailbox_take(&run->mailbox, 0));) run_answer(run, order, MNS_E_UNAVAILABLE, &error);
+}
+
+static void *run_thread(void *arg)
+{
+    Run *run = arg;
+    /* Linux keeps a niceness for each thread, and the team of OpenMP, made by this one, inherits it. So the threads that
+     * serve people are first in line when all processors compute. Without the permission nothing is lost but that. */
+    if (run->options.nice) setpriority(PRIO_PROCESS, (id_t)gettid(), run->options.nice);
+    while (!run->leaving) {
+        serve_some(run);
+        if (run->state == RUN_RUNNING) run_advance(run);
+    }
+    answer_all(run);
+    return NULL;
+}
+
+static void answer_output(void *run, Order *order, MnsStatus status, const MnsError *error)
+{
+    run_answer(run, order, status, error);
+}
+
+static void destroy(Run *run)
+{
+    writer_free(run->outputs.writer);
+    breakpoints_free(run->breakpoints);
+    mailbox_done(&run->mailbox);
+    outbox_done(&run->outbox);
+    pthread_mutex_destroy(&run->lock);
+    free(run);
+}
+
+MnsStatus run_new(const RunOptions *options, Run **ret, MnsError *error)
+{
+    Run *run = calloc(1, sizeof *run);
+    if (!run) return mns_fail(error, MNS_E_MEMORY, "no memory for a run");
+    MnsStatus status = outbox_init(&run->outbox, error);
+    if (status) {
+        free(run);
+        return status;
+    }
+    run->options = *options;
+    mailbox_init(&run->mailbox, MAILBOX_LIMIT);
+    pthread_mutex_init(&run->lock, NULL);
+    run->breakpoints = breakpoints_new();
+    run->outputs = (Outputs){.outbox = &run->outbox, .answer = answer_output, .arg = run};
+    if (!run->breakpoints) status = mns_fail(error, MNS_E_MEMORY, "no memory for a run");
+    else status = writer_new(run_beat, run, &run->outputs.writer, error);
+    if (!status && pthread_create(&run->thread, NULL, run_thread, run))
+        status = mns_fail(error, MNS_E_MEMORY, "the operating system refuses a thread for the solver");
+    if (status) destroy(run);
+    else *ret = run;
+    return status;
+}
+
+void run_free(Run *run)
+{
+    if (!run) return;
+    pthread_join(run->thread, NULL);
+    destroy(run);
+}
+
+MnsStatus run_post(Run *run, Order *order, MnsError *error) { return mailbox_post(&run->mailbox, order, error); }
+
+Outbox *run_outbox(Run *run) { return &run->outbox; }
+
+RunState run_state(const Run *run) { return run->state; }
+
+const MnsSim *run_sim(const Run *run) { return run->sim; }

@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A run: one simulation, its thread, and what it writes. Everybody else posts orders, which are served between two steps,
+ * and reads notes from the outbox. Nothing here knows a socket; daemon and batch mode use the same. */
+#ifndef RUN_RUN_H
+#define RUN_RUN_H
+
+#include "run/breakpoint.h"
+#include "run/document.h"
+#include "run/outbox.h"
+#include "run/rundir.h"
+
+typedef struct Run Run;
+
+typedef struct RunOptions {
+    const char *parent;    /* directory in which each run gets one of its own                                      */
+    const char *directory; /* or the directory of the only run; files of an earlier one in it are moved aside       */
+    int nice;              /* of the solver's threads: what serves people must come first while every core computes */
+    bool case_decides;     /* on resuming: steerable entries as the case given says, not as the checkpoint says     */
+    double beat_interval;  /* [s] run_heartbeat() rises at least as often while idle; 0: only with the steps        */
+} RunOptions;
+
+enum { RUN_TIMERS = 32 };
+
+/* A look at the run, as it was at the last step boundary. */
+typedef struct RunStatus {
+    RunState state;
+    char case_name[128], title[256];
+    char directory[RUNDIR_PATH]; /* empty without a case */
+    MnsProgress progress;
+    double end_time; /* [s] */
+    size_t particles, fluid_particles, bytes;
+    double steps_per_second, ns_per_particle_step, eta; /* [1/s], [ns], [s]; NAN: not known */
+    double stepping, wall;                              /* wall-clock time in steps, and since the case was loaded [s] */
+    uint64_t skipped;                                   /* live samples dropped */
+    uint64_t hash;                                      /* of the state, when it stands still with a case; else 0 */
+    unsigned threads;
+    MnsError fault; /* in FAULT */
+    size_t n_timers, n_breakpoints;
+    MnsTimer timers[RUN_TIMERS];
+    Breakpoint breakpoints[BREAKPOINTS];
+} RunStatus;
+
+/* Start the threads; the strings are borrowed until run_free(). MNS_OK, MNS_E_MEMORY, MNS_E_LIMIT. */
+MnsStatus run_new(const RunOptions *options, Run **ret, MnsError *error);
+
+/* Wait for the threads, which end after an order of run_leave(), and free all. NULL is fine. */
+void run_free(Run *run);
+
+/* --- for any thread ---------------------------------------------------------------------------------------------------- */
+
+/* MNS_OK: the order comes back in a NOTE_ANSWER. MNS_E_LIMIT: too many are waiting, and it is still the caller's. */
+MnsStatus run_post(Run *run, Order *order, MnsError *error);
+
+Outbox *run_outbox(Run *run);
+void run_status(Run *run, RunStatus *ret);
+
+/* A share of the present case; NULL if there is none. */
+Document *run_document(Run *run);
+
+/* A number that rises with every step, and while the run has nothing to do; it stands still if the solver hangs. */
+uint64_t run_heartbeat(Run *run);
+
+/* --- for Order.serve, on the runner's thread. Each of these answers the order, now or when done -------------------------- */
+
+typedef struct RunLoad {
+    const Meniscus__Case *message; /* copied */
+    const char *name;
+    bool resume; /* from the newest whole checkpoint in the run directory, if there is one */
+} RunLoad;
+
+void run_load(Run *run, Order *order, const RunLoad *load);
+void run_reset(Run *run, Order *order);                   /* to t = 0 of the same case                              */
+void run_restore(Run *run, Order *order, const char *name); /* of a file in the run directory; NULL: the newest whole */
+void run_stop(Run *run, Order *order, bool checkpoint);   /* to EMPTY, files kept                                   */
+void run_leave(Run *run, Order *order, bool checkpoint);  /* the last order: the thread ends                        */
+
+void run_go(Run *run, Order *order); /* start or resume: run to the end                                                */
+void run_pause(Run *run, Order *order);
+void run_step(Run *run, Order *order, uint64_t n);
+void run_until(Run *run, Order *order, double t, bool exact); /* exact: the last step is shortened                    */
+
+/* Until a state of the set (bit 1 << state), a time [s] or a step is reached; INFINITY and UINT64_MAX for no matter. */
+typedef struct RunWait {
+    unsigned states;
+    double t;
+    uint64_t step;
+} RunWait;
+void run_wait(Run *run, Order *order, const RunWait *wait);
+
+/* End the step, run_until or wait of that id; or take an order out of the queue. */
+void run_cancel(Run *run, Order *order, const uint8_t id[static ORDER_ID]);
+
+void run_checkpoint(Run *run, Order *order);
+void run_snapshot(Run *run, Order *order, size_t n, char *const *fields);
+
+/* Change n entries of the case, or none. */
+void run_set(Run *run, Order *order, size_t n, const char *const *paths, const char *const *values);
+
+/* Set a breakpoint, or remove that of its name. */
+void run_breakpoint(Run *run, Order *order, const Breakpoint *point, bool remove);
+
+/* Answer an order that only looked. */
+void run_answer(Run *run, Order *order, MnsStatus status, const MnsError *error);
+
+RunState run_state(const Run *run);
+const MnsSim *run_sim(const Run *run); /* NULL without a case */
+
+#endif

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The directory that holds everything of one run: case.yaml, log, checkpoint-STEP.hdf, snapshot-STEP.hdf,
+ * snapshots.hdf.series, probes.hdf. Files of a time line that was left go to its subdirectory abandoned/. */
+#ifndef RUN_RUNDIR_H
+#define RUN_RUNDIR_H
+
+#include <meniscus/status.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum { RUNDIR_PATH = 4096 - 64 }; /* leaves room for the names of its files in a path */
+
+/* Which directory below parent a run of this name takes: NAME, or the first of NAME.2, NAME.3 ... that does not exist; with
+ * `latest`, the last that does (NAME if there is none). MNS_E_LIMIT if the path is too long. */
+MnsStatus rundir_choose(const char *parent, const char *name, bool latest, char ret[static RUNDIR_PATH],
+                        MnsError *error);
+
+/* Make the directory and those above it, and see whether it can be written to. MNS_E_IO, MNS_E_NO_SPACE. */
+MnsStatus rundir_make(const char *dir, MnsError *error);
+
+/* Take away the directory if nothing is in it, as after a run that could not begin. */
+void rundir_unmake(const char *dir);
+
+/* Write DIR/NAME whole: temporary file, fsync, rename. */
+MnsStatus rundir_write(const char *dir, const char *name, const char *text, MnsError *error);
+
+/* Move aside the checkpoints and snapshots of steps later than `after`, or with all, every one and the probes. */
+MnsStatus rundir_abandon(const char *dir, bool all, uint64_t after, MnsError *error);
+
+/* Names of the files people look for (the log is not one), sorted; ret and its *ret_n strings are the caller's. */
+MnsStatus rundir_list(const char *dir, char ***ret, size_t *ret_n, MnsError *error);
+
+#endif

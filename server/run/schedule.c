@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* When an output is due. */
+#include "run/schedule.h"
+
+#include <math.h>
+
+/* Largest k with k * interval <= t. The quotient may round across an integer, so the product decides: then a boundary at
+ * exactly k * interval counts as there, however the division went. */
+static double ticks(double interval, double t)
+{
+    double k = floor(t / interval);
+    if (!(k < 1e15)) return k; /* beyond, k + 1 is no other number */
+    while (k * interval > t) k--;
+    while ((k + 1) * interval <= t) k++;
+    return k;
+}
+
+bool schedule_due(double interval, double before, double t)
+{
+    if (!(interval > 0)) return false;
+    if (before < 0 || t - before >= interval) return true;
+    return ticks(interval, t) > ticks(interval, before);
+}

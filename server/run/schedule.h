@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* When an output is due: at the first step boundary at or after k times its interval, k counted from 0. Nothing is
+ * remembered but the time of the boundary before, so a restart shifts nothing. */
+#ifndef RUN_SCHEDULE_H
+#define RUN_SCHEDULE_H
+
+#include <stdbool.h>
+
+/* Is it due at the boundary at time t?
+ *  interval  [s]; 0: never
+ *  before    time of the boundary before [s]; -INFINITY at the first of a run */
+bool schedule_due(double interval, double before, double t);
+
+#endif

@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Changes of a run under way: entries of its case, breakpoints, outputs on demand. */
+#include "run/inside.h"
+
+#include "base/log.h"
+#include "proto/case_file.h"
+#include <string.h>
+
+/* Message with all assignments made, one after the other. */
+static MnsStatus assign(const Meniscus__Case *old, size_t n, const char *const *paths, const char *const *values,
+                        Meniscus__Case **ret, MnsError *error)
+{
+    Meniscus__Case *last = NULL;
+    for (size_t k = 0; k < n; k++) {
+        Meniscus__Case *next;
+        const MnsStatus status = case_message_set(last ? last : old, paths[k], values[k], &next, error);
+        if (last) meniscus__case__free_unpacked(last, NULL);
+        if (status) return status;
+        last = next;
+    }
+    *ret = last;
+    return last ? MNS_OK : mns_fail(error, MNS_E_INVALID, "there is nothing to set: give at least one path=value");
+}
+
+/* The document of the changed case, if the run may change to it now. */
+static MnsStatus changed(const Run *run, size_t n, const char *const *paths, const char *const *values, Document **ret,
+                         MnsError *error)
+{
+    Meniscus__Case *message;
+    MnsStatus status = assign(run->document->message, n, paths, values, &message, error);
+    if (status) return status;
+    status = case_message_steerable(run->document->message, message, error);
+    if (!status) status = document_new(message, run->document->name, ret, error);
+    meniscus__case__free_unpacked(message, NULL);
+    if (status) return status;
+    const double t = mns_sim_progress(run->sim).t, end = (*ret)->c->end_time;
+    if (end >= t) return MNS_OK;
+    document_leave(*ret);
+    return mns_fail_at(error, MNS_E_INVALID, "end_time", "the end time must not lie before the present time, %.9g s; found %.9g",
+                       t, end);
+}
+
+static void tell_changes(Run *run, size_t n, const char *const *paths, const char *const *values)
+{
+    for (size_t k = 0; k < n; k++) {
+        char text[512];
+        snprintf(text, sizeof text, "%.200s = %.200s", paths[k], values[k]);
+        run_tell(run, LOG_INFORMATION, "set", text);
+    }
+}
+
+void run_set(Run *run, Order *order, size_t n, const char *const *paths, const char *const *values)
+{
+    MnsError error;
+    Document *document;
+    MnsStatus status = changed(run, n, paths, values, &document, &error);
+    if (!status) {
+        status = mns_sim_steer(run->sim, document->c, &error);
+        document_leave(status ? document : run->document);
+    }
+    if (!status) {
+        run->document = document;
+        run_publish(run);
+        tell_changes(run, n, paths, values);
+        if (run->state == RUN_DONE && mns_sim_progress(run->sim).t < document->c->end_time)
+            run_enter(run, RUN_PAUSED, "the end time was moved");
+    }
+    run_answer(run, order, status, &error);
+}
+
+void run_breakpoint(Run *run, Order *order, const Breakpoint *point, bool remove)
+{
+    MnsError error;
+    const MnsStatus status = remove ? breakpoints_remove(run->breakpoints, point->name, &error)
+                                    : breakpoints_set(run->breakpoints, run->document->c, point, &error);
+    if (!status) run_publish(run);
+    run_answer(run, order, status, &error);
+}
+
+/* The order is with the writer unless there was no memory for the copy. A failure of the file comes up at the next boundary,
+ * or here if the run stands still. */
+static void after_output(Run *run, Order *order, MnsStatus status, const MnsError *error)
+{
+    MnsError failed;
+    if (status) run_answer(run, order, status, error);
+    else if (run->state != RUN_RUNNING && run->state != RUN_FAULT && writer_drain(run->outputs.writer, &failed))
+        run_fault(run, &failed, true);
+}
+
+void run_checkpoint(Run *run, Order *order)
+{
+    MnsError error;
+    MnsStatus status = MNS_OK;
+    if (run->state == RUN_FAULT && run->output_failed)
+        status = mns_fail(&error, MNS_E_STATE, "an earlier output waits to be written; resume first: %.300s", run->fault.text);
+    if (!status) status = outputs_checkpoint(&run->outputs, run->sim, run->document, order, &error);
+    after_output(run, order, status, &error);
+}
+
+static MnsStatus find_fields(size_t n, char *const *fields, uint64_t *ret, MnsError *error)
+{
+    for (size_t k = 0; k < n; k++) {
+        const int field = mns_field_find(fields[k]);
+        if (field < 0) return mns_fail_at(error, MNS_E_NOT_FOUND, "fields", "there is no field \"%.60s\"", fields[k]);
+        *ret |= (uint64_t)1 << field;
+    }
+    return MNS_OK;
+}
+
+void run_snapshot(Run *run, Order *order, size_t n, char *const *fields)
+{
+    MnsError error;
+    uint64_t mask = 0;
+    MnsStatus status = find_fields(n, fields, &mask, &error);
+    if (!status && run->state == RUN_FAULT && run->output_failed)
+        status = mns_fail(&error, MNS_E_STATE, "an earlier output waits to be written; resume first: %.300s", run->fault.text);
+    if (!status) status = outputs_snapshot(&run->outputs, run->sim, run->document, mask, order, &error);
+    after_output(run, order, status, &error);
+}

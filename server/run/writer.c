@@ -1,0 +1,232 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The thread that writes files, and its queue. */
+#include "run/writer.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+#include <time.h>
+
+/* A copy of the particles is large, so that only two may wait; the bound of the light ones is one of decency. */
+enum { HEAVY_MAX = 2, LIGHT_MAX = 4096 };
+
+struct Writer {
+    pthread_t thread;
+    pthread_mutex_t lock;
+    pthread_cond_t changed; /* anything below                                     */
+    Job *first;             /* the one being done, or that failed; then the others */
+    unsigned heavy, light;
+    bool busy, leaving;
+    MnsStatus status; /* of the failed job */
+    MnsError error;
+    void (*wait)(void *arg);
+    void *arg;
+};
+
+static void count(Writer *writer, const Job *job, int by)
+{
+    unsigned *which = job->heavy ? &writer->heavy : &writer->light;
+    *which += (unsigned)by;
+}
+
+static void tell(Job *job, MnsStatus status, const MnsError *error)
+{
+    if (job->told) job->told(job, status, error);
+    if (status && !job->once) job->told = NULL; /* kept; whoever asked has been told */
+}
+
+static void drop(Writer *writer, Job *job)
+{
+    writer->first = job->next;
+    count(writer, job, -1);
+    if (job->free) job->free(job);
+}
+
+/* Do the first job; called with the lock held, which is let go meanwhile. */
+static void work(Writer *writer)
+{
+    Job *job = writer->first;
+    MnsError error = {.status = MNS_OK};
+    writer->busy = true;
+    pthread_mutex_unlock(&writer->lock);
+    const MnsStatus status = job->write(job, &error);
+    pthread_mutex_lock(&writer->lock);
+    tell(job, status, &error);
+    writer->busy = false;
+    if (status && !job->once) {
+        writer->status = status;
+        writer->error = error;
+    } else drop(writer, job);
+    pthread_cond_broadcast(&writer->changed);
+}
+
+static void *writer_thread(void *arg)
+{
+    Writer *writer = arg;
+    pthread_mutex_lock(&writer->lock);
+    for (;;) {
+        if (writer->first && (!writer->status || writer->first->once)) work(writer);
+        else if (writer->leaving) break;
+        else pthread_cond_wait(&writer->changed, &writer->lock);
+    }
+    pthread_mutex_unlock(&writer->lock);
+    return NULL;
+}
+
+MnsStatus writer_new(void (*wait)(void *arg), void *arg, Writer **ret, MnsError *error)
+{
+    Writer *writer = calloc(1, sizeof *writer);
+    if (!writer) return mns_fail(error, MNS_E_MEMORY, "no memory for the writer of files");
+    writer->wait = wait;
+    writer->arg = arg;
+    pthread_mutex_init(&writer->lock, NULL);
+    pthread_condattr_t attributes;
+    pthread_condattr_init(&attributes);
+    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
+    pthread_cond_init(&writer->changed, &attributes);
+    pthread_condattr_destroy(&attributes);
+    if (pthread_create(&writer->thread, NULL, writer_thread, writer)) {
+        free(writer);
+        return mns_fail(error, MNS_E_MEMORY, "the operating system refuses a thread for the writer of files");
+    }
+    *ret = writer;
+    return MNS_OK;
+}
+
+/* Sleep until something changes, or for a second. */
+static void sleep_locked(Writer *writer)
+{
+    struct timespec moment;
+    clock_gettime(CLOCK_MONOTONIC, &moment);
+    moment.tv_sec++;
+    pthread_cond_timedwait(&writer->changed, &writer->lock, &moment);
+    if (writer->wait) writer->wait(writer->arg);
+}
+
+/* Put a job where list points, before what is there. */
+static void insert(Writer *writer, Job **list, Job *job)
+{
+    job->next = *list;
+    *list = job;
+    count(writer, job, 1);
+    pthread_cond_broadcast(&writer->changed);
+}
+
+static Job **end_of(Job **list)
+{
+    while (*list) list = &(*list)->next;
+    return list;
+}
+
+/* With the lock held. */
+static MnsStatus failure(const Writer *writer, MnsError *error)
+{
+    if (writer->status && error) *error = writer->error;
+    return writer->status;
+}
+
+static MnsStatus drain(Writer *writer, MnsError *error)
+{
+    while (writer->first && !writer->status) sleep_locked(writer);
+    return failure(writer, error);
+}
+
+void writer_post(Writer *writer, Job *job)
+{
+    pthread_mutex_lock(&writer->lock);
+    while (!writer->status && (job->heavy ? writer->heavy >= HEAVY_MAX : writer->light >= LIGHT_MAX))
+        sleep_locked(writer);
+    insert(writer, end_of(&writer->first), job);
+    pthread_mutex_unlock(&writer->lock);
+}
+
+/* A job of the caller's, with room for its outcome. */
+typedef struct Call {
+    Job job;
+    Job *inner;
+    bool done;
+    MnsStatus status;
+    MnsError error;
+} Call;
+
+static MnsStatus call_write(Job *job, MnsError *error)
+{
+    Call *call = (Call *)job;
+    return call->inner->write(call->inner, error);
+}
+
+/* The lock is held here, so whoever waits for `done` sees the whole outcome. */
+static void call_told(Job *job, MnsStatus status, const MnsError *error)
+{
+    Call *call = (Call *)job;
+    call->status = status;
+    call->error = *error;
+    call->done = true;
+}
+
+MnsStatus writer_call(Writer *writer, Job *job, MnsError *error)
+{
+    Call call = {.job = {.write = call_write, .told = call_told, .once = true}, .inner = job};
+    pthread_mutex_lock(&writer->lock);
+    drain(writer, NULL);
+    insert(writer, &writer->first, &call.job); /* before a failed job, if there is one: nobody is busy with it */
+    while (!call.done) sleep_locked(writer);
+    if (call.status && error) *error = call.error;
+    pthread_mutex_unlock(&writer->lock);
+    return call.status;
+}
+
+MnsStatus writer_failure(Writer *writer, MnsError *error)
+{
+    pthread_mutex_lock(&writer->lock);
+    const MnsStatus status = failure(writer, error);
+    pthread_mutex_unlock(&writer->lock);
+    return status;
+}
+
+MnsStatus writer_drain(Writer *writer, MnsError *error)
+{
+    pthread_mutex_lock(&writer->lock);
+    const MnsStatus status = drain(writer, error);
+    pthread_mutex_unlock(&writer->lock);
+    return status;
+}
+
+MnsStatus writer_retry(Writer *writer, MnsError *error)
+{
+    pthread_mutex_lock(&writer->lock);
+    writer->status = MNS_OK;
+    pthread_cond_broadcast(&writer->changed);
+    const MnsStatus status = drain(writer, error);
+    pthread_mutex_unlock(&writer->lock);
+    return status;
+}
+
+unsigned writer_discard(Writer *writer)
+{
+    unsigned n = 0;
+    const MnsError error = {.status = MNS_E_INTERRUPTED, .text = "the run was given up before this was written"};
+    pthread_mutex_lock(&writer->lock);
+    while (writer->busy) sleep_locked(writer);
+    for (; writer->first; n++) {
+        tell(writer->first, MNS_E_INTERRUPTED, &error);
+        drop(writer, writer->first);
+    }
+    writer->status = MNS_OK;
+    pthread_mutex_unlock(&writer->lock);
+    return n;
+}
+
+void writer_free(Writer *writer)
+{
+    if (!writer) return;
+    writer_drain(writer, NULL);
+    writer_discard(writer);
+    pthread_mutex_lock(&writer->lock);
+    writer->leaving = true;
+    pthread_cond_broadcast(&writer->changed);
+    pthread_mutex_unlock(&writer->lock);
+    pthread_join(writer->thread, NULL);
+    pthread_cond_destroy(&writer->changed);
+    pthread_mutex_destroy(&writer->lock);
+    free(writer);
+}

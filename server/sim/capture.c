@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Copy fields out of a simulation and a state back in, and fingerprint it. */
+#include "base/array.h"
+#include "sim/sim.h"
+#include <omp.h>
+#include <stdlib.h>
+#include <string.h>
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+MnsCapture *mns_capture_new(int dim, size_t n, size_t n_fluid, uint64_t fields)
+{
+    MnsCapture *capture = calloc(1, sizeof *capture);
+    if (!capture) return NULL;
+    capture->dim = dim;
+    capture->n = n;
+    capture->n_fluid = n_fluid;
+    capture->fields = fields;
+    const MnsFieldInfo *info = mns_fields();
+    for (int f = 0; info[f].name; f++) {
+        if (!(fields >> f & 1)) continue;
+        for (int d = 0; d < (info[f].components == 1 ? 1 : dim); d++)
+            if (!(capture->data[f][d] = array_new(n, field_size(&info[f])))) {
+                mns_capture_free(capture);
+                return NULL;
+            }
+    }
+    return capture;
+}
+
+void mns_capture_free(MnsCapture *capture)
+{
+    if (!capture) return;
+    for (int f = 0; f < MNS_MAX_FIELDS; f++)
+        for (int d = 0; d < 3; d++) free(capture->data[f][d]);
+    free(capture);
+}
+
+MnsStatus mns_sim_capture(const MnsSim *sim, uint64_t fields, MnsCapture **ret_capture, MnsError *error)
+{
+    const Particles *s = &sim->s;
+    MnsCapture *capture = mns_capture_new(s->dim, s->n, particles_fluid(s), fields);
+    if (!capture) return mns_fail(error, MNS_E_MEMORY, "no memory to copy %zu particles", s->n);
+    capture->spacing = sim->model.dx;
+    capture->progress = sim->progress;
+    for (int f = 0; mns_fields()[f].name; f++)
+        for (int d = 0; d < 3; d++)
+            if (capture->data[f][d])
+                memcpy(capture->data[f][d], particles_field(s, f, d), s->n * field_size(&mns_fields()[f]));
+    *ret_capture = capture;
+    return MNS_OK;
+}
+
+/* Groups are contiguous and of the size the case gives them; a capture that disagrees belongs to another case. */
+static bool groups_agree(const MnsSim *sim, const uint8_t *phase)
+{
+    const Particles *s = &sim->s;
+    for (size_t i = 0; i < s->n; i++) {
+        const bool wall = i >= particles_fluid(s);
+        if (wall != (phase[i] >= s->n_phases) || phase[i] >= s->n_phases + sim->model.n_walls) return false;
+        if (!wall && sim->model.phase[phase[i]].summation != (i >= s->begin[GROUP_SUMMATION])) return false;
+    }
+    return true;
+}
+
+static bool fits(const MnsSim *sim, const MnsCapture *capture)
+{
+    const uint64_t wanted = mns_state_fields();
+    if (capture->dim != sim->s.dim || capture->n != sim->s.n || capture->n_fluid != particles_fluid(&sim->s)) return false;
+    if ((capture->fields & wanted) != wanted) return false;
+    return groups_agree(sim, capture->data[mns_field_find("phase")][0]);
+}
+
+MnsStatus mns_sim_restore(MnsSim *sim, const MnsCapture *capture, MnsError *error)
+{
+    Particles *s = &sim->s;
+    if (!fits(sim, capture))
+        return mns_fail(error, MNS_E_INVALID, "the saved state, %zu particles of which %zu fluid, is not of this case, which "
+                        "has %zu and %zu", capture->n, capture->n_fluid, s->n, particles_fluid(s));
+    for (int f = 0; mns_fields()[f].name; f++)
+        for (int d = 0; d < 3; d++)
+            if (capture->data[f][d])
+                memcpy(particles_field(s, f, d), capture->data[f][d], s->n * field_size(&mns_fields()[f]));
+    sim->progress = capture->progress;
+    sim->fault = (MnsError){0};
+    return integrator_restart(sim, error);
+}
+
+static uint64_t hash_particle(const Particles *s, size_t i)
+{
+    XXH64_state_t state;
+    XXH64_reset(&state, 0);
+    for (int f = 0; mns_fields()[f].name; f++) {
+        if (!mns_fields()[f].is_state) continue;
+        const size_t size = field_size(&mns_fields()[f]);
+        for (int d = 0; d < 3; d++) {
+            const char *array = particles_field(s, f, d);
+            if (array) XXH64_update(&state, array + i * size, size);
+        }
+    }
+    return XXH64_digest(&state);
+}
+
+uint64_t mns_sim_hash(const MnsSim *sim)
+{
+    const Particles *s = &sim->s;
+    const MnsProgress *p = &sim->progress;
+    uint64_t sum = 0; /* of the particles' hashes: the order of storage does not matter */
+#pragma omp parallel for schedule(static) reduction(+ : sum) num_threads(sim->threads)
+    for (size_t i = 0; i < s->n; i++) sum += hash_particle(s, i);
+    const double times[3] = {p->t, p->dt, p->dt_first};
+    const uint64_t counts[4] = {p->step, p->rebuilds, p->guarded, sum};
+    return XXH64(counts, sizeof counts, XXH64(times, sizeof times, 0));
+}

@@ -1,0 +1,251 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Is a case physical, and can it be built? Each complaint names the entry, what was found and what is allowed. */
+#include "sim/sim.h"
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char *const XYZ[] = {"x", "y", "z", NULL}, *const XYZT[] = {"x", "y", "z", "t", NULL},
+                         *const T[] = {"t", NULL};
+static const double STRETCH_MAX = 0.02, PARTICLES_MAX = 2e9;
+
+static double kernel_support(const MnsCase *c)
+{
+    const double h = c->scheme.smoothing * c->reference_length / c->resolution;
+    return kernel_make(c->scheme.kernel, c->dim, h).support;
+}
+
+size_t case_fit(const MnsCase *c, int d, double *ret_spacing)
+{
+    const double length = c->max[d] - c->min[d], dx = c->reference_length / c->resolution;
+    const double count = fmax(1, round(length / dx));
+    *ret_spacing = length / count;
+    return (size_t)count;
+}
+
+static MnsStatus check_domain(const MnsCase *c, MnsError *error)
+{
+    const double dx = c->reference_length / c->resolution;
+    const double reach = 2 * (kernel_support(c) + c->scheme.skin * dx);
+    double particles = 1;
+    for (int d = 0; d < c->dim; d++) {
+        const double length = c->max[d] - c->min[d];
+        if (!(length > 0))
+            return mns_fail_at(error, MNS_E_INVALID, "domain", "the domain is empty: %c runs from %g to %g m", "xyz"[d],
+                               c->min[d], c->max[d]);
+        double spacing = 0;
+        const size_t count = case_fit(c, d, &spacing);
+        if (fabs(spacing / dx - 1) > STRETCH_MAX)
+            return mns_fail_at(error, MNS_E_INVALID, "resolution",
+                               "the spacing does not fit: the domain's %c side, %g m, is %.3f spacings of %g m; change "
+                               "the resolution or the side so that it is within 2 %% of a whole number",
+                               "xyz"[d], length, length / dx, dx);
+        if (c->periodic[d] && length < reach)
+            return mns_fail_at(error, MNS_E_INVALID, "domain",
+                               "the periodic side %c is %g m long; it must be at least twice the reach of a particle, "
+                               "%g m, so that none meets its own image",
+                               "xyz"[d], length, reach);
+        particles *= (double)count;
+    }
+    if (particles > PARTICLES_MAX)
+        return mns_fail_at(error, MNS_E_LIMIT, "resolution", "that is %.3g particles; %.0e at most", particles,
+                           PARTICLES_MAX);
+    return MNS_OK;
+}
+
+static double norm2(const double a[3])
+{
+    return a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
+}
+
+static MnsStatus check_plate(const MnsPart *p, int dim, bool solid, double support, const char *at, MnsError *error)
+{
+    const double along = p->b[0] * p->c[0] + p->b[1] * p->c[1] + p->b[2] * p->c[2];
+    if (!(norm2(p->b) > 0)) return mns_fail_at(error, MNS_E_INVALID, at, "`along` must not be zero");
+    if (dim == 3 && !(norm2(p->b) * norm2(p->c) - along * along > 1e-12 * norm2(p->b) * norm2(p->c)))
+        return mns_fail_at(error, MNS_E_INVALID, at, "`normal` is missing or parallel to `along`");
+    if (dim == 3 && !(p->width > 0))
+        return mns_fail_at(error, MNS_E_INVALID, at, "in three dimensions a plate needs a `width` above 0");
+    if (solid && p->thickness < support * (1 - 1e-9))
+        return mns_fail_at(error, MNS_E_INVALID, at,
+                           "the plate is %g m thick; it must be at least as thick as the kernel's support, %g m, or the "
+                           "fluids on its sides feel each other",
+                           p->thickness, support);
+    return MNS_OK;
+}
+
+static MnsStatus check_part(const MnsPart *p, const MnsCase *c, bool solid, const char *at, MnsError *error)
+{
+    switch (p->primitive) {
+    case MNS_BOX:
+        for (int d = 0; d < c->dim; d++)
+            if (!(p->b[d] > p->a[d]))
+                return mns_fail_at(error, MNS_E_INVALID, at, "the box is empty: %c runs from %g to %g m", "xyz"[d],
+                                   p->a[d], p->b[d]);
+        return MNS_OK;
+    case MNS_BALL:
+        if (!(p->radius > 0)) return mns_fail_at(error, MNS_E_INVALID, at, "the radius must be above 0");
+        return MNS_OK;
+    case MNS_CYLINDER: {
+        const double axis[3] = {p->b[0] - p->a[0], p->b[1] - p->a[1], p->b[2] - p->a[2]};
+        if (!(norm2(axis) > 0) || !(p->radius > 0))
+            return mns_fail_at(error, MNS_E_INVALID, at, "the cylinder is empty: its ends coincide or its radius is 0");
+        return MNS_OK;
+    }
+    case MNS_PLATE: return check_plate(p, c->dim, solid, kernel_support(c), at, error);
+    case MNS_HALF_SPACE:
+        if (!(norm2(p->b) > 0)) return mns_fail_at(error, MNS_E_INVALID, at, "the normal must not be zero");
+        return MNS_OK;
+    case MNS_FORMULA:
+        if (solid)
+            return mns_fail_at(error, MNS_E_INVALID, at,
+                               "a wall cannot be given by a formula, which does not say how far away its surface is");
+        return MNS_OK;
+    }
+    return mns_fail_at(error, MNS_E_INVALID, at, "unknown primitive");
+}
+
+static MnsStatus check_shape(const MnsShape *shape, const MnsCase *c, const Constants *constants, bool solid,
+                             const char *at, MnsError *error)
+{
+    for (size_t k = 0; k < shape->n; k++) {
+        char part[96];
+        snprintf(part, sizeof part, "%s[%zu]", at, k);
+        const MnsStatus status = check_part(&shape->parts[k], c, solid, part, error);
+        if (status) return status;
+    }
+    Shape compiled;
+    const MnsStatus status = shape_init(&compiled, shape, c->dim, constants->list, constants->n, at, error);
+    shape_done(&compiled);
+    return status;
+}
+
+static MnsStatus check_formula(const char *text, const char *const *variables, const Constants *constants,
+                               const char *at, MnsError *error)
+{
+    Formula *formula = NULL;
+    const MnsStatus status = formula_new(text, variables, constants->list, constants->n, &formula, error);
+    if (status && error) snprintf(error->path, sizeof error->path, "%s", at);
+    formula_free(formula);
+    return status;
+}
+
+static MnsStatus check_formulas(char *const *texts, int n, const char *const *variables, const Constants *constants,
+                                const char *at, MnsError *error)
+{
+    for (int d = 0; d < n; d++) {
+        char entry[96];
+        snprintf(entry, sizeof entry, "%s[%d]", at, d);
+        const MnsStatus status = check_formula(texts[d], variables, constants, entry, error);
+        if (status) return status;
+    }
+    return MNS_OK;
+}
+
+static MnsStatus check_fluid(const MnsCase *c, size_t k, const Constants *constants, MnsError *error)
+{
+    const MnsFluid *f = &c->fluids[k];
+    char at[64];
+    snprintf(at, sizeof at, "fluids[%zu]", k);
+    if (!(f->density > 0 && isfinite(f->density) && f->sound_speed > 0 && isfinite(f->sound_speed) &&
+          f->viscosity >= 0 && isfinite(f->viscosity)))
+        return mns_fail_at(error, MNS_E_INVALID, at,
+                           "density and sound speed must be above 0 and viscosity not below, all finite: found %g, %g, %g",
+                           f->density, f->sound_speed, f->viscosity);
+    for (size_t other = 0; other < k; other++)
+        if (f->shape.n == 0 && c->fluids[other].shape.n == 0)
+            return mns_fail_at(error, MNS_E_INVALID, at,
+                               "both %s and %s have no shape; one fluid at most can take what the others leave",
+                               c->fluids[other].name, f->name);
+    snprintf(at, sizeof at, "fluids[%zu].shape", k);
+    MnsStatus status = check_shape(&f->shape, c, constants, false, at, error);
+    if (status) return status;
+    snprintf(at, sizeof at, "fluids[%zu].velocity", k);
+    status = check_formulas(f->velocity, c->dim, XYZ, constants, at, error);
+    if (status || strcmp(f->pressure, "hydrostatic") == 0) return status;
+    snprintf(at, sizeof at, "fluids[%zu].pressure", k);
+    return check_formula(f->pressure, XYZ, constants, at, error);
+}
+
+static MnsStatus check_motion(const MnsMotion *motion, const char *at, MnsError *error)
+{
+    if (motion->kind == MNS_SINE || motion->kind == MNS_ONE_MINUS_COSINE) {
+        if (!(motion->frequency > 0 && isfinite(motion->frequency)))
+            return mns_fail_at(error, MNS_E_INVALID, at, "the frequency must be above 0: found %g", motion->frequency);
+        return MNS_OK;
+    }
+    if (motion->kind == MNS_STILL) return MNS_OK;
+    if (motion->n < 2) return mns_fail_at(error, MNS_E_INVALID, at, "a table of motion needs two points at least");
+    for (size_t k = 1; k < motion->n; k++)
+        if (!(motion->points[k].t > motion->points[k - 1].t))
+            return mns_fail_at(error, MNS_E_INVALID, at, "times must rise: point %zu is at %g s after %g s", k,
+                               motion->points[k].t, motion->points[k - 1].t);
+    return MNS_OK;
+}
+
+static MnsStatus check_wall(const MnsCase *c, size_t k, const Constants *constants, MnsError *error)
+{
+    const MnsWall *wall = &c->walls[k];
+    char at[64];
+    snprintf(at, sizeof at, "walls[%zu].shape", k);
+    if (wall->shape.n == 0) return mns_fail_at(error, MNS_E_INVALID, at, "a wall needs a shape");
+    MnsStatus status = check_shape(&wall->shape, c, constants, true, at, error);
+    if (status) return status;
+    snprintf(at, sizeof at, "walls[%zu].motion", k);
+    status = check_motion(&wall->motion, at, error);
+    if (status) return status;
+    snprintf(at, sizeof at, "walls[%zu].surface_velocity", k);
+    return check_formulas(wall->surface_velocity, c->dim, T, constants, at, error);
+}
+
+static MnsStatus check_probe(const MnsCase *c, size_t k, const Constants *constants, MnsError *error)
+{
+    const MnsProbe *probe = &c->probes[k];
+    char at[64];
+    snprintf(at, sizeof at, "probes[%zu]", k);
+    if (probe->fluid >= (int)c->n_fluids || probe->wall >= (int)c->n_walls || probe->axis < 0 || probe->axis >= c->dim)
+        return mns_fail_at(error, MNS_E_INVALID, at, "no such fluid, wall or axis");
+    if (probe->kind == MNS_PROBE_EXTREMUM && mns_field_find(probe->field) < 0)
+        return mns_fail_at(error, MNS_E_INVALID, at, "there is no field \"%s\"", probe->field);
+    if (probe->kind != MNS_PROBE_PRESSURE_DEVIATION) return MNS_OK;
+    return check_formula(probe->formula, XYZT, constants, at, error);
+}
+
+static MnsStatus check_scalars(const MnsCase *c, MnsError *error)
+{
+    if (c->dim != 2 && c->dim != 3)
+        return mns_fail_at(error, MNS_E_INVALID, "dimensions", "found %d, allowed: 2 or 3", c->dim);
+    if (!(c->reference_length > 0 && isfinite(c->reference_length) && c->resolution > 0 && isfinite(c->resolution)))
+        return mns_fail_at(error, MNS_E_INVALID, "resolution", "resolution and reference length must be above 0");
+    if (!(c->end_time >= 0)) return mns_fail_at(error, MNS_E_INVALID, "end_time", "found %g, allowed: [0, inf) s", c->end_time);
+    if (!scheme_find(c->scheme.name))
+        return mns_fail_at(error, MNS_E_INVALID, "scheme", "there is no scheme \"%s\"", c->scheme.name);
+    if (c->n_fluids == 0 || c->n_fluids > MNS_MAX_FLUIDS)
+        return mns_fail_at(error, MNS_E_LIMIT, "fluids", "found %zu fluids, allowed: 1 to %d", c->n_fluids, MNS_MAX_FLUIDS);
+    if (c->n_walls > MNS_MAX_WALLS)
+        return mns_fail_at(error, MNS_E_LIMIT, "walls", "found %zu walls, allowed: up to %d", c->n_walls, MNS_MAX_WALLS);
+    if (c->n_probes > MNS_MAX_PROBES)
+        return mns_fail_at(error, MNS_E_LIMIT, "probes", "found %zu probes, allowed: up to %d", c->n_probes, MNS_MAX_PROBES);
+    return MNS_OK;
+}
+
+static MnsStatus check_entries(const MnsCase *c, const Constants *constants, MnsError *error)
+{
+    MnsStatus status = check_formulas(c->gravity, c->dim, T, constants, "gravity", error);
+    for (size_t k = 0; !status && k < c->n_fluids; k++) status = check_fluid(c, k, constants, error);
+    for (size_t k = 0; !status && k < c->n_walls; k++) status = check_wall(c, k, constants, error);
+    for (size_t k = 0; !status && k < c->n_probes; k++) status = check_probe(c, k, constants, error);
+    return status;
+}
+
+MnsStatus mns_case_check(const MnsCase *c, MnsError *error)
+{
+    MnsStatus status = check_scalars(c, error);
+    if (!status) status = check_domain(c, error);
+    if (status) return status;
+    Constants constants;
+    status = constants_init(&constants, c, error);
+    if (!status) status = check_entries(c, &constants, error);
+    constants_done(&constants);
+    return status;
+}

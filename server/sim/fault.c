@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Why a run diverged: the particle with the smallest id that is not well, where it is, and the term that moves it most. */
+#include "sim/sim.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static double speed(const Particles *s, size_t i)
+{
+    double v2 = 0;
+    for (int d = 0; d < s->dim; d++) v2 += s->v[d][i] * s->v[d][i];
+    return sqrt(v2);
+}
+
+static bool is_well(const MnsSim *sim, size_t i)
+{
+    const Model *model = &sim->model;
+    const double ratio = sim->s.rho[i] / model->phase[sim->s.phase[i]].rho0;
+    return isfinite(speed(&sim->s, i)) && ratio > model->density_min && ratio < model->density_max;
+}
+
+static size_t worst_particle(const MnsSim *sim)
+{
+    const size_t n = particles_fluid(&sim->s);
+    size_t worst = n;
+    for (size_t i = 0; i < n; i++)
+        if (!is_well(sim, i) && (worst == n || sim->s.id[i] < sim->s.id[worst])) worst = i;
+    return worst;
+}
+
+/* Acceleration of particle i by one term alone [m/s^2]; what the particle had is put back. */
+static double alone(MnsSim *sim, Row *row, const Term *term)
+{
+    Particles *s = &sim->s;
+    const size_t i = row->i;
+    double kept[3] = {0}, kept_b[3] = {0}, a2 = 0;
+    const double rate = s->rate[i];
+    for (int d = 0; d < s->dim; d++) {
+        kept[d] = s->a[d][i];
+        kept_b[d] = s->b[d][i];
+        s->a[d][i] = 0;
+    }
+    term->row(row, s, &sim->model);
+    for (int d = 0; d < s->dim; d++) {
+        a2 += s->a[d][i] * s->a[d][i];
+        s->a[d][i] = kept[d];
+        s->b[d][i] = kept_b[d];
+    }
+    s->rate[i] = rate;
+    return sqrt(a2);
+}
+
+/* The term that accelerates i most, or gives what is no number. */
+static const char *blame(MnsSim *sim, size_t i)
+{
+    const char *name = "gravity";
+    double most = -1;
+    Row *row = malloc(sizeof *row);
+    if (!row) return "unknown";
+    row_build(row, &sim->nb, &sim->s, &sim->model, i);
+    const unsigned group = i < sim->s.begin[GROUP_SUMMATION] ? ON_CONTINUITY : ON_SUMMATION;
+    const Pass *passes = sim->scheme->rates;
+    for (int p = 0; p < SCHEME_PASSES_MAX && passes[p].name; p++)
+        for (int k = 0; k < PASS_TERMS_MAX && passes[p].terms[k]; k++) {
+            const Term *term = passes[p].terms[k];
+            if (!(term->on & group) || (term->needed && !term->needed(&sim->model))) continue;
+            const double a = alone(sim, row, term);
+            if (!(a <= most) || isnan(a)) {
+                most = isnan(a) ? INFINITY : a;
+                name = term->name;
+            }
+        }
+    free(row);
+    return name;
+}
+
+MnsStatus fault_particle(MnsSim *sim, MnsError *error)
+{
+    const Particles *s = &sim->s;
+    const size_t i = worst_particle(sim);
+    if (i == particles_fluid(s)) return mns_fail(error, MNS_E_INTERNAL, "a particle was not well, then none was");
+    const double rho0 = sim->model.phase[s->phase[i]].rho0, ratio = s->rho[i] / rho0;
+    const bool dense = !(ratio > sim->model.density_min && ratio < sim->model.density_max);
+    const double z = s->dim == 3 ? s->x[2][i] : 0;
+    return mns_fail(error, MNS_E_DIVERGED,
+                    "diverged in step %llu at t = %g s: particle %u of %s at (%g, %g, %g) m has %s (density %g times its "
+                    "reference, allowed (%g, %g); speed %g m/s); most is due to \"%s\". Look at the snapshot, then try a "
+                    "higher sound speed, a smaller cfl or a finer resolution",
+                    (unsigned long long)sim->progress.step + 1, sim->model.t, s->id[i], sim->c->fluids[s->phase[i]].name,
+                    s->x[0][i], s->x[1][i], z, dense ? "left the bounds of density" : "a velocity that is no number", ratio,
+                    sim->model.density_min, sim->model.density_max, speed(s, i), blame(sim, i));
+}
+
+MnsStatus fault_time_step(MnsSim *sim, double dt, const char *limit, MnsError *error)
+{
+    const Particles *s = &sim->s;
+    size_t fast = 0;
+    for (size_t i = 0; i < particles_fluid(s); i++)
+        if (speed(s, i) > speed(s, fast)) fast = i;
+    return mns_fail(error, MNS_E_DIVERGED,
+                    "diverged after step %llu at t = %g s: the time step fell to %g s, under the floor of %g s (limit: %s); "
+                    "fastest is particle %u of %s at (%g, %g, %g) m with %g m/s, most due to \"%s\"",
+                    (unsigned long long)sim->progress.step, sim->progress.t, dt, sim->model.dt_floor * sim->progress.dt_first,
+                    limit, s->id[fast], sim->c->fluids[s->phase[fast]].name, s->x[0][fast], s->x[1][fast],
+                    s->dim == 3 ? s->x[2][fast] : 0, speed(s, fast), blame(sim, fast));
+}

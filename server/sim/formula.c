@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Formulas by Lua: a state of its own for each, with a cap on memory and on instructions, so that no case can hang or
+ * exhaust the program. */
+#include "sim/formula.h"
+#include <lauxlib.h>
+#include <lua.h>
+#include <lualib.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MEMORY_MAX = 1 << 20, INSTRUCTIONS_MAX = 1000000, VARIABLES_MAX = 320 };
+
+struct Formula {
+    lua_State *lua;
+    size_t used; /* bytes of memory */
+    int n_variables;
+};
+
+static const char *const FUNCTIONS[] = {"abs",  "acos", "asin", "atan", "ceil", "cos", "deg", "exp", "floor",
+                                        "fmod", "log",  "max",  "min",  "rad",  "sin", "sqrt", "tan", "pi"};
+
+static void *allocate(void *arg, void *old, size_t old_size, size_t size)
+{
+    Formula *f = arg;
+    if (!old) old_size = 0;
+    if (f->used - old_size + size > MEMORY_MAX) return NULL;
+    if (!size) {
+        free(old);
+        f->used -= old_size;
+        return NULL;
+    }
+    void *p = realloc(old, size);
+    if (p) f->used += size - old_size;
+    return p;
+}
+
+static void too_long(lua_State *lua, lua_Debug *debug)
+{
+    (void)debug;
+    luaL_error(lua, "it runs too long");
+}
+
+static int unknown_name(lua_State *lua)
+{
+    return luaL_error(lua, "unknown name '%s'", lua_tostring(lua, 2));
+}
+
+/* Globals: the mathematics by short names; anything else is an error when it is used. Runs protected. */
+static int open_names(lua_State *lua)
+{
+    luaL_requiref(lua, "math", luaopen_math, 0);
+    for (size_t k = 0; k < sizeof FUNCTIONS / sizeof *FUNCTIONS; k++) {
+        lua_getfield(lua, -1, FUNCTIONS[k]);
+        lua_setglobal(lua, FUNCTIONS[k]);
+    }
+    lua_pushglobaltable(lua);
+    lua_createtable(lua, 0, 1);
+    lua_pushcfunction(lua, unknown_name);
+    lua_setfield(lua, -2, "__index");
+    lua_setmetatable(lua, -2);
+    lua_settop(lua, 0);
+    return 0;
+}
+
+/* "local x,y = ... return (TEXT\n)" on the stack, as a function of the variables. */
+static int compile(lua_State *lua, const char *text, const char *const *variables)
+{
+    luaL_Buffer source;
+    luaL_buffinit(lua, &source);
+    for (size_t k = 0; variables[k]; k++) {
+        luaL_addstring(&source, k ? "," : "local ");
+        luaL_addstring(&source, variables[k]);
+    }
+    if (variables[0]) luaL_addstring(&source, " = ... ");
+    luaL_addstring(&source, "return (");
+    luaL_addstring(&source, text);
+    luaL_addstring(&source, "\n)");
+    luaL_pushresult(&source);
+    const int status = luaL_loadbufferx(lua, lua_tostring(lua, -1), lua_rawlen(lua, -1), "=formula", "t");
+    lua_remove(lua, -2);
+    return status;
+}
+
+/* Call the function on top of the stack, leaving it there; NAN and false if it fails, with the message on the stack. */
+static bool call(lua_State *lua, const double *values, int n, double *ret)
+{
+    lua_sethook(lua, too_long, LUA_MASKCOUNT, INSTRUCTIONS_MAX);
+    lua_pushvalue(lua, -1);
+    for (int k = 0; k < n; k++) lua_pushnumber(lua, values[k]);
+    if (lua_pcall(lua, n, 1, 0) != LUA_OK) return false;
+    if (lua_isboolean(lua, -1))
+        *ret = lua_toboolean(lua, -1);
+    else if (lua_type(lua, -1) == LUA_TNUMBER)
+        *ret = lua_tonumber(lua, -1);
+    else {
+        lua_pop(lua, 1);
+        lua_pushliteral(lua, "it is neither a number nor true or false");
+        return false;
+    }
+    lua_pop(lua, 1);
+    return true;
+}
+
+/* The message on top of the stack without the place Lua puts before it, which the user never sees. */
+static const char *message(lua_State *lua)
+{
+    const char *text = lua_tostring(lua, -1);
+    if (!text) return "it fails";
+    const char prefix[] = "formula:1: ";
+    return strncmp(text, prefix, sizeof prefix - 1) == 0 ? text + sizeof prefix - 1 : text;
+}
+
+static MnsStatus complain(lua_State *lua, const char *text, MnsError *error)
+{
+    return mns_fail(error, MNS_E_INVALID, "\"%.120s\" is not a formula: %.200s", text, message(lua));
+}
+
+static MnsStatus define(lua_State *lua, const MnsConstant *constant, MnsError *error)
+{
+    static const char *const none[] = {NULL};
+    double value = NAN;
+    if (compile(lua, constant->value, none) != LUA_OK || !call(lua, NULL, 0, &value))
+        return complain(lua, constant->value, error);
+    lua_pushnumber(lua, value);
+    lua_setglobal(lua, constant->name);
+    lua_settop(lua, 0);
+    return MNS_OK;
+}
+
+static MnsStatus prepare(Formula *f, const char *text, const char *const *variables, const MnsConstant *constants,
+                         size_t n, MnsError *error)
+{
+    lua_State *lua = f->lua;
+    lua_pushcfunction(lua, open_names);
+    if (lua_pcall(lua, 0, 0, 0) != LUA_OK) return mns_fail(error, MNS_E_MEMORY, "no memory for a formula");
+    for (size_t k = 0; k < n; k++) {
+        const MnsStatus status = define(lua, &constants[k], error);
+        if (status) return status;
+    }
+    if (compile(lua, text, variables) != LUA_OK) return complain(lua, text, error);
+    /* A first call finds unknown names; 0.5 is as good a place as any and in the domain of log and sqrt. */
+    double values[VARIABLES_MAX], value = NAN;
+    for (int k = 0; k < f->n_variables; k++) values[k] = 0.5;
+    if (!call(lua, values, f->n_variables, &value)) return complain(lua, text, error);
+    return MNS_OK;
+}
+
+MnsStatus formula_new(const char *text, const char *const *variables, const MnsConstant *constants, size_t n,
+                      Formula **ret, MnsError *error)
+{
+    Formula *f = calloc(1, sizeof *f);
+    if (f) f->lua = lua_newstate(allocate, f);
+    if (!f || !f->lua) {
+        free(f);
+        return mns_fail(error, MNS_E_MEMORY, "no memory for a formula");
+    }
+    while (variables[f->n_variables]) f->n_variables++;
+    MnsStatus status = f->n_variables > VARIABLES_MAX
+                           ? mns_fail(error, MNS_E_LIMIT, "a formula may have %d variables at most", VARIABLES_MAX)
+                           : prepare(f, text, variables, constants, n, error);
+    if (status) {
+        formula_free(f);
+        return status;
+    }
+    *ret = f;
+    return MNS_OK;
+}
+
+double formula_eval(const Formula *formula, const double *values)
+{
+    double value = NAN;
+    if (!call(formula->lua, values, formula->n_variables, &value)) lua_pop(formula->lua, 1);
+    return value;
+}
+
+void formula_free(Formula *formula)
+{
+    if (!formula) return;
+    lua_close(formula->lua);
+    free(formula);
+}

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A grid of cells over the particles and which cells can hold neighbours of a cell. */
+#ifndef SIM_GRID_H
+#define SIM_GRID_H
+
+#include "sim/model.h"
+#include "sim/particles.h"
+
+enum { GRID_RUNS_MAX = 2 * 25 + 2 };
+
+typedef struct Grid {
+    int dim, n[3];
+    size_t cells;
+    double min[3], per_length[3]; /* lower corner [m], cells per metre */
+    bool periodic[3];
+    int reach;                    /* cells on each side that can hold neighbours */
+    double ratio;                 /* largest distance of neighbours, in cells */
+} Grid;
+
+/* Consecutive cells [first, last] in the order of storage. */
+typedef struct Run {
+    size_t first, last;
+} Run;
+
+/* A grid for neighbours up to `distance` over the domain and the particles' `ref` positions. Particles outside count as in
+ * the outermost cells, which is slow for many but never wrong. */
+Grid grid_make(const Particles *s, const Model *model, double distance);
+
+size_t grid_cell(const Grid *grid, const double x[3]);
+
+/* The runs of cells that can hold neighbours of particles in this cell, each cell once. Returns how many runs. */
+int grid_runs(const Grid *grid, size_t cell, Run runs[static GRID_RUNS_MAX]);
+
+#endif

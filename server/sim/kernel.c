@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Smoothing kernels. Outside the support the formulas give 0 by themselves, so no pair needs a test. */
+#include "sim/kernel.h"
+#include <math.h>
+
+static const double PI = 3.14159265358979323846;
+
+/* x where x > 0, else 0; NaN stays NaN, which fmax() would hide, and it is one instruction of every vector unit. */
+static inline double positive(double x)
+{
+    return x < 0 ? 0 : x;
+}
+
+static double normalisation(MnsKernel type, int dim, double h)
+{
+    const double hd = dim == 2 ? h * h : h * h * h;
+    switch (type) {
+    case MNS_WENDLAND_C2: return dim == 2 ? 7 / (4 * PI * hd) : 21 / (16 * PI * hd);
+    case MNS_TRUNCATED_GAUSSIAN: return 1 / (pow(PI, 0.5 * dim) * hd);
+    case MNS_QUINTIC_SPLINE: return dim == 2 ? 7 / (478 * PI * hd) : 1 / (120 * PI * hd);
+    }
+    return NAN;
+}
+
+Kernel kernel_make(MnsKernel type, int dim, double h)
+{
+    const double reach = type == MNS_WENDLAND_C2 ? 2 : 3;
+    return (Kernel){.type = type, .h = h, .support = reach * h, .alpha = normalisation(type, dim, h)};
+}
+
+/* W = alpha (1 - q/2)^4 (2q + 1),  F = -5 alpha (1 - q/2)^3 / h^2 */
+static void wendland_c2(const Kernel *kernel, size_t n, const double *restrict r, double *restrict W,
+                        double *restrict F)
+{
+    const double inverse_h = 1 / kernel->h, alpha = kernel->alpha, slope = -5 * alpha * inverse_h * inverse_h;
+#pragma omp simd
+    for (size_t k = 0; k < n; k++) {
+        const double q = r[k] * inverse_h;
+        const double t = positive(1 - 0.5 * q), t3 = t * t * t;
+        W[k] = alpha * t3 * t * (2 * q + 1);
+        F[k] = slope * t3;
+    }
+}
+
+/* W = alpha exp(-q^2) for q < 3, as P1 writes it: not renormalised. F = -2 W / h^2 */
+static void truncated_gaussian(const Kernel *kernel, size_t n, const double *restrict r, double *restrict W,
+                               double *restrict F)
+{
+    const double inverse_h = 1 / kernel->h, slope = -2 * inverse_h * inverse_h;
+    for (size_t k = 0; k < n; k++) {
+        const double q = r[k] * inverse_h;
+        W[k] = q < 3 ? kernel->alpha * exp(-q * q) : 0;
+        F[k] = slope * W[k];
+    }
+}
+
+/* W = alpha [(3-q)^5 - 6 (2-q)^5 + 15 (1-q)^5], each power cut at 0 */
+static void quintic_spline(const Kernel *kernel, size_t n, const double *restrict r, double *restrict W,
+                           double *restrict F)
+{
+    const double inverse_h = 1 / kernel->h, alpha = kernel->alpha, tiny = 1e-12 * kernel->h;
+#pragma omp simd
+    for (size_t k = 0; k < n; k++) {
+        const double q = r[k] * inverse_h;
+        const double a = positive(3 - q), b = positive(2 - q), c = positive(1 - q);
+        const double a2 = a * a, b2 = b * b, c2 = c * c, a4 = a2 * a2, b4 = b2 * b2, c4 = c2 * c2;
+        W[k] = alpha * (a4 * a - 6 * b4 * b + 15 * c4 * c);
+        F[k] = -5 * alpha * inverse_h / (r[k] + tiny) * (a4 - 6 * b4 + 15 * c4);
+    }
+}
+
+void kernel_eval(const Kernel *kernel, size_t n, const double *r, double *W, double *F)
+{
+    switch (kernel->type) {
+    case MNS_WENDLAND_C2: wendland_c2(kernel, n, r, W, F); break;
+    case MNS_TRUNCATED_GAUSSIAN: truncated_gaussian(kernel, n, r, W, F); break;
+    case MNS_QUINTIC_SPLINE: quintic_spline(kernel, n, r, W, F); break;
+    }
+}
+
+double kernel_at_zero(const Kernel *kernel)
+{
+    const double r = 0;
+    double W = 0, F = 0;
+    kernel_eval(kernel, 1, &r, &W, &F);
+    return W;
+}
+
+double kernel_lattice_sum(const Kernel *kernel, int dim, const double spacing[3])
+{
+    int reach[3] = {0, 0, 0};
+    for (int d = 0; d < dim; d++) reach[d] = (int)ceil(kernel->support / spacing[d]);
+    double sum = 0;
+    for (int z = -reach[2]; z <= reach[2]; z++)
+        for (int y = -reach[1]; y <= reach[1]; y++)
+            for (int x = -reach[0]; x <= reach[0]; x++) {
+                const double a = x * spacing[0], b = y * spacing[1], c = dim == 3 ? z * spacing[2] : 0;
+                const double r = sqrt(a * a + b * b + c * c);
+                double W = 0, F = 0;
+                kernel_eval(kernel, 1, &r, &W, &F);
+                sum += W;
+            }
+    return sum;
+}

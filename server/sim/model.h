@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What is the same for all particles during a step: box, kernel, fluids, walls, gravity, options. */
+#ifndef SIM_MODEL_H
+#define SIM_MODEL_H
+
+#include "sim/kernel.h"
+
+/* A fluid. Named phase, as in the papers, since several fluids share one particle set. */
+typedef struct Phase {
+    double rho0, c, mu; /* reference density [kg/m^3], speed of sound [m/s], dynamic viscosity [Pa s] */
+    double p_b;         /* background pressure of the transport velocity [Pa] */
+    bool summation;     /* density by summation and transport velocity; else continuity */
+} Phase;
+
+/* A wall, moving as a rigid body. */
+typedef struct WallState {
+    double x[3], v[3], a[3]; /* displacement [m], mean velocity over the step with that of the surface [m/s], acceleration */
+    bool no_slip;
+} WallState;
+
+typedef struct Model {
+    int dim;
+    double dx, cell[3], wall_volume; /* nominal and fitted spacing [m]; volume of a dummy particle [m^dim] */
+    double min[3], max[3];           /* domain [m] */
+    double period[3], frequency[3];  /* length of a periodic direction and its inverse; 0 where not periodic */
+    bool periodic;                   /* in any direction */
+    Kernel kernel;
+    double skin;                     /* [m] */
+    size_t n_phases, n_walls;
+    Phase phase[MNS_MAX_FLUIDS];
+    WallState wall[MNS_MAX_WALLS];
+    double c_max, rho_max;           /* of the fluids */
+    bool viscous;                    /* any fluid */
+    double t, dt;                    /* end of the current step [s], its length [s] */
+    double gravity[3];               /* at t [m/s^2] */
+    double cfl, limiter, guard;      /* options of the scheme; guard in [m] */
+    double density_min, density_max, dt_floor; /* limits, over the reference density and the first time step */
+} Model;
+
+/* x_i - x_j along direction d, to the nearest image. */
+static inline double model_nearest(const Model *model, int d, double difference)
+{
+    return difference - model->period[d] * __builtin_rint(difference * model->frequency[d]);
+}
+
+#endif

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Prescribed rigid translation of a wall. */
+#include "sim/motion.h"
+#include <math.h>
+#include <string.h>
+
+static const double PI = 3.14159265358979323846;
+
+static void sine(const MnsMotion *m, double t, double x[3], double v[3], double a[3])
+{
+    const double w = 2 * PI * m->frequency, angle = w * t + m->phase;
+    for (int d = 0; d < 3; d++) {
+        x[d] = m->amplitude[d] * (sin(angle) - sin(m->phase));
+        v[d] = m->amplitude[d] * w * cos(angle);
+        a[d] = -m->amplitude[d] * w * w * sin(angle);
+    }
+}
+
+static void one_minus_cosine(const MnsMotion *m, double t, double x[3], double v[3], double a[3])
+{
+    const double w = 2 * PI * m->frequency;
+    for (int d = 0; d < 3; d++) {
+        x[d] = m->amplitude[d] * (1 - cos(w * t));
+        v[d] = m->amplitude[d] * w * sin(w * t);
+        a[d] = m->amplitude[d] * w * w * cos(w * t);
+    }
+}
+
+/* The interval [k, k+1] of the table that holds t, which lies within the table. */
+static size_t interval(const MnsMotion *m, double t)
+{
+    size_t low = 0, high = m->n - 1;
+    while (high - low > 1) {
+        const size_t middle = (low + high) / 2;
+        if (m->points[middle].t <= t)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* Cubic Hermite polynomial through positions and velocities of both ends. */
+static void table(const MnsMotion *m, double t, double x[3], double v[3], double a[3])
+{
+    const MnsMotionPoint *first = &m->points[0], *last = &m->points[m->n - 1];
+    if (t <= first->t || t >= last->t) {
+        memcpy(x, t <= first->t ? first->x : last->x, 3 * sizeof *x);
+        return;
+    }
+    const MnsMotionPoint *p = &m->points[interval(m, t)], *q = p + 1;
+    const double T = q->t - p->t, s = (t - p->t) / T;
+    for (int d = 0; d < 3; d++) {
+        const double jump = q->x[d] - p->x[d], c2 = 3 * jump - T * (2 * p->v[d] + q->v[d]),
+                     c3 = T * (p->v[d] + q->v[d]) - 2 * jump;
+        x[d] = p->x[d] + s * (T * p->v[d] + s * (c2 + s * c3));
+        v[d] = p->v[d] + s * (2 * c2 + s * 3 * c3) / T;
+        a[d] = (2 * c2 + s * 6 * c3) / (T * T);
+    }
+}
+
+void motion_at(const MnsMotion *motion, double t, double x[3], double v[3], double a[3])
+{
+    for (int d = 0; d < 3; d++) x[d] = v[d] = a[d] = 0;
+    switch (motion->kind) {
+    case MNS_STILL: break;
+    case MNS_SINE: sine(motion, t, x, v, a); break;
+    case MNS_ONE_MINUS_COSINE: one_minus_cosine(motion, t, x, v, a); break;
+    case MNS_TABLE: table(motion, t, x, v, a); break;
+    }
+}

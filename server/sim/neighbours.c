@@ -1,0 +1,223 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Neighbour lists: a stable counting sort by group and cell, then a search of the cells around each cell. */
+#include "sim/neighbours.h"
+#include "base/array.h"
+#include <omp.h>
+#include <stdlib.h>
+#include <string.h>
+
+MnsStatus neighbours_init(Neighbours *nb, size_t n, int threads, MnsError *error)
+{
+    *nb = (Neighbours){.n = n, .threads = threads};
+    nb->offset = array_new(n, sizeof *nb->offset);
+    nb->owner = array_new(n, sizeof *nb->owner);
+    nb->end = array_new(n, sizeof *nb->end);
+    nb->order = array_new(n, sizeof *nb->order);
+    nb->key = array_new(n, sizeof *nb->key);
+    nb->arena = calloc((size_t)threads, sizeof *nb->arena);
+    if (nb->offset && nb->owner && nb->end && nb->order && nb->key && nb->arena) return MNS_OK;
+    neighbours_done(nb);
+    return mns_fail(error, MNS_E_MEMORY, "no memory for the neighbour lists of %zu particles", n);
+}
+
+void neighbours_done(Neighbours *nb)
+{
+    for (int k = 0; nb->arena && k < nb->threads; k++) free(nb->arena[k].data);
+    free(nb->arena);
+    free(nb->offset);
+    free(nb->owner);
+    free(nb->end);
+    free(nb->order);
+    free(nb->key);
+    free(nb->start);
+    *nb = (Neighbours){0};
+}
+
+static Group group_of(const Particles *s, size_t i)
+{
+    return i < s->begin[1] ? GROUP_CONTINUITY : i < s->begin[2] ? GROUP_SUMMATION : GROUP_WALL;
+}
+
+static bool reserve(Neighbours *nb, size_t keys)
+{
+    const size_t wanted = (keys + 1) * (size_t)(nb->threads + 1);
+    if (wanted <= nb->start_capacity) return true;
+    uint32_t *start = realloc(nb->start, wanted * sizeof *start);
+    if (!start) return false;
+    nb->start = start;
+    nb->start_capacity = wanted;
+    return true;
+}
+
+/* Each thread takes a fixed share of the particles, counts its keys, and later writes its particles behind those of the
+ * threads before it: the order within a key is the order of storage whatever the number of threads. */
+static void counting_sort(Neighbours *nb, const Particles *s, const Grid *grid, size_t keys)
+{
+    const size_t n = s->n, stride = keys + 1;
+    uint32_t *const counts = nb->start + stride; /* [threads][keys + 1], behind the result */
+#pragma omp parallel num_threads(nb->threads)
+    {
+        const size_t me = (size_t)omp_get_thread_num(), team = (size_t)omp_get_num_threads();
+        const size_t first = n * me / team, last = n * (me + 1) / team;
+        uint32_t *mine = counts + me * stride;
+        memset(mine, 0, stride * sizeof *mine);
+        for (size_t i = first; i < last; i++) {
+            const double x[3] = {s->ref[0][i], s->ref[1][i], s->dim == 3 ? s->ref[2][i] : 0};
+            nb->key[i] = (uint32_t)((size_t)group_of(s, i) * grid->cells + grid_cell(grid, x));
+            mine[nb->key[i]]++;
+        }
+#pragma omp barrier
+#pragma omp single
+        {
+            uint32_t sum = 0;
+            for (size_t k = 0; k < keys; k++) {
+                nb->start[k] = sum;
+                for (size_t t = 0; t < team; t++) {
+                    const uint32_t count = counts[t * stride + k];
+                    counts[t * stride + k] = sum;
+                    sum += count;
+                }
+            }
+            nb->start[keys] = sum;
+        }
+        for (size_t i = first; i < last; i++) nb->order[mine[nb->key[i]]++] = (uint32_t)i;
+    }
+}
+
+static bool arena_reserve(Arena *arena, size_t more)
+{
+    if (arena->used + more <= arena->capacity) return true;
+    size_t capacity = arena->capacity ? arena->capacity : 4096;
+    while (capacity < arena->used + more) capacity += capacity / 2;
+    uint32_t *data = realloc(arena->data, capacity * sizeof *data);
+    if (!data) return false;
+    arena->data = data;
+    arena->capacity = capacity;
+    return true;
+}
+
+/* What the search of one cell needs. */
+typedef struct Search {
+    const Particles *s;
+    const Model *model;
+    double distance2;
+    const uint32_t *start; /* of the group that is searched */
+    const Run *runs;
+    int n_runs;
+} Search;
+
+/* Append the members of one group within reach of i to list; returns how many. */
+static size_t search_group(const Search *q, size_t i, uint32_t *restrict list)
+{
+    const double *const *ref = (const double *const *)q->s->ref;
+    const int dim = q->s->dim;
+    const double xi = ref[0][i], yi = ref[1][i], zi = dim == 3 ? ref[2][i] : 0;
+    const double *x = ref[0], *y = ref[1], *z = dim == 3 ? ref[2] : ref[0];
+    const double flat = dim == 3 ? 1 : 0;
+    size_t n = 0;
+    for (int k = 0; k < q->n_runs; k++) {
+        const uint32_t last = q->start[q->runs[k].last + 1];
+        for (uint32_t j = q->start[q->runs[k].first]; j < last; j++) {
+            double dx = xi - x[j], dy = yi - y[j], dz = (zi - z[j]) * flat;
+            if (q->model->periodic) {
+                dx = model_nearest(q->model, 0, dx);
+                dy = model_nearest(q->model, 1, dy);
+                dz = model_nearest(q->model, 2, dz);
+            }
+            list[n] = j;
+            n += (size_t)((dx * dx + dy * dy + dz * dz < q->distance2) & (j != i));
+        }
+    }
+    return n;
+}
+
+static size_t candidates(const Search *q)
+{
+    size_t n = 0;
+    for (int k = 0; k < q->n_runs; k++) n += q->start[q->runs[k].last + 1] - q->start[q->runs[k].first];
+    return n;
+}
+
+enum { SEARCH_OK, SEARCH_NO_MEMORY, SEARCH_TOO_MANY };
+
+/* Lists of all particles of one group in one cell. */
+static int search_cell(Neighbours *nb, Arena *arena, Search q, Group group, size_t cell, size_t cells)
+{
+    const uint32_t *own = nb->start + (size_t)group * cells;
+    const int targets = group == GROUP_WALL ? GROUP_WALL : GROUPS;
+    for (size_t i = own[cell]; i < own[cell + 1]; i++) {
+        size_t n = 0;
+        const size_t offset = arena->used;
+        for (int target = 0; target < GROUPS; target++) {
+            if (target < targets) {
+                q.start = nb->start + (size_t)target * cells;
+                if (!arena_reserve(arena, candidates(&q) + n + 1)) return SEARCH_NO_MEMORY;
+                n += search_group(&q, i, arena->data + offset + n);
+            }
+            if (n > ROW_MAX) return SEARCH_TOO_MANY;
+            nb->end[i][target] = (uint16_t)n;
+        }
+        nb->owner[i] = (uint16_t)(arena - nb->arena);
+        nb->offset[i] = offset;
+        arena->used = offset + n;
+    }
+    return SEARCH_OK;
+}
+
+static int search_all(Neighbours *nb, const Particles *s, const Model *model, const Grid *grid, double distance)
+{
+    int worst = SEARCH_OK;
+    for (int k = 0; k < nb->threads; k++) nb->arena[k].used = 0;
+#pragma omp parallel num_threads(nb->threads) reduction(max : worst)
+    {
+        Arena *arena = &nb->arena[omp_get_thread_num()];
+        Run runs[GRID_RUNS_MAX];
+#pragma omp for schedule(dynamic, 16)
+        for (size_t cell = 0; cell < grid->cells; cell++) {
+            const Search q = {.s = s, .model = model, .distance2 = distance * distance, .runs = runs,
+                              .n_runs = grid_runs(grid, cell, runs)};
+            for (int g = 0; g < GROUPS; g++) {
+                const int status = search_cell(nb, arena, q, (Group)g, cell, grid->cells);
+                worst = status > worst ? status : worst;
+            }
+        }
+    }
+    return worst;
+}
+
+MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, MnsError *error)
+{
+    const double distance = model->kernel.support + model->skin;
+    const Grid grid = grid_make(s, model, distance);
+    const size_t keys = (size_t)GROUPS * grid.cells;
+    if (!reserve(nb, keys)) return mns_fail(error, MNS_E_MEMORY, "no memory for a grid of %zu cells", grid.cells);
+    nb->grid = grid;
+    counting_sort(nb, s, &grid, keys);
+    particles_permute(s, nb->order);
+    memset(nb->end, 0, nb->n * sizeof *nb->end);
+    switch (search_all(nb, s, model, &grid, distance)) {
+    case SEARCH_NO_MEMORY: return mns_fail(error, MNS_E_MEMORY, "no memory for the neighbour lists");
+    case SEARCH_TOO_MANY:
+        return mns_fail(error, MNS_E_LIMIT,
+                        "some particle has more than %d neighbours: particles have piled up, or the kernel is too wide "
+                        "for this spacing",
+                        ROW_MAX);
+    default: return MNS_OK;
+    }
+}
+
+size_t neighbours_pairs(const Neighbours *nb)
+{
+    size_t pairs = 0;
+#pragma omp parallel for simd reduction(+ : pairs)
+    for (size_t i = 0; i < nb->n; i++) pairs += nb->end[i][GROUP_WALL];
+    return pairs;
+}
+
+size_t neighbours_bytes(const Neighbours *nb)
+{
+    size_t bytes = nb->start_capacity * sizeof *nb->start;
+    bytes += nb->n * (sizeof *nb->offset + sizeof *nb->owner + sizeof *nb->end + sizeof *nb->order + sizeof *nb->key);
+    for (int k = 0; k < nb->threads; k++) bytes += nb->arena[k].capacity * sizeof *nb->arena[k].data;
+    return bytes;
+}

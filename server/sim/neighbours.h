@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Who is near whom: for each particle the indices of its neighbours within the kernel's support plus a skin, group by group.
+ * Lists stay valid until some particle has moved half a skin. A wall particle lists fluid only. */
+#ifndef SIM_NEIGHBOURS_H
+#define SIM_NEIGHBOURS_H
+
+#include "sim/grid.h"
+
+enum { ROW_MAX = 1024 }; /* neighbours of one particle, skin included */
+
+typedef struct Arena {
+    uint32_t *data;
+    size_t used, capacity;
+} Arena;
+
+typedef struct Neighbours {
+    size_t n;                     /* particles */
+    Grid grid;                    /* the lists were built with */
+    size_t *offset;               /* [n] where the list of i begins, within ... */
+    uint16_t *owner;              /* [n] ... the arena of this thread */
+    uint16_t (*end)[GROUPS];      /* [n] entries [0, end[i][g]) of the list of i are of groups up to g */
+    uint32_t *order, *key;        /* [n] work space of the sort */
+    uint32_t *start;              /* [GROUPS * cells + 1] first particle of each cell, by group */
+    size_t start_capacity;
+    Arena *arena;                 /* [threads] where the lists are */
+    int threads;
+} Neighbours;
+
+MnsStatus neighbours_init(Neighbours *nb, size_t n, int threads, MnsError *error);
+void neighbours_done(Neighbours *nb);
+
+/* Sort the particles by group and cell of their `ref` positions and build all lists from these. Sorting is stable, so that
+ * building again from the same `ref` changes nothing: what a bitwise restart rests on.
+ * MNS_OK; MNS_E_MEMORY; MNS_E_LIMIT if a particle has more than ROW_MAX neighbours, with its id and place. */
+MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, MnsError *error);
+
+/* [end[i][GROUP_WALL]] indices of the neighbours of i, without i. */
+static inline const uint32_t *neighbours_of(const Neighbours *nb, size_t i)
+{
+    return nb->arena[nb->owner[i]].data + nb->offset[i];
+}
+
+/* Number of listed pairs (i, j), each direction counted. */
+size_t neighbours_pairs(const Neighbours *nb);
+size_t neighbours_bytes(const Neighbours *nb);
+
+#endif

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Allocate and permute the particles, field by field. */
+#include "sim/particles.h"
+#include "base/array.h"
+#include <stdlib.h>
+#include <string.h>
+
+/* The pointer to component d of a field, to be set. */
+static void set_field(Particles *s, int field, int d, void *pointer)
+{
+    memcpy((char *)s + mns_fields()[field].slot + (size_t)d * sizeof pointer, &pointer, sizeof pointer);
+}
+
+static int components(const Particles *s, int field)
+{
+    return mns_fields()[field].components == 1 ? 1 : s->dim;
+}
+
+static bool allocate(Particles *s, bool viscous)
+{
+    const MnsFieldInfo *fields = mns_fields();
+    const size_t n_wall = s->n - particles_fluid(s);
+    for (int f = 0; fields[f].name; f++)
+        for (int d = 0; d < components(s, f); d++) {
+            void *array = array_new(s->n, field_size(&fields[f]));
+            if (!array) return false;
+            set_field(s, f, d, array);
+        }
+    for (size_t k = 0; k < s->n_phases; k++)
+        if (!(s->p_wall[k] = array_new(n_wall, sizeof(double)))) return false;
+    for (int d = 0; viscous && d < s->dim; d++)
+        if (!(s->v_wall[d] = array_new(n_wall, sizeof(double)))) return false;
+    return (s->scratch = array_new(s->n, sizeof(double))) != NULL;
+}
+
+MnsStatus particles_init(Particles *s, int dim, size_t n_phases, const size_t sizes[GROUPS], bool viscous,
+                         MnsError *error)
+{
+    *s = (Particles){.dim = dim, .n_phases = n_phases};
+    for (int g = 0; g < GROUPS; g++) s->begin[g + 1] = s->begin[g] + sizes[g];
+    s->n = s->begin[GROUPS];
+    if (allocate(s, viscous)) return MNS_OK;
+    const size_t n = s->n;
+    particles_done(s);
+    return mns_fail(error, MNS_E_MEMORY, "no memory for %zu particles", n);
+}
+
+void particles_done(Particles *s)
+{
+    const MnsFieldInfo *fields = mns_fields();
+    for (int f = 0; fields[f].name; f++)
+        for (int d = 0; d < fields[f].components; d++) free(particles_field(s, f, d));
+    for (size_t k = 0; k < MNS_MAX_FLUIDS; k++) free(s->p_wall[k]);
+    for (int d = 0; d < 3; d++) free(s->v_wall[d]);
+    free(s->scratch);
+    *s = (Particles){0};
+}
+
+static void permute_f64(double *restrict to, const double *restrict from, const uint32_t *restrict order, size_t n)
+{
+#pragma omp parallel for simd schedule(static)
+    for (size_t k = 0; k < n; k++) to[k] = from[order[k]];
+}
+
+static void permute_u32(uint32_t *restrict to, const uint32_t *restrict from, const uint32_t *restrict order, size_t n)
+{
+#pragma omp parallel for simd schedule(static)
+    for (size_t k = 0; k < n; k++) to[k] = from[order[k]];
+}
+
+static void permute_u8(uint8_t *restrict to, const uint8_t *restrict from, const uint32_t *restrict order, size_t n)
+{
+#pragma omp parallel for schedule(static)
+    for (size_t k = 0; k < n; k++) to[k] = from[order[k]];
+}
+
+/* Fill the scratch array and let it change places with the field. */
+static void permute_field(Particles *s, int f, int d, const uint32_t *order)
+{
+    void *from = particles_field(s, f, d), *to = s->scratch;
+    switch (mns_fields()[f].type) {
+    case MNS_F64:
+        permute_f64(to, from, order, s->n);
+        set_field(s, f, d, to);
+        s->scratch = from;
+        break;
+    case MNS_U32:
+        permute_u32(to, from, order, s->n);
+        memcpy(from, to, s->n * sizeof(uint32_t));
+        break;
+    case MNS_U8:
+        permute_u8(to, from, order, s->n);
+        memcpy(from, to, s->n);
+        break;
+    }
+}
+
+void particles_permute(Particles *s, const uint32_t *from)
+{
+    for (int f = 0; mns_fields()[f].name; f++)
+        for (int d = 0; d < components(s, f); d++) permute_field(s, f, d, from);
+    const size_t first = particles_fluid(s), n_wall = s->n - first;
+    for (size_t a = 0; a < s->n_phases; a++) {
+        double *to = s->scratch;
+        for (size_t k = 0; k < n_wall; k++) to[k] = s->p_wall[a][from[first + k] - first];
+        memcpy(s->p_wall[a], to, n_wall * sizeof *to);
+    }
+}
+
+size_t particles_bytes(const Particles *s)
+{
+    size_t each = sizeof(double); /* scratch */
+    for (int f = 0; mns_fields()[f].name; f++) each += field_size(&mns_fields()[f]) * (size_t)components(s, f);
+    return each * s->n + (s->n - particles_fluid(s)) * sizeof(double) * (s->n_phases + (s->v_wall[0] ? 3 : 0));
+}

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* All particles, as a structure of arrays: fluid first, then the dummy particles of the walls. Storage order changes when
+ * they are sorted; ids never do. The table of what there is, with units, is in field.c. */
+#ifndef SIM_PARTICLES_H
+#define SIM_PARTICLES_H
+
+#include <meniscus/sim.h>
+
+/* Groups are contiguous. They differ in how the density is found, so that no loop over particles asks. */
+typedef enum Group { GROUP_CONTINUITY, GROUP_SUMMATION, GROUP_WALL, GROUPS } Group;
+enum { ON_CONTINUITY = 1, ON_SUMMATION = 2, ON_WALL = 4, ON_FLUID = 3 };
+
+typedef struct Particles {
+    int dim;
+    size_t n, n_phases;
+    size_t begin[GROUPS + 1]; /* group g is [begin[g], begin[g + 1]) */
+    uint32_t *id;
+    uint8_t *phase;                     /* fluid; n_phases + wall for a dummy particle */
+    double *x[3], *v[3], *a[3];         /* position, velocity, acceleration */
+    double *b[3];                       /* acceleration by the background pressure, a_b of P3 eq. 11 */
+    double *w[3];                       /* advection velocity less velocity */
+    double *ref[3];                     /* position when the neighbour lists were built */
+    double *m, *rho, *p, *vol, *z;      /* mass, density, pressure, volume, impedance rho c */
+    double *rate;                       /* continuity: d rho/dt; summation: sum of W */
+    double *p_wall[MNS_MAX_FLUIDS];     /* [n_wall] pressure a wall shows to each fluid */
+    double *v_wall[3];                  /* [n_wall] fluid velocity extrapolated into a wall; NULL without viscosity */
+    void *scratch;                      /* [n] doubles, to permute */
+} Particles;
+
+static inline size_t particles_fluid(const Particles *s)
+{
+    return s->begin[GROUP_WALL];
+}
+
+/* Arrays of zeros for groups of these sizes. MNS_E_MEMORY: nothing is left behind. */
+MnsStatus particles_init(Particles *s, int dim, size_t n_phases, const size_t sizes[GROUPS], bool viscous,
+                         MnsError *error);
+void particles_done(Particles *s);
+
+/* Component d of a field of mns_fields(); NULL where there is none. */
+void *particles_field(const Particles *s, int field, int d);
+size_t field_size(const MnsFieldInfo *field); /* bytes of an element */
+
+/* New storage order: what was at from[k] comes to k. Groups must stay where they are. */
+void particles_permute(Particles *s, const uint32_t *from);
+
+size_t particles_bytes(const Particles *s);
+
+#endif

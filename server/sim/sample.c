@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Kernel averages at points.                                                                                    P3 eq. 21 */
+#include "sim/sample.h"
+#include <math.h>
+
+typedef struct Sampler {
+    const MnsSim *sim;
+    double x[3];
+    Kernel kernel;
+    int fluid, components;
+    const double *const *f;
+    PointSums sums;
+} Sampler;
+
+static double value_of(const Sampler *q, size_t j)
+{
+    if (!q->f) return 0;
+    if (q->components == 1) return q->f[0][j];
+    double sum = 0;
+    for (int d = 0; d < q->components; d++) sum += q->f[d][j] * q->f[d][j];
+    return sqrt(sum);
+}
+
+static void visit(Sampler *q, size_t first, size_t last)
+{
+    const Particles *s = &q->sim->s;
+    for (size_t j = first; j < last; j++) {
+        double r2 = 0, W = 0, F = 0;
+        for (int d = 0; d < s->dim; d++) {
+            const double dx = model_nearest(&q->sim->model, d, q->x[d] - s->x[d][j]);
+            r2 += dx * dx;
+        }
+        const double r = sqrt(r2);
+        if (!(r < q->kernel.support)) continue;
+        kernel_eval(&q->kernel, 1, &r, &W, &F);
+        const double weight = W * s->vol[j];
+        q->sums.all += weight;
+        if (j >= particles_fluid(s)) continue;
+        q->sums.fluid += weight;
+        q->sums.value += weight * value_of(q, j);
+        if (q->fluid < 0 || s->phase[j] == q->fluid) q->sums.one += weight;
+    }
+}
+
+/* The cells of the neighbour lists hold positions that are at most half a skin old. */
+static void visit_cells(Sampler *q)
+{
+    const Neighbours *nb = &q->sim->nb;
+    Run runs[GRID_RUNS_MAX];
+    const int n = grid_runs(&nb->grid, grid_cell(&nb->grid, q->x), runs);
+    for (size_t g = 0; g < GROUPS; g++) {
+        const uint32_t *start = nb->start + g * nb->grid.cells;
+        for (int k = 0; k < n; k++) visit(q, start[runs[k].first], start[runs[k].last + 1]);
+    }
+}
+
+PointSums sample_point(const MnsSim *sim, const double x[3], double radius, int fluid, const double *const *f,
+                       int components)
+{
+    const Model *model = &sim->model;
+    Sampler q = {.sim = sim, .x = {x[0], x[1], x[2]}, .kernel = model->kernel, .fluid = fluid, .components = components, .f = f};
+    if (radius > 0) q.kernel = kernel_make(model->kernel.type, model->dim, radius * model->kernel.h / model->kernel.support);
+    if (q.kernel.support <= model->kernel.support + 0.5 * model->skin)
+        visit_cells(&q);
+    else
+        visit(&q, 0, sim->s.n);
+    return q.sums;
+}
+
+void mns_sim_sample(const MnsSim *sim, int field, int d, size_t n, const double (*points)[3], double *values)
+{
+    const MnsFieldInfo *info = &mns_fields()[field];
+    const double *f[3] = {NULL, NULL, NULL};
+    const bool magnitude = d < 0 && info->components > 1;
+    const bool known = info->type == MNS_F64 && d < info->components;
+    if (known)
+        for (int k = 0; k < sim->s.dim && k < info->components; k++)
+            f[k] = particles_field(&sim->s, field, magnitude || info->components == 1 ? k : d);
+    const int components = magnitude ? sim->s.dim : 1;
+#pragma omp parallel for schedule(dynamic, 16) num_threads(sim->threads)
+    for (size_t k = 0; k < n; k++) {
+        values[k] = NAN;
+        if (!known || !f[0]) continue;
+        const PointSums sums = sample_point(sim, points[k], 0, -1, f, components);
+        if (sums.fluid > 1e-12) values[k] = sums.value / sums.fluid;
+    }
+}

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The table of schemes, and what it says of itself. */
+#include "sim/scheme.h"
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+static const Scheme *const SCHEMES[] = {&scheme_riemann};
+enum { N_SCHEMES = sizeof SCHEMES / sizeof *SCHEMES };
+
+const Scheme *scheme_find(const char *name)
+{
+    for (size_t k = 0; k < N_SCHEMES; k++)
+        if (strcmp(SCHEMES[k]->name, name) == 0) return SCHEMES[k];
+    return NULL;
+}
+
+typedef struct Text {
+    char *text;
+    size_t used, size;
+} Text;
+
+static void add(Text *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void add(Text *t, const char *format, ...)
+{
+    if (t->used + 1 >= t->size) return;
+    va_list list;
+    va_start(list, format);
+    const int n = vsnprintf(t->text + t->used, t->size - t->used, format, list);
+    va_end(list);
+    if (n > 0) t->used = t->used + (size_t)n < t->size ? t->used + (size_t)n : t->size - 1;
+}
+
+static void add_locals(Text *t, const Local *const *locals)
+{
+    for (int k = 0; k < PASS_LOCALS_MAX && locals[k]; k++)
+        add(t, "    %-22s %-24s %s\n", locals[k]->name, locals[k]->source, locals[k]->equation);
+}
+
+const char *mns_scheme_describe(size_t k, char *text, size_t size)
+{
+    if (k >= N_SCHEMES) return NULL;
+    const Scheme *s = SCHEMES[k];
+    Text t = {text, 0, size};
+    add(&t, "%s: %s\n  %s\n  integrator: %s\n", s->name, s->title, s->source, s->integrator);
+    for (int p = 0; p < SCHEME_PASSES_MAX && s->rates[p].name; p++) {
+        const Pass *pass = &s->rates[p];
+        add(&t, "  %s\n", pass->name);
+        add_locals(&t, pass->before);
+        for (int q = 0; q < PASS_TERMS_MAX && pass->terms[q]; q++)
+            add(&t, "    %-22s %-24s %s\n", pass->terms[q]->name, pass->terms[q]->source, pass->terms[q]->equation);
+        add_locals(&t, pass->after);
+    }
+    return s->name;
+}

@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A scheme is a list of passes; a pass is a list of terms and local rules. Adding a scheme is a file in schemes/, its terms,
+ * and a row of the table in scheme.c. */
+#ifndef SIM_SCHEME_H
+#define SIM_SCHEME_H
+
+#include "sim/row.h"
+
+/* One sum over neighbours, one formula of a paper. */
+typedef struct Term {
+    const char *name, *source;         /* "riemann momentum", "P3 eq. 9": what `meniscus schemes` prints */
+    const char *equation;
+    unsigned on;                       /* whose sums: ON_CONTINUITY | ON_SUMMATION | ON_WALL */
+    bool (*needed)(const Model *);     /* NULL: always */
+    void (*row)(Row *, Particles *, const Model *);
+} Term;
+
+/* One rule per particle of a range, no neighbours: state equation, clearing, gravity. */
+typedef struct Local {
+    const char *name, *source, *equation;
+    unsigned on;
+    void (*apply)(Particles *, const Model *, size_t first, size_t last);
+} Local;
+
+enum { PASS_TERMS_MAX = 8, PASS_LOCALS_MAX = 4 };
+
+/* One sweep: local rules before, terms sharing a Row, local rules after. All lists end with NULL. */
+typedef struct Pass {
+    const char *name;
+    const Local *before[PASS_LOCALS_MAX];
+    const Term *terms[PASS_TERMS_MAX];
+    const Local *after[PASS_LOCALS_MAX];
+} Pass;
+
+enum { SCHEME_PASSES_MAX = 8 };
+
+typedef struct Scheme {
+    const char *name, *title, *source;
+    const char *integrator;               /* for people */
+    Pass rates[SCHEME_PASSES_MAX];        /* every step, at the new positions; a nameless pass ends the list */
+    int given;                            /* passes left out at the start, where the case gives their results */
+    const Local *derive;                  /* what follows from the state without neighbours, after it was set or restored */
+    const Pass *restore;                  /* and with neighbours; NULL if nothing does */
+    void (*options)(Model *, const MnsCase *); /* from the case to the model */
+} Scheme;
+
+extern const Scheme scheme_riemann;
+
+/* By name; NULL if there is none. */
+const Scheme *scheme_find(const char *name);
+
+#endif

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* P3: weakly compressible SPH with a low-dissipation two-phase Riemann solver, and transport velocity in the light fluid.
+ * M. Rezavand, C. Zhang, X. Y. Hu, Journal of Computational Physics 402 (2020). */
+#include "sim/locals/locals.h"
+#include "sim/terms/terms.h"
+
+/* A fluid lighter than a tenth of the heaviest is a gas to it: it gets the summed density that keeps it from opening voids. */
+static bool is_light(const MnsFluid *fluid, double rho_max)
+{
+    if (fluid->density_method == MNS_DENSITY_AUTOMATIC) return fluid->density < 0.1 * rho_max;
+    return fluid->density_method == MNS_DENSITY_SUMMATION;
+}
+
+static void riemann_options(Model *model, const MnsCase *c)
+{
+    model->limiter = c->scheme.riemann.limiter;
+    model->guard = c->scheme.riemann.guard * model->dx;
+    for (size_t k = 0; k < model->n_phases; k++) {
+        Phase *phase = &model->phase[k];
+        phase->summation = is_light(&c->fluids[k], model->rho_max);
+        phase->p_b = phase->summation ? c->scheme.riemann.background_pressure * phase->rho0 * phase->c * phase->c : 0;
+    }
+}
+
+const Scheme scheme_riemann = {
+    .name = "riemann",
+    .title = "low-dissipation Riemann SPH with transport velocity",
+    .source = "P3: Rezavand, Zhang and Hu 2020",
+    .integrator = "kick, drift, kick (P3 eq. 15-18)",
+    .rates =
+        {
+            {"density",
+             .terms = {&number_density, &riemann_density},
+             .after = {&advance_density, &mass_over_volume, &linear_pressure}},
+            {"walls", .terms = {&wall_pressure, &wall_velocity}},
+            {"forces",
+             .before = {&body_force},
+             .terms = {&riemann_momentum, &background, &transport_stress, &viscosity, &wall_friction}},
+        },
+    .given = 1,
+    .derive = &linear_pressure,
+    .restore = &scheme_riemann.rates[1],
+    .options = riemann_options,
+};

@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* From the case to the model: what is fixed, what can be steered, and what follows the time. */
+#include "sim/motion.h"
+#include "sim/sim.h"
+#include <math.h>
+
+static const char *const T[] = {"t", NULL}, *const XYZT[] = {"x", "y", "z", "t", NULL};
+
+static void set_geometry(Model *model, const MnsCase *c)
+{
+    model->dim = c->dim;
+    model->dx = c->reference_length / c->resolution;
+    model->wall_volume = 1;
+    for (int d = 0; d < c->dim; d++) {
+        case_fit(c, d, &model->cell[d]);
+        model->wall_volume *= model->cell[d];
+        model->min[d] = c->min[d];
+        model->max[d] = c->max[d];
+        if (c->periodic[d]) {
+            model->period[d] = c->max[d] - c->min[d];
+            model->frequency[d] = 1 / model->period[d];
+            model->periodic = true;
+        }
+    }
+    model->kernel = kernel_make(c->scheme.kernel, c->dim, c->scheme.smoothing * model->dx);
+    model->skin = c->scheme.skin * model->dx;
+}
+
+void setup_options(MnsSim *sim, const MnsCase *c)
+{
+    Model *model = &sim->model;
+    model->n_phases = c->n_fluids;
+    model->n_walls = c->n_walls;
+    model->c_max = model->rho_max = 0;
+    model->viscous = false;
+    for (size_t k = 0; k < c->n_fluids; k++) {
+        const MnsFluid *f = &c->fluids[k];
+        model->phase[k] = (Phase){.rho0 = f->density, .c = f->sound_speed, .mu = f->viscosity};
+        model->c_max = fmax(model->c_max, f->sound_speed);
+        model->rho_max = fmax(model->rho_max, f->density);
+        model->viscous = model->viscous || f->viscosity > 0;
+    }
+    model->cfl = c->scheme.cfl;
+    model->density_min = c->limits.density_min;
+    model->density_max = c->limits.density_max;
+    model->dt_floor = c->limits.time_step_floor;
+    for (size_t k = 0; k < c->n_walls; k++) model->wall[k].no_slip = c->walls[k].no_slip;
+    sim->scheme->options(model, c);
+}
+
+static MnsStatus compile(Formula **ret, int n, char *const *texts, const Constants *constants, MnsError *error)
+{
+    MnsStatus status = MNS_OK;
+    for (int d = 0; d < n && !status; d++) status = formula_new(texts[d], T, constants->list, constants->n, &ret[d], error);
+    return status;
+}
+
+MnsStatus setup_model(MnsSim *sim, MnsError *error)
+{
+    const MnsCase *c = sim->c;
+    Constants constants;
+    MnsStatus status = constants_init(&constants, c, error);
+    if (status) return status;
+    set_geometry(&sim->model, c);
+    setup_options(sim, c);
+    status = compile(sim->gravity, c->dim, c->gravity, &constants, error);
+    for (size_t k = 0; k < c->n_walls && !status; k++) {
+        status = compile(sim->surface[k], c->dim, c->walls[k].surface_velocity, &constants, error);
+        if (!status)
+            status = shape_init(&sim->solid[k], &c->walls[k].shape, c->dim, constants.list, constants.n, "walls", error);
+    }
+    for (size_t k = 0; k < c->n_probes && !status; k++)
+        if (c->probes[k].kind == MNS_PROBE_PRESSURE_DEVIATION)
+            status = formula_new(c->probes[k].formula, XYZT, constants.list, constants.n, &sim->probe_formula[k], error);
+    if (!status) {
+        setup_at(sim, 0, 0);
+        status = build_particles(sim, &constants, error);
+    }
+    constants_done(&constants);
+    return status;
+}
+
+/* Mean velocity of the wall over the step that ends at t, so that velocity and displacement agree. */
+static void move_wall(MnsSim *sim, size_t k, double t, double dt)
+{
+    WallState *wall = &sim->model.wall[k];
+    const MnsMotion *motion = &sim->c->walls[k].motion;
+    double before[3], v[3], a[3];
+    motion_at(motion, t - dt, before, v, a);
+    motion_at(motion, t, wall->x, v, wall->a);
+    for (int d = 0; d < sim->model.dim; d++) {
+        const double material = dt > 0 ? (wall->x[d] - before[d]) / dt : v[d];
+        wall->v[d] = material + formula_eval(sim->surface[k][d], &t);
+    }
+}
+
+void setup_at(MnsSim *sim, double t, double dt)
+{
+    Model *model = &sim->model;
+    model->t = t;
+    model->dt = dt;
+    for (int d = 0; d < model->dim; d++) model->gravity[d] = formula_eval(sim->gravity[d], &t);
+    for (size_t k = 0; k < model->n_walls; k++) move_wall(sim, k, t, dt);
+}

@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Shapes of a case as signed distances. */
+#include "sim/shape.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static const char *const XYZ[] = {"x", "y", "z", NULL};
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Distance from a box given by how far the point is outside of each pair of its faces. */
+static double from_faces(const double *q, int n)
+{
+    double outside = 0, inside = -INFINITY;
+    for (int d = 0; d < n; d++) {
+        outside += q[d] > 0 ? q[d] * q[d] : 0;
+        inside = fmax(inside, q[d]);
+    }
+    return outside > 0 ? sqrt(outside) : inside;
+}
+
+static double box(const MnsPart *p, int dim, const double x[3])
+{
+    double q[3];
+    for (int d = 0; d < dim; d++) q[d] = fmax(p->a[d] - x[d], x[d] - p->b[d]);
+    return from_faces(q, dim);
+}
+
+static double ball(const MnsPart *p, const double x[3])
+{
+    const double r[3] = {x[0] - p->a[0], x[1] - p->a[1], x[2] - p->a[2]};
+    return sqrt(dot(r, r)) - p->radius;
+}
+
+static double cylinder(const MnsPart *p, const double x[3])
+{
+    double axis[3], r[3];
+    for (int d = 0; d < 3; d++) {
+        axis[d] = p->b[d] - p->a[d];
+        r[d] = x[d] - p->a[d];
+    }
+    const double length = sqrt(dot(axis, axis)), along = dot(r, axis) / length;
+    const double across = sqrt(fmax(dot(r, r) - along * along, 0));
+    const double q[2] = {across - p->radius, fmax(-along, along - length)};
+    return from_faces(q, 2);
+}
+
+/* The plate's own directions: along its length, across its thickness, and in three dimensions the width between them. */
+static void plate_axes(const MnsPart *p, int dim, double axes[3][3])
+{
+    const double length = sqrt(dot(p->b, p->b));
+    double normal[3] = {-p->b[1], p->b[0], 0};
+    if (dim == 3) { /* the part of `normal` that is perpendicular to `along` */
+        const double along = dot(p->c, p->b) / (length * length);
+        for (int d = 0; d < 3; d++) normal[d] = p->c[d] - along * p->b[d];
+    }
+    const double thickness = sqrt(dot(normal, normal));
+    for (int d = 0; d < 3; d++) {
+        axes[0][d] = p->b[d] / length;
+        axes[1][d] = normal[d] / thickness;
+    }
+    for (int d = 0; d < 3; d++) {
+        const int e = (d + 1) % 3, f = (d + 2) % 3;
+        axes[2][d] = axes[0][e] * axes[1][f] - axes[0][f] * axes[1][e];
+    }
+}
+
+static double plate(const MnsPart *p, int dim, const double x[3])
+{
+    double axes[3][3];
+    plate_axes(p, dim, axes);
+    const double r[3] = {x[0] - p->a[0], x[1] - p->a[1], x[2] - p->a[2]};
+    const double half[3] = {0.5 * p->length, 0.5 * p->thickness, 0.5 * p->width};
+    double q[3];
+    for (int d = 0; d < dim; d++) q[d] = fabs(dot(r, axes[d])) - half[d];
+    return from_faces(q, dim);
+}
+
+static double half_space(const MnsPart *p, const double x[3])
+{
+    const double r[3] = {x[0] - p->a[0], x[1] - p->a[1], x[2] - p->a[2]};
+    return dot(r, p->b) / sqrt(dot(p->b, p->b));
+}
+
+static double primitive(const Shape *s, size_t k, const double x[3])
+{
+    const MnsPart *p = &s->shape->parts[k];
+    switch (p->primitive) {
+    case MNS_BOX: return box(p, s->dim, x);
+    case MNS_BALL: return ball(p, x);
+    case MNS_CYLINDER: return cylinder(p, x);
+    case MNS_PLATE: return plate(p, s->dim, x);
+    case MNS_HALF_SPACE: return half_space(p, x);
+    case MNS_FORMULA: return formula_eval(s->formulas[k], x) != 0 ? -INFINITY : INFINITY;
+    }
+    return INFINITY;
+}
+
+double shape_distance(const Shape *s, const double x[3])
+{
+    double distance = INFINITY;
+    for (size_t k = 0; k < s->shape->n; k++) {
+        const MnsPart *p = &s->shape->parts[k];
+        double part = primitive(s, k, x);
+        if (p->outside) part = -part;
+        switch (p->operation) {
+        case MNS_ADD: distance = fmin(distance, part); break;
+        case MNS_SUBTRACT: distance = fmax(distance, -part); break;
+        case MNS_INTERSECT: distance = fmax(distance, part); break;
+        }
+    }
+    return distance;
+}
+
+void shape_normal(const Shape *s, const double x[3], double step, double normal[3])
+{
+    double length = 0;
+    for (int d = 0; d < 3; d++) {
+        double low[3] = {x[0], x[1], x[2]}, high[3] = {x[0], x[1], x[2]};
+        low[d] -= step;
+        high[d] += step;
+        normal[d] = d < s->dim ? shape_distance(s, high) - shape_distance(s, low) : 0;
+        length += normal[d] * normal[d];
+    }
+    length = sqrt(length);
+    for (int d = 0; d < 3; d++) normal[d] = length > 0 ? normal[d] / length : 0;
+}
+
+MnsStatus shape_init(Shape *s, const MnsShape *shape, int dim, const MnsConstant *constants, size_t n_constants,
+                     const char *path, MnsError *error)
+{
+    *s = (Shape){.dim = dim, .shape = shape, .formulas = calloc(shape->n + 1, sizeof *s->formulas)};
+    if (!s->formulas) return mns_fail(error, MNS_E_MEMORY, "no memory for a shape");
+    for (size_t k = 0; k < shape->n; k++) {
+        if (shape->parts[k].primitive != MNS_FORMULA) continue;
+        const MnsStatus status =
+            formula_new(shape->parts[k].formula, XYZ, constants, n_constants, &s->formulas[k], error);
+        if (status) {
+            if (error) snprintf(error->path, sizeof error->path, "%s[%zu].formula", path, k);
+            return status;
+        }
+    }
+    return MNS_OK;
+}
+
+void shape_done(Shape *s)
+{
+    for (size_t k = 0; s->formulas && k < s->shape->n; k++) formula_free(s->formulas[k]);
+    free(s->formulas);
+    *s = (Shape){0};
+}

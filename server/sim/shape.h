@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Shapes of a case as signed distances. */
+#ifndef SIM_SHAPE_H
+#define SIM_SHAPE_H
+
+#include "sim/formula.h"
+
+typedef struct Shape {
+    int dim;
+    const MnsShape *shape; /* borrowed */
+    Formula **formulas;    /* [shape->n], NULL where a part is no formula */
+} Shape;
+
+/* Compile the formulas of a shape. On failure error->path is that of the part, below `path`. */
+MnsStatus shape_init(Shape *s, const MnsShape *shape, int dim, const MnsConstant *constants, size_t n_constants,
+                     const char *path, MnsError *error);
+void shape_done(Shape *s);
+
+/* Distance from the surface, negative inside [m]: exact near the surface of a primitive, a lower bound of its magnitude where
+ * parts are combined. A formula is only known as inside or outside: minus or plus infinity. */
+double shape_distance(const Shape *s, const double x[3]);
+
+/* Unit vector along which the distance grows fastest: away from the solid. */
+void shape_normal(const Shape *s, const double x[3], double step, double normal[3]);
+
+#endif

@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A simulation from the outside: make it, step it, steer it, free it. Read this file first. */
+#include "sim/sim.h"
+#include <math.h>
+#include <omp.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int threads_for(const MnsCase *c)
+{
+    return c->threads > 0 ? (int)c->threads : omp_get_max_threads();
+}
+
+static void name_timers(MnsSim *sim)
+{
+    sim->timers[TIMER_NEIGHBOURS].name = "neighbours";
+    sim->timers[TIMER_DRIFT].name = "drift";
+    sim->timers[TIMER_KICK].name = "kick";
+    sim->n_timers = TIMER_PASSES;
+    for (int k = 0; k < SCHEME_PASSES_MAX && sim->scheme->rates[k].name; k++)
+        sim->timers[sim->n_timers++].name = sim->scheme->rates[k].name;
+}
+
+static MnsStatus sim_init(MnsSim *sim, MnsError *error)
+{
+    MnsStatus status = setup_model(sim, error);
+    if (!status) status = neighbours_init(&sim->nb, sim->s.n, sim->threads, error);
+    if (!status) status = integrator_start(sim, error);
+    return status;
+}
+
+MnsStatus mns_sim_new(const MnsCase *c, MnsSim **ret_sim, MnsError *error)
+{
+    MnsStatus status = mns_case_check(c, error);
+    if (status) return status;
+    MnsSim *sim = calloc(1, sizeof *sim);
+    if (!sim) return mns_fail(error, MNS_E_MEMORY, "no memory for a simulation");
+    sim->c = c;
+    sim->scheme = scheme_find(c->scheme.name);
+    sim->threads = threads_for(c);
+    name_timers(sim);
+    status = sim_init(sim, error);
+    if (status) {
+        mns_sim_free(sim);
+        return status;
+    }
+    *ret_sim = sim;
+    return MNS_OK;
+}
+
+void mns_sim_free(MnsSim *sim)
+{
+    if (!sim) return;
+    for (int d = 0; d < 3; d++) formula_free(sim->gravity[d]);
+    for (size_t k = 0; k < MNS_MAX_WALLS; k++) {
+        for (int d = 0; d < 3; d++) formula_free(sim->surface[k][d]);
+        if (sim->solid[k].shape) shape_done(&sim->solid[k]);
+    }
+    for (size_t k = 0; k < MNS_MAX_PROBES; k++) formula_free(sim->probe_formula[k]);
+    neighbours_done(&sim->nb);
+    particles_done(&sim->s);
+    free(sim);
+}
+
+static MnsStatus remember(MnsSim *sim, MnsStatus status, const MnsError *why, MnsError *error)
+{
+    sim->fault = *why;
+    sim->fault.status = status;
+    if (error) *error = sim->fault;
+    return status;
+}
+
+/* The time the step of length *dt ends; a rest too short to be told from rounding is taken with it. */
+static double cut(double t, double *dt, double t_max)
+{
+    const double end = t + *dt;
+    if (end < t_max - 1e-9 * *dt) return end;
+    *dt = t_max - t;
+    return t_max;
+}
+
+MnsStatus mns_sim_step(MnsSim *sim, double t_max, MnsError *error)
+{
+    MnsError why = {0};
+    MnsProgress *progress = &sim->progress;
+    if (sim->fault.status) {
+        if (error) *error = sim->fault;
+        return sim->fault.status;
+    }
+    if (!(t_max > progress->t))
+        return mns_fail(error, MNS_E_INVALID, "the step must end after t = %g s; found %g s", progress->t, t_max);
+    const char *limit = "";
+    double dt = integrator_dt(sim, &limit);
+    if (!(dt >= sim->model.dt_floor * progress->dt_first) || !(dt > 0))
+        return remember(sim, fault_time_step(sim, dt, limit, &why), &why, error);
+    if (progress->dt_first == 0) progress->dt_first = dt;
+    const double t = cut(progress->t, &dt, t_max);
+    const MnsStatus status = integrator_step(sim, t, dt, &why);
+    progress->t = t;
+    progress->dt = dt;
+    progress->step++;
+    return status ? remember(sim, status, &why, error) : MNS_OK;
+}
+
+/* A formula for each direction in place of those in use; all or none. */
+static MnsStatus replace_gravity(MnsSim *sim, const MnsCase *c, MnsError *error)
+{
+    static const char *const variables[] = {"t", NULL};
+    Formula *fresh[3] = {0};
+    Constants constants;
+    MnsStatus status = constants_init(&constants, c, error);
+    for (int d = 0; d < c->dim && !status; d++)
+        status = formula_new(c->gravity[d], variables, constants.list, constants.n, &fresh[d], error);
+    constants_done(&constants);
+    for (int d = 0; d < 3; d++) {
+        Formula *out = fresh[d];
+        if (!status) {
+            out = sim->gravity[d];
+            sim->gravity[d] = fresh[d];
+        }
+        formula_free(out);
+    }
+    return status;
+}
+
+static MnsStatus replace_threads(MnsSim *sim, int threads, MnsError *error)
+{
+    if (threads == sim->threads) return MNS_OK;
+    Neighbours fresh;
+    MnsStatus status = neighbours_init(&fresh, sim->s.n, threads, error);
+    if (status) return status;
+    neighbours_done(&sim->nb);
+    sim->nb = fresh;
+    sim->threads = threads;
+    return neighbours_build(&sim->nb, &sim->s, &sim->model, error);
+}
+
+MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
+{
+    MnsStatus status = mns_case_check(c, error);
+    if (!status && (c->dim != sim->c->dim || c->n_fluids != sim->c->n_fluids || c->n_walls != sim->c->n_walls ||
+                    c->resolution != sim->c->resolution || c->n_probes != sim->c->n_probes))
+        status = mns_fail(error, MNS_E_INVALID, "fluids, walls, probes, dimensions and resolution cannot change in a run");
+    if (!status) status = replace_gravity(sim, c, error);
+    if (!status) status = replace_threads(sim, threads_for(c), error);
+    if (status) return status;
+    setup_options(sim, c);
+    sim->c = c;
+    for (size_t k = 0; k < c->n_walls; k++) sim->solid[k].shape = &c->walls[k].shape;
+    setup_at(sim, sim->progress.t, sim->progress.dt);
+    return MNS_OK;
+}
+
+const MnsCase *mns_sim_case(const MnsSim *sim)
+{
+    return sim->c;
+}
+
+MnsProgress mns_sim_progress(const MnsSim *sim)
+{
+    return sim->progress;
+}
+
+size_t mns_sim_particles(const MnsSim *sim)
+{
+    return sim->s.n;
+}
+
+size_t mns_sim_fluid_particles(const MnsSim *sim)
+{
+    return particles_fluid(&sim->s);
+}
+
+double mns_sim_spacing(const MnsSim *sim)
+{
+    return sim->model.dx;
+}
+
+double mns_sim_mean_neighbours(const MnsSim *sim)
+{
+    return sim->mean_neighbours;
+}
+
+size_t mns_sim_bytes(const MnsSim *sim)
+{
+    return particles_bytes(&sim->s) + neighbours_bytes(&sim->nb);
+}
+
+const void *mns_sim_field(const MnsSim *sim, int field, int d)
+{
+    return particles_field(&sim->s, field, d);
+}
+
+const MnsTimer *mns_sim_timers(const MnsSim *sim, size_t *ret_n)
+{
+    *ret_n = sim->n_timers;
+    return sim->timers;
+}

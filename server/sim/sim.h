@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The inside of a simulation, for the files of this folder. */
+#ifndef SIM_SIM_H
+#define SIM_SIM_H
+
+#include "sim/pass.h"
+#include "sim/shape.h"
+
+enum { SIM_TIMERS_MAX = SCHEME_PASSES_MAX + 4 };
+enum { TIMER_NEIGHBOURS, TIMER_DRIFT, TIMER_KICK, TIMER_PASSES };
+
+struct MnsSim {
+    const MnsCase *c; /* borrowed */
+    const Scheme *scheme;
+    Model model;
+    Particles s;
+    Neighbours nb;
+    int threads;
+    MnsProgress progress;
+    double v_max;                                 /* of the fluid, at the end of the last step [m/s] */
+    double mean_neighbours;                       /* of a fluid particle when the lists were built */
+    Formula *gravity[3];
+    Formula *surface[MNS_MAX_WALLS][3];           /* velocity of a wall's surface */
+    Shape solid[MNS_MAX_WALLS];                   /* where the case puts the walls */
+    Formula *probe_formula[MNS_MAX_PROBES];
+    MnsTimer timers[SIM_TIMERS_MAX];
+    size_t n_timers;
+    MnsError fault;                               /* said again by every further step */
+};
+
+/* constants.c: the constants of a case, with dx before them */
+typedef struct Constants {
+    size_t n;
+    MnsConstant *list; /* [n]; names and values borrowed from the case */
+    char dx[32];
+} Constants;
+MnsStatus constants_init(Constants *constants, const MnsCase *c, MnsError *error);
+void constants_done(Constants *constants);
+
+/* check.c: number of particles along d, and the spacing stretched to fit */
+size_t case_fit(const MnsCase *c, int d, double *ret_spacing);
+
+/* build.c: lattice, masses, initial fields */
+MnsStatus build_particles(MnsSim *sim, const Constants *constants, MnsError *error);
+
+/* setup.c: from the case to the model; gravity and walls at a time */
+MnsStatus setup_model(MnsSim *sim, MnsError *error);
+void setup_options(MnsSim *sim, const MnsCase *c);
+void setup_at(MnsSim *sim, double t, double dt);
+
+/* integrator.c: a step of length dt that ends at t; the rates of a new state; what follows from a restored one */
+MnsStatus integrator_step(MnsSim *sim, double t, double dt, MnsError *error);
+MnsStatus integrator_start(MnsSim *sim, MnsError *error);
+MnsStatus integrator_restart(MnsSim *sim, MnsError *error);
+double integrator_dt(const MnsSim *sim, const char **ret_limit);
+
+/* fault.c: say which particle is to blame for a divergence, where it is, and by which term */
+MnsStatus fault_particle(MnsSim *sim, MnsError *error);
+MnsStatus fault_time_step(MnsSim *sim, double dt, const char *limit, MnsError *error);
+
+/* guard.c: keep fluid particles out of walls; returns how often it had to */
+uint64_t guard_walls(MnsSim *sim);
+
+#endif
