@@ -1,0 +1,406 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A checkpoint gives back the state bit for bit, or says that it is damaged: never a wrong state, never a crash. */
+#include "io/atomic_file.h"
+#include "io/checkpoint.h"
+#include "io/h5.h"
+#include "io/seal.h"
+#include "io/snapshot.h"
+#include "tests/support/io_fixture.h"
+
+#include <fcntl.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+static const char blob[] = "a packed case\0with a zero in it";
+
+static int set_up(void **state)
+{
+    *state = scratch_new();
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    limit_files(SIZE_MAX);
+    scratch_free(*state);
+    return 0;
+}
+
+static MnsStatus write_state(const char *dir, const MnsCapture *state, unsigned keep, char *ret_path)
+{
+    const FileMeta meta = noise_meta();
+    return checkpoint_write(dir, state, &meta, blob, sizeof blob, keep, ret_path, NULL);
+}
+
+/* A whole checkpoint at a step, last written at `second`. @return its path, to be freed. */
+static char *write_step(const char *dir, uint64_t step, time_t second, unsigned keep)
+{
+    char *path = calloc(1, IO_PATH_MAX);
+    MnsCapture *state = noise_capture(2, 20, 10, step);
+    state->progress.step = step;
+    assert_int_equal(write_state(dir, state, keep, path), MNS_OK);
+    assert_int_equal(utimensat(AT_FDCWD, path, (const struct timespec[]){{second, 0}, {second, 0}}, 0), 0);
+    mns_capture_free(state);
+    return path;
+}
+
+static bool exists(const char *path)
+{
+    return access(path, F_OK) == 0;
+}
+
+/* --- what goes in comes out ---------------------------------------------------------------------------------------------- */
+
+static void assert_comes_back(const char *dir, int dim)
+{
+    char path[IO_PATH_MAX];
+    MnsCapture *written = noise_capture(dim, 301, 200, 5);
+    Checkpoint read;
+    assert_int_equal(write_state(dir, written, 3, path), MNS_OK);
+    assert_non_null(strstr(path, "/checkpoint-0000004711.hdf"));
+    assert_int_equal(checkpoint_read(path, &read, NULL), MNS_OK);
+    assert_true(same_values(written, read.state, written->fields));
+    assert_true(same_progress(&written->progress, &read.state->progress));
+    assert_int_equal(read.case_size, sizeof blob);
+    assert_memory_equal(read.case_blob, blob, sizeof blob);
+    assert_string_equal(read.path, path);
+    checkpoint_done(&read);
+    mns_capture_free(written);
+}
+
+static void state_case_and_progress_come_back_bit_for_bit(void **state)
+{
+    assert_comes_back(*state, 2);
+    assert_comes_back(*state, 3);
+}
+
+static void a_checkpoint_can_be_looked_at_like_a_snapshot(void **state)
+{
+    char path[IO_PATH_MAX];
+    MnsCapture *written = noise_capture(2, 30, 20, 5), *read = NULL;
+    assert_int_equal(write_state(*state, written, 3, path), MNS_OK);
+    assert_int_equal(snapshot_read(path, &read, NULL), MNS_OK);
+    assert_true(same_values(written, read, written->fields));
+    mns_capture_free(read);
+    mns_capture_free(written);
+}
+
+static void an_empty_case_is_kept_as_it_is(void **state)
+{
+    char path[IO_PATH_MAX];
+    const FileMeta meta = noise_meta();
+    MnsCapture *written = noise_capture(2, 30, 20, 5);
+    Checkpoint read;
+    assert_int_equal(checkpoint_write(*state, written, &meta, NULL, 0, 3, path, NULL), MNS_OK);
+    assert_int_equal(checkpoint_read(path, &read, NULL), MNS_OK);
+    assert_int_equal(read.case_size, 0);
+    checkpoint_done(&read);
+    mns_capture_free(written);
+}
+
+static void a_full_disk_drops_no_older_checkpoint(void **state)
+{
+    char *old = write_step(*state, 1, 1000, 1);
+    MnsCapture *next = noise_capture(2, 1000, 500, 5);
+    limit_files(20000);
+    assert_int_equal(write_state(*state, next, 1, NULL), MNS_E_NO_SPACE);
+    limit_files(SIZE_MAX);
+    assert_true(exists(old));
+    assert_false(holds(*state, ".tmp"));
+    assert_int_equal(write_state(*state, next, 1, NULL), MNS_OK);
+    assert_false(exists(old));
+    mns_capture_free(next);
+    free(old);
+}
+
+/* --- rotation ------------------------------------------------------------------------------------------------------------ */
+
+static void the_last_written_are_kept(void **state)
+{
+    char *a = write_step(*state, 100, 1000, 2), *b = write_step(*state, 200, 2000, 2);
+    char *c = write_step(*state, 300, 3000, 2);
+    assert_false(exists(a));
+    assert_true(exists(b));
+    assert_true(exists(c));
+    free(c);
+    free(b);
+    free(a);
+}
+
+static void the_one_just_written_is_kept_whatever_is_asked(void **state)
+{
+    char *a = write_step(*state, 100, 1000, 0);
+    assert_true(exists(a));
+    char *b = write_step(*state, 200, 2000, 0);
+    assert_false(exists(a));
+    assert_true(exists(b));
+    free(b);
+    free(a);
+}
+
+/* After a restore the steps go back, but the run goes on from what was written last. */
+static void an_earlier_step_written_later_is_the_newest(void **state)
+{
+    char *a = write_step(*state, 500, 1000, 3), *b = write_step(*state, 600, 2000, 3);
+    char *c = write_step(*state, 400, 3000, 2);
+    Checkpoint read;
+    assert_false(exists(a));
+    assert_true(exists(b));
+    assert_int_equal(checkpoint_newest(*state, &read, NULL, NULL, NULL), MNS_OK);
+    assert_string_equal(read.path, c);
+    checkpoint_done(&read);
+    free(c);
+    free(b);
+    free(a);
+}
+
+static void other_files_are_left_alone(void **state)
+{
+    char *other = path_in(*state, "checkpoint-notes.txt"), *folder = path_in(*state, "checkpoint-1.hdf");
+    put_bytes(other, "mine", 4);
+    assert_int_equal(mkdir(folder, 0777), 0);
+    char *a = write_step(*state, 100, 1000, 1), *b = write_step(*state, 200, 2000, 1);
+    assert_true(exists(other));
+    assert_true(exists(folder));
+    assert_false(exists(a));
+    free(b);
+    free(a);
+    free(folder);
+    free(other);
+}
+
+/* --- damage -------------------------------------------------------------------------------------------------------------- */
+
+static void count_note(void *arg, const char *text)
+{
+    assert_true(strlen(text) > 20);
+    ++*(int *)arg;
+}
+
+static void damaged_ones_are_passed_over_with_a_note(void **state)
+{
+    char *whole = write_step(*state, 1, 1000, 9), *cut = write_step(*state, 2, 2000, 9);
+    char *flipped = write_step(*state, 3, 3000, 9);
+    char *empty = path_in(*state, "checkpoint-0000000004.hdf"), *garbage = path_in(*state, "checkpoint-0000000005.hdf");
+    unsigned char junk[4096];
+    size_t size = 0;
+    int notes = 0;
+    Checkpoint read;
+    assert_int_equal(truncate(cut, 3000), 0);
+    unsigned char *bytes = bytes_of(flipped, &size);
+    bytes[size / 2] ^= 4;
+    put_bytes(flipped, bytes, size);
+    put_bytes(empty, "", 0);
+    memset(junk, 0xa5, sizeof junk);
+    put_bytes(garbage, junk, sizeof junk);
+    assert_int_equal(checkpoint_newest(*state, &read, count_note, &notes, NULL), MNS_OK);
+    assert_string_equal(read.path, whole);
+    assert_int_equal(notes, 4);
+    checkpoint_done(&read);
+    free(bytes);
+    free(garbage);
+    free(empty);
+    free(flipped);
+    free(cut);
+    free(whole);
+}
+
+static void no_whole_checkpoint_is_not_found(void **state)
+{
+    char *path = path_in(*state, "checkpoint-0000000001.hdf"), *nowhere = path_in(*state, "nowhere");
+    Checkpoint read = {.case_size = 77};
+    MnsError error;
+    assert_int_equal(checkpoint_newest(*state, &read, NULL, NULL, &error), MNS_E_NOT_FOUND);
+    assert_int_equal(checkpoint_newest(nowhere, &read, NULL, NULL, &error), MNS_E_NOT_FOUND);
+    put_bytes(path, "garbage", 7);
+    assert_int_equal(checkpoint_newest(*state, &read, NULL, NULL, &error), MNS_E_NOT_FOUND);
+    assert_non_null(strstr(error.text, "none of the 1"));
+    assert_int_equal(checkpoint_read(nowhere, &read, &error), MNS_E_NOT_FOUND);
+    assert_int_equal(read.case_size, 77);
+    free(nowhere);
+    free(path);
+}
+
+/* One random change: a byte, a run of zeros, a cut or something appended. @return the new size. */
+static size_t damage(unsigned char *bytes, size_t size, uint64_t *seed)
+{
+    const size_t at = noise(seed) % size, length = 1 + noise(seed) % 600;
+    switch (noise(seed) % 4) {
+    case 0: bytes[at] ^= (unsigned char)(1u << noise(seed) % 8); return size;
+    case 1: memset(bytes + at, 0, at + length < size ? length : size - at); return size;
+    case 2: return at;
+    default: memset(bytes + size, 0x5a, length); return size + length;
+    }
+}
+
+static void damage_is_an_error_or_makes_no_difference(void **state)
+{
+    char path[IO_PATH_MAX];
+    MnsCapture *written = noise_capture(2, 40, 30, 5);
+    uint64_t seed = 20240501;
+    size_t size = 0;
+    int refused = 0;
+    assert_int_equal(write_state(*state, written, 1, path), MNS_OK);
+    unsigned char *whole = bytes_of(path, &size), *bytes = malloc(size + 1024);
+    for (int k = 0; k < 2000; k++) {
+        Checkpoint read;
+        memcpy(bytes, whole, size);
+        put_bytes(path, bytes, damage(bytes, size, &seed));
+        const MnsStatus status = checkpoint_read(path, &read, NULL);
+        if (status) {
+            assert_int_equal(status, MNS_E_CORRUPT);
+            refused++;
+            continue;
+        }
+        assert_true(same_values(written, read.state, written->fields));
+        assert_true(same_progress(&written->progress, &read.state->progress));
+        checkpoint_done(&read);
+    }
+    assert_true(refused > 1000);
+    free(bytes);
+    free(whole);
+    mns_capture_free(written);
+}
+
+/* --- behind a seal that is right ----------------------------------------------------------------------------------------- */
+
+static void seal_again(const char *path)
+{
+    const int fd = open(path, O_RDWR);
+    assert_true(fd >= 0);
+    assert_int_equal(seal_write(fd, path, NULL), MNS_OK);
+    close(fd);
+}
+
+static hid_t open_to_change(const char *path)
+{
+    const hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
+    assert_true(file >= 0);
+    return file;
+}
+
+static void close_changed(hid_t file, const char *path)
+{
+    assert_true(H5Fclose(file) >= 0);
+    seal_again(path);
+}
+
+/* Add 1 to the first byte of a dataset, as a failing memory would have done before the file was sealed. */
+static void assert_change_is_noticed(const char *dir, const char *name)
+{
+    char path[IO_PATH_MAX];
+    unsigned char bytes[4096];
+    Checkpoint read;
+    MnsError error;
+    MnsCapture *written = noise_capture(2, 20, 10, 5);
+    assert_int_equal(write_state(dir, written, 1, path), MNS_OK);
+    const hid_t file = open_to_change(path), set = H5Dopen2(file, name, H5P_DEFAULT), type = H5Dget_type(set);
+    assert_true(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes) >= 0);
+    bytes[0]++;
+    assert_true(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes) >= 0);
+    H5Tclose(type);
+    H5Dclose(set);
+    close_changed(file, path);
+    assert_int_equal(checkpoint_read(path, &read, &error), MNS_E_CORRUPT);
+    assert_non_null(strstr(error.text, "checksum"));
+    mns_capture_free(written);
+}
+
+static void every_part_has_a_checksum_of_its_own(void **state)
+{
+    char name[128];
+    for (int k = 0; mns_fields()[k].name; k++) {
+        snprintf(name, sizeof name, "/state/%s", mns_fields()[k].name);
+        assert_change_is_noticed(*state, name);
+    }
+    assert_change_is_noticed(*state, "/case");
+}
+
+static void a_changed_scalar_is_noticed(void **state)
+{
+    static const char *const names[] = {"dim", "n",        "n_fluid", "spacing",  "t",
+                                        "dt",  "dt_first", "step",    "rebuilds", "guarded"};
+    MnsCapture *written = noise_capture(2, 20, 10, 5);
+    char path[IO_PATH_MAX];
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+        Checkpoint read;
+        MnsError error;
+        const int other = 4;
+        assert_int_equal(write_state(*state, written, 1, path), MNS_OK);
+        const hid_t file = open_to_change(path), scalar = H5Screate(H5S_SCALAR);
+        assert_true(H5Adelete_by_name(file, "/state", names[k], H5P_DEFAULT) >= 0);
+        const hid_t mark =
+            H5Acreate_by_name(file, "/state", names[k], H5T_NATIVE_INT, scalar, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+        assert_true(H5Awrite(mark, H5T_NATIVE_INT, &other) >= 0);
+        H5Aclose(mark);
+        H5Sclose(scalar);
+        close_changed(file, path);
+        assert_int_equal(checkpoint_read(path, &read, &error), MNS_E_CORRUPT);
+        assert_non_null(strstr(error.text, "checksum of its scalars"));
+    }
+    mns_capture_free(written);
+}
+
+/* What another version keeps may be what this one needs, and the other way round. */
+static void other_fields_are_another_version(void **state)
+{
+    char path[IO_PATH_MAX];
+    Checkpoint read;
+    MnsCapture *written = noise_capture(2, 20, 10, 5);
+    assert_int_equal(write_state(*state, written, 1, path), MNS_OK);
+    hid_t file = open_to_change(path);
+    H5Gclose(H5Gcreate2(file, "/state/colour", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+    close_changed(file, path);
+    assert_int_equal(checkpoint_read(path, &read, NULL), MNS_E_VERSION);
+    assert_int_equal(write_state(*state, written, 1, path), MNS_OK);
+    file = open_to_change(path);
+    assert_true(H5Ldelete(file, "/state/velocity", H5P_DEFAULT) >= 0);
+    close_changed(file, path);
+    assert_int_equal(checkpoint_read(path, &read, NULL), MNS_E_VERSION);
+    mns_capture_free(written);
+}
+
+static void an_hdf5_file_without_a_state_is_refused(void **state)
+{
+    char *path = path_in(*state, "checkpoint-0000000001.hdf");
+    Checkpoint read;
+    const hid_t creation = H5Pcreate(H5P_FILE_CREATE);
+    H5Pset_userblock(creation, SEAL_SIZE);
+    close_changed(H5Fcreate(path, H5F_ACC_TRUNC, creation, H5P_DEFAULT), path);
+    H5Pclose(creation);
+    assert_int_equal(checkpoint_read(path, &read, NULL), MNS_E_CORRUPT);
+    put_bytes(path, "nothing but bytes", 17);
+    assert_int_equal(truncate(path, 4096), 0);
+    seal_again(path);
+    assert_int_equal(checkpoint_read(path, &read, NULL), MNS_E_CORRUPT);
+    free(path);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(state_case_and_progress_come_back_bit_for_bit, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_checkpoint_can_be_looked_at_like_a_snapshot, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(an_empty_case_is_kept_as_it_is, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_full_disk_drops_no_older_checkpoint, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(the_last_written_are_kept, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(the_one_just_written_is_kept_whatever_is_asked, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(an_earlier_step_written_later_is_the_newest, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(other_files_are_left_alone, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(damaged_ones_are_passed_over_with_a_note, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(no_whole_checkpoint_is_not_found, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(damage_is_an_error_or_makes_no_difference, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(every_part_has_a_checksum_of_its_own, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_changed_scalar_is_noticed, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(other_fields_are_another_version, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(an_hdf5_file_without_a_state_is_refused, set_up, tear_down),
+    };
+    return cmocka_run_group_tests_name("checkpoint", tests, NULL, NULL);
+}
