@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the schema says about an entry, paths to it, and complaints about it in words. */
 #include "proto/case_value.h"
+#include "proto/case_words.h"
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-
-#include "proto/case_words.h"
 
 const CaseSchema *case_schema_of(MessageType *type)
 {
@@ -22,7 +21,7 @@ const CaseEntry *case_entry_of(MessageType *type, Field *field)
 Field *case_field_named(MessageType *type, const char *name, size_t n)
 {
     for (unsigned k = 0; k < type->n_fields; k++)
-        if (!strncmp(type->fields[k].name, name, n) && !type->fields[k].name[n]) return &type->fields[k];
+        if (strlen(type->fields[k].name) == n && !memcmp(type->fields[k].name, name, n)) return &type->fields[k];
     return NULL;
 }
 

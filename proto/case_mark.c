@@ -48,7 +48,7 @@ static uint32_t child(const Marks *marks, uint32_t parent, const char *name, siz
     for (uint32_t k = 0; k < marks->n; k++) {
         const Mark *mark = &marks->list[k];
         if (mark->parent != parent || !mark->name != !name) continue;
-        if (name ? !strncmp(mark->name, name, length) && !mark->name[length] : mark->index == index) return k;
+        if (name ? strlen(mark->name) == length && !memcmp(mark->name, name, length) : mark->index == index) return k;
     }
     return MARK_NONE;
 }

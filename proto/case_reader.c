@@ -140,7 +140,7 @@ static MnsStatus read_item(Reader *reader, MessageType *type, Field *field, void
 
 static MnsStatus read_list(Reader *reader, ProtobufCMessage *message, Field *field, uint32_t mark)
 {
-    char allowed[256], sentence[300];
+    char allowed[256], sentence[360];
     MnsStatus status;
     if (reader->event.type != YAML_SEQUENCE_START_EVENT) {
         case_allowed(message->descriptor, field, allowed, sizeof allowed);

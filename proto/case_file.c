@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A case file in memory: its message, where each entry stands, and what was overridden. */
+#include "proto/case_mark.h"
+#include "proto/case_reader.h"
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+struct CaseFile {
+    char *name;
+    Meniscus__Case *message;
+    Marks marks;
+    size_t n_sets;
+    char **sets; /* [n_sets] paths, the newest last */
+};
+
+const Meniscus__Case *case_file_message(const CaseFile *file) { return file->message; }
+
+void case_file_free(CaseFile *file)
+{
+    if (!file) return;
+    meniscus__case__free_unpacked(file->message, NULL);
+    marks_done(&file->marks);
+    for (size_t k = 0; k < file->n_sets; k++) free(file->sets[k]);
+    free(file->sets);
+    free(file->name);
+    free(file);
+}
+
+static CaseFile *file_new(const char *name)
+{
+    CaseFile *file = calloc(1, sizeof *file);
+    if (!file) return NULL;
+    file->name = strdup(name);
+    file->message = (Meniscus__Case *)case_message_new(&meniscus__case__descriptor);
+    if (file->name && file->message) return file;
+    case_file_free(file);
+    return NULL;
+}
+
+MnsStatus case_file_parse(const char *name, const char *text, size_t size, CaseFile **ret, MnsError *error)
+{
+    MnsError local;
+    MnsError *why = error ? error : &local;
+    CaseFile *file = file_new(name);
+    if (!file) return case_no_memory(error);
+    MnsStatus status = case_read_document(name, text, size, &file->message->base, &file->marks, why);
+    if (!status) {
+        status = case_message_check(file->message, why);
+        if (status) case_file_locate(file, why);
+    }
+    if (status)
+        case_file_free(file);
+    else
+        *ret = file;
+    return status;
+}
+
+static MnsStatus fail_file(const char *path, const char *what, int number, MnsError *error)
+{
+    const MnsStatus status = number == ENOENT || number == ENOTDIR ? MNS_E_NOT_FOUND : MNS_E_IO;
+    return mns_fail(error, status, "%s: cannot %s the case file: %s", path, what, strerror(number));
+}
+
+/* All bytes of an open file, one more than allowed at most, so that the parser can refuse it. */
+static MnsStatus read_all(const char *path, FILE *in, char **ret, size_t *ret_size, MnsError *error)
+{
+    size_t size = 0, room = 1 << 14;
+    char *text = malloc(room);
+    while (text) {
+        size += fread(text + size, 1, room - size, in);
+        if (ferror(in)) {
+            free(text);
+            return fail_file(path, "read", errno, error);
+        }
+        if (size < room || size > CASE_FILE_LIMIT) {
+            *ret = text;
+            *ret_size = size;
+            return MNS_OK;
+        }
+        char *grown = realloc(text, room *= 2);
+        if (!grown) free(text);
+        text = grown;
+    }
+    return case_no_memory(error);
+}
+
+MnsStatus case_file_read(const char *path, CaseFile **ret, MnsError *error)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *in = fopen(path, "re");
+    if (!in) return fail_file(path, "open", errno, error);
+    MnsStatus status = read_all(path, in, &text, &size, error);
+    fclose(in);
+    if (status) return status;
+    status = case_file_parse(path, text, size, ret, error);
+    free(text);
+    return status;
+}
+
+/* --- where a complaint belongs ----------------------------------------------------------------------------------------- */
+
+/* Whether path is `outer` or an entry within it. */
+static bool is_within(const char *path, const char *outer)
+{
+    const size_t n = strlen(outer);
+    return !strncmp(path, outer, n) && (!path[n] || path[n] == '.' || path[n] == '[');
+}
+
+static const char *set_around(const CaseFile *file, const char *path)
+{
+    const char *best = NULL;
+    for (size_t k = 0; k < file->n_sets; k++)
+        if (is_within(path, file->sets[k]) && (!best || strlen(file->sets[k]) > strlen(best))) best = file->sets[k];
+    return best;
+}
+
+static bool is_located(const CaseFile *file, const char *text)
+{
+    const size_t n = strlen(file->name);
+    return !strncmp(text, "--set ", 6) || (!strncmp(text, file->name, n) && text[n] == ':');
+}
+
+/* The sentence without the path it may begin with. */
+static const char *bare_sentence(const MnsError *error)
+{
+    const size_t n = strlen(error->path);
+    return n && !strncmp(error->text, error->path, n) && !strncmp(error->text + n, ": ", 2) ? error->text + n + 2
+                                                                                            : error->text;
+}
+
+void case_file_locate(const CaseFile *file, MnsError *error)
+{
+    if (!error || is_located(file, error->text) || error->status == MNS_E_MEMORY) return;
+    char sentence[sizeof error->text], path[sizeof error->path];
+    size_t depth;
+    strcpy(sentence, bare_sentence(error));
+    strcpy(path, error->path);
+    const char *separator = *path ? ": " : "";
+    const Mark *mark = &file->marks.list[marks_find(&file->marks, path, &depth)];
+    const char *set = set_around(file, path);
+    if (!set || strlen(set) < depth)
+        mns_fail_at(error, error->status, path, "%.250s:%u:%u: %s%s%s", file->name, mark->line, mark->column, path,
+                    separator, sentence);
+    else if (!strcmp(set, path))
+        mns_fail_at(error, error->status, path, "--set %s: %s", set, sentence);
+    else
+        mns_fail_at(error, error->status, path, "--set %s: %s%s%s", set, path, separator, sentence);
+}
+
+/* --- overriding -------------------------------------------------------------------------------------------------------- */
+
+static MnsStatus remember_set(CaseFile *file, char *path, MnsError *error)
+{
+    char **grown = reallocarray(file->sets, file->n_sets + 1, sizeof *grown);
+    if (!grown) return case_no_memory(error);
+    file->sets = grown;
+    file->sets[file->n_sets++] = path;
+    marks_drop(&file->marks, path);
+    return MNS_OK;
+}
+
+/* The complaint of a set that was refused, in the words of the command line. */
+static void blame_set(const char *path, MnsError *error)
+{
+    char sentence[sizeof error->text], inner[sizeof error->path];
+    char shown[48];
+    strcpy(sentence, bare_sentence(error));
+    strcpy(inner, error->path);
+    const bool same = !strcmp(inner, path) || !*inner;
+    mns_fail_at(error, error->status, inner, "--set %s: %s%s%s", strlen(path) < sizeof inner ? path : case_shown(path, shown),
+                same ? "" : inner, same ? "" : ": ", sentence);
+}
+
+static MnsStatus set_entry(CaseFile *file, char *path, const char *yaml, MnsError *error)
+{
+    MnsError local;
+    MnsError *why = error ? error : &local;
+    Meniscus__Case *changed;
+    MnsStatus status = case_message_set(file->message, path, yaml, &changed, why);
+    if (status) {
+        blame_set(path, why);
+        return status;
+    }
+    status = remember_set(file, path, why);
+    meniscus__case__free_unpacked(status ? changed : file->message, NULL);
+    if (!status) file->message = changed;
+    return status;
+}
+
+MnsStatus case_file_set(CaseFile *file, const char *assignment, MnsError *error)
+{
+    char shown[48];
+    const char *equals = strchr(assignment, '=');
+    if (!equals || equals == assignment)
+        return mns_fail(error, MNS_E_INVALID, "--set %s: write PATH=VALUE, as in resolution=40",
+                        case_shown(assignment, shown));
+    char *path = strndup(assignment, (size_t)(equals - assignment));
+    if (!path) return case_no_memory(error);
+    const MnsStatus status = set_entry(file, path, equals + 1, error);
+    if (status) free(path);
+    return status;
+}

@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What may change while a simulation runs, and whether two cases differ in nothing else. */
+#include "proto/case_scalar.h"
+#include <stdio.h>
+#include <string.h>
+
+static MnsStatus compare(MessageType *type, const ProtobufCMessage *a, const ProtobufCMessage *b, CasePath *path,
+                         MnsError *error);
+
+static MnsStatus fail_fixed(const CasePath *path, MnsError *error)
+{
+    char names[400] = "";
+    size_t n = 0;
+    for (size_t k = 0; k < case_steerables_n && n < sizeof names; k++)
+        n += (size_t)snprintf(names + n, sizeof names - n, "%s%s", k ? ", " : "", case_steerables[k].path);
+    return case_fail(error, MNS_E_INVALID, path->text, "cannot change while the simulation runs, allowed: %s", names);
+}
+
+/* The value in force: what is there, or the default; NULL if there is neither. */
+static const void *effective(const ProtobufCMessage *message, Field *field, const void *const *ret_default)
+{
+    if (case_count(message, field)) return case_item(message, field, 0);
+    if (!field->default_value) return NULL;
+    return field->type == PROTOBUF_C_TYPE_STRING ? (const void *)ret_default : field->default_value;
+}
+
+static bool scalars_equal(const ProtobufCMessage *a, const ProtobufCMessage *b, Field *field)
+{
+    const void *text = field->default_value;
+    const void *in_a = effective(a, field, &text), *in_b = effective(b, field, &text);
+    return in_a && in_b ? case_scalar_equal(field, in_a, in_b) : in_a == in_b;
+}
+
+static MnsStatus compare_list(const ProtobufCMessage *a, const ProtobufCMessage *b, Field *field, CasePath *path,
+                              MnsError *error)
+{
+    const size_t n = case_count(a, field);
+    MnsStatus status = n == case_count(b, field) ? MNS_OK : fail_fixed(path, error);
+    for (size_t k = 0; k < n && !status; k++) {
+        const size_t before = case_path_index(path, k);
+        if (field->type == PROTOBUF_C_TYPE_MESSAGE)
+            status = compare(field->descriptor, case_child(a, field, k), case_child(b, field, k), path, error);
+        else if (!case_scalar_equal(field, case_item(a, field, k), case_item(b, field, k)))
+            status = fail_fixed(path, error);
+        case_path_cut(path, before);
+    }
+    return status;
+}
+
+/* Whether a member of a oneof is in force: it is there, or it is what the absence of all members means. */
+static bool is_chosen(const ProtobufCMessage *message, MessageType *type, Field *field)
+{
+    if (case_count(message, field)) return true;
+    if (!case_entry_of(type, field)->is_default) return false;
+    for (unsigned k = 0; k < type->n_fields; k++) {
+        Field *other = &type->fields[k];
+        const bool is_member = other->flags & PROTOBUF_C_FIELD_FLAG_ONEOF;
+        if (is_member && other->quantifier_offset == field->quantifier_offset && case_count(message, other)) return false;
+    }
+    return true;
+}
+
+static MnsStatus compare_field(MessageType *type, const ProtobufCMessage *a, const ProtobufCMessage *b, Field *field,
+                               CasePath *path, MnsError *error)
+{
+    if (field->label == PROTOBUF_C_LABEL_REPEATED) return compare_list(a, b, field, path, error);
+    const bool is_member = field->flags & PROTOBUF_C_FIELD_FLAG_ONEOF;
+    if (is_member && is_chosen(a, type, field) != is_chosen(b, type, field)) return fail_fixed(path, error);
+    if (field->type == PROTOBUF_C_TYPE_MESSAGE)
+        return compare(field->descriptor, case_child(a, field, 0), case_child(b, field, 0), path, error);
+    return scalars_equal(a, b, field) ? MNS_OK : fail_fixed(path, error);
+}
+
+static MnsStatus compare(MessageType *type, const ProtobufCMessage *a, const ProtobufCMessage *b, CasePath *path,
+                         MnsError *error)
+{
+    MnsStatus status = MNS_OK;
+    if (!a && !b) return MNS_OK;
+    for (unsigned k = 0; k < type->n_fields && !status; k++) {
+        Field *field = &type->fields[k];
+        if (case_entry_of(type, field)->steerable) continue;
+        const size_t before = case_path_name(path, field->name, strlen(field->name));
+        status = compare_field(type, a, b, field, path, error);
+        case_path_cut(path, before);
+    }
+    return status;
+}
+
+MnsStatus case_message_steerable(const Meniscus__Case *a, const Meniscus__Case *b, MnsError *error)
+{
+    CasePath path = {0};
+    return compare(a->base.descriptor, &a->base, &b->base, &path, error);
+}
+
+const CaseParameter *case_parameters(size_t *ret_n)
+{
+    *ret_n = case_steerables_n;
+    return case_steerables;
+}
