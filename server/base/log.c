@@ -10,7 +10,10 @@
 
 static _Atomic int log_level = LOG_INFORMATION;
 
-void log_set_level(LogLevel level) { log_level = (int)level; }
+void log_set_level(LogLevel level)
+{
+    log_level = (int)level;
+}
 
 int log_level_find(const char *word)
 {

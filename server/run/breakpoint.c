@@ -23,7 +23,10 @@ struct Breakpoints {
     Watch watch[BREAKPOINTS];
 };
 
-Breakpoints *breakpoints_new(void) { return calloc(1, sizeof(Breakpoints)); }
+Breakpoints *breakpoints_new(void)
+{
+    return calloc(1, sizeof(Breakpoints));
+}
 
 void breakpoints_free(Breakpoints *points)
 {
@@ -38,7 +41,10 @@ static void variable_name(const char *probe, char ret[static VARIABLE_NAME])
         if (*c == '.' || *c == '-') *c = '_';
 }
 
-static bool is_word(char c) { return isalnum((unsigned char)c) || c == '_'; }
+static bool is_word(char c)
+{
+    return isalnum((unsigned char)c) || c == '_';
+}
 
 /* Is the word in the text, whole? */
 static bool names(const char *text, const char *word)
@@ -52,7 +58,7 @@ static bool names(const char *text, const char *word)
 /* Compile the condition of a watch; its variables are t, step and one for each probe. */
 static MnsStatus compile(Watch *watch, const MnsCase *c, MnsError *error)
 {
-    char (*words)[VARIABLE_NAME] = calloc(VARIABLES, sizeof *words);
+    char(*words)[VARIABLE_NAME] = calloc(VARIABLES, sizeof *words);
     if (!words) return mns_fail(error, MNS_E_MEMORY, "no memory for a breakpoint");
     const char *variables[VARIABLES + 1] = {"t", "step"};
     for (size_t k = 0; k < c->n_probes; k++) {

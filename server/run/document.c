@@ -52,7 +52,8 @@ MnsStatus document_unpack(const void *blob, size_t size, const char *name, Docum
     document->message = meniscus__case__unpack(NULL, size, blob);
     MnsStatus status;
     if (!document->name || !document->blob) status = mns_fail(error, MNS_E_MEMORY, "no memory for the case");
-    else if (!document->message) status = mns_fail(error, MNS_E_CORRUPT, "the stored case is no message of this version");
+    else if (!document->message)
+        status = mns_fail(error, MNS_E_CORRUPT, "the stored case is no message of this version");
     else status = translate(document, error);
     if (status) {
         destroy(document);

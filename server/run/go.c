@@ -180,7 +180,9 @@ void run_step(Run *run, Order *order, uint64_t n)
 {
     const uint64_t now = mns_sim_progress(run->sim).step;
     MnsError error;
-    if (!n) run_answer(run, order, mns_fail_at(&error, MNS_E_INVALID, "count", "the number of steps must be at least 1"), &error);
+    if (!n)
+        run_answer(run, order, mns_fail_at(&error, MNS_E_INVALID, "count", "the number of steps must be at least 1"),
+                   &error);
     else go_for(run, order, (Goal){.t = INFINITY, .step = n > UINT64_MAX - now ? UINT64_MAX : now + n}, "stepping");
 }
 
@@ -191,7 +193,8 @@ void run_until(Run *run, Order *order, double t, bool exact)
     if (!(t >= now) || isinf(t))
         run_answer(run, order,
                    mns_fail_at(&error, MNS_E_INVALID, "time",
-                               "the time to run to must be a number at or after the present time, %.9g s; found %.9g", now, t),
+                               "the time to run to must be a number at or after the present time, %.9g s; found %.9g",
+                               now, t),
                    &error);
     else go_for(run, order, (Goal){.t = t, .step = UINT64_MAX, .exact = exact}, "running to a time");
 }

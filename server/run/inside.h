@@ -54,19 +54,20 @@ struct Run {
 
 /* publish.c: what others see. */
 void run_beat(void *run);
-void run_publish_step(Run *run);                          /* the numbers that change with every step           */
-void run_publish(Run *run);                               /* all                                               */
+void run_publish_step(Run *run);                            /* the numbers that change with every step           */
+void run_publish(Run *run);                                 /* all                                               */
 void run_enter(Run *run, RunState state, const char *text); /* a new state: published, told, and who waits answered */
 void run_tell(Run *run, int level, const char *word, const char *text); /* an event                                */
 void run_tell_progress(Run *run);
 
 /* go.c: goals and waiters. */
-void run_begin(Run *run, const char *text);                         /* RUNNING, with the outputs of the first boundary    */
-void run_goal_end(Run *run, MnsStatus status, const MnsError *error); /* answers who is after it                            */
-void run_answer_waiters(Run *run);                                  /* those whose wait is over                           */
-void run_expire(Run *run);                                          /* those whose deadline has passed                    */
-double run_next_deadline(const Run *run);                           /* of clock_now(); INFINITY: none                     */
+void run_begin(Run *run, const char *text); /* RUNNING, with the outputs of the first boundary    */
+void run_goal_end(Run *run, MnsStatus status,
+                  const MnsError *error); /* answers who is after it                            */
+void run_answer_waiters(Run *run);        /* those whose wait is over                           */
+void run_expire(Run *run);                /* those whose deadline has passed                    */
+double run_next_deadline(const Run *run); /* of clock_now(); INFINITY: none                     */
 void run_fault(Run *run, const MnsError *error, bool output);
-void run_advance(Run *run);                                         /* one step and all that hangs on it                  */
+void run_advance(Run *run); /* one step and all that hangs on it                  */
 
 #endif

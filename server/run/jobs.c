@@ -104,20 +104,21 @@ typedef struct RowJob {
 static MnsStatus write_row(Job *base, MnsError *error)
 {
     const RowJob *row = (const RowJob *)base;
-    return row->n ? series_append(row->series, row->step, row->t, row->values, error) : series_flush(row->series, error);
+    return row->n ? series_append(row->series, row->step, row->t, row->values, error)
+                  : series_flush(row->series, error);
 }
 
-static void free_row(Job *base) { free(base); }
+static void free_row(Job *base)
+{
+    free(base);
+}
 
 MnsStatus job_post_row(Outputs *outputs, MnsProgress at, size_t n, const double *values, MnsError *error)
 {
     RowJob *row = malloc(sizeof *row + n * sizeof *values);
     if (!row) return mns_fail(error, MNS_E_MEMORY, "no memory for a sample of the probes");
-    *row = (RowJob){.job = {.write = write_row, .free = free_row},
-                    .series = outputs->series,
-                    .step = at.step,
-                    .t = at.t,
-                    .n = n};
+    *row = (RowJob){
+        .job = {.write = write_row, .free = free_row}, .series = outputs->series, .step = at.step, .t = at.t, .n = n};
     for (size_t k = 0; k < n; k++) row->values[k] = values[k];
     writer_post(outputs->writer, &row->job);
     return MNS_OK;
@@ -144,8 +145,8 @@ static MnsStatus open_series(Job *base, MnsError *error)
     return series_new(job->directory, &meta, job->goes_on, job->last_step, job->ret, error);
 }
 
-MnsStatus job_open_series(Writer *writer, const char *directory, const Document *document, bool goes_on, uint64_t last_step,
-                          Series **ret, MnsError *error)
+MnsStatus job_open_series(Writer *writer, const char *directory, const Document *document, bool goes_on,
+                          uint64_t last_step, Series **ret, MnsError *error)
 {
     OpenJob job = {{.write = open_series}, directory, document, goes_on, last_step, ret};
     return writer_call(writer, &job.job, error);
@@ -167,8 +168,8 @@ static MnsStatus read_checkpoint(Job *base, MnsError *error)
     return checkpoint_read(job->path, job->ret, error);
 }
 
-MnsStatus outputs_read(Writer *writer, const char *path, bool newest, void (*note)(void *arg, const char *text), void *arg,
-                       Checkpoint *ret, MnsError *error)
+MnsStatus outputs_read(Writer *writer, const char *path, bool newest, void (*note)(void *arg, const char *text),
+                       void *arg, Checkpoint *ret, MnsError *error)
 {
     ReadJob job = {{.write = read_checkpoint}, path, newest, note, arg, ret};
     return writer_call(writer, &job.job, error);

@@ -16,7 +16,7 @@ MnsStatus job_post_row(Outputs *outputs, MnsProgress at, size_t n, const double 
 MnsStatus job_post_flush(Outputs *outputs, MnsError *error);
 
 /* Waits: series_new(). */
-MnsStatus job_open_series(Writer *writer, const char *directory, const Document *document, bool goes_on, uint64_t last_step,
-                          Series **ret, MnsError *error);
+MnsStatus job_open_series(Writer *writer, const char *directory, const Document *document, bool goes_on,
+                          uint64_t last_step, Series **ret, MnsError *error);
 
 #endif

@@ -23,7 +23,10 @@ static void candidate_drop(Candidate *candidate)
     document_leave(candidate->document);
 }
 
-static void note_damaged(void *arg, const char *text) { run_tell(arg, LOG_WARNING, "checkpoint", text); }
+static void note_damaged(void *arg, const char *text)
+{
+    run_tell(arg, LOG_WARNING, "checkpoint", text);
+}
 
 /* --- building ---------------------------------------------------------------------------------------------------------- */
 
@@ -134,7 +137,8 @@ static MnsStatus choose_directory(const Run *run, const RunLoad *load, char ret[
 {
     if (!run->options.directory) return rundir_choose(run->options.parent, load->name, load->resume, ret, error);
     if (strlen(run->options.directory) >= RUNDIR_PATH)
-        return mns_fail(error, MNS_E_LIMIT, "the path of the run directory is too long: %.200s...", run->options.directory);
+        return mns_fail(error, MNS_E_LIMIT, "the path of the run directory is too long: %.200s...",
+                        run->options.directory);
     snprintf(ret, RUNDIR_PATH, "%s", run->options.directory);
     return MNS_OK;
 }
@@ -170,8 +174,8 @@ void run_load(Run *run, Order *order, const RunLoad *load)
     status = choose_directory(run, load, candidate.directory, &error);
     if (status) document_leave(document);
     else status = build_load(run, load, document, &candidate, &error);
-    replace(run, order, &candidate, status, previous, candidate.goes_on ? "loaded, to go on from a checkpoint" : "loaded",
-            &error);
+    replace(run, order, &candidate, status, previous,
+            candidate.goes_on ? "loaded, to go on from a checkpoint" : "loaded", &error);
 }
 
 void run_reset(Run *run, Order *order)
@@ -191,10 +195,11 @@ static MnsStatus read_named(Run *run, const char *name, Checkpoint *ret, MnsErro
     const char *directory = run->outputs.directory;
     if (!name) return outputs_read(run->outputs.writer, directory, true, note_damaged, run, ret, error);
     if (strchr(name, '/') || strlen(name) > 60)
-        return mns_fail_at(error, MNS_E_INVALID, "checkpoint",
-                           "a checkpoint is named by its file in the run directory, as in checkpoint-0000000100.hdf; found "
-                           "\"%.60s\"",
-                           name);
+        return mns_fail_at(
+            error, MNS_E_INVALID, "checkpoint",
+            "a checkpoint is named by its file in the run directory, as in checkpoint-0000000100.hdf; found "
+            "\"%.60s\"",
+            name);
     snprintf(path, sizeof path, "%s/%s", directory, name);
     return outputs_read(run->outputs.writer, path, false, NULL, NULL, ret, error);
 }

@@ -14,7 +14,10 @@ void meter_begin(Meter *meter, MnsProgress progress, double now)
     meter->mark_step = progress.step;
 }
 
-static double blend(double old, double new) { return old > 0 ? (1 - WEIGHT) * old + WEIGHT * new : new; }
+static double blend(double old, double new)
+{
+    return old > 0 ? (1 - WEIGHT) * old + WEIGHT * new : new;
+}
 
 void meter_step(Meter *meter, MnsProgress progress, size_t particles, double seconds, double now)
 {
@@ -32,4 +35,7 @@ double meter_eta(const Meter *meter, double t, double end)
     return meter->time_rate > 0 ? fmax(end - t, 0) / meter->time_rate : NAN;
 }
 
-double meter_ns(const Meter *meter) { return meter->particle_steps > 0 ? 1e9 * meter->stepping / meter->particle_steps : NAN; }
+double meter_ns(const Meter *meter)
+{
+    return meter->particle_steps > 0 ? 1e9 * meter->stepping / meter->particle_steps : NAN;
+}

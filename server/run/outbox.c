@@ -37,7 +37,10 @@ void note_free(Note *note)
     free(note);
 }
 
-static bool is_live(const Note *note) { return note->kind == NOTE_PROGRESS || note->kind == NOTE_PROBES; }
+static bool is_live(const Note *note)
+{
+    return note->kind == NOTE_PROGRESS || note->kind == NOTE_PROBES;
+}
 
 /* With the lock held. */
 static void append(Outbox *box, Note *note)

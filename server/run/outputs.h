@@ -52,7 +52,7 @@ MnsStatus outputs_finish(Outputs *outputs, const MnsSim *sim, Document *document
 
 /* Read a checkpoint on the writer's thread: a path, or the newest whole one in a directory; damaged ones are told to note.
  * What checkpoint_read() and checkpoint_newest() return. */
-MnsStatus outputs_read(Writer *writer, const char *path, bool newest, void (*note)(void *arg, const char *text), void *arg,
-                       Checkpoint *ret, MnsError *error);
+MnsStatus outputs_read(Writer *writer, const char *path, bool newest, void (*note)(void *arg, const char *text),
+                       void *arg, Checkpoint *ret, MnsError *error);
 
 #endif

@@ -17,9 +17,15 @@ const char *run_state_name(RunState state)
     return (unsigned)state < RUN_STATES ? names[state] : "UNKNOWN";
 }
 
-void run_beat(void *run) { ((Run *)run)->beat++; }
+void run_beat(void *run)
+{
+    ((Run *)run)->beat++;
+}
 
-uint64_t run_heartbeat(Run *run) { return run->beat; }
+uint64_t run_heartbeat(Run *run)
+{
+    return run->beat;
+}
 
 void run_status(Run *run, RunStatus *ret)
 {

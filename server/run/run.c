@@ -18,7 +18,8 @@ static void serve(Run *run, Order *order)
     order->effect_step = run->sim ? mns_sim_progress(run->sim).step : 0;
     if (order->deadline < clock_now())
         run_answer(run, order,
-                   mns_fail(&error, MNS_E_TIMEOUT, "the deadline passed before the command could take effect; nothing was done"),
+                   mns_fail(&error, MNS_E_TIMEOUT,
+                            "the deadline passed before the command could take effect; nothing was done"),
                    &error);
     else order->serve(run, order);
 }
@@ -115,10 +116,22 @@ void run_free(Run *run)
     destroy(run);
 }
 
-MnsStatus run_post(Run *run, Order *order, MnsError *error) { return mailbox_post(&run->mailbox, order, error); }
+MnsStatus run_post(Run *run, Order *order, MnsError *error)
+{
+    return mailbox_post(&run->mailbox, order, error);
+}
 
-Outbox *run_outbox(Run *run) { return &run->outbox; }
+Outbox *run_outbox(Run *run)
+{
+    return &run->outbox;
+}
 
-RunState run_state(const Run *run) { return run->state; }
+RunState run_state(const Run *run)
+{
+    return run->state;
+}
 
-const MnsSim *run_sim(const Run *run) { return run->sim; }
+const MnsSim *run_sim(const Run *run)
+{
+    return run->sim;
+}

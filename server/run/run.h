@@ -30,9 +30,9 @@ typedef struct RunStatus {
     double end_time; /* [s] */
     size_t particles, fluid_particles, bytes;
     double steps_per_second, ns_per_particle_step, eta; /* [1/s], [ns], [s]; NAN: not known */
-    double stepping, wall;                              /* wall-clock time in steps, and since the case was loaded [s] */
-    uint64_t skipped;                                   /* live samples dropped */
-    uint64_t hash;                                      /* of the state, when it stands still with a case; else 0 */
+    double stepping, wall; /* wall-clock time in steps, and since the case was loaded [s] */
+    uint64_t skipped;      /* live samples dropped */
+    uint64_t hash;         /* of the state, when it stands still with a case; else 0 */
     unsigned threads;
     MnsError fault; /* in FAULT */
     size_t n_timers, n_breakpoints;
@@ -69,12 +69,13 @@ typedef struct RunLoad {
 } RunLoad;
 
 void run_load(Run *run, Order *order, const RunLoad *load);
-void run_reset(Run *run, Order *order);                   /* to t = 0 of the same case                              */
+void run_reset(Run *run, Order *order);                     /* to t = 0 of the same case                              */
 void run_restore(Run *run, Order *order, const char *name); /* of a file in the run directory; NULL: the newest whole */
-void run_stop(Run *run, Order *order, bool checkpoint);   /* to EMPTY, files kept                                   */
-void run_leave(Run *run, Order *order, bool checkpoint);  /* the last order: the thread ends                        */
+void run_stop(Run *run, Order *order, bool checkpoint);     /* to EMPTY, files kept                                   */
+void run_leave(Run *run, Order *order, bool checkpoint);    /* the last order: the thread ends                        */
 
-void run_go(Run *run, Order *order); /* start or resume: run to the end                                                */
+void run_go(Run *run,
+            Order *order); /* start or resume: run to the end                                                */
 void run_pause(Run *run, Order *order);
 void run_step(Run *run, Order *order, uint64_t n);
 void run_until(Run *run, Order *order, double t, bool exact); /* exact: the last step is shortened                    */

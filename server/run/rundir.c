@@ -25,7 +25,8 @@ static bool exists(const char *path)
     return stat(path, &info) == 0;
 }
 
-MnsStatus rundir_choose(const char *parent, const char *name, bool latest, char ret[static RUNDIR_PATH], MnsError *error)
+MnsStatus rundir_choose(const char *parent, const char *name, bool latest, char ret[static RUNDIR_PATH],
+                        MnsError *error)
 {
     if (strlen(parent) + strlen(name) + 16 > RUNDIR_PATH)
         return mns_fail(error, MNS_E_LIMIT, "the path of the run directory is too long: %.200s...", parent);
@@ -55,7 +56,10 @@ MnsStatus rundir_make(const char *dir, MnsError *error)
     return MNS_OK;
 }
 
-void rundir_unmake(const char *dir) { rmdir(dir); }
+void rundir_unmake(const char *dir)
+{
+    rmdir(dir);
+}
 
 static MnsStatus write_all(int file, const char *path, const char *text, MnsError *error)
 {

@@ -36,8 +36,8 @@ static MnsStatus changed(const Run *run, size_t n, const char *const *paths, con
     const double t = mns_sim_progress(run->sim).t, end = (*ret)->c->end_time;
     if (end >= t) return MNS_OK;
     document_leave(*ret);
-    return mns_fail_at(error, MNS_E_INVALID, "end_time", "the end time must not lie before the present time, %.9g s; found %.9g",
-                       t, end);
+    return mns_fail_at(error, MNS_E_INVALID, "end_time",
+                       "the end time must not lie before the present time, %.9g s; found %.9g", t, end);
 }
 
 static void tell_changes(Run *run, size_t n, const char *const *paths, const char *const *values)
@@ -92,7 +92,8 @@ void run_checkpoint(Run *run, Order *order)
     MnsError error;
     MnsStatus status = MNS_OK;
     if (run->state == RUN_FAULT && run->output_failed)
-        status = mns_fail(&error, MNS_E_STATE, "an earlier output waits to be written; resume first: %.300s", run->fault.text);
+        status = mns_fail(&error, MNS_E_STATE, "an earlier output waits to be written; resume first: %.300s",
+                          run->fault.text);
     if (!status) status = outputs_checkpoint(&run->outputs, run->sim, run->document, order, &error);
     after_output(run, order, status, &error);
 }
@@ -113,7 +114,8 @@ void run_snapshot(Run *run, Order *order, size_t n, char *const *fields)
     uint64_t mask = 0;
     MnsStatus status = find_fields(n, fields, &mask, &error);
     if (!status && run->state == RUN_FAULT && run->output_failed)
-        status = mns_fail(&error, MNS_E_STATE, "an earlier output waits to be written; resume first: %.300s", run->fault.text);
+        status = mns_fail(&error, MNS_E_STATE, "an earlier output waits to be written; resume first: %.300s",
+                          run->fault.text);
     if (!status) status = outputs_snapshot(&run->outputs, run->sim, run->document, mask, order, &error);
     after_output(run, order, status, &error);
 }

@@ -16,8 +16,9 @@ server/sim            meniscus base sim lua xxhash openmp
 server/cases          meniscus base sim cases proto messages
 server/io             meniscus base sim cases io hdf5 xxhash jansson
 server/run            meniscus base sim cases io run proto messages
-server/net            meniscus base sim cases io run net proto messages zmq
-server/main.c         meniscus base sim cases io run net proto messages zmq systemd jansson
+server/batch          meniscus base sim cases io run batch proto messages jansson
+server/net            meniscus base sim cases io run net proto messages zmq systemd xxhash
+server/main.c         meniscus base run net batch
 proto                 meniscus proto messages yaml
 client/lib            meniscus client proto messages zmq xxhash
 client/cli            meniscus client jansson cairo hdf5

@@ -1,0 +1,272 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* One run from the command line. The run has its own threads; this one posts orders, shows progress and minds signals. */
+#include "batch/batch.h"
+
+#include "base/log.h"
+#include "batch/bar.h"
+#include "batch/outcome.h"
+#include "cases/translate.h"
+#include "proto/case_file.h"
+#include <math.h>
+#include <meniscus/exit.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+typedef struct Batch {
+    const BatchOptions *options;
+    CaseFile *file;
+    char name[128];
+    char directory[RUNDIR_PATH];
+    Run *run;
+    int signals;  /* signalfd                      */
+    bool stopped; /* by a signal                   */
+    Bar bar;
+    double probes[MNS_MAX_PROBES];
+} Batch;
+
+/* An order that knows the batch. */
+typedef struct BatchOrder {
+    Order order;
+    Batch *batch;
+} BatchOrder;
+
+/* --- what the runner does for us --------------------------------------------------------------------------------------- */
+
+static Batch *batch_of(Order *order)
+{
+    return ((BatchOrder *)order)->batch;
+}
+
+static void serve_load(Run *run, Order *order)
+{
+    const Batch *batch = batch_of(order);
+    const RunLoad load = {case_file_message(batch->file), batch->name, batch->options->resume};
+    run_load(run, order, &load);
+}
+
+static void serve_go(Run *run, Order *order)
+{
+    run_go(run, order);
+}
+
+static void serve_until(Run *run, Order *order)
+{
+    run_until(run, order, batch_of(order)->options->until, false);
+}
+
+static void serve_wait(Run *run, Order *order)
+{
+    const RunWait wait = {1u << RUN_DONE | 1u << RUN_FAULT | 1u << RUN_PAUSED, INFINITY, UINT64_MAX};
+    run_wait(run, order, &wait);
+}
+
+static void serve_pause(Run *run, Order *order)
+{
+    run_pause(run, order);
+}
+
+static void serve_checkpoint(Run *run, Order *order)
+{
+    MnsError error;
+    if (run_sim(run)) run_checkpoint(run, order);
+    else run_answer(run, order, mns_fail(&error, MNS_E_STATE, "there is no case yet"), &error);
+}
+
+static void serve_probes(Run *run, Order *order)
+{
+    const MnsSim *sim = run_sim(run);
+    for (size_t k = 0; k < mns_sim_case(sim)->n_probes; k++) batch_of(order)->probes[k] = mns_sim_probe(sim, k);
+    run_answer(run, order, MNS_OK, NULL);
+}
+
+static void serve_leave(Run *run, Order *order)
+{
+    run_leave(run, order, true);
+}
+
+/* --- orders, notes and signals ----------------------------------------------------------------------------------------- */
+
+/* An order whose answer does not matter; it is freed when it comes back. */
+static void post_aside(Batch *batch, void (*serve)(Run *, Order *))
+{
+    BatchOrder *order = malloc(sizeof *order);
+    if (!order) return;
+    *order = (BatchOrder){.order = {.serve = serve, .deadline = INFINITY}, .batch = batch};
+    if (run_post(batch->run, &order->order, NULL)) free(order);
+}
+
+static void take_signal(Batch *batch)
+{
+    struct signalfd_siginfo info;
+    if (read(batch->signals, &info, sizeof info) != sizeof info) return;
+    if (info.ssi_signo == SIGUSR1) {
+        post_aside(batch, serve_checkpoint);
+        return;
+    }
+    if (batch->stopped) _exit(MNS_EXIT_FAILED); /* who says it twice wants no checkpoint */
+    batch->stopped = true;
+    post_aside(batch, serve_pause);
+}
+
+/* Look at all notes; true if the order has come back. */
+static bool take_notes(Batch *batch, const Order *awaited)
+{
+    bool came = false;
+    for (Note *note; (note = outbox_take(run_outbox(batch->run)));) {
+        if (note->kind == NOTE_PROGRESS) bar_show(&batch->bar, note);
+        else if (note->kind == NOTE_ANSWER && note->order == awaited) came = true;
+        else if (note->kind == NOTE_ANSWER) free(note->order);
+        note_free(note);
+    }
+    return came;
+}
+
+/* Have the runner do something, and wait for it. */
+static MnsStatus perform(Batch *batch, void (*serve)(Run *, Order *), MnsError *error)
+{
+    BatchOrder order = {.order = {.serve = serve, .deadline = INFINITY}, .batch = batch};
+    MnsStatus status = run_post(batch->run, &order.order, error);
+    if (status) return status;
+    struct pollfd wake[2] = {{.fd = run_outbox(batch->run)->wake, .events = POLLIN},
+                             {.fd = batch->signals, .events = POLLIN}};
+    while (!take_notes(batch, &order.order)) {
+        poll(wake, 2, -1);
+        if (wake[1].revents & POLLIN) take_signal(batch);
+    }
+    status = order.order.status;
+    if (status) *error = order.order.error;
+    return status;
+}
+
+/* --- the case ---------------------------------------------------------------------------------------------------------- */
+
+/* The file's name without folder and ending, in the letters a run directory may have. */
+static void name_case(const char *path, char ret[static 128])
+{
+    const char *base = strrchr(path, '/');
+    snprintf(ret, 128, "%.100s", base ? base + 1 : path);
+    char *dot = strrchr(ret, '.');
+    if (dot && dot != ret) *dot = 0;
+    for (char *c = ret; *c; c++)
+        if (!strchr("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-", *c)) *c = '_';
+    if (*ret == '.' || *ret == '-' || !*ret) *ret = '_';
+}
+
+static MnsStatus read_case(Batch *batch, MnsError *error)
+{
+    char path[4096];
+    MnsStatus status = case_find(batch->options->name, path, error);
+    if (!status) status = case_file_read(path, &batch->file, error);
+    for (size_t k = 0; !status && k < batch->options->n_settings; k++)
+        status = case_file_set(batch->file, batch->options->settings[k], error);
+    if (status) return status;
+    name_case(path, batch->name);
+    const char *directory = batch->options->directory;
+    if (directory && strlen(directory) >= RUNDIR_PATH)
+        return mns_fail(error, MNS_E_LIMIT, "the path of the run directory is too long: %.200s...", directory);
+    if (directory) snprintf(batch->directory, sizeof batch->directory, "%s", directory);
+    else snprintf(batch->directory, sizeof batch->directory, "./%s.run", batch->name);
+    return MNS_OK;
+}
+
+/* --- the run ----------------------------------------------------------------------------------------------------------- */
+
+/* Signals are read, not delivered; blocked before there are threads, so that all have them blocked. */
+static int catch_signals(void)
+{
+    sigset_t set;
+    sigemptyset(&set);
+    sigaddset(&set, SIGTERM);
+    sigaddset(&set, SIGINT);
+    sigaddset(&set, SIGUSR1);
+    pthread_sigmask(SIG_BLOCK, &set, NULL);
+    signal(SIGPIPE, SIG_IGN);
+    return signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
+}
+
+/* From a loaded case to where it shall stop. */
+static MnsStatus go(Batch *batch, MnsError *error)
+{
+    RunStatus status;
+    run_status(batch->run, &status);
+    if (batch->stopped || status.progress.t >= batch->options->until) return MNS_OK;
+    const bool to_the_end = isnan(batch->options->until);
+    const MnsStatus started = perform(batch, to_the_end ? serve_go : serve_until, error);
+    if (started == MNS_E_INVALID || started == MNS_E_LIMIT)
+        return started; /* else it began, and the state says how it ended */
+    if (batch->stopped) return perform(batch, serve_pause, error);
+    return perform(batch, serve_wait, error);
+}
+
+/* Run, look, leave. What is returned is why the run is not whole; a fault is in the outcome's status besides. */
+static MnsStatus run_loaded(Batch *batch, Outcome *outcome, MnsError *error)
+{
+    MnsError left;
+    MnsStatus status = go(batch, error);
+    if (!status) status = perform(batch, serve_probes, error);
+    memcpy(outcome->probes, batch->probes, sizeof outcome->probes);
+    run_status(batch->run, &outcome->status);
+    outcome->document = run_document(batch->run);
+    memcpy(outcome->directory, batch->directory, sizeof outcome->directory);
+    const MnsStatus leaving = perform(batch, serve_leave, &left);
+    if (!status && leaving) *error = left;
+    return status ? status : leaving;
+}
+
+static MnsStatus run_case(Batch *batch, Outcome *outcome, MnsError *error)
+{
+    const RunOptions options = {.directory = batch->directory, .case_decides = true};
+    MnsStatus status = run_new(&options, &batch->run, error);
+    if (status) return status;
+    bar_begin(&batch->bar);
+    status = perform(batch, serve_load, error);
+    if (status == MNS_E_INVALID || status == MNS_E_LIMIT) case_file_locate(batch->file, error);
+    if (!status) status = run_loaded(batch, outcome, error);
+    else perform(batch, serve_leave, &(MnsError){.status = MNS_OK});
+    bar_end(&batch->bar);
+    run_free(batch->run);
+    return status;
+}
+
+static int exit_code(const Batch *batch, const Outcome *outcome)
+{
+    const MnsStatus status = outcome->status.fault.status ? outcome->status.fault.status : outcome->error.status;
+    switch (status) {
+    case MNS_OK: return batch->stopped && outcome->status.state != RUN_DONE ? MNS_EXIT_AGAIN : MNS_EXIT_DONE;
+    case MNS_E_DIVERGED: return MNS_EXIT_DIVERGED;
+    case MNS_E_IO:
+    case MNS_E_NO_SPACE:
+    case MNS_E_CORRUPT: return MNS_EXIT_IO;
+    case MNS_E_INVALID:
+    case MNS_E_NOT_FOUND: return outcome->document ? MNS_EXIT_FAILED : MNS_EXIT_BAD_CASE;
+    case MNS_E_LIMIT: return outcome->document ? MNS_EXIT_FAILED : MNS_EXIT_BAD_CASE;
+    default: return MNS_EXIT_FAILED;
+    }
+}
+
+int batch_run(const BatchOptions *options)
+{
+    MnsError error;
+    Batch batch = {.options = options, .signals = catch_signals()};
+    Outcome outcome = {.document = NULL};
+    outcome.status.progress.t = outcome.status.end_time = outcome.status.wall = NAN;
+    outcome.status.ns_per_particle_step = NAN;
+    MnsStatus status = read_case(&batch, &outcome.error);
+    if (!status) status = run_case(&batch, &outcome, &outcome.error);
+    if (!status) outcome.error.status = MNS_OK;
+    if (status) fprintf(stderr, "%s\n", outcome.error.text);
+    else if (outcome.status.fault.status) fprintf(stderr, "%s\n", outcome.status.fault.text);
+    int code = exit_code(&batch, &outcome);
+    if (outcome_print(&outcome, options->json, &error)) {
+        fprintf(stderr, "%s\n", error.text);
+        code = MNS_EXIT_IO;
+    }
+    outcome_done(&outcome);
+    case_file_free(batch.file);
+    close(batch.signals);
+    return code;
+}

@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What came of a run, as one JSON object with a number wherever there is one and null where there is none. */
+#include "batch/outcome.h"
+
+#include <inttypes.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static json_t *number(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+static json_t *integer(uint64_t value)
+{
+    return json_integer((json_int_t)value);
+}
+
+static json_t *probes_of(const Outcome *outcome)
+{
+    json_t *probes = json_object();
+    const MnsCase *c = outcome->document ? outcome->document->c : NULL;
+    for (size_t k = 0; c && k < c->n_probes; k++)
+        json_object_set_new(
+            probes, c->probes[k].name,
+            json_pack("{s:o,s:s}", "value", number(outcome->probes[k]), "unit", mns_probe_unit(&c->probes[k])));
+    return probes;
+}
+
+static json_t *outputs_of(const Outcome *outcome)
+{
+    json_t *outputs = json_array();
+    char **names;
+    size_t n;
+    if (!outcome->directory[0] || rundir_list(outcome->directory, &names, &n, NULL)) return outputs;
+    for (size_t k = 0; k < n; k++) {
+        char path[4096 + 256];
+        snprintf(path, sizeof path, "%s/%s", outcome->directory, names[k]);
+        json_array_append_new(outputs, json_string(path));
+        free(names[k]);
+    }
+    free(names);
+    return outputs;
+}
+
+static json_t *timers_of(const RunStatus *status)
+{
+    json_t *timers = json_object();
+    for (size_t k = 0; k < status->n_timers; k++)
+        json_object_set_new(timers, status->timers[k].name, number(status->timers[k].seconds));
+    return timers;
+}
+
+static json_t *hash_of(const RunStatus *status)
+{
+    return status->particles ? json_sprintf("%016" PRIx64, status->hash) : json_null();
+}
+
+static json_t *as_json(const Outcome *outcome)
+{
+    const RunStatus *status = &outcome->status;
+    const MnsProgress *at = &status->progress;
+    json_t *object = json_object();
+    json_object_set_new(object, "state", json_string(run_state_name(status->state)));
+    json_object_set_new(object, "case", json_string(status->case_name));
+    json_object_set_new(object, "run_directory", json_string(outcome->directory));
+    json_object_set_new(object, "t", number(at->t));
+    json_object_set_new(object, "end_time", number(status->end_time));
+    json_object_set_new(object, "steps", integer(at->step));
+    json_object_set_new(object, "time_step", number(at->dt));
+    json_object_set_new(object, "particles", integer(status->particles));
+    json_object_set_new(object, "fluid_particles", integer(status->fluid_particles));
+    json_object_set_new(object, "threads", integer(status->threads));
+    json_object_set_new(object, "wall_s", number(status->wall));
+    json_object_set_new(object, "ns_per_particle_step", number(status->ns_per_particle_step));
+    json_object_set_new(object, "guarded", integer(at->guarded));
+    json_object_set_new(object, "rebuilds", integer(at->rebuilds));
+    json_object_set_new(object, "state_hash", hash_of(status));
+    json_object_set_new(object, "probes", probes_of(outcome));
+    json_object_set_new(object, "outputs", outputs_of(outcome));
+    json_object_set_new(object, "timers", timers_of(status));
+    if (status->fault.status) json_object_set_new(object, "fault", json_string(status->fault.text));
+    if (outcome->error.status) json_object_set_new(object, "error", json_string(outcome->error.text));
+    return object;
+}
+
+static void print_lines(const Outcome *outcome)
+{
+    const RunStatus *status = &outcome->status;
+    if (!outcome->document) return;
+    printf("%s: %s at t = %.9g s, step %" PRIu64 ", %zu particles\n", status->case_name, run_state_name(status->state),
+           status->progress.t, status->progress.step, status->particles);
+    printf("  %.1f s of wall-clock time, %.1f ns per particle and step, %u threads, state %016" PRIx64 "\n",
+           status->wall, status->ns_per_particle_step, status->threads, status->hash);
+    const MnsCase *c = outcome->document->c;
+    for (size_t k = 0; k < c->n_probes; k++)
+        printf("  %-24s %.9g %s\n", c->probes[k].name, outcome->probes[k], mns_probe_unit(&c->probes[k]));
+    printf("  files in %s\n", outcome->directory);
+}
+
+static int print_json(const Outcome *outcome)
+{
+    json_t *object = as_json(outcome);
+    const int failed = json_dumpf(object, stdout, JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(17));
+    json_decref(object);
+    putchar('\n');
+    return failed;
+}
+
+MnsStatus outcome_print(const Outcome *outcome, bool json, MnsError *error)
+{
+    const int failed = json ? print_json(outcome) : (print_lines(outcome), 0);
+    if (!failed && !fflush(stdout) && !ferror(stdout)) return MNS_OK;
+    return mns_fail(error, MNS_E_IO, "cannot write to standard output: %m");
+}
+
+void outcome_done(Outcome *outcome)
+{
+    document_leave(outcome->document);
+}

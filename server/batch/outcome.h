@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What came of a run: one JSON object, or a few lines for people. */
+#ifndef BATCH_OUTCOME_H
+#define BATCH_OUTCOME_H
+
+#include "run/run.h"
+
+typedef struct Outcome {
+    RunStatus status;              /* when the run stood still                                       */
+    Document *document;            /* a share                                                        */
+    double probes[MNS_MAX_PROBES]; /* [document->c->n_probes], NAN where there is nothing          */
+    char directory[RUNDIR_PATH];
+    MnsError error; /* what went wrong, but for the fault in status; MNS_OK: nothing */
+} Outcome;
+
+/* Print on standard output. MNS_E_IO if it cannot be written. */
+MnsStatus outcome_print(const Outcome *outcome, bool json, MnsError *error);
+
+void outcome_done(Outcome *outcome);
+
+#endif
