@@ -9,6 +9,7 @@ BUILD=${BUILD:-build}
 failed=0
 flags=$(MAKEFLAGS='' make -s --no-print-directory BUILD="$BUILD" flags)
 mapfile -t sources < <(find server proto client tests -name '*.c' | sort)
+mapfile -t programs < <(printf '%s\n' "${sources[@]}" | grep -v '^tests/')
 mapfile -t headers < <(find include server proto client tests -name '*.h' | sort)
 mapfile -t scripts < <({
     find tests client systemd -name '*.sh'
@@ -70,9 +71,10 @@ check "layout of C (clang-format)" layout
 check "shell scripts (shellcheck)" shellcheck "${scripts[@]}"
 check "Python parses" python_compiles
 # readdir is safe on a stream of its own, and readdir_r is deprecated. Uninitialised values are the compilers' to find:
-# cppcheck takes `c ? a : &b` for a use of b.
+# cppcheck takes `c ? a : &b` for a use of b. That a condition reads an element before its limit is style, not an error.
+# It is kept from the tests, as it does not know that cmocka's skip() and fail() do not return.
 check "cppcheck" cppcheck --quiet -j 2 --std=c11 --enable=warning,performance,portability --error-exitcode=1 \
-    --inline-suppr --suppress=missingIncludeSystem --suppress=readdirCalled --suppress=uninitvar \
-    --library=posix -Iinclude -Iserver -I. "${sources[@]}"
+    --inline-suppr --suppress=missingIncludeSystem --suppress=readdirCalled --suppress=uninitvar --suppress=arrayIndexThenCheck \
+    --library=posix -Iinclude -Iserver -I. "${programs[@]}"
 check "clang-tidy" tidy
 exit $failed
