@@ -21,7 +21,7 @@ server/net            meniscus base sim cases io run net proto messages zmq syst
 server/main.c         meniscus base run net batch
 proto                 meniscus proto messages yaml
 client/lib            meniscus client proto messages zmq xxhash
-client/cli            meniscus client jansson cairo hdf5
+client/cli            meniscus client proto jansson cairo hdf5
 '
 
 # What an include names, in the words of the table. Angle brackets that are none of these are the C library's.
