@@ -70,9 +70,9 @@ hid_t h5_select_rows(hid_t space, size_t first, size_t n)
     return H5Screate_simple(rank, count, NULL);
 }
 
-hid_t h5_new_text_type(void)
+hid_t h5_new_text_type(size_t size)
 {
     const hid_t type = H5Tcopy(H5T_C_S1);
-    if (type >= 0) H5Tset_size(type, H5T_VARIABLE), H5Tset_cset(type, H5T_CSET_UTF8);
+    if (type >= 0) H5Tset_size(type, size), H5Tset_cset(type, H5T_CSET_UTF8);
     return type;
 }

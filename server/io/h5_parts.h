@@ -19,7 +19,7 @@ void h5_close_id(hid_t id);
 /* Select rows first ... first+n-1 of a dataset's space. @return their dataspace in memory, negative on failure. */
 hid_t h5_select_rows(hid_t space, size_t first, size_t n);
 
-/* Text of any length; h5py reads it as str. In memory it is a char *. */
-hid_t h5_new_text_type(void);
+/* Text of `size` bytes with the zero at its end; H5T_VARIABLE: of any length, in memory a char *. */
+hid_t h5_new_text_type(size_t size);
 
 #endif

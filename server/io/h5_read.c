@@ -79,11 +79,9 @@ void h5_get_mark(H5 *h, const char *name, const char *attribute, hid_t type, voi
 
 bool h5_mark_is(H5 *h, const char *name, const char *attribute, const char *text)
 {
-    char *found = NULL;
-    const hid_t type = h5_new_text_type();
-    h5_get_mark(h, name, attribute, type, &found);
-    const bool same = found && strcmp(found, text) == 0;
-    H5free_memory(found);
+    char found[256] = "";
+    const hid_t type = h5_new_text_type(sizeof found);
+    h5_get_mark(h, name, attribute, type, found);
     h5_close_id(type);
-    return same;
+    return !h->status && strcmp(found, text) == 0;
 }

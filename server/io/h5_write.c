@@ -2,6 +2,8 @@
 /* Datasets and attributes into an HDF5 file: each call closes what it opens, and does nothing after a failure. */
 #include "io/h5_parts.h"
 
+#include <string.h>
+
 /* Link creation that makes the groups on the way. */
 static hid_t new_link(void)
 {
@@ -50,7 +52,7 @@ void h5_put(H5 *h, const char *name, hid_t type, size_t n, const void *data)
 
 void h5_put_texts(H5 *h, const char *name, size_t n, const char *const *texts)
 {
-    const hid_t type = h5_new_text_type();
+    const hid_t type = h5_new_text_type(H5T_VARIABLE);
     h5_put(h, name, type, n, texts);
     h5_close_id(type);
 }
@@ -67,7 +69,7 @@ void h5_mark(H5 *h, const char *name, const char *attribute, hid_t type, size_t 
 
 void h5_mark_text(H5 *h, const char *name, const char *attribute, const char *text)
 {
-    const hid_t type = h5_new_text_type();
-    h5_mark(h, name, attribute, type, 0, &text);
+    const hid_t type = h5_new_text_type(strlen(text) + 1);
+    h5_mark(h, name, attribute, type, 0, text);
     h5_close_id(type);
 }

@@ -4,7 +4,7 @@
  *  /step [rows]   /time [rows] s   /probes/NAME [rows], attribute unit   /meniscus see meta.h
  *
  * In Python:  f = h5py.File("probes.hdf")
- *             t, p1 = f["time"][:], f["probes/P1"][:]        # unit: f["probes/P1"].attrs["unit"] */
+ *             t, p1 = f["time"][:], f["probes/P1"][:]        # unit: f["probes/P1"].attrs["unit"].decode() */
 #ifndef IO_SERIES_H
 #define IO_SERIES_H
 

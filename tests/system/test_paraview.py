@@ -1,0 +1,125 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Snapshots of a real run open in ParaView, by their names alone, with times, fields and values as they were written.
+
+ParaView runs headless (packages paraview python3-paraview xvfb xauth); without it these tests are skipped."""
+
+import glob
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+import h5py
+import matplotlib.image
+import numpy
+
+BUILD = os.path.abspath(os.environ.get("BUILD", "build"))
+
+# Runs inside ParaView: opens every file named, prints what it sees as JSON on the last line, draws the last time of the first.
+LOOK = """
+import json, sys
+from paraview.simple import *
+
+def look(path):
+    source = OpenDataFile(path)
+    times = list(source.TimestepValues) if hasattr(source.TimestepValues, "__iter__") else [source.TimestepValues]
+    source.UpdatePipeline(times[-1] if times else 0)
+    seen = source.GetDataInformation()
+    arrays = {a.Name: [a.GetRange(d) for d in range(a.GetNumberOfComponents())] for a in source.PointData}
+    return source, {"reader": type(source).__name__, "times": times, "points": seen.GetNumberOfPoints(),
+                    "cells": seen.GetNumberOfCells(), "bounds": seen.GetBounds(), "arrays": arrays}
+
+def draw(source, time, path):
+    view = GetActiveViewOrCreate("RenderView")
+    view.ViewSize, view.Background, view.OrientationAxesVisibility = [400, 300], [1, 1, 1], 0
+    view.UseColorPaletteForBackground, view.ViewTime = 0, time
+    shown = Show(source, view)
+    shown.Representation, shown.PointSize = "Points", 6
+    ColorBy(shown, ("POINTS", "phase"))
+    shown.RescaleTransferFunctionToDataRange(True)
+    shown.SetScalarBarVisibility(view, False)
+    view.ResetCamera()
+    SaveScreenshot(path, view)
+
+picture, paths = sys.argv[1], sys.argv[2:]
+found = [look(p) for p in paths]
+draw(found[0][0], found[0][1]["times"][-1], picture)
+print(json.dumps([f[1] for f in found]))
+"""
+
+
+def paraview(picture, paths):
+    """What ParaView sees in each of the files, as a list of dictionaries; draws the first to `picture`."""
+    with tempfile.NamedTemporaryFile("w", suffix=".py") as script:
+        script.write(LOOK)
+        script.flush()
+        command = ["xvfb-run", "-a", "pvbatch", script.name, picture, *paths]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=180, check=False)
+    if done.returncode != 0 or "ERR" in done.stdout + done.stderr:
+        raise AssertionError(f"pvbatch ended with {done.returncode}:\n{done.stdout}\n{done.stderr}")
+    return json.loads(done.stdout.strip().splitlines()[-1])
+
+
+@unittest.skipUnless(shutil.which("pvbatch") and shutil.which("xvfb-run"),
+                     "needs ParaView headless: packages paraview python3-paraview xvfb xauth")
+class SnapshotsInParaView(unittest.TestCase):
+    """One run, opened once as a series and once as a single file."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.dir = tempfile.TemporaryDirectory(prefix="meniscus-paraview-")
+        cls.addClassCleanup(cls.dir.cleanup)
+        run = [f"{BUILD}/meniscus", "run", "dambreak2d", "--out", cls.dir.name, "-o", "json"]
+        for entry in ("resolution=10", "end_time=0.03", "output.snapshot_interval=0.01"):
+            run += ["--set", entry]
+        subprocess.run(run, check=True, timeout=120, stdout=subprocess.DEVNULL)
+        cls.files = [h5py.File(p) for p in glob.glob(f"{cls.dir.name}/**/snapshot*.hdf", recursive=True)]
+        cls.files.sort(key=lambda f: f["meniscus"].attrs["time"])
+        cls.last = cls.files[-1]
+        series = glob.glob(f"{cls.dir.name}/**/snapshots.hdf.series", recursive=True)
+        cls.picture = f"{cls.dir.name}/picture.png"
+        cls.series, cls.single = paraview(cls.picture, [series[0], cls.last.filename])
+
+    @classmethod
+    def tearDownClass(cls):
+        for file in cls.files:
+            file.close()
+
+    def test_the_series_has_the_times_of_the_run(self):
+        times = [float(f["meniscus"].attrs["time"]) for f in self.files]
+        self.assertGreater(len(times), 2)
+        self.assertEqual(self.series["times"], times)
+
+    def test_file_and_series_find_their_reader_by_name(self):
+        self.assertEqual([self.series["reader"], self.single["reader"]], ["VTKHDFReader"] * 2)
+
+    def test_every_particle_is_a_point_and_a_cell(self):
+        points = self.last["VTKHDF/Points"]
+        for seen in (self.series, self.single):
+            self.assertEqual([seen["points"], seen["cells"]], [len(points)] * 2)
+            low, high = points[:].min(axis=0), points[:].max(axis=0)
+            numpy.testing.assert_array_equal(seen["bounds"], numpy.column_stack([low, high]).ravel())
+
+    def test_every_field_has_its_values(self):
+        fields = self.last["VTKHDF/PointData"]
+        self.assertLessEqual({"velocity", "pressure", "density", "phase", "id"}, set(fields))
+        for seen in (self.series, self.single):
+            self.assertEqual(set(seen["arrays"]), set(fields))
+            for name, values in fields.items():
+                columns = values[:].reshape(len(values), -1)
+                ranges = numpy.column_stack([columns.min(axis=0), columns.max(axis=0)])
+                numpy.testing.assert_allclose(seen["arrays"][name], ranges, rtol=1e-12, err_msg=name)
+
+    def test_the_picture_shows_the_phases(self):
+        pixels = matplotlib.image.imread(self.picture)[:, :, :3]
+        colours, counts = numpy.unique(pixels.reshape(-1, 3), axis=0, return_counts=True)
+        drawn = counts[colours.min(axis=1) < 1]
+        self.assertGreater(drawn.sum(), 0.02 * counts.sum())
+        self.assertGreaterEqual((drawn > 100).sum(), len(numpy.unique(self.last["VTKHDF/PointData/phase"][:])))
+
+
+if __name__ == "__main__":
+    unittest.main()
