@@ -7,12 +7,12 @@
 enum { CELLS_PER_SIDE_MAX = 1 << 10 };
 
 /* What the grid must cover along d: the domain and the walls, which may have moved away from it. */
-static void extent(const Particles *s, const Model *model, int d, double *low, double *high)
+static void extent(const Particles *s, const Model *model, int d, int threads, double *low, double *high)
 {
     double least = model->min[d], most = model->max[d];
     if (model->period[d] == 0) {
         const double *ref = s->ref[d];
-#pragma omp parallel for simd reduction(min : least) reduction(max : most)
+#pragma omp parallel for simd reduction(min : least) reduction(max : most) num_threads(threads)
         for (size_t k = s->begin[GROUP_WALL]; k < s->n; k++) {
             least = ref[k] < least ? ref[k] : least;
             most = ref[k] > most ? ref[k] : most;
@@ -22,12 +22,12 @@ static void extent(const Particles *s, const Model *model, int d, double *low, d
     *high = most;
 }
 
-Grid grid_make(const Particles *s, const Model *model, double distance)
+Grid grid_make(const Particles *s, const Model *model, double distance, int threads)
 {
     Grid grid = {.dim = model->dim, .n = {1, 1, 1}, .cells = 1, .reach = model->dim == 3 ? 2 : 1, .ratio = 0};
     for (int d = 0; d < model->dim; d++) {
         double low, high;
-        extent(s, model, d, &low, &high);
+        extent(s, model, d, threads, &low, &high);
         const double edge = distance / grid.reach, count = fmax(1, fmin(CELLS_PER_SIDE_MAX, floor((high - low) / edge)));
         grid.n[d] = (int)count;
         grid.min[d] = low;

@@ -24,7 +24,7 @@ typedef struct Run {
 
 /* A grid for neighbours up to `distance` over the domain and the particles' `ref` positions. Particles outside count as in
  * the outermost cells, which is slow for many but never wrong. */
-Grid grid_make(const Particles *s, const Model *model, double distance);
+Grid grid_make(const Particles *s, const Model *model, double distance, int threads);
 
 size_t grid_cell(const Grid *grid, const double x[3]);
 

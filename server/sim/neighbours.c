@@ -188,12 +188,12 @@ static int search_all(Neighbours *nb, const Particles *s, const Model *model, co
 MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, MnsError *error)
 {
     const double distance = model->kernel.support + model->skin;
-    const Grid grid = grid_make(s, model, distance);
+    const Grid grid = grid_make(s, model, distance, nb->threads);
     const size_t keys = (size_t)GROUPS * grid.cells;
     if (!reserve(nb, keys)) return mns_fail(error, MNS_E_MEMORY, "no memory for a grid of %zu cells", grid.cells);
     nb->grid = grid;
     counting_sort(nb, s, &grid, keys);
-    particles_permute(s, nb->order);
+    particles_permute(s, nb->order, nb->threads);
     memset(nb->end, 0, nb->n * sizeof *nb->end);
     switch (search_all(nb, s, model, &grid, distance)) {
     case SEARCH_NO_MEMORY: return mns_fail(error, MNS_E_MEMORY, "no memory for the neighbour lists");
@@ -209,7 +209,7 @@ MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, Mns
 size_t neighbours_pairs(const Neighbours *nb)
 {
     size_t pairs = 0;
-#pragma omp parallel for simd reduction(+ : pairs)
+#pragma omp parallel for simd reduction(+ : pairs) num_threads(nb->threads)
     for (size_t i = 0; i < nb->n; i++) pairs += nb->end[i][GROUP_WALL];
     return pairs;
 }

@@ -56,49 +56,49 @@ void particles_done(Particles *s)
     *s = (Particles){0};
 }
 
-static void permute_f64(double *restrict to, const double *restrict from, const uint32_t *restrict order, size_t n)
+static void permute_f64(double *restrict to, const double *restrict from, const uint32_t *restrict order, size_t n, int threads)
 {
-#pragma omp parallel for simd schedule(static)
+#pragma omp parallel for simd schedule(static) num_threads(threads)
     for (size_t k = 0; k < n; k++) to[k] = from[order[k]];
 }
 
-static void permute_u32(uint32_t *restrict to, const uint32_t *restrict from, const uint32_t *restrict order, size_t n)
+static void permute_u32(uint32_t *restrict to, const uint32_t *restrict from, const uint32_t *restrict order, size_t n, int threads)
 {
-#pragma omp parallel for simd schedule(static)
+#pragma omp parallel for simd schedule(static) num_threads(threads)
     for (size_t k = 0; k < n; k++) to[k] = from[order[k]];
 }
 
-static void permute_u8(uint8_t *restrict to, const uint8_t *restrict from, const uint32_t *restrict order, size_t n)
+static void permute_u8(uint8_t *restrict to, const uint8_t *restrict from, const uint32_t *restrict order, size_t n, int threads)
 {
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t k = 0; k < n; k++) to[k] = from[order[k]];
 }
 
 /* Fill the scratch array and let it change places with the field. */
-static void permute_field(Particles *s, int f, int d, const uint32_t *order)
+static void permute_field(Particles *s, int f, int d, const uint32_t *order, int threads)
 {
     void *from = particles_field(s, f, d), *to = s->scratch;
     switch (mns_fields()[f].type) {
     case MNS_F64:
-        permute_f64(to, from, order, s->n);
+        permute_f64(to, from, order, s->n, threads);
         set_field(s, f, d, to);
         s->scratch = from;
         break;
     case MNS_U32:
-        permute_u32(to, from, order, s->n);
+        permute_u32(to, from, order, s->n, threads);
         memcpy(from, to, s->n * sizeof(uint32_t));
         break;
     case MNS_U8:
-        permute_u8(to, from, order, s->n);
+        permute_u8(to, from, order, s->n, threads);
         memcpy(from, to, s->n);
         break;
     }
 }
 
-void particles_permute(Particles *s, const uint32_t *from)
+void particles_permute(Particles *s, const uint32_t *from, int threads)
 {
     for (int f = 0; mns_fields()[f].name; f++)
-        for (int d = 0; d < components(s, f); d++) permute_field(s, f, d, from);
+        for (int d = 0; d < components(s, f); d++) permute_field(s, f, d, from, threads);
     const size_t first = particles_fluid(s), n_wall = s->n - first;
     for (size_t a = 0; a < s->n_phases; a++) {
         double *to = s->scratch;

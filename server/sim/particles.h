@@ -42,7 +42,7 @@ void *particles_field(const Particles *s, int field, int d);
 size_t field_size(const MnsFieldInfo *field); /* bytes of an element */
 
 /* New storage order: what was at from[k] comes to k. Groups must stay where they are. */
-void particles_permute(Particles *s, const uint32_t *from);
+void particles_permute(Particles *s, const uint32_t *from, int threads);
 
 size_t particles_bytes(const Particles *s);
 

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Small cases made in C, for tests and benchmarks that need no file. Free with mns_case_free(). */
+#ifndef SUPPORT_CASES_H
+#define SUPPORT_CASES_H
+
+#include <meniscus/sim.h>
+
+/* Water column 2 x 1 under air in a closed tank 5.366 x 2 (x 1), H = g = 1: P3 3.1 and 3.3. */
+MnsCase *case_dam_break(int dim, double resolution);
+
+/* Two fluids of density ratio 10, side by side as stripes in a periodic box without gravity, stirred: nothing outside acts. */
+MnsCase *case_periodic(int dim, double resolution);
+
+/* A case like any other but empty of parts, to be filled by the test. */
+MnsCase *case_blank(int dim, double resolution);
+void case_add_fluid(MnsCase *c, const char *name, double density, double sound_speed);
+void case_add_wall(MnsCase *c, const char *name);
+MnsPart *case_add_part(MnsShape *shape, MnsPrimitive primitive);
+void case_set_text(char **entry, const char *text);
+
+#endif
