@@ -5,8 +5,8 @@
 #include "base/log.h"
 #include "batch/bar.h"
 #include "batch/outcome.h"
-#include "cases/translate.h"
 #include "proto/case_file.h"
+#include "proto/case_find.h"
 #include <math.h>
 #include <meniscus/exit.h>
 #include <poll.h>

@@ -10,9 +10,4 @@
  * dimensions. MNS_OK; MNS_E_INVALID, MNS_E_LIMIT with error->path. Free *ret with mns_case_free(). */
 MnsStatus case_translate(const Meniscus__Case *message, MnsCase **ret, MnsError *error);
 
-/* Where a case is: `name` as a path if it names a file, else NAME.yaml in $MENISCUS_CASES, beside the program (../server/cases
- * from a build directory, ../share/meniscus/cases from an installation). MNS_E_NOT_FOUND says where it looked and what is
- * there. */
-MnsStatus case_find(const char *name, char ret_path[static 4096], MnsError *error);
-
 #endif

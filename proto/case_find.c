@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Find a case by name: as a path, in $MENISCUS_CASES, beside the program, in the installation. */
-#include "cases/translate.h"
+#include "proto/case_find.h"
 #include <dirent.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -81,6 +82,7 @@ MnsStatus case_find(const char *name, char ret_path[static 4096], MnsError *erro
     }
     if (asked && look_in(&search, asked)) return MNS_OK;
     if (look_beside_program(&search) || look_in(&search, MENISCUS_CASES)) return MNS_OK;
-    return mns_fail(error, MNS_E_NOT_FOUND, "there is no case \"%.100s\": no file of that name, and none in %s; there are: %s",
-                    name, *search.looked ? search.looked : "a folder of cases", *search.there ? search.there : "none");
+    return mns_fail(error, MNS_E_NOT_FOUND,
+                    "there is no case \"%.100s\": no file of that name, and none in %s; there are: %s", name,
+                    *search.looked ? search.looked : "a folder of cases", *search.there ? search.there : "none");
 }

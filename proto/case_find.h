@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Where the cases are. */
+#ifndef PROTO_CASE_FIND_H
+#define PROTO_CASE_FIND_H
+
+#include <meniscus/status.h>
+
+/* Where a case is: `name` as a path if it names a file, else NAME.yaml in $MENISCUS_CASES, beside the program (../server/cases
+ * from a build directory, ../share/meniscus/cases from an installation). MNS_E_NOT_FOUND says where it looked and what is
+ * there. */
+MnsStatus case_find(const char *name, char ret_path[static 4096], MnsError *error);
+
+#endif
