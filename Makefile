@@ -112,7 +112,7 @@ $(BUILD)/libmeniscus-cli.a: $(filter-out %/main.o,$(CLI))
 %.a:
 	rm -f $@ && ar rcs $@ $^
 $(BUILD)/libmeniscus-client.so: $(CLIENT) $(PROTO)
-	$(CC) $(LDFLAGS) -shared -Wl,-soname,libmeniscus-client.so.0 -o $@ $^ $(shell pkg-config --libs libzmq libprotobuf-c yaml-0.1 2>/dev/null)
+	$(CC) $(LDFLAGS) -shared -Wl,-soname,libmeniscus-client.so.0 -o $@ $^ $(shell pkg-config --libs libzmq libprotobuf-c yaml-0.1 libxxhash 2>/dev/null)
 $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT) $(BUILD)/libmeniscus-cli.a $(BUILD)/libmeniscus-client.a $(BUILD)/libmeniscusd.a $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-proto.a
 	@mkdir -p $(@D)
 	$(CC) $(LDFLAGS) -o $@ $< $(SUPPORT) -Wl,--start-group $(filter %.a,$^) -Wl,--end-group $(LDLIBS) -lcmocka

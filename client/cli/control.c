@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Commands that change what the daemon does: each prints the state after its effect and the step at which it took effect. */
+#include "client/cli/command.h"
+#include "client/cli/output.h"
+#include "proto/case_find.h"
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Print a reply, and forget it. */
+static MnsStatus report(const Invocation *in, MnsStatus status, MnsReply *reply, MnsError *error)
+{
+    if (status != MNS_OK) return status;
+    if (in->json) {
+        json_t *object = output_reply(reply);
+        if (reply->output) json_object_set_new(object, "path", json_string(reply->output->path));
+        status = output_json(object, error);
+    } else {
+        printf("%s at step %" PRIu64 ", t = %.6g s", mns_state_name(reply->state), reply->step, reply->time);
+        if (reply->output) printf(": %s", reply->output->path);
+        printf("%s%s\n", *reply->message ? ": " : "", reply->message);
+    }
+    mns_reply_free(reply);
+    return status;
+}
+
+MnsStatus command_simple(Invocation *in, MnsError *error)
+{
+    MnsReply *reply = NULL;
+    MnsStatus status = command_connect(in, error);
+    if (status == MNS_OK) status = in->command->call(in->client, &reply, error);
+    return report(in, status, reply, error);
+}
+
+MnsStatus command_step(Invocation *in, MnsError *error)
+{
+    uint64_t count = 1;
+    MnsReply *reply = NULL;
+    MnsStatus status = MNS_OK;
+    if (in->options.n_words) status = command_usage(in, parse_count("COUNT", in->options.words[0], &count, error));
+    if (status == MNS_OK) status = command_connect(in, error);
+    if (status == MNS_OK) status = mns_client_step(in->client, count, &reply, error);
+    return report(in, status, reply, error);
+}
+
+MnsStatus command_run_until(Invocation *in, MnsError *error)
+{
+    double time;
+    MnsReply *reply = NULL;
+    const bool exact = !options_get(&in->options, OPT_WHOLE_STEPS);
+    MnsStatus status = command_usage(in, parse_number("TIME", in->options.words[0], &time, error));
+    if (status == MNS_OK) status = command_connect(in, error);
+    if (status == MNS_OK) status = mns_client_run_until(in->client, time, exact, &reply, error);
+    return report(in, status, reply, error);
+}
+
+MnsStatus command_stop(Invocation *in, MnsError *error)
+{
+    MnsReply *reply = NULL;
+    const bool checkpoint = options_get(&in->options, OPT_CHECKPOINT);
+    MnsStatus status = command_connect(in, error);
+    if (status == MNS_OK) status = mns_client_stop(in->client, checkpoint, &reply, error);
+    return report(in, status, reply, error);
+}
+
+MnsStatus command_shutdown(Invocation *in, MnsError *error)
+{
+    MnsReply *reply = NULL;
+    const bool checkpoint = options_get(&in->options, OPT_CHECKPOINT);
+    MnsStatus status = command_connect(in, error);
+    if (status == MNS_OK) status = mns_client_shutdown(in->client, checkpoint, &reply, error);
+    return report(in, status, reply, error);
+}
+
+MnsStatus command_restore(Invocation *in, MnsError *error)
+{
+    MnsReply *reply = NULL;
+    const char *file = in->options.n_words ? in->options.words[0] : NULL;
+    MnsStatus status = command_connect(in, error);
+    if (status == MNS_OK) status = mns_client_restore(in->client, file, &reply, error);
+    return report(in, status, reply, error);
+}
+
+MnsStatus command_fields(const Invocation *in, const char **ret, size_t *ret_n, char **ret_text, MnsError *error)
+{
+    const char *given[MAX_WORDS];
+    const size_t n_given = options_all(&in->options, OPT_FIELDS, given);
+    size_t size = 1, n = 0;
+    for (size_t k = 0; k < n_given; k++) size += strlen(given[k]) + 1;
+    char *text = calloc(size, 1), *save = NULL;
+    if (!text) return mns_fail(error, MNS_E_MEMORY, "no memory for the names of fields");
+    for (size_t k = 0; k < n_given; k++) strcat(strcat(text, k ? "," : ""), given[k]);
+    for (char *name = strtok_r(text, ",", &save); name && n < MAX_WORDS; name = strtok_r(NULL, ",", &save))
+        ret[n++] = name;
+    *ret_n = n;
+    *ret_text = text;
+    return MNS_OK;
+}
+
+MnsStatus command_snapshot(Invocation *in, MnsError *error)
+{
+    const char *fields[MAX_WORDS];
+    char *text;
+    size_t n;
+    MnsReply *reply = NULL;
+    MnsStatus status = command_fields(in, fields, &n, &text, error);
+    if (status != MNS_OK) return status;
+    status = command_connect(in, error);
+    if (status == MNS_OK) status = mns_client_snapshot(in->client, n, fields, &reply, error);
+    free(text);
+    return report(in, status, reply, error);
+}
+
+MnsStatus command_cancel(Invocation *in, MnsError *error)
+{
+    uint8_t id[MNS_REQUEST_ID_SIZE];
+    MnsReply *reply = NULL;
+    MnsStatus status = command_usage(in, parse_id("ID", in->options.words[0], id, error));
+    if (status == MNS_OK) status = command_connect(in, error);
+    if (status == MNS_OK) status = mns_client_cancel(in->client, id, &reply, error);
+    return report(in, status, reply, error);
+}
+
+/* The options of a breakpoint. Exactly one of time, step, condition and removal must be said. */
+static MnsStatus read_breakpoint(const Invocation *in, MnsBreakpoint *ret, MnsError *error)
+{
+    const char *time = options_get(&in->options, OPT_AT_TIME), *step = options_get(&in->options, OPT_AT_STEP);
+    const char *condition = options_get(&in->options, OPT_CONDITION);
+    *ret = (MnsBreakpoint){.name = in->options.words[0], .condition = condition, .time = NAN};
+    if (!time + !step + !condition + !options_get(&in->options, OPT_REMOVE) != 3)
+        return mns_fail(error, MNS_E_INVALID, "breakpoint needs one of --time, --step, --when and --remove");
+    if (time) return parse_number("--time", time, &ret->time, error);
+    if (step) return parse_count("--step", step, &ret->step, error);
+    return MNS_OK;
+}
+
+MnsStatus command_breakpoint(Invocation *in, MnsError *error)
+{
+    MnsBreakpoint breakpoint;
+    MnsReply *reply = NULL;
+    MnsStatus status = command_usage(in, read_breakpoint(in, &breakpoint, error));
+    if (status == MNS_OK) status = command_connect(in, error);
+    if (status == MNS_OK) status = mns_client_breakpoint(in->client, &breakpoint, &reply, error);
+    return report(in, status, reply, error);
+}
+
+MnsStatus command_load(Invocation *in, MnsError *error)
+{
+    const char *sets[MAX_WORDS];
+    char path[4096];
+    const MnsLoad load = {.file = path,
+                          .name = options_get(&in->options, OPT_NAME),
+                          .n_sets = options_all(&in->options, OPT_SET, sets),
+                          .sets = sets,
+                          .resume = options_get(&in->options, OPT_RESUME)};
+    const bool start = options_get(&in->options, OPT_START);
+    MnsReply *reply = NULL;
+    MnsStatus status = command_connect(in, error);
+    if (status == MNS_OK) status = case_find(in->options.words[0], path, error);
+    if (status == MNS_OK) status = mns_client_load(in->client, &load, start ? NULL : &reply, error);
+    if (status == MNS_OK && start) status = mns_client_start(in->client, &reply, error);
+    return report(in, status, reply, error);
+}

@@ -1,0 +1,207 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What there is: the status of a daemon, what it can do, schemes, and the daemons of this host. */
+#include "client/cli/command.h"
+#include "client/cli/output.h"
+#include "client/cli/program.h"
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static void print_breakpoints(const MnsRunInfo *info)
+{
+    for (size_t k = 0; k < info->n_breakpoints; k++) {
+        const MnsBreakpoint *at = &info->breakpoints[k];
+        printf("breakpoint  %s:", at->name);
+        if (at->condition) printf(" %s", at->condition);
+        if (isfinite(at->time)) printf(" t = %g s", at->time);
+        if (at->step) printf(" step %" PRIu64, at->step);
+        putchar('\n');
+    }
+}
+
+static void print_timers(const MnsRunInfo *info)
+{
+    double all = 0;
+    for (size_t k = 0; k < info->n_timers; k++) all += info->timers[k].seconds;
+    for (size_t k = 0; k < info->n_timers && all > 0; k++)
+        printf("%-11s %-22s %5.1f %%  %.3g s\n", k ? "" : "time in", info->timers[k].name,
+               100 * info->timers[k].seconds / all, info->timers[k].seconds);
+}
+
+static void print_info(const MnsRunInfo *info)
+{
+    printf("state       %s\n", mns_state_name(info->state));
+    if (*info->fault) printf("fault       %s\n", info->fault);
+    if (info->state != MNS_STATE_EMPTY) {
+        printf("case        %s%s%s\n", info->case_name, *info->title ? ": " : "", info->title);
+        printf("directory   %s\n", info->run_directory);
+        printf("time        %.6g of %.6g s, step %" PRIu64 ", last dt %.3g s\n", info->time, info->end_time, info->step,
+               info->time_step);
+        printf("particles   %" PRIu64 ", %" PRIu64 " of fluid; kept from walls %" PRIu64 " times\n", info->particles,
+               info->fluid_particles, info->guarded);
+        printf("speed       %.4g steps/s, %.4g ns per particle and step, %u threads\n", info->steps_per_second,
+               info->ns_per_particle_step, info->threads);
+        if (isfinite(info->eta_s)) printf("to go       %.0f s\n", info->eta_s);
+        if (info->state_hash) printf("state hash  %016" PRIx64 "\n", info->state_hash);
+    }
+    print_breakpoints(info);
+    print_timers(info);
+    printf("memory      %.1f MiB\n", (double)info->memory_bytes / (1 << 20));
+    printf("version     %s\n", info->version);
+}
+
+MnsStatus command_status(Invocation *in, MnsError *error)
+{
+    MnsReply *reply = NULL;
+    MnsStatus status = command_connect(in, error);
+    if (status == MNS_OK) status = mns_client_status(in->client, &reply, error);
+    if (status == MNS_OK && !reply->info) status = mns_fail(error, MNS_E_VERSION, "the daemon's status is empty");
+    if (status == MNS_OK && in->json) status = output_json(output_info(reply->info), error);
+    if (status == MNS_OK && !in->json) print_info(reply->info);
+    mns_reply_free(reply);
+    return status;
+}
+
+/* --- what a daemon can do ----------------------------------------------------------------------------------------------- */
+
+static json_t *topic(const MnsTopicInfo *t)
+{
+    return json_pack("{ss ss ss ss ss ss sI}", "name", t->name, "type", t->type, "unit", t->unit, "range", t->range,
+                     "value", t->value, "meaning", t->meaning, "components", (json_int_t)t->components);
+}
+
+static json_t *topics(size_t n, const MnsTopicInfo *list)
+{
+    json_t *array = json_array();
+    for (size_t k = 0; k < n; k++) json_array_append_new(array, topic(&list[k]));
+    return array;
+}
+
+static json_t *names(size_t n, const char *const *list)
+{
+    json_t *array = json_array();
+    for (size_t k = 0; k < n; k++) json_array_append_new(array, json_string(list[k]));
+    return array;
+}
+
+static json_t *capabilities_json(const MnsCapabilities *c)
+{
+    return json_pack("{ss ss so so so so so}", "version", c->version, "build", c->build, "commands",
+                     names(c->n_commands, c->commands), "probes", names(c->n_probes, c->probes), "parameters",
+                     topics(c->n_parameters, c->parameters), "fields", topics(c->n_fields, c->fields), "schemes",
+                     topics(c->n_schemes, c->schemes));
+}
+
+static void print_topics(const char *title, size_t n, const MnsTopicInfo *list)
+{
+    if (n) printf("\n%s\n", title);
+    for (size_t k = 0; k < n; k++) {
+        const MnsTopicInfo *t = &list[k];
+        printf("  %-32s %s%s%s%s%s%s\n", t->name, t->value, *t->value ? " " : "", t->unit, *t->range ? " in " : "",
+               t->range, *t->unit || *t->range || *t->value ? ";" : "");
+        if (*t->meaning) printf("  %-32s %s\n", "", t->meaning);
+    }
+}
+
+static void print_capabilities(const MnsCapabilities *c)
+{
+    printf("meniscusd %s, %s\n\ncommands\n ", c->version, c->build);
+    for (size_t k = 0; k < c->n_commands; k++) printf(" %s", c->commands[k]);
+    printf("\n\nprobes\n ");
+    for (size_t k = 0; k < c->n_probes; k++) printf(" %s", c->probes[k]);
+    putchar('\n');
+    print_topics("parameters", c->n_parameters, c->parameters);
+    print_topics("fields", c->n_fields, c->fields);
+    print_topics("schemes", c->n_schemes, c->schemes);
+}
+
+static MnsStatus ask_capabilities(Invocation *in, MnsReply **ret, MnsError *error)
+{
+    MnsStatus status = mns_client_capabilities(in->client, ret, error);
+    if (status == MNS_OK && !(*ret)->capabilities)
+        status = mns_fail(error, MNS_E_VERSION, "the daemon's capabilities are empty");
+    return status;
+}
+
+MnsStatus command_capabilities(Invocation *in, MnsError *error)
+{
+    MnsReply *reply = NULL;
+    MnsStatus status = command_connect(in, error);
+    if (status == MNS_OK) status = ask_capabilities(in, &reply, error);
+    if (status == MNS_OK && in->json) status = output_json(capabilities_json(reply->capabilities), error);
+    if (status == MNS_OK && !in->json) print_capabilities(reply->capabilities);
+    mns_reply_free(reply);
+    return status;
+}
+
+/* A daemon knows its schemes; if there is none, its program can be asked. */
+MnsStatus command_schemes(Invocation *in, MnsError *error)
+{
+    MnsReply *reply = NULL;
+    MnsStatus status = command_connect(in, error);
+    if (status == MNS_E_UNAVAILABLE && !options_get(&in->options, OPT_DAEMON)) {
+        const char *const arguments[] = {"--schemes", in->json ? "-o" : NULL, "json", NULL};
+        return program_become("meniscusd", arguments, error);
+    }
+    if (status == MNS_OK) status = ask_capabilities(in, &reply, error);
+    if (status == MNS_OK && in->json) {
+        json_t *list = topics(reply->capabilities->n_schemes, reply->capabilities->schemes);
+        status = output_json(json_pack("{so}", "schemes", list), error);
+    }
+    for (size_t k = 0; status == MNS_OK && !in->json && k < reply->capabilities->n_schemes; k++)
+        printf("%s%s\n%s\n", k ? "\n" : "", reply->capabilities->schemes[k].name,
+               reply->capabilities->schemes[k].meaning);
+    mns_reply_free(reply);
+    return status;
+}
+
+/* --- the daemons of this host ------------------------------------------------------------------------------------------- */
+
+typedef struct Listing {
+    json_t *json; /* NULL: print text */
+    size_t n;
+} Listing;
+
+static void list_one(Listing *listing, const char *name, const char *endpoint, const MnsRunInfo *info)
+{
+    const char *state = info ? mns_state_name(info->state) : NULL;
+    const bool has_case = info && info->state != MNS_STATE_EMPTY;
+    if (listing->json) {
+        json_t *daemon = json_pack("{ss ss sb ss? ss?}", "name", name, "endpoint", endpoint, "alive", info != NULL,
+                                   "state", state, "case", has_case ? info->case_name : NULL);
+        json_object_set_new(daemon, "time", output_number(has_case ? info->time : (double)NAN));
+        json_object_set_new(daemon, "end_time", output_number(has_case ? info->end_time : (double)NAN));
+        json_array_append_new(listing->json, daemon);
+        return;
+    }
+    if (listing->n == 0) printf("%-16s %-9s %-18s %s\n", "NAME", "STATE", "CASE", "TIME");
+    printf("%-16s %-9s %-18s ", name, state ? state : "dead", has_case ? info->case_name : "-");
+    if (has_case) printf("%.4g of %.4g s\n", info->time, info->end_time);
+    else printf("-\n");
+}
+
+static bool visit_daemon(void *arg, const char *name, const char *endpoint)
+{
+    Listing *listing = arg;
+    MnsClient *client = NULL;
+    MnsReply *reply = NULL;
+    if (mns_client_open(endpoint, &client, NULL) == MNS_OK) {
+        mns_client_set_timeout(client, 1);
+        if (mns_client_status(client, &reply, NULL) != MNS_OK) reply = NULL;
+    }
+    list_one(listing, name, endpoint, reply ? reply->info : NULL);
+    listing->n++;
+    mns_reply_free(reply);
+    mns_client_close(client);
+    return true;
+}
+
+MnsStatus command_ls(Invocation *in, MnsError *error)
+{
+    Listing listing = {.json = in->json ? json_array() : NULL};
+    mns_daemon_list(visit_daemon, &listing);
+    if (in->json) return output_json(json_pack("{so}", "daemons", listing.json), error);
+    if (listing.n == 0) printf("no daemon on this host; start one with `meniscusd`\n");
+    return MNS_OK;
+}

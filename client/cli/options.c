@@ -1,0 +1,145 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Options of the command line, by getopt_long(), with its complaints in our words. */
+#include "client/cli/options.h"
+#include "proto/case_words.h"
+#include <getopt.h>
+#include <stdio.h>
+#include <string.h>
+
+const OptionInfo option_table[] = {
+    [OPT_DAEMON] = {"daemon", 'd', "NAME|ENDPOINT", "which daemon; default $MENISCUS_DAEMON, or the one named default"},
+    [OPT_OUTPUT] = {"output", 'o', "text|json", "how to print results"},
+    [OPT_TIMEOUT] = {"timeout", 0, "SECONDS", "give up after this long (exit code 124)"},
+    [OPT_ID] = {"id", 0, "32 HEX DIGITS", "id of the request: repeated with the same id, a command happens once"},
+    [OPT_HELP] = {"help", 'h', NULL, "explain the command"},
+    [OPT_VERSION] = {"version", 'V', NULL, "print the version"},
+    [OPT_SET] = {"set", 0, "PATH=VALUE", "override an entry of the case; may be repeated"},
+    [OPT_START] = {"start", 0, NULL, "start the run when the case is loaded"},
+    [OPT_RESUME] = {"resume", 0, NULL, "go on from the newest checkpoint of the run, if there is one"},
+    [OPT_NAME] = {"name", 0, "NAME", "of the run directory; default: that of the case"},
+    [OPT_CHECKPOINT] = {"checkpoint", 0, NULL, "write a checkpoint first"},
+    [OPT_FIELDS] = {"fields", 0, "NAME[,NAME]", "which fields; may be repeated"},
+    [OPT_LIMIT] = {"limit", 0, "N", "refuse if there are more particles; default 100000"},
+    [OPT_WALLS] = {"walls", 0, NULL, "wall particles too"},
+    [OPT_FOLLOW] = {"follow", 0, NULL, "go on when the run ends"},
+    [OPT_FOR] = {"for", 0, "state=S|time=T|step=N", "what to wait for; repeated: whichever comes first"},
+    [OPT_AT_TIME] = {"time", 0, "T", "pause at the first step boundary from this simulated time on [s]"},
+    [OPT_AT_STEP] = {"step", 0, "N", "pause at this step"},
+    [OPT_CONDITION] = {"when", 0, "FORMULA",
+                       "pause when this formula of probes, t and step is true, as in \"P1 > 2e3\""},
+    [OPT_REMOVE] = {"remove", 0, NULL, "take the breakpoint away"},
+    [OPT_WHOLE_STEPS] = {"whole-steps", 0, NULL, "end with the step that passes the time, instead of shortening it"},
+};
+
+enum { LONG_ONLY = 256 };
+
+/* The allowed part of the table, as getopt_long() wants it. */
+static void tables(unsigned allowed, struct option *longs, char *shorts)
+{
+    *shorts++ = '+';
+    *shorts++ = ':';
+    for (int k = 0; k < OPTION_COUNT; k++) {
+        const OptionInfo *info = &option_table[k];
+        if (!(allowed & OPTION(k))) continue;
+        *longs++ = (struct option){info->name, info->value ? required_argument : no_argument, NULL, LONG_ONLY + k};
+        if (!info->letter) continue;
+        *shorts++ = info->letter;
+        if (info->value) *shorts++ = ':';
+    }
+    *longs = (struct option){0};
+    *shorts = 0;
+}
+
+static int option_of(int code)
+{
+    for (int k = 0; k < OPTION_COUNT; k++)
+        if (code == LONG_ONLY + k || (option_table[k].letter && code == option_table[k].letter)) return k;
+    return -1;
+}
+
+static MnsStatus complain(const char *word, unsigned allowed, MnsError *error)
+{
+    char dashed[OPTION_COUNT][24], text[400];
+    const char *names[OPTION_COUNT];
+    size_t n = 0;
+    for (int k = 0; k < OPTION_COUNT; k++) {
+        if (!(allowed & OPTION(k))) continue;
+        snprintf(dashed[n], sizeof dashed[n], "--%s", option_table[k].name);
+        names[n] = dashed[n];
+        n++;
+    }
+    const char *equals = strchr(word, '=');
+    char bare[64];
+    snprintf(bare, sizeof bare, "%.*s", equals ? (int)(equals - word) : (int)sizeof bare - 1, word);
+    words_suggest(names, n, bare, text, sizeof text);
+    return mns_fail(error, MNS_E_INVALID, "there is no option %s; %s", bare, text);
+}
+
+static MnsStatus full(MnsError *error)
+{
+    return mns_fail(error, MNS_E_LIMIT, "more than %d words on the command line", (int)MAX_WORDS);
+}
+
+static MnsStatus take_option(Options *options, int code, const char *word, unsigned allowed, MnsError *error)
+{
+    if (code == '?') return complain(word, allowed, error);
+    if (code == ':') return mns_fail(error, MNS_E_INVALID, "option %s needs a value", word);
+    if (options->n_given == MAX_WORDS) return full(error);
+    options->given[options->n_given].id = (OptionId)option_of(code);
+    options->given[options->n_given++].value = optarg ? optarg : "";
+    return MNS_OK;
+}
+
+static bool is_negative_number(const char *word)
+{
+    return word[0] == '-' && word[1] && strchr("0123456789.", word[1]);
+}
+
+MnsStatus options_parse(Options *options, int argc, char **argv, unsigned allowed, bool leading, int *ret_used,
+                        MnsError *error)
+{
+    struct option longs[OPTION_COUNT + 1];
+    char shorts[2 * OPTION_COUNT + 3];
+    tables(allowed, longs, shorts);
+    MnsStatus status = MNS_OK;
+    bool only_words = false;
+    opterr = 0;
+    optind = 0; /* begin anew */
+    int next = 1;
+    while (status == MNS_OK && next < argc) {
+        optarg = NULL;
+        const bool is_word = only_words || is_negative_number(argv[next]);
+        const int code = is_word ? -1 : getopt_long(argc, argv, shorts, longs, NULL);
+        if (code != -1) {
+            status = take_option(options, code, argv[next], allowed, error);
+            next = optind;
+            continue;
+        }
+        if (!is_word && strcmp(argv[next], "--") == 0 && !leading) {
+            only_words = true;
+            next++;
+            continue;
+        }
+        if (leading) break;
+        if (options->n_words == MAX_WORDS) return full(error);
+        options->words[options->n_words++] = argv[next++];
+        optind = next;
+    }
+    *ret_used = next;
+    return status;
+}
+
+const char *options_get(const Options *options, OptionId id)
+{
+    for (size_t k = options->n_given; k-- > 0;)
+        if (options->given[k].id == id) return options->given[k].value;
+    return NULL;
+}
+
+size_t options_all(const Options *options, OptionId id, const char **ret)
+{
+    size_t n = 0;
+    for (size_t k = 0; k < options->n_given; k++)
+        if (options->given[k].id == id) ret[n++] = options->given[k].value;
+    return n;
+}

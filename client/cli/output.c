@@ -1,0 +1,133 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Replies as JSON with stable keys. A key that a reply may have is always there: null if there is nothing to say. */
+#include "client/cli/output.h"
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+MnsStatus output_json(json_t *object, MnsError *error)
+{
+    if (!object) return mns_fail(error, MNS_E_MEMORY, "no memory for the output");
+    const int failed =
+        json_dumpf(object, stdout, JSON_COMPACT | JSON_REAL_PRECISION(17)) | putchar('\n') | fflush(stdout);
+    json_decref(object);
+    return failed < 0 ? mns_fail(error, MNS_E_IO, "cannot write to standard output") : MNS_OK;
+}
+
+json_t *output_number(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+json_t *output_hex(uint64_t value)
+{
+    return json_sprintf("%016" PRIx64, value);
+}
+
+json_t *output_values(size_t n, const MnsValue *values)
+{
+    json_t *object = json_object();
+    for (size_t k = 0; k < n; k++) {
+        json_t *value = values[k].text ? json_string(values[k].text) : output_number(values[k].number);
+        json_object_set_new(object, values[k].name, json_pack("{so ss}", "value", value, "unit", values[k].unit));
+    }
+    return object;
+}
+
+double output_element(const MnsArray *array, size_t k)
+{
+    if (strcmp(array->type, "<f8") == 0) return ((const double *)array->data)[k];
+    if (strcmp(array->type, "<f4") == 0) return (double)((const float *)array->data)[k];
+    if (strcmp(array->type, "<u8") == 0) return (double)((const uint64_t *)array->data)[k];
+    if (strcmp(array->type, "<u4") == 0) return (double)((const uint32_t *)array->data)[k];
+    return (double)((const uint8_t *)array->data)[k];
+}
+
+static json_t *element(const MnsArray *array, size_t k)
+{
+    const double value = output_element(array, k);
+    return array->type[1] == 'f' ? output_number(value) : json_integer((json_int_t)value);
+}
+
+/* The part of the array that begins at *k, from dimension d on. */
+static json_t *nested(const MnsArray *array, size_t d, size_t *k)
+{
+    if (d == array->n_dims) return element(array, (*k)++);
+    json_t *list = json_array();
+    for (size_t i = 0; i < array->shape[d]; i++) json_array_append_new(list, nested(array, d + 1, k));
+    return list;
+}
+
+json_t *output_array(const MnsArray *array)
+{
+    size_t k = 0;
+    json_t *shape = json_array();
+    for (size_t d = 0; d < array->n_dims; d++) json_array_append_new(shape, json_integer((json_int_t)array->shape[d]));
+    return json_pack("{ss ss so so}", "unit", array->unit, "type", array->type, "shape", shape, "values",
+                     nested(array, 0, &k));
+}
+
+json_t *output_reply(const MnsReply *reply)
+{
+    return json_pack("{ss sI so sI so ss}", "state", mns_state_name(reply->state), "step", (json_int_t)reply->step,
+                     "time", output_number(reply->time), "effect_step", (json_int_t)reply->effect_step, "daemon_epoch",
+                     output_hex(reply->daemon_epoch), "message", reply->message);
+}
+
+static json_t *timers(const MnsRunInfo *info)
+{
+    json_t *list = json_array();
+    for (size_t k = 0; k < info->n_timers; k++)
+        json_array_append_new(list, json_pack("{ss so sI}", "name", info->timers[k].name, "seconds",
+                                              output_number(info->timers[k].seconds), "calls",
+                                              (json_int_t)info->timers[k].calls));
+    return list;
+}
+
+static json_t *breakpoints(const MnsRunInfo *info)
+{
+    json_t *list = json_array();
+    for (size_t k = 0; k < info->n_breakpoints; k++) {
+        const MnsBreakpoint *at = &info->breakpoints[k];
+        json_array_append_new(list, json_pack("{ss so so ss?}", "name", at->name, "time", output_number(at->time),
+                                              "step", at->step ? json_integer((json_int_t)at->step) : json_null(),
+                                              "when", at->condition));
+    }
+    return list;
+}
+
+/* json_pack() takes far more pairs than fit on a screen; the keys come in groups. */
+json_t *output_info(const MnsRunInfo *info)
+{
+    json_t *object = json_pack("{ss ss ss ss ss? ss}", "state", mns_state_name(info->state), "case", info->case_name,
+                               "title", info->title, "run_directory", info->run_directory, "fault",
+                               *info->fault ? info->fault : NULL, "version", info->version);
+    json_t *times = json_pack("{so so so so so so so}", "time", output_number(info->time), "end_time",
+                              output_number(info->end_time), "time_step", output_number(info->time_step), "eta_s",
+                              output_number(info->eta_s), "wall_s", output_number(info->wall_s), "steps_per_second",
+                              output_number(info->steps_per_second), "ns_per_particle_step",
+                              output_number(info->ns_per_particle_step));
+    json_t *counts = json_pack(
+        "{sI sI sI sI sI sI sI so}", "step", (json_int_t)info->step, "particles", (json_int_t)info->particles,
+        "fluid_particles", (json_int_t)info->fluid_particles, "guarded", (json_int_t)info->guarded, "captures_skipped",
+        (json_int_t)info->captures_skipped, "memory_bytes", (json_int_t)info->memory_bytes, "threads",
+        (json_int_t)info->threads, "state_hash", info->state_hash ? output_hex(info->state_hash) : json_null());
+    json_object_update_new(object, times);
+    json_object_update_new(object, counts);
+    json_object_set_new(object, "timers", timers(info));
+    json_object_set_new(object, "breakpoints", breakpoints(info));
+    return object;
+}
+
+void output_print_values(size_t n, const MnsValue *values)
+{
+    int width = 0;
+    for (size_t k = 0; k < n; k++)
+        if ((int)strlen(values[k].name) > width) width = (int)strlen(values[k].name);
+    for (size_t k = 0; k < n; k++)
+        if (values[k].text)
+            printf("%-*s = %s%s%s\n", width, values[k].name, values[k].text, *values[k].unit ? " " : "",
+                   values[k].unit);
+        else printf("%-*s = %.6g %s\n", width, values[k].name, values[k].number, values[k].unit);
+}

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What goes to standard output: one JSON object with stable keys, or text for people. README.md lists the keys. */
+#ifndef CLI_OUTPUT_H
+#define CLI_OUTPUT_H
+
+#include <jansson.h>
+#include <meniscus/client.h>
+
+/* Print as one line, and forget it. MNS_E_IO if standard output cannot be written; MNS_E_MEMORY if it is NULL. */
+MnsStatus output_json(json_t *object, MnsError *error);
+
+/* A number; null if it is not finite. */
+json_t *output_number(double value);
+
+/* A 64-bit pattern as 16 hex digits: JSON numbers cannot hold it. */
+json_t *output_hex(uint64_t value);
+
+/* {name: {"value": number or text, "unit": text}, ...} */
+json_t *output_values(size_t n, const MnsValue *values);
+
+/* {"unit", "type", "shape", "values": nested lists} */
+json_t *output_array(const MnsArray *array);
+
+/* Element k of an array as a number. */
+double output_element(const MnsArray *array, size_t k);
+
+/* What every reply has: state, step, time, effect_step, daemon_epoch, message. */
+json_t *output_reply(const MnsReply *reply);
+
+/* All of a status. */
+json_t *output_info(const MnsRunInfo *info);
+
+/* Values as lines "name = value unit". */
+void output_print_values(size_t n, const MnsValue *values);
+
+#endif

@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* meniscus watch: progress and probes of a run until it ends. On a terminal a picture redrawn in place, elsewhere plain lines,
+ * with -o json every message of the daemon as one line. */
+#include "client/cli/command.h"
+#include "client/cli/output.h"
+#include "client/cli/watch_screen.h"
+#include <signal.h>
+#include <time.h>
+
+static const double tick_s = 0.1;  /* between looks at signals, and between redraws */
+static const double silence_s = 2; /* after which we ask whether the daemon is still there */
+
+typedef struct Watch {
+    Invocation *in;
+    Screen screen;
+    bool follow;
+    bool changed; /* there is something to draw */
+    double quiet; /* time without a message [s] */
+} Watch;
+
+static const char *topic_name(MnsTopic topic)
+{
+    switch (topic) {
+    case MNS_TOPIC_EVENT: return "event";
+    case MNS_TOPIC_LOG: return "log";
+    case MNS_TOPIC_PROGRESS: return "progress";
+    default: return "probe";
+    }
+}
+
+/* One message as JSON: topic, sequence, lost, step, time, and what its topic has. */
+static json_t *message_json(const MnsTelemetry *m)
+{
+    json_t *object =
+        json_pack("{ss sI sI sI so}", "topic", topic_name(m->topic), "sequence", (json_int_t)m->sequence, "lost",
+                  (json_int_t)m->lost, "step", (json_int_t)m->step, "time", output_number(m->time));
+    json_t *more = NULL;
+    if (m->topic == MNS_TOPIC_EVENT)
+        more = json_pack("{ss ss ss}", "state", mns_state_name(m->state), "what", m->what, "text", m->text);
+    if (m->topic == MNS_TOPIC_LOG) more = json_pack("{sI ss}", "level", (json_int_t)m->level, "text", m->text);
+    if (m->topic == MNS_TOPIC_PROBE) more = json_pack("{so}", "values", output_values(m->n_values, m->values));
+    if (m->topic == MNS_TOPIC_PROGRESS)
+        more =
+            json_pack("{ss so so so so so}", "state", mns_state_name(m->state), "fraction", output_number(m->fraction),
+                      "eta_s", output_number(m->eta_s), "steps_per_second", output_number(m->steps_per_second),
+                      "time_step", output_number(m->time_step), "end_time", output_number(m->end_time));
+    if (more) json_object_update_new(object, more);
+    return object;
+}
+
+/* The first look, and a later one after silence: what telemetry may have been sent before we listened. */
+static MnsStatus look(Watch *watch, bool first, MnsError *error)
+{
+    MnsReply *status_reply = NULL, *probes = NULL;
+    MnsStatus status = mns_client_status(watch->in->client, &status_reply, error);
+    if (status != MNS_OK) return status;
+    if (status_reply->info) screen_take_info(&watch->screen, status_reply->info);
+    if (first && watch->in->json && status_reply->info) {
+        json_t *object = json_pack("{ss}", "topic", "status");
+        json_object_update_new(object, output_info(status_reply->info));
+        status = output_json(object, error);
+    }
+    if (status_reply->state != MNS_STATE_EMPTY &&
+        mns_client_query_probes(watch->in->client, 0, NULL, &probes, NULL) == MNS_OK)
+        screen_take_values(&watch->screen, probes->n_values, probes->values);
+    mns_reply_free(probes);
+    mns_reply_free(status_reply);
+    watch->changed = true;
+    return status;
+}
+
+/* Is the run over? */
+static bool is_over(const Watch *watch)
+{
+    switch (watch->screen.state) {
+    case MNS_STATE_DONE:
+    case MNS_STATE_FAULT:
+    case MNS_STATE_EMPTY:
+    case MNS_STATE_STOPPING: return !watch->follow;
+    default: return false;
+    }
+}
+
+static MnsStatus take(Watch *watch, const MnsTelemetry *message, MnsError *error)
+{
+    screen_take(&watch->screen, message);
+    watch->quiet = 0;
+    if (watch->in->json) return output_json(message_json(message), error);
+    if (message->topic == MNS_TOPIC_EVENT && *watch->screen.news) screen_say(&watch->screen, watch->screen.news);
+    watch->changed |= watch->screen.is_terminal || message->topic == MNS_TOPIC_PROGRESS;
+    return MNS_OK;
+}
+
+/* Messages of one tick. */
+static MnsStatus listen_once(Watch *watch, MnsError *error)
+{
+    struct timespec begin, now;
+    clock_gettime(CLOCK_MONOTONIC, &begin);
+    double left = tick_s;
+    while (left > 0 && !is_over(watch)) {
+        MnsTelemetry *message = NULL;
+        MnsStatus status = mns_client_next(watch->in->client, left, &message, error);
+        if (status == MNS_OK) status = take(watch, message, error);
+        mns_telemetry_free(message);
+        if (status != MNS_OK && status != MNS_E_TIMEOUT && status != MNS_E_INTERRUPTED) return status;
+        clock_gettime(CLOCK_MONOTONIC, &now);
+        left = tick_s - (double)(now.tv_sec - begin.tv_sec) - 1e-9 * (double)(now.tv_nsec - begin.tv_nsec);
+    }
+    watch->quiet += tick_s;
+    return MNS_OK;
+}
+
+static void draw(Watch *watch)
+{
+    if (watch->changed && !watch->in->json) screen_draw(&watch->screen);
+    watch->changed = false;
+}
+
+/* Until the run ends or a signal comes; *ret_signal is 0 or the signal, which is pending no more. */
+static MnsStatus loop(Watch *watch, const sigset_t *signals, int *ret_signal, MnsError *error)
+{
+    MnsStatus status = look(watch, true, error);
+    const struct timespec at_once = {0};
+    *ret_signal = 0;
+    while (status == MNS_OK && !is_over(watch) && *ret_signal == 0) {
+        draw(watch);
+        status = listen_once(watch, error);
+        if (status == MNS_OK && watch->quiet > silence_s) {
+            status = look(watch, false, error);
+            watch->changed = watch->screen.is_terminal;
+            watch->quiet = 0;
+        }
+        const int signal = sigtimedwait(signals, NULL, &at_once);
+        if (signal > 0) *ret_signal = signal;
+    }
+    watch->changed |= status == MNS_OK;
+    draw(watch);
+    return status;
+}
+
+static MnsStatus verdict(Watch *watch, MnsError *error)
+{
+    if (watch->screen.state != MNS_STATE_FAULT) return MNS_OK;
+    MnsReply *reply = NULL;
+    const bool known = mns_client_status(watch->in->client, &reply, NULL) == MNS_OK && reply->info;
+    mns_fail(error, MNS_E_DIVERGED, "the run stopped in FAULT: %s", known ? reply->info->fault : "");
+    mns_reply_free(reply);
+    return MNS_E_DIVERGED;
+}
+
+/* The signals are blocked, so that they are seen between two messages and the terminal is restored before they take
+ * effect. */
+static MnsStatus watch_run(Watch *watch, MnsError *error)
+{
+    sigset_t signals;
+    int signal;
+    sigemptyset(&signals);
+    sigaddset(&signals, SIGINT);
+    sigaddset(&signals, SIGTERM);
+    sigaddset(&signals, SIGHUP);
+    sigprocmask(SIG_BLOCK, &signals, NULL);
+    screen_init(&watch->screen, !watch->in->json);
+    MnsStatus status = loop(watch, &signals, &signal, error);
+    screen_done(&watch->screen);
+    sigprocmask(SIG_UNBLOCK, &signals, NULL);
+    if (signal) raise(signal);
+    return status == MNS_OK ? verdict(watch, error) : status;
+}
+
+MnsStatus command_watch(Invocation *in, MnsError *error)
+{
+    Watch watch = {.in = in, .follow = options_get(&in->options, OPT_FOLLOW)};
+    MnsStatus status = command_connect(in, error);
+    if (status == MNS_OK) status = mns_client_subscribe(in->client, MNS_TOPIC_ALL & ~MNS_TOPIC_LOG, error);
+    return status == MNS_OK ? watch_run(&watch, error) : status;
+}

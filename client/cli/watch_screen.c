@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The picture that `meniscus watch` shows. */
+#include "client/cli/watch_screen.h"
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#define HIDE_CURSOR  "\033[?25l"
+#define SHOW_CURSOR  "\033[?25h"
+#define CLEAR_TO_END "\033[J"
+#define CLEAR_LINE   "\033[K"
+
+void screen_init(Screen *screen, bool may_redraw)
+{
+    *screen = (Screen){.is_terminal = may_redraw && isatty(STDOUT_FILENO),
+                       .time = NAN,
+                       .end_time = NAN,
+                       .eta_s = NAN,
+                       .steps_per_second = NAN};
+    if (screen->is_terminal) fputs(HIDE_CURSOR, stdout);
+}
+
+void screen_take_info(Screen *screen, const MnsRunInfo *info)
+{
+    snprintf(screen->title, sizeof screen->title, "%s%s%s", info->case_name, *info->title ? ": " : "", info->title);
+    screen->state = info->state;
+    screen->time = info->time;
+    screen->end_time = info->end_time;
+    screen->eta_s = info->eta_s;
+    screen->steps_per_second = info->steps_per_second;
+    screen->step = info->step;
+}
+
+void screen_take_values(Screen *screen, size_t n, const MnsValue *values)
+{
+    screen->n = n < SCREEN_MAX_PROBES ? n : SCREEN_MAX_PROBES;
+    for (size_t k = 0; k < screen->n; k++) {
+        Reading *probe = &screen->probes[k];
+        snprintf(probe->name, sizeof probe->name, "%s", values[k].name);
+        snprintf(probe->unit, sizeof probe->unit, "%s", values[k].unit);
+        probe->value = values[k].number;
+    }
+}
+
+void screen_take(Screen *screen, const MnsTelemetry *telemetry)
+{
+    screen->step = telemetry->step;
+    screen->time = telemetry->time;
+    screen->lost += telemetry->lost;
+    switch (telemetry->topic) {
+    case MNS_TOPIC_PROBE: screen_take_values(screen, telemetry->n_values, telemetry->values); break;
+    case MNS_TOPIC_EVENT:
+        screen->state = telemetry->state;
+        snprintf(screen->news, sizeof screen->news, "%s%s%s", telemetry->what,
+                 *telemetry->what && *telemetry->text ? ": " : "", telemetry->text);
+        break;
+    case MNS_TOPIC_PROGRESS:
+        screen->state = telemetry->state;
+        screen->eta_s = telemetry->eta_s;
+        screen->end_time = telemetry->end_time;
+        screen->steps_per_second = telemetry->steps_per_second;
+        break;
+    case MNS_TOPIC_LOG:
+    case MNS_TOPIC_ALL: break;
+    }
+}
+
+static double fraction(const Screen *screen)
+{
+    const double done = screen->time / screen->end_time;
+    return isfinite(done) ? fmin(1, fmax(0, done)) : 0;
+}
+
+static void print_eta(const Screen *screen)
+{
+    const double s = screen->eta_s;
+    if (screen->state != MNS_STATE_RUNNING || !isfinite(s) || s < 0 || s > 1e8) return;
+    const unsigned long whole = (unsigned long)(s + 0.5);
+    if (whole >= 3600) printf("  ETA %lu:%02lu:%02lu", whole / 3600, whole / 60 % 60, whole % 60);
+    else printf("  ETA %lu:%02lu", whole / 60, whole % 60);
+}
+
+static int terminal_width(void)
+{
+    struct winsize size;
+    return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col >= 20 ? size.ws_col : 80;
+}
+
+static int terminal_height(void)
+{
+    struct winsize size;
+    return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row >= 6 ? size.ws_row : 24;
+}
+
+/* The bar has the width that the text beside it leaves. */
+static void draw_bar(const Screen *screen)
+{
+    const int width = (int)fmax(4, fmin(50, terminal_width() - 40));
+    const int full = (int)(fraction(screen) * width + 0.5);
+    printf("%-8s [", mns_state_name(screen->state));
+    for (int k = 0; k < width; k++) putchar(k < full ? '#' : '.');
+    printf("] %5.1f %%", 100 * fraction(screen));
+    print_eta(screen);
+    fputs(CLEAR_LINE "\n", stdout);
+}
+
+/* Back to our first line, then all of it again: each line cleared as it is written, so nothing flickers. A line that wraps
+ * would be two lines, so none may be wider than the terminal. */
+static void draw_terminal(Screen *screen)
+{
+    const int width = terminal_width() - 1;
+    const int room = terminal_height() - 5;
+    int shown = (int)screen->n < room ? (int)screen->n : room;
+    if (screen->drawn) printf("\033[%dA\r", screen->drawn);
+    printf("%.*s" CLEAR_LINE "\n", width, screen->title);
+    draw_bar(screen);
+    char line[160];
+    snprintf(line, sizeof line, "t = %.6g s of %.6g s   step %" PRIu64 "   %.4g steps/s   lost %" PRIu64, screen->time,
+             screen->end_time, screen->step, screen->steps_per_second, screen->lost);
+    printf("%.*s" CLEAR_LINE "\n", width, line);
+    for (int k = 0; k < shown; k++) {
+        snprintf(line, sizeof line, "  %-24s %14.6g %s", screen->probes[k].name, screen->probes[k].value,
+                 screen->probes[k].unit);
+        printf("%.*s" CLEAR_LINE "\n", width, line);
+    }
+    fputs(CLEAR_TO_END, stdout);
+    screen->drawn = 3 + shown;
+    fflush(stdout);
+}
+
+static void draw_line(const Screen *screen)
+{
+    printf("%-8s t = %.6g s  step %" PRIu64 "  %5.1f %%", mns_state_name(screen->state), screen->time, screen->step,
+           100 * fraction(screen));
+    print_eta(screen);
+    for (size_t k = 0; k < screen->n; k++)
+        printf("  %s = %.5g %s", screen->probes[k].name, screen->probes[k].value, screen->probes[k].unit);
+    putchar('\n');
+    fflush(stdout);
+}
+
+void screen_draw(Screen *screen)
+{
+    if (screen->is_terminal) draw_terminal(screen);
+    else draw_line(screen);
+}
+
+void screen_say(Screen *screen, const char *text)
+{
+    if (screen->drawn) printf("\033[%dA\r" CLEAR_TO_END, screen->drawn);
+    screen->drawn = 0;
+    puts(text);
+    if (screen->is_terminal) draw_terminal(screen);
+    else fflush(stdout);
+}
+
+void screen_done(Screen *screen)
+{
+    if (screen->is_terminal) fputs(SHOW_CURSOR, stdout);
+    fflush(stdout);
+    screen->drawn = 0;
+}

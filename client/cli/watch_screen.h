@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What `meniscus watch` knows of a run, and how it looks: a few lines redrawn in place on a terminal, one line at a time
+ * elsewhere. */
+#ifndef CLI_WATCH_SCREEN_H
+#define CLI_WATCH_SCREEN_H
+
+#include <meniscus/client.h>
+
+enum { SCREEN_MAX_PROBES = 256, SCREEN_NAME_SIZE = 64 };
+
+typedef struct Reading {
+    char name[SCREEN_NAME_SIZE], unit[16];
+    double value;
+} Reading;
+
+typedef struct Screen {
+    bool is_terminal;
+    int drawn;       /* lines on the terminal that belong to us */
+    char title[128]; /* name and title of the case */
+    MnsState state;
+    char news[256];        /* the last event; empty: none */
+    double time, end_time; /* simulated [s] */
+    double eta_s, steps_per_second;
+    uint64_t step, lost;
+    size_t n; /* probes */
+    Reading probes[SCREEN_MAX_PROBES];
+} Screen;
+
+/* Begin. On a terminal that may be drawn on, the cursor is hidden until screen_done(). */
+void screen_init(Screen *screen, bool may_redraw);
+
+/* Take over what a status, a list of probes, a message say. */
+void screen_take_info(Screen *screen, const MnsRunInfo *info);
+void screen_take_values(Screen *screen, size_t n, const MnsValue *values);
+void screen_take(Screen *screen, const MnsTelemetry *telemetry);
+
+/* Terminal: redraw. Elsewhere: print one line. */
+void screen_draw(Screen *screen);
+
+/* Print a line that stays, above what is redrawn. */
+void screen_say(Screen *screen, const char *text);
+
+/* Leave the terminal as it was found, below the last picture. */
+void screen_done(Screen *screen);
+
+#endif
