@@ -192,8 +192,6 @@ MnsStatus integrator_restart(MnsSim *sim, MnsError *error)
     local_run(sim->scheme->derive, &sim->s, &sim->model, sim->threads);
     if (sim->scheme->restore) pass_run(sim->scheme->restore, &sim->s, &sim->nb, &sim->model, sim->threads);
     sim->v_max = fastest(sim);
-    const double pairs = (double)neighbours_pairs(&sim->nb);
-    sim->mean_neighbours = pairs / (double)sim->s.n;
     return MNS_OK;
 }
 

@@ -178,7 +178,18 @@ double mns_sim_spacing(const MnsSim *sim)
 
 double mns_sim_mean_neighbours(const MnsSim *sim)
 {
-    return sim->mean_neighbours;
+    const size_t n = particles_fluid(&sim->s);
+    uint64_t pairs = 0;
+#pragma omp parallel reduction(+ : pairs) num_threads(sim->threads)
+    {
+        Row row;
+#pragma omp for schedule(static)
+        for (size_t i = 0; i < n; i++) {
+            row_build(&row, &sim->nb, &sim->s, &sim->model, i);
+            for (size_t k = 0; k < row.n; k++) pairs += row.r[k] < sim->model.kernel.support;
+        }
+    }
+    return (double)pairs / (double)n;
 }
 
 size_t mns_sim_bytes(const MnsSim *sim)

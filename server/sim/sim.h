@@ -18,7 +18,6 @@ struct MnsSim {
     int threads;
     MnsProgress progress;
     double v_max;                                 /* of the fluid, at the end of the last step [m/s] */
-    double mean_neighbours;                       /* of a fluid particle when the lists were built */
     Formula *gravity[3];
     Formula *surface[MNS_MAX_WALLS][3];           /* velocity of a wall's surface */
     Shape solid[MNS_MAX_WALLS];                   /* where the case puts the walls */

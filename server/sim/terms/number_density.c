@@ -6,7 +6,7 @@
 
 static void number_density_row(Row *row, Particles *s, const Model *model)
 {
-    const size_t n = row->n;
+    const size_t n = row_whole(row->n);
     const double *restrict W = row->W;
     double sum = 0;
 #pragma omp simd reduction(+ : sum)

@@ -23,7 +23,7 @@ static Side side_of(const Particles *s, const Model *model, size_t i)
 static void riemann_density_row(Row *row, Particles *s, const Model *model)
 {
     const Side a = side_of(s, model, row->i);
-    const size_t n = row->n, n_fluid = row->end[GROUP_SUMMATION], first_wall = particles_fluid(s);
+    const size_t n = row_whole(row->n), n_fluid = row_whole(row->end[GROUP_SUMMATION]), first_wall = particles_fluid(s);
     const double *restrict z = s->z, *restrict p = s->p, *restrict V = s->vol;
     const double *restrict r = row->r, *restrict F = row->F, *restrict u = row->u;
     const uint32_t *restrict j = row->j;
@@ -46,7 +46,7 @@ static void riemann_density_row(Row *row, Particles *s, const Model *model)
 static void riemann_momentum_row(Row *row, Particles *s, const Model *model)
 {
     const Side a = side_of(s, model, row->i);
-    const size_t i = row->i, n = row->n, n_fluid = row->end[GROUP_SUMMATION], first_wall = particles_fluid(s);
+    const size_t i = row->i, n = row_whole(row->n), n_fluid = row_whole(row->end[GROUP_SUMMATION]), first_wall = particles_fluid(s);
     const double *restrict z = s->z, *restrict p = s->p, *restrict V = s->vol;
     const double *restrict r = row->r, *restrict F = row->F, *restrict u = row->u;
     const uint32_t *restrict j = row->j;

@@ -16,7 +16,7 @@ static bool transports(const Model *model)
 /* b_i, and the part of the stress that is the particle's own: rho_i v_i (w_i . sum_j V_j grad_i W). */
 static void background_row(Row *row, Particles *s, const Model *model)
 {
-    const size_t i = row->i, n = row->n;
+    const size_t i = row->i, n = row_whole(row->n);
     const double *restrict V = s->vol, *restrict F = row->F;
     const uint32_t *restrict j = row->j;
     double *restrict c = row->c;
@@ -36,7 +36,7 @@ static void background_row(Row *row, Particles *s, const Model *model)
 static void transport_stress_row(Row *row, Particles *s, const Model *model)
 {
     (void)model;
-    const size_t i = row->i, first = row->end[GROUP_CONTINUITY], last = row->end[GROUP_SUMMATION];
+    const size_t i = row->i, first = row_whole(row->end[GROUP_CONTINUITY]), last = row_whole(row->end[GROUP_SUMMATION]);
     const double *restrict m = s->m, *restrict F = row->F;
     const uint32_t *restrict j = row->j;
     double *restrict c = row->c, *restrict u = row->u;

@@ -18,7 +18,7 @@ static void coefficients(Row *row, const Particles *s, const Model *model, size_
     double *restrict c = row->c;
     const double V_i = V[row->i], soft = 0.01 * model->kernel.h * model->kernel.h;
 #pragma omp simd
-    for (size_t k = first; k < last; k++) {
+    for (size_t k = row_whole(first); k < row_whole(last); k++) {
         const double r2 = r[k] * r[k];
         c[k] = V_i * V[j[k]] * mu[k] * F[k] * r2 / (r2 + soft);
     }

@@ -8,7 +8,7 @@
 static unsigned phases_in(const Row *row, const Particles *s)
 {
     unsigned present = 0;
-    for (size_t k = 0; k < row->n; k++) present |= 1u << s->phase[row->j[k]];
+    for (size_t k = 0; k < row_whole(row->n); k++) present |= 1u << s->phase[row->j[k]];
     return present;
 }
 
@@ -19,7 +19,7 @@ static double weigh(Row *row, const Particles *s, unsigned fluid, double *ret_we
     const uint8_t *restrict phase = s->phase;
     const uint32_t *restrict j = row->j;
     double *restrict c = row->c, weight = 0, pressure = 0;
-    for (size_t k = 0; k < row->n; k++) {
+    for (size_t k = 0; k < row_whole(row->n); k++) {
         const double w = phase[j[k]] == fluid ? W[k] * V[j[k]] : 0;
         c[k] = w * rho[j[k]];
         weight += w;
@@ -52,7 +52,7 @@ static void wall_pressure_row(Row *row, Particles *s, const Model *model)
 static void wall_velocity_row(Row *row, Particles *s, const Model *model)
 {
     (void)model;
-    const size_t wall = row->i - particles_fluid(s), n = row->n;
+    const size_t wall = row->i - particles_fluid(s), n = row_whole(row->n);
     const double *restrict W = row->W, *restrict V = s->vol;
     const uint32_t *restrict j = row->j;
     double *restrict c = row->c;
