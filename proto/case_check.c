@@ -36,10 +36,8 @@ static MnsStatus check_count(const CaseEntry *entry, size_t n, const CasePath *p
 {
     if (!entry->count_max || (n >= entry->count_min && n <= entry->count_max)) return MNS_OK;
     char allowed[48];
-    if (entry->count_min == entry->count_max)
-        snprintf(allowed, sizeof allowed, "%u", entry->count_min);
-    else
-        snprintf(allowed, sizeof allowed, "%u to %u", entry->count_min, entry->count_max);
+    if (entry->count_min == entry->count_max) snprintf(allowed, sizeof allowed, "%u", entry->count_min);
+    else snprintf(allowed, sizeof allowed, "%u to %u", entry->count_min, entry->count_max);
     return case_fail(error, MNS_E_INVALID, path->text, "found a list of %zu, allowed: a list of %s", n, allowed);
 }
 

@@ -34,8 +34,9 @@ void case_names_for(MessageType *type, const char *wrong, char *text, size_t siz
 
 static void allowed_number(const CaseEntry *entry, const char *kind, char *text, size_t size)
 {
-    snprintf(text, size, "%s%s%s%s%s", *entry->range ? "" : kind, *entry->range && *kind == 'w' ? "whole number in " : "",
-             entry->range, *entry->unit ? " " : "", entry->unit);
+    snprintf(text, size, "%s%s%s%s%s", *entry->range ? "" : kind,
+             *entry->range && *kind == 'w' ? "whole number in " : "", entry->range, *entry->unit ? " " : "",
+             entry->unit);
 }
 
 static void allowed_word(const ProtobufCEnumDescriptor *type, char *text, size_t size)
@@ -60,8 +61,7 @@ void case_allowed(MessageType *type, Field *field, char *text, size_t size)
     default:
         if (entry->formula)
             snprintf(text, size, "a number or a formula%s%s", *entry->formula ? " of " : "", entry->formula);
-        else
-            snprintf(text, size, "a text");
+        else snprintf(text, size, "a text");
     }
 }
 
@@ -75,8 +75,8 @@ static size_t grow(CasePath *path, int length)
 
 size_t case_path_name(CasePath *path, const char *name, size_t n)
 {
-    return grow(path, snprintf(path->text + path->n, sizeof path->text - path->n, "%s%.*s", path->n ? "." : "", (int)n,
-                               name));
+    return grow(
+        path, snprintf(path->text + path->n, sizeof path->text - path->n, "%s%.*s", path->n ? "." : "", (int)n, name));
 }
 
 size_t case_path_index(CasePath *path, size_t k)
@@ -84,7 +84,10 @@ size_t case_path_index(CasePath *path, size_t k)
     return grow(path, snprintf(path->text + path->n, sizeof path->text - path->n, "[%zu]", k));
 }
 
-void case_path_cut(CasePath *path, size_t n) { path->text[path->n = n] = 0; }
+void case_path_cut(CasePath *path, size_t n)
+{
+    path->text[path->n = n] = 0;
+}
 
 MnsStatus case_fail(MnsError *error, MnsStatus status, const char *path, const char *format, ...)
 {
@@ -93,10 +96,14 @@ MnsStatus case_fail(MnsError *error, MnsStatus status, const char *path, const c
     va_start(list, format);
     vsnprintf(sentence, sizeof sentence, format, list);
     va_end(list);
-    return mns_fail_at(error, status, path, "%s%s%s", path, *path ? ": " : "", sentence);
+    const int room = sizeof error->path - 1; /* so that the text begins with what error->path can hold */
+    return mns_fail_at(error, status, path, "%.*s%s%s", room, path, *path ? ": " : "", sentence);
 }
 
-MnsStatus case_no_memory(MnsError *error) { return mns_fail(error, MNS_E_MEMORY, "no memory left for the case"); }
+MnsStatus case_no_memory(MnsError *error)
+{
+    return mns_fail(error, MNS_E_MEMORY, "no memory left for the case");
+}
 
 const char *case_shown(const char *text, char shown[static 48])
 {

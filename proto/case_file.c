@@ -15,7 +15,10 @@ struct CaseFile {
     char **sets; /* [n_sets] paths, the newest last */
 };
 
-const Meniscus__Case *case_file_message(const CaseFile *file) { return file->message; }
+const Meniscus__Case *case_file_message(const CaseFile *file)
+{
+    return file->message;
+}
 
 void case_file_free(CaseFile *file)
 {
@@ -50,10 +53,8 @@ MnsStatus case_file_parse(const char *name, const char *text, size_t size, CaseF
         status = case_message_check(file->message, why);
         if (status) case_file_locate(file, why);
     }
-    if (status)
-        case_file_free(file);
-    else
-        *ret = file;
+    if (status) case_file_free(file);
+    else *ret = file;
     return status;
 }
 
@@ -144,10 +145,8 @@ void case_file_locate(const CaseFile *file, MnsError *error)
     if (!set || strlen(set) < depth)
         mns_fail_at(error, error->status, path, "%.250s:%u:%u: %s%s%s", file->name, mark->line, mark->column, path,
                     separator, sentence);
-    else if (!strcmp(set, path))
-        mns_fail_at(error, error->status, path, "--set %s: %s", set, sentence);
-    else
-        mns_fail_at(error, error->status, path, "--set %s: %s%s%s", set, path, separator, sentence);
+    else if (!strcmp(set, path)) mns_fail_at(error, error->status, path, "--set %s: %s", set, sentence);
+    else mns_fail_at(error, error->status, path, "--set %s: %s%s%s", set, path, separator, sentence);
 }
 
 /* --- overriding -------------------------------------------------------------------------------------------------------- */
@@ -169,9 +168,10 @@ static void blame_set(const char *path, MnsError *error)
     char shown[48];
     strcpy(sentence, bare_sentence(error));
     strcpy(inner, error->path);
-    const bool same = !strcmp(inner, path) || !*inner;
-    mns_fail_at(error, error->status, inner, "--set %s: %s%s%s", strlen(path) < sizeof inner ? path : case_shown(path, shown),
-                same ? "" : inner, same ? "" : ": ", sentence);
+    const bool same = !strncmp(inner, path, sizeof inner - 1) || !*inner;
+    mns_fail_at(error, error->status, inner, "--set %s: %s%s%s",
+                strlen(path) < sizeof inner ? path : case_shown(path, shown), same ? "" : inner, same ? "" : ": ",
+                sentence);
 }
 
 static MnsStatus set_entry(CaseFile *file, char *path, const char *yaml, MnsError *error)

@@ -3,16 +3,16 @@
 #ifndef PROTO_CASE_MARK_H
 #define PROTO_CASE_MARK_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdbool.h>
 
 enum { MARK_ROOT = 0, MARK_NONE = UINT32_MAX };
 
 typedef struct Mark {
-    const char *name; /* of the entry, from the schema; NULL for an item of a list */
-    uint32_t index;   /* of the item */
-    uint32_t parent;  /* MARK_NONE for the root and for what --set has replaced */
+    const char *name;      /* of the entry, from the schema; NULL for an item of a list */
+    uint32_t index;        /* of the item */
+    uint32_t parent;       /* MARK_NONE for the root and for what --set has replaced */
     uint32_t line, column; /* from 1 */
 } Mark;
 

@@ -19,8 +19,10 @@ typedef struct Place {
 static MnsStatus fail_path(const char *path, const char *rest, MnsError *error)
 {
     char shown[48];
-    return case_fail(error, MNS_E_NOT_FOUND, path, "\"%s\" is not a path: write names joined by dots and indices in "
-                     "brackets, as in fluids[1].density", case_shown(rest, shown));
+    return case_fail(error, MNS_E_NOT_FOUND, path,
+                     "\"%s\" is not a path: write names joined by dots and indices in "
+                     "brackets, as in fluids[1].density",
+                     case_shown(rest, shown));
 }
 
 static MnsStatus fail_name(const char *path, MessageType *type, const char *name, size_t length, MnsError *error)
@@ -77,7 +79,8 @@ static MnsStatus enter(Place *place, const char *path, MnsError *error)
 {
     ProtobufCMessage *child;
     if (!place->field) return MNS_OK;
-    if (place->field->label == PROTOBUF_C_LABEL_REPEATED && !place->is_item) return fail_list(path, place->field, error);
+    if (place->field->label == PROTOBUF_C_LABEL_REPEATED && !place->is_item)
+        return fail_list(path, place->field, error);
     if (place->field->type != PROTOBUF_C_TYPE_MESSAGE) return fail_leaf(path, place->field, error);
     const MnsStatus status = child_of(place, &child, error);
     if (!status) *place = (Place){.type = place->field->descriptor, .message = child, .create = place->create};
@@ -170,9 +173,7 @@ MnsStatus case_message_set(const Meniscus__Case *message, const char *path, cons
     if (!changed) return case_no_memory(error);
     MnsStatus status = change(changed, path, yaml, error);
     if (!status) status = case_message_check((Meniscus__Case *)changed, error);
-    if (status)
-        protobuf_c_message_free_unpacked(changed, NULL);
-    else
-        *ret = (Meniscus__Case *)changed;
+    if (status) protobuf_c_message_free_unpacked(changed, NULL);
+    else *ret = (Meniscus__Case *)changed;
     return status;
 }

@@ -73,10 +73,8 @@ static void print_message(Printer *printer, const ProtobufCMessage *message);
 static void print_item(Printer *printer, const ProtobufCMessage *message, Field *field, size_t k)
 {
     char buffer[64];
-    if (field->type == PROTOBUF_C_TYPE_MESSAGE)
-        print_message(printer, case_child(message, field, k));
-    else
-        print_text(printer, case_scalar_text(field, case_item(message, field, k), buffer));
+    if (field->type == PROTOBUF_C_TYPE_MESSAGE) print_message(printer, case_child(message, field, k));
+    else print_text(printer, case_scalar_text(field, case_item(message, field, k), buffer));
 }
 
 static void print_field(Printer *printer, const ProtobufCMessage *message, Field *field)
@@ -164,15 +162,12 @@ char *case_print_value(const ProtobufCMessage *message, Field *field, size_t k)
     size_t size;
     if (!printer_open(&printer, &text, &size, true)) return NULL;
     begin_list(&printer, true);
-    if (k != CASE_ALL)
-        print_item(&printer, message, field, k);
-    else if (case_count(message, field))
-        print_field(&printer, message, field);
+    if (k != CASE_ALL) print_item(&printer, message, field, k);
+    else if (case_count(message, field)) print_field(&printer, message, field);
     else if (field->label == PROTOBUF_C_LABEL_REPEATED) {
         begin_list(&printer, true);
         end_list(&printer);
-    } else
-        print_absent(&printer, field);
+    } else print_absent(&printer, field);
     end_list(&printer);
     return unwrap(printer_close(&printer, &text));
 }
@@ -194,4 +189,7 @@ char *case_print_line(const ProtobufCMessage *message)
     return text;
 }
 
-char *case_message_print(const Meniscus__Case *message) { return print_whole(&message->base, false); }
+char *case_message_print(const Meniscus__Case *message)
+{
+    return print_whole(&message->base, false);
+}

@@ -26,7 +26,10 @@ static MnsStatus fail_at(Reader *reader, yaml_mark_t mark, const char *sentence)
                        reader->path.n ? ": " : "", sentence);
 }
 
-static MnsStatus fail(Reader *reader, const char *sentence) { return fail_at(reader, reader->event.start_mark, sentence); }
+static MnsStatus fail(Reader *reader, const char *sentence)
+{
+    return fail_at(reader, reader->event.start_mark, sentence);
+}
 
 /* libyaml gives a byte offset, but no line, for bytes that are no text at all. */
 static yaml_mark_t mark_of_offset(const char *text, size_t offset)
@@ -129,7 +132,8 @@ static MnsStatus read_item(Reader *reader, MessageType *type, Field *field, void
     if (reader->event.type != YAML_MAPPING_START_EVENT) {
         case_names_for(field->descriptor, "", allowed, sizeof allowed);
         char sentence[400];
-        snprintf(sentence, sizeof sentence, "a mapping ({} for an empty one) of entries %s", allowed + strlen("allowed: "));
+        snprintf(sentence, sizeof sentence, "a mapping ({} for an empty one) of entries %s",
+                 allowed + strlen("allowed: "));
         return fail_kind(reader, sentence);
     }
     ProtobufCMessage *child = case_message_new(field->descriptor);
@@ -299,7 +303,8 @@ MnsStatus case_read_value(const char *path, const char *text, ProtobufCMessage *
     if (status) return status;
     status = open_document(&reader);
     if (!status)
-        status = item ? read_item(&reader, message->descriptor, field, item, 0) : read_field(&reader, message, field, 0);
+        status =
+            item ? read_item(&reader, message->descriptor, field, item, 0) : read_field(&reader, message, field, 0);
     if (!status) status = close_document(&reader);
     reader_done(&reader);
     return status;

@@ -96,8 +96,8 @@ static bool is_text(const char *text)
         const unsigned char c = (unsigned char)text[k];
         if ((c < ' ' && c != '\n' && c != '\t') || c == 127) return false;
     }
-    if (n > INT32_MAX ||
-        !yaml_scalar_event_initialize(&event, NULL, NULL, (const yaml_char_t *)text, (int)n, 1, 1, YAML_ANY_SCALAR_STYLE))
+    if (n > INT32_MAX || !yaml_scalar_event_initialize(&event, NULL, NULL, (const yaml_char_t *)text, (int)n, 1, 1,
+                                                       YAML_ANY_SCALAR_STYLE))
         return false;
     yaml_event_delete(&event);
     return true;

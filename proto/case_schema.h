@@ -9,16 +9,16 @@
 #include <stddef.h>
 
 typedef struct CaseEntry {
-    const char *name;             /* as in case.proto and in files                                         */
-    const char *unit;             /* "kg/m^3"; empty if there is none                                      */
-    const char *range;            /* "(0, inf)"; empty if every finite number is allowed                   */
-    double min, max;              /* the same as numbers                                                   */
-    bool min_open, max_open;      /* whether the bound itself is refused                                   */
+    const char *name;              /* as in case.proto and in files                                         */
+    const char *unit;              /* "kg/m^3"; empty if there is none                                      */
+    const char *range;             /* "(0, inf)"; empty if every finite number is allowed                   */
+    double min, max;               /* the same as numbers                                                   */
+    bool min_open, max_open;       /* whether the bound itself is refused                                   */
     unsigned count_min, count_max; /* items a list must have; 0, 0 if any number will do                    */
-    const char *formula;          /* variables of a formula, "x y z"; NULL if it is not one                */
+    const char *formula;           /* variables of a formula, "x y z"; NULL if it is not one                */
     bool required, steerable;
-    bool of_required_choice;      /* member of a oneof of which one must be there                          */
-    bool is_default;              /* member of a oneof: what the absence of all members means              */
+    bool of_required_choice; /* member of a oneof of which one must be there                          */
+    bool is_default;         /* member of a oneof: what the absence of all members means              */
     const char *meaning;
 } CaseEntry;
 

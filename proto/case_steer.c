@@ -55,7 +55,8 @@ static bool is_chosen(const ProtobufCMessage *message, MessageType *type, Field 
     for (unsigned k = 0; k < type->n_fields; k++) {
         Field *other = &type->fields[k];
         const bool is_member = other->flags & PROTOBUF_C_FIELD_FLAG_ONEOF;
-        if (is_member && other->quantifier_offset == field->quantifier_offset && case_count(message, other)) return false;
+        if (is_member && other->quantifier_offset == field->quantifier_offset && case_count(message, other))
+            return false;
     }
     return true;
 }

@@ -15,8 +15,14 @@ static size_t item_size(Field *field)
     }
 }
 
-static const void *at(const ProtobufCMessage *message, size_t offset) { return (const char *)message + offset; }
-static void *at_mutable(ProtobufCMessage *message, size_t offset) { return (char *)message + offset; }
+static const void *at(const ProtobufCMessage *message, size_t offset)
+{
+    return (const char *)message + offset;
+}
+static void *at_mutable(ProtobufCMessage *message, size_t offset)
+{
+    return (char *)message + offset;
+}
 
 static bool is_pointer(Field *field)
 {
@@ -119,10 +125,8 @@ void case_clear(ProtobufCMessage *message, Field *field)
     void *item = at_mutable(message, field->offset);
     free_item(field, item);
     memset(item, 0, item_size(field));
-    if (field->flags & PROTOBUF_C_FIELD_FLAG_ONEOF)
-        *(uint32_t *)at_mutable(message, field->quantifier_offset) = 0;
-    else if (!is_pointer(field))
-        *(protobuf_c_boolean *)at_mutable(message, field->quantifier_offset) = 0;
+    if (field->flags & PROTOBUF_C_FIELD_FLAG_ONEOF) *(uint32_t *)at_mutable(message, field->quantifier_offset) = 0;
+    else if (!is_pointer(field)) *(protobuf_c_boolean *)at_mutable(message, field->quantifier_offset) = 0;
 }
 
 ProtobufCMessage *case_message_new(MessageType *type)

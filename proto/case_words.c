@@ -41,7 +41,7 @@ static size_t distance(const char *a, const char *b)
 static const char *likeliest(const char *const *names, size_t n, const char *wrong)
 {
     const char *best = NULL;
-    size_t least = strlen(wrong) / 3 + 2;
+    size_t least = strlen(wrong) < 6 ? 2 : strlen(wrong) / 3 + 1; /* one letter, or every third */
     for (size_t k = 0; k < n; k++) {
         const size_t d = distance(wrong, names[k]);
         if (d < least && d < strlen(names[k])) {

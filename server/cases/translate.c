@@ -18,7 +18,8 @@ static MnsStatus translate_domain(Translation *t, const Meniscus__Domain *m)
         int axis = 0;
         const size_t before = translation_enter_item(t, "periodic", k);
         status = take_axis(t, NULL, m->periodic[k], &axis);
-        if (!status && c->periodic[axis]) status = translation_fail(t, MNS_E_INVALID, NULL, "\"%c\" is there twice", "xyz"[axis]);
+        if (!status && c->periodic[axis])
+            status = translation_fail(t, MNS_E_INVALID, NULL, "\"%c\" is there twice", "xyz"[axis]);
         c->periodic[axis] = true;
         case_path_cut(&t->path, before);
     }
@@ -39,15 +40,16 @@ static MnsStatus translate_constant(Translation *t, const Meniscus__Constant *m,
     char shown[48];
     case_shown(m->name, shown);
     if (!is_identifier(m->name))
-        return translation_fail(t, MNS_E_INVALID, "name", "found \"%s\", allowed: letters, digits and underscores, a letter first",
-                                shown);
+        return translation_fail(t, MNS_E_INVALID, "name",
+                                "found \"%s\", allowed: letters, digits and underscores, a letter first", shown);
     for (size_t v = 0; v < sizeof variables / sizeof *variables; v++)
         if (!strcmp(m->name, variables[v]))
-            return translation_fail(t, MNS_E_INVALID, "name", "\"%s\" is a variable of formulas: choose another name", shown);
+            return translation_fail(t, MNS_E_INVALID, "name", "\"%s\" is a variable of formulas: choose another name",
+                                    shown);
     for (size_t other = 0; other < k; other++)
         if (!strcmp(m->name, t->c->constants[other].name))
-            return translation_fail(t, MNS_E_INVALID, "name", "found \"%s\", which constant %zu has too: names must differ",
-                                    shown, other);
+            return translation_fail(t, MNS_E_INVALID, "name",
+                                    "found \"%s\", which constant %zu has too: names must differ", shown, other);
     const MnsStatus status = take_text(t, m->name, &t->c->constants[k].name);
     return status ? status : take_text(t, m->value, &t->c->constants[k].value);
 }
@@ -214,9 +216,7 @@ MnsStatus case_translate(const Meniscus__Case *message, MnsCase **ret, MnsError 
     Translation t = {.c = calloc(1, sizeof *t.c), .error = error};
     if (!t.c) return case_no_memory(error);
     const MnsStatus status = translate_all(&t, message);
-    if (status)
-        mns_case_free(t.c);
-    else
-        *ret = t.c;
+    if (status) mns_case_free(t.c);
+    else *ret = t.c;
     return status;
 }

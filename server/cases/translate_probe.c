@@ -47,8 +47,10 @@ static MnsStatus take_height(Translation *t, const Meniscus__HeightProbe *m, Mns
     if (!status && m->has_vertical) status = take_axis(t, "vertical", m->vertical, &probe->axis);
     if (!status) status = take_wall(t, m->wall, probe);
     if (!status && m->n_at != (size_t)t->c->dim - 1)
-        status = translation_fail(t, MNS_E_INVALID, "at", "found a list of %zu, allowed: a list of %d, the coordinates across "
-                                  "the vertical axis", m->n_at, t->c->dim - 1);
+        status = translation_fail(t, MNS_E_INVALID, "at",
+                                  "found a list of %zu, allowed: a list of %d, the coordinates across "
+                                  "the vertical axis",
+                                  m->n_at, t->c->dim - 1);
     for (int d = 0, k = 0; d < t->c->dim && !status; d++)
         if (d != probe->axis) probe->at[d] = m->at[k++];
     return status;
@@ -115,8 +117,7 @@ static MnsStatus take_kind(Translation *t, const Meniscus__Probe *m, MnsProbe *p
     case MENISCUS__PROBE__KIND_PRESSURE: return take_pressure(t, m->pressure, probe);
     case MENISCUS__PROBE__KIND_HEIGHT: return take_height(t, m->height, probe);
     case MENISCUS__PROBE__KIND_FRONT: return take_front(t, m->front, probe);
-    case MENISCUS__PROBE__KIND_KINETIC_ENERGY:
-        return take_whole(t, MNS_PROBE_KINETIC_ENERGY, m->kinetic_energy, probe);
+    case MENISCUS__PROBE__KIND_KINETIC_ENERGY: return take_whole(t, MNS_PROBE_KINETIC_ENERGY, m->kinetic_energy, probe);
     case MENISCUS__PROBE__KIND_POTENTIAL_ENERGY:
         return take_whole(t, MNS_PROBE_POTENTIAL_ENERGY, m->potential_energy, probe);
     case MENISCUS__PROBE__KIND_MASS_CENTRE: return take_component(t, MNS_PROBE_MASS_CENTRE, m->mass_centre, probe);

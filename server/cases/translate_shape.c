@@ -23,11 +23,13 @@ static MnsStatus check_plate(Translation *t, const Meniscus__Plate *m)
 {
     const bool needed = t->c->dim == 3;
     if ((m->n_normal > 0) != needed)
-        return translation_fail(t, MNS_E_INVALID, "normal", needed ? "missing, required in three dimensions: a list of 3"
-                                                                   : "in two dimensions a plate has none: remove it");
+        return translation_fail(t, MNS_E_INVALID, "normal",
+                                needed ? "missing, required in three dimensions: a list of 3"
+                                       : "in two dimensions a plate has none: remove it");
     if (m->has_width != needed)
-        return translation_fail(t, MNS_E_INVALID, "width", needed ? "missing, required in three dimensions: (0, inf) m"
-                                                                  : "in two dimensions a plate has none: remove it");
+        return translation_fail(t, MNS_E_INVALID, "width",
+                                needed ? "missing, required in three dimensions: (0, inf) m"
+                                       : "in two dimensions a plate has none: remove it");
     return MNS_OK;
 }
 
@@ -55,8 +57,9 @@ static MnsStatus take_formula(Translation *t, const Meniscus__Part *m, bool form
 {
     part->primitive = MNS_FORMULA;
     if (!formulas)
-        return translation_fail(t, MNS_E_INVALID, "formula", "only a fluid's shape can be a formula: use box, ball, "
-                                                             "cylinder, plate or half_space");
+        return translation_fail(t, MNS_E_INVALID, "formula",
+                                "only a fluid's shape can be a formula: use box, ball, "
+                                "cylinder, plate or half_space");
     return take_text(t, m->formula, &part->formula);
 }
 
@@ -122,12 +125,13 @@ static MnsStatus take_oscillation(Translation *t, const char *name, const Menisc
     return status;
 }
 
-static MnsStatus take_point(Translation *t, const Meniscus__MotionPoint *m, const MnsMotionPoint *last, MnsMotionPoint *ret)
+static MnsStatus take_point(Translation *t, const Meniscus__MotionPoint *m, const MnsMotionPoint *last,
+                            MnsMotionPoint *ret)
 {
     ret->t = m->t;
     if (last && m->t <= last->t)
-        return translation_fail(t, MNS_E_INVALID, "t", "found %g, allowed: above %g, the time of the point before", m->t,
-                                last->t);
+        return translation_fail(t, MNS_E_INVALID, "t", "found %g, allowed: above %g, the time of the point before",
+                                m->t, last->t);
     const MnsStatus status = take_vector(t, "x", m->n_x, m->x, ret->x);
     return status ? status : take_vector(t, "v", m->n_v, m->v, ret->v);
 }
@@ -161,9 +165,7 @@ MnsStatus translate_motion(Translation *t, const Meniscus__Motion *message, MnsM
         ret->kind = MNS_ONE_MINUS_COSINE;
         status = take_oscillation(t, "one_minus_cosine", message->one_minus_cosine, ret);
         break;
-    default:
-        ret->kind = MNS_TABLE;
-        status = take_table(t, message->table, ret);
+    default: ret->kind = MNS_TABLE; status = take_table(t, message->table, ret);
     }
     case_path_cut(&t->path, before);
     return status;

@@ -8,7 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-size_t translation_enter(Translation *t, const char *name) { return case_path_name(&t->path, name, strlen(name)); }
+size_t translation_enter(Translation *t, const char *name)
+{
+    return case_path_name(&t->path, name, strlen(name));
+}
 
 size_t translation_enter_item(Translation *t, const char *name, size_t k)
 {
@@ -39,8 +42,9 @@ MnsStatus take_text(Translation *t, const char *text, char **ret)
 static MnsStatus check_dimensions(Translation *t, const char *name, size_t n, const char *what)
 {
     if (n == (size_t)t->c->dim) return MNS_OK;
-    return translation_fail(t, MNS_E_INVALID, name, "found a list of %zu, allowed: a list of %d, one %s for each dimension",
-                            n, t->c->dim, what);
+    return translation_fail(t, MNS_E_INVALID, name,
+                            "found a list of %zu, allowed: a list of %d, one %s for each dimension", n, t->c->dim,
+                            what);
 }
 
 MnsStatus take_vector(Translation *t, const char *name, size_t n, const double *values, double ret[3])
@@ -68,7 +72,8 @@ MnsStatus take_name(Translation *t, const char *name, const Names *before, char 
     char shown[48];
     if (!is_name(name))
         return translation_fail(t, MNS_E_INVALID, "name",
-                                "found \"%s\", allowed: letters, digits, dot, dash and underscore", case_shown(name, shown));
+                                "found \"%s\", allowed: letters, digits, dot, dash and underscore",
+                                case_shown(name, shown));
     for (size_t k = 0; k < before->n; k++)
         if (!strcmp(before->list[k], name))
             return translation_fail(t, MNS_E_INVALID, "name", "found \"%s\", which %s %zu has too: names must differ",
@@ -103,8 +108,9 @@ MnsStatus take_box(Translation *t, const Meniscus__Box *box, double min[3], doub
     if (!status) status = take_vector(t, "max", box->n_max, box->max, max);
     for (int d = 0; d < t->c->dim && !status; d++)
         if (min[d] >= max[d])
-            status = translation_fail(t, MNS_E_INVALID, "max", "found %g in direction %c, allowed: above %g, the lower corner",
-                                      max[d], "xyz"[d], min[d]);
+            status = translation_fail(t, MNS_E_INVALID, "max",
+                                      "found %g in direction %c, allowed: above %g, the lower corner", max[d], "xyz"[d],
+                                      min[d]);
     return status;
 }
 
