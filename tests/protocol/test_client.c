@@ -1,0 +1,362 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The client library over a real socket, against a daemon that misbehaves on demand. */
+#include "tests/support/fake_daemon.h"
+#include <math.h>
+#include <meniscus/client.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <xxhash.h>
+
+#include <cmocka.h>
+
+typedef struct Fixture {
+    FakeDaemon *daemon;
+    MnsClient *client;
+    FakeManner manners[4]; /* of the first, second ... request; zero is FAKE_ANSWER */
+    atomic_int n;          /* requests heard                                         */
+    uint8_t ids[4][16];
+    Meniscus__Request__CommandCase commands[4];
+    uint64_t deadline_ms;
+    Meniscus__Code code;
+    char *path;
+    bool damage; /* the array's checksum is wrong */
+    bool forget_array;
+    bool restart; /* the daemon that comes back is another one */
+} Fixture;
+
+static const double numbers[6] = {1, 2, 3, 4, 5, NAN};
+
+static void add_array(Fixture *fixture, FakeAnswer *answer)
+{
+    static Meniscus__Array array;
+    static Meniscus__Array *list[] = {&array};
+    static uint64_t shape[] = {3, 2};
+    meniscus__array__init(&array);
+    array.name = "position";
+    array.type = "<f8";
+    array.unit = "m";
+    array.n_shape = 2;
+    array.shape = shape;
+    array.has_xxh64 = true;
+    array.xxh64 = XXH64(numbers, sizeof numbers, 0) + fixture->damage;
+    answer->reply->n_arrays = 1;
+    answer->reply->arrays = list;
+    answer->frame = fixture->forget_array ? NULL : numbers;
+    answer->frame_size = sizeof numbers;
+}
+
+static void handle(void *arg, const Meniscus__Request *request, FakeAnswer *answer)
+{
+    Fixture *fixture = arg;
+    const int k = atomic_load(&fixture->n);
+    if (k < 4 && request->id.len == 16) {
+        memcpy(fixture->ids[k], request->id.data, 16);
+        fixture->commands[k] = request->command_case;
+        answer->manner = fixture->manners[k];
+    }
+    fixture->deadline_ms = request->deadline_ms;
+    answer->reply->code = fixture->code;
+    answer->reply->path = fixture->path;
+    answer->reply->message = fixture->code == MENISCUS__CODE__OK ? "" : "no, because";
+    answer->reply->has_effect_step = answer->reply->has_state = true;
+    answer->reply->effect_step = 41;
+    answer->reply->state = MENISCUS__STATE__PAUSED;
+    if (request->command_case == MENISCUS__REQUEST__COMMAND_QUERY) add_array(fixture, answer);
+    if (fixture->restart) fake_daemon_set_epoch(fixture->daemon, 2);
+    atomic_fetch_add(&fixture->n, 1);
+}
+
+static int set_up(void **state)
+{
+    Fixture *fixture = calloc(1, sizeof *fixture);
+    fixture->daemon = fake_daemon_new(handle, fixture);
+    *state = fixture;
+    return mns_client_open(fake_daemon_endpoint(fixture->daemon), &fixture->client, NULL);
+}
+
+static int tear_down(void **state)
+{
+    Fixture *fixture = *state;
+    mns_client_close(fixture->client);
+    fake_daemon_free(fixture->daemon);
+    free(fixture);
+    return 0;
+}
+
+static double seconds(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static void a_reply_carries_state_and_step_of_the_effect(void **state)
+{
+    Fixture *fixture = *state;
+    MnsReply *reply = NULL;
+    assert_int_equal(mns_client_pause(fixture->client, &reply, NULL), MNS_OK);
+    assert_int_equal(reply->state, MNS_STATE_PAUSED);
+    assert_int_equal(reply->effect_step, 41);
+    assert_int_equal(fixture->commands[0], MENISCUS__REQUEST__COMMAND_PAUSE);
+    mns_reply_free(reply);
+}
+
+static void every_command_has_an_id_of_its_own(void **state)
+{
+    Fixture *fixture = *state;
+    assert_int_equal(mns_client_pause(fixture->client, NULL, NULL), MNS_OK);
+    assert_int_equal(mns_client_pause(fixture->client, NULL, NULL), MNS_OK);
+    assert_memory_not_equal(fixture->ids[0], fixture->ids[1], 16);
+}
+
+static void a_chosen_id_is_used_once(void **state)
+{
+    Fixture *fixture = *state;
+    const uint8_t id[16] = {9, 8, 7, 6, 5, 4, 3, 2, 1, 9, 8, 7, 6, 5, 4, 3};
+    mns_client_set_request_id(fixture->client, id);
+    assert_int_equal(mns_client_step(fixture->client, 3, NULL, NULL), MNS_OK);
+    assert_int_equal(mns_client_step(fixture->client, 3, NULL, NULL), MNS_OK);
+    assert_memory_equal(fixture->ids[0], id, 16);
+    assert_memory_not_equal(fixture->ids[1], id, 16);
+}
+
+static void codes_become_statuses_with_sentence_and_path(void **state)
+{
+    static const struct {
+        Meniscus__Code code;
+        MnsStatus status;
+    } table[] = {{MENISCUS__CODE__INVALID_ARGUMENT, MNS_E_INVALID}, {MENISCUS__CODE__OUT_OF_RANGE, MNS_E_INVALID},
+                 {MENISCUS__CODE__NOT_FOUND, MNS_E_NOT_FOUND},      {MENISCUS__CODE__FAILED_PRECONDITION, MNS_E_STATE},
+                 {MENISCUS__CODE__RESOURCE_EXHAUSTED, MNS_E_LIMIT}, {MENISCUS__CODE__DEADLINE_EXCEEDED, MNS_E_TIMEOUT},
+                 {MENISCUS__CODE__ABORTED, MNS_E_INTERRUPTED},      {MENISCUS__CODE__DATA_LOSS, MNS_E_CORRUPT},
+                 {MENISCUS__CODE__UNAVAILABLE, MNS_E_UNAVAILABLE},  {MENISCUS__CODE__UNIMPLEMENTED, MNS_E_VERSION},
+                 {MENISCUS__CODE__INTERNAL, MNS_E_INTERNAL}};
+    Fixture *fixture = *state;
+    for (size_t k = 0; k < sizeof table / sizeof *table; k++) {
+        MnsError error = {0};
+        fixture->code = table[k].code;
+        fixture->path = "fluids[1].density";
+        assert_int_equal(mns_client_pause(fixture->client, NULL, &error), table[k].status);
+        assert_int_equal(error.status, table[k].status);
+        assert_string_equal(error.text, "no, because");
+        assert_string_equal(error.path, "fluids[1].density");
+    }
+}
+
+static void a_code_nobody_knows_is_a_failure(void **state)
+{
+    Fixture *fixture = *state;
+    fixture->code = (Meniscus__Code)1;
+    assert_int_equal(mns_client_pause(fixture->client, NULL, NULL), MNS_E_INTERNAL);
+}
+
+static void a_lost_connection_repeats_the_request_under_the_same_id(void **state)
+{
+    Fixture *fixture = *state;
+    fixture->manners[0] = FAKE_DISCONNECT;
+    assert_int_equal(mns_client_step(fixture->client, 5, NULL, NULL), MNS_OK);
+    assert_int_equal(atomic_load(&fixture->n), 2);
+    assert_memory_equal(fixture->ids[0], fixture->ids[1], 16);
+    assert_int_equal(fixture->commands[1], MENISCUS__REQUEST__COMMAND_STEP);
+}
+
+static void a_restarted_daemon_is_not_given_the_command_twice(void **state)
+{
+    Fixture *fixture = *state;
+    MnsError error = {0};
+    fixture->manners[0] = FAKE_DISCONNECT;
+    fixture->restart = true;
+    assert_int_equal(mns_client_step(fixture->client, 5, NULL, &error), MNS_E_UNAVAILABLE);
+    assert_int_equal(atomic_load(&fixture->n), 1);
+    assert_non_null(strstr(error.text, "restarted"));
+}
+
+static void a_question_is_repeated_to_a_restarted_daemon(void **state)
+{
+    Fixture *fixture = *state;
+    fixture->manners[0] = FAKE_DISCONNECT;
+    fixture->restart = true;
+    const char *path = "end_time";
+    assert_int_equal(mns_client_get(fixture->client, 1, &path, NULL, NULL), MNS_OK);
+    assert_int_equal(atomic_load(&fixture->n), 2);
+}
+
+static void answers_to_other_requests_are_passed_over(void **state)
+{
+    Fixture *fixture = *state;
+    fixture->manners[0] = FAKE_STALE_FIRST;
+    assert_int_equal(mns_client_pause(fixture->client, NULL, NULL), MNS_OK);
+}
+
+static void silence_ends_with_the_time_limit(void **state)
+{
+    Fixture *fixture = *state;
+    const double begin = seconds();
+    fixture->manners[0] = FAKE_SILENCE;
+    mns_client_set_timeout(fixture->client, 0.25);
+    assert_int_equal(mns_client_pause(fixture->client, NULL, NULL), MNS_E_TIMEOUT);
+    assert_int_equal(fixture->deadline_ms, 250);
+    assert_true(seconds() - begin >= 0.25 && seconds() - begin < 8);
+    assert_int_equal(mns_client_pause(fixture->client, NULL, NULL), MNS_OK);
+}
+
+static void a_daemon_that_dies_is_noticed_without_a_time_limit(void **state)
+{
+    Fixture *fixture = *state;
+    MnsError error = {0};
+    fake_daemon_free(fixture->daemon);
+    const double begin = seconds();
+    assert_int_equal(mns_client_pause(fixture->client, NULL, &error), MNS_E_UNAVAILABLE);
+    assert_true(seconds() - begin < 10);
+    fixture->daemon = fake_daemon_new(handle, fixture);
+}
+
+static void arrays_come_whole_and_aligned(void **state)
+{
+    Fixture *fixture = *state;
+    MnsReply *reply = NULL;
+    const MnsParticleQuery everywhere = {0};
+    assert_int_equal(mns_client_query_particles(fixture->client, &everywhere, &reply, NULL), MNS_OK);
+    const MnsArray *array = mns_reply_array(reply, "position");
+    assert_non_null(array);
+    assert_int_equal(array->n_dims, 2);
+    assert_int_equal(array->shape[0], 3);
+    assert_string_equal(array->unit, "m");
+    assert_int_equal((uintptr_t)array->data % _Alignof(double), 0);
+    assert_memory_equal(array->data, numbers, sizeof numbers);
+    assert_null(mns_reply_array(reply, "velocity"));
+    mns_reply_free(reply);
+}
+
+static void a_damaged_array_is_refused(void **state)
+{
+    Fixture *fixture = *state;
+    MnsError error = {0};
+    const double point[2] = {0.5, 0.25};
+    fixture->damage = true;
+    assert_int_equal(mns_client_query_points(fixture->client, "pressure", 1, 2, point, NULL, &error), MNS_E_CORRUPT);
+    assert_non_null(strstr(error.text, "checksum"));
+}
+
+static void a_missing_array_is_refused(void **state)
+{
+    Fixture *fixture = *state;
+    const double point[3] = {0.5, 0.25, 1};
+    fixture->forget_array = true;
+    assert_int_equal(mns_client_query_points(fixture->client, "pressure", 1, 3, point, NULL, NULL), MNS_E_CORRUPT);
+}
+
+static void an_assignment_without_equals_sign_is_not_sent(void **state)
+{
+    Fixture *fixture = *state;
+    const char *const words[] = {"end_time=3", "gravity"};
+    MnsError error = {0};
+    assert_int_equal(mns_client_set(fixture->client, 2, words, NULL, &error), MNS_E_INVALID);
+    assert_non_null(strstr(error.text, "\"gravity\""));
+    assert_int_equal(atomic_load(&fixture->n), 0);
+}
+
+/* --- telemetry --------------------------------------------------------------------------------------------------------- */
+
+static void publish_progress(Fixture *fixture, uint64_t epoch, uint64_t sequence)
+{
+    Meniscus__Telemetry message = MENISCUS__TELEMETRY__INIT;
+    Meniscus__Progress progress = MENISCUS__PROGRESS__INIT;
+    message.has_daemon_epoch = message.has_sequence = progress.has_fraction = true;
+    message.daemon_epoch = epoch;
+    message.sequence = sequence;
+    message.item_case = MENISCUS__TELEMETRY__ITEM_PROGRESS;
+    message.progress = &progress;
+    progress.fraction = 0.5;
+    fake_daemon_publish(fixture->daemon, "progress", &message);
+}
+
+/* How many messages the client says it lost before the next one. */
+static uint64_t next_lost(MnsClient *client)
+{
+    MnsTelemetry *telemetry = NULL;
+    assert_int_equal(mns_client_next(client, 5, &telemetry, NULL), MNS_OK);
+    assert_int_equal(telemetry->topic, MNS_TOPIC_PROGRESS);
+    assert_true(telemetry->fraction > 0.49 && telemetry->fraction < 0.51);
+    assert_true(isnan(telemetry->eta_s));
+    const uint64_t lost = telemetry->lost;
+    mns_telemetry_free(telemetry);
+    return lost;
+}
+
+static void gaps_in_telemetry_are_counted(void **state)
+{
+    Fixture *fixture = *state;
+    assert_int_equal(mns_client_subscribe(fixture->client, MNS_TOPIC_PROGRESS, NULL), MNS_OK);
+    fake_daemon_await_subscribers(fixture->daemon, 1);
+    const uint64_t sequences[] = {7, 8, 12, 13}, lost[] = {0, 0, 3, 0};
+    for (int k = 0; k < 4; k++) publish_progress(fixture, 1, sequences[k]);
+    for (int k = 0; k < 4; k++) assert_int_equal(next_lost(fixture->client), lost[k]);
+}
+
+static void a_restarted_daemon_begins_to_count_anew(void **state)
+{
+    Fixture *fixture = *state;
+    assert_int_equal(mns_client_subscribe(fixture->client, MNS_TOPIC_PROGRESS, NULL), MNS_OK);
+    fake_daemon_await_subscribers(fixture->daemon, 1);
+    publish_progress(fixture, 1, 5);
+    publish_progress(fixture, 2, 900);
+    publish_progress(fixture, 2, 902);
+    assert_int_equal(next_lost(fixture->client), 0);
+    assert_int_equal(next_lost(fixture->client), 0);
+    assert_int_equal(next_lost(fixture->client), 1);
+}
+
+static void unreadable_telemetry_is_reported_and_the_next_is_read(void **state)
+{
+    Fixture *fixture = *state;
+    MnsTelemetry *telemetry = NULL;
+    assert_int_equal(mns_client_subscribe(fixture->client, MNS_TOPIC_PROGRESS, NULL), MNS_OK);
+    fake_daemon_await_subscribers(fixture->daemon, 1);
+    fake_daemon_publish_bytes(fixture->daemon, "progress", "\xff\xff\xff", 3);
+    publish_progress(fixture, 1, 1);
+    assert_int_equal(mns_client_next(fixture->client, 5, &telemetry, NULL), MNS_E_CORRUPT);
+    assert_int_equal(next_lost(fixture->client), 0);
+}
+
+static void listening_without_subscription_or_messages_says_so(void **state)
+{
+    Fixture *fixture = *state;
+    MnsTelemetry *telemetry = NULL;
+    assert_int_equal(mns_client_next(fixture->client, 0, &telemetry, NULL), MNS_E_STATE);
+    assert_int_equal(mns_client_subscribe(fixture->client, 0, NULL), MNS_E_INVALID);
+    assert_int_equal(mns_client_subscribe(fixture->client, MNS_TOPIC_ALL, NULL), MNS_OK);
+    assert_int_equal(mns_client_next(fixture->client, 0.05, &telemetry, NULL), MNS_E_TIMEOUT);
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(a_reply_carries_state_and_step_of_the_effect),
+        TEST(every_command_has_an_id_of_its_own),
+        TEST(a_chosen_id_is_used_once),
+        TEST(codes_become_statuses_with_sentence_and_path),
+        TEST(a_code_nobody_knows_is_a_failure),
+        TEST(a_lost_connection_repeats_the_request_under_the_same_id),
+        TEST(a_restarted_daemon_is_not_given_the_command_twice),
+        TEST(a_question_is_repeated_to_a_restarted_daemon),
+        TEST(answers_to_other_requests_are_passed_over),
+        TEST(silence_ends_with_the_time_limit),
+        TEST(a_daemon_that_dies_is_noticed_without_a_time_limit),
+        TEST(arrays_come_whole_and_aligned),
+        TEST(a_damaged_array_is_refused),
+        TEST(a_missing_array_is_refused),
+        TEST(an_assignment_without_equals_sign_is_not_sent),
+        TEST(gaps_in_telemetry_are_counted),
+        TEST(a_restarted_daemon_begins_to_count_anew),
+        TEST(unreadable_telemetry_is_reported_and_the_next_is_read),
+        TEST(listening_without_subscription_or_messages_says_so),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
