@@ -25,7 +25,7 @@ static void separate(const char *rows, void *column, size_t first, size_t n, int
 
 static char *new_block(H5 *h, size_t size)
 {
-    char *rows = malloc(BLOCK * WIDEST * size);
+    char *rows = malloc((size_t)BLOCK * WIDEST * size);
     if (!rows) h5_raise(h, MNS_E_MEMORY, "no memory for a buffer of %d rows", BLOCK);
     return rows;
 }

@@ -100,7 +100,7 @@ static herr_t disk_truncate(H5FD_t *base, hid_t transfer, hbool_t closing)
 static const H5FD_class_t disk_class = {
     .name = "meniscus",
     .maxaddr = INT64_MAX,
-    .fc_degree = H5F_CLOSE_STRONG,
+    .fc_degree = H5F_CLOSE_STRONG, /* whatever is open in a file is closed with it, also after a failure */
     .fapl_size = sizeof(DiskAccess),
     .open = disk_open,
     .close = disk_close,

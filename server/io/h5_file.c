@@ -28,14 +28,13 @@ static void printing_restore(Printing was)
     H5Eset_auto2(H5E_DEFAULT, was.print, was.arg);
 }
 
-/* Everything opened within the file is closed with it, also after a failure. The newest formats are asked for because they
- * carry checksums of all metadata: a damaged file is reported rather than believed. */
+/* The newest formats are asked for because they carry checksums of all metadata: a damaged file is reported rather than
+ * believed. */
 static hid_t new_access(Disk *disk)
 {
     const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
     if (access < 0) return access;
-    if (h5_driver_use(access, disk) >= 0 && H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0 &&
-        H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110) >= 0)
+    if (h5_driver_use(access, disk) >= 0 && H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110) >= 0)
         return access;
     H5Pclose(access);
     return -1;

@@ -2,6 +2,7 @@
 /* Datasets and attributes into an HDF5 file: each call closes what it opens, and does nothing after a failure. */
 #include "io/h5_parts.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* Link creation that makes the groups on the way. */
@@ -50,11 +51,19 @@ void h5_put(H5 *h, const char *name, hid_t type, size_t n, const void *data)
     h5_put_rows(h, name, type, 0, n, data);
 }
 
+/* All get the length of the longest: HDF5 can search a damaged file for texts of variable length without end. */
 void h5_put_texts(H5 *h, const char *name, size_t n, const char *const *texts)
 {
-    const hid_t type = h5_new_text_type(H5T_VARIABLE);
-    h5_put(h, name, type, n, texts);
+    size_t size = 1;
+    for (size_t k = 0; k < n; k++)
+        if (strlen(texts[k]) >= size) size = strlen(texts[k]) + 1;
+    char *packed = calloc(n ? n : 1, size);
+    if (!packed) h5_raise(h, MNS_E_MEMORY, "no memory for texts of %zu bytes", n * size);
+    for (size_t k = 0; packed && k < n; k++) strcpy(packed + k * size, texts[k]);
+    const hid_t type = h5_new_text_type(size);
+    h5_put(h, name, type, n, packed);
     h5_close_id(type);
+    free(packed);
 }
 
 void h5_mark(H5 *h, const char *name, const char *attribute, hid_t type, size_t n, const void *values)

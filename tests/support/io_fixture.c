@@ -128,8 +128,10 @@ unsigned char *bytes_of(const char *path, size_t *ret_size)
     return bytes;
 }
 
+/* A new file each time: some file systems wait for the disk when a file is cut to nothing and written again. */
 void put_bytes(const char *path, const void *bytes, size_t size)
 {
+    remove(path);
     FILE *stream = need(fopen(path, "wb"), path);
     if (fwrite(bytes, 1, size, stream) != size || fclose(stream) != 0) need(NULL, path);
 }

@@ -7,6 +7,7 @@
 #include "io/snapshot.h"
 #include "tests/support/io_fixture.h"
 
+#include <endian.h>
 #include <fcntl.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,6 +16,7 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <xxhash.h>
 
 #include <cmocka.h>
 
@@ -166,10 +168,11 @@ static void other_files_are_left_alone(void **state)
     char *other = path_in(*state, "checkpoint-notes.txt"), *folder = path_in(*state, "checkpoint-1.hdf");
     put_bytes(other, "mine", 4);
     assert_int_equal(mkdir(folder, 0777), 0);
-    char *a = write_step(*state, 100, 1000, 1), *b = write_step(*state, 200, 2000, 1);
+    char *a = write_step(*state, 100, 1000, 2), *b = write_step(*state, 200, 2000, 2);
     assert_true(exists(other));
     assert_true(exists(folder));
-    assert_false(exists(a));
+    assert_true(exists(a));
+    assert_true(exists(b));
     free(b);
     free(a);
     free(folder);
@@ -267,6 +270,54 @@ static void damage_is_an_error_or_makes_no_difference(void **state)
     free(bytes);
     free(whole);
     mns_capture_free(written);
+}
+
+/* Also in its version: another one is believed only if the seal is whole. */
+static void every_bit_of_the_seal_counts(void **state)
+{
+    char *path = write_step(*state, 1, 1000, 1);
+    size_t size = 0;
+    Checkpoint read;
+    unsigned char *bytes = bytes_of(path, &size);
+    for (size_t bit = 0; bit < 8 * (size_t)SEAL_SIZE; bit++) {
+        bytes[bit / 8] ^= (unsigned char)(1u << bit % 8);
+        put_bytes(path, bytes, size);
+        assert_int_equal(checkpoint_read(path, &read, NULL), MNS_E_CORRUPT);
+        bytes[bit / 8] ^= (unsigned char)(1u << bit % 8);
+    }
+    free(bytes);
+    free(path);
+}
+
+static void the_format_of_another_version_is_named(void **state)
+{
+    char *path = write_step(*state, 1, 1000, 1);
+    size_t size = 0;
+    Checkpoint read;
+    MnsError error;
+    unsigned char *bytes = bytes_of(path, &size);
+    bytes[8] = SEAL_VERSION + 1;
+    const uint64_t hash = htole64(XXH64(bytes, SEAL_SIZE - sizeof hash, 0));
+    memcpy(bytes + SEAL_SIZE - sizeof hash, &hash, sizeof hash);
+    put_bytes(path, bytes, size);
+    assert_int_equal(checkpoint_read(path, &read, &error), MNS_E_VERSION);
+    assert_non_null(strstr(error.text, "format 2"));
+    free(bytes);
+    free(path);
+}
+
+static void a_cut_file_says_what_is_missing(void **state)
+{
+    char *path = write_step(*state, 1, 1000, 1), wanted[64];
+    size_t size = 0;
+    Checkpoint read;
+    MnsError error;
+    free(bytes_of(path, &size));
+    snprintf(wanted, sizeof wanted, "it has 3000 bytes, %zu were written", size);
+    assert_int_equal(truncate(path, 3000), 0);
+    assert_int_equal(checkpoint_read(path, &read, &error), MNS_E_CORRUPT);
+    assert_non_null(strstr(error.text, wanted));
+    free(path);
 }
 
 /* --- behind a seal that is right ----------------------------------------------------------------------------------------- */
@@ -367,6 +418,26 @@ static void other_fields_are_another_version(void **state)
     mns_capture_free(written);
 }
 
+/* A longer one would be written past the end of the capture. */
+static void a_field_of_another_length_is_refused(void **state)
+{
+    char path[IO_PATH_MAX];
+    Checkpoint read;
+    MnsError error;
+    MnsCapture *written = noise_capture(2, 20, 10, 5);
+    for (hsize_t length = 19; length <= 21; length += 2) {
+        assert_int_equal(write_state(*state, written, 1, path), MNS_OK);
+        const hid_t file = open_to_change(path), space = H5Screate_simple(2, (hsize_t[]){1, length}, NULL);
+        assert_true(H5Ldelete(file, "/state/density", H5P_DEFAULT) >= 0);
+        H5Dclose(H5Dcreate2(file, "/state/density", H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+        H5Sclose(space);
+        close_changed(file, path);
+        assert_int_equal(checkpoint_read(path, &read, &error), MNS_E_CORRUPT);
+        assert_non_null(strstr(error.text, "shape"));
+    }
+    mns_capture_free(written);
+}
+
 static void an_hdf5_file_without_a_state_is_refused(void **state)
 {
     char *path = path_in(*state, "checkpoint-0000000001.hdf");
@@ -397,9 +468,13 @@ int main(void)
         cmocka_unit_test_setup_teardown(damaged_ones_are_passed_over_with_a_note, set_up, tear_down),
         cmocka_unit_test_setup_teardown(no_whole_checkpoint_is_not_found, set_up, tear_down),
         cmocka_unit_test_setup_teardown(damage_is_an_error_or_makes_no_difference, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(every_bit_of_the_seal_counts, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(the_format_of_another_version_is_named, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_cut_file_says_what_is_missing, set_up, tear_down),
         cmocka_unit_test_setup_teardown(every_part_has_a_checksum_of_its_own, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_changed_scalar_is_noticed, set_up, tear_down),
         cmocka_unit_test_setup_teardown(other_fields_are_another_version, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_field_of_another_length_is_refused, set_up, tear_down),
         cmocka_unit_test_setup_teardown(an_hdf5_file_without_a_state_is_refused, set_up, tear_down),
     };
     return cmocka_run_group_tests_name("checkpoint", tests, NULL, NULL);

@@ -258,6 +258,31 @@ static void a_missing_snapshot_is_not_found(void **state)
     free(path);
 }
 
+static herr_t count_print(hid_t stack, void *count)
+{
+    (void)stack;
+    ++*(int *)count;
+    return 0;
+}
+
+static void hdf5_prints_nothing_of_ours_and_all_of_its_callers(void **state)
+{
+    char *path = path_in(*state, "snapshot.hdf");
+    MnsCapture *read = NULL;
+    int count = 0;
+    H5E_auto2_t print;
+    void *arg;
+    H5Eget_auto2(H5E_DEFAULT, &print, &arg);
+    H5Eset_auto2(H5E_DEFAULT, count_print, &count);
+    put_bytes(path, "garbage", 7);
+    assert_int_equal(snapshot_read(path, &read, NULL), MNS_E_CORRUPT);
+    assert_int_equal(count, 0);
+    assert_true(H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT) < 0);
+    assert_int_equal(count, 1);
+    H5Eset_auto2(H5E_DEFAULT, print, arg);
+    free(path);
+}
+
 /* --- the index ----------------------------------------------------------------------------------------------------------- */
 
 static void write_at(const char *dir, const char *name, double t)
@@ -276,8 +301,8 @@ static void the_index_lists_whole_snapshots_by_time(void **state)
     char *index = path_in(*state, "snapshots.hdf.series"), *broken = path_in(*state, "snapshot-3.hdf");
     const char *name = NULL;
     double t = 0;
-    write_at(*state, "snapshot-2.hdf", 0.5);
-    write_at(*state, "snapshot-1.hdf", 1.0 / 3);
+    write_at(*state, "snapshot-2.hdf", 1.0 / 3);
+    write_at(*state, "snapshot-1.hdf", 0.5);
     put_bytes(broken, "garbage", 7);
     assert_int_equal(snapshot_index(*state, NULL), MNS_OK);
     json_t *json = json_load_file(index, 0, NULL);
@@ -285,10 +310,10 @@ static void the_index_lists_whole_snapshots_by_time(void **state)
     assert_string_equal(json_string_value(json_object_get(json, "file-series-version")), "1.0");
     assert_int_equal(json_array_size(files), 2);
     assert_int_equal(json_unpack(json_array_get(files, 0), "{s:s, s:f}", "name", &name, "time", &t), 0);
-    assert_string_equal(name, "snapshot-1.hdf");
+    assert_string_equal(name, "snapshot-2.hdf");
     assert_true(t == 1.0 / 3);
     assert_int_equal(json_unpack(json_array_get(files, 1), "{s:s, s:f}", "name", &name, "time", &t), 0);
-    assert_string_equal(name, "snapshot-2.hdf");
+    assert_string_equal(name, "snapshot-1.hdf");
     assert_true(t == 0.5);
     json_decref(json);
     free(broken);
@@ -321,6 +346,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_full_file_system_is_no_space, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_cut_file_is_refused_wherever_it_was_cut, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_missing_snapshot_is_not_found, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(hdf5_prints_nothing_of_ours_and_all_of_its_callers, set_up, tear_down),
         cmocka_unit_test_setup_teardown(the_index_lists_whole_snapshots_by_time, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_directory_without_snapshots_has_an_empty_index, set_up, tear_down),
     };
