@@ -101,7 +101,7 @@ MnsStatus case_file_read(const char *path, CaseFile **ret, MnsError *error)
     return status;
 }
 
-/* --- where a complaint belongs ----------------------------------------------------------------------------------------- */
+/* --- where a complaint belongs ------------------------------------------------------------------------------------ */
 
 /* Whether path is `outer` or an entry within it. */
 static bool is_within(const char *path, const char *outer)
@@ -149,7 +149,7 @@ void case_file_locate(const CaseFile *file, MnsError *error)
     else mns_fail_at(error, error->status, path, "--set %s: %s%s%s", set, path, separator, sentence);
 }
 
-/* --- overriding -------------------------------------------------------------------------------------------------------- */
+/* --- overriding --------------------------------------------------------------------------------------------------- */
 
 static MnsStatus remember_set(CaseFile *file, char *path, MnsError *error)
 {

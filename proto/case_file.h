@@ -10,9 +10,8 @@
 /* Where each entry stands in the file, so that a later complaint about a path can name line and column. */
 typedef struct CaseFile CaseFile;
 
-/* Read a file. On failure error->text begins "FILE:LINE:COLUMN: ".
- * MNS_OK; MNS_E_NOT_FOUND, MNS_E_IO; MNS_E_INVALID: not YAML, unknown key (with a suggestion), wrong type, out of bounds,
- * missing entry. */
+/* Read a file. On failure error->text begins "FILE:LINE:COLUMN: ". MNS_OK; MNS_E_NOT_FOUND, MNS_E_IO; MNS_E_INVALID:
+ * not YAML, unknown key (with a suggestion), wrong type, out of bounds, missing entry. */
 MnsStatus case_file_read(const char *path, CaseFile **ret, MnsError *error);
 
 /* The same from memory; name stands for the file in complaints. */
@@ -30,7 +29,7 @@ void case_file_locate(const CaseFile *file, MnsError *error);
 
 void case_file_free(CaseFile *file);
 
-/* --- on messages, wherever they come from ------------------------------------------------------------------------------ */
+/* --- on messages, wherever they come from ------------------------------------------------------------------------- */
 
 /* Bounds, counts, required entries and names of enums as case.proto's comments say: for messages from a socket. */
 MnsStatus case_message_check(const Meniscus__Case *message, MnsError *error);
@@ -46,7 +45,8 @@ MnsStatus case_message_get(const Meniscus__Case *message, const char *path, char
 /* The whole message as YAML that case_file_parse() reads back to the same message. Yours. */
 char *case_message_print(const Meniscus__Case *message);
 
-/* MNS_OK if b differs from a in steerable entries only; else MNS_E_INVALID with the path of the first other difference. */
+/* MNS_OK if b differs from a in steerable entries only; else MNS_E_INVALID with the path of the first other
+ * difference. */
 MnsStatus case_message_steerable(const Meniscus__Case *a, const Meniscus__Case *b, MnsError *error);
 
 /* A steerable entry of the schema, for `capabilities`. */

@@ -55,7 +55,8 @@ static bool look_in(Search *search, const char *folder)
     return false;
 }
 
-/* Folders above the program: a build directory lies in the repository, at any depth; an installed program in PREFIX/bin. */
+/* Folders above the program: a build directory lies in the repository, at any depth; an installed program in
+ * PREFIX/bin. */
 static bool look_beside_program(Search *search)
 {
     char folder[3000], cases[4096];

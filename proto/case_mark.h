@@ -32,8 +32,8 @@ void marks_drop(Marks *marks, const char *path);
 
 void marks_done(Marks *marks);
 
-/* One step of a path: a name, or an index if *ret_name is NULL. Returns what follows it; NULL if the path is at its end or
- * malformed there. */
+/* One step of a path: a name, or an index if *ret_name is NULL. Returns what follows it; NULL if the path is at its
+ * end or malformed there. */
 const char *path_step(const char *path, const char **ret_name, size_t *ret_length, size_t *ret_index);
 
 #endif

@@ -8,8 +8,8 @@
 
 #define CASE_ALL SIZE_MAX
 
-/* Value k of a field, or all of it, as one line; the default where nothing is there, null if there is none. Yours; NULL if
- * there is no memory. */
+/* Value k of a field, or all of it, as one line; the default where nothing is there, null if there is none. Yours;
+ * NULL if there is no memory. */
 char *case_print_value(const ProtobufCMessage *message, Field *field, size_t k);
 
 /* A whole message as one line. Yours; NULL if there is no memory. */

@@ -8,7 +8,7 @@
 typedef const ProtobufCFieldDescriptor Field;
 typedef const ProtobufCMessageDescriptor MessageType;
 
-/* --- what the schema says --------------------------------------------------------------------------------------------- */
+/* --- what the schema says ----------------------------------------------------------------------------------------- */
 
 const CaseSchema *case_schema_of(MessageType *type);
 const CaseEntry *case_entry_of(MessageType *type, Field *field);
@@ -16,18 +16,20 @@ const CaseEntry *case_entry_of(MessageType *type, Field *field);
 /* Field of a name given by its first n bytes, or NULL. */
 Field *case_field_named(MessageType *type, const char *name, size_t n);
 
-/* All names of a message, as in "name, density", for complaints; preceded by the likeliest one if `wrong` is like it. */
+/* All names of a message, as in "name, density", for complaints; preceded by the likeliest one if `wrong` is like
+ * it. */
 void case_names_for(MessageType *type, const char *wrong, char *text, size_t size);
 
 /* What may stand in an entry, as in "(0, inf) kg/m^3" or "add, subtract, intersect". */
 void case_allowed(MessageType *type, Field *field, char *text, size_t size);
 
-/* --- values; a NULL message is one in which nothing is there ------------------------------------------------------------ */
+/* --- values; a NULL message is one in which nothing is there ------------------------------------------------------ */
 
 /* How many values are there: 0 or 1, or the length of a list. */
 size_t case_count(const ProtobufCMessage *message, Field *field);
 
-/* Value k < case_count(): points to a double, uint32_t, int (enum), protobuf_c_boolean, char * or ProtobufCMessage *. */
+/* Value k < case_count(): points to a double, uint32_t, int (enum), protobuf_c_boolean, char * or ProtobufCMessage
+ * *. */
 const void *case_item(const ProtobufCMessage *message, Field *field, size_t k);
 
 /* Message k of a field, or NULL if it is not there. */
@@ -46,7 +48,7 @@ void *case_reset_item(ProtobufCMessage *message, Field *field, size_t k);
 /* An empty message, or NULL if there is no memory; free with protobuf_c_message_free_unpacked(). */
 ProtobufCMessage *case_message_new(MessageType *type);
 
-/* --- paths ------------------------------------------------------------------------------------------------------------- */
+/* --- paths -------------------------------------------------------------------------------------------------------- */
 
 /* "fluids[1].density", grown and cut as a tree is walked; cut short if a path is longer than the room. */
 typedef struct CasePath {
@@ -59,7 +61,7 @@ size_t case_path_name(CasePath *path, const char *name, size_t n);
 size_t case_path_index(CasePath *path, size_t k);
 void case_path_cut(CasePath *path, size_t n);
 
-/* --- complaints -------------------------------------------------------------------------------------------------------- */
+/* --- complaints --------------------------------------------------------------------------------------------------- */
 
 /* mns_fail_at() with "PATH: " before the sentence. */
 MnsStatus case_fail(MnsError *error, MnsStatus status, const char *path, const char *format, ...)

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """schema.py IN.desc OUT.c OUT.md: the table of units and bounds that readers apply, and the manual of the case format.
 
-IN.desc is a descriptor set of case.proto with source information. An `@` word that is not known, a malformed argument or
-an entry without a meaning ends the build."""
+IN.desc is a descriptor set of case.proto with source information. An `@` word that is not known, a malformed argument
+or an entry without a meaning ends the build."""
 import json
 import os
 import re
@@ -205,7 +205,8 @@ def write_manual(schema, introduction, out):
     out.write(introduction)
     for name, meaning, entries in schema.messages:
         write_message(schema, name, meaning, entries, out)
-    out.write("\n## Steerable entries\n\nThese may be changed while a simulation runs, with `meniscus set PATH=VALUE`.\n\n"
+    out.write("\n## Steerable entries\n\n"
+              "These may be changed while a simulation runs, with `meniscus set PATH=VALUE`.\n\n"
               "| path | unit | bounds |\n|---|---|---|\n")
     for path, entry in schema.steerables():
         out.write(f"| `{path}` | {entry.unit} | {bounds_words(entry)} |\n")

@@ -6,8 +6,8 @@
 #include "case.pb-c.h"
 #include <meniscus/case.h>
 
-/* message has passed case_message_check(). Names (fluids, walls, fields) are resolved, counts checked against the number of
- * dimensions. MNS_OK; MNS_E_INVALID, MNS_E_LIMIT with error->path. Free *ret with mns_case_free(). */
+/* message has passed case_message_check(). Names (fluids, walls, fields) are resolved, counts checked against the
+ * number of dimensions. MNS_OK; MNS_E_INVALID, MNS_E_LIMIT with error->path. Free *ret with mns_case_free(). */
 MnsStatus case_translate(const Meniscus__Case *message, MnsCase **ret, MnsError *error);
 
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the files of the translation share: the place in the message, and how texts, vectors and names are taken over. */
+/* What the files of the translation share: the place in the message, and how texts, vectors and names are taken
+ * over. */
 #ifndef CASES_TRANSLATION_H
 #define CASES_TRANSLATION_H
 
