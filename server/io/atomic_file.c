@@ -61,8 +61,8 @@ void atomic_cancel(AtomicFile *file)
     unlink(file->temporary);
 }
 
-/* A rename lasts through a power failure only once the directory is on the disk. File systems that cannot sync a directory
- * say EINVAL; there is nothing more to do for them. */
+/* A rename lasts through a power failure only once the directory is on the disk. File systems that cannot sync a
+ * directory say EINVAL; there is nothing more to do for them. */
 static int sync_directory_of(const char *path)
 {
     char dir[IO_PATH_MAX];

@@ -19,8 +19,8 @@ typedef struct Checkpoint {
     char path[4096];
 } Checkpoint;
 
-/* Read one file. MNS_E_NOT_FOUND, MNS_E_IO; MNS_E_CORRUPT if a checksum does not match; MNS_E_VERSION; MNS_E_MEMORY: *ret
- * is untouched. */
+/* Read one file. MNS_E_NOT_FOUND, MNS_E_IO; MNS_E_CORRUPT if a checksum does not match; MNS_E_VERSION; MNS_E_MEMORY:
+ * *ret is untouched. */
 MnsStatus checkpoint_read(const char *path, Checkpoint *ret, MnsError *error);
 
 /* Read the last written whole one in dir. Damaged newer ones are passed over; note() is told of each, if it is given.

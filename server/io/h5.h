@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The dozen HDF5 calls we use. A file is filled or read by a function between opening and closing; the first failure makes
- * all further calls on it do nothing, so that function reads as a plain list of what the file holds.
+/* The dozen HDF5 calls we use. A file is filled or read by a function between opening and closing; the first failure
+ * makes all further calls on it do nothing, so that function reads as a plain list of what the file holds.
  *
- * Names are paths from the root, as in "/state/velocity"; groups on the way are made as needed. Numbers are stored in the
- * type they have in memory. */
+ * Names are paths from the root, as in "/state/velocity"; groups on the way are made as needed. Numbers are stored
+ * in the type they have in memory. */
 #ifndef IO_H5_H
 #define IO_H5_H
 
@@ -37,7 +37,7 @@ void h5_raise(H5 *h, MnsStatus status, const char *format, ...) __attribute__((f
 hid_t h5_type(MnsType type);
 size_t h5_size(MnsType type);
 
-/* --- writing: datasets, then attributes of them -------------------------------------------------------------------------- */
+/* --- writing: datasets, then attributes of them ------------------------------------------------------------------ */
 
 void h5_make_group(H5 *h, const char *name);
 void h5_make(H5 *h, const char *name, hid_t type, int rank, const hsize_t *dims);
@@ -49,7 +49,7 @@ void h5_mark(H5 *h, const char *name, const char *attribute, hid_t type, size_t 
              const void *values); /* n 0: a scalar */
 void h5_mark_text(H5 *h, const char *name, const char *attribute, const char *text);
 
-/* --- reading ------------------------------------------------------------------------------------------------------------- */
+/* --- reading ----------------------------------------------------------------------------------------------------- */
 
 bool h5_has(H5 *h, const char *name);                                   /* a path, none of whose parts need exist */
 size_t h5_members(H5 *h, const char *group);                            /* how many it has */

@@ -14,7 +14,8 @@ typedef struct Disk {
     int failure; /* errno of the first call that failed; 0: none */
 } Disk;
 
-/* Make the files opened with a file access list use *disk, which must outlive them. @return negative if HDF5 refuses. */
+/* Make the files opened with a file access list use *disk, which must outlive them. @return negative if HDF5
+ * refuses. */
 herr_t h5_driver_use(hid_t access, Disk *disk);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A seal in front of an HDF5 file: HDF5 skips the first SEAL_SIZE bytes, so h5py and h5dump open sealed files as they are.
- * We check the seal before HDF5 sees anything, because HDF5 may crash on a damaged file.
+/* A seal in front of an HDF5 file: HDF5 skips the first SEAL_SIZE bytes, so h5py and h5dump open sealed files as
+ * they are. We check the seal before HDF5 sees anything, because HDF5 may crash on a damaged file.
  *
  *  bytes 0-7    "MENISCUS"
  *        8-11   version of our file formats, little endian like all that follows

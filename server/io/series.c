@@ -51,7 +51,7 @@ static void name_of(char name[static 256], const MnsProbe *probe)
     snprintf(name, 256, "/probes/%s", probe->name);
 }
 
-/* --- reading what is there ----------------------------------------------------------------------------------------------- */
+/* --- reading what is there --------------------------------------------------------------------------------------- */
 
 static bool same_probes(H5 *h, const Series *s)
 {
@@ -91,7 +91,7 @@ static MnsStatus take_over(Series *s, MnsError *error)
     return mns_fail(error, status, "%s; move it away to begin a new series", why.text);
 }
 
-/* --- the series ---------------------------------------------------------------------------------------------------------- */
+/* --- the series -------------------------------------------------------------------------------------------------- */
 
 MnsStatus series_new(const char *dir, const FileMeta *meta, bool resume, uint64_t last_step, Series **ret,
                      MnsError *error)

@@ -12,17 +12,19 @@
 
 typedef struct Series Series;
 
-/* A series for the probes of meta->c. What an existing DIR/probes.hdf holds up to and including `last_step` is kept if its
- * probes are the same; pass resume = false to begin anew. Nothing is written yet.
+/* A series for the probes of meta->c. What an existing DIR/probes.hdf holds up to and including `last_step` is kept
+ * if its probes are the same; pass resume = false to begin anew. Nothing is written yet.
  * @param meta  what it points to is borrowed until series_free().
- * MNS_OK; MNS_E_CORRUPT, MNS_E_VERSION, MNS_E_IO if there is a file that cannot be read; MNS_E_INVALID, MNS_E_MEMORY. */
+ * MNS_OK; MNS_E_CORRUPT, MNS_E_VERSION, MNS_E_IO if there is a file that cannot be read; MNS_E_INVALID,
+ * MNS_E_MEMORY. */
 MnsStatus series_new(const char *dir, const FileMeta *meta, bool resume, uint64_t last_step, Series **ret,
                      MnsError *error);
 
 /* Add a row. values: [meta->c->n_probes], NAN where there is nothing. MNS_E_MEMORY: the row is not added. */
 MnsStatus series_append(Series *series, uint64_t step, double t, const double *values, MnsError *error);
 
-/* Write the file: temporary file, fsync, rename. Nothing to do if nothing was added. After a failure it may be tried again. */
+/* Write the file: temporary file, fsync, rename. Nothing to do if nothing was added. After a failure it may be tried
+ * again. */
 MnsStatus series_flush(Series *series, MnsError *error);
 
 /* Free it, flushed or not; NULL is fine. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The index that tells ParaView the times of the snapshots in a directory: made anew from the files themselves each time, at
- * 0.04 ms a file, so that it cannot be wrong for long. */
+/* The index that tells ParaView the times of the snapshots in a directory: made anew from the files themselves each
+ * time, at 0.04 ms a file, so that it cannot be wrong for long. */
 #include "io/atomic_file.h"
 #include "io/directory.h"
 #include "io/h5.h"

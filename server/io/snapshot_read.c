@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Particles back from a snapshot or a checkpoint. A program that only looks at files needs this, h5*.c, columns.c, state.c,
- * meta.c, seal.c and atomic_file.c, and the table of fields. */
+/* Particles back from a snapshot or a checkpoint, with the fields the file has. */
 #include "io/columns.h"
 #include "io/snapshot.h"
 #include "io/state.h"

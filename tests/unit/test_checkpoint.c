@@ -58,7 +58,7 @@ static bool exists(const char *path)
     return access(path, F_OK) == 0;
 }
 
-/* --- what goes in comes out ---------------------------------------------------------------------------------------------- */
+/* --- what goes in comes out -------------------------------------------------------------------------------------- */
 
 static void assert_comes_back(const char *dir, int dim)
 {
@@ -122,7 +122,7 @@ static void a_full_disk_drops_no_older_checkpoint(void **state)
     free(old);
 }
 
-/* --- rotation ------------------------------------------------------------------------------------------------------------ */
+/* --- rotation ---------------------------------------------------------------------------------------------------- */
 
 static void the_last_written_are_kept(void **state)
 {
@@ -179,7 +179,7 @@ static void other_files_are_left_alone(void **state)
     free(other);
 }
 
-/* --- damage -------------------------------------------------------------------------------------------------------------- */
+/* --- damage ------------------------------------------------------------------------------------------------------ */
 
 static void count_note(void *arg, const char *text)
 {
@@ -320,7 +320,7 @@ static void a_cut_file_says_what_is_missing(void **state)
     free(path);
 }
 
-/* --- behind a seal that is right ----------------------------------------------------------------------------------------- */
+/* --- behind a seal that is right --------------------------------------------------------------------------------- */
 
 static void seal_again(const char *path)
 {

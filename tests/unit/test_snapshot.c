@@ -100,7 +100,7 @@ static void walls_stay_out_if_the_case_says_so(void **state)
     free(path);
 }
 
-/* --- the layout, seen with HDF5 alone ------------------------------------------------------------------------------------ */
+/* --- the layout, seen with HDF5 alone ---------------------------------------------------------------------------- */
 
 static void assert_texts(hid_t file, const char *name)
 {
@@ -171,7 +171,7 @@ static void every_particle_is_a_vertex_cell(void **state)
     free(path);
 }
 
-/* --- disks that are full, files that are broken -------------------------------------------------------------------------- */
+/* --- disks that are full, files that are broken ------------------------------------------------------------------ */
 
 /* Wherever the disk fills up, in a dataset, in the metadata written at closing or in between. */
 static void a_disk_full_at_any_byte_costs_only_the_new_file(void **state)
@@ -283,7 +283,7 @@ static void hdf5_prints_nothing_of_ours_and_all_of_its_callers(void **state)
     free(path);
 }
 
-/* --- the index ----------------------------------------------------------------------------------------------------------- */
+/* --- the index --------------------------------------------------------------------------------------------------- */
 
 static void write_at(const char *dir, const char *name, double t)
 {
