@@ -134,18 +134,23 @@ static MnsStatus no_such_field(const Source *s, const char *name)
 
 /* --- the parts of a frame ------------------------------------------------------------------------------------------ */
 
+/* Names of fixed length. Variable ones are not even tried: in a damaged file HDF5 may search for them without end. */
 static void get_fluids(const Source *s, Frame *frame)
 {
+    enum { LONGEST = 4096 };
     const hid_t dataset = H5Dopen2(s->file, "/meniscus/fluids", H5P_DEFAULT);
     const hid_t type = H5Dget_type(dataset), space = H5Dget_space(dataset);
     const hssize_t n = H5Sget_simple_extent_npoints(space);
-    char *names[FRAME_MAX_FLUIDS] = {NULL};
-    if (n > 0 && n <= FRAME_MAX_FLUIDS && H5Tis_variable_str(type) > 0 &&
-        H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, names) >= 0) {
+    const size_t size = H5Tget_size(type);
+    const bool good = n > 0 && n <= FRAME_MAX_FLUIDS && H5Tget_class(type) == H5T_STRING &&
+                      H5Tis_variable_str(type) == 0 && size >= 1 && size <= LONGEST;
+    char *names = good ? calloc((size_t)n, size) : NULL;
+    if (names && H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, names) >= 0) {
         frame->n_fluids = (size_t)n;
-        for (hssize_t k = 0; k < n; k++) snprintf(frame->fluids[k], FRAME_NAME, "%s", names[k] ? names[k] : "");
-        H5Dvlen_reclaim(type, space, H5P_DEFAULT, names);
+        for (size_t k = 0; k < frame->n_fluids; k++)
+            snprintf(frame->fluids[k], FRAME_NAME, "%.*s", (int)size, names + k * size);
     }
+    free(names);
     H5Sclose(space);
     H5Tclose(type);
     H5Dclose(dataset);

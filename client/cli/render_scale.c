@@ -78,14 +78,19 @@ static void choose_range(const Frame *frame, const View *view, const double rang
     free(values);
 }
 
+/* "1" is no unit to print, "m^dim" is an area or a volume, and thousands of pascals are read more easily as kPa. */
 static void choose_unit(const Frame *frame, Scale *s)
 {
     const double size = fmax(fabs(s->lo), fabs(s->hi));
     s->factor = 1;
-    unit_print(frame->unit, sizeof s->unit, s->unit);
-    if (strcmp(frame->unit, "Pa") != 0 || size < 1e3) return;
-    s->factor = size < 1e6 ? 1e-3 : 1e-6;
-    snprintf(s->unit, sizeof s->unit, size < 1e6 ? "kPa" : "MPa");
+    if (!strcmp(frame->unit, "m^dim")) {
+        unit_print(frame->dim == 2 ? "m^2" : "m^3", sizeof s->unit, s->unit);
+    } else if (!strcmp(frame->unit, "Pa") && size >= 1e3) {
+        s->factor = size < 1e6 ? 1e-3 : 1e-6;
+        snprintf(s->unit, sizeof s->unit, size < 1e6 ? "kPa" : "MPa");
+    } else if (strcmp(frame->unit, "1") != 0) {
+        unit_print(frame->unit, sizeof s->unit, s->unit);
+    }
 }
 
 static void choose_name(const Frame *frame, Scale *s)

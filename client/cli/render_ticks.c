@@ -42,19 +42,24 @@ static void print_labels(Ticks *t, double lo, double hi)
         print_label(t->value[k] / scale, decimals < 12 ? decimals : 12, sizeof t->label[k], t->label[k]);
 }
 
+/* How many multiples of step lie in the range. */
+static double count(double lo, double hi, double step)
+{
+    return floor(hi / step) - ceil(lo / step) + 1;
+}
+
 Ticks ticks_make(double lo, double hi, int most)
 {
     Ticks t = {0};
     if (most > TICKS_MOST - 1) most = TICKS_MOST - 1;
     if (most < 2) most = 2;
-    const double slack = 1e-9 * (hi - lo);
+    const double slack = 1e-9 * (hi - lo), from = lo - slack, to = hi + slack;
     t.step = round_step((hi - lo) / most);
-    double first = ceil((lo - slack) / t.step);
-    while (floor((hi + slack) / t.step) - first + 1 > most) {
-        t.step = round_step(t.step * 1.5);
-        first = ceil((lo - slack) / t.step);
-    }
-    for (double k = first; k * t.step <= hi + slack && t.n < TICKS_MOST; k++) t.value[t.n++] = k == 0 ? 0 : k * t.step;
+    while (count(from, to, t.step) > most) t.step = round_step(t.step * 1.5);
+    /* A step of 5 may jump over a range of 4; then two multiples of 2 are within. */
+    if (count(from, to, t.step) < 1) t.step = round_step(t.step / 3);
+    for (double k = ceil(from / t.step); k <= floor(to / t.step) && t.n < TICKS_MOST; k++)
+        t.value[t.n++] = k == 0 ? 0 : k * t.step;
     print_labels(&t, lo, hi);
     return t;
 }

@@ -8,7 +8,7 @@
 enum { TICKS_MOST = 32 };
 
 typedef struct Ticks {
-    int n; /* at least 2 unless the range holds fewer round numbers  */
+    int n; /* at least 1 */
     double value[TICKS_MOST];
     double step;  /* 1, 2 or 5 times a power of ten                         */
     int exponent; /* labels show value / 10^exponent; 0 for common sizes    */
