@@ -18,7 +18,7 @@ import numpy
 
 BUILD = os.path.abspath(os.environ.get("BUILD", "build"))
 
-# Runs inside ParaView: prints what it sees in the files named as JSON on the last line, draws the first at its last time.
+# Runs inside ParaView: prints what it sees in the files as JSON on the last line, draws the first at its last time.
 LOOK = """
 import json, sys
 from paraview.simple import *
