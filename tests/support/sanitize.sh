@@ -32,6 +32,11 @@ output=$BUILD/sanitize.log
 for program in "$BUILD"/tests/unit/* "$BUILD"/tests/protocol/*; do
     if [ ! -f "$program" ] || [ ! -x "$program" ]; then continue; fi
     name=${program#"$BUILD"/tests/}
+    if [ "$1 $name" = "thread unit/test_formula" ]; then
+        # Lua leaves a failing formula by longjmp, of which this sanitizer loses count after some thousand; it has one thread.
+        echo "ok - $name under the $1 sanitizer # SKIP"
+        continue
+    fi
     status=0
     timeout --kill-after=10 "$LIMIT" "${run[@]}" "$program" >"$output" 2>&1 || status=$?
     if [ $status -eq 0 ]; then
