@@ -8,6 +8,7 @@
 #include <meniscus/exit.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -128,7 +129,7 @@ static void exit_codes_are_those_of_the_manual(void **state)
     const FileMeta meta = noise_meta();
     double *x = c->data[mns_field_find("position")][0], *y = c->data[mns_field_find("position")][1];
     uint8_t *phase = c->data[mns_field_find("phase")][0];
-    for (int i = 0; i < 50; i++) x[i] = 0.1 * (i % 10), y[i] = 0.1 * (i / 10), phase[i] = i < 40 ? (uint8_t)(i % 2) : 2;
+    for (int i = 0; i < 50; i++) x[i] = 0.1 * (i % 10), y[i] = 0.1 * (i / 10), phase[i] = (uint8_t)(i < 40 ? i % 2 : 2);
     assert_int_equal(snapshot_write(snapshot, c, &meta, NULL), MNS_OK);
     snprintf(text, sizeof text, "render %s -o %s/a.png", snapshot, dir);
     assert_int_equal(run(text), MNS_EXIT_DONE);
