@@ -2,47 +2,72 @@
 /* The command line of meniscusd: what to do, and nothing of how. */
 #include "base/log.h"
 #include "batch/batch.h"
+#include "net/daemon.h"
 #include <argp.h>
 #include <math.h>
 #include <meniscus/exit.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 const char *argp_program_version = "meniscusd " MENISCUS_VERSION;
 
-enum { KEY_BATCH = 256, KEY_OUT, KEY_UNTIL, KEY_RESUME, KEY_LEVEL, KEY_SET, KEY_THREADS };
+enum {
+    KEY_BATCH = 256,
+    KEY_OUT,
+    KEY_UNTIL,
+    KEY_RESUME,
+    KEY_LEVEL,
+    KEY_SET,
+    KEY_THREADS,
+    KEY_STATE,
+    KEY_TCP,
+    KEY_LOAD,
+    KEY_START
+};
 
 static const struct argp_option arguments[] = {
-    {"batch", KEY_BATCH, "CASE", 0, "Run CASE to its end without a daemon, print what came of it, and exit", 1},
-    {"out", KEY_OUT, "DIR", 0, "Run directory of --batch (./CASE.run)", 1},
-    {"until", KEY_UNTIL, "T", 0, "Stop --batch with a checkpoint at the first step at or after T seconds", 1},
-    {"output", 'o', "json", 0, "Print one JSON object at the end of --batch", 1},
-    {"set", KEY_SET, "PATH=VALUE", 0, "Change an entry of the case; may be given often", 2},
+    {"name", 'n', "NAME", 0, "Name by which clients find the daemon (default)", 1},
+    {"state-dir", KEY_STATE, "DIR", 0, "Where runs keep their files", 1},
+    {"tcp", KEY_TCP, "PORT", 0, "Listen on 127.0.0.1 too: commands at PORT, telemetry at PORT + 1", 1},
+    {"load", KEY_LOAD, "CASE", 0, "Load a case at the start: a file, or the name of one that came along", 1},
+    {"start", KEY_START, 0, 0, "Set it in motion", 1},
+    {"batch", KEY_BATCH, "CASE", 0, "Run CASE to its end without a daemon, print what came of it, and exit", 2},
+    {"out", KEY_OUT, "DIR", 0, "Run directory of --batch (./CASE.run)", 2},
+    {"until", KEY_UNTIL, "T", 0, "Stop --batch with a checkpoint at the first step at or after T seconds", 2},
+    {"output", 'o', "json", 0, "Print one JSON object at the end of --batch", 2},
+    {"set", KEY_SET, "PATH=VALUE", 0, "Change an entry of the case; may be given often", 3},
     {"resume", KEY_RESUME, "auto", 0, "Go on from the newest whole checkpoint in the run directory, if there is one",
-     2},
-    {"threads", KEY_THREADS, "N", 0, "Threads of the solver, 0 for all processors (as the case says)", 2},
+     3},
+    {"threads", KEY_THREADS, "N", 0, "Threads of the solver, 0 for all processors (as the case says)", 3},
     {"log-level", KEY_LEVEL, "LEVEL", 0, "error, warning, notice, info or debug", 3},
     {0}};
 
 typedef struct Options {
     BatchOptions batch;
+    DaemonOptions daemon;
+    size_t n_settings;
+    char **settings;
+    char threads[32];
+    bool resume;
     int level; /* -1: not given */
 } Options;
 
-static void add_setting(BatchOptions *batch, char *setting, struct argp_state *state)
+static void add_setting(Options *options, char *setting, struct argp_state *state)
 {
-    char **settings = reallocarray(batch->settings, batch->n_settings + 1, sizeof *settings);
+    char **settings = reallocarray(options->settings, options->n_settings + 1, sizeof *settings);
     if (!settings) argp_failure(state, MNS_EXIT_FAILED, 0, "no memory");
-    batch->settings = settings;
-    batch->settings[batch->n_settings++] = setting;
+    options->settings = settings;
+    options->settings[options->n_settings++] = setting;
 }
 
 /* A number of threads is an entry of the case like any other. */
-static void add_threads(BatchOptions *batch, const char *number, struct argp_state *state)
+static void add_threads(Options *options, const char *number, struct argp_state *state)
 {
-    char *setting = malloc(strlen(number) + sizeof "threads=");
-    if (!setting) argp_failure(state, MNS_EXIT_FAILED, 0, "no memory");
-    else add_setting(batch, strcat(strcpy(setting, "threads="), number), state);
+    const int n = snprintf(options->threads, sizeof options->threads, "threads=%s", number);
+    if (n >= (int)sizeof options->threads) argp_error(state, "--threads takes a number; found \"%s\"", number);
+    add_setting(options, options->threads, state);
 }
 
 static double time_of(const char *text, struct argp_state *state)
@@ -54,38 +79,90 @@ static double time_of(const char *text, struct argp_state *state)
     return t;
 }
 
+/* One word is allowed here. */
+static bool only(const char *text, const char *word, const char *option, struct argp_state *state)
+{
+    if (strcmp(text, word)) argp_error(state, "%s takes %s; found \"%s\"", option, word, text);
+    return true;
+}
+
+static void set_level(Options *options, const char *text, struct argp_state *state)
+{
+    options->level = log_level_find(text);
+    if (options->level < 0) argp_error(state, "there is no log level \"%s\"", text);
+}
+
+/* What belongs to one mode makes no sense in the other. */
+static void check(const Options *options, struct argp_state *state)
+{
+    const BatchOptions *batch = &options->batch;
+    const DaemonOptions *daemon = &options->daemon;
+    if (!batch->name && (batch->directory || batch->json || !isnan(batch->until)))
+        argp_error(state, "--out, --until and --output go with --batch");
+    if (batch->name && (daemon->load || daemon->start || daemon->tcp || daemon->state_dir))
+        argp_error(state, "--batch starts no daemon: leave out --load, --start, --tcp and --state-dir");
+    if (!batch->name && !daemon->load && (options->n_settings || options->resume || daemon->start))
+        argp_error(state, "--set, --threads, --resume and --start need a case: --load or --batch");
+}
+
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     Options *options = state->input;
     switch (key) {
+    case 'n': options->daemon.name = text; break;
+    case KEY_STATE: options->daemon.state_dir = text; break;
+    case KEY_TCP: options->daemon.tcp = text; break;
+    case KEY_LOAD: options->daemon.load = text; break;
+    case KEY_START: options->daemon.start = true; break;
     case KEY_BATCH: options->batch.name = text; break;
     case KEY_OUT: options->batch.directory = text; break;
     case KEY_UNTIL: options->batch.until = time_of(text, state); break;
-    case KEY_SET: add_setting(&options->batch, text, state); break;
-    case KEY_THREADS: add_threads(&options->batch, text, state); break;
-    case 'o':
-        if (strcmp(text, "json")) argp_error(state, "--output takes json; found \"%s\"", text);
-        options->batch.json = true;
-        break;
-    case KEY_RESUME:
-        if (strcmp(text, "auto")) argp_error(state, "--resume takes auto; found \"%s\"", text);
-        options->batch.resume = true;
-        break;
-    case KEY_LEVEL:
-        options->level = log_level_find(text);
-        if (options->level < 0) argp_error(state, "there is no log level \"%s\"", text);
-        break;
+    case KEY_SET: add_setting(options, text, state); break;
+    case KEY_THREADS: add_threads(options, text, state); break;
+    case 'o': options->batch.json = only(text, "json", "--output", state); break;
+    case KEY_RESUME: options->resume = only(text, "auto", "--resume", state); break;
+    case KEY_LEVEL: set_level(options, text, state); break;
+    case ARGP_KEY_END: check(options, state); break;
     default: return ARGP_ERR_UNKNOWN;
     }
     return 0;
 }
 
+/* The OpenMP team must not spin while it waits: on a machine with other work to do, a thread that spins keeps from the
+ * processor the very one it waits for, and a step takes a hundred times as long. GNU's runtime reads its settings before
+ * main(), so the program starts itself again with them; whoever sets one has their way. */
+static void keep_threads_from_spinning(char **argv)
+{
+    if (getenv("GOMP_SPINCOUNT") || getenv("OMP_WAIT_POLICY")) return;
+    setenv("GOMP_SPINCOUNT", "1000", 1);
+    setenv("KMP_BLOCKTIME", "0", 0);
+    execv("/proc/self/exe", argv);
+}
+
+static int run(Options *options)
+{
+    const int usual = options->batch.name ? LOG_WARNING : LOG_INFORMATION;
+    log_set_level((LogLevel)(options->level >= 0 ? options->level : usual));
+    options->batch.n_settings = options->daemon.n_settings = options->n_settings;
+    options->batch.settings = options->daemon.settings = options->settings;
+    options->batch.resume = options->daemon.resume = options->resume;
+    return options->batch.name ? batch_run(&options->batch) : daemon_run(&options->daemon);
+}
+
 int main(int argc, char **argv)
 {
-    static const struct argp parser = {.options = arguments, .parser = parse, .doc = "Run fluid simulations."};
-    Options options = {.batch.until = NAN, .level = -1};
+    static const struct argp parser = {
+        .options = arguments,
+        .parser = parse,
+        .doc = "Run particle simulations of fluids, and let people steer them while they run.\v"
+               "Exit codes: 0 done, 1 refused or failed, 2 usage, 65 bad case, 70 diverged, 74 input/output error, 75 "
+               "stopped "
+               "by a signal after a checkpoint (run the same command again)."};
+    Options options = {.batch.until = NAN, .level = -1, .daemon.name = "default"};
+    keep_threads_from_spinning(argv);
     argp_err_exit_status = MNS_EXIT_USAGE;
     argp_parse(&parser, argc, argv, 0, NULL, &options);
-    log_set_level(options.level >= 0 ? (LogLevel)options.level : LOG_WARNING);
-    return batch_run(&options.batch);
+    const int code = run(&options);
+    free(options.settings);
+    return code;
 }

@@ -228,6 +228,8 @@ static MnsStatus run_case(Batch *batch, Outcome *outcome, MnsError *error)
     if (!status) status = run_loaded(batch, outcome, error);
     else perform(batch, serve_leave, &(MnsError){.status = MNS_OK});
     bar_end(&batch->bar);
+    run_join(batch->run);
+    take_notes(batch, NULL);
     run_free(batch->run);
     return status;
 }

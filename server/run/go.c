@@ -145,8 +145,17 @@ void run_begin(Run *run, const char *text)
         run_fault(run, &error, true);
 }
 
+void run_call_off(Run *run, const Order *by)
+{
+    MnsError error;
+    mns_fail(&error, MNS_E_INTERRUPTED, "called off by a later pause or stop");
+    for (Order *order; (order = mailbox_remove_motion(&run->mailbox, by->number));)
+        run_answer(run, order, MNS_E_INTERRUPTED, &error);
+}
+
 void run_pause(Run *run, Order *order)
 {
+    run_call_off(run, order);
     if (run->state == RUN_RUNNING) break_off(run, MNS_E_INTERRUPTED, "paused on request");
     run_answer(run, order, MNS_OK, NULL);
 }

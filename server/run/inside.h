@@ -63,10 +63,11 @@ void run_tell_progress(Run *run);
 /* go.c: goals and waiters. */
 void run_begin(Run *run, const char *text); /* RUNNING, with the outputs of the first boundary    */
 void run_goal_end(Run *run, MnsStatus status,
-                  const MnsError *error); /* answers who is after it                            */
-void run_answer_waiters(Run *run);        /* those whose wait is over                           */
-void run_expire(Run *run);                /* those whose deadline has passed                    */
-double run_next_deadline(const Run *run); /* of clock_now(); INFINITY: none                     */
+                  const MnsError *error);     /* answers who is after it                            */
+void run_answer_waiters(Run *run);            /* those whose wait is over                           */
+void run_expire(Run *run);                    /* those whose deadline has passed                    */
+double run_next_deadline(const Run *run);     /* of clock_now(); INFINITY: none                     */
+void run_call_off(Run *run, const Order *by); /* orders that would set it in motion, older than this one */
 void run_fault(Run *run, const MnsError *error, bool output);
 void run_advance(Run *run); /* one step and all that hangs on it                  */
 

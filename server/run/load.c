@@ -239,6 +239,7 @@ void run_stop(Run *run, Order *order, bool checkpoint)
 {
     MnsError error;
     MnsError ended;
+    run_call_off(run, order);
     const MnsStatus status = secure(run, checkpoint, &error);
     mns_fail(&ended, MNS_E_INTERRUPTED, "stopped on request");
     snprintf(order->path, sizeof order->path, "%s", run->outputs.directory);

@@ -35,6 +35,7 @@ MnsStatus mailbox_post(Mailbox *box, Order *order, MnsError *error)
     pthread_mutex_lock(&box->lock);
     const bool full = box->n >= (order->urgent ? 2 * box->limit : box->limit);
     if (!full) {
+        order->number = ++box->posted;
         append(order->urgent ? &box->urgent : &box->plain, order);
         box->n++;
         pthread_cond_signal(&box->filled);
@@ -67,23 +68,43 @@ Order *mailbox_take(Mailbox *box, double until)
     return order;
 }
 
-static Order *unlink_id(Order **list, const uint8_t *id)
+static bool has_id(const Order *order, const void *arg)
+{
+    return !memcmp(order->id, arg, ORDER_ID);
+}
+
+static bool is_motion(const Order *order, const void *arg)
+{
+    return order->motion && order->number < *(const uint64_t *)arg;
+}
+
+static Order *unlink_first(Order **list, bool (*is)(const Order *, const void *), const void *arg)
 {
     for (; *list; list = &(*list)->next) {
         Order *order = *list;
-        if (memcmp(order->id, id, ORDER_ID)) continue;
+        if (!is(order, arg)) continue;
         *list = order->next;
         return order;
     }
     return NULL;
 }
 
-Order *mailbox_remove(Mailbox *box, const uint8_t id[static ORDER_ID])
+static Order *remove_first(Mailbox *box, bool (*is)(const Order *, const void *), const void *arg)
 {
     pthread_mutex_lock(&box->lock);
-    Order *order = unlink_id(&box->plain, id);
-    if (!order) order = unlink_id(&box->urgent, id);
+    Order *order = unlink_first(&box->plain, is, arg);
+    if (!order) order = unlink_first(&box->urgent, is, arg);
     if (order) box->n--;
     pthread_mutex_unlock(&box->lock);
     return order;
+}
+
+Order *mailbox_remove(Mailbox *box, const uint8_t id[static ORDER_ID])
+{
+    return remove_first(box, has_id, id);
+}
+
+Order *mailbox_remove_motion(Mailbox *box, uint64_t before)
+{
+    return remove_first(box, is_motion, &before);
 }

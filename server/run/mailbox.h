@@ -12,6 +12,7 @@ typedef struct Mailbox {
     pthread_cond_t filled;
     Order *urgent, *plain; /* first of each list */
     size_t n, limit;
+    uint64_t posted;
 } Mailbox;
 
 /* limit: how many plain orders it holds; urgent ones always find room for as many again. */
@@ -25,6 +26,9 @@ MnsStatus mailbox_post(Mailbox *box, Order *order, MnsError *error);
 
 /* The next order, urgent ones first; waits for one until the moment `until` (clock_now()). NULL if there is none. */
 Order *mailbox_take(Mailbox *box, double until);
+
+/* Take the first order out of the queue that sets in motion and was posted before number; NULL if there is none. */
+Order *mailbox_remove_motion(Mailbox *box, uint64_t before);
 
 /* Take the order of this id out of the queue; NULL if it is not there. */
 Order *mailbox_remove(Mailbox *box, const uint8_t id[static ORDER_ID]);

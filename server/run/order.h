@@ -31,7 +31,9 @@ enum { ORDER_ID = 16 };
 typedef struct Order {
     struct Order *next;
     uint8_t id[ORDER_ID];
+    uint64_t number; /* rises in the order of posting                                        */
     bool urgent;     /* overtakes all that are not                                           */
+    bool motion;     /* sets the run in motion: called off by a later pause or stop           */
     double deadline; /* [s] of clock_now(); INFINITY: none                                   */
 
     /* Called on the runner's thread. Must lead to one run_answer(), at once or later. */
@@ -42,8 +44,8 @@ typedef struct Order {
     MnsError error; /* if status is not MNS_OK                                              */
     RunState state; /* after the effect                                                     */
     uint64_t step, effect_step;
-    double t;        /* [s]                                                                  */
-    char path[4096]; /* of the file written, or the run directory; empty if there is none    */
+    double t, effect_t; /* [s]                                                                  */
+    char path[4096];    /* of the file written, or the run directory; empty if there is none    */
 } Order;
 
 #endif

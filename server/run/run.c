@@ -15,7 +15,9 @@ enum { MAILBOX_LIMIT = 2048, SERVED_AT_ONCE = 64 };
 static void serve(Run *run, Order *order)
 {
     MnsError error;
-    order->effect_step = run->sim ? mns_sim_progress(run->sim).step : 0;
+    const MnsProgress now = run->sim ? mns_sim_progress(run->sim) : (MnsProgress){.t = 0};
+    order->effect_step = now.step;
+    order->effect_t = now.t;
     if (order->deadline < clock_now())
         run_answer(run, order,
                    mns_fail(&error, MNS_E_TIMEOUT,
@@ -109,11 +111,15 @@ MnsStatus run_new(const RunOptions *options, Run **ret, MnsError *error)
     return status;
 }
 
+void run_join(Run *run)
+{
+    pthread_join(run->thread, NULL);
+    answer_all(run); /* what came after the last order */
+}
+
 void run_free(Run *run)
 {
-    if (!run) return;
-    pthread_join(run->thread, NULL);
-    destroy(run);
+    if (run) destroy(run);
 }
 
 MnsStatus run_post(Run *run, Order *order, MnsError *error)

@@ -43,7 +43,11 @@ typedef struct RunStatus {
 /* Start the threads; the strings are borrowed until run_free(). MNS_OK, MNS_E_MEMORY, MNS_E_LIMIT. */
 MnsStatus run_new(const RunOptions *options, Run **ret, MnsError *error);
 
-/* Wait for the threads, which end after an order of run_leave(), and free all. NULL is fine. */
+/* Wait for the runner's thread, which ends after an order of run_leave(). Orders still waiting are answered: look into the
+ * outbox once more. */
+void run_join(Run *run);
+
+/* Free all, after run_join(). NULL is fine. */
 void run_free(Run *run);
 
 /* --- for any thread ---------------------------------------------------------------------------------------------------- */

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Requests as they come off the wire: read within limits, whatever the bytes are. */
+#ifndef PROTO_FRAME_H
+#define PROTO_FRAME_H
+
+#include "meniscus.pb-c.h"
+#include <meniscus/status.h>
+#include <stddef.h>
+
+enum {
+    FRAME_MAJOR = MENISCUS__PROTOCOL_VERSION__PROTOCOL_MAJOR,
+    FRAME_MINOR = 0,
+    FRAME_MAX = 1 << 20,     /* bytes of a request                                           */
+    FRAME_MEMORY = 16 << 20, /* bytes that one may take once it is read                      */
+    FRAME_ID = 16            /* bytes of a request id                                        */
+};
+
+/* Read a request: version, id and command are there. MNS_OK; MNS_E_INVALID if it is no request, MNS_E_LIMIT if it takes too
+ * much memory, MNS_E_VERSION for another major version or a command that is not known here. *ret may be set even so, for
+ * the id in it: free it in any case with request_free(). */
+MnsStatus request_read(const void *data, size_t size, Meniscus__Request **ret, MnsError *error);
+
+/* NULL is fine. */
+void request_free(Meniscus__Request *request);
+
+/* What a failure is called in a reply. */
+Meniscus__Code code_of(MnsStatus status);
+
+#endif

@@ -1,0 +1,280 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The daemon: what wakes it is a socket, a signal, or news of the run; then it looks after all three and sleeps again. */
+#include "net/daemon.h"
+
+#include "base/log.h"
+#include "net/desk.h"
+#include "net/handlers.h"
+#include "net/notify.h"
+#include "proto/case_file.h"
+#include "proto/case_find.h"
+#include "proto/frame.h"
+#include <math.h>
+#include <meniscus/exit.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+enum { SOLVER_NICE = 10 }; /* the solver's threads yield to those that answer people */
+
+typedef struct Daemon {
+    const DaemonOptions *options;
+    Endpoint endpoint;
+    Desk *desk;
+    Run *run;
+    Notify notify;
+    CaseFile *file;       /* of --load, until it is loaded     */
+    const Exchange *load; /* under way                         */
+    int signals;          /* signalfd                          */
+    bool told_to_leave;   /* by a signal                       */
+    bool leaving;         /* the run has come to its end       */
+    int code;
+    char parent[RUNDIR_PATH];
+} Daemon;
+
+/* --- requests of our own ----------------------------------------------------------------------------------------------- */
+
+/* Post a copy of a request, whose reply nobody reads. NULL if that was not possible. */
+static const Exchange *post(Daemon *daemon, const Meniscus__Request *request)
+{
+    MnsError error;
+    const size_t size = meniscus__request__get_packed_size(request);
+    uint8_t *packed = malloc(size + 1);
+    if (!packed) return NULL;
+    meniscus__request__pack(request, packed);
+    Meniscus__Request *copy = meniscus__request__unpack(NULL, size, packed);
+    free(packed);
+    Exchange *exchange = copy ? exchange_new(copy) : NULL;
+    if (!exchange || !handle(daemon->run, exchange, &error)) return exchange;
+    log_line(LOG_ERROR, "%s", error.text);
+    exchange_free(exchange);
+    return NULL;
+}
+
+static void post_shutdown(Daemon *daemon, bool checkpoint)
+{
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__Shutdown shutdown = MENISCUS__SHUTDOWN__INIT;
+    shutdown.has_checkpoint = true;
+    shutdown.checkpoint = checkpoint;
+    request.command_case = MENISCUS__REQUEST__COMMAND_SHUTDOWN;
+    request.shutdown = &shutdown;
+    notify_stopping();
+    post(daemon, &request);
+}
+
+static void post_checkpoint(Daemon *daemon)
+{
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__CheckpointNow checkpoint = MENISCUS__CHECKPOINT_NOW__INIT;
+    request.command_case = MENISCUS__REQUEST__COMMAND_CHECKPOINT;
+    request.checkpoint = &checkpoint;
+    post(daemon, &request);
+}
+
+static void post_start(Daemon *daemon)
+{
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__Start start = MENISCUS__START__INIT;
+    request.command_case = MENISCUS__REQUEST__COMMAND_START;
+    request.start = &start;
+    post(daemon, &request);
+}
+
+/* --- the case of the command line ---------------------------------------------------------------------------------------- */
+
+static MnsStatus read_case(Daemon *daemon, char path[static 4096], MnsError *error)
+{
+    const DaemonOptions *options = daemon->options;
+    MnsStatus status = case_find(options->load, path, error);
+    if (!status) status = case_file_read(path, &daemon->file, error);
+    for (size_t k = 0; !status && k < options->n_settings; k++)
+        status = case_file_set(daemon->file, options->settings[k], error);
+    return status;
+}
+
+static void post_load(Daemon *daemon, const char *path)
+{
+    char name[128];
+    const char *base = strrchr(path, '/');
+    snprintf(name, sizeof name, "%.100s", base ? base + 1 : path);
+    char *dot = strrchr(name, '.');
+    if (dot && dot != name) *dot = 0;
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__Load load = MENISCUS__LOAD__INIT;
+    load.case_ = (Meniscus__Case *)case_file_message(daemon->file);
+    load.name = name;
+    load.has_resume = true;
+    load.resume = daemon->options->resume;
+    request.command_case = MENISCUS__REQUEST__COMMAND_LOAD;
+    request.load = &load;
+    daemon->load = post(daemon, &request);
+}
+
+/* The case of the command line is loaded, or the daemon has no purpose. */
+static void after_load(Daemon *daemon, Order *order)
+{
+    daemon->load = NULL;
+    if (!order->status && daemon->options->start) post_start(daemon);
+    if (!order->status) return;
+    const bool bad = order->status == MNS_E_INVALID || order->status == MNS_E_LIMIT;
+    if (bad) case_file_locate(daemon->file, &order->error);
+    log_line(LOG_ERROR, "%s", order->error.text);
+    daemon->code = bad ? MNS_EXIT_BAD_CASE : MNS_EXIT_IO;
+    post_shutdown(daemon, false);
+}
+
+/* --- what happens -------------------------------------------------------------------------------------------------------- */
+
+static int catch_signals(void)
+{
+    sigset_t set;
+    sigemptyset(&set);
+    sigaddset(&set, SIGTERM);
+    sigaddset(&set, SIGINT);
+    sigaddset(&set, SIGUSR1);
+    pthread_sigmask(SIG_BLOCK, &set, NULL);
+    signal(SIGPIPE, SIG_IGN);
+    return signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
+}
+
+static void take_signal(Daemon *daemon)
+{
+    struct signalfd_siginfo info;
+    if (read(daemon->signals, &info, sizeof info) != sizeof info) return;
+    if (info.ssi_signo == SIGUSR1) post_checkpoint(daemon);
+    else if (daemon->told_to_leave) _exit(MNS_EXIT_FAILED); /* who says it twice wants no checkpoint */
+    else {
+        daemon->told_to_leave = true;
+        post_shutdown(daemon, true);
+    }
+}
+
+static void take_answer(Daemon *daemon, Order *order)
+{
+    Exchange *exchange = (Exchange *)order;
+    const bool last = exchange->request->command_case == MENISCUS__REQUEST__COMMAND_SHUTDOWN;
+    if (exchange == daemon->load) after_load(daemon, order);
+    else if (order->status && !exchange->identity_size) log_line(LOG_WARNING, "%s", order->error.text);
+    if (last) daemon->leaving = true;
+    if (last && order->status) daemon->code = MNS_EXIT_IO;
+    desk_reply(daemon->desk, exchange);
+}
+
+static void show(Daemon *daemon, const Note *note)
+{
+    char text[256];
+    snprintf(text, sizeof text, "%s at t = %.5g s, step %lu", run_state_name(note->state), note->t,
+             (unsigned long)note->step);
+    if (note->kind == NOTE_EVENT || note->kind == NOTE_PROGRESS)
+        notify_status(&daemon->notify, note->kind == NOTE_EVENT, text);
+    publisher_send(desk_publisher(daemon->desk), note);
+}
+
+static void take_notes(Daemon *daemon)
+{
+    for (Note *note; (note = outbox_take(run_outbox(daemon->run)));) {
+        if (note->kind == NOTE_ANSWER) take_answer(daemon, note->order);
+        else show(daemon, note);
+        note_free(note);
+    }
+}
+
+static void serve(Daemon *daemon)
+{
+    const int fds[2] = {run_outbox(daemon->run)->wake, daemon->signals};
+    const long tick = daemon->notify.watchdog > 0 ? (long)(250 * daemon->notify.watchdog) + 1 : 5000;
+    while (!daemon->leaving) {
+        const unsigned ready = desk_poll(daemon->desk, fds, tick);
+        if (ready & 2) take_signal(daemon);
+        desk_receive(daemon->desk);
+        take_notes(daemon);
+        notify_look(&daemon->notify, daemon->run);
+    }
+    run_join(daemon->run);
+    take_notes(daemon);
+}
+
+/* --- beginning and end --------------------------------------------------------------------------------------------------- */
+
+static void find_parent(Daemon *daemon)
+{
+    const char *given = daemon->options->state_dir, *systemd = getenv("STATE_DIRECTORY");
+    const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME"), *name = daemon->options->name;
+    char *to = daemon->parent;
+    const size_t size = sizeof daemon->parent;
+    if (given) snprintf(to, size, "%s", given);
+    else if (systemd && *systemd) snprintf(to, size, "%s", systemd);
+    else if (state && *state) snprintf(to, size, "%s/meniscus/%s", state, name);
+    else if (home && *home) snprintf(to, size, "%s/.local/state/meniscus/%s", home, name);
+    else snprintf(to, size, "meniscus-%s", name);
+}
+
+static void serve_leave(Run *run, Order *order)
+{
+    run_leave(run, order, false);
+}
+
+static MnsStatus begin(Daemon *daemon, MnsError *error)
+{
+    notify_begin(&daemon->notify);
+    find_parent(daemon);
+    const RunOptions options = {
+        .parent = daemon->parent, .nice = SOLVER_NICE, .beat_interval = daemon->notify.watchdog / 4};
+    MnsStatus status = run_new(&options, &daemon->run, error);
+    if (status) return status;
+    status = desk_new(&daemon->endpoint, daemon->run, &daemon->desk, error);
+    if (!status) return MNS_OK;
+    Order leave = {.serve = serve_leave, .deadline = INFINITY};
+    run_post(daemon->run, &leave, NULL);
+    run_join(daemon->run);
+    run_free(daemon->run);
+    return status;
+}
+
+static int refused(const MnsError *error, int code)
+{
+    log_line(LOG_ERROR, "%s", error->text);
+    return code;
+}
+
+static int serve_locked(Daemon *daemon, const char *path)
+{
+    MnsError error;
+    const MnsStatus status = begin(daemon, &error);
+    if (status) return refused(&error, status == MNS_E_IO ? MNS_EXIT_IO : MNS_EXIT_FAILED);
+    if (daemon->file) post_load(daemon, path);
+    log_line(LOG_INFORMATION, "listening at %s%s%s", daemon->endpoint.control,
+             daemon->endpoint.tcp_control[0] ? " and " : "", daemon->endpoint.tcp_control);
+    notify_ready();
+    serve(daemon);
+    run_free(daemon->run);
+    desk_free(daemon->desk);
+    return daemon->code;
+}
+
+int daemon_run(const DaemonOptions *options)
+{
+    MnsError error;
+    char path[4096] = "";
+    Daemon daemon = {.options = options, .code = MNS_EXIT_DONE};
+    if (options->load && read_case(&daemon, path, &error)) {
+        case_file_free(daemon.file);
+        return refused(&error, MNS_EXIT_BAD_CASE);
+    }
+    const MnsStatus status = endpoint_open(options->name, options->tcp, &daemon.endpoint, &error);
+    if (status) {
+        case_file_free(daemon.file);
+        const bool usage = status == MNS_E_INVALID || status == MNS_E_LIMIT;
+        return refused(&error, usage ? MNS_EXIT_USAGE : status == MNS_E_IO ? MNS_EXIT_IO : MNS_EXIT_FAILED);
+    }
+    daemon.signals = catch_signals();
+    const int code = serve_locked(&daemon, path);
+    endpoint_close(&daemon.endpoint);
+    case_file_free(daemon.file);
+    close(daemon.signals);
+    return code;
+}

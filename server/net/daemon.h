@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The daemon: a run, a desk, signals and the service manager, wired together. */
+#ifndef NET_DAEMON_H
+#define NET_DAEMON_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef struct DaemonOptions {
+    const char *name;      /* of the daemon; its sockets are found by it           */
+    const char *state_dir; /* run directories go there; NULL: where users keep state */
+    const char *tcp;       /* port on loopback, or NULL                            */
+    const char *load;      /* case to load at the start, or NULL                   */
+    size_t n_settings;
+    char **settings; /* [n_settings] changes to it, "resolution=40"          */
+    bool resume;     /* it goes on from its newest whole checkpoint          */
+    bool start;      /* and is set in motion                                 */
+} DaemonOptions;
+
+/* Serve until told to leave. Returns an exit code of <meniscus/exit.h>. Must be called before any thread is started. */
+int daemon_run(const DaemonOptions *options);
+
+#endif

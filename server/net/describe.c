@@ -1,0 +1,177 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What a daemon says of itself. */
+#include "net/describe.h"
+
+#include "proto/case_file.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Room for n pointers; *ret_n counts those in it. */
+static void *pointers(size_t n)
+{
+    return calloc(n + 1, sizeof(void *));
+}
+
+static void set_number(double value, protobuf_c_boolean *has, double *to)
+{
+    *has = isfinite(value);
+    *to = value;
+}
+
+static void add_timers(Meniscus__Status *message, const RunStatus *status)
+{
+    message->timers = pointers(status->n_timers);
+    for (size_t k = 0; message->timers && k < status->n_timers; k++) {
+        Meniscus__Timer *timer = malloc(sizeof *timer);
+        if (!timer) return;
+        meniscus__timer__init(timer);
+        timer->name = strdup(status->timers[k].name);
+        timer->has_seconds = timer->has_calls = true;
+        timer->seconds = status->timers[k].seconds;
+        timer->calls = status->timers[k].calls;
+        message->timers[message->n_timers++] = timer;
+    }
+}
+
+static void add_breakpoints(Meniscus__Status *message, const RunStatus *status)
+{
+    message->breakpoints = pointers(status->n_breakpoints);
+    for (size_t k = 0; message->breakpoints && k < status->n_breakpoints; k++) {
+        const Breakpoint *from = &status->breakpoints[k];
+        Meniscus__SetBreakpoint *point = malloc(sizeof *point);
+        if (!point) return;
+        meniscus__set_breakpoint__init(point);
+        point->name = strdup(from->name);
+        if (from->condition[0]) point->condition = strdup(from->condition);
+        set_number(from->t, &point->has_time, &point->time);
+        point->has_step = from->step > 0;
+        point->step = from->step;
+        message->breakpoints[message->n_breakpoints++] = point;
+    }
+}
+
+static void add_numbers(Meniscus__Status *message, const RunStatus *status)
+{
+    message->has_step = message->has_particles = message->has_fluid_particles = message->has_guarded = true;
+    message->has_captures_skipped = message->has_threads = message->has_memory_bytes = true;
+    message->step = status->progress.step;
+    message->particles = status->particles;
+    message->fluid_particles = status->fluid_particles;
+    message->guarded = status->progress.guarded;
+    message->captures_skipped = status->skipped;
+    message->threads = status->threads;
+    message->memory_bytes = status->bytes;
+    message->has_state_hash = status->hash != 0;
+    message->state_hash = status->hash;
+    set_number(status->progress.t, &message->has_time, &message->time);
+    set_number(status->end_time, &message->has_end_time, &message->end_time);
+    set_number(status->progress.dt, &message->has_time_step, &message->time_step);
+    set_number(status->steps_per_second, &message->has_steps_per_second, &message->steps_per_second);
+    set_number(status->ns_per_particle_step, &message->has_ns_per_particle_step, &message->ns_per_particle_step);
+    set_number(status->eta, &message->has_eta_s, &message->eta_s);
+    set_number(status->wall, &message->has_wall_s, &message->wall_s);
+}
+
+Meniscus__Status *describe_status(const RunStatus *status)
+{
+    Meniscus__Status *message = malloc(sizeof *message);
+    if (!message) return NULL;
+    meniscus__status__init(message);
+    message->has_state = true;
+    message->state = (Meniscus__State)status->state;
+    message->version = strdup(MENISCUS_VERSION);
+    if (status->fault.status) message->fault = strdup(status->fault.text);
+    if (!status->particles) return message;
+    message->case_name = strdup(status->case_name);
+    message->title = strdup(status->title);
+    message->run_directory = strdup(status->directory);
+    add_numbers(message, status);
+    add_timers(message, status);
+    add_breakpoints(message, status);
+    return message;
+}
+
+static void add_commands(Meniscus__Capabilities *message, const char *const *commands)
+{
+    size_t n = 0;
+    while (commands[n]) n++;
+    message->commands = pointers(n);
+    for (size_t k = 0; message->commands && k < n; k++) message->commands[message->n_commands++] = strdup(commands[k]);
+}
+
+static void add_parameters(Meniscus__Capabilities *message, const Document *document)
+{
+    size_t n;
+    const CaseParameter *table = case_parameters(&n);
+    message->parameters = pointers(n);
+    for (size_t k = 0; message->parameters && k < n; k++) {
+        Meniscus__Parameter *parameter = malloc(sizeof *parameter);
+        const char *unit;
+        if (!parameter) return;
+        meniscus__parameter__init(parameter);
+        parameter->path = strdup(table[k].path);
+        parameter->type = strdup(table[k].type);
+        parameter->unit = strdup(table[k].unit);
+        parameter->range = strdup(table[k].range);
+        parameter->meaning = strdup(table[k].meaning);
+        if (document) case_message_get(document->message, table[k].path, &parameter->value, &unit, NULL);
+        message->parameters[message->n_parameters++] = parameter;
+    }
+}
+
+static void add_fields(Meniscus__Capabilities *message)
+{
+    const MnsFieldInfo *table = mns_fields();
+    message->fields = pointers(MNS_MAX_FIELDS);
+    for (size_t k = 0; message->fields && k < MNS_MAX_FIELDS && table[k].name; k++) {
+        Meniscus__Field *field = malloc(sizeof *field);
+        if (!field) return;
+        meniscus__field__init(field);
+        field->name = strdup(table[k].name);
+        field->unit = strdup(table[k].unit);
+        field->meaning = strdup(table[k].meaning);
+        field->has_components = true;
+        field->components = (uint32_t)table[k].components;
+        message->fields[message->n_fields++] = field;
+    }
+}
+
+static void add_probes(Meniscus__Capabilities *message, const MnsCase *c)
+{
+    message->probes = pointers(c->n_probes);
+    for (size_t k = 0; message->probes && k < c->n_probes; k++)
+        message->probes[message->n_probes++] = strdup(c->probes[k].name);
+}
+
+static void add_schemes(Meniscus__Capabilities *message)
+{
+    enum { SCHEMES = 16, TEXT = 1 << 15 };
+    char *text = malloc(TEXT);
+    const char *name;
+    message->schemes = pointers(SCHEMES);
+    for (size_t k = 0; text && message->schemes && k < SCHEMES && (name = mns_scheme_describe(k, text, TEXT)); k++) {
+        Meniscus__SchemeInfo *scheme = malloc(sizeof *scheme);
+        if (!scheme) break;
+        meniscus__scheme_info__init(scheme);
+        scheme->name = strdup(name);
+        scheme->description = strdup(text);
+        message->schemes[message->n_schemes++] = scheme;
+    }
+    free(text);
+}
+
+Meniscus__Capabilities *describe_capabilities(const char *const *commands, const Document *document)
+{
+    Meniscus__Capabilities *message = malloc(sizeof *message);
+    if (!message) return NULL;
+    meniscus__capabilities__init(message);
+    message->version = strdup(MENISCUS_VERSION);
+    message->build = strdup("C17, " __VERSION__);
+    add_commands(message, commands);
+    add_parameters(message, document);
+    add_fields(message);
+    if (document) add_probes(message, document->c);
+    add_schemes(message);
+    return message;
+}

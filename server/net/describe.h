@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What a daemon says of itself: status and capabilities as messages, from malloc. */
+#ifndef NET_DESCRIBE_H
+#define NET_DESCRIBE_H
+
+#include "meniscus.pb-c.h"
+#include "run/run.h"
+
+/* NULL if there is no memory. */
+Meniscus__Status *describe_status(const RunStatus *status);
+
+/* commands: NULL-terminated; document: the present case, or NULL. NULL if there is no memory. */
+Meniscus__Capabilities *describe_capabilities(const char *const *commands, const Document *document);
+
+#endif

@@ -1,0 +1,334 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The desk: sockets and what goes through them. A client that sends rubbish gets a sentence; one that vanishes, nothing; no
+ * client can make the daemon wait, or hold more of its memory than is set aside for all. */
+#include "net/desk.h"
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "net/handlers.h"
+#include "net/ledger.h"
+#include "proto/frame.h"
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <zmq.h>
+
+enum { AT_ONCE = 256 };                       /* requests taken before looking at anything else         */
+static const size_t BYTES_UNREAD = 256 << 20; /* of arrays that clients have not taken from the sockets */
+
+struct Desk {
+    void *context, *control, *telemetry;
+    Run *run;
+    Ledger *ledger;
+    Publisher *publisher;
+    uint64_t epoch;
+    _Atomic size_t unread;
+};
+
+/* --- sockets ----------------------------------------------------------------------------------------------------------- */
+
+static void set(void *socket, int option, int value)
+{
+    zmq_setsockopt(socket, option, &value, sizeof value);
+}
+
+static void set_common(void *socket)
+{
+    set(socket, ZMQ_LINGER, 0);
+    set(socket, ZMQ_HEARTBEAT_IVL, 2000);
+    set(socket, ZMQ_HEARTBEAT_TIMEOUT, 6000);
+}
+
+static MnsStatus bind_one(void *socket, const char *address, MnsError *error)
+{
+    if (!address[0] || !zmq_bind(socket, address)) return MNS_OK;
+    return mns_fail(error, MNS_E_IO, "cannot listen at %s: %s", address, zmq_strerror(zmq_errno()));
+}
+
+/* Socket files get their mode from the umask, which is the whole process's; no other thread makes files before the first
+ * request. */
+static MnsStatus bind_all(Desk *desk, const Endpoint *at, MnsError *error)
+{
+    const mode_t mask = umask(0177);
+    MnsStatus status = bind_one(desk->control, at->control, error);
+    if (!status) status = bind_one(desk->telemetry, at->telemetry, error);
+    umask(mask);
+    if (!status) status = bind_one(desk->control, at->tcp_control, error);
+    return status ? status : bind_one(desk->telemetry, at->tcp_telemetry, error);
+}
+
+static MnsStatus open_sockets(Desk *desk, MnsError *error)
+{
+    desk->context = zmq_ctx_new();
+    desk->control = desk->context ? zmq_socket(desk->context, ZMQ_ROUTER) : NULL;
+    desk->telemetry = desk->control ? zmq_socket(desk->context, ZMQ_XPUB) : NULL;
+    if (!desk->telemetry) return mns_fail(error, MNS_E_MEMORY, "cannot make sockets: %s", zmq_strerror(zmq_errno()));
+    const int64_t largest = FRAME_MAX, largest_subscription = 256;
+    set_common(desk->control);
+    set(desk->control, ZMQ_ROUTER_MANDATORY, 1);
+    set(desk->control, ZMQ_ROUTER_HANDOVER, 0);
+    zmq_setsockopt(desk->control, ZMQ_MAXMSGSIZE, &largest, sizeof largest);
+    set_common(desk->telemetry);
+    set(desk->telemetry, ZMQ_XPUB_VERBOSE, 1);
+    zmq_setsockopt(desk->telemetry, ZMQ_MAXMSGSIZE, &largest_subscription, sizeof largest_subscription);
+    return MNS_OK;
+}
+
+MnsStatus desk_new(const Endpoint *endpoint, Run *run, Desk **ret, MnsError *error)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    Desk *desk = calloc(1, sizeof *desk);
+    if (!desk) return mns_fail(error, MNS_E_MEMORY, "no memory for the desk");
+    desk->run = run;
+    desk->epoch = (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
+    MnsStatus status = open_sockets(desk, error);
+    if (!status) status = bind_all(desk, endpoint, error);
+    if (!status) {
+        desk->ledger = ledger_new();
+        desk->publisher = publisher_new(desk->telemetry, desk->epoch);
+        if (!desk->ledger || !desk->publisher) status = mns_fail(error, MNS_E_MEMORY, "no memory for the desk");
+    }
+    if (status) desk_free(desk);
+    else *ret = desk;
+    return status;
+}
+
+void desk_free(Desk *desk)
+{
+    if (!desk) return;
+    if (desk->control) set(desk->control, ZMQ_LINGER, 500);
+    if (desk->telemetry) set(desk->telemetry, ZMQ_LINGER, 500);
+    if (desk->control) zmq_close(desk->control);
+    if (desk->telemetry) zmq_close(desk->telemetry);
+    if (desk->context) zmq_ctx_term(desk->context);
+    ledger_free(desk->ledger);
+    publisher_free(desk->publisher);
+    free(desk);
+}
+
+Publisher *desk_publisher(Desk *desk)
+{
+    return desk->publisher;
+}
+
+unsigned desk_poll(Desk *desk, const int fds[2], long timeout)
+{
+    zmq_pollitem_t items[] = {{.fd = fds[0], .events = ZMQ_POLLIN},
+                              {.fd = fds[1], .events = ZMQ_POLLIN},
+                              {.socket = desk->control, .events = ZMQ_POLLIN},
+                              {.socket = desk->telemetry, .events = ZMQ_POLLIN}};
+    if (zmq_poll(items, 4, timeout) <= 0) return 0;
+    return (items[0].revents ? 1u : 0) | (items[1].revents ? 2u : 0);
+}
+
+/* --- replies ----------------------------------------------------------------------------------------------------------- */
+
+/* A raw frame on its way, to be counted until ZeroMQ lets go of it. */
+typedef struct Parcel {
+    _Atomic size_t *unread;
+    size_t size;
+} Parcel;
+
+static void let_go(void *data, void *hint)
+{
+    Parcel *parcel = hint;
+    *parcel->unread -= parcel->size;
+    free(parcel);
+    free(data);
+}
+
+/* Takes over data. */
+static bool send_array(Desk *desk, void *data, size_t size, int flags)
+{
+    zmq_msg_t message;
+    Parcel *parcel = malloc(sizeof *parcel);
+    if (!parcel || zmq_msg_init_data(&message, data, size, let_go, parcel)) {
+        free(parcel);
+        free(data);
+        return false;
+    }
+    *parcel = (Parcel){.unread = &desk->unread, .size = size};
+    desk->unread += size;
+    if (zmq_msg_send(&message, desk->control, flags | ZMQ_DONTWAIT) >= 0) return true;
+    zmq_msg_close(&message);
+    return false;
+}
+
+/* One reply to one connection. If the client is gone or does not read, it is not sent; asked again, it will be. */
+static void send_reply(Desk *desk, const uint8_t *identity, size_t identity_size, const void *packed, size_t size,
+                       bool more)
+{
+    if (zmq_send(desk->control, identity, identity_size, ZMQ_SNDMORE | ZMQ_DONTWAIT) < 0 ||
+        zmq_send(desk->control, packed, size, (more ? ZMQ_SNDMORE : 0) | ZMQ_DONTWAIT) < 0)
+        log_line(LOG_DETAIL, "a reply could not be sent: %s", zmq_strerror(zmq_errno()));
+}
+
+static void send_exchange(Desk *desk, Exchange *exchange, const uint8_t *packed, size_t size)
+{
+    const size_t n = exchange->reply->n_arrays;
+    if (zmq_send(desk->control, exchange->identity, exchange->identity_size, ZMQ_SNDMORE | ZMQ_DONTWAIT) < 0) return;
+    zmq_send(desk->control, packed, size, (n ? ZMQ_SNDMORE : 0) | ZMQ_DONTWAIT);
+    for (size_t k = 0; k < n; k++) {
+        send_array(desk, exchange->arrays[k], exchange->sizes[k], k + 1 < n ? ZMQ_SNDMORE : 0);
+        exchange->arrays[k] = NULL;
+    }
+}
+
+static void complete(Desk *desk, Exchange *exchange)
+{
+    Order *order = &exchange->order;
+    if (!order->status && exchange->handler && exchange->handler->complete)
+        order->status = exchange->handler->complete(desk->run, exchange, &order->error);
+    exchange_seal(exchange, desk->epoch);
+}
+
+void desk_reply(Desk *desk, Exchange *exchange)
+{
+    complete(desk, exchange);
+    const Meniscus__Reply *reply = exchange->reply;
+    const size_t size = reply ? meniscus__reply__get_packed_size(reply) : 0;
+    uint8_t *packed = malloc(size + 1);
+    if (reply && packed) {
+        meniscus__reply__pack(reply, packed);
+        ledger_end(desk->ledger, exchange, reply->n_arrays ? NULL : packed, size);
+        if (exchange->identity_size) send_exchange(desk, exchange, packed, size);
+    } else ledger_end(desk->ledger, exchange, NULL, 0);
+    free(packed);
+    exchange_free(exchange);
+}
+
+/* --- requests ---------------------------------------------------------------------------------------------------------- */
+
+/* Who sent the frames being read. */
+typedef struct Sender {
+    uint8_t identity[EXCHANGE_IDENTITY];
+    size_t size;
+} Sender;
+
+/* Answer without an order. request may be NULL; what is known of its id is used. */
+static void refuse(Desk *desk, const Sender *sender, const Meniscus__Request *request, const MnsError *why)
+{
+    Meniscus__Reply reply = MENISCUS__REPLY__INIT;
+    RunStatus *status = malloc(sizeof *status);
+    if (!status) return;
+    run_status(desk->run, status);
+    reply.has_id = request && request->has_id && request->id.len <= 64;
+    if (reply.has_id) reply.id = request->id;
+    reply.has_code = reply.has_daemon_epoch = reply.has_state = true;
+    reply.code = code_of(why->status);
+    reply.message = (char *)why->text;
+    reply.path = why->path[0] ? (char *)why->path : NULL;
+    reply.reason = (char *)mns_status_name(why->status);
+    reply.daemon_epoch = desk->epoch;
+    reply.state = (Meniscus__State)status->state;
+    free(status);
+    const size_t size = meniscus__reply__get_packed_size(&reply);
+    uint8_t *packed = malloc(size + 1);
+    if (!packed) return;
+    meniscus__reply__pack(&reply, packed);
+    send_reply(desk, sender->identity, sender->size, packed, size, false);
+    free(packed);
+}
+
+/* The same request again: its reply again, or when it comes, to where it was asked last. */
+static void repeat(Desk *desk, const Sender *sender, const LedgerEntry *entry)
+{
+    if (entry->reply) send_reply(desk, sender->identity, sender->size, entry->reply, entry->size, false);
+    if (!entry->under_way) return;
+    memcpy(entry->under_way->identity, sender->identity, sender->size);
+    entry->under_way->identity_size = sender->size;
+}
+
+static MnsStatus begin(Desk *desk, Exchange *exchange, MnsError *error)
+{
+    const Meniscus__Request *request = exchange->request;
+    const Handler *handler = handler_find(request->command_case);
+    if (request->has_deadline_ms) exchange->order.deadline = clock_now() + 1e-3 * (double)request->deadline_ms;
+    if (request->command_case == MENISCUS__REQUEST__COMMAND_QUERY && desk->unread > BYTES_UNREAD)
+        return mns_fail(error, MNS_E_LIMIT,
+                        "clients have not yet read %zu bytes of earlier answers; read them, or wait",
+                        (size_t)desk->unread);
+    const bool noted = handler && handler->where == AT_STEP;
+    MnsStatus status = noted ? ledger_begin(desk->ledger, exchange, error) : MNS_OK;
+    if (status) return status;
+    status = handle(desk->run, exchange, error);
+    if (status && noted) ledger_end(desk->ledger, exchange, NULL, 0);
+    return status;
+}
+
+/* Takes over the request. */
+static void take_request(Desk *desk, const Sender *sender, Meniscus__Request *request)
+{
+    LedgerEntry entry;
+    MnsError error;
+    if (ledger_find(desk->ledger, request->id.data, &entry)) {
+        repeat(desk, sender, &entry);
+        request_free(request);
+        return;
+    }
+    Exchange *exchange = exchange_new(request);
+    if (!exchange) return;
+    memcpy(exchange->identity, sender->identity, sender->size);
+    exchange->identity_size = sender->size;
+    if (!begin(desk, exchange, &error)) return;
+    refuse(desk, sender, request, &error);
+    exchange_free(exchange);
+}
+
+static void take_frame(Desk *desk, const Sender *sender, const void *data, size_t size, unsigned frames)
+{
+    MnsError error;
+    Meniscus__Request *request = NULL;
+    MnsStatus status =
+        frames == 1 ? MNS_OK : mns_fail(&error, MNS_E_INVALID, "a request is one frame; these are %u", frames);
+    if (!status) status = request_read(data, size, &request, &error);
+    if (!status) {
+        take_request(desk, sender, request);
+        return;
+    }
+    refuse(desk, sender, request, &error);
+    request_free(request);
+}
+
+/* All frames of one message; the first of the body is looked at, the rest only counted. False if there is no message. */
+static bool receive_one(Desk *desk)
+{
+    Sender sender;
+    zmq_msg_t first, rest;
+    const int got = zmq_recv(desk->control, sender.identity, sizeof sender.identity, ZMQ_DONTWAIT);
+    if (got < 0) return false;
+    sender.size = (size_t)got < sizeof sender.identity ? (size_t)got : sizeof sender.identity;
+    int more = 0;
+    unsigned frames = 0;
+    size_t width = sizeof more;
+    zmq_msg_init(&first);
+    zmq_getsockopt(desk->control, ZMQ_RCVMORE, &more, &width);
+    for (; more; frames++) {
+        zmq_msg_init(&rest);
+        if (zmq_msg_recv(frames ? &rest : &first, desk->control, ZMQ_DONTWAIT) < 0) break;
+        more = zmq_msg_more(frames ? &rest : &first);
+        zmq_msg_close(&rest);
+    }
+    take_frame(desk, &sender, zmq_msg_data(&first), zmq_msg_size(&first), frames);
+    zmq_msg_close(&first);
+    return true;
+}
+
+/* Subscriptions come as one byte, 1 to begin and 0 to end, and the topic. */
+static bool receive_subscription(Desk *desk)
+{
+    char frame[256];
+    const int got = zmq_recv(desk->telemetry, frame, sizeof frame, ZMQ_DONTWAIT);
+    if (got < 0) return false;
+    if (got >= 1 && got <= (int)sizeof frame && frame[0] == 1)
+        publisher_welcome(desk->publisher, frame + 1, (size_t)got - 1);
+    return true;
+}
+
+void desk_receive(Desk *desk)
+{
+    for (int k = 0; k < AT_ONCE && receive_one(desk); k++) continue;
+    for (int k = 0; k < AT_ONCE && receive_subscription(desk); k++) continue;
+}

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The desk: owns every socket, and never waits for physics. Requests in, replies and telemetry out. */
+#ifndef NET_DESK_H
+#define NET_DESK_H
+
+#include "net/endpoint.h"
+#include "net/exchange.h"
+#include "net/publish.h"
+
+typedef struct Desk Desk;
+
+/* Bind the sockets. run is borrowed. MNS_OK; MNS_E_IO if an address cannot be bound; MNS_E_MEMORY. */
+MnsStatus desk_new(const Endpoint *endpoint, Run *run, Desk **ret, MnsError *error);
+
+/* Send what is left, for half a second at most; close. NULL is fine. */
+void desk_free(Desk *desk);
+
+/* Wait until a socket or one of two file descriptors is readable, or a time has passed [ms]. Bit k of the result: fds[k]. */
+unsigned desk_poll(Desk *desk, const int fds[2], long timeout);
+
+/* Take the requests and subscriptions that are there. */
+void desk_receive(Desk *desk);
+
+/* The order of an exchange has come back: reply, remember, free it. */
+void desk_reply(Desk *desk, Exchange *exchange);
+
+Publisher *desk_publisher(Desk *desk);
+
+#endif

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A request and its reply, on their way through the daemon: an order that remembers who asked and what for. */
+#ifndef NET_EXCHANGE_H
+#define NET_EXCHANGE_H
+
+#include "meniscus.pb-c.h"
+#include "run/run.h"
+
+enum { EXCHANGE_ARRAYS = MNS_MAX_FIELDS, EXCHANGE_IDENTITY = 256 };
+
+struct Handler;
+
+typedef struct Exchange {
+    Order order; /* first, so that an order that comes back is an exchange */
+    const struct Handler *handler;
+    Meniscus__Request *request;
+    Meniscus__Reply *reply;              /* the result goes here; all in it from malloc */
+    void *arrays[EXCHANGE_ARRAYS];       /* [reply->n_arrays] raw frames, from malloc */
+    size_t sizes[EXCHANGE_ARRAYS];       /* [bytes] */
+    unsigned allowed;                    /* if it was refused for the state: where it would be possible */
+    uint8_t identity[EXCHANGE_IDENTITY]; /* of the client's connection */
+    size_t identity_size;                /* 0: nobody wants the reply  */
+} Exchange;
+
+/* Takes over the request. NULL if there is no memory; then the request is freed. */
+Exchange *exchange_new(Meniscus__Request *request);
+
+/* NULL is fine. */
+void exchange_free(Exchange *exchange);
+
+/* Add a raw frame to the reply: takes over data, from malloc.
+ *  type   as numpy writes it, "<f8"
+ *  shape  [n_shape] */
+MnsStatus exchange_add(Exchange *exchange, const char *name, const char *type, const char *unit, const uint64_t *shape,
+                       size_t n_shape, void *data, size_t size, MnsError *error);
+
+/* Complete the reply from the order's answer. */
+void exchange_seal(Exchange *exchange, uint64_t epoch);
+
+/* A value for the reply: text if not NULL, else a number unless it is NAN. NULL if there is no memory. */
+Meniscus__Value *exchange_value(const char *name, double number, const char *text, const char *unit);
+
+/* Make values the result, all of them complete. n_values may be fewer than asked for if there was no memory. */
+MnsStatus exchange_values(Exchange *exchange, Meniscus__Value **values, size_t n, MnsError *error);
+
+#endif

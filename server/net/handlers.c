@@ -1,0 +1,373 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The commands of the protocol. The table says all; the functions before it take the request apart. */
+#include "net/handlers.h"
+
+#include "net/describe.h"
+#include "net/look.h"
+#include "proto/case_file.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* --- HERE -------------------------------------------------------------------------------------------------------------- */
+
+static void answer(Run *run, Exchange *x, MnsStatus status, const MnsError *error)
+{
+    run_answer(run, &x->order, status, error);
+}
+
+static void serve_status(Run *run, Exchange *x)
+{
+    MnsError error;
+    RunStatus *status = malloc(sizeof *status);
+    if (status) run_status(run, status);
+    x->reply->status = status ? describe_status(status) : NULL;
+    free(status);
+    if (x->reply->status) x->reply->result_case = MENISCUS__REPLY__RESULT_STATUS;
+    answer(run, x, x->reply->status ? MNS_OK : mns_fail(&error, MNS_E_MEMORY, "no memory for the status"), &error);
+}
+
+static void serve_capabilities(Run *run, Exchange *x)
+{
+    MnsError error;
+    Document *document = run_document(run);
+    x->reply->capabilities = describe_capabilities(handler_names(), document);
+    document_leave(document);
+    if (x->reply->capabilities) x->reply->result_case = MENISCUS__REPLY__RESULT_CAPABILITIES;
+    answer(run, x, x->reply->capabilities ? MNS_OK : mns_fail(&error, MNS_E_MEMORY, "no memory"), &error);
+}
+
+/* One entry of the case as text, and as a number where it is one. */
+static MnsStatus get_entry(const Document *document, const char *path, Meniscus__Value **ret, MnsError *error)
+{
+    char *text, *end;
+    const char *unit;
+    const MnsStatus status = case_message_get(document->message, path, &text, &unit, error);
+    if (status) return status;
+    const double number = strtod(text, &end);
+    *ret = exchange_value(path, end != text && !*end ? number : NAN, text, unit);
+    free(text);
+    return MNS_OK;
+}
+
+/* Entries of the present case into the reply. */
+static MnsStatus get_entries(Run *run, Exchange *x, size_t n, const char *const *paths, MnsError *error)
+{
+    Document *document = run_document(run);
+    if (!document) return mns_fail(error, MNS_E_STATE, "there is no case; load one first");
+    Meniscus__Value **values = calloc(n + 1, sizeof(Meniscus__Value *));
+    MnsStatus status = values ? MNS_OK : mns_fail(error, MNS_E_MEMORY, "no memory for %zu values", n);
+    for (size_t k = 0; !status && k < n; k++) status = get_entry(document, paths[k], &values[k], error);
+    document_leave(document);
+    if (!status) return exchange_values(x, values, n, error);
+    exchange_values(x, values, n, NULL); /* frees them, as the one that failed is missing */
+    return status;
+}
+
+/* Of an empty list: everything that can be set. */
+static void serve_get(Run *run, Exchange *x)
+{
+    const Meniscus__Get *get = x->request->get;
+    const CaseParameter *table;
+    const char *paths[128];
+    MnsError error;
+    size_t n = get->n_paths;
+    if (n) {
+        answer(run, x, get_entries(run, x, n, (const char *const *)get->paths, &error), &error);
+        return;
+    }
+    table = case_parameters(&n);
+    if (n > sizeof paths / sizeof *paths) n = sizeof paths / sizeof *paths;
+    for (size_t k = 0; k < n; k++) paths[k] = table[k].path;
+    answer(run, x, get_entries(run, x, n, paths, &error), &error);
+}
+
+/* --- AT_STEP ----------------------------------------------------------------------------------------------------------- */
+
+static void serve_load(Run *run, Exchange *x)
+{
+    const Meniscus__Load *from = x->request->load;
+    MnsError error;
+    const RunLoad load = {from->case_, from->name ? from->name : "case", from->has_resume && from->resume};
+    if (load.message) run_load(run, &x->order, &load);
+    else answer(run, x, mns_fail_at(&error, MNS_E_INVALID, "case", "load needs a case"), &error);
+}
+
+static void serve_go(Run *run, Exchange *x)
+{
+    run_go(run, &x->order);
+}
+static void serve_pause(Run *run, Exchange *x)
+{
+    run_pause(run, &x->order);
+}
+static void serve_step(Run *run, Exchange *x)
+{
+    run_step(run, &x->order, x->request->step->count);
+}
+
+static void serve_until(Run *run, Exchange *x)
+{
+    const Meniscus__RunUntil *until = x->request->run_until;
+    run_until(run, &x->order, until->has_time ? until->time : NAN, until->exact);
+}
+
+static void serve_stop(Run *run, Exchange *x)
+{
+    run_stop(run, &x->order, x->request->stop->has_checkpoint && x->request->stop->checkpoint);
+}
+
+static void serve_shutdown(Run *run, Exchange *x)
+{
+    run_leave(run, &x->order, x->request->shutdown->has_checkpoint && x->request->shutdown->checkpoint);
+}
+
+static void serve_reset(Run *run, Exchange *x)
+{
+    run_reset(run, &x->order);
+}
+static void serve_restore(Run *run, Exchange *x)
+{
+    run_restore(run, &x->order, x->request->restore->checkpoint);
+}
+static void serve_checkpoint(Run *run, Exchange *x)
+{
+    run_checkpoint(run, &x->order);
+}
+
+static void serve_snapshot(Run *run, Exchange *x)
+{
+    run_snapshot(run, &x->order, x->request->snapshot->n_fields, x->request->snapshot->fields);
+}
+
+/* Paths and values of the assignments; false if one is not whole. */
+static bool split(const Meniscus__Set *set, const char **paths, const char **values)
+{
+    for (size_t k = 0; k < set->n_assignments; k++) {
+        paths[k] = set->assignments[k]->path;
+        values[k] = set->assignments[k]->value;
+        if (!paths[k] || !values[k]) return false;
+    }
+    return true;
+}
+
+static void serve_set(Run *run, Exchange *x)
+{
+    enum { MOST = 128 };
+    const Meniscus__Set *set = x->request->set;
+    const char *paths[MOST], *values[MOST];
+    MnsError error;
+    if (set->n_assignments > MOST)
+        answer(run, x, mns_fail(&error, MNS_E_LIMIT, "at most %d entries can be set at a time", MOST), &error);
+    else if (!split(set, paths, values))
+        answer(run, x, mns_fail(&error, MNS_E_INVALID, "an assignment needs a path and a value"), &error);
+    else run_set(run, &x->order, set->n_assignments, paths, values);
+}
+
+static void serve_query(Run *run, Exchange *x)
+{
+    const Meniscus__Query *query = x->request->query;
+    const MnsSim *sim = run_sim(run);
+    MnsStatus status;
+    MnsError error;
+    switch (query->what_case) {
+    case MENISCUS__QUERY__WHAT_PROBES: status = look_probes(sim, query->probes, x, &error); break;
+    case MENISCUS__QUERY__WHAT_POINTS: status = look_points(sim, query->points, x, &error); break;
+    case MENISCUS__QUERY__WHAT_PARTICLES: status = look_particles(sim, query->particles, x, &error); break;
+    default: status = mns_fail(&error, MNS_E_INVALID, "a query needs one of probes, points and particles");
+    }
+    answer(run, x, status, &error);
+}
+
+static void serve_wait(Run *run, Exchange *x)
+{
+    const Meniscus__Wait *from = x->request->wait;
+    RunWait wait = {0, from->has_time ? from->time : INFINITY, from->has_step ? from->step : UINT64_MAX};
+    MnsError error;
+    bool known = true;
+    for (size_t k = 0; k < from->n_states; k++) {
+        known = known && (unsigned)from->states[k] < RUN_STATES;
+        if (known) wait.states |= 1u << from->states[k];
+    }
+    if (!known || isnan(wait.t) || (!wait.states && !from->has_time && !from->has_step))
+        answer(run, x, mns_fail(&error, MNS_E_INVALID, "wait needs a state, a time or a step to wait for"), &error);
+    else run_wait(run, &x->order, &wait);
+}
+
+static void serve_breakpoint(Run *run, Exchange *x)
+{
+    const Meniscus__SetBreakpoint *from = x->request->breakpoint;
+    Breakpoint point = {.t = from->has_time ? from->time : NAN, .step = from->has_step ? from->step : 0};
+    MnsError error;
+    const char *name = from->name ? from->name : "", *condition = from->condition ? from->condition : "";
+    if (strlen(name) >= sizeof point.name || strlen(condition) >= sizeof point.condition) {
+        answer(run, x,
+               mns_fail(&error, MNS_E_INVALID,
+                        "the name of a breakpoint has fewer than %d letters, its condition fewer than %d",
+                        BREAKPOINT_NAME, BREAKPOINT_TEXT),
+               &error);
+        return;
+    }
+    memcpy(point.name, name, strlen(name));
+    memcpy(point.condition, condition, strlen(condition));
+    run_breakpoint(run, &x->order, &point, from->has_remove && from->remove);
+}
+
+static void serve_cancel(Run *run, Exchange *x)
+{
+    const Meniscus__Cancel *cancel = x->request->cancel;
+    MnsError error;
+    if (cancel->has_id && cancel->id.len == ORDER_ID) run_cancel(run, &x->order, cancel->id.data);
+    else
+        answer(run, x, mns_fail_at(&error, MNS_E_INVALID, "id", "cancel needs the id of a command, %d bytes", ORDER_ID),
+               &error);
+}
+
+/* --- completing replies ------------------------------------------------------------------------------------------------- */
+
+/* The values as they are now. */
+static MnsStatus complete_set(Run *run, Exchange *x, MnsError *error)
+{
+    const Meniscus__Set *set = x->request->set;
+    const char *paths[128];
+    for (size_t k = 0; k < set->n_assignments; k++) paths[k] = set->assignments[k]->path;
+    return get_entries(run, x, set->n_assignments, paths, error);
+}
+
+static MnsStatus complete_file(Run *run, Exchange *x, MnsError *error)
+{
+    (void)run;
+    Meniscus__OutputFile *file = malloc(sizeof *file);
+    if (!file) return mns_fail(error, MNS_E_MEMORY, "no memory for the reply");
+    meniscus__output_file__init(file);
+    file->path = strdup(x->order.path);
+    file->has_step = true;
+    file->step = x->order.effect_step;
+    file->has_time = true;
+    file->time = x->order.effect_t;
+    x->reply->result_case = MENISCUS__REPLY__RESULT_OUTPUT;
+    x->reply->output = file;
+    return MNS_OK;
+}
+
+/* Where the files of the run are. */
+static MnsStatus complete_directory(Run *run, Exchange *x, MnsError *error)
+{
+    (void)run;
+    (void)error;
+    x->reply->message = strdup(x->order.path);
+    return MNS_OK;
+}
+
+static MnsStatus complete_wait(Run *run, Exchange *x, MnsError *error)
+{
+    (void)run;
+    const Meniscus__Wait *wait = x->request->wait;
+    Meniscus__WaitResult *result = malloc(sizeof *result);
+    if (!result) return mns_fail(error, MNS_E_MEMORY, "no memory for the reply");
+    meniscus__wait_result__init(result);
+    result->has_state_reached = true;
+    for (size_t k = 0; k < wait->n_states; k++)
+        if ((unsigned)wait->states[k] == (unsigned)x->order.state) result->state_reached = true;
+    x->reply->result_case = MENISCUS__REPLY__RESULT_WAIT;
+    x->reply->wait = result;
+    return MNS_OK;
+}
+
+/* --- the table --------------------------------------------------------------------------------------------------------- */
+
+enum {
+    EMPTY = 1 << RUN_EMPTY,
+    READY = 1 << RUN_READY,
+    RUNNING = 1 << RUN_RUNNING,
+    PAUSED = 1 << RUN_PAUSED,
+    DONE = 1 << RUN_DONE,
+    FAULT = 1 << RUN_FAULT,
+    STILL = READY | PAUSED | DONE | FAULT, /* a case, not in motion */
+    LOADED = STILL | RUNNING,
+    ANY = (1 << RUN_STATES) - 1
+};
+
+#define REQUEST(command) MENISCUS__REQUEST__COMMAND_##command
+
+/* clang-format off */
+static const Handler handlers[] = {
+    /* request                  name            where    states           urgent motion by                  then               */
+    [REQUEST(STATUS)]       = { "status",       HERE,    ANY,             false, false, serve_status,       NULL               },
+    [REQUEST(CAPABILITIES)] = { "capabilities", HERE,    ANY,             false, false, serve_capabilities, NULL               },
+    [REQUEST(GET)]          = { "get",          HERE,    ANY,             false, false, serve_get,          NULL               },
+    [REQUEST(LOAD)]         = { "load",         AT_STEP, STILL | EMPTY,   false, false, serve_load,         complete_directory },
+    [REQUEST(START)]        = { "start",        AT_STEP, READY,           false, true,  serve_go,           NULL               },
+    [REQUEST(RESUME)]       = { "resume",       AT_STEP, PAUSED | FAULT,  false, true,  serve_go,           NULL               },
+    [REQUEST(STEP)]         = { "step",         AT_STEP, READY | PAUSED,  false, true,  serve_step,         NULL               },
+    [REQUEST(RUN_UNTIL)]    = { "run_until",    AT_STEP, READY | PAUSED,  false, true,  serve_until,        NULL               },
+    [REQUEST(PAUSE)]        = { "pause",        AT_STEP, RUNNING | READY | PAUSED, true, false, serve_pause, NULL              },
+    [REQUEST(STOP)]         = { "stop",         AT_STEP, LOADED,          true,  false, serve_stop,         complete_directory },
+    [REQUEST(CANCEL)]       = { "cancel",       AT_STEP, ANY,             true,  false, serve_cancel,       NULL               },
+    [REQUEST(SHUTDOWN)]     = { "shutdown",     AT_STEP, ANY,             true,  false, serve_shutdown,     complete_directory },
+    [REQUEST(RESET)]        = { "reset",        AT_STEP, STILL,           false, false, serve_reset,        complete_directory },
+    [REQUEST(RESTORE)]      = { "restore",      AT_STEP, STILL,           false, false, serve_restore,      complete_directory },
+    [REQUEST(CHECKPOINT)]   = { "checkpoint",   AT_STEP, LOADED,          false, false, serve_checkpoint,   complete_file      },
+    [REQUEST(SNAPSHOT)]     = { "snapshot",     AT_STEP, LOADED,          false, false, serve_snapshot,     complete_file      },
+    [REQUEST(SET)]          = { "set",          AT_STEP, LOADED,          false, false, serve_set,          complete_set       },
+    [REQUEST(QUERY)]        = { "query",        AT_STEP, LOADED,          false, false, serve_query,        NULL               },
+    [REQUEST(WAIT)]         = { "wait",         AT_STEP, ANY,             false, false, serve_wait,         complete_wait      },
+    [REQUEST(BREAKPOINT)]   = { "breakpoint",   AT_STEP, LOADED,          false, false, serve_breakpoint,   NULL               },
+};
+/* clang-format on */
+
+const Handler *handler_find(Meniscus__Request__CommandCase command)
+{
+    const size_t k = (size_t)command;
+    return k < sizeof handlers / sizeof *handlers && handlers[k].name ? &handlers[k] : NULL;
+}
+
+const char *const *handler_names(void)
+{
+    static const char *const names[] = {"load",         "start",    "pause",   "resume",     "step",       "run_until",
+                                        "stop",         "reset",    "restore", "checkpoint", "snapshot",   "set",
+                                        "get",          "query",    "wait",    "status",     "breakpoint", "cancel",
+                                        "capabilities", "shutdown", NULL};
+    return names;
+}
+
+static void list_states(unsigned states, char ret[static 128])
+{
+    ret[0] = 0;
+    for (int state = 0; state < RUN_STATES; state++)
+        if (states & 1u << state) {
+            if (ret[0]) strcat(ret, ", ");
+            strcat(ret, run_state_name((RunState)state));
+        }
+}
+
+static void serve_at_step(Run *run, Order *order)
+{
+    Exchange *x = (Exchange *)order;
+    const Handler *handler = x->handler;
+    char where[128];
+    MnsError error;
+    if (handler->states & 1u << run_state(run)) {
+        handler->serve(run, x);
+        return;
+    }
+    x->allowed = handler->states;
+    list_states(handler->states, where);
+    answer(run, x,
+           mns_fail(&error, MNS_E_STATE, "cannot %s while %s; possible in %s", handler->name,
+                    run_state_name(run_state(run)), where),
+           &error);
+}
+
+MnsStatus handle(Run *run, Exchange *exchange, MnsError *error)
+{
+    const Handler *handler = handler_find(exchange->request->command_case);
+    if (!handler) return mns_fail(error, MNS_E_VERSION, "this daemon does not know the command");
+    exchange->handler = handler;
+    exchange->order.urgent = handler->urgent;
+    exchange->order.motion = handler->motion;
+    exchange->order.serve = serve_at_step;
+    if (handler->where == AT_STEP) return run_post(run, &exchange->order, error);
+    handler->serve(run, exchange);
+    return MNS_OK;
+}

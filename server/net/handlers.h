@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The commands of the protocol: what each is called, where and when it is possible, who does it. */
+#ifndef NET_HANDLERS_H
+#define NET_HANDLERS_H
+
+#include "net/exchange.h"
+
+typedef enum Where {
+    HERE,   /* by the thread of the sockets, at once, from what the run last published */
+    AT_STEP /* by the runner's thread, between two steps                              */
+} Where;
+
+typedef struct Handler {
+    const char *name;
+    Where where;
+    unsigned states; /* bits 1 << RunState in which it is possible           */
+    bool urgent;     /* overtakes all that is queued                         */
+    bool motion;     /* sets the run in motion; a later pause calls it off   */
+
+    /* Answers the order of the exchange, now or when done. */
+    void (*serve)(Run *run, Exchange *exchange);
+
+    /* Completes the reply after a success, on the thread of the sockets; may be NULL. */
+    MnsStatus (*complete)(Run *run, Exchange *exchange, MnsError *error);
+} Handler;
+
+/* NULL for a command that is not known. */
+const Handler *handler_find(Meniscus__Request__CommandCase command);
+
+/* Names of all, NULL-terminated. */
+const char *const *handler_names(void);
+
+/* Set the exchange on its way: serve it here, or post it to the run. MNS_OK: its order will come back. MNS_E_LIMIT: the
+ * mailbox is full. */
+MnsStatus handle(Run *run, Exchange *exchange, MnsError *error);
+
+#endif

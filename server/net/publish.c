@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Telemetry. */
+#include "net/publish.h"
+
+#include "meniscus.pb-c.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <zmq.h>
+
+enum { TOPICS = 4 };
+
+typedef struct Topic {
+    uint64_t sequence;
+    uint8_t *last; /* [size] the last message, packed; NULL before the first */
+    size_t size;
+} Topic;
+
+struct Publisher {
+    void *socket;
+    uint64_t epoch;
+    Topic topics[TOPICS];
+};
+
+static const char *const topic_names[TOPICS] = {"event", "log", "progress", "probe"};
+
+static int topic_of(NoteKind kind)
+{
+    switch (kind) {
+    case NOTE_EVENT: return 0;
+    case NOTE_LOG: return 1;
+    case NOTE_PROGRESS: return 2;
+    case NOTE_PROBES: return 3;
+    default: return -1;
+    }
+}
+
+Publisher *publisher_new(void *socket, uint64_t epoch)
+{
+    Publisher *publisher = calloc(1, sizeof *publisher);
+    if (!publisher) return NULL;
+    publisher->socket = socket;
+    publisher->epoch = epoch;
+    return publisher;
+}
+
+void publisher_free(Publisher *publisher)
+{
+    for (int k = 0; publisher && k < TOPICS; k++) free(publisher->topics[k].last);
+    free(publisher);
+}
+
+static void send_last(const Publisher *publisher, int k)
+{
+    const Topic *topic = &publisher->topics[k];
+    const char *name = topic_names[k];
+    if (zmq_send(publisher->socket, name, strlen(name), ZMQ_SNDMORE | ZMQ_DONTWAIT) >= 0)
+        zmq_send(publisher->socket, topic->last, topic->size, ZMQ_DONTWAIT);
+}
+
+void publisher_welcome(Publisher *publisher, const char *prefix, size_t size)
+{
+    for (int k = 0; k < TOPICS; k++) {
+        const size_t n = strlen(topic_names[k]);
+        if (publisher->topics[k].last && size <= n && !memcmp(topic_names[k], prefix, size)) send_last(publisher, k);
+    }
+}
+
+/* Number, pack and keep a message, and send it. */
+static void send_message(Publisher *publisher, int k, Meniscus__Telemetry *message, const Note *note)
+{
+    Topic *topic = &publisher->topics[k];
+    message->has_daemon_epoch = message->has_sequence = message->has_step = message->has_time = true;
+    message->daemon_epoch = publisher->epoch;
+    message->sequence = ++topic->sequence;
+    message->step = note->step;
+    message->time = note->t;
+    const size_t size = meniscus__telemetry__get_packed_size(message);
+    uint8_t *packed = malloc(size + 1);
+    if (!packed) return;
+    meniscus__telemetry__pack(message, packed);
+    free(topic->last);
+    topic->last = packed;
+    topic->size = size;
+    send_last(publisher, k);
+}
+
+static void send_text(Publisher *publisher, int k, const Note *note)
+{
+    Meniscus__Telemetry message = MENISCUS__TELEMETRY__INIT;
+    Meniscus__Event event = MENISCUS__EVENT__INIT;
+    Meniscus__Log line = MENISCUS__LOG__INIT;
+    if (note->kind == NOTE_EVENT) {
+        event.has_state = true;
+        event.state = (Meniscus__State)note->state;
+        event.what = (char *)note->word;
+        event.text = (char *)note->text;
+        message.item_case = MENISCUS__TELEMETRY__ITEM_EVENT;
+        message.event = &event;
+    } else {
+        line.has_level = true;
+        line.level = (uint32_t)note->level;
+        line.text = (char *)note->text;
+        message.item_case = MENISCUS__TELEMETRY__ITEM_LOG;
+        message.log = &line;
+    }
+    send_message(publisher, k, &message, note);
+}
+
+static void send_progress(Publisher *publisher, int k, const Note *note)
+{
+    Meniscus__Telemetry message = MENISCUS__TELEMETRY__INIT;
+    Meniscus__Progress progress = MENISCUS__PROGRESS__INIT;
+    progress.has_state = progress.has_fraction = progress.has_time_step = progress.has_end_time = true;
+    progress.state = (Meniscus__State)note->state;
+    progress.fraction = note->fraction;
+    progress.time_step = note->dt;
+    progress.end_time = note->end_time;
+    progress.has_eta_s = isfinite(note->eta);
+    progress.eta_s = note->eta;
+    progress.has_steps_per_second = isfinite(note->steps_per_second);
+    progress.steps_per_second = note->steps_per_second;
+    message.item_case = MENISCUS__TELEMETRY__ITEM_PROGRESS;
+    message.progress = &progress;
+    send_message(publisher, k, &message, note);
+}
+
+static void send_probes(Publisher *publisher, int k, const Note *note)
+{
+    const MnsCase *c = note->document->c;
+    Meniscus__Value values[MNS_MAX_PROBES], *pointers[MNS_MAX_PROBES];
+    Meniscus__Telemetry message = MENISCUS__TELEMETRY__INIT;
+    Meniscus__Values all = MENISCUS__VALUES__INIT;
+    for (size_t p = 0; p < c->n_probes; p++) {
+        meniscus__value__init(&values[p]);
+        values[p].name = c->probes[p].name;
+        values[p].has_number = !isnan(note->values[p]);
+        values[p].number = note->values[p];
+        values[p].unit = (char *)mns_probe_unit(&c->probes[p]);
+        pointers[p] = &values[p];
+    }
+    all.n_values = c->n_probes;
+    all.values = pointers;
+    message.item_case = MENISCUS__TELEMETRY__ITEM_PROBES;
+    message.probes = &all;
+    send_message(publisher, k, &message, note);
+}
+
+void publisher_send(Publisher *publisher, const Note *note)
+{
+    const int k = topic_of(note->kind);
+    if (note->kind == NOTE_EVENT || note->kind == NOTE_LOG) send_text(publisher, k, note);
+    else if (note->kind == NOTE_PROGRESS) send_progress(publisher, k, note);
+    else if (note->kind == NOTE_PROBES) send_probes(publisher, k, note);
+}

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Telemetry: notes of the run as numbered messages, topic by topic, for whoever subscribes. A subscriber that does not read
+ * loses messages, sees so from the numbers, and disturbs nobody. */
+#ifndef NET_PUBLISH_H
+#define NET_PUBLISH_H
+
+#include "run/outbox.h"
+#include <meniscus/sim.h>
+
+typedef struct Publisher Publisher;
+
+/* socket: an XPUB of ZeroMQ, borrowed. NULL if there is no memory. */
+Publisher *publisher_new(void *socket, uint64_t epoch);
+void publisher_free(Publisher *publisher);
+
+/* Send a note, but answers. */
+void publisher_send(Publisher *publisher, const Note *note);
+
+/* Somebody subscribed: the last message of each topic that begins with this goes out again, under its old number. */
+void publisher_welcome(Publisher *publisher, const char *prefix, size_t size);
+
+#endif
