@@ -5,10 +5,12 @@
 #include "io/h5.h"
 #include "io/seal.h"
 #include "io/snapshot.h"
+#include "tests/support/cases.h"
 #include "tests/support/io_fixture.h"
 
 #include <endian.h>
 #include <fcntl.h>
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -81,6 +83,44 @@ static void state_case_and_progress_come_back_bit_for_bit(void **state)
 {
     assert_comes_back(*state, 2);
     assert_comes_back(*state, 3);
+}
+
+static void step_on(MnsSim *sim, int steps)
+{
+    for (int k = 0; k < steps; k++) assert_int_equal(mns_sim_step(sim, INFINITY, NULL), MNS_OK);
+}
+
+/* 25 steps, a file, 25 more; and another simulation that begins with the file. */
+static void assert_goes_on_from_file(const char *dir, int dim)
+{
+    char path[IO_PATH_MAX];
+    MnsCase *c = case_dam_break(dim, dim == 2 ? 12 : 6);
+    const FileMeta meta = {c, "dambreak", "title: Dam break\n"};
+    MnsSim *first = NULL, *second = NULL;
+    MnsCapture *state = NULL;
+    Checkpoint read;
+    assert_int_equal(mns_sim_new(c, &first, NULL), MNS_OK);
+    step_on(first, 25);
+    assert_int_equal(mns_sim_capture(first, mns_state_fields(), &state, NULL), MNS_OK);
+    assert_int_equal(checkpoint_write(dir, state, &meta, blob, sizeof blob, 1, path, NULL), MNS_OK);
+    step_on(first, 25);
+    assert_int_equal(checkpoint_read(path, &read, NULL), MNS_OK);
+    assert_int_equal(mns_sim_new(c, &second, NULL), MNS_OK);
+    assert_int_equal(mns_sim_restore(second, read.state, NULL), MNS_OK);
+    assert_true(mns_sim_hash(second) != mns_sim_hash(first));
+    step_on(second, 25);
+    assert_true(mns_sim_hash(second) == mns_sim_hash(first));
+    checkpoint_done(&read);
+    mns_capture_free(state);
+    mns_sim_free(second);
+    mns_sim_free(first);
+    mns_case_free(c);
+}
+
+static void a_run_goes_on_from_the_file_as_if_it_had_never_stopped(void **state)
+{
+    assert_goes_on_from_file(*state, 2);
+    assert_goes_on_from_file(*state, 3);
 }
 
 static void a_checkpoint_can_be_looked_at_like_a_snapshot(void **state)
@@ -458,6 +498,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(state_case_and_progress_come_back_bit_for_bit, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_run_goes_on_from_the_file_as_if_it_had_never_stopped, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_checkpoint_can_be_looked_at_like_a_snapshot, set_up, tear_down),
         cmocka_unit_test_setup_teardown(an_empty_case_is_kept_as_it_is, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_full_disk_drops_no_older_checkpoint, set_up, tear_down),
