@@ -23,9 +23,9 @@ static int setup(void **state)
 {
     CaseFile *file = NULL;
     if (case_file_parse("a.yaml", small, sizeof small - 1, &file, NULL)) return 1;
-    const int failed = case_message_set(case_file_message(file), "threads", "1", (Meniscus__Case **)state, NULL);
+    const MnsStatus status = case_message_set(case_file_message(file), "threads", "1", (Meniscus__Case **)state, NULL);
     case_file_free(file);
-    return failed;
+    return status != MNS_OK;
 }
 
 static int teardown(void **state)
