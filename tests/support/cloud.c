@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A handful of particles without a case. */
+#include "tests/support/cloud.h"
+#include <math.h>
+#include <stdlib.h>
+
+static void *must(void *p)
+{
+    if (!p) abort();
+    return p;
+}
+
+double cloud_noise(uint64_t *seed)
+{
+    uint64_t z = *seed += UINT64_C(0x9e3779b97f4a7c15);
+    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1;
+}
+
+static void set_model(Model *model, const CloudSetup *setup)
+{
+    *model = (Model){
+        .dim = setup->dim,
+        .dx = setup->dx,
+        .wall_volume = pow(setup->dx, setup->dim),
+        .kernel = kernel_make(setup->kernel, setup->dim, setup->dx * (setup->smoothing > 0 ? setup->smoothing : 1.3)),
+        .skin = setup->skin * setup->dx,
+        .n_phases = 2,
+        .n_walls = 1,
+        .phase = {{.rho0 = 1000, .c = 20, .mu = setup->viscous ? 3 : 0},
+                  {.rho0 = 1, .c = 20, .mu = setup->viscous ? 0.5 : 0, .p_b = 1600, .summation = true}},
+        .c_max = 20,
+        .rho_max = 1000,
+        .viscous = setup->viscous,
+        .dt = 1e-3,
+        .limiter = 3};
+    for (int d = 0; d < setup->dim; d++) {
+        model->cell[d] = setup->dx;
+        model->max[d] = setup->dx * (double)setup->n[d];
+        if (!setup->periodic[d]) continue;
+        model->period[d] = model->max[d];
+        model->frequency[d] = 1 / model->period[d];
+        model->periodic = true;
+    }
+}
+
+static int owner_at(const CloudSetup *setup, size_t point, double x[3])
+{
+    for (int d = 0; d < 3; d++) {
+        const size_t n = d < setup->dim ? setup->n[d] : 1;
+        x[d] = d < setup->dim ? ((double)(point % n) + 0.5) * setup->dx : 0;
+        point /= n;
+    }
+    return setup->owner ? setup->owner(x) : CLOUD_WATER;
+}
+
+static void fill(Cloud *cloud, const CloudSetup *setup, size_t points)
+{
+    Particles *s = &cloud->s;
+    size_t next[GROUPS] = {s->begin[0], s->begin[1], s->begin[2]};
+    uint64_t seed = 7;
+    for (size_t k = 0; k < points; k++) {
+        double x[3];
+        const int owner = owner_at(setup, k, x);
+        if (owner == CLOUD_NOTHING) continue;
+        const size_t i = next[owner]++;
+        const double rho0 = cloud->model.phase[owner == CLOUD_AIR ? 1 : 0].rho0;
+        s->id[i] = (uint32_t)k;
+        s->phase[i] = (uint8_t)owner;
+        s->vol[i] = cloud->model.wall_volume;
+        s->rho[i] = rho0;
+        s->z[i] = rho0 * 20;
+        s->m[i] = rho0 * s->vol[i];
+        for (int d = 0; d < s->dim; d++) {
+            s->x[d][i] = x[d] + setup->jitter * setup->dx * cloud_noise(&seed);
+            if (k % 7 == 3) s->x[d][i] += setup->outside * cloud->model.max[d] * cloud_noise(&seed);
+        }
+    }
+}
+
+Cloud *cloud_new(const CloudSetup *setup)
+{
+    Cloud *cloud = must(calloc(1, sizeof *cloud));
+    cloud->threads = setup->threads > 0 ? setup->threads : 1;
+    set_model(&cloud->model, setup);
+    const size_t points = setup->n[0] * setup->n[1] * (setup->dim == 3 ? setup->n[2] : 1);
+    size_t sizes[GROUPS + 1] = {0};
+    for (size_t k = 0; k < points; k++) {
+        double x[3];
+        sizes[owner_at(setup, k, x)]++;
+    }
+    if (particles_init(&cloud->s, setup->dim, 2, sizes, setup->viscous, NULL)) abort();
+    if (neighbours_init(&cloud->nb, cloud->s.n, cloud->threads, NULL)) abort();
+    fill(cloud, setup, points);
+    if (cloud_build(cloud) != MNS_OK) abort();
+    return cloud;
+}
+
+void cloud_free(Cloud *cloud)
+{
+    if (!cloud) return;
+    neighbours_done(&cloud->nb);
+    particles_done(&cloud->s);
+    free(cloud);
+}
+
+MnsStatus cloud_build(Cloud *cloud)
+{
+    Particles *s = &cloud->s;
+    for (int d = 0; d < s->dim; d++)
+        for (size_t i = 0; i < s->n; i++) s->ref[d][i] = s->x[d][i];
+    return neighbours_build(&cloud->nb, s, &cloud->model, NULL);
+}
+
+void cloud_term(Cloud *cloud, const Term *term)
+{
+    Particles *s = &cloud->s;
+    for (size_t i = 0; i < s->n; i++) {
+        s->rate[i] = 0;
+        for (int d = 0; d < s->dim; d++) s->a[d][i] = s->b[d][i] = 0;
+    }
+    const Pass pass = {"alone", .terms = {term}};
+    pass_run(&pass, s, &cloud->nb, &cloud->model, cloud->threads);
+}
+
+void cloud_stir(Cloud *cloud, uint64_t seed)
+{
+    Particles *s = &cloud->s;
+    for (size_t i = 0; i < particles_fluid(s); i++) {
+        const Phase *phase = &cloud->model.phase[s->phase[i]];
+        s->rho[i] = phase->rho0 * (1 + 0.1 * cloud_noise(&seed));
+        s->p[i] = 0.1 * phase->rho0 * phase->c * phase->c * cloud_noise(&seed);
+        s->vol[i] = s->m[i] / s->rho[i];
+        s->z[i] = s->rho[i] * phase->c;
+        for (int d = 0; d < s->dim; d++) s->v[d][i] = 0.1 * phase->c * cloud_noise(&seed);
+    }
+}
+
+bool cloud_inner(const Cloud *cloud, size_t i)
+{
+    const double margin = cloud->model.kernel.support + cloud->model.dx;
+    for (int d = 0; d < cloud->s.dim; d++) {
+        const double x = cloud->s.x[d][i];
+        if (cloud->model.period[d] == 0 && (x < margin || x > cloud->model.max[d] - margin)) return false;
+    }
+    return true;
+}

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A handful of particles without a case, for tests of the solver's inner parts: any positions, any fields. */
+#ifndef SUPPORT_CLOUD_H
+#define SUPPORT_CLOUD_H
+
+#include "sim/pass.h"
+#include "sim/scheme.h"
+
+/* Whose particle may be at a point of the lattice. */
+enum { CLOUD_WATER, CLOUD_AIR, CLOUD_WALL, CLOUD_NOTHING };
+
+typedef struct Cloud {
+    Model model;
+    Particles s;
+    Neighbours nb;
+    int threads;
+} Cloud;
+
+typedef struct CloudSetup {
+    int dim;
+    double dx;
+    size_t n[3]; /* lattice points along each direction; the domain is n dx wide, from 0 */
+    bool periodic[3];
+    double jitter;                   /* random displacement up to this many dx each way */
+    double outside;                  /* every seventh particle is put up to this many domain lengths elsewhere */
+    int (*owner)(const double x[3]); /* NULL: all water */
+    MnsKernel kernel;
+    double smoothing; /* h/dx; 0: 1.3 */
+    double skin;      /* over dx */
+    int threads;      /* 0: 1 */
+    bool viscous;
+} CloudSetup;
+
+/* Water (density 1000, by continuity) and air (density 1, by summation), speed of sound 20, one wall (phase 2). Each particle has
+ * the volume and density of its kind at rest, no pressure, no velocity. Lists are built. Ends the test if it cannot. */
+Cloud *cloud_new(const CloudSetup *setup);
+void cloud_free(Cloud *cloud);
+
+/* Build the lists again from where the particles are now, which may change their order. */
+MnsStatus cloud_build(Cloud *cloud);
+
+/* Sums of one term for all its particles, after a, b and rate were set to zero. */
+void cloud_term(Cloud *cloud, const Term *term);
+
+/* Fluid pressures, velocities and densities without any symmetry; p below 10 % of rho c^2 and of either sign, so that the
+ * pair p* has both, |v| below a tenth of c. m stays; V and z follow rho. */
+void cloud_stir(Cloud *cloud, uint64_t seed);
+
+/* In [-1, 1), deterministic. */
+double cloud_noise(uint64_t *seed);
+
+/* Is i so far inside the lattice that its neighbours are on all sides? */
+bool cloud_inner(const Cloud *cloud, size_t i);
+
+#endif
