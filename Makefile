@@ -42,7 +42,7 @@ BENCH     := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/bench))
 SUPPORT   := $(call objects,$(call sources,tests/support))
 
 .PHONY: all help packages demo check validate bench reference install uninstall clean lint format asan tsan
-all: $(BUILD)/meniscusd $(BUILD)/meniscus $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-client.a $(BUILD)/libmeniscus-client.so $(BUILD)/case-reference.md ## build everything
+all: $(BUILD)/meniscusd $(BUILD)/meniscus $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-client.a $(BUILD)/libmeniscus-client.so $(BUILD)/case-reference.md $(BUILD)/python/meniscus/meniscus_pb2.py ## build everything
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z][a-z-]*:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' Makefile
@@ -133,6 +133,12 @@ $(BUILD)/gen/case_schema.c $(BUILD)/case-reference.md &: proto/case.proto proto/
 	@mkdir -p $(BUILD)/gen
 	protoc -Iproto --include_source_info --descriptor_set_out=$(BUILD)/gen/case.desc proto/case.proto
 	$(PYTHON) proto/schema.py $(BUILD)/gen/case.desc $(BUILD)/gen/case_schema.c $(BUILD)/case-reference.md
+# The Python client with its generated modules, for PYTHONPATH=$(BUILD)/python; client/python/setup.py does the same for pip.
+PY_FILES := $(wildcard client/python/src/meniscus/*.py) client/python/src/meniscus/py.typed
+$(BUILD)/python/meniscus/meniscus_pb2.py: client/python/generate.py $(PY_FILES) $(wildcard proto/*.proto)
+	@mkdir -p $(@D)
+	$(PYTHON) client/python/generate.py proto $(@D)
+	cp $(PY_FILES) $(@D)
 
 .SECONDARY:
 -include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)

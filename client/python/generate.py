@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Make the Python modules of the protocol: generate.py PROTO_DIRECTORY PACKAGE_DIRECTORY
+
+Runs protoc, then turns the import between the two modules into one within the package: protoc knows no packages but
+those of the directory layout, and the .proto files lie flat.
+"""
+
+import pathlib
+import subprocess
+import sys
+
+SOURCES = ("case.proto", "meniscus.proto")
+
+
+def generate(proto: pathlib.Path, package: pathlib.Path) -> None:
+    """Write case_pb2.py and meniscus_pb2.py with their .pyi into the package directory."""
+    package.mkdir(parents=True, exist_ok=True)
+    subprocess.run(
+        ["protoc", f"-I{proto}", f"--python_out={package}", f"--pyi_out={package}", *SOURCES], check=True
+    )
+    for name in ("meniscus_pb2.py", "meniscus_pb2.pyi"):
+        module = package / name
+        module.write_text(module.read_text().replace("import case_pb2 as", "from . import case_pb2 as"))
+
+
+if __name__ == "__main__":
+    generate(pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]))

@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Steer, watch and question Meniscus simulations.
+
+    import meniscus
+    with meniscus.Client() as client:
+        client.load("dambreak2d", {"resolution": 20}, start=True)
+        for message in client.subscribe("progress", "event"):
+            print(message.time, message.state)
+            if message.state in ("DONE", "FAULT"):
+                break
+        print(client.probes())
+"""
+
+from .client import TOPICS, Client
+from .errors import (CancelledError, CaseError, CorruptError, MeniscusError, RefusedError, StateError, TimedOutError,
+                     UnavailableError)
+from .values import OutputFile, Reply, Status, Telemetry, Value
+
+__version__ = "0.1.0"
+__all__ = ["CancelledError", "CaseError", "Client", "CorruptError", "MeniscusError", "OutputFile", "RefusedError",
+           "Reply", "StateError", "Status", "TOPICS", "Telemetry", "TimedOutError", "UnavailableError", "Value"]

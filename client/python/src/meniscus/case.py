@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Case files as messages, by walking the protocol's descriptors: no entry is named here.
+
+Each entry's place in the file is kept, so that a complaint of the daemon can name line and column.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import re
+from pathlib import Path
+from typing import Any, Dict, Mapping, Optional, Union
+
+import yaml
+from google.protobuf.descriptor import FieldDescriptor
+from google.protobuf.message import Message
+
+from . import case_pb2
+from .errors import CaseError
+
+OVERRIDE = "override "
+CaseSource = Union[str, Path, Mapping[str, Any]]
+_INTEGERS = {FieldDescriptor.CPPTYPE_INT32, FieldDescriptor.CPPTYPE_UINT32, FieldDescriptor.CPPTYPE_INT64,
+             FieldDescriptor.CPPTYPE_UINT64}
+
+
+def find(case: Union[str, Path]) -> Path:
+    """A case file by path, or by name in $MENISCUS_CASES or where cases are installed."""
+    path = Path(case)
+    if path.is_file():
+        return path
+    folders = [Path(os.environ.get("MENISCUS_CASES", ".")), Path("/usr/local/share/meniscus/cases"),
+               Path("/usr/share/meniscus/cases")]
+    for folder in folders:
+        if (folder / f"{case}.yaml").is_file():
+            return folder / f"{case}.yaml"
+    looked = ", ".join(str(folder) for folder in folders)
+    raise CaseError("NOT_FOUND", f'there is no file "{case}" and no case of that name in {looked}')
+
+
+class CaseText:
+    """A case as text, with the places of its entries."""
+
+    def __init__(self, case: CaseSource) -> None:
+        """case: a path, a name, or a mapping that has the shape of a case file."""
+        if isinstance(case, Mapping):
+            self.name, self.file = "case", "case"
+            text = yaml.safe_dump(dict(case), sort_keys=False)
+        else:
+            path = find(case)
+            self.name, self.file = path.stem, str(path)
+            text = path.read_text(encoding="utf-8")
+        self._root = self._compose(text, self.file)
+        self._places: Dict[str, str] = {}
+
+    def _compose(self, text: str, name: str) -> yaml.Node:
+        """Read YAML; the name goes into the marks of its nodes."""
+        stream = io.StringIO(text)
+        stream.name = name
+        try:
+            node = yaml.compose(stream, Loader=yaml.BaseLoader)
+        except yaml.MarkedYAMLError as error:
+            where = _place(error.problem_mark) if error.problem_mark else name
+            raise CaseError("INVALID_ARGUMENT", f"{where}: {error.problem}") from None
+        if node is None:
+            raise CaseError("INVALID_ARGUMENT", f"{name}: there is nothing in it")
+        return node
+
+    def set(self, path: str, value: Any) -> None:
+        """Override an entry: set("fluids[1].density", 2). Text is read as YAML."""
+        text = value if isinstance(value, str) else yaml.safe_dump(value, default_flow_style=True)
+        new = self._compose(text, OVERRIDE + path)
+        node = self._root
+        words = re.findall(r"[^.\[\]]+", path)
+        for k, word in enumerate(words):
+            last = k == len(words) - 1
+            node = _descend(node, word, new if last else None, path)
+
+    def message(self) -> case_pb2.Case:
+        """The case as a message. CaseError names what does not belong there."""
+        message = case_pb2.Case()
+        self._places = {}
+        self._read_message(self._root, message, "")
+        return message
+
+    def locate(self, path: str) -> str:
+        """FILE:LINE:COLUMN of an entry, or of the nearest entry around it."""
+        while path and path not in self._places:
+            path = re.sub(r"(^|\.?)[^.\[]+$|\[\d+\]$", "", path)
+        return self._places.get(path, self.file)
+
+    def _fail(self, node: yaml.Node, path: str, text: str) -> CaseError:
+        place = _place(node.start_mark)
+        return CaseError("INVALID_ARGUMENT", f"{place}: {path or 'the case'}: {text}", path)
+
+    def _read_message(self, node: yaml.Node, message: Message, path: str) -> None:
+        if not isinstance(node, yaml.MappingNode):
+            raise self._fail(node, path, "entries with names are expected here")
+        for key, value in node.value:
+            field = message.DESCRIPTOR.fields_by_name.get(key.value)
+            inner = f"{path}.{key.value}" if path else key.value
+            if field is None:
+                raise self._fail(key, inner, "unknown entry; allowed: " + ", ".join(message.DESCRIPTOR.fields_by_name))
+            self._places[inner] = _place(value.start_mark)
+            self._read_field(value, message, field, inner)
+
+    def _read_field(self, node: yaml.Node, message: Message, field: FieldDescriptor, path: str) -> None:
+        if field.label == FieldDescriptor.LABEL_REPEATED:
+            if not isinstance(node, yaml.SequenceNode):
+                raise self._fail(node, path, "a list is expected here")
+            for k, item in enumerate(node.value):
+                self._places[f"{path}[{k}]"] = _place(item.start_mark)
+                if field.message_type:
+                    self._read_message(item, getattr(message, field.name).add(), f"{path}[{k}]")
+                else:
+                    getattr(message, field.name).append(self._read_scalar(item, field, f"{path}[{k}]"))
+        elif field.message_type:
+            getattr(message, field.name).SetInParent()
+            self._read_message(node, getattr(message, field.name), path)
+        else:
+            setattr(message, field.name, self._read_scalar(node, field, path))
+
+    def _read_scalar(self, node: yaml.Node, field: FieldDescriptor, path: str) -> Any:
+        if not isinstance(node, yaml.ScalarNode):
+            raise self._fail(node, path, "a single value is expected here")
+        value = _scalar(node.value, field)
+        if value is None:
+            raise self._fail(node, path, f'"{node.value}" is not {_wanted(field)}')
+        return value
+
+
+def _place(mark: yaml.Mark) -> str:
+    """FILE:LINE:COLUMN; an override has no lines worth naming."""
+    return mark.name if mark.name.startswith(OVERRIDE) else f"{mark.name}:{mark.line + 1}:{mark.column + 1}"
+
+
+def _descend(node: yaml.Node, word: str, new: Optional[yaml.Node], path: str) -> yaml.Node:
+    """The entry `word` of a node, replaced by `new` or made if it is not there."""
+    if isinstance(node, yaml.SequenceNode):
+        if not word.isdigit() or int(word) > len(node.value):
+            raise CaseError("NOT_FOUND", f'"{path}": there is no item [{word}]', path)
+        if int(word) == len(node.value):
+            node.value.append(new or _empty(node))
+        elif new:
+            node.value[int(word)] = new
+        return node.value[int(word)]
+    if not isinstance(node, yaml.MappingNode):
+        raise CaseError("NOT_FOUND", f'"{path}": "{word}" is not an entry of a single value', path)
+    for k, (key, value) in enumerate(node.value):
+        if key.value == word:
+            node.value[k] = (key, new or value)
+            return node.value[k][1]
+    key = yaml.ScalarNode("tag:yaml.org,2002:str", word, node.start_mark, node.end_mark)
+    node.value.append((key, new or _empty(node)))
+    return node.value[-1][1]
+
+
+def _empty(near: yaml.Node) -> yaml.MappingNode:
+    return yaml.MappingNode("tag:yaml.org,2002:map", [], near.start_mark, near.end_mark)
+
+
+def _scalar(text: str, field: FieldDescriptor) -> Any:
+    """A value of the field's type; None if the text is none."""
+    try:
+        if field.enum_type:
+            return field.enum_type.values_by_name[text.upper().replace("-", "_")].number
+        if field.cpp_type == FieldDescriptor.CPPTYPE_BOOL:
+            return {"true": True, "false": False}[text]
+        if field.cpp_type == FieldDescriptor.CPPTYPE_STRING:
+            return text
+        if field.cpp_type in _INTEGERS:
+            return int(text)
+        return float(text)
+    except (KeyError, ValueError):
+        return None
+
+
+def _wanted(field: FieldDescriptor) -> str:
+    if field.enum_type:
+        return "one of " + ", ".join(name.lower().replace("_", "-") for name in field.enum_type.values_by_name)
+    if field.cpp_type == FieldDescriptor.CPPTYPE_BOOL:
+        return "true or false"
+    return "a whole number" if field.cpp_type in _INTEGERS else "a number"

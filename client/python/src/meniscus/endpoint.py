@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Where daemons listen: the rule is the one of <meniscus/client.h>."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import List, Optional
+
+from .errors import RefusedError, UnavailableError
+
+
+def _directories() -> List[Path]:
+    runtime = os.environ.get("XDG_RUNTIME_DIR")
+    first = [Path(runtime) / "meniscus"] if runtime else []
+    return first + [Path("/run/meniscus"), Path(f"/tmp/meniscus-{os.getuid()}")]
+
+
+def control_endpoint(daemon: Optional[str] = None) -> str:
+    """Endpoint of a daemon given by name, as ipc://PATH or as tcp://127.0.0.1:PORT.
+
+    None means $MENISCUS_DAEMON, or "default". UnavailableError if no daemon of that name has a socket.
+    """
+    chosen = daemon or os.environ.get("MENISCUS_DAEMON") or "default"
+    if chosen.startswith("ipc://") and len(chosen) > len("ipc://"):
+        return chosen
+    if re.fullmatch(r"tcp://127\.0\.0\.1:[1-9][0-9]{0,4}", chosen) and int(chosen.rsplit(":", 1)[1]) < 65535:
+        return chosen
+    if "/" in chosen or ":" in chosen or chosen.startswith("."):
+        raise RefusedError("INVALID_ARGUMENT", f'"{chosen}" is neither a name nor ipc://PATH nor tcp://127.0.0.1:PORT')
+    for directory in _directories():
+        socket = directory / chosen / "control.ipc"
+        if socket.exists():
+            return f"ipc://{socket}"
+    looked = ", ".join(str(directory) for directory in _directories())
+    raise UnavailableError(
+        "UNAVAILABLE", f'no daemon "{chosen}" in {looked}; start one with `meniscusd --name {chosen}`'
+    )
+
+
+def telemetry_endpoint(control: str) -> str:
+    """The telemetry socket that belongs to a control endpoint: telemetry.ipc beside it, or the next port."""
+    if control.startswith("tcp://"):
+        host, port = control.rsplit(":", 1)
+        return f"{host}:{int(port) + 1}"
+    return f"ipc://{Path(control[len('ipc://'):]).parent / 'telemetry.ipc'}"

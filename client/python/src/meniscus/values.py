@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a daemon answers and publishes, as plain values. Everything is in SI units."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Dict, List, Optional, Union
+
+import numpy as np
+
+from . import meniscus_pb2 as pb
+from .errors import CorruptError
+
+
+@dataclass(frozen=True)
+class Value:
+    """A number or a text with its unit; None where there is nothing to measure."""
+
+    value: Union[float, str, None]
+    unit: str = ""
+
+
+@dataclass(frozen=True)
+class Reply:
+    """The answer to a command: the state after its effect, and the step boundary at which it took effect."""
+
+    state: str
+    step: int
+    time: float
+    effect_step: int
+    daemon_epoch: int
+    message: str = ""
+
+
+@dataclass(frozen=True)
+class OutputFile:
+    """A file the daemon has written."""
+
+    path: str
+    step: int
+    time: float
+
+
+@dataclass(frozen=True)
+class Status:
+    """What a daemon is doing. None: not known, or not in this state."""
+
+    state: str
+    case_name: Optional[str] = None
+    title: Optional[str] = None
+    run_directory: Optional[str] = None
+    time: Optional[float] = None
+    end_time: Optional[float] = None
+    step: Optional[int] = None
+    time_step: Optional[float] = None
+    particles: Optional[int] = None
+    fluid_particles: Optional[int] = None
+    steps_per_second: Optional[float] = None
+    ns_per_particle_step: Optional[float] = None
+    eta_s: Optional[float] = None
+    guarded: Optional[int] = None
+    captures_skipped: Optional[int] = None
+    fault: Optional[str] = None
+    threads: Optional[int] = None
+    wall_s: Optional[float] = None
+    memory_bytes: Optional[int] = None
+    version: Optional[str] = None
+    state_hash: Optional[int] = None
+
+
+@dataclass(frozen=True)
+class Telemetry:
+    """One message of a topic. lost: messages of the topic that did not arrive before this one."""
+
+    topic: str
+    sequence: int
+    lost: int
+    step: int
+    time: float
+    state: Optional[str] = None  # event, progress
+    what: str = ""  # event
+    text: str = ""  # event, log
+    level: Optional[int] = None  # log
+    fraction: Optional[float] = None  # progress
+    eta_s: Optional[float] = None
+    steps_per_second: Optional[float] = None
+    time_step: Optional[float] = None
+    end_time: Optional[float] = None
+    values: Dict[str, Value] = field(default_factory=dict)  # probe
+
+
+def _given(message: Any, name: str) -> Any:
+    return getattr(message, name) if message.HasField(name) else None
+
+
+def read_reply(reply: pb.Reply) -> Reply:
+    """The part that every reply has."""
+    return Reply(
+        pb.State.Name(reply.state), reply.step, reply.time, reply.effect_step, reply.daemon_epoch, reply.message
+    )
+
+
+def read_status(message: pb.Status) -> Status:
+    """A status, field by field."""
+    names = [name for name in Status.__dataclass_fields__ if name != "state"]
+    return Status(state=pb.State.Name(message.state), **{name: _given(message, name) for name in names})
+
+
+def read_values(message: pb.Values) -> Dict[str, Value]:
+    """Named values; text where it is text."""
+    return {
+        v.name: Value(v.text if v.HasField("text") else _given(v, "number"), v.unit) for v in message.values
+    }
+
+
+def read_array(array: pb.Array, frame: bytes) -> np.ndarray:
+    """A raw frame as an array that nobody else changes."""
+    try:
+        return np.frombuffer(frame, dtype=np.dtype(array.type)).reshape(tuple(array.shape)).copy()
+    except (TypeError, ValueError):
+        text = f'array "{array.name}" has {len(frame)} bytes, which do not fit {array.type} {list(array.shape)}'
+        raise CorruptError("DATA_LOSS", text) from None
+
+
+def read_telemetry(topic: str, message: pb.Telemetry, lost: int) -> Telemetry:
+    """A message of a topic."""
+    common = (topic, message.sequence, lost, message.step, message.time)
+    kind = message.WhichOneof("item")
+    if kind == "event":
+        event = message.event
+        return Telemetry(*common, state=pb.State.Name(event.state), what=event.what, text=event.text)
+    if kind == "log":
+        return Telemetry(*common, level=message.log.level, text=message.log.text)
+    if kind == "progress":
+        names: List[str] = ["fraction", "eta_s", "steps_per_second", "time_step", "end_time"]
+        progress = message.progress
+        return Telemetry(
+            *common, state=pb.State.Name(progress.state), **{name: _given(progress, name) for name in names}
+        )
+    return Telemetry(*common, values=read_values(message.probes))
