@@ -157,8 +157,8 @@ MnsStatus command_load(Invocation *in, MnsError *error)
                           .resume = options_get(&in->options, OPT_RESUME)};
     const bool start = options_get(&in->options, OPT_START);
     MnsReply *reply = NULL;
-    MnsStatus status = command_connect(in, error);
-    if (status == MNS_OK) status = case_find(in->options.words[0], path, error);
+    MnsStatus status = case_find(in->options.words[0], path, error);
+    if (status == MNS_OK) status = command_connect(in, error);
     if (status == MNS_OK) status = mns_client_load(in->client, &load, start ? NULL : &reply, error);
     if (status == MNS_OK && start) status = mns_client_start(in->client, &reply, error);
     return report(in, status, reply, error);

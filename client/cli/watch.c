@@ -14,6 +14,7 @@ typedef struct Watch {
     Invocation *in;
     Screen screen;
     bool follow;
+    double age;   /* since the beginning [s] */
     bool changed; /* there is something to draw */
     double quiet; /* time without a message [s] */
 } Watch;
@@ -107,6 +108,9 @@ static MnsStatus listen_once(Watch *watch, MnsError *error)
         left = tick_s - (double)(now.tv_sec - begin.tv_sec) - 1e-9 * (double)(now.tv_nsec - begin.tv_nsec);
     }
     watch->quiet += tick_s;
+    watch->age += tick_s;
+    if (watch->in->timeout >= 0 && watch->age >= watch->in->timeout && !is_over(watch))
+        return mns_fail(error, MNS_E_TIMEOUT, "the run had not ended after %g s", watch->in->timeout);
     return MNS_OK;
 }
 
