@@ -60,9 +60,8 @@ for file in server/cases/*.yaml; do put 644 "$file" "$share/cases/${file##*/}"; 
 for file in proto/*.proto; do put 644 "$file" "$share/${file}"; done
 for file in README.md ARCHITECTURE.md CHANGELOG.md LICENSE systemd/meniscus.conf; do put 644 "$file" "$doc/${file##*/}"; done
 put 644 "$BUILD/case-reference.md" "$doc/case-reference.md"
-for file in client/python/meniscus/*.py "$BUILD"/python/meniscus/*.py; do
-    if [ -f "$file" ]; then put 644 "$file" "$python/${file##*/}"; fi
-done
+for file in "$BUILD"/python/meniscus/*.py*; do put 644 "$file" "$python/${file##*/}"; done
+put 644 "$BUILD/python/meniscus/py.typed" "$python/py.typed"
 fill systemd/meniscusd@.service "$units/meniscusd@.service"
 put 644 systemd/meniscus.sysusers "$sysusers/meniscus.conf"
 put 644 systemd/meniscus.tmpfiles "$tmpfiles/meniscus.conf"

@@ -63,6 +63,8 @@ expect "a program builds with the client library" build client meniscus-client
 expect "it runs" env LD_LIBRARY_PATH="$root/opt/lib" "$stage/client"
 expect "the installed command line runs" "$root/opt/bin/meniscus" --help
 expect "the installed daemon runs" "$root/opt/bin/meniscusd" --help
+expect "the Python client can be imported" env PYTHONPATH="$root/opt/lib/python3/dist-packages" \
+    /usr/bin/python3 -c "import meniscus"
 expect "the cases are there" test -f "$root/opt/share/meniscus/cases/dambreak2d.yaml"
 expect "the unit names the installed daemon" grep -q '^ExecStart=/opt/bin/meniscusd ' "$root/opt/lib/systemd/system/meniscusd@.service"
 
