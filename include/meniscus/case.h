@@ -83,6 +83,7 @@ typedef enum MnsKernel { MNS_WENDLAND_C2, MNS_TRUNCATED_GAUSSIAN, MNS_QUINTIC_SP
 
 typedef struct MnsRiemann {
     double limiter, background_pressure, guard;
+    bool transport_stress;
 } MnsRiemann;
 
 typedef struct MnsSchemeOptions {

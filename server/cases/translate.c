@@ -140,7 +140,10 @@ static void translate_scheme(const Meniscus__Scheme *given, MnsSchemeOptions *re
         .smoothing = m->smoothing,
         .cfl = m->cfl,
         .skin = m->skin,
-        .riemann = {.limiter = r->limiter, .background_pressure = r->background_pressure, .guard = r->guard},
+        .riemann = {.limiter = r->limiter,
+                    .background_pressure = r->background_pressure,
+                    .guard = r->guard,
+                    .transport_stress = r->transport_stress},
     };
 }
 

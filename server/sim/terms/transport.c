@@ -8,6 +8,7 @@
 
 static bool transports(const Model *model)
 {
+    if (!model->transport_stress) return false;
     for (size_t k = 0; k < model->n_phases; k++)
         if (model->phase[k].summation) return true;
     return false;
@@ -29,6 +30,7 @@ static void background_row(Row *row, Particles *s, const Model *model)
         s->b[d][i] = -2 * model->phase[s->phase[i]].p_b / s->rho[i] * sum;
         along_w += s->w[d][i] * sum;
     }
+    if (!model->transport_stress) return;
     for (int d = 0; d < row->dim; d++) s->a[d][i] += s->vol[i] * s->rho[i] / s->m[i] * s->v[d][i] * along_w;
 }
 
