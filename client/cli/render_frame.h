@@ -29,7 +29,7 @@ typedef struct Frame {
  * not a snapshot. On failure *ret needs no frame_done(). */
 MnsStatus frame_read_file(const char *path, const char *field, Frame *ret, MnsError *error);
 
-/* Ask a daemon. name: of the daemon, as every command takes it. MNS_E_UNAVAILABLE if nobody answers. */
+/* Ask a daemon. name: of the daemon, as every command takes it; NULL: the default one. MNS_E_UNAVAILABLE if nobody answers. */
 MnsStatus frame_read_daemon(const char *name, const char *field, bool walls, Frame *ret, MnsError *error);
 
 /* Room for n particles; value and weight are left to those who have them. */

@@ -66,7 +66,8 @@ static double base_font(const Page *page)
 /* More labels than this would touch each other. */
 static void choose_ticks(const Page *page, cairo_t *cr, Layout *l)
 {
-    l->ticks[1] = ticks_make(page->lo[1], page->hi[1], (int)fmin(l->plot.h / (2.6 * l->font), 9));
+    const double lo = page->v_is_down ? -page->hi[1] : page->lo[1], hi = page->v_is_down ? -page->lo[1] : page->hi[1];
+    l->ticks[1] = ticks_make(lo, hi, (int)fmin(l->plot.h / (2.6 * l->font), 9));
     double room = 4 * l->font;
     for (int attempt = 0; attempt < 3; attempt++) {
         l->ticks[0] = ticks_make(page->lo[0], page->hi[0], (int)fmin(l->plot.w / room, 13));

@@ -11,7 +11,7 @@ enum { SMALLEST = 160, LARGEST = 8192, MOST_PIXELS = 24000000 };
 
 const char *render_usage(void)
 {
-    return "Usage: meniscus render SNAPSHOT.hdf | --daemon NAME  [OPTION]...  -o FILE.png\n"
+    return "Usage: meniscus render [SNAPSHOT.hdf | --daemon NAME] [OPTION]...  -o FILE.png\n"
            "Draw the particles of a snapshot, or of a daemon while it runs, as a PNG picture.\n"
            "\n"
            "  -f, --field NAME         phase (default), pressure, velocity, density or any other field\n"
@@ -25,7 +25,8 @@ const char *render_usage(void)
            "  -b, --box X0,Y0,X1,Y1    part of the plane to draw [m]\n"
            "  -t, --title TEXT         instead of the title of the case\n"
            "  -s, --size WxH           in pixels (default: 1600x900)\n"
-           "  -d, --daemon NAME        draw what a daemon is computing\n"
+           "  -d, --daemon NAME        draw what this daemon is computing (default, without a snapshot:\n"
+           "                           $MENISCUS_DAEMON, or the one named default)\n"
            "  -o, --out FILE.png       where the picture goes\n"
            "  -o json                  besides, say on standard output what was drawn, as JSON\n";
 }
@@ -153,8 +154,8 @@ static MnsStatus check_whole(int argc, char **argv, RenderOptions *o, MnsError *
     if (optind < argc)
         return mns_fail(error, MNS_E_INVALID, "There is nothing to do with \"%s\": one snapshot makes one picture.",
                         argv[optind]);
-    if (!o->snapshot == !o->daemon)
-        return mns_fail(error, MNS_E_INVALID, "Say what to draw: either a snapshot file or --daemon NAME.");
+    if (o->snapshot && o->daemon)
+        return mns_fail(error, MNS_E_INVALID, "Say what to draw: either a snapshot file or --daemon NAME, not both.");
     if (!o->out) return mns_fail_at(error, MNS_E_INVALID, "--out", "Say where the picture goes: -o FILE.png.");
     return MNS_OK;
 }

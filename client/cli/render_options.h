@@ -7,7 +7,7 @@
 #include "client/cli/render_view.h"
 
 typedef struct RenderOptions {
-    const char *snapshot, *daemon;   /* one of them; the other NULL */
+    const char *snapshot, *daemon;   /* not both; neither: the default daemon */
     const char *field, *out, *title; /* title NULL: that of the case */
     const ColourMap *map;
     bool has_range, json, help;

@@ -79,7 +79,8 @@ static void draw_axis_up(const Page *page, const Layout *l, cairo_t *cr)
     const double w = line_width(l), f = l->font;
     char label[64];
     for (int k = 0; k < l->ticks[1].n; k++) {
-        const double share = (l->ticks[1].value[k] - page->lo[1]) / (page->hi[1] - page->lo[1]);
+        const double v = page->v_is_down ? -l->ticks[1].value[k] : l->ticks[1].value[k];
+        const double share = (v - page->lo[1]) / (page->hi[1] - page->lo[1]);
         const double y = l->plot.y + (1 - share) * l->plot.h;
         ink(cr);
         stroke(cr, w, l->plot.x - 0.4 * f, crisp(y, w), l->plot.x, crisp(y, w));

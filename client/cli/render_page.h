@@ -20,6 +20,7 @@ typedef struct Page {
     char title[256], moment[96];
     char axis[2]; /* names of the axes to the right and up: 'x', 'y', 'z' */
     double lo[2], hi[2];
+    bool v_is_down;     /* the second axis shows minus these bounds */
     const Scale *scale; /* NULL: a legend instead of a bar */
     const ColourMap *map;
     size_t n_entries;

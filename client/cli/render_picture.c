@@ -55,6 +55,7 @@ static Page describe(const Frame *frame, const RenderOptions *o, const View *vie
     print_moment(frame, view, sizeof page.moment, page.moment);
     page.axis[0] = "xyz"[view->axis_u];
     page.axis[1] = "xyz"[view->axis_v];
+    page.v_is_down = view->v_is_down;
     memcpy(page.lo, view->lo, sizeof page.lo);
     memcpy(page.hi, view->hi, sizeof page.hi);
     if (!page.scale) list_fluids(frame, view, o->view.walls, &page);

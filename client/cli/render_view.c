@@ -71,11 +71,27 @@ static MnsStatus choose_fluids(const Frame *frame, const char *names, View *view
     }
 }
 
-/* With y or z up the page shows x to the right; a look along x shows y to the right and z up. */
-static void choose_page(View *view)
+/* Which way is up is not in the data, but the heavy fluid is where down is: y unless it lies lower along z. */
+static bool z_is_up(const Frame *frame, const Extent *e)
 {
-    view->axis_u = view->axis == 0 ? 1 : 0;
-    view->axis_v = view->axis == 2 || view->axis < 0 ? 1 : 2;
+    const int heavy = (int)frame_heaviest(frame);
+    double sum[3] = {0}, n = 0;
+    for (size_t i = 0; i < frame->n_fluid; i++) {
+        if (frame->phase[i] != heavy || !finite_place(frame, i)) continue;
+        for (int d = 0; d < 3; d++) sum[d] += (frame->x[i][d] - e->lo[d]) / (e->hi[d] - e->lo[d]);
+        n++;
+    }
+    return sum[2] < sum[1] - 0.01 * n;
+}
+
+/* The page is what one sees looking along the axis, with what is up in space up on the page. Onto a surface below one looks
+ * from above; then the third axis points down the page, for a mirror image would be wrong. */
+static void choose_page(View *view, bool up_is_z)
+{
+    view->axis_u = view->axis == 0 ? (up_is_z ? 1 : 2) : 0;
+    view->axis_v = view->axis == 2 || view->axis < 0 || (view->axis == 0 && !up_is_z) ? 1 : 2;
+    view->v_is_down = view->axis == 1 && !up_is_z;
+    view->eye_is_low = view->axis == 1 ? up_is_z : view->axis == 0 && !up_is_z;
 }
 
 static MnsStatus choose_plane(const Frame *frame, const ViewOptions *o, const Extent *e, View *view, MnsError *error)
@@ -106,6 +122,10 @@ static void choose_bounds(const ViewOptions *o, const Extent *e, View *view)
         view->lo[d] = o->has_box ? o->box[d] : e->lo[axis[d]];
         view->hi[d] = o->has_box ? o->box[d + 2] : e->hi[axis[d]];
     }
+    if (!view->v_is_down) return;
+    const double lo = view->lo[1];
+    view->lo[1] = -view->hi[1];
+    view->hi[1] = -lo;
 }
 
 /* Dots reach farther than the half diagonal of a lattice cell because moving particles do not keep a lattice. */
@@ -119,7 +139,7 @@ static double depth_of(const View *view, const double x[3])
 {
     if (view->axis < 0) return 0;
     if (view->kind == VIEW_CUT) return x[view->axis] - view->at;
-    return view->axis == 1 ? -x[1] : x[view->axis];
+    return view->eye_is_low ? -x[view->axis] : x[view->axis];
 }
 
 static bool is_hidden(const Frame *frame, const View *view, size_t i)
@@ -147,7 +167,8 @@ static void collect(const Frame *frame, const ViewOptions *o, View *view)
             continue;
         }
         const double *x = frame->x[i];
-        const Dot dot = {x[view->axis_u], x[view->axis_v], depth_of(view, x), (uint32_t)i, hidden};
+        const Dot dot = {x[view->axis_u], view->v_is_down ? -x[view->axis_v] : x[view->axis_v], depth_of(view, x),
+                         (uint32_t)i, hidden};
         if (!on_page(view, &dot) || (view->kind == VIEW_CUT && fabs(dot.depth) > reach)) continue;
         view->near = fmax(view->near, dot.depth);
         view->far = fmin(view->far, dot.depth);
@@ -165,7 +186,7 @@ MnsStatus view_make(const Frame *frame, const ViewOptions *options, View *ret, M
     MnsStatus status = choose_plane(frame, options, &e, &view, error);
     if (!status) status = choose_fluids(frame, options->fluids, &view, error);
     if (status) return status;
-    choose_page(&view);
+    choose_page(&view, frame->dim == 3 && z_is_up(frame, &e));
     choose_bounds(options, &e, &view);
     view.radius = choose_radius(frame, view.kind);
     view.dots = malloc(frame->n * sizeof *view.dots);

@@ -30,6 +30,8 @@ typedef struct View {
     ViewKind kind; /* of a plane: a cut of axis -1 */
     int axis, axis_u, axis_v;
     double at;                 /* [m] */
+    bool v_is_down;            /* then v and the bounds are minus the coordinate */
+    bool eye_is_low;           /* a projection is seen from the lower end of the axis */
     double lo[2], hi[2];       /* bounds on the page [m] */
     double near, far;          /* depths of the nearest and the farthest dot of a projection [m] */
     double radius;             /* of a dot: large enough to leave no gaps between neighbours [m] */

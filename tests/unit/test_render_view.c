@@ -79,19 +79,42 @@ static void a_slab_holds_the_particles_within_its_thickness(void **state)
     Frame frame = tank_frame(3, 10);
     View view = view_of(&frame, (ViewOptions){.kind = VIEW_CUT, .axis = 0, .at = 1.0, .thickness = 0.21});
     assert_int_equal(view.n, 2 * 10 * 5);
-    assert_int_equal(view.axis_u, 1);
-    assert_int_equal(view.axis_v, 2);
+    assert_int_equal(view.axis_u, 2);
+    assert_int_equal(view.axis_v, 1);
     view_done(&view);
     frame_done(&frame);
 }
 
-static void a_projection_shows_the_heavy_fluid_seen_from_the_right_side(void **state)
+static void a_projection_shows_the_heavy_fluid_from_above(void **state)
 {
     (void)state;
     Frame frame = tank_frame(3, 10);
     View view = view_of(&frame, (ViewOptions){.kind = VIEW_PROJECTION, .axis = 1, .at = NAN});
     assert_int_equal(view.n, 500);
     assert_int_equal(view.fluids, 1);
+    for (size_t k = 0; k < view.n; k++) {
+        assert_near(view.dots[k].depth, frame.x[view.dots[k].particle][1]);
+        assert_near(view.dots[k].v, -frame.x[view.dots[k].particle][2]);
+    }
+    assert_near(view.lo[1], -0.5);
+    assert_near(view.hi[1], 0);
+    view_done(&view);
+    frame_done(&frame);
+}
+
+/* The same tank on its side: what lies below along z makes z the way up, and the look along y one from the front. */
+static void where_the_heavy_fluid_lies_is_down(void **state)
+{
+    (void)state;
+    Frame frame = tank_frame(3, 10);
+    for (size_t i = 0; i < frame.n; i++) {
+        const double y = frame.x[i][1];
+        frame.x[i][1] = frame.x[i][2];
+        frame.x[i][2] = y;
+    }
+    View view = view_of(&frame, (ViewOptions){.kind = VIEW_PROJECTION, .axis = 1, .at = NAN});
+    assert_int_equal(view.axis_v, 2);
+    assert_false(view.v_is_down);
     for (size_t k = 0; k < view.n; k++) assert_near(view.dots[k].depth, -frame.x[view.dots[k].particle][1]);
     view_done(&view);
     frame_done(&frame);
@@ -203,7 +226,8 @@ int main(void)
         cmocka_unit_test(particles_without_a_value_are_skipped_and_counted),
         cmocka_unit_test(three_dimensions_are_cut_through_the_middle_of_the_thinnest),
         cmocka_unit_test(a_slab_holds_the_particles_within_its_thickness),
-        cmocka_unit_test(a_projection_shows_the_heavy_fluid_seen_from_the_right_side),
+        cmocka_unit_test(a_projection_shows_the_heavy_fluid_from_above),
+        cmocka_unit_test(where_the_heavy_fluid_lies_is_down),
         cmocka_unit_test(a_hidden_fluid_keeps_its_place_but_does_not_count),
         cmocka_unit_test(options_that_do_not_fit_are_refused_with_what_there_is),
         cmocka_unit_test(percentiles_interpolate_between_ranks),
