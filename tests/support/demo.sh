@@ -28,7 +28,8 @@ trap 'exit 130' INT
 trap 'exit 143' TERM
 
 say() {
-    printf '\n%s\n' "$@"
+    echo
+    printf '%s\n' "$@"
 }
 # Show a command before it is run, as one would type it.
 try() {
