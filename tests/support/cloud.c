@@ -137,6 +137,22 @@ void cloud_stir(Cloud *cloud, uint64_t seed)
     }
 }
 
+Pair cloud_pair(const Cloud *cloud, size_t i, size_t j)
+{
+    Pair pair = {0};
+    double r2 = 0;
+    for (int d = 0; d < cloud->s.dim; d++) {
+        const double period = cloud->model.period[d];
+        double dx = cloud->s.x[d][i] - cloud->s.x[d][j];
+        if (period > 0) dx = remainder(dx, period);
+        pair.dx[d] = dx;
+        r2 += dx * dx;
+    }
+    pair.r = sqrt(r2);
+    kernel_eval(&cloud->model.kernel, 1, &pair.r, &pair.W, &pair.F);
+    return pair;
+}
+
 bool cloud_inner(const Cloud *cloud, size_t i)
 {
     const double margin = cloud->model.kernel.support + cloud->model.dx;

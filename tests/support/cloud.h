@@ -49,6 +49,12 @@ void cloud_stir(Cloud *cloud, uint64_t seed);
 /* In [-1, 1), deterministic. */
 double cloud_noise(uint64_t *seed);
 
+/* A pair, from nothing but positions: x_i - x_j to the nearest image, its length, W and F. */
+typedef struct Pair {
+    double dx[3], r, W, F;
+} Pair;
+Pair cloud_pair(const Cloud *cloud, size_t i, size_t j);
+
 /* Is i so far inside the lattice that its neighbours are on all sides? */
 bool cloud_inner(const Cloud *cloud, size_t i);
 
