@@ -121,9 +121,13 @@ def draw_sloshing(axes: plt.Axes, probes: Table, probe: str, column: str, label:
 
 
 def focus(axes: plt.Axes, time: np.ndarray) -> None:
-    """Show the time of the run: references may be longer."""
-    if len(time) and time[-1] > 0:
-        axes.set_xlim(0, time[-1])
+    """Show the time of the run, and the values of that time: references may be longer."""
+    if not len(time) or time[-1] <= 0:
+        return
+    seen = [y[(x <= time[-1]) & np.isfinite(y)] for x, y in (line.get_data() for line in axes.get_lines())]
+    low, high = min(y.min() for y in seen if len(y)), max(y.max() for y in seen if len(y))
+    margin = 0.06 * (high - low) or 1.0
+    axes.set(xlim=(0, time[-1]), ylim=(low - margin, high + margin))
 
 
 def save(figure: plt.Figure, path: Path) -> Path:
