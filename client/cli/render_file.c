@@ -23,7 +23,7 @@ static MnsStatus damaged(const Source *s, const char *what)
                        what);
 }
 
-/* --- attributes of /meniscus --------------------------------------------------------------------------------------- */
+/* --- attributes of /meniscus -------------------------------------------------------------------------------------- */
 
 static bool get_number(const Source *s, const char *name, hid_t type, void *ret)
 {
@@ -54,7 +54,7 @@ static void get_text(const Source *s, const char *object, const char *name, size
     H5Aclose(attribute);
 }
 
-/* --- datasets ------------------------------------------------------------------------------------------------------ */
+/* --- datasets ----------------------------------------------------------------------------------------------------- */
 
 /* Whether every part of a path is there: HDF5 complains of a missing part in the middle. */
 static bool has(const Source *s, const char *name)
@@ -132,7 +132,7 @@ static MnsStatus no_such_field(const Source *s, const char *name)
                        s->path, text);
 }
 
-/* --- the parts of a frame ------------------------------------------------------------------------------------------ */
+/* --- the parts of a frame ----------------------------------------------------------------------------------------- */
 
 /* Names of fixed length. Variable ones are not even tried: in a damaged file HDF5 may search for them without end. */
 static void get_fluids(const Source *s, Frame *frame)

@@ -24,12 +24,13 @@ typedef struct Frame {
     bool is_magnitude;
 } Frame;
 
-/* Read a snapshot. field: its name, or "phase" for none but the phases.
- * MNS_E_NOT_FOUND if there is no such file or field: the sentence lists the fields there are; MNS_E_CORRUPT if the file is
- * not a snapshot. On failure *ret needs no frame_done(). */
+/* Read a snapshot. field: its name, or "phase" for none but the phases. MNS_E_NOT_FOUND if there is no such file or
+ * field: the sentence lists the fields there are; MNS_E_CORRUPT if the file is not a snapshot. On failure *ret needs
+ * no frame_done(). */
 MnsStatus frame_read_file(const char *path, const char *field, Frame *ret, MnsError *error);
 
-/* Ask a daemon. name: of the daemon, as every command takes it; NULL: the default one. MNS_E_UNAVAILABLE if nobody answers. */
+/* Ask a daemon. name: of the daemon, as every command takes it; NULL: the default one. MNS_E_UNAVAILABLE if nobody
+ * answers. */
 MnsStatus frame_read_daemon(const char *name, const char *field, bool walls, Frame *ret, MnsError *error);
 
 /* Room for n particles; value and weight are left to those who have them. */

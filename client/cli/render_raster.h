@@ -26,8 +26,8 @@ void raster_done(Raster *raster);
 /* How bright each point of a projection is, [height][width]: light from the upper left, distance pales. */
 MnsStatus raster_shade(const Raster *raster, const View *view, float **ret_shade, MnsError *error);
 
-/* Average the points of each pixel. colours: of each dot; shade: of each point, or NULL; pixels: 0x00RRGGBB, `stride` of
- * them a row; nobody's points are white. */
+/* Average the points of each pixel. colours: of each dot; shade: of each point, or NULL; pixels: 0x00RRGGBB, `stride`
+ * of them a row; nobody's points are white. */
 void raster_resolve(const Raster *raster, const Colour *colours, const float *shade, size_t stride, uint32_t *pixels);
 
 #endif

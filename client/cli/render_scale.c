@@ -22,12 +22,15 @@ double percentile(size_t n, double *values, double p)
     return k + 1 < n ? values[k] + (place - (double)k) * (values[k + 1] - values[k]) : values[k];
 }
 
-static size_t values_in_view(const Frame *frame, const View *view, double *values)
+/* Values of one fluid's particles, or of all for -1. */
+static size_t values_in_view(const Frame *frame, const View *view, int fluid, double *values)
 {
     size_t n = 0;
-    for (size_t k = 0; k < view->n; k++)
-        if (view->dots[k].particle < frame->n_fluid && !view->dots[k].hidden)
-            values[n++] = frame->value[view->dots[k].particle];
+    for (size_t k = 0; k < view->n; k++) {
+        const size_t i = view->dots[k].particle;
+        if (i >= frame->n_fluid || view->dots[k].hidden) continue;
+        if (fluid < 0 || frame->phase[i] == fluid) values[n++] = frame->value[i];
+    }
     return n;
 }
 
@@ -36,8 +39,20 @@ static void robust_range(size_t n, double *values, Scale *s)
 {
     const double lo = percentile(n, values, 0.005), hi = percentile(n, values, 0.995);
     const double tail = 0.15 * (hi - lo);
-    s->lo = values[0] < lo - tail ? lo : values[0];
-    s->hi = values[n - 1] > hi + tail ? hi : values[n - 1];
+    s->lo = fmin(s->lo, values[0] < lo - tail ? lo : values[0]);
+    s->hi = fmax(s->hi, values[n - 1] > hi + tail ? hi : values[n - 1]);
+}
+
+/* Each fluid is asked by itself: where there is much air, a percentile of all says little about the water. */
+static void robust_range_of_fluids(const Frame *frame, const View *view, double *values, Scale *s)
+{
+    s->lo = INFINITY;
+    s->hi = -INFINITY;
+    for (int fluid = 0; fluid < (int)frame->n_fluids; fluid++) {
+        const size_t n = values_in_view(frame, view, fluid, values);
+        if (n) robust_range(n, values, s);
+    }
+    if (!(s->lo <= s->hi)) s->lo = s->hi = 0;
 }
 
 /* Ends of a bar that are not round by themselves look arbitrary; a fiftieth of the range is not missed. */
@@ -60,9 +75,8 @@ static void widen_if_flat(Scale *s)
 static void choose_range(const Frame *frame, const View *view, const double range[2], bool symmetric, Scale *s)
 {
     double *values = malloc((view->n + 1) * sizeof *values);
-    const size_t n = values ? values_in_view(frame, view, values) : 0;
     s->lo = s->hi = 0;
-    if (n) robust_range(n, values, s);
+    if (values) robust_range_of_fluids(frame, view, values, s);
     if (symmetric) {
         s->hi = fmax(fabs(s->lo), fabs(s->hi));
         s->lo = -s->hi;
@@ -73,6 +87,7 @@ static void choose_range(const Frame *frame, const View *view, const double rang
         s->lo = range[0];
         s->hi = range[1];
     }
+    const size_t n = values ? values_in_view(frame, view, -1, values) : 0;
     s->below = n && percentile(n, values, 0) < s->lo;
     s->above = n && percentile(n, values, 1) > s->hi;
     free(values);

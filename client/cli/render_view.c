@@ -19,7 +19,8 @@ static bool is_wall(const Frame *frame, size_t i)
     return i >= frame->n_fluid;
 }
 
-/* The page shows the fluid whole, and the walls if they are drawn, with the half spacing that belongs to each particle. */
+/* The page shows the fluid whole, and the walls if they are drawn, with the half spacing that belongs to each
+ * particle. */
 static Extent measure(const Frame *frame, bool walls)
 {
     Extent e = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
@@ -84,8 +85,8 @@ static bool z_is_up(const Frame *frame, const Extent *e)
     return sum[2] < sum[1] - 0.01 * n;
 }
 
-/* The page is what one sees looking along the axis, with what is up in space up on the page. Onto a surface below one looks
- * from above; then the third axis points down the page, for a mirror image would be wrong. */
+/* The page is what one sees looking along the axis, with what is up in space up on the page. Onto a surface below one
+ * looks from above; then the third axis points down the page, for a mirror image would be wrong. */
 static void choose_page(View *view, bool up_is_z)
 {
     view->axis_u = view->axis == 0 ? (up_is_z ? 1 : 2) : 0;
