@@ -29,7 +29,8 @@ json_t *output_values(size_t n, const MnsValue *values)
 {
     json_t *object = json_object();
     for (size_t k = 0; k < n; k++) {
-        json_t *value = values[k].text ? json_string(values[k].text) : output_number(values[k].number);
+        const bool is_text = values[k].text && !isfinite(values[k].number);
+        json_t *value = is_text ? json_string(values[k].text) : output_number(values[k].number);
         json_object_set_new(object, values[k].name, json_pack("{so ss}", "value", value, "unit", values[k].unit));
     }
     return object;

@@ -15,7 +15,7 @@ json_t *output_number(double value);
 /* A 64-bit pattern as 16 hex digits: JSON numbers cannot hold it. */
 json_t *output_hex(uint64_t value);
 
-/* {name: {"value": number or text, "unit": text}, ...} */
+/* {name: {"value": number, or text where it is none, "unit": text}, ...} */
 json_t *output_values(size_t n, const MnsValue *values);
 
 /* {"unit", "type", "shape", "values": nested lists} */

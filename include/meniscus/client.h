@@ -53,9 +53,9 @@ bool mns_state_parse(const char *name, MnsState *ret_state);
 /* --- replies
  * ----------------------------------------------------------------------------------------------------------- */
 
-/** A named value: a number, or text if text is not NULL. */
+/** A named value: a number, a text, or an entry of a case as text and, where it is one, as a number. */
 typedef struct MnsValue {
-    const char *name, *text, *unit; /* unit is never NULL */
+    const char *name, *text, *unit; /* text is NULL if it is only a number; unit is never NULL */
     double number;                  /* NAN if there is none */
 } MnsValue;
 
@@ -216,7 +216,8 @@ MnsStatus mns_client_snapshot(MnsClient *client, size_t n, const char *const *fi
 MnsStatus mns_client_set(MnsClient *client, size_t n, const char *const *assignments, MnsReply **ret_reply,
                          MnsError *error);
 
-/** Read entries of the case into reply->values. @param paths  [n], as in "output.snapshot_interval". */
+/** Read entries of the case into reply->values. @param paths  [n], as in "output.snapshot_interval"; n = 0: all that
+ *  mns_client_set() can change. */
 MnsStatus mns_client_get(MnsClient *client, size_t n, const char *const *paths, MnsReply **ret_reply, MnsError *error);
 
 /** Values of probes, now, into reply->values. @param names  [n]; n = 0: all. */

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any, Dict, List, Optional, Union
 
@@ -108,9 +109,13 @@ def read_status(message: pb.Status) -> Status:
 
 def read_values(message: pb.Values) -> Dict[str, Value]:
     """Named values; text where it is text."""
-    return {
-        v.name: Value(v.text if v.HasField("text") else _given(v, "number"), v.unit) for v in message.values
-    }
+    return {v.name: Value(_value(v), v.unit) for v in message.values}
+
+
+def _value(message: pb.Value) -> Union[float, str, None]:
+    if message.HasField("number") and math.isfinite(message.number):
+        return message.number
+    return _given(message, "text")
 
 
 def read_array(array: pb.Array, frame: bytes) -> np.ndarray:
