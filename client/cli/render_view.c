@@ -132,7 +132,7 @@ static void choose_bounds(const ViewOptions *o, const Extent *e, View *view)
 /* Dots reach farther than the half diagonal of a lattice cell because moving particles do not keep a lattice. */
 static double choose_radius(const Frame *frame, ViewKind kind)
 {
-    const double spacings = frame->dim == 2 ? 1.0 : kind == VIEW_CUT ? 1.1 : 0.8;
+    const double spacings = kind == VIEW_CUT ? 1.25 : 0.8;
     return spacings * frame->spacing;
 }
 
