@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # demo.sh: a tour of what was just built. A dam breaks in a daemon while we watch, pause, ask and change it; at the end there
-# are pictures to look at. Nothing is left running, and nothing is written outside $BUILD/demo but the sockets.
+# are pictures to look at. Nothing is left running, and nothing is written outside $DEMO ($BUILD/demo) but the sockets.
 set -eu
 cd "$(dirname "$0")/../.."
 BUILD=${BUILD:-build}
 RESOLUTION=${RESOLUTION:-40} # particles per water depth
-demo=$BUILD/demo
+WATCH=${WATCH:-6}            # seconds
+demo=${DEMO:-$BUILD/demo}
 
 export XDG_RUNTIME_DIR MENISCUS_DAEMON=demo
 XDG_RUNTIME_DIR=$(mktemp -d /tmp/meniscus-demo-XXXXXX)
@@ -56,7 +57,7 @@ try load dambreak2d --set resolution="$RESOLUTION" --set end_time=3 --start
 
 say "3. We watch for a few seconds: progress, and the probes of the case, as they are computed."
 printf '$ meniscus watch\n'
-timeout --foreground 6 "$BUILD/meniscus" watch || [ $? -eq 124 ]
+timeout --foreground "$WATCH" "$BUILD/meniscus" watch || [ $? -eq 124 ]
 
 say "4. Pause. The answer comes when the solver stands still, and names the step."
 try pause

@@ -14,7 +14,7 @@ python3-numpy python3-h5py python3-matplotlib python3-zmq python3-yaml
 check='
 libcmocka-dev
 clang clang-format clang-tidy libclang-rt-14-dev libomp-dev
-cppcheck shellcheck g++ git
+cppcheck shellcheck g++ git procps
 systemd util-linux
 paraview python3-paraview xvfb xauth
 '

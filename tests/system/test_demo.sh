@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# The tour of `make demo` gets to its end, in small, and leaves the pictures it promises and nothing running. Prints TAP.
+set -eu
+cd "$(dirname "$0")/../.."
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+status=0
+DEMO=$scratch/demo RESOLUTION=20 WATCH=1 tests/support/demo.sh >"$scratch/log" 2>&1 || status=$?
+if [ $status -eq 0 ]; then
+    echo "ok - the demo gets to its end"
+else
+    echo "not ok - the demo gets to its end"
+    sed 's/^/# /' "$scratch/log"
+fi
+for picture in phase pressure velocity front; do
+    if [ "$(head -c 4 "$scratch/demo/$picture.png" 2>/dev/null | tail -c 3)" = PNG ]; then
+        echo "ok - there is a picture $picture.png"
+    else
+        echo "not ok - there is a picture $picture.png"
+        status=1
+    fi
+done
+if pgrep -f -- "--state-dir $scratch/demo" >/dev/null; then
+    echo "not ok - no daemon is left"
+    status=1
+else
+    echo "ok - no daemon is left"
+fi
+exit $status
