@@ -14,8 +14,12 @@
 #include <time.h>
 #include <zmq.h>
 
-enum { AT_ONCE = 256 };                       /* requests taken before looking at anything else         */
-static const size_t BYTES_UNREAD = 256 << 20; /* of arrays that clients have not taken from the sockets */
+enum { AT_ONCE = 256 }; /* requests taken before looking at anything else */
+
+/* ZeroMQ counts messages, not bytes. So the count is set high enough for a reply to every command under way, and the bytes that
+ * clients have not taken are counted here: beyond the first limit no more queries are answered, beyond twice that, nothing. */
+enum { REPLIES_UNREAD = 10000 };
+static const size_t BYTES_UNREAD = 128 << 20;
 
 struct Desk {
     void *context, *control, *telemetry;
@@ -68,6 +72,7 @@ static MnsStatus open_sockets(Desk *desk, MnsError *error)
     set_common(desk->control);
     set(desk->control, ZMQ_ROUTER_MANDATORY, 1);
     set(desk->control, ZMQ_ROUTER_HANDOVER, 0);
+    set(desk->control, ZMQ_SNDHWM, REPLIES_UNREAD);
     zmq_setsockopt(desk->control, ZMQ_MAXMSGSIZE, &largest, sizeof largest);
     set_common(desk->telemetry);
     set(desk->telemetry, ZMQ_XPUB_VERBOSE, 1);
@@ -139,8 +144,8 @@ static void let_go(void *data, void *hint)
     free(data);
 }
 
-/* Takes over data. */
-static bool send_array(Desk *desk, void *data, size_t size, int flags)
+/* Takes over data, from malloc. */
+static bool send_parcel(Desk *desk, void *data, size_t size, int flags)
 {
     zmq_msg_t message;
     Parcel *parcel = malloc(sizeof *parcel);
@@ -156,22 +161,25 @@ static bool send_array(Desk *desk, void *data, size_t size, int flags)
     return false;
 }
 
-/* One reply to one connection. If the client is gone or does not read, it is not sent; asked again, it will be. */
-static void send_reply(Desk *desk, const uint8_t *identity, size_t identity_size, const void *packed, size_t size,
+/* Begin a reply to one connection with its first frame, which is taken over. If the client is gone or reads nothing, it is not
+ * sent; asked again, it will be. */
+static bool send_first(Desk *desk, const uint8_t *identity, size_t identity_size, uint8_t *packed, size_t size,
                        bool more)
 {
-    if (zmq_send(desk->control, identity, identity_size, ZMQ_SNDMORE | ZMQ_DONTWAIT) < 0 ||
-        zmq_send(desk->control, packed, size, (more ? ZMQ_SNDMORE : 0) | ZMQ_DONTWAIT) < 0)
-        log_line(LOG_DETAIL, "a reply could not be sent: %s", zmq_strerror(zmq_errno()));
+    const bool room = desk->unread < 2 * BYTES_UNREAD;
+    if (room && zmq_send(desk->control, identity, identity_size, ZMQ_SNDMORE | ZMQ_DONTWAIT) >= 0)
+        return send_parcel(desk, packed, size, more ? ZMQ_SNDMORE : 0);
+    log_line(LOG_DETAIL, "a reply is not sent: %s", room ? zmq_strerror(zmq_errno()) : "clients leave too many unread");
+    free(packed);
+    return false;
 }
 
-static void send_exchange(Desk *desk, Exchange *exchange, const uint8_t *packed, size_t size)
+static void send_exchange(Desk *desk, Exchange *exchange, uint8_t *packed, size_t size)
 {
     const size_t n = exchange->reply->n_arrays;
-    if (zmq_send(desk->control, exchange->identity, exchange->identity_size, ZMQ_SNDMORE | ZMQ_DONTWAIT) < 0) return;
-    zmq_send(desk->control, packed, size, (n ? ZMQ_SNDMORE : 0) | ZMQ_DONTWAIT);
+    if (!send_first(desk, exchange->identity, exchange->identity_size, packed, size, n > 0)) return;
     for (size_t k = 0; k < n; k++) {
-        send_array(desk, exchange->arrays[k], exchange->sizes[k], k + 1 < n ? ZMQ_SNDMORE : 0);
+        send_parcel(desk, exchange->arrays[k], exchange->sizes[k], k + 1 < n ? ZMQ_SNDMORE : 0);
         exchange->arrays[k] = NULL;
     }
 }
@@ -193,9 +201,9 @@ void desk_reply(Desk *desk, Exchange *exchange)
     if (reply && packed) {
         meniscus__reply__pack(reply, packed);
         ledger_end(desk->ledger, exchange, reply->n_arrays ? NULL : packed, size);
-        if (exchange->identity_size) send_exchange(desk, exchange, packed, size);
     } else ledger_end(desk->ledger, exchange, NULL, 0);
-    free(packed);
+    if (reply && packed && exchange->identity_size) send_exchange(desk, exchange, packed, size);
+    else free(packed);
     exchange_free(exchange);
 }
 
@@ -228,14 +236,17 @@ static void refuse(Desk *desk, const Sender *sender, const Meniscus__Request *re
     uint8_t *packed = malloc(size + 1);
     if (!packed) return;
     meniscus__reply__pack(&reply, packed);
-    send_reply(desk, sender->identity, sender->size, packed, size, false);
-    free(packed);
+    send_first(desk, sender->identity, sender->size, packed, size, false);
 }
 
 /* The same request again: its reply again, or when it comes, to where it was asked last. */
 static void repeat(Desk *desk, const Sender *sender, const LedgerEntry *entry)
 {
-    if (entry->reply) send_reply(desk, sender->identity, sender->size, entry->reply, entry->size, false);
+    uint8_t *copy = entry->reply ? malloc(entry->size + 1) : NULL;
+    if (copy) {
+        memcpy(copy, entry->reply, entry->size);
+        send_first(desk, sender->identity, sender->size, copy, entry->size, false);
+    }
     if (!entry->under_way) return;
     memcpy(entry->under_way->identity, sender->identity, sender->size);
     entry->under_way->identity_size = sender->size;

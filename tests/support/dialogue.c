@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A meniscusd and connections to it. */
+#include "tests/support/dialogue.h"
+
+#include "proto/case_file.h"
+#include "tests/support/check.h"
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+#include <zmq.h>
+
+const char dialogue_case[] = "dimensions: 2\n"
+                             "resolution: 10\n"
+                             "domain: {min: [0, 0], max: [2, 1]}\n"
+                             "gravity: [0, -1]\n"
+                             "fluids:\n"
+                             "  - {name: water, density: 1000, sound_speed: 20,\n"
+                             "     shape: [{box: {min: [0, 0], max: [1, 0.5]}}]}\n"
+                             "  - {name: air, density: 1, sound_speed: 20}\n"
+                             "walls:\n"
+                             "  - {name: tank, shape: [{outside: true, box: {min: [0, 0], max: [2, 1]}}]}\n"
+                             "end_time: 1000\n"
+                             "threads: 1\n"
+                             "probes:\n"
+                             "  - {name: front, front: {fluid: water}}\n"
+                             "  - {name: energy, kinetic_energy: {}}\n";
+
+static void run_daemon(const Dialogue *dialogue, const char *const *options)
+{
+    const char *build = getenv("BUILD");
+    const char *words[32] = {NULL, "--name", "t", "--state-dir", NULL};
+    char program[4096], state[80];
+    size_t n = 5;
+    snprintf(program, sizeof program, "%s/meniscusd", build ? build : "build");
+    snprintf(state, sizeof state, "%s/state", dialogue->home);
+    words[0] = program;
+    words[4] = state;
+    for (; options && *options && n < 31; options++) words[n++] = *options;
+    setenv("XDG_RUNTIME_DIR", dialogue->home, 1);
+    if (!getenv("MENISCUS_TEST_LOG")) words[n < 29 ? n++ : n] = "--log-level=error";
+    execv(program, (char *const *)words);
+    _exit(127);
+}
+
+static void await_socket(const char *path)
+{
+    for (int k = 0; k < 1000 && access(path, F_OK); k++) nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
+    if (access(path, F_OK)) fail_msg("the daemon has made no socket %s", path);
+}
+
+void dialogue_begin(Dialogue *dialogue, const char *const *options)
+{
+    *dialogue = (Dialogue){.home = "/tmp/mns-dialogue-XXXXXX"};
+    assert_non_null(mkdtemp(dialogue->home));
+    dialogue->daemon = fork();
+    if (dialogue->daemon == 0) run_daemon(dialogue, options);
+    snprintf(dialogue->endpoint, sizeof dialogue->endpoint, "ipc://%s/meniscus/t/control.ipc", dialogue->home);
+    await_socket(dialogue->endpoint + strlen("ipc://"));
+    dialogue->context = zmq_ctx_new();
+    dialogue->control = dialogue_connect(dialogue);
+}
+
+int dialogue_join(Dialogue *dialogue)
+{
+    int how = 0;
+    if (dialogue->daemon <= 0 || waitpid(dialogue->daemon, &how, 0) != dialogue->daemon) return -1;
+    dialogue->daemon = 0;
+    return WIFEXITED(how) ? WEXITSTATUS(how) : -1;
+}
+
+int dialogue_end(Dialogue *dialogue)
+{
+    char command[128];
+    if (dialogue->daemon > 0) kill(dialogue->daemon, SIGTERM);
+    const int code = dialogue_join(dialogue);
+    zmq_close(dialogue->control);
+    zmq_ctx_term(dialogue->context);
+    snprintf(command, sizeof command, "rm -rf %s", dialogue->home);
+    assert_int_equal(system(command), 0);
+    return code;
+}
+
+void *dialogue_connect(const Dialogue *dialogue)
+{
+    const int patience = 20000, none = 0;
+    void *socket = zmq_socket(dialogue->context, ZMQ_DEALER);
+    zmq_setsockopt(socket, ZMQ_RCVTIMEO, &patience, sizeof patience);
+    zmq_setsockopt(socket, ZMQ_LINGER, &none, sizeof none);
+    assert_int_equal(zmq_connect(socket, dialogue->endpoint), 0);
+    return socket;
+}
+
+void dialogue_seal(Meniscus__Request *request, uint8_t *id)
+{
+    assert_int_equal(getrandom(id, 16, 0), 16);
+    request->has_major = request->has_id = 1;
+    request->major = MENISCUS__PROTOCOL_VERSION__PROTOCOL_MAJOR;
+    request->id = (ProtobufCBinaryData){.len = 16, .data = id};
+}
+
+void dialogue_send(void *socket, const Meniscus__Request *request)
+{
+    const size_t size = meniscus__request__get_packed_size(request);
+    uint8_t *packed = malloc(size + 1);
+    meniscus__request__pack(request, packed);
+    assert_int_equal(zmq_send(socket, packed, size, 0), size);
+    free(packed);
+}
+
+Meniscus__Reply *dialogue_receive(void *socket, size_t *ret_frames)
+{
+    Meniscus__Reply *reply = NULL;
+    int more = 1;
+    for (size_t k = 0; more; k++) {
+        zmq_msg_t frame;
+        zmq_msg_init(&frame);
+        if (zmq_msg_recv(&frame, socket, 0) < 0) break;
+        if (k == 0) reply = meniscus__reply__unpack(NULL, zmq_msg_size(&frame), zmq_msg_data(&frame));
+        more = zmq_msg_more(&frame);
+        zmq_msg_close(&frame);
+        if (ret_frames) *ret_frames = k;
+    }
+    return reply;
+}
+
+Meniscus__Reply *dialogue_ask(Dialogue *dialogue, Meniscus__Request *request)
+{
+    uint8_t id[16];
+    dialogue_seal(request, id);
+    dialogue_send(dialogue->control, request);
+    Meniscus__Reply *reply = dialogue_receive(dialogue->control, NULL);
+    assert_non_null(reply);
+    assert_memory_equal(reply->id.data, id, sizeof id);
+    return reply;
+}
+
+Meniscus__Code dialogue_code(Dialogue *dialogue, Meniscus__Request *request)
+{
+    Meniscus__Reply *reply = dialogue_ask(dialogue, request);
+    const Meniscus__Code code = reply->code;
+    meniscus__reply__free_unpacked(reply, NULL);
+    return code;
+}
+
+/* Messages without entries are all alike and never change, so they are shared. */
+#define PLAIN(name, KIND, member, Type, INIT)                                                                          \
+    Meniscus__Request name(void)                                                                                       \
+    {                                                                                                                  \
+        static const Type command = INIT;                                                                              \
+        Meniscus__Request request = MENISCUS__REQUEST__INIT;                                                           \
+        request.command_case = MENISCUS__REQUEST__COMMAND_##KIND;                                                      \
+        request.member = (Type *)&command;                                                                             \
+        return request;                                                                                                \
+    }
+
+PLAIN(dialogue_status, STATUS, status, Meniscus__GetStatus, MENISCUS__GET_STATUS__INIT)
+PLAIN(dialogue_start, START, start, Meniscus__Start, MENISCUS__START__INIT)
+PLAIN(dialogue_pause, PAUSE, pause, Meniscus__Pause, MENISCUS__PAUSE__INIT)
+PLAIN(dialogue_resume, RESUME, resume, Meniscus__Resume, MENISCUS__RESUME__INIT)
+
+void dialogue_load(Dialogue *dialogue, const char *const *settings)
+{
+    CaseFile *file;
+    MnsError error = {.text = ""};
+    assert_int_equal(case_file_parse("dam", dialogue_case, strlen(dialogue_case), &file, &error), MNS_OK);
+    for (; settings && *settings; settings++) assert_int_equal(case_file_set(file, *settings, &error), MNS_OK);
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__Load load = MENISCUS__LOAD__INIT;
+    load.case_ = (Meniscus__Case *)case_file_message(file);
+    load.name = (char *)"dam";
+    request.command_case = MENISCUS__REQUEST__COMMAND_LOAD;
+    request.load = &load;
+    Meniscus__Reply *reply = dialogue_ask(dialogue, &request);
+    if (reply->code != MENISCUS__CODE__OK) fail_msg("the case is not loaded: %s", reply->message);
+    assert_int_equal(reply->state, MENISCUS__STATE__READY);
+    meniscus__reply__free_unpacked(reply, NULL);
+    case_file_free(file);
+}

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A meniscusd in a directory of its own, and connections that speak its protocol byte by byte, for black-box tests. */
+#ifndef TESTS_DIALOGUE_H
+#define TESTS_DIALOGUE_H
+
+#include "meniscus.pb-c.h"
+#include <stdbool.h>
+#include <stddef.h>
+#include <sys/types.h>
+
+typedef struct Dialogue {
+    char home[64]; /* everything the daemon writes is below */
+    pid_t daemon;
+    void *context, *control;
+    char endpoint[128];
+} Dialogue;
+
+/* Start $BUILD/meniscusd (build/meniscusd) with these further options, NULL-terminated, and connect. Fails the test. */
+void dialogue_begin(Dialogue *dialogue, const char *const *options);
+
+/* End the daemon with SIGTERM if it runs; its exit code, or -1 if a signal ended it. Removes the directory. */
+int dialogue_end(Dialogue *dialogue);
+
+/* Wait for the daemon to end by itself; as above, but nothing is removed. */
+int dialogue_join(Dialogue *dialogue);
+
+/* Another connection; close it with zmq_close(). */
+void *dialogue_connect(const Dialogue *dialogue);
+
+/* A request of this protocol's version with a new id; id: [16], room for it. */
+void dialogue_seal(Meniscus__Request *request, uint8_t *id);
+
+void dialogue_send(void *socket, const Meniscus__Request *request);
+
+/* The next reply within ten seconds, or NULL; raw frames behind it are counted. Free with meniscus__reply__free_unpacked(). */
+Meniscus__Reply *dialogue_receive(void *socket, size_t *ret_frames);
+
+/* Seal, send, receive. */
+Meniscus__Reply *dialogue_ask(Dialogue *dialogue, Meniscus__Request *request);
+
+/* The same where only the code matters. */
+Meniscus__Code dialogue_code(Dialogue *dialogue, Meniscus__Request *request);
+
+/* Commands without entries. */
+Meniscus__Request dialogue_status(void), dialogue_start(void), dialogue_pause(void), dialogue_resume(void);
+
+/* Load a small dam break with these changes, NULL-terminated: "end_time=2". Fails the test unless it is loaded. */
+void dialogue_load(Dialogue *dialogue, const char *const *settings);
+
+/* The text of that case. */
+extern const char dialogue_case[];
+
+#endif
