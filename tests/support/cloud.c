@@ -34,6 +34,7 @@ static void set_model(Model *model, const CloudSetup *setup)
         .rho_max = 1000,
         .viscous = setup->viscous,
         .dt = 1e-3,
+        .transport_stress = true,
         .limiter = 3};
     for (int d = 0; d < setup->dim; d++) {
         model->cell[d] = setup->dx;

@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Summed densities and the rules for single particles: each formula once, on its own groups and on no other. */
+#include "sim/locals/locals.h"
+#include "sim/terms/terms.h"
+#include "tests/support/check.h"
+#include "tests/support/cloud.h"
+
+static int tank(const double x[3])
+{
+    if (x[1] < 0.3) return CLOUD_WALL;
+    return x[1] < 0.5 + 0.3 * x[0] ? CLOUD_WATER : CLOUD_AIR;
+}
+
+static Cloud *stirred(void)
+{
+    Cloud *cloud =
+        cloud_new(&(CloudSetup){.dim = 3, .dx = 0.1, .n = {8, 9, 6}, .jitter = 0.2, .skin = 0.3, .owner = tank});
+    cloud_stir(cloud, 14);
+    for (size_t i = 0; i < cloud->s.n; i++) cloud->s.rate[i] = 100 + (double)i;
+    return cloud;
+}
+
+static void number_density_counts_the_particle_itself_and_all_around(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        Cloud *cloud =
+            cloud_new(&(CloudSetup){.dim = dim, .dx = 0.1, .n = {8, 9, 6}, .jitter = 0.2, .skin = 0.3, .owner = tank});
+        const Particles *s = &cloud->s;
+        cloud_term(cloud, &number_density);
+        for (size_t i = 0; i < s->n; i++) {
+            double sum = 0;
+            for (size_t j = 0; j < s->n; j++) sum += cloud_pair(cloud, i, j).W; /* W(0) with j = i */
+            const bool air = i >= s->begin[GROUP_SUMMATION] && i < s->begin[GROUP_WALL];
+            assert_close(s->rate[i], air ? sum : 0, 1e-13 * sum); /* rounding */
+        }
+        cloud_free(cloud);
+    }
+}
+
+static void summed_density_is_mass_times_number_density(void **state)
+{
+    (void)state;
+    Cloud *cloud = stirred();
+    Particles *s = &cloud->s;
+    const double water = s->rho[0], wall = s->rho[s->n - 1];
+    local_run(&mass_over_volume, s, &cloud->model, 2);
+    for (size_t i = s->begin[GROUP_SUMMATION]; i < s->begin[GROUP_WALL]; i++)
+        assert_true(s->rho[i] == s->m[i] * (100 + (double)i));
+    assert_true(s->rho[0] == water && s->rho[s->n - 1] == wall);
+    cloud_free(cloud);
+}
+
+static void continuity_advances_by_one_step(void **state)
+{
+    (void)state;
+    Cloud *cloud = stirred();
+    Particles *s = &cloud->s;
+    const size_t water = s->begin[GROUP_SUMMATION];
+    const double first = s->rho[0], last = s->rho[water - 1], air = s->rho[water], wall = s->rho[s->n - 1];
+    cloud->model.dt = 0.125;
+    local_run(&advance_density, s, &cloud->model, 2);
+    assert_true(s->rho[0] == first + 0.125 * 100);
+    assert_true(s->rho[water - 1] == last + 0.125 * (99 + (double)water));
+    assert_true(s->rho[water] == air && s->rho[s->n - 1] == wall);
+    cloud_free(cloud);
+}
+
+static void pressure_is_linear_in_density_with_each_fluids_own_constants(void **state)
+{
+    (void)state;
+    Cloud *cloud = stirred();
+    Particles *s = &cloud->s;
+    cloud->model.phase[0].c = 20;
+    cloud->model.phase[1].c = 7;
+    const double wall[2] = {s->p[s->n - 1], s->vol[s->n - 1]};
+    local_run(&linear_pressure, s, &cloud->model, 2);
+    for (size_t i = 0; i < particles_fluid(s); i++) {
+        const double c = s->phase[i] == 0 ? 20 : 7, rho0 = s->phase[i] == 0 ? 1000 : 1;
+        assert_close(s->p[i], c * c * (s->rho[i] - rho0), 1e-14 * c * c * rho0); /* rounding */
+        assert_close(s->vol[i] * s->rho[i], s->m[i], 1e-15 * s->m[i]);
+        assert_close(s->z[i], s->rho[i] * c, 1e-15 * s->z[i]);
+    }
+    assert_true(s->p[s->n - 1] == wall[0] && s->vol[s->n - 1] == wall[1]);
+    cloud_free(cloud);
+}
+
+static void accelerations_begin_with_gravity_and_nothing(void **state)
+{
+    (void)state;
+    Cloud *cloud = stirred();
+    Particles *s = &cloud->s;
+    for (int d = 0; d < 3; d++) {
+        cloud->model.gravity[d] = 3 - 2 * d;
+        for (size_t i = 0; i < s->n; i++) s->a[d][i] = s->b[d][i] = 77;
+    }
+    local_run(&body_force, s, &cloud->model, 2);
+    for (int d = 0; d < 3; d++)
+        for (size_t i = 0; i < s->n; i++) {
+            const bool fluid = i < particles_fluid(s);
+            assert_true(s->a[d][i] == (fluid ? 3 - 2 * d : 77));
+            assert_true(s->b[d][i] == (fluid ? 0 : 77));
+        }
+    cloud_free(cloud);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(number_density_counts_the_particle_itself_and_all_around),
+        cmocka_unit_test(summed_density_is_mass_times_number_density),
+        cmocka_unit_test(continuity_advances_by_one_step),
+        cmocka_unit_test(pressure_is_linear_in_density_with_each_fluids_own_constants),
+        cmocka_unit_test(accelerations_begin_with_gravity_and_nothing),
+    };
+    return cmocka_run_group_tests_name("locals", tests, NULL, NULL);
+}
