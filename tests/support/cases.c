@@ -54,6 +54,17 @@ void case_add_wall(MnsCase *c, const char *name)
     for (int d = 0; d < 3; d++) case_set_text(&wall->surface_velocity[d], "0");
 }
 
+MnsProbe *case_add_probe(MnsCase *c, MnsProbeKind kind)
+{
+    c->probes = must(realloc(c->probes, (c->n_probes + 1) * sizeof *c->probes));
+    MnsProbe *probe = &c->probes[c->n_probes++];
+    *probe = (MnsProbe){.kind = kind, .fluid = -1, .wall = -1};
+    case_set_text(&probe->name, "probe");
+    case_set_text(&probe->field, "");
+    case_set_text(&probe->formula, "0");
+    return probe;
+}
+
 MnsPart *case_add_part(MnsShape *shape, MnsPrimitive primitive)
 {
     shape->parts = must(realloc(shape->parts, (shape->n + 1) * sizeof *shape->parts));

@@ -15,6 +15,7 @@ MnsCase *case_periodic(int dim, double resolution);
 MnsCase *case_blank(int dim, double resolution);
 void case_add_fluid(MnsCase *c, const char *name, double density, double sound_speed);
 void case_add_wall(MnsCase *c, const char *name);
+MnsProbe *case_add_probe(MnsCase *c, MnsProbeKind kind); /* of all fluids, along x, on no wall */
 MnsPart *case_add_part(MnsShape *shape, MnsPrimitive primitive);
 void case_set_text(char **entry, const char *text);
 

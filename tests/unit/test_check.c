@@ -1,0 +1,447 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Every case that cannot be run is refused with the entry to blame, by mns_case_check() or, where particles must be placed to
+ * know, by mns_sim_new(); and what can be run is not. */
+#include "tests/support/cases.h"
+#include "tests/support/check.h"
+#include <stdlib.h>
+#include <string.h>
+
+/* A case with something of everything, all of it good. */
+static MnsCase *good(int dim)
+{
+    MnsCase *c = case_dam_break(dim, 10);
+    c->max[0] = 5.4;
+    c->walls[0].shape.parts[0].b[0] = 5.4;
+    case_add_wall(c, "baffle");
+    MnsPart *plate = case_add_part(&c->walls[1].shape, MNS_PLATE);
+    *plate = (MnsPart){.primitive = MNS_PLATE,
+                       .a = {4, 0.5, 0.5},
+                       .b = {1, 1, 0},
+                       .c = {0, 1, 1},
+                       .length = 1,
+                       .width = 1,
+                       .thickness = 0.3,
+                       .formula = plate->formula};
+    case_add_probe(c, MNS_PROBE_PRESSURE);
+    case_set_text(&case_add_probe(c, MNS_PROBE_EXTREMUM)->field, "velocity");
+    case_set_text(&case_add_probe(c, MNS_PROBE_PRESSURE_DEVIATION)->formula, "1 - y + 0*t");
+    return c;
+}
+
+/* What a test spoils, and what is said about it. */
+typedef struct Refusal {
+    const char *path;
+    MnsStatus status;
+    void (*spoil)(MnsCase *c);
+} Refusal;
+
+static MnsPart *fluid_part(MnsCase *c, MnsPart part)
+{
+    MnsPart *p = &c->fluids[0].shape.parts[0];
+    part.formula = p->formula;
+    *p = part;
+    return p;
+}
+
+static void wrong_dimension(MnsCase *c)
+{
+    c->dim = 4;
+}
+static void no_resolution(MnsCase *c)
+{
+    c->resolution = 0;
+}
+static void nan_resolution(MnsCase *c)
+{
+    c->resolution = NAN;
+}
+static void no_reference_length(MnsCase *c)
+{
+    c->reference_length = -1;
+}
+static void negative_end(MnsCase *c)
+{
+    c->end_time = -1;
+}
+static void nan_end(MnsCase *c)
+{
+    c->end_time = NAN;
+}
+static void unknown_scheme(MnsCase *c)
+{
+    c->scheme.name = "riemannn";
+}
+static void no_fluid(MnsCase *c)
+{
+    c->n_fluids = 0;
+}
+static void many_fluids(MnsCase *c)
+{
+    c->n_fluids = MNS_MAX_FLUIDS + 1;
+}
+static void many_walls(MnsCase *c)
+{
+    c->n_walls = MNS_MAX_WALLS + 1;
+}
+static void many_probes(MnsCase *c)
+{
+    c->n_probes = MNS_MAX_PROBES + 1;
+}
+static void empty_domain(MnsCase *c)
+{
+    c->max[1] = c->min[1];
+}
+static void nan_domain(MnsCase *c)
+{
+    c->min[0] = NAN;
+}
+static void misfit(MnsCase *c)
+{
+    c->max[0] = 0.43;
+}
+static void short_period(MnsCase *c)
+{
+    c->periodic[0] = true;
+    c->max[0] = 0.5;
+}
+static void too_fine(MnsCase *c)
+{
+    c->resolution = 1e6;
+}
+static void bad_gravity(MnsCase *c)
+{
+    case_set_text(&c->gravity[1], "-g");
+}
+static void gravity_of_place(MnsCase *c)
+{
+    case_set_text(&c->gravity[0], "x");
+}
+static void no_density(MnsCase *c)
+{
+    c->fluids[1].density = 0;
+}
+static void infinite_density(MnsCase *c)
+{
+    c->fluids[1].density = INFINITY;
+}
+static void no_sound(MnsCase *c)
+{
+    c->fluids[0].sound_speed = 0;
+}
+static void negative_viscosity(MnsCase *c)
+{
+    c->fluids[0].viscosity = -1e-9;
+}
+static void nan_viscosity(MnsCase *c)
+{
+    c->fluids[0].viscosity = NAN;
+}
+static void two_without_shape(MnsCase *c)
+{
+    c->fluids[0].shape.n = 0;
+}
+static void empty_box(MnsCase *c)
+{
+    fluid_part(c, (MnsPart){.primitive = MNS_BOX, .b = {1, 0, 1}});
+}
+static void empty_ball(MnsCase *c)
+{
+    fluid_part(c, (MnsPart){.primitive = MNS_BALL});
+}
+static void short_cylinder(MnsCase *c)
+{
+    fluid_part(c, (MnsPart){.primitive = MNS_CYLINDER, .a = {1, 1, 0}, .b = {1, 1, 0}, .radius = 1});
+}
+static void thin_cylinder(MnsCase *c)
+{
+    fluid_part(c, (MnsPart){.primitive = MNS_CYLINDER, .b = {1, 1, 0}});
+}
+static void lost_plane(MnsCase *c)
+{
+    fluid_part(c, (MnsPart){.primitive = MNS_HALF_SPACE, .a = {1, 1, 0}});
+}
+static void unknown_primitive(MnsCase *c)
+{
+    fluid_part(c, (MnsPart){.primitive = (MnsPrimitive)99});
+}
+static void bad_region(MnsCase *c)
+{
+    case_set_text(&fluid_part(c, (MnsPart){.primitive = MNS_FORMULA})->formula, "y < q");
+}
+static void bad_velocity(MnsCase *c)
+{
+    case_set_text(&c->fluids[1].velocity[1], "t");
+}
+static void bad_pressure(MnsCase *c)
+{
+    case_set_text(&c->fluids[1].pressure, "hydrostatics");
+}
+static void no_wall_shape(MnsCase *c)
+{
+    c->walls[1].shape.n = 0;
+}
+static void wall_by_formula(MnsCase *c)
+{
+    c->walls[1].shape.parts[0].primitive = MNS_FORMULA;
+}
+static void thin_plate(MnsCase *c)
+{
+    c->walls[1].shape.parts[0].thickness = 0.2599;
+}
+static void plate_along_nothing(MnsCase *c)
+{
+    c->walls[1].shape.parts[0].b[0] = c->walls[1].shape.parts[0].b[1] = 0;
+}
+static void plate_without_normal(MnsCase *c)
+{
+    memset(c->walls[1].shape.parts[0].c, 0, sizeof(double[3]));
+}
+static void plate_with_normal_along(MnsCase *c)
+{
+    for (int d = 0; d < 3; d++) c->walls[1].shape.parts[0].c[d] = -2 * c->walls[1].shape.parts[0].b[d];
+}
+static void plate_without_width(MnsCase *c)
+{
+    c->walls[1].shape.parts[0].width = 0;
+}
+static void still_sine(MnsCase *c)
+{
+    c->walls[1].motion.kind = MNS_SINE;
+}
+static void endless_cosine(MnsCase *c)
+{
+    c->walls[0].motion = (MnsMotion){.kind = MNS_ONE_MINUS_COSINE, .frequency = INFINITY};
+}
+static void move(MnsCase *c, size_t n, double second)
+{
+    MnsMotion *motion = &c->walls[0].motion;
+    motion->kind = MNS_TABLE;
+    motion->n = n;
+    motion->points = calloc(n, sizeof *motion->points);
+    for (size_t k = 0; k < n; k++) motion->points[k].t = k == 1 ? second : (double)k;
+}
+static void lone_point(MnsCase *c)
+{
+    move(c, 1, 0);
+}
+static void falling_table(MnsCase *c)
+{
+    move(c, 3, -1);
+}
+static void standing_table(MnsCase *c)
+{
+    move(c, 3, 2);
+}
+static void bad_surface(MnsCase *c)
+{
+    case_set_text(&c->walls[0].surface_velocity[1], "y");
+}
+static void probe_of_no_fluid(MnsCase *c)
+{
+    c->probes[0].fluid = 2;
+}
+static void probe_on_no_wall(MnsCase *c)
+{
+    c->probes[1].wall = 2;
+}
+static void probe_along_no_axis(MnsCase *c)
+{
+    c->probes[0].axis = c->dim;
+}
+static void probe_along_less_than_none(MnsCase *c)
+{
+    c->probes[0].axis = -1;
+}
+static void probe_of_no_field(MnsCase *c)
+{
+    case_set_text(&c->probes[1].field, "speed");
+}
+static void bad_deviation(MnsCase *c)
+{
+    case_set_text(&c->probes[2].formula, "1 -");
+}
+
+static const Refusal REFUSALS[] = {
+    {"dimensions", MNS_E_INVALID, wrong_dimension},
+    {"resolution", MNS_E_INVALID, no_resolution},
+    {"resolution", MNS_E_INVALID, nan_resolution},
+    {"resolution", MNS_E_INVALID, no_reference_length},
+    {"end_time", MNS_E_INVALID, negative_end},
+    {"end_time", MNS_E_INVALID, nan_end},
+    {"scheme", MNS_E_INVALID, unknown_scheme},
+    {"fluids", MNS_E_LIMIT, no_fluid},
+    {"fluids", MNS_E_LIMIT, many_fluids},
+    {"walls", MNS_E_LIMIT, many_walls},
+    {"probes", MNS_E_LIMIT, many_probes},
+    {"domain", MNS_E_INVALID, empty_domain},
+    {"domain", MNS_E_INVALID, nan_domain},
+    {"resolution", MNS_E_INVALID, misfit},
+    {"domain", MNS_E_INVALID, short_period},
+    {"resolution", MNS_E_LIMIT, too_fine},
+    {"gravity[1]", MNS_E_INVALID, bad_gravity},
+    {"gravity[0]", MNS_E_INVALID, gravity_of_place},
+    {"fluids[1]", MNS_E_INVALID, no_density},
+    {"fluids[1]", MNS_E_INVALID, infinite_density},
+    {"fluids[0]", MNS_E_INVALID, no_sound},
+    {"fluids[0]", MNS_E_INVALID, negative_viscosity},
+    {"fluids[0]", MNS_E_INVALID, nan_viscosity},
+    {"fluids[1]", MNS_E_INVALID, two_without_shape},
+    {"fluids[0].shape[0]", MNS_E_INVALID, empty_box},
+    {"fluids[0].shape[0]", MNS_E_INVALID, empty_ball},
+    {"fluids[0].shape[0]", MNS_E_INVALID, short_cylinder},
+    {"fluids[0].shape[0]", MNS_E_INVALID, thin_cylinder},
+    {"fluids[0].shape[0]", MNS_E_INVALID, lost_plane},
+    {"fluids[0].shape[0]", MNS_E_INVALID, unknown_primitive},
+    {"fluids[0].shape[0].formula", MNS_E_INVALID, bad_region},
+    {"fluids[1].velocity[1]", MNS_E_INVALID, bad_velocity},
+    {"fluids[1].pressure", MNS_E_INVALID, bad_pressure},
+    {"walls[1].shape", MNS_E_INVALID, no_wall_shape},
+    {"walls[1].shape[0]", MNS_E_INVALID, wall_by_formula},
+    {"walls[1].shape[0]", MNS_E_INVALID, thin_plate},
+    {"walls[1].shape[0]", MNS_E_INVALID, plate_along_nothing},
+    {"walls[1].motion", MNS_E_INVALID, still_sine},
+    {"walls[0].motion", MNS_E_INVALID, endless_cosine},
+    {"walls[0].motion", MNS_E_INVALID, lone_point},
+    {"walls[0].motion", MNS_E_INVALID, falling_table},
+    {"walls[0].motion", MNS_E_INVALID, standing_table},
+    {"walls[0].surface_velocity[1]", MNS_E_INVALID, bad_surface},
+    {"probes[0]", MNS_E_INVALID, probe_of_no_fluid},
+    {"probes[1]", MNS_E_INVALID, probe_on_no_wall},
+    {"probes[0]", MNS_E_INVALID, probe_along_no_axis},
+    {"probes[0]", MNS_E_INVALID, probe_along_less_than_none},
+    {"probes[1]", MNS_E_INVALID, probe_of_no_field},
+    {"probes[2]", MNS_E_INVALID, bad_deviation},
+};
+
+static const Refusal ONLY_3D[] = {
+    {"walls[1].shape[0]", MNS_E_INVALID, plate_without_normal},
+    {"walls[1].shape[0]", MNS_E_INVALID, plate_with_normal_along},
+    {"walls[1].shape[0]", MNS_E_INVALID, plate_without_width},
+};
+
+/* Spoil a shallow copy, so that the lists' lengths are still known when the case is freed. */
+static void assert_refused(int dim, const Refusal *refusal, size_t k, bool build)
+{
+    MnsCase *c = good(dim), spoilt = *c;
+    MnsError error = {0};
+    MnsSim *sim = NULL;
+    refusal->spoil(&spoilt);
+    memcpy(c->gravity, spoilt.gravity, sizeof c->gravity);
+    const MnsStatus status = build ? mns_sim_new(&spoilt, &sim, &error) : mns_case_check(&spoilt, &error);
+    if (status != refusal->status || strcmp(error.path, refusal->path) != 0)
+        fail_msg("%d dimensions, refusal %zu, \"%s\": status %s, path \"%s\", \"%s\"", dim, k, refusal->path,
+                 mns_status_name(status), error.path, error.text);
+    assert_int_equal(error.status, status);
+    assert_true(strlen(error.text) > 10);
+    assert_null(sim);
+    assert_int_equal(build ? mns_sim_new(&spoilt, &sim, NULL) : mns_case_check(&spoilt, NULL), status);
+    mns_case_free(c);
+}
+
+static void what_is_good_is_not_refused(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = good(dim);
+        MnsError error = {0};
+        if (mns_case_check(c, &error)) fail_msg("%s: %s", error.path, error.text);
+        mns_case_free(c);
+    }
+}
+
+static void every_fault_is_refused_where_it_is(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (size_t k = 0; k < sizeof REFUSALS / sizeof *REFUSALS; k++) assert_refused(dim, &REFUSALS[k], k, false);
+    for (size_t k = 0; k < sizeof ONLY_3D / sizeof *ONLY_3D; k++) assert_refused(3, &ONLY_3D[k], k, false);
+}
+
+/* The plate of two dimensions has no width, and its normal follows from its length. */
+static void what_only_three_dimensions_need_is_not_asked_of_two(void **state)
+{
+    (void)state;
+    for (size_t k = 0; k < sizeof ONLY_3D / sizeof *ONLY_3D; k++) {
+        MnsCase *c = good(2);
+        ONLY_3D[k].spoil(c);
+        assert_int_equal(mns_case_check(c, NULL), MNS_OK);
+        mns_case_free(c);
+    }
+}
+
+static void new_simulation_refuses_what_the_check_refuses(void **state)
+{
+    (void)state;
+    assert_refused(2, &REFUSALS[0], 0, true);
+    assert_refused(3, &ONLY_3D[0], 0, true);
+}
+
+static void overlap(MnsCase *c)
+{
+    MnsPart *part = case_add_part(&c->fluids[1].shape, MNS_BOX);
+    part->a[0] = 1.5;
+    part->b[0] = 5.4;
+    part->b[1] = part->b[2] = 2;
+}
+static void sliver(MnsCase *c)
+{
+    MnsPart *part = &c->fluids[0].shape.parts[0];
+    part->a[1] = 0.06;
+    part->b[1] = 0.14; /* between two rows of points */
+}
+static void wall_far_away(MnsCase *c)
+{
+    MnsPart *part = &c->walls[1].shape.parts[0];
+    part->a[0] = 40;
+}
+static void oblique_gravity(MnsCase *c)
+{
+    case_set_text(&c->gravity[0], "0.1");
+    case_set_text(&c->fluids[1].pressure, "hydrostatic");
+}
+static void weightless_column(MnsCase *c)
+{
+    case_set_text(&c->gravity[1], "0");
+    case_set_text(&c->fluids[0].pressure, "hydrostatic");
+}
+static void vacuum(MnsCase *c)
+{
+    case_set_text(&c->fluids[0].pressure, "-401");
+} /* rho c^2 = 400 */
+static void infinite_pressure(MnsCase *c)
+{
+    case_set_text(&c->fluids[1].pressure, "1/(x - x)");
+}
+static void nan_velocity(MnsCase *c)
+{
+    case_set_text(&c->fluids[0].velocity[1], "sqrt(-x)");
+}
+
+static void what_only_placing_particles_shows_is_refused_then(void **state)
+{
+    (void)state;
+    static const Refusal refusals[] = {
+        {"fluids[1].shape", MNS_E_INVALID, overlap},
+        {"fluids[0]", MNS_E_INVALID, sliver},
+        {"walls[1].shape", MNS_E_INVALID, wall_far_away},
+        {"fluids[1].pressure", MNS_E_INVALID, oblique_gravity},
+        {"fluids[0].pressure", MNS_E_INVALID, weightless_column},
+        {"fluids[0]", MNS_E_INVALID, vacuum},
+        {"fluids[1]", MNS_E_INVALID, infinite_pressure},
+        {"fluids[0]", MNS_E_INVALID, nan_velocity},
+    };
+    for (int dim = 2; dim <= 3; dim++)
+        for (size_t k = 0; k < sizeof refusals / sizeof *refusals; k++) assert_refused(dim, &refusals[k], k, true);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_good_is_not_refused),
+        cmocka_unit_test(every_fault_is_refused_where_it_is),
+        cmocka_unit_test(what_only_three_dimensions_need_is_not_asked_of_two),
+        cmocka_unit_test(new_simulation_refuses_what_the_check_refuses),
+        cmocka_unit_test(what_only_placing_particles_shows_is_refused_then),
+    };
+    return cmocka_run_group_tests_name("check", tests, NULL, NULL);
+}
