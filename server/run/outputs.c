@@ -11,7 +11,7 @@
 /* A series is written whole each time, so a crash may cost the samples of this long [s], not more work. */
 static const double FLUSH_INTERVAL = 10;
 
-MnsStatus outputs_open(Outputs *outputs, const char *directory, const Document *document, MnsProgress progress,
+MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *document, MnsProgress progress,
                        bool goes_on, MnsError *error)
 {
     Series *series = NULL;
@@ -22,6 +22,7 @@ MnsStatus outputs_open(Outputs *outputs, const char *directory, const Document *
     if (status) return status;
     snprintf(outputs->directory, sizeof outputs->directory, "%s", directory);
     outputs->series = series;
+    outputs->document = document_share(document);
     outputs->t_before = goes_on && progress.step > 0 ? progress.t : -INFINITY;
     outputs->at_checkpoint = goes_on ? progress.step : UINT64_MAX;
     outputs->wall_checkpoint = outputs->wall_flush = clock_now();
@@ -36,6 +37,8 @@ MnsStatus outputs_close(Outputs *outputs, MnsError *error)
     writer_discard(outputs->writer);
     series_free(outputs->series);
     outputs->series = NULL;
+    document_leave(outputs->document);
+    outputs->document = NULL;
     outputs->directory[0] = 0;
     return status;
 }

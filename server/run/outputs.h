@@ -16,6 +16,7 @@ typedef struct Outputs {
     Writer *writer;
     Outbox *outbox;
     Series *series;         /* the writer's thread only; NULL without probes                    */
+    Document *document;     /* that the series was opened with, and borrows from; NULL when closed */
     double t_before;        /* of the boundary before [s]; -INFINITY: nothing has been taken    */
     double wall_checkpoint; /* clock_now() of the last one; of the beginning if there is none   */
     double wall_flush;      /* the same for the series                                          */
@@ -28,7 +29,7 @@ typedef struct Outputs {
 
 /* Go to a directory, which exists, with a state at `progress`: the series begins there, or goes on if `goes_on`, and files of
  * later steps are moved aside. On failure outputs is as it was, but for files moved. */
-MnsStatus outputs_open(Outputs *outputs, const char *directory, const Document *document, MnsProgress progress,
+MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *document, MnsProgress progress,
                        bool goes_on, MnsError *error);
 
 /* Write what is left and close the series. MNS_OK; or the failure, and what could not be written is given up. */
