@@ -47,9 +47,11 @@ void screen_take_values(Screen *screen, size_t n, const MnsValue *values)
 
 void screen_take(Screen *screen, const MnsTelemetry *telemetry)
 {
-    screen->step = telemetry->step;
-    screen->time = telemetry->time;
     screen->lost += telemetry->lost;
+    if (telemetry->topic & (MNS_TOPIC_PROBE | MNS_TOPIC_PROGRESS)) { /* whoever joins late hears an old event first */
+        screen->step = telemetry->step;
+        screen->time = telemetry->time;
+    }
     switch (telemetry->topic) {
     case MNS_TOPIC_PROBE: screen_take_values(screen, telemetry->n_values, telemetry->values); break;
     case MNS_TOPIC_EVENT:

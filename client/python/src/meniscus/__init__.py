@@ -8,7 +8,7 @@
             print(message.time, message.state)
             if message.state in ("DONE", "FAULT"):
                 break
-        print(client.probes())
+        print(client.query())
 """
 
 from .client import TOPICS, Client

@@ -88,13 +88,17 @@ class Client:
         """Go on after a pause."""
         return self._simple(pb.Request(resume=pb.Resume()))
 
-    def step(self, count: int = 1) -> Reply:
-        """Do some time steps; returns when they are done."""
-        return self._simple(pb.Request(step=pb.Step(count=count)))
+    def step(self, count: int = 1, request_id: Optional[bytes] = None) -> Reply:
+        """Do some time steps; returns when they are done. request_id: as for wait()."""
+        return self._simple(pb.Request(step=pb.Step(count=count)), None, request_id)
 
-    def run_until(self, time: float, exact: bool = True) -> Reply:
-        """Run until a simulated time [s]; exact: shorten the last step to end there."""
-        return self._simple(pb.Request(run_until=pb.RunUntil(time=time, exact=exact)))
+    def run_until(self, time: float, exact: bool = True, request_id: Optional[bytes] = None) -> Reply:
+        """Run until a simulated time [s]; exact: shorten the last step to end there. request_id: as for wait()."""
+        return self._simple(pb.Request(run_until=pb.RunUntil(time=time, exact=exact)), None, request_id)
+
+    def cancel(self, request_id: bytes) -> Reply:
+        """End a pending step, run_until or wait: it raises CancelledError where it was called."""
+        return self._simple(pb.Request(cancel=pb.Cancel(id=request_id)))
 
     def stop(self, checkpoint: bool = False) -> Reply:
         """End the run; its files stay."""
@@ -122,10 +126,14 @@ class Client:
         time: Optional[float] = None,
         step: Optional[int] = None,
         timeout: Optional[float] = None,
+        request_id: Optional[bytes] = None,
     ) -> Reply:
-        """Return at the first of: one of the states, a simulated time [s], a step. TimedOutError after timeout [s]."""
+        """Return at the first of: one of the states, a simulated time [s], a step. TimedOutError after timeout [s].
+
+        request_id  16 bytes by which cancel() can name this request
+        """
         message = pb.Wait(states=[pb.State.Value(state) for state in states], time=time, step=step)
-        return self._simple(pb.Request(wait=message), timeout)
+        return self._simple(pb.Request(wait=message), timeout, request_id)
 
     def breakpoint(
         self, name: str, time: Optional[float] = None, step: Optional[int] = None, condition: Optional[str] = None
@@ -158,9 +166,9 @@ class Client:
         """What the daemon can do: parameters, fields, probes, schemes."""
         return self._call(pb.Request(capabilities=pb.GetCapabilities()))[0].capabilities
 
-    def probes(self, *names: str) -> Dict[str, Value]:
+    def query(self, *probes: str) -> Dict[str, Value]:
         """Probes, now; all of them if none is named."""
-        query = pb.Query(probes=pb.ProbeQuery(names=names))
+        query = pb.Query(probes=pb.ProbeQuery(names=probes))
         return read_values(self._call(pb.Request(query=query))[0].values)
 
     def points(self, field: str, points: Any) -> np.ndarray:
@@ -203,11 +211,15 @@ class Client:
 
     # --- under the hood ---------------------------------------------------------------------------------------------
 
-    def _call(self, request: pb.Request, timeout: Optional[float] = None) -> Tuple[pb.Reply, List[bytes]]:
-        return self._connection.call(request, self.timeout if timeout is None else timeout)
+    def _call(
+        self, request: pb.Request, timeout: Optional[float] = None, request_id: Optional[bytes] = None
+    ) -> Tuple[pb.Reply, List[bytes]]:
+        return self._connection.call(request, self.timeout if timeout is None else timeout, request_id)
 
-    def _simple(self, request: pb.Request, timeout: Optional[float] = None) -> Reply:
-        return read_reply(self._call(request, timeout)[0])
+    def _simple(
+        self, request: pb.Request, timeout: Optional[float] = None, request_id: Optional[bytes] = None
+    ) -> Reply:
+        return read_reply(self._call(request, timeout, request_id)[0])
 
     def _output(self, request: pb.Request) -> OutputFile:
         output = self._call(request)[0].output

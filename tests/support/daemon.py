@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A daemon for a test: in directories of its own, ended with the test, its log shown if it did not end well."""
+
+import json
+import os
+import subprocess
+import tempfile
+import time
+import unittest
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[2]
+BUILD = Path(os.environ.get("BUILD", ROOT / "build")).resolve()
+SMALL = ["dambreak2d", "--set", "resolution=20"]
+
+
+class DaemonTest(unittest.TestCase):
+    """Tests that share one daemon, which each finds EMPTY. self.environment leads clients to it."""
+
+    home: Path
+    environment: dict[str, str]
+    daemon: "subprocess.Popen[bytes]"
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        scratch = tempfile.TemporaryDirectory(prefix="mns-")
+        cls.addClassCleanup(scratch.cleanup)
+        cls.home = Path(scratch.name)
+        (cls.home / "run").mkdir(mode=0o700)
+        cls.environment = {key: value for key, value in os.environ.items() if key != "MENISCUS_DAEMON"}
+        cls.environment |= {
+            "XDG_RUNTIME_DIR": str(cls.home / "run"),
+            "MENISCUS_CASES": str(ROOT / "server" / "cases"),
+            "OMP_WAIT_POLICY": "passive",
+        }
+        cls.start_daemon()
+        cls.addClassCleanup(lambda: cls.end_daemon())
+
+    @classmethod
+    def start_daemon(cls) -> None:
+        with open(cls.home / "log", "ab") as log:
+            cls.daemon = subprocess.Popen(
+                [BUILD / "meniscusd", "--name", "default", "--state-dir", cls.home / "state"],
+                env=cls.environment, stdout=log, stderr=log,
+            )
+        socket = cls.home / "run" / "meniscus" / "default" / "control.ipc"
+        until = time.monotonic() + 20
+        while not socket.exists() and cls.daemon.poll() is None and time.monotonic() < until:
+            time.sleep(0.01)
+
+    @classmethod
+    def end_daemon(cls) -> None:
+        cls.daemon.terminate()
+        status = cls.daemon.wait(timeout=60)
+        if status != 0:
+            print((cls.home / "log").read_text()[-4000:])
+            raise AssertionError(f"the daemon ended with {status}")
+
+    def meniscus(self, *words: str, code: int = 0, timeout: float = 60) -> "subprocess.CompletedProcess[str]":
+        """Run the command line; its exit code must be `code`."""
+        done = subprocess.run(
+            [BUILD / "meniscus", *words], env=self.environment, capture_output=True, text=True, timeout=timeout
+        )
+        self.assertEqual(done.returncode, code, f"meniscus {' '.join(words)}: {done.stdout}{done.stderr}")
+        return done
+
+    def ask(self, *words: str, code: int = 0, timeout: float = 60) -> Any:
+        """The same with -o json: what it printed, as one object."""
+        lines = self.meniscus(*words, "-o", "json", code=code, timeout=timeout).stdout.splitlines()
+        self.assertEqual(len(lines), 1, lines)
+        return json.loads(lines[0])
+
+    def tearDown(self) -> None:
+        state = self.ask("status")["state"]
+        if state == "RUNNING":
+            self.meniscus("pause")
+        if state != "EMPTY":
+            self.meniscus("stop")

@@ -1,0 +1,269 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The command line against a real daemon: what scripts rely on."""
+
+import json
+import os
+import pty
+import signal
+import subprocess
+import sys
+import time
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from daemon import BUILD, SMALL, DaemonTest  # noqa: E402
+
+REPLY = {"state", "step", "time", "effect_step", "daemon_epoch", "message"}
+STATUS = {"state", "case", "title", "run_directory", "fault", "version", "time", "end_time", "time_step", "eta_s",
+          "wall_s", "steps_per_second", "ns_per_particle_step", "step", "particles", "fluid_particles", "guarded",
+          "captures_skipped", "memory_bytes", "threads", "state_hash", "timers", "breakpoints"}
+
+
+class Commands(DaemonTest):
+    def load(self, *more: str) -> dict:
+        return self.ask("load", *SMALL, *more)
+
+    def test_a_case_is_loaded_stepped_and_stopped(self) -> None:
+        self.assertEqual(self.load()["state"], "READY")
+        reply = self.ask("step", "5")
+        self.assertEqual((reply["state"], reply["step"]), ("PAUSED", 5))
+        self.assertEqual(self.ask("stop")["state"], "EMPTY")
+
+    def test_every_reply_has_the_documented_keys(self) -> None:
+        self.assertEqual(set(self.load()) - {"path"}, REPLY)
+        self.assertEqual(set(self.ask("status")), STATUS)
+        self.assertEqual(set(self.ask("step")), REPLY)
+        self.assertEqual(set(self.ask("get", "end_time")), REPLY | {"values"})
+        self.assertEqual(set(self.ask("query")), REPLY | {"values"})
+        self.assertEqual(set(self.ask("checkpoint")), REPLY | {"path"})
+
+    def test_run_until_ends_exactly_there(self) -> None:
+        self.load()
+        self.assertEqual(self.ask("run-until", "0.05")["time"], 0.05)
+
+    def test_set_is_seen_by_get_and_all_or_nothing(self) -> None:
+        self.load()
+        self.meniscus("set", "end_time=3", "gravity=[0,-1.5]")
+        values = self.ask("get", "end_time", "gravity")["values"]
+        self.assertEqual(values["end_time"], {"value": 3.0, "unit": "s"})
+        self.assertIn("-1.5", values["gravity"]["value"])
+        self.meniscus("set", "end_time=4", "scheme.cfl=99", code=1)
+        self.assertEqual(self.ask("get", "end_time")["values"]["end_time"]["value"], 3.0)
+
+    def test_set_does_not_disturb_the_files_that_are_written_later(self) -> None:
+        self.load("--set", "output.probe_interval=0.002")
+        self.meniscus("set", "end_time=3")
+        self.assertEqual(self.ask("step", "10")["step"], 10)
+        self.assertTrue(Path(self.ask("checkpoint")["path"]).is_file())
+        self.assertTrue(Path(self.ask("snapshot")["path"]).is_file())
+
+    def test_probes_points_and_particles_can_be_asked_for(self) -> None:
+        self.load()
+        self.meniscus("step", "3")
+        self.assertEqual(set(self.ask("query", "probes", "P05", "front")["values"]), {"P05", "front"})
+        points = self.ask("query", "at", "pressure", "0.5,0.5", "-9,9")
+        self.assertEqual(points["unit"], "Pa")
+        self.assertEqual(len(points["values"]), 2)
+        self.assertIsNone(points["values"][1])
+        box = self.ask("query", "box", "0,0", "0.2,0.1", "--fields", "position,phase")
+        self.assertEqual(len(box["fields"]["position"]["values"]), box["particles"])
+        for x, y in box["fields"]["position"]["values"]:
+            self.assertTrue(0 <= x <= 0.2 and 0 <= y <= 0.1)
+        self.meniscus("query", "box", "--limit", "5", code=1)
+
+    def test_a_checkpoint_is_restored_to_the_bit(self) -> None:
+        self.load()
+        self.meniscus("step", "4")
+        before = self.ask("status")["state_hash"]
+        name = Path(self.ask("checkpoint")["path"]).name
+        self.meniscus("step", "4")
+        self.assertNotEqual(self.ask("status")["state_hash"], before)
+        self.assertEqual(self.ask("restore", name)["step"], 4)
+        self.assertEqual(self.ask("status")["state_hash"], before)
+
+    def test_wait_comes_back_when_the_run_is_done(self) -> None:
+        self.load("--set", "end_time=0.1", "--start")
+        self.assertEqual(self.ask("wait", "--for", "state=DONE", "--timeout", "50")["state"], "DONE")
+        self.meniscus("wait", "--for", "step=1000000000", "--timeout", "5", code=1)
+
+    def test_wait_gives_up_in_time(self) -> None:
+        self.load()
+        began = time.monotonic()
+        self.meniscus("wait", "--for", "state=DONE", "--timeout", "0.3", code=124)
+        self.assertLess(time.monotonic() - began, 10)
+
+    def test_a_diverged_run_has_an_exit_code_of_its_own(self) -> None:
+        self.load("--set", "limits.density_max=1.0000001", "--start")
+        done = self.meniscus("wait", "--timeout", "50", code=70)
+        self.assertIn("FAULT", done.stderr)
+        self.meniscus("watch", code=70)
+
+    def test_a_breakpoint_pauses_the_run(self) -> None:
+        self.load()
+        self.meniscus("breakpoint", "b", "--step", "7")
+        self.meniscus("start")
+        self.assertEqual(self.ask("wait", "--for", "state=PAUSED", "--timeout", "50")["step"], 7)
+        self.meniscus("breakpoint", "b", "--remove")
+        self.assertEqual(self.ask("status")["breakpoints"], [])
+
+    def test_the_same_id_steps_once(self) -> None:
+        self.load()
+        words = ["step", "3", "--id", "0123456789abcdef0123456789abcdef"]
+        self.assertEqual(self.ask(*words)["step"], 3)
+        self.assertEqual(self.ask(*words)["step"], 3)
+        self.assertEqual(self.ask("status")["step"], 3)
+
+    def test_a_client_killed_in_the_middle_leaves_the_daemon_well(self) -> None:
+        self.load()
+        for name in ("SIGKILL", "SIGTERM"):
+            client = subprocess.Popen([BUILD / "meniscus", "run-until", "1000"], env=self.environment)
+            time.sleep(0.3)
+            client.send_signal(getattr(signal, name))
+            client.wait(timeout=10)
+            self.assertEqual(self.ask("pause")["state"], "PAUSED")
+
+    def test_cancel_ends_a_pending_command(self) -> None:
+        self.load()
+        request = "00112233445566778899aabbccddeeff"
+        client = subprocess.Popen(
+            [BUILD / "meniscus", "wait", "--for", "state=DONE", "--id", request], env=self.environment,
+            stderr=subprocess.DEVNULL,
+        )
+        time.sleep(0.5)
+        self.meniscus("cancel", request)
+        self.assertEqual(client.wait(timeout=10), 75)
+
+    def test_a_wrong_state_is_refused_with_what_is_possible(self) -> None:
+        done = self.meniscus("pause", code=1)
+        self.assertIn("EMPTY", done.stderr)
+
+    def test_capabilities_and_schemes_are_listed(self) -> None:
+        self.load()
+        capabilities = self.ask("capabilities")
+        self.assertIn("gravity", [parameter["name"] for parameter in capabilities["parameters"]])
+        self.assertIn("pressure", [field["name"] for field in capabilities["fields"]])
+        self.assertIn("riemann", [scheme["name"] for scheme in self.ask("schemes")["schemes"]])
+
+    def test_ls_finds_the_daemon(self) -> None:
+        daemons = [d for d in self.ask("ls")["daemons"] if str(self.home) in d["endpoint"]]
+        self.assertEqual([(d["name"], d["alive"], d["state"]) for d in daemons], [("default", True, "EMPTY")])
+
+
+class BadCases(DaemonTest):
+    def test_an_unknown_key_is_named_with_its_place(self) -> None:
+        case = self.home / "bad.yaml"
+        case.write_text("dimensions: 2\nresolutoin: 20\n")
+        done = self.meniscus("load", str(case), code=65)
+        self.assertTrue(done.stderr.startswith(f"{case}:2:1: "), done.stderr)
+        self.assertIn("resolution", done.stderr)
+
+    def test_what_only_the_daemon_can_see_is_named_with_its_place_too(self) -> None:
+        shipped = Path(self.environment["MENISCUS_CASES"]) / "dambreak2d.yaml"
+        lines = shipped.read_text().splitlines()
+        at = next(k for k, line in enumerate(lines) if "axis: x, within" in line)
+        lines[at] = lines[at].replace("fluid: water", "fluid: wine")
+        case = self.home / "wine.yaml"
+        case.write_text("\n".join(lines))
+        done = self.meniscus("load", str(case), code=65)
+        self.assertTrue(done.stderr.startswith(f"{case}:{at + 1}:"), done.stderr)
+        self.assertEqual(self.ask("status")["state"], "EMPTY")
+
+    def test_a_case_that_is_not_there_says_which_are(self) -> None:
+        self.assertIn("dambreak2d", self.meniscus("load", "dambrake", code=65).stderr)
+
+    def test_a_bad_override_is_named(self) -> None:
+        done = self.meniscus("load", *SMALL, "--set", "fluids[0].density=-1", code=65)
+        self.assertIn("fluids[0].density", done.stderr)
+
+
+class Watching(DaemonTest):
+    def start(self, end_time: str = "0.3") -> None:
+        self.meniscus("load", *SMALL, "--set", f"end_time={end_time}", "--start")
+
+    def test_lines_of_json_are_numbered_without_gaps(self) -> None:
+        self.start()
+        lines = [json.loads(line) for line in self.meniscus("watch", "-o", "json").stdout.splitlines()]
+        self.assertEqual(lines[0]["topic"], "status")
+        probes = [line for line in lines if line["topic"] == "probe"]
+        self.assertGreater(len(probes), 3)
+        self.assertEqual({line["lost"] for line in probes}, {0})
+        self.assertIn("P05", probes[-1]["values"])
+        self.assertEqual(lines[-1].get("state"), "DONE")
+
+    def test_plain_lines_have_no_escapes(self) -> None:
+        self.start()
+        text = self.meniscus("watch").stdout
+        self.assertNotIn("\033", text)
+        self.assertIn("DONE", text.splitlines()[-1])
+
+    def test_a_time_limit_ends_it(self) -> None:
+        self.start("1000")
+        self.meniscus("watch", "--timeout", "0.3", code=124)
+
+    def test_a_terminal_is_left_as_it_was_found(self) -> None:
+        self.start("1000")
+        master, slave = pty.openpty()
+        client = subprocess.Popen([BUILD / "meniscus", "watch"], env=self.environment, stdout=slave)
+        os.close(slave)
+        time.sleep(0.7)
+        client.send_signal(signal.SIGINT)
+        client.wait(timeout=10)
+        text = b""
+        try:
+            while chunk := os.read(master, 65536):
+                text += chunk
+        except OSError:  # what Linux says when the other end is closed
+            pass
+        os.close(master)
+        self.assertEqual(client.returncode, -signal.SIGINT)
+        self.assertIn(b"\033[?25l", text)
+        self.assertIn(b"%", text)
+        self.assertTrue(text.endswith(b"\033[?25h"), text[-80:])
+
+
+class WithoutDaemon(unittest.TestCase):
+    def run_cli(self, *words: str) -> "subprocess.CompletedProcess[str]":
+        environment = os.environ | {"XDG_RUNTIME_DIR": "/nonexistent", "MENISCUS_DAEMON": "nobody-of-that-name"}
+        return subprocess.run([BUILD / "meniscus", *words], env=environment, capture_output=True, text=True, timeout=20)
+
+    def test_an_unreachable_daemon_is_said_quickly_and_with_its_code(self) -> None:
+        began = time.monotonic()
+        for words in (["status"], ["pause"], ["status", "--daemon", "tcp://127.0.0.1:1"]):
+            done = self.run_cli(*words)
+            self.assertEqual(done.returncode, 69)
+            self.assertIn("meniscusd", done.stderr)
+        self.assertLess(time.monotonic() - began, 5)
+
+    def test_misuse_has_its_code_and_a_suggestion(self) -> None:
+        for words, hint in [(["stauts"], "status"), (["status", "--timout", "3"], "--timeout"), (["step", "x"], "whole"),
+                            (["query", "box", "1"], "corner"), (["set", "gravity"], "PATH=VALUE"),
+                            (["wait", "--for", "state=HAPPY"], "DONE"), (["load"], "CASE"), (["-o", "xml", "ls"], "json")]:
+            done = self.run_cli(*words)
+            self.assertEqual(done.returncode, 2, words)
+            self.assertIn(hint, done.stderr)
+
+    def test_failures_are_json_too(self) -> None:
+        done = self.run_cli("status", "-o", "json")
+        self.assertEqual(json.loads(done.stdout)["error"]["exit_code"], 69)
+
+    def test_help_lists_every_command_with_the_request_it_sends(self) -> None:
+        commands = {c["name"]: c for c in json.loads(self.run_cli("help", "-o", "json").stdout)["commands"]}
+        self.assertEqual(commands["run-until"]["request"], "run_until")
+        for name in ("load start pause resume step run-until stop reset set get query watch snapshot checkpoint restore "
+                     "wait status ls schemes render run").split():
+            self.assertIn(name, commands)
+            self.assertIn("Usage: meniscus", self.run_cli("help", name).stdout)
+
+    def test_run_needs_no_daemon(self) -> None:
+        import tempfile
+
+        with tempfile.TemporaryDirectory(prefix="mns-") as scratch:
+            done = self.run_cli("run", *SMALL, "--set", "end_time=0.01", "--out", f"{scratch}/out", "-o", "json")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(json.loads(done.stdout)["state"], "DONE")
+
+
+if __name__ == "__main__":
+    unittest.main()

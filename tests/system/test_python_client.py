@@ -1,0 +1,221 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The Python client against a real daemon, and against none."""
+
+import os
+import subprocess
+import sys
+import threading
+import time
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from daemon import BUILD, ROOT, DaemonTest  # noqa: E402
+
+sys.path.insert(0, str(BUILD / "python"))
+import meniscus  # noqa: E402
+from meniscus import case, connection, meniscus_pb2, values  # noqa: E402
+
+SMALL = {"resolution": 20}
+
+
+class WithDaemon(DaemonTest):
+    def setUp(self) -> None:
+        os.environ["MENISCUS_CASES"] = self.environment["MENISCUS_CASES"]
+        endpoint = f"ipc://{self.home}/run/meniscus/default/control.ipc"
+        self.client = meniscus.Client(endpoint, timeout=50)
+        self.addCleanup(self.client.close)
+
+    def load(self, **more: object) -> meniscus.Reply:
+        return self.client.load("dambreak2d", SMALL | more)
+
+    def test_a_run_goes_from_load_to_done_and_is_listened_to(self) -> None:
+        self.load(end_time=0.2)
+        messages = self.client.subscribe("event", "probe", "progress", timeout=20)
+        time.sleep(0.2)  # subscriptions take a moment to reach the daemon
+        self.client.start()
+        heard = []
+        for message in messages:
+            heard.append(message)
+            if message.state == "DONE":
+                break
+        self.assertEqual(heard[-1].state, "DONE")
+        probes = [message for message in heard if message.topic == "probe"]
+        self.assertIn("P05", probes[-1].values)
+        self.assertEqual({message.lost for message in heard}, {0})
+        self.assertEqual(self.client.wait(["DONE"], timeout=20).state, "DONE")
+
+    def test_pause_step_and_run_until_return_after_their_effect(self) -> None:
+        self.load()
+        self.assertEqual(self.client.start().state, "RUNNING")
+        paused = self.client.pause()
+        self.assertEqual(paused.state, "PAUSED")
+        self.assertEqual(self.client.step(3).step, paused.step + 3)
+        self.assertEqual(self.client.run_until(paused.time + 0.05).time, paused.time + 0.05)
+        self.assertEqual(self.client.resume().state, "RUNNING")
+
+    def test_entries_are_set_and_read(self) -> None:
+        self.load()
+        self.client.set({"end_time": 3, "gravity": [0, -1.5]})
+        self.assertEqual(self.client.get("end_time")["end_time"], meniscus.Value(3.0, "s"))
+        with self.assertRaises(meniscus.RefusedError) as caught:
+            self.client.set({"scheme.cfl": 99})
+        self.assertEqual(caught.exception.path, "scheme.cfl")
+
+    def test_fields_come_as_arrays(self) -> None:
+        self.load()
+        self.client.step(3)
+        box = self.client.particles(["position", "pressure"], min=[0, 0], max=[0.2, 0.1])
+        self.assertEqual(box["position"].shape, (len(box["pressure"]), 2))
+        self.assertTrue((box["position"] <= [0.2, 0.1]).all() and (box["position"] >= 0).all())
+        pressure = self.client.points("pressure", [[0.5, 0.5], [-9, 9]])
+        self.assertTrue(np.isfinite(pressure[0]) and np.isnan(pressure[1]))
+        with self.assertRaises(meniscus.MeniscusError) as caught:
+            self.client.particles(limit=5)
+        self.assertEqual(caught.exception.code, "RESOURCE_EXHAUSTED")
+
+    def test_a_checkpoint_is_restored_to_the_bit(self) -> None:
+        self.load()
+        self.client.step(4)
+        before = self.client.status().state_hash
+        file = self.client.checkpoint()
+        self.assertTrue(Path(file.path).is_file())
+        self.client.step(4)
+        self.assertNotEqual(self.client.status().state_hash, before)
+        self.assertEqual(self.client.restore(Path(file.path).name).step, 4)
+        self.assertEqual(self.client.status().state_hash, before)
+
+    def test_a_snapshot_says_where_it_is(self) -> None:
+        self.load()
+        self.assertTrue(Path(self.client.snapshot(["velocity"]).path).is_file())
+
+    def test_wait_gives_up_in_time(self) -> None:
+        self.load()
+        with self.assertRaises(meniscus.TimedOutError):
+            self.client.wait(["DONE"], timeout=0.2)
+
+    def test_a_wrong_state_is_an_exception_of_its_own(self) -> None:
+        with self.assertRaises(meniscus.StateError):
+            self.client.pause()
+
+    def test_a_breakpoint_pauses_the_run(self) -> None:
+        self.load()
+        self.client.breakpoint("b", step=6)
+        self.client.start()
+        self.assertEqual(self.client.wait(["PAUSED"], timeout=20).step, 6)
+        self.client.breakpoint("b")
+
+    def test_a_refused_case_names_file_and_line(self) -> None:
+        text = (ROOT / "server/cases/dambreak2d.yaml").read_text().splitlines()
+        at = next(k for k, line in enumerate(text) if "density: 0.001" in line)
+        text[at] = text[at].replace("0.001", "-1")
+        file = self.home / "bad.yaml"
+        file.write_text("\n".join(text))
+        with self.assertRaises(meniscus.CaseError) as caught:
+            self.client.load(file)
+        self.assertTrue(caught.exception.message.startswith(f"{file}:{at + 1}:"), caught.exception.message)
+        self.assertEqual(caught.exception.path, "fluids[1].density")
+
+    def test_the_command_line_and_python_send_the_same_case(self) -> None:
+        self.load()
+        ours = self.client.status().state_hash
+        self.meniscus("load", "dambreak2d", "--set", "resolution=20")
+        self.assertEqual(self.client.status().state_hash, ours)
+
+    def test_capabilities_name_what_can_be_set(self) -> None:
+        self.assertIn("end_time", [parameter.path for parameter in self.client.capabilities().parameters])
+
+    def test_a_command_of_every_kind_has_a_method(self) -> None:
+        methods = set(dir(self.client))
+        missing = {field.name for field in meniscus_pb2.Request.DESCRIPTOR.oneofs_by_name["command"].fields} - methods
+        self.assertEqual(missing, set())
+
+    def test_cancel_ends_a_pending_wait(self) -> None:
+        self.load()
+        request = bytes(range(16))
+        other = meniscus.Client(f"ipc://{self.home}/run/meniscus/default/control.ipc")
+        self.addCleanup(other.close)
+        timer = threading.Timer(0.3, lambda: other.cancel(request))
+        timer.start()
+        with self.assertRaises(meniscus.CancelledError):
+            self.client.wait(["DONE"], timeout=20, request_id=request)
+        timer.join()
+
+
+class WithoutDaemon(unittest.TestCase):
+    def setUp(self) -> None:
+        os.environ["MENISCUS_CASES"] = str(ROOT / "server" / "cases")
+
+    def test_an_unreachable_daemon_is_said_quickly(self) -> None:
+        began = time.monotonic()
+        for daemon in ("nobody-of-that-name", "tcp://127.0.0.1:1", "ipc:///nonexistent/control.ipc"):
+            with self.assertRaises(meniscus.UnavailableError):
+                meniscus.Client(daemon)
+        self.assertLess(time.monotonic() - began, 5)
+
+    def test_endpoints_of_other_hosts_are_refused(self) -> None:
+        for daemon in ("tcp://10.0.0.1:80", "tcp://127.0.0.1:65535", "../x", "udp://127.0.0.1:3"):
+            with self.assertRaises(meniscus.RefusedError):
+                meniscus.Client(daemon)
+
+    def test_a_damaged_array_is_refused(self) -> None:
+        frame = np.array([1.0, 2.0]).tobytes()
+        array = meniscus_pb2.Array(name="p", type="<f8", shape=[2], xxh64=connection.xxh64(frame))
+        connection._check(meniscus_pb2.Reply(arrays=[array]), [frame])
+        with self.assertRaises(meniscus.CorruptError):
+            connection._check(meniscus_pb2.Reply(arrays=[array]), [frame[:-1] + b"\x01"])
+        with self.assertRaises(meniscus.CorruptError):
+            connection._check(meniscus_pb2.Reply(arrays=[array]), [])
+        array.shape[0] = 3
+        with self.assertRaises(meniscus.CorruptError):
+            values.read_array(array, frame)
+
+    def test_the_checksum_is_the_published_one(self) -> None:
+        self.assertEqual(connection.xxh64(b""), 0xEF46DB3751D8E999)
+
+    def test_overrides_reach_into_lists_and_new_entries(self) -> None:
+        text = case.CaseText("dambreak2d")
+        text.set("fluids[1].viscosity", 0.5)
+        text.set("output.checkpoint_interval", 1e-5)
+        text.set("gravity", [0, -2])
+        text.set("limits.density_max", "7")
+        message = text.message()
+        self.assertEqual(message.fluids[1].viscosity, 0.5)
+        self.assertEqual(message.output.checkpoint_interval, 1e-5)
+        self.assertEqual(list(message.gravity), ["0", "-2"])
+        self.assertEqual(message.limits.density_max, 7)
+        with self.assertRaises(meniscus.CaseError):
+            text.set("fluids[9].density", 1)
+
+    def test_every_shipped_case_is_read(self) -> None:
+        files = sorted((ROOT / "server/cases").glob("*.yaml"))
+        self.assertGreater(len(files), 3)
+        for file in files:
+            self.assertGreater(case.CaseText(file).message().resolution, 0)
+
+    def test_a_wrong_entry_is_named_with_its_place(self) -> None:
+        for wrong, hint in ({"dimension": 2}, "dimensions"), ({"dimensions": "two"}, "whole number"), (
+            {"fluids": {"name": "x"}}, "list"), ({"scheme": {"kernel": "gauss"}}, "wendland-c2"):
+            with self.assertRaises(meniscus.CaseError) as caught:
+                case.CaseText(wrong).message()
+            self.assertRegex(caught.exception.message, r"^case:\d+:\d+: ")
+            self.assertIn(hint, caught.exception.message)
+
+    def test_the_package_can_be_built_as_pip_would(self) -> None:
+        import tempfile
+
+        with tempfile.TemporaryDirectory(prefix="mns-") as scratch:
+            subprocess.run(
+                ["/usr/bin/python3", "setup.py", "-q", "egg_info", "-e", scratch, "build", "-b", f"{scratch}/b",
+                 "--build-lib", f"{scratch}/lib"], cwd=ROOT / "client/python", check=True, capture_output=True)
+            done = subprocess.run(
+                ["/usr/bin/python3", "-c", "import meniscus; print(meniscus.__version__)"], capture_output=True, text=True,
+                env=os.environ | {"PYTHONPATH": f"{scratch}/lib"}, cwd=scratch)
+            self.assertEqual(done.stdout.strip(), meniscus.__version__, done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
