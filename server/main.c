@@ -136,7 +136,8 @@ static void keep_threads_from_spinning(char **argv)
     if (getenv("GOMP_SPINCOUNT") || getenv("OMP_WAIT_POLICY")) return;
     setenv("GOMP_SPINCOUNT", "1000", 1);
     setenv("KMP_BLOCKTIME", "0", 0);
-    execv("/proc/self/exe", argv);
+    char path[4096] = ""; /* the true one, or the process would be listed as "exe" */
+    if (readlink("/proc/self/exe", path, sizeof path - 1) > 0) execv(path, argv);
 }
 
 static int run(Options *options)
