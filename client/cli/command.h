@@ -49,7 +49,7 @@ MnsStatus command_connect(Invocation *in, MnsError *error);
 /* Pass a status through; a failure becomes one of usage. */
 MnsStatus command_usage(Invocation *in, MnsStatus status);
 
-/* --- what they do ------------------------------------------------------------------------------------------------------- */
+/* --- what they do ------------------------------------------------------------------------------------------------- */
 
 MnsStatus command_simple(Invocation *in, MnsError *error); /* a request without particulars */
 MnsStatus command_load(Invocation *in, MnsError *error);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Commands that change what the daemon does: each prints the state after its effect and the step at which it took effect. */
+/* Commands that change what the daemon does: each prints the state after its effect and the step at which it took
+ * effect. */
 #include "client/cli/command.h"
 #include "client/cli/output.h"
 #include "proto/case_find.h"

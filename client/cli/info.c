@@ -63,7 +63,7 @@ MnsStatus command_status(Invocation *in, MnsError *error)
     return status;
 }
 
-/* --- what a daemon can do ----------------------------------------------------------------------------------------------- */
+/* --- what a daemon can do ----------------------------------------------------------------------------------------- */
 
 static json_t *topic(const MnsTopicInfo *t)
 {
@@ -156,7 +156,7 @@ MnsStatus command_schemes(Invocation *in, MnsError *error)
     return status;
 }
 
-/* --- the daemons of this host ------------------------------------------------------------------------------------------- */
+/* --- the daemons of this host ------------------------------------------------------------------------------------- */
 
 typedef struct Listing {
     json_t *json; /* NULL: print text */

@@ -54,9 +54,9 @@ typedef struct Options {
     size_t n_words;
 } Options;
 
-/* Add argv[1..argc-1] to what is there. With `leading`, stop at the first word that is no option; else words and options may
- * mix, words that begin like a negative number are no options, and "--" ends the options. *ret_used: words of argv looked at.
- * MNS_E_INVALID: unknown (with a suggestion), without its value, too many. */
+/* Add argv[1..argc-1] to what is there. With `leading`, stop at the first word that is no option; else words and
+ * options may mix, words that begin like a negative number are no options, and "--" ends the options. *ret_used: words
+ * of argv looked at. MNS_E_INVALID: unknown (with a suggestion), without its value, too many. */
 MnsStatus options_parse(Options *options, int argc, char **argv, unsigned allowed, bool leading, int *ret_used,
                         MnsError *error);
 

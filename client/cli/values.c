@@ -55,7 +55,7 @@ static MnsStatus query_probes(Invocation *in, size_t n, const char *const *names
     return report_values(in, status, reply, error);
 }
 
-/* --- a field at points -------------------------------------------------------------------------------------------------- */
+/* --- a field at points -------------------------------------------------------------------------------------------- */
 
 static MnsStatus report_points(const Invocation *in, const MnsReply *reply, size_t n, int dim, const double *points,
                                MnsError *error)
@@ -83,7 +83,8 @@ static MnsStatus report_points(const Invocation *in, const MnsReply *reply, size
     return MNS_OK;
 }
 
-/* Points as words "x,y" or "x,y,z", all with the same number of coordinates. ret: [n_words][3], packed to [n_words][dim]. */
+/* Points as words "x,y" or "x,y,z", all with the same number of coordinates. ret: [n_words][3], packed to
+ * [n_words][dim]. */
 static MnsStatus read_points(size_t n_words, const char *const *words, double *ret, int *ret_dim, MnsError *error)
 {
     size_t dim = 0, n = 0;
@@ -118,7 +119,7 @@ static MnsStatus query_points(Invocation *in, size_t n_words, const char *const 
     return status;
 }
 
-/* --- the particles of a box --------------------------------------------------------------------------------------------- */
+/* --- the particles of a box --------------------------------------------------------------------------------------- */
 
 static size_t columns(const MnsArray *array)
 {

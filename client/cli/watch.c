@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* meniscus watch: progress and probes of a run until it ends. On a terminal a picture redrawn in place, elsewhere plain lines,
- * with -o json every message of the daemon as one line. */
+/* meniscus watch: progress and probes of a run until it ends. On a terminal a picture redrawn in place, elsewhere plain
+ * lines, with -o json every message of the daemon as one line. */
 #include "client/cli/command.h"
 #include "client/cli/output.h"
 #include "client/cli/watch_screen.h"

@@ -109,8 +109,8 @@ static void draw_bar(const Screen *screen)
     fputs(CLEAR_LINE "\n", stdout);
 }
 
-/* Back to our first line, then all of it again: each line cleared as it is written, so nothing flickers. A line that wraps
- * would be two lines, so none may be wider than the terminal. */
+/* Back to our first line, then all of it again: each line cleared as it is written, so nothing flickers. A line that
+ * wraps would be two lines, so none may be wider than the terminal. */
 static void draw_terminal(Screen *screen)
 {
     const int width = terminal_width() - 1;

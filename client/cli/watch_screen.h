@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What `meniscus watch` knows of a run, and how it looks: a few lines redrawn in place on a terminal, one line at a time
- * elsewhere. */
+/* What `meniscus watch` knows of a run, and how it looks: a few lines redrawn in place on a terminal, one line at a
+ * time elsewhere. */
 #ifndef CLI_WATCH_SCREEN_H
 #define CLI_WATCH_SCREEN_H
 

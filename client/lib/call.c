@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A request and its reply. After a lost connection the same request goes out under the same id, so it happens once; unless
- * the daemon was restarted meanwhile and may have forgotten the id: then only questions are asked again. */
+/* A request and its reply. After a lost connection the same request goes out under the same id, so it happens once;
+ * unless the daemon was restarted meanwhile and may have forgotten the id: then only questions are asked again. */
 #include "client/lib/call.h"
 #include <math.h>
 #include <stdlib.h>

@@ -27,10 +27,10 @@ MnsStatus call_random(uint8_t *data, size_t size, MnsError *error);
 /* Ask the daemon who it is: sets client->epoch. MNS_E_UNAVAILABLE if it does not answer, MNS_E_VERSION. */
 MnsStatus call_greet(MnsClient *client, MnsError *error);
 
-/* Send a request and wait for its reply. Version, session, id and deadline are filled in here. Each array of the reply has
- * its frame, checked. On failure, when the daemon refused, error->path is the reply's.
- * MNS_OK: free *ret_reply with meniscus__reply__free_unpacked() and *ret_frames with frames_done(); all else: as client.h
- * says, nothing to free. */
+/* Send a request and wait for its reply. Version, session, id and deadline are filled in here. Each array of the reply
+ * has its frame, checked. On failure, when the daemon refused, error->path is the reply's.
+ * MNS_OK: free *ret_reply with meniscus__reply__free_unpacked() and *ret_frames with frames_done(); all else: as
+ * client.h says, nothing to free. */
 MnsStatus call(MnsClient *client, Meniscus__Request *request, Meniscus__Reply **ret_reply, Frames *ret_frames,
                MnsError *error);
 

@@ -11,7 +11,8 @@
 
 enum { DIRECTORY_COUNT = 3, DIRECTORY_SIZE = 256 };
 
-/* The directories that hold one directory per daemon, in the order in which they are searched; empty if it does not apply. */
+/* The directories that hold one directory per daemon, in the order in which they are searched; empty if it does not
+ * apply. */
 static void directories(char ret[DIRECTORY_COUNT][DIRECTORY_SIZE])
 {
     const char *runtime = getenv("XDG_RUNTIME_DIR");

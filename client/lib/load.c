@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Loading a case from a file: complaints of the daemon point to line and column of the file, as complaints about the text
- * do. */
+/* Loading a case from a file: complaints of the daemon point to line and column of the file, as complaints about the
+ * text do. */
 #include "client/lib/commands.h"
 #include "proto/case_file.h"
 #include <stdio.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Replies as plain structs: text is borrowed from the message, which lives as long; arrays are copied, for alignment. */
+/* Replies as plain structs: text is borrowed from the message, which lives as long; arrays are copied, for
+ * alignment. */
 #include "client/lib/reply.h"
 #include <math.h>
 #include <stdlib.h>

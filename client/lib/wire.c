@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* One connection to a control socket. A monitor tells when it is made and lost, so that a dead daemon is noticed while a
- * reply may take hours. */
+/* One connection to a control socket. A monitor tells when it is made and lost, so that a dead daemon is noticed while
+ * a reply may take hours. */
 #include "client/lib/wire.h"
 #include <errno.h>
 #include <math.h>

@@ -33,12 +33,13 @@ void wire_close(Wire *wire);
 /* Send one frame; waits for a connection as long as a daemon may take to be restarted. MNS_E_UNAVAILABLE. */
 MnsStatus wire_send(Wire *wire, const void *data, size_t size, MnsError *error);
 
-/* Receive one message into ret, which the caller passes to frames_done(). Comes back with ret->n = 0 when the connection was
- * made anew, because an answer may be lost then. MNS_OK; MNS_E_TIMEOUT at `deadline` (monotonic, INFINITY for none);
- * MNS_E_UNAVAILABLE when the connection is lost and does not come back. */
+/* Receive one message into ret, which the caller passes to frames_done(). Comes back with ret->n = 0 when the
+ * connection was made anew, because an answer may be lost then. MNS_OK; MNS_E_TIMEOUT at `deadline` (monotonic,
+ * INFINITY for none); MNS_E_UNAVAILABLE when the connection is lost and does not come back. */
 MnsStatus wire_receive(Wire *wire, double deadline, Frames *ret, MnsError *error);
 
-/* Receive all frames of one message from a socket that has one. Frames beyond the limit are dropped. @return false: none. */
+/* Receive all frames of one message from a socket that has one. Frames beyond the limit are dropped. @return false:
+ * none. */
 bool frames_receive(Frames *frames, void *socket);
 
 void frames_done(Frames *frames);

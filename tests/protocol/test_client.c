@@ -260,7 +260,7 @@ static void an_assignment_without_equals_sign_is_not_sent(void **state)
     assert_int_equal(atomic_load(&fixture->n), 0);
 }
 
-/* --- telemetry --------------------------------------------------------------------------------------------------------- */
+/* --- telemetry ---------------------------------------------------------------------------------------------------- */
 
 static void publish_progress(Fixture *fixture, uint64_t epoch, uint64_t sequence)
 {

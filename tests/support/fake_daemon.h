@@ -23,7 +23,8 @@ typedef struct FakeAnswer {
     size_t frame_size;
 } FakeAnswer;
 
-/* Called on the daemon's thread for each request but `status`, which clients greet with and which is always answered. */
+/* Called on the daemon's thread for each request but `status`, which clients greet with and which is always
+ * answered. */
 typedef void FakeHandler(void *arg, const Meniscus__Request *request, FakeAnswer *answer);
 
 /* Listen at DIR/control.ipc and DIR/telemetry.ipc in a directory of its own; its name as for --daemon is ipc://..., see

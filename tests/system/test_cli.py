@@ -237,10 +237,17 @@ class WithoutDaemon(unittest.TestCase):
         self.assertLess(time.monotonic() - began, 5)
 
     def test_misuse_has_its_code_and_a_suggestion(self) -> None:
-        for words, hint in [(["stauts"], "status"), (["status", "--timout", "3"], "--timeout"), (["step", "x"], "whole"),
-                            (["query", "box", "1"], "corner"), (["set", "gravity"], "PATH=VALUE"),
-                            (["wait", "--for", "state=HAPPY"], "DONE"), (["load"], "CASE"), (["-o", "xml", "ls"], "json")]:
-            done = self.run_cli(*words)
+        for words, hint in {
+            "stauts": "status",
+            "status --timout 3": "--timeout",
+            "step x": "whole",
+            "query box 1": "corner",
+            "set gravity": "PATH=VALUE",
+            "wait --for state=HAPPY": "DONE",
+            "load": "CASE",
+            "-o xml ls": "json",
+        }.items():
+            done = self.run_cli(*words.split())
             self.assertEqual(done.returncode, 2, words)
             self.assertIn(hint, done.stderr)
 
@@ -251,8 +258,11 @@ class WithoutDaemon(unittest.TestCase):
     def test_help_lists_every_command_with_the_request_it_sends(self) -> None:
         commands = {c["name"]: c for c in json.loads(self.run_cli("help", "-o", "json").stdout)["commands"]}
         self.assertEqual(commands["run-until"]["request"], "run_until")
-        for name in ("load start pause resume step run-until stop reset set get query watch snapshot checkpoint restore "
-                     "wait status ls schemes render run").split():
+        names = (
+            "load start pause resume step run-until stop reset set get query watch snapshot checkpoint restore wait "
+            "status ls schemes render run"
+        )
+        for name in names.split():
             self.assertIn(name, commands)
             self.assertIn("Usage: meniscus", self.run_cli("help", name).stdout)
 

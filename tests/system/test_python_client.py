@@ -212,8 +212,8 @@ class WithoutDaemon(unittest.TestCase):
                 ["/usr/bin/python3", "setup.py", "-q", "egg_info", "-e", scratch, "build", "-b", f"{scratch}/b",
                  "--build-lib", f"{scratch}/lib"], cwd=ROOT / "client/python", check=True, capture_output=True)
             done = subprocess.run(
-                ["/usr/bin/python3", "-c", "import meniscus; print(meniscus.__version__)"], capture_output=True, text=True,
-                env=os.environ | {"PYTHONPATH": f"{scratch}/lib"}, cwd=scratch)
+                ["/usr/bin/python3", "-c", "import meniscus; print(meniscus.__version__)"],
+                capture_output=True, text=True, env=os.environ | {"PYTHONPATH": f"{scratch}/lib"}, cwd=scratch)
             self.assertEqual(done.stdout.strip(), meniscus.__version__, done.stderr)
 
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The command line: words and options are told apart, mistakes are explained, and the table of commands fits the protocol. */
+/* The command line: words and options are told apart, mistakes are explained, and the table of commands fits the
+ * protocol. */
 #include "client/cli/command.h"
 #include "meniscus.pb-c.h"
 #include <meniscus/exit.h>
@@ -143,7 +144,7 @@ static void a_request_id_has_32_hex_digits(void **state)
     assert_int_equal(parse_id("--id", "g00102030405060708090a0b0c0d0e0f", id, NULL), MNS_E_INVALID);
 }
 
-/* --- the table --------------------------------------------------------------------------------------------------------- */
+/* --- the table ---------------------------------------------------------------------------------------------------- */
 
 static void every_command_of_the_protocol_is_a_command_of_the_line(void **state)
 {

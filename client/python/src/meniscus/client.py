@@ -27,8 +27,8 @@ class Client:
     daemon   a name, ipc://PATH or tcp://127.0.0.1:PORT; None: $MENISCUS_DAEMON, or "default"
     timeout  limit of each command [s]; None: none. A daemon that dies is noticed without it.
 
-    Every command returns after its effect, and raises a MeniscusError if it fails. A command cut off by a lost connection
-    is sent again under the same id, so it happens once.
+    Every command returns after its effect, and raises a MeniscusError if it fails. A command cut off by a lost
+    connection is sent again under the same id, so it happens once.
     """
 
     def __init__(self, daemon: Optional[str] = None, timeout: Optional[float] = None) -> None:

@@ -61,7 +61,7 @@ class Connection:
     def call(
         self, request: pb.Request, timeout: Optional[float] = None, request_id: Optional[bytes] = None
     ) -> Tuple[pb.Reply, List[bytes]]:
-        """Send a request, wait for its reply and the frames of its arrays; raise what error_for() makes of a refusal."""
+        """Send a request, wait for its reply and the frames of its arrays; raise what error_for() makes of a code."""
         request.major = pb.PROTOCOL_MAJOR
         request.session = self._session
         request.id = request_id or os.urandom(16)
