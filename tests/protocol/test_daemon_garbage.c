@@ -1,0 +1,232 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Whatever bytes arrive, the daemon answers with a sentence where it can, and is there afterwards. */
+#include "proto/frame.h"
+#include "tests/support/check.h"
+#include "tests/support/dialogue.h"
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <zmq.h>
+
+static int begin(void **state)
+{
+    Dialogue *dialogue = calloc(1, sizeof *dialogue);
+    dialogue_begin(dialogue, NULL);
+    *state = dialogue;
+    return 0;
+}
+
+static int end(void **state)
+{
+    const int code = dialogue_end(*state);
+    free(*state);
+    return code;
+}
+
+static void assert_alive(Dialogue *dialogue)
+{
+    Meniscus__Request request = dialogue_status();
+    assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__OK);
+}
+
+static void assert_refused(Dialogue *dialogue, Meniscus__Code code)
+{
+    Meniscus__Reply *reply = dialogue_receive(dialogue->control, NULL);
+    assert_non_null(reply);
+    assert_int_equal(reply->code, code);
+    assert_true(strlen(reply->message) > 10);
+    meniscus__reply__free_unpacked(reply, NULL);
+    assert_alive(dialogue);
+}
+
+static void bytes_that_are_no_request_are_refused(void **state)
+{
+    Dialogue *dialogue = *state;
+    zmq_send(dialogue->control, "\xff\xff\xff\xffgarbage", 11, 0);
+    assert_refused(dialogue, MENISCUS__CODE__INVALID_ARGUMENT);
+}
+
+static void an_empty_frame_has_no_version(void **state)
+{
+    Dialogue *dialogue = *state;
+    zmq_send(dialogue->control, "", 0, 0);
+    assert_refused(dialogue, MENISCUS__CODE__UNIMPLEMENTED);
+}
+
+static void several_frames_are_refused(void **state)
+{
+    Dialogue *dialogue = *state;
+    for (int k = 0; k < 5; k++) zmq_send(dialogue->control, "x", 1, k < 4 ? ZMQ_SNDMORE : 0);
+    assert_refused(dialogue, MENISCUS__CODE__INVALID_ARGUMENT);
+}
+
+static void another_version_is_refused_under_its_id(void **state)
+{
+    Dialogue *dialogue = *state;
+    uint8_t id[16];
+    Meniscus__Request request = dialogue_status();
+    dialogue_seal(&request, id);
+    request.major = 2;
+    dialogue_send(dialogue->control, &request);
+    Meniscus__Reply *reply = dialogue_receive(dialogue->control, NULL);
+    assert_non_null(reply);
+    assert_int_equal(reply->code, MENISCUS__CODE__UNIMPLEMENTED);
+    assert_memory_equal(reply->id.data, id, sizeof id);
+    meniscus__reply__free_unpacked(reply, NULL);
+    assert_alive(dialogue);
+}
+
+static void a_request_without_an_id_is_refused(void **state)
+{
+    Dialogue *dialogue = *state;
+    uint8_t id[16];
+    Meniscus__Request request = dialogue_status();
+    dialogue_seal(&request, id);
+    request.id.len = 3;
+    dialogue_send(dialogue->control, &request);
+    assert_refused(dialogue, MENISCUS__CODE__INVALID_ARGUMENT);
+}
+
+static void a_request_without_a_command_is_refused(void **state)
+{
+    Dialogue *dialogue = *state;
+    uint8_t id[16];
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    dialogue_seal(&request, id);
+    dialogue_send(dialogue->control, &request);
+    assert_refused(dialogue, MENISCUS__CODE__UNIMPLEMENTED);
+}
+
+static void an_oversized_frame_costs_its_sender_the_connection_only(void **state)
+{
+    Dialogue *dialogue = *state;
+    const size_t size = FRAME_MAX + 1;
+    char *frame = calloc(1, size);
+    void *other = dialogue_connect(dialogue);
+    zmq_send(other, frame, size, 0);
+    free(frame);
+    assert_alive(dialogue);
+    zmq_close(other);
+}
+
+/* Every command with nothing in it: refused or harmless, never a crash. */
+static void commands_without_entries_are_answered(void **state)
+{
+    Dialogue *dialogue = *state;
+    dialogue_load(dialogue, NULL);
+    for (unsigned tag = 16; tag <= 35; tag++) {
+        uint8_t id[16], frame[64], *at = frame;
+        if (tag == MENISCUS__REQUEST__COMMAND_SHUTDOWN || tag == MENISCUS__REQUEST__COMMAND_WAIT) continue;
+        Meniscus__Request request = MENISCUS__REQUEST__INIT;
+        dialogue_seal(&request, id);
+        at += meniscus__request__pack(&request, frame);
+        const unsigned key = tag << 3 | 2;
+        *at++ = (uint8_t)(key | 0x80);
+        *at++ = (uint8_t)(key >> 7);
+        *at++ = 0;
+        zmq_send(dialogue->control, frame, (size_t)(at - frame), 0);
+        Meniscus__Reply *reply = dialogue_receive(dialogue->control, NULL);
+        assert_non_null(reply);
+        assert_memory_equal(reply->id.data, id, sizeof id);
+        meniscus__reply__free_unpacked(reply, NULL);
+    }
+    assert_alive(dialogue);
+}
+
+/* A load with bytes changed at random: most are refused, some still are cases. */
+static void requests_with_flipped_bytes_do_no_harm(void **state)
+{
+    Dialogue *dialogue = *state;
+    uint8_t id[16], packed[256];
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__Query query = MENISCUS__QUERY__INIT;
+    Meniscus__ParticleQuery which = MENISCUS__PARTICLE_QUERY__INIT;
+    double corner[2] = {0, 0};
+    dialogue_load(dialogue, NULL);
+    which.n_min = which.n_max = 2;
+    which.min = which.max = corner;
+    query.what_case = MENISCUS__QUERY__WHAT_PARTICLES;
+    query.particles = &which;
+    request.command_case = MENISCUS__REQUEST__COMMAND_QUERY;
+    request.query = &query;
+    srand(7);
+    void *other = dialogue_connect(dialogue);
+    for (int k = 0; k < 2000; k++) {
+        dialogue_seal(&request, id);
+        const size_t size = meniscus__request__pack(&request, packed);
+        for (int j = 0; j < 3; j++) packed[(size_t)rand() % size] = (uint8_t)rand();
+        zmq_send(other, packed, size, ZMQ_DONTWAIT);
+    }
+    assert_alive(dialogue);
+    zmq_close(other);
+}
+
+static void random_frames_do_no_harm(void **state)
+{
+    Dialogue *dialogue = *state;
+    uint8_t frame[512];
+    srand(3);
+    void *other = dialogue_connect(dialogue);
+    for (int k = 0; k < 3000; k++) {
+        const size_t size = (size_t)rand() % sizeof frame;
+        for (size_t j = 0; j < size; j++) frame[j] = (uint8_t)rand();
+        zmq_send(other, frame, size, ZMQ_DONTWAIT | (rand() % 4 ? 0 : ZMQ_SNDMORE));
+    }
+    assert_alive(dialogue);
+    zmq_close(other);
+}
+
+static void a_client_that_vanishes_leaves_its_command_running(void **state)
+{
+    Dialogue *dialogue = *state;
+    uint8_t id[16];
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__Step step = MENISCUS__STEP__INIT;
+    dialogue_load(dialogue, NULL);
+    step.has_count = 1;
+    step.count = 40;
+    request.command_case = MENISCUS__REQUEST__COMMAND_STEP;
+    request.step = &step;
+    void *other = dialogue_connect(dialogue);
+    dialogue_seal(&request, id);
+    dialogue_send(other, &request);
+    nanosleep(&(struct timespec){.tv_nsec = 50000000}, NULL);
+    zmq_close(other);
+    dialogue_send(dialogue->control, &request); /* the same id, from elsewhere */
+    Meniscus__Reply *reply = dialogue_receive(dialogue->control, NULL);
+    assert_non_null(reply);
+    assert_int_equal(reply->effect_step, 40);
+    meniscus__reply__free_unpacked(reply, NULL);
+}
+
+static void rubbish_on_the_telemetry_socket_does_no_harm(void **state)
+{
+    Dialogue *dialogue = *state;
+    char endpoint[160];
+    void *socket = zmq_socket(dialogue->context, ZMQ_XSUB);
+    snprintf(endpoint, sizeof endpoint, "ipc://%s/meniscus/t/telemetry.ipc", dialogue->home);
+    assert_int_equal(zmq_connect(socket, endpoint), 0);
+    for (int k = 0; k < 200; k++) zmq_send(socket, "\x01progress\xff\xfe and more", 20, ZMQ_DONTWAIT);
+    for (int k = 0; k < 200; k++) zmq_send(socket, "\x07\x00\x01", 3, ZMQ_DONTWAIT);
+    assert_alive(dialogue);
+    zmq_close(socket);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(bytes_that_are_no_request_are_refused, begin, end),
+        cmocka_unit_test_setup_teardown(an_empty_frame_has_no_version, begin, end),
+        cmocka_unit_test_setup_teardown(several_frames_are_refused, begin, end),
+        cmocka_unit_test_setup_teardown(another_version_is_refused_under_its_id, begin, end),
+        cmocka_unit_test_setup_teardown(a_request_without_an_id_is_refused, begin, end),
+        cmocka_unit_test_setup_teardown(a_request_without_a_command_is_refused, begin, end),
+        cmocka_unit_test_setup_teardown(an_oversized_frame_costs_its_sender_the_connection_only, begin, end),
+        cmocka_unit_test_setup_teardown(commands_without_entries_are_answered, begin, end),
+        cmocka_unit_test_setup_teardown(requests_with_flipped_bytes_do_no_harm, begin, end),
+        cmocka_unit_test_setup_teardown(random_frames_do_no_harm, begin, end),
+        cmocka_unit_test_setup_teardown(a_client_that_vanishes_leaves_its_command_running, begin, end),
+        cmocka_unit_test_setup_teardown(rubbish_on_the_telemetry_socket_does_no_harm, begin, end),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Requests off the wire, read within limits; and every command of the protocol has somebody who does it. */
+#include "net/handlers.h"
+#include "proto/frame.h"
+#include "tests/support/check.h"
+#include <stdlib.h>
+#include <string.h>
+
+static void every_command_of_the_protocol_has_a_handler_and_a_name(void **state)
+{
+    (void)state;
+    const ProtobufCMessageDescriptor *request = &meniscus__request__descriptor;
+    size_t commands = 0, names = 0;
+    for (unsigned k = 0; k < request->n_fields; k++) {
+        const ProtobufCFieldDescriptor *field = &request->fields[k];
+        if (!(field->flags & PROTOBUF_C_FIELD_FLAG_ONEOF)) continue;
+        const Handler *handler = handler_find((Meniscus__Request__CommandCase)field->id);
+        assert_non_null(handler);
+        assert_string_equal(handler->name, field->name);
+        bool named = false;
+        for (const char *const *name = handler_names(); *name; name++) named = named || !strcmp(*name, field->name);
+        assert_true(named);
+        commands++;
+    }
+    while (handler_names()[names]) names++;
+    assert_int_equal(names, commands);
+    assert_null(handler_find(MENISCUS__REQUEST__COMMAND__NOT_SET));
+    assert_null(handler_find((Meniscus__Request__CommandCase)9999));
+}
+
+/* A request of n empty assignments: two bytes each on the wire, many more in memory. */
+static uint8_t *bloated(size_t n, size_t *ret_size)
+{
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__Set set = MENISCUS__SET__INIT;
+    Meniscus__Assignment empty = MENISCUS__ASSIGNMENT__INIT, **list = malloc(n * sizeof *list);
+    for (size_t k = 0; k < n; k++) list[k] = &empty;
+    set.n_assignments = n;
+    set.assignments = list;
+    request.command_case = MENISCUS__REQUEST__COMMAND_SET;
+    request.set = &set;
+    *ret_size = meniscus__request__get_packed_size(&request);
+    uint8_t *packed = malloc(*ret_size);
+    meniscus__request__pack(&request, packed);
+    free(list);
+    return packed;
+}
+
+static void a_small_frame_cannot_take_much_memory(void **state)
+{
+    (void)state;
+    size_t size;
+    uint8_t *packed = bloated(500000, &size);
+    Meniscus__Request *request;
+    assert_true(size < FRAME_MAX);
+    assert_int_equal(request_read(packed, size, &request, NULL), MNS_E_LIMIT);
+    assert_null(request);
+    free(packed);
+}
+
+static void a_truncated_request_is_none(void **state)
+{
+    (void)state;
+    size_t size;
+    uint8_t *packed = bloated(3, &size);
+    Meniscus__Request *request;
+    assert_int_equal(request_read(packed, size - 1, &request, NULL), MNS_E_INVALID);
+    assert_null(request);
+    free(packed);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_command_of_the_protocol_has_a_handler_and_a_name),
+        cmocka_unit_test(a_small_frame_cannot_take_much_memory),
+        cmocka_unit_test(a_truncated_request_is_none),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Orders on their way in: what overtakes what, and what happens when there are too many. */
+#include "base/clock.h"
+#include "run/mailbox.h"
+#include "tests/support/check.h"
+#include <string.h>
+
+static int begin(void **state)
+{
+    static Mailbox box;
+    mailbox_init(&box, 3);
+    *state = &box;
+    return 0;
+}
+
+static int end(void **state)
+{
+    mailbox_done(*state);
+    return 0;
+}
+
+static void orders_come_out_as_they_went_in_but_urgent_ones_first(void **state)
+{
+    Order plain[2] = {{.urgent = false}}, urgent[2] = {{.urgent = true}, {.urgent = true}};
+    mailbox_post(*state, &plain[0], NULL);
+    mailbox_post(*state, &urgent[0], NULL);
+    mailbox_post(*state, &plain[1], NULL);
+    mailbox_post(*state, &urgent[1], NULL);
+    assert_ptr_equal(mailbox_take(*state, 0), &urgent[0]);
+    assert_ptr_equal(mailbox_take(*state, 0), &urgent[1]);
+    assert_ptr_equal(mailbox_take(*state, 0), &plain[0]);
+    assert_ptr_equal(mailbox_take(*state, 0), &plain[1]);
+    assert_null(mailbox_take(*state, 0));
+}
+
+static void a_full_box_says_so_and_still_takes_urgent_orders(void **state)
+{
+    Order orders[5] = {{.urgent = false}}, urgent = {.urgent = true};
+    MnsError error = {.text = ""};
+    for (int k = 0; k < 3; k++) assert_int_equal(mailbox_post(*state, &orders[k], &error), MNS_OK);
+    assert_int_equal(mailbox_post(*state, &orders[3], &error), MNS_E_LIMIT);
+    assert_int_equal(mailbox_post(*state, &urgent, &error), MNS_OK);
+    assert_ptr_equal(mailbox_take(*state, 0), &urgent);
+    assert_ptr_equal(mailbox_take(*state, 0), &orders[0]);
+    assert_int_equal(mailbox_post(*state, &orders[3], &error), MNS_OK);
+}
+
+static void an_order_can_be_taken_back_by_its_id(void **state)
+{
+    Order orders[2] = {{.id = "first"}, {.id = "second"}};
+    const uint8_t unknown[ORDER_ID] = "third";
+    mailbox_post(*state, &orders[0], NULL);
+    mailbox_post(*state, &orders[1], NULL);
+    assert_null(mailbox_remove(*state, unknown));
+    assert_ptr_equal(mailbox_remove(*state, orders[0].id), &orders[0]);
+    assert_ptr_equal(mailbox_take(*state, 0), &orders[1]);
+    assert_null(mailbox_take(*state, 0));
+}
+
+static void only_older_orders_that_set_in_motion_are_called_off(void **state)
+{
+    Order old = {.motion = true}, still = {.motion = false}, pause = {.urgent = true}, young = {.motion = true};
+    Mailbox *box = *state;
+    mailbox_post(box, &still, NULL);
+    mailbox_post(box, &old, NULL);
+    mailbox_post(box, &pause, NULL);
+    assert_ptr_equal(mailbox_take(box, 0), &pause);
+    mailbox_post(box, &young, NULL);
+    assert_ptr_equal(mailbox_remove_motion(box, pause.number), &old);
+    assert_null(mailbox_remove_motion(box, pause.number));
+    assert_ptr_equal(mailbox_take(box, 0), &still);
+    assert_ptr_equal(mailbox_take(box, 0), &young);
+}
+
+static void waiting_ends_at_its_moment(void **state)
+{
+    const double until = clock_now() + 0.05;
+    assert_null(mailbox_take(*state, until));
+    assert_true(clock_now() >= until);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(orders_come_out_as_they_went_in_but_urgent_ones_first, begin, end),
+        cmocka_unit_test_setup_teardown(a_full_box_says_so_and_still_takes_urgent_orders, begin, end),
+        cmocka_unit_test_setup_teardown(an_order_can_be_taken_back_by_its_id, begin, end),
+        cmocka_unit_test_setup_teardown(only_older_orders_that_set_in_motion_are_called_off, begin, end),
+        cmocka_unit_test_setup_teardown(waiting_ends_at_its_moment, begin, end),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

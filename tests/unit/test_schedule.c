@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* When outputs are due. */
+#include "run/schedule.h"
+#include "tests/support/check.h"
+
+/* How often something of an interval is due in n steps of dt. */
+static int count(double interval, double dt, int n)
+{
+    int due = schedule_due(interval, -INFINITY, 0);
+    for (int k = 1; k <= n; k++) due += schedule_due(interval, (k - 1) * dt, k * dt);
+    return due;
+}
+
+static void an_interval_of_zero_is_never_due(void **state)
+{
+    (void)state;
+    assert_int_equal(count(0, 0.1, 100), 0);
+}
+
+static void the_beginning_counts(void **state)
+{
+    (void)state;
+    assert_true(schedule_due(5, -INFINITY, 0));
+    assert_false(schedule_due(5, 0, 0.1));
+}
+
+static void each_multiple_is_met_once_whatever_the_step(void **state)
+{
+    (void)state;
+    assert_int_equal(count(0.1, 0.01, 1000), 101);
+    assert_int_equal(count(0.1, 0.03, 1000), 301);
+    assert_int_equal(count(0.1, 1. / 128, 1280), 101);
+}
+
+static void a_step_over_several_multiples_is_due_once(void **state)
+{
+    (void)state;
+    assert_int_equal(count(0.1, 0.35, 10), 11);
+}
+
+static void a_boundary_at_the_very_multiple_is_due_there(void **state)
+{
+    (void)state;
+    for (int k = 1; k < 2000; k++) {
+        const double t = k * 0.1;
+        assert_true(schedule_due(0.1, t - 1e-3, t));
+        assert_false(schedule_due(0.1, t, t + 1e-3));
+    }
+}
+
+static void absurd_intervals_end(void **state)
+{
+    (void)state;
+    assert_true(schedule_due(1e-300, 1, 2));
+    assert_false(schedule_due(1e300, 1, 2));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_interval_of_zero_is_never_due),
+        cmocka_unit_test(the_beginning_counts),
+        cmocka_unit_test(each_multiple_is_met_once_whatever_the_step),
+        cmocka_unit_test(a_step_over_several_multiples_is_due_once),
+        cmocka_unit_test(a_boundary_at_the_very_multiple_is_due_there),
+        cmocka_unit_test(absurd_intervals_end),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

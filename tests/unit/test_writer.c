@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The thread that writes: nothing lost, nothing out of order, nobody waits for ever. */
+#include "run/writer.h"
+#include "tests/support/check.h"
+#include <stdatomic.h>
+
+/* A job that notes its number when it is done, and fails while `broken`. */
+typedef struct Probe {
+    Job job;
+    int number, told;
+    MnsStatus told_status;
+} Probe;
+
+static _Atomic bool broken;
+static int done[16];
+static _Atomic int n_done;
+
+static MnsStatus write_number(Job *job, MnsError *error)
+{
+    if (broken) return mns_fail(error, MNS_E_NO_SPACE, "the disk is full");
+    done[n_done] = ((Probe *)job)->number;
+    n_done++;
+    return MNS_OK;
+}
+
+static void told(Job *job, MnsStatus status, const MnsError *error)
+{
+    Probe *probe = (Probe *)job;
+    (void)error;
+    probe->told++;
+    probe->told_status = status;
+}
+
+static int begin(void **state)
+{
+    Writer *writer = NULL;
+    broken = false;
+    n_done = 0;
+    const MnsStatus status = writer_new(NULL, NULL, &writer, NULL);
+    *state = writer;
+    return (int)status;
+}
+
+static int end(void **state)
+{
+    writer_free(*state);
+    return 0;
+}
+
+static void make(Probe *probes, int n, bool heavy)
+{
+    for (int k = 0; k < n; k++)
+        probes[k] = (Probe){.job = {.heavy = heavy, .write = write_number, .told = told}, .number = k};
+}
+
+static void jobs_are_done_in_order(void **state)
+{
+    Probe probes[6];
+    make(probes, 6, true);
+    for (int k = 0; k < 6; k++) writer_post(*state, &probes[k].job);
+    assert_int_equal(writer_drain(*state, NULL), MNS_OK);
+    assert_int_equal(n_done, 6);
+    for (int k = 0; k < 6; k++) assert_int_equal(done[k], k);
+}
+
+static void a_failed_job_is_kept_and_done_before_all_behind_it(void **state)
+{
+    Probe probes[4];
+    MnsError error = {.status = MNS_OK};
+    make(probes, 4, true);
+    broken = true;
+    for (int k = 0; k < 4; k++) writer_post(*state, &probes[k].job);
+    assert_int_equal(writer_drain(*state, &error), MNS_E_NO_SPACE);
+    assert_string_equal(error.text, "the disk is full");
+    assert_int_equal(n_done, 0);
+    assert_int_equal(writer_retry(*state, NULL), MNS_E_NO_SPACE);
+    broken = false;
+    assert_int_equal(writer_retry(*state, NULL), MNS_OK);
+    assert_int_equal(n_done, 4);
+    for (int k = 0; k < 4; k++) assert_int_equal(done[k], k);
+}
+
+static void who_asked_is_told_of_the_first_failure_once(void **state)
+{
+    Probe probe;
+    make(&probe, 1, false);
+    broken = true;
+    writer_post(*state, &probe.job);
+    writer_drain(*state, NULL);
+    writer_retry(*state, NULL);
+    broken = false;
+    writer_retry(*state, NULL);
+    assert_int_equal(probe.told, 1);
+    assert_int_equal(probe.told_status, MNS_E_NO_SPACE);
+}
+
+static void a_call_passes_a_failed_job_which_stays(void **state)
+{
+    Probe probes[2];
+    make(probes, 2, false);
+    broken = true;
+    writer_post(*state, &probes[0].job);
+    assert_int_equal(writer_drain(*state, NULL), MNS_E_NO_SPACE);
+    broken = false;
+    assert_int_equal(writer_call(*state, &probes[1].job, NULL), MNS_OK);
+    assert_int_equal(n_done, 1);
+    assert_int_equal(done[0], 1);
+    assert_int_equal(writer_failure(*state, NULL), MNS_E_NO_SPACE);
+    assert_int_equal(writer_discard(*state), 1);
+    assert_int_equal(writer_failure(*state, NULL), MNS_OK);
+}
+
+static void a_failed_call_is_not_kept(void **state)
+{
+    Probe probe;
+    MnsError error = {.status = MNS_OK};
+    make(&probe, 1, false);
+    broken = true;
+    assert_int_equal(writer_call(*state, &probe.job, &error), MNS_E_NO_SPACE);
+    assert_int_equal(error.status, MNS_E_NO_SPACE);
+    assert_int_equal(writer_drain(*state, NULL), MNS_OK);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(jobs_are_done_in_order, begin, end),
+        cmocka_unit_test_setup_teardown(a_failed_job_is_kept_and_done_before_all_behind_it, begin, end),
+        cmocka_unit_test_setup_teardown(who_asked_is_told_of_the_first_failure_once, begin, end),
+        cmocka_unit_test_setup_teardown(a_call_passes_a_failed_job_which_stays, begin, end),
+        cmocka_unit_test_setup_teardown(a_failed_call_is_not_kept, begin, end),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
