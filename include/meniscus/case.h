@@ -16,25 +16,19 @@ extern "C" {
 
 enum { MNS_MAX_FLUIDS = 16, MNS_MAX_WALLS = 64, MNS_MAX_PROBES = 256 };
 
-typedef enum MnsPrimitive {
-    MNS_BOX,
-    MNS_BALL,
-    MNS_CYLINDER,
-    MNS_PLATE,
-    MNS_HALF_SPACE,
-    MNS_FORMULA
-} MnsPrimitive;
+typedef enum MnsPrimitive { MNS_BOX, MNS_BALL, MNS_CYLINDER, MNS_PLATE, MNS_HALF_SPACE, MNS_FORMULA } MnsPrimitive;
 typedef enum MnsOperation { MNS_ADD, MNS_SUBTRACT, MNS_INTERSECT } MnsOperation;
 
 typedef struct MnsPart {
     MnsOperation operation;
     bool outside;
     MnsPrimitive primitive;
-    double a[3];                     /* box: lower corner; ball, plate: centre; cylinder: from; half space: point  [m]  */
-    double b[3];                     /* box: upper corner; plate: along; cylinder: to; half space: normal               */
-    double c[3];                     /* plate: normal                                                                   */
-    double radius;                   /* ball, cylinder                                                             [m]  */
-    double length, width, thickness; /* plate                                                                      [m]  */
+    double a[3];   /* box: lower corner; ball, plate: centre; cylinder: from; half space: point  [m]  */
+    double b[3];   /* box: upper corner; plate: along; cylinder: to; half space: normal               */
+    double c[3];   /* plate: normal                                                                   */
+    double radius; /* ball, cylinder                                                             [m]  */
+    double length, width,
+        thickness; /* plate                                                                      [m]  */
     char *formula;
 } MnsPart;
 
@@ -111,16 +105,16 @@ typedef enum MnsProbeKind {
 typedef struct MnsProbe {
     char *name;
     MnsProbeKind kind;
-    int fluid;         /* index, or -1 for all fluids */
-    int wall;          /* index of the wall it moves with, or -1 */
-    int axis;          /* 0, 1, 2; for a height, the vertical one */
-    bool least;        /* extremum: smallest; front: backwards */
-    double at[3];      /* [m] */
-    double radius;     /* [m]; 0: the support of the kernel */
-    bool within;       /* whether the box below counts */
+    int fluid;     /* index, or -1 for all fluids */
+    int wall;      /* index of the wall it moves with, or -1 */
+    int axis;      /* 0, 1, 2; for a height, the vertical one */
+    bool least;    /* extremum: smallest; front: backwards */
+    double at[3];  /* [m] */
+    double radius; /* [m]; 0: the support of the kernel */
+    bool within;   /* whether the box below counts */
     double min[3], max[3];
-    char *field;       /* extremum */
-    char *formula;     /* pressure deviation */
+    char *field;   /* extremum */
+    char *formula; /* pressure deviation */
 } MnsProbe;
 
 typedef struct MnsOutput {

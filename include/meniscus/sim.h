@@ -39,12 +39,12 @@ const MnsCase *mns_sim_case(const MnsSim *sim);
 
 /** What has happened so far. All of it is part of the state: a restored run counts on. */
 typedef struct MnsProgress {
-    double t;           /* [s]                                                                        */
-    double dt;          /* last time step [s]; 0 before the first                                     */
-    double dt_first;    /* first time step that was not cut by t_max [s]; 0 before                    */
-    uint64_t step;      /* time steps done                                                            */
-    uint64_t rebuilds;  /* neighbour lists built                                                      */
-    uint64_t guarded;   /* times a particle was kept from entering a wall                             */
+    double t;          /* [s]                                                                        */
+    double dt;         /* last time step [s]; 0 before the first                                     */
+    double dt_first;   /* first time step that was not cut by t_max [s]; 0 before                    */
+    uint64_t step;     /* time steps done                                                            */
+    uint64_t rebuilds; /* neighbour lists built                                                      */
+    uint64_t guarded;  /* times a particle was kept from entering a wall                             */
 } MnsProgress;
 
 MnsProgress mns_sim_progress(const MnsSim *sim);
@@ -91,8 +91,8 @@ typedef struct MnsCapture {
     size_t n, n_fluid; /* fluid particles first */
     double spacing;    /* dx [m] */
     MnsProgress progress;
-    uint64_t fields;                 /* bit k set: field k of mns_fields() is here */
-    void *data[MNS_MAX_FIELDS][3];   /* [n] values each */
+    uint64_t fields;               /* bit k set: field k of mns_fields() is here */
+    void *data[MNS_MAX_FIELDS][3]; /* [n] values each */
 } MnsCapture;
 
 /** Copy fields out. @param fields  bit k for field k of mns_fields(); mns_state_fields() for a checkpoint.

@@ -40,7 +40,8 @@ static MnsStatus lattice_init(Lattice *lattice, const MnsSim *sim, MnsError *err
         lattice->points *= lattice->n[d];
     }
     lattice->owner = array_new(lattice->points, sizeof *lattice->owner);
-    return lattice->owner ? MNS_OK : mns_fail(error, MNS_E_MEMORY, "no memory for a lattice of %zu points", lattice->points);
+    return lattice->owner ? MNS_OK
+                          : mns_fail(error, MNS_E_MEMORY, "no memory for a lattice of %zu points", lattice->points);
 }
 
 static bool in_domain(const Model *model, const double x[3])
@@ -71,13 +72,13 @@ static MnsStatus fluid_at(const MnsSim *sim, const Shape *shapes, const double x
     const MnsCase *c = sim->c;
     int owner = NOTHING, rest = NOTHING;
     for (size_t k = 0; k < c->n_fluids; k++) {
-        if (c->fluids[k].shape.n == 0)
-            rest = (int)k;
+        if (c->fluids[k].shape.n == 0) rest = (int)k;
         else if (shape_distance(&shapes[k], x) < 0) {
             char at[64];
             snprintf(at, sizeof at, "fluids[%zu].shape", k);
             if (owner != NOTHING)
-                return mns_fail_at(error, MNS_E_INVALID, at, "%s and %s overlap at (%g, %g, %g) m; subtract one from the "
+                return mns_fail_at(error, MNS_E_INVALID, at,
+                                   "%s and %s overlap at (%g, %g, %g) m; subtract one from the "
                                    "other, or leave out one shape to fill the rest",
                                    c->fluids[owner].name, c->fluids[k].name, x[0], x[1], x[2]);
             owner = (int)k;
@@ -94,8 +95,7 @@ static MnsStatus assign(Lattice *lattice, const MnsSim *sim, const Shape *shapes
         bool solid = false;
         place(lattice, k, x);
         int owner = wall_at(sim, x, &solid);
-        if (owner != NOTHING)
-            owner += (int)sim->model.n_phases;
+        if (owner != NOTHING) owner += (int)sim->model.n_phases;
         else if (!solid && in_domain(&sim->model, x)) {
             const MnsStatus status = fluid_at(sim, shapes, x, &owner, error);
             if (status) return status;
@@ -111,14 +111,18 @@ static MnsStatus check_counts(const size_t *counts, const MnsCase *c, MnsError *
     for (size_t k = 0; k < c->n_fluids; k++) {
         snprintf(at, sizeof at, "fluids[%zu]", k);
         if (counts[k] == 0)
-            return mns_fail_at(error, MNS_E_INVALID, at, "%s has no particle: its region is empty, or smaller than the "
-                               "particle spacing", c->fluids[k].name);
+            return mns_fail_at(error, MNS_E_INVALID, at,
+                               "%s has no particle: its region is empty, or smaller than the "
+                               "particle spacing",
+                               c->fluids[k].name);
     }
     for (size_t k = 0; k < c->n_walls; k++) {
         snprintf(at, sizeof at, "walls[%zu].shape", k);
         if (counts[c->n_fluids + k] == 0)
-            return mns_fail_at(error, MNS_E_INVALID, at, "%s has no particle within the domain and the kernel's reach "
-                               "around it", c->walls[k].name);
+            return mns_fail_at(error, MNS_E_INVALID, at,
+                               "%s has no particle within the domain and the kernel's reach "
+                               "around it",
+                               c->walls[k].name);
     }
     return MNS_OK;
 }
@@ -163,7 +167,8 @@ static MnsStatus hydrostatic(Lattice *lattice, const Model *model, size_t fluid,
         for (size_t q = 0; q < lattice->n[axis]; q++) {
             const size_t point = k + stride * (down ? lattice->n[axis] - 1 - q : q);
             const int owner = lattice->owner[point];
-            const double weight = owner >= 0 && (size_t)owner < model->n_phases ? model->phase[owner].rho0 * g * step : 0;
+            const double weight =
+                owner >= 0 && (size_t)owner < model->n_phases ? model->phase[owner].rho0 * g * step : 0;
             lattice->head[point] = above + 0.5 * weight;
             above += weight;
         }
@@ -210,8 +215,10 @@ static MnsStatus set_fluid(MnsSim *sim, size_t i, const Start *start, const doub
     if (finite) return MNS_OK;
     char at[64];
     snprintf(at, sizeof at, "fluids[%u]", (unsigned)s->phase[i]);
-    return mns_fail_at(error, MNS_E_INVALID, at, "pressure or velocity is not finite, or the pressure %g Pa too low for the "
-                       "sound speed, at (%g, %g, %g) m", p, x[0], x[1], x[2]);
+    return mns_fail_at(error, MNS_E_INVALID, at,
+                       "pressure or velocity is not finite, or the pressure %g Pa too low for the "
+                       "sound speed, at (%g, %g, %g) m",
+                       p, x[0], x[1], x[2]);
 }
 
 static MnsStatus fill(MnsSim *sim, const Lattice *lattice, const Start *starts, MnsError *error)

@@ -66,7 +66,8 @@ static bool groups_agree(const MnsSim *sim, const uint8_t *phase)
 static bool fits(const MnsSim *sim, const MnsCapture *capture)
 {
     const uint64_t wanted = mns_state_fields();
-    if (capture->dim != sim->s.dim || capture->n != sim->s.n || capture->n_fluid != particles_fluid(&sim->s)) return false;
+    if (capture->dim != sim->s.dim || capture->n != sim->s.n || capture->n_fluid != particles_fluid(&sim->s))
+        return false;
     if ((capture->fields & wanted) != wanted) return false;
     return groups_agree(sim, capture->data[mns_field_find("phase")][0]);
 }
@@ -75,8 +76,10 @@ MnsStatus mns_sim_restore(MnsSim *sim, const MnsCapture *capture, MnsError *erro
 {
     Particles *s = &sim->s;
     if (!fits(sim, capture))
-        return mns_fail(error, MNS_E_INVALID, "the saved state, %zu particles of which %zu fluid, is not of this case, which "
-                        "has %zu and %zu", capture->n, capture->n_fluid, s->n, particles_fluid(s));
+        return mns_fail(error, MNS_E_INVALID,
+                        "the saved state, %zu particles of which %zu fluid, is not of this case, which "
+                        "has %zu and %zu",
+                        capture->n, capture->n_fluid, s->n, particles_fluid(s));
     for (int f = 0; mns_fields()[f].name; f++)
         for (int d = 0; d < 3; d++)
             if (capture->data[f][d])

@@ -32,7 +32,7 @@ static MnsStatus check_domain(const MnsCase *c, MnsError *error)
         const double length = c->max[d] - c->min[d];
         if (!(length > 0))
             return mns_fail_at(error, MNS_E_INVALID, "domain", "the domain is empty: %c runs from %g to %g m", "xyz"[d],
-                               c->min[d], c->max[d]);
+                               c -> min[d], c -> max[d]);
         double spacing = 0;
         const size_t count = case_fit(c, d, &spacing);
         if (fabs(spacing / dx - 1) > STRETCH_MAX)
@@ -67,10 +67,11 @@ static MnsStatus check_plate(const MnsPart *p, int dim, bool solid, double suppo
     if (dim == 3 && !(p->width > 0))
         return mns_fail_at(error, MNS_E_INVALID, at, "in three dimensions a plate needs a `width` above 0");
     if (solid && p->thickness < support * (1 - 1e-9))
-        return mns_fail_at(error, MNS_E_INVALID, at,
-                           "the plate is %g m thick; it must be at least as thick as the kernel's support, %g m, or the "
-                           "fluids on its sides feel each other",
-                           p->thickness, support);
+        return mns_fail_at(
+            error, MNS_E_INVALID, at,
+            "the plate is %g m thick; it must be at least as thick as the kernel's support, %g m, or the "
+            "fluids on its sides feel each other",
+            p->thickness, support);
     return MNS_OK;
 }
 
@@ -81,7 +82,7 @@ static MnsStatus check_part(const MnsPart *p, const MnsCase *c, bool solid, cons
         for (int d = 0; d < c->dim; d++)
             if (!(p->b[d] > p->a[d]))
                 return mns_fail_at(error, MNS_E_INVALID, at, "the box is empty: %c runs from %g to %g m", "xyz"[d],
-                                   p->a[d], p->b[d]);
+                                   p -> a[d], p -> b[d]);
         return MNS_OK;
     case MNS_BALL:
         if (!(p->radius > 0)) return mns_fail_at(error, MNS_E_INVALID, at, "the radius must be above 0");
@@ -149,9 +150,10 @@ static MnsStatus check_fluid(const MnsCase *c, size_t k, const Constants *consta
     snprintf(at, sizeof at, "fluids[%zu]", k);
     if (!(f->density > 0 && isfinite(f->density) && f->sound_speed > 0 && isfinite(f->sound_speed) &&
           f->viscosity >= 0 && isfinite(f->viscosity)))
-        return mns_fail_at(error, MNS_E_INVALID, at,
-                           "density and sound speed must be above 0 and viscosity not below, all finite: found %g, %g, %g",
-                           f->density, f->sound_speed, f->viscosity);
+        return mns_fail_at(
+            error, MNS_E_INVALID, at,
+            "density and sound speed must be above 0 and viscosity not below, all finite: found %g, %g, %g", f->density,
+            f->sound_speed, f->viscosity);
     for (size_t other = 0; other < k; other++)
         if (f->shape.n == 0 && c->fluids[other].shape.n == 0)
             return mns_fail_at(error, MNS_E_INVALID, at,
@@ -217,15 +219,19 @@ static MnsStatus check_scalars(const MnsCase *c, MnsError *error)
         return mns_fail_at(error, MNS_E_INVALID, "dimensions", "found %d, allowed: 2 or 3", c->dim);
     if (!(c->reference_length > 0 && isfinite(c->reference_length) && c->resolution > 0 && isfinite(c->resolution)))
         return mns_fail_at(error, MNS_E_INVALID, "resolution", "resolution and reference length must be above 0");
-    if (!(c->end_time >= 0)) return mns_fail_at(error, MNS_E_INVALID, "end_time", "found %g, allowed: [0, inf) s", c->end_time);
+    if (!(c->end_time >= 0))
+        return mns_fail_at(error, MNS_E_INVALID, "end_time", "found %g, allowed: [0, inf) s", c->end_time);
     if (!scheme_find(c->scheme.name))
         return mns_fail_at(error, MNS_E_INVALID, "scheme", "there is no scheme \"%s\"", c->scheme.name);
     if (c->n_fluids == 0 || c->n_fluids > MNS_MAX_FLUIDS)
-        return mns_fail_at(error, MNS_E_LIMIT, "fluids", "found %zu fluids, allowed: 1 to %d", c->n_fluids, MNS_MAX_FLUIDS);
+        return mns_fail_at(error, MNS_E_LIMIT, "fluids", "found %zu fluids, allowed: 1 to %d", c->n_fluids,
+                           MNS_MAX_FLUIDS);
     if (c->n_walls > MNS_MAX_WALLS)
-        return mns_fail_at(error, MNS_E_LIMIT, "walls", "found %zu walls, allowed: up to %d", c->n_walls, MNS_MAX_WALLS);
+        return mns_fail_at(error, MNS_E_LIMIT, "walls", "found %zu walls, allowed: up to %d", c->n_walls,
+                           MNS_MAX_WALLS);
     if (c->n_probes > MNS_MAX_PROBES)
-        return mns_fail_at(error, MNS_E_LIMIT, "probes", "found %zu probes, allowed: up to %d", c->n_probes, MNS_MAX_PROBES);
+        return mns_fail_at(error, MNS_E_LIMIT, "probes", "found %zu probes, allowed: up to %d", c->n_probes,
+                           MNS_MAX_PROBES);
     return MNS_OK;
 }
 

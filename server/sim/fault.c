@@ -82,13 +82,14 @@ MnsStatus fault_particle(MnsSim *sim, MnsError *error)
     const double rho0 = sim->model.phase[s->phase[i]].rho0, ratio = s->rho[i] / rho0;
     const bool dense = !(ratio > sim->model.density_min && ratio < sim->model.density_max);
     const double z = s->dim == 3 ? s->x[2][i] : 0;
-    return mns_fail(error, MNS_E_DIVERGED,
-                    "diverged in step %llu at t = %g s: particle %u of %s at (%g, %g, %g) m has %s (density %g times its "
-                    "reference, allowed (%g, %g); speed %g m/s); most is due to \"%s\". Look at the snapshot, then try a "
-                    "higher sound speed, a smaller cfl or a finer resolution",
-                    (unsigned long long)sim->progress.step + 1, sim->model.t, s->id[i], sim->c->fluids[s->phase[i]].name,
-                    s->x[0][i], s->x[1][i], z, dense ? "left the bounds of density" : "a velocity that is no number", ratio,
-                    sim->model.density_min, sim->model.density_max, speed(s, i), blame(sim, i));
+    return mns_fail(
+        error, MNS_E_DIVERGED,
+        "diverged in step %llu at t = %g s: particle %u of %s at (%g, %g, %g) m has %s (density %g times its "
+        "reference, allowed (%g, %g); speed %g m/s); most is due to \"%s\". Look at the snapshot, then try a "
+        "higher sound speed, a smaller cfl or a finer resolution",
+        (unsigned long long)sim->progress.step + 1, sim->model.t, s->id[i], sim->c->fluids[s->phase[i]].name,
+        s->x[0][i], s->x[1][i], z, dense ? "left the bounds of density" : "a velocity that is no number", ratio,
+        sim->model.density_min, sim->model.density_max, speed(s, i), blame(sim, i));
 }
 
 MnsStatus fault_time_step(MnsSim *sim, double dt, const char *limit, MnsError *error)
@@ -97,10 +98,11 @@ MnsStatus fault_time_step(MnsSim *sim, double dt, const char *limit, MnsError *e
     size_t fast = 0;
     for (size_t i = 0; i < particles_fluid(s); i++)
         if (speed(s, i) > speed(s, fast)) fast = i;
-    return mns_fail(error, MNS_E_DIVERGED,
-                    "diverged after step %llu at t = %g s: the time step fell to %g s, under the floor of %g s (limit: %s); "
-                    "fastest is particle %u of %s at (%g, %g, %g) m with %g m/s, most due to \"%s\"",
-                    (unsigned long long)sim->progress.step, sim->progress.t, dt, sim->model.dt_floor * sim->progress.dt_first,
-                    limit, s->id[fast], sim->c->fluids[s->phase[fast]].name, s->x[0][fast], s->x[1][fast],
-                    s->dim == 3 ? s->x[2][fast] : 0, speed(s, fast), blame(sim, fast));
+    return mns_fail(
+        error, MNS_E_DIVERGED,
+        "diverged after step %llu at t = %g s: the time step fell to %g s, under the floor of %g s (limit: %s); "
+        "fastest is particle %u of %s at (%g, %g, %g) m with %g m/s, most due to \"%s\"",
+        (unsigned long long)sim->progress.step, sim->progress.t, dt, sim->model.dt_floor * sim->progress.dt_first,
+        limit, s->id[fast], sim->c->fluids[s->phase[fast]].name, s->x[0][fast], s->x[1][fast],
+        s->dim == 3 ? s->x[2][fast] : 0, speed(s, fast), blame(sim, fast));
 }

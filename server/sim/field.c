@@ -17,13 +17,13 @@ static const MnsFieldInfo FIELDS[] = {
     {"mass", "kg", "mass; per metre of depth in two dimensions", 1, MNS_F64, true, SLOT(m)},
     {"volume", "m^dim", "mass over density", 1, MNS_F64, false, SLOT(vol)},
     {"acceleration", "m/s^2", "acceleration at the end of the step", 3, MNS_F64, true, SLOT(a)},
-    {"background_acceleration", "m/s^2", "acceleration of the advection velocity by the background pressure (P3 eq. 11)",
-     3, MNS_F64, true, SLOT(b)},
+    {"background_acceleration", "m/s^2",
+     "acceleration of the advection velocity by the background pressure (P3 eq. 11)", 3, MNS_F64, true, SLOT(b)},
     {"advection_velocity_excess", "m/s", "advection velocity less velocity", 3, MNS_F64, false, SLOT(w)},
     {"list_position", "m", "position when the neighbour lists were built", 3, MNS_F64, true, SLOT(ref)},
     {"impedance", "kg/(m^2 s)", "density times speed of sound", 1, MNS_F64, false, SLOT(z)},
-    {"density_rate", "kg/(m^3 s)", "rate of the continuity equation; number density where density is summed", 1, MNS_F64,
-     false, SLOT(rate)},
+    {"density_rate", "kg/(m^3 s)", "rate of the continuity equation; number density where density is summed", 1,
+     MNS_F64, false, SLOT(rate)},
     {0},
 };
 

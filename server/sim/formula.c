@@ -17,7 +17,7 @@ struct Formula {
     int n_variables;
 };
 
-static const char *const FUNCTIONS[] = {"abs",  "acos", "asin", "atan", "ceil", "cos", "deg", "exp", "floor",
+static const char *const FUNCTIONS[] = {"abs",  "acos", "asin", "atan", "ceil", "cos", "deg",  "exp", "floor",
                                         "fmod", "log",  "max",  "min",  "rad",  "sin", "sqrt", "tan", "pi"};
 
 static void *allocate(void *arg, void *old, size_t old_size, size_t size)
@@ -89,10 +89,8 @@ static bool call(lua_State *lua, const double *values, int n, double *ret)
     lua_pushvalue(lua, -1);
     for (int k = 0; k < n; k++) lua_pushnumber(lua, values[k]);
     if (lua_pcall(lua, n, 1, 0) != LUA_OK) return false;
-    if (lua_isboolean(lua, -1))
-        *ret = lua_toboolean(lua, -1);
-    else if (lua_type(lua, -1) == LUA_TNUMBER)
-        *ret = lua_tonumber(lua, -1);
+    if (lua_isboolean(lua, -1)) *ret = lua_toboolean(lua, -1);
+    else if (lua_type(lua, -1) == LUA_TNUMBER) *ret = lua_tonumber(lua, -1);
     else {
         lua_pop(lua, 1);
         lua_pushliteral(lua, "it is neither a number nor true or false");

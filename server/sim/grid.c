@@ -28,7 +28,8 @@ Grid grid_make(const Particles *s, const Model *model, double distance, int thre
     for (int d = 0; d < model->dim; d++) {
         double low, high;
         extent(s, model, d, threads, &low, &high);
-        const double edge = distance / grid.reach, count = fmax(1, fmin(CELLS_PER_SIDE_MAX, floor((high - low) / edge)));
+        const double edge = distance / grid.reach,
+                     count = fmax(1, fmin(CELLS_PER_SIDE_MAX, floor((high - low) / edge)));
         grid.n[d] = (int)count;
         grid.min[d] = low;
         grid.per_length[d] = count / (high - low);
@@ -116,8 +117,7 @@ int grid_runs(const Grid *grid, size_t cell, Run runs[static GRID_RUNS_MAX])
                     if (reach < 0) continue;
                     const int nxi = intervals(grid, 0, cx, reach, xl, xh);
                     const size_t line = ((size_t)z * (size_t)ny + (size_t)y) * (size_t)nx;
-                    for (int c = 0; c < nxi; c++)
-                        runs[count++] = (Run){line + (size_t)xl[c], line + (size_t)xh[c]};
+                    for (int c = 0; c < nxi; c++) runs[count++] = (Run){line + (size_t)xl[c], line + (size_t)xh[c]};
                 }
     return count;
 }

@@ -13,8 +13,8 @@ typedef struct Grid {
     size_t cells;
     double min[3], per_length[3]; /* lower corner [m], cells per metre */
     bool periodic[3];
-    int reach;                    /* cells on each side that can hold neighbours */
-    double ratio;                 /* largest distance of neighbours, in cells */
+    int reach;    /* cells on each side that can hold neighbours */
+    double ratio; /* largest distance of neighbours, in cells */
 } Grid;
 
 /* Consecutive cells [first, last] in the order of storage. */

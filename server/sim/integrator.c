@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Kick, drift, kick, one evaluation of the rates a step.                                     P3 eq. 15-18, numerics-wcsph 4.5
+/* Kick, drift, kick, one evaluation of the rates a step.                                     P3 eq. 15-18, schemes/README.md
  *   v += dt/2 a;  w = dt/2 b;  x += dt (v + w);  densities, pressures, walls, forces at the new positions;  v += dt/2 a */
 #include "sim/sim.h"
 #include <math.h>
@@ -145,7 +145,7 @@ double integrator_dt(const MnsSim *sim, const char **ret_limit)
             const double mu = 2 * p->mu * q->mu / (p->mu + q->mu), limit = 0.125 * h * h * fmin(p->rho0, q->rho0) / mu;
             if (limit < dt) {
                 dt = limit;
-                *ret_limit = "viscosity, numerics-wcsph 8";
+                *ret_limit = "viscosity, schemes/README.md";
             }
         }
     return dt;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Smoothing kernels W(r, h) and F = (1/r) dW/dr, so that the gradient of W at i is F (x_i - x_j).   numerics-wcsph 1 */
+/* Smoothing kernels W(r, h) and F = (1/r) dW/dr, so that the gradient of W at i is F (x_i - x_j). See schemes/README.md. */
 #ifndef SIM_KERNEL_H
 #define SIM_KERNEL_H
 

@@ -14,7 +14,8 @@ typedef struct Phase {
 
 /* A wall, moving as a rigid body. */
 typedef struct WallState {
-    double x[3], v[3], a[3]; /* displacement [m], mean velocity over the step with that of the surface [m/s], acceleration */
+    double x[3], v[3],
+        a[3]; /* displacement [m], mean velocity over the step with that of the surface [m/s], acceleration */
     bool no_slip;
 } WallState;
 
@@ -25,16 +26,16 @@ typedef struct Model {
     double period[3], frequency[3];  /* length of a periodic direction and its inverse; 0 where not periodic */
     bool periodic;                   /* in any direction */
     Kernel kernel;
-    double skin;                     /* [m] */
+    double skin; /* [m] */
     size_t n_phases, n_walls;
     Phase phase[MNS_MAX_FLUIDS];
     WallState wall[MNS_MAX_WALLS];
-    double c_max, rho_max;           /* of the fluids */
-    bool viscous;                    /* any fluid */
-    bool transport_stress;           /* option of the scheme */
-    double t, dt;                    /* end of the current step [s], its length [s] */
-    double gravity[3];               /* at t [m/s^2] */
-    double cfl, limiter, guard;      /* options of the scheme; guard in [m] */
+    double c_max, rho_max;                     /* of the fluids */
+    bool viscous;                              /* any fluid */
+    bool transport_stress;                     /* option of the scheme */
+    double t, dt;                              /* end of the current step [s], its length [s] */
+    double gravity[3];                         /* at t [m/s^2] */
+    double cfl, limiter, guard;                /* options of the scheme; guard in [m] */
     double density_min, density_max, dt_floor; /* limits, over the reference density and the first time step */
 } Model;
 

@@ -32,10 +32,8 @@ static size_t interval(const MnsMotion *m, double t)
     size_t low = 0, high = m->n - 1;
     while (high - low > 1) {
         const size_t middle = (low + high) / 2;
-        if (m->points[middle].t <= t)
-            low = middle;
-        else
-            high = middle;
+        if (m->points[middle].t <= t) low = middle;
+        else high = middle;
     }
     return low;
 }

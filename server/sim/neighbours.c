@@ -174,7 +174,10 @@ static int search_all(Neighbours *nb, const Particles *s, const Model *model, co
         Run runs[GRID_RUNS_MAX];
 #pragma omp for schedule(dynamic, 16)
         for (size_t cell = 0; cell < grid->cells; cell++) {
-            const Search q = {.s = s, .model = model, .distance2 = distance * distance, .runs = runs,
+            const Search q = {.s = s,
+                              .model = model,
+                              .distance2 = distance * distance,
+                              .runs = runs,
                               .n_runs = grid_runs(grid, cell, runs)};
             for (int g = 0; g < GROUPS; g++) {
                 const int status = search_cell(nb, arena, q, (Group)g, cell, grid->cells);

@@ -56,19 +56,22 @@ void particles_done(Particles *s)
     *s = (Particles){0};
 }
 
-static void permute_f64(double *restrict to, const double *restrict from, const uint32_t *restrict order, size_t n, int threads)
+static void permute_f64(double *restrict to, const double *restrict from, const uint32_t *restrict order, size_t n,
+                        int threads)
 {
 #pragma omp parallel for simd schedule(static) num_threads(threads)
     for (size_t k = 0; k < n; k++) to[k] = from[order[k]];
 }
 
-static void permute_u32(uint32_t *restrict to, const uint32_t *restrict from, const uint32_t *restrict order, size_t n, int threads)
+static void permute_u32(uint32_t *restrict to, const uint32_t *restrict from, const uint32_t *restrict order, size_t n,
+                        int threads)
 {
 #pragma omp parallel for simd schedule(static) num_threads(threads)
     for (size_t k = 0; k < n; k++) to[k] = from[order[k]];
 }
 
-static void permute_u8(uint8_t *restrict to, const uint8_t *restrict from, const uint32_t *restrict order, size_t n, int threads)
+static void permute_u8(uint8_t *restrict to, const uint8_t *restrict from, const uint32_t *restrict order, size_t n,
+                       int threads)
 {
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t k = 0; k < n; k++) to[k] = from[order[k]];

@@ -15,16 +15,16 @@ typedef struct Particles {
     size_t n, n_phases;
     size_t begin[GROUPS + 1]; /* group g is [begin[g], begin[g + 1]) */
     uint32_t *id;
-    uint8_t *phase;                     /* fluid; n_phases + wall for a dummy particle */
-    double *x[3], *v[3], *a[3];         /* position, velocity, acceleration */
-    double *b[3];                       /* acceleration by the background pressure, a_b of P3 eq. 11 */
-    double *w[3];                       /* advection velocity less velocity */
-    double *ref[3];                     /* position when the neighbour lists were built */
-    double *m, *rho, *p, *vol, *z;      /* mass, density, pressure, volume, impedance rho c */
-    double *rate;                       /* continuity: d rho/dt; summation: sum of W */
-    double *p_wall[MNS_MAX_FLUIDS];     /* [n_wall] pressure a wall shows to each fluid */
-    double *v_wall[3];                  /* [n_wall] fluid velocity extrapolated into a wall; NULL without viscosity */
-    void *scratch;                      /* [n] doubles, to permute */
+    uint8_t *phase;                 /* fluid; n_phases + wall for a dummy particle */
+    double *x[3], *v[3], *a[3];     /* position, velocity, acceleration */
+    double *b[3];                   /* acceleration by the background pressure, a_b of P3 eq. 11 */
+    double *w[3];                   /* advection velocity less velocity */
+    double *ref[3];                 /* position when the neighbour lists were built */
+    double *m, *rho, *p, *vol, *z;  /* mass, density, pressure, volume, impedance rho c */
+    double *rate;                   /* continuity: d rho/dt; summation: sum of W */
+    double *p_wall[MNS_MAX_FLUIDS]; /* [n_wall] pressure a wall shows to each fluid */
+    double *v_wall[3];              /* [n_wall] fluid velocity extrapolated into a wall; NULL without viscosity */
+    void *scratch;                  /* [n] doubles, to permute */
 } Particles;
 
 static inline size_t particles_fluid(const Particles *s)

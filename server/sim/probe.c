@@ -208,8 +208,7 @@ double mns_sim_probe(const MnsSim *sim, size_t k)
     case MNS_PROBE_FRONT: value = over_fluid(sim, probe, forward, true); return probe->least ? -value : value;
     case MNS_PROBE_KINETIC_ENERGY: return over_fluid(sim, probe, kinetic, false);
     case MNS_PROBE_POTENTIAL_ENERGY: return over_fluid(sim, probe, potential, false);
-    case MNS_PROBE_MASS_CENTRE:
-        return over_fluid(sim, probe, mass_moment, false) / over_fluid(sim, probe, mass, false);
+    case MNS_PROBE_MASS_CENTRE: return over_fluid(sim, probe, mass_moment, false) / over_fluid(sim, probe, mass, false);
     case MNS_PROBE_MOMENTUM: return over_fluid(sim, probe, momentum, false);
     case MNS_PROBE_MASS: return over_fluid(sim, probe, mass, false);
     case MNS_PROBE_EXTREMUM: value = over_fluid(sim, probe, field_value, true); return probe->least ? -value : value;

@@ -7,20 +7,22 @@
 
 #include "sim/neighbours.h"
 
-enum { ROW_LANES = 8 };                           /* doubles in the widest vector register */
-enum { ROW_STRIDE = ROW_MAX + GROUPS * ROW_LANES }; /* not a power of two: arrays do not compete for the same cache sets */
+enum { ROW_LANES = 8 }; /* doubles in the widest vector register */
+enum {
+    ROW_STRIDE = ROW_MAX + GROUPS * ROW_LANES
+}; /* not a power of two: arrays do not compete for the same cache sets */
 
 typedef struct Row {
-    size_t i, n;                /* the particle; how many pairs, padding included     */
-    size_t end[GROUPS];         /* [0, end[g]) are neighbours of groups up to g       */
-    int dim;                    /* 2 or 3                                             */
-    uint32_t j[ROW_STRIDE];     /* [n]      neighbour indices                         */
-    double dx[3][ROW_STRIDE];   /* [dim][n] x_i - x_j, nearest image       m          */
-    double r[ROW_STRIDE];       /* [n]      |dx|                           m          */
-    double W[ROW_STRIDE];       /* [n]      W(r, h)                        m^-dim     */
-    double F[ROW_STRIDE];       /* [n]      (1/r) dW/dr: grad_i W = F dx   m^-dim-2   */
-    double c[ROW_STRIDE];       /* [n]      coefficient of the term being summed      */
-    double u[ROW_STRIDE];       /* [n]      work space of the term                    */
+    size_t i, n;              /* the particle; how many pairs, padding included     */
+    size_t end[GROUPS];       /* [0, end[g]) are neighbours of groups up to g       */
+    int dim;                  /* 2 or 3                                             */
+    uint32_t j[ROW_STRIDE];   /* [n]      neighbour indices                         */
+    double dx[3][ROW_STRIDE]; /* [dim][n] x_i - x_j, nearest image       m          */
+    double r[ROW_STRIDE];     /* [n]      |dx|                           m          */
+    double W[ROW_STRIDE];     /* [n]      W(r, h)                        m^-dim     */
+    double F[ROW_STRIDE];     /* [n]      (1/r) dW/dr: grad_i W = F dx   m^-dim-2   */
+    double c[ROW_STRIDE];     /* [n]      coefficient of the term being summed      */
+    double u[ROW_STRIDE];     /* [n]      work space of the term                    */
 } Row;
 
 /* n, said so that the compiler sees a number of whole vectors. */

@@ -58,12 +58,12 @@ PointSums sample_point(const MnsSim *sim, const double x[3], double radius, int 
                        int components)
 {
     const Model *model = &sim->model;
-    Sampler q = {.sim = sim, .x = {x[0], x[1], x[2]}, .kernel = model->kernel, .fluid = fluid, .components = components, .f = f};
-    if (radius > 0) q.kernel = kernel_make(model->kernel.type, model->dim, radius * model->kernel.h / model->kernel.support);
-    if (q.kernel.support <= model->kernel.support + 0.5 * model->skin)
-        visit_cells(&q);
-    else
-        visit(&q, 0, sim->s.n);
+    Sampler q = {
+        .sim = sim, .x = {x[0], x[1], x[2]}, .kernel = model->kernel, .fluid = fluid, .components = components, .f = f};
+    if (radius > 0)
+        q.kernel = kernel_make(model->kernel.type, model->dim, radius * model->kernel.h / model->kernel.support);
+    if (q.kernel.support <= model->kernel.support + 0.5 * model->skin) visit_cells(&q);
+    else visit(&q, 0, sim->s.n);
     return q.sums;
 }
 

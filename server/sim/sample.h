@@ -7,10 +7,10 @@
 
 /* Kernel-weighted sums at a point, over the particles around it. */
 typedef struct PointSums {
-    double fluid;   /* sum of W V over all fluids */
-    double one;     /* ... over the fluid asked for */
-    double all;     /* ... over walls too */
-    double value;   /* sum of f W V over all fluids */
+    double fluid; /* sum of W V over all fluids */
+    double one;   /* ... over the fluid asked for */
+    double all;   /* ... over walls too */
+    double value; /* sum of f W V over all fluids */
 } PointSums;
 
 /* f: [n] a field, or NULL; components: 1, or dim to take the magnitude of f[0..dim); fluid: -1 for all.

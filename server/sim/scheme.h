@@ -8,10 +8,10 @@
 
 /* One sum over neighbours, one formula of a paper. */
 typedef struct Term {
-    const char *name, *source;         /* "riemann momentum", "P3 eq. 9": what `meniscus schemes` prints */
+    const char *name, *source; /* "riemann momentum", "P3 eq. 9": what `meniscus schemes` prints */
     const char *equation;
-    unsigned on;                       /* whose sums: ON_CONTINUITY | ON_SUMMATION | ON_WALL */
-    bool (*needed)(const Model *);     /* NULL: always */
+    unsigned on;                   /* whose sums: ON_CONTINUITY | ON_SUMMATION | ON_WALL */
+    bool (*needed)(const Model *); /* NULL: always */
     void (*row)(Row *, Particles *, const Model *);
 } Term;
 
@@ -36,11 +36,11 @@ enum { SCHEME_PASSES_MAX = 8 };
 
 typedef struct Scheme {
     const char *name, *title, *source;
-    const char *integrator;               /* for people */
-    Pass rates[SCHEME_PASSES_MAX];        /* every step, at the new positions; a nameless pass ends the list */
-    int given;                            /* passes left out at the start, where the case gives their results */
-    const Local *derive;                  /* what follows from the state without neighbours, after it was set or restored */
-    const Pass *restore;                  /* and with neighbours; NULL if nothing does */
+    const char *integrator;        /* for people */
+    Pass rates[SCHEME_PASSES_MAX]; /* every step, at the new positions; a nameless pass ends the list */
+    int given;                     /* passes left out at the start, where the case gives their results */
+    const Local *derive;           /* what follows from the state without neighbours, after it was set or restored */
+    const Pass *restore;           /* and with neighbours; NULL if nothing does */
     void (*options)(Model *, const MnsCase *); /* from the case to the model */
 } Scheme;
 

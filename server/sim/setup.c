@@ -51,7 +51,8 @@ void setup_options(MnsSim *sim, const MnsCase *c)
 static MnsStatus compile(Formula **ret, int n, char *const *texts, const Constants *constants, MnsError *error)
 {
     MnsStatus status = MNS_OK;
-    for (int d = 0; d < n && !status; d++) status = formula_new(texts[d], T, constants->list, constants->n, &ret[d], error);
+    for (int d = 0; d < n && !status; d++)
+        status = formula_new(texts[d], T, constants->list, constants->n, &ret[d], error);
     return status;
 }
 
@@ -67,11 +68,13 @@ MnsStatus setup_model(MnsSim *sim, MnsError *error)
     for (size_t k = 0; k < c->n_walls && !status; k++) {
         status = compile(sim->surface[k], c->dim, c->walls[k].surface_velocity, &constants, error);
         if (!status)
-            status = shape_init(&sim->solid[k], &c->walls[k].shape, c->dim, constants.list, constants.n, "walls", error);
+            status =
+                shape_init(&sim->solid[k], &c->walls[k].shape, c->dim, constants.list, constants.n, "walls", error);
     }
     for (size_t k = 0; k < c->n_probes && !status; k++)
         if (c->probes[k].kind == MNS_PROBE_PRESSURE_DEVIATION)
-            status = formula_new(c->probes[k].formula, XYZT, constants.list, constants.n, &sim->probe_formula[k], error);
+            status =
+                formula_new(c->probes[k].formula, XYZT, constants.list, constants.n, &sim->probe_formula[k], error);
     if (!status) {
         setup_at(sim, 0, 0);
         status = build_particles(sim, &constants, error);

@@ -140,7 +140,8 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
     MnsStatus status = mns_case_check(c, error);
     if (!status && (c->dim != sim->c->dim || c->n_fluids != sim->c->n_fluids || c->n_walls != sim->c->n_walls ||
                     c->resolution != sim->c->resolution || c->n_probes != sim->c->n_probes))
-        status = mns_fail(error, MNS_E_INVALID, "fluids, walls, probes, dimensions and resolution cannot change in a run");
+        status =
+            mns_fail(error, MNS_E_INVALID, "fluids, walls, probes, dimensions and resolution cannot change in a run");
     if (!status) status = replace_gravity(sim, c, error);
     if (!status) status = replace_threads(sim, threads_for(c), error);
     if (status) return status;

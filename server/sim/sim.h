@@ -17,14 +17,14 @@ struct MnsSim {
     Neighbours nb;
     int threads;
     MnsProgress progress;
-    double v_max;                                 /* of the fluid, at the end of the last step [m/s] */
+    double v_max; /* of the fluid, at the end of the last step [m/s] */
     Formula *gravity[3];
-    Formula *surface[MNS_MAX_WALLS][3];           /* velocity of a wall's surface */
-    Shape solid[MNS_MAX_WALLS];                   /* where the case puts the walls */
+    Formula *surface[MNS_MAX_WALLS][3]; /* velocity of a wall's surface */
+    Shape solid[MNS_MAX_WALLS];         /* where the case puts the walls */
     Formula *probe_formula[MNS_MAX_PROBES];
     MnsTimer timers[SIM_TIMERS_MAX];
     size_t n_timers;
-    MnsError fault;                               /* said again by every further step */
+    MnsError fault; /* said again by every further step */
 };
 
 /* constants.c: the constants of a case, with dx before them */

@@ -69,8 +69,8 @@ static void print(const Bench *bench, const MnsSim *sim, double ns, const MnsTim
         printf(", \"%s_ns\": %.1f", timers[k].name, (timers[k].seconds - before[k].seconds) * 1e9 / (n * steps));
     const double rebuilds = (double)(timers[TIMER_NEIGHBOURS].calls - before[TIMER_NEIGHBOURS].calls);
     const double search = timers[TIMER_NEIGHBOURS].seconds - before[TIMER_NEIGHBOURS].seconds;
-    printf(", \"search_ns_per_particle\": %.1f, \"search_ns_per_pair\": %.2f}\n", rebuilds > 0 ? search * 1e9 / (n * rebuilds) : 0,
-           rebuilds > 0 ? search * 1e9 / (pairs * rebuilds) : 0);
+    printf(", \"search_ns_per_particle\": %.1f, \"search_ns_per_pair\": %.2f}\n",
+           rebuilds > 0 ? search * 1e9 / (n * rebuilds) : 0, rebuilds > 0 ? search * 1e9 / (pairs * rebuilds) : 0);
     fflush(stdout);
 }
 
@@ -106,8 +106,7 @@ int main(int argc, char **argv)
     for (size_t k = 0; k < sizeof BENCHES / sizeof *BENCHES && well; k++) {
         if (argc > 1 && strcmp(argv[1], BENCHES[k].name) != 0) continue;
         found = 1;
-        if (argc > 2)
-            well = run(&BENCHES[k], atoi(argv[2]));
+        if (argc > 2) well = run(&BENCHES[k], atoi(argv[2]));
         else {
             well = run(&BENCHES[k], 1);
             if (well && omp_get_num_procs() > 1) well = run(&BENCHES[k], omp_get_num_procs());

@@ -5,9 +5,9 @@
 
 #include "sim/scheme.h"
 
-extern const Local advance_density;    /* density.c  continuity: one step of d rho/dt    */
-extern const Local mass_over_volume;   /* density.c  summation: mass times number density */
-extern const Local linear_pressure;    /* state.c    p = c^2 (rho - rho0), V, z           */
-extern const Local body_force;         /* force.c    a = g                                */
+extern const Local advance_density;  /* density.c  continuity: one step of d rho/dt    */
+extern const Local mass_over_volume; /* density.c  summation: mass times number density */
+extern const Local linear_pressure;  /* state.c    p = c^2 (rho - rho0), V, z           */
+extern const Local body_force;       /* force.c    a = g                                */
 
 #endif

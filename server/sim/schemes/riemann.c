@@ -31,12 +31,10 @@ const Scheme scheme_riemann = {
     .integrator = "kick, drift, kick (P3 eq. 15-18)",
     .rates =
         {
-            {"density",
-             .terms = {&number_density, &riemann_density},
+            {"density", .terms = {&number_density, &riemann_density},
              .after = {&advance_density, &mass_over_volume, &linear_pressure}},
             {"walls", .terms = {&wall_pressure, &wall_velocity}},
-            {"forces",
-             .before = {&body_force},
+            {"forces", .before = {&body_force},
              .terms = {&riemann_momentum, &background, &transport_stress, &viscosity, &wall_friction}},
         },
     .given = 1,

@@ -4,7 +4,7 @@
  *   v* = (z_i v_i + z_j v_j) / (z_i + z_j) + (p_i - p_j) / (z_i + z_j) e
  * With one speed of sound for all fluids these are P3's equations; the light fluid feels the heavy one as a moving wall.
  * Against a wall the state behind it is that of the wall's pressure for this fluid, and p* has no dissipation: with it, a
- * dam break's front lags and a quarter of its energy is lost (numerics-wcsph 9.1). */
+ * dam break's front lags and a quarter of its energy is lost (schemes/README.md). */
 #include "sim/terms/terms.h"
 
 /* What is fixed in the pairs of one particle. */
@@ -46,7 +46,8 @@ static void riemann_density_row(Row *row, Particles *s, const Model *model)
 static void riemann_momentum_row(Row *row, Particles *s, const Model *model)
 {
     const Side a = side_of(s, model, row->i);
-    const size_t i = row->i, n = row_whole(row->n), n_fluid = row_whole(row->end[GROUP_SUMMATION]), first_wall = particles_fluid(s);
+    const size_t i = row->i, n = row_whole(row->n), n_fluid = row_whole(row->end[GROUP_SUMMATION]),
+                 first_wall = particles_fluid(s);
     const double *restrict z = s->z, *restrict p = s->p, *restrict V = s->vol;
     const double *restrict r = row->r, *restrict F = row->F, *restrict u = row->u;
     const uint32_t *restrict j = row->j;

@@ -5,14 +5,14 @@
 
 #include "sim/scheme.h"
 
-extern const Term number_density;    /* number_density.c    sum of W                                     */
-extern const Term riemann_density;   /* riemann.c           continuity with the Riemann velocity         */
-extern const Term riemann_momentum;  /* riemann.c           pressure force with the Riemann pressure     */
-extern const Term background;        /* transport.c         advection acceleration and its stress        */
-extern const Term transport_stress;  /* transport.c         stress of the neighbours' advection velocity */
-extern const Term viscosity;         /* viscosity.c         between fluids                               */
-extern const Term wall_friction;     /* viscosity.c         on walls without slip                        */
-extern const Term wall_pressure;     /* wall.c              pressure a wall shows to each fluid          */
-extern const Term wall_velocity;     /* wall.c              fluid velocity extrapolated into a wall      */
+extern const Term number_density;   /* number_density.c    sum of W                                     */
+extern const Term riemann_density;  /* riemann.c           continuity with the Riemann velocity         */
+extern const Term riemann_momentum; /* riemann.c           pressure force with the Riemann pressure     */
+extern const Term background;       /* transport.c         advection acceleration and its stress        */
+extern const Term transport_stress; /* transport.c         stress of the neighbours' advection velocity */
+extern const Term viscosity;        /* viscosity.c         between fluids                               */
+extern const Term wall_friction;    /* viscosity.c         on walls without slip                        */
+extern const Term wall_pressure;    /* wall.c              pressure a wall shows to each fluid          */
+extern const Term wall_velocity;    /* wall.c              fluid velocity extrapolated into a wall      */
 
 #endif

@@ -34,8 +34,7 @@ static void viscosity_row(Row *row, Particles *s, const Model *model)
     }
     coefficients(row, s, model, 0, n);
     const double total = row_sum(row, 0, n), scale = 1 / s->m[i];
-    for (int d = 0; d < row->dim; d++)
-        s->a[d][i] += scale * (total * s->v[d][i] - row_sum_field(row, s->v[d], 0, n));
+    for (int d = 0; d < row->dim; d++) s->a[d][i] += scale * (total * s->v[d][i] - row_sum_field(row, s->v[d], 0, n));
 }
 
 static void wall_friction_row(Row *row, Particles *s, const Model *model)

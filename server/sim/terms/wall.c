@@ -2,7 +2,7 @@
 /* What a wall's dummy particles show to the fluid, extrapolated from the fluid around them.            P3 eq. 14, Adami 2012
  *   p_w^a = [ sum_f w p_f + (g - a_w) . sum_f w rho_f (x_w - x_f) ] / sum_f w,   w = W V_f,   f of fluid a only
  * One pressure for each fluid: a common one lets air at a triple point feel the water's pressure and shoots it away, or
- * lets water leak (numerics-wcsph 5). */
+ * lets water leak (schemes/README.md). */
 #include "sim/terms/terms.h"
 
 static unsigned phases_in(const Row *row, const Particles *s)
