@@ -1,0 +1,432 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Probes measure what is known: fields that are linear, columns of known height, bodies of known mass and speed. */
+#include "sim/sample.h"
+#include "tests/support/cases.h"
+#include "tests/support/check.h"
+#include <string.h>
+
+/* A closed tank 1 x 0.8 (x 0.6) with water in a box of its lower left part; the rest is left empty, or is oil. */
+static MnsCase *tank(int dim, bool oil)
+{
+    MnsCase *c = case_blank(dim, 20);
+    c->max[1] = 0.8;
+    c->max[2] = dim == 3 ? 0.6 : 0;
+    case_add_fluid(c, "water", 2, 10);
+    if (oil) case_add_fluid(c, "oil", 0.5, 10);
+    MnsPart *column = case_add_part(&c->fluids[0].shape, MNS_BOX);
+    column->b[0] = 0.55;
+    column->b[1] = 0.45;
+    column->b[2] = 0.6;
+    case_add_wall(c, "tank");
+    MnsPart *side = case_add_part(&c->walls[0].shape, MNS_BOX);
+    side->outside = true;
+    for (int d = 0; d < 3; d++) side->b[d] = c->max[d];
+    return c;
+}
+
+static MnsSim *sim_of(const MnsCase *c)
+{
+    MnsSim *sim = NULL;
+    MnsError error = {0};
+    if (mns_sim_new(c, &sim, &error)) fail_msg("%s: %s", error.path, error.text);
+    return sim;
+}
+
+static void done(MnsSim *sim, MnsCase *c)
+{
+    mns_sim_free(sim);
+    mns_case_free(c);
+}
+
+static void put_point(double to[3], double x, double y, double z)
+{
+    to[0] = x;
+    to[1] = y;
+    to[2] = z;
+}
+
+/* Index of the n-th particle of a fluid. */
+static size_t nth_of(const MnsSim *sim, unsigned phase, size_t n)
+{
+    for (size_t i = 0;; i++)
+        if (sim->s.phase[i] == phase && n-- == 0) return i;
+}
+
+static double linear(const double x[3])
+{
+    return 40 - 30 * x[1] + 12 * x[0] + 7 * x[2];
+}
+
+static void set_linear_pressure(MnsSim *sim)
+{
+    for (size_t i = 0; i < particles_fluid(&sim->s); i++)
+        sim->s.p[i] = linear((const double[]){sim->s.x[0][i], sim->s.x[1][i], sim->s.dim == 3 ? sim->s.x[2][i] : 0});
+}
+
+static void pressure_of_a_linear_field_is_the_field(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = tank(dim, true);
+        const double radii[3] = {0, 0.06, 0.21};
+        for (int k = 0; k < 6; k++) {
+            MnsProbe *probe = case_add_probe(c, MNS_PROBE_PRESSURE);
+            /* A middle between points of the lattice, and just anywhere: inside, with every radius. */
+            if (k < 3) put_point(probe->at, 0.4, 0.35, dim == 3 ? 0.3 : 0);
+            else put_point(probe->at, 0.4123, 0.3377, dim == 3 ? 0.2891 : 0);
+            probe->radius = radii[k % 3];
+        }
+        MnsSim *sim = sim_of(c);
+        set_linear_pressure(sim);
+        for (size_t k = 0; k < 6; k++)
+            /* Symmetry makes the first exact. Elsewhere a narrow average is worst: it follows the nearest particles, which
+             * are up to dx/2 = 0.025 away along each of the slopes 30, 12 and 7; wider ones gain by their number. */
+            assert_close(mns_sim_probe(sim, k), linear(c->probes[k].at), k < 3 ? 1e-12 : k == 4 ? 0.5 : 0.05);
+        done(sim, c);
+    }
+}
+
+static void pressure_probe_moves_with_its_wall(void **state)
+{
+    (void)state;
+    MnsCase *c = tank(2, true);
+    for (int k = 0; k < 2; k++) {
+        MnsProbe *probe = case_add_probe(c, MNS_PROBE_PRESSURE);
+        put_point(probe->at, 0.3, 0.25, 0);
+        probe->wall = k - 1;
+    }
+    MnsSim *sim = sim_of(c);
+    set_linear_pressure(sim);
+    put_point(sim->model.wall[0].x, 0.1, 0.05, 0);
+    assert_close(mns_sim_probe(sim, 0), linear((const double[]){0.3, 0.25, 0}), 1e-12);
+    assert_close(mns_sim_probe(sim, 1), linear((const double[]){0.4, 0.3, 0}), 1e-12);
+    done(sim, c);
+}
+
+static void pressure_where_no_fluid_is_is_no_number(void **state)
+{
+    (void)state;
+    MnsCase *c = tank(2, false);
+    put_point(case_add_probe(c, MNS_PROBE_PRESSURE)->at, 0.9, 0.7, 0);
+    MnsSim *sim = sim_of(c);
+    assert_true(isnan(mns_sim_probe(sim, 0)));
+    done(sim, c);
+}
+
+/* Water 0.45 high left of x = 0.55, with oil above it and beside it, or nothing. */
+static void height_is_that_of_the_column(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int oil = 0; oil < 2; oil++) {
+            MnsCase *c = tank(dim, oil);
+            for (int k = 0; k < 3; k++) {
+                MnsProbe *probe = case_add_probe(c, MNS_PROBE_HEIGHT);
+                probe->fluid = k == 2 && oil ? 1 : 0;
+                probe->axis = 1;
+                put_point(probe->at, k == 1 ? 0.85 : 0.27, 0.33, 0);
+            }
+            MnsSim *sim = sim_of(c);
+            /* With fluid above, the blur of the kernel cancels but for its asymmetry at midpoints of steps, dx/4; a free
+             * surface ends where half of the kernel is filled: at the surface, to within dx/2. */
+            const double allowed = oil ? 0.05 / 4 : 0.05 / 2;
+            assert_close(mns_sim_probe(sim, 0), 0.45, allowed);
+            assert_close(mns_sim_probe(sim, 1), 0, 1e-12);
+            if (oil) assert_close(mns_sim_probe(sim, 2), 0.35, allowed);
+            done(sim, c);
+        }
+}
+
+static void height_may_be_along_any_axis(void **state)
+{
+    (void)state;
+    MnsCase *c = tank(3, true);
+    for (int axis = 0; axis < 3; axis++) {
+        MnsProbe *probe = case_add_probe(c, MNS_PROBE_HEIGHT);
+        probe->fluid = 0;
+        probe->axis = axis;
+        put_point(probe->at, axis == 0 ? 0.2 : 0.3, axis == 2 ? 0.2 : 0.3, 0); /* the other two coordinates */
+    }
+    MnsSim *sim = sim_of(c);
+    const double expected[3] = {0.55, 0.45, 0.6};
+    for (size_t k = 0; k < 3; k++) assert_close(mns_sim_probe(sim, k), expected[k], 0.05 / 4);
+    done(sim, c);
+}
+
+static void front_is_half_a_spacing_beyond_the_last_particle(void **state)
+{
+    (void)state;
+    MnsCase *c = tank(3, true);
+    for (int k = 0; k < 4; k++) {
+        MnsProbe *probe = case_add_probe(c, MNS_PROBE_FRONT);
+        probe->fluid = k == 3 ? 1 : 0;
+        probe->axis = k == 1 ? 1 : 0;
+        probe->least = k == 3;
+        probe->within = k == 2;
+        put_point(probe->min, 0, 0, 0);
+        put_point(probe->max, 0.4, 1, 1);
+    }
+    MnsProbe *nowhere = case_add_probe(c, MNS_PROBE_FRONT);
+    nowhere->within = true;
+    put_point(nowhere->min, 5, 5, 5);
+    put_point(nowhere->max, 6, 6, 6);
+    MnsSim *sim = sim_of(c);
+    assert_close(mns_sim_probe(sim, 0), 0.55, 1e-14);
+    assert_close(mns_sim_probe(sim, 1), 0.45, 1e-14);
+    assert_close(mns_sim_probe(sim, 2), 0.4, 1e-14);
+    assert_close(mns_sim_probe(sim, 3), 0, 1e-14); /* oil above the water, backwards */
+    assert_true(isnan(mns_sim_probe(sim, 4)));
+    done(sim, c);
+}
+
+/* Continuity masses are density times volume; uniform motion makes the rest elementary. */
+static void bodies_have_the_mass_energy_and_momentum_of_their_density_and_speed(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = tank(dim, true);
+        c->fluids[1].density_method = MNS_DENSITY_CONTINUITY;
+        const double g[3] = {0.3, -5, 2}, U[3] = {3, -1, dim == 3 ? 0.5 : 0};
+        case_set_text(&c->gravity[0], "0.3");
+        case_set_text(&c->gravity[1], "-5");
+        case_set_text(&c->gravity[2], "2");
+        for (int k = 0; k < 2; k++) {
+            case_set_text(&c->fluids[k].velocity[0], "3");
+            case_set_text(&c->fluids[k].velocity[1], "-1");
+            case_set_text(&c->fluids[k].velocity[2], "0.5");
+        }
+        static const MnsProbeKind kinds[] = {MNS_PROBE_MASS,       MNS_PROBE_KINETIC_ENERGY, MNS_PROBE_POTENTIAL_ENERGY,
+                                             MNS_PROBE_MOMENTUM,   MNS_PROBE_MOMENTUM,       MNS_PROBE_MASS_CENTRE,
+                                             MNS_PROBE_MASS_CENTRE};
+        for (int fluid = 0; fluid >= -1; fluid--)
+            for (int k = 0; k < 7; k++) {
+                MnsProbe *probe = case_add_probe(c, kinds[k]);
+                probe->fluid = fluid;
+                probe->axis = k == 4 || k == 6;
+            }
+        MnsSim *sim = sim_of(c);
+        const double depth = dim == 3 ? 0.6 : 1, water = 2 * 0.55 * 0.45 * depth,
+                     all = 0.5 * 0.8 * depth + 0.75 * water;
+        const double masses[2] = {water, all};
+        /* Oil is the tank less the column; water counts 2 = 0.5 + 1.5 there. */
+        const double centres[2][3] = {
+            {0.275, 0.225, 0.3},
+            {(0.4 * depth * 0.5 + 0.75 * water * 0.275) / all, (0.4 * depth * 0.4 + 0.75 * water * 0.225) / all, 0.3}};
+        for (size_t f = 0; f < 2; f++) {
+            const double M = masses[f];
+            double gx = 0, U2 = 0;
+            for (int d = 0; d < dim; d++) {
+                gx += g[d] * centres[f][d];
+                U2 += U[d] * U[d];
+            }
+            const double expected[7] = {M, 0.5 * M * U2, -M * gx, M * U[0], M * U[1], centres[f][0], centres[f][1]};
+            for (size_t k = 0; k < 7; k++)
+                assert_close(mns_sim_probe(sim, 7 * f + k), expected[k], 1e-12); /* rounding */
+        }
+        done(sim, c);
+    }
+}
+
+static void coverage_of_a_lattice_is_its_sum_and_a_void_is_seen(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = case_periodic(dim, 12);
+        c->fluids[1].density_method = MNS_DENSITY_CONTINUITY; /* masses of summed densities hide the sum */
+        case_add_probe(c, MNS_PROBE_COVERAGE);
+        MnsSim *sim = sim_of(c);
+        const double spacing[3] = {1.0 / 12, 1.0 / 12, 1.0 / 12};
+        const double whole = kernel_lattice_sum(&sim->model.kernel, dim, spacing) * pow(1.0 / 12, dim);
+        assert_close(whole, 1.01, 0.001); /* the table of numerics-wcsph 1 */
+        assert_close(mns_sim_probe(sim, 0), whole, 1e-12);
+        /* Take away what is within 1.5 dx of one point of the lattice. */
+        const double at = 5.5 / 12;
+        double left = 0;
+        for (size_t i = 0; i < sim->s.n; i++) {
+            double r2 = 0, W = 0, F = 0;
+            for (int d = 0; d < dim; d++) r2 += (sim->s.x[d][i] - at) * (sim->s.x[d][i] - at);
+            const double r = sqrt(r2);
+            if (r < 1.5 / 12) sim->s.vol[i] = 0;
+            kernel_eval(&sim->model.kernel, 1, &r, &W, &F);
+            left += W * sim->s.vol[i];
+        }
+        assert_true(left < 0.5 * whole);
+        assert_close(mns_sim_probe(sim, 0), left, 1e-12);
+        done(sim, c);
+    }
+}
+
+static void coverage_may_be_of_a_part_of_the_domain(void **state)
+{
+    (void)state;
+    MnsCase *c = tank(2, false);
+    for (int k = 0; k < 2; k++) {
+        MnsProbe *probe = case_add_probe(c, MNS_PROBE_COVERAGE);
+        probe->within = true;
+        put_point(probe->min, k == 0 ? 0.1 : 0.8, k == 0 ? 0.1 : 0.5, 0);
+        put_point(probe->max, k == 0 ? 0.4 : 0.85, k == 0 ? 0.3 : 0.6, 0);
+    }
+    MnsSim *sim = sim_of(c);
+    assert_close(mns_sim_probe(sim, 0), 1.01, 0.001); /* the lattice sum */
+    assert_true(mns_sim_probe(sim, 1) == 0);          /* above the free surface, away from walls */
+    done(sim, c);
+}
+
+static void escaped_particles_are_counted_in_the_tank_s_coordinates(void **state)
+{
+    (void)state;
+    MnsCase *c = tank(2, true);
+    for (int fluid = -1; fluid < 2; fluid++) case_add_probe(c, MNS_PROBE_ESCAPED)->fluid = fluid;
+    MnsSim *sim = sim_of(c);
+    assert_true(mns_sim_probe(sim, 0) == 0);
+    sim->s.x[0][nth_of(sim, 1, 0)] = 1.001;
+    sim->s.x[1][nth_of(sim, 1, 3)] = -0.02;
+    sim->s.x[1][nth_of(sim, 1, 8)] = NAN;
+    sim->s.x[1][nth_of(sim, 0, 5)] = 0.9;
+    const double expected[3] = {4, 1, 3};
+    for (size_t k = 0; k < 3; k++) assert_true(mns_sim_probe(sim, k) == expected[k]);
+    sim->model.wall[0].x[0] = 0.01; /* the tank has followed the first */
+    assert_true(mns_sim_probe(sim, 2) == 2);
+    done(sim, c);
+}
+
+static void extremum_finds_the_one_particle(void **state)
+{
+    (void)state;
+    MnsCase *c = tank(3, true);
+    static const struct {
+        const char *field, *unit;
+        int fluid;
+        bool least;
+        double value;
+    } rows[] = {
+        {"velocity", "m/s", -1, false, 13}, {"velocity", "m/s", 1, false, 0},  {"pressure", "Pa", -1, true, -8},
+        {"pressure", "Pa", -1, false, 9},   {"pressure", "Pa", 1, true, 0},    {"phase", "1", -1, false, 1},
+        {"velocity", "m/s", -1, true, 0},   {"density", "kg/m^3", 0, true, 2},
+    };
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        MnsProbe *probe = case_add_probe(c, MNS_PROBE_EXTREMUM);
+        case_set_text(&probe->field, rows[k].field);
+        probe->fluid = rows[k].fluid;
+        probe->least = rows[k].least;
+    }
+    MnsSim *sim = sim_of(c);
+    sim->s.v[0][nth_of(sim, 0, 4)] = 12;
+    sim->s.v[2][nth_of(sim, 0, 4)] = -5;
+    sim->s.p[nth_of(sim, 0, 4)] = -8;
+    sim->s.p[nth_of(sim, 0, 9)] = 9;
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        assert_close(mns_sim_probe(sim, k), rows[k].value, 1e-14);
+        assert_string_equal(mns_probe_unit(&c->probes[k]), rows[k].unit);
+    }
+    done(sim, c);
+}
+
+static void deviation_is_the_root_mean_square_from_a_formula(void **state)
+{
+    (void)state;
+    MnsCase *c = tank(3, true);
+    for (int fluid = -1; fluid < 1; fluid++) {
+        MnsProbe *probe = case_add_probe(c, MNS_PROBE_PRESSURE_DEVIATION);
+        probe->fluid = fluid;
+        case_set_text(&probe->formula, "40 - 30*y + 12*x + 7*z + 2*t");
+    }
+    MnsSim *sim = sim_of(c);
+    set_linear_pressure(sim);
+    sim->progress.t = 1.5; /* the formula is 3 too high */
+    assert_close(mns_sim_probe(sim, 0), 3, 1e-12);
+    double squares = 0, n = 0;
+    for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
+        sim->s.p[i] += sim->s.phase[i] == 0 ? 7 : 3;
+        squares += sim->s.phase[i] == 0 ? 16 : 0;
+        n++;
+    }
+    assert_close(mns_sim_probe(sim, 0), sqrt(squares / n), 1e-12);
+    assert_close(mns_sim_probe(sim, 1), 4, 1e-12);
+    done(sim, c);
+}
+
+static void probes_are_the_same_for_any_number_of_threads(void **state)
+{
+    (void)state;
+    double values[12];
+    static const unsigned threads[] = {1, 2, 3, 7};
+    for (size_t t = 0; t < 4; t++) {
+        MnsCase *c = case_periodic(2, 100); /* more particles than a block */
+        c->threads = threads[t];
+        for (int kind = MNS_PROBE_PRESSURE; kind <= MNS_PROBE_PRESSURE_DEVIATION; kind++) {
+            MnsProbe *probe = case_add_probe(c, (MnsProbeKind)kind);
+            probe->axis = 1;
+            put_point(probe->at, 0.43, 0.3, 0);
+            case_set_text(&probe->field, "velocity");
+        }
+        MnsSim *sim = sim_of(c);
+        for (int k = 0; k < 3; k++) assert_int_equal(mns_sim_step(sim, INFINITY, NULL), MNS_OK);
+        assert_int_equal(c->n_probes, 12);
+        for (size_t k = 0; k < 12; k++) {
+            const double value = mns_sim_probe(sim, k);
+            assert_true(value == value); /* a number */
+            if (t > 0) assert_true(value == values[k]);
+            values[k] = value;
+        }
+        done(sim, c);
+    }
+}
+
+static void samples_are_averages_at_points(void **state)
+{
+    (void)state;
+    MnsCase *c = tank(3, false);
+    MnsSim *sim = sim_of(c);
+    set_linear_pressure(sim);
+    for (size_t i = 0; i < particles_fluid(&sim->s); i++)
+        for (int d = 0; d < 3; d++) sim->s.v[d][i] = (const double[]){2, -3, 6}[d];
+    const double points[3][3] = {{0.3, 0.2, 0.3}, {0.9, 0.6, 0.3}, {0.25, 0.15, 0.2}};
+    double values[3];
+    mns_sim_sample(sim, mns_field_find("pressure"), 0, 3, points, values);
+    assert_close(values[0], linear(points[0]), 1e-12);
+    assert_true(isnan(values[1]));
+    assert_close(values[2], linear(points[2]), 1e-12);
+    mns_sim_sample(sim, mns_field_find("velocity"), -1, 3, points, values);
+    assert_close(values[0], 7, 1e-13);
+    mns_sim_sample(sim, mns_field_find("velocity"), 1, 3, points, values);
+    assert_close(values[2], -3, 1e-13);
+    mns_sim_sample(sim, mns_field_find("velocity"), 3, 3, points, values); /* no such component */
+    assert_true(isnan(values[0]));
+    mns_sim_sample(sim, mns_field_find("id"), 0, 3, points, values); /* names have no average */
+    assert_true(isnan(values[0]));
+    done(sim, c);
+}
+
+static void units_are_those_of_what_is_measured(void **state)
+{
+    (void)state;
+    static const char *const units[] = {"Pa", "m", "m", "J", "J", "m", "kg m/s", "kg", "Pa", "1", "1", "Pa"};
+    char field[] = "pressure";
+    for (int kind = MNS_PROBE_PRESSURE; kind <= MNS_PROBE_PRESSURE_DEVIATION; kind++) {
+        const MnsProbe probe = {.kind = (MnsProbeKind)kind, .field = field};
+        assert_string_equal(mns_probe_unit(&probe), units[kind]);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pressure_of_a_linear_field_is_the_field),
+        cmocka_unit_test(pressure_probe_moves_with_its_wall),
+        cmocka_unit_test(pressure_where_no_fluid_is_is_no_number),
+        cmocka_unit_test(height_is_that_of_the_column),
+        cmocka_unit_test(height_may_be_along_any_axis),
+        cmocka_unit_test(front_is_half_a_spacing_beyond_the_last_particle),
+        cmocka_unit_test(bodies_have_the_mass_energy_and_momentum_of_their_density_and_speed),
+        cmocka_unit_test(coverage_of_a_lattice_is_its_sum_and_a_void_is_seen),
+        cmocka_unit_test(coverage_may_be_of_a_part_of_the_domain),
+        cmocka_unit_test(escaped_particles_are_counted_in_the_tank_s_coordinates),
+        cmocka_unit_test(extremum_finds_the_one_particle),
+        cmocka_unit_test(deviation_is_the_root_mean_square_from_a_formula),
+        cmocka_unit_test(probes_are_the_same_for_any_number_of_threads),
+        cmocka_unit_test(samples_are_averages_at_points),
+        cmocka_unit_test(units_are_those_of_what_is_measured),
+    };
+    return cmocka_run_group_tests_name("probe", tests, NULL, NULL);
+}
