@@ -2,6 +2,7 @@
 /* The command line of meniscusd: what to do, and nothing of how. */
 #include "base/log.h"
 #include "batch/batch.h"
+#include "batch/schemes.h"
 #include "net/daemon.h"
 #include <argp.h>
 #include <math.h>
@@ -24,7 +25,8 @@ enum {
     KEY_STATE,
     KEY_TCP,
     KEY_LOAD,
-    KEY_START
+    KEY_START,
+    KEY_SCHEMES
 };
 
 static const struct argp_option arguments[] = {
@@ -36,7 +38,8 @@ static const struct argp_option arguments[] = {
     {"batch", KEY_BATCH, "CASE", 0, "Run CASE to its end without a daemon, print what came of it, and exit", 2},
     {"out", KEY_OUT, "DIR", 0, "Run directory of --batch (./CASE.run)", 2},
     {"until", KEY_UNTIL, "T", 0, "Stop --batch with a checkpoint at the first step at or after T seconds", 2},
-    {"output", 'o', "json", 0, "Print one JSON object at the end of --batch", 2},
+    {"schemes", KEY_SCHEMES, 0, 0, "Print the schemes and their equations, and exit", 2},
+    {"output", 'o', "json", 0, "Print one JSON object at the end of --batch, or for --schemes", 2},
     {"set", KEY_SET, "PATH=VALUE", 0, "Change an entry of the case; may be given often", 3},
     {"resume", KEY_RESUME, "auto", 0, "Go on from the newest whole checkpoint in the run directory, if there is one",
      3},
@@ -47,6 +50,7 @@ static const struct argp_option arguments[] = {
 typedef struct Options {
     BatchOptions batch;
     DaemonOptions daemon;
+    bool schemes;
     size_t n_settings;
     char **settings;
     char threads[32];
@@ -97,7 +101,7 @@ static void check(const Options *options, struct argp_state *state)
 {
     const BatchOptions *batch = &options->batch;
     const DaemonOptions *daemon = &options->daemon;
-    if (!batch->name && (batch->directory || batch->json || !isnan(batch->until)))
+    if (!batch->name && (batch->directory || (batch->json && !options->schemes) || !isnan(batch->until)))
         argp_error(state, "--out, --until and --output go with --batch");
     if (batch->name && (daemon->load || daemon->start || daemon->tcp || daemon->state_dir))
         argp_error(state, "--batch starts no daemon: leave out --load, --start, --tcp and --state-dir");
@@ -121,6 +125,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case KEY_THREADS: add_threads(options, text, state); break;
     case 'o': options->batch.json = only(text, "json", "--output", state); break;
     case KEY_RESUME: options->resume = only(text, "auto", "--resume", state); break;
+    case KEY_SCHEMES: options->schemes = true; break;
     case KEY_LEVEL: set_level(options, text, state); break;
     case ARGP_KEY_END: check(options, state); break;
     default: return ARGP_ERR_UNKNOWN;
@@ -163,7 +168,7 @@ int main(int argc, char **argv)
     keep_threads_from_spinning(argv);
     argp_err_exit_status = MNS_EXIT_USAGE;
     argp_parse(&parser, argc, argv, 0, NULL, &options);
-    const int code = run(&options);
+    const int code = options.schemes ? schemes_print(options.batch.json) : run(&options);
     free(options.settings);
     return code;
 }

@@ -135,6 +135,14 @@ MnsStatus command_capabilities(Invocation *in, MnsError *error)
     return status;
 }
 
+static json_t *schemes_json(const MnsCapabilities *c)
+{
+    json_t *list = json_array();
+    for (size_t k = 0; k < c->n_schemes; k++)
+        json_array_append_new(list, json_pack("{ss ss}", "name", c->schemes[k].name, "meaning", c->schemes[k].meaning));
+    return json_pack("{so}", "schemes", list);
+}
+
 /* A daemon knows its schemes; if there is none, its program can be asked. */
 MnsStatus command_schemes(Invocation *in, MnsError *error)
 {
@@ -145,13 +153,9 @@ MnsStatus command_schemes(Invocation *in, MnsError *error)
         return program_become("meniscusd", arguments, error);
     }
     if (status == MNS_OK) status = ask_capabilities(in, &reply, error);
-    if (status == MNS_OK && in->json) {
-        json_t *list = topics(reply->capabilities->n_schemes, reply->capabilities->schemes);
-        status = output_json(json_pack("{so}", "schemes", list), error);
-    }
+    if (status == MNS_OK && in->json) status = output_json(schemes_json(reply->capabilities), error);
     for (size_t k = 0; status == MNS_OK && !in->json && k < reply->capabilities->n_schemes; k++)
-        printf("%s%s\n%s\n", k ? "\n" : "", reply->capabilities->schemes[k].name,
-               reply->capabilities->schemes[k].meaning);
+        printf("%s%s\n", k ? "\n" : "", reply->capabilities->schemes[k].meaning);
     mns_reply_free(reply);
     return status;
 }

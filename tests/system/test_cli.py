@@ -146,6 +146,13 @@ class Commands(DaemonTest):
         self.assertIn("pressure", [field["name"] for field in capabilities["fields"]])
         self.assertIn("riemann", [scheme["name"] for scheme in self.ask("schemes")["schemes"]])
 
+    def test_schemes_are_told_alike_with_and_without_a_daemon(self) -> None:
+        alone = self.environment | {"MENISCUS_DAEMON": "nobody-of-that-name"}
+        for words in (["schemes"], ["schemes", "-o", "json"]):
+            done = subprocess.run([BUILD / "meniscus", *words], env=alone, capture_output=True, text=True, timeout=20)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(done.stdout, self.meniscus(*words).stdout)
+
     def test_ls_finds_the_daemon(self) -> None:
         daemons = [d for d in self.ask("ls")["daemons"] if str(self.home) in d["endpoint"]]
         self.assertEqual([(d["name"], d["alive"], d["state"]) for d in daemons], [("default", True, "EMPTY")])
