@@ -64,7 +64,7 @@ validate: all ## the papers' cases against their references [CASE=name] [SIZE=pa
 	@BUILD=$(BUILD) $(PYTHON) tests/physics/validate.py $(if $(CASE),--case $(CASE)) $(if $(SIZE),--size $(SIZE))
 
 bench: bench-programs ## benchmarks as JSON lines
-	@for b in $(BENCH); do $$b || exit 1; done
+	@for b in $(BENCH); do $$b || exit 1; done; BUILD=$(BUILD) $(PYTHON) tests/bench/bench_watch.py
 
 .PHONY: tests bench-programs flags
 tests: $(UNIT)
