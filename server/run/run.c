@@ -82,6 +82,7 @@ static void destroy(Run *run)
 {
     writer_free(run->outputs.writer);
     breakpoints_free(run->breakpoints);
+    document_leave(run->published);
     mailbox_done(&run->mailbox);
     outbox_done(&run->outbox);
     pthread_mutex_destroy(&run->lock);
