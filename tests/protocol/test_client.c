@@ -3,6 +3,7 @@
 #include "tests/support/fake_daemon.h"
 #include <math.h>
 #include <meniscus/client.h>
+#include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdatomic.h>
@@ -13,7 +14,9 @@
 
 #include <cmocka.h>
 
+/* What the daemon's thread reads and writes; the test looks at it between two calls of settle(). */
 typedef struct Fixture {
+    pthread_mutex_t lock;
     FakeDaemon *daemon;
     MnsClient *client;
     FakeManner manners[4]; /* of the first, second ... request; zero is FAKE_ANSWER */
@@ -25,7 +28,8 @@ typedef struct Fixture {
     char *path;
     bool damage; /* the array's checksum is wrong */
     bool forget_array;
-    bool restart; /* the daemon that comes back is another one */
+    uint64_t shape[2]; /* of the array */
+    bool restart;      /* the daemon that comes back is another one */
 } Fixture;
 
 static const double numbers[6] = {1, 2, 3, 4, 5, NAN};
@@ -34,13 +38,12 @@ static void add_array(Fixture *fixture, FakeAnswer *answer)
 {
     static Meniscus__Array array;
     static Meniscus__Array *list[] = {&array};
-    static uint64_t shape[] = {3, 2};
     meniscus__array__init(&array);
     array.name = "position";
     array.type = "<f8";
     array.unit = "m";
     array.n_shape = 2;
-    array.shape = shape;
+    array.shape = fixture->shape;
     array.has_xxh64 = true;
     array.xxh64 = XXH64(numbers, sizeof numbers, 0) + fixture->damage;
     answer->reply->n_arrays = 1;
@@ -49,9 +52,17 @@ static void add_array(Fixture *fixture, FakeAnswer *answer)
     answer->frame_size = sizeof numbers;
 }
 
+/* Let the other thread see what this one wrote, and this one what the other did. */
+static void settle(Fixture *fixture)
+{
+    pthread_mutex_lock(&fixture->lock);
+    pthread_mutex_unlock(&fixture->lock);
+}
+
 static void handle(void *arg, const Meniscus__Request *request, FakeAnswer *answer)
 {
     Fixture *fixture = arg;
+    pthread_mutex_lock(&fixture->lock);
     const int k = atomic_load(&fixture->n);
     if (k < 4 && request->id.len == 16) {
         memcpy(fixture->ids[k], request->id.data, 16);
@@ -68,11 +79,15 @@ static void handle(void *arg, const Meniscus__Request *request, FakeAnswer *answ
     if (request->command_case == MENISCUS__REQUEST__COMMAND_QUERY) add_array(fixture, answer);
     if (fixture->restart) fake_daemon_set_epoch(fixture->daemon, 2);
     atomic_fetch_add(&fixture->n, 1);
+    pthread_mutex_unlock(&fixture->lock);
 }
 
 static int set_up(void **state)
 {
     Fixture *fixture = calloc(1, sizeof *fixture);
+    pthread_mutex_init(&fixture->lock, NULL);
+    fixture->shape[0] = 3;
+    fixture->shape[1] = 2;
     fixture->daemon = fake_daemon_new(handle, fixture);
     *state = fixture;
     return mns_client_open(fake_daemon_endpoint(fixture->daemon), &fixture->client, NULL);
@@ -101,6 +116,7 @@ static void a_reply_carries_state_and_step_of_the_effect(void **state)
     assert_int_equal(mns_client_pause(fixture->client, &reply, NULL), MNS_OK);
     assert_int_equal(reply->state, MNS_STATE_PAUSED);
     assert_int_equal(reply->effect_step, 41);
+    settle(fixture);
     assert_int_equal(fixture->commands[0], MENISCUS__REQUEST__COMMAND_PAUSE);
     mns_reply_free(reply);
 }
@@ -110,6 +126,7 @@ static void every_command_has_an_id_of_its_own(void **state)
     Fixture *fixture = *state;
     assert_int_equal(mns_client_pause(fixture->client, NULL, NULL), MNS_OK);
     assert_int_equal(mns_client_pause(fixture->client, NULL, NULL), MNS_OK);
+    settle(fixture);
     assert_memory_not_equal(fixture->ids[0], fixture->ids[1], 16);
 }
 
@@ -120,6 +137,7 @@ static void a_chosen_id_is_used_once(void **state)
     mns_client_set_request_id(fixture->client, id);
     assert_int_equal(mns_client_step(fixture->client, 3, NULL, NULL), MNS_OK);
     assert_int_equal(mns_client_step(fixture->client, 3, NULL, NULL), MNS_OK);
+    settle(fixture);
     assert_memory_equal(fixture->ids[0], id, 16);
     assert_memory_not_equal(fixture->ids[1], id, 16);
 }
@@ -140,6 +158,7 @@ static void codes_become_statuses_with_sentence_and_path(void **state)
         MnsError error = {0};
         fixture->code = table[k].code;
         fixture->path = "fluids[1].density";
+        settle(fixture);
         assert_int_equal(mns_client_pause(fixture->client, NULL, &error), table[k].status);
         assert_int_equal(error.status, table[k].status);
         assert_string_equal(error.text, "no, because");
@@ -151,6 +170,7 @@ static void a_code_nobody_knows_is_a_failure(void **state)
 {
     Fixture *fixture = *state;
     fixture->code = (Meniscus__Code)1;
+    settle(fixture);
     assert_int_equal(mns_client_pause(fixture->client, NULL, NULL), MNS_E_INTERNAL);
 }
 
@@ -158,8 +178,10 @@ static void a_lost_connection_repeats_the_request_under_the_same_id(void **state
 {
     Fixture *fixture = *state;
     fixture->manners[0] = FAKE_DISCONNECT;
+    settle(fixture);
     assert_int_equal(mns_client_step(fixture->client, 5, NULL, NULL), MNS_OK);
     assert_int_equal(atomic_load(&fixture->n), 2);
+    settle(fixture);
     assert_memory_equal(fixture->ids[0], fixture->ids[1], 16);
     assert_int_equal(fixture->commands[1], MENISCUS__REQUEST__COMMAND_STEP);
 }
@@ -170,6 +192,7 @@ static void a_restarted_daemon_is_not_given_the_command_twice(void **state)
     MnsError error = {0};
     fixture->manners[0] = FAKE_DISCONNECT;
     fixture->restart = true;
+    settle(fixture);
     assert_int_equal(mns_client_step(fixture->client, 5, NULL, &error), MNS_E_UNAVAILABLE);
     assert_int_equal(atomic_load(&fixture->n), 1);
     assert_non_null(strstr(error.text, "restarted"));
@@ -180,6 +203,7 @@ static void a_question_is_repeated_to_a_restarted_daemon(void **state)
     Fixture *fixture = *state;
     fixture->manners[0] = FAKE_DISCONNECT;
     fixture->restart = true;
+    settle(fixture);
     const char *path = "end_time";
     assert_int_equal(mns_client_get(fixture->client, 1, &path, NULL, NULL), MNS_OK);
     assert_int_equal(atomic_load(&fixture->n), 2);
@@ -189,6 +213,7 @@ static void answers_to_other_requests_are_passed_over(void **state)
 {
     Fixture *fixture = *state;
     fixture->manners[0] = FAKE_STALE_FIRST;
+    settle(fixture);
     assert_int_equal(mns_client_pause(fixture->client, NULL, NULL), MNS_OK);
 }
 
@@ -197,8 +222,10 @@ static void silence_ends_with_the_time_limit(void **state)
     Fixture *fixture = *state;
     const double begin = seconds();
     fixture->manners[0] = FAKE_SILENCE;
+    settle(fixture);
     mns_client_set_timeout(fixture->client, 0.25);
     assert_int_equal(mns_client_pause(fixture->client, NULL, NULL), MNS_E_TIMEOUT);
+    settle(fixture);
     assert_int_equal(fixture->deadline_ms, 250);
     assert_true(seconds() - begin >= 0.25 && seconds() - begin < 8);
     assert_int_equal(mns_client_pause(fixture->client, NULL, NULL), MNS_OK);
@@ -238,6 +265,7 @@ static void a_damaged_array_is_refused(void **state)
     MnsError error = {0};
     const double point[2] = {0.5, 0.25};
     fixture->damage = true;
+    settle(fixture);
     assert_int_equal(mns_client_query_points(fixture->client, "pressure", 1, 2, point, NULL, &error), MNS_E_CORRUPT);
     assert_non_null(strstr(error.text, "checksum"));
 }
@@ -247,7 +275,29 @@ static void a_missing_array_is_refused(void **state)
     Fixture *fixture = *state;
     const double point[3] = {0.5, 0.25, 1};
     fixture->forget_array = true;
+    settle(fixture);
     assert_int_equal(mns_client_query_points(fixture->client, "pressure", 1, 3, point, NULL, NULL), MNS_E_CORRUPT);
+}
+
+static void a_shape_that_does_not_fit_its_frame_is_refused(void **state)
+{
+    static const uint64_t shapes[][2] = {{4, 2}, {3, 1}, {UINT64_MAX, UINT64_MAX}, {0, 0}};
+    Fixture *fixture = *state;
+    const MnsParticleQuery everywhere = {0};
+    for (size_t k = 0; k < sizeof shapes / sizeof *shapes; k++) {
+        memcpy(fixture->shape, shapes[k], sizeof fixture->shape);
+        settle(fixture);
+        assert_int_equal(mns_client_query_particles(fixture->client, &everywhere, NULL, NULL), MNS_E_CORRUPT);
+    }
+}
+
+static void a_reply_that_is_none_is_refused_and_the_next_is_read(void **state)
+{
+    Fixture *fixture = *state;
+    fixture->manners[0] = FAKE_GARBAGE;
+    settle(fixture);
+    assert_int_equal(mns_client_pause(fixture->client, NULL, NULL), MNS_E_VERSION);
+    assert_int_equal(mns_client_pause(fixture->client, NULL, NULL), MNS_OK);
 }
 
 static void an_assignment_without_equals_sign_is_not_sent(void **state)
@@ -352,6 +402,8 @@ int main(void)
         TEST(arrays_come_whole_and_aligned),
         TEST(a_damaged_array_is_refused),
         TEST(a_missing_array_is_refused),
+        TEST(a_shape_that_does_not_fit_its_frame_is_refused),
+        TEST(a_reply_that_is_none_is_refused_and_the_next_is_read),
         TEST(an_assignment_without_equals_sign_is_not_sent),
         TEST(gaps_in_telemetry_are_counted),
         TEST(a_restarted_daemon_begins_to_count_anew),

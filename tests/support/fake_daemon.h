@@ -10,6 +10,7 @@ typedef struct FakeDaemon FakeDaemon;
 
 typedef enum FakeManner {
     FAKE_ANSWER,
+    FAKE_GARBAGE,    /* bytes that are no reply                              */
     FAKE_SILENCE,    /* no answer, ever                                      */
     FAKE_DISCONNECT, /* no answer; the sockets are closed and bound again    */
     FAKE_STALE_FIRST /* an answer to another request, then the right one     */
