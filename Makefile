@@ -113,8 +113,8 @@ $(BUILD)/libmeniscusd.a: $(DAEMON)
 $(BUILD)/libmeniscus-cli.a: $(filter-out %/main.o,$(CLI))
 %.a:
 	rm -f $@ && ar rcs $@ $^
-$(BUILD)/libmeniscus-client.so: $(CLIENT) $(PROTO)
-	$(CC) $(LDFLAGS) -shared -Wl,-soname,libmeniscus-client.so.0 -o $@ $^ $(shell pkg-config --libs libzmq libprotobuf-c yaml-0.1 libxxhash 2>/dev/null)
+$(BUILD)/libmeniscus-client.so: $(CLIENT) $(PROTO) client/lib/exports.map
+	$(CC) $(LDFLAGS) -shared -Wl,-soname,libmeniscus-client.so.0 -Wl,--version-script=client/lib/exports.map -o $@ $(filter %.o,$^) $(shell pkg-config --libs libzmq libprotobuf-c yaml-0.1 libxxhash 2>/dev/null)
 $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT) $(BUILD)/libmeniscus-cli.a $(BUILD)/libmeniscus-client.a $(BUILD)/libmeniscusd.a $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-proto.a
 	@mkdir -p $(@D)
 	$(CC) $(LDFLAGS) -o $@ $< $(SUPPORT) -Wl,--start-group $(filter %.a,$^) -Wl,--end-group $(LDLIBS) -lcmocka

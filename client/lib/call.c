@@ -182,8 +182,8 @@ MnsStatus call_greet(MnsClient *client, MnsError *error)
     return MNS_OK;
 }
 
-MnsStatus call(MnsClient *client, Meniscus__Request *request, Meniscus__Reply **ret_reply, Frames *ret_frames,
-               MnsError *error)
+MnsStatus call_make(MnsClient *client, Meniscus__Request *request, Meniscus__Reply **ret_reply, Frames *ret_frames,
+                    MnsError *error)
 {
     uint8_t id[MNS_REQUEST_ID_SIZE];
     if (client->has_id) {

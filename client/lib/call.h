@@ -31,7 +31,7 @@ MnsStatus call_greet(MnsClient *client, MnsError *error);
  * has its frame, checked. On failure, when the daemon refused, error->path is the reply's.
  * MNS_OK: free *ret_reply with meniscus__reply__free_unpacked() and *ret_frames with frames_done(); all else: as
  * client.h says, nothing to free. */
-MnsStatus call(MnsClient *client, Meniscus__Request *request, Meniscus__Reply **ret_reply, Frames *ret_frames,
-               MnsError *error);
+MnsStatus call_make(MnsClient *client, Meniscus__Request *request, Meniscus__Reply **ret_reply, Frames *ret_frames,
+                    MnsError *error);
 
 #endif

@@ -10,7 +10,7 @@ MnsStatus command_call(MnsClient *client, Meniscus__Request *request, MnsReply *
     Meniscus__Reply *message;
     Frames frames;
     MnsReply *reply = NULL;
-    MnsStatus status = call(client, request, &message, &frames, error);
+    MnsStatus status = call_make(client, request, &message, &frames, error);
     if (status == MNS_OK) status = reply_new(message, &frames, &reply, error);
     if (status != MNS_OK) return status;
     if (ret_reply) *ret_reply = reply;
