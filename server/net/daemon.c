@@ -2,6 +2,7 @@
 /* The daemon: what wakes it is a socket, a signal, or news of the run; then it looks after all three and sleeps again. */
 #include "net/daemon.h"
 
+#include "base/clock.h"
 #include "base/log.h"
 #include "net/desk.h"
 #include "net/handlers.h"
@@ -20,6 +21,8 @@
 
 enum { SOLVER_NICE = 10 }; /* the solver's threads yield to those that answer people */
 
+static const double INSISTENCE = 0.5; /* [s] after which a second signal is meant as one */
+
 typedef struct Daemon {
     const DaemonOptions *options;
     Endpoint endpoint;
@@ -30,7 +33,8 @@ typedef struct Daemon {
     const Exchange *load; /* under way                         */
     int signals;          /* signalfd                          */
     bool told_to_leave;   /* by a signal                       */
-    bool leaving;         /* the run has come to its end       */
+    double told_at;
+    bool leaving; /* the run has come to its end       */
     int code;
     char parent[RUNDIR_PATH];
 } Daemon;
@@ -146,9 +150,12 @@ static void take_signal(Daemon *daemon)
     struct signalfd_siginfo info;
     if (read(daemon->signals, &info, sizeof info) != sizeof info) return;
     if (info.ssi_signo == SIGUSR1) post_checkpoint(daemon);
-    else if (daemon->told_to_leave) _exit(MNS_EXIT_FAILED); /* who says it twice wants no checkpoint */
-    else {
+    else if (
+        daemon->told_to_leave) { /* who insists wants no checkpoint; but some senders send each signal twice at once */
+        if (clock_now() - daemon->told_at > INSISTENCE) _exit(MNS_EXIT_FAILED);
+    } else {
         daemon->told_to_leave = true;
+        daemon->told_at = clock_now();
         post_shutdown(daemon, true);
     }
 }

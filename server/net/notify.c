@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <systemd/sd-daemon.h>
 
-static const double STATUS_INTERVAL = 2, STOPPING_INTERVAL = 5; /* [s] */
+static const double STATUS_INTERVAL = 1, STOPPING_INTERVAL = 5; /* [s] */
 
 void notify_begin(Notify *notify)
 {

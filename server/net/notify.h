@@ -17,7 +17,7 @@ void notify_begin(Notify *notify);
 
 void notify_ready(void);
 
-/* A status line; not more than one in two seconds unless it is important. */
+/* A status line; not more than one in a second unless it is important. */
 void notify_status(Notify *notify, bool important, const char *text);
 
 void notify_stopping(void);

@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The contract of `meniscusd --batch` with scripts: exit codes, one JSON object, restarts that change no bit. */
+#include "tests/support/check.h"
+#include "tests/support/dialogue.h"
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+/* A directory with the case in it. */
+typedef struct Place {
+    char home[64];
+    int code;        /* exit code of the last run        */
+    char first[512]; /* first line it wrote to standard error */
+} Place;
+
+static int begin(void **state)
+{
+    static Place place;
+    char path[128];
+    place = (Place){.home = "/tmp/mns-batch-XXXXXX"};
+    assert_non_null(mkdtemp(place.home));
+    snprintf(path, sizeof path, "%s/dam.yaml", place.home);
+    FILE *file = fopen(path, "w");
+    fputs(dialogue_case, file);
+    fclose(file);
+    *state = &place;
+    return 0;
+}
+
+static int end(void **state)
+{
+    char command[128];
+    snprintf(command, sizeof command, "rm -rf %s", ((Place *)*state)->home);
+    return system(command);
+}
+
+/* Run with these options in the place; the JSON object it printed, or NULL. prefix: of the shell's command. */
+static json_t *run(Place *place, const char *prefix, const char *options)
+{
+    char command[4600], cwd[2048], path[128];
+    const char *build = getenv("BUILD");
+    const bool absolute = build && *build == '/';
+    assert_non_null(getcwd(cwd, sizeof cwd));
+    snprintf(command, sizeof command, "cd %s && %s %s/%s/meniscusd --batch dam.yaml -o json %s 2>err", place->home,
+             prefix, absolute ? "" : cwd, build ? build : "build", options);
+    FILE *pipe = popen(command, "r");
+    json_t *object = json_loadf(pipe, 0, NULL);
+    place->code = WEXITSTATUS(pclose(pipe));
+    snprintf(path, sizeof path, "%s/err", place->home);
+    FILE *errors = fopen(path, "r");
+    if (!errors || !fgets(place->first, sizeof place->first, errors)) place->first[0] = 0;
+    if (errors) fclose(errors);
+    return object;
+}
+
+static void assert_says(const json_t *object, const char *key, const char *text)
+{
+    assert_non_null(object);
+    assert_non_null(json_string_value(json_object_get(object, key)));
+    assert_string_equal(json_string_value(json_object_get(object, key)), text);
+}
+
+static void the_object_says_what_came_of_the_run(void **state)
+{
+    json_t *object = run(*state, "", "--set end_time=0.05");
+    assert_int_equal(((Place *)*state)->code, 0);
+    assert_says(object, "state", "DONE");
+    assert_says(object, "case", "dam");
+    assert_true(json_real_value(json_object_get(object, "t")) == 0.05);
+    assert_true(json_integer_value(json_object_get(object, "steps")) > 10);
+    assert_int_equal(strlen(json_string_value(json_object_get(object, "state_hash"))), 16);
+    assert_says(json_object_get(json_object_get(object, "probes"), "energy"), "unit", "J");
+    assert_true(json_array_size(json_object_get(object, "outputs")) >= 3);
+    json_decref(object);
+}
+
+static void a_run_in_two_halves_is_the_same_to_the_last_bit(void **state)
+{
+    json_t *whole = run(*state, "", "--set end_time=0.1 --out whole");
+    json_t *half = run(*state, "", "--set end_time=0.1 --out halves --until 0.04");
+    assert_says(half, "state", "PAUSED");
+    assert_true(json_real_value(json_object_get(half, "t")) >= 0.04);
+    json_t *rest = run(*state, "", "--set end_time=0.1 --out halves --resume auto --threads 2");
+    assert_says(rest, "state", "DONE");
+    assert_says(rest, "state_hash", json_string_value(json_object_get(whole, "state_hash")));
+    json_decref(whole);
+    json_decref(half);
+    json_decref(rest);
+}
+
+static void a_signal_leaves_a_checkpoint_and_asks_to_be_run_again(void **state)
+{
+    json_t *object = run(*state, "timeout --preserve-status -s TERM 1", "--out stopped");
+    assert_int_equal(((Place *)*state)->code, 75);
+    assert_says(object, "state", "PAUSED");
+    json_decref(object);
+    char command[128];
+    snprintf(command, sizeof command, "ls %s/stopped/checkpoint-*.hdf >/dev/null", ((Place *)*state)->home);
+    assert_int_equal(system(command), 0);
+}
+
+static void a_bad_case_names_its_place_and_leaves_nothing(void **state)
+{
+    Place *place = *state;
+    char command[256];
+    snprintf(command, sizeof command, "sed -i s/1000,/-1000,/ %s/dam.yaml", place->home);
+    assert_int_equal(system(command), 0);
+    json_decref(run(place, "", ""));
+    assert_int_equal(place->code, 65);
+    assert_memory_equal(place->first, "dam.yaml:6:28: ", 15);
+    snprintf(command, sizeof command, "%s/dam.run", place->home);
+    assert_int_equal(access(command, F_OK), -1);
+}
+
+static void another_case_cannot_go_on_from_a_checkpoint(void **state)
+{
+    Place *place = *state;
+    json_decref(run(place, "", "--out a --until 0.02"));
+    assert_int_equal(place->code, 0);
+    json_decref(run(place, "", "--out a --until 0.02 --resume auto --set resolution=20"));
+    assert_int_equal(place->code, 65);
+    assert_non_null(strstr(place->first, "resolution"));
+}
+
+static void a_damaged_checkpoint_is_passed_over(void **state)
+{
+    Place *place = *state;
+    char command[256];
+    json_decref(run(place, "", "--out a --until 0.02"));
+    json_decref(run(place, "", "--out a --until 0.04 --resume auto"));
+    snprintf(command, sizeof command, "cd %s/a && truncate -s 2000 $(ls checkpoint-*.hdf | tail -1)", place->home);
+    assert_int_equal(system(command), 0);
+    json_t *object = run(place, "", "--out a --until 0.01 --resume auto");
+    assert_int_equal(place->code, 0);
+    assert_non_null(strstr(place->first, "checkpoint"));
+    const double t = json_real_value(json_object_get(object, "t"));
+    assert_true(t >= 0.02 && t < 0.04);
+    json_decref(object);
+}
+
+static void a_wrong_command_line_and_an_unwritable_place_have_codes_of_their_own(void **state)
+{
+    Place *place = *state;
+    json_decref(run(place, "", "--until never"));
+    assert_int_equal(place->code, 2);
+    json_decref(run(place, "", "--until 0.01 --out /dev/null/x"));
+    assert_int_equal(place->code, 74);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(the_object_says_what_came_of_the_run, begin, end),
+        cmocka_unit_test_setup_teardown(a_run_in_two_halves_is_the_same_to_the_last_bit, begin, end),
+        cmocka_unit_test_setup_teardown(a_signal_leaves_a_checkpoint_and_asks_to_be_run_again, begin, end),
+        cmocka_unit_test_setup_teardown(a_bad_case_names_its_place_and_leaves_nothing, begin, end),
+        cmocka_unit_test_setup_teardown(another_case_cannot_go_on_from_a_checkpoint, begin, end),
+        cmocka_unit_test_setup_teardown(a_damaged_checkpoint_is_passed_over, begin, end),
+        cmocka_unit_test_setup_teardown(a_wrong_command_line_and_an_unwritable_place_have_codes_of_their_own, begin,
+                                        end),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
