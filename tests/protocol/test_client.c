@@ -90,7 +90,7 @@ static int set_up(void **state)
     fixture->shape[1] = 2;
     fixture->daemon = fake_daemon_new(handle, fixture);
     *state = fixture;
-    return mns_client_open(fake_daemon_endpoint(fixture->daemon), &fixture->client, NULL);
+    return mns_client_open(fake_daemon_endpoint(fixture->daemon), &fixture->client, NULL) == MNS_OK ? 0 : -1;
 }
 
 static int tear_down(void **state)
