@@ -136,9 +136,14 @@ static void nan_viscosity(MnsCase *c)
 {
     c->fluids[0].viscosity = NAN;
 }
+static void drop_shape(MnsShape *shape)
+{
+    for (size_t k = 0; k < shape->n; k++) free(shape->parts[k].formula);
+    shape->n = 0;
+}
 static void two_without_shape(MnsCase *c)
 {
-    c->fluids[0].shape.n = 0;
+    drop_shape(&c->fluids[0].shape);
 }
 static void empty_box(MnsCase *c)
 {
@@ -178,7 +183,7 @@ static void bad_pressure(MnsCase *c)
 }
 static void no_wall_shape(MnsCase *c)
 {
-    c->walls[1].shape.n = 0;
+    drop_shape(&c->walls[1].shape);
 }
 static void wall_by_formula(MnsCase *c)
 {

@@ -1,0 +1,249 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Particles start where the case has them: on a lattice fitted to the domain, each in the fluid or wall that its shape says,
+ * with masses and densities that give the pressure asked for. */
+#include "sim/sim.h"
+#include "tests/support/cases.h"
+#include "tests/support/check.h"
+#include <stdlib.h>
+#include <string.h>
+
+static MnsSim *sim_of(const MnsCase *c)
+{
+    MnsSim *sim = NULL;
+    MnsError error = {0};
+    if (mns_sim_new(c, &sim, &error)) fail_msg("%s: %s", error.path, error.text);
+    return sim;
+}
+
+static void done(MnsSim *sim, MnsCase *c)
+{
+    mns_sim_free(sim);
+    mns_case_free(c);
+}
+
+/* A tank 1 x 0.8 (x 0.6) from a corner that is not the origin. */
+static MnsCase *tank(int dim)
+{
+    MnsCase *c = case_blank(dim, 10);
+    const double corner[3] = {0.3, -0.7, 0.2}, size[3] = {1, 0.8, 0.6};
+    case_add_wall(c, "tank");
+    MnsPart *side = case_add_part(&c->walls[0].shape, MNS_BOX);
+    side->outside = true;
+    for (int d = 0; d < dim; d++) {
+        c->min[d] = side->a[d] = corner[d];
+        c->max[d] = side->b[d] = corner[d] + size[d];
+    }
+    return c;
+}
+
+static void lattice_is_stretched_to_the_domain_and_continued_into_walls(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = tank(dim);
+        c->max[0] = c->walls[0].shape.parts[0].b[0] = 0.3 + 1.012; /* 10.12 spacings: ten, stretched */
+        case_add_fluid(c, "water", 5, 10);
+        MnsSim *sim = sim_of(c);
+        const Particles *s = &sim->s;
+        const double cell[3] = {0.1012, 0.1, 0.1};
+        const size_t inside = dim == 2 ? 10 * 8 : 10 * 8 * 6, whole = dim == 2 ? 16 * 14 : 16 * 14 * 12; /* 3 layers */
+        assert_int_equal(particles_fluid(s), inside);
+        assert_int_equal(s->n, whole);
+        for (size_t i = 0; i < s->n; i++)
+            for (int d = 0; d < dim; d++) {
+                const double place = (s->x[d][i] - c->min[d]) / cell[d] - 0.5;
+                assert_close(place, round(place), 1e-12); /* rounding */
+                const bool within = s->x[d][i] > c->min[d] && s->x[d][i] < c->max[d];
+                assert_true(within || i >= inside);
+            }
+        for (size_t i = 0; i < inside; i++) assert_close(s->m[i], 5 * 1.012 * pow(0.1, dim), 1e-15);
+        for (size_t i = inside; i < s->n; i++) assert_close(s->vol[i], 1.012 * pow(0.1, dim), 1e-15);
+        done(sim, c);
+    }
+}
+
+/* Full neighbourhoods everywhere, with the counts of numerics-wcsph 1: 20, 36, 36; 44 within 3.9 spacings. */
+static void dummy_layers_fill_every_kernel_that_reaches_into_a_wall(void **state)
+{
+    (void)state;
+    static const struct {
+        MnsKernel kernel;
+        double smoothing, neighbours;
+    } rows[] = {{MNS_WENDLAND_C2, 1.3, 20},
+                {MNS_WENDLAND_C2, 1.6, 36},
+                {MNS_TRUNCATED_GAUSSIAN, 1.1, 36},
+                {MNS_QUINTIC_SPLINE, 1.3, 44}};
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        MnsCase *c = tank(2);
+        c->scheme.kernel = rows[k].kernel;
+        c->scheme.smoothing = rows[k].smoothing;
+        case_add_fluid(c, "water", 5, 10);
+        MnsSim *sim = sim_of(c);
+        assert_close(mns_sim_mean_neighbours(sim), rows[k].neighbours, 1e-12);
+        done(sim, c);
+    }
+}
+
+/* A periodic direction has no sides to continue. */
+static void periodic_directions_have_no_layers(void **state)
+{
+    (void)state;
+    MnsCase *c = tank(3);
+    c->periodic[0] = true;
+    c->walls[0].shape.parts[0].a[0] = -9;
+    c->walls[0].shape.parts[0].b[0] = 9;
+    case_add_fluid(c, "water", 5, 10);
+    MnsSim *sim = sim_of(c);
+    assert_int_equal(sim->s.n, 10 * 14 * 12);
+    assert_int_equal(particles_fluid(&sim->s), 10 * 8 * 6);
+    done(sim, c);
+}
+
+static void particles_belong_to_the_shape_they_are_in_and_the_rest_to_the_rest(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = tank(dim);
+        case_add_fluid(c, "oil", 1, 10);
+        case_add_fluid(c, "air", 0.005, 10);
+        case_add_fluid(c, "water", 2, 10);
+        MnsPart *ball = case_add_part(&c->fluids[0].shape, MNS_BALL);
+        const double at[3] = {0.8, -0.3, 0.5};
+        for (int d = 0; d < dim; d++) ball->a[d] = at[d];
+        ball->radius = 0.22;
+        MnsPart *below = case_add_part(&c->fluids[2].shape, MNS_FORMULA);
+        case_set_text(&below->formula, "y < floor + 0.1*x");
+        c->constants = calloc(1, sizeof *c->constants);
+        c->n_constants = 1;
+        case_set_text(&c->constants[0].name, "floor");
+        case_set_text(&c->constants[0].value, "-1/2 - 0.1 + 0*dx");
+        case_add_wall(c, "step");
+        MnsPart *step = case_add_part(&c->walls[1].shape, MNS_BOX);
+        step->a[0] = 0.3;
+        step->b[0] = 0.62;
+        step->a[1] = -0.7;
+        step->b[1] = -0.38;
+        step->a[2] = -1;
+        step->b[2] = 2;
+        MnsSim *sim = sim_of(c);
+        const Particles *s = &sim->s;
+        size_t count[5] = {0};
+        for (size_t i = 0; i < s->n; i++) {
+            const double x = s->x[0][i], y = s->x[1][i], z = dim == 3 ? s->x[2][i] : 0, dz = dim == 3 ? z - 0.5 : 0;
+            const bool outside = x < 0.3 || x > 1.3 || y < -0.7 || y > 0.1 || (dim == 3 && (z < 0.2 || z > 0.8));
+            const bool in_step = x < 0.62 && y < -0.38, in_ball = hypot(hypot(x - 0.8, y + 0.3), dz) < 0.22;
+            const int owner = outside ? 3 : in_step ? 4 : in_ball ? 0 : y < -0.6 + 0.1 * x ? 2 : 1;
+            assert_int_equal(s->phase[i], owner);
+            const bool wall = owner >= 3, air = owner == 1; /* lighter than a fiftieth of water: summed */
+            assert_int_equal(i >= s->begin[GROUP_WALL], wall);
+            if (!wall) assert_int_equal(i >= s->begin[GROUP_SUMMATION], air);
+            count[owner]++;
+        }
+        for (int k = 0; k < 5; k++) assert_true(count[k] > 3);
+        done(sim, c);
+    }
+}
+
+static void density_method_is_that_of_the_case_or_by_the_ratio(void **state)
+{
+    (void)state;
+    static const struct {
+        double density;
+        MnsDensityMethod method;
+        bool summed;
+    } rows[] = {{0.021, MNS_DENSITY_AUTOMATIC, false},
+                {0.019, MNS_DENSITY_AUTOMATIC, true},
+                {0.5, MNS_DENSITY_SUMMATION, true},
+                {0.001, MNS_DENSITY_CONTINUITY, false}};
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        MnsCase *c = case_periodic(2, 10);
+        c->fluids[1].density = rows[k].density;
+        c->fluids[1].density_method = rows[k].method;
+        MnsSim *sim = sim_of(c);
+        assert_int_equal(sim->s.begin[GROUP_SUMMATION] < particles_fluid(&sim->s), rows[k].summed);
+        /* p_b = 4 rho c^2 of the light fluid itself. */
+        assert_close(sim->model.phase[1].p_b, rows[k].summed ? 4 * rows[k].density * 100 : 0, 1e-12);
+        assert_true(sim->model.phase[0].p_b == 0);
+        done(sim, c);
+    }
+}
+
+/* p from a formula: rho = rho0 + p/c^2, with a mass that keeps it there, whichever way the density is found. */
+static void masses_and_densities_give_the_pressure_asked_for(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = case_periodic(dim, 10);
+        for (int k = 0; k < 2; k++) case_set_text(&c->fluids[k].pressure, k == 0 ? "3 + x" : "0.7 - 0.2*y");
+        MnsSim *sim = sim_of(c);
+        const Particles *s = &sim->s;
+        const double spacing[3] = {0.1, 0.1, 0.1}, sum = kernel_lattice_sum(&sim->model.kernel, dim, spacing);
+        for (size_t i = 0; i < s->n; i++) {
+            const int k = s->phase[i];
+            const double p = k == 0 ? 3 + s->x[0][i] : 0.7 - 0.2 * s->x[1][i], rho = c->fluids[k].density + p / 100;
+            assert_close(s->p[i], p, 1e-12);
+            assert_close(s->rho[i], rho, 1e-15);
+            assert_close(s->m[i], k == 0 ? rho * pow(0.1, dim) : rho / sum, 1e-16);
+        }
+        done(sim, c);
+    }
+}
+
+static void velocities_are_those_of_the_formulas(void **state)
+{
+    (void)state;
+    MnsCase *c = case_periodic(3, 10);
+    MnsSim *sim = sim_of(c);
+    const double pi2 = 2 * acos(-1);
+    for (size_t i = 0; i < sim->s.n; i++) {
+        const double x = sim->s.x[0][i], y = sim->s.x[1][i];
+        assert_close(sim->s.v[0][i], 0.3 * sin(pi2 * y), 1e-15);
+        assert_close(sim->s.v[1][i], 0.5 * cos(pi2 * x) + 0.1, 1e-15);
+        assert_close(sim->s.v[2][i], 0.2 * sin(pi2 * (x + y)), 1e-15);
+    }
+    done(sim, c);
+}
+
+/* Weight of all fluid between a particle and the end of its column that gravity points away from, whichever way that is. */
+static void hydrostatic_pressure_is_the_weight_above(void **state)
+{
+    (void)state;
+    static const struct {
+        int dim, axis;
+        const char *g;
+    } rows[] = {{2, 1, "-4"}, {3, 2, "-4"}, {2, 0, "4"}};
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        const int dim = rows[k].dim, axis = rows[k].axis;
+        MnsCase *c = tank(dim);
+        case_set_text(&c->gravity[axis], rows[k].g);
+        case_add_fluid(c, "water", 5, 40);
+        case_add_fluid(c, "air", 0.01, 40);
+        MnsPart *half = case_add_part(&c->fluids[0].shape, MNS_HALF_SPACE);
+        for (int d = 0; d < dim; d++) half->a[d] = 0.5 * (c->min[d] + c->max[d]);
+        half->b[axis] = rows[k].g[0] == '-' ? 1 : -1;
+        for (int f = 0; f < 2; f++) case_set_text(&c->fluids[f].pressure, "hydrostatic");
+        MnsSim *sim = sim_of(c);
+        const double length = c->max[axis] - c->min[axis];
+        for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
+            const double low = sim->s.x[axis][i] - c->min[axis], depth = rows[k].g[0] == '-' ? length - low : low;
+            const double p = depth < length / 2 ? 0.01 * 4 * depth : 4 * (0.01 * length / 2 + 5 * (depth - length / 2));
+            assert_close(sim->s.p[i], p, 1e-11); /* rounding of c^2 rho */
+        }
+        done(sim, c);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lattice_is_stretched_to_the_domain_and_continued_into_walls),
+        cmocka_unit_test(dummy_layers_fill_every_kernel_that_reaches_into_a_wall),
+        cmocka_unit_test(periodic_directions_have_no_layers),
+        cmocka_unit_test(particles_belong_to_the_shape_they_are_in_and_the_rest_to_the_rest),
+        cmocka_unit_test(density_method_is_that_of_the_case_or_by_the_ratio),
+        cmocka_unit_test(masses_and_densities_give_the_pressure_asked_for),
+        cmocka_unit_test(velocities_are_those_of_the_formulas),
+        cmocka_unit_test(hydrostatic_pressure_is_the_weight_above),
+    };
+    return cmocka_run_group_tests_name("build", tests, NULL, NULL);
+}
