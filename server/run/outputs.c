@@ -11,8 +11,8 @@
 /* A series is written whole each time, so a crash may cost the samples of this long [s], not more work. */
 static const double FLUSH_INTERVAL = 10;
 
-MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *document, MnsProgress progress,
-                       bool goes_on, MnsError *error)
+MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *document, MnsProgress progress, bool goes_on,
+                       MnsError *error)
 {
     Series *series = NULL;
     MnsStatus status = rundir_abandon(directory, !goes_on, progress.step, error);
