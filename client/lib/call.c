@@ -122,11 +122,19 @@ static MnsStatus exchange(MnsClient *client, const Meniscus__Request *request, d
     return status;
 }
 
-static MnsStatus refusal(const Meniscus__Reply *reply, MnsError *error)
+/* The reason is exact; codes are fewer. A reason nobody here knows comes from a newer daemon: the code has to do. */
+static MnsStatus status_of(const Meniscus__Reply *reply)
 {
     const unsigned code = (unsigned)reply->code;
-    MnsStatus status = code < sizeof statuses / sizeof *statuses ? statuses[code] : MNS_E_INTERNAL;
-    if (status == MNS_OK && code != MENISCUS__CODE__OK) status = MNS_E_INTERNAL;
+    for (int k = MNS_OK + 1; reply->reason && k <= MNS_E_INTERNAL; k++)
+        if (strcmp(reply->reason, mns_status_name((MnsStatus)k)) == 0) return (MnsStatus)k;
+    const MnsStatus status = code < sizeof statuses / sizeof *statuses ? statuses[code] : MNS_E_INTERNAL;
+    return status == MNS_OK ? MNS_E_INTERNAL : status;
+}
+
+static MnsStatus refusal(const Meniscus__Reply *reply, MnsError *error)
+{
+    const MnsStatus status = status_of(reply);
     const char *message = reply->message && *reply->message ? reply->message : "the daemon refused without a reason";
     return mns_fail_at(error, status, reply->path ? reply->path : "", "%s", message);
 }

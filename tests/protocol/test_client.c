@@ -25,7 +25,7 @@ typedef struct Fixture {
     Meniscus__Request__CommandCase commands[4];
     uint64_t deadline_ms;
     Meniscus__Code code;
-    char *path;
+    char *path, *reason;
     bool damage; /* the array's checksum is wrong */
     bool forget_array;
     uint64_t shape[2]; /* of the array */
@@ -72,6 +72,7 @@ static void handle(void *arg, const Meniscus__Request *request, FakeAnswer *answ
     fixture->deadline_ms = request->deadline_ms;
     answer->reply->code = fixture->code;
     answer->reply->path = fixture->path;
+    answer->reply->reason = fixture->reason;
     answer->reply->message = fixture->code == MENISCUS__CODE__OK ? "" : "no, because";
     answer->reply->has_effect_step = answer->reply->has_state = true;
     answer->reply->effect_step = 41;
@@ -172,6 +173,18 @@ static void a_code_nobody_knows_is_a_failure(void **state)
     fixture->code = (Meniscus__Code)1;
     settle(fixture);
     assert_int_equal(mns_client_pause(fixture->client, NULL, NULL), MNS_E_INTERNAL);
+}
+
+static void the_reason_is_more_exact_than_the_code(void **state)
+{
+    Fixture *fixture = *state;
+    fixture->code = MENISCUS__CODE__ABORTED;
+    fixture->reason = "diverged";
+    settle(fixture);
+    assert_int_equal(mns_client_step(fixture->client, 1, NULL, NULL), MNS_E_DIVERGED);
+    fixture->reason = "of a kind yet to come";
+    settle(fixture);
+    assert_int_equal(mns_client_step(fixture->client, 1, NULL, NULL), MNS_E_INTERRUPTED);
 }
 
 static void a_lost_connection_repeats_the_request_under_the_same_id(void **state)
@@ -393,6 +406,7 @@ int main(void)
         TEST(a_chosen_id_is_used_once),
         TEST(codes_become_statuses_with_sentence_and_path),
         TEST(a_code_nobody_knows_is_a_failure),
+        TEST(the_reason_is_more_exact_than_the_code),
         TEST(a_lost_connection_repeats_the_request_under_the_same_id),
         TEST(a_restarted_daemon_is_not_given_the_command_twice),
         TEST(a_question_is_repeated_to_a_restarted_daemon),

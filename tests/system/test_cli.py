@@ -99,6 +99,8 @@ class Commands(DaemonTest):
         done = self.meniscus("wait", "--timeout", "50", code=70)
         self.assertIn("FAULT", done.stderr)
         self.meniscus("watch", code=70)
+        self.meniscus("reset")
+        self.meniscus("step", "100", code=70)
 
     def test_a_breakpoint_pauses_the_run(self) -> None:
         self.load()

@@ -101,6 +101,12 @@ class WithDaemon(DaemonTest):
         with self.assertRaises(meniscus.StateError):
             self.client.pause()
 
+    def test_a_diverged_run_is_an_exception_of_its_own(self) -> None:
+        self.load(**{"limits.density_max": 1.0000001})
+        with self.assertRaises(meniscus.DivergedError):
+            self.client.step(100)
+        self.assertIn("diverged", self.client.status().fault or "")
+
     def test_a_breakpoint_pauses_the_run(self) -> None:
         self.load()
         self.client.breakpoint("b", step=6)

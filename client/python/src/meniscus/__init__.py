@@ -12,10 +12,11 @@
 """
 
 from .client import TOPICS, Client
-from .errors import (CancelledError, CaseError, CorruptError, MeniscusError, RefusedError, StateError, TimedOutError,
-                     UnavailableError)
+from .errors import (CancelledError, CaseError, CorruptError, DivergedError, MeniscusError, RefusedError, StateError,
+                     TimedOutError, UnavailableError)
 from .values import OutputFile, Reply, Status, Telemetry, Value
 
 __version__ = "0.1.0"
-__all__ = ["CancelledError", "CaseError", "Client", "CorruptError", "MeniscusError", "OutputFile", "RefusedError",
-           "Reply", "StateError", "Status", "TOPICS", "Telemetry", "TimedOutError", "UnavailableError", "Value"]
+__all__ = ["CancelledError", "CaseError", "Client", "CorruptError", "DivergedError", "MeniscusError", "OutputFile",
+           "RefusedError", "Reply", "StateError", "Status", "TOPICS", "Telemetry", "TimedOutError", "UnavailableError",
+           "Value"]

@@ -70,7 +70,8 @@ class Connection:
         reply, frames = self._exchange(request, timeout)
         if reply.code != pb.OK:
             known = reply.code in pb.Code.values()
-            raise error_for(pb.Code.Name(reply.code) if known else str(reply.code), reply.message, reply.path)
+            code = pb.Code.Name(reply.code) if known else str(reply.code)
+            raise error_for(code, reply.message, reply.path, reply.reason)
         _check(reply, frames)
         return reply, frames
 

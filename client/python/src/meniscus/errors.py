@@ -42,7 +42,11 @@ class TimedOutError(MeniscusError):
 
 
 class CancelledError(MeniscusError):
-    """Another client ended the command, or the run stopped before it was done."""
+    """Another client ended the command."""
+
+
+class DivergedError(MeniscusError):
+    """The simulation has diverged; it can be inspected and restored."""
 
 
 class CorruptError(MeniscusError):
@@ -62,6 +66,8 @@ _BY_CODE: dict[str, Type[MeniscusError]] = {
 }
 
 
-def error_for(code: str, message: str, path: str = "") -> MeniscusError:
-    """The exception that stands for a code of the protocol."""
+def error_for(code: str, message: str, path: str = "", reason: str = "") -> MeniscusError:
+    """The exception that stands for a code of the protocol, or for its reason where that is more exact."""
+    if reason == "diverged":
+        return DivergedError(code, message, path)
     return _BY_CODE.get(code, MeniscusError)(code, message, path)
