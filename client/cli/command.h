@@ -46,6 +46,9 @@ int command_exit_code(MnsStatus status, bool is_load);
 /* Connect to the daemon that the options name. A command does this when its words are understood. */
 MnsStatus command_connect(Invocation *in, MnsError *error);
 
+/* Why the run of the daemon stopped in FAULT, as a failure of this command. */
+MnsStatus command_fault(Invocation *in, MnsError *error);
+
 /* Pass a status through; a failure becomes one of usage. */
 MnsStatus command_usage(Invocation *in, MnsStatus status);
 

@@ -88,6 +88,18 @@ MnsStatus command_connect(Invocation *in, MnsError *error)
     return MNS_OK;
 }
 
+MnsStatus command_fault(Invocation *in, MnsError *error)
+{
+    MnsReply *reply = NULL;
+    MnsStatus status = mns_client_status(in->client, &reply, error);
+    if (status != MNS_OK) return status;
+    const MnsStatus cause = reply->info ? reply->info->fault_status : MNS_OK;
+    status = mns_fail(error, cause == MNS_OK ? MNS_E_INTERNAL : cause, "the run stopped in FAULT: %s",
+                      reply->info ? reply->info->fault : "");
+    mns_reply_free(reply);
+    return status;
+}
+
 MnsStatus command_usage(Invocation *in, MnsStatus status)
 {
     if (status != MNS_OK) in->code = MNS_EXIT_USAGE;

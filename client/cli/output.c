@@ -101,9 +101,10 @@ static json_t *breakpoints(const MnsRunInfo *info)
 /* json_pack() takes far more pairs than fit on a screen; the keys come in groups. */
 json_t *output_info(const MnsRunInfo *info)
 {
-    json_t *object = json_pack("{ss ss ss ss ss? ss}", "state", mns_state_name(info->state), "case", info->case_name,
-                               "title", info->title, "run_directory", info->run_directory, "fault",
-                               *info->fault ? info->fault : NULL, "version", info->version);
+    json_t *object = json_pack(
+        "{ss ss ss ss ss? ss? ss}", "state", mns_state_name(info->state), "case", info->case_name, "title", info->title,
+        "run_directory", info->run_directory, "fault", *info->fault ? info->fault : NULL, "fault_reason",
+        info->fault_status ? mns_status_name(info->fault_status) : NULL, "version", info->version);
     json_t *times = json_pack("{so so so so so so so}", "time", output_number(info->time), "end_time",
                               output_number(info->end_time), "time_step", output_number(info->time_step), "eta_s",
                               output_number(info->eta_s), "wall_s", output_number(info->wall_s), "steps_per_second",

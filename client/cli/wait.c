@@ -63,12 +63,7 @@ static MnsStatus in_vain(Invocation *in, const MnsReply *reply, MnsError *error)
         return mns_fail(error, MNS_E_STATE,
                         "the run was done at step %" PRIu64 ", t = %.6g s, before what was waited for", reply->step,
                         reply->time);
-    MnsReply *status = NULL;
-    const bool known = mns_client_status(in->client, &status, NULL) == MNS_OK && status->info;
-    mns_fail(error, MNS_E_DIVERGED, "the run stopped in FAULT at step %" PRIu64 ": %s", reply->step,
-             known ? status->info->fault : "");
-    mns_reply_free(status);
-    return MNS_E_DIVERGED;
+    return command_fault(in, error);
 }
 
 static MnsStatus report(const Invocation *in, const MnsReply *reply, MnsError *error)

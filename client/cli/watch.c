@@ -142,16 +142,6 @@ static MnsStatus loop(Watch *watch, const sigset_t *signals, int *ret_signal, Mn
     return status;
 }
 
-static MnsStatus verdict(Watch *watch, MnsError *error)
-{
-    if (watch->screen.state != MNS_STATE_FAULT) return MNS_OK;
-    MnsReply *reply = NULL;
-    const bool known = mns_client_status(watch->in->client, &reply, NULL) == MNS_OK && reply->info;
-    mns_fail(error, MNS_E_DIVERGED, "the run stopped in FAULT: %s", known ? reply->info->fault : "");
-    mns_reply_free(reply);
-    return MNS_E_DIVERGED;
-}
-
 /* The signals are blocked, so that they are seen between two messages and the terminal is restored before they take
  * effect. */
 static MnsStatus watch_run(Watch *watch, MnsError *error)
@@ -168,7 +158,8 @@ static MnsStatus watch_run(Watch *watch, MnsError *error)
     screen_done(&watch->screen);
     sigprocmask(SIG_UNBLOCK, &signals, NULL);
     if (signal) raise(signal);
-    return status == MNS_OK ? verdict(watch, error) : status;
+    const bool failed = status == MNS_OK && watch->screen.state == MNS_STATE_FAULT;
+    return failed ? command_fault(watch->in, error) : status;
 }
 
 MnsStatus command_watch(Invocation *in, MnsError *error)

@@ -122,12 +122,19 @@ static MnsStatus exchange(MnsClient *client, const Meniscus__Request *request, d
     return status;
 }
 
+MnsStatus call_reason(const char *reason)
+{
+    for (int k = MNS_OK + 1; reason && k <= MNS_E_INTERNAL; k++)
+        if (strcmp(reason, mns_status_name((MnsStatus)k)) == 0) return (MnsStatus)k;
+    return MNS_OK;
+}
+
 /* The reason is exact; codes are fewer. A reason nobody here knows comes from a newer daemon: the code has to do. */
 static MnsStatus status_of(const Meniscus__Reply *reply)
 {
     const unsigned code = (unsigned)reply->code;
-    for (int k = MNS_OK + 1; reply->reason && k <= MNS_E_INTERNAL; k++)
-        if (strcmp(reply->reason, mns_status_name((MnsStatus)k)) == 0) return (MnsStatus)k;
+    const MnsStatus exact = call_reason(reply->reason);
+    if (exact != MNS_OK) return exact;
     const MnsStatus status = code < sizeof statuses / sizeof *statuses ? statuses[code] : MNS_E_INTERNAL;
     return status == MNS_OK ? MNS_E_INTERNAL : status;
 }

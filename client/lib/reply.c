@@ -131,6 +131,7 @@ static MnsRunInfo *read_info(Arena *arena, const Meniscus__Status *m)
     if (!info) return NULL;
     *info = (MnsRunInfo){
         .state = (MnsState)m->state,
+        .fault_status = call_reason(m->fault_reason),
         .case_name = text(m->case_name),
         .title = text(m->title),
         .run_directory = text(m->run_directory),

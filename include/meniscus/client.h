@@ -84,6 +84,7 @@ typedef struct MnsBreakpoint {
 /** What a daemon is doing. Strings are never NULL; numbers that the daemon does not know are NAN or 0. */
 typedef struct MnsRunInfo {
     MnsState state;
+    MnsStatus fault_status; /* in FAULT: MNS_E_DIVERGED, MNS_E_NO_SPACE ... */
     const char *case_name, *title, *run_directory, *fault, *version;
     double time, end_time, time_step; /* [s], simulated */
     double eta_s, wall_s;             /* [s], wall clock: to the end, since the start */

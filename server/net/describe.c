@@ -82,6 +82,7 @@ Meniscus__Status *describe_status(const RunStatus *status)
     message->state = (Meniscus__State)status->state;
     message->version = strdup(MENISCUS_VERSION);
     if (status->fault.status) message->fault = strdup(status->fault.text);
+    if (status->fault.status) message->fault_reason = strdup(mns_status_name(status->fault.status));
     if (!status->particles) return message;
     message->case_name = strdup(status->case_name);
     message->title = strdup(status->title);

@@ -16,9 +16,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from daemon import BUILD, SMALL, DaemonTest  # noqa: E402
 
 REPLY = {"state", "step", "time", "effect_step", "daemon_epoch", "message"}
-STATUS = {"state", "case", "title", "run_directory", "fault", "version", "time", "end_time", "time_step", "eta_s",
-          "wall_s", "steps_per_second", "ns_per_particle_step", "step", "particles", "fluid_particles", "guarded",
-          "captures_skipped", "memory_bytes", "threads", "state_hash", "timers", "breakpoints"}
+STATUS = set(
+    "state case title run_directory fault fault_reason version time end_time time_step eta_s wall_s steps_per_second "
+    "ns_per_particle_step step particles fluid_particles guarded captures_skipped memory_bytes threads state_hash timers "
+    "breakpoints".split()
+)
 
 
 class Commands(DaemonTest):
@@ -99,6 +101,7 @@ class Commands(DaemonTest):
         done = self.meniscus("wait", "--timeout", "50", code=70)
         self.assertIn("FAULT", done.stderr)
         self.meniscus("watch", code=70)
+        self.assertEqual(self.ask("status")["fault_reason"], "diverged")
         self.meniscus("reset")
         self.meniscus("step", "100", code=70)
 

@@ -62,6 +62,7 @@ class Status:
     guarded: Optional[int] = None
     captures_skipped: Optional[int] = None
     fault: Optional[str] = None
+    fault_reason: Optional[str] = None
     threads: Optional[int] = None
     wall_s: Optional[float] = None
     memory_bytes: Optional[int] = None
