@@ -46,7 +46,8 @@ MnsStatus parse_numbers(const char *name, const char *text, size_t most, double 
 
 MnsStatus parse_id(const char *name, const char *text, uint8_t id[MNS_REQUEST_ID_SIZE], MnsError *error)
 {
-    bool good = strlen(text) == 2 * MNS_REQUEST_ID_SIZE && strspn(text, "0123456789abcdefABCDEF") == strlen(text);
+    bool good =
+        strlen(text) == 2 * (size_t)MNS_REQUEST_ID_SIZE && strspn(text, "0123456789abcdefABCDEF") == strlen(text);
     for (size_t k = 0; good && k < MNS_REQUEST_ID_SIZE; k++) good = sscanf(text + 2 * k, "%2hhx", &id[k]) == 1;
     if (good) return MNS_OK;
     return mns_fail(error, MNS_E_INVALID, "%s: \"%.60s\" is not 32 hex digits", name, text);
