@@ -189,6 +189,23 @@ static void masses_and_densities_give_the_pressure_asked_for(void **state)
     }
 }
 
+/* At a free edge the sum would give less than the case asks for: the start is the case's. */
+static void summed_densities_start_as_given_at_a_free_edge_too(void **state)
+{
+    (void)state;
+    MnsCase *c = case_blank(2, 10);
+    case_add_fluid(c, "gas", 3, 10);
+    c->fluids[0].density_method = MNS_DENSITY_SUMMATION;
+    case_set_text(&c->fluids[0].pressure, "20");
+    MnsSim *sim = sim_of(c);
+    assert_int_equal(sim->s.n, 100);
+    for (size_t i = 0; i < sim->s.n; i++) {
+        assert_close(sim->s.rho[i], 3.2, 1e-15);
+        assert_close(sim->s.p[i], 20, 1e-12);
+    }
+    done(sim, c);
+}
+
 static void velocities_are_those_of_the_formulas(void **state)
 {
     (void)state;
@@ -242,6 +259,7 @@ int main(void)
         cmocka_unit_test(particles_belong_to_the_shape_they_are_in_and_the_rest_to_the_rest),
         cmocka_unit_test(density_method_is_that_of_the_case_or_by_the_ratio),
         cmocka_unit_test(masses_and_densities_give_the_pressure_asked_for),
+        cmocka_unit_test(summed_densities_start_as_given_at_a_free_edge_too),
         cmocka_unit_test(velocities_are_those_of_the_formulas),
         cmocka_unit_test(hydrostatic_pressure_is_the_weight_above),
     };
