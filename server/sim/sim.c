@@ -135,13 +135,38 @@ static MnsStatus replace_threads(MnsSim *sim, int threads, MnsError *error)
     return neighbours_build(&sim->nb, &sim->s, &sim->model, error);
 }
 
+static bool same_sizes(const MnsCase *a, const MnsCase *b)
+{
+    return a->dim == b->dim && a->n_fluids == b->n_fluids && a->n_walls == b->n_walls && a->n_probes == b->n_probes;
+}
+
+static bool same_space(const MnsCase *a, const MnsCase *b)
+{
+    for (int d = 0; d < a->dim; d++)
+        if (a->min[d] != b->min[d] || a->max[d] != b->max[d] || a->periodic[d] != b->periodic[d]) return false;
+    return a->reference_length == b->reference_length && a->resolution == b->resolution &&
+           a->scheme.kernel == b->scheme.kernel && a->scheme.smoothing == b->scheme.smoothing &&
+           a->scheme.skin == b->scheme.skin && strcmp(a->scheme.name, b->scheme.name) == 0;
+}
+
+/* Of as many fluids: what particles, groups and arrays were made for. */
+static bool same_fluids(const MnsCase *a, const MnsCase *b)
+{
+    for (size_t k = 0; k < a->n_fluids; k++) {
+        const MnsFluid *f = &a->fluids[k], *g = &b->fluids[k];
+        if (f->density != g->density || f->viscosity != g->viscosity || f->sound_speed != g->sound_speed ||
+            f->density_method != g->density_method)
+            return false;
+    }
+    return true;
+}
+
 MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
 {
     MnsStatus status = mns_case_check(c, error);
-    if (!status && (c->dim != sim->c->dim || c->n_fluids != sim->c->n_fluids || c->n_walls != sim->c->n_walls ||
-                    c->resolution != sim->c->resolution || c->n_probes != sim->c->n_probes))
-        status =
-            mns_fail(error, MNS_E_INVALID, "fluids, walls, probes, dimensions and resolution cannot change in a run");
+    if (!status && !(same_sizes(sim->c, c) && same_space(sim->c, c) && same_fluids(sim->c, c)))
+        status = mns_fail(error, MNS_E_INVALID,
+                          "fluids, walls, probes, domain, resolution and kernel cannot change in a run");
     if (!status) status = replace_gravity(sim, c, error);
     if (!status) status = replace_threads(sim, threads_for(c), error);
     if (status) return status;

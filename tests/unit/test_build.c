@@ -46,6 +46,7 @@ static void lattice_is_stretched_to_the_domain_and_continued_into_walls(void **s
         MnsSim *sim = sim_of(c);
         const Particles *s = &sim->s;
         const double cell[3] = {0.1012, 0.1, 0.1};
+        assert_close(sim->model.kernel.h, 1.3 * 0.1, 1e-15); /* of the spacing asked for */
         const size_t inside = dim == 2 ? 10 * 8 : 10 * 8 * 6, whole = dim == 2 ? 16 * 14 : 16 * 14 * 12; /* 3 layers */
         assert_int_equal(particles_fluid(s), inside);
         assert_int_equal(s->n, whole);

@@ -366,6 +366,7 @@ static void steps_end_where_they_are_cut(void **state)
     assert_int_equal(mns_sim_step(sim, goal, NULL), MNS_OK);
     assert_true(mns_sim_progress(sim).t == goal);
     assert_int_equal(mns_sim_progress(sim).step, 4);
+    assert_true(next != dt && mns_sim_progress(sim).dt_first == dt);
     done(sim, c);
 }
 
@@ -467,6 +468,7 @@ static void steered_gravity_acts_from_the_next_rates_on(void **state)
     assert_int_equal(mns_sim_steer(sim, steered, NULL), MNS_OK);
     mns_case_free(c);
     assert_ptr_equal(mns_sim_case(sim), steered);
+    assert_true(sim->model.gravity[0] == 2); /* energies and the next time step know at once */
     double time = 0;
     for (int k = 0; k < 5; k++) {
         steps(sim, 1);
@@ -485,12 +487,21 @@ static void steering_refuses_what_cannot_change_and_changes_nothing_then(void **
     MnsCase *c = shaken(2, 1);
     MnsSim *sim = sim_of(c);
     steps(sim, 2);
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 13; k++) {
         MnsCase *other = shaken(k == 1 ? 3 : 2, 1);
         if (k == 0) other->resolution = 24;
         if (k == 2) case_add_fluid(other, "oil", 1, 20);
         if (k == 2) case_add_part(&other->fluids[2].shape, MNS_BALL)->radius = 1;
         if (k == 3) case_set_text(&other->gravity[1], "-g");
+        if (k == 4) other->fluids[0].density = 1.5;
+        if (k == 5) other->fluids[1].viscosity = 0;
+        if (k == 6) other->fluids[1].sound_speed = 30;
+        if (k == 7) other->fluids[1].density_method = MNS_DENSITY_CONTINUITY;
+        if (k == 8) other->scheme.kernel = MNS_QUINTIC_SPLINE;
+        if (k == 9) other->scheme.smoothing = 1.5;
+        if (k == 10) other->scheme.skin = 0.2;
+        if (k == 11) other->max[1] = 2.5;
+        if (k == 12) other->periodic[0] = true;
         MnsError error = {0};
         assert_int_equal(mns_sim_steer(sim, other, &error), MNS_E_INVALID);
         assert_true(error.text[0] != 0);
@@ -779,6 +790,28 @@ static void fluid_slips_along_free_walls_and_sticks_to_others(void **state)
     }
 }
 
+/* u = U sin(2 pi y) decays with the rate mu/rho (2 pi)^2. */
+static void viscosity_damps_a_shear_wave(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = case_blank(dim, dim == 2 ? 20 : 12);
+        for (int d = 0; d < dim; d++) c->periodic[d] = true;
+        case_add_fluid(c, "oil", 2, 10);
+        c->fluids[0].viscosity = 0.1;
+        case_set_text(&c->fluids[0].velocity[0], "0.1*sin(2*pi*y)");
+        MnsSim *sim = sim_of(c);
+        while (mns_sim_progress(sim).t < 0.2) assert_int_equal(mns_sim_step(sim, 0.2, NULL), MNS_OK);
+        const double k = 2 * acos(-1);
+        double amplitude = 0;
+        for (size_t i = 0; i < sim->s.n; i++)
+            amplitude += 2 * sim->s.v[0][i] * sin(k * sim->s.x[1][i]) / (double)sim->s.n;
+        /* The Laplacian on a lattice is some percent off (test_viscosity), of a decay of a third. */
+        assert_close(amplitude / 0.1, exp(-0.05 * k * k * 0.2), 0.03);
+        done(sim, c);
+    }
+}
+
 /* Moving dummy particles are where the motion says, and their velocity is what brings them there. */
 static void walls_go_where_their_motion_has_them(void **state)
 {
@@ -860,6 +893,7 @@ int main(void)
         cmocka_unit_test(guard_keeps_what_is_thrown_at_a_wall_inside_and_counts),
         cmocka_unit_test(guard_takes_only_the_velocity_into_the_wall),
         cmocka_unit_test(fluid_slips_along_free_walls_and_sticks_to_others),
+        cmocka_unit_test(viscosity_damps_a_shear_wave),
         cmocka_unit_test(walls_go_where_their_motion_has_them),
         cmocka_unit_test(sizes_are_as_counted),
     };
