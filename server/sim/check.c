@@ -235,9 +235,24 @@ static MnsStatus check_scalars(const MnsCase *c, MnsError *error)
     return MNS_OK;
 }
 
+/* Each with the ones before it. */
+static MnsStatus check_constants(const Constants *constants, MnsError *error)
+{
+    static const char *const none[] = {NULL};
+    for (size_t k = 1; k < constants->n; k++) { /* after dx, which is ours */
+        const Constants before = {.n = k, .list = constants->list};
+        char at[64];
+        snprintf(at, sizeof at, "constants[%zu].value", k - 1);
+        const MnsStatus status = check_formula(constants->list[k].value, none, &before, at, error);
+        if (status) return status;
+    }
+    return MNS_OK;
+}
+
 static MnsStatus check_entries(const MnsCase *c, const Constants *constants, MnsError *error)
 {
-    MnsStatus status = check_formulas(c->gravity, c->dim, T, constants, "gravity", error);
+    MnsStatus status = check_constants(constants, error);
+    if (!status) status = check_formulas(c->gravity, c->dim, T, constants, "gravity", error);
     for (size_t k = 0; !status && k < c->n_fluids; k++) status = check_fluid(c, k, constants, error);
     for (size_t k = 0; !status && k < c->n_walls; k++) status = check_wall(c, k, constants, error);
     for (size_t k = 0; !status && k < c->n_probes; k++) status = check_probe(c, k, constants, error);

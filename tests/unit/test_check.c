@@ -22,6 +22,13 @@ static MnsCase *good(int dim)
                        .width = 1,
                        .thickness = 0.3,
                        .formula = plate->formula};
+    static const char *const constants[3][2] = {{"H", "3*dx"}, {"U", "2*H"}, {"late", "U"}};
+    c->n_constants = 3;
+    c->constants = calloc(3, sizeof *c->constants);
+    for (size_t k = 0; c->constants && k < 3; k++) {
+        case_set_text(&c->constants[k].name, constants[k][0]);
+        case_set_text(&c->constants[k].value, constants[k][1]);
+    }
     case_add_probe(c, MNS_PROBE_PRESSURE);
     case_set_text(&case_add_probe(c, MNS_PROBE_EXTREMUM)->field, "velocity");
     case_set_text(&case_add_probe(c, MNS_PROBE_PRESSURE_DEVIATION)->formula, "1 - y + 0*t");
@@ -115,6 +122,10 @@ static void bad_gravity(MnsCase *c)
 static void gravity_of_place(MnsCase *c)
 {
     case_set_text(&c->gravity[0], "x");
+}
+static void bad_constant(MnsCase *c)
+{
+    case_set_text(&c->constants[1].value, "2*late"); /* defined only after it */
 }
 static void no_density(MnsCase *c)
 {
@@ -285,6 +296,7 @@ static const Refusal REFUSALS[] = {
     {"resolution", MNS_E_LIMIT, too_fine},
     {"gravity[1]", MNS_E_INVALID, bad_gravity},
     {"gravity[0]", MNS_E_INVALID, gravity_of_place},
+    {"constants[1].value", MNS_E_INVALID, bad_constant},
     {"fluids[1]", MNS_E_INVALID, no_density},
     {"fluids[1]", MNS_E_INVALID, infinite_density},
     {"fluids[0]", MNS_E_INVALID, no_sound},
