@@ -21,10 +21,8 @@ static json_t *describe_all(void)
 
 static void print_text(const json_t *list)
 {
-    size_t k;
-    const json_t *scheme;
-    json_array_foreach(list, k, scheme)
-        printf("%s%s\n", k ? "\n" : "", json_string_value(json_object_get(scheme, "meaning")));
+    for (size_t k = 0; k < json_array_size(list); k++)
+        printf("%s%s\n", k ? "\n" : "", json_string_value(json_object_get(json_array_get(list, k), "meaning")));
 }
 
 int schemes_print(bool json)

@@ -29,8 +29,8 @@ typedef struct Outputs {
 
 /* Go to a directory, which exists, with a state at `progress`: the series begins there, or goes on if `goes_on`, and files of
  * later steps are moved aside. On failure outputs is as it was, but for files moved. */
-MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *document, MnsProgress progress,
-                       bool goes_on, MnsError *error);
+MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *document, MnsProgress progress, bool goes_on,
+                       MnsError *error);
 
 /* Write what is left and close the series. MNS_OK; or the failure, and what could not be written is given up. */
 MnsStatus outputs_close(Outputs *outputs, MnsError *error);

@@ -57,7 +57,10 @@ def paraview(picture, paths):
         script.write(LOOK)
         script.flush()
         command = ["xvfb-run", "-a", "pvbatch", script.name, picture, *paths]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=180, check=False)
+        for _ in range(3):  # `xvfb-run -a` may pick a display that another one is about to take
+            done = subprocess.run(command, capture_output=True, text=True, timeout=180, check=False)
+            if "bad X server connection" not in done.stdout + done.stderr:
+                break
     if done.returncode != 0 or "ERR" in done.stdout + done.stderr:
         raise AssertionError(f"pvbatch ended with {done.returncode}:\n{done.stdout}\n{done.stderr}")
     return json.loads(done.stdout.strip().splitlines()[-1])
