@@ -31,8 +31,9 @@ typedef struct CloudSetup {
     bool viscous;
 } CloudSetup;
 
-/* Water (density 1000, by continuity) and air (density 1, by summation), speed of sound 20, one wall (phase 2). Each particle has
- * the volume and density of its kind at rest, no pressure, no velocity. Lists are built. Ends the test if it cannot. */
+/* Water (density 1000, by continuity) and air (density 1, by summation), speed of sound 20, one wall (phase 2). Each
+ * particle has the volume and density of its kind at rest, no pressure, no velocity. Lists are built. Ends the test
+ * if it cannot. */
 Cloud *cloud_new(const CloudSetup *setup);
 void cloud_free(Cloud *cloud);
 
@@ -42,8 +43,8 @@ MnsStatus cloud_build(Cloud *cloud);
 /* Sums of one term for all its particles, after a, b and rate were set to zero. */
 void cloud_term(Cloud *cloud, const Term *term);
 
-/* Fluid pressures, velocities and densities without any symmetry; p below 10 % of rho c^2 and of either sign, so that the
- * pair p* has both, |v| below a tenth of c. m stays; V and z follow rho. */
+/* Fluid pressures, velocities and densities without any symmetry; p below 10 % of rho c^2 and of either sign, so that
+ * the pair p* has both, |v| below a tenth of c. m stays; V and z follow rho. */
 void cloud_stir(Cloud *cloud, uint64_t seed);
 
 /* In [-1, 1), deterministic. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Particles start where the case has them: on a lattice fitted to the domain, each in the fluid or wall that its shape says,
- * with masses and densities that give the pressure asked for. */
+/* Particles start where the case has them: on a lattice fitted to the domain, each in the fluid or wall that its
+ * shape says, with masses and densities that give the pressure asked for. */
 #include "sim/sim.h"
 #include "tests/support/cases.h"
 #include "tests/support/check.h"
@@ -83,6 +83,28 @@ static void dummy_layers_fill_every_kernel_that_reaches_into_a_wall(void **state
         assert_close(mns_sim_mean_neighbours(sim), rows[k].neighbours, 1e-12);
         done(sim, c);
     }
+}
+
+/* Left of x = 0.9 all is solid, 0.6 deep: beyond the kernel's reach there is nothing, and no fluid either. */
+static void thick_walls_are_hollow_not_filled_with_fluid(void **state)
+{
+    (void)state;
+    MnsCase *c = tank(2);
+    case_add_fluid(c, "water", 5, 10);
+    MnsPart *block = case_add_part(&c->walls[0].shape, MNS_HALF_SPACE);
+    block->a[0] = 0.9;
+    block->b[0] = 1;
+    MnsSim *sim = sim_of(c);
+    size_t deep = 0;
+    for (size_t i = 0; i < sim->s.n; i++) {
+        const double x = sim->s.x[0][i];
+        if (i < particles_fluid(&sim->s)) assert_true(x > 0.9);
+        deep += x < 0.9 - 2 * sim->model.kernel.support;
+    }
+    assert_int_equal(particles_fluid(&sim->s), 4 * 8);
+    assert_int_equal(deep, 0);
+    assert_close(mns_sim_mean_neighbours(sim), 20, 1e-12); /* still a full kernel everywhere */
+    done(sim, c);
 }
 
 /* A periodic direction has no sides to continue. */
@@ -222,7 +244,8 @@ static void velocities_are_those_of_the_formulas(void **state)
     done(sim, c);
 }
 
-/* Weight of all fluid between a particle and the end of its column that gravity points away from, whichever way that is. */
+/* Weight of all fluid between a particle and the end of its column that gravity points away from, whichever way that
+ * is. */
 static void hydrostatic_pressure_is_the_weight_above(void **state)
 {
     (void)state;
@@ -256,6 +279,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lattice_is_stretched_to_the_domain_and_continued_into_walls),
         cmocka_unit_test(dummy_layers_fill_every_kernel_that_reaches_into_a_wall),
+        cmocka_unit_test(thick_walls_are_hollow_not_filled_with_fluid),
         cmocka_unit_test(periodic_directions_have_no_layers),
         cmocka_unit_test(particles_belong_to_the_shape_they_are_in_and_the_rest_to_the_rest),
         cmocka_unit_test(density_method_is_that_of_the_case_or_by_the_ratio),

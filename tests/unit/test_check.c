@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Every case that cannot be run is refused with the entry to blame, by mns_case_check() or, where particles must be placed to
- * know, by mns_sim_new(); and what can be run is not. */
+/* Every case that cannot be run is refused with the entry to blame, by mns_case_check() or, where particles must be
+ * placed to know, by mns_sim_new(); and what can be run is not. */
 #include "tests/support/cases.h"
 #include "tests/support/check.h"
 #include <stdlib.h>

@@ -143,7 +143,8 @@ static void F_is_the_slope_over_the_distance(void **state)
             const double e = 1e-4 * H;
             for (double r = 0.043 * H; r < kernel.support - e; r += 0.0917 * H) {
                 const double slope = (W_at(&kernel, r + e) - W_at(&kernel, r - e)) / (2 * e);
-                /* The difference is off by e^2 / 6 of the third derivative, 15 W(0) / h^3 at most, over the smallest r. */
+                /* The difference is off by e^2 / 6 of the third derivative, 15 W(0) / h^3 at most, over the smallest
+                 * r. */
                 assert_close(F_at(&kernel, r), slope / r, 1e-6 * kernel_at_zero(&kernel) / (H * H));
                 assert_true(F_at(&kernel, r) < 0);
             }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Motions of walls: velocity and acceleration are the derivatives of the displacement, which is what the case asks for. */
+/* Motions of walls: velocity and acceleration are the derivatives of the displacement, which is what the case asks
+ * for. */
 #include "sim/motion.h"
 #include "tests/support/check.h"
 

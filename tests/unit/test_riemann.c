@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The two-phase Riemann terms are what numerics-wcsph 4.1 and 4.4 write, pair by pair; they conserve momentum to the last
- * bit, dissipate only where particles approach, reduce to the single-phase solver, and look the same to a moving observer. */
+/* The two-phase Riemann terms are what numerics-wcsph 4.1 and 4.4 write, pair by pair; they conserve momentum to the
+ * last bit, dissipate only where particles approach, reduce to the single-phase solver, and look the same to a moving
+ * observer. */
 #include "sim/terms/terms.h"
 #include "tests/support/check.h"
 #include "tests/support/cloud.h"
@@ -183,7 +184,8 @@ static size_t index_of(const Cloud *cloud, uint32_t id)
 
 static const double A[3] = {0.2, 0.3, 0.15}, B[3] = {0.29, 0.24, 0.2};
 
-/* P3 eq. 10 with rho_L = rho_R is Zhang, Hu and Adams 2017: p* = (p_L + p_R)/2 + rho beta dU/2, U* = U + dp/(2 rho c). */
+/* P3 eq. 10 with rho_L = rho_R is Zhang, Hu and Adams 2017: p* = (p_L + p_R)/2 + rho beta dU/2, U* = U + dp/(2 rho
+ * c). */
 static void equal_densities_give_the_single_phase_solver(void **state)
 {
     (void)state;
@@ -206,7 +208,8 @@ static void equal_densities_give_the_single_phase_solver(void **state)
     cloud_free(cloud);
 }
 
-/* At an infinite ratio of densities the light particle keeps its own pressure at the interface, which moves with the heavy. */
+/* At an infinite ratio of densities the light particle keeps its own pressure at the interface, which moves with the
+ * heavy. */
 static void light_feels_heavy_as_a_moving_wall(void **state)
 {
     (void)state;

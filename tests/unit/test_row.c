@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A row holds every pair within the kernel's support once, and the operators made of its sums are what SPH says of them. */
+/* A row holds every pair within the kernel's support once, and the operators made of its sums are what SPH says of
+ * them. */
 #include "tests/support/check.h"
 #include "tests/support/cloud.h"
 #include <string.h>

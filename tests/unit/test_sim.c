@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A simulation as a whole: it conserves what it should, gives the same bits for any number of threads and over a restart, ends
- * steps where it is told, follows what is steered, keeps still what is at rest, and says why it stops. */
+/* A simulation as a whole: it conserves what it should, gives the same bits for any number of threads and over a
+ * restart, ends steps where it is told, follows what is steered, keeps still what is at rest, and says why it stops. */
 #include "sim/sim.h"
 #include "tests/support/cases.h"
 #include "tests/support/check.h"
@@ -278,8 +278,8 @@ static void captures_of_another_case_are_refused_and_change_nothing(void **state
     done(sim, c);
 }
 
-/* Add a constant velocity: after a time t all is where it was, shifted by U t. The stress of the transport velocity, as P3
- * prints it, is not invariant, so it is off. */
+/* Add a constant velocity: after a time t all is where it was, shifted by U t. The stress of the transport velocity,
+ * as P3 prints it, is not invariant, so it is off. */
 static void moving_observers_see_the_same_flow(void **state)
 {
     (void)state;
@@ -552,9 +552,9 @@ static void steered_options_take_effect(void **state)
     mns_case_free(c);
 }
 
-/* Water fills a closed tank to the lid, with the pressure of its own weight. The lattice feels a slope of p that is off by a
- * factor 1 + delta (kernel sum below), so that delta g is left over until sound has crossed the depth H and built up what is
- * missing: v < delta g H / c. Twice that allows for its reflection. */
+/* Water fills a closed tank to the lid, with the pressure of its own weight. The lattice feels a slope of p that is
+ * off by a factor 1 + delta (kernel sum below), so that delta g is left over until sound has crossed the depth H and
+ * built up what is missing: v < delta g H / c. Twice that allows for its reflection. */
 static void water_at_rest_stays_at_rest(void **state)
 {
     (void)state;
@@ -726,7 +726,7 @@ static void guard_takes_only_the_velocity_into_the_wall(void **state)
     MnsCase *c = shaken(3, 1);
     MnsSim *sim = sim_of(c);
     sim->model.wall[0] = (WallState){.x = {0.01, 0.02, -0.01}, .v = {0.1, -0.5, 0.2}, .no_slip = true};
-    size_t floor[2], n = 0;
+    size_t floor[2] = {0}, n = 0;
     for (size_t i = 0; i < particles_fluid(&sim->s) && n < 2; i++)
         if (sim->s.x[1][i] < sim->model.dx && sim->s.x[0][i] > 1 && sim->s.x[2][i] > 0.3 && sim->s.x[2][i] < 0.7)
             floor[n++] = i;

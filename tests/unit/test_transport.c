@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The transport velocity spreads light fluid evenly, and its stress is that of numerics-wcsph 4.3, conserving momentum. */
+/* The transport velocity spreads light fluid evenly, and its stress is that of numerics-wcsph 4.3, conserving
+ * momentum. */
 #include "sim/terms/terms.h"
 #include "tests/support/check.h"
 #include "tests/support/cloud.h"

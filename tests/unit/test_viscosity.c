@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Viscous forces are the sums of P1 eq. 10, give the Laplacian of plane flows, conserve momentum between fluids, and act on
- * walls only where these do not let the fluid slip. */
+/* Viscous forces are the sums of P1 eq. 10, give the Laplacian of plane flows, conserve momentum between fluids, and
+ * act on walls only where these do not let the fluid slip. */
 #include "sim/terms/terms.h"
 #include "tests/support/check.h"
 #include "tests/support/cloud.h"
@@ -106,7 +106,8 @@ static void total_force_between_fluids_is_zero(void **state)
     }
 }
 
-/* Acceleration along x of the middle of a lattice where u(y) = slope y + bend y^2, in water, without its neighbourhood's rim. */
+/* Acceleration along x of the middle of a lattice where u(y) = slope y + bend y^2, in water, without its
+ * neighbourhood's rim. */
 static double middle(int dim, double smoothing, double slope, double bend)
 {
     Cloud *cloud = cloud_new(&(CloudSetup){

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What walls show to fluids: a pressure that is exact for each fluid's own hydrostatic field, also in an accelerated tank, and
- * the mean velocity of the fluid around. */
+/* What walls show to fluids: a pressure that is exact for each fluid's own hydrostatic field, also in an accelerated
+ * tank, and the mean velocity of the fluid around. */
 #include "sim/terms/terms.h"
 #include "tests/support/check.h"
 #include "tests/support/cloud.h"
@@ -27,7 +27,8 @@ static double weight_at(const Cloud *cloud, size_t i, int phase)
     return sum;
 }
 
-/* p = p0 + rho0 (g - a_w) . x in each fluid, each with its own p0: what the wall shows must be the same formula, at its place. */
+/* p = p0 + rho0 (g - a_w) . x in each fluid, each with its own p0: what the wall shows must be the same formula, at
+ * its place. */
 static void pressure_of_each_fluid_is_exact_for_its_own_hydrostatic_field(void **state)
 {
     (void)state;
