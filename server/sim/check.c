@@ -23,6 +23,29 @@ size_t case_fit(const MnsCase *c, int d, double *ret_spacing)
     return (size_t)count;
 }
 
+/* What case.proto bounds already; a case made by a C program has not been through that. */
+static MnsStatus check_options(const MnsCase *c, MnsError *error)
+{
+    const MnsSchemeOptions *o = &c->scheme;
+    if (!(o->smoothing >= 0.8 && o->smoothing <= 4 && o->skin >= 0 && o->skin <= 2 && o->cfl > 0 && o->cfl <= 1))
+        return mns_fail_at(error, MNS_E_INVALID, "scheme",
+                           "smoothing %g, skin %g, cfl %g: allowed are [0.8, 4], [0, 2] and (0, 1]", o->smoothing,
+                           o->skin, o->cfl);
+    const MnsRiemann *r = &o->riemann;
+    if (!(r->limiter >= 0 && r->limiter <= 100 && r->background_pressure >= 0 && r->background_pressure <= 20 &&
+          r->guard >= 0 && r->guard <= 0.5))
+        return mns_fail_at(error, MNS_E_INVALID, "scheme.riemann",
+                           "limiter %g, background pressure %g, guard %g: allowed are [0, 100], [0, 20] and [0, 0.5]",
+                           r->limiter, r->background_pressure, r->guard);
+    const MnsLimits *l = &c->limits;
+    if (!(l->time_step_floor > 0 && l->time_step_floor < 1 && l->density_min >= 0 && l->density_min < 1 &&
+          l->density_max > 1))
+        return mns_fail_at(error, MNS_E_INVALID, "limits",
+                           "time step floor %g, density bounds %g and %g: allowed are (0, 1), [0, 1) and (1, inf)",
+                           l->time_step_floor, l->density_min, l->density_max);
+    return MNS_OK;
+}
+
 static MnsStatus check_domain(const MnsCase *c, MnsError *error)
 {
     const double dx = c->reference_length / c->resolution;
@@ -33,8 +56,12 @@ static MnsStatus check_domain(const MnsCase *c, MnsError *error)
         if (!(length > 0))
             return mns_fail_at(error, MNS_E_INVALID, "domain", "the domain is empty: %c runs from %g to %g m", "xyz"[d],
                                c -> min[d], c -> max[d]);
+        particles *= length / dx;
+        if (!(particles < PARTICLES_MAX))
+            return mns_fail_at(error, MNS_E_LIMIT, "resolution", "that is %.3g particles or more; %.0e at most",
+                               particles, PARTICLES_MAX);
         double spacing = 0;
-        const size_t count = case_fit(c, d, &spacing);
+        case_fit(c, d, &spacing);
         if (fabs(spacing / dx - 1) > STRETCH_MAX)
             return mns_fail_at(error, MNS_E_INVALID, "resolution",
                                "the spacing does not fit: the domain's %c side, %g m, is %.3f spacings of %g m; change "
@@ -45,11 +72,7 @@ static MnsStatus check_domain(const MnsCase *c, MnsError *error)
                                "the periodic side %c is %g m long; it must be at least twice the reach of a particle, "
                                "%g m, so that none meets its own image",
                                "xyz"[d], length, reach);
-        particles *= (double)count;
     }
-    if (particles > PARTICLES_MAX)
-        return mns_fail_at(error, MNS_E_LIMIT, "resolution", "that is %.3g particles; %.0e at most", particles,
-                           PARTICLES_MAX);
     return MNS_OK;
 }
 
@@ -262,6 +285,7 @@ static MnsStatus check_entries(const MnsCase *c, const Constants *constants, Mns
 MnsStatus mns_case_check(const MnsCase *c, MnsError *error)
 {
     MnsStatus status = check_scalars(c, error);
+    if (!status) status = check_options(c, error);
     if (!status) status = check_domain(c, error);
     if (status) return status;
     Constants constants;

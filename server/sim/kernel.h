@@ -14,7 +14,7 @@ typedef struct Kernel {
 
 Kernel kernel_make(MnsKernel type, int dim, double h);
 
-/* W[k], F[k] for r[k] >= 0, k < n; both 0 for r[k] >= support. W in m^-dim, F in m^-(dim+2). */
+/* W[k], F[k] for r[k] >= 0, k < n; both 0 beyond the support, up to a rounding error of r. W in m^-dim, F in m^-(dim+2). */
 void kernel_eval(const Kernel *kernel, size_t n, const double *r, double *W, double *F);
 
 double kernel_at_zero(const Kernel *kernel);

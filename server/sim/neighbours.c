@@ -138,10 +138,15 @@ static size_t candidates(const Search *q)
     return n;
 }
 
-enum { SEARCH_OK, SEARCH_NO_MEMORY, SEARCH_TOO_MANY };
+/* What went wrong in a search: no memory, or the smallest id of the particles with too many neighbours. */
+typedef struct Trouble {
+    bool no_memory;
+    uint32_t crowded; /* UINT32_MAX: none */
+} Trouble;
 
-/* Lists of all particles of one group in one cell. */
-static int search_cell(Neighbours *nb, Arena *arena, Search q, Group group, size_t cell, size_t cells)
+/* Lists of all particles of one group in one cell. A list that is too long is cut, so that what can be read is safe. */
+static void search_cell(Neighbours *nb, Arena *arena, Search q, Group group, size_t cell, size_t cells,
+                        Trouble *trouble)
 {
     const uint32_t *own = nb->start + (size_t)group * cells;
     const int targets = group == GROUP_WALL ? GROUP_WALL : GROUPS;
@@ -151,27 +156,34 @@ static int search_cell(Neighbours *nb, Arena *arena, Search q, Group group, size
         for (int target = 0; target < GROUPS; target++) {
             if (target < targets) {
                 q.start = nb->start + (size_t)target * cells;
-                if (!arena_reserve(arena, candidates(&q) + n + 1)) return SEARCH_NO_MEMORY;
+                if (!arena_reserve(arena, candidates(&q) + n + 1)) {
+                    trouble->no_memory = true;
+                    return;
+                }
                 n += search_group(&q, i, arena->data + offset + n);
             }
-            if (n > ROW_MAX) return SEARCH_TOO_MANY;
+            if (n > ROW_MAX) {
+                if (q.s->id[i] < trouble->crowded) trouble->crowded = q.s->id[i];
+                n = ROW_MAX;
+            }
             nb->end[i][target] = (uint16_t)n;
         }
         nb->owner[i] = (uint16_t)(arena - nb->arena);
         nb->offset[i] = offset;
         arena->used = offset + n;
     }
-    return SEARCH_OK;
 }
 
-static int search_all(Neighbours *nb, const Particles *s, const Model *model, const Grid *grid, double distance)
+static Trouble search_all(Neighbours *nb, const Particles *s, const Model *model, const Grid *grid, double distance)
 {
-    int worst = SEARCH_OK;
+    bool no_memory = false;
+    uint32_t crowded = UINT32_MAX;
     for (int k = 0; k < nb->threads; k++) nb->arena[k].used = 0;
-#pragma omp parallel num_threads(nb->threads) reduction(max : worst)
+#pragma omp parallel num_threads(nb->threads) reduction(|| : no_memory) reduction(min : crowded)
     {
         Arena *arena = &nb->arena[omp_get_thread_num()];
         Run runs[GRID_RUNS_MAX];
+        Trouble trouble = {false, UINT32_MAX};
 #pragma omp for schedule(dynamic, 16)
         for (size_t cell = 0; cell < grid->cells; cell++) {
             const Search q = {.s = s,
@@ -179,13 +191,24 @@ static int search_all(Neighbours *nb, const Particles *s, const Model *model, co
                               .distance2 = distance * distance,
                               .runs = runs,
                               .n_runs = grid_runs(grid, cell, runs)};
-            for (int g = 0; g < GROUPS; g++) {
-                const int status = search_cell(nb, arena, q, (Group)g, cell, grid->cells);
-                worst = status > worst ? status : worst;
-            }
+            for (int g = 0; g < GROUPS; g++) search_cell(nb, arena, q, (Group)g, cell, grid->cells, &trouble);
         }
+        no_memory = trouble.no_memory;
+        crowded = trouble.crowded;
     }
-    return worst;
+    return (Trouble){no_memory, crowded};
+}
+
+static MnsStatus complain(const Trouble *trouble, const Particles *s, MnsError *error)
+{
+    if (trouble->no_memory) return mns_fail(error, MNS_E_MEMORY, "no memory for the neighbour lists");
+    size_t i = 0;
+    while (s->id[i] != trouble->crowded) i++;
+    return mns_fail(
+        error, MNS_E_LIMIT,
+        "particle %u at (%g, %g, %g) m has more than %d neighbours: particles have piled up there, or the kernel is "
+        "too wide for this spacing",
+        s->id[i], s->x[0][i], s->x[1][i], s->dim == 3 ? s->x[2][i] : 0, ROW_MAX);
 }
 
 MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, MnsError *error)
@@ -198,15 +221,8 @@ MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, Mns
     counting_sort(nb, s, &grid, keys);
     particles_permute(s, nb->order, nb->threads);
     memset(nb->end, 0, nb->n * sizeof *nb->end);
-    switch (search_all(nb, s, model, &grid, distance)) {
-    case SEARCH_NO_MEMORY: return mns_fail(error, MNS_E_MEMORY, "no memory for the neighbour lists");
-    case SEARCH_TOO_MANY:
-        return mns_fail(error, MNS_E_LIMIT,
-                        "some particle has more than %d neighbours: particles have piled up, or the kernel is too wide "
-                        "for this spacing",
-                        ROW_MAX);
-    default: return MNS_OK;
-    }
+    const Trouble trouble = search_all(nb, s, model, &grid, distance);
+    return trouble.no_memory || trouble.crowded != UINT32_MAX ? complain(&trouble, s, error) : MNS_OK;
 }
 
 size_t neighbours_pairs(const Neighbours *nb)
