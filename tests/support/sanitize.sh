@@ -32,9 +32,8 @@ output=$BUILD/sanitize.log
 for program in "$BUILD"/tests/unit/* "$BUILD"/tests/protocol/*; do
     if [ ! -f "$program" ] || [ ! -x "$program" ]; then continue; fi
     name=${program#"$BUILD"/tests/}
-    if [ "$1 $name" = "thread unit/test_formula" ]; then
-        # Lua leaves a failing formula by longjmp, of which this sanitizer loses count after some thousand; it has one thread.
-        echo "ok - $name under the $1 sanitizer # SKIP"
+    # Programs of one thread have no races to find; the team of the solver and the daemon's threads have.
+    if [ "$1" = thread ] && ! [[ $name =~ ^(protocol/|unit/test_(build|mailbox|neighbours|probe|sim|wall|writer)$) ]]; then
         continue
     fi
     status=0
