@@ -109,7 +109,7 @@ typedef struct MnsProbe {
     int wall;      /* index of the wall it moves with, or -1 */
     int axis;      /* 0, 1, 2; for a height, the vertical one */
     bool least;    /* extremum: smallest; front: backwards */
-    double at[3];  /* [m] */
+    double at[3];  /* [m]; for a height, its coordinate along the axis does not count */
     double radius; /* [m]; 0: the support of the kernel */
     bool within;   /* whether the box below counts */
     double min[3], max[3];

@@ -49,6 +49,7 @@ typedef struct MnsProgress {
 
 MnsProgress mns_sim_progress(const MnsSim *sim);
 
+int mns_sim_threads(const MnsSim *sim);            /* of OpenMP's team */
 size_t mns_sim_particles(const MnsSim *sim);       /* fluid and wall */
 size_t mns_sim_fluid_particles(const MnsSim *sim); /* these come first in every field */
 double mns_sim_spacing(const MnsSim *sim);         /* dx [m] */
@@ -131,7 +132,7 @@ void mns_sim_sample(const MnsSim *sim, int field, int d, size_t n, const double 
 typedef struct MnsTimer {
     const char *name; /* of the pass */
     double seconds;   /* wall-clock time since the simulation was made */
-    uint64_t calls, pairs;
+    uint64_t calls;
 } MnsTimer;
 
 /** Wall-clock time by pass, borrowed; *ret_n timers. */

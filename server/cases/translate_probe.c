@@ -93,7 +93,15 @@ static MnsStatus take_extremum(Translation *t, const Meniscus__ExtremumProbe *m,
 static MnsStatus take_coverage(Translation *t, const Meniscus__CoverageProbe *m, MnsProbe *probe)
 {
     probe->kind = MNS_PROBE_COVERAGE;
-    return take_within(t, m->within, probe);
+    const MnsStatus status = take_wall(t, m->wall, probe);
+    return status ? status : take_within(t, m->within, probe);
+}
+
+static MnsStatus take_escaped(Translation *t, const Meniscus__EscapedProbe *m, MnsProbe *probe)
+{
+    probe->kind = MNS_PROBE_ESCAPED;
+    const MnsStatus status = take_fluid(t, m->fluid, probe);
+    return status ? status : take_wall(t, m->wall, probe);
 }
 
 static MnsStatus take_deviation(Translation *t, const Meniscus__DeviationProbe *m, MnsProbe *probe)
@@ -125,7 +133,7 @@ static MnsStatus take_kind(Translation *t, const Meniscus__Probe *m, MnsProbe *p
     case MENISCUS__PROBE__KIND_MASS: return take_whole(t, MNS_PROBE_MASS, m->mass, probe);
     case MENISCUS__PROBE__KIND_EXTREMUM: return take_extremum(t, m->extremum, probe);
     case MENISCUS__PROBE__KIND_COVERAGE: return take_coverage(t, m->coverage, probe);
-    case MENISCUS__PROBE__KIND_ESCAPED: return take_whole(t, MNS_PROBE_ESCAPED, m->escaped, probe);
+    case MENISCUS__PROBE__KIND_ESCAPED: return take_escaped(t, m->escaped, probe);
     case MENISCUS__PROBE__KIND_PRESSURE_DEVIATION: return take_deviation(t, m->pressure_deviation, probe);
     default: return translation_fail(t, MNS_E_INVALID, NULL, "what it measures is missing");
     }

@@ -28,13 +28,19 @@ static size_t worst_particle(const MnsSim *sim)
     return worst;
 }
 
-/* Acceleration of particle i by one term alone [m/s^2]; what the particle had is put back. */
-static double alone(MnsSim *sim, Row *row, const Term *term)
+/* What one term alone does to a particle. */
+typedef struct Effect {
+    double acceleration, rate; /* magnitudes: [m/s^2]; of the density's rate or sum */
+} Effect;
+
+/* The effect of a term on particle i; what the particle had is put back. */
+static Effect alone(MnsSim *sim, Row *row, const Term *term)
 {
     Particles *s = &sim->s;
     const size_t i = row->i;
     double kept[3] = {0}, kept_b[3] = {0}, a2 = 0;
     const double rate = s->rate[i];
+    s->rate[i] = 0;
     for (int d = 0; d < s->dim; d++) {
         kept[d] = s->a[d][i];
         kept_b[d] = s->b[d][i];
@@ -46,15 +52,16 @@ static double alone(MnsSim *sim, Row *row, const Term *term)
         s->a[d][i] = kept[d];
         s->b[d][i] = kept_b[d];
     }
+    const Effect effect = {sqrt(a2), fabs(s->rate[i])};
     s->rate[i] = rate;
-    return sqrt(a2);
+    return effect;
 }
 
-/* The term that accelerates i most, or gives what is no number. */
-static const char *blame(MnsSim *sim, size_t i)
+/* The term that has most to do with the density of i, or with its acceleration; one that gives no number counts as most. */
+static const char *blame(MnsSim *sim, size_t i, bool density)
 {
-    const char *name = "gravity";
-    double most = -1;
+    const char *name = density ? "density" : "gravity";
+    double most = 0;
     Row *row = malloc(sizeof *row);
     if (!row) return "unknown";
     row_build(row, &sim->nb, &sim->s, &sim->model, i);
@@ -64,11 +71,11 @@ static const char *blame(MnsSim *sim, size_t i)
         for (int k = 0; k < PASS_TERMS_MAX && passes[p].terms[k]; k++) {
             const Term *term = passes[p].terms[k];
             if (!(term->on & group) || (term->needed && !term->needed(&sim->model))) continue;
-            const double a = alone(sim, row, term);
-            if (!(a <= most) || isnan(a)) {
-                most = isnan(a) ? INFINITY : a;
-                name = term->name;
-            }
+            const Effect effect = alone(sim, row, term);
+            const double size = density ? effect.rate : effect.acceleration;
+            if (size <= most) continue;
+            most = isnan(size) ? INFINITY : size;
+            name = term->name;
         }
     free(row);
     return name;
@@ -89,7 +96,7 @@ MnsStatus fault_particle(MnsSim *sim, MnsError *error)
         "higher sound speed, a smaller cfl or a finer resolution",
         (unsigned long long)sim->progress.step + 1, sim->model.t, s->id[i], sim->c->fluids[s->phase[i]].name,
         s->x[0][i], s->x[1][i], z, dense ? "left the bounds of density" : "a velocity that is no number", ratio,
-        sim->model.density_min, sim->model.density_max, speed(s, i), blame(sim, i));
+        sim->model.density_min, sim->model.density_max, speed(s, i), blame(sim, i, dense));
 }
 
 MnsStatus fault_time_step(MnsSim *sim, double dt, const char *limit, MnsError *error)
@@ -104,5 +111,5 @@ MnsStatus fault_time_step(MnsSim *sim, double dt, const char *limit, MnsError *e
         "fastest is particle %u of %s at (%g, %g, %g) m with %g m/s, most due to \"%s\"",
         (unsigned long long)sim->progress.step, sim->progress.t, dt, sim->model.dt_floor * sim->progress.dt_first,
         limit, s->id[fast], sim->c->fluids[s->phase[fast]].name, s->x[0][fast], s->x[1][fast],
-        s->dim == 3 ? s->x[2][fast] : 0, speed(s, fast), blame(sim, fast));
+        s->dim == 3 ? s->x[2][fast] : 0, speed(s, fast), blame(sim, fast, false));
 }

@@ -22,8 +22,6 @@ static const MnsFieldInfo FIELDS[] = {
     {"advection_velocity_excess", "m/s", "advection velocity less velocity", 3, MNS_F64, false, SLOT(w)},
     {"list_position", "m", "position when the neighbour lists were built", 3, MNS_F64, true, SLOT(ref)},
     {"impedance", "kg/(m^2 s)", "density times speed of sound", 1, MNS_F64, false, SLOT(z)},
-    {"density_rate", "kg/(m^3 s)", "rate of the continuity equation; number density where density is summed", 1,
-     MNS_F64, false, SLOT(rate)},
     {0},
 };
 

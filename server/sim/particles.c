@@ -30,7 +30,9 @@ static bool allocate(Particles *s, bool viscous)
         if (!(s->p_wall[k] = array_new(n_wall, sizeof(double)))) return false;
     for (int d = 0; viscous && d < s->dim; d++)
         if (!(s->v_wall[d] = array_new(n_wall, sizeof(double)))) return false;
-    return (s->scratch = array_new(s->n, sizeof(double))) != NULL;
+    s->rate = array_new(s->n, sizeof(double));
+    s->scratch = array_new(s->n, sizeof(double));
+    return s->rate && s->scratch;
 }
 
 MnsStatus particles_init(Particles *s, int dim, size_t n_phases, const size_t sizes[GROUPS], bool viscous,
@@ -52,6 +54,7 @@ void particles_done(Particles *s)
         for (int d = 0; d < fields[f].components; d++) free(particles_field(s, f, d));
     for (size_t k = 0; k < MNS_MAX_FLUIDS; k++) free(s->p_wall[k]);
     for (int d = 0; d < 3; d++) free(s->v_wall[d]);
+    free(s->rate);
     free(s->scratch);
     *s = (Particles){0};
 }
@@ -112,7 +115,7 @@ void particles_permute(Particles *s, const uint32_t *from, int threads)
 
 size_t particles_bytes(const Particles *s)
 {
-    size_t each = sizeof(double); /* scratch */
+    size_t each = 2 * sizeof(double); /* rate, scratch */
     for (int f = 0; mns_fields()[f].name; f++) each += field_size(&mns_fields()[f]) * (size_t)components(s, f);
     return each * s->n + (s->n - particles_fluid(s)) * sizeof(double) * (s->n_phases + (s->v_wall[0] ? 3 : 0));
 }

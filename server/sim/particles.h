@@ -21,9 +21,9 @@ typedef struct Particles {
     double *w[3];                   /* advection velocity less velocity */
     double *ref[3];                 /* position when the neighbour lists were built */
     double *m, *rho, *p, *vol, *z;  /* mass, density, pressure, volume, impedance rho c */
-    double *rate;                   /* continuity: d rho/dt; summation: sum of W */
     double *p_wall[MNS_MAX_FLUIDS]; /* [n_wall] pressure a wall shows to each fluid */
     double *v_wall[3];              /* [n_wall] fluid velocity extrapolated into a wall; NULL without viscosity */
+    double *rate;                   /* [n] within a step only: continuity: d rho/dt; summation: sum of W */
     void *scratch;                  /* [n] doubles, to permute */
 } Particles;
 

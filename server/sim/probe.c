@@ -83,17 +83,16 @@ static double forward(const MnsSim *sim, const MnsProbe *probe, size_t i)
     return (probe->least ? -x : x) + 0.5 * sim->model.dx;
 }
 
-/* How far the domain has been carried: with the first wall, which is its tank if that moves at all. */
-static double carried(const MnsSim *sim, int d)
+/* Wall the probe moves with: its displacement along d. */
+static double shift(const MnsSim *sim, const MnsProbe *probe, int d)
 {
-    return sim->model.n_walls > 0 ? sim->model.wall[0].x[d] : 0;
+    return probe->wall >= 0 ? sim->model.wall[probe->wall].x[d] : 0;
 }
 
 static double outside(const MnsSim *sim, const MnsProbe *probe, size_t i)
 {
-    (void)probe;
     for (int d = 0; d < sim->s.dim; d++) {
-        const double x = sim->s.x[d][i] - carried(sim, d);
+        const double x = sim->s.x[d][i] - shift(sim, probe, d);
         if (sim->model.period[d] == 0 && !(x >= sim->model.min[d] && x <= sim->model.max[d])) return 1;
     }
     return 0;
@@ -113,12 +112,6 @@ static double field_value(const MnsSim *sim, const MnsProbe *probe, size_t i)
     }
     if (info->components > 1) value = sqrt(sum);
     return probe->least ? -value : value;
-}
-
-/* Wall the probe moves with: its displacement along d. */
-static double shift(const MnsSim *sim, const MnsProbe *probe, int d)
-{
-    return probe->wall >= 0 ? sim->model.wall[probe->wall].x[d] : 0;
 }
 
 static double pressure(const MnsSim *sim, const MnsProbe *probe)
@@ -148,8 +141,7 @@ static double height(const MnsSim *sim, const MnsProbe *probe)
     const int n = (int)ceil(4 * length / model->dx);
     const double step = length / n;
     double x[3] = {0, 0, 0}, depth = 0;
-    for (int d = 0, k = 0; d < model->dim; d++)
-        if (d != up) x[d] = probe->at[k++] + shift(sim, probe, d);
+    for (int d = 0; d < model->dim; d++) x[d] = probe->at[d] + shift(sim, probe, d);
     for (int k = 0; k < n; k++) {
         x[up] = low + (k + 0.5) * step;
         depth += step * share(sim, probe, x);
@@ -175,7 +167,7 @@ static double coverage(const MnsSim *sim, const MnsProbe *probe)
             const double rim = model->period[d] > 0 ? 0 : model->kernel.support;
             wanted = wanted && x[d] >= model->min[d] + rim && x[d] <= model->max[d] - rim &&
                      (!probe->within || (x[d] >= probe->min[d] && x[d] <= probe->max[d]));
-            x[d] += carried(sim, d);
+            x[d] += shift(sim, probe, d);
         }
         if (!wanted) continue;
         const double all = sample_point(sim, x, 0, -1, NULL, 0).all;

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int threads_for(const MnsCase *c)
+int sim_threads_for(const MnsCase *c)
 {
     return c->threads > 0 ? (int)c->threads : omp_get_max_threads();
 }
@@ -37,7 +37,7 @@ MnsStatus mns_sim_new(const MnsCase *c, MnsSim **ret_sim, MnsError *error)
     if (!sim) return mns_fail(error, MNS_E_MEMORY, "no memory for a simulation");
     sim->c = c;
     sim->scheme = scheme_find(c->scheme.name);
-    sim->threads = threads_for(c);
+    sim->threads = sim_threads_for(c);
     name_timers(sim);
     status = sim_init(sim, error);
     if (status) {
@@ -102,81 +102,6 @@ MnsStatus mns_sim_step(MnsSim *sim, double t_max, MnsError *error)
     return status ? remember(sim, status, &why, error) : MNS_OK;
 }
 
-/* A formula for each direction in place of those in use; all or none. */
-static MnsStatus replace_gravity(MnsSim *sim, const MnsCase *c, MnsError *error)
-{
-    static const char *const variables[] = {"t", NULL};
-    Formula *fresh[3] = {0};
-    Constants constants;
-    MnsStatus status = constants_init(&constants, c, error);
-    for (int d = 0; d < c->dim && !status; d++)
-        status = formula_new(c->gravity[d], variables, constants.list, constants.n, &fresh[d], error);
-    constants_done(&constants);
-    for (int d = 0; d < 3; d++) {
-        Formula *out = fresh[d];
-        if (!status) {
-            out = sim->gravity[d];
-            sim->gravity[d] = fresh[d];
-        }
-        formula_free(out);
-    }
-    return status;
-}
-
-static MnsStatus replace_threads(MnsSim *sim, int threads, MnsError *error)
-{
-    if (threads == sim->threads) return MNS_OK;
-    Neighbours fresh;
-    MnsStatus status = neighbours_init(&fresh, sim->s.n, threads, error);
-    if (status) return status;
-    neighbours_done(&sim->nb);
-    sim->nb = fresh;
-    sim->threads = threads;
-    return neighbours_build(&sim->nb, &sim->s, &sim->model, error);
-}
-
-static bool same_sizes(const MnsCase *a, const MnsCase *b)
-{
-    return a->dim == b->dim && a->n_fluids == b->n_fluids && a->n_walls == b->n_walls && a->n_probes == b->n_probes;
-}
-
-static bool same_space(const MnsCase *a, const MnsCase *b)
-{
-    for (int d = 0; d < a->dim; d++)
-        if (a->min[d] != b->min[d] || a->max[d] != b->max[d] || a->periodic[d] != b->periodic[d]) return false;
-    return a->reference_length == b->reference_length && a->resolution == b->resolution &&
-           a->scheme.kernel == b->scheme.kernel && a->scheme.smoothing == b->scheme.smoothing &&
-           a->scheme.skin == b->scheme.skin && strcmp(a->scheme.name, b->scheme.name) == 0;
-}
-
-/* Of as many fluids: what particles, groups and arrays were made for. */
-static bool same_fluids(const MnsCase *a, const MnsCase *b)
-{
-    for (size_t k = 0; k < a->n_fluids; k++) {
-        const MnsFluid *f = &a->fluids[k], *g = &b->fluids[k];
-        if (f->density != g->density || f->viscosity != g->viscosity || f->sound_speed != g->sound_speed ||
-            f->density_method != g->density_method)
-            return false;
-    }
-    return true;
-}
-
-MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
-{
-    MnsStatus status = mns_case_check(c, error);
-    if (!status && !(same_sizes(sim->c, c) && same_space(sim->c, c) && same_fluids(sim->c, c)))
-        status = mns_fail(error, MNS_E_INVALID,
-                          "fluids, walls, probes, domain, resolution and kernel cannot change in a run");
-    if (!status) status = replace_gravity(sim, c, error);
-    if (!status) status = replace_threads(sim, threads_for(c), error);
-    if (status) return status;
-    setup_options(sim, c);
-    sim->c = c;
-    for (size_t k = 0; k < c->n_walls; k++) sim->solid[k].shape = &c->walls[k].shape;
-    setup_at(sim, sim->progress.t, sim->progress.dt);
-    return MNS_OK;
-}
-
 const MnsCase *mns_sim_case(const MnsSim *sim)
 {
     return sim->c;
@@ -185,6 +110,11 @@ const MnsCase *mns_sim_case(const MnsSim *sim)
 MnsProgress mns_sim_progress(const MnsSim *sim)
 {
     return sim->progress;
+}
+
+int mns_sim_threads(const MnsSim *sim)
+{
+    return sim->threads;
 }
 
 size_t mns_sim_particles(const MnsSim *sim)

@@ -27,6 +27,9 @@ struct MnsSim {
     MnsError fault; /* said again by every further step */
 };
 
+/* sim.c: how many threads a case asks for */
+int sim_threads_for(const MnsCase *c);
+
 /* constants.c: the constants of a case, with dx before them */
 typedef struct Constants {
     size_t n;

@@ -606,7 +606,7 @@ static void divergence_names_particle_place_and_term_and_stays(void **state)
         for (int k = 0; k < 100 && !status; k++) status = mns_sim_step(sim, INFINITY, &error);
         assert_int_equal(status, MNS_E_DIVERGED);
         assert_int_equal(error.status, MNS_E_DIVERGED);
-        static const char *const words[] = {"particle", "of water", "at (", "bounds of density", "Riemann momentum"};
+        static const char *const words[] = {"particle", "of water", "at (", "bounds of density", "Riemann continuity"};
         for (size_t k = 0; k < sizeof words / sizeof *words; k++)
             if (!strstr(error.text, words[k])) fail_msg("\"%s\" does not say \"%s\"", error.text, words[k]);
         /* The state is that of the step that failed, and stays. */

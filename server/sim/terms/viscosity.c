@@ -28,10 +28,12 @@ static void viscosity_row(Row *row, Particles *s, const Model *model)
 {
     const size_t i = row->i, n = row->end[GROUP_SUMMATION];
     const double mu_i = model->phase[s->phase[i]].mu;
-    for (size_t k = 0; k < n; k++) {
-        const double mu_j = model->phase[s->phase[row->j[k]]].mu;
-        row->u[k] = mu_i + mu_j > 0 ? 4 * mu_i * mu_j / (mu_i + mu_j) : 0;
+    double mu[MNS_MAX_FLUIDS]; /* against each fluid, once for all pairs */
+    for (size_t a = 0; a < model->n_phases; a++) {
+        const double mu_a = model->phase[a].mu;
+        mu[a] = mu_i + mu_a > 0 ? 4 * mu_i * mu_a / (mu_i + mu_a) : 0;
     }
+    for (size_t k = 0; k < n; k++) row->u[k] = mu[s->phase[row->j[k]]];
     coefficients(row, s, model, 0, n);
     const double total = row_sum(row, 0, n), scale = 1 / s->m[i];
     for (int d = 0; d < row->dim; d++) s->a[d][i] += scale * (total * s->v[d][i] - row_sum_field(row, s->v[d], 0, n));

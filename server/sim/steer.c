@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Adopt the steerable entries of a case. All that particles, lists and formulas were made from must be as it was; what is new
+ * is made first and taken into use last, so that a refused change changes nothing. */
+#include "sim/sim.h"
+#include <string.h>
+
+static bool same_vector(const double a[3], const double b[3])
+{
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
+static bool same_texts(char *const *a, char *const *b, size_t n)
+{
+    for (size_t k = 0; k < n; k++)
+        if (strcmp(a[k], b[k]) != 0) return false;
+    return true;
+}
+
+static bool same_part(const MnsPart *p, const MnsPart *q)
+{
+    return p->operation == q->operation && p->outside == q->outside && p->primitive == q->primitive &&
+           same_vector(p->a, q->a) && same_vector(p->b, q->b) && same_vector(p->c, q->c) && p->radius == q->radius &&
+           p->length == q->length && p->width == q->width && p->thickness == q->thickness &&
+           strcmp(p->formula, q->formula) == 0;
+}
+
+static bool same_shape(const MnsShape *a, const MnsShape *b)
+{
+    if (a->n != b->n) return false;
+    for (size_t k = 0; k < a->n; k++)
+        if (!same_part(&a->parts[k], &b->parts[k])) return false;
+    return true;
+}
+
+static bool same_motion(const MnsMotion *a, const MnsMotion *b)
+{
+    if (a->kind != b->kind || a->n != b->n || !same_vector(a->amplitude, b->amplitude) ||
+        a->frequency != b->frequency || a->phase != b->phase)
+        return false;
+    for (size_t k = 0; k < a->n; k++) {
+        const MnsMotionPoint *p = &a->points[k], *q = &b->points[k];
+        if (p->t != q->t || !same_vector(p->x, q->x) || !same_vector(p->v, q->v)) return false;
+    }
+    return true;
+}
+
+static const char *domain_changed(const MnsCase *a, const MnsCase *b)
+{
+    const MnsSchemeOptions *o = &a->scheme, *p = &b->scheme;
+    if (a->dim != b->dim) return "dimensions";
+    if (a->reference_length != b->reference_length || a->resolution != b->resolution) return "resolution";
+    for (int d = 0; d < a->dim; d++)
+        if (a->min[d] != b->min[d] || a->max[d] != b->max[d] || a->periodic[d] != b->periodic[d]) return "domain";
+    if (o->kernel != p->kernel || o->smoothing != p->smoothing || o->skin != p->skin || strcmp(o->name, p->name) != 0)
+        return "scheme";
+    if (a->limits.time_step_floor != b->limits.time_step_floor || a->limits.density_min != b->limits.density_min ||
+        a->limits.density_max != b->limits.density_max)
+        return "limits";
+    if (a->n_constants != b->n_constants) return "constants";
+    for (size_t k = 0; k < a->n_constants; k++)
+        if (strcmp(a->constants[k].name, b->constants[k].name) != 0 ||
+            strcmp(a->constants[k].value, b->constants[k].value) != 0)
+            return "constants";
+    return NULL;
+}
+
+static bool same_fluids(const MnsCase *a, const MnsCase *b)
+{
+    for (size_t k = 0; k < a->n_fluids; k++) {
+        const MnsFluid *f = &a->fluids[k], *g = &b->fluids[k];
+        if (f->density != g->density || f->viscosity != g->viscosity || f->sound_speed != g->sound_speed ||
+            f->density_method != g->density_method || !same_shape(&f->shape, &g->shape) ||
+            !same_texts(f->velocity, g->velocity, 3) || strcmp(f->pressure, g->pressure) != 0)
+            return false;
+    }
+    return true;
+}
+
+static bool same_walls(const MnsCase *a, const MnsCase *b)
+{
+    for (size_t k = 0; k < a->n_walls; k++) {
+        const MnsWall *w = &a->walls[k], *x = &b->walls[k];
+        if (w->no_slip != x->no_slip || !same_shape(&w->shape, &x->shape) || !same_motion(&w->motion, &x->motion) ||
+            !same_texts(w->surface_velocity, x->surface_velocity, 3))
+            return false;
+    }
+    return true;
+}
+
+static bool same_probes(const MnsCase *a, const MnsCase *b)
+{
+    for (size_t k = 0; k < a->n_probes; k++) {
+        const MnsProbe *p = &a->probes[k], *q = &b->probes[k];
+        if (p->kind != q->kind || p->fluid != q->fluid || p->wall != q->wall || p->axis != q->axis ||
+            p->least != q->least || p->radius != q->radius || p->within != q->within || !same_vector(p->at, q->at) ||
+            !same_vector(p->min, q->min) || !same_vector(p->max, q->max) || strcmp(p->name, q->name) != 0 ||
+            strcmp(p->field, q->field) != 0 || strcmp(p->formula, q->formula) != 0)
+            return false;
+    }
+    return true;
+}
+
+/* The entry that has changed and must not; NULL if there is none. */
+static const char *changed(const MnsCase *a, const MnsCase *b)
+{
+    const char *entry = domain_changed(a, b);
+    if (entry) return entry;
+    if (a->n_fluids != b->n_fluids || !same_fluids(a, b)) return "fluids";
+    if (a->n_walls != b->n_walls || !same_walls(a, b)) return "walls";
+    if (a->n_probes != b->n_probes || !same_probes(a, b)) return "probes";
+    return NULL;
+}
+
+static MnsStatus compile_gravity(const MnsCase *c, Formula *fresh[3], MnsError *error)
+{
+    static const char *const variables[] = {"t", NULL};
+    Constants constants;
+    MnsStatus status = constants_init(&constants, c, error);
+    for (int d = 0; d < c->dim && !status; d++)
+        status = formula_new(c->gravity[d], variables, constants.list, constants.n, &fresh[d], error);
+    constants_done(&constants);
+    return status;
+}
+
+/* Lists for another number of threads, built from the same positions: no particle moves. */
+static MnsStatus build_lists(MnsSim *sim, int threads, Neighbours *fresh, MnsError *error)
+{
+    const MnsStatus status = neighbours_init(fresh, sim->s.n, threads, error);
+    return status ? status : neighbours_build(fresh, &sim->s, &sim->model, error);
+}
+
+MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
+{
+    MnsStatus status = mns_case_check(c, error);
+    if (status) return status;
+    const char *entry = changed(sim->c, c);
+    if (entry) return mns_fail_at(error, MNS_E_INVALID, entry, "cannot change in a run: load the case anew");
+
+    const int threads = sim_threads_for(c);
+    Neighbours lists = {0};
+    Formula *gravity[3] = {0};
+    status = compile_gravity(c, gravity, error);
+    if (!status && threads != sim->threads) status = build_lists(sim, threads, &lists, error);
+    if (status) {
+        for (int d = 0; d < 3; d++) formula_free(gravity[d]);
+        neighbours_done(&lists);
+        return status;
+    }
+    for (int d = 0; d < 3; d++) {
+        formula_free(sim->gravity[d]);
+        sim->gravity[d] = gravity[d];
+    }
+    if (threads != sim->threads) {
+        neighbours_done(&sim->nb);
+        sim->nb = lists;
+        sim->threads = threads;
+    }
+    sim->c = c;
+    setup_options(sim, c);
+    for (size_t k = 0; k < c->n_walls; k++) sim->solid[k].shape = &c->walls[k].shape;
+    setup_at(sim, sim->progress.t, sim->progress.dt);
+    return MNS_OK;
+}
