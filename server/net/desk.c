@@ -7,7 +7,9 @@
 #include "base/log.h"
 #include "net/handlers.h"
 #include "net/ledger.h"
+#include "net/visitors.h"
 #include "proto/frame.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -21,11 +23,17 @@ enum { AT_ONCE = 256 }; /* requests taken before looking at anything else */
 enum { REPLIES_UNREAD = 10000 };
 static const size_t BYTES_UNREAD = 128 << 20;
 
+/* A client loses a reply it has received but not yet looked at, if the connection closes: ZeroMQ drops it with the
+ * connection. So before the sockets close, clients get this long after the latest reply to hang up by themselves. */
+enum { FAREWELL_MS = 500 };
+
 struct Desk {
     void *context, *control, *telemetry;
     Run *run;
     Ledger *ledger;
     Publisher *publisher;
+    Visitors visitors;
+    double replied; /* clock_now() of the latest reply */
     uint64_t epoch;
     _Atomic size_t unread;
 };
@@ -77,7 +85,7 @@ static MnsStatus open_sockets(Desk *desk, MnsError *error)
     set_common(desk->telemetry);
     set(desk->telemetry, ZMQ_XPUB_VERBOSE, 1);
     zmq_setsockopt(desk->telemetry, ZMQ_MAXMSGSIZE, &largest_subscription, sizeof largest_subscription);
-    return MNS_OK;
+    return visitors_init(&desk->visitors, desk->context, desk->control, error);
 }
 
 MnsStatus desk_new(const Endpoint *endpoint, Run *run, Desk **ret, MnsError *error)
@@ -87,6 +95,7 @@ MnsStatus desk_new(const Endpoint *endpoint, Run *run, Desk **ret, MnsError *err
     Desk *desk = calloc(1, sizeof *desk);
     if (!desk) return mns_fail(error, MNS_E_MEMORY, "no memory for the desk");
     desk->run = run;
+    desk->replied = -INFINITY;
     desk->epoch = (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
     MnsStatus status = open_sockets(desk, error);
     if (!status) status = bind_all(desk, endpoint, error);
@@ -103,8 +112,11 @@ MnsStatus desk_new(const Endpoint *endpoint, Run *run, Desk **ret, MnsError *err
 void desk_free(Desk *desk)
 {
     if (!desk) return;
-    if (desk->control) set(desk->control, ZMQ_LINGER, 500);
-    if (desk->telemetry) set(desk->telemetry, ZMQ_LINGER, 500);
+    const double patience = FAREWELL_MS - 1e3 * (clock_now() - desk->replied);
+    if (patience > 0) visitors_see_off(&desk->visitors, (long)patience);
+    visitors_done(&desk->visitors);
+    if (desk->control) set(desk->control, ZMQ_LINGER, FAREWELL_MS);
+    if (desk->telemetry) set(desk->telemetry, ZMQ_LINGER, FAREWELL_MS);
     if (desk->control) zmq_close(desk->control);
     if (desk->telemetry) zmq_close(desk->telemetry);
     if (desk->context) zmq_ctx_term(desk->context);
@@ -123,8 +135,9 @@ unsigned desk_poll(Desk *desk, const int fds[2], long timeout)
     zmq_pollitem_t items[] = {{.fd = fds[0], .events = ZMQ_POLLIN},
                               {.fd = fds[1], .events = ZMQ_POLLIN},
                               {.socket = desk->control, .events = ZMQ_POLLIN},
-                              {.socket = desk->telemetry, .events = ZMQ_POLLIN}};
-    if (zmq_poll(items, 4, timeout) <= 0) return 0;
+                              {.socket = desk->telemetry, .events = ZMQ_POLLIN},
+                              {.socket = desk->visitors.monitor, .events = ZMQ_POLLIN}};
+    if (zmq_poll(items, 5, timeout) <= 0) return 0;
     return (items[0].revents ? 1u : 0) | (items[1].revents ? 2u : 0);
 }
 
@@ -167,6 +180,7 @@ static bool send_first(Desk *desk, const uint8_t *identity, size_t identity_size
                        bool more)
 {
     const bool room = desk->unread < 2 * BYTES_UNREAD;
+    desk->replied = clock_now();
     if (room && zmq_send(desk->control, identity, identity_size, ZMQ_SNDMORE | ZMQ_DONTWAIT) >= 0)
         return send_parcel(desk, packed, size, more ? ZMQ_SNDMORE : 0);
     log_line(LOG_DETAIL, "a reply is not sent: %s", room ? zmq_strerror(zmq_errno()) : "clients leave too many unread");
@@ -340,6 +354,7 @@ static bool receive_subscription(Desk *desk)
 
 void desk_receive(Desk *desk)
 {
+    visitors_note(&desk->visitors);
     for (int k = 0; k < AT_ONCE && receive_one(desk); k++) continue;
     for (int k = 0; k < AT_ONCE && receive_subscription(desk); k++) continue;
 }

@@ -12,7 +12,7 @@ typedef struct Desk Desk;
 /* Bind the sockets. run is borrowed. MNS_OK; MNS_E_IO if an address cannot be bound; MNS_E_MEMORY. */
 MnsStatus desk_new(const Endpoint *endpoint, Run *run, Desk **ret, MnsError *error);
 
-/* Send what is left, for half a second at most; close. NULL is fine. */
+/* Give clients half a second at most to read the latest replies; close. NULL is fine. */
 void desk_free(Desk *desk);
 
 /* Wait until a socket or one of two file descriptors is readable, or a time has passed [ms]. Bit k of the result: fds[k]. */

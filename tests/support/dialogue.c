@@ -75,9 +75,10 @@ int dialogue_join(Dialogue *dialogue)
 int dialogue_end(Dialogue *dialogue)
 {
     char command[128];
+    if (dialogue->control)
+        zmq_close(dialogue->control); /* first, or the daemon would wait for us to read its latest reply */
     if (dialogue->daemon > 0) kill(dialogue->daemon, SIGTERM);
     const int code = dialogue_join(dialogue);
-    zmq_close(dialogue->control);
     zmq_ctx_term(dialogue->context);
     snprintf(command, sizeof command, "rm -rf %s", dialogue->home);
     assert_int_equal(system(command), 0);

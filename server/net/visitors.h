@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* How many connections a socket has, as its monitor tells. A client that hangs up has read what it wanted to read. */
+#ifndef NET_VISITORS_H
+#define NET_VISITORS_H
+
+#include <meniscus/status.h>
+
+typedef struct Visitors {
+    void *socket, *monitor; /* both NULL before visitors_init() */
+    long n;                 /* connections that are open        */
+} Visitors;
+
+/* Begin to count, before the socket is bound. MNS_E_MEMORY. */
+MnsStatus visitors_init(Visitors *visitors, void *context, void *socket, MnsError *error);
+
+/* Before the socket is closed. */
+void visitors_done(Visitors *visitors);
+
+/* Take note of all who came and went; must be called whenever the monitor is readable, or it would stop the sockets. */
+void visitors_note(Visitors *visitors);
+
+/* Wait until all have hung up, but no longer than so many milliseconds. */
+void visitors_see_off(Visitors *visitors, long milliseconds);
+
+#endif

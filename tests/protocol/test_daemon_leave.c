@@ -1,0 +1,154 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* How a daemon leaves: its last reply reaches whoever asked, and nobody who does not hang up can keep it. */
+#include "tests/support/check.h"
+#include "tests/support/dialogue.h"
+#include <stdlib.h>
+#include <time.h>
+#include <unistd.h>
+#include <zmq.h>
+
+static int begin(void **state)
+{
+    Dialogue *dialogue = calloc(1, sizeof *dialogue);
+    dialogue_begin(dialogue, NULL);
+    *state = dialogue;
+    return 0;
+}
+
+static int end(void **state)
+{
+    dialogue_end(*state);
+    free(*state);
+    return 0;
+}
+
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* A connection such as clients make to notice a lost daemon: with it ZeroMQ drops what was received and not yet read. */
+static void *connect_impatiently(const Dialogue *dialogue)
+{
+    const int yes = 1, none = 0, patience = 5000;
+    void *socket = zmq_socket(dialogue->context, ZMQ_DEALER);
+    zmq_setsockopt(socket, ZMQ_IMMEDIATE, &yes, sizeof yes);
+    zmq_setsockopt(socket, ZMQ_LINGER, &none, sizeof none);
+    zmq_setsockopt(socket, ZMQ_RCVTIMEO, &patience, sizeof patience);
+    assert_int_equal(zmq_connect(socket, dialogue->endpoint), 0);
+    return socket;
+}
+
+static Meniscus__Request stop(void)
+{
+    static Meniscus__Stop command = MENISCUS__STOP__INIT;
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    request.command_case = MENISCUS__REQUEST__COMMAND_STOP;
+    request.stop = &command;
+    return request;
+}
+
+static void send_shutdown(void *socket)
+{
+    uint8_t id[16];
+    Meniscus__Shutdown command = MENISCUS__SHUTDOWN__INIT;
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    request.command_case = MENISCUS__REQUEST__COMMAND_SHUTDOWN;
+    request.shutdown = &command;
+    dialogue_seal(&request, id);
+    dialogue_send(socket, &request);
+}
+
+/* Look once, as clients do, then be busy with something else. */
+static void look_away(void *socket, long milliseconds)
+{
+    zmq_pollitem_t item = {.socket = socket, .events = ZMQ_POLLIN};
+    zmq_poll(&item, 1, 0);
+    nanosleep(&(struct timespec){.tv_nsec = 1000000 * milliseconds}, NULL);
+}
+
+static void assert_shutdown_right_after_stop_is_answered(Dialogue *dialogue, long slowness_ms)
+{
+    Meniscus__Request start = dialogue_start(), end_run = stop();
+    dialogue_load(dialogue, NULL);
+    assert_int_equal(dialogue_code(dialogue, &start), MENISCUS__CODE__OK);
+    assert_int_equal(dialogue_code(dialogue, &end_run), MENISCUS__CODE__OK);
+    zmq_close(dialogue->control);
+    dialogue->control = NULL;
+    void *socket = connect_impatiently(dialogue);
+    send_shutdown(socket);
+    look_away(socket, slowness_ms);
+    Meniscus__Reply *reply = dialogue_receive(socket, NULL);
+    assert_non_null(reply);
+    assert_int_equal(reply->code, MENISCUS__CODE__OK);
+    meniscus__reply__free_unpacked(reply, NULL);
+    zmq_close(socket);
+    assert_int_equal(dialogue_join(dialogue), 0);
+}
+
+static void the_reply_to_shutdown_reaches_clients_quick_and_slow(void **state)
+{
+    (void)state;
+    for (long k = 0; k < 20; k++) {
+        Dialogue dialogue;
+        dialogue_begin(&dialogue, NULL);
+        assert_shutdown_right_after_stop_is_answered(&dialogue, k % 5 * 25);
+        dialogue_end(&dialogue);
+    }
+}
+
+/* Somebody else's wait ends with the daemon, and they hear of it. */
+static void who_waits_is_told_before_the_daemon_leaves(void **state)
+{
+    Dialogue *dialogue = *state;
+    uint8_t id[16];
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__Wait wait = MENISCUS__WAIT__INIT;
+    Meniscus__State done = MENISCUS__STATE__DONE;
+    void *waiting = connect_impatiently(dialogue), *other = connect_impatiently(dialogue);
+    dialogue_load(dialogue, NULL);
+    wait.n_states = 1;
+    wait.states = &done;
+    request.command_case = MENISCUS__REQUEST__COMMAND_WAIT;
+    request.wait = &wait;
+    dialogue_seal(&request, id);
+    dialogue_send(waiting, &request);
+    request = dialogue_status();
+    assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__OK);
+    look_away(waiting, 0);
+    send_shutdown(other);
+    look_away(other, 100);
+    Meniscus__Reply *reply = dialogue_receive(waiting, NULL);
+    assert_non_null(reply);
+    assert_memory_equal(reply->id.data, id, sizeof id);
+    assert_int_equal(reply->code, MENISCUS__CODE__UNAVAILABLE);
+    meniscus__reply__free_unpacked(reply, NULL);
+    zmq_close(waiting);
+    zmq_close(other);
+}
+
+static void nobody_keeps_a_daemon_by_not_hanging_up(void **state)
+{
+    Dialogue *dialogue = *state;
+    void *deaf[20];
+    for (size_t k = 0; k < 20; k++) deaf[k] = dialogue_connect(dialogue);
+    Meniscus__Request request = dialogue_status();
+    assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__OK);
+    const double asked = now();
+    send_shutdown(dialogue->control);
+    assert_int_equal(dialogue_join(dialogue), 0);
+    assert_true(now() - asked < 3);
+    for (size_t k = 0; k < 20; k++) zmq_close(deaf[k]);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_reply_to_shutdown_reaches_clients_quick_and_slow),
+        cmocka_unit_test_setup_teardown(who_waits_is_told_before_the_daemon_leaves, begin, end),
+        cmocka_unit_test_setup_teardown(nobody_keeps_a_daemon_by_not_hanging_up, begin, end),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
