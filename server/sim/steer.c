@@ -9,10 +9,16 @@ static bool same_vector(const double a[3], const double b[3])
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
 
+/* NULL is a text too: of what has no formula. */
+static bool same_text(const char *a, const char *b)
+{
+    return a == b || (a && b && strcmp(a, b) == 0);
+}
+
 static bool same_texts(char *const *a, char *const *b, size_t n)
 {
     for (size_t k = 0; k < n; k++)
-        if (strcmp(a[k], b[k]) != 0) return false;
+        if (!same_text(a[k], b[k])) return false;
     return true;
 }
 
@@ -21,7 +27,7 @@ static bool same_part(const MnsPart *p, const MnsPart *q)
     return p->operation == q->operation && p->outside == q->outside && p->primitive == q->primitive &&
            same_vector(p->a, q->a) && same_vector(p->b, q->b) && same_vector(p->c, q->c) && p->radius == q->radius &&
            p->length == q->length && p->width == q->width && p->thickness == q->thickness &&
-           strcmp(p->formula, q->formula) == 0;
+           same_text(p->formula, q->formula);
 }
 
 static bool same_shape(const MnsShape *a, const MnsShape *b)
@@ -70,7 +76,7 @@ static bool same_fluids(const MnsCase *a, const MnsCase *b)
         const MnsFluid *f = &a->fluids[k], *g = &b->fluids[k];
         if (f->density != g->density || f->viscosity != g->viscosity || f->sound_speed != g->sound_speed ||
             f->density_method != g->density_method || !same_shape(&f->shape, &g->shape) ||
-            !same_texts(f->velocity, g->velocity, 3) || strcmp(f->pressure, g->pressure) != 0)
+            !same_texts(f->velocity, g->velocity, 3) || !same_text(f->pressure, g->pressure))
             return false;
     }
     return true;
@@ -94,7 +100,7 @@ static bool same_probes(const MnsCase *a, const MnsCase *b)
         if (p->kind != q->kind || p->fluid != q->fluid || p->wall != q->wall || p->axis != q->axis ||
             p->least != q->least || p->radius != q->radius || p->within != q->within || !same_vector(p->at, q->at) ||
             !same_vector(p->min, q->min) || !same_vector(p->max, q->max) || strcmp(p->name, q->name) != 0 ||
-            strcmp(p->field, q->field) != 0 || strcmp(p->formula, q->formula) != 0)
+            !same_text(p->field, q->field) || !same_text(p->formula, q->formula))
             return false;
     }
     return true;
