@@ -268,8 +268,8 @@ int batch_run(const BatchOptions *options)
     MnsStatus status = read_case(&batch, &outcome.error);
     if (!status) status = run_case(&batch, &outcome, &outcome.error);
     if (!status) outcome.error.status = MNS_OK;
-    if (status) fprintf(stderr, "%s\n", outcome.error.text);
-    else if (outcome.status.fault.status) fprintf(stderr, "%s\n", outcome.status.fault.text);
+    if (status && strcmp(outcome.error.text, outcome.status.fault.text)) /* of a fault the log has told */
+        fprintf(stderr, "%s\n", outcome.error.text);
     int code = exit_code(&batch, &outcome);
     if (outcome_print(&outcome, options->json, &error)) {
         fprintf(stderr, "%s\n", error.text);

@@ -262,7 +262,8 @@ void run_leave(Run *run, Order *order, bool checkpoint)
     run_goal_end(run, MNS_E_INTERRUPTED, &ended);
     snprintf(order->path, sizeof order->path, "%s", run->outputs.directory);
     const MnsStatus status = secure(run, checkpoint, &error);
-    if (status) run_tell(run, LOG_ERROR, "lost", error.text);
+    if (status && strcmp(error.text, run->fault.text) != 0) /* else it has been told */
+        run_tell(run, LOG_ERROR, "lost", error.text);
     MnsError lost;
     close_run(run, &lost);
     run->leaving = true;

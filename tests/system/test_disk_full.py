@@ -1,0 +1,153 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""A disk that is really full: a small tmpfs, which only this test sees, as it is mounted in a namespace of its own."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+from typing import Any
+
+import h5py
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from daemon import BUILD, DaemonTest  # noqa: E402
+
+CASE = ["dambreak2d", "--set", "resolution=20", "--set", "end_time=0.4", "--set", "output.snapshot_interval=0.02",
+        "--set", "output.probe_interval=0.005", "--set", "threads=1"]
+SNAPSHOTS, ROWS = 21, 81
+SMALL_BYTES, LARGE_BYTES = 2 << 20, 64 << 20  # of the disk: room for some of the snapshots, and for all
+INSIDE = "MENISCUS_TEST_NAMESPACE"
+
+
+def enter_namespace() -> bool:
+    """Start this script again where mounts are its own; False where that is refused."""
+    for unshare in (["unshare", "-m"], ["unshare", "-rm"]):
+        if subprocess.run([*unshare, "mount", "-t", "tmpfs", "none", "/mnt"], capture_output=True).returncode == 0:
+            os.environ[INSIDE] = "yes"
+            os.execvp("unshare", [*unshare, sys.executable, *sys.argv])
+    return False
+
+
+def batch(out: Path, *more: str) -> "subprocess.CompletedProcess[str]":
+    words = [BUILD / "meniscusd", "--batch", *CASE, "--out", out, "-o", "json", *more]
+    return subprocess.run(words, env=DiskFull.environment, capture_output=True, text=True, timeout=120)
+
+
+def series(directory: Path) -> dict[str, list[float]]:
+    with h5py.File(directory / "probes.hdf") as file:
+        columns = {"time": file["time"][:].tolist()}
+        return columns | {name: data[:].tolist() for name, data in file["probes"].items()}
+
+
+def names(directory: Path) -> list[str]:
+    return sorted(path.name for path in directory.glob("snapshot-*.hdf"))
+
+
+class DiskFull(DaemonTest):
+    """The state directory of the daemon and of batch runs is on the small disk; `undisturbed` is a run with room."""
+
+    undisturbed: dict[str, Any]
+    room: Path
+    disk: Path
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        if INSIDE not in os.environ:
+            raise unittest.SkipTest("this user may not mount a file system of its own")
+        scratch = tempfile.TemporaryDirectory(prefix="mns-disk-")
+        cls.addClassCleanup(scratch.cleanup)
+        cls.disk = Path(scratch.name)
+        subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={SMALL_BYTES}", "none", cls.disk], check=True)
+        cls.addClassCleanup(lambda: subprocess.run(["umount", cls.disk], check=True))
+        super().setUpClass()
+        cls.room = cls.home / "undisturbed"
+        done = batch(cls.room)
+        assert done.returncode == 0, done.stderr
+        cls.undisturbed = json.loads(done.stdout)
+
+    @classmethod
+    def start_daemon(cls) -> None:
+        os.symlink(cls.disk, cls.home / "state")
+        super().start_daemon()
+
+    def resize(self, size: int) -> None:
+        subprocess.run(["mount", "-o", f"remount,size={size}", self.disk], check=True)
+
+    def fill(self, free: int) -> Path:
+        """A file that leaves so many bytes of the disk."""
+        filler = self.disk / "filler"
+        self.addCleanup(filler.unlink, missing_ok=True)
+        filler.write_bytes(bytes(shutil.disk_usage(self.disk).free - free))
+        return filler
+
+    def clear(self, directory: Path) -> None:
+        self.addCleanup(shutil.rmtree, directory, ignore_errors=True)
+
+    def assert_whole(self, directory: Path) -> None:
+        """Every file with a final name opens; nothing unfinished is left."""
+        self.assertEqual(list(directory.rglob("*.tmp")), [])
+        for path in directory.glob("*.hdf"):
+            with h5py.File(path) as file:
+                self.assertTrue(list(file))
+
+    def assert_complete(self, directory: Path) -> None:
+        self.assert_whole(directory)
+        self.assertEqual(len(names(directory)), SNAPSHOTS)
+        self.assertEqual(names(directory), names(self.room))
+        self.assertEqual(len(series(directory)["time"]), ROWS)
+        self.assertEqual(series(directory), series(self.room))
+
+    def test_a_batch_run_ends_with_one_sentence_and_goes_on_once_there_is_room(self) -> None:
+        out = self.disk / "batch"
+        self.resize(SMALL_BYTES)
+        self.clear(out)
+        done = batch(out, "--set", "output.checkpoint_interval=0.1")
+        self.assertEqual(done.returncode, 74, done.stderr)
+        self.assertEqual(done.stderr.count("cannot write"), 1, done.stderr)
+        self.assertIn("No space left on device", done.stderr)
+        self.assertIn(str(out), done.stderr)
+        self.assertEqual(json.loads(done.stdout)["state"], "FAULT")
+        self.assert_whole(out)
+        self.assertGreater(len(names(out)), 0)
+        self.resize(LARGE_BYTES)
+        done = batch(out, "--set", "output.checkpoint_interval=0.1", "--resume", "auto")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(json.loads(done.stdout)["state_hash"], self.undisturbed["state_hash"])
+
+    def disturbed_run(self, free: int) -> None:
+        """Run into a disk with so many bytes left, make room, go on: nothing may be missing."""
+        self.resize(LARGE_BYTES)
+        filler = self.fill(free)
+        directory = Path(self.ask("load", *CASE)["message"])
+        self.clear(directory)
+        subprocess.run([BUILD / "meniscus", "start"], env=self.environment, capture_output=True, timeout=60)
+        self.meniscus("wait", "--for", "state=FAULT", "--timeout", "60")
+        status = self.ask("status")
+        self.assertEqual((status["state"], status["fault_reason"]), ("FAULT", "no space"))
+        self.assertIn("No space left on device", status["fault"])
+        self.assertEqual(len(self.ask("query", "probes", "front")["values"]), 1)
+        self.assert_whole(directory)
+        self.assertIn("No space left", self.meniscus("resume", code=74).stderr)
+        self.assertEqual(self.ask("status")["state"], "FAULT")
+        filler.unlink()
+        self.meniscus("resume")
+        self.meniscus("wait", "--for", "state=DONE", "--timeout", "60")
+        self.assertEqual(self.ask("status")["state_hash"], self.undisturbed["state_hash"])
+        self.assert_complete(directory)
+        self.meniscus("stop")
+
+    def test_the_daemon_waits_for_room_and_nothing_is_lost(self) -> None:
+        for free in (300_000, 1_000_000, 4_000_000):
+            with self.subTest(free=free):
+                self.disturbed_run(free)
+
+
+if __name__ == "__main__":
+    if INSIDE not in os.environ:
+        enter_namespace()
+    unittest.main()
