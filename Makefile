@@ -23,11 +23,22 @@ WARN      += $(if $(findstring clang,$(CC)),-Wno-pass-failed -Wno-sign-conversio
 FLOAT     := -fno-math-errno -fno-trapping-math -ffp-contract=off
 OPT       := -O2 -ftree-vectorize -march=$(MARCH)
 PKGS      := libzmq libprotobuf-c hdf5-serial yaml-0.1 jansson cairo libsystemd libxxhash lua5.4
-CPPFLAGS  += -Iinclude -Iserver -I. -I$(BUILD)/gen -D_GNU_SOURCE -DMENISCUS_VERSION='"$(VERSION)"' \
-             -DMENISCUS_CASES='"$(PREFIX)/share/meniscus/cases"' $(shell pkg-config --cflags $(PKGS) 2>/dev/null | sed 's/-I/-isystem /g')
-CFLAGS    += -std=c17 -g $(OPT) $(FLOAT) $(WARN) -fopenmp -fPIC -ffile-prefix-map=$(CURDIR)=. $(if $(SANITIZE),-fsanitize=$(SANITIZE) -fno-omit-frame-pointer)
-LDLIBS    += $(shell pkg-config --libs $(PKGS) 2>/dev/null) -lm -lpthread
-LDFLAGS   += -fopenmp -Wl,--as-needed $(if $(SANITIZE),-fsanitize=$(SANITIZE))
+CLIENT_PKGS := libzmq libprotobuf-c yaml-0.1 libxxhash
+# Asked once; a package that is missing is reported by the recipe of the stamps, so that `make packages` can be run.
+pkg_cflags := $(shell pkg-config --cflags $(PKGS) 2>/dev/null | sed 's/-I/-isystem /g')
+pkg_libs   := $(shell pkg-config --libs $(PKGS) 2>/dev/null)
+client_libs := $(shell pkg-config --libs $(CLIENT_PKGS) 2>/dev/null)
+# CPPFLAGS, CFLAGS, LDFLAGS and LDLIBS are the user's: they come last and win.
+cppflags  := -Iinclude -Iserver -I. -I$(BUILD)/gen -D_GNU_SOURCE -DMENISCUS_VERSION='"$(VERSION)"' $(pkg_cflags)
+cases     := -DMENISCUS_CASES='"$(PREFIX)/share/meniscus/cases"'
+sanitize  := $(if $(SANITIZE),-fsanitize=$(SANITIZE) -fno-omit-frame-pointer)
+cflags    := -std=c17 -g $(OPT) $(FLOAT) -fopenmp -fPIC -ffile-prefix-map=$(CURDIR)=. $(sanitize)
+ldflags   := -fopenmp -Wl,--as-needed $(sanitize)
+compile    = $(CC) $(cppflags) $(CPPFLAGS) $(cflags)
+link       = $(CC) $(ldflags) $(LDFLAGS) -o $@
+# One short line for each thing made; all of it with V=1, nothing with -s.
+silent     = $(findstring s,$(filter-out -%,$(firstword $(MAKEFLAGS))))
+say        = $(if $(V),,@$(if $(silent),,echo "$(1) $(2)"; ))
 
 sources    = $(sort $(foreach d,$(1),$(wildcard $(d)/*.c)))
 objects    = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
@@ -46,7 +57,8 @@ all: $(BUILD)/meniscusd $(BUILD)/meniscus $(BUILD)/libmeniscus.a $(BUILD)/libmen
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z][a-z-]*:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' Makefile
-	@echo "variables: BUILD=$(BUILD) CC=$(CC) PREFIX=$(PREFIX) MARCH=$(MARCH) SANITIZE=$(SANITIZE)"
+	@echo "variables: BUILD=$(BUILD) CC=$(CC) PREFIX=$(PREFIX) MARCH=$(MARCH) SANITIZE=$(SANITIZE) V=$(V)"
+	@echo "           MARCH=native builds for this machine alone; CPPFLAGS, CFLAGS, LDFLAGS, LDLIBS are added to ours"
 
 packages: ## install the Debian packages that are missing
 	@tests/support/packages.sh
@@ -60,14 +72,18 @@ check: ## build and run every test; last line: N passed, N failed
 	@$(MAKE) --no-print-directory -s $(PARALLEL) all tests bench-programs
 	@BUILD=$(BUILD) CC=$(CC) tests/support/check.sh
 
-validate: all ## the papers' cases against their references [CASE=name] [SIZE=paper]
+validate: ## the papers' cases against their references [CASE=name] [SIZE=paper]
+	@tests/support/packages.sh validate
+	@$(MAKE) --no-print-directory -s $(PARALLEL) all
 	@BUILD=$(BUILD) $(PYTHON) tests/physics/validate.py $(if $(CASE),--case $(CASE)) $(if $(SIZE),--size $(SIZE))
 
 bench: bench-programs ## benchmarks as JSON lines
-	@for b in $(BENCH); do $$b || exit 1; done; BUILD=$(BUILD) $(PYTHON) tests/bench/bench_watch.py
+	@for b in $(BENCH); do $$b || exit 1; done
+	@for b in $(wildcard tests/bench/*.py); do BUILD=$(BUILD) $(PYTHON) $$b || exit 1; done
 
 .PHONY: tests bench-programs flags
-tests: $(UNIT)
+tests: $(UNIT) # and none whose source is gone, as all programs there are run
+	@rm -f $(filter-out $(UNIT),$(wildcard $(BUILD)/tests/unit/* $(BUILD)/tests/protocol/*))
 bench-programs: all $(BENCH)
 
 reference: $(BUILD)/case-reference.md ## write the manual of the case format from its schema
@@ -87,12 +103,12 @@ lint: all ## clang-format, clang-tidy, cppcheck, shellcheck, layers
 	@BUILD=$(BUILD) tests/support/lint.sh
 
 flags: # the preprocessor's, quoted for a shell: for the scripts of tests/support
-	$(info $(CPPFLAGS))@:
+	$(info $(cppflags) $(cases) $(CPPFLAGS))@:
 
 format: ## lay out the sources
 	clang-format -i $$(git ls-files '*.c' '*.h')
 
-install: all ## install below $(DESTDIR)$(PREFIX)
+install: all ## install below $(DESTDIR)$(PREFIX); for other machines too: MARCH=x86-64-v2
 	DESTDIR=$(DESTDIR) PREFIX=$(PREFIX) BUILD=$(BUILD) VERSION=$(VERSION) tests/support/install.sh install
 
 uninstall: ## remove what install put there
@@ -102,43 +118,57 @@ clean: ## remove the build
 	rm -rf $(BUILD)
 
 # --- programs and libraries ---------------------------------------------------------------------------------------------
-$(BUILD)/meniscusd: $(BUILD)/obj/server/main.o $(DAEMON) $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-proto.a
-	$(CC) $(LDFLAGS) -o $@ $^ $(LDLIBS)
-$(BUILD)/meniscus: $(CLI) $(BUILD)/libmeniscus-client.a
-	$(CC) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+$(BUILD)/meniscusd: $(BUILD)/obj/server/main.o $(DAEMON) $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-proto.a $(BUILD)/stamp/sources
+	$(call say,LINK,$@)$(link) $(filter-out %/sources,$^) $(pkg_libs) -lm -lpthread $(LDLIBS)
+$(BUILD)/meniscus: $(CLI) $(BUILD)/libmeniscus-client.a $(BUILD)/stamp/sources
+	$(call say,LINK,$@)$(link) $(filter-out %/sources,$^) $(pkg_libs) -lm -lpthread $(LDLIBS)
 $(BUILD)/libmeniscus.a: $(SOLVER)
 $(BUILD)/libmeniscus-proto.a: $(PROTO)
 $(BUILD)/libmeniscus-client.a: $(CLIENT) $(PROTO)
 $(BUILD)/libmeniscusd.a: $(DAEMON)
 $(BUILD)/libmeniscus-cli.a: $(filter-out %/main.o,$(CLI))
-%.a:
-	rm -f $@ && ar rcs $@ $^
-$(BUILD)/libmeniscus-client.so: $(CLIENT) $(PROTO) client/lib/exports.map
-	$(CC) $(LDFLAGS) -shared -Wl,-soname,libmeniscus-client.so.0 -Wl,--version-script=client/lib/exports.map -o $@ $(filter %.o,$^) $(shell pkg-config --libs libzmq libprotobuf-c yaml-0.1 libxxhash 2>/dev/null)
+$(BUILD)/%.a: $(BUILD)/stamp/sources
+	$(call say,AR,$@)rm -f $@ && $(AR) rcs $@ $(filter %.o,$^)
+$(BUILD)/libmeniscus-client.so: $(CLIENT) $(PROTO) client/lib/exports.map $(BUILD)/stamp/sources
+	$(call say,LINK,$@)$(link) -shared -Wl,-soname,$(@F).$(firstword $(subst ., ,$(VERSION))) -Wl,--version-script=client/lib/exports.map \
+	    $(filter %.o,$^) $(client_libs) $(LDLIBS)
 $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT) $(BUILD)/libmeniscus-cli.a $(BUILD)/libmeniscus-client.a $(BUILD)/libmeniscusd.a $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-proto.a
 	@mkdir -p $(@D)
-	$(CC) $(LDFLAGS) -o $@ $< $(SUPPORT) -Wl,--start-group $(filter %.a,$^) -Wl,--end-group $(LDLIBS) -lcmocka
+	$(call say,LINK,$@)$(link) $< $(SUPPORT) -Wl,--start-group $(filter %.a,$^) -Wl,--end-group $(pkg_libs) -lm -lpthread -lcmocka $(LDLIBS)
 
 # --- objects and generated sources --------------------------------------------------------------------------------------
-$(BUILD)/obj/%.o: %.c | $(GEN)
+$(BUILD)/obj/proto/case_find.o: private cppflags += $(cases)
+$(BUILD)/obj/proto/case_find.o: $(BUILD)/stamp/prefix
+$(BUILD)/obj/%.o: %.c $(BUILD)/stamp/flags | $(GEN)
 	@mkdir -p $(@D)
-	$(CC) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
-$(BUILD)/obj/gen/%.o: $(BUILD)/gen/%.c | $(GEN)
+	$(call say,CC,$<)$(compile) $(WARN) $(CFLAGS) -MMD -MP -c -o $@ $<
+$(BUILD)/obj/gen/%.o: $(BUILD)/gen/%.c $(BUILD)/stamp/flags | $(GEN)
 	@mkdir -p $(@D)
-	$(CC) $(CPPFLAGS) $(filter-out $(WARN),$(CFLAGS)) -MMD -MP -c -o $@ $<
-$(BUILD)/gen/%.pb-c.c: proto/%.proto $(wildcard proto/*.proto)
+	$(call say,CC,$<)$(compile) $(CFLAGS) -MMD -MP -c -o $@ $<
+$(BUILD)/gen/%.pb-c.c: proto/%.proto $(wildcard proto/*.proto) | $(BUILD)/stamp/flags
 	@mkdir -p $(@D)
-	protoc-c -Iproto --c_out=$(@D) $<
-$(BUILD)/gen/case_schema.c $(BUILD)/case-reference.md &: proto/case.proto proto/schema.py proto/manual.md
+	$(call say,GEN,$@)protoc-c -Iproto --c_out=$(@D) $<
+$(BUILD)/gen/case_schema.c $(BUILD)/case-reference.md &: proto/case.proto proto/schema.py proto/manual.md | $(BUILD)/stamp/flags
 	@mkdir -p $(BUILD)/gen
-	protoc -Iproto --include_source_info --descriptor_set_out=$(BUILD)/gen/case.desc proto/case.proto
-	$(PYTHON) proto/schema.py $(BUILD)/gen/case.desc $(BUILD)/gen/case_schema.c $(BUILD)/case-reference.md
+	$(call say,GEN,$(BUILD)/gen/case_schema.c)protoc -Iproto --include_source_info --descriptor_set_out=$(BUILD)/gen/case.desc proto/case.proto \
+	    && $(PYTHON) proto/schema.py $(BUILD)/gen/case.desc $(BUILD)/gen/case_schema.c $(BUILD)/case-reference.md
 # The Python client with its generated modules, for PYTHONPATH=$(BUILD)/python; client/python/setup.py does the same for pip.
 PY_FILES := $(wildcard client/python/src/meniscus/*.py) client/python/src/meniscus/py.typed
-$(BUILD)/python/meniscus/meniscus_pb2.py: client/python/generate.py $(PY_FILES) $(wildcard proto/*.proto)
+$(BUILD)/python/meniscus/meniscus_pb2.py: client/python/generate.py $(PY_FILES) $(wildcard proto/*.proto) | $(BUILD)/stamp/flags
 	@mkdir -p $(@D)
-	$(PYTHON) client/python/generate.py proto $(@D)
-	cp $(PY_FILES) $(@D)
+	$(call say,GEN,$(@D))$(PYTHON) client/python/generate.py proto $(@D) && cp $(PY_FILES) $(@D)
+
+# --- stamps: written only when what they hold has changed, and then all that depends on it is made again ------------------
+$(BUILD)/stamp/flags: export STAMP = $(compile) $(WARN) $(CFLAGS) $(link) $(pkg_libs) $(client_libs) $(LDLIBS)
+$(BUILD)/stamp/prefix: export STAMP = $(PREFIX)
+$(BUILD)/stamp/sources: export STAMP = $(SOLVER) $(PROTO) $(DAEMON) $(CLIENT) $(CLI)
+$(BUILD)/stamp/%: FORCE
+	@for tool in pkg-config protoc protoc-c; do command -v $$tool >/dev/null || { echo "$$tool is missing: run make packages" >&2; exit 1; }; done
+	@pkg-config --exists $(PKGS) || { echo "packages are missing ($(PKGS)): run make packages" >&2; exit 1; }
+	@mkdir -p $(@D)
+	@printf '%s\n' "$$STAMP" | cmp -s - $@ || printf '%s\n' "$$STAMP" >$@
+.PHONY: FORCE
+FORCE:
 
 .SECONDARY:
 -include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)
