@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# packages.sh [build|check]: install the Debian packages that are missing. `build` (the default) is what building and
-# `make demo` need, `check` is that and what `make check` needs besides. Costs one dpkg-query when nothing is missing.
+# packages.sh [build|check|validate]: install the Debian packages that are missing. `build` (the default) is what building
+# and `make demo` need; `check` and `validate` are that and what the target of this name needs besides. Costs one dpkg-query when nothing is missing.
 set -eu
 
 build='
@@ -18,13 +18,17 @@ cppcheck shellcheck g++ git procps
 systemd util-linux
 paraview python3-paraview xvfb xauth
 '
+validate='
+python3-scipy
+'
 
 group=${1:-build}
 case $group in
 build) wanted=$build ;;
 check) wanted=$build$check ;;
+validate) wanted=$build$validate ;;
 *)
-    echo "usage: packages.sh [build|check]" >&2
+    echo "usage: packages.sh [build|check|validate]" >&2
     exit 64
     ;;
 esac
