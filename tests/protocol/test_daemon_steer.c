@@ -1,0 +1,513 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Breakpoints, questions, settings and returns to earlier states, and clients that die in the middle. */
+#include "proto/case_file.h"
+#include "tests/support/check.h"
+#include "tests/support/dialogue.h"
+#include <hdf5.h>
+#include <math.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+#include <zmq.h>
+
+static int begin(void **state)
+{
+    Dialogue *dialogue = calloc(1, sizeof *dialogue);
+    dialogue_begin(dialogue, NULL);
+    *state = dialogue;
+    return 0;
+}
+
+static int end(void **state)
+{
+    const int code = dialogue_end(*state);
+    free(*state);
+    return code;
+}
+
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static Meniscus__Reply *breakpoint(Dialogue *dialogue, const char *condition, double t)
+{
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__SetBreakpoint point = MENISCUS__SET_BREAKPOINT__INIT;
+    point.name = (char *)"b";
+    point.condition = (char *)condition;
+    point.has_time = !isnan(t);
+    point.time = t;
+    request.command_case = MENISCUS__REQUEST__COMMAND_BREAKPOINT;
+    request.breakpoint = &point;
+    return dialogue_ask(dialogue, &request);
+}
+
+static void assert_accepted(Meniscus__Reply *reply)
+{
+    if (reply->code != MENISCUS__CODE__OK) fail_msg("refused: %s", reply->message);
+    meniscus__reply__free_unpacked(reply, NULL);
+}
+
+/* Refused with a sentence that has this in it. */
+static void assert_refused(Meniscus__Reply *reply, Meniscus__Code code, const char *part)
+{
+    assert_int_equal(reply->code, code);
+    if (!strstr(reply->message, part)) fail_msg("\"%s\" does not say \"%s\"", reply->message, part);
+    meniscus__reply__free_unpacked(reply, NULL);
+}
+
+static void start_and_wait(Dialogue *dialogue, Meniscus__State state)
+{
+    Meniscus__Request request = dialogue_start();
+    Meniscus__Wait wait = MENISCUS__WAIT__INIT;
+    assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__OK);
+    wait.n_states = 1;
+    wait.states = &state;
+    request.command_case = MENISCUS__REQUEST__COMMAND_WAIT;
+    request.wait = &wait;
+    request.has_deadline_ms = 1;
+    request.deadline_ms = 15000;
+    assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__OK);
+}
+
+static Meniscus__Reply *status_of(Dialogue *dialogue)
+{
+    Meniscus__Request request = dialogue_status();
+    return dialogue_ask(dialogue, &request);
+}
+
+static double front_of(Dialogue *dialogue)
+{
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__Query query = MENISCUS__QUERY__INIT;
+    Meniscus__ProbeQuery probes = MENISCUS__PROBE_QUERY__INIT;
+    char *names[1] = {(char *)"front"};
+    probes.n_names = 1;
+    probes.names = names;
+    query.what_case = MENISCUS__QUERY__WHAT_PROBES;
+    query.probes = &probes;
+    request.command_case = MENISCUS__REQUEST__COMMAND_QUERY;
+    request.query = &query;
+    Meniscus__Reply *reply = dialogue_ask(dialogue, &request);
+    assert_int_equal(reply->code, MENISCUS__CODE__OK);
+    const double front = reply->values->values[0]->number;
+    meniscus__reply__free_unpacked(reply, NULL);
+    return front;
+}
+
+/* --- breakpoints ------------------------------------------------------------------------------------------------------- */
+
+static void a_breakpoint_in_time_pauses_at_the_first_step_after_it(void **state)
+{
+    Dialogue *dialogue = *state;
+    dialogue_load(dialogue, NULL);
+    assert_accepted(breakpoint(dialogue, NULL, 0.05));
+    start_and_wait(dialogue, MENISCUS__STATE__PAUSED);
+    Meniscus__Reply *reply = status_of(dialogue);
+    assert_true(reply->status->time >= 0.05);
+    assert_true(reply->status->time - reply->status->time_step < 0.05);
+    assert_int_equal(reply->status->n_breakpoints, 1);
+    meniscus__reply__free_unpacked(reply, NULL);
+}
+
+static void a_condition_on_a_probe_pauses_when_it_comes_true(void **state)
+{
+    Dialogue *dialogue = *state;
+    dialogue_load(dialogue, NULL);
+    assert_true(front_of(dialogue) < 1.02);
+    assert_accepted(breakpoint(dialogue, "front > 1.05", NAN));
+    start_and_wait(dialogue, MENISCUS__STATE__PAUSED);
+    assert_true(front_of(dialogue) > 1.05);
+    assert_true(front_of(dialogue) < 1.06);
+}
+
+static void a_condition_that_is_no_formula_or_names_no_probe_is_refused(void **state)
+{
+    Dialogue *dialogue = *state;
+    dialogue_load(dialogue, NULL);
+    assert_refused(breakpoint(dialogue, "front > ", NAN), MENISCUS__CODE__INVALID_ARGUMENT, "front > ");
+    assert_refused(breakpoint(dialogue, "fromt > 2.1", NAN), MENISCUS__CODE__INVALID_ARGUMENT, "fromt");
+    assert_refused(breakpoint(dialogue, NULL, NAN), MENISCUS__CODE__INVALID_ARGUMENT, "condition");
+    Meniscus__Reply *reply = status_of(dialogue);
+    assert_int_equal(reply->status->n_breakpoints, 0);
+    meniscus__reply__free_unpacked(reply, NULL);
+}
+
+/* --- questions against a snapshot -------------------------------------------------------------------------------------- */
+
+enum { N_MAX = 4000 };
+
+/* Rows of a dataset of doubles in an HDF5 file. */
+static size_t read_doubles(const char *path, const char *name, double *ret, size_t columns)
+{
+    const hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT), set = H5Dopen(file, name, H5P_DEFAULT);
+    assert_true(file >= 0 && set >= 0);
+    const hid_t space = H5Dget_space(set);
+    const hssize_t n = H5Sget_simple_extent_npoints(space);
+    assert_true(n > 0 && (size_t)n <= columns * N_MAX);
+    assert_true(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, ret) >= 0);
+    H5Sclose(space);
+    H5Dclose(set);
+    H5Fclose(file);
+    return (size_t)n / columns;
+}
+
+static void take_snapshot(Dialogue *dialogue, char path[static 256])
+{
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__SnapshotNow now_ = MENISCUS__SNAPSHOT_NOW__INIT;
+    char *fields[1] = {(char *)"pressure"};
+    now_.n_fields = 1;
+    now_.fields = fields;
+    request.command_case = MENISCUS__REQUEST__COMMAND_SNAPSHOT;
+    request.snapshot = &now_;
+    Meniscus__Reply *reply = dialogue_ask(dialogue, &request);
+    assert_int_equal(reply->code, MENISCUS__CODE__OK);
+    snprintf(path, 256, "%.255s", reply->output->path);
+    meniscus__reply__free_unpacked(reply, NULL);
+}
+
+/* Send a query and keep its raw frames: [n] of at most sizes[k] bytes. */
+static Meniscus__Reply *ask_frames(Dialogue *dialogue, Meniscus__Query *query, size_t n, void *const *frames,
+                                   const size_t *sizes)
+{
+    uint8_t id[16], packed[8192];
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    request.command_case = MENISCUS__REQUEST__COMMAND_QUERY;
+    request.query = query;
+    dialogue_seal(&request, id);
+    dialogue_send(dialogue->control, &request);
+    const int size = zmq_recv(dialogue->control, packed, sizeof packed, 0);
+    assert_true(size > 0 && size <= (int)sizeof packed);
+    Meniscus__Reply *reply = meniscus__reply__unpack(NULL, (size_t)size, packed);
+    assert_non_null(reply);
+    if (reply->code != MENISCUS__CODE__OK) fail_msg("refused: %s", reply->message);
+    assert_int_equal(reply->n_arrays, n);
+    for (size_t k = 0; k < n; k++) {
+        const int got = zmq_recv(dialogue->control, frames[k], sizes[k], 0);
+        assert_true(got > 0 && got <= (int)sizes[k]);
+    }
+    return reply;
+}
+
+static void go_some_steps(Dialogue *dialogue, uint64_t n)
+{
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__Step command = MENISCUS__STEP__INIT;
+    command.has_count = 1;
+    command.count = n;
+    request.command_case = MENISCUS__REQUEST__COMMAND_STEP;
+    request.step = &command;
+    assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__OK);
+}
+
+static void particles_of_a_box_are_those_of_a_snapshot(void **state)
+{
+    Dialogue *dialogue = *state;
+    static double x[3 * N_MAX], p[N_MAX], box_x[2 * N_MAX], box_p[N_MAX];
+    char path[256], *fields[2] = {(char *)"position", (char *)"pressure"};
+    double min[2] = {0.2, 0.1}, max[2] = {0.9, 0.35};
+    Meniscus__Query query = MENISCUS__QUERY__INIT;
+    Meniscus__ParticleQuery which = MENISCUS__PARTICLE_QUERY__INIT;
+    dialogue_load(dialogue, NULL);
+    go_some_steps(dialogue, 10);
+    take_snapshot(dialogue, path);
+    which.n_min = which.n_max = which.n_fields = 2;
+    which.min = min;
+    which.max = max;
+    which.fields = fields;
+    query.what_case = MENISCUS__QUERY__WHAT_PARTICLES;
+    query.particles = &which;
+    void *const frames[2] = {box_x, box_p};
+    const size_t sizes[2] = {sizeof box_x, sizeof box_p};
+    Meniscus__Reply *reply = ask_frames(dialogue, &query, 2, frames, sizes);
+    const size_t n = read_doubles(path, "/VTKHDF/Points", x, 3), n_box = reply->arrays[0]->shape[0];
+    assert_int_equal(read_doubles(path, "/VTKHDF/PointData/pressure", p, 1), n);
+    size_t found = 0;
+    for (size_t k = 0; k < n; k++) {
+        const double *at = &x[3 * k];
+        if (at[0] < min[0] || at[0] > max[0] || at[1] < min[1] || at[1] > max[1]) continue;
+        bool same = false;
+        for (size_t j = 0; j < n_box; j++)
+            same = same || (at[0] == box_x[2 * j] && at[1] == box_x[2 * j + 1] && p[k] == box_p[j]);
+        assert_true(same);
+        found++;
+    }
+    assert_true(found > 5);
+    assert_int_equal(found, n_box);
+    meniscus__reply__free_unpacked(reply, NULL);
+}
+
+/* Where a particle is, the field is about what that particle says; a point outside has no value. */
+static void points_are_between_the_particles_around_them(void **state)
+{
+    Dialogue *dialogue = *state;
+    static double x[3 * N_MAX], p[N_MAX];
+    char path[256];
+    double values[2], points[4] = {0.5, 0.25, 0.8, 0.1};
+    Meniscus__Query query = MENISCUS__QUERY__INIT;
+    Meniscus__PointQuery where = MENISCUS__POINT_QUERY__INIT;
+    dialogue_load(dialogue, NULL);
+    go_some_steps(dialogue, 10);
+    take_snapshot(dialogue, path);
+    where.field = (char *)"pressure";
+    where.n_points = 4;
+    where.points = points;
+    query.what_case = MENISCUS__QUERY__WHAT_POINTS;
+    query.points = &where;
+    Meniscus__Reply *reply = ask_frames(dialogue, &query, 1, (void *const[]){values}, (const size_t[]){sizeof values});
+    assert_string_equal(reply->arrays[0]->unit, "Pa");
+    meniscus__reply__free_unpacked(reply, NULL);
+    const size_t n = read_doubles(path, "/VTKHDF/Points", x, 3);
+    read_doubles(path, "/VTKHDF/PointData/pressure", p, 1);
+    for (size_t k = 0; k < 2; k++) {
+        double least = INFINITY, most = -INFINITY;
+        for (size_t j = 0; j < n; j++)
+            if (hypot(x[3 * j] - points[2 * k], x[3 * j + 1] - points[2 * k + 1]) < 0.26) {
+                least = fmin(least, p[j]);
+                most = fmax(most, p[j]);
+            }
+        assert_true(values[k] >= least && values[k] <= most);
+    }
+}
+
+/* --- settings ---------------------------------------------------------------------------------------------------------- */
+
+static Meniscus__Reply *set(Dialogue *dialogue, const char *path, const char *value)
+{
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__Set command = MENISCUS__SET__INIT;
+    Meniscus__Assignment assignment = MENISCUS__ASSIGNMENT__INIT, *list[1] = {&assignment};
+    assignment.path = (char *)path;
+    assignment.value = (char *)value;
+    command.n_assignments = 1;
+    command.assignments = list;
+    request.command_case = MENISCUS__REQUEST__COMMAND_SET;
+    request.set = &command;
+    return dialogue_ask(dialogue, &request);
+}
+
+static void threads_can_be_set_within_bounds(void **state)
+{
+    Dialogue *dialogue = *state;
+    dialogue_load(dialogue, NULL);
+    assert_accepted(set(dialogue, "threads", "2"));
+    go_some_steps(dialogue, 2);
+    Meniscus__Reply *reply = status_of(dialogue);
+    assert_int_equal(reply->status->threads, 2);
+    meniscus__reply__free_unpacked(reply, NULL);
+    assert_refused(set(dialogue, "threads", "100000"), MENISCUS__CODE__INVALID_ARGUMENT, "[0, 1024]");
+    assert_refused(set(dialogue, "threads", "-1"), MENISCUS__CODE__INVALID_ARGUMENT, "0");
+}
+
+static void options_of_the_scheme_out_of_bounds_are_refused_with_the_bounds(void **state)
+{
+    Dialogue *dialogue = *state;
+    dialogue_load(dialogue, NULL);
+    assert_accepted(set(dialogue, "scheme.cfl", "0.2"));
+    assert_refused(set(dialogue, "scheme.cfl", "7"), MENISCUS__CODE__INVALID_ARGUMENT, "(0, 1]");
+    assert_refused(set(dialogue, "scheme.riemann.limiter", "-1"), MENISCUS__CODE__INVALID_ARGUMENT, "[0, 100]");
+}
+
+/* --- back ---------------------------------------------------------------------------------------------------------------- */
+
+static uint64_t hash_of(Dialogue *dialogue)
+{
+    Meniscus__Reply *reply = status_of(dialogue);
+    const uint64_t hash = reply->status->state_hash;
+    meniscus__reply__free_unpacked(reply, NULL);
+    assert_true(hash != 0);
+    return hash;
+}
+
+static void a_reset_run_is_a_fresh_run(void **state)
+{
+    Dialogue *dialogue = *state;
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__Reset reset = MENISCUS__RESET__INIT;
+    dialogue_load(dialogue, NULL);
+    const uint64_t first = hash_of(dialogue);
+    go_some_steps(dialogue, 12);
+    const uint64_t fresh = hash_of(dialogue);
+    go_some_steps(dialogue, 5);
+    request.command_case = MENISCUS__REQUEST__COMMAND_RESET;
+    request.reset = &reset;
+    assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__OK);
+    assert_true(hash_of(dialogue) == first);
+    go_some_steps(dialogue, 12);
+    assert_true(hash_of(dialogue) == fresh);
+}
+
+static void checkpoint(Dialogue *dialogue, char path[static 256])
+{
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__CheckpointNow command = MENISCUS__CHECKPOINT_NOW__INIT;
+    request.command_case = MENISCUS__REQUEST__COMMAND_CHECKPOINT;
+    request.checkpoint = &command;
+    Meniscus__Reply *reply = dialogue_ask(dialogue, &request);
+    assert_int_equal(reply->code, MENISCUS__CODE__OK);
+    snprintf(path, 256, "%.255s", reply->output->path);
+    meniscus__reply__free_unpacked(reply, NULL);
+}
+
+static void *subscribe(const Dialogue *dialogue, const char *topic)
+{
+    char endpoint[160];
+    const int patience = 5000;
+    void *socket = zmq_socket(dialogue->context, ZMQ_SUB);
+    zmq_setsockopt(socket, ZMQ_RCVTIMEO, &patience, sizeof patience);
+    zmq_setsockopt(socket, ZMQ_SUBSCRIBE, topic, strlen(topic));
+    snprintf(endpoint, sizeof endpoint, "ipc://%s/meniscus/t/telemetry.ipc", dialogue->home);
+    assert_int_equal(zmq_connect(socket, endpoint), 0);
+    nanosleep(&(struct timespec){.tv_nsec = 200000000}, NULL);
+    return socket;
+}
+
+static void a_damaged_checkpoint_is_passed_over_with_a_note(void **state)
+{
+    Dialogue *dialogue = *state;
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__Restore restore = MENISCUS__RESTORE__INIT;
+    char older[256], newer[256], topic[8], packed[4096];
+    dialogue_load(dialogue, NULL);
+    go_some_steps(dialogue, 4);
+    checkpoint(dialogue, older);
+    const uint64_t before = hash_of(dialogue);
+    go_some_steps(dialogue, 3);
+    checkpoint(dialogue, newer);
+    FILE *file = fopen(newer, "r+b");
+    assert_non_null(file);
+    fseek(file, 3000, SEEK_SET);
+    fputs("damaged", file);
+    fclose(file);
+    void *log = subscribe(dialogue, "log");
+    request.command_case = MENISCUS__REQUEST__COMMAND_RESTORE;
+    request.restore = &restore;
+    restore.checkpoint = strrchr(newer, '/') + 1; /* by name it is wanted and no other */
+    assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__DATA_LOSS);
+    restore.checkpoint = NULL;
+    assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__OK);
+    assert_true(hash_of(dialogue) == before);
+    assert_int_equal(zmq_recv(log, topic, sizeof topic, 0), 3);
+    const int size = zmq_recv(log, packed, sizeof packed, 0);
+    assert_true(size > 0);
+    Meniscus__Telemetry *note = meniscus__telemetry__unpack(NULL, (size_t)size, (uint8_t *)packed);
+    assert_non_null(strstr(note->log->text, strrchr(newer, '/') + 1));
+    meniscus__telemetry__free_unpacked(note, NULL);
+    zmq_close(log);
+}
+
+/* --- clients that die, and loads that take long -------------------------------------------------------------------------- */
+
+/* A process of its own that asks for something long and is killed in the middle of it. */
+static void die_in_the_middle(const Dialogue *dialogue)
+{
+    const pid_t child = fork();
+    if (child == 0) {
+        Meniscus__Request request = MENISCUS__REQUEST__INIT;
+        Meniscus__RunUntil until = MENISCUS__RUN_UNTIL__INIT;
+        Dialogue own = *dialogue;
+        uint8_t id[16];
+        own.context = zmq_ctx_new();
+        own.control = dialogue_connect(&own);
+        until.has_time = 1;
+        until.time = 500;
+        request.command_case = MENISCUS__REQUEST__COMMAND_RUN_UNTIL;
+        request.run_until = &until;
+        dialogue_seal(&request, id);
+        dialogue_send(own.control, &request);
+        dialogue_receive(own.control, NULL);
+        _exit(1);
+    }
+    nanosleep(&(struct timespec){.tv_nsec = 300000000}, NULL);
+    kill(child, SIGKILL);
+    int how;
+    waitpid(child, &how, 0);
+    assert_true(WIFSIGNALED(how));
+}
+
+static void a_client_killed_in_the_middle_leaves_the_daemon_to_others(void **state)
+{
+    Dialogue *dialogue = *state;
+    dialogue_load(dialogue, NULL);
+    die_in_the_middle(dialogue);
+    Meniscus__Reply *reply = status_of(dialogue);
+    assert_int_equal(reply->status->state, MENISCUS__STATE__RUNNING);
+    meniscus__reply__free_unpacked(reply, NULL);
+    Meniscus__Request request = dialogue_pause();
+    assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__OK);
+}
+
+static const char large_case[] = "dimensions: 3\n"
+                                 "resolution: 60\n"
+                                 "domain: {min: [0, 0, 0], max: [1, 1, 1]}\n"
+                                 "fluids: [{name: water, density: 1000, sound_speed: 20}]\n"
+                                 "walls:\n"
+                                 "  - {name: tank, shape: [{outside: true, box: {min: [0, 0, 0], max: [1, 1, 1]}}]}\n"
+                                 "end_time: 1\n";
+
+static void send_large_load(void *socket)
+{
+    CaseFile *file;
+    MnsError error = {.text = ""};
+    uint8_t id[16];
+    if (case_file_parse("large", large_case, strlen(large_case), &file, &error)) fail_msg("%s", error.text);
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__Load load = MENISCUS__LOAD__INIT;
+    load.case_ = (Meniscus__Case *)case_file_message(file);
+    load.name = (char *)"large";
+    request.command_case = MENISCUS__REQUEST__COMMAND_LOAD;
+    request.load = &load;
+    dialogue_seal(&request, id);
+    dialogue_send(socket, &request);
+    case_file_free(file);
+}
+
+static void status_is_answered_while_particles_are_placed(void **state)
+{
+    Dialogue *dialogue = *state;
+    void *loader = dialogue_connect(dialogue);
+    const double patience = getenv("MENISCUS_SANITIZED") ? 1 : 0.05; /* [s] */
+    bool seen = false, ready = false;
+    int slow = 0;
+    send_large_load(loader);
+    for (const double until = now() + 60; !ready && now() < until;) {
+        const double asked = now();
+        Meniscus__Reply *reply = status_of(dialogue);
+        slow += now() - asked > patience;
+        seen = seen || reply->status->state == MENISCUS__STATE__LOADING;
+        ready = reply->status->state == MENISCUS__STATE__READY;
+        meniscus__reply__free_unpacked(reply, NULL);
+        nanosleep(&(struct timespec){.tv_nsec = 2000000}, NULL);
+    }
+    assert_true(seen);
+    assert_true(ready);
+    assert_int_equal(slow, 0);
+    Meniscus__Reply *reply = dialogue_receive(loader, NULL);
+    assert_accepted(reply);
+    zmq_close(loader);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(a_breakpoint_in_time_pauses_at_the_first_step_after_it, begin, end),
+        cmocka_unit_test_setup_teardown(a_condition_on_a_probe_pauses_when_it_comes_true, begin, end),
+        cmocka_unit_test_setup_teardown(a_condition_that_is_no_formula_or_names_no_probe_is_refused, begin, end),
+        cmocka_unit_test_setup_teardown(particles_of_a_box_are_those_of_a_snapshot, begin, end),
+        cmocka_unit_test_setup_teardown(points_are_between_the_particles_around_them, begin, end),
+        cmocka_unit_test_setup_teardown(threads_can_be_set_within_bounds, begin, end),
+        cmocka_unit_test_setup_teardown(options_of_the_scheme_out_of_bounds_are_refused_with_the_bounds, begin, end),
+        cmocka_unit_test_setup_teardown(a_reset_run_is_a_fresh_run, begin, end),
+        cmocka_unit_test_setup_teardown(a_damaged_checkpoint_is_passed_over_with_a_note, begin, end),
+        cmocka_unit_test_setup_teardown(a_client_killed_in_the_middle_leaves_the_daemon_to_others, begin, end),
+        cmocka_unit_test_setup_teardown(status_is_answered_while_particles_are_placed, begin, end),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
