@@ -207,7 +207,8 @@ static MnsStatus set_fluid(MnsSim *sim, size_t i, const Start *start, const doub
     const double p = start->pressure ? formula_eval(start->pressure, x) : head;
     s->rho[i] = phase->rho0 + p / (phase->c * phase->c);
     s->m[i] = phase->summation ? s->rho[i] / lattice_sum : s->rho[i] * volume;
-    bool finite = isfinite(p) && s->rho[i] > 0;
+    const double ratio = s->rho[i] / phase->rho0;
+    bool finite = isfinite(p) && ratio > sim->model.density_min && ratio < sim->model.density_max;
     for (int d = 0; d < s->dim; d++) {
         s->v[d][i] = formula_eval(start->velocity[d], x);
         finite = finite && isfinite(s->v[d][i]);

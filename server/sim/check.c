@@ -148,7 +148,9 @@ static MnsStatus check_formula(const char *text, const char *const *variables, c
                                const char *at, MnsError *error)
 {
     Formula *formula = NULL;
-    const MnsStatus status = formula_new(text, variables, constants->list, constants->n, &formula, error);
+    MnsStatus status = formula_new(text, variables, constants->list, constants->n, &formula, error);
+    if (!status && formula_is_condition(formula))
+        status = mns_fail(error, MNS_E_INVALID, "\"%.120s\" is true or false; a number is needed", text);
     if (status && error) snprintf(error->path, sizeof error->path, "%s", at);
     formula_free(formula);
     return status;

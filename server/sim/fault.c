@@ -61,7 +61,13 @@ static Effect alone(MnsSim *sim, Row *row, const Term *term)
 static const char *blame(MnsSim *sim, size_t i, bool density)
 {
     const char *name = density ? "density" : "gravity";
+    const Model *model = &sim->model;
     double most = 0;
+    for (int d = 0; d < model->dim; d++) {
+        if (!isfinite(model->gravity[d])) return "gravity";
+        for (size_t k = 0; k < model->n_walls; k++)
+            if (!isfinite(model->wall[k].x[d] + model->wall[k].v[d] + model->wall[k].a[d])) return "motion of a wall";
+    }
     Row *row = malloc(sizeof *row);
     if (!row) return "unknown";
     row_build(row, &sim->nb, &sim->s, &sim->model, i);

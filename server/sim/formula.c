@@ -15,6 +15,7 @@ struct Formula {
     lua_State *lua;
     size_t used; /* bytes of memory */
     int n_variables;
+    bool condition; /* true or false, not a number */
 };
 
 static const char *const FUNCTIONS[] = {"abs",  "acos", "asin", "atan", "ceil", "cos", "deg",  "exp", "floor",
@@ -83,12 +84,13 @@ static int compile(lua_State *lua, const char *text, const char *const *variable
 }
 
 /* Call the function on top of the stack, leaving it there; NAN and false if it fails, with the message on the stack. */
-static bool call(lua_State *lua, const double *values, int n, double *ret)
+static bool call(lua_State *lua, const double *values, int n, double *ret, bool *ret_condition)
 {
     lua_sethook(lua, too_long, LUA_MASKCOUNT, INSTRUCTIONS_MAX);
     lua_pushvalue(lua, -1);
     for (int k = 0; k < n; k++) lua_pushnumber(lua, values[k]);
     if (lua_pcall(lua, n, 1, 0) != LUA_OK) return false;
+    if (ret_condition) *ret_condition = lua_isboolean(lua, -1);
     if (lua_isboolean(lua, -1)) *ret = lua_toboolean(lua, -1);
     else if (lua_type(lua, -1) == LUA_TNUMBER) *ret = lua_tonumber(lua, -1);
     else {
@@ -118,7 +120,7 @@ static MnsStatus define(lua_State *lua, const MnsConstant *constant, MnsError *e
 {
     static const char *const none[] = {NULL};
     double value = NAN;
-    if (compile(lua, constant->value, none) != LUA_OK || !call(lua, NULL, 0, &value))
+    if (compile(lua, constant->value, none) != LUA_OK || !call(lua, NULL, 0, &value, NULL))
         return complain(lua, constant->value, error);
     lua_pushnumber(lua, value);
     lua_setglobal(lua, constant->name);
@@ -140,7 +142,7 @@ static MnsStatus prepare(Formula *f, const char *text, const char *const *variab
     /* A first call finds unknown names; 0.5 is as good a place as any and in the domain of log and sqrt. */
     double values[VARIABLES_MAX], value = NAN;
     for (int k = 0; k < f->n_variables; k++) values[k] = 0.5;
-    if (!call(lua, values, f->n_variables, &value)) return complain(lua, text, error);
+    if (!call(lua, values, f->n_variables, &value, &f->condition)) return complain(lua, text, error);
     return MNS_OK;
 }
 
@@ -168,8 +170,13 @@ MnsStatus formula_new(const char *text, const char *const *variables, const MnsC
 double formula_eval(const Formula *formula, const double *values)
 {
     double value = NAN;
-    if (!call(formula->lua, values, formula->n_variables, &value)) lua_pop(formula->lua, 1);
+    if (!call(formula->lua, values, formula->n_variables, &value, NULL)) lua_pop(formula->lua, 1);
     return value;
+}
+
+bool formula_is_condition(const Formula *formula)
+{
+    return formula->condition;
 }
 
 void formula_free(Formula *formula)

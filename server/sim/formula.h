@@ -18,6 +18,9 @@ MnsStatus formula_new(const char *text, const char *const *variables, const MnsC
  * One caller at a time for each formula. */
 double formula_eval(const Formula *formula, const double *values);
 
+/* Whether it gave true or false, not a number, when it was compiled. */
+bool formula_is_condition(const Formula *formula);
+
 void formula_free(Formula *formula);
 
 #endif

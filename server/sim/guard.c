@@ -3,6 +3,7 @@
  * to that distance and loses its velocity into the wall, relative to the wall. No paper has it; violent impacts at low
  * resolution need it (schemes/README.md). */
 #include "sim/sim.h"
+#include <math.h>
 
 /* Guard one particle against one wall, whose shape stands where the case put it: so move the particle instead. */
 static bool guard_one(MnsSim *sim, size_t i, size_t k)
@@ -10,7 +11,11 @@ static bool guard_one(MnsSim *sim, size_t i, size_t k)
     Particles *s = &sim->s;
     const WallState *wall = &sim->model.wall[k];
     double x[3] = {0, 0, 0}, normal[3];
-    for (int d = 0; d < s->dim; d++) x[d] = s->x[d][i] - wall->x[d];
+    for (int d = 0; d < s->dim; d++) {
+        x[d] = s->x[d][i] - wall->x[d];
+        x[d] -= sim->model.period[d] *
+                floor((x[d] - sim->model.min[d]) * sim->model.frequency[d]); /* back into the domain */
+    }
     const double depth = sim->model.guard - shape_distance(&sim->solid[k], x);
     if (!(depth > 0)) return false;
     shape_normal(&sim->solid[k], x, 1e-3 * sim->model.dx, normal);

@@ -126,14 +126,34 @@ static bool kick_and_look(MnsSim *sim, double dt)
     return bad == 0;
 }
 
+/* Largest speed of fluid or wall, and largest acceleration that gravity and a wall's motion give to what lies on it. */
+static void fastest_and_heaviest(const MnsSim *sim, double *ret_speed, double *ret_acceleration)
+{
+    const Model *model = &sim->model;
+    double v2 = sim->v_max * sim->v_max, g2 = 0;
+    for (int d = 0; d < model->dim; d++) g2 += model->gravity[d] * model->gravity[d];
+    for (size_t k = 0; k < model->n_walls; k++) {
+        double wall_v2 = 0, felt2 = 0;
+        for (int d = 0; d < model->dim; d++) {
+            const double felt = model->gravity[d] - model->wall[k].a[d];
+            wall_v2 += model->wall[k].v[d] * model->wall[k].v[d];
+            felt2 += felt * felt;
+        }
+        v2 = fmax(v2, wall_v2);
+        g2 = fmax(g2, felt2);
+    }
+    *ret_speed = sqrt(v2);
+    *ret_acceleration = sqrt(g2);
+}
+
 double integrator_dt(const MnsSim *sim, const char **ret_limit)
 {
     const Model *model = &sim->model;
     const double h = model->kernel.h;
-    double g = 0, dt = model->cfl * h / (model->c_max + sim->v_max);
+    double speed, g;
+    fastest_and_heaviest(sim, &speed, &g);
+    double dt = model->cfl * h / (model->c_max + speed);
     *ret_limit = "sound and flow, P3 eq. 19";
-    for (int d = 0; d < model->dim; d++) g += model->gravity[d] * model->gravity[d];
-    g = sqrt(g);
     if (g > 0 && 0.25 * sqrt(h / g) < dt) {
         dt = 0.25 * sqrt(h / g);
         *ret_limit = "body force, P3 eq. 20";

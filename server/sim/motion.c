@@ -39,7 +39,7 @@ static size_t interval(const MnsMotion *m, double t)
 }
 
 /* Cubic Hermite polynomial through positions and velocities of both ends. */
-static void table(const MnsMotion *m, double t, double x[3], double v[3], double a[3])
+static void table_at(const MnsMotion *m, double t, double x[3], double v[3], double a[3])
 {
     const MnsMotionPoint *first = &m->points[0], *last = &m->points[m->n - 1];
     if (t <= first->t || t >= last->t) {
@@ -55,6 +55,15 @@ static void table(const MnsMotion *m, double t, double x[3], double v[3], double
         v[d] = p->v[d] + s * (2 * c2 + s * 3 * c3) / T;
         a[d] = (2 * c2 + s * 6 * c3) / (T * T);
     }
+}
+
+/* Counted from t = 0, when the wall is where the case puts it, whatever the table begins with. */
+static void table(const MnsMotion *m, double t, double x[3], double v[3], double a[3])
+{
+    double x0[3] = {0}, v0[3] = {0}, a0[3] = {0};
+    table_at(m, 0, x0, v0, a0);
+    table_at(m, t, x, v, a);
+    for (int d = 0; d < 3; d++) x[d] -= x0[d];
 }
 
 void motion_at(const MnsMotion *motion, double t, double x[3], double v[3], double a[3])

@@ -137,8 +137,11 @@ MnsStatus shape_init(Shape *s, const MnsShape *shape, int dim, const MnsConstant
     if (!s->formulas) return mns_fail(error, MNS_E_MEMORY, "no memory for a shape");
     for (size_t k = 0; k < shape->n; k++) {
         if (shape->parts[k].primitive != MNS_FORMULA) continue;
-        const MnsStatus status =
-            formula_new(shape->parts[k].formula, XYZ, constants, n_constants, &s->formulas[k], error);
+        const char *text = shape->parts[k].formula;
+        MnsStatus status = formula_new(text, XYZ, constants, n_constants, &s->formulas[k], error);
+        if (!status && !formula_is_condition(s->formulas[k]))
+            status = mns_fail(error, MNS_E_INVALID,
+                              "\"%.120s\" is a number; a shape needs a condition, as in \"y < 1\"", text);
         if (status) {
             if (error) snprintf(error->path, sizeof error->path, "%s[%zu].formula", path, k);
             return status;
