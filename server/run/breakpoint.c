@@ -2,20 +2,21 @@
 /* Where a run shall pause. A condition measures only the probes it names. */
 #include "run/breakpoint.h"
 
-#include "sim/formula.h"
+#include "sim/constants.h"
 #include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { VARIABLES = MNS_MAX_PROBES + 2, VARIABLE_NAME = 128 };
+/* So many words fit into a condition, and Lua has room for as many variables. */
+enum { WORDS = BREAKPOINT_TEXT / 2 };
 
 typedef struct Watch {
     Breakpoint is;
-    Formula *formula; /* NULL without a condition         */
+    Formula *formula; /* NULL without a condition */
     bool was_true;
-    bool used[MNS_MAX_PROBES]; /* the probes the condition names */
+    size_t n, probe[WORDS]; /* the probes the condition names, in the order of its variables */
 } Watch;
 
 struct Breakpoints {
@@ -34,9 +35,22 @@ void breakpoints_free(Breakpoints *points)
     free(points);
 }
 
-static void variable_name(const char *probe, char ret[static VARIABLE_NAME])
+/* Words that cannot be the name of a variable, or are that of another one. */
+static bool is_taken(const char *word)
 {
-    snprintf(ret, VARIABLE_NAME, "%s", probe);
+    static const char *const taken[] = {"t",     "step", "and",      "break",  "do",   "else", "elseif", "end",
+                                        "false", "for",  "function", "goto",   "if",   "in",   "local",  "nil",
+                                        "not",   "or",   "repeat",   "return", "then", "true", "until",  "while"};
+    for (size_t k = 0; k < sizeof taken / sizeof *taken; k++)
+        if (!strcmp(word, taken[k])) return true;
+    return false;
+}
+
+/* What a condition calls a probe. Names too long for any condition are cut, and so match no word of it. */
+static void variable_name(const char *probe, char ret[static BREAKPOINT_TEXT + 1])
+{
+    const bool prefix = isdigit((unsigned char)*probe) || is_taken(probe);
+    snprintf(ret, BREAKPOINT_TEXT + 1, "%s%s", prefix ? "_" : "", probe);
     for (char *c = ret; *c; c++)
         if (*c == '.' || *c == '-') *c = '_';
 }
@@ -55,20 +69,43 @@ static bool names(const char *text, const char *word)
     return false;
 }
 
-/* Compile the condition of a watch; its variables are t, step and one for each probe. */
+/* Variables of a condition: t, step, and one for each probe it names. */
+typedef struct Variables {
+    const char *list[WORDS + 3]; /* NULL-terminated */
+    char words[WORDS][BREAKPOINT_TEXT + 1];
+} Variables;
+
+/* Note the probe as one the condition names, unless another one goes by the same word. */
+static MnsStatus add_probe(Watch *watch, const MnsCase *c, size_t probe, const char *word, Variables *variables,
+                           MnsError *error)
+{
+    for (size_t k = 0; k < watch->n; k++)
+        if (!strcmp(variables->words[k], word))
+            return mns_fail_at(error, MNS_E_INVALID, "condition",
+                               "the probes \"%.60s\" and \"%.60s\" are both called %.60s in a condition; rename one",
+                               c->probes[watch->probe[k]].name, c->probes[probe].name, word);
+    snprintf(variables->words[watch->n], sizeof variables->words[0], "%s", word);
+    variables->list[watch->n + 2] = variables->words[watch->n];
+    watch->probe[watch->n++] = probe;
+    return MNS_OK;
+}
+
+/* Only the probes it names become variables: Lua has room for few, and a measurement may be as dear as a step. */
 static MnsStatus compile(Watch *watch, const MnsCase *c, MnsError *error)
 {
-    char(*words)[VARIABLE_NAME] = calloc(VARIABLES, sizeof *words);
-    if (!words) return mns_fail(error, MNS_E_MEMORY, "no memory for a breakpoint");
-    const char *variables[VARIABLES + 1] = {"t", "step"};
-    for (size_t k = 0; k < c->n_probes; k++) {
-        variable_name(c->probes[k].name, words[k]);
-        variables[k + 2] = words[k];
-        watch->used[k] = names(watch->is.condition, words[k]);
+    char word[BREAKPOINT_TEXT + 1];
+    MnsStatus status = MNS_OK;
+    Variables *variables = calloc(1, sizeof *variables);
+    if (!variables) return mns_fail(error, MNS_E_MEMORY, "no memory for a breakpoint");
+    variables->list[0] = "t";
+    variables->list[1] = "step";
+    for (size_t k = 0; !status && k < c->n_probes; k++) {
+        variable_name(c->probes[k].name, word);
+        if (!names(watch->is.condition, word)) continue;
+        status = add_probe(watch, c, k, word, variables, error);
     }
-    const MnsStatus status =
-        formula_new(watch->is.condition, variables, c->constants, c->n_constants, &watch->formula, error);
-    free(words);
+    if (!status) status = constants_formula(c, watch->is.condition, variables->list, &watch->formula, error);
+    free(variables);
     return status;
 }
 
@@ -115,10 +152,8 @@ void breakpoints_list(const Breakpoints *points, Breakpoint ret[static BREAKPOIN
 static bool condition_holds(const Watch *watch, const MnsSim *sim)
 {
     const MnsProgress now = mns_sim_progress(sim);
-    double values[VARIABLES] = {now.t, (double)now.step};
-    const size_t n = mns_sim_case(sim)->n_probes;
-    for (size_t k = 0; k < n; k++)
-        if (watch->used[k]) values[k + 2] = mns_sim_probe(sim, k);
+    double values[WORDS + 2] = {now.t, (double)now.step};
+    for (size_t k = 0; k < watch->n; k++) values[k + 2] = mns_sim_probe(sim, watch->probe[k]);
     return formula_eval(watch->formula, values) > 0;
 }
 

@@ -20,8 +20,10 @@ typedef struct Breakpoints Breakpoints;
 Breakpoints *breakpoints_new(void);
 void breakpoints_free(Breakpoints *points);
 
-/* Add one, or replace that of the same name. The condition is a formula of t, step and the probes of c; in names of probes
- * dots and dashes become underscores. MNS_E_INVALID, MNS_E_LIMIT; nothing is changed then. */
+/* Add one, or replace that of the same name. The condition is a formula of t, step, the constants of c and its probes: dots
+ * and dashes of their names become underscores, and one goes before a name that begins with a digit, is t or step, or means
+ * something to Lua, as `end` does. A probe hides a constant or function of its name. MNS_E_INVALID, MNS_E_LIMIT,
+ * MNS_E_MEMORY; nothing is changed then. */
 MnsStatus breakpoints_set(Breakpoints *points, const MnsCase *c, const Breakpoint *point, MnsError *error);
 
 /* MNS_E_NOT_FOUND if there is none of that name. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The constants that the formulas of a case may use. */
-#include "sim/sim.h"
+#include "sim/constants.h"
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -19,4 +19,14 @@ void constants_done(Constants *constants)
 {
     free(constants->list);
     constants->list = NULL;
+}
+
+MnsStatus constants_formula(const MnsCase *c, const char *text, const char *const *variables, Formula **ret,
+                            MnsError *error)
+{
+    Constants constants;
+    MnsStatus status = constants_init(&constants, c, error);
+    if (!status) status = formula_new(text, variables, constants.list, constants.n, ret, error);
+    constants_done(&constants);
+    return status;
 }

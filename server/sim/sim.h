@@ -3,6 +3,7 @@
 #ifndef SIM_SIM_H
 #define SIM_SIM_H
 
+#include "sim/constants.h"
 #include "sim/pass.h"
 #include "sim/shape.h"
 
@@ -29,15 +30,6 @@ struct MnsSim {
 
 /* sim.c: how many threads a case asks for */
 int sim_threads_for(const MnsCase *c);
-
-/* constants.c: the constants of a case, with dx before them */
-typedef struct Constants {
-    size_t n;
-    MnsConstant *list; /* [n]; names and values borrowed from the case */
-    char dx[32];
-} Constants;
-MnsStatus constants_init(Constants *constants, const MnsCase *c, MnsError *error);
-void constants_done(Constants *constants);
 
 /* check.c: number of particles along d, and the spacing stretched to fit */
 size_t case_fit(const MnsCase *c, int d, double *ret_spacing);
