@@ -119,7 +119,10 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case KEY_LOAD: options->daemon.load = text; break;
     case KEY_START: options->daemon.start = true; break;
     case KEY_BATCH: options->batch.name = text; break;
-    case KEY_OUT: options->batch.directory = text; break;
+    case KEY_OUT:
+        if (!*text) argp_error(state, "--out must name a directory");
+        options->batch.directory = text;
+        break;
     case KEY_UNTIL: options->batch.until = time_of(text, state); break;
     case KEY_SET: add_setting(options, text, state); break;
     case KEY_THREADS: add_threads(options, text, state); break;

@@ -256,7 +256,8 @@ void run_advance(Run *run)
     const MnsStatus status = mns_sim_step(run->sim, run->goal.exact ? fmin(run->goal.t, end) : end, &error);
     const double now = clock_now();
     run_beat(run);
-    if (status) {
+    if (status) { /* what there is to be seen of it, whole, for whoever comes later; no checkpoint: nobody would go on from it */
+        outputs_snapshot(&run->outputs, run->sim, run->document, mns_state_fields(), NULL, NULL);
         run_fault(run, &error, false);
         return;
     }
