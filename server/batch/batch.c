@@ -126,9 +126,9 @@ static bool take_notes(Batch *batch, const Order *awaited)
     bool came = false;
     for (Note *note; (note = outbox_take(run_outbox(batch->run)));) {
         if (note->kind == NOTE_PROGRESS) bar_show(&batch->bar, note);
-        else if (note->kind == NOTE_ANSWER && note->order == awaited) came = true;
-        else if (note->kind == NOTE_ANSWER) free(note->order);
-        note_free(note);
+        if (note->kind != NOTE_ANSWER) note_free(note);
+        else if (note->order == awaited) came = true;
+        else free(note->order); /* and with it the note */
     }
     return came;
 }

@@ -184,8 +184,11 @@ static void show(Daemon *daemon, const Note *note)
 static void take_notes(Daemon *daemon)
 {
     for (Note *note; (note = outbox_take(run_outbox(daemon->run)));) {
-        if (note->kind == NOTE_ANSWER) take_answer(daemon, note->order);
-        else show(daemon, note);
+        if (note->kind == NOTE_ANSWER) {
+            take_answer(daemon, note->order); /* and with it the note */
+            continue;
+        }
+        show(daemon, note);
         note_free(note);
     }
 }

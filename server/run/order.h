@@ -4,27 +4,9 @@
 #ifndef RUN_ORDER_H
 #define RUN_ORDER_H
 
-#include <meniscus/status.h>
-#include <stdbool.h>
-#include <stdint.h>
+#include "run/note.h"
 
 struct Run;
-
-/* Numbered as in the protocol. */
-typedef enum RunState {
-    RUN_EMPTY,
-    RUN_LOADING,
-    RUN_READY,
-    RUN_RUNNING,
-    RUN_PAUSED,
-    RUN_DONE,
-    RUN_FAULT,
-    RUN_STOPPING,
-    RUN_STATES
-} RunState;
-
-/* "RUNNING". */
-const char *run_state_name(RunState state);
 
 enum { ORDER_ID = 16 };
 
@@ -46,6 +28,7 @@ typedef struct Order {
     uint64_t step, effect_step;
     double t, effect_t; /* [s]                                                                  */
     char path[4096];    /* of the file written, or the run directory; empty if there is none    */
+    Note note;          /* that carries it through the outbox: an answer needs no memory to get there */
 } Order;
 
 #endif

@@ -2,7 +2,6 @@
 /* Notes on their way out of the runner. Putting one never waits for the reader. */
 #include "run/outbox.h"
 
-#include <stdlib.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
@@ -21,20 +20,6 @@ void outbox_done(Outbox *box)
     for (Note *note; (note = outbox_take(box));) note_free(note);
     pthread_mutex_destroy(&box->lock);
     close(box->wake);
-}
-
-Note *note_new(NoteKind kind, size_t n)
-{
-    Note *note = calloc(1, sizeof *note + n * sizeof *note->values);
-    if (note) note->kind = kind;
-    return note;
-}
-
-void note_free(Note *note)
-{
-    if (!note) return;
-    document_leave(note->document);
-    free(note);
 }
 
 static bool is_live(const Note *note)

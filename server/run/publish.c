@@ -175,8 +175,6 @@ void run_answer(Run *run, Order *order, MnsStatus status, const MnsError *error)
     order->step = run->status.progress.step;
     order->t = run->status.progress.t;
     pthread_mutex_unlock(&run->lock);
-    Note *note = note_new(NOTE_ANSWER, 0);
-    if (!note) return; /* the sender's deadline must do */
-    note->order = order;
-    outbox_put(&run->outbox, note);
+    order->note = (Note){.kind = NOTE_ANSWER, .order = order};
+    outbox_put(&run->outbox, &order->note);
 }

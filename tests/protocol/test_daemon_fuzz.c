@@ -189,8 +189,11 @@ typedef struct Bench {
 /* What comes back is completed as for a client, and dropped. */
 static void take_answers(Bench *bench)
 {
-    for (Note *note; (note = outbox_take(run_outbox(bench->run))); note_free(note)) {
-        if (note->kind != NOTE_ANSWER) continue;
+    for (Note *note; (note = outbox_take(run_outbox(bench->run)));) {
+        if (note->kind != NOTE_ANSWER) {
+            note_free(note);
+            continue;
+        }
         Exchange *exchange = (Exchange *)note->order;
         if (!note->order->status && exchange->handler && exchange->handler->complete)
             note->order->status = exchange->handler->complete(bench->run, exchange, &note->order->error);

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The states of a run. */
+#ifndef RUN_STATE_H
+#define RUN_STATE_H
+
+/* Numbered as in the protocol. */
+typedef enum RunState {
+    RUN_EMPTY,
+    RUN_LOADING,
+    RUN_READY,
+    RUN_RUNNING,
+    RUN_PAUSED,
+    RUN_DONE,
+    RUN_FAULT,
+    RUN_STOPPING,
+    RUN_STATES
+} RunState;
+
+/* "RUNNING". */
+const char *run_state_name(RunState state);
+
+#endif

@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A whole run without sockets: what is ordered is answered, what is given up leaves nothing behind. */
+#include "proto/case_file.h"
+#include "run/run.h"
+#include "tests/support/check.h"
+#include "tests/support/io_fixture.h"
+#include <poll.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A run, and an order that goes there and back. */
+typedef struct Bench {
+    Order order; /* first, so that the order is the bench */
+    Run *run;
+    char *home;
+    CaseFile *file;
+    Note *answer;
+} Bench;
+
+static Note *next_note(const Bench *bench)
+{
+    struct pollfd wake = {.fd = run_outbox(bench->run)->wake, .events = POLLIN};
+    for (;;) {
+        Note *note = outbox_take(run_outbox(bench->run));
+        if (note) return note;
+        if (poll(&wake, 1, 60000) < 1) fail_msg("no answer in a minute");
+    }
+}
+
+/* Have the runner serve an order, and wait for its answer. */
+static MnsStatus perform(Bench *bench, void (*serve)(Run *run, Order *order))
+{
+    bench->order = (Order){.serve = serve, .deadline = INFINITY};
+    assert_int_equal(run_post(bench->run, &bench->order, NULL), MNS_OK);
+    for (;;) {
+        Note *note = next_note(bench);
+        if (note->kind == NOTE_ANSWER) {
+            assert_ptr_equal(note->order, &bench->order);
+            bench->answer = note;
+            return bench->order.status;
+        }
+        note_free(note);
+    }
+}
+
+static void load(Run *run, Order *order)
+{
+    const RunLoad what = {.message = case_file_message(((Bench *)order)->file), .name = "small"};
+    run_load(run, order, &what);
+}
+
+static void leave(Run *run, Order *order)
+{
+    run_leave(run, order, false);
+}
+
+static int begin(void **state)
+{
+    static const char *const settings[] = {"resolution=8", "end_time=0.05", "threads=1"};
+    Bench *bench = calloc(1, sizeof *bench);
+    if (!bench) return 1;
+    *state = bench;
+    bench->home = scratch_new();
+    if (case_file_read("server/cases/dambreak2d.yaml", &bench->file, NULL)) return 1;
+    for (size_t k = 0; k < sizeof settings / sizeof *settings; k++)
+        if (case_file_set(bench->file, settings[k], NULL)) return 1;
+    const RunOptions options = {.parent = bench->home};
+    return (int)run_new(&options, &bench->run, NULL);
+}
+
+static int end(void **state)
+{
+    Bench *bench = *state;
+    perform(bench, leave);
+    run_join(bench->run);
+    run_free(bench->run);
+    case_file_free(bench->file);
+    scratch_free(bench->home);
+    free(bench);
+    return 0;
+}
+
+/* Else it would be lost when there is none. */
+static void an_answer_needs_no_memory_of_its_own(void **state)
+{
+    Bench *bench = *state;
+    assert_int_equal(perform(bench, load), MNS_OK);
+    const char *answer = (const char *)bench->answer, *order = (const char *)&bench->order;
+    assert_true(answer >= order && answer + sizeof *bench->answer <= order + sizeof bench->order);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(an_answer_needs_no_memory_of_its_own, begin, end),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
