@@ -143,16 +143,18 @@ unsigned desk_poll(Desk *desk, const int fds[2], long timeout)
 
 /* --- replies ----------------------------------------------------------------------------------------------------------- */
 
-/* A raw frame on its way, to be counted until ZeroMQ lets go of it. */
+/* A raw frame on its way, to be counted until ZeroMQ lets go of it, on its own thread. The size is written last and read
+ * first, so that what is handed over is in order for race detectors too, which do not see into ZeroMQ. */
 typedef struct Parcel {
     _Atomic size_t *unread;
-    size_t size;
+    _Atomic size_t size;
 } Parcel;
 
 static void let_go(void *data, void *hint)
 {
     Parcel *parcel = hint;
-    *parcel->unread -= parcel->size;
+    const size_t size = parcel->size;
+    *parcel->unread -= size;
     free(parcel);
     free(data);
 }
@@ -167,7 +169,8 @@ static bool send_parcel(Desk *desk, void *data, size_t size, int flags)
         free(data);
         return false;
     }
-    *parcel = (Parcel){.unread = &desk->unread, .size = size};
+    parcel->unread = &desk->unread;
+    parcel->size = size;
     desk->unread += size;
     if (zmq_msg_send(&message, desk->control, flags | ZMQ_DONTWAIT) >= 0) return true;
     zmq_msg_close(&message);
