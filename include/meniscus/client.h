@@ -235,7 +235,7 @@ typedef struct MnsParticleQuery {
     int dim;               /* of the corners; 0: everywhere */
     double min[3], max[3]; /* corners of the box [m] */
     size_t n_fields;
-    const char *const *fields; /* [n_fields]; none: those of the case's snapshots */
+    const char *const *fields; /* [n_fields]; none: position, id and phase */
     uint64_t limit;            /* MNS_E_LIMIT beyond; 0: 100000 */
     bool walls;                /* wall particles too */
 } MnsParticleQuery;

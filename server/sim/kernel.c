@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Smoothing kernels. Outside the support the formulas give 0 by themselves, so no pair needs a test. */
+/* Smoothing kernels. Outside the support all are 0, the Gaussian by a choice and the others by their formulas, so that nobody
+ * else need ask whether a pair is in reach. */
 #include "sim/kernel.h"
 #include <math.h>
 

@@ -1,28 +1,17 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# layers.sh: prove that each folder uses only what lies below it. First by reading its includes, then by asking the linker:
-# the solver library must be complete without the libraries of messages, files and sockets. Prints TAP.
+# layers.sh: prove that each folder uses only what lies below it. First by reading its includes, by the
+# table of ARCHITECTURE.md; then by asking the linker: the solver library must be complete without the libraries of messages,
+# files and sockets. Prints TAP.
 set -eu
 cd "$(dirname "$0")/../.."
 BUILD=${BUILD:-build}
 CC=${CC:-gcc}
 failed=0
 
-# folder              may use: folders of ours, `messages` (generated from proto/), libraries
-table='
-include/meniscus      meniscus
-server/base           meniscus base
-server/sim            meniscus base sim lua xxhash openmp
-server/cases          meniscus base sim cases proto messages
-server/io             meniscus base sim cases io hdf5 xxhash jansson
-server/run            meniscus base sim cases io run proto messages
-server/batch          meniscus base sim cases io run batch proto messages jansson
-server/net            meniscus base sim cases io run net proto messages zmq systemd xxhash
-server/main.c         meniscus base run net batch
-proto                 meniscus proto messages yaml
-client/lib            meniscus client proto messages zmq xxhash
-client/cli            meniscus client proto jansson cairo hdf5
-'
+# The rows of ARCHITECTURE.md: folder, and what it may use: folders of ours, `messages` (generated from proto/), libraries.
+# shellcheck disable=SC2016 # the backticks are those of the table
+table=$(sed -n 's/^| `\([a-z/.]*\)` |[^|]*| \([a-z][a-z0-9, ]*\) |$/\1 \2/p' ARCHITECTURE.md | tr -d ,)
 
 # What an include names, in the words of the table. Angle brackets that are none of these are the C library's.
 kind_of() {
@@ -66,6 +55,16 @@ while read -r folder allowed; do
         failed=1
     fi
 done <<<"$table"
+
+forgotten=$(comm -23 <(find include server proto client -name '*.[ch]' | sort) \
+    <(cut -d' ' -f1 <<<"$table" | xargs -I{} find {} -name '*.[ch]' | sort))
+if [ -z "$forgotten" ]; then
+    echo "ok - every source is in a folder of the table"
+else
+    echo "not ok - every source is in a folder of the table"
+    echo "# ${forgotten//$'\n'/$'\n'# }"
+    failed=1
+fi
 
 # What a folder may not include it may still declare and call by hand, so the linker has the last word.
 undefined=$(nm -u "$BUILD/libmeniscus.a")
