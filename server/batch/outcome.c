@@ -8,6 +8,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* A run that needed no step to be where it was asked to stop stands like any other that stopped there. */
+static const char *state_name(const RunStatus *status)
+{
+    const bool stood = status->state == RUN_READY && status->progress.step > 0;
+    return run_state_name(stood ? RUN_PAUSED : status->state);
+}
+
 static json_t *number(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();
@@ -63,7 +70,7 @@ static json_t *as_json(const Outcome *outcome)
     const RunStatus *status = &outcome->status;
     const MnsProgress *at = &status->progress;
     json_t *object = json_object();
-    json_object_set_new(object, "state", json_string(run_state_name(status->state)));
+    json_object_set_new(object, "state", json_string(state_name(status)));
     json_object_set_new(object, "case", json_string(status->case_name));
     json_object_set_new(object, "run_directory", json_string(outcome->directory));
     json_object_set_new(object, "t", number(at->t));
@@ -90,13 +97,14 @@ static void print_lines(const Outcome *outcome)
 {
     const RunStatus *status = &outcome->status;
     if (!outcome->document) return;
-    printf("%s: %s at t = %.9g s, step %" PRIu64 ", %zu particles\n", status->case_name, run_state_name(status->state),
+    printf("%s: %s at t = %.9g s, step %" PRIu64 ", %zu particles\n", status->case_name, state_name(status),
            status->progress.t, status->progress.step, status->particles);
     printf("  %.1f s of wall-clock time, %.1f ns per particle and step, %u threads, state %016" PRIx64 "\n",
            status->wall, status->ns_per_particle_step, status->threads, status->hash);
     const MnsCase *c = outcome->document->c;
     for (size_t k = 0; k < c->n_probes; k++)
         printf("  %-24s %.9g %s\n", c->probes[k].name, outcome->probes[k], mns_probe_unit(&c->probes[k]));
+    if (status->progress.guarded) printf("  kept from walls %" PRIu64 " times\n", status->progress.guarded);
     printf("  files in %s\n", outcome->directory);
 }
 
