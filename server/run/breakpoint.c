@@ -31,8 +31,14 @@ Breakpoints *breakpoints_new(void)
 
 void breakpoints_free(Breakpoints *points)
 {
-    for (size_t k = 0; points && k < points->n; k++) formula_free(points->watch[k].formula);
+    if (points) breakpoints_clear(points);
     free(points);
+}
+
+void breakpoints_clear(Breakpoints *points)
+{
+    for (size_t k = 0; k < points->n; k++) formula_free(points->watch[k].formula);
+    points->n = 0;
 }
 
 /* Words that cannot be the name of a variable, or are that of another one. */

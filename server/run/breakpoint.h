@@ -20,6 +20,9 @@ typedef struct Breakpoints Breakpoints;
 Breakpoints *breakpoints_new(void);
 void breakpoints_free(Breakpoints *points);
 
+/* Remove all of them, as when their case goes. */
+void breakpoints_clear(Breakpoints *points);
+
 /* Add one, or replace that of the same name. The condition is a formula of t, step, the constants of c and its probes: dots
  * and dashes of their names become underscores, and one goes before a name that begins with a digit, is t or step, or means
  * something to Lua, as `end` does. A probe hides a constant or function of its name. MNS_E_INVALID, MNS_E_LIMIT,

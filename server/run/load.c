@@ -83,8 +83,7 @@ static MnsStatus close_run(Run *run, MnsError *error)
     close_log(run);
     mns_sim_free(run->sim);
     document_leave(run->document);
-    breakpoints_free(run->breakpoints);
-    run->breakpoints = breakpoints_new();
+    breakpoints_clear(run->breakpoints);
     run->sim = NULL;
     run->document = NULL;
     return status;

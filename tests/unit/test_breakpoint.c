@@ -157,6 +157,16 @@ static void a_condition_is_reached_when_it_becomes_true(void **state)
     assert_null(breakpoints_reached(place->points, place->sim, mns_sim_progress(place->sim)));
 }
 
+static void cleared_breakpoints_are_gone_and_new_ones_may_come(void **state)
+{
+    Place *place = *state;
+    make(place);
+    assert_true(holds(place, "t < 1"));
+    breakpoints_clear(place->points);
+    assert_int_equal(breakpoints_remove(place->points, "here", NULL), MNS_E_NOT_FOUND);
+    assert_true(holds(place, "t < 1"));
+}
+
 static void an_unknown_word_is_refused(void **state)
 {
     Place *place = *state;
@@ -176,6 +186,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(there_may_be_more_probes_than_lua_has_variables, begin, end),
         cmocka_unit_test_setup_teardown(a_condition_may_be_full_of_words, begin, end),
         cmocka_unit_test_setup_teardown(a_condition_is_reached_when_it_becomes_true, begin, end),
+        cmocka_unit_test_setup_teardown(cleared_breakpoints_are_gone_and_new_ones_may_come, begin, end),
         cmocka_unit_test_setup_teardown(an_unknown_word_is_refused, begin, end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
