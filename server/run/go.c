@@ -141,7 +141,8 @@ void run_begin(Run *run, const char *text)
     meter_begin(&run->meter, mns_sim_progress(run->sim), clock_now());
     run_enter(run, RUN_RUNNING, text);
     MnsError error;
-    if (isinf(run->outputs.t_before) && outputs_take(&run->outputs, run->sim, run->document, &error))
+    const double t = mns_sim_progress(run->sim).t;
+    if (outputs_behind(&run->outputs, t) && outputs_take(&run->outputs, run->sim, run->document, &error))
         run_fault(run, &error, true);
 }
 

@@ -23,7 +23,8 @@ MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *docume
     snprintf(outputs->directory, sizeof outputs->directory, "%s", directory);
     outputs->series = series;
     outputs->document = document_share(document);
-    outputs->t_before = goes_on && progress.step > 0 ? progress.t : -INFINITY;
+    const double before = goes_on && progress.step > 0 ? progress.t : -INFINITY;
+    outputs->before = (OutputTimes){before, before, before};
     outputs->at_checkpoint = goes_on ? progress.step : UINT64_MAX;
     outputs->wall_checkpoint = outputs->wall_flush = clock_now();
     return MNS_OK;
@@ -57,25 +58,32 @@ static MnsStatus take_probes(Outputs *outputs, const MnsSim *sim, Document *docu
     note->t = now.t;
     note->document = document_share(document);
     for (size_t k = 0; k < n; k++) note->values[k] = values[k];
-    outbox_put(outputs->outbox, note);
-    return job_post_row(outputs, now, n, values, error);
+    const MnsStatus status = job_post_row(outputs, now, n, values, error);
+    if (status) note_free(note);
+    else outbox_put(outputs->outbox, note);
+    return status;
 }
 
 MnsStatus outputs_flush(Outputs *outputs, MnsError *error)
 {
-    outputs->wall_flush = clock_now();
-    return outputs->series ? job_post_flush(outputs, error) : MNS_OK;
+    const MnsStatus status = outputs->series ? job_post_flush(outputs, error) : MNS_OK;
+    if (!status) outputs->wall_flush = clock_now();
+    return status;
 }
 
 MnsStatus outputs_checkpoint(Outputs *outputs, const MnsSim *sim, Document *document, Order *order, MnsError *error)
 {
     MnsCapture *capture;
-    const MnsStatus status = mns_sim_capture(sim, mns_state_fields(), &capture, error);
+    MnsStatus status = mns_sim_capture(sim, mns_state_fields(), &capture, error);
+    if (status) return status;
+    const uint64_t step = capture->progress.step;
+    status = outputs_flush(outputs, error); /* a restart needs the samples up to the checkpoint */
+    if (!status) status = job_post_checkpoint(outputs, capture, document, order, error);
+    else mns_capture_free(capture);
     if (status) return status;
     outputs->wall_checkpoint = clock_now();
-    outputs->at_checkpoint = capture->progress.step;
-    outputs_flush(outputs, NULL); /* a restart needs the samples up to the checkpoint */
-    return job_post_checkpoint(outputs, capture, document, order, error);
+    outputs->at_checkpoint = step;
+    return MNS_OK;
 }
 
 static uint64_t field_bit(const char *name)
@@ -99,23 +107,34 @@ static bool checkpoint_due(const Outputs *outputs, const MnsOutput *output, doub
 {
     const double wall = output->checkpoint_wall_interval;
     if (wall > 0 && clock_now() - outputs->wall_checkpoint >= wall) return true;
-    return schedule_due(output->checkpoint_interval, outputs->t_before, t);
+    return schedule_due(output->checkpoint_interval, outputs->before.checkpoint, t);
 }
 
 MnsStatus outputs_take(Outputs *outputs, const MnsSim *sim, Document *document, MnsError *error)
 {
     const MnsOutput *output = &document->c->output;
-    const double before = outputs->t_before, t = mns_sim_progress(sim).t;
+    OutputTimes *before = &outputs->before;
+    const double t = mns_sim_progress(sim).t;
     MnsStatus status = MNS_OK;
-    if (outputs->series && schedule_due(output->probe_interval, before, t))
+    if (outputs->series && schedule_due(output->probe_interval, before->probes, t))
         status = take_probes(outputs, sim, document, error);
-    if (!status && schedule_due(output->snapshot_interval, before, t))
-        status = outputs_snapshot(outputs, sim, document, 0, NULL, error);
-    if (!status && checkpoint_due(outputs, output, t)) status = outputs_checkpoint(outputs, sim, document, NULL, error);
-    if (!status && clock_now() - outputs->wall_flush >= FLUSH_INTERVAL) status = outputs_flush(outputs, error);
     if (status) return status;
-    outputs->t_before = t;
-    return writer_failure(outputs->writer, error);
+    before->probes = t;
+    if (schedule_due(output->snapshot_interval, before->snapshot, t))
+        status = outputs_snapshot(outputs, sim, document, 0, NULL, error);
+    if (status) return status;
+    before->snapshot = t;
+    if (checkpoint_due(outputs, output, t)) status = outputs_checkpoint(outputs, sim, document, NULL, error);
+    if (status) return status;
+    before->checkpoint = t;
+    if (clock_now() - outputs->wall_flush >= FLUSH_INTERVAL) status = outputs_flush(outputs, error);
+    return status ? status : writer_failure(outputs->writer, error);
+}
+
+bool outputs_behind(const Outputs *outputs, double t)
+{
+    const OutputTimes *before = &outputs->before;
+    return before->probes < t || before->snapshot < t || before->checkpoint < t;
 }
 
 MnsStatus outputs_finish(Outputs *outputs, const MnsSim *sim, Document *document, MnsError *error)

@@ -11,13 +11,19 @@
 #include "run/rundir.h"
 #include "run/writer.h"
 
+/* Of the boundaries at which it was last looked whether each is due [s]; -INFINITY: never yet. Each has one of its own, as
+ * what could not be taken for lack of memory is due again at the next boundary, and the others are not. */
+typedef struct OutputTimes {
+    double probes, snapshot, checkpoint;
+} OutputTimes;
+
 typedef struct Outputs {
     char directory[RUNDIR_PATH];
     Writer *writer;
     Outbox *outbox;
-    Series *series;         /* the writer's thread only; NULL without probes                    */
-    Document *document;     /* that the series was opened with, and borrows from; NULL when closed */
-    double t_before;        /* of the boundary before [s]; -INFINITY: nothing has been taken    */
+    Series *series;     /* the writer's thread only; NULL without probes                    */
+    Document *document; /* that the series was opened with, and borrows from; NULL when closed */
+    OutputTimes before;
     double wall_checkpoint; /* clock_now() of the last one; of the beginning if there is none   */
     double wall_flush;      /* the same for the series                                          */
     uint64_t at_checkpoint; /* step of the last one; UINT64_MAX: none                           */
@@ -35,9 +41,12 @@ MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *docume
 /* Write what is left and close the series. MNS_OK; or the failure, and what could not be written is given up. */
 MnsStatus outputs_close(Outputs *outputs, MnsError *error);
 
-/* Take what is due at this boundary. MNS_OK; MNS_E_MEMORY; or the failure of an output by the writer: then what is due has
- * been taken all the same and is kept behind the one that failed. */
+/* Take what is due at this boundary. MNS_OK; MNS_E_MEMORY: what could not be taken is due when this is called again; or the
+ * failure of an output by the writer: then what is due has been taken all the same and is kept behind the one that failed. */
 MnsStatus outputs_take(Outputs *outputs, const MnsSim *sim, Document *document, MnsError *error);
+
+/* Is there anything that has not been looked at for the boundary at t, as before the first step? */
+bool outputs_behind(const Outputs *outputs, double t);
 
 /* Take a checkpoint now, or a snapshot with these fields besides those of the case. MNS_OK or MNS_E_MEMORY.
  *  order  answered when it is written, or not: then it is taken over unless MNS_E_MEMORY is returned; NULL if nobody asked */
