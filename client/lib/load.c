@@ -3,23 +3,13 @@
  * text do. */
 #include "client/lib/commands.h"
 #include "proto/case_file.h"
-#include <stdio.h>
-#include <string.h>
-
-enum { NAME_SIZE = 256 };
-
-/* "cases/tank.yaml" gives "tank". */
-static void name_of(const char *file, char ret[NAME_SIZE])
-{
-    const char *slash = strrchr(file, '/'), *base = slash ? slash + 1 : file, *dot = strrchr(base, '.');
-    snprintf(ret, NAME_SIZE, "%.*s", dot && dot > base ? (int)(dot - base) : NAME_SIZE - 1, base);
-}
+#include "proto/case_name.h"
 
 static MnsStatus send_case(MnsClient *client, const MnsLoad *from, const CaseFile *file, MnsReply **ret_reply,
                            MnsError *error)
 {
-    char name[NAME_SIZE];
-    name_of(from->file, name);
+    char name[CASE_NAME_SIZE];
+    case_name_from_path(from->file, name);
     Meniscus__Load load = MENISCUS__LOAD__INIT;
     load.case_ = (Meniscus__Case *)case_file_message(file);
     load.name = from->name ? (char *)from->name : name;

@@ -7,6 +7,7 @@
 #include "batch/outcome.h"
 #include "proto/case_file.h"
 #include "proto/case_find.h"
+#include "proto/case_name.h"
 #include <math.h>
 #include <meniscus/exit.h>
 #include <poll.h>
@@ -21,7 +22,7 @@ static const double INSISTENCE = 0.5; /* [s] after which a second signal is mean
 typedef struct Batch {
     const BatchOptions *options;
     CaseFile *file;
-    char name[128];
+    char name[CASE_NAME_SIZE];
     char directory[RUNDIR_PATH];
     Run *run;
     int signals;  /* signalfd                      */
@@ -152,18 +153,6 @@ static MnsStatus perform(Batch *batch, void (*serve)(Run *, Order *), MnsError *
 
 /* --- the case ---------------------------------------------------------------------------------------------------------- */
 
-/* The file's name without folder and ending, in the letters a run directory may have. */
-static void name_case(const char *path, char ret[static 128])
-{
-    const char *base = strrchr(path, '/');
-    snprintf(ret, 128, "%.100s", base ? base + 1 : path);
-    char *dot = strrchr(ret, '.');
-    if (dot && dot != ret) *dot = 0;
-    for (char *c = ret; *c; c++)
-        if (!strchr("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-", *c)) *c = '_';
-    if (*ret == '.' || *ret == '-' || !*ret) *ret = '_';
-}
-
 static MnsStatus read_case(Batch *batch, MnsError *error)
 {
     char path[4096];
@@ -172,7 +161,7 @@ static MnsStatus read_case(Batch *batch, MnsError *error)
     for (size_t k = 0; !status && k < batch->options->n_settings; k++)
         status = case_file_set(batch->file, batch->options->settings[k], error);
     if (status) return status;
-    name_case(path, batch->name);
+    case_name_from_path(path, batch->name);
     const char *directory = batch->options->directory;
     if (directory && strlen(directory) >= RUNDIR_PATH)
         return mns_fail(error, MNS_E_LIMIT, "the path of the run directory is too long: %.200s...", directory);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Texts, vectors and names of a case message, taken over one by one. */
 #include "cases/translation.h"
+#include "proto/case_name.h"
 #include "proto/case_words.h"
 #include <meniscus/sim.h>
 #include <stdarg.h>
@@ -59,12 +60,6 @@ MnsStatus take_formulas(Translation *t, const char *name, size_t n, char *const 
     MnsStatus status = n ? check_dimensions(t, name, n, "formula") : MNS_OK;
     for (size_t d = 0; d < 3 && !status; d++) status = take_text(t, d < n ? formulas[d] : "0", &ret[d]);
     return status;
-}
-
-static bool is_name(const char *name)
-{
-    static const char good[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-";
-    return *name && !name[strspn(name, good)];
 }
 
 MnsStatus take_name(Translation *t, const char *name, const Names *before, char **ret)

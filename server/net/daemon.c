@@ -9,6 +9,7 @@
 #include "net/notify.h"
 #include "proto/case_file.h"
 #include "proto/case_find.h"
+#include "proto/case_name.h"
 #include "proto/frame.h"
 #include <math.h>
 #include <meniscus/exit.h>
@@ -102,11 +103,8 @@ static MnsStatus read_case(Daemon *daemon, char path[static 4096], MnsError *err
 
 static void post_load(Daemon *daemon, const char *path)
 {
-    char name[128];
-    const char *base = strrchr(path, '/');
-    snprintf(name, sizeof name, "%.100s", base ? base + 1 : path);
-    char *dot = strrchr(name, '.');
-    if (dot && dot != name) *dot = 0;
+    char name[CASE_NAME_SIZE];
+    case_name_from_path(path, name);
     Meniscus__Request request = MENISCUS__REQUEST__INIT;
     Meniscus__Load load = MENISCUS__LOAD__INIT;
     load.case_ = (Meniscus__Case *)case_file_message(daemon->file);

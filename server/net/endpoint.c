@@ -2,6 +2,7 @@
 /* Where a daemon listens. The lock comes first, because binding takes a socket's path from whoever has it. */
 #include "net/endpoint.h"
 
+#include "proto/case_name.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <stdbool.h>
@@ -17,9 +18,7 @@ static const size_t PATH_LONGEST = sizeof((struct sockaddr_un *)NULL)->sun_path 
 
 static MnsStatus check_name(const char *name, MnsError *error)
 {
-    static const char allowed[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-";
-    const size_t n = strlen(name);
-    if (n >= 1 && n <= 64 && strspn(name, allowed) == n && name[0] != '.') return MNS_OK;
+    if (is_name(name) && strlen(name) <= 64 && name[0] != '.') return MNS_OK;
     return mns_fail_at(
         error, MNS_E_INVALID, "name",
         "the name of a daemon has 1 to 64 letters, digits, dots, dashes and underscores and does not begin "

@@ -4,6 +4,7 @@
 
 #include "cases/translate.h"
 #include "proto/case_file.h"
+#include "proto/case_name.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,9 +21,7 @@ static void destroy(Document *document)
 /* The name becomes that of a directory: no slash, and nothing that hides it or climbs out of it. */
 static MnsStatus check_name(const char *name, MnsError *error)
 {
-    static const char allowed[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-";
-    const size_t n = strlen(name);
-    if (n >= 1 && n <= 100 && strspn(name, allowed) == n && name[0] != '.' && name[0] != '-') return MNS_OK;
+    if (is_name(name) && strlen(name) < CASE_NAME_SIZE && name[0] != '.' && name[0] != '-') return MNS_OK;
     return mns_fail_at(error, MNS_E_INVALID, "name",
                        "the name of a case has 1 to 100 letters, digits, dots, dashes and underscores, and begins with "
                        "none of '.' and '-'; found \"%.60s\"",

@@ -39,6 +39,12 @@ def find(case: Union[str, Path]) -> Path:
     raise CaseError("NOT_FOUND", f'there is no file "{case}" and no case of that name in {looked}')
 
 
+def name_of(path: Path) -> str:
+    """The name of a case from its path, by the rule of proto/case_name.c: what a name may not have becomes an underscore."""
+    name = re.sub(rb"[^A-Za-z0-9._-]", b"_", os.fsencode(path.stem))[:100].decode("ascii")
+    return re.sub(r"^[.-]", "_", name)
+
+
 class CaseText:
     """A case as text, with the places of its entries."""
 
@@ -49,7 +55,7 @@ class CaseText:
             text = yaml.safe_dump(dict(case), sort_keys=False)
         else:
             path = find(case)
-            self.name, self.file = path.stem, str(path)
+            self.name, self.file = name_of(path), str(path)
             text = path.read_text(encoding="utf-8")
         self._root = self._compose(text, self.file)
         self._places: Dict[str, str] = {}
