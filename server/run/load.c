@@ -117,9 +117,11 @@ static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
 static void replace(Run *run, Order *order, Candidate *candidate, MnsStatus status, RunState previous, const char *text,
                     MnsError *error)
 {
-    if (!status) status = rundir_make(candidate->directory, error);
+    bool made = false;
+    if (!status) status = rundir_make(candidate->directory, &made, error);
     if (!status) status = install(run, candidate, error);
     if (status) {
+        if (made) rundir_unmake(candidate->directory);
         candidate_drop(candidate);
         run_enter(run, run->sim ? previous : RUN_EMPTY, error->text);
     } else {

@@ -16,10 +16,13 @@ MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *docume
 {
     Series *series = NULL;
     MnsStatus status = rundir_abandon(directory, !goes_on, progress.step, error);
-    if (!status) status = rundir_write(directory, "case.yaml", document->text, error);
     if (!status && document->c->n_probes)
         status = job_open_series(outputs->writer, directory, document, goes_on, progress.step, &series, error);
-    if (status) return status;
+    if (!status) status = rundir_write(directory, "case.yaml", document->text, error); /* the first sign of a run */
+    if (status) {
+        series_free(series);
+        return status;
+    }
     snprintf(outputs->directory, sizeof outputs->directory, "%s", directory);
     outputs->series = series;
     outputs->document = document_share(document);

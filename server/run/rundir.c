@@ -41,18 +41,21 @@ MnsStatus rundir_choose(const char *parent, const char *name, bool latest, char 
     return MNS_OK;
 }
 
-MnsStatus rundir_make(const char *dir, MnsError *error)
+MnsStatus rundir_make(const char *dir, bool *ret_made, MnsError *error)
 {
     char path[4096];
+    bool made = false;
     if (strlen(dir) >= RUNDIR_PATH)
         return mns_fail(error, MNS_E_LIMIT, "the path of the run directory is too long: %.200s...", dir);
     snprintf(path, sizeof path, "%s/", dir);
     for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
         *slash = 0;
-        if (mkdir(path, 0777) && errno != EEXIST) return refused("make the directory", path, error);
+        made = !mkdir(path, 0777);
+        if (!made && errno != EEXIST) return refused("make the directory", path, error);
         *slash = '/';
     }
     if (access(path, W_OK | X_OK)) return refused("write to", path, error);
+    *ret_made = made;
     return MNS_OK;
 }
 

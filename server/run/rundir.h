@@ -16,8 +16,9 @@ enum { RUNDIR_PATH = 4096 - 64 }; /* leaves room for the names of its files in a
 MnsStatus rundir_choose(const char *parent, const char *name, bool latest, char ret[static RUNDIR_PATH],
                         MnsError *error);
 
-/* Make the directory and those above it, and see whether it can be written to. MNS_E_IO, MNS_E_NO_SPACE. */
-MnsStatus rundir_make(const char *dir, MnsError *error);
+/* Make the directory and those above it, and see whether it can be written to. MNS_E_IO, MNS_E_NO_SPACE.
+ *  ret_made  whether it was not there before */
+MnsStatus rundir_make(const char *dir, bool *ret_made, MnsError *error);
 
 /* Take away the directory if nothing is in it, as after a run that could not begin. */
 void rundir_unmake(const char *dir);

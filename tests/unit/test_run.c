@@ -6,7 +6,7 @@
 #include "tests/support/io_fixture.h"
 #include <poll.h>
 #include <stdlib.h>
-#include <string.h>
+#include <unistd.h>
 
 /* A run, and an order that goes there and back. */
 typedef struct Bench {
@@ -71,6 +71,7 @@ static int begin(void **state)
 static int end(void **state)
 {
     Bench *bench = *state;
+    limit_files(SIZE_MAX);
     perform(bench, leave);
     run_join(bench->run);
     run_free(bench->run);
@@ -89,10 +90,24 @@ static void an_answer_needs_no_memory_of_its_own(void **state)
     assert_true(answer >= order && answer + sizeof *bench->answer <= order + sizeof bench->order);
 }
 
+static void a_run_that_cannot_begin_leaves_no_directory(void **state)
+{
+    Bench *bench = *state;
+    char *directory = path_in(bench->home, "small");
+    limit_files(0);
+    assert_int_not_equal(perform(bench, load), MNS_OK);
+    limit_files(SIZE_MAX);
+    assert_int_equal(access(directory, F_OK), -1);
+    assert_int_equal(perform(bench, load), MNS_OK);
+    assert_string_equal(bench->order.path, directory);
+    free(directory);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(an_answer_needs_no_memory_of_its_own, begin, end),
+        cmocka_unit_test_setup_teardown(a_run_that_cannot_begin_leaves_no_directory, begin, end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
