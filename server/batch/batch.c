@@ -2,7 +2,7 @@
 /* One run from the command line. The run has its own threads; this one posts orders, shows progress and minds signals. */
 #include "batch/batch.h"
 
-#include "base/clock.h"
+#include "base/signals.h"
 #include "batch/bar.h"
 #include "batch/outcome.h"
 #include "proto/case_file.h"
@@ -11,13 +11,9 @@
 #include <math.h>
 #include <meniscus/exit.h>
 #include <poll.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/signalfd.h>
 #include <unistd.h>
-
-static const double INSISTENCE = 0.5; /* [s] after which a second signal is meant as one */
 
 typedef struct Batch {
     const BatchOptions *options;
@@ -25,9 +21,7 @@ typedef struct Batch {
     char name[CASE_NAME_SIZE];
     char directory[RUNDIR_PATH];
     Run *run;
-    int signals;  /* signalfd                      */
-    bool stopped; /* by a signal                   */
-    double stopped_at;
+    Signals signals;
     Bar bar;
     double probes[MNS_MAX_PROBES];
 } Batch;
@@ -105,20 +99,12 @@ static void post_aside(Batch *batch, void (*serve)(Run *, Order *))
 
 static void take_signal(Batch *batch)
 {
-    struct signalfd_siginfo info;
-    if (read(batch->signals, &info, sizeof info) != sizeof info) return;
-    if (info.ssi_signo == SIGUSR1) {
-        post_aside(batch, serve_checkpoint);
-        return;
+    switch (signals_take(&batch->signals)) {
+    case SIGNAL_NOTHING: break;
+    case SIGNAL_CHECKPOINT: post_aside(batch, serve_checkpoint); break;
+    case SIGNAL_LEAVE: post_aside(batch, serve_pause); break;
+    case SIGNAL_INSIST: _exit(MNS_EXIT_FAILED);
     }
-    if (batch
-            ->stopped) { /* who insists wants no checkpoint; but timeout(1) and others send each signal twice at once */
-        if (clock_now() - batch->stopped_at > INSISTENCE) _exit(MNS_EXIT_FAILED);
-        return;
-    }
-    batch->stopped = true;
-    batch->stopped_at = clock_now();
-    post_aside(batch, serve_pause);
 }
 
 /* Look at all notes; true if the order has come back. */
@@ -141,7 +127,7 @@ static MnsStatus perform(Batch *batch, void (*serve)(Run *, Order *), MnsError *
     MnsStatus status = run_post(batch->run, &order.order, error);
     if (status) return status;
     struct pollfd wake[2] = {{.fd = run_outbox(batch->run)->wake, .events = POLLIN},
-                             {.fd = batch->signals, .events = POLLIN}};
+                             {.fd = batch->signals.fd, .events = POLLIN}};
     while (!take_notes(batch, &order.order)) {
         poll(wake, 2, -1);
         if (wake[1].revents & POLLIN) take_signal(batch);
@@ -172,30 +158,17 @@ static MnsStatus read_case(Batch *batch, MnsError *error)
 
 /* --- the run ----------------------------------------------------------------------------------------------------------- */
 
-/* Signals are read, not delivered; blocked before there are threads, so that all have them blocked. */
-static int catch_signals(void)
-{
-    sigset_t set;
-    sigemptyset(&set);
-    sigaddset(&set, SIGTERM);
-    sigaddset(&set, SIGINT);
-    sigaddset(&set, SIGUSR1);
-    pthread_sigmask(SIG_BLOCK, &set, NULL);
-    signal(SIGPIPE, SIG_IGN);
-    return signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
-}
-
 /* From a loaded case to where it shall stop. */
 static MnsStatus go(Batch *batch, MnsError *error)
 {
     RunStatus status;
     run_status(batch->run, &status);
-    if (batch->stopped || status.progress.t >= batch->options->until) return MNS_OK;
+    if (batch->signals.leaving || status.progress.t >= batch->options->until) return MNS_OK;
     const bool to_the_end = isnan(batch->options->until);
     const MnsStatus started = perform(batch, to_the_end ? serve_go : serve_until, error);
     if (started == MNS_E_INVALID || started == MNS_E_LIMIT)
         return started; /* else it began, and the state says how it ended */
-    if (batch->stopped) return perform(batch, serve_pause, error);
+    if (batch->signals.leaving) return perform(batch, serve_pause, error);
     return perform(batch, serve_wait, error);
 }
 
@@ -235,7 +208,7 @@ static int exit_code(const Batch *batch, const Outcome *outcome)
 {
     const MnsStatus status = outcome->status.fault.status ? outcome->status.fault.status : outcome->error.status;
     switch (status) {
-    case MNS_OK: return batch->stopped && outcome->status.state != RUN_DONE ? MNS_EXIT_AGAIN : MNS_EXIT_DONE;
+    case MNS_OK: return batch->signals.leaving && outcome->status.state != RUN_DONE ? MNS_EXIT_AGAIN : MNS_EXIT_DONE;
     case MNS_E_DIVERGED: return MNS_EXIT_DIVERGED;
     case MNS_E_IO:
     case MNS_E_NO_SPACE:
@@ -250,7 +223,8 @@ static int exit_code(const Batch *batch, const Outcome *outcome)
 int batch_run(const BatchOptions *options)
 {
     MnsError error;
-    Batch batch = {.options = options, .signals = catch_signals()};
+    Batch batch = {.options = options};
+    signals_catch(&batch.signals);
     Outcome outcome = {.document = NULL};
     outcome.status.progress.t = outcome.status.end_time = outcome.status.wall = NAN;
     outcome.status.ns_per_particle_step = NAN;
@@ -266,6 +240,6 @@ int batch_run(const BatchOptions *options)
     }
     outcome_done(&outcome);
     case_file_free(batch.file);
-    close(batch.signals);
+    signals_done(&batch.signals);
     return code;
 }

@@ -2,8 +2,8 @@
 /* The daemon: what wakes it is a socket, a signal, or news of the run; then it looks after all three and sleeps again. */
 #include "net/daemon.h"
 
-#include "base/clock.h"
 #include "base/log.h"
+#include "base/signals.h"
 #include "net/desk.h"
 #include "net/handlers.h"
 #include "net/notify.h"
@@ -13,16 +13,12 @@
 #include "proto/frame.h"
 #include <math.h>
 #include <meniscus/exit.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/signalfd.h>
 #include <unistd.h>
 
 enum { SOLVER_NICE = 10 }; /* the solver's threads yield to those that answer people */
-
-static const double INSISTENCE = 0.5; /* [s] after which a second signal is meant as one */
 
 typedef struct Daemon {
     const DaemonOptions *options;
@@ -32,9 +28,7 @@ typedef struct Daemon {
     Notify notify;
     CaseFile *file;       /* of --load, until it is loaded     */
     const Exchange *load; /* under way                         */
-    int signals;          /* signalfd                          */
-    bool told_to_leave;   /* by a signal                       */
-    double told_at;
+    Signals signals;
     bool leaving; /* the run has come to its end       */
     int code;
     char parent[RUNDIR_PATH];
@@ -131,30 +125,13 @@ static void after_load(Daemon *daemon, Order *order)
 
 /* --- what happens -------------------------------------------------------------------------------------------------------- */
 
-static int catch_signals(void)
-{
-    sigset_t set;
-    sigemptyset(&set);
-    sigaddset(&set, SIGTERM);
-    sigaddset(&set, SIGINT);
-    sigaddset(&set, SIGUSR1);
-    pthread_sigmask(SIG_BLOCK, &set, NULL);
-    signal(SIGPIPE, SIG_IGN);
-    return signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
-}
-
 static void take_signal(Daemon *daemon)
 {
-    struct signalfd_siginfo info;
-    if (read(daemon->signals, &info, sizeof info) != sizeof info) return;
-    if (info.ssi_signo == SIGUSR1) post_checkpoint(daemon);
-    else if (
-        daemon->told_to_leave) { /* who insists wants no checkpoint; but some senders send each signal twice at once */
-        if (clock_now() - daemon->told_at > INSISTENCE) _exit(MNS_EXIT_FAILED);
-    } else {
-        daemon->told_to_leave = true;
-        daemon->told_at = clock_now();
-        post_shutdown(daemon, true);
+    switch (signals_take(&daemon->signals)) {
+    case SIGNAL_NOTHING: break;
+    case SIGNAL_CHECKPOINT: post_checkpoint(daemon); break;
+    case SIGNAL_LEAVE: post_shutdown(daemon, true); break;
+    case SIGNAL_INSIST: _exit(MNS_EXIT_FAILED);
     }
 }
 
@@ -193,7 +170,7 @@ static void take_notes(Daemon *daemon)
 
 static void serve(Daemon *daemon)
 {
-    const int fds[2] = {run_outbox(daemon->run)->wake, daemon->signals};
+    const int fds[2] = {run_outbox(daemon->run)->wake, daemon->signals.fd};
     const long tick = daemon->notify.watchdog > 0 ? (long)(250 * daemon->notify.watchdog) + 1 : 5000;
     while (!daemon->leaving) {
         const unsigned ready = desk_poll(daemon->desk, fds, tick);
@@ -279,10 +256,10 @@ int daemon_run(const DaemonOptions *options)
         const bool usage = status == MNS_E_INVALID || status == MNS_E_LIMIT;
         return refused(&error, usage ? MNS_EXIT_USAGE : status == MNS_E_IO ? MNS_EXIT_IO : MNS_EXIT_FAILED);
     }
-    daemon.signals = catch_signals();
+    signals_catch(&daemon.signals);
     const int code = serve_locked(&daemon, path);
     endpoint_close(&daemon.endpoint);
     case_file_free(daemon.file);
-    close(daemon.signals);
+    signals_done(&daemon.signals);
     return code;
 }

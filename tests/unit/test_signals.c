@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What is asked for by signals, and when twice means twice. */
+#include "base/signals.h"
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <time.h>
+
+#include <cmocka.h>
+
+static int begin(void **state)
+{
+    static Signals signals;
+    signals_catch(&signals);
+    *state = &signals;
+    return signals.fd < 0;
+}
+
+static int end(void **state)
+{
+    signals_done(*state);
+    return 0;
+}
+
+static void without_a_signal_nothing_is_asked(void **state)
+{
+    assert_int_equal(signals_take(*state), SIGNAL_NOTHING);
+}
+
+static void a_checkpoint_can_be_asked_for_often(void **state)
+{
+    for (int k = 0; k < 3; k++) {
+        raise(SIGUSR1);
+        assert_int_equal(signals_take(*state), SIGNAL_CHECKPOINT);
+    }
+    assert_false(((Signals *)*state)->leaving);
+}
+
+static void the_same_again_at_once_is_one_wish(void **state)
+{
+    raise(SIGTERM);
+    assert_int_equal(signals_take(*state), SIGNAL_LEAVE);
+    raise(SIGINT);
+    assert_int_equal(signals_take(*state), SIGNAL_NOTHING);
+}
+
+static void later_it_is_meant(void **state)
+{
+    raise(SIGINT);
+    assert_int_equal(signals_take(*state), SIGNAL_LEAVE);
+    nanosleep(&(struct timespec){.tv_nsec = 600000000}, NULL);
+    raise(SIGINT);
+    assert_int_equal(signals_take(*state), SIGNAL_INSIST);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(without_a_signal_nothing_is_asked, begin, end),
+        cmocka_unit_test_setup_teardown(a_checkpoint_can_be_asked_for_often, begin, end),
+        cmocka_unit_test_setup_teardown(the_same_again_at_once_is_one_wish, begin, end),
+        cmocka_unit_test_setup_teardown(later_it_is_meant, begin, end),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
