@@ -6,16 +6,13 @@
 #include "io/atomic_file.h"
 #include "io/directory.h"
 #include "io/meta.h"
+#include "io/names.h"
 #include "io/state.h"
 
-#include <inttypes.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 #include <xxhash.h>
-
-static const char begin[] = "checkpoint-", end[] = ".hdf";
 
 typedef struct Source {
     const MnsCapture *state;
@@ -42,7 +39,7 @@ static void drop_oldest(const char *dir, const char *written, unsigned keep)
     size_t n = 0;
     unsigned kept = 1; /* the one just written */
     char path[IO_PATH_MAX];
-    if (directory_list(dir, begin, end, &entries, &n, NULL)) return;
+    if (directory_list(dir, CHECKPOINT_BEGIN, NUMBERED_END, &entries, &n, NULL)) return;
     for (size_t k = 0; k < n; k++)
         if (strcmp(entries[k].name, written) != 0 && ++kept > keep && !directory_path(path, dir, entries[k].name, NULL))
             unlink(path);
@@ -53,8 +50,8 @@ MnsStatus checkpoint_write(const char *dir, const MnsCapture *state, const FileM
                            size_t case_size, unsigned keep, char *ret_path, MnsError *error)
 {
     const Source source = {state, meta, case_blob, case_size};
-    char name[64], path[IO_PATH_MAX];
-    snprintf(name, sizeof name, "%s%010" PRIu64 "%s", begin, state->progress.step, end);
+    char name[NUMBERED_NAME], path[IO_PATH_MAX];
+    name_numbered(CHECKPOINT_BEGIN, state->progress.step, name);
     MnsStatus status = directory_path(path, dir, name, error);
     if (!status) status = h5_save(path, true, fill, &source, error);
     if (status) return status;
@@ -117,7 +114,7 @@ MnsStatus checkpoint_newest(const char *dir, Checkpoint *ret, void (*note)(void 
     size_t n = 0, k = 0;
     char path[IO_PATH_MAX];
     MnsError why = {0};
-    MnsStatus status = directory_list(dir, begin, end, &entries, &n, error);
+    MnsStatus status = directory_list(dir, CHECKPOINT_BEGIN, NUMBERED_END, &entries, &n, error);
     if (status) return status;
     for (; k < n; k++) {
         status = directory_path(path, dir, entries[k].name, &why);

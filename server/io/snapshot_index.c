@@ -4,6 +4,7 @@
 #include "io/atomic_file.h"
 #include "io/directory.h"
 #include "io/h5.h"
+#include "io/names.h"
 #include "io/snapshot.h"
 
 #include <jansson.h>
@@ -68,7 +69,7 @@ MnsStatus snapshot_index(const char *dir, MnsError *error)
 {
     DirectoryEntry *files = NULL;
     size_t n = 0;
-    MnsStatus status = directory_list(dir, "snapshot", ".hdf", &files, &n, error);
+    MnsStatus status = directory_list(dir, SNAPSHOT_BEGIN, NUMBERED_END, &files, &n, error);
     if (status) return status;
     Moment *moments = malloc((n + 1) * sizeof *moments);
     if (moments) status = write_index(dir, moments, find_moments(dir, files, n, moments), error);

@@ -2,9 +2,9 @@
 /* The jobs of the writer's thread. */
 #include "run/jobs.h"
 
+#include "io/directory.h"
+#include "io/names.h"
 #include "io/snapshot.h"
-#include <inttypes.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,9 +27,10 @@ static MnsStatus write_snapshot(Job *base, MnsError *error)
 {
     const FileJob *job = (const FileJob *)base;
     const FileMeta meta = meta_of(job->document);
-    char path[4096];
-    snprintf(path, sizeof path, "%s/snapshot-%010" PRIu64 ".hdf", job->directory, job->capture->progress.step);
-    MnsStatus status = snapshot_write(path, job->capture, &meta, error);
+    char name[NUMBERED_NAME], path[4096];
+    name_numbered(SNAPSHOT_BEGIN, job->capture->progress.step, name);
+    MnsStatus status = directory_path(path, job->directory, name, error);
+    if (!status) status = snapshot_write(path, job->capture, &meta, error);
     if (!status) status = snapshot_index(job->directory, error);
     if (!status && job->order) memcpy(job->order->path, path, sizeof path);
     return status;

@@ -23,7 +23,7 @@ MnsStatus rundir_make(const char *dir, bool *ret_made, MnsError *error);
 /* Take away the directory if nothing is in it, as after a run that could not begin. */
 void rundir_unmake(const char *dir);
 
-/* Write DIR/NAME whole: temporary file, fsync, rename. */
+/* Write DIR/NAME, whole or not at all: see io/atomic_file.h. */
 MnsStatus rundir_write(const char *dir, const char *name, const char *text, MnsError *error);
 
 /* Move aside the checkpoints and snapshots of steps later than `after`, or with all, every one and the probes. */
