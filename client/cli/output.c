@@ -112,8 +112,8 @@ json_t *output_info(const MnsRunInfo *info)
                               output_number(info->ns_per_particle_step));
     json_t *counts = json_pack(
         "{sI sI sI sI sI sI sI so}", "step", (json_int_t)info->step, "particles", (json_int_t)info->particles,
-        "fluid_particles", (json_int_t)info->fluid_particles, "guarded", (json_int_t)info->guarded, "captures_skipped",
-        (json_int_t)info->captures_skipped, "memory_bytes", (json_int_t)info->memory_bytes, "threads",
+        "fluid_particles", (json_int_t)info->fluid_particles, "guarded", (json_int_t)info->guarded, "samples_dropped",
+        (json_int_t)info->samples_dropped, "memory_bytes", (json_int_t)info->memory_bytes, "threads",
         (json_int_t)info->threads, "state_hash", info->state_hash ? output_hex(info->state_hash) : json_null());
     json_object_update_new(object, times);
     json_object_update_new(object, counts);

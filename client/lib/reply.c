@@ -13,6 +13,20 @@ typedef struct OwnedReply {
     Arena arena;
 } OwnedReply;
 
+/* States are taken from messages by their number. */
+#define SAME_NUMBER(state)                                                                                             \
+    _Static_assert((int)MNS_STATE_##state == (int)MENISCUS__STATE__##state,                                            \
+                   "a state has one number here and in the protocol")
+SAME_NUMBER(EMPTY);
+SAME_NUMBER(LOADING);
+SAME_NUMBER(READY);
+SAME_NUMBER(RUNNING);
+SAME_NUMBER(PAUSED);
+SAME_NUMBER(DONE);
+SAME_NUMBER(FAULT);
+SAME_NUMBER(STOPPING);
+_Static_assert(MNS_STATE_COUNT == MNS_STATE_STOPPING + 1, "all states are compared");
+
 const char *mns_state_name(MnsState state)
 {
     const ProtobufCEnumValue *value = protobuf_c_enum_descriptor_get_value(&meniscus__state__descriptor, (int)state);
@@ -148,7 +162,7 @@ static MnsRunInfo *read_info(Arena *arena, const Meniscus__Status *m)
         .particles = m->particles,
         .fluid_particles = m->fluid_particles,
         .guarded = m->guarded,
-        .captures_skipped = m->captures_skipped,
+        .samples_dropped = m->samples_dropped,
         .memory_bytes = m->memory_bytes,
         .state_hash = m->state_hash,
         .threads = m->threads,

@@ -89,7 +89,7 @@ typedef struct MnsRunInfo {
     double time, end_time, time_step; /* [s], simulated */
     double eta_s, wall_s;             /* [s], wall clock: to the end, since the start */
     double steps_per_second, ns_per_particle_step;
-    uint64_t step, particles, fluid_particles, guarded, captures_skipped, memory_bytes;
+    uint64_t step, particles, fluid_particles, guarded, samples_dropped, memory_bytes;
     uint64_t state_hash; /* 0 while it runs */
     unsigned threads;
     size_t n_timers, n_breakpoints;

@@ -54,12 +54,12 @@ static void add_breakpoints(Meniscus__Status *message, const RunStatus *status)
 static void add_numbers(Meniscus__Status *message, const RunStatus *status)
 {
     message->has_step = message->has_particles = message->has_fluid_particles = message->has_guarded = true;
-    message->has_captures_skipped = message->has_threads = message->has_memory_bytes = true;
+    message->has_samples_dropped = message->has_threads = message->has_memory_bytes = true;
     message->step = status->progress.step;
     message->particles = status->particles;
     message->fluid_particles = status->fluid_particles;
     message->guarded = status->progress.guarded;
-    message->captures_skipped = status->skipped;
+    message->samples_dropped = status->samples_dropped;
     message->threads = status->threads;
     message->memory_bytes = status->bytes;
     message->has_state_hash = status->hash != 0;

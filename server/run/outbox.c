@@ -38,14 +38,26 @@ static void append(Outbox *box, Note *note)
     eventfd_write(box->wake, 1);
 }
 
+/* Take out the oldest live note; there is one. With the lock held. */
+static Note *drop_live(Outbox *box)
+{
+    Note **list = &box->first, *before = NULL;
+    for (; !is_live(*list); list = &before->next) before = *list;
+    Note *note = *list;
+    *list = note->next;
+    if (box->last == note) box->last = before;
+    box->live--;
+    box->dropped++;
+    return note;
+}
+
 void outbox_put(Outbox *box, Note *note)
 {
     pthread_mutex_lock(&box->lock);
-    const bool full = is_live(note) && box->live >= LIVE_MAX;
-    if (full) box->skipped++;
-    else append(box, note);
+    Note *stale = is_live(note) && box->live >= LIVE_MAX ? drop_live(box) : NULL;
+    append(box, note);
     pthread_mutex_unlock(&box->lock);
-    if (full) note_free(note);
+    note_free(stale);
 }
 
 Note *outbox_take(Outbox *box)
@@ -64,10 +76,10 @@ Note *outbox_take(Outbox *box)
     return note;
 }
 
-uint64_t outbox_skipped(Outbox *box)
+uint64_t outbox_dropped(Outbox *box)
 {
     pthread_mutex_lock(&box->lock);
-    const uint64_t skipped = box->skipped;
+    const uint64_t dropped = box->dropped;
     pthread_mutex_unlock(&box->lock);
-    return skipped;
+    return dropped;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Notes on their way from the runner (and the writer) to whoever talks to people. Answers, events and log lines always get
- * in; live samples and progress are dropped and counted when nobody fetches them. Any thread may put, one takes. */
+ * in; when nobody fetches them, old live samples and progress give way to new ones and are counted. Any thread may put, one
+ * takes. */
 #ifndef RUN_OUTBOX_H
 #define RUN_OUTBOX_H
 
@@ -11,7 +12,7 @@ typedef struct Outbox {
     pthread_mutex_t lock;
     Note *first, *last;
     size_t live; /* droppable ones inside */
-    uint64_t skipped;
+    uint64_t dropped;
     int wake; /* eventfd: readable while something is inside */
 } Outbox;
 
@@ -26,7 +27,7 @@ void outbox_put(Outbox *box, Note *note);
 /* The oldest note, now the caller's; NULL if there is none. */
 Note *outbox_take(Outbox *box);
 
-/* How many samples were dropped so far. */
-uint64_t outbox_skipped(Outbox *box);
+/* How many live notes were dropped so far. */
+uint64_t outbox_dropped(Outbox *box);
 
 #endif

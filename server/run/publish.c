@@ -32,7 +32,7 @@ void run_status(Run *run, RunStatus *ret)
     pthread_mutex_lock(&run->lock);
     *ret = run->status;
     pthread_mutex_unlock(&run->lock);
-    ret->skipped = outbox_skipped(&run->outbox);
+    ret->samples_dropped = outbox_dropped(&run->outbox);
 }
 
 Document *run_document(Run *run)

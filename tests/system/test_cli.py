@@ -18,7 +18,7 @@ from daemon import BUILD, SMALL, DaemonTest  # noqa: E402
 REPLY = {"state", "step", "time", "effect_step", "daemon_epoch", "message"}
 STATUS = set(
     "state case title run_directory fault fault_reason version time end_time time_step eta_s wall_s steps_per_second "
-    "ns_per_particle_step step particles fluid_particles guarded captures_skipped memory_bytes threads state_hash timers "
+    "ns_per_particle_step step particles fluid_particles guarded samples_dropped memory_bytes threads state_hash timers "
     "breakpoints".split()
 )
 

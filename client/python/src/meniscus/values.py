@@ -60,7 +60,7 @@ class Status:
     ns_per_particle_step: Optional[float] = None
     eta_s: Optional[float] = None
     guarded: Optional[int] = None
-    captures_skipped: Optional[int] = None
+    samples_dropped: Optional[int] = None
     fault: Optional[str] = None
     fault_reason: Optional[str] = None
     threads: Optional[int] = None
