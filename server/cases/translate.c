@@ -71,7 +71,11 @@ static MnsStatus translate_constants(Translation *t, const Meniscus__Case *m)
 
 static MnsStatus translate_fluid(Translation *t, const Meniscus__Fluid *m, const Names *before, MnsFluid *fluid)
 {
-    static const MnsDensityMethod methods[] = {MNS_DENSITY_AUTOMATIC, MNS_DENSITY_CONTINUITY, MNS_DENSITY_SUMMATION};
+    static const MnsDensityMethod methods[] = {
+        [MENISCUS__DENSITY_METHOD__AUTOMATIC] = MNS_DENSITY_AUTOMATIC,
+        [MENISCUS__DENSITY_METHOD__CONTINUITY] = MNS_DENSITY_CONTINUITY,
+        [MENISCUS__DENSITY_METHOD__SUMMATION] = MNS_DENSITY_SUMMATION,
+    };
     fluid->density = m->density;
     fluid->viscosity = m->viscosity;
     fluid->sound_speed = m->sound_speed;
@@ -129,7 +133,11 @@ static MnsStatus translate_walls(Translation *t, const Meniscus__Case *m)
 /* There is one method so far; its absence means the same with its defaults. */
 static void translate_scheme(const Meniscus__Scheme *given, MnsSchemeOptions *ret)
 {
-    static const MnsKernel kernels[] = {MNS_WENDLAND_C2, MNS_TRUNCATED_GAUSSIAN, MNS_QUINTIC_SPLINE};
+    static const MnsKernel kernels[] = {
+        [MENISCUS__KERNEL__WENDLAND_C2] = MNS_WENDLAND_C2,
+        [MENISCUS__KERNEL__TRUNCATED_GAUSSIAN] = MNS_TRUNCATED_GAUSSIAN,
+        [MENISCUS__KERNEL__QUINTIC_SPLINE] = MNS_QUINTIC_SPLINE,
+    };
     const Meniscus__Scheme scheme_defaults = MENISCUS__SCHEME__INIT;
     const Meniscus__Riemann riemann_defaults = MENISCUS__RIEMANN__INIT;
     const Meniscus__Scheme *m = given ? given : &scheme_defaults;

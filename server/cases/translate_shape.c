@@ -97,7 +97,11 @@ static MnsStatus take_primitive(Translation *t, const Meniscus__Part *m, bool fo
 
 MnsStatus translate_shape(Translation *t, size_t n, Meniscus__Part *const *parts, bool formulas, MnsShape *ret)
 {
-    static const MnsOperation operations[] = {MNS_ADD, MNS_SUBTRACT, MNS_INTERSECT};
+    static const MnsOperation operations[] = {
+        [MENISCUS__OPERATION__ADD] = MNS_ADD,
+        [MENISCUS__OPERATION__SUBTRACT] = MNS_SUBTRACT,
+        [MENISCUS__OPERATION__INTERSECT] = MNS_INTERSECT,
+    };
     MnsStatus status = MNS_OK;
     if (!n) return MNS_OK;
     ret->parts = calloc(n, sizeof *ret->parts);

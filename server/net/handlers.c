@@ -30,8 +30,10 @@ static void serve_status(Run *run, Exchange *x)
 static void serve_capabilities(Run *run, Exchange *x)
 {
     MnsError error;
+    const char *names[HANDLER_NAMES];
     Document *document = run_document(run);
-    x->reply->capabilities = describe_capabilities(handler_names(), document);
+    handler_names(names);
+    x->reply->capabilities = describe_capabilities(names, document);
     document_leave(document);
     if (x->reply->capabilities) x->reply->result_case = MENISCUS__REPLY__RESULT_CAPABILITIES;
     answer(run, x, x->reply->capabilities ? MNS_OK : mns_fail(&error, MNS_E_MEMORY, "no memory"), &error);
@@ -288,6 +290,20 @@ enum {
     ANY = (1 << RUN_STATES) - 1
 };
 
+/* States go over the wire, in sets too, with the numbers they have here. */
+#define SAME_NUMBER(state)                                                                                             \
+    _Static_assert((int)RUN_##state == (int)MENISCUS__STATE__##state, "a state has one number here and in the "        \
+                                                                      "protocol")
+SAME_NUMBER(EMPTY);
+SAME_NUMBER(LOADING);
+SAME_NUMBER(READY);
+SAME_NUMBER(RUNNING);
+SAME_NUMBER(PAUSED);
+SAME_NUMBER(DONE);
+SAME_NUMBER(FAULT);
+SAME_NUMBER(STOPPING);
+_Static_assert(RUN_STATES == RUN_STOPPING + 1, "all states are compared");
+
 #define REQUEST(command) MENISCUS__REQUEST__COMMAND_##command
 
 /* clang-format off */
@@ -322,13 +338,14 @@ const Handler *handler_find(Meniscus__Request__CommandCase command)
     return k < sizeof handlers / sizeof *handlers && handlers[k].name ? &handlers[k] : NULL;
 }
 
-const char *const *handler_names(void)
+_Static_assert(sizeof handlers / sizeof *handlers < HANDLER_NAMES, "the list of names has room for all");
+
+void handler_names(const char *ret[static HANDLER_NAMES])
 {
-    static const char *const names[] = {"load",         "start",    "pause",   "resume",     "step",       "run_until",
-                                        "stop",         "reset",    "restore", "checkpoint", "snapshot",   "set",
-                                        "get",          "query",    "wait",    "status",     "breakpoint", "cancel",
-                                        "capabilities", "shutdown", NULL};
-    return names;
+    size_t n = 0;
+    for (size_t k = 0; k < sizeof handlers / sizeof *handlers; k++)
+        if (handlers[k].name) ret[n++] = handlers[k].name;
+    ret[n] = NULL;
 }
 
 static void list_states(unsigned states, char ret[static 128])

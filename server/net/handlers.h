@@ -27,8 +27,9 @@ typedef struct Handler {
 /* NULL for a command that is not known. */
 const Handler *handler_find(Meniscus__Request__CommandCase command);
 
-/* Names of all, NULL-terminated. */
-const char *const *handler_names(void);
+/* Names of all, then NULL. */
+enum { HANDLER_NAMES = 64 };
+void handler_names(const char *ret[static HANDLER_NAMES]);
 
 /* Set the exchange on its way: serve it here, or post it to the run. MNS_OK: its order will come back. MNS_E_LIMIT: the
  * mailbox is full. */

@@ -25,6 +25,8 @@ static const MnsFieldInfo FIELDS[] = {
     {0},
 };
 
+_Static_assert(sizeof FIELDS / sizeof *FIELDS - 1 <= MNS_MAX_FIELDS, "captures and sets of fields have room for all");
+
 const MnsFieldInfo *mns_fields(void)
 {
     return FIELDS;

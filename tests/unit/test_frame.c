@@ -10,7 +10,9 @@ static void every_command_of_the_protocol_has_a_handler_and_a_name(void **state)
 {
     (void)state;
     const ProtobufCMessageDescriptor *request = &meniscus__request__descriptor;
-    size_t commands = 0, names = 0;
+    const char *names[HANDLER_NAMES];
+    size_t commands = 0, n = 0;
+    handler_names(names);
     for (unsigned k = 0; k < request->n_fields; k++) {
         const ProtobufCFieldDescriptor *field = &request->fields[k];
         if (!(field->flags & PROTOBUF_C_FIELD_FLAG_ONEOF)) continue;
@@ -18,14 +20,23 @@ static void every_command_of_the_protocol_has_a_handler_and_a_name(void **state)
         assert_non_null(handler);
         assert_string_equal(handler->name, field->name);
         bool named = false;
-        for (const char *const *name = handler_names(); *name; name++) named = named || !strcmp(*name, field->name);
+        for (size_t j = 0; names[j]; j++) named = named || !strcmp(names[j], field->name);
         assert_true(named);
         commands++;
     }
-    while (handler_names()[names]) names++;
-    assert_int_equal(names, commands);
+    while (names[n]) n++;
+    assert_int_equal(n, commands);
     assert_null(handler_find(MENISCUS__REQUEST__COMMAND__NOT_SET));
     assert_null(handler_find((Meniscus__Request__CommandCase)9999));
+}
+
+static void every_state_of_the_protocol_is_one_of_the_run(void **state)
+{
+    (void)state;
+    assert_int_equal(meniscus__state__descriptor.n_values, RUN_STATES);
+    for (int k = 0; k < RUN_STATES; k++)
+        assert_string_equal(run_state_name((RunState)k),
+                            protobuf_c_enum_descriptor_get_value(&meniscus__state__descriptor, k)->name);
 }
 
 /* A request of n empty assignments: two bytes each on the wire, many more in memory. */
@@ -73,6 +84,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_command_of_the_protocol_has_a_handler_and_a_name),
+        cmocka_unit_test(every_state_of_the_protocol_is_one_of_the_run),
         cmocka_unit_test(a_small_frame_cannot_take_much_memory),
         cmocka_unit_test(a_truncated_request_is_none),
     };

@@ -98,6 +98,33 @@ static void shapes_keep_their_numbers(void **state)
     mns_case_free(c);
 }
 
+/* The tables of the translation hold what the schema had when they were written: a new choice must come here too. */
+static void every_choice_of_the_schema_is_translated(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *kernel, *method;
+        MnsKernel k;
+        MnsDensityMethod m;
+    } choices[] = {{"wendland-c2", "automatic", MNS_WENDLAND_C2, MNS_DENSITY_AUTOMATIC},
+                   {"truncated-gaussian", "continuity", MNS_TRUNCATED_GAUSSIAN, MNS_DENSITY_CONTINUITY},
+                   {"quintic-spline", "summation", MNS_QUINTIC_SPLINE, MNS_DENSITY_SUMMATION}};
+    assert_int_equal(meniscus__kernel__descriptor.n_values, 3);
+    assert_int_equal(meniscus__density_method__descriptor.n_values, 3);
+    assert_int_equal(meniscus__operation__descriptor.n_values, 3); /* all in the shapes above */
+    for (size_t j = 0; j < 3; j++) {
+        char text[400];
+        snprintf(text, sizeof text,
+                 "dimensions: 2\nresolution: 10\ndomain: {min: [0, 0], max: [2, 1]}\nend_time: 1\n"
+                 "fluids: [{name: water, density: 1000, sound_speed: 10, density_method: %s}]\nscheme: {kernel: %s}\n",
+                 choices[j].method, choices[j].kernel);
+        MnsCase *c = translated(text);
+        assert_int_equal(c->scheme.kernel, choices[j].k);
+        assert_int_equal(c->fluids[0].density_method, choices[j].m);
+        mns_case_free(c);
+    }
+}
+
 static void motions_keep_their_numbers(void **state)
 {
     (void)state;
@@ -269,6 +296,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_absent_has_its_default),
         cmocka_unit_test(shapes_keep_their_numbers),
+        cmocka_unit_test(every_choice_of_the_schema_is_translated),
         cmocka_unit_test(motions_keep_their_numbers),
         cmocka_unit_test(probes_find_what_they_name),
         cmocka_unit_test(names_of_nothing_get_a_suggestion),
