@@ -136,6 +136,7 @@ Meniscus__Reply *dialogue_ask(Dialogue *dialogue, Meniscus__Request *request)
     Meniscus__Reply *reply = dialogue_receive(dialogue->control, NULL);
     assert_non_null(reply);
     assert_memory_equal(reply->id.data, id, sizeof id);
+    request->id = (ProtobufCBinaryData){0}; /* it was ours */
     return reply;
 }
 

@@ -140,8 +140,8 @@ static void a_condition_may_be_full_of_words(void **state)
 {
     Place *place = *state;
     char condition[BREAKPOINT_TEXT] = "", name[2] = "";
-    for (char c = 'A'; c <= 'Z'; c++) {
-        name[0] = c;
+    for (int c = 'A'; c <= 'Z'; c++) {
+        name[0] = (char)c;
         add_probe(place, name, 0);
     }
     for (size_t k = 0; k + 1 < sizeof condition; k++) condition[k] = k % 2 ? '+' : (char)('A' + k / 2 % 26);

@@ -63,7 +63,7 @@ static void lattice_is_stretched_to_the_domain_and_continued_into_walls(void **s
     }
 }
 
-/* Full neighbourhoods everywhere, with the counts of numerics-wcsph 1: 20, 36, 36; 44 within 3.9 spacings. */
+/* Full neighbourhoods everywhere, with the counts of server/sim/schemes/README.md: 20, 36, 36; 44 within 3.9 spacings. */
 static void dummy_layers_fill_every_kernel_that_reaches_into_a_wall(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The kernels have the values, sums, normalisation and slope that numerics-wcsph 1 gives them. */
+/* The kernels have the values, sums, normalisation and slope that server/sim/schemes/README.md gives them. */
 #include "sim/kernel.h"
 #include "tests/support/check.h"
 

@@ -238,7 +238,7 @@ static void coverage_of_a_lattice_is_its_sum_and_a_void_is_seen(void **state)
         MnsSim *sim = sim_of(c);
         const double spacing[3] = {1.0 / 12, 1.0 / 12, 1.0 / 12};
         const double whole = kernel_lattice_sum(&sim->model.kernel, dim, spacing) * pow(1.0 / 12, dim);
-        assert_close(whole, 1.01, 0.001); /* the table of numerics-wcsph 1 */
+        assert_close(whole, 1.01, 0.001); /* the table of server/sim/schemes/README.md */
         assert_close(mns_sim_probe(sim, 0), whole, 1e-12);
         /* Take away what is within 1.5 dx of one point of the lattice. */
         const double at = 5.5 / 12;

@@ -843,7 +843,7 @@ static void walls_go_where_their_motion_has_them(void **state)
 static void sizes_are_as_counted(void **state)
 {
     (void)state;
-    static const double neighbours[2] = {20, 80}; /* numerics-wcsph 1 */
+    static const double neighbours[2] = {20, 80}; /* server/sim/schemes/README.md */
     for (int dim = 2; dim <= 3; dim++) {
         MnsCase *c = case_periodic(dim, 10);
         MnsSim *sim = sim_of(c);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The transport velocity spreads light fluid evenly, and its stress is that of numerics-wcsph 4.3, conserving
+/* The transport velocity spreads light fluid evenly, and its stress is that of server/sim/schemes/README.md, conserving
  * momentum. */
 #include "sim/terms/terms.h"
 #include "tests/support/check.h"

@@ -26,12 +26,13 @@ _INTEGERS = {FieldDescriptor.CPPTYPE_INT32, FieldDescriptor.CPPTYPE_UINT32, Fiel
 
 
 def find(case: Union[str, Path]) -> Path:
-    """A case file by path, or by name in $MENISCUS_CASES or where cases are installed."""
+    """A case file by path, or by name in $MENISCUS_CASES, beside the build this package is in, or where cases are installed."""
     path = Path(case)
     if path.is_file():
         return path
-    folders = [Path(os.environ.get("MENISCUS_CASES", ".")), Path("/usr/local/share/meniscus/cases"),
-               Path("/usr/share/meniscus/cases")]
+    here = Path(__file__).resolve().parents  # BUILD/python/meniscus/case.py, with BUILD inside the checkout
+    folders = [Path(os.environ.get("MENISCUS_CASES", ".")), here[3] / "server/cases",
+               Path("/usr/local/share/meniscus/cases"), Path("/usr/share/meniscus/cases")]
     for folder in folders:
         if (folder / f"{case}.yaml").is_file():
             return folder / f"{case}.yaml"
