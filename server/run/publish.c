@@ -5,7 +5,6 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include <math.h>
-#include <sched.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
@@ -64,14 +63,6 @@ void run_publish_step(Run *run)
     pthread_mutex_unlock(&run->lock);
 }
 
-/* 0 in a case stands for all processors the process may use. */
-static unsigned threads_of(const MnsCase *c)
-{
-    cpu_set_t set;
-    if (c->threads) return c->threads;
-    return sched_getaffinity(0, sizeof set, &set) ? 1 : (unsigned)CPU_COUNT(&set);
-}
-
 static void fill_case(const Run *run, RunStatus *status)
 {
     const MnsCase *c = run->document->c;
@@ -79,7 +70,7 @@ static void fill_case(const Run *run, RunStatus *status)
     snprintf(status->title, sizeof status->title, "%s", c->title);
     memcpy(status->directory, run->outputs.directory, sizeof status->directory);
     status->end_time = c->end_time;
-    status->threads = threads_of(c);
+    status->threads = (unsigned)mns_sim_threads(run->sim);
     status->particles = mns_sim_particles(run->sim);
     status->fluid_particles = mns_sim_fluid_particles(run->sim);
     status->bytes = mns_sim_bytes(run->sim);

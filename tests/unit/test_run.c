@@ -4,8 +4,11 @@
 #include "run/run.h"
 #include "tests/support/check.h"
 #include "tests/support/io_fixture.h"
+#include <omp.h>
 #include <poll.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 /* A run, and an order that goes there and back. */
@@ -15,6 +18,8 @@ typedef struct Bench {
     char *home;
     CaseFile *file;
     Note *answer;
+    int events, log_lines; /* before the answer */
+    char logged[640];      /* the last line     */
 } Bench;
 
 static Note *next_note(const Bench *bench)
@@ -31,6 +36,7 @@ static Note *next_note(const Bench *bench)
 static MnsStatus perform(Bench *bench, void (*serve)(Run *run, Order *order))
 {
     bench->order = (Order){.serve = serve, .deadline = INFINITY};
+    bench->events = bench->log_lines = 0;
     assert_int_equal(run_post(bench->run, &bench->order, NULL), MNS_OK);
     for (;;) {
         Note *note = next_note(bench);
@@ -39,6 +45,9 @@ static MnsStatus perform(Bench *bench, void (*serve)(Run *run, Order *order))
             bench->answer = note;
             return bench->order.status;
         }
+        bench->events += note->kind == NOTE_EVENT;
+        bench->log_lines += note->kind == NOTE_LOG;
+        if (note->kind == NOTE_LOG) snprintf(bench->logged, sizeof bench->logged, "%s", note->text);
         note_free(note);
     }
 }
@@ -103,11 +112,52 @@ static void a_run_that_cannot_begin_leaves_no_directory(void **state)
     free(directory);
 }
 
+static void restore(Run *run, Order *order)
+{
+    run_restore(run, order, NULL);
+}
+
+static void states_are_events_and_warnings_are_lines_of_the_log(void **state)
+{
+    Bench *bench = *state;
+    assert_int_equal(perform(bench, load), MNS_OK);
+    assert_int_equal(bench->events, 2); /* loading, ready */
+    assert_int_equal(bench->log_lines, 0);
+    char *path = path_in(bench->order.path, "checkpoint-0000000000.hdf");
+    put_bytes(path, "no HDF5", 7);
+    free(path);
+    assert_int_equal(perform(bench, restore), MNS_E_NOT_FOUND);
+    assert_int_equal(bench->events, 0);
+    assert_int_equal(bench->log_lines, 1);
+    assert_non_null(strstr(bench->logged, "checkpoint-0000000000.hdf"));
+}
+
+/* As OpenMP may be told to use fewer than there are processors. */
+static void load_with_three(Run *run, Order *order)
+{
+    omp_set_num_threads(3);
+    load(run, order);
+}
+
+static void threads_are_counted_as_the_solver_does(void **state)
+{
+    Bench *bench = *state;
+    RunStatus *status = malloc(sizeof *status);
+    assert_non_null(status);
+    assert_int_equal(case_file_set(bench->file, "threads=0", NULL), MNS_OK);
+    assert_int_equal(perform(bench, load_with_three), MNS_OK);
+    run_status(bench->run, status);
+    assert_int_equal(status->threads, 3);
+    free(status);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(an_answer_needs_no_memory_of_its_own, begin, end),
         cmocka_unit_test_setup_teardown(a_run_that_cannot_begin_leaves_no_directory, begin, end),
+        cmocka_unit_test_setup_teardown(states_are_events_and_warnings_are_lines_of_the_log, begin, end),
+        cmocka_unit_test_setup_teardown(threads_are_counted_as_the_solver_does, begin, end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
