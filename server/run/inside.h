@@ -57,7 +57,8 @@ void run_beat(void *run);
 void run_publish_step(Run *run);                            /* the numbers that change with every step           */
 void run_publish(Run *run);                                 /* all                                               */
 void run_enter(Run *run, RunState state, const char *text); /* a new state: published, told, and who waits answered */
-void run_tell(Run *run, int level, const char *word, const char *text); /* an event                                */
+void run_tell(Run *run, NoteKind kind, int level, const char *word,
+              const char *text); /* an event or a line of the log */
 void run_tell_progress(Run *run);
 
 /* go.c: goals and waiters. */

@@ -25,7 +25,7 @@ static void candidate_drop(Candidate *candidate)
 
 static void note_damaged(void *arg, const char *text)
 {
-    run_tell(arg, LOG_WARNING, "checkpoint", text);
+    run_tell(arg, NOTE_LOG, LOG_WARNING, "checkpoint", text);
 }
 
 /* --- building ---------------------------------------------------------------------------------------------------------- */
@@ -100,7 +100,7 @@ static void open_log(Run *run)
 static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
 {
     MnsError lost;
-    if (close_run(run, &lost)) run_tell(run, LOG_WARNING, "lost", lost.text);
+    if (close_run(run, &lost)) run_tell(run, NOTE_LOG, LOG_WARNING, "lost", lost.text);
     const MnsStatus status = outputs_open(&run->outputs, candidate->directory, candidate->document,
                                           mns_sim_progress(candidate->sim), candidate->goes_on, error);
     if (status) return status;
@@ -250,7 +250,7 @@ void run_stop(Run *run, Order *order, bool checkpoint)
         return;
     }
     run_goal_end(run, MNS_E_INTERRUPTED, &ended);
-    if (close_run(run, &error)) run_tell(run, LOG_WARNING, "lost", error.text);
+    if (close_run(run, &error)) run_tell(run, NOTE_LOG, LOG_WARNING, "lost", error.text);
     run_enter(run, RUN_EMPTY, "stopped on request");
     run_answer(run, order, MNS_OK, NULL);
 }
@@ -264,7 +264,7 @@ void run_leave(Run *run, Order *order, bool checkpoint)
     snprintf(order->path, sizeof order->path, "%s", run->outputs.directory);
     const MnsStatus status = secure(run, checkpoint, &error);
     if (status && strcmp(error.text, run->fault.text) != 0) /* else it has been told */
-        run_tell(run, LOG_ERROR, "lost", error.text);
+        run_tell(run, NOTE_LOG, LOG_ERROR, "lost", error.text);
     MnsError lost;
     close_run(run, &lost);
     run->leaving = true;

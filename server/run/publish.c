@@ -119,16 +119,16 @@ static void write_log(const Run *run, const char *word, const char *text)
     fflush(run->log);
 }
 
-void run_tell(Run *run, int level, const char *word, const char *text)
+void run_tell(Run *run, NoteKind kind, int level, const char *word, const char *text)
 {
     log_line((LogLevel)level, "%s: %s", word, text);
     write_log(run, word, text);
-    Note *event = note_now(run, level == LOG_INFORMATION || level == LOG_ERROR ? NOTE_EVENT : NOTE_LOG);
-    if (!event) return;
-    event->level = level;
-    snprintf(event->word, sizeof event->word, "%s", word);
-    snprintf(event->text, sizeof event->text, "%s", text);
-    outbox_put(&run->outbox, event);
+    Note *note = note_now(run, kind);
+    if (!note) return;
+    note->level = level;
+    snprintf(note->word, sizeof note->word, "%s", word);
+    snprintf(note->text, sizeof note->text, "%s", text);
+    outbox_put(&run->outbox, note);
 }
 
 void run_tell_progress(Run *run)
@@ -152,7 +152,7 @@ void run_enter(Run *run, RunState state, const char *text)
     char word[24];
     snprintf(word, sizeof word, "%s", run_state_name(state));
     for (char *c = word; *c; c++) *c = (char)(*c >= 'A' && *c <= 'Z' ? *c + 'a' - 'A' : *c);
-    run_tell(run, state == RUN_FAULT ? LOG_ERROR : LOG_INFORMATION, word, text);
+    run_tell(run, NOTE_EVENT, state == RUN_FAULT ? LOG_ERROR : LOG_INFORMATION, word, text);
     if (run->sim && state != RUN_LOADING) run_tell_progress(run);
     run_answer_waiters(run);
 }

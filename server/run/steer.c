@@ -45,7 +45,7 @@ static void tell_changes(Run *run, size_t n, const char *const *paths, const cha
     for (size_t k = 0; k < n; k++) {
         char text[512];
         snprintf(text, sizeof text, "%.200s = %.200s", paths[k], values[k]);
-        run_tell(run, LOG_INFORMATION, "set", text);
+        run_tell(run, NOTE_EVENT, LOG_INFORMATION, "set", text);
     }
 }
 
