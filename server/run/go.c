@@ -7,12 +7,11 @@
 #include <assert.h>
 #include <inttypes.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double PROGRESS_INTERVAL = 0.2; /* [s], of the notes for people */
 
-/* --- goals and waiters ------------------------------------------------------------------------------------------------- */
+/* --- goals ------------------------------------------------------------------------------------------------------------ */
 
 void run_goal_end(Run *run, MnsStatus status, const MnsError *error)
 {
@@ -21,60 +20,6 @@ void run_goal_end(Run *run, MnsStatus status, const MnsError *error)
     if (!order) return;
     order->effect_step = mns_sim_progress(run->sim).step;
     run_answer(run, order, status, error);
-}
-
-static bool wait_over(const Run *run, const RunWait *wait)
-{
-    if (wait->states & (1u << run->state)) return true;
-    if (!run->sim) return false;
-    const MnsProgress now = mns_sim_progress(run->sim);
-    return now.t >= wait->t || now.step >= wait->step;
-}
-
-/* Answer and forget the waiters for whom over() is true. */
-static void answer_some(Run *run, bool (*over)(const Run *, const Waiter *, const void *), const void *arg,
-                        MnsStatus status, const MnsError *error)
-{
-    for (Waiter **list = &run->waiters; *list;) {
-        Waiter *waiter = *list;
-        if (!over(run, waiter, arg)) {
-            list = &waiter->next;
-            continue;
-        }
-        *list = waiter->next;
-        run_answer(run, waiter->order, status, error);
-        free(waiter);
-    }
-}
-
-static bool is_over(const Run *run, const Waiter *waiter, const void *arg)
-{
-    (void)arg;
-    return wait_over(run, &waiter->wait);
-}
-
-static bool is_late(const Run *run, const Waiter *waiter, const void *arg)
-{
-    (void)run;
-    return waiter->order->deadline < *(const double *)arg;
-}
-
-static bool has_id(const Run *run, const Waiter *waiter, const void *arg)
-{
-    (void)run;
-    return !memcmp(waiter->order->id, arg, ORDER_ID);
-}
-
-void run_answer_waiters(Run *run)
-{
-    if (run->waiters) answer_some(run, is_over, NULL, MNS_OK, NULL);
-}
-
-double run_next_deadline(const Run *run)
-{
-    double next = run->goal.order ? run->goal.order->deadline : INFINITY;
-    for (const Waiter *waiter = run->waiters; waiter; waiter = waiter->next) next = fmin(next, waiter->order->deadline);
-    return next;
 }
 
 /* Pause, with an end of the goal that is not its reaching. */
@@ -91,37 +36,21 @@ void run_expire(Run *run)
 {
     const double now = clock_now();
     if (!(run_next_deadline(run) < now)) return;
-    MnsError late;
-    mns_fail(&late, MNS_E_TIMEOUT, "the deadline passed before what was waited for came about");
-    answer_some(run, is_late, &now, MNS_E_TIMEOUT, &late);
+    run_answer_late(run, now);
     if (run->goal.order && run->goal.order->deadline < now)
         break_off(run, MNS_E_TIMEOUT, "paused: the deadline of the command passed before it was done");
-}
-
-void run_wait(Run *run, Order *order, const RunWait *wait)
-{
-    MnsError error;
-    Waiter *waiter = wait_over(run, wait) ? NULL : malloc(sizeof *waiter);
-    if (waiter) {
-        *waiter = (Waiter){.next = run->waiters, .wait = *wait, .order = order};
-        run->waiters = waiter;
-    } else if (wait_over(run, wait)) run_answer(run, order, MNS_OK, NULL);
-    else run_answer(run, order, mns_fail(&error, MNS_E_MEMORY, "no memory for one more who waits"), &error);
 }
 
 void run_cancel(Run *run, Order *order, const uint8_t id[static ORDER_ID])
 {
     MnsError error;
-    const Waiter *before = run->waiters;
     Order *queued = mailbox_remove(&run->mailbox, id);
     mns_fail(&error, MNS_E_INTERRUPTED, "cancelled");
     const bool is_goal = run->goal.order && !memcmp(run->goal.order->id, id, ORDER_ID);
-    bool found = queued || is_goal;
     if (queued) run_answer(run, queued, MNS_E_INTERRUPTED, &error);
     if (is_goal) break_off(run, MNS_E_INTERRUPTED, "cancelled");
-    for (const Waiter *waiter = before; waiter && !found; waiter = waiter->next) found = has_id(run, waiter, id);
-    answer_some(run, has_id, id, MNS_E_INTERRUPTED, &error);
-    if (found) run_answer(run, order, MNS_OK, NULL);
+    const bool waited = run_answer_cancelled(run, id, &error);
+    if (queued || is_goal || waited) run_answer(run, order, MNS_OK, NULL);
     else run_answer(run, order, mns_fail(&error, MNS_E_NOT_FOUND, "no command of that id is under way"), &error);
 }
 

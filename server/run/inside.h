@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The inside of a run, for the files of this folder that make it up: run.c, go.c, load.c, steer.c, publish.c. */
+/* The inside of a run, for the files of this folder that make it up: run.c, go.c, load.c, steer.c, publish.c, answer.c. */
 #ifndef RUN_INSIDE_H
 #define RUN_INSIDE_H
 
@@ -61,13 +61,19 @@ void run_tell(Run *run, NoteKind kind, int level, const char *word,
               const char *text); /* an event or a line of the log */
 void run_tell_progress(Run *run);
 
-/* go.c: goals and waiters. */
+/* answer.c: those who wait; run_answer() and run_wait() are there too. */
+void run_answer_waiters(Run *run);          /* those whose wait is over         */
+void run_answer_late(Run *run, double now); /* those whose deadline has passed  */
+void run_answer_all_waiters(Run *run, const MnsError *error);
+bool run_answer_cancelled(Run *run, const uint8_t id[static ORDER_ID],
+                          const MnsError *error); /* those of that id; whether there are any */
+double run_next_deadline(const Run *run);         /* of clock_now(); INFINITY: none          */
+
+/* go.c: goals. */
 void run_begin(Run *run, const char *text); /* RUNNING, with the outputs of the first boundary    */
 void run_goal_end(Run *run, MnsStatus status,
                   const MnsError *error);     /* answers who is after it                            */
-void run_answer_waiters(Run *run);            /* those whose wait is over                           */
-void run_expire(Run *run);                    /* those whose deadline has passed                    */
-double run_next_deadline(const Run *run);     /* of clock_now(); INFINITY: none                     */
+void run_expire(Run *run);                    /* waiters and goals whose deadline has passed        */
 void run_call_off(Run *run, const Order *by); /* orders that would set it in motion, older than this one */
 void run_fault(Run *run, const MnsError *error, bool output);
 void run_advance(Run *run); /* one step and all that hangs on it                  */

@@ -156,16 +156,3 @@ void run_enter(Run *run, RunState state, const char *text)
     if (run->sim && state != RUN_LOADING) run_tell_progress(run);
     run_answer_waiters(run);
 }
-
-void run_answer(Run *run, Order *order, MnsStatus status, const MnsError *error)
-{
-    order->status = status;
-    if (status) order->error = *error;
-    pthread_mutex_lock(&run->lock);
-    order->state = run->status.state;
-    order->step = run->status.progress.step;
-    order->t = run->status.progress.t;
-    pthread_mutex_unlock(&run->lock);
-    order->note = (Note){.kind = NOTE_ANSWER, .order = order};
-    outbox_put(&run->outbox, &order->note);
-}

@@ -52,10 +52,7 @@ static void answer_all(Run *run)
     MnsError error;
     mns_fail(&error, MNS_E_UNAVAILABLE, "the daemon is leaving");
     run_goal_end(run, MNS_E_UNAVAILABLE, &error);
-    for (Waiter *waiter; (waiter = run->waiters); free(waiter)) {
-        run->waiters = waiter->next;
-        run_answer(run, waiter->order, MNS_E_UNAVAILABLE, &error);
-    }
+    run_answer_all_waiters(run, &error);
     for (Order *order; (order = mailbox_take(&run->mailbox, 0));) run_answer(run, order, MNS_E_UNAVAILABLE, &error);
 }
 

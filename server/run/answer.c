@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Answers to orders, and those who wait for something to come about. */
+#include "run/inside.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+void run_answer(Run *run, Order *order, MnsStatus status, const MnsError *error)
+{
+    order->status = status;
+    if (status) order->error = *error;
+    pthread_mutex_lock(&run->lock);
+    order->state = run->status.state;
+    order->step = run->status.progress.step;
+    order->t = run->status.progress.t;
+    pthread_mutex_unlock(&run->lock);
+    order->note = (Note){.kind = NOTE_ANSWER, .order = order};
+    outbox_put(&run->outbox, &order->note);
+}
+
+static bool wait_over(const Run *run, const RunWait *wait)
+{
+    if (wait->states & (1u << run->state)) return true;
+    if (!run->sim) return false;
+    const MnsProgress now = mns_sim_progress(run->sim);
+    return now.t >= wait->t || now.step >= wait->step;
+}
+
+/* Answer and forget the waiters for whom over() is true. Returns whether there were any. */
+static bool answer_some(Run *run, bool (*over)(const Run *, const Waiter *, const void *), const void *arg,
+                        MnsStatus status, const MnsError *error)
+{
+    bool any = false;
+    for (Waiter **list = &run->waiters; *list;) {
+        Waiter *waiter = *list;
+        if (!over(run, waiter, arg)) {
+            list = &waiter->next;
+            continue;
+        }
+        *list = waiter->next;
+        run_answer(run, waiter->order, status, error);
+        free(waiter);
+        any = true;
+    }
+    return any;
+}
+
+static bool is_over(const Run *run, const Waiter *waiter, const void *arg)
+{
+    (void)arg;
+    return wait_over(run, &waiter->wait);
+}
+
+static bool is_late(const Run *run, const Waiter *waiter, const void *arg)
+{
+    (void)run;
+    return waiter->order->deadline < *(const double *)arg;
+}
+
+static bool is_any(const Run *run, const Waiter *waiter, const void *arg)
+{
+    (void)run, (void)waiter, (void)arg;
+    return true;
+}
+
+static bool has_id(const Run *run, const Waiter *waiter, const void *arg)
+{
+    (void)run;
+    return !memcmp(waiter->order->id, arg, ORDER_ID);
+}
+
+void run_answer_waiters(Run *run)
+{
+    if (run->waiters) answer_some(run, is_over, NULL, MNS_OK, NULL);
+}
+
+void run_answer_late(Run *run, double now)
+{
+    MnsError error;
+    mns_fail(&error, MNS_E_TIMEOUT, "the deadline passed before what was waited for came about");
+    answer_some(run, is_late, &now, MNS_E_TIMEOUT, &error);
+}
+
+bool run_answer_cancelled(Run *run, const uint8_t id[static ORDER_ID], const MnsError *error)
+{
+    return answer_some(run, has_id, id, error->status, error);
+}
+
+void run_answer_all_waiters(Run *run, const MnsError *error)
+{
+    answer_some(run, is_any, NULL, error->status, error);
+}
+
+double run_next_deadline(const Run *run)
+{
+    double next = run->goal.order ? run->goal.order->deadline : INFINITY;
+    for (const Waiter *waiter = run->waiters; waiter; waiter = waiter->next) next = fmin(next, waiter->order->deadline);
+    return next;
+}
+
+void run_wait(Run *run, Order *order, const RunWait *wait)
+{
+    MnsError error;
+    Waiter *waiter = wait_over(run, wait) ? NULL : malloc(sizeof *waiter);
+    if (waiter) {
+        *waiter = (Waiter){.next = run->waiters, .wait = *wait, .order = order};
+        run->waiters = waiter;
+    } else if (wait_over(run, wait)) run_answer(run, order, MNS_OK, NULL);
+    else run_answer(run, order, mns_fail(&error, MNS_E_MEMORY, "no memory for one more who waits"), &error);
+}
