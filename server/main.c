@@ -137,7 +137,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
 }
 
 /* The OpenMP team must not spin while it waits: on a machine with other work to do, a thread that spins keeps from the
- * processor the very one it waits for, and a step takes a hundred times as long. GNU's runtime reads its settings before
+ * processor the very one it waits for, and a step takes many times as long. GNU's runtime reads its settings before
  * main(), so the program starts itself again with them; whoever sets one has their way. For 0.5 s of dambreak2d at resolution
  * 20, two threads on two processors with a busy loop beside: 1.9 to 3.0 s at 1000, 7.9 to 12.3 at 10000. */
 static void keep_threads_from_spinning(char **argv)
