@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The desk: sockets and what goes through them. A client that sends rubbish gets a sentence; one that vanishes, nothing; no
- * client can make the daemon wait, or hold more of its memory than is set aside for all. */
+ * client can make the daemon wait. Answers nobody reads are bounded in bytes. Messages that ZeroMQ has not received to their end
+ * cannot be: see DECISIONS.md. */
 #include "net/desk.h"
 
 #include "base/clock.h"
@@ -9,6 +10,7 @@
 #include "net/ledger.h"
 #include "net/visitors.h"
 #include "proto/frame.h"
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,7 +18,7 @@
 #include <time.h>
 #include <zmq.h>
 
-enum { AT_ONCE = 256 }; /* requests taken before looking at anything else */
+enum { AT_ONCE = 1024 }; /* frames taken before looking at anything else: a message may have any number */
 
 /* ZeroMQ counts messages, not bytes. So the count is set high enough for a reply to every command under way, and the bytes that
  * clients have not taken are counted here: beyond the first limit no more queries are answered, beyond twice that, nothing. */
@@ -27,12 +29,26 @@ static const size_t BYTES_UNREAD = 128 << 20;
  * connection. So before the sockets close, clients get this long after the latest reply to hang up by themselves. */
 enum { FAREWELL_MS = 500 };
 
+/* Who sent the message being read. */
+typedef struct Sender {
+    uint8_t identity[EXCHANGE_IDENTITY];
+    size_t size;
+} Sender;
+
+/* A message that may not have been read to its end. */
+typedef struct Reading {
+    Sender sender;
+    zmq_msg_t first; /* of the parts; empty before it came */
+    uint64_t frames; /* taken so far, that of the sender too */
+} Reading;
+
 struct Desk {
     void *context, *control, *telemetry;
     Run *run;
     Ledger *ledger;
     Publisher *publisher;
     Visitors visitors;
+    Reading reading;
     double replied; /* clock_now() of the latest reply */
     uint64_t epoch;
     _Atomic size_t unread;
@@ -96,6 +112,7 @@ MnsStatus desk_new(const Endpoint *endpoint, Run *run, Desk **ret, MnsError *err
     if (!desk) return mns_fail(error, MNS_E_MEMORY, "no memory for the desk");
     desk->run = run;
     desk->replied = -INFINITY;
+    zmq_msg_init(&desk->reading.first);
     desk->epoch = (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
     MnsStatus status = open_sockets(desk, error);
     if (!status) status = bind_all(desk, endpoint, error);
@@ -117,6 +134,7 @@ void desk_free(Desk *desk)
     visitors_done(&desk->visitors);
     if (desk->control) set(desk->control, ZMQ_LINGER, FAREWELL_MS);
     if (desk->telemetry) set(desk->telemetry, ZMQ_LINGER, FAREWELL_MS);
+    zmq_msg_close(&desk->reading.first);
     if (desk->control) zmq_close(desk->control);
     if (desk->telemetry) zmq_close(desk->telemetry);
     if (desk->context) zmq_ctx_term(desk->context);
@@ -226,12 +244,6 @@ void desk_reply(Desk *desk, Exchange *exchange)
 
 /* --- requests ---------------------------------------------------------------------------------------------------------- */
 
-/* Who sent the frames being read. */
-typedef struct Sender {
-    uint8_t identity[EXCHANGE_IDENTITY];
-    size_t size;
-} Sender;
-
 /* Answer without an order. request may be NULL; what is known of its id is used. */
 static void refuse(Desk *desk, const Sender *sender, const Meniscus__Request *request, const MnsError *why)
 {
@@ -305,12 +317,12 @@ static void take_request(Desk *desk, const Sender *sender, Meniscus__Request *re
     exchange_free(exchange);
 }
 
-static void take_frame(Desk *desk, const Sender *sender, const void *data, size_t size, unsigned frames)
+static void take_frame(Desk *desk, const Sender *sender, const void *data, size_t size, uint64_t parts)
 {
     MnsError error;
     Meniscus__Request *request = NULL;
     MnsStatus status =
-        frames == 1 ? MNS_OK : mns_fail(&error, MNS_E_INVALID, "a request is one frame; these are %u", frames);
+        parts == 1 ? MNS_OK : mns_fail(&error, MNS_E_INVALID, "a request is one frame; these are %" PRIu64, parts);
     if (!status) status = request_read(data, size, &request, &error);
     if (!status) {
         take_request(desk, sender, request);
@@ -320,27 +332,28 @@ static void take_frame(Desk *desk, const Sender *sender, const void *data, size_
     request_free(request);
 }
 
-/* All frames of one message; the first of the body is looked at, the rest only counted. False if there is no message. */
-static bool receive_one(Desk *desk)
+/* Take one frame: who sent the message, then its parts. The first part is looked at, the others are dropped as they come, without
+ * a copy, and only counted. False if there is none now. */
+static bool receive_frame(Desk *desk)
 {
-    Sender sender;
-    zmq_msg_t first, rest;
-    const int got = zmq_recv(desk->control, sender.identity, sizeof sender.identity, ZMQ_DONTWAIT);
-    if (got < 0) return false;
-    sender.size = (size_t)got < sizeof sender.identity ? (size_t)got : sizeof sender.identity;
-    int more = 0;
-    unsigned frames = 0;
-    size_t width = sizeof more;
-    zmq_msg_init(&first);
-    zmq_getsockopt(desk->control, ZMQ_RCVMORE, &more, &width);
-    for (; more; frames++) {
-        zmq_msg_init(&rest);
-        if (zmq_msg_recv(frames ? &rest : &first, desk->control, ZMQ_DONTWAIT) < 0) break;
-        more = zmq_msg_more(frames ? &rest : &first);
-        zmq_msg_close(&rest);
-    }
-    take_frame(desk, &sender, zmq_msg_data(&first), zmq_msg_size(&first), frames);
-    zmq_msg_close(&first);
+    zmq_msg_t frame;
+    Reading *reading = &desk->reading;
+    zmq_msg_init(&frame);
+    if (zmq_msg_recv(&frame, desk->control, ZMQ_DONTWAIT) < 0) return false;
+    const bool more = zmq_msg_more(&frame);
+    const size_t size = zmq_msg_size(&frame);
+    if (reading->frames == 0) {
+        reading->sender.size = size < EXCHANGE_IDENTITY ? size : EXCHANGE_IDENTITY;
+        memcpy(reading->sender.identity, zmq_msg_data(&frame), reading->sender.size);
+    } else if (reading->frames == 1) zmq_msg_move(&reading->first, &frame);
+    zmq_msg_close(&frame);
+    reading->frames++;
+    if (more) return true;
+    take_frame(desk, &reading->sender, zmq_msg_data(&reading->first), zmq_msg_size(&reading->first),
+               reading->frames - 1);
+    zmq_msg_close(&reading->first);
+    zmq_msg_init(&reading->first);
+    reading->frames = 0;
     return true;
 }
 
@@ -358,6 +371,6 @@ static bool receive_subscription(Desk *desk)
 void desk_receive(Desk *desk)
 {
     visitors_note(&desk->visitors);
-    for (int k = 0; k < AT_ONCE && receive_one(desk); k++) continue;
+    for (int k = 0; k < AT_ONCE && receive_frame(desk); k++) continue;
     for (int k = 0; k < AT_ONCE && receive_subscription(desk); k++) continue;
 }

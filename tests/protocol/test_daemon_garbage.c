@@ -5,7 +5,10 @@
 #include "tests/support/dialogue.h"
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 #include <time.h>
+#include <unistd.h>
 #include <zmq.h>
 
 static int begin(void **state)
@@ -58,6 +61,53 @@ static void several_frames_are_refused(void **state)
     Dialogue *dialogue = *state;
     for (int k = 0; k < 5; k++) zmq_send(dialogue->control, "x", 1, k < 4 ? ZMQ_SNDMORE : 0);
     assert_refused(dialogue, MENISCUS__CODE__INVALID_ARGUMENT);
+}
+
+/* More parts than are read in one go, and another client's request behind them. */
+static void a_message_of_many_parts_is_refused_with_their_number(void **state)
+{
+    Dialogue *dialogue = *state;
+    enum { PARTS = 100000 };
+    void *other = dialogue_connect(dialogue);
+    for (int k = 0; k < PARTS; k++) assert_int_equal(zmq_send(other, "x", 1, k < PARTS - 1 ? ZMQ_SNDMORE : 0), 1);
+    Meniscus__Reply *reply = dialogue_receive(other, NULL);
+    assert_non_null(reply);
+    assert_int_equal(reply->code, MENISCUS__CODE__INVALID_ARGUMENT);
+    assert_non_null(strstr(reply->message, "100000"));
+    meniscus__reply__free_unpacked(reply, NULL);
+    zmq_close(other);
+    assert_alive(dialogue);
+}
+
+/* A client of its own making, as libzmq does not send a message that is not whole: greeting, READY, and parts without end. */
+static int connect_by_hand(const Dialogue *dialogue)
+{
+    static const uint8_t greeting[64] = {0xff, [9] = 0x7f, [10] = 3, [12] = 'N', 'U', 'L', 'L'};
+    static const char ready[] = "\x04\x1c\x05READY\x0bSocket-Type\0\0\0\x06"
+                                "DEALER";
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    uint8_t answer[64];
+    const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    snprintf(address.sun_path, sizeof address.sun_path, "%s", dialogue->endpoint + strlen("ipc://"));
+    assert_int_equal(connect(fd, (const struct sockaddr *)&address, sizeof address), 0);
+    assert_int_equal(write(fd, greeting, sizeof greeting), sizeof greeting);
+    assert_int_equal(recv(fd, answer, sizeof answer, MSG_WAITALL), sizeof answer);
+    assert_int_equal(write(fd, ready, sizeof ready - 1), sizeof ready - 1);
+    return fd;
+}
+
+static void a_message_without_end_keeps_nobody_waiting_and_goes_with_its_sender(void **state)
+{
+    Dialogue *dialogue = *state;
+    static uint8_t parts[3 * 4096];
+    for (size_t k = 0; k < sizeof parts; k += 3) parts[k] = parts[k + 1] = 1, parts[k + 2] = 'x';
+    const int fd = connect_by_hand(dialogue);
+    for (int k = 0; k < 32; k++) {
+        assert_int_equal(write(fd, parts, sizeof parts), sizeof parts);
+        assert_alive(dialogue);
+    }
+    close(fd);
+    assert_alive(dialogue);
 }
 
 static void another_version_is_refused_under_its_id(void **state)
@@ -218,6 +268,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(bytes_that_are_no_request_are_refused, begin, end),
         cmocka_unit_test_setup_teardown(an_empty_frame_has_no_version, begin, end),
         cmocka_unit_test_setup_teardown(several_frames_are_refused, begin, end),
+        cmocka_unit_test_setup_teardown(a_message_of_many_parts_is_refused_with_their_number, begin, end),
+        cmocka_unit_test_setup_teardown(a_message_without_end_keeps_nobody_waiting_and_goes_with_its_sender, begin,
+                                        end),
         cmocka_unit_test_setup_teardown(another_version_is_refused_under_its_id, begin, end),
         cmocka_unit_test_setup_teardown(a_request_without_an_id_is_refused, begin, end),
         cmocka_unit_test_setup_teardown(a_request_without_a_command_is_refused, begin, end),

@@ -34,7 +34,8 @@ clean() { # unknown keys are only warnings there
 expect "systemd-analyze verify has nothing to say" clean systemd-analyze verify --man=no "$unit"
 expect "the exposure level is at most 2.5" systemd-analyze security --offline=yes --threshold=25 --no-pager "$unit"
 expect "the user can be made" systemd-sysusers --dry-run "$stage/usr/lib/sysusers.d/meniscus.conf"
-for word in "Type=notify" "NotifyAccess=main" "TimeoutStopSec=300" "StateDirectory=meniscus/%i" "RuntimeDirectory=meniscus/%i"; do
+for word in "Type=notify" "NotifyAccess=main" "TimeoutStopSec=300" "StateDirectory=meniscus/%i" "RuntimeDirectory=meniscus/%i" \
+    "MemoryMax=80%" "Restart=on-failure"; do
     expect "the unit says $word" grep -qx "$word" "$unit"
 done
 directories() {
