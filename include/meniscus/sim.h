@@ -16,11 +16,16 @@ typedef struct MnsSim MnsSim;
 
 /** Place the particles of a case and make it ready to step.
  *  @param c  borrowed until mns_sim_free(), or until mns_sim_steer() replaces it.
- *  @return MNS_OK; what mns_case_check() returns; MNS_E_MEMORY. On failure *ret_sim is untouched. */
+ *  @return MNS_OK; what mns_case_check() returns; MNS_E_LIMIT if it would take more than 1e9 steps to the end time, or more
+ *          than 1e6 snapshots; MNS_E_MEMORY. On failure *ret_sim is untouched. */
 MnsStatus mns_sim_new(const MnsCase *c, MnsSim **ret_sim, MnsError *error);
 
 /** Free a simulation; NULL is fine. */
 void mns_sim_free(MnsSim *sim);
+
+/** What is allowed and hardly meant, found when the simulation was made: sentence k, from 0, with the entry at its beginning;
+ *  NULL if there are no more. */
+const char *mns_sim_warning(const MnsSim *sim, size_t k);
 
 /** Advance by one time step: the smallest limit of the scheme, cut so that the step does not pass t_max. A step that ends
  *  within a rounding error of t_max ends exactly there.
@@ -32,7 +37,7 @@ MnsStatus mns_sim_step(MnsSim *sim, double t_max, MnsError *error);
 
 /** Adopt the entries of c that proto/case.proto marks as steerable (gravity, end time, output, threads, scheme options);
  *  all others must be as they were. c takes the place of the case the simulation borrowed, which may then be freed.
- *  @return MNS_OK; MNS_E_INVALID, the simulation unchanged. */
+ *  @return MNS_OK; MNS_E_INVALID, MNS_E_LIMIT as of mns_sim_new(): the simulation unchanged. */
 MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error);
 
 const MnsCase *mns_sim_case(const MnsSim *sim);

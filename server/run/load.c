@@ -113,6 +113,12 @@ static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
     return MNS_OK;
 }
 
+static void tell_warnings(Run *run)
+{
+    const char *text;
+    for (size_t k = 0; (text = mns_sim_warning(run->sim, k)); k++) run_tell(run, NOTE_LOG, LOG_WARNING, "case", text);
+}
+
 /* Install it and answer; status: whether it could be built. previous: the state to fall back to. */
 static void replace(Run *run, Order *order, Candidate *candidate, MnsStatus status, RunState previous, const char *text,
                     MnsError *error)
@@ -128,6 +134,7 @@ static void replace(Run *run, Order *order, Candidate *candidate, MnsStatus stat
         snprintf(order->path, sizeof order->path, "%s", run->outputs.directory);
         order->effect_step = mns_sim_progress(run->sim).step;
         run_enter(run, RUN_READY, text);
+        tell_warnings(run);
     }
     run_answer(run, order, status, error);
 }

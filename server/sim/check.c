@@ -27,9 +27,9 @@ size_t case_fit(const MnsCase *c, int d, double *ret_spacing)
 static MnsStatus check_options(const MnsCase *c, MnsError *error)
 {
     const MnsSchemeOptions *o = &c->scheme;
-    if (!(o->smoothing >= 0.8 && o->smoothing <= 4 && o->skin >= 0 && o->skin <= 2 && o->cfl > 0 && o->cfl <= 1))
+    if (!(o->smoothing >= 0.8 && o->smoothing <= 4 && o->skin >= 0 && o->skin <= 2 && o->cfl >= 1e-3 && o->cfl <= 1))
         return mns_fail_at(error, MNS_E_INVALID, "scheme",
-                           "smoothing %g, skin %g, cfl %g: allowed are [0.8, 4], [0, 2] and (0, 1]", o->smoothing,
+                           "smoothing %g, skin %g, cfl %g: allowed are [0.8, 4], [0, 2] and [1e-3, 1]", o->smoothing,
                            o->skin, o->cfl);
     const MnsRiemann *r = &o->riemann;
     if (!(r->limiter >= 0 && r->limiter <= 100 && r->background_pressure >= 0 && r->background_pressure <= 20 &&
@@ -38,10 +38,10 @@ static MnsStatus check_options(const MnsCase *c, MnsError *error)
                            "limiter %g, background pressure %g, guard %g: allowed are [0, 100], [0, 20] and [0, 0.5]",
                            r->limiter, r->background_pressure, r->guard);
     const MnsLimits *l = &c->limits;
-    if (!(l->time_step_floor > 0 && l->time_step_floor < 1 && l->density_min >= 0 && l->density_min < 1 &&
+    if (!(l->time_step_floor >= 1e-6 && l->time_step_floor < 1 && l->density_min >= 0 && l->density_min < 1 &&
           l->density_max > 1))
         return mns_fail_at(error, MNS_E_INVALID, "limits",
-                           "time step floor %g, density bounds %g and %g: allowed are (0, 1), [0, 1) and (1, inf)",
+                           "time step floor %g, density bounds %g and %g: allowed are [1e-6, 1), [0, 1) and (1, inf)",
                            l->time_step_floor, l->density_min, l->density_max);
     return MNS_OK;
 }

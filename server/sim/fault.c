@@ -115,7 +115,7 @@ MnsStatus fault_time_step(MnsSim *sim, double dt, const char *limit, MnsError *e
         error, MNS_E_DIVERGED,
         "diverged after step %llu at t = %g s: the time step fell to %g s, under the floor of %g s (limit: %s); "
         "fastest is particle %u of %s at (%g, %g, %g) m with %g m/s, most due to \"%s\"",
-        (unsigned long long)sim->progress.step, sim->progress.t, dt, sim->model.dt_floor * sim->progress.dt_first,
+        (unsigned long long)sim->progress.step, sim->progress.t, dt, plan_floor(sim),
         limit, s->id[fast], sim->c->fluids[s->phase[fast]].name, s->x[0][fast], s->x[1][fast],
         s->dim == 3 ? s->x[2][fast] : 0, speed(s, fast), blame(sim, fast, false));
 }

@@ -153,10 +153,10 @@ double integrator_dt(const MnsSim *sim, const char **ret_limit)
     double speed, g;
     fastest_and_heaviest(sim, &speed, &g);
     double dt = model->cfl * h / (model->c_max + speed);
-    *ret_limit = "sound and flow, P3 eq. 19";
+    *ret_limit = "sound and flow, P3 eq. 19 (scheme.cfl, sound_speed, resolution)";
     if (g > 0 && 0.25 * sqrt(h / g) < dt) {
         dt = 0.25 * sqrt(h / g);
-        *ret_limit = "body force, P3 eq. 20";
+        *ret_limit = "body force, P3 eq. 20 (gravity, motion of walls, resolution)";
     }
     for (size_t a = 0; a < model->n_phases; a++)
         for (size_t b = 0; b <= a; b++) {
@@ -165,7 +165,7 @@ double integrator_dt(const MnsSim *sim, const char **ret_limit)
             const double mu = 2 * p->mu * q->mu / (p->mu + q->mu), limit = 0.125 * h * h * fmin(p->rho0, q->rho0) / mu;
             if (limit < dt) {
                 dt = limit;
-                *ret_limit = "viscosity, schemes/README.md";
+                *ret_limit = "viscosity, schemes/README.md (viscosity, density, resolution)";
             }
         }
     return dt;

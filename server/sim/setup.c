@@ -77,8 +77,9 @@ MnsStatus setup_model(MnsSim *sim, MnsError *error)
                 formula_new(c->probes[k].formula, XYZT, constants.list, constants.n, &sim->probe_formula[k], error);
     if (!status) {
         setup_at(sim, 0, 0);
-        status = build_particles(sim, &constants, error);
+        status = plan_check(sim, c, error); /* before particles are placed in vain */
     }
+    if (!status) status = build_particles(sim, &constants, error);
     constants_done(&constants);
     return status;
 }

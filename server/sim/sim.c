@@ -8,7 +8,10 @@
 
 int sim_threads_for(const MnsCase *c)
 {
-    return c->threads > 0 ? (int)c->threads : omp_get_max_threads();
+    enum { ENOUGH = 64 }; /* to try out many on few processors; each has lists of its own */
+    const int processors = omp_get_num_procs(), most = processors > ENOUGH ? processors : ENOUGH;
+    if (c->threads == 0) return omp_get_max_threads();
+    return c->threads < (unsigned)most ? (int)c->threads : most;
 }
 
 static void name_timers(MnsSim *sim)
@@ -26,6 +29,8 @@ static MnsStatus sim_init(MnsSim *sim, MnsError *error)
     MnsStatus status = setup_model(sim, error);
     if (!status) status = neighbours_init(&sim->nb, sim->s.n, sim->threads, error);
     if (!status) status = integrator_start(sim, error);
+    if (!status) status = plan_check(sim, sim->c, error); /* again, now that speeds are known */
+    if (!status) plan_look(sim);
     return status;
 }
 
@@ -91,7 +96,7 @@ MnsStatus mns_sim_step(MnsSim *sim, double t_max, MnsError *error)
         return mns_fail(error, MNS_E_INVALID, "the step must end after t = %g s; found %g s", progress->t, t_max);
     const char *limit = "";
     double dt = integrator_dt(sim, &limit);
-    if (!(dt >= sim->model.dt_floor * progress->dt_first) || !(dt > 0))
+    if (!(dt >= plan_floor(sim)) || !(dt > 0))
         return remember(sim, fault_time_step(sim, dt, limit, &why), &why, error);
     if (progress->dt_first == 0) progress->dt_first = dt;
     const double t = cut(progress->t, &dt, t_max);

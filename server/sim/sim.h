@@ -7,7 +7,7 @@
 #include "sim/pass.h"
 #include "sim/shape.h"
 
-enum { SIM_TIMERS_MAX = SCHEME_PASSES_MAX + 4 };
+enum { SIM_TIMERS_MAX = SCHEME_PASSES_MAX + 4, SIM_WARNINGS_MAX = 16 };
 enum { TIMER_NEIGHBOURS, TIMER_DRIFT, TIMER_KICK, TIMER_PASSES };
 
 struct MnsSim {
@@ -26,10 +26,19 @@ struct MnsSim {
     MnsTimer timers[SIM_TIMERS_MAX];
     size_t n_timers;
     MnsError fault; /* said again by every further step */
+    size_t n_warnings;
+    char warning[SIM_WARNINGS_MAX][256]; /* about the case, found when it was loaded */
 };
 
-/* sim.c: how many threads a case asks for */
+/* sim.c: how many threads a case gets */
 int sim_threads_for(const MnsCase *c);
+
+/* plan.c: refuse to go on to the end of c with steps as long as the present state allows, or to write its files, if that is
+ * without end; the smallest step before a run counts as diverged; what to warn of in a new simulation */
+MnsStatus plan_check(const MnsSim *sim, const MnsCase *c, MnsError *error);
+double plan_floor(const MnsSim *sim);
+void plan_look(MnsSim *sim);
+void plan_warn(MnsSim *sim, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* check.c: number of particles along d, and the spacing stretched to fit */
 size_t case_fit(const MnsCase *c, int d, double *ret_spacing);

@@ -135,12 +135,25 @@ static MnsStatus build_lists(MnsSim *sim, int threads, Neighbours *fresh, MnsErr
     return status ? status : neighbours_build(fresh, &sim->s, &sim->model, error);
 }
 
+/* Can the rest of the run be done with the new factor of the time step and the new end? */
+static MnsStatus affordable(MnsSim *sim, const MnsCase *c, MnsError *error)
+{
+    const double cfl = sim->model.cfl;
+    sim->model.cfl = c->scheme.cfl;
+    const MnsStatus status = plan_check(sim, c, error);
+    sim->model.cfl = cfl;
+    return status;
+}
+
 MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
 {
     MnsStatus status = mns_case_check(c, error);
     if (status) return status;
     const char *entry = changed(sim->c, c);
     if (entry) return mns_fail_at(error, MNS_E_INVALID, entry, "cannot change in a run: load the case anew");
+
+    status = affordable(sim, c, error);
+    if (status) return status;
 
     const int threads = sim_threads_for(c);
     Neighbours lists = {0};

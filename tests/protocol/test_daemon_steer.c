@@ -311,7 +311,7 @@ static void options_of_the_scheme_out_of_bounds_are_refused_with_the_bounds(void
     Dialogue *dialogue = *state;
     dialogue_load(dialogue, NULL);
     assert_accepted(set(dialogue, "scheme.cfl", "0.2"));
-    assert_refused(set(dialogue, "scheme.cfl", "7"), MENISCUS__CODE__INVALID_ARGUMENT, "(0, 1]");
+    assert_refused(set(dialogue, "scheme.cfl", "7"), MENISCUS__CODE__INVALID_ARGUMENT, "[1e-3, 1]");
     assert_refused(set(dialogue, "scheme.riemann.limiter", "-1"), MENISCUS__CODE__INVALID_ARGUMENT, "[0, 100]");
 }
 

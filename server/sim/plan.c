@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What a run is going to take, by the length of its steps: what would never end, or fill any disk, is refused before it
+ * begins, and what is allowed but hardly meant is said. */
+#include "sim/sim.h"
+#include <math.h>
+#include <omp.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+static const double STEPS_MAX = 1e9; /* weeks, for the smallest of cases */
+static const double FILES_MAX = 1e6;
+static const double STEPS_SLOWED = 1e11; /* a run may slow down so much on its way, and no more */
+
+double plan_floor(const MnsSim *sim)
+{
+    const double end = sim->c->end_time;
+    return fmax(sim->model.dt_floor * sim->progress.dt_first, isfinite(end) ? end / STEPS_SLOWED : 0);
+}
+
+/* One output for each interval, but not more than one for each step. */
+static double outputs(double interval, double time, double dt)
+{
+    return interval > 0 ? time / fmax(interval, dt) : 0;
+}
+
+MnsStatus plan_check(const MnsSim *sim, const MnsCase *c, MnsError *error)
+{
+    const char *limit = "";
+    const double dt = integrator_dt(sim, &limit), left = c->end_time - sim->progress.t;
+    if (!isfinite(left)) return MNS_OK; /* of a C program, which knows when to stop */
+    if (left > 0 && !(left / dt <= STEPS_MAX))
+        return mns_fail_at(error, MNS_E_LIMIT, "end_time",
+                           "%g s more would take %.1e steps of %.1e s, allowed: %.0e; what limits the step is %s. End "
+                           "earlier, or change what limits it",
+                           left, left / dt, dt, STEPS_MAX, limit);
+    const double files = outputs(c->output.snapshot_interval, left, dt);
+    if (files > FILES_MAX)
+        return mns_fail_at(error, MNS_E_LIMIT, "output.snapshot_interval",
+                           "one every %g s would make %.1e files in %g s, allowed: %.0e, which is an interval of %.2g s",
+                           c->output.snapshot_interval, files, left, FILES_MAX, left / FILES_MAX);
+    return MNS_OK;
+}
+
+void plan_warn(MnsSim *sim, const char *format, ...)
+{
+    if (sim->n_warnings == SIM_WARNINGS_MAX) return;
+    va_list list;
+    va_start(list, format);
+    vsnprintf(sim->warning[sim->n_warnings++], sizeof *sim->warning, format, list);
+    va_end(list);
+}
+
+static void warn_interval(MnsSim *sim, const char *entry, double interval, double dt)
+{
+    if (interval > 0 && interval < dt)
+        plan_warn(sim, "%s: %g s is shorter than the first time step, %.2g s: it means after every step", entry,
+                  interval, dt);
+}
+
+void plan_look(MnsSim *sim)
+{
+    const MnsOutput *output = &sim->c->output;
+    const char *limit = "";
+    const double dt = integrator_dt(sim, &limit);
+    if (sim->c->n_probes) warn_interval(sim, "output.probe_interval", output->probe_interval, dt);
+    warn_interval(sim, "output.snapshot_interval", output->snapshot_interval, dt);
+    warn_interval(sim, "output.checkpoint_interval", output->checkpoint_interval, dt);
+    const unsigned processors = (unsigned)omp_get_num_procs();
+    if (sim->c->threads > processors)
+        plan_warn(sim,
+                  "threads: %u on %u processors only wait for each other; %d are used, and the results are the same for "
+                  "any number",
+                  sim->c->threads, processors, sim->threads);
+}
+
+const char *mns_sim_warning(const MnsSim *sim, size_t k)
+{
+    return k < sim->n_warnings ? sim->warning[k] : NULL;
+}

@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A run that would never end, or fill any disk, is refused before it begins or when it is steered there, by a sentence that
+ * names what is to blame; one that slows down without end counts as diverged; and what is hardly meant is said. */
+#include "sim/sim.h"
+#include "tests/support/cases.h"
+#include "tests/support/check.h"
+#include <omp.h>
+#include <string.h>
+
+static MnsSim *sim_of(const MnsCase *c)
+{
+    MnsSim *sim = NULL;
+    MnsError error = {0};
+    if (mns_sim_new(c, &sim, &error)) fail_msg("%s: %s", error.path, error.text);
+    return sim;
+}
+
+static void assert_endless(const MnsCase *c, const char *path, const char *word)
+{
+    MnsSim *sim = NULL;
+    MnsError error = {0};
+    assert_int_equal(mns_sim_new(c, &sim, &error), MNS_E_LIMIT);
+    assert_null(sim);
+    assert_string_equal(error.path, path);
+    if (!strstr(error.text, word)) fail_msg("\"%s\" does not say \"%s\"", error.text, word);
+}
+
+static void run_without_end_is_refused_with_what_limits_its_step(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = case_periodic(dim, 10);
+        c->end_time = 1e300;
+        assert_endless(c, "end_time", "sound_speed");
+        c->end_time = 1;
+        c->fluids[1].viscosity = 1e20;
+        c->fluids[0].viscosity = 1e20;
+        assert_endless(c, "end_time", "viscosity");
+        c->fluids[0].viscosity = 0;
+        c->fluids[1].viscosity = 0;
+        case_set_text(&c->gravity[1], "-1e30");
+        assert_endless(c, "end_time", "gravity");
+        case_set_text(&c->gravity[1], "0");
+        case_set_text(&c->fluids[0].velocity[0], "1e20"); /* known only when the particles are there */
+        assert_endless(c, "end_time", "flow");
+        mns_case_free(c);
+    }
+}
+
+/* The bound is on steps, not on seconds. */
+static void long_run_of_long_steps_is_not_refused(void **state)
+{
+    (void)state;
+    MnsCase *c = case_periodic(2, 10);
+    const double dt = 0.25 * 0.13 / (10 + 0.7); /* cfl h / (c + fastest), about */
+    c->end_time = 0.9e9 * dt;
+    mns_sim_free(sim_of(c));
+    c->end_time = 1.1e9 * dt;
+    assert_endless(c, "end_time", "1e+09");
+    c->end_time = INFINITY;
+    mns_sim_free(sim_of(c));
+    mns_case_free(c);
+}
+
+static void more_snapshots_than_a_disk_holds_are_refused(void **state)
+{
+    (void)state;
+    MnsCase *c = case_periodic(2, 10);
+    c->end_time = 1e5;
+    c->output.snapshot_interval = 0.05;
+    assert_endless(c, "output.snapshot_interval", "an interval of 0.1 s");
+    c->output.snapshot_interval = 0.11;
+    mns_sim_free(sim_of(c));
+    c->output.snapshot_interval = 1e-300; /* no more than one for each step */
+    assert_endless(c, "output.snapshot_interval", "e+07 files");
+    c->end_time = 1;
+    mns_sim_free(sim_of(c));
+    mns_case_free(c);
+}
+
+static void run_is_not_steered_to_where_it_has_no_end(void **state)
+{
+    (void)state;
+    MnsCase *c = case_periodic(2, 10), *other = case_periodic(2, 10);
+    MnsSim *sim = sim_of(c);
+    MnsError error = {0};
+    other->end_time = 1e300;
+    assert_int_equal(mns_sim_steer(sim, other, &error), MNS_E_LIMIT);
+    assert_string_equal(error.path, "end_time");
+    other->end_time = 1e6; /* 3e8 steps; not so with a hundredth of their length */
+    other->scheme.cfl = 0.0025;
+    assert_int_equal(mns_sim_steer(sim, other, &error), MNS_E_LIMIT);
+    assert_ptr_equal(mns_sim_case(sim), c);
+    assert_true(sim->model.cfl == 0.25);
+    other->scheme.cfl = 0.25;
+    assert_int_equal(mns_sim_steer(sim, other, &error), MNS_OK);
+    mns_sim_free(sim);
+    mns_case_free(other);
+    mns_case_free(c);
+}
+
+/* Against the first step alone, a run of 3e8 steps could become one of 3e14. */
+static void step_that_has_become_too_short_for_the_end_is_a_divergence(void **state)
+{
+    (void)state;
+    MnsCase *c = case_periodic(2, 10);
+    c->limits.time_step_floor = 1e-6;
+    c->end_time = 1e6;
+    MnsSim *sim = sim_of(c);
+    MnsError error = {0};
+    assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_OK);
+    sim->v_max = 1e4; /* a thousandth of the first step */
+    assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_E_DIVERGED);
+    assert_non_null(strstr(error.text, "floor of 1e-05 s"));
+    mns_sim_free(sim);
+    mns_case_free(c);
+}
+
+static bool warns(const MnsSim *sim, const char *word)
+{
+    const char *text;
+    for (size_t k = 0; (text = mns_sim_warning(sim, k)); k++)
+        if (strstr(text, word)) return true;
+    return false;
+}
+
+static void interval_shorter_than_a_step_is_said_to_be_one(void **state)
+{
+    (void)state;
+    MnsCase *c = case_periodic(2, 10);
+    c->end_time = 0.1;
+    c->output.snapshot_interval = c->output.checkpoint_interval = c->output.probe_interval = 0.01;
+    case_add_probe(c, MNS_PROBE_MASS);
+    MnsSim *sim = sim_of(c);
+    assert_null(mns_sim_warning(sim, 0));
+    mns_sim_free(sim);
+    c->output.snapshot_interval = c->output.checkpoint_interval = c->output.probe_interval = 1e-4;
+    sim = sim_of(c);
+    assert_true(warns(sim, "output.snapshot_interval: ") && warns(sim, "output.checkpoint_interval: "));
+    assert_true(warns(sim, "output.probe_interval: "));
+    assert_null(mns_sim_warning(sim, 3));
+    mns_sim_free(sim);
+    mns_case_free(c);
+}
+
+static void threads_beyond_the_processors_are_said_and_bounded(void **state)
+{
+    (void)state;
+    const int processors = omp_get_num_procs(), most = processors > 64 ? processors : 64;
+    MnsCase *c = case_periodic(2, 10);
+    c->threads = (unsigned)processors;
+    MnsSim *sim = sim_of(c);
+    assert_false(warns(sim, "threads: "));
+    mns_sim_free(sim);
+    c->threads = 1024 + (unsigned)most;
+    sim = sim_of(c);
+    assert_true(warns(sim, "threads: "));
+    assert_int_equal(mns_sim_threads(sim), most);
+    mns_sim_free(sim);
+    mns_case_free(c);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(run_without_end_is_refused_with_what_limits_its_step),
+        cmocka_unit_test(long_run_of_long_steps_is_not_refused),
+        cmocka_unit_test(more_snapshots_than_a_disk_holds_are_refused),
+        cmocka_unit_test(run_is_not_steered_to_where_it_has_no_end),
+        cmocka_unit_test(step_that_has_become_too_short_for_the_end_is_a_divergence),
+        cmocka_unit_test(interval_shorter_than_a_step_is_said_to_be_one),
+        cmocka_unit_test(threads_beyond_the_processors_are_said_and_bounded),
+    };
+    return cmocka_run_group_tests_name("plan", tests, NULL, NULL);
+}
