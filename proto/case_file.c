@@ -7,12 +7,18 @@
 #include <string.h>
 #include <sys/stat.h>
 
+/* What --set has changed. */
+typedef struct Setting {
+    char *path;
+    char text[192]; /* the assignment as it was given, shortened, for complaints */
+} Setting;
+
 struct CaseFile {
     char *name;
     Meniscus__Case *message;
     Marks marks;
     size_t n_sets;
-    char **sets; /* [n_sets] paths, the newest last */
+    Setting *sets; /* [n_sets] the newest last */
 };
 
 const Meniscus__Case *case_file_message(const CaseFile *file)
@@ -25,7 +31,7 @@ void case_file_free(CaseFile *file)
     if (!file) return;
     meniscus__case__free_unpacked(file->message, NULL);
     marks_done(&file->marks);
-    for (size_t k = 0; k < file->n_sets; k++) free(file->sets[k]);
+    for (size_t k = 0; k < file->n_sets; k++) free(file->sets[k].path);
     free(file->sets);
     free(file->name);
     free(file);
@@ -110,11 +116,14 @@ static bool is_within(const char *path, const char *outer)
     return !strncmp(path, outer, n) && (!path[n] || path[n] == '.' || path[n] == '[');
 }
 
-static const char *set_around(const CaseFile *file, const char *path)
+/* The innermost setting around a path; of several alike the newest. */
+static const Setting *set_around(const CaseFile *file, const char *path)
 {
-    const char *best = NULL;
-    for (size_t k = 0; k < file->n_sets; k++)
-        if (is_within(path, file->sets[k]) && (!best || strlen(file->sets[k]) > strlen(best))) best = file->sets[k];
+    const Setting *best = NULL;
+    for (size_t k = 0; k < file->n_sets; k++) {
+        const Setting *set = &file->sets[k];
+        if (is_within(path, set->path) && (!best || strlen(set->path) >= strlen(best->path))) best = set;
+    }
     return best;
 }
 
@@ -141,50 +150,58 @@ void case_file_locate(const CaseFile *file, MnsError *error)
     strcpy(path, error->path);
     const char *separator = *path ? ": " : "";
     const Mark *mark = &file->marks.list[marks_find(&file->marks, path, &depth)];
-    const char *set = set_around(file, path);
-    if (!set || strlen(set) < depth)
+    const Setting *set = set_around(file, path);
+    if (!set || strlen(set->path) < depth)
         mns_fail_at(error, error->status, path, "%.250s:%u:%u: %s%s%s", file->name, mark->line, mark->column, path,
                     separator, sentence);
-    else if (!strcmp(set, path)) mns_fail_at(error, error->status, path, "--set %s: %s", set, sentence);
-    else mns_fail_at(error, error->status, path, "--set %s: %s%s%s", set, path, separator, sentence);
+    else if (!strcmp(set->path, path)) mns_fail_at(error, error->status, path, "--set %s: %s", set->text, sentence);
+    else mns_fail_at(error, error->status, path, "--set %s: %s%s%s", set->text, path, separator, sentence);
 }
 
 /* --- overriding --------------------------------------------------------------------------------------------------- */
 
-static MnsStatus remember_set(CaseFile *file, char *path, MnsError *error)
+/* PATH=VALUE with what is long of either cut short. */
+static void show_setting(const char *path, const char *yaml, char *text, size_t size)
 {
-    char **grown = reallocarray(file->sets, file->n_sets + 1, sizeof *grown);
+    char shown[48], shown_value[48];
+    const bool fits = strlen(path) < sizeof((MnsError *)0)->path;
+    snprintf(text, size, "%s=%s", fits ? path : case_shown(path, shown), case_shown(yaml, shown_value));
+}
+
+static MnsStatus remember_set(CaseFile *file, const Setting *set, MnsError *error)
+{
+    Setting *grown = reallocarray(file->sets, file->n_sets + 1, sizeof *grown);
     if (!grown) return case_no_memory(error);
     file->sets = grown;
-    file->sets[file->n_sets++] = path;
-    marks_drop(&file->marks, path);
+    file->sets[file->n_sets++] = *set;
+    marks_drop(&file->marks, set->path);
     return MNS_OK;
 }
 
 /* The complaint of a set that was refused, in the words of the command line. */
-static void blame_set(const char *path, MnsError *error)
+static void blame_set(const Setting *set, MnsError *error)
 {
     char sentence[sizeof error->text], inner[sizeof error->path];
-    char shown[48];
     strcpy(sentence, bare_sentence(error));
     strcpy(inner, error->path);
-    const bool same = !strncmp(inner, path, sizeof inner - 1) || !*inner;
-    mns_fail_at(error, error->status, inner, "--set %s: %s%s%s",
-                strlen(path) < sizeof inner ? path : case_shown(path, shown), same ? "" : inner, same ? "" : ": ",
+    const bool same = !strncmp(inner, set->path, sizeof inner - 1) || !*inner;
+    mns_fail_at(error, error->status, inner, "--set %s: %s%s%s", set->text, same ? "" : inner, same ? "" : ": ",
                 sentence);
 }
 
 static MnsStatus set_entry(CaseFile *file, char *path, const char *yaml, MnsError *error)
 {
+    Setting set = {.path = path};
+    show_setting(path, yaml, set.text, sizeof set.text);
     MnsError local;
     MnsError *why = error ? error : &local;
     Meniscus__Case *changed;
     MnsStatus status = case_message_set(file->message, path, yaml, &changed, why);
     if (status) {
-        blame_set(path, why);
+        blame_set(&set, why);
         return status;
     }
-    status = remember_set(file, path, why);
+    status = remember_set(file, &set, why);
     meniscus__case__free_unpacked(status ? changed : file->message, NULL);
     if (!status) file->message = changed;
     return status;

@@ -24,7 +24,7 @@ MnsStatus case_file_set(CaseFile *file, const char *assignment, MnsError *error)
 const Meniscus__Case *case_file_message(const CaseFile *file);
 
 /* Give error->text the prefix "FILE:LINE:COLUMN: " of the entry error->path, or of the nearest entry around it (or
- * "--set PATH" if it came from there). Does nothing if the text has such a prefix. */
+ * "--set PATH=VALUE" if it came from there). Does nothing if the text has such a prefix. */
 void case_file_locate(const CaseFile *file, MnsError *error);
 
 void case_file_free(CaseFile *file);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Find a case by name: as a path, in $MENISCUS_CASES, beside the program, in the installation. */
 #include "proto/case_find.h"
+#include "proto/case_value.h"
+#include "proto/case_words.h"
 #include <dirent.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -9,11 +11,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+enum { CASES_MAX = 64 };
+
 typedef struct Search {
     const char *name;
     char *ret_path;   /* [4096] */
-    char looked[256]; /* folders without it, for the complaint */
-    char there[128];  /* cases of the first folder that has any */
+    char looked[200]; /* folders without it, for the complaint */
+    char there[2000]; /* names of the cases in them, one after the other */
+    size_t n_there, size_there;
 } Search;
 
 static bool is_file(const char *path)
@@ -28,17 +33,36 @@ static void append(char *text, size_t size, const char *more, size_t length)
     snprintf(text + n, size - n, "%s%.*s", n ? ", " : "", (int)length, more);
 }
 
-/* Names of the cases of a folder, without their ending. */
-static void list_cases(const char *folder, char *text, size_t size)
+/* Remember the name of a case, without its ending. */
+static void add_case(Search *search, const char *name, size_t length)
+{
+    if (search->n_there == CASES_MAX || search->size_there + length >= sizeof search->there) return;
+    memcpy(search->there + search->size_there, name, length);
+    search->there[search->size_there + length] = 0;
+    search->size_there += length + 1;
+    search->n_there++;
+}
+
+static void list_cases(Search *search, const char *folder)
 {
     struct dirent **entries;
     const int n = scandir(folder, &entries, NULL, alphasort);
     for (int k = 0; k < n; k++) {
         const char *end = strrchr(entries[k]->d_name, '.');
-        if (end && !strcmp(end, ".yaml")) append(text, size, entries[k]->d_name, (size_t)(end - entries[k]->d_name));
+        if (end && !strcmp(end, ".yaml")) add_case(search, entries[k]->d_name, (size_t)(end - entries[k]->d_name));
         free(entries[k]);
     }
     if (n >= 0) free(entries);
+}
+
+static MnsStatus fail_search(const Search *search, MnsError *error)
+{
+    const char *names[CASES_MAX], *next = search->there;
+    char shown[48], there[240] = "there are none";
+    for (size_t k = 0; k < search->n_there; k++, next += strlen(next) + 1) names[k] = next;
+    if (search->n_there) words_suggest(names, search->n_there, search->name, there, sizeof there);
+    return mns_fail(error, MNS_E_NOT_FOUND, "there is no case \"%s\": no file of that name, and none in %s; %s",
+                    case_shown(search->name, shown), search->looked, there);
 }
 
 static bool look_in(Search *search, const char *folder)
@@ -51,7 +75,7 @@ static bool look_in(Search *search, const char *folder)
     }
     if (access(folder, F_OK)) return false;
     append(search->looked, sizeof search->looked, folder, strlen(folder));
-    if (!*search->there) list_cases(folder, search->there, sizeof search->there);
+    if (!search->n_there) list_cases(search, folder);
     return false;
 }
 
@@ -83,7 +107,7 @@ MnsStatus case_find(const char *name, char ret_path[static 4096], MnsError *erro
     }
     if (asked && look_in(&search, asked)) return MNS_OK;
     if (look_beside_program(&search) || look_in(&search, MENISCUS_CASES)) return MNS_OK;
-    return mns_fail(error, MNS_E_NOT_FOUND,
-                    "there is no case \"%.100s\": no file of that name, and none in %s; there are: %s", name,
-                    *search.looked ? search.looked : "a folder of cases", *search.there ? search.there : "none");
+    if (!*search.looked) /* no such folder, and $MENISCUS_CASES would say where there is one */
+        snprintf(search.looked, sizeof search.looked, "$MENISCUS_CASES, beside the program or in %s", MENISCUS_CASES);
+    return fail_search(&search, error);
 }

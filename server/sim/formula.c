@@ -6,6 +6,7 @@
 #include <lua.h>
 #include <lualib.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -107,8 +108,9 @@ static const char *message(lua_State *lua)
 {
     const char *text = lua_tostring(lua, -1);
     if (!text) return "it fails";
-    const char prefix[] = "formula:1: ";
-    return strncmp(text, prefix, sizeof prefix - 1) == 0 ? text + sizeof prefix - 1 : text;
+    int length = 0; /* of the place: the name given to the chunk, a line, a colon */
+    sscanf(text, "formula:%*d: %n", &length);
+    return text + length;
 }
 
 static MnsStatus complain(lua_State *lua, const char *text, MnsError *error)

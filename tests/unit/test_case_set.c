@@ -116,7 +116,7 @@ static void the_index_after_the_last_appends(void **state)
     is(file, "probes", "[{name: e, kinetic_energy: {}}]");
     sets(file, "output.fields[0]=pressure");
     is(file, "output.fields", "[pressure]");
-    refuses(file, "fluids[4].density=1", "--set fluids[4].density: no such item, allowed: 0 to 3, where 3 appends one");
+    refuses(file, "fluids[4].density=1", "--set fluids[4].density=1: no such item, allowed: 0 to 3, where 3 appends one");
 }
 
 static void a_member_of_a_choice_replaces_the_other(void **state)
@@ -132,14 +132,14 @@ static void wrong_assignments_are_refused(void **state)
     CaseFile *file = *state;
     refuses(file, "resolution", "--set resolution: write PATH=VALUE, as in resolution=40");
     refuses(file, "=1", "--set =1: write PATH=VALUE, as in resolution=40");
-    refuses(file, "resolution=", "--set resolution: there is nothing here");
-    refuses(file, "resolution=fine", "--set resolution: found \"fine\", which is not a number, allowed: [1, 1e6]");
-    refuses(file, "fluids[1].density=-1", "--set fluids[1].density: found \"-1\", allowed: (0, inf) kg/m^3");
+    refuses(file, "resolution=", "--set resolution=: there is nothing here");
+    refuses(file, "resolution=fine", "--set resolution=fine: found \"fine\", which is not a number, allowed: [1, 1e6]");
+    refuses(file, "fluids[1].density=-1", "--set fluids[1].density=-1: found \"-1\", allowed: (0, inf) kg/m^3");
     refuses(file, "fluids[2]={name: oil, density: 800}",
-            "--set fluids[2]: fluids[2].sound_speed: missing, required: (0, inf) m/s");
-    refuses(file, "domain.min=[0]", "--set domain.min: found a list of 1, allowed: a list of 2 to 3");
+            "--set fluids[2]={name: oil, density: 800}: fluids[2].sound_speed: missing, required: (0, inf) m/s");
+    refuses(file, "domain.min=[0]", "--set domain.min=[0]: found a list of 1, allowed: a list of 2 to 3");
     refuses(file, "gravity=[0",
-            "--set gravity: this is not YAML: while parsing a flow sequence, did not find expected ',' or "
+            "--set gravity=[0: this is not YAML: while parsing a flow sequence, did not find expected ',' or "
             "']'");
 }
 
@@ -147,12 +147,12 @@ static void wrong_paths_are_refused_with_a_suggestion(void **state)
 {
     CaseFile *file = *state;
     refuses(file, "fluids[1].densty=2",
-            "--set fluids[1].densty: unknown entry \"densty\", did you mean \"density\"? Allowed: name, density, "
+            "--set fluids[1].densty=2: unknown entry \"densty\", did you mean \"density\"? Allowed: name, density, "
             "viscosity, "
             "sound_speed, shape, velocity, pressure, density_method");
-    refuses(file, "fluids.density=2", "--set fluids.density: \"fluids\" is a list, name one of its items: fluids[0]");
-    refuses(file, "resolution[0]=2", "--set resolution[0]: \"resolution\" is not a list, leave out the index");
-    refuses(file, "resolution.x=2", "--set resolution.x: \"resolution\" is a single value, there are no entries in it");
+    refuses(file, "fluids.density=2", "--set fluids.density=2: \"fluids\" is a list, name one of its items: fluids[0]");
+    refuses(file, "resolution[0]=2", "--set resolution[0]=2: \"resolution\" is not a list, leave out the index");
+    refuses(file, "resolution.x=2", "--set resolution.x=2: \"resolution\" is a single value, there are no entries in it");
     static const char *const malformed[] = {".a=1",
                                             "[0]=1",
                                             "fluids[=1",
@@ -166,6 +166,15 @@ static void wrong_paths_are_refused_with_a_suggestion(void **state)
         assert_int_equal(case_file_set(file, malformed[k], &error), MNS_E_NOT_FOUND);
         assert_non_null(strstr(error.text, "is not a path: write names joined by dots"));
     }
+}
+
+/* As the rest of a complaint has to find room too. */
+static void long_values_are_cut_in_complaints(void **state)
+{
+    MnsError error = {0};
+    assert_int_equal(case_file_set(*state, "fluids[1].density=1.00000000000000000000000000000000000000000000x", &error),
+                     MNS_E_INVALID);
+    assert_non_null(strstr(error.text, "--set fluids[1].density=1.00000000000000000000000000000000000000...: found"));
 }
 
 static void a_path_longer_than_any_entry_is_refused(void **state)
@@ -186,10 +195,14 @@ static void later_complaints_about_what_was_set_name_the_set(void **state)
     sets(file, "fluids[0]={name: oil, density: 5, sound_speed: 1}");
     mns_fail_at(&error, MNS_E_INVALID, "fluids[1].density", "too light");
     case_file_locate(file, &error);
-    assert_string_equal(error.text, "--set fluids[1].density: too light");
+    assert_string_equal(error.text, "--set fluids[1].density=3: too light");
     mns_fail_at(&error, MNS_E_INVALID, "fluids[0].density", "too light");
     case_file_locate(file, &error);
-    assert_string_equal(error.text, "--set fluids[0]: fluids[0].density: too light");
+    assert_string_equal(error.text, "--set fluids[0]={name: oil, density: 5, sound_speed: 1}: fluids[0].density: too light");
+    sets(file, "fluids[1].density=4"); /* the newest counts */
+    mns_fail_at(&error, MNS_E_INVALID, "fluids[1].density", "too light");
+    case_file_locate(file, &error);
+    assert_string_equal(error.text, "--set fluids[1].density=4: too light");
     mns_fail_at(&error, MNS_E_INVALID, "fluids[1].name", "too long");
     case_file_locate(file, &error);
     assert_string_equal(error.text, "a.yaml:7:12: fluids[1].name: too long");
@@ -259,6 +272,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_member_of_a_choice_replaces_the_other, setup, teardown),
         cmocka_unit_test_setup_teardown(wrong_assignments_are_refused, setup, teardown),
         cmocka_unit_test_setup_teardown(wrong_paths_are_refused_with_a_suggestion, setup, teardown),
+        cmocka_unit_test_setup_teardown(long_values_are_cut_in_complaints, setup, teardown),
         cmocka_unit_test_setup_teardown(a_path_longer_than_any_entry_is_refused, setup, teardown),
         cmocka_unit_test_setup_teardown(later_complaints_about_what_was_set_name_the_set, setup, teardown),
         cmocka_unit_test_setup_teardown(only_steerable_entries_may_differ, setup, teardown),

@@ -91,7 +91,7 @@ static void variables_win_over_constants_of_their_name(void **state)
 static void unknown_names_are_named(void **state)
 {
     (void)state;
-    assert_refused("sinn(x)", "unknown name 'sinn'");
+    assert_refused("sinn(x)", "is not a formula: unknown name 'sinn'");
     assert_refused("x + velocity", "unknown name 'velocity'");
     assert_refused("z", "unknown name 'z'");
 }
