@@ -149,6 +149,19 @@ static void keep_threads_from_spinning(char **argv)
     if (readlink("/proc/self/exe", path, sizeof path - 1) > 0) execv(path, argv);
 }
 
+/* argp ends the process where the command line is wrong; scripts are told all the same. */
+typedef struct Words {
+    int argc;
+    char **argv;
+    bool understood;
+} Words;
+
+static void tell_scripts(int code, void *of)
+{
+    const Words *words = of;
+    if (!words->understood && code == MNS_EXIT_USAGE) batch_misused(code, words->argc, words->argv);
+}
+
 static int run(Options *options)
 {
     const int usual = options->batch.name ? LOG_WARNING : LOG_INFORMATION;
@@ -171,7 +184,11 @@ int main(int argc, char **argv)
     Options options = {.batch.until = NAN, .level = -1, .daemon.name = "default"};
     keep_threads_from_spinning(argv);
     argp_err_exit_status = MNS_EXIT_USAGE;
+    static Words words; /* outlives main() */
+    words = (Words){argc, argv, false};
+    on_exit(tell_scripts, &words);
     argp_parse(&parser, argc, argv, 0, NULL, &options);
+    words.understood = true;
     const int code = options.schemes ? schemes_print(options.batch.json) : run(&options);
     free(options.settings);
     return code;

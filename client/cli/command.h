@@ -4,6 +4,7 @@
 #define CLI_COMMAND_H
 
 #include "client/cli/options.h"
+#include <jansson.h>
 #include <meniscus/client.h>
 
 typedef struct Command Command;
@@ -21,15 +22,24 @@ typedef struct Invocation {
 } Invocation;
 
 struct Command {
+    const char *group; /* heading of the commands from here on; NULL: the same as before */
     const char *name, *arguments, *help;
-    unsigned options; /* OPTION() of those it takes besides the global ones */
+    const char *details; /* what `meniscus help NAME` says besides; wrapped where it is printed */
+    OptionSet options;   /* those it takes besides the global ones */
+    bool is_alone;       /* talks to no daemon: of the global options it takes --output and --help */
+    unsigned exits;      /* EXIT_ bits of the codes it may end with besides the common ones */
     unsigned min_words, max_words;
     bool is_long;        /* may rightly take hours, so that no time limit is set by itself */
     const char *request; /* entry of the protocol's Request that it sends; NULL: none, or several */
     MnsStatus (*call)(MnsClient *client, MnsReply **ret_reply, MnsError *error); /* for command_simple() */
     MnsStatus (*run)(Invocation *in, MnsError *error);
-    int (*raw)(int argc, char **argv); /* instead of run: parses its own options, returns the exit code */
 };
+
+/* Bits of Command.exits. */
+enum { EXIT_BAD_CASE = 1, EXIT_DIVERGED = 2, EXIT_IO = 4, EXIT_AGAIN = 8, EXIT_TIMEOUT = 16 };
+
+/* All options of a command. */
+OptionSet command_options(const Command *command);
 
 /* All commands; ends with a NULL name. */
 extern const Command command_table[];
@@ -74,10 +84,14 @@ MnsStatus command_capabilities(Invocation *in, MnsError *error);
 MnsStatus command_schemes(Invocation *in, MnsError *error);
 MnsStatus command_ls(Invocation *in, MnsError *error);
 MnsStatus command_help(Invocation *in, MnsError *error);
-int command_run(int argc, char **argv);
+MnsStatus command_render(Invocation *in, MnsError *error);
+MnsStatus command_run(Invocation *in, MnsError *error);
 
 /* Help for one command, or for all with NULL, as text on standard output. */
 void help_print(const Command *command);
+
+/* The tables of commands and options, for programs that wrap this one. */
+json_t *help_json(void);
 
 /* Split the values of --fields at their commas. ret[MAX_WORDS] are yours, as is the one block `*ret_text` they lie in.
  * MNS_E_LIMIT; MNS_E_MEMORY. */

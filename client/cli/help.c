@@ -2,9 +2,40 @@
 /* Help, made from the tables of commands and options. */
 #include "client/cli/command.h"
 #include "client/cli/output.h"
+#include <ctype.h>
+#include <meniscus/exit.h>
 #include <stdio.h>
+#include <string.h>
 
-static void print_options(unsigned options)
+/* Exit codes: those of every command, of every command that talks to a daemon, and of some. */
+static const struct {
+    MnsExit code;
+    unsigned exits; /* 0: of every command */
+    bool of_daemon;
+    const char *meaning;
+} exit_table[] = {
+    {MNS_EXIT_DONE, 0, false, "done"},
+    {MNS_EXIT_FAILED, 0, false, "refused or failed"},
+    {MNS_EXIT_USAGE, 0, false, "wrong usage"},
+    {MNS_EXIT_BAD_CASE, EXIT_BAD_CASE, false, "bad case: standard error begins with FILE:LINE:COLUMN"},
+    {MNS_EXIT_UNREACHABLE, 0, true, "no daemon answers"},
+    {MNS_EXIT_DIVERGED, EXIT_DIVERGED, false, "the simulation has diverged"},
+    {MNS_EXIT_IO, EXIT_IO, false, "a file could not be read or written"},
+    {MNS_EXIT_AGAIN, EXIT_AGAIN, false, "stopped before it was done: run the same command again"},
+    {MNS_EXIT_TIMEOUT, 0, true, "timed out"},
+};
+
+static void print_exits(const Command *command)
+{
+    puts("\nExit codes:");
+    for (size_t k = 0; k < sizeof exit_table / sizeof *exit_table; k++) {
+        const bool of_daemon = !exit_table[k].of_daemon || !command || !command->is_alone;
+        const bool of_this = !exit_table[k].exits || !command || command->exits & exit_table[k].exits;
+        if (of_daemon && of_this) printf("  %-4d %s\n", exit_table[k].code, exit_table[k].meaning);
+    }
+}
+
+static void print_options(OptionSet options)
 {
     for (int k = 0; k < OPTION_COUNT; k++) {
         const OptionInfo *info = &option_table[k];
@@ -18,15 +49,45 @@ static void print_options(unsigned options)
 
 static void print_all(void)
 {
-    puts("Usage: meniscus [OPTION]... COMMAND ...\nSteer, watch and question multiphase particle "
-         "simulations.\n\nCommands:");
-    for (const Command *command = command_table; command->name; command++)
+    puts("Usage: meniscus COMMAND [OPTION]... [WORD]...\n"
+         "Compute flows of several fluids with particles, and steer, watch and question them while they run.\n\n"
+         "To begin with, a dam break from the beginning to a picture:\n"
+         "    meniscus run dambreak2d --set resolution=20 --set end_time=2 --out dam\n"
+         "    meniscus render dam/snapshot-*0.hdf --field pressure --out dam.png\n"
+         "or in a daemon, which takes commands while it computes:\n"
+         "    meniscusd --state-dir runs &\n"
+         "    meniscus load dambreak2d --start\n"
+         "    meniscus watch");
+    for (const Command *command = command_table; command->name; command++) {
+        if (command->group) printf("\n%s:\n", command->group);
         printf("  %-13s %s\n", command->name, command->help);
+    }
     puts("\nOptions of every command that talks to a daemon:");
     print_options(OPTIONS_GLOBAL);
-    puts("\nExit codes: 0 done, 1 refused or failed, 2 wrong usage, 65 bad case, 69 no daemon answers, 70 diverged,\n"
-         "74 file not read or written, 75 stopped, run again, 124 timed out.\n"
-         "`meniscus help COMMAND` explains a command.");
+    print_exits(NULL);
+    puts("\n`meniscus help COMMAND` explains a command; -o json makes each print one JSON object, failures too.");
+}
+
+/* Lines are broken between words; those that begin with a space are examples and stay as they are. */
+static void print_wrapped(const char *text)
+{
+    enum { WIDTH = 100 };
+    for (size_t column = 0; *text;) {
+        const size_t length = *text == ' ' && column == 0 ? strcspn(text, "\n") : strcspn(text, " \n");
+        if (column > 0 && column + 1 + length > WIDTH) {
+            putchar('\n');
+            column = 0;
+        }
+        printf("%s%.*s", column > 0 ? " " : "", (int)length, text);
+        column += length + (column > 0);
+        text += length;
+        if (*text == '\n') {
+            putchar('\n');
+            column = 0;
+        }
+        if (*text) text++;
+    }
+    putchar('\n');
 }
 
 void help_print(const Command *command)
@@ -35,18 +96,20 @@ void help_print(const Command *command)
         print_all();
         return;
     }
-    if (command->raw) {
-        char help[] = "--help", *argv[] = {(char *)command->name, help, NULL};
-        fflush(stdout);
-        command->raw(2, argv);
-        return;
-    }
     const char *arguments = command->arguments ? command->arguments : "";
-    printf("Usage: meniscus %s [OPTION]... %s\n%s.\n\n", command->name, arguments, command->help);
-    print_options(command->options | OPTIONS_GLOBAL);
+    printf("Usage: meniscus %s [OPTION]...%s%s\n", command->name, *arguments ? " " : "", arguments);
+    printf("%c%s.\n", toupper((unsigned char)command->help[0]), command->help + 1);
+    if (command->details) {
+        putchar('\n');
+        print_wrapped(command->details);
+    }
+    puts("\nOptions:");
+    print_options(command->options);
+    print_options(command_options(command) & ~command->options);
+    print_exits(command);
 }
 
-static json_t *options_json(unsigned options)
+static json_t *options_json(OptionSet options)
 {
     json_t *list = json_array();
     for (int k = 0; k < OPTION_COUNT; k++)
@@ -56,25 +119,24 @@ static json_t *options_json(unsigned options)
     return list;
 }
 
-/* The table of commands, for programs that wrap this one. */
-static json_t *table_json(void)
+json_t *help_json(void)
 {
     json_t *list = json_array();
     for (const Command *command = command_table; command->name; command++)
-        json_array_append_new(list, json_pack("{ss ss? ss ss? so}", "name", command->name, "arguments",
-                                              command->arguments, "help", command->help, "request", command->request,
-                                              "options", options_json(command->options)));
+        json_array_append_new(list, json_pack("{ss ss? ss ss? ss? so}", "name", command->name, "arguments",
+                                              command->arguments, "help", command->help, "details", command->details,
+                                              "request", command->request, "options", options_json(command->options)));
     return json_pack("{so so}", "commands", list, "options", options_json(OPTIONS_GLOBAL));
 }
 
 MnsStatus command_help(Invocation *in, MnsError *error)
 {
     const Command *command = NULL;
-    if (in->json) return output_json(table_json(), error);
     if (in->options.n_words) {
         const MnsStatus status = command_usage(in, command_find(in->options.words[0], &command, error));
         if (status != MNS_OK) return status;
     }
+    if (in->json) return output_json(help_json(), error);
     help_print(command);
     return MNS_OK;
 }

@@ -2,6 +2,7 @@
 /* The whole of `meniscus`: parse, connect, run, print, and say with the exit code how it went. */
 #include "client/cli/command.h"
 #include "client/cli/output.h"
+#include "proto/script.h"
 #include <meniscus/exit.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -26,23 +27,28 @@ int command_exit_code(MnsStatus status, bool is_load)
     }
 }
 
+/* A failure as scripts get it. */
+static json_t *failure_json(const MnsError *error, const char *hint, int code)
+{
+    return json_pack("{s{ss ss ss ss si}}", "error", "status", mns_status_name(error->status), "message", error->text,
+                     "path", error->path, "hint", hint, "exit_code", code);
+}
+
 /* The sentence on standard error; with -o json the same on standard output for programs. */
 static int complain(const MnsError *error, bool json, int code)
 {
     fprintf(stderr, "%s%s\n", code == MNS_EXIT_BAD_CASE ? "" : "meniscus: ", error->text);
-    if (json) {
-        json_t *detail = json_pack("{ss ss ss si}", "status", mns_status_name(error->status), "message", error->text,
-                                   "path", error->path, "exit_code", code);
-        output_json(json_pack("{so}", "error", detail), NULL);
-    }
+    if (json) output_json(failure_json(error, mns_status_hint(error->status), code), NULL);
     return code;
 }
 
 static int misuse(const MnsError *error, bool json, const Command *command)
 {
-    const int code = complain(error, json, MNS_EXIT_USAGE);
-    fprintf(stderr, "`meniscus help%s%s` explains.\n", command ? " " : "", command ? command->name : "");
-    return code;
+    char hint[64];
+    snprintf(hint, sizeof hint, "`meniscus help%s%s` explains", command ? " " : "", command ? command->name : "");
+    fprintf(stderr, "meniscus: %s\n%s.\n", error->text, hint);
+    if (json) output_json(failure_json(error, hint, MNS_EXIT_USAGE), NULL);
+    return MNS_EXIT_USAGE;
 }
 
 static MnsStatus check_format(Invocation *in, MnsError *error)
@@ -106,14 +112,18 @@ MnsStatus command_usage(Invocation *in, MnsStatus status)
     return status;
 }
 
+static int help(const Command *command, bool json)
+{
+    if (json) return output_json(help_json(), NULL) == MNS_OK ? MNS_EXIT_DONE : MNS_EXIT_IO;
+    help_print(command);
+    return MNS_EXIT_DONE;
+}
+
 static int run_parsed(Invocation *in)
 {
     MnsError error = {0};
-    if (options_get(&in->options, OPT_HELP)) {
-        help_print(in->command);
-        return MNS_EXIT_DONE;
-    }
     MnsStatus status = command_usage(in, check_format(in, &error));
+    if (status == MNS_OK && options_get(&in->options, OPT_HELP)) return help(in->command, in->json);
     if (status == MNS_OK) status = command_usage(in, check_words(in, &error));
     if (status == MNS_OK) status = command_usage(in, read_manner(in, &error));
     if (status == MNS_OK) status = in->command->run(in, &error);
@@ -124,46 +134,21 @@ static int run_parsed(Invocation *in)
                     in->code ? in->code : command_exit_code(status, in->command->run == command_load));
 }
 
-/* Commands that parse their options themselves get the global ones that came before the command too. */
-static int run_raw(const Command *command, const Options *global, int argc, char **argv)
-{
-    char **all = calloc((size_t)argc + 2 * global->n_given + 1, sizeof *all);
-    char(*names)[24] = calloc(global->n_given + 1, sizeof *names);
-    int n = 0, code = MNS_EXIT_FAILED;
-    if (all && names) {
-        all[n++] = argv[0];
-        for (size_t k = 0; k < global->n_given; k++) {
-            const OptionInfo *info = &option_table[global->given[k].id];
-            snprintf(names[k], sizeof names[k], info->letter ? "-%.1s" : "--%s",
-                     info->letter ? &info->letter : info->name);
-            all[n++] = names[k];
-            if (info->value) all[n++] = (char *)global->given[k].value;
-        }
-        for (int k = 1; k < argc; k++) all[n++] = argv[k];
-        code = command->raw(n, all);
-    }
-    free(names);
-    free(all);
-    return code;
-}
-
 int command_main(int argc, char **argv)
 {
-    Invocation in = {0};
+    Invocation in = {.json = script_wants_json(argc, argv)};
     MnsError error = {0};
-    int used = 1;
+    int used = 1, rest;
     if (options_parse(&in.options, argc, argv, OPTIONS_GLOBAL, true, &used, &error) != MNS_OK)
-        return misuse(&error, false, NULL);
+        return misuse(&error, in.json, NULL);
     if (options_get(&in.options, OPT_VERSION)) return printf("meniscus %s\n", MENISCUS_VERSION) < 0;
+    if (used == argc && options_get(&in.options, OPT_HELP)) return help(NULL, in.json);
     if (used == argc) {
-        help_print(NULL);
-        return options_get(&in.options, OPT_HELP) ? MNS_EXIT_DONE : MNS_EXIT_USAGE;
+        mns_fail(&error, MNS_E_INVALID, "say what to do: a command is missing");
+        return misuse(&error, in.json, NULL);
     }
-    check_format(&in, &error);
     if (command_find(argv[used], &in.command, &error) != MNS_OK) return misuse(&error, in.json, NULL);
-    if (in.command->raw) return run_raw(in.command, &in.options, argc - used, argv + used);
-    int rest;
-    const unsigned allowed = OPTIONS_GLOBAL | in.command->options;
+    const OptionSet allowed = command_options(in.command);
     if (options_parse(&in.options, argc - used, argv + used, allowed, false, &rest, &error) != MNS_OK)
         return misuse(&error, in.json, in.command);
     return run_parsed(&in);

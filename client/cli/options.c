@@ -29,12 +29,27 @@ const OptionInfo option_table[] = {
                        "pause when this formula of probes, t and step is true, as in \"P1 > 2e3\""},
     [OPT_REMOVE] = {"remove", 0, NULL, "take the breakpoint away"},
     [OPT_WHOLE_STEPS] = {"whole-steps", 0, NULL, "end with the step that passes the time, instead of shortening it"},
+    [OPT_DIRECTORY] = {"out", 0, "DIR", "run directory; default: ./CASE.run"},
+    [OPT_UNTIL] = {"until", 0, "T", "stop with a checkpoint at the first step at or after this time [s]"},
+    [OPT_RESUME_AUTO] = {"resume", 0, "auto", "go on from the newest whole checkpoint in the run directory, if any"},
+    [OPT_THREADS] = {"threads", 0, "N", "threads of the solver, 0 for all processors; default: as the case says"},
+    [OPT_LOG_LEVEL] = {"log-level", 0, "LEVEL", "error, warning (default), notice, info or debug"},
+    [OPT_PICTURE] = {"out", 0, "FILE.png", "where the picture goes; must be given"},
+    [OPT_FIELD] = {"field", 'f', "NAME", "phase (default), pressure, velocity, density or any other field"},
+    [OPT_RANGE] = {"range", 'r', "LO,HI", "ends of the colour bar, in the field's SI unit; default: see above"},
+    [OPT_COLOURS] = {"colours", 'c', "NAME", "viridis (default), magma, cividis, coolwarm (0 in its middle) or grey"},
+    [OPT_CUT] = {"cut", 0, "AXIS[=AT[,D]]", "3D: a slab normal to x, y or z at AT [m], of thickness D [m]"},
+    [OPT_PROJECT] = {"project", 0, "AXIS", "3D: look at the surface of the heaviest fluid along x, y or z"},
+    [OPT_FLUID] = {"fluid", 0, "NAME[,NAME]", "draw these fluids only"},
+    [OPT_BOX] = {"box", 'b', "X0,Y0,X1,Y1", "part of the plane to draw [m]; default: the domain"},
+    [OPT_TITLE] = {"title", 't', "TEXT", "instead of the title of the case"},
+    [OPT_SIZE] = {"size", 's', "WxH", "in pixels; default: 1600x900"},
 };
 
 enum { LONG_ONLY = 256 };
 
 /* The allowed part of the table, as getopt_long() wants it. */
-static void tables(unsigned allowed, struct option *longs, char *shorts)
+static void tables(OptionSet allowed, struct option *longs, char *shorts)
 {
     *shorts++ = '+';
     *shorts++ = ':';
@@ -57,7 +72,7 @@ static int option_of(int code)
     return -1;
 }
 
-static MnsStatus complain(const char *word, unsigned allowed, MnsError *error)
+static MnsStatus complain(const char *word, OptionSet allowed, MnsError *error)
 {
     char dashed[OPTION_COUNT][24], text[400];
     const char *names[OPTION_COUNT];
@@ -80,7 +95,7 @@ static MnsStatus full(MnsError *error)
     return mns_fail(error, MNS_E_LIMIT, "more than %d words on the command line", (int)MAX_WORDS);
 }
 
-static MnsStatus take_option(Options *options, int code, const char *word, unsigned allowed, MnsError *error)
+static MnsStatus take_option(Options *options, int code, const char *word, OptionSet allowed, MnsError *error)
 {
     if (code == '?') return complain(word, allowed, error);
     if (code == ':') return mns_fail(error, MNS_E_INVALID, "option %s needs a value", word);
@@ -95,7 +110,7 @@ static bool is_negative_number(const char *word)
     return word[0] == '-' && word[1] && strchr("0123456789.", word[1]);
 }
 
-MnsStatus options_parse(Options *options, int argc, char **argv, unsigned allowed, bool leading, int *ret_used,
+MnsStatus options_parse(Options *options, int argc, char **argv, OptionSet allowed, bool leading, int *ret_used,
                         MnsError *error)
 {
     struct option longs[OPTION_COUNT + 1];

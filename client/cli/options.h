@@ -27,11 +27,29 @@ typedef enum OptionId {
     OPT_CONDITION,
     OPT_REMOVE,
     OPT_WHOLE_STEPS,
+    OPT_DIRECTORY,
+    OPT_UNTIL,
+    OPT_RESUME_AUTO,
+    OPT_THREADS,
+    OPT_LOG_LEVEL,
+    OPT_PICTURE,
+    OPT_FIELD,
+    OPT_RANGE,
+    OPT_COLOURS,
+    OPT_CUT,
+    OPT_PROJECT,
+    OPT_FLUID,
+    OPT_BOX,
+    OPT_TITLE,
+    OPT_SIZE,
     OPTION_COUNT
 } OptionId;
 
-#define OPTION(id) (1u << (id))
-enum { OPTIONS_GLOBAL = (1 << (OPT_VERSION + 1)) - 1, MAX_WORDS = 1024 };
+/* Options as a set. */
+typedef uint64_t OptionSet;
+#define OPTION(id)     (UINT64_C(1) << (id))
+#define OPTIONS_GLOBAL (OPTION(OPT_VERSION + 1) - 1)
+enum { MAX_WORDS = 1024 };
 
 typedef struct OptionInfo {
     const char *name;
@@ -57,7 +75,7 @@ typedef struct Options {
 /* Add argv[1..argc-1] to what is there. With `leading`, stop at the first word that is no option; else words and
  * options may mix, words that begin like a negative number are no options, and "--" ends the options. *ret_used: words
  * of argv looked at. MNS_E_INVALID: unknown (with a suggestion), without its value, too many. */
-MnsStatus options_parse(Options *options, int argc, char **argv, unsigned allowed, bool leading, int *ret_used,
+MnsStatus options_parse(Options *options, int argc, char **argv, OptionSet allowed, bool leading, int *ret_used,
                         MnsError *error);
 
 /* The last value given; NULL if none was. */

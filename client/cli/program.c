@@ -4,7 +4,6 @@
 #include "client/cli/command.h"
 #include <errno.h>
 #include <limits.h>
-#include <meniscus/exit.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,23 +40,45 @@ MnsStatus program_become(const char *program, const char *const *arguments, MnsE
                     strerror(cause));
 }
 
-int command_run(int argc, char **argv)
+/* Values that can be wrong without a look at the case are refused here, like those of any command. */
+static MnsStatus check_run(const Options *o, MnsError *error)
 {
-    MnsError error;
-    const bool wants_help = argc > 1 && (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0);
-    if (wants_help || argc < 2) {
-        fputs("Usage: meniscus run CASE [--set PATH=VALUE]... [--out DIR] [--until T] [--resume auto] [--threads N]\n"
-              "                    [-o text|json]\n"
-              "Run a case to its end without a daemon: the same solver, the same files.\n",
-              wants_help ? stdout : stderr);
-        return wants_help ? MNS_EXIT_DONE : MNS_EXIT_USAGE;
+    double until;
+    uint64_t threads;
+    const char *resume = options_get(o, OPT_RESUME_AUTO);
+    const char *time = options_get(o, OPT_UNTIL), *number = options_get(o, OPT_THREADS);
+    if (resume && strcmp(resume, "auto") != 0)
+        return mns_fail(error, MNS_E_INVALID, "--resume takes auto; found \"%.100s\"", resume);
+    MnsStatus status = time ? parse_number("--until", time, &until, error) : MNS_OK;
+    if (status == MNS_OK && time && until < 0)
+        return mns_fail(error, MNS_E_INVALID, "--until %.100s: a time is 0 or more", time);
+    if (status == MNS_OK && number) status = parse_count("--threads", number, &threads, error);
+    return status;
+}
+
+MnsStatus command_run(Invocation *in, MnsError *error)
+{
+    const Options *o = &in->options;
+    MnsStatus status = command_usage(in, check_run(o, error));
+    if (status != MNS_OK) return status;
+    const size_t size = 2 * o->n_given + 3;
+    const char **arguments = calloc(size, sizeof *arguments);
+    char(*names)[24] = calloc(o->n_given + 1, sizeof *names);
+    size_t n = 0;
+    if (arguments && names) {
+        arguments[n++] = "--batch";
+        arguments[n++] = o->words[0];
+        for (size_t k = 0; k < o->n_given; k++) {
+            if (o->given[k].id == OPT_OUTPUT && !in->json) continue; /* text is what meniscusd prints anyhow */
+            snprintf(names[k], sizeof names[k], "--%s", option_table[o->given[k].id].name);
+            arguments[n++] = names[k];
+            arguments[n++] = o->given[k].value;
+        }
+        status = program_become("meniscusd", arguments, error);
+    } else {
+        status = mns_fail(error, MNS_E_MEMORY, "no memory to run meniscusd");
     }
-    const char **arguments = calloc((size_t)argc + 1, sizeof *arguments);
-    if (!arguments) return MNS_EXIT_FAILED;
-    arguments[0] = "--batch";
-    for (int k = 1; k < argc; k++) arguments[k] = argv[k];
-    program_become("meniscusd", arguments, &error);
+    free(names);
     free(arguments);
-    fprintf(stderr, "meniscus: %s\n", error.text);
-    return MNS_EXIT_FAILED;
+    return status;
 }

@@ -29,7 +29,7 @@ static MnsStatus find(const MnsReply *reply, const char *name, size_t rows, cons
 {
     const MnsArray *a = mns_reply_array(reply, name);
     if (!a || a->n_dims < 1 || a->n_dims > 2 || a->shape[0] != rows || columns(a) < 1 || columns(a) > 9)
-        return mns_fail_at(error, MNS_E_CORRUPT, name, "The daemon's answer lacks a usable array \"%s\".", name);
+        return mns_fail_at(error, MNS_E_CORRUPT, name, "the daemon's answer lacks a usable array \"%s\"", name);
     *ret = a;
     return MNS_OK;
 }
@@ -38,7 +38,7 @@ static MnsStatus take_scalars(const MnsArray *a, double **ret, MnsError *error)
 {
     const size_t n = a->shape[0], width = columns(a);
     double *values = malloc((n * width + 1) * sizeof *values);
-    if (!values) return mns_fail(error, MNS_E_MEMORY, "There is no memory for %zu particles.", n);
+    if (!values) return mns_fail(error, MNS_E_MEMORY, "there is no memory for %zu particles", n);
     for (size_t i = 0; i < n * width; i++) values[i] = element(a, i);
     frame_magnitude(n, (int)width, values, values);
     *ret = values;
@@ -120,7 +120,7 @@ static MnsStatus ask_case(MnsClient *client, Frame *about, MnsError *error)
     }
     mns_reply_free(reply);
     if (!(about->spacing > 0) || !isfinite(about->spacing))
-        return mns_fail(error, MNS_E_CORRUPT, "The daemon does not say how far apart its particles are.");
+        return mns_fail(error, MNS_E_CORRUPT, "the daemon does not say how far apart its particles are");
     return MNS_OK;
 }
 
@@ -165,16 +165,12 @@ static MnsStatus ask_particles(MnsClient *client, const char *field, bool walls,
     return status;
 }
 
-MnsStatus frame_read_daemon(const char *name, const char *field, bool walls, Frame *ret, MnsError *error)
+MnsStatus frame_read_daemon(MnsClient *client, const char *field, bool walls, Frame *ret, MnsError *error)
 {
-    MnsClient *client;
     Frame about = {0};
-    MnsStatus status = mns_client_open(name, &client, error);
-    if (status) return status;
-    status = ask_title(client, &about, error);
+    MnsStatus status = ask_title(client, &about, error);
     if (!status) status = ask_case(client, &about, error);
     if (!status) status = ask_fluids(client, &about, error);
     if (!status) status = ask_particles(client, field, walls, &about, ret, error);
-    mns_client_close(client);
     return status;
 }

@@ -19,7 +19,7 @@ typedef struct Source {
 
 static MnsStatus damaged(const Source *s, const char *what)
 {
-    return mns_fail_at(s->error, MNS_E_CORRUPT, s->path, "%s is damaged or not a snapshot of Meniscus: %s.", s->path,
+    return mns_fail_at(s->error, MNS_E_CORRUPT, s->path, "%s is damaged or not a snapshot of Meniscus: %s", s->path,
                        what);
 }
 
@@ -90,7 +90,7 @@ static MnsStatus get_numbers(const Source *s, const char *name, size_t rows, int
     MnsStatus status = MNS_OK;
     if (dataset < 0 || !shape_of(dataset, shape) || shape[0] != rows) status = damaged(s, name);
     else if (!(values = malloc((rows ? rows : 1) * shape[1] * sizeof *values)))
-        status = mns_fail(s->error, MNS_E_MEMORY, "There is no memory for %zu particles.", rows);
+        status = mns_fail(s->error, MNS_E_MEMORY, "there is no memory for %zu particles", rows);
     else if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) status = damaged(s, name);
     if (dataset >= 0) H5Dclose(dataset);
     if (status) {
@@ -128,7 +128,7 @@ static MnsStatus no_such_field(const Source *s, const char *name)
 {
     char text[256] = "";
     H5Literate_by_name(s->file, group, H5_INDEX_NAME, H5_ITER_INC, NULL, list_one, text, H5P_DEFAULT);
-    return mns_fail_at(s->error, MNS_E_NOT_FOUND, "--field", "There is no field \"%s\" in %s; there are: %s.", name,
+    return mns_fail_at(s->error, MNS_E_NOT_FOUND, "--field", "there is no field \"%s\" in %s; there are: %s", name,
                        s->path, text);
 }
 
@@ -241,7 +241,7 @@ MnsStatus frame_read_file(const char *path, const char *field, Frame *ret, MnsEr
 {
     if (access(path, R_OK)) {
         const MnsStatus status = errno == ENOENT ? MNS_E_NOT_FOUND : MNS_E_IO;
-        return mns_fail_at(error, status, path, "Cannot read %s: %s.", path, strerror(errno));
+        return mns_fail_at(error, status, path, "cannot read %s: %s", path, strerror(errno));
     }
     /* HDF5 would print a page about each failure; the sentence says enough. */
     H5E_auto2_t print;

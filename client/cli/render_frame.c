@@ -11,7 +11,7 @@ MnsStatus frame_init(Frame *frame, size_t n, MnsError *error)
     frame->phase = calloc(n ? n : 1, sizeof *frame->phase);
     if (frame->x && frame->phase) return MNS_OK;
     frame_done(frame);
-    return mns_fail(error, MNS_E_MEMORY, "There is no memory for %zu particles.", n);
+    return mns_fail(error, MNS_E_MEMORY, "there is no memory for %zu particles", n);
 }
 
 void frame_done(Frame *frame)

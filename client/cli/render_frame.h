@@ -3,7 +3,7 @@
 #ifndef CLI_RENDER_FRAME_H
 #define CLI_RENDER_FRAME_H
 
-#include <meniscus/status.h>
+#include <meniscus/client.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -29,9 +29,8 @@ typedef struct Frame {
  * no frame_done(). */
 MnsStatus frame_read_file(const char *path, const char *field, Frame *ret, MnsError *error);
 
-/* Ask a daemon. name: of the daemon, as every command takes it; NULL: the default one. MNS_E_UNAVAILABLE if nobody
- * answers. */
-MnsStatus frame_read_daemon(const char *name, const char *field, bool walls, Frame *ret, MnsError *error);
+/* Ask a daemon. MNS_E_UNAVAILABLE if nobody answers. */
+MnsStatus frame_read_daemon(MnsClient *client, const char *field, bool walls, Frame *ret, MnsError *error);
 
 /* Room for n particles; value and weight are left to those who have them. */
 MnsStatus frame_init(Frame *frame, size_t n, MnsError *error);

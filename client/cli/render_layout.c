@@ -145,8 +145,8 @@ MnsStatus page_layout(const Page *page, cairo_t *cr, Layout *ret, MnsError *erro
     const Margins m = margins(page, cr, &l);
     if (page->width - m.left - m.right < 4 * l.font || page->height - m.top - m.bottom < 2 * l.font)
         return mns_fail_at(error, MNS_E_LIMIT, "--size",
-                           "A picture of %d x %d pixels leaves no room for the particles; "
-                           "make it larger.",
+                           "a picture of %d x %d pixels leaves no room for the particles; "
+                           "make it larger",
                            page->width, page->height);
     place_head(page, cr, m, &l);
     place_labels(page, cr, &l);

@@ -3,23 +3,21 @@
 #ifndef CLI_RENDER_OPTIONS_H
 #define CLI_RENDER_OPTIONS_H
 
+#include "client/cli/options.h"
 #include "client/cli/render_colour.h"
 #include "client/cli/render_view.h"
 
 typedef struct RenderOptions {
-    const char *snapshot, *daemon;   /* not both; neither: the default daemon */
+    const char *snapshot;            /* NULL: a daemon */
     const char *field, *out, *title; /* title NULL: that of the case */
     const ColourMap *map;
-    bool has_range, json, help;
+    bool has_range;
     double range[2];
     int width, height; /* pixels */
     ViewOptions view;
 } RenderOptions;
 
-/* MNS_E_INVALID with error->path naming the option; MNS_E_LIMIT for a picture too large or too small. */
-MnsStatus render_options_parse(int argc, char **argv, RenderOptions *ret, MnsError *error);
-
-/* What --help prints. */
-const char *render_usage(void);
+/* MNS_E_INVALID with error->path naming the option; MNS_E_LIMIT for a picture too large or too small. Text is borrowed. */
+MnsStatus render_options_read(const Options *options, RenderOptions *ret, MnsError *error);
 
 #endif

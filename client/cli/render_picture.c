@@ -105,7 +105,7 @@ static cairo_status_t to_file(void *file, const unsigned char *data, unsigned le
 static MnsStatus refuse(const char *path, int code, MnsError *error)
 {
     const MnsStatus status = code == ENOSPC || code == EDQUOT ? MNS_E_NO_SPACE : MNS_E_IO;
-    return mns_fail_at(error, status, path, "Cannot write the picture %s: %s.", path, strerror(code));
+    return mns_fail_at(error, status, path, "cannot write the picture %s: %s", path, strerror(code));
 }
 
 static MnsStatus save(cairo_surface_t *surface, const char *path, MnsError *error)
@@ -133,7 +133,7 @@ static MnsStatus compose(const View *view, const Colour *colours, const Page *pa
     Layout layout;
     cairo_set_source_rgb(cr, 1, 1, 1);
     cairo_paint(cr);
-    MnsStatus status = cairo_status(cr) ? mns_fail(error, MNS_E_MEMORY, "There is no memory for the picture.") : MNS_OK;
+    MnsStatus status = cairo_status(cr) ? mns_fail(error, MNS_E_MEMORY, "there is no memory for the picture") : MNS_OK;
     if (!status) status = page_layout(page, cr, &layout, error);
     if (!status) status = draw_dots(view, colours, layout.plot, surface, error);
     if (!status) {
@@ -158,7 +158,7 @@ MnsStatus picture_write(const Frame *frame, const RenderOptions *o, Drawn *ret, 
     Drawn drawn = {.particles = view.n - view.hidden, .skipped = view.skipped, .range = {scale.lo, scale.hi}};
     Colour *colours = dot_colours(frame, &view, &scale, o->map);
     status = colours ? compose(&view, colours, &page, o->out, &drawn, error)
-                     : mns_fail(error, MNS_E_MEMORY, "There is no memory to draw %zu particles.", view.n);
+                     : mns_fail(error, MNS_E_MEMORY, "there is no memory to draw %zu particles", view.n);
     if (!status) *ret = drawn;
     free(colours);
     view_done(&view);

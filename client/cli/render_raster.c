@@ -54,7 +54,7 @@ MnsStatus raster_make(const View *view, int width, int height, Raster *ret, MnsE
     r.key = malloc(n * sizeof *r.key);
     if (!r.owner || !r.key) {
         raster_done(&r);
-        return mns_fail(error, MNS_E_MEMORY, "There is no memory for a picture of %d x %d pixels.", width, height);
+        return mns_fail(error, MNS_E_MEMORY, "there is no memory for a picture of %d x %d pixels", width, height);
     }
     for (size_t i = 0; i < n; i++) {
         r.owner[i] = RASTER_NOBODY;

@@ -32,7 +32,7 @@ static MnsStatus smooth_all(const Raster *r, size_t reach, float *height, MnsErr
 {
     const size_t longest = (r->width > r->height ? r->width : r->height) + 1;
     double *sum = malloc(2 * longest * sizeof *sum);
-    if (!sum) return mns_fail(error, MNS_E_MEMORY, "There is no memory to shade the picture.");
+    if (!sum) return mns_fail(error, MNS_E_MEMORY, "there is no memory to shade the picture");
     for (int sweep = 0; sweep < SWEEPS; sweep++) {
         for (size_t y = 0; y < r->height; y++)
             smooth((Line){height + y * r->width, r->owner + y * r->width, r->width, 1}, reach, sum, sum + longest);
@@ -68,7 +68,7 @@ MnsStatus raster_shade(const Raster *raster, const View *view, float **ret_shade
     const size_t n = raster->width * raster->height;
     float *height = malloc(n * sizeof *height), *shade = malloc(n * sizeof *shade);
     MnsStatus status =
-        height && shade ? MNS_OK : mns_fail(error, MNS_E_MEMORY, "There is no memory to shade the picture.");
+        height && shade ? MNS_OK : mns_fail(error, MNS_E_MEMORY, "there is no memory to shade the picture");
     if (!status) {
         for (size_t i = 0; i < n; i++) height[i] = -raster->key[i];
         status = smooth_all(raster, 1 + (size_t)(view->radius * raster->scale), height, error);

@@ -54,7 +54,7 @@ static MnsStatus find_fluid(const Frame *frame, const char *name, size_t length,
         strncat(names, k ? ", " : "", sizeof names - strlen(names) - 1);
         strncat(names, frame->fluids[k], sizeof names - strlen(names) - 1);
     }
-    return mns_fail_at(error, MNS_E_NOT_FOUND, "--fluid", "There is no fluid \"%.*s\"; there are: %s.", (int)length,
+    return mns_fail_at(error, MNS_E_NOT_FOUND, "--fluid", "there is no fluid \"%.*s\"; there are: %s", (int)length,
                        name, names);
 }
 
@@ -100,7 +100,7 @@ static MnsStatus choose_plane(const Frame *frame, const ViewOptions *o, const Ex
     if (frame->dim == 2) {
         if (o->kind != VIEW_AUTOMATIC)
             return mns_fail_at(error, MNS_E_INVALID, o->kind == VIEW_CUT ? "--cut" : "--project",
-                               "This is for three dimensions, but the picture is of a two-dimensional run.");
+                               "this is for three dimensions, but the picture is of a two-dimensional run");
         view->kind = VIEW_CUT;
         view->axis = -1;
         return MNS_OK;
@@ -111,8 +111,8 @@ static MnsStatus choose_plane(const Frame *frame, const ViewOptions *o, const Ex
     view->at = o->kind == VIEW_CUT && !isnan(o->at) ? o->at : (lo + hi) / 2;
     if (view->kind == VIEW_CUT && !(view->at >= lo && view->at <= hi))
         return mns_fail_at(error, MNS_E_INVALID, "--cut",
-                           "The cut %c = %g m misses the particles, which lie between %g m and %g m.",
-                           "xyz"[view->axis], view -> at, lo, hi);
+                           "the cut %c = %g m misses the particles, which lie between %g m and %g m", "xyz"[view->axis],
+                           view -> at, lo, hi);
     return MNS_OK;
 }
 
@@ -183,7 +183,7 @@ MnsStatus view_make(const Frame *frame, const ViewOptions *options, View *ret, M
     View view = {0};
     const Extent e = measure(frame, options->walls);
     if (!(e.lo[0] <= e.hi[0]))
-        return mns_fail(error, MNS_E_NOT_FOUND, "None of the %zu particles has a finite position.", frame->n);
+        return mns_fail(error, MNS_E_NOT_FOUND, "none of the %zu particles has a finite position", frame->n);
     MnsStatus status = choose_plane(frame, options, &e, &view, error);
     if (!status) status = choose_fluids(frame, options->fluids, &view, error);
     if (status) return status;
@@ -191,7 +191,7 @@ MnsStatus view_make(const Frame *frame, const ViewOptions *options, View *ret, M
     choose_bounds(options, &e, &view);
     view.radius = choose_radius(frame, view.kind);
     view.dots = malloc(frame->n * sizeof *view.dots);
-    if (!view.dots) return mns_fail(error, MNS_E_MEMORY, "There is no memory to draw %zu particles.", frame->n);
+    if (!view.dots) return mns_fail(error, MNS_E_MEMORY, "there is no memory to draw %zu particles", frame->n);
     collect(frame, options, &view);
     if (view.n > view.hidden) {
         *ret = view;
@@ -199,7 +199,7 @@ MnsStatus view_make(const Frame *frame, const ViewOptions *options, View *ret, M
     }
     view_done(&view);
     return mns_fail(error, MNS_E_NOT_FOUND,
-                    "There is nothing to draw: %zu particles have no finite value, the others are outside the picture.",
+                    "there is nothing to draw: %zu particles have no finite value, the others are outside the picture",
                     view.skipped);
 }
 

@@ -27,6 +27,30 @@ const char *mns_status_name(MnsStatus status)
     return k < sizeof names / sizeof *names ? names[k] : "unknown";
 }
 
+const char *mns_status_hint(MnsStatus status)
+{
+    static const char *const hints[] = {
+        [MNS_E_INVALID] = "mend what the message names and try again",
+        [MNS_E_NOT_FOUND] = "check the name; the message or `meniscus capabilities` says what there is",
+        [MNS_E_STATE] = "see the state with `meniscus status`, and wait for another with `meniscus wait`",
+        [MNS_E_LIMIT] = "ask for less, or raise the limit if the message names an entry for it",
+        [MNS_E_MEMORY] = "compute with fewer particles, or on a machine with more memory",
+        [MNS_E_DIVERGED] = "look at the last snapshot, then go back to a checkpoint, or begin anew with a smaller "
+                           "time step or more particles",
+        [MNS_E_IO] = "see to the file or directory that the message names, then try again",
+        [MNS_E_NO_SPACE] = "make room on the disk, then go on: `meniscus resume`, or the same `meniscus run` with "
+                           "--resume auto",
+        [MNS_E_CORRUPT] = "use another file: the newest whole checkpoint is found by itself",
+        [MNS_E_VERSION] = "use programs of the same version",
+        [MNS_E_UNAVAILABLE] = "see which daemons there are with `meniscus ls`, or start one with `meniscusd`",
+        [MNS_E_TIMEOUT] = "allow more time, or see with `meniscus status` how far it is",
+        [MNS_E_INTERRUPTED] = "give the same command again; `meniscus run` goes on with --resume auto",
+        [MNS_E_INTERNAL] = "please report this with the command and the log",
+    };
+    const unsigned k = (unsigned)status;
+    return k < sizeof hints / sizeof *hints && hints[k] ? hints[k] : "";
+}
+
 static void fill(MnsError *error, MnsStatus status, const char *path, const char *format, va_list list)
 {
     if (!error) return;

@@ -8,6 +8,7 @@
 #include "proto/case_file.h"
 #include "proto/case_find.h"
 #include "proto/case_name.h"
+#include "proto/script.h"
 #include <math.h>
 #include <meniscus/exit.h>
 #include <poll.h>
@@ -220,6 +221,11 @@ static int exit_code(const Batch *batch, const Outcome *outcome)
     }
 }
 
+void batch_misused(int code, int argc, char *const *argv)
+{
+    if (script_wants_json(argc, argv)) outcome_print_misuse(code);
+}
+
 int batch_run(const BatchOptions *options)
 {
     MnsError error;
@@ -233,13 +239,13 @@ int batch_run(const BatchOptions *options)
     if (!status) outcome.error.status = MNS_OK;
     if (status && strcmp(outcome.error.text, outcome.status.fault.text)) /* of a fault the log has told */
         fprintf(stderr, "%s\n", outcome.error.text);
-    int code = exit_code(&batch, &outcome);
+    outcome.code = exit_code(&batch, &outcome);
     if (outcome_print(&outcome, options->json, &error)) {
         fprintf(stderr, "%s\n", error.text);
-        code = MNS_EXIT_IO;
+        outcome.code = MNS_EXIT_IO;
     }
     outcome_done(&outcome);
     case_file_free(batch.file);
     signals_done(&batch.signals);
-    return code;
+    return outcome.code;
 }

@@ -20,4 +20,8 @@ typedef struct BatchOptions {
  * thread is started, as it decides who gets the signals. */
 int batch_run(const BatchOptions *options);
 
+/* The process ends with this code before batch_run(), as the command line is wrong: if argv asks for JSON, print the one
+ * object that is promised. */
+void batch_misused(int code, int argc, char *const *argv);
+
 #endif

@@ -5,6 +5,7 @@
 #include <inttypes.h>
 #include <jansson.h>
 #include <math.h>
+#include <meniscus/exit.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -65,6 +66,23 @@ static json_t *hash_of(const RunStatus *status)
     return status->particles ? json_sprintf("%016" PRIx64, status->hash) : json_null();
 }
 
+static json_t *failure(MnsStatus status, const char *message, const char *path, const char *hint, int code)
+{
+    return json_pack("{ss ss ss ss si}", "status", mns_status_name(status), "message", message, "path", path, "hint",
+                     hint, "exit_code", code);
+}
+
+/* Why the run is not whole, as every command of `meniscus` says it; null if it is. */
+static json_t *error_of(const Outcome *outcome)
+{
+    const MnsError *cause = outcome->status.fault.status ? &outcome->status.fault : &outcome->error;
+    if (cause->status)
+        return failure(cause->status, cause->text, cause->path, mns_status_hint(cause->status), outcome->code);
+    if (outcome->code == MNS_EXIT_DONE) return json_null();
+    return failure(MNS_E_INTERRUPTED, "a signal stopped the run, after a checkpoint", "",
+                   mns_status_hint(MNS_E_INTERRUPTED), outcome->code);
+}
+
 static json_t *as_json(const Outcome *outcome)
 {
     const RunStatus *status = &outcome->status;
@@ -88,8 +106,9 @@ static json_t *as_json(const Outcome *outcome)
     json_object_set_new(object, "probes", probes_of(outcome));
     json_object_set_new(object, "outputs", outputs_of(outcome));
     json_object_set_new(object, "timers", timers_of(status));
-    if (status->fault.status) json_object_set_new(object, "fault", json_string(status->fault.text));
-    if (outcome->error.status) json_object_set_new(object, "error", json_string(outcome->error.text));
+    json_object_set_new(object, "fault", status->fault.status ? json_string(status->fault.text) : json_null());
+    json_object_set_new(object, "error", error_of(outcome));
+    json_object_set_new(object, "exit_code", json_integer(outcome->code));
     return object;
 }
 
@@ -108,9 +127,8 @@ static void print_lines(const Outcome *outcome)
     printf("  files in %s\n", outcome->directory);
 }
 
-static int print_json(const Outcome *outcome)
+static int print_json(json_t *object)
 {
-    json_t *object = as_json(outcome);
     const int failed = json_dumpf(object, stdout, JSON_PRESERVE_ORDER | JSON_REAL_PRECISION(17));
     json_decref(object);
     putchar('\n');
@@ -119,9 +137,18 @@ static int print_json(const Outcome *outcome)
 
 MnsStatus outcome_print(const Outcome *outcome, bool json, MnsError *error)
 {
-    const int failed = json ? print_json(outcome) : (print_lines(outcome), 0);
+    const int failed = json ? print_json(as_json(outcome)) : (print_lines(outcome), 0);
     if (!failed && !fflush(stdout) && !ferror(stdout)) return MNS_OK;
     return mns_fail(error, MNS_E_IO, "cannot write to standard output: %m");
+}
+
+void outcome_print_misuse(int code)
+{
+    print_json(json_pack("{so si}", "error",
+                         failure(MNS_E_INVALID, "the command line is wrong; standard error says what is", "",
+                                 "`meniscusd --help` lists the options", code),
+                         "exit_code", code));
+    fflush(stdout);
 }
 
 void outcome_done(Outcome *outcome)

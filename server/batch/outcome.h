@@ -11,10 +11,14 @@ typedef struct Outcome {
     double probes[MNS_MAX_PROBES]; /* [document->c->n_probes], NAN where there is nothing          */
     char directory[RUNDIR_PATH];
     MnsError error; /* what went wrong, but for the fault in status; MNS_OK: nothing */
+    int code;       /* exit code */
 } Outcome;
 
 /* Print on standard output. MNS_E_IO if it cannot be written. */
 MnsStatus outcome_print(const Outcome *outcome, bool json, MnsError *error);
+
+/* Print as JSON that the command line is wrong: no run, but one object all the same. */
+void outcome_print_misuse(int code);
 
 void outcome_done(Outcome *outcome);
 

@@ -13,7 +13,9 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from daemon import BUILD, SMALL, DaemonTest  # noqa: E402
+from daemon import BUILD, ROOT, SMALL, DaemonTest  # noqa: E402
+
+CASES = ROOT / "server" / "cases"
 
 REPLY = {"state", "step", "time", "effect_step", "daemon_epoch", "message"}
 STATUS = set(
@@ -237,7 +239,9 @@ class Watching(DaemonTest):
 
 class WithoutDaemon(unittest.TestCase):
     def run_cli(self, *words: str) -> "subprocess.CompletedProcess[str]":
-        environment = os.environ | {"XDG_RUNTIME_DIR": "/nonexistent", "MENISCUS_DAEMON": "nobody-of-that-name"}
+        environment = os.environ | {
+            "XDG_RUNTIME_DIR": "/nonexistent", "MENISCUS_DAEMON": "nobody-of-that-name", "MENISCUS_CASES": str(CASES)
+        }
         return subprocess.run([BUILD / "meniscus", *words], env=environment, capture_output=True, text=True, timeout=20)
 
     def test_an_unreachable_daemon_is_said_quickly_and_with_its_code(self) -> None:
@@ -263,9 +267,57 @@ class WithoutDaemon(unittest.TestCase):
             self.assertEqual(done.returncode, 2, words)
             self.assertIn(hint, done.stderr)
 
-    def test_failures_are_json_too(self) -> None:
-        done = self.run_cli("status", "-o", "json")
-        self.assertEqual(json.loads(done.stdout)["error"]["exit_code"], 69)
+    def assert_fails_as_json(self, code: int, *words: str) -> None:
+        """One object on one line, which says what is wrong and what to do; and a sentence for people."""
+        done = self.run_cli(*words)
+        self.assertEqual(done.returncode, code, done.stderr)
+        lines = done.stdout.splitlines()
+        self.assertEqual(len(lines), 1, done.stdout)
+        error = json.loads(lines[0])["error"]
+        self.assertEqual(set(error), {"status", "message", "path", "hint", "exit_code"})
+        self.assertEqual(error["exit_code"], code)
+        self.assertTrue(error["status"] and error["message"] and error["hint"], error)
+        self.assertTrue(done.stderr)
+
+    def test_whatever_fails_is_one_json_object_for_those_who_ask(self) -> None:
+        self.assert_fails_as_json(69, "status", "-o", "json")
+        self.assert_fails_as_json(69, "render", "--out", "x.png", "-o", "json")
+        self.assert_fails_as_json(1, "render", "nothing.hdf", "--out", "x.png", "-o", "json")
+        self.assert_fails_as_json(65, "run", "no-such-case", "-o", "json")
+        self.assert_fails_as_json(65, "run", "dambreak2d", "--set", "foo=1", "-o", "json")
+
+    def test_misuse_is_one_json_object_too_wherever_json_is_asked_for(self) -> None:
+        for words in (
+            "-o json", "stauts -o json", "--bogus -o json", "pause --bogus -o json", "-o json pause --timeout",
+            "render -o json", "render a.hdf --bogus --output=json", "render a.hdf --out x.jpg -o json", "run -o json",
+            "run dambreak2d --bogus -o json", "run dambreak2d --until x -ojson", "run a b -o json",
+            "run dambreak2d --threads -1 -o json", "run dambreak2d --resume always --output json", "step x -o json",
+        ):  # fmt: skip
+            with self.subTest(words):
+                self.assert_fails_as_json(2, *words.split())
+
+    def test_the_daemon_s_own_command_line_is_as_good(self) -> None:
+        for words in (["--batch", "dambreak2d", "--bogus", "-o", "json"], ["--batch", "dambreak2d", "-o", "json", "x"]):
+            done = subprocess.run([BUILD / "meniscusd", *words], capture_output=True, text=True, timeout=20)
+            self.assertEqual(done.returncode, 2)
+            self.assertEqual(json.loads(done.stdout)["error"]["exit_code"], 2)
+
+    def test_a_run_that_fails_or_is_stopped_says_so_in_its_one_object(self) -> None:
+        import tempfile
+
+        with tempfile.TemporaryDirectory(prefix="mns-") as scratch:
+            wild = ["--set", "limits.density_max=1.0000001", "--out", f"{scratch}/wild"]
+            self.assert_fails_as_json(70, "run", *SMALL, *wild, "-o", "json")
+            self.assert_fails_as_json(74, "run", *SMALL, "--out", "/dev/null/x", "-o", "json")
+            words = [BUILD / "meniscus", "run", *SMALL, "--out", f"{scratch}/stopped", "-o", "json"]
+            environment = os.environ | {"MENISCUS_CASES": str(CASES)}
+            run = subprocess.Popen(
+                words, env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+            )
+            time.sleep(1)
+            run.terminate()
+            done = json.loads(run.communicate(timeout=30)[0])
+            self.assertEqual((done["exit_code"], done["error"]["status"], done["state"]), (75, "interrupted", "PAUSED"))
 
     def test_help_lists_every_command_with_the_request_it_sends(self) -> None:
         commands = {c["name"]: c for c in json.loads(self.run_cli("help", "-o", "json").stdout)["commands"]}
@@ -276,7 +328,21 @@ class WithoutDaemon(unittest.TestCase):
         )
         for name in names.split():
             self.assertIn(name, commands)
-            self.assertIn("Usage: meniscus", self.run_cli("help", name).stdout)
+        overview = self.run_cli("help").stdout
+        for name, command in commands.items():
+            text = self.run_cli("help", name).stdout
+            self.assertEqual(text, self.run_cli(name, "--help").stdout)
+            self.assertIn(f"Usage: meniscus {name} [OPTION]...", text)
+            self.assertIn(f"  {name} ", overview)
+            for option in command["options"]:
+                self.assertIn(f"--{option['name']}", text)
+            self.assertEqual("69 " in text, name not in ("run", "help", "schemes"), "who talks to a daemon says so")
+
+    def test_the_overview_tells_a_beginner_what_to_type(self) -> None:
+        overview = self.run_cli("help").stdout
+        for word in ("meniscus run dambreak2d", "meniscusd --state-dir", "Exit codes:", "124"):
+            self.assertIn(word, overview)
+        self.assertLess(max(len(line) for line in overview.splitlines()), 125)
 
     def test_run_needs_no_daemon(self) -> None:
         import tempfile
