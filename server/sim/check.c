@@ -76,6 +76,26 @@ static MnsStatus check_domain(const MnsCase *c, MnsError *error)
     return MNS_OK;
 }
 
+/* A row holds the neighbours of a particle in reach of the kernel and the skin, on a lattice and a tenth denser. */
+static MnsStatus check_neighbours(const MnsCase *c, MnsError *error)
+{
+    const double PI = 3.14159265358979323846, most = 0.9 * ROW_MAX;
+    const double dx = c->reference_length / c->resolution, reach = kernel_support(c) / (c->scheme.smoothing * dx);
+    const double ball = c->dim == 2 ? PI : 4 * PI / 3;
+    double cell = 1;
+    for (int d = 0; d < c->dim; d++) {
+        double spacing = 0;
+        case_fit(c, d, &spacing);
+        cell *= spacing / dx;
+    }
+    const double distance = pow(most * cell / ball, 1.0 / c->dim), smoothing = (distance - c->scheme.skin) / reach;
+    if (c->scheme.smoothing <= smoothing) return MNS_OK;
+    return mns_fail_at(error, MNS_E_LIMIT, "scheme.smoothing",
+                       "with %g a particle would have more than %g neighbours; in %d dimensions, with this kernel of "
+                       "support %g h and a skin of %g, allowed: up to %.2f",
+                       c->scheme.smoothing, floor(most), c->dim, reach, c->scheme.skin, floor(100 * smoothing) / 100);
+}
+
 static double norm2(const double a[3])
 {
     return a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
@@ -289,6 +309,7 @@ MnsStatus mns_case_check(const MnsCase *c, MnsError *error)
     MnsStatus status = check_scalars(c, error);
     if (!status) status = check_options(c, error);
     if (!status) status = check_domain(c, error);
+    if (!status) status = check_neighbours(c, error);
     if (status) return status;
     Constants constants;
     status = constants_init(&constants, c, error);

@@ -386,6 +386,37 @@ static void what_only_three_dimensions_need_is_not_asked_of_two(void **state)
     }
 }
 
+/* What the complaint says is allowed is so, with room for particles that move; two dimensions never come near. */
+static void kernel_that_reaches_too_many_is_refused_with_what_is_allowed(void **state)
+{
+    (void)state;
+    static const struct {
+        MnsKernel kernel;
+        double most;
+        const char *allowed;
+    } rows[] = {{MNS_WENDLAND_C2, 2.86, "up to 2.86"},
+                {MNS_TRUNCATED_GAUSSIAN, 1.91, "up to 1.91"},
+                {MNS_QUINTIC_SPLINE, 1.91, "up to 1.91"}};
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        MnsCase *c = case_periodic(3, 15), *flat = case_periodic(2, 30);
+        MnsError error = {0};
+        MnsSim *sim = NULL;
+        c->scheme.kernel = flat->scheme.kernel = rows[k].kernel;
+        c->scheme.smoothing = rows[k].most + 0.01;
+        assert_int_equal(mns_case_check(c, &error), MNS_E_LIMIT);
+        assert_string_equal(error.path, "scheme.smoothing");
+        if (!strstr(error.text, rows[k].allowed)) fail_msg("%s", error.text);
+        c->scheme.smoothing = rows[k].most;
+        if (mns_sim_new(c, &sim, &error)) fail_msg("%s", error.text);
+        for (int step = 0; step < 3; step++) assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_OK);
+        mns_sim_free(sim);
+        flat->scheme.smoothing = 4;
+        assert_int_equal(mns_case_check(flat, &error), MNS_OK);
+        mns_case_free(flat);
+        mns_case_free(c);
+    }
+}
+
 static void new_simulation_refuses_what_the_check_refuses(void **state)
 {
     (void)state;
@@ -457,6 +488,7 @@ int main(void)
         cmocka_unit_test(what_is_good_is_not_refused),
         cmocka_unit_test(every_fault_is_refused_where_it_is),
         cmocka_unit_test(what_only_three_dimensions_need_is_not_asked_of_two),
+        cmocka_unit_test(kernel_that_reaches_too_many_is_refused_with_what_is_allowed),
         cmocka_unit_test(new_simulation_refuses_what_the_check_refuses),
         cmocka_unit_test(what_only_placing_particles_shows_is_refused_then),
     };
