@@ -279,8 +279,10 @@ MnsStatus build_particles(MnsSim *sim, const Constants *constants, MnsError *err
     Shape shapes[MNS_MAX_FLUIDS] = {0};
     Lattice lattice = {0};
     MnsStatus status = MNS_OK;
-    for (size_t k = 0; k < c->n_fluids && !status; k++)
+    for (size_t k = 0; k < c->n_fluids && !status; k++) {
         status = shape_init(&shapes[k], &c->fluids[k].shape, c->dim, constants->list, constants->n, "fluids", error);
+        if (!status) shape_repeat(&shapes[k], sim->model.period);
+    }
     if (!status) status = lattice_init(&lattice, sim, error);
     if (!status) status = assign(&lattice, sim, shapes, error);
     if (!status) status = populate(sim, &lattice, constants, error);

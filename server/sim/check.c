@@ -139,6 +139,12 @@ static MnsStatus check_part(const MnsPart *p, const MnsCase *c, bool solid, cons
     case MNS_PLATE: return check_plate(p, c->dim, solid, kernel_support(c), at, error);
     case MNS_HALF_SPACE:
         if (!(norm2(p->b) > 0)) return mns_fail_at(error, MNS_E_INVALID, at, "the normal must not be zero");
+        for (int d = 0; d < c->dim; d++)
+            if (solid && c->periodic[d] && fabs(p->b[d]) > 1e-9 * sqrt(norm2(p->b)))
+                return mns_fail_at(error, MNS_E_INVALID, at,
+                                   "a half space has no end, so it cannot repeat itself along %c, which is periodic: "
+                                   "use a box or a plate",
+                                   "xyz"[d]);
         return MNS_OK;
     case MNS_FORMULA:
         if (solid)

@@ -11,11 +11,7 @@ static bool guard_one(MnsSim *sim, size_t i, size_t k)
     Particles *s = &sim->s;
     const WallState *wall = &sim->model.wall[k];
     double x[3] = {0, 0, 0}, normal[3];
-    for (int d = 0; d < s->dim; d++) {
-        x[d] = s->x[d][i] - wall->x[d];
-        x[d] -= sim->model.period[d] *
-                floor((x[d] - sim->model.min[d]) * sim->model.frequency[d]); /* back into the domain */
-    }
+    for (int d = 0; d < s->dim; d++) x[d] = s->x[d][i] - wall->x[d];
     const double depth = sim->model.guard - shape_distance(&sim->solid[k], x);
     if (!(depth > 0)) return false;
     shape_normal(&sim->solid[k], x, 1e-3 * sim->model.dx, normal);
@@ -36,7 +32,9 @@ uint64_t guard_walls(MnsSim *sim)
 #pragma omp parallel for schedule(static) reduction(+ : guarded) num_threads(sim->threads)
     for (size_t i = 0; i < n; i++) {
         if (sim->nb.end[i][GROUP_WALL] == sim->nb.end[i][GROUP_SUMMATION]) continue; /* no wall near */
-        for (size_t k = 0; k < sim->model.n_walls; k++) guarded += guard_one(sim, i, k);
+        bool kept = false; /* between two walls it is still one particle */
+        for (size_t k = 0; k < sim->model.n_walls; k++) kept = guard_one(sim, i, k) || kept;
+        guarded += kept;
     }
     return guarded;
 }

@@ -70,6 +70,7 @@ MnsStatus setup_model(MnsSim *sim, MnsError *error)
         if (!status)
             status =
                 shape_init(&sim->solid[k], &c->walls[k].shape, c->dim, constants.list, constants.n, "walls", error);
+        if (!status) shape_repeat(&sim->solid[k], sim->model.period);
     }
     for (size_t k = 0; k < c->n_probes && !status; k++)
         if (c->probes[k].kind == MNS_PROBE_PRESSURE_DEVIATION)

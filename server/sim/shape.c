@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 static const char *const XYZ[] = {"x", "y", "z", NULL};
+enum { IMAGES_MAX = 100 }; /* on each side: of what is longer, nobody would see the ends */
 
 static double dot(const double a[3], const double b[3])
 {
@@ -23,11 +24,21 @@ static double from_faces(const double *q, int n)
     return outside > 0 ? sqrt(outside) : inside;
 }
 
-static double box(const MnsPart *p, int dim, const double x[3])
+/* How far outside of a pair of faces `length` apart along a unit vector. Faces that meet their own images are none. */
+static double from_pair(const Shape *s, const double axis[3], double length, double outside)
 {
+    for (int d = 0; d < s->dim; d++)
+        if (s->period[d] > 0 && fabs(axis[d]) > 1 - 1e-9 && length > s->period[d] * (1 - 1e-9)) return -INFINITY;
+    return outside;
+}
+
+static double box(const Shape *s, const MnsPart *p, const double x[3])
+{
+    static const double axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     double q[3];
-    for (int d = 0; d < dim; d++) q[d] = fmax(p->a[d] - x[d], x[d] - p->b[d]);
-    return from_faces(q, dim);
+    for (int d = 0; d < s->dim; d++)
+        q[d] = from_pair(s, axes[d], p->b[d] - p->a[d], fmax(p->a[d] - x[d], x[d] - p->b[d]));
+    return from_faces(q, s->dim);
 }
 
 static double ball(const MnsPart *p, const double x[3])
@@ -36,7 +47,7 @@ static double ball(const MnsPart *p, const double x[3])
     return sqrt(dot(r, r)) - p->radius;
 }
 
-static double cylinder(const MnsPart *p, const double x[3])
+static double cylinder(const Shape *s, const MnsPart *p, const double x[3])
 {
     double axis[3], r[3];
     for (int d = 0; d < 3; d++) {
@@ -45,7 +56,8 @@ static double cylinder(const MnsPart *p, const double x[3])
     }
     const double length = sqrt(dot(axis, axis)), along = dot(r, axis) / length;
     const double across = sqrt(fmax(dot(r, r) - along * along, 0));
-    const double q[2] = {across - p->radius, fmax(-along, along - length)};
+    for (int d = 0; d < 3; d++) axis[d] /= length;
+    const double q[2] = {across - p->radius, from_pair(s, axis, length, fmax(-along, along - length))};
     return from_faces(q, 2);
 }
 
@@ -69,15 +81,15 @@ static void plate_axes(const MnsPart *p, int dim, double axes[3][3])
     }
 }
 
-static double plate(const MnsPart *p, int dim, const double x[3])
+static double plate(const Shape *s, const MnsPart *p, const double x[3])
 {
     double axes[3][3];
-    plate_axes(p, dim, axes);
+    plate_axes(p, s->dim, axes);
     const double r[3] = {x[0] - p->a[0], x[1] - p->a[1], x[2] - p->a[2]};
-    const double half[3] = {0.5 * p->length, 0.5 * p->thickness, 0.5 * p->width};
+    const double length[3] = {p->length, p->thickness, p->width};
     double q[3];
-    for (int d = 0; d < dim; d++) q[d] = fabs(dot(r, axes[d])) - half[d];
-    return from_faces(q, dim);
+    for (int d = 0; d < s->dim; d++) q[d] = from_pair(s, axes[d], length[d], fabs(dot(r, axes[d])) - 0.5 * length[d]);
+    return from_faces(q, s->dim);
 }
 
 static double half_space(const MnsPart *p, const double x[3])
@@ -90,14 +102,59 @@ static double primitive(const Shape *s, size_t k, const double x[3])
 {
     const MnsPart *p = &s->shape->parts[k];
     switch (p->primitive) {
-    case MNS_BOX: return box(p, s->dim, x);
+    case MNS_BOX: return box(s, p, x);
     case MNS_BALL: return ball(p, x);
-    case MNS_CYLINDER: return cylinder(p, x);
-    case MNS_PLATE: return plate(p, s->dim, x);
+    case MNS_CYLINDER: return cylinder(s, p, x);
+    case MNS_PLATE: return plate(s, p, x);
     case MNS_HALF_SPACE: return half_space(p, x);
     case MNS_FORMULA: return formula_eval(s->formulas[k], x) != 0 ? -INFINITY : INFINITY;
     }
     return INFINITY;
+}
+
+/* Middle of a bounded primitive, and the radius of a ball around it; false if it has none. */
+static bool bounds(const MnsPart *p, int dim, double middle[3], double *radius)
+{
+    const bool centred = p->primitive == MNS_BALL || p->primitive == MNS_PLATE;
+    double half2 = 0;
+    for (int d = 0; d < dim; d++) {
+        middle[d] = centred ? p->a[d] : 0.5 * (p->a[d] + p->b[d]);
+        half2 += 0.25 * (p->b[d] - p->a[d]) * (p->b[d] - p->a[d]);
+    }
+    switch (p->primitive) {
+    case MNS_BOX: *radius = sqrt(half2); return true;
+    case MNS_BALL: *radius = p->radius; return true;
+    case MNS_CYLINDER: *radius = sqrt(half2) + p->radius; return true;
+    case MNS_PLATE:
+        *radius = 0.5 * sqrt(p->length * p->length + p->thickness * p->thickness + p->width * p->width);
+        return true;
+    case MNS_HALF_SPACE:
+    case MNS_FORMULA: return false;
+    }
+    return false;
+}
+
+/* Distance from the nearest image of a primitive. The image whose middle is nearest along each direction need not be it if the
+ * primitive is oblique, so as many around it are looked at as the primitive reaches. */
+static double nearest_image(const Shape *s, size_t k, const double x[3])
+{
+    double middle[3] = {0, 0, 0}, radius = 0, near[3] = {x[0], x[1], x[2]}, least = INFINITY;
+    int reach[3] = {0, 0, 0};
+    if (!bounds(&s->shape->parts[k], s->dim, middle, &radius)) return primitive(s, k, x);
+    for (int d = 0; d < s->dim; d++) {
+        const double period = s->period[d];
+        if (!(period > 0)) continue;
+        near[d] -= period * round((x[d] - middle[d]) / period);
+        reach[d] = 1 + (int)fmin(floor(radius / period), IMAGES_MAX);
+    }
+    for (int a = -reach[2]; a <= reach[2]; a++)
+        for (int b = -reach[1]; b <= reach[1]; b++)
+            for (int c = -reach[0]; c <= reach[0]; c++) {
+                const double y[3] = {near[0] + c * s->period[0], near[1] + b * s->period[1],
+                                     near[2] + a * s->period[2]};
+                least = fmin(least, primitive(s, k, y));
+            }
+    return least;
 }
 
 double shape_distance(const Shape *s, const double x[3])
@@ -105,7 +162,7 @@ double shape_distance(const Shape *s, const double x[3])
     double distance = INFINITY;
     for (size_t k = 0; k < s->shape->n; k++) {
         const MnsPart *p = &s->shape->parts[k];
-        double part = primitive(s, k, x);
+        double part = nearest_image(s, k, x);
         if (p->outside) part = -part;
         switch (p->operation) {
         case MNS_ADD: distance = fmin(distance, part); break;
@@ -148,6 +205,11 @@ MnsStatus shape_init(Shape *s, const MnsShape *shape, int dim, const MnsConstant
         }
     }
     return MNS_OK;
+}
+
+void shape_repeat(Shape *s, const double period[3])
+{
+    for (int d = 0; d < 3; d++) s->period[d] = d < s->dim ? period[d] : 0;
 }
 
 void shape_done(Shape *s)

@@ -9,12 +9,16 @@ typedef struct Shape {
     int dim;
     const MnsShape *shape; /* borrowed */
     Formula **formulas;    /* [shape->n], NULL where a part is no formula */
+    double period[3];      /* [m] after which every bounded primitive is there again; 0: never */
 } Shape;
 
 /* Compile the formulas of a shape. On failure error->path is that of the part, below `path`. */
 MnsStatus shape_init(Shape *s, const MnsShape *shape, int dim, const MnsConstant *constants, size_t n_constants,
                      const char *path, MnsError *error);
 void shape_done(Shape *s);
+
+/* Let all boxes, balls, cylinders and plates repeat themselves; one as long as a period along it has no ends. */
+void shape_repeat(Shape *s, const double period[3]);
 
 /* Distance from the surface, negative inside [m]: exact near the surface of a primitive, a lower bound of its magnitude where
  * parts are combined. A formula is only known as inside or outside: minus or plus infinity. */

@@ -111,6 +111,12 @@ static void short_period(MnsCase *c)
     c->periodic[0] = true;
     c->max[0] = 0.5;
 }
+static void endless_half_space(MnsCase *c)
+{
+    MnsPart *p = &c->walls[1].shape.parts[0];
+    c->periodic[1] = true;
+    *p = (MnsPart){.primitive = MNS_HALF_SPACE, .b = {0, -1, 0}, .formula = p->formula};
+}
 static void too_fine(MnsCase *c)
 {
     c->resolution = 1e6;
@@ -316,6 +322,7 @@ static const Refusal REFUSALS[] = {
     {"walls[1].shape[0]", MNS_E_INVALID, wall_by_formula},
     {"walls[1].shape[0]", MNS_E_INVALID, thin_plate},
     {"walls[1].shape[0]", MNS_E_INVALID, plate_along_nothing},
+    {"walls[1].shape[0]", MNS_E_INVALID, endless_half_space},
     {"walls[1].motion", MNS_E_INVALID, still_sine},
     {"walls[0].motion", MNS_E_INVALID, endless_cosine},
     {"walls[0].motion", MNS_E_INVALID, lone_point},

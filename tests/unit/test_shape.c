@@ -313,6 +313,80 @@ static void normals_point_away_from_the_solid(void **state)
     }
 }
 
+/* Anyhow placed, across the seams; the last is longer than a period and oblique. */
+static const MnsPart BOUNDED[] = {
+    {.primitive = MNS_BOX, .a = {-0.3, 0.1, 0.2}, .b = {0.5, 0.6, 0.7}},
+    {.primitive = MNS_BALL, .a = {1.9, -0.2, 0.4}, .radius = 0.35},
+    {.primitive = MNS_CYLINDER, .a = {0.2, 0.9, -0.2}, .b = {0.9, 0.3, 0.3}, .radius = 0.2},
+    {.primitive = MNS_PLATE,
+     .a = {0.1, 0.95, 0},
+     .b = {3, 1, 0},
+     .c = {0, 1, 1},
+     .length = 2.5,
+     .width = 0.3,
+     .thickness = 0.1},
+};
+
+static void what_repeats_itself_is_as_far_as_its_nearest_image(void **state)
+{
+    (void)state;
+    static const double period[3] = {1.7, 0, 1.3};
+    uint64_t seed = 5;
+    for (int dim = 2; dim <= 3; dim++)
+        for (size_t k = 0; k < sizeof BOUNDED / sizeof *BOUNDED; k++) {
+            Shape s;
+            MnsPart part = BOUNDED[k];
+            const MnsShape shape = {1, &part};
+            assert_int_equal(shape_init(&s, &shape, dim, NULL, 0, "shape", NULL), MNS_OK);
+            shape_repeat(&s, period);
+            for (int n = 0; n < 300; n++) {
+                double x[3], least = INFINITY;
+                random_point(dim, &seed, x);
+                for (int a = -3; a <= 3; a++)
+                    for (int b = dim == 3 ? -3 : 0; b <= (dim == 3 ? 3 : 0); b++) {
+                        const double y[3] = {x[0] + a * period[0], x[1], x[2] + b * period[2]};
+                        least = fmin(least, distance_of(part, dim, y));
+                    }
+                assert_close(shape_distance(&s, x), least, 1e-12); /* rounding */
+                part.outside = true;
+                assert_close(shape_distance(&s, x), -least, 1e-12);
+                part.outside = false;
+            }
+            shape_done(&s);
+        }
+}
+
+/* A channel or a pipe along a periodic direction has no ends, from which a guard would push. */
+static void what_is_as_long_as_a_period_has_no_ends(void **state)
+{
+    (void)state;
+    static const double period[3] = {1.5, 0, 0};
+    static const MnsPart parts[] = {
+        {.primitive = MNS_BOX, .a = {0, -0.2, -0.2}, .b = {1.5, 0.2, 0.2}},
+        {.primitive = MNS_CYLINDER, .a = {0, 0, 0}, .b = {1.5, 0, 0}, .radius = 0.2},
+        {.primitive = MNS_PLATE,
+         .a = {0.3, 0, 0},
+         .b = {-2, 0, 0},
+         .c = {0, 1, 0},
+         .length = 2,
+         .width = 0.4,
+         .thickness = 0.4},
+    };
+    for (int dim = 2; dim <= 3; dim++)
+        for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) {
+            Shape s;
+            MnsPart part = parts[k];
+            const MnsShape shape = {1, &part};
+            assert_int_equal(shape_init(&s, &shape, dim, NULL, 0, "shape", NULL), MNS_OK);
+            shape_repeat(&s, period);
+            for (int n = 0; n < 30; n++) {
+                const double x[3] = {-0.7 + 0.1 * n, 0.05, 0};
+                assert_close(shape_distance(&s, x), -0.15, 1e-12); /* rounding */
+            }
+            shape_done(&s);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -329,6 +403,8 @@ int main(void)
         cmocka_unit_test(shape_of_no_parts_holds_nothing),
         cmocka_unit_test(distance_never_exceeds_the_way_to_the_surface),
         cmocka_unit_test(normals_point_away_from_the_solid),
+        cmocka_unit_test(what_repeats_itself_is_as_far_as_its_nearest_image),
+        cmocka_unit_test(what_is_as_long_as_a_period_has_no_ends),
     };
     return cmocka_run_group_tests_name("shape", tests, NULL, NULL);
 }
