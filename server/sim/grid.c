@@ -6,6 +6,16 @@
 
 enum { CELLS_PER_SIDE_MAX = 1 << 10 };
 
+/* Is there fluid beyond what the grid covers along d? */
+static bool is_passed(const Particles *s, int d, double low, double high, int threads)
+{
+    const double *ref = s->ref[d];
+    size_t outside = 0;
+#pragma omp parallel for simd reduction(+ : outside) num_threads(threads)
+    for (size_t k = 0; k < s->begin[GROUP_WALL]; k++) outside += (size_t)((ref[k] < low) | (ref[k] > high));
+    return outside > 0;
+}
+
 /* What the grid must cover along d: the domain and the walls, which may have moved away from it. */
 static void extent(const Particles *s, const Model *model, int d, int threads, double *low, double *high)
 {
@@ -33,27 +43,22 @@ Grid grid_make(const Particles *s, const Model *model, double distance, int thre
         grid.n[d] = (int)count;
         grid.min[d] = low;
         grid.per_length[d] = count / (high - low);
-        grid.periodic[d] = model->period[d] > 0;
+        grid.wraps[d] = model->period[d] > 0 || is_passed(s, d, low, high, threads);
         grid.cells *= (size_t)count;
         grid.ratio = fmax(grid.ratio, distance * grid.per_length[d]);
     }
     return grid;
 }
 
-static int wrap(int k, int n)
-{
-    k %= n;
-    return k < 0 ? k + n : k;
-}
-
 size_t grid_cell(const Grid *grid, const double x[3])
 {
     size_t cell = 0;
     for (int d = grid->dim - 1; d >= 0; d--) {
-        const double position = floor((x[d] - grid->min[d]) * grid->per_length[d]), last = grid->n[d] - 1;
+        const double n = grid->n[d];
+        double position = floor((x[d] - grid->min[d]) * grid->per_length[d]);
+        if (grid->wraps[d]) position -= n * floor(position / n);
         /* NaN goes to cell 0: the run is about to be stopped for it. */
-        int k = position >= 0 ? (position <= last ? (int)position : (int)last) : 0;
-        if (grid->periodic[d] && fabs(position) < 1e9) k = wrap((int)position, grid->n[d]);
+        const int k = position >= 0 ? (position < n ? (int)position : grid->n[d] - 1) : 0;
         cell = cell * (size_t)grid->n[d] + (size_t)k;
     }
     return cell;
@@ -65,7 +70,7 @@ static int intervals(const Grid *grid, int d, int k, int reach, int low[2], int 
     const int n = grid->n[d], last = n - 1;
     low[0] = k - reach;
     high[0] = k + reach;
-    if (!grid->periodic[d]) {
+    if (!grid->wraps[d]) {
         low[0] = low[0] < 0 ? 0 : low[0];
         high[0] = high[0] > last ? last : high[0];
         return 1;
@@ -83,11 +88,11 @@ static int intervals(const Grid *grid, int d, int k, int reach, int low[2], int 
     return 2;
 }
 
-/* Smallest distance in cells between a cell and one `offset` further along a direction, the shorter way round if periodic. */
+/* Smallest distance in cells between a cell and one `offset` further along a direction, the shorter way round if it wraps. */
 static double gap(const Grid *grid, int d, int offset)
 {
     int apart = offset < 0 ? -offset : offset;
-    if (grid->periodic[d] && grid->n[d] - apart < apart) apart = grid->n[d] - apart;
+    if (grid->wraps[d] && grid->n[d] - apart < apart) apart = grid->n[d] - apart;
     return apart > 1 ? apart - 1 : 0;
 }
 

@@ -35,9 +35,10 @@ MnsStatus plan_check(const MnsSim *sim, const MnsCase *c, MnsError *error)
                            left, left / dt, dt, STEPS_MAX, limit);
     const double files = outputs(c->output.snapshot_interval, left, dt);
     if (files > FILES_MAX)
-        return mns_fail_at(error, MNS_E_LIMIT, "output.snapshot_interval",
-                           "one every %g s would make %.1e files in %g s, allowed: %.0e, which is an interval of %.2g s",
-                           c->output.snapshot_interval, files, left, FILES_MAX, left / FILES_MAX);
+        return mns_fail_at(
+            error, MNS_E_LIMIT, "output.snapshot_interval",
+            "one every %g s would make %.1e files in %g s, allowed: %.0e, which is an interval of %.2g s",
+            c->output.snapshot_interval, files, left, FILES_MAX, left / FILES_MAX);
     return MNS_OK;
 }
 
@@ -57,8 +58,39 @@ static void warn_interval(MnsSim *sim, const char *entry, double interval, doubl
                   interval, dt);
 }
 
+/* Is particle i beside the domain's lower (-1) or upper (1) side along d, with no wall behind that side? */
+static bool is_exposed(const MnsSim *sim, size_t i, int d, int side)
+{
+    const Model *model = &sim->model;
+    double x[3] = {0, 0, 0};
+    for (int e = 0; e < model->dim; e++) x[e] = sim->s.x[e][i];
+    x[d] += side * model->cell[d];
+    if (x[d] >= model->min[d] && x[d] <= model->max[d]) return false;
+    for (size_t k = 0; k < model->n_walls; k++)
+        if (shape_distance(&sim->solid[k], x) < 0) return false;
+    return true;
+}
+
+/* Nothing holds a fluid back at a side that is neither a wall nor periodic. It may be meant to fall. */
+static void warn_open_sides(MnsSim *sim)
+{
+    for (int d = 0; d < sim->model.dim; d++)
+        for (int side = -1; side <= 1 && sim->model.period[d] == 0; side += 2)
+            for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
+                if (!is_exposed(sim, i, d, side)) continue;
+                plan_warn(
+                    sim,
+                    "domain: %s touches the %s %c side, which is neither a wall nor periodic: what leaves there is "
+                    "lost, as a probe of kind `escaped` would show; put a wall there, or make %c periodic",
+                    sim->c->fluids[sim->s.phase[i]].name, side < 0 ? "lower" : "upper", "xyz"[d], "xyz"[d]);
+                break;
+            }
+}
+
 void plan_look(MnsSim *sim)
 {
+    warn_open_sides(sim);
+
     const MnsOutput *output = &sim->c->output;
     const char *limit = "";
     const double dt = integrator_dt(sim, &limit);
@@ -67,10 +99,11 @@ void plan_look(MnsSim *sim)
     warn_interval(sim, "output.checkpoint_interval", output->checkpoint_interval, dt);
     const unsigned processors = (unsigned)omp_get_num_procs();
     if (sim->c->threads > processors)
-        plan_warn(sim,
-                  "threads: %u on %u processors only wait for each other; %d are used, and the results are the same for "
-                  "any number",
-                  sim->c->threads, processors, sim->threads);
+        plan_warn(
+            sim,
+            "threads: %u on %u processors only wait for each other; %d are used, and the results are the same for "
+            "any number",
+            sim->c->threads, processors, sim->threads);
 }
 
 const char *mns_sim_warning(const MnsSim *sim, size_t k)

@@ -271,6 +271,32 @@ static void a_position_that_is_no_number_does_no_harm(void **state)
     }
 }
 
+/* What has left an open domain is spread over the cells: with all of it in the outermost ones, a step would cost the square of
+ * their number. */
+static void particles_that_have_left_are_spread_over_the_cells(void **state)
+{
+    (void)state;
+    Cloud *cloud = cloud_new(&(CloudSetup){.dim = 2, .dx = 0.02, .n = {50, 50}, .skin = 0.3, .threads = 2});
+    uint64_t seed = 3;
+    const size_t n = cloud->s.n;
+    for (size_t i = 0; i < n; i++) {
+        const double fall = i % 5 == 0 ? 1e14 : 60; /* some fell very long ago */
+        cloud->s.x[0][i] += 4 * cloud_noise(&seed);
+        cloud->s.x[1][i] -= fall * (1 + cloud_noise(&seed));
+        for (int d = 0; d < 2; d++) cloud->s.ref[d][i] = cloud->s.x[d][i];
+    }
+    assert_int_equal(cloud_build(cloud), MNS_OK);
+    size_t most = 0;
+    for (size_t k = 0; k < cloud->nb.grid.cells; k++) {
+        const size_t held = cloud->nb.start[k + 1] - cloud->nb.start[k];
+        most = held > most ? held : most;
+    }
+    assert_true(cloud->nb.grid.cells > 200);
+    assert_less((double)most, 0.02 * (double)n);
+    assert_complete(cloud);
+    cloud_free(cloud);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -285,6 +311,7 @@ int main(void)
         cmocka_unit_test(particles_keep_their_own_values_when_sorted),
         cmocka_unit_test(more_neighbours_than_a_row_holds_are_refused),
         cmocka_unit_test(a_position_that_is_no_number_does_no_harm),
+        cmocka_unit_test(particles_that_have_left_are_spread_over_the_cells),
     };
     return cmocka_run_group_tests_name("neighbours", tests, NULL, NULL);
 }

@@ -143,6 +143,42 @@ static void interval_shorter_than_a_step_is_said_to_be_one(void **state)
     mns_case_free(c);
 }
 
+static void fluid_at_an_open_side_is_warned_of_once(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = case_dam_break(dim, 10);
+        c->max[0] = c->walls[0].shape.parts[0].b[0] = 5.4;
+        MnsSim *sim = sim_of(c);
+        assert_null(mns_sim_warning(sim, 0));
+        mns_sim_free(sim);
+        c->walls[0].shape.parts[0].b[0] = 6; /* no wall at the upper x side */
+        sim = sim_of(c);
+        assert_true(warns(sim, "domain: air touches the upper x side"));
+        assert_null(mns_sim_warning(sim, 1));
+        mns_sim_free(sim);
+        c->n_fluids = 1; /* without the air nothing is there */
+        sim = sim_of(c);
+        assert_null(mns_sim_warning(sim, 0));
+        mns_sim_free(sim);
+        c->n_fluids = 2;
+        c->walls[0].shape.parts[0].b[0] = 5.4;
+        c->walls[0].shape.parts[0].a[1] = -1; /* a tank without a floor */
+        sim = sim_of(c);
+        assert_true(warns(sim, "water touches the lower y side") || warns(sim, "air touches the lower y side"));
+        assert_null(mns_sim_warning(sim, 1));
+        mns_sim_free(sim);
+        mns_case_free(c);
+        c = case_periodic(dim, 10);
+        c->periodic[0] = false;
+        sim = sim_of(c);
+        assert_true(warns(sim, "lower x side") && warns(sim, "upper x side"));
+        assert_null(mns_sim_warning(sim, 2));
+        mns_sim_free(sim);
+        mns_case_free(c);
+    }
+}
+
 static void threads_beyond_the_processors_are_said_and_bounded(void **state)
 {
     (void)state;
@@ -169,6 +205,7 @@ int main(void)
         cmocka_unit_test(run_is_not_steered_to_where_it_has_no_end),
         cmocka_unit_test(step_that_has_become_too_short_for_the_end_is_a_divergence),
         cmocka_unit_test(interval_shorter_than_a_step_is_said_to_be_one),
+        cmocka_unit_test(fluid_at_an_open_side_is_warned_of_once),
         cmocka_unit_test(threads_beyond_the_processors_are_said_and_bounded),
     };
     return cmocka_run_group_tests_name("plan", tests, NULL, NULL);
