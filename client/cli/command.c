@@ -23,11 +23,12 @@ const Command command_table[] = {
     {.name = "render",
      .arguments = "[SNAPSHOT.hdf]",
      .help = "draw a snapshot or a daemon's particles as a PNG",
-     .details = "Without a snapshot file, what the daemon computes at this moment is drawn. A picture of a field takes "
-                "its colours from 99 % of each fluid's particles that are seen, so that a few wild ones do not pale "
-                "all others; points at the ends of the colour bar say that there are values beyond. A thin dark line "
-                "is the interface between fluids. In 3D a cut through the middle of the thinnest extent is drawn "
-                "unless --cut or --project says otherwise.",
+     .details =
+         "Without a snapshot file, what the daemon computes at this moment is drawn. A picture of a field takes "
+         "its colours from 99 % of each fluid's particles that are seen, so that a few wild ones do not pale "
+         "all others; points at the ends of the colour bar say that there are values beyond. A thin "
+         "white line is the interface between fluids. In 3D a cut through the middle of the thinnest extent is drawn "
+         "unless --cut or --project says otherwise.",
      .options = OPTION(OPT_PICTURE) | OPTION(OPT_FIELD) | OPTION(OPT_RANGE) | OPTION(OPT_COLOURS) | OPTION(OPT_CUT) |
                 OPTION(OPT_PROJECT) | OPTION(OPT_FLUID) | OPTION(OPT_WALLS) | OPTION(OPT_BOX) | OPTION(OPT_TITLE) |
                 OPTION(OPT_SIZE),

@@ -43,7 +43,7 @@ const OptionInfo option_table[] = {
     [OPT_FLUID] = {"fluid", 0, "NAME[,NAME]", "draw these fluids only"},
     [OPT_BOX] = {"box", 'b', "X0,Y0,X1,Y1", "part of the plane to draw [m]; default: the domain"},
     [OPT_TITLE] = {"title", 't', "TEXT", "instead of the title of the case"},
-    [OPT_SIZE] = {"size", 's', "WxH", "in pixels; default: 1600x900"},
+    [OPT_SIZE] = {"size", 's', "W[xH]", "in pixels; without H as high as the plot needs; default: 1600"},
 };
 
 enum { LONG_ONLY = 256 };

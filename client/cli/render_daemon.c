@@ -85,15 +85,14 @@ static MnsStatus take_all(const MnsReply *reply, const char *field, const Frame 
     MnsStatus status = find(reply, "position", n, &places, error);
     if (!status) status = find(reply, "phase", n, &phases, error);
     if (!status) status = find(reply, "density", n, &weights, error);
-    Frame frame;
-    if (!status) status = frame_init(&frame, n, error);
+    Frame frame, empty;
+    if (!status) status = frame_init(&empty, n, error);
     if (status) return status;
+    frame = *about;
+    frame.n = n;
+    frame.x = empty.x;
+    frame.phase = empty.phase;
     frame.time = reply->time;
-    frame.spacing = about->spacing;
-    frame.dim = about->dim;
-    frame.n_fluids = about->n_fluids;
-    memcpy(frame.fluids, about->fluids, sizeof frame.fluids);
-    memcpy(frame.title, about->title, sizeof frame.title);
     take_places(places, &frame);
     take_phases(phases, &frame);
     status = take_scalars(weights, &frame.weight, error);
@@ -121,6 +120,24 @@ static MnsStatus ask_case(MnsClient *client, Frame *about, MnsError *error)
     mns_reply_free(reply);
     if (!(about->spacing > 0) || !isfinite(about->spacing))
         return mns_fail(error, MNS_E_CORRUPT, "the daemon does not say how far apart its particles are");
+    return MNS_OK;
+}
+
+/* Where the fluids may be, and where down is. A daemon that does not say costs the picture nothing else. */
+static MnsStatus ask_space(MnsClient *client, Frame *about, MnsError *error)
+{
+    static const char *const paths[] = {"domain.min", "domain.max", "gravity"};
+    MnsReply *reply;
+    const MnsStatus status = mns_client_get(client, 3, paths, &reply, error);
+    if (status) return status;
+    if (reply->n_values == 3) {
+        double min[3] = {0}, max[3] = {0};
+        frame_vector(reply->values[0].text, min);
+        frame_vector(reply->values[1].text, max);
+        frame_take_domain(about, min, max);
+        frame_vector(reply->values[2].text, about->gravity);
+    }
+    mns_reply_free(reply);
     return MNS_OK;
 }
 
@@ -170,6 +187,7 @@ MnsStatus frame_read_daemon(MnsClient *client, const char *field, bool walls, Fr
     Frame about = {0};
     MnsStatus status = ask_title(client, &about, error);
     if (!status) status = ask_case(client, &about, error);
+    if (!status) status = ask_space(client, &about, error);
     if (!status) status = ask_fluids(client, &about, error);
     if (!status) status = ask_particles(client, field, walls, &about, ret, error);
     return status;

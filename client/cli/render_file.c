@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Frames from snapshot files: the one file of the client that knows HDF5. */
 #include "client/cli/render_frame.h"
+#include "proto/case_file.h"
 #include <errno.h>
 #include <hdf5.h>
 #include <stdint.h>
@@ -134,26 +135,57 @@ static MnsStatus no_such_field(const Source *s, const char *name)
 
 /* --- the parts of a frame ----------------------------------------------------------------------------------------- */
 
-/* Names of fixed length. Variable ones are not even tried: in a damaged file HDF5 may search for them without end. */
-static void get_fluids(const Source *s, Frame *frame)
+/* At most `most` texts of fixed length up to `longest`, in one block to be freed with a zero behind; NULL if there are
+ * none. Variable ones are not even tried: in a damaged file HDF5 may search for them without end. */
+static char *get_texts(const Source *s, const char *name, size_t most, size_t longest, size_t *ret_n, size_t *ret_size)
 {
-    enum { LONGEST = 4096 };
-    const hid_t dataset = H5Dopen2(s->file, "/meniscus/fluids", H5P_DEFAULT);
+    if (!has(s, name)) return NULL;
+    const hid_t dataset = H5Dopen2(s->file, name, H5P_DEFAULT);
     const hid_t type = H5Dget_type(dataset), space = H5Dget_space(dataset);
     const hssize_t n = H5Sget_simple_extent_npoints(space);
     const size_t size = H5Tget_size(type);
-    const bool good = n > 0 && n <= FRAME_MAX_FLUIDS && H5Tget_class(type) == H5T_STRING &&
-                      H5Tis_variable_str(type) == 0 && size >= 1 && size <= LONGEST;
-    char *names = good ? calloc((size_t)n, size) : NULL;
-    if (names && H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, names) >= 0) {
-        frame->n_fluids = (size_t)n;
-        for (size_t k = 0; k < frame->n_fluids; k++)
-            snprintf(frame->fluids[k], FRAME_NAME, "%.*s", (int)size, names + k * size);
+    const bool good = n > 0 && n <= (hssize_t)most && H5Tget_class(type) == H5T_STRING &&
+                      H5Tis_variable_str(type) == 0 && size >= 1 && size <= longest;
+    char *texts = good ? calloc((size_t)n * size + 1, 1) : NULL;
+    if (texts && H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, texts) < 0) {
+        free(texts);
+        texts = NULL;
     }
-    free(names);
     H5Sclose(space);
     H5Tclose(type);
     H5Dclose(dataset);
+    *ret_n = (size_t)n;
+    *ret_size = size;
+    return texts;
+}
+
+static void get_fluids(const Source *s, Frame *frame)
+{
+    size_t n, size;
+    char *names = get_texts(s, "/meniscus/fluids", FRAME_MAX_FLUIDS, 4096, &n, &size);
+    for (size_t k = 0; names && k < n; k++) snprintf(frame->fluids[k], FRAME_NAME, "%.*s", (int)size, names + k * size);
+    if (names) frame->n_fluids = n;
+    free(names);
+}
+
+/* Where the fluids may be, and where down is, from the case in the file. A case that cannot be read is no reason to draw
+ * nothing. */
+static void get_space(const Source *s, Frame *frame)
+{
+    enum { LONGEST_CASE = 1 << 24 };
+    size_t n, size;
+    CaseFile *file;
+    char *text = get_texts(s, "/meniscus/case_text", 1, LONGEST_CASE, &n, &size);
+    if (!text) return;
+    if (case_file_parse(s->path, text, strlen(text), &file, NULL) == MNS_OK) {
+        const Meniscus__Case *message = case_file_message(file);
+        const Meniscus__Domain *domain = message->domain;
+        const size_t dim = (size_t)frame->dim;
+        for (size_t d = 0; d < message->n_gravity && d < 3; d++) frame->gravity[d] = strtod(message->gravity[d], NULL);
+        if (domain && domain->n_min >= dim && domain->n_max >= dim) frame_take_domain(frame, domain->min, domain->max);
+        case_file_free(file);
+    }
+    free(text);
 }
 
 static MnsStatus get_about(const Source *s, Frame *frame)
@@ -168,7 +200,8 @@ static MnsStatus get_about(const Source *s, Frame *frame)
         return damaged(s, "its spacing, dimension or number of particles makes no sense");
     frame->n_fluid = n_fluid;
     get_text(s, about, "title", sizeof frame->title, frame->title);
-    if (has(s, "/meniscus/fluids")) get_fluids(s, frame);
+    get_fluids(s, frame);
+    get_space(s, frame);
     return frame->n_fluids ? MNS_OK : damaged(s, "it names no fluids");
 }
 

@@ -3,6 +3,7 @@
 #include "client/cli/render_frame.h"
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 MnsStatus frame_init(Frame *frame, size_t n, MnsError *error)
 {
@@ -31,6 +32,28 @@ void frame_magnitude(size_t n, int components, const double *vectors, double *va
         for (int d = 0; d < components; d++) sum += v[d] * v[d];
         values[i] = components == 1 ? v[0] : sqrt(sum);
     }
+}
+
+int frame_vector(const char *text, double ret[3])
+{
+    int n = 0;
+    while (n < 3 && text) {
+        text += strcspn(text, "+-.0123456789");
+        if (!*text) return n;
+        ret[n++] = strtod(text, NULL);
+        text = strchr(text, ',');
+    }
+    return n;
+}
+
+void frame_take_domain(Frame *frame, const double min[3], const double max[3])
+{
+    bool good = true;
+    for (int d = 0; d < frame->dim; d++) good &= isfinite(min[d]) && isfinite(max[d]) && min[d] < max[d];
+    if (!good) return;
+    frame->has_domain = true;
+    memcpy(frame->domain[0], min, (size_t)frame->dim * sizeof *min);
+    memcpy(frame->domain[1], max, (size_t)frame->dim * sizeof *max);
 }
 
 size_t frame_heaviest(const Frame *frame)

@@ -22,6 +22,9 @@ typedef struct Frame {
     double *weight; /* [n]: density, to tell heavy from light fluids; NULL if unknown */
     char field[FRAME_NAME], unit[FRAME_NAME];
     bool is_magnitude;
+    bool has_domain;
+    double domain[2][3]; /* corners of the case's domain [m], if it is known */
+    double gravity[3];   /* of the case, where it is a number [m/s^2]; 0 if it is not known */
 } Frame;
 
 /* Read a snapshot. field: its name, or "phase" for none but the phases. MNS_E_NOT_FOUND if there is no such file or
@@ -39,6 +42,12 @@ void frame_done(Frame *frame);
 
 /* Magnitudes of n vectors, or the numbers themselves if there is one component. */
 void frame_magnitude(size_t n, int components, const double *vectors, double *values);
+
+/* "[0, -9.81]", as the case has it, as numbers; of a formula the number it begins with. How many there were, at most 3. */
+int frame_vector(const char *text, double ret[3]);
+
+/* The first `dim` coordinates of the domain's corners, unless they make no sense. */
+void frame_take_domain(Frame *frame, const double min[3], const double max[3]);
 
 /* Index of the fluid of largest mean density; the first fluid if densities are unknown. */
 size_t frame_heaviest(const Frame *frame);

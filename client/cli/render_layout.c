@@ -60,7 +60,8 @@ static double widest(cairo_t *cr, double font, const Ticks *t)
 
 static double base_font(const Page *page)
 {
-    return fmax(11, 20 * sqrt((double)page->width * page->height / (1600.0 * 900.0)));
+    const double usual = page->height ? page->height : page->width * 900.0 / 1600.0;
+    return fmax(11, 20 * sqrt(page->width * usual / (1600.0 * 900.0)));
 }
 
 /* More labels than this would touch each other. */
@@ -133,16 +134,33 @@ static void place_labels(const Page *page, cairo_t *cr, Layout *l)
     if (page->scale) l->label_x[2] = l->bar.x + l->bar.w + 0.9 * f + widest(cr, f, &l->bar_ticks) + 1.1 * f;
 }
 
+/* Labels decide on the margins, these on the plot, and that on the labels: the third time nothing moves. */
+static Margins settle(const Page *page, cairo_t *cr, Layout *l)
+{
+    l->plot = (Rect){0, 0, page->width * 0.7, page->height * 0.6};
+    l->bar.h = page->height * 0.6;
+    for (int round = 0; round < 3; round++) {
+        choose_ticks(page, cr, l);
+        place_plot(page, margins(page, cr, l), l);
+    }
+    return margins(page, cr, l);
+}
+
+void page_fit_height(Page *page, cairo_t *cr)
+{
+    Page tall = *page;
+    Layout l = {.font = base_font(page)};
+    tall.height = 2 * page->width;
+    const Margins m = settle(&tall, cr, &l);
+    const double plot = page->scale ? fmax(l.plot.h, 10 * l.font) : l.plot.h;
+    page->font = l.font;
+    page->height = (int)fmin(fmax(ceil(m.top + plot + m.bottom), 160), tall.height);
+}
+
 MnsStatus page_layout(const Page *page, cairo_t *cr, Layout *ret, MnsError *error)
 {
-    Layout l = {.font = base_font(page), .plot = {0, 0, page->width * 0.7, page->height * 0.6}};
-    l.bar.h = page->height * 0.6;
-    /* Labels decide on the margins, these on the plot, and that on the labels: the third time nothing moves. */
-    for (int round = 0; round < 3; round++) {
-        choose_ticks(page, cr, &l);
-        place_plot(page, margins(page, cr, &l), &l);
-    }
-    const Margins m = margins(page, cr, &l);
+    Layout l = {.font = page->font > 0 ? page->font : base_font(page)};
+    const Margins m = settle(page, cr, &l);
     if (page->width - m.left - m.right < 4 * l.font || page->height - m.top - m.bottom < 2 * l.font)
         return mns_fail_at(error, MNS_E_LIMIT, "--size",
                            "a picture of %d x %d pixels leaves no room for the particles; "

@@ -37,16 +37,19 @@ static MnsStatus read_box(const char *text, RenderOptions *o, MnsError *error)
     return MNS_OK;
 }
 
+/* The height may be left to the plot. */
 static MnsStatus read_size(const char *text, RenderOptions *o, MnsError *error)
 {
     char *end;
     const long w = strtol(text, &end, 10);
+    const bool fits = !*end;
     const long h = *end == 'x' ? strtol(end + 1, &end, 10) : 0;
-    if (*end || w <= 0 || h <= 0) return bad(error, "--size", text, "pixels as in 1600x900");
-    if (w < SMALLEST || h < SMALLEST || w > LARGEST || h > LARGEST || w * h > MOST_PIXELS)
+    if (*end || w <= 0 || (h <= 0 && !fits)) return bad(error, "--size", text, "pixels as in 1600 or 1600x900");
+    const long most = fits ? LARGEST / 2 : LARGEST, area = fits ? 2 * w * w : w * h;
+    if (w < SMALLEST || (h < SMALLEST && !fits) || w > most || h > LARGEST || area > MOST_PIXELS)
         return mns_fail_at(error, MNS_E_LIMIT, "--size",
-                           "--size is %ldx%ld, but must be %d to %d pixels each way and at most %d million altogether",
-                           w, h, SMALLEST, LARGEST, MOST_PIXELS / 1000000);
+                           "--size is %.40s, but must be %d to %d pixels each way and at most %d million altogether",
+                           text, SMALLEST, LARGEST, MOST_PIXELS / 1000000);
     o->width = (int)w;
     o->height = (int)h;
     return MNS_OK;
@@ -115,7 +118,7 @@ static MnsStatus read_one(OptionId id, const char *text, RenderOptions *o, MnsEr
 
 MnsStatus render_options_read(const Options *options, RenderOptions *ret, MnsError *error)
 {
-    RenderOptions o = {.field = "phase", .width = 1600, .height = 900, .map = colour_map(0), .view.at = NAN};
+    RenderOptions o = {.field = "phase", .width = 1600, .map = colour_map(0), .view.at = NAN};
     for (size_t k = 0; k < options->n_given; k++) {
         const MnsStatus status = read_one(options->given[k].id, options->given[k].value, &o, error);
         if (status) return status;

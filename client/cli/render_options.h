@@ -13,7 +13,7 @@ typedef struct RenderOptions {
     const ColourMap *map;
     bool has_range;
     double range[2];
-    int width, height; /* pixels */
+    int width, height; /* pixels; height 0: as the plot needs it */
     ViewOptions view;
 } RenderOptions;
 

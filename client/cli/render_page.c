@@ -164,11 +164,20 @@ static void fill_bar(const Page *page, const Layout *l, cairo_t *cr)
     cairo_stroke(cr);
 }
 
+/* Whoever sees the points at the ends of the bar should know how much lies beyond them, where there is room to say it. */
+static void label_bar(const Scale *s, const Layout *l, cairo_t *cr)
+{
+    char label[160], longer[200];
+    label_print(s->name, l->bar_ticks.exponent, s->unit, sizeof label, label);
+    snprintf(longer, sizeof longer, "%s, %.2g %% beyond", label, 100 * s->beyond);
+    const bool says = s->beyond > 0 && text_width(cr, l->font, false, longer) <= l->bar.h;
+    put_upwards(cr, l->font, l->label_x[2], l->bar.y + l->bar.h / 2, says ? longer : label);
+}
+
 static void draw_bar(const Page *page, const Layout *l, cairo_t *cr)
 {
     const Scale *s = page->scale;
     const double f = l->font, w = line_width(l), right = l->bar.x + l->bar.w;
-    char label[160];
     fill_bar(page, l, cr);
     for (int k = 0; k < l->bar_ticks.n; k++) {
         const double share = (l->bar_ticks.value[k] / s->factor - s->lo) / (s->hi - s->lo);
@@ -177,8 +186,7 @@ static void draw_bar(const Page *page, const Layout *l, cairo_t *cr)
         stroke(cr, w, right, crisp(y, w), right + 0.35 * f, crisp(y, w));
         put(cr, f, false, LEFT, right + 0.65 * f, y + 0.36 * f, l->bar_ticks.label[k]);
     }
-    label_print(s->name, l->bar_ticks.exponent, s->unit, sizeof label, label);
-    put_upwards(cr, f, l->label_x[2], l->bar.y + l->bar.h / 2, label);
+    label_bar(s, l, cr);
 }
 
 void page_draw(const Page *page, const Layout *layout, cairo_t *cr)

@@ -16,7 +16,8 @@ typedef struct Rect {
 
 /* What is on the page. */
 typedef struct Page {
-    int width, height; /* pixels */
+    int width, height; /* pixels; height 0 until page_fit_height() */
+    double font;       /* size of the letters; 0: by the size of the page */
     char title[256], moment[96];
     char axis[2]; /* names of the axes to the right and up: 'x', 'y', 'z' */
     double lo[2], hi[2];
@@ -41,6 +42,9 @@ typedef struct Layout {
     Ticks ticks[2], bar_ticks;
     double label_x[3]; /* centre lines of the labels of: the axis to the right (y), the axis up (x), the bar (x) */
 } Layout;
+
+/* Choose the height that the plot needs at full width, so that no white is left above and below. */
+void page_fit_height(Page *page, cairo_t *cr);
 
 /* MNS_E_LIMIT if the page is too small for what it holds. */
 MnsStatus page_layout(const Page *page, cairo_t *cr, Layout *ret, MnsError *error);

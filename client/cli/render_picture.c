@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A frame as a PNG file. */
 #include "client/cli/render_picture.h"
+#include "client/cli/render_interface.h"
 #include "client/cli/render_page.h"
 #include "client/cli/render_raster.h"
 #include <errno.h>
@@ -76,10 +77,12 @@ static Colour *dot_colours(const Frame *frame, const View *view, const Scale *sc
     return colours;
 }
 
-/* Put the particles into the plot's rectangle of the picture. */
-static MnsStatus draw_dots(const View *view, const Colour *colours, Rect plot, cairo_surface_t *surface,
-                           MnsError *error)
+/* Put the particles into the plot's rectangle of the picture, and the interface over the colours of a field. */
+static MnsStatus draw_dots(const Frame *frame, const View *view, const Colour *colours, const Layout *layout,
+                           cairo_t *cr, MnsError *error)
 {
+    const Rect plot = layout->plot;
+    cairo_surface_t *surface = cairo_get_target(cr);
     Raster raster;
     float *shade = NULL;
     MnsStatus status = raster_make(view, (int)plot.w, (int)plot.h, &raster, error);
@@ -91,6 +94,13 @@ static MnsStatus draw_dots(const View *view, const Colour *colours, Rect plot, c
         uint32_t *pixels = (void *)cairo_image_surface_get_data(surface);
         raster_resolve(&raster, colours, shade, stride, pixels + (size_t)plot.y * stride + (size_t)plot.x);
         cairo_surface_mark_dirty(surface);
+    }
+    if (!status && view->kind == VIEW_CUT && !draws_phases(frame)) {
+        cairo_save(cr);
+        cairo_rectangle(cr, plot.x, plot.y, plot.w, plot.h);
+        cairo_clip(cr);
+        status = interface_draw(&raster, view, frame, plot.x, plot.y, fmax(1, 0.07 * layout->font), cr, error);
+        cairo_restore(cr);
     }
     free(shade);
     raster_done(&raster);
@@ -125,8 +135,17 @@ static MnsStatus save(cairo_surface_t *surface, const char *path, MnsError *erro
     return refuse(path, code, error);
 }
 
-static MnsStatus compose(const View *view, const Colour *colours, const Page *page, const char *path, Drawn *drawn,
-                         MnsError *error)
+static void fit(Page *page)
+{
+    cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, 1, 1);
+    cairo_t *cr = cairo_create(surface);
+    page_fit_height(page, cr);
+    cairo_destroy(cr);
+    cairo_surface_destroy(surface);
+}
+
+static MnsStatus compose(const Frame *frame, const View *view, const Colour *colours, const Page *page,
+                         const char *path, Drawn *drawn, MnsError *error)
 {
     cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, page->width, page->height);
     cairo_t *cr = cairo_create(surface);
@@ -135,7 +154,7 @@ static MnsStatus compose(const View *view, const Colour *colours, const Page *pa
     cairo_paint(cr);
     MnsStatus status = cairo_status(cr) ? mns_fail(error, MNS_E_MEMORY, "there is no memory for the picture") : MNS_OK;
     if (!status) status = page_layout(page, cr, &layout, error);
-    if (!status) status = draw_dots(view, colours, layout.plot, surface, error);
+    if (!status) status = draw_dots(frame, view, colours, &layout, cr, error);
     if (!status) {
         page_draw(page, &layout, cr);
         status = save(surface, path, error);
@@ -152,12 +171,17 @@ MnsStatus picture_write(const Frame *frame, const RenderOptions *o, Drawn *ret, 
     Scale scale = {.lo = NAN, .hi = NAN};
     MnsStatus status = view_make(frame, &o->view, &view, error);
     if (status) return status;
+    if (!draws_phases(frame) && frame->dim == 3 && (status = raster_see(&view, error))) {
+        view_done(&view);
+        return status;
+    }
     if (!draws_phases(frame))
         scale = scale_make(frame, &view, o->has_range ? o->range : NULL, colour_map_diverges(o->map));
-    const Page page = describe(frame, o, &view, &scale);
-    Drawn drawn = {.particles = view.n - view.hidden, .skipped = view.skipped, .range = {scale.lo, scale.hi}};
+    Page page = describe(frame, o, &view, &scale);
+    if (!page.height) fit(&page);
+    Drawn drawn = {view.n - view.hidden, view.skipped, page.width, page.height, {scale.lo, scale.hi}, {0}};
     Colour *colours = dot_colours(frame, &view, &scale, o->map);
-    status = colours ? compose(&view, colours, &page, o->out, &drawn, error)
+    status = colours ? compose(frame, &view, colours, &page, o->out, &drawn, error)
                      : mns_fail(error, MNS_E_MEMORY, "there is no memory to draw %zu particles", view.n);
     if (!status) *ret = drawn;
     free(colours);

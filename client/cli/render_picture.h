@@ -9,6 +9,7 @@
 /* What was drawn. */
 typedef struct Drawn {
     size_t particles, skipped; /* skipped: without finite position or value */
+    int width, height;         /* pixels */
     double range[2];           /* of the colour bar, in the field's unit; NAN for phases */
     double plot[4];            /* the axes' rectangle in pixels: x, y, width, height */
 } Drawn;

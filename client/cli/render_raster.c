@@ -5,10 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-typedef struct Span {
-    size_t begin, end;
-} Span;
-
 /* Points whose centres lie within r of c, cut to the page; a dot smaller than a point still gets one. */
 static Span span_of(double c, double r, size_t size)
 {
@@ -24,13 +20,27 @@ static double bid(const View *view, const Dot *dot, double d2)
     return -(dot->depth + sqrt(fmax(view->radius * view->radius - d2, 0)));
 }
 
+static Span meet(Span a, Span b)
+{
+    const Span both = {a.begin > b.begin ? a.begin : b.begin, a.end < b.end ? a.end : b.end};
+    return both.begin < both.end ? both : (Span){0, 0};
+}
+
+/* Points whose centres lie between two places, cut to the page. */
+static Span between(double lo, double hi, size_t size)
+{
+    const double first = fmax(ceil(lo - 0.5), 0), last = fmin(floor(hi - 0.5), (double)size - 1);
+    return last < first ? (Span){0, 0} : (Span){(size_t)first, (size_t)last + 1};
+}
+
 static void paint(const View *view, Raster *r, uint32_t k)
 {
     const Dot *dot = &view->dots[k];
     const double u = (dot->u - view->lo[0]) * r->scale, v = (view->hi[1] - dot->v) * r->scale;
     const double metre = 1 / r->scale, radius = view->radius * r->scale;
     const double rim = fmax(radius * radius, 0.5); /* in points squared */
-    const Span columns = span_of(u, radius, r->width), rows = span_of(v, radius, r->height);
+    const Span columns = meet(span_of(u, radius, r->width), r->clip[0]);
+    const Span rows = meet(span_of(v, radius, r->height), r->clip[1]);
     for (size_t y = rows.begin; y < rows.end; y++) {
         const double dv = (double)y + 0.5 - v;
         for (size_t x = columns.begin; x < columns.end; x++) {
@@ -49,6 +59,10 @@ MnsStatus raster_make(const View *view, int width, int height, Raster *ret, MnsE
 {
     Raster r = {.width = (size_t)width * RASTER_FINE, .height = (size_t)height * RASTER_FINE};
     r.scale = (double)r.width / (view->hi[0] - view->lo[0]);
+    r.clip[0] =
+        between((view->clip_lo[0] - view->lo[0]) * r.scale, (view->clip_hi[0] - view->lo[0]) * r.scale, r.width);
+    r.clip[1] =
+        between((view->hi[1] - view->clip_hi[1]) * r.scale, (view->hi[1] - view->clip_lo[1]) * r.scale, r.height);
     const size_t n = r.width * r.height;
     r.owner = malloc(n * sizeof *r.owner);
     r.key = malloc(n * sizeof *r.key);
@@ -62,6 +76,22 @@ MnsStatus raster_make(const View *view, int width, int height, Raster *ret, MnsE
     }
     for (size_t k = 0; k < view->n; k++) paint(view, &r, (uint32_t)k);
     *ret = r;
+    return MNS_OK;
+}
+
+MnsStatus raster_see(View *view, MnsError *error)
+{
+    static const double most = 1500; /* pixels each way are enough to tell */
+    Raster r;
+    const double du = view->hi[0] - view->lo[0], dv = view->hi[1] - view->lo[1], longest = fmax(du, dv);
+    const double scale = fmin(most / longest, 8 / view->radius);
+    const MnsStatus status =
+        raster_make(view, (int)fmax(1, ceil(du * scale)), (int)fmax(1, ceil(dv * scale)), &r, error);
+    if (status) return status;
+    for (size_t k = 0; k < view->n; k++) view->dots[k].seen = false;
+    for (size_t i = 0; i < r.width * r.height; i++)
+        if (r.owner[i] != RASTER_NOBODY) view->dots[r.owner[i]].seen = true;
+    raster_done(&r);
     return MNS_OK;
 }
 

@@ -28,7 +28,7 @@ static size_t values_in_view(const Frame *frame, const View *view, int fluid, do
     size_t n = 0;
     for (size_t k = 0; k < view->n; k++) {
         const size_t i = view->dots[k].particle;
-        if (i >= frame->n_fluid || view->dots[k].hidden) continue;
+        if (i >= frame->n_fluid || view->dots[k].hidden || !view->dots[k].seen) continue;
         if (fluid < 0 || frame->phase[i] == fluid) values[n++] = frame->value[i];
     }
     return n;
@@ -88,8 +88,14 @@ static void choose_range(const Frame *frame, const View *view, const double rang
         s->hi = range[1];
     }
     const size_t n = values ? values_in_view(frame, view, -1, values) : 0;
-    s->below = n && percentile(n, values, 0) < s->lo;
-    s->above = n && percentile(n, values, 1) > s->hi;
+    size_t below = 0, above = 0;
+    for (size_t k = 0; k < n; k++) {
+        below += values[k] < s->lo;
+        above += values[k] > s->hi;
+    }
+    s->below = below > 0;
+    s->above = above > 0;
+    s->beyond = n ? (double)(below + above) / (double)n : 0;
     free(values);
 }
 

@@ -28,7 +28,7 @@ static void smooth(Line line, size_t reach, double *sum, double *count)
     }
 }
 
-static MnsStatus smooth_all(const Raster *r, size_t reach, float *height, MnsError *error)
+MnsStatus raster_smooth(const Raster *r, size_t reach, float *height, MnsError *error)
 {
     const size_t longest = (r->width > r->height ? r->width : r->height) + 1;
     double *sum = malloc(2 * longest * sizeof *sum);
@@ -71,7 +71,7 @@ MnsStatus raster_shade(const Raster *raster, const View *view, float **ret_shade
         height && shade ? MNS_OK : mns_fail(error, MNS_E_MEMORY, "there is no memory to shade the picture");
     if (!status) {
         for (size_t i = 0; i < n; i++) height[i] = -raster->key[i];
-        status = smooth_all(raster, 1 + (size_t)(view->radius * raster->scale), height, error);
+        status = raster_smooth(raster, 1 + (size_t)(view->radius * raster->scale), height, error);
     }
     if (!status) {
         for (size_t y = 0; y < raster->height; y++)

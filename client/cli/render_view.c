@@ -19,8 +19,7 @@ static bool is_wall(const Frame *frame, size_t i)
     return i >= frame->n_fluid;
 }
 
-/* The page shows the fluid whole, and the walls if they are drawn, with the half spacing that belongs to each
- * particle. */
+/* Where particles are, with the half spacing that belongs to each. */
 static Extent measure(const Frame *frame, bool walls)
 {
     Extent e = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
@@ -31,6 +30,18 @@ static Extent measure(const Frame *frame, bool walls)
             e.lo[d] = fmin(e.lo[d], frame->x[i][d] - frame->spacing / 2);
             e.hi[d] = fmax(e.hi[d], frame->x[i][d] + frame->spacing / 2);
         }
+    }
+    return e;
+}
+
+/* What the page shows: the domain, beyond which no tile hangs over and which is the same for all pictures of a run, and
+ * the walls if they are drawn. */
+static Extent whole(const Frame *frame, const Extent *measured, bool walls)
+{
+    Extent e = *measured;
+    for (int d = 0; d < frame->dim && frame->has_domain; d++) {
+        e.lo[d] = walls ? fmin(e.lo[d], frame->domain[0][d]) : frame->domain[0][d];
+        e.hi[d] = walls ? fmax(e.hi[d], frame->domain[1][d]) : frame->domain[1][d];
     }
     return e;
 }
@@ -72,17 +83,10 @@ static MnsStatus choose_fluids(const Frame *frame, const char *names, View *view
     }
 }
 
-/* Which way is up is not in the data, but the heavy fluid is where down is: y unless it lies lower along z. */
-static bool z_is_up(const Frame *frame, const Extent *e)
+/* Up is against gravity: y in two dimensions, and z in three unless gravity is along y. */
+static bool z_is_up(const Frame *frame)
 {
-    const int heavy = (int)frame_heaviest(frame);
-    double sum[3] = {0}, n = 0;
-    for (size_t i = 0; i < frame->n_fluid; i++) {
-        if (frame->phase[i] != heavy || !finite_place(frame, i)) continue;
-        for (int d = 0; d < 3; d++) sum[d] += (frame->x[i][d] - e->lo[d]) / (e->hi[d] - e->lo[d]);
-        n++;
-    }
-    return sum[2] < sum[1] - 0.01 * n;
+    return frame->dim == 3 && fabs(frame->gravity[2]) >= fabs(frame->gravity[1]);
 }
 
 /* The page is what one sees looking along the axis, with what is up in space up on the page. Onto a surface below one
@@ -129,6 +133,19 @@ static void choose_bounds(const ViewOptions *o, const Extent *e, View *view)
     view->hi[1] = -lo;
 }
 
+/* Beyond the domain is no fluid: no tile may hang over. Where walls are drawn, they see to it. */
+static void choose_clip(const Frame *frame, const ViewOptions *o, View *view)
+{
+    const int axis[2] = {view->axis_u, view->axis_v};
+    for (int d = 0; d < 2; d++) {
+        const bool mirrored = d == 1 && view->v_is_down, clips = frame->has_domain && !o->walls;
+        const double lo = clips ? frame->domain[0][axis[d]] : (double)-INFINITY;
+        const double hi = clips ? frame->domain[1][axis[d]] : (double)INFINITY;
+        view->clip_lo[d] = mirrored ? -hi : lo;
+        view->clip_hi[d] = mirrored ? -lo : hi;
+    }
+}
+
 /* Dots reach farther than the half diagonal of a lattice cell because moving particles do not keep a lattice. */
 static double choose_radius(const Frame *frame, ViewKind kind)
 {
@@ -168,8 +185,12 @@ static void collect(const Frame *frame, const ViewOptions *o, View *view)
             continue;
         }
         const double *x = frame->x[i];
-        const Dot dot = {x[view->axis_u], view->v_is_down ? -x[view->axis_v] : x[view->axis_v], depth_of(view, x),
-                         (uint32_t)i, hidden};
+        const Dot dot = {x[view->axis_u],
+                         view->v_is_down ? -x[view->axis_v] : x[view->axis_v],
+                         depth_of(view, x),
+                         (uint32_t)i,
+                         hidden,
+                         true};
         if (!on_page(view, &dot) || (view->kind == VIEW_CUT && fabs(dot.depth) > reach)) continue;
         view->near = fmax(view->near, dot.depth);
         view->far = fmin(view->far, dot.depth);
@@ -181,14 +202,15 @@ static void collect(const Frame *frame, const ViewOptions *o, View *view)
 MnsStatus view_make(const Frame *frame, const ViewOptions *options, View *ret, MnsError *error)
 {
     View view = {0};
-    const Extent e = measure(frame, options->walls);
-    if (!(e.lo[0] <= e.hi[0]))
+    const Extent measured = measure(frame, options->walls), e = whole(frame, &measured, options->walls);
+    if (!(measured.lo[0] <= measured.hi[0]))
         return mns_fail(error, MNS_E_NOT_FOUND, "none of the %zu particles has a finite position", frame->n);
     MnsStatus status = choose_plane(frame, options, &e, &view, error);
     if (!status) status = choose_fluids(frame, options->fluids, &view, error);
     if (status) return status;
-    choose_page(&view, frame->dim == 3 && z_is_up(frame, &e));
+    choose_page(&view, z_is_up(frame));
     choose_bounds(options, &e, &view);
+    choose_clip(frame, options, &view);
     view.radius = choose_radius(frame, view.kind);
     view.dots = malloc(frame->n * sizeof *view.dots);
     if (!view.dots) return mns_fail(error, MNS_E_MEMORY, "there is no memory to draw %zu particles", frame->n);

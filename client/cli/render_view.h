@@ -24,19 +24,21 @@ typedef struct Dot {
     double depth; /* distance from the plane of a cut, or towards the eye in a projection [m] */
     uint32_t particle;
     bool hidden; /* of a fluid that is not shown: keeps its place, so that others do not swell into it */
+    bool seen;   /* until raster_see() has looked: true */
 } Dot;
 
 typedef struct View {
     ViewKind kind; /* of a plane: a cut of axis -1 */
     int axis, axis_u, axis_v;
-    double at;                 /* [m] */
-    bool v_is_down;            /* then v and the bounds are minus the coordinate */
-    bool eye_is_low;           /* a projection is seen from the lower end of the axis */
-    double lo[2], hi[2];       /* bounds on the page [m] */
-    double near, far;          /* depths of the nearest and the farthest dot of a projection [m] */
-    double radius;             /* of a dot: large enough to leave no gaps between neighbours [m] */
-    uint32_t fluids;           /* bit k: fluid k is shown */
-    size_t n, hidden, skipped; /* dots; of these hidden; particles without finite position or value */
+    double at;                     /* [m] */
+    bool v_is_down;                /* then v and the bounds are minus the coordinate */
+    bool eye_is_low;               /* a projection is seen from the lower end of the axis */
+    double lo[2], hi[2];           /* bounds on the page [m] */
+    double clip_lo[2], clip_hi[2]; /* within these, on the page, fluids are drawn [m] */
+    double near, far;              /* depths of the nearest and the farthest dot of a projection [m] */
+    double radius;                 /* of a dot: large enough to leave no gaps between neighbours [m] */
+    uint32_t fluids;               /* bit k: fluid k is shown */
+    size_t n, hidden, skipped;     /* dots; of these hidden; particles without finite position or value */
     Dot *dots;
 } View;
 

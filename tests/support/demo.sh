@@ -83,7 +83,7 @@ for file in "${snapshots[@]}"; do
     if [ -f "$file" ] && { [ -z "$last" ] || [ "$file" -nt "$last" ]; }; then last=$file; fi
 done
 for field in phase pressure velocity; do
-    try render "$last" --field $field --size 1600x760 --out "$demo/$field.png"
+    try render "$last" --field $field --out "$demo/$field.png"
 done
 series=$(find "$demo" -name probes.hdf | head -n 1)
 /usr/bin/python3 tests/support/plot_front.py "$series" "$demo/front.png" \

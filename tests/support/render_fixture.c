@@ -28,6 +28,8 @@ Frame tank_frame(int dim, int per_metre)
     f.dim = dim;
     f.spacing = dx;
     f.time = 1.25;
+    f.gravity[1] = -1;
+    frame_take_domain(&f, (const double[]){0, 0, 0}, (const double[]){2, 1, 0.5});
     f.n_fluids = 2;
     snprintf(f.title, sizeof f.title, "Tank");
     snprintf(f.fluids[0], FRAME_NAME, "water");

@@ -77,6 +77,14 @@ class Commands(DaemonTest):
             self.assertTrue(0 <= x <= 0.2 and 0 <= y <= 0.1)
         self.meniscus("query", "box", "--limit", "5", code=1)
 
+    def test_a_daemon_is_drawn_as_its_snapshot_is(self) -> None:
+        self.load()
+        snapshot = self.ask("snapshot", "--fields", "pressure,density,phase")["path"]
+        pictures = [self.home / "live.png", self.home / "file.png"]
+        self.assertEqual(self.ask("render", "--field", "pressure", "--out", str(pictures[0]))["field"], "pressure")
+        self.meniscus("render", snapshot, "--field", "pressure", "--out", str(pictures[1]))
+        self.assertEqual(pictures[0].read_bytes(), pictures[1].read_bytes())
+
     def test_a_checkpoint_is_restored_to_the_bit(self) -> None:
         self.load()
         self.meniscus("step", "4")

@@ -77,7 +77,7 @@ static void little_needs_to_be_said(void **state)
     assert_int_equal(parse(&line, &o, NULL), MNS_OK);
     assert_null(o.snapshot);
     assert_string_equal(o.field, "phase");
-    assert_true(o.width == 1600 && o.height == 900 && o.view.kind == VIEW_AUTOMATIC && isnan(o.view.at));
+    assert_true(o.width == 1600 && o.height == 0 && o.view.kind == VIEW_AUTOMATIC && isnan(o.view.at));
 }
 
 static void wrong_options_are_refused_by_name(void **state)
@@ -90,7 +90,7 @@ static void wrong_options_are_refused_by_name(void **state)
         {"render a.hdf --out b.png --range 3,1", "--range", MNS_E_INVALID},
         {"render a.hdf --out b.png --range 1,nan", "--range", MNS_E_INVALID},
         {"render a.hdf --out b.png --range 1,2x", "--range", MNS_E_INVALID},
-        {"render a.hdf --out b.png --size 800", "--size", MNS_E_INVALID},
+        {"render a.hdf --out b.png --size 800x", "--size", MNS_E_INVALID},
         {"render a.hdf --out b.png --size -800x600", "--size", MNS_E_INVALID},
         {"render a.hdf --out b.png --size 20x20", "--size", MNS_E_LIMIT},
         {"render a.hdf --out b.png --size 8000x8000", "--size", MNS_E_LIMIT},

@@ -2,6 +2,7 @@
 /* What the writer of snapshots has written, the reader of pictures finds again; what is no snapshot is refused. */
 #include "client/cli/render_frame.h"
 #include "io/snapshot.h"
+#include "tests/support/dialogue.h"
 #include "tests/support/io_fixture.h"
 #include <math.h>
 #include <setjmp.h>
@@ -51,6 +52,7 @@ static MnsCapture *write_known(const char *path)
     }
     with_walls.output.walls = true;
     meta.c = &with_walls;
+    meta.case_text = dialogue_case;
     assert_int_equal(snapshot_write(path, c, &meta, &error), MNS_OK);
     return c;
 }
@@ -77,6 +79,8 @@ static void a_snapshot_is_read_as_it_was_written(void **state)
     }
     assert_true(frame.is_magnitude);
     assert_string_equal(frame.unit, "m/s");
+    assert_true(frame.has_domain && frame.domain[1][0] == 2 && frame.domain[1][1] == 1);
+    assert_true(frame.gravity[0] == 0 && frame.gravity[1] == -1);
     assert_int_equal(frame_heaviest(&frame), 1);
     frame_done(&frame);
     mns_capture_free(c);

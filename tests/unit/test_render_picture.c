@@ -179,6 +179,77 @@ static void nothing_is_cut_off_at_any_size(void **state)
     free(out);
 }
 
+/* Tiles of the fluid end with the domain, whatever part of the plane is drawn. */
+static void no_tile_hangs_over_the_domain(void **state)
+{
+    char *out = path_in(*state, "a.png");
+    Frame frame = phases_only(2, 8);
+    RenderOptions o = options_for(out);
+    o.view.has_box = true;
+    memcpy(o.view.box, (const double[]){-0.5, -0.5, 2.5, 1.5}, sizeof o.view.box);
+    Picture p = draw(&frame, o);
+    static const double inside[][2] = {{0.01, 0.5}, {1.99, 0.5}, {1, 0.01}, {1, 0.99}};
+    static const double outside[][2] = {{-0.01, 0.5}, {2.01, 0.5}, {1, -0.01}, {1, 1.01}};
+    for (int k = 0; k < 4; k++) {
+        assert_int_not_equal(plot_pixel(&p, (inside[k][0] + 0.5) / 3, (inside[k][1] + 0.5) / 2), 0xffffff);
+        assert_int_equal(plot_pixel(&p, (outside[k][0] + 0.5) / 3, (outside[k][1] + 0.5) / 2), 0xffffff);
+    }
+    cairo_surface_destroy(p.surface);
+    frame_done(&frame);
+    free(out);
+}
+
+/* How many pixels of a column of the plot are not of the colour above and below the interface. */
+static int line_pixels(const Picture *p, double u, double *ret_v)
+{
+    const uint32_t field = plot_pixel(p, u, 0.25);
+    int n = 0;
+    for (double v = 0.02; v < 0.98; v += 1 / p->drawn.plot[3])
+        if (plot_pixel(p, u, v) != field) {
+            n++;
+            *ret_v = v;
+        }
+    return n;
+}
+
+/* The field is the same everywhere, so that all there is to see is the interface, at y = 0.5. */
+static void the_interface_is_a_thin_line_over_a_field_and_only_there(void **state)
+{
+    char *out = path_in(*state, "a.png");
+    Frame frame = tank_frame(2, 20);
+    double v = 0;
+    for (size_t i = 0; i < frame.n; i++) frame.value[i] = 3;
+    Picture p = draw(&frame, options_for(out));
+    for (double u = 0.05; u < 1; u += 0.1) {
+        const int n = line_pixels(&p, u, &v);
+        assert_true(n >= 1 && n <= 6);
+        assert_true(fabs(v - 0.5) < 0.03);
+    }
+    cairo_surface_destroy(p.surface);
+    for (size_t i = 0; i < frame.n_fluid; i++) frame.phase[i] = 0;
+    p = draw(&frame, options_for(out));
+    assert_int_equal(line_pixels(&p, 0.5, &v), 0);
+    cairo_surface_destroy(p.surface);
+    frame_done(&frame);
+    free(out);
+}
+
+/* A height that is left to the plot leaves no white above and below it. */
+static void a_page_can_be_as_high_as_its_plot(void **state)
+{
+    char *out = path_in(*state, "a.png");
+    Frame frame = tank_frame(2, 20);
+    RenderOptions o = options_for(out);
+    o.width = 1600;
+    o.height = 0;
+    Picture p = draw(&frame, o);
+    assert_int_equal(p.height, p.drawn.height);
+    assert_true(p.drawn.plot[2] > 0.8 * p.width && p.drawn.plot[3] > 0.8 * p.height);
+    cairo_surface_destroy(p.surface);
+    frame_done(&frame);
+    free(out);
+}
+
 static void the_same_frame_gives_the_same_bytes(void **state)
 {
     char *out[2] = {path_in(*state, "a.png"), path_in(*state, "b.png")};
@@ -242,6 +313,9 @@ int main(void)
         TEST(the_plot_has_equal_scales_in_both_directions),
         TEST(a_value_has_its_colour_of_the_map_and_outliers_that_of_the_end),
         TEST(nothing_is_cut_off_at_any_size),
+        TEST(no_tile_hangs_over_the_domain),
+        TEST(the_interface_is_a_thin_line_over_a_field_and_only_there),
+        TEST(a_page_can_be_as_high_as_its_plot),
         TEST(the_same_frame_gives_the_same_bytes),
         TEST(a_picture_that_cannot_be_written_leaves_nothing),
         TEST(a_page_without_room_is_refused),
