@@ -16,13 +16,6 @@ static void interleave(char *rows, const void *column, size_t first, size_t n, i
     }
 }
 
-static void separate(const char *rows, void *column, size_t first, size_t n, int d, int width, size_t size)
-{
-    if (!column) return;
-    for (size_t k = 0; k < n; k++)
-        memcpy((char *)column + (first + k) * size, rows + (k * (size_t)width + (size_t)d) * size, size);
-}
-
 static char *new_block(H5 *h, size_t size)
 {
     char *rows = malloc((size_t)BLOCK * WIDEST * size);
@@ -39,19 +32,6 @@ void columns_put(H5 *h, const char *name, MnsType type, size_t n, int width, con
         const size_t count = n - first < BLOCK ? n - first : BLOCK;
         for (int d = 0; d < width; d++) interleave(rows, columns[d], first, count, d, width, size);
         h5_put_rows(h, name, h5_type(type), first, count, rows);
-    }
-    free(rows);
-}
-
-void columns_get(H5 *h, const char *name, MnsType type, size_t n, int width, void *const *columns)
-{
-    const size_t size = h5_size(type);
-    h5_expect(h, name, width > 1 ? 2 : 1, (hsize_t[]){n, (hsize_t)width});
-    char *rows = new_block(h, size);
-    for (size_t first = 0; first < n && !h->status; first += BLOCK) {
-        const size_t count = n - first < BLOCK ? n - first : BLOCK;
-        h5_get_rows(h, name, h5_type(type), first, count, rows);
-        for (int d = 0; d < width && !h->status; d++) separate(rows, columns[d], first, count, d, width, size);
     }
     free(rows);
 }

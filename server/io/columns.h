@@ -8,7 +8,4 @@
 /* Make and fill dataset name [n][width], or [n] if width is 1, from columns [width][n]; a NULL column is all zeros. */
 void columns_put(H5 *h, const char *name, MnsType type, size_t n, int width, const void *const *columns);
 
-/* Read dataset name, of that shape, into columns [width][n]; a NULL column is passed over. */
-void columns_get(H5 *h, const char *name, MnsType type, size_t n, int width, void *const *columns);
-
 #endif

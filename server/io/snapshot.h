@@ -12,7 +12,4 @@ MnsStatus snapshot_write(const char *path, const MnsCapture *capture, const File
 /* (Re)write DIR/snapshots.hdf.series from the snapshot files in dir, so that ParaView knows their times. */
 MnsStatus snapshot_index(const char *dir, MnsError *error);
 
-/* Read a snapshot (or checkpoint) back, positions and the fields it has; wall particles too. */
-MnsStatus snapshot_read(const char *path, MnsCapture **ret_capture, MnsError *error);
-
 #endif

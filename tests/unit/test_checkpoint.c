@@ -4,7 +4,6 @@
 #include "io/checkpoint.h"
 #include "io/h5.h"
 #include "io/seal.h"
-#include "io/snapshot.h"
 #include "tests/support/cases.h"
 #include "tests/support/io_fixture.h"
 
@@ -121,17 +120,6 @@ static void a_run_goes_on_from_the_file_as_if_it_had_never_stopped(void **state)
 {
     assert_goes_on_from_file(*state, 2);
     assert_goes_on_from_file(*state, 3);
-}
-
-static void a_checkpoint_can_be_looked_at_like_a_snapshot(void **state)
-{
-    char path[IO_PATH_MAX];
-    MnsCapture *written = noise_capture(2, 30, 20, 5), *read = NULL;
-    assert_int_equal(write_state(*state, written, 3, path), MNS_OK);
-    assert_int_equal(snapshot_read(path, &read, NULL), MNS_OK);
-    assert_true(same_values(written, read, written->fields));
-    mns_capture_free(read);
-    mns_capture_free(written);
 }
 
 static void an_empty_case_is_kept_as_it_is(void **state)
@@ -499,7 +487,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(state_case_and_progress_come_back_bit_for_bit, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_run_goes_on_from_the_file_as_if_it_had_never_stopped, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_checkpoint_can_be_looked_at_like_a_snapshot, set_up, tear_down),
         cmocka_unit_test_setup_teardown(an_empty_case_is_kept_as_it_is, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_full_disk_drops_no_older_checkpoint, set_up, tear_down),
         cmocka_unit_test_setup_teardown(the_last_written_are_kept, set_up, tear_down),

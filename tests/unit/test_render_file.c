@@ -129,6 +129,20 @@ static void what_is_no_snapshot_is_refused(void **state)
     free(text);
 }
 
+static void a_cut_snapshot_is_refused_wherever_it_was_cut(void **state)
+{
+    char *path = path_in(*state, "a.hdf");
+    size_t size;
+    mns_capture_free(write_known(path));
+    unsigned char *bytes = bytes_of(path, &size);
+    for (size_t cut = 0; cut < size; cut += 509) {
+        put_bytes(path, bytes, cut);
+        refuses(path, "phase", MNS_E_CORRUPT, "a.hdf is damaged");
+    }
+    free(bytes);
+    free(path);
+}
+
 /* Every way of being cut short, and noise anywhere, ends in a frame or a sentence, never in a crash. */
 static void a_damaged_snapshot_is_read_or_refused_but_never_trusted(void **state)
 {
@@ -166,6 +180,7 @@ int main(void)
         TEST(a_picture_of_phases_needs_no_other_field),
         TEST(a_missing_field_is_answered_with_those_there_are),
         TEST(what_is_no_snapshot_is_refused),
+        TEST(a_cut_snapshot_is_refused_wherever_it_was_cut),
         TEST(a_damaged_snapshot_is_read_or_refused_but_never_trusted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
