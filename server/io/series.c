@@ -111,10 +111,16 @@ MnsStatus series_new(const char *dir, const FileMeta *meta, bool resume, uint64_
     return status;
 }
 
+size_t series_rows(const Series *series)
+{
+    return series->n;
+}
+
 MnsStatus series_append(Series *series, uint64_t step, double t, const double *values, MnsError *error)
 {
     const MnsStatus status = make_room(series, series->n + 1, error);
     if (status) return status;
+    while (series->n && series->step[series->n - 1] >= step) series->n--;
     const size_t row = series->n++;
     series->step[row] = step;
     series->time[row] = t;

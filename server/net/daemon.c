@@ -11,6 +11,7 @@
 #include "proto/case_find.h"
 #include "proto/case_name.h"
 #include "proto/frame.h"
+#include <limits.h>
 #include <math.h>
 #include <meniscus/exit.h>
 #include <stdio.h>
@@ -117,9 +118,10 @@ static void after_load(Daemon *daemon, Order *order)
     if (!order->status && daemon->options->start) post_start(daemon);
     if (!order->status) return;
     const bool bad = order->status == MNS_E_INVALID || order->status == MNS_E_LIMIT;
+    const bool taken = order->status == MNS_E_STATE; /* the run directory, by another run */
     if (bad) case_file_locate(daemon->file, &order->error);
     log_line(LOG_ERROR, "%s", order->error.text);
-    daemon->code = bad ? MNS_EXIT_BAD_CASE : MNS_EXIT_IO;
+    daemon->code = bad ? MNS_EXIT_BAD_CASE : taken ? MNS_EXIT_FAILED : MNS_EXIT_IO;
     post_shutdown(daemon, false);
 }
 
@@ -185,6 +187,21 @@ static void serve(Daemon *daemon)
 
 /* --- beginning and end --------------------------------------------------------------------------------------------------- */
 
+/* Where runs get their directories: made now, so that a place that cannot be used is known before anybody loads a case, and
+ * written from the root, so that replies mean the same wherever who reads them is. */
+static MnsStatus make_parent(Daemon *daemon, MnsError *error)
+{
+    bool made;
+    char whole[PATH_MAX];
+    const MnsStatus status = rundir_make(daemon->parent, &made, error);
+    if (status) return status;
+    if (!realpath(daemon->parent, whole) || strlen(whole) >= sizeof daemon->parent)
+        return mns_fail(error, MNS_E_IO, "cannot find the way from the root to '%.300s'; choose another --state-dir",
+                        daemon->parent);
+    memcpy(daemon->parent, whole, strlen(whole) + 1);
+    return MNS_OK;
+}
+
 static void find_parent(Daemon *daemon)
 {
     const char *given = daemon->options->state_dir, *systemd = getenv("STATE_DIRECTORY");
@@ -207,9 +224,11 @@ static MnsStatus begin(Daemon *daemon, MnsError *error)
 {
     notify_begin(&daemon->notify);
     find_parent(daemon);
+    MnsStatus status = make_parent(daemon, error);
+    if (status) return status;
     const RunOptions options = {
         .parent = daemon->parent, .nice = SOLVER_NICE, .beat_interval = daemon->notify.watchdog / 4};
-    MnsStatus status = run_new(&options, &daemon->run, error);
+    status = run_new(&options, &daemon->run, error);
     if (status) return status;
     status = desk_new(&daemon->endpoint, daemon->run, &daemon->desk, error);
     if (!status) return MNS_OK;
@@ -230,7 +249,8 @@ static int serve_locked(Daemon *daemon, const char *path)
 {
     MnsError error;
     const MnsStatus status = begin(daemon, &error);
-    if (status) return refused(&error, status == MNS_E_IO ? MNS_EXIT_IO : MNS_EXIT_FAILED);
+    const bool disk = status == MNS_E_IO || status == MNS_E_NO_SPACE;
+    if (status) return refused(&error, disk ? MNS_EXIT_IO : MNS_EXIT_FAILED);
     if (daemon->file) post_load(daemon, path);
     log_line(LOG_INFORMATION, "listening at %s%s%s", daemon->endpoint.control,
              daemon->endpoint.tcp_control[0] ? " and " : "", daemon->endpoint.tcp_control);

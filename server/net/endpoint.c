@@ -3,13 +3,12 @@
 #include "net/endpoint.h"
 
 #include "proto/case_name.h"
+#include "run/lock.h"
 #include <errno.h>
-#include <fcntl.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -68,16 +67,13 @@ static MnsStatus make(char *path, MnsError *error)
 
 static MnsStatus lock(Endpoint *endpoint, const char *name, MnsError *error)
 {
-    char path[ENDPOINT_SIZE + 8];
+    char path[ENDPOINT_SIZE + 8], holder[LOCK_HOLDER];
     snprintf(path, sizeof path, "%s/lock", endpoint->directory);
-    endpoint->lock = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-    if (endpoint->lock < 0) return mns_fail(error, MNS_E_IO, "cannot open %s: %s", path, strerror(errno));
-    if (!flock(endpoint->lock, LOCK_EX | LOCK_NB)) return MNS_OK;
-    const int why = errno;
-    close(endpoint->lock);
-    if (why != EWOULDBLOCK) return mns_fail(error, MNS_E_IO, "cannot lock %s: %s", path, strerror(why));
+    const MnsStatus status = lock_take(path, &endpoint->lock, holder, error);
+    if (status != MNS_E_STATE) return status;
     return mns_fail(error, MNS_E_STATE,
-                    "a daemon \"%s\" is running already (%s is locked); give this one another --name", name, path);
+                    "a daemon \"%s\" is running already, as %s (%s is locked); give this one another --name", name,
+                    holder, path);
 }
 
 /* Only loopback: on other addresses anybody could steer. */

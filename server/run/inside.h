@@ -35,8 +35,10 @@ struct Run {
     bool leaving;
     bool output_failed; /* why it is in FAULT, if it is not the solver */
     MnsError fault;
-    MnsSim *sim; /* NULL without a case, as are the next two */
+    MnsSim *sim; /* NULL without a case, as are the two documents */
     Document *document;
+    Document *original; /* the case as it was loaded, before anybody steered */
+    int directory_lock; /* -1 without a run                                  */
     Breakpoints *breakpoints;
     Outputs outputs;
     Goal goal;

@@ -6,14 +6,19 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "proto/case_file.h"
+#include <inttypes.h>
 #include <math.h>
 #include <string.h>
+#include <unistd.h>
 
 /* What is to take the place of the present run. */
 typedef struct Candidate {
     Document *document;
     MnsSim *sim;
-    bool goes_on; /* from a checkpoint */
+    Document *original; /* what a reset leads back to, if it is another one than now */
+    bool goes_on;       /* from a checkpoint                                         */
+    bool made;          /* the directory was not there before                        */
+    int lock;           /* of the directory; -1 if the present run has it            */
     char directory[RUNDIR_PATH];
 } Candidate;
 
@@ -21,6 +26,19 @@ static void candidate_drop(Candidate *candidate)
 {
     mns_sim_free(candidate->sim);
     document_leave(candidate->document);
+    document_leave(candidate->original);
+    if (candidate->lock < 0) return; /* the directory is not ours to take away */
+    if (candidate->made) rundir_unmake(candidate->directory);
+    close(candidate->lock);
+}
+
+/* Make its directory and have it to ourselves: before anything in it is looked at, as another run may be writing there. */
+static MnsStatus occupy(const Run *run, Candidate *candidate, MnsError *error)
+{
+    const bool ours = run->directory_lock >= 0 && !strcmp(candidate->directory, run->outputs.directory);
+    if (ours) return MNS_OK;
+    const MnsStatus status = rundir_make(candidate->directory, &candidate->made, error);
+    return status ? status : rundir_lock(candidate->directory, &candidate->lock, error);
 }
 
 static void note_damaged(void *arg, const char *text)
@@ -89,6 +107,15 @@ static MnsStatus close_run(Run *run, MnsError *error)
     return status;
 }
 
+/* The directory, too, is anybody's again. */
+static void forget_run(Run *run)
+{
+    document_leave(run->original);
+    run->original = NULL;
+    if (run->directory_lock >= 0) close(run->directory_lock);
+    run->directory_lock = -1;
+}
+
 static void open_log(Run *run)
 {
     char path[4096];
@@ -103,14 +130,42 @@ static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
     if (close_run(run, &lost)) run_tell(run, NOTE_LOG, LOG_WARNING, "lost", lost.text);
     const MnsStatus status = outputs_open(&run->outputs, candidate->directory, candidate->document,
                                           mns_sim_progress(candidate->sim), candidate->goes_on, error);
-    if (status) return status;
+    if (status) {
+        forget_run(run);
+        return status;
+    }
     run->sim = candidate->sim;
     run->document = candidate->document;
-    *candidate = (Candidate){.sim = NULL};
+    if (candidate->original) {
+        document_leave(run->original);
+        run->original = candidate->original;
+    }
+    if (candidate->lock >= 0) {
+        if (run->directory_lock >= 0) close(run->directory_lock);
+        run->directory_lock = candidate->lock;
+    }
     run->meter = (Meter){.stepping = 0};
     run->loaded = clock_now();
     open_log(run);
     return MNS_OK;
+}
+
+/* What people would not expect of the files. */
+static void tell_files(Run *run)
+{
+    const Outputs *outputs = &run->outputs;
+    char text[512];
+    if (outputs->aside[0]) {
+        snprintf(text, sizeof text, "files of the time line that was left are in %.400s", outputs->aside);
+        run_tell(run, NOTE_LOG, LOG_NOTICE, "files", text);
+    }
+    if (!outputs->series_lost) return;
+    snprintf(text, sizeof text,
+             "there are no samples of the probes from before step %" PRIu64
+             ": probes.hdf was taken away or is of other "
+             "probes; the series begins here",
+             mns_sim_progress(run->sim).step);
+    run_tell(run, NOTE_LOG, LOG_WARNING, "probes", text);
 }
 
 static void tell_warnings(Run *run)
@@ -123,17 +178,15 @@ static void tell_warnings(Run *run)
 static void replace(Run *run, Order *order, Candidate *candidate, MnsStatus status, RunState previous, const char *text,
                     MnsError *error)
 {
-    bool made = false;
-    if (!status) status = rundir_make(candidate->directory, &made, error);
     if (!status) status = install(run, candidate, error);
     if (status) {
-        if (made) rundir_unmake(candidate->directory);
         candidate_drop(candidate);
         run_enter(run, run->sim ? previous : RUN_EMPTY, error->text);
     } else {
         snprintf(order->path, sizeof order->path, "%s", run->outputs.directory);
         order->effect_step = mns_sim_progress(run->sim).step;
         run_enter(run, RUN_READY, text);
+        tell_files(run);
         tell_warnings(run);
     }
     run_answer(run, order, status, error);
@@ -171,7 +224,7 @@ void run_load(Run *run, Order *order, const RunLoad *load)
 {
     const RunState previous = run->state;
     MnsError error;
-    Candidate candidate = {.sim = NULL};
+    Candidate candidate = {.lock = -1};
     Document *document;
     MnsStatus status = document_new(load->message, load->name, &document, &error);
     if (status) {
@@ -179,7 +232,9 @@ void run_load(Run *run, Order *order, const RunLoad *load)
         return;
     }
     run_enter(run, RUN_LOADING, load->name);
+    candidate.original = document_share(document);
     status = choose_directory(run, load, candidate.directory, &error);
+    if (!status) status = occupy(run, &candidate, &error);
     if (status) document_leave(document);
     else status = build_load(run, load, document, &candidate, &error);
     replace(run, order, &candidate, status, previous,
@@ -190,10 +245,10 @@ void run_reset(Run *run, Order *order)
 {
     const RunState previous = run->state;
     MnsError error;
-    Candidate candidate = {.sim = NULL};
+    Candidate candidate = {.lock = -1};
     snprintf(candidate.directory, sizeof candidate.directory, "%s", run->outputs.directory);
     run_enter(run, RUN_LOADING, "placing the particles again");
-    const MnsStatus status = build(&candidate, document_share(run->document), NULL, &error);
+    const MnsStatus status = build(&candidate, document_share(run->original), NULL, &error);
     replace(run, order, &candidate, status, previous, "back at the beginning", &error);
 }
 
@@ -217,7 +272,7 @@ void run_restore(Run *run, Order *order, const char *name)
     const RunState previous = run->state;
     MnsError error;
     Checkpoint checkpoint;
-    Candidate candidate = {.sim = NULL};
+    Candidate candidate = {.lock = -1};
     snprintf(candidate.directory, sizeof candidate.directory, "%s", run->outputs.directory);
     MnsStatus status = read_named(run, name, &checkpoint, &error);
     if (status) {
@@ -258,6 +313,7 @@ void run_stop(Run *run, Order *order, bool checkpoint)
     }
     run_goal_end(run, MNS_E_INTERRUPTED, &ended);
     if (close_run(run, &error)) run_tell(run, NOTE_LOG, LOG_WARNING, "lost", error.text);
+    forget_run(run);
     run_enter(run, RUN_EMPTY, "stopped on request");
     run_answer(run, order, MNS_OK, NULL);
 }
@@ -274,6 +330,7 @@ void run_leave(Run *run, Order *order, bool checkpoint)
         run_tell(run, NOTE_LOG, LOG_ERROR, "lost", error.text);
     MnsError lost;
     close_run(run, &lost);
+    forget_run(run);
     run->leaving = true;
     run_answer(run, order, status, &error);
 }

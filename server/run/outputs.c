@@ -15,7 +15,7 @@ MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *docume
                        MnsError *error)
 {
     Series *series = NULL;
-    MnsStatus status = rundir_abandon(directory, !goes_on, progress.step, error);
+    MnsStatus status = rundir_abandon(directory, !goes_on, progress.step, outputs->aside, error);
     if (!status && document->c->n_probes)
         status = job_open_series(outputs->writer, directory, document, goes_on, progress.step, &series, error);
     if (!status) status = rundir_write(directory, "case.yaml", document->text, error); /* the first sign of a run */
@@ -26,6 +26,8 @@ MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *docume
     snprintf(outputs->directory, sizeof outputs->directory, "%s", directory);
     outputs->series = series;
     outputs->document = document_share(document);
+    const bool sampled = series && document->c->output.probe_interval > 0 && progress.step > 0;
+    outputs->series_lost = goes_on && sampled && !series_rows(series);
     const double before = goes_on && progress.step > 0 ? progress.t : -INFINITY;
     outputs->before = (OutputTimes){before, before, before};
     outputs->at_checkpoint = goes_on ? progress.step : UINT64_MAX;

@@ -21,8 +21,10 @@ typedef struct Outputs {
     char directory[RUNDIR_PATH];
     Writer *writer;
     Outbox *outbox;
-    Series *series;     /* the writer's thread only; NULL without probes                    */
-    Document *document; /* that the series was opened with, and borrows from; NULL when closed */
+    Series *series;          /* the writer's thread only; NULL without probes                    */
+    Document *document;      /* that the series was opened with, and borrows from; NULL when closed */
+    char aside[RUNDIR_PATH]; /* where outputs_open() moved files to; empty if there were none */
+    bool series_lost;        /* outputs_open() found no samples from before, and should have  */
     OutputTimes before;
     double wall_checkpoint; /* clock_now() of the last one; of the beginning if there is none   */
     double wall_flush;      /* the same for the series                                          */

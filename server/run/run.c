@@ -96,6 +96,7 @@ MnsStatus run_new(const RunOptions *options, Run **ret, MnsError *error)
         return status;
     }
     run->options = *options;
+    run->directory_lock = -1;
     mailbox_init(&run->mailbox, MAILBOX_LIMIT);
     pthread_mutex_init(&run->lock, NULL);
     run->breakpoints = breakpoints_new();

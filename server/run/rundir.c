@@ -5,6 +5,7 @@
 #include "io/atomic_file.h"
 #include "io/directory.h"
 #include "io/names.h"
+#include "run/lock.h"
 #include <dirent.h>
 #include <errno.h>
 #include <stdio.h>
@@ -53,8 +54,23 @@ MnsStatus rundir_make(const char *dir, bool *ret_made, MnsError *error)
     return MNS_OK;
 }
 
+static const char lock_name[] = "lock";
+
+MnsStatus rundir_lock(const char *dir, int *ret_fd, MnsError *error)
+{
+    char path[4096], holder[LOCK_HOLDER];
+    MnsStatus status = directory_path(path, dir, lock_name, error);
+    if (!status) status = lock_take(path, ret_fd, holder, error);
+    if (status != MNS_E_STATE) return status;
+    return mns_fail(error, MNS_E_STATE,
+                    "%s is running in the directory '%.300s'; wait until it has ended, or choose another directory",
+                    holder, dir);
+}
+
 void rundir_unmake(const char *dir)
 {
+    char path[4096];
+    if (!directory_path(path, dir, lock_name, NULL)) unlink(path);
     rmdir(dir);
 }
 
@@ -65,28 +81,58 @@ MnsStatus rundir_write(const char *dir, const char *name, const char *text, MnsE
     return status ? status : atomic_write(path, text, strlen(text), error);
 }
 
-static MnsStatus move_aside(const char *dir, const char *name, MnsError *error)
+static const char series_name[] = "probes.hdf";
+
+/* The first of abandoned, abandoned.2 ... that does not exist: what was left before is left alone. */
+static MnsStatus make_aside(const char *dir, char ret[static RUNDIR_PATH], MnsError *error)
 {
-    char from[4096 + 260], to[4096 + 260], aside[4096];
-    snprintf(aside, sizeof aside, "%s/abandoned", dir);
-    if (mkdir(aside, 0777) && errno != EEXIST) return file_fail(error, errno, "make the directory", aside);
+    char path[RUNDIR_PATH];
+    int n = snprintf(path, sizeof path, "%s/abandoned", dir);
+    for (unsigned k = 2; n < RUNDIR_PATH && mkdir(path, 0777); k++) {
+        if (errno != EEXIST) return file_fail(error, errno, "make the directory", path);
+        n = snprintf(path, sizeof path, "%s/abandoned.%u", dir, k);
+    }
+    if (n >= RUNDIR_PATH)
+        return mns_fail(error, MNS_E_LIMIT, "the path of the run directory is too long: %.200s...", dir);
+    memcpy(ret, path, sizeof path);
+    return MNS_OK;
+}
+
+static MnsStatus move_aside(const char *dir, const char *name, char aside[static RUNDIR_PATH], MnsError *error)
+{
+    char from[4096 + 260], to[4096 + 260];
+    const MnsStatus status = aside[0] ? MNS_OK : make_aside(dir, aside, error);
+    if (status) return status;
     snprintf(from, sizeof from, "%s/%s", dir, name);
     snprintf(to, sizeof to, "%s/%s", aside, name);
     return rename(from, to) ? file_fail(error, errno, "move aside", from) : MNS_OK;
 }
 
-MnsStatus rundir_abandon(const char *dir, bool all, uint64_t after, MnsError *error)
+/* The series goes on with fewer samples in a new file of the name, so a link keeps them all. Where there are no links,
+ * those of the time line that was left are lost. */
+static void link_series(const char *dir, const char *aside)
 {
+    char from[4096], to[4096];
+    if (!directory_path(from, dir, series_name, NULL) && !directory_path(to, aside, series_name, NULL) &&
+        link(from, to))
+        return;
+}
+
+MnsStatus rundir_abandon(const char *dir, bool all, uint64_t after, char ret_aside[static RUNDIR_PATH], MnsError *error)
+{
+    char aside[RUNDIR_PATH] = "";
     DIR *stream = opendir(dir);
-    if (!stream) return errno == ENOENT ? MNS_OK : file_fail(error, errno, "read", dir);
+    if (!stream) return file_fail(error, errno, "read", dir);
     MnsStatus status = MNS_OK;
     for (struct dirent *entry; !status && (entry = readdir(stream));) {
         uint64_t step;
         const bool numbered = name_step(entry->d_name, &step);
-        if ((numbered && (all || step > after)) || (all && !strcmp(entry->d_name, "probes.hdf")))
-            status = move_aside(dir, entry->d_name, error);
+        if ((numbered && (all || step > after)) || (all && !strcmp(entry->d_name, series_name)))
+            status = move_aside(dir, entry->d_name, aside, error);
     }
     closedir(stream);
+    if (!status && !all && aside[0]) link_series(dir, aside);
+    memcpy(ret_aside, aside, sizeof aside);
     return status;
 }
 
@@ -94,7 +140,7 @@ static int is_output(const struct dirent *entry)
 {
     uint64_t step;
     const char *name = entry->d_name;
-    return name_step(name, &step) || !strcmp(name, "probes.hdf") || !strcmp(name, "snapshots.hdf.series") ||
+    return name_step(name, &step) || !strcmp(name, series_name) || !strcmp(name, "snapshots.hdf.series") ||
            !strcmp(name, "case.yaml");
 }
 

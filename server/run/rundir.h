@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The directory that holds everything of one run: case.yaml, log, checkpoint-STEP.hdf, snapshot-STEP.hdf,
- * snapshots.hdf.series, probes.hdf. Files of a time line that was left go to its subdirectory abandoned/. */
+ * snapshots.hdf.series, probes.hdf. Files of a time line that was left go to a subdirectory, abandoned/, abandoned.2/ and so on;
+ * lock says who is running there. */
 #ifndef RUN_RUNDIR_H
 #define RUN_RUNDIR_H
 
@@ -20,14 +21,21 @@ MnsStatus rundir_choose(const char *parent, const char *name, bool latest, char 
  *  ret_made  whether it was not there before */
 MnsStatus rundir_make(const char *dir, bool *ret_made, MnsError *error);
 
-/* Take away the directory if nothing is in it, as after a run that could not begin. */
+/* Have the directory for oneself until the descriptor is closed. MNS_E_STATE: another run has it, and the sentence says whose;
+ * MNS_E_IO, MNS_E_NO_SPACE. */
+MnsStatus rundir_lock(const char *dir, int *ret_fd, MnsError *error);
+
+/* Take away the directory if nothing is in it but our lock, as after a run that could not begin. */
 void rundir_unmake(const char *dir);
 
 /* Write DIR/NAME, whole or not at all: see io/atomic_file.h. */
 MnsStatus rundir_write(const char *dir, const char *name, const char *text, MnsError *error);
 
-/* Move aside the checkpoints and snapshots of steps later than `after`, or with all, every one and the probes. */
-MnsStatus rundir_abandon(const char *dir, bool all, uint64_t after, MnsError *error);
+/* Move aside the checkpoints and snapshots of steps later than `after`, or with all, every one and the probes; where some are
+ * left, a link to the probes goes with the others.
+ *  ret_aside  the directory they are in now, one that did not exist; empty if there were none */
+MnsStatus rundir_abandon(const char *dir, bool all, uint64_t after, char ret_aside[static RUNDIR_PATH],
+                         MnsError *error);
 
 /* Names of the files people look for (the log is not one), sorted; ret and its *ret_n strings are the caller's. */
 MnsStatus rundir_list(const char *dir, char ***ret, size_t *ret_n, MnsError *error);

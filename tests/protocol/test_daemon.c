@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The daemon's promises to people who steer, seen from outside. */
 #include "tests/support/check.h"
-#include "tests/support/dialogue.h"
+#include "tests/support/steer.h"
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,58 +9,6 @@
 #include <time.h>
 #include <unistd.h>
 #include <zmq.h>
-
-static int begin(void **state)
-{
-    Dialogue *dialogue = calloc(1, sizeof *dialogue);
-    dialogue_begin(dialogue, NULL);
-    *state = dialogue;
-    return 0;
-}
-
-static int end(void **state)
-{
-    const int code = dialogue_end(*state);
-    free(*state);
-    return code;
-}
-
-static void let_it_run(long milliseconds)
-{
-    nanosleep(&(struct timespec){.tv_sec = milliseconds / 1000, .tv_nsec = milliseconds % 1000 * 1000000}, NULL);
-}
-
-static Meniscus__Code simple(Dialogue *dialogue, Meniscus__Request request)
-{
-    return dialogue_code(dialogue, &request);
-}
-
-static Meniscus__Reply *status_of(Dialogue *dialogue)
-{
-    Meniscus__Request request = dialogue_status();
-    Meniscus__Reply *reply = dialogue_ask(dialogue, &request);
-    assert_int_equal(reply->result_case, MENISCUS__REPLY__RESULT_STATUS);
-    return reply;
-}
-
-static void assert_stands_at(Dialogue *dialogue, Meniscus__State state, uint64_t step)
-{
-    Meniscus__Reply *reply = status_of(dialogue);
-    assert_int_equal(reply->status->state, state);
-    assert_int_equal(reply->status->step, step);
-    meniscus__reply__free_unpacked(reply, NULL);
-}
-
-static Meniscus__Reply *step(Dialogue *dialogue, uint64_t n)
-{
-    Meniscus__Request request = MENISCUS__REQUEST__INIT;
-    Meniscus__Step command = MENISCUS__STEP__INIT;
-    command.has_count = 1;
-    command.count = n;
-    request.command_case = MENISCUS__REQUEST__COMMAND_STEP;
-    request.step = &command;
-    return dialogue_ask(dialogue, &request);
-}
 
 /* --- tests ------------------------------------------------------------------------------------------------------------- */
 
@@ -88,15 +36,15 @@ static void pause_is_answered_when_the_solver_stands(void **state)
 {
     Dialogue *dialogue = *state;
     dialogue_load(dialogue, NULL);
-    assert_int_equal(simple(dialogue, dialogue_start()), MENISCUS__CODE__OK);
-    let_it_run(100);
+    assert_int_equal(steer_code(dialogue, dialogue_start()), MENISCUS__CODE__OK);
+    steer_sleep(100);
     Meniscus__Request request = dialogue_pause();
     Meniscus__Reply *reply = dialogue_ask(dialogue, &request);
     assert_int_equal(reply->code, MENISCUS__CODE__OK);
     assert_int_equal(reply->state, MENISCUS__STATE__PAUSED);
     assert_true(reply->effect_step > 0);
-    let_it_run(50);
-    assert_stands_at(dialogue, MENISCUS__STATE__PAUSED, reply->effect_step);
+    steer_sleep(50);
+    steer_stands_at(dialogue, MENISCUS__STATE__PAUSED, reply->effect_step);
     meniscus__reply__free_unpacked(reply, NULL);
 }
 
@@ -105,7 +53,7 @@ static void pause_overtakes_a_thousand_queued_commands(void **state)
     Dialogue *dialogue = *state;
     uint8_t ids[1000][16], pause_id[16];
     dialogue_load(dialogue, NULL);
-    assert_int_equal(simple(dialogue, dialogue_start()), MENISCUS__CODE__OK);
+    assert_int_equal(steer_code(dialogue, dialogue_start()), MENISCUS__CODE__OK);
     for (int k = 0; k < 1000; k++) {
         Meniscus__Request request = dialogue_resume();
         dialogue_seal(&request, ids[k]);
@@ -119,7 +67,7 @@ static void pause_overtakes_a_thousand_queued_commands(void **state)
         assert_non_null(reply);
         meniscus__reply__free_unpacked(reply, NULL);
     }
-    Meniscus__Reply *reply = status_of(dialogue);
+    Meniscus__Reply *reply = steer_status(dialogue);
     assert_int_equal(reply->status->state, MENISCUS__STATE__PAUSED);
     meniscus__reply__free_unpacked(reply, NULL);
 }
@@ -128,15 +76,15 @@ static void steps_are_counted_exactly(void **state)
 {
     Dialogue *dialogue = *state;
     dialogue_load(dialogue, NULL);
-    Meniscus__Reply *reply = step(dialogue, 7);
+    Meniscus__Reply *reply = steer_step(dialogue, 7);
     assert_int_equal(reply->code, MENISCUS__CODE__OK);
     assert_int_equal(reply->state, MENISCUS__STATE__PAUSED);
     assert_int_equal(reply->effect_step, 7);
     meniscus__reply__free_unpacked(reply, NULL);
-    reply = step(dialogue, 0);
+    reply = steer_step(dialogue, 0);
     assert_int_equal(reply->code, MENISCUS__CODE__INVALID_ARGUMENT);
     meniscus__reply__free_unpacked(reply, NULL);
-    assert_stands_at(dialogue, MENISCUS__STATE__PAUSED, 7);
+    steer_stands_at(dialogue, MENISCUS__STATE__PAUSED, 7);
 }
 
 static void send_until(Dialogue *dialogue, double t, uint8_t *id)
@@ -235,7 +183,7 @@ static void the_same_request_again_changes_nothing(void **state)
         assert_int_equal(reply->effect_step, 1);
         meniscus__reply__free_unpacked(reply, NULL);
     }
-    assert_stands_at(dialogue, MENISCUS__STATE__PAUSED, 1);
+    steer_stands_at(dialogue, MENISCUS__STATE__PAUSED, 1);
 }
 
 static Meniscus__Code set(Dialogue *dialogue, size_t n, const char *const (*pairs)[2])
@@ -256,23 +204,6 @@ static Meniscus__Code set(Dialogue *dialogue, size_t n, const char *const (*pair
     return dialogue_code(dialogue, &request);
 }
 
-static double get_number(Dialogue *dialogue, const char *path)
-{
-    Meniscus__Request request = MENISCUS__REQUEST__INIT;
-    Meniscus__Get get = MENISCUS__GET__INIT;
-    char *paths[1] = {(char *)path};
-    get.n_paths = 1;
-    get.paths = paths;
-    request.command_case = MENISCUS__REQUEST__COMMAND_GET;
-    request.get = &get;
-    Meniscus__Reply *reply = dialogue_ask(dialogue, &request);
-    assert_int_equal(reply->code, MENISCUS__CODE__OK);
-    assert_int_equal(reply->values->n_values, 1);
-    const double number = reply->values->values[0]->number;
-    meniscus__reply__free_unpacked(reply, NULL);
-    return number;
-}
-
 static void a_set_of_several_is_all_or_nothing(void **state)
 {
     Dialogue *dialogue = *state;
@@ -281,11 +212,11 @@ static void a_set_of_several_is_all_or_nothing(void **state)
     static const char *const good[2][2] = {{"end_time", "3"}, {"scheme.cfl", "0.2"}};
     dialogue_load(dialogue, NULL);
     assert_int_equal(set(dialogue, 2, bad), MENISCUS__CODE__INVALID_ARGUMENT);
-    assert_true(get_number(dialogue, "end_time") == 1000);
+    assert_true(steer_get(dialogue, "end_time") == 1000);
     assert_int_equal(set(dialogue, 1, fixed), MENISCUS__CODE__INVALID_ARGUMENT);
     assert_int_equal(set(dialogue, 2, good), MENISCUS__CODE__OK);
-    assert_true(get_number(dialogue, "end_time") == 3);
-    assert_true(get_number(dialogue, "scheme.cfl") == 0.2);
+    assert_true(steer_get(dialogue, "end_time") == 3);
+    assert_true(steer_get(dialogue, "scheme.cfl") == 0.2);
 }
 
 static Meniscus__Request particles(Meniscus__Query *query, Meniscus__ParticleQuery *which)
@@ -329,8 +260,6 @@ static void a_breakpoint_pauses_at_its_step(void **state)
     Dialogue *dialogue = *state;
     Meniscus__Request request = MENISCUS__REQUEST__INIT;
     Meniscus__SetBreakpoint point = MENISCUS__SET_BREAKPOINT__INIT;
-    Meniscus__Wait wait = MENISCUS__WAIT__INIT;
-    Meniscus__State paused = MENISCUS__STATE__PAUSED;
     dialogue_load(dialogue, NULL);
     point.name = (char *)"b";
     point.has_step = 1;
@@ -338,64 +267,33 @@ static void a_breakpoint_pauses_at_its_step(void **state)
     request.command_case = MENISCUS__REQUEST__COMMAND_BREAKPOINT;
     request.breakpoint = &point;
     assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__OK);
-    assert_int_equal(simple(dialogue, dialogue_start()), MENISCUS__CODE__OK);
-    wait.n_states = 1;
-    wait.states = &paused;
-    request.command_case = MENISCUS__REQUEST__COMMAND_WAIT;
-    request.wait = &wait;
-    assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__OK);
-    assert_stands_at(dialogue, MENISCUS__STATE__PAUSED, 5);
-}
-
-static uint64_t hash_after(Dialogue *dialogue, uint64_t steps)
-{
-    meniscus__reply__free_unpacked(step(dialogue, steps), NULL);
-    Meniscus__Reply *reply = status_of(dialogue);
-    const uint64_t hash = reply->status->state_hash;
-    assert_true(hash != 0);
-    meniscus__reply__free_unpacked(reply, NULL);
-    return hash;
+    assert_int_equal(steer_code(dialogue, dialogue_start()), MENISCUS__CODE__OK);
+    steer_wait_for(dialogue, MENISCUS__STATE__PAUSED);
+    steer_stands_at(dialogue, MENISCUS__STATE__PAUSED, 5);
 }
 
 static void a_restored_run_goes_on_bit_for_bit(void **state)
 {
     Dialogue *dialogue = *state;
-    Meniscus__Request request = MENISCUS__REQUEST__INIT;
-    Meniscus__CheckpointNow now = MENISCUS__CHECKPOINT_NOW__INIT;
-    Meniscus__Restore restore = MENISCUS__RESTORE__INIT;
+    char path[256];
     dialogue_load(dialogue, NULL);
-    hash_after(dialogue, 6);
-    request.command_case = MENISCUS__REQUEST__COMMAND_CHECKPOINT;
-    request.checkpoint = &now;
-    Meniscus__Reply *reply = dialogue_ask(dialogue, &request);
-    assert_int_equal(reply->code, MENISCUS__CODE__OK);
-    assert_int_equal(access(reply->output->path, R_OK), 0);
-    meniscus__reply__free_unpacked(reply, NULL);
-    const uint64_t straight = hash_after(dialogue, 9);
-    request.command_case = MENISCUS__REQUEST__COMMAND_RESTORE;
-    request.restore = &restore;
-    assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__OK);
-    assert_stands_at(dialogue, MENISCUS__STATE__READY, 6);
-    assert_true(hash_after(dialogue, 9) == straight);
+    steer_go(dialogue, 6);
+    steer_write_checkpoint(dialogue, path);
+    assert_int_equal(access(path, R_OK), 0);
+    steer_go(dialogue, 9);
+    const uint64_t straight = steer_hash(dialogue);
+    steer_accepted(steer_restore(dialogue, NULL));
+    steer_stands_at(dialogue, MENISCUS__STATE__READY, 6);
+    steer_go(dialogue, 9);
+    assert_true(steer_hash(dialogue) == straight);
 }
 
 static void a_subscriber_hears_the_last_event_at_once(void **state)
 {
     Dialogue *dialogue = *state;
-    char endpoint[160], topic[16];
-    const int patience = 5000;
     dialogue_load(dialogue, NULL);
-    void *socket = zmq_socket(dialogue->context, ZMQ_SUB);
-    zmq_setsockopt(socket, ZMQ_RCVTIMEO, &patience, sizeof patience);
-    zmq_setsockopt(socket, ZMQ_SUBSCRIBE, "event", 5);
-    snprintf(endpoint, sizeof endpoint, "ipc://%s/meniscus/t/telemetry.ipc", dialogue->home);
-    assert_int_equal(zmq_connect(socket, endpoint), 0);
-    assert_int_equal(zmq_recv(socket, topic, sizeof topic, 0), 5);
-    uint8_t packed[4096];
-    const int size = zmq_recv(socket, packed, sizeof packed, 0);
-    assert_true(size > 0);
-    Meniscus__Telemetry *message = meniscus__telemetry__unpack(NULL, (size_t)size, packed);
-    assert_non_null(message);
+    void *socket = steer_subscribe(dialogue, "event");
+    Meniscus__Telemetry *message = steer_hear(socket);
     assert_int_equal(message->item_case, MENISCUS__TELEMETRY__ITEM_EVENT);
     assert_int_equal(message->event->state, MENISCUS__STATE__READY);
     assert_true(message->sequence > 0);
@@ -417,21 +315,21 @@ static void a_second_daemon_of_the_name_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(sockets_are_for_their_user_alone, begin, end),
-        cmocka_unit_test_setup_teardown(an_empty_daemon_says_so_and_refuses_to_start, begin, end),
-        cmocka_unit_test_setup_teardown(pause_is_answered_when_the_solver_stands, begin, end),
-        cmocka_unit_test_setup_teardown(pause_overtakes_a_thousand_queued_commands, begin, end),
-        cmocka_unit_test_setup_teardown(steps_are_counted_exactly, begin, end),
-        cmocka_unit_test_setup_teardown(run_until_is_exact_and_survives_other_commands, begin, end),
-        cmocka_unit_test_setup_teardown(cancel_ends_run_until_with_aborted, begin, end),
-        cmocka_unit_test_setup_teardown(a_deadline_ends_what_takes_too_long, begin, end),
-        cmocka_unit_test_setup_teardown(the_same_request_again_changes_nothing, begin, end),
-        cmocka_unit_test_setup_teardown(a_set_of_several_is_all_or_nothing, begin, end),
-        cmocka_unit_test_setup_teardown(particles_of_a_box_come_as_raw_frames_within_a_limit, begin, end),
-        cmocka_unit_test_setup_teardown(a_breakpoint_pauses_at_its_step, begin, end),
-        cmocka_unit_test_setup_teardown(a_restored_run_goes_on_bit_for_bit, begin, end),
-        cmocka_unit_test_setup_teardown(a_subscriber_hears_the_last_event_at_once, begin, end),
-        cmocka_unit_test_setup_teardown(a_second_daemon_of_the_name_is_refused, begin, end),
+        cmocka_unit_test_setup_teardown(sockets_are_for_their_user_alone, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(an_empty_daemon_says_so_and_refuses_to_start, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(pause_is_answered_when_the_solver_stands, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(pause_overtakes_a_thousand_queued_commands, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(steps_are_counted_exactly, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(run_until_is_exact_and_survives_other_commands, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(cancel_ends_run_until_with_aborted, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(a_deadline_ends_what_takes_too_long, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(the_same_request_again_changes_nothing, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(a_set_of_several_is_all_or_nothing, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(particles_of_a_box_come_as_raw_frames_within_a_limit, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(a_breakpoint_pauses_at_its_step, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(a_restored_run_goes_on_bit_for_bit, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(a_subscriber_hears_the_last_event_at_once, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(a_second_daemon_of_the_name_is_refused, steer_begin, steer_end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

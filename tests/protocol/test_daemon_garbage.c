@@ -2,7 +2,7 @@
 /* Whatever bytes arrive, the daemon answers with a sentence where it can, and is there afterwards. */
 #include "proto/frame.h"
 #include "tests/support/check.h"
-#include "tests/support/dialogue.h"
+#include "tests/support/steer.h"
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
@@ -10,21 +10,6 @@
 #include <time.h>
 #include <unistd.h>
 #include <zmq.h>
-
-static int begin(void **state)
-{
-    Dialogue *dialogue = calloc(1, sizeof *dialogue);
-    dialogue_begin(dialogue, NULL);
-    *state = dialogue;
-    return 0;
-}
-
-static int end(void **state)
-{
-    const int code = dialogue_end(*state);
-    free(*state);
-    return code;
-}
 
 static void assert_alive(Dialogue *dialogue)
 {
@@ -265,21 +250,22 @@ static void rubbish_on_the_telemetry_socket_does_no_harm(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(bytes_that_are_no_request_are_refused, begin, end),
-        cmocka_unit_test_setup_teardown(an_empty_frame_has_no_version, begin, end),
-        cmocka_unit_test_setup_teardown(several_frames_are_refused, begin, end),
-        cmocka_unit_test_setup_teardown(a_message_of_many_parts_is_refused_with_their_number, begin, end),
-        cmocka_unit_test_setup_teardown(a_message_without_end_keeps_nobody_waiting_and_goes_with_its_sender, begin,
-                                        end),
-        cmocka_unit_test_setup_teardown(another_version_is_refused_under_its_id, begin, end),
-        cmocka_unit_test_setup_teardown(a_request_without_an_id_is_refused, begin, end),
-        cmocka_unit_test_setup_teardown(a_request_without_a_command_is_refused, begin, end),
-        cmocka_unit_test_setup_teardown(an_oversized_frame_costs_its_sender_the_connection_only, begin, end),
-        cmocka_unit_test_setup_teardown(commands_without_entries_are_answered, begin, end),
-        cmocka_unit_test_setup_teardown(requests_with_flipped_bytes_do_no_harm, begin, end),
-        cmocka_unit_test_setup_teardown(random_frames_do_no_harm, begin, end),
-        cmocka_unit_test_setup_teardown(a_client_that_vanishes_leaves_its_command_running, begin, end),
-        cmocka_unit_test_setup_teardown(rubbish_on_the_telemetry_socket_does_no_harm, begin, end),
+        cmocka_unit_test_setup_teardown(bytes_that_are_no_request_are_refused, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(an_empty_frame_has_no_version, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(several_frames_are_refused, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(a_message_of_many_parts_is_refused_with_their_number, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(a_message_without_end_keeps_nobody_waiting_and_goes_with_its_sender,
+                                        steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(another_version_is_refused_under_its_id, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(a_request_without_an_id_is_refused, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(a_request_without_a_command_is_refused, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(an_oversized_frame_costs_its_sender_the_connection_only, steer_begin,
+                                        steer_end),
+        cmocka_unit_test_setup_teardown(commands_without_entries_are_answered, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(requests_with_flipped_bytes_do_no_harm, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(random_frames_do_no_harm, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(a_client_that_vanishes_leaves_its_command_running, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(rubbish_on_the_telemetry_socket_does_no_harm, steer_begin, steer_end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

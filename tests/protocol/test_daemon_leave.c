@@ -1,33 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* How a daemon leaves: its last reply reaches whoever asked, and nobody who does not hang up can keep it. */
 #include "tests/support/check.h"
-#include "tests/support/dialogue.h"
+#include "tests/support/steer.h"
 #include <stdlib.h>
 #include <time.h>
 #include <unistd.h>
 #include <zmq.h>
-
-static int begin(void **state)
-{
-    Dialogue *dialogue = calloc(1, sizeof *dialogue);
-    dialogue_begin(dialogue, NULL);
-    *state = dialogue;
-    return 0;
-}
-
-static int end(void **state)
-{
-    dialogue_end(*state);
-    free(*state);
-    return 0;
-}
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* A connection such as clients make to notice a lost daemon: with it ZeroMQ drops what was received and not yet read. */
 static void *connect_impatiently(const Dialogue *dialogue)
@@ -39,15 +17,6 @@ static void *connect_impatiently(const Dialogue *dialogue)
     zmq_setsockopt(socket, ZMQ_RCVTIMEO, &patience, sizeof patience);
     assert_int_equal(zmq_connect(socket, dialogue->endpoint), 0);
     return socket;
-}
-
-static Meniscus__Request stop(void)
-{
-    static Meniscus__Stop command = MENISCUS__STOP__INIT;
-    Meniscus__Request request = MENISCUS__REQUEST__INIT;
-    request.command_case = MENISCUS__REQUEST__COMMAND_STOP;
-    request.stop = &command;
-    return request;
 }
 
 static void send_shutdown(void *socket)
@@ -71,7 +40,7 @@ static void look_away(void *socket, long milliseconds)
 
 static void assert_shutdown_right_after_stop_is_answered(Dialogue *dialogue, long slowness_ms)
 {
-    Meniscus__Request start = dialogue_start(), end_run = stop();
+    Meniscus__Request start = dialogue_start(), end_run = steer_stop();
     dialogue_load(dialogue, NULL);
     assert_int_equal(dialogue_code(dialogue, &start), MENISCUS__CODE__OK);
     assert_int_equal(dialogue_code(dialogue, &end_run), MENISCUS__CODE__OK);
@@ -136,10 +105,10 @@ static void nobody_keeps_a_daemon_by_not_hanging_up(void **state)
     for (size_t k = 0; k < 20; k++) deaf[k] = dialogue_connect(dialogue);
     Meniscus__Request request = dialogue_status();
     assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__OK);
-    const double asked = now();
+    const double asked = steer_now();
     send_shutdown(dialogue->control);
     assert_int_equal(dialogue_join(dialogue), 0);
-    assert_true(now() - asked < 3);
+    assert_true(steer_now() - asked < 3);
     for (size_t k = 0; k < 20; k++) zmq_close(deaf[k]);
 }
 
@@ -147,8 +116,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_reply_to_shutdown_reaches_clients_quick_and_slow),
-        cmocka_unit_test_setup_teardown(who_waits_is_told_before_the_daemon_leaves, begin, end),
-        cmocka_unit_test_setup_teardown(nobody_keeps_a_daemon_by_not_hanging_up, begin, end),
+        cmocka_unit_test_setup_teardown(who_waits_is_told_before_the_daemon_leaves, steer_begin, steer_end_somehow),
+        cmocka_unit_test_setup_teardown(nobody_keeps_a_daemon_by_not_hanging_up, steer_begin, steer_end_somehow),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

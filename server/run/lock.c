@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Locks of whole files by flock(), which belongs to the open file: closing any other descriptor of it changes nothing, as it
+ * would with POSIX locks. */
+#include "run/lock.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+/* Who wrote last is who has it, but for the moment between their lock and their words. */
+static void read_holder(int fd, char ret[static LOCK_HOLDER])
+{
+    const ssize_t got = pread(fd, ret, LOCK_HOLDER - 1, 0);
+    ret[got > 0 ? got : 0] = 0;
+    ret[strcspn(ret, "\n")] = 0;
+    if (!ret[0]) snprintf(ret, LOCK_HOLDER, "another process");
+}
+
+/* People read it; the lock does not depend on it, so that a full disk is no reason to refuse. */
+static void write_holder(int fd)
+{
+    char host[65] = "", text[LOCK_HOLDER];
+    gethostname(host, sizeof host - 1);
+    const int n = snprintf(text, sizeof text, "process %ld on %s\n", (long)getpid(), host);
+    if (ftruncate(fd, 0) || pwrite(fd, text, (size_t)n, 0) != n) return;
+}
+
+static MnsStatus fail(MnsError *error, int number, const char *verb, const char *path)
+{
+    return mns_fail(error, number == ENOSPC || number == EDQUOT ? MNS_E_NO_SPACE : MNS_E_IO, "cannot %s '%s': %s", verb,
+                    path, strerror(number));
+}
+
+MnsStatus lock_take(const char *path, int *ret_fd, char ret_holder[static LOCK_HOLDER], MnsError *error)
+{
+    const int fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (fd < 0) return fail(error, errno, "open", path);
+    if (!flock(fd, LOCK_EX | LOCK_NB)) {
+        write_holder(fd);
+        *ret_fd = fd;
+        return MNS_OK;
+    }
+    const int why = errno;
+    if (why == EWOULDBLOCK) read_holder(fd, ret_holder);
+    close(fd);
+    if (why != EWOULDBLOCK) return fail(error, why, "lock", path);
+    return mns_fail(error, MNS_E_STATE, "%s has locked '%s'", ret_holder, path);
+}

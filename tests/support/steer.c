@@ -1,0 +1,266 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What tests say to a daemon, in one call each. */
+#include "tests/support/steer.h"
+
+#include "tests/support/check.h"
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <zmq.h>
+
+/* --- a daemon for each test ---------------------------------------------------------------------------------------------- */
+
+int steer_begin(void **state)
+{
+    Dialogue *dialogue = calloc(1, sizeof *dialogue);
+    dialogue_begin(dialogue, NULL);
+    *state = dialogue;
+    return 0;
+}
+
+int steer_end(void **state)
+{
+    const int code = dialogue_end(*state);
+    free(*state);
+    return code;
+}
+
+int steer_end_somehow(void **state)
+{
+    steer_end(state);
+    return 0;
+}
+
+double steer_now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+void steer_sleep(long milliseconds)
+{
+    nanosleep(&(struct timespec){.tv_sec = milliseconds / 1000, .tv_nsec = milliseconds % 1000 * 1000000}, NULL);
+}
+
+void steer_path(const Dialogue *dialogue, const char *name, char ret[static 256])
+{
+    snprintf(ret, 256, "%s/state/%s", dialogue->home, name);
+}
+
+int steer_count(const char *directory, const char *like)
+{
+    DIR *stream = opendir(directory);
+    int n = 0;
+    assert_non_null(stream);
+    for (const struct dirent *entry; (entry = readdir(stream));) n += !strncmp(entry->d_name, like, strlen(like));
+    closedir(stream);
+    return n;
+}
+
+/* --- requests ------------------------------------------------------------------------------------------------------------ */
+
+Meniscus__Code steer_code(Dialogue *dialogue, Meniscus__Request request)
+{
+    return dialogue_code(dialogue, &request);
+}
+
+static Meniscus__Request plain(Meniscus__Request__CommandCase which)
+{
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    request.command_case = which;
+    return request;
+}
+
+/* Messages without entries are all alike and never change, so they are shared. */
+#define PLAIN(name, KIND, member, Type, INIT)                                                                          \
+    Meniscus__Request name(void)                                                                                       \
+    {                                                                                                                  \
+        static const Type command = INIT;                                                                              \
+        Meniscus__Request request = plain(MENISCUS__REQUEST__COMMAND_##KIND);                                          \
+        request.member = (Type *)&command;                                                                             \
+        return request;                                                                                                \
+    }
+
+PLAIN(steer_reset, RESET, reset, Meniscus__Reset, MENISCUS__RESET__INIT)
+PLAIN(steer_checkpoint, CHECKPOINT, checkpoint, Meniscus__CheckpointNow, MENISCUS__CHECKPOINT_NOW__INIT)
+PLAIN(steer_stop, STOP, stop, Meniscus__Stop, MENISCUS__STOP__INIT)
+PLAIN(steer_shutdown, SHUTDOWN, shutdown, Meniscus__Shutdown, MENISCUS__SHUTDOWN__INIT)
+
+Meniscus__Reply *steer_status(Dialogue *dialogue)
+{
+    Meniscus__Request request = dialogue_status();
+    Meniscus__Reply *reply = dialogue_ask(dialogue, &request);
+    assert_int_equal(reply->result_case, MENISCUS__REPLY__RESULT_STATUS);
+    return reply;
+}
+
+Meniscus__Reply *steer_step(Dialogue *dialogue, uint64_t n)
+{
+    Meniscus__Request request = plain(MENISCUS__REQUEST__COMMAND_STEP);
+    Meniscus__Step command = MENISCUS__STEP__INIT;
+    command.has_count = 1;
+    command.count = n;
+    request.step = &command;
+    return dialogue_ask(dialogue, &request);
+}
+
+Meniscus__Reply *steer_until(Dialogue *dialogue, double t)
+{
+    Meniscus__Request request = plain(MENISCUS__REQUEST__COMMAND_RUN_UNTIL);
+    Meniscus__RunUntil until = MENISCUS__RUN_UNTIL__INIT;
+    until.has_time = 1;
+    until.time = t;
+    request.run_until = &until;
+    return dialogue_ask(dialogue, &request);
+}
+
+Meniscus__Reply *steer_set(Dialogue *dialogue, const char *path, const char *value)
+{
+    Meniscus__Request request = plain(MENISCUS__REQUEST__COMMAND_SET);
+    Meniscus__Set command = MENISCUS__SET__INIT;
+    Meniscus__Assignment assignment = MENISCUS__ASSIGNMENT__INIT, *list[1] = {&assignment};
+    assignment.path = (char *)path;
+    assignment.value = (char *)value;
+    command.n_assignments = 1;
+    command.assignments = list;
+    request.set = &command;
+    return dialogue_ask(dialogue, &request);
+}
+
+Meniscus__Reply *steer_restore(Dialogue *dialogue, const char *checkpoint)
+{
+    Meniscus__Request request = plain(MENISCUS__REQUEST__COMMAND_RESTORE);
+    Meniscus__Restore restore = MENISCUS__RESTORE__INIT;
+    restore.checkpoint = (char *)checkpoint;
+    request.restore = &restore;
+    return dialogue_ask(dialogue, &request);
+}
+
+Meniscus__Reply *steer_wait(Dialogue *dialogue, Meniscus__State state, long patience_ms)
+{
+    Meniscus__Request request = plain(MENISCUS__REQUEST__COMMAND_WAIT);
+    Meniscus__Wait wait = MENISCUS__WAIT__INIT;
+    wait.n_states = 1;
+    wait.states = &state;
+    request.wait = &wait;
+    request.has_deadline_ms = 1;
+    request.deadline_ms = (uint64_t)patience_ms;
+    return dialogue_ask(dialogue, &request);
+}
+
+Meniscus__Reply *steer_wait_step(Dialogue *dialogue, uint64_t step)
+{
+    Meniscus__Request request = plain(MENISCUS__REQUEST__COMMAND_WAIT);
+    Meniscus__Wait wait = MENISCUS__WAIT__INIT;
+    wait.has_step = 1;
+    wait.step = step;
+    request.wait = &wait;
+    request.has_deadline_ms = 1;
+    request.deadline_ms = 15000;
+    return dialogue_ask(dialogue, &request);
+}
+
+/* --- what came of it ----------------------------------------------------------------------------------------------------- */
+
+void steer_accepted(Meniscus__Reply *reply)
+{
+    if (reply->code != MENISCUS__CODE__OK) fail_msg("refused: %s", reply->message);
+    meniscus__reply__free_unpacked(reply, NULL);
+}
+
+void steer_refused(Meniscus__Reply *reply, Meniscus__Code code, const char *part)
+{
+    assert_int_equal(reply->code, code);
+    if (!strstr(reply->message, part)) fail_msg("\"%s\" does not say \"%s\"", reply->message, part);
+    meniscus__reply__free_unpacked(reply, NULL);
+}
+
+void steer_go(Dialogue *dialogue, uint64_t n)
+{
+    steer_accepted(steer_step(dialogue, n));
+}
+
+void steer_stands_at(Dialogue *dialogue, Meniscus__State state, uint64_t step)
+{
+    Meniscus__Reply *reply = steer_status(dialogue);
+    assert_int_equal(reply->status->state, state);
+    assert_int_equal(reply->status->step, step);
+    meniscus__reply__free_unpacked(reply, NULL);
+}
+
+void steer_wait_for(Dialogue *dialogue, Meniscus__State state)
+{
+    steer_accepted(steer_wait(dialogue, state, 15000));
+}
+
+uint64_t steer_hash(Dialogue *dialogue)
+{
+    Meniscus__Reply *reply = steer_status(dialogue);
+    const uint64_t hash = reply->status->state_hash;
+    meniscus__reply__free_unpacked(reply, NULL);
+    assert_true(hash != 0);
+    return hash;
+}
+
+double steer_get(Dialogue *dialogue, const char *path)
+{
+    Meniscus__Request request = plain(MENISCUS__REQUEST__COMMAND_GET);
+    Meniscus__Get get = MENISCUS__GET__INIT;
+    char *paths[1] = {(char *)path};
+    get.n_paths = 1;
+    get.paths = paths;
+    request.get = &get;
+    Meniscus__Reply *reply = dialogue_ask(dialogue, &request);
+    assert_int_equal(reply->code, MENISCUS__CODE__OK);
+    assert_int_equal(reply->values->n_values, 1);
+    const double number = reply->values->values[0]->number;
+    meniscus__reply__free_unpacked(reply, NULL);
+    return number;
+}
+
+void steer_write_checkpoint(Dialogue *dialogue, char path[static 256])
+{
+    Meniscus__Request request = steer_checkpoint();
+    Meniscus__Reply *reply = dialogue_ask(dialogue, &request);
+    assert_int_equal(reply->code, MENISCUS__CODE__OK);
+    snprintf(path, 256, "%.255s", reply->output->path);
+    meniscus__reply__free_unpacked(reply, NULL);
+}
+
+void *steer_subscribe(const Dialogue *dialogue, const char *topic)
+{
+    char endpoint[160];
+    const int patience = 5000;
+    void *socket = zmq_socket(dialogue->context, ZMQ_SUB);
+    zmq_setsockopt(socket, ZMQ_RCVTIMEO, &patience, sizeof patience);
+    zmq_setsockopt(socket, ZMQ_SUBSCRIBE, topic, strlen(topic));
+    snprintf(endpoint, sizeof endpoint, "ipc://%s/meniscus/t/telemetry.ipc", dialogue->home);
+    assert_int_equal(zmq_connect(socket, endpoint), 0);
+    steer_sleep(200); /* nobody tells when a subscription has arrived */
+    return socket;
+}
+
+Meniscus__Telemetry *steer_hear(void *socket)
+{
+    char topic[16];
+    uint8_t packed[4096];
+    assert_true(zmq_recv(socket, topic, sizeof topic, 0) > 0);
+    const int size = zmq_recv(socket, packed, sizeof packed, 0);
+    assert_true(size > 0 && size <= (int)sizeof packed);
+    Meniscus__Telemetry *message = meniscus__telemetry__unpack(NULL, (size_t)size, packed);
+    assert_non_null(message);
+    return message;
+}
+
+void steer_hear_of(void *log, const char *part)
+{
+    for (bool found = false; !found;) {
+        Meniscus__Telemetry *note = steer_hear(log);
+        assert_int_equal(note->item_case, MENISCUS__TELEMETRY__ITEM_LOG);
+        found = strstr(note->log->text, part) != NULL;
+        meniscus__telemetry__free_unpacked(note, NULL);
+    }
+}

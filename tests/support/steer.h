@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What tests say to a daemon, in one call each, and what they look for in the answer. All fail the test that finds otherwise;
+ * replies are freed with meniscus__reply__free_unpacked() unless the function takes them. */
+#ifndef TESTS_STEER_H
+#define TESTS_STEER_H
+
+#include "tests/support/dialogue.h"
+
+/* For cmocka: a daemon of its own for each test, which must end well. */
+int steer_begin(void **state);
+int steer_end(void **state);
+
+/* The same, but the test has ended it or may leave it in any state. */
+int steer_end_somehow(void **state);
+
+/* Seconds since some moment; sleep. */
+double steer_now(void);
+void steer_sleep(long milliseconds);
+
+/* Where the daemon keeps its runs: "HOME/state/NAME". */
+void steer_path(const Dialogue *dialogue, const char *name, char ret[static 256]);
+
+/* How many entries of a directory begin like this. */
+int steer_count(const char *directory, const char *like);
+
+Meniscus__Code steer_code(Dialogue *dialogue, Meniscus__Request request);
+Meniscus__Reply *steer_status(Dialogue *dialogue);
+Meniscus__Reply *steer_step(Dialogue *dialogue, uint64_t n);
+Meniscus__Reply *steer_until(Dialogue *dialogue, double t);
+Meniscus__Reply *steer_set(Dialogue *dialogue, const char *path, const char *value);
+Meniscus__Reply *steer_restore(Dialogue *dialogue, const char *checkpoint); /* NULL: the newest */
+Meniscus__Reply *steer_wait(Dialogue *dialogue, Meniscus__State state, long patience_ms);
+Meniscus__Reply *steer_wait_step(Dialogue *dialogue, uint64_t step);
+
+Meniscus__Request steer_reset(void), steer_checkpoint(void), steer_stop(void), steer_shutdown(void);
+
+/* Take a reply: it must be OK; it must be refused with a sentence that has this in it. */
+void steer_accepted(Meniscus__Reply *reply);
+void steer_refused(Meniscus__Reply *reply, Meniscus__Code code, const char *part);
+
+/* So many steps, done. */
+void steer_go(Dialogue *dialogue, uint64_t n);
+
+void steer_stands_at(Dialogue *dialogue, Meniscus__State state, uint64_t step);
+
+/* Wait for the state, 15 s at most. */
+void steer_wait_for(Dialogue *dialogue, Meniscus__State state);
+
+/* The state's hash, when it stands still. */
+uint64_t steer_hash(Dialogue *dialogue);
+
+/* A number of the case. */
+double steer_get(Dialogue *dialogue, const char *path);
+
+/* Have a checkpoint written; where it is. */
+void steer_write_checkpoint(Dialogue *dialogue, char path[static 256]);
+
+/* Telemetry of a topic; close it with zmq_close(). */
+void *steer_subscribe(const Dialogue *dialogue, const char *topic);
+
+/* The next message within five seconds; freed with meniscus__telemetry__free_unpacked(). */
+Meniscus__Telemetry *steer_hear(void *socket);
+
+/* Listen to "log" until there is a line with this in it. */
+void steer_hear_of(void *log, const char *part);
+
+#endif

@@ -1,0 +1,156 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Run directories: which one, whose, and what moves aside. */
+#include "run/rundir.h"
+#include "tests/support/check.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static char place[64];
+
+static int begin(void **state)
+{
+    (void)state;
+    snprintf(place, sizeof place, "/tmp/mns-rundir-XXXXXX");
+    assert_non_null(mkdtemp(place));
+    return 0;
+}
+
+static int end(void **state)
+{
+    (void)state;
+    char command[80];
+    snprintf(command, sizeof command, "rm -rf %s", place);
+    return system(command);
+}
+
+static void path_of(const char *name, char ret[static 128])
+{
+    snprintf(ret, 128, "%s/%s", place, name);
+}
+
+static bool exists(const char *name)
+{
+    char path[128];
+    path_of(name, path);
+    return access(path, F_OK) == 0;
+}
+
+static void put(const char *name)
+{
+    MnsError error;
+    assert_int_equal(rundir_write(place, name, "something", &error), MNS_OK);
+}
+
+static void a_name_gets_the_first_free_directory_or_the_last_there_is(void **state)
+{
+    (void)state;
+    char dir[RUNDIR_PATH], wanted[128];
+    MnsError error;
+    path_of("dam", wanted);
+    assert_int_equal(rundir_choose(place, "dam", true, dir, &error), MNS_OK);
+    assert_string_equal(dir, wanted);
+    assert_int_equal(mkdir(wanted, 0777), 0);
+    path_of("dam.2", wanted);
+    assert_int_equal(rundir_choose(place, "dam", false, dir, &error), MNS_OK);
+    assert_string_equal(dir, wanted);
+    assert_int_equal(mkdir(wanted, 0777), 0);
+    assert_int_equal(rundir_choose(place, "dam", true, dir, &error), MNS_OK);
+    assert_string_equal(dir, wanted);
+}
+
+static void later_files_move_aside_with_a_link_to_the_series(void **state)
+{
+    (void)state;
+    char aside[RUNDIR_PATH];
+    MnsError error;
+    put("checkpoint-0000000005.hdf");
+    put("snapshot-0000000007.hdf");
+    put("probes.hdf");
+    assert_int_equal(rundir_abandon(place, false, 5, aside, &error), MNS_OK);
+    assert_true(exists("checkpoint-0000000005.hdf"));
+    assert_false(exists("snapshot-0000000007.hdf"));
+    assert_true(exists("abandoned/snapshot-0000000007.hdf"));
+    assert_true(exists("abandoned/probes.hdf") && exists("probes.hdf"));
+    put("probes.hdf"); /* a new file of the name */
+    struct stat old, new;
+    char path[128];
+    path_of("abandoned/probes.hdf", path);
+    assert_int_equal(stat(path, &old), 0);
+    path_of("probes.hdf", path);
+    assert_int_equal(stat(path, &new), 0);
+    assert_true(old.st_ino != new.st_ino);
+}
+
+static void all_move_aside_and_never_over_those_before(void **state)
+{
+    (void)state;
+    char aside[RUNDIR_PATH], wanted[128];
+    MnsError error;
+    for (int k = 1; k <= 3; k++) {
+        put("checkpoint-0000000005.hdf");
+        put("probes.hdf");
+        put("log");
+        assert_int_equal(rundir_abandon(place, true, 0, aside, &error), MNS_OK);
+        char name[32] = "abandoned";
+        if (k > 1) snprintf(name, sizeof name, "abandoned.%d", k);
+        path_of(name, wanted);
+        assert_string_equal(aside, wanted);
+    }
+    assert_true(exists("log"));
+    assert_false(exists("probes.hdf"));
+    assert_true(exists("abandoned.2/checkpoint-0000000005.hdf") && exists("abandoned.3/probes.hdf"));
+}
+
+static void nothing_to_move_makes_no_directory(void **state)
+{
+    (void)state;
+    char aside[RUNDIR_PATH] = "x";
+    MnsError error;
+    put("checkpoint-0000000005.hdf");
+    assert_int_equal(rundir_abandon(place, false, 5, aside, &error), MNS_OK);
+    assert_string_equal(aside, "");
+    assert_false(exists("abandoned"));
+}
+
+static void a_directory_is_had_by_one(void **state)
+{
+    (void)state;
+    char dir[128];
+    MnsError error;
+    int fd, other;
+    bool made;
+    path_of("a/b", dir);
+    assert_int_equal(rundir_make(dir, &made, &error), MNS_OK);
+    assert_true(made);
+    assert_int_equal(rundir_lock(dir, &fd, &error), MNS_OK);
+    assert_int_equal(rundir_lock(dir, &other, &error), MNS_E_STATE);
+    assert_non_null(strstr(error.text, dir));
+    assert_non_null(strstr(error.text, "process "));
+    rundir_unmake(dir);
+    assert_false(exists("a/b"));
+    close(fd);
+}
+
+static void a_directory_with_files_is_not_unmade(void **state)
+{
+    (void)state;
+    put("log");
+    rundir_unmake(place);
+    assert_true(exists("log"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(a_name_gets_the_first_free_directory_or_the_last_there_is, begin, end),
+        cmocka_unit_test_setup_teardown(later_files_move_aside_with_a_link_to_the_series, begin, end),
+        cmocka_unit_test_setup_teardown(all_move_aside_and_never_over_those_before, begin, end),
+        cmocka_unit_test_setup_teardown(nothing_to_move_makes_no_directory, begin, end),
+        cmocka_unit_test_setup_teardown(a_directory_is_had_by_one, begin, end),
+        cmocka_unit_test_setup_teardown(a_directory_with_files_is_not_unmade, begin, end),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
