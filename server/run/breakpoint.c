@@ -112,7 +112,11 @@ static MnsStatus compile(Watch *watch, const MnsCase *c, MnsError *error)
     }
     if (!status) status = constants_formula(c, watch->is.condition, variables->list, &watch->formula, error);
     free(variables);
-    return status;
+    if (status || formula_is_condition(watch->formula)) return status;
+    formula_free(watch->formula);
+    return mns_fail_at(error, MNS_E_INVALID, "condition",
+                       "the condition must be true or false, as in \"P1 > 2e3\"; \"%.80s\" is a number",
+                       watch->is.condition);
 }
 
 static Watch *find(Breakpoints *points, const char *name)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Breakpoints, questions, settings and returns to earlier states, and clients that die in the middle. */
+/* Breakpoints, questions and settings, and clients that die in the middle. */
 #include "proto/case_file.h"
 #include "tests/support/check.h"
-#include "tests/support/dialogue.h"
+#include "tests/support/steer.h"
 #include <hdf5.h>
 #include <math.h>
 #include <signal.h>
@@ -12,28 +12,6 @@
 #include <time.h>
 #include <unistd.h>
 #include <zmq.h>
-
-static int begin(void **state)
-{
-    Dialogue *dialogue = calloc(1, sizeof *dialogue);
-    dialogue_begin(dialogue, NULL);
-    *state = dialogue;
-    return 0;
-}
-
-static int end(void **state)
-{
-    const int code = dialogue_end(*state);
-    free(*state);
-    return code;
-}
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static Meniscus__Reply *breakpoint(Dialogue *dialogue, const char *condition, double t)
 {
@@ -48,38 +26,10 @@ static Meniscus__Reply *breakpoint(Dialogue *dialogue, const char *condition, do
     return dialogue_ask(dialogue, &request);
 }
 
-static void assert_accepted(Meniscus__Reply *reply)
-{
-    if (reply->code != MENISCUS__CODE__OK) fail_msg("refused: %s", reply->message);
-    meniscus__reply__free_unpacked(reply, NULL);
-}
-
-/* Refused with a sentence that has this in it. */
-static void assert_refused(Meniscus__Reply *reply, Meniscus__Code code, const char *part)
-{
-    assert_int_equal(reply->code, code);
-    if (!strstr(reply->message, part)) fail_msg("\"%s\" does not say \"%s\"", reply->message, part);
-    meniscus__reply__free_unpacked(reply, NULL);
-}
-
 static void start_and_wait(Dialogue *dialogue, Meniscus__State state)
 {
-    Meniscus__Request request = dialogue_start();
-    Meniscus__Wait wait = MENISCUS__WAIT__INIT;
-    assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__OK);
-    wait.n_states = 1;
-    wait.states = &state;
-    request.command_case = MENISCUS__REQUEST__COMMAND_WAIT;
-    request.wait = &wait;
-    request.has_deadline_ms = 1;
-    request.deadline_ms = 15000;
-    assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__OK);
-}
-
-static Meniscus__Reply *status_of(Dialogue *dialogue)
-{
-    Meniscus__Request request = dialogue_status();
-    return dialogue_ask(dialogue, &request);
+    assert_int_equal(steer_code(dialogue, dialogue_start()), MENISCUS__CODE__OK);
+    steer_wait_for(dialogue, state);
 }
 
 static double front_of(Dialogue *dialogue)
@@ -107,9 +57,9 @@ static void a_breakpoint_in_time_pauses_at_the_first_step_after_it(void **state)
 {
     Dialogue *dialogue = *state;
     dialogue_load(dialogue, NULL);
-    assert_accepted(breakpoint(dialogue, NULL, 0.05));
+    steer_accepted(breakpoint(dialogue, NULL, 0.05));
     start_and_wait(dialogue, MENISCUS__STATE__PAUSED);
-    Meniscus__Reply *reply = status_of(dialogue);
+    Meniscus__Reply *reply = steer_status(dialogue);
     assert_true(reply->status->time >= 0.05);
     assert_true(reply->status->time - reply->status->time_step < 0.05);
     assert_int_equal(reply->status->n_breakpoints, 1);
@@ -121,7 +71,7 @@ static void a_condition_on_a_probe_pauses_when_it_comes_true(void **state)
     Dialogue *dialogue = *state;
     dialogue_load(dialogue, NULL);
     assert_true(front_of(dialogue) < 1.02);
-    assert_accepted(breakpoint(dialogue, "front > 1.05", NAN));
+    steer_accepted(breakpoint(dialogue, "front > 1.05", NAN));
     start_and_wait(dialogue, MENISCUS__STATE__PAUSED);
     assert_true(front_of(dialogue) > 1.05);
     assert_true(front_of(dialogue) < 1.06);
@@ -131,12 +81,21 @@ static void a_condition_that_is_no_formula_or_names_no_probe_is_refused(void **s
 {
     Dialogue *dialogue = *state;
     dialogue_load(dialogue, NULL);
-    assert_refused(breakpoint(dialogue, "front > ", NAN), MENISCUS__CODE__INVALID_ARGUMENT, "front > ");
-    assert_refused(breakpoint(dialogue, "fromt > 2.1", NAN), MENISCUS__CODE__INVALID_ARGUMENT, "fromt");
-    assert_refused(breakpoint(dialogue, NULL, NAN), MENISCUS__CODE__INVALID_ARGUMENT, "condition");
-    Meniscus__Reply *reply = status_of(dialogue);
+    steer_refused(breakpoint(dialogue, "front > ", NAN), MENISCUS__CODE__INVALID_ARGUMENT, "front > ");
+    steer_refused(breakpoint(dialogue, "fromt > 2.1", NAN), MENISCUS__CODE__INVALID_ARGUMENT, "fromt");
+    steer_refused(breakpoint(dialogue, NULL, NAN), MENISCUS__CODE__INVALID_ARGUMENT, "condition");
+    Meniscus__Reply *reply = steer_status(dialogue);
     assert_int_equal(reply->status->n_breakpoints, 0);
     meniscus__reply__free_unpacked(reply, NULL);
+}
+
+static void a_condition_that_is_a_number_is_refused(void **state)
+{
+    Dialogue *dialogue = *state;
+    dialogue_load(dialogue, NULL);
+    steer_refused(breakpoint(dialogue, "front", NAN), MENISCUS__CODE__INVALID_ARGUMENT, "true or false");
+    steer_refused(breakpoint(dialogue, "5", NAN), MENISCUS__CODE__INVALID_ARGUMENT, "true or false");
+    steer_accepted(breakpoint(dialogue, "front > 5 and step > 1", NAN));
 }
 
 /* --- questions against a snapshot -------------------------------------------------------------------------------------- */
@@ -196,17 +155,6 @@ static Meniscus__Reply *ask_frames(Dialogue *dialogue, Meniscus__Query *query, s
     return reply;
 }
 
-static void go_some_steps(Dialogue *dialogue, uint64_t n)
-{
-    Meniscus__Request request = MENISCUS__REQUEST__INIT;
-    Meniscus__Step command = MENISCUS__STEP__INIT;
-    command.has_count = 1;
-    command.count = n;
-    request.command_case = MENISCUS__REQUEST__COMMAND_STEP;
-    request.step = &command;
-    assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__OK);
-}
-
 static void particles_of_a_box_are_those_of_a_snapshot(void **state)
 {
     Dialogue *dialogue = *state;
@@ -216,7 +164,7 @@ static void particles_of_a_box_are_those_of_a_snapshot(void **state)
     Meniscus__Query query = MENISCUS__QUERY__INIT;
     Meniscus__ParticleQuery which = MENISCUS__PARTICLE_QUERY__INIT;
     dialogue_load(dialogue, NULL);
-    go_some_steps(dialogue, 10);
+    steer_go(dialogue, 10);
     take_snapshot(dialogue, path);
     which.n_min = which.n_max = which.n_fields = 2;
     which.min = min;
@@ -254,7 +202,7 @@ static void points_are_between_the_particles_around_them(void **state)
     Meniscus__Query query = MENISCUS__QUERY__INIT;
     Meniscus__PointQuery where = MENISCUS__POINT_QUERY__INIT;
     dialogue_load(dialogue, NULL);
-    go_some_steps(dialogue, 10);
+    steer_go(dialogue, 10);
     take_snapshot(dialogue, path);
     where.field = (char *)"pressure";
     where.n_points = 4;
@@ -279,128 +227,26 @@ static void points_are_between_the_particles_around_them(void **state)
 
 /* --- settings ---------------------------------------------------------------------------------------------------------- */
 
-static Meniscus__Reply *set(Dialogue *dialogue, const char *path, const char *value)
-{
-    Meniscus__Request request = MENISCUS__REQUEST__INIT;
-    Meniscus__Set command = MENISCUS__SET__INIT;
-    Meniscus__Assignment assignment = MENISCUS__ASSIGNMENT__INIT, *list[1] = {&assignment};
-    assignment.path = (char *)path;
-    assignment.value = (char *)value;
-    command.n_assignments = 1;
-    command.assignments = list;
-    request.command_case = MENISCUS__REQUEST__COMMAND_SET;
-    request.set = &command;
-    return dialogue_ask(dialogue, &request);
-}
-
 static void threads_can_be_set_within_bounds(void **state)
 {
     Dialogue *dialogue = *state;
     dialogue_load(dialogue, NULL);
-    assert_accepted(set(dialogue, "threads", "2"));
-    go_some_steps(dialogue, 2);
-    Meniscus__Reply *reply = status_of(dialogue);
+    steer_accepted(steer_set(dialogue, "threads", "2"));
+    steer_go(dialogue, 2);
+    Meniscus__Reply *reply = steer_status(dialogue);
     assert_int_equal(reply->status->threads, 2);
     meniscus__reply__free_unpacked(reply, NULL);
-    assert_refused(set(dialogue, "threads", "100000"), MENISCUS__CODE__INVALID_ARGUMENT, "[0, 1024]");
-    assert_refused(set(dialogue, "threads", "-1"), MENISCUS__CODE__INVALID_ARGUMENT, "0");
+    steer_refused(steer_set(dialogue, "threads", "100000"), MENISCUS__CODE__INVALID_ARGUMENT, "[0, 1024]");
+    steer_refused(steer_set(dialogue, "threads", "-1"), MENISCUS__CODE__INVALID_ARGUMENT, "0");
 }
 
 static void options_of_the_scheme_out_of_bounds_are_refused_with_the_bounds(void **state)
 {
     Dialogue *dialogue = *state;
     dialogue_load(dialogue, NULL);
-    assert_accepted(set(dialogue, "scheme.cfl", "0.2"));
-    assert_refused(set(dialogue, "scheme.cfl", "7"), MENISCUS__CODE__INVALID_ARGUMENT, "[1e-3, 1]");
-    assert_refused(set(dialogue, "scheme.riemann.limiter", "-1"), MENISCUS__CODE__INVALID_ARGUMENT, "[0, 100]");
-}
-
-/* --- back ---------------------------------------------------------------------------------------------------------------- */
-
-static uint64_t hash_of(Dialogue *dialogue)
-{
-    Meniscus__Reply *reply = status_of(dialogue);
-    const uint64_t hash = reply->status->state_hash;
-    meniscus__reply__free_unpacked(reply, NULL);
-    assert_true(hash != 0);
-    return hash;
-}
-
-static void a_reset_run_is_a_fresh_run(void **state)
-{
-    Dialogue *dialogue = *state;
-    Meniscus__Request request = MENISCUS__REQUEST__INIT;
-    Meniscus__Reset reset = MENISCUS__RESET__INIT;
-    dialogue_load(dialogue, NULL);
-    const uint64_t first = hash_of(dialogue);
-    go_some_steps(dialogue, 12);
-    const uint64_t fresh = hash_of(dialogue);
-    go_some_steps(dialogue, 5);
-    request.command_case = MENISCUS__REQUEST__COMMAND_RESET;
-    request.reset = &reset;
-    assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__OK);
-    assert_true(hash_of(dialogue) == first);
-    go_some_steps(dialogue, 12);
-    assert_true(hash_of(dialogue) == fresh);
-}
-
-static void checkpoint(Dialogue *dialogue, char path[static 256])
-{
-    Meniscus__Request request = MENISCUS__REQUEST__INIT;
-    Meniscus__CheckpointNow command = MENISCUS__CHECKPOINT_NOW__INIT;
-    request.command_case = MENISCUS__REQUEST__COMMAND_CHECKPOINT;
-    request.checkpoint = &command;
-    Meniscus__Reply *reply = dialogue_ask(dialogue, &request);
-    assert_int_equal(reply->code, MENISCUS__CODE__OK);
-    snprintf(path, 256, "%.255s", reply->output->path);
-    meniscus__reply__free_unpacked(reply, NULL);
-}
-
-static void *subscribe(const Dialogue *dialogue, const char *topic)
-{
-    char endpoint[160];
-    const int patience = 5000;
-    void *socket = zmq_socket(dialogue->context, ZMQ_SUB);
-    zmq_setsockopt(socket, ZMQ_RCVTIMEO, &patience, sizeof patience);
-    zmq_setsockopt(socket, ZMQ_SUBSCRIBE, topic, strlen(topic));
-    snprintf(endpoint, sizeof endpoint, "ipc://%s/meniscus/t/telemetry.ipc", dialogue->home);
-    assert_int_equal(zmq_connect(socket, endpoint), 0);
-    nanosleep(&(struct timespec){.tv_nsec = 200000000}, NULL);
-    return socket;
-}
-
-static void a_damaged_checkpoint_is_passed_over_with_a_note(void **state)
-{
-    Dialogue *dialogue = *state;
-    Meniscus__Request request = MENISCUS__REQUEST__INIT;
-    Meniscus__Restore restore = MENISCUS__RESTORE__INIT;
-    char older[256], newer[256], topic[8], packed[4096];
-    dialogue_load(dialogue, NULL);
-    go_some_steps(dialogue, 4);
-    checkpoint(dialogue, older);
-    const uint64_t before = hash_of(dialogue);
-    go_some_steps(dialogue, 3);
-    checkpoint(dialogue, newer);
-    FILE *file = fopen(newer, "r+b");
-    assert_non_null(file);
-    fseek(file, 3000, SEEK_SET);
-    fputs("damaged", file);
-    fclose(file);
-    void *log = subscribe(dialogue, "log");
-    request.command_case = MENISCUS__REQUEST__COMMAND_RESTORE;
-    request.restore = &restore;
-    restore.checkpoint = strrchr(newer, '/') + 1; /* by name it is wanted and no other */
-    assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__DATA_LOSS);
-    restore.checkpoint = NULL;
-    assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__OK);
-    assert_true(hash_of(dialogue) == before);
-    assert_int_equal(zmq_recv(log, topic, sizeof topic, 0), 3);
-    const int size = zmq_recv(log, packed, sizeof packed, 0);
-    assert_true(size > 0);
-    Meniscus__Telemetry *note = meniscus__telemetry__unpack(NULL, (size_t)size, (uint8_t *)packed);
-    assert_non_null(strstr(note->log->text, strrchr(newer, '/') + 1));
-    meniscus__telemetry__free_unpacked(note, NULL);
-    zmq_close(log);
+    steer_accepted(steer_set(dialogue, "scheme.cfl", "0.2"));
+    steer_refused(steer_set(dialogue, "scheme.cfl", "7"), MENISCUS__CODE__INVALID_ARGUMENT, "[1e-3, 1]");
+    steer_refused(steer_set(dialogue, "scheme.riemann.limiter", "-1"), MENISCUS__CODE__INVALID_ARGUMENT, "[0, 100]");
 }
 
 /* --- clients that die, and loads that take long -------------------------------------------------------------------------- */
@@ -439,7 +285,7 @@ static void a_client_killed_in_the_middle_leaves_the_daemon_to_others(void **sta
     if (sanitizer && !strcmp(sanitizer, "thread")) skip(); /* which allows no threads after a fork */
     dialogue_load(dialogue, NULL);
     die_in_the_middle(dialogue);
-    Meniscus__Reply *reply = status_of(dialogue);
+    Meniscus__Reply *reply = steer_status(dialogue);
     assert_int_equal(reply->status->state, MENISCUS__STATE__RUNNING);
     meniscus__reply__free_unpacked(reply, NULL);
     Meniscus__Request request = dialogue_pause();
@@ -479,10 +325,10 @@ static void status_is_answered_while_particles_are_placed(void **state)
     bool seen = false, ready = false;
     int slow = 0;
     send_large_load(loader);
-    for (const double until = now() + 60; !ready && now() < until;) {
-        const double asked = now();
-        Meniscus__Reply *reply = status_of(dialogue);
-        slow += now() - asked > patience;
+    for (const double until = steer_now() + 60; !ready && steer_now() < until;) {
+        const double asked = steer_now();
+        Meniscus__Reply *reply = steer_status(dialogue);
+        slow += steer_now() - asked > patience;
         seen = seen || reply->status->state == MENISCUS__STATE__LOADING;
         ready = reply->status->state == MENISCUS__STATE__READY;
         meniscus__reply__free_unpacked(reply, NULL);
@@ -492,24 +338,26 @@ static void status_is_answered_while_particles_are_placed(void **state)
     assert_true(ready);
     assert_int_equal(slow, 0);
     Meniscus__Reply *reply = dialogue_receive(loader, NULL);
-    assert_accepted(reply);
+    steer_accepted(reply);
     zmq_close(loader);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(a_breakpoint_in_time_pauses_at_the_first_step_after_it, begin, end),
-        cmocka_unit_test_setup_teardown(a_condition_on_a_probe_pauses_when_it_comes_true, begin, end),
-        cmocka_unit_test_setup_teardown(a_condition_that_is_no_formula_or_names_no_probe_is_refused, begin, end),
-        cmocka_unit_test_setup_teardown(particles_of_a_box_are_those_of_a_snapshot, begin, end),
-        cmocka_unit_test_setup_teardown(points_are_between_the_particles_around_them, begin, end),
-        cmocka_unit_test_setup_teardown(threads_can_be_set_within_bounds, begin, end),
-        cmocka_unit_test_setup_teardown(options_of_the_scheme_out_of_bounds_are_refused_with_the_bounds, begin, end),
-        cmocka_unit_test_setup_teardown(a_reset_run_is_a_fresh_run, begin, end),
-        cmocka_unit_test_setup_teardown(a_damaged_checkpoint_is_passed_over_with_a_note, begin, end),
-        cmocka_unit_test_setup_teardown(a_client_killed_in_the_middle_leaves_the_daemon_to_others, begin, end),
-        cmocka_unit_test_setup_teardown(status_is_answered_while_particles_are_placed, begin, end),
+        cmocka_unit_test_setup_teardown(a_breakpoint_in_time_pauses_at_the_first_step_after_it, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(a_condition_on_a_probe_pauses_when_it_comes_true, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(a_condition_that_is_no_formula_or_names_no_probe_is_refused, steer_begin,
+                                        steer_end),
+        cmocka_unit_test_setup_teardown(a_condition_that_is_a_number_is_refused, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(particles_of_a_box_are_those_of_a_snapshot, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(points_are_between_the_particles_around_them, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(threads_can_be_set_within_bounds, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(options_of_the_scheme_out_of_bounds_are_refused_with_the_bounds, steer_begin,
+                                        steer_end),
+        cmocka_unit_test_setup_teardown(a_client_killed_in_the_middle_leaves_the_daemon_to_others, steer_begin,
+                                        steer_end),
+        cmocka_unit_test_setup_teardown(status_is_answered_while_particles_are_placed, steer_begin, steer_end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

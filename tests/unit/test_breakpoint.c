@@ -145,6 +145,7 @@ static void a_condition_may_be_full_of_words(void **state)
         add_probe(place, name, 0);
     }
     for (size_t k = 0; k + 1 < sizeof condition; k++) condition[k] = k % 2 ? '+' : (char)('A' + k / 2 % 26);
+    memcpy(condition + sizeof condition - 3, ">0", 3);
     make(place);
     assert_true(holds(place, condition));
 }
