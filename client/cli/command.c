@@ -103,7 +103,8 @@ const Command command_table[] = {
      .arguments = "TIME",
      .help = "run until a simulated time [s], exactly",
      .details =
-         "Answers when it is there; the state is PAUSED then, or DONE at the end time. Possible in READY and PAUSED.",
+         "Answers when it is there; the state is PAUSED then, or DONE at the end time, beyond which no TIME may lie. "
+         "Possible in READY and PAUSED.",
      .request = "run_until",
      .options = OPTION(OPT_WHOLE_STEPS),
      .exits = EXIT_DIVERGED | EXIT_IO | EXIT_AGAIN,
@@ -216,7 +217,8 @@ const Command command_table[] = {
      .run = command_restore},
     {.name = "reset",
      .help = "go back to the beginning of the case",
-     .details = "The state is READY then. Not possible while RUNNING: pause first.",
+     .details = "The state is READY then, and the case as it was loaded: what was set since is undone, breakpoints are "
+                "gone. Files move to abandoned/ in the run directory. Not possible while RUNNING: pause first.",
      .request = "reset",
      .is_long = true,
      .call = mns_client_reset,

@@ -165,7 +165,7 @@ static MnsStatus go(Batch *batch, MnsError *error)
     RunStatus status;
     run_status(batch->run, &status);
     if (batch->signals.leaving || status.progress.t >= batch->options->until) return MNS_OK;
-    const bool to_the_end = isnan(batch->options->until);
+    const bool to_the_end = !(batch->options->until < status.end_time);
     const MnsStatus started = perform(batch, to_the_end ? serve_go : serve_until, error);
     if (started == MNS_E_INVALID || started == MNS_E_LIMIT)
         return started; /* else it began, and the state says how it ended */

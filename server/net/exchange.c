@@ -111,7 +111,7 @@ void exchange_seal(Exchange *exchange, uint64_t epoch)
     reply->state = (Meniscus__State)order->state;
     reply->step = order->step;
     reply->time = order->t;
-    reply->has_effect_step = !order->status;
+    reply->has_effect_step = !order->status && exchange->at_step;
     reply->effect_step = order->effect_step;
 }
 

@@ -17,6 +17,7 @@ typedef struct Exchange {
     Meniscus__Reply *reply;              /* the result goes here; all in it from malloc */
     void *arrays[EXCHANGE_ARRAYS];       /* [reply->n_arrays] raw frames, from malloc */
     size_t sizes[EXCHANGE_ARRAYS];       /* [bytes] */
+    bool at_step;                        /* it takes effect between two steps */
     unsigned allowed;                    /* if it was refused for the state: where it would be possible */
     uint8_t identity[EXCHANGE_IDENTITY]; /* of the client's connection */
     size_t identity_size;                /* 0: nobody wants the reply  */

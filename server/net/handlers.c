@@ -384,6 +384,7 @@ MnsStatus handle(Run *run, Exchange *exchange, MnsError *error)
     exchange->order.urgent = handler->urgent;
     exchange->order.motion = handler->motion;
     exchange->order.serve = serve_at_step;
+    exchange->at_step = handler->where == AT_STEP;
     if (handler->where == AT_STEP) return run_post(run, &exchange->order, error);
     handler->serve(run, exchange);
     return MNS_OK;

@@ -39,6 +39,10 @@ static bool answer_some(Run *run, bool (*over)(const Run *, const Waiter *, cons
             continue;
         }
         *list = waiter->next;
+        if (run->sim) { /* the boundary at which it came about, not that at which the waiting began */
+            waiter->order->effect_step = mns_sim_progress(run->sim).step;
+            waiter->order->effect_t = mns_sim_progress(run->sim).t;
+        }
         run_answer(run, waiter->order, status, error);
         free(waiter);
         any = true;

@@ -127,14 +127,16 @@ void run_step(Run *run, Order *order, uint64_t n)
 
 void run_until(Run *run, Order *order, double t, bool exact)
 {
-    const double now = mns_sim_progress(run->sim).t;
+    const double now = mns_sim_progress(run->sim).t, end = run->document->c->end_time;
     MnsError error;
-    if (!(t >= now) || isinf(t))
-        run_answer(run, order,
-                   mns_fail_at(&error, MNS_E_INVALID, "time",
-                               "the time to run to must be a number at or after the present time, %.9g s; found %.9g",
-                               now, t),
-                   &error);
+    if (!(t >= now && t <= end))
+        run_answer(
+            run, order,
+            mns_fail_at(&error, MNS_E_INVALID, "time",
+                        "the time to run to must lie between the present time, %.9g s, and the end time, %.9g s, "
+                        "which can be set; found %.9g",
+                        now, end, t),
+            &error);
     else go_for(run, order, (Goal){.t = t, .step = UINT64_MAX, .exact = exact}, "running to a time");
 }
 
@@ -148,8 +150,12 @@ static void finish(Run *run)
         run_fault(run, &error, true);
         return;
     }
+    const bool early = run->goal.on && mns_sim_progress(run->sim).t < run->goal.t && isfinite(run->goal.t);
     run_enter(run, RUN_DONE, "the end time is reached");
-    run_goal_end(run, MNS_OK, NULL);
+    if (early) /* somebody moved the end meanwhile */
+        mns_fail(&error, MNS_E_INTERRUPTED, "the end time, %.9g s, came before the time to run to, %.9g s",
+                 run->document->c->end_time, run->goal.t);
+    run_goal_end(run, early ? MNS_E_INTERRUPTED : MNS_OK, &error);
 }
 
 static bool goal_reached(const Run *run)

@@ -46,11 +46,13 @@ Document *run_document(Run *run)
 static void fill_numbers(const Run *run, RunStatus *status)
 {
     status->progress = mns_sim_progress(run->sim);
-    status->steps_per_second = run->state == RUN_RUNNING && run->meter.steps_rate > 0 ? run->meter.steps_rate : NAN;
+    const double now = clock_now();
+    status->steps_per_second = run->state == RUN_RUNNING ? meter_rate(&run->meter) : NAN;
     status->eta = run->state == RUN_RUNNING ? meter_eta(&run->meter, status->progress.t, status->end_time) : NAN;
     status->ns_per_particle_step = meter_ns(&run->meter);
     status->stepping = run->meter.stepping;
-    status->wall = clock_now() - run->loaded;
+    status->wall = meter_ran(&run->meter, now);
+    status->age = now - run->loaded;
     const MnsTimer *timers = mns_sim_timers(run->sim, &status->n_timers);
     if (status->n_timers > RUN_TIMERS) status->n_timers = RUN_TIMERS;
     memcpy(status->timers, timers, status->n_timers * sizeof *timers);
@@ -140,13 +142,14 @@ void run_tell_progress(Run *run)
     note->fraction = note->end_time > 0 ? fmin(note->t / note->end_time, 1) : 1;
     note->dt = mns_sim_progress(run->sim).dt;
     note->eta = meter_eta(&run->meter, note->t, note->end_time);
-    note->steps_per_second = run->meter.steps_rate > 0 ? run->meter.steps_rate : NAN;
+    note->steps_per_second = meter_rate(&run->meter);
     outbox_put(&run->outbox, note);
 }
 
 void run_enter(Run *run, RunState state, const char *text)
 {
     run->state = state;
+    if (state != RUN_RUNNING) meter_halt(&run->meter, clock_now());
     if (state != RUN_FAULT && state != RUN_STOPPING && state != RUN_LOADING) run->fault = (MnsError){.status = MNS_OK};
     run_publish(run);
     char word[24];

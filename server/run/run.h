@@ -30,9 +30,10 @@ typedef struct RunStatus {
     double end_time; /* [s] */
     size_t particles, fluid_particles, bytes;
     double steps_per_second, ns_per_particle_step, eta; /* [1/s], [ns], [s]; NAN: not known */
-    double stepping, wall;    /* wall-clock time in steps, and since the case was loaded [s] */
-    uint64_t samples_dropped; /* live ones that nobody fetched in time */
-    uint64_t hash;            /* of the state, when it stands still with a case; else 0 */
+    double stepping, wall;                              /* wall-clock time in steps, and while RUNNING [s] */
+    double age;                                         /* wall-clock time since the case was loaded, pauses too [s] */
+    uint64_t samples_dropped;                           /* live ones that nobody fetched in time */
+    uint64_t hash;                                      /* of the state, when it stands still with a case; else 0 */
     unsigned threads;
     MnsError fault; /* in FAULT */
     size_t n_timers, n_breakpoints;
