@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Every command of the protocol but load, as a function. */
 #include "client/lib/commands.h"
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,31 +19,62 @@ MnsStatus command_call(MnsClient *client, Meniscus__Request *request, MnsReply *
     return MNS_OK;
 }
 
-/* A request made of one command: REQUEST(request, PAUSE, pause, &message). */
-#define REQUEST(variable, KIND, member, message)                                                                       \
-    Meniscus__Request variable = MENISCUS__REQUEST__INIT;                                                              \
-    variable.command_case = MENISCUS__REQUEST__COMMAND_##KIND;                                                         \
-    variable.member = (message)
+/* Send one command. message: of the type that belongs to it in Request. */
+static MnsStatus send(MnsClient *client, Meniscus__Request__CommandCase command, void *message, MnsReply **ret_reply,
+                      MnsError *error)
+{
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    request.command_case = command;
+    memcpy(&request.load, &message, sizeof message); /* a union of pointers: whichever, it lies there */
+    return command_call(client, &request, ret_reply, error);
+}
+
+/* Send a command that says nothing but its name. */
+static MnsStatus send_name(MnsClient *client, Meniscus__Request__CommandCase command, MnsReply **ret_reply,
+                           MnsError *error)
+{
+    const ProtobufCFieldDescriptor *field =
+        protobuf_c_message_descriptor_get_field(&meniscus__request__descriptor, (unsigned)command);
+    const ProtobufCMessageDescriptor *type = field->descriptor;
+    ProtobufCMessage message;
+    assert(type->sizeof_message == sizeof message);
+    protobuf_c_message_init(type, &message);
+    return send(client, command, &message, ret_reply, error);
+}
 
 MnsStatus mns_client_start(MnsClient *client, MnsReply **ret_reply, MnsError *error)
 {
-    Meniscus__Start start = MENISCUS__START__INIT;
-    REQUEST(request, START, start, &start);
-    return command_call(client, &request, ret_reply, error);
+    return send_name(client, MENISCUS__REQUEST__COMMAND_START, ret_reply, error);
 }
 
 MnsStatus mns_client_pause(MnsClient *client, MnsReply **ret_reply, MnsError *error)
 {
-    Meniscus__Pause pause = MENISCUS__PAUSE__INIT;
-    REQUEST(request, PAUSE, pause, &pause);
-    return command_call(client, &request, ret_reply, error);
+    return send_name(client, MENISCUS__REQUEST__COMMAND_PAUSE, ret_reply, error);
 }
 
 MnsStatus mns_client_resume(MnsClient *client, MnsReply **ret_reply, MnsError *error)
 {
-    Meniscus__Resume resume = MENISCUS__RESUME__INIT;
-    REQUEST(request, RESUME, resume, &resume);
-    return command_call(client, &request, ret_reply, error);
+    return send_name(client, MENISCUS__REQUEST__COMMAND_RESUME, ret_reply, error);
+}
+
+MnsStatus mns_client_reset(MnsClient *client, MnsReply **ret_reply, MnsError *error)
+{
+    return send_name(client, MENISCUS__REQUEST__COMMAND_RESET, ret_reply, error);
+}
+
+MnsStatus mns_client_checkpoint(MnsClient *client, MnsReply **ret_reply, MnsError *error)
+{
+    return send_name(client, MENISCUS__REQUEST__COMMAND_CHECKPOINT, ret_reply, error);
+}
+
+MnsStatus mns_client_status(MnsClient *client, MnsReply **ret_reply, MnsError *error)
+{
+    return send_name(client, MENISCUS__REQUEST__COMMAND_STATUS, ret_reply, error);
+}
+
+MnsStatus mns_client_capabilities(MnsClient *client, MnsReply **ret_reply, MnsError *error)
+{
+    return send_name(client, MENISCUS__REQUEST__COMMAND_CAPABILITIES, ret_reply, error);
 }
 
 MnsStatus mns_client_step(MnsClient *client, uint64_t count, MnsReply **ret_reply, MnsError *error)
@@ -50,8 +82,7 @@ MnsStatus mns_client_step(MnsClient *client, uint64_t count, MnsReply **ret_repl
     Meniscus__Step step = MENISCUS__STEP__INIT;
     step.has_count = true;
     step.count = count;
-    REQUEST(request, STEP, step, &step);
-    return command_call(client, &request, ret_reply, error);
+    return send(client, MENISCUS__REQUEST__COMMAND_STEP, &step, ret_reply, error);
 }
 
 MnsStatus mns_client_run_until(MnsClient *client, double time, bool exact, MnsReply **ret_reply, MnsError *error)
@@ -60,8 +91,7 @@ MnsStatus mns_client_run_until(MnsClient *client, double time, bool exact, MnsRe
     until.has_time = until.has_exact = true;
     until.time = time;
     until.exact = exact;
-    REQUEST(request, RUN_UNTIL, run_until, &until);
-    return command_call(client, &request, ret_reply, error);
+    return send(client, MENISCUS__REQUEST__COMMAND_RUN_UNTIL, &until, ret_reply, error);
 }
 
 MnsStatus mns_client_stop(MnsClient *client, bool checkpoint, MnsReply **ret_reply, MnsError *error)
@@ -69,30 +99,14 @@ MnsStatus mns_client_stop(MnsClient *client, bool checkpoint, MnsReply **ret_rep
     Meniscus__Stop stop = MENISCUS__STOP__INIT;
     stop.has_checkpoint = true;
     stop.checkpoint = checkpoint;
-    REQUEST(request, STOP, stop, &stop);
-    return command_call(client, &request, ret_reply, error);
-}
-
-MnsStatus mns_client_reset(MnsClient *client, MnsReply **ret_reply, MnsError *error)
-{
-    Meniscus__Reset reset = MENISCUS__RESET__INIT;
-    REQUEST(request, RESET, reset, &reset);
-    return command_call(client, &request, ret_reply, error);
+    return send(client, MENISCUS__REQUEST__COMMAND_STOP, &stop, ret_reply, error);
 }
 
 MnsStatus mns_client_restore(MnsClient *client, const char *checkpoint, MnsReply **ret_reply, MnsError *error)
 {
     Meniscus__Restore restore = MENISCUS__RESTORE__INIT;
     restore.checkpoint = (char *)checkpoint;
-    REQUEST(request, RESTORE, restore, &restore);
-    return command_call(client, &request, ret_reply, error);
-}
-
-MnsStatus mns_client_checkpoint(MnsClient *client, MnsReply **ret_reply, MnsError *error)
-{
-    Meniscus__CheckpointNow checkpoint = MENISCUS__CHECKPOINT_NOW__INIT;
-    REQUEST(request, CHECKPOINT, checkpoint, &checkpoint);
-    return command_call(client, &request, ret_reply, error);
+    return send(client, MENISCUS__REQUEST__COMMAND_RESTORE, &restore, ret_reply, error);
 }
 
 MnsStatus mns_client_snapshot(MnsClient *client, size_t n, const char *const *fields, MnsReply **ret_reply,
@@ -101,8 +115,7 @@ MnsStatus mns_client_snapshot(MnsClient *client, size_t n, const char *const *fi
     Meniscus__SnapshotNow snapshot = MENISCUS__SNAPSHOT_NOW__INIT;
     snapshot.n_fields = n;
     snapshot.fields = (char **)fields;
-    REQUEST(request, SNAPSHOT, snapshot, &snapshot);
-    return command_call(client, &request, ret_reply, error);
+    return send(client, MENISCUS__REQUEST__COMMAND_SNAPSHOT, &snapshot, ret_reply, error);
 }
 
 /* Split "path=value" into two strings within one that is yours; NULL if there is no "=" or no memory. */
@@ -136,8 +149,7 @@ MnsStatus mns_client_set(MnsClient *client, size_t n, const char *const *assignm
         Meniscus__Set set = MENISCUS__SET__INIT;
         set.n_assignments = n;
         set.assignments = list;
-        REQUEST(request, SET, set, &set);
-        status = command_call(client, &request, ret_reply, error);
+        status = send(client, MENISCUS__REQUEST__COMMAND_SET, &set, ret_reply, error);
     }
     for (size_t k = 0; k < done; k++) free(items[k].path);
     free(list);
@@ -150,14 +162,12 @@ MnsStatus mns_client_get(MnsClient *client, size_t n, const char *const *paths, 
     Meniscus__Get get = MENISCUS__GET__INIT;
     get.n_paths = n;
     get.paths = (char **)paths;
-    REQUEST(request, GET, get, &get);
-    return command_call(client, &request, ret_reply, error);
+    return send(client, MENISCUS__REQUEST__COMMAND_GET, &get, ret_reply, error);
 }
 
 static MnsStatus query(MnsClient *client, Meniscus__Query *what, MnsReply **ret_reply, MnsError *error)
 {
-    REQUEST(request, QUERY, query, what);
-    return command_call(client, &request, ret_reply, error);
+    return send(client, MENISCUS__REQUEST__COMMAND_QUERY, what, ret_reply, error);
 }
 
 MnsStatus mns_client_query_probes(MnsClient *client, size_t n, const char *const *names, MnsReply **ret_reply,
@@ -220,22 +230,7 @@ MnsStatus mns_client_wait(MnsClient *client, unsigned states, double time, uint6
     wait.time = time;
     wait.has_step = step > 0;
     wait.step = step;
-    REQUEST(request, WAIT, wait, &wait);
-    return command_call(client, &request, ret_reply, error);
-}
-
-MnsStatus mns_client_status(MnsClient *client, MnsReply **ret_reply, MnsError *error)
-{
-    Meniscus__GetStatus status = MENISCUS__GET_STATUS__INIT;
-    REQUEST(request, STATUS, status, &status);
-    return command_call(client, &request, ret_reply, error);
-}
-
-MnsStatus mns_client_capabilities(MnsClient *client, MnsReply **ret_reply, MnsError *error)
-{
-    Meniscus__GetCapabilities capabilities = MENISCUS__GET_CAPABILITIES__INIT;
-    REQUEST(request, CAPABILITIES, capabilities, &capabilities);
-    return command_call(client, &request, ret_reply, error);
+    return send(client, MENISCUS__REQUEST__COMMAND_WAIT, &wait, ret_reply, error);
 }
 
 MnsStatus mns_client_breakpoint(MnsClient *client, const MnsBreakpoint *breakpoint, MnsReply **ret_reply,
@@ -249,8 +244,7 @@ MnsStatus mns_client_breakpoint(MnsClient *client, const MnsBreakpoint *breakpoi
     message.has_step = breakpoint->step > 0;
     message.step = breakpoint->step;
     message.has_remove = message.remove = !message.condition && !message.has_time && !message.has_step;
-    REQUEST(request, BREAKPOINT, breakpoint, &message);
-    return command_call(client, &request, ret_reply, error);
+    return send(client, MENISCUS__REQUEST__COMMAND_BREAKPOINT, &message, ret_reply, error);
 }
 
 MnsStatus mns_client_cancel(MnsClient *client, const uint8_t id[MNS_REQUEST_ID_SIZE], MnsReply **ret_reply,
@@ -259,8 +253,7 @@ MnsStatus mns_client_cancel(MnsClient *client, const uint8_t id[MNS_REQUEST_ID_S
     Meniscus__Cancel cancel = MENISCUS__CANCEL__INIT;
     cancel.has_id = true;
     cancel.id = (ProtobufCBinaryData){.len = MNS_REQUEST_ID_SIZE, .data = (uint8_t *)id};
-    REQUEST(request, CANCEL, cancel, &cancel);
-    return command_call(client, &request, ret_reply, error);
+    return send(client, MENISCUS__REQUEST__COMMAND_CANCEL, &cancel, ret_reply, error);
 }
 
 MnsStatus mns_client_shutdown(MnsClient *client, bool checkpoint, MnsReply **ret_reply, MnsError *error)
@@ -268,6 +261,5 @@ MnsStatus mns_client_shutdown(MnsClient *client, bool checkpoint, MnsReply **ret
     Meniscus__Shutdown shutdown = MENISCUS__SHUTDOWN__INIT;
     shutdown.has_checkpoint = true;
     shutdown.checkpoint = checkpoint;
-    REQUEST(request, SHUTDOWN, shutdown, &shutdown);
-    return command_call(client, &request, ret_reply, error);
+    return send(client, MENISCUS__REQUEST__COMMAND_SHUTDOWN, &shutdown, ret_reply, error);
 }

@@ -2,6 +2,7 @@
 /* Replies as plain structs: text is borrowed from the message, which lives as long; arrays are copied, for
  * alignment. */
 #include "client/lib/reply.h"
+#include "proto/states.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,17 +15,7 @@ typedef struct OwnedReply {
 } OwnedReply;
 
 /* States are taken from messages by their number. */
-#define SAME_NUMBER(state)                                                                                             \
-    _Static_assert((int)MNS_STATE_##state == (int)MENISCUS__STATE__##state,                                            \
-                   "a state has one number here and in the protocol")
-SAME_NUMBER(EMPTY);
-SAME_NUMBER(LOADING);
-SAME_NUMBER(READY);
-SAME_NUMBER(RUNNING);
-SAME_NUMBER(PAUSED);
-SAME_NUMBER(DONE);
-SAME_NUMBER(FAULT);
-SAME_NUMBER(STOPPING);
+STATES_HAVE_THE_NUMBERS_OF_THE_PROTOCOL(MNS_STATE_);
 _Static_assert(MNS_STATE_COUNT == MNS_STATE_STOPPING + 1, "all states are compared");
 
 const char *mns_state_name(MnsState state)

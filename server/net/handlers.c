@@ -5,6 +5,7 @@
 #include "net/describe.h"
 #include "net/look.h"
 #include "proto/case_file.h"
+#include "proto/states.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -291,17 +292,7 @@ enum {
 };
 
 /* States go over the wire, in sets too, with the numbers they have here. */
-#define SAME_NUMBER(state)                                                                                             \
-    _Static_assert((int)RUN_##state == (int)MENISCUS__STATE__##state, "a state has one number here and in the "        \
-                                                                      "protocol")
-SAME_NUMBER(EMPTY);
-SAME_NUMBER(LOADING);
-SAME_NUMBER(READY);
-SAME_NUMBER(RUNNING);
-SAME_NUMBER(PAUSED);
-SAME_NUMBER(DONE);
-SAME_NUMBER(FAULT);
-SAME_NUMBER(STOPPING);
+STATES_HAVE_THE_NUMBERS_OF_THE_PROTOCOL(RUN_);
 _Static_assert(RUN_STATES == RUN_STOPPING + 1, "all states are compared");
 
 #define REQUEST(command) MENISCUS__REQUEST__COMMAND_##command
