@@ -11,6 +11,7 @@ DESTDIR   ?=
 MARCH     ?= native
 SANITIZE  ?=
 VERSION   := 0.1.0
+COMMIT    := $(shell git describe --always --exclude='*' --dirty=+ 2>/dev/null)
 PYTHON    := /usr/bin/python3
 # All processors, unless whoever called said -j.
 PARALLEL   = $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc))
@@ -139,6 +140,8 @@ $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT) $(BUILD)/libmeniscus-cli.a $
 # --- objects and generated sources --------------------------------------------------------------------------------------
 $(BUILD)/obj/proto/case_find.o: private cppflags += $(cases)
 $(BUILD)/obj/proto/case_find.o: $(BUILD)/stamp/prefix
+$(BUILD)/obj/server/net/describe.o: private cppflags += -DMENISCUS_COMMIT='"$(COMMIT)"'
+$(BUILD)/obj/server/net/describe.o: $(BUILD)/stamp/commit
 $(BUILD)/obj/%.o: %.c $(BUILD)/stamp/flags | $(GEN)
 	@mkdir -p $(@D)
 	$(call say,CC,$<)$(compile) $(WARN) $(CFLAGS) -MMD -MP -c -o $@ $<
@@ -161,6 +164,7 @@ $(BUILD)/python/meniscus/meniscus_pb2.py: client/python/generate.py $(PY_FILES) 
 # --- stamps: written only when what they hold has changed, and then all that depends on it is made again ------------------
 $(BUILD)/stamp/flags: export STAMP = $(compile) $(WARN) $(CFLAGS) $(link) $(pkg_libs) $(client_libs) $(LDLIBS)
 $(BUILD)/stamp/prefix: export STAMP = $(PREFIX)
+$(BUILD)/stamp/commit: export STAMP = $(COMMIT)
 $(BUILD)/stamp/sources: export STAMP = $(SOLVER) $(PROTO) $(DAEMON) $(CLIENT) $(CLI)
 $(BUILD)/stamp/%: FORCE
 	@for tool in pkg-config protoc protoc-c; do command -v $$tool >/dev/null || { echo "$$tool is missing: run make packages" >&2; exit 1; }; done

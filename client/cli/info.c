@@ -29,6 +29,15 @@ static void print_timers(const MnsRunInfo *info)
                100 * info->timers[k].seconds / all, info->timers[k].seconds);
 }
 
+/* What is not known, as before the first step, is not there. */
+static void print_speed(const MnsRunInfo *info)
+{
+    printf("speed       ");
+    if (isfinite(info->steps_per_second)) printf("%.4g steps/s, ", info->steps_per_second);
+    if (isfinite(info->ns_per_particle_step)) printf("%.4g ns per particle and step, ", info->ns_per_particle_step);
+    printf("%u threads\n", info->threads);
+}
+
 static void print_info(const MnsRunInfo *info)
 {
     printf("state       %s\n", mns_state_name(info->state));
@@ -40,8 +49,7 @@ static void print_info(const MnsRunInfo *info)
                info->time_step);
         printf("particles   %" PRIu64 ", %" PRIu64 " of fluid; kept from walls %" PRIu64 " times\n", info->particles,
                info->fluid_particles, info->guarded);
-        printf("speed       %.4g steps/s, %.4g ns per particle and step, %u threads\n", info->steps_per_second,
-               info->ns_per_particle_step, info->threads);
+        print_speed(info);
         if (isfinite(info->eta_s)) printf("to go       %.0f s\n", info->eta_s);
         if (info->state_hash) printf("state hash  %016" PRIx64 "\n", info->state_hash);
     }

@@ -2,10 +2,20 @@
 /* What a daemon says of itself. */
 #include "net/describe.h"
 
+#include "net/publish.h"
 #include "proto/case_file.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+#ifndef MENISCUS_COMMIT
+#define MENISCUS_COMMIT ""
+#endif
+#ifdef __clang__
+#define COMPILER "clang " __clang_version__
+#else
+#define COMPILER "gcc " __VERSION__
+#endif
 
 /* Room for n pointers; *ret_n counts those in it. */
 static void *pointers(size_t n)
@@ -94,12 +104,13 @@ Meniscus__Status *describe_status(const RunStatus *status)
     return message;
 }
 
-static void add_commands(Meniscus__Capabilities *message, const char *const *commands)
+/* A list that ends with NULL. */
+static void add_texts(char ***to, size_t *ret_n, const char *const *list)
 {
     size_t n = 0;
-    while (commands[n]) n++;
-    message->commands = pointers(n);
-    for (size_t k = 0; message->commands && k < n; k++) message->commands[message->n_commands++] = strdup(commands[k]);
+    while (list[n]) n++;
+    *to = pointers(n);
+    for (size_t k = 0; *to && k < n; k++) (*to)[(*ret_n)++] = strdup(list[k]);
 }
 
 static void add_parameters(Meniscus__Capabilities *message, const Document *document)
@@ -117,6 +128,7 @@ static void add_parameters(Meniscus__Capabilities *message, const Document *docu
         parameter->unit = strdup(table[k].unit);
         parameter->range = strdup(table[k].range);
         parameter->meaning = strdup(table[k].meaning);
+        parameter->takes_effect = strdup("from the next step"); /* all of them: `set` is served between two steps */
         if (document) case_message_get(document->message, table[k].path, &parameter->value, &unit, NULL);
         message->parameters[message->n_parameters++] = parameter;
     }
@@ -169,11 +181,14 @@ Meniscus__Capabilities *describe_capabilities(const char *const *commands, const
     if (!message) return NULL;
     meniscus__capabilities__init(message);
     message->version = strdup(MENISCUS_VERSION);
-    message->build = strdup("C17, " __VERSION__);
-    add_commands(message, commands);
+    message->build = strdup(*MENISCUS_COMMIT ? COMPILER ", C17, commit " MENISCUS_COMMIT : COMPILER ", C17");
+    message->compiler = strdup(COMPILER);
+    if (*MENISCUS_COMMIT) message->commit = strdup(MENISCUS_COMMIT);
+    add_texts(&message->commands, &message->n_commands, commands);
     add_parameters(message, document);
     add_fields(message);
     if (document) add_probes(message, document->c);
     add_schemes(message);
+    add_texts(&message->topics, &message->n_topics, publisher_topics());
     return message;
 }

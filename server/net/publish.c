@@ -22,7 +22,12 @@ struct Publisher {
     Topic topics[TOPICS];
 };
 
-static const char *const topic_names[TOPICS] = {"event", "log", "progress", "probe"};
+static const char *const topic_names[TOPICS + 1] = {"event", "log", "progress", "probe"};
+
+const char *const *publisher_topics(void)
+{
+    return topic_names;
+}
 
 static int topic_of(NoteKind kind)
 {

@@ -19,4 +19,7 @@ void publisher_send(Publisher *publisher, const Note *note);
 /* Somebody subscribed: the last message of each topic that begins with this goes out again, under its old number. */
 void publisher_welcome(Publisher *publisher, const char *prefix, size_t size);
 
+/* Names of all topics, then NULL. */
+const char *const *publisher_topics(void);
+
 #endif

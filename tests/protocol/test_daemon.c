@@ -301,6 +301,35 @@ static void a_subscriber_hears_the_last_event_at_once(void **state)
     zmq_close(socket);
 }
 
+static bool has_text(size_t n, char *const *list, const char *text)
+{
+    for (size_t k = 0; k < n; k++)
+        if (!strcmp(list[k], text)) return true;
+    return false;
+}
+
+static void a_daemon_says_how_it_was_built_and_what_it_can_do(void **state)
+{
+    Dialogue *dialogue = *state;
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__GetCapabilities command = MENISCUS__GET_CAPABILITIES__INIT;
+    static const char *const commands[] = {"load", "run_until", "breakpoint", "capabilities", "shutdown"};
+    static const char *const topics[] = {"event", "log", "progress", "probe"};
+    request.command_case = MENISCUS__REQUEST__COMMAND_CAPABILITIES;
+    request.capabilities = &command;
+    Meniscus__Reply *reply = dialogue_ask(dialogue, &request);
+    const Meniscus__Capabilities *can = reply->capabilities;
+    for (size_t k = 0; k < 5; k++) assert_true(has_text(can->n_commands, can->commands, commands[k]));
+    assert_int_equal(can->n_topics, 4);
+    for (size_t k = 0; k < 4; k++) assert_true(has_text(can->n_topics, can->topics, topics[k]));
+    assert_true(strstr(can->compiler, "gcc ") || strstr(can->compiler, "clang "));
+    assert_memory_equal(can->build, can->compiler, strlen(can->compiler));
+    assert_true(can->n_parameters > 5);
+    for (size_t k = 0; k < can->n_parameters; k++)
+        assert_string_equal(can->parameters[k]->takes_effect, "from the next step");
+    meniscus__reply__free_unpacked(reply, NULL);
+}
+
 static void a_second_daemon_of_the_name_is_refused(void **state)
 {
     const Dialogue *dialogue = *state;
@@ -329,6 +358,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_breakpoint_pauses_at_its_step, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_restored_run_goes_on_bit_for_bit, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_subscriber_hears_the_last_event_at_once, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(a_daemon_says_how_it_was_built_and_what_it_can_do, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_second_daemon_of_the_name_is_refused, steer_begin, steer_end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
