@@ -27,6 +27,7 @@ MnsStatus constants_formula(const MnsCase *c, const char *text, const char *cons
     Constants constants;
     MnsStatus status = constants_init(&constants, c, error);
     if (!status) status = formula_new(text, variables, constants.list, constants.n, ret, error);
+    if (!status) formula_mix(*ret);
     constants_done(&constants);
     return status;
 }

@@ -14,7 +14,8 @@ typedef struct Constants {
 MnsStatus constants_init(Constants *constants, const MnsCase *c, MnsError *error);
 void constants_done(Constants *constants);
 
-/* Compile a formula of a case, which need not be an entry of it; otherwise as formula_new(). */
+/* Compile a formula of a case, which need not be an entry of it; otherwise as formula_new(). It may be
+ * a number here, and true or false there. */
 MnsStatus constants_formula(const MnsCase *c, const char *text, const char *const *variables, Formula **ret,
                             MnsError *error);
 

@@ -10,13 +10,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MEMORY_MAX = 1 << 20, INSTRUCTIONS_MAX = 1000000, VARIABLES_MAX = 320 };
+enum { MEMORY_MAX = 1 << 20, INSTRUCTIONS_MAX = 1000000, VARIABLES_MAX = 320, FAILURE_SIZE = 200 };
 
 struct Formula {
     lua_State *lua;
     size_t used; /* bytes of memory */
     int n_variables;
     bool condition; /* true or false, not a number */
+    bool mixed;     /* may be either */
+    bool constant;  /* uses no variable, so that ... */
+    double value;   /* ... this is its value anywhere */
+    char *failure;  /* [FAILURE_SIZE] why it failed first; empty if it never did */
 };
 
 static const char *const FUNCTIONS[] = {"abs",  "acos", "asin", "atan", "ceil", "cos", "deg",  "exp", "floor",
@@ -130,6 +134,25 @@ static MnsStatus define(lua_State *lua, const MnsConstant *constant, MnsError *e
     return MNS_OK;
 }
 
+/* Does a name stand in a text? In a string it does too, which costs nothing but time. */
+static bool is_mentioned(const char *name, const char *text)
+{
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
+    while (*(text += strcspn(text, letters))) {
+        const size_t n = strspn(text, letters);
+        if (strlen(name) == n && !memcmp(name, text, n)) return true;
+        text += n;
+    }
+    return false;
+}
+
+static bool is_constant(const char *text, const char *const *variables)
+{
+    for (size_t k = 0; variables[k]; k++)
+        if (is_mentioned(variables[k], text)) return false;
+    return true;
+}
+
 static MnsStatus prepare(Formula *f, const char *text, const char *const *variables, const MnsConstant *constants,
                          size_t n, MnsError *error)
 {
@@ -145,6 +168,8 @@ static MnsStatus prepare(Formula *f, const char *text, const char *const *variab
     double values[VARIABLES_MAX], value = NAN;
     for (int k = 0; k < f->n_variables; k++) values[k] = 0.5;
     if (!call(lua, values, f->n_variables, &value, &f->condition)) return complain(lua, text, error);
+    f->constant = is_constant(text, variables);
+    f->value = value;
     return MNS_OK;
 }
 
@@ -152,8 +177,10 @@ MnsStatus formula_new(const char *text, const char *const *variables, const MnsC
                       Formula **ret, MnsError *error)
 {
     Formula *f = calloc(1, sizeof *f);
-    if (f) f->lua = lua_newstate(allocate, f);
+    if (f) f->failure = calloc(1, FAILURE_SIZE);
+    if (f && f->failure) f->lua = lua_newstate(allocate, f);
     if (!f || !f->lua) {
+        if (f) free(f->failure);
         free(f);
         return mns_fail(error, MNS_E_MEMORY, "no memory for a formula");
     }
@@ -169,11 +196,35 @@ MnsStatus formula_new(const char *text, const char *const *variables, const MnsC
     return MNS_OK;
 }
 
+static double failed(const Formula *f, const char *why)
+{
+    if (!*f->failure) snprintf(f->failure, FAILURE_SIZE, "%s", why);
+    return NAN;
+}
+
 double formula_eval(const Formula *formula, const double *values)
 {
     double value = NAN;
-    if (!call(formula->lua, values, formula->n_variables, &value, NULL)) lua_pop(formula->lua, 1);
-    return value;
+    bool condition = false;
+    if (formula->constant) return formula->value;
+    if (!call(formula->lua, values, formula->n_variables, &value, &condition)) {
+        failed(formula, message(formula->lua));
+        lua_pop(formula->lua, 1);
+        return NAN;
+    }
+    if (condition == formula->condition || formula->mixed) return value;
+    return failed(formula, condition ? "it is true or false there, and a number elsewhere"
+                                     : "it is a number there, and true or false elsewhere");
+}
+
+const char *formula_failure(const Formula *formula)
+{
+    return *formula->failure ? formula->failure : NULL;
+}
+
+void formula_mix(Formula *formula)
+{
+    formula->mixed = true;
 }
 
 bool formula_is_condition(const Formula *formula)
@@ -185,5 +236,41 @@ void formula_free(Formula *formula)
 {
     if (!formula) return;
     lua_close(formula->lua);
+    free(formula->failure);
     free(formula);
+}
+
+MnsStatus formula_team_init(FormulaTeam *team, int threads, const char *text, const char *const *variables,
+                            const MnsConstant *constants, size_t n, MnsError *error)
+{
+    *team = (FormulaTeam){.n = 0, .member = calloc((size_t)threads, sizeof *team->member)};
+    if (!team->member) return mns_fail(error, MNS_E_MEMORY, "no memory for a formula");
+    while (team->n < threads) {
+        const MnsStatus status = formula_new(text, variables, constants, n, &team->member[team->n], error);
+        if (status) {
+            formula_team_done(team);
+            return status;
+        }
+        if (team->member[team->n++]->constant) break; /* which anybody may read */
+    }
+    return MNS_OK;
+}
+
+void formula_team_done(FormulaTeam *team)
+{
+    for (int k = 0; k < team->n; k++) formula_free(team->member[k]);
+    free(team->member);
+    *team = (FormulaTeam){0};
+}
+
+void formula_team_forget(FormulaTeam *team)
+{
+    for (int k = 0; k < team->n; k++) *team->member[k]->failure = 0;
+}
+
+const char *formula_team_failure(const FormulaTeam *team)
+{
+    for (int k = 0; k < team->n; k++)
+        if (formula_failure(team->member[k])) return formula_failure(team->member[k]);
+    return NULL;
 }

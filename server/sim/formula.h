@@ -14,13 +14,39 @@ typedef struct Formula Formula;
 MnsStatus formula_new(const char *text, const char *const *variables, const MnsConstant *constants, size_t n,
                       Formula **ret, MnsError *error);
 
-/* Its value where the variables have these values; 1 and 0 for true and false, NAN if it fails there.
- * One caller at a time for each formula. */
+/* Its value where the variables have these values; 1 and 0 for true and false, NAN if it fails there, as it does where it is
+ * true or false and was a number when it was compiled, or the other way round. One caller at a time for each formula. */
 double formula_eval(const Formula *formula, const double *values);
+
+/* Why formula_eval() failed for the first time; NULL if it never did. Borrowed. */
+const char *formula_failure(const Formula *formula);
+
+/* Let it be a number here, and true or false there. */
+void formula_mix(Formula *formula);
 
 /* Whether it gave true or false, not a number, when it was compiled. */
 bool formula_is_condition(const Formula *formula);
 
 void formula_free(Formula *formula);
+
+/* One formula for up to `threads` callers at a time; as formula_new(). */
+typedef struct FormulaTeam {
+    int n;
+    Formula **member; /* [n] */
+} FormulaTeam;
+
+MnsStatus formula_team_init(FormulaTeam *team, int threads, const char *text, const char *const *variables,
+                            const MnsConstant *constants, size_t n, MnsError *error);
+void formula_team_done(FormulaTeam *team);
+
+/* That of thread k, counted from 0. */
+static inline const Formula *formula_of(const FormulaTeam *team, int k)
+{
+    return team->member[team->n == 1 ? 0 : k];
+}
+
+/* As formula_failure(), of any of them. */
+const char *formula_team_failure(const FormulaTeam *team);
+void formula_team_forget(FormulaTeam *team); /* as if none had */
 
 #endif

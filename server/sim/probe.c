@@ -3,84 +3,91 @@
  * of threads does not change a bit. */
 #include "sim/sample.h"
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include <omp.h>
 
-enum { BLOCK = 4096 };
+/* One probe, and what it takes to evaluate it at a particle. */
+typedef struct Measure {
+    const MnsSim *sim;
+    const MnsProbe *probe;
+    const MnsFieldInfo *field;  /* of an extremum */
+    const void *array[3];       /* its components */
+    const FormulaTeam *formula; /* of a deviation */
+    int threads;
+} Measure;
 
-typedef double Summand(const MnsSim *sim, const MnsProbe *probe, size_t i);
+typedef double Summand(const Measure *m, size_t i);
 
-static bool counts(const MnsSim *sim, const MnsProbe *probe, size_t i)
+static bool counts(const Measure *m, size_t i)
 {
-    return probe->fluid < 0 || sim->s.phase[i] == probe->fluid;
-}
-
-static bool inside(const MnsSim *sim, const MnsProbe *probe, size_t i)
-{
-    for (int d = 0; probe->within && d < sim->s.dim; d++)
-        if (sim->s.x[d][i] < probe->min[d] || sim->s.x[d][i] > probe->max[d]) return false;
+    const MnsProbe *probe = m->probe;
+    if (probe->fluid >= 0 && m->sim->s.phase[i] != probe->fluid) return false;
+    for (int d = 0; probe->within && d < m->sim->s.dim; d++)
+        if (m->sim->s.x[d][i] < probe->min[d] || m->sim->s.x[d][i] > probe->max[d]) return false;
     return true;
 }
 
 /* Combine f over the fluid particles that count: sum, or the largest value where `largest`; NAN where there is none. */
-static double over_fluid(const MnsSim *sim, const MnsProbe *probe, Summand *f, bool largest)
+static double over_fluid(const Measure *m, Summand *f, bool largest)
 {
-    const size_t n = particles_fluid(&sim->s), blocks = (n + BLOCK - 1) / BLOCK;
+    const size_t n = particles_fluid(&m->sim->s), blocks = sim_blocks(n);
     const double none = largest ? -INFINITY : 0;
-    double *partial = malloc(blocks * sizeof *partial), result = none;
-    if (!partial) return NAN;
-#pragma omp parallel for schedule(static) num_threads(sim->threads)
+    double *partial = m->sim->partial, result = none;
+#pragma omp parallel for schedule(static) num_threads(m->threads)
     for (size_t b = 0; b < blocks; b++) {
         double value = none;
-        for (size_t i = b * BLOCK; i < n && i < (b + 1) * BLOCK; i++) {
-            if (!counts(sim, probe, i) || !inside(sim, probe, i)) continue;
-            const double term = f(sim, probe, i);
+        for (size_t i = b * SIM_BLOCK; i < n && i < (b + 1) * SIM_BLOCK; i++) {
+            if (!counts(m, i)) continue;
+            const double term = f(m, i);
             value = largest ? (term > value ? term : value) : value + term;
         }
         partial[b] = value;
     }
     for (size_t b = 0; b < blocks; b++)
         result = largest ? (partial[b] > result ? partial[b] : result) : result + partial[b];
-    free(partial);
     return largest && !(result > -INFINITY) ? NAN : result;
 }
 
-static double mass(const MnsSim *sim, const MnsProbe *probe, size_t i)
+static double one(const Measure *m, size_t i)
 {
-    (void)probe;
-    return sim->s.m[i];
+    (void)m, (void)i;
+    return 1;
 }
 
-static double kinetic(const MnsSim *sim, const MnsProbe *probe, size_t i)
+static double mass(const Measure *m, size_t i)
 {
-    (void)probe;
+    return m->sim->s.m[i];
+}
+
+static double kinetic(const Measure *m, size_t i)
+{
+    const Particles *s = &m->sim->s;
     double v2 = 0;
-    for (int d = 0; d < sim->s.dim; d++) v2 += sim->s.v[d][i] * sim->s.v[d][i];
-    return 0.5 * sim->s.m[i] * v2;
+    for (int d = 0; d < s->dim; d++) v2 += s->v[d][i] * s->v[d][i];
+    return 0.5 * s->m[i] * v2;
 }
 
-static double potential(const MnsSim *sim, const MnsProbe *probe, size_t i)
+static double potential(const Measure *m, size_t i)
 {
-    (void)probe;
+    const Particles *s = &m->sim->s;
     double gx = 0;
-    for (int d = 0; d < sim->s.dim; d++) gx += sim->model.gravity[d] * sim->s.x[d][i];
-    return -sim->s.m[i] * gx;
+    for (int d = 0; d < s->dim; d++) gx += m->sim->model.gravity[d] * s->x[d][i];
+    return -s->m[i] * gx;
 }
 
-static double mass_moment(const MnsSim *sim, const MnsProbe *probe, size_t i)
+static double mass_moment(const Measure *m, size_t i)
 {
-    return sim->s.m[i] * sim->s.x[probe->axis][i];
+    return m->sim->s.m[i] * m->sim->s.x[m->probe->axis][i];
 }
 
-static double momentum(const MnsSim *sim, const MnsProbe *probe, size_t i)
+static double momentum(const Measure *m, size_t i)
 {
-    return sim->s.m[i] * sim->s.v[probe->axis][i];
+    return m->sim->s.m[i] * m->sim->s.v[m->probe->axis][i];
 }
 
-static double forward(const MnsSim *sim, const MnsProbe *probe, size_t i)
+static double forward(const Measure *m, size_t i)
 {
-    const double x = sim->s.x[probe->axis][i];
-    return (probe->least ? -x : x) + 0.5 * sim->model.dx;
+    const double x = m->sim->s.x[m->probe->axis][i];
+    return (m->probe->least ? -x : x) + 0.5 * m->sim->model.dx;
 }
 
 /* Wall the probe moves with: its displacement along d. */
@@ -89,29 +96,44 @@ static double shift(const MnsSim *sim, const MnsProbe *probe, int d)
     return probe->wall >= 0 ? sim->model.wall[probe->wall].x[d] : 0;
 }
 
-static double outside(const MnsSim *sim, const MnsProbe *probe, size_t i)
+static double outside(const Measure *m, size_t i)
 {
-    for (int d = 0; d < sim->s.dim; d++) {
-        const double x = sim->s.x[d][i] - shift(sim, probe, d);
-        if (sim->model.period[d] == 0 && !(x >= sim->model.min[d] && x <= sim->model.max[d])) return 1;
+    const Model *model = &m->sim->model;
+    for (int d = 0; d < model->dim; d++) {
+        const double x = m->sim->s.x[d][i] - shift(m->sim, m->probe, d);
+        if (model->period[d] == 0 && !(x >= model->min[d] && x <= model->max[d])) return 1;
     }
     return 0;
 }
 
-static double field_value(const MnsSim *sim, const MnsProbe *probe, size_t i)
+static double element(const Measure *m, int d, size_t i)
 {
-    const int field = mns_field_find(probe->field);
-    const MnsFieldInfo *info = &mns_fields()[field];
+    switch (m->field->type) {
+    case MNS_F64: return ((const double *)m->array[d])[i];
+    case MNS_U32: return ((const uint32_t *)m->array[d])[i];
+    case MNS_U8: return ((const uint8_t *)m->array[d])[i];
+    }
+    return NAN;
+}
+
+/* A vector counts by its magnitude. */
+static double field_value(const Measure *m, size_t i)
+{
     double sum = 0, value = 0;
-    for (int d = 0; d < sim->s.dim && d < info->components; d++) {
-        const void *array = particles_field(&sim->s, field, d);
-        value = info->type == MNS_F64   ? ((const double *)array)[i]
-                : info->type == MNS_U32 ? ((const uint32_t *)array)[i]
-                                        : ((const uint8_t *)array)[i];
+    for (int d = 0; d < m->sim->s.dim && d < m->field->components; d++) {
+        value = element(m, d, i);
         sum += value * value;
     }
-    if (info->components > 1) value = sqrt(sum);
-    return probe->least ? -value : value;
+    if (m->field->components > 1) value = sqrt(sum);
+    return m->probe->least ? -value : value;
+}
+
+static double squared_deviation(const Measure *m, size_t i)
+{
+    const Particles *s = &m->sim->s;
+    const double at[4] = {s->x[0][i], s->x[1][i], s->dim == 3 ? s->x[2][i] : 0, m->sim->progress.t};
+    const double error = s->p[i] - formula_eval(formula_of(m->formula, omp_get_thread_num()), at);
+    return error * error;
 }
 
 static double pressure(const MnsSim *sim, const MnsProbe *probe)
@@ -176,37 +198,41 @@ static double coverage(const MnsSim *sim, const MnsProbe *probe)
     return least < INFINITY ? least : NAN;
 }
 
-/* Formulas keep a state of their own, so this sum is not parallel. */
-static double pressure_deviation(const MnsSim *sim, const MnsProbe *probe, const Formula *formula)
+static double extremum(Measure *m)
 {
-    double sum = 0, n = 0;
-    for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
-        if (!counts(sim, probe, i)) continue;
-        const double at[4] = {sim->s.x[0][i], sim->s.x[1][i], sim->s.dim == 3 ? sim->s.x[2][i] : 0, sim->progress.t};
-        const double error = sim->s.p[i] - formula_eval(formula, at);
-        sum += error * error;
-        n++;
-    }
-    return n > 0 ? sqrt(sum / n) : NAN;
+    const int field = mns_field_find(m->probe->field);
+    m->field = &mns_fields()[field];
+    for (int d = 0; d < m->sim->s.dim; d++) m->array[d] = particles_field(&m->sim->s, field, d);
+    const double value = over_fluid(m, field_value, true);
+    return m->probe->least ? -value : value;
+}
+
+/* No more threads than there are copies of the formula: a run may have been steered to more. */
+static double pressure_deviation(Measure *m)
+{
+    if (m->formula->n > 1 && m->formula->n < m->threads) m->threads = m->formula->n;
+    const double n = over_fluid(m, one, false);
+    return n > 0 ? sqrt(over_fluid(m, squared_deviation, false) / n) : NAN;
 }
 
 double mns_sim_probe(const MnsSim *sim, size_t k)
 {
     const MnsProbe *probe = &sim->c->probes[k];
+    Measure m = {.sim = sim, .probe = probe, .formula = &sim->probe_formula[k], .threads = sim->threads};
     double value;
     switch (probe->kind) {
     case MNS_PROBE_PRESSURE: return pressure(sim, probe);
     case MNS_PROBE_HEIGHT: return height(sim, probe);
-    case MNS_PROBE_FRONT: value = over_fluid(sim, probe, forward, true); return probe->least ? -value : value;
-    case MNS_PROBE_KINETIC_ENERGY: return over_fluid(sim, probe, kinetic, false);
-    case MNS_PROBE_POTENTIAL_ENERGY: return over_fluid(sim, probe, potential, false);
-    case MNS_PROBE_MASS_CENTRE: return over_fluid(sim, probe, mass_moment, false) / over_fluid(sim, probe, mass, false);
-    case MNS_PROBE_MOMENTUM: return over_fluid(sim, probe, momentum, false);
-    case MNS_PROBE_MASS: return over_fluid(sim, probe, mass, false);
-    case MNS_PROBE_EXTREMUM: value = over_fluid(sim, probe, field_value, true); return probe->least ? -value : value;
+    case MNS_PROBE_FRONT: value = over_fluid(&m, forward, true); return probe->least ? -value : value;
+    case MNS_PROBE_KINETIC_ENERGY: return over_fluid(&m, kinetic, false);
+    case MNS_PROBE_POTENTIAL_ENERGY: return over_fluid(&m, potential, false);
+    case MNS_PROBE_MASS_CENTRE: return over_fluid(&m, mass_moment, false) / over_fluid(&m, mass, false);
+    case MNS_PROBE_MOMENTUM: return over_fluid(&m, momentum, false);
+    case MNS_PROBE_MASS: return over_fluid(&m, mass, false);
+    case MNS_PROBE_EXTREMUM: return extremum(&m);
     case MNS_PROBE_COVERAGE: return coverage(sim, probe);
-    case MNS_PROBE_ESCAPED: return over_fluid(sim, probe, outside, false);
-    case MNS_PROBE_PRESSURE_DEVIATION: return pressure_deviation(sim, probe, sim->probe_formula[k]);
+    case MNS_PROBE_ESCAPED: return over_fluid(&m, outside, false);
+    case MNS_PROBE_PRESSURE_DEVIATION: return pressure_deviation(&m);
     }
     return NAN;
 }

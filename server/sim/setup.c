@@ -3,6 +3,7 @@
 #include "sim/motion.h"
 #include "sim/sim.h"
 #include <math.h>
+#include <stdio.h>
 
 static const char *const T[] = {"t", NULL}, *const XYZT[] = {"x", "y", "z", "t", NULL};
 
@@ -74,12 +75,13 @@ MnsStatus setup_model(MnsSim *sim, MnsError *error)
     }
     for (size_t k = 0; k < c->n_probes && !status; k++)
         if (c->probes[k].kind == MNS_PROBE_PRESSURE_DEVIATION)
-            status =
-                formula_new(c->probes[k].formula, XYZT, constants.list, constants.n, &sim->probe_formula[k], error);
+            status = formula_team_init(&sim->probe_formula[k], sim->threads, c->probes[k].formula, XYZT, constants.list,
+                                       constants.n, error);
     if (!status) {
         setup_at(sim, 0, 0);
-        status = plan_check(sim, c, error); /* before particles are placed in vain */
+        status = setup_check(sim, error);
     }
+    if (!status) status = plan_check(sim, c, error); /* before particles are placed in vain */
     if (!status) status = build_particles(sim, &constants, error);
     constants_done(&constants);
     return status;
@@ -106,4 +108,54 @@ void setup_at(MnsSim *sim, double t, double dt)
     model->dt = dt;
     for (int d = 0; d < model->dim; d++) model->gravity[d] = formula_eval(sim->gravity[d], &t);
     for (size_t k = 0; k < model->n_walls; k++) move_wall(sim, k, t, dt);
+}
+
+/* A formula at the present time, where it gave no finite number. */
+static MnsStatus fail_formula(const MnsSim *sim, const Formula *formula, const char *entry, const char *text,
+                              MnsError *error)
+{
+    const char *why = formula_failure(formula);
+    return mns_fail_at(error, MNS_E_INVALID, entry, "%s: \"%.120s\" is of no use at t = %g s: %s. Change it", entry,
+                       text, sim->model.t, why ? why : "it is no finite number there");
+}
+
+static MnsStatus check_surface(const MnsSim *sim, size_t k, MnsError *error)
+{
+    const double t = sim->model.t;
+    for (int d = 0; d < sim->model.dim; d++) {
+        const Formula *formula = sim->surface[k][d];
+        char entry[64];
+        if (isfinite(sim->model.wall[k].v[d]) || isfinite(formula_eval(formula, &t))) continue;
+        snprintf(entry, sizeof entry, "walls[%zu].surface_velocity[%d]", k, d);
+        return fail_formula(sim, formula, entry, sim->c->walls[k].surface_velocity[d], error);
+    }
+    return MNS_OK;
+}
+
+/* It may be as good as new elsewhere, so it is blamed once. */
+static MnsStatus check_probe(MnsSim *sim, size_t k, MnsError *error)
+{
+    char entry[64];
+    const char *why = formula_team_failure(&sim->probe_formula[k]);
+    if (!why) return MNS_OK;
+    snprintf(entry, sizeof entry, "probes[%zu].pressure_deviation.from", k);
+    const MnsStatus status = mns_fail_at(error, MNS_E_INVALID, entry,
+                                         "%s: \"%.120s\" failed at some particle before t = %g s: %s. Change it", entry,
+                                         sim->c->probes[k].formula, sim->model.t, why);
+    formula_team_forget(&sim->probe_formula[k]);
+    return status;
+}
+
+MnsStatus setup_check(MnsSim *sim, MnsError *error)
+{
+    MnsStatus status = MNS_OK;
+    for (int d = 0; d < sim->model.dim && !status; d++) {
+        char entry[64];
+        snprintf(entry, sizeof entry, "gravity[%d]", d);
+        if (!isfinite(sim->model.gravity[d]))
+            status = fail_formula(sim, sim->gravity[d], entry, sim->c->gravity[d], error);
+    }
+    for (size_t k = 0; k < sim->model.n_walls && !status; k++) status = check_surface(sim, k, error);
+    for (size_t k = 0; k < sim->c->n_probes && !status; k++) status = check_probe(sim, k, error);
+    return status;
 }

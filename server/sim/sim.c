@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A simulation from the outside: make it, step it, steer it, free it. Read this file first. */
 #include "sim/sim.h"
+#include "base/array.h"
 #include <math.h>
 #include <omp.h>
 #include <stdlib.h>
@@ -27,6 +28,8 @@ static void name_timers(MnsSim *sim)
 static MnsStatus sim_init(MnsSim *sim, MnsError *error)
 {
     MnsStatus status = setup_model(sim, error);
+    if (!status && !(sim->partial = array_new(sim_blocks(particles_fluid(&sim->s)), sizeof *sim->partial)))
+        status = mns_fail(error, MNS_E_MEMORY, "no memory for a simulation");
     if (!status) status = neighbours_init(&sim->nb, sim->s.n, sim->threads, error);
     if (!status) status = integrator_start(sim, error);
     if (!status) status = plan_check(sim, sim->c, error); /* again, now that speeds are known */
@@ -61,7 +64,8 @@ void mns_sim_free(MnsSim *sim)
         for (int d = 0; d < 3; d++) formula_free(sim->surface[k][d]);
         if (sim->solid[k].shape) shape_done(&sim->solid[k]);
     }
-    for (size_t k = 0; k < MNS_MAX_PROBES; k++) formula_free(sim->probe_formula[k]);
+    for (size_t k = 0; k < MNS_MAX_PROBES; k++) formula_team_done(&sim->probe_formula[k]);
+    free(sim->partial);
     neighbours_done(&sim->nb);
     particles_done(&sim->s);
     free(sim);
@@ -96,11 +100,11 @@ MnsStatus mns_sim_step(MnsSim *sim, double t_max, MnsError *error)
         return mns_fail(error, MNS_E_INVALID, "the step must end after t = %g s; found %g s", progress->t, t_max);
     const char *limit = "";
     double dt = integrator_dt(sim, &limit);
-    if (!(dt >= plan_floor(sim)) || !(dt > 0))
-        return remember(sim, fault_time_step(sim, dt, limit, &why), &why, error);
+    if (!(dt >= plan_floor(sim)) || !(dt > 0)) return remember(sim, fault_time_step(sim, dt, limit, &why), &why, error);
     if (progress->dt_first == 0) progress->dt_first = dt;
     const double t = cut(progress->t, &dt, t_max);
-    const MnsStatus status = integrator_step(sim, t, dt, &why);
+    MnsStatus status = integrator_step(sim, t, dt, &why);
+    if (setup_check(sim, &why)) status = why.status; /* what comes of it is not to be blamed */
     progress->t = t;
     progress->dt = dt;
     progress->step++;

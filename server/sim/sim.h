@@ -8,6 +8,7 @@
 #include "sim/shape.h"
 
 enum { SIM_TIMERS_MAX = SCHEME_PASSES_MAX + 4, SIM_WARNINGS_MAX = 16 };
+enum { SIM_BLOCK = 4096 }; /* particles that are summed up by one thread */
 enum { TIMER_NEIGHBOURS, TIMER_DRIFT, TIMER_KICK, TIMER_PASSES };
 
 struct MnsSim {
@@ -22,7 +23,8 @@ struct MnsSim {
     Formula *gravity[3];
     Formula *surface[MNS_MAX_WALLS][3]; /* velocity of a wall's surface */
     Shape solid[MNS_MAX_WALLS];         /* where the case puts the walls */
-    Formula *probe_formula[MNS_MAX_PROBES];
+    FormulaTeam probe_formula[MNS_MAX_PROBES];
+    double *partial; /* [sim_blocks(fluid)] work space of sums over the fluid */
     MnsTimer timers[SIM_TIMERS_MAX];
     size_t n_timers;
     MnsError fault; /* said again by every further step */
@@ -50,6 +52,14 @@ MnsStatus build_particles(MnsSim *sim, const Constants *constants, MnsError *err
 MnsStatus setup_model(MnsSim *sim, MnsError *error);
 void setup_options(MnsSim *sim, const MnsCase *c);
 void setup_at(MnsSim *sim, double t, double dt);
+
+/* setup.c: MNS_E_INVALID if a formula of gravity, of a wall or of a probe has failed, with its entry */
+MnsStatus setup_check(MnsSim *sim, MnsError *error);
+
+static inline size_t sim_blocks(size_t n)
+{
+    return (n + SIM_BLOCK - 1) / SIM_BLOCK;
+}
 
 /* integrator.c: a step of length dt that ends at t; the rates of a new state; what follows from a restored one */
 MnsStatus integrator_step(MnsSim *sim, double t, double dt, MnsError *error);

@@ -2,6 +2,8 @@
 /* Adopt the steerable entries of a case. All that particles, lists and formulas were made from must be as it was; what is new
  * is made first and taken into use last, so that a refused change changes nothing. */
 #include "sim/sim.h"
+#include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static bool same_vector(const double a[3], const double b[3])
@@ -117,7 +119,7 @@ static const char *changed(const MnsCase *a, const MnsCase *b)
     return NULL;
 }
 
-static MnsStatus compile_gravity(const MnsCase *c, Formula *fresh[3], MnsError *error)
+static MnsStatus compile_gravity(const MnsCase *c, double t, Formula *fresh[3], MnsError *error)
 {
     static const char *const variables[] = {"t", NULL};
     Constants constants;
@@ -125,6 +127,13 @@ static MnsStatus compile_gravity(const MnsCase *c, Formula *fresh[3], MnsError *
     for (int d = 0; d < c->dim && !status; d++)
         status = formula_new(c->gravity[d], variables, constants.list, constants.n, &fresh[d], error);
     constants_done(&constants);
+    for (int d = 0; d < c->dim && !status; d++)
+        if (!isfinite(formula_eval(fresh[d], &t))) {
+            char entry[32];
+            snprintf(entry, sizeof entry, "gravity[%d]", d);
+            status = mns_fail_at(error, MNS_E_INVALID, entry,
+                                 "\"%.120s\" is no finite number at t = %g s, which is now", c->gravity[d], t);
+        }
     return status;
 }
 
@@ -158,7 +167,7 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
     const int threads = sim_threads_for(c);
     Neighbours lists = {0};
     Formula *gravity[3] = {0};
-    status = compile_gravity(c, gravity, error);
+    status = compile_gravity(c, sim->progress.t, gravity, error);
     if (!status && threads != sim->threads) status = build_lists(sim, threads, &lists, error);
     if (status) {
         for (int d = 0; d < 3; d++) formula_free(gravity[d]);

@@ -156,6 +156,48 @@ static void evaluation_that_fails_gives_no_number_and_does_no_harm(void **state)
     }
 }
 
+/* `a and b or c` goes to c where b is false, so that a slip of the pen gives now a number, now a truth. */
+static void number_that_turns_into_a_truth_is_a_failure_and_the_other_way_round(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {"x > 2 and (y < 1) or x", "x > 2 and y or x < 9"};
+    static const char *const why[] = {"true or false there, and a number elsewhere",
+                                      "a number there, and true or false"};
+    for (size_t k = 0; k < 2; k++) {
+        Formula *f = NULL;
+        assert_int_equal(formula_new(texts[k], XYT, NULL, 0, &f, NULL), MNS_OK);
+        assert_true(formula_eval(f, (const double[]){1.25, 0, 0}) == (k ? 1 : 1.25));
+        assert_null(formula_failure(f));
+        assert_true(isnan(formula_eval(f, AT)));
+        assert_non_null(strstr(formula_failure(f), why[k]));
+        formula_mix(f);
+        assert_true(formula_eval(f, AT) == (k ? AT[1] : 1));
+        formula_free(f);
+    }
+}
+
+/* Each caller has its own; one formula is enough for all where there are no variables. */
+static void team_has_a_formula_for_each_thread(void **state)
+{
+    (void)state;
+    FormulaTeam team;
+    assert_int_equal(formula_team_init(&team, 3, "x > 2 and sinn(x) or x", XYT, NULL, 0, NULL), MNS_OK);
+    assert_int_equal(team.n, 3);
+    assert_ptr_not_equal(formula_of(&team, 1), formula_of(&team, 2));
+    assert_true(formula_eval(formula_of(&team, 0), (const double[]){1.5, 0, 0}) == 1.5);
+    assert_null(formula_team_failure(&team));
+    (void)formula_eval(formula_of(&team, 2), AT);
+    assert_non_null(strstr(formula_team_failure(&team), "sinn"));
+    formula_team_forget(&team);
+    assert_null(formula_team_failure(&team));
+    formula_team_done(&team);
+    assert_int_equal(formula_team_init(&team, 3, "2*pi + max(1, 4)", XYT, NULL, 0, NULL), MNS_OK);
+    assert_int_equal(team.n, 1);
+    assert_true(formula_eval(formula_of(&team, 2), AT) == 2 * acos(-1) + 4);
+    formula_team_done(&team);
+    assert_int_equal(formula_team_init(&team, 3, "2*", XYT, NULL, 0, NULL), MNS_E_INVALID);
+}
+
 static void failing_often_does_not_exhaust_the_formula(void **state)
 {
     (void)state;
@@ -229,6 +271,8 @@ int main(void)
         cmocka_unit_test(text_cannot_leave_its_brackets_to_loop),
         cmocka_unit_test(bombs_end_with_an_error),
         cmocka_unit_test(evaluation_that_fails_gives_no_number_and_does_no_harm),
+        cmocka_unit_test(number_that_turns_into_a_truth_is_a_failure_and_the_other_way_round),
+        cmocka_unit_test(team_has_a_formula_for_each_thread),
         cmocka_unit_test(failing_often_does_not_exhaust_the_formula),
         cmocka_unit_test(division_by_zero_is_infinite_not_an_error),
         cmocka_unit_test(nothing_but_mathematics_is_there),

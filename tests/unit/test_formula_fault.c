@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A formula that gives a number here and a truth value there, or no number at all, ends the run with its entry: it is not
+ * taken for 1 or 0, and what comes of it is not blamed. */
+#include "sim/sim.h"
+#include "tests/support/cases.h"
+#include "tests/support/check.h"
+#include <string.h>
+
+/* A number where it is tried, at 0.5, and at 0; true between. */
+static const char SWITCHING[] = "t > 0.02 and (t < 0.3) or -1";
+
+static MnsSim *sim_of(const MnsCase *c)
+{
+    MnsSim *sim = NULL;
+    MnsError error = {0};
+    if (mns_sim_new(c, &sim, &error)) fail_msg("%s: %s", error.path, error.text);
+    return sim;
+}
+
+/* Step beyond t = 0.02, where the first step that ends there must fail. */
+static void assert_fails_at(MnsSim *sim, double t, const char *path, const char *why)
+{
+    MnsError error = {0};
+    MnsStatus status = MNS_OK;
+    while (!status && mns_sim_progress(sim).t < 2 * t) status = mns_sim_step(sim, INFINITY, &error);
+    assert_int_equal(status, MNS_E_INVALID);
+    assert_string_equal(error.path, path);
+    if (!strstr(error.text, why) || strncmp(error.text, path, strlen(path)) != 0) fail_msg("\"%s\"", error.text);
+    const MnsProgress progress = mns_sim_progress(sim);
+    assert_less(t, progress.t);
+    assert_less(progress.t - progress.dt, t + 1e-12);
+    assert_int_equal(mns_sim_step(sim, INFINITY, NULL), MNS_E_INVALID); /* and so it stays */
+}
+
+static void gravity_that_turns_into_a_truth_ends_the_run(void **state)
+{
+    (void)state;
+    MnsCase *c = case_dam_break(2, 10);
+    c->max[0] = c->walls[0].shape.parts[0].b[0] = 5.4;
+    case_set_text(&c->gravity[1], SWITCHING);
+    MnsSim *sim = sim_of(c);
+    assert_fails_at(sim, 0.02, "gravity[1]", "true or false there");
+    mns_sim_free(sim);
+    case_set_text(&c->gravity[1], "-1/(t < 0.02 and 1 or 0)");
+    case_set_text(&c->gravity[0], "0");
+    MnsError error = {0};
+    assert_int_equal(mns_sim_new(c, &sim, &error), MNS_OK);
+    assert_fails_at(sim, 0.02, "gravity[1]", "no finite number");
+    mns_sim_free(sim);
+    case_set_text(&c->gravity[1], "1/t");
+    assert_int_equal(mns_sim_new(c, &sim, &error), MNS_E_INVALID);
+    assert_string_equal(error.path, "gravity[1]");
+    mns_case_free(c);
+}
+
+/* Nothing is viscous here, so that nobody would even look at the lid's velocity. */
+static void surface_that_turns_into_a_truth_ends_the_run(void **state)
+{
+    (void)state;
+    MnsCase *c = case_dam_break(2, 10);
+    c->max[0] = c->walls[0].shape.parts[0].b[0] = 5.4;
+    case_set_text(&c->walls[0].surface_velocity[0], SWITCHING);
+    MnsSim *sim = sim_of(c);
+    assert_fails_at(sim, 0.02, "walls[0].surface_velocity[0]", "true or false there");
+    mns_sim_free(sim);
+    mns_case_free(c);
+}
+
+/* A probe is read between steps: the next one says what was wrong. Set right again, the run goes on. */
+static void probe_whose_formula_fails_is_said_by_the_next_step(void **state)
+{
+    (void)state;
+    MnsCase *c = case_periodic(2, 10);
+    case_set_text(&case_add_probe(c, MNS_PROBE_PRESSURE_DEVIATION)->formula, "x > 0.7 and (y < 2) or 0");
+    c->threads = 3;
+    MnsSim *sim = sim_of(c);
+    MnsError error = {0};
+    MnsCapture *capture = NULL;
+    assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_OK);
+    assert_int_equal(mns_sim_capture(sim, mns_state_fields(), &capture, NULL), MNS_OK);
+    assert_true(isnan(mns_sim_probe(sim, 0)));
+    assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_E_INVALID);
+    assert_string_equal(error.path, "probes[0].pressure_deviation.from");
+    assert_int_equal(mns_sim_restore(sim, capture, NULL), MNS_OK);
+    assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_OK);
+    mns_capture_free(capture);
+    mns_sim_free(sim);
+    mns_case_free(c);
+}
+
+static void gravity_of_no_number_is_not_steered_to(void **state)
+{
+    (void)state;
+    MnsCase *c = case_periodic(2, 10), *other = case_periodic(2, 10);
+    MnsSim *sim = sim_of(c);
+    MnsError error = {0};
+    assert_int_equal(mns_sim_step(sim, 0.001, &error), MNS_OK);
+    case_set_text(&other->gravity[1], "t < 0.01 and (t > 0) or 1");
+    assert_int_equal(mns_sim_steer(sim, other, &error), MNS_E_INVALID);
+    assert_string_equal(error.path, "gravity[1]");
+    assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_OK);
+    mns_sim_free(sim);
+    mns_case_free(other);
+    mns_case_free(c);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(gravity_that_turns_into_a_truth_ends_the_run),
+        cmocka_unit_test(surface_that_turns_into_a_truth_ends_the_run),
+        cmocka_unit_test(probe_whose_formula_fails_is_said_by_the_next_step),
+        cmocka_unit_test(gravity_of_no_number_is_not_steered_to),
+    };
+    return cmocka_run_group_tests_name("formula_fault", tests, NULL, NULL);
+}
