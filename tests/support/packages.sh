@@ -45,7 +45,17 @@ for package in "${wanted[@]}"; do
 done
 [ ${#missing[@]} -eq 0 ] && exit 0
 
-echo "packages to install: ${missing[*]}"
+echo "Packages to install: ${missing[*]}"
+refuse() {
+    {
+        echo "$1 Ask somebody who may install packages to run:"
+        echo "    apt-get update"
+        echo "    apt-get install --no-install-recommends ${missing[*]}"
+        echo "Elsewhere than on Debian 12 these packages have other names; the list is in tests/support/packages.sh."
+    } >&2
+    exit 1
+}
+command -v apt-get >/dev/null || refuse "There is no apt-get here."
 if [ "$(id -u)" -eq 0 ]; then
     root=()
 elif sudo -n true 2>/dev/null; then
@@ -53,16 +63,14 @@ elif sudo -n true 2>/dev/null; then
 elif [ -t 0 ] && command -v sudo >/dev/null; then
     root=(sudo)
 else
-    {
-        echo "You may not install packages here. Ask somebody who may to run:"
-        echo "    apt-get install --no-install-recommends ${missing[*]}"
-    } >&2
-    exit 1
+    refuse "You are not root, and sudo does not let you in without a password."
 fi
 
 install=("${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends)
-# A fresh machine has no package index, and an old index names files that are gone: then fetch it and try again.
+update=("${root[@]}" apt-get update -q)
+# A fresh machine has no index of packages. An old one names files that are gone: then it is fetched, and we try again.
+apt-get install --simulate -qq --no-install-recommends "${missing[@]}" >/dev/null 2>&1 || "${update[@]}"
 "${install[@]}" "${missing[@]}" || {
-    "${root[@]}" apt-get update -q
+    "${update[@]}"
     "${install[@]}" "${missing[@]}"
-}
+} || refuse "apt-get could not install them; what it said is above."

@@ -7,21 +7,7 @@ cd "$(dirname "$0")/../.."
 BUILD=${BUILD:-build}
 CC=${CC:-gcc}
 unset MAKEFLAGS MFLAGS MAKELEVEL
-stage=$(mktemp -d)
-trap 'rm -rf "$stage"' EXIT
-failed=0
-
-expect() {
-    local what=$1
-    shift
-    if "$@" >"$stage/log" 2>&1; then
-        echo "ok - $what"
-    else
-        echo "not ok - $what"
-        sed 's/^/# /' "$stage/log"
-        failed=1
-    fi
-}
+. tests/support/expect.sh
 
 root=$stage/root
 export PKG_CONFIG_SYSROOT_DIR='' PKG_CONFIG_PATH=$root/opt/lib/pkgconfig
@@ -76,4 +62,4 @@ nothing_left() {
     [ -z "$left" ]
 }
 expect "uninstall leaves nothing" nothing_left
-exit $failed
+exit "$failed"
