@@ -74,7 +74,8 @@ class Entry:
         self.repeated = field.label == FIELD.LABEL_REPEATED
         self.in_choice = field.HasField("oneof_index")
         self.of_required_choice = "required" in oneof_words
-        self.is_default = "default" in words
+        self.is_default = self.in_choice and "default" in words
+        self.absence = "" if self.in_choice else words.get("default", "")
         self.type_name = field.type_name.rsplit(".", 1)[-1]
         if field.type not in TYPES:
             fail(where, "a type that case files do not have")
@@ -84,8 +85,12 @@ class Entry:
             fail(where, "@formula is for strings")
         if "count" in words and not self.repeated:
             fail(where, "@count is for lists")
-        if self.is_default and not self.in_choice:
-            fail(where, "@default is for members of a oneof")
+        if self.is_default and words["default"]:
+            fail(where, "@default of a oneof's member stands alone")
+        if not self.default_words():
+            fail(where, "no default: write @required, [default = ...], or @default and what its absence means")
+        if self.absence and (self.required or field.HasField("default_value")):
+            fail(where, "@default is for entries that have neither a default value nor are required")
 
     def type_words(self, enums, link=True):
         field = self.field
@@ -101,7 +106,9 @@ class Entry:
         if self.field.HasField("default_value"):
             value = self.field.default_value
             return enum_word(value) if self.field.type == FIELD.TYPE_ENUM else value
-        return "*required*" if self.required else ""
+        if self.in_choice:
+            return "*the choice*" if self.is_default else "*a choice*"
+        return "*required*" if self.required else self.absence
 
 
 class Schema:

@@ -134,6 +134,27 @@ static void the_manual_names_every_steerable_entry(void **state)
     free(manual);
 }
 
+/* | entry | type | unit | bounds | default | steerable | meaning |; a bar within a cell is escaped. */
+static void the_manual_says_what_the_absence_of_each_entry_means(void **state)
+{
+    (void)state;
+    size_t size, rows = 0;
+    char *manual = read_file("server/cases/REFERENCE.md", &size);
+    char *save = NULL;
+    for (char *line = strtok_r(manual, "\n", &save); line; line = strtok_r(NULL, "\n", &save)) {
+        char *cell[16];
+        int n = 0;
+        if (strncmp(line, "| `", 3) != 0) continue;
+        for (char *bar = strchr(line, '|'); bar && n < 16; bar = strchr(bar + 1, '|'))
+            if (bar == line || bar[-1] != '\\') cell[n++] = bar;
+        if (n != 8) continue; /* of the table of steerable entries */
+        if (cell[5] - cell[4] < 4) fail_msg("no default: %s", line);
+        rows++;
+    }
+    assert_true(rows > 90);
+    free(manual);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -143,6 +164,7 @@ int main(void)
         cmocka_unit_test(steerable_parameters_can_be_got_by_their_path),
         cmocka_unit_test(the_example_of_the_manual_is_a_case),
         cmocka_unit_test(the_manual_names_every_steerable_entry),
+        cmocka_unit_test(the_manual_says_what_the_absence_of_each_entry_means),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
