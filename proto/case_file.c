@@ -3,9 +3,11 @@
 #include "proto/case_mark.h"
 #include "proto/case_reader.h"
 #include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 /* What --set has changed. */
 typedef struct Setting {
@@ -93,13 +95,31 @@ static MnsStatus read_all(const char *path, FILE *in, char **ret, size_t *ret_si
     return case_no_memory(error);
 }
 
+/* Regular files alone: nobody may ever write into a pipe of that name. */
+static MnsStatus open_file(const char *path, FILE **ret, MnsError *error)
+{
+    struct stat info;
+    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (fd < 0 || fstat(fd, &info)) return fail_file(path, "open", errno, error);
+    if (!S_ISREG(info.st_mode)) {
+        close(fd);
+        return mns_fail(error, MNS_E_INVALID, "%s: a case is a file, and this is %s", path,
+                        S_ISDIR(info.st_mode) ? "a directory" : "no regular file");
+    }
+    *ret = fdopen(fd, "r");
+    if (*ret) return MNS_OK;
+    close(fd);
+    return case_no_memory(error);
+}
+
 MnsStatus case_file_read(const char *path, CaseFile **ret, MnsError *error)
 {
     char *text = NULL;
     size_t size = 0;
-    FILE *in = fopen(path, "re");
-    if (!in) return fail_file(path, "open", errno, error);
-    MnsStatus status = read_all(path, in, &text, &size, error);
+    FILE *in;
+    MnsStatus status = open_file(path, &in, error);
+    if (status) return status;
+    status = read_all(path, in, &text, &size, error);
     fclose(in);
     if (status) return status;
     status = case_file_parse(path, text, size, ret, error);

@@ -11,7 +11,7 @@
 typedef struct CaseFile CaseFile;
 
 /* Read a file. On failure error->text begins "FILE:LINE:COLUMN: ". MNS_OK; MNS_E_NOT_FOUND, MNS_E_IO; MNS_E_INVALID:
- * not YAML, unknown key (with a suggestion), wrong type, out of bounds, missing entry. */
+ * no regular file, not YAML, unknown key (with a suggestion), wrong type, out of bounds, missing entry. */
 MnsStatus case_file_read(const char *path, CaseFile **ret, MnsError *error);
 
 /* The same from memory; name stands for the file in complaints. */

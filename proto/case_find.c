@@ -59,6 +59,10 @@ static MnsStatus fail_search(const Search *search, MnsError *error)
 {
     const char *names[CASES_MAX], *next = search->there;
     char shown[48], there[240] = "there are none";
+    struct stat info;
+    if (!stat(search->name, &info))
+        return mns_fail(error, MNS_E_INVALID, "a case is a file, and \"%s\" is %s", case_shown(search->name, shown),
+                        S_ISDIR(info.st_mode) ? "a directory" : "no regular file");
     for (size_t k = 0; k < search->n_there; k++, next += strlen(next) + 1) names[k] = next;
     if (search->n_there) words_suggest(names, search->n_there, search->name, there, sizeof there);
     return mns_fail(error, MNS_E_NOT_FOUND, "there is no case \"%s\": no file of that name, and none in %s; %s",

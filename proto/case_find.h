@@ -7,7 +7,7 @@
 
 /* Where a case is: `name` as a path if it names a file, else NAME.yaml in $MENISCUS_CASES, beside the program
  * (../server/cases from a build directory, ../share/meniscus/cases from an installation). MNS_E_NOT_FOUND says where
- * it looked, what is there and what is like it. */
+ * it looked, what is there and what is like it; MNS_E_INVALID: `name` is a directory or another thing that is no file. */
 MnsStatus case_find(const char *name, char ret_path[static 4096], MnsError *error);
 
 #endif

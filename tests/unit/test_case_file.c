@@ -11,6 +11,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 /* A whole case but for what `more` adds at its end, which begins at line 5. */
 #define HEAD                                                                                                           \
@@ -260,8 +262,15 @@ static void a_missing_file_and_a_folder_are_named(void **state)
     CaseFile *file = NULL;
     assert_int_equal(case_file_read("/nowhere/a.yaml", &file, &error), MNS_E_NOT_FOUND);
     assert_string_equal(error.text, "/nowhere/a.yaml: cannot open the case file: No such file or directory");
-    assert_int_equal(case_file_read("/", &file, &error), MNS_E_IO);
-    assert_string_equal(error.text, "/: cannot read the case file: Is a directory");
+    assert_int_equal(case_file_read("/", &file, &error), MNS_E_INVALID);
+    assert_string_equal(error.text, "/: a case is a file, and this is a directory");
+    char pipe[64];
+    snprintf(pipe, sizeof pipe, "/tmp/mns-pipe-%d", (int)getpid());
+    assert_int_equal(mkfifo(pipe, 0600), 0);
+    const MnsStatus status = case_file_read(pipe, &file, &error); /* and does not wait for a writer */
+    unlink(pipe);
+    assert_int_equal(status, MNS_E_INVALID);
+    assert_non_null(strstr(error.text, pipe));
 }
 
 static void later_complaints_find_the_nearest_entry(void **state)

@@ -268,6 +268,9 @@ static void cases_are_found_by_name_and_by_path(void **state)
     assert_non_null(strstr(path, "server/cases/dambreak2d.yaml"));
     assert_int_equal(case_find("server/cases/sloshing2d.yaml", path, &error), MNS_OK);
     assert_string_equal(path, "server/cases/sloshing2d.yaml");
+    assert_int_equal(case_find("/tmp", path, &error), MNS_E_INVALID);
+    assert_non_null(strstr(error.text, "a directory"));
+    assert_int_equal(case_find("/dev/null", path, &error), MNS_E_INVALID);
     assert_int_equal(case_find("dambrake", path, &error), MNS_E_NOT_FOUND);
     assert_non_null(strstr(error.text, "there is no case \"dambrake\""));
     assert_non_null(strstr(error.text, "server/cases; "));
