@@ -43,7 +43,10 @@ static const struct argp_option arguments[] = {
     {"set", KEY_SET, "PATH=VALUE", 0, "Change an entry of the case; may be given often", 3},
     {"resume", KEY_RESUME, "auto", 0, "Go on from the newest whole checkpoint in the run directory, if there is one",
      3},
-    {"threads", KEY_THREADS, "N", 0, "Threads of the solver, 0 for all processors (as the case says)", 3},
+    {"threads", KEY_THREADS, "N", 0,
+     "Threads of the solver, 0 for all processors; without a case, of those loaded later that do not say (as the case "
+     "says)",
+     3},
     {"log-level", KEY_LEVEL, "LEVEL", 0, "error, warning, notice, info or debug", 3},
     {0}};
 
@@ -66,11 +69,21 @@ static void add_setting(Options *options, char *setting, struct argp_state *stat
     options->settings[options->n_settings++] = setting;
 }
 
-/* A number of threads is an entry of the case like any other. */
-static void add_threads(Options *options, const char *number, struct argp_state *state)
+/* An entry of the case like any other, and the default of those that a daemon is given later. */
+static void set_threads(Options *options, const char *text, struct argp_state *state)
 {
-    const int n = snprintf(options->threads, sizeof options->threads, "threads=%s", number);
-    if (n >= (int)sizeof options->threads) argp_error(state, "--threads takes a number; found \"%s\"", number);
+    enum { MOST = 1024 }; /* as the schema of the case says */
+    char *end;
+    const long n = strtol(text, &end, 10);
+    if (*text < '0' || *text > '9' || *end || n > MOST)
+        argp_error(state, "--threads takes a number from 0 to %d; found \"%s\"", MOST, text);
+    options->daemon.threads = (int)n;
+}
+
+static void add_threads(Options *options, struct argp_state *state)
+{
+    if (options->daemon.threads < 0 || !(options->daemon.load || options->batch.name)) return;
+    snprintf(options->threads, sizeof options->threads, "threads=%d", options->daemon.threads);
     add_setting(options, options->threads, state);
 }
 
@@ -106,7 +119,7 @@ static void check(const Options *options, struct argp_state *state)
     if (batch->name && (daemon->load || daemon->start || daemon->tcp || daemon->state_dir))
         argp_error(state, "--batch starts no daemon: leave out --load, --start, --tcp and --state-dir");
     if (!batch->name && !daemon->load && (options->n_settings || options->resume || daemon->start))
-        argp_error(state, "--set, --threads, --resume and --start need a case: --load or --batch");
+        argp_error(state, "--set, --resume and --start need a case: --load or --batch");
 }
 
 static error_t parse(int key, char *text, struct argp_state *state)
@@ -125,12 +138,16 @@ static error_t parse(int key, char *text, struct argp_state *state)
         break;
     case KEY_UNTIL: options->batch.until = time_of(text, state); break;
     case KEY_SET: add_setting(options, text, state); break;
-    case KEY_THREADS: add_threads(options, text, state); break;
+    case KEY_THREADS: set_threads(options, text, state); break;
     case 'o': options->batch.json = only(text, "json", "--output", state); break;
     case KEY_RESUME: options->resume = only(text, "auto", "--resume", state); break;
     case KEY_SCHEMES: options->schemes = true; break;
     case KEY_LEVEL: set_level(options, text, state); break;
-    case ARGP_KEY_END: check(options, state); break;
+    case ARGP_KEY_ARG: argp_error(state, "there is no place for \"%s\"; a case follows --load or --batch", text); break;
+    case ARGP_KEY_END:
+        check(options, state);
+        add_threads(options, state);
+        break;
     default: return ARGP_ERR_UNKNOWN;
     }
     return 0;
@@ -181,7 +198,7 @@ int main(int argc, char **argv)
                "Exit codes: 0 done, 1 refused or failed, 2 usage, 65 bad case, 70 diverged, 74 input/output error, 75 "
                "stopped "
                "by a signal after a checkpoint (run the same command again)."};
-    Options options = {.batch.until = NAN, .level = -1, .daemon.name = "default"};
+    Options options = {.batch.until = NAN, .level = -1, .daemon.name = "default", .daemon.threads = -1};
     keep_threads_from_spinning(argv);
     argp_err_exit_status = MNS_EXIT_USAGE;
     static Words words; /* outlives main() */

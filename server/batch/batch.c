@@ -16,22 +16,25 @@
 #include <string.h>
 #include <unistd.h>
 
+/* An order that knows the batch. */
+typedef struct BatchOrder {
+    Order order;
+    struct Batch *batch;
+    bool under_way; /* of the reserved ones */
+} BatchOrder;
+
 typedef struct Batch {
     const BatchOptions *options;
     CaseFile *file;
+    char path[4096]; /* of the case file */
     char name[CASE_NAME_SIZE];
     char directory[RUNDIR_PATH];
     Run *run;
     Signals signals;
     Bar bar;
     double probes[MNS_MAX_PROBES];
+    BatchOrder pause, checkpoint; /* of signals: there from the beginning, so that none is lost for lack of memory */
 } Batch;
-
-/* An order that knows the batch. */
-typedef struct BatchOrder {
-    Order order;
-    Batch *batch;
-} BatchOrder;
 
 /* --- what the runner does for us --------------------------------------------------------------------------------------- */
 
@@ -89,21 +92,20 @@ static void serve_leave(Run *run, Order *order)
 
 /* --- orders, notes and signals ----------------------------------------------------------------------------------------- */
 
-/* An order whose answer does not matter; it is freed when it comes back. */
-static void post_aside(Batch *batch, void (*serve)(Run *, Order *))
+/* An order whose answer does not matter. While it is under way another one of it would change nothing. */
+static void post_aside(Batch *batch, BatchOrder *order, void (*serve)(Run *, Order *))
 {
-    BatchOrder *order = malloc(sizeof *order);
-    if (!order) return;
+    if (order->under_way) return;
     *order = (BatchOrder){.order = {.serve = serve, .deadline = INFINITY}, .batch = batch};
-    if (run_post(batch->run, &order->order, NULL)) free(order);
+    order->under_way = !run_post(batch->run, &order->order, NULL);
 }
 
 static void take_signal(Batch *batch)
 {
     switch (signals_take(&batch->signals)) {
     case SIGNAL_NOTHING: break;
-    case SIGNAL_CHECKPOINT: post_aside(batch, serve_checkpoint); break;
-    case SIGNAL_LEAVE: post_aside(batch, serve_pause); break;
+    case SIGNAL_CHECKPOINT: post_aside(batch, &batch->checkpoint, serve_checkpoint); break;
+    case SIGNAL_LEAVE: post_aside(batch, &batch->pause, serve_pause); break;
     case SIGNAL_INSIST: _exit(MNS_EXIT_FAILED);
     }
 }
@@ -116,7 +118,7 @@ static bool take_notes(Batch *batch, const Order *awaited)
         if (note->kind == NOTE_PROGRESS) bar_show(&batch->bar, note);
         if (note->kind != NOTE_ANSWER) note_free(note);
         else if (note->order == awaited) came = true;
-        else free(note->order); /* and with it the note */
+        else ((BatchOrder *)note->order)->under_way = false;
     }
     return came;
 }
@@ -142,13 +144,12 @@ static MnsStatus perform(Batch *batch, void (*serve)(Run *, Order *), MnsError *
 
 static MnsStatus read_case(Batch *batch, MnsError *error)
 {
-    char path[4096];
-    MnsStatus status = case_find(batch->options->name, path, error);
-    if (!status) status = case_file_read(path, &batch->file, error);
+    MnsStatus status = case_find(batch->options->name, batch->path, error);
+    if (!status) status = case_file_read(batch->path, &batch->file, error);
     for (size_t k = 0; !status && k < batch->options->n_settings; k++)
         status = case_file_set(batch->file, batch->options->settings[k], error);
     if (status) return status;
-    case_name_from_path(path, batch->name);
+    case_name_from_path(batch->path, batch->name);
     const char *directory = batch->options->directory;
     if (directory && strlen(directory) >= RUNDIR_PATH)
         return mns_fail(error, MNS_E_LIMIT, "the path of the run directory is too long: %.200s...", directory);
@@ -190,7 +191,7 @@ static MnsStatus run_loaded(Batch *batch, Outcome *outcome, MnsError *error)
 
 static MnsStatus run_case(Batch *batch, Outcome *outcome, MnsError *error)
 {
-    const RunOptions options = {.directory = batch->directory, .case_decides = true};
+    const RunOptions options = {.directory = batch->directory, .case_decides = true, .threads = -1};
     MnsStatus status = run_new(&options, &batch->run, error);
     if (status) return status;
     bar_begin(&batch->bar);
@@ -226,6 +227,14 @@ void batch_misused(int code, int argc, char *const *argv)
     if (script_wants_json(argc, argv)) outcome_print_misuse(code);
 }
 
+/* As compilers do: what is wrong in a file begins with its place, all else with who says it. */
+static void complain(const Batch *batch, const MnsError *error)
+{
+    const size_t n = strlen(batch->path);
+    const bool placed = n && !strncmp(error->text, batch->path, n) && error->text[n] == ':';
+    fprintf(stderr, "%s%s\n", placed ? "" : "meniscusd: ", error->text);
+}
+
 int batch_run(const BatchOptions *options)
 {
     MnsError error;
@@ -238,10 +247,10 @@ int batch_run(const BatchOptions *options)
     if (!status) status = run_case(&batch, &outcome, &outcome.error);
     if (!status) outcome.error.status = MNS_OK;
     if (status && strcmp(outcome.error.text, outcome.status.fault.text)) /* of a fault the log has told */
-        fprintf(stderr, "%s\n", outcome.error.text);
+        complain(&batch, &outcome.error);
     outcome.code = exit_code(&batch, &outcome);
     if (outcome_print(&outcome, options->json, &error)) {
-        fprintf(stderr, "%s\n", error.text);
+        complain(&batch, &error);
         outcome.code = MNS_EXIT_IO;
     }
     outcome_done(&outcome);

@@ -226,8 +226,10 @@ static MnsStatus begin(Daemon *daemon, MnsError *error)
     find_parent(daemon);
     MnsStatus status = make_parent(daemon, error);
     if (status) return status;
-    const RunOptions options = {
-        .parent = daemon->parent, .nice = SOLVER_NICE, .beat_interval = daemon->notify.watchdog / 4};
+    const RunOptions options = {.parent = daemon->parent,
+                                .nice = SOLVER_NICE,
+                                .threads = daemon->options->threads,
+                                .beat_interval = daemon->notify.watchdog / 4};
     status = run_new(&options, &daemon->run, error);
     if (status) return status;
     status = desk_new(&daemon->endpoint, daemon->run, &daemon->desk, error);

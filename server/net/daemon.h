@@ -10,6 +10,7 @@ typedef struct DaemonOptions {
     const char *name;      /* of the daemon; its sockets are found by it           */
     const char *state_dir; /* run directories go there; NULL: where users keep state */
     const char *tcp;       /* port on loopback, or NULL                            */
+    int threads;           /* for cases that do not say; -1: their default        */
     const char *load;      /* case to load at the start, or NULL                   */
     size_t n_settings;
     char **settings; /* [n_settings] changes to it, "resolution=40"          */

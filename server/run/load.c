@@ -220,13 +220,28 @@ static MnsStatus build_load(Run *run, const RunLoad *load, Document *document, C
     return status;
 }
 
+/* The document of a load, with what the case leaves to whoever started the program. */
+static MnsStatus document_of(const Run *run, const RunLoad *load, Document **ret, MnsError *error)
+{
+    Meniscus__Case *message;
+    char threads[16];
+    if (run->options.threads < 0 || load->message->has_threads)
+        return document_new(load->message, load->name, ret, error);
+    snprintf(threads, sizeof threads, "%d", run->options.threads);
+    MnsStatus status = case_message_set(load->message, "threads", threads, &message, error);
+    if (status) return status;
+    status = document_new(message, load->name, ret, error);
+    meniscus__case__free_unpacked(message, NULL);
+    return status;
+}
+
 void run_load(Run *run, Order *order, const RunLoad *load)
 {
     const RunState previous = run->state;
     MnsError error;
     Candidate candidate = {.lock = -1};
     Document *document;
-    MnsStatus status = document_new(load->message, load->name, &document, &error);
+    MnsStatus status = document_of(run, load, &document, &error);
     if (status) {
         run_answer(run, order, status, &error);
         return;

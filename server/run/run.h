@@ -15,6 +15,7 @@ typedef struct RunOptions {
     const char *parent;    /* directory in which each run gets one of its own                                      */
     const char *directory; /* or the directory of the only run; files of an earlier one in it are moved aside       */
     int nice;              /* of the solver's threads: what serves people must come first while every core computes */
+    int threads;           /* for cases that do not say; -1: their default                                          */
     bool case_decides;     /* on resuming: steerable entries as the case given says, not as the checkpoint says     */
     double beat_interval;  /* [s] run_heartbeat() rises at least as often while idle; 0: only with the steps        */
 } RunOptions;

@@ -102,6 +102,28 @@ static void a_signal_leaves_a_checkpoint_and_asks_to_be_run_again(void **state)
     assert_int_equal(system(command), 0);
 }
 
+/* One for a checkpoint, more while it is under way, and one to leave: each is heard. */
+static void signals_are_heard_however_many(void **state)
+{
+    Place *place = *state;
+    char command[128];
+    json_t *object = run(place, "exec",
+                         "--out many --set output.checkpoints_kept=9 & it=$!; sleep 0.7; for k in 1 2 3 4 5; do "
+                         "kill -USR1 $it; done; sleep 0.3; kill -TERM $it; wait $it #");
+    assert_int_equal(place->code, 75);
+    json_decref(object);
+    snprintf(command, sizeof command, "test $(ls %s/many/checkpoint-*.hdf | wc -l) -ge 2", place->home);
+    assert_int_equal(system(command), 0);
+}
+
+static void an_end_before_the_time_to_stop_is_the_end(void **state)
+{
+    json_t *object = run(*state, "", "--set end_time=0.02 --until 5");
+    assert_int_equal(((Place *)*state)->code, 0);
+    assert_says(object, "state", "DONE");
+    json_decref(object);
+}
+
 static void a_bad_case_names_its_place_and_leaves_nothing(void **state)
 {
     Place *place = *state;
@@ -146,8 +168,16 @@ static void a_wrong_command_line_and_an_unwritable_place_have_codes_of_their_own
     Place *place = *state;
     json_decref(run(place, "", "--until never"));
     assert_int_equal(place->code, 2);
+    assert_non_null(strstr(place->first, "meniscusd: "));
+    json_decref(run(place, "", "stray"));
+    assert_int_equal(place->code, 2);
+    assert_non_null(strstr(place->first, "\"stray\""));
+    json_decref(run(place, "", "--threads many"));
+    assert_int_equal(place->code, 2);
+    assert_non_null(strstr(place->first, "0 to 1024"));
     json_decref(run(place, "", "--until 0.01 --out /dev/null/x"));
     assert_int_equal(place->code, 74);
+    assert_memory_equal(place->first, "meniscusd: ", 11);
 }
 
 int main(void)
@@ -156,6 +186,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(the_object_says_what_came_of_the_run, begin, end),
         cmocka_unit_test_setup_teardown(a_run_in_two_halves_is_the_same_to_the_last_bit, begin, end),
         cmocka_unit_test_setup_teardown(a_signal_leaves_a_checkpoint_and_asks_to_be_run_again, begin, end),
+        cmocka_unit_test_setup_teardown(signals_are_heard_however_many, begin, end),
+        cmocka_unit_test_setup_teardown(an_end_before_the_time_to_stop_is_the_end, begin, end),
         cmocka_unit_test_setup_teardown(a_bad_case_names_its_place_and_leaves_nothing, begin, end),
         cmocka_unit_test_setup_teardown(another_case_cannot_go_on_from_a_checkpoint, begin, end),
         cmocka_unit_test_setup_teardown(a_damaged_checkpoint_is_passed_over, begin, end),

@@ -51,6 +51,32 @@ static double front_of(Dialogue *dialogue)
     return front;
 }
 
+static const char large_case[] = "dimensions: 3\n"
+                                 "resolution: 10\n"
+                                 "domain: {min: [0, 0, 0], max: [1, 1, 1]}\n"
+                                 "fluids: [{name: water, density: 1000, sound_speed: 20}]\n"
+                                 "walls:\n"
+                                 "  - {name: tank, shape: [{outside: true, box: {min: [0, 0, 0], max: [1, 1, 1]}}]}\n"
+                                 "end_time: 1\n";
+
+static void send_large_load(void *socket, const char *resolution)
+{
+    CaseFile *file;
+    MnsError error = {.text = ""};
+    uint8_t id[16];
+    if (case_file_parse("large", large_case, strlen(large_case), &file, &error)) fail_msg("%s", error.text);
+    assert_int_equal(case_file_set(file, resolution, &error), MNS_OK);
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__Load load = MENISCUS__LOAD__INIT;
+    load.case_ = (Meniscus__Case *)case_file_message(file);
+    load.name = (char *)"large";
+    request.command_case = MENISCUS__REQUEST__COMMAND_LOAD;
+    request.load = &load;
+    dialogue_seal(&request, id);
+    dialogue_send(socket, &request);
+    case_file_free(file);
+}
+
 /* --- breakpoints ------------------------------------------------------------------------------------------------------- */
 
 static void a_breakpoint_in_time_pauses_at_the_first_step_after_it(void **state)
@@ -240,6 +266,21 @@ static void threads_can_be_set_within_bounds(void **state)
     steer_refused(steer_set(dialogue, "threads", "-1"), MENISCUS__CODE__INVALID_ARGUMENT, "0");
 }
 
+/* Those the daemon was started with are for cases that do not say. */
+static void a_daemon_has_threads_for_cases_that_do_not_say(void **state)
+{
+    (void)state;
+    Dialogue dialogue;
+    static const char *const options[] = {"--threads", "2", NULL}, *const own[] = {"threads=1", NULL};
+    dialogue_begin(&dialogue, options);
+    dialogue_load(&dialogue, own);
+    assert_true(steer_get(&dialogue, "threads") == 1);
+    send_large_load(dialogue.control, "resolution=10");
+    steer_accepted(dialogue_receive(dialogue.control, NULL));
+    assert_true(steer_get(&dialogue, "threads") == 2);
+    assert_int_equal(dialogue_end(&dialogue), 0);
+}
+
 static void options_of_the_scheme_out_of_bounds_are_refused_with_the_bounds(void **state)
 {
     Dialogue *dialogue = *state;
@@ -292,31 +333,6 @@ static void a_client_killed_in_the_middle_leaves_the_daemon_to_others(void **sta
     assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__OK);
 }
 
-static const char large_case[] = "dimensions: 3\n"
-                                 "resolution: 60\n"
-                                 "domain: {min: [0, 0, 0], max: [1, 1, 1]}\n"
-                                 "fluids: [{name: water, density: 1000, sound_speed: 20}]\n"
-                                 "walls:\n"
-                                 "  - {name: tank, shape: [{outside: true, box: {min: [0, 0, 0], max: [1, 1, 1]}}]}\n"
-                                 "end_time: 1\n";
-
-static void send_large_load(void *socket)
-{
-    CaseFile *file;
-    MnsError error = {.text = ""};
-    uint8_t id[16];
-    if (case_file_parse("large", large_case, strlen(large_case), &file, &error)) fail_msg("%s", error.text);
-    Meniscus__Request request = MENISCUS__REQUEST__INIT;
-    Meniscus__Load load = MENISCUS__LOAD__INIT;
-    load.case_ = (Meniscus__Case *)case_file_message(file);
-    load.name = (char *)"large";
-    request.command_case = MENISCUS__REQUEST__COMMAND_LOAD;
-    request.load = &load;
-    dialogue_seal(&request, id);
-    dialogue_send(socket, &request);
-    case_file_free(file);
-}
-
 static void status_is_answered_while_particles_are_placed(void **state)
 {
     Dialogue *dialogue = *state;
@@ -324,7 +340,7 @@ static void status_is_answered_while_particles_are_placed(void **state)
     const double patience = getenv("MENISCUS_SANITIZED") ? 1 : 0.05; /* [s] */
     bool seen = false, ready = false;
     int slow = 0;
-    send_large_load(loader);
+    send_large_load(loader, "resolution=60");
     for (const double until = steer_now() + 60; !ready && steer_now() < until;) {
         const double asked = steer_now();
         Meniscus__Reply *reply = steer_status(dialogue);
@@ -353,6 +369,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(particles_of_a_box_are_those_of_a_snapshot, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(points_are_between_the_particles_around_them, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(threads_can_be_set_within_bounds, steer_begin, steer_end),
+        cmocka_unit_test(a_daemon_has_threads_for_cases_that_do_not_say),
         cmocka_unit_test_setup_teardown(options_of_the_scheme_out_of_bounds_are_refused_with_the_bounds, steer_begin,
                                         steer_end),
         cmocka_unit_test_setup_teardown(a_client_killed_in_the_middle_leaves_the_daemon_to_others, steer_begin,
