@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The Python client against a real daemon, and against none."""
 
+import ctypes
 import os
 import subprocess
 import sys
@@ -17,7 +18,7 @@ from daemon import BUILD, ROOT, DaemonTest  # noqa: E402
 
 sys.path.insert(0, str(BUILD / "python"))
 import meniscus  # noqa: E402
-from meniscus import case, connection, meniscus_pb2, values  # noqa: E402
+from meniscus import case, connection, errors, meniscus_pb2, values  # noqa: E402
 
 SMALL = {"resolution": 20}
 
@@ -98,13 +99,19 @@ class WithDaemon(DaemonTest):
             self.client.wait(["DONE"], timeout=0.2)
 
     def test_a_wrong_state_is_an_exception_of_its_own(self) -> None:
-        with self.assertRaises(meniscus.StateError):
+        with self.assertRaises(meniscus.StateError) as caught:
             self.client.pause()
+        self.assertEqual(caught.exception.status, "wrong state")
+        self.assertEqual(set(caught.exception.allowed), {"RUNNING", "READY", "PAUSED"})
+        self.assertIn("EMPTY", caught.exception.message)
 
     def test_a_diverged_run_is_an_exception_of_its_own(self) -> None:
         self.load(**{"limits.density_max": 1.0000001})
-        with self.assertRaises(meniscus.DivergedError):
+        with self.assertRaises(meniscus.DivergedError) as caught:
             self.client.step(100)
+        self.assertEqual(caught.exception.status, "diverged")
+        self.assertIn("restore()", caught.exception.hint)
+        self.assertEqual(self.client.status().fault_reason, caught.exception.status)
         self.assertIn("diverged", self.client.status().fault or "")
 
     def test_a_breakpoint_pauses_the_run(self) -> None:
@@ -112,7 +119,13 @@ class WithDaemon(DaemonTest):
         self.client.breakpoint("b", step=6)
         self.client.start()
         self.assertEqual(self.client.wait(["PAUSED"], timeout=20).step, 6)
-        self.client.breakpoint("b")
+        self.client.breakpoint("c", condition="P05 > 1e9")
+        known = {b.name: b for b in self.client.status().breakpoints}
+        self.assertEqual(known["c"].condition, "P05 > 1e9")
+        self.assertIn("density", [timer.name for timer in self.client.status().timers])
+        for name in known:
+            self.client.breakpoint(name)
+        self.assertEqual(self.client.status().breakpoints, ())
 
     def test_a_refused_case_names_file_and_line(self) -> None:
         text = (ROOT / "server/cases/dambreak2d.yaml").read_text().splitlines()
@@ -161,6 +174,26 @@ class WithoutDaemon(unittest.TestCase):
             with self.assertRaises(meniscus.UnavailableError):
                 meniscus.Client(daemon)
         self.assertLess(time.monotonic() - began, 5)
+
+    def test_every_failure_has_a_status_and_a_hint_whatever_its_source(self) -> None:
+        for code in meniscus_pb2.Code.keys():
+            if code in ("OK", "PERMISSION_DENIED", "UNAUTHENTICATED", "INTERNAL"):
+                continue
+            error = errors.error_for(code, "because")
+            self.assertNotEqual(error.status, "internal error", code)
+            self.assertTrue(error.hint, code)
+        self.assertEqual(errors.error_for("RESOURCE_EXHAUSTED", "full", reason="no space").status, "no space")
+        with self.assertRaises(meniscus.UnavailableError) as caught:
+            meniscus.Client("nobody-of-that-name")
+        self.assertEqual(caught.exception.status, "unavailable")
+        self.assertIn("meniscusd", caught.exception.hint)
+
+    def test_statuses_are_the_words_of_the_command_line(self) -> None:
+        library = ctypes.CDLL(str(BUILD / "libmeniscus-client.so"))
+        library.mns_status_name.restype = ctypes.c_char_p
+        words = {library.mns_status_name(k).decode() for k in range(1, 15)}
+        self.assertEqual(set(errors._HINTS), words)
+        self.assertLessEqual(set(errors._STATUS.values()), words)
 
     def test_endpoints_of_other_hosts_are_refused(self) -> None:
         for daemon in ("tcp://10.0.0.1:80", "tcp://127.0.0.1:65535", "../x", "udp://127.0.0.1:3"):

@@ -14,9 +14,9 @@
 from .client import TOPICS, Client
 from .errors import (CancelledError, CaseError, CorruptError, DivergedError, MeniscusError, RefusedError, StateError,
                      TimedOutError, UnavailableError)
-from .values import OutputFile, Reply, Status, Telemetry, Value
+from .values import Breakpoint, OutputFile, Reply, Status, Telemetry, Timer, Value
 
 __version__ = "0.1.0"
-__all__ = ["CancelledError", "CaseError", "Client", "CorruptError", "DivergedError", "MeniscusError", "OutputFile",
-           "RefusedError", "Reply", "StateError", "Status", "TOPICS", "Telemetry", "TimedOutError", "UnavailableError",
-           "Value"]
+__all__ = ["Breakpoint", "CancelledError", "CaseError", "Client", "CorruptError", "DivergedError", "MeniscusError", "OutputFile",
+           "RefusedError", "Reply", "StateError", "Status", "TOPICS", "Telemetry", "TimedOutError", "Timer",
+           "UnavailableError", "Value"]

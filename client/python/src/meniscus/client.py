@@ -73,7 +73,7 @@ class Client:
             if not error.path:
                 raise
             where = text.locate(error.path)
-            raise CaseError(error.code, f"{where}: {error.path}: {error.message}", error.path) from None
+            raise CaseError(error.code, f"{where}: {error.path}: {error.message}", error.path, error.status) from None
         return self.start() if start else reply
 
     def start(self) -> Reply:
@@ -89,7 +89,7 @@ class Client:
         return self._simple(pb.Request(resume=pb.Resume()))
 
     def step(self, count: int = 1, request_id: Optional[bytes] = None) -> Reply:
-        """Do some time steps; returns when they are done. request_id: as for wait()."""
+        """Do some time steps; returns when they are done, PAUSED. request_id: as for wait()."""
         return self._simple(pb.Request(step=pb.Step(count=count)), None, request_id)
 
     def run_until(self, time: float, exact: bool = True, request_id: Optional[bytes] = None) -> Reply:
@@ -130,6 +130,8 @@ class Client:
     ) -> Reply:
         """Return at the first of: one of the states, a simulated time [s], a step. TimedOutError after timeout [s].
 
+        states      of "EMPTY", "LOADING", "READY", "RUNNING", "PAUSED", "DONE", "FAULT", "STOPPING"; the reply says in which
+                    state it is, so a run that went wrong is seen by reply.state == "FAULT" and status().fault
         request_id  16 bytes by which cancel() can name this request
         """
         message = pb.Wait(states=[pb.State.Value(state) for state in states], time=time, step=step)
@@ -155,7 +157,7 @@ class Client:
         return self._simple(pb.Request(set=pb.Set(assignments=items)))
 
     def get(self, *paths: str) -> Dict[str, Value]:
-        """Entries of the case by path."""
+        """Entries of the case by path, as in "end_time" or "fluids[1].density", with their units; none: all that can be set."""
         return read_values(self._call(pb.Request(get=pb.Get(paths=paths)))[0].values)
 
     def status(self) -> Status:
@@ -167,7 +169,7 @@ class Client:
         return self._call(pb.Request(capabilities=pb.GetCapabilities()))[0].capabilities
 
     def query(self, *probes: str) -> Dict[str, Value]:
-        """Probes, now; all of them if none is named."""
+        """Probes, now, with their units; all of them if none is named."""
         query = pb.Query(probes=pb.ProbeQuery(names=probes))
         return read_values(self._call(pb.Request(query=query))[0].values)
 
@@ -186,7 +188,12 @@ class Client:
         walls: bool = False,
         limit: Optional[int] = None,
     ) -> Dict[str, np.ndarray]:
-        """Particles of a box, or all: one array per field, the first index counts particles."""
+        """Particles of a box, or all: one array per field in SI units, the first index counts particles.
+
+        fields    names as in capabilities().fields; none: position
+        min, max  lower and upper corner of the box [m], as many coordinates as the case has dimensions
+        limit     RESOURCE_EXHAUSTED if there are more; None: 100000
+        """
         message = pb.ParticleQuery(min=min or (), max=max or (), fields=fields, walls=walls, limit=limit)
         reply, frames = self._call(pb.Request(query=pb.Query(particles=message)))
         return {array.name: read_array(array, frame) for array, frame in zip(reply.arrays, frames)}

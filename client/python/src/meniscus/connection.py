@@ -71,7 +71,8 @@ class Connection:
         if reply.code != pb.OK:
             known = reply.code in pb.Code.values()
             code = pb.Code.Name(reply.code) if known else str(reply.code)
-            raise error_for(code, reply.message, reply.path, reply.reason)
+            allowed = [pb.State.Name(state) for state in reply.allowed]
+            raise error_for(code, reply.message, reply.path, reply.reason, allowed)
         _check(reply, frames)
         return reply, frames
 

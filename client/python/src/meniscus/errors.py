@@ -3,22 +3,64 @@
 
 from __future__ import annotations
 
-from typing import Type
+import sys
+from typing import Sequence, Tuple, Type
+
+# What the reply calls its reason, by code, for failures that have none as they did not come from a daemon.
+_STATUS: dict[str, str] = {
+    "INVALID_ARGUMENT": "invalid",
+    "OUT_OF_RANGE": "invalid",
+    "NOT_FOUND": "not found",
+    "FAILED_PRECONDITION": "wrong state",
+    "ALREADY_EXISTS": "wrong state",
+    "RESOURCE_EXHAUSTED": "limit reached",
+    "ABORTED": "interrupted",
+    "DEADLINE_EXCEEDED": "timed out",
+    "UNIMPLEMENTED": "wrong version",
+    "UNAVAILABLE": "unavailable",
+    "DATA_LOSS": "corrupt",
+}
+
+_HINTS: dict[str, str] = {
+    "invalid": "mend what the message names and try again",
+    "not found": "check the name; capabilities() and the message say what there is",
+    "wrong state": "see status().state, and wait() for a state in which it is possible",
+    "limit reached": "ask for less, or raise the limit if the message names an entry for it",
+    "out of memory": "compute with fewer particles, or on a machine with more memory",
+    "diverged": "look at the last snapshot, then restore() a checkpoint, or load() with a smaller time step or more particles",
+    "input/output error": "see to the file or directory that the message names, then try again",
+    "no space": "make room on the disk, then resume()",
+    "corrupt": "try again; of checkpoints, restore() without a name finds the newest whole one",
+    "wrong version": "use programs of the same version",
+    "unavailable": "see which daemons there are with `meniscus ls`, or start one with `meniscusd`",
+    "timed out": "allow more time, or see with status() how far it is",
+    "interrupted": "another client ended the command: give it again if it is still wanted",
+    "internal error": "please report this with the daemon's log",
+}
 
 
 class MeniscusError(Exception):
     """A command failed.
 
     code     of the protocol, as in "FAILED_PRECONDITION"
+    status   what is wrong in a word or two, finer than the code, as in "wrong state", "diverged" or "no space": the words
+             that `meniscus -o json` prints
     message  what was found, what is allowed, what to do
     path     the entry to blame, as in "fluids[1].density"; empty if there is none
+    hint     what to do about failures of that status; tracebacks show it below the message
+    allowed  names of the states in which the command is possible, where its state was wrong
     """
 
-    def __init__(self, code: str, message: str, path: str = "") -> None:
+    def __init__(self, code: str, message: str, path: str = "", reason: str = "", allowed: Sequence[str] = ()) -> None:
         super().__init__(message)
         self.code = code
         self.message = message
         self.path = path
+        self.status = reason or _STATUS.get(code, "internal error")
+        self.hint = _HINTS.get(self.status, "")
+        self.allowed: Tuple[str, ...] = tuple(allowed)
+        if self.hint and sys.version_info >= (3, 11):
+            self.add_note(f"hint: {self.hint}")
 
 
 class CaseError(MeniscusError):
@@ -66,8 +108,9 @@ _BY_CODE: dict[str, Type[MeniscusError]] = {
 }
 
 
-def error_for(code: str, message: str, path: str = "", reason: str = "") -> MeniscusError:
+def error_for(
+    code: str, message: str, path: str = "", reason: str = "", allowed: Sequence[str] = ()
+) -> MeniscusError:
     """The exception that stands for a code of the protocol, or for its reason where that is more exact."""
-    if reason == "diverged":
-        return DivergedError(code, message, path)
-    return _BY_CODE.get(code, MeniscusError)(code, message, path)
+    kind = DivergedError if reason == "diverged" else _BY_CODE.get(code, MeniscusError)
+    return kind(code, message, path, reason, allowed)

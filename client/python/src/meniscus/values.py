@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any, Dict, List, Optional, Union
+from typing import Any, Dict, List, Optional, Tuple, Union
 
 import numpy as np
 
@@ -26,10 +26,10 @@ class Reply:
     """The answer to a command: the state after its effect, and the step boundary at which it took effect."""
 
     state: str
-    step: int
-    time: float
-    effect_step: int
-    daemon_epoch: int
+    step: int  # at the time of the answer
+    time: float  # simulated, at the time of the answer [s]
+    effect_step: int  # at which the command took effect
+    daemon_epoch: int  # another number after every start of the daemon
     message: str = ""
 
 
@@ -39,7 +39,26 @@ class OutputFile:
 
     path: str
     step: int
-    time: float
+    time: float  # simulated [s]
+
+
+@dataclass(frozen=True)
+class Timer:
+    """Where the solver spends its time."""
+
+    name: str
+    seconds: float  # of the wall clock
+    calls: int
+
+
+@dataclass(frozen=True)
+class Breakpoint:
+    """Where a run will pause; one of time [s], step and condition is not None."""
+
+    name: str
+    time: Optional[float] = None
+    step: Optional[int] = None
+    condition: Optional[str] = None
 
 
 @dataclass(frozen=True)
@@ -50,24 +69,26 @@ class Status:
     case_name: Optional[str] = None
     title: Optional[str] = None
     run_directory: Optional[str] = None
-    time: Optional[float] = None
-    end_time: Optional[float] = None
+    time: Optional[float] = None  # simulated [s]
+    end_time: Optional[float] = None  # [s]
     step: Optional[int] = None
-    time_step: Optional[float] = None
-    particles: Optional[int] = None
+    time_step: Optional[float] = None  # the last one [s]
+    particles: Optional[int] = None  # of fluids and walls
     fluid_particles: Optional[int] = None
-    steps_per_second: Optional[float] = None
-    ns_per_particle_step: Optional[float] = None
-    eta_s: Optional[float] = None
-    guarded: Optional[int] = None
-    samples_dropped: Optional[int] = None
-    fault: Optional[str] = None
-    fault_reason: Optional[str] = None
+    steps_per_second: Optional[float] = None  # of the wall clock
+    ns_per_particle_step: Optional[float] = None  # [ns]
+    eta_s: Optional[float] = None  # wall-clock time to the end [s]
+    guarded: Optional[int] = None  # times that a particle was kept from a wall
+    samples_dropped: Optional[int] = None  # live samples that nobody fetched in time; files have them all
+    fault: Optional[str] = None  # the sentence, in FAULT
+    fault_reason: Optional[str] = None  # as MeniscusError.status
     threads: Optional[int] = None
-    wall_s: Optional[float] = None
+    wall_s: Optional[float] = None  # wall-clock time of the run [s]
     memory_bytes: Optional[int] = None
     version: Optional[str] = None
-    state_hash: Optional[int] = None
+    state_hash: Optional[int] = None  # only when not RUNNING
+    timers: Tuple[Timer, ...] = ()
+    breakpoints: Tuple[Breakpoint, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -78,16 +99,16 @@ class Telemetry:
     sequence: int
     lost: int
     step: int
-    time: float
+    time: float  # simulated [s]
     state: Optional[str] = None  # event, progress
     what: str = ""  # event
     text: str = ""  # event, log
     level: Optional[int] = None  # log
-    fraction: Optional[float] = None  # progress
-    eta_s: Optional[float] = None
-    steps_per_second: Optional[float] = None
-    time_step: Optional[float] = None
-    end_time: Optional[float] = None
+    fraction: Optional[float] = None  # progress, 0 to 1
+    eta_s: Optional[float] = None  # progress: wall-clock time to the end [s]
+    steps_per_second: Optional[float] = None  # progress
+    time_step: Optional[float] = None  # progress [s]
+    end_time: Optional[float] = None  # progress [s]
     values: Dict[str, Value] = field(default_factory=dict)  # probe
 
 
@@ -104,8 +125,15 @@ def read_reply(reply: pb.Reply) -> Reply:
 
 def read_status(message: pb.Status) -> Status:
     """A status, field by field."""
-    names = [name for name in Status.__dataclass_fields__ if name != "state"]
-    return Status(state=pb.State.Name(message.state), **{name: _given(message, name) for name in names})
+    names = [name for name in Status.__dataclass_fields__ if name not in ("state", "timers", "breakpoints")]
+    return Status(
+        state=pb.State.Name(message.state),
+        timers=tuple(Timer(timer.name, timer.seconds, timer.calls) for timer in message.timers),
+        breakpoints=tuple(
+            Breakpoint(b.name, _given(b, "time"), _given(b, "step"), _given(b, "condition")) for b in message.breakpoints
+        ),
+        **{name: _given(message, name) for name in names},
+    )
 
 
 def read_values(message: pb.Values) -> Dict[str, Value]:
