@@ -112,5 +112,5 @@ def error_for(
     code: str, message: str, path: str = "", reason: str = "", allowed: Sequence[str] = ()
 ) -> MeniscusError:
     """The exception that stands for a code of the protocol, or for its reason where that is more exact."""
-    kind = DivergedError if reason == "diverged" else _BY_CODE.get(code, MeniscusError)
+    kind: Type[MeniscusError] = DivergedError if reason == "diverged" else _BY_CODE.get(code, MeniscusError)
     return kind(code, message, path, reason, allowed)
