@@ -27,7 +27,8 @@ _HINTS: dict[str, str] = {
     "wrong state": "see status().state, and wait() for a state in which it is possible",
     "limit reached": "ask for less, or raise the limit if the message names an entry for it",
     "out of memory": "compute with fewer particles, or on a machine with more memory",
-    "diverged": "look at the last snapshot, then restore() a checkpoint, or load() with a smaller time step or more particles",
+    "diverged": "look at the last snapshot, then restore() a checkpoint, or load() with a smaller time step or more "
+    "particles",
     "input/output error": "see to the file or directory that the message names, then try again",
     "no space": "make room on the disk, then resume()",
     "corrupt": "try again; of checkpoints, restore() without a name finds the newest whole one",
@@ -112,5 +113,6 @@ def error_for(
     code: str, message: str, path: str = "", reason: str = "", allowed: Sequence[str] = ()
 ) -> MeniscusError:
     """The exception that stands for a code of the protocol, or for its reason where that is more exact."""
-    kind: Type[MeniscusError] = DivergedError if reason == "diverged" else _BY_CODE.get(code, MeniscusError)
-    return kind(code, message, path, reason, allowed)
+    if reason == "diverged":
+        return DivergedError(code, message, path, reason, allowed)
+    return _BY_CODE.get(code, MeniscusError)(code, message, path, reason, allowed)
