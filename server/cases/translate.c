@@ -130,8 +130,29 @@ static MnsStatus translate_walls(Translation *t, const Meniscus__Case *m)
     return status;
 }
 
-/* There is one method so far; its absence means the same with its defaults. */
-static void translate_scheme(const Meniscus__Scheme *given, MnsSchemeOptions *ret)
+/* Its absence means the same as its defaults. */
+static void translate_riemann(const Meniscus__Riemann *given, MnsSchemeOptions *ret)
+{
+    const Meniscus__Riemann defaults = MENISCUS__RIEMANN__INIT;
+    const Meniscus__Riemann *r = given ? given : &defaults;
+    ret->name = "riemann";
+    ret->riemann = (MnsRiemann){.limiter = r->limiter,
+                                .background_pressure = r->background_pressure,
+                                .guard = r->guard,
+                                .transport_stress = r->transport_stress};
+}
+
+static MnsStatus translate_method(Translation *t, const Meniscus__Scheme *m, MnsSchemeOptions *ret)
+{
+    switch (m->method_case) {
+    case MENISCUS__SCHEME__METHOD_RIEMANN: translate_riemann(m->riemann, ret); return MNS_OK;
+    case MENISCUS__SCHEME__METHOD__NOT_SET: translate_riemann(NULL, ret); return MNS_OK;
+    case _MENISCUS__SCHEME__METHOD__CASE_IS_INT_SIZE: break;
+    }
+    return translation_unknown(t);
+}
+
+static MnsStatus translate_scheme(Translation *t, const Meniscus__Scheme *given, MnsSchemeOptions *ret)
 {
     static const MnsKernel kernels[] = {
         [MENISCUS__KERNEL__WENDLAND_C2] = MNS_WENDLAND_C2,
@@ -139,20 +160,17 @@ static void translate_scheme(const Meniscus__Scheme *given, MnsSchemeOptions *re
         [MENISCUS__KERNEL__QUINTIC_SPLINE] = MNS_QUINTIC_SPLINE,
     };
     const Meniscus__Scheme scheme_defaults = MENISCUS__SCHEME__INIT;
-    const Meniscus__Riemann riemann_defaults = MENISCUS__RIEMANN__INIT;
     const Meniscus__Scheme *m = given ? given : &scheme_defaults;
-    const Meniscus__Riemann *r = m->method_case == MENISCUS__SCHEME__METHOD_RIEMANN ? m->riemann : &riemann_defaults;
     *ret = (MnsSchemeOptions){
-        .name = "riemann",
         .kernel = kernels[m->kernel],
         .smoothing = m->smoothing,
         .cfl = m->cfl,
         .skin = m->skin,
-        .riemann = {.limiter = r->limiter,
-                    .background_pressure = r->background_pressure,
-                    .guard = r->guard,
-                    .transport_stress = r->transport_stress},
     };
+    const size_t before = translation_enter(t, "scheme");
+    const MnsStatus status = translate_method(t, m, ret);
+    case_path_cut(&t->path, before);
+    return status;
 }
 
 static MnsStatus translate_fields(Translation *t, const Meniscus__Output *m, MnsOutput *ret)
@@ -210,9 +228,9 @@ static MnsStatus translate_all(Translation *t, const Meniscus__Case *m)
     c->resolution = m->resolution;
     c->end_time = m->end_time;
     c->threads = m->threads;
-    translate_scheme(m->scheme, &c->scheme);
     c->limits = translate_limits(m->limits);
-    MnsStatus status = take_text(t, m->title ? m->title : "", &c->title);
+    MnsStatus status = translate_scheme(t, m->scheme, &c->scheme);
+    if (!status) status = take_text(t, m->title ? m->title : "", &c->title);
     if (!status) status = translate_domain(t, m->domain);
     if (!status) status = translate_constants(t, m);
     if (!status) status = take_formulas(t, "gravity", m->n_gravity, m->gravity, c->gravity);

@@ -135,8 +135,10 @@ static MnsStatus take_kind(Translation *t, const Meniscus__Probe *m, MnsProbe *p
     case MENISCUS__PROBE__KIND_COVERAGE: return take_coverage(t, m->coverage, probe);
     case MENISCUS__PROBE__KIND_ESCAPED: return take_escaped(t, m->escaped, probe);
     case MENISCUS__PROBE__KIND_PRESSURE_DEVIATION: return take_deviation(t, m->pressure_deviation, probe);
-    default: return translation_fail(t, MNS_E_INVALID, NULL, "what it measures is missing");
+    case MENISCUS__PROBE__KIND__NOT_SET:
+    case _MENISCUS__PROBE__KIND__CASE_IS_INT_SIZE: break;
     }
+    return translation_unknown(t);
 }
 
 /* Every text of a probe must be there, even where its kind has no use for it. */

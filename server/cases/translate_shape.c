@@ -66,7 +66,7 @@ static MnsStatus take_formula(Translation *t, const Meniscus__Part *m, bool form
 static MnsStatus take_primitive(Translation *t, const Meniscus__Part *m, bool formulas, MnsPart *part)
 {
     size_t before = t->path.n;
-    MnsStatus status;
+    MnsStatus status = MNS_E_INTERNAL;
     switch (m->primitive_case) {
     case MENISCUS__PART__PRIMITIVE_BOX:
         part->primitive = MNS_BOX;
@@ -89,7 +89,9 @@ static MnsStatus take_primitive(Translation *t, const Meniscus__Part *m, bool fo
         before = translation_enter(t, "half_space");
         status = take_half_space(t, m->half_space, part);
         break;
-    default: status = take_formula(t, m, formulas, part); break; /* the check has seen to it that there is one */
+    case MENISCUS__PART__PRIMITIVE_FORMULA: status = take_formula(t, m, formulas, part); break;
+    case MENISCUS__PART__PRIMITIVE__NOT_SET:
+    case _MENISCUS__PART__PRIMITIVE__CASE_IS_INT_SIZE: status = translation_unknown(t); break;
     }
     case_path_cut(&t->path, before);
     return status;
@@ -159,7 +161,7 @@ static MnsStatus take_table(Translation *t, const Meniscus__MotionTable *m, MnsM
 MnsStatus translate_motion(Translation *t, const Meniscus__Motion *message, MnsMotion *ret)
 {
     const size_t before = translation_enter(t, "motion");
-    MnsStatus status;
+    MnsStatus status = MNS_E_INTERNAL;
     switch (message->kind_case) {
     case MENISCUS__MOTION__KIND_SINE:
         ret->kind = MNS_SINE;
@@ -169,7 +171,12 @@ MnsStatus translate_motion(Translation *t, const Meniscus__Motion *message, MnsM
         ret->kind = MNS_ONE_MINUS_COSINE;
         status = take_oscillation(t, "one_minus_cosine", message->one_minus_cosine, ret);
         break;
-    default: ret->kind = MNS_TABLE; status = take_table(t, message->table, ret);
+    case MENISCUS__MOTION__KIND_TABLE:
+        ret->kind = MNS_TABLE;
+        status = take_table(t, message->table, ret);
+        break;
+    case MENISCUS__MOTION__KIND__NOT_SET:
+    case _MENISCUS__MOTION__KIND__CASE_IS_INT_SIZE: status = translation_unknown(t); break;
     }
     case_path_cut(&t->path, before);
     return status;

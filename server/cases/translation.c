@@ -34,6 +34,12 @@ MnsStatus translation_fail(Translation *t, MnsStatus status, const char *name, c
     return status;
 }
 
+MnsStatus translation_unknown(Translation *t)
+{
+    return translation_fail(t, MNS_E_INVALID, NULL,
+                            "found nothing of what is allowed here, or what this program is too old for");
+}
+
 MnsStatus take_text(Translation *t, const char *text, char **ret)
 {
     *ret = strdup(text);

@@ -29,6 +29,10 @@ size_t translation_enter_item(Translation *t, const char *name, size_t k);
 MnsStatus translation_fail(Translation *t, MnsStatus status, const char *name, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
+/* Complain about the present place, a oneof of which the member that is there is not known here. The switches over such members
+ * have no default but name all values, of which one only gives the type its size: so the compiler tells of a new member. */
+MnsStatus translation_unknown(Translation *t);
+
 MnsStatus take_text(Translation *t, const char *text, char **ret);
 
 /* One number for each dimension. */

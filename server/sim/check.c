@@ -220,20 +220,27 @@ static MnsStatus check_fluid(const MnsCase *c, size_t k, const Constants *consta
     return check_formula(f->pressure, XYZ, constants, at, error);
 }
 
-static MnsStatus check_motion(const MnsMotion *motion, const char *at, MnsError *error)
+static MnsStatus check_table(const MnsMotion *motion, const char *at, MnsError *error)
 {
-    if (motion->kind == MNS_SINE || motion->kind == MNS_ONE_MINUS_COSINE) {
-        if (!(motion->frequency > 0 && isfinite(motion->frequency)))
-            return mns_fail_at(error, MNS_E_INVALID, at, "the frequency must be above 0: found %g", motion->frequency);
-        return MNS_OK;
-    }
-    if (motion->kind == MNS_STILL) return MNS_OK;
     if (motion->n < 2) return mns_fail_at(error, MNS_E_INVALID, at, "a table of motion needs two points at least");
     for (size_t k = 1; k < motion->n; k++)
         if (!(motion->points[k].t > motion->points[k - 1].t))
             return mns_fail_at(error, MNS_E_INVALID, at, "times must rise: point %zu is at %g s after %g s", k,
                                motion->points[k].t, motion->points[k - 1].t);
     return MNS_OK;
+}
+
+static MnsStatus check_motion(const MnsMotion *motion, const char *at, MnsError *error)
+{
+    switch (motion->kind) { /* no default: the compiler tells of a kind that is missing */
+    case MNS_STILL: return MNS_OK;
+    case MNS_SINE:
+    case MNS_ONE_MINUS_COSINE:
+        if (motion->frequency > 0 && isfinite(motion->frequency)) return MNS_OK;
+        return mns_fail_at(error, MNS_E_INVALID, at, "the frequency must be above 0: found %g", motion->frequency);
+    case MNS_TABLE: return check_table(motion, at, error);
+    }
+    return mns_fail_at(error, MNS_E_INVALID, at, "unknown kind of motion, %d", (int)motion->kind);
 }
 
 static MnsStatus check_wall(const MnsCase *c, size_t k, const Constants *constants, MnsError *error)

@@ -242,6 +242,10 @@ static void move(MnsCase *c, size_t n, double second)
     motion->points = calloc(n, sizeof *motion->points);
     for (size_t k = 0; k < n; k++) motion->points[k].t = k == 1 ? second : (double)k;
 }
+static void unknown_motion(MnsCase *c)
+{
+    c->walls[0].motion.kind = (MnsMotionKind)7;
+}
 static void lone_point(MnsCase *c)
 {
     move(c, 1, 0);
@@ -325,6 +329,7 @@ static const Refusal REFUSALS[] = {
     {"walls[1].shape[0]", MNS_E_INVALID, endless_half_space},
     {"walls[1].motion", MNS_E_INVALID, still_sine},
     {"walls[0].motion", MNS_E_INVALID, endless_cosine},
+    {"walls[0].motion", MNS_E_INVALID, unknown_motion},
     {"walls[0].motion", MNS_E_INVALID, lone_point},
     {"walls[0].motion", MNS_E_INVALID, falling_table},
     {"walls[0].motion", MNS_E_INVALID, standing_table},
