@@ -99,7 +99,7 @@ MnsStatus atomic_commit(AtomicFile *file, MnsError *error)
 
 MnsStatus atomic_write(const char *path, const void *data, size_t size, MnsError *error)
 {
-    AtomicFile file;
+    AtomicFile file = {.fd = -1};
     const MnsStatus status = atomic_begin(&file, path, error);
     if (status) return status;
     const int failure = file_write_at(file.fd, data, size, 0);

@@ -47,6 +47,7 @@ static int add(List *list, int dir, const char *name)
     DirectoryEntry *entry = &list->entries[list->n++];
     snprintf(entry->name, sizeof entry->name, "%s", name);
     entry->written = about.st_mtim;
+    entry->changed = about.st_ctim;
     return 0;
 }
 

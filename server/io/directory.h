@@ -9,7 +9,7 @@
 
 typedef struct DirectoryEntry {
     char name[256];
-    struct timespec written;
+    struct timespec written, changed; /* its contents; its contents, its name or anything else of it */
 } DirectoryEntry;
 
 /* List the regular files of dir whose names begin and end so, the last written first, equally old ones by falling name.

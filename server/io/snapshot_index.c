@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The index that tells ParaView the times of the snapshots in a directory: made anew from the files themselves each
- * time, at 0.04 ms a file, so that it cannot be wrong for long. */
+/* The index that tells ParaView the times of the snapshots in a directory. It is made from the files there are; those that have
+ * not changed since the last index was written are not opened again, at 0.04 ms each, but taken from it. */
 #include "io/atomic_file.h"
 #include "io/directory.h"
 #include "io/h5.h"
@@ -10,6 +10,7 @@
 #include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 typedef struct Moment {
     const char *name; /* of the file */
@@ -27,16 +28,59 @@ static int by_time(const void *left, const void *right)
     return a->t < b->t ? -1 : a->t > b->t ? 1 : strcmp(a->name, b->name);
 }
 
+/* What an earlier index says. */
+typedef struct Known {
+    json_t *times;           /* an object: name, time; empty if there is no index or not one of ours */
+    struct timespec written; /* the index */
+} Known;
+
+static Known read_index(const char *dir)
+{
+    Known known = {.times = json_object()};
+    char path[IO_PATH_MAX];
+    struct stat about;
+    size_t k;
+    json_t *index, *file;
+    if (directory_path(path, dir, INDEX_NAME, NULL) || stat(path, &about)) return known;
+    known.written = about.st_mtim;
+    index = json_load_file(path, 0, NULL);
+    json_array_foreach(json_object_get(index, "files"), k, file)
+    {
+        const char *name = json_string_value(json_object_get(file, "name"));
+        json_t *time = json_object_get(file, "time");
+        if (name && json_is_real(time)) json_object_set(known.times, name, time);
+    }
+    json_decref(index);
+    return known;
+}
+
+static bool is_earlier(struct timespec a, struct timespec b)
+{
+    return a.tv_sec != b.tv_sec ? a.tv_sec < b.tv_sec : a.tv_nsec < b.tv_nsec;
+}
+
+/* Time of a file's moment, from the index if nothing has touched it since. False if it cannot be read. */
+static bool find_time(const char *dir, const DirectoryEntry *file, const Known *known, double *ret)
+{
+    char path[IO_PATH_MAX];
+    const json_t *time = json_object_get(known->times, file->name);
+    if (time && is_earlier(file->changed, known->written)) {
+        *ret = json_real_value(time);
+        return true;
+    }
+    return !directory_path(path, dir, file->name, NULL) && !h5_load(path, false, get_time, ret, NULL);
+}
+
 /* Files that cannot be read are left out: the others still play. @return how many moments there are. */
 static size_t find_moments(const char *dir, const DirectoryEntry *files, size_t n, Moment *moments)
 {
-    char path[IO_PATH_MAX];
+    const Known known = read_index(dir);
     size_t found = 0;
     for (size_t k = 0; k < n; k++) {
         Moment moment = {.name = files[k].name};
-        if (directory_path(path, dir, files[k].name, NULL) || h5_load(path, false, get_time, &moment.t, NULL)) continue;
-        moments[found++] = moment;
+        if (find_time(dir, &files[k], &known, &moment.t)) moments[found++] = moment;
     }
+    json_decref(known.times);
     qsort(moments, found, sizeof *moments, by_time);
     return found;
 }
@@ -56,7 +100,7 @@ static char *index_text(const Moment *moments, size_t n)
 static MnsStatus write_index(const char *dir, const Moment *moments, size_t n, MnsError *error)
 {
     char path[IO_PATH_MAX];
-    const MnsStatus status = directory_path(path, dir, "snapshots.hdf.series", error);
+    const MnsStatus status = directory_path(path, dir, INDEX_NAME, error);
     if (status) return status;
     char *text = index_text(moments, n);
     if (!text) return mns_fail(error, MNS_E_MEMORY, "no memory for the index of the snapshots in '%s'", dir);

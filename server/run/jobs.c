@@ -2,11 +2,13 @@
 /* The jobs of the writer's thread. */
 #include "run/jobs.h"
 
+#include "base/clock.h"
 #include "io/directory.h"
 #include "io/names.h"
 #include "io/snapshot.h"
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* A file with particles in it. */
 typedef struct FileJob {
@@ -95,6 +97,7 @@ MnsStatus job_post_checkpoint(Outputs *outputs, MnsCapture *capture, Document *d
 /* A sample of all probes; with n = 0, the wish that the series be written. */
 typedef struct RowJob {
     Job job;
+    Outputs *outputs;
     Series *series;
     uint64_t step;
     double t;
@@ -105,8 +108,11 @@ typedef struct RowJob {
 static MnsStatus write_row(Job *base, MnsError *error)
 {
     const RowJob *row = (const RowJob *)base;
-    return row->n ? series_append(row->series, row->step, row->t, row->values, error)
-                  : series_flush(row->series, error);
+    if (row->n) return series_append(row->series, row->step, row->t, row->values, error);
+    const double before = clock_now();
+    const MnsStatus status = series_flush(row->series, error);
+    row->outputs->flush_seconds = clock_now() - before;
+    return status;
 }
 
 static void free_row(Job *base)
@@ -118,8 +124,12 @@ MnsStatus job_post_row(Outputs *outputs, MnsProgress at, size_t n, const double 
 {
     RowJob *row = malloc(sizeof *row + n * sizeof *values);
     if (!row) return mns_fail(error, MNS_E_MEMORY, "no memory for a sample of the probes");
-    *row = (RowJob){
-        .job = {.write = write_row, .free = free_row}, .series = outputs->series, .step = at.step, .t = at.t, .n = n};
+    *row = (RowJob){.job = {.write = write_row, .free = free_row},
+                    .outputs = outputs,
+                    .series = outputs->series,
+                    .step = at.step,
+                    .t = at.t,
+                    .n = n};
     for (size_t k = 0; k < n; k++) row->values[k] = values[k];
     writer_post(outputs->writer, &row->job);
     return MNS_OK;
@@ -150,6 +160,25 @@ MnsStatus job_open_series(Writer *writer, const char *directory, const Document 
                           uint64_t last_step, Series **ret, MnsError *error)
 {
     OpenJob job = {{.write = open_series}, directory, document, goes_on, last_step, ret};
+    return writer_call(writer, &job.job, error);
+}
+
+typedef struct IndexJob {
+    Job job;
+    const char *directory;
+} IndexJob;
+
+static MnsStatus write_index(Job *base, MnsError *error)
+{
+    const IndexJob *job = (const IndexJob *)base;
+    char path[4096];
+    const MnsStatus status = directory_path(path, job->directory, INDEX_NAME, error);
+    return status || access(path, F_OK) ? status : snapshot_index(job->directory, error);
+}
+
+MnsStatus job_index(Writer *writer, const char *directory, MnsError *error)
+{
+    IndexJob job = {{.write = write_index}, directory};
     return writer_call(writer, &job.job, error);
 }
 

@@ -207,7 +207,7 @@ static MnsStatus choose_directory(const Run *run, const RunLoad *load, char ret[
 /* document is taken over. */
 static MnsStatus build_load(Run *run, const RunLoad *load, Document *document, Candidate *candidate, MnsError *error)
 {
-    Checkpoint checkpoint;
+    Checkpoint checkpoint = {.state = NULL};
     MnsStatus status = MNS_E_NOT_FOUND;
     if (load->resume)
         status = outputs_read(run->outputs.writer, candidate->directory, true, note_damaged, run, &checkpoint, error);
@@ -286,7 +286,7 @@ void run_restore(Run *run, Order *order, const char *name)
 {
     const RunState previous = run->state;
     MnsError error;
-    Checkpoint checkpoint;
+    Checkpoint checkpoint = {.state = NULL};
     Candidate candidate = {.lock = -1};
     snprintf(candidate.directory, sizeof candidate.directory, "%s", run->outputs.directory);
     MnsStatus status = read_named(run, name, &checkpoint, &error);

@@ -8,14 +8,12 @@
 #include <math.h>
 #include <stdio.h>
 
-/* A series is written whole each time, so a crash may cost the samples of this long [s], not more work. */
-static const double FLUSH_INTERVAL = 10;
-
 MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *document, MnsProgress progress, bool goes_on,
                        MnsError *error)
 {
     Series *series = NULL;
     MnsStatus status = rundir_abandon(directory, !goes_on, progress.step, outputs->aside, error);
+    if (!status && outputs->aside[0]) status = job_index(outputs->writer, directory, error);
     if (!status && document->c->n_probes)
         status = job_open_series(outputs->writer, directory, document, goes_on, progress.step, &series, error);
     if (!status) status = rundir_write(directory, "case.yaml", document->text, error); /* the first sign of a run */
@@ -132,7 +130,8 @@ MnsStatus outputs_take(Outputs *outputs, const MnsSim *sim, Document *document, 
     if (checkpoint_due(outputs, output, t)) status = outputs_checkpoint(outputs, sim, document, NULL, error);
     if (status) return status;
     before->checkpoint = t;
-    if (clock_now() - outputs->wall_flush >= FLUSH_INTERVAL) status = outputs_flush(outputs, error);
+    if (clock_now() - outputs->wall_flush >= schedule_flush(outputs->flush_seconds))
+        status = outputs_flush(outputs, error);
     return status ? status : writer_failure(outputs->writer, error);
 }
 

@@ -28,6 +28,9 @@ typedef struct Outputs {
     OutputTimes before;
     double wall_checkpoint; /* clock_now() of the last one; of the beginning if there is none   */
     double wall_flush;      /* the same for the series                                          */
+    _Atomic double
+        flush_seconds; /* it took the last time; the writer's to set. A crash may cost the samples since then, but none
+                                     before a checkpoint: a restart writes the later ones again                    */
     uint64_t at_checkpoint; /* step of the last one; UINT64_MAX: none                           */
 
     /* Tell who ordered an output that it is written or failed; on the writer's thread. */

@@ -127,7 +127,8 @@ MnsStatus rundir_abandon(const char *dir, bool all, uint64_t after, char ret_asi
     for (struct dirent *entry; !status && (entry = readdir(stream));) {
         uint64_t step;
         const bool numbered = name_step(entry->d_name, &step);
-        if ((numbered && (all || step > after)) || (all && !strcmp(entry->d_name, series_name)))
+        const bool of_all = !strcmp(entry->d_name, series_name) || !strcmp(entry->d_name, INDEX_NAME);
+        if ((numbered && (all || step > after)) || (all && of_all))
             status = move_aside(dir, entry->d_name, aside, error);
     }
     closedir(stream);
@@ -140,7 +141,7 @@ static int is_output(const struct dirent *entry)
 {
     uint64_t step;
     const char *name = entry->d_name;
-    return name_step(name, &step) || !strcmp(name, series_name) || !strcmp(name, "snapshots.hdf.series") ||
+    return name_step(name, &step) || !strcmp(name, series_name) || !strcmp(name, INDEX_NAME) ||
            !strcmp(name, "case.yaml");
 }
 

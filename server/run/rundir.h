@@ -31,7 +31,7 @@ void rundir_unmake(const char *dir);
 /* Write DIR/NAME, whole or not at all: see io/atomic_file.h. */
 MnsStatus rundir_write(const char *dir, const char *name, const char *text, MnsError *error);
 
-/* Move aside the checkpoints and snapshots of steps later than `after`, or with all, every one and the probes; where some are
+/* Move aside the checkpoints and snapshots of steps later than `after`, or with all, every one, their index and the probes; where some are
  * left, a link to the probes goes with the others.
  *  ret_aside  the directory they are in now, one that did not exist; empty if there were none */
 MnsStatus rundir_abandon(const char *dir, bool all, uint64_t after, char ret_aside[static RUNDIR_PATH],

@@ -4,6 +4,8 @@
 
 #include <math.h>
 
+static const double FLUSH_INTERVAL = 10, FLUSH_SHARE = 0.05;
+
 /* Largest k with k * interval <= t. The quotient may round across an integer, so the product decides: then a boundary at
  * exactly k * interval counts as there, however the division went. */
 static double ticks(double interval, double t)
@@ -20,4 +22,9 @@ bool schedule_due(double interval, double before, double t)
     if (!(interval > 0)) return false;
     if (before < 0 || t - before >= interval) return true;
     return ticks(interval, t) > ticks(interval, before);
+}
+
+double schedule_flush(double seconds)
+{
+    return fmax(FLUSH_INTERVAL, seconds / FLUSH_SHARE);
 }

@@ -11,4 +11,8 @@
  *  before    time of the boundary before [s]; -INFINITY at the first of a run */
 bool schedule_due(double interval, double before, double t);
 
+/* How long to wait at least [s] before something is written whole again that took so many seconds the last time: a growing file
+ * then takes 5 % of its writer's time at most, however long the run. */
+double schedule_flush(double seconds);
+
 #endif

@@ -92,6 +92,7 @@ static void all_move_aside_and_never_over_those_before(void **state)
     for (int k = 1; k <= 3; k++) {
         put("checkpoint-0000000005.hdf");
         put("probes.hdf");
+        put("snapshots.hdf.series");
         put("log");
         assert_int_equal(rundir_abandon(place, true, 0, aside, &error), MNS_OK);
         char name[32] = "abandoned";
@@ -100,7 +101,7 @@ static void all_move_aside_and_never_over_those_before(void **state)
         assert_string_equal(aside, wanted);
     }
     assert_true(exists("log"));
-    assert_false(exists("probes.hdf"));
+    assert_false(exists("probes.hdf") || exists("snapshots.hdf.series"));
     assert_true(exists("abandoned.2/checkpoint-0000000005.hdf") && exists("abandoned.3/probes.hdf"));
 }
 

@@ -55,6 +55,14 @@ static void absurd_intervals_end(void **state)
     assert_false(schedule_due(1e300, 1, 2));
 }
 
+static void what_takes_long_to_write_is_written_seldom(void **state)
+{
+    (void)state;
+    assert_true(schedule_flush(0) == 10);
+    assert_true(schedule_flush(0.4) == 10);
+    assert_close(schedule_flush(3), 60, 1e-9);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -64,6 +72,7 @@ int main(void)
         cmocka_unit_test(a_step_over_several_multiples_is_due_once),
         cmocka_unit_test(a_boundary_at_the_very_multiple_is_due_there),
         cmocka_unit_test(absurd_intervals_end),
+        cmocka_unit_test(what_takes_long_to_write_is_written_seldom),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

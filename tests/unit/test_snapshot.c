@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A snapshot holds what was captured, in the layout ParaView knows; a full or broken disk costs that snapshot only. */
 #include "io/h5.h"
+#include "io/names.h"
 #include "io/snapshot.h"
 #include "tests/support/io_fixture.h"
 
@@ -13,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mount.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -353,6 +355,47 @@ static void the_index_lists_whole_snapshots_by_time(void **state)
     free(index);
 }
 
+static double indexed_time(const char *dir, size_t k)
+{
+    char *path = path_in(dir, INDEX_NAME);
+    json_t *json = json_load_file(path, 0, NULL);
+    const double t = json_real_value(json_object_get(json_array_get(json_object_get(json, "files"), k), "time"));
+    json_decref(json);
+    free(path);
+    return t;
+}
+
+static void pass_a_tick(void)
+{
+    nanosleep(&(struct timespec){.tv_nsec = 20000000}, NULL); /* of the clock of file systems */
+}
+
+/* What the index says of a file that is as it was is believed, so a lie in it shows which files were opened. */
+static void only_files_that_changed_are_opened_for_the_index(void **state)
+{
+    static const char lie[] =
+        "{\"files\": [{\"name\": \"snapshot-1.hdf\", \"time\": 7.5}, "
+        "{\"name\": \"snapshot-2.hdf\", \"time\": 9.5}, {\"name\": \"gone.hdf\", \"time\": 1.0}]}";
+    char *index = path_in(*state, INDEX_NAME), *away = path_in(*state, "away"),
+         *one = path_in(*state, "snapshot-1.hdf");
+    write_at(*state, "snapshot-1.hdf", 0.5);
+    write_at(*state, "snapshot-2.hdf", 0.75);
+    pass_a_tick();
+    put_bytes(index, lie, sizeof lie - 1);
+    pass_a_tick();
+    write_at(*state, "snapshot-2.hdf", 8.5);
+    assert_int_equal(snapshot_index(*state, NULL), MNS_OK);
+    assert_true(indexed_time(*state, 0) == 7.5);
+    assert_true(indexed_time(*state, 1) == 8.5);
+    pass_a_tick();
+    assert_int_equal(rename(one, away) | rename(away, one), 0); /* as old as before, but it could be another one */
+    assert_int_equal(snapshot_index(*state, NULL), MNS_OK);
+    assert_true(indexed_time(*state, 0) == 0.5);
+    free(index);
+    free(away);
+    free(one);
+}
+
 static void a_directory_without_snapshots_has_an_empty_index(void **state)
 {
     char *index = path_in(*state, "snapshots.hdf.series"), *nowhere = path_in(*state, "nowhere");
@@ -379,6 +422,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_full_file_system_is_no_space, set_up, tear_down),
         cmocka_unit_test_setup_teardown(hdf5_prints_nothing_of_ours_and_all_of_its_callers, set_up, tear_down),
         cmocka_unit_test_setup_teardown(the_index_lists_whole_snapshots_by_time, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(only_files_that_changed_are_opened_for_the_index, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_directory_without_snapshots_has_an_empty_index, set_up, tear_down),
     };
     return cmocka_run_group_tests_name("snapshot", tests, NULL, NULL);
