@@ -76,7 +76,7 @@ typedef struct MnsWall {
 typedef enum MnsKernel { MNS_WENDLAND_C2, MNS_TRUNCATED_GAUSSIAN, MNS_QUINTIC_SPLINE } MnsKernel;
 
 typedef struct MnsRiemann {
-    double limiter, background_pressure, guard;
+    double limiter, background_pressure, heavy_background_pressure, guard;
     bool transport_stress;
 } MnsRiemann;
 

@@ -138,6 +138,7 @@ static void translate_riemann(const Meniscus__Riemann *given, MnsSchemeOptions *
     ret->name = "riemann";
     ret->riemann = (MnsRiemann){.limiter = r->limiter,
                                 .background_pressure = r->background_pressure,
+                                .heavy_background_pressure = r->heavy_background_pressure,
                                 .guard = r->guard,
                                 .transport_stress = r->transport_stress};
 }

@@ -15,6 +15,7 @@ enum { NOTHING = -1 };
 typedef struct Lattice {
     size_t n[3], points;
     double low[3], spacing[3]; /* of point (0, 0, 0), between points [m] */
+    bool filled;               /* no point is left to nobody but inside a wall */
     int16_t *owner;            /* [points] phase, n_phases + wall, or NOTHING */
     double *head;              /* [points] hydrostatic pressure [Pa]; NULL if nobody asks */
 } Lattice;
@@ -30,12 +31,13 @@ static void place(const Lattice *lattice, size_t point, double x[3])
 static MnsStatus lattice_init(Lattice *lattice, const MnsSim *sim, MnsError *error)
 {
     const Model *model = &sim->model;
-    *lattice = (Lattice){.n = {1, 1, 1}, .points = 1, .spacing = {1, 1, 1}};
+    *lattice = (Lattice){.n = {1, 1, 1}, .points = 1, .spacing = {1, 1, 1}, .filled = true};
     for (int d = 0; d < model->dim; d++) {
         const size_t inside = case_fit(sim->c, d, &lattice->spacing[d]);
         const size_t layers =
             model->period[d] > 0 || model->n_walls == 0 ? 0 : (size_t)ceil(model->kernel.support / lattice->spacing[d]);
         lattice->n[d] = inside + 2 * layers;
+        if (layers == 0 && model->period[d] == 0) lattice->filled = false; /* open sides */
         lattice->low[d] = model->min[d] + (0.5 - (double)layers) * lattice->spacing[d];
         lattice->points *= lattice->n[d];
     }
@@ -101,6 +103,7 @@ static MnsStatus assign(Lattice *lattice, const MnsSim *sim, const Shape *shapes
             if (status) return status;
         }
         lattice->owner[k] = (int16_t)owner;
+        if (owner == NOTHING && !solid) lattice->filled = false;
     }
     return MNS_OK;
 }
@@ -286,6 +289,7 @@ MnsStatus build_particles(MnsSim *sim, const Constants *constants, MnsError *err
     if (!status) status = lattice_init(&lattice, sim, error);
     if (!status) status = assign(&lattice, sim, shapes, error);
     if (!status) status = populate(sim, &lattice, constants, error);
+    sim->model.filled = lattice.filled;
     for (size_t k = 0; k < c->n_fluids; k++)
         if (shapes[k].shape) shape_done(&shapes[k]);
     free(lattice.owner);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Copy fields out of a simulation and a state back in, and fingerprint it. */
 #include "base/array.h"
-#include "sim/sim.h"
+#include "sim/integrator.h"
 #include <omp.h>
 #include <stdlib.h>
 #include <string.h>

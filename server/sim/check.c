@@ -33,10 +33,12 @@ static MnsStatus check_options(const MnsCase *c, MnsError *error)
                            o->skin, o->cfl);
     const MnsRiemann *r = &o->riemann;
     if (!(r->limiter >= 0 && r->limiter <= 100 && r->background_pressure >= 0 && r->background_pressure <= 20 &&
-          r->guard >= 0 && r->guard <= 0.5))
-        return mns_fail_at(error, MNS_E_INVALID, "scheme.riemann",
-                           "limiter %g, background pressure %g, guard %g: allowed are [0, 100], [0, 20] and [0, 0.5]",
-                           r->limiter, r->background_pressure, r->guard);
+          r->heavy_background_pressure >= 0 && r->heavy_background_pressure <= 20 && r->guard >= 0 && r->guard <= 0.5))
+        return mns_fail_at(
+            error, MNS_E_INVALID, "scheme.riemann",
+            "limiter %g, background pressure %g, of heavy fluids %g, guard %g: allowed are [0, 100], [0, 20], "
+            "[0, 20] and [0, 0.5]",
+            r->limiter, r->background_pressure, r->heavy_background_pressure, r->guard);
     const MnsLimits *l = &c->limits;
     if (!(l->time_step_floor >= 1e-6 && l->time_step_floor < 1 && l->density_min >= 0 && l->density_min < 1 &&
           l->density_max > 1))

@@ -105,7 +105,7 @@ MnsStatus fault_particle(MnsSim *sim, MnsError *error)
         sim->model.density_min, sim->model.density_max, speed(s, i), blame(sim, i, dense));
 }
 
-MnsStatus fault_time_step(MnsSim *sim, double dt, const char *limit, MnsError *error)
+MnsStatus fault_time_step(MnsSim *sim, double dt, const Limit *limit, MnsError *error)
 {
     const Particles *s = &sim->s;
     size_t fast = 0;
@@ -113,9 +113,10 @@ MnsStatus fault_time_step(MnsSim *sim, double dt, const char *limit, MnsError *e
         if (speed(s, i) > speed(s, fast)) fast = i;
     return mns_fail(
         error, MNS_E_DIVERGED,
-        "diverged after step %llu at t = %g s: the time step fell to %g s, under the floor of %g s (limit: %s); "
+        "diverged after step %llu at t = %g s: the time step fell to %g s, under the floor of %g s (limit: %s, %s; "
+        "set by %s); "
         "fastest is particle %u of %s at (%g, %g, %g) m with %g m/s, most due to \"%s\"",
-        (unsigned long long)sim->progress.step, sim->progress.t, dt, plan_floor(sim),
-        limit, s->id[fast], sim->c->fluids[s->phase[fast]].name, s->x[0][fast], s->x[1][fast],
+        (unsigned long long)sim->progress.step, sim->progress.t, dt, plan_floor(sim), limit->name, limit->source,
+        limit->entries, s->id[fast], sim->c->fluids[s->phase[fast]].name, s->x[0][fast], s->x[1][fast],
         s->dim == 3 ? s->x[2][fast] : 0, speed(s, fast), blame(sim, fast, false));
 }

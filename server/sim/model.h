@@ -32,6 +32,7 @@ typedef struct Model {
     WallState wall[MNS_MAX_WALLS];
     double c_max, rho_max;                     /* of the fluids */
     bool viscous;                              /* any fluid */
+    bool filled;                               /* at the start, no place was left without fluid or wall */
     bool transport_stress;                     /* option of the scheme */
     double t, dt;                              /* end of the current step [s], its length [s] */
     double gravity[3];                         /* at t [m/s^2] */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a run is going to take, by the length of its steps: what would never end, or fill any disk, is refused before it
  * begins, and what is allowed but hardly meant is said. */
-#include "sim/sim.h"
+#include "sim/integrator.h"
 #include <math.h>
 #include <omp.h>
 #include <stdarg.h>
@@ -25,14 +25,14 @@ static double outputs(double interval, double time, double dt)
 
 MnsStatus plan_check(const MnsSim *sim, const MnsCase *c, MnsError *error)
 {
-    const char *limit = "";
+    const Limit *limit = NULL;
     const double dt = integrator_dt(sim, &limit), left = c->end_time - sim->progress.t;
     if (!isfinite(left)) return MNS_OK; /* of a C program, which knows when to stop */
     if (left > 0 && !(left / dt <= STEPS_MAX))
         return mns_fail_at(error, MNS_E_LIMIT, "end_time",
-                           "%g s more would take %.1e steps of %.1e s, allowed: %.0e; what limits the step is %s. End "
-                           "earlier, or change what limits it",
-                           left, left / dt, dt, STEPS_MAX, limit);
+                           "%g s more would take %.1e steps of %.1e s, allowed: %.0e; what limits the step is %s, "
+                           "%s. End earlier, or change %s",
+                           left, left / dt, dt, STEPS_MAX, limit->name, limit->source, limit->entries);
     const double files = outputs(c->output.snapshot_interval, left, dt);
     if (files > FILES_MAX)
         return mns_fail_at(
@@ -92,8 +92,7 @@ void plan_look(MnsSim *sim)
     warn_open_sides(sim);
 
     const MnsOutput *output = &sim->c->output;
-    const char *limit = "";
-    const double dt = integrator_dt(sim, &limit);
+    const double dt = integrator_dt(sim, NULL);
     if (sim->c->n_probes) warn_interval(sim, "output.probe_interval", output->probe_interval, dt);
     warn_interval(sim, "output.snapshot_interval", output->snapshot_interval, dt);
     warn_interval(sim, "output.checkpoint_interval", output->checkpoint_interval, dt);

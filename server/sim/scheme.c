@@ -31,10 +31,15 @@ static void add(Text *t, const char *format, ...)
     if (n > 0) t->used = t->used + (size_t)n < t->size ? t->used + (size_t)n : t->size - 1;
 }
 
+static void add_rule(Text *t, const char *name, const char *source, const char *equation)
+{
+    add(t, "    %-22s %-24s %s\n", name, source, equation);
+}
+
 static void add_locals(Text *t, const Local *const *locals)
 {
     for (int k = 0; k < PASS_LOCALS_MAX && locals[k]; k++)
-        add(t, "    %-22s %-24s %s\n", locals[k]->name, locals[k]->source, locals[k]->equation);
+        add_rule(t, locals[k]->name, locals[k]->source, locals[k]->equation);
 }
 
 const char *mns_scheme_describe(size_t k, char *text, size_t size)
@@ -42,13 +47,16 @@ const char *mns_scheme_describe(size_t k, char *text, size_t size)
     if (k >= N_SCHEMES) return NULL;
     const Scheme *s = SCHEMES[k];
     Text t = {text, 0, size};
-    add(&t, "%s: %s\n  %s\n  integrator: %s\n", s->name, s->title, s->source, s->integrator);
+    add(&t, "%s: %s\n  %s\n  step\n", s->name, s->title, s->source);
+    add_rule(&t, s->integrator->name, s->integrator->source, s->integrator->equation);
+    for (int q = 0; q < SCHEME_LIMITS_MAX && s->limits[q]; q++)
+        add_rule(&t, s->limits[q]->name, s->limits[q]->source, s->limits[q]->equation);
     for (int p = 0; p < SCHEME_PASSES_MAX && s->rates[p].name; p++) {
         const Pass *pass = &s->rates[p];
         add(&t, "  %s\n", pass->name);
         add_locals(&t, pass->before);
         for (int q = 0; q < PASS_TERMS_MAX && pass->terms[q]; q++)
-            add(&t, "    %-22s %-24s %s\n", pass->terms[q]->name, pass->terms[q]->source, pass->terms[q]->equation);
+            add_rule(&t, pass->terms[q]->name, pass->terms[q]->source, pass->terms[q]->equation);
         add_locals(&t, pass->after);
     }
     return s->name;

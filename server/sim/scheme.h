@@ -32,15 +32,29 @@ typedef struct Pass {
     const Local *after[PASS_LOCALS_MAX];
 } Pass;
 
-enum { SCHEME_PASSES_MAX = 8 };
+/* How a step is made of evaluations of the rates. */
+typedef struct Integrator {
+    const char *name, *source, *equation;
+    MnsStatus (*step)(MnsSim *, double t, double dt, MnsError *error); /* of length dt, to t */
+} Integrator;
+
+/* A bound of the time step; INFINITY where it does not bind. */
+typedef struct Limit {
+    const char *name, *source, *equation;
+    const char *entries;          /* of the case, that would change it */
+    double (*of)(const MnsSim *); /* [s] */
+} Limit;
+
+enum { SCHEME_PASSES_MAX = 8, SCHEME_LIMITS_MAX = 8 };
 
 typedef struct Scheme {
     const char *name, *title, *source;
-    const char *integrator;        /* for people */
-    Pass rates[SCHEME_PASSES_MAX]; /* every step, at the new positions; a nameless pass ends the list */
-    int given;                     /* passes left out at the start, where the case gives their results */
-    const Local *derive;           /* what follows from the state without neighbours, after it was set or restored */
-    const Pass *restore;           /* and with neighbours; NULL if nothing does */
+    const Integrator *integrator;
+    const Limit *limits[SCHEME_LIMITS_MAX]; /* ends with NULL */
+    Pass rates[SCHEME_PASSES_MAX];          /* every step, at the new positions; a nameless pass ends the list */
+    int given;                              /* passes left out at the start, where the case gives their results */
+    const Local *derive; /* what follows from the state without neighbours, after it was set or restored */
+    const Pass *restore; /* and with neighbours; NULL if nothing does */
     void (*options)(Model *, const MnsCase *); /* from the case to the model */
 } Scheme;
 

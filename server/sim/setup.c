@@ -83,6 +83,7 @@ MnsStatus setup_model(MnsSim *sim, MnsError *error)
     }
     if (!status) status = plan_check(sim, c, error); /* before particles are placed in vain */
     if (!status) status = build_particles(sim, &constants, error);
+    sim->scheme->options(&sim->model, c); /* again, now that it is known whether the domain is filled */
     constants_done(&constants);
     return status;
 }

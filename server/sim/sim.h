@@ -61,15 +61,9 @@ static inline size_t sim_blocks(size_t n)
     return (n + SIM_BLOCK - 1) / SIM_BLOCK;
 }
 
-/* integrator.c: a step of length dt that ends at t; the rates of a new state; what follows from a restored one */
-MnsStatus integrator_step(MnsSim *sim, double t, double dt, MnsError *error);
-MnsStatus integrator_start(MnsSim *sim, MnsError *error);
-MnsStatus integrator_restart(MnsSim *sim, MnsError *error);
-double integrator_dt(const MnsSim *sim, const char **ret_limit);
-
 /* fault.c: say which particle is to blame for a divergence, where it is, and by which term */
 MnsStatus fault_particle(MnsSim *sim, MnsError *error);
-MnsStatus fault_time_step(MnsSim *sim, double dt, const char *limit, MnsError *error);
+MnsStatus fault_time_step(MnsSim *sim, double dt, const Limit *limit, MnsError *error);
 
 /* guard.c: keep fluid particles out of walls; returns how often it had to */
 uint64_t guard_walls(MnsSim *sim);

@@ -27,13 +27,16 @@ MnsCase *case_blank(int dim, double resolution)
         c->max[d] = d < dim ? 1 : 0;
         case_set_text(&c->gravity[d], "0");
     }
-    c->scheme = (MnsSchemeOptions){
-        .name = "riemann",
-        .kernel = MNS_WENDLAND_C2,
-        .smoothing = 1.3,
-        .cfl = 0.25,
-        .skin = 0.3,
-        .riemann = {.limiter = 3, .background_pressure = 4, .guard = 0.25, .transport_stress = true}};
+    c->scheme = (MnsSchemeOptions){.name = "riemann",
+                                   .kernel = MNS_WENDLAND_C2,
+                                   .smoothing = 1.3,
+                                   .cfl = 0.25,
+                                   .skin = 0.3,
+                                   .riemann = {.limiter = 3,
+                                               .background_pressure = 4,
+                                               .heavy_background_pressure = 0.5,
+                                               .guard = 0.25,
+                                               .transport_stress = true}};
     c->end_time = 1;
     c->threads = 1;
     c->limits = (MnsLimits){1e-4, 0.1, 10};

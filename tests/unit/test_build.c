@@ -184,11 +184,37 @@ static void density_method_is_that_of_the_case_or_by_the_ratio(void **state)
         c->fluids[1].density_method = rows[k].method;
         MnsSim *sim = sim_of(c);
         assert_int_equal(sim->s.begin[GROUP_SUMMATION] < particles_fluid(&sim->s), rows[k].summed);
-        /* p_b = 4 rho c^2 of the light fluid itself. */
-        assert_close(sim->model.phase[1].p_b, rows[k].summed ? 4 * rows[k].density * 100 : 0, 1e-12);
-        assert_true(sim->model.phase[0].p_b == 0);
+        /* p_b over rho c^2 of the fluid itself: 4 if it is summed, a half if not. */
+        assert_close(sim->model.phase[1].p_b, (rows[k].summed ? 4 : 0.5) * rows[k].density * 100, 1e-12);
+        assert_close(sim->model.phase[0].p_b, 0.5 * 100, 1e-12);
         done(sim, c);
     }
+}
+
+/* At a free surface they would be pushed out. */
+static void heavy_fluids_are_spread_only_where_nothing_is_empty(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int empty = 0; empty < 3; empty++) {
+            MnsCase *c = tank(dim);
+            case_add_fluid(c, "water", 5, 10);
+            MnsPart *water = case_add_part(&c->fluids[0].shape, MNS_BOX);
+            for (int d = 0; d < dim; d++) {
+                water->a[d] = c->min[d];
+                water->b[d] = c->max[d] - (empty == 1 && d == 1 ? 0.3 : 0);
+            }
+            if (empty == 2) { /* sides without walls */
+                mns_case_free(c);
+                c = case_blank(dim, 10);
+                case_add_fluid(c, "water", 5, 10);
+            }
+            MnsSim *sim = sim_of(c);
+            assert_close(sim->model.phase[0].p_b, empty ? 0 : 0.5 * 5 * 100, 1e-12);
+            setup_options(sim, c); /* as after a steered value */
+            assert_close(sim->model.phase[0].p_b, empty ? 0 : 0.5 * 5 * 100, 1e-12);
+            done(sim, c);
+        }
 }
 
 /* p from a formula: rho = rho0 + p/c^2, with a mass that keeps it there, whichever way the density is found. */
@@ -283,6 +309,7 @@ int main(void)
         cmocka_unit_test(periodic_directions_have_no_layers),
         cmocka_unit_test(particles_belong_to_the_shape_they_are_in_and_the_rest_to_the_rest),
         cmocka_unit_test(density_method_is_that_of_the_case_or_by_the_ratio),
+        cmocka_unit_test(heavy_fluids_are_spread_only_where_nothing_is_empty),
         cmocka_unit_test(masses_and_densities_give_the_pressure_asked_for),
         cmocka_unit_test(summed_densities_start_as_given_at_a_free_edge_too),
         cmocka_unit_test(velocities_are_those_of_the_formulas),

@@ -165,6 +165,38 @@ static void stress_is_not_needed_where_no_density_is_summed_or_nobody_asks(void 
     cloud_free(cloud);
 }
 
+/* Heavy fluids are spread too, but keep their velocity to themselves. */
+static void heavy_particles_are_spread_without_stress(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        Cloud *cloud = stirred(dim, tank, 0.3);
+        Particles *s = &cloud->s;
+        const size_t water = s->begin[GROUP_SUMMATION];
+        for (size_t k = 0; k < cloud->model.n_phases; k++)
+            if (!cloud->model.phase[k].summation) cloud->model.phase[k].p_b = 70;
+        for (size_t i = 0; i < water; i++)
+            for (int d = 0; d < dim; d++) s->w[d][i] = 0.3;
+        cloud_term(cloud, &background);
+        for (size_t i = 0; i < water; i++) {
+            double b[3] = {0}, size = 0;
+            for (size_t j = 0; j < s->n; j++) {
+                const Pair pair = cloud_pair(cloud, i, j);
+                for (int d = 0; d < dim && j != i; d++) {
+                    const double push = -2 * 70 * s->vol[j] / s->rho[i] * pair.F * pair.dx[d];
+                    b[d] += push;
+                    size = fmax(size, fabs(push));
+                }
+            }
+            for (int d = 0; d < dim; d++) {
+                assert_close(s->b[d][i], b[d], 1e-12 * size);
+                assert_true(s->a[d][i] == 0);
+            }
+        }
+        cloud_free(cloud);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -173,6 +205,7 @@ int main(void)
         cmocka_unit_test(particles_are_pushed_away_from_a_crowd),
         cmocka_unit_test(stress_conserves_momentum_between_all_fluids),
         cmocka_unit_test(without_stress_the_background_still_pushes),
+        cmocka_unit_test(heavy_particles_are_spread_without_stress),
         cmocka_unit_test(stress_is_not_needed_where_no_density_is_summed_or_nobody_asks),
     };
     return cmocka_run_group_tests_name("transport", tests, NULL, NULL);

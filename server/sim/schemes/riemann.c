@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* P3: weakly compressible SPH with a low-dissipation two-phase Riemann solver, and transport velocity in the light fluid.
  * M. Rezavand, C. Zhang, X. Y. Hu, Journal of Computational Physics 402 (2020). */
+#include "sim/integrators/integrators.h"
+#include "sim/limits.h"
 #include "sim/locals/locals.h"
 #include "sim/terms/terms.h"
 
@@ -12,6 +14,14 @@ static bool is_light(const MnsFluid *fluid, double rho_max)
     return fluid->density_method == MNS_DENSITY_SUMMATION;
 }
 
+/* At a free surface nothing would hold heavy particles back, so they are spread only where fluids and walls fill the domain.
+ * A light fluid fills whatever is open to it anyway. */
+static double background_factor(const Model *model, const MnsCase *c, bool summation)
+{
+    if (summation) return c->scheme.riemann.background_pressure;
+    return model->filled ? c->scheme.riemann.heavy_background_pressure : 0;
+}
+
 static void riemann_options(Model *model, const MnsCase *c)
 {
     model->limiter = c->scheme.riemann.limiter;
@@ -20,7 +30,7 @@ static void riemann_options(Model *model, const MnsCase *c)
     for (size_t k = 0; k < model->n_phases; k++) {
         Phase *phase = &model->phase[k];
         phase->summation = is_light(&c->fluids[k], model->rho_max);
-        phase->p_b = phase->summation ? c->scheme.riemann.background_pressure * phase->rho0 * phase->c * phase->c : 0;
+        phase->p_b = background_factor(model, c, phase->summation) * phase->rho0 * phase->c * phase->c;
     }
 }
 
@@ -28,7 +38,8 @@ const Scheme scheme_riemann = {
     .name = "riemann",
     .title = "low-dissipation Riemann SPH with transport velocity",
     .source = "P3: Rezavand, Zhang and Hu 2020",
-    .integrator = "kick, drift, kick (P3 eq. 15-18)",
+    .integrator = &kick_drift_kick,
+    .limits = {&acoustic_limit, &body_force_limit, &viscous_limit},
     .rates =
         {
             {"density", .terms = {&number_density, &riemann_density},

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Transport velocity: summed-density particles are advected with v + w, where w comes from a constant background pressure
- * and keeps them evenly spread; the stress A = rho v (x) w accounts for the difference.                      P3 eq. 11, 12
+/* Transport velocity: particles are advected with v + w, where w comes from a constant background pressure and keeps them
+ * evenly spread; where density is summed, the stress A = rho v (x) w accounts for the difference.            P3 eq. 11, 12
  *   b_i = -2 p_b / rho_i sum_j V_j grad_i W,   w_i = dt/2 b_i
  *   m_i dv_i/dt += sum_j V_i V_j (A_i + A_j) . grad_i W,   A = 0 where density is not summed, and in walls
- * A fluid of the other kind feels its neighbours' A too, so that the forces of a pair stay opposite. */
+ * A fluid of the other kind feels its neighbours' A too, so that the forces of a pair stay opposite. Fluids whose density
+ * follows continuity are spread as well, without stress: nothing else closes the holes that open in a falling jet, as their
+ * density does not know how far apart their particles are (schemes/README.md). */
 #include "sim/terms/terms.h"
 
 static bool transports(const Model *model)
@@ -18,6 +20,7 @@ static bool transports(const Model *model)
 static void background_row(Row *row, Particles *s, const Model *model)
 {
     const size_t i = row->i, n = row_whole(row->n);
+    const Phase *phase = &model->phase[s->phase[i]];
     const double *restrict V = s->vol, *restrict F = row->F;
     const uint32_t *restrict j = row->j;
     double *restrict c = row->c;
@@ -27,10 +30,10 @@ static void background_row(Row *row, Particles *s, const Model *model)
     double along_w = 0;
     for (int d = 0; d < row->dim; d++) {
         const double sum = row_sum_along(row, d, 0, n);
-        s->b[d][i] = -2 * model->phase[s->phase[i]].p_b / s->rho[i] * sum;
+        s->b[d][i] = -2 * phase->p_b / s->rho[i] * sum;
         along_w += s->w[d][i] * sum;
     }
-    if (!model->transport_stress) return;
+    if (!model->transport_stress || !phase->summation) return;
     for (int d = 0; d < row->dim; d++) s->a[d][i] += s->vol[i] * s->rho[i] / s->m[i] * s->v[d][i] * along_w;
 }
 
@@ -58,7 +61,7 @@ const Term background = {
     .name = "background pressure",
     .source = "P3 eq. 11, 12",
     .equation = "b_i = -2 p_b / rho_i sum_j V_j grad_i W;  m_i dv_i/dt += sum_j V_i V_j A_i . grad_i W",
-    .on = ON_SUMMATION,
+    .on = ON_FLUID,
     .row = background_row,
 };
 

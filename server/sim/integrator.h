@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What a step is made of, for the integrators in integrators/. */
+#ifndef SIM_INTEGRATOR_H
+#define SIM_INTEGRATOR_H
+
+#include "sim/sim.h"
+
+/* Gravity and walls as they are at t, dt after they were last set; fluid particles kept out of the walls. */
+void integrator_walls(MnsSim *sim, double t, double dt);
+
+/* Neighbour lists for the positions of now, made again if a particle has left its skin. */
+MnsStatus integrator_lists(MnsSim *sim, MnsError *error);
+
+/* The scheme's passes, from this one on. */
+void integrator_rates(MnsSim *sim, int first);
+
+/* Book the time since start, by omp_get_wtime(), to one of the simulation's timers. */
+void integrator_clock(MnsSim *sim, size_t timer, double start);
+
+/* A step of length dt that ends at t. */
+MnsStatus integrator_step(MnsSim *sim, double t, double dt, MnsError *error);
+
+/* The rates of a new state; what follows from a restored one. */
+MnsStatus integrator_start(MnsSim *sim, MnsError *error);
+MnsStatus integrator_restart(MnsSim *sim, MnsError *error);
+
+/* Length of the next step: the least that the scheme's limits allow, and which of them that is; NULL if you do not ask. */
+double integrator_dt(const MnsSim *sim, const Limit **ret_limit);
+
+#endif

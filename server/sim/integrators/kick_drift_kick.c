@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* One evaluation of the rates a step.                                                       P3 eq. 15-18, schemes/README.md
+ *   v += dt/2 a;  w = dt/2 b;  x += dt (v + w);  densities, pressures, walls, forces at the new positions;  v += dt/2 a */
+#include "sim/integrator.h"
+#include "sim/integrators/integrators.h"
+#include <math.h>
+#include <omp.h>
+
+/* Half a kick and the drift of the fluid. */
+static void kick_and_drift(MnsSim *sim, double dt)
+{
+    Particles *s = &sim->s;
+    const size_t n = particles_fluid(s);
+    const double half = 0.5 * dt;
+    for (int d = 0; d < s->dim; d++) {
+        double *restrict x = s->x[d], *restrict v = s->v[d], *restrict w = s->w[d];
+        const double *restrict a = s->a[d], *restrict b = s->b[d];
+#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
+        for (size_t i = 0; i < n; i++) {
+            v[i] += half * a[i];
+            w[i] = half * b[i];
+            x[i] += dt * (v[i] + w[i]);
+        }
+    }
+}
+
+/* The second half of the kick, and the two questions about its result: how fast, and is all well? */
+static bool kick_and_look(MnsSim *sim, double dt)
+{
+    Particles *s = &sim->s;
+    const Model *model = &sim->model;
+    const size_t n = particles_fluid(s);
+    const double half = 0.5 * dt;
+    double fastest = 0;
+    size_t bad = 0;
+#pragma omp parallel for schedule(static) reduction(max : fastest) reduction(+ : bad) num_threads(sim->threads)
+    for (size_t i = 0; i < n; i++) {
+        double v2 = 0;
+        for (int d = 0; d < s->dim; d++) {
+            s->v[d][i] += half * s->a[d][i];
+            v2 += s->v[d][i] * s->v[d][i];
+        }
+        const double ratio = s->rho[i] / model->phase[s->phase[i]].rho0;
+        bad += !(v2 < INFINITY && ratio > model->density_min && ratio < model->density_max);
+        fastest = v2 > fastest ? v2 : fastest;
+    }
+    sim->v_max = sqrt(fastest);
+    return bad == 0;
+}
+
+static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
+{
+    const double start = omp_get_wtime();
+    kick_and_drift(sim, dt);
+    integrator_walls(sim, t, dt);
+    integrator_clock(sim, TIMER_DRIFT, start);
+
+    const MnsStatus status = integrator_lists(sim, error);
+    if (status) return status;
+    integrator_rates(sim, 0);
+
+    const double last = omp_get_wtime();
+    const bool well = kick_and_look(sim, dt);
+    integrator_clock(sim, TIMER_KICK, last);
+    return well ? MNS_OK : fault_particle(sim, error);
+}
+
+const Integrator kick_drift_kick = {
+    .name = "kick, drift, kick",
+    .source = "P3 eq. 15-18",
+    .equation = "v += dt/2 a;  x += dt (v + dt/2 b);  rates;  v += dt/2 a",
+    .step = step,
+};

@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "sim/limits.h"
+#include "sim/sim.h"
+#include <math.h>
+
+/* Largest speed of fluid or wall. */
+static double speed(const MnsSim *sim)
+{
+    const Model *model = &sim->model;
+    double v2 = sim->v_max * sim->v_max;
+    for (size_t k = 0; k < model->n_walls; k++) {
+        double wall_v2 = 0;
+        for (int d = 0; d < model->dim; d++) wall_v2 += model->wall[k].v[d] * model->wall[k].v[d];
+        v2 = fmax(v2, wall_v2);
+    }
+    return sqrt(v2);
+}
+
+static double acoustic(const MnsSim *sim)
+{
+    return sim->model.cfl * sim->model.kernel.h / (sim->model.c_max + speed(sim));
+}
+
+/* Gravity, or what the acceleration of a wall adds to it for those who lie on that wall. */
+static double body_force(const MnsSim *sim)
+{
+    const Model *model = &sim->model;
+    double g2 = 0;
+    for (int d = 0; d < model->dim; d++) g2 += model->gravity[d] * model->gravity[d];
+    for (size_t k = 0; k < model->n_walls; k++) {
+        double felt2 = 0;
+        for (int d = 0; d < model->dim; d++) {
+            const double felt = model->gravity[d] - model->wall[k].a[d];
+            felt2 += felt * felt;
+        }
+        g2 = fmax(g2, felt2);
+    }
+    return g2 > 0 ? 0.25 * sqrt(model->kernel.h / sqrt(g2)) : INFINITY;
+}
+
+/* The harmonic mean of two viscosities moves the lighter fluid. */
+static double viscous(const MnsSim *sim)
+{
+    const Model *model = &sim->model;
+    double least = INFINITY;
+    for (size_t a = 0; a < model->n_phases; a++)
+        for (size_t b = 0; b <= a; b++) {
+            const Phase *p = &model->phase[a], *q = &model->phase[b];
+            if (p->mu + q->mu <= 0) continue;
+            const double h = model->kernel.h, mu = 2 * p->mu * q->mu / (p->mu + q->mu);
+            least = fmin(least, 0.125 * h * h * fmin(p->rho0, q->rho0) / mu);
+        }
+    return least;
+}
+
+const Limit acoustic_limit = {
+    .name = "sound and flow",
+    .source = "P3 eq. 19",
+    .equation = "dt <= cfl h / (c + |v|max)",
+    .entries = "scheme.cfl, sound_speed, resolution",
+    .of = acoustic,
+};
+
+const Limit body_force_limit = {
+    .name = "body force",
+    .source = "P3 eq. 20",
+    .equation = "dt <= 0.25 sqrt(h / |g - a_w|)",
+    .entries = "gravity, motion of walls, resolution",
+    .of = body_force,
+};
+
+const Limit viscous_limit = {
+    .name = "viscosity",
+    .source = "schemes/README.md",
+    .equation = "dt <= 0.125 h^2 rho / mu",
+    .entries = "viscosity, density, resolution",
+    .of = viscous,
+};

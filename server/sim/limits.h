@@ -1,0 +1,10 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Bounds of the time step. A scheme lists those it needs; a new one is a function and a row in limits.c. */
+#ifndef SIM_LIMITS_H
+#define SIM_LIMITS_H
+
+#include "sim/scheme.h"
+
+extern const Limit acoustic_limit, body_force_limit, viscous_limit;
+
+#endif
