@@ -75,8 +75,9 @@ MnsStatus command_status(Invocation *in, MnsError *error)
 
 static json_t *topic(const MnsTopicInfo *t)
 {
-    return json_pack("{ss ss ss ss ss ss sI}", "name", t->name, "type", t->type, "unit", t->unit, "range", t->range,
-                     "value", t->value, "meaning", t->meaning, "components", (json_int_t)t->components);
+    return json_pack("{ss ss ss ss ss ss ss sI}", "name", t->name, "type", t->type, "unit", t->unit, "range", t->range,
+                     "value", t->value, "meaning", t->meaning, "takes_effect", t->takes_effect, "components",
+                     (json_int_t)t->components);
 }
 
 static json_t *topics(size_t n, const MnsTopicInfo *list)
@@ -95,8 +96,9 @@ static json_t *names(size_t n, const char *const *list)
 
 static json_t *capabilities_json(const MnsCapabilities *c)
 {
-    return json_pack("{ss ss so so so so so}", "version", c->version, "build", c->build, "commands",
-                     names(c->n_commands, c->commands), "probes", names(c->n_probes, c->probes), "parameters",
+    return json_pack("{ss ss ss ss so so so so so so}", "version", c->version, "build", c->build, "compiler",
+                     c->compiler, "commit", c->commit, "commands", names(c->n_commands, c->commands), "topics",
+                     names(c->n_topics, c->topics), "probes", names(c->n_probes, c->probes), "parameters",
                      topics(c->n_parameters, c->parameters), "fields", topics(c->n_fields, c->fields), "schemes",
                      topics(c->n_schemes, c->schemes));
 }
@@ -112,14 +114,23 @@ static void print_topics(const char *title, size_t n, const MnsTopicInfo *list)
     }
 }
 
+static void print_names(const char *title, size_t n, const char *const *list)
+{
+    printf("\n%s\n ", title);
+    for (size_t k = 0; k < n; k++) printf(" %s", list[k]);
+    putchar('\n');
+}
+
 static void print_capabilities(const MnsCapabilities *c)
 {
-    printf("meniscusd %s, %s\n\ncommands\n ", c->version, c->build);
-    for (size_t k = 0; k < c->n_commands; k++) printf(" %s", c->commands[k]);
-    printf("\n\nprobes\n ");
-    for (size_t k = 0; k < c->n_probes; k++) printf(" %s", c->probes[k]);
-    putchar('\n');
-    print_topics("parameters", c->n_parameters, c->parameters);
+    char title[96];
+    const char *when = c->n_parameters ? c->parameters[0].takes_effect : "";
+    snprintf(title, sizeof title, "parameters%s%.60s", *when ? ": a set holds " : "", when);
+    printf("meniscusd %s, %s\n", c->version, c->build);
+    print_names("commands", c->n_commands, c->commands);
+    print_names("telemetry to subscribe to, as `watch` does", c->n_topics, c->topics);
+    print_names("probes", c->n_probes, c->probes);
+    print_topics(title, c->n_parameters, c->parameters);
     print_topics("fields", c->n_fields, c->fields);
     print_topics("schemes", c->n_schemes, c->schemes);
 }

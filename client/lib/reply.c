@@ -175,7 +175,8 @@ static const MnsTopicInfo *read_parameters(Arena *arena, const Meniscus__Capabil
                                    .unit = text(from->unit),
                                    .range = text(from->range),
                                    .value = text(from->value),
-                                   .meaning = text(from->meaning)};
+                                   .meaning = text(from->meaning),
+                                   .takes_effect = text(from->takes_effect)};
     }
     return topics;
 }
@@ -191,6 +192,7 @@ static const MnsTopicInfo *read_fields(Arena *arena, const Meniscus__Capabilitie
                                    .range = "",
                                    .value = "",
                                    .meaning = text(from->meaning),
+                                   .takes_effect = "",
                                    .components = from->components};
     }
     return topics;
@@ -206,7 +208,8 @@ static const MnsTopicInfo *read_schemes(Arena *arena, const Meniscus__Capabiliti
                                    .unit = "",
                                    .range = "",
                                    .value = "",
-                                   .meaning = text(from->description)};
+                                   .meaning = text(from->description),
+                                   .takes_effect = ""};
     }
     return topics;
 }
@@ -218,13 +221,17 @@ static MnsCapabilities *read_capabilities(Arena *arena, const Meniscus__Capabili
     *capabilities = (MnsCapabilities){
         .version = text(message->version),
         .build = text(message->build),
+        .compiler = text(message->compiler),
+        .commit = text(message->commit),
         .n_commands = message->n_commands,
         .n_probes = message->n_probes,
+        .n_topics = message->n_topics,
         .n_parameters = message->n_parameters,
         .n_fields = message->n_fields,
         .n_schemes = message->n_schemes,
         .commands = (const char *const *)message->commands,
         .probes = (const char *const *)message->probes,
+        .topics = (const char *const *)message->topics,
         .parameters = read_parameters(arena, message),
         .fields = read_fields(arena, message),
         .schemes = read_schemes(arena, message),

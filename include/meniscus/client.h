@@ -107,14 +107,15 @@ typedef struct MnsOutputFile {
 /** Something that has a name and an explanation: a parameter, a field, a scheme. */
 typedef struct MnsTopicInfo {
     const char *name, *type, *unit, *range, *value, *meaning; /* never NULL, empty where it does not apply */
+    const char *takes_effect;                                 /* of a parameter: when, after a set; "" of others */
     unsigned components;                                      /* of a field */
 } MnsTopicInfo;
 
 /** What a daemon can do. */
 typedef struct MnsCapabilities {
-    const char *version, *build;
-    size_t n_commands, n_probes, n_parameters, n_fields, n_schemes;
-    const char *const *commands, *const *probes;
+    const char *version, *build, *compiler, *commit;
+    size_t n_commands, n_probes, n_topics, n_parameters, n_fields, n_schemes;
+    const char *const *commands, *const *probes, *const *topics; /* topics: what can be subscribed to */
     const MnsTopicInfo *parameters, *fields, *schemes;
 } MnsCapabilities;
 

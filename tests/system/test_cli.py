@@ -159,6 +159,8 @@ class Commands(DaemonTest):
         capabilities = self.ask("capabilities")
         self.assertIn("gravity", [parameter["name"] for parameter in capabilities["parameters"]])
         self.assertIn("pressure", [field["name"] for field in capabilities["fields"]])
+        self.assertEqual(capabilities["topics"], ["event", "log", "progress", "probe"])
+        self.assertTrue(all(parameter["takes_effect"] for parameter in capabilities["parameters"]))
         self.assertIn("riemann", [scheme["name"] for scheme in self.ask("schemes")["schemes"]])
 
     def test_schemes_are_told_alike_with_and_without_a_daemon(self) -> None:
