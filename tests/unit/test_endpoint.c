@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Where a daemon listens. */
+#include "net/endpoint.h"
+#include "tests/support/check.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static char place[64];
+
+static int begin(void **state)
+{
+    (void)state;
+    snprintf(place, sizeof place, "/tmp/mns-endpoint-XXXXXX");
+    assert_non_null(mkdtemp(place));
+    unsetenv("RUNTIME_DIRECTORY");
+    return setenv("XDG_RUNTIME_DIR", place, 1);
+}
+
+static int end(void **state)
+{
+    (void)state;
+    char command[80];
+    unsetenv("XDG_RUNTIME_DIR");
+    snprintf(command, sizeof command, "rm -rf %s", place);
+    return system(command);
+}
+
+static void assert_refused(const char *name, const char *tcp, MnsStatus status, const char *part)
+{
+    Endpoint endpoint;
+    MnsError error;
+    assert_int_equal(endpoint_open(name, tcp, &endpoint, &error), status);
+    if (!strstr(error.text, part)) fail_msg("\"%s\" does not say \"%s\"", error.text, part);
+}
+
+static void a_daemon_has_a_private_directory_of_its_name(void **state)
+{
+    (void)state;
+    Endpoint endpoint;
+    MnsError error;
+    char wanted[160];
+    struct stat info;
+    assert_int_equal(endpoint_open("a.b", NULL, &endpoint, &error), MNS_OK);
+    snprintf(wanted, sizeof wanted, "ipc://%s/meniscus/a.b/control.ipc", place);
+    assert_string_equal(endpoint.control, wanted);
+    snprintf(wanted, sizeof wanted, "ipc://%s/meniscus/a.b/telemetry.ipc", place);
+    assert_string_equal(endpoint.telemetry, wanted);
+    assert_string_equal(endpoint.tcp_control, "");
+    assert_int_equal(stat(endpoint.directory, &info), 0);
+    assert_int_equal(info.st_mode & 0777, 0700);
+    endpoint_close(&endpoint);
+}
+
+static void systemd_says_where_if_it_does(void **state)
+{
+    (void)state;
+    Endpoint endpoint;
+    MnsError error;
+    char wanted[160];
+    setenv("RUNTIME_DIRECTORY", place, 1);
+    const MnsStatus status = endpoint_open("n", NULL, &endpoint, &error);
+    unsetenv("RUNTIME_DIRECTORY");
+    assert_int_equal(status, MNS_OK);
+    snprintf(wanted, sizeof wanted, "ipc://%s/control.ipc", place);
+    assert_string_equal(endpoint.control, wanted);
+    endpoint_close(&endpoint);
+}
+
+static void a_name_is_had_by_one_and_the_other_hears_by_whom(void **state)
+{
+    (void)state;
+    Endpoint endpoint;
+    MnsError error;
+    char who[32];
+    assert_int_equal(endpoint_open("n", NULL, &endpoint, &error), MNS_OK);
+    snprintf(who, sizeof who, "process %d on ", (int)getpid());
+    assert_refused("n", NULL, MNS_E_STATE, who);
+    endpoint_close(&endpoint);
+    assert_int_equal(endpoint_open("n", NULL, &endpoint, &error), MNS_OK);
+    endpoint_close(&endpoint);
+}
+
+static void names_and_paths_that_cannot_be_are_refused(void **state)
+{
+    (void)state;
+    char longest[120];
+    assert_refused("", NULL, MNS_E_INVALID, "1 to 64");
+    assert_refused("../up", NULL, MNS_E_INVALID, "../up");
+    assert_refused(".hidden", NULL, MNS_E_INVALID, "dot");
+    memset(longest, 'x', sizeof longest - 1);
+    longest[sizeof longest - 1] = 0;
+    longest[0] = '/';
+    setenv("XDG_RUNTIME_DIR", longest, 1);
+    assert_refused("n", NULL, MNS_E_LIMIT, "a socket's path may have 107");
+}
+
+static void ports_are_of_this_machine_alone(void **state)
+{
+    (void)state;
+    Endpoint endpoint;
+    MnsError error;
+    assert_int_equal(endpoint_open("n", "localhost:5555", &endpoint, &error), MNS_OK);
+    assert_string_equal(endpoint.tcp_control, "tcp://127.0.0.1:5555");
+    assert_string_equal(endpoint.tcp_telemetry, "tcp://127.0.0.1:5556");
+    endpoint_close(&endpoint);
+    assert_refused("n", "0.0.0.0:5555", MNS_E_INVALID, "0.0.0.0");
+    assert_refused("n", "127.0.0.1.evil.example:5555", MNS_E_INVALID, "this machine");
+    assert_refused("n", "65535", MNS_E_INVALID, "1 to 65534");
+    assert_refused("n", "0", MNS_E_INVALID, "found \"0\"");
+    assert_refused("n", "55x", MNS_E_INVALID, "55x");
+    assert_refused("n", "", MNS_E_INVALID, "port");
+}
+
+static void a_directory_of_somebody_else_is_a_trap(void **state)
+{
+    (void)state;
+    char path[128];
+    snprintf(path, sizeof path, "%s/meniscus", place);
+    assert_int_equal(symlink("/tmp", path), 0);
+    assert_refused("n", NULL, MNS_E_IO, "not a directory of this user");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(a_daemon_has_a_private_directory_of_its_name, begin, end),
+        cmocka_unit_test_setup_teardown(systemd_says_where_if_it_does, begin, end),
+        cmocka_unit_test_setup_teardown(a_name_is_had_by_one_and_the_other_hears_by_whom, begin, end),
+        cmocka_unit_test_setup_teardown(names_and_paths_that_cannot_be_are_refused, begin, end),
+        cmocka_unit_test_setup_teardown(ports_are_of_this_machine_alone, begin, end),
+        cmocka_unit_test_setup_teardown(a_directory_of_somebody_else_is_a_trap, begin, end),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
