@@ -4,7 +4,7 @@
 #include "sim/grid.h"
 #include <math.h>
 
-enum { CELLS_PER_SIDE_MAX = 1 << 10 };
+enum { CELLS_PER_SIDE_MAX = 1 << 10, CELLS_FEW = 1 << 12, CELLS_PER_PARTICLE = 8 };
 
 /* Is there fluid beyond what the grid covers along d? */
 static bool is_passed(const Particles *s, int d, double low, double high, int threads)
@@ -32,9 +32,33 @@ static void extent(const Particles *s, const Model *model, int d, int threads, d
     *high = most;
 }
 
+static void set_cells(Grid *grid, double distance)
+{
+    grid->cells = 1;
+    grid->ratio = 0;
+    for (int d = 0; d < grid->dim; d++) {
+        grid->cells *= (size_t)grid->n[d];
+        grid->ratio = fmax(grid->ratio, distance * grid->per_length[d]);
+    }
+}
+
+/* Halve the cells along the direction that has most of them: open ones repeat themselves twice as often then, periodic ones,
+ * which must fit, become twice as wide. */
+static void halve(Grid *grid, const Model *model, double distance)
+{
+    int d = 0;
+    for (int e = 1; e < grid->dim; e++)
+        if (grid->n[e] > grid->n[d]) d = e;
+    const int n = (grid->n[d] + 1) / 2;
+    if (model->period[d] > 0) grid->per_length[d] *= (double)n / grid->n[d];
+    grid->n[d] = n;
+    grid->wraps[d] = true;
+    set_cells(grid, distance);
+}
+
 Grid grid_make(const Particles *s, const Model *model, double distance, int threads)
 {
-    Grid grid = {.dim = model->dim, .n = {1, 1, 1}, .cells = 1, .reach = model->dim == 3 ? 2 : 1, .ratio = 0};
+    Grid grid = {.dim = model->dim, .n = {1, 1, 1}, .reach = model->dim == 3 ? 2 : 1};
     for (int d = 0; d < model->dim; d++) {
         double low, high;
         extent(s, model, d, threads, &low, &high);
@@ -44,9 +68,9 @@ Grid grid_make(const Particles *s, const Model *model, double distance, int thre
         grid.min[d] = low;
         grid.per_length[d] = count / (high - low);
         grid.wraps[d] = model->period[d] > 0 || is_passed(s, d, low, high, threads);
-        grid.cells *= (size_t)count;
-        grid.ratio = fmax(grid.ratio, distance * grid.per_length[d]);
     }
+    set_cells(&grid, distance);
+    while (grid.cells > CELLS_FEW + CELLS_PER_PARTICLE * s->n) halve(&grid, model, distance);
     return grid;
 }
 

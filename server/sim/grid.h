@@ -12,7 +12,8 @@ typedef struct Grid {
     int dim, n[3];
     size_t cells;
     double min[3], per_length[3]; /* lower corner [m], cells per metre */
-    bool wraps[3]; /* the last cell is beside the first: periodic, or some particles are outside */
+    bool wraps
+        [3]; /* the last cell is beside the first: periodic, some particles are outside, or the domain is almost empty */
     int reach;    /* cells on each side that can hold neighbours */
     double ratio; /* largest distance of neighbours, in cells */
 } Grid;
@@ -24,7 +25,8 @@ typedef struct Run {
 
 /* A grid for neighbours up to `distance` over the domain and the walls. Fluid particles outside, which have left through an
  * open side or broken through a wall, are in the cells that are there again and again beyond it, so that many of them cost no
- * more than inside; near in cells is then not always near in space. */
+ * more than inside; near in cells is then not always near in space.
+ * A domain that is almost empty has cells in proportion to its particles in the same way. */
 Grid grid_make(const Particles *s, const Model *model, double distance, int threads);
 
 size_t grid_cell(const Grid *grid, const double x[3]);

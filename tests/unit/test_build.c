@@ -300,6 +300,99 @@ static void hydrostatic_pressure_is_the_weight_above(void **state)
     }
 }
 
+/* Two fluids, a wall, formulas everywhere. */
+static MnsCase *of_everything(unsigned threads)
+{
+    MnsCase *c = tank(3);
+    c->threads = threads;
+    case_set_text(&c->gravity[1], "-2");
+    case_add_fluid(c, "water", 5, 40);
+    case_add_fluid(c, "air", 0.01, 40);
+    case_set_text(&case_add_part(&c->fluids[0].shape, MNS_FORMULA)->formula, "y < -0.2 + 0.1*sin(9*x) and z < 0.7");
+    case_set_text(&c->fluids[0].pressure, "hydrostatic");
+    case_set_text(&c->fluids[0].velocity[2], "x*y - z");
+    case_set_text(&c->fluids[1].pressure, "0.01*x");
+    return c;
+}
+
+static void particles_are_the_same_for_any_number_of_threads(void **state)
+{
+    (void)state;
+    MnsCase *c = of_everything(1);
+    MnsSim *sim = sim_of(c);
+    static const unsigned threads[] = {2, 3, 7};
+    for (size_t k = 0; k < 3; k++) {
+        MnsCase *other = of_everything(threads[k]);
+        MnsSim *twin = sim_of(other);
+        assert_int_equal(twin->s.n, sim->s.n);
+        assert_memory_equal(twin->s.id, sim->s.id, sim->s.n * sizeof *sim->s.id);
+        assert_memory_equal(twin->s.m, sim->s.m, sim->s.n * sizeof *sim->s.m);
+        assert_true(mns_sim_hash(twin) == mns_sim_hash(sim));
+        done(twin, other);
+    }
+    done(sim, c);
+}
+
+/* A wrong case is wrong in the same words each time. */
+static void what_is_wrong_is_told_of_the_first_point_that_is(void **state)
+{
+    (void)state;
+    for (unsigned threads = 1; threads <= 7; threads += 2) {
+        MnsCase *c = of_everything(threads);
+        MnsError error = {0};
+        MnsSim *sim = NULL;
+        case_set_text(&case_add_part(&c->fluids[1].shape, MNS_FORMULA)->formula, "y > -0.5 or z > 0.4");
+        assert_int_equal(mns_sim_new(c, &sim, &error), MNS_E_INVALID);
+        assert_string_equal(error.path, "fluids[1].shape");
+        assert_non_null(strstr(error.text, "water and air overlap at (0.35, -0.45, 0.25) m"));
+        case_set_text(&c->fluids[1].shape.parts[0].formula, "y > -0.1 and 3 or y > 0 and z");
+        assert_int_equal(mns_sim_new(c, &sim, &error), MNS_E_INVALID);
+        assert_string_equal(error.path, "fluids[1].shape[0].formula");
+        case_set_text(&c->fluids[1].shape.parts[0].formula, "x > 0.45 and y < 0.05 and sinn(x) > 0");
+        assert_int_equal(mns_sim_new(c, &sim, &error), MNS_E_INVALID);
+        assert_string_equal(error.path, "fluids[1].shape[0].formula");
+        assert_non_null(strstr(error.text, "unknown name 'sinn'"));
+        case_set_text(&c->fluids[1].shape.parts[0].formula, "false");
+        case_set_text(&c->fluids[0].velocity[0], "x > 0.7 and (y < -0.55) or 0.1");
+        assert_int_equal(mns_sim_new(c, &sim, &error), MNS_E_INVALID);
+        assert_null(sim);
+        mns_case_free(c);
+    }
+}
+
+static void failing_start_is_told_with_its_reason(void **state)
+{
+    (void)state;
+    for (unsigned threads = 1; threads <= 5; threads += 2) {
+        MnsCase *c = of_everything(threads);
+        MnsError error = {0};
+        MnsSim *sim = NULL;
+        case_set_text(&c->fluids[0].velocity[0], "x > 0.7 and (y < 0) or 0.1");
+        assert_int_equal(mns_sim_new(c, &sim, &error), MNS_E_INVALID);
+        assert_string_equal(error.path, "fluids[0]");
+        assert_non_null(strstr(error.text, "at (0.75, -0.65, 0.25) m: it is true or false there"));
+        assert_null(sim);
+        mns_case_free(c);
+    }
+}
+
+/* Neither the lattice nor the cells of the neighbour search may follow the size of the domain. */
+static void empty_space_takes_no_memory(void **state)
+{
+    (void)state;
+    MnsCase *c = case_blank(3, 10);
+    c->max[0] = 20;
+    c->max[1] = c->max[2] = 10;
+    case_add_fluid(c, "drop", 5, 40);
+    MnsPart *drop = case_add_part(&c->fluids[0].shape, MNS_BALL);
+    drop->radius = 0.5;
+    drop->a[0] = drop->a[1] = drop->a[2] = 3;
+    MnsSim *sim = sim_of(c);
+    assert_in_range(sim->s.n, 500, 560);
+    assert_less((double)mns_sim_bytes(sim), 3000.0 * (double)sim->s.n);
+    done(sim, c);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -314,6 +407,10 @@ int main(void)
         cmocka_unit_test(summed_densities_start_as_given_at_a_free_edge_too),
         cmocka_unit_test(velocities_are_those_of_the_formulas),
         cmocka_unit_test(hydrostatic_pressure_is_the_weight_above),
+        cmocka_unit_test(particles_are_the_same_for_any_number_of_threads),
+        cmocka_unit_test(what_is_wrong_is_told_of_the_first_point_that_is),
+        cmocka_unit_test(failing_start_is_told_with_its_reason),
+        cmocka_unit_test(empty_space_takes_no_memory),
     };
     return cmocka_run_group_tests_name("build", tests, NULL, NULL);
 }

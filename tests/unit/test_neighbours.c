@@ -297,6 +297,30 @@ static void particles_that_have_left_are_spread_over_the_cells(void **state)
     cloud_free(cloud);
 }
 
+/* Water in one corner of a wide box, and a speck far off. */
+static int corner(const double x[3])
+{
+    const bool speck = x[0] > 9.5 && x[1] > 9.5 && x[2] > 9.5;
+    return speck || (x[0] < 1.1 && x[1] < 1.3 && x[2] < 0.9) ? CLOUD_WATER : CLOUD_NOTHING;
+}
+
+static void cells_are_as_many_as_the_particles_need(void **state)
+{
+    (void)state;
+    for (int periodic = 0; periodic < 8; periodic++) {
+        Cloud *cloud = cloud_new(&(CloudSetup){.dim = 3,
+                                               .dx = 0.1,
+                                               .n = {100, 100, 100},
+                                               .periodic = {periodic & 1, periodic & 2, periodic & 4},
+                                               .skin = 0.3,
+                                               .owner = corner});
+        assert_in_range(cloud->s.n, 1000, 2000);
+        assert_in_range(cloud->nb.grid.cells, 4096, 4096 + 8 * cloud->s.n);
+        assert_complete(cloud);
+        cloud_free(cloud);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -312,6 +336,7 @@ int main(void)
         cmocka_unit_test(more_neighbours_than_a_row_holds_are_refused),
         cmocka_unit_test(a_position_that_is_no_number_does_no_harm),
         cmocka_unit_test(particles_that_have_left_are_spread_over_the_cells),
+        cmocka_unit_test(cells_are_as_many_as_the_particles_need),
     };
     return cmocka_run_group_tests_name("neighbours", tests, NULL, NULL);
 }

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The lattice particles start on: fitted to the domain, continued through the sides that walls may close, and to whom each of
+ * its points belongs. What is kept of it are runs of points that belong to somebody, so that empty space costs nothing. */
+#ifndef SIM_LATTICE_H
+#define SIM_LATTICE_H
+
+#include "sim/sim.h"
+
+/* Consecutive points along x that belong to one fluid or wall. */
+typedef struct LatticeRun {
+    uint32_t first, n;
+    int owner; /* fluid, or number of fluids + wall */
+} LatticeRun;
+
+/* All points of one y and z. */
+typedef struct LatticeRow {
+    LatticeRun *runs; /* [n] */
+    size_t n;
+    uint32_t id;          /* of its first particle */
+    size_t begin[GROUPS]; /* where its first particle of each group is stored */
+} LatticeRow;
+
+typedef struct Lattice {
+    size_t n[3], rows;         /* points along each direction; rows, y before z */
+    double low[3], spacing[3]; /* of point (0, 0, 0), between points [m] */
+    LatticeRow *row;           /* [rows] */
+    bool filled;               /* no point is left to nobody but inside a wall, and no side is open */
+} Lattice;
+
+/* Find out to whom all points belong. MNS_E_INVALID if fluids overlap or a formula fails, at the first such point whatever the
+ * number of threads; MNS_E_MEMORY. */
+MnsStatus lattice_init(Lattice *lattice, const MnsSim *sim, const Constants *constants, MnsError *error);
+void lattice_done(Lattice *lattice);
+
+/* Place of point k of a row. */
+void lattice_place(const Lattice *lattice, size_t row, size_t k, double x[3]);
+
+#endif
