@@ -75,7 +75,6 @@ typedef struct MnsFieldInfo {
     int components;                    /* 1; or 3 for a vector, of which the case's dim are kept */
     MnsType type;
     bool is_state; /* in checkpoints and in the hash */
-    size_t slot;   /* where the solver keeps it; for its own use */
 } MnsFieldInfo;
 
 /** The table of all fields; ends with a NULL name. Positions, identity and phase are fields too: "position" (m), "id" and

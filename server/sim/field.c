@@ -4,26 +4,29 @@
 #include "sim/particles.h"
 #include <string.h>
 
-#define SLOT(member) offsetof(Particles, member)
+/* ROW(name, unit, meaning, components, type, in checkpoints, member of Particles) */
+#define FIELD_ROWS(ROW)                                                                                                \
+    ROW("id", "1", "identity, the same for the whole run", 1, MNS_U32, true, id)                                       \
+    ROW("phase", "1", "index of the fluid; number of fluids + index of the wall for wall particles", 1, MNS_U8, true,  \
+        phase)                                                                                                         \
+    ROW("position", "m", "position", 3, MNS_F64, true, x)                                                              \
+    ROW("velocity", "m/s", "velocity of the material", 3, MNS_F64, true, v)                                            \
+    ROW("density", "kg/m^3", "density", 1, MNS_F64, true, rho)                                                         \
+    ROW("pressure", "Pa", "pressure", 1, MNS_F64, false, p)                                                            \
+    ROW("mass", "kg", "mass; per metre of depth in two dimensions", 1, MNS_F64, true, m)                               \
+    ROW("volume", "m^dim", "mass over density", 1, MNS_F64, false, vol)                                                \
+    ROW("acceleration", "m/s^2", "acceleration at the end of the step", 3, MNS_F64, true, a)                           \
+    ROW("background_acceleration", "m/s^2",                                                                            \
+        "acceleration of the advection velocity by the background pressure (P3 eq. 11)", 3, MNS_F64, true, b)          \
+    ROW("advection_velocity_excess", "m/s", "advection velocity less velocity", 3, MNS_F64, false, w)                  \
+    ROW("list_position", "m", "position when the neighbour lists were built", 3, MNS_F64, true, ref)                   \
+    ROW("impedance", "kg/(m^2 s)", "density times speed of sound", 1, MNS_F64, false, z)
 
-static const MnsFieldInfo FIELDS[] = {
-    {"id", "1", "identity, the same for the whole run", 1, MNS_U32, true, SLOT(id)},
-    {"phase", "1", "index of the fluid; number of fluids + index of the wall for wall particles", 1, MNS_U8, true,
-     SLOT(phase)},
-    {"position", "m", "position", 3, MNS_F64, true, SLOT(x)},
-    {"velocity", "m/s", "velocity of the material", 3, MNS_F64, true, SLOT(v)},
-    {"density", "kg/m^3", "density", 1, MNS_F64, true, SLOT(rho)},
-    {"pressure", "Pa", "pressure", 1, MNS_F64, false, SLOT(p)},
-    {"mass", "kg", "mass; per metre of depth in two dimensions", 1, MNS_F64, true, SLOT(m)},
-    {"volume", "m^dim", "mass over density", 1, MNS_F64, false, SLOT(vol)},
-    {"acceleration", "m/s^2", "acceleration at the end of the step", 3, MNS_F64, true, SLOT(a)},
-    {"background_acceleration", "m/s^2",
-     "acceleration of the advection velocity by the background pressure (P3 eq. 11)", 3, MNS_F64, true, SLOT(b)},
-    {"advection_velocity_excess", "m/s", "advection velocity less velocity", 3, MNS_F64, false, SLOT(w)},
-    {"list_position", "m", "position when the neighbour lists were built", 3, MNS_F64, true, SLOT(ref)},
-    {"impedance", "kg/(m^2 s)", "density times speed of sound", 1, MNS_F64, false, SLOT(z)},
-    {0},
-};
+#define PUBLIC(name, unit, meaning, components, type, state, member) {name, unit, meaning, components, type, state},
+#define SLOT(name, unit, meaning, components, type, state, member)   offsetof(Particles, member),
+
+static const MnsFieldInfo FIELDS[] = {FIELD_ROWS(PUBLIC){0}};
+static const size_t SLOTS[] = {FIELD_ROWS(SLOT)}; /* where Particles has the pointer to the first component */
 
 _Static_assert(sizeof FIELDS / sizeof *FIELDS - 1 <= MNS_MAX_FIELDS, "captures and sets of fields have room for all");
 
@@ -57,10 +60,20 @@ size_t field_size(const MnsFieldInfo *field)
     return 0;
 }
 
+/* Where the pointer to component d of a field is. */
+static size_t slot_of(int field, int d)
+{
+    return SLOTS[field] + (size_t)d * sizeof(void *);
+}
+
 void *particles_field(const Particles *s, int field, int d)
 {
     void *pointer = NULL;
-    const size_t slot = FIELDS[field].slot + (size_t)d * sizeof pointer;
-    if (d < FIELDS[field].components) memcpy(&pointer, (const char *)s + slot, sizeof pointer);
+    if (d < FIELDS[field].components) memcpy(&pointer, (const char *)s + slot_of(field, d), sizeof pointer);
     return pointer;
+}
+
+void particles_set_field(Particles *s, int field, int d, void *array)
+{
+    memcpy((char *)s + slot_of(field, d), &array, sizeof array);
 }

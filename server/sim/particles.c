@@ -5,12 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The pointer to component d of a field, to be set. */
-static void set_field(Particles *s, int field, int d, void *pointer)
-{
-    memcpy((char *)s + mns_fields()[field].slot + (size_t)d * sizeof pointer, &pointer, sizeof pointer);
-}
-
 static int components(const Particles *s, int field)
 {
     return mns_fields()[field].components == 1 ? 1 : s->dim;
@@ -24,7 +18,7 @@ static bool allocate(Particles *s, bool viscous)
         for (int d = 0; d < components(s, f); d++) {
             void *array = array_new(s->n, field_size(&fields[f]));
             if (!array) return false;
-            set_field(s, f, d, array);
+            particles_set_field(s, f, d, array);
         }
     for (size_t k = 0; k < s->n_phases; k++)
         if (!(s->p_wall[k] = array_new(n_wall, sizeof(double)))) return false;
@@ -87,7 +81,7 @@ static void permute_field(Particles *s, int f, int d, const uint32_t *order, int
     switch (mns_fields()[f].type) {
     case MNS_F64:
         permute_f64(to, from, order, s->n, threads);
-        set_field(s, f, d, to);
+        particles_set_field(s, f, d, to);
         s->scratch = from;
         break;
     case MNS_U32:

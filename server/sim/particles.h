@@ -39,7 +39,8 @@ void particles_done(Particles *s);
 
 /* Component d of a field of mns_fields(); NULL where there is none. */
 void *particles_field(const Particles *s, int field, int d);
-size_t field_size(const MnsFieldInfo *field); /* bytes of an element */
+void particles_set_field(Particles *s, int field, int d, void *array); /* one that there is */
+size_t field_size(const MnsFieldInfo *field);                          /* bytes of an element */
 
 /* New storage order: what was at from[k] comes to k. Groups must stay where they are. */
 void particles_permute(Particles *s, const uint32_t *from, int threads);
