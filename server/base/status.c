@@ -35,11 +35,9 @@ const char *mns_status_hint(MnsStatus status)
         [MNS_E_STATE] = "see the state with `meniscus status`, and wait for another with `meniscus wait`",
         [MNS_E_LIMIT] = "ask for less, or raise the limit if the message names an entry for it",
         [MNS_E_MEMORY] = "compute with fewer particles, or on a machine with more memory",
-        [MNS_E_DIVERGED] = "look at the last snapshot, then go back to a checkpoint, or begin anew with a smaller "
-                           "time step or more particles",
+        [MNS_E_DIVERGED] = "look at the last snapshot, then restore a checkpoint or try a finer resolution",
         [MNS_E_IO] = "see to the file or directory that the message names, then try again",
-        [MNS_E_NO_SPACE] = "make room on the disk, then go on: `meniscus resume`, or the same `meniscus run` with "
-                           "--resume auto",
+        [MNS_E_NO_SPACE] = "make room, then go on with `meniscus resume`, or with `meniscus run --resume auto`",
         [MNS_E_CORRUPT] = "use another file: the newest whole checkpoint is found by itself",
         [MNS_E_VERSION] = "use programs of the same version",
         [MNS_E_UNAVAILABLE] = "see which daemons there are with `meniscus ls`, or start one with `meniscusd`",
