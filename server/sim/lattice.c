@@ -129,7 +129,7 @@ static MnsStatus check_conditions(const Surveyor *v, const double x[3], MnsError
         for (size_t p = 0; p < v->shape[k].shape->n; p++) {
             const Formula *formula = v->shape[k].formulas[p];
             const char *why = formula ? formula_failure(formula) : NULL;
-            char at[64];
+            char at[96];
             if (!why) continue;
             snprintf(at, sizeof at, "fluids[%zu].shape[%zu].formula", k, p);
             return mns_fail_at(error, MNS_E_INVALID, at, "it fails for some x at y = %g m, z = %g m: %s", x[1], x[2],

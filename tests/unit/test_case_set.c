@@ -116,7 +116,8 @@ static void the_index_after_the_last_appends(void **state)
     is(file, "probes", "[{name: e, kinetic_energy: {}}]");
     sets(file, "output.fields[0]=pressure");
     is(file, "output.fields", "[pressure]");
-    refuses(file, "fluids[4].density=1", "--set fluids[4].density=1: no such item, allowed: 0 to 3, where 3 appends one");
+    refuses(file, "fluids[4].density=1",
+            "--set fluids[4].density=1: no such item, allowed: 0 to 3, where 3 appends one");
 }
 
 static void a_member_of_a_choice_replaces_the_other(void **state)
@@ -152,7 +153,8 @@ static void wrong_paths_are_refused_with_a_suggestion(void **state)
             "sound_speed, shape, velocity, pressure, density_method");
     refuses(file, "fluids.density=2", "--set fluids.density=2: \"fluids\" is a list, name one of its items: fluids[0]");
     refuses(file, "resolution[0]=2", "--set resolution[0]=2: \"resolution\" is not a list, leave out the index");
-    refuses(file, "resolution.x=2", "--set resolution.x=2: \"resolution\" is a single value, there are no entries in it");
+    refuses(file, "resolution.x=2",
+            "--set resolution.x=2: \"resolution\" is a single value, there are no entries in it");
     static const char *const malformed[] = {".a=1",
                                             "[0]=1",
                                             "fluids[=1",
@@ -198,7 +200,8 @@ static void later_complaints_about_what_was_set_name_the_set(void **state)
     assert_string_equal(error.text, "--set fluids[1].density=3: too light");
     mns_fail_at(&error, MNS_E_INVALID, "fluids[0].density", "too light");
     case_file_locate(file, &error);
-    assert_string_equal(error.text, "--set fluids[0]={name: oil, density: 5, sound_speed: 1}: fluids[0].density: too light");
+    assert_string_equal(error.text,
+                        "--set fluids[0]={name: oil, density: 5, sound_speed: 1}: fluids[0].density: too light");
     sets(file, "fluids[1].density=4"); /* the newest counts */
     mns_fail_at(&error, MNS_E_INVALID, "fluids[1].density", "too light");
     case_file_locate(file, &error);
