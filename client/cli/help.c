@@ -51,13 +51,14 @@ static void print_all(void)
 {
     puts("Usage: meniscus COMMAND [OPTION]... [WORD]...\n"
          "Compute flows of several fluids with particles, and steer, watch and question them while they run.\n\n"
-         "To begin with, a dam break from the beginning to a picture:\n"
-         "    meniscus run dambreak2d --set resolution=20 --set end_time=2 --out dam\n"
-         "    meniscus render dam/snapshot-*0.hdf --field pressure --out dam.png\n"
+         "To begin with, a dam break to its end, with its files in ./dam:\n"
+         "    meniscus run dambreak2d --set resolution=20 --out dam\n"
          "or in a daemon, which takes commands while it computes:\n"
          "    meniscusd --state-dir runs &\n"
          "    meniscus load dambreak2d --start\n"
-         "    meniscus watch");
+         "    meniscus watch                                      Ctrl-C ends the watching, not the run\n"
+         "    meniscus render --field pressure --out dam.png\n"
+         "    meniscus shutdown");
     for (const Command *command = command_table; command->name; command++) {
         if (command->group) printf("\n%s:\n", command->group);
         printf("  %-13s %s\n", command->name, command->help);

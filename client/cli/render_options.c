@@ -45,8 +45,10 @@ static MnsStatus read_size(const char *text, RenderOptions *o, MnsError *error)
     const bool fits = !*end;
     const long h = *end == 'x' ? strtol(end + 1, &end, 10) : 0;
     if (*end || w <= 0 || (h <= 0 && !fits)) return bad(error, "--size", text, "pixels as in 1600 or 1600x900");
-    const long most = fits ? LARGEST / 2 : LARGEST, area = fits ? 2 * w * w : w * h;
-    if (w < SMALLEST || (h < SMALLEST && !fits) || w > most || h > LARGEST || area > MOST_PIXELS)
+    /* A page that fits its plot is at most twice as high as it is wide. */
+    const long most = fits ? LARGEST / 2 : LARGEST, least = fits ? 0 : SMALLEST;
+    const bool good = w >= SMALLEST && w <= most && h >= least && h <= LARGEST;
+    if (!good || (fits ? 2 * w * w : w * h) > MOST_PIXELS)
         return mns_fail_at(error, MNS_E_LIMIT, "--size",
                            "--size is %.40s, but must be %d to %d pixels each way and at most %d million altogether",
                            text, SMALLEST, LARGEST, MOST_PIXELS / 1000000);

@@ -94,6 +94,8 @@ static void wrong_options_are_refused_by_name(void **state)
         {"render a.hdf --out b.png --size -800x600", "--size", MNS_E_INVALID},
         {"render a.hdf --out b.png --size 20x20", "--size", MNS_E_LIMIT},
         {"render a.hdf --out b.png --size 8000x8000", "--size", MNS_E_LIMIT},
+        {"render a.hdf --out b.png --size 5000", "--size", MNS_E_LIMIT},
+        {"render a.hdf --out b.png --size 99999999999999999999", "--size", MNS_E_LIMIT},
         {"render a.hdf --out b.png --size 99999999999999999999x900", "--size", MNS_E_LIMIT},
         {"render a.hdf --out b.png --cut w=1", "--cut", MNS_E_INVALID},
         {"render a.hdf --out b.png --cut z=", "--cut", MNS_E_INVALID},
