@@ -60,9 +60,12 @@ class Metric:
     relative: bool = False
     low: float = -np.inf
     high: float = np.inf
+    note: str = ""  # why it is not scored
 
     @property
     def passed(self) -> bool:
+        if self.note:
+            return True
         if self.reference is None:
             return bool(self.low <= self.value <= self.high)
         scale = abs(self.reference) if self.relative else 1
@@ -74,6 +77,8 @@ class Metric:
         if self.reference is None:
             bounds = f"<= {self.high:.4g}" if np.isinf(self.low) else f">= {self.low:.4g}"
             return [self.case, self.name, f"{self.value:.4g}", "-", bounds, self.verdict]
+        if self.note:
+            return [self.case, f"{self.name} ({self.note})", f"{self.value:.4g}", f"{self.reference:.4g}", "-", "-"]
         scale = f"{100 * self.tolerance:.3g} %" if self.relative else f"{self.tolerance:.3g}"
         return [self.case, self.name, f"{self.value:.4g}", f"{self.reference:.4g}", f"+-{scale}", self.verdict]
 
@@ -183,16 +188,33 @@ MEANS = ("P05", "P10", "P19", "P267")
 COLUMN = {"P05": "p_0.05", "P10": "p_0.10", "P19": "p_0.19", "P267": "p_0.267"}
 
 
-def toe_errors(r: Run) -> list[tuple[float, float, float]]:
+def exact(column: str, t: float) -> float | None:
+    """Of potential flow; None after t* = 1, where the table ends."""
+    ref = table("P3/dam_break_early.csv")
+    return float(np.interp(t, ref["t"], ref[column])) if t <= 1 else None
+
+
+def toes(r: Run) -> list[tuple[float, float, float]]:
     """Time, toe from the dam, toe of the finite-volume computation (slip walls, H/95)."""
     ref = table("P3/dam_break_vof_W2H_H95.csv")
     return [(t, r.at("front", t) - 2, float(np.interp(t, ref["t"], ref["toe_from_dam"]))) for t in TOE_TIMES]
 
 
-def dam_break_metrics(case: str, r: Run, toe: float, means: float | None, full: bool) -> Iterator[Metric]:
+def largest_toe_error(r: Run) -> float:
+    """Against the exact toe while there is one: the finite volumes lag by 9.5 % at t* = 0.5."""
+    return max(abs(value / (exact("toe", t) or vof) - 1) for t, value, vof in toes(r))
+
+
+def dam_break_metrics(case: str, r: Run, n: int, toe: float, means: float | None, full: bool) -> Iterator[Metric]:
+    """Of a run at H/n."""
     ref = table("P3/dam_break_vof_W2H_H95.csv")
-    for t, value, reference in toe_errors(r):
-        yield Metric(case, f"toe / H at t* = {t}", value, reference, toe, relative=True)
+    for t, value, reference in toes(r):
+        early = "not scored: the reference is 9.5 % behind the exact toe" if t == 0.5 else ""
+        yield Metric(case, f"toe / H at t* = {t}", value, reference, toe, relative=True, note=early)
+        layer = exact(f"h_{n}", t)
+        if layer:
+            name = f"toe / H at t* = {t}, exact where the water is H/{n} deep"
+            yield Metric(case, name, value, layer, toe, relative=True)
     if means:
         window = (ref["t"] >= 3) & (ref["t"] <= 5.5)
         for name in MEANS:
@@ -213,8 +235,8 @@ def dambreak2d(paper: bool) -> Iterator[Metric]:
     """P3 3.1. The toe converges over three resolutions; the finest is scored."""
     case, sizes = "dambreak2d", (20, 40, 80) if paper else (10, 20, 40)
     runs = [run(case, f"resolution={n}", "output.probe_interval=0.005") for n in sizes]
-    yield from dam_break_metrics(case, runs[-1], *((0.03, 0.05) if paper else (0.06, 0.12)), full=paper)
-    error = [max(abs(v - ref) / ref for _, v, ref in toe_errors(r)) for r in runs]
+    yield from dam_break_metrics(case, runs[-1], sizes[-1], *((0.03, 0.05) if paper else (0.06, 0.12)), full=paper)
+    error = [largest_toe_error(r) for r in runs]
     for n, e in zip(sizes, error, strict=True):
         yield Metric(case, f"largest toe error at H/{n}", e)
     yield Metric(case, "toe error, finest over middle", error[2] / error[1], high=1)
@@ -272,7 +294,7 @@ def dambreak3d(paper: bool) -> Iterator[Metric]:
     case = "dambreak3d"
     settings = ["resolution=40", "end_time=5.5"] if paper else ["resolution=20", "end_time=2.6"]
     r = run(case, *settings, "output.probe_interval=0.02")
-    yield from dam_break_metrics(case, r, 0.04 if paper else 0.06, 0.08 if paper else None, full=False)
+    yield from dam_break_metrics(case, r, 40 if paper else 20, 0.04 if paper else 0.06, 0.08 if paper else None, full=False)
     yield from hygiene(case, r)
 
 
