@@ -131,7 +131,7 @@ static MnsStatus read_breakpoint(const Invocation *in, MnsBreakpoint *ret, MnsEr
     const char *condition = options_get(&in->options, OPT_CONDITION);
     *ret = (MnsBreakpoint){.name = in->options.words[0], .condition = condition, .time = NAN};
     if (!time + !step + !condition + !options_get(&in->options, OPT_REMOVE) != 3)
-        return mns_fail(error, MNS_E_INVALID, "breakpoint needs one of --time, --step, --when and --remove");
+        return mns_fail(error, MNS_E_INVALID, "breakpoint takes exactly one of --time, --step, --when and --remove");
     if (time) return parse_number("--time", time, &ret->time, error);
     if (step) return parse_count("--step", step, &ret->step, error);
     return MNS_OK;
@@ -161,6 +161,7 @@ MnsStatus command_load(Invocation *in, MnsError *error)
     MnsStatus status = case_find(in->options.words[0], path, error);
     if (status == MNS_OK) status = command_connect(in, error);
     if (status == MNS_OK) status = mns_client_load(in->client, &load, start ? NULL : &reply, error);
+    if (status != MNS_OK && strcmp(error->path, "name") == 0) command_usage(in, status); /* --name, not the case */
     if (status == MNS_OK && start) status = mns_client_start(in->client, &reply, error);
     return report(in, status, reply, error);
 }

@@ -4,6 +4,7 @@
 #include "client/lib/commands.h"
 #include "proto/case_file.h"
 #include "proto/case_name.h"
+#include <string.h>
 
 static MnsStatus send_case(MnsClient *client, const MnsLoad *from, const CaseFile *file, MnsReply **ret_reply,
                            MnsError *error)
@@ -20,7 +21,8 @@ static MnsStatus send_case(MnsClient *client, const MnsLoad *from, const CaseFil
     request.load = &load;
     MnsError why = {0};
     const MnsStatus status = command_call(client, &request, ret_reply, &why);
-    if (status != MNS_OK && *why.path) case_file_locate(file, &why);
+    const bool of_case = *why.path && strcmp(why.path, "name") != 0; /* the name comes with the request */
+    if (status != MNS_OK && of_case) case_file_locate(file, &why);
     if (status != MNS_OK && error) *error = why;
     return status;
 }

@@ -197,6 +197,10 @@ class BadCases(DaemonTest):
     def test_a_case_that_is_not_there_says_which_are(self) -> None:
         self.assertIn("dambreak2d", self.meniscus("load", "dambrake", code=65).stderr)
 
+    def test_a_bad_name_for_the_run_is_no_fault_of_the_case(self) -> None:
+        done = self.meniscus("load", *SMALL, "--name", "../x", code=2)
+        self.assertTrue(done.stderr.startswith("meniscus: the name of a case"), done.stderr)
+
     def test_a_bad_override_is_named(self) -> None:
         done = self.meniscus("load", *SMALL, "--set", "fluids[0].density=-1", code=65)
         self.assertIn("fluids[0].density", done.stderr)
