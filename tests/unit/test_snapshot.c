@@ -254,7 +254,9 @@ static void a_disk_full_at_any_byte_costs_only_the_new_file(void **state)
 static bool put_line(const char *path, const char *line)
 {
     FILE *file = fopen(path, "w");
-    return file && (fputs(line, file) >= 0) & (fclose(file) == 0);
+    if (!file) return false;
+    const bool put = fputs(line, file) >= 0;
+    return fclose(file) == 0 && put;
 }
 
 /* Mounts of this process alone, so that nothing stays mounted whatever happens. Whoever may not have them gets them as the
