@@ -142,7 +142,7 @@ $(BUILD)/obj/proto/case_find.o: private cppflags += $(cases)
 $(BUILD)/obj/proto/case_find.o: $(BUILD)/stamp/prefix
 $(BUILD)/obj/server/net/describe.o: private cppflags += -DMENISCUS_COMMIT='"$(COMMIT)"'
 $(BUILD)/obj/server/net/describe.o: $(BUILD)/stamp/commit
-$(BUILD)/obj/%.o: %.c $(BUILD)/stamp/flags | $(GEN)
+$(BUILD)/obj/%.o: %.c $(BUILD)/stamp/flags | $(GEN) $(BUILD)/gen/sim/case_bounds.h
 	@mkdir -p $(@D)
 	$(call say,CC,$<)$(compile) $(WARN) $(CFLAGS) -MMD -MP -c -o $@ $<
 $(BUILD)/obj/gen/%.o: $(BUILD)/gen/%.c $(BUILD)/stamp/flags | $(GEN)
@@ -151,10 +151,10 @@ $(BUILD)/obj/gen/%.o: $(BUILD)/gen/%.c $(BUILD)/stamp/flags | $(GEN)
 $(BUILD)/gen/%.pb-c.c: proto/%.proto $(wildcard proto/*.proto) | $(BUILD)/stamp/flags
 	@mkdir -p $(@D)
 	$(call say,GEN,$@)protoc-c -Iproto --c_out=$(@D) $<
-$(BUILD)/gen/case_schema.c $(BUILD)/case-reference.md &: proto/case.proto proto/schema.py proto/manual.md | $(BUILD)/stamp/flags
-	@mkdir -p $(BUILD)/gen
+$(BUILD)/gen/case_schema.c $(BUILD)/gen/sim/case_bounds.h $(BUILD)/case-reference.md &: proto/case.proto proto/schema.py proto/manual.md | $(BUILD)/stamp/flags
+	@mkdir -p $(BUILD)/gen/sim
 	$(call say,GEN,$(BUILD)/gen/case_schema.c)protoc -Iproto --include_source_info --descriptor_set_out=$(BUILD)/gen/case.desc proto/case.proto \
-	    && $(PYTHON) proto/schema.py $(BUILD)/gen/case.desc $(BUILD)/gen/case_schema.c $(BUILD)/case-reference.md
+	    && $(PYTHON) proto/schema.py $(BUILD)/gen/case.desc $(BUILD)/gen/case_schema.c $(BUILD)/gen/sim/case_bounds.h $(BUILD)/case-reference.md
 # The Python client with its generated modules, for PYTHONPATH=$(BUILD)/python; client/python/setup.py does the same for pip.
 PY_FILES := $(wildcard client/python/src/meniscus/*.py) client/python/src/meniscus/py.typed
 $(BUILD)/python/meniscus/meniscus_pb2.py: client/python/generate.py $(PY_FILES) $(wildcard proto/*.proto) | $(BUILD)/stamp/flags

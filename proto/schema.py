@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""schema.py IN.desc OUT.c OUT.md: the table of units and bounds that readers apply, and the manual of the case format.
+"""schema.py IN.desc OUT.c OUT.h OUT.md: the table of units and bounds that readers apply, the bounds of numbers for the
+solver, which knows no messages, and the manual of the case format.
 
 IN.desc is a descriptor set of case.proto with source information. An `@` word that is not known, a malformed argument
 or an entry without a meaning ends the build."""
@@ -177,6 +178,19 @@ def write_table(schema, out):
     out.write("};\nconst size_t case_steerables_n = sizeof case_steerables / sizeof *case_steerables;\n")
 
 
+def write_bounds(schema, out):
+    out.write("/* SPDX-License-Identifier: BSD-3-Clause */\n/* Made by proto/schema.py from case.proto. */\n"
+              "#ifndef SIM_CASE_BOUNDS_H\n#define SIM_CASE_BOUNDS_H\n\n"
+              '#include "sim/bounds.h"\n#include <math.h>\n\n')
+    for name, _, entries in schema.messages:
+        for entry in (e for e in entries if e.range):
+            low, high, low_open, high_open = entry.bounds
+            words = " ".join(filter(None, (entry.range, entry.unit)))
+            out.write(f"#define BOUNDS_{name}_{entry.name} ((Bounds){{{c_number(low)}, {c_number(high)}, "
+                      f"{int(low_open)}, {int(high_open)}, {c_text(words)}}})\n")
+    out.write("\n#endif\n")
+
+
 def bounds_words(entry):
     words = [f"`{entry.range}`"] if entry.range else []
     if entry.count != (0, 0):
@@ -220,8 +234,8 @@ def write_manual(schema, introduction, out):
 
 
 def main():
-    if len(sys.argv) != 4:
-        sys.exit("usage: schema.py IN.desc OUT.c OUT.md")
+    if len(sys.argv) != 5:
+        sys.exit("usage: schema.py IN.desc OUT.c OUT.h OUT.md")
     with open(sys.argv[1], "rb") as file:
         schema = Schema(descriptor_pb2.FileDescriptorSet.FromString(file.read()).file[0])
     with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "manual.md"), encoding="utf-8") as file:
@@ -229,6 +243,8 @@ def main():
     with open(sys.argv[2], "w", encoding="utf-8") as out:
         write_table(schema, out)
     with open(sys.argv[3], "w", encoding="utf-8") as out:
+        write_bounds(schema, out)
+    with open(sys.argv[4], "w", encoding="utf-8") as out:
         write_manual(schema, introduction, out)
 
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Is a case physical, and can it be built? Each complaint names the entry, what was found and what is allowed. */
+#include "sim/case_bounds.h"
 #include "sim/sim.h"
 #include <math.h>
 #include <stdio.h>
@@ -23,29 +24,50 @@ size_t case_fit(const MnsCase *c, int d, double *ret_spacing)
     return (size_t)count;
 }
 
-/* What case.proto bounds already; a case made by a C program has not been through that. */
+/* A number and what case.proto allows: a case made by a C program has not been through that. */
+typedef struct Bounded {
+    const char *entry; /* below `at` */
+    double value;
+    Bounds bounds;
+} Bounded;
+
+static MnsStatus check_bounds(const char *at, const Bounded *list, size_t n, MnsError *error)
+{
+    for (size_t k = 0; k < n; k++) {
+        char entry[96];
+        if (bounds_hold(list[k].bounds, list[k].value)) continue;
+        snprintf(entry, sizeof entry, "%s%s%s", at, *at ? "." : "", list[k].entry);
+        return mns_fail_at(error, MNS_E_INVALID, entry, "found %g, allowed: %s", list[k].value, list[k].bounds.words);
+    }
+    return MNS_OK;
+}
+
+#define CHECK_BOUNDS(at, list, error) check_bounds((at), (list), sizeof(list) / sizeof *(list), (error))
+
 static MnsStatus check_options(const MnsCase *c, MnsError *error)
 {
     const MnsSchemeOptions *o = &c->scheme;
-    if (!(o->smoothing >= 0.8 && o->smoothing <= 4 && o->skin >= 0 && o->skin <= 2 && o->cfl >= 1e-3 && o->cfl <= 1))
-        return mns_fail_at(error, MNS_E_INVALID, "scheme",
-                           "smoothing %g, skin %g, cfl %g: allowed are [0.8, 4], [0, 2] and [1e-3, 1]", o->smoothing,
-                           o->skin, o->cfl);
     const MnsRiemann *r = &o->riemann;
-    if (!(r->limiter >= 0 && r->limiter <= 100 && r->background_pressure >= 0 && r->background_pressure <= 20 &&
-          r->heavy_background_pressure >= 0 && r->heavy_background_pressure <= 20 && r->guard >= 0 && r->guard <= 0.5))
-        return mns_fail_at(
-            error, MNS_E_INVALID, "scheme.riemann",
-            "limiter %g, background pressure %g, of heavy fluids %g, guard %g: allowed are [0, 100], [0, 20], "
-            "[0, 20] and [0, 0.5]",
-            r->limiter, r->background_pressure, r->heavy_background_pressure, r->guard);
     const MnsLimits *l = &c->limits;
-    if (!(l->time_step_floor >= 1e-6 && l->time_step_floor < 1 && l->density_min >= 0 && l->density_min < 1 &&
-          l->density_max > 1))
-        return mns_fail_at(error, MNS_E_INVALID, "limits",
-                           "time step floor %g, density bounds %g and %g: allowed are [1e-6, 1), [0, 1) and (1, inf)",
-                           l->time_step_floor, l->density_min, l->density_max);
-    return MNS_OK;
+    const MnsOutput *w = &c->output;
+    const Bounded list[] = {
+        {"scheme.smoothing", o->smoothing, BOUNDS_Scheme_smoothing},
+        {"scheme.cfl", o->cfl, BOUNDS_Scheme_cfl},
+        {"scheme.skin", o->skin, BOUNDS_Scheme_skin},
+        {"scheme.riemann.limiter", r->limiter, BOUNDS_Riemann_limiter},
+        {"scheme.riemann.background_pressure", r->background_pressure, BOUNDS_Riemann_background_pressure},
+        {"scheme.riemann.heavy_background_pressure", r->heavy_background_pressure,
+         BOUNDS_Riemann_heavy_background_pressure},
+        {"scheme.riemann.guard", r->guard, BOUNDS_Riemann_guard},
+        {"limits.time_step_floor", l->time_step_floor, BOUNDS_Limits_time_step_floor},
+        {"limits.density_min", l->density_min, BOUNDS_Limits_density_min},
+        {"limits.density_max", l->density_max, BOUNDS_Limits_density_max},
+        {"output.probe_interval", w->probe_interval, BOUNDS_Output_probe_interval},
+        {"output.snapshot_interval", w->snapshot_interval, BOUNDS_Output_snapshot_interval},
+        {"output.checkpoint_interval", w->checkpoint_interval, BOUNDS_Output_checkpoint_interval},
+        {"output.checkpoint_wall_interval", w->checkpoint_wall_interval, BOUNDS_Output_checkpoint_wall_interval},
+    };
+    return CHECK_BOUNDS("", list, error);
 }
 
 static MnsStatus check_domain(const MnsCase *c, MnsError *error)
@@ -201,19 +223,18 @@ static MnsStatus check_fluid(const MnsCase *c, size_t k, const Constants *consta
     const MnsFluid *f = &c->fluids[k];
     char at[64];
     snprintf(at, sizeof at, "fluids[%zu]", k);
-    if (!(f->density > 0 && isfinite(f->density) && f->sound_speed > 0 && isfinite(f->sound_speed) &&
-          f->viscosity >= 0 && isfinite(f->viscosity)))
-        return mns_fail_at(
-            error, MNS_E_INVALID, at,
-            "density and sound speed must be above 0 and viscosity not below, all finite: found %g, %g, %g", f->density,
-            f->sound_speed, f->viscosity);
+    const Bounded list[] = {{"density", f->density, BOUNDS_Fluid_density},
+                            {"viscosity", f->viscosity, BOUNDS_Fluid_viscosity},
+                            {"sound_speed", f->sound_speed, BOUNDS_Fluid_sound_speed}};
+    MnsStatus status = CHECK_BOUNDS(at, list, error);
+    if (status) return status;
     for (size_t other = 0; other < k; other++)
         if (f->shape.n == 0 && c->fluids[other].shape.n == 0)
             return mns_fail_at(error, MNS_E_INVALID, at,
                                "both %s and %s have no shape; one fluid at most can take what the others leave",
                                c->fluids[other].name, f->name);
     snprintf(at, sizeof at, "fluids[%zu].shape", k);
-    MnsStatus status = check_shape(&f->shape, c, constants, false, at, error);
+    status = check_shape(&f->shape, c, constants, false, at, error);
     if (status) return status;
     snprintf(at, sizeof at, "fluids[%zu].velocity", k);
     status = check_formulas(f->velocity, c->dim, XYZ, constants, at, error);
@@ -238,8 +259,9 @@ static MnsStatus check_motion(const MnsMotion *motion, const char *at, MnsError 
     case MNS_STILL: return MNS_OK;
     case MNS_SINE:
     case MNS_ONE_MINUS_COSINE:
-        if (motion->frequency > 0 && isfinite(motion->frequency)) return MNS_OK;
-        return mns_fail_at(error, MNS_E_INVALID, at, "the frequency must be above 0: found %g", motion->frequency);
+        if (bounds_hold(BOUNDS_Oscillation_frequency, motion->frequency)) return MNS_OK;
+        return mns_fail_at(error, MNS_E_INVALID, at, "found a frequency of %g, allowed: %s", motion->frequency,
+                           BOUNDS_Oscillation_frequency.words);
     case MNS_TABLE: return check_table(motion, at, error);
     }
     return mns_fail_at(error, MNS_E_INVALID, at, "unknown kind of motion, %d", (int)motion->kind);
@@ -277,10 +299,13 @@ static MnsStatus check_scalars(const MnsCase *c, MnsError *error)
 {
     if (c->dim != 2 && c->dim != 3)
         return mns_fail_at(error, MNS_E_INVALID, "dimensions", "found %d, allowed: 2 or 3", c->dim);
-    if (!(c->reference_length > 0 && isfinite(c->reference_length) && c->resolution > 0 && isfinite(c->resolution)))
-        return mns_fail_at(error, MNS_E_INVALID, "resolution", "resolution and reference length must be above 0");
-    if (!(c->end_time >= 0))
-        return mns_fail_at(error, MNS_E_INVALID, "end_time", "found %g, allowed: [0, inf) s", c->end_time);
+    const double end = isinf(c->end_time) && c->end_time > 0 ? 0 : c->end_time; /* a C program may stop when it likes */
+    const Bounded list[] = {{"reference_length", c->reference_length, BOUNDS_Case_reference_length},
+                            {"resolution", c->resolution, BOUNDS_Case_resolution},
+                            {"end_time", end, BOUNDS_Case_end_time},
+                            {"threads", c->threads, BOUNDS_Case_threads}};
+    const MnsStatus status = CHECK_BOUNDS("", list, error);
+    if (status) return status;
     if (!scheme_find(c->scheme.name))
         return mns_fail_at(error, MNS_E_INVALID, "scheme", "there is no scheme \"%s\"", c->scheme.name);
     if (c->n_fluids == 0 || c->n_fluids > MNS_MAX_FLUIDS)

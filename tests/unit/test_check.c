@@ -74,6 +74,46 @@ static void nan_end(MnsCase *c)
 {
     c->end_time = NAN;
 }
+static void no_smoothing(MnsCase *c)
+{
+    c->scheme.smoothing = 0.79;
+}
+static void tiny_cfl(MnsCase *c)
+{
+    c->scheme.cfl = 1e-300;
+}
+static void wide_skin(MnsCase *c)
+{
+    c->scheme.skin = NAN;
+}
+static void steep_limiter(MnsCase *c)
+{
+    c->scheme.riemann.limiter = 101;
+}
+static void deep_guard(MnsCase *c)
+{
+    c->scheme.riemann.guard = 0.51;
+}
+static void tiny_floor(MnsCase *c)
+{
+    c->limits.time_step_floor = 1e-7;
+}
+static void dense_floor(MnsCase *c)
+{
+    c->limits.density_min = 1;
+}
+static void light_ceiling(MnsCase *c)
+{
+    c->limits.density_max = 1;
+}
+static void negative_interval(MnsCase *c)
+{
+    c->output.snapshot_interval = -1;
+}
+static void many_threads(MnsCase *c)
+{
+    c->threads = 1025;
+}
 static void unknown_scheme(MnsCase *c)
 {
     c->scheme.name = "riemannn";
@@ -291,9 +331,19 @@ static const Refusal REFUSALS[] = {
     {"dimensions", MNS_E_INVALID, wrong_dimension},
     {"resolution", MNS_E_INVALID, no_resolution},
     {"resolution", MNS_E_INVALID, nan_resolution},
-    {"resolution", MNS_E_INVALID, no_reference_length},
+    {"reference_length", MNS_E_INVALID, no_reference_length},
     {"end_time", MNS_E_INVALID, negative_end},
     {"end_time", MNS_E_INVALID, nan_end},
+    {"scheme.smoothing", MNS_E_INVALID, no_smoothing},
+    {"scheme.cfl", MNS_E_INVALID, tiny_cfl},
+    {"scheme.skin", MNS_E_INVALID, wide_skin},
+    {"scheme.riemann.limiter", MNS_E_INVALID, steep_limiter},
+    {"scheme.riemann.guard", MNS_E_INVALID, deep_guard},
+    {"limits.time_step_floor", MNS_E_INVALID, tiny_floor},
+    {"limits.density_min", MNS_E_INVALID, dense_floor},
+    {"limits.density_max", MNS_E_INVALID, light_ceiling},
+    {"output.snapshot_interval", MNS_E_INVALID, negative_interval},
+    {"threads", MNS_E_INVALID, many_threads},
     {"scheme", MNS_E_INVALID, unknown_scheme},
     {"fluids", MNS_E_LIMIT, no_fluid},
     {"fluids", MNS_E_LIMIT, many_fluids},
@@ -307,11 +357,11 @@ static const Refusal REFUSALS[] = {
     {"gravity[1]", MNS_E_INVALID, bad_gravity},
     {"gravity[0]", MNS_E_INVALID, gravity_of_place},
     {"constants[1].value", MNS_E_INVALID, bad_constant},
-    {"fluids[1]", MNS_E_INVALID, no_density},
-    {"fluids[1]", MNS_E_INVALID, infinite_density},
-    {"fluids[0]", MNS_E_INVALID, no_sound},
-    {"fluids[0]", MNS_E_INVALID, negative_viscosity},
-    {"fluids[0]", MNS_E_INVALID, nan_viscosity},
+    {"fluids[1].density", MNS_E_INVALID, no_density},
+    {"fluids[1].density", MNS_E_INVALID, infinite_density},
+    {"fluids[0].sound_speed", MNS_E_INVALID, no_sound},
+    {"fluids[0].viscosity", MNS_E_INVALID, negative_viscosity},
+    {"fluids[0].viscosity", MNS_E_INVALID, nan_viscosity},
     {"fluids[1]", MNS_E_INVALID, two_without_shape},
     {"fluids[0].shape[0]", MNS_E_INVALID, empty_box},
     {"fluids[0].shape[0]", MNS_E_INVALID, empty_ball},
