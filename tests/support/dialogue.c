@@ -7,6 +7,7 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <sys/random.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -41,6 +42,7 @@ static void run_daemon(const Dialogue *dialogue, const char *const *options)
     words[4] = state;
     for (; options && *options && n < 31; options++) words[n++] = *options;
     setenv("XDG_RUNTIME_DIR", dialogue->home, 1);
+    prctl(PR_SET_PDEATHSIG, SIGKILL); /* a test that fails or is killed leaves no daemon behind */
     if (!getenv("MENISCUS_TEST_LOG")) words[n < 29 ? n++ : n] = "--log-level=error";
     execv(program, (char *const *)words);
     _exit(127);
