@@ -171,8 +171,8 @@ static double height(const MnsSim *sim, const MnsProbe *probe)
     return depth;
 }
 
-/* Smallest sum of W V over the points of the domain's fitted lattice that are a kernel's support away from its sides: a side
- * need not be a wall, and a gap at a wall is a matter of how walls push, not of voids. */
+/* Smallest sum of W V over the points of the domain's fitted lattice; where a part of the domain is empty, over those a
+ * kernel's support away from its sides, as a side need not be a wall. */
 static double coverage(const MnsSim *sim, const MnsProbe *probe)
 {
     const Model *model = &sim->model;
@@ -186,7 +186,7 @@ static double coverage(const MnsSim *sim, const MnsProbe *probe)
         bool wanted = true;
         for (int d = 0; d < model->dim; d++) {
             x[d] = model->min[d] + ((double)index[d] + 0.5) * spacing[d];
-            const double rim = model->period[d] > 0 ? 0 : model->kernel.support;
+            const double rim = model->filled || model->period[d] > 0 ? 0 : model->kernel.support;
             wanted = wanted && x[d] >= model->min[d] + rim && x[d] <= model->max[d] - rim &&
                      (!probe->within || (x[d] >= probe->min[d] && x[d] <= probe->max[d]));
             x[d] += shift(sim, probe, d);

@@ -273,6 +273,27 @@ static void coverage_may_be_of_a_part_of_the_domain(void **state)
     done(sim, c);
 }
 
+/* A gap beside a wall is a gap. */
+static void coverage_reaches_to_the_walls_of_a_filled_domain(void **state)
+{
+    (void)state;
+    for (int filled = 0; filled < 2; filled++) {
+        MnsCase *c = tank(2, filled);
+        MnsProbe *probe = case_add_probe(c, MNS_PROBE_COVERAGE);
+        probe->within = true; /* of the water */
+        put_point(probe->min, 0, 0, 0);
+        put_point(probe->max, 0.4, 0.3, 0);
+        MnsSim *sim = sim_of(c);
+        assert_close(mns_sim_probe(sim, 0), 1.01, 0.001);
+        const size_t corner = nth_of(sim, 0, 0);
+        assert_true(sim->s.x[0][corner] < 0.05 && sim->s.x[1][corner] < 0.05);
+        sim->s.vol[corner] = 0;
+        if (filled) assert_true(mns_sim_probe(sim, 0) < 0.7);
+        else assert_close(mns_sim_probe(sim, 0), 1.01, 0.001); /* its sides may be open */
+        done(sim, c);
+    }
+}
+
 static void escaped_particles_are_counted_in_the_tank_s_coordinates(void **state)
 {
     (void)state;
@@ -423,6 +444,7 @@ int main(void)
         cmocka_unit_test(bodies_have_the_mass_energy_and_momentum_of_their_density_and_speed),
         cmocka_unit_test(coverage_of_a_lattice_is_its_sum_and_a_void_is_seen),
         cmocka_unit_test(coverage_may_be_of_a_part_of_the_domain),
+        cmocka_unit_test(coverage_reaches_to_the_walls_of_a_filled_domain),
         cmocka_unit_test(escaped_particles_are_counted_in_the_tank_s_coordinates),
         cmocka_unit_test(extremum_finds_the_one_particle),
         cmocka_unit_test(deviation_is_the_root_mean_square_from_a_formula),
