@@ -117,3 +117,25 @@ MnsCase *case_periodic(int dim, double resolution)
     c->fluids[1].density_method = MNS_DENSITY_SUMMATION;
     return c;
 }
+
+MnsCase *case_shaken(int dim, unsigned threads)
+{
+    MnsCase *c = case_dam_break(dim, dim == 2 ? 12 : 6);
+    c->max[0] = c->walls[0].shape.parts[0].b[0] = 3;
+    c->fluids[0].viscosity = 1e-3;
+    c->fluids[1].viscosity = 1e-6;
+    c->walls[0].no_slip = true;
+    c->walls[0].motion = (MnsMotion){.kind = MNS_SINE, .amplitude = {0.05, 0.02, 0.01}, .frequency = 1.5, .phase = 0.3};
+    c->threads = threads;
+    return c;
+}
+
+MnsCase *case_still(int dim, double resolution, MnsDensityMethod method)
+{
+    MnsCase *c = case_periodic(dim, resolution);
+    for (int k = 0; k < 2; k++) {
+        c->fluids[k].density_method = method;
+        for (int d = 0; d < 3; d++) case_set_text(&c->fluids[k].velocity[d], "0");
+    }
+    return c;
+}

@@ -11,6 +11,12 @@ MnsCase *case_dam_break(int dim, double resolution);
 /* Two fluids of density ratio 10, side by side as stripes in a periodic box without gravity, stirred: nothing outside acts. */
 MnsCase *case_periodic(int dim, double resolution);
 
+/* The same at rest, with the density of both fluids found in one way. */
+MnsCase *case_still(int dim, double resolution, MnsDensityMethod method);
+
+/* A tank that shakes, sticky, with water and air: all the solver can do at once. */
+MnsCase *case_shaken(int dim, unsigned threads);
+
 /* A case like any other but empty of parts, to be filled by the test. */
 MnsCase *case_blank(int dim, double resolution);
 void case_add_fluid(MnsCase *c, const char *name, double density, double sound_speed);

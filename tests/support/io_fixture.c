@@ -38,6 +38,19 @@ void scratch_free(char *dir)
     free(dir);
 }
 
+int scratch_begin(void **state)
+{
+    *state = scratch_new();
+    return 0;
+}
+
+int scratch_end(void **state)
+{
+    limit_files(SIZE_MAX);
+    scratch_free(*state);
+    return 0;
+}
+
 char *path_in(const char *dir, const char *name)
 {
     char *path = need(malloc(4096), "malloc");

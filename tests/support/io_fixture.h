@@ -9,6 +9,10 @@
 char *scratch_new(void);
 void scratch_free(char *dir);
 
+/* For cmocka: one as the state of each test; afterwards files may grow again. */
+int scratch_begin(void **state);
+int scratch_end(void **state);
+
 /* "DIR/NAME"; [4096], to be freed. */
 char *path_in(const char *dir, const char *name);
 

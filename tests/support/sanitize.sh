@@ -33,7 +33,7 @@ for program in "$BUILD"/tests/unit/* "$BUILD"/tests/protocol/*; do
     if [ ! -f "$program" ] || [ ! -x "$program" ]; then continue; fi
     name=${program#"$BUILD"/tests/}
     # Programs of one thread have no races to find; the team of the solver and the daemon's threads have.
-    if [ "$1" = thread ] && ! [[ $name =~ ^(protocol/|unit/test_(build|mailbox|neighbours|probe|sim|wall|writer)$) ]]; then
+    if [ "$1" = thread ] && ! [[ $name =~ ^(protocol/|unit/test_(build|fault|guard|mailbox|neighbours|probe|restart|steer|wall|writer)$) ]]; then
         continue
     fi
     suppressions=tests/support/leaks.supp

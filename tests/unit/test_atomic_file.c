@@ -13,19 +13,6 @@
 
 #include <cmocka.h>
 
-static int set_up(void **state)
-{
-    *state = scratch_new();
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    limit_files(SIZE_MAX);
-    scratch_free(*state);
-    return 0;
-}
-
 static void assert_content(const char *path, const char *text)
 {
     size_t size = 0;
@@ -160,15 +147,15 @@ static void every_errno_has_its_status(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(a_file_appears_with_its_name_only_when_committed, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_cancelled_file_leaves_the_old_one, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_full_disk_is_said_and_leaves_the_old_file, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(what_a_killed_writer_left_behind_is_in_nobodys_way, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_link_in_place_of_the_temporary_is_not_followed, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_missing_directory_is_named, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_directory_is_not_replaced_by_a_file, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_file_appears_with_its_name_only_when_committed, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(a_cancelled_file_leaves_the_old_one, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(a_full_disk_is_said_and_leaves_the_old_file, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(what_a_killed_writer_left_behind_is_in_nobodys_way, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(a_link_in_place_of_the_temporary_is_not_followed, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(a_missing_directory_is_named, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(a_directory_is_not_replaced_by_a_file, scratch_begin, scratch_end),
         cmocka_unit_test(a_path_too_long_is_refused),
-        cmocka_unit_test_setup_teardown(a_read_says_where_the_file_ends, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_read_says_where_the_file_ends, scratch_begin, scratch_end),
         cmocka_unit_test(every_errno_has_its_status),
     };
     return cmocka_run_group_tests_name("atomic_file", tests, NULL, NULL);

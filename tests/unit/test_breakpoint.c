@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Where a run pauses: conditions know the case's constants and any of its probes, whatever they are called. */
 #include "run/breakpoint.h"
-#include "tests/support/cases.h"
 #include "tests/support/check.h"
+#include "tests/support/sims.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,8 +25,7 @@ static int end(void **state)
 {
     Place *place = *state;
     breakpoints_free(place->points);
-    mns_sim_free(place->sim);
-    mns_case_free(place->c);
+    sim_done(place->sim, place->c);
     return 0;
 }
 
@@ -55,12 +54,6 @@ static MnsStatus set(const Place *place, const char *condition, MnsError *error)
     return breakpoints_set(place->points, place->c, &point, error);
 }
 
-static void make(Place *place)
-{
-    MnsError error = {.text = ""};
-    if (mns_sim_new(place->c, &place->sim, &error)) fail_msg("%s: %s", error.path, error.text);
-}
-
 /* Does the condition hold in the simulation, as it is? */
 static bool holds(const Place *place, const char *condition)
 {
@@ -74,7 +67,7 @@ static void a_condition_knows_dx_and_constants_made_of_it(void **state)
     Place *place = *state;
     add_constant(place->c, "layer", "3*dx");
     add_probe(place, "water", 0);
-    make(place);
+    place->sim = sim_of(place->c);
     assert_true(holds(place, "water > 1.9 and layer == 3/8 and dx == 1/8"));
     assert_false(holds(place, "water > 1.9 and layer > 0.4"));
 }
@@ -85,7 +78,7 @@ static void each_variable_has_the_value_of_its_own_probe(void **state)
     add_probe(place, "unused", -1);
     add_probe(place, "mass-of.air", 1);
     add_probe(place, "water", 0);
-    make(place);
+    place->sim = sim_of(place->c);
     assert_true(holds(place, "water > 1.9 and mass_of_air < 0.1 and step == 0 and t == 0"));
     assert_false(holds(place, "water < 0.1 or mass_of_air > 1.9"));
 }
@@ -96,7 +89,7 @@ static void probes_of_any_name_leave_conditions_alone(void **state)
     const char *const odd[] = {"1st", "end", "t", "step", "-", ".5", "and"};
     for (size_t k = 0; k < sizeof odd / sizeof *odd; k++) add_probe(place, odd[k], 1);
     add_probe(place, "water", 0);
-    make(place);
+    place->sim = sim_of(place->c);
     assert_true(holds(place, "water > 1.9 and t == 0 and step == 0"));
 }
 
@@ -105,7 +98,7 @@ static void a_probe_with_the_name_of_something_else_has_an_underscore(void **sta
     Place *place = *state;
     const char *const odd[] = {"2nd.x", "end", "t", "step"};
     for (size_t k = 0; k < sizeof odd / sizeof *odd; k++) add_probe(place, odd[k], 0);
-    make(place);
+    place->sim = sim_of(place->c);
     assert_true(holds(place, "_2nd_x > 1.9 and _end > 1.9 and _t > 1.9 and _step > 1.9"));
     assert_false(holds(place, "t > 1.9 or step > 1.9"));
 }
@@ -117,7 +110,7 @@ static void a_word_that_could_be_two_probes_names_both(void **state)
     add_probe(place, "gauge.1", 0);
     add_probe(place, "gauge-1", 1);
     add_probe(place, "water", 0);
-    make(place);
+    place->sim = sim_of(place->c);
     assert_int_equal(set(place, "gauge_1 > 1", &error), MNS_E_INVALID);
     assert_non_null(strstr(error.text, "\"gauge.1\" and \"gauge-1\""));
     assert_true(holds(place, "water > 1.9"));
@@ -131,7 +124,7 @@ static void there_may_be_more_probes_than_lua_has_variables(void **state)
         snprintf(name, sizeof name, "P%d", k);
         add_probe(place, name, k % 2);
     }
-    make(place);
+    place->sim = sim_of(place->c);
     assert_true(holds(place, "P254 > 1.9 and P255 < 0.1"));
 }
 
@@ -146,14 +139,14 @@ static void a_condition_may_be_full_of_words(void **state)
     }
     for (size_t k = 0; k + 1 < sizeof condition; k++) condition[k] = k % 2 ? '+' : (char)('A' + k / 2 % 26);
     memcpy(condition + sizeof condition - 3, ">0", 3);
-    make(place);
+    place->sim = sim_of(place->c);
     assert_true(holds(place, condition));
 }
 
 static void a_condition_is_reached_when_it_becomes_true(void **state)
 {
     Place *place = *state;
-    make(place);
+    place->sim = sim_of(place->c);
     assert_true(holds(place, "t < 1"));
     assert_null(breakpoints_reached(place->points, place->sim, mns_sim_progress(place->sim)));
 }
@@ -161,7 +154,7 @@ static void a_condition_is_reached_when_it_becomes_true(void **state)
 static void cleared_breakpoints_are_gone_and_new_ones_may_come(void **state)
 {
     Place *place = *state;
-    make(place);
+    place->sim = sim_of(place->c);
     assert_true(holds(place, "t < 1"));
     breakpoints_clear(place->points);
     assert_int_equal(breakpoints_remove(place->points, "here", NULL), MNS_E_NOT_FOUND);

@@ -1,25 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Particles start where the case has them: on a lattice fitted to the domain, each in the fluid or wall that its
  * shape says, with masses and densities that give the pressure asked for. */
-#include "sim/sim.h"
-#include "tests/support/cases.h"
 #include "tests/support/check.h"
+#include "tests/support/sims.h"
 #include <stdlib.h>
 #include <string.h>
-
-static MnsSim *sim_of(const MnsCase *c)
-{
-    MnsSim *sim = NULL;
-    MnsError error = {0};
-    if (mns_sim_new(c, &sim, &error)) fail_msg("%s: %s", error.path, error.text);
-    return sim;
-}
-
-static void done(MnsSim *sim, MnsCase *c)
-{
-    mns_sim_free(sim);
-    mns_case_free(c);
-}
 
 /* A tank 1 x 0.8 (x 0.6) from a corner that is not the origin. */
 static MnsCase *tank(int dim)
@@ -59,7 +44,7 @@ static void lattice_is_stretched_to_the_domain_and_continued_into_walls(void **s
             }
         for (size_t i = 0; i < inside; i++) assert_close(s->m[i], 5 * 1.012 * pow(0.1, dim), 1e-15);
         for (size_t i = inside; i < s->n; i++) assert_close(s->vol[i], 1.012 * pow(0.1, dim), 1e-15);
-        done(sim, c);
+        sim_done(sim, c);
     }
 }
 
@@ -81,7 +66,7 @@ static void dummy_layers_fill_every_kernel_that_reaches_into_a_wall(void **state
         case_add_fluid(c, "water", 5, 10);
         MnsSim *sim = sim_of(c);
         assert_close(mns_sim_mean_neighbours(sim), rows[k].neighbours, 1e-12);
-        done(sim, c);
+        sim_done(sim, c);
     }
 }
 
@@ -104,7 +89,7 @@ static void thick_walls_are_hollow_not_filled_with_fluid(void **state)
     assert_int_equal(particles_fluid(&sim->s), 4 * 8);
     assert_int_equal(deep, 0);
     assert_close(mns_sim_mean_neighbours(sim), 20, 1e-12); /* still a full kernel everywhere */
-    done(sim, c);
+    sim_done(sim, c);
 }
 
 /* A periodic direction has no sides to continue. */
@@ -119,7 +104,7 @@ static void periodic_directions_have_no_layers(void **state)
     MnsSim *sim = sim_of(c);
     assert_int_equal(sim->s.n, 10 * 14 * 12);
     assert_int_equal(particles_fluid(&sim->s), 10 * 8 * 6);
-    done(sim, c);
+    sim_done(sim, c);
 }
 
 static void particles_belong_to_the_shape_they_are_in_and_the_rest_to_the_rest(void **state)
@@ -163,7 +148,7 @@ static void particles_belong_to_the_shape_they_are_in_and_the_rest_to_the_rest(v
             count[owner]++;
         }
         for (int k = 0; k < 5; k++) assert_true(count[k] > 3);
-        done(sim, c);
+        sim_done(sim, c);
     }
 }
 
@@ -187,7 +172,7 @@ static void density_method_is_that_of_the_case_or_by_the_ratio(void **state)
         /* p_b over rho c^2 of the fluid itself: 4 if it is summed, a half if not. */
         assert_close(sim->model.phase[1].p_b, (rows[k].summed ? 4 : 0.5) * rows[k].density * 100, 1e-12);
         assert_close(sim->model.phase[0].p_b, 0.5 * 100, 1e-12);
-        done(sim, c);
+        sim_done(sim, c);
     }
 }
 
@@ -213,7 +198,7 @@ static void heavy_fluids_are_spread_only_where_nothing_is_empty(void **state)
             assert_close(sim->model.phase[0].p_b, empty ? 0 : 0.5 * 5 * 100, 1e-12);
             setup_options(sim, c); /* as after a steered value */
             assert_close(sim->model.phase[0].p_b, empty ? 0 : 0.5 * 5 * 100, 1e-12);
-            done(sim, c);
+            sim_done(sim, c);
         }
 }
 
@@ -234,7 +219,7 @@ static void masses_and_densities_give_the_pressure_asked_for(void **state)
             assert_close(s->rho[i], rho, 1e-15);
             assert_close(s->m[i], k == 0 ? rho * pow(0.1, dim) : rho / sum, 1e-16);
         }
-        done(sim, c);
+        sim_done(sim, c);
     }
 }
 
@@ -252,7 +237,7 @@ static void summed_densities_start_as_given_at_a_free_edge_too(void **state)
         assert_close(sim->s.rho[i], 3.2, 1e-15);
         assert_close(sim->s.p[i], 20, 1e-12);
     }
-    done(sim, c);
+    sim_done(sim, c);
 }
 
 static void velocities_are_those_of_the_formulas(void **state)
@@ -267,7 +252,7 @@ static void velocities_are_those_of_the_formulas(void **state)
         assert_close(sim->s.v[1][i], 0.5 * cos(pi2 * x) + 0.1, 1e-15);
         assert_close(sim->s.v[2][i], 0.2 * sin(pi2 * (x + y)), 1e-15);
     }
-    done(sim, c);
+    sim_done(sim, c);
 }
 
 /* Weight of all fluid between a particle and the end of its column that gravity points away from, whichever way that
@@ -296,7 +281,7 @@ static void hydrostatic_pressure_is_the_weight_above(void **state)
             const double p = depth < length / 2 ? 0.01 * 4 * depth : 4 * (0.01 * length / 2 + 5 * (depth - length / 2));
             assert_close(sim->s.p[i], p, 1e-11); /* rounding of c^2 rho */
         }
-        done(sim, c);
+        sim_done(sim, c);
     }
 }
 
@@ -328,9 +313,9 @@ static void particles_are_the_same_for_any_number_of_threads(void **state)
         assert_memory_equal(twin->s.id, sim->s.id, sim->s.n * sizeof *sim->s.id);
         assert_memory_equal(twin->s.m, sim->s.m, sim->s.n * sizeof *sim->s.m);
         assert_true(mns_sim_hash(twin) == mns_sim_hash(sim));
-        done(twin, other);
+        sim_done(twin, other);
     }
-    done(sim, c);
+    sim_done(sim, c);
 }
 
 /* A wrong case is wrong in the same words each time. */
@@ -390,7 +375,7 @@ static void empty_space_takes_no_memory(void **state)
     MnsSim *sim = sim_of(c);
     assert_in_range(sim->s.n, 500, 560);
     assert_less((double)mns_sim_bytes(sim), 3000.0 * (double)sim->s.n);
-    done(sim, c);
+    sim_done(sim, c);
 }
 
 int main(void)

@@ -4,8 +4,8 @@
 #include "io/checkpoint.h"
 #include "io/h5.h"
 #include "io/seal.h"
-#include "tests/support/cases.h"
 #include "tests/support/io_fixture.h"
+#include "tests/support/sims.h"
 
 #include <endian.h>
 #include <fcntl.h>
@@ -22,19 +22,6 @@
 #include <cmocka.h>
 
 static const char blob[] = "a packed case\0with a zero in it";
-
-static int set_up(void **state)
-{
-    *state = scratch_new();
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    limit_files(SIZE_MAX);
-    scratch_free(*state);
-    return 0;
-}
 
 static MnsStatus write_state(const char *dir, const MnsCapture *state, unsigned keep, char *ret_path)
 {
@@ -84,36 +71,28 @@ static void state_case_and_progress_come_back_bit_for_bit(void **state)
     assert_comes_back(*state, 3);
 }
 
-static void step_on(MnsSim *sim, int steps)
-{
-    for (int k = 0; k < steps; k++) assert_int_equal(mns_sim_step(sim, INFINITY, NULL), MNS_OK);
-}
-
 /* 25 steps, a file, 25 more; and another simulation that begins with the file. */
 static void assert_goes_on_from_file(const char *dir, int dim)
 {
     char path[IO_PATH_MAX];
     MnsCase *c = case_dam_break(dim, dim == 2 ? 12 : 6);
     const FileMeta meta = {c, "dambreak", "title: Dam break\n"};
-    MnsSim *first = NULL, *second = NULL;
+    MnsSim *first = sim_of(c), *second = sim_of(c);
     MnsCapture *state = NULL;
     Checkpoint read;
-    assert_int_equal(mns_sim_new(c, &first, NULL), MNS_OK);
-    step_on(first, 25);
+    sim_steps(first, 25);
     assert_int_equal(mns_sim_capture(first, mns_state_fields(), &state, NULL), MNS_OK);
     assert_int_equal(checkpoint_write(dir, state, &meta, blob, sizeof blob, 1, path, NULL), MNS_OK);
-    step_on(first, 25);
+    sim_steps(first, 25);
     assert_int_equal(checkpoint_read(path, &read, NULL), MNS_OK);
-    assert_int_equal(mns_sim_new(c, &second, NULL), MNS_OK);
     assert_int_equal(mns_sim_restore(second, read.state, NULL), MNS_OK);
     assert_true(mns_sim_hash(second) != mns_sim_hash(first));
-    step_on(second, 25);
+    sim_steps(second, 25);
     assert_true(mns_sim_hash(second) == mns_sim_hash(first));
     checkpoint_done(&read);
     mns_capture_free(state);
     mns_sim_free(second);
-    mns_sim_free(first);
-    mns_case_free(c);
+    sim_done(first, c);
 }
 
 static void a_run_goes_on_from_the_file_as_if_it_had_never_stopped(void **state)
@@ -485,25 +464,26 @@ static void an_hdf5_file_without_a_state_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(state_case_and_progress_come_back_bit_for_bit, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_run_goes_on_from_the_file_as_if_it_had_never_stopped, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(an_empty_case_is_kept_as_it_is, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_full_disk_drops_no_older_checkpoint, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(the_last_written_are_kept, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(the_one_just_written_is_kept_whatever_is_asked, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(an_earlier_step_written_later_is_the_newest, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(other_files_are_left_alone, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(damaged_ones_are_passed_over_with_a_note, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(no_whole_checkpoint_is_not_found, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(damage_is_an_error_or_makes_no_difference, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(every_bit_of_the_seal_counts, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(the_format_of_another_version_is_named, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_cut_file_says_what_is_missing, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(every_part_has_a_checksum_of_its_own, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_changed_scalar_is_noticed, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(other_fields_are_another_version, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_field_of_another_length_is_refused, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(an_hdf5_file_without_a_state_is_refused, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(state_case_and_progress_come_back_bit_for_bit, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(a_run_goes_on_from_the_file_as_if_it_had_never_stopped, scratch_begin,
+                                        scratch_end),
+        cmocka_unit_test_setup_teardown(an_empty_case_is_kept_as_it_is, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(a_full_disk_drops_no_older_checkpoint, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(the_last_written_are_kept, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(the_one_just_written_is_kept_whatever_is_asked, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(an_earlier_step_written_later_is_the_newest, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(other_files_are_left_alone, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(damaged_ones_are_passed_over_with_a_note, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(no_whole_checkpoint_is_not_found, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(damage_is_an_error_or_makes_no_difference, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(every_bit_of_the_seal_counts, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(the_format_of_another_version_is_named, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(a_cut_file_says_what_is_missing, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(every_part_has_a_checksum_of_its_own, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(a_changed_scalar_is_noticed, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(other_fields_are_another_version, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(a_field_of_another_length_is_refused, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(an_hdf5_file_without_a_state_is_refused, scratch_begin, scratch_end),
     };
     return cmocka_run_group_tests_name("checkpoint", tests, NULL, NULL);
 }

@@ -1,21 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A formula that gives a number here and a truth value there, or no number at all, ends the run with its entry: it is not
  * taken for 1 or 0, and what comes of it is not blamed. */
-#include "sim/sim.h"
-#include "tests/support/cases.h"
 #include "tests/support/check.h"
+#include "tests/support/sims.h"
 #include <string.h>
 
 /* A number where it is tried, at 0.5, and at 0; true between. */
 static const char SWITCHING[] = "t > 0.02 and (t < 0.3) or -1";
-
-static MnsSim *sim_of(const MnsCase *c)
-{
-    MnsSim *sim = NULL;
-    MnsError error = {0};
-    if (mns_sim_new(c, &sim, &error)) fail_msg("%s: %s", error.path, error.text);
-    return sim;
-}
 
 /* Step beyond t = 0.02, where the first step that ends there must fail. */
 static void assert_fails_at(MnsSim *sim, double t, const char *path, const char *why)
@@ -62,8 +53,7 @@ static void surface_that_turns_into_a_truth_ends_the_run(void **state)
     case_set_text(&c->walls[0].surface_velocity[0], SWITCHING);
     MnsSim *sim = sim_of(c);
     assert_fails_at(sim, 0.02, "walls[0].surface_velocity[0]", "true or false there");
-    mns_sim_free(sim);
-    mns_case_free(c);
+    sim_done(sim, c);
 }
 
 /* A probe is read between steps: the next one says what was wrong. Set right again, the run goes on. */
@@ -84,8 +74,7 @@ static void probe_whose_formula_fails_is_said_by_the_next_step(void **state)
     assert_int_equal(mns_sim_restore(sim, capture, NULL), MNS_OK);
     assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_OK);
     mns_capture_free(capture);
-    mns_sim_free(sim);
-    mns_case_free(c);
+    sim_done(sim, c);
 }
 
 static void gravity_of_no_number_is_not_steered_to(void **state)
@@ -99,8 +88,7 @@ static void gravity_of_no_number_is_not_steered_to(void **state)
     assert_int_equal(mns_sim_steer(sim, other, &error), MNS_E_INVALID);
     assert_string_equal(error.path, "gravity[1]");
     assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_OK);
-    mns_sim_free(sim);
-    mns_case_free(other);
+    sim_done(sim, other);
     mns_case_free(c);
 }
 

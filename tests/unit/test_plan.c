@@ -1,19 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A run that would never end, or fill any disk, is refused before it begins or when it is steered there, by a sentence that
  * names what is to blame; one that slows down without end counts as diverged; and what is hardly meant is said. */
-#include "sim/sim.h"
-#include "tests/support/cases.h"
 #include "tests/support/check.h"
+#include "tests/support/sims.h"
 #include <omp.h>
 #include <string.h>
-
-static MnsSim *sim_of(const MnsCase *c)
-{
-    MnsSim *sim = NULL;
-    MnsError error = {0};
-    if (mns_sim_new(c, &sim, &error)) fail_msg("%s: %s", error.path, error.text);
-    return sim;
-}
 
 static void assert_endless(const MnsCase *c, const char *path, const char *word)
 {
@@ -94,8 +85,7 @@ static void run_is_not_steered_to_where_it_has_no_end(void **state)
     assert_true(sim->model.cfl == 0.25);
     other->scheme.cfl = 0.25;
     assert_int_equal(mns_sim_steer(sim, other, &error), MNS_OK);
-    mns_sim_free(sim);
-    mns_case_free(other);
+    sim_done(sim, other);
     mns_case_free(c);
 }
 
@@ -112,8 +102,7 @@ static void step_that_has_become_too_short_for_the_end_is_a_divergence(void **st
     sim->v_max = 1e4; /* a thousandth of the first step */
     assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_E_DIVERGED);
     assert_non_null(strstr(error.text, "floor of 1e-05 s"));
-    mns_sim_free(sim);
-    mns_case_free(c);
+    sim_done(sim, c);
 }
 
 static bool warns(const MnsSim *sim, const char *word)
@@ -139,8 +128,7 @@ static void interval_shorter_than_a_step_is_said_to_be_one(void **state)
     assert_true(warns(sim, "output.snapshot_interval: ") && warns(sim, "output.checkpoint_interval: "));
     assert_true(warns(sim, "output.probe_interval: "));
     assert_null(mns_sim_warning(sim, 3));
-    mns_sim_free(sim);
-    mns_case_free(c);
+    sim_done(sim, c);
 }
 
 static void fluid_at_an_open_side_is_warned_of_once(void **state)
@@ -167,15 +155,13 @@ static void fluid_at_an_open_side_is_warned_of_once(void **state)
         sim = sim_of(c);
         assert_true(warns(sim, "water touches the lower y side") || warns(sim, "air touches the lower y side"));
         assert_null(mns_sim_warning(sim, 1));
-        mns_sim_free(sim);
-        mns_case_free(c);
+        sim_done(sim, c);
         c = case_periodic(dim, 10);
         c->periodic[0] = false;
         sim = sim_of(c);
         assert_true(warns(sim, "lower x side") && warns(sim, "upper x side"));
         assert_null(mns_sim_warning(sim, 2));
-        mns_sim_free(sim);
-        mns_case_free(c);
+        sim_done(sim, c);
     }
 }
 
@@ -192,8 +178,7 @@ static void threads_beyond_the_processors_are_said_and_bounded(void **state)
     sim = sim_of(c);
     assert_true(warns(sim, "threads: "));
     assert_int_equal(mns_sim_threads(sim), most);
-    mns_sim_free(sim);
-    mns_case_free(c);
+    sim_done(sim, c);
 }
 
 int main(void)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Probes measure what is known: fields that are linear, columns of known height, bodies of known mass and speed. */
 #include "sim/sample.h"
-#include "tests/support/cases.h"
 #include "tests/support/check.h"
+#include "tests/support/sims.h"
 #include <string.h>
 
 /* A closed tank 1 x 0.8 (x 0.6) with water in a box of its lower left part; the rest is left empty, or is oil. */
@@ -22,20 +22,6 @@ static MnsCase *tank(int dim, bool oil)
     side->outside = true;
     for (int d = 0; d < 3; d++) side->b[d] = c->max[d];
     return c;
-}
-
-static MnsSim *sim_of(const MnsCase *c)
-{
-    MnsSim *sim = NULL;
-    MnsError error = {0};
-    if (mns_sim_new(c, &sim, &error)) fail_msg("%s: %s", error.path, error.text);
-    return sim;
-}
-
-static void done(MnsSim *sim, MnsCase *c)
-{
-    mns_sim_free(sim);
-    mns_case_free(c);
 }
 
 static void put_point(double to[3], double x, double y, double z)
@@ -83,7 +69,7 @@ static void pressure_of_a_linear_field_is_the_field(void **state)
              * which are up to dx/2 = 0.025 away along each of the slopes 30, 12 and 7; wider ones gain by their
              * number. */
             assert_close(mns_sim_probe(sim, k), linear(c->probes[k].at), k < 3 ? 1e-12 : k == 4 ? 0.5 : 0.05);
-        done(sim, c);
+        sim_done(sim, c);
     }
 }
 
@@ -101,7 +87,7 @@ static void pressure_probe_moves_with_its_wall(void **state)
     put_point(sim->model.wall[0].x, 0.1, 0.05, 0);
     assert_close(mns_sim_probe(sim, 0), linear((const double[]){0.3, 0.25, 0}), 1e-12);
     assert_close(mns_sim_probe(sim, 1), linear((const double[]){0.4, 0.3, 0}), 1e-12);
-    done(sim, c);
+    sim_done(sim, c);
 }
 
 static void pressure_where_no_fluid_is_is_no_number(void **state)
@@ -111,7 +97,7 @@ static void pressure_where_no_fluid_is_is_no_number(void **state)
     put_point(case_add_probe(c, MNS_PROBE_PRESSURE)->at, 0.9, 0.7, 0);
     MnsSim *sim = sim_of(c);
     assert_true(isnan(mns_sim_probe(sim, 0)));
-    done(sim, c);
+    sim_done(sim, c);
 }
 
 /* Water 0.45 high left of x = 0.55, with oil above it and beside it, or nothing. */
@@ -134,7 +120,7 @@ static void height_is_that_of_the_column(void **state)
             assert_close(mns_sim_probe(sim, 0), 0.45, allowed);
             assert_close(mns_sim_probe(sim, 1), 0, 1e-12);
             if (oil) assert_close(mns_sim_probe(sim, 2), 0.35, allowed);
-            done(sim, c);
+            sim_done(sim, c);
         }
 }
 
@@ -151,7 +137,7 @@ static void height_may_be_along_any_axis(void **state)
     MnsSim *sim = sim_of(c);
     const double expected[3] = {0.55, 0.45, 0.6};
     for (size_t k = 0; k < 3; k++) assert_close(mns_sim_probe(sim, k), expected[k], 0.05 / 4);
-    done(sim, c);
+    sim_done(sim, c);
 }
 
 static void front_is_half_a_spacing_beyond_the_last_particle(void **state)
@@ -177,7 +163,7 @@ static void front_is_half_a_spacing_beyond_the_last_particle(void **state)
     assert_close(mns_sim_probe(sim, 2), 0.4, 1e-14);
     assert_close(mns_sim_probe(sim, 3), 0, 1e-14); /* oil above the water, backwards */
     assert_true(isnan(mns_sim_probe(sim, 4)));
-    done(sim, c);
+    sim_done(sim, c);
 }
 
 /* Continuity masses are density times volume; uniform motion makes the rest elementary. */
@@ -224,7 +210,7 @@ static void bodies_have_the_mass_energy_and_momentum_of_their_density_and_speed(
             for (size_t k = 0; k < 7; k++)
                 assert_close(mns_sim_probe(sim, 7 * f + k), expected[k], 1e-12); /* rounding */
         }
-        done(sim, c);
+        sim_done(sim, c);
     }
 }
 
@@ -253,7 +239,7 @@ static void coverage_of_a_lattice_is_its_sum_and_a_void_is_seen(void **state)
         }
         assert_true(left < 0.5 * whole);
         assert_close(mns_sim_probe(sim, 0), left, 1e-12);
-        done(sim, c);
+        sim_done(sim, c);
     }
 }
 
@@ -270,7 +256,7 @@ static void coverage_may_be_of_a_part_of_the_domain(void **state)
     MnsSim *sim = sim_of(c);
     assert_close(mns_sim_probe(sim, 0), 1.01, 0.001); /* the lattice sum */
     assert_true(mns_sim_probe(sim, 1) == 0);          /* above the free surface, away from walls */
-    done(sim, c);
+    sim_done(sim, c);
 }
 
 /* A gap beside a wall is a gap. */
@@ -290,7 +276,7 @@ static void coverage_reaches_to_the_walls_of_a_filled_domain(void **state)
         sim->s.vol[corner] = 0;
         if (filled) assert_true(mns_sim_probe(sim, 0) < 0.7);
         else assert_close(mns_sim_probe(sim, 0), 1.01, 0.001); /* its sides may be open */
-        done(sim, c);
+        sim_done(sim, c);
     }
 }
 
@@ -310,7 +296,7 @@ static void escaped_particles_are_counted_in_the_tank_s_coordinates(void **state
     for (size_t k = 0; k < 3; k++) assert_true(mns_sim_probe(sim, k) == expected[k]);
     sim->model.wall[0].x[0] = 0.01; /* the tank has followed the first */
     assert_true(mns_sim_probe(sim, 2) == 2);
-    done(sim, c);
+    sim_done(sim, c);
 }
 
 static void extremum_finds_the_one_particle(void **state)
@@ -342,7 +328,7 @@ static void extremum_finds_the_one_particle(void **state)
         assert_close(mns_sim_probe(sim, k), rows[k].value, 1e-14);
         assert_string_equal(mns_probe_unit(&c->probes[k]), rows[k].unit);
     }
-    done(sim, c);
+    sim_done(sim, c);
 }
 
 static void deviation_is_the_root_mean_square_from_a_formula(void **state)
@@ -366,7 +352,7 @@ static void deviation_is_the_root_mean_square_from_a_formula(void **state)
     }
     assert_close(mns_sim_probe(sim, 0), sqrt(squares / n), 1e-12);
     assert_close(mns_sim_probe(sim, 1), 4, 1e-12);
-    done(sim, c);
+    sim_done(sim, c);
 }
 
 static void probes_are_the_same_for_any_number_of_threads(void **state)
@@ -392,7 +378,7 @@ static void probes_are_the_same_for_any_number_of_threads(void **state)
             if (t > 0) assert_true(value == values[k]);
             values[k] = value;
         }
-        done(sim, c);
+        sim_done(sim, c);
     }
 }
 
@@ -418,7 +404,7 @@ static void samples_are_averages_at_points(void **state)
     assert_true(isnan(values[0]));
     mns_sim_sample(sim, mns_field_find("id"), 0, 3, points, values); /* names have no average */
     assert_true(isnan(values[0]));
-    done(sim, c);
+    sim_done(sim, c);
 }
 
 static void units_are_those_of_what_is_measured(void **state)

@@ -15,18 +15,6 @@
 
 enum { N = 60, N_FLUID = 45 };
 
-static int set_up(void **state)
-{
-    *state = scratch_new();
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    scratch_free(*state);
-    return 0;
-}
-
 static double *column(MnsCapture *c, const char *field, int d)
 {
     const int k = mns_field_find(field);
@@ -174,7 +162,7 @@ static void a_damaged_snapshot_is_read_or_refused_but_never_trusted(void **state
 
 int main(void)
 {
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define TEST(name) cmocka_unit_test_setup_teardown(name, scratch_begin, scratch_end)
     const struct CMUnitTest tests[] = {
         TEST(a_snapshot_is_read_as_it_was_written),
         TEST(a_picture_of_phases_needs_no_other_field),

@@ -19,19 +19,6 @@ typedef struct Picture {
     Drawn drawn;
 } Picture;
 
-static int set_up(void **state)
-{
-    *state = scratch_new();
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    limit_files(SIZE_MAX);
-    scratch_free(*state);
-    return 0;
-}
-
 static RenderOptions options_for(const char *out)
 {
     return (RenderOptions){
@@ -306,7 +293,7 @@ static void a_page_without_room_is_refused(void **state)
 
 int main(void)
 {
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define TEST(name) cmocka_unit_test_setup_teardown(name, scratch_begin, scratch_end)
     const struct CMUnitTest tests[] = {
         TEST(a_picture_of_phases_has_the_size_and_the_colours_of_the_fluids),
         TEST(fields_have_neither_gaps_nor_stripes_at_any_resolution),

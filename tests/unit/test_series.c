@@ -22,19 +22,6 @@ typedef struct Found {
     double time[MOST], p1[MOST];
 } Found;
 
-static int set_up(void **state)
-{
-    *state = scratch_new();
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    limit_files(SIZE_MAX);
-    scratch_free(*state);
-    return 0;
-}
-
 static Series *new_series(const char *dir, const FileMeta *meta, bool resume, uint64_t last_step)
 {
     Series *series = NULL;
@@ -250,16 +237,17 @@ static void a_full_disk_loses_no_row(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(every_row_is_in_the_file_after_a_flush, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(nothing_is_written_before_a_row_is_added, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(units_are_attributes, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_resumed_run_keeps_the_rows_up_to_its_checkpoint, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(rows_cut_off_by_a_resume_leave_the_file_with_the_next_flush, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_resume_without_a_file_begins_anew, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_new_run_forgets_the_rows_of_the_one_before, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(other_probes_begin_anew, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_damaged_file_is_reported_and_left_as_it_is, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_full_disk_loses_no_row, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(every_row_is_in_the_file_after_a_flush, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(nothing_is_written_before_a_row_is_added, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(units_are_attributes, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(a_resumed_run_keeps_the_rows_up_to_its_checkpoint, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(rows_cut_off_by_a_resume_leave_the_file_with_the_next_flush, scratch_begin,
+                                        scratch_end),
+        cmocka_unit_test_setup_teardown(a_resume_without_a_file_begins_anew, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(a_new_run_forgets_the_rows_of_the_one_before, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(other_probes_begin_anew, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(a_damaged_file_is_reported_and_left_as_it_is, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(a_full_disk_loses_no_row, scratch_begin, scratch_end),
     };
     return cmocka_run_group_tests_name("series", tests, NULL, NULL);
 }

@@ -19,19 +19,6 @@
 
 #include <cmocka.h>
 
-static int set_up(void **state)
-{
-    *state = scratch_new();
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    limit_files(SIZE_MAX);
-    scratch_free(*state);
-    return 0;
-}
-
 /* --- the file, seen with HDF5 alone ------------------------------------------------------------------------------ */
 
 static void get(hid_t file, const char *name, hid_t type, void *values)
@@ -414,18 +401,18 @@ static void a_directory_without_snapshots_has_an_empty_index(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(every_field_comes_back_bit_for_bit, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(fields_that_were_not_captured_are_not_there, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_capture_without_positions_is_refused, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(walls_stay_out_if_the_case_says_so, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(every_field_says_its_unit_and_meaning, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(every_particle_is_a_vertex_cell, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_disk_full_at_any_byte_costs_only_the_new_file, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_full_file_system_is_no_space, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(hdf5_prints_nothing_of_ours_and_all_of_its_callers, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(the_index_lists_whole_snapshots_by_time, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(only_files_that_changed_are_opened_for_the_index, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_directory_without_snapshots_has_an_empty_index, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(every_field_comes_back_bit_for_bit, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(fields_that_were_not_captured_are_not_there, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(a_capture_without_positions_is_refused, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(walls_stay_out_if_the_case_says_so, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(every_field_says_its_unit_and_meaning, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(every_particle_is_a_vertex_cell, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(a_disk_full_at_any_byte_costs_only_the_new_file, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(a_full_file_system_is_no_space, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(hdf5_prints_nothing_of_ours_and_all_of_its_callers, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(the_index_lists_whole_snapshots_by_time, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(only_files_that_changed_are_opened_for_the_index, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(a_directory_without_snapshots_has_an_empty_index, scratch_begin, scratch_end),
     };
     return cmocka_run_group_tests_name("snapshot", tests, NULL, NULL);
 }

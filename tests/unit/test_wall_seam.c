@@ -1,17 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A wall across the seam of a periodic domain is whole: the flow around it is that around the same wall in the middle. And a
  * particle that the guard keeps from two walls at once is one particle. */
-#include "sim/sim.h"
-#include "tests/support/cases.h"
 #include "tests/support/check.h"
-
-static MnsSim *sim_of(const MnsCase *c)
-{
-    MnsSim *sim = NULL;
-    MnsError error = {0};
-    if (mns_sim_new(c, &sim, &error)) fail_msg("%s: %s", error.path, error.text);
-    return sim;
-}
+#include "tests/support/sims.h"
 
 /* Water blown through rows of posts; one stands at x = middle, which moves up and down across the other seam. */
 static MnsCase *posts(int dim, double middle)
@@ -71,8 +62,7 @@ static void flow_past_a_post_on_the_seam_is_that_past_one_in_the_middle(void **s
             }
             energy[k] = kinetic(sim);
             guarded[k] = mns_sim_progress(sim).guarded;
-            mns_sim_free(sim);
-            mns_case_free(c);
+            sim_done(sim, c);
         }
         assert_int_equal(walls[0], walls[1]);
         assert_int_equal(guarded[0], guarded[1]);
@@ -93,8 +83,7 @@ static void fluid_across_a_seam_is_whole_too(void **state)
                                               .formula = c->fluids[0].shape.parts->formula};
         MnsSim *sim = sim_of(c);
         for (size_t i = 0; i < sim->s.n; i++) counts[k] += sim->s.phase[i] == 0;
-        mns_sim_free(sim);
-        mns_case_free(c);
+        sim_done(sim, c);
     }
     assert_int_equal(counts[0], counts[1]);
     assert_true(counts[0] > 400);
@@ -122,8 +111,7 @@ static void particle_between_two_walls_is_kept_once(void **state)
     assert_int_equal(guard_walls(sim), 1);
     assert_close(sim->s.x[0][0], 3 - 0.025, 1e-12);
     assert_close(sim->s.x[1][0], 0.025, 1e-12);
-    mns_sim_free(sim);
-    mns_case_free(c);
+    sim_done(sim, c);
 }
 
 int main(void)

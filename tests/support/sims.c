@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Simulations of cases made in C. */
+#include "tests/support/sims.h"
+#include "tests/support/check.h"
+
+MnsSim *sim_of(const MnsCase *c)
+{
+    MnsSim *sim = NULL;
+    MnsError error = {0};
+    if (mns_sim_new(c, &sim, &error)) fail_msg("%s: %s", error.path, error.text);
+    return sim;
+}
+
+void sim_done(MnsSim *sim, MnsCase *c)
+{
+    mns_sim_free(sim);
+    mns_case_free(c);
+}
+
+void sim_steps(MnsSim *sim, int n)
+{
+    MnsError error = {0};
+    for (int k = 0; k < n; k++)
+        if (mns_sim_step(sim, INFINITY, &error)) fail_msg("%s", error.text);
+}

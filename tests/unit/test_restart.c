@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The state is the same to the last bit for any number of threads and over a restart, its hash sees every bit of it, and the
+ * state of another case is refused. */
+#include "tests/support/check.h"
+#include "tests/support/sims.h"
+#include <stdlib.h>
+
+static void bits_are_the_same_for_any_number_of_threads(void **state)
+{
+    (void)state;
+    static const unsigned threads[] = {1, 2, 3, 7};
+    for (int dim = 2; dim <= 3; dim++) {
+        uint64_t hash = 0;
+        for (size_t k = 0; k < 4; k++) {
+            MnsCase *c = case_shaken(dim, threads[k]);
+            MnsSim *sim = sim_of(c);
+            sim_steps(sim, 100);
+            assert_true(mns_sim_progress(sim).rebuilds > 0);
+            if (k > 0) assert_true(mns_sim_hash(sim) == hash);
+            hash = mns_sim_hash(sim);
+            sim_done(sim, c);
+        }
+    }
+}
+
+/* Stopped after `before` steps and gone on in another simulation, with other threads, for 100 more. */
+static void assert_restart(int dim, int before, unsigned threads, unsigned other_threads)
+{
+    MnsCase *c = case_shaken(dim, threads), *other = case_shaken(dim, other_threads);
+    MnsSim *sim = sim_of(c), *again = sim_of(other);
+    MnsCapture *capture = NULL;
+    sim_steps(sim, before);
+    sim_steps(again, 7); /* whatever it did before does not matter */
+    assert_int_equal(mns_sim_capture(sim, mns_state_fields(), &capture, NULL), MNS_OK);
+    const uint64_t then = mns_sim_hash(sim), rebuilds = mns_sim_progress(sim).rebuilds;
+    assert_true(mns_sim_hash(again) != then);
+    assert_int_equal(mns_sim_restore(again, capture, NULL), MNS_OK);
+    assert_true(mns_sim_hash(again) == then);
+    mns_capture_free(capture);
+    sim_steps(sim, 100);
+    sim_steps(again, 100);
+    assert_true(mns_sim_progress(sim).rebuilds > rebuilds); /* over a list rebuild */
+    assert_true(mns_sim_hash(again) == mns_sim_hash(sim));
+    assert_true(mns_sim_hash(again) != then);
+    sim_done(again, other);
+    sim_done(sim, c);
+}
+
+static void restart_goes_on_as_if_never_stopped(void **state)
+{
+    (void)state;
+    assert_restart(2, 0, 1, 1);
+    assert_restart(2, 61, 1, 3);
+    assert_restart(2, 130, 2, 1);
+    assert_restart(3, 40, 3, 2);
+}
+
+/* What is derived is restored too, so that pictures and probes do not change. */
+static void restart_shows_the_same_fields(void **state)
+{
+    (void)state;
+    MnsCase *c = case_shaken(2, 1), *other = case_shaken(2, 1);
+    MnsSim *sim = sim_of(c), *again = sim_of(other);
+    MnsCapture *capture = NULL;
+    sim_steps(sim, 30);
+    assert_int_equal(mns_sim_capture(sim, mns_state_fields(), &capture, NULL), MNS_OK);
+    assert_int_equal(mns_sim_restore(again, capture, NULL), MNS_OK);
+    static const char *const names[] = {"pressure", "volume", "impedance", "position", "density"};
+    for (size_t k = 0; k < 5; k++) {
+        const int field = mns_field_find(names[k]);
+        assert_memory_equal(mns_sim_field(sim, field, 0), mns_sim_field(again, field, 0), sim->s.n * sizeof(double));
+    }
+    mns_capture_free(capture);
+    sim_done(again, other);
+    sim_done(sim, c);
+}
+
+static void hash_does_not_know_the_order_of_storage_but_every_bit_else(void **state)
+{
+    (void)state;
+    MnsCase *c = case_shaken(2, 1);
+    MnsSim *sim = sim_of(c);
+    sim_steps(sim, 3);
+    const uint64_t hash = mns_sim_hash(sim);
+    uint32_t *order = malloc(sim->s.n * sizeof *order);
+    assert_non_null(order);
+    for (int g = 0; g < GROUPS; g++)
+        for (size_t k = sim->s.begin[g]; k < sim->s.begin[g + 1]; k++)
+            order[k] = (uint32_t)(sim->s.begin[g] + sim->s.begin[g + 1] - 1 - k);
+    particles_permute(&sim->s, order, 1);
+    free(order);
+    assert_true(mns_sim_hash(sim) == hash);
+    sim->s.v[1][5] = nextafter(sim->s.v[1][5], 100);
+    assert_true(mns_sim_hash(sim) != hash);
+    sim->s.v[1][5] = nextafter(sim->s.v[1][5], -100);
+    assert_true(mns_sim_hash(sim) == hash);
+    sim->progress.guarded++;
+    assert_true(mns_sim_hash(sim) != hash);
+    sim_done(sim, c);
+}
+
+static void captures_of_another_case_are_refused_and_change_nothing(void **state)
+{
+    (void)state;
+    MnsCase *c = case_shaken(2, 1), *wider = case_shaken(2, 1), *flipped = case_shaken(2, 1),
+            *thick = case_shaken(3, 1);
+    wider->max[0] = wider->walls[0].shape.parts[0].b[0] = 3.25;
+    flipped->fluids[1].density_method = MNS_DENSITY_CONTINUITY; /* as many particles, in other groups */
+    MnsCase *others[3] = {wider, flipped, thick};
+    MnsSim *sim = sim_of(c);
+    sim_steps(sim, 2);
+    const uint64_t hash = mns_sim_hash(sim);
+    MnsCapture *capture = NULL;
+    for (int k = 0; k < 3; k++) {
+        MnsSim *other = sim_of(others[k]);
+        assert_int_equal(mns_sim_capture(other, mns_state_fields(), &capture, NULL), MNS_OK);
+        assert_int_equal(mns_sim_restore(sim, capture, NULL), MNS_E_INVALID);
+        mns_capture_free(capture);
+        sim_done(other, others[k]);
+    }
+    assert_int_equal(
+        mns_sim_capture(sim, mns_state_fields() & ~(UINT64_C(1) << mns_field_find("velocity")), &capture, NULL),
+        MNS_OK);
+    assert_int_equal(mns_sim_restore(sim, capture, NULL), MNS_E_INVALID);
+    mns_capture_free(capture);
+    assert_true(mns_sim_hash(sim) == hash);
+    sim_done(sim, c);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(bits_are_the_same_for_any_number_of_threads),
+        cmocka_unit_test(restart_goes_on_as_if_never_stopped),
+        cmocka_unit_test(restart_shows_the_same_fields),
+        cmocka_unit_test(hash_does_not_know_the_order_of_storage_but_every_bit_else),
+        cmocka_unit_test(captures_of_another_case_are_refused_and_change_nothing),
+    };
+    return cmocka_run_group_tests_name("restart", tests, NULL, NULL);
+}

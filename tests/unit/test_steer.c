@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What is steered takes effect at the next step; what cannot change is refused and changes nothing. */
+#include "sim/integrator.h"
+#include "tests/support/check.h"
+#include "tests/support/sims.h"
+
+static void steered_gravity_acts_from_the_next_rates_on(void **state)
+{
+    (void)state;
+    MnsCase *c = case_still(2, 12, MNS_DENSITY_SUMMATION), *steered = case_still(2, 12, MNS_DENSITY_SUMMATION);
+    case_set_text(&steered->gravity[0], "2 + 0*t");
+    MnsSim *sim = sim_of(c);
+    sim_steps(sim, 1);
+    assert_int_equal(mns_sim_steer(sim, steered, NULL), MNS_OK);
+    mns_case_free(c);
+    assert_ptr_equal(mns_sim_case(sim), steered);
+    assert_true(sim->model.gravity[0] == 2); /* energies and the next time step know at once */
+    double time = 0;
+    for (int k = 0; k < 5; k++) {
+        sim_steps(sim, 1);
+        time += mns_sim_progress(sim).dt * (k == 0 ? 0.5 : 1); /* the first half kick was before */
+    }
+    for (size_t i = 0; i < sim->s.n; i++) {
+        assert_close(sim->s.v[0][i], 2 * time, 1e-11); /* all fall alike: nothing but rounding */
+        assert_close(sim->s.v[1][i], 0, 1e-11);
+    }
+    sim_done(sim, steered);
+}
+
+static void steering_refuses_what_cannot_change_and_changes_nothing_then(void **state)
+{
+    (void)state;
+    MnsCase *c = case_shaken(2, 1);
+    MnsSim *sim = sim_of(c);
+    sim_steps(sim, 2);
+    for (int k = 0; k < 13; k++) {
+        MnsCase *other = case_shaken(k == 1 ? 3 : 2, 1);
+        if (k == 0) other->resolution = 24;
+        if (k == 2) case_add_fluid(other, "oil", 1, 20);
+        if (k == 2) case_add_part(&other->fluids[2].shape, MNS_BALL)->radius = 1;
+        if (k == 3) case_set_text(&other->gravity[1], "-g");
+        if (k == 4) other->fluids[0].density = 1.5;
+        if (k == 5) other->fluids[1].viscosity = 0;
+        if (k == 6) other->fluids[1].sound_speed = 30;
+        if (k == 7) other->fluids[1].density_method = MNS_DENSITY_CONTINUITY;
+        if (k == 8) other->scheme.kernel = MNS_QUINTIC_SPLINE;
+        if (k == 9) other->scheme.smoothing = 1.5;
+        if (k == 10) other->scheme.skin = 0.2;
+        if (k == 11) other->max[1] = 2.5;
+        if (k == 12) other->periodic[0] = true;
+        MnsError error = {0};
+        assert_int_equal(mns_sim_steer(sim, other, &error), MNS_E_INVALID);
+        assert_true(error.text[0] != 0);
+        assert_ptr_equal(mns_sim_case(sim), c);
+        mns_case_free(other);
+    }
+    sim_steps(sim, 10);
+    MnsCase *same = case_shaken(2, 1);
+    MnsSim *twin = sim_of(same);
+    sim_steps(twin, 12);
+    assert_true(mns_sim_hash(sim) == mns_sim_hash(twin));
+    sim_done(twin, same);
+    sim_done(sim, c);
+}
+
+static void steered_threads_and_limits_do_not_change_the_bits(void **state)
+{
+    (void)state;
+    MnsCase *c = case_shaken(2, 1), *steered = case_shaken(2, 3), *same = case_shaken(2, 1);
+    MnsSim *sim = sim_of(c), *twin = sim_of(same);
+    steered->end_time = 77;
+    sim_steps(sim, 20);
+    assert_int_equal(mns_sim_steer(sim, steered, NULL), MNS_OK);
+    mns_case_free(c);
+    sim_steps(sim, 60);
+    sim_steps(twin, 80);
+    assert_true(mns_sim_hash(sim) == mns_sim_hash(twin));
+    sim_done(twin, same);
+    sim_done(sim, steered);
+}
+
+static void steered_options_take_effect(void **state)
+{
+    (void)state;
+    MnsCase *c = case_shaken(2, 1), *steered = case_shaken(2, 1);
+    MnsSim *sim = sim_of(c);
+    sim_steps(sim, 2);
+    const Limit *limit = NULL;
+    const double before = integrator_dt(sim, &limit);
+    steered->scheme.cfl = 0.125;
+    steered->scheme.riemann = (MnsRiemann){.limiter = 5, .background_pressure = 1, .guard = 0.1};
+    assert_int_equal(mns_sim_steer(sim, steered, NULL), MNS_OK);
+    assert_close(integrator_dt(sim, &limit), 0.5 * before, 1e-15);
+    assert_true(sim->model.limiter == 5);
+    assert_close(sim->model.phase[1].p_b, 1e-3 * 400, 1e-15);
+    assert_close(sim->model.guard, 0.1 / 12, 1e-15);
+    sim_done(sim, steered);
+    mns_case_free(c);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(steered_gravity_acts_from_the_next_rates_on),
+        cmocka_unit_test(steering_refuses_what_cannot_change_and_changes_nothing_then),
+        cmocka_unit_test(steered_threads_and_limits_do_not_change_the_bits),
+        cmocka_unit_test(steered_options_take_effect),
+    };
+    return cmocka_run_group_tests_name("steer", tests, NULL, NULL);
+}
