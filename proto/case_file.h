@@ -5,7 +5,6 @@
 
 #include "case.pb-c.h"
 #include <meniscus/status.h>
-#include <stdio.h>
 
 /* Where each entry stands in the file, so that a later complaint about a path can name line and column. */
 typedef struct CaseFile CaseFile;

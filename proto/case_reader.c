@@ -3,7 +3,6 @@
 #include "proto/case_reader.h"
 #include "proto/case_scalar.h"
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <yaml.h>
 

@@ -4,7 +4,6 @@
 #include "proto/case_words.h"
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <yaml.h>
 

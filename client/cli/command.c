@@ -2,7 +2,6 @@
 /* The table of commands. */
 #include "client/cli/command.h"
 #include "proto/case_words.h"
-#include <stdio.h>
 #include <string.h>
 
 const Command command_table[] = {

@@ -5,7 +5,6 @@
 #include "proto/script.h"
 #include <meniscus/exit.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double quick_s = 60; /* for commands that cannot rightly take longer, unless --timeout is given */

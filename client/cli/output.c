@@ -20,7 +20,8 @@ json_t *output_number(double value)
     return isfinite(value) ? json_real(value) : json_null();
 }
 
-json_t *output_hex(uint64_t value)
+/* A 64-bit pattern as 16 hex digits: JSON numbers cannot hold it. */
+static json_t *hex(uint64_t value)
 {
     return json_sprintf("%016" PRIx64, value);
 }
@@ -73,7 +74,7 @@ json_t *output_reply(const MnsReply *reply)
 {
     return json_pack("{ss sI so sI so ss}", "state", mns_state_name(reply->state), "step", (json_int_t)reply->step,
                      "time", output_number(reply->time), "effect_step", (json_int_t)reply->effect_step, "daemon_epoch",
-                     output_hex(reply->daemon_epoch), "message", reply->message);
+                     hex(reply->daemon_epoch), "message", reply->message);
 }
 
 static json_t *timers(const MnsRunInfo *info)
@@ -114,7 +115,7 @@ json_t *output_info(const MnsRunInfo *info)
         "{sI sI sI sI sI sI sI so}", "step", (json_int_t)info->step, "particles", (json_int_t)info->particles,
         "fluid_particles", (json_int_t)info->fluid_particles, "guarded", (json_int_t)info->guarded, "samples_dropped",
         (json_int_t)info->samples_dropped, "memory_bytes", (json_int_t)info->memory_bytes, "threads",
-        (json_int_t)info->threads, "state_hash", info->state_hash ? output_hex(info->state_hash) : json_null());
+        (json_int_t)info->threads, "state_hash", info->state_hash ? hex(info->state_hash) : json_null());
     json_object_update_new(object, times);
     json_object_update_new(object, counts);
     json_object_set_new(object, "timers", timers(info));

@@ -12,9 +12,6 @@ MnsStatus output_json(json_t *object, MnsError *error);
 /* A number; null if it is not finite. */
 json_t *output_number(double value);
 
-/* A 64-bit pattern as 16 hex digits: JSON numbers cannot hold it. */
-json_t *output_hex(uint64_t value);
-
 /* {name: {"value": number, or text where it is none, "unit": text}, ...} */
 json_t *output_values(size_t n, const MnsValue *values);
 

@@ -2,7 +2,6 @@
 /* The command line of `meniscus render`. */
 #include "client/cli/render_options.h"
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -13,8 +13,8 @@ typedef struct Scale {
     char name[96], unit[40]; /* "Pressure", "kPa" */
 } Scale;
 
-/* range: lo, hi as the user wants them, or NULL: from 0.5th to 99.5th percentile of the values of each fluid's particles that are seen, or
- * all of them if that is hardly more. symmetric: the middle of the bar is to be zero. */
+/* range: lo, hi as the user wants them, or NULL: from 0.5th to 99.5th percentile of the values of each fluid's particles
+ * that are seen, or all of them if that is hardly more. symmetric: the middle of the bar is to be zero. */
 Scale scale_make(const Frame *frame, const View *view, const double range[2], bool symmetric);
 
 /* The p-th part (0 to 1) of n > 0 numbers is at most this; reorders them. */

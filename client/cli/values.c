@@ -3,7 +3,6 @@
 #include "client/cli/command.h"
 #include "client/cli/output.h"
 #include <inttypes.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

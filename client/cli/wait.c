@@ -4,9 +4,7 @@
 #include "client/cli/output.h"
 #include <inttypes.h>
 #include <math.h>
-#include <meniscus/exit.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 

@@ -27,8 +27,7 @@ typedef struct MnsPart {
     double b[3];   /* box: upper corner; plate: along; cylinder: to; half space: normal               */
     double c[3];   /* plate: normal                                                                   */
     double radius; /* ball, cylinder                                                             [m]  */
-    double length, width,
-        thickness; /* plate                                                                      [m]  */
+    double length, width, thickness; /* plate                                                    [m]  */
     char *formula;
 } MnsPart;
 

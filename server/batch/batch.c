@@ -12,7 +12,7 @@
 #include <math.h>
 #include <meniscus/exit.h>
 #include <poll.h>
-#include <stdlib.h>
+#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 

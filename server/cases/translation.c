@@ -6,7 +6,6 @@
 #include <meniscus/sim.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 size_t translation_enter(Translation *t, const char *name)

@@ -3,9 +3,7 @@
 #include "run/inside.h"
 
 #include "base/clock.h"
-#include "base/log.h"
 #include <assert.h>
-#include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
@@ -65,7 +63,8 @@ void run_fault(Run *run, const MnsError *error, bool output)
     run_goal_end(run, error->status, error);
 }
 
-void run_begin(Run *run, const char *text)
+/* RUNNING, with the outputs of the first boundary. */
+static void begin(Run *run, const char *text)
 {
     meter_begin(&run->meter, mns_sim_progress(run->sim), clock_now());
     run_enter(run, RUN_RUNNING, text);
@@ -99,7 +98,7 @@ void run_go(Run *run, Order *order)
         status = mns_fail(&error, MNS_E_STATE, "the simulation has diverged; restore a checkpoint or reset: %.300s",
                           run->fault.text);
     else if (run->state == RUN_FAULT) status = writer_retry(run->outputs.writer, &error);
-    if (!status) run_begin(run, run->state == RUN_READY ? "started" : "resumed");
+    if (!status) begin(run, run->state == RUN_READY ? "started" : "resumed");
     if (!status && run->state == RUN_FAULT) { /* the very first output failed */
         error = run->fault;
         status = error.status;
@@ -112,7 +111,7 @@ static void go_for(Run *run, Order *order, Goal goal, const char *text)
     goal.on = true;
     goal.order = order;
     run->goal = goal;
-    run_begin(run, text);
+    begin(run, text);
 }
 
 void run_step(Run *run, Order *order, uint64_t n)

@@ -59,22 +59,22 @@ void run_beat(void *run);
 void run_publish_step(Run *run);                            /* the numbers that change with every step           */
 void run_publish(Run *run);                                 /* all                                               */
 void run_enter(Run *run, RunState state, const char *text); /* a new state: published, told, and who waits answered */
-void run_tell(Run *run, NoteKind kind, int level, const char *word,
-              const char *text); /* an event or a line of the log */
 void run_tell_progress(Run *run);
+
+/* An event or a line of the log. */
+void run_tell(Run *run, NoteKind kind, int level, const char *word, const char *text);
 
 /* answer.c: those who wait; run_answer() and run_wait() are there too. */
 void run_answer_waiters(Run *run);          /* those whose wait is over         */
 void run_answer_late(Run *run, double now); /* those whose deadline has passed  */
 void run_answer_all_waiters(Run *run, const MnsError *error);
-bool run_answer_cancelled(Run *run, const uint8_t id[static ORDER_ID],
-                          const MnsError *error); /* those of that id; whether there are any */
-double run_next_deadline(const Run *run);         /* of clock_now(); INFINITY: none          */
+double run_next_deadline(const Run *run); /* of clock_now(); INFINITY: none */
+
+/* Those of that id; whether there are any. */
+bool run_answer_cancelled(Run *run, const uint8_t id[static ORDER_ID], const MnsError *error);
 
 /* go.c: goals. */
-void run_begin(Run *run, const char *text); /* RUNNING, with the outputs of the first boundary    */
-void run_goal_end(Run *run, MnsStatus status,
-                  const MnsError *error);     /* answers who is after it                            */
+void run_goal_end(Run *run, MnsStatus status, const MnsError *error); /* answers who is after it */
 void run_expire(Run *run);                    /* waiters and goals whose deadline has passed        */
 void run_call_off(Run *run, const Order *by); /* orders that would set it in motion, older than this one */
 void run_fault(Run *run, const MnsError *error, bool output);

@@ -28,10 +28,11 @@ typedef struct Outputs {
     OutputTimes before;
     double wall_checkpoint; /* clock_now() of the last one; of the beginning if there is none   */
     double wall_flush;      /* the same for the series                                          */
-    _Atomic double
-        flush_seconds; /* it took the last time; the writer's to set. A crash may cost the samples since then, but none
-                                     before a checkpoint: a restart writes the later ones again                    */
     uint64_t at_checkpoint; /* step of the last one; UINT64_MAX: none                           */
+
+    /* How long writing the series took the last time; the writer's to set. A crash may cost the samples since then, but
+     * none before a checkpoint: a restart writes the later ones again. */
+    _Atomic double flush_seconds;
 
     /* Tell who ordered an output that it is written or failed; on the writer's thread. */
     void (*answer)(void *arg, Order *order, MnsStatus status, const MnsError *error);

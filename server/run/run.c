@@ -3,7 +3,6 @@
 #include "run/inside.h"
 
 #include "base/clock.h"
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <sys/resource.h>

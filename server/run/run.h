@@ -80,8 +80,7 @@ void run_restore(Run *run, Order *order, const char *name); /* of a file in the 
 void run_stop(Run *run, Order *order, bool checkpoint);     /* to EMPTY, files kept                                   */
 void run_leave(Run *run, Order *order, bool checkpoint);    /* the last order: the thread ends                        */
 
-void run_go(Run *run,
-            Order *order); /* start or resume: run to the end                                                */
+void run_go(Run *run, Order *order); /* start or resume: run to the end */
 void run_pause(Run *run, Order *order);
 void run_step(Run *run, Order *order, uint64_t n);
 void run_until(Run *run, Order *order, double t, bool exact); /* exact: the last step is shortened                    */

@@ -4,7 +4,6 @@
 
 #include "base/log.h"
 #include "proto/case_file.h"
-#include <string.h>
 
 /* Message with all assignments made, one after the other. */
 static MnsStatus assign(const Meniscus__Case *old, size_t n, const char *const *paths, const char *const *values,

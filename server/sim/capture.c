@@ -2,7 +2,6 @@
 /* Copy fields out of a simulation and a state back in, and fingerprint it. */
 #include "base/array.h"
 #include "sim/integrator.h"
-#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 #define XXH_INLINE_ALL

@@ -2,7 +2,6 @@
 /* Why a run diverged: the particle with the smallest id that is not well, where it is, and the term that moves it most. */
 #include "sim/sim.h"
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 
 static double speed(const Particles *s, size_t i)

@@ -3,7 +3,6 @@
  * to that distance and loses its velocity into the wall, relative to the wall. No paper has it; violent impacts at low
  * resolution need it (schemes/README.md). */
 #include "sim/sim.h"
-#include <math.h>
 
 /* Guard one particle against one wall, whose shape stands where the case put it: so move the particle instead. */
 static bool guard_one(MnsSim *sim, size_t i, size_t k)

@@ -8,14 +8,15 @@
 /* A fluid. Named phase, as in the papers, since several fluids share one particle set. */
 typedef struct Phase {
     double rho0, c, mu; /* reference density [kg/m^3], speed of sound [m/s], dynamic viscosity [Pa s] */
-    double p_b;         /* background pressure of the transport velocity [Pa] */
-    bool summation;     /* density by summation and transport velocity; else continuity */
+    double p_b;         /* background pressure of the transport velocity [Pa]; 0: it is not spread */
+    bool summation;     /* density by summation, and the stress of the transport velocity; else continuity */
 } Phase;
 
 /* A wall, moving as a rigid body. */
 typedef struct WallState {
-    double x[3], v[3],
-        a[3]; /* displacement [m], mean velocity over the step with that of the surface [m/s], acceleration */
+    double x[3]; /* displacement [m] */
+    double v[3]; /* mean velocity over the step, with that of the surface [m/s] */
+    double a[3]; /* acceleration of the motion [m/s^2] */
     bool no_slip;
 } WallState;
 
@@ -32,7 +33,7 @@ typedef struct Model {
     WallState wall[MNS_MAX_WALLS];
     double c_max, rho_max;                     /* of the fluids */
     bool viscous;                              /* any fluid */
-    bool filled;                               /* at the start, no place was left without fluid or wall */
+    bool filled;                               /* at the start, no place was without fluid or wall, and no side open */
     bool transport_stress;                     /* option of the scheme */
     double t, dt;                              /* end of the current step [s], its length [s] */
     double gravity[3];                         /* at t [m/s^2] */

@@ -42,7 +42,8 @@ MnsStatus plan_check(const MnsSim *sim, const MnsCase *c, MnsError *error)
     return MNS_OK;
 }
 
-void plan_warn(MnsSim *sim, const char *format, ...)
+static void warn(MnsSim *sim, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void warn(MnsSim *sim, const char *format, ...)
 {
     if (sim->n_warnings == SIM_WARNINGS_MAX) return;
     va_list list;
@@ -54,8 +55,8 @@ void plan_warn(MnsSim *sim, const char *format, ...)
 static void warn_interval(MnsSim *sim, const char *entry, double interval, double dt)
 {
     if (interval > 0 && interval < dt)
-        plan_warn(sim, "%s: %g s is shorter than the first time step, %.2g s: it means after every step", entry,
-                  interval, dt);
+        warn(sim, "%s: %g s is shorter than the first time step, %.2g s: it means after every step", entry, interval,
+             dt);
 }
 
 /* Is particle i beside the domain's lower (-1) or upper (1) side along d, with no wall behind that side? */
@@ -78,11 +79,10 @@ static void warn_open_sides(MnsSim *sim)
         for (int side = -1; side <= 1 && sim->model.period[d] == 0; side += 2)
             for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
                 if (!is_exposed(sim, i, d, side)) continue;
-                plan_warn(
-                    sim,
-                    "domain: %s touches the %s %c side, which is neither a wall nor periodic: what leaves there is "
-                    "lost, as a probe of kind `escaped` would show; put a wall there, or make %c periodic",
-                    sim->c->fluids[sim->s.phase[i]].name, side < 0 ? "lower" : "upper", "xyz"[d], "xyz"[d]);
+                warn(sim,
+                     "domain: %s touches the %s %c side, which is neither a wall nor periodic: what leaves there is "
+                     "lost, as a probe of kind `escaped` would show; put a wall there, or make %c periodic",
+                     sim->c->fluids[sim->s.phase[i]].name, side < 0 ? "lower" : "upper", "xyz"[d], "xyz"[d]);
                 break;
             }
 }
@@ -98,11 +98,10 @@ void plan_look(MnsSim *sim)
     warn_interval(sim, "output.checkpoint_interval", output->checkpoint_interval, dt);
     const unsigned processors = (unsigned)omp_get_num_procs();
     if (sim->c->threads > processors)
-        plan_warn(
-            sim,
-            "threads: %u on %u processors only wait for each other; %d are used, and the results are the same for "
-            "any number",
-            sim->c->threads, processors, sim->threads);
+        warn(sim,
+             "threads: %u on %u processors only wait for each other; %d are used, and the results are the same for "
+             "any number",
+             sim->c->threads, processors, sim->threads);
 }
 
 const char *mns_sim_warning(const MnsSim *sim, size_t k)

@@ -2,10 +2,8 @@
 /* A simulation from the outside: make it, step it, steer it, free it. Read this file first. */
 #include "base/array.h"
 #include "sim/integrator.h"
-#include <math.h>
 #include <omp.h>
 #include <stdlib.h>
-#include <string.h>
 
 int sim_threads_for(const MnsCase *c)
 {

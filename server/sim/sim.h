@@ -36,11 +36,10 @@ struct MnsSim {
 int sim_threads_for(const MnsCase *c);
 
 /* plan.c: refuse to go on to the end of c with steps as long as the present state allows, or to write its files, if that is
- * without end; the smallest step before a run counts as diverged; what to warn of in a new simulation */
+ * without end; the smallest step before a run counts as diverged; find what to warn of in a new simulation */
 MnsStatus plan_check(const MnsSim *sim, const MnsCase *c, MnsError *error);
 double plan_floor(const MnsSim *sim);
 void plan_look(MnsSim *sim);
-void plan_warn(MnsSim *sim, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* check.c: number of particles along d, and the spacing stretched to fit */
 size_t case_fit(const MnsCase *c, int d, double *ret_spacing);

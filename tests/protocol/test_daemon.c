@@ -2,11 +2,9 @@
 /* The daemon's promises to people who steer, seen from outside. */
 #include "tests/support/check.h"
 #include "tests/support/steer.h"
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 #include <zmq.h>
 

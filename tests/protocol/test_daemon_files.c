@@ -2,10 +2,8 @@
 /* What the daemon writes, seen from outside: an output that fails stops the run and is not lost; a signal leaves a checkpoint. */
 #include "tests/support/check.h"
 #include "tests/support/steer.h"
-#include <dirent.h>
 #include <signal.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>

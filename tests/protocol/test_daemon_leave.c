@@ -2,7 +2,6 @@
 /* How a daemon leaves: its last reply reaches whoever asked, and nobody who does not hang up can keep it. */
 #include "tests/support/check.h"
 #include "tests/support/steer.h"
-#include <stdlib.h>
 #include <time.h>
 #include <unistd.h>
 #include <zmq.h>

@@ -6,7 +6,6 @@
 #include <meniscus/exit.h>
 #include <setjmp.h>
 #include <stdarg.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>

@@ -3,7 +3,6 @@
 #include "base/clock.h"
 #include "run/mailbox.h"
 #include "tests/support/check.h"
-#include <string.h>
 
 static int begin(void **state)
 {

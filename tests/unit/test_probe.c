@@ -3,7 +3,6 @@
 #include "sim/sample.h"
 #include "tests/support/check.h"
 #include "tests/support/sims.h"
-#include <string.h>
 
 /* A closed tank 1 x 0.8 (x 0.6) with water in a box of its lower left part; the rest is left empty, or is oil. */
 static MnsCase *tank(int dim, bool oil)

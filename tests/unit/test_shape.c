@@ -3,7 +3,6 @@
 #include "sim/shape.h"
 #include "tests/support/check.h"
 #include "tests/support/cloud.h"
-#include <string.h>
 
 /* A box turned anyhow: middle, unit directions, half lengths. */
 typedef struct Turned {

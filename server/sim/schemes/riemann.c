@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* P3: weakly compressible SPH with a low-dissipation two-phase Riemann solver, and transport velocity in the light fluid.
+/* P3: weakly compressible SPH with a low-dissipation two-phase Riemann solver and transport velocity, here in heavy fluids too.
  * M. Rezavand, C. Zhang, X. Y. Hu, Journal of Computational Physics 402 (2020). */
 #include "sim/integrators/integrators.h"
 #include "sim/limits.h"
