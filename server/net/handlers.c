@@ -6,6 +6,7 @@
 #include "net/look.h"
 #include "proto/case_file.h"
 #include "proto/states.h"
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,6 +41,8 @@ static void serve_capabilities(Run *run, Exchange *x)
     answer(run, x, x->reply->capabilities ? MNS_OK : mns_fail(&error, MNS_E_MEMORY, "no memory"), &error);
 }
 
+enum { ENTRIES_MAX = 128 }; /* of one get or set; many times what can be set */
+
 /* One entry of the case as text, and as a number where it is one. */
 static MnsStatus get_entry(const Document *document, const char *path, Meniscus__Value **ret, MnsError *error)
 {
@@ -72,7 +75,7 @@ static void serve_get(Run *run, Exchange *x)
 {
     const Meniscus__Get *get = x->request->get;
     const CaseParameter *table;
-    const char *paths[128];
+    const char *paths[ENTRIES_MAX];
     MnsError error;
     size_t n = get->n_paths;
     if (n) {
@@ -80,7 +83,7 @@ static void serve_get(Run *run, Exchange *x)
         return;
     }
     table = case_parameters(&n);
-    if (n > sizeof paths / sizeof *paths) n = sizeof paths / sizeof *paths;
+    assert(n <= ENTRIES_MAX);
     for (size_t k = 0; k < n; k++) paths[k] = table[k].path;
     answer(run, x, get_entries(run, x, n, paths, &error), &error);
 }
@@ -156,12 +159,11 @@ static bool split(const Meniscus__Set *set, const char **paths, const char **val
 
 static void serve_set(Run *run, Exchange *x)
 {
-    enum { MOST = 128 };
     const Meniscus__Set *set = x->request->set;
-    const char *paths[MOST], *values[MOST];
+    const char *paths[ENTRIES_MAX], *values[ENTRIES_MAX];
     MnsError error;
-    if (set->n_assignments > MOST)
-        answer(run, x, mns_fail(&error, MNS_E_LIMIT, "at most %d entries can be set at a time", MOST), &error);
+    if (set->n_assignments > ENTRIES_MAX)
+        answer(run, x, mns_fail(&error, MNS_E_LIMIT, "at most %d entries can be set at a time", ENTRIES_MAX), &error);
     else if (!split(set, paths, values))
         answer(run, x, mns_fail(&error, MNS_E_INVALID, "an assignment needs a path and a value"), &error);
     else run_set(run, &x->order, set->n_assignments, paths, values);
@@ -232,7 +234,7 @@ static void serve_cancel(Run *run, Exchange *x)
 static MnsStatus complete_set(Run *run, Exchange *x, MnsError *error)
 {
     const Meniscus__Set *set = x->request->set;
-    const char *paths[128];
+    const char *paths[ENTRIES_MAX];
     for (size_t k = 0; k < set->n_assignments; k++) paths[k] = set->assignments[k]->path;
     return get_entries(run, x, set->n_assignments, paths, error);
 }

@@ -92,21 +92,6 @@ void integrator_walls(MnsSim *sim, double t, double dt)
     sim->progress.guarded += guard_walls(sim);
 }
 
-double integrator_dt(const MnsSim *sim, const Limit **ret_limit)
-{
-    double least = INFINITY;
-    const Limit *const *limits = sim->scheme->limits;
-    if (ret_limit) *ret_limit = limits[0];
-    for (int k = 0; k < SCHEME_LIMITS_MAX && limits[k]; k++) {
-        const double dt = limits[k]->of(sim);
-        if (dt >= least) continue;
-        least = dt;
-        if (ret_limit) *ret_limit = limits[k];
-        if (isnan(dt)) break;
-    }
-    return least;
-}
-
 MnsStatus integrator_step(MnsSim *sim, double t, double dt, MnsError *error)
 {
     return sim->scheme->integrator->step(sim, t, dt, error);

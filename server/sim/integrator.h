@@ -24,7 +24,4 @@ MnsStatus integrator_step(MnsSim *sim, double t, double dt, MnsError *error);
 MnsStatus integrator_start(MnsSim *sim, MnsError *error);
 MnsStatus integrator_restart(MnsSim *sim, MnsError *error);
 
-/* Length of the next step: the least that the scheme's limits allow, and which of them that is; NULL if you do not ask. */
-double integrator_dt(const MnsSim *sim, const Limit **ret_limit);
-
 #endif

@@ -76,3 +76,18 @@ const Limit viscous_limit = {
     .entries = "viscosity, density, resolution",
     .of = viscous,
 };
+
+double limits_dt(const MnsSim *sim, const Limit **ret_limit)
+{
+    double least = INFINITY;
+    const Limit *const *limits = sim->scheme->limits;
+    if (ret_limit) *ret_limit = limits[0];
+    for (int k = 0; k < SCHEME_LIMITS_MAX && limits[k]; k++) {
+        const double dt = limits[k]->of(sim);
+        if (dt >= least) continue;
+        least = dt;
+        if (ret_limit) *ret_limit = limits[k];
+        if (isnan(dt)) break;
+    }
+    return least;
+}

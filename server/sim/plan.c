@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a run is going to take, by the length of its steps: what would never end, or fill any disk, is refused before it
  * begins, and what is allowed but hardly meant is said. */
-#include "sim/integrator.h"
+#include "sim/limits.h"
+#include "sim/sim.h"
 #include <math.h>
 #include <omp.h>
 #include <stdarg.h>
@@ -26,7 +27,7 @@ static double outputs(double interval, double time, double dt)
 MnsStatus plan_check(const MnsSim *sim, const MnsCase *c, MnsError *error)
 {
     const Limit *limit = NULL;
-    const double dt = integrator_dt(sim, &limit), left = c->end_time - sim->progress.t;
+    const double dt = limits_dt(sim, &limit), left = c->end_time - sim->progress.t;
     if (!isfinite(left)) return MNS_OK; /* of a C program, which knows when to stop */
     if (left > 0 && !(left / dt <= STEPS_MAX))
         return mns_fail_at(error, MNS_E_LIMIT, "end_time",
@@ -92,7 +93,7 @@ void plan_look(MnsSim *sim)
     warn_open_sides(sim);
 
     const MnsOutput *output = &sim->c->output;
-    const double dt = integrator_dt(sim, NULL);
+    const double dt = limits_dt(sim, NULL);
     if (sim->c->n_probes) warn_interval(sim, "output.probe_interval", output->probe_interval, dt);
     warn_interval(sim, "output.snapshot_interval", output->snapshot_interval, dt);
     warn_interval(sim, "output.checkpoint_interval", output->checkpoint_interval, dt);

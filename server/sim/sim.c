@@ -2,6 +2,7 @@
 /* A simulation from the outside: make it, step it, steer it, free it. Read this file first. */
 #include "base/array.h"
 #include "sim/integrator.h"
+#include "sim/limits.h"
 #include <omp.h>
 #include <stdlib.h>
 
@@ -97,7 +98,7 @@ MnsStatus mns_sim_step(MnsSim *sim, double t_max, MnsError *error)
     if (!(t_max > progress->t))
         return mns_fail(error, MNS_E_INVALID, "the step must end after t = %g s; found %g s", progress->t, t_max);
     const Limit *limit = NULL;
-    double dt = integrator_dt(sim, &limit);
+    double dt = limits_dt(sim, &limit);
     if (!(dt >= plan_floor(sim)) || !(dt > 0)) return remember(sim, fault_time_step(sim, dt, limit, &why), &why, error);
     if (progress->dt_first == 0) progress->dt_first = dt;
     const double t = cut(progress->t, &dt, t_max);

@@ -21,7 +21,7 @@ static void a_reset_run_is_a_fresh_run(void **state)
     steer_go(dialogue, 12);
     const uint64_t fresh = steer_hash(dialogue);
     steer_go(dialogue, 5);
-    assert_int_equal(steer_code(dialogue, steer_reset()), MENISCUS__CODE__OK);
+    assert_int_equal(steer_code(dialogue, dialogue_reset()), MENISCUS__CODE__OK);
     assert_true(steer_hash(dialogue) == first);
     steer_go(dialogue, 12);
     assert_true(steer_hash(dialogue) == fresh);
@@ -36,7 +36,7 @@ static void a_reset_undoes_what_was_set(void **state)
     steer_go(dialogue, 3);
     steer_accepted(steer_set(dialogue, "end_time", "7"));
     const uint64_t light = steer_hash(dialogue);
-    assert_int_equal(steer_code(dialogue, steer_reset()), MENISCUS__CODE__OK);
+    assert_int_equal(steer_code(dialogue, dialogue_reset()), MENISCUS__CODE__OK);
     assert_true(steer_get(dialogue, "end_time") == 1000);
     steer_go(dialogue, 3);
     assert_true(steer_hash(dialogue) != light);
@@ -46,7 +46,7 @@ static void a_reset_undoes_what_was_set(void **state)
     steer_accepted(steer_set(dialogue, "end_time", "8"));
     steer_accepted(steer_restore(dialogue, NULL));
     assert_true(steer_get(dialogue, "end_time") == 7);
-    assert_int_equal(steer_code(dialogue, steer_reset()), MENISCUS__CODE__OK);
+    assert_int_equal(steer_code(dialogue, dialogue_reset()), MENISCUS__CODE__OK);
     assert_true(steer_get(dialogue, "end_time") == 1000);
 }
 
@@ -59,7 +59,7 @@ static void each_time_line_that_was_left_is_kept_by_itself(void **state)
     for (int k = 0; k < 2; k++) {
         steer_go(dialogue, 4);
         steer_write_checkpoint(dialogue, path);
-        assert_int_equal(steer_code(dialogue, steer_reset()), MENISCUS__CODE__OK);
+        assert_int_equal(steer_code(dialogue, dialogue_reset()), MENISCUS__CODE__OK);
         assert_int_equal(access(path, F_OK), -1);
     }
     for (int k = 0; k < 2; k++) {
@@ -186,9 +186,9 @@ static void a_directory_is_free_after_stop_and_held_after_reset(void **state)
     dialogue_load(dialogue, NULL);
     snprintf(words, sizeof words, "--batch %s/state/dam/case.yaml --until 0.001 --set end_time=0.01 --out %s/state/dam",
              dialogue->home, dialogue->home);
-    assert_int_equal(steer_code(dialogue, steer_reset()), MENISCUS__CODE__OK);
+    assert_int_equal(steer_code(dialogue, dialogue_reset()), MENISCUS__CODE__OK);
     assert_int_equal(run_daemon(dialogue, words, line), 1);
-    assert_int_equal(steer_code(dialogue, steer_stop()), MENISCUS__CODE__OK);
+    assert_int_equal(steer_code(dialogue, dialogue_stop()), MENISCUS__CODE__OK);
     assert_int_equal(run_daemon(dialogue, words, line), 0);
 }
 

@@ -39,7 +39,7 @@ static void look_away(void *socket, long milliseconds)
 
 static void assert_shutdown_right_after_stop_is_answered(Dialogue *dialogue, long slowness_ms)
 {
-    Meniscus__Request start = dialogue_start(), end_run = steer_stop();
+    Meniscus__Request start = dialogue_start(), end_run = dialogue_stop();
     dialogue_load(dialogue, NULL);
     assert_int_equal(dialogue_code(dialogue, &start), MENISCUS__CODE__OK);
     assert_int_equal(dialogue_code(dialogue, &end_run), MENISCUS__CODE__OK);

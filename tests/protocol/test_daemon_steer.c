@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Breakpoints, questions and settings, and clients that die in the middle. */
-#include "proto/case_file.h"
 #include "tests/support/check.h"
 #include "tests/support/steer.h"
 #include <hdf5.h>
@@ -61,20 +60,12 @@ static const char large_case[] = "dimensions: 3\n"
 
 static void send_large_load(void *socket, const char *resolution)
 {
-    CaseFile *file;
-    MnsError error = {.text = ""};
+    LoadRequest load;
     uint8_t id[16];
-    if (case_file_parse("large", large_case, strlen(large_case), &file, &error)) fail_msg("%s", error.text);
-    assert_int_equal(case_file_set(file, resolution, &error), MNS_OK);
-    Meniscus__Request request = MENISCUS__REQUEST__INIT;
-    Meniscus__Load load = MENISCUS__LOAD__INIT;
-    load.case_ = (Meniscus__Case *)case_file_message(file);
-    load.name = (char *)"large";
-    request.command_case = MENISCUS__REQUEST__COMMAND_LOAD;
-    request.load = &load;
-    dialogue_seal(&request, id);
-    dialogue_send(socket, &request);
-    case_file_free(file);
+    dialogue_load_init(&load, "large", large_case, (const char *[]){resolution, NULL});
+    dialogue_seal(&load.request, id);
+    dialogue_send(socket, &load.request);
+    dialogue_load_done(&load);
 }
 
 /* --- breakpoints ------------------------------------------------------------------------------------------------------- */

@@ -2,7 +2,6 @@
 /* A meniscusd and connections to it. */
 #include "tests/support/dialogue.h"
 
-#include "proto/case_file.h"
 #include "tests/support/check.h"
 #include <signal.h>
 #include <stdlib.h>
@@ -165,22 +164,36 @@ PLAIN(dialogue_status, STATUS, status, Meniscus__GetStatus, MENISCUS__GET_STATUS
 PLAIN(dialogue_start, START, start, Meniscus__Start, MENISCUS__START__INIT)
 PLAIN(dialogue_pause, PAUSE, pause, Meniscus__Pause, MENISCUS__PAUSE__INIT)
 PLAIN(dialogue_resume, RESUME, resume, Meniscus__Resume, MENISCUS__RESUME__INIT)
+PLAIN(dialogue_reset, RESET, reset, Meniscus__Reset, MENISCUS__RESET__INIT)
+PLAIN(dialogue_checkpoint, CHECKPOINT, checkpoint, Meniscus__CheckpointNow, MENISCUS__CHECKPOINT_NOW__INIT)
+PLAIN(dialogue_stop, STOP, stop, Meniscus__Stop, MENISCUS__STOP__INIT)
+PLAIN(dialogue_shutdown, SHUTDOWN, shutdown, Meniscus__Shutdown, MENISCUS__SHUTDOWN__INIT)
+
+void dialogue_load_init(LoadRequest *load, const char *name, const char *text, const char *const *settings)
+{
+    MnsError error = {.text = ""};
+    *load = (LoadRequest){.load = MENISCUS__LOAD__INIT, .request = MENISCUS__REQUEST__INIT};
+    if (case_file_parse(name, text, strlen(text), &load->file, &error)) fail_msg("%s", error.text);
+    for (; settings && *settings; settings++)
+        if (case_file_set(load->file, *settings, &error)) fail_msg("%s", error.text);
+    load->load.case_ = (Meniscus__Case *)case_file_message(load->file);
+    load->load.name = (char *)name;
+    load->request.command_case = MENISCUS__REQUEST__COMMAND_LOAD;
+    load->request.load = &load->load;
+}
+
+void dialogue_load_done(LoadRequest *load)
+{
+    case_file_free(load->file);
+}
 
 void dialogue_load(Dialogue *dialogue, const char *const *settings)
 {
-    CaseFile *file;
-    MnsError error = {.text = ""};
-    assert_int_equal(case_file_parse("dam", dialogue_case, strlen(dialogue_case), &file, &error), MNS_OK);
-    for (; settings && *settings; settings++) assert_int_equal(case_file_set(file, *settings, &error), MNS_OK);
-    Meniscus__Request request = MENISCUS__REQUEST__INIT;
-    Meniscus__Load load = MENISCUS__LOAD__INIT;
-    load.case_ = (Meniscus__Case *)case_file_message(file);
-    load.name = (char *)"dam";
-    request.command_case = MENISCUS__REQUEST__COMMAND_LOAD;
-    request.load = &load;
-    Meniscus__Reply *reply = dialogue_ask(dialogue, &request);
+    LoadRequest load;
+    dialogue_load_init(&load, "dam", dialogue_case, settings);
+    Meniscus__Reply *reply = dialogue_ask(dialogue, &load.request);
     if (reply->code != MENISCUS__CODE__OK) fail_msg("the case is not loaded: %s", reply->message);
     assert_int_equal(reply->state, MENISCUS__STATE__READY);
     meniscus__reply__free_unpacked(reply, NULL);
-    case_file_free(file);
+    dialogue_load_done(&load);
 }

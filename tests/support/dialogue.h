@@ -4,6 +4,7 @@
 #define TESTS_DIALOGUE_H
 
 #include "meniscus.pb-c.h"
+#include "proto/case_file.h"
 #include <stdbool.h>
 #include <stddef.h>
 #include <sys/types.h>
@@ -43,6 +44,16 @@ Meniscus__Code dialogue_code(Dialogue *dialogue, Meniscus__Request *request);
 
 /* Commands without entries. */
 Meniscus__Request dialogue_status(void), dialogue_start(void), dialogue_pause(void), dialogue_resume(void);
+Meniscus__Request dialogue_reset(void), dialogue_checkpoint(void), dialogue_stop(void), dialogue_shutdown(void);
+
+/* A request to load a case, from its text and with these changes, NULL-terminated; it stays where it is until it is done. */
+typedef struct LoadRequest {
+    CaseFile *file;
+    Meniscus__Load load;
+    Meniscus__Request request;
+} LoadRequest;
+void dialogue_load_init(LoadRequest *load, const char *name, const char *text, const char *const *settings);
+void dialogue_load_done(LoadRequest *load);
 
 /* Load a small dam break with these changes, NULL-terminated: "end_time=2". Fails the test unless it is loaded. */
 void dialogue_load(Dialogue *dialogue, const char *const *settings);

@@ -74,21 +74,6 @@ static Meniscus__Request plain(Meniscus__Request__CommandCase which)
     return request;
 }
 
-/* Messages without entries are all alike and never change, so they are shared. */
-#define PLAIN(name, KIND, member, Type, INIT)                                                                          \
-    Meniscus__Request name(void)                                                                                       \
-    {                                                                                                                  \
-        static const Type command = INIT;                                                                              \
-        Meniscus__Request request = plain(MENISCUS__REQUEST__COMMAND_##KIND);                                          \
-        request.member = (Type *)&command;                                                                             \
-        return request;                                                                                                \
-    }
-
-PLAIN(steer_reset, RESET, reset, Meniscus__Reset, MENISCUS__RESET__INIT)
-PLAIN(steer_checkpoint, CHECKPOINT, checkpoint, Meniscus__CheckpointNow, MENISCUS__CHECKPOINT_NOW__INIT)
-PLAIN(steer_stop, STOP, stop, Meniscus__Stop, MENISCUS__STOP__INIT)
-PLAIN(steer_shutdown, SHUTDOWN, shutdown, Meniscus__Shutdown, MENISCUS__SHUTDOWN__INIT)
-
 Meniscus__Reply *steer_status(Dialogue *dialogue)
 {
     Meniscus__Request request = dialogue_status();
@@ -223,7 +208,7 @@ double steer_get(Dialogue *dialogue, const char *path)
 
 void steer_write_checkpoint(Dialogue *dialogue, char path[static 256])
 {
-    Meniscus__Request request = steer_checkpoint();
+    Meniscus__Request request = dialogue_checkpoint();
     Meniscus__Reply *reply = dialogue_ask(dialogue, &request);
     assert_int_equal(reply->code, MENISCUS__CODE__OK);
     snprintf(path, 256, "%.255s", reply->output->path);

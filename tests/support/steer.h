@@ -32,8 +32,6 @@ Meniscus__Reply *steer_restore(Dialogue *dialogue, const char *checkpoint); /* N
 Meniscus__Reply *steer_wait(Dialogue *dialogue, Meniscus__State state, long patience_ms);
 Meniscus__Reply *steer_wait_step(Dialogue *dialogue, uint64_t step);
 
-Meniscus__Request steer_reset(void), steer_checkpoint(void), steer_stop(void), steer_shutdown(void);
-
 /* Take a reply: it must be OK; it must be refused with a sentence that has this in it. */
 void steer_accepted(Meniscus__Reply *reply);
 void steer_refused(Meniscus__Reply *reply, Meniscus__Code code, const char *part);

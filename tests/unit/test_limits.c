@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The time step is the smallest that the papers ask for, and names its reason. */
-#include "sim/integrator.h"
 #include "sim/limits.h"
 #include "tests/support/check.h"
 #include "tests/support/sims.h"
@@ -17,7 +16,7 @@ static double first_dt(double resolution, double c0, const char *gravity, double
     case_set_text(&c->gravity[0], gravity);
     MnsSim *sim = sim_of(c);
     const Limit *limit = NULL;
-    const double dt = integrator_dt(sim, &limit);
+    const double dt = limits_dt(sim, &limit);
     if (limit != expected) fail_msg("the limit is \"%s\", not \"%s\"", limit->name, expected->name);
     sim_steps(sim, 1);
     assert_true(mns_sim_progress(sim).dt == dt);
@@ -51,12 +50,12 @@ static void time_step_follows_the_worst_pair_of_fluids(void **state)
         for (int d = 0; d < 3; d++) case_set_text(&c->fluids[k].velocity[d], "0");
     MnsSim *sim = sim_of(c);
     const Limit *limit = NULL;
-    assert_close(integrator_dt(sim, &limit), 0.5 * 0.13 / 40, 1e-15);
+    assert_close(limits_dt(sim, &limit), 0.5 * 0.13 / 40, 1e-15);
     mns_sim_free(sim);
     c->fluids[0].viscosity = 2; /* nu = 2, 2 * 2 * 1 / 3 / 0.1 = 13.3, 1 / 0.1 = 10 */
     c->fluids[1].viscosity = 1;
     sim = sim_of(c);
-    assert_close(integrator_dt(sim, &limit), 0.125 * 0.13 * 0.13 * 0.1 * 3 / 4, 1e-15);
+    assert_close(limits_dt(sim, &limit), 0.125 * 0.13 * 0.13 * 0.1 * 3 / 4, 1e-15);
     sim_done(sim, c);
 }
 

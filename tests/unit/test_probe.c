@@ -409,9 +409,22 @@ static void samples_are_averages_at_points(void **state)
 static void units_are_those_of_what_is_measured(void **state)
 {
     (void)state;
-    static const char *const units[] = {"Pa", "m", "m", "J", "J", "m", "kg m/s", "kg", "Pa", "1", "1", "Pa"};
+    static const char *const units[] = {
+        [MNS_PROBE_PRESSURE] = "Pa",
+        [MNS_PROBE_HEIGHT] = "m",
+        [MNS_PROBE_FRONT] = "m",
+        [MNS_PROBE_KINETIC_ENERGY] = "J",
+        [MNS_PROBE_POTENTIAL_ENERGY] = "J",
+        [MNS_PROBE_MASS_CENTRE] = "m",
+        [MNS_PROBE_MOMENTUM] = "kg m/s",
+        [MNS_PROBE_MASS] = "kg",
+        [MNS_PROBE_EXTREMUM] = "Pa",
+        [MNS_PROBE_COVERAGE] = "1",
+        [MNS_PROBE_ESCAPED] = "1",
+        [MNS_PROBE_PRESSURE_DEVIATION] = "Pa",
+    };
     char field[] = "pressure";
-    for (int kind = MNS_PROBE_PRESSURE; kind <= MNS_PROBE_PRESSURE_DEVIATION; kind++) {
+    for (size_t kind = 0; kind < sizeof units / sizeof *units; kind++) {
         const MnsProbe probe = {.kind = (MnsProbeKind)kind, .field = field};
         assert_string_equal(mns_probe_unit(&probe), units[kind]);
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A simulation from the outside: its sizes are as counted, steps end where they are told and never in the past, and output
  * times are met to the bit. */
-#include "sim/integrator.h"
+#include "sim/limits.h"
 #include "tests/support/check.h"
 #include "tests/support/sims.h"
 
@@ -34,18 +34,18 @@ static void steps_end_where_they_are_cut(void **state)
     MnsCase *c = case_shaken(2, 1);
     MnsSim *sim = sim_of(c);
     const Limit *limit = NULL;
-    const double dt = integrator_dt(sim, &limit);
+    const double dt = limits_dt(sim, &limit);
     assert_int_equal(mns_sim_step(sim, 0.37 * dt, NULL), MNS_OK);
     assert_true(mns_sim_progress(sim).t == 0.37 * dt);
     assert_true(mns_sim_progress(sim).dt == 0.37 * dt);
     assert_true(mns_sim_progress(sim).dt_first == dt); /* what it would have been */
-    const double whole = integrator_dt(sim, &limit), end = 0.37 * dt + whole;
+    const double whole = limits_dt(sim, &limit), end = 0.37 * dt + whole;
     /* Longer by less than rounding: no second step of almost nothing. */
     assert_int_equal(mns_sim_step(sim, end * (1 + 1e-15), NULL), MNS_OK);
     assert_true(mns_sim_progress(sim).t == end * (1 + 1e-15));
     assert_int_equal(mns_sim_progress(sim).step, 2);
     /* Longer by a tenth: two steps, the second as short as it must be. */
-    const double next = integrator_dt(sim, &limit), goal = mns_sim_progress(sim).t + 1.1 * next;
+    const double next = limits_dt(sim, &limit), goal = mns_sim_progress(sim).t + 1.1 * next;
     assert_int_equal(mns_sim_step(sim, goal, NULL), MNS_OK);
     assert_close(mns_sim_progress(sim).dt, next, 1e-15 * next);
     assert_int_equal(mns_sim_step(sim, goal, NULL), MNS_OK);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What is steered takes effect at the next step; what cannot change is refused and changes nothing. */
-#include "sim/integrator.h"
+#include "sim/limits.h"
 #include "tests/support/check.h"
 #include "tests/support/sims.h"
 
@@ -86,11 +86,11 @@ static void steered_options_take_effect(void **state)
     MnsSim *sim = sim_of(c);
     sim_steps(sim, 2);
     const Limit *limit = NULL;
-    const double before = integrator_dt(sim, &limit);
+    const double before = limits_dt(sim, &limit);
     steered->scheme.cfl = 0.125;
     steered->scheme.riemann = (MnsRiemann){.limiter = 5, .background_pressure = 1, .guard = 0.1};
     assert_int_equal(mns_sim_steer(sim, steered, NULL), MNS_OK);
-    assert_close(integrator_dt(sim, &limit), 0.5 * before, 1e-15);
+    assert_close(limits_dt(sim, &limit), 0.5 * before, 1e-15);
     assert_true(sim->model.limiter == 5);
     assert_close(sim->model.phase[1].p_b, 1e-3 * 400, 1e-15);
     assert_close(sim->model.guard, 0.1 / 12, 1e-15);
