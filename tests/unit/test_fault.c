@@ -2,6 +2,7 @@
 /* A run that cannot go on says which particle is to blame, where and by which term, and stays as it is until it is restored. */
 #include "tests/support/check.h"
 #include "tests/support/sims.h"
+#include <stdio.h>
 #include <string.h>
 
 static void divergence_names_particle_place_and_term_and_stays(void **state)
@@ -34,6 +35,31 @@ static void divergence_names_particle_place_and_term_and_stays(void **state)
         mns_capture_free(capture);
         sim_done(sim, c);
     }
+}
+
+/* Each bound by itself, and of each fluid its own reference. */
+static void density_out_of_either_bound_is_a_divergence(void **state)
+{
+    (void)state;
+    static const double factors[] = {0.5, 1.6};
+    for (int fluid = 0; fluid < 2; fluid++)
+        for (int k = 0; k < 2; k++) {
+            MnsCase *c = case_still(2, 10, MNS_DENSITY_CONTINUITY);
+            c->limits.density_min = 0.8;
+            c->limits.density_max = 1.25;
+            MnsSim *sim = sim_of(c);
+            sim_steps(sim, 3);
+            size_t i = 0;
+            while (sim->s.phase[i] != fluid) i++;
+            char particle[64];
+            snprintf(particle, sizeof particle, "particle %u of %s", sim->s.id[i], c->fluids[fluid].name);
+            sim->s.rho[i] = factors[k] * c->fluids[fluid].density;
+            MnsError error = {0};
+            assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_E_DIVERGED);
+            if (!strstr(error.text, particle) || !strstr(error.text, "left the bounds of density"))
+                fail_msg("\"%s\" does not say \"%s\"", error.text, particle);
+            sim_done(sim, c);
+        }
 }
 
 static void velocity_that_is_no_number_is_found_at_once(void **state)
@@ -90,6 +116,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(divergence_names_particle_place_and_term_and_stays),
+        cmocka_unit_test(density_out_of_either_bound_is_a_divergence),
         cmocka_unit_test(velocity_that_is_no_number_is_found_at_once),
         cmocka_unit_test(time_step_below_its_floor_is_a_divergence),
         cmocka_unit_test(restore_takes_a_fault_away),

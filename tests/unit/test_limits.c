@@ -59,11 +59,42 @@ static void time_step_follows_the_worst_pair_of_fluids(void **state)
     sim_done(sim, c);
 }
 
+/* A lid may be faster than all fluid; what lies on a shaken wall feels gravity less the wall's acceleration. */
+static void time_step_minds_how_walls_move(void **state)
+{
+    (void)state;
+    const double tiny = 1e-15;
+    for (int fast = 0; fast < 2; fast++) {
+        MnsCase *c = case_dam_break(2, 10); /* c = 20, g = (0, -1) */
+        c->max[0] = c->walls[0].shape.parts[0].b[0] = 5.4;
+        case_add_wall(c, "block");
+        MnsPart *block = case_add_part(&c->walls[1].shape, MNS_BOX);
+        block->a[0] = 4;
+        block->b[0] = block->b[1] = 5;
+        MnsSim *sim = sim_of(c);
+        WallState *wall = &sim->model.wall[fast];
+        const Limit *limit = NULL;
+        wall->v[0] = 3;
+        wall->v[1] = -4;
+        assert_close(limits_dt(sim, &limit), 0.25 * 0.13 / (20 + 5), tiny);
+        assert_ptr_equal(limit, &acoustic_limit);
+        wall->a[0] = 6000;
+        wall->a[1] = 7999; /* and the ground falls away under it: 8000 downwards are felt */
+        assert_close(limits_dt(sim, &limit), 0.25 * sqrt(0.13 / 1e4), tiny);
+        assert_ptr_equal(limit, &body_force_limit);
+        wall->a[0] = 0;
+        wall->a[1] = -1; /* free fall: the gravity of those who do not lie on it is left */
+        assert_close(body_force_limit.of(sim), 0.25 * sqrt(0.13), tiny);
+        sim_done(sim, c);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(time_step_is_that_of_the_papers),
         cmocka_unit_test(time_step_follows_the_worst_pair_of_fluids),
+        cmocka_unit_test(time_step_minds_how_walls_move),
     };
     return cmocka_run_group_tests_name("limits", tests, NULL, NULL);
 }

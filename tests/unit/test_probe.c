@@ -406,6 +406,53 @@ static void samples_are_averages_at_points(void **state)
     sim_done(sim, c);
 }
 
+/* What sample_point() promises, over all particles there are. */
+static PointSums sums_over_all(const MnsSim *sim, const double x[3], double radius, const double *f)
+{
+    const Particles *s = &sim->s;
+    const Kernel *own = &sim->model.kernel, kernel = kernel_make(own->type, s->dim, radius * own->h / own->support);
+    PointSums sums = {0};
+    for (size_t j = 0; j < s->n; j++) {
+        double r2 = 0, W = 0, F = 0;
+        for (int d = 0; d < s->dim; d++) r2 += pow(x[d] - s->x[d][j], 2);
+        const double r = sqrt(r2);
+        if (!(r < kernel.support)) continue;
+        kernel_eval(&kernel, 1, &r, &W, &F);
+        sums.all += W * s->vol[j];
+        if (j >= particles_fluid(s)) continue;
+        sums.fluid += W * s->vol[j];
+        sums.value += W * s->vol[j] * f[j];
+    }
+    return sums;
+}
+
+/* Cells hold the positions of the last sort: those of particles that have moved by nearly half a skin since, too. */
+static void samples_miss_no_particle_whatever_their_radius(void **state)
+{
+    (void)state;
+    static const double skins[] = {-3, 0, 0.45, 0.75, 0.95, 1.5, 1.95, 4}; /* beyond the support of the scheme */
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = tank(dim, true);
+        MnsSim *sim = sim_of(c);
+        const Model *model = &sim->model;
+        Particles *s = &sim->s;
+        for (size_t j = 0; j < s->n; j++) s->x[j / 2 % (size_t)dim][j] += (j % 2 ? 0.49 : -0.49) * model->skin;
+        const double *const f = s->p;
+        set_linear_pressure(sim);
+        for (size_t k = 0; k < sizeof skins / sizeof *skins; k++)
+            for (int q = 0; q < 300; q++) {
+                const double x[3] = {fmod(0.31 + 0.618034 * q, 1), fmod(0.17 + 0.414214 * q, 0.8),
+                                     dim == 3 ? fmod(0.05 + 0.236068 * q, 0.6) : 0},
+                             radius = model->kernel.support + skins[k] * model->skin;
+                const PointSums sums = sample_point(sim, x, radius, -1, &f, 1), all = sums_over_all(sim, x, radius, f);
+                assert_close(sums.all, all.all, 1e-13); /* rounding, in another order */
+                assert_close(sums.fluid, all.fluid, 1e-13);
+                assert_close(sums.value, all.value, 1e-11);
+            }
+        sim_done(sim, c);
+    }
+}
+
 static void units_are_those_of_what_is_measured(void **state)
 {
     (void)state;
@@ -448,6 +495,7 @@ int main(void)
         cmocka_unit_test(deviation_is_the_root_mean_square_from_a_formula),
         cmocka_unit_test(probes_are_the_same_for_any_number_of_threads),
         cmocka_unit_test(samples_are_averages_at_points),
+        cmocka_unit_test(samples_miss_no_particle_whatever_their_radius),
         cmocka_unit_test(units_are_those_of_what_is_measured),
     };
     return cmocka_run_group_tests_name("probe", tests, NULL, NULL);

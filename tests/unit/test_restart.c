@@ -94,8 +94,21 @@ static void hash_does_not_know_the_order_of_storage_but_every_bit_else(void **st
     assert_true(mns_sim_hash(sim) != hash);
     sim->s.v[1][5] = nextafter(sim->s.v[1][5], -100);
     assert_true(mns_sim_hash(sim) == hash);
-    sim->progress.guarded++;
-    assert_true(mns_sim_hash(sim) != hash);
+    MnsProgress *const p = &sim->progress;
+    double *const times[] = {&p->t, &p->dt, &p->dt_first};
+    for (size_t k = 0; k < sizeof times / sizeof *times; k++) {
+        const double was = *times[k];
+        *times[k] = nextafter(was, 100);
+        assert_true(mns_sim_hash(sim) != hash);
+        *times[k] = was;
+    }
+    uint64_t *const counts[] = {&p->step, &p->rebuilds, &p->guarded};
+    for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
+        ++*counts[k];
+        assert_true(mns_sim_hash(sim) != hash);
+        --*counts[k];
+    }
+    assert_true(mns_sim_hash(sim) == hash);
     sim_done(sim, c);
 }
 
