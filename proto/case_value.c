@@ -68,16 +68,14 @@ void *case_reset_item(ProtobufCMessage *message, Field *field, size_t k)
     return memset(item, 0, item_size(field));
 }
 
-/* Lists grow by doubling; their room is the power of two at or above their length, so it need not be kept. */
+/* A list that was unpacked has room for what is in it and no more, so each new item asks for its own. */
 static void *add_to_list(ProtobufCMessage *message, Field *field)
 {
     size_t *n = at_mutable(message, field->quantifier_offset);
     char **list = at_mutable(message, field->offset);
-    if ((*n & (*n - 1)) == 0) {
-        char *grown = reallocarray(*list, *n ? 2 * *n : 1, item_size(field));
-        if (!grown) return NULL;
-        *list = grown;
-    }
+    char *grown = reallocarray(*list, *n + 1, item_size(field));
+    if (!grown) return NULL;
+    *list = grown;
     return memset(*list + (*n)++ * item_size(field), 0, item_size(field));
 }
 

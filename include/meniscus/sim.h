@@ -117,6 +117,12 @@ uint64_t mns_state_fields(void);
  *  @return MNS_OK; MNS_E_INVALID if the capture does not fit the case: sim unchanged. */
 MnsStatus mns_sim_restore(MnsSim *sim, const MnsCapture *capture, MnsError *error);
 
+/** A simulation that goes on from a captured state, bit for bit. Initial fields are not evaluated: what was steered since
+ *  need not make sense for a beginning.
+ *  @param c  the case the captured run had at that time; borrowed as by mns_sim_new().
+ *  @return as of mns_sim_new() and mns_sim_restore(); on failure *ret_sim is untouched. */
+MnsStatus mns_sim_resume(const MnsCase *c, const MnsCapture *capture, MnsSim **ret_sim, MnsError *error);
+
 /* --- measuring --------------------------------------------------------------------------------------------------------- */
 
 /** Value of probe k of the case, now; NAN where there is nothing to measure, or where its formula fails, which the next step

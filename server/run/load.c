@@ -51,10 +51,9 @@ static void note_damaged(void *arg, const char *text)
 static MnsStatus build(Candidate *candidate, Document *document, const MnsCapture *state, MnsError *error)
 {
     candidate->document = document;
-    MnsStatus status = mns_sim_new(document->c, &candidate->sim, error);
-    if (!status && state) status = mns_sim_restore(candidate->sim, state, error);
     candidate->goes_on = state != NULL;
-    return status;
+    if (state) return mns_sim_resume(document->c, state, &candidate->sim, error);
+    return mns_sim_new(document->c, &candidate->sim, error);
 }
 
 /* Go over to the steerable entries of another document of the same case; it is taken over. */

@@ -193,7 +193,7 @@ static const char *start_failure(const Start *start, int dim, int me)
 typedef struct Filling {
     MnsSim *sim;
     const Lattice *lattice;
-    const Start *starts; /* [n_fluids] */
+    const Start *starts; /* [n_fluids]; NULL: what they are comes later */
     double lattice_sum;
 } Filling;
 
@@ -260,7 +260,7 @@ static MnsStatus fill_row(const Filling *f, size_t r, MnsError *error)
             s->phase[i] = (uint8_t)run->owner;
             s->vol[i] = model->wall_volume;
             for (int d = 0; d < s->dim; d++) s->x[d][i] = x[d];
-            if ((size_t)run->owner < model->n_phases) status = set_fluid(f, i, x, error);
+            if ((size_t)run->owner < model->n_phases) status = f->starts ? set_fluid(f, i, x, error) : MNS_OK;
             else set_wall(f, i, (size_t)run->owner - model->n_phases);
         }
     }
@@ -296,14 +296,14 @@ static MnsStatus populate(MnsSim *sim, Lattice *lattice, const Constants *consta
     bool laid = false;
     MnsStatus status = count(lattice, sim, sizes, error);
     if (!status) status = particles_init(&sim->s, c->dim, c->n_fluids, sizes, sim->model.viscous, error);
-    for (size_t k = 0; k < c->n_fluids && !status; k++) {
+    for (size_t k = 0; k < c->n_fluids && !status && !sim->resumed; k++) {
         status = start_init(&starts[k], sim, k, constants, error);
         if (!status && starts[k].at_rest && !laid) status = hydrostatic(sim, lattice, k, error);
         laid = laid || starts[k].at_rest;
     }
     const Filling filling = {.sim = sim,
                              .lattice = lattice,
-                             .starts = starts,
+                             .starts = sim->resumed ? NULL : starts,
                              .lattice_sum = kernel_lattice_sum(&sim->model.kernel, c->dim, sim->model.cell)};
     if (!status) status = fill(&filling, error);
     for (size_t k = 0; k < c->n_fluids; k++) start_done(&starts[k]);
@@ -315,6 +315,7 @@ MnsStatus build_particles(MnsSim *sim, const Constants *constants, MnsError *err
     Lattice lattice;
     MnsStatus status = lattice_init(&lattice, sim, constants, error);
     sim->model.filled = lattice.filled;
+    sim->scheme->options(&sim->model, sim->c); /* again, now that this is known, and before particles are grouped */
     if (!status) status = populate(sim, &lattice, constants, error);
     lattice_done(&lattice);
     return status;

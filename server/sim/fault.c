@@ -61,9 +61,10 @@ static const char *blame(MnsSim *sim, size_t i, bool density)
 {
     const char *name = density ? "density" : "gravity";
     const Model *model = &sim->model;
-    double most = 0;
+    double most = 0; /* of gravity to begin with, which is no term */
     for (int d = 0; d < model->dim; d++) {
         if (!isfinite(model->gravity[d])) return "gravity";
+        if (!density) most = hypot(most, model->gravity[d]);
         for (size_t k = 0; k < model->n_walls; k++)
             if (!isfinite(model->wall[k].x[d] + model->wall[k].v[d] + model->wall[k].a[d])) return "motion of a wall";
     }

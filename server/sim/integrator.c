@@ -108,14 +108,18 @@ static double fastest(const MnsSim *sim)
     return sqrt(most);
 }
 
-/* All that a restored state does not hold follows from it: pressures, volumes, walls. */
+void integrator_derive(MnsSim *sim)
+{
+    local_run(sim->scheme->derive, &sim->s, &sim->model, sim->threads);
+    if (sim->scheme->restore) pass_run(sim->scheme->restore, &sim->s, &sim->nb, &sim->model, sim->threads);
+}
+
 MnsStatus integrator_restart(MnsSim *sim, MnsError *error)
 {
     setup_at(sim, sim->progress.t, sim->progress.dt);
     const MnsStatus status = build_lists(sim, error);
     if (status) return status;
-    local_run(sim->scheme->derive, &sim->s, &sim->model, sim->threads);
-    if (sim->scheme->restore) pass_run(sim->scheme->restore, &sim->s, &sim->nb, &sim->model, sim->threads);
+    integrator_derive(sim);
     sim->v_max = fastest(sim);
     return MNS_OK;
 }

@@ -20,6 +20,9 @@ void integrator_clock(MnsSim *sim, size_t timer, double start);
 /* A step of length dt that ends at t. */
 MnsStatus integrator_step(MnsSim *sim, double t, double dt, MnsError *error);
 
+/* What follows from the state without a step: pressures, volumes, walls. */
+void integrator_derive(MnsSim *sim);
+
 /* The rates of a new state; what follows from a restored one. */
 MnsStatus integrator_start(MnsSim *sim, MnsError *error);
 MnsStatus integrator_restart(MnsSim *sim, MnsError *error);

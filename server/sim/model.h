@@ -33,6 +33,7 @@ typedef struct Model {
     WallState wall[MNS_MAX_WALLS];
     double c_max, rho_max;                     /* of the fluids */
     bool viscous;                              /* any fluid */
+    double viscous_scale;                      /* of the viscous sum, so that it is exact on the lattice */
     bool filled;                               /* at the start, no place was without fluid or wall, and no side open */
     bool transport_stress;                     /* option of the scheme */
     double t, dt;                              /* end of the current step [s], its length [s] */

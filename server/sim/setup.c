@@ -2,6 +2,7 @@
 /* From the case to the model: what is fixed, what can be steered, and what follows the time. */
 #include "sim/motion.h"
 #include "sim/sim.h"
+#include "sim/terms/terms.h"
 #include <math.h>
 #include <stdio.h>
 
@@ -25,6 +26,7 @@ static void set_geometry(Model *model, const MnsCase *c)
     }
     model->kernel = kernel_make(c->scheme.kernel, c->dim, c->scheme.smoothing * model->dx);
     model->skin = c->scheme.skin * model->dx;
+    model->viscous_scale = viscosity_scale(&model->kernel, model->dim, model->cell);
 }
 
 void setup_options(MnsSim *sim, const MnsCase *c)
@@ -78,12 +80,11 @@ MnsStatus setup_model(MnsSim *sim, MnsError *error)
             status = formula_team_init(&sim->probe_formula[k], sim->threads, c->probes[k].formula, XYZT, constants.list,
                                        constants.n, error);
     if (!status) {
-        setup_at(sim, 0, 0);
+        setup_at(sim, sim->progress.t, sim->progress.dt);
         status = setup_check(sim, error);
     }
     if (!status) status = plan_check(sim, c, error); /* before particles are placed in vain */
     if (!status) status = build_particles(sim, &constants, error);
-    sim->scheme->options(&sim->model, c); /* again, now that it is known whether the domain is filled */
     constants_done(&constants);
     return status;
 }

@@ -24,19 +24,20 @@ static void name_timers(MnsSim *sim)
         sim->timers[sim->n_timers++].name = sim->scheme->rates[k].name;
 }
 
-static MnsStatus sim_init(MnsSim *sim, MnsError *error)
+static MnsStatus sim_init(MnsSim *sim, const MnsCapture *capture, MnsError *error)
 {
     MnsStatus status = setup_model(sim, error);
     if (!status && !(sim->partial = array_new(sim_blocks(particles_fluid(&sim->s)), sizeof *sim->partial)))
         status = mns_fail(error, MNS_E_MEMORY, "no memory for a simulation");
     if (!status) status = neighbours_init(&sim->nb, sim->s.n, sim->threads, error);
-    if (!status) status = integrator_start(sim, error);
+    if (!status) status = capture ? mns_sim_restore(sim, capture, error) : integrator_start(sim, error);
     if (!status) status = plan_check(sim, sim->c, error); /* again, now that speeds are known */
     if (!status) plan_look(sim);
     return status;
 }
 
-MnsStatus mns_sim_new(const MnsCase *c, MnsSim **ret_sim, MnsError *error)
+/* capture: what to go on from; NULL: from the beginning. */
+static MnsStatus make(const MnsCase *c, const MnsCapture *capture, MnsSim **ret_sim, MnsError *error)
 {
     MnsStatus status = mns_case_check(c, error);
     if (status) return status;
@@ -46,13 +47,25 @@ MnsStatus mns_sim_new(const MnsCase *c, MnsSim **ret_sim, MnsError *error)
     sim->scheme = scheme_find(c->scheme.name);
     sim->threads = sim_threads_for(c);
     name_timers(sim);
-    status = sim_init(sim, error);
+    if (capture) sim->progress = capture->progress;
+    sim->resumed = capture;
+    status = sim_init(sim, capture, error);
     if (status) {
         mns_sim_free(sim);
         return status;
     }
     *ret_sim = sim;
     return MNS_OK;
+}
+
+MnsStatus mns_sim_new(const MnsCase *c, MnsSim **ret_sim, MnsError *error)
+{
+    return make(c, NULL, ret_sim, error);
+}
+
+MnsStatus mns_sim_resume(const MnsCase *c, const MnsCapture *capture, MnsSim **ret_sim, MnsError *error)
+{
+    return make(c, capture, ret_sim, error);
 }
 
 void mns_sim_free(MnsSim *sim)

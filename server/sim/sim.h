@@ -19,6 +19,7 @@ struct MnsSim {
     Neighbours nb;
     int threads;
     MnsProgress progress;
+    bool resumed; /* made from a saved state, which the initial fields of the case have no part in */
     double v_max; /* of the fluid, at the end of the last step [m/s] */
     Formula *gravity[3];
     Formula *surface[MNS_MAX_WALLS][3]; /* velocity of a wall's surface */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Adopt the steerable entries of a case. All that particles, lists and formulas were made from must be as it was; what is new
  * is made first and taken into use last, so that a refused change changes nothing. */
-#include "sim/sim.h"
+#include "sim/integrator.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -187,5 +187,7 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
     setup_options(sim, c);
     for (size_t k = 0; k < c->n_walls; k++) sim->solid[k].shape = &c->walls[k].shape;
     setup_at(sim, sim->progress.t, sim->progress.dt);
+    integrator_derive(
+        sim); /* pressures at walls know of gravity, and a restart from here would find them by the new one */
     return MNS_OK;
 }

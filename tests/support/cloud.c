@@ -35,6 +35,7 @@ static void set_model(Model *model, const CloudSetup *setup)
         .viscous = setup->viscous,
         .dt = 1e-3,
         .transport_stress = true,
+        .viscous_scale = 1,
         .limiter = 3};
     for (int d = 0; d < setup->dim; d++) {
         model->cell[d] = setup->dx;

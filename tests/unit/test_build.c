@@ -162,16 +162,16 @@ static void density_method_is_that_of_the_case_or_by_the_ratio(void **state)
     } rows[] = {{0.021, MNS_DENSITY_AUTOMATIC, false},
                 {0.019, MNS_DENSITY_AUTOMATIC, true},
                 {0.5, MNS_DENSITY_SUMMATION, true},
-                {0.001, MNS_DENSITY_CONTINUITY, false}};
+                {0.001, MNS_DENSITY_CONTINUITY, false}}; /* nothing is summed: then all are spread alike */
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
         MnsCase *c = case_periodic(2, 10);
         c->fluids[1].density = rows[k].density;
         c->fluids[1].density_method = rows[k].method;
         MnsSim *sim = sim_of(c);
         assert_int_equal(sim->s.begin[GROUP_SUMMATION] < particles_fluid(&sim->s), rows[k].summed);
-        /* p_b over rho c^2 of the fluid itself: 4 if it is summed, a half if not. */
-        assert_close(sim->model.phase[1].p_b, (rows[k].summed ? 4 : 0.5) * rows[k].density * 100, 1e-12);
-        assert_close(sim->model.phase[0].p_b, 0.5 * 100, 1e-12);
+        /* p_b over rho c^2 of the fluid itself: 4, but a half beside a fluid that is summed. */
+        assert_close(sim->model.phase[1].p_b, 4 * rows[k].density * 100, 1e-12);
+        assert_close(sim->model.phase[0].p_b, (rows[k].summed ? 0.5 : 4) * 100, 1e-12);
         sim_done(sim, c);
     }
 }
@@ -195,9 +195,10 @@ static void heavy_fluids_are_spread_only_where_nothing_is_empty(void **state)
                 case_add_fluid(c, "water", 5, 10);
             }
             MnsSim *sim = sim_of(c);
-            assert_close(sim->model.phase[0].p_b, empty ? 0 : 0.5 * 5 * 100, 1e-12);
-            setup_options(sim, c); /* as after a steered value */
-            assert_close(sim->model.phase[0].p_b, empty ? 0 : 0.5 * 5 * 100, 1e-12);
+            for (int again = 0; again < 2; again++) {
+                assert_close(sim->model.phase[0].p_b, empty ? 0 : 4 * 5 * 100, 1e-12);
+                setup_options(sim, c); /* as after a steered value */
+            }
             sim_done(sim, c);
         }
 }

@@ -9,6 +9,7 @@
 
 #include "proto/case_file.h"
 #include <stdlib.h>
+#include <stdio.h>
 #include <string.h>
 
 static const char small[] = "dimensions: 2\n"
@@ -222,6 +223,27 @@ static Meniscus__Case *changed(const CaseFile *file, const char *path, const cha
     return ret;
 }
 
+/* What came from a socket has no room to spare: with the address sanitizer, or in a list of three. */
+static void lists_of_unpacked_messages_grow_as_well(void **state)
+{
+    CaseFile *file = *state;
+    sets(file, "gravity=[0, -1]");
+    Meniscus__Case *m = changed(file, "gravity[2]", "3");
+    for (int k = 0; k < 40; k++) {
+        char path[32], value[64];
+        snprintf(path, sizeof path, "probes[%d]", k);
+        snprintf(value, sizeof value, "{name: p%d, kinetic_energy: {}}", k);
+        Meniscus__Case *more = NULL;
+        assert_int_equal(case_message_set(m, path, value, &more, NULL), MNS_OK);
+        meniscus__case__free_unpacked(m, NULL);
+        m = more;
+    }
+    assert_int_equal(m->n_probes, 40);
+    assert_string_equal(m->probes[39]->name, "p39");
+    assert_string_equal(m->gravity[2], "3");
+    meniscus__case__free_unpacked(m, NULL);
+}
+
 static void only_steerable_entries_may_differ(void **state)
 {
     static const char *const free_to_change[][2] = {
@@ -272,6 +294,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(what_is_not_there_has_its_default, setup, teardown),
         cmocka_unit_test_setup_teardown(values_are_set_by_path, setup, teardown),
         cmocka_unit_test_setup_teardown(the_index_after_the_last_appends, setup, teardown),
+        cmocka_unit_test_setup_teardown(lists_of_unpacked_messages_grow_as_well, setup, teardown),
         cmocka_unit_test_setup_teardown(a_member_of_a_choice_replaces_the_other, setup, teardown),
         cmocka_unit_test_setup_teardown(wrong_assignments_are_refused, setup, teardown),
         cmocka_unit_test_setup_teardown(wrong_paths_are_refused_with_a_suggestion, setup, teardown),

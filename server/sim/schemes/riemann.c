@@ -8,18 +8,26 @@
 
 /* A fluid lighter than a fiftieth of the heaviest is a gas to it: it gets the summed density that keeps it from opening
  * voids. Between liquids, even oil and mercury, continuity is ten times as accurate at rest. */
-static bool is_light(const MnsFluid *fluid, double rho_max)
+static bool is_summed(const Model *model, const MnsFluid *fluid)
 {
-    if (fluid->density_method == MNS_DENSITY_AUTOMATIC) return fluid->density < 0.02 * rho_max;
-    return fluid->density_method == MNS_DENSITY_SUMMATION;
+    if (fluid->density_method != MNS_DENSITY_AUTOMATIC) return fluid->density_method == MNS_DENSITY_SUMMATION;
+    return fluid->density < 0.02 * model->rho_max;
 }
 
-/* At a free surface nothing would hold heavy particles back, so they are spread only where fluids and walls fill the domain.
- * A light fluid fills whatever is open to it anyway. */
-static double background_factor(const Model *model, const MnsCase *c, bool summation)
+static bool any_summed(const Model *model)
 {
-    if (summation) return c->scheme.riemann.background_pressure;
-    return model->filled ? c->scheme.riemann.heavy_background_pressure : 0;
+    for (size_t k = 0; k < model->n_phases; k++)
+        if (model->phase[k].summation) return true;
+    return false;
+}
+
+/* At a free surface nothing would hold heavy particles back, so they are spread only where fluids and walls fill the domain,
+ * and gently beside a gas, where the water's front and jets are almost such surfaces. A light fluid fills whatever is open to
+ * it anyway. */
+static double background_factor(const Model *model, const MnsRiemann *options, bool summation)
+{
+    if (!summation && !model->filled) return 0;
+    return !summation && any_summed(model) ? options->heavy_background_pressure : options->background_pressure;
 }
 
 static void riemann_options(Model *model, const MnsCase *c)
@@ -27,10 +35,11 @@ static void riemann_options(Model *model, const MnsCase *c)
     model->limiter = c->scheme.riemann.limiter;
     model->transport_stress = c->scheme.riemann.transport_stress;
     model->guard = c->scheme.riemann.guard * model->dx;
+    for (size_t k = 0; k < model->n_phases; k++) model->phase[k].summation = is_summed(model, &c->fluids[k]);
     for (size_t k = 0; k < model->n_phases; k++) {
         Phase *phase = &model->phase[k];
-        phase->summation = is_light(&c->fluids[k], model->rho_max);
-        phase->p_b = background_factor(model, c, phase->summation) * phase->rho0 * phase->c * phase->c;
+        const double factor = background_factor(model, &c->scheme.riemann, phase->summation);
+        phase->p_b = factor * phase->rho0 * phase->c * phase->c;
     }
 }
 

@@ -1,13 +1,36 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Laminar viscosity with the harmonic mean of the viscosities, inside the sum as dimension and limit demand.      P1 eq. 10
  *   m_i dv_i/dt += sum_j V_i V_j 4 mu_i mu_j / (mu_i + mu_j) (x_ij . grad_i W) / (r^2 + 0.01 h^2) (v_i - v_j)
+ * times a constant near 1 that makes it exact for u = y^2 on the starting lattice: without it the Wendland kernel at 1.3 dx
+ * and the softening make every fluid 3.7 % less viscous, and refinement does not help.
  * A wall without slip has the fluid's viscosity and the velocity that makes the mean on the wall that of the wall:
  * 2 v_w - v~, with v~ the fluid's velocity extrapolated into it (Adami, Hu and Adams 2012, eq. 23). */
 #include "sim/terms/terms.h"
+#include <math.h>
 
 static bool is_viscous(const Model *model)
 {
     return model->viscous;
+}
+
+double viscosity_scale(const Kernel *kernel, int dim, const double spacing[3])
+{
+    int reach[3] = {0, 0, 0};
+    double sum = 0, volume = 1;
+    for (int d = 0; d < dim; d++) {
+        reach[d] = (int)ceil(kernel->support / spacing[d]);
+        volume *= spacing[d];
+    }
+    for (int z = -reach[2]; z <= reach[2]; z++)
+        for (int y = -reach[1]; y <= reach[1]; y++)
+            for (int x = -reach[0]; x <= reach[0]; x++) {
+                const double a = x * spacing[0], b = y * spacing[1], c = dim == 3 ? z * spacing[2] : 0;
+                const double r2 = a * a + b * b + c * c, r = sqrt(r2);
+                double W = 0, F = 0;
+                kernel_eval(kernel, 1, &r, &W, &F);
+                if (r2 > 0) sum -= volume * F * (r2 / dim) * r2 / (r2 + 0.01 * kernel->h * kernel->h);
+            }
+    return 1 / sum;
 }
 
 /* c[k] = V_i V_j mu_k F r^2 / (r^2 + 0.01 h^2), with mu in u. */
@@ -31,7 +54,7 @@ static void viscosity_row(Row *row, Particles *s, const Model *model)
     double mu[MNS_MAX_FLUIDS]; /* against each fluid, once for all pairs */
     for (size_t a = 0; a < model->n_phases; a++) {
         const double mu_a = model->phase[a].mu;
-        mu[a] = mu_i + mu_a > 0 ? 4 * mu_i * mu_a / (mu_i + mu_a) : 0;
+        mu[a] = mu_i + mu_a > 0 ? model->viscous_scale * 4 * mu_i * mu_a / (mu_i + mu_a) : 0;
     }
     for (size_t k = 0; k < n; k++) row->u[k] = mu[s->phase[row->j[k]]];
     coefficients(row, s, model, 0, n);
@@ -45,7 +68,7 @@ static void wall_friction_row(Row *row, Particles *s, const Model *model)
     const double mu = model->phase[s->phase[i]].mu;
     if (first == last || mu == 0) return;
     for (size_t k = first; k < last; k++)
-        row->u[k] = model->wall[s->phase[row->j[k]] - model->n_phases].no_slip ? 2 * mu : 0;
+        row->u[k] = model->wall[s->phase[row->j[k]] - model->n_phases].no_slip ? 2 * mu * model->viscous_scale : 0;
     coefficients(row, s, model, first, last);
     const double scale = 1 / s->m[i];
     for (int d = 0; d < row->dim; d++) {
