@@ -60,81 +60,83 @@ static void density_out_of_either_bound_is_a_divergence(void **state)
                 fail_msg("\"%s\" does not say \"%s\"", error.text, particle);
             sim_done(sim, c);
         }
-    /* Gravity is no term, but what a falling drop must be blamed on. */
-    static void gravity_is_weighed_against_the_terms(void **state)
-    {
-        (void)state;
-        MnsCase *c = case_periodic(2, 10);
-        c->limits.time_step_floor = 0.5;
-        case_set_text(&c->gravity[0], "t < 0.05 and 0 or 1e4");
-        MnsSim *sim = sim_of(c);
-        MnsError error = {0};
-        MnsStatus status = MNS_OK;
-        for (int k = 0; k < 100 && !status; k++) status = mns_sim_step(sim, INFINITY, &error);
-        assert_int_equal(status, MNS_E_DIVERGED);
-        assert_non_null(strstr(error.text, "due to \"gravity\""));
-        sim_done(sim, c);
-    }
+}
 
-    static void velocity_that_is_no_number_is_found_at_once(void **state)
-    {
-        (void)state;
-        MnsCase *c = case_shaken(2, 2);
-        MnsSim *sim = sim_of(c);
-        sim_steps(sim, 3);
-        const size_t i = 40;
-        /* Alone in the air, so that it is the only one: no neighbour takes it over in one step. */
-        for (int d = 0; d < 2; d++) sim->s.v[d][i] = NAN;
-        MnsError error = {0};
-        assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_E_DIVERGED);
-        assert_non_null(strstr(error.text, "no number"));
-        assert_non_null(strstr(error.text, "step 4 "));
-        sim_done(sim, c);
-    }
+/* Gravity is no term, but what a falling drop must be blamed on. */
+static void gravity_is_weighed_against_the_terms(void **state)
+{
+    (void)state;
+    MnsCase *c = case_periodic(2, 10);
+    c->limits.time_step_floor = 0.5;
+    case_set_text(&c->gravity[0], "t < 0.05 and 0 or 1e4");
+    MnsSim *sim = sim_of(c);
+    MnsError error = {0};
+    MnsStatus status = MNS_OK;
+    for (int k = 0; k < 100 && !status; k++) status = mns_sim_step(sim, INFINITY, &error);
+    assert_int_equal(status, MNS_E_DIVERGED);
+    assert_non_null(strstr(error.text, "due to \"gravity\""));
+    sim_done(sim, c);
+}
 
-    static void time_step_below_its_floor_is_a_divergence(void **state)
-    {
-        (void)state;
-        MnsCase *c = case_periodic(2, 10);
-        c->limits.time_step_floor = 0.5;
-        MnsSim *sim = sim_of(c);
-        sim_steps(sim, 1);
-        for (size_t i = 0; i < sim->s.n; i++) sim->s.v[0][i] += 30; /* with c = 10 */
-        sim_steps(sim, 1);
-        MnsError error = {0};
-        const uint64_t hash = mns_sim_hash(sim);
-        assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_E_DIVERGED);
-        assert_non_null(strstr(error.text, "floor"));
-        assert_non_null(strstr(error.text, "sound and flow"));
-        assert_true(mns_sim_hash(sim) == hash); /* no step was made */
-        sim_done(sim, c);
-    }
+static void velocity_that_is_no_number_is_found_at_once(void **state)
+{
+    (void)state;
+    MnsCase *c = case_shaken(2, 2);
+    MnsSim *sim = sim_of(c);
+    sim_steps(sim, 3);
+    const size_t i = 40;
+    /* Alone in the air, so that it is the only one: no neighbour takes it over in one step. */
+    for (int d = 0; d < 2; d++) sim->s.v[d][i] = NAN;
+    MnsError error = {0};
+    assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_E_DIVERGED);
+    assert_non_null(strstr(error.text, "no number"));
+    assert_non_null(strstr(error.text, "step 4 "));
+    sim_done(sim, c);
+}
 
-    static void restore_takes_a_fault_away(void **state)
-    {
-        (void)state;
-        MnsCase *c = case_shaken(2, 1);
-        MnsSim *sim = sim_of(c);
-        MnsCapture *capture = NULL;
-        sim_steps(sim, 3);
-        assert_int_equal(mns_sim_capture(sim, mns_state_fields(), &capture, NULL), MNS_OK);
-        sim->s.v[0][9] = NAN;
-        assert_int_equal(mns_sim_step(sim, INFINITY, NULL), MNS_E_DIVERGED);
-        assert_int_equal(mns_sim_restore(sim, capture, NULL), MNS_OK);
-        mns_capture_free(capture);
-        sim_steps(sim, 10);
-        sim_done(sim, c);
-    }
+static void time_step_below_its_floor_is_a_divergence(void **state)
+{
+    (void)state;
+    MnsCase *c = case_periodic(2, 10);
+    c->limits.time_step_floor = 0.5;
+    MnsSim *sim = sim_of(c);
+    sim_steps(sim, 1);
+    for (size_t i = 0; i < sim->s.n; i++) sim->s.v[0][i] += 30; /* with c = 10 */
+    sim_steps(sim, 1);
+    MnsError error = {0};
+    const uint64_t hash = mns_sim_hash(sim);
+    assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_E_DIVERGED);
+    assert_non_null(strstr(error.text, "floor"));
+    assert_non_null(strstr(error.text, "sound and flow"));
+    assert_true(mns_sim_hash(sim) == hash); /* no step was made */
+    sim_done(sim, c);
+}
 
-    int main(void)
-    {
-        const struct CMUnitTest tests[] = {
-            cmocka_unit_test(divergence_names_particle_place_and_term_and_stays),
-            cmocka_unit_test(density_out_of_either_bound_is_a_divergence),
-            cmocka_unit_test(gravity_is_weighed_against_the_terms),
-            cmocka_unit_test(velocity_that_is_no_number_is_found_at_once),
-            cmocka_unit_test(time_step_below_its_floor_is_a_divergence),
-            cmocka_unit_test(restore_takes_a_fault_away),
-        };
-        return cmocka_run_group_tests_name("fault", tests, NULL, NULL);
-    }
+static void restore_takes_a_fault_away(void **state)
+{
+    (void)state;
+    MnsCase *c = case_shaken(2, 1);
+    MnsSim *sim = sim_of(c);
+    MnsCapture *capture = NULL;
+    sim_steps(sim, 3);
+    assert_int_equal(mns_sim_capture(sim, mns_state_fields(), &capture, NULL), MNS_OK);
+    sim->s.v[0][9] = NAN;
+    assert_int_equal(mns_sim_step(sim, INFINITY, NULL), MNS_E_DIVERGED);
+    assert_int_equal(mns_sim_restore(sim, capture, NULL), MNS_OK);
+    mns_capture_free(capture);
+    sim_steps(sim, 10);
+    sim_done(sim, c);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(divergence_names_particle_place_and_term_and_stays),
+        cmocka_unit_test(density_out_of_either_bound_is_a_divergence),
+        cmocka_unit_test(gravity_is_weighed_against_the_terms),
+        cmocka_unit_test(velocity_that_is_no_number_is_found_at_once),
+        cmocka_unit_test(time_step_below_its_floor_is_a_divergence),
+        cmocka_unit_test(restore_takes_a_fault_away),
+    };
+    return cmocka_run_group_tests_name("fault", tests, NULL, NULL);
+}
