@@ -246,7 +246,7 @@ int batch_run(const BatchOptions *options)
     MnsStatus status = read_case(&batch, &outcome.error);
     if (!status) status = run_case(&batch, &outcome, &outcome.error);
     if (!status) outcome.error.status = MNS_OK;
-    if (status && strcmp(outcome.error.text, outcome.status.fault.text)) /* of a fault the log has told */
+    if (status && !outcome.status.fault.status) /* of a fault, and of what was lost with it, the log has told */
         complain(&batch, &outcome.error);
     outcome.code = exit_code(&batch, &outcome);
     if (outcome_print(&outcome, options->json, &error)) {

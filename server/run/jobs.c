@@ -38,14 +38,19 @@ static MnsStatus write_snapshot(Job *base, MnsError *error)
     return status;
 }
 
+static MnsStatus save_checkpoint(const FileJob *job, char ret_path[static 4096], MnsError *error)
+{
+    const Document *document = job->document;
+    const FileMeta meta = meta_of(document);
+    return checkpoint_write(job->directory, job->capture, &meta, document->blob, document->size,
+                            document->c->output.checkpoints_kept, ret_path, error);
+}
+
 static MnsStatus write_checkpoint(Job *base, MnsError *error)
 {
     const FileJob *job = (const FileJob *)base;
-    const Document *document = job->document;
-    const FileMeta meta = meta_of(document);
     char path[4096];
-    const MnsStatus status = checkpoint_write(job->directory, job->capture, &meta, document->blob, document->size,
-                                              document->c->output.checkpoints_kept, path, error);
+    const MnsStatus status = save_checkpoint(job, path, error);
     if (!status && job->order) memcpy(job->order->path, path, sizeof path);
     return status;
 }
@@ -94,6 +99,26 @@ MnsStatus job_post_checkpoint(Outputs *outputs, MnsCapture *capture, Document *d
     return post_file(outputs, write_checkpoint, capture, document, order, error);
 }
 
+typedef struct RescueJob {
+    FileJob file;
+    char *ret_path;
+} RescueJob;
+
+static MnsStatus rescue_checkpoint(Job *base, MnsError *error)
+{
+    const RescueJob *job = (const RescueJob *)base;
+    return save_checkpoint(&job->file, job->ret_path, error);
+}
+
+MnsStatus job_rescue_checkpoint(Outputs *outputs, MnsCapture *capture, Document *document, char *ret_path,
+                                MnsError *error)
+{
+    RescueJob job = {.file = {.job = {.write = rescue_checkpoint}, .capture = capture, .document = document},
+                     .ret_path = ret_path};
+    memcpy(job.file.directory, outputs->directory, sizeof job.file.directory);
+    return writer_call(outputs->writer, &job.file.job, error);
+}
+
 /* A sample of all probes; with n = 0, the wish that the series be written. */
 typedef struct RowJob {
     Job job;
@@ -124,7 +149,7 @@ MnsStatus job_post_row(Outputs *outputs, MnsProgress at, size_t n, const double 
 {
     RowJob *row = malloc(sizeof *row + n * sizeof *values);
     if (!row) return mns_fail(error, MNS_E_MEMORY, "no memory for a sample of the probes");
-    *row = (RowJob){.job = {.write = write_row, .free = free_row},
+    *row = (RowJob){.job = {.row = n > 0, .write = write_row, .free = free_row},
                     .outputs = outputs,
                     .series = outputs->series,
                     .step = at.step,

@@ -11,6 +11,10 @@
 MnsStatus job_post_snapshot(Outputs *outputs, MnsCapture *capture, Document *document, Order *order, MnsError *error);
 MnsStatus job_post_checkpoint(Outputs *outputs, MnsCapture *capture, Document *document, Order *order, MnsError *error);
 
+/* Waits: a checkpoint also past an output that has failed. ret_path: [4096]. The capture stays the caller's. */
+MnsStatus job_rescue_checkpoint(Outputs *outputs, MnsCapture *capture, Document *document, char *ret_path,
+                                MnsError *error);
+
 /* Add a row of n values to the series; write the series. */
 MnsStatus job_post_row(Outputs *outputs, MnsProgress at, size_t n, const double *values, MnsError *error);
 MnsStatus job_post_flush(Outputs *outputs, MnsError *error);

@@ -301,15 +301,19 @@ void run_restore(Run *run, Order *order, const char *name)
     replace(run, order, &candidate, status, previous, text, &error);
 }
 
-/* Leave a checkpoint of this very step and an up-to-date series behind. A diverged state is not worth going on from. */
+/* Leave a checkpoint of this very step and an up-to-date series behind, whatever becomes of an output that failed. A diverged
+ * state is not worth going on from. */
 static MnsStatus secure(Run *run, bool checkpoint, MnsError *error)
 {
+    char path[4096];
+    Outputs *outputs = &run->outputs;
     const bool diverged = run->fault.status && !run->output_failed;
     if (!run->sim) return MNS_OK;
-    if (run->fault.status && run->output_failed && writer_retry(run->outputs.writer, error)) return error->status;
-    if (checkpoint && !diverged) return outputs_finish(&run->outputs, run->sim, run->document, error);
-    outputs_flush(&run->outputs, NULL);
-    return writer_drain(run->outputs.writer, error);
+    outputs_flush(outputs, NULL);
+    const MnsStatus status = writer_salvage(outputs->writer, error);
+    if (!checkpoint || diverged) return status;
+    if (!status && !outputs_finish(outputs, run->sim, run->document, error)) return MNS_OK;
+    return outputs_rescue(outputs, run->sim, run->document, path, error);
 }
 
 void run_stop(Run *run, Order *order, bool checkpoint)
@@ -343,7 +347,8 @@ void run_leave(Run *run, Order *order, bool checkpoint)
     if (status && strcmp(error.text, run->fault.text) != 0) /* else it has been told */
         run_tell(run, NOTE_LOG, LOG_ERROR, "lost", error.text);
     MnsError lost;
-    close_run(run, &lost);
+    if (close_run(run, &lost) && !status && strcmp(lost.text, run->fault.text) != 0)
+        run_tell(run, NOTE_LOG, LOG_WARNING, "lost", lost.text);
     forget_run(run);
     run->leaving = true;
     run_answer(run, order, status, &error);

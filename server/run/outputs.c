@@ -149,3 +149,15 @@ MnsStatus outputs_finish(Outputs *outputs, const MnsSim *sim, Document *document
     else status = outputs_flush(outputs, error);
     return status ? status : writer_drain(outputs->writer, error);
 }
+
+MnsStatus outputs_rescue(Outputs *outputs, const MnsSim *sim, Document *document, char *ret_path, MnsError *error)
+{
+    MnsCapture *capture;
+    writer_salvage(outputs->writer, NULL);
+    MnsStatus status = mns_sim_capture(sim, mns_state_fields(), &capture, error);
+    if (status) return status;
+    status = job_rescue_checkpoint(outputs, capture, document, ret_path, error);
+    if (!status) outputs->at_checkpoint = capture->progress.step;
+    mns_capture_free(capture);
+    return status;
+}

@@ -66,6 +66,10 @@ MnsStatus outputs_flush(Outputs *outputs, MnsError *error);
 /* The series and a checkpoint of this very step, written before this returns. */
 MnsStatus outputs_finish(Outputs *outputs, const MnsSim *sim, Document *document, MnsError *error);
 
+/* After an output that failed: write what else can be written, and a checkpoint of this very step, before this returns. MNS_OK:
+ * the checkpoint is there, whatever became of the others. ret_path: [4096], where it is. */
+MnsStatus outputs_rescue(Outputs *outputs, const MnsSim *sim, Document *document, char *ret_path, MnsError *error);
+
 /* Read a checkpoint on the writer's thread: a path, or the newest whole one in a directory; damaged ones are told to note.
  * What checkpoint_read() and checkpoint_newest() return. */
 MnsStatus outputs_read(Writer *writer, const char *path, bool newest, void (*note)(void *arg, const char *text),

@@ -89,11 +89,14 @@ static void after_output(Run *run, Order *order, MnsStatus status, const MnsErro
 void run_checkpoint(Run *run, Order *order)
 {
     MnsError error;
-    MnsStatus status = MNS_OK;
-    if (run->state == RUN_FAULT && run->output_failed)
-        status = mns_fail(&error, MNS_E_STATE, "an earlier output waits to be written; resume first: %.300s",
-                          run->fault.text);
-    if (!status) status = outputs_checkpoint(&run->outputs, run->sim, run->document, order, &error);
+    MnsStatus status;
+    if (run->state == RUN_FAULT &&
+        run->output_failed) { /* a file of its own: it need not wait for the one that failed */
+        status = outputs_rescue(&run->outputs, run->sim, run->document, order->path, &error);
+        run_answer(run, order, status, &error);
+        return;
+    }
+    status = outputs_checkpoint(&run->outputs, run->sim, run->document, order, &error);
     after_output(run, order, status, &error);
 }
 

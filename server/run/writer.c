@@ -15,7 +15,7 @@ struct Writer {
     pthread_cond_t changed; /* anything below                                     */
     Job *first;             /* the one being done, or that failed; then the others */
     unsigned heavy, light;
-    bool busy, leaving;
+    bool busy, leaving, salvaging;
     MnsStatus status; /* of the failed job */
     MnsError error;
     void (*wait)(void *arg);
@@ -36,15 +36,16 @@ static void tell(Job *job, MnsStatus status, const MnsError *error)
 
 static void drop(Writer *writer, Job *job)
 {
-    writer->first = job->next;
+    Job **at = &writer->first;
+    while (*at != job) at = &(*at)->next;
+    *at = job->next;
     count(writer, job, -1);
     if (job->free) job->free(job);
 }
 
-/* Do the first job; called with the lock held, which is let go meanwhile. */
-static void work(Writer *writer)
+/* Do a job; called with the lock held, which is let go meanwhile. It is gone afterwards, or kept if it failed. */
+static MnsStatus work(Writer *writer, Job *job)
 {
-    Job *job = writer->first;
     MnsError error = {.status = MNS_OK};
     writer->busy = true;
     pthread_mutex_unlock(&writer->lock);
@@ -52,10 +53,28 @@ static void work(Writer *writer)
     pthread_mutex_lock(&writer->lock);
     tell(job, status, &error);
     writer->busy = false;
-    if (status && !job->once) {
+    const bool kept = status && !job->once;
+    if (kept && !writer->status) {
         writer->status = status;
         writer->error = error;
-    } else drop(writer, job);
+    }
+    if (!kept) drop(writer, job);
+    pthread_cond_broadcast(&writer->changed);
+    return kept ? status : MNS_OK;
+}
+
+/* Most files stand for themselves, so that one that cannot be written is no reason to give up the others. */
+static void salvage(Writer *writer)
+{
+    bool row_failed = false;
+    writer->status = MNS_OK;
+    for (Job *job = writer->first, *next; job; job = next) {
+        next = job->next;
+        if (job->row && row_failed) continue;
+        const bool is_row = job->row;
+        if (work(writer, job) && is_row) row_failed = true;
+    }
+    writer->salvaging = false;
     pthread_cond_broadcast(&writer->changed);
 }
 
@@ -64,7 +83,8 @@ static void *writer_thread(void *arg)
     Writer *writer = arg;
     pthread_mutex_lock(&writer->lock);
     for (;;) {
-        if (writer->first && (!writer->status || writer->first->once)) work(writer);
+        if (writer->salvaging) salvage(writer);
+        else if (writer->first && (!writer->status || writer->first->once)) work(writer, writer->first);
         else if (writer->leaving) break;
         else pthread_cond_wait(&writer->changed, &writer->lock);
     }
@@ -197,6 +217,17 @@ MnsStatus writer_retry(Writer *writer, MnsError *error)
     writer->status = MNS_OK;
     pthread_cond_broadcast(&writer->changed);
     const MnsStatus status = drain(writer, error);
+    pthread_mutex_unlock(&writer->lock);
+    return status;
+}
+
+MnsStatus writer_salvage(Writer *writer, MnsError *error)
+{
+    pthread_mutex_lock(&writer->lock);
+    writer->salvaging = true;
+    pthread_cond_broadcast(&writer->changed);
+    while (writer->salvaging) sleep_locked(writer);
+    const MnsStatus status = failure(writer, error);
     pthread_mutex_unlock(&writer->lock);
     return status;
 }

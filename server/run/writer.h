@@ -11,6 +11,7 @@ typedef struct Job {
     struct Job *next;
     bool heavy; /* holds a copy of the particles: few of these may wait                                  */
     bool once;  /* a failure is only told, the job is not kept                                           */
+    bool row;   /* adds to a file: after a failed one no later one may be written, see writer_salvage()  */
 
     /* On the writer's thread; may be called again after a failure. */
     MnsStatus (*write)(struct Job *job, MnsError *error);
@@ -41,6 +42,10 @@ MnsStatus writer_failure(Writer *writer, MnsError *error);
 
 /* Try the failed job again and wait for it and all behind it. MNS_OK, or the next failure. */
 MnsStatus writer_retry(Writer *writer, MnsError *error);
+
+/* Try each job that is left once, also those behind a failed one, and wait. MNS_OK, or the first failure: the jobs that failed
+ * are kept. */
+MnsStatus writer_salvage(Writer *writer, MnsError *error);
 
 /* Wait until all is written. MNS_OK, or a failure: then what is left is kept. */
 MnsStatus writer_drain(Writer *writer, MnsError *error);

@@ -5,6 +5,7 @@
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -29,6 +30,73 @@ static void a_failed_output_stops_the_run_and_is_written_after_resume(void **sta
     steer_wait_for(dialogue, MENISCUS__STATE__DONE);
     assert_int_equal(steer_count(here, "snapshot-"), 11);
     assert_int_equal(steer_count(here, "probes.hdf"), 1);
+}
+
+/* A fault: directories stand wherever the next snapshot may go. */
+static void block_a_snapshot(Dialogue *dialogue, char here[static 256])
+{
+    static const char *const settings[] = {"output.snapshot_interval=0.05", "end_time=0.5", NULL};
+    char inside[512];
+    steer_path(dialogue, "dam", here);
+    dialogue_load(dialogue, settings);
+    steer_go(dialogue, 5);
+    for (int step = 6; step < 3000; step++) {
+        snprintf(inside, sizeof inside, "%s/snapshot-%010d.hdf", here, step);
+        assert_int_equal(mkdir(inside, 0777), 0);
+        snprintf(inside, sizeof inside, "%s/snapshot-%010d.hdf/x", here, step);
+        assert_int_equal(mkdir(inside, 0777), 0);
+    }
+    assert_int_equal(steer_code(dialogue, dialogue_resume()), MENISCUS__CODE__OK);
+    steer_wait_for(dialogue, MENISCUS__STATE__FAULT);
+}
+
+static void assert_kept(const char *here, uint64_t step)
+{
+    char name[512];
+    snprintf(name, sizeof name, "%s/checkpoint-%010llu.hdf", here, (unsigned long long)step);
+    assert_int_equal(access(name, F_OK), 0);
+    snprintf(name, sizeof name, "%s/probes.hdf", here);
+    assert_int_equal(access(name, F_OK), 0);
+}
+
+static void a_checkpoint_does_not_wait_for_another_output_that_failed(void **state)
+{
+    Dialogue *dialogue = *state;
+    char here[256];
+    block_a_snapshot(dialogue, here);
+    Meniscus__Request request = dialogue_checkpoint();
+    Meniscus__Reply *reply = dialogue_ask(dialogue, &request);
+    assert_int_equal(reply->code, MENISCUS__CODE__OK);
+    assert_int_equal(reply->state, MENISCUS__STATE__FAULT);
+    assert_kept(here, reply->step);
+    assert_non_null(strstr(reply->output->path, "checkpoint-"));
+    meniscus__reply__free_unpacked(reply, NULL);
+}
+
+static void a_daemon_that_leaves_after_a_failed_output_keeps_the_state(void **state)
+{
+    Dialogue *dialogue = *state;
+    char here[256];
+    block_a_snapshot(dialogue, here);
+    Meniscus__Reply *reply = steer_status(dialogue);
+    const uint64_t step = reply->step;
+    meniscus__reply__free_unpacked(reply, NULL);
+    assert_int_equal(kill(dialogue->daemon, SIGTERM), 0);
+    assert_int_equal(dialogue_join(dialogue), 0);
+    assert_kept(here, step);
+}
+
+static void a_daemon_that_cannot_keep_the_state_says_so_by_its_exit_code(void **state)
+{
+    Dialogue *dialogue = *state;
+    char here[256], away[256];
+    steer_path(dialogue, "dam", here);
+    steer_path(dialogue, "away", away);
+    dialogue_load(dialogue, NULL);
+    steer_go(dialogue, 5);
+    assert_int_equal(rename(here, away), 0);
+    assert_int_equal(kill(dialogue->daemon, SIGTERM), 0);
+    assert_int_equal(dialogue_join(dialogue), 74);
 }
 
 static void a_finished_run_leaves_checkpoint_series_case_and_log(void **state)
@@ -119,6 +187,12 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(a_failed_output_stops_the_run_and_is_written_after_resume, steer_begin,
+                                        steer_end_somehow),
+        cmocka_unit_test_setup_teardown(a_checkpoint_does_not_wait_for_another_output_that_failed, steer_begin,
+                                        steer_end_somehow),
+        cmocka_unit_test_setup_teardown(a_daemon_that_leaves_after_a_failed_output_keeps_the_state, steer_begin,
+                                        steer_end_somehow),
+        cmocka_unit_test_setup_teardown(a_daemon_that_cannot_keep_the_state_says_so_by_its_exit_code, steer_begin,
                                         steer_end_somehow),
         cmocka_unit_test_setup_teardown(a_finished_run_leaves_checkpoint_series_case_and_log, steer_begin,
                                         steer_end_somehow),

@@ -102,13 +102,14 @@ class DiskFull(DaemonTest):
         self.assertEqual(len(series(directory)["time"]), ROWS)
         self.assertEqual(series(directory), series(self.room))
 
-    def test_a_batch_run_ends_with_one_sentence_and_goes_on_once_there_is_room(self) -> None:
+    def test_a_batch_run_says_what_failed_once_and_goes_on_once_there_is_room(self) -> None:
         out = self.disk / "batch"
         self.resize(SMALL_BYTES)
         self.clear(out)
         done = batch(out, "--set", "output.checkpoint_interval=0.1")
         self.assertEqual(done.returncode, 74, done.stderr)
-        self.assertEqual(done.stderr.count("cannot write"), 1, done.stderr)
+        self.assertEqual(done.stderr.count("fault: cannot write"), 1, done.stderr)
+        self.assertLessEqual(done.stderr.count("cannot write"), 2, done.stderr)  # the other one: no checkpoint either
         self.assertIn("No space left on device", done.stderr)
         self.assertIn(str(out), done.stderr)
         self.assertEqual(json.loads(done.stdout)["state"], "FAULT")

@@ -121,6 +121,36 @@ static void a_failed_call_is_not_kept(void **state)
     assert_int_equal(writer_drain(*state, NULL), MNS_OK);
 }
 
+/* Fails whatever `broken` says. */
+static MnsStatus refuse(Job *job, MnsError *error)
+{
+    (void)job;
+    return mns_fail(error, MNS_E_IO, "a directory of that name is in the way");
+}
+
+static void a_salvage_writes_all_but_what_fails_and_no_row_behind_a_missing_one(void **state)
+{
+    Probe probes[6];
+    MnsError error = {.status = MNS_OK};
+    make(probes, 6, false);
+    probes[0].job.write = refuse;
+    probes[2].job.write = refuse;
+    probes[1].job.row = probes[2].job.row = probes[3].job.row = true;
+    for (int k = 0; k < 6; k++) writer_post(*state, &probes[k].job);
+    assert_int_equal(writer_salvage(*state, &error), MNS_E_IO);
+    assert_string_equal(error.text, "a directory of that name is in the way");
+    assert_int_equal(n_done, 3);
+    assert_int_equal(done[0], 1);
+    assert_int_equal(done[1], 4);
+    assert_int_equal(done[2], 5);
+    probes[0].job.write = probes[2].job.write = write_number;
+    assert_int_equal(writer_retry(*state, NULL), MNS_OK);
+    assert_int_equal(n_done, 6);
+    assert_int_equal(done[3], 0);
+    assert_int_equal(done[4], 2);
+    assert_int_equal(done[5], 3);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -129,6 +159,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(who_asked_is_told_of_the_first_failure_once, begin, end),
         cmocka_unit_test_setup_teardown(a_call_passes_a_failed_job_which_stays, begin, end),
         cmocka_unit_test_setup_teardown(a_failed_call_is_not_kept, begin, end),
+        cmocka_unit_test_setup_teardown(a_salvage_writes_all_but_what_fails_and_no_row_behind_a_missing_one, begin,
+                                        end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
