@@ -15,7 +15,7 @@ MnsStatus file_fail(MnsError *error, int number, const char *verb, const char *p
     if (number == ENOSPC || number == EDQUOT || number == EFBIG)
         return mns_fail(error, MNS_E_NO_SPACE, "cannot %s '%s': %s; make room and try again", verb, path, text);
     if (number == ENOMEM) return mns_fail(error, MNS_E_MEMORY, "cannot %s '%s': %s", verb, path, text);
-    return mns_fail(error, number == ENOENT ? MNS_E_NOT_FOUND : MNS_E_IO, "cannot %s '%s': %s", verb, path, text);
+    return mns_fail(error, MNS_E_IO, "cannot %s '%s': %s", verb, path, text);
 }
 
 int file_read_at(int fd, void *data, size_t size, size_t offset, size_t *ret_got)

@@ -34,7 +34,7 @@ int file_read_at(int fd, void *data, size_t size, size_t offset, size_t *ret_got
 int file_write_at(int fd, const void *data, size_t size, size_t offset);
 
 /* Turn an errno into a status and a sentence: MNS_E_NO_SPACE if disk, quota or size limit is used up,
- * MNS_E_NOT_FOUND if there is no such file, MNS_E_MEMORY, MNS_E_IO else. @param verb  as in "write" */
+ * MNS_E_MEMORY, MNS_E_IO else. @param verb  as in "write" */
 MnsStatus file_fail(MnsError *error, int number, const char *verb, const char *path);
 
 #endif

@@ -13,7 +13,7 @@ typedef struct DirectoryEntry {
 } DirectoryEntry;
 
 /* List the regular files of dir whose names begin and end so, the last written first, equally old ones by falling name.
- * @param ret_entries  [*ret_n], to be freed.  MNS_E_NOT_FOUND, MNS_E_IO, MNS_E_MEMORY. */
+ * @param ret_entries  [*ret_n], to be freed.  MNS_E_IO, MNS_E_MEMORY. */
 MnsStatus directory_list(const char *dir, const char *begin, const char *end, DirectoryEntry **ret_entries,
                          size_t *ret_n, MnsError *error);
 

@@ -6,6 +6,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <string.h>
 #include <unistd.h>
 
 /* HDF5 prints its errors to standard error unless told not to. The caller's choice comes back afterwards. */
@@ -87,6 +88,8 @@ MnsStatus h5_save(const char *path, bool sealed, H5Fill *fill, const void *what,
 MnsStatus h5_load(const char *path, bool sealed, H5Read *read, void *into, MnsError *error)
 {
     const int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0 && errno == ENOENT) /* a file to be read may be anybody's word; one to be written may not */
+        return mns_fail(error, MNS_E_NOT_FOUND, "cannot open '%s': %s", path, strerror(errno));
     if (fd < 0) return file_fail(error, errno, "open", path);
     H5 h = {.path = path, .disk = {.fd = fd}, .file = -1, .error = error};
     const Printing printing = printing_off();

@@ -392,7 +392,7 @@ static void a_directory_without_snapshots_has_an_empty_index(void **state)
     json_t *json = json_load_file(index, 0, NULL);
     assert_true(json_is_array(json_object_get(json, "files")));
     assert_int_equal(json_array_size(json_object_get(json, "files")), 0);
-    assert_int_equal(snapshot_index(nowhere, NULL), MNS_E_NOT_FOUND);
+    assert_int_equal(snapshot_index(nowhere, NULL), MNS_E_IO);
     json_decref(json);
     free(nowhere);
     free(index);
