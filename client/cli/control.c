@@ -133,8 +133,11 @@ static MnsStatus read_breakpoint(const Invocation *in, MnsBreakpoint *ret, MnsEr
     if (!time + !step + !condition + !options_get(&in->options, OPT_REMOVE) != 3)
         return mns_fail(error, MNS_E_INVALID, "breakpoint takes exactly one of --time, --step, --when and --remove");
     if (time) return parse_number("--time", time, &ret->time, error);
-    if (step) return parse_count("--step", step, &ret->step, error);
-    return MNS_OK;
+    if (!step) return MNS_OK;
+    const MnsStatus status = parse_count("--step", step, &ret->step, error);
+    if (status == MNS_OK && !ret->step)
+        return mns_fail(error, MNS_E_INVALID, "--step 0: the first step to pause after is 1");
+    return status;
 }
 
 MnsStatus command_breakpoint(Invocation *in, MnsError *error)

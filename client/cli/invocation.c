@@ -3,6 +3,7 @@
 #include "client/cli/command.h"
 #include "client/cli/output.h"
 #include "proto/script.h"
+#include <errno.h>
 #include <meniscus/exit.h>
 #include <stdio.h>
 #include <string.h>
@@ -133,7 +134,7 @@ static int run_parsed(Invocation *in)
                     in->code ? in->code : command_exit_code(status, in->command->run == command_load));
 }
 
-int command_main(int argc, char **argv)
+static int run_arguments(int argc, char **argv)
 {
     Invocation in = {.json = script_wants_json(argc, argv)};
     MnsError error = {0};
@@ -151,4 +152,14 @@ int command_main(int argc, char **argv)
     if (options_parse(&in.options, argc - used, argv + used, allowed, false, &rest, &error) != MNS_OK)
         return misuse(&error, in.json, in.command);
     return run_parsed(&in);
+}
+
+/* A full disk shows when the last of the output is written, which is here: whatever the command is, its output counts. */
+int command_main(int argc, char **argv)
+{
+    const int code = run_arguments(argc, argv);
+    const bool failed = ferror(stdout);
+    if (!fclose(stdout) && !failed) return code;
+    if (code != MNS_EXIT_IO) fprintf(stderr, "meniscus: cannot write to standard output: %s\n", strerror(errno));
+    return code == MNS_EXIT_DONE ? MNS_EXIT_IO : code;
 }

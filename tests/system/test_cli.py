@@ -120,8 +120,25 @@ class Commands(DaemonTest):
         self.meniscus("breakpoint", "b", "--step", "7")
         self.meniscus("start")
         self.assertEqual(self.ask("wait", "--for", "state=PAUSED", "--timeout", "50")["step"], 7)
+        self.assertIn("--step 0", self.meniscus("breakpoint", "b", "--step", "0", code=2).stderr)
+        self.assertEqual(len(self.ask("status")["breakpoints"]), 1)
         self.meniscus("breakpoint", "b", "--remove")
         self.assertEqual(self.ask("status")["breakpoints"], [])
+
+    def test_output_that_nobody_gets_is_a_failure(self) -> None:
+        self.meniscus("load", *SMALL)
+        for words in ("status", "ls", "get", "query", "capabilities", "schemes", "help", "status -o json", "--version"):
+            with self.subTest(words=words), open("/dev/full", "w") as full:
+                done = subprocess.run([BUILD / "meniscus", *words.split()], env=self.environment, stdout=full,
+                                      stderr=subprocess.PIPE, text=True, timeout=20)
+                self.assertEqual(done.returncode, 74, done.stderr)
+                self.assertIn("cannot write to standard output", done.stderr)
+
+    def test_a_place_that_cannot_be_written_to_is_a_failure_of_the_disk(self) -> None:
+        self.meniscus("run", *SMALL, "--out", "/proc/x", code=74)
+        done = subprocess.run([BUILD / "meniscusd", "--name", "proc", "--state-dir", "/proc/x"],
+                              env=self.environment, capture_output=True, text=True, timeout=20)
+        self.assertEqual(done.returncode, 74, done.stderr)
 
     def test_the_same_id_steps_once(self) -> None:
         self.load()
