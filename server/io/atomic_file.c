@@ -45,10 +45,10 @@ int file_write_at(int fd, const void *data, size_t size, size_t offset)
 
 MnsStatus atomic_begin(AtomicFile *file, const char *path, MnsError *error)
 {
-    const int length = snprintf(file->temporary, sizeof file->temporary, "%s.tmp", path);
+    const int length = snprintf(file->temporary, sizeof file->temporary, "%s" ATOMIC_END, path);
     if (length < 0 || (size_t)length >= sizeof file->temporary)
         return mns_fail(error, MNS_E_INVALID, "the path '%.60s...' is longer than the %zu bytes allowed", path,
-                        sizeof file->temporary - sizeof ".tmp");
+                        sizeof file->temporary - sizeof ATOMIC_END);
     file->path = path;
     file->fd = open(file->temporary, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0666);
     return file->fd < 0 ? file_fail(error, errno, "create", file->temporary) : MNS_OK;

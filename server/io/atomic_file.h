@@ -8,6 +8,8 @@
 
 enum { IO_PATH_MAX = 4096 };
 
+#define ATOMIC_END ".tmp" /* of the name of a file that is not whole yet */
+
 typedef struct AtomicFile {
     int fd;           /* open for reading and writing */
     const char *path; /* borrowed: the final name */

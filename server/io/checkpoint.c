@@ -7,6 +7,7 @@
 #include "io/directory.h"
 #include "io/meta.h"
 #include "io/names.h"
+#include "io/seal.h"
 #include "io/state.h"
 
 #include <stdlib.h>
@@ -19,12 +20,14 @@ typedef struct Source {
     const FileMeta *meta;
     const void *blob;
     size_t size;
+    uint64_t number;
 } Source;
 
 static void fill(H5 *h, const void *what)
 {
     const Source *s = what;
     const uint64_t hash = XXH64(s->blob, s->size, 0);
+    h->number = s->number;
     meta_put_run(h, s->meta);
     meta_put_moment(h, s->state, s->state->n);
     state_put(h, s->state);
@@ -32,24 +35,82 @@ static void fill(H5 *h, const void *what)
     h5_mark(h, "/case", "xxh64", H5T_NATIVE_UINT64, 0, &hash);
 }
 
-/* Old checkpoints are in nobody's way, so what cannot be removed stays. */
-static void drop_oldest(const char *dir, const char *written, unsigned keep)
+/* A checkpoint in its directory. Copying a directory changes when its files were written, so that the number in the seal
+ * says which is the newest; older programs wrote none. */
+typedef struct Kept {
+    DirectoryEntry is;
+    uint64_t number;
+    bool damaged; /* has no whole seal, thus no number */
+} Kept;
+
+static int by_number(const void *left, const void *right)
+{
+    const Kept *a = left, *b = right;
+    if (a->damaged != b->damaged) return a->damaged ? -1 : 1;
+    if (a->number != b->number) return a->number > b->number ? -1 : 1;
+    return directory_order(&a->is, &b->is);
+}
+
+/* List the checkpoints: the damaged ones, and behind them the others, the newest first. */
+static MnsStatus list(const char *dir, Kept **ret, size_t *ret_n, MnsError *error)
 {
     DirectoryEntry *entries = NULL;
     size_t n = 0;
+    char path[IO_PATH_MAX];
+    const MnsStatus status = directory_list(dir, CHECKPOINT_BEGIN, NUMBERED_END, &entries, &n, error);
+    if (status) return status;
+    Kept *kept = calloc(n + 1, sizeof *kept);
+    for (size_t k = 0; kept && k < n; k++) {
+        kept[k].is = entries[k];
+        kept[k].damaged = directory_path(path, dir, entries[k].name, NULL) || !seal_number(path, &kept[k].number);
+    }
+    free(entries);
+    if (!kept) return mns_fail(error, MNS_E_MEMORY, "no memory for the list of checkpoints in '%s'", dir);
+    qsort(kept, n, sizeof *kept, by_number);
+    *ret = kept;
+    *ret_n = n;
+    return MNS_OK;
+}
+
+static size_t count_damaged(const Kept *kept, size_t n)
+{
+    size_t damaged = 0;
+    while (damaged < n && kept[damaged].damaged) damaged++;
+    return damaged;
+}
+
+/* Old checkpoints are in nobody's way, so what cannot be removed stays. */
+static void drop_oldest(const char *dir, const char *written, unsigned keep)
+{
+    Kept *list_of = NULL;
+    size_t n = 0;
     unsigned kept = 1; /* the one just written */
     char path[IO_PATH_MAX];
-    if (directory_list(dir, CHECKPOINT_BEGIN, NUMBERED_END, &entries, &n, NULL)) return;
-    for (size_t k = 0; k < n; k++)
-        if (strcmp(entries[k].name, written) != 0 && ++kept > keep && !directory_path(path, dir, entries[k].name, NULL))
-            unlink(path);
-    free(entries);
+    if (list(dir, &list_of, &n, NULL)) return;
+    const size_t damaged = count_damaged(list_of, n);
+    for (size_t k = 0; k < n; k++) { /* the damaged ones last */
+        const char *name = list_of[(damaged + k) % n].is.name;
+        if (strcmp(name, written) != 0 && ++kept > keep && !directory_path(path, dir, name, NULL)) unlink(path);
+    }
+    free(list_of);
+}
+
+/* One more than any there is. */
+static uint64_t next_number(const char *dir)
+{
+    Kept *kept = NULL;
+    size_t n = 0;
+    if (list(dir, &kept, &n, NULL)) return 1;
+    const size_t damaged = count_damaged(kept, n);
+    const uint64_t number = damaged < n ? kept[damaged].number + 1 : 1;
+    free(kept);
+    return number;
 }
 
 MnsStatus checkpoint_write(const char *dir, const MnsCapture *state, const FileMeta *meta, const void *case_blob,
                            size_t case_size, unsigned keep, char *ret_path, MnsError *error)
 {
-    const Source source = {state, meta, case_blob, case_size};
+    const Source source = {state, meta, case_blob, case_size, next_number(dir)};
     char name[NUMBERED_NAME], path[IO_PATH_MAX];
     name_numbered(CHECKPOINT_BEGIN, state->progress.step, name);
     MnsStatus status = directory_path(path, dir, name, error);
@@ -107,22 +168,39 @@ static bool passed_over(MnsStatus status)
     return status != MNS_OK && status != MNS_E_MEMORY;
 }
 
+/* Somebody who goes by the clock would expect another one. */
+static void note_later(const char *dir, const Kept *kept, size_t n, size_t taken, void (*note)(void *, const char *),
+                       void *arg)
+{
+    char text[512];
+    const char *name = kept[taken].is.name;
+    if (!note || !kept[taken].number) return;
+    for (size_t k = taken + 1; k < n; k++) {
+        if (directory_order(&kept[k].is, &kept[taken].is) > 0) continue;
+        snprintf(text, sizeof text,
+                 "'%.200s/%.60s' looks newer by its date, but '%.60s' was written after it and is taken", dir,
+                 kept[k].is.name, name);
+        note(arg, text);
+    }
+}
+
 MnsStatus checkpoint_newest(const char *dir, Checkpoint *ret, void (*note)(void *arg, const char *text), void *arg,
                             MnsError *error)
 {
-    DirectoryEntry *entries = NULL;
+    Kept *kept = NULL;
     size_t n = 0, k = 0;
     char path[IO_PATH_MAX];
     MnsError why = {0};
-    MnsStatus status = directory_list(dir, CHECKPOINT_BEGIN, NUMBERED_END, &entries, &n, error);
+    MnsStatus status = list(dir, &kept, &n, error);
     if (status) return status;
     for (; k < n; k++) {
-        status = directory_path(path, dir, entries[k].name, &why);
+        status = directory_path(path, dir, kept[k].is.name, &why);
         if (!status) status = checkpoint_read(path, ret, &why);
         if (!passed_over(status)) break;
         if (note) note(arg, why.text);
     }
-    free(entries);
+    if (k < n && !status) note_later(dir, kept, n, k, note, arg);
+    free(kept);
     if (n == 0) return mns_fail(error, MNS_E_NOT_FOUND, "there is no checkpoint in '%s'", dir);
     if (k == n) return mns_fail(error, MNS_E_NOT_FOUND, "none of the %zu checkpoints in '%s' is whole", n, dir);
     return status ? mns_fail(error, status, "%s", why.text) : MNS_OK;

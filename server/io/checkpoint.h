@@ -6,7 +6,8 @@
 #include "io/file.h"
 
 /* Write DIR/checkpoint-STEP.hdf (step with ten digits) and drop the oldest beyond `keep`, never this one. Age is when a
- * file was written, not its step: after a restore the run goes on from there.
+ * file was written, not its step: after a restore the run goes on from there. A number in the seal tells it, and the date of
+ * files that have none.
  * case_blob: the packed Case message, kept as it is. ret_path: [4096] where it went; may be NULL.
  * MNS_OK; MNS_E_NO_SPACE, MNS_E_IO, MNS_E_MEMORY: none was written, none dropped. */
 MnsStatus checkpoint_write(const char *dir, const MnsCapture *state, const FileMeta *meta, const void *case_blob,
@@ -23,7 +24,8 @@ typedef struct Checkpoint {
  * *ret is untouched. */
 MnsStatus checkpoint_read(const char *path, Checkpoint *ret, MnsError *error);
 
-/* Read the last written whole one in dir. Damaged newer ones are passed over; note() is told of each, if it is given.
+/* Read the last written whole one in dir. Damaged ones are passed over; note() is told of each, and of those that look newer
+ * by their date, if it is given.
  * MNS_E_NOT_FOUND if there is none. */
 MnsStatus checkpoint_newest(const char *dir, Checkpoint *ret, void (*note)(void *arg, const char *text), void *arg,
                             MnsError *error);

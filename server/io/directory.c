@@ -17,12 +17,16 @@ typedef struct List {
     size_t n, room;
 } List;
 
-static int by_age(const void *left, const void *right)
+int directory_order(const DirectoryEntry *a, const DirectoryEntry *b)
 {
-    const DirectoryEntry *a = left, *b = right;
     if (a->written.tv_sec != b->written.tv_sec) return a->written.tv_sec < b->written.tv_sec ? 1 : -1;
     if (a->written.tv_nsec != b->written.tv_nsec) return a->written.tv_nsec < b->written.tv_nsec ? 1 : -1;
     return strcmp(b->name, a->name);
+}
+
+static int by_age(const void *left, const void *right)
+{
+    return directory_order(left, right);
 }
 
 static bool fits(const char *name, const char *begin, const char *end)

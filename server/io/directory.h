@@ -17,6 +17,9 @@ typedef struct DirectoryEntry {
 MnsStatus directory_list(const char *dir, const char *begin, const char *end, DirectoryEntry **ret_entries,
                          size_t *ret_n, MnsError *error);
 
+/* Their order for qsort(): negative if a comes first. */
+int directory_order(const DirectoryEntry *a, const DirectoryEntry *b);
+
 /* "DIR/NAME". MNS_E_INVALID if it is too long for ret. */
 MnsStatus directory_path(char ret[static 4096], const char *dir, const char *name, MnsError *error);
 

@@ -15,6 +15,7 @@ typedef struct H5 {
     const char *path;
     Disk disk;
     bool writing;
+    uint64_t number;  /* for the seal, fill() may set it */
     MnsStatus status; /* of the first failure; MNS_OK: none */
     MnsError *error;  /* its sentence; may be NULL */
 } H5;

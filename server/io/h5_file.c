@@ -79,7 +79,7 @@ MnsStatus h5_save(const char *path, bool sealed, H5Fill *fill, const void *what,
     if (!h.status) fill(&h, what);
     finish(&h);
     printing_restore(printing);
-    if (!h.status && sealed) h.status = seal_write(file.fd, path, error);
+    if (!h.status && sealed) h.status = seal_write(file.fd, path, h.number, error);
     if (!h.status) return atomic_commit(&file, error);
     atomic_cancel(&file);
     return h.status;

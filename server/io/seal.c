@@ -5,16 +5,18 @@
 
 #include <endian.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 #include <xxhash.h>
 
 typedef struct Seal {
     char magic[8];
     uint32_t version, zero;
-    uint64_t size, hash;
-    char unused[SEAL_SIZE - 40];
+    uint64_t size, hash, number;
+    char unused[SEAL_SIZE - 48];
     uint64_t own_hash;
 } Seal;
 
@@ -49,9 +51,9 @@ static int hash_rest(int fd, uint64_t *ret_size, uint64_t *ret_hash)
     return failure;
 }
 
-MnsStatus seal_write(int fd, const char *path, MnsError *error)
+MnsStatus seal_write(int fd, const char *path, uint64_t number, MnsError *error)
 {
-    Seal seal = {.version = htole32(SEAL_VERSION)};
+    Seal seal = {.version = htole32(SEAL_VERSION), .number = htole64(number)};
     memcpy(seal.magic, seal_magic, sizeof seal.magic);
     uint64_t size = 0, hash = 0;
     int failure = hash_rest(fd, &size, &hash);
@@ -93,4 +95,17 @@ MnsStatus seal_check(int fd, const char *path, MnsError *error)
     if (hash != le64toh(seal.hash))
         return mns_fail(error, MNS_E_CORRUPT, "'%s' is damaged: its checksum does not match", path);
     return MNS_OK;
+}
+
+bool seal_number(const char *path, uint64_t *ret)
+{
+    Seal seal;
+    size_t got = 0;
+    const int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0) return false;
+    const int failure = file_read_at(fd, &seal, sizeof seal, 0, &got);
+    close(fd);
+    if (failure || check_itself(&seal, got, path, NULL)) return false;
+    *ret = le64toh(seal.number);
+    return true;
 }

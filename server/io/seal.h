@@ -6,16 +6,22 @@
  *        8-11   version of our file formats, little endian like all that follows
  *        16-23  size of the whole file
  *        24-31  xxh64 of what follows the seal
+ *        32-39 a number that grows from one checkpoint of a directory to the next, 0 if the file has none
  *        504-511 xxh64 of the seal's first 504 bytes */
 #ifndef IO_SEAL_H
 #define IO_SEAL_H
 
 #include <meniscus/status.h>
+#include <stdbool.h>
+#include <stdint.h>
 
 enum { SEAL_SIZE = 512, SEAL_VERSION = 1 };
 
 /* Seal an open file that has SEAL_SIZE bytes free in front. */
-MnsStatus seal_write(int fd, const char *path, MnsError *error);
+MnsStatus seal_write(int fd, const char *path, uint64_t number, MnsError *error);
+
+/* The number in the seal of a file, without a look at what follows. False if it has no whole seal. */
+bool seal_number(const char *path, uint64_t *ret);
 
 /* MNS_OK; MNS_E_CORRUPT if anything at all has changed since it was sealed, or it never was; MNS_E_VERSION. */
 MnsStatus seal_check(int fd, const char *path, MnsError *error);

@@ -37,8 +37,10 @@ static MnsStatus occupy(const Run *run, Candidate *candidate, MnsError *error)
 {
     const bool ours = run->directory_lock >= 0 && !strcmp(candidate->directory, run->outputs.directory);
     if (ours) return MNS_OK;
-    const MnsStatus status = rundir_make(candidate->directory, &candidate->made, error);
-    return status ? status : rundir_lock(candidate->directory, &candidate->lock, error);
+    MnsStatus status = rundir_make(candidate->directory, &candidate->made, error);
+    if (!status) status = rundir_lock(candidate->directory, &candidate->lock, error);
+    if (!status) rundir_clear(candidate->directory);
+    return status;
 }
 
 static void note_damaged(void *arg, const char *text)

@@ -83,6 +83,28 @@ MnsStatus rundir_write(const char *dir, const char *name, const char *text, MnsE
 
 static const char series_name[] = "probes.hdf";
 
+static bool is_name_of_output(const char *name)
+{
+    uint64_t step;
+    return name_step(name, &step) || !strcmp(name, series_name) || !strcmp(name, INDEX_NAME) ||
+           !strcmp(name, "case.yaml");
+}
+
+void rundir_clear(const char *dir)
+{
+    char stem[256];
+    DIR *stream = opendir(dir);
+    if (!stream) return;
+    for (struct dirent *entry; (entry = readdir(stream));) {
+        snprintf(stem, sizeof stem, "%s", entry->d_name);
+        char *end = strrchr(stem, '.');
+        if (!end || strcmp(end, ATOMIC_END) != 0) continue;
+        *end = 0;
+        if (is_name_of_output(stem)) unlinkat(dirfd(stream), entry->d_name, 0);
+    }
+    closedir(stream);
+}
+
 /* The first of abandoned, abandoned.2 ... that does not exist: what was left before is left alone. */
 static MnsStatus make_aside(const char *dir, char ret[static RUNDIR_PATH], MnsError *error)
 {
@@ -139,10 +161,7 @@ MnsStatus rundir_abandon(const char *dir, bool all, uint64_t after, char ret_asi
 
 static int is_output(const struct dirent *entry)
 {
-    uint64_t step;
-    const char *name = entry->d_name;
-    return name_step(name, &step) || !strcmp(name, series_name) || !strcmp(name, INDEX_NAME) ||
-           !strcmp(name, "case.yaml");
+    return is_name_of_output(entry->d_name);
 }
 
 MnsStatus rundir_list(const char *dir, char ***ret, size_t *ret_n, MnsError *error)

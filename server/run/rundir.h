@@ -25,6 +25,9 @@ MnsStatus rundir_make(const char *dir, bool *ret_made, MnsError *error);
  * MNS_E_IO, MNS_E_NO_SPACE. */
 MnsStatus rundir_lock(const char *dir, int *ret_fd, MnsError *error);
 
+/* Remove what a writer that was killed left half written; only whoever has the lock may. */
+void rundir_clear(const char *dir);
+
 /* Take away the directory if nothing is in it but our lock, as after a run that could not begin. */
 void rundir_unmake(const char *dir);
 

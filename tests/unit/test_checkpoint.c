@@ -169,6 +169,55 @@ static void an_earlier_step_written_later_is_the_newest(void **state)
     free(a);
 }
 
+static void note_text(void *arg, const char *text)
+{
+    snprintf(arg, 512, "%s", text);
+}
+
+/* As after cp -r, or in an archive. */
+static void dates_that_were_changed_do_not_change_which_is_the_newest(void **state)
+{
+    char *a = write_step(*state, 100, 5000, 2), *b = write_step(*state, 200, 2000, 2);
+    char text[512] = "";
+    Checkpoint read;
+    assert_int_equal(checkpoint_newest(*state, &read, note_text, text, NULL), MNS_OK);
+    assert_string_equal(read.path, b);
+    assert_non_null(strstr(text, "checkpoint-0000000100.hdf' looks newer"));
+    checkpoint_done(&read);
+    char *c = write_step(*state, 300, 1000, 2);
+    assert_false(exists(a));
+    assert_true(exists(b));
+    assert_int_equal(checkpoint_newest(*state, &read, NULL, NULL, NULL), MNS_OK);
+    assert_string_equal(read.path, c);
+    checkpoint_done(&read);
+    free(c);
+    free(b);
+    free(a);
+}
+
+/* Write the seal of an older program, which had no number in it. */
+static void forget_number(const char *path)
+{
+    const int fd = open(path, O_RDWR | O_CLOEXEC);
+    assert_int_equal(seal_write(fd, path, 0, NULL), MNS_OK);
+    close(fd);
+}
+
+static void files_without_a_number_go_by_their_dates(void **state)
+{
+    char *a = write_step(*state, 200, 1000, 9), *b = write_step(*state, 100, 2000, 9);
+    Checkpoint read;
+    forget_number(a);
+    forget_number(b);
+    assert_int_equal(utimensat(AT_FDCWD, a, (const struct timespec[]){{3000, 0}, {3000, 0}}, 0), 0);
+    assert_int_equal(utimensat(AT_FDCWD, b, (const struct timespec[]){{2000, 0}, {2000, 0}}, 0), 0);
+    assert_int_equal(checkpoint_newest(*state, &read, NULL, NULL, NULL), MNS_OK);
+    assert_string_equal(read.path, a);
+    checkpoint_done(&read);
+    free(b);
+    free(a);
+}
+
 static void other_files_are_left_alone(void **state)
 {
     char *other = path_in(*state, "checkpoint-notes.txt"), *folder = path_in(*state, "checkpoint-1.hdf");
@@ -332,7 +381,7 @@ static void seal_again(const char *path)
 {
     const int fd = open(path, O_RDWR);
     assert_true(fd >= 0);
-    assert_int_equal(seal_write(fd, path, NULL), MNS_OK);
+    assert_int_equal(seal_write(fd, path, 0, NULL), MNS_OK);
     close(fd);
 }
 
@@ -471,6 +520,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(the_last_written_are_kept, scratch_begin, scratch_end),
         cmocka_unit_test_setup_teardown(the_one_just_written_is_kept_whatever_is_asked, scratch_begin, scratch_end),
         cmocka_unit_test_setup_teardown(an_earlier_step_written_later_is_the_newest, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(dates_that_were_changed_do_not_change_which_is_the_newest, scratch_begin,
+                                        scratch_end),
+        cmocka_unit_test_setup_teardown(files_without_a_number_go_by_their_dates, scratch_begin, scratch_end),
         cmocka_unit_test_setup_teardown(other_files_are_left_alone, scratch_begin, scratch_end),
         cmocka_unit_test_setup_teardown(damaged_ones_are_passed_over_with_a_note, scratch_begin, scratch_end),
         cmocka_unit_test_setup_teardown(no_whole_checkpoint_is_not_found, scratch_begin, scratch_end),

@@ -143,6 +143,19 @@ static void a_directory_with_files_is_not_unmade(void **state)
     assert_true(exists("log"));
 }
 
+static void what_a_killed_writer_left_is_cleared_and_nothing_else(void **state)
+{
+    (void)state;
+    static const char *const gone[] = {"checkpoint-0000000005.hdf.tmp", "snapshot-0000000007.hdf.tmp", "probes.hdf.tmp",
+                                       "snapshots.hdf.series.tmp", "case.yaml.tmp"};
+    static const char *const kept[] = {"checkpoint-0000000005.hdf", "probes.hdf", "mine.tmp", "mine.hdf.tmp", "log"};
+    for (size_t k = 0; k < sizeof gone / sizeof *gone; k++) put(gone[k]);
+    for (size_t k = 0; k < sizeof kept / sizeof *kept; k++) put(kept[k]);
+    rundir_clear(place);
+    for (size_t k = 0; k < sizeof gone / sizeof *gone; k++) assert_false(exists(gone[k]));
+    for (size_t k = 0; k < sizeof kept / sizeof *kept; k++) assert_true(exists(kept[k]));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -152,6 +165,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(nothing_to_move_makes_no_directory, begin, end),
         cmocka_unit_test_setup_teardown(a_directory_is_had_by_one, begin, end),
         cmocka_unit_test_setup_teardown(a_directory_with_files_is_not_unmade, begin, end),
+        cmocka_unit_test_setup_teardown(what_a_killed_writer_left_is_cleared_and_nothing_else, begin, end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
