@@ -11,4 +11,7 @@ typedef struct FileMeta {
     const char *case_text; /* the whole case as YAML */
 } FileMeta;
 
+/* What people should know of a file. */
+typedef void FileNote(void *arg, const char *text);
+
 #endif

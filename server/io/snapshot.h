@@ -9,7 +9,8 @@
  * MNS_OK; MNS_E_NO_SPACE, MNS_E_IO: no file of that name is left, or the old one whole. */
 MnsStatus snapshot_write(const char *path, const MnsCapture *capture, const FileMeta *meta, MnsError *error);
 
-/* (Re)write DIR/snapshots.hdf.series from the snapshot files in dir, so that ParaView knows their times. */
-MnsStatus snapshot_index(const char *dir, MnsError *error);
+/* (Re)write DIR/snapshots.hdf.series from the snapshot files in dir, so that ParaView knows their times. Those that cannot
+ * be read are left out; note() is told of each, if it is given. */
+MnsStatus snapshot_index(const char *dir, FileNote *note, void *arg, MnsError *error);
 
 #endif

@@ -59,26 +59,31 @@ static bool is_earlier(struct timespec a, struct timespec b)
     return a.tv_sec != b.tv_sec ? a.tv_sec < b.tv_sec : a.tv_nsec < b.tv_nsec;
 }
 
-/* Time of a file's moment, from the index if nothing has touched it since. False if it cannot be read. */
-static bool find_time(const char *dir, const DirectoryEntry *file, const Known *known, double *ret)
+/* Time of a file's moment, from the index if nothing has touched it since. */
+static MnsStatus find_time(const char *dir, const DirectoryEntry *file, const Known *known, double *ret,
+                           MnsError *error)
 {
     char path[IO_PATH_MAX];
     const json_t *time = json_object_get(known->times, file->name);
     if (time && is_earlier(file->changed, known->written)) {
         *ret = json_real_value(time);
-        return true;
+        return MNS_OK;
     }
-    return !directory_path(path, dir, file->name, NULL) && !h5_load(path, false, get_time, ret, NULL);
+    const MnsStatus status = directory_path(path, dir, file->name, error);
+    return status ? status : h5_load(path, false, get_time, ret, error);
 }
 
 /* Files that cannot be read are left out: the others still play. @return how many moments there are. */
-static size_t find_moments(const char *dir, const DirectoryEntry *files, size_t n, Moment *moments)
+static size_t find_moments(const char *dir, const DirectoryEntry *files, size_t n, Moment *moments, FileNote *note,
+                           void *arg)
 {
+    MnsError why;
     const Known known = read_index(dir);
     size_t found = 0;
     for (size_t k = 0; k < n; k++) {
         Moment moment = {.name = files[k].name};
-        if (find_time(dir, &files[k], &known, &moment.t)) moments[found++] = moment;
+        if (!find_time(dir, &files[k], &known, &moment.t, &why)) moments[found++] = moment;
+        else if (note) note(arg, why.text);
     }
     json_decref(known.times);
     qsort(moments, found, sizeof *moments, by_time);
@@ -109,14 +114,14 @@ static MnsStatus write_index(const char *dir, const Moment *moments, size_t n, M
     return written;
 }
 
-MnsStatus snapshot_index(const char *dir, MnsError *error)
+MnsStatus snapshot_index(const char *dir, FileNote *note, void *arg, MnsError *error)
 {
     DirectoryEntry *files = NULL;
     size_t n = 0;
     MnsStatus status = directory_list(dir, SNAPSHOT_BEGIN, NUMBERED_END, &files, &n, error);
     if (status) return status;
     Moment *moments = malloc((n + 1) * sizeof *moments);
-    if (moments) status = write_index(dir, moments, find_moments(dir, files, n, moments), error);
+    if (moments) status = write_index(dir, moments, find_moments(dir, files, n, moments, note, arg), error);
     else status = mns_fail(error, MNS_E_MEMORY, "no memory for the index of the %zu snapshots in '%s'", n, dir);
     free(moments);
     free(files);

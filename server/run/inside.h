@@ -64,6 +64,9 @@ void run_tell_progress(Run *run);
 /* An event or a line of the log. */
 void run_tell(Run *run, NoteKind kind, int level, const char *word, const char *text);
 
+/* load.c: a file that cannot be read. */
+void run_tell_file(void *run, const char *text);
+
 /* answer.c: those who wait; run_answer() and run_wait() are there too. */
 void run_answer_waiters(Run *run);          /* those whose wait is over         */
 void run_answer_late(Run *run, double now); /* those whose deadline has passed  */

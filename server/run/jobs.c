@@ -33,7 +33,7 @@ static MnsStatus write_snapshot(Job *base, MnsError *error)
     name_numbered(SNAPSHOT_BEGIN, job->capture->progress.step, name);
     MnsStatus status = directory_path(path, job->directory, name, error);
     if (!status) status = snapshot_write(path, job->capture, &meta, error);
-    if (!status) status = snapshot_index(job->directory, error);
+    if (!status) status = snapshot_index(job->directory, NULL, NULL, error);
     if (!status && job->order) memcpy(job->order->path, path, sizeof path);
     return status;
 }
@@ -191,6 +191,8 @@ MnsStatus job_open_series(Writer *writer, const char *directory, const Document 
 typedef struct IndexJob {
     Job job;
     const char *directory;
+    FileNote *note;
+    void *arg;
 } IndexJob;
 
 static MnsStatus write_index(Job *base, MnsError *error)
@@ -198,12 +200,12 @@ static MnsStatus write_index(Job *base, MnsError *error)
     const IndexJob *job = (const IndexJob *)base;
     char path[4096];
     const MnsStatus status = directory_path(path, job->directory, INDEX_NAME, error);
-    return status || access(path, F_OK) ? status : snapshot_index(job->directory, error);
+    return status || access(path, F_OK) ? status : snapshot_index(job->directory, job->note, job->arg, error);
 }
 
-MnsStatus job_index(Writer *writer, const char *directory, MnsError *error)
+MnsStatus job_index(Writer *writer, const char *directory, FileNote *note, void *arg, MnsError *error)
 {
-    IndexJob job = {{.write = write_index}, directory};
+    IndexJob job = {{.write = write_index}, directory, note, arg};
     return writer_call(writer, &job.job, error);
 }
 

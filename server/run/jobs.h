@@ -23,7 +23,7 @@ MnsStatus job_post_flush(Outputs *outputs, MnsError *error);
 MnsStatus job_open_series(Writer *writer, const char *directory, const Document *document, bool goes_on,
                           uint64_t last_step, Series **ret, MnsError *error);
 
-/* Waits: snapshot_index(), if there is an index. */
-MnsStatus job_index(Writer *writer, const char *directory, MnsError *error);
+/* Waits: snapshot_index(), whose note() is called on the writer's thread, if there is an index. */
+MnsStatus job_index(Writer *writer, const char *directory, FileNote *note, void *arg, MnsError *error);
 
 #endif

@@ -5,6 +5,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "io/names.h"
 #include "proto/case_file.h"
 #include <inttypes.h>
 #include <math.h>
@@ -46,6 +47,13 @@ static MnsStatus occupy(const Run *run, Candidate *candidate, MnsError *error)
 static void note_damaged(void *arg, const char *text)
 {
     run_tell(arg, NOTE_LOG, LOG_WARNING, "checkpoint", text);
+}
+
+void run_tell_file(void *run, const char *text)
+{
+    char told[512];
+    snprintf(told, sizeof told, "%.400s; it is left out of " INDEX_NAME, text);
+    run_tell(run, NOTE_LOG, LOG_WARNING, "snapshot", told);
 }
 
 /* --- building ---------------------------------------------------------------------------------------------------------- */

@@ -13,7 +13,8 @@ MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *docume
 {
     Series *series = NULL;
     MnsStatus status = rundir_abandon(directory, !goes_on, progress.step, outputs->aside, error);
-    if (!status && outputs->aside[0]) status = job_index(outputs->writer, directory, error);
+    if (!status && (outputs->aside[0] || goes_on))
+        status = job_index(outputs->writer, directory, outputs->note, outputs->arg, error);
     if (!status && document->c->n_probes)
         status = job_open_series(outputs->writer, directory, document, goes_on, progress.step, &series, error);
     if (!status) status = rundir_write(directory, "case.yaml", document->text, error); /* the first sign of a run */

@@ -36,6 +36,7 @@ typedef struct Outputs {
 
     /* Tell who ordered an output that it is written or failed; on the writer's thread. */
     void (*answer)(void *arg, Order *order, MnsStatus status, const MnsError *error);
+    FileNote *note; /* snapshots that cannot be read, while outputs_open() waits; may be NULL */
     void *arg;
 } Outputs;
 

@@ -99,7 +99,7 @@ MnsStatus run_new(const RunOptions *options, Run **ret, MnsError *error)
     mailbox_init(&run->mailbox, MAILBOX_LIMIT);
     pthread_mutex_init(&run->lock, NULL);
     run->breakpoints = breakpoints_new();
-    run->outputs = (Outputs){.outbox = &run->outbox, .answer = answer_output, .arg = run};
+    run->outputs = (Outputs){.outbox = &run->outbox, .answer = answer_output, .note = run_tell_file, .arg = run};
     if (!run->breakpoints) status = mns_fail(error, MNS_E_MEMORY, "no memory for a run");
     else status = writer_new(run_beat, run, &run->outputs.writer, error);
     if (!status && pthread_create(&run->thread, NULL, run_thread, run))
