@@ -35,9 +35,11 @@ static json_t *failure_json(const MnsError *error, const char *hint, int code)
 }
 
 /* The sentence on standard error; with -o json the same on standard output for programs. */
+/* What is wrong in a case file begins with its place; all else with who says it, and the entry unless the sentence has it. */
 static int complain(const MnsError *error, bool json, int code)
 {
-    fprintf(stderr, "%s%s\n", code == MNS_EXIT_BAD_CASE ? "" : "meniscus: ", error->text);
+    const bool placed = code == MNS_EXIT_BAD_CASE, named = placed || strstr(error->text, error->path);
+    fprintf(stderr, "%s%s%s%s\n", placed ? "" : "meniscus: ", named ? "" : error->path, named ? "" : ": ", error->text);
     if (json) output_json(failure_json(error, mns_status_hint(error->status), code), NULL);
     return code;
 }

@@ -5,8 +5,10 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "io/atomic_file.h"
 #include "io/names.h"
 #include "proto/case_file.h"
+#include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
@@ -136,6 +138,8 @@ static void open_log(Run *run)
 static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
 {
     MnsError lost;
+    if (access(candidate->directory, W_OK | X_OK)) /* while the present run is still there */
+        return file_fail(error, errno, "write to", candidate->directory);
     if (close_run(run, &lost)) run_tell(run, NOTE_LOG, LOG_WARNING, "lost", lost.text);
     const MnsStatus status = outputs_open(&run->outputs, candidate->directory, candidate->document,
                                           mns_sim_progress(candidate->sim), candidate->goes_on, error);

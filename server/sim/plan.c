@@ -88,9 +88,30 @@ static void warn_open_sides(MnsSim *sim)
             }
 }
 
+/* A probe at a place that no fluid can be near has no value, ever. One that moves with a wall may come in. */
+static void warn_probes_outside(MnsSim *sim)
+{
+    const Model *model = &sim->model;
+    for (size_t k = 0; k < sim->c->n_probes; k++) {
+        const MnsProbe *probe = &sim->c->probes[k];
+        const bool placed = probe->kind == MNS_PROBE_PRESSURE || probe->kind == MNS_PROBE_HEIGHT;
+        const double reach = probe->radius > 0 ? probe->radius : model->kernel.support;
+        for (int d = 0; placed && probe->wall < 0 && d < model->dim; d++) {
+            if (model->period[d] > 0 || (probe->kind == MNS_PROBE_HEIGHT && d == probe->axis)) continue;
+            if (probe->at[d] >= model->min[d] - reach && probe->at[d] <= model->max[d] + reach) continue;
+            warn(sim,
+                 "probes[%zu]: %.60s is at %c = %g m, outside the domain, %g to %g m: where no fluid comes it has no "
+                 "value",
+                 k, probe->name, "xyz"[d], probe -> at[d], model -> min[d], model -> max[d]);
+            break;
+        }
+    }
+}
+
 void plan_look(MnsSim *sim)
 {
     warn_open_sides(sim);
+    warn_probes_outside(sim);
 
     const MnsOutput *output = &sim->c->output;
     const double dt = limits_dt(sim, NULL);

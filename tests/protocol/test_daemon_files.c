@@ -99,6 +99,22 @@ static void a_daemon_that_cannot_keep_the_state_says_so_by_its_exit_code(void **
     assert_int_equal(dialogue_join(dialogue), 74);
 }
 
+static void a_reset_without_the_directory_is_refused_and_the_run_stays(void **state)
+{
+    Dialogue *dialogue = *state;
+    char here[256], away[256];
+    steer_path(dialogue, "dam", here);
+    steer_path(dialogue, "away", away);
+    dialogue_load(dialogue, NULL);
+    steer_go(dialogue, 5);
+    assert_int_equal(rename(here, away), 0);
+    assert_int_equal(steer_code(dialogue, dialogue_reset()), MENISCUS__CODE__INTERNAL);
+    steer_stands_at(dialogue, MENISCUS__STATE__PAUSED, 5);
+    assert_int_equal(rename(away, here), 0);
+    assert_int_equal(steer_code(dialogue, dialogue_reset()), MENISCUS__CODE__OK);
+    steer_stands_at(dialogue, MENISCUS__STATE__READY, 0);
+}
+
 static void a_finished_run_leaves_checkpoint_series_case_and_log(void **state)
 {
     Dialogue *dialogue = *state;
@@ -193,6 +209,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_daemon_that_leaves_after_a_failed_output_keeps_the_state, steer_begin,
                                         steer_end_somehow),
         cmocka_unit_test_setup_teardown(a_daemon_that_cannot_keep_the_state_says_so_by_its_exit_code, steer_begin,
+                                        steer_end_somehow),
+        cmocka_unit_test_setup_teardown(a_reset_without_the_directory_is_refused_and_the_run_stays, steer_begin,
                                         steer_end_somehow),
         cmocka_unit_test_setup_teardown(a_finished_run_leaves_checkpoint_series_case_and_log, steer_begin,
                                         steer_end_somehow),

@@ -53,7 +53,8 @@ class Commands(DaemonTest):
         values = self.ask("get", "end_time", "gravity")["values"]
         self.assertEqual(values["end_time"], {"value": 3.0, "unit": "s"})
         self.assertIn("-1.5", values["gravity"]["value"])
-        self.meniscus("set", "end_time=4", "scheme.cfl=99", code=1)
+        refused = self.meniscus("set", "end_time=4", "scheme.cfl=99", code=1)
+        self.assertIn("meniscus: scheme.cfl: ", refused.stderr)
         self.assertEqual(self.ask("get", "end_time")["values"]["end_time"]["value"], 3.0)
 
     def test_set_does_not_disturb_the_files_that_are_written_later(self) -> None:
@@ -136,6 +137,12 @@ class Commands(DaemonTest):
 
     def test_a_place_that_cannot_be_written_to_is_a_failure_of_the_disk(self) -> None:
         self.meniscus("run", *SMALL, "--out", "/proc/x", code=74)
+        here = Path(self.ask("load", *SMALL)["message"])
+        away = here.rename(here.with_name("away"))
+        for command in ("checkpoint", "reset"):
+            self.assertIn(str(here), self.meniscus(command, code=74).stderr)
+        away.rename(here)
+        self.meniscus("stop")
         done = subprocess.run([BUILD / "meniscusd", "--name", "proc", "--state-dir", "/proc/x"],
                               env=self.environment, capture_output=True, text=True, timeout=20)
         self.assertEqual(done.returncode, 74, done.stderr)

@@ -131,6 +131,30 @@ static void interval_shorter_than_a_step_is_said_to_be_one(void **state)
     sim_done(sim, c);
 }
 
+static void a_probe_where_no_fluid_comes_is_warned_of(void **state)
+{
+    (void)state;
+    MnsCase *c = case_dam_break(2, 10);
+    c->max[0] = c->walls[0].shape.parts[0].b[0] = 5.4;
+    case_add_probe(c, MNS_PROBE_PRESSURE);
+    MnsProbe *probe = &c->probes[c->n_probes - 1];
+    probe->at[0] = 5.4;
+    probe->at[1] = 0.1;
+    MnsSim *sim = sim_of(c);
+    assert_null(mns_sim_warning(sim, 0));
+    mns_sim_free(sim);
+    probe->at[0] = 17;
+    sim = sim_of(c);
+    assert_true(warns(sim, "is at x = 17 m, outside the domain"));
+    assert_null(mns_sim_warning(sim, 1));
+    mns_sim_free(sim);
+    probe->kind = MNS_PROBE_HEIGHT; /* whose coordinate along its axis does not count */
+    probe->axis = 0;
+    sim = sim_of(c);
+    assert_null(mns_sim_warning(sim, 0));
+    sim_done(sim, c);
+}
+
 static void fluid_at_an_open_side_is_warned_of_once(void **state)
 {
     (void)state;
@@ -190,6 +214,7 @@ int main(void)
         cmocka_unit_test(run_is_not_steered_to_where_it_has_no_end),
         cmocka_unit_test(step_that_has_become_too_short_for_the_end_is_a_divergence),
         cmocka_unit_test(interval_shorter_than_a_step_is_said_to_be_one),
+        cmocka_unit_test(a_probe_where_no_fluid_comes_is_warned_of),
         cmocka_unit_test(fluid_at_an_open_side_is_warned_of_once),
         cmocka_unit_test(threads_beyond_the_processors_are_said_and_bounded),
     };
