@@ -117,7 +117,8 @@ def run(case: str, *settings: str) -> Run:
             command += ["--set", setting]
         print(f"# {' '.join(command[1:])}", file=sys.stderr, flush=True)
         subprocess.run(["rm", "-rf", str(directory)], check=True)
-        done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True)
+        environment = os.environ | {"MENISCUS_CASES": str(ROOT / "server/cases")}  # wherever BUILD is
+        done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True, env=environment)
         (directory / "summary.json").write_text(done.stdout)
         stamp.write_text(mark)
     return load(directory)
