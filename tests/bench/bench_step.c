@@ -65,8 +65,11 @@ static void print(const Bench *bench, const MnsSim *sim, double ns, const MnsTim
            (unsigned long long)(sim->timers[TIMER_NEIGHBOURS].calls - before[TIMER_NEIGHBOURS].calls));
     size_t n_timers = 0;
     const MnsTimer *timers = mns_sim_timers(sim, &n_timers);
-    for (size_t k = 0; k < n_timers; k++)
-        printf(", \"%s_ns\": %.1f", timers[k].name, (timers[k].seconds - before[k].seconds) * 1e9 / (n * steps));
+    for (size_t k = 0; k < n_timers; k++) {
+        const double spent = (timers[k].seconds - before[k].seconds) * 1e9 / steps;
+        printf(", \"%s_ns\": %.1f, \"%s_ns_per_pair\": %.2f", timers[k].name, spent / n, timers[k].name,
+               spent / (fluid * neighbours));
+    }
     const double rebuilds = (double)(timers[TIMER_NEIGHBOURS].calls - before[TIMER_NEIGHBOURS].calls);
     const double search = timers[TIMER_NEIGHBOURS].seconds - before[TIMER_NEIGHBOURS].seconds;
     printf(", \"search_ns_per_particle\": %.1f, \"search_ns_per_pair\": %.2f}\n",
