@@ -195,7 +195,7 @@ int main(int argc, char **argv)
         .options = arguments,
         .parser = parse,
         .doc = "Run particle simulations of fluids, and let people steer them while they run.\v"
-               "Exit codes: 0 done, 1 refused or failed, 2 usage, 65 bad case, 70 diverged, 74 input/output error, 75 "
+               "Exit codes: 0 done, 1 refused or failed, 2 usage, 65 bad case, 70 diverged or a formula failed on the way, 74 input/output error, 75 "
                "stopped "
                "by a signal after a checkpoint (run the same command again)."};
     Options options = {.batch.until = NAN, .level = -1, .daemon.name = "default", .daemon.threads = -1};

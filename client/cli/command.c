@@ -11,7 +11,8 @@ const Command command_table[] = {
      .help = "run a case to its end without a daemon",
      .details = "CASE is a file, or the name of one of the cases that came along. Progress goes to standard error; at "
                 "the end the state, the probes and the files are listed. SIGTERM and Ctrl-C end the run with a "
-                "checkpoint and exit code 75: the same command with --resume auto goes on from there to the last bit.",
+                "checkpoint and exit code 75: the same command with --resume auto goes on from there to the last bit. "
+                "A formula that fails on the way ends it with exit code 70, as a divergence does.",
      .options = OPTION(OPT_SET) | OPTION(OPT_DIRECTORY) | OPTION(OPT_UNTIL) | OPTION(OPT_RESUME_AUTO) |
                 OPTION(OPT_THREADS) | OPTION(OPT_LOG_LEVEL),
      .exits = EXIT_BAD_CASE | EXIT_DIVERGED | EXIT_IO | EXIT_AGAIN,
@@ -207,7 +208,7 @@ const Command command_table[] = {
     {.name = "restore",
      .arguments = "[FILE]",
      .help = "put a checkpoint of the run back; default: the newest",
-     .details = "FILE is a name in the run directory, as in checkpoint-000000000100.hdf. The state is READY then; "
+     .details = "FILE is a name in the run directory, as in checkpoint-0000000100.hdf. The state is READY then; "
                 "files of later steps move to abandoned/ there. Not possible while RUNNING: pause first.",
      .request = "restore",
      .exits = EXIT_IO,

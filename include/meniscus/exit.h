@@ -7,9 +7,9 @@ typedef enum MnsExit {
     MNS_EXIT_DONE = 0,         /* done                                                              */
     MNS_EXIT_FAILED = 1,       /* refused or failed                                                 */
     MNS_EXIT_USAGE = 2,        /* the command line is wrong                                         */
-    MNS_EXIT_BAD_CASE = 65,    /* the case is wrong: FILE:LINE:COLUMN on standard error             */
+    MNS_EXIT_BAD_CASE = 65,    /* the case is wrong: standard error begins with its place           */
     MNS_EXIT_UNREACHABLE = 69, /* no daemon answers                                                 */
-    MNS_EXIT_DIVERGED = 70,    /* the simulation has diverged                                       */
+    MNS_EXIT_DIVERGED = 70,    /* the simulation has diverged, or a formula failed on the way       */
     MNS_EXIT_IO = 74,          /* a file could not be read or written                               */
     MNS_EXIT_AGAIN = 75,       /* stopped by a signal after a checkpoint: run the same command again */
     MNS_EXIT_TIMEOUT = 124     /* not done in time                                                  */

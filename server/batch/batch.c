@@ -208,7 +208,9 @@ static MnsStatus run_case(Batch *batch, Outcome *outcome, MnsError *error)
 
 static int exit_code(const Batch *batch, const Outcome *outcome)
 {
-    const MnsStatus status = outcome->status.fault.status ? outcome->status.fault.status : outcome->error.status;
+    const MnsStatus fault = outcome->status.fault.status, status = fault ? fault : outcome->error.status;
+    if (fault == MNS_E_INVALID)
+        return MNS_EXIT_DIVERGED; /* a formula lost its value on the way: the flow cannot go on */
     switch (status) {
     case MNS_OK: return batch->signals.leaving && outcome->status.state != RUN_DONE ? MNS_EXIT_AGAIN : MNS_EXIT_DONE;
     case MNS_E_DIVERGED: return MNS_EXIT_DIVERGED;
@@ -227,11 +229,12 @@ void batch_misused(int code, int argc, char *const *argv)
     if (script_wants_json(argc, argv)) outcome_print_misuse(code);
 }
 
-/* As compilers do: what is wrong in a file begins with its place, all else with who says it. */
+/* As compilers do: what is wrong in a file begins with its place, or with the --set, all else with who says it. */
 static void complain(const Batch *batch, const MnsError *error)
 {
     const size_t n = strlen(batch->path);
-    const bool placed = n && !strncmp(error->text, batch->path, n) && error->text[n] == ':';
+    const bool in_file = n && !strncmp(error->text, batch->path, n) && error->text[n] == ':';
+    const bool placed = in_file || !strncmp(error->text, "--set ", 6);
     fprintf(stderr, "%s%s\n", placed ? "" : "meniscusd: ", error->text);
 }
 

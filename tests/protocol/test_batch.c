@@ -137,6 +137,29 @@ static void a_bad_case_names_its_place_and_leaves_nothing(void **state)
     assert_int_equal(access(command, F_OK), -1);
 }
 
+static void a_bad_override_is_its_own_place(void **state)
+{
+    Place *place = *state;
+    json_decref(run(place, "", "--set fluids[0].density=-1"));
+    assert_int_equal(place->code, 65);
+    assert_memory_equal(place->first, "--set fluids[0].density=-1: ", 28);
+}
+
+/* Before the first step the case is to blame; later the run has its results, and cannot go on. */
+static void a_formula_that_fails_on_the_way_is_a_fault_of_the_run(void **state)
+{
+    Place *place = *state;
+    json_decref(run(place, "", "--set 'gravity[1]=\"1/t\"'"));
+    assert_int_equal(place->code, 65);
+    json_t *object = run(place, "", "--set 'gravity[1]=\"t > 0.02 and (t < 0.3) or -1\"'");
+    assert_int_equal(place->code, 70);
+    assert_says(object, "state", "FAULT");
+    assert_non_null(strstr(json_string_value(json_object_get(object, "fault")), "gravity[1]"));
+    assert_int_equal(json_integer_value(json_object_get(object, "exit_code")), 70);
+    assert_less(0.02, json_real_value(json_object_get(object, "t")));
+    json_decref(object);
+}
+
 static void another_case_cannot_go_on_from_a_checkpoint(void **state)
 {
     Place *place = *state;
@@ -189,6 +212,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(signals_are_heard_however_many, begin, end),
         cmocka_unit_test_setup_teardown(an_end_before_the_time_to_stop_is_the_end, begin, end),
         cmocka_unit_test_setup_teardown(a_bad_case_names_its_place_and_leaves_nothing, begin, end),
+        cmocka_unit_test_setup_teardown(a_bad_override_is_its_own_place, begin, end),
+        cmocka_unit_test_setup_teardown(a_formula_that_fails_on_the_way_is_a_fault_of_the_run, begin, end),
         cmocka_unit_test_setup_teardown(another_case_cannot_go_on_from_a_checkpoint, begin, end),
         cmocka_unit_test_setup_teardown(a_damaged_checkpoint_is_passed_over, begin, end),
         cmocka_unit_test_setup_teardown(a_wrong_command_line_and_an_unwritable_place_have_codes_of_their_own, begin,

@@ -97,7 +97,7 @@ report "the solver library calls no library of messages, files or sockets" \
 
 # With the names that compilers give to the same: of checked and sanitized code, of either OpenMP.
 solver='(lua|GOMP_|omp_|__kmpc_|XXH|__([atl]|ub)san_).*|_GLOBAL_OFFSET_TABLE_|__stack_chk_fail|__assert_fail|(__)?(mem|str)[a-z]*(_chk)?'
-solver+='|malloc|calloc|realloc|free|aligned_alloc|qsort|bsearch|(__)?(snprintf|vsnprintf)(_chk)?|(__isoc[0-9]+_)?(sscanf|strto[a-z]+)'
+solver+='|bcmp|malloc|calloc|realloc|free|aligned_alloc|qsort|bsearch|(__)?(snprintf|vsnprintf)(_chk)?|(__isoc[0-9]+_)?(sscanf|strto[a-z]+)'
 mapfile -t objects < <(find server/sim -name '*.c' | sed "s|^\(.*\)c\$|$BUILD/obj/\1o|")
 report "the solver itself calls nothing of the system but memory, text and mathematics" \
     "$(comm -23 <(nm -u "${objects[@]}" | named | grep -vxE "$solver") \

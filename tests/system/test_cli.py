@@ -5,6 +5,7 @@
 import json
 import os
 import pty
+import re
 import signal
 import subprocess
 import sys
@@ -94,6 +95,7 @@ class Commands(DaemonTest):
         self.meniscus("step", "4")
         self.assertNotEqual(self.ask("status")["state_hash"], before)
         self.assertEqual(self.ask("restore", name)["step"], 4)
+        self.assertIn(re.sub("[0-9]+", "0000000100", name), self.meniscus("help", "restore").stdout)
         self.assertEqual(self.ask("status")["state_hash"], before)
 
     def test_wait_comes_back_when_the_run_is_done(self) -> None:
@@ -219,7 +221,9 @@ class BadCases(DaemonTest):
         self.assertEqual(self.ask("status")["state"], "EMPTY")
 
     def test_a_case_that_is_not_there_says_which_are(self) -> None:
-        self.assertIn("dambreak2d", self.meniscus("load", "dambrake", code=65).stderr)
+        done = self.meniscus("load", "dambrake", code=65)
+        self.assertIn("dambreak2d", done.stderr)
+        self.assertIn(f"none in {self.environment['MENISCUS_CASES']}", done.stderr)
 
     def test_a_bad_name_for_the_run_is_no_fault_of_the_case(self) -> None:
         done = self.meniscus("load", *SMALL, "--name", "../x", code=2)
@@ -227,7 +231,7 @@ class BadCases(DaemonTest):
 
     def test_a_bad_override_is_named(self) -> None:
         done = self.meniscus("load", *SMALL, "--set", "fluids[0].density=-1", code=65)
-        self.assertIn("fluids[0].density", done.stderr)
+        self.assertTrue(done.stderr.startswith("--set fluids[0].density=-1: "), done.stderr)
 
 
 class Watching(DaemonTest):
