@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Snapshots as VTKHDF unstructured grids, version 1.0: one vertex cell per particle.
  *
- * That version and the ending .hdf are what ParaView 5.11 opens by itself. Nothing is compressed: the solver waits
- * for the disk, and noise in the last bits leaves gzip half of the bytes anyway. */
+ * That version and the ending .hdf are what ParaView 5.11 opens by itself. Nothing is compressed: some
+ * builds of ParaView lack the filters. */
 #include "io/columns.h"
 #include "io/meta.h"
 #include "io/snapshot.h"
