@@ -8,8 +8,8 @@
 #include <cmocka.h>
 
 #include "proto/case_file.h"
-#include <stdlib.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const char small[] = "dimensions: 2\n"
