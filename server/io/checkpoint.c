@@ -205,3 +205,14 @@ MnsStatus checkpoint_newest(const char *dir, Checkpoint *ret, void (*note)(void 
     if (k == n) return mns_fail(error, MNS_E_NOT_FOUND, "none of the %zu checkpoints in '%s' is whole", n, dir);
     return status ? mns_fail(error, status, "%s", why.text) : MNS_OK;
 }
+
+bool checkpoint_last(const char *dir, char *ret)
+{
+    Kept *kept = NULL;
+    size_t n = 0;
+    if (list(dir, &kept, &n, NULL)) return false;
+    const size_t damaged = count_damaged(kept, n);
+    if (damaged < n) memcpy(ret, kept[damaged].is.name, sizeof kept[damaged].is.name);
+    free(kept);
+    return damaged < n;
+}

@@ -30,6 +30,10 @@ MnsStatus checkpoint_read(const char *path, Checkpoint *ret, MnsError *error);
 MnsStatus checkpoint_newest(const char *dir, Checkpoint *ret, void (*note)(void *arg, const char *text), void *arg,
                             MnsError *error);
 
+/* Name of the last written one in dir, by its seal: the rest is not looked at. False if there is none.
+ * ret: [256] */
+bool checkpoint_last(const char *dir, char *ret);
+
 void checkpoint_done(Checkpoint *checkpoint);
 
 #endif

@@ -8,6 +8,7 @@
 #include "proto/states.h"
 #include <assert.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -231,11 +232,25 @@ static void serve_cancel(Run *run, Exchange *x)
 /* --- completing replies ------------------------------------------------------------------------------------------------- */
 
 /* The values as they are now. */
+/* The entry keeps what was asked for, as a restart on another machine may have it. */
+static void note_threads(const Run *run, Exchange *x)
+{
+    char text[80];
+    const MnsSim *sim = run_sim(run);
+    const unsigned wanted = mns_sim_case(sim)->threads, used = (unsigned)mns_sim_threads(sim);
+    if (wanted <= used || x->reply->message) return;
+    snprintf(text, sizeof text, "of %u threads asked for, %u are used", wanted, used);
+    x->reply->message = strdup(text);
+}
+
 static MnsStatus complete_set(Run *run, Exchange *x, MnsError *error)
 {
     const Meniscus__Set *set = x->request->set;
     const char *paths[ENTRIES_MAX];
-    for (size_t k = 0; k < set->n_assignments; k++) paths[k] = set->assignments[k]->path;
+    for (size_t k = 0; k < set->n_assignments; k++) {
+        paths[k] = set->assignments[k]->path;
+        if (!strcmp(paths[k], "threads")) note_threads(run, x);
+    }
     return get_entries(run, x, set->n_assignments, paths, error);
 }
 

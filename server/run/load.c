@@ -350,6 +350,17 @@ void run_stop(Run *run, Order *order, bool checkpoint)
     run_answer(run, order, MNS_OK, NULL);
 }
 
+/* What is gone, and from where one can go on. */
+static void tell_lost(Run *run, const MnsError *why)
+{
+    char name[256], text[2 * sizeof why->text];
+    const uint64_t step = mns_sim_progress(run->sim).step;
+    const bool any = checkpoint_last(run->outputs.directory, name);
+    snprintf(text, sizeof text, "the state at step %" PRIu64 " is not kept, a resume goes on from %s: %s", step,
+             any ? name : "the beginning, as there is no checkpoint", why->text);
+    run_tell(run, NOTE_LOG, LOG_ERROR, "lost", text);
+}
+
 void run_leave(Run *run, Order *order, bool checkpoint)
 {
     MnsError error, ended;
@@ -358,7 +369,9 @@ void run_leave(Run *run, Order *order, bool checkpoint)
     run_goal_end(run, MNS_E_INTERRUPTED, &ended);
     snprintf(order->path, sizeof order->path, "%s", run->outputs.directory);
     const MnsStatus status = secure(run, checkpoint, &error);
-    if (status && strcmp(error.text, run->fault.text) != 0) /* else it has been told */
+    const bool diverged = run->fault.status && !run->output_failed;
+    if (status && checkpoint && !diverged) tell_lost(run, &error);
+    else if (status && strcmp(error.text, run->fault.text) != 0) /* else it has been told */
         run_tell(run, NOTE_LOG, LOG_ERROR, "lost", error.text);
     MnsError lost;
     if (close_run(run, &lost) && !status && strcmp(lost.text, run->fault.text) != 0)

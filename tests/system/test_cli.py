@@ -54,6 +54,10 @@ class Commands(DaemonTest):
         values = self.ask("get", "end_time", "gravity")["values"]
         self.assertEqual(values["end_time"], {"value": 3.0, "unit": "s"})
         self.assertIn("-1.5", values["gravity"]["value"])
+        used = self.ask("set", "threads=1000")
+        self.assertEqual(used["message"], f"of 1000 threads asked for, {self.ask('status')['threads']} are used")
+        self.assertIn(used["message"], self.meniscus("set", "threads=1000").stdout)
+        self.assertEqual(self.ask("set", "threads=1")["message"], "")
         refused = self.meniscus("set", "end_time=4", "scheme.cfl=99", code=1)
         self.assertIn("meniscus: scheme.cfl: ", refused.stderr)
         self.assertEqual(self.ask("get", "end_time")["values"]["end_time"]["value"], 3.0)

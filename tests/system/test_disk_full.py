@@ -109,6 +109,10 @@ class DiskFull(DaemonTest):
         done = batch(out, "--set", "output.checkpoint_interval=0.1")
         self.assertEqual(done.returncode, 74, done.stderr)
         self.assertEqual(done.stderr.count("fault: cannot write"), 1, done.stderr)
+        if "lost: " in done.stderr:
+            kept = sorted(path.name for path in out.glob("checkpoint-*.hdf"))
+            self.assertRegex(done.stderr, r"lost: the state at step \d+ is not kept, a resume goes on from " +
+                             (kept[-1] if kept else "the beginning, as there is no checkpoint"))
         self.assertLessEqual(done.stderr.count("cannot write"), 2, done.stderr)  # the other one: no checkpoint either
         self.assertIn("No space left on device", done.stderr)
         self.assertIn(str(out), done.stderr)

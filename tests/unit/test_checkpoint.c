@@ -179,7 +179,10 @@ static void dates_that_were_changed_do_not_change_which_is_the_newest(void **sta
 {
     char *a = write_step(*state, 100, 5000, 2), *b = write_step(*state, 200, 2000, 2);
     char text[512] = "";
+    char name[256];
     Checkpoint read;
+    assert_true(checkpoint_last(*state, name));
+    assert_string_equal(name, "checkpoint-0000000200.hdf");
     assert_int_equal(checkpoint_newest(*state, &read, note_text, text, NULL), MNS_OK);
     assert_string_equal(read.path, b);
     assert_non_null(strstr(text, "checkpoint-0000000100.hdf' looks newer"));
