@@ -76,6 +76,8 @@ class Metric:
             return [self.case, self.name, f"{self.value:.4g}", "-", "-", "-"]
         if self.reference is None:
             bounds = f"<= {self.high:.4g}" if np.isinf(self.low) else f">= {self.low:.4g}"
+            if not np.isinf(self.low) and not np.isinf(self.high):
+                bounds = f"{self.low:.4g} to {self.high:.4g}"
             return [self.case, self.name, f"{self.value:.4g}", "-", bounds, self.verdict]
         if self.note:
             return [self.case, f"{self.name} ({self.note})", f"{self.value:.4g}", f"{self.reference:.4g}", "-", "-"]
@@ -212,10 +214,10 @@ def dam_break_metrics(case: str, r: Run, n: int, toe: float, means: float | None
     for t, value, reference in toes(r):
         early = "not scored: the reference is 9.5 % behind the exact toe" if t == 0.5 else ""
         yield Metric(case, f"toe / H at t* = {t}", value, reference, toe, relative=True, note=early)
-        layer = exact(f"h_{n}", t)
-        if layer:
-            name = f"toe / H at t* = {t}, exact where the water is H/{n} deep"
-            yield Metric(case, name, value, layer, toe, relative=True)
+        layer, tip = exact(f"h_{n}", t), exact("toe", t)
+        if layer and tip:  # particles can show the front anywhere between, give or take the tolerance
+            name = f"toe / H at t* = {t}, from the exact depth of H/{n} to the exact toe, +-{100 * toe:.3g} %"
+            yield Metric(case, name, value, low=layer * (1 - toe), high=tip * (1 + toe))
     if means:
         window = (ref["t"] >= 3) & (ref["t"] <= 5.5)
         for name in MEANS:
