@@ -37,7 +37,7 @@ for program in "$BUILD"/tests/unit/* "$BUILD"/tests/protocol/*; do
         continue
     fi
     suppressions=tests/support/leaks.supp
-    [ "$name" != protocol/test_daemon_garbage ] || suppressions=$BUILD/leaks_garbage.supp
+    [[ ! $name =~ ^protocol/test_daemon_(garbage|fuzz)$ ]] || suppressions=$BUILD/leaks_garbage.supp
     export LSAN_OPTIONS=suppressions=$suppressions:print_suppressions=0
     status=0
     timeout --kill-after=10 "$LIMIT" "${run[@]}" "$program" >"$output" 2>&1 || status=$?
