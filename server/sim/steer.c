@@ -187,7 +187,7 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
     setup_options(sim, c);
     for (size_t k = 0; k < c->n_walls; k++) sim->solid[k].shape = &c->walls[k].shape;
     setup_at(sim, sim->progress.t, sim->progress.dt);
-    integrator_derive(
-        sim); /* pressures at walls know of gravity, and a restart from here would find them by the new one */
+    /* Pressures at walls know of gravity, and a restart from here would find them by the new one. */
+    integrator_derive(sim);
     return MNS_OK;
 }
