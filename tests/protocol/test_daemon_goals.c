@@ -56,11 +56,27 @@ static void a_wait_takes_effect_when_what_it_waits_for_came_about(void **state)
 {
     Dialogue *dialogue = *state;
     dialogue_load(dialogue, NULL);
-    assert_int_equal(steer_code(dialogue, dialogue_start()), MENISCUS__CODE__OK);
-    Meniscus__Reply *reply = steer_wait_step(dialogue, 40);
+    void *other = dialogue_connect(dialogue); /* one connection for both: the wait begins before the first step */
+    uint8_t id[16];
+    Meniscus__Request request = MENISCUS__REQUEST__INIT, start = dialogue_start();
+    Meniscus__Wait wait = MENISCUS__WAIT__INIT;
+    wait.has_step = 1;
+    wait.step = 40;
+    request.command_case = MENISCUS__REQUEST__COMMAND_WAIT;
+    request.wait = &wait;
+    dialogue_seal(&request, id);
+    dialogue_send(other, &request);
+    uint8_t start_id[16];
+    dialogue_seal(&start, start_id);
+    dialogue_send(other, &start);
+    steer_accepted(dialogue_receive(other, NULL));
+    Meniscus__Reply *reply = dialogue_receive(other, NULL);
+    assert_non_null(reply);
+    assert_memory_equal(reply->id.data, id, sizeof id);
     assert_int_equal(reply->code, MENISCUS__CODE__OK);
     assert_int_equal(reply->effect_step, 40);
     meniscus__reply__free_unpacked(reply, NULL);
+    zmq_close(other);
     reply = steer_status(dialogue);
     assert_false(reply->has_effect_step); /* looking has no effect */
     meniscus__reply__free_unpacked(reply, NULL);
