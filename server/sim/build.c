@@ -194,7 +194,6 @@ typedef struct Filling {
     MnsSim *sim;
     const Lattice *lattice;
     const Start *starts; /* [n_fluids]; NULL: what they are comes later */
-    double lattice_sum;
 } Filling;
 
 static MnsStatus fail_fluid(const Filling *f, size_t i, double p, const double x[3], int me, MnsError *error)
@@ -212,7 +211,7 @@ static MnsStatus fail_fluid(const Filling *f, size_t i, double p, const double x
                        p, x[0], x[1], x[2]);
 }
 
-/* A summed density comes from the masses: they are such that the lattice gives the density that the pressure asks for. */
+/* A particle stands for a cell of the lattice; what is summed there is the density that the pressure asks for. */
 static MnsStatus set_fluid(const Filling *f, size_t i, const double x[3], MnsError *error)
 {
     const Model *model = &f->sim->model;
@@ -222,7 +221,7 @@ static MnsStatus set_fluid(const Filling *f, size_t i, const double x[3], MnsErr
     const int me = omp_get_thread_num();
     const double p = start->at_rest ? s->p[i] : formula_eval(formula_of(&start->pressure, me), x);
     s->rho[i] = phase->rho0 + p / (phase->c * phase->c);
-    s->m[i] = phase->summation ? s->rho[i] / f->lattice_sum : s->rho[i] * model->wall_volume;
+    s->m[i] = s->rho[i] * model->wall_volume;
     const double ratio = s->rho[i] / phase->rho0;
     bool finite = isfinite(p) && ratio > model->density_min && ratio < model->density_max;
     for (int d = 0; d < s->dim; d++) {
@@ -301,10 +300,7 @@ static MnsStatus populate(MnsSim *sim, Lattice *lattice, const Constants *consta
         if (!status && starts[k].at_rest && !laid) status = hydrostatic(sim, lattice, k, error);
         laid = laid || starts[k].at_rest;
     }
-    const Filling filling = {.sim = sim,
-                             .lattice = lattice,
-                             .starts = sim->resumed ? NULL : starts,
-                             .lattice_sum = kernel_lattice_sum(&sim->model.kernel, c->dim, sim->model.cell)};
+    const Filling filling = {.sim = sim, .lattice = lattice, .starts = sim->resumed ? NULL : starts};
     if (!status) status = fill(&filling, error);
     for (size_t k = 0; k < c->n_fluids; k++) start_done(&starts[k]);
     return status;

@@ -26,14 +26,15 @@ static double normalisation(MnsKernel type, int dim, double h)
 Kernel kernel_make(MnsKernel type, int dim, double h)
 {
     const double reach = type == MNS_WENDLAND_C2 ? 2 : 3;
-    return (Kernel){.type = type, .h = h, .support = reach * h, .alpha = normalisation(type, dim, h)};
+    const double alpha = normalisation(type, dim, h);
+    return (Kernel){.type = type, .h = h, .support = reach * h, .alpha = alpha, .beta = alpha};
 }
 
 /* W = alpha (1 - q/2)^4 (2q + 1),  F = -5 alpha (1 - q/2)^3 / h^2 */
 static void wendland_c2(const Kernel *kernel, size_t n, const double *restrict r, double *restrict W,
                         double *restrict F)
 {
-    const double inverse_h = 1 / kernel->h, alpha = kernel->alpha, slope = -5 * alpha * inverse_h * inverse_h;
+    const double inverse_h = 1 / kernel->h, alpha = kernel->alpha, slope = -5 * kernel->beta * inverse_h * inverse_h;
 #pragma omp simd
     for (size_t k = 0; k < n; k++) {
         const double q = r[k] * inverse_h;
@@ -47,11 +48,12 @@ static void wendland_c2(const Kernel *kernel, size_t n, const double *restrict r
 static void truncated_gaussian(const Kernel *kernel, size_t n, const double *restrict r, double *restrict W,
                                double *restrict F)
 {
-    const double inverse_h = 1 / kernel->h, slope = -2 * inverse_h * inverse_h;
+    const double inverse_h = 1 / kernel->h, alpha = kernel->alpha, slope = -2 * kernel->beta * inverse_h * inverse_h;
     for (size_t k = 0; k < n; k++) {
         const double q = r[k] * inverse_h;
-        W[k] = q < 3 ? kernel->alpha * exp(-q * q) : 0;
-        F[k] = slope * W[k];
+        const double bell = q < 3 ? exp(-q * q) : 0;
+        W[k] = alpha * bell;
+        F[k] = slope * bell;
     }
 }
 
@@ -59,14 +61,15 @@ static void truncated_gaussian(const Kernel *kernel, size_t n, const double *res
 static void quintic_spline(const Kernel *kernel, size_t n, const double *restrict r, double *restrict W,
                            double *restrict F)
 {
-    const double inverse_h = 1 / kernel->h, alpha = kernel->alpha, tiny = 1e-12 * kernel->h;
+    const double inverse_h = 1 / kernel->h, alpha = kernel->alpha, slope = -5 * kernel->beta * inverse_h,
+                 tiny = 1e-12 * kernel->h;
 #pragma omp simd
     for (size_t k = 0; k < n; k++) {
         const double q = r[k] * inverse_h;
         const double a = positive(3 - q), b = positive(2 - q), c = positive(1 - q);
         const double a2 = a * a, b2 = b * b, c2 = c * c, a4 = a2 * a2, b4 = b2 * b2, c4 = c2 * c2;
         W[k] = alpha * (a4 * a - 6 * b4 * b + 15 * c4 * c);
-        F[k] = -5 * alpha * inverse_h / (r[k] + tiny) * (a4 - 6 * b4 + 15 * c4);
+        F[k] = slope / (r[k] + tiny) * (a4 - 6 * b4 + 15 * c4);
     }
 }
 
@@ -87,7 +90,7 @@ double kernel_at_zero(const Kernel *kernel)
     return W;
 }
 
-double kernel_lattice_sum(const Kernel *kernel, int dim, const double spacing[3])
+double kernel_lattice_sum(const Kernel *kernel, int dim, const double spacing[3], KernelQuantity quantity)
 {
     int reach[3] = {0, 0, 0};
     for (int d = 0; d < dim; d++) reach[d] = (int)ceil(kernel->support / spacing[d]);
@@ -99,7 +102,29 @@ double kernel_lattice_sum(const Kernel *kernel, int dim, const double spacing[3]
                 const double r = sqrt(a * a + b * b + c * c);
                 double W = 0, F = 0;
                 kernel_eval(kernel, 1, &r, &W, &F);
-                sum += W;
+                sum += quantity(kernel, dim, r, W, F);
             }
     return sum;
+}
+
+double kernel_quantity_number(const Kernel *kernel, int dim, double r, double W, double F)
+{
+    (void)kernel, (void)dim, (void)r, (void)F;
+    return W;
+}
+
+double kernel_quantity_slope(const Kernel *kernel, int dim, double r, double W, double F)
+{
+    (void)kernel, (void)W;
+    return -F * r * r / dim;
+}
+
+void kernel_calibrate(Kernel *kernel, int dim, const double spacing[3])
+{
+    double volume = 1;
+    for (int d = 0; d < dim; d++) volume *= spacing[d];
+    const double number = volume * kernel_lattice_sum(kernel, dim, spacing, kernel_quantity_number);
+    const double slope = volume * kernel_lattice_sum(kernel, dim, spacing, kernel_quantity_slope);
+    kernel->alpha /= number;
+    kernel->beta /= slope;
 }

@@ -70,7 +70,7 @@ static void lattice_sums_and_neighbour_counts_are_those_of_the_table(void **stat
     };
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
         const Kernel kernel = kernel_make(rows[k].type, rows[k].dim, rows[k].smoothing);
-        const double sum = kernel_lattice_sum(&kernel, rows[k].dim, (const double[]){1, 1, 1});
+        const double sum = kernel_lattice_sum(&kernel, rows[k].dim, (const double[]){1, 1, 1}, kernel_quantity_number);
         assert_close(sum, rows[k].sum, 0.51e-5); /* the table has five decimals */
         assert_int_equal(neighbours(&kernel, rows[k].dim), rows[k].neighbours);
     }
@@ -81,8 +81,9 @@ static void standard_lattices_have_their_sums_to_six_decimals(void **state)
 {
     (void)state;
     const Kernel wendland = kernel_make(MNS_WENDLAND_C2, 2, 1.3), gauss = kernel_make(MNS_TRUNCATED_GAUSSIAN, 2, 1.1);
-    assert_close(kernel_lattice_sum(&wendland, 2, (const double[]){1, 1, 1}), 1.010473, 0.51e-6);
-    assert_close(kernel_lattice_sum(&gauss, 2, (const double[]){1, 1, 1}), 0.999977, 0.51e-6);
+    assert_close(kernel_lattice_sum(&wendland, 2, (const double[]){1, 1, 1}, kernel_quantity_number), 1.010473,
+                 0.51e-6);
+    assert_close(kernel_lattice_sum(&gauss, 2, (const double[]){1, 1, 1}, kernel_quantity_number), 0.999977, 0.51e-6);
 }
 
 static void lattice_sum_follows_a_stretched_lattice(void **state)
@@ -101,8 +102,48 @@ static void lattice_sum_follows_a_stretched_lattice(void **state)
                         sum += W_at(&kernel, sqrt(a * a + b * b + c * c));
                     }
             /* The same terms in another order. */
-            assert_close(kernel_lattice_sum(&kernel, dim, spacing), sum, 1e-13 * sum);
+            assert_close(kernel_lattice_sum(&kernel, dim, spacing, kernel_quantity_number), sum, 1e-13 * sum);
         }
+}
+
+/* Sums of a calibrated kernel over a lattice, term by term: the number in a cell, and the mean slope along the directions. */
+static void a_calibrated_kernel_is_exact_on_its_lattice(void **state)
+{
+    (void)state;
+    const double spacing[3] = {0.1, 0.098, 0.1015};
+    for (size_t k = 0; k < 3; k++)
+        for (int dim = 2; dim <= 3; dim++) {
+            const Kernel plain = kernel_make(ALL[k], dim, 0.13);
+            Kernel kernel = plain;
+            kernel_calibrate(&kernel, dim, spacing);
+            const double volume = spacing[0] * spacing[1] * (dim == 3 ? spacing[2] : 1);
+            double number = 0, slope = 0;
+            for (int x = -6; x <= 6; x++)
+                for (int y = -6; y <= 6; y++)
+                    for (int z = dim == 3 ? -6 : 0; z <= (dim == 3 ? 6 : 0); z++) {
+                        const double a = x * spacing[0], b = y * spacing[1], c = z * spacing[2];
+                        const double r = sqrt(a * a + b * b + c * c);
+                        number += volume * W_at(&kernel, r);
+                        slope -= volume * F_at(&kernel, r) * (a * a + b * b + c * c) / dim;
+                    }
+            assert_close(number, 1, 1e-13); /* rounding */
+            assert_close(slope, 1, 1e-13);
+            assert_true(kernel.h == plain.h && kernel.support == plain.support);
+        }
+}
+
+/* What there is to calibrate, for the kernel that P3 uses: no refinement changes these. */
+static void sums_over_lattices_are_not_the_integrals(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        const double dx = k ? 0.001 : 1;
+        Kernel kernel = kernel_make(MNS_WENDLAND_C2, 2, 1.3 * dx);
+        const double plain = F_at(&kernel, dx) / W_at(&kernel, dx);
+        kernel_calibrate(&kernel, 2, (const double[]){dx, dx, dx});
+        const double calibrated = F_at(&kernel, dx) / W_at(&kernel, dx);
+        assert_close(calibrated / plain, 1.010473 / 0.974, 1e-3);
+    }
 }
 
 /* Simpson's rule over shells. */
@@ -216,6 +257,8 @@ int main(void)
         cmocka_unit_test(lattice_sums_and_neighbour_counts_are_those_of_the_table),
         cmocka_unit_test(standard_lattices_have_their_sums_to_six_decimals),
         cmocka_unit_test(lattice_sum_follows_a_stretched_lattice),
+        cmocka_unit_test(a_calibrated_kernel_is_exact_on_its_lattice),
+        cmocka_unit_test(sums_over_lattices_are_not_the_integrals),
         cmocka_unit_test(kernels_hold_unit_mass_and_the_truncated_one_what_is_known),
         cmocka_unit_test(F_is_the_slope_over_the_distance),
         cmocka_unit_test(nothing_is_left_from_the_support_on),

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Density by summation over all neighbours, of any fluid or wall.                                               P3 eq. 4
  *   rate_i = W(0) + sum_j W_ij,   rho_i = m_i rate_i
- * The masses are calibrated with the same sum over the initial lattice, or the start would be 1 % too dense. */
+ * The kernel is calibrated, so that the lattice of the start has one particle in each of its cells. */
 #include "sim/terms/terms.h"
 
 static void number_density_row(Row *row, Particles *s, const Model *model)
@@ -17,7 +17,7 @@ static void number_density_row(Row *row, Particles *s, const Model *model)
 const Term number_density = {
     .name = "number density",
     .source = "P3 eq. 4",
-    .equation = "rho_i = m_i (W(0) + sum_j W_ij)",
+    .equation = "rho_i = m_i (W(0) + sum_j W_ij) ",
     .on = ON_SUMMATION,
     .row = number_density_row,
 };
