@@ -62,6 +62,12 @@ double mns_sim_spacing(const MnsSim *sim);         /* dx [m] */
 double mns_sim_mean_neighbours(const MnsSim *sim); /* of a fluid particle, within the kernel's support */
 size_t mns_sim_bytes(const MnsSim *sim);           /* memory of particles and neighbour lists */
 
+/** Instruction set of the loops over pairs, as compilers name it: the best that the machine has ("x86-64-v4"), or the one asked
+ *  for. All give the same bits.
+ *  @return mns_level_force(): MNS_OK; MNS_E_INVALID if there is no such level, or not on this machine. For runs made later. */
+const char *mns_level(void);
+MnsStatus mns_level_force(const char *name, MnsError *error);
+
 /** Hash of the full state (every field of a checkpoint, by particle id, and the progress): independent of storage order and
  *  threads. */
 uint64_t mns_sim_hash(const MnsSim *sim);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Why a run diverged: the particle with the smallest id that is not well, where it is, and the term that moves it most. */
+#include "base/array.h"
 #include "sim/sim.h"
 #include <math.h>
 #include <stdlib.h>
@@ -45,7 +46,7 @@ static Effect alone(MnsSim *sim, Row *row, const Term *term)
         kept_b[d] = s->b[d][i];
         s->a[d][i] = 0;
     }
-    term->row(row, s, &sim->model);
+    term_row(term, row, s, &sim->model);
     for (int d = 0; d < s->dim; d++) {
         a2 += s->a[d][i] * s->a[d][i];
         s->a[d][i] = kept[d];
@@ -68,9 +69,10 @@ static const char *blame(MnsSim *sim, size_t i, bool density)
         for (size_t k = 0; k < model->n_walls; k++)
             if (!isfinite(model->wall[k].x[d] + model->wall[k].v[d] + model->wall[k].a[d])) return "motion of a wall";
     }
-    Row *row = malloc(sizeof *row);
+    Row *row = array_new(1, sizeof *row); /* aligned */
     if (!row) return "unknown";
-    row_build(row, &sim->nb, &sim->s, &sim->model, i);
+    bundles_refresh(&sim->s, model, NEED_ALL, sim->threads);
+    row_build(row, &sim->nb, &sim->s, model, i, NEED_ALL, ROW_LISTED);
     const unsigned group = i < sim->s.begin[GROUP_SUMMATION] ? ON_CONTINUITY : ON_SUMMATION;
     const Pass *passes = sim->scheme->rates;
     for (int p = 0; p < SCHEME_PASSES_MAX && passes[p].name; p++)

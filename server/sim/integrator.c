@@ -55,6 +55,7 @@ static void remember_positions(MnsSim *sim)
             ref[i] = x[i];
         }
     }
+    bundles_moved(s);
 }
 
 static MnsStatus build_lists(MnsSim *sim, MnsError *error)
@@ -90,6 +91,7 @@ void integrator_walls(MnsSim *sim, double t, double dt)
     setup_at(sim, t, dt);
     move_walls(sim, before);
     sim->progress.guarded += guard_walls(sim);
+    bundles_moved(&sim->s);
 }
 
 MnsStatus integrator_step(MnsSim *sim, double t, double dt, MnsError *error)
@@ -110,6 +112,7 @@ static double fastest(const MnsSim *sim)
 
 void integrator_derive(MnsSim *sim)
 {
+    bundles_moved(&sim->s);
     local_run(sim->scheme->derive, &sim->s, &sim->model, sim->threads);
     if (sim->scheme->restore) pass_run(sim->scheme->restore, &sim->s, &sim->nb, &sim->model, sim->threads);
 }

@@ -1,16 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Smoothing kernels. Outside the support all are 0, the Gaussian by a choice and the others by their formulas, so that nobody
  * else need ask whether a pair is in reach. */
-#include "sim/kernel.h"
+#include "sim/kernel_shape.h"
 #include <math.h>
 
 static const double PI = 3.14159265358979323846;
-
-/* x where x > 0, else 0; NaN stays NaN, which fmax() would hide, and it is one instruction of every vector unit. */
-static inline double positive(double x)
-{
-    return x < 0 ? 0 : x;
-}
 
 static double normalisation(MnsKernel type, int dim, double h)
 {
@@ -30,20 +24,6 @@ Kernel kernel_make(MnsKernel type, int dim, double h)
     return (Kernel){.type = type, .h = h, .support = reach * h, .alpha = alpha, .beta = alpha};
 }
 
-/* W = alpha (1 - q/2)^4 (2q + 1),  F = -5 alpha (1 - q/2)^3 / h^2 */
-static void wendland_c2(const Kernel *kernel, size_t n, const double *restrict r, double *restrict W,
-                        double *restrict F)
-{
-    const double inverse_h = 1 / kernel->h, alpha = kernel->alpha, slope = -5 * kernel->beta * inverse_h * inverse_h;
-#pragma omp simd
-    for (size_t k = 0; k < n; k++) {
-        const double q = r[k] * inverse_h;
-        const double t = positive(1 - 0.5 * q), t3 = t * t * t;
-        W[k] = alpha * t3 * t * (2 * q + 1);
-        F[k] = slope * t3;
-    }
-}
-
 /* W = alpha exp(-q^2) for q < 3, as P1 writes it: not renormalised. F = -2 W / h^2 */
 static void truncated_gaussian(const Kernel *kernel, size_t n, const double *restrict r, double *restrict W,
                                double *restrict F)
@@ -57,28 +37,23 @@ static void truncated_gaussian(const Kernel *kernel, size_t n, const double *res
     }
 }
 
-/* W = alpha [(3-q)^5 - 6 (2-q)^5 + 15 (1-q)^5], each power cut at 0 */
-static void quintic_spline(const Kernel *kernel, size_t n, const double *restrict r, double *restrict W,
-                           double *restrict F)
-{
-    const double inverse_h = 1 / kernel->h, alpha = kernel->alpha, slope = -5 * kernel->beta * inverse_h,
-                 tiny = 1e-12 * kernel->h;
-#pragma omp simd
-    for (size_t k = 0; k < n; k++) {
-        const double q = r[k] * inverse_h;
-        const double a = positive(3 - q), b = positive(2 - q), c = positive(1 - q);
-        const double a2 = a * a, b2 = b * b, c2 = c * c, a4 = a2 * a2, b4 = b2 * b2, c4 = c2 * c2;
-        W[k] = alpha * (a4 * a - 6 * b4 * b + 15 * c4 * c);
-        F[k] = slope / (r[k] + tiny) * (a4 - 6 * b4 + 15 * c4);
-    }
-}
-
 void kernel_eval(const Kernel *kernel, size_t n, const double *r, double *W, double *F)
 {
+    const KernelScale k = kernel_scale(kernel);
     switch (kernel->type) {
-    case MNS_WENDLAND_C2: wendland_c2(kernel, n, r, W, F); break;
     case MNS_TRUNCATED_GAUSSIAN: truncated_gaussian(kernel, n, r, W, F); break;
-    case MNS_QUINTIC_SPLINE: quintic_spline(kernel, n, r, W, F); break;
+    case MNS_WENDLAND_C2:
+        for (size_t i = 0; i < n; i++) {
+            W[i] = wendland_c2_W(&k, r[i]);
+            F[i] = wendland_c2_F(&k, r[i]);
+        }
+        break;
+    case MNS_QUINTIC_SPLINE:
+        for (size_t i = 0; i < n; i++) {
+            W[i] = quintic_spline_W(&k, r[i]);
+            F[i] = quintic_spline_F(&k, r[i]);
+        }
+        break;
     }
 }
 

@@ -4,6 +4,7 @@
 #define SIM_MODEL_H
 
 #include "sim/kernel.h"
+#include "sim/level.h"
 
 /* A fluid. Named phase, as in the papers, since several fluids share one particle set. */
 typedef struct Phase {
@@ -21,6 +22,7 @@ typedef struct WallState {
 } WallState;
 
 typedef struct Model {
+    Level level; /* of instructions */
     int dim;
     double dx, cell[3], wall_volume; /* nominal and fitted spacing [m]; volume of a dummy particle [m^dim] */
     double min[3], max[3];           /* domain [m] */

@@ -2,9 +2,12 @@
 /* Neighbour lists: a stable counting sort by group and cell, then a search of the cells around each cell. */
 #include "sim/neighbours.h"
 #include "base/array.h"
+#include "sim/select.h"
 #include <omp.h>
 #include <stdlib.h>
 #include <string.h>
+
+enum { MARK_WORDS_MAX = ROW_MAX / 32 + 2 };
 
 MnsStatus neighbours_init(Neighbours *nb, size_t n, int threads, MnsError *error)
 {
@@ -106,8 +109,8 @@ typedef struct Search {
     int n_runs;
 } Search;
 
-/* Append the members of one group within reach of i to list; returns how many. */
-static size_t search_group(const Search *q, size_t i, uint32_t *restrict list)
+/* The same, to the nearest image. */
+static size_t search_periodic(const Search *q, size_t i, uint32_t *restrict list)
 {
     const double *const *ref = (const double *const *)q->s->ref;
     const int dim = q->s->dim;
@@ -118,16 +121,26 @@ static size_t search_group(const Search *q, size_t i, uint32_t *restrict list)
     for (int k = 0; k < q->n_runs; k++) {
         const uint32_t last = q->start[q->runs[k].last + 1];
         for (uint32_t j = q->start[q->runs[k].first]; j < last; j++) {
-            double dx = xi - x[j], dy = yi - y[j], dz = (zi - z[j]) * flat;
-            if (q->model->periodic) {
-                dx = model_nearest(q->model, 0, dx);
-                dy = model_nearest(q->model, 1, dy);
-                dz = model_nearest(q->model, 2, dz);
-            }
+            const double dx = model_nearest(q->model, 0, xi - x[j]), dy = model_nearest(q->model, 1, yi - y[j]),
+                         dz = model_nearest(q->model, 2, (zi - z[j]) * flat);
             list[n] = j;
             n += (size_t)((dx * dx + dy * dy + dz * dz < q->distance2) & (j != i));
         }
     }
+    return n;
+}
+
+/* Append the members of one group within reach of i to list; returns how many. */
+static size_t search_group(const Search *q, size_t i, uint32_t *restrict list)
+{
+    if (q->model->periodic) return search_periodic(q, i, list);
+    const Particles *s = q->s;
+    const Points points = {s->ref[0], s->ref[1], s->dim == 3 ? s->ref[2] : NULL};
+    const double at[3] = {s->ref[0][i], s->ref[1][i], s->dim == 3 ? s->ref[2][i] : 0};
+    size_t n = 0;
+    for (int k = 0; k < q->n_runs; k++)
+        n += select_near(q->model->level, &points, q->start[q->runs[k].first], q->start[q->runs[k].last + 1], at,
+                         q->distance2, (uint32_t)i, list + n);
     return n;
 }
 
@@ -156,7 +169,7 @@ static void search_cell(Neighbours *nb, Arena *arena, Search q, Group group, siz
         for (int target = 0; target < GROUPS; target++) {
             if (target < targets) {
                 q.start = nb->start + (size_t)target * cells;
-                if (!arena_reserve(arena, candidates(&q) + n + 1)) {
+                if (!arena_reserve(arena, candidates(&q) + n + MARK_WORDS_MAX + SELECT_SLACK)) {
                     trouble->no_memory = true;
                     return;
                 }
@@ -170,7 +183,8 @@ static void search_cell(Neighbours *nb, Arena *arena, Search q, Group group, siz
         }
         nb->owner[i] = (uint16_t)(arena - nb->arena);
         nb->offset[i] = offset;
-        arena->used = offset + n;
+        const size_t fluid = nb->end[i][GROUP_SUMMATION];
+        arena->used = offset + n + (neighbours_mark_bytes(fluid) + neighbours_mark_bytes(n - fluid) + 3) / 4;
     }
 }
 

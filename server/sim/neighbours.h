@@ -40,6 +40,17 @@ static inline const uint32_t *neighbours_of(const Neighbours *nb, size_t i)
     return nb->arena[nb->owner[i]].data + nb->offset[i];
 }
 
+/* A bit for each entry of the list of i, fluid and walls each in whole bytes: was it in the kernel's reach when its row was last
+ * built in full? They stand behind the list. */
+static inline size_t neighbours_mark_bytes(size_t entries)
+{
+    return (entries + 7) / 8;
+}
+static inline uint8_t *neighbours_marks(const Neighbours *nb, size_t i)
+{
+    return (uint8_t *)(nb->arena[nb->owner[i]].data + nb->offset[i] + nb->end[i][GROUP_WALL]);
+}
+
 /* Number of listed pairs (i, j), each direction counted. */
 size_t neighbours_pairs(const Neighbours *nb);
 size_t neighbours_bytes(const Neighbours *nb);

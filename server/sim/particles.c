@@ -26,7 +26,10 @@ static bool allocate(Particles *s, bool viscous)
         if (!(s->v_wall[d] = array_new(n_wall, sizeof(double)))) return false;
     s->rate = array_new(s->n, sizeof(double));
     s->scratch = array_new(s->n, sizeof(double));
-    return s->rate && s->scratch;
+    bool well = s->rate && s->scratch;
+    for (int k = 0; k < 3; k++) well = (s->bundle[k] = array_new(s->n, sizeof *s->bundle[k])) && well;
+    s->stale = ~0u;
+    return well;
 }
 
 MnsStatus particles_init(Particles *s, int dim, size_t n_phases, const size_t sizes[GROUPS], bool viscous,
@@ -48,6 +51,7 @@ void particles_done(Particles *s)
         for (int d = 0; d < fields[f].components; d++) free(particles_field(s, f, d));
     for (size_t k = 0; k < MNS_MAX_FLUIDS; k++) free(s->p_wall[k]);
     for (int d = 0; d < 3; d++) free(s->v_wall[d]);
+    for (int k = 0; k < 3; k++) free(s->bundle[k]);
     free(s->rate);
     free(s->scratch);
     *s = (Particles){0};
@@ -105,11 +109,12 @@ void particles_permute(Particles *s, const uint32_t *from, int threads)
         for (size_t k = 0; k < n_wall; k++) to[k] = s->p_wall[a][from[first + k] - first];
         memcpy(s->p_wall[a], to, n_wall * sizeof *to);
     }
+    s->stale = ~0u;
 }
 
 size_t particles_bytes(const Particles *s)
 {
-    size_t each = 2 * sizeof(double); /* rate, scratch */
+    size_t each = 2 * sizeof(double) + 3 * sizeof *s->bundle[0]; /* rate, scratch */
     for (int f = 0; mns_fields()[f].name; f++) each += field_size(&mns_fields()[f]) * (size_t)components(s, f);
     return each * s->n + (s->n - particles_fluid(s)) * sizeof(double) * (s->n_phases + (s->v_wall[0] ? 3 : 0));
 }

@@ -25,6 +25,8 @@ typedef struct Particles {
     double *v_wall[3];              /* [n_wall] fluid velocity extrapolated into a wall; NULL without viscosity */
     double *rate;                   /* [n] within a step only: continuity: d rho/dt; summation: sum of W */
     void *scratch;                  /* [n] doubles, to permute */
+    double (*bundle[3])[4];         /* [n] copies for the neighbours (bundle.h) */
+    unsigned stale;                 /* those that are out of date, as bits */
 } Particles;
 
 static inline size_t particles_fluid(const Particles *s)

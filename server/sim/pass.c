@@ -13,6 +13,7 @@ void local_run(const Local *local, Particles *s, const Model *model, int threads
         for (size_t k = first; k < last; k += CHUNK_LOCAL)
             local->apply(s, model, k, k + CHUNK_LOCAL < last ? k + CHUNK_LOCAL : last);
     }
+    if (local->compresses) bundles_compressed(s);
 }
 
 /* The terms of a pass that have something to do for a group; returns how many. */
@@ -30,15 +31,20 @@ static void rows_each(const Term *const *terms, int n_terms, int group, Particle
                       const Model *model, int threads)
 {
     const size_t first = s->begin[group], last = s->begin[group + 1];
+    unsigned needs = 0;
+    for (int k = 0; k < n_terms; k++) needs |= terms[k]->needs;
+    bundles_refresh(s, model, needs, threads);
+    const RowPairs pairs = s->stale & (unsigned)STALE_MARKS << group ? ROW_LISTED : ROW_MARKED;
 #pragma omp parallel num_threads(threads)
     {
         Row row;
 #pragma omp for schedule(dynamic, CHUNK_ROWS)
         for (size_t i = first; i < last; i++) {
-            row_build(&row, nb, s, model, i);
-            for (int k = 0; k < n_terms; k++) terms[k]->row(&row, s, model);
+            row_build(&row, nb, s, model, i, needs, pairs);
+            for (int k = 0; k < n_terms; k++) term_row(terms[k], &row, s, model);
         }
     }
+    s->stale &= ~((unsigned)STALE_MARKS << group);
 }
 
 void pass_run(const Pass *pass, Particles *s, const Neighbours *nb, const Model *model, int threads)

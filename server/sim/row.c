@@ -1,77 +1,235 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Geometry of the pairs of one particle. */
 #include "sim/row.h"
+#include "sim/kernel_shape.h"
+#include "sim/select.h"
 #include <math.h>
 #include <string.h>
 
-static void differences(Row *row, const double *restrict x, int d)
+typedef double Quad __attribute__((vector_size(32)));
+
+/* Four bundles, transposed. */
+typedef struct Quads {
+    Quad a, b, c, d;
+} Quads;
+
+INLINE Quads transposed(const double (*restrict bundle)[4], const uint32_t *restrict j)
 {
-    const size_t n = row_whole(row->n);
-    const double xi = x[row->i];
-    const uint32_t *restrict j = row->j;
-    double *restrict dx = row->dx[d];
-#pragma omp simd
-    for (size_t k = 0; k < n; k++) dx[k] = xi - x[j[k]];
+    const Quad k0 = *(const Quad *)bundle[j[0]], k1 = *(const Quad *)bundle[j[1]], k2 = *(const Quad *)bundle[j[2]],
+               k3 = *(const Quad *)bundle[j[3]];
+    const Quad even01 = __builtin_shufflevector(k0, k1, 0, 4, 2, 6),
+               odd01 = __builtin_shufflevector(k0, k1, 1, 5, 3, 7);
+    const Quad even23 = __builtin_shufflevector(k2, k3, 0, 4, 2, 6),
+               odd23 = __builtin_shufflevector(k2, k3, 1, 5, 3, 7);
+    return (Quads){
+        __builtin_shufflevector(even01, even23, 0, 1, 4, 5), __builtin_shufflevector(odd01, odd23, 0, 1, 4, 5),
+        __builtin_shufflevector(even01, even23, 2, 3, 6, 7), __builtin_shufflevector(odd01, odd23, 2, 3, 6, 7)};
 }
 
-static void nearest_images(Row *row, const Model *model, int d)
+/* Bundles of eight particles, transposed: a gets the first quantity of all, b the second ... */
+INLINE void fetch_quads(const double (*restrict bundle)[4], const uint32_t *restrict j, double *restrict a,
+                        double *restrict b, double *restrict c, double *restrict d)
 {
-    const size_t n = row_whole(row->n);
-    const double period = model->period[d], frequency = model->frequency[d];
-    double *restrict dx = row->dx[d];
-#pragma omp simd
-    for (size_t k = 0; k < n; k++) dx[k] -= period * __builtin_rint(dx[k] * frequency);
+    for (int l = 0; l < LANES; l += 4) {
+        const Quads quads = transposed(bundle, j + l);
+        *(Quad *)(a + l) = quads.a;
+        *(Quad *)(b + l) = quads.b;
+        if (c) *(Quad *)(c + l) = quads.c;
+        if (d) *(Quad *)(d + l) = quads.d;
+    }
 }
 
-static void distances(Row *row)
+#ifdef __x86_64__
+typedef double Oct __attribute__((vector_size(64)));
+
+/* A macro, as no function may return a vector that its instruction set does not have. */
+#define BOTH(first, second)                                                                                            \
+    __builtin_shufflevector(*(const Quad *)bundle[first], *(const Quad *)bundle[second], 0, 1, 2, 3, 4, 5, 6, 7)
+
+/* The same where registers hold eight doubles, with a third of the shuffles. What is stored is loaded again as eight, which could
+ * not be forwarded from two stores of four. */
+INLINE void fetch_octs(const double (*restrict bundle)[4], const uint32_t *restrict j, double *restrict a,
+                       double *restrict b, double *restrict c, double *restrict d)
 {
-    const size_t n = row_whole(row->n);
-    double *restrict r = row->r;
-    const double *restrict x = row->dx[0], *restrict y = row->dx[1], *restrict z = row->dx[2];
-    if (row->dim == 2) {
-#pragma omp simd
-        for (size_t k = 0; k < n; k++) r[k] = sqrt(x[k] * x[k] + y[k] * y[k]);
+    const Oct k04 = BOTH(j[0], j[4]), k15 = BOTH(j[1], j[5]), k26 = BOTH(j[2], j[6]), k37 = BOTH(j[3], j[7]);
+    const Oct even01 = __builtin_shufflevector(k04, k15, 0, 8, 2, 10, 4, 12, 6, 14),
+              odd01 = __builtin_shufflevector(k04, k15, 1, 9, 3, 11, 5, 13, 7, 15),
+              even23 = __builtin_shufflevector(k26, k37, 0, 8, 2, 10, 4, 12, 6, 14),
+              odd23 = __builtin_shufflevector(k26, k37, 1, 9, 3, 11, 5, 13, 7, 15);
+    *(Oct *)a = __builtin_shufflevector(even01, even23, 0, 1, 8, 9, 4, 5, 12, 13);
+    *(Oct *)b = __builtin_shufflevector(odd01, odd23, 0, 1, 8, 9, 4, 5, 12, 13);
+    if (c) *(Oct *)c = __builtin_shufflevector(even01, even23, 2, 3, 10, 11, 6, 7, 14, 15);
+    if (d) *(Oct *)d = __builtin_shufflevector(odd01, odd23, 2, 3, 10, 11, 6, 7, 14, 15);
+}
+#endif
+
+typedef void (*Fetch)(const double (*bundle)[4], const uint32_t *j, double *a, double *b, double *c, double *d);
+
+INLINE void fetch_block(Block *block, const uint32_t *j, const Particles *s, unsigned needs, int dim, Fetch fetch)
+{
+    if (dim == 2) {
+        fetch(s->bundle[0], j, block->x[0], block->x[1], block->v[0], block->v[1]);
+        if (needs & NEED_STATE) fetch(s->bundle[1], j, block->p, block->V, block->z, NULL);
+        if (needs & NEED_FLUX) fetch(s->bundle[2], j, block->q[0], block->q[1], NULL, NULL);
     } else {
+        fetch(s->bundle[0], j, block->x[0], block->x[1], block->x[2], block->v[0]);
+        if (needs & (NEED_V | NEED_FLUX)) fetch(s->bundle[1], j, block->v[1], block->v[2], block->q[0], block->q[1]);
+        if (needs & (NEED_STATE | NEED_FLUX)) fetch(s->bundle[2], j, block->p, block->V, block->z, block->q[2]);
+    }
+}
+
+/* Fill up the last block of n neighbours with one of them, or with anybody if n is 0; returns how many blocks. */
+INLINE size_t fill_up(uint32_t *j, size_t n)
+{
+    const uint32_t anybody = j[0];
+    for (size_t l = 0; l < LANES; l++) j[n + l] = anybody;
+    return (n + LANES - 1) / LANES;
+}
+
+INLINE size_t copy(uint32_t *j, const uint32_t *list, size_t n)
+{
+    for (size_t k = 0; k < n; k += LANES) memcpy(j + k, list + k, LANES * sizeof *list);
+    return n;
+}
+
+/* What all pairs of a row share. */
+typedef struct Frame {
+    double x[3], period[3], frequency[3]; /* of the particle, of the model */
+    KernelScale kernel;
+    unsigned needs;
+} Frame;
+
+/* One block: neighbours, differences, distances, kernel. One after the other, so that the root of one block is taken while the
+ * next is loaded. */
+INLINE void fill_block(Block *b, const uint32_t *j, const Particles *s, const Frame *frame, int dim, Fetch fetch,
+                       bool periodic, KernelShape W, KernelShape F)
+{
+    fetch_block(b, j, s, frame->needs, dim, fetch);
 #pragma omp simd
-        for (size_t k = 0; k < n; k++) r[k] = sqrt(x[k] * x[k] + y[k] * y[k] + z[k] * z[k]);
+    for (int l = 0; l < LANES; l++) {
+        double r2 = 0;
+        for (int d = 0; d < dim; d++) {
+            double x = frame->x[d] - b->x[d][l];
+            if (periodic) x -= frame->period[d] * __builtin_rint(x * frame->frequency[d]);
+            b->x[d][l] = x;
+            r2 += x * x;
+        }
+        b->r[l] = sqrt(r2);
+    }
+    if (frame->needs & NEED_W)
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) b->W[l] = W(&frame->kernel, b->r[l]);
+    if (frame->needs & NEED_F)
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) b->F[l] = F(&frame->kernel, b->r[l]);
+}
+
+INLINE void fill_blocks(Row *row, const Particles *s, const Frame *frame, int dim, Fetch fetch, bool periodic,
+                        KernelShape W, KernelShape F)
+{
+    for (size_t b = 0; b < row->n; b++)
+        fill_block(&row->block[b], row->j + b * LANES, s, frame, dim, fetch, periodic, W, F);
+}
+
+/* By a function of the C library, which knows no vectors. */
+INLINE void fill_gaussian(Row *row, const Kernel *kernel)
+{
+    for (Block *b = row->block; b < row->block + row->n; b++) kernel_eval(kernel, LANES, b->r, b->W, b->F);
+}
+
+INLINE double nothing(const KernelScale *kernel, double r)
+{
+    (void)kernel;
+    return r;
+}
+
+INLINE void fill_row(Row *row, const Particles *s, const Model *model, const Frame *frame, int dim, Fetch fetch,
+                     bool periodic)
+{
+    switch (model->kernel.type) {
+    case MNS_WENDLAND_C2: fill_blocks(row, s, frame, dim, fetch, periodic, wendland_c2_W, wendland_c2_F); break;
+    case MNS_QUINTIC_SPLINE:
+        fill_blocks(row, s, frame, dim, fetch, periodic, quintic_spline_W, quintic_spline_F);
+        break;
+    case MNS_TRUNCATED_GAUSSIAN:
+        fill_blocks(row, s, frame, dim, fetch, periodic, nothing, nothing);
+        fill_gaussian(row, &model->kernel);
+        break;
     }
 }
 
-/* Copy the neighbours of one group behind those before it, and pad them with the first of them. */
-static size_t gather_group(Row *row, size_t n, const uint32_t *list, size_t count)
+/* Put what the last block was filled up with out of reach. */
+INLINE void hide(Block *last, size_t n, double far)
 {
-    memcpy(row->j + n, list, count * sizeof *list);
-    const size_t last = n + count, whole = (last + ROW_LANES - 1) / ROW_LANES * ROW_LANES;
-    for (size_t k = last; k < whole; k++) row->j[k] = list[0];
-    return whole;
-}
-
-/* Put the padding out of the kernel's reach. */
-static void hide_padding(Row *row, const uint16_t *end, double far)
-{
-    for (int g = 0; g < GROUPS; g++) {
-        const size_t first = g ? row->end[g - 1] : 0, count = (size_t)(end[g] - (g ? end[g - 1] : 0));
-        for (size_t k = first + count; k < row->end[g]; k++) row->r[k] = far;
+    const size_t used = (n - 1) % LANES;
+#pragma omp simd
+    for (size_t l = 0; l < LANES; l++) {
+        last->r[l] = l > used ? far : last->r[l];
+        last->W[l] = l > used ? 0 : last->W[l];
+        last->F[l] = l > used ? 0 : last->F[l];
     }
 }
 
-void row_build(Row *row, const Neighbours *nb, const Particles *s, const Model *model, size_t i)
+INLINE void build(Row *row, const Neighbours *nb, const Particles *s, const Model *model, size_t i, unsigned needs,
+                  RowPairs pairs, int dim, Fetch fetch)
 {
-    row->i = i;
-    row->dim = s->dim;
     const uint32_t *list = neighbours_of(nb, i);
     const uint16_t *end = nb->end[i];
-    size_t n = 0;
-    for (int g = 0; g < GROUPS; g++) {
-        const size_t first = g ? end[g - 1] : 0;
-        row->end[g] = n = gather_group(row, n, list + first, end[g] - first);
+    uint8_t *marks = neighbours_marks(nb, i);
+    size_t fluid = end[GROUP_SUMMATION], walls = end[GROUP_WALL] - fluid;
+    row->i = i;
+    row->summed = end[GROUP_CONTINUITY] < fluid;
+    if (!row->summed) needs &= ~(unsigned)NEED_FLUX;
+    if (pairs == ROW_MARKED) {
+        const uint32_t *rest = list + fluid;
+        const uint8_t *rest_marks = marks + neighbours_mark_bytes(fluid);
+        fluid = select_marked(model->level, list, fluid, marks, row->j);
+        row->n_fluid = fill_up(row->j, fluid);
+        uint32_t *j = row->j + row->n_fluid * LANES;
+        walls = walls ? select_marked(model->level, rest, walls, rest_marks, j) : 0;
+        row->n = row->n_fluid + fill_up(j, walls);
+    } else {
+        row->n_fluid = fill_up(row->j, copy(row->j, list, fluid));
+        uint32_t *j = row->j + row->n_fluid * LANES;
+        row->n = row->n_fluid + fill_up(j, copy(j, list + fluid, walls));
     }
-    row->n = n;
-    for (int d = 0; d < s->dim; d++) {
-        differences(row, s->x[d], d);
-        if (model->period[d] > 0) nearest_images(row, model, d);
+    Frame frame = {.kernel = kernel_scale(&model->kernel), .needs = needs};
+    for (int d = 0; d < dim; d++) {
+        frame.x[d] = s->x[d][i];
+        frame.period[d] = model->period[d];
+        frame.frequency[d] = model->frequency[d];
     }
-    distances(row);
-    hide_padding(row, end, 2 * model->kernel.support);
-    kernel_eval(&model->kernel, row_whole(row->n), row->r, row->W, row->F);
+    if (model->periodic) fill_row(row, s, model, &frame, dim, fetch, true);
+    else fill_row(row, s, model, &frame, dim, fetch, false);
+    const double far = 2 * model->kernel.support;
+    if (fluid) hide(row->block + row->n_fluid - 1, fluid, far);
+    if (walls) hide(row->block + row->n - 1, walls, far);
+    if (pairs == ROW_LISTED)
+        select_marks(model->level, row->block[0].r, sizeof(Block) / sizeof(double), row->n, model->kernel.support,
+                     marks);
+}
+
+#define BUILD(level, target, dim, fetch)                                                                               \
+    target static void build_##level##_##dim(Row *row, const Neighbours *nb, const Particles *s, const Model *model,   \
+                                             size_t i, unsigned needs, RowPairs pairs)                                 \
+    {                                                                                                                  \
+        build(row, nb, s, model, i, needs, pairs, dim, fetch);                                                         \
+    }
+typedef void (*Build)(Row *, const Neighbours *, const Particles *, const Model *, size_t, unsigned, RowPairs);
+BUILD(base, , 2, fetch_quads)
+BUILD(base, , 3, fetch_quads)
+#ifdef __x86_64__
+BUILD(v3, FOR_V3, 2, fetch_quads)
+BUILD(v3, FOR_V3, 3, fetch_quads)
+BUILD(v4, FOR_V4, 2, fetch_octs)
+BUILD(v4, FOR_V4, 3, fetch_octs)
+static const Build BUILDS[LEVELS][2] = {
+    {build_base_2, build_base_3}, {build_v3_2, build_v3_3}, {build_v4_2, build_v4_3}};
+#else
+static const Build BUILDS[LEVELS][2] = {{build_base_2, build_base_3}};
+#endif
+
+void row_build(Row *row, const Neighbours *nb, const Particles *s, const Model *model, size_t i, unsigned needs,
+               RowPairs pairs)
+{
+    BUILDS[model->level][s->dim - 2](row, nb, s, model, i, needs, pairs);
 }

@@ -1,87 +1,93 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* All pairs of one particle, laid out for the vector units: filled once, shared by all terms of a pass, and the sums over
- * it. Pairs in the skin have W = F = 0, so no term asks whether a pair is in range. The neighbours of each group are padded
- * to whole vectors with such pairs, so that loops have no remainder: 23 neighbours in three steps, not in eleven. */
+/* All pairs of one particle, laid out for the vector units: filled once, shared by all terms of a pass. Pairs come in blocks of
+ * eight, fluid before walls, and each of the two is padded to whole blocks with pairs out of the kernel's reach, so that loops
+ * have no remainder and no term asks whether a pair is in reach: beyond it W = F = 0. */
 #ifndef SIM_ROW_H
 #define SIM_ROW_H
 
+#include "sim/bundle.h"
+#include "sim/level.h"
 #include "sim/neighbours.h"
+#include "sim/select.h"
 
-enum { ROW_LANES = 8 }; /* doubles in the widest vector register */
-enum {
-    ROW_STRIDE = ROW_MAX + GROUPS * ROW_LANES
-}; /* not a power of two: arrays do not compete for the same cache sets */
+enum { LANES = 8, ROW_BLOCKS = ROW_MAX / LANES + 2 };
+
+/* Eight pairs. What was not needed (bundle.h) has no meaning. */
+typedef struct Block {
+    _Alignas(64) double x[3][LANES];     /* x_i - x_j, nearest image m     */
+    double r[LANES];                     /* its length                        m          */
+    double W[LANES];                     /* W(r, h)                           m^-dim     */
+    double F[LANES];                     /* (1/r) dW/dr: grad_i W = F x       m^-dim-2   */
+    double v[3][LANES];                  /* v_j                               m/s        */
+    double p[LANES], V[LANES], z[LANES]; /* of j             Pa, m^dim, kg/(m^2 s) */
+    double q[3][LANES];                  /* m_j w_j, 0 without a stress       kg m/s     */
+} Block;
 
 typedef struct Row {
-    size_t i, n;              /* the particle; how many pairs, padding included     */
-    size_t end[GROUPS];       /* [0, end[g]) are neighbours of groups up to g       */
-    int dim;                  /* 2 or 3                                             */
-    uint32_t j[ROW_STRIDE];   /* [n]      neighbour indices                         */
-    double dx[3][ROW_STRIDE]; /* [dim][n] x_i - x_j, nearest image       m          */
-    double r[ROW_STRIDE];     /* [n]      |dx|                           m          */
-    double W[ROW_STRIDE];     /* [n]      W(r, h)                        m^-dim     */
-    double F[ROW_STRIDE];     /* [n]      (1/r) dW/dr: grad_i W = F dx   m^-dim-2   */
-    double c[ROW_STRIDE];     /* [n]      coefficient of the term being summed      */
-    double u[ROW_STRIDE];     /* [n]      work space of the term                    */
+    size_t i;                                          /* the particle                                */
+    size_t n_fluid, n;                                 /* blocks [0, n_fluid) are fluid, [n_fluid, n) walls */
+    bool summed;                                       /* is any of them of summed density?           */
+    uint32_t j[ROW_BLOCKS * LANES + 2 * SELECT_SLACK]; /* neighbours, eight to a block */
+    Block block[ROW_BLOCKS];
 } Row;
 
-/* n, said so that the compiler sees a number of whole vectors. */
-static inline size_t row_whole(size_t n)
+/* Who the pairs of a block are with: [LANES]. */
+static inline const uint32_t *row_j(const Row *row, const Block *block)
 {
-    return n & ~(size_t)(ROW_LANES - 1);
+    return row->j + (size_t)(block - row->block) * LANES;
 }
 
-/* Geometry of all pairs of particle i. */
-void row_build(Row *row, const Neighbours *nb, const Particles *s, const Model *model, size_t i);
+/* Pairs of particle i, with what is needed of them: all that are listed, which are marked as in reach or not, or only those
+ * that were marked since anything moved. */
+typedef enum RowPairs { ROW_LISTED, ROW_MARKED } RowPairs;
+void row_build(Row *row, const Neighbours *nb, const Particles *s, const Model *model, size_t i, unsigned needs,
+               RowPairs pairs);
 
-/* u[k] = (f_i - f_j) . (x_i - x_j) for a vector field f. */
-static inline void row_dot_difference(Row *row, double *const f[3])
+/* A sum over blocks, lane by lane, so that its rounding does not depend on how wide the machine's vectors are. */
+typedef struct Lanes {
+    double of[LANES];
+} Lanes;
+
+INLINE double lanes_sum(const Lanes *a)
 {
-    const size_t i = row->i, n = row_whole(row->n);
-    const uint32_t *restrict j = row->j;
-    double *restrict u = row->u;
-    for (int d = 0; d < row->dim; d++) {
-        const double *restrict fd = f[d], *restrict dx = row->dx[d];
-        const double fi = fd[i];
-        if (d == 0) {
-#pragma omp simd
-            for (size_t k = 0; k < n; k++) u[k] = (fi - fd[j[k]]) * dx[k];
-        } else {
-#pragma omp simd
-            for (size_t k = 0; k < n; k++) u[k] += (fi - fd[j[k]]) * dx[k];
-        }
+    return ((a->of[0] + a->of[4]) + (a->of[2] + a->of[6])) + ((a->of[1] + a->of[5]) + (a->of[3] + a->of[7]));
+}
+
+/* What a term does with a row. */
+typedef void (*RowFunction)(const Row *row, Particles *s, const Model *model);
+
+/* ROW_FUNCTIONS(name) makes functions of every level, in two and three dimensions, from one that has the dimension as its last
+ * argument; ROW_TABLE(name) is the table of them. */
+#define ROW_FUNCTION(name, level, target, dim)                                                                         \
+    target static void name##_##level##_##dim(const Row *row, Particles *s, const Model *model)                        \
+    {                                                                                                                  \
+        name(row, s, model, dim);                                                                                      \
     }
-}
-
-/* sum_k c[k] dx_d[k] over k in [first, last): forces along the line of centres. */
-static inline double row_sum_along(const Row *row, int d, size_t first, size_t last)
-{
-    const double *restrict c = row->c, *restrict dx = row->dx[d];
-    double sum = 0;
-#pragma omp simd reduction(+ : sum)
-    for (size_t k = row_whole(first); k < row_whole(last); k++) sum += c[k] * dx[k];
-    return sum;
-}
-
-/* sum_k c[k] f_j over k in [first, last). */
-static inline double row_sum_field(const Row *row, const double *f, size_t first, size_t last)
-{
-    const double *restrict c = row->c;
-    const uint32_t *restrict j = row->j;
-    double sum = 0;
-#pragma omp simd reduction(+ : sum)
-    for (size_t k = row_whole(first); k < row_whole(last); k++) sum += c[k] * f[j[k]];
-    return sum;
-}
-
-/* sum_k c[k] over k in [first, last). */
-static inline double row_sum(const Row *row, size_t first, size_t last)
-{
-    const double *restrict c = row->c;
-    double sum = 0;
-#pragma omp simd reduction(+ : sum)
-    for (size_t k = row_whole(first); k < row_whole(last); k++) sum += c[k];
-    return sum;
-}
+#ifdef __x86_64__
+#define ROW_FUNCTIONS(name)                                                                                            \
+    ROW_FUNCTION(name, base, , 2)                                                                                      \
+    ROW_FUNCTION(name, base, , 3)                                                                                      \
+    ROW_FUNCTION(name, v3, FOR_V3, 2)                                                                                  \
+    ROW_FUNCTION(name, v3, FOR_V3, 3)                                                                                  \
+    ROW_FUNCTION(name, v4, FOR_V4, 2)                                                                                  \
+    ROW_FUNCTION(name, v4, FOR_V4, 3)
+#define ROW_TABLE(name)                                                                                                \
+    {                                                                                                                  \
+        {name##_base_2, name##_base_3}, {name##_v3_2, name##_v3_3},                                                    \
+        {                                                                                                              \
+            name##_v4_2, name##_v4_3                                                                                   \
+        }                                                                                                              \
+    }
+#else
+#define ROW_FUNCTIONS(name)                                                                                            \
+    ROW_FUNCTION(name, base, , 2)                                                                                      \
+    ROW_FUNCTION(name, base, , 3)
+#define ROW_TABLE(name)                                                                                                \
+    {                                                                                                                  \
+        {                                                                                                              \
+            name##_base_2, name##_base_3                                                                               \
+        }                                                                                                              \
+    }
+#endif
 
 #endif

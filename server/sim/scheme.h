@@ -12,14 +12,21 @@ typedef struct Term {
     const char *equation;
     unsigned on;                   /* whose sums: ON_CONTINUITY | ON_SUMMATION | ON_WALL */
     bool (*needed)(const Model *); /* NULL: always */
-    void (*row)(Row *, Particles *, const Model *);
+    unsigned needs;                /* of each pair: NEED_F | NEED_V ... */
+    RowFunction row[LEVELS][2];    /* ROW_TABLE() */
 } Term;
+
+static inline void term_row(const Term *term, const Row *row, Particles *s, const Model *model)
+{
+    term->row[model->level][s->dim - 2](row, s, model);
+}
 
 /* One rule per particle of a range, no neighbours: state equation, clearing, gravity. */
 typedef struct Local {
     const char *name, *source, *equation;
     unsigned on;
     void (*apply)(Particles *, const Model *, size_t first, size_t last);
+    bool compresses; /* it changes pressures or densities */
 } Local;
 
 enum { PASS_TERMS_MAX = 8, PASS_LOCALS_MAX = 4 };

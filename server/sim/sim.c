@@ -155,15 +155,20 @@ double mns_sim_spacing(const MnsSim *sim)
 
 double mns_sim_mean_neighbours(const MnsSim *sim)
 {
-    const size_t n = particles_fluid(&sim->s);
+    const Particles *s = &sim->s;
+    const size_t n = particles_fluid(s);
+    const double reach = sim->model.kernel.support;
     uint64_t pairs = 0;
-#pragma omp parallel reduction(+ : pairs) num_threads(sim->threads)
-    {
-        Row row;
-#pragma omp for schedule(static)
-        for (size_t i = 0; i < n; i++) {
-            row_build(&row, &sim->nb, &sim->s, &sim->model, i);
-            for (size_t k = 0; k < row.n; k++) pairs += row.r[k] < sim->model.kernel.support;
+#pragma omp parallel for schedule(static) reduction(+ : pairs) num_threads(sim->threads)
+    for (size_t i = 0; i < n; i++) {
+        const uint32_t *j = neighbours_of(&sim->nb, i);
+        for (size_t k = 0; k < sim->nb.end[i][GROUP_WALL]; k++) {
+            double r2 = 0;
+            for (int d = 0; d < s->dim; d++) {
+                const double x = model_nearest(&sim->model, d, s->x[d][i] - s->x[d][j[k]]);
+                r2 += x * x;
+            }
+            pairs += r2 < reach * reach;
         }
     }
     return (double)pairs / (double)n;

@@ -22,6 +22,7 @@ static void set_model(Model *model, const CloudSetup *setup)
 {
     *model = (Model){
         .dim = setup->dim,
+        .level = level_in_use(),
         .dx = setup->dx,
         .wall_volume = pow(setup->dx, setup->dim),
         .kernel = kernel_make(setup->kernel, setup->dim, setup->dx * (setup->smoothing > 0 ? setup->smoothing : 1.3)),
@@ -122,6 +123,7 @@ void cloud_term(Cloud *cloud, const Term *term)
         s->rate[i] = 0;
         for (int d = 0; d < s->dim; d++) s->a[d][i] = s->b[d][i] = 0;
     }
+    s->stale = ~0u;
     const Pass pass = {"alone", .terms = {term}};
     pass_run(&pass, s, &cloud->nb, &cloud->model, cloud->threads);
 }

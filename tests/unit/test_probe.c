@@ -251,7 +251,7 @@ static void coverage_may_be_of_a_part_of_the_domain(void **state)
     }
     MnsSim *sim = sim_of(c);
     assert_close(mns_sim_probe(sim, 0), 1, 0.001); /* but for compression */
-    assert_true(mns_sim_probe(sim, 1) == 0);          /* above the free surface, away from walls */
+    assert_true(mns_sim_probe(sim, 1) == 0);       /* above the free surface, away from walls */
     sim_done(sim, c);
 }
 

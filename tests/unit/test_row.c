@@ -16,9 +16,11 @@ static int group_of(const Particles *s, size_t i)
     return i < s->begin[1] ? GROUP_CONTINUITY : i < s->begin[2] ? GROUP_SUMMATION : GROUP_WALL;
 }
 
-static void row_of(const Cloud *cloud, size_t i, Row *row)
+/* All that is listed, or what was marked as in reach when that was built; with all that terms may need. */
+static void row_of(Cloud *cloud, size_t i, Row *row, RowPairs pairs)
 {
-    row_build(row, &cloud->nb, &cloud->s, &cloud->model, i);
+    bundles_refresh(&cloud->s, &cloud->model, NEED_ALL, 1);
+    row_build(row, &cloud->nb, &cloud->s, &cloud->model, i, NEED_ALL, pairs);
 }
 
 /* Particles have moved since the lists were built, by less than half a skin. */
@@ -37,101 +39,134 @@ static Cloud *drifted(int dim, int periodic)
     return cloud;
 }
 
+/* What a row says of pair k is what positions and fields say of it. */
+static void check_pair(const Cloud *cloud, const Row *row, size_t k)
+{
+    const Particles *s = &cloud->s;
+    const Block *b = &row->block[k / LANES];
+    const size_t j = row->j[k], l = k % LANES;
+    const Pair pair = cloud_pair(cloud, row->i, j);
+    for (int d = 0; d < s->dim; d++) assert_close(b->x[d][l], pair.dx[d], 1e-15); /* rounding */
+    assert_close(b->r[l], pair.r, 1e-15);
+    assert_close(b->W[l], pair.W, 1e-11);
+    assert_close(b->F[l], pair.F, 1e-9);
+    assert_true(b->V[l] == s->vol[j] && b->p[l] == s->p[j] && b->z[l] == s->z[j]);
+    const bool carries = group_of(s, j) == GROUP_SUMMATION;
+    for (int d = 0; d < s->dim; d++) {
+        assert_true(b->v[d][l] == s->v[d][j]);
+        if (row->summed)
+            assert_close(b->q[d][l], carries ? s->m[j] * s->w[d][j] : 0, 1e-15 * fabs(s->m[j] * s->w[d][j]));
+    }
+}
+
 static void every_pair_in_reach_is_there_once_and_right(void **state)
 {
     (void)state;
-    for (int dim = 2; dim <= 3; dim++)
-        for (int periodic = 0; periodic < 8; periodic++) {
-            Cloud *cloud = drifted(dim, periodic);
-            for (size_t i = 0; i < cloud->s.n; i++) {
-                Row row;
-                row_of(cloud, i, &row);
-                int found[8 * 9 * 7] = {0};
-                for (size_t k = 0; k < row.n; k++) {
-                    const int group = k < row.end[0] ? 0 : k < row.end[1] ? 1 : 2;
-                    assert_int_equal(group_of(&cloud->s, row.j[k]), group);
-                    if (row.r[k] >= cloud->model.kernel.support) {
-                        assert_true(row.W[k] == 0 && row.F[k] == 0);
-                        continue;
-                    }
-                    const Pair pair = cloud_pair(cloud, i, row.j[k]);
-                    for (int d = 0; d < dim; d++) assert_close(row.dx[d][k], pair.dx[d], 1e-15); /* rounding */
-                    assert_close(row.r[k], pair.r, 1e-15);
-                    assert_close(row.W[k], pair.W, 1e-11);
-                    assert_close(row.F[k], pair.F, 1e-9);
-                    found[row.j[k]]++;
-                }
-                for (size_t j = 0; j < cloud->s.n; j++) {
-                    const double r = cloud_pair(cloud, i, j).r;
-                    const bool both_walls = i >= particles_fluid(&cloud->s) && j >= particles_fluid(&cloud->s);
-                    if (fabs(r - cloud->model.kernel.support) < 1e-12) continue;
-                    assert_int_equal(found[j], i != j && !both_walls && r < cloud->model.kernel.support);
-                }
-            }
-            cloud_free(cloud);
-        }
-}
-
-/* The sums, over all of a row and over one group of it, against loops over all particles. */
-static void sums_are_those_over_all_particles(void **state)
-{
-    (void)state;
-    for (int dim = 2; dim <= 3; dim++) {
-        Cloud *cloud = drifted(dim, 2);
+    for (int k = 0; k < 32; k++) {
+        const int dim = k & 16 ? 3 : 2, periodic = k & 7;
+        const RowPairs pairs = k & 8 ? ROW_MARKED : ROW_LISTED;
+        Cloud *cloud = drifted(dim, periodic);
+        Particles *s = &cloud->s;
+        const double reach = cloud->model.kernel.support;
+        uint64_t seed = 5;
         cloud_stir(cloud, 3);
-        const Particles *s = &cloud->s;
-        for (size_t i = 0; i < particles_fluid(s); i++) {
+        for (int d = 0; d < dim; d++)
+            for (size_t i = 0; i < s->n; i++) s->w[d][i] = 0.4 * cloud_noise(&seed);
+        for (size_t i = 0; i < s->n; i++) {
             Row row;
-            row_of(cloud, i, &row);
-            row_dot_difference(&row, s->v);
-            double all[5] = {0}, air[5] = {0};
-            for (size_t j = 0; j < s->n; j++) {
-                if (j == i) continue;
-                const Pair pair = cloud_pair(cloud, i, j);
-                double dot = 0;
-                for (int d = 0; d < dim; d++) dot += (s->v[d][i] - s->v[d][j]) * pair.dx[d];
-                const double terms[5] = {pair.F * pair.dx[0], pair.F * pair.dx[1], pair.F * s->p[j], pair.F,
-                                         pair.F * dot};
-                for (int q = 0; q < 5; q++) {
-                    all[q] += terms[q];
-                    air[q] += group_of(s, j) == GROUP_SUMMATION ? terms[q] : 0;
+            row_of(cloud, i, &row, ROW_LISTED);
+            if (pairs == ROW_MARKED) row_of(cloud, i, &row, pairs);
+            int found[8 * 9 * 7] = {0};
+            size_t out_of_reach = 0;
+            for (size_t q = 0; q < row.n * LANES; q++) {
+                const Block *b = &row.block[q / LANES];
+                const size_t l = q % LANES;
+                assert_int_equal(group_of(s, row.j[q]) == GROUP_WALL, q >= row.n_fluid * LANES);
+                if (b->r[l] < reach) {
+                    check_pair(cloud, &row, q);
+                    found[row.j[q]]++;
+                } else {
+                    assert_true(b->W[l] == 0 && b->F[l] == 0);
+                    out_of_reach++;
                 }
             }
-            const size_t first = row.end[GROUP_CONTINUITY], last = row.end[GROUP_SUMMATION];
-            memcpy(row.c, row.F, row.n * sizeof *row.c);
-            /* Rounding of some 100 terms of up to 10^4 (F), times 40 (p of air) or 4 10^4 (of water). */
-            for (int d = 0; d < 2; d++) {
-                assert_close(row_sum_along(&row, d, 0, row.n), all[d], 1e-9);
-                assert_close(row_sum_along(&row, d, first, last), air[d], 1e-9);
+            if (pairs == ROW_MARKED) assert_true(out_of_reach <= 2 * (LANES - 1)); /* padding, no more */
+            bool summed = false;
+            for (size_t j = 0; j < s->n; j++) {
+                const double r = cloud_pair(cloud, i, j).r;
+                const bool both_walls = i >= particles_fluid(s) && j >= particles_fluid(s);
+                if (fabs(r - reach) < 1e-12) continue;
+                assert_int_equal(found[j], i != j && !both_walls && r < reach);
+                summed = summed || (found[j] && group_of(s, j) == GROUP_SUMMATION);
             }
-            assert_close(row_sum_field(&row, s->p, 0, row.n), all[2], 1e-5);
-            assert_close(row_sum_field(&row, s->p, first, last), air[2], 1e-7);
-            assert_close(row_sum(&row, 0, row.n), all[3], 1e-9);
-            assert_close(row_sum(&row, first, last), air[3], 1e-9);
-            for (size_t k = 0; k < row.n; k++) row.c[k] = row.F[k] * row.u[k];
-            assert_close(row_sum(&row, 0, row.n), all[4], 1e-8);
+            if (summed) assert_true(row.summed);
         }
         cloud_free(cloud);
     }
 }
 
+/* The same numbers, to the last bit, from the instructions of every level that this machine has. */
+static void levels_give_the_same_bits(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        Cloud *cloud = drifted(dim, 3);
+        cloud_stir(cloud, 8);
+        const Level best = cloud->model.level;
+        for (int level = 0; level < (int)best; level++)
+            for (size_t i = 0; i < cloud->s.n; i++)
+                for (int pairs = ROW_LISTED; pairs <= ROW_MARKED; pairs++) {
+                    static Row a, b;
+                    memset(&a, 0, sizeof a);
+                    memset(&b, 0, sizeof b);
+                    cloud->model.level = (Level)level;
+                    row_of(cloud, i, &a, (RowPairs)pairs);
+                    cloud->model.level = best;
+                    row_of(cloud, i, &b, (RowPairs)pairs);
+                    assert_true(a.n == b.n && a.n_fluid == b.n_fluid && a.summed == b.summed);
+                    assert_memory_equal(a.j, b.j, a.n * LANES * sizeof *a.j);
+                    for (size_t k = 0; k < a.n; k++) {
+                        const size_t used = dim == 3 ? sizeof(Block) : offsetof(Block, q[2]);
+                        assert_memory_equal(&a.block[k], &b.block[k], used);
+                    }
+                }
+        cloud_free(cloud);
+    }
+}
+
 /* sum_j (f_j - f_i) grad_i W V_j */
-static double gradient(const Cloud *cloud, size_t i, int d, const double *f)
+static double gradient(Cloud *cloud, size_t i, int d, const double *f)
 {
     Row row;
-    row_of(cloud, i, &row);
-    for (size_t k = 0; k < row.n; k++) row.c[k] = (f[row.j[k]] - f[i]) * row.F[k] * cloud->s.vol[row.j[k]];
-    return row_sum_along(&row, d, 0, row.n);
+    row_of(cloud, i, &row, ROW_LISTED);
+    double sum = 0;
+    for (size_t k = 0; k < row.n * LANES; k++) {
+        const Block *b = &row.block[k / LANES];
+        sum += (f[row.j[k]] - f[i]) * b->F[k % LANES] * b->V[k % LANES] * b->x[d][k % LANES];
+    }
+    return sum;
 }
 
 /* sum_j (v_j - v_i) . grad_i W V_j */
-static double divergence(const Cloud *cloud, size_t i)
+static double divergence(Cloud *cloud, size_t i)
 {
     Row row;
-    row_of(cloud, i, &row);
-    row_dot_difference(&row, cloud->s.v);
-    for (size_t k = 0; k < row.n; k++) row.c[k] = -row.u[k] * row.F[k] * cloud->s.vol[row.j[k]];
-    return row_sum(&row, 0, row.n);
+    row_of(cloud, i, &row, ROW_LISTED);
+    double sum = 0;
+    for (size_t k = 0; k < row.n * LANES; k++) {
+        const Block *b = &row.block[k / LANES];
+        const size_t l = k % LANES;
+        for (int d = 0; d < cloud->s.dim; d++) sum += (b->v[d][l] - cloud->s.v[d][i]) * b->F[l] * b->V[l] * b->x[d][l];
+    }
+    return sum;
+}
+
+/* Lanes are added up as a tree, whatever the compiler would like. */
+static void lanes_have_an_order(void **state)
+{
+    (void)state;
+    const Lanes a = {{1, 1e16, -1e16, 3, 1e16, 5, 1, -1e16}};
+    assert_true(lanes_sum(&a) == ((1 + 1e16) + (-1e16 + 1)) + ((1e16 + 5) + (3 + -1e16)));
 }
 
 static void weights_cancel_on_a_lattice(void **state)
@@ -140,11 +175,15 @@ static void weights_cancel_on_a_lattice(void **state)
     for (int dim = 2; dim <= 3; dim++) {
         Cloud *cloud = cloud_new(&(CloudSetup){.dim = dim, .dx = 0.1, .n = {8, 9, 10}, .periodic = {true, true, true}});
         for (size_t i = 0; i < cloud->s.n; i++) {
-            Row row;
-            row_of(cloud, i, &row);
-            for (size_t k = 0; k < row.n; k++) row.c[k] = row.F[k] * cloud->s.vol[row.j[k]];
-            /* Rounding of terms of up to 10. */
-            for (int d = 0; d < dim; d++) assert_close(row_sum_along(&row, d, 0, row.n), 0, 1e-12);
+            static Row row;
+            row_of(cloud, i, &row, ROW_LISTED);
+            double sum[3] = {0};
+            for (size_t k = 0; k < row.n * LANES; k++) {
+                const Block *b = &row.block[k / LANES];
+                const size_t l = k % LANES;
+                for (int d = 0; d < dim; d++) sum[d] += b->F[l] * b->V[l] * b->x[d][l];
+            }
+            for (int d = 0; d < dim; d++) assert_close(sum[d], 0, 1e-12); /* rounding of terms of up to 10 */
         }
         cloud_free(cloud);
     }
@@ -184,6 +223,7 @@ static void gradient_and_divergence_of_linear_fields_are_constant_and_nearly_one
                 s->v[d][i] = g[d] * s->x[d][i] + 5 * s->x[(d + 1) % dim][i];
             }
         }
+        s->stale = ~0u;
         for (size_t i = 0; i < s->n; i++) {
             if (!cloud_inner(cloud, i)) continue;
             inner++;
@@ -245,7 +285,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_pair_in_reach_is_there_once_and_right),
-        cmocka_unit_test(sums_are_those_over_all_particles),
+        cmocka_unit_test(levels_give_the_same_bits),
+        cmocka_unit_test(lanes_have_an_order),
         cmocka_unit_test(weights_cancel_on_a_lattice),
         cmocka_unit_test(gradient_and_divergence_of_linear_fields_are_constant_and_nearly_one),
         cmocka_unit_test(gradient_of_a_constant_is_zero_wherever_particles_are),

@@ -4,20 +4,22 @@
  * The kernel is calibrated, so that the lattice of the start has one particle in each of its cells. */
 #include "sim/terms/terms.h"
 
-static void number_density_row(Row *row, Particles *s, const Model *model)
+INLINE void number_density_row(const Row *row, Particles *s, const Model *model, int dim)
 {
-    const size_t n = row_whole(row->n);
-    const double *restrict W = row->W;
-    double sum = 0;
-#pragma omp simd reduction(+ : sum)
-    for (size_t k = 0; k < n; k++) sum += W[k];
-    s->rate[row->i] = kernel_at_zero(&model->kernel) + sum;
+    (void)dim;
+    Lanes sum = {0};
+    for (const Block *b = row->block; b < row->block + row->n; b++)
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) sum.of[l] += b->W[l];
+    s->rate[row->i] = kernel_at_zero(&model->kernel) + lanes_sum(&sum);
 }
+ROW_FUNCTIONS(number_density_row)
 
 const Term number_density = {
     .name = "number density",
     .source = "P3 eq. 4",
     .equation = "rho_i = m_i (W(0) + sum_j W_ij) ",
     .on = ON_SUMMATION,
-    .row = number_density_row,
+    .needs = NEED_W,
+    .row = ROW_TABLE(number_density_row),
 };

@@ -17,52 +17,54 @@ static bool transports(const Model *model)
 }
 
 /* b_i, and the part of the stress that is the particle's own: rho_i v_i (w_i . sum_j V_j grad_i W). */
-static void background_row(Row *row, Particles *s, const Model *model)
+INLINE void background_row(const Row *row, Particles *s, const Model *model, int dim)
 {
-    const size_t i = row->i, n = row_whole(row->n);
+    const size_t i = row->i;
     const Phase *phase = &model->phase[s->phase[i]];
-    const double *restrict V = s->vol, *restrict F = row->F;
-    const uint32_t *restrict j = row->j;
-    double *restrict c = row->c;
+    Lanes sums[3] = {0};
+    for (const Block *b = row->block; b < row->block + row->n; b++)
 #pragma omp simd
-    for (size_t k = 0; k < n; k++) c[k] = V[j[k]] * F[k];
-
+        for (int l = 0; l < LANES; l++) {
+            const double c = b->V[l] * b->F[l];
+            for (int d = 0; d < dim; d++) sums[d].of[l] += c * b->x[d][l];
+        }
     double along_w = 0;
-    for (int d = 0; d < row->dim; d++) {
-        const double sum = row_sum_along(row, d, 0, n);
+    for (int d = 0; d < dim; d++) {
+        const double sum = lanes_sum(&sums[d]);
         s->b[d][i] = -2 * phase->p_b / s->rho[i] * sum;
         along_w += s->w[d][i] * sum;
     }
     if (!model->transport_stress || !phase->summation) return;
-    for (int d = 0; d < row->dim; d++) s->a[d][i] += s->vol[i] * s->rho[i] / s->m[i] * s->v[d][i] * along_w;
+    for (int d = 0; d < dim; d++) s->a[d][i] += s->vol[i] * s->rho[i] / s->m[i] * s->v[d][i] * along_w;
 }
+ROW_FUNCTIONS(background_row)
 
 /* The neighbours' part: sum_j m_j v_j (w_j . grad_i W) over neighbours of summed density. */
-static void transport_stress_row(Row *row, Particles *s, const Model *model)
+INLINE void transport_stress_row(const Row *row, Particles *s, const Model *model, int dim)
 {
     (void)model;
-    const size_t i = row->i, first = row_whole(row->end[GROUP_CONTINUITY]), last = row_whole(row->end[GROUP_SUMMATION]);
-    const double *restrict m = s->m, *restrict F = row->F;
-    const uint32_t *restrict j = row->j;
-    double *restrict c = row->c, *restrict u = row->u;
-    if (first == last) return;
-    for (size_t k = first; k < last; k++) u[k] = 0;
-    for (int d = 0; d < row->dim; d++) {
-        const double *restrict w = s->w[d], *restrict dx = row->dx[d];
+    if (!row->summed) return;
+    const size_t i = row->i;
+    Lanes sum[3] = {0};
+    for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
 #pragma omp simd
-        for (size_t k = first; k < last; k++) u[k] += w[j[k]] * dx[k];
-    }
-#pragma omp simd
-    for (size_t k = first; k < last; k++) c[k] = m[j[k]] * F[k] * u[k];
-    for (int d = 0; d < row->dim; d++) s->a[d][i] += s->vol[i] / s->m[i] * row_sum_field(row, s->v[d], first, last);
+        for (int l = 0; l < LANES; l++) {
+            double flux = 0;
+            for (int d = 0; d < dim; d++) flux += b->q[d][l] * b->x[d][l];
+            const double c = b->F[l] * flux;
+            for (int d = 0; d < dim; d++) sum[d].of[l] += c * b->v[d][l];
+        }
+    for (int d = 0; d < dim; d++) s->a[d][i] += s->vol[i] / s->m[i] * lanes_sum(&sum[d]);
 }
+ROW_FUNCTIONS(transport_stress_row)
 
 const Term background = {
     .name = "background pressure",
     .source = "P3 eq. 11, 12",
     .equation = "b_i = -2 p_b / rho_i sum_j V_j grad_i W;  m_i dv_i/dt += sum_j V_i V_j A_i . grad_i W",
     .on = ON_FLUID,
-    .row = background_row,
+    .needs = NEED_F | NEED_STATE,
+    .row = ROW_TABLE(background_row),
 };
 
 const Term transport_stress = {
@@ -71,5 +73,6 @@ const Term transport_stress = {
     .equation = "m_i dv_i/dt += sum_j V_i V_j A_j . grad_i W,  A = rho v (x) w",
     .on = ON_FLUID,
     .needed = transports,
-    .row = transport_stress_row,
+    .needs = NEED_F | NEED_V | NEED_FLUX,
+    .row = ROW_TABLE(transport_stress_row),
 };

@@ -31,52 +31,56 @@ double viscosity_scale(const Kernel *kernel, int dim, const double spacing[3])
     return 1 / (volume * kernel_lattice_sum(kernel, dim, spacing, curvature));
 }
 
-/* c[k] = V_i V_j mu_k F r^2 / (r^2 + 0.01 h^2), with mu in u. */
-static void coefficients(Row *row, const Particles *s, const Model *model, size_t first, size_t last)
+/* V_i V_j F r^2 / (r^2 + 0.01 h^2) of a pair, but for V_i and mu. */
+INLINE double friction(const Block *b, int l, double soft)
 {
-    const double *restrict V = s->vol, *restrict F = row->F, *restrict r = row->r, *restrict mu = row->u;
-    const uint32_t *restrict j = row->j;
-    double *restrict c = row->c;
-    const double V_i = V[row->i], soft = softening(&model->kernel);
-#pragma omp simd
-    for (size_t k = row_whole(first); k < row_whole(last); k++) {
-        const double r2 = r[k] * r[k];
-        c[k] = V_i * V[j[k]] * mu[k] * F[k] * r2 / (r2 + soft);
-    }
+    const double r2 = b->r[l] * b->r[l];
+    return b->V[l] * b->F[l] * r2 / (r2 + soft);
 }
 
-static void viscosity_row(Row *row, Particles *s, const Model *model)
+INLINE void viscosity_row(const Row *row, Particles *s, const Model *model, int dim)
 {
-    const size_t i = row->i, n = row->end[GROUP_SUMMATION];
-    const double mu_i = model->phase[s->phase[i]].mu;
-    double mu[MNS_MAX_FLUIDS]; /* against each fluid, once for all pairs */
+    const size_t i = row->i;
+    const double mu_i = model->phase[s->phase[i]].mu, soft = softening(&model->kernel);
+    double mu[MNS_MAX_FLUIDS], v[3]; /* viscosity against each fluid, once for all pairs */
     for (size_t a = 0; a < model->n_phases; a++) {
         const double mu_a = model->phase[a].mu;
         mu[a] = mu_i + mu_a > 0 ? model->viscous_scale * 4 * mu_i * mu_a / (mu_i + mu_a) : 0;
     }
-    for (size_t k = 0; k < n; k++) row->u[k] = mu[s->phase[row->j[k]]];
-    coefficients(row, s, model, 0, n);
-    const double total = row_sum(row, 0, n), scale = 1 / s->m[i];
-    for (int d = 0; d < row->dim; d++) s->a[d][i] += scale * (total * s->v[d][i] - row_sum_field(row, s->v[d], 0, n));
-}
-
-static void wall_friction_row(Row *row, Particles *s, const Model *model)
-{
-    const size_t i = row->i, first = row->end[GROUP_SUMMATION], last = row->n, first_wall = particles_fluid(s);
-    const double mu = model->phase[s->phase[i]].mu;
-    if (first == last || mu == 0) return;
-    for (size_t k = first; k < last; k++)
-        row->u[k] = model->wall[s->phase[row->j[k]] - model->n_phases].no_slip ? 2 * mu * model->viscous_scale : 0;
-    coefficients(row, s, model, first, last);
-    const double scale = 1 / s->m[i];
-    for (int d = 0; d < row->dim; d++) {
-        const double v_i = s->v[d][i];
-        double sum = 0;
-        for (size_t k = first; k < last; k++)
-            sum += row->c[k] * (v_i - (2 * s->v[d][row->j[k]] - s->v_wall[d][row->j[k] - first_wall]));
-        s->a[d][i] += scale * sum;
+    for (int d = 0; d < dim; d++) v[d] = s->v[d][i];
+    Lanes sum[3] = {0};
+    for (const Block *b = row->block; b < row->block + row->n_fluid; b++) {
+        const uint32_t *j = row_j(row, b);
+        double mu_ij[LANES];
+        for (int l = 0; l < LANES; l++) mu_ij[l] = mu[s->phase[j[l]]];
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const double c = mu_ij[l] * friction(b, l, soft);
+            for (int d = 0; d < dim; d++) sum[d].of[l] += c * (v[d] - b->v[d][l]);
+        }
     }
+    const double scale = s->vol[i] / s->m[i];
+    for (int d = 0; d < dim; d++) s->a[d][i] += scale * lanes_sum(&sum[d]);
 }
+ROW_FUNCTIONS(viscosity_row)
+
+INLINE void wall_friction_row(const Row *row, Particles *s, const Model *model, int dim)
+{
+    const size_t i = row->i, first_wall = particles_fluid(s);
+    const double mu = 2 * model->phase[s->phase[i]].mu * model->viscous_scale, soft = softening(&model->kernel);
+    if (mu == 0) return;
+    Lanes sum[3] = {0};
+    for (const Block *b = row->block + row->n_fluid; b < row->block + row->n; b++)
+        for (int l = 0; l < LANES; l++) {
+            const size_t j = row_j(row, b)[l];
+            const double c = model->wall[s->phase[j] - model->n_phases].no_slip ? mu * friction(b, l, soft) : 0;
+            for (int d = 0; d < dim; d++)
+                sum[d].of[l] += c * (s->v[d][i] - (2 * b->v[d][l] - s->v_wall[d][j - first_wall]));
+        }
+    const double scale = s->vol[i] / s->m[i];
+    for (int d = 0; d < dim; d++) s->a[d][i] += scale * lanes_sum(&sum[d]);
+}
+ROW_FUNCTIONS(wall_friction_row)
 
 const Term viscosity = {
     .name = "viscosity",
@@ -84,7 +88,8 @@ const Term viscosity = {
     .equation = "m_i dv_i/dt += sum_j V_i V_j 4 mu_i mu_j/(mu_i + mu_j) (x_ij . grad_i W)/(r^2 + 0.01 h^2) v_ij",
     .on = ON_FLUID,
     .needed = is_viscous,
-    .row = viscosity_row,
+    .needs = NEED_F | NEED_V | NEED_STATE,
+    .row = ROW_TABLE(viscosity_row),
 };
 
 const Term wall_friction = {
@@ -93,5 +98,6 @@ const Term wall_friction = {
     .equation = "the same against v_j = 2 v_w - v~_w, mu_j = mu_i, for walls without slip",
     .on = ON_FLUID,
     .needed = is_viscous,
-    .row = wall_friction_row,
+    .needs = NEED_F | NEED_V | NEED_STATE,
+    .row = ROW_TABLE(wall_friction_row),
 };

@@ -8,60 +8,75 @@
 static unsigned phases_in(const Row *row, const Particles *s)
 {
     unsigned present = 0;
-    for (size_t k = 0; k < row_whole(row->n); k++) present |= 1u << s->phase[row->j[k]];
+    for (const Block *b = row->block; b < row->block + row->n; b++)
+        for (int l = 0; l < LANES; l++) present |= 1u << s->phase[row_j(row, b)[l]];
     return present;
 }
 
-/* c = W V_f rho_f for pairs of one fluid, u = W V_f; returns sum of W V_f p_f, and of W V_f. */
-static double weigh(Row *row, const Particles *s, unsigned fluid, double *ret_weight)
+/* Sums over the pairs of one fluid: W V_f, W V_f p_f, W V_f rho_f (x_w - x_f). */
+typedef struct Shown {
+    double weight, pressure, along[3];
+} Shown;
+
+INLINE Shown weigh(const Row *row, const Particles *s, unsigned fluid, int dim)
 {
-    const double *restrict W = row->W, *restrict V = s->vol, *restrict p = s->p, *restrict rho = s->rho;
-    const uint8_t *restrict phase = s->phase;
-    const uint32_t *restrict j = row->j;
-    double *restrict c = row->c, weight = 0, pressure = 0;
-    for (size_t k = 0; k < row_whole(row->n); k++) {
-        const double w = phase[j[k]] == fluid ? W[k] * V[j[k]] : 0;
-        c[k] = w * rho[j[k]];
-        weight += w;
-        pressure += w * p[j[k]];
+    Lanes weight = {0}, pressure = {0}, along[3] = {0};
+    for (const Block *b = row->block; b < row->block + row->n; b++) {
+        const uint32_t *j = row_j(row, b);
+        double one[LANES], rho[LANES];
+        for (int l = 0; l < LANES; l++) {
+            one[l] = s->phase[j[l]] == fluid ? 1 : 0;
+            rho[l] = s->rho[j[l]];
+        }
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const double w = one[l] * (b->W[l] * b->V[l]);
+            weight.of[l] += w;
+            pressure.of[l] += w * b->p[l];
+            for (int d = 0; d < dim; d++) along[d].of[l] += w * rho[l] * b->x[d][l];
+        }
     }
-    *ret_weight = weight;
-    return pressure;
+    Shown shown = {lanes_sum(&weight), lanes_sum(&pressure), {0}};
+    for (int d = 0; d < dim; d++) shown.along[d] = lanes_sum(&along[d]);
+    return shown;
 }
 
-static void wall_pressure_row(Row *row, Particles *s, const Model *model)
+INLINE void wall_pressure_row(const Row *row, Particles *s, const Model *model, int dim)
 {
     const size_t i = row->i, wall = i - particles_fluid(s);
     const WallState *body = &model->wall[s->phase[i] - model->n_phases];
     const unsigned present = phases_in(row, s);
     double all_weight = 0, all_pressure = 0;
     for (unsigned a = 0; a < model->n_phases; a++) {
-        double weight = 0, pressure = 0;
+        Shown shown = {0};
         if (present & 1u << a) {
-            pressure = weigh(row, s, a, &weight);
-            for (int d = 0; d < row->dim; d++)
-                pressure += (model->gravity[d] - body->a[d]) * row_sum_along(row, d, 0, row->n);
+            shown = weigh(row, s, a, dim);
+            for (int d = 0; d < dim; d++) shown.pressure += (model->gravity[d] - body->a[d]) * shown.along[d];
         }
-        s->p_wall[a][wall] = weight > 1e-12 ? pressure / weight : 0;
-        all_weight += weight;
-        all_pressure += pressure;
+        s->p_wall[a][wall] = shown.weight > 1e-12 ? shown.pressure / shown.weight : 0;
+        all_weight += shown.weight;
+        all_pressure += shown.pressure;
     }
     s->p[i] = all_weight > 1e-12 ? all_pressure / all_weight : 0; /* for pictures */
 }
+ROW_FUNCTIONS(wall_pressure_row)
 
-static void wall_velocity_row(Row *row, Particles *s, const Model *model)
+INLINE void wall_velocity_row(const Row *row, Particles *s, const Model *model, int dim)
 {
     (void)model;
-    const size_t wall = row->i - particles_fluid(s), n = row_whole(row->n);
-    const double *restrict W = row->W, *restrict V = s->vol;
-    const uint32_t *restrict j = row->j;
-    double *restrict c = row->c;
+    const size_t wall = row->i - particles_fluid(s);
+    Lanes weight = {0}, sum[3] = {0};
+    for (const Block *b = row->block; b < row->block + row->n; b++)
 #pragma omp simd
-    for (size_t k = 0; k < n; k++) c[k] = W[k] * V[j[k]];
-    const double weight = row_sum(row, 0, n);
-    for (int d = 0; d < row->dim; d++)
-        s->v_wall[d][wall] = weight > 1e-12 ? row_sum_field(row, s->v[d], 0, n) / weight : s->v[d][row->i];
+        for (int l = 0; l < LANES; l++) {
+            const double w = b->W[l] * b->V[l];
+            weight.of[l] += w;
+            for (int d = 0; d < dim; d++) sum[d].of[l] += w * b->v[d][l];
+        }
+    const double all = lanes_sum(&weight);
+    for (int d = 0; d < dim; d++) s->v_wall[d][wall] = all > 1e-12 ? lanes_sum(&sum[d]) / all : s->v[d][row->i];
 }
+ROW_FUNCTIONS(wall_velocity_row)
 
 static bool is_viscous(const Model *model)
 {
@@ -73,7 +88,8 @@ const Term wall_pressure = {
     .source = "P3 eq. 14, for each fluid of its own",
     .equation = "p_w = [sum_f w p_f + (g - a_w) . sum_f w rho_f x_wf] / sum_f w,  w = W V_f",
     .on = ON_WALL,
-    .row = wall_pressure_row,
+    .needs = NEED_W | NEED_STATE,
+    .row = ROW_TABLE(wall_pressure_row),
 };
 
 const Term wall_velocity = {
@@ -82,5 +98,6 @@ const Term wall_velocity = {
     .equation = "v~_w = sum_f W V_f v_f / sum_f W V_f",
     .on = ON_WALL,
     .needed = is_viscous,
-    .row = wall_velocity_row,
+    .needs = NEED_W | NEED_V | NEED_STATE,
+    .row = ROW_TABLE(wall_velocity_row),
 };

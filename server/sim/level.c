@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "sim/level.h"
+#include <string.h>
+
+static const char *const NAMES[] = {
+#ifdef __x86_64__
+    [LEVEL_BASE] = "x86-64",
+    [LEVEL_V3] = "x86-64-v3",
+    [LEVEL_V4] = "x86-64-v4",
+#else
+    [LEVEL_BASE] = "base",
+#endif
+};
+
+static int forced = -1;
+
+static Level best(void)
+{
+#ifdef __x86_64__
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd") &&
+        __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
+        return LEVEL_V4;
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2"))
+        return LEVEL_V3;
+#endif
+    return LEVEL_BASE;
+}
+
+Level level_in_use(void)
+{
+    return forced < 0 ? best() : (Level)forced;
+}
+
+const char *mns_level(void)
+{
+    return NAMES[level_in_use()];
+}
+
+MnsStatus mns_level_force(const char *name, MnsError *error)
+{
+    for (int k = 0; k < LEVELS; k++) {
+        if (strcmp(name, NAMES[k]) != 0) continue;
+        if (k > (int)best())
+            return mns_fail(error, MNS_E_INVALID, "this machine has not the instructions of %s: %s is its best", name,
+                            NAMES[best()]);
+        forced = k;
+        return MNS_OK;
+    }
+    return mns_fail(error, MNS_E_INVALID, "there is no level \"%s\"; this machine's best is %s", name, NAMES[best()]);
+}

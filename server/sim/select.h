@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Pick the few of many: the two loops that compilers do not vectorise, since how much they write depends on the data. Written
+ * for the instruction sets that have what it takes, chosen while running, with a plain twin that gives the same. */
+#ifndef SIM_SELECT_H
+#define SIM_SELECT_H
+
+#include "sim/level.h"
+
+enum { SELECT_SLACK = 8 }; /* entries behind the last that may be read, or written with rubbish */
+
+/* Bit l of marks[b] is whether r[b * stride + l] < reach, l < 8, b < blocks. */
+void select_marks(Level level, const double *r, size_t stride, size_t blocks, double reach, uint8_t *marks);
+
+/* Entries of list[n] whose bit is set, bit l of bits[b] that of entry 8 b + l; bits from n on are 0. Returns how many;
+ * out: [n + SELECT_SLACK]. */
+size_t select_marked(Level level, const uint32_t *list, size_t n, const uint8_t *bits, uint32_t *out);
+
+/* Indices from first to last - 1, but for `self`, of points nearer to `at` than the root of `distance2`; z is NULL in two
+ * dimensions. Returns how many; out: [last - first + SELECT_SLACK]. */
+typedef struct Points {
+    const double *x, *y, *z;
+} Points;
+size_t select_near(Level level, const Points *points, uint32_t first, uint32_t last, const double at[3],
+                   double distance2, uint32_t self, uint32_t *out);
+
+#endif
