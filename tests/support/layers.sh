@@ -32,6 +32,7 @@ kind_of() {
     '<lua'* | '<lauxlib.h>') echo lua ;;
     '<xxh'*) echo xxhash ;;
     '<omp.h>') echo openmp ;;
+    '<immintrin.h>') echo instructions ;;
     '<'*)
         case ${standard//$'\n'/} in
         *" $name "*) echo standard ;;
@@ -97,7 +98,7 @@ report "the solver library calls no library of messages, files or sockets" \
 
 # With the names that compilers give to the same: of checked and sanitized code, of either OpenMP.
 solver='(lua|GOMP_|omp_|__kmpc_|XXH|__([atl]|ub)san_).*|_GLOBAL_OFFSET_TABLE_|__stack_chk_fail|__assert_fail|(__)?(mem|str)[a-z]*(_chk)?'
-solver+='|bcmp|malloc|calloc|realloc|free|aligned_alloc|qsort|bsearch|(__)?(snprintf|vsnprintf)(_chk)?|(__isoc[0-9]+_)?(sscanf|strto[a-z]+)'
+solver+='|__cpu_model|bcmp|malloc|calloc|realloc|free|aligned_alloc|qsort|bsearch|(__)?(snprintf|vsnprintf)(_chk)?|(__isoc[0-9]+_)?(sscanf|strto[a-z]+)'
 mapfile -t objects < <(find server/sim -name '*.c' | sed "s|^\(.*\)c\$|$BUILD/obj/\1o|")
 report "the solver itself calls nothing of the system but memory, text and mathematics" \
     "$(comm -23 <(nm -u "${objects[@]}" | named | grep -vxE "$solver") \

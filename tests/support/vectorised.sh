@@ -20,7 +20,7 @@ done | grep -E 'loop vectorized' | sed -E 's|^([^:]*:[0-9]+):.*|\1|' | sort -u >
 failed=0
 while IFS=: read -r file line _; do
     # gcc names the pragma, the loop after it, or its body.
-    if grep -qxE "(\./)?$file:($line|$((line + 1))|$((line + 2)))" "$remarks"; then
+    if grep -qxE "(\./)?$file:($(seq -s'|' "$line" $((line + 4))))" "$remarks"; then
         echo "ok - $file:$line is vectorised"
     else
         echo "not ok - $file:$line is vectorised"
