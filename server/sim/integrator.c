@@ -114,7 +114,8 @@ void integrator_derive(MnsSim *sim)
 {
     bundles_moved(&sim->s);
     local_run(sim->scheme->derive, &sim->s, &sim->model, sim->threads);
-    if (sim->scheme->restore) pass_run(sim->scheme->restore, &sim->s, &sim->nb, &sim->model, sim->threads);
+    for (int k = sim->scheme->restored[0]; k < sim->scheme->restored[1]; k++)
+        pass_run(&sim->scheme->rates[k], &sim->s, &sim->nb, &sim->model, sim->threads);
 }
 
 MnsStatus integrator_restart(MnsSim *sim, MnsError *error)
