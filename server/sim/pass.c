@@ -45,7 +45,7 @@ static void rows_each(const Pass *pass, const Term *const *terms, int n_terms, i
             for (int k = 0; k < n_terms; k++) term_row(terms[k], &row, s, model);
         }
     }
-    s->stale &= ~((unsigned)STALE_MARKS << group);
+    if (!pass->mixed) s->stale &= ~((unsigned)STALE_MARKS << group); /* or some rows were left out */
 }
 
 void pass_run(const Pass *pass, Particles *s, const Neighbours *nb, const Model *model, int threads)
