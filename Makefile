@@ -111,7 +111,7 @@ flags: # the preprocessor's, quoted for a shell: for the scripts of tests/suppor
 format: ## lay out the sources
 	clang-format -i $$(git ls-files '*.c' '*.h')
 
-install: all ## install below $(DESTDIR)$(PREFIX); for other machines too: MARCH=x86-64-v2
+install: all ## install below $(DESTDIR)$(PREFIX)
 	DESTDIR=$(DESTDIR) PREFIX=$(PREFIX) BUILD=$(BUILD) VERSION=$(VERSION) tests/support/install.sh install
 
 uninstall: ## remove what install put there

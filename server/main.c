@@ -7,6 +7,7 @@
 #include <argp.h>
 #include <math.h>
 #include <meniscus/exit.h>
+#include <meniscus/sim.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -189,6 +190,16 @@ static int run(Options *options)
     return options->batch.name ? batch_run(&options->batch) : daemon_run(&options->daemon);
 }
 
+/* $MENISCUS_LEVEL, for those who want to see that it changes no bit, or to be spared a machine's slow instructions. */
+static bool take_level(void)
+{
+    const char *level = getenv("MENISCUS_LEVEL");
+    MnsError error;
+    if (!level || !mns_level_force(level, &error)) return true;
+    fprintf(stderr, "meniscusd: MENISCUS_LEVEL: %s\n", error.text);
+    return false;
+}
+
 int main(int argc, char **argv)
 {
     static const struct argp parser = {
@@ -204,6 +215,7 @@ int main(int argc, char **argv)
     words = (Words){argc, argv, false};
     on_exit(tell_scripts, &words);
     argp_parse(&parser, argc, argv, 0, NULL, &options);
+    if (!take_level()) exit(MNS_EXIT_USAGE);
     words.understood = true;
     const int code = options.schemes ? schemes_print(options.batch.json) : run(&options);
     free(options.settings);

@@ -5,6 +5,8 @@
 #include "net/publish.h"
 #include "proto/case_file.h"
 #include <math.h>
+#include <meniscus/sim.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -181,7 +183,10 @@ Meniscus__Capabilities *describe_capabilities(const char *const *commands, const
     if (!message) return NULL;
     meniscus__capabilities__init(message);
     message->version = strdup(MENISCUS_VERSION);
-    message->build = strdup(*MENISCUS_COMMIT ? COMPILER ", C17, commit " MENISCUS_COMMIT : COMPILER ", C17");
+    char build[256];
+    snprintf(build, sizeof build, "%s, C17, %s%s%s", COMPILER, mns_level(), *MENISCUS_COMMIT ? ", commit " : "",
+             MENISCUS_COMMIT);
+    message->build = strdup(build);
     message->compiler = strdup(COMPILER);
     if (*MENISCUS_COMMIT) message->commit = strdup(MENISCUS_COMMIT);
     add_texts(&message->commands, &message->n_commands, commands);
