@@ -17,7 +17,7 @@ static unsigned bundles_for(int dim, unsigned needs)
     return bundles;
 }
 
-static void pack2(const Particles *s, const double *carries, unsigned which, size_t first, size_t last)
+static void pack2(const Particles *s, const double *carries, double half, unsigned which, size_t first, size_t last)
 {
     double(*restrict to)[4] = NULL;
     if (which & 1) {
@@ -40,14 +40,14 @@ static void pack2(const Particles *s, const double *carries, unsigned which, siz
     if (which & 4) {
         to = s->bundle[2];
         for (size_t i = first; i < last; i++) {
-            const double m = s->m[i] * carries[s->phase[i]];
-            to[i][0] = m * s->w[0][i];
-            to[i][1] = m * s->w[1][i];
+            const double m = s->m[i] * carries[s->phase[i]] * half;
+            to[i][0] = m * s->b[0][i];
+            to[i][1] = m * s->b[1][i];
         }
     }
 }
 
-static void pack3(const Particles *s, const double *carries, unsigned which, size_t first, size_t last)
+static void pack3(const Particles *s, const double *carries, double half, unsigned which, size_t first, size_t last)
 {
     double(*restrict to)[4] = NULL;
     if (which & 1) {
@@ -62,11 +62,11 @@ static void pack3(const Particles *s, const double *carries, unsigned which, siz
     if (which & 2) {
         to = s->bundle[1];
         for (size_t i = first; i < last; i++) {
-            const double m = s->m[i] * carries[s->phase[i]];
+            const double m = s->m[i] * carries[s->phase[i]] * half;
             to[i][0] = s->v[1][i];
             to[i][1] = s->v[2][i];
-            to[i][2] = m * s->w[0][i];
-            to[i][3] = m * s->w[1][i];
+            to[i][2] = m * s->b[0][i];
+            to[i][3] = m * s->b[1][i];
         }
     }
     if (which & 4) {
@@ -75,7 +75,7 @@ static void pack3(const Particles *s, const double *carries, unsigned which, siz
             to[i][0] = s->p[i];
             to[i][1] = s->vol[i];
             to[i][2] = s->z[i];
-            to[i][3] = s->m[i] * carries[s->phase[i]] * s->w[2][i];
+            to[i][3] = s->m[i] * carries[s->phase[i]] * half * s->b[2][i];
         }
     }
 }
@@ -90,7 +90,7 @@ void bundles_refresh(Particles *s, const Model *model, unsigned needs, int threa
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t first = 0; first < s->n; first += 1024) {
         const size_t last = first + 1024 < s->n ? first + 1024 : s->n;
-        (s->dim == 2 ? pack2 : pack3)(s, carries, which, first, last);
+        (s->dim == 2 ? pack2 : pack3)(s, carries, 0.5 * model->dt, which, first, last);
     }
     s->stale &= ~which;
 }

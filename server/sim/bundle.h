@@ -4,7 +4,7 @@
  *
  *      two dimensions         three dimensions
  *   0  x, y, v_x, v_y         x, y, z, v_x
- *   1  p, V, z, -             v_y, v_z, q_x, q_y         q = m w, 0 where there is no stress
+ *   1  p, V, z, -             v_y, v_z, q_x, q_y         q = m dt/2 b, 0 where there is no stress
  *   2  q_x, q_y, -, -         p, V, z, q_z               z = rho c */
 #ifndef SIM_BUNDLE_H
 #define SIM_BUNDLE_H

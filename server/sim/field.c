@@ -18,7 +18,6 @@
     ROW("acceleration", "m/s^2", "acceleration at the end of the step", 3, MNS_F64, true, a)                           \
     ROW("background_acceleration", "m/s^2",                                                                            \
         "acceleration of the advection velocity by the background pressure (P3 eq. 11)", 3, MNS_F64, true, b)          \
-    ROW("advection_velocity_excess", "m/s", "advection velocity less velocity", 3, MNS_F64, false, w)                  \
     ROW("list_position", "m", "position when the neighbour lists were built", 3, MNS_F64, true, ref)                   \
     ROW("impedance", "kg/(m^2 s)", "density times speed of sound", 1, MNS_F64, false, z)
 

@@ -15,10 +15,8 @@ MnsStatus neighbours_init(Neighbours *nb, size_t n, int threads, MnsError *error
     nb->offset = array_new(n, sizeof *nb->offset);
     nb->owner = array_new(n, sizeof *nb->owner);
     nb->end = array_new(n, sizeof *nb->end);
-    nb->order = array_new(n, sizeof *nb->order);
-    nb->key = array_new(n, sizeof *nb->key);
     nb->arena = calloc((size_t)threads, sizeof *nb->arena);
-    if (nb->offset && nb->owner && nb->end && nb->order && nb->key && nb->arena) return MNS_OK;
+    if (nb->offset && nb->owner && nb->end && nb->arena) return MNS_OK;
     neighbours_done(nb);
     return mns_fail(error, MNS_E_MEMORY, "no memory for the neighbour lists of %zu particles", n);
 }
@@ -30,8 +28,6 @@ void neighbours_done(Neighbours *nb)
     free(nb->offset);
     free(nb->owner);
     free(nb->end);
-    free(nb->order);
-    free(nb->key);
     free(nb->start);
     *nb = (Neighbours){0};
 }
@@ -54,7 +50,8 @@ static bool reserve(Neighbours *nb, size_t keys)
 
 /* Each thread takes a fixed share of the particles, counts its keys, and later writes its particles behind those of the
  * threads before it: the order within a key is the order of storage whatever the number of threads. */
-static void counting_sort(Neighbours *nb, const Particles *s, const Grid *grid, size_t keys)
+static void counting_sort(Neighbours *nb, const Particles *s, const Grid *grid, size_t keys, uint32_t *order,
+                          uint32_t *key)
 {
     const size_t n = s->n, stride = keys + 1;
     uint32_t *const counts = nb->start + stride; /* [threads][keys + 1], behind the result */
@@ -66,8 +63,8 @@ static void counting_sort(Neighbours *nb, const Particles *s, const Grid *grid, 
         memset(mine, 0, stride * sizeof *mine);
         for (size_t i = first; i < last; i++) {
             const double x[3] = {s->ref[0][i], s->ref[1][i], s->dim == 3 ? s->ref[2][i] : 0};
-            nb->key[i] = (uint32_t)((size_t)group_of(s, i) * grid->cells + grid_cell(grid, x));
-            mine[nb->key[i]]++;
+            key[i] = (uint32_t)((size_t)group_of(s, i) * grid->cells + grid_cell(grid, x));
+            mine[key[i]]++;
         }
 #pragma omp barrier
 #pragma omp single
@@ -83,7 +80,7 @@ static void counting_sort(Neighbours *nb, const Particles *s, const Grid *grid, 
             }
             nb->start[keys] = sum;
         }
-        for (size_t i = first; i < last; i++) nb->order[mine[nb->key[i]]++] = (uint32_t)i;
+        for (size_t i = first; i < last; i++) order[mine[key[i]]++] = (uint32_t)i;
     }
 }
 
@@ -232,8 +229,10 @@ MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, Mns
     const size_t keys = (size_t)GROUPS * grid.cells;
     if (!reserve(nb, keys)) return mns_fail(error, MNS_E_MEMORY, "no memory for a grid of %zu cells", grid.cells);
     nb->grid = grid;
-    counting_sort(nb, s, &grid, keys);
-    particles_permute(s, nb->order, nb->threads);
+    /* The bundles are out of date afterwards; meanwhile there is room in them for the sort. */
+    uint32_t *order = (uint32_t *)s->bundle[0], *key = order + s->n;
+    counting_sort(nb, s, &grid, keys, order, key);
+    particles_permute(s, order, nb->threads);
     memset(nb->end, 0, nb->n * sizeof *nb->end);
     const Trouble trouble = search_all(nb, s, model, &grid, distance);
     return trouble.no_memory || trouble.crowded != UINT32_MAX ? complain(&trouble, s, error) : MNS_OK;
@@ -250,7 +249,7 @@ size_t neighbours_pairs(const Neighbours *nb)
 size_t neighbours_bytes(const Neighbours *nb)
 {
     size_t bytes = nb->start_capacity * sizeof *nb->start;
-    bytes += nb->n * (sizeof *nb->offset + sizeof *nb->owner + sizeof *nb->end + sizeof *nb->order + sizeof *nb->key);
+    bytes += nb->n * (sizeof *nb->offset + sizeof *nb->owner + sizeof *nb->end);
     for (int k = 0; k < nb->threads; k++) bytes += nb->arena[k].capacity * sizeof *nb->arena[k].data;
     return bytes;
 }

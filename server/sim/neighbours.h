@@ -19,7 +19,6 @@ typedef struct Neighbours {
     size_t *offset;          /* [n] where the list of i begins, within ... */
     uint16_t *owner;         /* [n] ... the arena of this thread */
     uint16_t (*end)[GROUPS]; /* [n] entries [0, end[i][g]) of the list of i are of groups up to g */
-    uint32_t *order, *key;   /* [n] work space of the sort */
     uint32_t *start;         /* [GROUPS * cells + 1] first particle of each cell, by group */
     size_t start_capacity;
     Arena *arena; /* [threads] where the lists are */

@@ -25,8 +25,7 @@ static bool allocate(Particles *s, bool viscous)
     for (int d = 0; viscous && d < s->dim; d++)
         if (!(s->v_wall[d] = array_new(n_wall, sizeof(double)))) return false;
     s->rate = array_new(s->n, sizeof(double));
-    s->scratch = array_new(s->n, sizeof(double));
-    bool well = s->rate && s->scratch;
+    bool well = s->rate;
     for (int k = 0; k < 3; k++) well = (s->bundle[k] = array_new(s->n, sizeof *s->bundle[k])) && well;
     s->stale = ~0u;
     return well;
@@ -53,7 +52,6 @@ void particles_done(Particles *s)
     for (int d = 0; d < 3; d++) free(s->v_wall[d]);
     for (int k = 0; k < 3; k++) free(s->bundle[k]);
     free(s->rate);
-    free(s->scratch);
     *s = (Particles){0};
 }
 
@@ -78,15 +76,15 @@ static void permute_u8(uint8_t *restrict to, const uint8_t *restrict from, const
     for (size_t k = 0; k < n; k++) to[k] = from[order[k]];
 }
 
-/* Fill the scratch array and let it change places with the field. */
+/* Fill the work space and let it change places with the field. */
 static void permute_field(Particles *s, int f, int d, const uint32_t *order, int threads)
 {
-    void *from = particles_field(s, f, d), *to = s->scratch;
+    void *from = particles_field(s, f, d), *to = s->rate;
     switch (mns_fields()[f].type) {
     case MNS_F64:
         permute_f64(to, from, order, s->n, threads);
         particles_set_field(s, f, d, to);
-        s->scratch = from;
+        s->rate = from;
         break;
     case MNS_U32:
         permute_u32(to, from, order, s->n, threads);
@@ -105,7 +103,7 @@ void particles_permute(Particles *s, const uint32_t *from, int threads)
         for (int d = 0; d < components(s, f); d++) permute_field(s, f, d, from, threads);
     const size_t first = particles_fluid(s), n_wall = s->n - first;
     for (size_t a = 0; a < s->n_phases; a++) {
-        double *to = s->scratch;
+        double *to = s->rate;
         for (size_t k = 0; k < n_wall; k++) to[k] = s->p_wall[a][from[first + k] - first];
         memcpy(s->p_wall[a], to, n_wall * sizeof *to);
     }
@@ -114,7 +112,7 @@ void particles_permute(Particles *s, const uint32_t *from, int threads)
 
 size_t particles_bytes(const Particles *s)
 {
-    size_t each = 2 * sizeof(double) + 3 * sizeof *s->bundle[0]; /* rate, scratch */
+    size_t each = sizeof *s->rate + 3 * sizeof *s->bundle[0];
     for (int f = 0; mns_fields()[f].name; f++) each += field_size(&mns_fields()[f]) * (size_t)components(s, f);
     return each * s->n + (s->n - particles_fluid(s)) * sizeof(double) * (s->n_phases + (s->v_wall[0] ? 3 : 0));
 }

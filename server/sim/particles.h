@@ -18,15 +18,14 @@ typedef struct Particles {
     uint8_t *phase;                 /* fluid; n_phases + wall for a dummy particle */
     double *x[3], *v[3], *a[3];     /* position, velocity, acceleration */
     double *b[3];                   /* acceleration by the background pressure, a_b of P3 eq. 11 */
-    double *w[3];                   /* advection velocity less velocity */
     double *ref[3];                 /* position when the neighbour lists were built */
     double *m, *rho, *p, *vol, *z;  /* mass, density, pressure, volume, impedance rho c */
     double *p_wall[MNS_MAX_FLUIDS]; /* [n_wall] pressure a wall shows to each fluid */
     double *v_wall[3];              /* [n_wall] fluid velocity extrapolated into a wall; NULL without viscosity */
-    double *rate;                   /* [n] within a step only: continuity: d rho/dt; summation: sum of W */
-    void *scratch;                  /* [n] doubles, to permute */
-    double (*bundle[3])[4];         /* [n] copies for the neighbours (bundle.h) */
-    unsigned stale;                 /* those that are out of date, as bits */
+    double *
+        rate; /* [n] within a step only: continuity: d rho/dt; summation: sum of W; between steps work space to permute */
+    double (*bundle[3])[4]; /* [n] copies for the neighbours (bundle.h) */
+    unsigned stale;         /* those that are out of date, as bits */
 } Particles;
 
 static inline size_t particles_fluid(const Particles *s)

@@ -27,8 +27,8 @@ static int terms_for(const Pass *pass, int group, const Model *model, const Term
     return n;
 }
 
-static void rows_each(const Pass *pass, const Term *const *terms, int n_terms, int group, Particles *s, const Neighbours *nb,
-                      const Model *model, int threads)
+static void rows_each(const Pass *pass, const Term *const *terms, int n_terms, int group, Particles *s,
+                      const Neighbours *nb, const Model *model, int threads)
 {
     const size_t first = s->begin[group], last = s->begin[group + 1];
     unsigned needs = 0;

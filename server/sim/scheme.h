@@ -63,7 +63,7 @@ typedef struct Scheme {
     Pass rates[SCHEME_PASSES_MAX];          /* every step, at the new positions; a nameless pass ends the list */
     int given;                              /* passes left out at the start, where the case gives their results */
     const Local *derive; /* what follows from the state without neighbours, after it was set or restored */
-    int restored[2]; /* and with neighbours: passes from the first to before the second */
+    int restored[2];     /* and with neighbours: passes from the first to before the second */
     void (*options)(Model *, const MnsCase *); /* from the case to the model */
 } Scheme;
 

@@ -121,7 +121,7 @@ void cloud_term(Cloud *cloud, const Term *term)
     Particles *s = &cloud->s;
     for (size_t i = 0; i < s->n; i++) {
         s->rate[i] = 0;
-        for (int d = 0; d < s->dim; d++) s->a[d][i] = s->b[d][i] = 0;
+        for (int d = 0; d < s->dim; d++) s->a[d][i] = 0;
     }
     s->stale = ~0u;
     const Pass pass = {"alone", .terms = {term}};

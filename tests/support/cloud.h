@@ -40,7 +40,7 @@ void cloud_free(Cloud *cloud);
 /* Build the lists again from where the particles are now, which may change their order. */
 MnsStatus cloud_build(Cloud *cloud);
 
-/* Sums of one term for all its particles, after a, b and rate were set to zero. */
+/* Sums of one term for all its particles, after a and rate were set to zero. */
 void cloud_term(Cloud *cloud, const Term *term);
 
 /* Fluid pressures, velocities and densities without any symmetry; p below 10 % of rho c^2 and of either sign, so that

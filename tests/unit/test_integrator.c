@@ -29,10 +29,9 @@ static void a_step_is_kick_drift_kick(void **state)
             const double *a = before->data[mns_field_find("acceleration")][d];
             const double *b = before->data[mns_field_find("background_acceleration")][d];
             /* Rounding of values of up to 10. */
-            assert_close(s->w[d][i], 0.5 * dt * b[i], 1e-15);
             assert_close(s->x[d][i], x[i] + dt * (v[i] + 0.5 * dt * (a[i] + b[i])), 1e-15);
             assert_close(s->v[d][i], v[i] + 0.5 * dt * (a[i] + s->a[d][i]), 1e-14);
-            pushed = fmax(pushed, dt * fabs(s->w[d][i]));
+            pushed = fmax(pushed, dt * fabs(0.5 * dt * b[i]));
         }
         const bool summed = i >= s->begin[GROUP_SUMMATION];
         assert_close(s->rho[i], summed ? s->m[i] * s->rate[i] : rho[i] + dt * s->rate[i], 1e-15);

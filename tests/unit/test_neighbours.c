@@ -205,7 +205,6 @@ static void particles_keep_their_own_values_when_sorted(void **state)
             s->v[d][i] = mark + 0.1 * (d + 1);
             s->a[d][i] = mark + 0.2 * (d + 1);
             s->b[d][i] = mark + 0.01 * (d + 1);
-            s->w[d][i] = mark + 0.02 * (d + 1);
         }
         s->m[i] = mark + 0.31;
         s->rho[i] = mark + 0.32;
@@ -225,7 +224,6 @@ static void particles_keep_their_own_values_when_sorted(void **state)
             assert_true(s->v[d][i] == mark + 0.1 * (d + 1));
             assert_true(s->a[d][i] == mark + 0.2 * (d + 1));
             assert_true(s->b[d][i] == mark + 0.01 * (d + 1));
-            assert_true(s->w[d][i] == mark + 0.02 * (d + 1));
         }
         assert_true(s->m[i] == mark + 0.31 && s->rho[i] == mark + 0.32 && s->p[i] == mark + 0.33);
         assert_true(s->vol[i] == mark + 0.34 && s->z[i] == mark + 0.35);

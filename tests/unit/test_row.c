@@ -54,8 +54,8 @@ static void check_pair(const Cloud *cloud, const Row *row, size_t k)
     const bool carries = group_of(s, j) == GROUP_SUMMATION;
     for (int d = 0; d < s->dim; d++) {
         assert_true(b->v[d][l] == s->v[d][j]);
-        if (row->summed)
-            assert_close(b->q[d][l], carries ? s->m[j] * s->w[d][j] : 0, 1e-15 * fabs(s->m[j] * s->w[d][j]));
+        const double q = carries ? s->m[j] * 0.5 * cloud->model.dt * s->b[d][j] : 0;
+        if (row->summed) assert_close(b->q[d][l], q, 1e-15 * fabs(q));
     }
 }
 
@@ -71,7 +71,7 @@ static void every_pair_in_reach_is_there_once_and_right(void **state)
         uint64_t seed = 5;
         cloud_stir(cloud, 3);
         for (int d = 0; d < dim; d++)
-            for (size_t i = 0; i < s->n; i++) s->w[d][i] = 0.4 * cloud_noise(&seed);
+            for (size_t i = 0; i < s->n; i++) s->b[d][i] = 800 * cloud_noise(&seed);
         for (size_t i = 0; i < s->n; i++) {
             Row row;
             row_of(cloud, i, &row, ROW_LISTED);

@@ -13,13 +13,12 @@ static void kick_and_drift(MnsSim *sim, double dt)
     const size_t n = particles_fluid(s);
     const double half = 0.5 * dt;
     for (int d = 0; d < s->dim; d++) {
-        double *restrict x = s->x[d], *restrict v = s->v[d], *restrict w = s->w[d];
+        double *restrict x = s->x[d], *restrict v = s->v[d];
         const double *restrict a = s->a[d], *restrict b = s->b[d];
 #pragma omp parallel for simd schedule(static) num_threads(sim->threads)
         for (size_t i = 0; i < n; i++) {
             v[i] += half * a[i];
-            w[i] = half * b[i];
-            x[i] += dt * (v[i] + w[i]);
+            x[i] += dt * (v[i] + half * b[i]);
         }
     }
 }

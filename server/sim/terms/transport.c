@@ -21,6 +21,7 @@ INLINE void background_row(const Row *row, Particles *s, const Model *model, int
 {
     const size_t i = row->i;
     const Phase *phase = &model->phase[s->phase[i]];
+    const double half = 0.5 * model->dt;
     Lanes sums[3] = {0};
     for (const Block *b = row->block; b < row->block + row->n; b++)
 #pragma omp simd
@@ -31,8 +32,8 @@ INLINE void background_row(const Row *row, Particles *s, const Model *model, int
     double along_w = 0;
     for (int d = 0; d < dim; d++) {
         const double sum = lanes_sum(&sums[d]);
+        along_w += half * s->b[d][i] * sum; /* w of this step, of the last one's b */
         s->b[d][i] = -2 * phase->p_b / s->rho[i] * sum;
-        along_w += s->w[d][i] * sum;
     }
     if (!model->transport_stress || !phase->summation) return;
     for (int d = 0; d < dim; d++) s->a[d][i] += s->vol[i] * s->rho[i] / s->m[i] * s->v[d][i] * along_w;
