@@ -48,6 +48,30 @@ static bool reserve(Neighbours *nb, size_t keys)
     return true;
 }
 
+/* From how often each key occurs in the share of each thread, counts[team][keys + 1], to where its particles begin: over all
+ * threads in start[keys + 1], and of each in its counts. Every thread takes a share of the keys; called by all of them. */
+static void sum_counts(uint32_t *start, uint32_t *counts, size_t keys, size_t me, size_t team)
+{
+    const size_t stride = keys + 1, first = keys * me / team, last = keys * (me + 1) / team;
+    uint32_t *const total = counts + keys; /* [t * stride]: of the keys of thread t */
+    uint32_t sum = 0;
+    for (size_t t = 0; t < team; t++)
+        for (size_t k = first; k < last; k++) sum += counts[t * stride + k];
+    total[me * stride] = sum;
+#pragma omp barrier
+    sum = 0;
+    for (size_t t = 0; t < me; t++) sum += total[t * stride];
+    for (size_t k = first; k < last; k++) {
+        start[k] = sum;
+        for (size_t t = 0; t < team; t++) {
+            const uint32_t count = counts[t * stride + k];
+            counts[t * stride + k] = sum;
+            sum += count;
+        }
+    }
+    if (me + 1 == team) start[keys] = sum;
+}
+
 /* Each thread takes a fixed share of the particles, counts its keys, and later writes its particles behind those of the
  * threads before it: the order within a key is the order of storage whatever the number of threads. */
 static void counting_sort(Neighbours *nb, const Particles *s, const Grid *grid, size_t keys, uint32_t *order,
@@ -67,19 +91,8 @@ static void counting_sort(Neighbours *nb, const Particles *s, const Grid *grid, 
             mine[key[i]]++;
         }
 #pragma omp barrier
-#pragma omp single
-        {
-            uint32_t sum = 0;
-            for (size_t k = 0; k < keys; k++) {
-                nb->start[k] = sum;
-                for (size_t t = 0; t < team; t++) {
-                    const uint32_t count = counts[t * stride + k];
-                    counts[t * stride + k] = sum;
-                    sum += count;
-                }
-            }
-            nb->start[keys] = sum;
-        }
+        sum_counts(nb->start, counts, keys, me, team);
+#pragma omp barrier
         for (size_t i = first; i < last; i++) order[mine[key[i]]++] = (uint32_t)i;
     }
 }
@@ -222,6 +235,13 @@ static MnsStatus complain(const Trouble *trouble, const Particles *s, MnsError *
         s->id[i], s->x[0][i], s->x[1][i], s->dim == 3 ? s->x[2][i] : 0, ROW_MAX);
 }
 
+/* Lists that a search without memory does not come to are empty. */
+static void clear_ends(Neighbours *nb)
+{
+#pragma omp parallel for schedule(static) num_threads(nb->threads)
+    for (size_t i = 0; i < nb->n; i++) memset(nb->end[i], 0, sizeof nb->end[i]);
+}
+
 MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, MnsError *error)
 {
     const double distance = model->kernel.support + model->skin;
@@ -233,7 +253,7 @@ MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, Mns
     uint32_t *order = (uint32_t *)s->bundle[0], *key = order + s->n;
     counting_sort(nb, s, &grid, keys, order, key);
     particles_permute(s, order, nb->threads);
-    memset(nb->end, 0, nb->n * sizeof *nb->end);
+    clear_ends(nb);
     const Trouble trouble = search_all(nb, s, model, &grid, distance);
     return trouble.no_memory || trouble.crowded != UINT32_MAX ? complain(&trouble, s, error) : MNS_OK;
 }

@@ -104,8 +104,10 @@ void particles_permute(Particles *s, const uint32_t *from, int threads)
     const size_t first = particles_fluid(s), n_wall = s->n - first;
     for (size_t a = 0; a < s->n_phases; a++) {
         double *to = s->rate;
+#pragma omp parallel for schedule(static) num_threads(threads)
         for (size_t k = 0; k < n_wall; k++) to[k] = s->p_wall[a][from[first + k] - first];
-        memcpy(s->p_wall[a], to, n_wall * sizeof *to);
+#pragma omp parallel for schedule(static) num_threads(threads)
+        for (size_t k = 0; k < n_wall; k++) s->p_wall[a][k] = to[k];
     }
     s->stale = ~0u;
 }
