@@ -24,7 +24,7 @@ WARN      += $(if $(findstring clang,$(CC)),-Wno-pass-failed -Wno-sign-conversio
 FLOAT     := -fno-math-errno -fno-trapping-math -ffp-contract=off
 OPT       := -O2 -ftree-vectorize $(if $(MARCH),-march=$(MARCH))
 # The solver's short loops over dimensions must be unrolled, and its blocks of eight doubles are one register where there are such.
-HOT       := -O3 $(if $(filter x86_64,$(shell uname -m)),-mprefer-vector-width=512)
+HOT       := -O3 $(if $(filter x86_64%,$(shell $(CC) -dumpmachine)),-mprefer-vector-width=512)
 PKGS      := libzmq libprotobuf-c hdf5-serial yaml-0.1 jansson cairo libsystemd libxxhash lua5.4
 CLIENT_PKGS := libzmq libprotobuf-c yaml-0.1 libxxhash
 # Asked once; a package that is missing is reported by the recipe of the stamps, so that `make packages` can be run.
@@ -61,7 +61,7 @@ all: $(BUILD)/meniscusd $(BUILD)/meniscus $(BUILD)/libmeniscus.a $(BUILD)/libmen
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z][a-z-]*:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' Makefile
 	@echo "variables: BUILD=$(BUILD) CC=$(CC) PREFIX=$(PREFIX) MARCH=$(MARCH) SANITIZE=$(SANITIZE) V=$(V)"
-	@echo "           MARCH=native builds for this machine alone; CPPFLAGS, CFLAGS, LDFLAGS, LDLIBS are added to ours"
+	@echo "           MARCH=native builds for this machine alone, for no gain; CPPFLAGS, CFLAGS, LDFLAGS, LDLIBS are added to ours"
 
 packages: ## install the Debian packages that are missing
 	@tests/support/packages.sh

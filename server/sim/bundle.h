@@ -25,7 +25,7 @@ enum {
 /* In Particles.stale, besides a bit for each bundle: marks of the lists of a group, STALE_MARKS << group. */
 enum { STALE_MARKS = 8 };
 
-/* Positions, velocities or advection velocities have changed; pressures, densities or impedances have. */
+/* Pressures of walls are not kept up to date: a wall shows each fluid another (Particles.p_wall). Positions, velocities or advection velocities have changed; pressures, densities or impedances have. */
 void bundles_moved(Particles *s);
 void bundles_compressed(Particles *s);
 

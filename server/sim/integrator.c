@@ -114,8 +114,7 @@ void integrator_derive(MnsSim *sim)
 {
     bundles_moved(&sim->s);
     local_run(sim->scheme->derive, &sim->s, &sim->model, sim->threads);
-    for (int k = sim->scheme->restored[0]; k < sim->scheme->restored[1]; k++)
-        pass_run(&sim->scheme->rates[k], &sim->s, &sim->nb, &sim->model, sim->threads);
+    if (sim->scheme->restore) pass_run(sim->scheme->restore, &sim->s, &sim->nb, &sim->model, sim->threads);
 }
 
 MnsStatus integrator_restart(MnsSim *sim, MnsError *error)
@@ -132,6 +131,7 @@ MnsStatus integrator_start(MnsSim *sim, MnsError *error)
 {
     remember_positions(sim);
     const MnsStatus status = integrator_restart(sim, error);
+    bundles_moved(&sim->s); /* so that what is done again has the rounding that a restart will have */
     if (!status) integrator_rates(sim, sim->scheme->given);
     return status;
 }

@@ -3,7 +3,7 @@
 #include <string.h>
 
 static const char *const NAMES[] = {
-#ifdef __x86_64__
+#if HAS_LEVELS
     [LEVEL_BASE] = "x86-64",
     [LEVEL_V3] = "x86-64-v3",
     [LEVEL_V4] = "x86-64-v4",
@@ -16,14 +16,18 @@ static int forced = -1;
 
 static Level best(void)
 {
-#ifdef __x86_64__
+#if HAS_LEVELS
+    /* Of v3 those that machines came with, and that clang 14 knows the names of; the others came with them. */
+    if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma") || !__builtin_cpu_supports("bmi") ||
+        !__builtin_cpu_supports("bmi2"))
+        return LEVEL_BASE;
     if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd") &&
         __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
         return LEVEL_V4;
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2"))
-        return LEVEL_V3;
-#endif
+    return LEVEL_V3;
+#else
     return LEVEL_BASE;
+#endif
 }
 
 Level level_in_use(void)

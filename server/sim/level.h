@@ -10,11 +10,14 @@
 /* Part of each function it is called from, and so compiled for that one's level. */
 #define INLINE static inline __attribute__((always_inline))
 
-#ifdef __x86_64__
+/* Built for one machine with -march, there is that one level. */
+#if defined __x86_64__ && !defined __AVX2__
+#define HAS_LEVELS 1
 typedef enum Level { LEVEL_BASE, LEVEL_V3, LEVEL_V4, LEVELS } Level;
 #define FOR_V3 __attribute__((target("arch=x86-64-v3")))
 #define FOR_V4 __attribute__((target("arch=x86-64-v4")))
 #else
+#define HAS_LEVELS 0
 typedef enum Level { LEVEL_BASE, LEVELS } Level;
 #endif
 

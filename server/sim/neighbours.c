@@ -119,7 +119,7 @@ typedef struct Search {
     int n_runs;
 } Search;
 
-/* The same, to the nearest image. */
+/* Append the members of one group within reach of i to list, by nearest images; returns how many. */
 static size_t search_periodic(const Search *q, size_t i, uint32_t *restrict list)
 {
     const double *const *ref = (const double *const *)q->s->ref;
@@ -180,6 +180,7 @@ static void search_cell(Neighbours *nb, Arena *arena, Search q, Group group, siz
             if (target < targets) {
                 q.start = nb->start + (size_t)target * cells;
                 if (!arena_reserve(arena, candidates(&q) + n + MARK_WORDS_MAX + SELECT_SLACK)) {
+                    memset(nb->end[i], 0, sizeof nb->end[i]);
                     trouble->no_memory = true;
                     return;
                 }

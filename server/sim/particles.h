@@ -25,7 +25,7 @@ typedef struct Particles {
     double *
         rate; /* [n] within a step only: continuity: d rho/dt; summation: sum of W; between steps work space to permute */
     double (*bundle[3])[4]; /* [n] copies for the neighbours (bundle.h) */
-    unsigned stale;         /* those that are out of date, as bits */
+    unsigned stale;         /* those that are out of date, and marks of lists, as bits (bundle.h) */
 } Particles;
 
 static inline size_t particles_fluid(const Particles *s)

@@ -27,8 +27,8 @@ static int terms_for(const Pass *pass, int group, const Model *model, const Term
     return n;
 }
 
-static void rows_each(const Pass *pass, const Term *const *terms, int n_terms, int group, Particles *s,
-                      const Neighbours *nb, const Model *model, int threads)
+static void rows_each(const Term *const *terms, int n_terms, int group, Particles *s, const Neighbours *nb,
+                      const Model *model, int threads)
 {
     const size_t first = s->begin[group], last = s->begin[group + 1];
     unsigned needs = 0;
@@ -40,12 +40,11 @@ static void rows_each(const Pass *pass, const Term *const *terms, int n_terms, i
         Row row;
 #pragma omp for schedule(dynamic, CHUNK_ROWS)
         for (size_t i = first; i < last; i++) {
-            if (pass->mixed && !nb->end[i][GROUP_CONTINUITY]) continue;
             row_build(&row, nb, s, model, i, needs, pairs);
             for (int k = 0; k < n_terms; k++) term_row(terms[k], &row, s, model);
         }
     }
-    if (!pass->mixed) s->stale &= ~((unsigned)STALE_MARKS << group); /* or some rows were left out */
+    s->stale &= ~((unsigned)STALE_MARKS << group);
 }
 
 void pass_run(const Pass *pass, Particles *s, const Neighbours *nb, const Model *model, int threads)
@@ -54,8 +53,7 @@ void pass_run(const Pass *pass, Particles *s, const Neighbours *nb, const Model 
     for (int g = 0; g < GROUPS; g++) {
         const Term *terms[PASS_TERMS_MAX];
         const int n = terms_for(pass, g, model, terms);
-        if (n > 0) rows_each(pass, terms, n, g, s, nb, model, threads);
+        if (n > 0) rows_each(terms, n, g, s, nb, model, threads);
     }
-    if (pass->compresses) bundles_compressed(s);
     for (int k = 0; k < PASS_LOCALS_MAX && pass->after[k]; k++) local_run(pass->after[k], s, model, threads);
 }

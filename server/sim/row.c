@@ -5,14 +5,14 @@
 #include <math.h>
 #include <string.h>
 
-typedef double Quad __attribute__((vector_size(32)));
+typedef double Quad __attribute__((vector_size(32), may_alias));
 
 /* Four bundles, transposed. */
 typedef struct Quads {
     Quad a, b, c, d;
 } Quads;
 
-INLINE Quads transposed(const double (*restrict bundle)[4], const uint32_t *restrict j)
+INLINE Quads transposed(double (*restrict bundle)[4], const uint32_t *restrict j)
 {
     const Quad k0 = *(const Quad *)bundle[j[0]], k1 = *(const Quad *)bundle[j[1]], k2 = *(const Quad *)bundle[j[2]],
                k3 = *(const Quad *)bundle[j[3]];
@@ -26,7 +26,7 @@ INLINE Quads transposed(const double (*restrict bundle)[4], const uint32_t *rest
 }
 
 /* Bundles of eight particles, transposed: a gets the first quantity of all, b the second ... */
-INLINE void fetch_quads(const double (*restrict bundle)[4], const uint32_t *restrict j, double *restrict a,
+INLINE void fetch_quads(double (*restrict bundle)[4], const uint32_t *restrict j, double *restrict a,
                         double *restrict b, double *restrict c, double *restrict d)
 {
     for (int l = 0; l < LANES; l += 4) {
@@ -38,8 +38,8 @@ INLINE void fetch_quads(const double (*restrict bundle)[4], const uint32_t *rest
     }
 }
 
-#ifdef __x86_64__
-typedef double Oct __attribute__((vector_size(64)));
+#if HAS_LEVELS
+typedef double Oct __attribute__((vector_size(64), may_alias));
 
 /* A macro, as no function may return a vector that its instruction set does not have. */
 #define BOTH(first, second)                                                                                            \
@@ -47,8 +47,8 @@ typedef double Oct __attribute__((vector_size(64)));
 
 /* The same where registers hold eight doubles, with a third of the shuffles. What is stored is loaded again as eight, which could
  * not be forwarded from two stores of four. */
-INLINE void fetch_octs(const double (*restrict bundle)[4], const uint32_t *restrict j, double *restrict a,
-                       double *restrict b, double *restrict c, double *restrict d)
+INLINE void fetch_octs(double (*restrict bundle)[4], const uint32_t *restrict j, double *restrict a, double *restrict b,
+                       double *restrict c, double *restrict d)
 {
     const Oct k04 = BOTH(j[0], j[4]), k15 = BOTH(j[1], j[5]), k26 = BOTH(j[2], j[6]), k37 = BOTH(j[3], j[7]);
     const Oct even01 = __builtin_shufflevector(k04, k15, 0, 8, 2, 10, 4, 12, 6, 14),
@@ -62,7 +62,7 @@ INLINE void fetch_octs(const double (*restrict bundle)[4], const uint32_t *restr
 }
 #endif
 
-typedef void (*Fetch)(const double (*bundle)[4], const uint32_t *j, double *a, double *b, double *c, double *d);
+typedef void (*Fetch)(double (*bundle)[4], const uint32_t *j, double *a, double *b, double *c, double *d);
 
 INLINE void fetch_block(Block *block, const uint32_t *j, const Particles *s, unsigned needs, int dim, Fetch fetch)
 {
@@ -77,17 +77,18 @@ INLINE void fetch_block(Block *block, const uint32_t *j, const Particles *s, uns
     }
 }
 
-/* Fill up the last block of n neighbours with one of them, or with anybody if n is 0; returns how many blocks. */
+/* Fill up the last block of n neighbours with one of them; returns how many blocks. */
 INLINE size_t fill_up(uint32_t *j, size_t n)
 {
-    const uint32_t anybody = j[0];
-    for (size_t l = 0; l < LANES; l++) j[n + l] = anybody;
+    if (!n) return 0;
+    const uint32_t one = j[0];
+    for (size_t l = 0; l < LANES; l++) j[n + l] = one;
     return (n + LANES - 1) / LANES;
 }
 
 INLINE size_t copy(uint32_t *j, const uint32_t *list, size_t n)
 {
-    for (size_t k = 0; k < n; k += LANES) memcpy(j + k, list + k, LANES * sizeof *list);
+    memcpy(j, list, n * sizeof *list);
     return n;
 }
 
@@ -217,7 +218,7 @@ INLINE void build(Row *row, const Neighbours *nb, const Particles *s, const Mode
 typedef void (*Build)(Row *, const Neighbours *, const Particles *, const Model *, size_t, unsigned, RowPairs);
 BUILD(base, , 2, fetch_quads)
 BUILD(base, , 3, fetch_quads)
-#ifdef __x86_64__
+#if HAS_LEVELS
 BUILD(v3, FOR_V3, 2, fetch_quads)
 BUILD(v3, FOR_V3, 3, fetch_quads)
 BUILD(v4, FOR_V4, 2, fetch_octs)

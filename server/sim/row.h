@@ -48,6 +48,8 @@ typedef struct Lanes {
     double of[LANES];
 } Lanes;
 
+_Static_assert((int)SELECT_SLACK >= (int)LANES && (int)ROW_MAX % (int)LANES == 0, "room for padding");
+
 INLINE double lanes_sum(const Lanes *a)
 {
     return ((a->of[0] + a->of[4]) + (a->of[2] + a->of[6])) + ((a->of[1] + a->of[5]) + (a->of[3] + a->of[7]));
@@ -63,7 +65,7 @@ typedef void (*RowFunction)(const Row *row, Particles *s, const Model *model);
     {                                                                                                                  \
         name(row, s, model, dim);                                                                                      \
     }
-#ifdef __x86_64__
+#if HAS_LEVELS
 #define ROW_FUNCTIONS(name)                                                                                            \
     ROW_FUNCTION(name, base, , 2)                                                                                      \
     ROW_FUNCTION(name, base, , 3)                                                                                      \

@@ -37,8 +37,6 @@ typedef struct Pass {
     const Local *before[PASS_LOCALS_MAX];
     const Term *terms[PASS_TERMS_MAX];
     const Local *after[PASS_LOCALS_MAX];
-    bool mixed;      /* only particles with neighbours that follow continuity */
-    bool compresses; /* its terms change pressures or densities */
 } Pass;
 
 /* How a step is made of evaluations of the rates. */
@@ -63,7 +61,7 @@ typedef struct Scheme {
     Pass rates[SCHEME_PASSES_MAX];          /* every step, at the new positions; a nameless pass ends the list */
     int given;                              /* passes left out at the start, where the case gives their results */
     const Local *derive; /* what follows from the state without neighbours, after it was set or restored */
-    int restored[2];     /* and with neighbours: passes from the first to before the second */
+    const Pass *restore; /* and with neighbours; NULL if nothing does */
     void (*options)(Model *, const MnsCase *); /* from the case to the model */
 } Scheme;
 

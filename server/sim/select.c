@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "sim/select.h"
 
-#ifdef __x86_64__
+#if HAS_LEVELS
 #include <immintrin.h>
 #endif
 
@@ -37,7 +37,7 @@ static size_t plain_near(const Points *points, uint32_t first, uint32_t last, co
     return count;
 }
 
-#ifdef __x86_64__
+#if HAS_LEVELS
 
 FOR_V4 static void marks_4(const double *r, size_t stride, size_t blocks, double reach, uint8_t *marks)
 {
@@ -88,7 +88,7 @@ FOR_V4 static size_t near_4(const Points *points, uint32_t first, uint32_t last,
 void select_marks(Level level, const double *r, size_t stride, size_t blocks, double reach, uint8_t *marks)
 {
     (void)level;
-#ifdef __x86_64__
+#if HAS_LEVELS
     if (level == LEVEL_V4) {
         marks_4(r, stride, blocks, reach, marks);
         return;
@@ -100,7 +100,7 @@ void select_marks(Level level, const double *r, size_t stride, size_t blocks, do
 size_t select_marked(Level level, const uint32_t *list, size_t n, const uint8_t *bits, uint32_t *out)
 {
     (void)level;
-#ifdef __x86_64__
+#if HAS_LEVELS
     if (level == LEVEL_V4) return marked_4(list, n, bits, out);
 #endif
     return plain_marked(list, n, bits, out);
@@ -110,7 +110,7 @@ size_t select_near(Level level, const Points *points, uint32_t first, uint32_t l
                    double distance2, uint32_t self, uint32_t *out)
 {
     (void)level;
-#ifdef __x86_64__
+#if HAS_LEVELS
     if (level == LEVEL_V4) return near_4(points, first, last, at, distance2, self, out);
 #endif
     return plain_near(points, first, last, at, distance2, self, out);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Pick the few of many: the two loops that compilers do not vectorise, since how much they write depends on the data. Written
+/* Pick the few of many: loops that compilers do not vectorise, since how much they write depends on the data, and what marks them. Written
  * for the instruction sets that have what it takes, chosen while running, with a plain twin that gives the same. */
 #ifndef SIM_SELECT_H
 #define SIM_SELECT_H

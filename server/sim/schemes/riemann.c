@@ -53,13 +53,12 @@ const Scheme scheme_riemann = {
         {
             {"density", .terms = {&number_density, &riemann_density},
              .after = {&advance_density, &mass_over_volume, &linear_pressure}},
-            {"bubbles", .terms = {&bubble_pressure}, .mixed = true, .compresses = true},
             {"walls", .terms = {&wall_pressure, &wall_velocity}},
             {"forces", .before = {&body_force},
              .terms = {&riemann_momentum, &background, &transport_stress, &viscosity, &wall_friction}},
         },
     .given = 1,
     .derive = &linear_pressure,
-    .restored = {1, 3},
+    .restore = &scheme_riemann.rates[1],
     .options = riemann_options,
 };

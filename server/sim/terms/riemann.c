@@ -11,7 +11,8 @@
 /* What is fixed in the pairs of one particle. */
 typedef struct Side {
     double v[3], p, z, rho, c, rho0, V;
-    const double *p_wall; /* by index of particle */
+    const double *p_wall; /* by index of wall particle */
+    uint32_t first_wall;
 } Side;
 
 INLINE Side side_of(const Particles *s, const Model *model, size_t i)
@@ -19,7 +20,8 @@ INLINE Side side_of(const Particles *s, const Model *model, size_t i)
     const Phase *phase = &model->phase[s->phase[i]];
     Side a = {.p = s->p[i], .z = s->z[i], .rho = s->rho[i], .c = phase->c, .rho0 = phase->rho0, .V = s->vol[i]};
     for (int d = 0; d < s->dim; d++) a.v[d] = s->v[d][i];
-    a.p_wall = s->p_wall[s->phase[i]] - particles_fluid(s);
+    a.p_wall = s->p_wall[s->phase[i]];
+    a.first_wall = (uint32_t)particles_fluid(s);
     return a;
 }
 
@@ -47,7 +49,7 @@ INLINE void riemann_density_row(const Row *row, Particles *s, const Model *model
         const uint32_t *j = row_j(row, b);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const double pw = a.p_wall[j[l]], zw = (a.rho0 + pw * inverse_c2) * a.c;
+            const double pw = a.p_wall[j[l] - a.first_wall], zw = (a.rho0 + pw * inverse_c2) * a.c;
             sum.of[l] += b->V[l] * b->F[l] * (zw * opening(&a, b, l, dim) + (a.p - pw) * b->r[l]) / (a.z + zw);
         }
     }
@@ -78,7 +80,7 @@ INLINE void riemann_momentum_row(const Row *row, Particles *s, const Model *mode
         const uint32_t *j = row_j(row, b);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const double pw = a.p_wall[j[l]], rho_w = a.rho0 + pw * inverse_c2;
+            const double pw = a.p_wall[j[l] - a.first_wall], rho_w = a.rho0 + pw * inverse_c2;
             const double c = a.V * b->V[l] * ((a.rho * pw + rho_w * a.p) / (a.rho + rho_w)) * b->F[l];
             for (int d = 0; d < dim; d++) sum[d].of[l] += c * b->x[d][l];
         }

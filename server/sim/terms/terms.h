@@ -10,7 +10,6 @@ extern const Term riemann_density;  /* riemann.c           continuity with the R
 extern const Term riemann_momentum; /* riemann.c           pressure force with the Riemann pressure     */
 extern const Term background;       /* transport.c         advection acceleration and its stress        */
 extern const Term transport_stress; /* transport.c         stress of the neighbours' advection velocity */
-extern const Term bubble_pressure;  /* bubble.c            of gas that is not resolved                 */
 extern const Term viscosity;        /* viscosity.c         between fluids                               */
 extern const Term wall_friction;    /* viscosity.c         on walls without slip                        */
 extern const Term wall_pressure;    /* wall.c              pressure a wall shows to each fluid          */
