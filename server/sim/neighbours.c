@@ -251,7 +251,8 @@ MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, Mns
     if (!reserve(nb, keys)) return mns_fail(error, MNS_E_MEMORY, "no memory for a grid of %zu cells", grid.cells);
     nb->grid = grid;
     /* The bundles are out of date afterwards; meanwhile there is room in them for the sort. */
-    uint32_t *order = (uint32_t *)s->bundle[0], *key = order + s->n;
+    void *room = s->bundle[0];
+    uint32_t *order = room, *key = order + s->n;
     counting_sort(nb, s, &grid, keys, order, key);
     particles_permute(s, order, nb->threads);
     clear_ends(nb);

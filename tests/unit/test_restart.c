@@ -36,6 +36,9 @@ static void assert_restart(int dim, int before, unsigned threads, unsigned other
     assert_true(mns_sim_hash(again) != then);
     assert_int_equal(mns_sim_restore(again, capture, NULL), MNS_OK);
     assert_true(mns_sim_hash(again) == then);
+    for (size_t a = 0; a < sim->s.n_phases; a++) /* what the next step begins with besides */
+        assert_memory_equal(again->s.p_wall[a], sim->s.p_wall[a],
+                            (sim->s.n - particles_fluid(&sim->s)) * sizeof(double));
     mns_capture_free(capture);
     sim_steps(sim, 100);
     sim_steps(again, 100);
