@@ -40,8 +40,7 @@ static void a_step_is_kick_drift_kick(void **state)
     assert_true(pushed > 1e-9); /* seen against the rounding above */
     /* The last half kick is seen by who asks for the neighbours' velocities now, to say whose fault it was. */
     bundles_refresh(&sim->s, &sim->model, NEED_ALL, 1);
-    for (size_t i = 0; i < s->n; i++)
-        assert_true(s->bundle[0][i][3] == s->v[0][i] && s->bundle[1][i][0] == s->v[1][i]);
+    for (size_t i = 0; i < s->n; i++) assert_true(s->bundle[0][i][3] == s->v[0][i] && s->bundle[1][i][0] == s->v[1][i]);
     mns_capture_free(before);
     sim_done(sim, c);
 }
