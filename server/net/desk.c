@@ -223,7 +223,7 @@ static void complete(Desk *desk, Exchange *exchange)
 {
     Order *order = &exchange->order;
     if (!order->status && exchange->handler && exchange->handler->complete)
-        order->status = exchange->handler->complete(desk->run, exchange, &order->error);
+        order->status = exchange->handler->complete(exchange, &order->error);
     exchange_seal(exchange, desk->epoch);
 }
 

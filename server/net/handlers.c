@@ -57,18 +57,24 @@ static MnsStatus get_entry(const Document *document, const char *path, Meniscus_
     return MNS_OK;
 }
 
-/* Entries of the present case into the reply. */
-static MnsStatus get_entries(Run *run, Exchange *x, size_t n, const char *const *paths, MnsError *error)
+/* Entries of a case into the reply. */
+static MnsStatus get_entries(const Document *document, Exchange *x, size_t n, const char *const *paths, MnsError *error)
 {
-    Document *document = run_document(run);
     if (!document) return mns_fail(error, MNS_E_STATE, "there is no case; load one first");
     Meniscus__Value **values = calloc(n + 1, sizeof(Meniscus__Value *));
     MnsStatus status = values ? MNS_OK : mns_fail(error, MNS_E_MEMORY, "no memory for %zu values", n);
     for (size_t k = 0; !status && k < n; k++) status = get_entry(document, paths[k], &values[k], error);
-    document_leave(document);
     if (!status) return exchange_values(x, values, n, error);
     exchange_values(x, values, n, NULL); /* frees them, as the one that failed is missing */
     return status;
+}
+
+static void answer_get(Run *run, Exchange *x, size_t n, const char *const *paths)
+{
+    MnsError error;
+    Document *document = run_document(run);
+    answer(run, x, get_entries(document, x, n, paths, &error), &error);
+    document_leave(document);
 }
 
 /* Of an empty list: everything that can be set. */
@@ -77,16 +83,15 @@ static void serve_get(Run *run, Exchange *x)
     const Meniscus__Get *get = x->request->get;
     const CaseParameter *table;
     const char *paths[ENTRIES_MAX];
-    MnsError error;
     size_t n = get->n_paths;
     if (n) {
-        answer(run, x, get_entries(run, x, n, (const char *const *)get->paths, &error), &error);
+        answer_get(run, x, n, (const char *const *)get->paths);
         return;
     }
     table = case_parameters(&n);
     assert(n <= ENTRIES_MAX);
     for (size_t k = 0; k < n; k++) paths[k] = table[k].path;
-    answer(run, x, get_entries(run, x, n, paths, &error), &error);
+    answer_get(run, x, n, paths);
 }
 
 /* --- AT_STEP ----------------------------------------------------------------------------------------------------------- */
@@ -231,32 +236,31 @@ static void serve_cancel(Run *run, Exchange *x)
 
 /* --- completing replies ------------------------------------------------------------------------------------------------- */
 
-/* The values as they are now. */
 /* The entry keeps what was asked for, as a restart on another machine may have it. */
-static void note_threads(const Run *run, Exchange *x)
+static void note_threads(Exchange *x)
 {
     char text[80];
-    const MnsSim *sim = run_sim(run);
-    const unsigned wanted = mns_sim_case(sim)->threads, used = (unsigned)mns_sim_threads(sim);
-    if (wanted <= used || x->reply->message) return;
-    snprintf(text, sizeof text, "of %u threads asked for, %u are used", wanted, used);
+    const Order *order = &x->order;
+    const unsigned wanted = order->document->c->threads;
+    if (wanted <= order->threads || x->reply->message) return;
+    snprintf(text, sizeof text, "of %u threads asked for, %u are used", wanted, order->threads);
     x->reply->message = strdup(text);
 }
 
-static MnsStatus complete_set(Run *run, Exchange *x, MnsError *error)
+/* The values as this change left them, whatever has been changed since. */
+static MnsStatus complete_set(Exchange *x, MnsError *error)
 {
     const Meniscus__Set *set = x->request->set;
     const char *paths[ENTRIES_MAX];
     for (size_t k = 0; k < set->n_assignments; k++) {
         paths[k] = set->assignments[k]->path;
-        if (!strcmp(paths[k], "threads")) note_threads(run, x);
+        if (!strcmp(paths[k], "threads")) note_threads(x);
     }
-    return get_entries(run, x, set->n_assignments, paths, error);
+    return get_entries(x->order.document, x, set->n_assignments, paths, error);
 }
 
-static MnsStatus complete_file(Run *run, Exchange *x, MnsError *error)
+static MnsStatus complete_file(Exchange *x, MnsError *error)
 {
-    (void)run;
     Meniscus__OutputFile *file = malloc(sizeof *file);
     if (!file) return mns_fail(error, MNS_E_MEMORY, "no memory for the reply");
     meniscus__output_file__init(file);
@@ -271,17 +275,15 @@ static MnsStatus complete_file(Run *run, Exchange *x, MnsError *error)
 }
 
 /* Where the files of the run are. */
-static MnsStatus complete_directory(Run *run, Exchange *x, MnsError *error)
+static MnsStatus complete_directory(Exchange *x, MnsError *error)
 {
-    (void)run;
     (void)error;
     x->reply->message = strdup(x->order.path);
     return MNS_OK;
 }
 
-static MnsStatus complete_wait(Run *run, Exchange *x, MnsError *error)
+static MnsStatus complete_wait(Exchange *x, MnsError *error)
 {
-    (void)run;
     const Meniscus__Wait *wait = x->request->wait;
     Meniscus__WaitResult *result = malloc(sizeof *result);
     if (!result) return mns_fail(error, MNS_E_MEMORY, "no memory for the reply");

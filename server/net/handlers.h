@@ -20,8 +20,9 @@ typedef struct Handler {
     /* Answers the order of the exchange, now or when done. */
     void (*serve)(Run *run, Exchange *exchange);
 
-    /* Completes the reply after a success, on the thread of the sockets; may be NULL. */
-    MnsStatus (*complete)(Run *run, Exchange *exchange, MnsError *error);
+    /* Completes the reply after a success from what the order brought back, on the thread of the sockets; may be NULL. By then the
+     * run may be another one. */
+    MnsStatus (*complete)(Exchange *exchange, MnsError *error);
 } Handler;
 
 /* NULL for a command that is not known. */

@@ -28,6 +28,8 @@ typedef struct Order {
     uint64_t step, effect_step;
     double t, effect_t; /* [s]                                                                  */
     char path[4096];    /* of the file written, or the run directory; empty if there is none    */
+    Document *document; /* a share of the case after a change of it; NULL if there was none     */
+    unsigned threads;   /* used then                                                            */
     Note note;          /* that carries it through the outbox: an answer needs no memory to get there */
 } Order;
 

@@ -59,6 +59,8 @@ void run_set(Run *run, Order *order, size_t n, const char *const *paths, const c
     }
     if (!status) {
         run->document = document;
+        order->document = document_share(document);
+        order->threads = (unsigned)mns_sim_threads(run->sim);
         run_publish(run);
         tell_changes(run, n, paths, values);
         if (run->state == RUN_DONE && mns_sim_progress(run->sim).t < document->c->end_time)

@@ -5,6 +5,7 @@
 #include <hdf5.h>
 #include <math.h>
 #include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -258,6 +259,52 @@ static void threads_can_be_set_within_bounds(void **state)
 }
 
 /* Those the daemon was started with are for cases that do not say. */
+/* All at once, so that the last has taken effect before the first is replied to. */
+static void send_changes_and_a_reset(const Dialogue *dialogue, unsigned n)
+{
+    uint8_t id[16];
+    for (unsigned k = 0; k < n; k++) {
+        char value[16];
+        Meniscus__Request request = MENISCUS__REQUEST__INIT;
+        Meniscus__Set set = MENISCUS__SET__INIT;
+        Meniscus__Assignment end = MENISCUS__ASSIGNMENT__INIT, threads = MENISCUS__ASSIGNMENT__INIT;
+        Meniscus__Assignment *list[2] = {&end, &threads};
+        snprintf(value, sizeof value, "%u", 100 + k);
+        end.path = (char *)"end_time";
+        end.value = value;
+        threads.path = (char *)"threads";
+        threads.value = (char *)(k % 2 ? "2" : "1");
+        set.n_assignments = 2;
+        set.assignments = list;
+        request.command_case = MENISCUS__REQUEST__COMMAND_SET;
+        request.set = &set;
+        dialogue_seal(&request, id);
+        dialogue_send(dialogue->control, &request);
+    }
+    Meniscus__Request reset = dialogue_reset();
+    dialogue_seal(&reset, id);
+    dialogue_send(dialogue->control, &reset);
+}
+
+static void each_change_is_answered_with_its_own_values_whatever_follows(void **state)
+{
+    enum { CHANGES = 50 };
+    Dialogue *dialogue = *state;
+    dialogue_load(dialogue, NULL);
+    send_changes_and_a_reset(dialogue, CHANGES);
+    for (unsigned k = 0; k < CHANGES; k++) {
+        Meniscus__Reply *reply = dialogue_receive(dialogue->control, NULL);
+        assert_non_null(reply);
+        assert_int_equal(reply->code, MENISCUS__CODE__OK);
+        assert_int_equal(reply->values->n_values, 2);
+        assert_true(reply->values->values[0]->number == 100 + k);
+        assert_true(reply->values->values[1]->number == (k % 2 ? 2 : 1));
+        meniscus__reply__free_unpacked(reply, NULL);
+    }
+    steer_accepted(dialogue_receive(dialogue->control, NULL));
+    assert_true(steer_get(dialogue, "end_time") == 1000);
+}
+
 static void a_daemon_has_threads_for_cases_that_do_not_say(void **state)
 {
     (void)state;
@@ -360,6 +407,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(particles_of_a_box_are_those_of_a_snapshot, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(points_are_between_the_particles_around_them, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(threads_can_be_set_within_bounds, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(each_change_is_answered_with_its_own_values_whatever_follows, steer_begin,
+                                        steer_end),
         cmocka_unit_test(a_daemon_has_threads_for_cases_that_do_not_say),
         cmocka_unit_test_setup_teardown(options_of_the_scheme_out_of_bounds_are_refused_with_the_bounds, steer_begin,
                                         steer_end),
