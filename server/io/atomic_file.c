@@ -79,6 +79,7 @@ static int sync_directory_of(const char *path)
 static int sync_and_close(AtomicFile *file)
 {
     const int fd = file->fd;
+    if (fd < 0) return 0; /* atomic_fill() has done it */
     int failure = fsync(fd) != 0 ? errno : 0;
     file->fd = -1;
     if (close(fd) != 0 && !failure) failure = errno;
@@ -97,13 +98,47 @@ MnsStatus atomic_commit(AtomicFile *file, MnsError *error)
     return failure ? file_fail(error, failure, "sync the directory of", file->path) : MNS_OK;
 }
 
+MnsStatus atomic_fill(AtomicFile *file, const char *path, const void *data, size_t size, MnsError *error)
+{
+    const MnsStatus status = atomic_begin(file, path, error);
+    if (status) return status;
+    int failure = file_write_at(file->fd, data, size, 0);
+    if (!failure) failure = sync_and_close(file);
+    if (!failure) return MNS_OK;
+    atomic_cancel(file);
+    return file_fail(error, failure, "write", path);
+}
+
 MnsStatus atomic_write(const char *path, const void *data, size_t size, MnsError *error)
 {
-    AtomicFile file = {.fd = -1};
-    const MnsStatus status = atomic_begin(&file, path, error);
+    AtomicFile file;
+    const MnsStatus status = atomic_fill(&file, path, data, size, error);
+    return status ? status : atomic_commit(&file, error);
+}
+
+/* @return 0 or an errno. */
+static int copy_bytes(int from, int to)
+{
+    char block[1 << 16];
+    size_t got = sizeof block;
+    int failure = 0;
+    for (size_t done = 0; !failure && got == sizeof block; done += got) {
+        failure = file_read_at(from, block, sizeof block, done, &got);
+        if (!failure) failure = file_write_at(to, block, got, done);
+    }
+    return failure;
+}
+
+MnsStatus atomic_copy(const char *from, const char *to, MnsError *error)
+{
+    AtomicFile file;
+    const int fd = open(from, O_RDONLY | O_CLOEXEC);
+    if (fd < 0) return file_fail(error, errno, "read", from);
+    const MnsStatus status = atomic_begin(&file, to, error);
+    const int failure = status ? 0 : copy_bytes(fd, file.fd);
+    close(fd);
     if (status) return status;
-    const int failure = file_write_at(file.fd, data, size, 0);
     if (!failure) return atomic_commit(&file, error);
     atomic_cancel(&file);
-    return file_fail(error, failure, "write", path);
+    return file_fail(error, failure, "copy", from);
 }

@@ -20,6 +20,10 @@ typedef struct AtomicFile {
  * MNS_E_INVALID if the path is too long; otherwise as file_fail(). */
 MnsStatus atomic_begin(AtomicFile *file, const char *path, MnsError *error);
 
+/* Write size bytes to PATH.tmp and have them on the disk, so that a full one is known before anything depends on it. Then
+ * atomic_commit() or atomic_cancel() as after atomic_begin(). */
+MnsStatus atomic_fill(AtomicFile *file, const char *path, const void *data, size_t size, MnsError *error);
+
 /* Give the file its name. On failure the temporary is gone and an older file of that name is untouched, unless only the
  * last step failed, syncing the directory: then the new file is in place and whole. */
 MnsStatus atomic_commit(AtomicFile *file, MnsError *error);
@@ -29,6 +33,9 @@ void atomic_cancel(AtomicFile *file);
 
 /* A whole file from memory. */
 MnsStatus atomic_write(const char *path, const void *data, size_t size, MnsError *error);
+
+/* A whole copy of a file. */
+MnsStatus atomic_copy(const char *from, const char *to, MnsError *error);
 
 /* Read or write `size` bytes at `offset`, whatever the system does in one go. @return 0 or an errno; a read sets
  * *ret_got to what there was before the end of the file. */

@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Where a simulation comes from and where it goes: load, reset, restore, stop, leave. A new one is complete before the old
- * one is given up, so that a bad case or a damaged file changes nothing. */
+/* Where a simulation comes from and where it goes: load, reset, restore, stop, leave. A new one is complete, its files too, before
+ * the old one is given up, so that a bad case, a damaged file or a full disk changes nothing. */
 #include "run/inside.h"
 
 #include "base/clock.h"
 #include "base/log.h"
-#include "io/atomic_file.h"
 #include "io/names.h"
 #include "proto/case_file.h"
-#include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
@@ -105,16 +103,22 @@ static void close_log(Run *run)
     run->log = NULL;
 }
 
-/* Give up the present run; its files stay. MNS_OK, or why some output could not be written. */
-static MnsStatus close_run(Run *run, MnsError *error)
+/* Give up the present run, but for its files. */
+static void give_up(Run *run)
 {
-    const MnsStatus status = outputs_close(&run->outputs, error);
     close_log(run);
     mns_sim_free(run->sim);
     document_leave(run->document);
     breakpoints_clear(run->breakpoints);
     run->sim = NULL;
     run->document = NULL;
+}
+
+/* And those too: they stay where they are. MNS_OK, or why some output could not be written. */
+static MnsStatus close_run(Run *run, MnsError *error)
+{
+    const MnsStatus status = outputs_close(&run->outputs, error);
+    give_up(run);
     return status;
 }
 
@@ -134,19 +138,15 @@ static void open_log(Run *run)
     run->log = fopen(path, "ae");
 }
 
-/* Put the candidate in place. On failure there is no run left. */
+/* Put the candidate in place. On failure the present run stays there, and nothing that could fail comes after the files. */
 static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
 {
     MnsError lost;
-    if (access(candidate->directory, W_OK | X_OK)) /* while the present run is still there */
-        return file_fail(error, errno, "write to", candidate->directory);
-    if (close_run(run, &lost)) run_tell(run, NOTE_LOG, LOG_WARNING, "lost", lost.text);
     const MnsStatus status = outputs_open(&run->outputs, candidate->directory, candidate->document,
-                                          mns_sim_progress(candidate->sim), candidate->goes_on, error);
-    if (status) {
-        forget_run(run);
-        return status;
-    }
+                                          mns_sim_progress(candidate->sim), candidate->goes_on, &lost, error);
+    if (status) return status;
+    if (lost.status) run_tell(run, NOTE_LOG, LOG_WARNING, "lost", lost.text);
+    give_up(run);
     run->sim = candidate->sim;
     run->document = candidate->document;
     if (candidate->original) {
@@ -194,7 +194,7 @@ static void replace(Run *run, Order *order, Candidate *candidate, MnsStatus stat
     if (!status) status = install(run, candidate, error);
     if (status) {
         candidate_drop(candidate);
-        run_enter(run, run->sim ? previous : RUN_EMPTY, error->text);
+        run_enter(run, previous, error->text);
     } else {
         snprintf(order->path, sizeof order->path, "%s", run->outputs.directory);
         order->effect_step = mns_sim_progress(run->sim).step;

@@ -3,34 +3,86 @@
 #include "run/outputs.h"
 
 #include "base/clock.h"
+#include "io/atomic_file.h"
+#include "io/directory.h"
 #include "run/jobs.h"
 #include "run/schedule.h"
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
-MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *document, MnsProgress progress, bool goes_on,
-                       MnsError *error)
+/* --- from one directory to the next ------------------------------------------------------------------------------------- */
+
+/* A directory made ready for a run, while nothing of the present one has been given up. */
+typedef struct Opening {
+    const char *directory;
+    bool goes_on;
+    uint64_t step;
+    Series *series;
+    char aside[RUNDIR_PATH];
+    char path[IO_PATH_MAX]; /* of case.yaml               */
+    AtomicFile text;        /* that file without its name */
+} Opening;
+
+/* What takes room or reads files. */
+static MnsStatus prepare(Opening *opening, Writer *writer, const Document *document, MnsError *error)
 {
-    Series *series = NULL;
-    MnsStatus status = rundir_abandon(directory, !goes_on, progress.step, outputs->aside, error);
-    if (!status && (outputs->aside[0] || goes_on))
+    MnsStatus status = directory_path(opening->path, opening->directory, "case.yaml", error);
+    if (!status) status = atomic_fill(&opening->text, opening->path, document->text, strlen(document->text), error);
+    if (status || !document->c->n_probes) return status;
+    status =
+        job_open_series(writer, opening->directory, document, opening->goes_on, opening->step, &opening->series, error);
+    if (status) atomic_cancel(&opening->text);
+    return status;
+}
+
+/* Move files aside, tell the index, and last make the first sign of the run; or leave all files as they were. */
+static MnsStatus move_in(Opening *opening, const Outputs *outputs, MnsError *error)
+{
+    const char *directory = opening->directory;
+    MnsStatus status = rundir_abandon(directory, !opening->goes_on, opening->step, opening->aside, error);
+    if (!status && (opening->aside[0] || opening->goes_on))
         status = job_index(outputs->writer, directory, outputs->note, outputs->arg, error);
-    if (!status && document->c->n_probes)
-        status = job_open_series(outputs->writer, directory, document, goes_on, progress.step, &series, error);
-    if (!status) status = rundir_write(directory, "case.yaml", document->text, error); /* the first sign of a run */
-    if (status) {
-        series_free(series);
-        return status;
-    }
-    snprintf(outputs->directory, sizeof outputs->directory, "%s", directory);
-    outputs->series = series;
+    if (!status) status = atomic_commit(&opening->text, error);
+    if (!status) return MNS_OK;
+    atomic_cancel(&opening->text);
+    rundir_return(directory, opening->aside);
+    if (opening->aside[0]) job_index(outputs->writer, directory, NULL, NULL, NULL);
+    return status;
+}
+
+/* Nothing here can fail. */
+static void take_over(Outputs *outputs, const Opening *opening, Document *document, MnsProgress progress)
+{
+    const bool goes_on = opening->goes_on;
+    snprintf(outputs->directory, sizeof outputs->directory, "%s", opening->directory);
+    memcpy(outputs->aside, opening->aside, sizeof outputs->aside);
+    outputs->series = opening->series;
     outputs->document = document_share(document);
-    const bool sampled = series && document->c->output.probe_interval > 0 && progress.step > 0;
-    outputs->series_lost = goes_on && sampled && !series_rows(series);
+    const bool sampled = outputs->series && document->c->output.probe_interval > 0 && progress.step > 0;
+    outputs->series_lost = goes_on && sampled && !series_rows(outputs->series);
     const double before = goes_on && progress.step > 0 ? progress.t : -INFINITY;
     outputs->before = (OutputTimes){before, before, before};
     outputs->at_checkpoint = goes_on ? progress.step : UINT64_MAX;
     outputs->wall_checkpoint = outputs->wall_flush = clock_now();
+}
+
+MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *document, MnsProgress progress, bool goes_on,
+                       MnsError *ret_lost, MnsError *error)
+{
+    Opening opening = {.directory = directory, .goes_on = goes_on, .step = progress.step};
+    MnsStatus status =
+        outputs_flush(outputs, error); /* the file may be read here, or moved aside with all its samples */
+    if (!status) status = prepare(&opening, outputs->writer, document, error);
+    if (status) return status;
+    status = move_in(&opening, outputs, error);
+    if (status) {
+        series_free(opening.series);
+        return status;
+    }
+    *ret_lost = (MnsError){.status = MNS_OK};
+    outputs_close(outputs, ret_lost);
+    take_over(outputs, &opening, document, progress);
     return MNS_OK;
 }
 
@@ -47,6 +99,8 @@ MnsStatus outputs_close(Outputs *outputs, MnsError *error)
     outputs->directory[0] = 0;
     return status;
 }
+
+/* --- what is due ------------------------------------------------------------------------------------------------------- */
 
 /* Measure all probes; the samples go to the file and to whoever watches. */
 static MnsStatus take_probes(Outputs *outputs, const MnsSim *sim, Document *document, MnsError *error)

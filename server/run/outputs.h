@@ -40,10 +40,11 @@ typedef struct Outputs {
     void *arg;
 } Outputs;
 
-/* Go to a directory, which exists, with a state at `progress`: the series begins there, or goes on if `goes_on`, and files of
- * later steps are moved aside. On failure outputs is as it was, but for files moved. */
+/* Go over to a directory, which exists, with a state at `progress`: the series begins there, or goes on if `goes_on`, and files of
+ * later steps are moved aside. On failure outputs and all files are as they were; on success the present ones are closed.
+ *  ret_lost  as outputs_close() says of them */
 MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *document, MnsProgress progress, bool goes_on,
-                       MnsError *error);
+                       MnsError *ret_lost, MnsError *error);
 
 /* Write what is left and close the series. MNS_OK; or the failure, and what could not be written is given up. */
 MnsStatus outputs_close(Outputs *outputs, MnsError *error);

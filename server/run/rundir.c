@@ -74,13 +74,6 @@ void rundir_unmake(const char *dir)
     rmdir(dir);
 }
 
-MnsStatus rundir_write(const char *dir, const char *name, const char *text, MnsError *error)
-{
-    char path[4096];
-    const MnsStatus status = directory_path(path, dir, name, error);
-    return status ? status : atomic_write(path, text, strlen(text), error);
-}
-
 static const char series_name[] = "probes.hdf";
 
 static bool is_name_of_output(const char *name)
@@ -130,14 +123,30 @@ static MnsStatus move_aside(const char *dir, const char *name, char aside[static
     return rename(from, to) ? file_fail(error, errno, "move aside", from) : MNS_OK;
 }
 
-/* The series goes on with fewer samples in a new file of the name, so a link keeps them all. Where there are no links,
- * those of the time line that was left are lost. */
-static void link_series(const char *dir, const char *aside)
+/* The series goes on with fewer samples in a new file of the name, so a link keeps them all; where there are no links, a copy. */
+static MnsStatus keep_series(const char *dir, const char *aside, MnsError *error)
 {
     char from[4096], to[4096];
-    if (!directory_path(from, dir, series_name, NULL) && !directory_path(to, aside, series_name, NULL) &&
-        link(from, to))
-        return;
+    const MnsStatus status = directory_path(from, dir, series_name, error);
+    if (status || !exists(from)) return status;
+    const MnsStatus found = directory_path(to, aside, series_name, error);
+    return found || !link(from, to) ? found : atomic_copy(from, to, error);
+}
+
+/* A link is still at its old place: a rename to there would do nothing, so its second name is taken away. */
+void rundir_return(const char *dir, const char *aside)
+{
+    char from[4096 + 260], to[4096 + 260];
+    DIR *stream = aside[0] ? opendir(aside) : NULL;
+    if (!stream) return;
+    for (struct dirent *entry; (entry = readdir(stream));) {
+        if (entry->d_name[0] == '.') continue;
+        snprintf(from, sizeof from, "%s/%s", aside, entry->d_name);
+        snprintf(to, sizeof to, "%s/%s", dir, entry->d_name);
+        if (!rename(from, to)) unlink(from);
+    }
+    closedir(stream);
+    rmdir(aside);
 }
 
 MnsStatus rundir_abandon(const char *dir, bool all, uint64_t after, char ret_aside[static RUNDIR_PATH], MnsError *error)
@@ -154,8 +163,9 @@ MnsStatus rundir_abandon(const char *dir, bool all, uint64_t after, char ret_asi
             status = move_aside(dir, entry->d_name, aside, error);
     }
     closedir(stream);
-    if (!status && !all && aside[0]) link_series(dir, aside);
-    memcpy(ret_aside, aside, sizeof aside);
+    if (!status && !all && aside[0]) status = keep_series(dir, aside, error);
+    if (status) rundir_return(dir, aside);
+    else memcpy(ret_aside, aside, sizeof aside);
     return status;
 }
 

@@ -31,14 +31,14 @@ void rundir_clear(const char *dir);
 /* Take away the directory if nothing is in it but our lock, as after a run that could not begin. */
 void rundir_unmake(const char *dir);
 
-/* Write DIR/NAME, whole or not at all: see io/atomic_file.h. */
-MnsStatus rundir_write(const char *dir, const char *name, const char *text, MnsError *error);
-
 /* Move aside the checkpoints and snapshots of steps later than `after`, or with all, every one, their index and the probes; where some are
- * left, a link to the probes goes with the others.
+ * left, a link to the probes goes with the others, or a copy. On failure all is where it was.
  *  ret_aside  the directory they are in now, one that did not exist; empty if there were none */
 MnsStatus rundir_abandon(const char *dir, bool all, uint64_t after, char ret_aside[static RUNDIR_PATH],
                          MnsError *error);
+
+/* Undo that, as far as the disk lets us. Nothing to do if aside is empty. */
+void rundir_return(const char *dir, const char *aside);
 
 /* Names of the files people look for (the log is not one), sorted; ret and its *ret_n strings are the caller's. */
 MnsStatus rundir_list(const char *dir, char ***ret, size_t *ret_n, MnsError *error);

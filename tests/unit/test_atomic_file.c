@@ -133,6 +133,46 @@ static void a_read_says_where_the_file_ends(void **state)
     free(path);
 }
 
+static void a_filled_file_has_no_name_yet_and_then_all_its_bytes(void **state)
+{
+    char *path = path_in(*state, "a.txt"), *big = calloc(1, 100000);
+    AtomicFile file;
+    put_bytes(path, "old", 3);
+    assert_int_equal(atomic_fill(&file, path, "newer", 5, NULL), MNS_OK);
+    assert_content(path, "old");
+    assert_int_equal(atomic_commit(&file, NULL), MNS_OK);
+    assert_content(path, "newer");
+    limit_files(65536);
+    assert_int_equal(atomic_fill(&file, path, big, 100000, NULL), MNS_E_NO_SPACE);
+    limit_files(SIZE_MAX);
+    assert_content(path, "newer");
+    assert_false(holds(*state, ".tmp"));
+    free(big);
+    free(path);
+}
+
+/* Sizes around that of the buffer. */
+static void a_copy_has_the_same_bytes(void **state)
+{
+    char *from = path_in(*state, "a.txt"), *to = path_in(*state, "b.txt"), *bytes = malloc(150000);
+    uint64_t seed = 7;
+    for (size_t k = 0; k < 150000; k++) bytes[k] = (char)noise(&seed);
+    const size_t sizes[] = {0, 5, 65535, 65536, 65537, 131072, 150000};
+    for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
+        size_t size = 0;
+        put_bytes(from, bytes, sizes[k]);
+        assert_int_equal(atomic_copy(from, to, NULL), MNS_OK);
+        unsigned char *found = bytes_of(to, &size);
+        assert_int_equal(size, sizes[k]);
+        assert_memory_equal(found, bytes, size);
+        free(found);
+    }
+    assert_false(holds(*state, ".tmp"));
+    free(bytes);
+    free(to);
+    free(from);
+}
+
 static void every_errno_has_its_status(void **state)
 {
     (void)state;
@@ -156,6 +196,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_directory_is_not_replaced_by_a_file, scratch_begin, scratch_end),
         cmocka_unit_test(a_path_too_long_is_refused),
         cmocka_unit_test_setup_teardown(a_read_says_where_the_file_ends, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(a_filled_file_has_no_name_yet_and_then_all_its_bytes, scratch_begin,
+                                        scratch_end),
+        cmocka_unit_test_setup_teardown(a_copy_has_the_same_bytes, scratch_begin, scratch_end),
         cmocka_unit_test(every_errno_has_its_status),
     };
     return cmocka_run_group_tests_name("atomic_file", tests, NULL, NULL);

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* A run, and an order that goes there and back. */
@@ -132,6 +133,105 @@ static void states_are_events_and_warnings_are_lines_of_the_log(void **state)
     assert_non_null(strstr(bench->logged, "checkpoint-0000000000.hdf"));
 }
 
+static void step(Run *run, Order *order)
+{
+    run_step(run, order, 2);
+}
+
+static void write_checkpoint(Run *run, Order *order)
+{
+    run_checkpoint(run, order);
+}
+
+static void write_snapshot(Run *run, Order *order)
+{
+    run_snapshot(run, order, 0, NULL);
+}
+
+static void reset(Run *run, Order *order)
+{
+    run_reset(run, order);
+}
+
+/* A checkpoint of step 2, a snapshot of step 4, which a restore moves aside; here. */
+static void go_beyond_a_checkpoint(Bench *bench, char here[static 4096])
+{
+    assert_int_equal(perform(bench, load), MNS_OK);
+    memcpy(here, bench->order.path, sizeof bench->order.path);
+    assert_int_equal(perform(bench, step), MNS_OK);
+    assert_int_equal(perform(bench, write_checkpoint), MNS_OK);
+    assert_int_equal(perform(bench, step), MNS_OK);
+    assert_int_equal(perform(bench, write_snapshot), MNS_OK);
+}
+
+/* Whatever was in the way, the run can go on, and so can its files. */
+static void assert_untouched(const Bench *bench, const char *here)
+{
+    RunStatus *status = malloc(sizeof *status);
+    assert_non_null(status);
+    run_status(bench->run, status);
+    assert_int_equal(status->state, RUN_PAUSED);
+    assert_int_equal(status->progress.step, 4);
+    assert_string_equal(status->directory, here);
+    free(status);
+    assert_true(holds(here, "checkpoint-0000000002.hdf") && holds(here, "snapshot-0000000004.hdf"));
+    assert_false(holds(here, "abandoned"));
+}
+
+/* Have it refused while a directory stands where a file is to be written, and done when that is gone. */
+static void assert_refused_by(Bench *bench, const char *here, const char *name, void (*serve)(Run *run, Order *order))
+{
+    char *path = path_in(here, name);
+    assert_int_equal(mkdir(path, 0777), 0);
+    assert_int_equal(perform(bench, serve), MNS_E_IO);
+    assert_non_null(strstr(bench->order.error.text, name));
+    assert_untouched(bench, here);
+    assert_int_equal(rmdir(path), 0);
+    free(path);
+}
+
+static void a_refused_way_back_leaves_the_run_and_its_files_as_they_were(void **state)
+{
+    Bench *bench = *state;
+    char here[4096];
+    go_beyond_a_checkpoint(bench, here);
+    assert_refused_by(bench, here, "case.yaml.tmp", reset);
+    assert_refused_by(bench, here, "case.yaml.tmp", restore);
+    assert_refused_by(bench, here, "snapshots.hdf.series.tmp", restore);
+    assert_int_equal(perform(bench, restore), MNS_OK);
+    assert_int_equal(bench->order.effect_step, 2);
+    assert_true(holds(here, "abandoned"));
+}
+
+static void a_damaged_series_refuses_a_restore_and_the_run_stays(void **state)
+{
+    Bench *bench = *state;
+    char here[4096];
+    go_beyond_a_checkpoint(bench, here);
+    char *series = path_in(here, "probes.hdf");
+    put_bytes(series, "no HDF5", 7);
+    assert_int_equal(perform(bench, restore), MNS_E_CORRUPT);
+    assert_untouched(bench, here);
+    assert_int_equal(unlink(series), 0);
+    assert_int_equal(perform(bench, restore), MNS_OK);
+    free(series);
+}
+
+/* Another run would go to another directory, where there is no room. */
+static void a_full_disk_refuses_a_load_and_the_run_stays(void **state)
+{
+    Bench *bench = *state;
+    char here[4096];
+    go_beyond_a_checkpoint(bench, here);
+    limit_files(0);
+    assert_int_equal(perform(bench, load), MNS_E_NO_SPACE);
+    limit_files(SIZE_MAX);
+    assert_untouched(bench, here);
+    assert_int_equal(perform(bench, step), MNS_OK);
+    assert_int_equal(bench->order.effect_step, 6);
+    assert_false(holds(bench->home, "small.2"));
+}
+
 /* As OpenMP may be told to use fewer than there are processors. */
 static void load_with_three(Run *run, Order *order)
 {
@@ -157,6 +257,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(an_answer_needs_no_memory_of_its_own, begin, end),
         cmocka_unit_test_setup_teardown(a_run_that_cannot_begin_leaves_no_directory, begin, end),
         cmocka_unit_test_setup_teardown(states_are_events_and_warnings_are_lines_of_the_log, begin, end),
+        cmocka_unit_test_setup_teardown(a_refused_way_back_leaves_the_run_and_its_files_as_they_were, begin, end),
+        cmocka_unit_test_setup_teardown(a_damaged_series_refuses_a_restore_and_the_run_stays, begin, end),
+        cmocka_unit_test_setup_teardown(a_full_disk_refuses_a_load_and_the_run_stays, begin, end),
         cmocka_unit_test_setup_teardown(threads_are_counted_as_the_solver_does, begin, end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

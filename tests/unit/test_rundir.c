@@ -2,6 +2,7 @@
 /* Run directories: which one, whose, and what moves aside. */
 #include "run/rundir.h"
 #include "tests/support/check.h"
+#include "tests/support/io_fixture.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,8 +41,9 @@ static bool exists(const char *name)
 
 static void put(const char *name)
 {
-    MnsError error;
-    assert_int_equal(rundir_write(place, name, "something", &error), MNS_OK);
+    char path[128];
+    path_of(name, path);
+    put_bytes(path, "something", 9);
 }
 
 static void a_name_gets_the_first_free_directory_or_the_last_there_is(void **state)
@@ -82,6 +84,39 @@ static void later_files_move_aside_with_a_link_to_the_series(void **state)
     path_of("probes.hdf", path);
     assert_int_equal(stat(path, &new), 0);
     assert_true(old.st_ino != new.st_ino);
+}
+
+/* A directory in place of the series can be neither linked nor copied. */
+static void what_cannot_be_kept_whole_stays_where_it_was(void **state)
+{
+    (void)state;
+    char aside[RUNDIR_PATH] = "x", path[128];
+    MnsError error;
+    put("checkpoint-0000000005.hdf");
+    put("snapshot-0000000007.hdf");
+    path_of("probes.hdf", path);
+    assert_int_equal(mkdir(path, 0777), 0);
+    assert_int_equal(rundir_abandon(place, false, 5, aside, &error), MNS_E_IO);
+    assert_non_null(strstr(error.text, "probes.hdf"));
+    assert_true(exists("snapshot-0000000007.hdf"));
+    assert_false(exists("abandoned"));
+    assert_string_equal(aside, "x");
+}
+
+static void what_was_moved_aside_comes_back(void **state)
+{
+    (void)state;
+    char aside[RUNDIR_PATH];
+    MnsError error;
+    for (int all = 0; all < 2; all++) {
+        put("checkpoint-0000000005.hdf");
+        put("snapshot-0000000007.hdf");
+        put("probes.hdf");
+        assert_int_equal(rundir_abandon(place, all, 5, aside, &error), MNS_OK);
+        rundir_return(place, aside);
+        assert_true(exists("checkpoint-0000000005.hdf") && exists("snapshot-0000000007.hdf") && exists("probes.hdf"));
+        assert_false(exists("abandoned"));
+    }
 }
 
 static void all_move_aside_and_never_over_those_before(void **state)
@@ -161,6 +196,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(a_name_gets_the_first_free_directory_or_the_last_there_is, begin, end),
         cmocka_unit_test_setup_teardown(later_files_move_aside_with_a_link_to_the_series, begin, end),
+        cmocka_unit_test_setup_teardown(what_cannot_be_kept_whole_stays_where_it_was, begin, end),
+        cmocka_unit_test_setup_teardown(what_was_moved_aside_comes_back, begin, end),
         cmocka_unit_test_setup_teardown(all_move_aside_and_never_over_those_before, begin, end),
         cmocka_unit_test_setup_teardown(nothing_to_move_makes_no_directory, begin, end),
         cmocka_unit_test_setup_teardown(a_directory_is_had_by_one, begin, end),
