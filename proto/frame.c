@@ -2,11 +2,12 @@
 /* Requests as they come off the wire. A few bytes can ask for much memory, so it is counted while they are unpacked. */
 #include "proto/frame.h"
 
+#include <stdbool.h>
 #include <stdlib.h>
 
 typedef struct Budget {
     size_t left;
-    int exceeded;
+    int exceeded, starved; /* it would have taken more; there was no more to take */
 } Budget;
 
 static void *take(void *arg, size_t size)
@@ -15,7 +16,9 @@ static void *take(void *arg, size_t size)
     if (size > budget->left) budget->exceeded = 1;
     if (budget->exceeded) return NULL;
     budget->left -= size;
-    return malloc(size);
+    void *memory = malloc(size);
+    if (!memory) budget->starved = 1;
+    return memory;
 }
 
 static void give_back(void *arg, void *memory)
@@ -50,7 +53,56 @@ MnsStatus request_read(const void *data, size_t size, Meniscus__Request **ret, M
     if (*ret) return check(*ret, error);
     if (budget.exceeded)
         return mns_fail(error, MNS_E_LIMIT, "the request takes more than %d bytes of memory", FRAME_MEMORY);
+    if (budget.starved) return mns_fail(error, MNS_E_MEMORY, "no memory for the request; nothing was done");
     return mns_fail(error, MNS_E_INVALID, "these %zu bytes are no request of this protocol", size);
+}
+
+/* --- the id ------------------------------------------------------------------------------------------------------------ */
+
+typedef struct Bytes {
+    const uint8_t *at, *end;
+} Bytes;
+
+/* False if they end before it does. */
+static bool read_varint(Bytes *bytes, uint64_t *ret)
+{
+    *ret = 0;
+    for (unsigned shift = 0; shift < 64 && bytes->at < bytes->end; shift += 7) {
+        const uint8_t byte = *bytes->at++;
+        *ret |= (uint64_t)(byte & 0x7f) << shift;
+        if (byte < 0x80) return true;
+    }
+    return false;
+}
+
+/* One field of a message: its number, and its bytes if it has a length. */
+static bool read_field(Bytes *bytes, uint64_t *ret_number, ProtobufCBinaryData *ret)
+{
+    enum { VARINT = 0, EIGHT_BYTES = 1, LENGTH = 2, FOUR_BYTES = 5 };
+    uint64_t key, size = 0;
+    if (!read_varint(bytes, &key)) return false;
+    const unsigned kind = key & 7;
+    if (kind == VARINT || kind == LENGTH) {
+        if (!read_varint(bytes, &size)) return false;
+        if (kind == VARINT) size = 0;
+    } else if (kind == EIGHT_BYTES || kind == FOUR_BYTES) size = kind == EIGHT_BYTES ? 8 : 4;
+    else return false;
+    if (size > (uint64_t)(bytes->end - bytes->at)) return false;
+    *ret_number = key >> 3;
+    *ret = (ProtobufCBinaryData){.len = kind == LENGTH ? size : 0, .data = (uint8_t *)bytes->at};
+    bytes->at += size;
+    return true;
+}
+
+ProtobufCBinaryData request_id(const void *data, size_t size)
+{
+    enum { ID_LONGEST = 64 };
+    const uint32_t which = protobuf_c_message_descriptor_get_field_by_name(&meniscus__request__descriptor, "id")->id;
+    Bytes bytes = {data, (const uint8_t *)data + size};
+    ProtobufCBinaryData id = {0}, field;
+    for (uint64_t number; read_field(&bytes, &number, &field);)
+        if (number == which && field.len <= ID_LONGEST) id = field;
+    return id;
 }
 
 void request_free(Meniscus__Request *request)

@@ -9,16 +9,19 @@
 
 enum {
     FRAME_MAJOR = MENISCUS__PROTOCOL_VERSION__PROTOCOL_MAJOR,
-    FRAME_MINOR = 0,
     FRAME_MAX = 1 << 20,     /* bytes of a request                                           */
     FRAME_MEMORY = 16 << 20, /* bytes that one may take once it is read                      */
     FRAME_ID = 16            /* bytes of a request id                                        */
 };
 
 /* Read a request: version, id and command are there. MNS_OK; MNS_E_INVALID if it is no request, MNS_E_LIMIT if it takes too
- * much memory, MNS_E_VERSION for another major version or a command that is not known here. *ret may be set even so, for
- * the id in it: free it in any case with request_free(). */
+ * much memory, MNS_E_MEMORY if there is none, MNS_E_VERSION for another major version or a command that is not known here.
+ * Free *ret in any case with request_free(). */
 MnsStatus request_read(const void *data, size_t size, Meniscus__Request **ret, MnsError *error);
+
+/* The id of a request, without reading the rest of it; borrowed from the data. Of no length if there is none, or one of more than 64
+ * bytes. */
+ProtobufCBinaryData request_id(const void *data, size_t size);
 
 /* NULL is fine. */
 void request_free(Meniscus__Request *request);

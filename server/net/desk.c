@@ -8,6 +8,7 @@
 #include "base/log.h"
 #include "net/handlers.h"
 #include "net/ledger.h"
+#include "net/outgoing.h"
 #include "net/visitors.h"
 #include "proto/frame.h"
 #include <inttypes.h>
@@ -21,9 +22,8 @@
 enum { AT_ONCE = 1024 }; /* frames taken before looking at anything else: a message may have any number */
 
 /* ZeroMQ counts messages, not bytes. So the count is set high enough for a reply to every command under way, and the bytes that
- * clients have not taken are counted here: beyond the first limit no more queries are answered, beyond twice that, nothing. */
+ * clients have not taken are counted besides, see net/outgoing.h. */
 enum { REPLIES_UNREAD = 10000 };
-static const size_t BYTES_UNREAD = 128 << 20;
 
 /* A client loses a reply it has received but not yet looked at, if the connection closes: ZeroMQ drops it with the
  * connection. So before the sockets close, clients get this long after the latest reply to hang up by themselves. */
@@ -49,9 +49,10 @@ struct Desk {
     Publisher *publisher;
     Visitors visitors;
     Reading reading;
-    double replied; /* clock_now() of the latest reply */
+    Outgoing outgoing;
+    RunStatus status; /* looked at last: room that is there when there is no memory */
+    double replied;   /* clock_now() of the latest reply */
     uint64_t epoch;
-    _Atomic size_t unread;
 };
 
 /* --- sockets ----------------------------------------------------------------------------------------------------------- */
@@ -115,6 +116,7 @@ MnsStatus desk_new(const Endpoint *endpoint, Run *run, Desk **ret, MnsError *err
     zmq_msg_init(&desk->reading.first);
     desk->epoch = (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
     MnsStatus status = open_sockets(desk, error);
+    outgoing_init(&desk->outgoing, desk->control, desk->epoch);
     if (!status) status = bind_all(desk, endpoint, error);
     if (!status) {
         desk->ledger = ledger_new();
@@ -161,62 +163,25 @@ unsigned desk_poll(Desk *desk, const int fds[2], long timeout)
 
 /* --- replies ----------------------------------------------------------------------------------------------------------- */
 
-/* A raw frame on its way, to be counted until ZeroMQ lets go of it, on its own thread. The size is written last and read
- * first, so that what is handed over is in order for race detectors too, which do not see into ZeroMQ. */
-typedef struct Parcel {
-    _Atomic size_t *unread;
-    _Atomic size_t size;
-} Parcel;
-
-static void let_go(void *data, void *hint)
+static void send_parts(Desk *desk, const Recipient *to, size_t n, void *const parts[], const size_t sizes[])
 {
-    Parcel *parcel = hint;
-    const size_t size = parcel->size;
-    *parcel->unread -= size;
-    free(parcel);
-    free(data);
-}
-
-/* Takes over data, from malloc. */
-static bool send_parcel(Desk *desk, void *data, size_t size, int flags)
-{
-    zmq_msg_t message;
-    Parcel *parcel = malloc(sizeof *parcel);
-    if (!parcel || zmq_msg_init_data(&message, data, size, let_go, parcel)) {
-        free(parcel);
-        free(data);
-        return false;
-    }
-    parcel->unread = &desk->unread;
-    parcel->size = size;
-    desk->unread += size;
-    if (zmq_msg_send(&message, desk->control, flags | ZMQ_DONTWAIT) >= 0) return true;
-    zmq_msg_close(&message);
-    return false;
-}
-
-/* Begin a reply to one connection with its first frame, which is taken over. If the client is gone or reads nothing, it is not
- * sent; asked again, it will be. */
-static bool send_first(Desk *desk, const uint8_t *identity, size_t identity_size, uint8_t *packed, size_t size,
-                       bool more)
-{
-    const bool room = desk->unread < 2 * BYTES_UNREAD;
     desk->replied = clock_now();
-    if (room && zmq_send(desk->control, identity, identity_size, ZMQ_SNDMORE | ZMQ_DONTWAIT) >= 0)
-        return send_parcel(desk, packed, size, more ? ZMQ_SNDMORE : 0);
-    log_line(LOG_DETAIL, "a reply is not sent: %s", room ? zmq_strerror(zmq_errno()) : "clients leave too many unread");
-    free(packed);
-    return false;
+    outgoing_send(&desk->outgoing, to, n, parts, sizes);
 }
 
+/* packed: NULL if there was no memory for it. */
 static void send_exchange(Desk *desk, Exchange *exchange, uint8_t *packed, size_t size)
 {
-    const size_t n = exchange->reply->n_arrays;
-    if (!send_first(desk, exchange->identity, exchange->identity_size, packed, size, n > 0)) return;
+    const Recipient to = {exchange->identity, exchange->identity_size, exchange->order.id};
+    const size_t n = packed ? exchange->reply->n_arrays : 0;
+    void *parts[OUTGOING_PARTS] = {packed};
+    size_t sizes[OUTGOING_PARTS] = {size};
     for (size_t k = 0; k < n; k++) {
-        send_parcel(desk, exchange->arrays[k], exchange->sizes[k], k + 1 < n ? ZMQ_SNDMORE : 0);
+        parts[1 + k] = exchange->arrays[k];
+        sizes[1 + k] = exchange->sizes[k];
         exchange->arrays[k] = NULL;
     }
+    send_parts(desk, &to, 1 + n, parts, sizes);
 }
 
 static void complete(Desk *desk, Exchange *exchange)
@@ -231,54 +196,56 @@ void desk_reply(Desk *desk, Exchange *exchange)
 {
     complete(desk, exchange);
     const Meniscus__Reply *reply = exchange->reply;
-    const size_t size = reply ? meniscus__reply__get_packed_size(reply) : 0;
-    uint8_t *packed = malloc(size + 1);
-    if (reply && packed) {
-        meniscus__reply__pack(reply, packed);
-        ledger_end(desk->ledger, exchange, reply->n_arrays ? NULL : packed, size);
-    } else ledger_end(desk->ledger, exchange, NULL, 0);
-    if (reply && packed && exchange->identity_size) send_exchange(desk, exchange, packed, size);
+    const bool whole = reply && reply->has_id; /* else there was no memory, and without its id nobody knows it */
+    const size_t size = whole ? meniscus__reply__get_packed_size(reply) : 0;
+    uint8_t *packed = whole ? malloc(size + 1) : NULL;
+    if (packed) meniscus__reply__pack(reply, packed);
+    ledger_end(desk->ledger, exchange, packed && !reply->n_arrays ? packed : NULL, size);
+    if (exchange->identity_size) send_exchange(desk, exchange, packed, size);
     else free(packed);
     exchange_free(exchange);
 }
 
 /* --- requests ---------------------------------------------------------------------------------------------------------- */
 
-/* Answer without an order. request may be NULL; what is known of its id is used. */
-static void refuse(Desk *desk, const Sender *sender, const Meniscus__Request *request, const MnsError *why)
+static Recipient recipient(const Sender *sender, ProtobufCBinaryData id)
+{
+    return (Recipient){sender->identity, sender->size, id.len == ORDER_ID ? id.data : NULL};
+}
+
+/* Answer without an order. id: as far as it is known. */
+static void refuse(Desk *desk, const Sender *sender, ProtobufCBinaryData id, const MnsError *why)
 {
     Meniscus__Reply reply = MENISCUS__REPLY__INIT;
-    RunStatus *status = malloc(sizeof *status);
-    if (!status) return;
-    run_status(desk->run, status);
-    reply.has_id = request && request->has_id && request->id.len <= 64;
-    if (reply.has_id) reply.id = request->id;
+    const Recipient to = recipient(sender, id);
+    run_status(desk->run, &desk->status);
+    reply.has_id = id.len > 0;
+    reply.id = id;
     reply.has_code = reply.has_daemon_epoch = reply.has_state = true;
     reply.code = code_of(why->status);
     reply.message = (char *)why->text;
     reply.path = why->path[0] ? (char *)why->path : NULL;
     reply.reason = (char *)mns_status_name(why->status);
     reply.daemon_epoch = desk->epoch;
-    reply.state = (Meniscus__State)status->state;
-    free(status);
+    reply.state = (Meniscus__State)desk->status.state;
     const size_t size = meniscus__reply__get_packed_size(&reply);
     uint8_t *packed = malloc(size + 1);
-    if (!packed) return;
-    meniscus__reply__pack(&reply, packed);
-    send_first(desk, sender->identity, sender->size, packed, size, false);
+    if (packed) meniscus__reply__pack(&reply, packed);
+    send_parts(desk, &to, 1, (void *[]){packed}, &size);
 }
 
 /* The same request again: its reply again, or when it comes, to where it was asked last. */
-static void repeat(Desk *desk, const Sender *sender, const LedgerEntry *entry)
+static void repeat(Desk *desk, const Sender *sender, ProtobufCBinaryData id, const LedgerEntry *entry)
 {
-    uint8_t *copy = entry->reply ? malloc(entry->size + 1) : NULL;
-    if (copy) {
-        memcpy(copy, entry->reply, entry->size);
-        send_first(desk, sender->identity, sender->size, copy, entry->size, false);
+    if (entry->under_way) {
+        memcpy(entry->under_way->identity, sender->identity, sender->size);
+        entry->under_way->identity_size = sender->size;
+        return;
     }
-    if (!entry->under_way) return;
-    memcpy(entry->under_way->identity, sender->identity, sender->size);
-    entry->under_way->identity_size = sender->size;
+    const Recipient to = recipient(sender, id);
+    uint8_t *copy = malloc(entry->size + 1);
+    if (copy) memcpy(copy, entry->reply, entry->size);
+    send_parts(desk, &to, 1, (void *[]){copy}, &entry->size);
 }
 
 static MnsStatus begin(Desk *desk, Exchange *exchange, MnsError *error)
@@ -286,10 +253,10 @@ static MnsStatus begin(Desk *desk, Exchange *exchange, MnsError *error)
     const Meniscus__Request *request = exchange->request;
     const Handler *handler = handler_find(request->command_case);
     if (request->has_deadline_ms) exchange->order.deadline = clock_now() + 1e-3 * (double)request->deadline_ms;
-    if (request->command_case == MENISCUS__REQUEST__COMMAND_QUERY && desk->unread > BYTES_UNREAD)
+    if (request->command_case == MENISCUS__REQUEST__COMMAND_QUERY && desk->outgoing.unread > OUTGOING_UNREAD)
         return mns_fail(error, MNS_E_LIMIT,
                         "clients have not yet read %zu bytes of earlier answers; read them, or wait",
-                        (size_t)desk->unread);
+                        (size_t)desk->outgoing.unread);
     const bool noted = handler && handler->where == AT_STEP;
     MnsStatus status = noted ? ledger_begin(desk->ledger, exchange, error) : MNS_OK;
     if (status) return status;
@@ -299,21 +266,25 @@ static MnsStatus begin(Desk *desk, Exchange *exchange, MnsError *error)
 }
 
 /* Takes over the request. */
-static void take_request(Desk *desk, const Sender *sender, Meniscus__Request *request)
+static void take_request(Desk *desk, const Sender *sender, ProtobufCBinaryData id, Meniscus__Request *request)
 {
     LedgerEntry entry;
     MnsError error;
     if (ledger_find(desk->ledger, request->id.data, &entry)) {
-        repeat(desk, sender, &entry);
+        repeat(desk, sender, id, &entry);
         request_free(request);
         return;
     }
     Exchange *exchange = exchange_new(request);
-    if (!exchange) return;
+    if (!exchange) {
+        mns_fail(&error, MNS_E_MEMORY, "no memory for the command; nothing was done");
+        refuse(desk, sender, id, &error);
+        return;
+    }
     memcpy(exchange->identity, sender->identity, sender->size);
     exchange->identity_size = sender->size;
     if (!begin(desk, exchange, &error)) return;
-    refuse(desk, sender, request, &error);
+    refuse(desk, sender, id, &error);
     exchange_free(exchange);
 }
 
@@ -321,14 +292,15 @@ static void take_frame(Desk *desk, const Sender *sender, const void *data, size_
 {
     MnsError error;
     Meniscus__Request *request = NULL;
+    const ProtobufCBinaryData id = request_id(data, size);
     MnsStatus status =
         parts == 1 ? MNS_OK : mns_fail(&error, MNS_E_INVALID, "a request is one frame; these are %" PRIu64, parts);
     if (!status) status = request_read(data, size, &request, &error);
     if (!status) {
-        take_request(desk, sender, request);
+        take_request(desk, sender, id, request);
         return;
     }
-    refuse(desk, sender, request, &error);
+    refuse(desk, sender, id, &error);
     request_free(request);
 }
 

@@ -80,6 +80,40 @@ static void a_truncated_request_is_none(void **state)
     free(packed);
 }
 
+static void assert_id(const void *data, size_t size, const char *id)
+{
+    const ProtobufCBinaryData found = request_id(data, size);
+    assert_int_equal(found.len, strlen(id));
+    assert_memory_equal(found.data, id, found.len);
+}
+
+/* A refusal without it would reach nobody: clients know replies by their id. */
+static void the_id_is_known_of_a_request_that_cannot_be_read(void **state)
+{
+    (void)state;
+    size_t size;
+    uint8_t *packed = bloated(500000, &size), *whole = malloc(size + 20);
+    memcpy(whole, "\x22\x10sixteen letters!", 18);
+    memcpy(whole + 18, packed, size);
+    assert_id(whole, size + 18, "sixteen letters!");
+    memcpy(whole, packed, size);
+    memcpy(whole + size, "\x22\x10sixteen letters!", 18);
+    assert_id(whole, size + 18, "sixteen letters!");
+    assert_id(whole, size + 17, "");
+    assert_id("\x08\x01\x22\x03new\x23", 8, "new");
+    free(whole);
+    free(packed);
+}
+
+static void bytes_that_end_too_soon_have_no_id(void **state)
+{
+    (void)state;
+    static const char bytes[] = "\x0d\1\2\3\4\x09\1\2\3\4\5\6\7\x08\x08\xff\1\x22\x10sixteen letters!";
+    for (size_t n = 0; n < sizeof bytes - 1; n++) assert_id(bytes, n, "");
+    assert_id(bytes, sizeof bytes - 1, "sixteen letters!");
+    assert_id("\x22\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\1", 12, "");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -87,6 +121,8 @@ int main(void)
         cmocka_unit_test(every_state_of_the_protocol_is_one_of_the_run),
         cmocka_unit_test(a_small_frame_cannot_take_much_memory),
         cmocka_unit_test(a_truncated_request_is_none),
+        cmocka_unit_test(the_id_is_known_of_a_request_that_cannot_be_read),
+        cmocka_unit_test(bytes_that_end_too_soon_have_no_id),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -5,47 +5,9 @@
 #include "run/outputs.h"
 #include "tests/support/check.h"
 #include "tests/support/io_fixture.h"
+#include "tests/support/memory.h"
 #include <stdio.h>
 #include <stdlib.h>
-
-/* --- memory that ends -------------------------------------------------------------------------------------------------- */
-
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define SANITIZED
-#endif
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define SANITIZED
-#endif
-
-/* How many more allocations of this thread succeed before one fails; negative: all. */
-static _Thread_local long left = -1;
-
-static void memory_fails_after(long n)
-{
-    left = n;
-}
-
-#ifndef SANITIZED /* the sanitizers have an allocator of their own */
-void *__libc_malloc(size_t size);
-void *__libc_calloc(size_t n, size_t size);
-
-static bool refused(void)
-{
-    return left >= 0 && left-- == 0;
-}
-
-void *malloc(size_t size)
-{
-    return refused() ? NULL : __libc_malloc(size);
-}
-
-void *calloc(size_t n, size_t size)
-{
-    return refused() ? NULL : __libc_calloc(n, size);
-}
-#endif
 
 /* --- the run ----------------------------------------------------------------------------------------------------------- */
 
@@ -150,9 +112,7 @@ static void what_finds_no_memory_is_taken_later_and_once(void **state)
 {
     Place *place = *state;
     Rows rows = {.n = 0};
-#ifdef SANITIZED
-    skip();
-#endif
+    if (!memory_can_fail) skip();
     int failures = 0;
     for (long n = 0; n < STEPS; n++) {
         failures += fails(outputs_take, place, n);
@@ -176,9 +136,7 @@ static void what_finds_no_memory_is_taken_later_and_once(void **state)
 static void a_last_checkpoint_that_found_no_memory_is_not_left_out(void **state)
 {
     Place *place = *state;
-#ifdef SANITIZED
-    skip();
-#endif
+    if (!memory_can_fail) skip();
     int failures = 0;
     for (unsigned n = 0; n < STEPS; n++) {
         failures += fails(outputs_finish, place, n);

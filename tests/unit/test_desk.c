@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Whoever asks is answered, once, under the id of the request: also when there is no memory for the answer. */
+#include "net/desk.h"
+#include "tests/support/check.h"
+#include "tests/support/dialogue.h"
+#include "tests/support/io_fixture.h"
+#include "tests/support/memory.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <zmq.h>
+
+/* A desk and a client on this thread, and a run. */
+typedef struct Bench {
+    char *home;
+    Run *run;
+    Desk *desk;
+    Dialogue client;
+    Order leave;
+} Bench;
+
+static int begin(void **state)
+{
+    Bench *bench = calloc(1, sizeof *bench);
+    Endpoint at = {.tcp_control = ""};
+    *state = bench;
+    bench->home = scratch_new();
+    const RunOptions options = {.parent = bench->home};
+    snprintf(at.control, sizeof at.control, "ipc://%.64s/control", bench->home);
+    snprintf(at.telemetry, sizeof at.telemetry, "ipc://%.64s/telemetry", bench->home);
+    memcpy(bench->client.endpoint, at.control, sizeof bench->client.endpoint);
+    if (run_new(&options, &bench->run, NULL) || desk_new(&at, bench->run, &bench->desk, NULL)) return 1;
+    bench->client.context = zmq_ctx_new();
+    bench->client.control = dialogue_connect(&bench->client);
+    return 0;
+}
+
+static void serve_leave(Run *run, Order *order)
+{
+    run_leave(run, order, false);
+}
+
+static int end(void **state)
+{
+    Bench *bench = *state;
+    zmq_close(bench->client.control);
+    zmq_ctx_term(bench->client.context);
+    bench->leave = (Order){.serve = serve_leave, .deadline = INFINITY};
+    run_post(bench->run, &bench->leave, NULL);
+    run_join(bench->run);
+    run_free(bench->run);
+    desk_free(bench->desk);
+    scratch_free(bench->home);
+    free(bench);
+    return 0;
+}
+
+/* What the daemon does when something has come. */
+static void serve(const Bench *bench)
+{
+    desk_receive(bench->desk);
+    for (Note *note; (note = outbox_take(run_outbox(bench->run)));) {
+        if (note->kind == NOTE_ANSWER) desk_reply(bench->desk, (Exchange *)note->order);
+        else note_free(note);
+    }
+}
+
+/* Ask, with memory that fails while the desk is at it: after n allocations, or at once and for good. NULL: no answer. */
+static Meniscus__Reply *ask_hard(const Bench *bench, Meniscus__Request *request, long n)
+{
+    uint8_t id[16];
+    const int wake = run_outbox(bench->run)->wake, fds[2] = {wake, wake};
+    dialogue_seal(request, id);
+    dialogue_send(bench->client.control, request);
+    for (int k = 0; k < 100; k++) {
+        zmq_pollitem_t item = {.socket = bench->client.control, .events = ZMQ_POLLIN};
+        desk_poll(bench->desk, fds, 100);
+        memory_fails_after(n);
+        memory_is_gone(n < 0);
+        serve(bench);
+        memory_is_gone(false);
+        memory_fails_after(-1);
+        if (zmq_poll(&item, 1, 20) < 1) continue;
+        Meniscus__Reply *reply = dialogue_receive(bench->client.control, NULL);
+        assert_non_null(reply);
+        assert_true(reply->has_id);
+        assert_memory_equal(reply->id.data, id, sizeof id);
+        return reply;
+    }
+    return NULL;
+}
+
+enum { ALLOCATIONS = 40 }; /* more than an answer takes */
+
+static void whatever_allocation_fails_there_is_an_answer_under_the_id(void **state)
+{
+    const Bench *bench = *state;
+    if (!memory_can_fail) skip();
+    int refused = 0;
+    for (long n = 0; n < ALLOCATIONS; n++) {
+        Meniscus__Request request = dialogue_status();
+        Meniscus__Reply *reply = ask_hard(bench, &request, n);
+        if (!reply) fail_msg("no answer when allocation %ld fails", n);
+        refused += reply->code != MENISCUS__CODE__OK;
+        if (reply->code != MENISCUS__CODE__OK) {
+            assert_int_equal(reply->code, MENISCUS__CODE__RESOURCE_EXHAUSTED);
+            assert_non_null(strstr(reply->message, "memory"));
+        }
+        meniscus__reply__free_unpacked(reply, NULL);
+    }
+    assert_in_range(refused, 4, ALLOCATIONS - 1);
+}
+
+/* Words take memory, but not a code. */
+static void where_there_is_no_memory_at_all_there_is_a_code_under_the_id(void **state)
+{
+    const Bench *bench = *state;
+    if (!memory_can_fail) skip();
+    for (int k = 0; k < 3; k++) {
+        Meniscus__Request request = dialogue_status();
+        Meniscus__Reply *reply = ask_hard(bench, &request, -1);
+        assert_non_null(reply);
+        assert_int_equal(reply->code, MENISCUS__CODE__RESOURCE_EXHAUSTED);
+        meniscus__reply__free_unpacked(reply, NULL);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(whatever_allocation_fails_there_is_an_answer_under_the_id, begin, end),
+        cmocka_unit_test_setup_teardown(where_there_is_no_memory_at_all_there_is_a_code_under_the_id, begin, end),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
