@@ -19,15 +19,33 @@ static void answer(Run *run, Exchange *x, MnsStatus status, const MnsError *erro
     run_answer(run, &x->order, status, error);
 }
 
-static void serve_status(Run *run, Exchange *x)
+/* status: NULL if there was no memory for it. */
+static void answer_status(Run *run, Exchange *x, const RunStatus *status)
 {
     MnsError error;
-    RunStatus *status = malloc(sizeof *status);
-    if (status) run_status(run, status);
     x->reply->status = status ? describe_status(status) : NULL;
-    free(status);
     if (x->reply->status) x->reply->result_case = MENISCUS__REPLY__RESULT_STATUS;
     answer(run, x, x->reply->status ? MNS_OK : mns_fail(&error, MNS_E_MEMORY, "no memory for the status"), &error);
+}
+
+static void serve_status_at_rest(Run *run, Order *order)
+{
+    RunStatus *status = malloc(sizeof *status);
+    if (status) run_status(run, status);
+    answer_status(run, (Exchange *)order, status);
+    free(status);
+}
+
+/* Here, but for the moment in which the runner hashes the state it was stopped at: then by the runner, right after that. */
+static void serve_status(Run *run, Exchange *x)
+{
+    RunStatus *status = malloc(sizeof *status);
+    if (status) run_status(run, status);
+    x->order.serve = serve_status_at_rest;
+    x->order.urgent = true;
+    const bool posted = status && status->hash_due && !run_post(run, &x->order, NULL);
+    if (!posted) answer_status(run, x, status);
+    free(status);
 }
 
 static void serve_capabilities(Run *run, Exchange *x)

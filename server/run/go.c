@@ -150,6 +150,7 @@ static void finish(Run *run)
         return;
     }
     const bool early = run->goal.on && mns_sim_progress(run->sim).t < run->goal.t && isfinite(run->goal.t);
+    run_hash(run);
     run_enter(run, RUN_DONE, "the end time is reached");
     if (early) /* somebody moved the end meanwhile */
         mns_fail(&error, MNS_E_INTERRUPTED, "the end time, %.9g s, came before the time to run to, %.9g s",
@@ -170,6 +171,7 @@ static void arrive(Run *run, MnsProgress before)
     if (mns_sim_progress(run->sim).t >= run->document->c->end_time) finish(run);
     else if (goal_reached(run)) {
         outputs_flush(&run->outputs, NULL);
+        run_hash(run);
         run_enter(run, RUN_PAUSED, "what was asked for is done");
         run_goal_end(run, MNS_OK, NULL);
     } else if (point) {
@@ -188,6 +190,7 @@ void run_advance(Run *run)
         arrive(run, before);
         return;
     }
+    run->hashed = false;
     const MnsStatus status = mns_sim_step(run->sim, run->goal.exact ? fmin(run->goal.t, end) : end, &error);
     const double now = clock_now();
     run_beat(run);

@@ -41,6 +41,8 @@ struct Run {
     int directory_lock; /* -1 without a run                                  */
     Breakpoints *breakpoints;
     Outputs outputs;
+    uint64_t hash; /* of the state, if it is known */
+    bool hashed;
     Goal goal;
     Waiter *waiters;
     Meter meter;
@@ -56,8 +58,13 @@ struct Run {
 
 /* publish.c: what others see. */
 void run_beat(void *run);
-void run_publish_step(Run *run);                            /* the numbers that change with every step           */
-void run_publish(Run *run);                                 /* all                                               */
+void run_publish_step(Run *run); /* the numbers that change with every step           */
+void run_publish(Run *run);      /* all                                               */
+
+/* The hash of the state takes all particles. Where it stops by itself it is known at once; whoever makes it stop is answered
+ * first, and then it is settled, before the next order. */
+void run_hash(Run *run);
+void run_settle(Run *run);
 void run_enter(Run *run, RunState state, const char *text); /* a new state: published, told, and who waits answered */
 void run_tell_progress(Run *run);
 

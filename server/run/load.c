@@ -112,6 +112,7 @@ static void give_up(Run *run)
     breakpoints_clear(run->breakpoints);
     run->sim = NULL;
     run->document = NULL;
+    run->hashed = false;
 }
 
 /* And those too: they stay where they are. MNS_OK, or why some output could not be written. */
@@ -198,6 +199,7 @@ static void replace(Run *run, Order *order, Candidate *candidate, MnsStatus stat
     } else {
         snprintf(order->path, sizeof order->path, "%s", run->outputs.directory);
         order->effect_step = mns_sim_progress(run->sim).step;
+        run_hash(run);
         run_enter(run, RUN_READY, text);
         tell_files(run);
         tell_warnings(run);

@@ -80,16 +80,37 @@ static void fill_case(const Run *run, RunStatus *status)
     fill_numbers(run, status);
 }
 
-void run_publish(Run *run)
+/* With the lock held. */
+static void fill_hash(const Run *run, RunStatus *status)
 {
     const bool still = run->sim && run->state != RUN_RUNNING && run->state != RUN_LOADING;
-    const uint64_t hash = still ? mns_sim_hash(run->sim) : 0;
+    status->hash = still && run->hashed ? run->hash : 0;
+    status->hash_due = still && !run->hashed && run->state != RUN_STOPPING;
+}
+
+void run_hash(Run *run)
+{
+    if (!run->hashed) run->hash = mns_sim_hash(run->sim);
+    run->hashed = true;
+}
+
+void run_settle(Run *run)
+{
+    if (!run->status.hash_due) return; /* this thread alone writes it */
+    run_hash(run);
+    pthread_mutex_lock(&run->lock);
+    fill_hash(run, &run->status);
+    pthread_mutex_unlock(&run->lock);
+}
+
+void run_publish(Run *run)
+{
     pthread_mutex_lock(&run->lock);
     RunStatus *status = &run->status;
     memset(status, 0, sizeof *status);
     status->steps_per_second = status->ns_per_particle_step = status->eta = status->end_time = NAN;
     status->state = run->state;
-    status->hash = hash;
+    fill_hash(run, status);
     if (run->state == RUN_FAULT) status->fault = run->fault;
     if (run->sim) fill_case(run, status);
     document_leave(run->published);

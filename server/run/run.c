@@ -37,6 +37,7 @@ static double wake_time(const Run *run)
 static void serve_some(Run *run)
 {
     for (int k = 0; k < SERVED_AT_ONCE && !run->leaving; k++) {
+        run_settle(run);
         Order *order = mailbox_take(&run->mailbox, wake_time(run));
         run_beat(run);
         if (!order) break;

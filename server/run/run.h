@@ -35,6 +35,7 @@ typedef struct RunStatus {
     double age;                                         /* wall-clock time since the case was loaded, pauses too [s] */
     uint64_t samples_dropped;                           /* live ones that nobody fetched in time */
     uint64_t hash;                                      /* of the state, when it stands still with a case; else 0 */
+    bool hash_due;                                      /* it stands still, and is known before the next order    */
     unsigned threads;
     MnsError fault; /* in FAULT */
     size_t n_timers, n_breakpoints;

@@ -58,7 +58,7 @@ void run_set(Run *run, Order *order, size_t n, const char *const *paths, const c
         document_leave(status ? document : run->document);
     }
     if (!status) {
-        run->document = document;
+        run->document = document; /* the state is the same, and so is its hash */
         order->document = document_share(document);
         order->threads = (unsigned)mns_sim_threads(run->sim);
         run_publish(run);

@@ -36,6 +36,7 @@ static Note *next_note(const Bench *bench)
 /* Have the runner serve an order, and wait for its answer. */
 static MnsStatus perform(Bench *bench, void (*serve)(Run *run, Order *order))
 {
+    document_leave(bench->order.document);
     bench->order = (Order){.serve = serve, .deadline = INFINITY};
     bench->events = bench->log_lines = 0;
     assert_int_equal(run_post(bench->run, &bench->order, NULL), MNS_OK);
@@ -232,6 +233,67 @@ static void a_full_disk_refuses_a_load_and_the_run_stays(void **state)
     assert_false(holds(bench->home, "small.2"));
 }
 
+static void go(Run *run, Order *order)
+{
+    run_go(run, order);
+}
+
+/* What others see right after an order was answered, and whether that is the hash of the state. */
+typedef struct Sight {
+    RunStatus status;
+    bool is_hash;
+} Sight;
+static Sight sight;
+
+static void look(Run *run)
+{
+    run_status(run, &sight.status);
+    sight.is_hash = sight.status.hash == mns_sim_hash(run_sim(run));
+}
+
+static void pause_and_look(Run *run, Order *order)
+{
+    run_pause(run, order);
+    look(run);
+}
+
+static void only_look(Run *run, Order *order)
+{
+    look(run);
+    run_answer(run, order, MNS_OK, NULL);
+}
+
+static void set_and_look(Run *run, Order *order)
+{
+    const char *const paths[] = {"gravity", "scheme.cfl"}, *const values[] = {"[0.5, -2]", "0.1"};
+    run_set(run, order, 2, paths, values);
+    look(run);
+}
+
+/* What it saw is read when another order has come back, as the runner looks after the answer. */
+static void a_pause_is_answered_before_the_state_is_hashed(void **state)
+{
+    Bench *bench = *state;
+    assert_int_equal(case_file_set(bench->file, "end_time=50", NULL), MNS_OK);
+    assert_int_equal(perform(bench, load), MNS_OK);
+    assert_int_equal(perform(bench, go), MNS_OK);
+    assert_int_equal(perform(bench, pause_and_look), MNS_OK);
+    assert_int_equal(perform(bench, write_checkpoint), MNS_OK);
+    assert_true(sight.status.hash == 0 && sight.status.hash_due);
+    assert_int_equal(perform(bench, only_look), MNS_OK);
+    assert_true(sight.is_hash && !sight.status.hash_due);
+}
+
+static void a_change_leaves_the_hash_as_it_is(void **state)
+{
+    Bench *bench = *state;
+    assert_int_equal(perform(bench, load), MNS_OK);
+    assert_int_equal(perform(bench, step), MNS_OK);
+    assert_int_equal(perform(bench, set_and_look), MNS_OK);
+    assert_int_equal(perform(bench, write_checkpoint), MNS_OK);
+    assert_true(sight.is_hash && !sight.status.hash_due);
+}
+
 /* As OpenMP may be told to use fewer than there are processors. */
 static void load_with_three(Run *run, Order *order)
 {
@@ -260,6 +322,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_refused_way_back_leaves_the_run_and_its_files_as_they_were, begin, end),
         cmocka_unit_test_setup_teardown(a_damaged_series_refuses_a_restore_and_the_run_stays, begin, end),
         cmocka_unit_test_setup_teardown(a_full_disk_refuses_a_load_and_the_run_stays, begin, end),
+        cmocka_unit_test_setup_teardown(a_pause_is_answered_before_the_state_is_hashed, begin, end),
+        cmocka_unit_test_setup_teardown(a_change_leaves_the_hash_as_it_is, begin, end),
         cmocka_unit_test_setup_teardown(threads_are_counted_as_the_solver_does, begin, end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
