@@ -54,12 +54,10 @@ static void pause_overtakes_a_thousand_queued_commands(void **state)
     assert_int_equal(steer_code(dialogue, dialogue_start()), MENISCUS__CODE__OK);
     for (int k = 0; k < 1000; k++) {
         Meniscus__Request request = dialogue_resume();
-        dialogue_seal(&request, ids[k]);
-        dialogue_send(dialogue->control, &request);
+        dialogue_say(dialogue->control, &request, ids[k]);
     }
     Meniscus__Request pause = dialogue_pause();
-    dialogue_seal(&pause, pause_id);
-    dialogue_send(dialogue->control, &pause);
+    dialogue_say(dialogue->control, &pause, pause_id);
     for (int k = 0; k < 1001; k++) {
         Meniscus__Reply *reply = dialogue_receive(dialogue->control, NULL);
         assert_non_null(reply);
@@ -85,31 +83,18 @@ static void steps_are_counted_exactly(void **state)
     steer_stands_at(dialogue, MENISCUS__STATE__PAUSED, 7);
 }
 
-static void send_until(Dialogue *dialogue, double t, uint8_t *id)
-{
-    Meniscus__Request request = MENISCUS__REQUEST__INIT;
-    Meniscus__RunUntil until = MENISCUS__RUN_UNTIL__INIT;
-    until.has_time = 1;
-    until.time = t;
-    request.command_case = MENISCUS__REQUEST__COMMAND_RUN_UNTIL;
-    request.run_until = &until;
-    dialogue_seal(&request, id);
-    dialogue_send(dialogue->control, &request);
-}
-
 static void run_until_is_exact_and_survives_other_commands(void **state)
 {
     Dialogue *dialogue = *state;
     uint8_t id[16];
     const char *const settings[] = {"resolution=20", NULL};
     dialogue_load(dialogue, settings);
-    send_until(dialogue, 0.12345, id);
+    steer_say_until(dialogue->control, 0.12345, id);
     void *other = dialogue_connect(dialogue);
     Meniscus__Request requests[2] = {dialogue_start(), dialogue_status()};
     for (int k = 0; k < 20; k++) {
         uint8_t other_id[16];
-        dialogue_seal(&requests[k % 2], other_id);
-        dialogue_send(other, &requests[k % 2]);
+        dialogue_say(other, &requests[k % 2], other_id);
         Meniscus__Reply *reply = dialogue_receive(other, NULL);
         assert_non_null(reply);
         meniscus__reply__free_unpacked(reply, NULL);
@@ -128,15 +113,14 @@ static void cancel_ends_run_until_with_aborted(void **state)
     Dialogue *dialogue = *state;
     uint8_t id[16], cancel_id[16];
     dialogue_load(dialogue, NULL);
-    send_until(dialogue, 900, id);
+    steer_say_until(dialogue->control, 900, id);
     Meniscus__Request request = MENISCUS__REQUEST__INIT;
     Meniscus__Cancel cancel = MENISCUS__CANCEL__INIT;
     cancel.has_id = 1;
     cancel.id = (ProtobufCBinaryData){.len = 16, .data = id};
     request.command_case = MENISCUS__REQUEST__COMMAND_CANCEL;
     request.cancel = &cancel;
-    dialogue_seal(&request, cancel_id);
-    dialogue_send(dialogue->control, &request);
+    dialogue_say(dialogue->control, &request, cancel_id);
     Meniscus__Reply *first = dialogue_receive(dialogue->control, NULL);
     Meniscus__Reply *second = dialogue_receive(dialogue->control, NULL);
     assert_non_null(first);
@@ -184,24 +168,6 @@ static void the_same_request_again_changes_nothing(void **state)
     steer_stands_at(dialogue, MENISCUS__STATE__PAUSED, 1);
 }
 
-static Meniscus__Code set(Dialogue *dialogue, size_t n, const char *const (*pairs)[2])
-{
-    Meniscus__Request request = MENISCUS__REQUEST__INIT;
-    Meniscus__Set command = MENISCUS__SET__INIT;
-    Meniscus__Assignment assignments[4], *list[4];
-    for (size_t k = 0; k < n; k++) {
-        meniscus__assignment__init(&assignments[k]);
-        assignments[k].path = (char *)pairs[k][0];
-        assignments[k].value = (char *)pairs[k][1];
-        list[k] = &assignments[k];
-    }
-    command.n_assignments = n;
-    command.assignments = list;
-    request.command_case = MENISCUS__REQUEST__COMMAND_SET;
-    request.set = &command;
-    return dialogue_code(dialogue, &request);
-}
-
 static void a_set_of_several_is_all_or_nothing(void **state)
 {
     Dialogue *dialogue = *state;
@@ -209,10 +175,10 @@ static void a_set_of_several_is_all_or_nothing(void **state)
     static const char *const fixed[1][2] = {{"resolution", "20"}};
     static const char *const good[2][2] = {{"end_time", "3"}, {"scheme.cfl", "0.2"}};
     dialogue_load(dialogue, NULL);
-    assert_int_equal(set(dialogue, 2, bad), MENISCUS__CODE__INVALID_ARGUMENT);
+    assert_int_equal(steer_set_all(dialogue, 2, bad), MENISCUS__CODE__INVALID_ARGUMENT);
     assert_true(steer_get(dialogue, "end_time") == 1000);
-    assert_int_equal(set(dialogue, 1, fixed), MENISCUS__CODE__INVALID_ARGUMENT);
-    assert_int_equal(set(dialogue, 2, good), MENISCUS__CODE__OK);
+    assert_int_equal(steer_set_all(dialogue, 1, fixed), MENISCUS__CODE__INVALID_ARGUMENT);
+    assert_int_equal(steer_set_all(dialogue, 2, good), MENISCUS__CODE__OK);
     assert_true(steer_get(dialogue, "end_time") == 3);
     assert_true(steer_get(dialogue, "scheme.cfl") == 0.2);
 }
@@ -237,8 +203,7 @@ static void particles_of_a_box_come_as_raw_frames_within_a_limit(void **state)
     size_t frames = 0;
     dialogue_load(dialogue, NULL);
     Meniscus__Request request = particles(&query, &which);
-    dialogue_seal(&request, id);
-    dialogue_send(dialogue->control, &request);
+    dialogue_say(dialogue->control, &request, id);
     Meniscus__Reply *reply = dialogue_receive(dialogue->control, &frames);
     assert_non_null(reply);
     assert_int_equal(reply->code, MENISCUS__CODE__OK);

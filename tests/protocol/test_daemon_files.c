@@ -13,19 +13,16 @@ static void a_failed_output_stops_the_run_and_is_written_after_resume(void **sta
 {
     Dialogue *dialogue = *state;
     static const char *const settings[] = {"output.snapshot_interval=0.05", "end_time=0.5", NULL};
-    char here[256], away[256];
-    steer_path(dialogue, "dam", here);
-    steer_path(dialogue, "away", away);
-    dialogue_load(dialogue, settings);
-    assert_int_equal(rename(here, away), 0);
+    char here[256];
+    steer_load_here(dialogue, settings, here);
+    steer_take_away(dialogue);
     steer_code(dialogue, dialogue_start()); /* refused, if the first snapshot has failed by then */
     steer_wait_for(dialogue, MENISCUS__STATE__FAULT);
-    Meniscus__Request request = dialogue_status();
-    Meniscus__Reply *reply = dialogue_ask(dialogue, &request);
+    Meniscus__Reply *reply = steer_status(dialogue);
     assert_non_null(strstr(reply->status->fault, "dam"));
     meniscus__reply__free_unpacked(reply, NULL);
     assert_int_not_equal(steer_code(dialogue, dialogue_resume()), MENISCUS__CODE__OK);
-    assert_int_equal(rename(away, here), 0);
+    steer_bring_back(dialogue);
     assert_int_equal(steer_code(dialogue, dialogue_resume()), MENISCUS__CODE__OK);
     steer_wait_for(dialogue, MENISCUS__STATE__DONE);
     assert_int_equal(steer_count(here, "snapshot-"), 11);
@@ -37,8 +34,7 @@ static void block_a_snapshot(Dialogue *dialogue, char here[static 256])
 {
     static const char *const settings[] = {"output.snapshot_interval=0.05", "end_time=0.5", NULL};
     char inside[512];
-    steer_path(dialogue, "dam", here);
-    dialogue_load(dialogue, settings);
+    steer_load_here(dialogue, settings, here);
     steer_go(dialogue, 5);
     for (int step = 6; step < 3000; step++) {
         snprintf(inside, sizeof inside, "%s/snapshot-%010d.hdf", here, step);
@@ -78,9 +74,7 @@ static void a_daemon_that_leaves_after_a_failed_output_keeps_the_state(void **st
     Dialogue *dialogue = *state;
     char here[256];
     block_a_snapshot(dialogue, here);
-    Meniscus__Reply *reply = steer_status(dialogue);
-    const uint64_t step = reply->step;
-    meniscus__reply__free_unpacked(reply, NULL);
+    const uint64_t step = steer_step_now(dialogue);
     assert_int_equal(kill(dialogue->daemon, SIGTERM), 0);
     assert_int_equal(dialogue_join(dialogue), 0);
     assert_kept(here, step);
@@ -89,12 +83,9 @@ static void a_daemon_that_leaves_after_a_failed_output_keeps_the_state(void **st
 static void a_daemon_that_cannot_keep_the_state_says_so_by_its_exit_code(void **state)
 {
     Dialogue *dialogue = *state;
-    char here[256], away[256];
-    steer_path(dialogue, "dam", here);
-    steer_path(dialogue, "away", away);
     dialogue_load(dialogue, NULL);
     steer_go(dialogue, 5);
-    assert_int_equal(rename(here, away), 0);
+    steer_take_away(dialogue);
     assert_int_equal(kill(dialogue->daemon, SIGTERM), 0);
     assert_int_equal(dialogue_join(dialogue), 74);
 }
@@ -102,15 +93,12 @@ static void a_daemon_that_cannot_keep_the_state_says_so_by_its_exit_code(void **
 static void a_reset_without_the_directory_is_refused_and_the_run_stays(void **state)
 {
     Dialogue *dialogue = *state;
-    char here[256], away[256];
-    steer_path(dialogue, "dam", here);
-    steer_path(dialogue, "away", away);
     dialogue_load(dialogue, NULL);
     steer_go(dialogue, 5);
-    assert_int_equal(rename(here, away), 0);
+    steer_take_away(dialogue);
     assert_int_equal(steer_code(dialogue, dialogue_reset()), MENISCUS__CODE__INTERNAL);
     steer_stands_at(dialogue, MENISCUS__STATE__PAUSED, 5);
-    assert_int_equal(rename(away, here), 0);
+    steer_bring_back(dialogue);
     assert_int_equal(steer_code(dialogue, dialogue_reset()), MENISCUS__CODE__OK);
     steer_stands_at(dialogue, MENISCUS__STATE__READY, 0);
 }
@@ -120,8 +108,7 @@ static void a_finished_run_leaves_checkpoint_series_case_and_log(void **state)
     Dialogue *dialogue = *state;
     static const char *const settings[] = {"end_time=0.05", NULL};
     char here[256];
-    steer_path(dialogue, "dam", here);
-    dialogue_load(dialogue, settings);
+    steer_load_here(dialogue, settings, here);
     assert_int_equal(steer_code(dialogue, dialogue_start()), MENISCUS__CODE__OK);
     steer_wait_for(dialogue, MENISCUS__STATE__DONE);
     assert_int_equal(steer_count(here, "checkpoint-"), 1);
@@ -134,9 +121,8 @@ static void another_run_of_the_name_gets_a_directory_of_its_own(void **state)
 {
     Dialogue *dialogue = *state;
     char first[256], second[256];
-    steer_path(dialogue, "dam", first);
     steer_path(dialogue, "dam.2", second);
-    dialogue_load(dialogue, NULL);
+    steer_load_here(dialogue, NULL, first);
     assert_int_equal(access(second, F_OK), -1);
     dialogue_load(dialogue, NULL);
     assert_int_equal(steer_count(first, "case.yaml"), 1);
@@ -173,8 +159,7 @@ static void a_signal_to_stop_leaves_a_checkpoint_and_no_socket(void **state)
 {
     Dialogue *dialogue = *state;
     char here[256];
-    steer_path(dialogue, "dam", here);
-    dialogue_load(dialogue, NULL);
+    steer_load_here(dialogue, NULL, here);
     assert_int_equal(steer_code(dialogue, dialogue_start()), MENISCUS__CODE__OK);
     assert_int_equal(kill(dialogue->daemon, SIGTERM), 0);
     assert_int_equal(dialogue_join(dialogue), 0);
@@ -186,15 +171,13 @@ static void a_signal_for_a_checkpoint_does_not_stop_the_run(void **state)
 {
     Dialogue *dialogue = *state;
     char here[256];
-    steer_path(dialogue, "dam", here);
-    dialogue_load(dialogue, NULL);
+    steer_load_here(dialogue, NULL, here);
     assert_int_equal(steer_code(dialogue, dialogue_start()), MENISCUS__CODE__OK);
     assert_int_equal(kill(dialogue->daemon, SIGUSR1), 0);
     for (int k = 0; k < 500 && !steer_count(here, "checkpoint-"); k++)
         nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
     assert_true(steer_count(here, "checkpoint-") >= 1);
-    Meniscus__Request request = dialogue_status();
-    Meniscus__Reply *reply = dialogue_ask(dialogue, &request);
+    Meniscus__Reply *reply = steer_status(dialogue);
     assert_int_equal(reply->state, MENISCUS__STATE__RUNNING);
     meniscus__reply__free_unpacked(reply, NULL);
 }

@@ -127,8 +127,7 @@ static void a_request_without_a_command_is_refused(void **state)
     Dialogue *dialogue = *state;
     uint8_t id[16];
     Meniscus__Request request = MENISCUS__REQUEST__INIT;
-    dialogue_seal(&request, id);
-    dialogue_send(dialogue->control, &request);
+    dialogue_say(dialogue->control, &request, id);
     assert_refused(dialogue, MENISCUS__CODE__UNIMPLEMENTED);
 }
 
@@ -223,8 +222,7 @@ static void a_client_that_vanishes_leaves_its_command_running(void **state)
     request.command_case = MENISCUS__REQUEST__COMMAND_STEP;
     request.step = &step;
     void *other = dialogue_connect(dialogue);
-    dialogue_seal(&request, id);
-    dialogue_send(other, &request);
+    dialogue_say(other, &request, id);
     nanosleep(&(struct timespec){.tv_nsec = 50000000}, NULL);
     zmq_close(other);
     dialogue_send(dialogue->control, &request); /* the same id, from elsewhere */

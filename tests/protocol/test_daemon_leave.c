@@ -21,12 +21,8 @@ static void *connect_impatiently(const Dialogue *dialogue)
 static void send_shutdown(void *socket)
 {
     uint8_t id[16];
-    Meniscus__Shutdown command = MENISCUS__SHUTDOWN__INIT;
-    Meniscus__Request request = MENISCUS__REQUEST__INIT;
-    request.command_case = MENISCUS__REQUEST__COMMAND_SHUTDOWN;
-    request.shutdown = &command;
-    dialogue_seal(&request, id);
-    dialogue_send(socket, &request);
+    Meniscus__Request request = dialogue_shutdown();
+    dialogue_say(socket, &request, id);
 }
 
 /* Look once, as clients do, then be busy with something else. */
@@ -72,19 +68,10 @@ static void who_waits_is_told_before_the_daemon_leaves(void **state)
 {
     Dialogue *dialogue = *state;
     uint8_t id[16];
-    Meniscus__Request request = MENISCUS__REQUEST__INIT;
-    Meniscus__Wait wait = MENISCUS__WAIT__INIT;
-    Meniscus__State done = MENISCUS__STATE__DONE;
     void *waiting = connect_impatiently(dialogue), *other = connect_impatiently(dialogue);
     dialogue_load(dialogue, NULL);
-    wait.n_states = 1;
-    wait.states = &done;
-    request.command_case = MENISCUS__REQUEST__COMMAND_WAIT;
-    request.wait = &wait;
-    dialogue_seal(&request, id);
-    dialogue_send(waiting, &request);
-    request = dialogue_status();
-    assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__OK);
+    steer_say_wait_for(waiting, MENISCUS__STATE__DONE, id);
+    assert_int_equal(steer_code(dialogue, dialogue_status()), MENISCUS__CODE__OK);
     look_away(waiting, 0);
     send_shutdown(other);
     look_away(other, 100);

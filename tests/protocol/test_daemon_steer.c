@@ -64,8 +64,7 @@ static void send_large_load(void *socket, const char *resolution)
     LoadRequest load;
     uint8_t id[16];
     dialogue_load_init(&load, "large", large_case, (const char *[]){resolution, NULL});
-    dialogue_seal(&load.request, id);
-    dialogue_send(socket, &load.request);
+    dialogue_say(socket, &load.request, id);
     dialogue_load_done(&load);
 }
 
@@ -158,8 +157,7 @@ static Meniscus__Reply *ask_frames(Dialogue *dialogue, Meniscus__Query *query, s
     Meniscus__Request request = MENISCUS__REQUEST__INIT;
     request.command_case = MENISCUS__REQUEST__COMMAND_QUERY;
     request.query = query;
-    dialogue_seal(&request, id);
-    dialogue_send(dialogue->control, &request);
+    dialogue_say(dialogue->control, &request, id);
     const int size = zmq_recv(dialogue->control, packed, sizeof packed, 0);
     assert_true(size > 0 && size <= (int)sizeof packed);
     Meniscus__Reply *reply = meniscus__reply__unpack(NULL, (size_t)size, packed);
@@ -264,26 +262,13 @@ static void send_changes_and_a_reset(const Dialogue *dialogue, unsigned n)
 {
     uint8_t id[16];
     for (unsigned k = 0; k < n; k++) {
-        char value[16];
-        Meniscus__Request request = MENISCUS__REQUEST__INIT;
-        Meniscus__Set set = MENISCUS__SET__INIT;
-        Meniscus__Assignment end = MENISCUS__ASSIGNMENT__INIT, threads = MENISCUS__ASSIGNMENT__INIT;
-        Meniscus__Assignment *list[2] = {&end, &threads};
-        snprintf(value, sizeof value, "%u", 100 + k);
-        end.path = (char *)"end_time";
-        end.value = value;
-        threads.path = (char *)"threads";
-        threads.value = (char *)(k % 2 ? "2" : "1");
-        set.n_assignments = 2;
-        set.assignments = list;
-        request.command_case = MENISCUS__REQUEST__COMMAND_SET;
-        request.set = &set;
-        dialogue_seal(&request, id);
-        dialogue_send(dialogue->control, &request);
+        char end[16];
+        snprintf(end, sizeof end, "%u", 100 + k);
+        const char *const pairs[2][2] = {{"end_time", end}, {"threads", k % 2 ? "2" : "1"}};
+        steer_say_set(dialogue->control, 2, pairs, id);
     }
     Meniscus__Request reset = dialogue_reset();
-    dialogue_seal(&reset, id);
-    dialogue_send(dialogue->control, &reset);
+    dialogue_say(dialogue->control, &reset, id);
 }
 
 static void each_change_is_answered_with_its_own_values_whatever_follows(void **state)
@@ -335,18 +320,11 @@ static void die_in_the_middle(const Dialogue *dialogue)
 {
     const pid_t child = fork();
     if (child == 0) {
-        Meniscus__Request request = MENISCUS__REQUEST__INIT;
-        Meniscus__RunUntil until = MENISCUS__RUN_UNTIL__INIT;
         Dialogue own = *dialogue;
         uint8_t id[16];
         own.context = zmq_ctx_new();
         own.control = dialogue_connect(&own);
-        until.has_time = 1;
-        until.time = 500;
-        request.command_case = MENISCUS__REQUEST__COMMAND_RUN_UNTIL;
-        request.run_until = &until;
-        dialogue_seal(&request, id);
-        dialogue_send(own.control, &request);
+        steer_say_until(own.control, 500, id);
         dialogue_receive(own.control, NULL);
         _exit(1);
     }

@@ -113,6 +113,12 @@ void dialogue_send(void *socket, const Meniscus__Request *request)
     free(packed);
 }
 
+void dialogue_say(void *socket, Meniscus__Request *request, uint8_t *id)
+{
+    dialogue_seal(request, id);
+    dialogue_send(socket, request);
+}
+
 Meniscus__Reply *dialogue_receive(void *socket, size_t *ret_frames)
 {
     Meniscus__Reply *reply = NULL;
@@ -132,8 +138,7 @@ Meniscus__Reply *dialogue_receive(void *socket, size_t *ret_frames)
 Meniscus__Reply *dialogue_ask(Dialogue *dialogue, Meniscus__Request *request)
 {
     uint8_t id[16];
-    dialogue_seal(request, id);
-    dialogue_send(dialogue->control, request);
+    dialogue_say(dialogue->control, request, id);
     Meniscus__Reply *reply = dialogue_receive(dialogue->control, NULL);
     assert_non_null(reply);
     assert_memory_equal(reply->id.data, id, sizeof id);

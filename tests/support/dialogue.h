@@ -33,6 +33,9 @@ void dialogue_seal(Meniscus__Request *request, uint8_t *id);
 
 void dialogue_send(void *socket, const Meniscus__Request *request);
 
+/* Seal and send; the reply is waited for elsewhere. */
+void dialogue_say(void *socket, Meniscus__Request *request, uint8_t *id);
+
 /* The next reply within ten seconds, or NULL; raw frames behind it are counted. Free with meniscus__reply__free_unpacked(). */
 Meniscus__Reply *dialogue_receive(void *socket, size_t *ret_frames);
 

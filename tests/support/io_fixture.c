@@ -3,6 +3,7 @@
 #include "tests/support/io_fixture.h"
 
 #include <dirent.h>
+#include <fcntl.h>
 #include <ftw.h>
 #include <math.h>
 #include <signal.h>
@@ -10,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* A test cannot go on without its fixture. */
@@ -147,6 +149,17 @@ void put_bytes(const char *path, const void *bytes, size_t size)
     remove(path);
     FILE *stream = need(fopen(path, "wb"), path);
     if (fwrite(bytes, 1, size, stream) != size || fclose(stream) != 0) need(NULL, path);
+}
+
+void put_date(const char *path, time_t second)
+{
+    const struct timespec moment = {.tv_sec = second};
+    if (utimensat(AT_FDCWD, path, (const struct timespec[]){moment, moment}, 0)) need(NULL, path);
+}
+
+bool exists(const char *path)
+{
+    return access(path, F_OK) == 0;
 }
 
 void limit_files(size_t bytes)

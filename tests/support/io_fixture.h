@@ -4,6 +4,7 @@
 #define TESTS_IO_FIXTURE_H
 
 #include "io/file.h"
+#include <time.h>
 
 /* A new empty directory, removed with all it holds by scratch_free(). */
 char *scratch_new(void);
@@ -29,6 +30,11 @@ FileMeta noise_meta(void);
 /* The bytes of a file, to be freed; put them back or anywhere. */
 unsigned char *bytes_of(const char *path, size_t *ret_size);
 void put_bytes(const char *path, const void *bytes, size_t size);
+
+/* As if it had last been written then. */
+void put_date(const char *path, time_t second);
+
+bool exists(const char *path);
 
 /* From now on no file grows beyond `bytes`, as on a full disk; SIZE_MAX: they may again. */
 void limit_files(size_t bytes);

@@ -50,6 +50,30 @@ void steer_path(const Dialogue *dialogue, const char *name, char ret[static 256]
     snprintf(ret, 256, "%s/state/%s", dialogue->home, name);
 }
 
+void steer_load_here(Dialogue *dialogue, const char *const *settings, char ret_here[static 256])
+{
+    steer_path(dialogue, "dam", ret_here);
+    dialogue_load(dialogue, settings);
+}
+
+static void rename_run(const Dialogue *dialogue, const char *from, const char *to)
+{
+    char old[256], new[256];
+    steer_path(dialogue, from, old);
+    steer_path(dialogue, to, new);
+    assert_int_equal(rename(old, new), 0);
+}
+
+void steer_take_away(const Dialogue *dialogue)
+{
+    rename_run(dialogue, "dam", "away");
+}
+
+void steer_bring_back(const Dialogue *dialogue)
+{
+    rename_run(dialogue, "away", "dam");
+}
+
 int steer_count(const char *directory, const char *like)
 {
     DIR *stream = opendir(directory);
@@ -92,27 +116,75 @@ Meniscus__Reply *steer_step(Dialogue *dialogue, uint64_t n)
     return dialogue_ask(dialogue, &request);
 }
 
-Meniscus__Reply *steer_until(Dialogue *dialogue, double t)
+static Meniscus__Request until_request(Meniscus__RunUntil *until, double t)
 {
     Meniscus__Request request = plain(MENISCUS__REQUEST__COMMAND_RUN_UNTIL);
-    Meniscus__RunUntil until = MENISCUS__RUN_UNTIL__INIT;
-    until.has_time = 1;
-    until.time = t;
-    request.run_until = &until;
+    meniscus__run_until__init(until);
+    until->has_time = 1;
+    until->time = t;
+    request.run_until = until;
+    return request;
+}
+
+Meniscus__Reply *steer_until(Dialogue *dialogue, double t)
+{
+    Meniscus__RunUntil until;
+    Meniscus__Request request = until_request(&until, t);
     return dialogue_ask(dialogue, &request);
+}
+
+void steer_say_until(void *socket, double t, uint8_t *id)
+{
+    Meniscus__RunUntil until;
+    Meniscus__Request request = until_request(&until, t);
+    dialogue_say(socket, &request, id);
+}
+
+enum { ENTRIES = 4 };
+
+/* A change of n entries, and where its parts are. */
+typedef struct Change {
+    Meniscus__Set set;
+    Meniscus__Assignment assignments[ENTRIES], *list[ENTRIES];
+} Change;
+
+static Meniscus__Request set_request(Change *change, size_t n, const char *const (*pairs)[2])
+{
+    Meniscus__Request request = plain(MENISCUS__REQUEST__COMMAND_SET);
+    assert_true(n <= ENTRIES);
+    meniscus__set__init(&change->set);
+    for (size_t k = 0; k < n; k++) {
+        meniscus__assignment__init(&change->assignments[k]);
+        change->assignments[k].path = (char *)pairs[k][0];
+        change->assignments[k].value = (char *)pairs[k][1];
+        change->list[k] = &change->assignments[k];
+    }
+    change->set.n_assignments = n;
+    change->set.assignments = change->list;
+    request.set = &change->set;
+    return request;
 }
 
 Meniscus__Reply *steer_set(Dialogue *dialogue, const char *path, const char *value)
 {
-    Meniscus__Request request = plain(MENISCUS__REQUEST__COMMAND_SET);
-    Meniscus__Set command = MENISCUS__SET__INIT;
-    Meniscus__Assignment assignment = MENISCUS__ASSIGNMENT__INIT, *list[1] = {&assignment};
-    assignment.path = (char *)path;
-    assignment.value = (char *)value;
-    command.n_assignments = 1;
-    command.assignments = list;
-    request.set = &command;
+    Change change;
+    const char *const pair[1][2] = {{path, value}};
+    Meniscus__Request request = set_request(&change, 1, pair);
     return dialogue_ask(dialogue, &request);
+}
+
+Meniscus__Code steer_set_all(Dialogue *dialogue, size_t n, const char *const (*pairs)[2])
+{
+    Change change;
+    Meniscus__Request request = set_request(&change, n, pairs);
+    return dialogue_code(dialogue, &request);
+}
+
+void steer_say_set(void *socket, size_t n, const char *const (*pairs)[2], uint8_t *id)
+{
+    Change change;
+    Meniscus__Request request = set_request(&change, n, pairs);
+    dialogue_say(socket, &request, id);
 }
 
 Meniscus__Reply *steer_restore(Dialogue *dialogue, const char *checkpoint)
@@ -124,28 +196,50 @@ Meniscus__Reply *steer_restore(Dialogue *dialogue, const char *checkpoint)
     return dialogue_ask(dialogue, &request);
 }
 
-Meniscus__Reply *steer_wait(Dialogue *dialogue, Meniscus__State state, long patience_ms)
+/* For a state, unless it is NULL, or else a step. */
+static Meniscus__Request wait_request(Meniscus__Wait *wait, Meniscus__State *state, uint64_t step)
 {
     Meniscus__Request request = plain(MENISCUS__REQUEST__COMMAND_WAIT);
-    Meniscus__Wait wait = MENISCUS__WAIT__INIT;
-    wait.n_states = 1;
-    wait.states = &state;
-    request.wait = &wait;
+    meniscus__wait__init(wait);
+    wait->n_states = state ? 1 : 0;
+    wait->states = state;
+    wait->has_step = !state;
+    wait->step = step;
+    request.wait = wait;
+    return request;
+}
+
+static Meniscus__Reply *wait_patiently(Dialogue *dialogue, Meniscus__Request request, long patience_ms)
+{
     request.has_deadline_ms = 1;
     request.deadline_ms = (uint64_t)patience_ms;
     return dialogue_ask(dialogue, &request);
 }
 
+Meniscus__Reply *steer_wait(Dialogue *dialogue, Meniscus__State state, long patience_ms)
+{
+    Meniscus__Wait wait;
+    return wait_patiently(dialogue, wait_request(&wait, &state, 0), patience_ms);
+}
+
 Meniscus__Reply *steer_wait_step(Dialogue *dialogue, uint64_t step)
 {
-    Meniscus__Request request = plain(MENISCUS__REQUEST__COMMAND_WAIT);
-    Meniscus__Wait wait = MENISCUS__WAIT__INIT;
-    wait.has_step = 1;
-    wait.step = step;
-    request.wait = &wait;
-    request.has_deadline_ms = 1;
-    request.deadline_ms = 15000;
-    return dialogue_ask(dialogue, &request);
+    Meniscus__Wait wait;
+    return wait_patiently(dialogue, wait_request(&wait, NULL, step), 15000);
+}
+
+void steer_say_wait(void *socket, uint64_t step, uint8_t *id)
+{
+    Meniscus__Wait wait;
+    Meniscus__Request request = wait_request(&wait, NULL, step);
+    dialogue_say(socket, &request, id);
+}
+
+void steer_say_wait_for(void *socket, Meniscus__State state, uint8_t *id)
+{
+    Meniscus__Wait wait;
+    Meniscus__Request request = wait_request(&wait, &state, 0);
+    dialogue_say(socket, &request, id);
 }
 
 /* --- what came of it ----------------------------------------------------------------------------------------------------- */
@@ -166,6 +260,14 @@ void steer_refused(Meniscus__Reply *reply, Meniscus__Code code, const char *part
 void steer_go(Dialogue *dialogue, uint64_t n)
 {
     steer_accepted(steer_step(dialogue, n));
+}
+
+uint64_t steer_step_now(Dialogue *dialogue)
+{
+    Meniscus__Reply *reply = steer_status(dialogue);
+    const uint64_t step = reply->step;
+    meniscus__reply__free_unpacked(reply, NULL);
+    return step;
 }
 
 void steer_stands_at(Dialogue *dialogue, Meniscus__State state, uint64_t step)

@@ -20,6 +20,13 @@ void steer_sleep(long milliseconds);
 /* Where the daemon keeps its runs: "HOME/state/NAME". */
 void steer_path(const Dialogue *dialogue, const char *name, char ret[static 256]);
 
+/* Load the small dam break with these changes, and say where its run is: "HOME/state/dam". */
+void steer_load_here(Dialogue *dialogue, const char *const *settings, char ret_here[static 256]);
+
+/* Rename the directory of that run, as if it had gone; give it back. */
+void steer_take_away(const Dialogue *dialogue);
+void steer_bring_back(const Dialogue *dialogue);
+
 /* How many entries of a directory begin like this. */
 int steer_count(const char *directory, const char *like);
 
@@ -28,6 +35,16 @@ Meniscus__Reply *steer_status(Dialogue *dialogue);
 Meniscus__Reply *steer_step(Dialogue *dialogue, uint64_t n);
 Meniscus__Reply *steer_until(Dialogue *dialogue, double t);
 Meniscus__Reply *steer_set(Dialogue *dialogue, const char *path, const char *value);
+
+/* Ask for something long on a connection, under an id [16], and do not wait: to run to a time, to wait for a step or a state. */
+void steer_say_until(void *socket, double t, uint8_t *id);
+void steer_say_wait(void *socket, uint64_t step, uint8_t *id);
+void steer_say_wait_for(void *socket, Meniscus__State state, uint8_t *id);
+
+/* Set n entries at once; and the same without waiting for the reply. */
+Meniscus__Code steer_set_all(Dialogue *dialogue, size_t n, const char *const (*pairs)[2]);
+void steer_say_set(void *socket, size_t n, const char *const (*pairs)[2], uint8_t *id);
+
 Meniscus__Reply *steer_restore(Dialogue *dialogue, const char *checkpoint); /* NULL: the newest */
 Meniscus__Reply *steer_wait(Dialogue *dialogue, Meniscus__State state, long patience_ms);
 Meniscus__Reply *steer_wait_step(Dialogue *dialogue, uint64_t step);
@@ -38,6 +55,9 @@ void steer_refused(Meniscus__Reply *reply, Meniscus__Code code, const char *part
 
 /* So many steps, done. */
 void steer_go(Dialogue *dialogue, uint64_t n);
+
+/* The step it is at, standing or not. */
+uint64_t steer_step_now(Dialogue *dialogue);
 
 void steer_stands_at(Dialogue *dialogue, Meniscus__State state, uint64_t step);
 

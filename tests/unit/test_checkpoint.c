@@ -35,14 +35,24 @@ static char *write_step(const char *dir, uint64_t step, time_t second, unsigned 
     MnsCapture *state = noise_capture(2, 20, 10, step);
     state->progress.step = step;
     assert_int_equal(write_state(dir, state, keep, path), MNS_OK);
-    assert_int_equal(utimensat(AT_FDCWD, path, (const struct timespec[]){{second, 0}, {second, 0}}, 0), 0);
+    put_date(path, second);
     mns_capture_free(state);
     return path;
 }
 
-static bool exists(const char *path)
+static void assert_newest(const char *dir, const char *path)
 {
-    return access(path, F_OK) == 0;
+    Checkpoint read;
+    assert_int_equal(checkpoint_newest(dir, &read, NULL, NULL, NULL), MNS_OK);
+    assert_string_equal(read.path, path);
+    checkpoint_done(&read);
+}
+
+/* What is said of it is read from error, which may be NULL. */
+static void assert_refused(const char *path, MnsStatus status, MnsError *error)
+{
+    Checkpoint read;
+    assert_int_equal(checkpoint_read(path, &read, error), status);
 }
 
 /* --- what goes in comes out -------------------------------------------------------------------------------------- */
@@ -158,12 +168,9 @@ static void an_earlier_step_written_later_is_the_newest(void **state)
 {
     char *a = write_step(*state, 500, 1000, 3), *b = write_step(*state, 600, 2000, 3);
     char *c = write_step(*state, 400, 3000, 2);
-    Checkpoint read;
     assert_false(exists(a));
     assert_true(exists(b));
-    assert_int_equal(checkpoint_newest(*state, &read, NULL, NULL, NULL), MNS_OK);
-    assert_string_equal(read.path, c);
-    checkpoint_done(&read);
+    assert_newest(*state, c);
     free(c);
     free(b);
     free(a);
@@ -190,18 +197,17 @@ static void dates_that_were_changed_do_not_change_which_is_the_newest(void **sta
     char *c = write_step(*state, 300, 1000, 2);
     assert_false(exists(a));
     assert_true(exists(b));
-    assert_int_equal(checkpoint_newest(*state, &read, NULL, NULL, NULL), MNS_OK);
-    assert_string_equal(read.path, c);
-    checkpoint_done(&read);
+    assert_newest(*state, c);
     free(c);
     free(b);
     free(a);
 }
 
-/* Write the seal of an older program, which had no number in it. */
-static void forget_number(const char *path)
+/* With no number in it, as an older program did. */
+static void seal_again(const char *path)
 {
     const int fd = open(path, O_RDWR | O_CLOEXEC);
+    assert_true(fd >= 0);
     assert_int_equal(seal_write(fd, path, 0, NULL), MNS_OK);
     close(fd);
 }
@@ -209,14 +215,11 @@ static void forget_number(const char *path)
 static void files_without_a_number_go_by_their_dates(void **state)
 {
     char *a = write_step(*state, 200, 1000, 9), *b = write_step(*state, 100, 2000, 9);
-    Checkpoint read;
-    forget_number(a);
-    forget_number(b);
-    assert_int_equal(utimensat(AT_FDCWD, a, (const struct timespec[]){{3000, 0}, {3000, 0}}, 0), 0);
-    assert_int_equal(utimensat(AT_FDCWD, b, (const struct timespec[]){{2000, 0}, {2000, 0}}, 0), 0);
-    assert_int_equal(checkpoint_newest(*state, &read, NULL, NULL, NULL), MNS_OK);
-    assert_string_equal(read.path, a);
-    checkpoint_done(&read);
+    seal_again(a);
+    seal_again(b);
+    put_date(a, 3000);
+    put_date(b, 2000);
+    assert_newest(*state, a);
     free(b);
     free(a);
 }
@@ -335,12 +338,11 @@ static void every_bit_of_the_seal_counts(void **state)
 {
     char *path = write_step(*state, 1, 1000, 1);
     size_t size = 0;
-    Checkpoint read;
     unsigned char *bytes = bytes_of(path, &size);
     for (size_t bit = 0; bit < 8 * (size_t)SEAL_SIZE; bit++) {
         bytes[bit / 8] ^= (unsigned char)(1u << bit % 8);
         put_bytes(path, bytes, size);
-        assert_int_equal(checkpoint_read(path, &read, NULL), MNS_E_CORRUPT);
+        assert_refused(path, MNS_E_CORRUPT, NULL);
         bytes[bit / 8] ^= (unsigned char)(1u << bit % 8);
     }
     free(bytes);
@@ -351,14 +353,13 @@ static void the_format_of_another_version_is_named(void **state)
 {
     char *path = write_step(*state, 1, 1000, 1);
     size_t size = 0;
-    Checkpoint read;
     MnsError error;
     unsigned char *bytes = bytes_of(path, &size);
     bytes[8] = SEAL_VERSION + 1;
     const uint64_t hash = htole64(XXH64(bytes, SEAL_SIZE - sizeof hash, 0));
     memcpy(bytes + SEAL_SIZE - sizeof hash, &hash, sizeof hash);
     put_bytes(path, bytes, size);
-    assert_int_equal(checkpoint_read(path, &read, &error), MNS_E_VERSION);
+    assert_refused(path, MNS_E_VERSION, &error);
     assert_non_null(strstr(error.text, "format 2"));
     free(bytes);
     free(path);
@@ -368,25 +369,16 @@ static void a_cut_file_says_what_is_missing(void **state)
 {
     char *path = write_step(*state, 1, 1000, 1), wanted[64];
     size_t size = 0;
-    Checkpoint read;
     MnsError error;
     free(bytes_of(path, &size));
     snprintf(wanted, sizeof wanted, "it has 3000 bytes, %zu were written", size);
     assert_int_equal(truncate(path, 3000), 0);
-    assert_int_equal(checkpoint_read(path, &read, &error), MNS_E_CORRUPT);
+    assert_refused(path, MNS_E_CORRUPT, &error);
     assert_non_null(strstr(error.text, wanted));
     free(path);
 }
 
 /* --- behind a seal that is right --------------------------------------------------------------------------------- */
-
-static void seal_again(const char *path)
-{
-    const int fd = open(path, O_RDWR);
-    assert_true(fd >= 0);
-    assert_int_equal(seal_write(fd, path, 0, NULL), MNS_OK);
-    close(fd);
-}
 
 static hid_t open_to_change(const char *path)
 {
@@ -404,12 +396,9 @@ static void close_changed(hid_t file, const char *path)
 /* Add 1 to the first byte of a dataset, as a failing memory would have done before the file was sealed. */
 static void assert_change_is_noticed(const char *dir, const char *name)
 {
-    char path[IO_PATH_MAX];
+    char *path = write_step(dir, 5, 1000, 1);
     unsigned char bytes[4096];
-    Checkpoint read;
     MnsError error;
-    MnsCapture *written = noise_capture(2, 20, 10, 5);
-    assert_int_equal(write_state(dir, written, 1, path), MNS_OK);
     const hid_t file = open_to_change(path), set = H5Dopen2(file, name, H5P_DEFAULT), type = H5Dget_type(set);
     assert_true(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes) >= 0);
     bytes[0]++;
@@ -417,9 +406,9 @@ static void assert_change_is_noticed(const char *dir, const char *name)
     H5Tclose(type);
     H5Dclose(set);
     close_changed(file, path);
-    assert_int_equal(checkpoint_read(path, &read, &error), MNS_E_CORRUPT);
+    assert_refused(path, MNS_E_CORRUPT, &error);
     assert_non_null(strstr(error.text, "checksum"));
-    mns_capture_free(written);
+    free(path);
 }
 
 static void every_part_has_a_checksum_of_its_own(void **state)
@@ -436,13 +425,10 @@ static void a_changed_scalar_is_noticed(void **state)
 {
     static const char *const names[] = {"dim", "n",        "n_fluid", "spacing",  "t",
                                         "dt",  "dt_first", "step",    "rebuilds", "guarded"};
-    MnsCapture *written = noise_capture(2, 20, 10, 5);
-    char path[IO_PATH_MAX];
     for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
-        Checkpoint read;
+        char *path = write_step(*state, 5, 1000, 1);
         MnsError error;
         const int other = 4;
-        assert_int_equal(write_state(*state, written, 1, path), MNS_OK);
         const hid_t file = open_to_change(path), scalar = H5Screate(H5S_SCALAR);
         assert_true(H5Adelete_by_name(file, "/state", names[k], H5P_DEFAULT) >= 0);
         const hid_t mark =
@@ -451,64 +437,58 @@ static void a_changed_scalar_is_noticed(void **state)
         H5Aclose(mark);
         H5Sclose(scalar);
         close_changed(file, path);
-        assert_int_equal(checkpoint_read(path, &read, &error), MNS_E_CORRUPT);
+        assert_refused(path, MNS_E_CORRUPT, &error);
         assert_non_null(strstr(error.text, "checksum of its scalars"));
+        free(path);
     }
-    mns_capture_free(written);
 }
 
 /* What another version keeps may be what this one needs, and the other way round. */
 static void other_fields_are_another_version(void **state)
 {
-    char path[IO_PATH_MAX];
-    Checkpoint read;
-    MnsCapture *written = noise_capture(2, 20, 10, 5);
-    assert_int_equal(write_state(*state, written, 1, path), MNS_OK);
+    char *path = write_step(*state, 5, 1000, 1);
     hid_t file = open_to_change(path);
     H5Gclose(H5Gcreate2(file, "/state/colour", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
     close_changed(file, path);
-    assert_int_equal(checkpoint_read(path, &read, NULL), MNS_E_VERSION);
-    assert_int_equal(write_state(*state, written, 1, path), MNS_OK);
+    assert_refused(path, MNS_E_VERSION, NULL);
+    free(path);
+    path = write_step(*state, 5, 1000, 1);
     file = open_to_change(path);
     assert_true(H5Ldelete(file, "/state/velocity", H5P_DEFAULT) >= 0);
     close_changed(file, path);
-    assert_int_equal(checkpoint_read(path, &read, NULL), MNS_E_VERSION);
-    mns_capture_free(written);
+    assert_refused(path, MNS_E_VERSION, NULL);
+    free(path);
 }
 
 /* A longer one would be written past the end of the capture. */
 static void a_field_of_another_length_is_refused(void **state)
 {
-    char path[IO_PATH_MAX];
-    Checkpoint read;
     MnsError error;
-    MnsCapture *written = noise_capture(2, 20, 10, 5);
     for (hsize_t length = 19; length <= 21; length += 2) {
-        assert_int_equal(write_state(*state, written, 1, path), MNS_OK);
+        char *path = write_step(*state, 5, 1000, 1);
         const hid_t file = open_to_change(path), space = H5Screate_simple(2, (hsize_t[]){1, length}, NULL);
         assert_true(H5Ldelete(file, "/state/density", H5P_DEFAULT) >= 0);
         H5Dclose(H5Dcreate2(file, "/state/density", H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
         H5Sclose(space);
         close_changed(file, path);
-        assert_int_equal(checkpoint_read(path, &read, &error), MNS_E_CORRUPT);
+        assert_refused(path, MNS_E_CORRUPT, &error);
         assert_non_null(strstr(error.text, "shape"));
+        free(path);
     }
-    mns_capture_free(written);
 }
 
 static void an_hdf5_file_without_a_state_is_refused(void **state)
 {
     char *path = path_in(*state, "checkpoint-0000000001.hdf");
-    Checkpoint read;
     const hid_t creation = H5Pcreate(H5P_FILE_CREATE);
     H5Pset_userblock(creation, SEAL_SIZE);
     close_changed(H5Fcreate(path, H5F_ACC_TRUNC, creation, H5P_DEFAULT), path);
     H5Pclose(creation);
-    assert_int_equal(checkpoint_read(path, &read, NULL), MNS_E_CORRUPT);
+    assert_refused(path, MNS_E_CORRUPT, NULL);
     put_bytes(path, "nothing but bytes", 17);
     assert_int_equal(truncate(path, 4096), 0);
     seal_again(path);
-    assert_int_equal(checkpoint_read(path, &read, NULL), MNS_E_CORRUPT);
+    assert_refused(path, MNS_E_CORRUPT, NULL);
     free(path);
 }
 

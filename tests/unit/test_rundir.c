@@ -32,11 +32,11 @@ static void path_of(const char *name, char ret[static 128])
     snprintf(ret, 128, "%s/%s", place, name);
 }
 
-static bool exists(const char *name)
+static bool has(const char *name)
 {
     char path[128];
     path_of(name, path);
-    return access(path, F_OK) == 0;
+    return exists(path);
 }
 
 static void put(const char *name)
@@ -72,10 +72,10 @@ static void later_files_move_aside_with_a_link_to_the_series(void **state)
     put("snapshot-0000000007.hdf");
     put("probes.hdf");
     assert_int_equal(rundir_abandon(place, false, 5, aside, &error), MNS_OK);
-    assert_true(exists("checkpoint-0000000005.hdf"));
-    assert_false(exists("snapshot-0000000007.hdf"));
-    assert_true(exists("abandoned/snapshot-0000000007.hdf"));
-    assert_true(exists("abandoned/probes.hdf") && exists("probes.hdf"));
+    assert_true(has("checkpoint-0000000005.hdf"));
+    assert_false(has("snapshot-0000000007.hdf"));
+    assert_true(has("abandoned/snapshot-0000000007.hdf"));
+    assert_true(has("abandoned/probes.hdf") && has("probes.hdf"));
     put("probes.hdf"); /* a new file of the name */
     struct stat old, new;
     char path[128];
@@ -98,8 +98,8 @@ static void what_cannot_be_kept_whole_stays_where_it_was(void **state)
     assert_int_equal(mkdir(path, 0777), 0);
     assert_int_equal(rundir_abandon(place, false, 5, aside, &error), MNS_E_IO);
     assert_non_null(strstr(error.text, "probes.hdf"));
-    assert_true(exists("snapshot-0000000007.hdf"));
-    assert_false(exists("abandoned"));
+    assert_true(has("snapshot-0000000007.hdf"));
+    assert_false(has("abandoned"));
     assert_string_equal(aside, "x");
 }
 
@@ -114,8 +114,8 @@ static void what_was_moved_aside_comes_back(void **state)
         put("probes.hdf");
         assert_int_equal(rundir_abandon(place, all, 5, aside, &error), MNS_OK);
         rundir_return(place, aside);
-        assert_true(exists("checkpoint-0000000005.hdf") && exists("snapshot-0000000007.hdf") && exists("probes.hdf"));
-        assert_false(exists("abandoned"));
+        assert_true(has("checkpoint-0000000005.hdf") && has("snapshot-0000000007.hdf") && has("probes.hdf"));
+        assert_false(has("abandoned"));
     }
 }
 
@@ -135,9 +135,9 @@ static void all_move_aside_and_never_over_those_before(void **state)
         path_of(name, wanted);
         assert_string_equal(aside, wanted);
     }
-    assert_true(exists("log"));
-    assert_false(exists("probes.hdf") || exists("snapshots.hdf.series"));
-    assert_true(exists("abandoned.2/checkpoint-0000000005.hdf") && exists("abandoned.3/probes.hdf"));
+    assert_true(has("log"));
+    assert_false(has("probes.hdf") || has("snapshots.hdf.series"));
+    assert_true(has("abandoned.2/checkpoint-0000000005.hdf") && has("abandoned.3/probes.hdf"));
 }
 
 static void nothing_to_move_makes_no_directory(void **state)
@@ -148,7 +148,7 @@ static void nothing_to_move_makes_no_directory(void **state)
     put("checkpoint-0000000005.hdf");
     assert_int_equal(rundir_abandon(place, false, 5, aside, &error), MNS_OK);
     assert_string_equal(aside, "");
-    assert_false(exists("abandoned"));
+    assert_false(has("abandoned"));
 }
 
 static void a_directory_is_had_by_one(void **state)
@@ -166,7 +166,7 @@ static void a_directory_is_had_by_one(void **state)
     assert_non_null(strstr(error.text, dir));
     assert_non_null(strstr(error.text, "process "));
     rundir_unmake(dir);
-    assert_false(exists("a/b"));
+    assert_false(has("a/b"));
     close(fd);
 }
 
@@ -175,7 +175,7 @@ static void a_directory_with_files_is_not_unmade(void **state)
     (void)state;
     put("log");
     rundir_unmake(place);
-    assert_true(exists("log"));
+    assert_true(has("log"));
 }
 
 static void what_a_killed_writer_left_is_cleared_and_nothing_else(void **state)
@@ -187,8 +187,8 @@ static void what_a_killed_writer_left_is_cleared_and_nothing_else(void **state)
     for (size_t k = 0; k < sizeof gone / sizeof *gone; k++) put(gone[k]);
     for (size_t k = 0; k < sizeof kept / sizeof *kept; k++) put(kept[k]);
     rundir_clear(place);
-    for (size_t k = 0; k < sizeof gone / sizeof *gone; k++) assert_false(exists(gone[k]));
-    for (size_t k = 0; k < sizeof kept / sizeof *kept; k++) assert_true(exists(kept[k]));
+    for (size_t k = 0; k < sizeof gone / sizeof *gone; k++) assert_false(has(gone[k]));
+    for (size_t k = 0; k < sizeof kept / sizeof *kept; k++) assert_true(has(kept[k]));
 }
 
 int main(void)
