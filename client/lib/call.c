@@ -77,14 +77,7 @@ static MnsStatus await(MnsClient *client, const Meniscus__Request *request, doub
 
 static bool asks_only(const Meniscus__Request *request)
 {
-    switch (request->command_case) {
-    case MENISCUS__REQUEST__COMMAND_STATUS:
-    case MENISCUS__REQUEST__COMMAND_CAPABILITIES:
-    case MENISCUS__REQUEST__COMMAND_GET:
-    case MENISCUS__REQUEST__COMMAND_QUERY:
-    case MENISCUS__REQUEST__COMMAND_WAIT: return true;
-    default: return false;
-    }
+    return protobuf_c_enum_descriptor_get_value(&meniscus__request__question__descriptor, (int)request->command_case);
 }
 
 /* After a lost connection: is this still the daemon that has, or has not, heard the request? */

@@ -140,7 +140,7 @@ static void take_signal(Daemon *daemon)
 static void take_answer(Daemon *daemon, Order *order)
 {
     Exchange *exchange = (Exchange *)order;
-    const bool last = exchange->request->command_case == MENISCUS__REQUEST__COMMAND_SHUTDOWN;
+    const bool last = exchange->handler && exchange->handler->traits & LAST;
     if (exchange == daemon->load) after_load(daemon, order);
     else if (order->status && !exchange->identity_size) log_line(LOG_WARNING, "%s", order->error.text);
     if (last) daemon->leaving = true;

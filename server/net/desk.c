@@ -253,7 +253,7 @@ static MnsStatus begin(Desk *desk, Exchange *exchange, MnsError *error)
     const Meniscus__Request *request = exchange->request;
     const Handler *handler = handler_find(request->command_case);
     if (request->has_deadline_ms) exchange->order.deadline = clock_now() + 1e-3 * (double)request->deadline_ms;
-    if (request->command_case == MENISCUS__REQUEST__COMMAND_QUERY && desk->outgoing.unread > OUTGOING_UNREAD)
+    if (handler && handler->traits & LARGE && desk->outgoing.unread > OUTGOING_UNREAD)
         return mns_fail(error, MNS_E_LIMIT,
                         "clients have not yet read %zu bytes of earlier answers; read them, or wait",
                         (size_t)desk->outgoing.unread);

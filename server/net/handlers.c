@@ -336,27 +336,27 @@ _Static_assert(RUN_STATES == RUN_STOPPING + 1, "all states are compared");
 
 /* clang-format off */
 static const Handler handlers[] = {
-    /* request                  name            where    states           urgent motion by                  then               */
-    [REQUEST(STATUS)]       = { "status",       HERE,    ANY,             false, false, serve_status,       NULL               },
-    [REQUEST(CAPABILITIES)] = { "capabilities", HERE,    ANY,             false, false, serve_capabilities, NULL               },
-    [REQUEST(GET)]          = { "get",          HERE,    ANY,             false, false, serve_get,          NULL               },
-    [REQUEST(LOAD)]         = { "load",         AT_STEP, STILL | EMPTY,   false, false, serve_load,         complete_directory },
-    [REQUEST(START)]        = { "start",        AT_STEP, READY,           false, true,  serve_go,           NULL               },
-    [REQUEST(RESUME)]       = { "resume",       AT_STEP, PAUSED | FAULT,  false, true,  serve_go,           NULL               },
-    [REQUEST(STEP)]         = { "step",         AT_STEP, READY | PAUSED,  false, true,  serve_step,         NULL               },
-    [REQUEST(RUN_UNTIL)]    = { "run_until",    AT_STEP, READY | PAUSED,  false, true,  serve_until,        NULL               },
-    [REQUEST(PAUSE)]        = { "pause",        AT_STEP, RUNNING | READY | PAUSED, true, false, serve_pause, NULL              },
-    [REQUEST(STOP)]         = { "stop",         AT_STEP, LOADED,          true,  false, serve_stop,         complete_directory },
-    [REQUEST(CANCEL)]       = { "cancel",       AT_STEP, ANY,             true,  false, serve_cancel,       NULL               },
-    [REQUEST(SHUTDOWN)]     = { "shutdown",     AT_STEP, ANY,             true,  false, serve_shutdown,     complete_directory },
-    [REQUEST(RESET)]        = { "reset",        AT_STEP, STILL,           false, false, serve_reset,        complete_directory },
-    [REQUEST(RESTORE)]      = { "restore",      AT_STEP, STILL,           false, false, serve_restore,      complete_directory },
-    [REQUEST(CHECKPOINT)]   = { "checkpoint",   AT_STEP, LOADED,          false, false, serve_checkpoint,   complete_file      },
-    [REQUEST(SNAPSHOT)]     = { "snapshot",     AT_STEP, LOADED,          false, false, serve_snapshot,     complete_file      },
-    [REQUEST(SET)]          = { "set",          AT_STEP, LOADED,          false, false, serve_set,          complete_set       },
-    [REQUEST(QUERY)]        = { "query",        AT_STEP, LOADED,          false, false, serve_query,        NULL               },
-    [REQUEST(WAIT)]         = { "wait",         AT_STEP, ANY,             false, false, serve_wait,         complete_wait      },
-    [REQUEST(BREAKPOINT)]   = { "breakpoint",   AT_STEP, LOADED,          false, false, serve_breakpoint,   NULL               },
+    /* request                  name            where    states                    traits         by                  then               */
+    [REQUEST(STATUS)]       = { "status",       HERE,    ANY,                      0,             serve_status,       NULL               },
+    [REQUEST(CAPABILITIES)] = { "capabilities", HERE,    ANY,                      0,             serve_capabilities, NULL               },
+    [REQUEST(GET)]          = { "get",          HERE,    ANY,                      0,             serve_get,          NULL               },
+    [REQUEST(LOAD)]         = { "load",         AT_STEP, STILL | EMPTY,            0,             serve_load,         complete_directory },
+    [REQUEST(START)]        = { "start",        AT_STEP, READY,                    MOTION,        serve_go,           NULL               },
+    [REQUEST(RESUME)]       = { "resume",       AT_STEP, PAUSED | FAULT,           MOTION,        serve_go,           NULL               },
+    [REQUEST(STEP)]         = { "step",         AT_STEP, READY | PAUSED,           MOTION,        serve_step,         NULL               },
+    [REQUEST(RUN_UNTIL)]    = { "run_until",    AT_STEP, READY | PAUSED,           MOTION,        serve_until,        NULL               },
+    [REQUEST(PAUSE)]        = { "pause",        AT_STEP, RUNNING | READY | PAUSED, URGENT,        serve_pause,        NULL               },
+    [REQUEST(STOP)]         = { "stop",         AT_STEP, LOADED,                   URGENT,        serve_stop,         complete_directory },
+    [REQUEST(CANCEL)]       = { "cancel",       AT_STEP, ANY,                      URGENT,        serve_cancel,       NULL               },
+    [REQUEST(SHUTDOWN)]     = { "shutdown",     AT_STEP, ANY,                      URGENT | LAST, serve_shutdown,     complete_directory },
+    [REQUEST(RESET)]        = { "reset",        AT_STEP, STILL,                    0,             serve_reset,        complete_directory },
+    [REQUEST(RESTORE)]      = { "restore",      AT_STEP, STILL,                    0,             serve_restore,      complete_directory },
+    [REQUEST(CHECKPOINT)]   = { "checkpoint",   AT_STEP, LOADED,                   0,             serve_checkpoint,   complete_file      },
+    [REQUEST(SNAPSHOT)]     = { "snapshot",     AT_STEP, LOADED,                   0,             serve_snapshot,     complete_file      },
+    [REQUEST(SET)]          = { "set",          AT_STEP, LOADED,                   0,             serve_set,          complete_set       },
+    [REQUEST(QUERY)]        = { "query",        AT_STEP, LOADED,                   LARGE,         serve_query,        NULL               },
+    [REQUEST(WAIT)]         = { "wait",         AT_STEP, ANY,                      0,             serve_wait,         complete_wait      },
+    [REQUEST(BREAKPOINT)]   = { "breakpoint",   AT_STEP, LOADED,                   0,             serve_breakpoint,   NULL               },
 };
 /* clang-format on */
 
@@ -409,8 +409,8 @@ MnsStatus handle(Run *run, Exchange *exchange, MnsError *error)
     const Handler *handler = handler_find(exchange->request->command_case);
     if (!handler) return mns_fail(error, MNS_E_VERSION, "this daemon does not know the command");
     exchange->handler = handler;
-    exchange->order.urgent = handler->urgent;
-    exchange->order.motion = handler->motion;
+    exchange->order.urgent = handler->traits & URGENT;
+    exchange->order.motion = handler->traits & MOTION;
     exchange->order.serve = serve_at_step;
     exchange->at_step = handler->where == AT_STEP;
     if (handler->where == AT_STEP) return run_post(run, &exchange->order, error);

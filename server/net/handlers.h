@@ -10,12 +10,19 @@ typedef enum Where {
     AT_STEP /* by the runner's thread, between two steps                              */
 } Where;
 
+/* What else there is to know of a command. */
+typedef enum Trait {
+    URGENT = 1 << 0, /* overtakes all that is queued                             */
+    MOTION = 1 << 1, /* sets the run in motion; a later pause calls it off       */
+    LARGE = 1 << 2,  /* its reply may be: not while clients leave much unread    */
+    LAST = 1 << 3    /* the daemon leaves after it                               */
+} Trait;
+
 typedef struct Handler {
     const char *name;
     Where where;
-    unsigned states; /* bits 1 << RunState in which it is possible           */
-    bool urgent;     /* overtakes all that is queued                         */
-    bool motion;     /* sets the run in motion; a later pause calls it off   */
+    unsigned states; /* bits 1 << RunState in which it is possible               */
+    unsigned traits; /* of Trait                                                 */
 
     /* Answers the order of the exchange, now or when done. */
     void (*serve)(Run *run, Exchange *exchange);

@@ -33,11 +33,11 @@ static long from_environment(const char *name, long otherwise)
 
 /* --- frames ------------------------------------------------------------------------------------------------------------ */
 
-enum { TEMPLATES = 24, LARGE = 1 << 20 };
+enum { TEMPLATES = 24, LONGEST = 1 << 20 };
 
 typedef struct Frame {
     size_t size;
-    uint8_t data[LARGE + 64];
+    uint8_t data[LONGEST + 64];
 } Frame;
 
 static uint8_t *template[TEMPLATES];
@@ -147,7 +147,7 @@ static void make_templates(void)
 static size_t draw_size(void)
 {
     const uint64_t kind = draw() % 5000;
-    return draw() % (kind == 0 ? LARGE + 32 : kind < 50 ? 4096 : 64);
+    return draw() % (kind == 0 ? LONGEST + 32 : kind < 50 ? 4096 : 64);
 }
 
 static void draw_noise(Frame *frame)

@@ -20,7 +20,6 @@ RECONNECT_S = 5.0  # to a daemon that was there
 GREETING_S = 5.0  # a daemon answers greetings at once, whatever it computes
 GRACE_S = 2.0  # beyond the deadline that the daemon knows, for its answer to get here
 MAX_REQUEST = 1 << 20  # bytes; a daemon takes no more
-ASKS_ONLY = {"status", "capabilities", "get", "query", "wait"}
 
 
 class Connection:
@@ -100,7 +99,7 @@ class Connection:
     def _check_repeatable(self, request: pb.Request) -> None:
         before = self.epoch
         self._greet()
-        if self.epoch != before and request.WhichOneof("command") not in ASKS_ONLY:
+        if self.epoch != before and not _asks_only(request):
             raise UnavailableError("UNAVAILABLE", "the daemon was restarted before it answered; ask for its status")
 
     def _send(self, packed: bytes) -> None:
@@ -163,6 +162,11 @@ class Connection:
         return UnavailableError(
             "UNAVAILABLE", f"the daemon at {self.endpoint} went away; whether the command took effect is not known"
         )
+
+
+def _asks_only(request: pb.Request) -> bool:
+    command = request.WhichOneof("command")
+    return command is not None and pb.Request.DESCRIPTOR.fields_by_name[command].number in pb.Request.Question.values()
 
 
 def _unpack(frames: List[bytes]) -> Tuple[pb.Reply, List[bytes]]:
