@@ -4,6 +4,7 @@
 
 #include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
 
 typedef struct Budget {
     size_t left;
@@ -108,6 +109,14 @@ ProtobufCBinaryData request_id(const void *data, size_t size)
 void request_free(Meniscus__Request *request)
 {
     if (request) meniscus__request__free_unpacked(request, NULL);
+}
+
+size_t number_size(const char *type)
+{
+    static const char *const types[] = {"<f8", "<f4", "<u8", "<u4", "|u1"};
+    for (size_t k = 0; k < sizeof types / sizeof *types; k++)
+        if (!strcmp(type, types[k])) return (size_t)(types[k][2] - '0');
+    return 0;
 }
 
 Meniscus__Code code_of(MnsStatus status)

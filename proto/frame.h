@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Requests as they come off the wire: read within limits, whatever the bytes are. */
+/* Requests as they come off the wire: read within limits, whatever the bytes are. And what else both ends must know alike. */
 #ifndef PROTO_FRAME_H
 #define PROTO_FRAME_H
 
@@ -25,6 +25,9 @@ ProtobufCBinaryData request_id(const void *data, size_t size);
 
 /* NULL is fine. */
 void request_free(Meniscus__Request *request);
+
+/* Bytes of one number of a raw frame by its type, as numpy writes it: 8 of "<f8"; 0 for a type there is not. */
+size_t number_size(const char *type);
 
 /* What a failure is called in a reply. */
 Meniscus__Code code_of(MnsStatus status);

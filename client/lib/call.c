@@ -36,12 +36,11 @@ MnsStatus call_random(uint8_t *data, size_t size, MnsError *error)
 }
 
 /* Fill in the envelope. id: [MNS_REQUEST_ID_SIZE], borrowed. */
-static void seal(MnsClient *client, Meniscus__Request *request, uint8_t *id, double timeout)
+static void seal(Meniscus__Request *request, uint8_t *id, double timeout)
 {
-    request->has_major = request->has_id = request->has_session = true;
+    request->has_major = request->has_id = true;
     request->major = MENISCUS__PROTOCOL_VERSION__PROTOCOL_MAJOR;
     request->id = (ProtobufCBinaryData){.len = MNS_REQUEST_ID_SIZE, .data = id};
-    request->session = (ProtobufCBinaryData){.len = sizeof client->session, .data = client->session};
     request->has_deadline_ms = timeout >= 0;
     if (request->has_deadline_ms) request->deadline_ms = (uint64_t)fmin(1e3 * timeout, 1e15);
 }
@@ -159,7 +158,7 @@ static MnsStatus call_as(MnsClient *client, Meniscus__Request *request, uint8_t 
                          Meniscus__Reply **ret_reply, Frames *ret_frames, MnsError *error)
 {
     const double deadline = timeout < 0 ? INFINITY : wire_clock() + timeout + grace_s;
-    seal(client, request, id, timeout);
+    seal(request, id, timeout);
     MnsStatus status = exchange(client, request, deadline, ret_reply, ret_frames, error);
     if (status != MNS_OK) return status;
     status = (*ret_reply)->code == MENISCUS__CODE__OK ? check_arrays(*ret_reply, ret_frames, error)

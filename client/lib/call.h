@@ -10,7 +10,6 @@ enum { CALL_MAX_REQUEST = 1 << 20 }; /* bytes; a daemon takes no more */
 
 struct MnsClient {
     Wire wire;
-    uint8_t session[8];
     uint64_t epoch; /* of the daemon that was greeted       */
     double timeout; /* [s]; negative: none                  */
     bool has_id;    /* next_id is to be used                */
@@ -30,7 +29,7 @@ MnsStatus call_reason(const char *reason);
 /* Ask the daemon who it is: sets client->epoch. MNS_E_UNAVAILABLE if it does not answer, MNS_E_VERSION. */
 MnsStatus call_greet(MnsClient *client, MnsError *error);
 
-/* Send a request and wait for its reply. Version, session, id and deadline are filled in here. Each array of the reply
+/* Send a request and wait for its reply. Version, id and deadline are filled in here. Each array of the reply
  * has its frame, checked. On failure, when the daemon refused, error->path is the reply's.
  * MNS_OK: free *ret_reply with meniscus__reply__free_unpacked() and *ret_frames with frames_done(); all else: as
  * client.h says, nothing to free. */

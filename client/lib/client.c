@@ -12,8 +12,7 @@ MnsStatus mns_client_open(const char *daemon, MnsClient **ret_client, MnsError *
     MnsClient *client = calloc(1, sizeof *client);
     if (!client) return mns_fail(error, MNS_E_MEMORY, "no memory for a client");
     client->timeout = -1;
-    status = call_random(client->session, sizeof client->session, error);
-    if (status == MNS_OK) status = wire_open(&client->wire, endpoint, error);
+    status = wire_open(&client->wire, endpoint, error);
     if (status == MNS_OK) status = call_greet(client, error);
     if (status == MNS_OK) *ret_client = client;
     else mns_client_close(client);

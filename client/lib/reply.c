@@ -2,6 +2,7 @@
 /* Replies as plain structs: text is borrowed from the message, which lives as long; arrays are copied, for
  * alignment. */
 #include "client/lib/reply.h"
+#include "proto/frame.h"
 #include "proto/states.h"
 #include <math.h>
 #include <stdlib.h>
@@ -55,11 +56,7 @@ const MnsValue *reply_values(Arena *arena, size_t n, Meniscus__Value *const *mes
 /* Bytes of an array of that type and shape; 0 if they cannot be. */
 static size_t array_bytes(const Meniscus__Array *message)
 {
-    static const char *const types[] = {"<f8", "<f4", "<u8", "<u4", "|u1"};
-    static const size_t sizes[] = {8, 4, 8, 4, 1};
-    size_t bytes = 0;
-    for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++)
-        if (strcmp(text(message->type), types[k]) == 0) bytes = sizes[k];
+    size_t bytes = number_size(text(message->type));
     for (size_t d = 0; d < message->n_shape; d++)
         if (__builtin_mul_overflow(bytes, message->shape[d], &bytes)) return 0;
     return bytes;

@@ -2,18 +2,19 @@
 /* Questions about the simulation between two steps. */
 #include "net/look.h"
 
+#include "proto/frame.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-static size_t width_of(MnsType type)
-{
-    return type == MNS_F64 ? 8 : type == MNS_U32 ? 4 : 1;
-}
-
 static const char *numpy_of(MnsType type)
 {
     return type == MNS_F64 ? "<f8" : type == MNS_U32 ? "<u4" : "|u1";
+}
+
+static size_t width_of(MnsType type)
+{
+    return number_size(numpy_of(type));
 }
 
 static MnsStatus find_field(const MnsSim *sim, const char *name, int *ret, MnsError *error)

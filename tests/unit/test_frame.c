@@ -128,6 +128,16 @@ static void bytes_that_end_too_soon_have_no_id(void **state)
     assert_id("\x22\xff\xff\xff\xff\xff\xff\xff\xff\xff\xff\1", 12, "");
 }
 
+static void numbers_have_the_size_that_numpy_gives_them(void **state)
+{
+    (void)state;
+    assert_int_equal(number_size("<f8"), 8);
+    assert_int_equal(number_size("<u4"), 4);
+    assert_int_equal(number_size("|u1"), 1);
+    assert_int_equal(number_size(">f8"), 0);
+    assert_int_equal(number_size(""), 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -138,6 +148,7 @@ int main(void)
         cmocka_unit_test(a_truncated_request_is_none),
         cmocka_unit_test(the_id_is_known_of_a_request_that_cannot_be_read),
         cmocka_unit_test(bytes_that_end_too_soon_have_no_id),
+        cmocka_unit_test(numbers_have_the_size_that_numpy_gives_them),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -28,7 +28,6 @@ class Connection:
     def __init__(self, endpoint: str) -> None:
         self.endpoint = endpoint
         self.epoch = 0
-        self._session = os.urandom(8)
         self._connected = False
         self._connections = 0
         self._lost_since = time.monotonic()
@@ -62,7 +61,6 @@ class Connection:
     ) -> Tuple[pb.Reply, List[bytes]]:
         """Send a request, wait for its reply and the frames of its arrays; raise what error_for() makes of a code."""
         request.major = pb.PROTOCOL_MAJOR
-        request.session = self._session
         request.id = request_id or os.urandom(16)
         if timeout is not None:
             request.deadline_ms = int(1000 * timeout)
