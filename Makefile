@@ -8,7 +8,6 @@ CC        := gcc
 endif
 PREFIX    ?= /usr/local
 DESTDIR   ?=
-MARCH     ?=
 SANITIZE  ?=
 VERSION   := 0.1.0
 COMMIT    := $(shell git describe --always --exclude='*' --dirty=+ 2>/dev/null)
@@ -22,7 +21,7 @@ WARN      := -Wall -Wextra -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-p
 WARN      += $(if $(findstring clang,$(CC)),-Wno-pass-failed -Wno-sign-conversion)
 # No -ffast-math: NaN must stay NaN. No contraction: the force of i on j must be minus that of j on i to the last bit.
 FLOAT     := -fno-math-errno -fno-trapping-math -ffp-contract=off
-OPT       := -O2 -ftree-vectorize $(if $(MARCH),-march=$(MARCH))
+OPT       := -O2 -ftree-vectorize
 # The solver's short loops over dimensions must be unrolled, and its blocks of eight doubles are one register where there are such.
 HOT       := -O3 $(if $(filter x86_64%,$(shell $(CC) -dumpmachine)),-mprefer-vector-width=512)
 PKGS      := libzmq libprotobuf-c hdf5-serial yaml-0.1 jansson cairo libsystemd libxxhash lua5.4
@@ -60,8 +59,8 @@ all: $(BUILD)/meniscusd $(BUILD)/meniscus $(BUILD)/libmeniscus.a $(BUILD)/libmen
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z][a-z-]*:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' Makefile
-	@echo "variables: BUILD=$(BUILD) CC=$(CC) PREFIX=$(PREFIX) MARCH=$(MARCH) SANITIZE=$(SANITIZE) V=$(V)"
-	@echo "           MARCH=native builds for this machine alone, for no gain; CPPFLAGS, CFLAGS, LDFLAGS, LDLIBS are added to ours"
+	@echo "variables: BUILD=$(BUILD) CC=$(CC) PREFIX=$(PREFIX) SANITIZE=$(SANITIZE) V=$(V)"
+	@echo "           CPPFLAGS, CFLAGS, LDFLAGS, LDLIBS are added to ours"
 
 packages: ## install the Debian packages that are missing
 	@tests/support/packages.sh

@@ -195,7 +195,7 @@ static bool take_level(void)
 {
     const char *level = getenv("MENISCUS_LEVEL");
     MnsError error;
-    if (!level || !mns_level_force(level, &error)) return true;
+    if (!level || !*level || !mns_level_force(level, &error)) return true;
     fprintf(stderr, "meniscusd: MENISCUS_LEVEL: %s\n", error.text);
     return false;
 }

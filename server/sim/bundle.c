@@ -1,106 +1,83 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "sim/bundle.h"
+#include "sim/level.h"
 
-/* Bundles that hold something of what has changed: fields that are the same for a whole step, and those that follow density. */
-static const unsigned MOTION_IN[4] = {[2] = 1 | 4, [3] = 1 | 2 | 4}, STATE_IN[4] = {[2] = 2, [3] = 4};
+enum { CHUNK = 1024 };
 
+/* m_i dt/2 for particles of fluids with a stress, else 0: what makes q_i of b_i. */
+typedef struct Flux {
+    double of[UINT8_MAX + 1]; /* dt/2 or 0, by index of fluid or wall */
+} Flux;
+
+INLINE double carried(const Particles *s, const Flux *flux, size_t i, int what)
+{
+    switch (what) {
+    case CARRIED_X:
+    case CARRIED_X + 1:
+    case CARRIED_X + 2: return s->x[what - CARRIED_X][i];
+    case CARRIED_V:
+    case CARRIED_V + 1:
+    case CARRIED_V + 2: return s->v[what - CARRIED_V][i];
+    case CARRIED_P: return s->p[i];
+    case CARRIED_VOLUME: return s->vol[i];
+    case CARRIED_Z: return s->z[i];
+    case CARRIED_Q:
+    case CARRIED_Q + 1:
+    case CARRIED_Q + 2: return s->m[i] * flux->of[s->phase[i]] * s->b[what - CARRIED_Q][i];
+    default: return 0;
+    }
+}
+
+INLINE void pack(const Particles *s, const Flux *flux, int k, size_t first, size_t last, int dim)
+{
+    const uint8_t *what = BUNDLE_LAYOUT[dim - 2][k];
+    double(*restrict to)[4] = s->bundle[k];
+    for (size_t i = first; i < last; i++) {
+        to[i][0] = carried(s, flux, i, what[0]);
+        to[i][1] = carried(s, flux, i, what[1]);
+        to[i][2] = carried(s, flux, i, what[2]);
+        to[i][3] = carried(s, flux, i, what[3]);
+    }
+}
+
+INLINE void pack_some(const Particles *s, const Flux *flux, unsigned which, size_t first, size_t last, int dim)
+{
+    if (which & 1) pack(s, flux, 0, first, last, dim);
+    if (which & 2) pack(s, flux, 1, first, last, dim);
+    if (which & 4) pack(s, flux, 2, first, last, dim);
+}
+
+/* Bundles with something that serves these needs. */
 static unsigned bundles_for(int dim, unsigned needs)
 {
     unsigned bundles = 1;
-    if (dim == 2) {
-        if (needs & NEED_STATE) bundles |= 2;
-        if (needs & NEED_FLUX) bundles |= 4;
-    } else {
-        if (needs & (NEED_V | NEED_FLUX)) bundles |= 2;
-        if (needs & (NEED_STATE | NEED_FLUX)) bundles |= 4;
-    }
+    for (int k = 1; k < BUNDLES; k++)
+        if (bundle_meets(dim, k) & needs) bundles |= 1u << k;
     return bundles;
-}
-
-static void pack2(const Particles *s, const double *carries, double half, unsigned which, size_t first, size_t last)
-{
-    double(*restrict to)[4] = NULL;
-    if (which & 1) {
-        to = s->bundle[0];
-        for (size_t i = first; i < last; i++) {
-            to[i][0] = s->x[0][i];
-            to[i][1] = s->x[1][i];
-            to[i][2] = s->v[0][i];
-            to[i][3] = s->v[1][i];
-        }
-    }
-    if (which & 2) {
-        to = s->bundle[1];
-        for (size_t i = first; i < last; i++) {
-            to[i][0] = s->p[i];
-            to[i][1] = s->vol[i];
-            to[i][2] = s->z[i];
-        }
-    }
-    if (which & 4) {
-        to = s->bundle[2];
-        for (size_t i = first; i < last; i++) {
-            const double m = s->m[i] * carries[s->phase[i]] * half;
-            to[i][0] = m * s->b[0][i];
-            to[i][1] = m * s->b[1][i];
-        }
-    }
-}
-
-static void pack3(const Particles *s, const double *carries, double half, unsigned which, size_t first, size_t last)
-{
-    double(*restrict to)[4] = NULL;
-    if (which & 1) {
-        to = s->bundle[0];
-        for (size_t i = first; i < last; i++) {
-            to[i][0] = s->x[0][i];
-            to[i][1] = s->x[1][i];
-            to[i][2] = s->x[2][i];
-            to[i][3] = s->v[0][i];
-        }
-    }
-    if (which & 2) {
-        to = s->bundle[1];
-        for (size_t i = first; i < last; i++) {
-            const double m = s->m[i] * carries[s->phase[i]] * half;
-            to[i][0] = s->v[1][i];
-            to[i][1] = s->v[2][i];
-            to[i][2] = m * s->b[0][i];
-            to[i][3] = m * s->b[1][i];
-        }
-    }
-    if (which & 4) {
-        to = s->bundle[2];
-        for (size_t i = first; i < last; i++) {
-            to[i][0] = s->p[i];
-            to[i][1] = s->vol[i];
-            to[i][2] = s->z[i];
-            to[i][3] = s->m[i] * carries[s->phase[i]] * half * s->b[2][i];
-        }
-    }
 }
 
 void bundles_refresh(Particles *s, const Model *model, unsigned needs, int threads)
 {
     const unsigned which = bundles_for(s->dim, needs) & s->stale;
     if (!which) return;
-    double carries[256] = {0}; /* by index of fluid or wall: 1 with a stress */
+    Flux flux = {0};
     for (size_t k = 0; k < model->n_phases; k++)
-        carries[k] = model->transport_stress && model->phase[k].summation ? 1 : 0;
+        if (model->transport_stress && model->phase[k].summation) flux.of[k] = 0.5 * model->dt;
 #pragma omp parallel for schedule(static) num_threads(threads)
-    for (size_t first = 0; first < s->n; first += 1024) {
-        const size_t last = first + 1024 < s->n ? first + 1024 : s->n;
-        (s->dim == 2 ? pack2 : pack3)(s, carries, 0.5 * model->dt, which, first, last);
+    for (size_t first = 0; first < s->n; first += CHUNK) {
+        const size_t last = first + CHUNK < s->n ? first + CHUNK : s->n;
+        if (s->dim == 2) pack_some(s, &flux, which, first, last, 2);
+        else pack_some(s, &flux, which, first, last, 3);
     }
     s->stale &= ~which;
 }
 
 void bundles_moved(Particles *s)
 {
-    s->stale |= MOTION_IN[s->dim] | ((STALE_MARKS << GROUPS) - STALE_MARKS);
+    s->stale |= 1 | bundles_for(s->dim, NEED_V | NEED_FLUX) | ((STALE_MARKS << GROUPS) - STALE_MARKS);
 }
 
 void bundles_compressed(Particles *s)
 {
-    s->stale |= STATE_IN[s->dim];
+    s->stale |= bundles_for(s->dim, NEED_STATE) & ~1u;
 }

@@ -24,36 +24,22 @@ Kernel kernel_make(MnsKernel type, int dim, double h)
     return (Kernel){.type = type, .h = h, .support = reach * h, .alpha = alpha, .beta = alpha};
 }
 
-/* W = alpha exp(-q^2) for q < 3, as P1 writes it: not renormalised. F = -2 W / h^2 */
-static void truncated_gaussian(const Kernel *kernel, size_t n, const double *restrict r, double *restrict W,
-                               double *restrict F)
+INLINE void eval(const Kernel *kernel, size_t n, const double *restrict r, double *restrict W, double *restrict F,
+                 KernelShape W_of, KernelShape F_of)
 {
-    const double inverse_h = 1 / kernel->h, alpha = kernel->alpha, slope = -2 * kernel->beta * inverse_h * inverse_h;
-    for (size_t k = 0; k < n; k++) {
-        const double q = r[k] * inverse_h;
-        const double bell = q < 3 ? exp(-q * q) : 0;
-        W[k] = alpha * bell;
-        F[k] = slope * bell;
+    const KernelScale k = kernel_scale(kernel);
+    for (size_t i = 0; i < n; i++) {
+        W[i] = W_of(&k, r[i]);
+        F[i] = F_of(&k, r[i]);
     }
 }
 
 void kernel_eval(const Kernel *kernel, size_t n, const double *r, double *W, double *F)
 {
-    const KernelScale k = kernel_scale(kernel);
     switch (kernel->type) {
-    case MNS_TRUNCATED_GAUSSIAN: truncated_gaussian(kernel, n, r, W, F); break;
-    case MNS_WENDLAND_C2:
-        for (size_t i = 0; i < n; i++) {
-            W[i] = wendland_c2_W(&k, r[i]);
-            F[i] = wendland_c2_F(&k, r[i]);
-        }
-        break;
-    case MNS_QUINTIC_SPLINE:
-        for (size_t i = 0; i < n; i++) {
-            W[i] = quintic_spline_W(&k, r[i]);
-            F[i] = quintic_spline_F(&k, r[i]);
-        }
-        break;
+    case MNS_TRUNCATED_GAUSSIAN: eval(kernel, n, r, W, F, truncated_gaussian_W, truncated_gaussian_F); break;
+    case MNS_WENDLAND_C2: eval(kernel, n, r, W, F, wendland_c2_W, wendland_c2_F); break;
+    case MNS_QUINTIC_SPLINE: eval(kernel, n, r, W, F, quintic_spline_W, quintic_spline_F); break;
     }
 }
 

@@ -26,7 +26,7 @@ static bool allocate(Particles *s, bool viscous)
         if (!(s->v_wall[d] = array_new(n_wall, sizeof(double)))) return false;
     s->rate = array_new(s->n, sizeof(double));
     bool well = s->rate;
-    for (int k = 0; k < 3; k++) well = (s->bundle[k] = array_new(s->n, sizeof *s->bundle[k])) && well;
+    for (int k = 0; k < BUNDLES; k++) well = (s->bundle[k] = array_new(s->n, sizeof *s->bundle[k])) && well;
     s->stale = ~0u;
     return well;
 }
@@ -50,7 +50,7 @@ void particles_done(Particles *s)
         for (int d = 0; d < fields[f].components; d++) free(particles_field(s, f, d));
     for (size_t k = 0; k < MNS_MAX_FLUIDS; k++) free(s->p_wall[k]);
     for (int d = 0; d < 3; d++) free(s->v_wall[d]);
-    for (int k = 0; k < 3; k++) free(s->bundle[k]);
+    for (int k = 0; k < BUNDLES; k++) free(s->bundle[k]);
     free(s->rate);
     *s = (Particles){0};
 }
@@ -114,7 +114,7 @@ void particles_permute(Particles *s, const uint32_t *from, int threads)
 
 size_t particles_bytes(const Particles *s)
 {
-    size_t each = sizeof *s->rate + 3 * sizeof *s->bundle[0];
+    size_t each = sizeof *s->rate + BUNDLES * sizeof *s->bundle[0];
     for (int f = 0; mns_fields()[f].name; f++) each += field_size(&mns_fields()[f]) * (size_t)components(s, f);
     return each * s->n + (s->n - particles_fluid(s)) * sizeof(double) * (s->n_phases + (s->v_wall[0] ? 3 : 0));
 }

@@ -10,6 +10,8 @@
 typedef enum Group { GROUP_CONTINUITY, GROUP_SUMMATION, GROUP_WALL, GROUPS } Group;
 enum { ON_CONTINUITY = 1, ON_SUMMATION = 2, ON_WALL = 4, ON_FLUID = 3 };
 
+enum { BUNDLES = 3 };
+
 typedef struct Particles {
     int dim;
     size_t n, n_phases;
@@ -24,8 +26,8 @@ typedef struct Particles {
     double *v_wall[3];              /* [n_wall] fluid velocity extrapolated into a wall; NULL without viscosity */
     double *
         rate; /* [n] within a step only: continuity: d rho/dt; summation: sum of W; between steps work space to permute */
-    double (*bundle[3])[4]; /* [n] copies for the neighbours (bundle.h) */
-    unsigned stale;         /* those that are out of date, and marks of lists, as bits (bundle.h) */
+    double (*bundle[BUNDLES])[4]; /* [n] copies for the neighbours (bundle.h) */
+    unsigned stale;               /* those that are out of date, and marks of lists, as bits (bundle.h) */
 } Particles;
 
 static inline size_t particles_fluid(const Particles *s)

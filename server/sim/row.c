@@ -64,17 +64,37 @@ INLINE void fetch_octs(double (*restrict bundle)[4], const uint32_t *restrict j,
 
 typedef void (*Fetch)(double (*bundle)[4], const uint32_t *j, double *a, double *b, double *c, double *d);
 
+/* Where a quantity of the neighbours goes; NULL for nothing. */
+INLINE double *place(Block *block, int what)
+{
+    switch (what) {
+    case CARRIED_X:
+    case CARRIED_X + 1:
+    case CARRIED_X + 2: return block->x[what - CARRIED_X];
+    case CARRIED_V:
+    case CARRIED_V + 1:
+    case CARRIED_V + 2: return block->v[what - CARRIED_V];
+    case CARRIED_P: return block->p;
+    case CARRIED_VOLUME: return block->V;
+    case CARRIED_Z: return block->z;
+    case CARRIED_Q:
+    case CARRIED_Q + 1:
+    case CARRIED_Q + 2: return block->q[what - CARRIED_Q];
+    default: return NULL;
+    }
+}
+
+INLINE void fetch_bundle(Block *block, const uint32_t *j, const Particles *s, int k, int dim, Fetch fetch)
+{
+    const uint8_t *what = BUNDLE_LAYOUT[dim - 2][k];
+    fetch(s->bundle[k], j, place(block, what[0]), place(block, what[1]), place(block, what[2]), place(block, what[3]));
+}
+
 INLINE void fetch_block(Block *block, const uint32_t *j, const Particles *s, unsigned needs, int dim, Fetch fetch)
 {
-    if (dim == 2) {
-        fetch(s->bundle[0], j, block->x[0], block->x[1], block->v[0], block->v[1]);
-        if (needs & NEED_STATE) fetch(s->bundle[1], j, block->p, block->V, block->z, NULL);
-        if (needs & NEED_FLUX) fetch(s->bundle[2], j, block->q[0], block->q[1], NULL, NULL);
-    } else {
-        fetch(s->bundle[0], j, block->x[0], block->x[1], block->x[2], block->v[0]);
-        if (needs & (NEED_V | NEED_FLUX)) fetch(s->bundle[1], j, block->v[1], block->v[2], block->q[0], block->q[1]);
-        if (needs & (NEED_STATE | NEED_FLUX)) fetch(s->bundle[2], j, block->p, block->V, block->z, block->q[2]);
-    }
+    fetch_bundle(block, j, s, 0, dim, fetch);
+    if (needs & bundle_meets(dim, 1)) fetch_bundle(block, j, s, 1, dim, fetch);
+    if (needs & bundle_meets(dim, 2)) fetch_bundle(block, j, s, 2, dim, fetch);
 }
 
 /* Fill up the last block of n neighbours with one of them; returns how many blocks. */
@@ -131,18 +151,6 @@ INLINE void fill_blocks(Row *row, const Particles *s, const Frame *frame, int di
         fill_block(&row->block[b], row->j + b * LANES, s, frame, dim, fetch, periodic, W, F);
 }
 
-/* By a function of the C library, which knows no vectors. */
-INLINE void fill_gaussian(Row *row, const Kernel *kernel)
-{
-    for (Block *b = row->block; b < row->block + row->n; b++) kernel_eval(kernel, LANES, b->r, b->W, b->F);
-}
-
-INLINE double nothing(const KernelScale *kernel, double r)
-{
-    (void)kernel;
-    return r;
-}
-
 INLINE void fill_row(Row *row, const Particles *s, const Model *model, const Frame *frame, int dim, Fetch fetch,
                      bool periodic)
 {
@@ -152,8 +160,7 @@ INLINE void fill_row(Row *row, const Particles *s, const Model *model, const Fra
         fill_blocks(row, s, frame, dim, fetch, periodic, quintic_spline_W, quintic_spline_F);
         break;
     case MNS_TRUNCATED_GAUSSIAN:
-        fill_blocks(row, s, frame, dim, fetch, periodic, nothing, nothing);
-        fill_gaussian(row, &model->kernel);
+        fill_blocks(row, s, frame, dim, fetch, periodic, truncated_gaussian_W, truncated_gaussian_F);
         break;
     }
 }

@@ -192,6 +192,17 @@ static void F_is_the_slope_over_the_distance(void **state)
         }
 }
 
+static void the_gaussian_is_that_of_the_c_library(void **state)
+{
+    (void)state;
+    const Kernel kernel = kernel_make(MNS_TRUNCATED_GAUSSIAN, 2, 1);
+    for (double q = 0; q < 3; q += 0.00137) {
+        const double bell = exp(-q * q) / PI;
+        assert_close(W_at(&kernel, q), bell, 1e-14 * bell); /* what bell() promises */
+        assert_close(F_at(&kernel, q), -2 * bell, 2e-14 * bell);
+    }
+}
+
 static void nothing_is_left_from_the_support_on(void **state)
 {
     (void)state;
@@ -226,8 +237,8 @@ static void distance_that_is_no_number_gives_no_number(void **state)
 {
     (void)state;
     for (int dim = 2; dim <= 3; dim++)
-        for (size_t k = 0; k < 2; k++) {
-            const Kernel kernel = kernel_make(ALL[2 * k], dim, H);
+        for (size_t k = 0; k < 3; k++) {
+            const Kernel kernel = kernel_make(ALL[k], dim, H);
             assert_true(isnan(W_at(&kernel, NAN)));
             assert_true(isnan(F_at(&kernel, NAN)));
         }
@@ -261,6 +272,7 @@ int main(void)
         cmocka_unit_test(sums_over_lattices_are_not_the_integrals),
         cmocka_unit_test(kernels_hold_unit_mass_and_the_truncated_one_what_is_known),
         cmocka_unit_test(F_is_the_slope_over_the_distance),
+        cmocka_unit_test(the_gaussian_is_that_of_the_c_library),
         cmocka_unit_test(nothing_is_left_from_the_support_on),
         cmocka_unit_test(value_at_zero_is_known),
         cmocka_unit_test(distance_that_is_no_number_gives_no_number),

@@ -15,6 +15,11 @@ extern const Term wall_friction;    /* viscosity.c         on walls without slip
 extern const Term wall_pressure;    /* wall.c              pressure a wall shows to each fluid          */
 extern const Term wall_velocity;    /* wall.c              fluid velocity extrapolated into a wall      */
 
+static inline bool is_viscous(const Model *model)
+{
+    return model->viscous;
+}
+
 /* 1 / K, K = sum_j V_j (-F) y^2 r^2/(r^2 + 0.01 h^2) over the lattice with these spacings, mean over directions: 1 for a
  * perfect kernel. */
 double viscosity_scale(const Kernel *kernel, int dim, const double spacing[3]);

@@ -7,11 +7,6 @@
  * 2 v_w - v~, with v~ the fluid's velocity extrapolated into it (Adami, Hu and Adams 2012, eq. 23). */
 #include "sim/terms/terms.h"
 
-static bool is_viscous(const Model *model)
-{
-    return model->viscous;
-}
-
 static double softening(const Kernel *kernel)
 {
     return 0.01 * kernel->h * kernel->h;

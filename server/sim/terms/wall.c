@@ -78,11 +78,6 @@ INLINE void wall_velocity_row(const Row *row, Particles *s, const Model *model, 
 }
 ROW_FUNCTIONS(wall_velocity_row)
 
-static bool is_viscous(const Model *model)
-{
-    return model->viscous;
-}
-
 const Term wall_pressure = {
     .name = "wall pressure",
     .source = "P3 eq. 14, for each fluid of its own",
