@@ -5,24 +5,20 @@
 #define SIM_NEIGHBOURS_H
 
 #include "sim/grid.h"
+#include "sim/slabs.h"
 
 enum { ROW_MAX = 1024 }; /* neighbours of one particle, skin included */
 
-typedef struct Arena {
-    uint32_t *data;
-    size_t used, capacity;
-} Arena;
-
 typedef struct Neighbours {
-    size_t n;                /* particles */
+    size_t n; /* particles */
+    int threads;
     Grid grid;               /* the lists were built with */
-    size_t *offset;          /* [n] where the list of i begins, within ... */
-    uint16_t *owner;         /* [n] ... the arena of this thread */
+    uint32_t **list;         /* [n] neighbours of i, and behind them their marks, in slabs */
     uint16_t (*end)[GROUPS]; /* [n] entries [0, end[i][g]) of the list of i are of groups up to g */
     uint32_t *start;         /* [GROUPS * cells + 1] first particle of each cell, by group */
     size_t start_capacity;
-    Arena *arena; /* [threads] where the lists are */
-    int threads;
+    uint32_t *counts; /* work space to sort */
+    Slabs slabs;
 } Neighbours;
 
 MnsStatus neighbours_init(Neighbours *nb, size_t n, int threads, MnsError *error);
@@ -36,7 +32,7 @@ MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, Mns
 /* [end[i][GROUP_WALL]] indices of the neighbours of i, without i. */
 static inline const uint32_t *neighbours_of(const Neighbours *nb, size_t i)
 {
-    return nb->arena[nb->owner[i]].data + nb->offset[i];
+    return nb->list[i];
 }
 
 /* A bit for each entry of the list of i, fluid and walls each in whole bytes: was it in the kernel's reach when its row was last
@@ -47,7 +43,7 @@ static inline size_t neighbours_mark_bytes(size_t entries)
 }
 static inline uint8_t *neighbours_marks(const Neighbours *nb, size_t i)
 {
-    return (uint8_t *)(nb->arena[nb->owner[i]].data + nb->offset[i] + nb->end[i][GROUP_WALL]);
+    return (uint8_t *)(nb->list[i] + nb->end[i][GROUP_WALL]);
 }
 
 /* Number of listed pairs (i, j), each direction counted. */

@@ -55,8 +55,7 @@ static void print(const Bench *bench, const MnsSim *sim, double ns, const MnsTim
     const double n = (double)mns_sim_particles(sim), neighbours = mns_sim_mean_neighbours(sim);
     const double fluid = (double)mns_sim_fluid_particles(sim), steps = bench->steps * REPEATS;
     const double pairs = (double)neighbours_pairs(&sim->nb);
-    double lists = 0;
-    for (int k = 0; k < sim->nb.threads; k++) lists += (double)sim->nb.arena[k].capacity * sizeof(uint32_t);
+    const double lists = (double)slabs_bytes(&sim->nb.slabs);
     printf("{\"name\": \"%s\", \"threads\": %d, \"particles\": %.0f, \"fluid_particles\": %.0f, \"neighbours\": %.1f, "
            "\"ns_per_particle_step\": %.1f, \"ns_per_pair\": %.2f, \"bytes_per_particle\": %.0f, "
            "\"list_bytes_per_pair\": %.2f, \"steps\": %.0f, \"rebuilds\": %llu",

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The order of particles by group and cell. */
+#ifndef SIM_SORT_H
+#define SIM_SORT_H
+
+#include "sim/grid.h"
+
+enum { SORT_BUCKETS_MAX = 1 << 11 };
+
+/* Work space of a sort by up to `threads` threads. */
+size_t sort_counts(int threads);           /* entries of uint32_t in `counts` */
+enum { SORT_BYTES_PER_PARTICLE = 8 + 4 + 4 }; /* bytes in `room`, aligned as a double */
+
+/* By the cells of the `ref` positions, keeping the order of storage within a cell, whatever the number of threads:
+ * start[group * cells + cell] is where its particles begin, [GROUPS * cells + 1].
+ * Returns which particle comes to each place, [n], in `room`. */
+uint32_t *sort_by_cell(const Particles *s, const Grid *grid, uint32_t *start, uint32_t *counts, void *room,
+                       int threads);
+
+#endif
