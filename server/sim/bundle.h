@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a particle is asked for by its neighbours, in bundles of four doubles: one load brings four quantities, where a structure
- * of arrays takes a gather for each, three times as long. Copies of the fields, made again when these have changed. */
+/* What particles are asked for by their neighbours, in bundles of four doubles: one load brings four quantities, where a
+ * structure of arrays takes a gather for each, three times as long. Copies, made again when fields have changed. Which
+ * quantity is in which bundle follows from what the terms of a scheme need: quantities that change together are
+ * together, where that takes no bundle more. */
 #ifndef SIM_BUNDLE_H
 #define SIM_BUNDLE_H
 
 #include "sim/model.h"
 #include "sim/particles.h"
 
-/* What terms need of a pair besides x_i - x_j and r. */
+/* What terms need of a pair besides x_i - x_j and r. The table of what is carried for it is in bundle.c. */
 enum {
     NEED_W = 1,     /* kernel                            */
     NEED_F = 2,     /* its slope                         */
@@ -17,47 +19,33 @@ enum {
     NEED_ALL = 31
 };
 
-/* A quantity in a bundle. z = rho c; q = m dt/2 b, 0 where there is no stress. */
-typedef enum Carried {
-    CARRIED_X,
-    CARRIED_V = CARRIED_X + 3,
-    CARRIED_P = CARRIED_V + 3,
-    CARRIED_VOLUME,
-    CARRIED_Z,
-    CARRIED_Q,
-    CARRIED_NOTHING = CARRIED_Q + 3
-} Carried;
+enum { BUNDLES_MAX = 6 };
 
-/* THE layout, by dimensions: [dim - 2][bundle][quantity]. */
-static const uint8_t BUNDLE_LAYOUT[2][BUNDLES][4] = {
-    {{CARRIED_X, CARRIED_X + 1, CARRIED_V, CARRIED_V + 1},
-     {CARRIED_P, CARRIED_VOLUME, CARRIED_Z, CARRIED_NOTHING},
-     {CARRIED_Q, CARRIED_Q + 1, CARRIED_NOTHING, CARRIED_NOTHING}},
-    {{CARRIED_X, CARRIED_X + 1, CARRIED_X + 2, CARRIED_V},
-     {CARRIED_V + 1, CARRIED_V + 2, CARRIED_Q, CARRIED_Q + 1},
-     {CARRIED_P, CARRIED_VOLUME, CARRIED_Z, CARRIED_Q + 2}},
-};
+typedef struct Bundle {
+    double (*data)[4];   /* [n] */
+    uint8_t quantity[4]; /* rows of the table in bundle.c */
+    uint16_t to[4];      /* where they go in a Block (row.h), in doubles */
+    unsigned needs;      /* that it has something for */
+    Fields of;           /* what it is made of */
+    bool summed;         /* it has only what particles of summed density alone have */
+    unsigned stale;      /* groups that have changed since, as bits */
+} Bundle;
 
-/* The needs that bundle k has something for; positions are needed by all. */
-static inline __attribute__((always_inline)) unsigned bundle_meets(int dim, int k)
-{
-    static const uint8_t NEED_FOR[] = {
-        [CARRIED_X] = NEED_ALL,   NEED_ALL,   NEED_ALL,   [CARRIED_V] = NEED_V,    NEED_V,    NEED_V,
-        [CARRIED_P] = NEED_STATE, NEED_STATE, NEED_STATE, [CARRIED_Q] = NEED_FLUX, NEED_FLUX, NEED_FLUX,
-        [CARRIED_NOTHING] = 0};
-    const uint8_t *of = BUNDLE_LAYOUT[dim - 2][k];
-    return (unsigned)(NEED_FOR[of[0]] | NEED_FOR[of[1]] | NEED_FOR[of[2]] | NEED_FOR[of[3]]);
-}
+typedef struct Bundles {
+    size_t n_bundles;
+    Bundle bundle[BUNDLES_MAX];
+} Bundles;
 
-/* In Particles.stale, besides a bit for each bundle: marks of the lists of a group, STALE_MARKS << group. */
-enum { STALE_MARKS = 1 << BUNDLES };
+/* Room for n particles, for terms with these needs. false: no memory, nothing is left behind. */
+bool bundles_init(Bundles *b, size_t n, int dim, unsigned needs);
+void bundles_done(Bundles *b);
 
-/* Positions, velocities or advection velocities have changed; pressures, densities or impedances have. The pressures of walls
- * are not kept up to date, as a wall shows each fluid another (Particles.p_wall). */
-void bundles_moved(Particles *s);
-void bundles_compressed(Particles *s);
+/* Fields of a group have changed. */
+void bundles_stale(Bundles *b, Group group, Fields fields);
 
-/* Make the bundles that these needs are met from, if fields they are made of have changed. */
-void bundles_refresh(Particles *s, const Model *model, unsigned needs, int threads);
+/* Make the bundles that these needs are met from, where they are stale. */
+void bundles_refresh(Bundles *b, const Particles *s, const Model *model, unsigned needs, int threads);
+
+size_t bundles_bytes(const Bundles *b, size_t n);
 
 #endif

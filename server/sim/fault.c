@@ -33,26 +33,32 @@ typedef struct Effect {
     double acceleration, rate; /* magnitudes: [m/s^2]; of the density's rate or sum */
 } Effect;
 
+/* Component d of a field of particle i, if there is one. */
+static double *value(const Particles *s, int field, int d, size_t i)
+{
+    double *array = mns_fields()[field].type == MNS_F64 ? particles_field(s, field, d) : NULL;
+    return array ? array + i : NULL;
+}
+
 /* The effect of a term on particle i; what the particle had is put back. */
 static Effect alone(MnsSim *sim, Row *row, const Term *term)
 {
     Particles *s = &sim->s;
     const size_t i = row->i;
-    double kept[3] = {0}, kept_b[3] = {0}, a2 = 0;
+    double kept[FIELDS_END][3], a2 = 0;
     const double rate = s->rate[i];
+    const Fields writes = term->writes | FIELD(A);
+    for (int f = 0; f < FIELDS_END; f++)
+        for (int d = 0; d < 3 && writes >> f & 1; d++)
+            if (value(s, f, d, i)) kept[f][d] = *value(s, f, d, i);
     s->rate[i] = 0;
-    for (int d = 0; d < s->dim; d++) {
-        kept[d] = s->a[d][i];
-        kept_b[d] = s->b[d][i];
-        s->a[d][i] = 0;
-    }
+    for (int d = 0; d < s->dim; d++) s->a[d][i] = 0;
     term_row(term, row, s, &sim->model);
-    for (int d = 0; d < s->dim; d++) {
-        a2 += s->a[d][i] * s->a[d][i];
-        s->a[d][i] = kept[d];
-        s->b[d][i] = kept_b[d];
-    }
+    for (int d = 0; d < s->dim; d++) a2 += s->a[d][i] * s->a[d][i];
     const Effect effect = {sqrt(a2), fabs(s->rate[i])};
+    for (int f = 0; f < FIELDS_END; f++)
+        for (int d = 0; d < 3 && writes >> f & 1; d++)
+            if (value(s, f, d, i)) *value(s, f, d, i) = kept[f][d];
     s->rate[i] = rate;
     return effect;
 }
@@ -71,8 +77,9 @@ static const char *blame(MnsSim *sim, size_t i, bool density)
     }
     Row *row = array_new(1, sizeof *row); /* aligned */
     if (!row) return "unknown";
-    bundles_refresh(&sim->s, model, NEED_ALL, sim->threads);
-    row_build(row, &sim->nb, &sim->s, model, i, NEED_ALL, ROW_LISTED);
+    neighbours_refresh(&sim->nb, &sim->s, model, NEED_ALL);
+    const RowPlan plan = row_plan(&sim->nb, &sim->s, model, NEED_ALL, ROW_LISTED);
+    row_build(row, &plan, i);
     const unsigned group = i < sim->s.begin[GROUP_SUMMATION] ? ON_CONTINUITY : ON_SUMMATION;
     const Pass *passes = sim->scheme->rates;
     for (int p = 0; p < SCHEME_PASSES_MAX && passes[p].name; p++)

@@ -55,7 +55,7 @@ static void remember_positions(MnsSim *sim)
             ref[i] = x[i];
         }
     }
-    bundles_moved(s);
+    particles_changed(s, ON_ALL, FIELD(X) | FIELD(REF));
 }
 
 static MnsStatus build_lists(MnsSim *sim, MnsError *error)
@@ -91,7 +91,8 @@ void integrator_walls(MnsSim *sim, double t, double dt)
     setup_at(sim, t, dt);
     move_walls(sim, before);
     sim->progress.guarded += guard_walls(sim);
-    bundles_moved(&sim->s);
+    /* Advection velocities are dt/2 of what is in B. */
+    particles_changed(&sim->s, ON_ALL, FIELD(X) | FIELD(V) | FIELD(B));
 }
 
 MnsStatus integrator_step(MnsSim *sim, double t, double dt, MnsError *error)
@@ -112,7 +113,7 @@ static double fastest(const MnsSim *sim)
 
 void integrator_derive(MnsSim *sim)
 {
-    bundles_moved(&sim->s);
+    particles_changed(&sim->s, ON_ALL, ALL_FIELDS);
     local_run(sim->scheme->derive, &sim->s, &sim->model, sim->threads);
     if (sim->scheme->restore) pass_run(sim->scheme->restore, &sim->s, &sim->nb, &sim->model, sim->threads);
 }
@@ -131,7 +132,8 @@ MnsStatus integrator_start(MnsSim *sim, MnsError *error)
 {
     remember_positions(sim);
     const MnsStatus status = integrator_restart(sim, error);
-    bundles_moved(&sim->s); /* so that what is done again has the rounding that a restart will have */
+    particles_changed(&sim->s, ON_ALL,
+                      ALL_FIELDS); /* so that what is done again has the rounding that a restart will have */
     if (!status) integrator_rates(sim, sim->scheme->given);
     return status;
 }

@@ -9,7 +9,7 @@
 
 enum { MARK_WORDS_MAX = ROW_MAX / 32 + 2 };
 
-MnsStatus neighbours_init(Neighbours *nb, size_t n, int threads, MnsError *error)
+MnsStatus neighbours_init(Neighbours *nb, size_t n, int dim, unsigned needs, int threads, MnsError *error)
 {
     enum { USUAL = 30 }; /* neighbours, to choose slabs by */
     *nb = (Neighbours){.n = n, .threads = threads};
@@ -17,7 +17,8 @@ MnsStatus neighbours_init(Neighbours *nb, size_t n, int threads, MnsError *error
     nb->end = array_new(n, sizeof *nb->end);
     nb->counts = array_new(sort_counts(threads), sizeof *nb->counts);
     slabs_init(&nb->slabs, n * USUAL, threads);
-    if (nb->list && nb->end && nb->counts) return MNS_OK;
+    const bool well = bundles_init(&nb->bundles, n, dim, needs);
+    if (well && nb->list && nb->end && nb->counts) return MNS_OK;
     neighbours_done(nb);
     return mns_fail(error, MNS_E_MEMORY, "no memory for the neighbour lists of %zu particles", n);
 }
@@ -25,11 +26,22 @@ MnsStatus neighbours_init(Neighbours *nb, size_t n, int threads, MnsError *error
 void neighbours_done(Neighbours *nb)
 {
     slabs_done(&nb->slabs);
+    bundles_done(&nb->bundles);
     free(nb->list);
     free(nb->end);
     free(nb->start);
     free(nb->counts);
     *nb = (Neighbours){0};
+}
+
+void neighbours_refresh(Neighbours *nb, Particles *s, const Model *model, unsigned needs)
+{
+    for (int g = 0; g < GROUPS; g++) {
+        bundles_stale(&nb->bundles, (Group)g, s->changed[g]);
+        if (s->changed[g] & FIELD(X)) nb->marked = 0;
+        s->changed[g] = 0;
+    }
+    bundles_refresh(&nb->bundles, s, model, needs, nb->threads);
 }
 
 static bool reserve(Neighbours *nb, size_t keys)
@@ -185,7 +197,8 @@ MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, Mns
     if (!reserve(nb, keys)) return mns_fail(error, MNS_E_MEMORY, "no memory for a grid of %zu cells", grid.cells);
     nb->grid = grid;
     /* The bundles are out of date afterwards; meanwhile there is room in them for the sort. */
-    particles_permute(s, sort_by_cell(s, &grid, nb->start, nb->counts, s->bundle[0], nb->threads), nb->threads);
+    void *room = nb->bundles.bundle[0].data;
+    particles_permute(s, sort_by_cell(s, &grid, nb->start, nb->counts, room, nb->threads), nb->threads);
     clear_ends(nb);
     const Trouble trouble = search_all(nb, s, model, &grid, distance);
     return trouble.no_memory || trouble.crowded != UINT32_MAX ? complain(&trouble, s, error) : MNS_OK;
@@ -202,5 +215,5 @@ size_t neighbours_pairs(const Neighbours *nb)
 size_t neighbours_bytes(const Neighbours *nb)
 {
     return nb->start_capacity * sizeof *nb->start + sort_counts(nb->threads) * sizeof *nb->counts +
-           nb->n * (sizeof *nb->list + sizeof *nb->end) + slabs_bytes(&nb->slabs);
+           nb->n * (sizeof *nb->list + sizeof *nb->end) + bundles_bytes(&nb->bundles, nb->n) + slabs_bytes(&nb->slabs);
 }

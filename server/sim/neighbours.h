@@ -4,6 +4,7 @@
 #ifndef SIM_NEIGHBOURS_H
 #define SIM_NEIGHBOURS_H
 
+#include "sim/bundle.h"
 #include "sim/grid.h"
 #include "sim/slabs.h"
 
@@ -19,10 +20,16 @@ typedef struct Neighbours {
     size_t start_capacity;
     uint32_t *counts; /* work space to sort */
     Slabs slabs;
+    Bundles bundles; /* what is asked of neighbours */
+    unsigned marked; /* groups whose marks are those of the present positions, as bits */
 } Neighbours;
 
-MnsStatus neighbours_init(Neighbours *nb, size_t n, int threads, MnsError *error);
+/* For terms that need this of their neighbours: NEED_F | NEED_V ... */
+MnsStatus neighbours_init(Neighbours *nb, size_t n, int dim, unsigned needs, int threads, MnsError *error);
 void neighbours_done(Neighbours *nb);
+
+/* Take notice of what has changed in the particles, and make what these needs are met from. */
+void neighbours_refresh(Neighbours *nb, Particles *s, const Model *model, unsigned needs);
 
 /* Sort the particles by group and cell of their `ref` positions and build all lists from these. Sorting is stable, so that
  * building again from the same `ref` changes nothing: what a bitwise restart rests on.

@@ -25,10 +25,8 @@ static bool allocate(Particles *s, bool viscous)
     for (int d = 0; viscous && d < s->dim; d++)
         if (!(s->v_wall[d] = array_new(n_wall, sizeof(double)))) return false;
     s->rate = array_new(s->n, sizeof(double));
-    bool well = s->rate;
-    for (int k = 0; k < BUNDLES; k++) well = (s->bundle[k] = array_new(s->n, sizeof *s->bundle[k])) && well;
-    s->stale = ~0u;
-    return well;
+    particles_changed(s, ON_ALL, ALL_FIELDS);
+    return s->rate;
 }
 
 MnsStatus particles_init(Particles *s, int dim, size_t n_phases, const size_t sizes[GROUPS], bool viscous,
@@ -50,7 +48,6 @@ void particles_done(Particles *s)
         for (int d = 0; d < fields[f].components; d++) free(particles_field(s, f, d));
     for (size_t k = 0; k < MNS_MAX_FLUIDS; k++) free(s->p_wall[k]);
     for (int d = 0; d < 3; d++) free(s->v_wall[d]);
-    for (int k = 0; k < BUNDLES; k++) free(s->bundle[k]);
     free(s->rate);
     *s = (Particles){0};
 }
@@ -109,12 +106,12 @@ void particles_permute(Particles *s, const uint32_t *from, int threads)
 #pragma omp parallel for schedule(static) num_threads(threads)
         for (size_t k = 0; k < n_wall; k++) s->p_wall[a][k] = to[k];
     }
-    s->stale = ~0u;
+    particles_changed(s, ON_ALL, ALL_FIELDS);
 }
 
 size_t particles_bytes(const Particles *s)
 {
-    size_t each = sizeof *s->rate + BUNDLES * sizeof *s->bundle[0];
+    size_t each = sizeof *s->rate;
     for (int f = 0; mns_fields()[f].name; f++) each += field_size(&mns_fields()[f]) * (size_t)components(s, f);
     return each * s->n + (s->n - particles_fluid(s)) * sizeof(double) * (s->n_phases + (s->v_wall[0] ? 3 : 0));
 }

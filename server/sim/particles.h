@@ -1,16 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* All particles, as a structure of arrays: fluid first, then the dummy particles of the walls. Storage order changes when
- * they are sorted; ids never do. The table of what there is, with units, is in field.c. */
+ * they are sorted; ids never do. The table of what there is, with units, is in field.h. */
 #ifndef SIM_PARTICLES_H
 #define SIM_PARTICLES_H
 
-#include <meniscus/sim.h>
+#include "sim/field.h"
 
 /* Groups are contiguous. They differ in how the density is found, so that no loop over particles asks. */
 typedef enum Group { GROUP_CONTINUITY, GROUP_SUMMATION, GROUP_WALL, GROUPS } Group;
-enum { ON_CONTINUITY = 1, ON_SUMMATION = 2, ON_WALL = 4, ON_FLUID = 3 };
-
-enum { BUNDLES = 3 };
+enum { ON_CONTINUITY = 1, ON_SUMMATION = 2, ON_WALL = 4, ON_FLUID = 3, ON_ALL = 7 };
 
 typedef struct Particles {
     int dim;
@@ -24,15 +22,21 @@ typedef struct Particles {
     double *m, *rho, *p, *vol, *z;  /* mass, density, pressure, volume, impedance rho c */
     double *p_wall[MNS_MAX_FLUIDS]; /* [n_wall] pressure a wall shows to each fluid */
     double *v_wall[3];              /* [n_wall] fluid velocity extrapolated into a wall; NULL without viscosity */
-    double *
-        rate; /* [n] within a step only: continuity: d rho/dt; summation: sum of W; between steps work space to permute */
-    double (*bundle[BUNDLES])[4]; /* [n] copies for the neighbours (bundle.h) */
-    unsigned stale;               /* those that are out of date, and marks of lists, as bits (bundle.h) */
+    /* [n] within a step: of continuity d rho/dt, of summation the sum of W; between steps work space to permute */
+    double *rate;
+    Fields changed[GROUPS]; /* since the neighbours' copies were last made (bundle.h) */
 } Particles;
 
 static inline size_t particles_fluid(const Particles *s)
 {
     return s->begin[GROUP_WALL];
+}
+
+/* Whoever writes fields of these groups (ON_FLUID ...) says so. Passes do it for terms and local rules. */
+static inline void particles_changed(Particles *s, unsigned on, Fields fields)
+{
+    for (int g = 0; g < GROUPS; g++)
+        if (on >> g & 1) s->changed[g] |= fields;
 }
 
 /* Arrays of zeros for groups of these sizes. MNS_E_MEMORY: nothing is left behind. */

@@ -13,7 +13,7 @@ void local_run(const Local *local, Particles *s, const Model *model, int threads
         for (size_t k = first; k < last; k += CHUNK_LOCAL)
             local->apply(s, model, k, k + CHUNK_LOCAL < last ? k + CHUNK_LOCAL : last);
     }
-    if (local->compresses) bundles_compressed(s);
+    particles_changed(s, local->on, local->writes);
 }
 
 /* The terms of a pass that have something to do for a group; returns how many. */
@@ -27,27 +27,28 @@ static int terms_for(const Pass *pass, int group, const Model *model, const Term
     return n;
 }
 
-static void rows_each(const Term *const *terms, int n_terms, int group, Particles *s, const Neighbours *nb,
+static void rows_each(const Term *const *terms, int n_terms, int group, Particles *s, Neighbours *nb,
                       const Model *model, int threads)
 {
     const size_t first = s->begin[group], last = s->begin[group + 1];
     unsigned needs = 0;
     for (int k = 0; k < n_terms; k++) needs |= terms[k]->needs;
-    bundles_refresh(s, model, needs, threads);
-    const RowPairs pairs = s->stale & (unsigned)STALE_MARKS << group ? ROW_LISTED : ROW_MARKED;
+    neighbours_refresh(nb, s, model, needs);
+    const RowPlan plan = row_plan(nb, s, model, needs, nb->marked >> group & 1 ? ROW_MARKED : ROW_LISTED);
 #pragma omp parallel num_threads(threads)
     {
         Row row;
 #pragma omp for schedule(dynamic, CHUNK_ROWS)
         for (size_t i = first; i < last; i++) {
-            row_build(&row, nb, s, model, i, needs, pairs);
+            row_build(&row, &plan, i);
             for (int k = 0; k < n_terms; k++) term_row(terms[k], &row, s, model);
         }
     }
-    s->stale &= ~((unsigned)STALE_MARKS << group);
+    nb->marked |= 1u << group;
+    for (int k = 0; k < n_terms; k++) particles_changed(s, 1u << group, terms[k]->writes);
 }
 
-void pass_run(const Pass *pass, Particles *s, const Neighbours *nb, const Model *model, int threads)
+void pass_run(const Pass *pass, Particles *s, Neighbours *nb, const Model *model, int threads)
 {
     for (int k = 0; k < PASS_LOCALS_MAX && pass->before[k]; k++) local_run(pass->before[k], s, model, threads);
     for (int g = 0; g < GROUPS; g++) {

@@ -5,7 +5,7 @@
 
 #include "sim/scheme.h"
 
-void pass_run(const Pass *pass, Particles *s, const Neighbours *nb, const Model *model, int threads);
+void pass_run(const Pass *pass, Particles *s, Neighbours *nb, const Model *model, int threads);
 
 /* A local rule over all particles of its groups. */
 void local_run(const Local *local, Particles *s, const Model *model, int threads);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "sim/row.h"
-#include "sim/kernel_shape.h"
 #include "sim/select.h"
 #include <math.h>
 #include <string.h>
@@ -25,16 +24,16 @@ INLINE Quads transposed(double (*restrict bundle)[4], const uint32_t *restrict j
         __builtin_shufflevector(even01, even23, 2, 3, 6, 7), __builtin_shufflevector(odd01, odd23, 2, 3, 6, 7)};
 }
 
-/* Bundles of eight particles, transposed: a gets the first quantity of all, b the second ... */
-INLINE void fetch_quads(double (*restrict bundle)[4], const uint32_t *restrict j, double *restrict a,
-                        double *restrict b, double *restrict c, double *restrict d)
+/* Bundles of eight particles, transposed: the first quantity of all goes to to[0], the second to to[1] ... of a block. */
+INLINE void fetch_quads(double (*restrict bundle)[4], const uint32_t *restrict j, double *restrict block,
+                        const uint16_t to[4])
 {
     for (int l = 0; l < LANES; l += 4) {
         const Quads quads = transposed(bundle, j + l);
-        *(Quad *)(a + l) = quads.a;
-        *(Quad *)(b + l) = quads.b;
-        if (c) *(Quad *)(c + l) = quads.c;
-        if (d) *(Quad *)(d + l) = quads.d;
+        *(Quad *)(block + to[0] + l) = quads.a;
+        *(Quad *)(block + to[1] + l) = quads.b;
+        *(Quad *)(block + to[2] + l) = quads.c;
+        *(Quad *)(block + to[3] + l) = quads.d;
     }
 }
 
@@ -47,55 +46,22 @@ typedef double Oct __attribute__((vector_size(64), may_alias));
 
 /* The same where registers hold eight doubles, with a third of the shuffles. What is stored is loaded again as eight, which could
  * not be forwarded from two stores of four. */
-INLINE void fetch_octs(double (*restrict bundle)[4], const uint32_t *restrict j, double *restrict a, double *restrict b,
-                       double *restrict c, double *restrict d)
+INLINE void fetch_octs(double (*restrict bundle)[4], const uint32_t *restrict j, double *restrict block,
+                       const uint16_t to[4])
 {
     const Oct k04 = BOTH(j[0], j[4]), k15 = BOTH(j[1], j[5]), k26 = BOTH(j[2], j[6]), k37 = BOTH(j[3], j[7]);
     const Oct even01 = __builtin_shufflevector(k04, k15, 0, 8, 2, 10, 4, 12, 6, 14),
               odd01 = __builtin_shufflevector(k04, k15, 1, 9, 3, 11, 5, 13, 7, 15),
               even23 = __builtin_shufflevector(k26, k37, 0, 8, 2, 10, 4, 12, 6, 14),
               odd23 = __builtin_shufflevector(k26, k37, 1, 9, 3, 11, 5, 13, 7, 15);
-    *(Oct *)a = __builtin_shufflevector(even01, even23, 0, 1, 8, 9, 4, 5, 12, 13);
-    *(Oct *)b = __builtin_shufflevector(odd01, odd23, 0, 1, 8, 9, 4, 5, 12, 13);
-    if (c) *(Oct *)c = __builtin_shufflevector(even01, even23, 2, 3, 10, 11, 6, 7, 14, 15);
-    if (d) *(Oct *)d = __builtin_shufflevector(odd01, odd23, 2, 3, 10, 11, 6, 7, 14, 15);
+    *(Oct *)(block + to[0]) = __builtin_shufflevector(even01, even23, 0, 1, 8, 9, 4, 5, 12, 13);
+    *(Oct *)(block + to[1]) = __builtin_shufflevector(odd01, odd23, 0, 1, 8, 9, 4, 5, 12, 13);
+    *(Oct *)(block + to[2]) = __builtin_shufflevector(even01, even23, 2, 3, 10, 11, 6, 7, 14, 15);
+    *(Oct *)(block + to[3]) = __builtin_shufflevector(odd01, odd23, 2, 3, 10, 11, 6, 7, 14, 15);
 }
 #endif
 
-typedef void (*Fetch)(double (*bundle)[4], const uint32_t *j, double *a, double *b, double *c, double *d);
-
-/* Where a quantity of the neighbours goes; NULL for nothing. */
-INLINE double *place(Block *block, int what)
-{
-    switch (what) {
-    case CARRIED_X:
-    case CARRIED_X + 1:
-    case CARRIED_X + 2: return block->x[what - CARRIED_X];
-    case CARRIED_V:
-    case CARRIED_V + 1:
-    case CARRIED_V + 2: return block->v[what - CARRIED_V];
-    case CARRIED_P: return block->p;
-    case CARRIED_VOLUME: return block->V;
-    case CARRIED_Z: return block->z;
-    case CARRIED_Q:
-    case CARRIED_Q + 1:
-    case CARRIED_Q + 2: return block->q[what - CARRIED_Q];
-    default: return NULL;
-    }
-}
-
-INLINE void fetch_bundle(Block *block, const uint32_t *j, const Particles *s, int k, int dim, Fetch fetch)
-{
-    const uint8_t *what = BUNDLE_LAYOUT[dim - 2][k];
-    fetch(s->bundle[k], j, place(block, what[0]), place(block, what[1]), place(block, what[2]), place(block, what[3]));
-}
-
-INLINE void fetch_block(Block *block, const uint32_t *j, const Particles *s, unsigned needs, int dim, Fetch fetch)
-{
-    fetch_bundle(block, j, s, 0, dim, fetch);
-    if (needs & bundle_meets(dim, 1)) fetch_bundle(block, j, s, 1, dim, fetch);
-    if (needs & bundle_meets(dim, 2)) fetch_bundle(block, j, s, 2, dim, fetch);
-}
+typedef void (*Fetch)(double (*bundle)[4], const uint32_t *j, double *block, const uint16_t to[4]);
 
 /* Fill up the last block of n neighbours with one of them; returns how many blocks. */
 INLINE size_t fill_up(uint32_t *j, size_t n)
@@ -112,55 +78,49 @@ INLINE size_t copy(uint32_t *j, const uint32_t *list, size_t n)
     return n;
 }
 
-/* What all pairs of a row share. */
-typedef struct Frame {
-    double x[3], period[3], frequency[3]; /* of the particle, of the model */
-    KernelScale kernel;
-    unsigned needs;
-} Frame;
-
 /* One block: neighbours, differences, distances, kernel. One after the other, so that the root of one block is taken while the
  * next is loaded. */
-INLINE void fill_block(Block *b, const uint32_t *j, const Particles *s, const Frame *frame, int dim, Fetch fetch,
-                       bool periodic, KernelShape W, KernelShape F)
+INLINE void fill_block(Block *b, const uint32_t *j, const RowPlan *plan, size_t n_fetch, const double x_i[3], int dim,
+                       Fetch fetch, bool periodic, KernelShape W, KernelShape F)
 {
-    fetch_block(b, j, s, frame->needs, dim, fetch);
+    for (size_t k = 0; k < n_fetch; k++) fetch(plan->fetch[k].from, j, (double *)b, plan->fetch[k].to);
+    const Model *model = plan->model;
 #pragma omp simd
     for (int l = 0; l < LANES; l++) {
         double r2 = 0;
         for (int d = 0; d < dim; d++) {
-            double x = frame->x[d] - b->x[d][l];
-            if (periodic) x -= frame->period[d] * __builtin_rint(x * frame->frequency[d]);
+            double x = x_i[d] - b->x[d][l];
+            if (periodic) x -= model->period[d] * __builtin_rint(x * model->frequency[d]);
             b->x[d][l] = x;
             r2 += x * x;
         }
         b->r[l] = sqrt(r2);
     }
-    if (frame->needs & NEED_W)
+    if (plan->needs & NEED_W)
 #pragma omp simd
-        for (int l = 0; l < LANES; l++) b->W[l] = W(&frame->kernel, b->r[l]);
-    if (frame->needs & NEED_F)
+        for (int l = 0; l < LANES; l++) b->W[l] = W(&plan->kernel, b->r[l]);
+    if (plan->needs & NEED_F)
 #pragma omp simd
-        for (int l = 0; l < LANES; l++) b->F[l] = F(&frame->kernel, b->r[l]);
+        for (int l = 0; l < LANES; l++) b->F[l] = F(&plan->kernel, b->r[l]);
 }
 
-INLINE void fill_blocks(Row *row, const Particles *s, const Frame *frame, int dim, Fetch fetch, bool periodic,
-                        KernelShape W, KernelShape F)
+INLINE void fill_blocks(Row *row, const RowPlan *plan, int dim, Fetch fetch, bool periodic, KernelShape W,
+                        KernelShape F)
 {
+    const size_t n_fetch = row->summed ? plan->n_fetch : plan->n_fetch_unsummed;
+    double x[3] = {0, 0, 0};
+    for (int d = 0; d < dim; d++) x[d] = plan->s->x[d][row->i];
     for (size_t b = 0; b < row->n; b++)
-        fill_block(&row->block[b], row->j + b * LANES, s, frame, dim, fetch, periodic, W, F);
+        fill_block(&row->block[b], row->j + b * LANES, plan, n_fetch, x, dim, fetch, periodic, W, F);
 }
 
-INLINE void fill_row(Row *row, const Particles *s, const Model *model, const Frame *frame, int dim, Fetch fetch,
-                     bool periodic)
+INLINE void fill_row(Row *row, const RowPlan *plan, int dim, Fetch fetch, bool periodic)
 {
-    switch (model->kernel.type) {
-    case MNS_WENDLAND_C2: fill_blocks(row, s, frame, dim, fetch, periodic, wendland_c2_W, wendland_c2_F); break;
-    case MNS_QUINTIC_SPLINE:
-        fill_blocks(row, s, frame, dim, fetch, periodic, quintic_spline_W, quintic_spline_F);
-        break;
+    switch (plan->model->kernel.type) {
+    case MNS_WENDLAND_C2: fill_blocks(row, plan, dim, fetch, periodic, wendland_c2_W, wendland_c2_F); break;
+    case MNS_QUINTIC_SPLINE: fill_blocks(row, plan, dim, fetch, periodic, quintic_spline_W, quintic_spline_F); break;
     case MNS_TRUNCATED_GAUSSIAN:
-        fill_blocks(row, s, frame, dim, fetch, periodic, truncated_gaussian_W, truncated_gaussian_F);
+        fill_blocks(row, plan, dim, fetch, periodic, truncated_gaussian_W, truncated_gaussian_F);
         break;
     }
 }
@@ -177,17 +137,16 @@ INLINE void hide(Block *last, size_t n, double far)
     }
 }
 
-INLINE void build(Row *row, const Neighbours *nb, const Particles *s, const Model *model, size_t i, unsigned needs,
-                  RowPairs pairs, int dim, Fetch fetch)
+INLINE void build(Row *row, const RowPlan *plan, size_t i, int dim, Fetch fetch)
 {
-    const uint32_t *list = neighbours_of(nb, i);
-    const uint16_t *end = nb->end[i];
-    uint8_t *marks = neighbours_marks(nb, i);
+    const Model *model = plan->model;
+    const uint32_t *list = neighbours_of(plan->nb, i);
+    const uint16_t *end = plan->nb->end[i];
+    uint8_t *marks = neighbours_marks(plan->nb, i);
     size_t fluid = end[GROUP_SUMMATION], walls = end[GROUP_WALL] - fluid;
     row->i = i;
     row->summed = end[GROUP_CONTINUITY] < fluid;
-    if (!row->summed) needs &= ~(unsigned)NEED_FLUX;
-    if (pairs == ROW_MARKED) {
+    if (plan->pairs == ROW_MARKED) {
         const uint32_t *rest = list + fluid;
         const uint8_t *rest_marks = marks + neighbours_mark_bytes(fluid);
         fluid = select_marked(model->level, list, fluid, marks, row->j);
@@ -200,29 +159,22 @@ INLINE void build(Row *row, const Neighbours *nb, const Particles *s, const Mode
         uint32_t *j = row->j + row->n_fluid * LANES;
         row->n = row->n_fluid + fill_up(j, copy(j, list + fluid, walls));
     }
-    Frame frame = {.kernel = kernel_scale(&model->kernel), .needs = needs};
-    for (int d = 0; d < dim; d++) {
-        frame.x[d] = s->x[d][i];
-        frame.period[d] = model->period[d];
-        frame.frequency[d] = model->frequency[d];
-    }
-    if (model->periodic) fill_row(row, s, model, &frame, dim, fetch, true);
-    else fill_row(row, s, model, &frame, dim, fetch, false);
+    if (model->periodic) fill_row(row, plan, dim, fetch, true);
+    else fill_row(row, plan, dim, fetch, false);
     const double far = 2 * model->kernel.support;
     if (fluid) hide(row->block + row->n_fluid - 1, fluid, far);
     if (walls) hide(row->block + row->n - 1, walls, far);
-    if (pairs == ROW_LISTED)
+    if (plan->pairs == ROW_LISTED)
         select_marks(model->level, row->block[0].r, sizeof(Block) / sizeof(double), row->n, model->kernel.support,
                      marks);
 }
 
 #define BUILD(level, target, dim, fetch)                                                                               \
-    target static void build_##level##_##dim(Row *row, const Neighbours *nb, const Particles *s, const Model *model,   \
-                                             size_t i, unsigned needs, RowPairs pairs)                                 \
+    target static void build_##level##_##dim(Row *row, const RowPlan *plan, size_t i)                                  \
     {                                                                                                                  \
-        build(row, nb, s, model, i, needs, pairs, dim, fetch);                                                         \
+        build(row, plan, i, dim, fetch);                                                                               \
     }
-typedef void (*Build)(Row *, const Neighbours *, const Particles *, const Model *, size_t, unsigned, RowPairs);
+typedef void (*Build)(Row *, const RowPlan *, size_t);
 BUILD(base, , 2, fetch_quads)
 BUILD(base, , 3, fetch_quads)
 #if HAS_LEVELS
@@ -236,8 +188,24 @@ static const Build BUILDS[LEVELS][2] = {
 static const Build BUILDS[LEVELS][2] = {{build_base_2, build_base_3}};
 #endif
 
-void row_build(Row *row, const Neighbours *nb, const Particles *s, const Model *model, size_t i, unsigned needs,
-               RowPairs pairs)
+RowPlan row_plan(const Neighbours *nb, const Particles *s, const Model *model, unsigned needs, RowPairs pairs)
 {
-    BUILDS[model->level][s->dim - 2](row, nb, s, model, i, needs, pairs);
+    RowPlan plan = {.nb = nb, .s = s, .model = model, .needs = needs, .pairs = pairs};
+    plan.kernel = kernel_scale(&model->kernel);
+    const Bundles *b = &nb->bundles;
+    for (int summed = 0; summed < 2; summed++) {
+        for (size_t k = 0; k < b->n_bundles; k++) {
+            const Bundle *bundle = &b->bundle[k];
+            if (!(bundle->needs & needs) || bundle->summed != (bool)summed) continue;
+            plan.fetch[plan.n_fetch].from = bundle->data;
+            memcpy(plan.fetch[plan.n_fetch++].to, bundle->to, sizeof bundle->to);
+        }
+        if (!summed) plan.n_fetch_unsummed = plan.n_fetch;
+    }
+    return plan;
+}
+
+void row_build(Row *row, const RowPlan *plan, size_t i)
+{
+    BUILDS[plan->model->level][plan->s->dim - 2](row, plan, i);
 }

@@ -5,8 +5,7 @@
 #ifndef SIM_ROW_H
 #define SIM_ROW_H
 
-#include "sim/bundle.h"
-#include "sim/level.h"
+#include "sim/kernel_shape.h"
 #include "sim/neighbours.h"
 #include "sim/select.h"
 
@@ -21,6 +20,7 @@ typedef struct Block {
     double v[3][LANES];                  /* v_j                               m/s        */
     double p[LANES], V[LANES], z[LANES]; /* of j             Pa, m^dim, kg/(m^2 s) */
     double q[3][LANES];                  /* m_j w_j, 0 without a stress       kg m/s     */
+    double nothing[LANES];               /* for what a bundle has no use for             */
 } Block;
 
 typedef struct Row {
@@ -37,11 +37,29 @@ static inline const uint32_t *row_j(const Row *row, const Block *block)
     return row->j + (size_t)(block - row->block) * LANES;
 }
 
-/* Pairs of particle i, with what is needed of them: all that are listed, which are marked as in reach or not, or only those
- * that were marked since anything moved. */
+/* Pairs of a particle: all that are listed, which are marked as in reach or not, or only those that were marked since anything
+ * moved. */
 typedef enum RowPairs { ROW_LISTED, ROW_MARKED } RowPairs;
-void row_build(Row *row, const Neighbours *nb, const Particles *s, const Model *model, size_t i, unsigned needs,
-               RowPairs pairs);
+
+/* What the rows of one loop have in common. */
+typedef struct RowPlan {
+    const Neighbours *nb;
+    const Particles *s;
+    const Model *model;
+    unsigned needs; /* of the terms: NEED_F | NEED_V ... */
+    RowPairs pairs;
+    KernelScale kernel;
+    size_t n_fetch, n_fetch_unsummed; /* bundles to fetch; of rows without neighbours of summed density */
+    struct Fetched {
+        double (*from)[4];
+        uint16_t to[4];
+    } fetch[BUNDLES_MAX];
+} RowPlan;
+
+/* Of bundles that have been refreshed for these needs. */
+RowPlan row_plan(const Neighbours *nb, const Particles *s, const Model *model, unsigned needs, RowPairs pairs);
+
+void row_build(Row *row, const RowPlan *plan, size_t i);
 
 /* A sum over blocks, lane by lane, so that its rounding does not depend on how wide the machine's vectors are. */
 typedef struct Lanes {

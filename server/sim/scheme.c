@@ -15,6 +15,14 @@ const Scheme *scheme_find(const char *name)
     return NULL;
 }
 
+unsigned scheme_needs(const Scheme *scheme)
+{
+    unsigned needs = 0;
+    for (int p = 0; p < SCHEME_PASSES_MAX && scheme->rates[p].name; p++)
+        for (int k = 0; k < PASS_TERMS_MAX && scheme->rates[p].terms[k]; k++) needs |= scheme->rates[p].terms[k]->needs;
+    return needs;
+}
+
 typedef struct Text {
     char *text;
     size_t used, size;

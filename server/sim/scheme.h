@@ -13,7 +13,8 @@ typedef struct Term {
     unsigned on;                   /* whose sums: ON_CONTINUITY | ON_SUMMATION | ON_WALL */
     bool (*needed)(const Model *); /* NULL: always */
     unsigned needs;                /* of each pair: NEED_F | NEED_V ... */
-    RowFunction row[LEVELS][2];    /* ROW_TABLE() */
+    Fields writes;
+    RowFunction row[LEVELS][2]; /* ROW_TABLE() */
 } Term;
 
 static inline void term_row(const Term *term, const Row *row, Particles *s, const Model *model)
@@ -26,7 +27,7 @@ typedef struct Local {
     const char *name, *source, *equation;
     unsigned on;
     void (*apply)(Particles *, const Model *, size_t first, size_t last);
-    bool compresses; /* it changes pressures or densities */
+    Fields writes;
 } Local;
 
 enum { PASS_TERMS_MAX = 8, PASS_LOCALS_MAX = 4 };
@@ -66,6 +67,9 @@ typedef struct Scheme {
 } Scheme;
 
 extern const Scheme scheme_riemann;
+
+/* All that its terms need of pairs. */
+unsigned scheme_needs(const Scheme *scheme);
 
 /* By name; NULL if there is none. */
 const Scheme *scheme_find(const char *name);

@@ -29,7 +29,8 @@ static MnsStatus sim_init(MnsSim *sim, const MnsCapture *capture, MnsError *erro
     MnsStatus status = setup_model(sim, error);
     if (!status && !(sim->partial = array_new(sim_blocks(particles_fluid(&sim->s)), sizeof *sim->partial)))
         status = mns_fail(error, MNS_E_MEMORY, "no memory for a simulation");
-    if (!status) status = neighbours_init(&sim->nb, sim->s.n, sim->threads, error);
+    if (!status)
+        status = neighbours_init(&sim->nb, sim->s.n, sim->s.dim, scheme_needs(sim->scheme), sim->threads, error);
     if (!status) status = capture ? mns_sim_restore(sim, capture, error) : integrator_start(sim, error);
     if (!status) status = plan_check(sim, sim->c, error); /* again, now that speeds are known */
     if (!status) plan_look(sim);

@@ -8,7 +8,7 @@
 enum { SORT_BUCKETS_MAX = 1 << 11 };
 
 /* Work space of a sort by up to `threads` threads. */
-size_t sort_counts(int threads);           /* entries of uint32_t in `counts` */
+size_t sort_counts(int threads);              /* entries of uint32_t in `counts` */
 enum { SORT_BYTES_PER_PARTICLE = 8 + 4 + 4 }; /* bytes in `room`, aligned as a double */
 
 /* By the cells of the `ref` positions, keeping the order of storage within a cell, whatever the number of threads:

@@ -140,7 +140,7 @@ static MnsStatus compile_gravity(const MnsCase *c, double t, Formula *fresh[3], 
 /* Lists for another number of threads, built from the same positions: no particle moves. */
 static MnsStatus build_lists(MnsSim *sim, int threads, Neighbours *fresh, MnsError *error)
 {
-    const MnsStatus status = neighbours_init(fresh, sim->s.n, threads, error);
+    const MnsStatus status = neighbours_init(fresh, sim->s.n, sim->s.dim, scheme_needs(sim->scheme), threads, error);
     return status ? status : neighbours_build(fresh, &sim->s, &sim->model, error);
 }
 

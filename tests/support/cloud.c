@@ -94,7 +94,7 @@ Cloud *cloud_new(const CloudSetup *setup)
         sizes[owner_at(setup, k, x)]++;
     }
     if (particles_init(&cloud->s, setup->dim, 2, sizes, setup->viscous, NULL)) abort();
-    if (neighbours_init(&cloud->nb, cloud->s.n, cloud->threads, NULL)) abort();
+    if (neighbours_init(&cloud->nb, cloud->s.n, cloud->s.dim, NEED_ALL, cloud->threads, NULL)) abort();
     fill(cloud, setup, points);
     if (cloud_build(cloud) != MNS_OK) abort();
     return cloud;
@@ -123,7 +123,7 @@ void cloud_term(Cloud *cloud, const Term *term)
         s->rate[i] = 0;
         for (int d = 0; d < s->dim; d++) s->a[d][i] = 0;
     }
-    s->stale = ~0u;
+    particles_changed(s, ON_ALL, ALL_FIELDS);
     const Pass pass = {"alone", .terms = {term}};
     pass_run(&pass, s, &cloud->nb, &cloud->model, cloud->threads);
 }

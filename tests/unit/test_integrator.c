@@ -39,8 +39,14 @@ static void a_step_is_kick_drift_kick(void **state)
     }
     assert_true(pushed > 1e-9); /* seen against the rounding above */
     /* The last half kick is seen by who asks for the neighbours' velocities now, to say whose fault it was. */
-    bundles_refresh(&sim->s, &sim->model, NEED_ALL, 1);
-    for (size_t i = 0; i < s->n; i++) assert_true(s->bundle[0][i][3] == s->v[0][i] && s->bundle[1][i][0] == s->v[1][i]);
+    neighbours_refresh(&sim->nb, &sim->s, &sim->model, NEED_V);
+    const RowPlan plan = row_plan(&sim->nb, s, &sim->model, NEED_V, ROW_LISTED);
+    static Row row;
+    for (size_t i = 0; i < s->n; i++) {
+        row_build(&row, &plan, i);
+        for (size_t k = 0; k < row.n * LANES; k++)
+            for (int d = 0; d < 3; d++) assert_true(row.block[k / LANES].v[d][k % LANES] == s->v[d][row.j[k]]);
+    }
     mns_capture_free(before);
     sim_done(sim, c);
 }

@@ -19,8 +19,9 @@ static int group_of(const Particles *s, size_t i)
 /* All that is listed, or what was marked as in reach when that was built; with all that terms may need. */
 static void row_of(Cloud *cloud, size_t i, Row *row, RowPairs pairs)
 {
-    bundles_refresh(&cloud->s, &cloud->model, NEED_ALL, 1);
-    row_build(row, &cloud->nb, &cloud->s, &cloud->model, i, NEED_ALL, pairs);
+    neighbours_refresh(&cloud->nb, &cloud->s, &cloud->model, NEED_ALL);
+    const RowPlan plan = row_plan(&cloud->nb, &cloud->s, &cloud->model, NEED_ALL, pairs);
+    row_build(row, &plan, i);
 }
 
 /* Particles have moved since the lists were built, by less than half a skin. */
@@ -223,7 +224,7 @@ static void gradient_and_divergence_of_linear_fields_are_constant_and_nearly_one
                 s->v[d][i] = g[d] * s->x[d][i] + 5 * s->x[(d + 1) % dim][i];
             }
         }
-        s->stale = ~0u;
+        particles_changed(s, ON_ALL, ALL_FIELDS);
         for (size_t i = 0; i < s->n; i++) {
             if (!cloud_inner(cloud, i)) continue;
             inner++;

@@ -43,7 +43,7 @@ static void run_both(Cloud *cloud)
     const Pass pass = {"stress", .terms = {&background, &transport_stress}};
     for (int d = 0; d < s->dim; d++)
         for (size_t i = 0; i < s->n; i++) s->a[d][i] = 0;
-    s->stale = ~0u;
+    particles_changed(s, ON_ALL, ALL_FIELDS);
     pass_run(&pass, s, &cloud->nb, &cloud->model, 1);
 }
 

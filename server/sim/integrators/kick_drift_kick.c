@@ -43,7 +43,7 @@ static bool kick_and_look(MnsSim *sim, double dt)
         bad += !(v2 < INFINITY && ratio > model->density_min && ratio < model->density_max);
         fastest = v2 > fastest ? v2 : fastest;
     }
-    bundles_moved(s);
+    particles_changed(s, ON_FLUID, FIELD(V));
     sim->v_max = sqrt(fastest);
     return bad == 0;
 }

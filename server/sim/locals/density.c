@@ -22,6 +22,7 @@ const Local advance_density = {
     .equation = "rho_i += dt d rho_i/dt",
     .on = ON_CONTINUITY,
     .apply = advance,
+    .writes = FIELD(RHO),
 };
 
 const Local mass_over_volume = {
@@ -30,4 +31,5 @@ const Local mass_over_volume = {
     .equation = "rho_i = m_i (W(0) + sum_j W_ij)",
     .on = ON_SUMMATION,
     .apply = multiply,
+    .writes = FIELD(RHO),
 };

@@ -14,4 +14,5 @@ const Local body_force = {
     .equation = "dv_i/dt = g",
     .on = ON_FLUID,
     .apply = gravity,
+    .writes = FIELD(A),
 };

@@ -18,5 +18,5 @@ const Local linear_pressure = {
     .equation = "p_i = c^2 (rho_i - rho0),  V_i = m_i / rho_i",
     .on = ON_FLUID,
     .apply = linear,
-    .compresses = true,
+    .writes = FIELD(P) | FIELD(VOL) | FIELD(Z),
 };

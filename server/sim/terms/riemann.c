@@ -105,5 +105,6 @@ const Term riemann_momentum = {
     .equation = "m_i dv_i/dt = -2 sum_j V_i V_j p* grad_i W",
     .on = ON_FLUID,
     .needs = NEED_F | NEED_V | NEED_STATE,
+    .writes = FIELD(A),
     .row = ROW_TABLE(riemann_momentum_row),
 };

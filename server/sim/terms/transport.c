@@ -65,6 +65,7 @@ const Term background = {
     .equation = "b_i = -2 p_b / rho_i sum_j V_j grad_i W;  m_i dv_i/dt += sum_j V_i V_j A_i . grad_i W",
     .on = ON_FLUID,
     .needs = NEED_F | NEED_STATE,
+    .writes = FIELD(A) | FIELD(B),
     .row = ROW_TABLE(background_row),
 };
 
@@ -75,5 +76,6 @@ const Term transport_stress = {
     .on = ON_FLUID,
     .needed = transports,
     .needs = NEED_F | NEED_V | NEED_FLUX,
+    .writes = FIELD(A),
     .row = ROW_TABLE(transport_stress_row),
 };

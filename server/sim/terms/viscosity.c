@@ -84,6 +84,7 @@ const Term viscosity = {
     .on = ON_FLUID,
     .needed = is_viscous,
     .needs = NEED_F | NEED_V | NEED_STATE,
+    .writes = FIELD(A),
     .row = ROW_TABLE(viscosity_row),
 };
 
@@ -94,5 +95,6 @@ const Term wall_friction = {
     .on = ON_FLUID,
     .needed = is_viscous,
     .needs = NEED_F | NEED_V | NEED_STATE,
+    .writes = FIELD(A),
     .row = ROW_TABLE(wall_friction_row),
 };

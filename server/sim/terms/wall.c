@@ -84,6 +84,7 @@ const Term wall_pressure = {
     .equation = "p_w = [sum_f w p_f + (g - a_w) . sum_f w rho_f x_wf] / sum_f w,  w = W V_f",
     .on = ON_WALL,
     .needs = NEED_W | NEED_STATE,
+    .writes = FIELD(P),
     .row = ROW_TABLE(wall_pressure_row),
 };
 

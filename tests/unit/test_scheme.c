@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the tables of all schemes say of themselves is so: terms and local rules write what they declare, of the groups they are
+ * for, and nothing else. Copies for neighbours are made again by these declarations alone. */
+#include "tests/support/check.h"
+#include "tests/support/cloud.h"
+#include <stdlib.h>
+#include <string.h>
+
+static int three_kinds(const double x[3])
+{
+    return x[1] < 0.3 ? CLOUD_WALL : x[0] < 0.5 ? CLOUD_WATER : CLOUD_AIR;
+}
+
+static Cloud *stirred(int dim)
+{
+    Cloud *cloud = cloud_new(&(CloudSetup){
+        .dim = dim, .dx = 0.1, .n = {10, 9, 8}, .jitter = 0.3, .skin = 0.3, .viscous = true, .owner = three_kinds});
+    cloud->model.wall[0].no_slip = true;
+    cloud_stir(cloud, 11);
+    uint64_t seed = 4;
+    for (int d = 0; d < dim; d++) {
+        cloud->model.gravity[d] = -1 - d;
+        for (size_t i = 0; i < cloud->s.n; i++) {
+            cloud->s.b[d][i] = 300 * cloud_noise(&seed);
+            cloud->s.a[d][i] = 3 * cloud_noise(&seed);
+        }
+    }
+    for (size_t i = 0; i < cloud->s.n; i++) {
+        cloud->s.rate[i] = 0.5 + 0.1 * cloud_noise(&seed);
+        cloud->s.rho[i] *= 1.01; /* what follows from it is out of date */
+    }
+    return cloud;
+}
+
+/* All fields of all particles, one after the other. */
+static char *copy_of(const Particles *s, size_t *ret_size)
+{
+    char *copy = NULL;
+    size_t size = 0;
+    for (int f = 0; mns_fields()[f].name; f++)
+        for (int d = 0; d < 3; d++) {
+            const char *array = particles_field(s, f, d);
+            const size_t bytes = s->n * field_size(&mns_fields()[f]);
+            if (!array) continue;
+            copy = realloc(copy, size + bytes);
+            assert_non_null(copy);
+            memcpy(copy + size, array, bytes);
+            size += bytes;
+        }
+    *ret_size = size;
+    return copy;
+}
+
+/* What has changed since the copy was made must have been declared; returns the fields that have. */
+static Fields changes(const Particles *s, const char *copy, const char *name, unsigned on, Fields writes)
+{
+    Fields found = 0;
+    for (int f = 0; mns_fields()[f].name; f++)
+        for (int d = 0; d < 3; d++) {
+            const char *array = particles_field(s, f, d);
+            const size_t size = field_size(&mns_fields()[f]);
+            if (!array) continue;
+            for (int g = 0; g < GROUPS; g++) {
+                const size_t first = s->begin[g] * size, bytes = (s->begin[g + 1] - s->begin[g]) * size;
+                if (memcmp(array + first, copy + first, bytes) == 0) continue;
+                found |= UINT64_C(1) << f;
+                if (!(on >> g & 1) || !(writes >> f & 1))
+                    fail_msg("%s writes %s of group %d without saying so", name, mns_fields()[f].name, g);
+            }
+            copy += s->n * size;
+        }
+    return found;
+}
+
+static void assert_term(const Term *term, int dim)
+{
+    Cloud *cloud = stirred(dim);
+    size_t size = 0;
+    char *before = copy_of(&cloud->s, &size);
+    const Pass pass = {"alone", .terms = {term}};
+    pass_run(&pass, &cloud->s, &cloud->nb, &cloud->model, 1);
+    if (changes(&cloud->s, before, term->name, term->on, term->writes) != term->writes)
+        fail_msg("%s does not write all that it declares", term->name);
+    free(before);
+    cloud_free(cloud);
+}
+
+static void assert_local(const Local *local, int dim)
+{
+    Cloud *cloud = stirred(dim);
+    size_t size = 0;
+    char *before = copy_of(&cloud->s, &size);
+    local_run(local, &cloud->s, &cloud->model, 1);
+    if (changes(&cloud->s, before, local->name, local->on, local->writes) != local->writes)
+        fail_msg("%s does not write all that it declares", local->name);
+    free(before);
+    cloud_free(cloud);
+}
+
+static void terms_and_rules_write_what_they_declare_and_nothing_else(void **state)
+{
+    (void)state;
+    char text[32768];
+    const char *name = NULL;
+    for (size_t k = 0; (name = mns_scheme_describe(k, text, sizeof text)); k++)
+        for (int dim = 2; dim <= 3; dim++)
+            for (const Pass *pass = scheme_find(name)->rates; pass->name; pass++) {
+                for (int q = 0; q < PASS_TERMS_MAX && pass->terms[q]; q++) assert_term(pass->terms[q], dim);
+                for (int q = 0; q < PASS_LOCALS_MAX && pass->before[q]; q++) assert_local(pass->before[q], dim);
+                for (int q = 0; q < PASS_LOCALS_MAX && pass->after[q]; q++) assert_local(pass->after[q], dim);
+            }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(terms_and_rules_write_what_they_declare_and_nothing_else),
+    };
+    return cmocka_run_group_tests_name("scheme", tests, NULL, NULL);
+}
