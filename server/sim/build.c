@@ -3,6 +3,7 @@
  * filled by all threads at once, each where a count of those before it says, so that every bit is the same for any number. */
 #include "base/array.h"
 #include "sim/lattice.h"
+#include "sim/motion.h"
 #include <math.h>
 #include <omp.h>
 #include <stdio.h>
@@ -310,7 +311,9 @@ MnsStatus build_particles(MnsSim *sim, const Constants *constants, MnsError *err
 {
     Lattice lattice;
     MnsStatus status = lattice_init(&lattice, sim, constants, error);
-    sim->model.filled = lattice.filled;
+    sim->model.filled = sim->model.closed = lattice.filled;
+    for (size_t k = 1; k < sim->c->n_walls; k++)
+        if (!motion_same(&sim->c->walls[k].motion, &sim->c->walls[0].motion)) sim->model.closed = false;
     sim->scheme->options(&sim->model, sim->c); /* again, now that this is known, and before particles are grouped */
     if (!status) status = populate(sim, &lattice, constants, error);
     lattice_done(&lattice);

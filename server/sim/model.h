@@ -37,6 +37,7 @@ typedef struct Model {
     bool viscous;                              /* any fluid */
     double viscous_scale;                      /* of the viscous sum, so that it is exact on the lattice */
     bool filled;                               /* at the start, no place was without fluid or wall, and no side open */
+    bool closed;                               /* and never will be, as all walls move as one */
     bool transport_stress;                     /* option of the scheme */
     double t, dt;                              /* end of the current step [s], its length [s] */
     double gravity[3];                         /* at t [m/s^2] */

@@ -76,3 +76,20 @@ void motion_at(const MnsMotion *motion, double t, double x[3], double v[3], doub
     case MNS_TABLE: table(motion, t, x, v, a); break;
     }
 }
+
+static bool same_vector(const double a[3], const double b[3])
+{
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
+bool motion_same(const MnsMotion *a, const MnsMotion *b)
+{
+    if (a->kind != b->kind || a->n != b->n || !same_vector(a->amplitude, b->amplitude) ||
+        a->frequency != b->frequency || a->phase != b->phase)
+        return false;
+    for (size_t k = 0; k < a->n; k++) {
+        const MnsMotionPoint *p = &a->points[k], *q = &b->points[k];
+        if (p->t != q->t || !same_vector(p->x, q->x) || !same_vector(p->v, q->v)) return false;
+    }
+    return true;
+}

@@ -8,4 +8,7 @@
 /* Displacement from where the case puts the wall [m], its velocity [m/s] and acceleration [m/s^2] at time t. */
 void motion_at(const MnsMotion *motion, double t, double x[3], double v[3], double a[3]);
 
+/* Are they the same at all times? */
+bool motion_same(const MnsMotion *a, const MnsMotion *b);
+
 #endif

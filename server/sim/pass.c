@@ -6,7 +6,8 @@ enum { CHUNK_ROWS = 256, CHUNK_LOCAL = 4096 };
 
 void local_run(const Local *local, Particles *s, const Model *model, int threads)
 {
-    for (int g = 0; g < GROUPS; g++) {
+    if (local->whole) local->whole(s, model, threads);
+    for (int g = 0; g < GROUPS && local->apply; g++) {
         if (!(local->on & 1u << g)) continue;
         const size_t first = s->begin[g], last = s->begin[g + 1];
 #pragma omp parallel for schedule(static) num_threads(threads)

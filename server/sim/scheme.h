@@ -27,6 +27,7 @@ typedef struct Local {
     const char *name, *source, *equation;
     unsigned on;
     void (*apply)(Particles *, const Model *, size_t first, size_t last);
+    void (*whole)(Particles *, const Model *, int threads); /* instead, of one that needs all at once */
     Fields writes;
 } Local;
 

@@ -2,6 +2,7 @@
 /* Adopt the steerable entries of a case. All that particles, lists and formulas were made from must be as it was; what is new
  * is made first and taken into use last, so that a refused change changes nothing. */
 #include "sim/integrator.h"
+#include "sim/motion.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -37,18 +38,6 @@ static bool same_shape(const MnsShape *a, const MnsShape *b)
     if (a->n != b->n) return false;
     for (size_t k = 0; k < a->n; k++)
         if (!same_part(&a->parts[k], &b->parts[k])) return false;
-    return true;
-}
-
-static bool same_motion(const MnsMotion *a, const MnsMotion *b)
-{
-    if (a->kind != b->kind || a->n != b->n || !same_vector(a->amplitude, b->amplitude) ||
-        a->frequency != b->frequency || a->phase != b->phase)
-        return false;
-    for (size_t k = 0; k < a->n; k++) {
-        const MnsMotionPoint *p = &a->points[k], *q = &b->points[k];
-        if (p->t != q->t || !same_vector(p->x, q->x) || !same_vector(p->v, q->v)) return false;
-    }
     return true;
 }
 
@@ -88,7 +77,7 @@ static bool same_walls(const MnsCase *a, const MnsCase *b)
 {
     for (size_t k = 0; k < a->n_walls; k++) {
         const MnsWall *w = &a->walls[k], *x = &b->walls[k];
-        if (w->no_slip != x->no_slip || !same_shape(&w->shape, &x->shape) || !same_motion(&w->motion, &x->motion) ||
+        if (w->no_slip != x->no_slip || !same_shape(&w->shape, &x->shape) || !motion_same(&w->motion, &x->motion) ||
             !same_texts(w->surface_velocity, x->surface_velocity, 3))
             return false;
     }

@@ -191,6 +191,18 @@ def hydrostatic(paper: bool) -> Iterator[Metric]:
     yield from hygiene(case, r, void=False)
 
 
+def hydrostatic4(paper: bool) -> Iterator[Metric]:
+    """Four liquids at rest in a closed tank, mercury below, after 3 s."""
+    case, r = "hydrostatic4", run("hydrostatic4", f"resolution={80 if paper else 40}", "end_time=3")
+    floor = 9.81 * 0.25 * (13500 + 1000 + 800 + 700)
+    energy = 9.81 * 0.25 * (13500 * 0.125 + 1000 * 0.375 + 800 * 0.625 + 700 * 0.875)
+    yield Metric(case, "rms pressure error / pressure on the floor", r.probes["error"][-1] / floor, high=0.03)
+    yield Metric(case, "largest kinetic energy / potential energy", float(r.probes["kinetic"].max()) / energy, high=1e-3)
+    for name, centre in (("mercury", 0.125), ("water", 0.375), ("oil", 0.625), ("petrol", 0.875)):
+        yield Metric(case, f"mass centre of {name} [m]", float(r.probes[f"centre_{name}"][-1]), centre, 0.005)
+    yield from hygiene(case, r, void=False)
+
+
 TOE_TIMES = (0.5, 1, 1.5, 2, 2.3)
 MEANS = ("P05", "P10", "P19", "P267")
 COLUMN = {"P05": "p_0.05", "P10": "p_0.10", "P19": "p_0.19", "P267": "p_0.267"}
@@ -318,6 +330,7 @@ def drop_periodic(_: bool) -> Iterator[Metric]:
 
 CASES: dict[str, Callable[[bool], Iterator[Metric]]] = {
     "hydrostatic": hydrostatic,
+    "hydrostatic4": hydrostatic4,
     "drop-periodic2d": drop_periodic,
     "dambreak2d": dambreak2d,
     "sloshing2d": sloshing2d,

@@ -66,6 +66,45 @@ static void continuity_advances_by_one_step(void **state)
     cloud_free(cloud);
 }
 
+static int all_water(const double x[3])
+{
+    return x[1] < 0.3 ? CLOUD_WALL : CLOUD_WATER;
+}
+
+/* By one pressure for all, and only where a space is closed and full of liquids. */
+static void liquids_in_a_closed_space_keep_its_volume(void **state)
+{
+    (void)state;
+    for (int closed = 0; closed < 2; closed++) {
+        Cloud *cloud = cloud_new(
+            &(CloudSetup){.dim = 2, .dx = 0.1, .n = {80, 83}, .jitter = 0.2, .skin = 0.3, .owner = all_water});
+        Particles *s = &cloud->s;
+        const size_t n = particles_fluid(s), half = n / 2;
+        assert_true(n > 4096); /* more than one block */
+        cloud_stir(cloud, 5);
+        cloud->model.closed = closed;
+        cloud->model.phase[1].c = 40;
+        double volume = 0;
+        for (size_t i = 0; i < n; i++) {
+            s->phase[i] = i >= half;
+            s->rho[i] *= 1.01;
+            volume += s->m[i] / s->rho[i];
+        }
+        const double first = s->rho[0], last = s->rho[n - 1], wall = s->rho[n];
+        assert_true(fabs(volume / ((double)n * cloud->model.wall_volume) - 1) > 1e-3);
+        local_run(&closed_volume, s, &cloud->model, 3);
+        double after = 0;
+        for (size_t i = 0; i < n; i++) after += s->m[i] / s->rho[i];
+        /* One step of Newton's, of a change of up to 1 %. */
+        assert_close(after, closed ? (double)n * cloud->model.wall_volume : volume, closed ? 2e-4 * volume : 1e-12);
+        const double dp = (s->rho[0] - first) * 20 * 20;
+        assert_close((s->rho[n - 1] - last) * 40 * 40, dp, 1e-9 * 1000 * 400); /* rounding */
+        assert_true(closed ? dp != 0 : dp == 0);
+        assert_true(s->rho[n] == wall);
+        cloud_free(cloud);
+    }
+}
+
 static void pressure_is_linear_in_density_with_each_fluids_own_constants(void **state)
 {
     (void)state;
@@ -110,6 +149,7 @@ int main(void)
         cmocka_unit_test(number_density_counts_the_particle_itself_and_all_around),
         cmocka_unit_test(summed_density_is_mass_times_number_density),
         cmocka_unit_test(continuity_advances_by_one_step),
+        cmocka_unit_test(liquids_in_a_closed_space_keep_its_volume),
         cmocka_unit_test(pressure_is_linear_in_density_with_each_fluids_own_constants),
         cmocka_unit_test(accelerations_begin_with_gravity_and_nothing),
     };

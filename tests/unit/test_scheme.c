@@ -11,10 +11,22 @@ static int three_kinds(const double x[3])
     return x[1] < 0.3 ? CLOUD_WALL : x[0] < 0.5 ? CLOUD_WATER : CLOUD_AIR;
 }
 
-static Cloud *stirred(int dim)
+static int liquid_alone(const double x[3])
 {
-    Cloud *cloud = cloud_new(&(CloudSetup){
-        .dim = dim, .dx = 0.1, .n = {10, 9, 8}, .jitter = 0.3, .skin = 0.3, .viscous = true, .owner = three_kinds});
+    return x[1] < 0.3 ? CLOUD_WALL : CLOUD_WATER;
+}
+
+/* Two fluids and a wall, or one liquid that fills a closed space. */
+static Cloud *stirred(int dim, bool closed)
+{
+    Cloud *cloud = cloud_new(&(CloudSetup){.dim = dim,
+                                           .dx = 0.1,
+                                           .n = {10, 9, 8},
+                                           .jitter = 0.3,
+                                           .skin = 0.3,
+                                           .viscous = true,
+                                           .owner = closed ? liquid_alone : three_kinds});
+    cloud->model.closed = closed;
     cloud->model.wall[0].no_slip = true;
     cloud_stir(cloud, 11);
     uint64_t seed = 4;
@@ -33,7 +45,7 @@ static Cloud *stirred(int dim)
 }
 
 /* All fields of all particles, one after the other. */
-static char *copy_of(const Particles *s, size_t *ret_size)
+static char *copy_of(const Particles *s)
 {
     char *copy = NULL;
     size_t size = 0;
@@ -47,7 +59,6 @@ static char *copy_of(const Particles *s, size_t *ret_size)
             memcpy(copy + size, array, bytes);
             size += bytes;
         }
-    *ret_size = size;
     return copy;
 }
 
@@ -72,29 +83,23 @@ static Fields changes(const Particles *s, const char *copy, const char *name, un
     return found;
 }
 
-static void assert_term(const Term *term, int dim)
+/* A term or a local rule, the other being NULL. */
+static void assert_declared(const Term *term, const Local *local, int dim)
 {
-    Cloud *cloud = stirred(dim);
-    size_t size = 0;
-    char *before = copy_of(&cloud->s, &size);
-    const Pass pass = {"alone", .terms = {term}};
-    pass_run(&pass, &cloud->s, &cloud->nb, &cloud->model, 1);
-    if (changes(&cloud->s, before, term->name, term->on, term->writes) != term->writes)
-        fail_msg("%s does not write all that it declares", term->name);
-    free(before);
-    cloud_free(cloud);
-}
-
-static void assert_local(const Local *local, int dim)
-{
-    Cloud *cloud = stirred(dim);
-    size_t size = 0;
-    char *before = copy_of(&cloud->s, &size);
-    local_run(local, &cloud->s, &cloud->model, 1);
-    if (changes(&cloud->s, before, local->name, local->on, local->writes) != local->writes)
-        fail_msg("%s does not write all that it declares", local->name);
-    free(before);
-    cloud_free(cloud);
+    const char *name = term ? term->name : local->name;
+    const Fields writes = term ? term->writes : local->writes;
+    Fields found = 0;
+    for (int closed = 0; closed < 2; closed++) {
+        Cloud *cloud = stirred(dim, closed);
+        char *before = copy_of(&cloud->s);
+        const Pass pass = {"alone", .terms = {term}};
+        if (term) pass_run(&pass, &cloud->s, &cloud->nb, &cloud->model, 1);
+        else local_run(local, &cloud->s, &cloud->model, 1);
+        found |= changes(&cloud->s, before, name, term ? term->on : local->on, writes);
+        free(before);
+        cloud_free(cloud);
+    }
+    if (found != writes) fail_msg("%s does not write all that it declares", name);
 }
 
 static void terms_and_rules_write_what_they_declare_and_nothing_else(void **state)
@@ -105,9 +110,10 @@ static void terms_and_rules_write_what_they_declare_and_nothing_else(void **stat
     for (size_t k = 0; (name = mns_scheme_describe(k, text, sizeof text)); k++)
         for (int dim = 2; dim <= 3; dim++)
             for (const Pass *pass = scheme_find(name)->rates; pass->name; pass++) {
-                for (int q = 0; q < PASS_TERMS_MAX && pass->terms[q]; q++) assert_term(pass->terms[q], dim);
-                for (int q = 0; q < PASS_LOCALS_MAX && pass->before[q]; q++) assert_local(pass->before[q], dim);
-                for (int q = 0; q < PASS_LOCALS_MAX && pass->after[q]; q++) assert_local(pass->after[q], dim);
+                for (int q = 0; q < PASS_TERMS_MAX && pass->terms[q]; q++) assert_declared(pass->terms[q], NULL, dim);
+                for (int q = 0; q < PASS_LOCALS_MAX && pass->before[q]; q++)
+                    assert_declared(NULL, pass->before[q], dim);
+                for (int q = 0; q < PASS_LOCALS_MAX && pass->after[q]; q++) assert_declared(NULL, pass->after[q], dim);
             }
 }
 

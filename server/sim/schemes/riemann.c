@@ -52,7 +52,7 @@ const Scheme scheme_riemann = {
     .rates =
         {
             {"density", .terms = {&number_density, &riemann_density},
-             .after = {&advance_density, &mass_over_volume, &linear_pressure}},
+             .after = {&advance_density, &mass_over_volume, &closed_volume, &linear_pressure}},
             {"walls", .terms = {&wall_pressure, &wall_velocity}},
             {"forces", .before = {&body_force},
              .terms = {&riemann_momentum, &background, &transport_stress, &viscosity, &wall_friction}},

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Liquids that fill a closed space have its volume. Where density follows continuity nothing else knows that: spreading moves
+ * particles and not their density, so that the mean pressure of a full tank climbs by a quarter of what its liquids weigh in one
+ * sloshing time (schemes/README.md). The same pressure everywhere, up or down, puts the volume right:
+ *   rho_i += dp / c_i^2,   dp = (sum_i m_i/rho_i - n V_0) / sum_i m_i/(rho_i^2 c_i^2) */
+#include "sim/locals/locals.h"
+
+enum { BLOCK = 4096 }; /* particles that one thread sums up, whatever the number of threads */
+
+typedef double (*Summand)(const Particles *, const Model *, size_t i);
+
+static double volume(const Particles *s, const Model *model, size_t i)
+{
+    (void)model;
+    return s->m[i] / s->rho[i];
+}
+
+static double compliance(const Particles *s, const Model *model, size_t i)
+{
+    const double c = model->phase[s->phase[i]].c;
+    return s->m[i] / (s->rho[i] * s->rho[i] * c * c);
+}
+
+/* Over the fluid; rates of density have been used by now and leave room for the sums of blocks. */
+static double sum(const Particles *s, const Model *model, Summand f, int threads)
+{
+    const size_t n = particles_fluid(s), blocks = (n + BLOCK - 1) / BLOCK;
+    double all = 0;
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (size_t b = 0; b < blocks; b++) {
+        double part = 0;
+        for (size_t i = b * BLOCK; i < n && i < (b + 1) * BLOCK; i++) part += f(s, model, i);
+        s->rate[b] = part;
+    }
+    for (size_t b = 0; b < blocks; b++) all += s->rate[b];
+    return all;
+}
+
+static void keep_volume(Particles *s, const Model *model, int threads)
+{
+    const size_t n = particles_fluid(s);
+    if (!model->closed || s->begin[GROUP_SUMMATION] != n) return;
+    const double excess = sum(s, model, volume, threads) - (double)n * model->wall_volume;
+    const double dp = excess / sum(s, model, compliance, threads);
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (size_t i = 0; i < n; i++) {
+        const double c = model->phase[s->phase[i]].c;
+        s->rho[i] += dp / (c * c);
+    }
+}
+
+const Local closed_volume = {
+    .name = "closed volume",
+    .source = "schemes/README.md",
+    .equation = "rho_i += dp/c_i^2, so that sum m_i/rho_i is the volume of a space that liquids fill",
+    .on = ON_CONTINUITY,
+    .whole = keep_volume,
+    .writes = FIELD(RHO),
+};
