@@ -21,7 +21,8 @@ Kernel kernel_make(MnsKernel type, int dim, double h)
 {
     const double reach = type == MNS_WENDLAND_C2 ? 2 : 3;
     const double alpha = normalisation(type, dim, h);
-    return (Kernel){.type = type, .h = h, .support = reach * h, .alpha = alpha, .beta = alpha};
+    const double steepness = type == MNS_TRUNCATED_GAUSSIAN ? -2 : -5;
+    return (Kernel){.type = type, .h = h, .support = reach * h, .alpha = alpha, .beta = alpha, .steepness = steepness};
 }
 
 INLINE void eval(const Kernel *kernel, size_t n, const double *restrict r, double *restrict W, double *restrict F,

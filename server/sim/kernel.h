@@ -7,10 +7,11 @@
 
 typedef struct Kernel {
     MnsKernel type;
-    double h;       /* smoothing length          [m]      */
-    double support; /* W = 0 from this distance on [m]    */
-    double alpha;   /* normalisation of W         [m^-dim] */
-    double beta;    /* the same of F; alpha unless calibrated */
+    double h;         /* smoothing length          [m]      */
+    double support;   /* W = 0 from this distance on [m]    */
+    double alpha;     /* normalisation of W         [m^-dim] */
+    double beta;      /* the same of F; alpha unless calibrated */
+    double steepness; /* F is steepness beta / h^2 times a function of q (kernel_shape.h) */
 } Kernel;
 
 Kernel kernel_make(MnsKernel type, int dim, double h);

@@ -8,7 +8,7 @@
 
 /* Constants of a kernel, before a loop. */
 typedef struct KernelScale {
-    double inverse_h, alpha, slope; /* of q = r / h; of W; of F, but for a number: beta / h^2 */
+    double inverse_h, alpha, slope; /* of q = r / h, of W, of F */
     double tiny;                    /* [m] keeps 0/0 away */
 } KernelScale;
 
@@ -17,7 +17,8 @@ typedef double (*KernelShape)(const KernelScale *, double r);
 INLINE KernelScale kernel_scale(const Kernel *kernel)
 {
     const double inverse_h = 1 / kernel->h;
-    return (KernelScale){inverse_h, kernel->alpha, kernel->beta * inverse_h * inverse_h, 1e-12 * kernel->h};
+    return (KernelScale){inverse_h, kernel->alpha, kernel->steepness * kernel->beta * inverse_h * inverse_h,
+                         1e-12 * kernel->h};
 }
 
 /* x where x > 0, else 0; NaN stays NaN, which fmax() would hide, and it is one instruction of every vector unit. */
@@ -37,7 +38,7 @@ INLINE double wendland_c2_W(const KernelScale *k, double r)
 INLINE double wendland_c2_F(const KernelScale *k, double r)
 {
     const double t = positive(1 - 0.5 * (r * k->inverse_h));
-    return -5 * k->slope * (t * t * t);
+    return k->slope * (t * t * t);
 }
 
 /* W = alpha [(3-q)^5 - 6 (2-q)^5 + 15 (1-q)^5], each power cut at 0 */
@@ -53,7 +54,7 @@ INLINE double quintic_spline_F(const KernelScale *k, double r)
 {
     const double q = r * k->inverse_h, a = positive(3 - q), b = positive(2 - q), c = positive(1 - q);
     const double a2 = a * a, b2 = b * b, c2 = c * c;
-    return -5 * k->slope / (q + k->tiny * k->inverse_h) * (a2 * a2 - 6 * (b2 * b2) + 15 * (c2 * c2));
+    return k->slope / (q + k->tiny * k->inverse_h) * (a2 * a2 - 6 * (b2 * b2) + 15 * (c2 * c2));
 }
 
 /* exp(-s), 0 <= s <= 9, to 1e-14 of itself: the polynomial of s/32, squared five times. The C library's has other bits on other
@@ -87,7 +88,7 @@ INLINE double truncated_gaussian_W(const KernelScale *k, double r)
 /* F = -2 W / h^2 */
 INLINE double truncated_gaussian_F(const KernelScale *k, double r)
 {
-    const double q = r * k->inverse_h, F = -2 * k->slope * bell(q * q);
+    const double q = r * k->inverse_h, F = k->slope * bell(q * q);
     return q >= 3 ? 0 : F;
 }
 
