@@ -39,7 +39,7 @@ static void riemann_options(Model *model, const MnsCase *c)
     for (size_t k = 0; k < model->n_phases; k++) {
         Phase *phase = &model->phase[k];
         const double factor = background_factor(model, &c->scheme.riemann, phase->summation);
-        phase->p_b = factor * phase->rho0 * phase->c * phase->c;
+        phase->p_b = factor * phase->rho0 * phase->c * model->c_max; /* over dt ~ h/c_max: as fast as its own sound */
     }
 }
 
