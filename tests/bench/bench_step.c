@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Cost of a time step, as JSON lines: whole step, each pass, neighbour search, in nanoseconds per particle and per pair, and
- * memory. The fluids are stirred at the start, so that neighbour lists age as fast as in a developed flow. All steps count:
- * search, walls, forces, integration; nothing is written.
+/* Cost of a time step, as JSON lines: whole step, each pass, neighbour search, in nanoseconds per particle and per pair, memory, and
+ * the time to place the particles. The fluids are stirred at the start, so that neighbour lists age as fast as in a developed
+ * flow. All steps count: search, walls, forces, integration; nothing is written.
  *
- * usage: bench_step [NAME [THREADS]]   without arguments: every case, with one thread and with all */
+ * usage: bench_step [NAME [THREADS [RESOLUTION [STEPS]]]]
+ * Without arguments: every case but the large ones, with one thread and with all. With STEPS: that many, once, without a start to
+ * warm up, for those who count instructions (tests/system/test_instructions.sh). */
 #include "sim/sim.h"
 #include "tests/support/cases.h"
 #include <omp.h>
@@ -15,23 +17,49 @@ enum { WARM_UP = 10, REPEATS = 3 };
 
 typedef struct Bench {
     const char *name;
+    MnsCase *(*make)(int dim, double resolution);
     int dim;
     double resolution;
-    int steps; /* in each of the repeats */
+    int steps;  /* in each of the repeats */
+    bool large; /* on request only */
 } Bench;
 
-static const Bench BENCHES[] = {
-    {"dambreak2d-p3", 2, 95, 60},
-    {"dambreak3d-p3", 3, 20, 12},
-};
-
-static void stir(MnsCase *c)
+static MnsCase *dam_break(int dim, double resolution)
 {
+    MnsCase *c = case_dam_break(dim, resolution);
     for (size_t k = 0; k < c->n_fluids; k++) {
         case_set_text(&c->fluids[k].velocity[0], "1.5*sin(pi*x/5.366)*cos(pi*y/2)");
         case_set_text(&c->fluids[k].velocity[1], "-1.5*2/5.366*cos(pi*x/5.366)*sin(pi*y/2)");
     }
+    return c;
 }
+
+/* A drop in a box of another liquid, both viscous: what schemes with surface tension are measured by. */
+static MnsCase *droplet(int dim, double resolution)
+{
+    MnsCase *c = case_blank(dim, resolution);
+    case_add_fluid(c, "oil", 1, 20);
+    case_add_fluid(c, "water", 0.5, 20);
+    MnsPart *drop = case_add_part(&c->fluids[0].shape, MNS_BALL);
+    for (int d = 0; d < 3; d++) {
+        c->periodic[d] = d < dim;
+        drop->a[d] = d < dim ? 0.5 : 0;
+    }
+    drop->radius = 0.3;
+    for (int k = 0; k < 2; k++) {
+        c->fluids[k].viscosity = 0.01;
+        case_set_text(&c->fluids[k].velocity[0], "sin(2*pi*x)*cos(2*pi*y)");
+        case_set_text(&c->fluids[k].velocity[1], "-cos(2*pi*x)*sin(2*pi*y)");
+    }
+    return c;
+}
+
+static const Bench BENCHES[] = {
+    {"dambreak2d-p3", dam_break, 2, 95, 60, false},    {"dambreak3d-p3", dam_break, 3, 20, 12, false},
+    {"droplet2d-p3", droplet, 2, 316, 60, false},      {"droplet3d-p3", droplet, 3, 46, 12, false},
+    {"dambreak3d-p3-200k", dam_break, 3, 26, 6, true}, {"dambreak3d-p3-1m", dam_break, 3, 45, 3, true},
+    {"dambreak3d-p3-4m", dam_break, 3, 72, 2, true},
+};
 
 static int ascending(const void *a, const void *b)
 {
@@ -50,17 +78,24 @@ static int advance(MnsSim *sim, int steps)
     return 1;
 }
 
-static void print(const Bench *bench, const MnsSim *sim, double ns, const MnsTimer *before)
+/* What is asked for on the command line. */
+typedef struct Wish {
+    int threads, steps; /* steps: 0 for those of the bench */
+    double resolution;  /* 0: the bench's */
+} Wish;
+
+static void print(const Bench *bench, const MnsSim *sim, double ns, double build, double steps, const MnsTimer *before)
 {
     const double n = (double)mns_sim_particles(sim), neighbours = mns_sim_mean_neighbours(sim);
-    const double fluid = (double)mns_sim_fluid_particles(sim), steps = bench->steps * REPEATS;
+    const double fluid = (double)mns_sim_fluid_particles(sim);
     const double pairs = (double)neighbours_pairs(&sim->nb);
     const double lists = (double)slabs_bytes(&sim->nb.slabs);
-    printf("{\"name\": \"%s\", \"threads\": %d, \"particles\": %.0f, \"fluid_particles\": %.0f, \"neighbours\": %.1f, "
+    printf("{\"name\": \"%s\", \"threads\": %d, \"level\": \"%s\", \"particles\": %.0f, \"fluid_particles\": %.0f, "
+           "\"neighbours\": %.1f, "
            "\"ns_per_particle_step\": %.1f, \"ns_per_pair\": %.2f, \"bytes_per_particle\": %.0f, "
-           "\"list_bytes_per_pair\": %.2f, \"steps\": %.0f, \"rebuilds\": %llu",
-           bench->name, sim->threads, n, fluid, neighbours, ns, ns * n / (fluid * neighbours),
-           ((double)mns_sim_bytes(sim) - lists) / n, lists / pairs, steps,
+           "\"list_bytes_per_pair\": %.2f, \"build_s\": %.2f, \"steps\": %.0f, \"rebuilds\": %llu",
+           bench->name, sim->threads, mns_level(), n, fluid, neighbours, ns, ns * n / (fluid * neighbours),
+           ((double)mns_sim_bytes(sim) - lists) / n, lists / pairs, build, steps,
            (unsigned long long)(sim->timers[TIMER_NEIGHBOURS].calls - before[TIMER_NEIGHBOURS].calls));
     size_t n_timers = 0;
     const MnsTimer *timers = mns_sim_timers(sim, &n_timers);
@@ -76,26 +111,29 @@ static void print(const Bench *bench, const MnsSim *sim, double ns, const MnsTim
     fflush(stdout);
 }
 
-static int run(const Bench *bench, int threads)
+static int run(const Bench *bench, Wish wish)
 {
-    MnsCase *c = case_dam_break(bench->dim, bench->resolution);
+    MnsCase *c = bench->make(bench->dim, wish.resolution > 0 ? wish.resolution : bench->resolution);
     MnsSim *sim = NULL;
     MnsError error = {0};
-    c->threads = (unsigned)threads;
-    stir(c);
-    int well = mns_sim_new(c, &sim, &error) == MNS_OK && advance(sim, WARM_UP);
+    const int steps = wish.steps > 0 ? wish.steps : bench->steps, repeats = wish.steps > 0 ? 1 : REPEATS;
+    c->threads = (unsigned)wish.threads;
+    const double begin = omp_get_wtime();
+    int well = mns_sim_new(c, &sim, &error) == MNS_OK;
+    const double build = omp_get_wtime() - begin;
+    if (well && !wish.steps) well = advance(sim, WARM_UP);
     if (error.status) fprintf(stderr, "bench_step: %s: %s\n", error.path, error.text);
     double ns[REPEATS];
     MnsTimer before[SIM_TIMERS_MAX];
     if (well) memcpy(before, sim->timers, sizeof before);
-    for (int k = 0; k < REPEATS && well; k++) {
+    for (int k = 0; k < repeats && well; k++) {
         const double start = omp_get_wtime();
-        well = advance(sim, bench->steps);
-        ns[k] = (omp_get_wtime() - start) * 1e9 / ((double)mns_sim_particles(sim) * bench->steps);
+        well = advance(sim, steps);
+        ns[k] = (omp_get_wtime() - start) * 1e9 / ((double)mns_sim_particles(sim) * steps);
     }
     if (well) {
-        qsort(ns, REPEATS, sizeof *ns, ascending);
-        print(bench, sim, ns[REPEATS / 2], before);
+        qsort(ns, (size_t)repeats, sizeof *ns, ascending);
+        print(bench, sim, ns[repeats / 2], build, (double)steps * repeats, before);
     }
     mns_sim_free(sim);
     mns_case_free(c);
@@ -105,13 +143,16 @@ static int run(const Bench *bench, int threads)
 int main(int argc, char **argv)
 {
     int well = 1, found = 0;
+    Wish wish = {.threads = argc > 2 ? atoi(argv[2]) : 0,
+                 .resolution = argc > 3 ? atof(argv[3]) : 0,
+                 .steps = argc > 4 ? atoi(argv[4]) : 0};
     for (size_t k = 0; k < sizeof BENCHES / sizeof *BENCHES && well; k++) {
-        if (argc > 1 && strcmp(argv[1], BENCHES[k].name) != 0) continue;
+        if (argc > 1 ? strcmp(argv[1], BENCHES[k].name) != 0 : BENCHES[k].large) continue;
         found = 1;
-        if (argc > 2) well = run(&BENCHES[k], atoi(argv[2]));
+        if (wish.threads) well = run(&BENCHES[k], wish);
         else {
-            well = run(&BENCHES[k], 1);
-            if (well && omp_get_num_procs() > 1) well = run(&BENCHES[k], omp_get_num_procs());
+            well = run(&BENCHES[k], (Wish){.threads = 1});
+            if (well && omp_get_num_procs() > 1) well = run(&BENCHES[k], (Wish){.threads = omp_get_num_procs()});
         }
     }
     if (!found) fprintf(stderr, "bench_step: no benchmark \"%s\"\n", argv[1]);

@@ -15,7 +15,7 @@ check='
 libcmocka-dev
 clang clang-format clang-tidy libclang-rt-14-dev libomp-dev
 cppcheck shellcheck g++ git procps
-systemd util-linux
+systemd util-linux valgrind
 paraview python3-paraview xvfb xauth
 '
 validate='
