@@ -120,6 +120,14 @@ void bundles_stale(Bundles *b, Group group, Fields fields)
         if (b->bundle[k].of & fields) b->bundle[k].stale |= 1u << group;
 }
 
+Fields bundles_fields(const Bundles *b, unsigned needs)
+{
+    Fields fields = 0;
+    for (size_t k = 0; k < b->n_bundles; k++)
+        if (b->bundle[k].needs & needs) fields |= b->bundle[k].of;
+    return fields;
+}
+
 static const double *column(const Particles *s, const Model *model, size_t quantity, size_t first, size_t n,
                             double *room)
 {

@@ -43,6 +43,9 @@ void bundles_done(Bundles *b);
 /* Fields of a group have changed. */
 void bundles_stale(Bundles *b, Group group, Fields fields);
 
+/* Fields that these needs are met from. */
+Fields bundles_fields(const Bundles *b, unsigned needs);
+
 /* Make the bundles that these needs are met from, where they are stale. */
 void bundles_refresh(Bundles *b, const Particles *s, const Model *model, unsigned needs, int threads);
 

@@ -10,11 +10,17 @@ void integrator_clock(MnsSim *sim, size_t timer, double start)
     sim->timers[timer].calls++;
 }
 
-/* Walls go where their motion has them at the end of the step. */
+/* Walls go where their motion has them at the end of the step. Most never move. */
 static void move_walls(MnsSim *sim, const WallState *before)
 {
     Particles *s = &sim->s;
     const Model *model = &sim->model;
+    bool move = false;
+    for (size_t k = 0; k < model->n_walls; k++)
+        for (int d = 0; d < s->dim; d++)
+            move = move || model->wall[k].x[d] != before[k].x[d] || model->wall[k].v[d] != before[k].v[d];
+    if (!move) return;
+    particles_changed(s, ON_WALL, FIELD(X) | FIELD(V));
 #pragma omp parallel for schedule(static) num_threads(sim->threads)
     for (size_t i = s->begin[GROUP_WALL]; i < s->n; i++) {
         const size_t k = s->phase[i] - model->n_phases;
@@ -92,7 +98,7 @@ void integrator_walls(MnsSim *sim, double t, double dt)
     move_walls(sim, before);
     sim->progress.guarded += guard_walls(sim);
     /* Advection velocities are dt/2 of what is in B. */
-    particles_changed(&sim->s, ON_ALL, FIELD(X) | FIELD(V) | FIELD(B));
+    particles_changed(&sim->s, ON_FLUID, FIELD(X) | FIELD(V) | FIELD(B));
 }
 
 MnsStatus integrator_step(MnsSim *sim, double t, double dt, MnsError *error)

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Run a pass. Each particle writes only its own sums, so no order of threads can change a bit. */
+/* Run a pass. Each particle writes only its own sums, so no order of threads can change a bit. What a term asks its neighbours for
+ * comes from bundles, which are copies, or from fields that its pass does not write: so local rules can follow the rows of a chunk
+ * while these are in the cache, when other chunks have not begun. */
 #include "sim/pass.h"
 
 enum { CHUNK_ROWS = 256, CHUNK_LOCAL = 4096 };
 
 void local_run(const Local *local, Particles *s, const Model *model, int threads)
 {
+    if (local->needed && !local->needed(model)) return;
     if (local->whole) local->whole(s, model, threads);
     for (int g = 0; g < GROUPS && local->apply; g++) {
         if (!(local->on & 1u << g)) continue;
@@ -17,45 +20,120 @@ void local_run(const Local *local, Particles *s, const Model *model, int threads
     particles_changed(s, local->on, local->writes);
 }
 
-/* The terms of a pass that have something to do for a group; returns how many. */
-static int terms_for(const Pass *pass, int group, const Model *model, const Term *terms[static PASS_TERMS_MAX])
+/* What is done for the particles of one group, chunk by chunk. */
+typedef struct Sweep {
+    int n_before, n_terms, n_after;
+    const Local *before[PASS_LOCALS_MAX], *after[PASS_LOCALS_MAX];
+    const Term *terms[PASS_TERMS_MAX];
+    RowPlan plan;
+} Sweep;
+
+/* Local rules [first, last) that are for a group; returns how many. */
+static int locals_for(const Local *const *locals, int first, int last, int group, const Local **ret)
+{
+    int n = 0;
+    for (int k = first; k < last; k++)
+        if (locals[k]->on & 1u << group) ret[n++] = locals[k];
+    return n;
+}
+
+static int terms_for(const Pass *pass, int group, const Model *model, const Term **ret)
 {
     int n = 0;
     for (int k = 0; k < PASS_TERMS_MAX && pass->terms[k]; k++) {
         const Term *term = pass->terms[k];
-        if (term->on & 1u << group && (!term->needed || term->needed(model))) terms[n++] = term;
+        if (term->on & 1u << group && (!term->needed || term->needed(model))) ret[n++] = term;
     }
     return n;
 }
 
-static void rows_each(const Term *const *terms, int n_terms, int group, Particles *s, Neighbours *nb,
-                      const Model *model, int threads)
+/* The local rules of a list that are needed. */
+typedef struct Locals {
+    int n;
+    const Local *of[PASS_LOCALS_MAX];
+} Locals;
+
+static Locals needed(const Local *const *list, const Model *model)
 {
-    const size_t first = s->begin[group], last = s->begin[group + 1];
-    unsigned needs = 0;
-    for (int k = 0; k < n_terms; k++) needs |= terms[k]->needs;
-    neighbours_refresh(nb, s, model, needs);
-    const RowPlan plan = row_plan(nb, s, model, needs, nb->marked >> group & 1 ? ROW_MARKED : ROW_LISTED);
+    Locals locals = {0};
+    for (int k = 0; k < PASS_LOCALS_MAX && list[k]; k++)
+        if (!list[k]->needed || list[k]->needed(model)) locals.of[locals.n++] = list[k];
+    return locals;
+}
+
+/* How many of the rules before the terms must be done before copies are made: up to the last one that copies show, or that needs all
+ * particles at once. */
+static int early(const Locals *before, Fields copied)
+{
+    int n = before->n;
+    while (n > 0 && !before->of[n - 1]->whole && !(before->of[n - 1]->writes & copied)) n--;
+    return n;
+}
+
+/* How many of the rules after the terms can be done chunk by chunk: up to the first one that needs all particles at once. */
+static int prompt(const Locals *after)
+{
+    int n = 0;
+    while (n < after->n && !after->of[n]->whole) n++;
+    return n;
+}
+
+static void sweep_chunk(const Sweep *sweep, Row *row, Particles *s, const Model *model, size_t first, size_t last)
+{
+    for (int k = 0; k < sweep->n_before; k++) sweep->before[k]->apply(s, model, first, last);
+    for (size_t i = first; i < last && sweep->n_terms; i++) {
+        row_build(row, &sweep->plan, i);
+        for (int k = 0; k < sweep->n_terms; k++) term_row(sweep->terms[k], row, s, model);
+    }
+    for (int k = 0; k < sweep->n_after; k++) sweep->after[k]->apply(s, model, first, last);
+}
+
+static void sweep_all(const Sweep sweeps[GROUPS], Particles *s, const Model *model, int threads)
+{
 #pragma omp parallel num_threads(threads)
     {
         Row row;
-#pragma omp for schedule(dynamic, CHUNK_ROWS)
-        for (size_t i = first; i < last; i++) {
-            row_build(&row, &plan, i);
-            for (int k = 0; k < n_terms; k++) term_row(terms[k], &row, s, model);
+        for (int g = 0; g < GROUPS; g++) {
+            const Sweep *sweep = &sweeps[g];
+            const size_t last = sweep->n_before + sweep->n_terms + sweep->n_after ? s->begin[g + 1] : 0;
+#pragma omp for schedule(dynamic) nowait
+            for (size_t k = s->begin[g]; k < last; k += CHUNK_ROWS)
+                sweep_chunk(sweep, &row, s, model, k, k + CHUNK_ROWS < last ? k + CHUNK_ROWS : last);
         }
     }
-    nb->marked |= 1u << group;
-    for (int k = 0; k < n_terms; k++) particles_changed(s, 1u << group, terms[k]->writes);
+}
+
+/* Say what has been written, now that nobody reads the old copies any more. */
+static void declare(const Sweep sweeps[GROUPS], Particles *s, Neighbours *nb)
+{
+    for (int g = 0; g < GROUPS; g++) {
+        const Sweep *sweep = &sweeps[g];
+        if (sweep->n_terms) nb->marked |= 1u << g;
+        for (int k = 0; k < sweep->n_before; k++) particles_changed(s, 1u << g, sweep->before[k]->writes);
+        for (int k = 0; k < sweep->n_terms; k++) particles_changed(s, 1u << g, sweep->terms[k]->writes);
+        for (int k = 0; k < sweep->n_after; k++) particles_changed(s, 1u << g, sweep->after[k]->writes);
+    }
 }
 
 void pass_run(const Pass *pass, Particles *s, Neighbours *nb, const Model *model, int threads)
 {
-    for (int k = 0; k < PASS_LOCALS_MAX && pass->before[k]; k++) local_run(pass->before[k], s, model, threads);
+    Sweep sweeps[GROUPS];
+    unsigned needs[GROUPS] = {0}, all = 0;
     for (int g = 0; g < GROUPS; g++) {
-        const Term *terms[PASS_TERMS_MAX];
-        const int n = terms_for(pass, g, model, terms);
-        if (n > 0) rows_each(terms, n, g, s, nb, model, threads);
+        sweeps[g].n_terms = terms_for(pass, g, model, sweeps[g].terms);
+        for (int k = 0; k < sweeps[g].n_terms; k++) needs[g] |= sweeps[g].terms[k]->needs;
+        all |= needs[g];
     }
-    for (int k = 0; k < PASS_LOCALS_MAX && pass->after[k]; k++) local_run(pass->after[k], s, model, threads);
+    const Locals before = needed(pass->before, model), after = needed(pass->after, model);
+    const int first = early(&before, bundles_fields(&nb->bundles, all)), last = prompt(&after);
+    for (int k = 0; k < first; k++) local_run(before.of[k], s, model, threads);
+    neighbours_refresh(nb, s, model, all);
+    for (int g = 0; g < GROUPS; g++) {
+        sweeps[g].n_before = locals_for(before.of, first, before.n, g, sweeps[g].before);
+        sweeps[g].n_after = locals_for(after.of, 0, last, g, sweeps[g].after);
+        sweeps[g].plan = row_plan(nb, s, model, needs[g], nb->marked >> g & 1 ? ROW_MARKED : ROW_LISTED);
+    }
+    sweep_all(sweeps, s, model, threads);
+    declare(sweeps, s, nb);
+    for (int k = last; k < after.n; k++) local_run(after.of[k], s, model, threads);
 }

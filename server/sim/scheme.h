@@ -26,6 +26,7 @@ static inline void term_row(const Term *term, const Row *row, Particles *s, cons
 typedef struct Local {
     const char *name, *source, *equation;
     unsigned on;
+    bool (*needed)(const Model *); /* NULL: always */
     void (*apply)(Particles *, const Model *, size_t first, size_t last);
     void (*whole)(Particles *, const Model *, int threads); /* instead, of one that needs all at once */
     Fields writes;

@@ -27,6 +27,7 @@ static Cloud *stirred(int dim, bool closed)
                                            .viscous = true,
                                            .owner = closed ? liquid_alone : three_kinds});
     cloud->model.closed = closed;
+    if (closed) cloud->model.phase[1].summation = false;
     cloud->model.wall[0].no_slip = true;
     cloud_stir(cloud, 11);
     uint64_t seed = 4;

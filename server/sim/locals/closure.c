@@ -36,10 +36,16 @@ static double sum(const Particles *s, const Model *model, Summand f, int threads
     return all;
 }
 
+static bool is_full_of_liquids(const Model *model)
+{
+    for (size_t k = 0; k < model->n_phases; k++)
+        if (model->phase[k].summation) return false;
+    return model->closed;
+}
+
 static void keep_volume(Particles *s, const Model *model, int threads)
 {
     const size_t n = particles_fluid(s);
-    if (!model->closed || s->begin[GROUP_SUMMATION] != n) return;
     const double excess = sum(s, model, volume, threads) - (double)n * model->wall_volume;
     const double dp = excess / sum(s, model, compliance, threads);
 #pragma omp parallel for schedule(static) num_threads(threads)
@@ -54,6 +60,7 @@ const Local closed_volume = {
     .source = "schemes/README.md",
     .equation = "rho_i += dp/c_i^2, so that sum m_i/rho_i is the volume of a space that liquids fill",
     .on = ON_CONTINUITY,
+    .needed = is_full_of_liquids,
     .whole = keep_volume,
     .writes = FIELD(RHO),
 };
