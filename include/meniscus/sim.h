@@ -129,6 +129,21 @@ MnsStatus mns_sim_restore(MnsSim *sim, const MnsCapture *capture, MnsError *erro
  *  @return as of mns_sim_new() and mns_sim_restore(); on failure *ret_sim is untouched. */
 MnsStatus mns_sim_resume(const MnsCase *c, const MnsCapture *capture, MnsSim **ret_sim, MnsError *error);
 
+/** What making a simulation may take, and how to give it up. */
+typedef struct MnsMaking {
+    size_t memory;               /* bytes it may take; 0: no limit */
+    const char *memory_is;       /* how the sentence goes on after "and 2 GB are": "free"; NULL: "allowed" */
+    bool (*given_up)(void *arg); /* asked every few milliseconds, by any thread; once true, always; NULL: never */
+    void *arg;
+} MnsMaking;
+
+/** The same as mns_sim_new(), or with a capture as mns_sim_resume(), within limits.
+ *  @param making  NULL: none.
+ *  @return besides: MNS_E_MEMORY before more memory is taken than it may be, as far as that can be told from the number of
+ *          particles; MNS_E_INTERRUPTED if it was given up. */
+MnsStatus mns_sim_make(const MnsCase *c, const MnsCapture *capture, const MnsMaking *making, MnsSim **ret_sim,
+                       MnsError *error);
+
 /* --- measuring --------------------------------------------------------------------------------------------------------- */
 
 /** Value of probe k of the case, now; NAN where there is nothing to measure, or where its formula fails, which the next step

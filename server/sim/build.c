@@ -3,6 +3,7 @@
  * filled by all threads at once, each where a count of those before it says, so that every bit is the same for any number. */
 #include "base/array.h"
 #include "sim/lattice.h"
+#include "sim/making.h"
 #include "sim/motion.h"
 #include <math.h>
 #include <omp.h>
@@ -126,7 +127,7 @@ static void lay_sheet(MnsSim *sim, const Lattice *lattice, int axis, size_t shee
     const bool down = sim->model.gravity[axis] < 0;
     const size_t n = lattice->n[axis];
     memset(above, 0, lattice->n[0] * sizeof *above);
-    for (size_t q = 0; q < n; q++) {
+    for (size_t q = 0; q < n && !making_goes_on(&sim->making, NULL); q++) {
         const size_t k = down ? n - 1 - q : q;
         lay_row(sim, &lattice->row[axis == 1 ? sheet * n + k : k * lattice->n[1] + sheet], gdz, above);
     }
@@ -149,11 +150,12 @@ static MnsStatus hydrostatic(MnsSim *sim, const Lattice *lattice, size_t fluid, 
     if (!above) return mns_fail(error, MNS_E_MEMORY, "no memory for the pressure of %zu columns", lattice->n[0]);
 #pragma omp parallel for schedule(static) num_threads(sim->threads)
     for (size_t k = 0; k < sheets; k++) {
+        if (making_goes_on(&sim->making, NULL)) continue;
         if (axis == 0) lay_along(sim, &lattice->row[k], g * step, model->gravity[0] < 0);
         else lay_sheet(sim, lattice, axis, k, g * step, above + (size_t)omp_get_thread_num() * lattice->n[0]);
     }
     free(above);
-    return MNS_OK;
+    return making_goes_on(&sim->making, error);
 }
 
 /* --- initial fields --------------------------------------------------------------------------------------------------- */
@@ -248,9 +250,9 @@ static MnsStatus fill_row(const Filling *f, size_t r, MnsError *error)
     const LatticeRow *row = &f->lattice->row[r];
     size_t next[GROUPS];
     uint32_t id = row->id;
-    MnsStatus status = MNS_OK;
+    MnsStatus status = making_goes_on(&f->sim->making, error);
     for (int g = 0; g < GROUPS; g++) next[g] = s->begin[g] + row->begin[g];
-    for (size_t k = 0; k < row->n; k++) {
+    for (size_t k = 0; k < row->n && !status; k++) {
         const LatticeRun *run = &row->runs[k];
         for (size_t q = run->first; q < run->first + run->n && !status; q++) {
             const size_t i = next_of(f->sim, run, next);
@@ -295,7 +297,8 @@ static MnsStatus populate(MnsSim *sim, Lattice *lattice, const Constants *consta
     Start starts[MNS_MAX_FLUIDS] = {0};
     bool laid = false;
     MnsStatus status = count(lattice, sim, sizes, error);
-    if (!status) status = particles_init(&sim->s, c->dim, c->n_fluids, sizes, sim->model.viscous, error);
+    if (!status) status = making_fits(sim, sizes, false, error);
+    if (!status) status = particles_init(&sim->s, c->dim, c->n_fluids, sizes, sim->model.viscous, &sim->making, error);
     for (size_t k = 0; k < c->n_fluids && !status && !sim->resumed; k++) {
         status = start_init(&starts[k], sim, k, constants, error);
         if (!status && starts[k].at_rest && !laid) status = hydrostatic(sim, lattice, k, error);

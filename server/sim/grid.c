@@ -74,6 +74,15 @@ Grid grid_make(const Particles *s, const Model *model, double distance, int thre
     return grid;
 }
 
+size_t grid_cells_most(const Model *model, double distance, size_t n)
+{
+    const double edge = distance / (model->dim == 3 ? 2 : 1);
+    double cells = 1;
+    for (int d = 0; d < model->dim; d++)
+        cells *= fmin(CELLS_PER_SIDE_MAX, ceil((model->max[d] - model->min[d] + 2 * distance) / edge));
+    return (size_t)fmin(cells, CELLS_FEW + (double)CELLS_PER_PARTICLE * (double)n);
+}
+
 size_t grid_cell(const Grid *grid, const double x[3])
 {
     size_t cell = 0;

@@ -29,6 +29,9 @@ typedef struct Run {
  * A domain that is almost empty has cells in proportion to its particles in the same way. */
 Grid grid_make(const Particles *s, const Model *model, double distance, int threads);
 
+/* No grid for n particles has more cells, as long as none of them is outside the domain and the walls around it. */
+size_t grid_cells_most(const Model *model, double distance, size_t n);
+
 size_t grid_cell(const Grid *grid, const double x[3]);
 
 /* The runs of cells that can hold neighbours of particles in this cell, each cell once. Returns how many runs. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What all integrators share: walls and lists at a new time, the rates there, a start and a restart. */
 #include "sim/integrator.h"
+#include "sim/making.h"
 #include <math.h>
 #include <omp.h>
 
@@ -127,7 +128,8 @@ void integrator_derive(MnsSim *sim)
 MnsStatus integrator_restart(MnsSim *sim, MnsError *error)
 {
     setup_at(sim, sim->progress.t, sim->progress.dt);
-    const MnsStatus status = build_lists(sim, error);
+    MnsStatus status = build_lists(sim, error);
+    if (!status) status = making_goes_on(&sim->making, error);
     if (status) return status;
     integrator_derive(sim);
     sim->v_max = fastest(sim);

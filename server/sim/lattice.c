@@ -2,6 +2,7 @@
 /* To whom the points of the starting lattice belong: what a wall's shape holds, down to the kernel's reach, to the wall, the
  * rest to fluids. Rows are shared out among threads; the answer does not depend on who has which. */
 #include "sim/lattice.h"
+#include "sim/making.h"
 #include <math.h>
 #include <omp.h>
 #include <stdio.h>
@@ -156,6 +157,17 @@ static MnsStatus survey(Surveyor *v, const Lattice *lattice, size_t row, MnsErro
     return failed ? failed : status;
 }
 
+/* Count the points of the row that are somebody's. There are enough of them for a verdict long before all rows are done. */
+static MnsStatus add_up(const Surveyor *v, Lattice *lattice, MnsError *error)
+{
+    size_t points = 0, sum;
+    for (size_t k = 0; k < v->n; k++) points += v->runs[k].n;
+#pragma omp atomic capture
+    sum = lattice->points += points;
+    if ((double)sum <= lattice->most) return MNS_OK;
+    return making_fits(v->sim, (size_t[GROUPS]){[GROUP_CONTINUITY] = sum}, true, error);
+}
+
 static MnsStatus keep(const Surveyor *v, LatticeRow *row, MnsError *error)
 {
     if (!v->n) return MNS_OK;
@@ -179,7 +191,9 @@ static MnsStatus survey_all(Lattice *lattice, Surveyor *surveyors, int threads, 
         first_bad = bad;
         if (row > first_bad) continue;
         Surveyor *mine = &surveyors[omp_get_thread_num()];
-        MnsStatus failed = survey(mine, lattice, row, &why);
+        MnsStatus failed = making_goes_on(&mine->sim->making, &why);
+        if (!failed) failed = survey(mine, lattice, row, &why);
+        if (!failed) failed = add_up(mine, lattice, &why);
         if (!failed) failed = keep(mine, &lattice->row[row], &why);
         if (!failed) continue;
 #pragma omp critical(lattice_failed)
@@ -198,7 +212,10 @@ MnsStatus lattice_init(Lattice *lattice, const MnsSim *sim, const Constants *con
     const size_t threads = (size_t)sim->threads;
     MnsStatus status = MNS_OK;
     fit(lattice, sim);
-    lattice->row = calloc(lattice->rows, sizeof *lattice->row);
+    lattice->most = making_most(sim);
+    const double bytes = (double)lattice->rows * sizeof *lattice->row;
+    if (!sim->making.memory || bytes <= (double)sim->making.memory)
+        lattice->row = calloc(lattice->rows, sizeof *lattice->row);
     Surveyor *surveyors = calloc(threads, sizeof *surveyors);
     if (!lattice->row || !surveyors)
         status = mns_fail(error, MNS_E_MEMORY, "no memory for a lattice of %zu rows", lattice->rows);

@@ -24,6 +24,8 @@ typedef struct Lattice {
     size_t n[3], rows;         /* points along each direction; rows, y before z */
     double low[3], spacing[3]; /* of point (0, 0, 0), between points [m] */
     LatticeRow *row;           /* [rows] */
+    size_t points;             /* that belong to somebody */
+    double most;               /* that there is memory for */
     bool filled;               /* no point is left to nobody but inside a wall, and no side is open */
 } Lattice;
 

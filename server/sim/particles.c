@@ -2,6 +2,7 @@
 /* Allocate and permute the particles, field by field. */
 #include "sim/particles.h"
 #include "base/array.h"
+#include "sim/making.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,35 +11,41 @@ static int components(const Particles *s, int field)
     return mns_fields()[field].components == 1 ? 1 : s->dim;
 }
 
-static bool allocate(Particles *s, bool viscous)
+static MnsStatus allocate_fields(Particles *s, const MnsMaking *making, MnsError *error)
 {
     const MnsFieldInfo *fields = mns_fields();
-    const size_t n_wall = s->n - particles_fluid(s);
     for (int f = 0; fields[f].name; f++)
         for (int d = 0; d < components(s, f); d++) {
+            const MnsStatus status = making ? making_goes_on(making, error) : MNS_OK;
+            if (status) return status;
             void *array = array_new(s->n, field_size(&fields[f]));
-            if (!array) return false;
+            if (!array) return mns_fail(error, MNS_E_MEMORY, "no memory for %zu particles", s->n);
             particles_set_field(s, f, d, array);
         }
-    for (size_t k = 0; k < s->n_phases; k++)
-        if (!(s->p_wall[k] = array_new(n_wall, sizeof(double)))) return false;
-    for (int d = 0; viscous && d < s->dim; d++)
-        if (!(s->v_wall[d] = array_new(n_wall, sizeof(double)))) return false;
-    s->rate = array_new(s->n, sizeof(double));
-    particles_changed(s, ON_ALL, ALL_FIELDS);
-    return s->rate;
+    return MNS_OK;
+}
+
+static MnsStatus allocate(Particles *s, bool viscous, const MnsMaking *making, MnsError *error)
+{
+    const size_t n_wall = s->n - particles_fluid(s);
+    const MnsStatus status = allocate_fields(s, making, error);
+    if (status) return status;
+    bool well = (s->rate = array_new(s->n, sizeof(double)));
+    for (size_t k = 0; well && k < s->n_phases; k++) well = (s->p_wall[k] = array_new(n_wall, sizeof(double)));
+    for (int d = 0; well && viscous && d < s->dim; d++) well = (s->v_wall[d] = array_new(n_wall, sizeof(double)));
+    return well ? MNS_OK : mns_fail(error, MNS_E_MEMORY, "no memory for %zu particles", s->n);
 }
 
 MnsStatus particles_init(Particles *s, int dim, size_t n_phases, const size_t sizes[GROUPS], bool viscous,
-                         MnsError *error)
+                         const MnsMaking *making, MnsError *error)
 {
     *s = (Particles){.dim = dim, .n_phases = n_phases};
     for (int g = 0; g < GROUPS; g++) s->begin[g + 1] = s->begin[g] + sizes[g];
     s->n = s->begin[GROUPS];
-    if (allocate(s, viscous)) return MNS_OK;
-    const size_t n = s->n;
-    particles_done(s);
-    return mns_fail(error, MNS_E_MEMORY, "no memory for %zu particles", n);
+    const MnsStatus status = allocate(s, viscous, making, error);
+    if (status) particles_done(s);
+    else particles_changed(s, ON_ALL, ALL_FIELDS);
+    return status;
 }
 
 void particles_done(Particles *s)

@@ -39,9 +39,10 @@ static inline void particles_changed(Particles *s, unsigned on, Fields fields)
         if (on >> g & 1) s->changed[g] |= fields;
 }
 
-/* Arrays of zeros for groups of these sizes. MNS_E_MEMORY: nothing is left behind. */
+/* Arrays of zeros for groups of these sizes. MNS_E_MEMORY, MNS_E_INTERRUPTED: nothing is left behind.
+ *  making  asked before each array, as to fill one may take a second; NULL: nobody gives up */
 MnsStatus particles_init(Particles *s, int dim, size_t n_phases, const size_t sizes[GROUPS], bool viscous,
-                         MnsError *error);
+                         const MnsMaking *making, MnsError *error);
 void particles_done(Particles *s);
 
 /* Component d of a field of mns_fields(); NULL where there is none. */

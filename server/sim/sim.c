@@ -3,6 +3,7 @@
 #include "base/array.h"
 #include "sim/integrator.h"
 #include "sim/limits.h"
+#include "sim/making.h"
 #include <omp.h>
 #include <stdlib.h>
 
@@ -31,14 +32,16 @@ static MnsStatus sim_init(MnsSim *sim, const MnsCapture *capture, MnsError *erro
         status = mns_fail(error, MNS_E_MEMORY, "no memory for a simulation");
     if (!status)
         status = neighbours_init(&sim->nb, sim->s.n, sim->s.dim, scheme_needs(sim->scheme), sim->threads, error);
+    if (!status) status = making_goes_on(&sim->making, error);
     if (!status) status = capture ? mns_sim_restore(sim, capture, error) : integrator_start(sim, error);
+    if (!status) status = making_goes_on(&sim->making, error);
     if (!status) status = plan_check(sim, sim->c, error); /* again, now that speeds are known */
     if (!status) plan_look(sim);
     return status;
 }
 
-/* capture: what to go on from; NULL: from the beginning. */
-static MnsStatus make(const MnsCase *c, const MnsCapture *capture, MnsSim **ret_sim, MnsError *error)
+MnsStatus mns_sim_make(const MnsCase *c, const MnsCapture *capture, const MnsMaking *making, MnsSim **ret_sim,
+                       MnsError *error)
 {
     MnsStatus status = mns_case_check(c, error);
     if (status) return status;
@@ -50,23 +53,25 @@ static MnsStatus make(const MnsCase *c, const MnsCapture *capture, MnsSim **ret_
     name_timers(sim);
     if (capture) sim->progress = capture->progress;
     sim->resumed = capture;
+    if (making) sim->making = *making;
     status = sim_init(sim, capture, error);
     if (status) {
         mns_sim_free(sim);
         return status;
     }
+    sim->making = (MnsMaking){0}; /* what it has to do with ends here */
     *ret_sim = sim;
     return MNS_OK;
 }
 
 MnsStatus mns_sim_new(const MnsCase *c, MnsSim **ret_sim, MnsError *error)
 {
-    return make(c, NULL, ret_sim, error);
+    return mns_sim_make(c, NULL, NULL, ret_sim, error);
 }
 
 MnsStatus mns_sim_resume(const MnsCase *c, const MnsCapture *capture, MnsSim **ret_sim, MnsError *error)
 {
-    return make(c, capture, ret_sim, error);
+    return mns_sim_make(c, capture, NULL, ret_sim, error);
 }
 
 void mns_sim_free(MnsSim *sim)

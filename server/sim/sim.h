@@ -18,6 +18,7 @@ struct MnsSim {
     Particles s;
     Neighbours nb;
     int threads;
+    MnsMaking making; /* while it is made */
     MnsProgress progress;
     bool resumed; /* made from a saved state, which the initial fields of the case have no part in */
     double v_max; /* of the fluid, at the end of the last step [m/s] */

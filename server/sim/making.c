@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What a simulation will take, found out before it takes it. */
+#include "sim/making.h"
+#include <math.h>
+
+/* Bytes of a neighbour list: as many entries as the lattice has points in reach and a tenth more, and their marks. */
+static double list_bytes(const Model *model)
+{
+    const double PI = 3.14159265358979323846, crowded = 1.1;
+    const double reach = model->kernel.support + model->skin;
+    const double ball = model->dim == 2 ? PI * reach * reach : 4 * PI / 3 * reach * reach * reach;
+    const double entries = crowded * ball / model->wall_volume;
+    return entries * sizeof(uint32_t) + entries / 8 + 8;
+}
+
+/* Asked of lists for nobody, whose layout is that of any. */
+static double neighbours_need(const MnsSim *sim, size_t n)
+{
+    Neighbours nb;
+    const Model *model = &sim->model;
+    if (neighbours_init(&nb, 0, model->dim, scheme_needs(sim->scheme), sim->threads, NULL)) return INFINITY;
+    nb.n = n;
+    nb.start_capacity = GROUPS * grid_cells_most(model, model->kernel.support + model->skin, n);
+    const double bytes = (double)neighbours_bytes(&nb);
+    neighbours_done(&nb);
+    return bytes + (double)n * list_bytes(model);
+}
+
+static double capture_bytes(int dim)
+{
+    const MnsFieldInfo *info = mns_fields();
+    double each = 0;
+    for (int f = 0; info[f].name; f++)
+        if (info[f].is_state) each += (double)field_size(&info[f]) * (info[f].components == 1 ? 1 : dim);
+    return each;
+}
+
+double making_bytes(const MnsSim *sim, const size_t sizes[GROUPS])
+{
+    Particles s = {.dim = sim->model.dim, .n_phases = sim->model.n_phases};
+    for (int g = 0; g < GROUPS; g++) s.begin[g + 1] = s.begin[g] + sizes[g];
+    s.n = s.begin[GROUPS];
+    double bytes = (double)particles_bytes(&s) + neighbours_need(sim, s.n) + (double)s.n * capture_bytes(s.dim);
+    if (sim->model.viscous) bytes += (double)sizes[GROUP_WALL] * sizeof(double) * s.dim;
+    return bytes;
+}
+
+double making_most(const MnsSim *sim)
+{
+    enum { MANY = 1 << 20 };
+    if (!sim->making.memory) return INFINITY;
+    return (double)sim->making.memory / making_bytes(sim, (size_t[GROUPS]){[GROUP_CONTINUITY] = MANY}) * MANY;
+}
+
+MnsStatus making_fits(const MnsSim *sim, const size_t sizes[GROUPS], bool more, MnsError *error)
+{
+    const MnsMaking *making = &sim->making;
+    const double needed = making_bytes(sim, sizes), n = (double)(sizes[0] + sizes[1] + sizes[2]);
+    if (!making->memory || needed <= (double)making->memory) return MNS_OK;
+    return mns_fail_at(error, MNS_E_MEMORY, "resolution",
+                       "%s%.3g particles take %s%.3g GB of memory, and %.3g GB are %s: lower the resolution, make the "
+                       "domain smaller, or compute where there is more memory",
+                       more ? "more than " : "", n, more ? "more than " : "", 1e-9 * needed,
+                       1e-9 * (double)making->memory, making->memory_is ? making->memory_is : "allowed");
+}
+
+MnsStatus making_goes_on(const MnsMaking *making, MnsError *error)
+{
+    if (!making->given_up || !making->given_up(making->arg)) return MNS_OK;
+    return mns_fail(error, MNS_E_INTERRUPTED, "given up before it was ready");
+}
