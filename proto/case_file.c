@@ -164,7 +164,8 @@ static const char *bare_sentence(const MnsError *error)
 
 void case_file_locate(const CaseFile *file, MnsError *error)
 {
-    if (!error || is_located(file, error->text) || error->status == MNS_E_MEMORY) return;
+    if (!error || is_located(file, error->text)) return;
+    if (error->status == MNS_E_MEMORY && !*error->path) return; /* that of reading it */
     char sentence[sizeof error->text], path[sizeof error->path];
     size_t depth;
     strcpy(sentence, bare_sentence(error));

@@ -92,11 +92,11 @@ static void serve_leave(Run *run, Order *order)
 
 /* --- orders, notes and signals ----------------------------------------------------------------------------------------- */
 
-/* An order whose answer does not matter. While it is under way another one of it would change nothing. */
-static void post_aside(Batch *batch, BatchOrder *order, void (*serve)(Run *, Order *))
+/* An order whose answer does not matter; ends: also the loading of the case. While it is under way another one of it would change nothing. */
+static void post_aside(Batch *batch, BatchOrder *order, void (*serve)(Run *, Order *), bool ends)
 {
     if (order->under_way) return;
-    *order = (BatchOrder){.order = {.serve = serve, .deadline = INFINITY}, .batch = batch};
+    *order = (BatchOrder){.order = {.serve = serve, .deadline = INFINITY, .ends = ends}, .batch = batch};
     order->under_way = !run_post(batch->run, &order->order, NULL);
 }
 
@@ -104,8 +104,8 @@ static void take_signal(Batch *batch)
 {
     switch (signals_take(&batch->signals)) {
     case SIGNAL_NOTHING: break;
-    case SIGNAL_CHECKPOINT: post_aside(batch, &batch->checkpoint, serve_checkpoint); break;
-    case SIGNAL_LEAVE: post_aside(batch, &batch->pause, serve_pause); break;
+    case SIGNAL_CHECKPOINT: post_aside(batch, &batch->checkpoint, serve_checkpoint, false); break;
+    case SIGNAL_LEAVE: post_aside(batch, &batch->pause, serve_pause, true); break;
     case SIGNAL_INSIST: _exit(MNS_EXIT_FAILED);
     }
 }
@@ -196,7 +196,8 @@ static MnsStatus run_case(Batch *batch, Outcome *outcome, MnsError *error)
     if (status) return status;
     bar_begin(&batch->bar);
     status = perform(batch, serve_load, error);
-    if (status == MNS_E_INVALID || status == MNS_E_LIMIT) case_file_locate(batch->file, error);
+    if (status == MNS_E_INVALID || status == MNS_E_LIMIT || status == MNS_E_MEMORY)
+        case_file_locate(batch->file, error);
     if (!status) status = run_loaded(batch, outcome, error);
     else perform(batch, serve_leave, &(MnsError){.status = MNS_OK});
     bar_end(&batch->bar);
@@ -213,6 +214,7 @@ static int exit_code(const Batch *batch, const Outcome *outcome)
         return MNS_EXIT_DIVERGED; /* a formula lost its value on the way: the flow cannot go on */
     switch (status) {
     case MNS_OK: return batch->signals.leaving && outcome->status.state != RUN_DONE ? MNS_EXIT_AGAIN : MNS_EXIT_DONE;
+    case MNS_E_INTERRUPTED: return MNS_EXIT_AGAIN;
     case MNS_E_DIVERGED: return MNS_EXIT_DIVERGED;
     case MNS_E_IO:
     case MNS_E_NO_SPACE:

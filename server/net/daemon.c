@@ -116,7 +116,7 @@ static void after_load(Daemon *daemon, Order *order)
 {
     daemon->load = NULL;
     if (!order->status && daemon->options->start) post_start(daemon);
-    if (!order->status) return;
+    if (!order->status || order->status == MNS_E_INTERRUPTED) return; /* somebody has called it off */
     const bool bad = order->status == MNS_E_INVALID || order->status == MNS_E_LIMIT;
     const bool taken = order->status == MNS_E_STATE; /* the run directory, by another run */
     if (bad) case_file_locate(daemon->file, &order->error);

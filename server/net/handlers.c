@@ -392,7 +392,7 @@ static void serve_at_step(Run *run, Order *order)
     const Handler *handler = x->handler;
     char where[128];
     MnsError error;
-    if (handler->states & 1u << run_state(run)) {
+    if (handler->states & 1u << run_state(run) || order->ended) { /* what it was to end may have been all there was */
         handler->serve(run, x);
         return;
     }
@@ -404,6 +404,20 @@ static void serve_at_step(Run *run, Order *order)
            &error);
 }
 
+/* Those who want the end of a run do not wait until it has begun. */
+static void note_end(const Meniscus__Request *request, Order *order)
+{
+    switch (request->command_case) {
+    case MENISCUS__REQUEST__COMMAND_STOP:
+    case MENISCUS__REQUEST__COMMAND_SHUTDOWN: order->ends = true; break;
+    case MENISCUS__REQUEST__COMMAND_CANCEL:
+        order->ends = request->cancel->has_id && request->cancel->id.len == ORDER_ID;
+        if (order->ends) memcpy(order->ends_id, request->cancel->id.data, ORDER_ID);
+        break;
+    default: break;
+    }
+}
+
 MnsStatus handle(Run *run, Exchange *exchange, MnsError *error)
 {
     const Handler *handler = handler_find(exchange->request->command_case);
@@ -412,6 +426,7 @@ MnsStatus handle(Run *run, Exchange *exchange, MnsError *error)
     exchange->order.urgent = handler->traits & URGENT;
     exchange->order.motion = handler->traits & MOTION;
     exchange->order.serve = serve_at_step;
+    note_end(exchange->request, &exchange->order);
     exchange->at_step = handler->where == AT_STEP;
     if (handler->where == AT_STEP) return run_post(run, &exchange->order, error);
     handler->serve(run, exchange);

@@ -48,7 +48,7 @@ void run_cancel(Run *run, Order *order, const uint8_t id[static ORDER_ID])
     if (queued) run_answer(run, queued, MNS_E_INTERRUPTED, &error);
     if (is_goal) break_off(run, MNS_E_INTERRUPTED, "cancelled");
     const bool waited = run_answer_cancelled(run, id, &error);
-    if (queued || is_goal || waited) run_answer(run, order, MNS_OK, NULL);
+    if (queued || is_goal || waited || order->ended) run_answer(run, order, MNS_OK, NULL);
     else run_answer(run, order, mns_fail(&error, MNS_E_NOT_FOUND, "no command of that id is under way"), &error);
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The inside of a run, for the files of this folder that make it up: run.c, go.c, load.c, steer.c, publish.c, answer.c. */
+/* The inside of a run, for the files of this folder that make it up: run.c, go.c, load.c, making.c, steer.c, publish.c, answer.c. */
 #ifndef RUN_INSIDE_H
 #define RUN_INSIDE_H
 
@@ -70,6 +70,11 @@ void run_tell_progress(Run *run);
 
 /* An event or a line of the log. */
 void run_tell(Run *run, NoteKind kind, int level, const char *word, const char *text);
+
+/* making.c: a simulation for whoever gave this order; state: to go on from, or NULL. As mns_sim_make(); MNS_E_TIMEOUT if the deadline
+ * of the order passes meanwhile, MNS_E_INTERRUPTED if another one ends it. */
+MnsStatus run_make(Run *run, const Order *order, const MnsCase *c, const MnsCapture *state, MnsSim **ret,
+                   MnsError *error);
 
 /* load.c: a file that cannot be read. */
 void run_tell_file(void *run, const char *text);

@@ -14,6 +14,7 @@
 
 /* What is to take the place of the present run. */
 typedef struct Candidate {
+    const Order *order; /* who wants it */
     Document *document;
     MnsSim *sim;
     Document *original; /* what a reset leads back to, if it is another one than now */
@@ -58,12 +59,11 @@ void run_tell_file(void *run, const char *text)
 
 /* --- building ---------------------------------------------------------------------------------------------------------- */
 
-static MnsStatus build(Candidate *candidate, Document *document, const MnsCapture *state, MnsError *error)
+static MnsStatus build(Run *run, Candidate *candidate, Document *document, const MnsCapture *state, MnsError *error)
 {
     candidate->document = document;
     candidate->goes_on = state != NULL;
-    if (state) return mns_sim_resume(document->c, state, &candidate->sim, error);
-    return mns_sim_new(document->c, &candidate->sim, error);
+    return run_make(run, candidate->order, document->c, state, &candidate->sim, error);
 }
 
 /* Go over to the steerable entries of another document of the same case; it is taken over. */
@@ -76,7 +76,7 @@ static MnsStatus adopt(Candidate *candidate, Document *document, MnsError *error
 }
 
 /* From a checkpoint that has been read. given: what the case file says now, or NULL; borrowed. */
-static MnsStatus build_from(const Run *run, Candidate *candidate, const Checkpoint *checkpoint, const char *name,
+static MnsStatus build_from(Run *run, Candidate *candidate, const Checkpoint *checkpoint, const char *name,
                             Document *given, MnsError *error)
 {
     Document *stored;
@@ -90,7 +90,7 @@ static MnsStatus build_from(const Run *run, Candidate *candidate, const Checkpoi
                            "the case does not agree with that of %s, which can only go on with the same case: %.300s",
                            checkpoint->path, text);
     }
-    status = build(candidate, stored, checkpoint->state, error);
+    status = build(run, candidate, stored, checkpoint->state, error);
     if (status || !given || !run->options.case_decides) return status;
     return adopt(candidate, document_share(given), error);
 }
@@ -226,7 +226,7 @@ static MnsStatus build_load(Run *run, const RunLoad *load, Document *document, C
     MnsStatus status = MNS_E_NOT_FOUND;
     if (load->resume)
         status = outputs_read(run->outputs.writer, candidate->directory, true, note_damaged, run, &checkpoint, error);
-    if (status == MNS_E_NOT_FOUND) return build(candidate, document, NULL, error);
+    if (status == MNS_E_NOT_FOUND) return build(run, candidate, document, NULL, error);
     if (!status) {
         status = build_from(run, candidate, &checkpoint, load->name, document, error);
         checkpoint_done(&checkpoint);
@@ -254,7 +254,7 @@ void run_load(Run *run, Order *order, const RunLoad *load)
 {
     const RunState previous = run->state;
     MnsError error;
-    Candidate candidate = {.lock = -1};
+    Candidate candidate = {.order = order, .lock = -1};
     Document *document;
     MnsStatus status = document_of(run, load, &document, &error);
     if (status) {
@@ -275,10 +275,10 @@ void run_reset(Run *run, Order *order)
 {
     const RunState previous = run->state;
     MnsError error;
-    Candidate candidate = {.lock = -1};
+    Candidate candidate = {.order = order, .lock = -1};
     snprintf(candidate.directory, sizeof candidate.directory, "%s", run->outputs.directory);
     run_enter(run, RUN_LOADING, "placing the particles again");
-    const MnsStatus status = build(&candidate, document_share(run->original), NULL, &error);
+    const MnsStatus status = build(run, &candidate, document_share(run->original), NULL, &error);
     replace(run, order, &candidate, status, previous, "back at the beginning", &error);
 }
 
@@ -302,7 +302,7 @@ void run_restore(Run *run, Order *order, const char *name)
     const RunState previous = run->state;
     MnsError error;
     Checkpoint checkpoint = {.state = NULL};
-    Candidate candidate = {.lock = -1};
+    Candidate candidate = {.order = order, .lock = -1};
     snprintf(candidate.directory, sizeof candidate.directory, "%s", run->outputs.directory);
     MnsStatus status = read_named(run, name, &checkpoint, &error);
     if (status) {

@@ -68,6 +68,26 @@ Order *mailbox_take(Mailbox *box, double until)
     return order;
 }
 
+static bool ends_in(Order *list, const uint8_t *id)
+{
+    static const uint8_t any[ORDER_ID];
+    bool found = false;
+    for (Order *order = list; order; order = order->next) {
+        if (!order->ends) continue;
+        if (memcmp(order->ends_id, any, ORDER_ID) && memcmp(order->ends_id, id, ORDER_ID)) continue;
+        found = order->ended = true;
+    }
+    return found;
+}
+
+bool mailbox_ends(Mailbox *box, const uint8_t id[static ORDER_ID])
+{
+    pthread_mutex_lock(&box->lock);
+    const bool urgent = ends_in(box->urgent, id), plain = ends_in(box->plain, id);
+    pthread_mutex_unlock(&box->lock);
+    return urgent || plain;
+}
+
 static bool has_id(const Order *order, const void *arg)
 {
     return !memcmp(order->id, arg, ORDER_ID);

@@ -30,6 +30,9 @@ Order *mailbox_take(Mailbox *box, double until);
 /* Take the first order out of the queue that sets in motion and was posted before number; NULL if there is none. */
 Order *mailbox_remove_motion(Mailbox *box, uint64_t before);
 
+/* Is there one that ends the order of this id, while it is served? It stays where it is, and knows. */
+bool mailbox_ends(Mailbox *box, const uint8_t id[static ORDER_ID]);
+
 /* Take the order of this id out of the queue; NULL if it is not there. */
 Order *mailbox_remove(Mailbox *box, const uint8_t id[static ORDER_ID]);
 

@@ -16,6 +16,9 @@ typedef struct Order {
     uint64_t number; /* rises in the order of posting                                        */
     bool urgent;     /* overtakes all that are not                                           */
     bool motion;     /* sets the run in motion: called off by a later pause or stop           */
+    bool ends;       /* what is being loaded is given up for it; only the order of `ends_id`, unless that is zeros */
+    bool ended;      /* that has happened */
+    uint8_t ends_id[ORDER_ID];
     double deadline; /* [s] of clock_now(); INFINITY: none                                   */
 
     /* Called on the runner's thread. Must lead to one run_answer(), at once or later. */

@@ -102,6 +102,23 @@ static void a_signal_leaves_a_checkpoint_and_asks_to_be_run_again(void **state)
     assert_int_equal(system(command), 0);
 }
 
+/* A formula for each of 8e8 points keeps it busy for minutes. */
+static void a_signal_while_the_case_is_loaded_leaves_nothing(void **state)
+{
+    Place *place = *state;
+    char path[128];
+    json_t *object =
+        run(place, "timeout --preserve-status -s TERM 1 timeout 20",
+            "--out below/stopped --set resolution=20000 --set walls=[] --set 'fluids=[{name: drop, density: 1, "
+            "sound_speed: 1, shape: [{formula: \"x*x + y*y < 1e-6\"}]}]' --set probes=[]");
+    assert_int_equal(place->code, 75);
+    assert_says(json_object_get(object, "error"), "status", "interrupted");
+    assert_non_null(strstr(place->first, "called off"));
+    json_decref(object);
+    snprintf(path, sizeof path, "%s/below/stopped", place->home);
+    assert_int_equal(access(path, F_OK), -1);
+}
+
 /* One for a checkpoint, more while it is under way, and one to leave: each is heard. */
 static void signals_are_heard_however_many(void **state)
 {
@@ -143,6 +160,16 @@ static void a_bad_override_is_its_own_place(void **state)
     json_decref(run(place, "", "--set fluids[0].density=-1"));
     assert_int_equal(place->code, 65);
     assert_memory_equal(place->first, "--set fluids[0].density=-1: ", 28);
+}
+
+static void too_little_memory_is_the_fault_of_the_resolution(void **state)
+{
+    Place *place = *state;
+    if (getenv("MENISCUS_SANITIZED")) skip(); /* shadow memory takes more addresses than these */
+    json_decref(run(place, "ulimit -v 1000000;", "--set resolution=6000"));
+    assert_int_equal(place->code, 1);
+    assert_memory_equal(place->first, "--set resolution=6000: ", 23);
+    assert_non_null(strstr(place->first, "GB of memory"));
 }
 
 /* Before the first step the case is to blame; later the run has its results, and cannot go on. */
@@ -209,10 +236,12 @@ int main(void)
         cmocka_unit_test_setup_teardown(the_object_says_what_came_of_the_run, begin, end),
         cmocka_unit_test_setup_teardown(a_run_in_two_halves_is_the_same_to_the_last_bit, begin, end),
         cmocka_unit_test_setup_teardown(a_signal_leaves_a_checkpoint_and_asks_to_be_run_again, begin, end),
+        cmocka_unit_test_setup_teardown(a_signal_while_the_case_is_loaded_leaves_nothing, begin, end),
         cmocka_unit_test_setup_teardown(signals_are_heard_however_many, begin, end),
         cmocka_unit_test_setup_teardown(an_end_before_the_time_to_stop_is_the_end, begin, end),
         cmocka_unit_test_setup_teardown(a_bad_case_names_its_place_and_leaves_nothing, begin, end),
         cmocka_unit_test_setup_teardown(a_bad_override_is_its_own_place, begin, end),
+        cmocka_unit_test_setup_teardown(too_little_memory_is_the_fault_of_the_resolution, begin, end),
         cmocka_unit_test_setup_teardown(a_formula_that_fails_on_the_way_is_a_fault_of_the_run, begin, end),
         cmocka_unit_test_setup_teardown(another_case_cannot_go_on_from_a_checkpoint, begin, end),
         cmocka_unit_test_setup_teardown(a_damaged_checkpoint_is_passed_over, begin, end),

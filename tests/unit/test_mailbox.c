@@ -56,6 +56,23 @@ static void an_order_can_be_taken_back_by_its_id(void **state)
     assert_null(mailbox_take(*state, 0));
 }
 
+/* Of whatever is under way, or of one order alone; it is still served afterwards. */
+static void an_order_may_end_what_is_under_way(void **state)
+{
+    Order orders[3] = {{.ends = false}, {.ends = true, .ends_id = "second"}, {.ends = true, .urgent = true}};
+    const uint8_t first[ORDER_ID] = "first", second[ORDER_ID] = "second";
+    mailbox_post(*state, &orders[0], NULL);
+    assert_false(mailbox_ends(*state, first));
+    mailbox_post(*state, &orders[1], NULL);
+    assert_false(mailbox_ends(*state, first) || orders[1].ended);
+    assert_true(mailbox_ends(*state, second) && orders[1].ended);
+    mailbox_post(*state, &orders[2], NULL);
+    assert_true(mailbox_ends(*state, first) && orders[2].ended);
+    assert_ptr_equal(mailbox_take(*state, 0), &orders[2]);
+    assert_ptr_equal(mailbox_take(*state, 0), &orders[0]);
+    assert_ptr_equal(mailbox_take(*state, 0), &orders[1]);
+}
+
 static void only_older_orders_that_set_in_motion_are_called_off(void **state)
 {
     Order old = {.motion = true}, still = {.motion = false}, pause = {.urgent = true}, young = {.motion = true};
@@ -83,6 +100,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(orders_come_out_as_they_went_in_but_urgent_ones_first, begin, end),
         cmocka_unit_test_setup_teardown(a_full_box_says_so_and_still_takes_urgent_orders, begin, end),
+        cmocka_unit_test_setup_teardown(an_order_may_end_what_is_under_way, begin, end),
         cmocka_unit_test_setup_teardown(an_order_can_be_taken_back_by_its_id, begin, end),
         cmocka_unit_test_setup_teardown(only_older_orders_that_set_in_motion_are_called_off, begin, end),
         cmocka_unit_test_setup_teardown(waiting_ends_at_its_moment, begin, end),
