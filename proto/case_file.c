@@ -12,7 +12,7 @@
 
 /* What --set has changed. */
 typedef struct Setting {
-    char *path;
+    char *path, *yaml;
     char text[192]; /* the assignment as it was given, shortened, for complaints */
 } Setting;
 
@@ -34,7 +34,10 @@ void case_file_free(CaseFile *file)
     if (!file) return;
     meniscus__case__free_unpacked(file->message, NULL);
     marks_done(&file->marks);
-    for (size_t k = 0; k < file->n_sets; k++) free(file->sets[k].path);
+    for (size_t k = 0; k < file->n_sets; k++) {
+        free(file->sets[k].path);
+        free(file->sets[k].yaml);
+    }
     free(file->sets);
     free(file->name);
     free(file);
@@ -211,9 +214,9 @@ static void blame_set(const Setting *set, MnsError *error)
                 sentence);
 }
 
-static MnsStatus set_entry(CaseFile *file, char *path, const char *yaml, MnsError *error)
+static MnsStatus set_entry(CaseFile *file, char *path, char *yaml, MnsError *error)
 {
-    Setting set = {.path = path};
+    Setting set = {.path = path, .yaml = yaml};
     show_setting(path, yaml, set.text, sizeof set.text);
     MnsError local;
     MnsError *why = error ? error : &local;
@@ -236,9 +239,19 @@ MnsStatus case_file_set(CaseFile *file, const char *assignment, MnsError *error)
     if (!equals || equals == assignment)
         return mns_fail(error, MNS_E_INVALID, "--set %s: write PATH=VALUE, as in resolution=40",
                         case_shown(assignment, shown));
-    char *path = strndup(assignment, (size_t)(equals - assignment));
-    if (!path) return case_no_memory(error);
-    const MnsStatus status = set_entry(file, path, equals + 1, error);
-    if (status) free(path);
+    char *path = strndup(assignment, (size_t)(equals - assignment)), *yaml = strdup(equals + 1);
+    const MnsStatus status = path && yaml ? set_entry(file, path, yaml, error) : case_no_memory(error);
+    if (status) {
+        free(path);
+        free(yaml);
+    }
     return status;
+}
+
+bool case_file_setting(const CaseFile *file, size_t k, const char **ret_path, const char **ret_yaml)
+{
+    if (k >= file->n_sets) return false;
+    *ret_path = file->sets[k].path;
+    *ret_yaml = file->sets[k].yaml;
+    return true;
 }

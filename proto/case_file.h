@@ -5,6 +5,7 @@
 
 #include "case.pb-c.h"
 #include <meniscus/status.h>
+#include <stdbool.h>
 
 /* Where each entry stands in the file, so that a later complaint about a path can name line and column. */
 typedef struct CaseFile CaseFile;
@@ -18,6 +19,9 @@ MnsStatus case_file_parse(const char *name, const char *text, size_t size, CaseF
 
 /* Override an entry: "output.snapshot_interval=0.1", "fluids[1].density=2", "gravity=[0, -1]"; the value is YAML. */
 MnsStatus case_file_set(CaseFile *file, const char *assignment, MnsError *error);
+
+/* The overrides so far, in order: false from k on if there are no more; borrowed. */
+bool case_file_setting(const CaseFile *file, size_t k, const char **ret_path, const char **ret_yaml);
 
 /* Borrow the message; owned by the file, changed by case_file_set(). */
 const Meniscus__Case *case_file_message(const CaseFile *file);
@@ -47,6 +51,10 @@ char *case_message_print(const Meniscus__Case *message);
 /* MNS_OK if b differs from a in steerable entries only; else MNS_E_INVALID with the path of the first other
  * difference. */
 MnsStatus case_message_steerable(const Meniscus__Case *a, const Meniscus__Case *b, MnsError *error);
+
+/* Tell of each steerable entry that differs between a and b: its path and both values as YAML. */
+void case_message_differences(const Meniscus__Case *a, const Meniscus__Case *b,
+                              void (*tell)(void *arg, const char *path, const char *in_a, const char *in_b), void *arg);
 
 /* A steerable entry of the schema, for `capabilities`. */
 typedef struct CaseParameter {

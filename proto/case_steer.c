@@ -2,6 +2,7 @@
 /* What may change while a simulation runs, and whether two cases differ in nothing else. */
 #include "proto/case_scalar.h"
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static MnsStatus compare(MessageType *type, const ProtobufCMessage *a, const ProtobufCMessage *b, CasePath *path,
@@ -91,6 +92,23 @@ MnsStatus case_message_steerable(const Meniscus__Case *a, const Meniscus__Case *
 {
     CasePath path = {0};
     return compare(a->base.descriptor, &a->base, &b->base, &path, error);
+}
+
+static void tell_difference(const Meniscus__Case *a, const Meniscus__Case *b, const char *path,
+                            void (*tell)(void *arg, const char *path, const char *in_a, const char *in_b), void *arg)
+{
+    char *in_a = NULL, *in_b = NULL;
+    const char *unit;
+    const bool both = !case_message_get(a, path, &in_a, &unit, NULL) && !case_message_get(b, path, &in_b, &unit, NULL);
+    if (both && strcmp(in_a, in_b) != 0) tell(arg, path, in_a, in_b);
+    free(in_a);
+    free(in_b);
+}
+
+void case_message_differences(const Meniscus__Case *a, const Meniscus__Case *b,
+                              void (*tell)(void *arg, const char *path, const char *in_a, const char *in_b), void *arg)
+{
+    for (size_t k = 0; k < case_steerables_n; k++) tell_difference(a, b, case_steerables[k].path, tell, arg);
 }
 
 const CaseParameter *case_parameters(size_t *ret_n)

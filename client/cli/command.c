@@ -11,7 +11,9 @@ const Command command_table[] = {
      .help = "run a case to its end without a daemon",
      .details = "CASE is a file, or the name of one of the cases that came along. Progress goes to standard error; at "
                 "the end the state, the probes and the files are listed. SIGTERM and Ctrl-C end the run with a "
-                "checkpoint and exit code 75: the same command with --resume auto goes on from there to the last bit. "
+                "checkpoint and exit code 75: the same command with --resume auto goes on from there to the last bit, "
+                "with everything that was set: "
+                "where the file says otherwise by then, only --set changes it. "
                 "A formula that fails on the way ends it with exit code 70, as a divergence does.",
      .options = OPTION(OPT_SET) | OPTION(OPT_DIRECTORY) | OPTION(OPT_UNTIL) | OPTION(OPT_RESUME_AUTO) |
                 OPTION(OPT_THREADS) | OPTION(OPT_LOG_LEVEL),
@@ -48,7 +50,8 @@ const Command command_table[] = {
      .arguments = "CASE",
      .help = "load a case, by name or file",
      .details = "CASE is a file, or the name of one of the cases that came along. It replaces what was loaded, whose "
-                "files stay; a running case must be paused first. The state is READY then, or RUNNING with --start.",
+                "files stay; a running case must be paused first. The state is READY then, or RUNNING with --start. "
+                "With --resume it goes on as it was steered: where the file says otherwise, only --set changes it.",
      .request = "load",
      .options = OPTION(OPT_SET) | OPTION(OPT_START) | OPTION(OPT_RESUME) | OPTION(OPT_NAME),
      .exits = EXIT_BAD_CASE | EXIT_IO,

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Loading a case from a file: complaints of the daemon point to line and column of the file, as complaints about the
  * text do. */
+#include "proto/load.h"
 #include "client/lib/commands.h"
-#include "proto/case_file.h"
 #include "proto/case_name.h"
 #include <string.h>
 
@@ -11,8 +11,9 @@ static MnsStatus send_case(MnsClient *client, const MnsLoad *from, const CaseFil
 {
     char name[CASE_NAME_SIZE];
     case_name_from_path(from->file, name);
-    Meniscus__Load load = MENISCUS__LOAD__INIT;
-    load.case_ = (Meniscus__Case *)case_file_message(file);
+    Meniscus__Load load;
+    MnsStatus status = load_init(&load, file, error);
+    if (status != MNS_OK) return status;
     load.name = from->name ? (char *)from->name : name;
     load.has_resume = true;
     load.resume = from->resume;
@@ -20,7 +21,8 @@ static MnsStatus send_case(MnsClient *client, const MnsLoad *from, const CaseFil
     request.command_case = MENISCUS__REQUEST__COMMAND_LOAD;
     request.load = &load;
     MnsError why = {0};
-    const MnsStatus status = command_call(client, &request, ret_reply, &why);
+    status = command_call(client, &request, ret_reply, &why);
+    load_done(&load);
     const bool of_case = *why.path && strcmp(why.path, "name") != 0; /* the name comes with the request */
     if (status != MNS_OK && of_case) case_file_locate(file, &why);
     if (status != MNS_OK && error) *error = why;

@@ -181,7 +181,8 @@ typedef struct MnsLoad {
     const char *name; /* of the run; NULL: that of the file without directory and suffix */
     size_t n_sets;
     const char *const *sets; /* [n_sets] entries to override, as in "resolution=40"; may be NULL if there are none */
-    bool resume;             /* go on from the newest whole checkpoint of the run, if there is one */
+    bool
+        resume; /* go on from the newest whole checkpoint of the run, if there is one: as it was steered, but for sets */
 } MnsLoad;
 
 /** Replace the case. When the daemon refuses it, the sentence begins with FILE:LINE:COLUMN of the entry to blame. */

@@ -13,6 +13,7 @@
 #include <meniscus/exit.h>
 #include <poll.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -32,6 +33,8 @@ typedef struct Batch {
     Run *run;
     Signals signals;
     Bar bar;
+    size_t n_settings;
+    RunSetting *settings; /* [n_settings] of the file */
     double probes[MNS_MAX_PROBES];
     BatchOrder pause, checkpoint; /* of signals: there from the beginning, so that none is lost for lack of memory */
 } Batch;
@@ -46,7 +49,8 @@ static Batch *batch_of(Order *order)
 static void serve_load(Run *run, Order *order)
 {
     const Batch *batch = batch_of(order);
-    const RunLoad load = {case_file_message(batch->file), batch->name, batch->options->resume};
+    const RunLoad load = {case_file_message(batch->file), batch->name, batch->options->resume, batch->n_settings,
+                          batch->settings};
     run_load(run, order, &load);
 }
 
@@ -142,12 +146,26 @@ static MnsStatus perform(Batch *batch, void (*serve)(Run *, Order *), MnsError *
 
 /* --- the case ---------------------------------------------------------------------------------------------------------- */
 
+static MnsStatus set_all(Batch *batch, MnsError *error)
+{
+    const size_t n = batch->options->n_settings;
+    batch->settings = calloc(n + 1, sizeof *batch->settings);
+    if (!batch->settings) return mns_fail(error, MNS_E_MEMORY, "no memory for %zu settings", n);
+    for (size_t k = 0; k < n; k++) {
+        const MnsStatus status = case_file_set(batch->file, batch->options->settings[k], error);
+        if (status) return status;
+    }
+    for (RunSetting *at = batch->settings; case_file_setting(batch->file, batch->n_settings, &at->path, &at->value);
+         at++)
+        batch->n_settings++;
+    return MNS_OK;
+}
+
 static MnsStatus read_case(Batch *batch, MnsError *error)
 {
     MnsStatus status = case_find(batch->options->name, batch->path, error);
     if (!status) status = case_file_read(batch->path, &batch->file, error);
-    for (size_t k = 0; !status && k < batch->options->n_settings; k++)
-        status = case_file_set(batch->file, batch->options->settings[k], error);
+    if (!status) status = set_all(batch, error);
     if (status) return status;
     case_name_from_path(batch->path, batch->name);
     const char *directory = batch->options->directory;
@@ -191,7 +209,7 @@ static MnsStatus run_loaded(Batch *batch, Outcome *outcome, MnsError *error)
 
 static MnsStatus run_case(Batch *batch, Outcome *outcome, MnsError *error)
 {
-    const RunOptions options = {.directory = batch->directory, .case_decides = true, .threads = -1};
+    const RunOptions options = {.directory = batch->directory, .threads = -1};
     MnsStatus status = run_new(&options, &batch->run, error);
     if (status) return status;
     bar_begin(&batch->bar);
@@ -259,6 +277,7 @@ int batch_run(const BatchOptions *options)
         outcome.code = MNS_EXIT_IO;
     }
     outcome_done(&outcome);
+    free(batch.settings);
     case_file_free(batch.file);
     signals_done(&batch.signals);
     return outcome.code;

@@ -11,6 +11,7 @@
 #include "proto/case_find.h"
 #include "proto/case_name.h"
 #include "proto/frame.h"
+#include "proto/load.h"
 #include <limits.h>
 #include <math.h>
 #include <meniscus/exit.h>
@@ -101,14 +102,15 @@ static void post_load(Daemon *daemon, const char *path)
     char name[CASE_NAME_SIZE];
     case_name_from_path(path, name);
     Meniscus__Request request = MENISCUS__REQUEST__INIT;
-    Meniscus__Load load = MENISCUS__LOAD__INIT;
-    load.case_ = (Meniscus__Case *)case_file_message(daemon->file);
+    Meniscus__Load load;
+    if (load_init(&load, daemon->file, NULL)) return;
     load.name = name;
     load.has_resume = true;
     load.resume = daemon->options->resume;
     request.command_case = MENISCUS__REQUEST__COMMAND_LOAD;
     request.load = &load;
     daemon->load = post(daemon, &request);
+    load_done(&load);
 }
 
 /* The case of the command line is loaded, or the daemon has no purpose. */

@@ -114,13 +114,34 @@ static void serve_get(Run *run, Exchange *x)
 
 /* --- AT_STEP ----------------------------------------------------------------------------------------------------------- */
 
+/* *ret: [n_settings], yours. */
+static MnsStatus read_settings(const Meniscus__Load *load, RunSetting **ret, MnsError *error)
+{
+    RunSetting *settings = calloc(load->n_settings + 1, sizeof *settings);
+    if (!settings) return mns_fail(error, MNS_E_MEMORY, "no memory for %zu settings", load->n_settings);
+    for (size_t k = 0; k < load->n_settings; k++) {
+        const Meniscus__Assignment *from = load->settings[k];
+        settings[k] = (RunSetting){from->path, from->value};
+        if (from->path && from->value) continue;
+        free(settings);
+        return mns_fail(error, MNS_E_INVALID, "a setting needs a path and a value");
+    }
+    *ret = settings;
+    return MNS_OK;
+}
+
 static void serve_load(Run *run, Exchange *x)
 {
     const Meniscus__Load *from = x->request->load;
     MnsError error;
-    const RunLoad load = {from->case_, from->name ? from->name : "case", from->has_resume && from->resume};
-    if (load.message) run_load(run, &x->order, &load);
-    else answer(run, x, mns_fail_at(&error, MNS_E_INVALID, "case", "load needs a case"), &error);
+    RunSetting *settings = NULL;
+    MnsStatus status = read_settings(from, &settings, &error);
+    if (!status && !from->case_) status = mns_fail_at(&error, MNS_E_INVALID, "case", "load needs a case");
+    const RunLoad load = {from->case_, from->name ? from->name : "case", from->has_resume && from->resume,
+                          from->n_settings, settings};
+    if (status) answer(run, x, status, &error);
+    else run_load(run, &x->order, &load);
+    free(settings);
 }
 
 static void serve_go(Run *run, Exchange *x)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The inside of a run, for the files of this folder that make it up: run.c, go.c, load.c, making.c, steer.c, publish.c, answer.c. */
+/* The inside of a run, for the files of this folder that make it up: run.c, go.c, load.c, making.c, resumed.c, steer.c, publish.c, answer.c. */
 #ifndef RUN_INSIDE_H
 #define RUN_INSIDE_H
 
@@ -75,6 +75,12 @@ void run_tell(Run *run, NoteKind kind, int level, const char *word, const char *
  * of the order passes meanwhile, MNS_E_INTERRUPTED if another one ends it. */
 MnsStatus run_make(Run *run, const Order *order, const MnsCase *c, const MnsCapture *state, MnsSim **ret,
                    MnsError *error);
+
+/* resumed.c: the case with which a run goes on from a checkpoint of this path. MNS_E_INVALID if the one given differs in more than what
+ * can be steered, with its entry. And, once it is in place, a line for each entry that is not as stored, or not as given. */
+MnsStatus resumed_case(Document *stored, const char *checkpoint, const Document *given, const RunLoad *load,
+                       Document **ret, MnsError *error);
+void run_tell_resumed(Run *run, const Document *stored, const Document *given);
 
 /* load.c: a file that cannot be read. */
 void run_tell_file(void *run, const char *text);

@@ -17,6 +17,7 @@ typedef struct Candidate {
     const Order *order; /* who wants it */
     Document *document;
     MnsSim *sim;
+    Document *stored;   /* as a checkpoint had it; NULL without one */
     Document *original; /* what a reset leads back to, if it is another one than now */
     bool goes_on;       /* from a checkpoint                                         */
     bool made;          /* the directory was not there before                        */
@@ -28,6 +29,7 @@ static void candidate_drop(Candidate *candidate)
 {
     mns_sim_free(candidate->sim);
     document_leave(candidate->document);
+    document_leave(candidate->stored);
     document_leave(candidate->original);
     if (candidate->lock < 0) return; /* the directory is not ours to take away */
     if (candidate->made) rundir_unmake(candidate->directory);
@@ -75,24 +77,24 @@ static MnsStatus adopt(Candidate *candidate, Document *document, MnsError *error
     return status;
 }
 
-/* From a checkpoint that has been read. given: what the case file says now, or NULL; borrowed. */
+/* From a checkpoint that has been read. load: what is wanted, with its document, or NULL to go on as it was. */
 static MnsStatus build_from(Run *run, Candidate *candidate, const Checkpoint *checkpoint, const char *name,
-                            Document *given, MnsError *error)
+                            const RunLoad *load, Document *given, MnsError *error)
 {
-    Document *stored;
+    Document *stored, *wanted = NULL;
     MnsStatus status = document_unpack(checkpoint->case_blob, checkpoint->case_size, name, &stored, error);
     if (status) return status;
-    if (given && case_message_steerable(stored->message, given->message, error)) {
-        char text[sizeof error->text];
-        snprintf(text, sizeof text, "%s", error->text);
-        document_leave(stored);
-        return mns_fail_at(error, MNS_E_INVALID, error->path,
-                           "the case does not agree with that of %s, which can only go on with the same case: %.300s",
-                           checkpoint->path, text);
+    if (load) status = resumed_case(stored, checkpoint->path, given, load, &wanted, error);
+    if (!status) {
+        candidate->stored = document_share(stored);
+        status = build(run, candidate, document_share(stored), checkpoint->state, error);
     }
-    status = build(run, candidate, stored, checkpoint->state, error);
-    if (status || !given || !run->options.case_decides) return status;
-    return adopt(candidate, document_share(given), error);
+    document_leave(stored);
+    if (status || !wanted || wanted == stored) {
+        document_leave(wanted);
+        return status;
+    }
+    return adopt(candidate, wanted, error);
 }
 
 /* --- replacing --------------------------------------------------------------------------------------------------------- */
@@ -203,6 +205,8 @@ static void replace(Run *run, Order *order, Candidate *candidate, MnsStatus stat
         run_enter(run, RUN_READY, text);
         tell_files(run);
         tell_warnings(run);
+        if (candidate->stored && candidate->original) run_tell_resumed(run, candidate->stored, candidate->original);
+        document_leave(candidate->stored);
     }
     run_answer(run, order, status, error);
 }
@@ -228,7 +232,7 @@ static MnsStatus build_load(Run *run, const RunLoad *load, Document *document, C
         status = outputs_read(run->outputs.writer, candidate->directory, true, note_damaged, run, &checkpoint, error);
     if (status == MNS_E_NOT_FOUND) return build(run, candidate, document, NULL, error);
     if (!status) {
-        status = build_from(run, candidate, &checkpoint, load->name, document, error);
+        status = build_from(run, candidate, &checkpoint, load->name, load, document, error);
         checkpoint_done(&checkpoint);
     }
     document_leave(document);
@@ -312,7 +316,7 @@ void run_restore(Run *run, Order *order, const char *name)
     char text[4200];
     snprintf(text, sizeof text, "restored from %s", checkpoint.path);
     run_enter(run, RUN_LOADING, "restoring");
-    status = build_from(run, &candidate, &checkpoint, run->document->name, NULL, &error);
+    status = build_from(run, &candidate, &checkpoint, run->document->name, NULL, NULL, &error);
     checkpoint_done(&checkpoint);
     replace(run, order, &candidate, status, previous, text, &error);
 }

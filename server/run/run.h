@@ -16,7 +16,6 @@ typedef struct RunOptions {
     const char *directory; /* or the directory of the only run; files of an earlier one in it are moved aside       */
     int nice;              /* of the solver's threads: what serves people must come first while every core computes */
     int threads;           /* for cases that do not say; -1: their default                                          */
-    bool case_decides;     /* on resuming: steerable entries as the case given says, not as the checkpoint says     */
     double beat_interval;  /* [s] run_heartbeat() rises at least as often while idle; 0: only with the steps        */
 } RunOptions;
 
@@ -69,10 +68,18 @@ uint64_t run_heartbeat(Run *run);
 
 /* --- for Order.serve, on the runner's thread. Each of these answers the order, now or when done -------------------------- */
 
+/* An entry set by hand. */
+typedef struct RunSetting {
+    const char *path, *value;
+} RunSetting;
+
 typedef struct RunLoad {
     const Meniscus__Case *message; /* copied */
     const char *name;
     bool resume; /* from the newest whole checkpoint in the run directory, if there is one */
+    size_t n_settings;
+    const RunSetting
+        *settings; /* [n_settings] the message has them already; on resuming they are made to the checkpoint's too */
 } RunLoad;
 
 void run_load(Run *run, Order *order, const RunLoad *load);

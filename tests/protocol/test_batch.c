@@ -194,7 +194,32 @@ static void another_case_cannot_go_on_from_a_checkpoint(void **state)
     assert_int_equal(place->code, 0);
     json_decref(run(place, "", "--out a --until 0.02 --resume auto --set resolution=20"));
     assert_int_equal(place->code, 65);
-    assert_non_null(strstr(place->first, "resolution"));
+    assert_memory_equal(place->first, "--set resolution=20: ", 21);
+}
+
+static bool said(const Place *place, const char *file, const char *part)
+{
+    char command[512];
+    snprintf(command, sizeof command, "grep -qF '%s' %s/%s", part, place->home, file);
+    return system(command) == 0;
+}
+
+/* What was set the first time, or steered since, is the checkpoint's, and the case file is not asked again. */
+static void a_resumed_run_keeps_what_was_set_unless_it_is_set_again(void **state)
+{
+    Place *place = *state;
+    json_decref(run(place, "", "--out a --set end_time=0.08 --set scheme.cfl=0.2 --until 0.02"));
+    json_decref(run(place, "", "--out a --until 0.04 --resume auto"));
+    assert_true(said(place, "err", "end_time = 0.08, as the checkpoint has it, not 1000 as the case says"));
+    assert_true(said(place, "err", "scheme.cfl = 0.2, as the checkpoint has it, not 0.25 as the case says"));
+    json_decref(run(place, "", "--out a --until 0.05 --resume auto --set scheme.cfl=0.25"));
+    assert_true(said(place, "a/log", "scheme.cfl = 0.25, as set on resuming; the checkpoint has 0.2"));
+    json_t *object = run(place, "", "--out a --resume auto");
+    assert_says(object, "state", "DONE");
+    assert_true(json_real_value(json_object_get(object, "t")) == 0.08);
+    assert_true(said(place, "err", "end_time = 0.08, as the checkpoint has it"));
+    assert_false(said(place, "err", "cfl")); /* it is again as the case says */
+    json_decref(object);
 }
 
 static void a_damaged_checkpoint_is_passed_over(void **state)
@@ -244,6 +269,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(too_little_memory_is_the_fault_of_the_resolution, begin, end),
         cmocka_unit_test_setup_teardown(a_formula_that_fails_on_the_way_is_a_fault_of_the_run, begin, end),
         cmocka_unit_test_setup_teardown(another_case_cannot_go_on_from_a_checkpoint, begin, end),
+        cmocka_unit_test_setup_teardown(a_resumed_run_keeps_what_was_set_unless_it_is_set_again, begin, end),
         cmocka_unit_test_setup_teardown(a_damaged_checkpoint_is_passed_over, begin, end),
         cmocka_unit_test_setup_teardown(a_wrong_command_line_and_an_unwritable_place_have_codes_of_their_own, begin,
                                         end),

@@ -50,6 +50,45 @@ static void a_reset_undoes_what_was_set(void **state)
     assert_true(steer_get(dialogue, "end_time") == 1000);
 }
 
+static Meniscus__Reply *load_again(Dialogue *dialogue, const char *const *settings)
+{
+    LoadRequest load;
+    dialogue_load_init(&load, "dam", dialogue_case, settings);
+    load.load.has_resume = load.load.resume = 1;
+    Meniscus__Reply *reply = dialogue_ask(dialogue, &load.request);
+    dialogue_load_done(&load);
+    return reply;
+}
+
+/* What was steered is not lost because the file does not say it; what is said by hand wins over both. */
+static void a_resumed_run_is_as_it_was_steered_but_for_what_is_set_by_hand(void **state)
+{
+    static const char *const by_hand[] = {"gravity[1]=-3", "output.probe_interval=0.5", NULL};
+    static const char *const other[] = {"scheme.cfl=0.1", "resolution=20", NULL};
+    Dialogue *dialogue = *state;
+    char path[256];
+    dialogue_load(dialogue, NULL);
+    steer_accepted(steer_set(dialogue, "end_time", "7"));
+    steer_accepted(steer_set(dialogue, "gravity", "[0.5, -2]"));
+    steer_go(dialogue, 3);
+    steer_write_checkpoint(dialogue, path);
+    const uint64_t hash = steer_hash(dialogue);
+    void *log = steer_subscribe(dialogue, "log");
+    steer_accepted(load_again(dialogue, by_hand));
+    assert_true(steer_hash(dialogue) == hash);
+    assert_true(steer_get(dialogue, "end_time") == 7);
+    assert_true(steer_get(dialogue, "gravity[0]") == 0.5);
+    assert_true(steer_get(dialogue, "gravity[1]") == -3);
+    assert_true(steer_get(dialogue, "output.probe_interval") == 0.5);
+    steer_hear_of(log, "gravity = [0.5, -3], as set on resuming; the checkpoint has [0.5, -2]");
+    steer_hear_of(log, "gravity = [0.5, -3], as the checkpoint has it, not [0, -3] as the case says");
+    steer_hear_of(log, "end_time = 7, as the checkpoint has it, not 1000 as the case says");
+    zmq_close(log);
+    Meniscus__Reply *reply = load_again(dialogue, other);
+    assert_string_equal(reply->path, "resolution");
+    steer_refused(reply, MENISCUS__CODE__INVALID_ARGUMENT, "can go on with no other");
+}
+
 /* The same names twice: nothing that was left is written over. */
 static void each_time_line_that_was_left_is_kept_by_itself(void **state)
 {
@@ -227,6 +266,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(a_reset_run_is_a_fresh_run, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_reset_undoes_what_was_set, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(a_resumed_run_is_as_it_was_steered_but_for_what_is_set_by_hand, steer_begin,
+                                        steer_end),
         cmocka_unit_test_setup_teardown(each_time_line_that_was_left_is_kept_by_itself, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_damaged_checkpoint_is_passed_over_with_a_note, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_moment_come_by_again_is_sampled_once, steer_begin, steer_end),

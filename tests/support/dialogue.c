@@ -2,6 +2,7 @@
 /* A meniscusd and connections to it. */
 #include "tests/support/dialogue.h"
 
+#include "proto/load.h"
 #include "tests/support/check.h"
 #include <signal.h>
 #include <stdlib.h>
@@ -181,7 +182,7 @@ void dialogue_load_init(LoadRequest *load, const char *name, const char *text, c
     if (case_file_parse(name, text, strlen(text), &load->file, &error)) fail_msg("%s", error.text);
     for (; settings && *settings; settings++)
         if (case_file_set(load->file, *settings, &error)) fail_msg("%s", error.text);
-    load->load.case_ = (Meniscus__Case *)case_file_message(load->file);
+    if (load_init(&load->load, load->file, &error)) fail_msg("%s", error.text);
     load->load.name = (char *)name;
     load->request.command_case = MENISCUS__REQUEST__COMMAND_LOAD;
     load->request.load = &load->load;
@@ -189,6 +190,7 @@ void dialogue_load_init(LoadRequest *load, const char *name, const char *text, c
 
 void dialogue_load_done(LoadRequest *load)
 {
+    load_done(&load->load);
     case_file_free(load->file);
 }
 

@@ -79,7 +79,7 @@ static void it_can_be_given_up_at_any_time_until_it_is_ready(void **state)
     const MnsMaking making = {.given_up = given_up, .arg = &patience};
     assert_int_equal(mns_sim_make(c, NULL, &making, &sim, &error), MNS_OK);
     const long asked = 1000000 - patience;
-    assert_true(asked > 2 * 40);         /* at least for each row, twice */
+    assert_true(asked > 2 * 40); /* at least for each row, twice */
     sim_steps(sim, 2);
     assert_int_equal(asked, 1000000 - patience); /* and never again */
     mns_sim_free(sim);

@@ -60,6 +60,7 @@ class CaseText:
             text = path.read_text(encoding="utf-8")
         self._root = self._compose(text, self.file)
         self._places: Dict[str, str] = {}
+        self.settings: Dict[str, str] = {}  # what was overridden, as YAML
 
     def _compose(self, text: str, name: str) -> yaml.Node:
         """Read YAML; the name goes into the marks of its nodes."""
@@ -83,6 +84,7 @@ class CaseText:
         for k, word in enumerate(words):
             last = k == len(words) - 1
             node = _descend(node, word, new if last else None, path)
+        self.settings[path] = text
 
     def message(self) -> case_pb2.Case:
         """The case as a message. CaseError names what does not belong there."""

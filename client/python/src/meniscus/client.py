@@ -61,12 +61,15 @@ class Client:
 
         overrides  entries to change: {"resolution": 40, "fluids[1].density": 2}
         name       of the run directory; default: that of the file
-        resume     go on from the newest checkpoint of the run, if there is one
+        resume     go on from the newest checkpoint of the run, if there is one: as it was steered then, but for overrides
         """
         text = CaseText(case)
         for path, value in (overrides or {}).items():
             text.set(path, value)
-        request = pb.Request(load=pb.Load(case=text.message(), name=name or text.name, resume=resume))
+        settings = [pb.Assignment(path=path, value=value) for path, value in text.settings.items()]
+        request = pb.Request(
+            load=pb.Load(case=text.message(), name=name or text.name, resume=resume, settings=settings)
+        )
         try:
             reply = self._simple(request)
         except MeniscusError as error:

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* With which case a run goes on: as its checkpoint has it, steered as it was then; what is set by hand on resuming wins over that. The
+ * case file only says which case it is. */
+#include "run/inside.h"
+
+#include "base/log.h"
+#include "proto/case_file.h"
+#include <string.h>
+
+/* Its own copy of the message, with the settings made one after the other. */
+static MnsStatus assign(const Document *stored, const RunLoad *load, Meniscus__Case **ret, MnsError *error)
+{
+    Meniscus__Case *last = NULL;
+    for (size_t k = 0; k < load->n_settings; k++) {
+        Meniscus__Case *next;
+        const RunSetting *setting = &load->settings[k];
+        const MnsStatus status =
+            case_message_set(last ? last : stored->message, setting->path, setting->value, &next, error);
+        if (last) meniscus__case__free_unpacked(last, NULL);
+        if (status) return status;
+        last = next;
+    }
+    *ret = last;
+    return MNS_OK;
+}
+
+MnsStatus resumed_case(Document *stored, const char *checkpoint, const Document *given, const RunLoad *load,
+                       Document **ret, MnsError *error)
+{
+    MnsError why;
+    Meniscus__Case *message = NULL;
+    MnsStatus status = case_message_steerable(stored->message, given->message, &why);
+    if (status)
+        return mns_fail_at(error, status, why.path, "the case is not that of %s, which can go on with no other: %.300s",
+                           checkpoint, why.text);
+    status = assign(stored, load, &message, error);
+    if (status || !message) {
+        *ret = status ? NULL : document_share(stored);
+        return status;
+    }
+    status = document_new(message, stored->name, ret, error);
+    meniscus__case__free_unpacked(message, NULL);
+    return status;
+}
+
+static void tell_set(void *run, const char *path, const char *before, const char *now)
+{
+    char text[512];
+    snprintf(text, sizeof text, "%.100s = %.120s, as set on resuming; the checkpoint has %.120s", path, now, before);
+    run_tell(run, NOTE_LOG, LOG_NOTICE, "resumed", text);
+}
+
+/* Whoever has changed the file since may have meant it. */
+static void tell_kept(void *run, const char *path, const char *given, const char *now)
+{
+    char text[512];
+    snprintf(text, sizeof text,
+             "%.100s = %.120s, as the checkpoint has it, not %.120s as the case says; it can be set, as with --set", path,
+             now, given);
+    run_tell(run, NOTE_LOG, LOG_WARNING, "resumed", text);
+}
+
+void run_tell_resumed(Run *run, const Document *stored, const Document *given)
+{
+    case_message_differences(stored->message, run->document->message, tell_set, run);
+    case_message_differences(given->message, run->document->message, tell_kept, run);
+}
