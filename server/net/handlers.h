@@ -15,7 +15,8 @@ typedef enum Trait {
     URGENT = 1 << 0, /* overtakes all that is queued                             */
     MOTION = 1 << 1, /* sets the run in motion; a later pause calls it off       */
     LARGE = 1 << 2,  /* its reply may be: not while clients leave much unread    */
-    LAST = 1 << 3    /* the daemon leaves after it                               */
+    LAST = 1 << 3,   /* the daemon leaves after it                               */
+    ENDS = 1 << 4    /* gives up what is being loaded; a cancel, what it names   */
 } Trait;
 
 typedef struct Handler {
