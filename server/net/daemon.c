@@ -144,7 +144,7 @@ static void take_answer(Daemon *daemon, Order *order)
     Exchange *exchange = (Exchange *)order;
     const bool last = exchange->handler && exchange->handler->traits & LAST;
     if (exchange == daemon->load) after_load(daemon, order);
-    else if (order->status && !exchange->identity_size) log_line(LOG_WARNING, "%s", order->error.text);
+    else if (order->status && !exchange->n_senders) log_line(LOG_WARNING, "%s", order->error.text);
     if (last) daemon->leaving = true;
     if (last && order->status) daemon->code = MNS_EXIT_IO;
     desk_reply(daemon->desk, exchange);

@@ -29,12 +29,6 @@ enum { REPLIES_UNREAD = 10000 };
  * connection. So before the sockets close, clients get this long after the latest reply to hang up by themselves. */
 enum { FAREWELL_MS = 500 };
 
-/* Who sent the message being read. */
-typedef struct Sender {
-    uint8_t identity[EXCHANGE_IDENTITY];
-    size_t size;
-} Sender;
-
 /* A message that may not have been read to its end. */
 typedef struct Reading {
     Sender sender;
@@ -169,19 +163,34 @@ static void send_parts(Desk *desk, const Recipient *to, size_t n, void *const pa
     outgoing_send(&desk->outgoing, to, n, parts, sizes);
 }
 
-/* packed: NULL if there was no memory for it. */
-static void send_exchange(Desk *desk, Exchange *exchange, uint8_t *packed, size_t size)
+/* NULL if there is none of it, or no memory. */
+static void *copy_of(const void *data, size_t size)
 {
-    const Recipient to = {exchange->identity, exchange->identity_size, exchange->order.id};
-    const size_t n = packed ? exchange->reply->n_arrays : 0;
-    void *parts[OUTGOING_PARTS] = {packed};
+    void *copy = data ? malloc(size + 1) : NULL;
+    if (copy) memcpy(copy, data, size);
+    return copy;
+}
+
+/* To one of those who want it: the original or a copy. packed: NULL if there was no memory for it. */
+static void send_to(Desk *desk, Exchange *exchange, const Sender *sender, uint8_t *packed, size_t size, bool original)
+{
+    const Recipient to = {sender->identity, sender->size, exchange->order.id};
+    void *parts[OUTGOING_PARTS] = {original ? packed : copy_of(packed, size)};
+    const size_t n = parts[0] ? exchange->reply->n_arrays : 0;
     size_t sizes[OUTGOING_PARTS] = {size};
     for (size_t k = 0; k < n; k++) {
-        parts[1 + k] = exchange->arrays[k];
+        parts[1 + k] = original ? exchange->arrays[k] : copy_of(exchange->arrays[k], exchange->sizes[k]);
         sizes[1 + k] = exchange->sizes[k];
-        exchange->arrays[k] = NULL;
+        if (original) exchange->arrays[k] = NULL;
     }
     send_parts(desk, &to, 1 + n, parts, sizes);
+}
+
+static void send_exchange(Desk *desk, Exchange *exchange, uint8_t *packed, size_t size)
+{
+    const size_t n = exchange->n_senders;
+    for (size_t k = 0; k < n; k++) send_to(desk, exchange, &exchange->senders[k], packed, size, k + 1 == n);
+    if (!n) free(packed);
 }
 
 static void complete(Desk *desk, Exchange *exchange)
@@ -201,8 +210,7 @@ void desk_reply(Desk *desk, Exchange *exchange)
     uint8_t *packed = whole ? malloc(size + 1) : NULL;
     if (packed) meniscus__reply__pack(reply, packed);
     ledger_end(desk->ledger, exchange, packed && !reply->n_arrays ? packed : NULL, size);
-    if (exchange->identity_size) send_exchange(desk, exchange, packed, size);
-    else free(packed);
+    send_exchange(desk, exchange, packed, size);
     exchange_free(exchange);
 }
 
@@ -234,18 +242,28 @@ static void refuse(Desk *desk, const Sender *sender, ProtobufCBinaryData id, con
     send_parts(desk, &to, 1, (void *[]){packed}, &size);
 }
 
-/* The same request again: its reply again, or when it comes, to where it was asked last. */
+/* One more who wants the reply. Connections that were lost are among them, so there is an end: the first is told to ask again. */
+static void add_sender(Desk *desk, Exchange *exchange, const Sender *sender, ProtobufCBinaryData id)
+{
+    MnsError why;
+    if (exchange->n_senders == EXCHANGE_SENDERS) {
+        mns_fail(&why, MNS_E_LIMIT, "the command is under way, and %d others wait for the same reply; ask again later",
+                 EXCHANGE_SENDERS);
+        refuse(desk, &exchange->senders[0], id, &why);
+        memmove(exchange->senders, exchange->senders + 1, --exchange->n_senders * sizeof *exchange->senders);
+    }
+    exchange->senders[exchange->n_senders++] = *sender;
+}
+
+/* The same request again: its reply again, or when it comes. */
 static void repeat(Desk *desk, const Sender *sender, ProtobufCBinaryData id, const LedgerEntry *entry)
 {
     if (entry->under_way) {
-        memcpy(entry->under_way->identity, sender->identity, sender->size);
-        entry->under_way->identity_size = sender->size;
+        add_sender(desk, entry->under_way, sender, id);
         return;
     }
     const Recipient to = recipient(sender, id);
-    uint8_t *copy = malloc(entry->size + 1);
-    if (copy) memcpy(copy, entry->reply, entry->size);
-    send_parts(desk, &to, 1, (void *[]){copy}, &entry->size);
+    send_parts(desk, &to, 1, (void *[]){copy_of(entry->reply, entry->size)}, &entry->size);
 }
 
 static MnsStatus begin(Desk *desk, Exchange *exchange, MnsError *error)
@@ -281,8 +299,7 @@ static void take_request(Desk *desk, const Sender *sender, ProtobufCBinaryData i
         refuse(desk, sender, id, &error);
         return;
     }
-    memcpy(exchange->identity, sender->identity, sender->size);
-    exchange->identity_size = sender->size;
+    if (sender->size) exchange->senders[exchange->n_senders++] = *sender;
     if (!begin(desk, exchange, &error)) return;
     refuse(desk, sender, id, &error);
     exchange_free(exchange);

@@ -6,7 +6,13 @@
 #include "meniscus.pb-c.h"
 #include "run/run.h"
 
-enum { EXCHANGE_ARRAYS = MNS_MAX_FIELDS, EXCHANGE_IDENTITY = 256 };
+enum { EXCHANGE_ARRAYS = MNS_MAX_FIELDS, EXCHANGE_IDENTITY = 256, EXCHANGE_SENDERS = 4 };
+
+/* A client's connection. */
+typedef struct Sender {
+    uint8_t identity[EXCHANGE_IDENTITY];
+    size_t size;
+} Sender;
 
 struct Handler;
 
@@ -14,13 +20,13 @@ typedef struct Exchange {
     Order order; /* first, so that an order that comes back is an exchange */
     const struct Handler *handler;
     Meniscus__Request *request;
-    Meniscus__Reply *reply;              /* the result goes here; all in it from malloc */
-    void *arrays[EXCHANGE_ARRAYS];       /* [reply->n_arrays] raw frames, from malloc */
-    size_t sizes[EXCHANGE_ARRAYS];       /* [bytes] */
-    bool at_step;                        /* it takes effect between two steps */
-    unsigned allowed;                    /* if it was refused for the state: where it would be possible */
-    uint8_t identity[EXCHANGE_IDENTITY]; /* of the client's connection */
-    size_t identity_size;                /* 0: nobody wants the reply  */
+    Meniscus__Reply *reply;           /* the result goes here; all in it from malloc */
+    void *arrays[EXCHANGE_ARRAYS];    /* [reply->n_arrays] raw frames, from malloc */
+    size_t sizes[EXCHANGE_ARRAYS];    /* [bytes] */
+    bool at_step;                     /* it takes effect between two steps */
+    unsigned allowed;                 /* if it was refused for the state: where it would be possible */
+    Sender senders[EXCHANGE_SENDERS]; /* who has sent it, the latest last; each gets the reply */
+    size_t n_senders;                 /* 0: nobody wants it                                    */
 } Exchange;
 
 /* Takes over the request. NULL if there is no memory; then the request is freed. */

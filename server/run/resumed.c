@@ -55,8 +55,8 @@ static void tell_kept(void *run, const char *path, const char *given, const char
 {
     char text[512];
     snprintf(text, sizeof text,
-             "%.100s = %.120s, as the checkpoint has it, not %.120s as the case says; it can be set, as with --set", path,
-             now, given);
+             "%.100s = %.120s, as the checkpoint has it, not %.120s as the case says; it can be set, as with --set",
+             path, now, given);
     run_tell(run, NOTE_LOG, LOG_WARNING, "resumed", text);
 }
 

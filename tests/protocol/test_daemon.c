@@ -168,6 +168,39 @@ static void the_same_request_again_changes_nothing(void **state)
     steer_stands_at(dialogue, MENISCUS__STATE__PAUSED, 1);
 }
 
+/* The second one does not take the reply away from the first, nor does a fifth leave anybody without one. */
+static void each_who_asks_under_the_same_id_is_answered(void **state)
+{
+    enum { CLIENTS = 6, HEARD = 4 };
+    Dialogue *dialogue = *state;
+    uint8_t id[16];
+    void *clients[CLIENTS];
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__Wait wait = MENISCUS__WAIT__INIT;
+    dialogue_load(dialogue, NULL);
+    wait.has_step = 1;
+    wait.step = 3;
+    request.command_case = MENISCUS__REQUEST__COMMAND_WAIT;
+    request.wait = &wait;
+    dialogue_seal(&request, id);
+    for (int k = 0; k < CLIENTS; k++) {
+        clients[k] = dialogue_connect(dialogue);
+        dialogue_send(clients[k], &request);
+        steer_sleep(100); /* so that they come in this order */
+    }
+    steer_go(dialogue, 3);
+    for (int k = 0; k < CLIENTS; k++) {
+        Meniscus__Reply *reply = dialogue_receive(clients[k], NULL);
+        assert_non_null(reply);
+        assert_memory_equal(reply->id.data, id, sizeof id);
+        const bool heard = k >= CLIENTS - HEARD;
+        assert_int_equal(reply->code, heard ? MENISCUS__CODE__OK : MENISCUS__CODE__RESOURCE_EXHAUSTED);
+        if (heard) assert_int_equal(reply->effect_step, 3);
+        meniscus__reply__free_unpacked(reply, NULL);
+        zmq_close(clients[k]);
+    }
+}
+
 static void a_set_of_several_is_all_or_nothing(void **state)
 {
     Dialogue *dialogue = *state;
@@ -315,6 +348,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(run_until_is_exact_and_survives_other_commands, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(cancel_ends_run_until_with_aborted, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_deadline_ends_what_takes_too_long, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(each_who_asks_under_the_same_id_is_answered, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(the_same_request_again_changes_nothing, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_set_of_several_is_all_or_nothing, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(particles_of_a_box_come_as_raw_frames_within_a_limit, steer_begin, steer_end),
