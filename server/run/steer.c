@@ -98,7 +98,12 @@ void run_checkpoint(Run *run, Order *order)
         run_answer(run, order, status, &error);
         return;
     }
-    status = outputs_checkpoint(&run->outputs, run->sim, run->document, order, &error);
+    if (run->state == RUN_FAULT) /* it would be the newest, and whoever goes on from the newest would diverge again */
+        status = mns_fail(&error, MNS_E_STATE,
+                          "the simulation has diverged, and a checkpoint is there to go on from; a snapshot shows the "
+                          "state: %.300s",
+                          run->fault.text);
+    else status = outputs_checkpoint(&run->outputs, run->sim, run->document, order, &error);
     after_output(run, order, status, &error);
 }
 

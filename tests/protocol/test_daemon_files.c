@@ -46,6 +46,28 @@ static void block_a_snapshot(Dialogue *dialogue, char here[static 256])
     steer_wait_for(dialogue, MENISCUS__STATE__FAULT);
 }
 
+/* It would be the newest, and every way on would lead back into the divergence. By request or by signal. */
+static void a_diverged_state_becomes_no_checkpoint(void **state)
+{
+    static const char *const settings[] = {"limits.density_max=1.0001", "gravity=[0, -100]", NULL};
+    Dialogue *dialogue = *state;
+    char here[256];
+    Meniscus__Request checkpoint = dialogue_checkpoint();
+    steer_load_here(dialogue, settings, here);
+    Meniscus__Request first = dialogue_checkpoint();
+    assert_int_equal(dialogue_code(dialogue, &first), MENISCUS__CODE__OK);
+    assert_int_equal(steer_code(dialogue, dialogue_start()), MENISCUS__CODE__OK);
+    steer_wait_for(dialogue, MENISCUS__STATE__FAULT);
+    Meniscus__Reply *reply = dialogue_ask(dialogue, &checkpoint);
+    steer_refused(reply, MENISCUS__CODE__FAILED_PRECONDITION, "a snapshot shows the state");
+    assert_int_equal(kill(dialogue->daemon, SIGUSR1), 0);
+    steer_sleep(300);
+    assert_int_equal(steer_count(here, "checkpoint-"), 1);
+    assert_int_equal(steer_count(here, "snapshot-"), 1); /* what there is to be seen */
+    steer_accepted(steer_restore(dialogue, NULL));
+    steer_stands_at(dialogue, MENISCUS__STATE__READY, 0);
+}
+
 static void assert_kept(const char *here, uint64_t step)
 {
     char name[512];
@@ -185,6 +207,7 @@ static void a_signal_for_a_checkpoint_does_not_stop_the_run(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(a_diverged_state_becomes_no_checkpoint, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_failed_output_stops_the_run_and_is_written_after_resume, steer_begin,
                                         steer_end_somehow),
         cmocka_unit_test_setup_teardown(a_checkpoint_does_not_wait_for_another_output_that_failed, steer_begin,
