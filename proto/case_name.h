@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Names of cases, daemons, fluids, walls and probes. They become names of files, of data sets and parts of paths, so one
- * small alphabet serves all; limits of length and of the first letter are up to who uses them. */
+ * small alphabet serves all; closer limits of length and of the first letter are up to who uses them. */
 #ifndef PROTO_CASE_NAME_H
 #define PROTO_CASE_NAME_H
 
@@ -8,7 +8,7 @@
 
 enum { CASE_NAME_SIZE = 101 };
 
-/* At least one letter, and only letters, digits, dots, dashes and underscores. */
+/* One to 100 letters, digits, dots, dashes and underscores, the first of them no dot: that would be hidden, or a way up. */
 bool is_name(const char *text);
 
 /* "cases/tank.yaml" gives "tank": the file's name without folder and ending, cut to 100 letters, with underscores for what

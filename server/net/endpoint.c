@@ -17,7 +17,7 @@ static const size_t PATH_LONGEST = sizeof((struct sockaddr_un *)NULL)->sun_path 
 
 static MnsStatus check_name(const char *name, MnsError *error)
 {
-    if (is_name(name) && strlen(name) <= 64 && name[0] != '.') return MNS_OK;
+    if (is_name(name) && strlen(name) <= 64) return MNS_OK;
     return mns_fail_at(
         error, MNS_E_INVALID, "name",
         "the name of a daemon has 1 to 64 letters, digits, dots, dashes and underscores and does not begin "

@@ -154,6 +154,18 @@ static void a_bad_case_names_its_place_and_leaves_nothing(void **state)
     assert_int_equal(access(command, F_OK), -1);
 }
 
+/* HDF5 would take it for the group, when the first samples are written. */
+static void a_probe_that_is_a_dot_is_refused_before_anything_is_run(void **state)
+{
+    Place *place = *state;
+    char command[256];
+    snprintf(command, sizeof command, "sed -i 's/name: energy/name: ./' %s/dam.yaml", place->home);
+    assert_int_equal(system(command), 0);
+    json_decref(run(place, "", "--set end_time=0.05 --set output.probe_interval=0.01"));
+    assert_int_equal(place->code, 65);
+    assert_memory_equal(place->first, "dam.yaml:15:12: probes[1].name: ", 32);
+}
+
 static void a_bad_override_is_its_own_place(void **state)
 {
     Place *place = *state;
@@ -265,6 +277,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(signals_are_heard_however_many, begin, end),
         cmocka_unit_test_setup_teardown(an_end_before_the_time_to_stop_is_the_end, begin, end),
         cmocka_unit_test_setup_teardown(a_bad_case_names_its_place_and_leaves_nothing, begin, end),
+        cmocka_unit_test_setup_teardown(a_probe_that_is_a_dot_is_refused_before_anything_is_run, begin, end),
         cmocka_unit_test_setup_teardown(a_bad_override_is_its_own_place, begin, end),
         cmocka_unit_test_setup_teardown(too_little_memory_is_the_fault_of_the_resolution, begin, end),
         cmocka_unit_test_setup_teardown(a_formula_that_fails_on_the_way_is_a_fault_of_the_run, begin, end),

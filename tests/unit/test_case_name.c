@@ -56,10 +56,24 @@ static void a_long_name_is_cut(void **state)
 static void names_are_letters_digits_dots_dashes_and_underscores(void **state)
 {
     (void)state;
-    static const char *const good[] = {"a", "Z", "09", "P05", "a.b-c_d", ".", "-"};
-    static const char *const bad[] = {"", " ", "a b", "a/b", "a:b", "\xc3\xb6", "a\n", "a\"", "a*"};
+    static const char *const good[] = {"a", "Z", "09", "P05", "a.b-c_d", "-", "a.", "a..b"};
+    static const char *const bad[] = {"", " ", "a b", "a/b", "a:b", "\xc3\xb6", "a\n", "a\"", "a*", ".", "..", ".a"};
     for (size_t k = 0; k < sizeof good / sizeof *good; k++) assert_true(is_name(good[k]));
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) assert_false(is_name(bad[k]));
+}
+
+/* HDF5 takes a dot for the group itself, and longer names would be cut where they are used. */
+static void what_cannot_be_a_file_or_a_link_in_one_is_no_name(void **state)
+{
+    (void)state;
+    char name[CASE_NAME_SIZE + 1];
+    memset(name, 'n', sizeof name);
+    name[CASE_NAME_SIZE] = 0;
+    assert_false(is_name(name));
+    name[CASE_NAME_SIZE - 1] = 0;
+    assert_true(is_name(name));
+    assert_false(is_name("."));
+    assert_false(is_name(".."));
 }
 
 int main(void)
@@ -68,6 +82,7 @@ int main(void)
         cmocka_unit_test(the_folder_and_the_ending_are_no_part_of_it),
         cmocka_unit_test(what_a_name_may_not_have_becomes_an_underscore),
         cmocka_unit_test(a_long_name_is_cut),
+        cmocka_unit_test(what_cannot_be_a_file_or_a_link_in_one_is_no_name),
         cmocka_unit_test(names_are_letters_digits_dots_dashes_and_underscores),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

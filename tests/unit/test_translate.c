@@ -185,10 +185,11 @@ static void names_must_differ_and_be_plain(void **state)
     (void)state;
     refuses(HEAD "probes: [{name: p, mass: {}}, {name: p, mass: {}}]\n", "probes[1].name",
             ": found \"p\", which probe 0 has too: names must differ");
-    refuses(HEAD "probes: [{name: a b, mass: {}}]\n", "probes[0].name",
-            ": found \"a b\", allowed: letters, digits, dot, dash and underscore");
+    refuses(
+        HEAD "probes: [{name: a b, mass: {}}]\n", "probes[0].name",
+        ": found \"a b\", allowed: up to 100 letters, digits, dots, dashes and underscores, the first of them no dot");
     refuses(HEAD "probes: [{name: \"\", mass: {}}]\n", "probes[0].name",
-            ": found \"\", allowed: letters, digits, dot, dash and underscore");
+            ": found \"\", allowed: up to 100 letters, digits, dots, dashes and underscores, the first of them no dot");
     refuses(HEAD "constants: [{name: a, value: 1}, {name: a, value: 2}]\n", "constants[1].name",
             ": found \"a\", which constant 0 has too: names must differ");
     refuses(HEAD "constants: [{name: 1a, value: 1}]\n", "constants[0].name",
