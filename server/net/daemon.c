@@ -193,7 +193,7 @@ static void serve(Daemon *daemon)
  * written from the root, so that replies mean the same wherever who reads them is. */
 static MnsStatus make_parent(Daemon *daemon, MnsError *error)
 {
-    bool made;
+    size_t made;
     char whole[PATH_MAX];
     const MnsStatus status = rundir_make(daemon->parent, &made, error);
     if (status) return status;

@@ -20,7 +20,7 @@ typedef struct Candidate {
     Document *stored;   /* as a checkpoint had it; NULL without one */
     Document *original; /* what a reset leads back to, if it is another one than now */
     bool goes_on;       /* from a checkpoint                                         */
-    bool made;          /* the directory was not there before                        */
+    size_t made;        /* of the directory, by rundir_make()                      */
     int lock;           /* of the directory; -1 if the present run has it            */
     char directory[RUNDIR_PATH];
 } Candidate;
@@ -32,7 +32,7 @@ static void candidate_drop(Candidate *candidate)
     document_leave(candidate->stored);
     document_leave(candidate->original);
     if (candidate->lock < 0) return; /* the directory is not ours to take away */
-    if (candidate->made) rundir_unmake(candidate->directory);
+    if (candidate->made) rundir_unmake(candidate->directory, candidate->made);
     close(candidate->lock);
 }
 

@@ -36,22 +36,41 @@ MnsStatus rundir_choose(const char *parent, const char *name, bool latest, char 
     return MNS_OK;
 }
 
-MnsStatus rundir_make(const char *dir, bool *ret_made, MnsError *error)
+/* From the end on, what is empty, down to the part of this length. */
+static void remove_down_to(char path[static 4096], size_t first)
+{
+    while (first && strlen(path) >= first) {
+        char *slash = strrchr(path, '/');
+        rmdir(path);
+        if (!slash) return;
+        *slash = 0;
+    }
+}
+
+/* path ends with a slash, which is put back. */
+static MnsStatus make_all(char path[static 4096], size_t *ret_first, MnsError *error)
+{
+    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
+        *slash = 0;
+        const bool made = !mkdir(path, 0777);
+        if (!made && errno != EEXIST) return file_fail(error, errno, "make the directory", path);
+        if (made && !*ret_first) *ret_first = strlen(path);
+        *slash = '/';
+    }
+    return access(path, W_OK | X_OK) ? file_fail(error, errno, "write to", path) : MNS_OK;
+}
+
+MnsStatus rundir_make(const char *dir, size_t *ret_made, MnsError *error)
 {
     char path[4096];
-    bool made = false;
+    size_t first = 0;
     if (strlen(dir) >= RUNDIR_PATH)
         return mns_fail(error, MNS_E_LIMIT, "the path of the run directory is too long: %.200s...", dir);
     snprintf(path, sizeof path, "%s/", dir);
-    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
-        *slash = 0;
-        made = !mkdir(path, 0777);
-        if (!made && errno != EEXIST) return file_fail(error, errno, "make the directory", path);
-        *slash = '/';
-    }
-    if (access(path, W_OK | X_OK)) return file_fail(error, errno, "write to", path);
-    *ret_made = made;
-    return MNS_OK;
+    const MnsStatus status = make_all(path, &first, error);
+    if (status) remove_down_to(path, first);
+    else *ret_made = first;
+    return status;
 }
 
 static const char lock_name[] = "lock";
@@ -67,11 +86,12 @@ MnsStatus rundir_lock(const char *dir, int *ret_fd, MnsError *error)
                     holder, dir);
 }
 
-void rundir_unmake(const char *dir)
+void rundir_unmake(const char *dir, size_t made)
 {
     char path[4096];
     if (!directory_path(path, dir, lock_name, NULL)) unlink(path);
-    rmdir(dir);
+    snprintf(path, sizeof path, "%s", dir);
+    remove_down_to(path, made);
 }
 
 static const char series_name[] = "probes.hdf";

@@ -17,9 +17,10 @@ enum { RUNDIR_PATH = 4096 - 64 }; /* leaves room for the names of its files in a
 MnsStatus rundir_choose(const char *parent, const char *name, bool latest, char ret[static RUNDIR_PATH],
                         MnsError *error);
 
-/* Make the directory and those above it, and see whether it can be written to. MNS_E_IO, MNS_E_NO_SPACE.
- *  ret_made  whether it was not there before */
-MnsStatus rundir_make(const char *dir, bool *ret_made, MnsError *error);
+/* Make the directory and those above it, and see whether it can be written to. MNS_E_IO, MNS_E_NO_SPACE: none is left that was not
+ * there before.
+ *  ret_made  length of the path of the first one that was made; 0: all were there before */
+MnsStatus rundir_make(const char *dir, size_t *ret_made, MnsError *error);
 
 /* Have the directory for oneself until the descriptor is closed. MNS_E_STATE: another run has it, and the sentence says whose;
  * MNS_E_IO, MNS_E_NO_SPACE. */
@@ -28,8 +29,8 @@ MnsStatus rundir_lock(const char *dir, int *ret_fd, MnsError *error);
 /* Remove what a writer that was killed left half written; only whoever has the lock may. */
 void rundir_clear(const char *dir);
 
-/* Take away the directory if nothing is in it but our lock, as after a run that could not begin. */
-void rundir_unmake(const char *dir);
+/* Take away what was made, as far as nothing is in it but our lock, as after a run that could not begin. */
+void rundir_unmake(const char *dir, size_t made);
 
 /* Move aside the checkpoints and snapshots of steps later than `after`, or with all, every one, their index and the probes; where some are
  * left, a link to the probes goes with the others, or a copy. On failure all is where it was.

@@ -157,24 +157,55 @@ static void a_directory_is_had_by_one(void **state)
     char dir[128];
     MnsError error;
     int fd, other;
-    bool made;
+    size_t made;
     path_of("a/b", dir);
     assert_int_equal(rundir_make(dir, &made, &error), MNS_OK);
-    assert_true(made);
+    assert_int_equal(made, strlen(dir) - strlen("/b"));
     assert_int_equal(rundir_lock(dir, &fd, &error), MNS_OK);
     assert_int_equal(rundir_lock(dir, &other, &error), MNS_E_STATE);
     assert_non_null(strstr(error.text, dir));
     assert_non_null(strstr(error.text, "process "));
-    rundir_unmake(dir);
-    assert_false(has("a/b"));
+    rundir_unmake(dir, made);
+    assert_false(has("a"));
     close(fd);
+}
+
+static void directories_that_were_there_are_not_unmade(void **state)
+{
+    (void)state;
+    char dir[128];
+    size_t made;
+    path_of("a", dir);
+    assert_int_equal(rundir_make(dir, &made, NULL), MNS_OK);
+    path_of("a//b/c", dir);
+    assert_int_equal(rundir_make(dir, &made, NULL), MNS_OK);
+    assert_true(has("a/b/c"));
+    rundir_unmake(dir, made);
+    assert_false(has("a/b"));
+    assert_true(has("a"));
+    assert_int_equal(rundir_make(place, &made, NULL), MNS_OK);
+    assert_int_equal(made, 0);
+}
+
+/* A file stands in the way of the third. */
+static void directories_that_cannot_be_made_leave_none(void **state)
+{
+    (void)state;
+    char dir[128];
+    size_t made = 7;
+    MnsError error;
+    put("file");
+    path_of("new/../file/x", dir);
+    assert_int_equal(rundir_make(dir, &made, &error), MNS_E_IO);
+    assert_int_equal(made, 7);
+    assert_false(has("new"));
 }
 
 static void a_directory_with_files_is_not_unmade(void **state)
 {
     (void)state;
     put("log");
-    rundir_unmake(place);
+    rundir_unmake(place, strlen(place));
     assert_true(has("log"));
 }
 
@@ -201,6 +232,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(all_move_aside_and_never_over_those_before, begin, end),
         cmocka_unit_test_setup_teardown(nothing_to_move_makes_no_directory, begin, end),
         cmocka_unit_test_setup_teardown(a_directory_is_had_by_one, begin, end),
+        cmocka_unit_test_setup_teardown(directories_that_were_there_are_not_unmade, begin, end),
+        cmocka_unit_test_setup_teardown(directories_that_cannot_be_made_leave_none, begin, end),
         cmocka_unit_test_setup_teardown(a_directory_with_files_is_not_unmade, begin, end),
         cmocka_unit_test_setup_teardown(what_a_killed_writer_left_is_cleared_and_nothing_else, begin, end),
     };
