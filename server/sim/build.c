@@ -199,6 +199,11 @@ typedef struct Filling {
     const Start *starts; /* [n_fluids]; NULL: what they are comes later */
 } Filling;
 
+static bool in_bounds(const Model *model, double ratio)
+{
+    return ratio > model->density_min && ratio < model->density_max;
+}
+
 static MnsStatus fail_fluid(const Filling *f, size_t i, double p, const double x[3], int me, MnsError *error)
 {
     const unsigned phase = f->sim->s.phase[i];
@@ -208,10 +213,15 @@ static MnsStatus fail_fluid(const Filling *f, size_t i, double p, const double x
     if (why)
         return mns_fail_at(error, MNS_E_INVALID, at, "a formula of pressure or velocity fails at (%g, %g, %g) m: %s",
                            x[0], x[1], x[2], why);
+    if (!isfinite(p) || in_bounds(&f->sim->model, f->sim->s.rho[i] / f->sim->model.phase[phase].rho0))
+        return mns_fail_at(error, MNS_E_INVALID, at, "pressure or velocity is not finite at (%g, %g, %g) m", x[0], x[1],
+                           x[2]);
+    snprintf(at, sizeof at, "fluids[%u].pressure", phase);
     return mns_fail_at(error, MNS_E_INVALID, at,
-                       "pressure or velocity is not finite, or the pressure %g Pa too low for the "
-                       "sound speed, at (%g, %g, %g) m",
-                       p, x[0], x[1], x[2]);
+                       "the pressure %g Pa is too %s for the sound speed at (%g, %g, %g) m: the density would be %.3g "
+                       "times that of reference, allowed (%g, %g)",
+                       p, p < 0 ? "low" : "high", x[0], x[1], x[2], f->sim->s.rho[i] / f->sim->model.phase[phase].rho0,
+                       f->sim->model.density_min, f->sim->model.density_max);
 }
 
 /* A particle stands for a cell of the lattice; what is summed there is the density that the pressure asks for. */
@@ -226,7 +236,7 @@ static MnsStatus set_fluid(const Filling *f, size_t i, const double x[3], MnsErr
     s->rho[i] = phase->rho0 + p / (phase->c * phase->c);
     s->m[i] = s->rho[i] * model->wall_volume;
     const double ratio = s->rho[i] / phase->rho0;
-    bool finite = isfinite(p) && ratio > model->density_min && ratio < model->density_max;
+    bool finite = isfinite(p) && in_bounds(model, ratio);
     for (int d = 0; d < s->dim; d++) {
         s->v[d][i] = formula_eval(formula_of(&start->velocity[d], me), x);
         finite = finite && isfinite(s->v[d][i]);

@@ -4,6 +4,7 @@
 
 import ctypes
 import os
+import re
 import subprocess
 import sys
 import threading
@@ -48,6 +49,15 @@ class WithDaemon(DaemonTest):
         self.assertIn("P05", probes[-1].values)
         self.assertEqual({message.lost for message in heard}, {0})
         self.assertEqual(self.client.wait(["DONE"], timeout=20).state, "DONE")
+
+    def test_a_resumed_run_keeps_what_was_set_but_for_overrides(self) -> None:
+        self.load()
+        self.client.set({"end_time": 3, "gravity": [0, -2]})
+        self.client.step(2)
+        self.client.checkpoint()
+        self.assertEqual(self.client.load("dambreak2d", SMALL | {"end_time": 5}, resume=True).step, 2)
+        self.assertEqual(self.client.get("end_time")["end_time"].value, 5)
+        self.assertIn("-2", str(self.client.get("gravity")["gravity"]))
 
     def test_pause_step_and_run_until_return_after_their_effect(self) -> None:
         self.load()
@@ -250,6 +260,15 @@ class WithoutDaemon(unittest.TestCase):
                 case.CaseText(wrong).message()
             self.assertRegex(caught.exception.message, r"^case:\d+:\d+: ")
             self.assertIn(hint, caught.exception.message)
+
+    def test_a_wrong_override_is_its_own_place_and_is_guessed_at(self) -> None:
+        for path, hint in (("resolutio", "resolution"), ("fluids[0].densty", "density"), ("outputs.walls", "output")):
+            text = case.CaseText("dambreak2d")
+            text.set(path, 1)
+            with self.assertRaises(meniscus.CaseError) as caught:
+                text.message()
+            self.assertRegex(caught.exception.message, rf"^override {re.escape(path)}: ")
+            self.assertIn(f'did you mean "{hint}"?', caught.exception.message)
 
     def test_the_package_can_be_built_as_pip_would(self) -> None:
         import tempfile

@@ -320,6 +320,23 @@ static void particles_are_the_same_for_any_number_of_threads(void **state)
     sim_done(sim, c);
 }
 
+static void a_pressure_that_no_density_gives_is_told_high_or_low(void **state)
+{
+    (void)state;
+    static const char *const of[][2] = {
+        {"1e6", "1e+06 Pa is too high"}, {"-1e6", "-1e+06 Pa is too low"}, {"0/0", "not finite"}};
+    for (size_t k = 0; k < sizeof of / sizeof *of; k++) {
+        MnsCase *c = of_everything(1);
+        MnsError error = {0};
+        MnsSim *sim = NULL;
+        case_set_text(&c->fluids[1].pressure, of[k][0]);
+        assert_int_equal(mns_sim_new(c, &sim, &error), MNS_E_INVALID);
+        assert_memory_equal(error.path, "fluids[1]", 9);
+        if (!strstr(error.text, of[k][1])) fail_msg("%s", error.text);
+        mns_case_free(c);
+    }
+}
+
 /* A wrong case is wrong in the same words each time. */
 static void what_is_wrong_is_told_of_the_first_point_that_is(void **state)
 {
@@ -395,6 +412,7 @@ int main(void)
         cmocka_unit_test(velocities_are_those_of_the_formulas),
         cmocka_unit_test(hydrostatic_pressure_is_the_weight_above),
         cmocka_unit_test(particles_are_the_same_for_any_number_of_threads),
+        cmocka_unit_test(a_pressure_that_no_density_gives_is_told_high_or_low),
         cmocka_unit_test(what_is_wrong_is_told_of_the_first_point_that_is),
         cmocka_unit_test(failing_start_is_told_with_its_reason),
         cmocka_unit_test(empty_space_takes_no_memory),

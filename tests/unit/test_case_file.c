@@ -72,9 +72,9 @@ static void a_value_out_of_bounds_is_named_with_what_is_allowed(void **state)
     (void)state;
     complains(HEAD "fluids:\n  - {name: water, density: 1, sound_speed: 10}\n  - name: air\n    density: -1\n"
                    "    sound_speed: 10\n",
-              "a.yaml:8:14: fluids[1].density: found \"-1\", allowed: (0, inf) kg/m^3");
+              "a.yaml:8:14: fluids[1].density: found \"-1\", allowed: [1e-9, 1e9] kg/m^3");
     complains(HEAD "fluids: [{name: a, density: 0, sound_speed: 1}]\n",
-              "a.yaml:5:29: fluids[0].density: found \"0\", allowed: (0, inf) kg/m^3");
+              "a.yaml:5:29: fluids[0].density: found \"0\", allowed: [1e-9, 1e9] kg/m^3");
     complains(HEAD FLUIDS "threads: 1025\n",
               "a.yaml:6:10: threads: found \"1025\", allowed: whole number in [0, 1024]");
 }

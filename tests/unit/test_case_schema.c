@@ -64,8 +64,11 @@ static void comments_become_units_bounds_and_counts(void **state)
     const ProtobufCMessageDescriptor *fluid = &meniscus__fluid__descriptor, *box = &meniscus__box__descriptor;
     const CaseEntry *density = case_entry_of(fluid, case_field_named(fluid, "density", 7));
     assert_string_equal(density->unit, "kg/m^3");
-    assert_string_equal(density->range, "(0, inf)");
-    assert_true(density->min == 0 && density->min_open && density->required && !density->steerable);
+    assert_string_equal(density->range, "[1e-9, 1e9]");
+    assert_true(density->min == 1e-9 && !density->min_open && density->required && !density->steerable);
+    const CaseEntry *sound_speed = case_entry_of(fluid, case_field_named(fluid, "sound_speed", 11));
+    assert_string_equal(sound_speed->range, "(0, inf)");
+    assert_true(sound_speed->min == 0 && sound_speed->min_open);
     const CaseEntry *corner = case_entry_of(box, case_field_named(box, "min", 3));
     assert_int_equal(corner->count_min, 2);
     assert_int_equal(corner->count_max, 3);

@@ -136,7 +136,7 @@ static void wrong_assignments_are_refused(void **state)
     refuses(file, "=1", "--set =1: write PATH=VALUE, as in resolution=40");
     refuses(file, "resolution=", "--set resolution=: there is nothing here");
     refuses(file, "resolution=fine", "--set resolution=fine: found \"fine\", which is not a number, allowed: [1, 1e6]");
-    refuses(file, "fluids[1].density=-1", "--set fluids[1].density=-1: found \"-1\", allowed: (0, inf) kg/m^3");
+    refuses(file, "fluids[1].density=-1", "--set fluids[1].density=-1: found \"-1\", allowed: [1e-9, 1e9] kg/m^3");
     refuses(file, "fluids[2]={name: oil, density: 800}",
             "--set fluids[2]={name: oil, density: 800}: fluids[2].sound_speed: missing, required: (0, inf) m/s");
     refuses(file, "domain.min=[0]", "--set domain.min=[0]: found a list of 1, allowed: a list of 2 to 3");

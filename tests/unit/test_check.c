@@ -177,6 +177,10 @@ static void no_density(MnsCase *c)
 {
     c->fluids[1].density = 0;
 }
+static void vanishing_density(MnsCase *c) /* its square is 0 */
+{
+    c->fluids[1].density = 1e-310;
+}
 static void infinite_density(MnsCase *c)
 {
     c->fluids[1].density = INFINITY;
@@ -358,6 +362,7 @@ static const Refusal REFUSALS[] = {
     {"gravity[0]", MNS_E_INVALID, gravity_of_place},
     {"constants[1].value", MNS_E_INVALID, bad_constant},
     {"fluids[1].density", MNS_E_INVALID, no_density},
+    {"fluids[1].density", MNS_E_INVALID, vanishing_density},
     {"fluids[1].density", MNS_E_INVALID, infinite_density},
     {"fluids[0].sound_speed", MNS_E_INVALID, no_sound},
     {"fluids[0].viscosity", MNS_E_INVALID, negative_viscosity},
@@ -536,7 +541,7 @@ static void what_only_placing_particles_shows_is_refused_then(void **state)
         {"walls[1].shape", MNS_E_INVALID, wall_far_away},
         {"fluids[1].pressure", MNS_E_INVALID, oblique_gravity},
         {"fluids[0].pressure", MNS_E_INVALID, weightless_column},
-        {"fluids[0]", MNS_E_INVALID, vacuum},
+        {"fluids[0].pressure", MNS_E_INVALID, vacuum},
         {"fluids[1]", MNS_E_INVALID, infinite_pressure},
         {"fluids[0]", MNS_E_INVALID, nan_velocity},
     };

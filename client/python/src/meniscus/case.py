@@ -6,11 +6,12 @@ Each entry's place in the file is kept, so that a complaint of the daemon can na
 
 from __future__ import annotations
 
+import difflib
 import io
 import os
 import re
 from pathlib import Path
-from typing import Any, Dict, Mapping, Optional, Union
+from typing import Any, Dict, Iterable, Mapping, Optional, Union
 
 import yaml
 from google.protobuf.descriptor import FieldDescriptor
@@ -83,7 +84,7 @@ class CaseText:
         words = re.findall(r"[^.\[\]]+", path)
         for k, word in enumerate(words):
             last = k == len(words) - 1
-            node = _descend(node, word, new if last else None, path)
+            node = _descend(node, word, new, last, path)
         self.settings[path] = text
 
     def message(self) -> case_pb2.Case:
@@ -110,7 +111,7 @@ class CaseText:
             field = message.DESCRIPTOR.fields_by_name.get(key.value)
             inner = f"{path}.{key.value}" if path else key.value
             if field is None:
-                raise self._fail(key, inner, "unknown entry; allowed: " + ", ".join(message.DESCRIPTOR.fields_by_name))
+                raise self._fail(key, inner, f'unknown entry "{key.value}", ' + _suggest(key.value, message.DESCRIPTOR.fields_by_name))
             self._places[inner] = _place(value.start_mark)
             self._read_field(value, message, field, inner)
 
@@ -139,34 +140,36 @@ class CaseText:
         return value
 
 
+def _suggest(wrong: str, names: Iterable[str]) -> str:
+    near = difflib.get_close_matches(wrong, names, 1)
+    return (f'did you mean "{near[0]}"? Allowed: ' if near else "allowed: ") + ", ".join(names)
+
+
 def _place(mark: yaml.Mark) -> str:
     """FILE:LINE:COLUMN; an override has no lines worth naming."""
     return mark.name if mark.name.startswith(OVERRIDE) else f"{mark.name}:{mark.line + 1}:{mark.column + 1}"
 
 
-def _descend(node: yaml.Node, word: str, new: Optional[yaml.Node], path: str) -> yaml.Node:
-    """The entry `word` of a node, replaced by `new` or made if it is not there."""
+def _descend(node: yaml.Node, word: str, new: yaml.Node, last: bool, path: str) -> yaml.Node:
+    """The entry `word` of a node, replaced by `new` if it is the last word, or made there if it is not."""
+    made = new if last else yaml.MappingNode("tag:yaml.org,2002:map", [], new.start_mark, new.end_mark)
     if isinstance(node, yaml.SequenceNode):
         if not word.isdigit() or int(word) > len(node.value):
             raise CaseError("NOT_FOUND", f'"{path}": there is no item [{word}]', path)
         if int(word) == len(node.value):
-            node.value.append(new or _empty(node))
-        elif new:
+            node.value.append(made)
+        elif last:
             node.value[int(word)] = new
         return node.value[int(word)]
     if not isinstance(node, yaml.MappingNode):
         raise CaseError("NOT_FOUND", f'"{path}": "{word}" is not an entry of a single value', path)
     for k, (key, value) in enumerate(node.value):
         if key.value == word:
-            node.value[k] = (key, new or value)
+            node.value[k] = (key, new if last else value)
             return node.value[k][1]
-    key = yaml.ScalarNode("tag:yaml.org,2002:str", word, node.start_mark, node.end_mark)
-    node.value.append((key, new or _empty(node)))
-    return node.value[-1][1]
-
-
-def _empty(near: yaml.Node) -> yaml.MappingNode:
-    return yaml.MappingNode("tag:yaml.org,2002:map", [], near.start_mark, near.end_mark)
+    key = yaml.ScalarNode("tag:yaml.org,2002:str", word, new.start_mark, new.end_mark)
+    node.value.append((key, made))
+    return made
 
 
 def _scalar(text: str, field: FieldDescriptor) -> Any:
