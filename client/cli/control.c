@@ -10,21 +10,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Print a reply, and forget it. */
-static MnsStatus report(const Invocation *in, MnsStatus status, MnsReply *reply, MnsError *error)
+/* Print a reply, and forget it. path: what it names, or NULL. */
+static MnsStatus report_path(const Invocation *in, MnsReply *reply, const char *path, MnsError *error)
 {
-    if (status != MNS_OK) return status;
+    MnsStatus status = MNS_OK;
     if (in->json) {
         json_t *object = output_reply(reply);
-        if (reply->output) json_object_set_new(object, "path", json_string(reply->output->path));
+        if (path) json_object_set_new(object, "path", json_string(path));
         status = output_json(object, error);
     } else {
+        const char *message = path && !strcmp(path, reply->message) ? "" : reply->message;
         printf("%s at step %" PRIu64 ", t = %.6g s", mns_state_name(reply->state), reply->step, reply->time);
-        if (reply->output) printf(": %s", reply->output->path);
-        printf("%s%s\n", *reply->message ? ": " : "", reply->message);
+        printf("%s%s%s%s\n", path ? ": " : "", path ? path : "", *message ? ": " : "", message);
     }
     mns_reply_free(reply);
     return status;
+}
+
+static MnsStatus report(const Invocation *in, MnsStatus status, MnsReply *reply, MnsError *error)
+{
+    if (status != MNS_OK) return status;
+    return report_path(in, reply, reply->output ? reply->output->path : NULL, error);
 }
 
 MnsStatus command_simple(Invocation *in, MnsError *error)
@@ -150,6 +156,16 @@ MnsStatus command_breakpoint(Invocation *in, MnsError *error)
     return report(in, status, reply, error);
 }
 
+/* The directory is in the reply to the load. */
+static MnsStatus start_loaded(const Invocation *in, MnsReply *loaded, MnsError *error)
+{
+    MnsReply *reply = NULL;
+    MnsStatus status = mns_client_start(in->client, &reply, error);
+    if (status == MNS_OK) status = report_path(in, reply, loaded->output ? loaded->output->path : NULL, error);
+    mns_reply_free(loaded);
+    return status;
+}
+
 MnsStatus command_load(Invocation *in, MnsError *error)
 {
     const char *sets[MAX_WORDS];
@@ -159,12 +175,11 @@ MnsStatus command_load(Invocation *in, MnsError *error)
                           .n_sets = options_all(&in->options, OPT_SET, sets),
                           .sets = sets,
                           .resume = options_get(&in->options, OPT_RESUME)};
-    const bool start = options_get(&in->options, OPT_START);
     MnsReply *reply = NULL;
     MnsStatus status = case_find(in->options.words[0], path, error);
     if (status == MNS_OK) status = command_connect(in, error);
-    if (status == MNS_OK) status = mns_client_load(in->client, &load, start ? NULL : &reply, error);
+    if (status == MNS_OK) status = mns_client_load(in->client, &load, &reply, error);
     if (status != MNS_OK && strcmp(error->path, "name") == 0) command_usage(in, status); /* --name, not the case */
-    if (status == MNS_OK && start) status = mns_client_start(in->client, &reply, error);
-    return report(in, status, reply, error);
+    if (status != MNS_OK || !options_get(&in->options, OPT_START)) return report(in, status, reply, error);
+    return start_loaded(in, reply, error);
 }

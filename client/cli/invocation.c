@@ -53,12 +53,15 @@ static int misuse(const MnsError *error, bool json, const Command *command)
     return MNS_EXIT_USAGE;
 }
 
+/* The last one holds, but if any is wrong, whoever has asked for JSON is still told of it in JSON. */
 static MnsStatus check_format(Invocation *in, MnsError *error)
 {
-    const char *format = options_get(&in->options, OPT_OUTPUT);
-    in->json = format && strcmp(format, "json") == 0;
-    if (format && !in->json && strcmp(format, "text") != 0)
-        return mns_fail(error, MNS_E_INVALID, "-o %s: the output is text or json", format);
+    const char *formats[MAX_WORDS];
+    const size_t n = options_all(&in->options, OPT_OUTPUT, formats);
+    for (size_t k = 0; k < n; k++)
+        if (strcmp(formats[k], "json") != 0 && strcmp(formats[k], "text") != 0)
+            return mns_fail(error, MNS_E_INVALID, "-o %s: the output is text or json", formats[k]);
+    in->json = n && strcmp(formats[n - 1], "json") == 0;
     return MNS_OK;
 }
 

@@ -72,8 +72,9 @@ json_t *output_array(const MnsArray *array)
 
 json_t *output_reply(const MnsReply *reply)
 {
-    return json_pack("{ss sI so sI so ss}", "state", mns_state_name(reply->state), "step", (json_int_t)reply->step,
-                     "time", output_number(reply->time), "effect_step", (json_int_t)reply->effect_step, "daemon_epoch",
+    json_t *effect = reply->effect_step == MNS_NO_STEP ? json_null() : json_integer((json_int_t)reply->effect_step);
+    return json_pack("{ss sI so so so ss}", "state", mns_state_name(reply->state), "step", (json_int_t)reply->step,
+                     "time", output_number(reply->time), "effect_step", effect, "daemon_epoch",
                      hex(reply->daemon_epoch), "message", reply->message);
 }
 

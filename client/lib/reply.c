@@ -268,7 +268,7 @@ static MnsStatus read_reply(OwnedReply *owned, Frames *frames, MnsError *error)
                               .state = (MnsState)message->state,
                               .daemon_epoch = message->daemon_epoch,
                               .step = message->step,
-                              .effect_step = message->effect_step,
+                              .effect_step = message->has_effect_step ? message->effect_step : MNS_NO_STEP,
                               .time = message->time};
     if (!read_result(owned)) return mns_fail(error, MNS_E_MEMORY, "no memory for a reply");
     return read_arrays(owned, frames, error);

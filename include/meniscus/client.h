@@ -119,19 +119,23 @@ typedef struct MnsCapabilities {
     const MnsTopicInfo *parameters, *fields, *schemes;
 } MnsCapabilities;
 
+#define MNS_NO_STEP UINT64_MAX
+
 /** The answer to a command. All it points to lives as long as it does. */
 typedef struct MnsReply {
     const char *message;   /* a sentence for people; may be empty */
     MnsState state;        /* after the effect */
     uint64_t daemon_epoch; /* another number after every start of the daemon */
     uint64_t step;         /* at the time of the reply */
-    uint64_t effect_step;  /* the step boundary at which the command took effect */
-    double time;           /* simulated time of the reply [s] */
+    uint64_t
+        effect_step; /* the step boundary at which the command took effect; MNS_NO_STEP: nothing did, as of a get */
+    double time;     /* simulated time of the reply [s] */
     size_t n_values, n_arrays;
-    const MnsValue *values;              /* get, set, query of probes */
-    const MnsArray *arrays;              /* query of points and particles */
-    const MnsRunInfo *info;              /* status, else NULL */
-    const MnsOutputFile *output;         /* checkpoint, snapshot, else NULL */
+    const MnsValue *values; /* get, set, query of probes */
+    const MnsArray *arrays; /* query of points and particles */
+    const MnsRunInfo *info; /* status, else NULL */
+    const MnsOutputFile
+        *output; /* checkpoint, snapshot; of load, reset, restore, stop, shutdown the run directory; or NULL */
     const MnsCapabilities *capabilities; /* capabilities, else NULL */
     bool state_reached;                  /* wait: one of the states, rather than the time or the step */
 } MnsReply;

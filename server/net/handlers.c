@@ -313,12 +313,12 @@ static MnsStatus complete_file(Exchange *x, MnsError *error)
     return MNS_OK;
 }
 
-/* Where the files of the run are. */
+/* Where the files of the run are, or were. */
 static MnsStatus complete_directory(Exchange *x, MnsError *error)
 {
-    (void)error;
+    if (!x->order.path[0]) return MNS_OK; /* there was none */
     x->reply->message = strdup(x->order.path);
-    return MNS_OK;
+    return complete_file(x, error);
 }
 
 static MnsStatus complete_wait(Exchange *x, MnsError *error)

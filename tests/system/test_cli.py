@@ -37,12 +37,29 @@ class Commands(DaemonTest):
         self.assertEqual(self.ask("stop")["state"], "EMPTY")
 
     def test_every_reply_has_the_documented_keys(self) -> None:
-        self.assertEqual(set(self.load()) - {"path"}, REPLY)
+        self.assertEqual(set(self.load()), REPLY | {"path"})
         self.assertEqual(set(self.ask("status")), STATUS)
         self.assertEqual(set(self.ask("step")), REPLY)
         self.assertEqual(set(self.ask("get", "end_time")), REPLY | {"values"})
         self.assertEqual(set(self.ask("query")), REPLY | {"values"})
         self.assertEqual(set(self.ask("checkpoint")), REPLY | {"path"})
+
+    def test_the_run_directory_is_the_path_of_whatever_begins_or_ends_a_run(self) -> None:
+        loaded = self.load("--start")
+        self.assertEqual(loaded["state"], "RUNNING")
+        directory = loaded["path"]
+        self.assertEqual(directory, self.ask("status")["run_directory"])
+        self.meniscus("pause")
+        self.meniscus("checkpoint")
+        for command in ("reset", "stop"):
+            self.assertEqual(self.ask(command)["path"], directory)
+        self.assertIn(f": {self.load()['path']}\n", self.meniscus("stop").stdout)
+
+    def test_what_has_no_effect_has_no_step_of_it(self) -> None:
+        self.load()
+        self.meniscus("step", "2")
+        self.assertIsNone(self.ask("get", "end_time")["effect_step"])
+        self.assertEqual(self.ask("set", "end_time=3")["effect_step"], 2)
 
     def test_run_until_ends_exactly_there(self) -> None:
         self.load()
@@ -338,6 +355,7 @@ class WithoutDaemon(unittest.TestCase):
             "render -o json", "render a.hdf --bogus --output=json", "render a.hdf --out x.jpg -o json", "run -o json",
             "run dambreak2d --bogus -o json", "run dambreak2d --until x -ojson", "run a b -o json",
             "run dambreak2d --threads -1 -o json", "run dambreak2d --resume always --output json", "step x -o json",
+            "status -o json -o xml", "-o json schemes --output=xml", "run dambreak2d -o json -o xml",
         ):  # fmt: skip
             with self.subTest(words):
                 self.assert_fails_as_json(2, *words.split())

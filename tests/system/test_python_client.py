@@ -50,6 +50,12 @@ class WithDaemon(DaemonTest):
         self.assertEqual({message.lost for message in heard}, {0})
         self.assertEqual(self.client.wait(["DONE"], timeout=20).state, "DONE")
 
+    def test_the_run_directory_is_the_path_of_a_load(self) -> None:
+        loaded = self.client.load("dambreak2d", SMALL, start=True)
+        self.assertEqual((loaded.state, loaded.path), ("RUNNING", self.client.status().run_directory))
+        self.client.pause()
+        self.assertEqual(self.client.stop().path, loaded.path)
+
     def test_a_resumed_run_keeps_what_was_set_but_for_overrides(self) -> None:
         self.load()
         self.client.set({"end_time": 3, "gravity": [0, -2]})

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import time as clock
+from dataclasses import replace
 from types import TracebackType
 from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Type
 
@@ -77,7 +78,7 @@ class Client:
                 raise
             where = text.locate(error.path)
             raise CaseError(error.code, f"{where}: {error.path}: {error.message}", error.path, error.status) from None
-        return self.start() if start else reply
+        return replace(self.start(), path=reply.path) if start else reply
 
     def start(self) -> Reply:
         """Start the run."""

@@ -28,9 +28,10 @@ class Reply:
     state: str
     step: int  # at the time of the answer
     time: float  # simulated, at the time of the answer [s]
-    effect_step: int  # at which the command took effect
+    effect_step: Optional[int]  # at which the command took effect; None: nothing did
     daemon_epoch: int  # another number after every start of the daemon
     message: str = ""
+    path: Optional[str] = None  # of load, reset, restore, stop and shutdown: the run directory
 
 
 @dataclass(frozen=True)
@@ -119,7 +120,8 @@ def _given(message: Any, name: str) -> Any:
 def read_reply(reply: pb.Reply) -> Reply:
     """The part that every reply has."""
     return Reply(
-        pb.State.Name(reply.state), reply.step, reply.time, reply.effect_step, reply.daemon_epoch, reply.message
+        pb.State.Name(reply.state), reply.step, reply.time, _given(reply, "effect_step"), reply.daemon_epoch,
+        reply.message, _given(reply.output, "path") if reply.HasField("output") else None
     )
 
 
