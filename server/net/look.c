@@ -119,6 +119,8 @@ static MnsStatus box_of(const Meniscus__ParticleQuery *query, size_t dim, double
     for (size_t d = 0; d < 3; d++) {
         min[d] = query->n_min && d < dim ? query->min[d] : -INFINITY;
         max[d] = query->n_max && d < dim ? query->max[d] : INFINITY;
+        if (isnan(min[d]) || isnan(max[d]))
+            return mns_fail_at(error, MNS_E_INVALID, "box", "a corner of the box is no number along %c", "xyz"[d]);
     }
     return MNS_OK;
 }

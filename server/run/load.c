@@ -7,6 +7,7 @@
 #include "base/log.h"
 #include "io/names.h"
 #include "proto/case_file.h"
+#include "proto/case_name.h"
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
@@ -291,7 +292,7 @@ static MnsStatus read_named(Run *run, const char *name, Checkpoint *ret, MnsErro
     char path[4096];
     const char *directory = run->outputs.directory;
     if (!name) return outputs_read(run->outputs.writer, directory, true, note_damaged, run, ret, error);
-    if (strchr(name, '/') || strlen(name) > 60)
+    if (!is_name(name) || strlen(name) > 60)
         return mns_fail_at(
             error, MNS_E_INVALID, "checkpoint",
             "a checkpoint is named by its file in the run directory, as in checkpoint-0000000100.hdf; found "

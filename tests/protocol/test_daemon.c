@@ -251,6 +251,22 @@ static void particles_of_a_box_come_as_raw_frames_within_a_limit(void **state)
     assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__RESOURCE_EXHAUSTED);
 }
 
+static void a_box_has_corners_that_are_numbers(void **state)
+{
+    Dialogue *dialogue = *state;
+    Meniscus__Query query;
+    Meniscus__ParticleQuery which = MENISCUS__PARTICLE_QUERY__INIT;
+    double corner[2] = {0, NAN}, open[2] = {-INFINITY, 0};
+    dialogue_load(dialogue, NULL);
+    Meniscus__Request request = particles(&query, &which);
+    which.n_min = which.n_max = 2;
+    which.min = open;
+    which.max = corner;
+    steer_refused(dialogue_ask(dialogue, &request), MENISCUS__CODE__INVALID_ARGUMENT, "no number along y");
+    corner[1] = INFINITY;
+    steer_accepted(dialogue_ask(dialogue, &request));
+}
+
 static void a_breakpoint_pauses_at_its_step(void **state)
 {
     Dialogue *dialogue = *state;
@@ -352,6 +368,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(the_same_request_again_changes_nothing, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_set_of_several_is_all_or_nothing, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(particles_of_a_box_come_as_raw_frames_within_a_limit, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(a_box_has_corners_that_are_numbers, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_breakpoint_pauses_at_its_step, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_restored_run_goes_on_bit_for_bit, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_subscriber_hears_the_last_event_at_once, steer_begin, steer_end),
