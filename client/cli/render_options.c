@@ -125,6 +125,8 @@ MnsStatus render_options_read(const Options *options, RenderOptions *ret, MnsErr
         if (status) return status;
     }
     if (options->n_words) o.snapshot = options->words[0];
+    if (options_get(options, OPT_CUT) && options_get(options, OPT_PROJECT))
+        return mns_fail_at(error, MNS_E_INVALID, "--cut", "a picture is either of a --cut or a --project, not both");
     if (o.snapshot && options_get(options, OPT_DAEMON))
         return mns_fail(error, MNS_E_INVALID, "say what to draw: either a snapshot file or --daemon NAME, not both");
     if (!o.out) return mns_fail_at(error, MNS_E_INVALID, "--out", "say where the picture goes: --out FILE.png");

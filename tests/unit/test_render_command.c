@@ -101,6 +101,7 @@ static void wrong_options_are_refused_by_name(void **state)
         {"render a.hdf --out b.png --cut z=", "--cut", MNS_E_INVALID},
         {"render a.hdf --out b.png --cut z=1,-1", "--cut", MNS_E_INVALID},
         {"render a.hdf --out b.png --project zz", "--project", MNS_E_INVALID},
+        {"render a.hdf --out b.png --project z --cut z", "--cut", MNS_E_INVALID},
         {"render a.hdf --out b.png --box 0,0,1", "--box", MNS_E_INVALID},
         {"render a.hdf --out b.png --box 0,0,0,1", "--box", MNS_E_INVALID},
         {"render a.hdf --out b.png --colours rainbow", "--colours", MNS_E_INVALID},
