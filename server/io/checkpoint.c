@@ -193,6 +193,7 @@ MnsStatus checkpoint_newest(const char *dir, Checkpoint *ret, void (*note)(void 
     MnsError why = {0};
     MnsStatus status = list(dir, &kept, &n, error);
     if (status) return status;
+    if (note) directory_others(dir, CHECKPOINT_BEGIN, NUMBERED_END, note, arg);
     for (; k < n; k++) {
         status = directory_path(path, dir, kept[k].is.name, &why);
         if (!status) status = checkpoint_read(path, ret, &why);

@@ -84,6 +84,28 @@ MnsStatus directory_list(const char *dir, const char *begin, const char *end, Di
     return MNS_OK;
 }
 
+static const char *kind_of(mode_t mode)
+{
+    return S_ISDIR(mode) ? "a directory" : S_ISLNK(mode) ? "a link" : S_ISFIFO(mode) ? "a pipe" : "no file";
+}
+
+void directory_others(const char *dir, const char *begin, const char *end, void (*note)(void *arg, const char *text),
+                      void *arg)
+{
+    struct stat about;
+    char text[512];
+    DIR *stream = opendir(dir);
+    if (!stream) return;
+    for (const struct dirent *found; (found = readdir(stream));) {
+        if (!fits(found->d_name, begin, end)) continue;
+        if (fstatat(dirfd(stream), found->d_name, &about, AT_SYMLINK_NOFOLLOW) || S_ISREG(about.st_mode)) continue;
+        snprintf(text, sizeof text, "'%.200s/%.200s' is %s, and is passed over", dir, found->d_name,
+                 kind_of(about.st_mode));
+        note(arg, text);
+    }
+    closedir(stream);
+}
+
 MnsStatus directory_path(char ret[static 4096], const char *dir, const char *name, MnsError *error)
 {
     const int length = snprintf(ret, 4096, "%s/%s", dir, name);

@@ -17,6 +17,10 @@ typedef struct DirectoryEntry {
 MnsStatus directory_list(const char *dir, const char *begin, const char *end, DirectoryEntry **ret_entries,
                          size_t *ret_n, MnsError *error);
 
+/* Tell of all else of such a name: directories, links, pipes. */
+void directory_others(const char *dir, const char *begin, const char *end, void (*note)(void *arg, const char *text),
+                      void *arg);
+
 /* Their order for qsort(): negative if a comes first. */
 int directory_order(const DirectoryEntry *a, const DirectoryEntry *b);
 

@@ -276,6 +276,26 @@ static void damaged_ones_are_passed_over_with_a_note(void **state)
     free(whole);
 }
 
+/* Whoever put them there may take them for checkpoints. */
+static void what_is_no_file_is_passed_over_with_a_note(void **state)
+{
+    char *whole = write_step(*state, 1, 1000, 9), *folder = path_in(*state, "checkpoint-0000000002.hdf");
+    char *link = path_in(*state, "checkpoint-0000000003.hdf"), *pipe = path_in(*state, "checkpoint-0000000004.hdf");
+    int notes = 0;
+    Checkpoint read;
+    assert_int_equal(mkdir(folder, 0777), 0);
+    assert_int_equal(symlink(link, link), 0);
+    assert_int_equal(mkfifo(pipe, 0666), 0);
+    assert_int_equal(checkpoint_newest(*state, &read, count_note, &notes, NULL), MNS_OK);
+    assert_string_equal(read.path, whole);
+    assert_int_equal(notes, 3);
+    checkpoint_done(&read);
+    free(pipe);
+    free(link);
+    free(folder);
+    free(whole);
+}
+
 static void no_whole_checkpoint_is_not_found(void **state)
 {
     char *path = path_in(*state, "checkpoint-0000000001.hdf"), *nowhere = path_in(*state, "nowhere");
@@ -508,6 +528,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(files_without_a_number_go_by_their_dates, scratch_begin, scratch_end),
         cmocka_unit_test_setup_teardown(other_files_are_left_alone, scratch_begin, scratch_end),
         cmocka_unit_test_setup_teardown(damaged_ones_are_passed_over_with_a_note, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(what_is_no_file_is_passed_over_with_a_note, scratch_begin, scratch_end),
         cmocka_unit_test_setup_teardown(no_whole_checkpoint_is_not_found, scratch_begin, scratch_end),
         cmocka_unit_test_setup_teardown(damage_is_an_error_or_makes_no_difference, scratch_begin, scratch_end),
         cmocka_unit_test_setup_teardown(every_bit_of_the_seal_counts, scratch_begin, scratch_end),
