@@ -42,7 +42,7 @@ const char *mns_status_hint(MnsStatus status)
         [MNS_E_VERSION] = "use programs of the same version",
         [MNS_E_UNAVAILABLE] = "see which daemons there are with `meniscus ls`, or start one with `meniscusd`",
         [MNS_E_TIMEOUT] = "allow more time, or see with `meniscus status` how far it is",
-        [MNS_E_INTERRUPTED] = "give the same command again; `meniscus run` goes on with --resume auto",
+        [MNS_E_INTERRUPTED] = "ended on request: see `meniscus status`, and give it again if it is still wanted",
         [MNS_E_INTERNAL] = "please report this with the command and the log",
     };
     const unsigned k = (unsigned)status;

@@ -72,15 +72,21 @@ static json_t *failure(MnsStatus status, const char *message, const char *path, 
                      hint, "exit_code", code);
 }
 
+/* Whoever stops a run from outside can have it go on. */
+static const char *hint_for(MnsStatus status)
+{
+    if (status != MNS_E_INTERRUPTED) return mns_status_hint(status);
+    return "give the same command again, with --resume auto to go on from the checkpoint if there is one";
+}
+
 /* Why the run is not whole, as every command of `meniscus` says it; null if it is. */
 static json_t *error_of(const Outcome *outcome)
 {
     const MnsError *cause = outcome->status.fault.status ? &outcome->status.fault : &outcome->error;
-    if (cause->status)
-        return failure(cause->status, cause->text, cause->path, mns_status_hint(cause->status), outcome->code);
+    if (cause->status) return failure(cause->status, cause->text, cause->path, hint_for(cause->status), outcome->code);
     if (outcome->code == MNS_EXIT_DONE) return json_null();
-    return failure(MNS_E_INTERRUPTED, "a signal stopped the run, after a checkpoint", "",
-                   mns_status_hint(MNS_E_INTERRUPTED), outcome->code);
+    return failure(MNS_E_INTERRUPTED, "a signal stopped the run, after a checkpoint", "", hint_for(MNS_E_INTERRUPTED),
+                   outcome->code);
 }
 
 static json_t *as_json(const Outcome *outcome)

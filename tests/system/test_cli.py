@@ -117,12 +117,26 @@ class Commands(DaemonTest):
         self.assertNotEqual(self.ask("status")["state_hash"], before)
         self.assertEqual(self.ask("restore", name)["step"], 4)
         self.assertIn(re.sub("[0-9]+", "0000000100", name), self.meniscus("help", "restore").stdout)
+        for nothing in ("", "..", "a/b"):
+            self.assertIn("a checkpoint is named by its file", self.meniscus("restore", nothing, code=1).stderr)
         self.assertEqual(self.ask("status")["state_hash"], before)
 
     def test_wait_comes_back_when_the_run_is_done(self) -> None:
         self.load("--set", "end_time=0.1", "--start")
         self.assertEqual(self.ask("wait", "--for", "state=DONE", "--timeout", "50")["state"], "DONE")
         self.meniscus("wait", "--for", "step=1000000000", "--timeout", "5", code=1)
+
+    def test_a_step_that_a_stop_ends_is_not_to_be_repeated_blindly(self) -> None:
+        self.load()
+        words = [BUILD / "meniscus", "step", "1000000", "-o", "json"]
+        with subprocess.Popen(
+            words, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, env=self.environment
+        ) as stepping:
+            self.meniscus("wait", "--for", "step=3", "--timeout", "20")
+            self.meniscus("stop")
+            error = json.loads(stepping.communicate(timeout=20)[0])["error"]
+        self.assertEqual((stepping.returncode, error["status"]), (75, "interrupted"))
+        self.assertIn("if it is still wanted", error["hint"])
 
     def test_wait_gives_up_in_time(self) -> None:
         self.load()
