@@ -238,6 +238,11 @@ static void go(Run *run, Order *order)
     run_go(run, order);
 }
 
+static void await_a_step(Run *run, Order *order)
+{
+    run_wait(run, order, &(RunWait){.t = INFINITY, .step = 1});
+}
+
 /* What others see right after an order was answered, and whether that is the hash of the state. */
 typedef struct Sight {
     RunStatus status;
@@ -277,6 +282,7 @@ static void a_pause_is_answered_before_the_state_is_hashed(void **state)
     assert_int_equal(case_file_set(bench->file, "end_time=50", NULL), MNS_OK);
     assert_int_equal(perform(bench, load), MNS_OK);
     assert_int_equal(perform(bench, go), MNS_OK);
+    assert_int_equal(perform(bench, await_a_step), MNS_OK); /* until then the hash is known */
     assert_int_equal(perform(bench, pause_and_look), MNS_OK);
     assert_int_equal(perform(bench, write_checkpoint), MNS_OK);
     assert_true(sight.status.hash == 0 && sight.status.hash_due);
