@@ -84,8 +84,17 @@ typedef struct Wish {
     double resolution;  /* 0: the bench's */
 } Wish;
 
-static void print(const Bench *bench, const MnsSim *sim, double ns, double build, double steps, const MnsTimer *before)
+/* What was measured. */
+typedef struct Result {
+    double ns, build, wall,
+        steps; /* of a particle and step, the median; [s] to make the simulation, of all steps; how many */
+    MnsTimer before[SIM_TIMERS_MAX];
+} Result;
+
+static void print(const Bench *bench, const MnsSim *sim, const Result *result)
 {
+    const MnsTimer *before = result->before;
+    const double ns = result->ns, steps = result->steps;
     const double n = (double)mns_sim_particles(sim), neighbours = mns_sim_mean_neighbours(sim);
     const double fluid = (double)mns_sim_fluid_particles(sim);
     const double pairs = (double)neighbours_pairs(&sim->nb);
@@ -95,18 +104,20 @@ static void print(const Bench *bench, const MnsSim *sim, double ns, double build
            "\"ns_per_particle_step\": %.1f, \"ns_per_pair\": %.2f, \"bytes_per_particle\": %.0f, "
            "\"list_bytes_per_pair\": %.2f, \"build_s\": %.2f, \"steps\": %.0f, \"rebuilds\": %llu",
            bench->name, sim->threads, mns_level(), n, fluid, neighbours, ns, ns * n / (fluid * neighbours),
-           ((double)mns_sim_bytes(sim) - lists) / n, lists / pairs, build, steps,
+           ((double)mns_sim_bytes(sim) - lists) / n, lists / pairs, result->build, steps,
            (unsigned long long)(sim->timers[TIMER_NEIGHBOURS].calls - before[TIMER_NEIGHBOURS].calls));
     size_t n_timers = 0;
     const MnsTimer *timers = mns_sim_timers(sim, &n_timers);
+    double other = result->wall * 1e9 / steps; /* what no timer has, one thread at work */
     for (size_t k = 0; k < n_timers; k++) {
         const double spent = (timers[k].seconds - before[k].seconds) * 1e9 / steps;
+        other -= spent;
         printf(", \"%s_ns\": %.1f, \"%s_ns_per_pair\": %.2f", timers[k].name, spent / n, timers[k].name,
                spent / (fluid * neighbours));
     }
     const double rebuilds = (double)(timers[TIMER_NEIGHBOURS].calls - before[TIMER_NEIGHBOURS].calls);
     const double search = timers[TIMER_NEIGHBOURS].seconds - before[TIMER_NEIGHBOURS].seconds;
-    printf(", \"search_ns_per_particle\": %.1f, \"search_ns_per_pair\": %.2f}\n",
+    printf(", \"other_ns\": %.1f, \"search_ns_per_particle\": %.1f, \"search_ns_per_pair\": %.2f}\n", other / n,
            rebuilds > 0 ? search * 1e9 / (n * rebuilds) : 0, rebuilds > 0 ? search * 1e9 / (pairs * rebuilds) : 0);
     fflush(stdout);
 }
@@ -120,20 +131,22 @@ static int run(const Bench *bench, Wish wish)
     c->threads = (unsigned)wish.threads;
     const double begin = omp_get_wtime();
     int well = mns_sim_new(c, &sim, &error) == MNS_OK;
-    const double build = omp_get_wtime() - begin;
+    Result result = {.build = omp_get_wtime() - begin, .steps = (double)steps * repeats};
     if (well && !wish.steps) well = advance(sim, WARM_UP);
     if (error.status) fprintf(stderr, "bench_step: %s: %s\n", error.path, error.text);
     double ns[REPEATS];
-    MnsTimer before[SIM_TIMERS_MAX];
-    if (well) memcpy(before, sim->timers, sizeof before);
+    if (well) memcpy(result.before, sim->timers, sizeof result.before);
     for (int k = 0; k < repeats && well; k++) {
         const double start = omp_get_wtime();
         well = advance(sim, steps);
-        ns[k] = (omp_get_wtime() - start) * 1e9 / ((double)mns_sim_particles(sim) * steps);
+        const double spent = omp_get_wtime() - start;
+        result.wall += spent;
+        ns[k] = spent * 1e9 / ((double)mns_sim_particles(sim) * steps);
     }
     if (well) {
         qsort(ns, (size_t)repeats, sizeof *ns, ascending);
-        print(bench, sim, ns[repeats / 2], build, (double)steps * repeats, before);
+        result.ns = ns[repeats / 2];
+        print(bench, sim, &result);
     }
     mns_sim_free(sim);
     mns_case_free(c);
