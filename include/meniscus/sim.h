@@ -80,17 +80,17 @@ typedef struct MnsFieldInfo {
     const char *name, *unit, *meaning; /* "velocity", "m/s", "..." */
     int components;                    /* 1; or 3 for a vector, of which the case's dim are kept */
     MnsType type;
-    bool is_state; /* in checkpoints and in the hash */
 } MnsFieldInfo;
 
-/** The table of all fields; ends with a NULL name. Positions, identity and phase are fields too: "position" (m), "id" and
+/** The table of all fields of all schemes; ends with a NULL name. Positions, identity and phase are fields too: "position" (m), "id" and
  *  "phase" (fluid particles: index of the fluid; wall particles: number of fluids + index of the wall). */
 const MnsFieldInfo *mns_fields(void);
 
 /** Index in mns_fields(), or -1. */
 int mns_field_find(const char *name);
 
-/** Borrow component d of a field: [mns_sim_particles()] values of its type, until the next step. NULL if there is none. */
+/** Borrow component d of a field: [mns_sim_particles()] values of its type, until the next step. NULL if there is none,
+ *  or if the scheme has no use for it. */
 const void *mns_sim_field(const MnsSim *sim, int field, int d);
 
 /* --- captures ---------------------------------------------------------------------------------------------------------- */
@@ -107,7 +107,7 @@ typedef struct MnsCapture {
     void *data[MNS_MAX_FIELDS][3]; /* [n] values each */
 } MnsCapture;
 
-/** Copy fields out. @param fields  bit k for field k of mns_fields(); mns_state_fields() for a checkpoint.
+/** Copy fields out. @param fields  bit k for field k of mns_fields(); mns_sim_state_fields() for a checkpoint.
  *  @return MNS_OK; MNS_E_MEMORY. */
 MnsStatus mns_sim_capture(const MnsSim *sim, uint64_t fields, MnsCapture **ret_capture, MnsError *error);
 
@@ -116,11 +116,13 @@ MnsCapture *mns_capture_new(int dim, size_t n, size_t n_fluid, uint64_t fields);
 
 void mns_capture_free(MnsCapture *capture);
 
-uint64_t mns_state_fields(void);
+/** Fields that a run goes on from, as bits: what its scheme keeps from one step to the next. Checkpoints and the hash are of them. */
+uint64_t mns_sim_state_fields(const MnsSim *sim);
 
 /** Put a captured state back. The run goes on bit for bit as if it had never stopped.
  *  @param sim  made from the case the captured run had at that time.
- *  @return MNS_OK; MNS_E_INVALID if the capture does not fit the case: sim unchanged. */
+ *  @return MNS_OK; MNS_E_INVALID if the capture does not fit the case, MNS_E_VERSION if it has not all fields
+ *          that the scheme goes on from: sim unchanged. */
 MnsStatus mns_sim_restore(MnsSim *sim, const MnsCapture *capture, MnsError *error);
 
 /** A simulation that goes on from a captured state, bit for bit. Initial fields are not evaluated: what was steered since

@@ -195,7 +195,7 @@ void run_advance(Run *run)
     const double now = clock_now();
     run_beat(run);
     if (status) { /* what there is to be seen of it, whole, for whoever comes later; no checkpoint: nobody would go on from it */
-        outputs_snapshot(&run->outputs, run->sim, run->document, mns_state_fields(), NULL, NULL);
+        outputs_snapshot(&run->outputs, run->sim, run->document, mns_sim_state_fields(run->sim), NULL, NULL);
         run_fault(run, &error, false);
         return;
     }

@@ -132,7 +132,7 @@ MnsStatus outputs_flush(Outputs *outputs, MnsError *error)
 MnsStatus outputs_checkpoint(Outputs *outputs, const MnsSim *sim, Document *document, Order *order, MnsError *error)
 {
     MnsCapture *capture;
-    MnsStatus status = mns_sim_capture(sim, mns_state_fields(), &capture, error);
+    MnsStatus status = mns_sim_capture(sim, mns_sim_state_fields(sim), &capture, error);
     if (status) return status;
     const uint64_t step = capture->progress.step;
     status = outputs_flush(outputs, error); /* a restart needs the samples up to the checkpoint */
@@ -209,7 +209,7 @@ MnsStatus outputs_rescue(Outputs *outputs, const MnsSim *sim, Document *document
 {
     MnsCapture *capture;
     writer_salvage(outputs->writer, NULL);
-    MnsStatus status = mns_sim_capture(sim, mns_state_fields(), &capture, error);
+    MnsStatus status = mns_sim_capture(sim, mns_sim_state_fields(sim), &capture, error);
     if (status) return status;
     status = job_rescue_checkpoint(outputs, capture, document, ret_path, error);
     if (!status) outputs->at_checkpoint = capture->progress.step;

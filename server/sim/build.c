@@ -308,7 +308,9 @@ static MnsStatus populate(MnsSim *sim, Lattice *lattice, const Constants *consta
     bool laid = false;
     MnsStatus status = count(lattice, sim, sizes, error);
     if (!status) status = making_fits(sim, sizes, false, error);
-    if (!status) status = particles_init(&sim->s, c->dim, c->n_fluids, sizes, sim->model.viscous, &sim->making, error);
+    if (!status)
+        status = particles_init(&sim->s, c->dim, c->n_fluids, sizes, scheme_fields(sim->scheme), sim->model.viscous,
+                                &sim->making, error);
     for (size_t k = 0; k < c->n_fluids && !status && !sim->resumed; k++) {
         status = start_init(&starts[k], sim, k, constants, error);
         if (!status && starts[k].at_rest && !laid) status = hydrostatic(sim, lattice, k, error);

@@ -38,7 +38,7 @@ void mns_capture_free(MnsCapture *capture)
 MnsStatus mns_sim_capture(const MnsSim *sim, uint64_t fields, MnsCapture **ret_capture, MnsError *error)
 {
     const Particles *s = &sim->s;
-    MnsCapture *capture = mns_capture_new(s->dim, s->n, particles_fluid(s), fields);
+    MnsCapture *capture = mns_capture_new(s->dim, s->n, particles_fluid(s), fields & s->fields);
     if (!capture) return mns_fail(error, MNS_E_MEMORY, "no memory to copy %zu particles", s->n);
     capture->spacing = sim->model.dx;
     capture->progress = sim->progress;
@@ -64,16 +64,19 @@ static bool groups_agree(const MnsSim *sim, const uint8_t *phase)
 
 static bool fits(const MnsSim *sim, const MnsCapture *capture)
 {
-    const uint64_t wanted = mns_state_fields();
     if (capture->dim != sim->s.dim || capture->n != sim->s.n || capture->n_fluid != particles_fluid(&sim->s))
         return false;
-    if ((capture->fields & wanted) != wanted) return false;
     return groups_agree(sim, capture->data[mns_field_find("phase")][0]);
 }
 
 MnsStatus mns_sim_restore(MnsSim *sim, const MnsCapture *capture, MnsError *error)
 {
     Particles *s = &sim->s;
+    for (int f = 0; mns_fields()[f].name; f++)
+        if (sim->scheme->state & ~capture->fields & UINT64_C(1) << f)
+            return mns_fail(error, MNS_E_VERSION,
+                            "the saved state has no %s, which the scheme %s goes on from: another version wrote it",
+                            mns_fields()[f].name, sim->scheme->name);
     if (!fits(sim, capture))
         return mns_fail(error, MNS_E_INVALID,
                         "the saved state, %zu particles of which %zu fluid, is not of this case, which "
@@ -81,26 +84,26 @@ MnsStatus mns_sim_restore(MnsSim *sim, const MnsCapture *capture, MnsError *erro
                         capture->n, capture->n_fluid, s->n, particles_fluid(s));
     for (int f = 0; mns_fields()[f].name; f++)
         for (int d = 0; d < 3; d++)
-            if (capture->data[f][d])
+            if (capture->data[f][d] && particles_field(s, f, d))
                 memcpy(particles_field(s, f, d), capture->data[f][d], s->n * field_size(&mns_fields()[f]));
     sim->progress = capture->progress;
     sim->fault = (MnsError){0};
     return integrator_restart(sim, error);
 }
 
-static uint64_t hash_particle(const Particles *s, size_t i)
+static uint64_t hash_particle(const Particles *s, Fields state, size_t i)
 {
-    XXH64_state_t state;
-    XXH64_reset(&state, 0);
+    XXH64_state_t hash;
+    XXH64_reset(&hash, 0);
     for (int f = 0; mns_fields()[f].name; f++) {
-        if (!mns_fields()[f].is_state) continue;
+        if (!(state >> f & 1)) continue;
         const size_t size = field_size(&mns_fields()[f]);
         for (int d = 0; d < 3; d++) {
             const char *array = particles_field(s, f, d);
-            if (array) XXH64_update(&state, array + i * size, size);
+            if (array) XXH64_update(&hash, array + i * size, size);
         }
     }
-    return XXH64_digest(&state);
+    return XXH64_digest(&hash);
 }
 
 uint64_t mns_sim_hash(const MnsSim *sim)
@@ -109,8 +112,13 @@ uint64_t mns_sim_hash(const MnsSim *sim)
     const MnsProgress *p = &sim->progress;
     uint64_t sum = 0; /* of the particles' hashes: the order of storage does not matter */
 #pragma omp parallel for schedule(static) reduction(+ : sum) num_threads(sim->threads)
-    for (size_t i = 0; i < s->n; i++) sum += hash_particle(s, i);
+    for (size_t i = 0; i < s->n; i++) sum += hash_particle(s, sim->scheme->state, i);
     const double times[3] = {p->t, p->dt, p->dt_first};
     const uint64_t counts[4] = {p->step, p->rebuilds, p->guarded, sum};
     return XXH64(counts, sizeof counts, XXH64(times, sizeof times, 0));
+}
+
+uint64_t mns_sim_state_fields(const MnsSim *sim)
+{
+    return sim->scheme->state;
 }

@@ -4,8 +4,8 @@
 #include "sim/particles.h"
 #include <string.h>
 
-#define PUBLIC(id, name, unit, meaning, components, type, state, member) {name, unit, meaning, components, type, state},
-#define SLOT(id, name, unit, meaning, components, type, state, member)   offsetof(Particles, member),
+#define PUBLIC(id, name, unit, meaning, components, type, member) {name, unit, meaning, components, type},
+#define SLOT(id, name, unit, meaning, components, type, member)   offsetof(Particles, member),
 
 static const MnsFieldInfo FIELDS[] = {FIELD_ROWS(PUBLIC){0}};
 static const size_t SLOTS[] = {FIELD_ROWS(SLOT)}; /* where Particles has the pointer to the first component */
@@ -20,14 +20,6 @@ int mns_field_find(const char *name)
     for (int k = 0; FIELDS[k].name; k++)
         if (strcmp(FIELDS[k].name, name) == 0) return k;
     return -1;
-}
-
-uint64_t mns_state_fields(void)
-{
-    uint64_t fields = 0;
-    for (int k = 0; FIELDS[k].name; k++)
-        if (FIELDS[k].is_state) fields |= UINT64_C(1) << k;
-    return fields;
 }
 
 size_t field_size(const MnsFieldInfo *field)

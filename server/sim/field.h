@@ -6,24 +6,25 @@
 
 #include <meniscus/sim.h>
 
-/* ROW(what code calls it, name, unit, meaning, components, type, in checkpoints, member of Particles) */
+/* ROW(what code calls it, name, unit, meaning, components, type, member of Particles). Which of them there are, and which a run goes
+ * on from, is the scheme's to say (scheme.h). */
 #define FIELD_ROWS(ROW)                                                                                                \
-    ROW(ID, "id", "1", "identity, the same for the whole run", 1, MNS_U32, true, id)                                   \
+    ROW(ID, "id", "1", "identity, the same for the whole run", 1, MNS_U32, id)                                         \
     ROW(PHASE, "phase", "1", "index of the fluid; number of fluids + index of the wall for wall particles", 1, MNS_U8, \
-        true, phase)                                                                                                   \
-    ROW(X, "position", "m", "position", 3, MNS_F64, true, x)                                                           \
-    ROW(V, "velocity", "m/s", "velocity of the material", 3, MNS_F64, true, v)                                         \
-    ROW(RHO, "density", "kg/m^3", "density", 1, MNS_F64, true, rho)                                                    \
-    ROW(P, "pressure", "Pa", "pressure", 1, MNS_F64, false, p)                                                         \
-    ROW(M, "mass", "kg", "mass; per metre of depth in two dimensions", 1, MNS_F64, true, m)                            \
-    ROW(VOL, "volume", "m^dim", "mass over density", 1, MNS_F64, false, vol)                                           \
-    ROW(A, "acceleration", "m/s^2", "acceleration at the end of the step", 3, MNS_F64, true, a)                        \
+        phase)                                                                                                         \
+    ROW(X, "position", "m", "position", 3, MNS_F64, x)                                                                 \
+    ROW(V, "velocity", "m/s", "velocity of the material", 3, MNS_F64, v)                                               \
+    ROW(RHO, "density", "kg/m^3", "density", 1, MNS_F64, rho)                                                          \
+    ROW(P, "pressure", "Pa", "pressure", 1, MNS_F64, p)                                                                \
+    ROW(M, "mass", "kg", "mass; per metre of depth in two dimensions", 1, MNS_F64, m)                                  \
+    ROW(VOL, "volume", "m^dim", "mass over density", 1, MNS_F64, vol)                                                  \
+    ROW(A, "acceleration", "m/s^2", "acceleration at the end of the step", 3, MNS_F64, a)                              \
     ROW(B, "background_acceleration", "m/s^2",                                                                         \
-        "acceleration of the advection velocity by the background pressure (P3 eq. 11)", 3, MNS_F64, true, b)          \
-    ROW(REF, "list_position", "m", "position when the neighbour lists were built", 3, MNS_F64, true, ref)              \
-    ROW(Z, "impedance", "kg/(m^2 s)", "density times speed of sound", 1, MNS_F64, false, z)
+        "acceleration of the advection velocity by the background pressure (P3 eq. 11)", 3, MNS_F64, b)                \
+    ROW(REF, "list_position", "m", "position when the neighbour lists were built", 3, MNS_F64, ref)                    \
+    ROW(Z, "impedance", "kg/(m^2 s)", "density times speed of sound", 1, MNS_F64, z)
 
-#define FIELD_ID(id, name, unit, meaning, components, type, state, member) F_##id,
+#define FIELD_ID(id, name, unit, meaning, components, type, member) F_##id,
 typedef enum FieldId { FIELD_ROWS(FIELD_ID) FIELDS_END } FieldId;
 
 /* A set of fields: FIELD(X) | FIELD(V). */

@@ -26,21 +26,22 @@ static double neighbours_need(const MnsSim *sim, size_t n)
     return bytes + (double)n * list_bytes(model);
 }
 
-static double capture_bytes(int dim)
+static double capture_bytes(int dim, Fields state)
 {
     const MnsFieldInfo *info = mns_fields();
     double each = 0;
     for (int f = 0; info[f].name; f++)
-        if (info[f].is_state) each += (double)field_size(&info[f]) * (info[f].components == 1 ? 1 : dim);
+        if (state >> f & 1) each += (double)field_size(&info[f]) * (info[f].components == 1 ? 1 : dim);
     return each;
 }
 
 double making_bytes(const MnsSim *sim, const size_t sizes[GROUPS])
 {
-    Particles s = {.dim = sim->model.dim, .n_phases = sim->model.n_phases};
+    Particles s = {.dim = sim->model.dim, .n_phases = sim->model.n_phases, .fields = scheme_fields(sim->scheme)};
     for (int g = 0; g < GROUPS; g++) s.begin[g + 1] = s.begin[g] + sizes[g];
     s.n = s.begin[GROUPS];
-    double bytes = (double)particles_bytes(&s) + neighbours_need(sim, s.n) + (double)s.n * capture_bytes(s.dim);
+    double bytes = (double)particles_bytes(&s) + neighbours_need(sim, s.n) +
+                   (double)s.n * capture_bytes(s.dim, sim->scheme->state);
     if (sim->model.viscous) bytes += (double)sizes[GROUP_WALL] * sizeof(double) * s.dim;
     return bytes;
 }

@@ -8,6 +8,7 @@
 
 static int components(const Particles *s, int field)
 {
+    if (!(s->fields >> field & 1)) return 0;
     return mns_fields()[field].components == 1 ? 1 : s->dim;
 }
 
@@ -36,10 +37,10 @@ static MnsStatus allocate(Particles *s, bool viscous, const MnsMaking *making, M
     return well ? MNS_OK : mns_fail(error, MNS_E_MEMORY, "no memory for %zu particles", s->n);
 }
 
-MnsStatus particles_init(Particles *s, int dim, size_t n_phases, const size_t sizes[GROUPS], bool viscous,
-                         const MnsMaking *making, MnsError *error)
+MnsStatus particles_init(Particles *s, int dim, size_t n_phases, const size_t sizes[GROUPS], Fields fields,
+                         bool viscous, const MnsMaking *making, MnsError *error)
 {
-    *s = (Particles){.dim = dim, .n_phases = n_phases};
+    *s = (Particles){.dim = dim, .n_phases = n_phases, .fields = fields};
     for (int g = 0; g < GROUPS; g++) s->begin[g + 1] = s->begin[g] + sizes[g];
     s->n = s->begin[GROUPS];
     const MnsStatus status = allocate(s, viscous, making, error);

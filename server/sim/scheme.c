@@ -15,6 +15,24 @@ const Scheme *scheme_find(const char *name)
     return NULL;
 }
 
+static Fields written(const Local *const *locals)
+{
+    Fields fields = 0;
+    for (int k = 0; k < PASS_LOCALS_MAX && locals[k]; k++) fields |= locals[k]->writes;
+    return fields;
+}
+
+Fields scheme_fields(const Scheme *scheme)
+{
+    Fields fields = scheme->state | scheme->derive->writes;
+    for (int p = 0; p < SCHEME_PASSES_MAX && scheme->rates[p].name; p++) {
+        const Pass *pass = &scheme->rates[p];
+        fields |= written(pass->before) | written(pass->after);
+        for (int k = 0; k < PASS_TERMS_MAX && pass->terms[k]; k++) fields |= pass->terms[k]->writes;
+    }
+    return fields;
+}
+
 unsigned scheme_needs(const Scheme *scheme)
 {
     unsigned needs = 0;

@@ -62,6 +62,7 @@ typedef struct Scheme {
     const Integrator *integrator;
     const Limit *limits[SCHEME_LIMITS_MAX]; /* ends with NULL */
     Pass rates[SCHEME_PASSES_MAX];          /* every step, at the new positions; a nameless pass ends the list */
+    Fields state;                           /* what a run goes on from: in checkpoints and in the hash */
     int given;                              /* passes left out at the start, where the case gives their results */
     const Local *derive; /* what follows from the state without neighbours, after it was set or restored */
     const Pass *restore; /* and with neighbours; NULL if nothing does */
@@ -69,6 +70,9 @@ typedef struct Scheme {
 } Scheme;
 
 extern const Scheme scheme_riemann;
+
+/* All fields that its particles have. */
+Fields scheme_fields(const Scheme *scheme);
 
 /* All that its terms need of pairs. */
 unsigned scheme_needs(const Scheme *scheme);

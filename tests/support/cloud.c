@@ -93,7 +93,7 @@ Cloud *cloud_new(const CloudSetup *setup)
         double x[3];
         sizes[owner_at(setup, k, x)]++;
     }
-    if (particles_init(&cloud->s, setup->dim, 2, sizes, setup->viscous, NULL, NULL)) abort();
+    if (particles_init(&cloud->s, setup->dim, 2, sizes, ALL_FIELDS, setup->viscous, NULL, NULL)) abort();
     if (neighbours_init(&cloud->nb, cloud->s.n, cloud->s.dim, NEED_ALL, cloud->threads, NULL)) abort();
     fill(cloud, setup, points);
     if (cloud_build(cloud) != MNS_OK) abort();

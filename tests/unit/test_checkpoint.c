@@ -90,7 +90,7 @@ static void assert_goes_on_from_file(const char *dir, int dim)
     MnsCapture *state = NULL;
     Checkpoint read;
     sim_steps(first, 25);
-    assert_int_equal(mns_sim_capture(first, mns_state_fields(), &state, NULL), MNS_OK);
+    assert_int_equal(mns_sim_capture(first, mns_sim_state_fields(first), &state, NULL), MNS_OK);
     assert_int_equal(checkpoint_write(dir, state, &meta, blob, sizeof blob, 1, path, NULL), MNS_OK);
     sim_steps(first, 25);
     assert_int_equal(checkpoint_read(path, &read, NULL), MNS_OK);
@@ -463,18 +463,12 @@ static void a_changed_scalar_is_noticed(void **state)
     }
 }
 
-/* What another version keeps may be what this one needs, and the other way round. */
-static void other_fields_are_another_version(void **state)
+/* Whether one is missing, the scheme knows (test_restart.c). */
+static void unknown_fields_are_another_version(void **state)
 {
     char *path = write_step(*state, 5, 1000, 1);
-    hid_t file = open_to_change(path);
+    const hid_t file = open_to_change(path);
     H5Gclose(H5Gcreate2(file, "/state/colour", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
-    close_changed(file, path);
-    assert_refused(path, MNS_E_VERSION, NULL);
-    free(path);
-    path = write_step(*state, 5, 1000, 1);
-    file = open_to_change(path);
-    assert_true(H5Ldelete(file, "/state/velocity", H5P_DEFAULT) >= 0);
     close_changed(file, path);
     assert_refused(path, MNS_E_VERSION, NULL);
     free(path);
@@ -536,7 +530,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_cut_file_says_what_is_missing, scratch_begin, scratch_end),
         cmocka_unit_test_setup_teardown(every_part_has_a_checksum_of_its_own, scratch_begin, scratch_end),
         cmocka_unit_test_setup_teardown(a_changed_scalar_is_noticed, scratch_begin, scratch_end),
-        cmocka_unit_test_setup_teardown(other_fields_are_another_version, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(unknown_fields_are_another_version, scratch_begin, scratch_end),
         cmocka_unit_test_setup_teardown(a_field_of_another_length_is_refused, scratch_begin, scratch_end),
         cmocka_unit_test_setup_teardown(an_hdf5_file_without_a_state_is_refused, scratch_begin, scratch_end),
     };

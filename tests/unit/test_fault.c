@@ -31,7 +31,7 @@ static void divergence_names_particle_place_and_term_and_stays(void **state)
         assert_int_equal(mns_sim_step(sim, INFINITY, NULL), MNS_E_DIVERGED);
         assert_true(mns_sim_hash(sim) == hash && mns_sim_progress(sim).step == progress.step);
         MnsCapture *capture = NULL;
-        assert_int_equal(mns_sim_capture(sim, mns_state_fields(), &capture, NULL), MNS_OK);
+        assert_int_equal(mns_sim_capture(sim, mns_sim_state_fields(sim), &capture, NULL), MNS_OK);
         mns_capture_free(capture);
         sim_done(sim, c);
     }
@@ -119,7 +119,7 @@ static void restore_takes_a_fault_away(void **state)
     MnsSim *sim = sim_of(c);
     MnsCapture *capture = NULL;
     sim_steps(sim, 3);
-    assert_int_equal(mns_sim_capture(sim, mns_state_fields(), &capture, NULL), MNS_OK);
+    assert_int_equal(mns_sim_capture(sim, mns_sim_state_fields(sim), &capture, NULL), MNS_OK);
     sim->s.v[0][9] = NAN;
     assert_int_equal(mns_sim_step(sim, INFINITY, NULL), MNS_E_DIVERGED);
     assert_int_equal(mns_sim_restore(sim, capture, NULL), MNS_OK);

@@ -67,7 +67,7 @@ static void probe_whose_formula_fails_is_said_by_the_next_step(void **state)
     MnsError error = {0};
     MnsCapture *capture = NULL;
     assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_OK);
-    assert_int_equal(mns_sim_capture(sim, mns_state_fields(), &capture, NULL), MNS_OK);
+    assert_int_equal(mns_sim_capture(sim, mns_sim_state_fields(sim), &capture, NULL), MNS_OK);
     assert_true(isnan(mns_sim_probe(sim, 0)));
     assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_E_INVALID);
     assert_string_equal(error.path, "probes[0].pressure_deviation.from");

@@ -15,7 +15,7 @@ static void a_step_is_kick_drift_kick(void **state)
     sim_steps(sim, 12); /* away from the lattice, where b = 0 */
     const Particles *s = &sim->s;
     MnsCapture *before = NULL;
-    assert_int_equal(mns_sim_capture(sim, mns_state_fields(), &before, NULL), MNS_OK);
+    assert_int_equal(mns_sim_capture(sim, mns_sim_state_fields(sim), &before, NULL), MNS_OK);
     const uint64_t rebuilds = mns_sim_progress(sim).rebuilds;
     sim_steps(sim, 1);
     assert_int_equal(mns_sim_progress(sim).rebuilds, rebuilds); /* so that the order is the same */

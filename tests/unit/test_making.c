@@ -14,7 +14,7 @@ static void assert_foreseen(MnsCase *c)
     for (int g = 0; g < GROUPS; g++) sizes[g] = sim->s.begin[g + 1] - sim->s.begin[g];
     const double foreseen = making_bytes(sim, sizes);
     sim_steps(sim, 20);
-    assert_int_equal(mns_sim_capture(sim, mns_state_fields(), &capture, NULL), MNS_OK);
+    assert_int_equal(mns_sim_capture(sim, mns_sim_state_fields(sim), &capture, NULL), MNS_OK);
     for (int f = 0; mns_fields()[f].name; f++)
         for (int d = 0; d < 3; d++) copy += capture->data[f][d] ? capture->n * field_size(&mns_fields()[f]) : 0;
     const double taken = (double)(mns_sim_bytes(sim) + copy);

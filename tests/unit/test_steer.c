@@ -114,7 +114,7 @@ static void steered_runs_resume_bit_for_bit(void **state)
             sim_steps(sim, 20);
             assert_int_equal(mns_sim_steer(sim, steered, NULL), MNS_OK);
             MnsCapture *capture = NULL;
-            assert_int_equal(mns_sim_capture(sim, mns_state_fields(), &capture, NULL), MNS_OK);
+            assert_int_equal(mns_sim_capture(sim, mns_sim_state_fields(sim), &capture, NULL), MNS_OK);
             assert_int_equal(mns_sim_resume(steered, capture, &resumed, NULL), MNS_OK);
             mns_capture_free(capture);
             assert_true(mns_sim_hash(sim) == mns_sim_hash(resumed));

@@ -57,6 +57,7 @@ const Scheme scheme_riemann = {
             {"forces", .before = {&body_force},
              .terms = {&riemann_momentum, &background, &transport_stress, &viscosity, &wall_friction}},
         },
+    .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(M) | FIELD(A) | FIELD(B) | FIELD(REF),
     .given = 1,
     .derive = &linear_pressure,
     .restore = &scheme_riemann.rates[1],
