@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The table of what neighbours are asked for, how it is laid out, and the loop that copies it. A new quantity is a bit of
- * NEED_..., a member of Block and a row of the table. */
+/* The table of what neighbours are asked for, and the loop that copies it. */
 #include "sim/bundle.h"
 #include "base/array.h"
-#include "sim/row.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,133 +20,103 @@ static void flux(const Particles *s, const Model *model, int d, size_t first, si
 
 /* One number of each neighbour: component d of a field, or made of fields. */
 typedef struct Quantity {
-    unsigned need; /* 0: always */
-    int d;
     FieldId field;
-    size_t to; /* bytes from the beginning of a Block */
+    int d;
     void (*make)(const Particles *, const Model *, int d, size_t first, size_t n, double *out); /* NULL: the field */
     Fields of;
     bool summed; /* 0 where density is not summed */
 } Quantity;
 
-#define TO(member) offsetof(Block, member)
-#define VECTOR(need, id, member)                                                                                       \
-    {need, 0, F_##id, TO(member[0]), NULL, FIELD(id), false},                                                          \
-        {need, 1, F_##id, TO(member[1]), NULL, FIELD(id), false},                                                      \
+#define IS(id, d)                                                                                                      \
     {                                                                                                                  \
-        need, 2, F_##id, TO(member[2]), NULL, FIELD(id), false                                                         \
+        F_##id, d, NULL, FIELD(id), false                                                                              \
     }
-#define SCALAR(need, id, member)                                                                                       \
+#define FLUX(d)                                                                                                        \
     {                                                                                                                  \
-        need, 0, F_##id, TO(member), NULL, FIELD(id), false                                                            \
+        F_B, d, flux, FIELD(B) | FIELD(M), true                                                                        \
     }
-
-/* In families of what changes together; the last of a family says so. */
 static const Quantity QUANTITIES[] = {
-    VECTOR(0, X, x),
-    VECTOR(NEED_V, V, v),
-    {NEED_FLUX, 0, F_B, TO(q[0]), flux, FIELD(B) | FIELD(M), true},
-    {NEED_FLUX, 1, F_B, TO(q[1]), flux, FIELD(B) | FIELD(M), true},
-    {NEED_FLUX, 2, F_B, TO(q[2]), flux, FIELD(B) | FIELD(M), true},
-    SCALAR(NEED_STATE, P, p),
-    SCALAR(NEED_STATE, VOL, V),
-    SCALAR(NEED_STATE, Z, z),
+    [CARRIED_X] = IS(X, 0),
+    IS(X, 1),
+    IS(X, 2),
+    [CARRIED_V] = IS(V, 0),
+    IS(V, 1),
+    IS(V, 2),
+    [CARRIED_P] = IS(P, 0),
+    [CARRIED_VOLUME] = IS(VOL, 0),
+    [CARRIED_Z] = IS(Z, 0),
+    [CARRIED_Q] = FLUX(0),
+    FLUX(1),
+    FLUX(2),
 };
-enum { N_QUANTITIES = sizeof QUANTITIES / sizeof *QUANTITIES, NOTHING = N_QUANTITIES };
 
-/* Once a step, or with the density? */
-static bool follows_density(size_t quantity)
+static Bundle empty(int dim, int k)
 {
-    return QUANTITIES[quantity].need == NEED_STATE;
-}
-
-static void add(Bundles *b, size_t place, size_t quantity)
-{
-    Bundle *bundle = &b->bundle[place / 4];
-    const Quantity *q = &QUANTITIES[quantity];
-    bundle->quantity[place % 4] = (uint8_t)quantity;
-    bundle->to[place % 4] = (uint16_t)(q->to / sizeof(double));
-    bundle->needs |= q->need ? q->need : NEED_ALL;
-    bundle->of |= q->of;
-    bundle->summed = bundle->summed && q->summed;
-}
-
-static void lay_out(Bundles *b, int dim, unsigned needs)
-{
-    size_t wanted[N_QUANTITIES], n = 0;
-    for (size_t k = 0; k < N_QUANTITIES; k++) {
-        const Quantity *q = &QUANTITIES[k];
-        if (q->d < dim && (q->need == 0 || q->need & needs)) wanted[n++] = k;
+    Bundle bundle = {.summed = true, .stale = ON_ALL};
+    for (int c = 0; c < 4; c++) {
+        const int what = BUNDLE_LAYOUT[dim - 2][k][c];
+        if (what == CARRIED_NOTHING) continue;
+        bundle.of |= QUANTITIES[what].of;
+        bundle.summed = bundle.summed && QUANTITIES[what].summed;
     }
-    for (size_t k = 0; k < BUNDLES_MAX; k++) {
-        b->bundle[k] = (Bundle){.summed = true, .stale = ON_ALL};
-        for (int c = 0; c < 4; c++) {
-            b->bundle[k].quantity[c] = NOTHING;
-            b->bundle[k].to[c] = (uint16_t)(TO(nothing) / sizeof(double));
-        }
-    }
-    size_t place = 0;
-    for (size_t k = 0; k < n; k++) {
-        const size_t rest = n - k, next = (place + 3) / 4 * 4;
-        const bool new_family = k > 0 && follows_density(wanted[k]) != follows_density(wanted[k - 1]);
-        if (new_family && (next + rest + 3) / 4 == (place + rest + 3) / 4) place = next;
-        add(b, place++, wanted[k]);
-    }
-    b->n_bundles = (place + 3) / 4;
+    return bundle;
 }
 
 bool bundles_init(Bundles *b, size_t n, int dim, unsigned needs)
 {
-    lay_out(b, dim, needs);
-    for (size_t k = 0; k < b->n_bundles; k++)
+    *b = (Bundles){.dim = dim};
+    for (int k = 0; k < BUNDLES; k++) {
+        b->bundle[k] = empty(dim, k);
+        if (!(bundle_meets(dim, k) & needs)) continue;
         if (!(b->bundle[k].data = array_new(n, sizeof *b->bundle[k].data))) {
             bundles_done(b);
             return false;
         }
+    }
     return true;
 }
 
 void bundles_done(Bundles *b)
 {
-    for (size_t k = 0; k < BUNDLES_MAX; k++) free(b->bundle[k].data);
+    for (int k = 0; k < BUNDLES; k++) free(b->bundle[k].data);
     *b = (Bundles){0};
 }
 
 void bundles_stale(Bundles *b, Group group, Fields fields)
 {
-    for (size_t k = 0; k < b->n_bundles; k++)
+    for (int k = 0; k < BUNDLES; k++)
         if (b->bundle[k].of & fields) b->bundle[k].stale |= 1u << group;
 }
 
 Fields bundles_fields(const Bundles *b, unsigned needs)
 {
     Fields fields = 0;
-    for (size_t k = 0; k < b->n_bundles; k++)
-        if (b->bundle[k].needs & needs) fields |= b->bundle[k].of;
+    for (int k = 0; k < BUNDLES; k++)
+        if (bundle_meets(b->dim, k) & needs) fields |= b->bundle[k].of;
     return fields;
 }
 
-static const double *column(const Particles *s, const Model *model, size_t quantity, size_t first, size_t n,
-                            double *room)
+static const double *column(const Particles *s, const Model *model, int what, size_t first, size_t n, double *room)
 {
-    if (quantity == NOTHING) {
+    if (what == CARRIED_NOTHING) {
         memset(room, 0, n * sizeof *room);
         return room;
     }
-    const Quantity *q = &QUANTITIES[quantity];
+    const Quantity *q = &QUANTITIES[what];
     if (!q->make) return (const double *)particles_field(s, q->field, q->d) + first;
     q->make(s, model, q->d, first, n, room);
     return room;
 }
 
 /* At most CHUNK of them. */
-static void pack(const Bundle *bundle, const Particles *s, const Model *model, size_t first, size_t n)
+static void pack(double (*data)[4], const uint8_t what[4], const Particles *s, const Model *model, size_t first,
+                 size_t n)
 {
     double room[4][CHUNK];
     const double *from[4];
-    for (int c = 0; c < 4; c++) from[c] = column(s, model, bundle->quantity[c], first, n, room[c]);
+    for (int c = 0; c < 4; c++) from[c] = column(s, model, what[c], first, n, room[c]);
     const double *restrict a = from[0], *restrict b = from[1], *restrict c = from[2], *restrict d = from[3];
-    double(*restrict to)[4] = bundle->data + first;
+    double(*restrict to)[4] = data + first;
     for (size_t i = 0; i < n; i++) {
         to[i][0] = a[i];
         to[i][1] = b[i];
@@ -158,29 +126,35 @@ static void pack(const Bundle *bundle, const Particles *s, const Model *model, s
 }
 
 /* Called by all threads of a team, which need not wait for each other. What only summed particles have is 0 in others for ever. */
-static void pack_group(const Bundle *bundle, const Particles *s, const Model *model, int g)
+static void pack_group(const Bundle *bundle, const uint8_t what[4], const Particles *s, const Model *model, int g)
 {
     if (!(bundle->stale >> g & 1) || (bundle->summed && g != GROUP_SUMMATION)) return;
     const size_t last = s->begin[g + 1];
 #pragma omp for schedule(static) nowait
     for (size_t first = s->begin[g]; first < last; first += CHUNK)
-        pack(bundle, s, model, first, last - first < CHUNK ? last - first : CHUNK);
+        pack(bundle->data, what, s, model, first, last - first < CHUNK ? last - first : CHUNK);
 }
 
 void bundles_refresh(Bundles *b, const Particles *s, const Model *model, unsigned needs, int threads)
 {
-    bool all_fresh = true;
-    for (size_t k = 0; k < b->n_bundles; k++)
-        all_fresh = all_fresh && !(b->bundle[k].needs & needs && b->bundle[k].stale);
-    if (all_fresh) return;
+    bool wanted[BUNDLES], any = false;
+    for (int k = 0; k < BUNDLES; k++) {
+        wanted[k] = b->bundle[k].data && bundle_meets(b->dim, k) & needs && b->bundle[k].stale;
+        any = any || wanted[k];
+    }
+    if (!any) return;
 #pragma omp parallel num_threads(threads)
-    for (size_t k = 0; k < b->n_bundles; k++)
-        for (int g = 0; g < GROUPS && b->bundle[k].needs & needs; g++) pack_group(&b->bundle[k], s, model, g);
-    for (size_t k = 0; k < b->n_bundles; k++)
-        if (b->bundle[k].needs & needs) b->bundle[k].stale = 0;
+    for (int k = 0; k < BUNDLES; k++)
+        for (int g = 0; g < GROUPS && wanted[k]; g++)
+            pack_group(&b->bundle[k], BUNDLE_LAYOUT[b->dim - 2][k], s, model, g);
+    for (int k = 0; k < BUNDLES; k++)
+        if (wanted[k]) b->bundle[k].stale = 0;
 }
 
 size_t bundles_bytes(const Bundles *b, size_t n)
 {
-    return b->n_bundles * n * sizeof *b->bundle[0].data;
+    size_t bytes = 0;
+    for (int k = 0; k < BUNDLES; k++)
+        if (b->bundle[k].data) bytes += n * sizeof *b->bundle[k].data;
+    return bytes;
 }

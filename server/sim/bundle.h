@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What particles are asked for by their neighbours, in bundles of four doubles: one load brings four quantities, where a
- * structure of arrays takes a gather for each, three times as long. Copies, made again when fields have changed. Which
- * quantity is in which bundle follows from what the terms of a scheme need: quantities that change together are
- * together, where that takes no bundle more. */
+ * structure of arrays takes a gather for each, three times as long. Copies, made again when fields have changed; a scheme has
+ * the bundles that its terms need. */
 #ifndef SIM_BUNDLE_H
 #define SIM_BUNDLE_H
 
@@ -19,21 +18,50 @@ enum {
     NEED_ALL = 31
 };
 
-enum { BUNDLES_MAX = 6 };
+/* Quantities, each of a member of Block (row.h) and of a row of the table in bundle.c. */
+enum {
+    CARRIED_X,                 /* x_j, until x_i - x_j takes its place                */
+    CARRIED_V = CARRIED_X + 3, /* v_j                                                 */
+    CARRIED_P = CARRIED_V + 3, /* pressure                                            */
+    CARRIED_VOLUME,            /* volume                                              */
+    CARRIED_Z,                 /* impedance rho c                                     */
+    CARRIED_Q,                 /* m_j w_j, w = dt/2 b; 0 where there is no stress     */
+    CARRIED_NOTHING = CARRIED_Q + 3
+};
+
+/* THE layout, [dim - 2][bundle][quantity]: what changes together is together, where that takes no bundle more. Known when rows are
+ * compiled, as looking up where to put each quantity would cost a tenth of a step. */
+enum { BUNDLES = 3 };
+static const uint8_t BUNDLE_LAYOUT[2][BUNDLES][4] = {
+    {{CARRIED_X, CARRIED_X + 1, CARRIED_V, CARRIED_V + 1},
+     {CARRIED_P, CARRIED_VOLUME, CARRIED_Z, CARRIED_NOTHING},
+     {CARRIED_Q, CARRIED_Q + 1, CARRIED_NOTHING, CARRIED_NOTHING}},
+    {{CARRIED_X, CARRIED_X + 1, CARRIED_X + 2, CARRIED_V},
+     {CARRIED_V + 1, CARRIED_V + 2, CARRIED_Q, CARRIED_Q + 1},
+     {CARRIED_P, CARRIED_VOLUME, CARRIED_Z, CARRIED_Q + 2}},
+};
+
+/* The needs that bundle k has something for; all need positions. */
+static inline __attribute__((always_inline)) unsigned bundle_meets(int dim, int k)
+{
+    static const uint8_t NEED_FOR[] = {
+        [CARRIED_X] = NEED_ALL,   NEED_ALL,   NEED_ALL,   [CARRIED_V] = NEED_V,    NEED_V,    NEED_V,
+        [CARRIED_P] = NEED_STATE, NEED_STATE, NEED_STATE, [CARRIED_Q] = NEED_FLUX, NEED_FLUX, NEED_FLUX,
+        [CARRIED_NOTHING] = 0};
+    const uint8_t *of = BUNDLE_LAYOUT[dim - 2][k];
+    return (unsigned)(NEED_FOR[of[0]] | NEED_FOR[of[1]] | NEED_FOR[of[2]] | NEED_FOR[of[3]]);
+}
 
 typedef struct Bundle {
-    double (*data)[4];   /* [n] */
-    uint8_t quantity[4]; /* rows of the table in bundle.c */
-    uint16_t to[4];      /* where they go in a Block (row.h), in doubles */
-    unsigned needs;      /* that it has something for */
-    Fields of;           /* what it is made of */
-    bool summed;         /* it has only what particles of summed density alone have */
-    unsigned stale;      /* groups that have changed since, as bits */
+    double (*data)[4]; /* [n]; NULL: the scheme does not need it */
+    Fields of;         /* what it is made of */
+    bool summed;       /* it has only what particles of summed density alone have */
+    unsigned stale;    /* groups that have changed since, as bits */
 } Bundle;
 
 typedef struct Bundles {
-    size_t n_bundles;
-    Bundle bundle[BUNDLES_MAX];
+    int dim;
+    Bundle bundle[BUNDLES];
 } Bundles;
 
 /* Room for n particles, for terms with these needs. false: no memory, nothing is left behind. */

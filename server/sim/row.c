@@ -24,16 +24,16 @@ INLINE Quads transposed(double (*restrict bundle)[4], const uint32_t *restrict j
         __builtin_shufflevector(even01, even23, 2, 3, 6, 7), __builtin_shufflevector(odd01, odd23, 2, 3, 6, 7)};
 }
 
-/* Bundles of eight particles, transposed: the first quantity of all goes to to[0], the second to to[1] ... of a block. */
-INLINE void fetch_quads(double (*restrict bundle)[4], const uint32_t *restrict j, double *restrict block,
-                        const uint16_t to[4])
+/* Bundles of eight particles, transposed: a gets the first quantity of all, b the second ... */
+INLINE void fetch_quads(double (*restrict bundle)[4], const uint32_t *restrict j, double *restrict a,
+                        double *restrict b, double *restrict c, double *restrict d)
 {
     for (int l = 0; l < LANES; l += 4) {
         const Quads quads = transposed(bundle, j + l);
-        *(Quad *)(block + to[0] + l) = quads.a;
-        *(Quad *)(block + to[1] + l) = quads.b;
-        *(Quad *)(block + to[2] + l) = quads.c;
-        *(Quad *)(block + to[3] + l) = quads.d;
+        *(Quad *)(a + l) = quads.a;
+        *(Quad *)(b + l) = quads.b;
+        if (c) *(Quad *)(c + l) = quads.c;
+        if (d) *(Quad *)(d + l) = quads.d;
     }
 }
 
@@ -46,22 +46,56 @@ typedef double Oct __attribute__((vector_size(64), may_alias));
 
 /* The same where registers hold eight doubles, with a third of the shuffles. What is stored is loaded again as eight, which could
  * not be forwarded from two stores of four. */
-INLINE void fetch_octs(double (*restrict bundle)[4], const uint32_t *restrict j, double *restrict block,
-                       const uint16_t to[4])
+INLINE void fetch_octs(double (*restrict bundle)[4], const uint32_t *restrict j, double *restrict a, double *restrict b,
+                       double *restrict c, double *restrict d)
 {
     const Oct k04 = BOTH(j[0], j[4]), k15 = BOTH(j[1], j[5]), k26 = BOTH(j[2], j[6]), k37 = BOTH(j[3], j[7]);
     const Oct even01 = __builtin_shufflevector(k04, k15, 0, 8, 2, 10, 4, 12, 6, 14),
               odd01 = __builtin_shufflevector(k04, k15, 1, 9, 3, 11, 5, 13, 7, 15),
               even23 = __builtin_shufflevector(k26, k37, 0, 8, 2, 10, 4, 12, 6, 14),
               odd23 = __builtin_shufflevector(k26, k37, 1, 9, 3, 11, 5, 13, 7, 15);
-    *(Oct *)(block + to[0]) = __builtin_shufflevector(even01, even23, 0, 1, 8, 9, 4, 5, 12, 13);
-    *(Oct *)(block + to[1]) = __builtin_shufflevector(odd01, odd23, 0, 1, 8, 9, 4, 5, 12, 13);
-    *(Oct *)(block + to[2]) = __builtin_shufflevector(even01, even23, 2, 3, 10, 11, 6, 7, 14, 15);
-    *(Oct *)(block + to[3]) = __builtin_shufflevector(odd01, odd23, 2, 3, 10, 11, 6, 7, 14, 15);
+    *(Oct *)a = __builtin_shufflevector(even01, even23, 0, 1, 8, 9, 4, 5, 12, 13);
+    *(Oct *)b = __builtin_shufflevector(odd01, odd23, 0, 1, 8, 9, 4, 5, 12, 13);
+    if (c) *(Oct *)c = __builtin_shufflevector(even01, even23, 2, 3, 10, 11, 6, 7, 14, 15);
+    if (d) *(Oct *)d = __builtin_shufflevector(odd01, odd23, 2, 3, 10, 11, 6, 7, 14, 15);
 }
 #endif
 
-typedef void (*Fetch)(double (*bundle)[4], const uint32_t *j, double *block, const uint16_t to[4]);
+typedef void (*Fetch)(double (*bundle)[4], const uint32_t *j, double *a, double *b, double *c, double *d);
+
+/* Where a quantity of the neighbours goes; NULL for nothing. */
+INLINE double *place(Block *block, int what)
+{
+    switch (what) {
+    case CARRIED_X:
+    case CARRIED_X + 1:
+    case CARRIED_X + 2: return block->x[what - CARRIED_X];
+    case CARRIED_V:
+    case CARRIED_V + 1:
+    case CARRIED_V + 2: return block->v[what - CARRIED_V];
+    case CARRIED_P: return block->p;
+    case CARRIED_VOLUME: return block->V;
+    case CARRIED_Z: return block->z;
+    case CARRIED_Q:
+    case CARRIED_Q + 1:
+    case CARRIED_Q + 2: return block->q[what - CARRIED_Q];
+    default: return NULL;
+    }
+}
+
+INLINE void fetch_bundle(Block *block, const uint32_t *j, const Bundles *bundles, int k, int dim, Fetch fetch)
+{
+    const uint8_t *what = BUNDLE_LAYOUT[dim - 2][k];
+    fetch(bundles->bundle[k].data, j, place(block, what[0]), place(block, what[1]), place(block, what[2]),
+          place(block, what[3]));
+}
+
+INLINE void fetch_block(Block *block, const uint32_t *j, const Bundles *bundles, unsigned needs, int dim, Fetch fetch)
+{
+    fetch_bundle(block, j, bundles, 0, dim, fetch);
+    if (needs & bundle_meets(dim, 1)) fetch_bundle(block, j, bundles, 1, dim, fetch);
+    if (needs & bundle_meets(dim, 2)) fetch_bundle(block, j, bundles, 2, dim, fetch);
+}
 
 /* Fill up the last block of n neighbours with one of them; returns how many blocks. */
 INLINE size_t fill_up(uint32_t *j, size_t n)
@@ -80,10 +114,10 @@ INLINE size_t copy(uint32_t *j, const uint32_t *list, size_t n)
 
 /* One block: neighbours, differences, distances, kernel. One after the other, so that the root of one block is taken while the
  * next is loaded. */
-INLINE void fill_block(Block *b, const uint32_t *j, const RowPlan *plan, size_t n_fetch, const double x_i[3], int dim,
+INLINE void fill_block(Block *b, const uint32_t *j, const RowPlan *plan, unsigned needs, const double x_i[3], int dim,
                        Fetch fetch, bool periodic, KernelShape W, KernelShape F)
 {
-    for (size_t k = 0; k < n_fetch; k++) fetch(plan->fetch[k].from, j, (double *)b, plan->fetch[k].to);
+    fetch_block(b, j, &plan->nb->bundles, needs, dim, fetch);
     const Model *model = plan->model;
 #pragma omp simd
     for (int l = 0; l < LANES; l++) {
@@ -107,11 +141,11 @@ INLINE void fill_block(Block *b, const uint32_t *j, const RowPlan *plan, size_t 
 INLINE void fill_blocks(Row *row, const RowPlan *plan, int dim, Fetch fetch, bool periodic, KernelShape W,
                         KernelShape F)
 {
-    const size_t n_fetch = row->summed ? plan->n_fetch : plan->n_fetch_unsummed;
+    const unsigned needs = row->summed ? plan->needs : plan->needs & ~(unsigned)NEED_FLUX;
     double x[3] = {0, 0, 0};
     for (int d = 0; d < dim; d++) x[d] = plan->s->x[d][row->i];
     for (size_t b = 0; b < row->n; b++)
-        fill_block(&row->block[b], row->j + b * LANES, plan, n_fetch, x, dim, fetch, periodic, W, F);
+        fill_block(&row->block[b], row->j + b * LANES, plan, needs, x, dim, fetch, periodic, W, F);
 }
 
 INLINE void fill_row(Row *row, const RowPlan *plan, int dim, Fetch fetch, bool periodic)
@@ -192,16 +226,6 @@ RowPlan row_plan(const Neighbours *nb, const Particles *s, const Model *model, u
 {
     RowPlan plan = {.nb = nb, .s = s, .model = model, .needs = needs, .pairs = pairs};
     plan.kernel = kernel_scale(&model->kernel);
-    const Bundles *b = &nb->bundles;
-    for (int summed = 0; summed < 2; summed++) {
-        for (size_t k = 0; k < b->n_bundles; k++) {
-            const Bundle *bundle = &b->bundle[k];
-            if (!(bundle->needs & needs) || bundle->summed != (bool)summed) continue;
-            plan.fetch[plan.n_fetch].from = bundle->data;
-            memcpy(plan.fetch[plan.n_fetch++].to, bundle->to, sizeof bundle->to);
-        }
-        if (!summed) plan.n_fetch_unsummed = plan.n_fetch;
-    }
     return plan;
 }
 

@@ -20,7 +20,6 @@ typedef struct Block {
     double v[3][LANES];                  /* v_j                               m/s        */
     double p[LANES], V[LANES], z[LANES]; /* of j             Pa, m^dim, kg/(m^2 s) */
     double q[3][LANES];                  /* m_j w_j, 0 without a stress       kg m/s     */
-    double nothing[LANES];               /* for what a bundle has no use for             */
 } Block;
 
 typedef struct Row {
@@ -49,11 +48,6 @@ typedef struct RowPlan {
     unsigned needs; /* of the terms: NEED_F | NEED_V ... */
     RowPairs pairs;
     KernelScale kernel;
-    size_t n_fetch, n_fetch_unsummed; /* bundles to fetch; of rows without neighbours of summed density */
-    struct Fetched {
-        double (*from)[4];
-        uint16_t to[4];
-    } fetch[BUNDLES_MAX];
 } RowPlan;
 
 /* Of bundles that have been refreshed for these needs. */

@@ -41,8 +41,8 @@ if [ "$(uname -m)" != x86_64 ]; then
     echo "ok - instructions are counted on x86-64 only"
     exit 0
 fi
-within dambreak2d-p3 20 184
-within dambreak3d-p3 8 197
-within droplet2d-p3 40 164
-within droplet3d-p3 12 130
+within dambreak2d-p3 20 177
+within dambreak3d-p3 8 190
+within droplet2d-p3 40 160
+within droplet3d-p3 12 124
 exit $failed
