@@ -189,6 +189,25 @@ static void space_of_a_piston_is_not_closed(void **state)
     }
 }
 
+/* The advection velocity is dt/2 b, and dt goes with the greatest speed of sound of all. */
+static void fluids_are_spread_as_fast_as_their_own_sound_beside_a_stiffer_one(void **state)
+{
+    (void)state;
+    double spread[2];
+    for (int stiff = 0; stiff < 2; stiff++) {
+        MnsCase *c = case_periodic(2, 20);
+        if (stiff) c->fluids[1].sound_speed = 35;
+        MnsSim *sim = sim_of(c);
+        sim_steps(sim, 1);
+        const Phase *water = &sim->model.phase[0];
+        /* w over |sum V grad W|; gravity and viscosity do not limit the step here */
+        spread[stiff] = mns_sim_progress(sim).dt * water->p_b / water->rho0;
+        assert_true(spread[stiff] > 0);
+        sim_done(sim, c);
+    }
+    assert_close(spread[1], spread[0], 0.1 * spread[0]); /* the flow's own speed counts in dt too */
+}
+
 /* A channel along x between two plates; momentum after some steps over what it was. */
 static double kept_momentum(int dim, bool no_slip, const char *belt)
 {
@@ -262,6 +281,7 @@ int main(void)
         cmocka_unit_test(water_at_rest_stays_at_rest),
         cmocka_unit_test(mean_pressure_of_a_full_tank_stays),
         cmocka_unit_test(space_of_a_piston_is_not_closed),
+        cmocka_unit_test(fluids_are_spread_as_fast_as_their_own_sound_beside_a_stiffer_one),
         cmocka_unit_test(fluid_slips_along_free_walls_and_sticks_to_others),
         cmocka_unit_test(viscosity_damps_a_shear_wave),
     };
