@@ -140,8 +140,8 @@ MnsStatus integrator_start(MnsSim *sim, MnsError *error)
 {
     remember_positions(sim);
     const MnsStatus status = integrator_restart(sim, error);
-    particles_changed(&sim->s, ON_ALL,
-                      ALL_FIELDS); /* so that what is done again has the rounding that a restart will have */
+    /* What is done again shall have the rounding that a restart will have. */
+    particles_changed(&sim->s, ON_ALL, ALL_FIELDS);
     if (!status) integrator_rates(sim, sim->scheme->given);
     return status;
 }

@@ -82,14 +82,22 @@ static void a_stop_ends_the_run_before_the_load_too(void **state)
     zmq_close(other);
 }
 
+/* A request to cancel the command of this id, in room of the caller's. */
+static void make_cancel(Meniscus__Request *request, Meniscus__Cancel *command, uint8_t *id)
+{
+    meniscus__request__init(request);
+    meniscus__cancel__init(command);
+    command->has_id = 1;
+    command->id = (ProtobufCBinaryData){.len = 16, .data = id};
+    request->command_case = MENISCUS__REQUEST__COMMAND_CANCEL;
+    request->cancel = command;
+}
+
 static Meniscus__Code cancel(Dialogue *dialogue, uint8_t *id)
 {
-    Meniscus__Request request = MENISCUS__REQUEST__INIT;
-    Meniscus__Cancel command = MENISCUS__CANCEL__INIT;
-    command.has_id = 1;
-    command.id = (ProtobufCBinaryData){.len = 16, .data = id};
-    request.command_case = MENISCUS__REQUEST__COMMAND_CANCEL;
-    request.cancel = &command;
+    Meniscus__Request request;
+    Meniscus__Cancel command;
+    make_cancel(&request, &command, id);
     return dialogue_code(dialogue, &request);
 }
 
@@ -114,14 +122,11 @@ static void cancelling_something_else_does_not_end_a_load(void **state)
     Dialogue *dialogue = *state;
     uint8_t id[16], unknown[16] = "somebody else's";
     void *other = dialogue_connect(dialogue), *third = dialogue_connect(dialogue);
-    Meniscus__Request request = MENISCUS__REQUEST__INIT;
-    Meniscus__Cancel command = MENISCUS__CANCEL__INIT;
+    Meniscus__Request request;
+    Meniscus__Cancel command;
     uint8_t cancel_id[16];
     begin_loading(dialogue, other, id, 0);
-    command.has_id = 1;
-    command.id = (ProtobufCBinaryData){.len = 16, .data = unknown};
-    request.command_case = MENISCUS__REQUEST__COMMAND_CANCEL;
-    request.cancel = &command;
+    make_cancel(&request, &command, unknown);
     dialogue_seal(&request, cancel_id);
     dialogue_send(third, &request);
     steer_sleep(300);

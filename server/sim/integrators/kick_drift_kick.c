@@ -21,6 +21,7 @@ static void kick_and_drift(MnsSim *sim, double dt)
             x[i] += dt * (v[i] + half * b[i]);
         }
     }
+    particles_changed(s, ON_FLUID, FIELD(X) | FIELD(V));
 }
 
 /* The second half of the kick, and the two questions about its result: how fast, and is all well? */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Liquids that fill a closed space have its volume. Where density follows continuity nothing else knows that: spreading moves
- * particles and not their density, so that the mean pressure of a full tank climbs by a quarter of what its liquids weigh in one
- * sloshing time (schemes/README.md). The same pressure everywhere, up or down, puts the volume right:
+ * particles and not their density, so that the mean pressure of a full tank of 1 m climbs by 0.9 rho g H a second
+ * (schemes/README.md). The same pressure everywhere, up or down, puts the volume right:
  *   rho_i += dp / c_i^2,   dp = (sum_i m_i/rho_i - n V_0) / sum_i m_i/(rho_i^2 c_i^2) */
 #include "sim/locals/locals.h"
 
