@@ -17,6 +17,8 @@ typedef struct Invocation {
     double timeout; /* [s]; negative: none */
     bool has_id;
     uint8_t id[MNS_REQUEST_ID_SIZE];
+    bool has_if_step;
+    uint64_t if_step;
     MnsClient *client; /* NULL until command_connect() */
     int code;          /* exit code that the command wants, whatever its status; 0: none */
 } Invocation;

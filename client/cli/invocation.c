@@ -79,7 +79,8 @@ static MnsStatus check_words(const Invocation *in, MnsError *error)
 /* What the global options say about requests. */
 static MnsStatus read_manner(Invocation *in, MnsError *error)
 {
-    const char *timeout = options_get(&in->options, OPT_TIMEOUT), *id = options_get(&in->options, OPT_ID);
+    const char *timeout = options_get(&in->options, OPT_TIMEOUT), *id = options_get(&in->options, OPT_ID),
+               *if_step = options_get(&in->options, OPT_IF_STEP);
     in->timeout = in->command->is_long ? -1 : quick_s;
     if (timeout) {
         const MnsStatus status = parse_number("--timeout", timeout, &in->timeout, error);
@@ -87,7 +88,10 @@ static MnsStatus read_manner(Invocation *in, MnsError *error)
         if (in->timeout < 0) return mns_fail(error, MNS_E_INVALID, "--timeout %s: seconds are not negative", timeout);
     }
     in->has_id = id;
-    return id ? parse_id("--id", id, in->id, error) : MNS_OK;
+    in->has_if_step = if_step;
+    MnsStatus status = id ? parse_id("--id", id, in->id, error) : MNS_OK;
+    if (!status && if_step) status = parse_count("--if-step", if_step, &in->if_step, error);
+    return status;
 }
 
 MnsStatus command_connect(Invocation *in, MnsError *error)
@@ -96,6 +100,7 @@ MnsStatus command_connect(Invocation *in, MnsError *error)
     if (status != MNS_OK) return status;
     mns_client_set_timeout(in->client, in->timeout);
     if (in->has_id) mns_client_set_request_id(in->client, in->id);
+    if (in->has_if_step) mns_client_set_if_step(in->client, in->if_step);
     return MNS_OK;
 }
 

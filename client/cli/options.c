@@ -11,6 +11,7 @@ const OptionInfo option_table[] = {
     [OPT_OUTPUT] = {"output", 'o', "text|json", "how to print results"},
     [OPT_TIMEOUT] = {"timeout", 0, "SECONDS", "give up after this long (exit code 124)"},
     [OPT_ID] = {"id", 0, "32 HEX DIGITS", "id of the request: repeated with the same id, a command happens once"},
+    [OPT_IF_STEP] = {"if-step", 0, "N", "refuse the command unless the run is at this step when it would take effect"},
     [OPT_HELP] = {"help", 'h', NULL, "explain the command"},
     [OPT_VERSION] = {"version", 'V', NULL, "print the version"},
     [OPT_SET] = {"set", 0, "PATH=VALUE", "override an entry of the case; may be repeated"},

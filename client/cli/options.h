@@ -10,6 +10,7 @@ typedef enum OptionId {
     OPT_OUTPUT,
     OPT_TIMEOUT,
     OPT_ID,
+    OPT_IF_STEP,
     OPT_HELP,
     OPT_VERSION,
     OPT_SET,

@@ -200,5 +200,8 @@ MnsStatus call_make(MnsClient *client, Meniscus__Request *request, Meniscus__Rep
         const MnsStatus status = call_random(id, sizeof id, error);
         if (status != MNS_OK) return status;
     }
+    request->has_if_step = client->has_if_step;
+    request->if_step = client->if_step;
+    client->has_if_step = false;
     return call_as(client, request, id, client->timeout, ret_reply, ret_frames, error);
 }

@@ -14,6 +14,8 @@ struct MnsClient {
     double timeout; /* [s]; negative: none                  */
     bool has_id;    /* next_id is to be used                */
     uint8_t next_id[MNS_REQUEST_ID_SIZE];
+    bool has_if_step; /* the next command is conditional    */
+    uint64_t if_step;
     void *telemetry; /* SUB socket, or NULL                  */
     struct {
         uint64_t epoch, sequence; /* of the last message; epoch 0: none   */

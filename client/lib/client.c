@@ -37,3 +37,9 @@ void mns_client_set_request_id(MnsClient *client, const uint8_t id[MNS_REQUEST_I
     memcpy(client->next_id, id, MNS_REQUEST_ID_SIZE);
     client->has_id = true;
 }
+
+void mns_client_set_if_step(MnsClient *client, uint64_t step)
+{
+    client->if_step = step;
+    client->has_if_step = true;
+}

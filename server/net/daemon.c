@@ -142,7 +142,8 @@ static void take_signal(Daemon *daemon)
 static void take_answer(Daemon *daemon, Order *order)
 {
     Exchange *exchange = (Exchange *)order;
-    const bool last = exchange->handler && exchange->handler->traits & LAST;
+    /* A shutdown that was too late, or for another step, has done nothing: the run goes on, and so do we. */
+    const bool last = exchange->handler && exchange->handler->traits & LAST && order->state == RUN_STOPPING;
     if (exchange == daemon->load) after_load(daemon, order);
     else if (order->status && !exchange->n_senders) log_line(LOG_WARNING, "%s", order->error.text);
     if (last) daemon->leaving = true;

@@ -425,11 +425,12 @@ static void serve_at_step(Run *run, Order *order)
            &error);
 }
 
-/* A cancel ends what it names, and nothing if that is no id. */
+/* A cancel ends what it names, and nothing if that is no id. With a condition on the step none does, as what is being loaded is
+ * at no step yet. */
 static void note_end(const Handler *handler, const Meniscus__Request *request, Order *order)
 {
-    order->ends = handler->traits & ENDS;
-    if (request->command_case != REQUEST(CANCEL)) return;
+    order->ends = handler->traits & ENDS && !request->has_if_step;
+    if (request->command_case != REQUEST(CANCEL) || !order->ends) return;
     order->ends = request->cancel->has_id && request->cancel->id.len == ORDER_ID;
     if (order->ends) memcpy(order->ends_id, request->cancel->id.data, ORDER_ID);
 }
@@ -438,7 +439,13 @@ MnsStatus handle(Run *run, Exchange *exchange, MnsError *error)
 {
     const Handler *handler = handler_find(exchange->request->command_case);
     if (!handler) return mns_fail(error, MNS_E_VERSION, "this daemon does not know the command");
+    if (handler->where == HERE && exchange->request->has_if_step)
+        return mns_fail_at(error, MNS_E_INVALID, "if_step",
+                           "%s takes no if_step: it is answered at whatever step the run is, and says at which",
+                           handler->name);
     exchange->handler = handler;
+    exchange->order.conditional = exchange->request->has_if_step;
+    exchange->order.if_step = exchange->request->if_step;
     exchange->order.urgent = handler->traits & URGENT;
     exchange->order.motion = handler->traits & MOTION;
     exchange->order.serve = serve_at_step;

@@ -19,6 +19,8 @@ typedef struct Order {
     bool ends;       /* what is being loaded is given up for it; only the order of `ends_id`, unless that is zeros */
     bool ended;      /* that has happened */
     uint8_t ends_id[ORDER_ID];
+    bool conditional; /* refused unless the run is at if_step                                */
+    uint64_t if_step;
     double deadline; /* [s] of clock_now(); INFINITY: none                                   */
 
     /* Called on the runner's thread. Must lead to one run_answer(), at once or later. */

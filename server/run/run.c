@@ -3,6 +3,7 @@
 #include "run/inside.h"
 
 #include "base/clock.h"
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <sys/resource.h>
@@ -11,17 +12,28 @@
 /* How many orders wait at most, and how many are served between two steps. */
 enum { MAILBOX_LIMIT = 2048, SERVED_AT_ONCE = 64 };
 
+/* MNS_OK if the order may still be served, at this step. */
+static MnsStatus check_moment(const Run *run, const Order *order, uint64_t step, MnsError *error)
+{
+    if (order->deadline < clock_now())
+        return mns_fail(error, MNS_E_TIMEOUT,
+                        "the deadline passed before the command could take effect; nothing was done");
+    if (!order->conditional || (run->sim && order->if_step == step)) return MNS_OK;
+    if (!run->sim)
+        return mns_fail_at(error, MNS_E_STATE, "if_step",
+                           "there is no run, so none at step %" PRIu64 "; nothing was done", order->if_step);
+    return mns_fail_at(error, MNS_E_STATE, "if_step",
+                       "the run is at step %" PRIu64 ", not %" PRIu64 "; nothing was done", step, order->if_step);
+}
+
 static void serve(Run *run, Order *order)
 {
     MnsError error;
     const MnsProgress now = run->sim ? mns_sim_progress(run->sim) : (MnsProgress){.t = 0};
     order->effect_step = now.step;
     order->effect_t = now.t;
-    if (order->deadline < clock_now())
-        run_answer(run, order,
-                   mns_fail(&error, MNS_E_TIMEOUT,
-                            "the deadline passed before the command could take effect; nothing was done"),
-                   &error);
+    const MnsStatus status = check_moment(run, order, now.step, &error);
+    if (status) run_answer(run, order, status, &error);
     else order->serve(run, order);
 }
 

@@ -22,6 +22,7 @@ typedef struct Fixture {
     FakeManner manners[4]; /* of the first, second ... request; zero is FAKE_ANSWER */
     atomic_int n;          /* requests heard                                         */
     uint8_t ids[4][16];
+    bool conditional[4];
     Meniscus__Request__CommandCase commands[4];
     uint64_t deadline_ms;
     Meniscus__Code code;
@@ -67,6 +68,7 @@ static void handle(void *arg, const Meniscus__Request *request, FakeAnswer *answ
     if (k < 4 && request->id.len == 16) {
         memcpy(fixture->ids[k], request->id.data, 16);
         fixture->commands[k] = request->command_case;
+        fixture->conditional[k] = request->has_if_step;
         answer->manner = fixture->manners[k];
     }
     fixture->deadline_ms = request->deadline_ms;
@@ -141,6 +143,17 @@ static void a_chosen_id_is_used_once(void **state)
     settle(fixture);
     assert_memory_equal(fixture->ids[0], id, 16);
     assert_memory_not_equal(fixture->ids[1], id, 16);
+}
+
+static void a_condition_goes_with_one_command(void **state)
+{
+    Fixture *fixture = *state;
+    mns_client_set_if_step(fixture->client, 0);
+    assert_int_equal(mns_client_step(fixture->client, 3, NULL, NULL), MNS_OK);
+    assert_int_equal(mns_client_step(fixture->client, 3, NULL, NULL), MNS_OK);
+    settle(fixture);
+    assert_true(fixture->conditional[0]);
+    assert_false(fixture->conditional[1]);
 }
 
 static void codes_become_statuses_with_sentence_and_path(void **state)
@@ -404,6 +417,7 @@ int main(void)
         TEST(a_reply_carries_state_and_step_of_the_effect),
         TEST(every_command_has_an_id_of_its_own),
         TEST(a_chosen_id_is_used_once),
+        TEST(a_condition_goes_with_one_command),
         TEST(codes_become_statuses_with_sentence_and_path),
         TEST(a_code_nobody_knows_is_a_failure),
         TEST(the_reason_is_more_exact_than_the_code),

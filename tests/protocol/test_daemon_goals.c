@@ -44,6 +44,66 @@ static void an_end_that_comes_before_the_goal_is_no_success(void **state)
     zmq_close(other);
 }
 
+/* A command that is meant for one step only. */
+static Meniscus__Reply *only_at(Dialogue *dialogue, Meniscus__Request request, uint64_t step)
+{
+    request.has_if_step = true;
+    request.if_step = step;
+    return dialogue_ask(dialogue, &request);
+}
+
+static void a_command_for_another_step_does_nothing(void **state)
+{
+    Dialogue *dialogue = *state;
+    steer_refused(only_at(dialogue, dialogue_stop(), 0), MENISCUS__CODE__FAILED_PRECONDITION, "there is no run");
+    dialogue_load(dialogue, NULL);
+    steer_go(dialogue, 3);
+    const Meniscus__Request commands[] = {dialogue_resume(), dialogue_pause(),    dialogue_stop(),
+                                          dialogue_reset(),  dialogue_shutdown(), dialogue_checkpoint()};
+    for (size_t k = 0; k < sizeof commands / sizeof *commands; k++) {
+        Meniscus__Reply *reply = only_at(dialogue, commands[k], 2);
+        assert_string_equal(reply->path, "if_step");
+        assert_int_equal(reply->step, 3);
+        assert_false(reply->has_effect_step);
+        steer_refused(reply, MENISCUS__CODE__FAILED_PRECONDITION, "the run is at step 3, not 2; nothing was done");
+        steer_stands_at(dialogue, MENISCUS__STATE__PAUSED, 3);
+    }
+    steer_refused(only_at(dialogue, dialogue_status(), 3), MENISCUS__CODE__INVALID_ARGUMENT, "status takes no if_step");
+    steer_accepted(only_at(dialogue, dialogue_reset(), 3));
+    steer_stands_at(dialogue, MENISCUS__STATE__READY, 0);
+}
+
+static void a_shutdown_that_comes_too_late_does_nothing(void **state)
+{
+    Dialogue *dialogue = *state;
+    Meniscus__Request request = dialogue_shutdown();
+    request.has_deadline_ms = true;
+    request.deadline_ms = 0;
+    steer_refused(dialogue_ask(dialogue, &request), MENISCUS__CODE__DEADLINE_EXCEEDED, "nothing was done");
+    dialogue_load(dialogue, NULL);
+    steer_go(dialogue, 1);
+}
+
+/* A pause for a step that has passed neither pauses nor calls off what is queued; the one for the right step may. */
+static void a_pause_for_another_step_calls_nothing_off(void **state)
+{
+    Dialogue *dialogue = *state;
+    dialogue_load(dialogue, NULL);
+    void *other = dialogue_connect(dialogue);
+    uint8_t id[16];
+    steer_say_until(other, 0.02, id);
+    steer_accepted(steer_wait_step(dialogue, 1));
+    steer_refused(only_at(dialogue, dialogue_pause(), 0), MENISCUS__CODE__FAILED_PRECONDITION,
+                  "not 0; nothing was done");
+    Meniscus__Reply *reply = dialogue_receive(other, NULL);
+    assert_non_null(reply);
+    assert_true(reply->time == 0.02);
+    const uint64_t step = reply->step;
+    steer_accepted(reply);
+    steer_accepted(only_at(dialogue, dialogue_pause(), step));
+    zmq_close(other);
+}
+
 static void a_wait_takes_effect_when_what_it_waits_for_came_about(void **state)
 {
     Dialogue *dialogue = *state;
@@ -98,6 +158,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_time_beyond_the_end_is_refused_with_the_bounds, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(an_end_that_comes_before_the_goal_is_no_success, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_wait_takes_effect_when_what_it_waits_for_came_about, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(a_command_for_another_step_does_nothing, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(a_shutdown_that_comes_too_late_does_nothing, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(a_pause_for_another_step_calls_nothing_off, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(pauses_count_as_age_and_not_as_computing, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(rates_are_known_from_the_first_step, steer_begin, steer_end),
     };

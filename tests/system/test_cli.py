@@ -191,6 +191,15 @@ class Commands(DaemonTest):
         self.assertEqual(self.ask(*words)["step"], 3)
         self.assertEqual(self.ask("status")["step"], 3)
 
+    def test_a_command_for_another_step_is_refused(self) -> None:
+        self.load()
+        self.assertEqual(self.ask("step", "3", "--if-step", "0")["step"], 3)
+        done = self.meniscus("set", "end_time=3", "--if-step", "2", code=1)
+        self.assertIn("the run is at step 3, not 2; nothing was done", done.stderr)
+        self.assertEqual(self.ask("set", "end_time=3", "--if-step", "3")["effect_step"], 3)
+        self.meniscus("status", "--if-step", "3", code=1)
+        self.meniscus("set", "end_time=3", "--if-step", "-1", code=2)
+
     def test_a_client_killed_in_the_middle_leaves_the_daemon_well(self) -> None:
         self.load()
         for name in ("SIGKILL", "SIGTERM"):

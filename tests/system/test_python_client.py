@@ -160,6 +160,24 @@ class WithDaemon(DaemonTest):
         self.meniscus("load", "dambreak2d", "--set", "resolution=20")
         self.assertEqual(self.client.status().state_hash, ours)
 
+    def test_a_condition_on_the_step_is_kept(self) -> None:
+        self.load()
+        self.client.step(2)
+        for command in (
+            lambda step: self.client.start(if_step=step),
+            lambda step: self.client.pause(if_step=step),
+            lambda step: self.client.resume(if_step=step),
+            lambda step: self.client.step(3, if_step=step),
+            lambda step: self.client.run_until(1, if_step=step),
+            lambda step: self.client.stop(if_step=step),
+            lambda step: self.client.set({"end_time": 3}, if_step=step),
+        ):
+            with self.assertRaises(meniscus.StateError) as caught:
+                command(1)
+            self.assertEqual(caught.exception.path, "if_step")
+        self.assertEqual(self.client.set({"end_time": 3}, if_step=2).effect_step, 2)
+        self.assertEqual(self.client.step(1, if_step=2).step, 3)
+
     def test_capabilities_name_what_can_be_set(self) -> None:
         self.assertIn("end_time", [parameter.path for parameter in self.client.capabilities().parameters])
 

@@ -80,33 +80,38 @@ class Client:
             raise CaseError(error.code, f"{where}: {error.path}: {error.message}", error.path, error.status) from None
         return replace(self.start(), path=reply.path) if start else reply
 
-    def start(self) -> Reply:
-        """Start the run."""
-        return self._simple(pb.Request(start=pb.Start()))
+    def start(self, if_step: Optional[int] = None) -> Reply:
+        """Start the run. if_step: as for set()."""
+        return self._simple(pb.Request(start=pb.Start(), if_step=if_step))
 
-    def pause(self) -> Reply:
-        """Pause at the next step boundary."""
-        return self._simple(pb.Request(pause=pb.Pause()))
+    def pause(self, if_step: Optional[int] = None) -> Reply:
+        """Pause at the next step boundary. if_step: as for set()."""
+        return self._simple(pb.Request(pause=pb.Pause(), if_step=if_step))
 
-    def resume(self) -> Reply:
-        """Go on after a pause."""
-        return self._simple(pb.Request(resume=pb.Resume()))
+    def resume(self, if_step: Optional[int] = None) -> Reply:
+        """Go on after a pause. if_step: as for set()."""
+        return self._simple(pb.Request(resume=pb.Resume(), if_step=if_step))
 
-    def step(self, count: int = 1, request_id: Optional[bytes] = None) -> Reply:
-        """Do some time steps; returns when they are done, PAUSED. request_id: as for wait()."""
-        return self._simple(pb.Request(step=pb.Step(count=count)), None, request_id)
+    def step(self, count: int = 1, request_id: Optional[bytes] = None, if_step: Optional[int] = None) -> Reply:
+        """Do some time steps; returns when they are done, PAUSED. request_id: as for wait(), if_step: as for set()."""
+        return self._simple(pb.Request(step=pb.Step(count=count), if_step=if_step), None, request_id)
 
-    def run_until(self, time: float, exact: bool = True, request_id: Optional[bytes] = None) -> Reply:
-        """Run until a simulated time [s]; exact: shorten the last step to end there. request_id: as for wait()."""
-        return self._simple(pb.Request(run_until=pb.RunUntil(time=time, exact=exact)), None, request_id)
+    def run_until(
+        self, time: float, exact: bool = True, request_id: Optional[bytes] = None, if_step: Optional[int] = None
+    ) -> Reply:
+        """Run until a simulated time [s]; exact: shorten the last step to end there.
+
+        request_id, if_step  as for wait() and set()
+        """
+        return self._simple(pb.Request(run_until=pb.RunUntil(time=time, exact=exact), if_step=if_step), None, request_id)
 
     def cancel(self, request_id: bytes) -> Reply:
         """End a pending step, run_until or wait: it raises CancelledError where it was called."""
         return self._simple(pb.Request(cancel=pb.Cancel(id=request_id)))
 
-    def stop(self, checkpoint: bool = False) -> Reply:
-        """End the run; its files stay."""
-        return self._simple(pb.Request(stop=pb.Stop(checkpoint=checkpoint)))
+    def stop(self, checkpoint: bool = False, if_step: Optional[int] = None) -> Reply:
+        """End the run; its files stay. if_step: as for set()."""
+        return self._simple(pb.Request(stop=pb.Stop(checkpoint=checkpoint), if_step=if_step))
 
     def reset(self) -> Reply:
         """Back to the beginning of the case."""
@@ -155,10 +160,13 @@ class Client:
 
     # --- values -----------------------------------------------------------------------------------------------------
 
-    def set(self, assignments: Mapping[str, Any]) -> Reply:
-        """Change entries of the running case, all or none: {"end_time": 3, "gravity": [0, -1]}."""
+    def set(self, assignments: Mapping[str, Any], if_step: Optional[int] = None) -> Reply:
+        """Change entries of the running case, all or none: {"end_time": 3, "gravity": [0, -1]}.
+
+        if_step  only if the run is at this step when the command would take effect; else StateError, whose path is "if_step"
+        """
         items = [pb.Assignment(path=path, value=_as_yaml(value)) for path, value in assignments.items()]
-        return self._simple(pb.Request(set=pb.Set(assignments=items)))
+        return self._simple(pb.Request(set=pb.Set(assignments=items), if_step=if_step))
 
     def get(self, *paths: str) -> Dict[str, Value]:
         """Entries of the case by path, as in "end_time" or "fluids[1].density", with their units; none: all that can be set."""
