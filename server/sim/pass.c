@@ -25,6 +25,7 @@ typedef struct Sweep {
     int n_before, n_terms, n_after;
     const Local *before[PASS_LOCALS_MAX], *after[PASS_LOCALS_MAX];
     const Term *terms[PASS_TERMS_MAX];
+    const Fusion *fusion; /* of just these terms; NULL if there is none */
     RowPlan plan;
 } Sweep;
 
@@ -45,6 +46,20 @@ static int terms_for(const Pass *pass, int group, const Model *model, const Term
         if (term->on & 1u << group && (!term->needed || term->needed(model))) ret[n++] = term;
     }
     return n;
+}
+
+static bool same_terms(const Fusion *fusion, int n, const Term *const *terms)
+{
+    for (int k = 0; k < PASS_TERMS_MAX; k++)
+        if (fusion->terms[k] != (k < n ? terms[k] : NULL)) return false;
+    return n > 0;
+}
+
+static const Fusion *fusion_for(const Pass *pass, int n, const Term *const *terms)
+{
+    for (int k = 0; k < PASS_FUSIONS_MAX && pass->fusions[k]; k++)
+        if (same_terms(pass->fusions[k], n, terms)) return pass->fusions[k];
+    return NULL;
 }
 
 /* The local rules of a list that are needed. */
@@ -78,13 +93,25 @@ static int prompt(const Locals *after)
     return n;
 }
 
-static void sweep_chunk(const Sweep *sweep, Row *row, Particles *s, const Model *model, size_t first, size_t last)
+static void fused_rows(const Sweep *sweep, Particles *s, const Model *model, size_t first, size_t last)
 {
-    for (int k = 0; k < sweep->n_before; k++) sweep->before[k]->apply(s, model, first, last);
-    for (size_t i = first; i < last && sweep->n_terms; i++) {
+    const FusedFunction row = sweep->fusion->row[model->level][s->dim - 2];
+    for (size_t i = first; i < last; i++) row(&sweep->plan, s, i);
+}
+
+static void rows(const Sweep *sweep, Row *row, Particles *s, const Model *model, size_t first, size_t last)
+{
+    for (size_t i = first; i < last; i++) {
         row_build(row, &sweep->plan, i);
         for (int k = 0; k < sweep->n_terms; k++) term_row(sweep->terms[k], row, s, model);
     }
+}
+
+static void sweep_chunk(const Sweep *sweep, Row *row, Particles *s, const Model *model, size_t first, size_t last)
+{
+    for (int k = 0; k < sweep->n_before; k++) sweep->before[k]->apply(s, model, first, last);
+    if (sweep->fusion) fused_rows(sweep, s, model, first, last);
+    else if (sweep->n_terms) rows(sweep, row, s, model, first, last);
     for (int k = 0; k < sweep->n_after; k++) sweep->after[k]->apply(s, model, first, last);
 }
 
@@ -121,6 +148,7 @@ void pass_run(const Pass *pass, Particles *s, Neighbours *nb, const Model *model
     unsigned needs[GROUPS] = {0}, all = 0;
     for (int g = 0; g < GROUPS; g++) {
         sweeps[g].n_terms = terms_for(pass, g, model, sweeps[g].terms);
+        sweeps[g].fusion = fusion_for(pass, sweeps[g].n_terms, sweeps[g].terms);
         for (int k = 0; k < sweeps[g].n_terms; k++) needs[g] |= sweeps[g].terms[k]->needs;
         all |= needs[g];
     }

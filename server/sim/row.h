@@ -9,7 +9,7 @@
 #include "sim/neighbours.h"
 #include "sim/select.h"
 
-enum { LANES = 8, ROW_BLOCKS = ROW_MAX / LANES + 2 };
+enum { LANES = 8, ROW_BLOCKS = ROW_MAX / LANES + 2, PICKED_MAX = ROW_BLOCKS * LANES + 2 * SELECT_SLACK };
 
 /* Eight pairs. What was not needed (bundle.h) has no meaning. */
 typedef struct Block {
@@ -23,10 +23,10 @@ typedef struct Block {
 } Block;
 
 typedef struct Row {
-    size_t i;                                          /* the particle                                */
-    size_t n_fluid, n;                                 /* blocks [0, n_fluid) are fluid, [n_fluid, n) walls */
-    bool summed;                                       /* is any of them of summed density?           */
-    uint32_t j[ROW_BLOCKS * LANES + 2 * SELECT_SLACK]; /* neighbours, eight to a block */
+    size_t i;               /* the particle                                */
+    size_t n_fluid, n;      /* blocks [0, n_fluid) are fluid, [n_fluid, n) walls */
+    bool summed;            /* is any of them of summed density?           */
+    uint32_t j[PICKED_MAX]; /* neighbours, eight to a block */
     Block block[ROW_BLOCKS];
 } Row;
 
@@ -48,6 +48,8 @@ typedef struct RowPlan {
     unsigned needs; /* of the terms: NEED_F | NEED_V ... */
     RowPairs pairs;
     KernelScale kernel;
+    double at_zero;                  /* W(0) [m^-dim] */
+    double beyond[LANES + 1][LANES]; /* [k]: 0 in the first k lanes, in the others more than the kernel's reach */
 } RowPlan;
 
 /* Of bundles that have been refreshed for these needs. */
@@ -67,8 +69,27 @@ INLINE double lanes_sum(const Lanes *a)
     return ((a->of[0] + a->of[4]) + (a->of[2] + a->of[6])) + ((a->of[1] + a->of[5]) + (a->of[3] + a->of[7]));
 }
 
+/* One pair. What a loop does not use costs it nothing. */
+typedef struct Pair {
+    double x[3], r, W, F, v[3], p, V, z, q[3]; /* as in Block */
+} Pair;
+
+INLINE Pair block_pair(const Block *b, int l, int dim)
+{
+    Pair pair = {.r = b->r[l], .W = b->W[l], .F = b->F[l], .p = b->p[l], .V = b->V[l], .z = b->z[l]};
+    for (int d = 0; d < dim; d++) {
+        pair.x[d] = b->x[d][l];
+        pair.v[d] = b->v[d][l];
+        pair.q[d] = b->q[d][l];
+    }
+    return pair;
+}
+
 /* What a term does with a row. */
 typedef void (*RowFunction)(const Row *row, Particles *s, const Model *model);
+
+/* What several do with the pairs of particle i (fused.h). */
+typedef void (*FusedFunction)(const RowPlan *plan, Particles *s, size_t i);
 
 /* ROW_FUNCTIONS(name) makes functions of every level, in two and three dimensions, from one that has the dimension as its last
  * argument; ROW_TABLE(name) is the table of them. */

@@ -32,7 +32,13 @@ typedef struct Local {
     Fields writes;
 } Local;
 
-enum { PASS_TERMS_MAX = 8, PASS_LOCALS_MAX = 4 };
+enum { PASS_TERMS_MAX = 8, PASS_LOCALS_MAX = 4, PASS_FUSIONS_MAX = 4 };
+
+/* Several terms in one function (fused.h), used for groups that need just these. */
+typedef struct Fusion {
+    const Term *terms[PASS_TERMS_MAX]; /* ends with NULL, in the order of the pass */
+    FusedFunction row[LEVELS][2];      /* FUSED_TABLE() */
+} Fusion;
 
 /* One sweep: local rules before, terms sharing a Row, local rules after. All lists end with NULL. */
 typedef struct Pass {
@@ -40,6 +46,7 @@ typedef struct Pass {
     const Local *before[PASS_LOCALS_MAX];
     const Term *terms[PASS_TERMS_MAX];
     const Local *after[PASS_LOCALS_MAX];
+    const Fusion *fusions[PASS_FUSIONS_MAX];
 } Pass;
 
 /* How a step is made of evaluations of the rates. */

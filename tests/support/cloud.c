@@ -141,9 +141,9 @@ void cloud_stir(Cloud *cloud, uint64_t seed)
     }
 }
 
-Pair cloud_pair(const Cloud *cloud, size_t i, size_t j)
+CloudPair cloud_pair(const Cloud *cloud, size_t i, size_t j)
 {
-    Pair pair = {0};
+    CloudPair pair = {0};
     double r2 = 0;
     for (int d = 0; d < cloud->s.dim; d++) {
         const double period = cloud->model.period[d];

@@ -51,10 +51,10 @@ void cloud_stir(Cloud *cloud, uint64_t seed);
 double cloud_noise(uint64_t *seed);
 
 /* A pair, from nothing but positions: x_i - x_j to the nearest image, its length, W and F. */
-typedef struct Pair {
+typedef struct CloudPair {
     double dx[3], r, W, F;
-} Pair;
-Pair cloud_pair(const Cloud *cloud, size_t i, size_t j);
+} CloudPair;
+CloudPair cloud_pair(const Cloud *cloud, size_t i, size_t j);
 
 /* Is i so far inside the lattice that its neighbours are on all sides? */
 bool cloud_inner(const Cloud *cloud, size_t i);

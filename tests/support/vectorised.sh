@@ -8,23 +8,53 @@ BUILD=${BUILD:-build}
 flags=()
 # The words are quoted for a shell.
 eval "flags=($(MAKEFLAGS='' make -s --no-print-directory BUILD="$BUILD" CC=gcc flags))"
-remarks=$(mktemp)
-trap 'rm -f "$remarks"' EXIT
-
 # For the instruction set that most machines have had for a decade, so that the answer does not depend on this one.
-find server/sim -name '*.c' | sort | while read -r file; do
-    gcc "${flags[@]}" -std=c17 -O3 -march=x86-64-v3 -fno-math-errno -fno-trapping-math -ffp-contract=off \
-        -fopenmp -fopt-info-vec-optimized -c -o /dev/null "$file" 2>&1
-done | grep -E 'loop vectorized' | sed -E 's|^([^:]*:[0-9]+):.*|\1|' | sort -u >"$remarks"
-
+flags+=(-std=c17 -O3 -march=x86-64-v3 -fno-math-errno -fno-trapping-math -ffp-contract=off -fopenmp)
+remarks=$(mktemp) object=$(mktemp)
+trap 'rm -f "$remarks" "$object"' EXIT
 failed=0
-while IFS=: read -r file line _; do
-    # gcc names the pragma, the loop after it, or its body.
-    if grep -qxE "(\./)?$file:($(seq -s'|' "$line" $((line + 4))))" "$remarks"; then
-        echo "ok - $file:$line is vectorised"
+
+verdict() {
+    if [ "$1" = 0 ]; then
+        echo "ok - $2 is vectorised"
     else
-        echo "not ok - $file:$line is vectorised"
+        echo "not ok - $2 is vectorised"
         failed=1
     fi
-done < <(grep -rnE '^[[:space:]]*#pragma omp.*simd' server/sim --include='*.[ch]')
+}
+
+# A loop whose body begins in its own file: gcc names the pragma, the loop after it, or its body.
+named_here() {
+    grep -qxE "(\./)?$1:($(seq -s'|' "$2" $(($2 + 4))))" "$remarks"
+}
+
+# Loops over a row whose bodies are inlined are named after block_pair(), where they begin: one for each dimension, or more.
+rows_of() {
+    grep -c 'const Pair pair = block_pair(' "$1" || true
+}
+
+# Fused loops, whose bodies are inlined too, are all that take roots: so none may take a single one.
+fused_roots() {
+    objdump -d --no-show-raw-insn "$object" | awk -v root="$1" '
+        /^[0-9a-f]+ <.*>:$/ { inside = $2 ~ /_fused_/ }
+        inside && $2 == root { n++ }
+        END { print n + 0 }'
+}
+
+while read -r file; do
+    gcc "${flags[@]}" -fopt-info-vec-optimized -c -o "$object" "$file" 2>&1 |
+        grep -E 'loop vectorized' | sed -E 's|^([^:]*:[0-9]+):.*|\1|' >"$remarks" || true
+    while IFS=: read -r line _; do
+        body=$(sed -n "$((line + 2))p" "$file")
+        [[ $body == *"const Pair pair = "* ]] || verdict "$(named_here "$file" "$line" && echo 0 || echo 1)" "$file:$line"
+    done < <(grep -nE '^[[:space:]]*#pragma omp.*simd' "$file")
+    rows=$(rows_of "$file")
+    if [ "$rows" -gt 0 ]; then
+        found=$(grep -cE "row\.h:$(grep -n 'pair.x\[d\] = b->x' server/sim/row.h | cut -d: -f1)$|row\.h:$(grep -n 'Pair pair = {.r = b->r' server/sim/row.h | cut -d: -f1)$" "$remarks" || true)
+        verdict "$((found < 2 * rows))" "each of $rows loops over rows in $file"
+    fi
+    if grep -q FUSED_TABLE "$file"; then
+        verdict "$(($(fused_roots vsqrtsd) > 0 || $(fused_roots vsqrtpd) == 0))" "what is fused in $file"
+    fi
+done < <(grep -rlE '^[[:space:]]*#pragma omp.*simd' server/sim --include='*.c' | sort)
 exit $failed

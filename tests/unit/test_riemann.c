@@ -85,7 +85,7 @@ static void reference(const Cloud *cloud, size_t i, double rates[RATES], double 
     memset(rates, 0, RATES * sizeof *rates);
     memset(scale, 0, RATES * sizeof *scale);
     for (size_t j = 0; j < s->n; j++) {
-        const Pair pair = cloud_pair(cloud, i, j);
+        const CloudPair pair = cloud_pair(cloud, i, j);
         if (j == i || pair.W == 0) continue;
         const State r = state_of(cloud, i, j);
         double e[3] = {0}, p_star = 0, v_star[3] = {0};
@@ -194,7 +194,7 @@ static void equal_densities_give_the_single_phase_solver(void **state)
     put(cloud, i, 990, 5000, 0.9, -0.2);
     put(cloud, j, 990, -2000, 0.3, 0.7);
     const Particles *s = &cloud->s;
-    const Pair pair = cloud_pair(cloud, i, j);
+    const CloudPair pair = cloud_pair(cloud, i, j);
     const double e[2] = {-pair.dx[0] / pair.r, -pair.dx[1] / pair.r}, dU = (0.9 - 0.3) * e[0] + (-0.2 - 0.7) * e[1];
     assert_true(dU > 0);
     const double p_star = 1500 + 0.5 * 990 * fmin(3 * dU, 20) * dU, V = s->vol[i];
@@ -218,7 +218,7 @@ static void light_feels_heavy_as_a_moving_wall(void **state)
     put(cloud, light, 1e-6, 300, 0, 0);
     put(cloud, heavy, 1e6, -9000, 0, 0);
     const Particles *s = &cloud->s;
-    const Pair pair = cloud_pair(cloud, light, heavy);
+    const CloudPair pair = cloud_pair(cloud, light, heavy);
     cloud_term(cloud, &riemann_momentum);
     /* The other pressure's weight is 1e-12. */
     for (int d = 0; d < 2; d++) {
@@ -328,7 +328,7 @@ static void impedances_weigh_pressures_and_velocities(void **state)
     put(cloud, i, 1000, 4000, 0.5, 0.1);
     put(cloud, j, 1000, 1000, 0, 0);
     s->z[j] = 1000 * 80;
-    const Pair pair = cloud_pair(cloud, i, j);
+    const CloudPair pair = cloud_pair(cloud, i, j);
     const double dU = -(0.5 * pair.dx[0] + 0.1 * pair.dx[1]) / pair.r, zi = 2e4, zj = 8e4;
     const double p_star = (zi * 1000 + zj * 4000 + zi * zj * fmin(3 * dU / 20, 1) * dU) / (zi + zj);
     assert_true(dU > 0);

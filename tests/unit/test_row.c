@@ -46,7 +46,7 @@ static void check_pair(const Cloud *cloud, const Row *row, size_t k)
     const Particles *s = &cloud->s;
     const Block *b = &row->block[k / LANES];
     const size_t j = row->j[k], l = k % LANES;
-    const Pair pair = cloud_pair(cloud, row->i, j);
+    const CloudPair pair = cloud_pair(cloud, row->i, j);
     for (int d = 0; d < s->dim; d++) assert_close(b->x[d][l], pair.dx[d], 1e-15); /* rounding */
     assert_close(b->r[l], pair.r, 1e-15);
     assert_close(b->W[l], pair.W, 1e-11);

@@ -69,7 +69,7 @@ static void rates_are_those_of_the_paper(void **state)
         for (size_t i = 0; i < particles_fluid(s); i++) {
             double a[3] = {0}, b[3] = {0}, size_a = 0, size_b = 0;
             for (size_t j = 0; j < s->n; j++) {
-                const Pair pair = cloud_pair(cloud, i, j);
+                const CloudPair pair = cloud_pair(cloud, i, j);
                 if (j == i || pair.W == 0) continue;
                 double own = 0, other = 0; /* A_i . grad W = rho v (w . grad W); A = 0 in water and walls, as w is */
                 for (int d = 0; d < dim; d++) {
@@ -198,7 +198,7 @@ static void heavy_particles_are_spread_without_stress(void **state)
         for (size_t i = 0; i < water; i++) {
             double b[3] = {0}, size = 0;
             for (size_t j = 0; j < s->n; j++) {
-                const Pair pair = cloud_pair(cloud, i, j);
+                const CloudPair pair = cloud_pair(cloud, i, j);
                 for (int d = 0; d < dim && j != i; d++) {
                     const double push = -2 * 70 * s->vol[j] / s->rho[i] * pair.F * pair.dx[d];
                     b[d] += push;

@@ -41,7 +41,7 @@ static Cloud *stirred(int dim, int (*owner)(const double x[3]))
 static double weight(const Cloud *cloud, size_t i, size_t j, double mu)
 {
     const Particles *s = &cloud->s;
-    const Pair pair = cloud_pair(cloud, i, j);
+    const CloudPair pair = cloud_pair(cloud, i, j);
     const double soft = 0.1 * cloud->model.kernel.h;
     return s->vol[i] * s->vol[j] / s->m[i] * mu * pair.F * pair.r * pair.r / (pair.r * pair.r + soft * soft);
 }

@@ -86,7 +86,7 @@ static void pressure_is_the_weighted_sum_of_adami(void **state)
             for (int a = 0; a < 2; a++) {
                 double sum = 0, weight = 0;
                 for (size_t j = 0; j < first; j++) {
-                    const Pair pair = cloud_pair(cloud, i, j);
+                    const CloudPair pair = cloud_pair(cloud, i, j);
                     if (s->phase[j] != a) continue;
                     const double w = pair.W * s->vol[j];
                     weight += w;

@@ -52,10 +52,12 @@ const Scheme scheme_riemann = {
     .rates =
         {
             {"density", .terms = {&number_density, &riemann_density},
-             .after = {&advance_density, &mass_over_volume, &closed_volume, &linear_pressure}},
+             .after = {&advance_density, &mass_over_volume, &closed_volume, &linear_pressure},
+             .fusions = {&number_density_alone, &riemann_density_alone}},
             {"walls", .terms = {&wall_pressure, &wall_velocity}},
             {"forces", .before = {&body_force},
-             .terms = {&riemann_momentum, &background, &transport_stress, &viscosity, &wall_friction}},
+             .terms = {&riemann_momentum, &background, &transport_stress, &viscosity, &wall_friction},
+             .fusions = {&riemann_forces}},
         },
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(M) | FIELD(A) | FIELD(B) | FIELD(REF),
     .given = 1,

@@ -15,6 +15,10 @@ extern const Term wall_friction;    /* viscosity.c         on walls without slip
 extern const Term wall_pressure;    /* wall.c              pressure a wall shows to each fluid          */
 extern const Term wall_velocity;    /* wall.c              fluid velocity extrapolated into a wall      */
 
+extern const Fusion number_density_alone;  /* number_density.c                                    */
+extern const Fusion riemann_density_alone; /* riemann.c                                           */
+extern const Fusion riemann_forces;        /* riemann_forces.c    momentum, background and stress */
+
 static inline bool is_viscous(const Model *model)
 {
     return model->viscous;

@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The pairs of one particle, eight at a time: who they are with, fetched and transposed for the vector units. What is made of them
+ * is inlined into the loops of row.c, which keep all pairs for the terms that follow, and into fused ones (fused.h), which do not. */
+#ifndef SIM_PAIRS_H
+#define SIM_PAIRS_H
+
+#include "sim/row.h"
+#include <math.h>
+#include <string.h>
+#if HAS_LEVELS
+#include <immintrin.h>
+#endif
+
+typedef double Quad __attribute__((vector_size(32), may_alias));
+
+/* Four bundles, transposed. */
+typedef struct Quads {
+    Quad a, b, c, d;
+} Quads;
+
+INLINE Quads transposed(double (*restrict bundle)[4], const uint32_t *restrict j)
+{
+    const Quad k0 = *(const Quad *)bundle[j[0]], k1 = *(const Quad *)bundle[j[1]], k2 = *(const Quad *)bundle[j[2]],
+               k3 = *(const Quad *)bundle[j[3]];
+    const Quad even01 = __builtin_shufflevector(k0, k1, 0, 4, 2, 6),
+               odd01 = __builtin_shufflevector(k0, k1, 1, 5, 3, 7);
+    const Quad even23 = __builtin_shufflevector(k2, k3, 0, 4, 2, 6),
+               odd23 = __builtin_shufflevector(k2, k3, 1, 5, 3, 7);
+    return (Quads){
+        __builtin_shufflevector(even01, even23, 0, 1, 4, 5), __builtin_shufflevector(odd01, odd23, 0, 1, 4, 5),
+        __builtin_shufflevector(even01, even23, 2, 3, 6, 7), __builtin_shufflevector(odd01, odd23, 2, 3, 6, 7)};
+}
+
+/* Bundles of eight particles, transposed: a gets the first quantity of all, b the second ... */
+INLINE void fetch_quads(double (*restrict bundle)[4], const uint32_t *restrict j, double *restrict a,
+                        double *restrict b, double *restrict c, double *restrict d)
+{
+    for (int l = 0; l < LANES; l += 4) {
+        const Quads quads = transposed(bundle, j + l);
+        *(Quad *)(a + l) = quads.a;
+        *(Quad *)(b + l) = quads.b;
+        if (c) *(Quad *)(c + l) = quads.c;
+        if (d) *(Quad *)(d + l) = quads.d;
+    }
+}
+
+#if HAS_LEVELS
+typedef double Oct __attribute__((vector_size(64), may_alias));
+
+/* A macro, as no function may return a vector that its instruction set does not have. */
+#define BOTH(first, second)                                                                                            \
+    __builtin_shufflevector(*(const Quad *)bundle[first], *(const Quad *)bundle[second], 0, 1, 2, 3, 4, 5, 6, 7)
+
+/* The same where registers hold eight doubles, with a third of the shuffles. What is stored is loaded again as eight, which could
+ * not be forwarded from two stores of four. */
+INLINE void fetch_octs(double (*restrict bundle)[4], const uint32_t *restrict j, double *restrict a, double *restrict b,
+                       double *restrict c, double *restrict d)
+{
+    const Oct k04 = BOTH(j[0], j[4]), k15 = BOTH(j[1], j[5]), k26 = BOTH(j[2], j[6]), k37 = BOTH(j[3], j[7]);
+    const Oct even01 = __builtin_shufflevector(k04, k15, 0, 8, 2, 10, 4, 12, 6, 14),
+              odd01 = __builtin_shufflevector(k04, k15, 1, 9, 3, 11, 5, 13, 7, 15),
+              even23 = __builtin_shufflevector(k26, k37, 0, 8, 2, 10, 4, 12, 6, 14),
+              odd23 = __builtin_shufflevector(k26, k37, 1, 9, 3, 11, 5, 13, 7, 15);
+    *(Oct *)a = __builtin_shufflevector(even01, even23, 0, 1, 8, 9, 4, 5, 12, 13);
+    *(Oct *)b = __builtin_shufflevector(odd01, odd23, 0, 1, 8, 9, 4, 5, 12, 13);
+    if (c) *(Oct *)c = __builtin_shufflevector(even01, even23, 2, 3, 10, 11, 6, 7, 14, 15);
+    if (d) *(Oct *)d = __builtin_shufflevector(odd01, odd23, 2, 3, 10, 11, 6, 7, 14, 15);
+}
+#endif
+
+typedef void (*Fetch)(double (*bundle)[4], const uint32_t *j, double *a, double *b, double *c, double *d);
+
+/* Where a quantity of the neighbours goes; NULL for nothing. */
+INLINE double *place(Block *block, int what)
+{
+    switch (what) {
+    case CARRIED_X:
+    case CARRIED_X + 1:
+    case CARRIED_X + 2: return block->x[what - CARRIED_X];
+    case CARRIED_V:
+    case CARRIED_V + 1:
+    case CARRIED_V + 2: return block->v[what - CARRIED_V];
+    case CARRIED_P: return block->p;
+    case CARRIED_VOLUME: return block->V;
+    case CARRIED_Z: return block->z;
+    case CARRIED_Q:
+    case CARRIED_Q + 1:
+    case CARRIED_Q + 2: return block->q[what - CARRIED_Q];
+    default: return NULL;
+    }
+}
+
+INLINE void fetch_bundle(Block *block, const uint32_t *j, const Bundles *bundles, int k, int dim, Fetch fetch)
+{
+    const uint8_t *what = BUNDLE_LAYOUT[dim - 2][k];
+    fetch(bundles->bundle[k].data, j, place(block, what[0]), place(block, what[1]), place(block, what[2]),
+          place(block, what[3]));
+}
+
+INLINE void fetch_block(Block *block, const uint32_t *j, const Bundles *bundles, unsigned needs, int dim, Fetch fetch)
+{
+    fetch_bundle(block, j, bundles, 0, dim, fetch);
+    if (needs & bundle_meets(dim, 1)) fetch_bundle(block, j, bundles, 1, dim, fetch);
+    if (needs & bundle_meets(dim, 2)) fetch_bundle(block, j, bundles, 2, dim, fetch);
+}
+
+/* Neighbours of a particle: pairs [0, fluid) are with fluid, in n_fluid blocks; so many with walls follow in the blocks up to n.
+ * The last block of either is filled up with one of its neighbours. */
+typedef struct Picked {
+    size_t fluid, walls;
+    size_t n_fluid, n;
+    bool summed; /* is any of them of summed density? */
+} Picked;
+
+/* Fill up the last block of n neighbours with one of them; returns how many blocks. */
+INLINE size_t fill_up(uint32_t *j, size_t n)
+{
+    if (!n) return 0;
+    const uint32_t one = j[0];
+    for (size_t l = 0; l < LANES; l++) j[n + l] = one;
+    return (n + LANES - 1) / LANES;
+}
+
+/* All that are listed, or the marked ones of them; returns how many. */
+INLINE size_t pick(const RowPlan *plan, const uint32_t *list, size_t n, const uint8_t *marks, uint32_t *j)
+{
+    if (plan->pairs == ROW_MARKED) return select_marked(plan->model->level, list, n, marks, j);
+    memcpy(j, list, n * sizeof *list);
+    return n;
+}
+
+/* j: [PICKED_MAX] */
+INLINE Picked pick_neighbours(const RowPlan *plan, size_t i, uint32_t *j)
+{
+    const uint32_t *list = neighbours_of(plan->nb, i);
+    const uint16_t *end = plan->nb->end[i];
+    const uint8_t *marks = neighbours_marks(plan->nb, i);
+    const size_t fluid = end[GROUP_SUMMATION], walls = end[GROUP_WALL] - fluid;
+    Picked picked = {.summed = end[GROUP_CONTINUITY] < fluid};
+    picked.fluid = pick(plan, list, fluid, marks, j);
+    picked.n_fluid = fill_up(j, picked.fluid);
+    j += picked.n_fluid * LANES;
+    if (walls) picked.walls = pick(plan, list + fluid, walls, marks + neighbours_mark_bytes(fluid), j);
+    picked.n = picked.n_fluid + fill_up(j, picked.walls);
+    return picked;
+}
+
+/* Note which of the pairs are in reach, if all that are listed were looked at. r: [n][stride] distances of the blocks. */
+INLINE void note_reach(const RowPlan *plan, size_t i, const Picked *picked, const double *r, size_t stride)
+{
+    if (plan->pairs == ROW_LISTED)
+        select_marks(plan->model->level, r, stride, picked->n, plan->model->kernel.support,
+                     neighbours_marks(plan->nb, i));
+}
+
+/* What is added to the distances of block b: 0, and what puts pairs out of reach that only fill it up. [LANES] */
+INLINE const double *beyond_reach(const RowPlan *plan, const Picked *picked, size_t b)
+{
+    const size_t left = b < picked->n_fluid ? picked->fluid - b * LANES : picked->walls - (b - picked->n_fluid) * LANES;
+    return plan->beyond[left < LANES ? left : LANES];
+}
+
+/* A difference of positions in direction d, to the nearest image. */
+INLINE double nearest(const Model *model, double x, int d, bool periodic)
+{
+    return periodic ? x - model->period[d] * __builtin_rint(x * model->frequency[d]) : x;
+}
+
+#endif

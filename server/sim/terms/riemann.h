@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The two-phase Riemann problem along the line between two particles, with acoustic impedances z = rho c.   P3 eq. 6-10, 13
+ *   p* = (z_i p_j + z_j p_i) / (z_i + z_j) + z_i z_j / (z_i + z_j) min(s dU+ / c, 1) dU,   dU = (v_i - v_j) . e,  e: i to j
+ *   v* = (z_i v_i + z_j v_j) / (z_i + z_j) + (p_i - p_j) / (z_i + z_j) e
+ * With one speed of sound for all fluids these are P3's equations; the light fluid feels the heavy one as a moving wall.
+ * Against a wall the state behind it is that of the wall's pressure for this fluid, and p* has no dissipation: with it, a
+ * dam break's front lags and a quarter of its energy is lost (schemes/README.md). */
+#ifndef SIM_TERMS_RIEMANN_H
+#define SIM_TERMS_RIEMANN_H
+
+#include "sim/kernel_shape.h"
+#include "sim/row.h"
+
+/* What is fixed in the pairs of one particle. */
+typedef struct Side {
+    double v[3], p, z, rho, c, rho0, V;
+    double inverse_c2;
+    double steepness, tiny; /* of p*: s / c, and what keeps 0/0 away [m] */
+    const double *p_wall;   /* by index of wall particle */
+    uint32_t first_wall;
+} Side;
+
+INLINE Side side_of(const Particles *s, const Model *model, size_t i)
+{
+    const Phase *phase = &model->phase[s->phase[i]];
+    Side a = {.p = s->p[i], .z = s->z[i], .rho = s->rho[i], .c = phase->c, .rho0 = phase->rho0, .V = s->vol[i]};
+    for (int d = 0; d < s->dim; d++) a.v[d] = s->v[d][i];
+    a.inverse_c2 = 1 / (a.c * a.c);
+    a.steepness = model->limiter / model->c_max;
+    a.tiny = 1e-12 * model->dx;
+    a.p_wall = s->p_wall[s->phase[i]];
+    a.first_wall = (uint32_t)particles_fluid(s);
+    return a;
+}
+
+/* The pressure that wall particle j shows to the fluid of this side. */
+INLINE double side_wall_pressure(const Side *a, uint32_t j)
+{
+    return a->p_wall[j - a->first_wall];
+}
+
+/* (v_i - v_j) . (x_i - x_j) */
+INLINE double opening(const Side *a, const Pair *pair, int dim)
+{
+    double u = 0;
+    for (int d = 0; d < dim; d++) u += (a->v[d] - pair->v[d]) * pair->x[d];
+    return u;
+}
+
+/* Of sum_j V_j (v_i - v*) . grad_i W. */
+INLINE void riemann_density_fluid(const Side *a, const Pair *pair, int dim, int l, Lanes *sum)
+{
+    sum->of[l] += pair->V * pair->F * (pair->z * opening(a, pair, dim) + (a->p - pair->p) * pair->r) / (a->z + pair->z);
+}
+
+/* p_w: what the wall shows this fluid. */
+INLINE void riemann_density_wall(const Side *a, const Pair *pair, double p_w, int dim, int l, Lanes *sum)
+{
+    const double zw = (a->rho0 + p_w * a->inverse_c2) * a->c;
+    sum->of[l] += pair->V * pair->F * (zw * opening(a, pair, dim) + (a->p - p_w) * pair->r) / (a->z + zw);
+}
+
+/* d rho_i/dt = 2 rho_i sum_j V_j (v_i - v*) . grad_i W */
+INLINE void riemann_density_end(const Side *a, Particles *s, size_t i, const Lanes *sum)
+{
+    s->rate[i] = 2 * a->rho * lanes_sum(sum);
+}
+
+/* V_i V_j p* F times x_i - x_j. */
+INLINE void add_push(const Side *a, const Pair *pair, double p_star, int dim, int l, Lanes sum[3])
+{
+    const double c = a->V * pair->V * p_star * pair->F;
+    for (int d = 0; d < dim; d++) sum[d].of[l] += c * pair->x[d];
+}
+
+INLINE void riemann_momentum_fluid(const Side *a, const Pair *pair, int dim, int l, Lanes sum[3])
+{
+    const double zj = pair->z, r = pair->r + a->tiny, z = a->z + zj, inverse = 1 / (r * z); /* one quotient for two */
+    const double closing = positive(-opening(a, pair, dim) * (inverse * z));
+    const double limited = a->steepness * closing < 1 ? a->steepness * closing : 1;
+    add_push(a, pair, (a->z * pair->p + zj * a->p + a->z * zj * (limited * closing)) * (inverse * r), dim, l, sum);
+}
+
+INLINE void riemann_momentum_wall(const Side *a, const Pair *pair, double p_w, int dim, int l, Lanes sum[3])
+{
+    const double rho_w = a->rho0 + p_w * a->inverse_c2;
+    add_push(a, pair, (a->rho * p_w + rho_w * a->p) / (a->rho + rho_w), dim, l, sum);
+}
+
+/* m_i dv_i/dt = -2 sum_j V_i V_j p* grad_i W. The coefficient is symmetric in i and j: opposite forces to the last bit. */
+INLINE void riemann_momentum_end(Particles *s, size_t i, const Lanes sum[3], int dim)
+{
+    const double scale = -2 / s->m[i];
+    for (int d = 0; d < dim; d++) s->a[d][i] += scale * lanes_sum(&sum[d]);
+}
+
+#endif

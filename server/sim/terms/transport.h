@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Transport velocity: particles are advected with v + w, where w comes from a constant background pressure and keeps them
+ * evenly spread; where density is summed, the stress A = rho v (x) w accounts for the difference.            P3 eq. 11, 12
+ *   b_i = -2 p_b / rho_i sum_j V_j grad_i W,   w_i = dt/2 b_i
+ *   m_i dv_i/dt += sum_j V_i V_j (A_i + A_j) . grad_i W,   A = 0 where density is not summed, and in walls
+ * A fluid of the other kind feels its neighbours' A too, so that the forces of a pair stay opposite. Fluids whose density
+ * follows continuity are spread as well, without stress: nothing else closes the holes that open in a falling jet, as their
+ * density does not know how far apart their particles are (schemes/README.md). */
+#ifndef SIM_TERMS_TRANSPORT_H
+#define SIM_TERMS_TRANSPORT_H
+
+#include "sim/row.h"
+
+/* Of sum_j V_j grad_i W, over fluid and walls. */
+INLINE void background_pair(const Pair *pair, int dim, int l, Lanes sum[3])
+{
+    const double c = pair->V * pair->F;
+    for (int d = 0; d < dim; d++) sum[d].of[l] += c * pair->x[d];
+}
+
+/* b_i, and the part of the stress that is the particle's own: rho_i v_i (w_i . sum_j V_j grad_i W). */
+INLINE void background_end(Particles *s, const Model *model, size_t i, const Lanes sums[3], int dim)
+{
+    const Phase *phase = &model->phase[s->phase[i]];
+    const double half = 0.5 * model->dt;
+    double along_w = 0;
+    for (int d = 0; d < dim; d++) {
+        const double sum = lanes_sum(&sums[d]);
+        along_w += half * s->b[d][i] * sum; /* w of this step, of the last one's b */
+        s->b[d][i] = -2 * phase->p_b / s->rho[i] * sum;
+    }
+    if (!model->transport_stress || !phase->summation) return;
+    for (int d = 0; d < dim; d++) s->a[d][i] += s->vol[i] * s->rho[i] / s->m[i] * s->v[d][i] * along_w;
+}
+
+/* Of sum_j m_j v_j (w_j . grad_i W), over neighbours of summed density: of others q is 0. */
+INLINE void transport_stress_pair(const Pair *pair, int dim, int l, Lanes sum[3])
+{
+    double flux = 0;
+    for (int d = 0; d < dim; d++) flux += pair->q[d] * pair->x[d];
+    const double c = pair->F * flux;
+    for (int d = 0; d < dim; d++) sum[d].of[l] += c * pair->v[d];
+}
+
+INLINE void transport_stress_end(Particles *s, size_t i, const Lanes sum[3], int dim)
+{
+    for (int d = 0; d < dim; d++) s->a[d][i] += s->vol[i] / s->m[i] * lanes_sum(&sum[d]);
+}
+
+#endif
