@@ -5,6 +5,7 @@
 #include "sim/lattice.h"
 #include "sim/making.h"
 #include "sim/motion.h"
+#include "sim/state.h"
 #include <math.h>
 #include <omp.h>
 #include <stdio.h>
@@ -233,7 +234,7 @@ static MnsStatus set_fluid(const Filling *f, size_t i, const double x[3], MnsErr
     const Start *start = &f->starts[s->phase[i]];
     const int me = omp_get_thread_num();
     const double p = start->at_rest ? s->p[i] : formula_eval(formula_of(&start->pressure, me), x);
-    s->rho[i] = phase->rho0 + p / (phase->c * phase->c);
+    s->rho[i] = state_density(phase, p);
     s->m[i] = s->rho[i] * model->wall_volume;
     const double ratio = s->rho[i] / phase->rho0;
     bool finite = isfinite(p) && in_bounds(model, ratio);

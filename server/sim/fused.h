@@ -52,15 +52,9 @@ INLINE Pair fetched_pair(const Block *b, int l, const double *beyond, const doub
 
 INLINE void fused_row(FusedBody body, const RowPlan *plan, Particles *s, size_t i, int dim, Fetch fetch, bool periodic)
 {
-    switch (plan->model->kernel.type) {
-    case MNS_WENDLAND_C2: body(plan, s, i, dim, (Geometry){fetch, periodic, wendland_c2_W, wendland_c2_F}); break;
-    case MNS_QUINTIC_SPLINE:
-        body(plan, s, i, dim, (Geometry){fetch, periodic, quintic_spline_W, quintic_spline_F});
-        break;
-    case MNS_TRUNCATED_GAUSSIAN:
-        body(plan, s, i, dim, (Geometry){fetch, periodic, truncated_gaussian_W, truncated_gaussian_F});
-        break;
-    }
+#define USE_UP(W, F) body(plan, s, i, dim, (Geometry){fetch, periodic, W, F})
+    WITH_KERNEL(plan->model->kernel.type, USE_UP)
+#undef USE_UP
 }
 
 /* FUSED_FUNCTIONS(body) makes functions of every level, in two and three dimensions, from a FusedBody that is INLINE;

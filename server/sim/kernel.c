@@ -4,25 +4,30 @@
 #include "sim/kernel_shape.h"
 #include <math.h>
 
-static const double PI = 3.14159265358979323846;
+#define PI      3.14159265358979323846
+#define SQRT_PI 1.77245385090551602730
 
-static double normalisation(MnsKernel type, int dim, double h)
-{
-    const double hd = dim == 2 ? h * h : h * h * h;
-    switch (type) {
-    case MNS_WENDLAND_C2: return dim == 2 ? 7 / (4 * PI * hd) : 21 / (16 * PI * hd);
-    case MNS_TRUNCATED_GAUSSIAN: return 1 / (pow(PI, 0.5 * dim) * hd);
-    case MNS_QUINTIC_SPLINE: return dim == 2 ? 7 / (478 * PI * hd) : 1 / (120 * PI * hd);
-    }
-    return NAN;
-}
+/* The other half of what a kernel is; its shape is in kernel_shape.h. */
+static const struct {
+    double reach;              /* support over h */
+    double steepness;          /* of F */
+    double plane[2], space[2]; /* alpha h^dim in two and three dimensions: numerator, denominator */
+} KERNELS[] = {
+    [MNS_WENDLAND_C2] = {2, -5, {7, 4 * PI}, {21, 16 * PI}},
+    [MNS_TRUNCATED_GAUSSIAN] = {3, -2, {1, PI}, {1, PI *SQRT_PI}},
+    [MNS_QUINTIC_SPLINE] = {3, -5, {7, 478 * PI}, {1, 120 * PI}},
+};
 
 Kernel kernel_make(MnsKernel type, int dim, double h)
 {
-    const double reach = type == MNS_WENDLAND_C2 ? 2 : 3;
-    const double alpha = normalisation(type, dim, h);
-    const double steepness = type == MNS_TRUNCATED_GAUSSIAN ? -2 : -5;
-    return (Kernel){.type = type, .h = h, .support = reach * h, .alpha = alpha, .beta = alpha, .steepness = steepness};
+    const double *fraction = dim == 2 ? KERNELS[type].plane : KERNELS[type].space;
+    const double alpha = fraction[0] / (fraction[1] * (dim == 2 ? h * h : h * h * h));
+    return (Kernel){.type = type,
+                    .h = h,
+                    .support = KERNELS[type].reach * h,
+                    .alpha = alpha,
+                    .beta = alpha,
+                    .steepness = KERNELS[type].steepness};
 }
 
 INLINE void eval(const Kernel *kernel, size_t n, const double *restrict r, double *restrict W, double *restrict F,
@@ -37,11 +42,8 @@ INLINE void eval(const Kernel *kernel, size_t n, const double *restrict r, doubl
 
 void kernel_eval(const Kernel *kernel, size_t n, const double *r, double *W, double *F)
 {
-    switch (kernel->type) {
-    case MNS_TRUNCATED_GAUSSIAN: eval(kernel, n, r, W, F, truncated_gaussian_W, truncated_gaussian_F); break;
-    case MNS_WENDLAND_C2: eval(kernel, n, r, W, F, wendland_c2_W, wendland_c2_F); break;
-    case MNS_QUINTIC_SPLINE: eval(kernel, n, r, W, F, quintic_spline_W, quintic_spline_F); break;
-    }
+#define EVAL(W_of, F_of) eval(kernel, n, r, W, F, W_of, F_of)
+    WITH_KERNEL(kernel->type, EVAL)
 }
 
 double kernel_at_zero(const Kernel *kernel)

@@ -92,4 +92,12 @@ INLINE double truncated_gaussian_F(const KernelScale *k, double r)
     return q >= 3 ? 0 : F;
 }
 
+/* CALL(W, F) with the shapes of a kernel. The one list of them, as a loop is compiled for each. */
+#define WITH_KERNEL(type, CALL)                                                                                        \
+    switch (type) {                                                                                                    \
+    case MNS_WENDLAND_C2: CALL(wendland_c2_W, wendland_c2_F); break;                                                   \
+    case MNS_TRUNCATED_GAUSSIAN: CALL(truncated_gaussian_W, truncated_gaussian_F); break;                              \
+    case MNS_QUINTIC_SPLINE: CALL(quintic_spline_W, quintic_spline_F); break;                                          \
+    }
+
 #endif

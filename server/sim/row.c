@@ -36,16 +36,9 @@ INLINE void fill_blocks(Row *row, const RowPlan *plan, int dim, Fetch fetch, boo
         fill_block(&row->block[b], row->j + b * LANES, plan, needs, x, dim, fetch, periodic, W, F);
 }
 
-INLINE void fill_row(Row *row, const RowPlan *plan, int dim, Fetch fetch, bool periodic)
-{
-    switch (plan->model->kernel.type) {
-    case MNS_WENDLAND_C2: fill_blocks(row, plan, dim, fetch, periodic, wendland_c2_W, wendland_c2_F); break;
-    case MNS_QUINTIC_SPLINE: fill_blocks(row, plan, dim, fetch, periodic, quintic_spline_W, quintic_spline_F); break;
-    case MNS_TRUNCATED_GAUSSIAN:
-        fill_blocks(row, plan, dim, fetch, periodic, truncated_gaussian_W, truncated_gaussian_F);
-        break;
-    }
-}
+INLINE void fill_row(Row *row, const RowPlan *plan, int dim, Fetch fetch, bool periodic){
+#define FILL(W, F) fill_blocks(row, plan, dim, fetch, periodic, W, F)
+    WITH_KERNEL(plan->model->kernel.type, FILL)}
 
 /* Put what the last block was filled up with out of reach. */
 INLINE void hide(Block *last, size_t n, double far)

@@ -9,7 +9,7 @@ void slabs_init(Slabs *slabs, size_t entries, int threads)
 {
     const size_t share = entries / ((size_t)threads * 16); /* so that a sixteenth is empty at most */
     *slabs = (Slabs){.size = SMALLEST};
-    while (slabs->size < share && slabs->size < LARGEST) slabs->size *= 2;
+    while (2 * slabs->size <= share && slabs->size < LARGEST) slabs->size *= 2;
 }
 
 void slabs_done(Slabs *slabs)

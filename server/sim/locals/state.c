@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Linear equation of state, and what follows from density and pressure.                                          P3 eq. 3 */
+#include "sim/state.h"
 #include "sim/locals/locals.h"
 
 static void linear(Particles *s, const Model *model, size_t first, size_t last)
 {
     for (size_t i = first; i < last; i++) {
         const Phase *phase = &model->phase[s->phase[i]];
-        s->p[i] = phase->c * phase->c * (s->rho[i] - phase->rho0);
+        s->p[i] = state_pressure(phase, s->rho[i]);
         s->vol[i] = s->m[i] / s->rho[i];
         s->z[i] = s->rho[i] * phase->c;
     }

@@ -14,7 +14,7 @@
 /* What is fixed in the pairs of one particle. */
 typedef struct Side {
     double v[3], p, z, rho, c, rho0, V;
-    double inverse_c2;
+    double inverse_c2;      /* for state_density() without a quotient for each pair */
     double steepness, tiny; /* of p*: s / c, and what keeps 0/0 away [m] */
     const double *p_wall;   /* by index of wall particle */
     uint32_t first_wall;
