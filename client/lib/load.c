@@ -23,7 +23,8 @@ static MnsStatus send_case(MnsClient *client, const MnsLoad *from, const CaseFil
     MnsError why = {0};
     status = command_call(client, &request, ret_reply, &why);
     load_done(&load);
-    const bool of_case = *why.path && strcmp(why.path, "name") != 0; /* the name comes with the request */
+    /* The name and a condition on the step come with the request. */
+    const bool of_case = *why.path && strcmp(why.path, "name") != 0 && strcmp(why.path, "if_step") != 0;
     if (status != MNS_OK && of_case) case_file_locate(file, &why);
     if (status != MNS_OK && error) *error = why;
     return status;

@@ -176,7 +176,7 @@ void mns_client_set_timeout(MnsClient *client, double seconds);
  *  command of which it does not know whether it arrived, and mns_client_cancel() can name it. */
 void mns_client_set_request_id(MnsClient *client, const uint8_t id[MNS_REQUEST_ID_SIZE]);
 
-/** Make the next command conditional: unless the run is at this step when the command would take effect, it is refused with
+/** Make the next command conditional: unless the run is at this step when the command would begin, it is refused with
  *  MNS_E_STATE, error->path is "if_step", and nothing is done. For a change that was made up for what was seen at that step.
  *  Not for status, get and capabilities, which refuse it with MNS_E_INVALID. */
 void mns_client_set_if_step(MnsClient *client, uint64_t step);

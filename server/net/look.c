@@ -92,6 +92,9 @@ MnsStatus look_points(const MnsSim *sim, const Meniscus__PointQuery *query, Exch
     int field;
     const MnsStatus found = find_field(sim, query->field, &field, error);
     if (found) return found;
+    if (mns_fields()[field].type != MNS_F64)
+        return mns_fail_at(error, MNS_E_INVALID, "field", "%s has no average; ask for particles of a box instead",
+                           mns_fields()[field].name);
     if (!n || query->n_points % dim)
         return mns_fail_at(error, MNS_E_INVALID, "points", "points take %zu numbers each; found %zu numbers", dim,
                            query->n_points);
@@ -121,6 +124,10 @@ static MnsStatus box_of(const Meniscus__ParticleQuery *query, size_t dim, double
         max[d] = query->n_max && d < dim ? query->max[d] : INFINITY;
         if (isnan(min[d]) || isnan(max[d]))
             return mns_fail_at(error, MNS_E_INVALID, "box", "a corner of the box is no number along %c", "xyz"[d]);
+        if (min[d] > max[d])
+            return mns_fail_at(error, MNS_E_INVALID, "box",
+                               "the lower corner of the box, %g, is above the upper one, %g, along %c", min[d], max[d],
+                               "xyz"[d]);
     }
     return MNS_OK;
 }

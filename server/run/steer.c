@@ -4,6 +4,7 @@
 
 #include "base/log.h"
 #include "proto/case_file.h"
+#include <inttypes.h>
 
 /* Message with all assignments made, one after the other. */
 static MnsStatus assign(const Meniscus__Case *old, size_t n, const char *const *paths, const char *const *values,
@@ -69,11 +70,26 @@ void run_set(Run *run, Order *order, size_t n, const char *const *paths, const c
     run_answer(run, order, status, &error);
 }
 
+/* What has been passed never comes. */
+static MnsStatus check_ahead(MnsProgress now, const Breakpoint *point, MnsError *error)
+{
+    if (point->t <= now.t)
+        return mns_fail_at(error, MNS_E_INVALID, "time", "a breakpoint at %.9g s would never be reached: it is %.9g s",
+                           point->t, now.t);
+    if (point->step && point->step <= now.step)
+        return mns_fail_at(error, MNS_E_INVALID, "step",
+                           "a breakpoint at step %" PRIu64 " would never be reached: the run is at step %" PRIu64,
+                           point->step, now.step);
+    return MNS_OK;
+}
+
 void run_breakpoint(Run *run, Order *order, const Breakpoint *point, bool remove)
 {
     MnsError error;
-    const MnsStatus status = remove ? breakpoints_remove(run->breakpoints, point->name, &error)
-                                    : breakpoints_set(run->breakpoints, run->document->c, point, &error);
+    MnsStatus status = remove ? MNS_OK : check_ahead(mns_sim_progress(run->sim), point, &error);
+    if (!status)
+        status = remove ? breakpoints_remove(run->breakpoints, point->name, &error)
+                        : breakpoints_set(run->breakpoints, run->document->c, point, &error);
     if (!status) run_publish(run);
     run_answer(run, order, status, &error);
 }

@@ -197,8 +197,28 @@ class Commands(DaemonTest):
         done = self.meniscus("set", "end_time=3", "--if-step", "2", code=1)
         self.assertIn("the run is at step 3, not 2; nothing was done", done.stderr)
         self.assertEqual(self.ask("set", "end_time=3", "--if-step", "3")["effect_step"], 3)
-        self.meniscus("status", "--if-step", "3", code=1)
+        for words in (["status"], ["get"], ["ls"], ["watch"]):
+            self.meniscus(*words, "--if-step", "3", code=2)
         self.meniscus("set", "end_time=3", "--if-step", "-1", code=2)
+        done = self.meniscus("load", "dambreak2d", "--if-step", "2", code=1)
+        self.assertEqual(done.stderr, "meniscus: if_step: the run is at step 3, not 2; nothing was done\n")
+
+    def test_a_breakpoint_that_was_passed_is_refused(self) -> None:
+        self.load()
+        self.ask("step", "3")
+        done = self.meniscus("breakpoint", "late", "--step", "3", code=1)
+        self.assertIn("never be reached: the run is at step 3", done.stderr)
+        done = self.meniscus("breakpoint", "late", "--time", "0", code=1)
+        self.assertIn("never be reached", done.stderr)
+        self.ask("breakpoint", "ahead", "--step", "4")
+        self.assertEqual(len(self.ask("status")["breakpoints"]), 1)
+
+    def test_questions_without_an_answer_are_refused(self) -> None:
+        self.load()
+        done = self.meniscus("query", "box", "0.2,0.2", "0.1,0.3", code=1)
+        self.assertIn("the lower corner of the box, 0.2, is above the upper one, 0.1, along x", done.stderr)
+        done = self.meniscus("query", "at", "phase", "0.5,0.5", code=1)
+        self.assertIn("phase has no average", done.stderr)
 
     def test_a_client_killed_in_the_middle_leaves_the_daemon_well(self) -> None:
         self.load()

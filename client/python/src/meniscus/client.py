@@ -163,7 +163,7 @@ class Client:
     def set(self, assignments: Mapping[str, Any], if_step: Optional[int] = None) -> Reply:
         """Change entries of the running case, all or none: {"end_time": 3, "gravity": [0, -1]}.
 
-        if_step  only if the run is at this step when the command would take effect; else StateError, whose path is "if_step"
+        if_step  only if the run is at this step when the command would begin; else StateError, whose path is "if_step"
         """
         items = [pb.Assignment(path=path, value=_as_yaml(value)) for path, value in assignments.items()]
         return self._simple(pb.Request(set=pb.Set(assignments=items), if_step=if_step))
