@@ -65,7 +65,7 @@ INLINE void fused_row(FusedBody body, const RowPlan *plan, Particles *s, size_t 
         if (plan->model->periodic) fused_row(body, plan, s, i, dim, fetch, true);                                      \
         else fused_row(body, plan, s, i, dim, fetch, false);                                                           \
     }
-#if HAS_LEVELS
+#if HAS_LEVELS && !defined __SANITIZE_ADDRESS__
 #define FUSED_FUNCTIONS(body)                                                                                          \
     FUSED_FUNCTION(body, base, , 2, fetch_quads)                                                                       \
     FUSED_FUNCTION(body, base, , 3, fetch_quads)                                                                       \
@@ -73,11 +73,16 @@ INLINE void fused_row(FusedBody body, const RowPlan *plan, Particles *s, size_t 
     FUSED_FUNCTION(body, v3, FOR_V3, 3, fetch_quads)                                                                   \
     FUSED_FUNCTION(body, v4, FOR_V4, 2, fetch_octs)                                                                    \
     FUSED_FUNCTION(body, v4, FOR_V4, 3, fetch_octs)
+#define FUSED_TABLE(body) ROW_TABLE(body)
 #else
 #define FUSED_FUNCTIONS(body)                                                                                          \
     FUSED_FUNCTION(body, base, , 2, fetch_quads)                                                                       \
     FUSED_FUNCTION(body, base, , 3, fetch_quads)
+/* Under the sanitizer gcc takes minutes for all levels; the plainest stands for all there. */
+#define FUSED_TABLE(body)                                                                                              \
+    {                                                                                                                  \
+        [0 ... LEVELS - 1] = { body##_base_2, body##_base_3 }                                                          \
+    }
 #endif
-#define FUSED_TABLE(body) ROW_TABLE(body)
 
 #endif
