@@ -116,6 +116,9 @@ MnsCapture *mns_capture_new(int dim, size_t n, size_t n_fluid, uint64_t fields);
 
 void mns_capture_free(MnsCapture *capture);
 
+/** What a capture of these fields takes [bytes], but for a few. */
+size_t mns_sim_capture_size(const MnsSim *sim, uint64_t fields);
+
 /** Fields that a run goes on from, as bits: what its scheme keeps from one step to the next. Checkpoints and the hash are of them. */
 uint64_t mns_sim_state_fields(const MnsSim *sim);
 

@@ -115,6 +115,11 @@ size_t series_rows(const Series *series)
     return series->n;
 }
 
+size_t series_size(const Series *series)
+{
+    return series->n * (sizeof *series->step + sizeof *series->time + probes(series) * sizeof **series->value);
+}
+
 MnsStatus series_append(Series *series, uint64_t step, double t, const double *values, MnsError *error)
 {
     const MnsStatus status = make_room(series, series->n + 1, error);

@@ -23,6 +23,9 @@ MnsStatus series_new(const char *dir, const FileMeta *meta, bool resume, uint64_
 /* How many rows it has. */
 size_t series_rows(const Series *series);
 
+/* What its values take [bytes]. */
+size_t series_size(const Series *series);
+
 /* Add a row, in place of those of the same step and later: a run that went back to a step comes by it again.
  * values: [meta->c->n_probes], NAN where there is nothing. MNS_E_MEMORY: the row is not added. */
 MnsStatus series_append(Series *series, uint64_t step, double t, const double *values, MnsError *error);

@@ -10,6 +10,23 @@
 #include <string.h>
 #include <unistd.h>
 
+/* What can be in memory only when the disk is full: the files that wait, the one that failed and the one of the boundary at which that
+ * was seen, and the checkpoint of that boundary; each with what HDF5 adds. */
+enum { FILES_AT_RISK = WRITER_HEAVY_MAX + 3, FILE_OVERHEAD = 1 << 15 };
+
+static uint64_t at_risk(size_t state_size, size_t series_size)
+{
+    return FILES_AT_RISK * ((uint64_t)state_size + FILE_OVERHEAD) + series_size;
+}
+
+/* The series has grown, or the reserve has been used. */
+static MnsStatus renew_reserve(Outputs *outputs, MnsError *error)
+{
+    if (outputs->rescued) return MNS_OK;
+    const uint64_t size = at_risk(outputs->state_size, outputs->series ? series_size(outputs->series) : 0);
+    return reserve_hold(&outputs->reserve, outputs->directory, size, error);
+}
+
 /* A file with particles in it. */
 typedef struct FileJob {
     Job job;
@@ -52,7 +69,7 @@ static MnsStatus write_checkpoint(Job *base, MnsError *error)
     char path[4096];
     const MnsStatus status = save_checkpoint(job, path, error);
     if (!status && job->order) memcpy(job->order->path, path, sizeof path);
-    return status;
+    return status ? status : renew_reserve(job->outputs, error);
 }
 
 static void tell_order(Job *base, MnsStatus status, const MnsError *error)
@@ -107,14 +124,17 @@ typedef struct RescueJob {
 static MnsStatus rescue_checkpoint(Job *base, MnsError *error)
 {
     const RescueJob *job = (const RescueJob *)base;
+    reserve_release(&job->file.outputs->reserve);
+    job->file.outputs->rescued = true;
     return save_checkpoint(&job->file, job->ret_path, error);
 }
 
 MnsStatus job_rescue_checkpoint(Outputs *outputs, MnsCapture *capture, Document *document, char *ret_path,
                                 MnsError *error)
 {
-    RescueJob job = {.file = {.job = {.write = rescue_checkpoint}, .capture = capture, .document = document},
-                     .ret_path = ret_path};
+    RescueJob job = {
+        .file = {.job = {.write = rescue_checkpoint}, .outputs = outputs, .capture = capture, .document = document},
+        .ret_path = ret_path};
     memcpy(job.file.directory, outputs->directory, sizeof job.file.directory);
     return writer_call(outputs->writer, &job.file.job, error);
 }
@@ -137,7 +157,7 @@ static MnsStatus write_row(Job *base, MnsError *error)
     const double before = clock_now();
     const MnsStatus status = series_flush(row->series, error);
     row->outputs->flush_seconds = clock_now() - before;
-    return status;
+    return status ? status : renew_reserve(row->outputs, error);
 }
 
 static void free_row(Job *base)
@@ -163,6 +183,25 @@ MnsStatus job_post_row(Outputs *outputs, MnsProgress at, size_t n, const double 
 MnsStatus job_post_flush(Outputs *outputs, MnsError *error)
 {
     return job_post_row(outputs, (MnsProgress){.t = 0}, 0, NULL, error);
+}
+
+typedef struct HoldJob {
+    Job job;
+    Reserve *reserve;
+    const char *directory;
+    size_t state_size;
+} HoldJob;
+
+static MnsStatus hold(Job *base, MnsError *error)
+{
+    const HoldJob *job = (const HoldJob *)base;
+    return reserve_hold(job->reserve, job->directory, at_risk(job->state_size, 0), error);
+}
+
+MnsStatus job_hold(Writer *writer, Reserve *reserve, const char *directory, size_t state_size, MnsError *error)
+{
+    HoldJob job = {{.write = hold}, reserve, directory, state_size};
+    return writer_call(writer, &job.job, error);
 }
 
 typedef struct OpenJob {

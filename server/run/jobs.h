@@ -11,13 +11,17 @@
 MnsStatus job_post_snapshot(Outputs *outputs, MnsCapture *capture, Document *document, Order *order, MnsError *error);
 MnsStatus job_post_checkpoint(Outputs *outputs, MnsCapture *capture, Document *document, Order *order, MnsError *error);
 
-/* Waits: a checkpoint also past an output that has failed. ret_path: [4096]. The capture stays the caller's. */
+/* Waits: a checkpoint also past an output that has failed, for which the reserve is given up. ret_path: [4096]. The capture stays the caller's. */
 MnsStatus job_rescue_checkpoint(Outputs *outputs, MnsCapture *capture, Document *document, char *ret_path,
                                 MnsError *error);
 
 /* Add a row of n values to the series; write the series. */
 MnsStatus job_post_row(Outputs *outputs, MnsProgress at, size_t n, const double *values, MnsError *error);
 MnsStatus job_post_flush(Outputs *outputs, MnsError *error);
+
+/* Waits: hold in a directory what all that can be waiting to be written takes, a checkpoint and the series among it.
+ * MNS_E_NO_SPACE. */
+MnsStatus job_hold(Writer *writer, Reserve *reserve, const char *directory, size_t state_size, MnsError *error);
 
 /* Waits: series_new(). */
 MnsStatus job_open_series(Writer *writer, const char *directory, const Document *document, bool goes_on,

@@ -146,8 +146,8 @@ static void open_log(Run *run)
 static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
 {
     MnsError lost;
-    const MnsStatus status = outputs_open(&run->outputs, candidate->directory, candidate->document,
-                                          mns_sim_progress(candidate->sim), candidate->goes_on, &lost, error);
+    const MnsStatus status = outputs_open(&run->outputs, candidate->directory, candidate->document, candidate->sim,
+                                          candidate->goes_on, &lost, error);
     if (status) return status;
     if (lost.status) run_tell(run, NOTE_LOG, LOG_WARNING, "lost", lost.text);
     give_up(run);

@@ -18,7 +18,9 @@ typedef struct Opening {
     const char *directory;
     bool goes_on;
     uint64_t step;
+    size_t state_size;
     Series *series;
+    Reserve reserve; /* that of the present run, if it is the same directory */
     char aside[RUNDIR_PATH];
     char path[IO_PATH_MAX]; /* of case.yaml               */
     AtomicFile text;        /* that file without its name */
@@ -27,13 +29,24 @@ typedef struct Opening {
 /* What takes room or reads files. */
 static MnsStatus prepare(Opening *opening, Writer *writer, const Document *document, MnsError *error)
 {
-    MnsStatus status = directory_path(opening->path, opening->directory, "case.yaml", error);
+    const char *directory = opening->directory;
+    MnsStatus status = directory_path(opening->path, directory, "case.yaml", error);
     if (!status) status = atomic_fill(&opening->text, opening->path, document->text, strlen(document->text), error);
-    if (status || !document->c->n_probes) return status;
-    status =
-        job_open_series(writer, opening->directory, document, opening->goes_on, opening->step, &opening->series, error);
+    if (status) return status;
+    status = job_hold(writer, &opening->reserve, directory, opening->state_size, error);
+    if (!status && document->c->n_probes)
+        status = job_open_series(writer, directory, document, opening->goes_on, opening->step, &opening->series, error);
     if (status) atomic_cancel(&opening->text);
     return status;
+}
+
+/* What a failure leaves: the reserve of the present run goes on to be that. */
+static void call_off(const Opening *opening, Outputs *outputs, bool same)
+{
+    Reserve reserve = opening->reserve;
+    series_free(opening->series);
+    if (same) outputs->reserve = reserve;
+    else reserve_release(&reserve);
 }
 
 /* Move files aside, tell the index, and last make the first sign of the run; or leave all files as they were. */
@@ -58,6 +71,9 @@ static void take_over(Outputs *outputs, const Opening *opening, Document *docume
     snprintf(outputs->directory, sizeof outputs->directory, "%s", opening->directory);
     memcpy(outputs->aside, opening->aside, sizeof outputs->aside);
     outputs->series = opening->series;
+    outputs->reserve = opening->reserve;
+    outputs->rescued = false;
+    outputs->state_size = opening->state_size;
     outputs->document = document_share(document);
     const bool sampled = outputs->series && document->c->output.probe_interval > 0 && progress.step > 0;
     outputs->series_lost = goes_on && sampled && !series_rows(outputs->series);
@@ -67,20 +83,25 @@ static void take_over(Outputs *outputs, const Opening *opening, Document *docume
     outputs->wall_checkpoint = outputs->wall_flush = clock_now();
 }
 
-MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *document, MnsProgress progress, bool goes_on,
+MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *document, const MnsSim *sim, bool goes_on,
                        MnsError *ret_lost, MnsError *error)
 {
-    Opening opening = {.directory = directory, .goes_on = goes_on, .step = progress.step};
+    const MnsProgress progress = mns_sim_progress(sim);
+    const size_t state_size = mns_sim_capture_size(sim, mns_sim_state_fields(sim));
+    const bool same = !strcmp(directory, outputs->directory);
+    Opening opening = {.directory = directory, .goes_on = goes_on, .step = progress.step, .state_size = state_size};
     MnsStatus status =
         outputs_flush(outputs, error); /* the file may be read here, or moved aside with all its samples */
-    if (!status) status = prepare(&opening, outputs->writer, document, error);
     if (status) return status;
-    status = move_in(&opening, outputs, error);
+    if (same) opening.reserve = outputs->reserve;
+    status = prepare(&opening, outputs->writer, document, error);
+    if (!status) status = move_in(&opening, outputs, error);
     if (status) {
-        series_free(opening.series);
+        call_off(&opening, outputs, same);
         return status;
     }
     *ret_lost = (MnsError){.status = MNS_OK};
+    if (same) outputs->reserve = (Reserve){.held = false};
     outputs_close(outputs, ret_lost);
     take_over(outputs, &opening, document, progress);
     return MNS_OK;
@@ -96,6 +117,7 @@ MnsStatus outputs_close(Outputs *outputs, MnsError *error)
     outputs->series = NULL;
     document_leave(outputs->document);
     outputs->document = NULL;
+    reserve_release(&outputs->reserve);
     outputs->directory[0] = 0;
     return status;
 }
@@ -174,6 +196,7 @@ MnsStatus outputs_take(Outputs *outputs, const MnsSim *sim, Document *document, 
     OutputTimes *before = &outputs->before;
     const double t = mns_sim_progress(sim).t;
     MnsStatus status = MNS_OK;
+    outputs->rescued = false;
     if (outputs->series && schedule_due(output->probe_interval, before->probes, t))
         status = take_probes(outputs, sim, document, error);
     if (status) return status;
@@ -208,11 +231,11 @@ MnsStatus outputs_finish(Outputs *outputs, const MnsSim *sim, Document *document
 MnsStatus outputs_rescue(Outputs *outputs, const MnsSim *sim, Document *document, char *ret_path, MnsError *error)
 {
     MnsCapture *capture;
-    writer_salvage(outputs->writer, NULL);
     MnsStatus status = mns_sim_capture(sim, mns_sim_state_fields(sim), &capture, error);
     if (status) return status;
     status = job_rescue_checkpoint(outputs, capture, document, ret_path, error);
     if (!status) outputs->at_checkpoint = capture->progress.step;
     mns_capture_free(capture);
+    writer_salvage(outputs->writer, NULL);
     return status;
 }

@@ -5,6 +5,7 @@
 #define RUN_OUTPUTS_H
 
 #include "io/checkpoint.h"
+#include "io/reserve.h"
 #include "io/series.h"
 #include "run/document.h"
 #include "run/outbox.h"
@@ -24,6 +25,9 @@ typedef struct Outputs {
     Series *series;          /* the writer's thread only; NULL without probes                    */
     Document *document;      /* that the series was opened with, and borrows from; NULL when closed */
     char aside[RUNDIR_PATH]; /* where outputs_open() moved files to; empty if there were none */
+    Reserve reserve;         /* for what a full disk must not cost; the writer's thread only        */
+    _Atomic bool rescued;    /* the reserve is given up until the run moves again                   */
+    size_t state_size;       /* of a capture of the state [bytes]                              */
     bool series_lost;        /* outputs_open() found no samples from before, and should have  */
     OutputTimes before;
     double wall_checkpoint; /* clock_now() of the last one; of the beginning if there is none   */
@@ -40,10 +44,11 @@ typedef struct Outputs {
     void *arg;
 } Outputs;
 
-/* Go over to a directory, which exists, with a state at `progress`: the series begins there, or goes on if `goes_on`, and files of
+/* Go over to a directory, which exists, with the state of sim: the series begins there, or goes on if `goes_on`, and files of
  * later steps are moved aside. On failure outputs and all files are as they were; on success the present ones are closed.
+ * MNS_E_NO_SPACE also where there is no room for what a disk that fills up later must not cost.
  *  ret_lost  as outputs_close() says of them */
-MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *document, MnsProgress progress, bool goes_on,
+MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *document, const MnsSim *sim, bool goes_on,
                        MnsError *ret_lost, MnsError *error);
 
 /* Write what is left and close the series. MNS_OK; or the failure, and what could not be written is given up. */
@@ -68,8 +73,8 @@ MnsStatus outputs_flush(Outputs *outputs, MnsError *error);
 /* The series and a checkpoint of this very step, written before this returns. */
 MnsStatus outputs_finish(Outputs *outputs, const MnsSim *sim, Document *document, MnsError *error);
 
-/* After an output that failed: write what else can be written, and a checkpoint of this very step, before this returns. MNS_OK:
- * the checkpoint is there, whatever became of the others. ret_path: [4096], where it is. */
+/* After an output that failed: write a checkpoint of this very step, and what else can be written, before this returns. The reserve
+ * is given up for it, until the series is written the next time. MNS_OK: the checkpoint is there, whatever became of the others. ret_path: [4096], where it is. */
 MnsStatus outputs_rescue(Outputs *outputs, const MnsSim *sim, Document *document, char *ret_path, MnsError *error);
 
 /* Read a checkpoint on the writer's thread: a path, or the newest whole one in a directory; damaged ones are told to note.

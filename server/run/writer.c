@@ -6,8 +6,7 @@
 #include <stdlib.h>
 #include <time.h>
 
-/* A copy of the particles is large, so that only two may wait; the bound of the light ones is one of decency. */
-enum { HEAVY_MAX = 2, LIGHT_MAX = 4096 };
+enum { LIGHT_MAX = 4096 }; /* of decency */
 
 struct Writer {
     pthread_t thread;
@@ -153,7 +152,7 @@ static MnsStatus drain(Writer *writer, MnsError *error)
 void writer_post(Writer *writer, Job *job)
 {
     pthread_mutex_lock(&writer->lock);
-    while (!writer->status && (job->heavy ? writer->heavy >= HEAVY_MAX : writer->light >= LIGHT_MAX))
+    while (!writer->status && (job->heavy ? writer->heavy >= WRITER_HEAVY_MAX : writer->light >= LIGHT_MAX))
         sleep_locked(writer);
     insert(writer, end_of(&writer->first), job);
     pthread_mutex_unlock(&writer->lock);

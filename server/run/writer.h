@@ -7,6 +7,9 @@
 #include <meniscus/status.h>
 #include <stdbool.h>
 
+/* A copy of the particles is large, so that only two may be written or wait. */
+enum { WRITER_HEAVY_MAX = 2 };
+
 typedef struct Job {
     struct Job *next;
     bool heavy; /* holds a copy of the particles: few of these may wait                                  */
@@ -30,7 +33,7 @@ MnsStatus writer_new(void (*wait)(void *arg), void *arg, Writer **ret, MnsError 
 /* Finish what can be finished, discard the rest, end the thread. NULL is fine. */
 void writer_free(Writer *writer);
 
-/* Hand over a job. Waits while two heavy ones are queued (many of the others); not if a job has failed, see
+/* Hand over a job. Waits while WRITER_HEAVY_MAX heavy ones are queued (many of the others); not if a job has failed, see
  * writer_failure(): the new one is kept behind it. */
 void writer_post(Writer *writer, Job *job);
 

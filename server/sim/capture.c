@@ -50,6 +50,16 @@ MnsStatus mns_sim_capture(const MnsSim *sim, uint64_t fields, MnsCapture **ret_c
     return MNS_OK;
 }
 
+size_t mns_sim_capture_size(const MnsSim *sim, uint64_t fields)
+{
+    size_t size = 0;
+    const MnsFieldInfo *info = mns_fields();
+    for (int f = 0; info[f].name; f++)
+        if (fields & sim->s.fields & UINT64_C(1) << f)
+            size += (size_t)(info[f].components == 1 ? 1 : sim->s.dim) * field_size(&info[f]);
+    return size * sim->s.n;
+}
+
 /* Groups are contiguous and of the size the case gives them; a capture that disagrees belongs to another case. */
 static bool groups_agree(const MnsSim *sim, const uint8_t *phase)
 {

@@ -20,7 +20,7 @@ from daemon import BUILD, DaemonTest  # noqa: E402
 CASE = ["dambreak2d", "--set", "resolution=20", "--set", "end_time=0.4", "--set", "output.snapshot_interval=0.02",
         "--set", "output.probe_interval=0.005", "--set", "threads=1"]
 SNAPSHOTS, ROWS = 21, 81
-SMALL_BYTES, LARGE_BYTES = 2 << 20, 64 << 20  # of the disk: room for some of the snapshots, and for all
+TINY_BYTES, SMALL_BYTES, LARGE_BYTES = 2 << 20, 8 << 20, 64 << 20  # room for no run, for some snapshots, for all
 INSIDE = "MENISCUS_TEST_NAMESPACE"
 
 
@@ -102,34 +102,50 @@ class DiskFull(DaemonTest):
         self.assertEqual(len(series(directory)["time"]), ROWS)
         self.assertEqual(series(directory), series(self.room))
 
-    def test_a_batch_run_says_what_failed_once_and_goes_on_once_there_is_room(self) -> None:
+    def disturbed_batch(self, *more: str) -> None:
+        """Run until the disk is full, make room, go on: nothing may be missing."""
         out = self.disk / "batch"
         self.resize(SMALL_BYTES)
         self.clear(out)
-        done = batch(out, "--set", "output.checkpoint_interval=0.1")
+        done = batch(out, *more)
         self.assertEqual(done.returncode, 74, done.stderr)
         self.assertEqual(done.stderr.count("fault: cannot write"), 1, done.stderr)
-        if "lost: " in done.stderr:
-            kept = sorted(path.name for path in out.glob("checkpoint-*.hdf"))
-            self.assertRegex(done.stderr, r"lost: the state at step \d+ is not kept, a resume goes on from " +
-                             (kept[-1] if kept else "the beginning, as there is no checkpoint"))
-        self.assertLessEqual(done.stderr.count("cannot write"), 2, done.stderr)  # the other one: no checkpoint either
+        self.assertEqual(done.stderr.count("cannot"), 1, done.stderr)
+        self.assertNotIn("lost: ", done.stderr)
         self.assertIn("No space left on device", done.stderr)
         self.assertIn(str(out), done.stderr)
-        self.assertEqual(json.loads(done.stdout)["state"], "FAULT")
+        told = json.loads(done.stdout)
+        self.assertEqual(told["state"], "FAULT")
+        self.assertTrue((out / f"checkpoint-{told['steps']:010d}.hdf").exists())
         self.assert_whole(out)
-        self.assertGreater(len(names(out)), 0)
+        self.assertIn(len(names(out)), range(2, SNAPSHOTS))
         self.resize(LARGE_BYTES)
-        done = batch(out, "--set", "output.checkpoint_interval=0.1", "--resume", "auto")
+        done = batch(out, *more, "--resume", "auto")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(json.loads(done.stdout)["state_hash"], self.undisturbed["state_hash"])
+        self.assert_complete(out)
+        shutil.rmtree(out)
+
+    def test_a_batch_run_keeps_its_state_and_goes_on_once_there_is_room(self) -> None:
+        for more in ([], ["--set", "output.checkpoint_interval=0.1"]):
+            with self.subTest(more=more):
+                self.disturbed_batch(*more)
+
+    def test_a_run_that_could_not_keep_its_state_is_refused(self) -> None:
+        out = self.disk / "batch"
+        self.resize(TINY_BYTES)
+        self.clear(out)
+        done = batch(out)
+        self.assertEqual(done.returncode, 74, done.stderr)
+        self.assertRegex(done.stderr, r"cannot keep \d+ kB free.* in '.*batch': No space left on device; make room")
+        self.assertFalse(out.exists())
 
     def disturbed_run(self, free: int) -> None:
         """Run into a disk with so many bytes left, make room, go on: nothing may be missing."""
         self.resize(LARGE_BYTES)
-        filler = self.fill(free)
         directory = Path(self.ask("load", *CASE)["message"])
         self.clear(directory)
+        filler = self.fill(free)
         subprocess.run([BUILD / "meniscus", "start"], env=self.environment, capture_output=True, timeout=60)
         self.meniscus("wait", "--for", "state=FAULT", "--timeout", "60")
         status = self.ask("status")

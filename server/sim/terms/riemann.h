@@ -15,6 +15,7 @@
 typedef struct Side {
     double v[3], p, z, rho, c, rho0, V;
     double inverse_c2;      /* for state_density() without a quotient for each pair */
+    double wall_c2;         /* the same as (1/c)^2, rounded as in the runs that tests/physics/RESULTS-paper.md is of */
     double steepness, tiny; /* of p*: s / c, and what keeps 0/0 away [m] */
     const double *p_wall;   /* by index of wall particle */
     uint32_t first_wall;
@@ -26,6 +27,7 @@ INLINE Side side_of(const Particles *s, const Model *model, size_t i)
     Side a = {.p = s->p[i], .z = s->z[i], .rho = s->rho[i], .c = phase->c, .rho0 = phase->rho0, .V = s->vol[i]};
     for (int d = 0; d < s->dim; d++) a.v[d] = s->v[d][i];
     a.inverse_c2 = 1 / (a.c * a.c);
+    a.wall_c2 = (1 / a.c) * (1 / a.c);
     a.steepness = model->limiter / model->c_max;
     a.tiny = 1e-12 * model->dx;
     a.p_wall = s->p_wall[s->phase[i]];
@@ -56,7 +58,7 @@ INLINE void riemann_density_fluid(const Side *a, const Pair *pair, int dim, int 
 /* p_w: what the wall shows this fluid. */
 INLINE void riemann_density_wall(const Side *a, const Pair *pair, double p_w, int dim, int l, Lanes *sum)
 {
-    const double zw = (a->rho0 + p_w * a->inverse_c2) * a->c;
+    const double zw = (a->rho0 + p_w * a->wall_c2) * a->c;
     sum->of[l] += pair->V * pair->F * (zw * opening(a, pair, dim) + (a->p - p_w) * pair->r) / (a->z + zw);
 }
 
