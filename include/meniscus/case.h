@@ -49,6 +49,7 @@ typedef struct MnsFluid {
     char *velocity[3];                      /* formulas of x y z [m/s] */
     char *pressure;                         /* formula of x y z [Pa], or "hydrostatic" */
     MnsDensityMethod density_method;
+    double exponent; /* of Tait's equation; 0: that of its kind */
 } MnsFluid;
 
 typedef enum MnsMotionKind { MNS_STILL, MNS_SINE, MNS_ONE_MINUS_COSINE, MNS_TABLE } MnsMotionKind;
@@ -79,11 +80,36 @@ typedef struct MnsRiemann {
     bool transport_stress;
 } MnsRiemann;
 
+typedef enum MnsPairAverage { MNS_AVERAGE_ARITHMETIC, MNS_AVERAGE_DENSITY } MnsPairAverage;
+
+typedef enum MnsDissipationForm {
+    MNS_DISSIPATION_GENERALIZED,
+    MNS_DISSIPATION_NO_VOLUME_FACTOR,
+    MNS_DISSIPATION_PLAIN
+} MnsDissipationForm;
+
+typedef struct MnsDissipation {
+    double delta, repulsion, background_pressure, guard;
+    MnsDissipationForm form;
+    MnsPairAverage pair_average;
+} MnsDissipation;
+
+typedef enum MnsShifting { MNS_SHIFTING_OFF, MNS_SHIFTING_INTERFACE, MNS_SHIFTING_ORIGINAL } MnsShifting;
+
+typedef struct MnsInterfacial {
+    double delta, shifting_strength, repulsion, background_pressure, guard;
+    MnsShifting shifting;
+    MnsPairAverage pair_average;
+} MnsInterfacial;
+
+/* Those of the scheme that is named count. */
 typedef struct MnsSchemeOptions {
-    const char *name; /* of the scheme: "riemann"; a literal */
+    const char *name; /* of the scheme: "riemann", "dissipation", "interfacial"; a literal */
     MnsKernel kernel;
     double smoothing, cfl, skin;
     MnsRiemann riemann;
+    MnsDissipation dissipation;
+    MnsInterfacial interfacial;
 } MnsSchemeOptions;
 
 typedef enum MnsProbeKind {
@@ -139,6 +165,7 @@ typedef struct MnsCase {
     char *gravity[3]; /* formulas of t [m/s^2] */
     size_t n_fluids;
     MnsFluid *fluids;
+    double tension[MNS_MAX_FLUIDS][MNS_MAX_FLUIDS]; /* between two fluids, either way round [N/m] */
     size_t n_walls;
     MnsWall *walls;
     MnsSchemeOptions scheme;

@@ -80,6 +80,7 @@ static MnsStatus translate_fluid(Translation *t, const Meniscus__Fluid *m, const
     fluid->viscosity = m->viscosity;
     fluid->sound_speed = m->sound_speed;
     fluid->density_method = methods[m->density_method];
+    fluid->exponent = m->has_exponent ? m->exponent : 0;
     MnsStatus status = take_name(t, m->name, before, &fluid->name);
     if (!status) status = translate_shape(t, m->n_shape, m->shape, true, &fluid->shape);
     if (!status) status = take_formulas(t, "velocity", m->n_velocity, m->velocity, fluid->velocity);
@@ -99,6 +100,39 @@ static MnsStatus translate_fluids(Translation *t, const Meniscus__Case *m)
         status = translate_fluid(t, m->fluids[k], &before, &t->c->fluids[k]);
         case_path_cut(&t->path, outer);
         before.list[before.n++] = t->c->fluids[k].name;
+    }
+    return status;
+}
+
+static MnsStatus translate_interface(Translation *t, const Meniscus__Interface *m, const Names *fluids)
+{
+    int side[2] = {0, 0};
+    MnsStatus status = MNS_OK;
+    for (size_t k = 0; k < 2 && !status; k++) {
+        const size_t before = translation_enter_item(t, "between", k);
+        status = take_reference(t, NULL, m->between[k], fluids, &side[k]);
+        case_path_cut(&t->path, before);
+    }
+    if (status) return status;
+    if (side[0] == side[1])
+        return translation_fail(t, MNS_E_INVALID, "between", "\"%s\" is there twice: name two fluids", m->between[0]);
+    double(*tension)[MNS_MAX_FLUIDS] = t->c->tension;
+    if (tension[side[0]][side[1]] > 0)
+        return translation_fail(t, MNS_E_INVALID, "between", "the interface between \"%s\" and \"%s\" is there twice",
+                                m->between[0], m->between[1]);
+    tension[side[0]][side[1]] = tension[side[1]][side[0]] = m->tension;
+    return MNS_OK;
+}
+
+static MnsStatus translate_interfaces(Translation *t, const Meniscus__Case *m)
+{
+    Names fluids;
+    MnsStatus status = MNS_OK;
+    names_of_fluids(t->c, &fluids);
+    for (size_t k = 0; k < m->n_interfaces && !status; k++) {
+        const size_t outer = translation_enter_item(t, "interfaces", k);
+        status = translate_interface(t, m->interfaces[k], &fluids);
+        case_path_cut(&t->path, outer);
     }
     return status;
 }
@@ -143,14 +177,63 @@ static void translate_riemann(const Meniscus__Riemann *given, MnsSchemeOptions *
                                 .transport_stress = r->transport_stress};
 }
 
+static const MnsPairAverage PAIR_AVERAGES[] = {
+    [MENISCUS__PAIR_AVERAGE__ARITHMETIC] = MNS_AVERAGE_ARITHMETIC,
+    [MENISCUS__PAIR_AVERAGE__DENSITY] = MNS_AVERAGE_DENSITY,
+};
+
+static void translate_dissipation(const Meniscus__Dissipation *m, MnsSchemeOptions *ret)
+{
+    static const MnsDissipationForm forms[] = {
+        [MENISCUS__DISSIPATION_FORM__GENERALIZED] = MNS_DISSIPATION_GENERALIZED,
+        [MENISCUS__DISSIPATION_FORM__NO_VOLUME_FACTOR] = MNS_DISSIPATION_NO_VOLUME_FACTOR,
+        [MENISCUS__DISSIPATION_FORM__PLAIN] = MNS_DISSIPATION_PLAIN,
+    };
+    ret->name = "dissipation";
+    ret->dissipation = (MnsDissipation){.delta = m->delta,
+                                        .form = forms[m->form],
+                                        .repulsion = m->repulsion,
+                                        .pair_average = PAIR_AVERAGES[m->pair_average],
+                                        .background_pressure = m->background_pressure,
+                                        .guard = m->guard};
+}
+
+static void translate_interfacial(const Meniscus__Interfacial *m, MnsSchemeOptions *ret)
+{
+    static const MnsShifting shiftings[] = {
+        [MENISCUS__SHIFTING__OFF] = MNS_SHIFTING_OFF,
+        [MENISCUS__SHIFTING__INTERFACE] = MNS_SHIFTING_INTERFACE,
+        [MENISCUS__SHIFTING__ORIGINAL] = MNS_SHIFTING_ORIGINAL,
+    };
+    ret->name = "interfacial";
+    ret->interfacial = (MnsInterfacial){.delta = m->delta,
+                                        .shifting = shiftings[m->shifting],
+                                        .shifting_strength = m->shifting_strength,
+                                        .repulsion = m->repulsion,
+                                        .pair_average = PAIR_AVERAGES[m->pair_average],
+                                        .background_pressure = m->background_pressure,
+                                        .guard = m->guard};
+}
+
 static MnsStatus translate_method(Translation *t, const Meniscus__Scheme *m, MnsSchemeOptions *ret)
 {
     switch (m->method_case) {
     case MENISCUS__SCHEME__METHOD_RIEMANN: translate_riemann(m->riemann, ret); return MNS_OK;
+    case MENISCUS__SCHEME__METHOD_DISSIPATION: translate_dissipation(m->dissipation, ret); return MNS_OK;
+    case MENISCUS__SCHEME__METHOD_INTERFACIAL: translate_interfacial(m->interfacial, ret); return MNS_OK;
     case MENISCUS__SCHEME__METHOD__NOT_SET: translate_riemann(NULL, ret); return MNS_OK;
     case _MENISCUS__SCHEME__METHOD__CASE_IS_INT_SIZE: break;
     }
     return translation_unknown(t);
+}
+
+/* What suits each scheme: its paper's, or what was found to be needed where the paper is silent. */
+static void default_kernel(const Meniscus__Scheme *m, MnsKernel *ret_kernel, double *ret_smoothing)
+{
+    const bool dissipation = m->method_case == MENISCUS__SCHEME__METHOD_DISSIPATION;
+    const bool interfacial = m->method_case == MENISCUS__SCHEME__METHOD_INTERFACIAL;
+    *ret_kernel = dissipation ? MNS_TRUNCATED_GAUSSIAN : MNS_WENDLAND_C2;
+    *ret_smoothing = dissipation ? 1.1 : interfacial ? 1.6 : 1.3;
 }
 
 static MnsStatus translate_scheme(Translation *t, const Meniscus__Scheme *given, MnsSchemeOptions *ret)
@@ -162,12 +245,10 @@ static MnsStatus translate_scheme(Translation *t, const Meniscus__Scheme *given,
     };
     const Meniscus__Scheme scheme_defaults = MENISCUS__SCHEME__INIT;
     const Meniscus__Scheme *m = given ? given : &scheme_defaults;
-    *ret = (MnsSchemeOptions){
-        .kernel = kernels[m->kernel],
-        .smoothing = m->smoothing,
-        .cfl = m->cfl,
-        .skin = m->skin,
-    };
+    *ret = (MnsSchemeOptions){.cfl = m->cfl, .skin = m->skin};
+    default_kernel(m, &ret->kernel, &ret->smoothing);
+    if (m->has_kernel) ret->kernel = kernels[m->kernel];
+    if (m->has_smoothing) ret->smoothing = m->smoothing;
     const size_t before = translation_enter(t, "scheme");
     const MnsStatus status = translate_method(t, m, ret);
     case_path_cut(&t->path, before);
@@ -236,6 +317,7 @@ static MnsStatus translate_all(Translation *t, const Meniscus__Case *m)
     if (!status) status = translate_constants(t, m);
     if (!status) status = take_formulas(t, "gravity", m->n_gravity, m->gravity, c->gravity);
     if (!status) status = translate_fluids(t, m);
+    if (!status) status = translate_interfaces(t, m);
     if (!status) status = translate_walls(t, m);
     if (!status) status = translate_probes(t, m);
     return status ? status : translate_output(t, m->output);

@@ -48,6 +48,8 @@ static MnsStatus check_options(const MnsCase *c, MnsError *error)
 {
     const MnsSchemeOptions *o = &c->scheme;
     const MnsRiemann *r = &o->riemann;
+    const MnsDissipation *q = &o->dissipation;
+    const MnsInterfacial *f = &o->interfacial;
     const MnsLimits *l = &c->limits;
     const MnsOutput *w = &c->output;
     const Bounded list[] = {
@@ -59,6 +61,15 @@ static MnsStatus check_options(const MnsCase *c, MnsError *error)
         {"scheme.riemann.heavy_background_pressure", r->heavy_background_pressure,
          BOUNDS_Riemann_heavy_background_pressure},
         {"scheme.riemann.guard", r->guard, BOUNDS_Riemann_guard},
+        {"scheme.dissipation.delta", q->delta, BOUNDS_Dissipation_delta},
+        {"scheme.dissipation.repulsion", q->repulsion, BOUNDS_Dissipation_repulsion},
+        {"scheme.dissipation.background_pressure", q->background_pressure, BOUNDS_Dissipation_background_pressure},
+        {"scheme.dissipation.guard", q->guard, BOUNDS_Dissipation_guard},
+        {"scheme.interfacial.delta", f->delta, BOUNDS_Interfacial_delta},
+        {"scheme.interfacial.shifting_strength", f->shifting_strength, BOUNDS_Interfacial_shifting_strength},
+        {"scheme.interfacial.repulsion", f->repulsion, BOUNDS_Interfacial_repulsion},
+        {"scheme.interfacial.background_pressure", f->background_pressure, BOUNDS_Interfacial_background_pressure},
+        {"scheme.interfacial.guard", f->guard, BOUNDS_Interfacial_guard},
         {"limits.time_step_floor", l->time_step_floor, BOUNDS_Limits_time_step_floor},
         {"limits.density_min", l->density_min, BOUNDS_Limits_density_min},
         {"limits.density_max", l->density_max, BOUNDS_Limits_density_max},
@@ -225,7 +236,8 @@ static MnsStatus check_fluid(const MnsCase *c, size_t k, const Constants *consta
     snprintf(at, sizeof at, "fluids[%zu]", k);
     const Bounded list[] = {{"density", f->density, BOUNDS_Fluid_density},
                             {"viscosity", f->viscosity, BOUNDS_Fluid_viscosity},
-                            {"sound_speed", f->sound_speed, BOUNDS_Fluid_sound_speed}};
+                            {"sound_speed", f->sound_speed, BOUNDS_Fluid_sound_speed},
+                            {"exponent", f->exponent == 0 ? 1 : f->exponent, BOUNDS_Fluid_exponent}};
     MnsStatus status = CHECK_BOUNDS(at, list, error);
     if (status) return status;
     for (size_t other = 0; other < k; other++)
@@ -334,11 +346,27 @@ static MnsStatus check_constants(const Constants *constants, MnsError *error)
     return MNS_OK;
 }
 
+static MnsStatus check_interfaces(const MnsCase *c, MnsError *error)
+{
+    for (size_t a = 0; a < c->n_fluids; a++)
+        for (size_t b = 0; b < c->n_fluids; b++) {
+            const double sigma = c->tension[a][b];
+            if (!bounds_hold(BOUNDS_Interface_tension, sigma))
+                return mns_fail_at(error, MNS_E_INVALID, "interfaces", "found a tension of %g, allowed: %s", sigma,
+                                   BOUNDS_Interface_tension.words);
+            if (sigma != c->tension[b][a] || (a == b && sigma != 0))
+                return mns_fail_at(error, MNS_E_INVALID, "interfaces",
+                                   "a tension is between two fluids, and the same either way round");
+        }
+    return MNS_OK;
+}
+
 static MnsStatus check_entries(const MnsCase *c, const Constants *constants, MnsError *error)
 {
     MnsStatus status = check_constants(constants, error);
     if (!status) status = check_formulas(c->gravity, c->dim, T, constants, "gravity", error);
     for (size_t k = 0; !status && k < c->n_fluids; k++) status = check_fluid(c, k, constants, error);
+    if (!status) status = check_interfaces(c, error);
     for (size_t k = 0; !status && k < c->n_walls; k++) status = check_wall(c, k, constants, error);
     for (size_t k = 0; !status && k < c->n_probes; k++) status = check_probe(c, k, constants, error);
     return status;

@@ -50,6 +50,9 @@ static const char *domain_changed(const MnsCase *a, const MnsCase *b)
         if (a->min[d] != b->min[d] || a->max[d] != b->max[d] || a->periodic[d] != b->periodic[d]) return "domain";
     if (o->kernel != p->kernel || o->smoothing != p->smoothing || o->skin != p->skin || strcmp(o->name, p->name) != 0)
         return "scheme";
+    if (o->dissipation.background_pressure != p->dissipation.background_pressure ||
+        o->interfacial.background_pressure != p->interfacial.background_pressure)
+        return "scheme";
     if (a->limits.time_step_floor != b->limits.time_step_floor || a->limits.density_min != b->limits.density_min ||
         a->limits.density_max != b->limits.density_max)
         return "limits";
@@ -66,7 +69,7 @@ static bool same_fluids(const MnsCase *a, const MnsCase *b)
     for (size_t k = 0; k < a->n_fluids; k++) {
         const MnsFluid *f = &a->fluids[k], *g = &b->fluids[k];
         if (f->density != g->density || f->viscosity != g->viscosity || f->sound_speed != g->sound_speed ||
-            f->density_method != g->density_method || !same_shape(&f->shape, &g->shape) ||
+            f->density_method != g->density_method || f->exponent != g->exponent || !same_shape(&f->shape, &g->shape) ||
             !same_texts(f->velocity, g->velocity, 3) || !same_text(f->pressure, g->pressure))
             return false;
     }
@@ -103,6 +106,7 @@ static const char *changed(const MnsCase *a, const MnsCase *b)
     const char *entry = domain_changed(a, b);
     if (entry) return entry;
     if (a->n_fluids != b->n_fluids || !same_fluids(a, b)) return "fluids";
+    if (memcmp(a->tension, b->tension, sizeof a->tension) != 0) return "interfaces";
     if (a->n_walls != b->n_walls || !same_walls(a, b)) return "walls";
     if (a->n_probes != b->n_probes || !same_probes(a, b)) return "probes";
     return NULL;
