@@ -17,6 +17,19 @@ void lattice_place(const Lattice *lattice, size_t row, size_t k, double x[3])
     for (int d = 0; d < 3; d++) x[d] = lattice->low[d] + (double)index[d] * lattice->spacing[d];
 }
 
+const LatticeRun *lattice_run(const LatticeRow *row, size_t k)
+{
+    size_t low = 0, high = row->n; /* runs before low end before the point, those from high on begin after it */
+    while (low < high) {
+        const size_t middle = (low + high) / 2;
+        const LatticeRun *run = &row->runs[middle];
+        if (k < run->first) high = middle;
+        else if (k >= (size_t)run->first + run->n) low = middle + 1;
+        else return run;
+    }
+    return NULL;
+}
+
 static void fit(Lattice *lattice, const MnsSim *sim)
 {
     const Model *model = &sim->model;
@@ -151,7 +164,7 @@ static MnsStatus survey(Surveyor *v, const Lattice *lattice, size_t row, MnsErro
         status = owner_of(v, x, &owner, error);
         if (owner == NOTHING) last = NOTHING;
         else if (owner == last) v->runs[v->n - 1].n++;
-        else v->runs[v->n++] = (LatticeRun){(uint32_t)k, 1, last = owner};
+        else v->runs[v->n++] = (LatticeRun){.first = (uint32_t)k, .n = 1, .owner = last = owner};
     }
     const MnsStatus failed = check_conditions(v, x, error); /* which may be why fluids overlap */
     return failed ? failed : status;

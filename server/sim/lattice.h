@@ -10,14 +10,14 @@
 typedef struct LatticeRun {
     uint32_t first, n;
     int owner; /* fluid, or number of fluids + wall */
+    size_t at; /* where its first particle is stored */
 } LatticeRun;
 
 /* All points of one y and z. */
 typedef struct LatticeRow {
     LatticeRun *runs; /* [n] */
     size_t n;
-    uint32_t id;          /* of its first particle */
-    size_t begin[GROUPS]; /* where its first particle of each group is stored */
+    uint32_t id; /* of its first particle */
 } LatticeRow;
 
 typedef struct Lattice {
@@ -36,5 +36,8 @@ void lattice_done(Lattice *lattice);
 
 /* Place of point k of a row. */
 void lattice_place(const Lattice *lattice, size_t row, size_t k, double x[3]);
+
+/* The run that point k of a row is in; NULL if it is nobody's. */
+const LatticeRun *lattice_run(const LatticeRow *row, size_t k);
 
 #endif

@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The initial fields of fluids, of formulas and of what stands for one. */
+#include "sim/start.h"
+#include "sim/state.h"
+#include <math.h>
+#include <omp.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char *const XYZ[] = {"x", "y", "z", NULL};
+
+static MnsStatus compile(Start *start, const MnsSim *sim, size_t k, const Constants *constants, MnsError *error)
+{
+    const MnsFluid *f = &sim->c->fluids[k];
+    MnsStatus status = MNS_OK;
+    start->laid = strcmp(f->pressure, "hydrostatic") == 0;
+    for (int d = 0; d < sim->c->dim && !status; d++)
+        status = formula_team_init(&start->velocity[d], sim->threads, f->velocity[d], XYZ, constants->list,
+                                   constants->n, error);
+    if (status || start->laid) return status;
+    return formula_team_init(&start->pressure, sim->threads, f->pressure, XYZ, constants->list, constants->n, error);
+}
+
+MnsStatus start_init(Start starts[], MnsSim *sim, const Lattice *lattice, const Constants *constants, MnsError *error)
+{
+    MnsStatus status = MNS_OK;
+    bool laid = false;
+    for (size_t k = 0; k < sim->c->n_fluids && !status; k++) {
+        status = compile(&starts[k], sim, k, constants, error);
+        if (!status && starts[k].laid && !laid) status = hydrostatic(sim, lattice, k, error);
+        laid = laid || starts[k].laid;
+    }
+    return status;
+}
+
+void start_done(Start starts[], size_t n)
+{
+    for (size_t k = 0; k < n; k++) {
+        for (int d = 0; d < 3; d++) formula_team_done(&starts[k].velocity[d]);
+        formula_team_done(&starts[k].pressure);
+    }
+}
+
+/* Why one of the formulas of thread `me` failed, if it did. */
+static const char *failure(const Start *start, int dim, int me)
+{
+    const char *why = start->laid ? NULL : formula_failure(formula_of(&start->pressure, me));
+    for (int d = 0; d < dim && !why; d++) why = formula_failure(formula_of(&start->velocity[d], me));
+    return why;
+}
+
+static bool in_bounds(const Model *model, double ratio)
+{
+    return ratio > model->density_min && ratio < model->density_max;
+}
+
+static MnsStatus fail_particle(const Start starts[], const MnsSim *sim, size_t i, double p, const double x[3],
+                               MnsError *error)
+{
+    const unsigned phase = sim->s.phase[i];
+    const double ratio = sim->s.rho[i] / sim->model.phase[phase].rho0;
+    const char *why = failure(&starts[phase], sim->s.dim, omp_get_thread_num());
+    char at[64];
+    snprintf(at, sizeof at, "fluids[%u]", phase);
+    if (why)
+        return mns_fail_at(error, MNS_E_INVALID, at, "a formula of pressure or velocity fails at (%g, %g, %g) m: %s",
+                           x[0], x[1], x[2], why);
+    if (!isfinite(p) || in_bounds(&sim->model, ratio))
+        return mns_fail_at(error, MNS_E_INVALID, at, "pressure or velocity is not finite at (%g, %g, %g) m", x[0], x[1],
+                           x[2]);
+    snprintf(at, sizeof at, "fluids[%u].pressure", phase);
+    return mns_fail_at(error, MNS_E_INVALID, at,
+                       "the pressure %g Pa is too %s for the sound speed at (%g, %g, %g) m: the density would be %.3g "
+                       "times that of reference, allowed (%g, %g)",
+                       p, p < 0 ? "low" : "high", x[0], x[1], x[2], ratio, sim->model.density_min,
+                       sim->model.density_max);
+}
+
+/* A particle stands for a cell of the lattice; what is summed there is the density that the pressure asks for. */
+MnsStatus start_particle(const Start starts[], MnsSim *sim, size_t i, const double x[3], MnsError *error)
+{
+    const Model *model = &sim->model;
+    Particles *s = &sim->s;
+    const Phase *phase = &model->phase[s->phase[i]];
+    const Start *start = &starts[s->phase[i]];
+    const int me = omp_get_thread_num();
+    const double p = start->laid ? s->p[i] : formula_eval(formula_of(&start->pressure, me), x);
+    s->rho[i] = state_density(phase, p);
+    s->m[i] = s->rho[i] * model->wall_volume;
+    bool finite = isfinite(p) && in_bounds(model, s->rho[i] / phase->rho0);
+    for (int d = 0; d < s->dim; d++) {
+        s->v[d][i] = formula_eval(formula_of(&start->velocity[d], me), x);
+        finite = finite && isfinite(s->v[d][i]);
+    }
+    return finite ? MNS_OK : fail_particle(starts, sim, i, p, x, error);
+}
