@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The pressure of fluids at rest: in each column of lattice points along gravity, the weight of the fluid above. */
+/* The pressure of fluids at rest. Columns of lattice points along gravity are laid from where gravity comes from, each point
+ * below the weight of what is over it, and begin anew under a wall or where nothing is. */
+#include "sim/hydrostatic.h"
 #include "base/array.h"
 #include "sim/making.h"
 #include "sim/start.h"
@@ -7,7 +9,6 @@
 #include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* The axis gravity points along; -1 if it is zero or oblique. */
 static int axis_of(const Model *model)
@@ -21,71 +22,112 @@ static int axis_of(const Model *model)
     return axis;
 }
 
-/* Columns of points that are laid from where gravity comes from. */
-typedef struct Laying {
-    MnsSim *sim;
-    const Lattice *lattice;
-    int axis;
-    bool down;  /* gravity points to lower coordinates */
-    double gdz; /* pressure over density of one point [m^2/s^2] */
-} Laying;
+typedef enum Over { OVER_NOTHING, OVER_WALL, OVER_FLUID } Over;
 
-/* Lay a row below what is above its points [Pa], and note the pressure at their middles. */
-static void lay_row(const Laying *l, const LatticeRow *row, double *above)
+/* A column, as far as it has been laid. */
+typedef struct Column {
+    double above; /* weight of the fluid that reaches down to here [Pa] */
+    Over over;    /* the last point */
+} Column;
+
+/* Where columns of fluid begin. */
+typedef struct Tops {
+    size_t n, open;     /* of all; of those with nothing over them */
+    size_t first, last; /* levels of the others, counted along gravity */
+} Tops;
+
+static const Tops NO_TOPS = {.first = SIZE_MAX};
+
+static void add_top(Tops *tops, Over over, size_t level)
 {
-    const Model *model = &l->sim->model;
-    for (size_t k = 0; k < row->n; k++) {
-        const LatticeRun *run = &row->runs[k];
-        if ((size_t)run->owner >= model->n_phases) continue;
-        const double weight = model->phase[run->owner].rho0 * l->gdz;
-        for (size_t q = 0; q < run->n; q++) {
-            l->sim->s.p[run->at + q] = above[run->first + q] + 0.5 * weight;
-            above[run->first + q] += weight;
-        }
-    }
+    tops->n++;
+    if (over == OVER_NOTHING) tops->open++;
+    else if (level < tops->first) tops->first = level;
+    if (over == OVER_WALL && level > tops->last) tops->last = level;
 }
 
-/* The same where the column is the row. */
-static void lay_along(const Laying *l, const LatticeRow *row)
+static void merge_tops(Tops *tops, const Tops *more)
 {
-    const Model *model = &l->sim->model;
-    double above = 0;
+    tops->n += more->n;
+    tops->open += more->open;
+    if (more->first < tops->first) tops->first = more->first;
+    if (more->last > tops->last) tops->last = more->last;
+}
+
+/* One more point of fluid; the pressure at its middle. */
+static double lay_point(Column *column, double weight, size_t level, Tops *tops)
+{
+    if (column->over != OVER_FLUID) add_top(tops, column->over, level);
+    const double p = column->above + 0.5 * weight;
+    column->above += weight;
+    column->over = OVER_FLUID;
+    return p;
+}
+
+static double weight_of(const Laying *l, const LatticeRun *run)
+{
+    return l->sim->model.phase[run->owner].rho0 * l->gdz;
+}
+
+/* The points of a row, each of another column. */
+static void lay_row(const Laying *l, const LatticeRow *row, size_t level, Column *columns, Tops *tops)
+{
+    size_t q = 0;
     for (size_t k = 0; k < row->n; k++) {
-        const LatticeRun *run = &row->runs[l->down ? row->n - 1 - k : k];
-        if ((size_t)run->owner >= model->n_phases) continue;
-        const double weight = model->phase[run->owner].rho0 * l->gdz;
-        for (size_t q = 0; q < run->n; q++) {
-            l->sim->s.p[run->at + (l->down ? run->n - 1 - q : q)] = above + 0.5 * weight;
-            above += weight;
-        }
+        const LatticeRun *run = &row->runs[k];
+        while (q < run->first) columns[q++] = (Column){0, OVER_NOTHING};
+        if (is_fluid(l, run)) {
+            const double weight = weight_of(l, run);
+            for (size_t j = 0; j < run->n; j++)
+                l->sim->s.p[run->at + j] = lay_point(&columns[q++], weight, level, tops);
+        } else
+            while (q < (size_t)run->first + run->n) columns[q++] = (Column){0, OVER_WALL};
+    }
+    while (q < l->lattice->n[0]) columns[q++] = (Column){0, OVER_NOTHING};
+}
+
+/* A row that is a column. */
+static void lay_along(const Laying *l, const LatticeRow *row, Tops *tops)
+{
+    const size_t n = l->lattice->n[0];
+    Column column = {0, OVER_NOTHING};
+    for (size_t level = 0; level < n; level++) {
+        const size_t q = l->down ? n - 1 - level : level;
+        const LatticeRun *run = lattice_run(row, q);
+        if (is_fluid(l, run))
+            l->sim->s.p[run->at + q - run->first] = lay_point(&column, weight_of(l, run), level, tops);
+        else column = (Column){0, run ? OVER_WALL : OVER_NOTHING};
     }
 }
 
 /* One sheet of columns across rows: all rows of one z, or of one y. */
-static void lay_sheet(const Laying *l, size_t sheet, double *above)
+static void lay_sheet(const Laying *l, size_t sheet, Column *columns, Tops *tops)
 {
     const Lattice *lattice = l->lattice;
     const size_t n = lattice->n[l->axis];
-    memset(above, 0, lattice->n[0] * sizeof *above);
-    for (size_t q = 0; q < n && !making_goes_on(&l->sim->making, NULL); q++) {
-        const size_t k = l->down ? n - 1 - q : q;
-        lay_row(l, &lattice->row[l->axis == 1 ? sheet * n + k : k * lattice->n[1] + sheet], above);
+    for (size_t q = 0; q < lattice->n[0]; q++) columns[q] = (Column){0, OVER_NOTHING};
+    for (size_t level = 0; level < n && !making_goes_on(&l->sim->making, NULL); level++) {
+        const size_t k = l->down ? n - 1 - level : level;
+        lay_row(l, &lattice->row[l->axis == 1 ? sheet * n + k : k * lattice->n[1] + sheet], level, columns, tops);
     }
 }
 
-static MnsStatus lay(const Laying *l, MnsError *error)
+static MnsStatus lay(const Laying *l, Tops *tops, MnsError *error)
 {
     const size_t *n = l->lattice->n, sheets = l->axis == 0 ? l->lattice->rows : l->axis == 1 ? n[2] : n[1];
     const int threads = l->sim->threads;
-    double *above = array_new(n[0] * (size_t)threads, sizeof *above);
-    if (!above) return mns_fail(error, MNS_E_MEMORY, "no memory for the pressure of %zu columns", n[0]);
+    Column *columns = array_new(n[0] * (size_t)threads, sizeof *columns);
+    if (!columns) return mns_fail(error, MNS_E_MEMORY, "no memory for the pressure of %zu columns", n[0]);
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t k = 0; k < sheets; k++) {
+        Tops mine = NO_TOPS;
         if (making_goes_on(&l->sim->making, NULL)) continue;
-        if (l->axis == 0) lay_along(l, &l->lattice->row[k]);
-        else lay_sheet(l, k, above + (size_t)omp_get_thread_num() * n[0]);
+        if (l->axis == 0) lay_along(l, &l->lattice->row[k], &mine);
+        else lay_sheet(l, k, columns + (size_t)omp_get_thread_num() * n[0], &mine);
+#pragma omp critical(hydrostatic_tops)
+        merge_tops(tops, &mine);
     }
-    free(above);
+    free(columns);
     return making_goes_on(&l->sim->making, error);
 }
 
@@ -104,5 +146,8 @@ MnsStatus hydrostatic(MnsSim *sim, const Lattice *lattice, size_t fluid, MnsErro
                            .axis = axis,
                            .down = model->gravity[axis] < 0,
                            .gdz = fabs(model->gravity[axis]) * lattice->spacing[axis]};
-    return lay(&laying, error);
+    Tops tops = NO_TOPS;
+    const MnsStatus status = lay(&laying, &tops, error);
+    const bool all_begin = tops.open == tops.n || (tops.open == 0 && tops.first == tops.last);
+    return status || all_begin ? status : hydrostatic_hang(&laying, tops.n, error);
 }
