@@ -47,7 +47,7 @@ typedef struct MnsFluid {
     double density, viscosity, sound_speed; /* [kg/m^3], [Pa s], [m/s] */
     MnsShape shape;                         /* no parts: what the others leave */
     char *velocity[3];                      /* formulas of x y z [m/s] */
-    char *pressure;                         /* formula of x y z [Pa], or "hydrostatic" */
+    char *pressure;                         /* formula of x y z [Pa], "hydrostatic" or "laplace" */
     MnsDensityMethod density_method;
     double exponent; /* of Tait's equation; 0: that of its kind */
 } MnsFluid;

@@ -250,7 +250,7 @@ static MnsStatus check_fluid(const MnsCase *c, size_t k, const Constants *consta
     if (status) return status;
     snprintf(at, sizeof at, "fluids[%zu].velocity", k);
     status = check_formulas(f->velocity, c->dim, XYZ, constants, at, error);
-    if (status || strcmp(f->pressure, "hydrostatic") == 0) return status;
+    if (status || strcmp(f->pressure, "hydrostatic") == 0 || strcmp(f->pressure, "laplace") == 0) return status;
     snprintf(at, sizeof at, "fluids[%zu].pressure", k);
     return check_formula(f->pressure, XYZ, constants, at, error);
 }

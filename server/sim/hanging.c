@@ -90,7 +90,7 @@ static void spread(Hanging *h, const size_t top[3])
             memcpy(beside, at, sizeof beside);
             if (side / 2 == l->axis || !step(l, beside, side / 2, side % 2 ? 1 : -1, true)) continue;
             const LatticeRun *other = run_at(l, beside);
-            if (!other || other->owner != run->owner || h->done[particle_at(other, beside)]) continue;
+            if (!other || other->weighs_as != run->weighs_as || h->done[particle_at(other, beside)]) continue;
             settle_beside(h, beside, particle_at(run, at), particle_at(other, beside));
         }
         if (!descend(l, at)) break;

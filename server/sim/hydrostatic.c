@@ -66,7 +66,7 @@ static double lay_point(Column *column, double weight, size_t level, Tops *tops)
 
 static double weight_of(const Laying *l, const LatticeRun *run)
 {
-    return l->sim->model.phase[run->owner].rho0 * l->gdz;
+    return l->sim->model.phase[run->weighs_as].rho0 * l->gdz;
 }
 
 /* The points of a row, each of another column. */

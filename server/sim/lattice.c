@@ -164,7 +164,7 @@ static MnsStatus survey(Surveyor *v, const Lattice *lattice, size_t row, MnsErro
         status = owner_of(v, x, &owner, error);
         if (owner == NOTHING) last = NOTHING;
         else if (owner == last) v->runs[v->n - 1].n++;
-        else v->runs[v->n++] = (LatticeRun){.first = (uint32_t)k, .n = 1, .owner = last = owner};
+        else v->runs[v->n++] = (LatticeRun){.first = (uint32_t)k, .n = 1, .owner = last = owner, .weighs_as = owner};
     }
     const MnsStatus failed = check_conditions(v, x, error); /* which may be why fluids overlap */
     return failed ? failed : status;

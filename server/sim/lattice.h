@@ -9,8 +9,11 @@
 /* Consecutive points along x that belong to one fluid or wall. */
 typedef struct LatticeRun {
     uint32_t first, n;
-    int owner; /* fluid, or number of fluids + wall */
-    size_t at; /* where its first particle is stored */
+    int owner;      /* fluid, or number of fluids + wall */
+    size_t at;      /* where its first particle is stored */
+    uint32_t body;  /* the drop or bubble it is in, counted from 1; 0: none */
+    int weighs_as;  /* owner, but in a drop or bubble the fluid around it, for the pressure of what is beside */
+    short image[3]; /* periods by which it is beside the rest of its drop or bubble */
 } LatticeRun;
 
 /* All points of one y and z. */

@@ -26,7 +26,8 @@ struct MnsSim {
     Formula *surface[MNS_MAX_WALLS][3]; /* velocity of a wall's surface */
     Shape solid[MNS_MAX_WALLS];         /* where the case puts the walls */
     FormulaTeam probe_formula[MNS_MAX_PROBES];
-    double *partial; /* [sim_blocks(fluid)] work space of sums over the fluid */
+    double capillary[MNS_MAX_FLUIDS]; /* largest sigma / R of its drops and bubbles at the start [Pa] */
+    double *partial;                  /* [sim_blocks(fluid)] work space of sums over the fluid */
     MnsTimer timers[SIM_TIMERS_MAX];
     size_t n_timers;
     MnsError fault; /* said again by every further step */
@@ -46,7 +47,7 @@ void plan_look(MnsSim *sim);
 /* check.c: number of particles along d, and the spacing stretched to fit */
 size_t case_fit(const MnsCase *c, int d, double *ret_spacing);
 
-/* build.c: lattice, masses, initial fields */
+/* build.c: lattice, particles, initial fields */
 MnsStatus build_particles(MnsSim *sim, const Constants *constants, MnsError *error);
 
 /* setup.c: from the case to the model; gravity and walls at a time */

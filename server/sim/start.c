@@ -13,24 +13,35 @@ static MnsStatus compile(Start *start, const MnsSim *sim, size_t k, const Consta
 {
     const MnsFluid *f = &sim->c->fluids[k];
     MnsStatus status = MNS_OK;
-    start->laid = strcmp(f->pressure, "hydrostatic") == 0;
+    start->at_rest = strcmp(f->pressure, "hydrostatic") == 0;
+    start->laplace = strcmp(f->pressure, "laplace") == 0;
     for (int d = 0; d < sim->c->dim && !status; d++)
         status = formula_team_init(&start->velocity[d], sim->threads, f->velocity[d], XYZ, constants->list,
                                    constants->n, error);
-    if (status || start->laid) return status;
+    if (status || start->at_rest || start->laplace) return status;
     return formula_team_init(&start->pressure, sim->threads, f->pressure, XYZ, constants->list, constants->n, error);
 }
 
-MnsStatus start_init(Start starts[], MnsSim *sim, const Lattice *lattice, const Constants *constants, MnsError *error)
+/* Drops and bubbles first, as they do not weigh on what is around them; then what is at rest; then the pressure in the drops. */
+static MnsStatus lay(const Start starts[], MnsSim *sim, Lattice *lattice, MnsError *error)
+{
+    const size_t n = sim->c->n_fluids;
+    Bodies bodies = {0};
+    MnsStatus status = MNS_OK;
+    for (size_t k = 0; k < n && !status; k++)
+        if (starts[k].laplace) status = bodies_find(&bodies, sim, lattice, k, error);
+    for (size_t k = 0, laid = 0; k < n && !status && !laid; k++)
+        if ((laid = starts[k].at_rest)) status = hydrostatic(sim, lattice, k, error);
+    if (!status) status = laplace(sim, lattice, starts, &bodies, error);
+    bodies_done(&bodies);
+    return status;
+}
+
+MnsStatus start_init(Start starts[], MnsSim *sim, Lattice *lattice, const Constants *constants, MnsError *error)
 {
     MnsStatus status = MNS_OK;
-    bool laid = false;
-    for (size_t k = 0; k < sim->c->n_fluids && !status; k++) {
-        status = compile(&starts[k], sim, k, constants, error);
-        if (!status && starts[k].laid && !laid) status = hydrostatic(sim, lattice, k, error);
-        laid = laid || starts[k].laid;
-    }
-    return status;
+    for (size_t k = 0; k < sim->c->n_fluids && !status; k++) status = compile(&starts[k], sim, k, constants, error);
+    return status ? status : lay(starts, sim, lattice, error);
 }
 
 void start_done(Start starts[], size_t n)
@@ -44,7 +55,7 @@ void start_done(Start starts[], size_t n)
 /* Why one of the formulas of thread `me` failed, if it did. */
 static const char *failure(const Start *start, int dim, int me)
 {
-    const char *why = start->laid ? NULL : formula_failure(formula_of(&start->pressure, me));
+    const char *why = start->pressure.n == 0 ? NULL : formula_failure(formula_of(&start->pressure, me));
     for (int d = 0; d < dim && !why; d++) why = formula_failure(formula_of(&start->velocity[d], me));
     return why;
 }
@@ -84,7 +95,7 @@ MnsStatus start_particle(const Start starts[], MnsSim *sim, size_t i, const doub
     const Phase *phase = &model->phase[s->phase[i]];
     const Start *start = &starts[s->phase[i]];
     const int me = omp_get_thread_num();
-    const double p = start->laid ? s->p[i] : formula_eval(formula_of(&start->pressure, me), x);
+    const double p = start->pressure.n == 0 ? s->p[i] : formula_eval(formula_of(&start->pressure, me), x);
     s->rho[i] = state_density(phase, p);
     s->m[i] = s->rho[i] * model->wall_volume;
     bool finite = isfinite(p) && in_bounds(model, s->rho[i] / phase->rho0);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Fluids at rest start at rest: under their own weight in layers, wherever walls are in between. */
+/* Fluids at rest start at rest: under their own weight in layers, wherever walls are in between; drops and bubbles under that of
+ * the fluid around and the tension of their surface. */
 #include "tests/support/check.h"
 #include "tests/support/sims.h"
 #include <stdlib.h>
@@ -183,6 +184,237 @@ static void what_is_not_joined_to_a_pool_is_not_weighed_by_it(void **state)
     sim_done(sim, c);
 }
 
+/* A case of water everywhere but in balls of gas, surface tension between them. */
+static MnsCase *bubbles(int dim, const char *pressure)
+{
+    MnsCase *c = tank(dim);
+    case_add_fluid(c, "gas", 2, 40);
+    case_add_fluid(c, "water", 5, 40);
+    case_set_text(&c->fluids[0].pressure, "laplace");
+    case_set_text(&c->fluids[1].pressure, pressure);
+    c->tension[0][1] = c->tension[1][0] = 0.7;
+    return c;
+}
+
+static void add_bubble(MnsCase *c, double x, double y, double z, double radius)
+{
+    MnsPart *ball = case_add_part(&c->fluids[0].shape, MNS_BALL);
+    const double at[3] = {x, y, z};
+    for (int d = 0; d < c->dim; d++) ball->a[d] = at[d];
+    ball->radius = radius;
+}
+
+/* As of one ball, without the other ones: its points and their middle, images near `about`. */
+typedef struct Ball {
+    double about[3], reach;
+    size_t n;
+    double centre[3], radius;
+} Ball;
+
+/* Where particle i is in the image that is nearest to the ball; false if it is not of the ball. */
+static bool in_ball(const MnsSim *sim, const Ball *ball, size_t i, double x[3])
+{
+    double r2 = 0;
+    for (int d = 0; d < 3; d++) x[d] = 0;
+    for (int d = 0; d < sim->s.dim; d++) {
+        const double dx = model_nearest(&sim->model, d, sim->s.x[d][i] - ball->about[d]);
+        x[d] = ball->about[d] + dx;
+        r2 += dx * dx;
+    }
+    return sim->s.phase[i] == 0 && r2 < ball->reach * ball->reach;
+}
+
+static Ball measure(const MnsSim *sim, double x, double y, double z, double reach)
+{
+    Ball ball = {.about = {x, y, z}, .reach = reach};
+    double at[3], volume = 1;
+    for (size_t i = 0; i < particles_fluid(&sim->s); i++)
+        if (in_ball(sim, &ball, i, at)) {
+            ball.n++;
+            for (int d = 0; d < 3; d++) ball.centre[d] += at[d];
+        }
+    for (int d = 0; d < 3; d++) ball.centre[d] /= (double)ball.n;
+    for (int d = 0; d < sim->s.dim; d++) volume *= sim->model.cell[d];
+    volume *= (double)ball.n;
+    ball.radius = sim->s.dim == 2 ? sqrt(volume / acos(-1)) : cbrt(volume / (4 * acos(-1) / 3));
+    return ball;
+}
+
+/* p = p_around + sigma (dim - 1)/R + rho g (x - centre) in all of a ball of n particles. */
+static void assert_ball(const MnsSim *sim, const Ball *ball, double around)
+{
+    const double jump = 0.7 * (sim->s.dim - 1) / ball->radius;
+    double x[3];
+    assert_true(ball->n > 3);
+    for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
+        double weight = 0;
+        if (!in_ball(sim, ball, i, x)) continue;
+        for (int d = 0; d < sim->s.dim; d++) weight += 2 * sim->model.gravity[d] * (x[d] - ball->centre[d]);
+        assert_close(sim->s.p[i], around + jump + weight, 1e-11);
+    }
+}
+
+/* sigma / R in two dimensions, 2 sigma / R in three: 88 and 304 points of 0.05 make R = 0.2646 and 0.2086. */
+static void drop_without_weight_is_under_the_tension_of_its_surface(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = bubbles(dim, "3");
+        c->resolution = 20;
+        if (dim == 2) add_bubble(c, 0.8, -0.1, 0, 0.26);
+        else add_bubble(c, 0.8, -0.1, 0.65, 0.21);
+        MnsSim *sim = sim_of(c);
+        const Ball ball = measure(sim, 0.8, -0.1, 0.65, 0.5);
+        assert_int_equal(ball.n, dim == 2 ? 88 : 304);
+        assert_close(ball.radius, dim == 2 ? sqrt(0.22 / acos(-1)) : cbrt(0.0285 / acos(-1)), 1e-14);
+        assert_ball(sim, &ball, 3);
+        for (size_t i = 0; i < particles_fluid(&sim->s); i++)
+            if (sim->s.phase[i] == 1) assert_close(sim->s.p[i], 3, 1e-12);
+        sim_done(sim, c);
+    }
+}
+
+/* Each has a radius and a height of its own; the water is as if they were not there. Whichever way gravity points. */
+static void bubbles_are_under_the_pressure_of_their_height_and_water_does_not_feel_them(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int k = 0; k < 2 * dim; k++) {
+            const int axis = k / 2;
+            const bool down = k % 2;
+            MnsCase *c = bubbles(dim, "hydrostatic");
+            c->resolution = 20;
+            case_set_text(&c->gravity[axis], down ? "-4" : "4");
+            add_bubble(c, 0.6, -0.4, 0.5, 0.15);
+            add_bubble(c, 1.02, 0.13, 0.8, 0.23);
+            MnsSim *sim = sim_of(c);
+            const Ball small = measure(sim, 0.6, -0.4, 0.5, 0.2), large = measure(sim, 1.02, 0.13, 0.8, 0.28);
+            const double top = down ? c->max[axis] : c->min[axis];
+            assert_true(small.radius < 0.17 && large.radius > 0.21);
+            assert_ball(sim, &small, 5 * G * fabs(top - small.centre[axis]));
+            assert_ball(sim, &large, 5 * G * fabs(top - large.centre[axis]));
+            for (size_t i = 0; i < particles_fluid(&sim->s); i++)
+                if (sim->s.phase[i] == 1) assert_close(sim->s.p[i], 5 * G * fabs(top - sim->s.x[axis][i]), 1e-11);
+            assert_close(sim->capillary[0], 0.7 / small.radius, 1e-12); /* of the smallest */
+            sim_done(sim, c);
+        }
+}
+
+/* In the middle of a side, of an edge, of a corner. */
+static void bubble_across_periodic_seams_is_one(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int seams = 1; seams < 1 << dim; seams++) {
+            MnsCase *c = bubbles(dim, "3 + (x > 0.3 and x < 1.3 and 1 or 0)"); /* 4 in the domain */
+            double at[3] = {0.8, -0.1, 0.65};
+            c->resolution = 20;
+            for (int d = 0; d < dim; d++) {
+                MnsPart *side = &c->walls[0].shape.parts[0];
+                c->periodic[d] = seams >> d & 1;
+                if (!c->periodic[d]) continue;
+                at[d] = c->min[d] + 0.03;
+                side->a[d] = -9;
+                side->b[d] = 9;
+            }
+            if (seams == (1 << dim) - 1) { /* nothing is outside: a block then */
+                c->walls[0].shape.parts[0].outside = false;
+                for (int d = 0; d < dim; d++) {
+                    c->walls[0].shape.parts[0].a[d] = at[d] + 0.4;
+                    c->walls[0].shape.parts[0].b[d] = at[d] + 0.6;
+                }
+            }
+            case_set_text(&c->gravity[0], "0.2");
+            case_set_text(&c->gravity[1], "-0.3"); /* a drop has its own weight, wherever that acts */
+            add_bubble(c, at[0], at[1], at[2], 0.2);
+            MnsSim *sim = sim_of(c);
+            const Ball ball = measure(sim, at[0], at[1], at[2], 0.25);
+            assert_close(ball.radius, 0.2, 0.01);
+            assert_ball(sim, &ball, 4);
+            sim_done(sim, c);
+        }
+}
+
+/* Heavy drops in a gas do not weigh on it, nor on the pool under it, and hang wherever they are. */
+static void drop_in_a_gas_over_a_pool_weighs_on_neither(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = tank(dim);
+        c->resolution = 20;
+        case_set_text(&c->gravity[1], "-4");
+        case_add_fluid(c, "drop", 2, 40);
+        case_add_fluid(c, "gas", 0.2, 40);
+        case_add_fluid(c, "pool", 5, 40);
+        for (int k = 0; k < 3; k++) case_set_text(&c->fluids[k].pressure, k ? "hydrostatic" : "laplace");
+        case_set_text(&case_add_part(&c->fluids[2].shape, MNS_FORMULA)->formula, "y < -0.3");
+        c->tension[0][1] = c->tension[1][0] = 0.7;
+        c->tension[0][2] = c->tension[2][0] = 99; /* it does not touch */
+        add_bubble(c, 0.77, 0.1, 0.6, 0.21);
+        MnsSim *sim = sim_of(c);
+        const Ball ball = measure(sim, 0.77, 0.1, 0.6, 0.3);
+        assert_ball(sim, &ball, 0.2 * G * (0.5 - ball.centre[1]));
+        for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
+            const double y = sim->s.x[1][i];
+            if (sim->s.phase[i] == 1) assert_close(sim->s.p[i], 0.2 * G * (0.5 - y), 1e-11);
+            if (sim->s.phase[i] == 2) assert_close(sim->s.p[i], G * (0.2 * 0.8 + 5 * (-0.3 - y)), 1e-11);
+        }
+        sim_done(sim, c);
+    }
+}
+
+static void bubbles_are_the_same_for_any_number_of_threads(void **state)
+{
+    (void)state;
+    uint64_t hash = 0;
+    for (unsigned threads = 1; threads <= 7; threads += 2) {
+        MnsCase *c = bubbles(3, "hydrostatic");
+        c->resolution = 20;
+        c->threads = threads;
+        case_set_text(&c->gravity[2], "-4");
+        add_bubble(c, 0.6, -0.4, 0.5, 0.15);
+        add_bubble(c, 1.02, 0.13, 0.8, 0.23);
+        MnsSim *sim = sim_of(c);
+        if (threads == 1) hash = mns_sim_hash(sim);
+        assert_true(mns_sim_hash(sim) == hash);
+        sim_done(sim, c);
+    }
+}
+
+static void assert_refused(MnsCase *c, const char *word)
+{
+    MnsSim *sim = NULL;
+    MnsError error = {0};
+    assert_int_equal(mns_sim_new(c, &sim, &error), MNS_E_INVALID);
+    assert_null(sim);
+    assert_string_equal(error.path, "fluids[0].pressure");
+    if (!strstr(error.text, word)) fail_msg("\"%s\" does not say \"%s\"", error.text, word);
+    mns_case_free(c);
+}
+
+static void what_is_no_drop_in_another_fluid_is_refused_with_its_place(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = bubbles(dim, "0");
+        add_bubble(c, 0.8, -0.1, 0.65, 0.26);
+        case_set_text(&case_add_part(&c->fluids[1].shape, MNS_FORMULA)->formula, "y < -0.5");
+        assert_refused(c, dim == 2 ? "gas of 24 particles about (0.8, -0.1, 0" : "touches no other fluid");
+        c = bubbles(dim, "0");
+        c->periodic[0] = true;
+        c->walls[0].shape.parts[0].a[0] = -9;
+        c->walls[0].shape.parts[0].b[0] = 9;
+        case_set_text(&case_add_part(&c->fluids[0].shape, MNS_FORMULA)->formula, "y < -0.5 + 0.4*abs(x - 0.8)");
+        assert_refused(c, "reaches around the periodic direction x to itself");
+        c = bubbles(dim, "laplace");
+        add_bubble(c, 0.8, -0.1, 0.65, 0.26);
+        assert_refused(c, "gas lies in water at (0.8, -0.1, 0");
+        c = bubbles(dim, "1/0");
+        add_bubble(c, 0.8, -0.1, 0.65, 0.26);
+        assert_refused(c, "is not finite");
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -191,6 +423,12 @@ int main(void)
         cmocka_unit_test(closed_arm_of_a_siphon_is_under_the_pressure_of_the_other),
         cmocka_unit_test(chambers_that_are_not_joined_begin_with_zero_each),
         cmocka_unit_test(what_is_not_joined_to_a_pool_is_not_weighed_by_it),
+        cmocka_unit_test(drop_without_weight_is_under_the_tension_of_its_surface),
+        cmocka_unit_test(bubbles_are_under_the_pressure_of_their_height_and_water_does_not_feel_them),
+        cmocka_unit_test(bubble_across_periodic_seams_is_one),
+        cmocka_unit_test(drop_in_a_gas_over_a_pool_weighs_on_neither),
+        cmocka_unit_test(bubbles_are_the_same_for_any_number_of_threads),
+        cmocka_unit_test(what_is_no_drop_in_another_fluid_is_refused_with_its_place),
     };
     return cmocka_run_group_tests_name("start", tests, NULL, NULL);
 }

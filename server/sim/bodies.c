@@ -1,0 +1,192 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Which runs of a fluid hang together: from one run to all that touch it, and on from those. */
+#include "sim/bodies.h"
+#include "sim/making.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A run, by its row and its place there. */
+typedef struct Member {
+    size_t row, k;
+} Member;
+
+/* The search for one fluid. */
+typedef struct Search {
+    const MnsSim *sim;
+    Lattice *lattice;
+    Body *body;
+    uint32_t number;
+    Member *members; /* of the body, as they are found; room for all runs of the fluid */
+    size_t n, seen;
+    size_t
+        beside[MNS_MAX_FLUIDS]; /* points of other fluids that touch the body, counted once for each run they touch */
+    int around;                 /* the direction in which it meets itself beyond a seam; -1: none */
+} Search;
+
+/* Where to look for what touches a run: a row, by so many periods off, and the points [from, to) of the run and one more on
+ * each side, as that row counts them. */
+typedef struct View {
+    size_t row;
+    int image[3];
+    ptrdiff_t from, to;
+} View;
+
+static void join(Search *s, size_t row, size_t k, const int image[3])
+{
+    LatticeRun *run = &s->lattice->row[row].runs[k];
+    double x[3];
+    run->body = s->number;
+    for (int d = 0; d < 3; d++) run->image[d] = (short)image[d];
+    s->members[s->n++] = (Member){row, k};
+    s->body->points += run->n;
+    lattice_place(s->lattice, row, run->first, x);
+    x[0] += 0.5 * (run->n - 1) * s->lattice->spacing[0];
+    for (int d = 0; d < 3; d++) s->body->centre[d] += run->n * (x[d] + image[d] * s->sim->model.period[d]);
+}
+
+/* A run of the same fluid touches the body. */
+static void meet(Search *s, size_t row, size_t k, const int image[3])
+{
+    const LatticeRun *run = &s->lattice->row[row].runs[k];
+    if (!run->body) join(s, row, k, image);
+    for (int d = 0; d < 3; d++)
+        if (run->image[d] != image[d]) s->around = d;
+}
+
+/* The first run of a row that ends beyond a point. */
+static size_t first_beyond(const LatticeRow *row, ptrdiff_t point)
+{
+    size_t low = 0, high = row->n;
+    while (low < high) {
+        const size_t middle = (low + high) / 2;
+        if ((ptrdiff_t)row->runs[middle].first + (ptrdiff_t)row->runs[middle].n > point) high = middle;
+        else low = middle + 1;
+    }
+    return low;
+}
+
+static void look(Search *s, const View *view)
+{
+    const LatticeRow *row = &s->lattice->row[view->row];
+    for (size_t k = first_beyond(row, view->from); k < row->n && row->runs[k].first < view->to; k++) {
+        const LatticeRun *run = &row->runs[k];
+        const ptrdiff_t first = run->first, end = first + run->n;
+        const ptrdiff_t from = first > view->from ? first : view->from, to = end < view->to ? end : view->to;
+        if ((size_t)run->owner == s->body->fluid) meet(s, view->row, k, view->image);
+        else if ((size_t)run->owner < s->sim->model.n_phases) s->beside[run->owner] += (size_t)(to - from);
+    }
+}
+
+/* One step along d, across the seam if there is one. False beyond an end. */
+static bool step(const Search *s, ptrdiff_t *at, int *image, int d, int by)
+{
+    const ptrdiff_t n = (ptrdiff_t)s->lattice->n[d];
+    *at += by;
+    if (*at >= 0 && *at < n) return true;
+    if (s->sim->model.period[d] == 0) return false;
+    *image += by;
+    *at -= by * n;
+    return true;
+}
+
+/* All rows that touch a run, its own too, and their images where the run is at a seam. */
+static void look_around(Search *s, Member member)
+{
+    const Lattice *lattice = s->lattice;
+    const LatticeRun *run = &lattice->row[member.row].runs[member.k];
+    const ptrdiff_t n = (ptrdiff_t)lattice->n[0];
+    const int seams = s->sim->model.period[0] > 0;
+    for (int z = -1; z <= 1; z++)
+        for (int y = -1; y <= 1; y++) {
+            ptrdiff_t at[2] = {(ptrdiff_t)(member.row % lattice->n[1]), (ptrdiff_t)(member.row / lattice->n[1])};
+            int image[3] = {run->image[0], run->image[1], run->image[2]};
+            if ((y && !step(s, &at[0], &image[1], 1, y)) || (z && !step(s, &at[1], &image[2], 2, z))) continue;
+            for (int x = -seams; x <= seams; x++)
+                look(s, &(View){.row = (size_t)at[1] * lattice->n[1] + (size_t)at[0],
+                                .image = {image[0] + x, image[1], image[2]},
+                                .from = (ptrdiff_t)run->first - 1 - x * n,
+                                .to = (ptrdiff_t)run->first + run->n + 1 - x * n});
+        }
+}
+
+static MnsStatus fail_body(const Search *s, const char *why, MnsError *error)
+{
+    const Body *body = s->body;
+    char at[64];
+    snprintf(at, sizeof at, "fluids[%zu].pressure", body->fluid);
+    return mns_fail_at(error, MNS_E_INVALID, at,
+                       "a laplace start is for drops and bubbles, and the %s of %zu particles about (%g, %g, %g) m %s",
+                       s->sim->c->fluids[body->fluid].name, body->points, body->centre[0], body->centre[1],
+                       body->centre[2], why);
+}
+
+/* The search has come to its end: what is it that was found? */
+static MnsStatus conclude(Search *s, MnsError *error)
+{
+    Body *body = s->body;
+    char why[64];
+    for (int d = 0; d < 3; d++) body->centre[d] /= (double)body->points;
+    if (s->around >= 0) {
+        snprintf(why, sizeof why, "reaches around the periodic direction %c to itself", "xyz"[s->around]);
+        return fail_body(s, why, error);
+    }
+    for (size_t k = 0; k < s->sim->model.n_phases; k++)
+        if (s->beside[k] > s->beside[body->around]) body->around = k;
+    if (s->beside[body->around] == 0) return fail_body(s, "touches no other fluid", error);
+    for (size_t k = 0; k < s->n; k++)
+        s->lattice->row[s->members[k].row].runs[s->members[k].k].weighs_as = (int)body->around;
+    return MNS_OK;
+}
+
+/* The body that a run is in. */
+static MnsStatus find(Search *s, Bodies *bodies, Member from, MnsError *error)
+{
+    Body *body = realloc(bodies->body, (bodies->n + 1) * sizeof *body);
+    if (!body) return mns_fail(error, MNS_E_MEMORY, "no memory for %zu drops and bubbles", bodies->n + 1);
+    const int here[3] = {0, 0, 0};
+    const size_t fluid = (size_t)s->lattice->row[from.row].runs[from.k].owner;
+    MnsStatus status = MNS_OK;
+    bodies->body = body;
+    s->body = &body[bodies->n++];
+    *s->body = (Body){.fluid = fluid};
+    s->number = (uint32_t)bodies->n;
+    s->n = s->seen = 0;
+    s->around = -1;
+    memset(s->beside, 0, sizeof s->beside);
+    join(s, from.row, from.k, here);
+    while (s->seen < s->n && !status) {
+        look_around(s, s->members[s->seen++]);
+        status = making_goes_on(&s->sim->making, error);
+    }
+    return status ? status : conclude(s, error);
+}
+
+static size_t count_runs(const Lattice *lattice, size_t fluid)
+{
+    size_t n = 0;
+    for (size_t r = 0; r < lattice->rows; r++)
+        for (size_t k = 0; k < lattice->row[r].n; k++) n += (size_t)lattice->row[r].runs[k].owner == fluid;
+    return n;
+}
+
+MnsStatus bodies_find(Bodies *bodies, const MnsSim *sim, Lattice *lattice, size_t fluid, MnsError *error)
+{
+    const size_t runs = count_runs(lattice, fluid);
+    Search search = {.sim = sim, .lattice = lattice, .members = malloc(runs * sizeof *search.members)};
+    MnsStatus status = MNS_OK;
+    if (!search.members) status = mns_fail(error, MNS_E_MEMORY, "no memory for drops and bubbles of %zu runs", runs);
+    for (size_t r = 0; r < lattice->rows && !status; r++)
+        for (size_t k = 0; k < lattice->row[r].n && !status; k++) {
+            const LatticeRun *run = &lattice->row[r].runs[k];
+            if ((size_t)run->owner == fluid && !run->body) status = find(&search, bodies, (Member){r, k}, error);
+        }
+    free(search.members);
+    return status;
+}
+
+void bodies_done(Bodies *bodies)
+{
+    free(bodies->body);
+    *bodies = (Bodies){0};
+}

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The drops and bubbles of a fluid at the start: what of its lattice points hangs together, across periodic seams too. */
+#ifndef SIM_BODIES_H
+#define SIM_BODIES_H
+
+#include "sim/lattice.h"
+
+typedef struct Body {
+    size_t fluid, around; /* the fluid it is of; the one that most of the points beside it belong to */
+    size_t points;
+    double centre[3]; /* of its points, beyond the domain perhaps where it reaches across a seam [m] */
+} Body;
+
+typedef struct Bodies {
+    Body *body; /* [n] */
+    size_t n;
+} Bodies;
+
+/* Add those of one fluid, and note in the runs of the lattice which is whose. Points hang together across edges and corners
+ * too. MNS_E_INVALID if one touches no other fluid, or reaches around a periodic direction to itself; MNS_E_MEMORY;
+ * MNS_E_INTERRUPTED. */
+MnsStatus bodies_find(Bodies *bodies, const MnsSim *sim, Lattice *lattice, size_t fluid, MnsError *error);
+void bodies_done(Bodies *bodies);
+
+#endif
