@@ -79,12 +79,13 @@ static double pressure_at(const Model *model, const Start *start, const double c
 static MnsStatus add_jump(MnsSim *sim, const Start starts[], const Body *body, double *p, MnsError *error)
 {
     const Start *around = &starts[body->around];
-    const double sigma = sim->c->tension[body->fluid][body->around], capillary = sigma / radius_of(&sim->model, body);
+    const double R = radius_of(&sim->model, body), capillary = sim->c->tension[body->fluid][body->around] / R;
     if (around->laplace) return fail_body(sim, body, "is laplace too: give one of them another start", error);
     if (!around->at_rest) *p = pressure_at(&sim->model, around, body->centre);
     if (!isfinite(*p)) return fail_body(sim, body, "is not finite", error);
     *p += (sim->model.dim - 1) * capillary;
-    sim->capillary[body->fluid] = fmax(sim->capillary[body->fluid], capillary);
+    sim->drops[body->fluid].largest = fmax(sim->drops[body->fluid].largest, R);
+    sim->drops[body->fluid].capillary = fmax(sim->drops[body->fluid].capillary, capillary);
     return MNS_OK;
 }
 

@@ -3,6 +3,7 @@
  * begins, and what is allowed but hardly meant is said. */
 #include "sim/limits.h"
 #include "sim/sim.h"
+#include "sim/state.h"
 #include <math.h>
 #include <omp.h>
 #include <stdarg.h>
@@ -108,10 +109,85 @@ static void warn_probes_outside(MnsSim *sim)
     }
 }
 
+/* What the equation of state of a fluid has to carry. */
+typedef struct Load {
+    double low, high;   /* densities at the start [kg/m^3] */
+    double top, bottom; /* how far along gravity it reaches [m] */
+} Load;
+
+static void find_loads(const MnsSim *sim, double g, Load loads[])
+{
+    const Model *model = &sim->model;
+    for (size_t k = 0; k < model->n_phases; k++) loads[k] = (Load){INFINITY, -INFINITY, INFINITY, -INFINITY};
+    for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
+        Load *load = &loads[sim->s.phase[i]];
+        double depth = 0;
+        for (int d = 0; d < model->dim && g > 0; d++) depth += model->gravity[d] / g * sim->s.x[d][i];
+        load->low = fmin(load->low, sim->s.rho[i]);
+        load->high = fmax(load->high, sim->s.rho[i]);
+        load->top = fmin(load->top, depth);
+        load->bottom = fmax(load->bottom, depth);
+    }
+}
+
+/* The speed of sound with which the pressure that now belongs to rho would belong to a density `allowed` times that of reference:
+ * at the same density, pressure is as c^2. */
+static double speed_for(const Phase *phase, double rho, double allowed)
+{
+    const double p0 = state_pressure(phase, phase->rho0);
+    return phase->c * sqrt((state_pressure(phase, rho) - p0) / (state_pressure(phase, allowed * phase->rho0) - p0));
+}
+
+/* Two digits, and no less than it is. */
+static double rounded_up(double value)
+{
+    const double digit = pow(10, floor(log10(value)) - 1);
+    return ceil(value / digit * (1 - 1e-12)) * digit;
+}
+
+static const double DENSITY_DEVIATION = 0.1; /* at the start, beyond which it is said */
+
+/* The speed of sound must keep a fluid nearly as dense as it is, whatever presses on it: ten times the speeds that weight and
+ * surface tension can give it, and more if the pressure of the start asks for that. */
+static void warn_sound(MnsSim *sim, size_t k, double g, const Load *load)
+{
+    const Phase *phase = &sim->model.phase[k];
+    const double radius = sim->drops[k].largest;
+    const double height = radius > 0 ? 2 * radius : load->bottom - load->top + sim->model.dx;
+    const double weight = 10 * sqrt(g * height), tension = 10 * sqrt(sim->drops[k].capillary / phase->rho0);
+    const double most = load->high / phase->rho0 - 1, least = 1 - load->low / phase->rho0;
+    double enough = fmax(weight, tension);
+    if (most > DENSITY_DEVIATION) enough = fmax(enough, speed_for(phase, load->high, 1 + DENSITY_DEVIATION));
+    if (least > DENSITY_DEVIATION) enough = fmax(enough, speed_for(phase, load->low, 1 - DENSITY_DEVIATION));
+    if (phase->c >= 0.99 * enough) return; /* two digits are as many as people give */
+    enough = rounded_up(enough);
+    if (fmax(most, least) > DENSITY_DEVIATION)
+        warn(sim,
+             "fluids[%zu].sound_speed: with %g m/s the pressure at the start makes %.60s %.0f %% %s than its "
+             "reference; %g m/s would be enough",
+             k, phase->c, sim->c->fluids[k].name, 100 * fmax(most, least), most > least ? "denser" : "thinner", enough);
+    else
+        warn(sim,
+             "fluids[%zu].sound_speed: %g m/s is less than ten times sqrt(%s) of %.60s, %g m %s: it may be compressed; "
+             "%g m/s would be enough",
+             k, phase->c, weight > tension ? "g H" : "sigma/(rho R)", sim->c->fluids[k].name, height,
+             radius > 0 ? "across" : "high", enough);
+}
+
+static void warn_sounds(MnsSim *sim)
+{
+    Load loads[MNS_MAX_FLUIDS];
+    double g2 = 0;
+    for (int d = 0; d < sim->model.dim; d++) g2 += sim->model.gravity[d] * sim->model.gravity[d];
+    find_loads(sim, sqrt(g2), loads);
+    for (size_t k = 0; k < sim->model.n_phases; k++) warn_sound(sim, k, sqrt(g2), &loads[k]);
+}
+
 void plan_look(MnsSim *sim)
 {
     warn_open_sides(sim);
     warn_probes_outside(sim);
+    if (!sim->resumed) warn_sounds(sim);
 
     const MnsOutput *output = &sim->c->output;
     const double dt = limits_dt(sim, NULL);

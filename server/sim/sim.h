@@ -26,8 +26,10 @@ struct MnsSim {
     Formula *surface[MNS_MAX_WALLS][3]; /* velocity of a wall's surface */
     Shape solid[MNS_MAX_WALLS];         /* where the case puts the walls */
     FormulaTeam probe_formula[MNS_MAX_PROBES];
-    double capillary[MNS_MAX_FLUIDS]; /* largest sigma / R of its drops and bubbles at the start [Pa] */
-    double *partial;                  /* [sim_blocks(fluid)] work space of sums over the fluid */
+    struct {
+        double largest, capillary; /* radius of the largest [m]; greatest sigma / R [Pa] */
+    } drops[MNS_MAX_FLUIDS];       /* of each fluid, where it starts as drops or bubbles */
+    double *partial;               /* [sim_blocks(fluid)] work space of sums over the fluid */
     MnsTimer timers[SIM_TIMERS_MAX];
     size_t n_timers;
     MnsError fault; /* said again by every further step */

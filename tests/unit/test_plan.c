@@ -205,6 +205,76 @@ static void threads_beyond_the_processors_are_said_and_bounded(void **state)
     sim_done(sim, c);
 }
 
+/* rho c^2 = 100. At 28 and -49.45 c must be sqrt(2.8) and sqrt(4.945) times as great for a tenth: 16.7 and 22.2. */
+static void pressure_that_the_speed_of_sound_cannot_carry_is_warned_of(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *pressure, *words;
+    } rows[] = {{"80*x",
+                 "fluids[0].sound_speed: with 10 m/s the pressure at the start makes water 28 % denser than its "
+                 "reference; 17 m/s would be enough"},
+                {"11*x - 50", "makes water 49 % thinner than its reference; 23 m/s would be enough"},
+                {"9.9", NULL},
+                {"-9.9", NULL}};
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        MnsCase *c = case_periodic(2, 10);
+        case_set_text(&c->fluids[0].pressure, rows[k].pressure);
+        MnsSim *sim = sim_of(c);
+        const char *text = mns_sim_warning(sim, 0);
+        if (!rows[k].words) assert_null(text);
+        else if (!text || !strstr(text, rows[k].words)) fail_msg("%s", text);
+        assert_null(mns_sim_warning(sim, 1));
+        sim_done(sim, c);
+    }
+}
+
+/* c^2 = 100 is 100 g H for a height of 1 and g = 1. */
+static void speed_of_sound_that_is_small_for_the_height_of_a_fluid_is_warned_of(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int small = 0; small < 2; small++) {
+            MnsCase *c = case_still(dim, 10, MNS_DENSITY_CONTINUITY);
+            case_set_text(&c->gravity[1], small ? "-1.03" : "-1.01");
+            MnsSim *sim = sim_of(c);
+            if (small) {
+                assert_true(
+                    warns(sim, "fluids[0].sound_speed: 10 m/s is less than ten times sqrt(g H) of water, 1 m high"));
+                assert_true(warns(sim, "of oil, 1 m high: it may be compressed; 11 m/s would be enough"));
+            } else assert_null(mns_sim_warning(sim, 0));
+            sim_done(sim, c);
+        }
+}
+
+/* Of the oil in a drop of radius R = 0.2, about: c^2 = 100 = 100 sigma/(rho R) for sigma = 0.02. */
+static void speed_of_sound_that_is_small_for_the_tension_of_a_drop_is_warned_of(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int small = 0; small < 2; small++) {
+            MnsCase *c = case_still(dim, 20, MNS_DENSITY_CONTINUITY);
+            MnsPart *ball = case_add_part(&c->fluids[1].shape, MNS_BALL);
+            ball->radius = 0.2;
+            for (int d = 0; d < dim; d++) ball->a[d] = 0.5;
+            c->fluids[0].shape.parts[0].primitive = MNS_BALL; /* all but this ball */
+            c->fluids[0].shape.parts[0].outside = true;
+            c->fluids[0].shape.parts[0].radius = 0.2;
+            for (int d = 0; d < dim; d++) c->fluids[0].shape.parts[0].a[d] = 0.5;
+            case_set_text(&c->fluids[1].pressure, "laplace");
+            c->tension[0][1] = c->tension[1][0] = small ? 0.022 : 0.018;
+            c->fluids[1].sound_speed = 10;
+            MnsSim *sim = sim_of(c);
+            if (small) {
+                assert_true(
+                    warns(sim, "fluids[1].sound_speed: 10 m/s is less than ten times sqrt(sigma/(rho R)) of oil, "));
+                assert_true(warns(sim, "m across: it may be compressed; 11 m/s would be enough"));
+                assert_null(mns_sim_warning(sim, 1));
+            } else assert_null(mns_sim_warning(sim, 0));
+            sim_done(sim, c);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -217,6 +287,9 @@ int main(void)
         cmocka_unit_test(a_probe_where_no_fluid_comes_is_warned_of),
         cmocka_unit_test(fluid_at_an_open_side_is_warned_of_once),
         cmocka_unit_test(threads_beyond_the_processors_are_said_and_bounded),
+        cmocka_unit_test(pressure_that_the_speed_of_sound_cannot_carry_is_warned_of),
+        cmocka_unit_test(speed_of_sound_that_is_small_for_the_height_of_a_fluid_is_warned_of),
+        cmocka_unit_test(speed_of_sound_that_is_small_for_the_tension_of_a_drop_is_warned_of),
     };
     return cmocka_run_group_tests_name("plan", tests, NULL, NULL);
 }

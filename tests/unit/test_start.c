@@ -295,7 +295,8 @@ static void bubbles_are_under_the_pressure_of_their_height_and_water_does_not_fe
             assert_ball(sim, &large, 5 * G * fabs(top - large.centre[axis]));
             for (size_t i = 0; i < particles_fluid(&sim->s); i++)
                 if (sim->s.phase[i] == 1) assert_close(sim->s.p[i], 5 * G * fabs(top - sim->s.x[axis][i]), 1e-11);
-            assert_close(sim->capillary[0], 0.7 / small.radius, 1e-12); /* of the smallest */
+            assert_close(sim->drops[0].capillary, 0.7 / small.radius, 1e-12);
+            assert_close(sim->drops[0].largest, large.radius, 1e-12);
             sim_done(sim, c);
         }
 }
