@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Is a case physical, and can it be built? Each complaint names the entry, what was found and what is allowed. */
 #include "sim/case_bounds.h"
-#include "sim/sim.h"
+#include "sim/probes/probes.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -286,13 +286,14 @@ static MnsStatus check_probe(const MnsCase *c, size_t k, const Constants *consta
 {
     const MnsProbe *probe = &c->probes[k];
     char at[64];
+    const ProbeKind *kind = probe_kind(probe);
     snprintf(at, sizeof at, "probes[%zu]", k);
+    if (!kind) return mns_fail_at(error, MNS_E_INVALID, at, "unknown kind of probe, %d", (int)probe->kind);
     if (probe->fluid >= (int)c->n_fluids || probe->wall >= (int)c->n_walls || probe->axis < 0 || probe->axis >= c->dim)
         return mns_fail_at(error, MNS_E_INVALID, at, "no such fluid, wall or axis");
-    if (probe->kind == MNS_PROBE_EXTREMUM && mns_field_find(probe->field) < 0)
+    if (kind->uses & PROBE_FIELD && mns_field_find(probe->field) < 0)
         return mns_fail_at(error, MNS_E_INVALID, at, "there is no field \"%s\"", probe->field);
-    if (probe->kind != MNS_PROBE_PRESSURE_DEVIATION) return MNS_OK;
-    return check_formula(probe->formula, XYZT, constants, at, error);
+    return kind->uses & PROBE_FORMULA ? check_formula(probe->formula, XYZT, constants, at, error) : MNS_OK;
 }
 
 static MnsStatus check_scalars(const MnsCase *c, MnsError *error)

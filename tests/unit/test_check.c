@@ -322,6 +322,10 @@ static void probe_along_less_than_none(MnsCase *c)
 {
     c->probes[0].axis = -1;
 }
+static void probe_of_no_kind(MnsCase *c)
+{
+    c->probes[0].kind = (MnsProbeKind)99;
+}
 static void probe_of_no_field(MnsCase *c)
 {
     case_set_text(&c->probes[1].field, "speed");
@@ -393,6 +397,7 @@ static const Refusal REFUSALS[] = {
     {"probes[1]", MNS_E_INVALID, probe_on_no_wall},
     {"probes[0]", MNS_E_INVALID, probe_along_no_axis},
     {"probes[0]", MNS_E_INVALID, probe_along_less_than_none},
+    {"probes[0]", MNS_E_INVALID, probe_of_no_kind},
     {"probes[1]", MNS_E_INVALID, probe_of_no_field},
     {"probes[2]", MNS_E_INVALID, bad_deviation},
 };

@@ -10,6 +10,7 @@
 #include "cases/translate.h"
 #include "proto/case_file.h"
 #include "proto/case_find.h"
+#include "sim/probes/probes.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -166,6 +167,19 @@ static void probes_find_what_they_name(void **state)
     mns_case_free(c);
 }
 
+/* All members of the message but the first, which is the name. */
+static void every_kind_of_probe_has_the_same_name_for_the_solver(void **state)
+{
+    (void)state;
+    const ProtobufCMessageDescriptor *d = &meniscus__probe__descriptor;
+    for (unsigned k = 1; k < d->n_fields; k++) {
+        const MnsProbe probe = {.kind = (MnsProbeKind)(k - 1)};
+        assert_non_null(probe_kind(&probe));
+        assert_string_equal(probe_kind(&probe)->name, d->fields[k].name);
+    }
+    assert_null(probe_kind(&(MnsProbe){.kind = (MnsProbeKind)(d->n_fields - 1)}));
+}
+
 static void names_of_nothing_get_a_suggestion(void **state)
 {
     (void)state;
@@ -307,6 +321,7 @@ int main(void)
         cmocka_unit_test(every_choice_of_the_schema_is_translated),
         cmocka_unit_test(motions_keep_their_numbers),
         cmocka_unit_test(probes_find_what_they_name),
+        cmocka_unit_test(every_kind_of_probe_has_the_same_name_for_the_solver),
         cmocka_unit_test(names_of_nothing_get_a_suggestion),
         cmocka_unit_test(names_must_differ_and_be_plain),
         cmocka_unit_test(lists_have_an_item_for_each_dimension),
