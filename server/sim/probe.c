@@ -16,6 +16,13 @@ static const ProbeKind kinds[] = {
     [MNS_PROBE_COVERAGE] = {"coverage", "1", probe_coverage, 0},
     [MNS_PROBE_ESCAPED] = {"escaped", "1", probe_escaped, 0},
     [MNS_PROBE_PRESSURE_DEVIATION] = {"pressure_deviation", "Pa", probe_pressure_deviation, PROBE_FORMULA},
+    [MNS_PROBE_VELOCITY] = {"velocity", "m/s", probe_velocity, 0},
+    [MNS_PROBE_VOLUME] = {"volume", "m^3", probe_volume, 0},
+    [MNS_PROBE_ELEVATION] = {"elevation", "m", probe_elevation, PROBE_ON_LINE},
+    [MNS_PROBE_EXTENT] = {"extent", "m", probe_extent, 0},
+    [MNS_PROBE_ROUNDNESS] = {"roundness", "1", probe_roundness, 0},
+    [MNS_PROBE_SURFACE_AREA] = {"surface_area", "m^2", probe_surface_area, 0},
+    [MNS_PROBE_PRESSURE_JUMP] = {"pressure_jump", "Pa", probe_pressure_jump, PROBE_INSIDE},
 };
 
 const ProbeKind *probe_kind(const MnsProbe *probe)

@@ -2,6 +2,7 @@
 /* Sums and extremes over the fluid particles that a probe counts. */
 #include "sim/probes/measure.h"
 #include <math.h>
+#include <string.h>
 
 bool measure_counts(const Measure *m, size_t i)
 {
@@ -41,6 +42,28 @@ double measure_sum(const Measure *m, Summand *f)
 double measure_largest(const Measure *m, Summand *f)
 {
     return over_fluid(m, f, true);
+}
+
+unsigned measure_fluids(const Measure *m)
+{
+    if (m->probe->fluids) return m->probe->fluids;
+    return m->probe->fluid < 0 ? EVERY_FLUID : 1u << m->probe->fluid;
+}
+
+/* In batches, as there is no room for the sums of all items. */
+void measure_tally(const Measure *m, Tally *f, const void *of, size_t items, double ret[static TALLIES])
+{
+    enum { BATCH = 256 };
+    double sums[BATCH][TALLIES];
+    for (int k = 0; k < TALLIES; k++) ret[k] = 0;
+    for (size_t first = 0; first < items; first += BATCH) {
+        const size_t n = items - first < BATCH ? items - first : BATCH;
+        memset(sums, 0, sizeof sums);
+#pragma omp parallel for schedule(dynamic) num_threads(m->threads)
+        for (size_t item = 0; item < n; item++) f(of, first + item, sums[item]);
+        for (size_t item = 0; item < n; item++)
+            for (int k = 0; k < TALLIES; k++) ret[k] += sums[item][k];
+    }
 }
 
 double measure_shift(const Measure *m, int d)

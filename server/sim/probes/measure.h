@@ -4,7 +4,7 @@
 #ifndef SIM_PROBES_MEASURE_H
 #define SIM_PROBES_MEASURE_H
 
-#include "sim/sim.h"
+#include "sim/sample.h"
 
 /* One probe, and what it takes to evaluate it at a particle. */
 typedef struct Measure {
@@ -13,6 +13,7 @@ typedef struct Measure {
     const MnsFieldInfo *field;  /* of an extremum */
     const void *array[3];       /* its components */
     const FormulaTeam *formula; /* of a deviation */
+    double limit;               /* of an extent: no particle farther out than this */
     int threads;
 } Measure;
 
@@ -24,6 +25,14 @@ bool measure_counts(const Measure *m, size_t i);
 /* Over the particles that count: the sum; the largest value, NAN where there is none. */
 double measure_sum(const Measure *m, Summand *f);
 double measure_largest(const Measure *m, Summand *f);
+
+/* The fluids of the probe, a bit for each: sample_share(). */
+unsigned measure_fluids(const Measure *m);
+
+/* Several sums at once over items of any kind, in their order whatever thread has worked one out. */
+enum { TALLIES = 4 };
+typedef void Tally(const void *of, size_t item, double sums[static TALLIES]); /* adds what the item has */
+void measure_tally(const Measure *m, Tally *f, const void *of, size_t items, double ret[static TALLIES]);
 
 /* Displacement along d of the wall the probe moves with. */
 double measure_shift(const Measure *m, int d);

@@ -10,7 +10,7 @@ double probe_pressure(Measure *m)
     double x[3] = {0, 0, 0};
     const double *p[1] = {sim->s.p};
     for (int d = 0; d < sim->s.dim; d++) x[d] = m->probe->at[d] + measure_shift(m, d);
-    const PointSums sums = sample_point(sim, x, m->probe->radius, -1, p, 1);
+    const PointSums sums = sample_point(sim, x, m->probe->radius, EVERY_FLUID, p, 1);
     return sums.fluid > 1e-12 ? sums.value / sums.fluid : NAN;
 }
 
@@ -18,7 +18,7 @@ double probe_pressure(Measure *m)
  * is filled, there is nothing; dummy particles fill their half. */
 static double share(const Measure *m, const double x[3])
 {
-    const PointSums sums = sample_point(m->sim, x, 0, m->probe->fluid, NULL, 0);
+    const PointSums sums = sample_point(m->sim, x, 0, measure_fluids(m), NULL, 0);
     return sums.all >= 0.5 && sums.fluid > 1e-12 ? sums.one / sums.fluid : 0;
 }
 
@@ -63,7 +63,7 @@ double probe_coverage(Measure *m)
             x[d] += measure_shift(m, d);
         }
         if (!wanted) continue;
-        const double all = sample_point(sim, x, 0, -1, NULL, 0).all;
+        const double all = sample_point(sim, x, 0, EVERY_FLUID, NULL, 0).all;
         least = all < least ? all : least;
     }
     return least < INFINITY ? least : NAN;

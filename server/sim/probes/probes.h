@@ -11,7 +11,8 @@ enum {
     PROBE_AT_POINT = 1, /* at   */
     PROBE_ON_LINE = 2,  /* at, without its coordinate along the axis */
     PROBE_FIELD = 4,    /* field */
-    PROBE_FORMULA = 8   /* formula of x y z t */
+    PROBE_FORMULA = 8,  /* formula of x y z t */
+    PROBE_INSIDE = 16   /* fluid, and radius, which is at most the kernel's support */
 };
 
 typedef struct ProbeKind {
@@ -30,6 +31,8 @@ double probe_potential_energy(Measure *m);
 double probe_mass_centre(Measure *m);
 double probe_momentum(Measure *m);
 double probe_mass(Measure *m);
+double probe_velocity(Measure *m);
+double probe_volume(Measure *m);
 double probe_escaped(Measure *m);
 double probe_pressure_deviation(Measure *m);
 
@@ -41,5 +44,16 @@ double probe_extremum(Measure *m);
 double probe_pressure(Measure *m);
 double probe_height(Measure *m);
 double probe_coverage(Measure *m);
+
+/* surface.c */
+double probe_elevation(Measure *m);
+double probe_extent(Measure *m);
+
+/* contour.c */
+double probe_roundness(Measure *m);
+double probe_surface_area(Measure *m);
+
+/* jump.c */
+double probe_pressure_jump(Measure *m);
 
 #endif

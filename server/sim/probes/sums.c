@@ -66,6 +66,22 @@ double probe_momentum(Measure *m)
     return measure_sum(m, momentum);
 }
 
+/* All of a fluid moves as its centre does. */
+double probe_velocity(Measure *m)
+{
+    return measure_sum(m, momentum) / measure_sum(m, mass);
+}
+
+static double volume(const Measure *m, size_t i)
+{
+    return m->sim->s.vol[i];
+}
+
+double probe_volume(Measure *m)
+{
+    return measure_sum(m, volume);
+}
+
 static double outside(const Measure *m, size_t i)
 {
     const Model *model = &m->sim->model;
