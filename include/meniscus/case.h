@@ -124,19 +124,27 @@ typedef enum MnsProbeKind {
     MNS_PROBE_EXTREMUM,
     MNS_PROBE_COVERAGE,
     MNS_PROBE_ESCAPED,
-    MNS_PROBE_PRESSURE_DEVIATION
+    MNS_PROBE_PRESSURE_DEVIATION,
+    MNS_PROBE_VELOCITY,
+    MNS_PROBE_VOLUME,
+    MNS_PROBE_ELEVATION,
+    MNS_PROBE_EXTENT,
+    MNS_PROBE_ROUNDNESS,
+    MNS_PROBE_SURFACE_AREA,
+    MNS_PROBE_PRESSURE_JUMP
 } MnsProbeKind;
 
 typedef struct MnsProbe {
     char *name;
     MnsProbeKind kind;
-    int fluid;     /* index, or -1 for all fluids */
-    int wall;      /* index of the wall it moves with, or -1 */
-    int axis;      /* 0, 1, 2; for a height, the vertical one */
-    bool least;    /* extremum: smallest; front: backwards */
-    double at[3];  /* [m]; for a height, its coordinate along the axis does not count */
-    double radius; /* [m]; 0: the support of the kernel */
-    bool within;   /* whether the box below counts */
+    int fluid;       /* index, or -1 for all fluids */
+    unsigned fluids; /* of an elevation, a bit for each instead; 0: all fluids */
+    int wall;        /* index of the wall it moves with, or -1 */
+    int axis;        /* 0, 1, 2; for a height or an elevation, the vertical one */
+    bool least;      /* extremum, extent: smallest; elevation: lowest; front: backwards */
+    double at[3];    /* [m]; for a height or an elevation, its coordinate along the axis does not count */
+    double radius;   /* [m]; 0: the support of the kernel; of a pressure jump, the margin */
+    bool within;     /* whether the box below counts */
     double min[3], max[3];
     char *field;   /* extremum */
     char *formula; /* pressure deviation */

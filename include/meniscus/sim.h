@@ -152,8 +152,9 @@ MnsStatus mns_sim_make(const MnsCase *c, const MnsCapture *capture, const MnsMak
 /* --- measuring --------------------------------------------------------------------------------------------------------- */
 
 /** Value of probe k of the case, now; NAN where there is nothing to measure, or where its formula fails, which the next step
- *  says. Cost: a loop over all fluid particles on all threads; of a height or a pressure, of those around. A formula takes a
- *  tenth of a microsecond for each. */
+ *  says. Cost: a loop over all fluid particles on all threads; of a height, an elevation or a pressure, of those around. A formula takes a
+ *  tenth of a microsecond for each; roundness and surface area, in three dimensions, three for each particle of the box around
+ *  the fluid. */
 double mns_sim_probe(const MnsSim *sim, size_t k);
 
 /** Unit of a probe, as in "Pa". */

@@ -39,21 +39,72 @@ static MnsStatus take_pressure(Translation *t, const Meniscus__PointProbe *m, Mn
 }
 
 /* The line's coordinates are those across the vertical axis, in their order. */
+static MnsStatus take_line(Translation *t, size_t n, const double *at, const Meniscus__Axis *vertical, MnsProbe *probe)
+{
+    MnsStatus status = MNS_OK;
+    probe->axis = t->c->dim - 1;
+    if (vertical) status = take_axis(t, "vertical", *vertical, &probe->axis);
+    if (!status && n != (size_t)t->c->dim - 1)
+        status = translation_fail(t, MNS_E_INVALID, "at",
+                                  "found a list of %zu, allowed: a list of %d, the coordinates across "
+                                  "the vertical axis",
+                                  n, t->c->dim - 1);
+    for (int d = 0, k = 0; d < t->c->dim && !status; d++)
+        if (d != probe->axis) probe->at[d] = at[k++];
+    return status;
+}
+
 static MnsStatus take_height(Translation *t, const Meniscus__HeightProbe *m, MnsProbe *probe)
 {
     probe->kind = MNS_PROBE_HEIGHT;
     MnsStatus status = take_fluid(t, m->fluid, probe);
-    probe->axis = t->c->dim - 1;
-    if (!status && m->has_vertical) status = take_axis(t, "vertical", m->vertical, &probe->axis);
-    if (!status) status = take_wall(t, m->wall, probe);
-    if (!status && m->n_at != (size_t)t->c->dim - 1)
-        status = translation_fail(t, MNS_E_INVALID, "at",
-                                  "found a list of %zu, allowed: a list of %d, the coordinates across "
-                                  "the vertical axis",
-                                  m->n_at, t->c->dim - 1);
-    for (int d = 0, k = 0; d < t->c->dim && !status; d++)
-        if (d != probe->axis) probe->at[d] = m->at[k++];
+    if (!status) status = take_line(t, m->n_at, m->at, m->has_vertical ? &m->vertical : NULL, probe);
+    return status ? status : take_wall(t, m->wall, probe);
+}
+
+/* A bit for each fluid that is named; none without names, which means all. */
+static MnsStatus take_fluids(Translation *t, size_t n, char *const *names, MnsProbe *probe)
+{
+    Names fluids;
+    MnsStatus status = MNS_OK;
+    names_of_fluids(t->c, &fluids);
+    for (size_t k = 0; k < n && !status; k++) {
+        int fluid = 0;
+        const size_t before = translation_enter_item(t, "fluids", k);
+        status = take_reference(t, NULL, names[k], &fluids, &fluid);
+        if (!status && probe->fluids >> fluid & 1)
+            status = translation_fail(t, MNS_E_INVALID, NULL, "\"%s\" is there twice", names[k]);
+        probe->fluids |= 1u << fluid;
+        case_path_cut(&t->path, before);
+    }
     return status;
+}
+
+static MnsStatus take_elevation(Translation *t, const Meniscus__ElevationProbe *m, MnsProbe *probe)
+{
+    probe->kind = MNS_PROBE_ELEVATION;
+    probe->least = m->which == MENISCUS__EXTREMUM__MIN;
+    MnsStatus status = take_fluids(t, m->n_fluids, m->fluids, probe);
+    if (!status) status = take_line(t, m->n_at, m->at, m->has_vertical ? &m->vertical : NULL, probe);
+    return status ? status : take_wall(t, m->wall, probe);
+}
+
+static MnsStatus take_extent(Translation *t, const Meniscus__ExtentProbe *m, MnsProbe *probe)
+{
+    probe->kind = MNS_PROBE_EXTENT;
+    probe->least = m->which == MENISCUS__EXTREMUM__MIN;
+    MnsStatus status = take_fluid(t, m->fluid, probe);
+    if (!status) status = take_axis(t, "axis", m->axis, &probe->axis);
+    return status ? status : take_within(t, m->within, probe);
+}
+
+static MnsStatus take_jump(Translation *t, const Meniscus__JumpProbe *m, MnsProbe *probe)
+{
+    probe->kind = MNS_PROBE_PRESSURE_JUMP;
+    probe->radius = m->has_margin ? m->margin : 0;
+    Names fluids;
+    names_of_fluids(t->c, &fluids);
+    return take_reference(t, "inside", m->inside, &fluids, &probe->fluid);
 }
 
 static MnsStatus take_front(Translation *t, const Meniscus__FrontProbe *m, MnsProbe *probe)
@@ -135,6 +186,13 @@ static MnsStatus take_kind(Translation *t, const Meniscus__Probe *m, MnsProbe *p
     case MENISCUS__PROBE__KIND_COVERAGE: return take_coverage(t, m->coverage, probe);
     case MENISCUS__PROBE__KIND_ESCAPED: return take_escaped(t, m->escaped, probe);
     case MENISCUS__PROBE__KIND_PRESSURE_DEVIATION: return take_deviation(t, m->pressure_deviation, probe);
+    case MENISCUS__PROBE__KIND_VELOCITY: return take_component(t, MNS_PROBE_VELOCITY, m->velocity, probe);
+    case MENISCUS__PROBE__KIND_VOLUME: return take_whole(t, MNS_PROBE_VOLUME, m->volume, probe);
+    case MENISCUS__PROBE__KIND_ELEVATION: return take_elevation(t, m->elevation, probe);
+    case MENISCUS__PROBE__KIND_EXTENT: return take_extent(t, m->extent, probe);
+    case MENISCUS__PROBE__KIND_ROUNDNESS: return take_whole(t, MNS_PROBE_ROUNDNESS, m->roundness, probe);
+    case MENISCUS__PROBE__KIND_SURFACE_AREA: return take_whole(t, MNS_PROBE_SURFACE_AREA, m->surface_area, probe);
+    case MENISCUS__PROBE__KIND_PRESSURE_JUMP: return take_jump(t, m->pressure_jump, probe);
     case MENISCUS__PROBE__KIND__NOT_SET:
     case _MENISCUS__PROBE__KIND__CASE_IS_INT_SIZE: break;
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Is a case physical, and can it be built? Each complaint names the entry, what was found and what is allowed. */
 #include "sim/case_bounds.h"
-#include "sim/sim.h"
+#include "sim/probes/probes.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -294,17 +294,34 @@ static MnsStatus check_wall(const MnsCase *c, size_t k, const Constants *constan
     return check_formulas(wall->surface_velocity, c->dim, T, constants, at, error);
 }
 
+/* Forces of a surface reach as far as the kernel does, and lists of neighbours not much farther. */
+static MnsStatus check_margin(const MnsCase *c, const MnsProbe *probe, const char *at, MnsError *error)
+{
+    const double support = kernel_support(c);
+    if (probe->radius >= 0 && probe->radius <= support * (1 + 1e-9)) return MNS_OK;
+    return mns_fail_at(error, MNS_E_INVALID, at, "found %g, allowed: up to %g m, the kernel's support", probe->radius,
+                       support);
+}
+
+/* What a kind uses is told by the table of kinds. */
 static MnsStatus check_probe(const MnsCase *c, size_t k, const Constants *constants, MnsError *error)
 {
     const MnsProbe *probe = &c->probes[k];
-    char at[64];
+    const ProbeKind *kind = probe_kind(probe);
+    char at[64], entry[96];
     snprintf(at, sizeof at, "probes[%zu]", k);
-    if (probe->fluid >= (int)c->n_fluids || probe->wall >= (int)c->n_walls || probe->axis < 0 || probe->axis >= c->dim)
+    if (!kind) return mns_fail_at(error, MNS_E_INVALID, at, "unknown kind of probe, %d", (int)probe->kind);
+    if (probe->fluid >= (int)c->n_fluids || probe->wall >= (int)c->n_walls || probe->axis < 0 ||
+        probe->axis >= c->dim || probe->fluids >> c->n_fluids)
         return mns_fail_at(error, MNS_E_INVALID, at, "no such fluid, wall or axis");
-    if (probe->kind == MNS_PROBE_EXTREMUM && mns_field_find(probe->field) < 0)
+    if (kind->uses & PROBE_FIELD && mns_field_find(probe->field) < 0)
         return mns_fail_at(error, MNS_E_INVALID, at, "there is no field \"%s\"", probe->field);
-    if (probe->kind != MNS_PROBE_PRESSURE_DEVIATION) return MNS_OK;
-    return check_formula(probe->formula, XYZT, constants, at, error);
+    snprintf(entry, sizeof entry, "%s.%s.inside", at, kind->name);
+    if (kind->uses & PROBE_INSIDE && probe->fluid < 0)
+        return mns_fail_at(error, MNS_E_INVALID, entry, "all fluids have no outside: name one");
+    snprintf(entry, sizeof entry, "%s.%s.margin", at, kind->name);
+    if (kind->uses & PROBE_INSIDE && check_margin(c, probe, entry, error)) return MNS_E_INVALID;
+    return kind->uses & PROBE_FORMULA ? check_formula(probe->formula, XYZT, constants, at, error) : MNS_OK;
 }
 
 static MnsStatus check_scalars(const MnsCase *c, MnsError *error)

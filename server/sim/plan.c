@@ -2,6 +2,7 @@
 /* What a run is going to take, by the length of its steps: what would never end, or fill any disk, is refused before it
  * begins, and what is allowed but hardly meant is said. */
 #include "sim/limits.h"
+#include "sim/probes/probes.h"
 #include "sim/sim.h"
 #include "sim/state.h"
 #include <math.h>
@@ -95,10 +96,11 @@ static void warn_probes_outside(MnsSim *sim)
     const Model *model = &sim->model;
     for (size_t k = 0; k < sim->c->n_probes; k++) {
         const MnsProbe *probe = &sim->c->probes[k];
-        const bool placed = probe->kind == MNS_PROBE_PRESSURE || probe->kind == MNS_PROBE_HEIGHT;
+        const unsigned uses = probe_kind(probe)->uses;
+        const bool placed = uses & (PROBE_AT_POINT | PROBE_ON_LINE);
         const double reach = probe->radius > 0 ? probe->radius : model->kernel.support;
         for (int d = 0; placed && probe->wall < 0 && d < model->dim; d++) {
-            if (model->period[d] > 0 || (probe->kind == MNS_PROBE_HEIGHT && d == probe->axis)) continue;
+            if (model->period[d] > 0 || (uses & PROBE_ON_LINE && d == probe->axis)) continue;
             if (probe->at[d] >= model->min[d] - reach && probe->at[d] <= model->max[d] + reach) continue;
             warn(sim,
                  "probes[%zu]: %.60s is at %c = %g m, outside the domain, %g to %g m: where no fluid comes it has no "

@@ -3,11 +3,14 @@
 #include "sim/sample.h"
 #include <math.h>
 
+_Static_assert(EVERY_FLUID >> (MNS_MAX_FLUIDS - 1) == 1, "a bit for each fluid");
+
 typedef struct Sampler {
     const MnsSim *sim;
     double x[3];
     Kernel kernel;
-    int fluid, components;
+    unsigned fluids;
+    int components;
     const double *const *f;
     PointSums sums;
 } Sampler;
@@ -38,7 +41,7 @@ static void visit(Sampler *q, size_t first, size_t last)
         if (j >= particles_fluid(s)) continue;
         q->sums.fluid += weight;
         q->sums.value += weight * value_of(q, j);
-        if (q->fluid < 0 || s->phase[j] == q->fluid) q->sums.one += weight;
+        if (q->fluids >> s->phase[j] & 1) q->sums.one += weight;
     }
 }
 
@@ -54,17 +57,31 @@ static void visit_cells(Sampler *q)
     }
 }
 
-PointSums sample_point(const MnsSim *sim, const double x[3], double radius, int fluid, const double *const *f,
+PointSums sample_point(const MnsSim *sim, const double x[3], double radius, unsigned fluids, const double *const *f,
                        int components)
 {
     const Model *model = &sim->model;
-    Sampler q = {
-        .sim = sim, .x = {x[0], x[1], x[2]}, .kernel = model->kernel, .fluid = fluid, .components = components, .f = f};
+    Sampler q = {.sim = sim,
+                 .x = {x[0], x[1], x[2]},
+                 .kernel = model->kernel,
+                 .fluids = fluids,
+                 .components = components,
+                 .f = f};
     if (radius > 0)
         q.kernel = kernel_make(model->kernel.type, model->dim, radius * model->kernel.h / model->kernel.support);
     if (q.kernel.support <= model->kernel.support + 0.5 * model->skin) visit_cells(&q);
     else visit(&q, 0, sim->s.n);
     return q.sums;
+}
+
+/* Nine tenths full is full, and one tenth empty: particles are never so even that their sum is 1 everywhere. */
+Share sample_share(const MnsSim *sim, const double x[3], unsigned fluids)
+{
+    const PointSums sums = sample_point(sim, x, 0, fluids, NULL, 0);
+    const double open = 1 - (sums.all - sums.fluid), filled = sums.fluid / fmax(sums.fluid, open);
+    if (!(sums.fluid > 1e-12)) return (Share){.fluid = 0, .open = open};
+    const double full = fmin(1, fmax(0, 0.5 + 1.25 * (filled - 0.5)));
+    return (Share){.fluid = full * sums.one / sums.fluid, .open = open};
 }
 
 void mns_sim_sample(const MnsSim *sim, int field, int d, size_t n, const double (*points)[3], double *values)
@@ -81,7 +98,7 @@ void mns_sim_sample(const MnsSim *sim, int field, int d, size_t n, const double 
     for (size_t k = 0; k < n; k++) {
         values[k] = NAN;
         if (!known || !f[0]) continue;
-        const PointSums sums = sample_point(sim, points[k], 0, -1, f, components);
+        const PointSums sums = sample_point(sim, points[k], 0, EVERY_FLUID, f, components);
         if (sums.fluid > 1e-12) values[k] = sums.value / sums.fluid;
     }
 }

@@ -8,14 +8,25 @@
 /* Kernel-weighted sums at a point, over the particles around it. */
 typedef struct PointSums {
     double fluid; /* sum of W V over all fluids */
-    double one;   /* ... over the fluid asked for */
+    double one;   /* ... over the fluids asked for */
     double all;   /* ... over walls too */
     double value; /* sum of f W V over all fluids */
 } PointSums;
 
-/* f: [n] a field, or NULL; components: 1, or dim to take the magnitude of f[0..dim); fluid: -1 for all.
+/* How a point is filled. Emptiness counts as a fluid of its own, and what part of the kernel is in walls as if it were filled as
+ * the rest: so both numbers are a half where there is a surface, and the share is that beside walls, too. */
+typedef struct Share {
+    double fluid; /* of the fluids asked for in all that is no wall */
+    double open;  /* of all that is no wall */
+} Share;
+
+enum { EVERY_FLUID = 0xffff }; /* or a bit for each fluid; sample.c asserts that there is room for all */
+
+Share sample_share(const MnsSim *sim, const double x[3], unsigned fluids);
+
+/* f: [n] a field, or NULL; components: 1, or dim to take the magnitude of f[0..dim); fluids: those of `one`.
  * radius: support of the kernel [m], 0 for the scheme's. */
-PointSums sample_point(const MnsSim *sim, const double x[3], double radius, int fluid, const double *const *f,
+PointSums sample_point(const MnsSim *sim, const double x[3], double radius, unsigned fluids, const double *const *f,
                        int components);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* From the case to the model: what is fixed, what can be steered, and what follows the time. */
 #include "sim/motion.h"
-#include "sim/sim.h"
+#include "sim/probes/probes.h"
 #include "sim/terms/terms.h"
 #include <math.h>
 #include <stdio.h>
@@ -78,7 +78,7 @@ MnsStatus setup_model(MnsSim *sim, MnsError *error)
         if (!status) shape_repeat(&sim->solid[k], sim->model.period);
     }
     for (size_t k = 0; k < c->n_probes && !status; k++)
-        if (c->probes[k].kind == MNS_PROBE_PRESSURE_DEVIATION)
+        if (probe_kind(&c->probes[k])->uses & PROBE_FORMULA)
             status = formula_team_init(&sim->probe_formula[k], sim->threads, c->probes[k].formula, XYZT, constants.list,
                                        constants.n, error);
     if (!status) {

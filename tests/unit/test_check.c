@@ -322,9 +322,27 @@ static void probe_along_less_than_none(MnsCase *c)
 {
     c->probes[0].axis = -1;
 }
+static void probe_of_no_kind(MnsCase *c)
+{
+    c->probes[0].kind = (MnsProbeKind)99;
+}
 static void probe_of_no_field(MnsCase *c)
 {
     case_set_text(&c->probes[1].field, "speed");
+}
+static void probe_of_no_fluids(MnsCase *c)
+{
+    c->probes[0].fluids = 4;
+}
+static void jump_of_all_fluids(MnsCase *c)
+{
+    c->probes[0].kind = MNS_PROBE_PRESSURE_JUMP;
+}
+static void jump_with_wide_margin(MnsCase *c)
+{
+    c->probes[0].kind = MNS_PROBE_PRESSURE_JUMP;
+    c->probes[0].fluid = 1;
+    c->probes[0].radius = 1;
 }
 static void bad_deviation(MnsCase *c)
 {
@@ -393,7 +411,11 @@ static const Refusal REFUSALS[] = {
     {"probes[1]", MNS_E_INVALID, probe_on_no_wall},
     {"probes[0]", MNS_E_INVALID, probe_along_no_axis},
     {"probes[0]", MNS_E_INVALID, probe_along_less_than_none},
+    {"probes[0]", MNS_E_INVALID, probe_of_no_kind},
     {"probes[1]", MNS_E_INVALID, probe_of_no_field},
+    {"probes[0]", MNS_E_INVALID, probe_of_no_fluids},
+    {"probes[0].pressure_jump.inside", MNS_E_INVALID, jump_of_all_fluids},
+    {"probes[0].pressure_jump.margin", MNS_E_INVALID, jump_with_wide_margin},
     {"probes[2]", MNS_E_INVALID, bad_deviation},
 };
 

@@ -354,21 +354,22 @@ static void deviation_is_the_root_mean_square_from_a_formula(void **state)
 static void probes_are_the_same_for_any_number_of_threads(void **state)
 {
     (void)state;
-    double values[12];
+    double values[MNS_PROBE_PRESSURE_JUMP + 1];
     static const unsigned threads[] = {1, 2, 3, 7};
     for (size_t t = 0; t < 4; t++) {
         MnsCase *c = case_periodic(2, 100); /* more particles than a block */
         c->threads = threads[t];
-        for (int kind = MNS_PROBE_PRESSURE; kind <= MNS_PROBE_PRESSURE_DEVIATION; kind++) {
+        for (int kind = MNS_PROBE_PRESSURE; kind <= MNS_PROBE_PRESSURE_JUMP; kind++) {
             MnsProbe *probe = case_add_probe(c, (MnsProbeKind)kind);
-            probe->axis = 1;
+            probe->fluid = kind >= MNS_PROBE_ELEVATION ? 0 : -1; /* all that there is has no surface */
+            probe->axis = kind < MNS_PROBE_ELEVATION;            /* and stripes have it along x only */
             put_point(probe->at, 0.43, 0.3, 0);
             case_set_text(&probe->field, "velocity");
         }
         MnsSim *sim = sim_of(c);
         for (int k = 0; k < 3; k++) assert_int_equal(mns_sim_step(sim, INFINITY, NULL), MNS_OK);
-        assert_int_equal(c->n_probes, 12);
-        for (size_t k = 0; k < 12; k++) {
+        assert_int_equal(c->n_probes, sizeof values / sizeof *values);
+        for (size_t k = 0; k < c->n_probes; k++) {
             const double value = mns_sim_probe(sim, k);
             assert_true(value == value); /* a number */
             if (t > 0) assert_true(value == values[k]);
@@ -441,7 +442,8 @@ static void samples_miss_no_particle_whatever_their_radius(void **state)
                 const double x[3] = {fmod(0.31 + 0.618034 * q, 1), fmod(0.17 + 0.414214 * q, 0.8),
                                      dim == 3 ? fmod(0.05 + 0.236068 * q, 0.6) : 0},
                              radius = model->kernel.support + skins[k] * model->skin;
-                const PointSums sums = sample_point(sim, x, radius, -1, &f, 1), all = sums_over_all(sim, x, radius, f);
+                const PointSums sums = sample_point(sim, x, radius, EVERY_FLUID, &f, 1),
+                                all = sums_over_all(sim, x, radius, f);
                 assert_close(sums.all, all.all, 1e-13); /* rounding, in another order */
                 assert_close(sums.fluid, all.fluid, 1e-13);
                 assert_close(sums.value, all.value, 1e-11);
@@ -466,6 +468,13 @@ static void units_are_those_of_what_is_measured(void **state)
         [MNS_PROBE_COVERAGE] = "1",
         [MNS_PROBE_ESCAPED] = "1",
         [MNS_PROBE_PRESSURE_DEVIATION] = "Pa",
+        [MNS_PROBE_VELOCITY] = "m/s",
+        [MNS_PROBE_VOLUME] = "m^3",
+        [MNS_PROBE_ELEVATION] = "m",
+        [MNS_PROBE_EXTENT] = "m",
+        [MNS_PROBE_ROUNDNESS] = "1",
+        [MNS_PROBE_SURFACE_AREA] = "m^2",
+        [MNS_PROBE_PRESSURE_JUMP] = "Pa",
     };
     char field[] = "pressure";
     for (size_t kind = 0; kind < sizeof units / sizeof *units; kind++) {

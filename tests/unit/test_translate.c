@@ -10,6 +10,7 @@
 #include "cases/translate.h"
 #include "proto/case_file.h"
 #include "proto/case_find.h"
+#include "sim/probes/probes.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -166,6 +167,57 @@ static void probes_find_what_they_name(void **state)
     mns_case_free(c);
 }
 
+static void probes_of_surfaces_find_what_they_name(void **state)
+{
+    (void)state;
+    MnsCase *c = translated(
+        HEAD "probes:\n"
+             "  - {name: e, elevation: {at: [0.7]}}\n"
+             "  - {name: i, elevation: {fluids: [air, water], at: [0.7], vertical: x, wall: tank, which: max}}\n"
+             "  - {name: o, elevation: {fluids: [air], at: [0.7]}}\n"
+             "  - {name: x, extent: {fluid: air}}\n"
+             "  - {name: y, extent: {fluid: air, axis: y, which: min, within: {min: [0, 1], max: [2, 3]}}}\n"
+             "  - {name: j, pressure_jump: {inside: air, margin: 0.1}}\n"
+             "  - {name: v, velocity: {fluid: air, axis: y}}\n"
+             "  - {name: r, roundness: {fluid: air}}\n"
+             "  - {name: s, surface_area: {}}\n"
+             "  - {name: m, volume: {fluid: water}}\n");
+    const MnsProbe *p = c->probes;
+    assert_true(p[0].kind == MNS_PROBE_ELEVATION && p[0].fluids == 0 && p[0].least && p[0].axis == 1);
+    assert_true(p[0].at[0] == 0.7 && p[0].wall == -1);
+    assert_true(p[1].fluids == 3 && !p[1].least && p[1].axis == 0 && p[1].at[1] == 0.7 && p[1].wall == 0);
+    assert_true(p[2].fluids == 2);
+    assert_true(p[3].kind == MNS_PROBE_EXTENT && p[3].fluid == 1 && !p[3].least && p[3].axis == 0 && !p[3].within);
+    assert_true(p[4].axis == 1 && p[4].least && p[4].within && p[4].max[1] == 3);
+    assert_true(p[5].kind == MNS_PROBE_PRESSURE_JUMP && p[5].fluid == 1 && p[5].radius == 0.1);
+    assert_true(p[6].kind == MNS_PROBE_VELOCITY && p[6].fluid == 1 && p[6].axis == 1);
+    assert_true(p[7].kind == MNS_PROBE_ROUNDNESS && p[7].fluid == 1);
+    assert_true(p[8].kind == MNS_PROBE_SURFACE_AREA && p[8].fluid == -1);
+    assert_true(p[9].kind == MNS_PROBE_VOLUME && p[9].fluid == 0);
+    mns_case_free(c);
+    refuses(HEAD "probes: [{name: e, elevation: {fluids: [air, oil], at: [0]}}]\n", "probes[0].elevation.fluids[1]",
+            ": there is no fluid \"oil\", allowed: water, air");
+    refuses(HEAD "probes: [{name: e, elevation: {fluids: [air, air], at: [0]}}]\n", "probes[0].elevation.fluids[1]",
+            ": \"air\" is there twice");
+    refuses(HEAD "probes: [{name: e, elevation: {at: [0, 1]}}]\n", "probes[0].elevation.at",
+            ": found a list of 2, allowed: a list of 1, the coordinates across the vertical axis");
+    refuses(HEAD "probes: [{name: j, pressure_jump: {inside: oil}}]\n", "probes[0].pressure_jump.inside",
+            ": there is no fluid \"oil\", allowed: water, air");
+}
+
+/* All members of the message but the first, which is the name. */
+static void every_kind_of_probe_has_the_same_name_for_the_solver(void **state)
+{
+    (void)state;
+    const ProtobufCMessageDescriptor *d = &meniscus__probe__descriptor;
+    for (unsigned k = 1; k < d->n_fields; k++) {
+        const MnsProbe probe = {.kind = (MnsProbeKind)(k - 1)};
+        assert_non_null(probe_kind(&probe));
+        assert_string_equal(probe_kind(&probe)->name, d->fields[k].name);
+    }
+    assert_null(probe_kind(&(MnsProbe){.kind = (MnsProbeKind)(d->n_fields - 1)}));
+}
+
 static void names_of_nothing_get_a_suggestion(void **state)
 {
     (void)state;
@@ -307,6 +359,8 @@ int main(void)
         cmocka_unit_test(every_choice_of_the_schema_is_translated),
         cmocka_unit_test(motions_keep_their_numbers),
         cmocka_unit_test(probes_find_what_they_name),
+        cmocka_unit_test(probes_of_surfaces_find_what_they_name),
+        cmocka_unit_test(every_kind_of_probe_has_the_same_name_for_the_solver),
         cmocka_unit_test(names_of_nothing_get_a_suggestion),
         cmocka_unit_test(names_must_differ_and_be_plain),
         cmocka_unit_test(lists_have_an_item_for_each_dimension),

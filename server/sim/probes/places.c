@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Probes that look at places: averages by the kernel at points that are no particles. */
+#include "sim/probes/probes.h"
+#include "sim/sample.h"
+#include <math.h>
+
+double probe_pressure(Measure *m)
+{
+    const MnsSim *sim = m->sim;
+    double x[3] = {0, 0, 0};
+    const double *p[1] = {sim->s.p};
+    for (int d = 0; d < sim->s.dim; d++) x[d] = m->probe->at[d] + measure_shift(m, d);
+    const PointSums sums = sample_point(sim, x, m->probe->radius, EVERY_FLUID, p, 1);
+    return sums.fluid > 1e-12 ? sums.value / sums.fluid : NAN;
+}
+
+/* Share of the fluid at a point: 1 deep inside it, 0 outside. Beyond a free surface, where less than half of the kernel
+ * is filled, there is nothing; dummy particles fill their half. */
+static double share(const Measure *m, const double x[3])
+{
+    const PointSums sums = sample_point(m->sim, x, 0, measure_fluids(m), NULL, 0);
+    return sums.all >= 0.5 && sums.fluid > 1e-12 ? sums.one / sums.fluid : 0;
+}
+
+/* Integral of the share along the line, by midpoints a quarter of a spacing apart: the blur of the kernel is symmetric, so it
+ * does not change the depth. */
+double probe_height(Measure *m)
+{
+    const Model *model = &m->sim->model;
+    const int up = m->probe->axis;
+    const double low = model->min[up] + measure_shift(m, up), length = model->max[up] - model->min[up];
+    const int n = (int)ceil(4 * length / model->dx);
+    const double step = length / n;
+    double x[3] = {0, 0, 0}, depth = 0;
+    for (int d = 0; d < model->dim; d++) x[d] = m->probe->at[d] + measure_shift(m, d);
+    for (int k = 0; k < n; k++) {
+        x[up] = low + (k + 0.5) * step;
+        depth += step * share(m, x);
+    }
+    return depth;
+}
+
+/* Smallest sum of W V over the points of the domain's fitted lattice; where a part of the domain is empty, over those a
+ * kernel's support away from its sides, as a side need not be a wall. */
+double probe_coverage(Measure *m)
+{
+    const MnsSim *sim = m->sim;
+    const MnsProbe *probe = m->probe;
+    const Model *model = &sim->model;
+    size_t n[3] = {1, 1, 1};
+    double spacing[3] = {0, 0, 0}, least = INFINITY;
+    for (int d = 0; d < model->dim; d++) n[d] = case_fit(sim->c, d, &spacing[d]);
+#pragma omp parallel for schedule(dynamic, 256) reduction(min : least) num_threads(sim->threads)
+    for (size_t k = 0; k < n[0] * n[1] * n[2]; k++) {
+        const size_t index[3] = {k % n[0], k / n[0] % n[1], k / n[0] / n[1]};
+        double x[3] = {0, 0, 0};
+        bool wanted = true;
+        for (int d = 0; d < model->dim; d++) {
+            x[d] = model->min[d] + ((double)index[d] + 0.5) * spacing[d];
+            const double rim = model->filled || model->period[d] > 0 ? 0 : model->kernel.support;
+            wanted = wanted && x[d] >= model->min[d] + rim && x[d] <= model->max[d] - rim &&
+                     (!probe->within || (x[d] >= probe->min[d] && x[d] <= probe->max[d]));
+            x[d] += measure_shift(m, d);
+        }
+        if (!wanted) continue;
+        const double all = sample_point(sim, x, 0, EVERY_FLUID, NULL, 0).all;
+        least = all < least ? all : least;
+    }
+    return least < INFINITY ? least : NAN;
+}

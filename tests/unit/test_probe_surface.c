@@ -1,0 +1,424 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Probes of surfaces and bodies measure what is known: layers, discs, balls and boxes, in gas and in nothing, on walls and
+ * across seams. */
+#include "tests/support/check.h"
+#include "tests/support/sims.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double DX = 0.05;
+
+static void put_point(double to[3], double x, double y, double z)
+{
+    to[0] = x;
+    to[1] = y;
+    to[2] = z;
+}
+
+static void add_box(MnsFluid *fluid, double x, double y, double width, double height)
+{
+    MnsPart *box = case_add_part(&fluid->shape, MNS_BOX);
+    put_point(box->a, x, y, 0);
+    put_point(box->b, x + width, y + height, 1);
+}
+
+/* A closed tank 1 x 1 (x 0.6) with water up to 0.3 and oil up to 0.55, and a drop of oil at x = 0.2, y = 0.8. */
+static MnsCase *layers(int dim)
+{
+    MnsCase *c = case_blank(dim, 1 / DX);
+    c->max[2] = dim == 3 ? 0.6 : 0;
+    case_add_fluid(c, "water", 2, 10);
+    case_add_fluid(c, "oil", 0.5, 10);
+    add_box(&c->fluids[0], 0, 0, 1, 0.3);
+    add_box(&c->fluids[1], 0, 0.3, 1, 0.25);
+    add_box(&c->fluids[1], 0.1, 0.7, 0.2, 0.2);
+    case_add_wall(c, "tank");
+    MnsPart *side = case_add_part(&c->walls[0].shape, MNS_BOX);
+    side->outside = true;
+    for (int d = 0; d < 3; d++) side->b[d] = c->max[d];
+    return c;
+}
+
+static MnsProbe *add_gauge(MnsCase *c, unsigned fluids, double x, bool lowest)
+{
+    MnsProbe *probe = case_add_probe(c, MNS_PROBE_ELEVATION);
+    probe->fluids = fluids;
+    probe->axis = 1;
+    probe->least = lowest;
+    put_point(probe->at, x, 7, 0.33); /* its height does not count */
+    return probe;
+}
+
+static void elevation_is_where_fluids_end_on_the_way_up(void **state)
+{
+    (void)state;
+    static const struct {
+        unsigned fluids;
+        double x;
+        bool lowest;
+        double expected;
+    } gauges[] = {
+        {1, 0.52, true, 0.3},  {2, 0.52, true, 0.55},  {3, 0.52, true, 0.55},
+        {0, 0.52, true, 0.55}, {0, 0.52, false, 0.55}, {0, 0.2, true, 0.55},
+        {0, 0.2, false, 0.9},  {1, 0.2, false, 0.3},   {0, 1.7, true, NAN},
+    };
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = layers(dim);
+        const size_t n = sizeof gauges / sizeof *gauges;
+        for (size_t k = 0; k < n; k++) add_gauge(c, gauges[k].fluids, gauges[k].x, gauges[k].lowest);
+        MnsSim *sim = sim_of(c);
+        for (size_t k = 0; k < n; k++) {
+            const double value = mns_sim_probe(sim, k);
+            /* Halfway between rows, but for compression and what the lattice leaves. */
+            if (isfinite(gauges[k].expected)) assert_close(value, gauges[k].expected, 0.02 * DX);
+            else assert_true(isnan(value));
+        }
+        /* A swell of a part of a spacing, anywhere between rows. */
+        for (int step = 1; step < 5; step++) {
+            for (size_t i = 0; i < particles_fluid(&sim->s); i++) sim->s.x[1][i] += 0.1 * DX;
+            assert_close(mns_sim_probe(sim, 0), 0.3 + 0.1 * step * DX, 0.05 * DX);
+            assert_close(mns_sim_probe(sim, 2), 0.55 + 0.1 * step * DX, 0.05 * DX);
+        }
+        sim_done(sim, c);
+    }
+}
+
+static void elevation_of_what_fills_a_tank_is_no_number(void **state)
+{
+    (void)state;
+    MnsCase *c = layers(2);
+    c->fluids[1].shape.n = 0;
+    add_gauge(c, 0, 0.4, true);
+    add_gauge(c, 1, 0.4, true);
+    MnsSim *sim = sim_of(c);
+    assert_true(isnan(mns_sim_probe(sim, 0)));
+    assert_close(mns_sim_probe(sim, 1), 0.3, 0.02 * DX);
+    c->fluids[1].shape.n = 2; /* to be freed */
+    sim_done(sim, c);
+}
+
+static void elevation_may_be_along_any_axis_and_moves_with_its_wall(void **state)
+{
+    (void)state;
+    MnsCase *c = layers(2);
+    MnsProbe *sideways = add_gauge(c, 2, 0, true);
+    sideways->axis = 0;
+    put_point(sideways->at, 0, 0.8, 0);
+    add_gauge(c, 0, 0.2 - 0.5, false)->wall = 0;
+    MnsSim *sim = sim_of(c);
+    assert_close(mns_sim_probe(sim, 0), 0.3, 0.02 * DX); /* of the drop */
+    sim->model.wall[0].x[0] = 0.5;
+    assert_close(mns_sim_probe(sim, 1), 0.9, 0.02 * DX);
+    sim_done(sim, c);
+}
+
+/* A body of fluid 0, given by a formula of u, v, w around its middle (0.51, 0.49, 0.5), in a periodic box of side 1 filled with
+ * gas, or empty. R = 0.25 is so many spacings. */
+static MnsCase *body(int dim, const char *formula, double R, bool gas)
+{
+    static const char *const names[] = {"a", "b", "c"}, *const middle[] = {"0.51", "0.49", "0.5"};
+    MnsCase *c = case_blank(dim, 4 * R);
+    c->n_constants = 3;
+    c->constants = calloc(3, sizeof *c->constants);
+    for (size_t k = 0; k < 3 && c->constants; k++) {
+        case_set_text(&c->constants[k].name, names[k]);
+        case_set_text(&c->constants[k].value, middle[k]);
+    }
+    for (int d = 0; d < dim; d++) c->periodic[d] = true;
+    case_add_fluid(c, "liquid", 2, 10);
+    if (gas) case_add_fluid(c, "gas", 0.5, 10);
+    case_set_text(&case_add_part(&c->fluids[0].shape, MNS_FORMULA)->formula, formula);
+    return c;
+}
+
+static const char DISC[] = "(x - a)^2 + (y - b)^2 < 0.25^2", ELLIPSE[] = "((x - a)/0.3)^2 + ((y - b)/0.15)^2 < 1",
+                  SQUARE[] = "abs(x - a) < 0.25 and abs(y - b) < 0.25",
+                  BALL[] = "(x - a)^2 + (y - b)^2 + (z - c)^2 < 0.25^2",
+                  SPINDLE[] = "((x - a)/0.3)^2 + ((y - b)^2 + (z - c)^2)/0.15^2 < 1",
+                  CUBE[] = "abs(x - a) < 0.25 and abs(y - b) < 0.25 and abs(z - c) < 0.25";
+
+static MnsProbe *add_of_body(MnsCase *c, MnsProbeKind kind)
+{
+    MnsProbe *probe = case_add_probe(c, kind);
+    probe->fluid = 0;
+    return probe;
+}
+
+/* As measured, and a quarter more: see contour.c. */
+static void roundness_and_surface_are_those_of_known_bodies(void **state)
+{
+    (void)state;
+    static const struct {
+        int dim;
+        const char *formula;
+        double R, roundness, allowed, surface, surface_allowed;
+    } rows[] = {
+        {2, DISC, 6, 1, 0.01, 1.5708, 0.02},          {2, DISC, 12, 1, 0.01, 1.5708, 0.02},
+        {2, DISC, 25, 1, 0.007, 1.5708, 0.01},        {2, ELLIPSE, 6, 0.9172, 0.01, 1.4533, 0.04},
+        {2, ELLIPSE, 12, 0.9172, 0.01, 1.4533, 0.01}, {2, ELLIPSE, 25, 0.9172, 0.007, 1.4533, 0.01},
+        {2, SQUARE, 6, 0.8862, 0.07, 2, 0.1},         {2, SQUARE, 12, 0.8862, 0.04, 2, 0.05},
+        {2, SQUARE, 25, 0.8862, 0.02, 2, 0.025},      {3, BALL, 6, 1, 0.01, 0.7854, 0.07},
+        {3, BALL, 12, 1, 0.008, 0.7854, 0.025},       {3, SPINDLE, 12, 0.9287, 0.01, 0.4833, 0.05},
+        {3, CUBE, 12, 0.8060, 0.07, 1.5, 0.1},
+    };
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++)
+        for (int gas = 0; gas < 2; gas++) {
+            MnsCase *c = body(rows[k].dim, rows[k].formula, rows[k].R, gas);
+            add_of_body(c, MNS_PROBE_ROUNDNESS);
+            add_of_body(c, MNS_PROBE_SURFACE_AREA);
+            MnsSim *sim = sim_of(c);
+            assert_close(mns_sim_probe(sim, 0), rows[k].roundness, rows[k].allowed);
+            assert_close(mns_sim_probe(sim, 1) / rows[k].surface, 1, rows[k].surface_allowed);
+            sim_done(sim, c);
+        }
+}
+
+/* What is the other fluid's surface too, but for its own walls and seams. */
+static void both_sides_have_one_surface(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = body(dim, dim == 2 ? ELLIPSE : SPINDLE, 8, true);
+        for (int fluid = 0; fluid < 2; fluid++) add_of_body(c, MNS_PROBE_SURFACE_AREA)->fluid = fluid;
+        MnsSim *sim = sim_of(c);
+        const double surface = mns_sim_probe(sim, 0);
+        assert_true(surface > 0.3);
+        assert_close(mns_sim_probe(sim, 1), surface, 1e-12); /* rounding */
+        sim_done(sim, c);
+    }
+}
+
+/* By whole spacings, so that samples see the same. */
+static void a_body_across_a_seam_is_the_same_body(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = body(dim, dim == 2 ? ELLIPSE : SPINDLE, 5, true);
+        add_of_body(c, MNS_PROBE_ROUNDNESS);
+        add_of_body(c, MNS_PROBE_SURFACE_AREA);
+        MnsSim *sim = sim_of(c);
+        const double roundness = mns_sim_probe(sim, 0), surface = mns_sim_probe(sim, 1);
+        sim_done(sim, c);
+        c = body(dim, dim == 2 ? ELLIPSE : SPINDLE, 5, true);
+        char moved[200];
+        snprintf(moved, sizeof moved,
+                 dim == 2 ? "((abs(x - a) - 0.5)/0.3)^2 + ((y - b)/0.15)^2 < 1"
+                          : "((abs(x - a) - 0.5)/0.3)^2 + ((y - b)^2 + (z - c)^2)/0.15^2 < 1");
+        case_set_text(&c->fluids[0].shape.parts[0].formula, moved);
+        add_of_body(c, MNS_PROBE_ROUNDNESS);
+        add_of_body(c, MNS_PROBE_SURFACE_AREA);
+        sim = sim_of(c);
+        assert_close(mns_sim_probe(sim, 0), roundness, 1e-10);
+        assert_close(mns_sim_probe(sim, 1), surface, 1e-10);
+        sim_done(sim, c);
+    }
+}
+
+/* Layers: interfaces are 1 wide (and 0.6 deep), and what is on walls is none of them. */
+static void a_surface_on_a_wall_is_not_free(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = layers(dim);
+        c->fluids[1].shape.n--; /* without the drop */
+        for (int fluid = 0; fluid < 2; fluid++) add_of_body(c, MNS_PROBE_SURFACE_AREA)->fluid = fluid;
+        MnsSim *sim = sim_of(c);
+        const double width = dim == 2 ? 1 : 0.6;
+        /* Where a surface meets walls it may end up to a cell beside them. */
+        assert_close(mns_sim_probe(sim, 0), width, dim == 2 ? 2 * DX : 4 * DX);
+        assert_close(mns_sim_probe(sim, 1), 2 * width, dim == 2 ? 4 * DX : 8 * DX);
+        c->fluids[1].shape.n++;
+        sim_done(sim, c);
+    }
+}
+
+static void a_fluid_that_is_not_there_has_no_roundness(void **state)
+{
+    (void)state;
+    MnsCase *c = body(2, "x < 0.1 and y < 0.1", 5, true);
+    add_of_body(c, MNS_PROBE_ROUNDNESS);
+    add_of_body(c, MNS_PROBE_SURFACE_AREA);
+    add_of_body(c, MNS_PROBE_EXTENT);
+    MnsSim *sim = sim_of(c);
+    for (size_t i = 0; i < particles_fluid(&sim->s); i++) sim->s.phase[i] = 1;
+    assert_true(isnan(mns_sim_probe(sim, 0)));
+    assert_true(mns_sim_probe(sim, 1) == 0);
+    assert_true(isnan(mns_sim_probe(sim, 2)));
+    sim_done(sim, c);
+}
+
+/* Its ends on each axis; half a spacing beyond its last particles for a flat side, whatever part of a spacing it has moved. */
+static void extent_is_where_a_body_ends(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int gas = 0; gas < 2; gas++) {
+            MnsCase *c = body(dim, "x > 0.2 and x < 0.65 and y > 0.25 and y < 0.7", 5, gas);
+            for (int k = 0; k < 4; k++) {
+                MnsProbe *probe = add_of_body(c, MNS_PROBE_EXTENT);
+                probe->axis = k / 2;
+                probe->least = k % 2;
+            }
+            MnsSim *sim = sim_of(c);
+            static const double ends[] = {0.65, 0.2, 0.7, 0.25};
+            for (int step = 0; step < 4; step++) {
+                for (size_t k = 0; k < 4; k++)
+                    assert_close(mns_sim_probe(sim, k), ends[k] + (k < 2 ? step * 0.1 * DX : 0), 0.05 * DX);
+                for (size_t i = 0; i < sim->s.n; i++) sim->s.x[0][i] += 0.1 * DX;
+            }
+            sim_done(sim, c);
+        }
+}
+
+static void extent_leaves_out_what_is_alone_or_outside_its_box(void **state)
+{
+    (void)state;
+    MnsCase *c = body(2, "x > 0.2 and x < 0.65 and y > 0.25 and y < 0.7 and (y < 0.5 or x < 0.4)", 5, true);
+    for (int k = 0; k < 2; k++) add_of_body(c, k == 0 ? MNS_PROBE_FRONT : MNS_PROBE_EXTENT);
+    MnsProbe *upper = add_of_body(c, MNS_PROBE_EXTENT);
+    upper->within = true;
+    put_point(upper->min, 0, 0.6, 0);
+    put_point(upper->max, 1, 1, 1);
+    MnsSim *sim = sim_of(c);
+    const Particles *s = &sim->s;
+    for (size_t i = 0; i < particles_fluid(s); i++)
+        if (fabs(s->x[0][i] - 0.925) < 1e-9 && fabs(s->x[1][i] - 0.425) < 1e-9) sim->s.phase[i] = 0;
+    assert_close(mns_sim_probe(sim, 0), 0.95, 1e-12);
+    assert_close(mns_sim_probe(sim, 1), 0.65, 0.05 * DX);
+    assert_close(mns_sim_probe(sim, 2), 0.4, 0.05 * DX);
+    sim_done(sim, c);
+}
+
+/* Layers end at the walls they lie against. */
+static void extent_ends_at_walls(void **state)
+{
+    (void)state;
+    MnsCase *c = layers(3);
+    for (int k = 0; k < 6; k++) {
+        MnsProbe *probe = add_of_body(c, MNS_PROBE_EXTENT);
+        probe->axis = k / 2;
+        probe->least = k % 2;
+    }
+    MnsSim *sim = sim_of(c);
+    static const double ends[] = {1, 0, 0.3, 0, 0.6, 0};
+    for (size_t k = 0; k < 6; k++) assert_close(mns_sim_probe(sim, k), ends[k], 0.05 * DX);
+    sim_done(sim, c);
+}
+
+static void velocity_is_the_mean_by_mass_and_volume_the_sum(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = layers(dim);
+        for (int fluid = -1; fluid < 2; fluid++) {
+            MnsProbe *velocity = case_add_probe(c, MNS_PROBE_VELOCITY);
+            velocity->fluid = fluid;
+            velocity->axis = 1;
+            case_add_probe(c, MNS_PROBE_VOLUME)->fluid = fluid;
+        }
+        MnsSim *sim = sim_of(c);
+        double mass[2] = {0}, momentum[2] = {0}, volume[2] = {0};
+        for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
+            const int fluid = sim->s.phase[i];
+            sim->s.v[1][i] = (fluid ? -3 : 5) + sim->s.x[0][i];
+            sim->s.m[i] *= 1 + 0.3 * sim->s.x[0][i]; /* so that a mean by number is another one */
+            mass[fluid] += sim->s.m[i];
+            momentum[fluid] += sim->s.m[i] * sim->s.v[1][i];
+            volume[fluid] += sim->s.vol[i];
+        }
+        assert_close(mns_sim_probe(sim, 0), (momentum[0] + momentum[1]) / (mass[0] + mass[1]), 1e-12);
+        assert_close(mns_sim_probe(sim, 1), volume[0] + volume[1], 1e-12);
+        for (size_t fluid = 0; fluid < 2; fluid++) {
+            assert_close(mns_sim_probe(sim, 2 + 2 * fluid), momentum[fluid] / mass[fluid], 1e-12);
+            assert_close(mns_sim_probe(sim, 3 + 2 * fluid), volume[fluid], 1e-12);
+        }
+        assert_close(volume[0], dim == 2 ? 0.3 : 0.18, 0.01); /* but for compression */
+        sim_done(sim, c);
+    }
+}
+
+/* The pressure is 7 inside, 4 outside, and anything beside the surface. */
+static void pressure_jump_is_that_between_what_is_away_from_the_surface(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = body(dim, dim == 2 ? DISC : BALL, 6, true);
+        for (int k = 0; k < 3; k++) add_of_body(c, MNS_PROBE_PRESSURE_JUMP);
+        c->probes[1].fluid = 1;
+        c->probes[2].radius = 1.5 / 24;
+        MnsSim *sim = sim_of(c);
+        Particles *s = &sim->s;
+        const double support = sim->model.kernel.support;
+        for (size_t i = 0; i < s->n; i++) {
+            double nearest = INFINITY;
+            for (size_t j = 0; j < s->n; j++) {
+                double r2 = 0;
+                for (int d = 0; d < dim; d++) r2 += pow(model_nearest(&sim->model, d, s->x[d][i] - s->x[d][j]), 2);
+                if (s->phase[i] != s->phase[j]) nearest = fmin(nearest, sqrt(r2));
+            }
+            s->p[i] = nearest <= support ? 1e3 * s->x[0][i] : s->phase[i] ? 4 : 7;
+        }
+        assert_close(mns_sim_probe(sim, 0), 3, 1e-12);
+        assert_close(mns_sim_probe(sim, 1), -3, 1e-12);
+        assert_true(fabs(mns_sim_probe(sim, 2) - 3) > 1); /* a narrower margin lets some of it in */
+        sim_done(sim, c);
+    }
+}
+
+static void pressure_jump_of_a_body_that_is_all_surface_is_no_number(void **state)
+{
+    (void)state;
+    MnsCase *c = body(2, "(x - a)^2 + (y - b)^2 < 0.01", 5, true);
+    add_of_body(c, MNS_PROBE_PRESSURE_JUMP);
+    MnsSim *sim = sim_of(c);
+    assert_true(isnan(mns_sim_probe(sim, 0)));
+    sim_done(sim, c);
+}
+
+static void bodies_are_the_same_for_any_number_of_threads(void **state)
+{
+    (void)state;
+    static const MnsProbeKind kinds[] = {MNS_PROBE_ROUNDNESS, MNS_PROBE_SURFACE_AREA, MNS_PROBE_EXTENT,
+                                         MNS_PROBE_PRESSURE_JUMP};
+    double values[4];
+    for (unsigned threads = 1; threads < 4; threads++) {
+        MnsCase *c = body(3, SPINDLE, 10, true);
+        c->threads = threads;
+        for (int k = 0; k < 4; k++) add_of_body(c, kinds[k]);
+        MnsSim *sim = sim_of(c);
+        for (size_t i = 0; i < sim->s.n; i++) {
+            sim->s.p[i] = sin(40 * sim->s.x[0][i]) + 3 * sim->s.x[1][i];
+            sim->s.x[1][i] += 1e-3 * cos(50 * sim->s.x[0][i]);
+        }
+        for (size_t k = 0; k < 4; k++) {
+            const double value = mns_sim_probe(sim, k);
+            assert_true(value == value);
+            if (threads > 1) assert_true(value == values[k]);
+            values[k] = value;
+        }
+        sim_done(sim, c);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(elevation_is_where_fluids_end_on_the_way_up),
+        cmocka_unit_test(elevation_of_what_fills_a_tank_is_no_number),
+        cmocka_unit_test(elevation_may_be_along_any_axis_and_moves_with_its_wall),
+        cmocka_unit_test(roundness_and_surface_are_those_of_known_bodies),
+        cmocka_unit_test(both_sides_have_one_surface),
+        cmocka_unit_test(a_body_across_a_seam_is_the_same_body),
+        cmocka_unit_test(a_surface_on_a_wall_is_not_free),
+        cmocka_unit_test(a_fluid_that_is_not_there_has_no_roundness),
+        cmocka_unit_test(extent_is_where_a_body_ends),
+        cmocka_unit_test(extent_leaves_out_what_is_alone_or_outside_its_box),
+        cmocka_unit_test(extent_ends_at_walls),
+        cmocka_unit_test(velocity_is_the_mean_by_mass_and_volume_the_sum),
+        cmocka_unit_test(pressure_jump_is_that_between_what_is_away_from_the_surface),
+        cmocka_unit_test(pressure_jump_of_a_body_that_is_all_surface_is_no_number),
+        cmocka_unit_test(bodies_are_the_same_for_any_number_of_threads),
+    };
+    return cmocka_run_group_tests_name("probe surface", tests, NULL, NULL);
+}
