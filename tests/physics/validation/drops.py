@@ -64,17 +64,18 @@ def score_swing(case: str, r: Run, full: bool) -> Iterator[Metric]:
 def square_drop2d(paper: bool) -> Iterator[Metric]:
     """P2 4.2 at two resolutions, and how particles are shifted."""
     case, sizes, end = "square-drop2d", (100, 200) if paper else (50, 100), 2 if paper else 0.5
+    dp = laplace("2D")[1]
     runs = [run(case, f"resolution={n}", f"end_time={end}") for n in sizes]
     scored = runs[1] if paper else runs[0]
     yield from score_drop(case, "2D", 2, scored, paper)
     yield from score_swing(case, scored, paper)
-    dp = laplace("2D")[1]
     for n, r in zip(sizes, runs, strict=True):
         yield Metric(case, f"pressure jump / Laplace's at l/{n}", jump(r) / dp)
         yield Metric(case, f"noise of the pressure inside / Laplace's jump at l/{n}", noise(r.last(), 2) / dp)
     for shifting in ("off", "original"):
         other = attempt(case, f"resolution={sizes[0]}", f"end_time={end}", f"scheme.interfacial.shifting={shifting}")
-        yield Metric(case, f"shifting {shifting}: pressure jump / Laplace's at l/{sizes[0]}", jump(other) / dp if other else np.inf)
+        value = jump(other) / dp if other else np.inf
+        yield Metric(case, f"shifting {shifting}: pressure jump / Laplace's at l/{sizes[0]}", value)
     yield from hygiene(case, scored)
 
 
@@ -94,12 +95,13 @@ def score_static(case: str, r: Run, spacing: float) -> Iterator[Metric]:
     size, dp = laplace("2D")
     late = r.t >= 0.5 * r.t[-1]
     capillary = VISCOSITY * float(r.probes["speed"][late].max()) / TENSION
-    yield Metric(case, f"capillary number of what moves at l/{round(0.2 / spacing)}, second half", capillary, high=1e-2)
-    yield Metric(case, f"noise of the pressure inside / Laplace's jump at l/{round(0.2 / spacing)}", noise(r.last(), 2) / dp, high=0.05)
+    where = f"l/{round(0.2 / spacing)}"
+    yield Metric(case, f"capillary number of what moves at {where}, second half", capillary, high=1e-2)
+    yield Metric(case, f"noise of the pressure inside / Laplace's jump at {where}", noise(r.last(), 2) / dp, high=0.05)
     scale = r.probes["mass_drop"][0] * np.sqrt(TENSION / (DENSITY * size))  # its mass at the speed of its tension
     momentum = max(float(np.abs(r.probes[f"momentum_{axis}"]).max()) for axis in "xy")
-    yield Metric(case, f"largest momentum / M sqrt(tension / (rho R)) at l/{round(0.2 / spacing)}", momentum / scale, high=1e-2)
-    yield Metric(case, f"pressure jump, last 0.1 s, at l/{round(0.2 / spacing)} [Pa]", jump(r), dp, 0.08, relative=True)
+    yield Metric(case, f"largest momentum / M sqrt(tension / (rho R)) at {where}", momentum / scale, high=1e-2)
+    yield Metric(case, f"pressure jump, last 0.1 s, at {where} [Pa]", jump(r), dp, 0.08, relative=True)
 
 
 def static_drop2d(_: bool) -> Iterator[Metric]:

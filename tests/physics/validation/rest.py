@@ -47,7 +47,8 @@ def score_flat(case: str, scheme: str, r: Run, spacing: float) -> Iterator[Metri
     h = np.array([r.probes[f"h{k}"] for k in range(5)])
     late = r.t >= 0.5 * r.t[-1]
     yield Metric(case, f"{scheme}: largest difference of heights / dx", float((h.max(0) - h.min(0)).max() / spacing), high=0.25)
-    yield Metric(case, f"{scheme}: mean height at the end, from 0.1 m, / dx", float((h.mean(0)[-1] - 0.1) / spacing), low=-0.25, high=0.25)
+    sunk = float((h.mean(0)[-1] - 0.1) / spacing)
+    yield Metric(case, f"{scheme}: mean height at the end, from 0.1 m, / dx", sunk, low=-0.25, high=0.25)
     capillary = 0.2 * float(r.probes["speed"][late].max()) / 1
     yield Metric(case, f"{scheme}: capillary number of the liquid, second half", capillary, high=1e-2)
     yield Metric(case, f"{scheme}: largest speed in the gas, second half [m/s]", float(r.probes["speed_gas"][late].max()))
@@ -59,5 +60,6 @@ def flat_interface(paper: bool) -> Iterator[Metric]:
     case, n = "flat-interface2d", 100 if paper else 50
     other = ["scheme.dissipation={pair_average: density, background_pressure: 100, repulsion: 0}",
              "scheme.kernel=truncated-gaussian", "scheme.smoothing=1.1"]
-    for scheme, settings in (("interfacial", []), ("dissipation", other)):
+    schemes: dict[str, list[str]] = {"interfacial": [], "dissipation": other}
+    for scheme, settings in schemes.items():
         yield from score_flat(case, scheme, run(case, f"resolution={n}", *settings), 0.2 / n)
