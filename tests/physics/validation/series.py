@@ -48,16 +48,17 @@ def crossings(t: np.ndarray, value: np.ndarray, level: float) -> np.ndarray:
     return t[k] + (level - value[k]) / (value[k + 1] - value[k]) * (t[k + 1] - t[k])
 
 
-def extremum(t: np.ndarray, value: np.ndarray, when: float, reach: float, sign: int) -> tuple[float, float]:
-    """Time and value of the crest (sign 1) or trough (-1) about a time: the top of a parabola through the largest three."""
+def extremum(t: np.ndarray, value: np.ndarray, when: float, reach: float, sign: int, width: float = 0.1) -> tuple[float, float]:
+    """Time and value of the crest (sign 1) or trough (-1) about a time: the top of the parabola nearest to all that is within this
+    width of the largest sample, so that noise on a flat crest does not move it."""
     inside = np.flatnonzero((np.abs(t - when) <= reach) & np.isfinite(value))
     k = inside[np.argmax(sign * value[inside])]
-    if k in (0, len(t) - 1) or not np.isfinite(value[[k - 1, k + 1]]).all():
+    near = (np.abs(t - t[k]) <= width + 1e-9) & np.isfinite(value)
+    a, b, c = np.polyfit(t[near] - t[k], value[near], 2) if np.count_nonzero(near) > 2 else (0.0, 0.0, 0.0)
+    top = -b / (2 * a) if sign * a < 0 else np.inf
+    if abs(top) > width:  # it is no crest, but the end of a slope
         return float(t[k]), float(value[k])
-    a, b, c = value[k - 1], value[k], value[k + 1]
-    curvature = a - 2 * b + c
-    shift = 0.5 * (a - c) / curvature if curvature else 0.0
-    return float(t[k] + shift * (t[k + 1] - t[k])), float(b - 0.25 * (a - c) * shift)
+    return float(t[k] + top), float(c - b * b / (4 * a))
 
 
 def peaks(t: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
