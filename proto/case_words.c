@@ -54,10 +54,17 @@ static const char *likeliest(const char *const *names, size_t n, const char *wro
 
 void words_suggest(const char *const *names, size_t n, const char *wrong, char *text, size_t size)
 {
+    enum { MORE = sizeof ", and 999 more" };
     const char *best = likeliest(names, n, wrong);
     int used = best ? snprintf(text, size, "did you mean \"%s\"? Allowed: ", best) : snprintf(text, size, "allowed: ");
-    for (size_t k = 0; k < n && (size_t)used < size; k++)
+    for (size_t k = 0; k < n && (size_t)used < size; k++) {
+        const size_t room = k + 1 < n ? MORE : 1;
+        if (k && (size_t)used + 2 + strlen(names[k]) + room > size) {
+            snprintf(text + used, size - (size_t)used, ", and %zu more", n - k);
+            return;
+        }
         used += snprintf(text + used, size - (size_t)used, "%s%s", k ? ", " : "", names[k]);
+    }
 }
 
 static const char *digits(const char *text)

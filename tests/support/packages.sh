@@ -17,6 +17,7 @@ clang clang-format clang-tidy libclang-rt-14-dev libomp-dev
 cppcheck shellcheck g++ git procps
 systemd util-linux valgrind
 paraview python3-paraview xvfb xauth
+python3-scipy
 '
 validate='
 python3-scipy

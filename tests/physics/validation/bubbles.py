@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Bubbles that rise: P1 4.2, P2 4.4."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+from validation.common import hygiene
+from validation.metrics import Metric
+from validation.runs import Run, Snapshot, attempt, run
+from validation.series import at, smooth, table
+
+# --- P1 4.2.1: a single bubble ---------------------------------------------------------------------------------------------
+
+# Parts of the box. What is left of a bubble has not its radius, so its pressure is told: that of the liquid at the height of its
+# middle, of the tension, 2 * 0.0606 / 0.005, and of its own weight.
+GAS = "9800*(0.08 - {0}) + 24.24 + 98*({0} - z)"
+QUARTER = ("domain.min=[0, 0, 0]", "walls[0].shape[0].box.min=[0, 0, -0.02]", f"fluids[1].pressure={GAS.format('0.025')}")
+HALF = ("domain.min=[-0.02, 0, 0]", "walls[0].shape[0].box.min=[-0.02, 0, -0.02]",
+        f"fluids[1].pressure=z > 0.0175 and {GAS.format('0.025')} or {GAS.format('0.01')}")
+
+
+def score_single(case: str, r: Run, full: bool) -> Iterator[Metric]:
+    """Speed as the slope of the centre's height; width and height of the bubble from its outermost points."""
+    ref = table("P1/bubble_single_vof3d.csv")
+    first, last = (0.08, 0.14) if full else (0.06, 0.1)
+    inside = (ref["t_s"] >= first) & (ref["t_s"] <= last)
+    reference = float(np.polyfit(ref["t_s"][inside], ref["z_centroid"][inside], 1)[0])
+    speed = r.slope("centre", first, last)
+    yield Metric(case, f"rise speed, {first}-{last} s [m/s]", speed, reference, 0.05 if full else 0.1, relative=True)
+    if not full:
+        return
+    height = r.at("top", 0.14) - r.at("bottom", 0.14)
+    width = r.at("right", 0.14) - r.at("left", 0.14)
+    yield Metric(case, "height / width at 0.14 s", height / width, 0.0048 / 0.0147, 0.08, relative=True)
+    yield Metric(case, "height at 0.14 s [m]", height)
+    yield Metric(case, "width at 0.14 s [m]", width)
+
+
+def bubble3d_single(paper: bool) -> Iterator[Metric]:
+    """P1 4.2.1 in the box that holds it; reduced, a quarter of it."""
+    case = "bubble3d-single"
+    r = run(case, "resolution=10", "end_time=0.16") if paper else run(case, "resolution=5", "end_time=0.1", *QUARTER)
+    yield from score_single(case, r, paper)
+    yield from hygiene(case, r)
+    if paper:
+        coarse = run(case, "resolution=5", "end_time=0.16")
+        yield Metric(case, "rise speed at R/5, 0.08-0.14 s [m/s]", coarse.slope("centre", 0.08, 0.14))
+        yield from correction(case, ["resolution=5", "end_time=0.14", *QUARTER], (0.08, 0.14), full=True)
+
+
+def bubble3d_single_printed(paper: bool) -> Iterator[Metric]:
+    """The printed box: what it makes of the speed, beside that in a tube of the same width."""
+    case, r = "bubble3d-single-printed", run("bubble3d-single-printed", f"resolution={10 if paper else 5}", "end_time=0.06")
+    ref = table("P1/bubble_single_vof_axi_tubeR10mm.csv")
+    inside = (ref["t_s"] >= 0.03) & (ref["t_s"] <= 0.06)
+    reference = float(np.polyfit(ref["t_s"][inside], ref["z_centroid"][inside], 1)[0])
+    note = "not scored: the reference is a tube, open above"
+    yield Metric(case, "rise speed, 0.03-0.06 s [m/s]", r.slope("centre", 0.03, 0.06), reference, note=note)
+    yield from hygiene(case, r)
+
+
+# --- P1 4.2.1, figure 9: the volume correction factor ----------------------------------------------------------------------
+
+DELTAS = (0.125, 0.5, 1, 3)
+FORMS = {"with": "generalized", "without": "no-volume-factor"}
+
+
+def spread(runs: Sequence[Run | None], first: float, last: float) -> tuple[float, float]:
+    """Of the rise of runs that differ in delta: of their speeds, over the mean; and of their curves, the largest at any time over
+    the mean speed. Infinite if one of them did not come to its end."""
+    done = [r for r in runs if r is not None]
+    if len(done) < len(runs):
+        return np.inf, np.inf
+    speeds = [r.slope("centre", first, last) for r in done]
+    t = np.linspace(first, last, 41)
+    curves = np.array([np.interp(t, r.t, smooth(r.t, r.probes["velocity"], 0.01)) for r in done])
+    mean = float(np.mean(speeds))
+    return (max(speeds) - min(speeds)) / mean, float((curves.max(0) - curves.min(0)).max()) / mean
+
+
+def score_correction(case: str, runs: Mapping[str, Sequence[Run | None]], window: tuple[float, float], full: bool) -> Iterator[Metric]:
+    found = {name: spread(runs[name], *window) for name in FORMS}
+    bound = 0.03 if full else np.inf
+    yield Metric(case, "delta 0.125-3 with the volume correction: spread of the speed", found["with"][0], high=bound)
+    yield Metric(case, "the same without it", found["without"][0])
+    yield Metric(case, "delta 0.125-3 with the volume correction: spread of the curves", found["with"][1])
+    yield Metric(case, "the same without it, curves", found["without"][1])
+    ratio = found["with"][1] / found["without"][1] if np.isfinite(found["with"][1]) else np.inf
+    yield Metric(case, "spread of the curves, with over without", ratio, high=1)
+
+
+def correction(case: str, settings: Sequence[str], window: tuple[float, float], full: bool) -> Iterator[Metric]:
+    runs = {}
+    for name, form in FORMS.items():
+        options = [[f"scheme.dissipation.form={form}", f"scheme.dissipation.delta={delta}"] for delta in DELTAS]
+        runs[name] = [attempt(case, *settings, *option) for option in options]
+    yield from score_correction(case, runs, window, full)
+
+
+def bubble2d_single(paper: bool) -> Iterator[Metric]:
+    """The volume correction factor in a plane, at little cost."""
+    yield from correction("bubble2d-single", [f"resolution={10 if paper else 5}"], (0.05, 0.1), full=False)
+
+
+# --- P1 4.2.2: two bubbles -------------------------------------------------------------------------------------------------
+
+SPEEDS = ((0.06, 0.216), (0.096, 0.23), (0.132, 0.29), (0.156, 0.33))  # t [s], m/s: P1/bubble_double_vof3d.csv
+
+
+def bodies(s: Snapshot, phase: int) -> int:
+    """How many separate bodies a fluid has: particles less than one and a half spacings apart are of one. Crumbs do not count."""
+    from scipy.sparse import coo_matrix  # python3-scipy
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    x = s.x[s.phase == phase]
+    pairs = cKDTree(x).query_pairs(1.5 * s.spacing, output_type="ndarray")
+    graph = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(x), len(x)))
+    labels = connected_components(graph, directed=False)[1]
+    return int(np.count_nonzero(np.bincount(labels) > 0.1 * len(x)))
+
+
+def score_double(case: str, r: Run, full: bool) -> Iterator[Metric]:
+    for t, reference in SPEEDS:
+        if t + 0.006 > r.t[-1]:
+            continue
+        speed = (r.at("centre", t + 0.006) - r.at("centre", t - 0.006)) / 0.012
+        yield Metric(case, f"mean rise speed at {t} s [m/s]", speed, reference, 0.08 if full else 0.12, relative=True)
+    if full:
+        one = [s.t for s in r.snapshots() if s.t > 0.05 and bodies(s, 1) == 1]
+        yield Metric(case, "single body from [s]", min(one, default=np.inf), 0.164, 0.015)
+
+
+def bubble3d_double(paper: bool) -> Iterator[Metric]:
+    """P1 4.2.2; reduced, half of the box."""
+    case = "bubble3d-double"
+    r = run(case, "resolution=10", "end_time=0.2") if paper else run(case, "resolution=5", "end_time=0.14", *HALF)
+    yield from score_double(case, r, paper)
+    yield from hygiene(case, r)
+
+
+# --- P2 4.4, case 1: Sussman's bubble --------------------------------------------------------------------------------------
+
+RADIUS, G = 0.025, 9.81
+
+
+def score_sussman(case: str, r: Run, full: bool) -> Iterator[Metric]:
+    """In radii, and times in sqrt(R/g)."""
+    ref, unit = table("P2/bubble_sussman_vof_R64.csv"), np.sqrt(RADIUS / G)
+    low, wide = (0.05, 0.06) if full else (0.08, 0.08)
+    for t in (0.8, 1.6, 2.4) + ((3.2,) if full else ()):
+        yield Metric(case, f"centre / R at t sqrt(g/R) = {t}", r.at("centre", t * unit) / RADIUS, at(ref, "y_c", t), low)
+        half = 0.5 * (r.at("right", t * unit) - r.at("left", t * unit)) / RADIUS
+        yield Metric(case, f"half width / R at t sqrt(g/R) = {t}", half, at(ref, "half_width", t), wide)
+        if t + 0.1 < r.t[-1] / unit:
+            speed = r.slope("centre", (t - 0.1) * unit, (t + 0.1) * unit) / np.sqrt(RADIUS * G)
+            yield Metric(case, f"speed / sqrt(g R) at t sqrt(g/R) = {t}", speed, at(ref, "v_c", t), note="not scored")
+        film = at(ref, "y_axis_high", t) - at(ref, "y_axis_low", t)
+        yield Metric(case, f"film / R at t sqrt(g/R) = {t}", r.at("film", t * unit) / RADIUS, film, note="not scored")
+
+
+def bubble2d_sussman(paper: bool) -> Iterator[Metric]:
+    """P2 4.4 with the radius that gives Sussman's numbers; and how particles are shifted."""
+    case, n, end = "bubble2d-sussman", 40 if paper else 15, 3.3 if paper else 2.5
+    settings = [f"resolution={n}", f"end_time={end * np.sqrt(RADIUS / G):.4f}"]
+    r = run(case, *settings)
+    yield from score_sussman(case, r, paper)
+    other = attempt(case, *settings, "scheme.interfacial.shifting=original")
+    t = 2.4 * np.sqrt(RADIUS / G)
+    away = (other.at("centre", t) - r.at("centre", t)) / RADIUS if other else np.inf
+    yield Metric(case, "original shifting: centre / R at 2.4, higher than with the interface's", away)
+    yield from hygiene(case, r)
+
+
+# --- P2 4.4, case 2: Hysing and others 2009, Int. J. Numer. Meth. Fluids 60:1259, test case 1, groups 1 and 3 --------------
+
+CENTRE_3, SPEED_MAX, SPEED_TIME, ROUND_MIN, ROUND_TIME = 1.081, 0.2417, 0.92, 0.901, 1.90
+
+
+def rise(r: Run) -> tuple[float, float]:
+    """Time and value of the largest rise speed, over 0.18: sound makes the speed of particles swing at the start."""
+    v = smooth(r.t, r.probes["velocity"], 0.18)
+    k = int(np.argmax(np.where(r.t > 0.3, v, -np.inf)))
+    return float(r.t[k]), float(v[k])
+
+
+def score_hysing(case: str, r: Run, full: bool) -> Iterator[Metric]:
+    yield Metric(case, "centre at t = 3 [m]", r.at("centre", 3), CENTRE_3, 0.008 if full else 0.02)
+    when, speed = rise(r)
+    yield Metric(case, "largest rise speed [m/s]", speed, SPEED_MAX, 0.03 if full else 0.06, relative=True)
+    yield Metric(case, "its time [s]", when, SPEED_TIME, note="not scored: the top is flat")
+    k = int(np.nanargmin(r.probes["roundness"]))
+    note = "" if full else "not scored at this size"
+    yield Metric(case, "smallest circularity", float(r.probes["roundness"][k]), ROUND_MIN, 0.015, note=note)
+    yield Metric(case, "time of the smallest circularity [s]", float(r.t[k]), ROUND_TIME, note="not scored: the bottom is flat")
+
+
+def bubble2d_hysing1(paper: bool) -> Iterator[Metric]:
+    """P2 4.4, case 2, at two resolutions, and how particles are shifted."""
+    case, sizes = "bubble2d-hysing1", (50, 100) if paper else (25, 50)
+    runs = [run(case, f"resolution={n}") for n in sizes]
+    yield from score_hysing(case, runs[-1], paper)
+    for n, r in zip(sizes, runs, strict=True):
+        yield Metric(case, f"centre at t = 3 at 1/{n}, from the reference [m]", r.at("centre", 3) - CENTRE_3)
+    for shifting in ("off", "original"):
+        other = attempt(case, f"resolution={sizes[-1]}", f"scheme.interfacial.shifting={shifting}")
+        value, speed = (other.at("centre", 3) - CENTRE_3, rise(other)[1]) if other else (np.inf, np.inf)
+        yield Metric(case, f"shifting {shifting}: centre at t = 3, from the reference [m]", value)
+        yield Metric(case, f"shifting {shifting}: largest rise speed [m/s]", speed)
+    yield from hygiene(case, runs[-1])

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Drops that their tension draws round, and one that is round already: P2 4.2."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from validation.common import hygiene
+from validation.metrics import Metric
+from validation.runs import Run, Snapshot, attempt, run
+from validation.series import peaks, row
+
+MIDDLE, TENSION, VISCOSITY, DENSITY = 0.1, 1.0, 0.2, 1000.0
+
+
+def laplace(case: str) -> tuple[float, float]:
+    """Radius and pressure at rest."""
+    line = row("P2/laplace.csv", case)
+    return float(line["R_eq"]), float(line["dp"])
+
+
+def radius(s: Snapshot, dimensions: int) -> float:
+    """Of the drop, from the mean square distance of its particles from the middle of the box."""
+    x = s.x[s.phase == 0][:, :dimensions] - MIDDLE
+    return float(np.sqrt((1 + 2 / dimensions) * np.mean(np.sum(x**2, axis=1))))
+
+
+def noise(s: Snapshot, dimensions: int) -> float:
+    """Standard deviation of the pressure in the drop, away from its surface [Pa]."""
+    x = s.x[:, :dimensions] - MIDDLE
+    inner = (s.phase == 0) & (np.sum(x**2, axis=1) < (0.6 * radius(s, dimensions)) ** 2)
+    return float(np.std(s.pressure[inner]))
+
+
+def jump(r: Run) -> float:
+    """Of the pressure, over the last tenth of a second."""
+    return r.mean("jump", r.t[-1] - 0.1, r.t[-1])
+
+
+def score_drop(case: str, key: str, dimensions: int, r: Run, full: bool) -> Iterator[Metric]:
+    size, dp = laplace(key)
+    yield Metric(case, "pressure jump, last 0.1 s [Pa]", jump(r), dp, 0.02 if full else 0.08, relative=True)
+    yield Metric(case, "radius at the end [m]", radius(r.last(), dimensions), size, 0.005 if full else 0.02, relative=True)
+
+
+def score_swing(case: str, r: Run, full: bool) -> Iterator[Metric]:
+    """The mode of four lobes: the kinetic energy has two peaks in a period, and decays twice as fast as the shape."""
+    mode = row("common/droplet2d_modes.csv", "P2 2D square drop", n="4")
+    period, decay = float(mode["T_viscous"]), float(mode["decay_rate"])
+    t, energy = peaks(r.t, r.probes["kinetic"])
+    inside = (t > 0.01) & (t < 0.35)
+    t, energy = t[inside], energy[inside]
+    many = len(t) > 2
+    value = 2 * float(np.polyfit(np.arange(len(t)), t, 1)[0]) if many else np.nan
+    yield Metric(case, "period of the swing [s]", value, period, note="not scored")
+    value = -0.5 * float(np.polyfit(t, np.log(energy), 1)[0]) if many else np.nan
+    yield Metric(case, "decay of the swing [1/s]", value, decay, note="not scored")
+    if full:
+        kinetic = r.probes["kinetic"]
+        yield Metric(case, "kinetic energy at 2 s / its largest", float(kinetic[-1] / kinetic.max()), high=1e-3)
+
+
+def square_drop2d(paper: bool) -> Iterator[Metric]:
+    """P2 4.2 at two resolutions, and how particles are shifted."""
+    case, sizes, end = "square-drop2d", (100, 200) if paper else (50, 100), 2 if paper else 0.5
+    dp = laplace("2D")[1]
+    runs = [run(case, f"resolution={n}", f"end_time={end}") for n in sizes]
+    scored = runs[1] if paper else runs[0]
+    yield from score_drop(case, "2D", 2, scored, paper)
+    yield from score_swing(case, scored, paper)
+    for n, r in zip(sizes, runs, strict=True):
+        yield Metric(case, f"pressure jump / Laplace's at l/{n}", jump(r) / dp)
+        yield Metric(case, f"noise of the pressure inside / Laplace's jump at l/{n}", noise(r.last(), 2) / dp)
+    for shifting in ("off", "original"):
+        other = attempt(case, f"resolution={sizes[0]}", f"end_time={end}", f"scheme.interfacial.shifting={shifting}")
+        value = jump(other) / dp if other else np.inf
+        yield Metric(case, f"shifting {shifting}: pressure jump / Laplace's at l/{sizes[0]}", value)
+    yield from hygiene(case, scored)
+
+
+EIGHTH = ("domain.min=[0.1, 0.1, 0.1]", "walls[0].shape[0].box.min=[0.1, 0.1, 0.1]", "walls[0].slip=free")
+
+
+def cube_drop3d(paper: bool) -> Iterator[Metric]:
+    """P2 4.2 in three dimensions; reduced, an eighth of the box."""
+    case = "cube-drop3d"
+    r = run(case, "end_time=0.5") if paper else run(case, "end_time=0.4", *EIGHTH)
+    yield from score_drop(case, "3D", 3, r, paper)
+    yield from hygiene(case, r)
+
+
+def score_static(case: str, r: Run, spacing: float) -> Iterator[Metric]:
+    """What must be zero: speeds, noise in the pressure, momentum."""
+    size = radius(r.last(), 2)  # that of its particles, 2 % less than the drop's at l/50
+    dp = TENSION / size
+    late = r.t >= 0.5 * r.t[-1]
+    capillary = VISCOSITY * float(r.probes["speed"][late].max()) / TENSION
+    where = f"l/{round(0.2 / spacing)}"
+    yield Metric(case, f"capillary number of what moves at {where}, second half", capillary, high=1e-2)
+    yield Metric(case, f"noise of the pressure inside / Laplace's jump at {where}", noise(r.last(), 2) / dp, high=0.05)
+    scale = r.probes["mass_drop"][0] * np.sqrt(TENSION / (DENSITY * size))  # its mass at the speed of its tension
+    momentum = max(float(np.abs(r.probes[f"momentum_{axis}"]).max()) for axis in "xy")
+    yield Metric(case, f"largest momentum / M sqrt(tension / (rho R)) at {where}", momentum / scale, high=1e-2)
+    yield Metric(case, f"pressure jump, last 0.1 s, at {where} [Pa]", jump(r), dp, 0.08, relative=True)
+
+
+def static_drop2d(_: bool) -> Iterator[Metric]:
+    """The drop of P2 4.2, round from the start, at two resolutions."""
+    case = "static-drop2d"
+    for n in (50, 100):
+        r = run(case, f"resolution={n}")
+        yield from score_static(case, r, 0.2 / n)
+    yield from hygiene(case, r)

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Interfaces that gravity turns over: P1 4.3 and 4.4, P2 4.3."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from validation.common import hygiene
+from validation.metrics import Metric
+from validation.runs import Run, attempt, run
+from validation.series import at, row, table
+
+# --- P1 4.3: Rayleigh-Taylor in three dimensions ---------------------------------------------------------------------------
+
+LIGHT = {0.2: "0.66666667", 0.3: "0.53846154", 0.4: "0.42857143", 0.5: "0.33333333"}  # density by Atwood number
+CORNER = ("domain.max=[0.5, 0.5, 4]", "walls[0].shape[0].box.max=[0.5, 0.5, 5]")
+
+
+def score_spikes(case: str, atwood: float, r: Run, full: bool) -> Iterator[Metric]:
+    ref = table(f"P1/rt3d_vof_At{atwood}.csv")
+    for t, spike in ((2, 0.03), (3, 0.05)) if full else ((1.5, 0.06), (2, 0.06), (2.5, 0.06)):
+        bubble = 0.02 if full else 0.04
+        yield Metric(case, f"At {atwood}: spike at t = {t}", r.at("spike", t), at(ref, "z_spike", t), spike)
+        yield Metric(case, f"At {atwood}: bubble at t = {t}", r.at("bubble", t), at(ref, "z_bubble", t), bubble)
+
+
+def rayleigh_taylor3d(paper: bool) -> Iterator[Metric]:
+    """P1 4.3; reduced, a quarter of the box."""
+    case = "rayleigh-taylor3d"
+    for atwood, light in LIGHT.items():
+        size = ["resolution=125", "end_time=3.05"] if paper else ["resolution=32", "end_time=2.55", *CORNER]
+        r = run(case, *size, f"fluids[0].density={light}")
+        yield from score_spikes(case, atwood, r, paper)
+        yield from (Metric(m.case, f"At {atwood}: {m.name}", m.value, low=m.low, high=m.high) for m in hygiene(case, r))
+
+
+# --- P1 4.4: lock exchange -------------------------------------------------------------------------------------------------
+
+GATE, TANK, SPEED = 0.905, 0.2, np.sqrt(9.81 * 0.2 * (1 - 998.6 / 1466.3))  # [m], [m], [m/s]
+
+
+def front_speeds(r: Run) -> tuple[float, float]:
+    """Of the light and the heavy front for 2.5 < t* < 5, in sqrt(g (1 - gamma) H)."""
+    unit = TANK / SPEED
+    return r.slope("light", 2.5 * unit, 5 * unit) / SPEED, -r.slope("heavy", 2.5 * unit, 5 * unit) / SPEED
+
+
+def score_fronts(case: str, r: Run, full: bool) -> Iterator[Metric]:
+    """Against finite volumes between walls that let the fluids glide: 0.490 and 0.576."""
+    light, heavy = front_speeds(r)
+    tolerance = 0.03 if full else 0.05
+    yield Metric(case, "speed of the light front", light, 0.490, tolerance, relative=True)
+    yield Metric(case, "speed of the heavy front", heavy, 0.576, tolerance, relative=True)
+    if not full:
+        yield Metric(case, "heavy over light", heavy / light, 1.18, 0.05)
+
+
+def lock_exchange2d(paper: bool) -> Iterator[Metric]:
+    """P1 4.4 in a slice, at two resolutions."""
+    case, sizes = "lock-exchange2d", (40, 80) if paper else (20, 40)
+    runs = [run(case, f"resolution={n}") for n in sizes]
+    yield from score_fronts(case, runs[-1], paper)
+    for n, r in zip(sizes, runs, strict=True):
+        for name, speed in zip(("light", "heavy"), front_speeds(r), strict=True):
+            yield Metric(case, f"speed of the {name} front at H/{n}", speed)
+    yield from hygiene(case, runs[-1])
+
+
+def lock_exchange3d(_: bool) -> Iterator[Metric]:
+    """P1 4.4."""
+    case, r = "lock-exchange3d", run("lock-exchange3d", "resolution=80")
+    yield from score_fronts(case, r, True)
+    yield from hygiene(case, r)
+
+
+# --- P2 4.3: Rayleigh-Taylor in two dimensions -----------------------------------------------------------------------------
+
+
+def score_tips(case: str, r: Run, full: bool) -> Iterator[Metric]:
+    """Against finite volumes of 1/256 with walls that hold the fluids."""
+    ref = table("P2/rt2d_vof_noslip_256.csv")
+    early, late = (0.012, 0.03) if full else (0.02, 0.05)
+    for t in (1, 2, 3, 5):
+        tolerance = late if t == 5 else early
+        yield Metric(case, f"highest point of the light fluid at t = {t}", r.at("high", t), at(ref, "y_high", t), tolerance)
+        yield Metric(case, f"lowest point of the heavy fluid at t = {t}", r.at("low", t), at(ref, "y_low", t), tolerance)
+
+
+def rayleigh_taylor2d(paper: bool) -> Iterator[Metric]:
+    """P2 4.3 at two resolutions, and how particles are shifted."""
+    case, sizes = "rayleigh-taylor2d", (100, 200) if paper else (50, 100)
+    runs = [run(case, f"resolution={n}") for n in sizes]
+    yield from score_tips(case, runs[0], paper)
+    ref = table("P2/rt2d_vof_noslip_256.csv")
+    for n, r in zip(sizes, runs, strict=True):
+        error = max(abs(r.at("high", t) - at(ref, "y_high", t)) for t in (1, 2, 3))
+        yield Metric(case, f"largest error of the highest point at 1/{n}, t = 1, 2, 3", error)
+    for shifting in ("off", "original"):
+        other = attempt(case, f"resolution={sizes[0]}", f"scheme.interfacial.shifting={shifting}")
+        away = other.at("high", 3) - runs[0].at("high", 3) if other else np.inf
+        yield Metric(case, f"shifting {shifting}: highest point at t = 3, above that with the interface's", away)
+    yield from hygiene(case, runs[0])
+
+
+def score_growth(case: str, r: Run) -> Iterator[Metric]:
+    """Slope of the logarithm of the wave's amplitude while k a < 0.3."""
+    theory = float(row("common/rt_linear_growth.csv", "P2/P4 2D RT")["sigma_viscous"])
+    wave = sum(r.probes[f"h{k}"] * np.cos(2 * np.pi * k / 8) for k in range(8)) / 4
+    inside = (r.t >= 0.4) & (r.t <= 1.4)
+    amplitude = np.where(wave > 0, wave, np.nan)[inside]
+    growth = float(np.polyfit(r.t[inside], np.log(amplitude), 1)[0]) if np.isfinite(amplitude).all() else np.nan
+    yield Metric(case, "growth rate, 0.4 < t < 1.4", growth, theory, 0.05, relative=True)
+
+
+def rayleigh_taylor2d_linear(paper: bool) -> Iterator[Metric]:
+    """The same with a small wave, against linear theory of viscous fluids."""
+    case, r = "rayleigh-taylor2d-linear", run("rayleigh-taylor2d-linear", f"resolution={200 if paper else 100}")
+    yield from score_growth(case, r)
+    yield from hygiene(case, r)

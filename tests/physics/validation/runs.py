@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs of cases: made by the batch program, or found in the build directory if this very run is there."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[3]
+BUILD = Path(os.environ.get("BUILD", ROOT / "build")).resolve()
+
+
+@dataclass
+class Snapshot:
+    """Fluid particles at one time."""
+
+    t: float
+    spacing: float
+    x: np.ndarray  # [n, 3]
+    phase: np.ndarray  # [n], in the order of the case's fluids
+    pressure: np.ndarray  # [n]
+
+
+@dataclass
+class Run:
+    """A finished run: its summary and its probe series."""
+
+    directory: Path
+    summary: dict
+    t: np.ndarray
+    probes: dict[str, np.ndarray]
+
+    def at(self, name: str, t: float) -> float:
+        return float(np.interp(t, self.t, self.probes[name]))
+
+    def mean(self, name: str, first: float, last: float) -> float:
+        inside = (self.t >= first) & (self.t <= last)
+        return float(np.nanmean(self.probes[name][inside]))
+
+    def slope(self, name: str, first: float, last: float) -> float:
+        """Of the straight line through the series between two times."""
+        return slope(self.t, self.probes[name], first, last)
+
+    def snapshots(self, fluids: int = 2) -> list[Snapshot]:
+        """All that were written, in the order of time."""
+        return [read_snapshot(path, fluids) for path in sorted(self.directory.glob("snapshot-*.hdf"))]
+
+    def last(self, fluids: int = 2) -> Snapshot:
+        return read_snapshot(sorted(self.directory.glob("snapshot-*.hdf"))[-1], fluids)
+
+
+def slope(t: np.ndarray, value: np.ndarray, first: float, last: float) -> float:
+    inside = (t >= first) & (t <= last) & np.isfinite(value)
+    return float(np.polyfit(t[inside], value[inside], 1)[0])
+
+
+def read_snapshot(path: Path, fluids: int) -> Snapshot:
+    with h5py.File(path) as file:
+        phase = file["VTKHDF/PointData/phase"][:]
+        fluid = phase < fluids
+        attributes = file["meniscus"].attrs
+        pressure = file["VTKHDF/PointData/pressure"][:][fluid] if "pressure" in file["VTKHDF/PointData"] else None
+        return Snapshot(
+            float(np.ravel(attributes["time"])[0]), float(np.ravel(attributes["spacing"])[0]),
+            file["VTKHDF/Points"][:][fluid], phase[fluid], pressure)
+
+
+def fingerprint(case: str, settings: list[str]) -> str:
+    """Of what decides a run: the solver's program, the case and its settings."""
+    digest = hashlib.sha256()
+    for path in (BUILD / "meniscusd", ROOT / f"server/cases/{case}.yaml"):
+        digest.update(path.read_bytes())
+    digest.update("\n".join(settings).encode())
+    return digest.hexdigest()
+
+
+def load(directory: Path) -> Run:
+    with h5py.File(directory / "probes.hdf") as file:
+        probes = {name: series[:] for name, series in file["probes"].items()}
+        return Run(directory, json.loads((directory / "summary.json").read_text()), file["time"][:], probes)
+
+
+def place(case: str, settings: list[str]) -> Path:
+    """A directory that says what is in it."""
+    label = "-".join([case] + [re.sub(r"[^A-Za-z0-9._-]+", "", s) for s in settings])
+    if len(label) > 120:
+        label = label[:100] + "-" + hashlib.sha256(label.encode()).hexdigest()[:12]
+    return BUILD / "validate" / label
+
+
+def run(case: str, *settings: str) -> Run:
+    """Run a case to its end, or load it if this very run is there."""
+    directory, mark = place(case, list(settings)), fingerprint(case, list(settings))
+    stamp = directory / "fingerprint"
+    if not (stamp.exists() and stamp.read_text() == mark):
+        command = [str(BUILD / "meniscus"), "run", case, "--out", str(directory), "-o", "json"]
+        for setting in settings:
+            command += ["--set", setting]
+        print(f"# {' '.join(command[1:])}", file=sys.stderr, flush=True)
+        subprocess.run(["rm", "-rf", str(directory)], check=True)
+        environment = os.environ | {"MENISCUS_CASES": str(ROOT / "server/cases")}  # wherever BUILD is
+        done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True, env=environment)
+        (directory / "summary.json").write_text(done.stdout)
+        stamp.write_text(mark)
+    return load(directory)
+
+
+def attempt(case: str, *settings: str) -> Run | None:
+    """A run of which it is known that it may not come to its end."""
+    try:
+        return run(case, *settings)
+    except subprocess.CalledProcessError:
+        return None

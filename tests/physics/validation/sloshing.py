@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Liquids in shaken tanks: P3 3.2, P1 4.1."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from validation.common import hygiene
+from validation.metrics import Metric
+from validation.runs import Run, run
+from validation.series import crossings, extremum, smooth, table
+
+
+def sloshing2d(paper: bool) -> Iterator[Metric]:
+    """P3 3.2 against a finite-volume computation of the closed tank.
+
+    Wet means a pressure above 150 Pa, the head of 15 mm, in both; pressures are relative to the air under the roof.
+    """
+    case = "sloshing2d"
+    r = run(case, f"resolution={260 if paper else 130}", f"end_time={6 if paper else 3.4}", "output.probe_interval=0.005")
+    ref, wet = table("P3/sloshing_vof2d.csv"), 150
+    p1 = smooth(r.t, r.probes["P1"] - r.probes["roof"], 0.04)
+    mine = crossings(r.t, p1, wet)
+    theirs = crossings(ref["t_s"], ref["P1"], wet)
+    events = [(name, nominal) for name, nominal in (("wet", 0.48), ("dry", 1.50), ("wet", 2.56)) if nominal < r.t[-1]]
+    events += [("dry", 3.24), ("wet", 4.42)] if paper else [("dry", 3.24)]
+    for name, nominal in events:
+        reference = theirs[np.argmin(np.abs(theirs - nominal))]
+        value = mine[np.argmin(np.abs(mine - nominal))]
+        yield Metric(case, f"P1 {name} near {nominal} s [s]", float(value), float(reference), 0.05 if paper else 0.08)
+    first, first_ref = (r.t > 0.8) & (r.t < 1.4), (ref["t_s"] > 0.8) & (ref["t_s"] < 1.4)  # the crest that does not break
+    crest, crest_ref = r.probes["h_right"][first] - 0.18, ref["eta_right20"][first_ref]
+    reference = float(crest_ref.max())
+    yield Metric(case, "first crest, 20 mm from the wall [m]", float(crest.max()), reference, 0.05 if paper else 0.1, relative=True)
+    when, when_ref = r.t[first][crest.argmax()], ref["t_s"][first_ref][crest_ref.argmax()]
+    yield Metric(case, "its time [s]", float(when), float(when_ref), 0.05 if paper else 0.08)
+    windows = [((0.4, 1.6), 0.05 if paper else 0.1)] + ([((2.5, 3.4), 0.25), ((4.4, 5.6), 0.25)] if paper else [])
+    for (first, last), tolerance in windows:
+        for name in ("P1", "P2", "P3"):
+            m, mr = (r.t >= first) & (r.t <= last), (ref["t_s"] >= first) & (ref["t_s"] <= last)
+            value = np.trapz(np.nan_to_num(r.probes[name] - r.probes["roof"])[m], r.t[m])
+            reference = np.trapz(ref[name][mr], ref["t_s"][mr])
+            metric = f"impulse {name}, {first}-{last} s [Pa s]"
+            yield Metric(case, metric, float(value), float(reference), tolerance, relative=True)
+    yield from hygiene(case, r)
+
+
+# --- P1 4.1.1: one layer ---------------------------------------------------------------------------------------------------
+
+CRESTS = (1.10, 2.08, 3.12, 4.14, 5.18)  # [s], at the gauge 20 mm from the left wall
+TROUGHS = (1.58, 2.62, 3.66, 4.68)
+STILL = 0.15  # [m]
+
+
+Extremum = tuple[float, float]
+
+
+def extreme(case: str, name: str, mine: Extremum, theirs: Extremum, amplitude: float, phase: float) -> Iterator[Metric]:
+    """A crest or trough, (time, value), against another."""
+    yield Metric(case, f"{name} [m]", mine[1], theirs[1], amplitude, relative=True)
+    yield Metric(case, f"time of {name} [s]", mine[0], theirs[0], phase)
+
+
+def score_one_layer(case: str, r: Run, full: bool) -> Iterator[Metric]:
+    ref, linear = table("P1/sloshing_single_vof2d.csv"), table("P1/sloshing_single_linear.csv")
+    eta = smooth(r.t, r.probes["left"] - STILL, 0.04)
+    amplitude, phase = (0.08, 0.02) if full else (0.12, 0.03)
+    for sign, kind, times in ((1, "crest", CRESTS), (-1, "trough", TROUGHS)):
+        for t in times:
+            if t + 0.05 > r.t[-1]:
+                continue
+            mine, theirs = (extremum(*series, t, 0.2, sign) for series in ((r.t, eta), (ref["t_s"], ref["left20mm"])))
+            yield from extreme(case, f"{kind} near {t} s", mine, theirs, amplitude, phase)
+    early = r.t <= 1.2
+    theory = np.interp(r.t[early], linear["t_s"], linear["left20mm_impulsive"])
+    error = np.sqrt(np.mean((eta[early] - theory) ** 2)) / np.abs(theory).max()
+    yield Metric(case, "rms distance from linear theory / its amplitude, t < 1.2 s", float(error), high=0.05 if full else np.inf)
+
+
+def sloshing2d_single(paper: bool) -> Iterator[Metric]:
+    """P1 4.1.1 in a slice; two resolutions, the finer one scored."""
+    case, sizes = "sloshing2d-single", (30, 60) if paper else (15, 30)
+    runs = [run(case, f"resolution={n}", f"end_time={5.3 if paper else 3.2}") for n in sizes]
+    yield from score_one_layer(case, runs[-1], paper)
+    for n, r in zip(sizes, runs, strict=True):
+        yield Metric(case, f"crest near 3.12 s at h/{n} [m]", extremum(r.t, r.probes["left"] - STILL, 3.12, 0.2, 1)[1])
+    yield from hygiene(case, runs[-1], void=False)
+
+
+def sloshing3d_single(paper: bool) -> Iterator[Metric]:
+    """P1 4.1.1."""
+    case, r = "sloshing3d-single", run("sloshing3d-single", f"resolution={60 if paper else 30}", "end_time=5.3")
+    yield from score_one_layer(case, r, paper)
+    yield from hygiene(case, r, void=False)
+
+
+# --- P1 4.1.2: three layers ------------------------------------------------------------------------------------------------
+
+REST = {"wd": 0.2, "cw": 0.4, "fs": 0.6}  # [m]
+
+
+def score_layers_slice(case: str, r: Run, full: bool) -> Iterator[Metric]:
+    ref = table("P1/three_layer_vof2d_xonly.csv")
+    amplitude, phase = (0.08, 0.03) if full else (0.12, 0.05)
+    for name, t in (("fs_xp", 1.16), ("fs_xm", 1.92), ("cw_xm", 1.92)):
+        eta = smooth(r.t, r.probes[name] - REST[name[:2]], 0.04)
+        mine, theirs = extremum(r.t, eta, t, 0.25, 1), extremum(ref["t_s"], ref[name], t, 0.25, 1)
+        yield from extreme(case, f"crest of {name} near {t} s", mine, theirs, amplitude, phase)
+
+
+def sloshing2d_three_layers(paper: bool) -> Iterator[Metric]:
+    """P1 4.1.2 in a slice, along x only; two resolutions, the finer one scored at the paper's size."""
+    case, sizes = "sloshing2d-three-layers", (10, 20)
+    runs = [run(case, f"resolution={n}", "end_time=2.1") for n in sizes]
+    yield from score_layers_slice(case, runs[1 if paper else 0], paper)
+    for n, r in zip(sizes, runs, strict=True):
+        crest = extremum(r.t, r.probes["fs_xm"] - REST["fs"], 1.92, 0.25, 1)[1]
+        yield Metric(case, f"crest of fs_xm near 1.92 s at {n} per layer [m]", crest)
+    yield from hygiene(case, runs[-1], void=False)
+
+
+CORNERS = {"mm": "x-y-", "mp": "x-y+", "pm": "x+y-", "pp": "x+y+"}
+
+
+def score_layers(case: str, r: Run) -> Iterator[Metric]:
+    """The first crest or trough in each corner against linear theory, which holds for t < 0.8 s."""
+    ref = table("P1/three_layer_forced_linear.csv")
+    early = (ref["t_s"] > 0.2) & (ref["t_s"] < 0.8)
+    for level in ("fs", "cw"):
+        for corner, name in CORNERS.items():
+            theory = ref[f"{level}_{name}"]
+            k = np.flatnonzero(early)[np.argmax(np.abs(theory[early]))]
+            t, sign = float(ref["t_s"][k]), 1 if theory[k] > 0 else -1
+            eta = smooth(r.t, r.probes[f"{level}_{corner}"] - REST[level], 0.04)
+            mine, theirs = extremum(r.t, eta, t, 0.15, sign), extremum(ref["t_s"], theory, t, 0.15, sign)
+            kind = "crest" if sign > 0 else "trough"
+            yield from extreme(case, f"{kind} of {level} at {name} near {t:.2g} s", mine, theirs, 0.08, 0.03)
+
+
+def sloshing3d_three_layers(_: bool) -> Iterator[Metric]:
+    """P1 4.1.2."""
+    case, r = "sloshing3d-three-layers", run("sloshing3d-three-layers", "resolution=20")
+    yield from score_layers(case, r)
+    yield from hygiene(case, r, void=False)
