@@ -18,7 +18,15 @@ static void flux(const Particles *s, const Model *model, int d, size_t first, si
     for (size_t i = 0; i < n; i++) out[i] = m[i] * half[phase[i]] * b[i];
 }
 
-/* One number of each neighbour: component d of a field, or made of fields. */
+/* 1 / Gamma, 0 of walls, which have none. */
+static void inverse_shepard(const Particles *s, const Model *model, int d, size_t first, size_t n, double *restrict out)
+{
+    (void)model, (void)d;
+    const double *restrict shepard = s->shepard + first;
+    for (size_t i = 0; i < n; i++) out[i] = shepard[i] > 0 ? 1 / shepard[i] : 0;
+}
+
+/* One number of each neighbour: component d of a field, or made of fields; 0 of a field that the scheme has not. */
 typedef struct Quantity {
     FieldId field;
     int d;
@@ -48,6 +56,13 @@ static const Quantity QUANTITIES[] = {
     [CARRIED_Q] = FLUX(0),
     FLUX(1),
     FLUX(2),
+    [CARRIED_SHEPARD] = {F_SHEPARD, 0, inverse_shepard, FIELD(SHEPARD), false},
+    [CARRIED_GRADIENT] = IS(GRADIENT, 0),
+    IS(GRADIENT, 1),
+    IS(GRADIENT, 2),
+    [CARRIED_NORMAL] = IS(NORMAL, 0),
+    IS(NORMAL, 1),
+    IS(NORMAL, 2),
 };
 
 static Bundle empty(int dim, int k)
@@ -98,12 +113,13 @@ Fields bundles_fields(const Bundles *b, unsigned needs)
 
 static const double *column(const Particles *s, const Model *model, int what, size_t first, size_t n, double *room)
 {
-    if (what == CARRIED_NOTHING) {
+    const Quantity *q = what == CARRIED_NOTHING ? NULL : &QUANTITIES[what];
+    const double *field = q ? particles_field(s, q->field, q->d) : NULL;
+    if (!field) {
         memset(room, 0, n * sizeof *room);
         return room;
     }
-    const Quantity *q = &QUANTITIES[what];
-    if (!q->make) return (const double *)particles_field(s, q->field, q->d) + first;
+    if (!q->make) return field + first;
     q->make(s, model, q->d, first, n, room);
     return room;
 }

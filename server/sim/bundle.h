@@ -10,44 +10,71 @@
 
 /* What terms need of a pair besides x_i - x_j and r. The table of what is carried for it is in bundle.c. */
 enum {
-    NEED_W = 1,     /* kernel                            */
-    NEED_F = 2,     /* its slope                         */
-    NEED_V = 4,     /* the neighbour's velocity          */
-    NEED_STATE = 8, /* its pressure, volume, impedance   */
-    NEED_FLUX = 16, /* its mass times advection velocity */
-    NEED_ALL = 31
+    NEED_W = 1,         /* kernel                            */
+    NEED_F = 2,         /* its slope                         */
+    NEED_V = 4,         /* the neighbour's velocity          */
+    NEED_STATE = 8,     /* its pressure, volume, impedance   */
+    NEED_FLUX = 16,     /* its mass times advection velocity */
+    NEED_SHEPARD = 32,  /* the inverse of its sum of W V */
+    NEED_GRADIENT = 64, /* its pressure gradient     */
+    NEED_NORMAL = 128,  /* its interface normal      */
+    NEED_OTHERS = 256,  /* whether it is of another fluid */
+    NEED_ALL = 511
 };
 
 /* Quantities, each of a member of Block (row.h) and of a row of the table in bundle.c. */
 enum {
-    CARRIED_X,                 /* x_j, until x_i - x_j takes its place                */
-    CARRIED_V = CARRIED_X + 3, /* v_j                                                 */
-    CARRIED_P = CARRIED_V + 3, /* pressure                                            */
-    CARRIED_VOLUME,            /* volume                                              */
-    CARRIED_Z,                 /* impedance rho c                                     */
-    CARRIED_Q,                 /* m_j w_j, w = dt/2 b; 0 where there is no stress     */
-    CARRIED_NOTHING = CARRIED_Q + 3
+    CARRIED_X,                       /* x_j, until x_i - x_j takes its place                */
+    CARRIED_V = CARRIED_X + 3,       /* v_j                                                 */
+    CARRIED_P = CARRIED_V + 3,       /* pressure                                            */
+    CARRIED_VOLUME,                  /* volume                                              */
+    CARRIED_Z,                       /* impedance rho c                                     */
+    CARRIED_Q,                       /* m_j w_j, w = dt/2 b; 0 where there is no stress     */
+    CARRIED_SHEPARD = CARRIED_Q + 3, /* 1 / sum of W V    */
+    CARRIED_GRADIENT,                /* pressure gradient */
+    CARRIED_NORMAL = CARRIED_GRADIENT + 3,
+    CARRIED_NOTHING = CARRIED_NORMAL + 3
 };
 
 /* THE layout, [dim - 2][bundle][quantity]: what changes together is together, where that takes no bundle more. Known when rows are
  * compiled, as looking up where to put each quantity would cost a tenth of a step. */
-enum { BUNDLES = 3 };
+enum { BUNDLES = 5 };
 static const uint8_t BUNDLE_LAYOUT[2][BUNDLES][4] = {
     {{CARRIED_X, CARRIED_X + 1, CARRIED_V, CARRIED_V + 1},
-     {CARRIED_P, CARRIED_VOLUME, CARRIED_Z, CARRIED_NOTHING},
-     {CARRIED_Q, CARRIED_Q + 1, CARRIED_NOTHING, CARRIED_NOTHING}},
+     {CARRIED_P, CARRIED_VOLUME, CARRIED_Z, CARRIED_SHEPARD},
+     {CARRIED_Q, CARRIED_Q + 1, CARRIED_NOTHING, CARRIED_NOTHING},
+     {CARRIED_GRADIENT, CARRIED_GRADIENT + 1, CARRIED_NORMAL, CARRIED_NORMAL + 1},
+     {CARRIED_NOTHING, CARRIED_NOTHING, CARRIED_NOTHING, CARRIED_NOTHING}},
     {{CARRIED_X, CARRIED_X + 1, CARRIED_X + 2, CARRIED_V},
      {CARRIED_V + 1, CARRIED_V + 2, CARRIED_Q, CARRIED_Q + 1},
-     {CARRIED_P, CARRIED_VOLUME, CARRIED_Z, CARRIED_Q + 2}},
+     {CARRIED_P, CARRIED_VOLUME, CARRIED_Z, CARRIED_Q + 2},
+     {CARRIED_SHEPARD, CARRIED_GRADIENT, CARRIED_GRADIENT + 1, CARRIED_GRADIENT + 2},
+     {CARRIED_NORMAL, CARRIED_NORMAL + 1, CARRIED_NORMAL + 2, CARRIED_NOTHING}},
 };
 
 /* The needs that bundle k has something for; all need positions. */
 static inline __attribute__((always_inline)) unsigned bundle_meets(int dim, int k)
 {
-    static const uint8_t NEED_FOR[] = {
-        [CARRIED_X] = NEED_ALL,   NEED_ALL,   NEED_ALL,   [CARRIED_V] = NEED_V,    NEED_V,    NEED_V,
-        [CARRIED_P] = NEED_STATE, NEED_STATE, NEED_STATE, [CARRIED_Q] = NEED_FLUX, NEED_FLUX, NEED_FLUX,
-        [CARRIED_NOTHING] = 0};
+    static const uint16_t NEED_FOR[] = {[CARRIED_X] = NEED_ALL,
+                                        NEED_ALL,
+                                        NEED_ALL,
+                                        [CARRIED_V] = NEED_V,
+                                        NEED_V,
+                                        NEED_V,
+                                        [CARRIED_P] = NEED_STATE,
+                                        NEED_STATE,
+                                        NEED_STATE,
+                                        [CARRIED_Q] = NEED_FLUX,
+                                        NEED_FLUX,
+                                        NEED_FLUX,
+                                        [CARRIED_SHEPARD] = NEED_SHEPARD,
+                                        [CARRIED_GRADIENT] = NEED_GRADIENT,
+                                        NEED_GRADIENT,
+                                        NEED_GRADIENT,
+                                        [CARRIED_NORMAL] = NEED_NORMAL,
+                                        NEED_NORMAL,
+                                        NEED_NORMAL,
+                                        [CARRIED_NOTHING] = 0};
     const uint8_t *of = BUNDLE_LAYOUT[dim - 2][k];
     return (unsigned)(NEED_FOR[of[0]] | NEED_FOR[of[1]] | NEED_FOR[of[2]] | NEED_FOR[of[3]]);
 }

@@ -22,7 +22,17 @@
     ROW(B, "background_acceleration", "m/s^2",                                                                         \
         "acceleration of the advection velocity by the background pressure (P3 eq. 11)", 3, MNS_F64, b)                \
     ROW(REF, "list_position", "m", "position when the neighbour lists were built", 3, MNS_F64, ref)                    \
-    ROW(Z, "impedance", "kg/(m^2 s)", "density times speed of sound", 1, MNS_F64, z)
+    ROW(Z, "impedance", "kg/(m^2 s)", "density times speed of sound", 1, MNS_F64, z)                                   \
+    ROW(SHEPARD, "shepard_sum", "1", "sum of W V over the particle and its neighbours", 1, MNS_F64, shepard)           \
+    ROW(GRADIENT, "pressure_gradient", "Pa/m", "gradient of the pressure, exact for linear fields", 3, MNS_F64,        \
+        gradient)                                                                                                      \
+    ROW(NORMAL, "interface_normal", "1", "towards other fluids, of unit length; 0 away from interfaces", 3, MNS_F64,   \
+        normal)                                                                                                        \
+    ROW(CONCENTRATION, "concentration_gradient", "1/m",                                                                \
+        "sum of V times the kernel's gradient, which points away from room", 3, MNS_F64, concentration)                \
+    ROW(X0, "position_before", "m", "position at the beginning of the step", 3, MNS_F64, x0)                           \
+    ROW(V0, "velocity_before", "m/s", "velocity at the beginning of the step", 3, MNS_F64, v0)                         \
+    ROW(RHO0, "density_before", "kg/m^3", "density at the beginning of the step", 1, MNS_F64, rho0)
 
 #define FIELD_ID(id, name, unit, meaning, components, type, member) F_##id,
 typedef enum FieldId { FIELD_ROWS(FIELD_ID) FIELDS_END } FieldId;

@@ -11,7 +11,7 @@
 typedef struct Geometry {
     Fetch fetch;
     bool periodic;
-    KernelShape W, F;
+    KernelShape kernel;
 } Geometry;
 
 /* All sums of particle i. */
@@ -38,10 +38,16 @@ INLINE Pair fetched_pair(const Block *b, int l, const double *beyond, const doub
         pair.x[d] = nearest(plan->model, x_i[d] - b->x[d][l], d, how.periodic);
         if (needs & NEED_V) pair.v[d] = b->v[d][l];
         if (needs & NEED_FLUX) pair.q[d] = b->q[d][l];
+        if (needs & NEED_GRADIENT) pair.gradient[d] = b->gradient[d][l];
+        if (needs & NEED_NORMAL) pair.normal[d] = b->normal[d][l];
     }
     pair.r = length(pair.x, dim) + beyond[l];
-    if (needs & NEED_W) pair.W = how.W(&plan->kernel, pair.r);
-    if (needs & NEED_F) pair.F = how.F(&plan->kernel, pair.r);
+    if (needs & (NEED_W | NEED_F)) {
+        const KernelValue value = how.kernel(&plan->kernel, pair.r);
+        pair.W = value.W;
+        pair.F = value.F;
+    }
+    if (needs & NEED_SHEPARD) pair.shepard = b->shepard[l];
     if (needs & NEED_STATE) {
         pair.p = b->p[l];
         pair.V = b->V[l];
@@ -50,22 +56,42 @@ INLINE Pair fetched_pair(const Block *b, int l, const double *beyond, const doub
     return pair;
 }
 
-INLINE void fused_row(FusedBody body, const RowPlan *plan, Particles *s, size_t i, int dim, Fetch fetch, bool periodic)
-{
-#define USE_UP(W, F) body(plan, s, i, dim, (Geometry){fetch, periodic, W, F})
-    WITH_KERNEL(plan->model->kernel.type, USE_UP)
-#undef USE_UP
-}
-
 /* FUSED_FUNCTIONS(body) makes functions of every level, in two and three dimensions, from a FusedBody that is INLINE;
- * FUSED_TABLE(body) is the table of them. */
+ * FUSED_TABLE(body) is the table of them. Each kernel has functions of its own: of several bodies in one, gcc gives up on some. */
+#define FUSED_SHAPE(type, shape, body, level, target, dim, fetch)                                                      \
+    target __attribute__((noinline)) static void body##_##level##_##dim##_##shape(const RowPlan *plan, Particles *s,   \
+                                                                                  size_t i)                            \
+    {                                                                                                                  \
+        body(plan, s, i, dim, (Geometry){fetch, false, shape});                                                        \
+    }                                                                                                                  \
+    target __attribute__((noinline)) static void body##_##level##_##dim##_periodic_##shape(const RowPlan *plan,        \
+                                                                                           Particles *s, size_t i)     \
+    {                                                                                                                  \
+        body(plan, s, i, dim, (Geometry){fetch, true, shape});                                                         \
+    }
+#define FUSED_CASE(type, shape, body, level, dim)                                                                      \
+    case type:                                                                                                         \
+        if (plan->model->periodic) body##_##level##_##dim##_periodic_##shape(plan, s, i);                              \
+        else body##_##level##_##dim##_##shape(plan, s, i);                                                             \
+        break;
+#ifndef MENISCUS_SANITIZED
+#define FUSED_FUNCTION(body, level, target, dim, fetch)                                                                \
+    EACH_KERNEL(FUSED_SHAPE, body, level, target, dim, fetch)                                                          \
+    target static void body##_##level##_##dim(const RowPlan *plan, Particles *s, size_t i)                             \
+    {                                                                                                                  \
+        switch (plan->model->kernel.type) {                                                                            \
+            EACH_KERNEL(FUSED_CASE, body, level, dim)                                                                  \
+        }                                                                                                              \
+    }
+#else
 #define FUSED_FUNCTION(body, level, target, dim, fetch)                                                                \
     target static void body##_##level##_##dim(const RowPlan *plan, Particles *s, size_t i)                             \
     {                                                                                                                  \
-        if (plan->model->periodic) fused_row(body, plan, s, i, dim, fetch, true);                                      \
-        else fused_row(body, plan, s, i, dim, fetch, false);                                                           \
+        const Model *model = plan->model;                                                                              \
+        body(plan, s, i, dim, (Geometry){fetch, model->periodic, kernel_shape_of(model->kernel.type)});                \
     }
-#if HAS_LEVELS && !defined __SANITIZE_ADDRESS__
+#endif
+#if HAS_LEVELS && !defined MENISCUS_SANITIZED
 #define FUSED_FUNCTIONS(body)                                                                                          \
     FUSED_FUNCTION(body, base, , 2, fetch_quads)                                                                       \
     FUSED_FUNCTION(body, base, , 3, fetch_quads)                                                                       \

@@ -31,18 +31,19 @@ Kernel kernel_make(MnsKernel type, int dim, double h)
 }
 
 INLINE void eval(const Kernel *kernel, size_t n, const double *restrict r, double *restrict W, double *restrict F,
-                 KernelShape W_of, KernelShape F_of)
+                 KernelShape shape)
 {
     const KernelScale k = kernel_scale(kernel);
     for (size_t i = 0; i < n; i++) {
-        W[i] = W_of(&k, r[i]);
-        F[i] = F_of(&k, r[i]);
+        const KernelValue value = shape(&k, r[i]);
+        W[i] = value.W;
+        F[i] = value.F;
     }
 }
 
 void kernel_eval(const Kernel *kernel, size_t n, const double *r, double *W, double *F)
 {
-#define EVAL(W_of, F_of) eval(kernel, n, r, W, F, W_of, F_of)
+#define EVAL(shape) eval(kernel, n, r, W, F, shape)
     WITH_KERNEL(kernel->type, EVAL)
 }
 

@@ -12,7 +12,12 @@ typedef struct KernelScale {
     double tiny;                    /* [m] keeps 0/0 away */
 } KernelScale;
 
-typedef double (*KernelShape)(const KernelScale *, double r);
+/* Both at once: what is not used costs nothing, and what they have in common is there once. */
+typedef struct KernelValue {
+    double W, F;
+} KernelValue;
+
+typedef KernelValue (*KernelShape)(const KernelScale *, double r);
 
 INLINE KernelScale kernel_scale(const Kernel *kernel)
 {
@@ -27,34 +32,20 @@ INLINE double positive(double x)
     return x < 0 ? 0 : x;
 }
 
-/* W = alpha (1 - q/2)^4 (2q + 1) */
-INLINE double wendland_c2_W(const KernelScale *k, double r)
+/* W = alpha (1 - q/2)^4 (2q + 1),  F = -5 alpha (1 - q/2)^3 / h^2 */
+INLINE KernelValue wendland_c2(const KernelScale *k, double r)
 {
     const double q = r * k->inverse_h, t = positive(1 - 0.5 * q), t2 = t * t;
-    return k->alpha * (t2 * t2) * (2 * q + 1);
+    return (KernelValue){k->alpha * (t2 * t2) * (2 * q + 1), k->slope * (t2 * t)};
 }
 
-/* F = -5 alpha (1 - q/2)^3 / h^2 */
-INLINE double wendland_c2_F(const KernelScale *k, double r)
-{
-    const double t = positive(1 - 0.5 * (r * k->inverse_h));
-    return k->slope * (t * t * t);
-}
-
-/* W = alpha [(3-q)^5 - 6 (2-q)^5 + 15 (1-q)^5], each power cut at 0 */
-INLINE double quintic_spline_W(const KernelScale *k, double r)
+/* W = alpha [(3-q)^5 - 6 (2-q)^5 + 15 (1-q)^5],  F = -5 alpha/(h r) [(3-q)^4 - 6 (2-q)^4 + 15 (1-q)^4], each power cut at 0 */
+INLINE KernelValue quintic_spline(const KernelScale *k, double r)
 {
     const double q = r * k->inverse_h, a = positive(3 - q), b = positive(2 - q), c = positive(1 - q);
     const double a2 = a * a, b2 = b * b, c2 = c * c;
-    return k->alpha * (a2 * a2 * a - 6 * (b2 * b2 * b) + 15 * (c2 * c2 * c));
-}
-
-/* F = -5 alpha/(h r) [(3-q)^4 - 6 (2-q)^4 + 15 (1-q)^4] */
-INLINE double quintic_spline_F(const KernelScale *k, double r)
-{
-    const double q = r * k->inverse_h, a = positive(3 - q), b = positive(2 - q), c = positive(1 - q);
-    const double a2 = a * a, b2 = b * b, c2 = c * c;
-    return k->slope / (q + k->tiny * k->inverse_h) * (a2 * a2 - 6 * (b2 * b2) + 15 * (c2 * c2));
+    return (KernelValue){k->alpha * (a2 * a2 * a - 6 * (b2 * b2 * b) + 15 * (c2 * c2 * c)),
+                         k->slope / (q + k->tiny * k->inverse_h) * (a2 * a2 - 6 * (b2 * b2) + 15 * (c2 * c2))};
 }
 
 /* exp(-s), 0 <= s <= 9, to 1e-14 of itself: the polynomial of s/32, squared five times. The C library's has other bits on other
@@ -78,26 +69,38 @@ INLINE double bell(double s)
     return e16 * e16;
 }
 
-/* W = alpha exp(-q^2) for q < 3, as P1 writes it: not renormalised */
-INLINE double truncated_gaussian_W(const KernelScale *k, double r)
+/* W = alpha exp(-q^2) for q < 3, as P1 writes it: not renormalised; F = -2 W / h^2 */
+INLINE KernelValue truncated_gaussian(const KernelScale *k, double r)
 {
-    const double q = r * k->inverse_h, W = k->alpha * bell(q * q);
-    return q >= 3 ? 0 : W;
+    const double q = r * k->inverse_h, e = bell(q * q), cut = q >= 3 ? 0 : e;
+    return (KernelValue){k->alpha * cut, k->slope * cut};
 }
 
-/* F = -2 W / h^2 */
-INLINE double truncated_gaussian_F(const KernelScale *k, double r)
+/* DO(type, shape, ...) for each kernel. The one list of them, as a loop is compiled for each. */
+#define EACH_KERNEL(DO, ...)                                                                                           \
+    DO(MNS_WENDLAND_C2, wendland_c2, __VA_ARGS__)                                                                      \
+    DO(MNS_TRUNCATED_GAUSSIAN, truncated_gaussian, __VA_ARGS__)                                                        \
+    DO(MNS_QUINTIC_SPLINE, quintic_spline, __VA_ARGS__)
+
+/* The shape of a kernel where it is not known when a loop is compiled: under a sanitizer, which takes minutes for a loop of each. */
+#define KERNEL_RETURN(type, shape, nothing)                                                                            \
+    case type: return shape;
+static inline KernelShape kernel_shape_of(MnsKernel type)
 {
-    const double q = r * k->inverse_h, F = k->slope * bell(q * q);
-    return q >= 3 ? 0 : F;
+    switch (type) {
+        EACH_KERNEL(KERNEL_RETURN, )
+    }
+    return NULL;
 }
 
-/* CALL(W, F) with the shapes of a kernel. The one list of them, as a loop is compiled for each. */
+/* CALL(shape) with that of a kernel. */
+#define KERNEL_CASE(type, shape, CALL)                                                                                 \
+    case type:                                                                                                         \
+        CALL(shape);                                                                                                   \
+        break;
 #define WITH_KERNEL(type, CALL)                                                                                        \
     switch (type) {                                                                                                    \
-    case MNS_WENDLAND_C2: CALL(wendland_c2_W, wendland_c2_F); break;                                                   \
-    case MNS_TRUNCATED_GAUSSIAN: CALL(truncated_gaussian_W, truncated_gaussian_F); break;                              \
-    case MNS_QUINTIC_SPLINE: CALL(quintic_spline_W, quintic_spline_F); break;                                          \
+        EACH_KERNEL(KERNEL_CASE, CALL)                                                                                 \
     }
 
 #endif

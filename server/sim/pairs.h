@@ -86,6 +86,13 @@ INLINE double *place(Block *block, int what)
     case CARRIED_Q:
     case CARRIED_Q + 1:
     case CARRIED_Q + 2: return block->q[what - CARRIED_Q];
+    case CARRIED_SHEPARD: return block->shepard;
+    case CARRIED_GRADIENT:
+    case CARRIED_GRADIENT + 1:
+    case CARRIED_GRADIENT + 2: return block->gradient[what - CARRIED_GRADIENT];
+    case CARRIED_NORMAL:
+    case CARRIED_NORMAL + 1:
+    case CARRIED_NORMAL + 2: return block->normal[what - CARRIED_NORMAL];
     default: return NULL;
     }
 }
@@ -102,6 +109,8 @@ INLINE void fetch_block(Block *block, const uint32_t *j, const Bundles *bundles,
     fetch_bundle(block, j, bundles, 0, dim, fetch);
     if (needs & bundle_meets(dim, 1)) fetch_bundle(block, j, bundles, 1, dim, fetch);
     if (needs & bundle_meets(dim, 2)) fetch_bundle(block, j, bundles, 2, dim, fetch);
+    if (needs & bundle_meets(dim, 3)) fetch_bundle(block, j, bundles, 3, dim, fetch);
+    if (needs & bundle_meets(dim, 4)) fetch_bundle(block, j, bundles, 4, dim, fetch);
 }
 
 /* Neighbours of a particle: pairs [0, fluid) are with fluid, in n_fluid blocks; so many with walls follow in the blocks up to n.

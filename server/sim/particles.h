@@ -16,11 +16,14 @@ typedef struct Particles {
     Fields fields;            /* that there are: those of the scheme; the pointers of others are NULL */
     size_t begin[GROUPS + 1]; /* group g is [begin[g], begin[g + 1]) */
     uint32_t *id;
-    uint8_t *phase;                 /* fluid; n_phases + wall for a dummy particle */
-    double *x[3], *v[3], *a[3];     /* position, velocity, acceleration */
-    double *b[3];                   /* acceleration by the background pressure, a_b of P3 eq. 11 */
-    double *ref[3];                 /* position when the neighbour lists were built */
-    double *m, *rho, *p, *vol, *z;  /* mass, density, pressure, volume, impedance rho c */
+    uint8_t *phase;                                     /* fluid; n_phases + wall for a dummy particle */
+    double *x[3], *v[3], *a[3];                         /* position, velocity, acceleration */
+    double *b[3];                                       /* acceleration by the background pressure, a_b of P3 eq. 11 */
+    double *ref[3];                                     /* position when the neighbour lists were built */
+    double *m, *rho, *p, *vol, *z;                      /* mass, density, pressure, volume, impedance rho c */
+    double *shepard;                                    /* sum of W V */
+    double *gradient[3], *normal[3], *concentration[3]; /* of the pressure; of the interface, 0 away from it */
+    double *x0[3], *v0[3], *rho0;   /* at the beginning of the step, for integrators of more than one evaluation */
     double *p_wall[MNS_MAX_FLUIDS]; /* [n_wall] pressure a wall shows to each fluid */
     double *v_wall[3];              /* [n_wall] fluid velocity extrapolated into a wall; NULL without viscosity */
     /* [n] within a step: of continuity d rho/dt, of summation the sum of W; between steps work space to permute */

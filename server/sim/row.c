@@ -4,7 +4,7 @@
 /* One block: neighbours, differences, distances, kernel. One after the other, so that the root of one block is taken while the
  * next is loaded. */
 INLINE void fill_block(Block *b, const uint32_t *j, const RowPlan *plan, unsigned needs, const double x_i[3], int dim,
-                       Fetch fetch, bool periodic, KernelShape W, KernelShape F)
+                       Fetch fetch, bool periodic, KernelShape kernel)
 {
     fetch_block(b, j, &plan->nb->bundles, needs, dim, fetch);
     const Model *model = plan->model;
@@ -18,27 +18,39 @@ INLINE void fill_block(Block *b, const uint32_t *j, const RowPlan *plan, unsigne
         }
         b->r[l] = sqrt(r2);
     }
-    if (plan->needs & NEED_W)
+    if ((plan->needs & NEED_W) && (plan->needs & NEED_F))
 #pragma omp simd
-        for (int l = 0; l < LANES; l++) b->W[l] = W(&plan->kernel, b->r[l]);
-    if (plan->needs & NEED_F)
+        for (int l = 0; l < LANES; l++) {
+            const KernelValue value = kernel(&plan->kernel, b->r[l]);
+            b->W[l] = value.W;
+            b->F[l] = value.F;
+        }
+    else if (plan->needs & NEED_W)
 #pragma omp simd
-        for (int l = 0; l < LANES; l++) b->F[l] = F(&plan->kernel, b->r[l]);
+        for (int l = 0; l < LANES; l++) b->W[l] = kernel(&plan->kernel, b->r[l]).W;
+    else
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) b->F[l] = kernel(&plan->kernel, b->r[l]).F;
 }
 
-INLINE void fill_blocks(Row *row, const RowPlan *plan, int dim, Fetch fetch, bool periodic, KernelShape W,
-                        KernelShape F)
+INLINE void fill_blocks(Row *row, const RowPlan *plan, int dim, Fetch fetch, bool periodic, KernelShape kernel)
 {
     const unsigned needs = row->summed ? plan->needs : plan->needs & ~(unsigned)NEED_FLUX;
     double x[3] = {0, 0, 0};
     for (int d = 0; d < dim; d++) x[d] = plan->s->x[d][row->i];
     for (size_t b = 0; b < row->n; b++)
-        fill_block(&row->block[b], row->j + b * LANES, plan, needs, x, dim, fetch, periodic, W, F);
+        fill_block(&row->block[b], row->j + b * LANES, plan, needs, x, dim, fetch, periodic, kernel);
 }
 
-INLINE void fill_row(Row *row, const RowPlan *plan, int dim, Fetch fetch, bool periodic){
-#define FILL(W, F) fill_blocks(row, plan, dim, fetch, periodic, W, F)
-    WITH_KERNEL(plan->model->kernel.type, FILL)}
+INLINE void fill_row(Row *row, const RowPlan *plan, int dim, Fetch fetch, bool periodic)
+{
+#ifndef MENISCUS_SANITIZED
+#define FILL(shape) fill_blocks(row, plan, dim, fetch, periodic, shape)
+    WITH_KERNEL(plan->model->kernel.type, FILL)
+#else
+    fill_blocks(row, plan, dim, fetch, periodic, kernel_shape_of(plan->model->kernel.type));
+#endif
+}
 
 /* Put what the last block was filled up with out of reach. */
 INLINE void hide(Block *last, size_t n, double far)
@@ -52,6 +64,18 @@ INLINE void hide(Block *last, size_t n, double far)
     }
 }
 
+/* Say which pairs are with another fluid. Most particles have none of these. */
+static bool mark_others(Row *row, const uint8_t *phase)
+{
+    const uint8_t mine = phase[row->i];
+    unsigned others = 0;
+    for (size_t k = 0; k < row->n_fluid * LANES; k++) others |= (unsigned)(phase[row->j[k]] ^ mine);
+    if (!others) return false;
+    for (Block *b = row->block; b < row->block + row->n_fluid; b++)
+        for (int l = 0; l < LANES; l++) b->other[l] = phase[row_j(row, b)[l]] == mine ? 0 : 1;
+    return true;
+}
+
 INLINE void build(Row *row, const RowPlan *plan, size_t i, int dim, Fetch fetch)
 {
     const Model *model = plan->model;
@@ -60,6 +84,7 @@ INLINE void build(Row *row, const RowPlan *plan, size_t i, int dim, Fetch fetch)
     row->summed = picked.summed;
     row->n_fluid = picked.n_fluid;
     row->n = picked.n;
+    row->mixed = plan->needs & NEED_OTHERS && !plan->nb->plain[i] && mark_others(row, plan->s->phase);
     if (model->periodic) fill_row(row, plan, dim, fetch, true);
     else fill_row(row, plan, dim, fetch, false);
     const double far = 2 * model->kernel.support;

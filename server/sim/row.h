@@ -20,12 +20,17 @@ typedef struct Block {
     double v[3][LANES];                  /* v_j                               m/s        */
     double p[LANES], V[LANES], z[LANES]; /* of j             Pa, m^dim, kg/(m^2 s) */
     double q[3][LANES];                  /* m_j w_j, 0 without a stress       kg m/s     */
+    double shepard[LANES];               /* 1 / sum of W V of j               1          */
+    double gradient[3][LANES];           /* pressure gradient of j            Pa/m       */
+    double normal[3][LANES];             /* interface normal of j, or 0       1          */
+    double other[LANES];                 /* 1 if j is of another fluid, else 0; of mixed rows */
 } Block;
 
 typedef struct Row {
     size_t i;               /* the particle                                */
     size_t n_fluid, n;      /* blocks [0, n_fluid) are fluid, [n_fluid, n) walls */
     bool summed;            /* is any of them of summed density?           */
+    bool mixed;             /* is any of another fluid? With NEED_OTHERS */
     uint32_t j[PICKED_MAX]; /* neighbours, eight to a block */
     Block block[ROW_BLOCKS];
 } Row;
@@ -71,16 +76,25 @@ INLINE double lanes_sum(const Lanes *a)
 
 /* One pair. What a loop does not use costs it nothing. */
 typedef struct Pair {
-    double x[3], r, W, F, v[3], p, V, z, q[3]; /* as in Block */
+    double x[3], r, W, F, v[3], p, V, z, q[3], shepard, gradient[3], normal[3], other; /* as in Block */
 } Pair;
 
 INLINE Pair block_pair(const Block *b, int l, int dim)
 {
-    Pair pair = {.r = b->r[l], .W = b->W[l], .F = b->F[l], .p = b->p[l], .V = b->V[l], .z = b->z[l]};
+    Pair pair = {.r = b->r[l],
+                 .W = b->W[l],
+                 .F = b->F[l],
+                 .p = b->p[l],
+                 .V = b->V[l],
+                 .z = b->z[l],
+                 .shepard = b->shepard[l],
+                 .other = b->other[l]};
     for (int d = 0; d < dim; d++) {
         pair.x[d] = b->x[d][l];
         pair.v[d] = b->v[d][l];
         pair.q[d] = b->q[d][l];
+        pair.gradient[d] = b->gradient[d][l];
+        pair.normal[d] = b->normal[d][l];
     }
     return pair;
 }
