@@ -33,7 +33,7 @@ client_libs := $(shell pkg-config --libs $(CLIENT_PKGS) 2>/dev/null)
 # CPPFLAGS, CFLAGS, LDFLAGS and LDLIBS are the user's: they come last and win.
 cppflags  := -Iinclude -Iserver -I. -I$(BUILD)/gen -D_GNU_SOURCE -DMENISCUS_VERSION='"$(VERSION)"' $(pkg_cflags)
 cases     := -DMENISCUS_CASES='"$(PREFIX)/share/meniscus/cases"'
-sanitize  := $(if $(SANITIZE),-fsanitize=$(SANITIZE) -fno-omit-frame-pointer)
+sanitize  := $(if $(SANITIZE),-fsanitize=$(SANITIZE) -fno-omit-frame-pointer -DMENISCUS_SANITIZED)
 cflags    := -std=c17 -g $(OPT) $(FLOAT) -fopenmp -fPIC -ffile-prefix-map=$(CURDIR)=. $(sanitize)
 ldflags   := -fopenmp -Wl,--as-needed $(sanitize)
 compile    = $(CC) $(cppflags) $(CPPFLAGS) $(cflags)

@@ -371,6 +371,9 @@ static MnsStatus check_interfaces(const MnsCase *c, MnsError *error)
             if (!bounds_hold(BOUNDS_Interface_tension, sigma))
                 return mns_fail_at(error, MNS_E_INVALID, "interfaces", "found a tension of %g, allowed: %s", sigma,
                                    BOUNDS_Interface_tension.words);
+            if (sigma > 0 && strcmp(c->scheme.name, "riemann") == 0)
+                return mns_fail_at(error, MNS_E_INVALID, "interfaces",
+                                   "the scheme riemann has no surface tension; take another scheme, or no tension");
             if (sigma != c->tension[b][a] || (a == b && sigma != 0))
                 return mns_fail_at(error, MNS_E_INVALID, "interfaces",
                                    "a tension is between two fluids, and the same either way round");

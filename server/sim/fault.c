@@ -77,8 +77,9 @@ static const char *blame(MnsSim *sim, size_t i, bool density)
     }
     Row *row = array_new(1, sizeof *row); /* aligned */
     if (!row) return "unknown";
-    neighbours_refresh(&sim->nb, &sim->s, model, NEED_ALL);
-    const RowPlan plan = row_plan(&sim->nb, &sim->s, model, NEED_ALL, ROW_LISTED);
+    const unsigned needs = scheme_needs(sim->scheme);
+    neighbours_refresh(&sim->nb, &sim->s, model, needs);
+    const RowPlan plan = row_plan(&sim->nb, &sim->s, model, needs, ROW_LISTED);
     row_build(row, &plan, i);
     const unsigned group = i < sim->s.begin[GROUP_SUMMATION] ? ON_CONTINUITY : ON_SUMMATION;
     const Pass *passes = sim->scheme->rates;

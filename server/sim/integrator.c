@@ -91,6 +91,25 @@ void integrator_rates(MnsSim *sim, int first)
     }
 }
 
+bool integrator_look(MnsSim *sim)
+{
+    const Particles *s = &sim->s;
+    const Model *model = &sim->model;
+    const size_t n = particles_fluid(s);
+    double fastest = 0;
+    size_t bad = 0;
+#pragma omp parallel for schedule(static) reduction(max : fastest) reduction(+ : bad) num_threads(sim->threads)
+    for (size_t i = 0; i < n; i++) {
+        double v2 = 0;
+        for (int d = 0; d < s->dim; d++) v2 += s->v[d][i] * s->v[d][i];
+        const double ratio = s->rho[i] / model->phase[s->phase[i]].rho0;
+        bad += !(v2 < INFINITY && ratio > model->density_min && ratio < model->density_max);
+        fastest = v2 > fastest ? v2 : fastest;
+    }
+    sim->v_max = sqrt(fastest);
+    return bad == 0;
+}
+
 void integrator_walls(MnsSim *sim, double t, double dt)
 {
     WallState before[MNS_MAX_WALLS];
@@ -122,7 +141,8 @@ void integrator_derive(MnsSim *sim)
 {
     particles_changed(&sim->s, ON_ALL, ALL_FIELDS);
     local_run(sim->scheme->derive, &sim->s, &sim->model, sim->threads);
-    if (sim->scheme->restore) pass_run(sim->scheme->restore, &sim->s, &sim->nb, &sim->model, sim->threads);
+    for (int k = sim->scheme->again[0]; k < sim->scheme->again[1]; k++)
+        pass_run(&sim->scheme->rates[k], &sim->s, &sim->nb, &sim->model, sim->threads);
 }
 
 MnsStatus integrator_restart(MnsSim *sim, MnsError *error)

@@ -14,6 +14,9 @@ MnsStatus integrator_lists(MnsSim *sim, MnsError *error);
 /* The scheme's passes, from this one on. */
 void integrator_rates(MnsSim *sim, int first);
 
+/* The two questions about new velocities and densities: how fast, which is noted, and is all well? */
+bool integrator_look(MnsSim *sim);
+
 /* Book the time since start, by omp_get_wtime(), to one of the simulation's timers. */
 void integrator_clock(MnsSim *sim, size_t timer, double start);
 

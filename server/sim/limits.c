@@ -3,6 +3,8 @@
 #include "sim/sim.h"
 #include <math.h>
 
+static const double PI = 3.14159265358979323846;
+
 /* Largest speed of fluid or wall. */
 static double speed(const MnsSim *sim)
 {
@@ -39,7 +41,7 @@ static double body_force(const MnsSim *sim)
 }
 
 /* The harmonic mean of two viscosities moves the lighter fluid. */
-static double viscous(const MnsSim *sim)
+static double viscous_by(const MnsSim *sim, double factor)
 {
     const Model *model = &sim->model;
     double least = INFINITY;
@@ -48,9 +50,48 @@ static double viscous(const MnsSim *sim)
             const Phase *p = &model->phase[a], *q = &model->phase[b];
             if (p->mu + q->mu <= 0) continue;
             const double h = model->kernel.h, mu = 2 * p->mu * q->mu / (p->mu + q->mu);
-            least = fmin(least, 0.125 * h * h * fmin(p->rho0, q->rho0) / mu);
+            least = fmin(least, factor * h * h * fmin(p->rho0, q->rho0) / mu);
         }
     return least;
+}
+
+static double viscous(const MnsSim *sim)
+{
+    return viscous_by(sim, 0.125);
+}
+
+static double radial_viscous(const MnsSim *sim)
+{
+    return viscous_by(sim, 0.06);
+}
+
+/* Waves of the interface move both fluids. */
+static double tension(const MnsSim *sim)
+{
+    const Model *model = &sim->model;
+    double least = INFINITY;
+    for (size_t a = 0; a < model->n_phases; a++)
+        for (size_t b = 0; b < a; b++) {
+            const double rho = 0.5 * (model->phase[a].rho0 + model->phase[b].rho0), h = model->kernel.h;
+            if (model->tension[a][b] > 0)
+                least = fmin(least, 0.25 * sqrt(rho * h * h * h / (2 * PI * model->tension[a][b])));
+        }
+    return least;
+}
+
+/* With arithmetic averages a light particle is as stiff as the heavy one beside it. */
+static double stiff_interface(const MnsSim *sim)
+{
+    const Model *model = &sim->model;
+    double least = INFINITY;
+    if (model->density_average > 0) return INFINITY;
+    for (size_t a = 0; a < model->n_phases; a++)
+        for (size_t b = 0; b < model->n_phases; b++) {
+            const Phase *heavy = &model->phase[a], *light = &model->phase[b];
+            if (light->rho0 < heavy->rho0)
+                least = fmin(least, model->kernel.h / (heavy->c * sqrt(heavy->rho0 / light->rho0)));
+        }
+    return least * (model->delta > 0 ? 2 : 1);
 }
 
 const Limit acoustic_limit = {
@@ -75,6 +116,30 @@ const Limit viscous_limit = {
     .equation = "dt <= 0.125 h^2 rho / mu",
     .entries = "viscosity, density, resolution",
     .of = viscous,
+};
+
+const Limit radial_viscous_limit = {
+    .name = "viscosity",
+    .source = "schemes/README.md",
+    .equation = "dt <= 0.06 h^2 rho / mu",
+    .entries = "viscosity, density, resolution",
+    .of = radial_viscous,
+};
+
+const Limit tension_limit = {
+    .name = "surface tension",
+    .source = "P1 eq. 23",
+    .equation = "dt <= 0.25 sqrt(rho h^3 / (2 pi sigma)),  rho the mean of the two",
+    .entries = "interfaces, density, resolution",
+    .of = tension,
+};
+
+const Limit interface_limit = {
+    .name = "stiffness across interfaces",
+    .source = "schemes/README.md",
+    .equation = "dt <= h / (c_h sqrt(rho_h / rho_l)), twice that with dissipation; none with averages by density",
+    .entries = "pair_average of the scheme, density, sound_speed, resolution",
+    .of = stiff_interface,
 };
 
 double limits_dt(const MnsSim *sim, const Limit **ret_limit)

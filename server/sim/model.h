@@ -10,6 +10,8 @@
 typedef struct Phase {
     double rho0, c, mu; /* reference density [kg/m^3], speed of sound [m/s], dynamic viscosity [Pa s] */
     double p_b;         /* background pressure of the transport velocity [Pa]; 0: it is not spread */
+    double exponent;    /* of Tait's equation of state; 1: the linear one */
+    double background;  /* in all pressures [Pa] */
     bool summation;     /* density by summation, and the stress of the transport velocity; else continuity */
 } Phase;
 
@@ -33,16 +35,23 @@ typedef struct Model {
     size_t n_phases, n_walls;
     Phase phase[MNS_MAX_FLUIDS];
     WallState wall[MNS_MAX_WALLS];
-    double c_max, rho_max;                     /* of the fluids */
-    bool viscous;                              /* any fluid */
-    double viscous_scale;                      /* of the viscous sum, so that it is exact on the lattice */
-    bool filled;                               /* at the start, no place was without fluid or wall, and no side open */
-    bool closed;                               /* and never will be, as all walls move as one */
-    bool transport_stress;                     /* option of the scheme */
-    double t, dt;                              /* end of the current step [s], its length [s] */
-    double gravity[3];                         /* at t [m/s^2] */
-    double cfl, limiter, guard;                /* options of the scheme; guard in [m] */
-    double density_min, density_max, dt_floor; /* limits, over the reference density and the first time step */
+    double c_max, rho_max;             /* of the fluids */
+    bool viscous;                      /* any fluid */
+    double viscous_scale;              /* of the viscous sum, so that it is exact on the lattice */
+    bool filled;                       /* at the start, no place was without fluid or wall, and no side open */
+    bool closed;                       /* and never will be, as all walls move as one */
+    bool transport_stress;             /* option of the scheme */
+    double t, dt;                      /* end of the current step [s], its length [s] */
+    double gravity[3];                 /* at t [m/s^2] */
+    double cfl, limiter, guard;        /* options of the scheme; guard in [m] */
+    double density_average;            /* 1: pairs are averaged by density; 0: arithmetically */
+    double delta, repulsion, shifting; /* of density dissipation, between unlike fluids, of particle shifting */
+    bool dissipates_rest,
+        keeps_pair_volume;        /* of the dissipation: only what is left beside a linear field; the factor */
+    bool shifts_along_interfaces; /* and corrects from the same fluid; else P2's original */
+    bool tense;                   /* is there any surface tension? */
+    double tension[MNS_MAX_FLUIDS][MNS_MAX_FLUIDS]; /* [N/m] */
+    double density_min, density_max, dt_floor;      /* limits, over the reference density and the first time step */
 } Model;
 
 /* x_i - x_j along direction d, to the nearest image. */

@@ -17,7 +17,8 @@ MnsStatus neighbours_init(Neighbours *nb, size_t n, int dim, unsigned needs, int
     nb->end = array_new(n, sizeof *nb->end);
     nb->counts = array_new(sort_counts(threads), sizeof *nb->counts);
     slabs_init(&nb->slabs, n * USUAL, threads);
-    const bool well = bundles_init(&nb->bundles, n, dim, needs);
+    nb->plain = needs & NEED_OTHERS ? array_new(n, sizeof *nb->plain) : NULL;
+    const bool well = (nb->plain || !(needs & NEED_OTHERS)) && bundles_init(&nb->bundles, n, dim, needs);
     if (well && nb->list && nb->end && nb->counts) return MNS_OK;
     neighbours_done(nb);
     return mns_fail(error, MNS_E_MEMORY, "no memory for the neighbour lists of %zu particles", n);
@@ -29,6 +30,7 @@ void neighbours_done(Neighbours *nb)
     bundles_done(&nb->bundles);
     free(nb->list);
     free(nb->end);
+    free(nb->plain);
     free(nb->start);
     free(nb->counts);
     *nb = (Neighbours){0};
@@ -189,6 +191,19 @@ static void clear_ends(Neighbours *nb)
     for (size_t i = 0; i < nb->n; i++) memset(nb->end[i], 0, sizeof nb->end[i]);
 }
 
+static void find_plain(Neighbours *nb, const Particles *s)
+{
+    const size_t n = particles_fluid(s);
+#pragma omp parallel for schedule(static) num_threads(nb->threads)
+    for (size_t i = 0; i < n; i++) {
+        const uint32_t *list = nb->list[i];
+        const size_t fluid = nb->end[i][GROUP_SUMMATION];
+        unsigned others = nb->end[i][GROUP_WALL] > fluid;
+        for (size_t k = 0; k < fluid; k++) others |= (unsigned)(s->phase[list[k]] ^ s->phase[i]);
+        nb->plain[i] = others == 0;
+    }
+}
+
 MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, MnsError *error)
 {
     const double distance = model->kernel.support + model->skin;
@@ -201,7 +216,9 @@ MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, Mns
     particles_permute(s, sort_by_cell(s, &grid, nb->start, nb->counts, room, nb->threads), nb->threads);
     clear_ends(nb);
     const Trouble trouble = search_all(nb, s, model, &grid, distance);
-    return trouble.no_memory || trouble.crowded != UINT32_MAX ? complain(&trouble, s, error) : MNS_OK;
+    if (trouble.no_memory || trouble.crowded != UINT32_MAX) return complain(&trouble, s, error);
+    if (nb->plain) find_plain(nb, s);
+    return MNS_OK;
 }
 
 size_t neighbours_pairs(const Neighbours *nb)
@@ -215,5 +232,6 @@ size_t neighbours_pairs(const Neighbours *nb)
 size_t neighbours_bytes(const Neighbours *nb)
 {
     return nb->start_capacity * sizeof *nb->start + sort_counts(nb->threads) * sizeof *nb->counts +
-           nb->n * (sizeof *nb->list + sizeof *nb->end) + bundles_bytes(&nb->bundles, nb->n) + slabs_bytes(&nb->slabs);
+           nb->n * (sizeof *nb->list + sizeof *nb->end + (nb->plain ? sizeof *nb->plain : 0)) +
+           bundles_bytes(&nb->bundles, nb->n) + slabs_bytes(&nb->slabs);
 }

@@ -16,6 +16,7 @@ typedef struct Neighbours {
     Grid grid;               /* the lists were built with */
     uint32_t **list;         /* [n] neighbours of i, and behind them their marks, in slabs */
     uint16_t (*end)[GROUPS]; /* [n] entries [0, end[i][g]) of the list of i are of groups up to g */
+    uint8_t *plain;          /* [n] are all of its neighbours of its own fluid? NULL if no term asks */
     uint32_t *start;         /* [GROUPS * cells + 1] first particle of each cell, by group */
     size_t start_capacity;
     uint32_t *counts; /* work space to sort */

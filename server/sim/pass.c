@@ -57,8 +57,14 @@ static bool same_terms(const Fusion *fusion, int n, const Term *const *terms)
 
 static const Fusion *fusion_for(const Pass *pass, int n, const Term *const *terms)
 {
-    for (int k = 0; k < PASS_FUSIONS_MAX && pass->fusions[k]; k++)
-        if (same_terms(pass->fusions[k], n, terms)) return pass->fusions[k];
+    const Term *busy[PASS_TERMS_MAX]; /* inside a fluid */
+    int n_busy = 0;
+    for (int k = 0; k < n; k++)
+        if (!terms[k]->idle_inside) busy[n_busy++] = terms[k];
+    for (int k = 0; k < PASS_FUSIONS_MAX && pass->fusions[k]; k++) {
+        const Fusion *fusion = pass->fusions[k];
+        if (fusion->plain ? same_terms(fusion, n_busy, busy) : same_terms(fusion, n, terms)) return fusion;
+    }
     return NULL;
 }
 
@@ -93,12 +99,6 @@ static int prompt(const Locals *after)
     return n;
 }
 
-static void fused_rows(const Sweep *sweep, Particles *s, const Model *model, size_t first, size_t last)
-{
-    const FusedFunction row = sweep->fusion->row[model->level][s->dim - 2];
-    for (size_t i = first; i < last; i++) row(&sweep->plan, s, i);
-}
-
 static void rows(const Sweep *sweep, Row *row, Particles *s, const Model *model, size_t first, size_t last)
 {
     for (size_t i = first; i < last; i++) {
@@ -107,10 +107,21 @@ static void rows(const Sweep *sweep, Row *row, Particles *s, const Model *model,
     }
 }
 
+/* What is fused for some particles only leaves the others to rows. */
+static void fused_rows(const Sweep *sweep, Row *row, Particles *s, const Model *model, size_t first, size_t last)
+{
+    const FusedFunction fused = sweep->fusion->row[model->level][s->dim - 2];
+    const uint8_t *plain = sweep->fusion->plain ? sweep->plan.nb->plain : NULL;
+    for (size_t i = first; i < last; i++) {
+        if (!plain || plain[i]) fused(&sweep->plan, s, i);
+        else rows(sweep, row, s, model, i, i + 1);
+    }
+}
+
 static void sweep_chunk(const Sweep *sweep, Row *row, Particles *s, const Model *model, size_t first, size_t last)
 {
     for (int k = 0; k < sweep->n_before; k++) sweep->before[k]->apply(s, model, first, last);
-    if (sweep->fusion) fused_rows(sweep, s, model, first, last);
+    if (sweep->fusion) fused_rows(sweep, row, s, model, first, last);
     else if (sweep->n_terms) rows(sweep, row, s, model, first, last);
     for (int k = 0; k < sweep->n_after; k++) sweep->after[k]->apply(s, model, first, last);
 }

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static const Scheme *const SCHEMES[] = {&scheme_riemann};
+static const Scheme *const SCHEMES[] = {&scheme_riemann, &scheme_dissipation, &scheme_interfacial};
 enum { N_SCHEMES = sizeof SCHEMES / sizeof *SCHEMES };
 
 const Scheme *scheme_find(const char *name)
@@ -24,7 +24,7 @@ static Fields written(const Local *const *locals)
 
 Fields scheme_fields(const Scheme *scheme)
 {
-    Fields fields = scheme->state | scheme->derive->writes;
+    Fields fields = scheme->state | scheme->derive->writes | scheme->integrator->works;
     for (int p = 0; p < SCHEME_PASSES_MAX && scheme->rates[p].name; p++) {
         const Pass *pass = &scheme->rates[p];
         fields |= written(pass->before) | written(pass->after);

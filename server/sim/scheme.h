@@ -14,6 +14,7 @@ typedef struct Term {
     bool (*needed)(const Model *); /* NULL: always */
     unsigned needs;                /* of each pair: NEED_F | NEED_V ... */
     Fields writes;
+    bool idle_inside;           /* nothing to do for a particle whose neighbours are all of its own fluid */
     RowFunction row[LEVELS][2]; /* ROW_TABLE() */
 } Term;
 
@@ -37,7 +38,8 @@ enum { PASS_TERMS_MAX = 8, PASS_LOCALS_MAX = 4, PASS_FUSIONS_MAX = 4 };
 /* Several terms in one function (fused.h), used for groups that need just these. */
 typedef struct Fusion {
     const Term *terms[PASS_TERMS_MAX]; /* ends with NULL, in the order of the pass */
-    FusedFunction row[LEVELS][2];      /* FUSED_TABLE() */
+    bool plain; /* only for particles whose neighbours are all of their own fluid: without terms that are idle there */
+    FusedFunction row[LEVELS][2]; /* FUSED_TABLE() */
 } Fusion;
 
 /* One sweep: local rules before, terms sharing a Row, local rules after. All lists end with NULL. */
@@ -53,6 +55,7 @@ typedef struct Pass {
 typedef struct Integrator {
     const char *name, *source, *equation;
     MnsStatus (*step)(MnsSim *, double t, double dt, MnsError *error); /* of length dt, to t */
+    Fields works;                                                      /* room it needs within a step */
 } Integrator;
 
 /* A bound of the time step; INFINITY where it does not bind. */
@@ -72,11 +75,11 @@ typedef struct Scheme {
     Fields state;                           /* what a run goes on from: in checkpoints and in the hash */
     int given;                              /* passes left out at the start, where the case gives their results */
     const Local *derive; /* what follows from the state without neighbours, after it was set or restored */
-    const Pass *restore; /* and with neighbours; NULL if nothing does */
+    int again[2];        /* and with neighbours: passes [again[0], again[1]) */
     void (*options)(Model *, const MnsCase *); /* from the case to the model */
 } Scheme;
 
-extern const Scheme scheme_riemann;
+extern const Scheme scheme_riemann, scheme_dissipation, scheme_interfacial;
 
 /* All fields that its particles have. */
 Fields scheme_fields(const Scheme *scheme);

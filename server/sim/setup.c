@@ -40,11 +40,17 @@ void setup_options(MnsSim *sim, const MnsCase *c)
     model->viscous = false;
     for (size_t k = 0; k < c->n_fluids; k++) {
         const MnsFluid *f = &c->fluids[k];
-        model->phase[k] = (Phase){.rho0 = f->density, .c = f->sound_speed, .mu = f->viscosity};
+        model->phase[k] = (Phase){.rho0 = f->density, .c = f->sound_speed, .mu = f->viscosity, .exponent = 1};
         model->c_max = fmax(model->c_max, f->sound_speed);
         model->rho_max = fmax(model->rho_max, f->density);
         model->viscous = model->viscous || f->viscosity > 0;
     }
+    model->tense = false;
+    for (size_t a = 0; a < c->n_fluids; a++)
+        for (size_t b = 0; b < c->n_fluids; b++) {
+            model->tension[a][b] = c->tension[a][b];
+            model->tense = model->tense || c->tension[a][b] > 0;
+        }
     model->cfl = c->scheme.cfl;
     model->density_min = c->limits.density_min;
     model->density_max = c->limits.density_max;

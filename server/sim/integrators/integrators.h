@@ -6,5 +6,6 @@
 #include "sim/scheme.h"
 
 extern const Integrator kick_drift_kick;
+extern const Integrator predictor_corrector;
 
 #endif

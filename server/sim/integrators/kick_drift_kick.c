@@ -15,6 +15,14 @@ static void kick_and_drift(MnsSim *sim, double dt)
     for (int d = 0; d < s->dim; d++) {
         double *restrict x = s->x[d], *restrict v = s->v[d];
         const double *restrict a = s->a[d], *restrict b = s->b[d];
+        if (!b) { /* no transport velocity in this scheme */
+#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
+            for (size_t i = 0; i < n; i++) {
+                v[i] += half * a[i];
+                x[i] += dt * v[i];
+            }
+            continue;
+        }
 #pragma omp parallel for simd schedule(static) num_threads(sim->threads)
         for (size_t i = 0; i < n; i++) {
             v[i] += half * a[i];

@@ -5,10 +5,12 @@
 
 #include "sim/scheme.h"
 
-extern const Local advance_density;  /* density.c  continuity: one step of d rho/dt    */
-extern const Local mass_over_volume; /* density.c  summation: mass times number density */
-extern const Local closed_volume;    /* closure.c  liquids that fill a space keep its volume */
-extern const Local linear_pressure;  /* state.c    p = c^2 (rho - rho0), V, z           */
-extern const Local body_force;       /* force.c    a = g                                */
+extern const Local advance_density;   /* density.c  continuity: one step of d rho/dt    */
+extern const Local mass_over_volume;  /* density.c  summation: mass times number density */
+extern const Local closed_volume;     /* closure.c  liquids that fill a space keep its volume */
+extern const Local linear_pressure;   /* state.c    p = c^2 (rho - rho0), V, z           */
+extern const Local volume_of_density; /* state.c   V = m / rho                          */
+extern const Local tait_pressure;     /* state.c    p = c^2 rho0/gamma ((rho/rho0)^gamma - 1) */
+extern const Local body_force;        /* force.c    a = g                                */
 
 #endif

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Linear equation of state, and what follows from density and pressure.                                          P3 eq. 3 */
+/* The equation of state of each fluid, and what follows from density and pressure. */
 #include "sim/state.h"
 #include "sim/locals/locals.h"
 
-static void linear(Particles *s, const Model *model, size_t first, size_t last)
+static void state(Particles *s, const Model *model, size_t first, size_t last)
 {
     for (size_t i = first; i < last; i++) {
         const Phase *phase = &model->phase[s->phase[i]];
@@ -15,9 +15,35 @@ static void linear(Particles *s, const Model *model, size_t first, size_t last)
 
 const Local linear_pressure = {
     .name = "linear state equation",
-    .source = "P3 eq. 3",
+    .source = "P1 eq. 5, P3 eq. 3",
     .equation = "p_i = c^2 (rho_i - rho0),  V_i = m_i / rho_i",
     .on = ON_FLUID,
-    .apply = linear,
+    .apply = state,
+    .writes = FIELD(P) | FIELD(VOL) | FIELD(Z),
+};
+
+static void volumes(Particles *s, const Model *model, size_t first, size_t last)
+{
+    for (size_t i = first; i < last; i++) {
+        s->vol[i] = s->m[i] / s->rho[i];
+        s->z[i] = s->rho[i] * model->phase[s->phase[i]].c;
+    }
+}
+
+const Local volume_of_density = {
+    .name = "volume",
+    .source = "P2 eq. 13",
+    .equation = "V_i = m_i / rho_i",
+    .on = ON_FLUID,
+    .apply = volumes,
+    .writes = FIELD(VOL) | FIELD(Z),
+};
+
+const Local tait_pressure = {
+    .name = "Tait's state equation",
+    .source = "P2 eq. 6",
+    .equation = "p_i = c^2 rho0/gamma ((rho_i/rho0)^gamma - 1) + p_b,  V_i = m_i / rho_i",
+    .on = ON_FLUID,
+    .apply = state,
     .writes = FIELD(P) | FIELD(VOL) | FIELD(Z),
 };

@@ -62,6 +62,6 @@ const Scheme scheme_riemann = {
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(M) | FIELD(A) | FIELD(B) | FIELD(REF),
     .given = 1,
     .derive = &linear_pressure,
-    .restore = &scheme_riemann.rates[1],
+    .again = {1, 2},
     .options = riemann_options,
 };

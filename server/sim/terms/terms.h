@@ -15,9 +15,34 @@ extern const Term wall_friction;    /* viscosity.c         on walls without slip
 extern const Term wall_pressure;    /* wall.c              pressure a wall shows to each fluid          */
 extern const Term wall_velocity;    /* wall.c              fluid velocity extrapolated into a wall      */
 
-extern const Fusion number_density_alone;  /* number_density.c                                    */
-extern const Fusion riemann_density_alone; /* riemann.c                                           */
-extern const Fusion riemann_forces;        /* riemann_forces.c    momentum, background and stress */
+extern const Term mirrored_velocity;     /* wall.c           what a wall's particles move like to the fluid */
+extern const Term shepard_sum;           /* shepard.c        sum of W V                                  */
+extern const Term continuity;            /* continuity.c     density by what flows together              */
+extern const Term volume_continuity;     /* continuity.c     the same, of volumes                        */
+extern const Term pressure_gradient;     /* dissipation.c    exact for linear fields                     */
+extern const Term density_dissipation;   /* dissipation.c    of density increments                       */
+extern const Term pressure_force;        /* pressure_force.c weighted by the product of volumes          */
+extern const Term volume_pressure_force; /* pressure_force.c weighted by their squares                   */
+extern const Term interface_normal;      /* tension.c        and with corrected gradients                */
+extern const Term corrected_normal;
+extern const Term surface_tension; /* tension.c        and with corrected gradients                */
+extern const Term corrected_tension;
+extern const Term radial_viscosity; /* radial_viscosity.c  along the line of a pair                 */
+extern const Term radial_friction;  /* radial_viscosity.c  on walls without slip                    */
+extern const Term concentration;    /* shifting.c       where there are fewer particles             */
+extern const Term shifting;         /* shifting.c       particles to where there are fewer          */
+
+extern const Fusion dissipation_shape;          /* dissipation_shape.c     sums and gradients              */
+extern const Fusion dissipation_tense_shape;    /*                         and no normal                   */
+extern const Fusion dissipation_rates;          /* dissipation_rates.c     all rates                       */
+extern const Fusion dissipation_viscous_rates;  /*                         and viscosity                   */
+extern const Fusion interfacial_density;        /* interfacial_density.c   continuity and dissipation      */
+extern const Fusion no_interface;               /* tension.c               no normal inside a fluid        */
+extern const Fusion interfacial_forces;         /* interfacial_forces.c    pressure and shifting           */
+extern const Fusion interfacial_viscous_forces; /*                         and viscosity                   */
+extern const Fusion number_density_alone;       /* number_density.c                                    */
+extern const Fusion riemann_density_alone;      /* riemann.c                                           */
+extern const Fusion riemann_forces;             /* riemann_forces.c    momentum, background and stress */
 
 static inline bool is_viscous(const Model *model)
 {

@@ -78,6 +78,35 @@ INLINE void wall_velocity_row(const Row *row, Particles *s, const Model *model, 
 }
 ROW_FUNCTIONS(wall_velocity_row)
 
+/* Along the normal of the wall's surface, from sum_f grad_w W V_f, always turned round; along the surface only where fluids stick. */
+INLINE void mirrored_velocity_row(const Row *row, Particles *s, const Model *model, int dim)
+{
+    const size_t i = row->i, wall = i - particles_fluid(s);
+    const WallState *body = &model->wall[s->phase[i] - model->n_phases];
+    Lanes weight = {0}, sum[3] = {0}, towards[3] = {0};
+    for (const Block *b = row->block; b < row->block + row->n; b++)
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = block_pair(b, l, dim);
+            const double w = pair.W * pair.V, f = pair.F * pair.V;
+            weight.of[l] += w;
+            for (int d = 0; d < dim; d++) {
+                sum[d].of[l] += w * pair.v[d];
+                towards[d].of[l] += f * pair.x[d];
+            }
+        }
+    const double all = lanes_sum(&weight);
+    double v[3], n[3], n2 = 0, into = 0;
+    for (int d = 0; d < dim; d++) {
+        v[d] = all > 1e-12 ? lanes_sum(&sum[d]) / all : s->v[d][i];
+        n[d] = lanes_sum(&towards[d]);
+        n2 += n[d] * n[d];
+    }
+    for (int d = 0; d < dim; d++) into += n2 > 0 ? (s->v[d][i] - v[d]) * n[d] / n2 : 0;
+    for (int d = 0; d < dim; d++) s->v_wall[d][wall] = body->no_slip ? 2 * s->v[d][i] - v[d] : v[d] + 2 * into * n[d];
+}
+ROW_FUNCTIONS(mirrored_velocity_row)
+
 const Term wall_pressure = {
     .name = "wall pressure",
     .source = "P3 eq. 14, for each fluid of its own",
@@ -96,4 +125,14 @@ const Term wall_velocity = {
     .needed = is_viscous,
     .needs = NEED_W | NEED_V | NEED_STATE,
     .row = ROW_TABLE(wall_velocity_row),
+};
+
+const Term mirrored_velocity = {
+    .name = "mirrored velocity",
+    .source = "P2 eq. 38-42",
+    .equation = "v_w' = 2 v_w - v~ without slip; v~ + 2 ((v_w - v~) . n) n with slip",
+    .on = ON_WALL,
+    .needed = is_viscous,
+    .needs = NEED_W | NEED_F | NEED_V | NEED_STATE,
+    .row = ROW_TABLE(mirrored_velocity_row),
 };

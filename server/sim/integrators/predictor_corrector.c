@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Two evaluations of the rates a step, at its middle and at its end.                                        P1 eq. 20-22
+ *   predictor  x += dt/2 v;  v += dt/2 a;  rho += dt/2 d rho/dt;  rates at the middle
+ *   corrector  v = v0 + dt a;  x = x0 + dt (v0 + v)/2;  rho = rho0 + dt d rho/dt;  rates at the end
+ * The corrector goes from the beginning to the end at once, which is what P1's two halves come to. */
+#include "sim/integrator.h"
+#include "sim/integrators/integrators.h"
+#include <math.h>
+#include <omp.h>
+
+static void predict(MnsSim *sim, double dt)
+{
+    Particles *s = &sim->s;
+    const size_t n = particles_fluid(s);
+    const double half = 0.5 * dt;
+    for (int d = 0; d < s->dim; d++) {
+        double *restrict x = s->x[d], *restrict v = s->v[d], *restrict x0 = s->x0[d], *restrict v0 = s->v0[d];
+        const double *restrict a = s->a[d];
+#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
+        for (size_t i = 0; i < n; i++) {
+            x0[i] = x[i];
+            v0[i] = v[i];
+            x[i] += half * v[i];
+            v[i] += half * a[i];
+        }
+    }
+    double *restrict rho = s->rho, *restrict rho0 = s->rho0;
+    const double *restrict rate = s->rate;
+#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
+    for (size_t i = 0; i < n; i++) {
+        rho0[i] = rho[i];
+        rho[i] += half * rate[i];
+    }
+    particles_changed(s, ON_FLUID, FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(X0) | FIELD(V0) | FIELD(RHO0));
+}
+
+static void correct(MnsSim *sim, double dt)
+{
+    Particles *s = &sim->s;
+    const size_t n = particles_fluid(s);
+    for (int d = 0; d < s->dim; d++) {
+        double *restrict x = s->x[d], *restrict v = s->v[d];
+        const double *restrict a = s->a[d], *restrict x0 = s->x0[d], *restrict v0 = s->v0[d];
+#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
+        for (size_t i = 0; i < n; i++) {
+            v[i] = v0[i] + dt * a[i];
+            x[i] = x0[i] + 0.5 * dt * (v0[i] + v[i]);
+        }
+    }
+    double *restrict rho = s->rho;
+    const double *restrict rate = s->rate, *restrict rho0 = s->rho0;
+#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
+    for (size_t i = 0; i < n; i++) rho[i] = rho0[i] + dt * rate[i];
+    particles_changed(s, ON_FLUID, FIELD(X) | FIELD(V) | FIELD(RHO));
+}
+
+static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
+{
+    double start = omp_get_wtime();
+    predict(sim, dt);
+    integrator_walls(sim, t - 0.5 * dt, 0.5 * dt);
+    integrator_clock(sim, TIMER_DRIFT, start);
+    MnsStatus status = integrator_lists(sim, error);
+    if (status) return status;
+    integrator_rates(sim, 0);
+
+    start = omp_get_wtime();
+    correct(sim, dt);
+    integrator_walls(sim, t, dt);
+    integrator_clock(sim, TIMER_KICK, start);
+    status = integrator_lists(sim, error);
+    if (status) return status;
+    const bool well = integrator_look(sim);
+    integrator_rates(sim, 0);
+    return well ? MNS_OK : fault_particle(sim, error);
+}
+
+const Integrator predictor_corrector = {
+    .name = "predictor, corrector",
+    .source = "P1 eq. 20-22",
+    .equation = "rates at the middle of the step, from which all of it is done, and at its end",
+    .step = step,
+    .works = FIELD(X0) | FIELD(V0) | FIELD(RHO0),
+};

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* P1: weakly compressible SPH with generalized density dissipation, for free surfaces and interfaces of any number of fluids.
+ * B. X. Zheng, Z. W. Cai, P. D. Zhao, X. Y. Xu, T. S. Chan, P. Yu, A generalized density dissipation for weakly-compressible SPH. */
+#include "sim/integrators/integrators.h"
+#include "sim/limits.h"
+#include "sim/locals/locals.h"
+#include "sim/terms/terms.h"
+
+static void dissipation_options(Model *model, const MnsCase *c)
+{
+    const MnsDissipation *options = &c->scheme.dissipation;
+    model->delta = options->delta;
+    model->dissipates_rest = options->form != MNS_DISSIPATION_PLAIN;
+    model->keeps_pair_volume = options->form == MNS_DISSIPATION_GENERALIZED;
+    model->repulsion = options->repulsion;
+    model->density_average = options->pair_average == MNS_AVERAGE_DENSITY ? 1 : 0;
+    model->guard = options->guard * model->dx;
+    for (size_t k = 0; k < model->n_phases; k++) model->phase[k].background = options->background_pressure;
+}
+
+const Scheme scheme_dissipation = {
+    .name = "dissipation",
+    .title = "SPH with generalized density dissipation",
+    .source = "P1: Zheng and others",
+    .integrator = &predictor_corrector,
+    .limits = {&acoustic_limit, &interface_limit, &tension_limit, &body_force_limit, &viscous_limit},
+    .rates =
+        {
+            {"walls", .before = {&linear_pressure}, .terms = {&wall_pressure, &wall_velocity}},
+            {"shape", .terms = {&shepard_sum, &pressure_gradient, &interface_normal},
+             .fusions = {&dissipation_shape, &dissipation_tense_shape}},
+            {"rates", .before = {&body_force},
+             .terms = {&continuity, &density_dissipation, &pressure_force, &viscosity, &wall_friction,
+                       &surface_tension},
+             .fusions = {&dissipation_viscous_rates, &dissipation_rates}},
+        },
+    .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(M) | FIELD(REF),
+    .derive = &linear_pressure,
+    .again = {0, 3},
+    .options = dissipation_options,
+};

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* P2: interfacial SPH, with particles shifted along interfaces. G. X. Zhu, L. Zou,
+ * International Journal for Numerical Methods in Fluids (2020), doi 10.1002/fld.4813. */
+#include "sim/integrators/integrators.h"
+#include "sim/limits.h"
+#include "sim/locals/locals.h"
+#include "sim/terms/terms.h"
+
+/* A fluid lighter than a fiftieth of the heaviest is a gas to it. */
+static double exponent_of(const Model *model, const MnsFluid *fluid)
+{
+    if (fluid->exponent > 0) return fluid->exponent;
+    return fluid->density < 0.02 * model->rho_max ? 1.4 : 7;
+}
+
+static void interfacial_options(Model *model, const MnsCase *c)
+{
+    const MnsInterfacial *options = &c->scheme.interfacial;
+    model->delta = options->delta;
+    model->dissipates_rest = model->keeps_pair_volume = true;
+    model->repulsion = options->repulsion;
+    model->shifting = options->shifting == MNS_SHIFTING_OFF ? 0 : options->shifting_strength;
+    model->shifts_along_interfaces = options->shifting == MNS_SHIFTING_INTERFACE;
+    model->density_average = options->pair_average == MNS_AVERAGE_DENSITY ? 1 : 0;
+    model->guard = options->guard * model->dx;
+    for (size_t k = 0; k < model->n_phases; k++) {
+        model->phase[k].background = options->background_pressure;
+        model->phase[k].exponent = exponent_of(model, &c->fluids[k]);
+    }
+}
+
+const Scheme scheme_interfacial = {
+    .name = "interfacial",
+    .title = "interfacial SPH with shifting along interfaces",
+    .source = "P2: Zhu and Zou 2020",
+    .integrator = &kick_drift_kick,
+    .limits = {&acoustic_limit, &interface_limit, &tension_limit, &body_force_limit, &radial_viscous_limit},
+    .rates =
+        {
+            {"density", .terms = {&shepard_sum, &concentration, &volume_continuity, &density_dissipation},
+             .after = {&advance_density, &tait_pressure}, .fusions = {&interfacial_density}},
+            {"walls", .terms = {&wall_pressure, &mirrored_velocity}},
+            {"interfaces", .terms = {&corrected_normal}, .fusions = {&no_interface}},
+            {"forces", .before = {&body_force},
+             .terms = {&volume_pressure_force, &radial_viscosity, &radial_friction, &corrected_tension,
+                       &pressure_gradient, &shifting},
+             .after = {&volume_of_density}, .fusions = {&interfacial_viscous_forces, &interfacial_forces}},
+            {"walls, shifted", .terms = {&wall_pressure}}, /* what they show, of the state that a run goes on from */
+        },
+    .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(P) | FIELD(M) | FIELD(A) | FIELD(REF) |
+             FIELD(SHEPARD) | FIELD(GRADIENT) | FIELD(NORMAL) | FIELD(CONCENTRATION),
+    .derive = &volume_of_density,
+    .again = {1, 2},
+    .options = interfacial_options,
+};

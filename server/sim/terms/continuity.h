@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Density by what flows together, and its dissipation, pair by pair (continuity.c, dissipation.c). */
+#ifndef SIM_TERMS_CONTINUITY_H
+#define SIM_TERMS_CONTINUITY_H
+
+#include "sim/terms/average.h"
+
+/* What is fixed in the pairs of one particle. */
+typedef struct Flowing {
+    double v[3], p, z, gradient[3];
+    double rest;       /* 1/2 if only what is left beside a linear field is dissipated, else 0         */
+    double keeps, own; /* 1 and 0 where dissipation keeps the volume of a pair, else 0 and 1 / (2 z_i) */
+} Flowing;
+
+INLINE Flowing flowing_of(const Particles *s, const Model *model, size_t i)
+{
+    const bool rest = model->delta > 0 && model->dissipates_rest;
+    Flowing a = {.p = s->p[i], .z = s->z[i], .rest = rest ? 0.5 : 0, .keeps = 1};
+    if (!model->keeps_pair_volume) { /* as if both were of this fluid */
+        a.keeps = 0;
+        a.own = 0.5 / a.z;
+    }
+    for (int d = 0; d < s->dim; d++) {
+        a.v[d] = s->v[d][i];
+        if (rest) a.gradient[d] = s->gradient[d][i];
+    }
+    return a;
+}
+
+/* v_ij . grad_i W */
+INLINE double compression(const Flowing *a, const Pair *pair, int dim)
+{
+    double u = 0;
+    for (int d = 0; d < dim; d++) u += (a->v[d] - pair->v[d]) * pair->x[d];
+    return pair->F * u;
+}
+
+/* What the two ways below share of a pair: 1 / (z_i + z_j). */
+INLINE double flowing_inverse(const Flowing *a, const Pair *pair)
+{
+    return 1 / (a->z + pair->z);
+}
+
+/* Of sum_j V_j v_ij . grad_i W, and of the same without V_j. */
+INLINE void continuity_pair(const Flowing *a, const Model *model, const Pair *pair, double inverse, int dim, int l,
+                            Lanes *sum)
+{
+    sum->of[l] += pair->V * (1 + average_tilt(model, a->z, pair, inverse)) * compression(a, pair, dim);
+}
+
+INLINE void volume_continuity_pair(const Flowing *a, const Model *model, const Pair *pair, double inverse, int dim,
+                                   int l, Lanes *sum)
+{
+    sum->of[l] += (1 + average_tilt(model, a->z, pair, inverse)) * compression(a, pair, dim);
+}
+
+INLINE void continuity_end(Particles *s, size_t i, const Lanes *sum)
+{
+    s->rate[i] = s->rho[i] * lanes_sum(sum);
+}
+
+INLINE void volume_continuity_end(Particles *s, size_t i, const Lanes *sum)
+{
+    s->rate[i] = s->m[i] / s->shepard[i] * lanes_sum(sum);
+}
+
+/* Of sum_j psi_ij r F V_j / (z_i + z_j). */
+INLINE void dissipation_pair(const Flowing *a, const Pair *pair, double inverse, int dim, int l, Lanes *sum)
+{
+    double linear = 0;
+    for (int d = 0; d < dim; d++) linear += (a->gradient[d] + pair->gradient[d]) * pair->x[d];
+    const double psi = pair->p - a->p + a->rest * linear;
+    sum->of[l] += pair->V * pair->F * pair->r * psi * (a->keeps * inverse + a->own);
+}
+
+INLINE void dissipation_end(Particles *s, const Model *model, size_t i, const Lanes *sum)
+{
+    s->rate[i] -= 2 * model->delta * s->rho[i] * lanes_sum(sum);
+}
+
+#endif

@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* All rates of P1 in one function, for particles among their own. */
+#include "sim/fused.h"
+#include "sim/terms/continuity.h"
+#include "sim/terms/push.h"
+#include "sim/terms/terms.h"
+#include "sim/terms/viscosity.h"
+
+INLINE void dissipation_rates_of(const RowPlan *plan, Particles *s, size_t i, int dim, Geometry how, bool viscous)
+{
+    enum { NEEDS = NEED_F | NEED_V | NEED_STATE | NEED_SHEPARD | NEED_GRADIENT };
+    uint32_t j[PICKED_MAX];
+    double x[3];
+    Lanes flow = {0}, dissipated = {0}, push[3] = {0}, drag[3] = {0};
+    Block block;
+    const Model *model = plan->model;
+    const Picked picked = pick_neighbours(plan, i, j);
+    const Flowing a = flowing_of(s, model, i);
+    const Pushed c = pushed_of(s, i);
+    const double mu = viscosity_of(model, s->phase[i], s->phase[i], 4), soft = viscosity_softening(&model->kernel);
+    position_of(s, i, dim, x);
+    for (size_t b = 0; b < picked.n; b++) {
+        const double *beyond = beyond_reach(plan, &picked, b);
+        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, dim, how.fetch);
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, dim, how);
+            const double inverse = flowing_inverse(&a, &pair);
+            continuity_pair(&a, model, &pair, inverse, dim, l, &flow);
+            dissipation_pair(&a, &pair, inverse, dim, l, &dissipated);
+            pressure_pair(&c, model, &pair, 0, dim, l, push, WEIGHTS_PRODUCT);
+            if (viscous) viscosity_pair(a.v, c.V, &pair, mu, soft, dim, l, drag);
+        }
+    }
+    continuity_end(s, i, &flow);
+    dissipation_end(s, model, i, &dissipated);
+    pressure_end(s, i, push, dim);
+    if (viscous) viscosity_end(s, i, drag, dim);
+}
+
+INLINE void viscous_rates_fused(const RowPlan *plan, Particles *s, size_t i, int dim, Geometry how)
+{
+    dissipation_rates_of(plan, s, i, dim, how, true);
+}
+FUSED_FUNCTIONS(viscous_rates_fused)
+
+INLINE void inviscid_rates_fused(const RowPlan *plan, Particles *s, size_t i, int dim, Geometry how)
+{
+    dissipation_rates_of(plan, s, i, dim, how, false);
+}
+FUSED_FUNCTIONS(inviscid_rates_fused)
+
+const Fusion dissipation_viscous_rates = {
+    .terms = {&continuity, &density_dissipation, &pressure_force, &viscosity},
+    .plain = true,
+    .row = FUSED_TABLE(viscous_rates_fused),
+};
+
+const Fusion dissipation_rates = {
+    .terms = {&continuity, &density_dissipation, &pressure_force},
+    .plain = true,
+    .row = FUSED_TABLE(inviscid_rates_fused),
+};

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* How the particles of P1 lie, in one function, for particles among their own: these have no interface normal. */
+#include "sim/fused.h"
+#include "sim/terms/moments.h"
+#include "sim/terms/terms.h"
+
+INLINE void dissipation_shape_fused(const RowPlan *plan, Particles *s, size_t i, int dim, Geometry how)
+{
+    enum { NEEDS = NEED_W | NEED_F | NEED_STATE };
+    uint32_t j[PICKED_MAX];
+    _Alignas(64) double r[ROW_BLOCKS][LANES];
+    double x[3];
+    Lanes shepard = {0}, slope[3] = {0};
+    Moments moments = {0};
+    Block block;
+    const Picked picked = pick_neighbours(plan, i, j);
+    const double p = s->p[i];
+    position_of(s, i, dim, x);
+    for (size_t b = 0; b < picked.n; b++) {
+        const double *beyond = beyond_reach(plan, &picked, b);
+        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, dim, how.fetch);
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, dim, how);
+            r[b][l] = pair.r;
+            shepard.of[l] += pair.W * pair.V;
+            gradient_pair(p, &pair, dim, l, slope);
+            moments_pair(&moments, &pair, 1, dim, l);
+        }
+    }
+    note_reach(plan, i, &picked, r[0], LANES);
+    s->shepard[i] = plan->at_zero * s->vol[i] + lanes_sum(&shepard);
+    gradient_end(s, i, &moments, slope, dim);
+    for (int d = 0; d < dim; d++) s->normal[d][i] = 0;
+}
+FUSED_FUNCTIONS(dissipation_shape_fused)
+
+const Fusion dissipation_shape = {
+    .terms = {&shepard_sum, &pressure_gradient},
+    .plain = true,
+    .row = FUSED_TABLE(dissipation_shape_fused),
+};
+
+const Fusion dissipation_tense_shape = {
+    .terms = {&shepard_sum, &pressure_gradient, &interface_normal},
+    .plain = true,
+    .row = FUSED_TABLE(dissipation_shape_fused),
+};

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Density of P2, and how particles lie, in one function, for particles among their own. */
+#include "sim/fused.h"
+#include "sim/terms/continuity.h"
+#include "sim/terms/push.h"
+#include "sim/terms/terms.h"
+
+INLINE void interfacial_density_fused(const RowPlan *plan, Particles *s, size_t i, int dim, Geometry how)
+{
+    enum { NEEDS = NEED_W | NEED_F | NEED_V | NEED_STATE | NEED_GRADIENT };
+    uint32_t j[PICKED_MAX];
+    _Alignas(64) double r[ROW_BLOCKS][LANES];
+    double x[3];
+    Lanes shepard = {0}, crowd[3] = {0}, flow = {0}, dissipated = {0};
+    Block block;
+    const Model *model = plan->model;
+    const Picked picked = pick_neighbours(plan, i, j);
+    const Flowing a = flowing_of(s, model, i);
+    position_of(s, i, dim, x);
+    for (size_t b = 0; b < picked.n; b++) {
+        const double *beyond = beyond_reach(plan, &picked, b);
+        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, dim, how.fetch);
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, dim, how);
+            const double inverse = flowing_inverse(&a, &pair);
+            r[b][l] = pair.r;
+            shepard.of[l] += pair.W * pair.V;
+            add_along(&pair, pair.V * pair.F, dim, l, crowd);
+            volume_continuity_pair(&a, model, &pair, inverse, dim, l, &flow);
+            dissipation_pair(&a, &pair, inverse, dim, l, &dissipated);
+        }
+    }
+    note_reach(plan, i, &picked, r[0], LANES);
+    s->shepard[i] = plan->at_zero * s->vol[i] + lanes_sum(&shepard);
+    for (int d = 0; d < dim; d++) s->concentration[d][i] = lanes_sum(&crowd[d]);
+    volume_continuity_end(s, i, &flow);
+    dissipation_end(s, model, i, &dissipated);
+}
+FUSED_FUNCTIONS(interfacial_density_fused)
+
+const Fusion interfacial_density = {
+    .terms = {&shepard_sum, &concentration, &volume_continuity, &density_dissipation},
+    .plain = true,
+    .row = FUSED_TABLE(interfacial_density_fused),
+};

@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Forces, shifting and the gradient for the next step's dissipation of P2 in one function, for particles among their own. */
+#include "sim/fused.h"
+#include "sim/terms/moments.h"
+#include "sim/terms/push.h"
+#include "sim/terms/terms.h"
+#include "sim/terms/viscosity.h"
+
+INLINE void interfacial_forces_of(const RowPlan *plan, Particles *s, size_t i, int dim, Geometry how, bool viscous)
+{
+    enum { NEEDS = NEED_F | NEED_V | NEED_STATE | NEED_SHEPARD };
+    uint32_t j[PICKED_MAX];
+    double x[3];
+    Lanes push[3] = {0}, drag[3] = {0}, slope[3] = {0}, carried[4] = {0};
+    Moments moments = {0};
+    Block block;
+    const Model *model = plan->model;
+    const Picked picked = pick_neighbours(plan, i, j);
+    const Pushed a = pushed_of(s, i);
+    const Shifted c = shifted_of(s, model, i);
+    const double mu = viscosity_of(model, s->phase[i], s->phase[i], 2), soft = viscosity_softening(&model->kernel);
+    const double p = s->p[i];
+    position_of(s, i, dim, x);
+    for (size_t b = 0; b < picked.n; b++) {
+        const double *beyond = beyond_reach(plan, &picked, b);
+        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, dim, how.fetch);
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, dim, how);
+            pressure_pair(&a, model, &pair, 0, dim, l, push, WEIGHTS_SQUARES);
+            if (viscous) drag_pair(c.v, a.V, &pair, mu, soft, dim, l, drag);
+            gradient_pair(p, &pair, dim, l, slope);
+            moments_pair(&moments, &pair, 1, dim, l);
+            shifting_pair(&c, &pair, 1, dim, l, carried);
+        }
+    }
+    pressure_end(s, i, push, dim);
+    if (viscous) drag_end(s, i, drag, dim);
+    gradient_end(s, i, &moments, slope, dim);
+    shifting_end(&c, s, model, i, carried, dim);
+}
+
+INLINE void viscous_fused(const RowPlan *plan, Particles *s, size_t i, int dim, Geometry how)
+{
+    interfacial_forces_of(plan, s, i, dim, how, true);
+}
+FUSED_FUNCTIONS(viscous_fused)
+
+INLINE void inviscid_fused(const RowPlan *plan, Particles *s, size_t i, int dim, Geometry how)
+{
+    interfacial_forces_of(plan, s, i, dim, how, false);
+}
+FUSED_FUNCTIONS(inviscid_fused)
+
+const Fusion interfacial_viscous_forces = {
+    .terms = {&volume_pressure_force, &radial_viscosity, &pressure_gradient, &shifting},
+    .plain = true,
+    .row = FUSED_TABLE(viscous_fused),
+};
+
+const Fusion interfacial_forces = {
+    .terms = {&volume_pressure_force, &pressure_gradient, &shifting},
+    .plain = true,
+    .row = FUSED_TABLE(inviscid_fused),
+};

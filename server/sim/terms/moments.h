@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Correction of kernel gradients, so that gradients of linear fields are exact wherever the neighbours are.       P1 eq. 45, P2 eq. 33
+ *   M_i = [sum_j (x_j - x_i) (x) grad_i W V_j]^-1,   symmetric */
+#ifndef SIM_TERMS_MOMENTS_H
+#define SIM_TERMS_MOMENTS_H
+
+#include "sim/row.h"
+
+/* The sum, of which M is the inverse: xx, yy, xy, zz, xz, yz. */
+typedef struct Moments {
+    Lanes of[6];
+} Moments;
+
+/* weight: 1 for a pair that counts. */
+INLINE void moments_pair(Moments *m, const Pair *pair, double weight, int dim, int l)
+{
+    const double c = -weight * pair->V * pair->F, x = c * pair->x[0], y = c * pair->x[1],
+                 z = dim == 3 ? c * pair->x[2] : 0;
+    m->of[0].of[l] += x * pair->x[0];
+    m->of[1].of[l] += y * pair->x[1];
+    m->of[2].of[l] += x * pair->x[1];
+    if (dim == 3) {
+        m->of[3].of[l] += z * pair->x[2];
+        m->of[4].of[l] += z * pair->x[0];
+        m->of[5].of[l] += z * pair->x[1];
+    }
+}
+
+/* M as a matrix; the identity for a particle that has no neighbours, or all of them nearly in a line or a plane. How many there are
+ * does not count: in the corner of a tank it is an eighth, and what M makes of them is differences over distances. */
+typedef struct Correction {
+    double of[3][3];
+} Correction;
+
+INLINE Correction moments_inverse(const Moments *m, int dim)
+{
+    Correction M = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    const double xx = lanes_sum(&m->of[0]), yy = lanes_sum(&m->of[1]), xy = lanes_sum(&m->of[2]);
+    const double zz = dim == 3 ? lanes_sum(&m->of[3]) : 1, xz = dim == 3 ? lanes_sum(&m->of[4]) : 0,
+                 yz = dim == 3 ? lanes_sum(&m->of[5]) : 0;
+    const double a = yy * zz - yz * yz, b = xz * yz - xy * zz, c = xy * yz - xz * yy;
+    const double det = xx * a + xy * b + xz * c;
+    const double mean = dim == 3 ? (xx + yy + zz) / 3 : (xx + yy) / 2;
+    if (!(det > 0.02 * mean * mean * (dim == 3 ? mean : 1))) return M;
+    const double inverse = 1 / det;
+    M.of[0][0] = a * inverse;
+    M.of[1][1] = (xx * zz - xz * xz) * inverse;
+    M.of[2][2] = (xx * yy - xy * xy) * inverse;
+    M.of[0][1] = M.of[1][0] = b * inverse;
+    M.of[0][2] = M.of[2][0] = c * inverse;
+    M.of[1][2] = M.of[2][1] = (xy * xz - xx * yz) * inverse;
+    return M;
+}
+
+/* ret = M g */
+INLINE void correct(const Correction *M, const Lanes g[3], int dim, double ret[3])
+{
+    double sums[3];
+    for (int d = 0; d < dim; d++) sums[d] = lanes_sum(&g[d]);
+    for (int d = 0; d < dim; d++) {
+        ret[d] = 0;
+        for (int e = 0; e < dim; e++) ret[d] += M->of[d][e] * sums[e];
+    }
+}
+
+/* Of sum_j (p_j - p_i) grad_i W V_j, and the gradient it makes. */
+INLINE void gradient_pair(double p, const Pair *pair, int dim, int l, Lanes sum[3])
+{
+    const double c = pair->V * pair->F * (pair->p - p);
+    for (int d = 0; d < dim; d++) sum[d].of[l] += c * pair->x[d];
+}
+
+INLINE void gradient_end(Particles *s, size_t i, const Moments *moments, const Lanes sum[3], int dim)
+{
+    const Correction M = moments_inverse(moments, dim);
+    double gradient[3];
+    correct(&M, sum, dim, gradient);
+    for (int d = 0; d < dim; d++) s->gradient[d][i] = gradient[d];
+}
+
+#endif

@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Pressure forces, opposite to the last bit for the two of a pair, with P = p / Gamma, t of average.h, and between unlike fluids a
+ * repulsion beta (|P_i| + |P_j|), so that they do not mix:
+ *   P1 eq. 9:   m_i dv_i/dt = -sum_j V_i V_j ((1 + t) P_i + (1 - t) P_j) grad_i W
+ *   P2 eq. 24:  m_i dv_i/dt = -sum_j (V_i^2 (1 + t) P_i + V_j^2 (1 - t) P_j) grad_i W
+ * The repulsion takes |p|, as it would attract where p < 0. Against a wall Gamma is 1 and t is 0: it shows the fluid a pressure of its own. */
+#include "sim/terms/push.h"
+#include "sim/terms/terms.h"
+
+INLINE void push(const Row *row, Particles *s, const Model *model, int dim, Weights weights)
+{
+    const size_t i = row->i, first_wall = particles_fluid(s);
+    const Block *const walls = row->block + row->n_fluid, *const end = row->block + row->n;
+    const Pushed a = pushed_of(s, i);
+    const double *const p_wall = s->p_wall[s->phase[i]];
+    const double beta = row->mixed ? model->repulsion : 0;
+    Lanes sum[3] = {0};
+    for (const Block *b = row->block; b < walls; b++)
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = block_pair(b, l, dim);
+            pressure_pair(&a, model, &pair, row->mixed ? beta * pair.other : 0, dim, l, sum, weights);
+        }
+    for (const Block *b = walls; b < end; b++) {
+        const uint32_t *j = row_j(row, b);
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = block_pair(b, l, dim);
+            pressure_wall(&a, &pair, p_wall[j[l] - first_wall], dim, l, sum, weights);
+        }
+    }
+    pressure_end(s, i, sum, dim);
+}
+
+INLINE void pressure_force_row(const Row *row, Particles *s, const Model *model, int dim)
+{
+    push(row, s, model, dim, WEIGHTS_PRODUCT);
+}
+ROW_FUNCTIONS(pressure_force_row)
+
+INLINE void volume_pressure_force_row(const Row *row, Particles *s, const Model *model, int dim)
+{
+    push(row, s, model, dim, WEIGHTS_SQUARES);
+}
+ROW_FUNCTIONS(volume_pressure_force_row)
+
+const Term pressure_force = {
+    .name = "pressure force",
+    .source = "P1 eq. 9",
+    .equation = "m_i dv_i/dt -= sum_j V_i V_j (p_i/Gamma_i + p_j/Gamma_j) grad_i W, and a repulsion of unlike fluids",
+    .on = ON_FLUID,
+    .needs = NEED_F | NEED_STATE | NEED_SHEPARD | NEED_OTHERS,
+    .writes = FIELD(A),
+    .row = ROW_TABLE(pressure_force_row),
+};
+
+const Term volume_pressure_force = {
+    .name = "pressure force",
+    .source = "P2 eq. 24, 65",
+    .equation = "m_i dv_i/dt -= sum_j (V_i^2 p_i/Gamma_i + V_j^2 p_j/Gamma_j) grad_i W, and a repulsion",
+    .on = ON_FLUID,
+    .needs = NEED_F | NEED_STATE | NEED_SHEPARD | NEED_OTHERS,
+    .writes = FIELD(A),
+    .row = ROW_TABLE(volume_pressure_force_row),
+};

@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Pressure forces and shifting, pair by pair (pressure_force.c, shifting.c). */
+#ifndef SIM_TERMS_PUSH_H
+#define SIM_TERMS_PUSH_H
+
+#include "sim/terms/average.h"
+#include <math.h>
+
+/* --- pressure ---------------------------------------------------------------------------------------------------------- */
+
+/* How volumes weigh the two pressures of a pair: by their product (P1) or each by its own square (P2). */
+typedef enum Weights { WEIGHTS_PRODUCT, WEIGHTS_SQUARES } Weights;
+
+/* What is fixed in the pairs of one particle. */
+typedef struct Pushed {
+    double z, V, P; /* P = p / Gamma */
+} Pushed;
+
+INLINE Pushed pushed_of(const Particles *s, size_t i)
+{
+    return (Pushed){s->z[i], s->vol[i], s->p[i] * (1 / s->shepard[i])}; /* as its neighbours have it, to the last bit */
+}
+
+INLINE void add_along(const Pair *pair, double c, int dim, int l, Lanes sum[3])
+{
+    for (int d = 0; d < dim; d++) sum[d].of[l] += c * pair->x[d];
+}
+
+INLINE double weighted(const Pushed *a, const Pair *pair, double mine, double its, Weights weights)
+{
+    return weights == WEIGHTS_PRODUCT ? a->V * pair->V * (mine + its) : a->V * a->V * mine + pair->V * pair->V * its;
+}
+
+/* repulsion: beta with a particle of another fluid, else 0. */
+INLINE void pressure_pair(const Pushed *a, const Model *model, const Pair *pair, double repulsion, int dim, int l,
+                          Lanes sum[3], Weights weights)
+{
+    const double t = average_tilt(model, a->z, pair, 1 / (a->z + pair->z)), P = pair->p * pair->shepard;
+    const double mine = (1 + t) * a->P + repulsion * fabs(a->P), its = (1 - t) * P + repulsion * fabs(P);
+    add_along(pair, weighted(a, pair, mine, its, weights) * pair->F, dim, l, sum);
+}
+
+/* p_w: what the wall shows this fluid. */
+INLINE void pressure_wall(const Pushed *a, const Pair *pair, double p_w, int dim, int l, Lanes sum[3], Weights weights)
+{
+    add_along(pair, weighted(a, pair, a->P, p_w, weights) * pair->F, dim, l, sum);
+}
+
+INLINE void pressure_end(Particles *s, size_t i, const Lanes sum[3], int dim)
+{
+    for (int d = 0; d < dim; d++) s->a[d][i] -= lanes_sum(&sum[d]) / s->m[i];
+}
+
+/* --- shifting ---------------------------------------------------------------------------------------------------------- */
+
+/* A particle and where it is shifted. */
+typedef struct Shifted {
+    double dx[3], v[3], z;
+    double y[3]; /* dx, corrected where neighbours of its own fluid are missing */
+} Shifted;
+
+Shifted shifted_of(const Particles *s, const Model *model, size_t i);
+
+/* Of y . sum_j (f_j - f_i) grad_i W V_j for what particles carry: velocity, and in sum[3] z = rho c. */
+INLINE void shifting_pair(const Shifted *a, const Pair *pair, double counts, int dim, int l, Lanes sum[4])
+{
+    double moved = 0;
+    for (int d = 0; d < dim; d++) moved += a->y[d] * pair->x[d];
+    const double c = counts * (pair->V * pair->F * moved);
+    for (int d = 0; d < dim; d++) sum[d].of[l] += c * (pair->v[d] - a->v[d]);
+    sum[3].of[l] += c * (pair->z - a->z);
+}
+
+INLINE void shifting_end(const Shifted *a, Particles *s, const Model *model, size_t i, const Lanes sum[4], int dim)
+{
+    for (int d = 0; d < dim; d++) {
+        s->x[d][i] += a->dx[d];
+        s->v[d][i] += lanes_sum(&sum[d]);
+    }
+    s->rho[i] += lanes_sum(&sum[3]) / model->phase[s->phase[i]].c;
+}
+
+#endif

@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Laminar viscosity, pair by pair (viscosity.c, radial_viscosity.c). */
+#ifndef SIM_TERMS_VISCOSITY_H
+#define SIM_TERMS_VISCOSITY_H
+
+#include "sim/row.h"
+
+/* Added to r^2, so that close pairs do not diverge. */
+INLINE double viscosity_softening(const Kernel *kernel)
+{
+    return 0.01 * kernel->h * kernel->h;
+}
+
+/* The harmonic mean of two fluids' viscosities, 2 mu_a mu_b/(mu_a + mu_b), times a number and the constant that makes the sum exact on
+ * the lattice. */
+INLINE double viscosity_of(const Model *model, unsigned a, unsigned b, double times)
+{
+    const double mu_a = model->phase[a].mu, mu_b = model->phase[b].mu;
+    return mu_a + mu_b > 0 ? model->viscous_scale * (times * (mu_a * mu_b) / (mu_a + mu_b)) : 0;
+}
+
+/* Of sum_j V_i V_j mu F r^2/(r^2 + 0.01 h^2) v_ij, opposite to the last bit for the two of a pair; mu: 4 mu_i mu_j/(mu_i + mu_j). */
+INLINE void viscosity_pair(const double v[3], double V, const Pair *pair, double mu, double soft, int dim, int l,
+                           Lanes sum[3])
+{
+    const double r2 = pair->r * pair->r, c = mu * (V * pair->V * pair->F * r2 / (r2 + soft));
+    for (int d = 0; d < dim; d++) sum[d].of[l] += c * (v[d] - pair->v[d]);
+}
+
+INLINE void viscosity_end(Particles *s, size_t i, const Lanes sum[3], int dim)
+{
+    const double scale = 1 / s->m[i];
+    for (int d = 0; d < dim; d++) s->a[d][i] += scale * lanes_sum(&sum[d]);
+}
+
+/* Of sum_j V_i V_j mu (v_ij . x_ij)/(r^2 + 0.01 h^2) grad_i W, opposite as well; mu: 2 mu_i mu_j/(mu_i + mu_j). */
+INLINE void drag_pair(const double v[3], double V, const Pair *pair, double mu, double soft, int dim, int l,
+                      Lanes sum[3])
+{
+    double along = 0;
+    for (int d = 0; d < dim; d++) along += (v[d] - pair->v[d]) * pair->x[d];
+    const double c = mu * (V * pair->V * pair->F * along / (pair->r * pair->r + soft));
+    for (int d = 0; d < dim; d++) sum[d].of[l] += c * pair->x[d];
+}
+
+INLINE void drag_end(Particles *s, size_t i, const Lanes sum[3], int dim)
+{
+    const double scale = 2 * (dim + 2) / s->m[i];
+    for (int d = 0; d < dim; d++) s->a[d][i] += scale * lanes_sum(&sum[d]);
+}
+
+#endif
