@@ -36,7 +36,13 @@ MnsCase *case_blank(int dim, double resolution)
                                                .background_pressure = 4,
                                                .heavy_background_pressure = 0.5,
                                                .guard = 0.25,
-                                               .transport_stress = true}};
+                                               .transport_stress = true},
+                                   .dissipation = {.delta = 0.5, .repulsion = 0.08, .guard = 0.25},
+                                   .interfacial = {.delta = 1,
+                                                   .shifting = MNS_SHIFTING_INTERFACE,
+                                                   .shifting_strength = 2,
+                                                   .pair_average = MNS_AVERAGE_DENSITY,
+                                                   .guard = 0.25}};
     c->end_time = 1;
     c->threads = 1;
     c->limits = (MnsLimits){1e-4, 0.1, 10};
@@ -127,6 +133,17 @@ MnsCase *case_shaken(int dim, unsigned threads)
     c->walls[0].no_slip = true;
     c->walls[0].motion = (MnsMotion){.kind = MNS_SINE, .amplitude = {0.05, 0.02, 0.01}, .frequency = 1.5, .phase = 0.3};
     c->threads = threads;
+    return c;
+}
+
+MnsCase *case_shaken_by(const char *scheme, int dim, unsigned threads)
+{
+    MnsCase *c = case_shaken(dim, threads);
+    MnsError error = {0};
+    c->scheme.name = scheme;
+    c->scheme.skin = 0.1; /* lists are built again soon */
+    c->tension[0][1] = c->tension[1][0] = 0.01;
+    if (mns_case_check(c, &error) && strcmp(error.path, "interfaces") == 0) c->tension[0][1] = c->tension[1][0] = 0;
     return c;
 }
 

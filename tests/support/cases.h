@@ -17,6 +17,9 @@ MnsCase *case_still(int dim, double resolution, MnsDensityMethod method);
 /* A tank that shakes, sticky, with water and air: all the solver can do at once. */
 MnsCase *case_shaken(int dim, unsigned threads);
 
+/* The same by another scheme, with surface tension if it has any. The name is borrowed. */
+MnsCase *case_shaken_by(const char *scheme, int dim, unsigned threads);
+
 /* A case like any other but empty of parts, to be filled by the test. */
 MnsCase *case_blank(int dim, double resolution);
 void case_add_fluid(MnsCase *c, const char *name, double density, double sound_speed);

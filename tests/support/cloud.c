@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A handful of particles without a case. */
 #include "tests/support/cloud.h"
-#include <math.h>
+#include "tests/support/check.h"
 #include <stdlib.h>
+#include <string.h>
 
 static void *must(void *p)
 {
@@ -37,7 +38,16 @@ static void set_model(Model *model, const CloudSetup *setup)
         .dt = 1e-3,
         .transport_stress = true,
         .viscous_scale = 1,
-        .limiter = 3};
+        .limiter = 3,
+        .delta = 0.5,
+        .dissipates_rest = true,
+        .keeps_pair_volume = true,
+        .repulsion = 0.08,
+        .shifting = 2,
+        .shifts_along_interfaces = true,
+        .tense = true,
+        .tension = {{0, 0.7}, {0.7, 0}}};
+    if (setup->flowing) model->phase[1].summation = false;
     for (int d = 0; d < setup->dim; d++) {
         model->cell[d] = setup->dx;
         model->max[d] = setup->dx * (double)setup->n[d];
@@ -46,6 +56,7 @@ static void set_model(Model *model, const CloudSetup *setup)
         model->frequency[d] = 1 / model->period[d];
         model->periodic = true;
     }
+    if (setup->calibrated) kernel_calibrate(&model->kernel, model->dim, model->cell);
 }
 
 static int owner_at(const CloudSetup *setup, size_t point, double x[3])
@@ -58,6 +69,11 @@ static int owner_at(const CloudSetup *setup, size_t point, double x[3])
     return setup->owner ? setup->owner(x) : CLOUD_WATER;
 }
 
+static Group group_of(const CloudSetup *setup, int owner)
+{
+    return owner == CLOUD_AIR && setup->flowing ? GROUP_CONTINUITY : (Group)owner;
+}
+
 static void fill(Cloud *cloud, const CloudSetup *setup, size_t points)
 {
     Particles *s = &cloud->s;
@@ -67,7 +83,7 @@ static void fill(Cloud *cloud, const CloudSetup *setup, size_t points)
         double x[3];
         const int owner = owner_at(setup, k, x);
         if (owner == CLOUD_NOTHING) continue;
-        const size_t i = next[owner]++;
+        const size_t i = next[group_of(setup, owner)]++;
         const double rho0 = cloud->model.phase[owner == CLOUD_AIR ? 1 : 0].rho0;
         s->id[i] = (uint32_t)k;
         s->phase[i] = (uint8_t)owner;
@@ -75,6 +91,7 @@ static void fill(Cloud *cloud, const CloudSetup *setup, size_t points)
         s->rho[i] = rho0;
         s->z[i] = rho0 * 20;
         s->m[i] = rho0 * s->vol[i];
+        s->shepard[i] = 1;
         for (int d = 0; d < s->dim; d++) {
             s->x[d][i] = x[d] + setup->jitter * setup->dx * cloud_noise(&seed);
             if (k % 7 == 3) s->x[d][i] += setup->outside * cloud->model.max[d] * cloud_noise(&seed);
@@ -91,7 +108,8 @@ Cloud *cloud_new(const CloudSetup *setup)
     size_t sizes[GROUPS + 1] = {0};
     for (size_t k = 0; k < points; k++) {
         double x[3];
-        sizes[owner_at(setup, k, x)]++;
+        const int owner = owner_at(setup, k, x);
+        sizes[owner == CLOUD_NOTHING ? GROUPS : group_of(setup, owner)]++;
     }
     if (particles_init(&cloud->s, setup->dim, 2, sizes, ALL_FIELDS, setup->viscous, NULL, NULL)) abort();
     if (neighbours_init(&cloud->nb, cloud->s.n, cloud->s.dim, NEED_ALL, cloud->threads, NULL)) abort();
@@ -126,6 +144,40 @@ void cloud_term(Cloud *cloud, const Term *term)
     particles_changed(s, ON_ALL, ALL_FIELDS);
     const Pass pass = {"alone", .terms = {term}};
     pass_run(&pass, s, &cloud->nb, &cloud->model, cloud->threads);
+}
+
+void cloud_weigh(Cloud *cloud, unsigned fluid, double density)
+{
+    Particles *s = &cloud->s;
+    Phase *phase = &cloud->model.phase[fluid];
+    phase->rho0 = density;
+    for (size_t i = 0; i < particles_fluid(s); i++) {
+        if (s->phase[i] != fluid) continue;
+        s->rho[i] = density;
+        s->m[i] = density * s->vol[i];
+        s->z[i] = density * phase->c;
+    }
+}
+
+size_t cloud_index(const Cloud *cloud, uint32_t id)
+{
+    for (size_t i = 0; i < cloud->s.n; i++)
+        if (cloud->s.id[i] == id) return i;
+    abort();
+}
+
+void cloud_assert_no_force(const Cloud *cloud, double rounding)
+{
+    const Particles *s = &cloud->s;
+    for (int d = 0; d < s->dim; d++) {
+        double sum = 0, size = 0;
+        for (size_t i = 0; i < particles_fluid(s); i++) {
+            sum += s->m[i] * s->a[d][i];
+            size += s->m[i] * fabs(s->a[d][i]);
+        }
+        assert_true(size > 0);
+        assert_close(sum, 0, rounding * size);
+    }
 }
 
 void cloud_stir(Cloud *cloud, uint64_t seed)
@@ -165,4 +217,22 @@ bool cloud_inner(const Cloud *cloud, size_t i)
         if (cloud->model.period[d] == 0 && (x < margin || x > cloud->model.max[d] - margin)) return false;
     }
     return true;
+}
+
+void cloud_invert(double of[3][3], int dim, double ret[3][3])
+{
+    double a[3][6] = {{0}};
+    for (int k = 0; k < dim; k++) {
+        memcpy(a[k], of[k], sizeof of[k]);
+        a[k][3 + k] = 1;
+    }
+    for (int k = 0; k < dim; k++) {
+        const double pivot = a[k][k];
+        for (int c = 0; c < 6; c++) a[k][c] /= pivot;
+        for (int q = 0; q < dim; q++) {
+            const double factor = a[q][k];
+            for (int c = 0; c < 6 && q != k; c++) a[q][c] -= factor * a[k][c];
+        }
+    }
+    for (int k = 0; k < dim; k++) memcpy(ret[k], a[k] + 3, 3 * sizeof(double));
 }

@@ -36,6 +36,8 @@ for program in "$BUILD"/tests/unit/* "$BUILD"/tests/protocol/*; do
     if [ "$1" = thread ] && ! [[ $name =~ ^(protocol/|unit/test_(build|fault|guard|mailbox|neighbours|probe|restart|steer|wall|writer)$) ]]; then
         continue
     fi
+    # Flows that run long, of what the others run shortly.
+    if [[ $name =~ ^unit/test_(flow|wall_seam|probe_surface)$ ]]; then continue; fi
     suppressions=tests/support/leaks.supp
     [[ ! $name =~ ^protocol/test_daemon_(garbage|fuzz)$ ]] || suppressions=$BUILD/leaks_garbage.supp
     export LSAN_OPTIONS=suppressions=$suppressions:print_suppressions=0

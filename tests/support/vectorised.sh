@@ -28,7 +28,7 @@ named_here() {
     grep -qxE "(\./)?$1:($(seq -s'|' "$2" $(($2 + 4))))" "$remarks"
 }
 
-# Loops over a row whose bodies are inlined are named after block_pair(), where they begin: one for each dimension, or more.
+# Loops over a row whose bodies are inlined are named after a line of block_pair(), where they begin: one for each dimension, or more.
 rows_of() {
     grep -c 'const Pair pair = block_pair(' "$1" || true
 }
@@ -41,6 +41,11 @@ fused_roots() {
         END { print n + 0 }'
 }
 
+# The lines of block_pair().
+first=$(grep -n 'INLINE Pair block_pair' server/sim/row.h | cut -d: -f1)
+last=$(awk -v first="$first" 'NR > first && /^}/ { print NR; exit }' server/sim/row.h)
+in_block_pair=$(seq -s'|' "$first" "$last")
+
 while read -r file; do
     gcc "${flags[@]}" -fopt-info-vec-optimized -c -o "$object" "$file" 2>&1 |
         grep -E 'loop vectorized' | sed -E 's|^([^:]*:[0-9]+):.*|\1|' >"$remarks" || true
@@ -50,7 +55,7 @@ while read -r file; do
     done < <(grep -nE '^[[:space:]]*#pragma omp.*simd' "$file")
     rows=$(rows_of "$file")
     if [ "$rows" -gt 0 ]; then
-        found=$(grep -cE "row\.h:$(grep -n 'pair.x\[d\] = b->x' server/sim/row.h | cut -d: -f1)$|row\.h:$(grep -n 'Pair pair = {.r = b->r' server/sim/row.h | cut -d: -f1)$" "$remarks" || true)
+        found=$(grep -cE "row\.h:($in_block_pair)$" "$remarks" || true)
         verdict "$((found < 2 * rows))" "each of $rows loops over rows in $file"
     fi
     if grep -q FUSED_TABLE "$file"; then

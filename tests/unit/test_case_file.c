@@ -138,7 +138,7 @@ static void an_unknown_entry_gets_a_suggestion_and_the_list(void **state)
     complains(
         HEAD "fluids:\n  - name: water\n    densty: 1\n",
         "a.yaml:7:5: fluids[0]: unknown entry \"densty\", did you mean \"density\"? Allowed: name, density, viscosity, "
-        "sound_speed, shape, velocity, pressure, density_method");
+        "sound_speed, shape, velocity, pressure, density_method, exponent");
     complains(HEAD FLUIDS "output: {xyzzy: 1}\n",
               "a.yaml:6:10: output: unknown entry \"xyzzy\", allowed: probe_interval, snapshot_interval, "
               "checkpoint_interval, checkpoint_wall_interval, checkpoints_kept, fields, walls");

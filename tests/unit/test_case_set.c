@@ -79,8 +79,8 @@ static void values_are_got_with_their_unit(void **state)
 
 static void what_is_not_there_has_its_default(void **state)
 {
-    is(*state, "scheme.smoothing", "1.3");
-    is(*state, "scheme.kernel", "wendland-c2");
+    is(*state, "scheme.skin", "0.3");
+    is(*state, "fluids[0].density_method", "automatic");
     is(*state, "scheme.riemann.guard", "0.25");
     is(*state, "output.walls", "true");
     is(*state, "fluids[0].pressure", "0");
@@ -151,7 +151,7 @@ static void wrong_paths_are_refused_with_a_suggestion(void **state)
     refuses(file, "fluids[1].densty=2",
             "--set fluids[1].densty=2: unknown entry \"densty\", did you mean \"density\"? Allowed: name, density, "
             "viscosity, "
-            "sound_speed, shape, velocity, pressure, density_method");
+            "sound_speed, shape, velocity, pressure, density_method, exponent");
     refuses(file, "fluids.density=2", "--set fluids.density=2: \"fluids\" is a list, name one of its items: fluids[0]");
     refuses(file, "resolution[0]=2", "--set resolution[0]=2: \"resolution\" is not a list, leave out the index");
     refuses(file, "resolution.x=2",
@@ -247,9 +247,9 @@ static void lists_of_unpacked_messages_grow_as_well(void **state)
 static void only_steerable_entries_may_differ(void **state)
 {
     static const char *const free_to_change[][2] = {
-        {"gravity", "[0, -1]"},           {"end_time", "3"},           {"threads", "2"},
-        {"scheme.riemann.limiter", "1"},  {"scheme.cfl", "0.1"},       {"output.probe_interval", "1"},
-        {"scheme.riemann", "{guard: 0}"}, {"scheme.smoothing", "1.3"}, /* as it is by default */
+        {"gravity", "[0, -1]"},           {"end_time", "3"},      {"threads", "2"},
+        {"scheme.riemann.limiter", "1"},  {"scheme.cfl", "0.1"},  {"output.probe_interval", "1"},
+        {"scheme.riemann", "{guard: 0}"}, {"scheme.skin", "0.3"}, /* as it is by default */
         {"fluids[0].pressure", "0"},
     };
     const Meniscus__Case *a = case_file_message(*state);

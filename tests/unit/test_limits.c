@@ -89,12 +89,83 @@ static void time_step_minds_how_walls_move(void **state)
     }
 }
 
+/* Air and water with everything else out of the way. */
+static MnsSim *two_fluids(MnsCase **ret_case, const char *scheme, MnsPairAverage average, double delta)
+{
+    MnsCase *c = *ret_case = case_periodic(2, 10); /* densities 1 and 0.1, c = 10 */
+    c->scheme.name = scheme;
+    c->scheme.dissipation.pair_average = c->scheme.interfacial.pair_average = average;
+    c->scheme.dissipation.delta = c->scheme.interfacial.delta = delta;
+    c->tension[0][1] = c->tension[1][0] = 0.6;
+    c->fluids[0].viscosity = 2;
+    c->fluids[1].viscosity = 1;
+    return sim_of(c);
+}
+
+/* With arithmetic averages the light fluid is as stiff as the heavy one: h/(c_h sqrt(rho_h/rho_l)), twice with dissipation. */
+static void light_fluids_are_stiff_where_averages_are_arithmetic(void **state)
+{
+    (void)state;
+    static const char *const schemes[] = {"dissipation", "interfacial"};
+    for (size_t k = 0; k < 2; k++) {
+        MnsCase *c;
+        MnsSim *sim = two_fluids(&c, schemes[k], MNS_AVERAGE_ARITHMETIC, 0);
+        assert_close(interface_limit.of(sim), 0.13 / (10 * sqrt(10)), 1e-15);
+        sim->model.phase[0].c = 40; /* that of the heavy one counts */
+        sim->model.phase[1].c = 90;
+        assert_close(interface_limit.of(sim), 0.13 / (40 * sqrt(10)), 1e-15);
+        sim_done(sim, c);
+        sim = two_fluids(&c, schemes[k], MNS_AVERAGE_ARITHMETIC, 0.5);
+        assert_close(interface_limit.of(sim), 2 * 0.13 / (10 * sqrt(10)), 1e-15);
+        sim->model.phase[1].rho0 = 1;
+        assert_true(isinf(interface_limit.of(sim)));
+        sim_done(sim, c);
+        sim = two_fluids(&c, schemes[k], MNS_AVERAGE_DENSITY, 0);
+        assert_true(isinf(interface_limit.of(sim)));
+        sim_done(sim, c);
+    }
+}
+
+/* Waves of an interface move both fluids: 0.25 sqrt(rho h^3/(2 pi sigma)) with the mean density. */
+static void surface_tension_bounds_the_time_step_by_the_mean_density(void **state)
+{
+    (void)state;
+    MnsCase *c;
+    MnsSim *sim = two_fluids(&c, "dissipation", MNS_AVERAGE_DENSITY, 0.5);
+    assert_close(tension_limit.of(sim), 0.25 * sqrt(0.55 * 0.13 * 0.13 * 0.13 / (2 * acos(-1) * 0.6)), 1e-15);
+    sim->model.tension[0][1] = sim->model.tension[1][0] = 0;
+    assert_true(isinf(tension_limit.of(sim)));
+    sim_done(sim, c);
+}
+
+/* Half of what the other form may have: 0.06 and not 0.125 of h^2 rho/mu. */
+static void radial_viscosity_needs_half_the_time_step(void **state)
+{
+    (void)state;
+    MnsCase *c;
+    MnsSim *sim = two_fluids(&c, "interfacial", MNS_AVERAGE_DENSITY, 0.5);
+    const Limit *limit = NULL;
+    const double mixed = 0.13 * 0.13 * 0.1 / (2.0 * 2 * 1 / 3); /* the harmonic mean moves the lighter one */
+    assert_close(radial_viscous_limit.of(sim), 0.06 * mixed, 1e-15);
+    assert_close(viscous_limit.of(sim), 0.125 * mixed, 1e-15);
+    assert_close(limits_dt(sim, &limit), 0.06 * mixed, 1e-15);
+    assert_ptr_equal(limit, &radial_viscous_limit);
+    sim_done(sim, c);
+    sim = two_fluids(&c, "dissipation", MNS_AVERAGE_DENSITY, 0.5);
+    assert_close(limits_dt(sim, &limit), 0.125 * mixed, 1e-15);
+    assert_ptr_equal(limit, &viscous_limit);
+    sim_done(sim, c);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(time_step_is_that_of_the_papers),
         cmocka_unit_test(time_step_follows_the_worst_pair_of_fluids),
         cmocka_unit_test(time_step_minds_how_walls_move),
+        cmocka_unit_test(light_fluids_are_stiff_where_averages_are_arithmetic),
+        cmocka_unit_test(surface_tension_bounds_the_time_step_by_the_mean_density),
+        cmocka_unit_test(radial_viscosity_needs_half_the_time_step),
     };
     return cmocka_run_group_tests_name("limits", tests, NULL, NULL);
 }

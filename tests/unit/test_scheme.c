@@ -36,6 +36,9 @@ static Cloud *stirred(int dim, bool closed)
         for (size_t i = 0; i < cloud->s.n; i++) {
             cloud->s.b[d][i] = 300 * cloud_noise(&seed);
             cloud->s.a[d][i] = 3 * cloud_noise(&seed);
+            cloud->s.normal[d][i] = d == 0 ? 0.6 : d == 1 ? 0.8 : 0;
+            cloud->s.concentration[d][i] = 5 * cloud_noise(&seed);
+            cloud->s.gradient[d][i] = 9e3 * cloud_noise(&seed);
         }
     }
     for (size_t i = 0; i < cloud->s.n; i++) {
