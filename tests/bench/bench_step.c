@@ -54,9 +54,21 @@ static MnsCase *droplet(int dim, double resolution)
     return c;
 }
 
+/* The same with surface tension. */
+static MnsCase *tense_droplet(int dim, double resolution)
+{
+    MnsCase *c = droplet(dim, resolution);
+    c->scheme.name = "interfacial";
+    c->scheme.smoothing = 1.6;
+    c->scheme.interfacial.background_pressure = 4;
+    c->tension[0][1] = c->tension[1][0] = 0.1;
+    return c;
+}
+
 static const Bench BENCHES[] = {
     {"dambreak2d-p3", dam_break, 2, 95, 60, false},    {"dambreak3d-p3", dam_break, 3, 20, 12, false},
     {"droplet2d-p3", droplet, 2, 316, 60, false},      {"droplet3d-p3", droplet, 3, 46, 12, false},
+    {"drop2d-p2", tense_droplet, 2, 316, 60, false},   {"drop3d-p2", tense_droplet, 3, 46, 12, false},
     {"dambreak3d-p3-200k", dam_break, 3, 26, 6, true}, {"dambreak3d-p3-1m", dam_break, 3, 45, 3, true},
     {"dambreak3d-p3-4m", dam_break, 3, 72, 2, true},
 };
