@@ -71,7 +71,7 @@ INLINE Pair fetched_pair(const Block *b, int l, const double *beyond, const doub
     }
 #define FUSED_CASE(type, shape, body, level, dim)                                                                      \
     case type:                                                                                                         \
-        if (plan->model->periodic) body##_##level##_##dim##_periodic_##shape(plan, s, i);                              \
+        if (plan->nb->has[i] & LIST_IMAGES) body##_##level##_##dim##_periodic_##shape(plan, s, i);                              \
         else body##_##level##_##dim##_##shape(plan, s, i);                                                             \
         break;
 #ifndef MENISCUS_SANITIZED

@@ -12,14 +12,13 @@ enum { MARK_WORDS_MAX = ROW_MAX / 32 + 2 };
 MnsStatus neighbours_init(Neighbours *nb, size_t n, int dim, unsigned needs, int threads, MnsError *error)
 {
     enum { USUAL = 30 }; /* neighbours, to choose slabs by */
-    *nb = (Neighbours){.n = n, .threads = threads};
+    *nb = (Neighbours){.n = n, .threads = threads, .tells_others = needs & NEED_OTHERS};
     nb->list = array_new(n, sizeof *nb->list);
     nb->end = array_new(n, sizeof *nb->end);
     nb->counts = array_new(sort_counts(threads), sizeof *nb->counts);
     slabs_init(&nb->slabs, n * USUAL, threads);
-    nb->plain = needs & NEED_OTHERS ? array_new(n, sizeof *nb->plain) : NULL;
-    const bool well = (nb->plain || !(needs & NEED_OTHERS)) && bundles_init(&nb->bundles, n, dim, needs);
-    if (well && nb->list && nb->end && nb->counts) return MNS_OK;
+    nb->has = array_new(n, sizeof *nb->has);
+    if (nb->list && nb->end && nb->has && nb->counts && bundles_init(&nb->bundles, n, dim, needs)) return MNS_OK;
     neighbours_done(nb);
     return mns_fail(error, MNS_E_MEMORY, "no memory for the neighbour lists of %zu particles", n);
 }
@@ -30,7 +29,7 @@ void neighbours_done(Neighbours *nb)
     bundles_done(&nb->bundles);
     free(nb->list);
     free(nb->end);
-    free(nb->plain);
+    free(nb->has);
     free(nb->start);
     free(nb->counts);
     *nb = (Neighbours){0};
@@ -66,38 +65,18 @@ typedef struct Search {
     int n_runs;
 } Search;
 
-/* Append the members of one group within reach of i to list, by nearest images; returns how many. */
-static size_t search_periodic(const Search *q, size_t i, uint32_t *restrict list)
+/* Append the members of one group within reach of i to list; returns how many. Sets *images if any of them is near as an image. */
+static size_t search_group(const Search *q, size_t i, uint32_t *restrict list, bool *images)
 {
-    const double *const *ref = (const double *const *)q->s->ref;
-    const int dim = q->s->dim;
-    const double xi = ref[0][i], yi = ref[1][i], zi = dim == 3 ? ref[2][i] : 0;
-    const double *x = ref[0], *y = ref[1], *z = dim == 3 ? ref[2] : ref[0];
-    const double flat = dim == 3 ? 1 : 0;
-    size_t n = 0;
-    for (int k = 0; k < q->n_runs; k++) {
-        const uint32_t last = q->start[q->runs[k].last + 1];
-        for (uint32_t j = q->start[q->runs[k].first]; j < last; j++) {
-            const double dx = model_nearest(q->model, 0, xi - x[j]), dy = model_nearest(q->model, 1, yi - y[j]),
-                         dz = model_nearest(q->model, 2, (zi - z[j]) * flat);
-            list[n] = j;
-            n += (size_t)((dx * dx + dy * dy + dz * dz < q->distance2) & (j != i));
-        }
-    }
-    return n;
-}
-
-/* Append the members of one group within reach of i to list; returns how many. */
-static size_t search_group(const Search *q, size_t i, uint32_t *restrict list)
-{
-    if (q->model->periodic) return search_periodic(q, i, list);
     const Particles *s = q->s;
-    const Points points = {s->ref[0], s->ref[1], s->dim == 3 ? s->ref[2] : NULL};
+    const bool periodic = q->model->periodic;
+    const Points points = {s->ref[0], s->ref[1], s->dim == 3 ? s->ref[2] : NULL, periodic ? q->model->period : NULL,
+                           periodic ? q->model->frequency : NULL};
     const double at[3] = {s->ref[0][i], s->ref[1][i], s->dim == 3 ? s->ref[2][i] : 0};
     size_t n = 0;
     for (int k = 0; k < q->n_runs; k++)
         n += select_near(q->model->level, &points, q->start[q->runs[k].first], q->start[q->runs[k].last + 1], at,
-                         q->distance2, (uint32_t)i, list + n);
+                         q->distance2, (uint32_t)i, list + n, images);
     return n;
 }
 
@@ -106,6 +85,18 @@ static size_t candidates(const Search *q)
     size_t n = 0;
     for (int k = 0; k < q->n_runs; k++) n += q->start[q->runs[k].last + 1] - q->start[q->runs[k].first];
     return n;
+}
+
+/* LIST_... of the list of i. */
+static uint8_t kinds(const Neighbours *nb, const Particles *s, size_t i, bool images)
+{
+    const uint32_t *list = nb->list[i];
+    const size_t fluid = nb->end[i][GROUP_SUMMATION];
+    unsigned others = 0;
+    if (nb->tells_others && i < particles_fluid(s))
+        for (size_t k = 0; k < fluid; k++) others |= (unsigned)(s->phase[list[k]] ^ s->phase[i]);
+    return (uint8_t)((nb->end[i][GROUP_WALL] > fluid ? LIST_WALLS : 0) | (others ? LIST_OTHERS : 0) |
+                     (images ? LIST_IMAGES : 0));
 }
 
 /* What went wrong in a search: no memory, or the smallest id of the particles with too many neighbours. */
@@ -130,10 +121,11 @@ static void search_cell(Neighbours *nb, Cut *cut, Search q, Group group, size_t 
             return;
         }
         size_t n = 0;
+        bool images = false;
         for (int target = 0; target < GROUPS; target++) {
             if (target < targets) {
                 q.start = nb->start + (size_t)target * cells;
-                n += search_group(&q, i, cut->at + n);
+                n += search_group(&q, i, cut->at + n, &images);
             }
             if (n > ROW_MAX) {
                 if (q.s->id[i] < trouble->crowded) trouble->crowded = q.s->id[i];
@@ -142,6 +134,7 @@ static void search_cell(Neighbours *nb, Cut *cut, Search q, Group group, size_t 
             nb->end[i][target] = (uint16_t)n;
         }
         nb->list[i] = cut->at;
+        nb->has[i] = kinds(nb, q.s, i, images);
         const size_t fluid = nb->end[i][GROUP_SUMMATION];
         cut_advance(cut, n + (neighbours_mark_bytes(fluid) + neighbours_mark_bytes(n - fluid) + 3) / 4);
     }
@@ -191,19 +184,6 @@ static void clear_ends(Neighbours *nb)
     for (size_t i = 0; i < nb->n; i++) memset(nb->end[i], 0, sizeof nb->end[i]);
 }
 
-static void find_plain(Neighbours *nb, const Particles *s)
-{
-    const size_t n = particles_fluid(s);
-#pragma omp parallel for schedule(static) num_threads(nb->threads)
-    for (size_t i = 0; i < n; i++) {
-        const uint32_t *list = nb->list[i];
-        const size_t fluid = nb->end[i][GROUP_SUMMATION];
-        unsigned others = nb->end[i][GROUP_WALL] > fluid;
-        for (size_t k = 0; k < fluid; k++) others |= (unsigned)(s->phase[list[k]] ^ s->phase[i]);
-        nb->plain[i] = others == 0;
-    }
-}
-
 MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, MnsError *error)
 {
     const double distance = model->kernel.support + model->skin;
@@ -217,7 +197,6 @@ MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, Mns
     clear_ends(nb);
     const Trouble trouble = search_all(nb, s, model, &grid, distance);
     if (trouble.no_memory || trouble.crowded != UINT32_MAX) return complain(&trouble, s, error);
-    if (nb->plain) find_plain(nb, s);
     return MNS_OK;
 }
 
@@ -232,6 +211,6 @@ size_t neighbours_pairs(const Neighbours *nb)
 size_t neighbours_bytes(const Neighbours *nb)
 {
     return nb->start_capacity * sizeof *nb->start + sort_counts(nb->threads) * sizeof *nb->counts +
-           nb->n * (sizeof *nb->list + sizeof *nb->end + (nb->plain ? sizeof *nb->plain : 0)) +
+           nb->n * (sizeof *nb->list + sizeof *nb->end + sizeof *nb->has) +
            bundles_bytes(&nb->bundles, nb->n) + slabs_bytes(&nb->slabs);
 }

@@ -10,13 +10,21 @@
 
 enum { ROW_MAX = 1024 }; /* neighbours of one particle, skin included */
 
+/* Kinds of neighbours that a list can be without. */
+enum {
+    LIST_WALLS = 1,
+    LIST_OTHERS = 2, /* another fluid than the particle's own; not told of walls, and where no term asks */
+    LIST_IMAGES = 4  /* the nearest is an image, across a periodic side */
+};
+
 typedef struct Neighbours {
     size_t n; /* particles */
     int threads;
     Grid grid;               /* the lists were built with */
     uint32_t **list;         /* [n] neighbours of i, and behind them their marks, in slabs */
     uint16_t (*end)[GROUPS]; /* [n] entries [0, end[i][g]) of the list of i are of groups up to g */
-    uint8_t *plain;          /* [n] are all of its neighbours of its own fluid? NULL if no term asks */
+    uint8_t *has;            /* [n] LIST_...: what kinds of neighbours the list of i has */
+    bool tells_others;
     uint32_t *start;         /* [GROUPS * cells + 1] first particle of each cell, by group */
     size_t start_capacity;
     uint32_t *counts; /* work space to sort */

@@ -63,7 +63,7 @@ static const Fusion *fusion_for(const Pass *pass, int n, const Term *const *term
         if (!terms[k]->idle_inside) busy[n_busy++] = terms[k];
     for (int k = 0; k < PASS_FUSIONS_MAX && pass->fusions[k]; k++) {
         const Fusion *fusion = pass->fusions[k];
-        if (fusion->plain ? same_terms(fusion, n_busy, busy) : same_terms(fusion, n, terms)) return fusion;
+        if (fusion->not_for & LIST_OTHERS ? same_terms(fusion, n_busy, busy) : same_terms(fusion, n, terms)) return fusion;
     }
     return NULL;
 }
@@ -111,9 +111,9 @@ static void rows(const Sweep *sweep, Row *row, Particles *s, const Model *model,
 static void fused_rows(const Sweep *sweep, Row *row, Particles *s, const Model *model, size_t first, size_t last)
 {
     const FusedFunction fused = sweep->fusion->row[model->level][s->dim - 2];
-    const uint8_t *plain = sweep->fusion->plain ? sweep->plan.nb->plain : NULL;
+    const uint8_t *has = sweep->plan.nb->has;
     for (size_t i = first; i < last; i++) {
-        if (!plain || plain[i]) fused(&sweep->plan, s, i);
+        if (!(has[i] & sweep->fusion->not_for)) fused(&sweep->plan, s, i);
         else rows(sweep, row, s, model, i, i + 1);
     }
 }

@@ -64,16 +64,20 @@ INLINE void hide(Block *last, size_t n, double far)
     }
 }
 
-/* Say which pairs are with another fluid. Most particles have none of these. */
+/* Say which pairs are with another fluid; returns whether any is. */
 static bool mark_others(Row *row, const uint8_t *phase)
 {
     const uint8_t mine = phase[row->i];
     unsigned others = 0;
-    for (size_t k = 0; k < row->n_fluid * LANES; k++) others |= (unsigned)(phase[row->j[k]] ^ mine);
-    if (!others) return false;
-    for (Block *b = row->block; b < row->block + row->n_fluid; b++)
-        for (int l = 0; l < LANES; l++) b->other[l] = phase[row_j(row, b)[l]] == mine ? 0 : 1;
-    return true;
+    for (Block *b = row->block; b < row->block + row->n_fluid; b++) {
+        const uint32_t *j = row_j(row, b);
+        for (int l = 0; l < LANES; l++) {
+            const unsigned other = phase[j[l]] != mine;
+            b->other[l] = other;
+            others |= other;
+        }
+    }
+    return others;
 }
 
 INLINE void build(Row *row, const RowPlan *plan, size_t i, int dim, Fetch fetch)
@@ -84,8 +88,8 @@ INLINE void build(Row *row, const RowPlan *plan, size_t i, int dim, Fetch fetch)
     row->summed = picked.summed;
     row->n_fluid = picked.n_fluid;
     row->n = picked.n;
-    row->mixed = plan->needs & NEED_OTHERS && !plan->nb->plain[i] && mark_others(row, plan->s->phase);
-    if (model->periodic) fill_row(row, plan, dim, fetch, true);
+    row->mixed = plan->needs & NEED_OTHERS && plan->nb->has[i] & LIST_OTHERS && mark_others(row, plan->s->phase);
+    if (plan->nb->has[i] & LIST_IMAGES) fill_row(row, plan, dim, fetch, true);
     else fill_row(row, plan, dim, fetch, false);
     const double far = 2 * model->kernel.support;
     if (picked.fluid) hide(row->block + row->n_fluid - 1, picked.fluid, far);

@@ -24,15 +24,29 @@ static size_t plain_marked(const uint32_t *list, size_t n, const uint8_t *bits, 
     return count;
 }
 
+/* A difference along d to the nearest image, as model_nearest() has it. */
+static double plain_nearest(const Points *points, int d, double difference, bool *image)
+{
+    if (!points->period) return difference;
+    const double k = __builtin_rint(difference * points->frequency[d]);
+    *image |= k != 0;
+    return difference - points->period[d] * k;
+}
+
 static size_t plain_near(const Points *points, uint32_t first, uint32_t last, const double at[3], double distance2,
-                         uint32_t self, uint32_t *out)
+                         uint32_t self, uint32_t *out, bool *images)
 {
     const double *x = points->x, *y = points->y, *z = points->z;
     size_t count = 0;
     for (uint32_t j = first; j < last; j++) {
-        const double dx = at[0] - x[j], dy = at[1] - y[j], dz = z ? at[2] - z[j] : 0;
+        bool image = false;
+        const double dx = plain_nearest(points, 0, at[0] - x[j], &image),
+                     dy = plain_nearest(points, 1, at[1] - y[j], &image),
+                     dz = z ? plain_nearest(points, 2, at[2] - z[j], &image) : 0;
+        const bool near = (dx * dx + dy * dy + dz * dz < distance2) & (j != self);
         out[count] = j;
-        count += (size_t)((dx * dx + dy * dy + dz * dz < distance2) & (j != self));
+        count += near;
+        *images |= near & image;
     }
     return count;
 }
@@ -77,35 +91,67 @@ FOR_V3 static size_t marked_3(const uint32_t *list, size_t n, const uint8_t *bit
     return count;
 }
 
-/* Which of four points are near, as bits. */
-FOR_V3 static inline unsigned near_four(const Points *points, size_t j, __m256d x, __m256d y, __m256d z, __m256d limit)
+/* A difference to the nearest image, and for which it is not the point itself. */
+FOR_V3 INLINE __m256d nearest_four(__m256d difference, double period, double frequency, unsigned *image)
 {
-    const __m256d dx = _mm256_sub_pd(x, _mm256_loadu_pd(points->x + j)),
-                  dy = _mm256_sub_pd(y, _mm256_loadu_pd(points->y + j));
-    __m256d r2 = _mm256_add_pd(_mm256_mul_pd(dx, dx), _mm256_mul_pd(dy, dy));
-    if (points->z) {
-        const __m256d dz = _mm256_sub_pd(z, _mm256_loadu_pd(points->z + j));
-        r2 = _mm256_add_pd(r2, _mm256_mul_pd(dz, dz));
-    }
-    return (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(r2, limit, _CMP_LT_OQ));
+    const __m256d k = _mm256_round_pd(_mm256_mul_pd(difference, _mm256_set1_pd(frequency)),
+                                      _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC);
+    *image |= (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(k, _mm256_setzero_pd(), _CMP_NEQ_UQ));
+    return _mm256_sub_pd(difference, _mm256_mul_pd(_mm256_set1_pd(period), k));
 }
 
-FOR_V3 static size_t near_3(const Points *points, uint32_t first, uint32_t last, const double at[3], double distance2,
-                            uint32_t self, uint32_t *out)
+/* What the search around one point compares with. */
+typedef struct Around3 {
+    __m256d x[3], limit;
+} Around3;
+
+/* Which of four points are near, as bits. */
+FOR_V3 INLINE unsigned near_four(const Points *points, size_t j, const Around3 *around, bool *images, int dim,
+                                 bool periodic)
 {
-    const __m256d x = _mm256_set1_pd(at[0]), y = _mm256_set1_pd(at[1]), z = _mm256_set1_pd(at[2]),
-                  limit = _mm256_set1_pd(distance2);
+    const double *const x[] = {points->x, points->y, points->z};
+    unsigned image = 0;
+    __m256d r2 = _mm256_setzero_pd();
+    for (int d = 0; d < dim; d++) {
+        __m256d dx = _mm256_sub_pd(around->x[d], _mm256_loadu_pd(x[d] + j));
+        if (periodic) dx = nearest_four(dx, points->period[d], points->frequency[d], &image);
+        r2 = _mm256_add_pd(r2, _mm256_mul_pd(dx, dx));
+    }
+    const unsigned near = (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(r2, around->limit, _CMP_LT_OQ));
+    *images |= (near & image) != 0;
+    return near;
+}
+
+FOR_V3 INLINE size_t near_3_of(const Points *points, uint32_t first, uint32_t last, const double at[3],
+                               double distance2, uint32_t self, uint32_t *out, bool *images, int dim, bool periodic)
+{
+    const Around3 around = {{_mm256_set1_pd(at[0]), _mm256_set1_pd(at[1]), _mm256_set1_pd(at[2])},
+                            _mm256_set1_pd(distance2)};
     const __m256i step = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
     size_t count = 0;
     uint32_t j = first;
     for (; last - j >= 8; j += 8) {
-        unsigned bits = near_four(points, j, x, y, z, limit) | near_four(points, j + 4, x, y, z, limit) << 4;
+        unsigned bits = near_four(points, j, &around, images, dim, periodic) |
+                        near_four(points, j + 4, &around, images, dim, periodic) << 4;
         if (self - j < 8) bits &= ~(1u << (self - j));
         const __m256i index = _mm256_add_epi32(_mm256_set1_epi32((int)j), step);
         _mm256_storeu_si256((__m256i *)(out + count), picked_3(index, bits));
         count += (size_t)__builtin_popcount(bits);
     }
-    return count + plain_near(points, j, last, at, distance2, self, out + count);
+    return count + plain_near(points, j, last, at, distance2, self, out + count, images);
+}
+
+/* What does not change is known in each loop. */
+#define NEAR(body)                                                                                                     \
+    (points->z ? points->period ? body(points, first, last, at, distance2, self, out, images, 3, true)                 \
+                                : body(points, first, last, at, distance2, self, out, images, 3, false)                \
+     : points->period ? body(points, first, last, at, distance2, self, out, images, 2, true)                           \
+                      : body(points, first, last, at, distance2, self, out, images, 2, false))
+
+FOR_V3 static size_t near_3(const Points *points, uint32_t first, uint32_t last, const double at[3], double distance2,
+                            uint32_t self, uint32_t *out, bool *images)
+{
+    return NEAR(near_3_of);
 }
 
 FOR_V4 static void marks_4(const double *r, size_t stride, size_t blocks, double reach, uint8_t *marks)
@@ -126,30 +172,45 @@ FOR_V4 static size_t marked_4(const uint32_t *list, size_t n, const uint8_t *bit
     return count;
 }
 
-FOR_V4 static size_t near_4(const Points *points, uint32_t first, uint32_t last, const double at[3], double distance2,
-                            uint32_t self, uint32_t *out)
+FOR_V4 INLINE __m512d nearest_eight(__m512d difference, double period, double frequency, __mmask8 *image)
 {
-    const double *x = points->x, *y = points->y, *z = points->z;
-    const __m512d xi = _mm512_set1_pd(at[0]), yi = _mm512_set1_pd(at[1]), zi = _mm512_set1_pd(at[2]),
+    const __m512d k = _mm512_roundscale_pd(_mm512_mul_pd(difference, _mm512_set1_pd(frequency)),
+                                           _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC);
+    *image |= _mm512_cmp_pd_mask(k, _mm512_setzero_pd(), _CMP_NEQ_UQ);
+    return _mm512_sub_pd(difference, _mm512_mul_pd(_mm512_set1_pd(period), k));
+}
+
+FOR_V4 INLINE size_t near_4_of(const Points *points, uint32_t first, uint32_t last, const double at[3],
+                               double distance2, uint32_t self, uint32_t *out, bool *images, int dim, bool periodic)
+{
+    const double *const x[] = {points->x, points->y, points->z};
+    const __m512d around[] = {_mm512_set1_pd(at[0]), _mm512_set1_pd(at[1]), _mm512_set1_pd(at[2])},
                   limit = _mm512_set1_pd(distance2);
     const __m256i me = _mm256_set1_epi32((int)self), step = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
     size_t count = 0;
     for (uint32_t j = first; j < last; j += 8) {
         const __mmask8 some = last - j < 8 ? (__mmask8)((1u << (last - j)) - 1) : 0xff;
-        const __m512d dx = _mm512_sub_pd(xi, _mm512_maskz_loadu_pd(some, x + j)),
-                      dy = _mm512_sub_pd(yi, _mm512_maskz_loadu_pd(some, y + j));
-        __m512d r2 = _mm512_add_pd(_mm512_mul_pd(dx, dx), _mm512_mul_pd(dy, dy));
-        if (z) {
-            const __m512d dz = _mm512_sub_pd(zi, _mm512_maskz_loadu_pd(some, z + j));
-            r2 = _mm512_add_pd(r2, _mm512_mul_pd(dz, dz));
+        __mmask8 image = 0;
+        __m512d r2 = _mm512_setzero_pd();
+        for (int d = 0; d < dim; d++) {
+            __m512d dx = _mm512_sub_pd(around[d], _mm512_maskz_loadu_pd(some, x[d] + j));
+            if (periodic) dx = nearest_eight(dx, points->period[d], points->frequency[d], &image);
+            r2 = _mm512_add_pd(r2, _mm512_mul_pd(dx, dx));
         }
         const __m256i index = _mm256_add_epi32(_mm256_set1_epi32((int)j), step);
         const __mmask8 near =
             _mm512_mask_cmp_pd_mask(some, r2, limit, _CMP_LT_OQ) & _mm256_cmpneq_epi32_mask(index, me);
         _mm256_storeu_si256((__m256i *)(out + count), _mm256_maskz_compress_epi32(near, index));
         count += (size_t)__builtin_popcount(near);
+        *images |= (near & image) != 0;
     }
     return count;
+}
+
+FOR_V4 static size_t near_4(const Points *points, uint32_t first, uint32_t last, const double at[3], double distance2,
+                            uint32_t self, uint32_t *out, bool *images)
+{
+    return NEAR(near_4_of);
 }
 
 #endif
@@ -181,12 +242,12 @@ size_t select_marked(Level level, const uint32_t *list, size_t n, const uint8_t 
 }
 
 size_t select_near(Level level, const Points *points, uint32_t first, uint32_t last, const double at[3],
-                   double distance2, uint32_t self, uint32_t *out)
+                   double distance2, uint32_t self, uint32_t *out, bool *images)
 {
     (void)level;
 #if HAS_LEVELS
-    if (level == LEVEL_V4) return near_4(points, first, last, at, distance2, self, out);
-    if (level == LEVEL_V3) return near_3(points, first, last, at, distance2, self, out);
+    if (level == LEVEL_V4) return near_4(points, first, last, at, distance2, self, out, images);
+    if (level == LEVEL_V3) return near_3(points, first, last, at, distance2, self, out, images);
 #endif
-    return plain_near(points, first, last, at, distance2, self, out);
+    return plain_near(points, first, last, at, distance2, self, out, images);
 }

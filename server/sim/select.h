@@ -5,6 +5,7 @@
 #define SIM_SELECT_H
 
 #include "sim/level.h"
+#include <stdbool.h>
 
 enum { SELECT_SLACK = 8 }; /* entries behind the last that may be read, or written with rubbish */
 
@@ -15,12 +16,15 @@ void select_marks(Level level, const double *r, size_t stride, size_t blocks, do
  * out: [n + SELECT_SLACK]. */
 size_t select_marked(Level level, const uint32_t *list, size_t n, const uint8_t *bits, uint32_t *out);
 
-/* Indices from first to last - 1, but for `self`, of points nearer to `at` than the root of `distance2`; z is NULL in two
- * dimensions. Returns how many; out: [last - first + SELECT_SLACK]. */
+/* Where points are; z is NULL in two dimensions. period: of each direction, 0 where it is open, and frequency: one over it, or 0; NULL where
+ * all are. */
 typedef struct Points {
-    const double *x, *y, *z;
+    const double *x, *y, *z, *period, *frequency;
 } Points;
+
+/* Indices from first to last - 1, but for `self`, of points of which the nearest image is nearer to `at` than the root of `distance2`.
+ * Returns how many; sets *images if that image is another than the point itself for any of them. out: [last - first + SELECT_SLACK]. */
 size_t select_near(Level level, const Points *points, uint32_t first, uint32_t last, const double at[3],
-                   double distance2, uint32_t self, uint32_t *out);
+                   double distance2, uint32_t self, uint32_t *out, bool *images);
 
 #endif

@@ -6,7 +6,8 @@
 #include "sim/terms/continuity.h"
 #include "sim/terms/terms.h"
 
-INLINE void continuity_row(const Row *row, Particles *s, const Model *model, int dim)
+/* of_neighbours: what flows counts by the neighbours' volumes, as in P1; else by the particle's own. */
+INLINE void flow(const Row *row, Particles *s, const Model *model, int dim, bool of_neighbours)
 {
     const Flowing a = flowing_of(s, model, row->i);
     const Block *const walls = row->block + row->n_fluid, *const end = row->block + row->n;
@@ -15,36 +16,29 @@ INLINE void continuity_row(const Row *row, Particles *s, const Model *model, int
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, dim);
-            continuity_pair(&a, model, &pair, flowing_inverse(&a, &pair), dim, l, &sum);
+            const double inverse = flowing_inverse(&a, &pair);
+            if (of_neighbours) continuity_pair(&a, model, &pair, inverse, dim, l, &sum);
+            else volume_continuity_pair(&a, model, &pair, inverse, dim, l, &sum);
         }
     for (const Block *b = walls; b < end; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, dim);
-            sum.of[l] += pair.V * compression(&a, &pair, dim);
+            sum.of[l] += (of_neighbours ? pair.V : 1) * compression(&a, &pair, dim);
         }
-    continuity_end(s, row->i, &sum);
+    if (of_neighbours) continuity_end(s, row->i, &sum);
+    else volume_continuity_end(s, row->i, &sum);
+}
+
+INLINE void continuity_row(const Row *row, Particles *s, const Model *model, int dim)
+{
+    flow(row, s, model, dim, true);
 }
 ROW_FUNCTIONS(continuity_row)
 
 INLINE void volume_continuity_row(const Row *row, Particles *s, const Model *model, int dim)
 {
-    const Flowing a = flowing_of(s, model, row->i);
-    const Block *const walls = row->block + row->n_fluid, *const end = row->block + row->n;
-    Lanes sum = {0};
-    for (const Block *b = row->block; b < walls; b++)
-#pragma omp simd
-        for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, dim);
-            volume_continuity_pair(&a, model, &pair, flowing_inverse(&a, &pair), dim, l, &sum);
-        }
-    for (const Block *b = walls; b < end; b++)
-#pragma omp simd
-        for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, dim);
-            sum.of[l] += compression(&a, &pair, dim);
-        }
-    volume_continuity_end(s, row->i, &sum);
+    flow(row, s, model, dim, false);
 }
 ROW_FUNCTIONS(volume_continuity_row)
 

@@ -52,12 +52,12 @@ FUSED_FUNCTIONS(inviscid_rates_fused)
 
 const Fusion dissipation_viscous_rates = {
     .terms = {&continuity, &density_dissipation, &pressure_force, &viscosity},
-    .plain = true,
+    .not_for = LIST_WALLS | LIST_OTHERS,
     .row = FUSED_TABLE(viscous_rates_fused),
 };
 
 const Fusion dissipation_rates = {
     .terms = {&continuity, &density_dissipation, &pressure_force},
-    .plain = true,
+    .not_for = LIST_WALLS | LIST_OTHERS,
     .row = FUSED_TABLE(inviscid_rates_fused),
 };

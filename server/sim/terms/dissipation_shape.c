@@ -37,12 +37,12 @@ FUSED_FUNCTIONS(dissipation_shape_fused)
 
 const Fusion dissipation_shape = {
     .terms = {&shepard_sum, &pressure_gradient},
-    .plain = true,
+    .not_for = LIST_WALLS | LIST_OTHERS,
     .row = FUSED_TABLE(dissipation_shape_fused),
 };
 
 const Fusion dissipation_tense_shape = {
     .terms = {&shepard_sum, &pressure_gradient, &interface_normal},
-    .plain = true,
+    .not_for = LIST_WALLS | LIST_OTHERS,
     .row = FUSED_TABLE(dissipation_shape_fused),
 };

@@ -41,6 +41,6 @@ FUSED_FUNCTIONS(interfacial_density_fused)
 
 const Fusion interfacial_density = {
     .terms = {&shepard_sum, &concentration, &volume_continuity, &density_dissipation},
-    .plain = true,
+    .not_for = LIST_WALLS,
     .row = FUSED_TABLE(interfacial_density_fused),
 };

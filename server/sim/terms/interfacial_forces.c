@@ -54,12 +54,12 @@ FUSED_FUNCTIONS(inviscid_fused)
 
 const Fusion interfacial_viscous_forces = {
     .terms = {&volume_pressure_force, &radial_viscosity, &pressure_gradient, &shifting},
-    .plain = true,
+    .not_for = LIST_WALLS | LIST_OTHERS,
     .row = FUSED_TABLE(viscous_fused),
 };
 
 const Fusion interfacial_forces = {
     .terms = {&volume_pressure_force, &pressure_gradient, &shifting},
-    .plain = true,
+    .not_for = LIST_WALLS | LIST_OTHERS,
     .row = FUSED_TABLE(inviscid_fused),
 };

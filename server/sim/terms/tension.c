@@ -190,7 +190,7 @@ static void no_normal(const RowPlan *plan, Particles *s, size_t i)
 
 const Fusion no_interface = {
     .terms = {&corrected_normal},
-    .plain = true,
+    .not_for = LIST_WALLS | LIST_OTHERS,
     .row = {[0 ... LEVELS - 1] = {no_normal, no_normal}},
 };
 
