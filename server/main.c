@@ -190,7 +190,7 @@ static int run(Options *options)
     return options->batch.name ? batch_run(&options->batch) : daemon_run(&options->daemon);
 }
 
-/* $MENISCUS_LEVEL, for those who want to see that it changes no bit, or to be spared a machine's slow instructions. */
+/* $MENISCUS_LEVEL, for those who want the bits of an old machine, or to be spared a machine's slow instructions. */
 static bool take_level(void)
 {
     const char *level = getenv("MENISCUS_LEVEL");

@@ -58,6 +58,7 @@ size_t h5_rows(H5 *h, const char *name);                                /* the f
 void h5_expect(H5 *h, const char *name, int rank, const hsize_t *dims); /* raises MNS_E_CORRUPT if the shape differs */
 void h5_get_rows(H5 *h, const char *name, hid_t type, size_t first, size_t n, void *data); /* [n][all other dims] */
 void h5_get_mark(H5 *h, const char *name, const char *attribute, hid_t type, void *value); /* a scalar */
+bool h5_has_mark(H5 *h, const char *name, const char *attribute);
 bool h5_mark_is(H5 *h, const char *name, const char *attribute, const char *text); /* what h5_mark_text() wrote */
 
 #endif

@@ -77,6 +77,11 @@ void h5_get_mark(H5 *h, const char *name, const char *attribute, hid_t type, voi
     h5_close_id(mark);
 }
 
+bool h5_has_mark(H5 *h, const char *name, const char *attribute)
+{
+    return h5_has(h, name) && H5Aexists_by_name(h->file, name, attribute, H5P_DEFAULT) > 0;
+}
+
 bool h5_mark_is(H5 *h, const char *name, const char *attribute, const char *text)
 {
     char found[256] = "";

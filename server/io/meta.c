@@ -20,10 +20,16 @@ void meta_put_run(H5 *h, const FileMeta *meta)
     h5_mark_text(h, group, "case", meta->case_name);
     h5_mark_text(h, group, "scheme", meta->c->scheme.name);
     h5_mark_text(h, group, "version", MENISCUS_VERSION);
+    h5_mark_text(h, group, "arithmetic", mns_arithmetic());
     h5_mark_text(h, group, "units", "SI");
     h5_mark(h, group, "dim", H5T_NATIVE_INT, 0, &meta->c->dim);
     h5_put_texts(h, "/meniscus/case_text", 1, &meta->case_text);
     put_names(h, meta->c);
+}
+
+bool meta_same_arithmetic(H5 *h)
+{
+    return h5_has_mark(h, group, "arithmetic") && h5_mark_is(h, group, "arithmetic", mns_arithmetic());
 }
 
 void meta_put_moment(H5 *h, const MnsCapture *capture, size_t n)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The group /meniscus of every output file: which run, which moment.
  *
- *  /meniscus            attributes title, case, scheme, version, units, dim; of a moment also spacing [m], particles,
- *                       fluid_particles, step, time [s], dt [s]
+ *  /meniscus            attributes title, case, scheme, version, arithmetic (as mns_arithmetic() names it), units, dim; of a moment
+ *                       also spacing [m], particles, fluid_particles, step, time [s], dt [s]
  *  /meniscus/case_text  [1] the whole case as YAML
  *  /meniscus/fluids     [fluids] their names; phase k is fluid k
  *  /meniscus/walls      [walls] their names; phase k is wall k - fluids */
@@ -13,6 +13,9 @@
 #include "io/h5.h"
 
 void meta_put_run(H5 *h, const FileMeta *meta);
+
+/* Was it computed with the arithmetic that is in use? Files of versions that did not say were not. */
+bool meta_same_arithmetic(H5 *h);
 
 /* @param n  particles in the file */
 void meta_put_moment(H5 *h, const MnsCapture *capture, size_t n);

@@ -78,6 +78,16 @@ static MnsStatus adopt(Candidate *candidate, Document *document, MnsError *error
     return status;
 }
 
+static void tell_arithmetic(Run *run, const char *path)
+{
+    char text[4400];
+    snprintf(text, sizeof text,
+             "%s was computed on a machine that rounds in another way, or by an older version: what follows differs in "
+             "the last bits from a run without interruption%s",
+             path, strcmp(mns_arithmetic(), "fused") == 0 ? "; MENISCUS_LEVEL=x86-64 computes as old machines do" : "");
+    run_tell(run, NOTE_LOG, LOG_WARNING, "checkpoint", text);
+}
+
 /* From a checkpoint that has been read. load: what is wanted, with its document, or NULL to go on as it was. */
 static MnsStatus build_from(Run *run, Candidate *candidate, const Checkpoint *checkpoint, const char *name,
                             const RunLoad *load, Document *given, MnsError *error)
@@ -86,6 +96,7 @@ static MnsStatus build_from(Run *run, Candidate *candidate, const Checkpoint *ch
     MnsStatus status = document_unpack(checkpoint->case_blob, checkpoint->case_size, name, &stored, error);
     if (status) return status;
     if (load) status = resumed_case(stored, checkpoint->path, given, load, &wanted, error);
+    if (!status && checkpoint->other_arithmetic) tell_arithmetic(run, checkpoint->path);
     if (!status) {
         candidate->stored = document_share(stored);
         status = build(run, candidate, document_share(stored), checkpoint->state, error);

@@ -7,43 +7,29 @@
 
 #include "sim/pairs.h"
 
-/* How pairs are made; constant in every function that is compiled. */
-typedef struct Geometry {
-    Fetch fetch;
-    bool periodic;
-    KernelShape kernel;
-} Geometry;
-
 /* All sums of particle i. */
-typedef void (*FusedBody)(const RowPlan *plan, Particles *s, size_t i, int dim, Geometry how);
+typedef void (*FusedBody)(const RowPlan *plan, Particles *s, size_t i, How how);
 
-INLINE void position_of(const Particles *s, size_t i, int dim, double ret[3])
+INLINE void position_of(const Particles *s, size_t i, How how, double ret[3])
 {
-    for (int d = 0; d < 3; d++) ret[d] = d < dim ? s->x[d][i] : 0;
-}
-
-/* Without the sum that begins with 0, which is an addition more. */
-INLINE double length(const double x[3], int dim)
-{
-    const double plane = x[0] * x[0] + x[1] * x[1];
-    return sqrt(dim == 3 ? plane + x[2] * x[2] : plane);
+    for (int d = 0; d < 3; d++) ret[d] = d < how.dim ? s->x[d][i] : 0;
 }
 
 /* Pair l of a block that was fetched for these needs; beyond: what beyond_reach() says of it. */
 INLINE Pair fetched_pair(const Block *b, int l, const double *beyond, const double x_i[3], const RowPlan *plan,
-                         unsigned needs, int dim, Geometry how)
+                         unsigned needs, How how)
 {
     Pair pair;
-    for (int d = 0; d < dim; d++) {
-        pair.x[d] = nearest(plan->model, x_i[d] - b->x[d][l], d, how.periodic);
+    for (int d = 0; d < how.dim; d++) {
+        pair.x[d] = nearest(plan->model, x_i[d] - b->x[d][l], d, how);
         if (needs & NEED_V) pair.v[d] = b->v[d][l];
         if (needs & NEED_FLUX) pair.q[d] = b->q[d][l];
         if (needs & NEED_GRADIENT) pair.gradient[d] = b->gradient[d][l];
         if (needs & NEED_NORMAL) pair.normal[d] = b->normal[d][l];
     }
-    pair.r = length(pair.x, dim) + beyond[l];
+    pair.r = sqrt(DOT(pair.x, pair.x, how)) + beyond[l];
     if (needs & (NEED_W | NEED_F)) {
-        const KernelValue value = how.kernel(&plan->kernel, pair.r);
+        const KernelValue value = how.kernel(&plan->kernel, pair.r, how.fma);
         pair.W = value.W;
         pair.F = value.F;
     }
@@ -58,52 +44,52 @@ INLINE Pair fetched_pair(const Block *b, int l, const double *beyond, const doub
 
 /* FUSED_FUNCTIONS(body) makes functions of every level, in two and three dimensions, from a FusedBody that is INLINE;
  * FUSED_TABLE(body) is the table of them. Each kernel has functions of its own: of several bodies in one, gcc gives up on some. */
-#define FUSED_SHAPE(type, shape, body, level, target, dim, fetch)                                                      \
-    target __attribute__((noinline)) static void body##_##level##_##dim##_##shape(const RowPlan *plan, Particles *s,   \
-                                                                                  size_t i)                            \
+#define FUSED_SHAPE(type, shape, body, level, target, dimensions, fused, how_to_fetch)                                 \
+    target __attribute__((noinline)) static void body##_##level##_##dimensions##_##shape(const RowPlan *plan,          \
+                                                                                         Particles *s, size_t i)       \
     {                                                                                                                  \
-        body(plan, s, i, dim, (Geometry){fetch, false, shape});                                                        \
+        body(plan, s, i, (How){dimensions, fused, how_to_fetch, false, shape});                                        \
     }                                                                                                                  \
-    target __attribute__((noinline)) static void body##_##level##_##dim##_periodic_##shape(const RowPlan *plan,        \
-                                                                                           Particles *s, size_t i)     \
+    target __attribute__((noinline)) static void body##_##level##_##dimensions##_images_##shape(                       \
+        const RowPlan *plan, Particles *s, size_t i)                                                                   \
     {                                                                                                                  \
-        body(plan, s, i, dim, (Geometry){fetch, true, shape});                                                         \
+        body(plan, s, i, (How){dimensions, fused, how_to_fetch, true, shape});                                         \
     }
-#define FUSED_CASE(type, shape, body, level, dim)                                                                      \
+#define FUSED_CASE(type, shape, body, level, dimensions)                                                               \
     case type:                                                                                                         \
-        if (plan->nb->has[i] & LIST_IMAGES) body##_##level##_##dim##_periodic_##shape(plan, s, i);                              \
-        else body##_##level##_##dim##_##shape(plan, s, i);                                                             \
+        if (plan->nb->has[i] & LIST_IMAGES) body##_##level##_##dimensions##_images_##shape(plan, s, i);                \
+        else body##_##level##_##dimensions##_##shape(plan, s, i);                                                      \
         break;
 #ifndef MENISCUS_SANITIZED
-#define FUSED_FUNCTION(body, level, target, dim, fetch)                                                                \
-    EACH_KERNEL(FUSED_SHAPE, body, level, target, dim, fetch)                                                          \
-    target static void body##_##level##_##dim(const RowPlan *plan, Particles *s, size_t i)                             \
+#define FUSED_FUNCTION(body, level, target, dimensions, fused, how_to_fetch)                                           \
+    EACH_KERNEL(FUSED_SHAPE, body, level, target, dimensions, fused, how_to_fetch)                                     \
+    target static void body##_##level##_##dimensions(const RowPlan *plan, Particles *s, size_t i)                      \
     {                                                                                                                  \
         switch (plan->model->kernel.type) {                                                                            \
-            EACH_KERNEL(FUSED_CASE, body, level, dim)                                                                  \
+            EACH_KERNEL(FUSED_CASE, body, level, dimensions)                                                           \
         }                                                                                                              \
     }
 #else
-#define FUSED_FUNCTION(body, level, target, dim, fetch)                                                                \
-    target static void body##_##level##_##dim(const RowPlan *plan, Particles *s, size_t i)                             \
+#define FUSED_FUNCTION(body, level, target, dimensions, fused, how_to_fetch)                                           \
+    target static void body##_##level##_##dimensions(const RowPlan *plan, Particles *s, size_t i)                      \
     {                                                                                                                  \
-        const Model *model = plan->model;                                                                              \
-        body(plan, s, i, dim, (Geometry){fetch, model->periodic, kernel_shape_of(model->kernel.type)});                \
+        const bool images = plan->nb->has[i] & LIST_IMAGES;                                                            \
+        body(plan, s, i, (How){dimensions, fused, how_to_fetch, images, kernel_shape_of(plan->model->kernel.type)});   \
     }
 #endif
 #if HAS_LEVELS && !defined MENISCUS_SANITIZED
 #define FUSED_FUNCTIONS(body)                                                                                          \
-    FUSED_FUNCTION(body, base, , 2, fetch_quads)                                                                       \
-    FUSED_FUNCTION(body, base, , 3, fetch_quads)                                                                       \
-    FUSED_FUNCTION(body, v3, FOR_V3, 2, fetch_quads)                                                                   \
-    FUSED_FUNCTION(body, v3, FOR_V3, 3, fetch_quads)                                                                   \
-    FUSED_FUNCTION(body, v4, FOR_V4, 2, fetch_octs)                                                                    \
-    FUSED_FUNCTION(body, v4, FOR_V4, 3, fetch_octs)
+    FUSED_FUNCTION(body, base, , 2, BASE_FUSES, fetch_quads)                                                           \
+    FUSED_FUNCTION(body, base, , 3, BASE_FUSES, fetch_quads)                                                           \
+    FUSED_FUNCTION(body, v3, FOR_V3, 2, true, fetch_quads)                                                             \
+    FUSED_FUNCTION(body, v3, FOR_V3, 3, true, fetch_quads)                                                             \
+    FUSED_FUNCTION(body, v4, FOR_V4, 2, true, fetch_octs)                                                              \
+    FUSED_FUNCTION(body, v4, FOR_V4, 3, true, fetch_octs)
 #define FUSED_TABLE(body) ROW_TABLE(body)
 #else
 #define FUSED_FUNCTIONS(body)                                                                                          \
-    FUSED_FUNCTION(body, base, , 2, fetch_quads)                                                                       \
-    FUSED_FUNCTION(body, base, , 3, fetch_quads)
+    FUSED_FUNCTION(body, base, , 2, BASE_FUSES, fetch_quads)                                                           \
+    FUSED_FUNCTION(body, base, , 3, BASE_FUSES, fetch_quads)
 /* Under the sanitizer gcc takes minutes for all levels; the plainest stands for all there. */
 #define FUSED_TABLE(body)                                                                                              \
     {                                                                                                                  \

@@ -17,7 +17,7 @@ typedef struct KernelValue {
     double W, F;
 } KernelValue;
 
-typedef KernelValue (*KernelShape)(const KernelScale *, double r);
+typedef KernelValue (*KernelShape)(const KernelScale *, double r, bool fused);
 
 INLINE KernelScale kernel_scale(const Kernel *kernel)
 {
@@ -33,46 +33,47 @@ INLINE double positive(double x)
 }
 
 /* W = alpha (1 - q/2)^4 (2q + 1),  F = -5 alpha (1 - q/2)^3 / h^2 */
-INLINE KernelValue wendland_c2(const KernelScale *k, double r)
+INLINE KernelValue wendland_c2(const KernelScale *k, double r, bool fused)
 {
-    const double q = r * k->inverse_h, t = positive(1 - 0.5 * q), t2 = t * t;
-    return (KernelValue){k->alpha * (t2 * t2) * (2 * q + 1), k->slope * (t2 * t)};
+    const double q = r * k->inverse_h, t = positive(mul_add(-0.5, q, 1, fused)), t2 = t * t;
+    return (KernelValue){k->alpha * (t2 * t2) * mul_add(2, q, 1, fused), k->slope * (t2 * t)};
 }
 
 /* W = alpha [(3-q)^5 - 6 (2-q)^5 + 15 (1-q)^5],  F = -5 alpha/(h r) [(3-q)^4 - 6 (2-q)^4 + 15 (1-q)^4], each power cut at 0 */
-INLINE KernelValue quintic_spline(const KernelScale *k, double r)
+INLINE KernelValue quintic_spline(const KernelScale *k, double r, bool fused)
 {
     const double q = r * k->inverse_h, a = positive(3 - q), b = positive(2 - q), c = positive(1 - q);
     const double a2 = a * a, b2 = b * b, c2 = c * c;
-    return (KernelValue){k->alpha * (a2 * a2 * a - 6 * (b2 * b2 * b) + 15 * (c2 * c2 * c)),
-                         k->slope / (q + k->tiny * k->inverse_h) * (a2 * a2 - 6 * (b2 * b2) + 15 * (c2 * c2))};
+    const double a4 = a2 * a2, b4 = b2 * b2, c4 = c2 * c2;
+    return (KernelValue){k->alpha * mul_add(15, c4 * c, mul_add(-6, b4 * b, a4 * a, fused), fused),
+                         k->slope / (q + k->tiny * k->inverse_h) * mul_add(15, c4, mul_add(-6, b4, a4, fused), fused)};
 }
 
 /* exp(-s), 0 <= s <= 9, to 1e-14 of itself: the polynomial of s/32, squared five times. The C library's has other bits on other
  * machines, and no vectors. */
-INLINE double bell(double s)
+INLINE double bell(double s, bool fused)
 {
     const double t = s * -0.03125;
-    double e = 1 + t * (1.0 / 12);
-    e = 1 + t * (1.0 / 11) * e;
-    e = 1 + t * (1.0 / 10) * e;
-    e = 1 + t * (1.0 / 9) * e;
-    e = 1 + t * (1.0 / 8) * e;
-    e = 1 + t * (1.0 / 7) * e;
-    e = 1 + t * (1.0 / 6) * e;
-    e = 1 + t * (1.0 / 5) * e;
-    e = 1 + t * (1.0 / 4) * e;
-    e = 1 + t * (1.0 / 3) * e;
-    e = 1 + t * (1.0 / 2) * e;
-    e = 1 + t * e;
+    double e = mul_add(t, 1.0 / 12, 1, fused);
+    e = mul_add(t * (1.0 / 11), e, 1, fused);
+    e = mul_add(t * (1.0 / 10), e, 1, fused);
+    e = mul_add(t * (1.0 / 9), e, 1, fused);
+    e = mul_add(t * (1.0 / 8), e, 1, fused);
+    e = mul_add(t * (1.0 / 7), e, 1, fused);
+    e = mul_add(t * (1.0 / 6), e, 1, fused);
+    e = mul_add(t * (1.0 / 5), e, 1, fused);
+    e = mul_add(t * (1.0 / 4), e, 1, fused);
+    e = mul_add(t * (1.0 / 3), e, 1, fused);
+    e = mul_add(t * (1.0 / 2), e, 1, fused);
+    e = mul_add(t, e, 1, fused);
     const double e2 = e * e, e4 = e2 * e2, e8 = e4 * e4, e16 = e8 * e8;
     return e16 * e16;
 }
 
 /* W = alpha exp(-q^2) for q < 3, as P1 writes it: not renormalised; F = -2 W / h^2 */
-INLINE KernelValue truncated_gaussian(const KernelScale *k, double r)
+INLINE KernelValue truncated_gaussian(const KernelScale *k, double r, bool fused)
 {
-    const double q = r * k->inverse_h, e = bell(q * q), cut = q >= 3 ? 0 : e;
+    const double q = r * k->inverse_h, e = bell(q * q, fused), cut = q >= 3 ? 0 : e;
     return (KernelValue){k->alpha * cut, k->slope * cut};
 }
 

@@ -40,6 +40,15 @@ const char *mns_level(void)
     return NAMES[level_in_use()];
 }
 
+const char *mns_arithmetic(void)
+{
+#if HAS_LEVELS
+    return level_in_use() > LEVEL_BASE || BASE_FUSES ? "fused" : "separate";
+#else
+    return BASE_FUSES ? "fused" : "separate";
+#endif
+}
+
 MnsStatus mns_level_force(const char *name, MnsError *error)
 {
     for (int k = 0; k < LEVELS; k++) {

@@ -1,14 +1,29 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Instruction sets. What is hot is compiled once for each level, from the same source, and the best that the machine has is
- * taken while running. All give the same bits: sums are kept in eight lanes however wide the vectors are (row.h), and
- * multiplications are not fused with additions. */
+ * taken while running. Sums are kept in eight lanes however wide the vectors are (row.h), and where multiplications are fused with
+ * additions is written down (mul_add), so all levels that have such instructions give the same bits: all but that of machines older
+ * than 2013. */
 #ifndef SIM_LEVEL_H
 #define SIM_LEVEL_H
 
 #include <meniscus/sim.h>
+#include <stdbool.h>
 
 /* Part of each function it is called from, and so compiled for that one's level. */
 #define INLINE static inline __attribute__((always_inline))
+
+/* a b + c; fused: rounded once. Only where what it is part of stays the same, or the opposite, if the two of a pair are exchanged. */
+INLINE double mul_add(double a, double b, double c, bool fused)
+{
+    return fused ? __builtin_fma(a, b, c) : a * b + c;
+}
+
+/* Has the plainest level that is built instructions for it? The others have. */
+#if defined __FMA__ || defined __ARM_FEATURE_FMA
+#define BASE_FUSES true
+#else
+#define BASE_FUSES false
+#endif
 
 /* Built for one machine with -march, there is that one level. */
 #if defined __x86_64__ && !defined __AVX2__

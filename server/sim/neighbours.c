@@ -58,7 +58,8 @@ static bool reserve(Neighbours *nb, size_t keys)
 /* What the search of one cell needs. */
 typedef struct Search {
     const Particles *s;
-    const Model *model;
+    SelectNear near;
+    Points points;
     double distance2;
     const uint32_t *start; /* of the group that is searched */
     const Run *runs;
@@ -69,14 +70,11 @@ typedef struct Search {
 static size_t search_group(const Search *q, size_t i, uint32_t *restrict list, bool *images)
 {
     const Particles *s = q->s;
-    const bool periodic = q->model->periodic;
-    const Points points = {s->ref[0], s->ref[1], s->dim == 3 ? s->ref[2] : NULL, periodic ? q->model->period : NULL,
-                           periodic ? q->model->frequency : NULL};
     const double at[3] = {s->ref[0][i], s->ref[1][i], s->dim == 3 ? s->ref[2][i] : 0};
     size_t n = 0;
     for (int k = 0; k < q->n_runs; k++)
-        n += select_near(q->model->level, &points, q->start[q->runs[k].first], q->start[q->runs[k].last + 1], at,
-                         q->distance2, (uint32_t)i, list + n, images);
+        n += q->near(&q->points, q->start[q->runs[k].first], q->start[q->runs[k].last + 1], at, q->distance2,
+                     (uint32_t)i, list + n, images);
     return n;
 }
 
@@ -153,7 +151,8 @@ static Trouble search_all(Neighbours *nb, const Particles *s, const Model *model
 #pragma omp for schedule(dynamic, 16)
         for (size_t cell = 0; cell < grid->cells; cell++) {
             const Search q = {.s = s,
-                              .model = model,
+                              .near = select_near(model->level, s->dim, model->periodic),
+                              .points = {{s->ref[0], s->ref[1], s->ref[2]}, model->period, model->frequency},
                               .distance2 = distance * distance,
                               .runs = runs,
                               .n_runs = grid_runs(grid, cell, runs)};
@@ -211,6 +210,6 @@ size_t neighbours_pairs(const Neighbours *nb)
 size_t neighbours_bytes(const Neighbours *nb)
 {
     return nb->start_capacity * sizeof *nb->start + sort_counts(nb->threads) * sizeof *nb->counts +
-           nb->n * (sizeof *nb->list + sizeof *nb->end + sizeof *nb->has) +
-           bundles_bytes(&nb->bundles, nb->n) + slabs_bytes(&nb->slabs);
+           nb->n * (sizeof *nb->list + sizeof *nb->end + sizeof *nb->has) + bundles_bytes(&nb->bundles, nb->n) +
+           slabs_bytes(&nb->slabs);
 }

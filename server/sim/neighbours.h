@@ -25,7 +25,7 @@ typedef struct Neighbours {
     uint16_t (*end)[GROUPS]; /* [n] entries [0, end[i][g]) of the list of i are of groups up to g */
     uint8_t *has;            /* [n] LIST_...: what kinds of neighbours the list of i has */
     bool tells_others;
-    uint32_t *start;         /* [GROUPS * cells + 1] first particle of each cell, by group */
+    uint32_t *start; /* [GROUPS * cells + 1] first particle of each cell, by group */
     size_t start_capacity;
     uint32_t *counts; /* work space to sort */
     Slabs slabs;

@@ -68,8 +68,6 @@ INLINE void fetch_octs(double (*restrict bundle)[4], const uint32_t *restrict j,
 }
 #endif
 
-typedef void (*Fetch)(double (*bundle)[4], const uint32_t *j, double *a, double *b, double *c, double *d);
-
 /* Where a quantity of the neighbours goes; NULL for nothing. */
 INLINE double *place(Block *block, int what)
 {
@@ -97,20 +95,20 @@ INLINE double *place(Block *block, int what)
     }
 }
 
-INLINE void fetch_bundle(Block *block, const uint32_t *j, const Bundles *bundles, int k, int dim, Fetch fetch)
+INLINE void fetch_bundle(Block *block, const uint32_t *j, const Bundles *bundles, int k, How how)
 {
-    const uint8_t *what = BUNDLE_LAYOUT[dim - 2][k];
-    fetch(bundles->bundle[k].data, j, place(block, what[0]), place(block, what[1]), place(block, what[2]),
-          place(block, what[3]));
+    const uint8_t *what = BUNDLE_LAYOUT[how.dim - 2][k];
+    how.fetch(bundles->bundle[k].data, j, place(block, what[0]), place(block, what[1]), place(block, what[2]),
+              place(block, what[3]));
 }
 
-INLINE void fetch_block(Block *block, const uint32_t *j, const Bundles *bundles, unsigned needs, int dim, Fetch fetch)
+INLINE void fetch_block(Block *block, const uint32_t *j, const Bundles *bundles, unsigned needs, How how)
 {
-    fetch_bundle(block, j, bundles, 0, dim, fetch);
-    if (needs & bundle_meets(dim, 1)) fetch_bundle(block, j, bundles, 1, dim, fetch);
-    if (needs & bundle_meets(dim, 2)) fetch_bundle(block, j, bundles, 2, dim, fetch);
-    if (needs & bundle_meets(dim, 3)) fetch_bundle(block, j, bundles, 3, dim, fetch);
-    if (needs & bundle_meets(dim, 4)) fetch_bundle(block, j, bundles, 4, dim, fetch);
+    fetch_bundle(block, j, bundles, 0, how);
+    if (needs & bundle_meets(how.dim, 1)) fetch_bundle(block, j, bundles, 1, how);
+    if (needs & bundle_meets(how.dim, 2)) fetch_bundle(block, j, bundles, 2, how);
+    if (needs & bundle_meets(how.dim, 3)) fetch_bundle(block, j, bundles, 3, how);
+    if (needs & bundle_meets(how.dim, 4)) fetch_bundle(block, j, bundles, 4, how);
 }
 
 /* Neighbours of a particle: pairs [0, fluid) are with fluid, in n_fluid blocks; so many with walls follow in the blocks up to n.
@@ -170,9 +168,9 @@ INLINE const double *beyond_reach(const RowPlan *plan, const Picked *picked, siz
 }
 
 /* A difference of positions in direction d, to the nearest image. */
-INLINE double nearest(const Model *model, double x, int d, bool periodic)
+INLINE double nearest(const Model *model, double x, int d, How how)
 {
-    return periodic ? x - model->period[d] * __builtin_rint(x * model->frequency[d]) : x;
+    return how.periodic ? x - model->period[d] * __builtin_rint(x * model->frequency[d]) : x;
 }
 
 #endif

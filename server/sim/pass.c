@@ -63,7 +63,8 @@ static const Fusion *fusion_for(const Pass *pass, int n, const Term *const *term
         if (!terms[k]->idle_inside) busy[n_busy++] = terms[k];
     for (int k = 0; k < PASS_FUSIONS_MAX && pass->fusions[k]; k++) {
         const Fusion *fusion = pass->fusions[k];
-        if (fusion->not_for & LIST_OTHERS ? same_terms(fusion, n_busy, busy) : same_terms(fusion, n, terms)) return fusion;
+        if (fusion->not_for & LIST_OTHERS ? same_terms(fusion, n_busy, busy) : same_terms(fusion, n, terms))
+            return fusion;
     }
     return NULL;
 }

@@ -3,52 +3,50 @@
 
 /* One block: neighbours, differences, distances, kernel. One after the other, so that the root of one block is taken while the
  * next is loaded. */
-INLINE void fill_block(Block *b, const uint32_t *j, const RowPlan *plan, unsigned needs, const double x_i[3], int dim,
-                       Fetch fetch, bool periodic, KernelShape kernel)
+INLINE void fill_block(Block *b, const uint32_t *j, const RowPlan *plan, unsigned needs, const double x_i[3], How how)
 {
-    fetch_block(b, j, &plan->nb->bundles, needs, dim, fetch);
+    fetch_block(b, j, &plan->nb->bundles, needs, how);
     const Model *model = plan->model;
 #pragma omp simd
     for (int l = 0; l < LANES; l++) {
-        double r2 = 0;
-        for (int d = 0; d < dim; d++) {
-            const double x = nearest(model, x_i[d] - b->x[d][l], d, periodic);
-            b->x[d][l] = x;
-            r2 += x * x;
-        }
-        b->r[l] = sqrt(r2);
+        double x[3];
+        for (int d = 0; d < how.dim; d++) x[d] = b->x[d][l] = nearest(model, x_i[d] - b->x[d][l], d, how);
+        b->r[l] = sqrt(DOT(x, x, how));
     }
     if ((plan->needs & NEED_W) && (plan->needs & NEED_F))
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const KernelValue value = kernel(&plan->kernel, b->r[l]);
+            const KernelValue value = how.kernel(&plan->kernel, b->r[l], how.fma);
             b->W[l] = value.W;
             b->F[l] = value.F;
         }
     else if (plan->needs & NEED_W)
 #pragma omp simd
-        for (int l = 0; l < LANES; l++) b->W[l] = kernel(&plan->kernel, b->r[l]).W;
+        for (int l = 0; l < LANES; l++) b->W[l] = how.kernel(&plan->kernel, b->r[l], how.fma).W;
     else
 #pragma omp simd
-        for (int l = 0; l < LANES; l++) b->F[l] = kernel(&plan->kernel, b->r[l]).F;
+        for (int l = 0; l < LANES; l++) b->F[l] = how.kernel(&plan->kernel, b->r[l], how.fma).F;
 }
 
-INLINE void fill_blocks(Row *row, const RowPlan *plan, int dim, Fetch fetch, bool periodic, KernelShape kernel)
+INLINE void fill_blocks(Row *row, const RowPlan *plan, How how)
 {
     const unsigned needs = row->summed ? plan->needs : plan->needs & ~(unsigned)NEED_FLUX;
     double x[3] = {0, 0, 0};
-    for (int d = 0; d < dim; d++) x[d] = plan->s->x[d][row->i];
-    for (size_t b = 0; b < row->n; b++)
-        fill_block(&row->block[b], row->j + b * LANES, plan, needs, x, dim, fetch, periodic, kernel);
+    for (int d = 0; d < how.dim; d++) x[d] = plan->s->x[d][row->i];
+    for (size_t b = 0; b < row->n; b++) fill_block(&row->block[b], row->j + b * LANES, plan, needs, x, how);
 }
 
-INLINE void fill_row(Row *row, const RowPlan *plan, int dim, Fetch fetch, bool periodic)
+INLINE void fill_row(Row *row, const RowPlan *plan, How how, bool periodic)
 {
+    how.periodic = periodic;
 #ifndef MENISCUS_SANITIZED
-#define FILL(shape) fill_blocks(row, plan, dim, fetch, periodic, shape)
+#define FILL(shape)                                                                                                    \
+    how.kernel = shape;                                                                                                \
+    fill_blocks(row, plan, how)
     WITH_KERNEL(plan->model->kernel.type, FILL)
 #else
-    fill_blocks(row, plan, dim, fetch, periodic, kernel_shape_of(plan->model->kernel.type));
+    how.kernel = kernel_shape_of(plan->model->kernel.type);
+    fill_blocks(row, plan, how);
 #endif
 }
 
@@ -80,7 +78,7 @@ static bool mark_others(Row *row, const uint8_t *phase)
     return others;
 }
 
-INLINE void build(Row *row, const RowPlan *plan, size_t i, int dim, Fetch fetch)
+INLINE void build(Row *row, const RowPlan *plan, size_t i, How how)
 {
     const Model *model = plan->model;
     const Picked picked = pick_neighbours(plan, i, row->j);
@@ -89,27 +87,27 @@ INLINE void build(Row *row, const RowPlan *plan, size_t i, int dim, Fetch fetch)
     row->n_fluid = picked.n_fluid;
     row->n = picked.n;
     row->mixed = plan->needs & NEED_OTHERS && plan->nb->has[i] & LIST_OTHERS && mark_others(row, plan->s->phase);
-    if (plan->nb->has[i] & LIST_IMAGES) fill_row(row, plan, dim, fetch, true);
-    else fill_row(row, plan, dim, fetch, false);
+    if (plan->nb->has[i] & LIST_IMAGES) fill_row(row, plan, how, true);
+    else fill_row(row, plan, how, false);
     const double far = 2 * model->kernel.support;
     if (picked.fluid) hide(row->block + row->n_fluid - 1, picked.fluid, far);
     if (picked.walls) hide(row->block + row->n - 1, picked.walls, far);
     note_reach(plan, i, &picked, row->block[0].r, sizeof(Block) / sizeof(double));
 }
 
-#define BUILD(level, target, dim, fetch)                                                                               \
-    target static void build_##level##_##dim(Row *row, const RowPlan *plan, size_t i)                                  \
+#define BUILD(level, target, dimensions, fused, how_to_fetch)                                                          \
+    target static void build_##level##_##dimensions(Row *row, const RowPlan *plan, size_t i)                           \
     {                                                                                                                  \
-        build(row, plan, i, dim, fetch);                                                                               \
+        build(row, plan, i, (How){.dim = dimensions, .fma = fused, .fetch = how_to_fetch});                            \
     }
 typedef void (*Build)(Row *, const RowPlan *, size_t);
-BUILD(base, , 2, fetch_quads)
-BUILD(base, , 3, fetch_quads)
+BUILD(base, , 2, BASE_FUSES, fetch_quads)
+BUILD(base, , 3, BASE_FUSES, fetch_quads)
 #if HAS_LEVELS
-BUILD(v3, FOR_V3, 2, fetch_quads)
-BUILD(v3, FOR_V3, 3, fetch_quads)
-BUILD(v4, FOR_V4, 2, fetch_octs)
-BUILD(v4, FOR_V4, 3, fetch_octs)
+BUILD(v3, FOR_V3, 2, true, fetch_quads)
+BUILD(v3, FOR_V3, 3, true, fetch_quads)
+BUILD(v4, FOR_V4, 2, true, fetch_octs)
+BUILD(v4, FOR_V4, 3, true, fetch_octs)
 static const Build BUILDS[LEVELS][2] = {
     {build_base_2, build_base_3}, {build_v3_2, build_v3_3}, {build_v4_2, build_v4_3}};
 #else

@@ -74,12 +74,39 @@ INLINE double lanes_sum(const Lanes *a)
     return ((a->of[0] + a->of[4]) + (a->of[2] + a->of[6])) + ((a->of[1] + a->of[5]) + (a->of[3] + a->of[7]));
 }
 
+typedef void (*Fetch)(double (*bundle)[4], const uint32_t *j, double *a, double *b, double *c, double *d);
+
+/* What is known when a loop over pairs is compiled: there is one for each. Terms use the first two. */
+typedef struct How {
+    int dim;
+    bool fma; /* for mul_add() */
+    Fetch fetch;
+    bool periodic; /* pairs across periodic sides among them */
+    KernelShape kernel;
+} How;
+
+/* a . b, and (a - b) . x, of arrays [dim]. Written out, as gcc unrolls no small loop with a call in it before it looks for what to
+ * vectorise; and macros, as it loses sight of a pair of which parts are passed on as pointers. */
+#define DOT(a, b, how)                                                                                                 \
+    ((how).dim == 3 ? mul_add((a)[2], (b)[2], mul_add((a)[1], (b)[1], (a)[0] * (b)[0], (how).fma), (how).fma)          \
+                    : mul_add((a)[1], (b)[1], (a)[0] * (b)[0], (how).fma))
+#define DOT_DIFFERENCE(a, b, x, how)                                                                                   \
+    ((how).dim == 3 ? mul_add((a)[2] - (b)[2], (x)[2],                                                                 \
+                              mul_add((a)[1] - (b)[1], (x)[1], ((a)[0] - (b)[0]) * (x)[0], (how).fma), (how).fma)      \
+                    : mul_add((a)[1] - (b)[1], (x)[1], ((a)[0] - (b)[0]) * (x)[0], (how).fma))
+
+/* Lane l of a sum of products. */
+INLINE void add_product(Lanes *sum, int l, double a, double b, How how)
+{
+    sum->of[l] = mul_add(a, b, sum->of[l], how.fma);
+}
+
 /* One pair. What a loop does not use costs it nothing. */
 typedef struct Pair {
     double x[3], r, W, F, v[3], p, V, z, q[3], shepard, gradient[3], normal[3], other; /* as in Block */
 } Pair;
 
-INLINE Pair block_pair(const Block *b, int l, int dim)
+INLINE Pair block_pair(const Block *b, int l, How how)
 {
     Pair pair = {.r = b->r[l],
                  .W = b->W[l],
@@ -89,7 +116,7 @@ INLINE Pair block_pair(const Block *b, int l, int dim)
                  .z = b->z[l],
                  .shepard = b->shepard[l],
                  .other = b->other[l]};
-    for (int d = 0; d < dim; d++) {
+    for (int d = 0; d < how.dim; d++) {
         pair.x[d] = b->x[d][l];
         pair.v[d] = b->v[d][l];
         pair.q[d] = b->q[d][l];
@@ -105,21 +132,21 @@ typedef void (*RowFunction)(const Row *row, Particles *s, const Model *model);
 /* What several do with the pairs of particle i (fused.h). */
 typedef void (*FusedFunction)(const RowPlan *plan, Particles *s, size_t i);
 
-/* ROW_FUNCTIONS(name) makes functions of every level, in two and three dimensions, from one that has the dimension as its last
- * argument; ROW_TABLE(name) is the table of them. */
-#define ROW_FUNCTION(name, level, target, dim)                                                                         \
-    target static void name##_##level##_##dim(const Row *row, Particles *s, const Model *model)                        \
+/* ROW_FUNCTIONS(name) makes functions of every level, in two and three dimensions, from one that is told How by its last argument;
+ * ROW_TABLE(name) is the table of them. */
+#define ROW_FUNCTION(name, level, target, dimensions, fused)                                                           \
+    target static void name##_##level##_##dimensions(const Row *row, Particles *s, const Model *model)                 \
     {                                                                                                                  \
-        name(row, s, model, dim);                                                                                      \
+        name(row, s, model, (How){.dim = dimensions, .fma = fused});                                                   \
     }
 #if HAS_LEVELS
 #define ROW_FUNCTIONS(name)                                                                                            \
-    ROW_FUNCTION(name, base, , 2)                                                                                      \
-    ROW_FUNCTION(name, base, , 3)                                                                                      \
-    ROW_FUNCTION(name, v3, FOR_V3, 2)                                                                                  \
-    ROW_FUNCTION(name, v3, FOR_V3, 3)                                                                                  \
-    ROW_FUNCTION(name, v4, FOR_V4, 2)                                                                                  \
-    ROW_FUNCTION(name, v4, FOR_V4, 3)
+    ROW_FUNCTION(name, base, , 2, BASE_FUSES)                                                                          \
+    ROW_FUNCTION(name, base, , 3, BASE_FUSES)                                                                          \
+    ROW_FUNCTION(name, v3, FOR_V3, 2, true)                                                                            \
+    ROW_FUNCTION(name, v3, FOR_V3, 3, true)                                                                            \
+    ROW_FUNCTION(name, v4, FOR_V4, 2, true)                                                                            \
+    ROW_FUNCTION(name, v4, FOR_V4, 3, true)
 #define ROW_TABLE(name)                                                                                                \
     {                                                                                                                  \
         {name##_base_2, name##_base_3}, {name##_v3_2, name##_v3_3},                                                    \
@@ -129,8 +156,8 @@ typedef void (*FusedFunction)(const RowPlan *plan, Particles *s, size_t i);
     }
 #else
 #define ROW_FUNCTIONS(name)                                                                                            \
-    ROW_FUNCTION(name, base, , 2)                                                                                      \
-    ROW_FUNCTION(name, base, , 3)
+    ROW_FUNCTION(name, base, , 2, BASE_FUSES)                                                                          \
+    ROW_FUNCTION(name, base, , 3, BASE_FUSES)
 #define ROW_TABLE(name)                                                                                                \
     {                                                                                                                  \
         {                                                                                                              \

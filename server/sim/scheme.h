@@ -37,8 +37,9 @@ enum { PASS_TERMS_MAX = 8, PASS_LOCALS_MAX = 4, PASS_FUSIONS_MAX = 4 };
 
 /* Several terms in one function (fused.h), used for groups that need just these. */
 typedef struct Fusion {
-    const Term *terms[PASS_TERMS_MAX]; /* ends with NULL, in the order of the pass; if not for LIST_OTHERS, without the idle ones */
-    unsigned not_for;                  /* particles whose lists have such neighbours: LIST_... */
+    const Term *terms
+        [PASS_TERMS_MAX]; /* ends with NULL, in the order of the pass; if not for LIST_OTHERS, without the idle ones */
+    unsigned not_for;     /* particles whose lists have such neighbours: LIST_... */
     FusedFunction row[LEVELS][2]; /* FUSED_TABLE() */
 } Fusion;
 

@@ -24,32 +24,51 @@ static size_t plain_marked(const uint32_t *list, size_t n, const uint8_t *bits, 
     return count;
 }
 
-/* A difference along d to the nearest image, as model_nearest() has it. */
-static double plain_nearest(const Points *points, int d, double difference, bool *image)
-{
-    if (!points->period) return difference;
-    const double k = __builtin_rint(difference * points->frequency[d]);
-    *image |= k != 0;
-    return difference - points->period[d] * k;
-}
+/* A search is compiled for each of these, as SelectNear. */
+#define NEAR_FUNCTION(name, target, way, dim, periodic)                                                                \
+    target static size_t name##_##way(const Points *points, uint32_t first, uint32_t last, const double at[3],         \
+                                      double distance2, uint32_t self, uint32_t *out, bool *images)                    \
+    {                                                                                                                  \
+        return name(points, first, last, at, distance2, self, out, images, dim, periodic);                             \
+    }
+#define NEAR_FUNCTIONS(name, target)                                                                                   \
+    NEAR_FUNCTION(name, target, 2, 2, false)                                                                           \
+    NEAR_FUNCTION(name, target, 3, 3, false)                                                                           \
+    NEAR_FUNCTION(name, target, periodic_2, 2, true)                                                                   \
+    NEAR_FUNCTION(name, target, periodic_3, 3, true)
+#define NEAR_TABLE(name)                                                                                               \
+    {                                                                                                                  \
+        {name##_2, name##_3},                                                                                          \
+        {                                                                                                              \
+            name##_periodic_2, name##_periodic_3                                                                       \
+        }                                                                                                              \
+    }
 
-static size_t plain_near(const Points *points, uint32_t first, uint32_t last, const double at[3], double distance2,
-                         uint32_t self, uint32_t *out, bool *images)
+/* Differences to nearest images are those of model_nearest(). */
+INLINE size_t plain_near(const Points *points, uint32_t first, uint32_t last, const double at[3], double distance2,
+                         uint32_t self, uint32_t *out, bool *images, int dim, bool periodic)
 {
-    const double *x = points->x, *y = points->y, *z = points->z;
     size_t count = 0;
     for (uint32_t j = first; j < last; j++) {
         bool image = false;
-        const double dx = plain_nearest(points, 0, at[0] - x[j], &image),
-                     dy = plain_nearest(points, 1, at[1] - y[j], &image),
-                     dz = z ? plain_nearest(points, 2, at[2] - z[j], &image) : 0;
-        const bool near = (dx * dx + dy * dy + dz * dz < distance2) & (j != self);
+        double r2 = 0;
+        for (int d = 0; d < dim; d++) {
+            double x = at[d] - points->x[d][j];
+            if (periodic) {
+                const double k = __builtin_rint(x * points->frequency[d]);
+                image |= k != 0;
+                x -= points->period[d] * k;
+            }
+            r2 += x * x;
+        }
+        const bool near = (r2 < distance2) & (j != self);
         out[count] = j;
         count += near;
         *images |= near & image;
     }
     return count;
 }
+NEAR_FUNCTIONS(plain_near, )
 
 #if HAS_LEVELS
 
@@ -105,54 +124,45 @@ typedef struct Around3 {
     __m256d x[3], limit;
 } Around3;
 
-/* Which of four points are near, as bits. */
-FOR_V3 INLINE unsigned near_four(const Points *points, size_t j, const Around3 *around, bool *images, int dim,
-                                 bool periodic)
+/* Which of up to four points are near, as bits. */
+FOR_V3 INLINE unsigned near_four(const Points *points, uint32_t j, uint32_t last, const Around3 *around, bool *images,
+                                 int dim, bool periodic)
 {
-    const double *const x[] = {points->x, points->y, points->z};
+    if (j >= last) return 0;
+    const long long left = last - j;
+    const __m256i some = _mm256_cmpgt_epi64(_mm256_set1_epi64x(left), _mm256_setr_epi64x(0, 1, 2, 3));
     unsigned image = 0;
     __m256d r2 = _mm256_setzero_pd();
     for (int d = 0; d < dim; d++) {
-        __m256d dx = _mm256_sub_pd(around->x[d], _mm256_loadu_pd(x[d] + j));
+        __m256d dx = _mm256_sub_pd(around->x[d], _mm256_maskload_pd(points->x[d] + j, some));
         if (periodic) dx = nearest_four(dx, points->period[d], points->frequency[d], &image);
         r2 = _mm256_add_pd(r2, _mm256_mul_pd(dx, dx));
     }
-    const unsigned near = (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(r2, around->limit, _CMP_LT_OQ));
-    *images |= (near & image) != 0;
-    return near;
+    const __m256d near = _mm256_and_pd(_mm256_cmp_pd(r2, around->limit, _CMP_LT_OQ), _mm256_castsi256_pd(some));
+    const unsigned bits = (unsigned)_mm256_movemask_pd(near);
+    *images |= (bits & image) != 0;
+    return bits;
 }
 
-FOR_V3 INLINE size_t near_3_of(const Points *points, uint32_t first, uint32_t last, const double at[3],
-                               double distance2, uint32_t self, uint32_t *out, bool *images, int dim, bool periodic)
+FOR_V3 INLINE size_t near_3(const Points *points, uint32_t first, uint32_t last, const double at[3], double distance2,
+                            uint32_t self, uint32_t *out, bool *images, int dim, bool periodic)
 {
     const Around3 around = {{_mm256_set1_pd(at[0]), _mm256_set1_pd(at[1]), _mm256_set1_pd(at[2])},
                             _mm256_set1_pd(distance2)};
     const __m256i step = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
     size_t count = 0;
-    uint32_t j = first;
-    for (; last - j >= 8; j += 8) {
-        unsigned bits = near_four(points, j, &around, images, dim, periodic) |
-                        near_four(points, j + 4, &around, images, dim, periodic) << 4;
+    for (uint32_t j = first; j < last; j += 8) {
+        unsigned bits = near_four(points, j, last, &around, images, dim, periodic) |
+                        near_four(points, j + 4, last, &around, images, dim, periodic) << 4;
         if (self - j < 8) bits &= ~(1u << (self - j));
         const __m256i index = _mm256_add_epi32(_mm256_set1_epi32((int)j), step);
         _mm256_storeu_si256((__m256i *)(out + count), picked_3(index, bits));
         count += (size_t)__builtin_popcount(bits);
     }
-    return count + plain_near(points, j, last, at, distance2, self, out + count, images);
+    return count;
 }
 
-/* What does not change is known in each loop. */
-#define NEAR(body)                                                                                                     \
-    (points->z ? points->period ? body(points, first, last, at, distance2, self, out, images, 3, true)                 \
-                                : body(points, first, last, at, distance2, self, out, images, 3, false)                \
-     : points->period ? body(points, first, last, at, distance2, self, out, images, 2, true)                           \
-                      : body(points, first, last, at, distance2, self, out, images, 2, false))
-
-FOR_V3 static size_t near_3(const Points *points, uint32_t first, uint32_t last, const double at[3], double distance2,
-                            uint32_t self, uint32_t *out, bool *images)
-{
-    return NEAR(near_3_of);
-}
+NEAR_FUNCTIONS(near_3, FOR_V3)
 
 FOR_V4 static void marks_4(const double *r, size_t stride, size_t blocks, double reach, uint8_t *marks)
 {
@@ -180,10 +190,9 @@ FOR_V4 INLINE __m512d nearest_eight(__m512d difference, double period, double fr
     return _mm512_sub_pd(difference, _mm512_mul_pd(_mm512_set1_pd(period), k));
 }
 
-FOR_V4 INLINE size_t near_4_of(const Points *points, uint32_t first, uint32_t last, const double at[3],
-                               double distance2, uint32_t self, uint32_t *out, bool *images, int dim, bool periodic)
+FOR_V4 INLINE size_t near_4(const Points *points, uint32_t first, uint32_t last, const double at[3], double distance2,
+                            uint32_t self, uint32_t *out, bool *images, int dim, bool periodic)
 {
-    const double *const x[] = {points->x, points->y, points->z};
     const __m512d around[] = {_mm512_set1_pd(at[0]), _mm512_set1_pd(at[1]), _mm512_set1_pd(at[2])},
                   limit = _mm512_set1_pd(distance2);
     const __m256i me = _mm256_set1_epi32((int)self), step = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
@@ -193,7 +202,7 @@ FOR_V4 INLINE size_t near_4_of(const Points *points, uint32_t first, uint32_t la
         __mmask8 image = 0;
         __m512d r2 = _mm512_setzero_pd();
         for (int d = 0; d < dim; d++) {
-            __m512d dx = _mm512_sub_pd(around[d], _mm512_maskz_loadu_pd(some, x[d] + j));
+            __m512d dx = _mm512_sub_pd(around[d], _mm512_maskz_loadu_pd(some, points->x[d] + j));
             if (periodic) dx = nearest_eight(dx, points->period[d], points->frequency[d], &image);
             r2 = _mm512_add_pd(r2, _mm512_mul_pd(dx, dx));
         }
@@ -207,11 +216,7 @@ FOR_V4 INLINE size_t near_4_of(const Points *points, uint32_t first, uint32_t la
     return count;
 }
 
-FOR_V4 static size_t near_4(const Points *points, uint32_t first, uint32_t last, const double at[3], double distance2,
-                            uint32_t self, uint32_t *out, bool *images)
-{
-    return NEAR(near_4_of);
-}
+NEAR_FUNCTIONS(near_4, FOR_V4)
 
 #endif
 
@@ -241,13 +246,14 @@ size_t select_marked(Level level, const uint32_t *list, size_t n, const uint8_t 
     return plain_marked(list, n, bits, out);
 }
 
-size_t select_near(Level level, const Points *points, uint32_t first, uint32_t last, const double at[3],
-                   double distance2, uint32_t self, uint32_t *out, bool *images)
+SelectNear select_near(Level level, int dim, bool periodic)
 {
-    (void)level;
+    static const SelectNear functions[LEVELS][2][2] = {
+        [LEVEL_BASE] = NEAR_TABLE(plain_near),
 #if HAS_LEVELS
-    if (level == LEVEL_V4) return near_4(points, first, last, at, distance2, self, out, images);
-    if (level == LEVEL_V3) return near_3(points, first, last, at, distance2, self, out, images);
+        [LEVEL_V3] = NEAR_TABLE(near_3),
+        [LEVEL_V4] = NEAR_TABLE(near_4),
 #endif
-    return plain_near(points, first, last, at, distance2, self, out, images);
+    };
+    return functions[level][periodic][dim - 2];
 }

@@ -16,15 +16,17 @@ void select_marks(Level level, const double *r, size_t stride, size_t blocks, do
  * out: [n + SELECT_SLACK]. */
 size_t select_marked(Level level, const uint32_t *list, size_t n, const uint8_t *bits, uint32_t *out);
 
-/* Where points are; z is NULL in two dimensions. period: of each direction, 0 where it is open, and frequency: one over it, or 0; NULL where
- * all are. */
+/* Where points are. period: of each direction, 0 where it is open, and frequency: one over it, or 0. */
 typedef struct Points {
-    const double *x, *y, *z, *period, *frequency;
+    const double *x[3], *period, *frequency; /* [dim] are used */
 } Points;
 
 /* Indices from first to last - 1, but for `self`, of points of which the nearest image is nearer to `at` than the root of `distance2`.
  * Returns how many; sets *images if that image is another than the point itself for any of them. out: [last - first + SELECT_SLACK]. */
-size_t select_near(Level level, const Points *points, uint32_t first, uint32_t last, const double at[3],
-                   double distance2, uint32_t self, uint32_t *out, bool *images);
+typedef size_t (*SelectNear)(const Points *points, uint32_t first, uint32_t last, const double at[3], double distance2,
+                             uint32_t self, uint32_t *out, bool *images);
+
+/* Where it is not periodic, periods are not looked at. */
+SelectNear select_near(Level level, int dim, bool periodic);
 
 #endif

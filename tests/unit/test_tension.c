@@ -125,6 +125,7 @@ static Cloud *three_fluids(int dim)
         s->phase[i] = s->phase[i] == 0 && s->x[0][i] > 0.7 ? 2 : s->phase[i];
         s->rho[i] = cloud->model.phase[s->phase[i]].rho0 * (1 + 0.05 * cloud_noise(&seed));
     }
+    if (neighbours_build(&cloud->nb, s, &cloud->model, NULL)) abort(); /* lists know of whose fluid they are */
     return cloud;
 }
 

@@ -7,7 +7,7 @@
 #include "sim/terms/terms.h"
 
 /* of_neighbours: what flows counts by the neighbours' volumes, as in P1; else by the particle's own. */
-INLINE void flow(const Row *row, Particles *s, const Model *model, int dim, bool of_neighbours)
+INLINE void flow(const Row *row, Particles *s, const Model *model, How how, bool of_neighbours)
 {
     const Flowing a = flowing_of(s, model, row->i);
     const Block *const walls = row->block + row->n_fluid, *const end = row->block + row->n;
@@ -15,30 +15,30 @@ INLINE void flow(const Row *row, Particles *s, const Model *model, int dim, bool
     for (const Block *b = row->block; b < walls; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, dim);
+            const Pair pair = block_pair(b, l, how);
             const double inverse = flowing_inverse(&a, &pair);
-            if (of_neighbours) continuity_pair(&a, model, &pair, inverse, dim, l, &sum);
-            else volume_continuity_pair(&a, model, &pair, inverse, dim, l, &sum);
+            if (of_neighbours) continuity_pair(&a, model, &pair, inverse, how, l, &sum);
+            else volume_continuity_pair(&a, model, &pair, inverse, how, l, &sum);
         }
     for (const Block *b = walls; b < end; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, dim);
-            sum.of[l] += (of_neighbours ? pair.V : 1) * compression(&a, &pair, dim);
+            const Pair pair = block_pair(b, l, how);
+            add_product(&sum, l, of_neighbours ? pair.V : 1, compression(&a, &pair, how), how);
         }
     if (of_neighbours) continuity_end(s, row->i, &sum);
     else volume_continuity_end(s, row->i, &sum);
 }
 
-INLINE void continuity_row(const Row *row, Particles *s, const Model *model, int dim)
+INLINE void continuity_row(const Row *row, Particles *s, const Model *model, How how)
 {
-    flow(row, s, model, dim, true);
+    flow(row, s, model, how, true);
 }
 ROW_FUNCTIONS(continuity_row)
 
-INLINE void volume_continuity_row(const Row *row, Particles *s, const Model *model, int dim)
+INLINE void volume_continuity_row(const Row *row, Particles *s, const Model *model, How how)
 {
-    flow(row, s, model, dim, false);
+    flow(row, s, model, how, false);
 }
 ROW_FUNCTIONS(volume_continuity_row)
 

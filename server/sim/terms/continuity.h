@@ -7,7 +7,8 @@
 
 /* What is fixed in the pairs of one particle. */
 typedef struct Flowing {
-    double v[3], p, z, gradient[3];
+    double v[3], p, z;
+    double descent[3]; /* minus its pressure gradient */
     double rest;       /* 1/2 if only what is left beside a linear field is dissipated, else 0         */
     double keeps, own; /* 1 and 0 where dissipation keeps the volume of a pair, else 0 and 1 / (2 z_i) */
 } Flowing;
@@ -22,17 +23,15 @@ INLINE Flowing flowing_of(const Particles *s, const Model *model, size_t i)
     }
     for (int d = 0; d < s->dim; d++) {
         a.v[d] = s->v[d][i];
-        if (rest) a.gradient[d] = s->gradient[d][i];
+        if (rest) a.descent[d] = -s->gradient[d][i];
     }
     return a;
 }
 
 /* v_ij . grad_i W */
-INLINE double compression(const Flowing *a, const Pair *pair, int dim)
+INLINE double compression(const Flowing *a, const Pair *pair, How how)
 {
-    double u = 0;
-    for (int d = 0; d < dim; d++) u += (a->v[d] - pair->v[d]) * pair->x[d];
-    return pair->F * u;
+    return pair->F * DOT_DIFFERENCE(a->v, pair->v, pair->x, how);
 }
 
 /* What the two ways below share of a pair: 1 / (z_i + z_j). */
@@ -42,16 +41,16 @@ INLINE double flowing_inverse(const Flowing *a, const Pair *pair)
 }
 
 /* Of sum_j V_j v_ij . grad_i W, and of the same without V_j. */
-INLINE void continuity_pair(const Flowing *a, const Model *model, const Pair *pair, double inverse, int dim, int l,
+INLINE void continuity_pair(const Flowing *a, const Model *model, const Pair *pair, double inverse, How how, int l,
                             Lanes *sum)
 {
-    sum->of[l] += pair->V * (1 + average_tilt(model, a->z, pair, inverse)) * compression(a, pair, dim);
+    add_product(sum, l, pair->V * (1 + average_tilt(model, a->z, pair, inverse)), compression(a, pair, how), how);
 }
 
-INLINE void volume_continuity_pair(const Flowing *a, const Model *model, const Pair *pair, double inverse, int dim,
+INLINE void volume_continuity_pair(const Flowing *a, const Model *model, const Pair *pair, double inverse, How how,
                                    int l, Lanes *sum)
 {
-    sum->of[l] += (1 + average_tilt(model, a->z, pair, inverse)) * compression(a, pair, dim);
+    add_product(sum, l, 1 + average_tilt(model, a->z, pair, inverse), compression(a, pair, how), how);
 }
 
 INLINE void continuity_end(Particles *s, size_t i, const Lanes *sum)
@@ -65,12 +64,11 @@ INLINE void volume_continuity_end(Particles *s, size_t i, const Lanes *sum)
 }
 
 /* Of sum_j psi_ij r F V_j / (z_i + z_j). */
-INLINE void dissipation_pair(const Flowing *a, const Pair *pair, double inverse, int dim, int l, Lanes *sum)
+INLINE void dissipation_pair(const Flowing *a, const Pair *pair, double inverse, How how, int l, Lanes *sum)
 {
-    double linear = 0;
-    for (int d = 0; d < dim; d++) linear += (a->gradient[d] + pair->gradient[d]) * pair->x[d];
-    const double psi = pair->p - a->p + a->rest * linear;
-    sum->of[l] += pair->V * pair->F * pair->r * psi * (a->keeps * inverse + a->own);
+    const double linear = DOT_DIFFERENCE(pair->gradient, a->descent, pair->x, how);
+    const double psi = mul_add(a->rest, linear, pair->p - a->p, how.fma);
+    add_product(sum, l, pair->V * pair->F * pair->r * psi, mul_add(a->keeps, inverse, a->own, how.fma), how);
 }
 
 INLINE void dissipation_end(Particles *s, const Model *model, size_t i, const Lanes *sum)

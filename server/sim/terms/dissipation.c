@@ -21,7 +21,7 @@ static bool needs_gradient(const Model *model)
     return model->delta > 0 && model->dissipates_rest;
 }
 
-INLINE void pressure_gradient_row(const Row *row, Particles *s, const Model *model, int dim)
+INLINE void pressure_gradient_row(const Row *row, Particles *s, const Model *model, How how)
 {
     (void)model;
     const double p = s->p[row->i];
@@ -30,23 +30,23 @@ INLINE void pressure_gradient_row(const Row *row, Particles *s, const Model *mod
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, dim);
-            gradient_pair(p, &pair, dim, l, sum);
-            moments_pair(&moments, &pair, 1, dim, l);
+            const Pair pair = block_pair(b, l, how);
+            gradient_pair(p, &pair, how, l, sum);
+            moments_pair(&moments, &pair, 1, how, l);
         }
-    gradient_end(s, row->i, &moments, sum, dim);
+    gradient_end(s, row->i, &moments, sum, how);
 }
 ROW_FUNCTIONS(pressure_gradient_row)
 
-INLINE void density_dissipation_row(const Row *row, Particles *s, const Model *model, int dim)
+INLINE void density_dissipation_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const Flowing a = flowing_of(s, model, row->i);
     Lanes sum = {0};
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, dim);
-            dissipation_pair(&a, &pair, flowing_inverse(&a, &pair), dim, l, &sum);
+            const Pair pair = block_pair(b, l, how);
+            dissipation_pair(&a, &pair, flowing_inverse(&a, &pair), how, l, &sum);
         }
     dissipation_end(s, model, row->i, &sum);
 }

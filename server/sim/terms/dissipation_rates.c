@@ -6,7 +6,7 @@
 #include "sim/terms/terms.h"
 #include "sim/terms/viscosity.h"
 
-INLINE void dissipation_rates_of(const RowPlan *plan, Particles *s, size_t i, int dim, Geometry how, bool viscous)
+INLINE void dissipation_rates_of(const RowPlan *plan, Particles *s, size_t i, How how, bool viscous)
 {
     enum { NEEDS = NEED_F | NEED_V | NEED_STATE | NEED_SHEPARD | NEED_GRADIENT };
     uint32_t j[PICKED_MAX];
@@ -18,35 +18,35 @@ INLINE void dissipation_rates_of(const RowPlan *plan, Particles *s, size_t i, in
     const Flowing a = flowing_of(s, model, i);
     const Pushed c = pushed_of(s, i);
     const double mu = viscosity_of(model, s->phase[i], s->phase[i], 4), soft = viscosity_softening(&model->kernel);
-    position_of(s, i, dim, x);
+    position_of(s, i, how, x);
     for (size_t b = 0; b < picked.n; b++) {
         const double *beyond = beyond_reach(plan, &picked, b);
-        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, dim, how.fetch);
+        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, dim, how);
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
             const double inverse = flowing_inverse(&a, &pair);
-            continuity_pair(&a, model, &pair, inverse, dim, l, &flow);
-            dissipation_pair(&a, &pair, inverse, dim, l, &dissipated);
-            pressure_pair(&c, model, &pair, 0, dim, l, push, WEIGHTS_PRODUCT);
-            if (viscous) viscosity_pair(a.v, c.V, &pair, mu, soft, dim, l, drag);
+            continuity_pair(&a, model, &pair, inverse, how, l, &flow);
+            dissipation_pair(&a, &pair, inverse, how, l, &dissipated);
+            pressure_pair(&c, model, &pair, 0, how, l, push, WEIGHTS_PRODUCT);
+            if (viscous) viscosity_pair(a.v, c.V, &pair, mu, soft, how, l, drag);
         }
     }
     continuity_end(s, i, &flow);
     dissipation_end(s, model, i, &dissipated);
-    pressure_end(s, i, push, dim);
-    if (viscous) viscosity_end(s, i, drag, dim);
+    pressure_end(s, i, push, how);
+    if (viscous) viscosity_end(s, i, drag, how);
 }
 
-INLINE void viscous_rates_fused(const RowPlan *plan, Particles *s, size_t i, int dim, Geometry how)
+INLINE void viscous_rates_fused(const RowPlan *plan, Particles *s, size_t i, How how)
 {
-    dissipation_rates_of(plan, s, i, dim, how, true);
+    dissipation_rates_of(plan, s, i, how, true);
 }
 FUSED_FUNCTIONS(viscous_rates_fused)
 
-INLINE void inviscid_rates_fused(const RowPlan *plan, Particles *s, size_t i, int dim, Geometry how)
+INLINE void inviscid_rates_fused(const RowPlan *plan, Particles *s, size_t i, How how)
 {
-    dissipation_rates_of(plan, s, i, dim, how, false);
+    dissipation_rates_of(plan, s, i, how, false);
 }
 FUSED_FUNCTIONS(inviscid_rates_fused)
 

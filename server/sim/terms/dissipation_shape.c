@@ -4,7 +4,7 @@
 #include "sim/terms/moments.h"
 #include "sim/terms/terms.h"
 
-INLINE void dissipation_shape_fused(const RowPlan *plan, Particles *s, size_t i, int dim, Geometry how)
+INLINE void dissipation_shape_fused(const RowPlan *plan, Particles *s, size_t i, How how)
 {
     enum { NEEDS = NEED_W | NEED_F | NEED_STATE };
     uint32_t j[PICKED_MAX];
@@ -15,23 +15,23 @@ INLINE void dissipation_shape_fused(const RowPlan *plan, Particles *s, size_t i,
     Block block;
     const Picked picked = pick_neighbours(plan, i, j);
     const double p = s->p[i];
-    position_of(s, i, dim, x);
+    position_of(s, i, how, x);
     for (size_t b = 0; b < picked.n; b++) {
         const double *beyond = beyond_reach(plan, &picked, b);
-        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, dim, how.fetch);
+        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, dim, how);
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
             r[b][l] = pair.r;
-            shepard.of[l] += pair.W * pair.V;
-            gradient_pair(p, &pair, dim, l, slope);
-            moments_pair(&moments, &pair, 1, dim, l);
+            add_product(&shepard, l, pair.W, pair.V, how);
+            gradient_pair(p, &pair, how, l, slope);
+            moments_pair(&moments, &pair, 1, how, l);
         }
     }
     note_reach(plan, i, &picked, r[0], LANES);
     s->shepard[i] = plan->at_zero * s->vol[i] + lanes_sum(&shepard);
-    gradient_end(s, i, &moments, slope, dim);
-    for (int d = 0; d < dim; d++) s->normal[d][i] = 0;
+    gradient_end(s, i, &moments, slope, how);
+    for (int d = 0; d < how.dim; d++) s->normal[d][i] = 0;
 }
 FUSED_FUNCTIONS(dissipation_shape_fused)
 

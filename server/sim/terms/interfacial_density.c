@@ -5,7 +5,7 @@
 #include "sim/terms/push.h"
 #include "sim/terms/terms.h"
 
-INLINE void interfacial_density_fused(const RowPlan *plan, Particles *s, size_t i, int dim, Geometry how)
+INLINE void interfacial_density_fused(const RowPlan *plan, Particles *s, size_t i, How how)
 {
     enum { NEEDS = NEED_W | NEED_F | NEED_V | NEED_STATE | NEED_GRADIENT };
     uint32_t j[PICKED_MAX];
@@ -16,24 +16,24 @@ INLINE void interfacial_density_fused(const RowPlan *plan, Particles *s, size_t 
     const Model *model = plan->model;
     const Picked picked = pick_neighbours(plan, i, j);
     const Flowing a = flowing_of(s, model, i);
-    position_of(s, i, dim, x);
+    position_of(s, i, how, x);
     for (size_t b = 0; b < picked.n; b++) {
         const double *beyond = beyond_reach(plan, &picked, b);
-        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, dim, how.fetch);
+        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, dim, how);
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
             const double inverse = flowing_inverse(&a, &pair);
             r[b][l] = pair.r;
-            shepard.of[l] += pair.W * pair.V;
-            add_along(&pair, pair.V * pair.F, dim, l, crowd);
-            volume_continuity_pair(&a, model, &pair, inverse, dim, l, &flow);
-            dissipation_pair(&a, &pair, inverse, dim, l, &dissipated);
+            add_product(&shepard, l, pair.W, pair.V, how);
+            add_along(&pair, pair.V * pair.F, how, l, crowd);
+            volume_continuity_pair(&a, model, &pair, inverse, how, l, &flow);
+            dissipation_pair(&a, &pair, inverse, how, l, &dissipated);
         }
     }
     note_reach(plan, i, &picked, r[0], LANES);
     s->shepard[i] = plan->at_zero * s->vol[i] + lanes_sum(&shepard);
-    for (int d = 0; d < dim; d++) s->concentration[d][i] = lanes_sum(&crowd[d]);
+    for (int d = 0; d < how.dim; d++) s->concentration[d][i] = lanes_sum(&crowd[d]);
     volume_continuity_end(s, i, &flow);
     dissipation_end(s, model, i, &dissipated);
 }

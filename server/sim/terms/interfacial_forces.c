@@ -6,7 +6,7 @@
 #include "sim/terms/terms.h"
 #include "sim/terms/viscosity.h"
 
-INLINE void interfacial_forces_of(const RowPlan *plan, Particles *s, size_t i, int dim, Geometry how, bool viscous)
+INLINE void interfacial_forces_of(const RowPlan *plan, Particles *s, size_t i, How how, bool viscous)
 {
     enum { NEEDS = NEED_F | NEED_V | NEED_STATE | NEED_SHEPARD };
     uint32_t j[PICKED_MAX];
@@ -20,35 +20,35 @@ INLINE void interfacial_forces_of(const RowPlan *plan, Particles *s, size_t i, i
     const Shifted c = shifted_of(s, model, i);
     const double mu = viscosity_of(model, s->phase[i], s->phase[i], 2), soft = viscosity_softening(&model->kernel);
     const double p = s->p[i];
-    position_of(s, i, dim, x);
+    position_of(s, i, how, x);
     for (size_t b = 0; b < picked.n; b++) {
         const double *beyond = beyond_reach(plan, &picked, b);
-        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, dim, how.fetch);
+        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, dim, how);
-            pressure_pair(&a, model, &pair, 0, dim, l, push, WEIGHTS_SQUARES);
-            if (viscous) drag_pair(c.v, a.V, &pair, mu, soft, dim, l, drag);
-            gradient_pair(p, &pair, dim, l, slope);
-            moments_pair(&moments, &pair, 1, dim, l);
-            shifting_pair(&c, &pair, 1, dim, l, carried);
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            pressure_pair(&a, model, &pair, 0, how, l, push, WEIGHTS_SQUARES);
+            if (viscous) drag_pair(c.v, a.V, &pair, mu, soft, how, l, drag);
+            gradient_pair(p, &pair, how, l, slope);
+            moments_pair(&moments, &pair, 1, how, l);
+            shifting_pair(&c, &pair, 1, how, l, carried);
         }
     }
-    pressure_end(s, i, push, dim);
-    if (viscous) drag_end(s, i, drag, dim);
-    gradient_end(s, i, &moments, slope, dim);
-    shifting_end(&c, s, model, i, carried, dim);
+    pressure_end(s, i, push, how);
+    if (viscous) drag_end(s, i, drag, how);
+    gradient_end(s, i, &moments, slope, how);
+    shifting_end(&c, s, model, i, carried, how);
 }
 
-INLINE void viscous_fused(const RowPlan *plan, Particles *s, size_t i, int dim, Geometry how)
+INLINE void viscous_fused(const RowPlan *plan, Particles *s, size_t i, How how)
 {
-    interfacial_forces_of(plan, s, i, dim, how, true);
+    interfacial_forces_of(plan, s, i, how, true);
 }
 FUSED_FUNCTIONS(viscous_fused)
 
-INLINE void inviscid_fused(const RowPlan *plan, Particles *s, size_t i, int dim, Geometry how)
+INLINE void inviscid_fused(const RowPlan *plan, Particles *s, size_t i, How how)
 {
-    interfacial_forces_of(plan, s, i, dim, how, false);
+    interfacial_forces_of(plan, s, i, how, false);
 }
 FUSED_FUNCTIONS(inviscid_fused)
 

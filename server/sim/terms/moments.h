@@ -12,17 +12,17 @@ typedef struct Moments {
 } Moments;
 
 /* weight: 1 for a pair that counts. */
-INLINE void moments_pair(Moments *m, const Pair *pair, double weight, int dim, int l)
+INLINE void moments_pair(Moments *m, const Pair *pair, double weight, How how, int l)
 {
     const double c = -weight * pair->V * pair->F, x = c * pair->x[0], y = c * pair->x[1],
-                 z = dim == 3 ? c * pair->x[2] : 0;
-    m->of[0].of[l] += x * pair->x[0];
-    m->of[1].of[l] += y * pair->x[1];
-    m->of[2].of[l] += x * pair->x[1];
-    if (dim == 3) {
-        m->of[3].of[l] += z * pair->x[2];
-        m->of[4].of[l] += z * pair->x[0];
-        m->of[5].of[l] += z * pair->x[1];
+                 z = how.dim == 3 ? c * pair->x[2] : 0;
+    add_product(&m->of[0], l, x, pair->x[0], how);
+    add_product(&m->of[1], l, y, pair->x[1], how);
+    add_product(&m->of[2], l, x, pair->x[1], how);
+    if (how.dim == 3) {
+        add_product(&m->of[3], l, z, pair->x[2], how);
+        add_product(&m->of[4], l, z, pair->x[0], how);
+        add_product(&m->of[5], l, z, pair->x[1], how);
     }
 }
 
@@ -32,16 +32,16 @@ typedef struct Correction {
     double of[3][3];
 } Correction;
 
-INLINE Correction moments_inverse(const Moments *m, int dim)
+INLINE Correction moments_inverse(const Moments *m, How how)
 {
     Correction M = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     const double xx = lanes_sum(&m->of[0]), yy = lanes_sum(&m->of[1]), xy = lanes_sum(&m->of[2]);
-    const double zz = dim == 3 ? lanes_sum(&m->of[3]) : 1, xz = dim == 3 ? lanes_sum(&m->of[4]) : 0,
-                 yz = dim == 3 ? lanes_sum(&m->of[5]) : 0;
+    const double zz = how.dim == 3 ? lanes_sum(&m->of[3]) : 1, xz = how.dim == 3 ? lanes_sum(&m->of[4]) : 0,
+                 yz = how.dim == 3 ? lanes_sum(&m->of[5]) : 0;
     const double a = yy * zz - yz * yz, b = xz * yz - xy * zz, c = xy * yz - xz * yy;
     const double det = xx * a + xy * b + xz * c;
-    const double mean = dim == 3 ? (xx + yy + zz) / 3 : (xx + yy) / 2;
-    if (!(det > 0.02 * mean * mean * (dim == 3 ? mean : 1))) return M;
+    const double mean = how.dim == 3 ? (xx + yy + zz) / 3 : (xx + yy) / 2;
+    if (!(det > 0.02 * mean * mean * (how.dim == 3 ? mean : 1))) return M;
     const double inverse = 1 / det;
     M.of[0][0] = a * inverse;
     M.of[1][1] = (xx * zz - xz * xz) * inverse;
@@ -53,29 +53,29 @@ INLINE Correction moments_inverse(const Moments *m, int dim)
 }
 
 /* ret = M g */
-INLINE void correct(const Correction *M, const Lanes g[3], int dim, double ret[3])
+INLINE void correct(const Correction *M, const Lanes g[3], How how, double ret[3])
 {
     double sums[3];
-    for (int d = 0; d < dim; d++) sums[d] = lanes_sum(&g[d]);
-    for (int d = 0; d < dim; d++) {
+    for (int d = 0; d < how.dim; d++) sums[d] = lanes_sum(&g[d]);
+    for (int d = 0; d < how.dim; d++) {
         ret[d] = 0;
-        for (int e = 0; e < dim; e++) ret[d] += M->of[d][e] * sums[e];
+        for (int e = 0; e < how.dim; e++) ret[d] += M->of[d][e] * sums[e];
     }
 }
 
 /* Of sum_j (p_j - p_i) grad_i W V_j, and the gradient it makes. */
-INLINE void gradient_pair(double p, const Pair *pair, int dim, int l, Lanes sum[3])
+INLINE void gradient_pair(double p, const Pair *pair, How how, int l, Lanes sum[3])
 {
     const double c = pair->V * pair->F * (pair->p - p);
-    for (int d = 0; d < dim; d++) sum[d].of[l] += c * pair->x[d];
+    for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, pair->x[d], how);
 }
 
-INLINE void gradient_end(Particles *s, size_t i, const Moments *moments, const Lanes sum[3], int dim)
+INLINE void gradient_end(Particles *s, size_t i, const Moments *moments, const Lanes sum[3], How how)
 {
-    const Correction M = moments_inverse(moments, dim);
+    const Correction M = moments_inverse(moments, how);
     double gradient[3];
-    correct(&M, sum, dim, gradient);
-    for (int d = 0; d < dim; d++) s->gradient[d][i] = gradient[d];
+    correct(&M, sum, how, gradient);
+    for (int d = 0; d < how.dim; d++) s->gradient[d][i] = gradient[d];
 }
 
 #endif

@@ -5,9 +5,9 @@
 #include "sim/fused.h"
 #include "sim/terms/terms.h"
 
-INLINE void number_density_row(const Row *row, Particles *s, const Model *model, int dim)
+INLINE void number_density_row(const Row *row, Particles *s, const Model *model, How how)
 {
-    (void)dim;
+    (void)how;
     Lanes sum = {0};
     for (const Block *b = row->block; b < row->block + row->n; b++)
 #pragma omp simd
@@ -16,7 +16,7 @@ INLINE void number_density_row(const Row *row, Particles *s, const Model *model,
 }
 ROW_FUNCTIONS(number_density_row)
 
-INLINE void number_density_fused(const RowPlan *plan, Particles *s, size_t i, int dim, Geometry how)
+INLINE void number_density_fused(const RowPlan *plan, Particles *s, size_t i, How how)
 {
     uint32_t j[PICKED_MAX];
     _Alignas(64) double r[ROW_BLOCKS][LANES];
@@ -24,13 +24,13 @@ INLINE void number_density_fused(const RowPlan *plan, Particles *s, size_t i, in
     Lanes sum = {0};
     Block block;
     const Picked picked = pick_neighbours(plan, i, j);
-    position_of(s, i, dim, x);
+    position_of(s, i, how, x);
     for (size_t b = 0; b < picked.n; b++) {
         const double *beyond = beyond_reach(plan, &picked, b);
-        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEED_W, dim, how.fetch);
+        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEED_W, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEED_W, dim, how);
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEED_W, how);
             r[b][l] = pair.r;
             sum.of[l] += pair.W;
         }

@@ -7,7 +7,7 @@
 #include "sim/terms/push.h"
 #include "sim/terms/terms.h"
 
-INLINE void push(const Row *row, Particles *s, const Model *model, int dim, Weights weights)
+INLINE void push(const Row *row, Particles *s, const Model *model, How how, Weights weights)
 {
     const size_t i = row->i, first_wall = particles_fluid(s);
     const Block *const walls = row->block + row->n_fluid, *const end = row->block + row->n;
@@ -18,29 +18,29 @@ INLINE void push(const Row *row, Particles *s, const Model *model, int dim, Weig
     for (const Block *b = row->block; b < walls; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, dim);
-            pressure_pair(&a, model, &pair, row->mixed ? beta * pair.other : 0, dim, l, sum, weights);
+            const Pair pair = block_pair(b, l, how);
+            pressure_pair(&a, model, &pair, row->mixed ? beta * pair.other : 0, how, l, sum, weights);
         }
     for (const Block *b = walls; b < end; b++) {
         const uint32_t *j = row_j(row, b);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, dim);
-            pressure_wall(&a, &pair, p_wall[j[l] - first_wall], dim, l, sum, weights);
+            const Pair pair = block_pair(b, l, how);
+            pressure_wall(&a, &pair, p_wall[j[l] - first_wall], how, l, sum, weights);
         }
     }
-    pressure_end(s, i, sum, dim);
+    pressure_end(s, i, sum, how);
 }
 
-INLINE void pressure_force_row(const Row *row, Particles *s, const Model *model, int dim)
+INLINE void pressure_force_row(const Row *row, Particles *s, const Model *model, How how)
 {
-    push(row, s, model, dim, WEIGHTS_PRODUCT);
+    push(row, s, model, how, WEIGHTS_PRODUCT);
 }
 ROW_FUNCTIONS(pressure_force_row)
 
-INLINE void volume_pressure_force_row(const Row *row, Particles *s, const Model *model, int dim)
+INLINE void volume_pressure_force_row(const Row *row, Particles *s, const Model *model, How how)
 {
-    push(row, s, model, dim, WEIGHTS_SQUARES);
+    push(row, s, model, how, WEIGHTS_SQUARES);
 }
 ROW_FUNCTIONS(volume_pressure_force_row)
 

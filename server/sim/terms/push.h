@@ -21,9 +21,9 @@ INLINE Pushed pushed_of(const Particles *s, size_t i)
     return (Pushed){s->z[i], s->vol[i], s->p[i] * (1 / s->shepard[i])}; /* as its neighbours have it, to the last bit */
 }
 
-INLINE void add_along(const Pair *pair, double c, int dim, int l, Lanes sum[3])
+INLINE void add_along(const Pair *pair, double c, How how, int l, Lanes sum[3])
 {
-    for (int d = 0; d < dim; d++) sum[d].of[l] += c * pair->x[d];
+    for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, pair->x[d], how);
 }
 
 INLINE double weighted(const Pushed *a, const Pair *pair, double mine, double its, Weights weights)
@@ -32,23 +32,23 @@ INLINE double weighted(const Pushed *a, const Pair *pair, double mine, double it
 }
 
 /* repulsion: beta with a particle of another fluid, else 0. */
-INLINE void pressure_pair(const Pushed *a, const Model *model, const Pair *pair, double repulsion, int dim, int l,
+INLINE void pressure_pair(const Pushed *a, const Model *model, const Pair *pair, double repulsion, How how, int l,
                           Lanes sum[3], Weights weights)
 {
     const double t = average_tilt(model, a->z, pair, 1 / (a->z + pair->z)), P = pair->p * pair->shepard;
     const double mine = (1 + t) * a->P + repulsion * fabs(a->P), its = (1 - t) * P + repulsion * fabs(P);
-    add_along(pair, weighted(a, pair, mine, its, weights) * pair->F, dim, l, sum);
+    add_along(pair, weighted(a, pair, mine, its, weights) * pair->F, how, l, sum);
 }
 
 /* p_w: what the wall shows this fluid. */
-INLINE void pressure_wall(const Pushed *a, const Pair *pair, double p_w, int dim, int l, Lanes sum[3], Weights weights)
+INLINE void pressure_wall(const Pushed *a, const Pair *pair, double p_w, How how, int l, Lanes sum[3], Weights weights)
 {
-    add_along(pair, weighted(a, pair, a->P, p_w, weights) * pair->F, dim, l, sum);
+    add_along(pair, weighted(a, pair, a->P, p_w, weights) * pair->F, how, l, sum);
 }
 
-INLINE void pressure_end(Particles *s, size_t i, const Lanes sum[3], int dim)
+INLINE void pressure_end(Particles *s, size_t i, const Lanes sum[3], How how)
 {
-    for (int d = 0; d < dim; d++) s->a[d][i] -= lanes_sum(&sum[d]) / s->m[i];
+    for (int d = 0; d < how.dim; d++) s->a[d][i] -= lanes_sum(&sum[d]) / s->m[i];
 }
 
 /* --- shifting ---------------------------------------------------------------------------------------------------------- */
@@ -62,18 +62,16 @@ typedef struct Shifted {
 Shifted shifted_of(const Particles *s, const Model *model, size_t i);
 
 /* Of y . sum_j (f_j - f_i) grad_i W V_j for what particles carry: velocity, and in sum[3] z = rho c. */
-INLINE void shifting_pair(const Shifted *a, const Pair *pair, double counts, int dim, int l, Lanes sum[4])
+INLINE void shifting_pair(const Shifted *a, const Pair *pair, double counts, How how, int l, Lanes sum[4])
 {
-    double moved = 0;
-    for (int d = 0; d < dim; d++) moved += a->y[d] * pair->x[d];
-    const double c = counts * (pair->V * pair->F * moved);
-    for (int d = 0; d < dim; d++) sum[d].of[l] += c * (pair->v[d] - a->v[d]);
-    sum[3].of[l] += c * (pair->z - a->z);
+    const double c = counts * (pair->V * pair->F * DOT(a->y, pair->x, how));
+    for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, pair->v[d] - a->v[d], how);
+    add_product(&sum[3], l, c, pair->z - a->z, how);
 }
 
-INLINE void shifting_end(const Shifted *a, Particles *s, const Model *model, size_t i, const Lanes sum[4], int dim)
+INLINE void shifting_end(const Shifted *a, Particles *s, const Model *model, size_t i, const Lanes sum[4], How how)
 {
-    for (int d = 0; d < dim; d++) {
+    for (int d = 0; d < how.dim; d++) {
         s->x[d][i] += a->dx[d];
         s->v[d][i] += lanes_sum(&sum[d]);
     }

@@ -6,13 +6,13 @@
 #include "sim/terms/terms.h"
 #include "sim/terms/viscosity.h"
 
-INLINE void radial_viscosity_row(const Row *row, Particles *s, const Model *model, int dim)
+INLINE void radial_viscosity_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i;
     const double soft = viscosity_softening(&model->kernel), V = s->vol[i];
     double mu[MNS_MAX_FLUIDS], v[3];
     for (unsigned k = 0; k < model->n_phases; k++) mu[k] = viscosity_of(model, s->phase[i], k, 2);
-    for (int d = 0; d < dim; d++) v[d] = s->v[d][i];
+    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i];
     Lanes sum[3] = {0};
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++) {
         const uint32_t *j = row_j(row, b);
@@ -20,31 +20,31 @@ INLINE void radial_viscosity_row(const Row *row, Particles *s, const Model *mode
         for (int l = 0; l < LANES; l++) mu_ij[l] = mu[s->phase[j[l]]];
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, dim);
-            drag_pair(v, V, &pair, mu_ij[l], soft, dim, l, sum);
+            const Pair pair = block_pair(b, l, how);
+            drag_pair(v, V, &pair, mu_ij[l], soft, how, l, sum);
         }
     }
-    drag_end(s, i, sum, dim);
+    drag_end(s, i, sum, how);
 }
 ROW_FUNCTIONS(radial_viscosity_row)
 
-INLINE void radial_friction_row(const Row *row, Particles *s, const Model *model, int dim)
+INLINE void radial_friction_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i, first_wall = particles_fluid(s);
     const double mu = viscosity_of(model, s->phase[i], s->phase[i], 2), soft = viscosity_softening(&model->kernel),
                  V = s->vol[i];
     if (mu == 0) return;
     double v[3];
-    for (int d = 0; d < dim; d++) v[d] = s->v[d][i];
+    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i];
     Lanes sum[3] = {0};
     for (const Block *b = row->block + row->n_fluid; b < row->block + row->n; b++)
         for (int l = 0; l < LANES; l++) {
             const size_t j = row_j(row, b)[l];
-            Pair pair = block_pair(b, l, dim);
-            for (int d = 0; d < dim; d++) pair.v[d] = s->v_wall[d][j - first_wall];
-            drag_pair(v, V, &pair, model->wall[s->phase[j] - model->n_phases].no_slip ? mu : 0, soft, dim, l, sum);
+            Pair pair = block_pair(b, l, how);
+            for (int d = 0; d < how.dim; d++) pair.v[d] = s->v_wall[d][j - first_wall];
+            drag_pair(v, V, &pair, model->wall[s->phase[j] - model->n_phases].no_slip ? mu : 0, soft, how, l, sum);
         }
-    drag_end(s, i, sum, dim);
+    drag_end(s, i, sum, how);
 }
 ROW_FUNCTIONS(radial_friction_row)
 

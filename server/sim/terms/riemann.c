@@ -4,7 +4,7 @@
 #include "sim/fused.h"
 #include "sim/terms/terms.h"
 
-INLINE void riemann_density_row(const Row *row, Particles *s, const Model *model, int dim)
+INLINE void riemann_density_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const Side a = side_of(s, model, row->i);
     const Block *const walls = row->block + row->n_fluid, *const end = row->block + row->n;
@@ -12,22 +12,22 @@ INLINE void riemann_density_row(const Row *row, Particles *s, const Model *model
     for (const Block *b = row->block; b < walls; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, dim);
-            riemann_density_fluid(&a, &pair, dim, l, &sum);
+            const Pair pair = block_pair(b, l, how);
+            riemann_density_fluid(&a, &pair, how, l, &sum);
         }
     for (const Block *b = walls; b < end; b++) {
         const uint32_t *j = row_j(row, b);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, dim);
-            riemann_density_wall(&a, &pair, side_wall_pressure(&a, j[l]), dim, l, &sum);
+            const Pair pair = block_pair(b, l, how);
+            riemann_density_wall(&a, &pair, side_wall_pressure(&a, j[l]), how, l, &sum);
         }
     }
     riemann_density_end(&a, s, row->i, &sum);
 }
 ROW_FUNCTIONS(riemann_density_row)
 
-INLINE void riemann_density_fused(const RowPlan *plan, Particles *s, size_t i, int dim, Geometry how)
+INLINE void riemann_density_fused(const RowPlan *plan, Particles *s, size_t i, How how)
 {
     enum { NEEDS = NEED_F | NEED_V | NEED_STATE };
     uint32_t j[PICKED_MAX];
@@ -37,26 +37,26 @@ INLINE void riemann_density_fused(const RowPlan *plan, Particles *s, size_t i, i
     Block block;
     const Picked picked = pick_neighbours(plan, i, j);
     const Side a = side_of(s, plan->model, i);
-    position_of(s, i, dim, x);
+    position_of(s, i, how, x);
     for (size_t b = 0; b < picked.n_fluid; b++) {
         const double *beyond = beyond_reach(plan, &picked, b);
-        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, dim, how.fetch);
+        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, dim, how);
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
             r[b][l] = pair.r;
-            riemann_density_fluid(&a, &pair, dim, l, &sum);
+            riemann_density_fluid(&a, &pair, how, l, &sum);
         }
     }
     for (size_t b = picked.n_fluid; b < picked.n; b++) {
         const uint32_t *wall = j + b * LANES;
         const double *beyond = beyond_reach(plan, &picked, b);
-        fetch_block(&block, wall, &plan->nb->bundles, NEEDS, dim, how.fetch);
+        fetch_block(&block, wall, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, dim, how);
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
             r[b][l] = pair.r;
-            riemann_density_wall(&a, &pair, side_wall_pressure(&a, wall[l]), dim, l, &sum);
+            riemann_density_wall(&a, &pair, side_wall_pressure(&a, wall[l]), how, l, &sum);
         }
     }
     note_reach(plan, i, &picked, r[0], LANES);
@@ -64,7 +64,7 @@ INLINE void riemann_density_fused(const RowPlan *plan, Particles *s, size_t i, i
 }
 FUSED_FUNCTIONS(riemann_density_fused)
 
-INLINE void riemann_momentum_row(const Row *row, Particles *s, const Model *model, int dim)
+INLINE void riemann_momentum_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const Side a = side_of(s, model, row->i);
     const Block *const walls = row->block + row->n_fluid, *const end = row->block + row->n;
@@ -72,18 +72,18 @@ INLINE void riemann_momentum_row(const Row *row, Particles *s, const Model *mode
     for (const Block *b = row->block; b < walls; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, dim);
-            riemann_momentum_fluid(&a, &pair, dim, l, sum);
+            const Pair pair = block_pair(b, l, how);
+            riemann_momentum_fluid(&a, &pair, how, l, sum);
         }
     for (const Block *b = walls; b < end; b++) {
         const uint32_t *j = row_j(row, b);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, dim);
-            riemann_momentum_wall(&a, &pair, side_wall_pressure(&a, j[l]), dim, l, sum);
+            const Pair pair = block_pair(b, l, how);
+            riemann_momentum_wall(&a, &pair, side_wall_pressure(&a, j[l]), how, l, sum);
         }
     }
-    riemann_momentum_end(s, row->i, sum, dim);
+    riemann_momentum_end(s, row->i, sum, how);
 }
 ROW_FUNCTIONS(riemann_momentum_row)
 

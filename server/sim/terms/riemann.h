@@ -15,7 +15,6 @@
 typedef struct Side {
     double v[3], p, z, rho, c, rho0, V;
     double inverse_c2;      /* for state_density() without a quotient for each pair */
-    double wall_c2;         /* the same as (1/c)^2, rounded as in the runs that tests/physics/RESULTS-paper.md is of */
     double steepness, tiny; /* of p*: s / c, and what keeps 0/0 away [m] */
     const double *p_wall;   /* by index of wall particle */
     uint32_t first_wall;
@@ -27,7 +26,6 @@ INLINE Side side_of(const Particles *s, const Model *model, size_t i)
     Side a = {.p = s->p[i], .z = s->z[i], .rho = s->rho[i], .c = phase->c, .rho0 = phase->rho0, .V = s->vol[i]};
     for (int d = 0; d < s->dim; d++) a.v[d] = s->v[d][i];
     a.inverse_c2 = 1 / (a.c * a.c);
-    a.wall_c2 = (1 / a.c) * (1 / a.c);
     a.steepness = model->limiter / model->c_max;
     a.tiny = 1e-12 * model->dx;
     a.p_wall = s->p_wall[s->phase[i]];
@@ -42,24 +40,24 @@ INLINE double side_wall_pressure(const Side *a, uint32_t j)
 }
 
 /* (v_i - v_j) . (x_i - x_j) */
-INLINE double opening(const Side *a, const Pair *pair, int dim)
+INLINE double opening(const Side *a, const Pair *pair, How how)
 {
-    double u = 0;
-    for (int d = 0; d < dim; d++) u += (a->v[d] - pair->v[d]) * pair->x[d];
-    return u;
+    return DOT_DIFFERENCE(a->v, pair->v, pair->x, how);
 }
 
 /* Of sum_j V_j (v_i - v*) . grad_i W. */
-INLINE void riemann_density_fluid(const Side *a, const Pair *pair, int dim, int l, Lanes *sum)
+INLINE void riemann_density_fluid(const Side *a, const Pair *pair, How how, int l, Lanes *sum)
 {
-    sum->of[l] += pair->V * pair->F * (pair->z * opening(a, pair, dim) + (a->p - pair->p) * pair->r) / (a->z + pair->z);
+    const double excess = mul_add(pair->z, opening(a, pair, how), (a->p - pair->p) * pair->r, how.fma);
+    add_product(sum, l, pair->V * pair->F, excess / (a->z + pair->z), how);
 }
 
 /* p_w: what the wall shows this fluid. */
-INLINE void riemann_density_wall(const Side *a, const Pair *pair, double p_w, int dim, int l, Lanes *sum)
+INLINE void riemann_density_wall(const Side *a, const Pair *pair, double p_w, How how, int l, Lanes *sum)
 {
-    const double zw = (a->rho0 + p_w * a->wall_c2) * a->c;
-    sum->of[l] += pair->V * pair->F * (zw * opening(a, pair, dim) + (a->p - p_w) * pair->r) / (a->z + zw);
+    const double zw = mul_add(p_w, a->inverse_c2, a->rho0, how.fma) * a->c;
+    const double excess = mul_add(zw, opening(a, pair, how), (a->p - p_w) * pair->r, how.fma);
+    add_product(sum, l, pair->V * pair->F, excess / (a->z + zw), how);
 }
 
 /* d rho_i/dt = 2 rho_i sum_j V_j (v_i - v*) . grad_i W */
@@ -69,31 +67,32 @@ INLINE void riemann_density_end(const Side *a, Particles *s, size_t i, const Lan
 }
 
 /* V_i V_j p* F times x_i - x_j. */
-INLINE void add_push(const Side *a, const Pair *pair, double p_star, int dim, int l, Lanes sum[3])
+INLINE void add_push(const Side *a, const Pair *pair, double p_star, How how, int l, Lanes sum[3])
 {
     const double c = a->V * pair->V * p_star * pair->F;
-    for (int d = 0; d < dim; d++) sum[d].of[l] += c * pair->x[d];
+    for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, pair->x[d], how);
 }
 
-INLINE void riemann_momentum_fluid(const Side *a, const Pair *pair, int dim, int l, Lanes sum[3])
+INLINE void riemann_momentum_fluid(const Side *a, const Pair *pair, How how, int l, Lanes sum[3])
 {
     const double zj = pair->z, r = pair->r + a->tiny, z = a->z + zj, inverse = 1 / (r * z); /* one quotient for two */
-    const double closing = positive(-opening(a, pair, dim) * (inverse * z));
+    const double closing = positive(-opening(a, pair, how) * (inverse * z));
     const double limited = a->steepness * closing < 1 ? a->steepness * closing : 1;
-    add_push(a, pair, (a->z * pair->p + zj * a->p + a->z * zj * (limited * closing)) * (inverse * r), dim, l, sum);
+    const double p_star = mul_add(a->z * zj, limited * closing, a->z * pair->p + zj * a->p, how.fma);
+    add_push(a, pair, p_star * (inverse * r), how, l, sum);
 }
 
-INLINE void riemann_momentum_wall(const Side *a, const Pair *pair, double p_w, int dim, int l, Lanes sum[3])
+INLINE void riemann_momentum_wall(const Side *a, const Pair *pair, double p_w, How how, int l, Lanes sum[3])
 {
-    const double rho_w = a->rho0 + p_w * a->inverse_c2;
-    add_push(a, pair, (a->rho * p_w + rho_w * a->p) / (a->rho + rho_w), dim, l, sum);
+    const double rho_w = mul_add(p_w, a->inverse_c2, a->rho0, how.fma);
+    add_push(a, pair, mul_add(a->rho, p_w, rho_w * a->p, how.fma) / (a->rho + rho_w), how, l, sum);
 }
 
 /* m_i dv_i/dt = -2 sum_j V_i V_j p* grad_i W. The coefficient is symmetric in i and j: opposite forces to the last bit. */
-INLINE void riemann_momentum_end(Particles *s, size_t i, const Lanes sum[3], int dim)
+INLINE void riemann_momentum_end(Particles *s, size_t i, const Lanes sum[3], How how)
 {
     const double scale = -2 / s->m[i];
-    for (int d = 0; d < dim; d++) s->a[d][i] += scale * lanes_sum(&sum[d]);
+    for (int d = 0; d < how.dim; d++) s->a[d][i] += scale * lanes_sum(&sum[d]);
 }
 
 #endif

@@ -6,48 +6,48 @@
 #include "sim/terms/transport.h"
 
 /* stressed: some neighbour has a transport stress. */
-INLINE void forces(const RowPlan *plan, Particles *s, size_t i, int dim, Geometry how, const uint32_t *j,
-                   const Picked *picked, bool stressed)
+INLINE void forces(const RowPlan *plan, Particles *s, size_t i, How how, const uint32_t *j, const Picked *picked,
+                   bool stressed)
 {
     const unsigned needs = NEED_F | NEED_V | NEED_STATE | (stressed ? NEED_FLUX : 0);
     const Side a = side_of(s, plan->model, i);
     Lanes push[3] = {0}, spread[3] = {0}, stress[3] = {0};
     double x[3];
     Block block;
-    position_of(s, i, dim, x);
+    position_of(s, i, how, x);
     for (size_t b = 0; b < picked->n_fluid; b++) {
         const double *beyond = beyond_reach(plan, picked, b);
-        fetch_block(&block, j + b * LANES, &plan->nb->bundles, needs, dim, how.fetch);
+        fetch_block(&block, j + b * LANES, &plan->nb->bundles, needs, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, needs, dim, how);
-            riemann_momentum_fluid(&a, &pair, dim, l, push);
-            background_pair(&pair, dim, l, spread);
-            if (stressed) transport_stress_pair(&pair, dim, l, stress);
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, needs, how);
+            riemann_momentum_fluid(&a, &pair, how, l, push);
+            background_pair(&pair, how, l, spread);
+            if (stressed) transport_stress_pair(&pair, how, l, stress);
         }
     }
     for (size_t b = picked->n_fluid; b < picked->n; b++) {
         const uint32_t *wall = j + b * LANES;
         const double *beyond = beyond_reach(plan, picked, b);
-        fetch_block(&block, wall, &plan->nb->bundles, needs & ~(unsigned)NEED_FLUX, dim, how.fetch);
+        fetch_block(&block, wall, &plan->nb->bundles, needs & ~(unsigned)NEED_FLUX, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, needs & ~(unsigned)NEED_FLUX, dim, how);
-            riemann_momentum_wall(&a, &pair, side_wall_pressure(&a, wall[l]), dim, l, push);
-            background_pair(&pair, dim, l, spread);
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, needs & ~(unsigned)NEED_FLUX, how);
+            riemann_momentum_wall(&a, &pair, side_wall_pressure(&a, wall[l]), how, l, push);
+            background_pair(&pair, how, l, spread);
         }
     }
-    riemann_momentum_end(s, i, push, dim);
-    background_end(s, plan->model, i, spread, dim);
-    if (stressed) transport_stress_end(s, i, stress, dim);
+    riemann_momentum_end(s, i, push, how);
+    background_end(s, plan->model, i, spread, how);
+    if (stressed) transport_stress_end(s, i, stress, how);
 }
 
-INLINE void riemann_forces_fused(const RowPlan *plan, Particles *s, size_t i, int dim, Geometry how)
+INLINE void riemann_forces_fused(const RowPlan *plan, Particles *s, size_t i, How how)
 {
     uint32_t j[PICKED_MAX];
     const Picked picked = pick_neighbours(plan, i, j);
-    if (picked.summed) forces(plan, s, i, dim, how, j, &picked, true);
-    else forces(plan, s, i, dim, how, j, &picked, false);
+    if (picked.summed) forces(plan, s, i, how, j, &picked, true);
+    else forces(plan, s, i, how, j, &picked, false);
 }
 FUSED_FUNCTIONS(riemann_forces_fused)
 

@@ -39,51 +39,51 @@ static bool shifts(const Model *model)
     return model->shifting > 0;
 }
 
-INLINE void concentration_row(const Row *row, Particles *s, const Model *model, int dim)
+INLINE void concentration_row(const Row *row, Particles *s, const Model *model, How how)
 {
     (void)model;
     Lanes sum[3] = {0};
     for (const Block *b = row->block; b < row->block + row->n; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, dim);
-            add_along(&pair, pair.V * pair.F, dim, l, sum);
+            const Pair pair = block_pair(b, l, how);
+            add_along(&pair, pair.V * pair.F, how, l, sum);
         }
-    for (int d = 0; d < dim; d++) s->concentration[d][row->i] = lanes_sum(&sum[d]);
+    for (int d = 0; d < how.dim; d++) s->concentration[d][row->i] = lanes_sum(&sum[d]);
 }
 ROW_FUNCTIONS(concentration_row)
 
 /* y = M dx with M of those who count: beside an interface half of them are missing, and with them would be half of each difference.
  * In the midst of a fluid differences are as P2 has them, a tenth off where particles are disordered. */
-INLINE void correct_shift(const Row *row, Shifted *a, bool same_only, int dim)
+INLINE void correct_shift(const Row *row, Shifted *a, bool same_only, How how)
 {
     Moments moments = {0};
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, dim);
-            moments_pair(&moments, &pair, same_only ? 1 - pair.other : 1, dim, l);
+            const Pair pair = block_pair(b, l, how);
+            moments_pair(&moments, &pair, same_only ? 1 - pair.other : 1, how, l);
         }
-    const Correction M = moments_inverse(&moments, dim);
-    for (int d = 0; d < dim; d++) {
+    const Correction M = moments_inverse(&moments, how);
+    for (int d = 0; d < how.dim; d++) {
         a->y[d] = 0;
-        for (int e = 0; e < dim; e++) a->y[d] += M.of[d][e] * a->dx[e];
+        for (int e = 0; e < how.dim; e++) a->y[d] += M.of[d][e] * a->dx[e];
     }
 }
 
-INLINE void shifting_row(const Row *row, Particles *s, const Model *model, int dim)
+INLINE void shifting_row(const Row *row, Particles *s, const Model *model, How how)
 {
     Shifted a = shifted_of(s, model, row->i);
     const bool same_only = row->mixed && model->shifts_along_interfaces;
-    if (row->mixed) correct_shift(row, &a, same_only, dim);
+    if (row->mixed) correct_shift(row, &a, same_only, how);
     Lanes sum[4] = {0};
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, dim);
-            shifting_pair(&a, &pair, same_only ? 1 - pair.other : 1, dim, l, sum);
+            const Pair pair = block_pair(b, l, how);
+            shifting_pair(&a, &pair, same_only ? 1 - pair.other : 1, how, l, sum);
         }
-    shifting_end(&a, s, model, row->i, sum, dim);
+    shifting_end(&a, s, model, row->i, sum, how);
 }
 ROW_FUNCTIONS(shifting_row)
 

@@ -23,22 +23,22 @@ static bool finds_normals(const Model *model)
     return model->tense || model->shifts_along_interfaces;
 }
 
-INLINE Correction moments_of(const Row *row, int dim)
+INLINE Correction moments_of(const Row *row, How how)
 {
     Moments moments = {0};
     for (const Block *b = row->block; b < row->block + row->n; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, dim);
-            moments_pair(&moments, &pair, 1, dim, l);
+            const Pair pair = block_pair(b, l, how);
+            moments_pair(&moments, &pair, 1, how, l);
         }
-    return moments_inverse(&moments, dim);
+    return moments_inverse(&moments, how);
 }
 
 static const Correction NO_CORRECTION = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 
 /* sum_j w_j grad_i W V_j over other fluids, corrected; w: [n_phases], NULL for 1. */
-INLINE void towards_others(const Row *row, const Particles *s, const Correction *M, const double *w, int dim,
+INLINE void towards_others(const Row *row, const Particles *s, const Correction *M, const double *w, How how,
                            double ret[3])
 {
     Lanes sum[3] = {0};
@@ -49,41 +49,39 @@ INLINE void towards_others(const Row *row, const Particles *s, const Correction 
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const double c = weight[l] * b->V[l] * b->F[l];
-            for (int d = 0; d < dim; d++) sum[d].of[l] += c * b->x[d][l];
+            for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, b->x[d][l], how);
         }
     }
-    correct(M, sum, dim, ret);
+    correct(M, sum, how, ret);
 }
 
-INLINE double magnitude(const double a[3], int dim)
+INLINE double magnitude(const double a[3], How how)
 {
-    double a2 = 0;
-    for (int d = 0; d < dim; d++) a2 += a[d] * a[d];
-    return sqrt(a2);
+    return sqrt(DOT(a, a, how));
 }
 
-INLINE void find_normal(const Row *row, Particles *s, const Model *model, int dim, bool corrected)
+INLINE void find_normal(const Row *row, Particles *s, const Model *model, How how, bool corrected)
 {
     const size_t i = row->i;
     double q[3] = {0, 0, 0}, size = 0;
     if (row->mixed) {
-        const Correction M = corrected ? moments_of(row, dim) : NO_CORRECTION;
-        towards_others(row, s, &M, NULL, dim, q);
-        size = magnitude(q, dim);
+        const Correction M = corrected ? moments_of(row, how) : NO_CORRECTION;
+        towards_others(row, s, &M, NULL, how, q);
+        size = magnitude(q, how);
     }
     const double inverse = size * model->kernel.h > 0.01 ? 1 / size : 0;
-    for (int d = 0; d < dim; d++) s->normal[d][i] = q[d] * inverse;
+    for (int d = 0; d < how.dim; d++) s->normal[d][i] = q[d] * inverse;
 }
 
-INLINE void interface_normal_row(const Row *row, Particles *s, const Model *model, int dim)
+INLINE void interface_normal_row(const Row *row, Particles *s, const Model *model, How how)
 {
-    find_normal(row, s, model, dim, false);
+    find_normal(row, s, model, how, false);
 }
 ROW_FUNCTIONS(interface_normal_row)
 
-INLINE void corrected_normal_row(const Row *row, Particles *s, const Model *model, int dim)
+INLINE void corrected_normal_row(const Row *row, Particles *s, const Model *model, How how)
 {
-    find_normal(row, s, model, dim, true);
+    find_normal(row, s, model, how, true);
 }
 ROW_FUNCTIONS(corrected_normal_row)
 
@@ -94,80 +92,77 @@ INLINE double turned(const Pair *pair, bool mixed, const double n[3], double val
     return valid * (sign * pair->normal[d] - n[d]);
 }
 
-INLINE double has_normal(const Pair *pair, int dim)
+INLINE double has_normal(const Pair *pair, How how)
 {
-    double n2 = 0;
-    for (int d = 0; d < dim; d++) n2 += pair->normal[d] * pair->normal[d];
-    return n2 > 0.5 ? 1 : 0;
+    return DOT(pair->normal, pair->normal, how) > 0.5 ? 1 : 0;
 }
 
 /* P1 eq. 14 */
-INLINE double curvature(const Row *row, const double n[3], int dim)
+INLINE double curvature(const Row *row, const double n[3], How how)
 {
     Lanes above = {0}, below = {0};
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, dim);
-            const double valid = has_normal(&pair, dim), c = pair.V * pair.F;
-            double along = 0;
-            for (int d = 0; d < dim; d++) along += turned(&pair, row->mixed, n, valid, d) * pair.x[d];
-            above.of[l] += c * along;
-            below.of[l] -= valid * (c * pair.r * pair.r);
+            const Pair pair = block_pair(b, l, how);
+            const double valid = has_normal(&pair, how), c = pair.V * pair.F;
+            for (int d = 0; d < how.dim; d++)
+                add_product(&above, l, c * turned(&pair, row->mixed, n, valid, d), pair.x[d], how);
+            add_product(&below, l, -valid * c, pair.r * pair.r, how);
         }
     const double all = lanes_sum(&below);
-    return all > 0 ? dim * lanes_sum(&above) / all : 0;
+    return all > 0 ? how.dim * lanes_sum(&above) / all : 0;
 }
 
 /* P2 eq. 36: the trace of M times sum_j e (x) grad_i W V_j. */
-INLINE double corrected_curvature(const Row *row, const Correction *M, const double n[3], int dim)
+INLINE double corrected_curvature(const Row *row, const Correction *M, const double n[3], How how)
 {
     Lanes sum[3][3] = {0};
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, dim);
-            const double valid = has_normal(&pair, dim), c = pair.V * pair.F;
-            for (int a = 0; a < dim; a++) {
+            const Pair pair = block_pair(b, l, how);
+            const double valid = has_normal(&pair, how), c = pair.V * pair.F;
+            for (int a = 0; a < how.dim; a++) {
                 const double e = c * turned(&pair, row->mixed, n, valid, a);
-                for (int d = 0; d < dim; d++) sum[a][d].of[l] += e * pair.x[d];
+                for (int d = 0; d < how.dim; d++) add_product(&sum[a][d], l, e, pair.x[d], how);
             }
         }
     double trace = 0, column[3];
-    for (int a = 0; a < dim; a++) {
-        correct(M, sum[a], dim, column);
+    for (int a = 0; a < how.dim; a++) {
+        correct(M, sum[a], how, column);
         trace += column[a];
     }
     return trace;
 }
 
-INLINE void pull(const Row *row, Particles *s, const Model *model, int dim, bool corrected)
+INLINE void pull(const Row *row, Particles *s, const Model *model, How how, bool corrected)
 {
     const size_t i = row->i;
     const unsigned mine = s->phase[i];
     double n[3], force[3], weight[MNS_MAX_FLUIDS];
     if (!row->mixed) return;
-    for (int d = 0; d < dim; d++) n[d] = s->normal[d][i];
-    if (!(magnitude(n, dim) > 0.5)) return;
+    for (int d = 0; d < how.dim; d++) n[d] = s->normal[d][i];
+    if (!(magnitude(n, how) > 0.5)) return;
     const double rho0 = model->phase[mine].rho0;
     for (size_t a = 0; a < model->n_phases; a++)
         weight[a] = model->tension[mine][a] * 2 * rho0 / (rho0 + model->phase[a].rho0);
-    const Correction M = corrected ? moments_of(row, dim) : NO_CORRECTION;
-    towards_others(row, s, &M, weight, dim, force);
-    const double kappa = corrected ? corrected_curvature(row, &M, n, dim) : curvature(row, n, dim);
-    const double scale = -kappa * magnitude(force, dim) / s->rho[i];
-    for (int d = 0; d < dim; d++) s->a[d][i] += scale * n[d];
+    const Correction M = corrected ? moments_of(row, how) : NO_CORRECTION;
+    towards_others(row, s, &M, weight, how, force);
+    const double kappa = corrected ? corrected_curvature(row, &M, n, how) : curvature(row, n, how);
+    const double scale = -kappa * magnitude(force, how) / s->rho[i];
+    for (int d = 0; d < how.dim; d++) s->a[d][i] += scale * n[d];
 }
 
-INLINE void surface_tension_row(const Row *row, Particles *s, const Model *model, int dim)
+INLINE void surface_tension_row(const Row *row, Particles *s, const Model *model, How how)
 {
-    pull(row, s, model, dim, false);
+    pull(row, s, model, how, false);
 }
 ROW_FUNCTIONS(surface_tension_row)
 
-INLINE void corrected_tension_row(const Row *row, Particles *s, const Model *model, int dim)
+INLINE void corrected_tension_row(const Row *row, Particles *s, const Model *model, How how)
 {
-    pull(row, s, model, dim, true);
+    pull(row, s, model, how, true);
 }
 ROW_FUNCTIONS(corrected_tension_row)
 

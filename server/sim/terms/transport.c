@@ -11,20 +11,20 @@ static bool transports(const Model *model)
     return false;
 }
 
-INLINE void background_row(const Row *row, Particles *s, const Model *model, int dim)
+INLINE void background_row(const Row *row, Particles *s, const Model *model, How how)
 {
     Lanes sums[3] = {0};
     for (const Block *b = row->block; b < row->block + row->n; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, dim);
-            background_pair(&pair, dim, l, sums);
+            const Pair pair = block_pair(b, l, how);
+            background_pair(&pair, how, l, sums);
         }
-    background_end(s, model, row->i, sums, dim);
+    background_end(s, model, row->i, sums, how);
 }
 ROW_FUNCTIONS(background_row)
 
-INLINE void transport_stress_row(const Row *row, Particles *s, const Model *model, int dim)
+INLINE void transport_stress_row(const Row *row, Particles *s, const Model *model, How how)
 {
     (void)model;
     if (!row->summed) return;
@@ -32,10 +32,10 @@ INLINE void transport_stress_row(const Row *row, Particles *s, const Model *mode
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, dim);
-            transport_stress_pair(&pair, dim, l, sum);
+            const Pair pair = block_pair(b, l, how);
+            transport_stress_pair(&pair, how, l, sum);
         }
-    transport_stress_end(s, row->i, sum, dim);
+    transport_stress_end(s, row->i, sum, how);
 }
 ROW_FUNCTIONS(transport_stress_row)
 

@@ -12,39 +12,37 @@
 #include "sim/row.h"
 
 /* Of sum_j V_j grad_i W, over fluid and walls. */
-INLINE void background_pair(const Pair *pair, int dim, int l, Lanes sum[3])
+INLINE void background_pair(const Pair *pair, How how, int l, Lanes sum[3])
 {
     const double c = pair->V * pair->F;
-    for (int d = 0; d < dim; d++) sum[d].of[l] += c * pair->x[d];
+    for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, pair->x[d], how);
 }
 
 /* b_i, and the part of the stress that is the particle's own: rho_i v_i (w_i . sum_j V_j grad_i W). */
-INLINE void background_end(Particles *s, const Model *model, size_t i, const Lanes sums[3], int dim)
+INLINE void background_end(Particles *s, const Model *model, size_t i, const Lanes sums[3], How how)
 {
     const Phase *phase = &model->phase[s->phase[i]];
     const double half = 0.5 * model->dt;
     double along_w = 0;
-    for (int d = 0; d < dim; d++) {
+    for (int d = 0; d < how.dim; d++) {
         const double sum = lanes_sum(&sums[d]);
         along_w += half * s->b[d][i] * sum; /* w of this step, of the last one's b */
         s->b[d][i] = -2 * phase->p_b / s->rho[i] * sum;
     }
     if (!model->transport_stress || !phase->summation) return;
-    for (int d = 0; d < dim; d++) s->a[d][i] += s->vol[i] * s->rho[i] / s->m[i] * s->v[d][i] * along_w;
+    for (int d = 0; d < how.dim; d++) s->a[d][i] += s->vol[i] * s->rho[i] / s->m[i] * s->v[d][i] * along_w;
 }
 
 /* Of sum_j m_j v_j (w_j . grad_i W), over neighbours of summed density: of others q is 0. */
-INLINE void transport_stress_pair(const Pair *pair, int dim, int l, Lanes sum[3])
+INLINE void transport_stress_pair(const Pair *pair, How how, int l, Lanes sum[3])
 {
-    double flux = 0;
-    for (int d = 0; d < dim; d++) flux += pair->q[d] * pair->x[d];
-    const double c = pair->F * flux;
-    for (int d = 0; d < dim; d++) sum[d].of[l] += c * pair->v[d];
+    const double c = pair->F * DOT(pair->q, pair->x, how);
+    for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, pair->v[d], how);
 }
 
-INLINE void transport_stress_end(Particles *s, size_t i, const Lanes sum[3], int dim)
+INLINE void transport_stress_end(Particles *s, size_t i, const Lanes sum[3], How how)
 {
-    for (int d = 0; d < dim; d++) s->a[d][i] += s->vol[i] / s->m[i] * lanes_sum(&sum[d]);
+    for (int d = 0; d < how.dim; d++) s->a[d][i] += s->vol[i] / s->m[i] * lanes_sum(&sum[d]);
 }
 
 #endif

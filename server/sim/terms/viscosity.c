@@ -22,13 +22,13 @@ double viscosity_scale(const Kernel *kernel, int dim, const double spacing[3])
     return 1 / (volume * kernel_lattice_sum(kernel, dim, spacing, curvature));
 }
 
-INLINE void viscosity_row(const Row *row, Particles *s, const Model *model, int dim)
+INLINE void viscosity_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i;
     const double soft = viscosity_softening(&model->kernel), V = s->vol[i];
     double mu[MNS_MAX_FLUIDS], v[3]; /* viscosity against each fluid, once for all pairs */
     for (unsigned a = 0; a < model->n_phases; a++) mu[a] = viscosity_of(model, s->phase[i], a, 4);
-    for (int d = 0; d < dim; d++) v[d] = s->v[d][i];
+    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i];
     Lanes sum[3] = {0};
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++) {
         const uint32_t *j = row_j(row, b);
@@ -36,31 +36,31 @@ INLINE void viscosity_row(const Row *row, Particles *s, const Model *model, int 
         for (int l = 0; l < LANES; l++) mu_ij[l] = mu[s->phase[j[l]]];
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, dim);
-            viscosity_pair(v, V, &pair, mu_ij[l], soft, dim, l, sum);
+            const Pair pair = block_pair(b, l, how);
+            viscosity_pair(v, V, &pair, mu_ij[l], soft, how, l, sum);
         }
     }
-    viscosity_end(s, i, sum, dim);
+    viscosity_end(s, i, sum, how);
 }
 ROW_FUNCTIONS(viscosity_row)
 
-INLINE void wall_friction_row(const Row *row, Particles *s, const Model *model, int dim)
+INLINE void wall_friction_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i, first_wall = particles_fluid(s);
     const double mu = 2 * model->phase[s->phase[i]].mu * model->viscous_scale,
                  soft = viscosity_softening(&model->kernel), V = s->vol[i];
     if (mu == 0) return;
     double v[3];
-    for (int d = 0; d < dim; d++) v[d] = s->v[d][i];
+    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i];
     Lanes sum[3] = {0};
     for (const Block *b = row->block + row->n_fluid; b < row->block + row->n; b++)
         for (int l = 0; l < LANES; l++) {
             const size_t j = row_j(row, b)[l];
-            Pair pair = block_pair(b, l, dim);
-            for (int d = 0; d < dim; d++) pair.v[d] = 2 * pair.v[d] - s->v_wall[d][j - first_wall];
-            viscosity_pair(v, V, &pair, model->wall[s->phase[j] - model->n_phases].no_slip ? mu : 0, soft, dim, l, sum);
+            Pair pair = block_pair(b, l, how);
+            for (int d = 0; d < how.dim; d++) pair.v[d] = 2 * pair.v[d] - s->v_wall[d][j - first_wall];
+            viscosity_pair(v, V, &pair, model->wall[s->phase[j] - model->n_phases].no_slip ? mu : 0, soft, how, l, sum);
         }
-    viscosity_end(s, i, sum, dim);
+    viscosity_end(s, i, sum, how);
 }
 ROW_FUNCTIONS(wall_friction_row)
 

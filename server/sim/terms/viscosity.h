@@ -20,33 +20,32 @@ INLINE double viscosity_of(const Model *model, unsigned a, unsigned b, double ti
 }
 
 /* Of sum_j V_i V_j mu F r^2/(r^2 + 0.01 h^2) v_ij, opposite to the last bit for the two of a pair; mu: 4 mu_i mu_j/(mu_i + mu_j). */
-INLINE void viscosity_pair(const double v[3], double V, const Pair *pair, double mu, double soft, int dim, int l,
+INLINE void viscosity_pair(const double v[3], double V, const Pair *pair, double mu, double soft, How how, int l,
                            Lanes sum[3])
 {
     const double r2 = pair->r * pair->r, c = mu * (V * pair->V * pair->F * r2 / (r2 + soft));
-    for (int d = 0; d < dim; d++) sum[d].of[l] += c * (v[d] - pair->v[d]);
+    for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, v[d] - pair->v[d], how);
 }
 
-INLINE void viscosity_end(Particles *s, size_t i, const Lanes sum[3], int dim)
+INLINE void viscosity_end(Particles *s, size_t i, const Lanes sum[3], How how)
 {
     const double scale = 1 / s->m[i];
-    for (int d = 0; d < dim; d++) s->a[d][i] += scale * lanes_sum(&sum[d]);
+    for (int d = 0; d < how.dim; d++) s->a[d][i] += scale * lanes_sum(&sum[d]);
 }
 
 /* Of sum_j V_i V_j mu (v_ij . x_ij)/(r^2 + 0.01 h^2) grad_i W, opposite as well; mu: 2 mu_i mu_j/(mu_i + mu_j). */
-INLINE void drag_pair(const double v[3], double V, const Pair *pair, double mu, double soft, int dim, int l,
+INLINE void drag_pair(const double v[3], double V, const Pair *pair, double mu, double soft, How how, int l,
                       Lanes sum[3])
 {
-    double along = 0;
-    for (int d = 0; d < dim; d++) along += (v[d] - pair->v[d]) * pair->x[d];
-    const double c = mu * (V * pair->V * pair->F * along / (pair->r * pair->r + soft));
-    for (int d = 0; d < dim; d++) sum[d].of[l] += c * pair->x[d];
+    const double along = DOT_DIFFERENCE(v, pair->v, pair->x, how);
+    const double c = mu * (V * pair->V * pair->F * along / mul_add(pair->r, pair->r, soft, how.fma));
+    for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, pair->x[d], how);
 }
 
-INLINE void drag_end(Particles *s, size_t i, const Lanes sum[3], int dim)
+INLINE void drag_end(Particles *s, size_t i, const Lanes sum[3], How how)
 {
-    const double scale = 2 * (dim + 2) / s->m[i];
-    for (int d = 0; d < dim; d++) s->a[d][i] += scale * lanes_sum(&sum[d]);
+    const double scale = 2 * (how.dim + 2) / s->m[i];
+    for (int d = 0; d < how.dim; d++) s->a[d][i] += scale * lanes_sum(&sum[d]);
 }
 
 #endif

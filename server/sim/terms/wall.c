@@ -18,7 +18,7 @@ typedef struct Shown {
     double weight, pressure, along[3];
 } Shown;
 
-INLINE Shown weigh(const Row *row, const Particles *s, unsigned fluid, int dim)
+INLINE Shown weigh(const Row *row, const Particles *s, unsigned fluid, How how)
 {
     Lanes weight = {0}, pressure = {0}, along[3] = {0};
     for (const Block *b = row->block; b < row->block + row->n; b++) {
@@ -32,16 +32,16 @@ INLINE Shown weigh(const Row *row, const Particles *s, unsigned fluid, int dim)
         for (int l = 0; l < LANES; l++) {
             const double w = one[l] * (b->W[l] * b->V[l]);
             weight.of[l] += w;
-            pressure.of[l] += w * b->p[l];
-            for (int d = 0; d < dim; d++) along[d].of[l] += w * rho[l] * b->x[d][l];
+            add_product(&pressure, l, w, b->p[l], how);
+            for (int d = 0; d < how.dim; d++) add_product(&along[d], l, w * rho[l], b->x[d][l], how);
         }
     }
     Shown shown = {lanes_sum(&weight), lanes_sum(&pressure), {0}};
-    for (int d = 0; d < dim; d++) shown.along[d] = lanes_sum(&along[d]);
+    for (int d = 0; d < how.dim; d++) shown.along[d] = lanes_sum(&along[d]);
     return shown;
 }
 
-INLINE void wall_pressure_row(const Row *row, Particles *s, const Model *model, int dim)
+INLINE void wall_pressure_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i, wall = i - particles_fluid(s);
     const WallState *body = &model->wall[s->phase[i] - model->n_phases];
@@ -50,8 +50,8 @@ INLINE void wall_pressure_row(const Row *row, Particles *s, const Model *model, 
     for (unsigned a = 0; a < model->n_phases; a++) {
         Shown shown = {0};
         if (present & 1u << a) {
-            shown = weigh(row, s, a, dim);
-            for (int d = 0; d < dim; d++) shown.pressure += (model->gravity[d] - body->a[d]) * shown.along[d];
+            shown = weigh(row, s, a, how);
+            for (int d = 0; d < how.dim; d++) shown.pressure += (model->gravity[d] - body->a[d]) * shown.along[d];
         }
         s->p_wall[a][wall] = shown.weight > 1e-12 ? shown.pressure / shown.weight : 0;
         all_weight += shown.weight;
@@ -61,7 +61,7 @@ INLINE void wall_pressure_row(const Row *row, Particles *s, const Model *model, 
 }
 ROW_FUNCTIONS(wall_pressure_row)
 
-INLINE void wall_velocity_row(const Row *row, Particles *s, const Model *model, int dim)
+INLINE void wall_velocity_row(const Row *row, Particles *s, const Model *model, How how)
 {
     (void)model;
     const size_t wall = row->i - particles_fluid(s);
@@ -71,15 +71,15 @@ INLINE void wall_velocity_row(const Row *row, Particles *s, const Model *model, 
         for (int l = 0; l < LANES; l++) {
             const double w = b->W[l] * b->V[l];
             weight.of[l] += w;
-            for (int d = 0; d < dim; d++) sum[d].of[l] += w * b->v[d][l];
+            for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, w, b->v[d][l], how);
         }
     const double all = lanes_sum(&weight);
-    for (int d = 0; d < dim; d++) s->v_wall[d][wall] = all > 1e-12 ? lanes_sum(&sum[d]) / all : s->v[d][row->i];
+    for (int d = 0; d < how.dim; d++) s->v_wall[d][wall] = all > 1e-12 ? lanes_sum(&sum[d]) / all : s->v[d][row->i];
 }
 ROW_FUNCTIONS(wall_velocity_row)
 
 /* Along the normal of the wall's surface, from sum_f grad_w W V_f, always turned round; along the surface only where fluids stick. */
-INLINE void mirrored_velocity_row(const Row *row, Particles *s, const Model *model, int dim)
+INLINE void mirrored_velocity_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i, wall = i - particles_fluid(s);
     const WallState *body = &model->wall[s->phase[i] - model->n_phases];
@@ -87,23 +87,24 @@ INLINE void mirrored_velocity_row(const Row *row, Particles *s, const Model *mod
     for (const Block *b = row->block; b < row->block + row->n; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, dim);
+            const Pair pair = block_pair(b, l, how);
             const double w = pair.W * pair.V, f = pair.F * pair.V;
             weight.of[l] += w;
-            for (int d = 0; d < dim; d++) {
-                sum[d].of[l] += w * pair.v[d];
-                towards[d].of[l] += f * pair.x[d];
+            for (int d = 0; d < how.dim; d++) {
+                add_product(&sum[d], l, w, pair.v[d], how);
+                add_product(&towards[d], l, f, pair.x[d], how);
             }
         }
     const double all = lanes_sum(&weight);
     double v[3], n[3], n2 = 0, into = 0;
-    for (int d = 0; d < dim; d++) {
+    for (int d = 0; d < how.dim; d++) {
         v[d] = all > 1e-12 ? lanes_sum(&sum[d]) / all : s->v[d][i];
         n[d] = lanes_sum(&towards[d]);
         n2 += n[d] * n[d];
     }
-    for (int d = 0; d < dim; d++) into += n2 > 0 ? (s->v[d][i] - v[d]) * n[d] / n2 : 0;
-    for (int d = 0; d < dim; d++) s->v_wall[d][wall] = body->no_slip ? 2 * s->v[d][i] - v[d] : v[d] + 2 * into * n[d];
+    for (int d = 0; d < how.dim; d++) into += n2 > 0 ? (s->v[d][i] - v[d]) * n[d] / n2 : 0;
+    for (int d = 0; d < how.dim; d++)
+        s->v_wall[d][wall] = body->no_slip ? 2 * s->v[d][i] - v[d] : v[d] + 2 * into * n[d];
 }
 ROW_FUNCTIONS(mirrored_velocity_row)
 
