@@ -127,6 +127,16 @@ static void a_member_of_a_choice_replaces_the_other(void **state)
     is(*state, "walls[0].motion", "{one_minus_cosine: {amplitude: [2, 0], frequency: 3}}");
     sets(*state, "walls[0].shape[0]={ball: {centre: [0, 0], radius: 1}}");
     is(*state, "walls[0].shape", "[{ball: {centre: [0, 0], radius: 1}}]");
+    sets(*state, "scheme={smoothing: 1.4, riemann: {limiter: 2}}");
+    sets(*state, "scheme.interfacial={}"); /* what is beside the choice stays */
+    is(*state, "scheme", "{smoothing: 1.4, interfacial: {}}");
+    sets(*state, "scheme.dissipation.delta=1"); /* an entry of another member takes that member */
+    is(*state, "scheme", "{smoothing: 1.4, dissipation: {delta: 1}}");
+    sets(*state, "scheme={riemann: {}}");
+    is(*state, "scheme", "{riemann: {}}");
+    refuses(
+        *state, "scheme={riemann: {}, interfacial: {}}",
+        "--set scheme={riemann: {}, interfacial: {}}: \"riemann\" and \"interfacial\" exclude each other: remove one");
 }
 
 static void wrong_assignments_are_refused(void **state)
