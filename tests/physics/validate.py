@@ -18,9 +18,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from validation import bubbles, dam_breaks, drops, interfaces, rest, sloshing
+from validation import bubbles, dam_breaks, drops, interfaces, jobs, rest, sloshing
 from validation.metrics import Metric, Report
-from validation.runs import ROOT
+from validation.runs import ROOT, told
 
 
 @dataclass
@@ -73,7 +73,8 @@ def score(name: str, paper: bool) -> Iterator[Metric]:
     try:
         yield from CASES[name].score(paper)
     except subprocess.CalledProcessError as error:
-        print(f"# {name}: `{' '.join(error.cmd[1:])}` ended with {error.returncode}", file=sys.stderr)
+        why = told(error)["error"]["message"]
+        sys.stderr.write(f"# {name}: `{' '.join(error.cmd[1:])}` ended with {error.returncode}: {why}\n")
         yield Metric(name, "runs that came to their end, of those needed", 0, low=1)
 
 
@@ -90,18 +91,22 @@ def main() -> int:
     parser.add_argument("--case", choices=sorted(CASES), help="this one only")
     parser.add_argument("--size", choices=("reduced", "paper"), default="reduced")
     parser.add_argument("--list", action="store_true", help="print what the cases take on one processor, by estimate, and run none")
+    jobs.add_option(parser)
     options = parser.parse_args()
     if options.list:
         estimates()
         return 0
     report = Report(options.size == "paper", Path(__file__).parent, list(CASES))
+    tasks = {}
     for name, case in CASES.items():
         skipped = (case.paper if report.paper else case.reduced) is None
         if options.case == name and skipped:
             print(f"# {name} is scored at the paper's size only", file=sys.stderr)
         if options.case in (None, name) and not skipped:
-            for metric in score(name, report.paper):
-                report.add(metric)
+            tasks[name] = lambda name=name: list(score(name, report.paper))
+    for _, metrics in jobs.at_once(options.jobs, tasks):
+        for metric in metrics:
+            report.add(metric)
     print(f"# {report.write().relative_to(ROOT)}", file=sys.stderr)
     return 0 if all(m.passed for m in report.metrics) else 1
 

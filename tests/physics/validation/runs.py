@@ -17,6 +17,7 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[3]
 BUILD = Path(os.environ.get("BUILD", ROOT / "build")).resolve()
+INTERRUPTED = 75  # MNS_EXIT_AGAIN of <meniscus/exit.h>
 
 
 @dataclass
@@ -27,7 +28,8 @@ class Snapshot:
     spacing: float
     x: np.ndarray  # [n, 3]
     phase: np.ndarray  # [n], in the order of the case's fluids
-    pressure: np.ndarray  # [n]
+    pressure: np.ndarray | None  # [n]
+    density: np.ndarray | None = None  # [n]
 
 
 @dataclass
@@ -68,10 +70,11 @@ def read_snapshot(path: Path, fluids: int) -> Snapshot:
         phase = file["VTKHDF/PointData/phase"][:]
         fluid = phase < fluids
         attributes = file["meniscus"].attrs
-        pressure = file["VTKHDF/PointData/pressure"][:][fluid] if "pressure" in file["VTKHDF/PointData"] else None
+        data = file["VTKHDF/PointData"]
+        pressure, density = (data[name][:][fluid] if name in data else None for name in ("pressure", "density"))
         return Snapshot(
             float(np.ravel(attributes["time"])[0]), float(np.ravel(attributes["spacing"])[0]),
-            file["VTKHDF/Points"][:][fluid], phase[fluid], pressure)
+            file["VTKHDF/Points"][:][fluid], phase[fluid], pressure, density)
 
 
 def fingerprint(case: str, settings: list[str]) -> str:
@@ -83,10 +86,10 @@ def fingerprint(case: str, settings: list[str]) -> str:
     return digest.hexdigest()
 
 
-def load(directory: Path) -> Run:
+def load(directory: Path, summary: dict) -> Run:
     with h5py.File(directory / "probes.hdf") as file:
         probes = {name: series[:] for name, series in file["probes"].items()}
-        return Run(directory, json.loads((directory / "summary.json").read_text()), file["time"][:], probes)
+        return Run(directory, summary, file["time"][:], probes)
 
 
 def place(case: str, settings: list[str]) -> Path:
@@ -98,20 +101,30 @@ def place(case: str, settings: list[str]) -> Path:
 
 
 def run(case: str, *settings: str) -> Run:
-    """Run a case to its end, or load it if this very run is there."""
+    """Run a case to its end, or load it if this very run is there. What it says on the way is in a file beside its directory."""
     directory, mark = place(case, list(settings)), fingerprint(case, list(settings))
     stamp = directory / "fingerprint"
     if not (stamp.exists() and stamp.read_text() == mark):
         command = [str(BUILD / "meniscus"), "run", case, "--out", str(directory), "-o", "json"]
         for setting in settings:
             command += ["--set", setting]
-        print(f"# {' '.join(command[1:])}", file=sys.stderr, flush=True)
+        sys.stderr.write(f"# {' '.join(command[1:])}\n")
         subprocess.run(["rm", "-rf", str(directory)], check=True)
+        directory.parent.mkdir(parents=True, exist_ok=True)
         environment = os.environ | {"MENISCUS_CASES": str(ROOT / "server/cases")}  # wherever BUILD is
-        done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True, env=environment)
+        with open(f"{directory}.log", "w", encoding="utf-8") as log:
+            done = subprocess.run(command, check=False, stdout=subprocess.PIPE, stderr=log, text=True, env=environment)
+        if done.returncode == INTERRUPTED:
+            raise KeyboardInterrupt
+        done.check_returncode()
         (directory / "summary.json").write_text(done.stdout)
         stamp.write_text(mark)
-    return load(directory)
+    return load(directory, json.loads((directory / "summary.json").read_text()))
+
+
+def told(error: subprocess.CalledProcessError) -> dict:
+    """The summary of a run that did not come to its end; of one that was killed there is none."""
+    return json.loads(error.output) if error.output else {"error": {"message": "it left no word"}}
 
 
 def attempt(case: str, *settings: str) -> Run | None:
