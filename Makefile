@@ -54,7 +54,7 @@ UNIT      := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/unit tests/protocol)
 BENCH     := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/bench))
 SUPPORT   := $(call objects,$(call sources,tests/support))
 
-.PHONY: all help packages demo check validate bench reference install uninstall clean lint format asan tsan
+.PHONY: all help packages demo check validate compare bench reference install uninstall clean lint format asan tsan
 all: $(BUILD)/meniscusd $(BUILD)/meniscus $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-client.a $(BUILD)/libmeniscus-client.so $(BUILD)/case-reference.md $(BUILD)/python/meniscus/meniscus_pb2.py ## build everything
 
 help: ## list the targets
@@ -74,10 +74,15 @@ check: ## build and run every test; last line: N passed, N failed
 	@$(MAKE) --no-print-directory -s $(PARALLEL) all tests bench-programs
 	@BUILD=$(BUILD) CC=$(CC) tests/support/check.sh
 
-validate: ## the papers' cases against their references [CASE=name] [SIZE=paper]
+validate: ## the papers' cases against their references [CASE=name] [SIZE=paper] [JOBS=n]
 	@tests/support/packages.sh validate
 	@$(MAKE) --no-print-directory -s $(PARALLEL) all
-	@BUILD=$(BUILD) $(PYTHON) tests/physics/validate.py $(if $(CASE),--case $(CASE)) $(if $(SIZE),--size $(SIZE))
+	@BUILD=$(BUILD) $(PYTHON) tests/physics/validate.py $(if $(CASE),--case $(CASE)) $(if $(SIZE),--size $(SIZE)) $(if $(JOBS),--jobs $(JOBS))
+
+compare: ## the schemes side by side on the same cases [CASE=name] [JOBS=n]
+	@tests/support/packages.sh validate
+	@$(MAKE) --no-print-directory -s $(PARALLEL) all
+	@BUILD=$(BUILD) $(PYTHON) tests/physics/compare.py $(if $(CASE),--case $(CASE)) $(if $(JOBS),--jobs $(JOBS))
 
 bench: bench-programs ## benchmarks as JSON lines
 	@for b in $(BENCH); do $$b || exit 1; done

@@ -302,8 +302,7 @@ class Drops(Scored):
                 r = moved(name, -0.002)(r)
             return r
 
-        self.check(good, lambda r: rest.score_flat("c", "interfacial", r, 0.004), moved("h3", 0.01), sunk, scaled("speed", 10),
-                   moved("escaped", 2), scaled("coverage", 0.1), *(changed(f"mass_{f}", lambda t, v: v + t) for f in ("liquid", "gas")))
+        self.check(good, lambda r: rest.score_flat("c", r, 0.004), moved("h3", 0.01), sunk, scaled("speed", 10))
 
 
 class Interfaces(Scored):

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 from validation.metrics import Metric
-from validation.runs import Run
+from validation.runs import Run, Snapshot
 
 
 def hygiene(case: str, r: Run, void: bool = True) -> Iterator[Metric]:
@@ -34,3 +34,20 @@ def sharpness(r: Run, fluids: int = 2) -> tuple[float, ...]:
     others = np.array([len(k) - 1 for k in near])
     lost = own < 0.1 * others
     return tuple(float(np.mean(lost[s.phase == a])) for a in range(fluids))
+
+
+NEAR = 12  # in two dimensions those within two spacings
+
+
+def grain(s: Snapshot, phase: int) -> float:
+    """What of the pressure in a fluid, in a plane, changes from particle to particle: rms distance from the linear field through the
+    nearest of the same fluid, but of those that have few about them [Pa]."""
+    from scipy.spatial import cKDTree  # python3-scipy
+
+    x, p = s.x[s.phase == phase, :2] / s.spacing, s.pressure[s.phase == phase]
+    distance, near = cKDTree(x).query(x, NEAR + 1)
+    near = near[distance[:, -1] < 3, 1:]
+    own = np.flatnonzero(distance[:, -1] < 3)
+    places = np.concatenate([np.ones((*near.shape, 1)), x[near] - x[own, None]], axis=2)
+    at_own = np.linalg.pinv(places)[:, 0]  # the constant of the linear field, as weights of the neighbours
+    return float(np.sqrt(np.mean((p[own] - np.sum(at_own * p[near], axis=1)) ** 2)))

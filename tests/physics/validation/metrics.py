@@ -59,6 +59,11 @@ class Metric:
         return "PASS" if self.passed else "MISS"
 
 
+def commit() -> str:
+    command = ["git", "-C", str(ROOT), "rev-parse", "--short", "HEAD"]
+    return subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip() or "unknown"
+
+
 @dataclass
 class Report:
     """The table, on the screen and as Markdown. Cases that are not run now keep the rows they had, with their commit."""
@@ -73,12 +78,10 @@ class Report:
         print("\t".join(metric.columns()), flush=True)
 
     def rows(self, path: Path) -> list[str]:
-        command = ["git", "-C", str(ROOT), "rev-parse", "--short", "HEAD"]
-        commit = subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip() or "unknown"
         fresh = {m.case for m in self.metrics}
         old = [line for line in path.read_text().splitlines() if line.startswith("| ")] if path.exists() else []
         kept = [line for line in old if line != HEAD and line.split(" | ")[0][2:] not in fresh]
-        rows = kept + ["| " + " | ".join([*m.columns(), commit]) + " |" for m in self.metrics]
+        rows = kept + ["| " + " | ".join([*m.columns(), commit()]) + " |" for m in self.metrics]
         return sorted(rows, key=lambda row: self.order.index(row.split(" | ")[0][2:]))
 
     def write(self) -> Path:

@@ -1,0 +1,250 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Run the same cases under every scheme, and lay what comes out side by side.
+
+Writes tests/physics/COMPARISON.md: a table for each case with a row for each scheme, its accuracy, its noise and what it takes. A
+scheme that cannot do a case has the solver's own words for why. A run that is already in the build directory, made by the same
+program from the same case, is not run again, unless it did not come to its end.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from validation import bubbles, dam_breaks, drops, interfaces, jobs, rest, sloshing
+from validation.common import NEAR, grain
+from validation.metrics import Metric, commit
+from validation.runs import ROOT, Run, Snapshot, load, run, told
+
+REPORT = Path(__file__).parent / "COMPARISON.md"
+COST = ("particles", "steps", "ns per particle and step", "wall s", "verdict")
+
+
+# --- what is asked of the cases ---------------------------------------------------------------------------------------------
+
+
+def at_rest(case: str, r: Run) -> Iterator[Metric]:
+    yield from rest.score_rest(case, r)
+    yield Metric(case, "grain of the water's pressure / (rho g H)", grain(r.last(), 0) / (1000 * 9.81 * 0.5))
+
+
+def dam_break(case: str, r: Run) -> Iterator[Metric]:
+    yield Metric(case, "largest toe error", dam_breaks.largest_toe_error(r))
+    yield from dam_breaks.mean_pressures(case, r, 0.12)
+    yield Metric(case, "roughness of P19, 3 < t* < 5.5", dam_breaks.roughness(r, "P19"))
+
+
+def largest_errors(metrics: Sequence[Metric]) -> tuple[float, float]:
+    """Of the metrics with a reference: of those with a relative tolerance, in parts of it, and of the others."""
+    known = [m for m in metrics if m.reference is not None]
+    return (max(abs(m.value / m.reference - 1) for m in known if m.relative),
+            max(abs(m.value - m.reference) for m in known if not m.relative))
+
+
+def layer(case: str, r: Run) -> Iterator[Metric]:
+    *crests, theory = sloshing.score_one_layer(case, r, full=False)
+    height, time = largest_errors(crests)
+    yield Metric(case, "largest error of the height of a crest or trough", height)
+    yield Metric(case, "largest error of its time [s]", time)
+    yield theory
+    yield Metric(case, "grain of the pressure / (rho g h)", grain(r.last(1), 0) / (1000 * 9.81 * sloshing.STILL))
+
+
+def static_drop(case: str, r: Run) -> Iterator[Metric]:
+    yield from drops.score_static(case, r, 0.2 / 50)
+
+
+def hysing(case: str, r: Run) -> Iterator[Metric]:
+    yield from bubbles.score_hysing(case, r, full=False)
+    yield Metric(case, "grain of the liquid's pressure [Pa]", grain(r.last(), 0))
+
+
+def rayleigh_taylor(case: str, r: Run) -> Iterator[Metric]:
+    yield Metric(case, "largest error of the highest point, t = 1, 2, 3", interfaces.largest_tip_error(r))
+    yield from (m for m in interfaces.score_tips(case, r, full=False) if m.name.endswith("t = 5"))
+    yield Metric(case, "grain of the heavy fluid's pressure [Pa]", grain(r.last(), 0))
+
+
+def flat(case: str, r: Run) -> Iterator[Metric]:
+    yield from rest.score_flat(case, r, 0.2 / 50)
+    yield Metric(case, "grain of the liquid's pressure / (rho g H)", grain(r.last(), 0) / (1000 * 9.81 * 0.1))
+
+
+def drift(case: str, r: Run) -> Iterator[Metric]:
+    yield from rest.score_drift(case, r)
+    energy = r.probes["kinetic"]
+    yield Metric(case, "kinetic energy: largest change / start", float(abs(energy / energy[0] - 1).max()))
+    yield Metric(case, "grain of the drop's pressure [Pa]", grain(r.last(), 0))
+
+
+# --- the cases, and how each scheme is told to do them ----------------------------------------------------------------------
+
+
+@dataclass
+class Comparison:
+    """A case, and the schemes with the options that it takes; kernel and smoothing are each scheme's own."""
+
+    case: str
+    settings: tuple[str, ...]
+    schemes: tuple[tuple[str, str], ...]  # name, options
+    score: Callable[[str, Run], Iterator[Metric]]
+    needs: float = np.inf  # time to which a run must have come for its metrics [s]; to its end, if not said
+
+
+# At a ratio of 1000 dissipation averages by density: with arithmetic averages it takes four times the steps.
+COMPARISONS = {
+    "Water under air at rest, ratio 1000": Comparison(
+        "hydrostatic", ("resolution=40",),
+        (("riemann", ""), ("dissipation", "pair_average: density"), ("interfacial", "")), at_rest),
+    "Water under a liquid at rest, ratio 10": Comparison(
+        "hydrostatic", ("resolution=40", "fluids[1].density=100", "constants[3].value=100"),
+        (("riemann", ""), ("dissipation", ""), ("dissipation", "pair_average: density"), ("interfacial", "")), at_rest),
+    "A flat interface with tension, ratio 1000": Comparison(
+        "flat-interface2d", ("resolution=50",),
+        (("riemann", ""), ("dissipation", "pair_average: density, background_pressure: 100, repulsion: 0"),
+         ("interfacial", "background_pressure: 100")), flat),
+    "A drop at rest under its tension, ratio 1000": Comparison(
+        "static-drop2d", ("resolution=50",),
+        (("riemann", ""), ("dissipation", "pair_average: density, background_pressure: 90, repulsion: 0"),
+         ("interfacial", "background_pressure: 90")), static_drop),
+    "A drop that drifts, without tension, ratio 1000": Comparison(
+        "drop-periodic2d", ("resolution=40",),
+        (("riemann", ""), ("dissipation", "pair_average: density"), ("interfacial", "")), drift),
+    "A dam break under air, ratio 1000": Comparison(
+        "dambreak2d", ("resolution=20", "output.probe_interval=0.005"),
+        (("riemann", ""), ("dissipation", "pair_average: density"), ("interfacial", ""), ("interfacial", "delta: 2")), dam_break, needs=5.5),
+    "Sloshing with a free surface": Comparison(
+        "sloshing2d-single", ("resolution=20",),
+        (("riemann", ""), ("dissipation", "repulsion: 0"), ("interfacial", "")), layer),
+    "Rayleigh-Taylor instability, ratio 1.8": Comparison(
+        "rayleigh-taylor2d", ("resolution=50",),
+        (("riemann", ""), ("dissipation", "background_pressure: 2"), ("interfacial", "background_pressure: 2")), rayleigh_taylor),
+    "A bubble that rises, ratio 10": Comparison(
+        "bubble2d-hysing1", ("resolution=25",),
+        (("riemann", ""), ("dissipation", "background_pressure: 800"), ("interfacial", "repulsion: 0.08, background_pressure: 800")),
+        hysing),
+}
+
+
+# --- runs and tables --------------------------------------------------------------------------------------------------------
+
+
+@dataclass
+class Row:
+    """What came of a case under a scheme."""
+
+    scheme: str
+    summary: dict
+    metrics: list[Metric]  # none of a run that did not come far enough
+    found: str = ""  # of a run that did not come to its end, what was found there
+
+    @property
+    def reason(self) -> str:
+        """The first sentence of what the solver says, with the names of files as in the repository, and what was found."""
+        message = self.summary["error"]["message"].replace(f"{ROOT}/", "")
+        return re.split(r"\. (?=[A-Z])", message)[0] + self.found
+
+    @property
+    def verdict(self) -> str:
+        code = self.summary.get("exit_code")
+        if code == 0:
+            return "done"
+        if code == 70:
+            return f"diverged at t = {self.summary['t']:.3g} of {self.summary['end_time']:.3g}"
+        return "failed" if self.summary.get("steps") else "refused"
+
+    def cost(self) -> list[str]:
+        """What it took, as far as it came."""
+        s = self.summary
+        if not s.get("steps"):
+            return ["-"] * 4
+        return [str(s["particles"]), str(s["steps"]), f"{s['ns_per_particle_step']:.0f}", f"{s['wall_s']:.1f}"]
+
+
+def densities(first: Snapshot, last: Snapshot) -> str:
+    """What became of each fluid's, over what it was."""
+    spans = []
+    for k in np.unique(first.phase):
+        span = last.density[last.phase == k] / np.mean(first.density[first.phase == k])
+        spans.append(f"{np.nanmin(span):.3g} to {np.nanmax(span):.3g}")
+    return "; densities over those of the start, fluid by fluid: " + "; ".join(spans)
+
+
+def row(comparison: Comparison, scheme: str, options: str) -> Row:
+    """One run. Its time is to be compared, so it has one thread, whatever goes on beside."""
+    label = f"{scheme}, {options}" if options else scheme
+    try:
+        r = run(comparison.case, *comparison.settings, "threads=1", f"scheme={{{scheme}: {{{options}}}}}")
+    except subprocess.CalledProcessError as error:
+        summary = told(error)
+        if not summary.get("steps"):
+            return Row(label, summary, [])
+        r = load(Path(summary["run_directory"]), summary)
+        metrics = list(comparison.score(comparison.case, r)) if r.t[-1] >= comparison.needs else []
+        shots = r.snapshots()
+        return Row(label, summary, metrics, densities(shots[0], shots[-1]))
+    return Row(label, r.summary, list(comparison.score(comparison.case, r)))
+
+
+def section(title: str, comparison: Comparison, rows: Sequence[Row]) -> str:
+    """The table of a case, and why there are gaps in it."""
+    metrics = next((r.metrics for r in rows if r.metrics), [])
+    references = ["-" if m.reference is None else f"{m.reference:.4g}" for m in metrics]
+    lines = [["scheme", *(m.name for m in metrics), *COST], ["---"] * (1 + len(metrics) + len(COST))]
+    if any(m.reference is not None for m in metrics):
+        lines.append(["reference", *references, *[""] * len(COST)])
+    for r in rows:
+        values = [f"{m.value:.4g}" for m in r.metrics] or ["-"] * len(metrics)
+        lines.append([r.scheme, *values, *r.cost(), r.verdict])
+    reasons = [f"- {r.scheme}: {r.reason}" for r in rows if r.verdict != "done"]
+    how = f"`{comparison.case}` with `{', '.join(comparison.settings)}`, commit {commit()}."
+    table = "\n".join(f"| {' | '.join(line)} |" for line in lines)
+    return "\n\n".join([f"## {title}", how, table, *(["\n".join(reasons)] if reasons else [])])
+
+
+def merged(old: str, fresh: Mapping[str, str], order: Sequence[str]) -> list[str]:
+    """The sections in their order: those that are fresh, and of the others those that were there."""
+    kept = {part.split("\n", 1)[0][3:]: part.strip() for part in re.split(r"^(?=## )", old, flags=re.MULTILINE)[1:]}
+    sections = kept | dict(fresh)
+    return [sections[title] for title in order if title in sections]
+
+
+HEAD = f"""# The schemes, side by side
+
+Written by `make compare`. Each case was run under each scheme with the kernel and the smoothing length that are the scheme's own, and
+the options beside its name, which are those that the case needs. Each run had one thread; what else the machine does shows in the times. Particles are those of walls too.
+
+The grain of a pressure is what of it changes from particle to particle: the rms distance of a particle's pressure in the last
+snapshot from the linear field through its {NEAR} nearest of the same fluid. Roughness is the same in time: rms distance from the
+moving mean over 0.2 at a gauge. Errors are against the references that `tests/physics/validate.py` has."""
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--case", choices=sorted({c.case for c in COMPARISONS.values()}), help="this one only")
+    jobs.add_option(parser)
+    options = parser.parse_args()
+    chosen = {title: c for title, c in COMPARISONS.items() if options.case in (None, c.case)}
+    tasks = {(title, k): lambda c=c, scheme=scheme: row(c, *scheme) for title, c in chosen.items() for k, scheme in enumerate(c.schemes)}
+    rows: dict[str, list[Row]] = {title: [] for title in chosen}
+    fresh = {}
+    for (title, _), made in jobs.at_once(options.jobs, tasks):
+        rows[title].append(made)
+        if len(rows[title]) == len(chosen[title].schemes):
+            fresh[title] = section(title, chosen[title], rows[title])
+            print(fresh[title] + "\n", flush=True)
+    old = REPORT.read_text() if REPORT.exists() else ""
+    REPORT.write_text("\n\n".join([HEAD, *merged(old, fresh, list(COMPARISONS))]) + "\n")
+    print(f"# {REPORT.relative_to(ROOT)}", file=sys.stderr)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
