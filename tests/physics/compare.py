@@ -24,7 +24,7 @@ from validation.metrics import Metric, commit
 from validation.runs import ROOT, Run, Snapshot, load, run, told
 
 REPORT = Path(__file__).parent / "COMPARISON.md"
-COST = ("particles", "steps", "ns per particle and step", "wall s", "verdict")
+COST = ("particles", "steps", "ns per particle and step", "processor s", "wall s", "verdict")
 
 
 # --- what is asked of the cases ---------------------------------------------------------------------------------------------
@@ -37,6 +37,8 @@ def at_rest(case: str, r: Run) -> Iterator[Metric]:
 
 def dam_break(case: str, r: Run) -> Iterator[Metric]:
     yield Metric(case, "largest toe error", dam_breaks.largest_toe_error(r))
+    t, toe, reference = dam_breaks.toes(r)[-1]
+    yield Metric(case, f"toe / H at t* = {t}", toe, reference)
     yield from dam_breaks.mean_pressures(case, r, 0.12)
     yield Metric(case, "roughness of P19, 3 < t* < 5.5", dam_breaks.roughness(r, "P19"))
 
@@ -119,7 +121,8 @@ COMPARISONS = {
         (("riemann", ""), ("dissipation", "pair_average: density"), ("interfacial", "")), drift),
     "A dam break under air, ratio 1000": Comparison(
         "dambreak2d", ("resolution=20", "output.probe_interval=0.005"),
-        (("riemann", ""), ("dissipation", "pair_average: density"), ("interfacial", ""), ("interfacial", "delta: 2")), dam_break, needs=5.5),
+        (("riemann", ""), ("dissipation", "pair_average: density"), ("interfacial", ""), ("interfacial", "delta: 2")),
+        dam_break, needs=5.5),
     "Sloshing with a free surface": Comparison(
         "sloshing2d-single", ("resolution=20",),
         (("riemann", ""), ("dissipation", "repulsion: 0"), ("interfacial", "")), layer),
@@ -128,8 +131,8 @@ COMPARISONS = {
         (("riemann", ""), ("dissipation", "background_pressure: 2"), ("interfacial", "background_pressure: 2")), rayleigh_taylor),
     "A bubble that rises, ratio 10": Comparison(
         "bubble2d-hysing1", ("resolution=25",),
-        (("riemann", ""), ("dissipation", "background_pressure: 800"), ("interfacial", "repulsion: 0.08, background_pressure: 800")),
-        hysing),
+        (("riemann", ""), ("dissipation", "background_pressure: 800"),
+         ("interfacial", "repulsion: 0.08, background_pressure: 800")), hysing),
 }
 
 
@@ -164,8 +167,9 @@ class Row:
         """What it took, as far as it came."""
         s = self.summary
         if not s.get("steps"):
-            return ["-"] * 4
-        return [str(s["particles"]), str(s["steps"]), f"{s['ns_per_particle_step']:.0f}", f"{s['wall_s']:.1f}"]
+            return ["-"] * (len(COST) - 1)
+        each = 1e9 * s["cpu_s"] / (s["particles"] * s["steps"])
+        return [str(s["particles"]), str(s["steps"]), f"{each:.0f}", f"{s['cpu_s']:.1f}", f"{s['wall_s']:.1f}"]
 
 
 def densities(first: Snapshot, last: Snapshot) -> str:
@@ -219,7 +223,8 @@ def merged(old: str, fresh: Mapping[str, str], order: Sequence[str]) -> list[str
 HEAD = f"""# The schemes, side by side
 
 Written by `make compare`. Each case was run under each scheme with the kernel and the smoothing length that are the scheme's own, and
-the options beside its name, which are those that the case needs. Each run had one thread; what else the machine does shows in the times. Particles are those of walls too.
+the options beside its name, which are those that the case needs. Each run had one thread. Nanoseconds are of the processor, which
+other programs lengthen less than the time on the wall. Particles are those of walls too.
 
 The grain of a pressure is what of it changes from particle to particle: the rms distance of a particle's pressure in the last
 snapshot from the linear field through its {NEAR} nearest of the same fluid. Roughness is the same in time: rms distance from the
@@ -232,7 +237,8 @@ def main() -> int:
     jobs.add_option(parser)
     options = parser.parse_args()
     chosen = {title: c for title, c in COMPARISONS.items() if options.case in (None, c.case)}
-    tasks = {(title, k): lambda c=c, scheme=scheme: row(c, *scheme) for title, c in chosen.items() for k, scheme in enumerate(c.schemes)}
+    tasks = {(title, k): lambda c=c, scheme=scheme: row(c, *scheme)
+             for title, c in chosen.items() for k, scheme in enumerate(c.schemes)}
     rows: dict[str, list[Row]] = {title: [] for title in chosen}
     fresh = {}
     for (title, _), made in jobs.at_once(options.jobs, tasks):

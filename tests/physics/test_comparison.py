@@ -16,7 +16,7 @@ from validation import common  # noqa: E402
 from validation.metrics import Metric  # noqa: E402
 from validation.runs import ROOT, Snapshot  # noqa: E402
 
-DONE = {"particles": 100, "steps": 20, "ns_per_particle_step": 250.4, "wall_s": 1.26, "error": None, "exit_code": 0}
+DONE = {"particles": 100, "steps": 20, "cpu_s": 1.26, "wall_s": 2.5, "error": None, "exit_code": 0}
 DIVERGED = DONE | {"t": 0.12345, "end_time": 7.0, "exit_code": 70,
                    "error": {"message": "diverged in step 20 at t = 0.1 s: most is due to \"x\". Look at the snapshot"}}
 REFUSED = {"steps": 0, "exit_code": 65, "error": {"message": f"{ROOT}/server/cases/a.yaml:3:1: no tension. Take another"}}
@@ -73,11 +73,11 @@ class Tables(unittest.TestCase):
         lines = compare.section("T", comparison, rows).split("\n")
         self.assertEqual(lines[0], "## T")
         self.assertTrue(lines[2].startswith("`a` with `resolution=3`, commit "))
-        self.assertEqual(lines[4], "| scheme | m | n | particles | steps | ns per particle and step | wall s | verdict |")
-        self.assertEqual(lines[6], "| reference | 1.2 | - |  |  |  |  |  |")
-        self.assertEqual(lines[7], "| riemann | - | - | - | - | - | - | refused |")
-        self.assertEqual(lines[8], "| riemann | 1.235 | 5 | 100 | 20 | 250 | 1.3 | done |")
-        self.assertEqual(lines[9], "| riemann | - | - | 100 | 20 | 250 | 1.3 | diverged at t = 0.123 of 7 |")
+        self.assertEqual(lines[4], "| scheme | m | n | particles | steps | ns per particle and step | processor s | wall s | verdict |")
+        self.assertEqual(lines[6], "| reference | 1.2 | - |  |  |  |  |  |  |")
+        self.assertEqual(lines[7], "| riemann | - | - | - | - | - | - | - | refused |")
+        self.assertEqual(lines[8], "| riemann | 1.235 | 5 | 100 | 20 | 630000 | 1.3 | 2.5 | done |")
+        self.assertEqual(lines[9], "| riemann | - | - | 100 | 20 | 630000 | 1.3 | 2.5 | diverged at t = 0.123 of 7 |")
         self.assertEqual(lines[11:], ["- riemann: server/cases/a.yaml:3:1: no tension",
                                       "- riemann: diverged in step 20 at t = 0.1 s: most is due to \"x\""])
 

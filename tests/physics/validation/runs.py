@@ -100,6 +100,20 @@ def place(case: str, settings: list[str]) -> Path:
     return BUILD / "validate" / label
 
 
+def call(command: list[str], log: Path) -> tuple[int, str]:
+    """Exit code and summary of the batch program. The summary has the processor time as well, cpu_s: other programs lengthen it
+    less than the time on the wall."""
+    environment = os.environ | {"MENISCUS_CASES": str(ROOT / "server/cases")}  # wherever BUILD is
+    with open(log, "w", encoding="utf-8") as errors, \
+            subprocess.Popen(command, stdout=subprocess.PIPE, stderr=errors, text=True, env=environment) as process:
+        summary = process.stdout.read()
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+    if summary:
+        summary = json.dumps(json.loads(summary) | {"cpu_s": usage.ru_utime + usage.ru_stime})
+    return process.returncode, summary
+
+
 def run(case: str, *settings: str) -> Run:
     """Run a case to its end, or load it if this very run is there. What it says on the way is in a file beside its directory."""
     directory, mark = place(case, list(settings)), fingerprint(case, list(settings))
@@ -111,13 +125,12 @@ def run(case: str, *settings: str) -> Run:
         sys.stderr.write(f"# {' '.join(command[1:])}\n")
         subprocess.run(["rm", "-rf", str(directory)], check=True)
         directory.parent.mkdir(parents=True, exist_ok=True)
-        environment = os.environ | {"MENISCUS_CASES": str(ROOT / "server/cases")}  # wherever BUILD is
-        with open(f"{directory}.log", "w", encoding="utf-8") as log:
-            done = subprocess.run(command, check=False, stdout=subprocess.PIPE, stderr=log, text=True, env=environment)
-        if done.returncode == INTERRUPTED:
+        code, summary = call(command, Path(f"{directory}.log"))
+        if code == INTERRUPTED:
             raise KeyboardInterrupt
-        done.check_returncode()
-        (directory / "summary.json").write_text(done.stdout)
+        if code:
+            raise subprocess.CalledProcessError(code, command, summary)
+        (directory / "summary.json").write_text(summary)
         stamp.write_text(mark)
     return load(directory, json.loads((directory / "summary.json").read_text()))
 
