@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Why a run diverged: the particle with the smallest id that is not well, where it is, and the term that moves it most. */
+/* Why a run diverged: a particle that is not well, where it is, and the term that moves it most. Of several it is one whose density has left
+ * its bounds, as what is no number comes from such a one, and of these the one with the smallest id. */
 #include "base/array.h"
 #include "sim/sim.h"
 #include <math.h>
@@ -21,10 +22,17 @@ static bool is_well(const MnsSim *sim, size_t i)
 
 static size_t worst_particle(const MnsSim *sim)
 {
-    const size_t n = particles_fluid(&sim->s);
+    const Particles *s = &sim->s;
+    const size_t n = particles_fluid(s);
     size_t worst = n;
-    for (size_t i = 0; i < n; i++)
-        if (!is_well(sim, i) && (worst == n || sim->s.id[i] < sim->s.id[worst])) worst = i;
+    bool cause = false; /* is it one that the others may come from? */
+    for (size_t i = 0; i < n; i++) {
+        if (is_well(sim, i)) continue;
+        const bool can_be = isfinite(s->rho[i]) && isfinite(speed(s, i));
+        if (worst < n && (can_be == cause ? s->id[i] > s->id[worst] : cause)) continue;
+        worst = i;
+        cause = can_be;
+    }
     return worst;
 }
 

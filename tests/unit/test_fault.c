@@ -94,6 +94,29 @@ static void velocity_that_is_no_number_is_found_at_once(void **state)
     sim_done(sim, c);
 }
 
+/* What is no number spreads from particle to particle, and says nothing of where it began. */
+static void a_density_out_of_bounds_is_named_before_what_is_no_number(void **state)
+{
+    (void)state;
+    MnsCase *c = case_still(2, 10, MNS_DENSITY_CONTINUITY);
+    c->limits.density_max = 1.25;
+    MnsSim *sim = sim_of(c);
+    sim_steps(sim, 3);
+    size_t first = 0, last = 0;
+    for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
+        if (sim->s.id[i] < sim->s.id[first]) first = i;
+        if (sim->s.id[i] > sim->s.id[last]) last = i;
+    }
+    sim->s.v[0][first] = NAN;
+    sim->s.rho[last] *= 1.6;
+    char particle[64];
+    snprintf(particle, sizeof particle, "particle %u of", sim->s.id[last]);
+    MnsError error = {0};
+    assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_E_DIVERGED);
+    if (!strstr(error.text, particle)) fail_msg("\"%s\" does not say \"%s\"", error.text, particle);
+    sim_done(sim, c);
+}
+
 static void time_step_below_its_floor_is_a_divergence(void **state)
 {
     (void)state;
@@ -135,6 +158,7 @@ int main(void)
         cmocka_unit_test(density_out_of_either_bound_is_a_divergence),
         cmocka_unit_test(gravity_is_weighed_against_the_terms),
         cmocka_unit_test(velocity_that_is_no_number_is_found_at_once),
+        cmocka_unit_test(a_density_out_of_bounds_is_named_before_what_is_no_number),
         cmocka_unit_test(time_step_below_its_floor_is_a_divergence),
         cmocka_unit_test(restore_takes_a_fault_away),
     };
