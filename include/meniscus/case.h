@@ -100,6 +100,7 @@ typedef struct MnsInterfacial {
     double delta, shifting_strength, repulsion, background_pressure, guard;
     MnsShifting shifting;
     MnsPairAverage pair_average;
+    bool gradient_correction;
 } MnsInterfacial;
 
 /* Those of the scheme that is named count. */

@@ -209,6 +209,7 @@ static void translate_interfacial(const Meniscus__Interfacial *m, MnsSchemeOptio
     ret->interfacial = (MnsInterfacial){.delta = m->delta,
                                         .shifting = shiftings[m->shifting],
                                         .shifting_strength = m->shifting_strength,
+                                        .gradient_correction = m->gradient_correction,
                                         .repulsion = m->repulsion,
                                         .pair_average = PAIR_AVERAGES[m->pair_average],
                                         .background_pressure = m->background_pressure,

@@ -30,6 +30,8 @@
         normal)                                                                                                        \
     ROW(CONCENTRATION, "concentration_gradient", "1/m",                                                                \
         "sum of V times the kernel's gradient, which points away from room", 3, MNS_F64, concentration)                \
+    ROW(CORRECTION, "correction", "1", "of the kernel's gradient, diagonal of the matrix", 3, MNS_F64, correction)     \
+    ROW(CORRECTION_OFF, "correction_off", "1", "the rest of it: xy, xz, yz", 3, MNS_F64, correction_off)               \
     ROW(X0, "position_before", "m", "position at the beginning of the step", 3, MNS_F64, x0)                           \
     ROW(V0, "velocity_before", "m/s", "velocity at the beginning of the step", 3, MNS_F64, v0)                         \
     ROW(RHO0, "density_before", "kg/m^3", "density at the beginning of the step", 1, MNS_F64, rho0)

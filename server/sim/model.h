@@ -49,6 +49,7 @@ typedef struct Model {
     bool dissipates_rest,
         keeps_pair_volume;        /* of the dissipation: only what is left beside a linear field; the factor */
     bool shifts_along_interfaces; /* and corrects from the same fluid; else P2's original */
+    bool corrects_gradients;      /* in continuity and pressure force */
     bool tense;                   /* is there any surface tension? */
     double tension[MNS_MAX_FLUIDS][MNS_MAX_FLUIDS]; /* [N/m] */
     double density_min, density_max, dt_floor;      /* limits, over the reference density and the first time step */

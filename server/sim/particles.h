@@ -23,6 +23,7 @@ typedef struct Particles {
     double *m, *rho, *p, *vol, *z;                      /* mass, density, pressure, volume, impedance rho c */
     double *shepard;                                    /* sum of W V */
     double *gradient[3], *normal[3], *concentration[3]; /* of the pressure; of the interface, 0 away from it */
+    double *correction[3], *correction_off[3];          /* of the kernel's gradient: xx, yy, zz; xy, xz, yz */
     double *x0[3], *v0[3], *rho0;   /* at the beginning of the step, for integrators of more than one evaluation */
     double *p_wall[MNS_MAX_FLUIDS]; /* [n_wall] pressure a wall shows to each fluid */
     double *v_wall[3];              /* [n_wall] fluid velocity extrapolated into a wall; NULL without viscosity */

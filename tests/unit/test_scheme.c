@@ -16,7 +16,7 @@ static int liquid_alone(const double x[3])
     return x[1] < 0.3 ? CLOUD_WALL : CLOUD_WATER;
 }
 
-/* Two fluids and a wall, or one liquid that fills a closed space. */
+/* Two fluids and a wall, or one liquid that fills a closed space, with corrected gradients. */
 static Cloud *stirred(int dim, bool closed)
 {
     Cloud *cloud = cloud_new(&(CloudSetup){.dim = dim,
@@ -26,7 +26,7 @@ static Cloud *stirred(int dim, bool closed)
                                            .skin = 0.3,
                                            .viscous = true,
                                            .owner = closed ? liquid_alone : three_kinds});
-    cloud->model.closed = closed;
+    cloud->model.closed = cloud->model.corrects_gradients = closed;
     if (closed) cloud->model.phase[1].summation = false;
     cloud->model.wall[0].no_slip = true;
     cloud_stir(cloud, 11);

@@ -21,6 +21,7 @@ static void interfacial_options(Model *model, const MnsCase *c)
     model->repulsion = options->repulsion;
     model->shifting = options->shifting == MNS_SHIFTING_OFF ? 0 : options->shifting_strength;
     model->shifts_along_interfaces = options->shifting == MNS_SHIFTING_INTERFACE;
+    model->corrects_gradients = options->gradient_correction;
     model->density_average = options->pair_average == MNS_AVERAGE_DENSITY ? 1 : 0;
     model->guard = options->guard * model->dx;
     for (size_t k = 0; k < model->n_phases; k++) {
@@ -37,13 +38,14 @@ const Scheme scheme_interfacial = {
     .limits = {&acoustic_limit, &interface_limit, &tension_limit, &body_force_limit, &radial_viscous_limit},
     .rates =
         {
-            {"density", .terms = {&shepard_sum, &concentration, &volume_continuity, &density_dissipation},
+            {"density",
+             .terms = {&shepard_sum, &concentration, &volume_continuity, &corrected_continuity, &density_dissipation},
              .after = {&advance_density, &tait_pressure}, .fusions = {&interfacial_density}},
             {"walls", .terms = {&wall_pressure, &mirrored_velocity}},
             {"interfaces", .terms = {&corrected_normal}, .fusions = {&no_interface}},
             {"forces", .before = {&body_force},
-             .terms = {&volume_pressure_force, &radial_viscosity, &radial_friction, &corrected_tension,
-                       &pressure_gradient, &shifting},
+             .terms = {&volume_pressure_force, &corrected_pressure_force, &radial_viscosity, &radial_friction,
+                       &corrected_tension, &pressure_gradient, &shifting},
              .after = {&volume_of_density}, .fusions = {&interfacial_viscous_forces, &interfacial_forces}},
             {"walls, shifted", .terms = {&wall_pressure}}, /* what they show, of the state that a run goes on from */
         },

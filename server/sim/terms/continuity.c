@@ -56,6 +56,7 @@ const Term volume_continuity = {
     .source = "P2 eq. 16",
     .equation = "d rho_i/dt = m_i / Gamma_i sum_j v_ij . grad_i W",
     .on = ON_CONTINUITY,
+    .needed = plain_gradients,
     .needs = NEED_F | NEED_V | NEED_STATE,
     .row = ROW_TABLE(volume_continuity_row),
 };

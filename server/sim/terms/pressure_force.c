@@ -59,6 +59,7 @@ const Term volume_pressure_force = {
     .source = "P2 eq. 24, 65",
     .equation = "m_i dv_i/dt -= sum_j (V_i^2 p_i/Gamma_i + V_j^2 p_j/Gamma_j) grad_i W, and a repulsion",
     .on = ON_FLUID,
+    .needed = plain_gradients,
     .needs = NEED_F | NEED_STATE | NEED_SHEPARD | NEED_OTHERS,
     .writes = FIELD(A),
     .row = ROW_TABLE(volume_pressure_force_row),

@@ -23,7 +23,9 @@ extern const Term pressure_gradient;     /* dissipation.c    exact for linear fi
 extern const Term density_dissipation;   /* dissipation.c    of density increments                       */
 extern const Term pressure_force;        /* pressure_force.c weighted by the product of volumes          */
 extern const Term volume_pressure_force; /* pressure_force.c weighted by their squares                   */
-extern const Term interface_normal;      /* tension.c        and with corrected gradients                */
+extern const Term corrected_continuity;  /* corrected.c      density, with corrected gradients           */
+extern const Term corrected_pressure_force;
+extern const Term interface_normal; /* tension.c        and with corrected gradients                */
 extern const Term corrected_normal;
 extern const Term surface_tension; /* tension.c        and with corrected gradients                */
 extern const Term corrected_tension;
@@ -43,6 +45,11 @@ extern const Fusion interfacial_viscous_forces; /*                         and v
 extern const Fusion number_density_alone;       /* number_density.c                                    */
 extern const Fusion riemann_density_alone;      /* riemann.c                                           */
 extern const Fusion riemann_forces;             /* riemann_forces.c    momentum, background and stress */
+
+static inline bool plain_gradients(const Model *model)
+{
+    return !model->corrects_gradients;
+}
 
 static inline bool is_viscous(const Model *model)
 {
