@@ -101,8 +101,8 @@ def rayleigh_taylor2d(paper: bool) -> Iterator[Metric]:
     for n, r in zip(sizes, runs, strict=True):
         yield Metric(case, f"largest error of the highest point at 1/{n}, t = 1, 2, 3", largest_tip_error(r))
     printed = run(case, f"resolution={sizes[0]}", "scheme.interfacial.gradient_correction=false")
-    away = printed.at("high", 3) - at(ref, "y_high", 3)
-    yield Metric(case, f"gradients as printed: highest point at t = 3 at 1/{sizes[0]}, from the reference", away)
+    name = f"gradients as printed: largest error of the highest point at 1/{sizes[0]}, t = 1, 2, 3"
+    yield Metric(case, name, largest_tip_error(printed))
     for shifting in ("off", "original"):
         other = attempt(case, f"resolution={sizes[0]}", f"scheme.interfacial.shifting={shifting}")
         away = other.at("high", 3) - runs[0].at("high", 3) if other else np.inf
