@@ -41,8 +41,8 @@ if [ "$(uname -m)" != x86_64 ]; then
     echo "ok - instructions are counted on x86-64 only"
     exit 0
 fi
-within dambreak2d-p3 20 144
-within dambreak3d-p3 8 174
-within droplet2d-p3 40 151
-within droplet3d-p3 12 116
+within dambreak2d-p3 20 137
+within dambreak3d-p3 8 146
+within droplet2d-p3 40 142
+within droplet3d-p3 12 104
 exit $failed

@@ -82,24 +82,40 @@ INLINE Symmetric correction_of(const Particles *s, size_t i, How how)
     return M;
 }
 
-/* mine: of p_i, times M_j x; its: of p_j, times M_i x. */
-INLINE void corrected_push(const Symmetric *M_i, const Symmetric *M_j, const Pair *pair, double mine, double its,
-                           double V, How how, int l, Lanes sum[3])
+/* Of eight neighbours; before a loop, as compilers do not vectorise what is fetched from here and there. */
+INLINE void gather_corrections(const Particles *s, const uint32_t *j, How how, double ret[6][LANES])
 {
-    const double c = V * pair->V * pair->F, x = pair->x[0], y = pair->x[1], z = how.dim == 3 ? pair->x[2] : 0;
-    Symmetric P; /* the same for both, as sums are not fused here: forces are opposite to the last bit */
-    for (int d = 0; d < how.dim; d++) P.on[d] = mine * M_j->on[d] + its * M_i->on[d];
-    for (int d = 0; d < (how.dim == 3 ? 3 : 1); d++) P.off[d] = mine * M_j->off[d] + its * M_i->off[d];
-    if (how.dim == 2) {
-        add_product(&sum[0], l, c, P.on[0] * x + P.off[0] * y, how);
-        add_product(&sum[1], l, c, P.off[0] * x + P.on[1] * y, how);
-        return;
+    for (int l = 0; l < LANES; l++) {
+        for (int d = 0; d < how.dim; d++) ret[d][l] = s->correction[d][j[l]];
+        for (int d = 0; d < (how.dim == 3 ? 3 : 1); d++) ret[3 + d][l] = s->correction_off[d][j[l]];
     }
-    add_product(&sum[0], l, c, P.on[0] * x + P.off[0] * y + P.off[1] * z, how);
-    add_product(&sum[1], l, c, P.off[0] * x + P.on[1] * y + P.off[2] * z, how);
-    add_product(&sum[2], l, c, P.off[1] * x + P.off[2] * y + P.on[2] * z, how);
 }
 
+/* mine: of p_i, times M_j x; its: of p_j, times M_i x. Sums of the two are not fused: forces are opposite to the last bit. */
+INLINE double crosswise(double mine, double M_j, double its, double M_i)
+{
+    return mine * M_j + its * M_i;
+}
+
+INLINE void corrected_push(Symmetric M_i, Symmetric M_j, const Pair *pair, double mine, double its, double V, How how,
+                           int l, Lanes sum[3])
+{
+    const double c = V * pair->V * pair->F, x = pair->x[0], y = pair->x[1], z = how.dim == 3 ? pair->x[2] : 0;
+    const double xx = crosswise(mine, M_j.on[0], its, M_i.on[0]), yy = crosswise(mine, M_j.on[1], its, M_i.on[1]),
+                 xy = crosswise(mine, M_j.off[0], its, M_i.off[0]);
+    if (how.dim == 2) {
+        add_product(&sum[0], l, c, xx * x + xy * y, how);
+        add_product(&sum[1], l, c, xy * x + yy * y, how);
+        return;
+    }
+    const double zz = crosswise(mine, M_j.on[2], its, M_i.on[2]), xz = crosswise(mine, M_j.off[1], its, M_i.off[1]),
+                 yz = crosswise(mine, M_j.off[2], its, M_i.off[2]);
+    add_product(&sum[0], l, c, xx * x + xy * y + xz * z, how);
+    add_product(&sum[1], l, c, xy * x + yy * y + yz * z, how);
+    add_product(&sum[2], l, c, xz * x + yz * y + zz * z, how);
+}
+
+/* Not `omp simd`: gcc 12 does not vectorise these two loops. */
 INLINE void corrected_pressure_row(const Row *row, Particles *s, const Model *model, How how)
 {
     static const Symmetric plain = {{1, 1, 1}, {0}};
@@ -110,23 +126,22 @@ INLINE void corrected_pressure_row(const Row *row, Particles *s, const Model *mo
     const double p = s->p[i], z = s->z[i], V = s->vol[i], beta = row->mixed ? model->repulsion : 0;
     Lanes sum[3] = {0};
     for (const Block *b = row->block; b < walls; b++) {
-        const uint32_t *j = row_j(row, b);
-#pragma omp simd
+        double M[6][LANES] = {{0}};
+        gather_corrections(s, row_j(row, b), how, M);
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, how);
-            const Symmetric M_j = correction_of(s, j[l], how);
-            const double t = average_tilt(model, z, &pair, 1 / (z + pair.z));
-            const double repulsion = row->mixed ? beta * pair.other : 0;
-            corrected_push(&M_i, &M_j, &pair, (1 + t) * p + repulsion * fabs(p),
-                           (1 - t) * pair.p + repulsion * fabs(pair.p), V, how, l, sum);
+            const Pair near = block_pair(b, l, how);
+            const Symmetric M_j = {{M[0][l], M[1][l], M[2][l]}, {M[3][l], M[4][l], M[5][l]}};
+            const double t = average_tilt(model, z, &near, 1 / (z + near.z));
+            const double repulsion = row->mixed ? beta * near.other : 0;
+            corrected_push(M_i, M_j, &near, (1 + t) * p + repulsion * fabs(p),
+                           (1 - t) * near.p + repulsion * fabs(near.p), V, how, l, sum);
         }
     }
     for (const Block *b = walls; b < end; b++) {
         const uint32_t *j = row_j(row, b);
-#pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, how);
-            corrected_push(&M_i, &plain, &pair, p, p_wall[j[l] - first_wall], V, how, l, sum);
+            const Pair near = block_pair(b, l, how);
+            corrected_push(M_i, plain, &near, p, p_wall[j[l] - first_wall], V, how, l, sum);
         }
     }
     pressure_end(s, i, sum, how);
