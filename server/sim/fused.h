@@ -77,7 +77,7 @@ INLINE Pair fetched_pair(const Block *b, int l, const double *beyond, const doub
         body(plan, s, i, (How){dimensions, fused, how_to_fetch, images, kernel_shape_of(plan->model->kernel.type)});   \
     }
 #endif
-#if HAS_LEVELS && !defined MENISCUS_SANITIZED
+#if HAS_LEVELS
 #define FUSED_FUNCTIONS(body)                                                                                          \
     FUSED_FUNCTION(body, base, , 2, BASE_FUSES, fetch_quads)                                                           \
     FUSED_FUNCTION(body, base, , 3, BASE_FUSES, fetch_quads)                                                           \
@@ -90,7 +90,6 @@ INLINE Pair fetched_pair(const Block *b, int l, const double *beyond, const doub
 #define FUSED_FUNCTIONS(body)                                                                                          \
     FUSED_FUNCTION(body, base, , 2, BASE_FUSES, fetch_quads)                                                           \
     FUSED_FUNCTION(body, base, , 3, BASE_FUSES, fetch_quads)
-/* Under the sanitizer gcc takes minutes for all levels; the plainest stands for all there. */
 #define FUSED_TABLE(body)                                                                                              \
     {                                                                                                                  \
         [0 ... LEVELS - 1] = { body##_base_2, body##_base_3 }                                                          \

@@ -25,8 +25,8 @@ INLINE double mul_add(double a, double b, double c, bool fused)
 #define BASE_FUSES false
 #endif
 
-/* Built for one machine with -march, there is that one level. */
-#if defined __x86_64__ && !defined __AVX2__
+/* Built for one machine with -march, there is that one level; under a sanitizer too, as gcc takes minutes for all of them. */
+#if defined __x86_64__ && !defined __AVX2__ && !defined MENISCUS_SANITIZED
 #define HAS_LEVELS 1
 typedef enum Level { LEVEL_BASE, LEVEL_V3, LEVEL_V4, LEVELS } Level;
 #define FOR_V3 __attribute__((target("arch=x86-64-v3")))

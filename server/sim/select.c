@@ -19,7 +19,7 @@ static size_t plain_marked(const uint32_t *list, size_t n, const uint8_t *bits, 
     size_t count = 0;
     for (size_t k = 0; k < n; k++) {
         out[count] = list[k];
-        count += bits[k / 8] >> k % 8 & 1u;
+        count += (unsigned)bits[k / 8] >> k % 8 & 1u;
     }
     return count;
 }
