@@ -59,8 +59,15 @@ static MnsStatus fail_leaf(const char *path, Field *field, MnsError *error)
     return case_fail(error, MNS_E_NOT_FOUND, path, "\"%s\" is a single value, there are no entries in it", field->name);
 }
 
+static MnsStatus fail_member(const Place *place, const char *path, Field *chosen, MnsError *error)
+{
+    return case_fail(error, MNS_E_INVALID, path,
+                     "the case has \"%s\", which excludes \"%s\": set \"%s\" as a whole to have it instead",
+                     chosen->name, place->field->name, place->field->name);
+}
+
 /* The message that a place names, made if it is missing and that is wanted. */
-static MnsStatus child_of(const Place *place, ProtobufCMessage **ret, MnsError *error)
+static MnsStatus child_of(const Place *place, const char *path, ProtobufCMessage **ret, MnsError *error)
 {
     *ret = NULL;
     if (place->index < case_count(place->message, place->field)) {
@@ -68,6 +75,9 @@ static MnsStatus child_of(const Place *place, ProtobufCMessage **ret, MnsError *
         return MNS_OK;
     }
     if (!place->create) return MNS_OK;
+    const bool is_member = place->field->flags & PROTOBUF_C_FIELD_FLAG_ONEOF;
+    Field *chosen = is_member ? case_chosen_member(place->type, place->message, place->field) : NULL;
+    if (chosen && chosen != place->field) return fail_member(place, path, chosen, error);
     ProtobufCMessage **slot = case_add(place->message, place->field);
     if (!slot || !(*slot = case_message_new(place->field->descriptor))) return case_no_memory(error);
     *ret = *slot;
@@ -82,7 +92,7 @@ static MnsStatus enter(Place *place, const char *path, MnsError *error)
     if (place->field->label == PROTOBUF_C_LABEL_REPEATED && !place->is_item)
         return fail_list(path, place->field, error);
     if (place->field->type != PROTOBUF_C_TYPE_MESSAGE) return fail_leaf(path, place->field, error);
-    const MnsStatus status = child_of(place, &child, error);
+    const MnsStatus status = child_of(place, path, &child, error);
     if (!status) *place = (Place){.type = place->field->descriptor, .message = child, .create = place->create};
     return status;
 }

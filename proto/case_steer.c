@@ -48,18 +48,9 @@ static MnsStatus compare_list(const ProtobufCMessage *a, const ProtobufCMessage 
     return status;
 }
 
-/* Whether a member of a oneof is in force: it is there, or it is what the absence of all members means. */
-static bool is_chosen(const ProtobufCMessage *message, MessageType *type, Field *field)
+static bool is_chosen(MessageType *type, const ProtobufCMessage *message, Field *field)
 {
-    if (case_count(message, field)) return true;
-    if (!case_entry_of(type, field)->is_default) return false;
-    for (unsigned k = 0; k < type->n_fields; k++) {
-        Field *other = &type->fields[k];
-        const bool is_member = other->flags & PROTOBUF_C_FIELD_FLAG_ONEOF;
-        if (is_member && other->quantifier_offset == field->quantifier_offset && case_count(message, other))
-            return false;
-    }
-    return true;
+    return case_chosen_member(type, message, field) == field;
 }
 
 static MnsStatus compare_field(MessageType *type, const ProtobufCMessage *a, const ProtobufCMessage *b, Field *field,
@@ -67,7 +58,7 @@ static MnsStatus compare_field(MessageType *type, const ProtobufCMessage *a, con
 {
     if (field->label == PROTOBUF_C_LABEL_REPEATED) return compare_list(a, b, field, path, error);
     const bool is_member = field->flags & PROTOBUF_C_FIELD_FLAG_ONEOF;
-    if (is_member && is_chosen(a, type, field) != is_chosen(b, type, field)) return fail_fixed(path, error);
+    if (is_member && is_chosen(type, a, field) != is_chosen(type, b, field)) return fail_fixed(path, error);
     if (field->type == PROTOBUF_C_TYPE_MESSAGE)
         return compare(field->descriptor, case_child(a, field, 0), case_child(b, field, 0), path, error);
     return scalars_equal(a, b, field) ? MNS_OK : fail_fixed(path, error);

@@ -79,22 +79,26 @@ static void *add_to_list(ProtobufCMessage *message, Field *field)
     return memset(*list + (*n)++ * item_size(field), 0, item_size(field));
 }
 
-/* Members of a oneof share the place that says which of them is there. */
-static void clear_other_members(ProtobufCMessage *message, Field *field)
+Field *case_chosen_member(MessageType *type, const ProtobufCMessage *message, Field *field)
 {
-    MessageType *type = message->descriptor;
+    Field *chosen = NULL;
+    /* Members of a oneof share the place that says which of them is there. */
     for (unsigned k = 0; k < type->n_fields; k++) {
-        Field *other = &type->fields[k];
-        const bool is_member = other->flags & PROTOBUF_C_FIELD_FLAG_ONEOF;
-        if (is_member && other->quantifier_offset == field->quantifier_offset) case_clear(message, other);
+        Field *member = &type->fields[k];
+        if (!(member->flags & PROTOBUF_C_FIELD_FLAG_ONEOF) || member->quantifier_offset != field->quantifier_offset)
+            continue;
+        if (case_count(message, member)) return member;
+        if (case_entry_of(type, member)->is_default) chosen = member;
     }
+    return chosen;
 }
 
 void *case_add(ProtobufCMessage *message, Field *field)
 {
     if (field->label == PROTOBUF_C_LABEL_REPEATED) return add_to_list(message, field);
     if (field->flags & PROTOBUF_C_FIELD_FLAG_ONEOF) {
-        clear_other_members(message, field);
+        Field *chosen = case_chosen_member(message->descriptor, message, field);
+        if (chosen) case_clear(message, chosen);
         *(uint32_t *)at_mutable(message, field->quantifier_offset) = field->id;
     } else {
         case_clear(message, field);

@@ -35,6 +35,10 @@ const void *case_item(const ProtobufCMessage *message, Field *field, size_t k);
 /* Message k of a field, or NULL if it is not there. */
 const ProtobufCMessage *case_child(const ProtobufCMessage *message, Field *field, size_t k);
 
+/* Of the members of a oneof, of which `field` is one, the one in force: it is there, or it is what the absence of all means. NULL if
+ * neither. */
+Field *case_chosen_member(MessageType *type, const ProtobufCMessage *message, Field *field);
+
 /* Room for one more value, all bits zero (a NULL pointer); a single value and the other members of a oneof go first.
  * NULL if there is no memory. */
 void *case_add(ProtobufCMessage *message, Field *field);

@@ -333,12 +333,19 @@ class Interfaces(Scored):
                        moved("high", -0.06), moved("low", 0.06))
 
     def test_growth(self):
-        t = samples(1.5, 0.02)
+        x, y = np.meshgrid(0.05 + 0.1 * np.arange(10), 0.05 + 0.1 * np.arange(20))
+        places = np.column_stack([x.ravel(), y.ravel(), 0 * x.ravel()])
+        heavy = (places[:, 1] < 1).astype(int)
 
-        def wave(rate: float) -> Made:
-            return made(t, **{f"h{k}": 1 + 0.01 * np.exp(rate * t) * np.cos(2 * np.pi * k / 8) for k in range(8)})
+        def shot(t: float, rate: float, shift: float) -> Snapshot:
+            up = 0.01 * np.exp(rate * t) * np.cos(2 * np.pi * places[:, 0] + shift) * np.exp(-6 * np.abs(places[:, 1] - 1))
+            return Snapshot(t, 0.1, places, heavy, None, velocity=np.column_stack([0 * up, up, 0 * up]))
 
-        self.check(wave(1.1446), lambda r: interfaces.score_growth("c", r), lambda _: wave(1.34), lambda _: wave(-1))
+        def wave(rate: float, shift: float = 0) -> Made:
+            return made(samples(1, 1), [shot(t, rate, shift) for t in samples(1, 0.1)])
+
+        self.check(wave(1.1446), lambda r: interfaces.score_growth("c", r), lambda _: wave(1.34), lambda _: wave(-1),
+                   lambda _: wave(1.1446, np.pi))
 
 
 if __name__ == "__main__":

@@ -53,9 +53,9 @@ layout() {
 }
 
 tidy() {
-    # Two at a time, as in the builds. On standard error it only counts what it does not show.
+    # On standard error it only counts what it does not show.
     # shellcheck disable=SC2016 # the inner shell expands, as it must unquote the flags
-    printf '%s\n' "${sources[@]}" | FLAGS=$flags xargs -P 2 -n 1 \
+    printf '%s\n' "${sources[@]}" | FLAGS=$flags xargs -P "$(nproc)" -n 1 \
         sh -c 'eval "clang-tidy --quiet \"\$@\" -- -std=c17 -fopenmp $FLAGS" 2>/dev/null' sh
 }
 

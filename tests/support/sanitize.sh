@@ -1,12 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# sanitize.sh address|thread: run the unit and protocol tests of a sanitizer's build, $BUILD. Each program is one test, as a
-# sanitizer ends a program at its first find. Prints TAP.
+# sanitize.sh address|thread: run the unit and protocol tests of a sanitizer's build, $BUILD, as many at a time as there are
+# processors. Each program is one test, as a sanitizer ends a program at its first find. Prints TAP.
 set -eu
 cd "$(dirname "$0")/../.."
-BUILD=${BUILD:-build}
-LIMIT=${LIMIT:-240} # seconds for a program
-run=()
+export BUILD=${BUILD:-build}
+export LIMIT=${LIMIT:-240} # seconds for a program
 case ${1:-} in
 address)
     export ASAN_OPTIONS=detect_leaks=1:detect_stack_use_after_return=1:strict_string_checks=1
@@ -14,11 +13,9 @@ address)
     export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
     ;;
 thread)
-    # The OpenMP runtime is not instrumented: Archer tells the sanitizer about its barriers. Addresses are not randomised, as
-    # the sanitizer of this version does not find its shadow memory on kernels that use many random bits.
+    # The OpenMP runtime is not instrumented: Archer tells the sanitizer about its barriers.
     export OMP_TOOL_LIBRARIES=/usr/lib/llvm-14/lib/libarcher.so
     export TSAN_OPTIONS=ignore_noninstrumented_modules=1:halt_on_error=1
-    run=(setarch "$(uname -m)" -R)
     ;;
 *)
     echo "usage: sanitize.sh address|thread" >&2
@@ -27,30 +24,40 @@ thread)
 esac
 export OMP_WAIT_POLICY=passive OMP_NUM_THREADS=${OMP_NUM_THREADS:-2} MENISCUS_SANITIZED=$1 CMOCKA_MESSAGE_OUTPUT=STDOUT
 
-failed=0
-output=$BUILD/sanitize.log
-for program in "$BUILD"/tests/unit/* "$BUILD"/tests/protocol/*; do
-    if [ ! -f "$program" ] || [ ! -x "$program" ]; then continue; fi
-    name=${program#"$BUILD"/tests/}
-    # Programs of one thread have no races to find; the team of the solver and the daemon's threads have.
-    if [ "$1" = thread ] && ! [[ $name =~ ^(protocol/|unit/test_(build|fault|guard|mailbox|neighbours|probe|restart|steer|wall|writer)$) ]]; then
-        continue
-    fi
-    # Flows that run long, of what the others run shortly.
-    if [[ $name =~ ^unit/test_(flow|wall_seam|probe_surface)$ ]]; then continue; fi
-    suppressions=tests/support/leaks.supp
+# Programs that have something to show under this sanitizer. Those that take longest come first.
+programs() {
+    local program name
+    for program in "$BUILD"/tests/protocol/* "$BUILD"/tests/unit/*; do
+        if [ ! -f "$program" ] || [ ! -x "$program" ]; then continue; fi
+        name=${program#"$BUILD"/tests/}
+        # Programs of one thread have no races to find; the team of the solver and the daemon's threads have.
+        if [ "$1" = thread ] && ! [[ $name =~ ^(protocol/|unit/test_(build|fault|guard|mailbox|neighbours|probe|restart|steer|wall|writer)$) ]]; then
+            continue
+        fi
+        # Flows that run long, of what the others run shortly.
+        if [[ $name =~ ^unit/test_(flow|wall_seam|probe_surface)$ ]]; then continue; fi
+        echo "$name"
+    done
+}
+
+# What one program says is printed at once, so that programs side by side do not mix.
+run_one() {
+    local name=$1 status=0 output run=() suppressions=tests/support/leaks.supp
+    # Addresses are not randomised, as the thread sanitizer of this version does not find its shadow memory on kernels that use many
+    # random bits.
+    [ "$MENISCUS_SANITIZED" != thread ] || run=(setarch "$(uname -m)" -R)
     [[ ! $name =~ ^protocol/test_daemon_(garbage|fuzz)$ ]] || suppressions=$BUILD/leaks_garbage.supp
-    export LSAN_OPTIONS=suppressions=$suppressions:print_suppressions=0
-    status=0
-    timeout --kill-after=10 "$LIMIT" "${run[@]}" "$program" >"$output" 2>&1 || status=$?
+    output=$(LSAN_OPTIONS=suppressions=$suppressions:print_suppressions=0 \
+        timeout --kill-after=10 "$LIMIT" "${run[@]}" "$BUILD/tests/$name" 2>&1) || status=$?
     if [ $status -eq 0 ]; then
-        echo "ok - $name under the $1 sanitizer"
-    else
-        echo "not ok - $name under the $1 sanitizer"
-        [ $status -ne 124 ] || echo "# still running after $LIMIT seconds"
-        sed 's/^/# /' "$output"
-        failed=1
+        echo "ok - $name under the $MENISCUS_SANITIZED sanitizer"
+        return
     fi
-done
-rm -f "$output"
-exit $failed
+    [ $status -ne 124 ] || output="still running after $LIMIT seconds"$'\n'$output
+    echo "not ok - $name under the $MENISCUS_SANITIZED sanitizer"$'\n'"# ${output//$'\n'/$'\n'# }"
+    return 1
+}
+export -f run_one
+
+# shellcheck disable=SC2016 # the inner shell expands
+programs "$1" | xargs -P "$(nproc)" -n 1 bash -c 'run_one "$1"' run_one

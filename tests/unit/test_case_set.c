@@ -130,10 +130,19 @@ static void a_member_of_a_choice_replaces_the_other(void **state)
     sets(*state, "scheme={smoothing: 1.4, riemann: {limiter: 2}}");
     sets(*state, "scheme.interfacial={}"); /* what is beside the choice stays */
     is(*state, "scheme", "{smoothing: 1.4, interfacial: {}}");
-    sets(*state, "scheme.dissipation.delta=1"); /* an entry of another member takes that member */
-    is(*state, "scheme", "{smoothing: 1.4, dissipation: {delta: 1}}");
     sets(*state, "scheme={riemann: {}}");
     is(*state, "scheme", "{riemann: {}}");
+    refuses(*state, "scheme.interfacial.delta=1", /* nobody changes the scheme by an option of it */
+            "--set scheme.interfacial.delta=1: the case has \"riemann\", which excludes "
+            "\"interfacial\": set \"interfacial\" as a whole to have it instead");
+    sets(*state, "scheme.interfacial={delta: 1}");
+    sets(*state, "scheme.interfacial.delta=2");
+    is(*state, "scheme", "{interfacial: {delta: 2}}");
+    sets(*state, "scheme={}");
+    refuses(*state, "scheme.interfacial.delta=1", /* riemann is what no choice means */
+            "--set scheme.interfacial.delta=1: the case has \"riemann\", which excludes "
+            "\"interfacial\": set \"interfacial\" as a whole to have it instead");
+    sets(*state, "scheme={riemann: {}}");
     refuses(
         *state, "scheme={riemann: {}, interfacial: {}}",
         "--set scheme={riemann: {}, interfacial: {}}: \"riemann\" and \"interfacial\" exclude each other: remove one");

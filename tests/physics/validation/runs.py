@@ -30,6 +30,7 @@ class Snapshot:
     phase: np.ndarray  # [n], in the order of the case's fluids
     pressure: np.ndarray | None  # [n]
     density: np.ndarray | None = None  # [n]
+    velocity: np.ndarray | None = None  # [n, 3]
 
 
 @dataclass
@@ -71,10 +72,11 @@ def read_snapshot(path: Path, fluids: int) -> Snapshot:
         fluid = phase < fluids
         attributes = file["meniscus"].attrs
         data = file["VTKHDF/PointData"]
-        pressure, density = (data[name][:][fluid] if name in data else None for name in ("pressure", "density"))
+        pressure, density, velocity = (
+            data[name][:][fluid] if name in data else None for name in ("pressure", "density", "velocity"))
         return Snapshot(
             float(np.ravel(attributes["time"])[0]), float(np.ravel(attributes["spacing"])[0]),
-            file["VTKHDF/Points"][:][fluid], phase[fluid], pressure, density)
+            file["VTKHDF/Points"][:][fluid], phase[fluid], pressure, density, velocity)
 
 
 def fingerprint(case: str, settings: list[str]) -> str:
