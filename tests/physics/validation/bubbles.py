@@ -21,10 +21,13 @@ HALF = ("domain.min=[-0.02, 0, 0]", "walls[0].shape[0].box.min=[-0.02, 0, -0.02]
         f"fluids[1].pressure=z > 0.0175 and {GAS.format('0.025')} or {GAS.format('0.01')}")
 
 
+EARLY, LATE = (0.06, 0.1), (0.08, 0.14)  # when it rises steadily, of a short run and of a long one [s]
+
+
 def score_single(case: str, r: Run, full: bool) -> Iterator[Metric]:
     """Speed as the slope of the centre's height; width and height of the bubble from its outermost points."""
     ref = table("P1/bubble_single_vof3d.csv")
-    first, last = (0.08, 0.14) if full else (0.06, 0.1)
+    first, last = LATE if full else EARLY
     inside = (ref["t_s"] >= first) & (ref["t_s"] <= last)
     reference = float(np.polyfit(ref["t_s"][inside], ref["z_centroid"][inside], 1)[0])
     speed = r.slope("centre", first, last)
@@ -39,14 +42,15 @@ def score_single(case: str, r: Run, full: bool) -> Iterator[Metric]:
 
 
 def bubble3d_single(paper: bool) -> Iterator[Metric]:
-    """P1 4.2.1 in the box that holds it; reduced, a quarter of it."""
-    case = "bubble3d-single"
-    r = run(case, "resolution=10", "end_time=0.16") if paper else run(case, "resolution=5", "end_time=0.1", *QUARTER)
-    yield from score_single(case, r, paper)
-    yield from hygiene(case, r)
+    """P1 4.2.1 in the box that holds it; reduced, a quarter of it. At two resolutions."""
+    case, sizes = "bubble3d-single", (5, 10) if paper else (4, 5)
+    part = ["end_time=0.16"] if paper else ["end_time=0.1", *QUARTER]
+    runs = [run(case, f"resolution={n}", *part) for n in sizes]
+    yield from score_single(case, runs[-1], paper)
+    for n, r in zip(sizes, runs, strict=True):
+        yield Metric(case, f"rise speed at R/{n} [m/s]", r.slope("centre", *(LATE if paper else EARLY)))
+    yield from hygiene(case, runs[-1])
     if paper:
-        coarse = run(case, "resolution=5", "end_time=0.16")
-        yield Metric(case, "rise speed at R/5, 0.08-0.14 s [m/s]", coarse.slope("centre", 0.08, 0.14))
         yield from correction(case, ["resolution=5", "end_time=0.14", *QUARTER], (0.08, 0.14), full=True)
 
 
@@ -122,11 +126,16 @@ def bodies(s: Snapshot, phase: int) -> int:
     return int(np.count_nonzero(np.bincount(labels) > 0.1 * len(x)))
 
 
+def mean_speed(r: Run, t: float) -> float:
+    """Of both bubbles."""
+    return (r.at("centre", t + 0.006) - r.at("centre", t - 0.006)) / 0.012
+
+
 def score_double(case: str, r: Run, full: bool) -> Iterator[Metric]:
     for t, reference in SPEEDS:
         if t + 0.006 > r.t[-1]:
             continue
-        speed = (r.at("centre", t + 0.006) - r.at("centre", t - 0.006)) / 0.012
+        speed = mean_speed(r, t)
         yield Metric(case, f"mean rise speed at {t} s [m/s]", speed, reference, 0.08 if full else 0.12, relative=True)
     if full:
         one = [s.t for s in r.snapshots() if s.t > 0.05 and bodies(s, 1) == 1]
@@ -134,11 +143,14 @@ def score_double(case: str, r: Run, full: bool) -> Iterator[Metric]:
 
 
 def bubble3d_double(paper: bool) -> Iterator[Metric]:
-    """P1 4.2.2; reduced, half of the box."""
-    case = "bubble3d-double"
-    r = run(case, "resolution=10", "end_time=0.2") if paper else run(case, "resolution=5", "end_time=0.14", *HALF)
-    yield from score_double(case, r, paper)
-    yield from hygiene(case, r)
+    """P1 4.2.2; reduced, half of the box. At two resolutions."""
+    case, sizes = "bubble3d-double", (5, 10) if paper else (4, 5)
+    part = ["end_time=0.2"] if paper else ["end_time=0.14", *HALF]
+    runs = [run(case, f"resolution={n}", *part) for n in sizes]
+    yield from score_double(case, runs[-1], paper)
+    for n, r in zip(sizes, runs, strict=True):
+        yield Metric(case, f"mean rise speed at 0.132 s at R/{n} [m/s]", mean_speed(r, 0.132), SPEEDS[2][1], note="not scored again")
+    yield from hygiene(case, runs[-1])
 
 
 # --- P2 4.4, case 1: Sussman's bubble --------------------------------------------------------------------------------------
@@ -161,12 +173,21 @@ def score_sussman(case: str, r: Run, full: bool) -> Iterator[Metric]:
         yield Metric(case, f"film / R at t sqrt(g/R) = {t}", r.at("film", t * unit) / RADIUS, film, note="not scored")
 
 
+def largest_error(r: Run) -> float:
+    """Of the centre, in radii."""
+    ref, unit = table("P2/bubble_sussman_vof_R64.csv"), np.sqrt(RADIUS / G)
+    return max(abs(r.at("centre", t * unit) / RADIUS - at(ref, "y_c", t)) for t in (0.8, 1.6, 2.4))
+
+
 def bubble2d_sussman(paper: bool) -> Iterator[Metric]:
-    """P2 4.4 with the radius that gives Sussman's numbers; and how particles are shifted."""
-    case, n, end = "bubble2d-sussman", 40 if paper else 15, 3.3 if paper else 2.5
-    settings = [f"resolution={n}", f"end_time={end * np.sqrt(RADIUS / G):.4f}"]
-    r = run(case, *settings)
+    """P2 4.4 with the radius that gives Sussman's numbers, at two resolutions; and how particles are shifted."""
+    case, sizes, end = "bubble2d-sussman", (20, 40) if paper else (10, 15), 3.3 if paper else 2.5
+    ends = f"end_time={end * np.sqrt(RADIUS / G):.4f}"
+    settings = [f"resolution={sizes[-1]}", ends]
+    coarse, r = run(case, f"resolution={sizes[0]}", ends), run(case, *settings)
     yield from score_sussman(case, r, paper)
+    for n, one in zip(sizes, (coarse, r), strict=True):
+        yield Metric(case, f"largest error of the centre / R at R/{n}", largest_error(one))
     other = attempt(case, *settings, "scheme.interfacial.shifting=original")
     t = 2.4 * np.sqrt(RADIUS / G)
     away = (other.at("centre", t) - r.at("centre", t)) / RADIUS if other else np.inf
