@@ -23,6 +23,12 @@ typedef struct WallState {
     bool no_slip;
 } WallState;
 
+/* A flat face of a wall, where the case puts it. */
+typedef struct Face {
+    double point[3], normal[3]; /* in its middle; away from the wall [m], 1 */
+    size_t wall;
+} Face;
+
 typedef struct Model {
     Level level; /* of instructions */
     int dim;
@@ -35,6 +41,8 @@ typedef struct Model {
     size_t n_phases, n_walls;
     Phase phase[MNS_MAX_FLUIDS];
     WallState wall[MNS_MAX_WALLS];
+    size_t n_faces;
+    const Face *face;                  /* [n_faces] of all walls, as far as they are flat; borrowed */
     double c_max, rho_max;             /* of the fluids */
     bool viscous;                      /* any fluid */
     double viscous_scale;              /* of the viscous sum, so that it is exact on the lattice */

@@ -5,6 +5,7 @@
 #include "sim/terms/terms.h"
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 static const char *const T[] = {"t", NULL}, *const XYZT[] = {"x", "y", "z", "t", NULL};
 
@@ -67,6 +68,23 @@ static MnsStatus compile(Formula **ret, int n, char *const *texts, const Constan
     return status;
 }
 
+/* What mirrors what lies beside it (terms/images.c). */
+static MnsStatus find_faces(MnsSim *sim, MnsError *error)
+{
+    size_t room = 0, n = 0;
+    for (size_t k = 0; k < sim->c->n_walls; k++) room += sim->c->walls[k].shape.n * FACES_MAX;
+    sim->face = calloc(room + 1, sizeof *sim->face);
+    if (!sim->face) return mns_fail(error, MNS_E_MEMORY, "no memory for the faces of walls");
+    for (size_t k = 0; k < sim->c->n_walls; k++) {
+        const size_t first = n;
+        n += shape_faces(&sim->solid[k], sim->face + n);
+        for (size_t q = first; q < n; q++) sim->face[q].wall = k;
+    }
+    sim->model.n_faces = n;
+    sim->model.face = sim->face;
+    return MNS_OK;
+}
+
 MnsStatus setup_model(MnsSim *sim, MnsError *error)
 {
     const MnsCase *c = sim->c;
@@ -83,6 +101,7 @@ MnsStatus setup_model(MnsSim *sim, MnsError *error)
                 shape_init(&sim->solid[k], &c->walls[k].shape, c->dim, constants.list, constants.n, "walls", error);
         if (!status) shape_repeat(&sim->solid[k], sim->model.period);
     }
+    if (!status) status = find_faces(sim, error);
     for (size_t k = 0; k < c->n_probes && !status; k++)
         if (probe_kind(&c->probes[k])->uses & PROBE_FORMULA)
             status = formula_team_init(&sim->probe_formula[k], sim->threads, c->probes[k].formula, XYZT, constants.list,

@@ -187,6 +187,66 @@ void shape_normal(const Shape *s, const double x[3], double step, double normal[
     for (int d = 0; d < 3; d++) normal[d] = length > 0 ? normal[d] / length : 0;
 }
 
+/* A pair of faces, `length` apart along a unit vector, unless they meet their own images. */
+static size_t face_pair(const Shape *s, const double middle[3], const double axis[3], double length, Face *ret)
+{
+    if (from_pair(s, axis, length, 0) < 0) return 0;
+    for (int k = 0; k < 2; k++)
+        for (int d = 0; d < 3; d++) {
+            ret[k].normal[d] = k == 0 ? -axis[d] : axis[d];
+            ret[k].point[d] = middle[d] + 0.5 * length * ret[k].normal[d];
+        }
+    return 2;
+}
+
+static size_t box_faces(const Shape *s, const MnsPart *p, Face *ret)
+{
+    static const double axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    double middle[3] = {0, 0, 0};
+    size_t n = 0;
+    for (int d = 0; d < s->dim; d++) middle[d] = 0.5 * (p->a[d] + p->b[d]);
+    for (int d = 0; d < s->dim; d++) n += face_pair(s, middle, axes[d], p->b[d] - p->a[d], ret + n);
+    return n;
+}
+
+static size_t plate_faces(const Shape *s, const MnsPart *p, Face *ret)
+{
+    const double length[3] = {p->length, p->thickness, p->width};
+    double axes[3][3];
+    size_t n = 0;
+    plate_axes(p, s->dim, axes);
+    for (int d = 0; d < s->dim; d++) n += face_pair(s, p->a, axes[d], length[d], ret + n);
+    return n;
+}
+
+static size_t part_faces(const Shape *s, const MnsPart *p, Face *ret)
+{
+    if (p->primitive == MNS_BOX) return box_faces(s, p, ret);
+    if (p->primitive == MNS_PLATE) return plate_faces(s, p, ret);
+    if (p->primitive != MNS_HALF_SPACE) return 0;
+    const double length = sqrt(dot(p->b, p->b));
+    for (int d = 0; d < 3; d++) {
+        ret->point[d] = p->a[d];
+        ret->normal[d] = p->b[d] / length;
+    }
+    return 1;
+}
+
+size_t shape_faces(const Shape *s, Face *ret)
+{
+    size_t n = 0;
+    for (size_t k = 0; k < s->shape->n; k++) {
+        const MnsPart *p = &s->shape->parts[k];
+        Face *faces = ret + n;
+        const size_t more = part_faces(s, p, faces);
+        const double sign = p->outside != (p->operation == MNS_SUBTRACT) ? -1 : 1;
+        for (size_t q = 0; q < more; q++)
+            for (int d = 0; d < 3; d++) faces[q].normal[d] *= sign;
+        n += more;
+    }
+    return n;
+}
+
 MnsStatus shape_init(Shape *s, const MnsShape *shape, int dim, const MnsConstant *constants, size_t n_constants,
                      const char *path, MnsError *error)
 {

@@ -4,6 +4,7 @@
 #define SIM_SHAPE_H
 
 #include "sim/formula.h"
+#include "sim/model.h"
 
 typedef struct Shape {
     int dim;
@@ -26,5 +27,11 @@ double shape_distance(const Shape *s, const double x[3]);
 
 /* Unit vector along which the distance grows fastest: away from the solid. */
 void shape_normal(const Shape *s, const double x[3], double step, double normal[3]);
+
+enum { FACES_MAX = 6 }; /* of a part */
+
+/* Flat faces of boxes, plates and half-spaces, their normals away from the solid if nothing else covers them; returns how many. ret: room for
+ * FACES_MAX of each part. */
+size_t shape_faces(const Shape *s, Face *ret);
 
 #endif

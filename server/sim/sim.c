@@ -83,6 +83,7 @@ void mns_sim_free(MnsSim *sim)
         if (sim->solid[k].shape) shape_done(&sim->solid[k]);
     }
     for (size_t k = 0; k < MNS_MAX_PROBES; k++) formula_team_done(&sim->probe_formula[k]);
+    free(sim->face);
     free(sim->partial);
     neighbours_done(&sim->nb);
     particles_done(&sim->s);

@@ -25,6 +25,7 @@ struct MnsSim {
     Formula *gravity[3];
     Formula *surface[MNS_MAX_WALLS][3]; /* velocity of a wall's surface */
     Shape solid[MNS_MAX_WALLS];         /* where the case puts the walls */
+    Face *face;                         /* of all of them, as far as they are flat */
     FormulaTeam probe_formula[MNS_MAX_PROBES];
     struct {
         double largest, capillary; /* radius of the largest [m]; greatest sigma / R [Pa] */

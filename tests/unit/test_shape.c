@@ -386,6 +386,41 @@ static void what_is_as_long_as_a_period_has_no_ends(void **state)
         }
 }
 
+static void assert_face(const Face *face, const double point[3], const double normal[3])
+{
+    for (int d = 0; d < 3; d++) {
+        assert_close(face->point[d], point[d], 1e-15);
+        assert_close(face->normal[d], normal[d], 1e-15);
+    }
+}
+
+/* A tank, a plate in it, a part cut off, and a ball, which has none. */
+static void flat_faces_are_found_with_normals_away_from_the_solid(void **state)
+{
+    (void)state;
+    MnsPart parts[] = {{.primitive = MNS_BOX, .outside = true, .a = {1, 2}, .b = {4, 3}},
+                       {.primitive = MNS_PLATE, .a = {2, 2.5}, .b = {0, 2}, .length = 0.8, .thickness = 0.2},
+                       {.primitive = MNS_HALF_SPACE, .operation = MNS_SUBTRACT, .a = {3, 9}, .b = {0, 5}},
+                       {.primitive = MNS_BALL, .a = {3, 2.5}, .radius = 0.2}};
+    const MnsShape shape = {4, parts};
+    Shape s;
+    Face faces[4 * FACES_MAX];
+    assert_int_equal(shape_init(&s, &shape, 2, NULL, 0, "shape", NULL), MNS_OK);
+    assert_int_equal(shape_faces(&s, faces), 9);
+    assert_face(&faces[0], (const double[3]){1, 2.5, 0}, (const double[3]){1, 0, 0});
+    assert_face(&faces[1], (const double[3]){4, 2.5, 0}, (const double[3]){-1, 0, 0});
+    assert_face(&faces[2], (const double[3]){2.5, 2, 0}, (const double[3]){0, 1, 0});
+    assert_face(&faces[3], (const double[3]){2.5, 3, 0}, (const double[3]){0, -1, 0});
+    assert_face(&faces[4], (const double[3]){2, 2.1, 0}, (const double[3]){0, -1, 0});
+    assert_face(&faces[5], (const double[3]){2, 2.9, 0}, (const double[3]){0, 1, 0});
+    assert_face(&faces[6], (const double[3]){2.1, 2.5, 0}, (const double[3]){1, 0, 0});
+    assert_face(&faces[7], (const double[3]){1.9, 2.5, 0}, (const double[3]){-1, 0, 0});
+    assert_face(&faces[8], (const double[3]){3, 9, 0}, (const double[3]){0, -1, 0});
+    shape_repeat(&s, (const double[3]){3, 0, 0}); /* the tank has no ends now */
+    assert_int_equal(shape_faces(&s, faces), 7);
+    shape_done(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -404,6 +439,7 @@ int main(void)
         cmocka_unit_test(normals_point_away_from_the_solid),
         cmocka_unit_test(what_repeats_itself_is_as_far_as_its_nearest_image),
         cmocka_unit_test(what_is_as_long_as_a_period_has_no_ends),
+        cmocka_unit_test(flat_faces_are_found_with_normals_away_from_the_solid),
     };
     return cmocka_run_group_tests_name("shape", tests, NULL, NULL);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Surface tension is that of P1 eq. 11-16 and P2 eq. 26-37 put right: exact normals and no force at flat interfaces, all of sigma across
- * one at any ratio of densities, curvatures of drops as good as the method is known to be, and inward on both sides. */
+ * one at any ratio of densities, curvatures of drops as good as the method is known to be, and inward on both sides; beside flat walls it is
+ * that of the whole of which they show a part. */
 #include "sim/terms/terms.h"
 #include "tests/support/check.h"
 #include "tests/support/cloud.h"
@@ -352,6 +353,154 @@ static void spheres_have_twice_the_curvature(void **state)
     assert_true(gaussian.inward == 1 && wendland.inward == 1);
 }
 
+/* Planes of symmetry through the middle of a cloud: bit d of `cut` for the one across direction d. What is below is wall. */
+static unsigned cut;
+static bool block;       /* only the part of a wall where x is above the middle */
+static double across_at; /* of flat interfaces, along x; 0: a drop */
+
+static int mirrored(const double x[3])
+{
+    for (int d = 0; d < 3; d++)
+        if (cut >> d & 1 && x[d] < middle && !(block && x[0] < middle)) return CLOUD_WALL;
+    return across_at > 0 ? x[0] < across_at ? CLOUD_WATER : CLOUD_AIR : drop(x);
+}
+
+/* Displace all fluid alike on both sides of every plane. */
+static void stir_alike(Cloud *cloud)
+{
+    Particles *s = &cloud->s;
+    const int dim = s->dim;
+    for (size_t i = 0; i < particles_fluid(s); i++) {
+        uint64_t seed = 5;
+        double off[3];
+        for (int d = 0; d < dim; d++) seed = seed * 1000 + (uint64_t)(fabs(s->x[d][i] - middle) * 10);
+        for (int d = 0; d < dim; d++) off[d] = 0.02 * cloud_noise(&seed);
+        for (int d = 0; d < dim; d++) s->x[d][i] += s->x[d][i] < middle ? -off[d] : off[d];
+    }
+    assert_int_equal(cloud_build(cloud), MNS_OK);
+}
+
+/* With walls that have moved a bit since the case put them. */
+static Cloud *cut_cloud(int dim, size_t n, unsigned planes, bool stirred)
+{
+    static Face face[3];
+    static const double moved = 0.3;
+    cut = planes;
+    middle = 0.05 * (double)n;
+    Cloud *cloud = cloud_new(&(CloudSetup){.dim = dim,
+                                           .dx = 0.1,
+                                           .n = {n, n, n},
+                                           .smoothing = 1.6,
+                                           .skin = 0.3,
+                                           .flowing = true,
+                                           .calibrated = true,
+                                           .owner = mirrored});
+    Model *model = &cloud->model;
+    model->face = face;
+    for (int d = 0; d < dim; d++) {
+        model->wall[0].x[d] = moved;
+        if (!(planes >> d & 1)) continue;
+        face[model->n_faces] = (Face){.wall = 0};
+        face[model->n_faces].point[d] = middle - moved;
+        face[model->n_faces++].normal[d] = 1;
+    }
+    if (stirred) stir_alike(cloud);
+    return cloud;
+}
+
+/* Fluid of a cloud with walls has the normals and feels the forces that it has in the whole. Returns how many have a normal beside walls. */
+static size_t assert_like_the_whole(const Cloud *whole, const Cloud *part)
+{
+    const Particles *s = &part->s, *t = &whole->s;
+    size_t beside = 0;
+    double largest = 0;
+    for (size_t i = 0; i < t->n; i++) largest = fmax(largest, fabs(t->a[0][i]));
+    for (size_t i = 0; i < particles_fluid(s); i++) {
+        const size_t j = cloud_index(whole, s->id[i]);
+        beside += has_normal(s, i) && part->nb.has[i] & LIST_WALLS;
+        for (int d = 0; d < s->dim; d++) {
+            assert_close(s->normal[d][i], t->normal[d][j], 1e-9);
+            assert_close(s->a[d][i], t->a[d][j], 1e-9 * largest);
+        }
+    }
+    return beside;
+}
+
+static void parts_of_drops_between_walls_are_like_the_whole(void **state)
+{
+    (void)state;
+    across_at = 0;
+    radius = 0.73;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int k = 0; k < 2; k++) {
+            const size_t n = dim == 2 ? 32 : 24;
+            Cloud *whole = cut_cloud(dim, n, 0, true);
+            cloud_term(whole, FORMS[k].normal);
+            cloud_term(whole, FORMS[k].tension);
+            for (unsigned planes = 1; planes < 1u << dim; planes++) {
+                Cloud *part = cut_cloud(dim, n, planes, true);
+                cloud_term(part, FORMS[k].normal);
+                cloud_term(part, FORMS[k].tension);
+                assert_true(assert_like_the_whole(whole, part) > 20);
+                cloud_free(part);
+            }
+            cloud_free(whole);
+        }
+}
+
+static void interfaces_at_right_angles_to_walls_feel_nothing(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int k = 0; k < 2; k++) {
+            size_t found = 0;
+            across_at = 1.6;
+            Cloud *cloud = cut_cloud(dim, 30, 2, false);
+            const Particles *s = &cloud->s;
+            cloud_term(cloud, FORMS[k].normal);
+            cloud_term(cloud, FORMS[k].tension);
+            for (size_t i = 0; i < particles_fluid(s); i++) {
+                if (!deep(cloud, i)) continue;
+                const double sign = has_normal(s, i) ? s->phase[i] == 0 ? 1 : -1 : 0;
+                found += sign != 0 && cloud->nb.has[i] & LIST_WALLS;
+                for (int d = 0; d < dim; d++) {
+                    assert_close(s->normal[d][i], d == 0 ? sign : 0, 1e-13);
+                    assert_close(s->a[d][i] * s->rho[i], 0, 1e-10);
+                }
+            }
+            assert_true(found > 8);
+            cloud_free(cloud);
+        }
+    across_at = 0;
+}
+
+/* A block below the right half: its top mirrors what is above it, and nothing beyond its edge. */
+static void walls_mirror_no_farther_than_they_reach(void **state)
+{
+    (void)state;
+    size_t above = 0, beyond = 0;
+    block = true;
+    across_at = 1.55;
+    Cloud *with = cut_cloud(2, 30, 2, false), *without = cut_cloud(2, 30, 2, false);
+    without->model.n_faces = 0;
+    cloud_term(with, &interface_normal);
+    cloud_term(without, &interface_normal);
+    for (size_t i = 0; i < particles_fluid(&with->s); i++) {
+        const size_t j = cloud_index(without, with->s.id[i]);
+        const bool same = with->s.normal[1][i] == without->s.normal[1][j];
+        const double x = with->s.x[0][i], y = with->s.x[1][i];
+        if (!has_normal(&with->s, i) || !(with->nb.has[i] & LIST_WALLS) || y < middle) continue;
+        if (x < middle - 0.1) assert_true(same);
+        beyond += x < middle - 0.1;
+        above += x > middle && !same;
+    }
+    assert_true(beyond > 1 && above > 3);
+    cloud_free(with);
+    cloud_free(without);
+    block = false;
+    across_at = 0;
+}
+
 static void without_other_fluids_there_is_neither_normal_nor_force(void **state)
 {
     (void)state;
@@ -390,6 +539,9 @@ int main(void)
         cmocka_unit_test(all_of_sigma_acts_across_an_interface_at_any_ratio),
         cmocka_unit_test(drops_have_the_curvature_that_the_method_is_known_to_find),
         cmocka_unit_test(spheres_have_twice_the_curvature),
+        cmocka_unit_test(parts_of_drops_between_walls_are_like_the_whole),
+        cmocka_unit_test(interfaces_at_right_angles_to_walls_feel_nothing),
+        cmocka_unit_test(walls_mirror_no_farther_than_they_reach),
         cmocka_unit_test(without_other_fluids_there_is_neither_normal_nor_force),
     };
     return cmocka_run_group_tests_name("tension", tests, NULL, NULL);

@@ -8,7 +8,8 @@
  * with weights no particle of air ever has a normal. Reference densities weigh, so that sound does not shake the interface.
  *   P1 eq. 14:  kappa_i = dim sum_j e . grad_i W V_j / sum_j r |grad_i W| V_j,   e = +-n_j - n_i
  *   P2 eq. 36:  kappa_i = sum_j e . M_i grad_i W V_j,   and q and s with M_i too, of fluids and walls
- * Walls have no colour: what angle an interface makes with one is not set (schemes/README.md). */
+ * Walls have no colour: where they are flat, what lies beside them is mirrored instead (images.c). */
+#include "sim/terms/images.h"
 #include "sim/terms/moments.h"
 #include "sim/terms/terms.h"
 #include <math.h>
@@ -65,8 +66,10 @@ INLINE void find_normal(const Row *row, Particles *s, const Model *model, How ho
     const size_t i = row->i;
     double q[3] = {0, 0, 0}, size = 0;
     if (row->mixed) {
-        const Correction M = corrected ? moments_of(row, how) : NO_CORRECTION;
-        towards_others(row, s, &M, NULL, how, q);
+        Row room;
+        const Row *seen = row_with_images(row, s, model, &room);
+        const Correction M = corrected ? moments_of(seen, how) : NO_CORRECTION;
+        towards_others(seen, s, &M, NULL, how, q);
         size = magnitude(q, how);
     }
     const double inverse = size * model->kernel.h > 0.01 ? 1 / size : 0;
@@ -147,9 +150,11 @@ INLINE void pull(const Row *row, Particles *s, const Model *model, How how, bool
     const double rho0 = model->phase[mine].rho0;
     for (size_t a = 0; a < model->n_phases; a++)
         weight[a] = model->tension[mine][a] * 2 * rho0 / (rho0 + model->phase[a].rho0);
-    const Correction M = corrected ? moments_of(row, how) : NO_CORRECTION;
-    towards_others(row, s, &M, weight, how, force);
-    const double kappa = corrected ? corrected_curvature(row, &M, n, how) : curvature(row, n, how);
+    Row room;
+    const Row *seen = row_with_images(row, s, model, &room);
+    const Correction M = corrected ? moments_of(seen, how) : NO_CORRECTION;
+    towards_others(seen, s, &M, weight, how, force);
+    const double kappa = corrected ? corrected_curvature(seen, &M, n, how) : curvature(seen, n, how);
     const double scale = -kappa * magnitude(force, how) / s->rho[i];
     for (int d = 0; d < how.dim; d++) s->a[d][i] += scale * n[d];
 }
