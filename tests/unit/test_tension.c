@@ -495,6 +495,12 @@ static void walls_mirror_no_farther_than_they_reach(void **state)
         above += x > middle && !same;
     }
     assert_true(beyond > 1 && above > 3);
+    with->model.tense = false; /* normals are for the shifting alone then */
+    cloud_term(with, &interface_normal);
+    for (size_t i = 0; i < particles_fluid(&with->s); i++) {
+        const size_t j = cloud_index(without, with->s.id[i]);
+        for (int d = 0; d < 2; d++) assert_true(with->s.normal[d][i] == without->s.normal[d][j]);
+    }
     cloud_free(with);
     cloud_free(without);
     block = false;
