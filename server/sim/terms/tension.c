@@ -88,11 +88,10 @@ INLINE void corrected_normal_row(const Row *row, Particles *s, const Model *mode
 }
 ROW_FUNCTIONS(corrected_normal_row)
 
-/* n_j as seen from i, less n_i, along direction d; 0 where j has none. */
-INLINE double turned(const Pair *pair, bool mixed, const double n[3], double valid, int d)
+/* n_j as seen from i, less n_i, along direction d; 0 where j has none. Of mixed rows. */
+INLINE double turned(const Pair *pair, const double n[3], double valid, int d)
 {
-    const double sign = mixed ? 1 - 2 * pair->other : 1;
-    return valid * (sign * pair->normal[d] - n[d]);
+    return valid * ((1 - 2 * pair->other) * pair->normal[d] - n[d]);
 }
 
 INLINE double has_normal(const Pair *pair, How how)
@@ -109,8 +108,7 @@ INLINE double curvature(const Row *row, const double n[3], How how)
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
             const double valid = has_normal(&pair, how), c = pair.V * pair.F;
-            for (int d = 0; d < how.dim; d++)
-                add_product(&above, l, c * turned(&pair, row->mixed, n, valid, d), pair.x[d], how);
+            for (int d = 0; d < how.dim; d++) add_product(&above, l, c * turned(&pair, n, valid, d), pair.x[d], how);
             add_product(&below, l, -valid * c, pair.r * pair.r, how);
         }
     const double all = lanes_sum(&below);
@@ -127,7 +125,7 @@ INLINE double corrected_curvature(const Row *row, const Correction *M, const dou
             const Pair pair = block_pair(b, l, how);
             const double valid = has_normal(&pair, how), c = pair.V * pair.F;
             for (int a = 0; a < how.dim; a++) {
-                const double e = c * turned(&pair, row->mixed, n, valid, a);
+                const double e = c * turned(&pair, n, valid, a);
                 for (int d = 0; d < how.dim; d++) add_product(&sum[a][d], l, e, pair.x[d], how);
             }
         }
