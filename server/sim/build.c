@@ -136,8 +136,8 @@ static MnsStatus populate(MnsSim *sim, Lattice *lattice, const Constants *consta
     MnsStatus status = count(lattice, sim, sizes, error);
     if (!status) status = making_fits(sim, sizes, false, error);
     if (!status)
-        status = particles_init(&sim->s, c->dim, c->n_fluids, sizes, scheme_fields(sim->scheme), sim->model.viscous,
-                                &sim->making, error);
+        status = particles_init(&sim->s, c->dim, c->n_fluids, sizes, scheme_fields(sim->scheme, &sim->model),
+                                sim->model.viscous, &sim->making, error);
     if (!status) number(lattice, sim);
     if (!status && !sim->resumed) status = start_init(starts, sim, lattice, constants, error);
     const Filling filling = {.sim = sim, .lattice = lattice, .starts = sim->resumed ? NULL : starts};

@@ -15,6 +15,30 @@ INLINE void position_of(const Particles *s, size_t i, How how, double ret[3])
     for (int d = 0; d < 3; d++) ret[d] = d < how.dim ? s->x[d][i] : 0;
 }
 
+/* Lanes of all blocks of a particle. */
+typedef struct Marks {
+    _Alignas(64) double of[ROW_BLOCKS][LANES];
+} Marks;
+
+static const double NOBODY[LANES];
+
+/* Which neighbours are of another fluid, walls are not; returns whether any is. */
+INLINE bool mark_others(const RowPlan *plan, size_t i, const uint32_t *j, const Picked *picked, Marks *other)
+{
+    const uint8_t *phase = plan->s->phase;
+    bool any = false;
+    if (plan->nb->has[i] & LIST_OTHERS)
+        for (size_t b = 0; b < picked->n_fluid; b++) any |= find_others(phase, phase[i], j + b * LANES, other->of[b]);
+    else memset(other->of, 0, picked->n_fluid * sizeof *other->of);
+    return any;
+}
+
+/* Of eight neighbours: what is given for each fluid. */
+INLINE void by_fluid(const Particles *s, const uint32_t *j, const double *of, double ret[LANES])
+{
+    for (int l = 0; l < LANES; l++) ret[l] = of[s->phase[j[l]]];
+}
+
 /* Pair l of a block that was fetched for these needs; beyond: what beyond_reach() says of it. */
 INLINE Pair fetched_pair(const Block *b, int l, const double *beyond, const double x_i[3], const RowPlan *plan,
                          unsigned needs, How how)
@@ -60,23 +84,38 @@ INLINE Pair fetched_pair(const Block *b, int l, const double *beyond, const doub
         if (plan->nb->has[i] & LIST_IMAGES) body##_##level##_##dimensions##_images_##shape(plan, s, i);                \
         else body##_##level##_##dimensions##_##shape(plan, s, i);                                                      \
         break;
+#define BESIDE_SHAPE(type, shape, body, level, target, dimensions, fused, how_to_fetch)                                \
+    target __attribute__((noinline)) static void body##_##level##_##dimensions##_##shape(const RowPlan *plan,          \
+                                                                                         Particles *s, size_t i)       \
+    {                                                                                                                  \
+        body(plan, s, i, (How){dimensions, fused, how_to_fetch, true, shape});                                         \
+    }
+#define BESIDE_CASE(type, shape, body, level, dimensions)                                                              \
+    case type:                                                                                                         \
+        body##_##level##_##dimensions##_##shape(plan, s, i);                                                           \
+        break;
 #ifndef MENISCUS_SANITIZED
-#define FUSED_FUNCTION(body, level, target, dimensions, fused, how_to_fetch)                                           \
-    EACH_KERNEL(FUSED_SHAPE, body, level, target, dimensions, fused, how_to_fetch)                                     \
+#define KERNEL_FUNCTION(SHAPE, CASE, body, level, target, dimensions, fused, how_to_fetch)                             \
+    EACH_KERNEL(SHAPE, body, level, target, dimensions, fused, how_to_fetch)                                           \
     target static void body##_##level##_##dimensions(const RowPlan *plan, Particles *s, size_t i)                      \
     {                                                                                                                  \
         switch (plan->model->kernel.type) {                                                                            \
-            EACH_KERNEL(FUSED_CASE, body, level, dimensions)                                                           \
+            EACH_KERNEL(CASE, body, level, dimensions)                                                                 \
         }                                                                                                              \
     }
 #else
-#define FUSED_FUNCTION(body, level, target, dimensions, fused, how_to_fetch)                                           \
+#define KERNEL_FUNCTION(SHAPE, CASE, body, level, target, dimensions, fused, how_to_fetch)                             \
     target static void body##_##level##_##dimensions(const RowPlan *plan, Particles *s, size_t i)                      \
     {                                                                                                                  \
         const bool images = plan->nb->has[i] & LIST_IMAGES;                                                            \
         body(plan, s, i, (How){dimensions, fused, how_to_fetch, images, kernel_shape_of(plan->model->kernel.type)});   \
     }
 #endif
+#define FUSED_FUNCTION(...) KERNEL_FUNCTION(FUSED_SHAPE, FUSED_CASE, __VA_ARGS__)
+
+/* The same for particles beside walls or other fluids, which are fewer: all functions look for images, and machines older than 2013 go
+ * over rows. */
+#define BESIDE_FUNCTION(...) KERNEL_FUNCTION(BESIDE_SHAPE, BESIDE_CASE, __VA_ARGS__)
 #if HAS_LEVELS
 #define FUSED_FUNCTIONS(body)                                                                                          \
     FUSED_FUNCTION(body, base, , 2, BASE_FUSES, fetch_quads)                                                           \
@@ -86,7 +125,20 @@ INLINE Pair fetched_pair(const Block *b, int l, const double *beyond, const doub
     FUSED_FUNCTION(body, v4, FOR_V4, 2, true, fetch_octs)                                                              \
     FUSED_FUNCTION(body, v4, FOR_V4, 3, true, fetch_octs)
 #define FUSED_TABLE(body) ROW_TABLE(body)
+#define BESIDE_FUNCTIONS(body)                                                                                         \
+    BESIDE_FUNCTION(body, v3, FOR_V3, 2, true, fetch_quads)                                                            \
+    BESIDE_FUNCTION(body, v3, FOR_V3, 3, true, fetch_quads)                                                            \
+    BESIDE_FUNCTION(body, v4, FOR_V4, 2, true, fetch_octs)                                                             \
+    BESIDE_FUNCTION(body, v4, FOR_V4, 3, true, fetch_octs)
+#define BESIDE_TABLE(body)                                                                                             \
+    {                                                                                                                  \
+        [LEVEL_V3] = {body##_v3_2, body##_v3_3}, [LEVEL_V4] = { body##_v4_2, body##_v4_3 }                             \
+    }
 #else
+#define BESIDE_FUNCTIONS(body)                                                                                         \
+    BESIDE_FUNCTION(body, base, , 2, BASE_FUSES, fetch_quads)                                                          \
+    BESIDE_FUNCTION(body, base, , 3, BASE_FUSES, fetch_quads)
+#define BESIDE_TABLE(body) FUSED_TABLE(body)
 #define FUSED_FUNCTIONS(body)                                                                                          \
     FUSED_FUNCTION(body, base, , 2, BASE_FUSES, fetch_quads)                                                           \
     FUSED_FUNCTION(body, base, , 3, BASE_FUSES, fetch_quads)

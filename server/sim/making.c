@@ -37,7 +37,8 @@ static double capture_bytes(int dim, Fields state)
 
 double making_bytes(const MnsSim *sim, const size_t sizes[GROUPS])
 {
-    Particles s = {.dim = sim->model.dim, .n_phases = sim->model.n_phases, .fields = scheme_fields(sim->scheme)};
+    Particles s = {
+        .dim = sim->model.dim, .n_phases = sim->model.n_phases, .fields = scheme_fields(sim->scheme, &sim->model)};
     for (int g = 0; g < GROUPS; g++) s.begin[g + 1] = s.begin[g] + sizes[g];
     s.n = s.begin[GROUPS];
     double bytes = (double)particles_bytes(&s) + neighbours_need(sim, s.n) +

@@ -14,7 +14,8 @@ enum { ROW_MAX = 1024 }; /* neighbours of one particle, skin included */
 enum {
     LIST_WALLS = 1,
     LIST_OTHERS = 2, /* another fluid than the particle's own; not told of walls, and where no term asks */
-    LIST_IMAGES = 4  /* the nearest is an image, across a periodic side */
+    LIST_IMAGES = 4, /* the nearest is an image, across a periodic side */
+    LIST_KINDS = 3   /* what terms may differ for */
 };
 
 typedef struct Neighbours {

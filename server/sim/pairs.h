@@ -167,6 +167,18 @@ INLINE const double *beyond_reach(const RowPlan *plan, const Picked *picked, siz
     return plan->beyond[left < LANES ? left : LANES];
 }
 
+/* Which of a block's neighbours are of another fluid, as 1 or 0; returns whether any is. */
+INLINE bool find_others(const uint8_t *phase, uint8_t mine, const uint32_t *j, double other[LANES])
+{
+    unsigned others = 0;
+    for (int l = 0; l < LANES; l++) {
+        const unsigned is = phase[j[l]] != mine;
+        other[l] = is;
+        others |= is;
+    }
+    return others;
+}
+
 /* A difference of positions in direction d, to the nearest image. */
 INLINE double nearest(const Model *model, double x, int d, How how)
 {

@@ -17,6 +17,7 @@ static MnsStatus allocate_fields(Particles *s, const MnsMaking *making, MnsError
     const MnsFieldInfo *fields = mns_fields();
     for (int f = 0; fields[f].name; f++)
         for (int d = 0; d < components(s, f); d++) {
+            if (particles_field(s, f, d)) continue;
             const MnsStatus status = making ? making_goes_on(making, error) : MNS_OK;
             if (status) return status;
             void *array = array_new(s->n, field_size(&fields[f]));
@@ -46,6 +47,21 @@ MnsStatus particles_init(Particles *s, int dim, size_t n_phases, const size_t si
     const MnsStatus status = allocate(s, viscous, making, error);
     if (status) particles_done(s);
     else particles_changed(s, ON_ALL, ALL_FIELDS);
+    return status;
+}
+
+MnsStatus particles_add(Particles *s, Fields fields, MnsError *error)
+{
+    const Fields before = s->fields;
+    s->fields |= fields;
+    const MnsStatus status = allocate_fields(s, NULL, error);
+    if (!status) return MNS_OK;
+    for (int f = 0; mns_fields()[f].name; f++)
+        for (int d = 0; d < components(s, f) && !(before >> f & 1); d++) {
+            free(particles_field(s, f, d));
+            particles_set_field(s, f, d, NULL);
+        }
+    s->fields = before;
     return status;
 }
 

@@ -13,7 +13,7 @@ enum { ON_CONTINUITY = 1, ON_SUMMATION = 2, ON_WALL = 4, ON_FLUID = 3, ON_ALL = 
 typedef struct Particles {
     int dim;
     size_t n, n_phases;
-    Fields fields;            /* that there are: those of the scheme; the pointers of others are NULL */
+    Fields fields;            /* that there are: those that the scheme needs; the pointers of others are NULL */
     size_t begin[GROUPS + 1]; /* group g is [begin[g], begin[g + 1]) */
     uint32_t *id;
     uint8_t *phase;                                     /* fluid; n_phases + wall for a dummy particle */
@@ -49,6 +49,9 @@ static inline void particles_changed(Particles *s, unsigned on, Fields fields)
 MnsStatus particles_init(Particles *s, int dim, size_t n_phases, const size_t sizes[GROUPS], Fields fields,
                          bool viscous, const MnsMaking *making, MnsError *error);
 void particles_done(Particles *s);
+
+/* Arrays of zeros for fields that there are not yet. MNS_E_MEMORY: those that were there are. */
+MnsStatus particles_add(Particles *s, Fields fields, MnsError *error);
 
 /* Component d of a field of mns_fields(); NULL where there is none. */
 void *particles_field(const Particles *s, int field, int d);

@@ -25,7 +25,8 @@ typedef struct Sweep {
     int n_before, n_terms, n_after;
     const Local *before[PASS_LOCALS_MAX], *after[PASS_LOCALS_MAX];
     const Term *terms[PASS_TERMS_MAX];
-    const Fusion *fusion; /* of just these terms; NULL if there is none */
+    const Fusion
+        *fusion[LIST_KINDS + 1]; /* by kinds of neighbours, of just the terms that have to do; NULL if there is none */
     RowPlan plan;
 } Sweep;
 
@@ -48,23 +49,29 @@ static int terms_for(const Pass *pass, int group, const Model *model, const Term
     return n;
 }
 
-static bool same_terms(const Fusion *fusion, int n, const Term *const *terms)
+/* Which terms of a pass are in a list of n, or up to NULL: a bit for each. */
+static unsigned among(const Pass *pass, int n, const Term *const *list)
 {
-    for (int k = 0; k < PASS_TERMS_MAX; k++)
-        if (fusion->terms[k] != (k < n ? terms[k] : NULL)) return false;
-    return n > 0;
+    unsigned found = 0;
+    for (int k = 0; k < n && list[k]; k++)
+        for (int q = 0; q < PASS_TERMS_MAX && pass->terms[q]; q++) found |= (unsigned)(pass->terms[q] == list[k]) << q;
+    return found;
 }
 
-static const Fusion *fusion_for(const Pass *pass, int n, const Term *const *terms)
+/* For particles that have neighbours of these kinds. */
+static const Fusion *fusion_for(const Pass *pass, int n, const Term *const *terms, unsigned kinds, Level level)
 {
-    const Term *busy[PASS_TERMS_MAX]; /* inside a fluid */
+    const Term *busy[PASS_TERMS_MAX];
     int n_busy = 0;
     for (int k = 0; k < n; k++)
-        if (!terms[k]->idle_inside) busy[n_busy++] = terms[k];
+        if (!terms[k]->beside || terms[k]->beside & kinds) busy[n_busy++] = terms[k];
+    const unsigned wanted = among(pass, n_busy, busy);
     for (int k = 0; k < PASS_FUSIONS_MAX && pass->fusions[k]; k++) {
         const Fusion *fusion = pass->fusions[k];
-        if (fusion->not_for & LIST_OTHERS ? same_terms(fusion, n_busy, busy) : same_terms(fusion, n, terms))
-            return fusion;
+        const unsigned must = among(pass, PASS_TERMS_MAX, fusion->terms),
+                       may = among(pass, PASS_TERMS_MAX, fusion->also);
+        if (!fusion->row[level][0]) continue;
+        if (!(fusion->not_for & kinds) && (wanted & must) == must && !(wanted & ~(must | may)) && wanted) return fusion;
     }
     return NULL;
 }
@@ -108,13 +115,13 @@ static void rows(const Sweep *sweep, Row *row, Particles *s, const Model *model,
     }
 }
 
-/* What is fused for some particles only leaves the others to rows. */
+/* What is not fused for some particles goes over rows. */
 static void fused_rows(const Sweep *sweep, Row *row, Particles *s, const Model *model, size_t first, size_t last)
 {
-    const FusedFunction fused = sweep->fusion->row[model->level][s->dim - 2];
     const uint8_t *has = sweep->plan.nb->has;
     for (size_t i = first; i < last; i++) {
-        if (!(has[i] & sweep->fusion->not_for)) fused(&sweep->plan, s, i);
+        const Fusion *fusion = sweep->fusion[has[i] & LIST_KINDS];
+        if (fusion) fusion->row[model->level][s->dim - 2](&sweep->plan, s, i);
         else rows(sweep, row, s, model, i, i + 1);
     }
 }
@@ -122,8 +129,7 @@ static void fused_rows(const Sweep *sweep, Row *row, Particles *s, const Model *
 static void sweep_chunk(const Sweep *sweep, Row *row, Particles *s, const Model *model, size_t first, size_t last)
 {
     for (int k = 0; k < sweep->n_before; k++) sweep->before[k]->apply(s, model, first, last);
-    if (sweep->fusion) fused_rows(sweep, row, s, model, first, last);
-    else if (sweep->n_terms) rows(sweep, row, s, model, first, last);
+    if (sweep->n_terms) fused_rows(sweep, row, s, model, first, last);
     for (int k = 0; k < sweep->n_after; k++) sweep->after[k]->apply(s, model, first, last);
 }
 
@@ -160,7 +166,8 @@ void pass_run(const Pass *pass, Particles *s, Neighbours *nb, const Model *model
     unsigned needs[GROUPS] = {0}, all = 0;
     for (int g = 0; g < GROUPS; g++) {
         sweeps[g].n_terms = terms_for(pass, g, model, sweeps[g].terms);
-        sweeps[g].fusion = fusion_for(pass, sweeps[g].n_terms, sweeps[g].terms);
+        for (unsigned kinds = 0; kinds <= LIST_KINDS; kinds++)
+            sweeps[g].fusion[kinds] = fusion_for(pass, sweeps[g].n_terms, sweeps[g].terms, kinds, model->level);
         for (int k = 0; k < sweeps[g].n_terms; k++) needs[g] |= sweeps[g].terms[k]->needs;
         all |= needs[g];
     }

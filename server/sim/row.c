@@ -65,17 +65,10 @@ INLINE void hide(Block *last, size_t n, double far)
 /* Say which pairs are with another fluid; returns whether any is. */
 static bool mark_others(Row *row, const uint8_t *phase)
 {
-    const uint8_t mine = phase[row->i];
-    unsigned others = 0;
-    for (Block *b = row->block; b < row->block + row->n_fluid; b++) {
-        const uint32_t *j = row_j(row, b);
-        for (int l = 0; l < LANES; l++) {
-            const unsigned other = phase[j[l]] != mine;
-            b->other[l] = other;
-            others |= other;
-        }
-    }
-    return others;
+    bool any = false;
+    for (Block *b = row->block; b < row->block + row->n_fluid; b++)
+        any |= find_others(phase, phase[row->i], row_j(row, b), b->other);
+    return any;
 }
 
 INLINE void build(Row *row, const RowPlan *plan, size_t i, How how)

@@ -15,20 +15,22 @@ const Scheme *scheme_find(const char *name)
     return NULL;
 }
 
-static Fields written(const Local *const *locals)
+static Fields written(const Local *const *locals, const Model *model)
 {
     Fields fields = 0;
-    for (int k = 0; k < PASS_LOCALS_MAX && locals[k]; k++) fields |= locals[k]->writes;
+    for (int k = 0; k < PASS_LOCALS_MAX && locals[k]; k++)
+        if (!locals[k]->needed || locals[k]->needed(model)) fields |= locals[k]->writes;
     return fields;
 }
 
-Fields scheme_fields(const Scheme *scheme)
+Fields scheme_fields(const Scheme *scheme, const Model *model)
 {
     Fields fields = scheme->state | scheme->derive->writes | scheme->integrator->works;
     for (int p = 0; p < SCHEME_PASSES_MAX && scheme->rates[p].name; p++) {
         const Pass *pass = &scheme->rates[p];
-        fields |= written(pass->before) | written(pass->after);
-        for (int k = 0; k < PASS_TERMS_MAX && pass->terms[k]; k++) fields |= pass->terms[k]->writes;
+        fields |= written(pass->before, model) | written(pass->after, model);
+        for (int k = 0; k < PASS_TERMS_MAX && pass->terms[k]; k++)
+            if (!pass->terms[k]->needed || pass->terms[k]->needed(model)) fields |= pass->terms[k]->writes;
     }
     return fields;
 }

@@ -14,7 +14,7 @@ typedef struct Term {
     bool (*needed)(const Model *); /* NULL: always */
     unsigned needs;                /* of each pair: NEED_F | NEED_V ... */
     Fields writes;
-    bool idle_inside;           /* nothing to do for a particle whose neighbours are all of its own fluid */
+    unsigned beside; /* nothing to do for particles whose lists have no such neighbours: LIST_...; 0: for all */
     RowFunction row[LEVELS][2]; /* ROW_TABLE() */
 } Term;
 
@@ -35,12 +35,12 @@ typedef struct Local {
 
 enum { PASS_TERMS_MAX = 8, PASS_LOCALS_MAX = 4, PASS_FUSIONS_MAX = 4 };
 
-/* Several terms in one function (fused.h), used for groups that need just these. */
+/* Several terms in one function (fused.h), used for particles that need just these. */
 typedef struct Fusion {
-    const Term *terms
-        [PASS_TERMS_MAX]; /* ends with NULL, in the order of the pass; if not for LIST_OTHERS, without the idle ones */
-    unsigned not_for;     /* particles whose lists have such neighbours: LIST_... */
-    FusedFunction row[LEVELS][2]; /* FUSED_TABLE() */
+    const Term *terms[PASS_TERMS_MAX]; /* end with NULL; in the order of the pass, as are those that follow */
+    const Term *also[PASS_TERMS_MAX];  /* what it does where it is needed, and finds out itself; end with NULL */
+    unsigned not_for;                  /* particles whose lists have such neighbours: LIST_... */
+    FusedFunction row[LEVELS][2];      /* FUSED_TABLE() or BESIDE_TABLE(); NULL: not at this level */
 } Fusion;
 
 /* One sweep: local rules before, terms sharing a Row, local rules after. All lists end with NULL. */
@@ -82,8 +82,8 @@ typedef struct Scheme {
 
 extern const Scheme scheme_riemann, scheme_dissipation, scheme_interfacial;
 
-/* All fields that its particles have. */
-Fields scheme_fields(const Scheme *scheme);
+/* All fields that its particles have with these options: a term or a rule that is not needed writes nothing. */
+Fields scheme_fields(const Scheme *scheme, const Model *model);
 
 /* All that its terms need of pairs. */
 unsigned scheme_needs(const Scheme *scheme);

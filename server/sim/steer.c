@@ -137,6 +137,14 @@ static MnsStatus build_lists(MnsSim *sim, int threads, Neighbours *fresh, MnsErr
     return status ? status : neighbours_build(fresh, &sim->s, &sim->model, error);
 }
 
+/* Room for what terms write that were not needed before. */
+static MnsStatus add_fields(MnsSim *sim, const MnsCase *c, MnsError *error)
+{
+    Model model = sim->model;
+    sim->scheme->options(&model, c);
+    return particles_add(&sim->s, scheme_fields(sim->scheme, &model), error);
+}
+
 /* Can the rest of the run be done with the new factor of the time step and the new end? */
 static MnsStatus affordable(MnsSim *sim, const MnsCase *c, MnsError *error)
 {
@@ -162,6 +170,7 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
     Formula *gravity[3] = {0};
     status = compile_gravity(c, sim->progress.t, gravity, error);
     if (!status && threads != sim->threads) status = build_lists(sim, threads, &lists, error);
+    if (!status) status = add_fields(sim, c, error);
     if (status) {
         for (int d = 0; d < 3; d++) formula_free(gravity[d]);
         neighbours_done(&lists);

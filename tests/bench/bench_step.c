@@ -65,10 +65,30 @@ static MnsCase *tense_droplet(int dim, double resolution)
     return c;
 }
 
+/* The same in a tank to which both stick, by P1 with the kernel of its cases. */
+static MnsCase *drop_in_tank(int dim, double resolution)
+{
+    MnsCase *c = tense_droplet(dim, resolution);
+    c->scheme.name = "dissipation";
+    c->scheme.kernel = MNS_TRUNCATED_GAUSSIAN;
+    c->scheme.smoothing = 1.1;
+    c->scheme.dissipation.background_pressure = 4;
+    case_add_wall(c, "tank");
+    c->walls[0].no_slip = true;
+    MnsPart *tank = case_add_part(&c->walls[0].shape, MNS_BOX);
+    tank->outside = true;
+    for (int d = 0; d < dim; d++) {
+        c->periodic[d] = false;
+        tank->b[d] = c->max[d];
+    }
+    return c;
+}
+
 static const Bench BENCHES[] = {
     {"dambreak2d-p3", dam_break, 2, 95, 60, false},    {"dambreak3d-p3", dam_break, 3, 20, 12, false},
     {"droplet2d-p3", droplet, 2, 316, 60, false},      {"droplet3d-p3", droplet, 3, 46, 12, false},
     {"drop2d-p2", tense_droplet, 2, 316, 60, false},   {"drop3d-p2", tense_droplet, 3, 46, 12, false},
+    {"drop2d-p1", drop_in_tank, 2, 316, 30, false},    {"drop3d-p1", drop_in_tank, 3, 46, 6, false},
     {"dambreak3d-p3-200k", dam_break, 3, 26, 6, true}, {"dambreak3d-p3-1m", dam_break, 3, 45, 3, true},
     {"dambreak3d-p3-4m", dam_break, 3, 72, 2, true},
 };

@@ -100,96 +100,165 @@ static void fused_terms_have_the_bits_of_single_ones(void **state)
                     check(fusions[f], way & 1 ? 3 : 2, kernels[k], way & 2, way & 4, (Level)level);
 }
 
-/* --- what is fused for particles among their own ------------------------------------------------------------------------ */
+/* --- what is fused for some kinds of particles -------------------------------------------------------------------------- */
 
 static int two_fluids(const double x[3])
 {
     return x[0] < 0.75 ? CLOUD_WATER : CLOUD_AIR;
 }
 
-/* Two fluids without walls, with all that terms read at random. */
-static Cloud *mixed(int dim, MnsKernel kernel, bool periodic, Level level)
+static int two_fluids_and_a_wall(const double x[3])
 {
-    Cloud *cloud = cloud_new(&(CloudSetup){.dim = dim,
+    return x[1] < 0.25 ? CLOUD_WALL : two_fluids(x);
+}
+
+/* How a cloud is made and its pass is run. */
+typedef struct Way {
+    int dim;
+    MnsKernel kernel;
+    bool periodic, walls, tense;
+    Level level;
+} Way;
+
+static Cloud *mixed(const Way *way)
+{
+    Cloud *cloud = cloud_new(&(CloudSetup){.dim = way->dim,
                                            .dx = 0.1,
                                            .n = {16, 9, 8},
                                            .jitter = 0.3,
                                            .skin = 0.2,
-                                           .periodic = {periodic, periodic, periodic},
-                                           .kernel = kernel,
+                                           .periodic = {way->periodic, way->periodic, way->periodic},
+                                           .kernel = way->kernel,
                                            .smoothing = 1,
                                            .viscous = true,
                                            .flowing = true,
-                                           .owner = two_fluids});
+                                           .owner = way->walls ? two_fluids_and_a_wall : two_fluids});
     Particles *s = &cloud->s;
     uint64_t seed = 21;
     cloud_stir(cloud, 8);
-    cloud->model.level = level;
+    cloud->model.level = way->level;
     cloud->model.density_average = 0.7;
+    cloud->model.tense = way->tense;
+    cloud->model.wall[0].no_slip = true;
     for (size_t i = 0; i < s->n; i++) {
         s->shepard[i] = 1 + 0.1 * cloud_noise(&seed);
         s->rate[i] = 0;
-        for (int d = 0; d < dim; d++) {
+        for (int d = 0; d < way->dim; d++) {
             s->gradient[d][i] = 500 * cloud_noise(&seed);
             s->concentration[d][i] = 3 * cloud_noise(&seed);
-            s->normal[d][i] = 0;
+            s->normal[d][i] = i % 3 == 0 || d > 1 ? 0 : d ? 0.6 : 0.8;
         }
+    }
+    for (size_t w = 0; w < s->n - particles_fluid(s); w++) {
+        for (size_t a = 0; a < 2; a++) s->p_wall[a][w] = 100 * cloud_noise(&seed);
+        for (int d = 0; d < way->dim; d++) s->v_wall[d][w] = cloud_noise(&seed);
     }
     particles_changed(s, ON_ALL, ALL_FIELDS);
     return cloud;
 }
 
-/* How many particles have no neighbours of these kinds. */
-static size_t without(const Cloud *cloud, unsigned kinds)
+/* How many fluid particles have neighbours of these kinds and no others. */
+static size_t of_kinds(const Cloud *cloud, unsigned kinds)
 {
     size_t n = 0;
-    for (size_t i = 0; i < cloud->s.n; i++) n += !(cloud->nb.has[i] & kinds);
+    for (size_t i = 0; i < particles_fluid(&cloud->s); i++) n += (cloud->nb.has[i] & LIST_KINDS) == kinds;
     return n;
 }
 
-static void check_plain(const Fusion *fusion, int dim, MnsKernel kernel, bool periodic, Level level)
+/* What is fused, and how often it was asked for. */
+static struct Counted {
+    FusedFunction function;
+    size_t calls;
+} counted;
+
+static void count(const RowPlan *plan, Particles *s, size_t i)
 {
-    Pass fused = {.name = "fused", .fusions = {fusion}}, apart = {.name = "one by one"};
-    memcpy(fused.terms, fusion->terms, sizeof fused.terms);
-    memcpy(apart.terms, fusion->terms, sizeof apart.terms);
-    Cloud *a = mixed(dim, kernel, periodic, level), *b = mixed(dim, kernel, periodic, level);
+    counted.calls++;
+    counted.function(plan, s, i);
+}
+
+static bool has_term(const Term *const *list, const Term *term)
+{
+    for (int k = 0; k < PASS_TERMS_MAX && list[k]; k++)
+        if (list[k] == term) return true;
+    return false;
+}
+
+/* The terms of a pass that a fusion does, in their order. */
+static Pass terms_of(const Pass *from, const Fusion *fusion)
+{
+    Pass pass = {.name = "one by one"};
+    int n = 0;
+    for (int k = 0; k < PASS_TERMS_MAX && from->terms[k]; k++)
+        if (has_term(fusion->terms, from->terms[k]) || has_term(fusion->also, from->terms[k]))
+            pass.terms[n++] = from->terms[k];
+    return pass;
+}
+
+static void assert_same(const Cloud *a, const Cloud *b, const char *name)
+{
     const size_t n = a->s.n;
-    assert_in_range(without(a, LIST_OTHERS), 1, n - 1);
-    if (periodic) assert_in_range(without(a, LIST_IMAGES), 1, n - 1);
-    pass_run(&fused, &a->s, &a->nb, &a->model, 1);
-    pass_run(&apart, &b->s, &b->nb, &b->model, 1);
     assert_memory_equal(a->s.rate, b->s.rate, n * sizeof *a->s.rate);
     for (int f = 0; mns_fields()[f].name; f++)
         for (int d = 0; d < 3; d++) {
             const void *x = particles_field(&a->s, f, d), *y = particles_field(&b->s, f, d);
             if (x && memcmp(x, y, n * field_size(&mns_fields()[f])) != 0)
-                fail_msg("%s: another %s when fused", fusion->terms[0]->name, mns_fields()[f].name);
+                fail_msg("%s: another %s when fused", name, mns_fields()[f].name);
         }
+}
+
+static void check_kinds(const Pass *from, const Fusion *fusion, const Way *way)
+{
+    Pass apart = terms_of(from, fusion), fused = apart;
+    Fusion watched = *fusion;
+    Cloud *a = mixed(way), *b = mixed(way);
+    size_t expected = 0;
+    counted = (struct Counted){fusion->row[way->level][way->dim - 2], 0};
+    if (counted.function) watched.row[way->level][way->dim - 2] = count;
+    fused.fusions[0] = &watched;
+    for (unsigned kinds = 0; kinds <= LIST_KINDS; kinds++) {
+        if (way->walls || !(kinds & LIST_WALLS)) assert_true(of_kinds(a, kinds) > 0);
+        if (!(fusion->not_for & kinds) && counted.function) expected += of_kinds(a, kinds);
+    }
+    pass_run(&fused, &a->s, &a->nb, &a->model, 1);
+    pass_run(&apart, &b->s, &b->nb, &b->model, 1);
+    assert_int_equal(counted.calls, expected);
+    assert_same(a, b, from->name);
     cloud_free(a);
     cloud_free(b);
 }
 
-static void what_is_fused_for_plain_particles_has_the_bits_of_rows(void **state)
+static void check_ways(const Pass *from, const Fusion *fusion)
+{
+    static const MnsKernel kernels[] = {MNS_WENDLAND_C2, MNS_TRUNCATED_GAUSSIAN, MNS_QUINTIC_SPLINE};
+    for (size_t k = 0; k < 3; k++)
+        for (unsigned bits = 0; bits < 16; bits++)
+            for (int level = 0; level <= (int)level_in_use(); level++) {
+                const Way way = {.dim = bits & 1 ? 3 : 2,
+                                 .kernel = kernels[k],
+                                 .periodic = bits & 2,
+                                 .walls = bits & 4,
+                                 .tense = bits & 8,
+                                 .level = (Level)level};
+                check_kinds(from, fusion, &way);
+            }
+}
+
+/* Of P1 and P2, in the order in which a pass looks for them. */
+static void what_is_fused_for_some_particles_has_the_bits_of_rows(void **state)
 {
     (void)state;
-    static const Fusion *const fusions[] = {&dissipation_shape,         &dissipation_tense_shape,   &dissipation_rates,
-                                            &dissipation_viscous_rates, &interfacial_density,       &no_interface,
-                                            &interfacial_forces,        &interfacial_viscous_forces};
-    static const MnsKernel kernels[] = {MNS_WENDLAND_C2, MNS_TRUNCATED_GAUSSIAN, MNS_QUINTIC_SPLINE};
-    for (size_t f = 0; f < sizeof fusions / sizeof *fusions; f++)
-        for (size_t k = 0; k < 3; k++)
-            for (int way = 0; way < 4; way++)
-                for (int level = 0; level <= (int)level_in_use(); level++) {
-                    assert_true(fusions[f]->not_for & LIST_WALLS);
-                    check_plain(fusions[f], way & 1 ? 3 : 2, kernels[k], way & 2, (Level)level);
-                }
+    static const Scheme *const schemes[] = {&scheme_dissipation, &scheme_interfacial};
+    for (size_t k = 0; k < 2; k++)
+        for (const Pass *pass = schemes[k]->rates; pass->name; pass++)
+            for (int f = 0; f < PASS_FUSIONS_MAX && pass->fusions[f]; f++) check_ways(pass, pass->fusions[f]);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(fused_terms_have_the_bits_of_single_ones),
-        cmocka_unit_test(what_is_fused_for_plain_particles_has_the_bits_of_rows),
+        cmocka_unit_test(what_is_fused_for_some_particles_has_the_bits_of_rows),
     };
     return cmocka_run_group_tests_name("fused", tests, NULL, NULL);
 }

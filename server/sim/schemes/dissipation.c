@@ -28,11 +28,11 @@ const Scheme scheme_dissipation = {
         {
             {"walls", .before = {&linear_pressure}, .terms = {&wall_pressure, &wall_velocity}},
             {"shape", .terms = {&shepard_sum, &pressure_gradient, &interface_normal},
-             .fusions = {&dissipation_shape, &dissipation_tense_shape}},
+             .fusions = {&dissipation_shape, &dissipation_shape_beside}},
             {"rates", .before = {&body_force},
              .terms = {&continuity, &density_dissipation, &pressure_force, &viscosity, &wall_friction,
                        &surface_tension},
-             .fusions = {&dissipation_viscous_rates, &dissipation_rates}},
+             .fusions = {&dissipation_viscous_rates, &dissipation_rates, &dissipation_rates_beside}},
         },
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(M) | FIELD(REF),
     .derive = &linear_pressure,

@@ -40,13 +40,15 @@ const Scheme scheme_interfacial = {
         {
             {"density",
              .terms = {&shepard_sum, &concentration, &volume_continuity, &corrected_continuity, &density_dissipation},
-             .after = {&advance_density, &tait_pressure}, .fusions = {&interfacial_density}},
+             .after = {&advance_density, &tait_pressure},
+             .fusions = {&interfacial_density, &interfacial_density_beside}},
             {"walls", .terms = {&wall_pressure, &mirrored_velocity}},
-            {"interfaces", .terms = {&corrected_normal}, .fusions = {&no_interface}},
+            {"interfaces", .terms = {&corrected_normal}, .fusions = {&no_interface, &interfacial_normal}},
             {"forces", .before = {&body_force},
              .terms = {&volume_pressure_force, &corrected_pressure_force, &radial_viscosity, &radial_friction,
                        &corrected_tension, &pressure_gradient, &shifting},
-             .after = {&volume_of_density}, .fusions = {&interfacial_viscous_forces, &interfacial_forces}},
+             .after = {&volume_of_density},
+             .fusions = {&interfacial_viscous_forces, &interfacial_forces, &interfacial_forces_beside}},
             {"walls, shifted", .terms = {&wall_pressure}}, /* what they show, of the state that a run goes on from */
         },
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(P) | FIELD(M) | FIELD(A) | FIELD(REF) |

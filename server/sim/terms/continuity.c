@@ -24,7 +24,8 @@ INLINE void flow(const Row *row, Particles *s, const Model *model, How how, bool
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
-            add_product(&sum, l, of_neighbours ? pair.V : 1, compression(&a, &pair, how), how);
+            if (of_neighbours) continuity_wall(&a, &pair, how, l, &sum);
+            else volume_continuity_wall(&a, &pair, how, l, &sum);
         }
     if (of_neighbours) continuity_end(s, row->i, &sum);
     else volume_continuity_end(s, row->i, &sum);

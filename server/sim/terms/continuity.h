@@ -53,6 +53,17 @@ INLINE void volume_continuity_pair(const Flowing *a, const Model *model, const P
     add_product(sum, l, 1 + average_tilt(model, a->z, pair, inverse), compression(a, pair, how), how);
 }
 
+/* The same with walls, which count as the fluid that meets them. */
+INLINE void continuity_wall(const Flowing *a, const Pair *pair, How how, int l, Lanes *sum)
+{
+    add_product(sum, l, pair->V, compression(a, pair, how), how);
+}
+
+INLINE void volume_continuity_wall(const Flowing *a, const Pair *pair, How how, int l, Lanes *sum)
+{
+    add_product(sum, l, 1, compression(a, pair, how), how);
+}
+
 INLINE void continuity_end(Particles *s, size_t i, const Lanes *sum)
 {
     s->rate[i] = s->rho[i] * lanes_sum(sum);

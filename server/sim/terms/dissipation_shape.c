@@ -2,6 +2,7 @@
 /* How the particles of P1 lie, in one function, for particles among their own: these have no interface normal. */
 #include "sim/fused.h"
 #include "sim/terms/moments.h"
+#include "sim/terms/tension.h"
 #include "sim/terms/terms.h"
 
 INLINE void dissipation_shape_fused(const RowPlan *plan, Particles *s, size_t i, How how)
@@ -31,18 +32,13 @@ INLINE void dissipation_shape_fused(const RowPlan *plan, Particles *s, size_t i,
     note_reach(plan, i, &picked, r[0], LANES);
     s->shepard[i] = plan->at_zero * s->vol[i] + lanes_sum(&shepard);
     gradient_end(s, i, &moments, slope, how);
-    for (int d = 0; d < how.dim; d++) s->normal[d][i] = 0;
+    if (finds_normals(plan->model)) normal_none(s, i, how);
 }
 FUSED_FUNCTIONS(dissipation_shape_fused)
 
 const Fusion dissipation_shape = {
     .terms = {&shepard_sum, &pressure_gradient},
-    .not_for = LIST_WALLS | LIST_OTHERS,
-    .row = FUSED_TABLE(dissipation_shape_fused),
-};
-
-const Fusion dissipation_tense_shape = {
-    .terms = {&shepard_sum, &pressure_gradient, &interface_normal},
+    .also = {&interface_normal},
     .not_for = LIST_WALLS | LIST_OTHERS,
     .row = FUSED_TABLE(dissipation_shape_fused),
 };

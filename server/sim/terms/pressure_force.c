@@ -9,10 +9,10 @@
 
 INLINE void push(const Row *row, Particles *s, const Model *model, How how, Weights weights)
 {
-    const size_t i = row->i, first_wall = particles_fluid(s);
+    const size_t i = row->i;
     const Block *const walls = row->block + row->n_fluid, *const end = row->block + row->n;
     const Pushed a = pushed_of(s, i);
-    const double *const p_wall = s->p_wall[s->phase[i]];
+    const WallPressure shown = wall_pressure_of(s, i);
     const double beta = row->mixed ? model->repulsion : 0;
     Lanes sum[3] = {0};
     for (const Block *b = row->block; b < walls; b++)
@@ -26,7 +26,7 @@ INLINE void push(const Row *row, Particles *s, const Model *model, How how, Weig
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
-            pressure_wall(&a, &pair, p_wall[j[l] - first_wall], how, l, sum, weights);
+            pressure_wall(&a, &pair, shown_by(&shown, j[l]), how, l, sum, weights);
         }
     }
     pressure_end(s, i, sum, how);

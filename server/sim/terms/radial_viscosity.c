@@ -11,7 +11,7 @@ INLINE void radial_viscosity_row(const Row *row, Particles *s, const Model *mode
     const size_t i = row->i;
     const double soft = viscosity_softening(&model->kernel), V = s->vol[i];
     double mu[MNS_MAX_FLUIDS], v[3];
-    for (unsigned k = 0; k < model->n_phases; k++) mu[k] = viscosity_of(model, s->phase[i], k, 2);
+    viscosities_of(model, s->phase[i], 2, mu);
     for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i];
     Lanes sum[3] = {0};
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++) {
@@ -30,20 +30,22 @@ ROW_FUNCTIONS(radial_viscosity_row)
 
 INLINE void radial_friction_row(const Row *row, Particles *s, const Model *model, How how)
 {
-    const size_t i = row->i, first_wall = particles_fluid(s);
+    const size_t i = row->i;
     const double mu = viscosity_of(model, s->phase[i], s->phase[i], 2), soft = viscosity_softening(&model->kernel),
                  V = s->vol[i];
     if (mu == 0) return;
     double v[3];
     for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i];
     Lanes sum[3] = {0};
-    for (const Block *b = row->block + row->n_fluid; b < row->block + row->n; b++)
+    for (const Block *b = row->block + row->n_fluid; b < row->block + row->n; b++) {
+        Sticking wall;
+        sticking_of(s, model, row_j(row, b), mu, how, &wall);
+#pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const size_t j = row_j(row, b)[l];
-            Pair pair = block_pair(b, l, how);
-            for (int d = 0; d < how.dim; d++) pair.v[d] = s->v_wall[d][j - first_wall];
-            drag_pair(v, V, &pair, model->wall[s->phase[j] - model->n_phases].no_slip ? mu : 0, soft, how, l, sum);
+            const Pair pair = block_pair(b, l, how);
+            radial_friction_pair(v, V, &pair, &wall, soft, how, l, sum);
         }
+    }
     drag_end(s, i, sum, how);
 }
 ROW_FUNCTIONS(radial_friction_row)
@@ -68,6 +70,6 @@ const Term radial_friction = {
     .needed = is_viscous,
     .needs = NEED_F | NEED_V | NEED_STATE,
     .writes = FIELD(A),
-    .idle_inside = true,
+    .beside = LIST_WALLS,
     .row = ROW_TABLE(radial_friction_row),
 };

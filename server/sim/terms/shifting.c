@@ -53,8 +53,6 @@ INLINE void concentration_row(const Row *row, Particles *s, const Model *model, 
 }
 ROW_FUNCTIONS(concentration_row)
 
-/* y = M dx with M of those who count: beside an interface half of them are missing, and with them would be half of each difference.
- * In the midst of a fluid differences are as P2 has them, a tenth off where particles are disordered. */
 INLINE void correct_shift(const Row *row, Shifted *a, bool same_only, How how)
 {
     Moments moments = {0};
@@ -64,11 +62,7 @@ INLINE void correct_shift(const Row *row, Shifted *a, bool same_only, How how)
             const Pair pair = block_pair(b, l, how);
             moments_pair(&moments, &pair, same_only ? 1 - pair.other : 1, how, l);
         }
-    const Correction M = moments_inverse(&moments, how);
-    for (int d = 0; d < how.dim; d++) {
-        a->y[d] = 0;
-        for (int e = 0; e < how.dim; e++) a->y[d] += M.of[d][e] * a->dx[e];
-    }
+    shifted_corrected(a, &moments, how);
 }
 
 INLINE void shifting_row(const Row *row, Particles *s, const Model *model, How how)

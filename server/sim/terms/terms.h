@@ -34,14 +34,18 @@ extern const Term radial_friction;  /* radial_viscosity.c  on walls without slip
 extern const Term concentration;    /* shifting.c       where there are fewer particles             */
 extern const Term shifting;         /* shifting.c       particles to where there are fewer          */
 
-extern const Fusion dissipation_shape;          /* dissipation_shape.c     sums and gradients              */
-extern const Fusion dissipation_tense_shape;    /*                         and no normal                   */
-extern const Fusion dissipation_rates;          /* dissipation_rates.c     all rates                       */
-extern const Fusion dissipation_viscous_rates;  /*                         and viscosity                   */
+extern const Fusion dissipation_shape;         /* dissipation_shape.c     sums and gradients              */
+extern const Fusion dissipation_rates;         /* dissipation_rates.c     all rates                       */
+extern const Fusion dissipation_viscous_rates; /*                         and viscosity                   */
+extern const Fusion dissipation_shape_beside;  /* dissipation_beside.c    both beside walls or others     */
+extern const Fusion dissipation_rates_beside;
 extern const Fusion interfacial_density;        /* interfacial_density.c   continuity and dissipation      */
 extern const Fusion no_interface;               /* tension.c               no normal inside a fluid        */
 extern const Fusion interfacial_forces;         /* interfacial_forces.c    pressure and shifting           */
 extern const Fusion interfacial_viscous_forces; /*                         and viscosity                   */
+extern const Fusion interfacial_density_beside; /* interfacial_shape_beside.c beside walls                 */
+extern const Fusion interfacial_normal;         /*                         normals beside another fluid    */
+extern const Fusion interfacial_forces_beside;  /* interfacial_beside.c    beside walls or others          */
 extern const Fusion number_density_alone;       /* number_density.c                                    */
 extern const Fusion riemann_density_alone;      /* riemann.c                                           */
 extern const Fusion riemann_forces;             /* riemann_forces.c    momentum, background and stress */
@@ -49,6 +53,11 @@ extern const Fusion riemann_forces;             /* riemann_forces.c    momentum,
 static inline bool plain_gradients(const Model *model)
 {
     return !model->corrects_gradients;
+}
+
+static inline bool finds_normals(const Model *model)
+{
+    return model->tense || model->shifts_along_interfaces;
 }
 
 static inline bool is_viscous(const Model *model)

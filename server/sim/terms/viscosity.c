@@ -27,7 +27,7 @@ INLINE void viscosity_row(const Row *row, Particles *s, const Model *model, How 
     const size_t i = row->i;
     const double soft = viscosity_softening(&model->kernel), V = s->vol[i];
     double mu[MNS_MAX_FLUIDS], v[3]; /* viscosity against each fluid, once for all pairs */
-    for (unsigned a = 0; a < model->n_phases; a++) mu[a] = viscosity_of(model, s->phase[i], a, 4);
+    viscosities_of(model, s->phase[i], 4, mu);
     for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i];
     Lanes sum[3] = {0};
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++) {
@@ -46,20 +46,21 @@ ROW_FUNCTIONS(viscosity_row)
 
 INLINE void wall_friction_row(const Row *row, Particles *s, const Model *model, How how)
 {
-    const size_t i = row->i, first_wall = particles_fluid(s);
-    const double mu = 2 * model->phase[s->phase[i]].mu * model->viscous_scale,
-                 soft = viscosity_softening(&model->kernel), V = s->vol[i];
+    const size_t i = row->i;
+    const double mu = wall_viscosity_of(model, s->phase[i]), soft = viscosity_softening(&model->kernel), V = s->vol[i];
     if (mu == 0) return;
     double v[3];
     for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i];
     Lanes sum[3] = {0};
-    for (const Block *b = row->block + row->n_fluid; b < row->block + row->n; b++)
+    for (const Block *b = row->block + row->n_fluid; b < row->block + row->n; b++) {
+        Sticking wall;
+        sticking_of(s, model, row_j(row, b), mu, how, &wall);
+#pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const size_t j = row_j(row, b)[l];
-            Pair pair = block_pair(b, l, how);
-            for (int d = 0; d < how.dim; d++) pair.v[d] = 2 * pair.v[d] - s->v_wall[d][j - first_wall];
-            viscosity_pair(v, V, &pair, model->wall[s->phase[j] - model->n_phases].no_slip ? mu : 0, soft, how, l, sum);
+            const Pair pair = block_pair(b, l, how);
+            friction_pair(v, V, &pair, &wall, soft, how, l, sum);
         }
+    }
     viscosity_end(s, i, sum, how);
 }
 ROW_FUNCTIONS(wall_friction_row)
@@ -83,6 +84,6 @@ const Term wall_friction = {
     .needed = is_viscous,
     .needs = NEED_F | NEED_V | NEED_STATE,
     .writes = FIELD(A),
-    .idle_inside = true,
+    .beside = LIST_WALLS,
     .row = ROW_TABLE(wall_friction_row),
 };

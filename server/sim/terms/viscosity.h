@@ -27,6 +27,41 @@ INLINE void viscosity_pair(const double v[3], double V, const Pair *pair, double
     for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, v[d] - pair->v[d], how);
 }
 
+/* Of each fluid against that of a particle, times a number. */
+INLINE void viscosities_of(const Model *model, unsigned mine, double times, double ret[MNS_MAX_FLUIDS])
+{
+    for (unsigned k = 0; k < model->n_phases; k++) ret[k] = viscosity_of(model, mine, k, times);
+}
+
+/* Of a fluid against a wall without slip, times 4. */
+INLINE double wall_viscosity_of(const Model *model, unsigned mine)
+{
+    return 2 * model->phase[mine].mu * model->viscous_scale;
+}
+
+/* Eight wall particles as a viscous fluid sees them: what is extrapolated into them, and mu where they are without slip, else 0. */
+typedef struct Sticking {
+    double v[3][LANES], mu[LANES];
+} Sticking;
+
+INLINE void sticking_of(const Particles *s, const Model *model, const uint32_t *j, double mu, How how, Sticking *ret)
+{
+    const size_t first_wall = particles_fluid(s);
+    for (int l = 0; l < LANES; l++) {
+        ret->mu[l] = model->wall[s->phase[j[l]] - model->n_phases].no_slip ? mu : 0;
+        for (int d = 0; d < how.dim; d++) ret->v[d][l] = s->v_wall[d][j[l] - first_wall];
+    }
+}
+
+/* With the velocity that makes the mean on the wall that of the wall. */
+INLINE void friction_pair(const double v[3], double V, const Pair *pair, const Sticking *wall, double soft, How how,
+                          int l, Lanes sum[3])
+{
+    Pair mirrored = *pair;
+    for (int d = 0; d < how.dim; d++) mirrored.v[d] = 2 * pair->v[d] - wall->v[d][l];
+    viscosity_pair(v, V, &mirrored, wall->mu[l], soft, how, l, sum);
+}
+
 INLINE void viscosity_end(Particles *s, size_t i, const Lanes sum[3], How how)
 {
     const double scale = 1 / s->m[i];
@@ -40,6 +75,15 @@ INLINE void drag_pair(const double v[3], double V, const Pair *pair, double mu, 
     const double along = DOT_DIFFERENCE(v, pair->v, pair->x, how);
     const double c = mu * (V * pair->V * pair->F * along / mul_add(pair->r, pair->r, soft, how.fma));
     for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, pair->x[d], how);
+}
+
+/* The velocity was mirrored before (wall.c). */
+INLINE void radial_friction_pair(const double v[3], double V, const Pair *pair, const Sticking *wall, double soft,
+                                 How how, int l, Lanes sum[3])
+{
+    Pair mirrored = *pair;
+    for (int d = 0; d < how.dim; d++) mirrored.v[d] = wall->v[d][l];
+    drag_pair(v, V, &mirrored, wall->mu[l], soft, how, l, sum);
 }
 
 INLINE void drag_end(Particles *s, size_t i, const Lanes sum[3], How how)

@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The sums of P1 for viscous particles beside walls or another fluid: how they lie, and all rates. */
+#include "sim/fused.h"
+#include "sim/terms/continuity.h"
+#include "sim/terms/moments.h"
+#include "sim/terms/push.h"
+#include "sim/terms/tension.h"
+#include "sim/terms/terms.h"
+#include "sim/terms/viscosity.h"
+
+INLINE void shape_beside(const RowPlan *plan, Particles *s, size_t i, How how)
+{
+    enum { NEEDS = NEED_W | NEED_F | NEED_STATE };
+    uint32_t j[PICKED_MAX];
+    _Alignas(64) double r[ROW_BLOCKS][LANES];
+    double x[3];
+    Lanes shepard = {0}, slope[3] = {0}, towards[3] = {0};
+    Moments moments = {0};
+    Block block;
+    Marks other;
+    const Picked picked = pick_neighbours(plan, i, j);
+    const bool mixed = mark_others(plan, i, j, &picked, &other);
+    const double p = s->p[i];
+    position_of(s, i, how, x);
+    for (size_t b = 0; b < picked.n_fluid; b++) {
+        const double *beyond = beyond_reach(plan, &picked, b), *others = other.of[b];
+        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            r[b][l] = pair.r;
+            add_product(&shepard, l, pair.W, pair.V, how);
+            gradient_pair(p, &pair, how, l, slope);
+            moments_pair(&moments, &pair, 1, how, l);
+            towards_pair(&pair, others[l], how, l, towards);
+        }
+    }
+    for (size_t b = picked.n_fluid; b < picked.n; b++) {
+        const double *beyond = beyond_reach(plan, &picked, b);
+        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            r[b][l] = pair.r;
+            add_product(&shepard, l, pair.W, pair.V, how);
+        }
+    }
+    note_reach(plan, i, &picked, r[0], LANES);
+    s->shepard[i] = plan->at_zero * s->vol[i] + lanes_sum(&shepard);
+    gradient_end(s, i, &moments, slope, how);
+    if (!finds_normals(plan->model)) return;
+    if (mixed) normal_end(s, plan->model, i, &NO_CORRECTION, towards, how);
+    else normal_none(s, i, how);
+}
+BESIDE_FUNCTIONS(shape_beside)
+
+/* The tension of a particle that has a normal. */
+INLINE void pull_beside(const RowPlan *plan, Particles *s, size_t i, How how, const uint32_t *j, const Picked *picked,
+                        const Marks *other, const Pulled *a)
+{
+    enum { NEEDS = NEED_F | NEED_STATE | NEED_NORMAL };
+    double x[3];
+    Lanes towards[3] = {0}, above = {0}, below = {0};
+    Block block;
+    position_of(s, i, how, x);
+    for (size_t b = 0; b < picked->n_fluid; b++) {
+        const double *beyond = beyond_reach(plan, picked, b), *others = other->of[b];
+        double weight[LANES];
+        by_fluid(s, j + b * LANES, a->weight, weight);
+        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            towards_pair(&pair, weight[l], how, l, towards);
+            curvature_pair(a, &pair, others[l], how, l, &above, &below);
+        }
+    }
+    pull_end(s, i, a, curvature_end(&above, &below, how), &NO_CORRECTION, towards, how);
+}
+
+INLINE void rates_beside(const RowPlan *plan, Particles *s, size_t i, How how)
+{
+    enum { WALL_NEEDS = NEED_F | NEED_V | NEED_STATE, NEEDS = WALL_NEEDS | NEED_SHEPARD | NEED_GRADIENT };
+    uint32_t j[PICKED_MAX];
+    double x[3], mu[MNS_MAX_FLUIDS];
+    Lanes flow = {0}, dissipated = {0}, push[3] = {0}, drag[3] = {0}, friction[3] = {0};
+    Block block;
+    Marks other;
+    const Model *model = plan->model;
+    const Picked picked = pick_neighbours(plan, i, j);
+    const bool mixed = mark_others(plan, i, j, &picked, &other);
+    const Flowing a = flowing_of(s, model, i);
+    const Pushed c = pushed_of(s, i);
+    const WallPressure shown = wall_pressure_of(s, i);
+    const double soft = viscosity_softening(&model->kernel), beta = model->repulsion;
+    viscosities_of(model, s->phase[i], 4, mu);
+    position_of(s, i, how, x);
+    for (size_t b = 0; b < picked.n_fluid; b++) {
+        const double *beyond = beyond_reach(plan, &picked, b), *others = other.of[b];
+        double against[LANES];
+        by_fluid(s, j + b * LANES, mu, against);
+        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            const double inverse = flowing_inverse(&a, &pair);
+            continuity_pair(&a, model, &pair, inverse, how, l, &flow);
+            dissipation_pair(&a, &pair, inverse, how, l, &dissipated);
+            pressure_pair(&c, model, &pair, beta * others[l], how, l, push, WEIGHTS_PRODUCT);
+            viscosity_pair(a.v, c.V, &pair, against[l], soft, how, l, drag);
+        }
+    }
+    for (size_t b = picked.n_fluid; b < picked.n; b++) {
+        const uint32_t *wall = j + b * LANES;
+        const double *beyond = beyond_reach(plan, &picked, b);
+        Sticking sticking;
+        sticking_of(s, model, wall, wall_viscosity_of(model, s->phase[i]), how, &sticking);
+        fetch_block(&block, wall, &plan->nb->bundles, WALL_NEEDS, how);
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, WALL_NEEDS, how);
+            continuity_wall(&a, &pair, how, l, &flow);
+            pressure_wall(&c, &pair, shown_by(&shown, wall[l]), how, l, push, WEIGHTS_PRODUCT);
+            friction_pair(a.v, c.V, &pair, &sticking, soft, how, l, friction);
+        }
+    }
+    continuity_end(s, i, &flow);
+    dissipation_end(s, model, i, &dissipated);
+    pressure_end(s, i, push, how);
+    viscosity_end(s, i, drag, how);
+    if (picked.walls) viscosity_end(s, i, friction, how);
+    if (!mixed || !model->tense) return;
+    const Pulled pulled = pulled_of(s, model, i, mixed, how);
+    if (pulled.any) pull_beside(plan, s, i, how, j, &picked, &other, &pulled);
+}
+BESIDE_FUNCTIONS(rates_beside)
+
+const Fusion dissipation_shape_beside = {
+    .terms = {&shepard_sum, &pressure_gradient},
+    .also = {&interface_normal},
+    .row = BESIDE_TABLE(shape_beside),
+};
+
+const Fusion dissipation_rates_beside = {
+    .terms = {&continuity, &density_dissipation, &pressure_force, &viscosity},
+    .also = {&wall_friction, &surface_tension},
+    .row = BESIDE_TABLE(rates_beside),
+};

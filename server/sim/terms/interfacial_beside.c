@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Forces, shifting and the gradient of P2 for viscous particles beside walls or another fluid. */
+#include "sim/fused.h"
+#include "sim/terms/push.h"
+#include "sim/terms/tension.h"
+#include "sim/terms/terms.h"
+#include "sim/terms/viscosity.h"
+
+/* What is known of the neighbours of a particle, and sums that the others need. */
+typedef struct Beside {
+    uint32_t j[PICKED_MAX];
+    Picked picked;
+    Marks other, counts;            /* of each neighbour: of another fluid?  1 if what it carries counts, else 0 */
+    Moments moments, carrying, all; /* of fluids; of those that count; of fluids and walls */
+} Beside;
+
+INLINE void moments_beside(const RowPlan *plan, const Particles *s, size_t i, How how, Beside *near)
+{
+    enum { NEEDS = NEED_F | NEED_STATE };
+    double x[3];
+    Block block;
+    position_of(s, i, how, x);
+    for (size_t b = 0; b < near->picked.n_fluid; b++) {
+        const double *beyond = beyond_reach(plan, &near->picked, b), *counts = near->counts.of[b];
+        fetch_block(&block, near->j + b * LANES, &plan->nb->bundles, NEEDS, how);
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            moments_pair(&near->moments, &pair, 1, how, l);
+            moments_pair(&near->carrying, &pair, counts[l], how, l);
+        }
+    }
+    near->all = near->moments;
+    for (size_t b = near->picked.n_fluid; b < near->picked.n; b++) {
+        const double *beyond = beyond_reach(plan, &near->picked, b);
+        fetch_block(&block, near->j + b * LANES, &plan->nb->bundles, NEEDS, how);
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            moments_pair(&near->all, &pair, 1, how, l);
+        }
+    }
+}
+
+INLINE void corrected_pull_beside(const RowPlan *plan, Particles *s, size_t i, How how, const Beside *near,
+                                  const Pulled *a)
+{
+    enum { NEEDS = NEED_F | NEED_STATE | NEED_NORMAL };
+    double x[3];
+    Lanes towards[3] = {0}, bend[3][3] = {0};
+    Block block;
+    const Correction M = moments_inverse(&near->all, how);
+    position_of(s, i, how, x);
+    for (size_t b = 0; b < near->picked.n_fluid; b++) {
+        const double *beyond = beyond_reach(plan, &near->picked, b), *others = near->other.of[b];
+        double weight[LANES];
+        by_fluid(s, near->j + b * LANES, a->weight, weight);
+        fetch_block(&block, near->j + b * LANES, &plan->nb->bundles, NEEDS, how);
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            towards_pair(&pair, weight[l], how, l, towards);
+            corrected_curvature_pair(a, &pair, others[l], how, l, bend);
+        }
+    }
+    pull_end(s, i, a, corrected_curvature_end(&M, bend, how), &M, towards, how);
+}
+
+INLINE void forces_beside(const RowPlan *plan, Particles *s, size_t i, How how)
+{
+    enum { WALL_NEEDS = NEED_F | NEED_V | NEED_STATE, NEEDS = WALL_NEEDS | NEED_SHEPARD };
+    double x[3], mu[MNS_MAX_FLUIDS];
+    Lanes push[3] = {0}, drag[3] = {0}, friction[3] = {0}, slope[3] = {0}, carried[4] = {0};
+    Block block;
+    Beside near;
+    const Model *model = plan->model;
+    near.moments = near.carrying = (Moments){0};
+    near.picked = pick_neighbours(plan, i, near.j);
+    const bool mixed = mark_others(plan, i, near.j, &near.picked, &near.other);
+    const double own_only = mixed && model->shifts_along_interfaces ? 1 : 0;
+    for (size_t b = 0; b < near.picked.n_fluid; b++)
+        for (int l = 0; l < LANES; l++) near.counts.of[b][l] = 1 - own_only * near.other.of[b][l];
+    moments_beside(plan, s, i, how, &near);
+    const Pushed a = pushed_of(s, i);
+    const WallPressure shown = wall_pressure_of(s, i);
+    Shifted c = shifted_of(s, model, i);
+    if (mixed) shifted_corrected(&c, &near.carrying, how);
+    const double soft = viscosity_softening(&model->kernel), beta = model->repulsion, p = s->p[i];
+    viscosities_of(model, s->phase[i], 2, mu);
+    position_of(s, i, how, x);
+    for (size_t b = 0; b < near.picked.n_fluid; b++) {
+        const double *beyond = beyond_reach(plan, &near.picked, b);
+        const double *others = near.other.of[b], *counts = near.counts.of[b];
+        double against[LANES];
+        by_fluid(s, near.j + b * LANES, mu, against);
+        fetch_block(&block, near.j + b * LANES, &plan->nb->bundles, NEEDS, how);
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            pressure_pair(&a, model, &pair, beta * others[l], how, l, push, WEIGHTS_SQUARES);
+            drag_pair(c.v, a.V, &pair, against[l], soft, how, l, drag);
+            gradient_pair(p, &pair, how, l, slope);
+            shifting_pair(&c, &pair, counts[l], how, l, carried);
+        }
+    }
+    for (size_t b = near.picked.n_fluid; b < near.picked.n; b++) {
+        const uint32_t *wall = near.j + b * LANES;
+        const double *beyond = beyond_reach(plan, &near.picked, b);
+        Sticking sticking;
+        sticking_of(s, model, wall, mu[s->phase[i]], how, &sticking);
+        fetch_block(&block, wall, &plan->nb->bundles, WALL_NEEDS, how);
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, WALL_NEEDS, how);
+            pressure_wall(&a, &pair, shown_by(&shown, wall[l]), how, l, push, WEIGHTS_SQUARES);
+            radial_friction_pair(c.v, a.V, &pair, &sticking, soft, how, l, friction);
+        }
+    }
+    pressure_end(s, i, push, how);
+    drag_end(s, i, drag, how);
+    if (near.picked.walls) drag_end(s, i, friction, how);
+    if (mixed && model->tense) {
+        const Pulled pulled = pulled_of(s, model, i, mixed, how);
+        if (pulled.any) corrected_pull_beside(plan, s, i, how, &near, &pulled);
+    }
+    gradient_end(s, i, &near.moments, slope, how);
+    shifting_end(&c, s, model, i, carried, how);
+}
+BESIDE_FUNCTIONS(forces_beside)
+
+const Fusion interfacial_forces_beside = {
+    .terms = {&volume_pressure_force, &radial_viscosity, &pressure_gradient, &shifting},
+    .also = {&radial_friction, &corrected_tension},
+    .row = BESIDE_TABLE(forces_beside),
+};
