@@ -66,6 +66,47 @@ INLINE Pair fetched_pair(const Block *b, int l, const double *beyond, const doub
     return pair;
 }
 
+/* Fetch the first bundle of block b, if there is such a block, and take the distances. One block ahead of its terms, as nothing else
+ * could be done while roots are taken. */
+INLINE void approach(Block ahead[2], size_t b, const RowPlan *plan, const Picked *picked, const uint32_t *j,
+                     const double x_i[3], How how)
+{
+    if (b >= picked->n) return;
+    Block *block = &ahead[b % 2];
+    const double *beyond = beyond_reach(plan, picked, b);
+    fetch_bundle(block, j + b * LANES, &plan->nb->bundles, 0, how);
+#pragma omp simd
+    for (int l = 0; l < LANES; l++) {
+        double x[3];
+        for (int d = 0; d < how.dim; d++) x[d] = block->x[d][l] = nearest(plan->model, x_i[d] - block->x[d][l], d, how);
+        block->r[l] = sqrt(DOT(x, x, how)) + beyond[l];
+    }
+}
+
+/* Pair l of a block that was approached, and of which the rest was fetched for these needs. */
+INLINE Pair near_pair(const Block *near, const Block *rest, int l, const RowPlan *plan, unsigned needs, How how)
+{
+    Pair pair = {.r = near->r[l]};
+    for (int d = 0; d < how.dim; d++) {
+        pair.x[d] = near->x[d][l];
+        if (needs & NEED_V) pair.v[d] = (bundle_has(how.dim, 0, CARRIED_V + d) ? near : rest)->v[d][l];
+        if (needs & NEED_GRADIENT) pair.gradient[d] = rest->gradient[d][l];
+        if (needs & NEED_NORMAL) pair.normal[d] = rest->normal[d][l];
+    }
+    if (needs & (NEED_W | NEED_F)) {
+        const KernelValue value = how.kernel(&plan->kernel, pair.r, how.fma);
+        pair.W = value.W;
+        pair.F = value.F;
+    }
+    if (needs & NEED_SHEPARD) pair.shepard = rest->shepard[l];
+    if (needs & NEED_STATE) {
+        pair.p = rest->p[l];
+        pair.V = rest->V[l];
+        pair.z = rest->z[l];
+    }
+    return pair;
+}
+
 /* FUSED_FUNCTIONS(body) makes functions of every level, in two and three dimensions, from a FusedBody that is INLINE;
  * FUSED_TABLE(body) is the table of them. Each kernel has functions of its own: of several bodies in one, gcc gives up on some. */
 #define FUSED_SHAPE(type, shape, body, level, target, dimensions, fused, how_to_fetch)                                 \

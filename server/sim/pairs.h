@@ -95,6 +95,13 @@ INLINE double *place(Block *block, int what)
     }
 }
 
+/* Is a quantity in bundle k? */
+INLINE bool bundle_has(int dim, int k, int what)
+{
+    const uint8_t *of = BUNDLE_LAYOUT[dim - 2][k];
+    return of[0] == what || of[1] == what || of[2] == what || of[3] == what;
+}
+
 INLINE void fetch_bundle(Block *block, const uint32_t *j, const Bundles *bundles, int k, How how)
 {
     const uint8_t *what = BUNDLE_LAYOUT[how.dim - 2][k];
@@ -102,13 +109,19 @@ INLINE void fetch_bundle(Block *block, const uint32_t *j, const Bundles *bundles
               place(block, what[3]));
 }
 
-INLINE void fetch_block(Block *block, const uint32_t *j, const Bundles *bundles, unsigned needs, How how)
+/* What is not in the first bundle, where positions are. */
+INLINE void fetch_rest(Block *block, const uint32_t *j, const Bundles *bundles, unsigned needs, How how)
 {
-    fetch_bundle(block, j, bundles, 0, how);
     if (needs & bundle_meets(how.dim, 1)) fetch_bundle(block, j, bundles, 1, how);
     if (needs & bundle_meets(how.dim, 2)) fetch_bundle(block, j, bundles, 2, how);
     if (needs & bundle_meets(how.dim, 3)) fetch_bundle(block, j, bundles, 3, how);
     if (needs & bundle_meets(how.dim, 4)) fetch_bundle(block, j, bundles, 4, how);
+}
+
+INLINE void fetch_block(Block *block, const uint32_t *j, const Bundles *bundles, unsigned needs, How how)
+{
+    fetch_bundle(block, j, bundles, 0, how);
+    fetch_rest(block, j, bundles, needs, how);
 }
 
 /* Neighbours of a particle: pairs [0, fluid) are with fluid, in n_fluid blocks; so many with walls follow in the blocks up to n.

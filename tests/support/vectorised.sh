@@ -36,7 +36,7 @@ rows_of() {
 # Fused loops, whose bodies are inlined too, are all that take roots: so none may take a single one.
 fused_roots() {
     objdump -d --no-show-raw-insn "$object" | awk -v root="$1" '
-        /^[0-9a-f]+ <.*>:$/ { inside = $2 ~ /_fused_/ }
+        /^[0-9a-f]+ <.*>:$/ { inside = $2 ~ /_(fused|beside)_/ }
         inside && $2 == root { n++ }
         END { print n + 0 }'
 }
@@ -58,7 +58,7 @@ while read -r file; do
         found=$(grep -cE "row\.h:($in_block_pair)$" "$remarks" || true)
         verdict "$((found < 2 * rows))" "each of $rows loops over rows in $file"
     fi
-    if grep -q FUSED_TABLE "$file"; then
+    if grep -qE '(FUSED|BESIDE)_TABLE' "$file"; then
         verdict "$(($(fused_roots vsqrtsd) > 0 || $(fused_roots vsqrtpd) == 0))" "what is fused in $file"
     fi
 done < <(grep -rlE '^[[:space:]]*#pragma omp.*simd' server/sim --include='*.c' | sort)

@@ -127,6 +127,29 @@ static void steered_runs_resume_bit_for_bit(void **state)
         }
 }
 
+/* Nobody pays for the fields of an option that is off. */
+static void fields_are_there_once_an_option_needs_them(void **state)
+{
+    (void)state;
+    MnsCase *c = case_shaken_by("interfacial", 3, 1), *steered = case_shaken_by("interfacial", 3, 1);
+    steered->scheme.interfacial.gradient_correction = true;
+    MnsSim *sim = sim_of(c);
+    const size_t before = particles_bytes(&sim->s);
+    sim_steps(sim, 2);
+    assert_null(sim->s.correction[0]);
+    assert_null(sim->s.correction_off[2]);
+    assert_int_equal(mns_sim_steer(sim, steered, NULL), MNS_OK);
+    mns_case_free(c);
+    sim_steps(sim, 2);
+    assert_true(particles_bytes(&sim->s) >= before + 6 * sizeof(double) * sim->s.n);
+    for (int d = 0; d < 3; d++) {
+        assert_non_null(sim->s.correction[d]);
+        assert_non_null(sim->s.correction_off[d]);
+        assert_true(sim->s.correction[d][0] > 0.5);
+    }
+    sim_done(sim, steered);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -134,6 +157,7 @@ int main(void)
         cmocka_unit_test(steering_refuses_what_cannot_change_and_changes_nothing_then),
         cmocka_unit_test(steered_threads_and_limits_do_not_change_the_bits),
         cmocka_unit_test(steered_options_take_effect),
+        cmocka_unit_test(fields_are_there_once_an_option_needs_them),
         cmocka_unit_test(steered_runs_resume_bit_for_bit),
     };
     return cmocka_run_group_tests_name("steer", tests, NULL, NULL);

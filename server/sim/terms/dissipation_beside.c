@@ -16,18 +16,20 @@ INLINE void shape_beside(const RowPlan *plan, Particles *s, size_t i, How how)
     double x[3];
     Lanes shepard = {0}, slope[3] = {0}, towards[3] = {0};
     Moments moments = {0};
-    Block block;
+    Block block, ahead[2];
     Marks other;
     const Picked picked = pick_neighbours(plan, i, j);
     const bool mixed = mark_others(plan, i, j, &picked, &other);
     const double p = s->p[i];
     position_of(s, i, how, x);
+    approach(ahead, 0, plan, &picked, j, x, how);
     for (size_t b = 0; b < picked.n_fluid; b++) {
-        const double *beyond = beyond_reach(plan, &picked, b), *others = other.of[b];
-        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
+        approach(ahead, b + 1, plan, &picked, j, x, how);
+        const double *others = other.of[b];
+        fetch_rest(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, NEEDS, how);
             r[b][l] = pair.r;
             add_product(&shepard, l, pair.W, pair.V, how);
             gradient_pair(p, &pair, how, l, slope);
@@ -36,11 +38,11 @@ INLINE void shape_beside(const RowPlan *plan, Particles *s, size_t i, How how)
         }
     }
     for (size_t b = picked.n_fluid; b < picked.n; b++) {
-        const double *beyond = beyond_reach(plan, &picked, b);
-        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
+        approach(ahead, b + 1, plan, &picked, j, x, how);
+        fetch_rest(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, NEEDS, how);
             r[b][l] = pair.r;
             add_product(&shepard, l, pair.W, pair.V, how);
         }
@@ -61,16 +63,18 @@ INLINE void pull_beside(const RowPlan *plan, Particles *s, size_t i, How how, co
     enum { NEEDS = NEED_F | NEED_STATE | NEED_NORMAL };
     double x[3];
     Lanes towards[3] = {0}, above = {0}, below = {0};
-    Block block;
+    Block block, ahead[2];
     position_of(s, i, how, x);
+    approach(ahead, 0, plan, picked, j, x, how);
     for (size_t b = 0; b < picked->n_fluid; b++) {
-        const double *beyond = beyond_reach(plan, picked, b), *others = other->of[b];
+        approach(ahead, b + 1, plan, picked, j, x, how);
+        const double *others = other->of[b];
         double weight[LANES];
         by_fluid(s, j + b * LANES, a->weight, weight);
-        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
+        fetch_rest(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, NEEDS, how);
             towards_pair(&pair, weight[l], how, l, towards);
             curvature_pair(a, &pair, others[l], how, l, &above, &below);
         }
@@ -84,7 +88,7 @@ INLINE void rates_beside(const RowPlan *plan, Particles *s, size_t i, How how)
     uint32_t j[PICKED_MAX];
     double x[3], mu[MNS_MAX_FLUIDS];
     Lanes flow = {0}, dissipated = {0}, push[3] = {0}, drag[3] = {0}, friction[3] = {0};
-    Block block;
+    Block block, ahead[2];
     Marks other;
     const Model *model = plan->model;
     const Picked picked = pick_neighbours(plan, i, j);
@@ -95,30 +99,32 @@ INLINE void rates_beside(const RowPlan *plan, Particles *s, size_t i, How how)
     const double soft = viscosity_softening(&model->kernel), beta = model->repulsion;
     viscosities_of(model, s->phase[i], 4, mu);
     position_of(s, i, how, x);
+    approach(ahead, 0, plan, &picked, j, x, how);
     for (size_t b = 0; b < picked.n_fluid; b++) {
-        const double *beyond = beyond_reach(plan, &picked, b), *others = other.of[b];
+        approach(ahead, b + 1, plan, &picked, j, x, how);
+        const double *others = other.of[b];
         double against[LANES];
         by_fluid(s, j + b * LANES, mu, against);
-        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
+        fetch_rest(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, NEEDS, how);
             const double inverse = flowing_inverse(&a, &pair);
             continuity_pair(&a, model, &pair, inverse, how, l, &flow);
             dissipation_pair(&a, &pair, inverse, how, l, &dissipated);
-            pressure_pair(&c, model, &pair, beta * others[l], how, l, push, WEIGHTS_PRODUCT);
+            pressure_pair(&c, model, &pair, true, beta * others[l], how, l, push, WEIGHTS_PRODUCT);
             viscosity_pair(a.v, c.V, &pair, against[l], soft, how, l, drag);
         }
     }
     for (size_t b = picked.n_fluid; b < picked.n; b++) {
         const uint32_t *wall = j + b * LANES;
-        const double *beyond = beyond_reach(plan, &picked, b);
+        approach(ahead, b + 1, plan, &picked, j, x, how);
         Sticking sticking;
         sticking_of(s, model, wall, wall_viscosity_of(model, s->phase[i]), how, &sticking);
-        fetch_block(&block, wall, &plan->nb->bundles, WALL_NEEDS, how);
+        fetch_rest(&block, wall, &plan->nb->bundles, WALL_NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, WALL_NEEDS, how);
+            const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, WALL_NEEDS, how);
             continuity_wall(&a, &pair, how, l, &flow);
             pressure_wall(&c, &pair, shown_by(&shown, wall[l]), how, l, push, WEIGHTS_PRODUCT);
             friction_pair(a.v, c.V, &pair, &sticking, soft, how, l, friction);

@@ -12,23 +12,24 @@ INLINE void dissipation_rates_of(const RowPlan *plan, Particles *s, size_t i, Ho
     uint32_t j[PICKED_MAX];
     double x[3];
     Lanes flow = {0}, dissipated = {0}, push[3] = {0}, drag[3] = {0};
-    Block block;
+    Block block, ahead[2];
     const Model *model = plan->model;
     const Picked picked = pick_neighbours(plan, i, j);
     const Flowing a = flowing_of(s, model, i);
     const Pushed c = pushed_of(s, i);
     const double mu = viscosity_of(model, s->phase[i], s->phase[i], 4), soft = viscosity_softening(&model->kernel);
     position_of(s, i, how, x);
+    approach(ahead, 0, plan, &picked, j, x, how);
     for (size_t b = 0; b < picked.n; b++) {
-        const double *beyond = beyond_reach(plan, &picked, b);
-        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
+        approach(ahead, b + 1, plan, &picked, j, x, how);
+        fetch_rest(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, NEEDS, how);
             const double inverse = flowing_inverse(&a, &pair);
             continuity_pair(&a, model, &pair, inverse, how, l, &flow);
             dissipation_pair(&a, &pair, inverse, how, l, &dissipated);
-            pressure_pair(&c, model, &pair, 0, how, l, push, WEIGHTS_PRODUCT);
+            pressure_pair(&c, model, &pair, false, 0, how, l, push, WEIGHTS_PRODUCT);
             if (viscous) viscosity_pair(a.v, c.V, &pair, mu, soft, how, l, drag);
         }
     }

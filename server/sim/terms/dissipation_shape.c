@@ -13,16 +13,17 @@ INLINE void dissipation_shape_fused(const RowPlan *plan, Particles *s, size_t i,
     double x[3];
     Lanes shepard = {0}, slope[3] = {0};
     Moments moments = {0};
-    Block block;
+    Block block, ahead[2];
     const Picked picked = pick_neighbours(plan, i, j);
     const double p = s->p[i];
     position_of(s, i, how, x);
+    approach(ahead, 0, plan, &picked, j, x, how);
     for (size_t b = 0; b < picked.n; b++) {
-        const double *beyond = beyond_reach(plan, &picked, b);
-        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
+        approach(ahead, b + 1, plan, &picked, j, x, how);
+        fetch_rest(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, NEEDS, how);
             r[b][l] = pair.r;
             add_product(&shepard, l, pair.W, pair.V, how);
             gradient_pair(p, &pair, how, l, slope);

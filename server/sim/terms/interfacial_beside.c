@@ -18,25 +18,27 @@ INLINE void moments_beside(const RowPlan *plan, const Particles *s, size_t i, Ho
 {
     enum { NEEDS = NEED_F | NEED_STATE };
     double x[3];
-    Block block;
+    Block block, ahead[2];
     position_of(s, i, how, x);
+    approach(ahead, 0, plan, &near->picked, near->j, x, how);
     for (size_t b = 0; b < near->picked.n_fluid; b++) {
-        const double *beyond = beyond_reach(plan, &near->picked, b), *counts = near->counts.of[b];
-        fetch_block(&block, near->j + b * LANES, &plan->nb->bundles, NEEDS, how);
+        approach(ahead, b + 1, plan, &near->picked, near->j, x, how);
+        const double *counts = near->counts.of[b];
+        fetch_rest(&block, near->j + b * LANES, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, NEEDS, how);
             moments_pair(&near->moments, &pair, 1, how, l);
             moments_pair(&near->carrying, &pair, counts[l], how, l);
         }
     }
     near->all = near->moments;
     for (size_t b = near->picked.n_fluid; b < near->picked.n; b++) {
-        const double *beyond = beyond_reach(plan, &near->picked, b);
-        fetch_block(&block, near->j + b * LANES, &plan->nb->bundles, NEEDS, how);
+        approach(ahead, b + 1, plan, &near->picked, near->j, x, how);
+        fetch_rest(&block, near->j + b * LANES, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, NEEDS, how);
             moments_pair(&near->all, &pair, 1, how, l);
         }
     }
@@ -48,17 +50,19 @@ INLINE void corrected_pull_beside(const RowPlan *plan, Particles *s, size_t i, H
     enum { NEEDS = NEED_F | NEED_STATE | NEED_NORMAL };
     double x[3];
     Lanes towards[3] = {0}, bend[3][3] = {0};
-    Block block;
+    Block block, ahead[2];
     const Correction M = moments_inverse(&near->all, how);
     position_of(s, i, how, x);
+    approach(ahead, 0, plan, &near->picked, near->j, x, how);
     for (size_t b = 0; b < near->picked.n_fluid; b++) {
-        const double *beyond = beyond_reach(plan, &near->picked, b), *others = near->other.of[b];
+        approach(ahead, b + 1, plan, &near->picked, near->j, x, how);
+        const double *others = near->other.of[b];
         double weight[LANES];
         by_fluid(s, near->j + b * LANES, a->weight, weight);
-        fetch_block(&block, near->j + b * LANES, &plan->nb->bundles, NEEDS, how);
+        fetch_rest(&block, near->j + b * LANES, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, NEEDS, how);
             towards_pair(&pair, weight[l], how, l, towards);
             corrected_curvature_pair(a, &pair, others[l], how, l, bend);
         }
@@ -71,7 +75,7 @@ INLINE void forces_beside(const RowPlan *plan, Particles *s, size_t i, How how)
     enum { WALL_NEEDS = NEED_F | NEED_V | NEED_STATE, NEEDS = WALL_NEEDS | NEED_SHEPARD };
     double x[3], mu[MNS_MAX_FLUIDS];
     Lanes push[3] = {0}, drag[3] = {0}, friction[3] = {0}, slope[3] = {0}, carried[4] = {0};
-    Block block;
+    Block block, ahead[2];
     Beside near;
     const Model *model = plan->model;
     near.moments = near.carrying = (Moments){0};
@@ -88,16 +92,17 @@ INLINE void forces_beside(const RowPlan *plan, Particles *s, size_t i, How how)
     const double soft = viscosity_softening(&model->kernel), beta = model->repulsion, p = s->p[i];
     viscosities_of(model, s->phase[i], 2, mu);
     position_of(s, i, how, x);
+    approach(ahead, 0, plan, &near.picked, near.j, x, how);
     for (size_t b = 0; b < near.picked.n_fluid; b++) {
-        const double *beyond = beyond_reach(plan, &near.picked, b);
+        approach(ahead, b + 1, plan, &near.picked, near.j, x, how);
         const double *others = near.other.of[b], *counts = near.counts.of[b];
         double against[LANES];
         by_fluid(s, near.j + b * LANES, mu, against);
-        fetch_block(&block, near.j + b * LANES, &plan->nb->bundles, NEEDS, how);
+        fetch_rest(&block, near.j + b * LANES, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
-            pressure_pair(&a, model, &pair, beta * others[l], how, l, push, WEIGHTS_SQUARES);
+            const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, NEEDS, how);
+            pressure_pair(&a, model, &pair, true, beta * others[l], how, l, push, WEIGHTS_SQUARES);
             drag_pair(c.v, a.V, &pair, against[l], soft, how, l, drag);
             gradient_pair(p, &pair, how, l, slope);
             shifting_pair(&c, &pair, counts[l], how, l, carried);
@@ -105,13 +110,13 @@ INLINE void forces_beside(const RowPlan *plan, Particles *s, size_t i, How how)
     }
     for (size_t b = near.picked.n_fluid; b < near.picked.n; b++) {
         const uint32_t *wall = near.j + b * LANES;
-        const double *beyond = beyond_reach(plan, &near.picked, b);
+        approach(ahead, b + 1, plan, &near.picked, near.j, x, how);
         Sticking sticking;
         sticking_of(s, model, wall, mu[s->phase[i]], how, &sticking);
-        fetch_block(&block, wall, &plan->nb->bundles, WALL_NEEDS, how);
+        fetch_rest(&block, wall, &plan->nb->bundles, WALL_NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, WALL_NEEDS, how);
+            const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, WALL_NEEDS, how);
             pressure_wall(&a, &pair, shown_by(&shown, wall[l]), how, l, push, WEIGHTS_SQUARES);
             radial_friction_pair(c.v, a.V, &pair, &sticking, soft, how, l, friction);
         }

@@ -12,17 +12,18 @@ INLINE void interfacial_density_fused(const RowPlan *plan, Particles *s, size_t 
     _Alignas(64) double r[ROW_BLOCKS][LANES];
     double x[3];
     Lanes shepard = {0}, crowd[3] = {0}, flow = {0}, dissipated = {0};
-    Block block;
+    Block block, ahead[2];
     const Model *model = plan->model;
     const Picked picked = pick_neighbours(plan, i, j);
     const Flowing a = flowing_of(s, model, i);
     position_of(s, i, how, x);
+    approach(ahead, 0, plan, &picked, j, x, how);
     for (size_t b = 0; b < picked.n; b++) {
-        const double *beyond = beyond_reach(plan, &picked, b);
-        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
+        approach(ahead, b + 1, plan, &picked, j, x, how);
+        fetch_rest(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, NEEDS, how);
             const double inverse = flowing_inverse(&a, &pair);
             r[b][l] = pair.r;
             add_product(&shepard, l, pair.W, pair.V, how);

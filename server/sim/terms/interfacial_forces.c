@@ -13,7 +13,7 @@ INLINE void interfacial_forces_of(const RowPlan *plan, Particles *s, size_t i, H
     double x[3];
     Lanes push[3] = {0}, drag[3] = {0}, slope[3] = {0}, carried[4] = {0};
     Moments moments = {0};
-    Block block;
+    Block block, ahead[2];
     const Model *model = plan->model;
     const Picked picked = pick_neighbours(plan, i, j);
     const Pushed a = pushed_of(s, i);
@@ -21,13 +21,14 @@ INLINE void interfacial_forces_of(const RowPlan *plan, Particles *s, size_t i, H
     const double mu = viscosity_of(model, s->phase[i], s->phase[i], 2), soft = viscosity_softening(&model->kernel);
     const double p = s->p[i];
     position_of(s, i, how, x);
+    approach(ahead, 0, plan, &picked, j, x, how);
     for (size_t b = 0; b < picked.n; b++) {
-        const double *beyond = beyond_reach(plan, &picked, b);
-        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
+        approach(ahead, b + 1, plan, &picked, j, x, how);
+        fetch_rest(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
-            pressure_pair(&a, model, &pair, 0, how, l, push, WEIGHTS_SQUARES);
+            const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, NEEDS, how);
+            pressure_pair(&a, model, &pair, false, 0, how, l, push, WEIGHTS_SQUARES);
             if (viscous) drag_pair(c.v, a.V, &pair, mu, soft, how, l, drag);
             gradient_pair(p, &pair, how, l, slope);
             moments_pair(&moments, &pair, 1, how, l);

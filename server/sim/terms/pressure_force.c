@@ -19,7 +19,7 @@ INLINE void push(const Row *row, Particles *s, const Model *model, How how, Weig
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
-            pressure_pair(&a, model, &pair, row->mixed ? beta * pair.other : 0, how, l, sum, weights);
+            pressure_pair(&a, model, &pair, true, row->mixed ? beta * pair.other : 0, how, l, sum, weights);
         }
     for (const Block *b = walls; b < end; b++) {
         const uint32_t *j = row_j(row, b);

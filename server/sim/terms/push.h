@@ -32,12 +32,16 @@ INLINE double weighted(const Pushed *a, const Pair *pair, double mine, double it
     return weights == WEIGHTS_PRODUCT ? a->V * pair->V * (mine + its) : a->V * a->V * mine + pair->V * pair->V * its;
 }
 
-/* repulsion: beta with a particle of another fluid, else 0. */
-INLINE void pressure_pair(const Pushed *a, const Model *model, const Pair *pair, double repulsion, How how, int l,
-                          Lanes sum[3], Weights weights)
+/* repulsion: beta with a particle of another fluid, else 0; repels: it may be another. */
+INLINE void pressure_pair(const Pushed *a, const Model *model, const Pair *pair, bool repels, double repulsion, How how,
+                          int l, Lanes sum[3], Weights weights)
 {
     const double t = average_tilt(model, a->z, pair, 1 / (a->z + pair->z)), P = pair->p * pair->shepard;
-    const double mine = (1 + t) * a->P + repulsion * fabs(a->P), its = (1 - t) * P + repulsion * fabs(P);
+    double mine = (1 + t) * a->P, its = (1 - t) * P;
+    if (repels) {
+        mine += repulsion * fabs(a->P);
+        its += repulsion * fabs(P);
+    }
     add_along(pair, weighted(a, pair, mine, its, weights) * pair->F, how, l, sum);
 }
 

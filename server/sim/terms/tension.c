@@ -12,6 +12,12 @@
 #include "sim/terms/images.h"
 #include "sim/terms/tension.h"
 #include "sim/terms/terms.h"
+#include <math.h>
+
+double magnitude_of(double square)
+{
+    return sqrt(square);
+}
 
 static bool is_tense(const Model *model)
 {
