@@ -70,8 +70,8 @@ static const Fusion *fusion_for(const Pass *pass, int n, const Term *const *term
         const Fusion *fusion = pass->fusions[k];
         const unsigned must = among(pass, PASS_TERMS_MAX, fusion->terms),
                        may = among(pass, PASS_TERMS_MAX, fusion->also);
-        if (!fusion->row[level][0]) continue;
-        if (!(fusion->not_for & kinds) && (wanted & must) == must && !(wanted & ~(must | may)) && wanted) return fusion;
+        if (!fusion->row[level][0] || !fusion_serves(fusion, kinds)) continue;
+        if ((wanted & must) == must && !(wanted & ~(must | may)) && wanted) return fusion;
     }
     return NULL;
 }

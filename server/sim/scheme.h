@@ -40,8 +40,16 @@ typedef struct Fusion {
     const Term *terms[PASS_TERMS_MAX]; /* end with NULL; in the order of the pass, as are those that follow */
     const Term *also[PASS_TERMS_MAX];  /* what it does where it is needed, and finds out itself; end with NULL */
     unsigned not_for;                  /* particles whose lists have such neighbours: LIST_... */
+    unsigned not_together;             /* nor those that have all of these, unless it is 0 */
     FusedFunction row[LEVELS][2];      /* FUSED_TABLE() or BESIDE_TABLE(); NULL: not at this level */
 } Fusion;
+
+/* Is it for particles that have neighbours of these kinds? */
+static inline bool fusion_serves(const Fusion *fusion, unsigned kinds)
+{
+    const unsigned together = fusion->not_together;
+    return !(fusion->not_for & kinds) && !(together && (kinds & together) == together);
+}
 
 /* One sweep: local rules before, terms sharing a Row, local rules after. All lists end with NULL. */
 typedef struct Pass {

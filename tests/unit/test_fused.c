@@ -218,7 +218,7 @@ static void check_kinds(const Pass *from, const Fusion *fusion, const Way *way)
     fused.fusions[0] = &watched;
     for (unsigned kinds = 0; kinds <= LIST_KINDS; kinds++) {
         if (way->walls || !(kinds & LIST_WALLS)) assert_true(of_kinds(a, kinds) > 0);
-        if (!(fusion->not_for & kinds) && counted.function) expected += of_kinds(a, kinds);
+        if (fusion_serves(fusion, kinds) && counted.function) expected += of_kinds(a, kinds);
     }
     pass_run(&fused, &a->s, &a->nb, &a->model, 1);
     pass_run(&apart, &b->s, &b->nb, &b->model, 1);

@@ -144,11 +144,13 @@ BESIDE_FUNCTIONS(rates_beside)
 const Fusion dissipation_shape_beside = {
     .terms = {&shepard_sum, &pressure_gradient},
     .also = {&interface_normal},
+    .not_together = LIST_WALLS | LIST_OTHERS, /* where walls mirror interfaces (images.c) */
     .row = BESIDE_TABLE(shape_beside),
 };
 
 const Fusion dissipation_rates_beside = {
     .terms = {&continuity, &density_dissipation, &pressure_force, &viscosity},
     .also = {&wall_friction, &surface_tension},
+    .not_together = LIST_WALLS | LIST_OTHERS, /* where walls mirror interfaces (images.c) */
     .row = BESIDE_TABLE(rates_beside),
 };

@@ -136,5 +136,6 @@ BESIDE_FUNCTIONS(forces_beside)
 const Fusion interfacial_forces_beside = {
     .terms = {&volume_pressure_force, &radial_viscosity, &pressure_gradient, &shifting},
     .also = {&radial_friction, &corrected_tension},
+    .not_together = LIST_WALLS | LIST_OTHERS, /* where walls mirror interfaces (images.c) */
     .row = BESIDE_TABLE(forces_beside),
 };

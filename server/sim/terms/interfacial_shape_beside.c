@@ -90,5 +90,6 @@ const Fusion interfacial_density_beside = {
 
 const Fusion interfacial_normal = {
     .terms = {&corrected_normal},
+    .not_together = LIST_WALLS | LIST_OTHERS, /* where walls mirror interfaces (images.c) */
     .row = BESIDE_TABLE(normal_beside),
 };

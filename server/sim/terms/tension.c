@@ -9,8 +9,8 @@
  *   P1 eq. 14:  kappa_i = dim sum_j e . grad_i W V_j / sum_j r |grad_i W| V_j,   e = +-n_j - n_i
  *   P2 eq. 36:  kappa_i = sum_j e . M_i grad_i W V_j,   and q and s with M_i too, of fluids and walls
  * Walls have no colour: where they are flat, what lies beside them is mirrored instead (images.c). */
-#include "sim/terms/images.h"
 #include "sim/terms/tension.h"
+#include "sim/terms/images.h"
 #include "sim/terms/terms.h"
 #include <math.h>
 
