@@ -75,8 +75,9 @@ static inline __attribute__((always_inline)) unsigned bundle_meets(int dim, int 
                                         NEED_NORMAL,
                                         NEED_NORMAL,
                                         [CARRIED_NOTHING] = 0};
-    const uint8_t *of = BUNDLE_LAYOUT[dim - 2][k];
-    return (unsigned)(NEED_FOR[of[0]] | NEED_FOR[of[1]] | NEED_FOR[of[2]] | NEED_FOR[of[3]]);
+    unsigned needs = 0;
+    for (int q = 0; q < 4; q++) needs |= NEED_FOR[BUNDLE_LAYOUT[dim - 2][k][q]];
+    return needs;
 }
 
 typedef struct Bundle {

@@ -45,4 +45,5 @@ within dambreak2d-p3 20 137
 within dambreak3d-p3 8 146
 within droplet2d-p3 40 142
 within droplet3d-p3 12 104
+within drop3d-p2 10 247
 exit $failed
