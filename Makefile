@@ -31,6 +31,10 @@ pkg_cflags := $(shell pkg-config --cflags $(PKGS) 2>/dev/null | sed 's/-I/-isyst
 pkg_libs   := $(shell pkg-config --libs $(PKGS) 2>/dev/null)
 client_libs := $(shell pkg-config --libs $(CLIENT_PKGS) 2>/dev/null)
 # CPPFLAGS, CFLAGS, LDFLAGS and LDLIBS are the user's: they come last and win.
+# hypre's algebraic multigrid, for large pressure systems, where it is installed; HYPRE= builds without it.
+HYPRE     ?= $(wildcard /usr/include/hypre/HYPRE.h)
+hypre_cflags := $(if $(HYPRE),-DHAVE_HYPRE=1 -isystem $(dir $(HYPRE)) $(shell pkg-config --cflags ompi-c 2>/dev/null | sed 's/-I/-isystem /g'))
+hypre_libs := $(if $(HYPRE),-lHYPRE $(shell pkg-config --libs ompi-c 2>/dev/null))
 cppflags  := -Iinclude -Iserver -I. -I$(BUILD)/gen -D_GNU_SOURCE -DMENISCUS_VERSION='"$(VERSION)"' $(pkg_cflags)
 cases     := -DMENISCUS_CASES='"$(PREFIX)/share/meniscus/cases"'
 sanitize  := $(if $(SANITIZE),-fsanitize=$(SANITIZE) -fno-omit-frame-pointer -DMENISCUS_SANITIZED)
@@ -45,7 +49,7 @@ say        = $(if $(V),,@$(if $(silent),,echo "$(1) $(2)"; ))
 sources    = $(sort $(foreach d,$(1),$(wildcard $(d)/*.c)))
 objects    = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 GEN       := $(BUILD)/gen/case.pb-c.c $(BUILD)/gen/meniscus.pb-c.c $(BUILD)/gen/case_schema.c
-SOLVER    := $(call objects,$(call sources,server/base server/sim server/sim/probes server/sim/integrators server/sim/terms server/sim/locals server/sim/schemes))
+SOLVER    := $(call objects,$(call sources,server/base server/sim server/sim/probes server/sim/integrators server/sim/terms server/sim/locals server/sim/solve server/sim/schemes))
 PROTO     := $(call objects,$(call sources,proto)) $(patsubst $(BUILD)/gen/%.c,$(BUILD)/obj/gen/%.o,$(GEN))
 DAEMON    := $(call objects,$(call sources,server/cases server/io server/run server/net server/batch))
 CLIENT    := $(call objects,$(call sources,client/lib)) $(BUILD)/obj/server/base/status.o
@@ -88,7 +92,7 @@ bench: bench-programs ## benchmarks as JSON lines
 	@for b in $(BENCH); do $$b || exit 1; done
 	@for b in $(wildcard tests/bench/*.py); do BUILD=$(BUILD) $(PYTHON) $$b || exit 1; done
 
-.PHONY: tests bench-programs flags
+.PHONY: tests bench-programs flags solver-libs
 tests: $(UNIT) # and none whose source is gone, as all programs there are run
 	@rm -f $(filter-out $(UNIT),$(wildcard $(BUILD)/tests/unit/* $(BUILD)/tests/protocol/*))
 bench-programs: all $(BENCH)
@@ -110,7 +114,10 @@ lint: all ## clang-format, clang-tidy, cppcheck, shellcheck, layers
 	@BUILD=$(BUILD) tests/support/lint.sh
 
 flags: # the preprocessor's, quoted for a shell: for the scripts of tests/support
-	$(info $(cppflags) $(cases) $(CPPFLAGS))@:
+	$(info $(cppflags) $(hypre_cflags) $(cases) $(CPPFLAGS))@:
+
+solver-libs: # that the solver needs besides those of its .pc file
+	$(info $(hypre_libs))@:
 
 format: ## lay out the sources
 	clang-format -i $$(git ls-files '*.c' '*.h')
@@ -125,8 +132,9 @@ clean: ## remove the build
 	rm -rf $(BUILD)
 
 # --- programs and libraries ---------------------------------------------------------------------------------------------
+$(BUILD)/obj/server/sim/solve/amg.o: private cppflags += $(hypre_cflags)
 $(BUILD)/meniscusd: $(BUILD)/obj/server/main.o $(DAEMON) $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-proto.a $(BUILD)/stamp/sources
-	$(call say,LINK,$@)$(link) $(filter-out %/sources,$^) $(pkg_libs) -lm -lpthread $(LDLIBS)
+	$(call say,LINK,$@)$(link) $(filter-out %/sources,$^) $(pkg_libs) $(hypre_libs) -lm -lpthread $(LDLIBS)
 $(BUILD)/meniscus: $(CLI) $(BUILD)/libmeniscus-client.a $(BUILD)/stamp/sources
 	$(call say,LINK,$@)$(link) $(filter-out %/sources,$^) $(pkg_libs) -lm -lpthread $(LDLIBS)
 $(BUILD)/libmeniscus.a: $(SOLVER)
@@ -141,7 +149,7 @@ $(BUILD)/libmeniscus-client.so: $(CLIENT) $(PROTO) client/lib/exports.map $(BUIL
 	    $(filter %.o,$^) $(client_libs) $(LDLIBS)
 $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT) $(BUILD)/libmeniscus-cli.a $(BUILD)/libmeniscus-client.a $(BUILD)/libmeniscusd.a $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-proto.a
 	@mkdir -p $(@D)
-	$(call say,LINK,$@)$(link) $< $(SUPPORT) -Wl,--start-group $(filter %.a,$^) -Wl,--end-group $(pkg_libs) -lm -lpthread -lcmocka $(LDLIBS)
+	$(call say,LINK,$@)$(link) $< $(SUPPORT) -Wl,--start-group $(filter %.a,$^) -Wl,--end-group $(pkg_libs) $(hypre_libs) -lm -lpthread -lcmocka $(LDLIBS)
 
 # --- objects and generated sources --------------------------------------------------------------------------------------
 $(SOLVER): private cflags += $(HOT)
@@ -169,7 +177,7 @@ $(BUILD)/python/meniscus/meniscus_pb2.py: client/python/generate.py $(PY_FILES) 
 	$(call say,GEN,$(@D))$(PYTHON) client/python/generate.py proto $(@D) && cp $(PY_FILES) $(@D)
 
 # --- stamps: written only when what they hold has changed, and then all that depends on it is made again ------------------
-$(BUILD)/stamp/flags: export STAMP = $(compile) $(WARN) $(CFLAGS) $(link) $(pkg_libs) $(client_libs) $(LDLIBS)
+$(BUILD)/stamp/flags: export STAMP = $(compile) $(hypre_cflags) $(WARN) $(CFLAGS) $(link) $(pkg_libs) $(hypre_libs) $(client_libs) $(LDLIBS)
 $(BUILD)/stamp/prefix: export STAMP = $(PREFIX)
 $(BUILD)/stamp/commit: export STAMP = $(COMMIT)
 $(BUILD)/stamp/sources: export STAMP = $(SOLVER) $(PROTO) $(DAEMON) $(CLIENT) $(CLI)

@@ -116,18 +116,20 @@ static MnsStatus get_field(const Source *s, const char *name, size_t n, int *ret
     return MNS_OK;
 }
 
+enum { NAMES_MAX = 400 }; /* letters of a list of fields */
+
 static herr_t list_one(hid_t id, const char *name, const H5L_info_t *info, void *text)
 {
     (void)id;
     (void)info;
     const size_t length = strlen(text);
-    snprintf((char *)text + length, 256 - length, "%s%s", length ? ", " : "", name);
+    snprintf((char *)text + length, NAMES_MAX - length, "%s%s", length ? ", " : "", name);
     return 0;
 }
 
 static MnsStatus no_such_field(const Source *s, const char *name)
 {
-    char text[256] = "";
+    char text[NAMES_MAX] = "";
     H5Literate_by_name(s->file, group, H5_INDEX_NAME, H5_ITER_INC, NULL, list_one, text, H5P_DEFAULT);
     return mns_fail_at(s->error, MNS_E_NOT_FOUND, "--field", "there is no field \"%s\" in %s; there are: %s", name,
                        s->path, text);

@@ -44,10 +44,11 @@ typedef enum MnsDensityMethod { MNS_DENSITY_AUTOMATIC, MNS_DENSITY_CONTINUITY, M
 
 typedef struct MnsFluid {
     char *name;
-    double density, viscosity, sound_speed; /* [kg/m^3], [Pa s], [m/s] */
-    MnsShape shape;                         /* no parts: what the others leave */
-    char *velocity[3];                      /* formulas of x y z [m/s] */
-    char *pressure;                         /* formula of x y z [Pa], "hydrostatic" or "laplace" */
+    double density, viscosity; /* [kg/m^3], [Pa s] */
+    double sound_speed;        /* [m/s]; of no meaning to an incompressible scheme */
+    MnsShape shape;            /* no parts: what the others leave */
+    char *velocity[3];         /* formulas of x y z [m/s] */
+    char *pressure;            /* formula of x y z [Pa], "hydrostatic" or "laplace" */
     MnsDensityMethod density_method;
     double exponent; /* of Tait's equation; 0: that of its kind */
 } MnsFluid;
@@ -103,14 +104,28 @@ typedef struct MnsInterfacial {
     bool gradient_correction;
 } MnsInterfacial;
 
+typedef enum MnsMobility { MNS_MOBILITY_BY_RATIO, MNS_MOBILITY_DENSITY, MNS_MOBILITY_UNIT } MnsMobility;
+typedef enum MnsGauge { MNS_GAUGE_MINIMUM, MNS_GAUGE_MEAN } MnsGauge;
+typedef enum MnsSolver { MNS_SOLVER_BY_SIZE, MNS_SOLVER_CG, MNS_SOLVER_BICGSTAB, MNS_SOLVER_AMG } MnsSolver;
+
+typedef struct MnsIncompressible {
+    double density_tolerance, density_offset, tolerance, density_solver_tolerance, guard;
+    double reference_speed; /* [m/s]; below 0: by gravity and the height of the domain */
+    unsigned density_corrections, iterations;
+    MnsMobility mobility;
+    MnsGauge gauge;
+    MnsSolver solver;
+} MnsIncompressible;
+
 /* Those of the scheme that is named count. */
 typedef struct MnsSchemeOptions {
-    const char *name; /* of the scheme: "riemann", "dissipation", "interfacial"; a literal */
+    const char *name; /* of the scheme: "riemann", "dissipation", "interfacial", "incompressible"; a literal */
     MnsKernel kernel;
     double smoothing, cfl, skin;
     MnsRiemann riemann;
     MnsDissipation dissipation;
     MnsInterfacial interfacial;
+    MnsIncompressible incompressible;
 } MnsSchemeOptions;
 
 typedef enum MnsProbeKind {
@@ -132,8 +147,17 @@ typedef enum MnsProbeKind {
     MNS_PROBE_EXTENT,
     MNS_PROBE_ROUNDNESS,
     MNS_PROBE_SURFACE_AREA,
-    MNS_PROBE_PRESSURE_JUMP
+    MNS_PROBE_PRESSURE_JUMP,
+    MNS_PROBE_SOLVER
 } MnsProbeKind;
+
+typedef enum MnsSolverQuantity {
+    MNS_SOLVER_ITERATIONS,
+    MNS_SOLVER_RESIDUAL,
+    MNS_SOLVER_CORRECTIONS,
+    MNS_SOLVER_CORRECTION_ITERATIONS,
+    MNS_SOLVER_DENSITY_ERROR
+} MnsSolverQuantity;
 
 typedef struct MnsProbe {
     char *name;
@@ -147,8 +171,9 @@ typedef struct MnsProbe {
     double radius;   /* [m]; 0: the support of the kernel; of a pressure jump, the margin */
     bool within;     /* whether the box below counts */
     double min[3], max[3];
-    char *field;   /* extremum */
-    char *formula; /* pressure deviation */
+    char *field;                /* extremum */
+    char *formula;              /* pressure deviation */
+    MnsSolverQuantity quantity; /* solver */
 } MnsProbe;
 
 typedef struct MnsOutput {

@@ -3,6 +3,7 @@
 #include "cases/translate.h"
 #include "cases/translation.h"
 #include <ctype.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -69,6 +70,12 @@ static MnsStatus translate_constants(Translation *t, const Meniscus__Case *m)
     return status;
 }
 
+/* What cannot be compressed carries no sound. */
+static bool has_sound(const Translation *t)
+{
+    return strcmp(t->c->scheme.name, "incompressible") != 0;
+}
+
 static MnsStatus translate_fluid(Translation *t, const Meniscus__Fluid *m, const Names *before, MnsFluid *fluid)
 {
     static const MnsDensityMethod methods[] = {
@@ -78,9 +85,11 @@ static MnsStatus translate_fluid(Translation *t, const Meniscus__Fluid *m, const
     };
     fluid->density = m->density;
     fluid->viscosity = m->viscosity;
-    fluid->sound_speed = m->sound_speed;
+    fluid->sound_speed = has_sound(t) && m->has_sound_speed ? m->sound_speed : INFINITY;
     fluid->density_method = methods[m->density_method];
     fluid->exponent = m->has_exponent ? m->exponent : 0;
+    if (has_sound(t) && !m->has_sound_speed)
+        return translation_fail(t, MNS_E_INVALID, "sound_speed", "missing, required: (0, inf) m/s");
     MnsStatus status = take_name(t, m->name, before, &fluid->name);
     if (!status) status = translate_shape(t, m->n_shape, m->shape, true, &fluid->shape);
     if (!status) status = take_formulas(t, "velocity", m->n_velocity, m->velocity, fluid->velocity);
@@ -216,12 +225,41 @@ static void translate_interfacial(const Meniscus__Interfacial *m, MnsSchemeOptio
                                         .guard = m->guard};
 }
 
+static void translate_incompressible(const Meniscus__Incompressible *m, MnsSchemeOptions *ret)
+{
+    static const MnsMobility mobilities[] = {
+        [MENISCUS__MOBILITY__BY_RATIO] = MNS_MOBILITY_BY_RATIO,
+        [MENISCUS__MOBILITY__TRUE_DENSITY] = MNS_MOBILITY_DENSITY,
+        [MENISCUS__MOBILITY__UNIT] = MNS_MOBILITY_UNIT,
+    };
+    static const MnsSolver solvers[] = {
+        [MENISCUS__SOLVER__BY_SIZE] = MNS_SOLVER_BY_SIZE,
+        [MENISCUS__SOLVER__CG] = MNS_SOLVER_CG,
+        [MENISCUS__SOLVER__BICGSTAB] = MNS_SOLVER_BICGSTAB,
+        [MENISCUS__SOLVER__AMG] = MNS_SOLVER_AMG,
+    };
+    ret->name = "incompressible";
+    ret->incompressible =
+        (MnsIncompressible){.density_tolerance = m->density_tolerance,
+                            .density_corrections = m->density_corrections,
+                            .density_offset = m->density_offset,
+                            .mobility = mobilities[m->mobility],
+                            .reference_speed = m->has_reference_speed ? m->reference_speed : -1,
+                            .gauge = m->gauge == MENISCUS__GAUGE__MEAN ? MNS_GAUGE_MEAN : MNS_GAUGE_MINIMUM,
+                            .solver = solvers[m->solver],
+                            .tolerance = m->tolerance,
+                            .density_solver_tolerance = m->density_solver_tolerance,
+                            .iterations = m->iterations,
+                            .guard = m->guard};
+}
+
 static MnsStatus translate_method(Translation *t, const Meniscus__Scheme *m, MnsSchemeOptions *ret)
 {
     switch (m->method_case) {
     case MENISCUS__SCHEME__METHOD_RIEMANN: translate_riemann(m->riemann, ret); return MNS_OK;
     case MENISCUS__SCHEME__METHOD_DISSIPATION: translate_dissipation(m->dissipation, ret); return MNS_OK;
     case MENISCUS__SCHEME__METHOD_INTERFACIAL: translate_interfacial(m->interfacial, ret); return MNS_OK;
+    case MENISCUS__SCHEME__METHOD_INCOMPRESSIBLE: translate_incompressible(m->incompressible, ret); return MNS_OK;
     case MENISCUS__SCHEME__METHOD__NOT_SET: translate_riemann(NULL, ret); return MNS_OK;
     case _MENISCUS__SCHEME__METHOD__CASE_IS_INT_SIZE: break;
     }
@@ -233,8 +271,9 @@ static void default_kernel(const Meniscus__Scheme *m, MnsKernel *ret_kernel, dou
 {
     const bool dissipation = m->method_case == MENISCUS__SCHEME__METHOD_DISSIPATION;
     const bool interfacial = m->method_case == MENISCUS__SCHEME__METHOD_INTERFACIAL;
-    *ret_kernel = dissipation ? MNS_TRUNCATED_GAUSSIAN : MNS_WENDLAND_C2;
-    *ret_smoothing = dissipation ? 1.1 : interfacial ? 1.6 : 1.3;
+    const bool incompressible = m->method_case == MENISCUS__SCHEME__METHOD_INCOMPRESSIBLE;
+    *ret_kernel = dissipation ? MNS_TRUNCATED_GAUSSIAN : incompressible ? MNS_QUINTIC_SPLINE : MNS_WENDLAND_C2;
+    *ret_smoothing = dissipation ? 1.1 : interfacial ? 1.6 : incompressible ? 1 : 1.3;
 }
 
 static MnsStatus translate_scheme(Translation *t, const Meniscus__Scheme *given, MnsSchemeOptions *ret)

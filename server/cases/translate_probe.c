@@ -122,11 +122,26 @@ static MnsStatus take_whole(Translation *t, MnsProbeKind kind, const Meniscus__F
     return take_fluid(t, m->fluid, probe);
 }
 
+static MnsStatus take_solver(const Meniscus__SolverProbe *m, MnsProbe *probe)
+{
+    static const MnsSolverQuantity quantities[] = {
+        [MENISCUS__SOLVER_QUANTITY__ITERATIONS] = MNS_SOLVER_ITERATIONS,
+        [MENISCUS__SOLVER_QUANTITY__RESIDUAL] = MNS_SOLVER_RESIDUAL,
+        [MENISCUS__SOLVER_QUANTITY__CORRECTIONS] = MNS_SOLVER_CORRECTIONS,
+        [MENISCUS__SOLVER_QUANTITY__CORRECTION_ITERATIONS] = MNS_SOLVER_CORRECTION_ITERATIONS,
+        [MENISCUS__SOLVER_QUANTITY__DENSITY_ERROR] = MNS_SOLVER_DENSITY_ERROR,
+    };
+    probe->kind = MNS_PROBE_SOLVER;
+    probe->quantity = quantities[m->of];
+    return MNS_OK;
+}
+
 static MnsStatus take_component(Translation *t, MnsProbeKind kind, const Meniscus__AxisProbe *m, MnsProbe *probe)
 {
     probe->kind = kind;
-    const MnsStatus status = take_fluid(t, m->fluid, probe);
-    return status ? status : take_axis(t, "axis", m->axis, &probe->axis);
+    MnsStatus status = take_fluid(t, m->fluid, probe);
+    if (!status) status = take_axis(t, "axis", m->axis, &probe->axis);
+    return status ? status : take_within(t, m->within, probe);
 }
 
 static MnsStatus take_extremum(Translation *t, const Meniscus__ExtremumProbe *m, MnsProbe *probe)
@@ -193,6 +208,7 @@ static MnsStatus take_kind(Translation *t, const Meniscus__Probe *m, MnsProbe *p
     case MENISCUS__PROBE__KIND_ROUNDNESS: return take_whole(t, MNS_PROBE_ROUNDNESS, m->roundness, probe);
     case MENISCUS__PROBE__KIND_SURFACE_AREA: return take_whole(t, MNS_PROBE_SURFACE_AREA, m->surface_area, probe);
     case MENISCUS__PROBE__KIND_PRESSURE_JUMP: return take_jump(t, m->pressure_jump, probe);
+    case MENISCUS__PROBE__KIND_SOLVER: return take_solver(m->solver, probe);
     case MENISCUS__PROBE__KIND__NOT_SET:
     case _MENISCUS__PROBE__KIND__CASE_IS_INT_SIZE: break;
     }

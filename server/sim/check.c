@@ -81,6 +81,28 @@ static MnsStatus check_options(const MnsCase *c, MnsError *error)
     return CHECK_BOUNDS("", list, error);
 }
 
+static bool is_incompressible(const MnsCase *c)
+{
+    return strcmp(c->scheme.name, "incompressible") == 0;
+}
+
+/* Numbers that have no sense where nobody has given them. */
+static MnsStatus check_incompressible(const MnsCase *c, MnsError *error)
+{
+    const MnsIncompressible *i = &c->scheme.incompressible;
+    const Bounded list[] = {
+        {"density_tolerance", i->density_tolerance, BOUNDS_Incompressible_density_tolerance},
+        {"density_corrections", i->density_corrections, BOUNDS_Incompressible_density_corrections},
+        {"density_offset", i->density_offset, BOUNDS_Incompressible_density_offset},
+        {"reference_speed", fmax(i->reference_speed, 0), BOUNDS_Incompressible_reference_speed},
+        {"tolerance", i->tolerance, BOUNDS_Incompressible_tolerance},
+        {"density_solver_tolerance", i->density_solver_tolerance, BOUNDS_Incompressible_density_solver_tolerance},
+        {"iterations", i->iterations, BOUNDS_Incompressible_iterations},
+        {"guard", i->guard, BOUNDS_Incompressible_guard},
+    };
+    return is_incompressible(c) ? CHECK_BOUNDS("scheme.incompressible", list, error) : MNS_OK;
+}
+
 static MnsStatus check_domain(const MnsCase *c, MnsError *error)
 {
     const double dx = c->reference_length / c->resolution;
@@ -236,7 +258,7 @@ static MnsStatus check_fluid(const MnsCase *c, size_t k, const Constants *consta
     snprintf(at, sizeof at, "fluids[%zu]", k);
     const Bounded list[] = {{"density", f->density, BOUNDS_Fluid_density},
                             {"viscosity", f->viscosity, BOUNDS_Fluid_viscosity},
-                            {"sound_speed", f->sound_speed, BOUNDS_Fluid_sound_speed},
+                            {"sound_speed", is_incompressible(c) ? 1 : f->sound_speed, BOUNDS_Fluid_sound_speed},
                             {"exponent", f->exponent == 0 ? 1 : f->exponent, BOUNDS_Fluid_exponent}};
     MnsStatus status = CHECK_BOUNDS(at, list, error);
     if (status) return status;
@@ -396,6 +418,7 @@ MnsStatus mns_case_check(const MnsCase *c, MnsError *error)
 {
     MnsStatus status = check_scalars(c, error);
     if (!status) status = check_options(c, error);
+    if (!status) status = check_incompressible(c, error);
     if (!status) status = check_domain(c, error);
     if (!status) status = check_neighbours(c, error);
     if (status) return status;

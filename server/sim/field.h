@@ -30,6 +30,9 @@
         normal)                                                                                                        \
     ROW(CONCENTRATION, "concentration_gradient", "1/m",                                                                \
         "sum of V times the kernel's gradient, which points away from room", 3, MNS_F64, concentration)                \
+    ROW(SURFACE, "surface_vector", "m^dim Pa^0.5",                                                                     \
+        "towards other fluids; its square along the surface, less its mean, is the surface stress times V^2", 3,       \
+        MNS_F64, surface)                                                                                              \
     ROW(CORRECTION, "correction", "1", "of the kernel's gradient, diagonal of the matrix", 3, MNS_F64, correction)     \
     ROW(CORRECTION_OFF, "correction_off", "1", "the rest of it: xy, xz, yz", 3, MNS_F64, correction_off)               \
     ROW(X0, "position_before", "m", "position at the beginning of the step", 3, MNS_F64, x0)                           \

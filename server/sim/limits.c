@@ -23,6 +23,17 @@ static double acoustic(const MnsSim *sim)
     return sim->model.cfl * sim->model.kernel.h / (sim->model.c_max + speed(sim));
 }
 
+/* Faster than what the flow is doing now, as the correction of densities has a speed of its own. */
+static double flow(const MnsSim *sim)
+{
+    const Model *model = &sim->model;
+    double expected = model->projection.speed, gh = 0;
+    for (int d = 0; d < model->dim; d++) gh += fabs(model->gravity[d]) * (model->max[d] - model->min[d]);
+    if (expected < 0) expected = sqrt(gh);
+    const double fastest = expected + speed(sim);
+    return fastest > 0 ? model->cfl * model->kernel.h / fastest : INFINITY;
+}
+
 /* Gravity, or what the acceleration of a wall adds to it for those who lie on that wall. */
 static double body_force(const MnsSim *sim)
 {
@@ -65,18 +76,35 @@ static double radial_viscous(const MnsSim *sim)
     return viscous_by(sim, 0.06);
 }
 
-/* Waves of the interface move both fluids. */
-static double tension(const MnsSim *sim)
+/* By the mean density of two fluids or the least. */
+static double tension_by(const MnsSim *sim, bool by_least)
 {
     const Model *model = &sim->model;
     double least = INFINITY;
     for (size_t a = 0; a < model->n_phases; a++)
         for (size_t b = 0; b < a; b++) {
-            const double rho = 0.5 * (model->phase[a].rho0 + model->phase[b].rho0), h = model->kernel.h;
+            const double rho_a = model->phase[a].rho0, rho_b = model->phase[b].rho0, h = model->kernel.h;
+            const double rho = by_least ? fmin(rho_a, rho_b) : 0.5 * (rho_a + rho_b);
             if (model->tension[a][b] > 0)
                 least = fmin(least, 0.25 * sqrt(rho * h * h * h / (2 * PI * model->tension[a][b])));
         }
     return least;
+}
+
+/* Waves of the interface move both fluids. */
+static double tension(const MnsSim *sim)
+{
+    return tension_by(sim, false);
+}
+
+static double incompressible_tension(const MnsSim *sim)
+{
+    return tension_by(sim, true);
+}
+
+static double incompressible_viscous(const MnsSim *sim)
+{
+    return viscous_by(sim, 0.25);
 }
 
 /* With arithmetic averages a light particle is as stiff as the heavy one beside it. */
@@ -124,6 +152,30 @@ const Limit radial_viscous_limit = {
     .equation = "dt <= 0.06 h^2 rho / mu",
     .entries = "viscosity, density, resolution",
     .of = radial_viscous,
+};
+
+const Limit flow_limit = {
+    .name = "flow",
+    .source = "P4 eq. 37, 41",
+    .equation = "dt <= cfl h / (c + |v|max),  c = reference_speed, or sqrt(|g| H)",
+    .entries = "scheme.cfl, reference_speed of the scheme, resolution",
+    .of = flow,
+};
+
+const Limit incompressible_viscous_limit = {
+    .name = "viscosity",
+    .source = "P4 eq. 38",
+    .equation = "dt <= 0.25 h^2 rho / mu",
+    .entries = "viscosity, density, resolution",
+    .of = incompressible_viscous,
+};
+
+const Limit incompressible_tension_limit = {
+    .name = "surface tension",
+    .source = "P4 eq. 39",
+    .equation = "dt <= 0.25 sqrt(rho h^3 / (2 pi sigma)),  rho the smaller of the two",
+    .entries = "interfaces, density, resolution",
+    .of = incompressible_tension,
 };
 
 const Limit tension_limit = {

@@ -3,14 +3,31 @@
 #include "sim/making.h"
 #include <math.h>
 
-/* Bytes of a neighbour list: as many entries as the lattice has points in reach and a tenth more, and their marks. */
-static double list_bytes(const Model *model)
+/* Of a neighbour list: as many as the lattice has points in reach and a tenth more. */
+static double list_entries(const Model *model)
 {
     const double PI = 3.14159265358979323846, crowded = 1.1;
     const double reach = model->kernel.support + model->skin;
     const double ball = model->dim == 2 ? PI * reach * reach : 4 * PI / 3 * reach * reach * reach;
-    const double entries = crowded * ball / model->wall_volume;
+    return crowded * ball / model->wall_volume;
+}
+
+/* Entries and their marks. */
+static double list_bytes(const Model *model)
+{
+    const double entries = list_entries(model);
     return entries * sizeof(uint32_t) + entries / 8 + 8;
+}
+
+/* Vectors of the pressure system; and its rows, of which half a block is empty and a twentieth is to spare. */
+static double system_need(const MnsSim *sim, const size_t sizes[GROUPS])
+{
+    const Model *model = &sim->model;
+    const double fluid = (double)(sizes[GROUP_CONTINUITY] + sizes[GROUP_SUMMATION]), walls = (double)sizes[GROUP_WALL];
+    const double rows = fluid + (double)model->n_phases * walls, spare = 1.05;
+    const System none = {.matrix.n = 1};
+    return rows * (double)system_bytes(&none) +
+           spare * rows * (list_entries(model) + 0.5 * ENTRIES) * (sizeof(uint32_t) + sizeof(float));
 }
 
 /* Asked of lists for nobody, whose layout is that of any. */
@@ -43,7 +60,8 @@ double making_bytes(const MnsSim *sim, const size_t sizes[GROUPS])
     s.n = s.begin[GROUPS];
     double bytes = (double)particles_bytes(&s) + neighbours_need(sim, s.n) +
                    (double)s.n * capture_bytes(s.dim, sim->scheme->state);
-    if (sim->model.viscous) bytes += (double)sizes[GROUP_WALL] * sizeof(double) * s.dim;
+    if (sim->scheme->projects) bytes += system_need(sim, sizes);
+    if (sim->model.viscous || sim->scheme->projects) bytes += (double)sizes[GROUP_WALL] * sizeof(double) * s.dim;
     return bytes;
 }
 

@@ -29,6 +29,17 @@ typedef struct Face {
     size_t wall;
 } Face;
 
+/* Options of schemes that solve for the pressure. */
+typedef struct Projection {
+    double density_tolerance, offset; /* of number densities, relative; of the correction pressure, over rho h^2 */
+    double tolerance, correction_tolerance; /* of the residuals of the two solves, relative */
+    double speed;                           /* that the flow is expected to have at least [m/s] */
+    unsigned corrections, iterations;       /* at most, in a step; in a solve */
+    bool unit_mobility,
+        mean_gauge; /* density correction as of fluids of one density; pressure has no mean, else no minimum below 0 */
+    MnsSolver solver;
+} Projection;
+
 typedef struct Model {
     Level level; /* of instructions */
     int dim;
@@ -43,7 +54,7 @@ typedef struct Model {
     WallState wall[MNS_MAX_WALLS];
     size_t n_faces;
     const Face *face;                  /* [n_faces] of all walls, as far as they are flat; borrowed */
-    double c_max, rho_max;             /* of the fluids */
+    double c_max, rho_max, rho_min;    /* of the fluids */
     bool viscous;                      /* any fluid */
     double viscous_scale;              /* of the viscous sum, so that it is exact on the lattice */
     bool filled;                       /* at the start, no place was without fluid or wall, and no side open */
@@ -58,7 +69,8 @@ typedef struct Model {
         keeps_pair_volume;        /* of the dissipation: only what is left beside a linear field; the factor */
     bool shifts_along_interfaces; /* and corrects from the same fluid; else P2's original */
     bool corrects_gradients;      /* in continuity and pressure force */
-    bool tense;                   /* is there any surface tension? */
+    Projection projection;
+    bool tense;                                     /* is there any surface tension? */
     double tension[MNS_MAX_FLUIDS][MNS_MAX_FLUIDS]; /* [N/m] */
     double density_min, density_max, dt_floor;      /* limits, over the reference density and the first time step */
 } Model;

@@ -27,24 +27,24 @@ static MnsStatus allocate_fields(Particles *s, const MnsMaking *making, MnsError
     return MNS_OK;
 }
 
-static MnsStatus allocate(Particles *s, bool viscous, const MnsMaking *making, MnsError *error)
+static MnsStatus allocate(Particles *s, bool mirrored, const MnsMaking *making, MnsError *error)
 {
     const size_t n_wall = s->n - particles_fluid(s);
     const MnsStatus status = allocate_fields(s, making, error);
     if (status) return status;
     bool well = (s->rate = array_new(s->n, sizeof(double)));
     for (size_t k = 0; well && k < s->n_phases; k++) well = (s->p_wall[k] = array_new(n_wall, sizeof(double)));
-    for (int d = 0; well && viscous && d < s->dim; d++) well = (s->v_wall[d] = array_new(n_wall, sizeof(double)));
+    for (int d = 0; well && mirrored && d < s->dim; d++) well = (s->v_wall[d] = array_new(n_wall, sizeof(double)));
     return well ? MNS_OK : mns_fail(error, MNS_E_MEMORY, "no memory for %zu particles", s->n);
 }
 
 MnsStatus particles_init(Particles *s, int dim, size_t n_phases, const size_t sizes[GROUPS], Fields fields,
-                         bool viscous, const MnsMaking *making, MnsError *error)
+                         bool mirrored, const MnsMaking *making, MnsError *error)
 {
     *s = (Particles){.dim = dim, .n_phases = n_phases, .fields = fields};
     for (int g = 0; g < GROUPS; g++) s->begin[g + 1] = s->begin[g] + sizes[g];
     s->n = s->begin[GROUPS];
-    const MnsStatus status = allocate(s, viscous, making, error);
+    const MnsStatus status = allocate(s, mirrored, making, error);
     if (status) particles_done(s);
     else particles_changed(s, ON_ALL, ALL_FIELDS);
     return status;

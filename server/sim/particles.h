@@ -23,12 +23,15 @@ typedef struct Particles {
     double *m, *rho, *p, *vol, *z;                      /* mass, density, pressure, volume, impedance rho c */
     double *shepard;                                    /* sum of W V */
     double *gradient[3], *normal[3], *concentration[3]; /* of the pressure; of the interface, 0 away from it */
+    double *surface[3];                                 /* its stress is |q|^2 I/dim - q (x) q over V^2 */
     double *correction[3], *correction_off[3];          /* of the kernel's gradient: xx, yy, zz; xy, xz, yz */
     double *x0[3], *v0[3], *rho0;   /* at the beginning of the step, for integrators of more than one evaluation */
     double *p_wall[MNS_MAX_FLUIDS]; /* [n_wall] pressure a wall shows to each fluid */
     double *v_wall[3];              /* [n_wall] fluid velocity extrapolated into a wall; NULL without viscosity */
     /* [n] within a step: of continuity d rho/dt, of summation the sum of W; between steps work space to permute */
     double *rate;
+    struct System
+        *system; /* for the pressure, of schemes that project (solve/solve.h); NULL of others. Not theirs to free */
     Fields changed[GROUPS]; /* since the neighbours' copies were last made (bundle.h) */
 } Particles;
 
@@ -45,9 +48,10 @@ static inline void particles_changed(Particles *s, unsigned on, Fields fields)
 }
 
 /* Arrays of zeros for groups of these sizes. MNS_E_MEMORY, MNS_E_INTERRUPTED: nothing is left behind.
+ *  mirrored  walls show the fluid a velocity
  *  making  asked before each array, as to fill one may take a second; NULL: nobody gives up */
 MnsStatus particles_init(Particles *s, int dim, size_t n_phases, const size_t sizes[GROUPS], Fields fields,
-                         bool viscous, const MnsMaking *making, MnsError *error);
+                         bool mirrored, const MnsMaking *making, MnsError *error);
 void particles_done(Particles *s);
 
 /* Arrays of zeros for fields that there are not yet. MNS_E_MEMORY: those that were there are. */

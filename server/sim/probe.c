@@ -23,6 +23,7 @@ static const ProbeKind kinds[] = {
     [MNS_PROBE_ROUNDNESS] = {"roundness", "1", probe_roundness, 0},
     [MNS_PROBE_SURFACE_AREA] = {"surface_area", "m^2", probe_surface_area, 0},
     [MNS_PROBE_PRESSURE_JUMP] = {"pressure_jump", "Pa", probe_pressure_jump, PROBE_INSIDE},
+    [MNS_PROBE_SOLVER] = {"solver", "1", probe_solver, 0},
 };
 
 const ProbeKind *probe_kind(const MnsProbe *probe)

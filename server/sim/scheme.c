@@ -5,7 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
-static const Scheme *const SCHEMES[] = {&scheme_riemann, &scheme_dissipation, &scheme_interfacial};
+static const Scheme *const SCHEMES[] = {&scheme_riemann, &scheme_dissipation, &scheme_interfacial,
+                                        &scheme_incompressible};
 enum { N_SCHEMES = sizeof SCHEMES / sizeof *SCHEMES };
 
 const Scheme *scheme_find(const char *name)

@@ -74,7 +74,7 @@ typedef struct Limit {
     double (*of)(const MnsSim *); /* [s] */
 } Limit;
 
-enum { SCHEME_PASSES_MAX = 8, SCHEME_LIMITS_MAX = 8 };
+enum { SCHEME_PASSES_MAX = 10, SCHEME_LIMITS_MAX = 8 };
 
 typedef struct Scheme {
     const char *name, *title, *source;
@@ -84,11 +84,12 @@ typedef struct Scheme {
     Fields state;                           /* what a run goes on from: in checkpoints and in the hash */
     int given;                              /* passes left out at the start, where the case gives their results */
     const Local *derive; /* what follows from the state without neighbours, after it was set or restored */
+    bool projects;       /* solves for the pressure: particles have a system for it */
     int again[2];        /* and with neighbours: passes [again[0], again[1]) */
     void (*options)(Model *, const MnsCase *); /* from the case to the model */
 } Scheme;
 
-extern const Scheme scheme_riemann, scheme_dissipation, scheme_interfacial;
+extern const Scheme scheme_riemann, scheme_dissipation, scheme_interfacial, scheme_incompressible;
 
 /* All fields that its particles have with these options: a term or a rule that is not needed writes nothing. */
 Fields scheme_fields(const Scheme *scheme, const Model *model);

@@ -38,12 +38,14 @@ void setup_options(MnsSim *sim, const MnsCase *c)
     model->n_phases = c->n_fluids;
     model->n_walls = c->n_walls;
     model->c_max = model->rho_max = 0;
+    model->rho_min = INFINITY;
     model->viscous = false;
     for (size_t k = 0; k < c->n_fluids; k++) {
         const MnsFluid *f = &c->fluids[k];
         model->phase[k] = (Phase){.rho0 = f->density, .c = f->sound_speed, .mu = f->viscosity, .exponent = 1};
         model->c_max = fmax(model->c_max, f->sound_speed);
         model->rho_max = fmax(model->rho_max, f->density);
+        model->rho_min = fmin(model->rho_min, f->density);
         model->viscous = model->viscous || f->viscosity > 0;
     }
     model->tense = false;

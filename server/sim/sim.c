@@ -4,6 +4,7 @@
 #include "sim/integrator.h"
 #include "sim/limits.h"
 #include "sim/making.h"
+#include "sim/terms/terms.h"
 #include <omp.h>
 #include <stdlib.h>
 
@@ -23,6 +24,21 @@ static void name_timers(MnsSim *sim)
     sim->n_timers = TIMER_PASSES;
     for (int k = 0; k < SCHEME_PASSES_MAX && sim->scheme->rates[k].name; k++)
         sim->timers[sim->n_timers++].name = sim->scheme->rates[k].name;
+    if (!sim->scheme->projects) return;
+    sim->timers[sim->n_timers++].name = "solver set-up";
+    sim->timers[sim->n_timers++].name = "solve"; /* the last */
+}
+
+static MnsStatus projection_init(MnsSim *sim, MnsError *error)
+{
+    if (!sim->model.filled)
+        return mns_fail_at(error, MNS_E_INVALID, "fluids",
+                           "the scheme incompressible needs fluids that fill the domain up to walls or periodic sides: "
+                           "there is an empty place, or an open side");
+    if (!system_init(&sim->system, projection_unknowns(&sim->s), particles_fluid(&sim->s), sim->threads))
+        return mns_fail(error, MNS_E_MEMORY, "no memory for the pressure system of %zu particles", sim->s.n);
+    sim->s.system = &sim->system;
+    return MNS_OK;
 }
 
 static MnsStatus sim_init(MnsSim *sim, const MnsCapture *capture, MnsError *error)
@@ -30,6 +46,7 @@ static MnsStatus sim_init(MnsSim *sim, const MnsCapture *capture, MnsError *erro
     MnsStatus status = setup_model(sim, error);
     if (!status && !(sim->partial = array_new(sim_blocks(particles_fluid(&sim->s)), sizeof *sim->partial)))
         status = mns_fail(error, MNS_E_MEMORY, "no memory for a simulation");
+    if (!status && sim->scheme->projects) status = projection_init(sim, error);
     if (!status)
         status = neighbours_init(&sim->nb, sim->s.n, sim->s.dim, scheme_needs(sim->scheme), sim->threads, error);
     if (!status) status = making_goes_on(&sim->making, error);
@@ -85,6 +102,7 @@ void mns_sim_free(MnsSim *sim)
     for (size_t k = 0; k < MNS_MAX_PROBES; k++) formula_team_done(&sim->probe_formula[k]);
     free(sim->face);
     free(sim->partial);
+    system_done(&sim->system);
     neighbours_done(&sim->nb);
     particles_done(&sim->s);
     free(sim);
@@ -183,7 +201,8 @@ double mns_sim_mean_neighbours(const MnsSim *sim)
 
 size_t mns_sim_bytes(const MnsSim *sim)
 {
-    return particles_bytes(&sim->s) + neighbours_bytes(&sim->nb);
+    return particles_bytes(&sim->s) + neighbours_bytes(&sim->nb) +
+           (sim->scheme->projects ? system_bytes(&sim->system) : 0);
 }
 
 const void *mns_sim_field(const MnsSim *sim, int field, int d)

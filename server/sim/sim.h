@@ -6,10 +6,17 @@
 #include "sim/constants.h"
 #include "sim/pass.h"
 #include "sim/shape.h"
+#include "sim/solve/solve.h"
 
-enum { SIM_TIMERS_MAX = SCHEME_PASSES_MAX + 4, SIM_WARNINGS_MAX = 16 };
+enum { SIM_TIMERS_MAX = SCHEME_PASSES_MAX + 5, SIM_WARNINGS_MAX = 16 };
 enum { SIM_BLOCK = 4096 }; /* particles that are summed up by one thread */
 enum { TIMER_NEIGHBOURS, TIMER_DRIFT, TIMER_KICK, TIMER_PASSES };
+
+/* How the projections of the last step went. */
+typedef struct Solved {
+    unsigned iterations, corrections, density_iterations; /* of the velocity's solve; of the density, all of the step */
+    double residual, density_error;                       /* what is left, relative */
+} Solved;
 
 struct MnsSim {
     const MnsCase *c; /* borrowed */
@@ -31,6 +38,8 @@ struct MnsSim {
         double largest, capillary; /* radius of the largest [m]; greatest sigma / R [Pa] */
     } drops[MNS_MAX_FLUIDS];       /* of each fluid, where it starts as drops or bubbles */
     double *partial;               /* [sim_blocks(fluid)] work space of sums over the fluid */
+    System system;                 /* for the pressure, of schemes that project */
+    Solved solved;
     MnsTimer timers[SIM_TIMERS_MAX];
     size_t n_timers;
     MnsError fault; /* said again by every further step */

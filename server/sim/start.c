@@ -98,6 +98,7 @@ MnsStatus start_particle(const Start starts[], MnsSim *sim, size_t i, const doub
     const double p = start->pressure.n == 0 ? s->p[i] : formula_eval(formula_of(&start->pressure, me), x);
     s->rho[i] = state_density(phase, p);
     s->m[i] = s->rho[i] * model->wall_volume;
+    if (isinf(phase->c)) s->p[i] = p; /* no density says it */
     bool finite = isfinite(p) && in_bounds(model, s->rho[i] / phase->rho0);
     for (int d = 0; d < s->dim; d++) {
         s->v[d][i] = formula_eval(formula_of(&start->velocity[d], me), x);

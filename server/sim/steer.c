@@ -92,9 +92,10 @@ static bool same_probes(const MnsCase *a, const MnsCase *b)
     for (size_t k = 0; k < a->n_probes; k++) {
         const MnsProbe *p = &a->probes[k], *q = &b->probes[k];
         if (p->kind != q->kind || p->fluid != q->fluid || p->fluids != q->fluids || p->wall != q->wall ||
-            p->axis != q->axis || p->least != q->least || p->radius != q->radius || p->within != q->within ||
-            !same_vector(p->at, q->at) || !same_vector(p->min, q->min) || !same_vector(p->max, q->max) ||
-            strcmp(p->name, q->name) != 0 || !same_text(p->field, q->field) || !same_text(p->formula, q->formula))
+            p->axis != q->axis || p->quantity != q->quantity || p->least != q->least || p->radius != q->radius ||
+            p->within != q->within || !same_vector(p->at, q->at) || !same_vector(p->min, q->min) ||
+            !same_vector(p->max, q->max) || strcmp(p->name, q->name) != 0 || !same_text(p->field, q->field) ||
+            !same_text(p->formula, q->formula))
             return false;
     }
     return true;

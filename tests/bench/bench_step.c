@@ -84,12 +84,30 @@ static MnsCase *drop_in_tank(int dim, double resolution)
     return c;
 }
 
+/* Without sound. */
+static MnsCase *incompressible_droplet(int dim, double resolution)
+{
+    MnsCase *c = droplet(dim, resolution);
+    c->scheme.name = "incompressible";
+    c->scheme.kernel = MNS_QUINTIC_SPLINE;
+    c->scheme.smoothing = 1;
+    c->scheme.incompressible.reference_speed = 1;
+    c->tension[0][1] = c->tension[1][0] = 0.1;
+    return c;
+}
+
 static const Bench BENCHES[] = {
     {"dambreak2d-p3", dam_break, 2, 95, 60, false},    {"dambreak3d-p3", dam_break, 3, 20, 12, false},
     {"droplet2d-p3", droplet, 2, 316, 60, false},      {"droplet3d-p3", droplet, 3, 46, 12, false},
     {"drop2d-p2", tense_droplet, 2, 316, 60, false},   {"drop3d-p2", tense_droplet, 3, 46, 12, false},
     {"drop2d-p1", drop_in_tank, 2, 316, 30, false},    {"drop3d-p1", drop_in_tank, 3, 46, 6, false},
     {"dambreak3d-p3-200k", dam_break, 3, 26, 6, true}, {"dambreak3d-p3-1m", dam_break, 3, 45, 3, true},
+    {"drop2d-p4", incompressible_droplet, 2, 100, 20, false},
+    {"drop3d-p4", incompressible_droplet, 3, 22, 6, false},
+    {"drop2d-p4-100k", incompressible_droplet, 2, 316, 6, true},
+    {"drop2d-p4-1m", incompressible_droplet, 2, 1000, 2, true},
+    {"drop3d-p4-100k", incompressible_droplet, 3, 46, 3, true},
+    {"drop3d-p4-1m", incompressible_droplet, 3, 100, 1, true},
     {"dambreak3d-p3-4m", dam_break, 3, 72, 2, true},
 };
 

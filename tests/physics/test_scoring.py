@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
-from validation import bubbles, common, dam_breaks, drops, interfaces, rest, series, sloshing  # noqa: E402
+from validation import bubbles, common, dam_breaks, drops, incompressible, interfaces, rest, series, sloshing  # noqa: E402
 from validation.metrics import Metric  # noqa: E402
 from validation.runs import Run, Snapshot  # noqa: E402
 
@@ -346,6 +346,43 @@ class Interfaces(Scored):
 
         self.check(wave(1.1446), lambda r: interfaces.score_growth("c", r), lambda _: wave(1.34), lambda _: wave(-1),
                    lambda _: wave(1.1446, np.pi))
+
+
+class Incompressible(Scored):
+    def test_vortices(self):
+        t = samples(4.9, 0.01)
+        decay = np.exp(-8 * np.pi**2 * t / 100)
+        good = made(t, speed=decay, kinetic=0.25 * decay**2, momentum_x=0, momentum_y=0, density_least=1, density_greatest=1)
+        self.check(good, lambda r: incompressible.score_decay("c", 30, r), scaled("speed", 1.05), moved("momentum_y", 1e-6),
+                   changed("density_least", lambda t, v: v - 0.02 * (t > 1)))
+        beside = made(t, kinetic=0.5 + 0.25 * decay**2, momentum_x=1, momentum_y=0)
+        self.check(beside, lambda r: incompressible.score_moved("c", good, r), moved("kinetic", 0.02))
+
+    def test_layers(self):
+        t = samples(0.5, 0.01)
+        good = made(t, error=5, speed=0.002, escaped=0)
+        self.check(good, lambda r: incompressible.score_layers("c", 1000, r), scaled("error", 3), scaled("speed", 10), moved("escaped", 1))
+
+    def test_drops(self):
+        ref = series.table("P4/droplet_rho1_vof_noslip_256.csv")
+        t = samples(0.7, 0.002)
+        good = made(t, x_q=0.5 + np.interp(t, ref["t"], ref["x_q"]), jump=5.333, momentum_x=0, momentum_y=0, density_least=1, density_greatest=1)
+        for full in (False, True):
+            self.check(good, lambda r, full=full: incompressible.score_kicked("c", r, full), scaled("x_q", 0.9, 0.5),
+                       changed("x_q", lambda t, v: np.interp(0.9 * t, t, v)), changed("momentum_x", lambda t, v: t), scaled("density_greatest", 1.02),
+                       changed("density_greatest", lambda t, v: v + 0.02 * (t > 0.1)))
+        ref = series.table("P4/droplet_rho3_vof_32.csv")
+        t = samples(21, 0.05)
+        good = made(t, x_q=6 + np.interp(t, ref["t"], ref["x_q"]), escaped=0)
+        self.check(good, lambda r: incompressible.score_ellipse("c", 48, r, 0.04), changed("x_q", lambda t, v: np.interp(0.9 * t, t, v)), moved("escaped", 1))
+
+    def test_tips(self):
+        ref = series.table("P2/rt2d_vof_noslip_256.csv")
+        t = samples(5, 0.02)
+        good = made(t, high=np.interp(t, ref["t"], ref["y_high"]), low=np.interp(t, ref["t"], ref["y_low"]), density_least=1,
+                    density_greatest=1.8, coverage=0.9, escaped=0)
+        self.check(good, lambda r: incompressible.score_tips("c", r), moved("high", -0.06), moved("low", 0.06), scaled("density_least", 0.98),
+                   scaled("coverage", 0.5), moved("escaped", 1))
 
 
 if __name__ == "__main__":

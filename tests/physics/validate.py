@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from validation import bubbles, dam_breaks, drops, interfaces, jobs, rest, sloshing
+from validation import bubbles, dam_breaks, drops, incompressible, interfaces, jobs, rest, sloshing
 from validation.metrics import Metric, Report
 from validation.runs import ROOT, told
 
@@ -65,6 +65,13 @@ CASES = {
     "rayleigh-taylor2d-linear": Case(interfaces.rayleigh_taylor2d_linear, 55, 0.1),
     "bubble2d-sussman": Case(bubbles.bubble2d_sussman, 180, 1.3),
     "bubble2d-hysing1": Case(bubbles.bubble2d_hysing1, 60, 0.1),
+    # Hu and Adams 2007; a step takes ten times as long as without a pressure to solve for.
+    "hydrostatic-isph": Case(incompressible.hydrostatic_isph, 2, 0.01),
+    "taylor-green2d": Case(incompressible.taylor_green2d, 25, 0.1),
+    "droplet-oscillation2d": Case(incompressible.droplet_oscillation2d, 35, 0.1),
+    "droplet-ellipse2d": Case(incompressible.droplet_ellipse2d, 70, 0.3),
+    "drop-shear2d": Case(incompressible.drop_shear2d, 100, 9),
+    "rayleigh-taylor2d-isph": Case(incompressible.rayleigh_taylor2d_isph, 200, 0.06),
 }
 
 

@@ -42,7 +42,15 @@ MnsCase *case_blank(int dim, double resolution)
                                                    .shifting = MNS_SHIFTING_INTERFACE,
                                                    .shifting_strength = 2,
                                                    .pair_average = MNS_AVERAGE_DENSITY,
-                                                   .guard = 0.25}};
+                                                   .guard = 0.25},
+                                   .incompressible = {.density_tolerance = 0.01,
+                                                      .density_corrections = 200,
+                                                      .density_offset = 0.3,
+                                                      .reference_speed = -1,
+                                                      .tolerance = 1e-4,
+                                                      .density_solver_tolerance = 0.1,
+                                                      .iterations = 5000,
+                                                      .guard = 0.25}};
     c->end_time = 1;
     c->threads = 1;
     c->limits = (MnsLimits){1e-4, 0.1, 10};

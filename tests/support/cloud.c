@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A handful of particles without a case. */
 #include "tests/support/cloud.h"
+#include "sim/terms/terms.h"
 #include "tests/support/check.h"
 #include <stdlib.h>
 #include <string.h>
@@ -34,6 +35,8 @@ static void set_model(Model *model, const CloudSetup *setup)
                   {.rho0 = 1, .c = 20, .mu = setup->viscous ? 0.5 : 0, .p_b = 1600, .summation = true}},
         .c_max = 20,
         .rho_max = 1000,
+        .rho_min = 1,
+        .projection = {.offset = 0.2},
         .viscous = setup->viscous,
         .dt = 1e-3,
         .transport_stress = true,
@@ -113,6 +116,9 @@ Cloud *cloud_new(const CloudSetup *setup)
     }
     if (particles_init(&cloud->s, setup->dim, 2, sizes, ALL_FIELDS, setup->viscous, NULL, NULL)) abort();
     if (neighbours_init(&cloud->nb, cloud->s.n, cloud->s.dim, NEED_ALL, cloud->threads, NULL)) abort();
+    if (!system_init(&cloud->system, projection_unknowns(&cloud->s), particles_fluid(&cloud->s), cloud->threads))
+        abort();
+    cloud->s.system = &cloud->system;
     fill(cloud, setup, points);
     if (cloud_build(cloud) != MNS_OK) abort();
     return cloud;
@@ -121,6 +127,7 @@ Cloud *cloud_new(const CloudSetup *setup)
 void cloud_free(Cloud *cloud)
 {
     if (!cloud) return;
+    system_done(&cloud->system);
     neighbours_done(&cloud->nb);
     particles_done(&cloud->s);
     free(cloud);
@@ -131,7 +138,9 @@ MnsStatus cloud_build(Cloud *cloud)
     Particles *s = &cloud->s;
     for (int d = 0; d < s->dim; d++)
         for (size_t i = 0; i < s->n; i++) s->ref[d][i] = s->x[d][i];
-    return neighbours_build(&cloud->nb, s, &cloud->model, NULL);
+    const MnsStatus status = neighbours_build(&cloud->nb, s, &cloud->model, NULL);
+    if (!status && !projection_lay(s, &cloud->nb)) abort();
+    return status;
 }
 
 void cloud_term(Cloud *cloud, const Term *term)

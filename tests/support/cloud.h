@@ -5,6 +5,7 @@
 
 #include "sim/pass.h"
 #include "sim/scheme.h"
+#include "sim/solve/solve.h"
 
 /* Whose particle may be at a point of the lattice. */
 enum { CLOUD_WATER, CLOUD_AIR, CLOUD_WALL, CLOUD_NOTHING };
@@ -13,6 +14,7 @@ typedef struct Cloud {
     Model model;
     Particles s;
     Neighbours nb;
+    System system;
     int threads;
 } Cloud;
 
@@ -35,7 +37,8 @@ typedef struct CloudSetup {
 
 /* Water (density 1000, by continuity) and air (density 1, by summation), speed of sound 20, one wall (phase 2). Each
  * particle has the volume and density of its kind at rest, no pressure, no velocity, a sum of W V of 1. All options of all schemes
- * are on: dissipation of 0.5, repulsion of 0.08, shifting of 2 along interfaces, a tension of 0.7. Lists are built. Ends the test if it
+ * are on: dissipation of 0.5, repulsion of 0.08, shifting of 2 along interfaces, a tension of 0.7, an offset of 0.2 in density
+ * corrections. Lists are built. Ends the test if it
  * cannot. */
 Cloud *cloud_new(const CloudSetup *setup);
 void cloud_free(Cloud *cloud);

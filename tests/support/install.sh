@@ -36,7 +36,8 @@ put() {
 fill() {
     local filled
     filled=$(mktemp)
-    sed -e "s|@bindir@|$bin|g" -e "s|@docdir@|$doc|g" -e "s|@prefix@|$PREFIX|g" -e "s|@version@|$VERSION|g" "$1" >"$filled"
+    sed -e "s|@bindir@|$bin|g" -e "s|@docdir@|$doc|g" -e "s|@prefix@|$PREFIX|g" -e "s|@version@|$VERSION|g" \
+        -e "s|@hypre@|$hypre|g" "$1" >"$filled"
     put 644 "$filled" "$2"
     rm -f "$filled"
 }
@@ -53,6 +54,7 @@ put 644 "$BUILD/libmeniscus-client.a" "$lib/libmeniscus-client.a"
 put 755 "$BUILD/libmeniscus-client.so" "$lib/libmeniscus-client.so.$VERSION"
 link "libmeniscus-client.so.$VERSION" "$lib/libmeniscus-client.so.${VERSION%%.*}"
 link "libmeniscus-client.so.${VERSION%%.*}" "$lib/libmeniscus-client.so"
+hypre=$(MAKEFLAGS='' make -s --no-print-directory BUILD="$BUILD" solver-libs)
 fill tests/support/meniscus.pc.in "$lib/pkgconfig/meniscus.pc"
 fill tests/support/meniscus-client.pc.in "$lib/pkgconfig/meniscus-client.pc"
 for file in include/meniscus/*.h; do put 644 "$file" "$PREFIX/$file"; done

@@ -33,6 +33,7 @@ kind_of() {
     '<xxh'*) echo xxhash ;;
     '<omp.h>') echo openmp ;;
     '<immintrin.h>') echo instructions ;;
+    '<HYPRE'* | '<mpi.h>') echo hypre ;;
     '<'*)
         case ${standard//$'\n'/} in
         *" $name "*) echo standard ;;
@@ -97,15 +98,16 @@ report "the solver library calls no library of messages, files or sockets" \
     "$(nm -u "$BUILD/libmeniscus.a" | named | grep -E "^(($libraries).*|$system)\$" || true)"
 
 # With the names that compilers give to the same: of checked and sanitized code, of either OpenMP.
-solver='(lua|GOMP_|omp_|__kmpc_|XXH|__([atl]|ub)san_).*|_GLOBAL_OFFSET_TABLE_|__stack_chk_fail|__assert_fail|(__)?(mem|str)[a-z]*(_chk)?'
+solver='setenv|(HYPRE_|MPI_|ompi_|lua|GOMP_|omp_|__kmpc_|XXH|__([atl]|ub)san_).*|_GLOBAL_OFFSET_TABLE_|__stack_chk_fail|__assert_fail|(__)?(mem|str)[a-z]*(_chk)?'
 solver+='|__cpu_model|bcmp|malloc|calloc|realloc|free|aligned_alloc|qsort|bsearch|(__)?(snprintf|vsnprintf)(_chk)?|(__isoc[0-9]+_)?(sscanf|strto[a-z]+)'
 mapfile -t objects < <(find server/sim -name '*.c' | sed "s|^\(.*\)c\$|$BUILD/obj/\1o|")
 report "the solver itself calls nothing of the system but memory, text and mathematics" \
     "$(comm -23 <(nm -u "${objects[@]}" | named | grep -vxE "$solver") \
         <({ nm -g --defined-only "$BUILD/libmeniscus.a" && nm -D --defined-only "$("$CC" -print-file-name=libm.so.6)"; } | named))"
 
+read -ra hypre <<<"$(MAKEFLAGS='' make -s --no-print-directory BUILD="$BUILD" CC="$CC" solver-libs)"
 if output=$("$CC" -shared -fopenmp -o "$BUILD/libmeniscus-alone.so" -Wl,--no-undefined -Wl,--whole-archive \
-    "$BUILD/libmeniscus.a" -Wl,--no-whole-archive -llua5.4 -lxxhash -lm 2>&1); then
+    "$BUILD/libmeniscus.a" -Wl,--no-whole-archive -llua5.4 -lxxhash "${hypre[@]}" -lm 2>&1); then
     echo "ok - the solver library is complete by itself"
 else
     echo "not ok - the solver library is complete by itself"

@@ -100,8 +100,8 @@ static void missing_items_are_refused(void **state)
     m->domain->n_max = 1;
     complains(m, "domain.max", "domain.max: found a list of 1, allowed: a list of 2 to 3");
     m->domain->n_max = 2;
-    m->fluids[0]->has_sound_speed = false;
-    complains(m, "fluids[0].sound_speed", "fluids[0].sound_speed: missing, required: (0, inf) m/s");
+    m->fluids[0]->has_density = false;
+    complains(m, "fluids[0].density", "fluids[0].density: missing, required: [1e-9, 1e9] kg/m^3");
 }
 
 static size_t pack(const Meniscus__Case *m, uint8_t **ret)

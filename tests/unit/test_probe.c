@@ -452,6 +452,32 @@ static void samples_miss_no_particle_whatever_their_radius(void **state)
     }
 }
 
+/* And have no value where no pressure is solved for. */
+static void solves_are_told_of(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        MnsCase *c = case_periodic(2, 30);
+        double value[5];
+        c->scheme.name = k ? "riemann" : "incompressible";
+        c->scheme.incompressible.density_tolerance = 1e-3; /* so that there is something to correct */
+        for (int q = 0; q < 5; q++) case_add_probe(c, MNS_PROBE_SOLVER)->quantity = (MnsSolverQuantity)q;
+        MnsSim *sim = sim_of(c);
+        for (int n = 0; n < 3; n++) assert_int_equal(mns_sim_step(sim, INFINITY, NULL), MNS_OK);
+        for (size_t q = 0; q < 5; q++) value[q] = mns_sim_probe(sim, q);
+        if (k) {
+            for (int q = 0; q < 5; q++) assert_true(isnan(value[q]));
+        } else {
+            assert_true(value[MNS_SOLVER_ITERATIONS] > 3 && value[MNS_SOLVER_ITERATIONS] < 500);
+            assert_true(value[MNS_SOLVER_RESIDUAL] > 0 && value[MNS_SOLVER_RESIDUAL] <= 1e-4);
+            assert_true(value[MNS_SOLVER_CORRECTIONS] > 0);
+            assert_true(value[MNS_SOLVER_CORRECTION_ITERATIONS] >= value[MNS_SOLVER_CORRECTIONS]);
+            assert_true(value[MNS_SOLVER_DENSITY_ERROR] > 0 && value[MNS_SOLVER_DENSITY_ERROR] < 0.05);
+        }
+        sim_done(sim, c);
+    }
+}
+
 static void units_are_those_of_what_is_measured(void **state)
 {
     (void)state;
@@ -475,6 +501,7 @@ static void units_are_those_of_what_is_measured(void **state)
         [MNS_PROBE_ROUNDNESS] = "1",
         [MNS_PROBE_SURFACE_AREA] = "m^2",
         [MNS_PROBE_PRESSURE_JUMP] = "Pa",
+        [MNS_PROBE_SOLVER] = "1",
     };
     char field[] = "pressure";
     for (size_t kind = 0; kind < sizeof units / sizeof *units; kind++) {
@@ -498,6 +525,7 @@ int main(void)
         cmocka_unit_test(coverage_reaches_to_the_walls_of_a_filled_domain),
         cmocka_unit_test(escaped_particles_are_counted_in_the_tank_s_coordinates),
         cmocka_unit_test(extremum_finds_the_one_particle),
+        cmocka_unit_test(solves_are_told_of),
         cmocka_unit_test(deviation_is_the_root_mean_square_from_a_formula),
         cmocka_unit_test(probes_are_the_same_for_any_number_of_threads),
         cmocka_unit_test(samples_are_averages_at_points),

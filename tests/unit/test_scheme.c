@@ -37,10 +37,12 @@ static Cloud *stirred(int dim, bool closed)
             cloud->s.b[d][i] = 300 * cloud_noise(&seed);
             cloud->s.a[d][i] = 3 * cloud_noise(&seed);
             cloud->s.normal[d][i] = d == 0 ? 0.6 : d == 1 ? 0.8 : 0;
+            cloud->s.surface[d][i] = 1e-3 * cloud_noise(&seed);
             cloud->s.concentration[d][i] = 5 * cloud_noise(&seed);
             cloud->s.gradient[d][i] = 9e3 * cloud_noise(&seed);
         }
     }
+    for (size_t k = 0; k < cloud->system.matrix.n; k++) cloud->system.x[k] = cloud_noise(&seed);
     for (size_t i = 0; i < cloud->s.n; i++) {
         cloud->s.rate[i] = 0.5 + 0.1 * cloud_noise(&seed);
         cloud->s.rho[i] *= 1.01; /* what follows from it is out of date */

@@ -11,6 +11,7 @@
 #include "proto/case_file.h"
 #include "proto/case_find.h"
 #include "sim/probes/probes.h"
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -126,6 +127,25 @@ static void every_choice_of_the_schema_is_translated(void **state)
     }
 }
 
+/* Of a fluid that cannot be compressed nobody need say how fast sound is in it, of others everybody. */
+static void only_what_can_be_compressed_needs_a_speed_of_sound(void **state)
+{
+    (void)state;
+    static const char text[] = "dimensions: 2\nresolution: 10\ndomain: {min: [0, 0], max: [2, 1]}\nend_time: 1\n"
+                               "fluids: [{name: water, density: 1000}]\nscheme: {%s: {}}\n";
+    char one[300];
+    snprintf(one, sizeof one, text, "incompressible");
+    MnsCase *c = translated(one);
+    assert_true(isinf(c->fluids[0].sound_speed));
+    assert_string_equal(c->scheme.name, "incompressible");
+    assert_true(c->scheme.kernel == MNS_QUINTIC_SPLINE && c->scheme.smoothing == 1);
+    assert_true(c->scheme.incompressible.reference_speed < 0); /* not given */
+    assert_true(c->scheme.incompressible.iterations == 5000);
+    mns_case_free(c);
+    snprintf(one, sizeof one, text, "riemann");
+    refuses(one, "fluids[0].sound_speed", ": missing, required: (0, inf) m/s");
+}
+
 static void motions_keep_their_numbers(void **state)
 {
     (void)state;
@@ -181,7 +201,9 @@ static void probes_of_surfaces_find_what_they_name(void **state)
              "  - {name: v, velocity: {fluid: air, axis: y}}\n"
              "  - {name: r, roundness: {fluid: air}}\n"
              "  - {name: s, surface_area: {}}\n"
-             "  - {name: m, volume: {fluid: water}}\n");
+             "  - {name: m, volume: {fluid: water}}\n"
+             "  - {name: q, mass_centre: {fluid: air, axis: y, within: {min: [0, 1], max: [2, 3]}}}\n"
+             "  - {name: z, solver: {of: correction-iterations}}\n");
     const MnsProbe *p = c->probes;
     assert_true(p[0].kind == MNS_PROBE_ELEVATION && p[0].fluids == 0 && p[0].least && p[0].axis == 1);
     assert_true(p[0].at[0] == 0.7 && p[0].wall == -1);
@@ -192,6 +214,8 @@ static void probes_of_surfaces_find_what_they_name(void **state)
     assert_true(p[5].kind == MNS_PROBE_PRESSURE_JUMP && p[5].fluid == 1 && p[5].radius == 0.1);
     assert_true(p[6].kind == MNS_PROBE_VELOCITY && p[6].fluid == 1 && p[6].axis == 1);
     assert_true(p[7].kind == MNS_PROBE_ROUNDNESS && p[7].fluid == 1);
+    assert_true(p[10].kind == MNS_PROBE_MASS_CENTRE && p[10].within && p[10].max[1] == 3 && p[10].axis == 1);
+    assert_true(p[11].kind == MNS_PROBE_SOLVER && p[11].quantity == MNS_SOLVER_CORRECTION_ITERATIONS);
     assert_true(p[8].kind == MNS_PROBE_SURFACE_AREA && p[8].fluid == -1);
     assert_true(p[9].kind == MNS_PROBE_VOLUME && p[9].fluid == 0);
     mns_case_free(c);
@@ -359,6 +383,7 @@ int main(void)
         cmocka_unit_test(what_is_absent_has_its_default),
         cmocka_unit_test(shapes_keep_their_numbers),
         cmocka_unit_test(every_choice_of_the_schema_is_translated),
+        cmocka_unit_test(only_what_can_be_compressed_needs_a_speed_of_sound),
         cmocka_unit_test(motions_keep_their_numbers),
         cmocka_unit_test(probes_find_what_they_name),
         cmocka_unit_test(probes_of_surfaces_find_what_they_name),

@@ -7,5 +7,17 @@
 
 extern const Integrator kick_drift_kick;
 extern const Integrator predictor_corrector;
+extern const Integrator double_projection;
+
+/* Passes of a scheme with two projections, in this order; from the last of these on, they are the rates. */
+enum {
+    PASS_NUMBER,
+    PASS_DENSITY_SYSTEM,
+    PASS_DENSITY_CORRECTION,
+    PASS_WALLS,
+    PASS_VELOCITY_SYSTEM,
+    PASS_VELOCITY_CORRECTION,
+    PASS_RATES
+};
 
 #endif

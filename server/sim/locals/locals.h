@@ -11,6 +11,8 @@ extern const Local closed_volume;     /* closure.c  liquids that fill a space ke
 extern const Local linear_pressure;   /* state.c    p = c^2 (rho - rho0), V, z           */
 extern const Local volume_of_density; /* state.c   V = m / rho                          */
 extern const Local tait_pressure;     /* state.c    p = c^2 rho0/gamma ((rho/rho0)^gamma - 1) */
+extern const Local volume_of_number;  /* number.c   V = 1 / sum of W, rho = m / V          */
+extern const Local volume_alone;      /* number.c   V = m / rho                          */
 extern const Local body_force;        /* force.c    a = g                                */
 
 #endif

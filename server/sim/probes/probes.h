@@ -56,4 +56,7 @@ double probe_surface_area(Measure *m);
 /* jump.c */
 double probe_pressure_jump(Measure *m);
 
+/* solver.c */
+double probe_solver(Measure *m);
+
 #endif

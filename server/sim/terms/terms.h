@@ -34,6 +34,17 @@ extern const Term radial_friction;  /* radial_viscosity.c  on walls without slip
 extern const Term concentration;    /* shifting.c       where there are fewer particles             */
 extern const Term shifting;         /* shifting.c       particles to where there are fewer          */
 
+extern const Term mirrored_start; /* wall.c           the same, about the wall's velocity a step ago */
+extern const Term density_matrix; /* projection.c     systems for the pressure                    */
+extern const Term density_wall_matrix;
+extern const Term velocity_matrix;
+extern const Term velocity_wall_matrix;
+extern const Term velocity_divergence; /* projection.c     of the velocity, as differences             */
+extern const Term density_correction;  /* projection.c     of positions, by the pressure               */
+extern const Term velocity_correction; /* projection.c     of velocities                               */
+extern const Term surface_vector;      /* surface_stress.c beside interfaces                           */
+extern const Term surface_stress;      /* surface_stress.c its divergence                              */
+
 extern const Fusion dissipation_shape;         /* dissipation_shape.c     sums and gradients              */
 extern const Fusion dissipation_rates;         /* dissipation_rates.c     all rates                       */
 extern const Fusion dissipation_viscous_rates; /*                         and viscosity                   */
@@ -64,6 +75,12 @@ static inline bool is_viscous(const Model *model)
 {
     return model->viscous;
 }
+
+/* Unknowns of a pressure system: the fluid's particles, and the walls' towards each fluid. */
+size_t projection_unknowns(const Particles *s);
+
+/* Lay out the rows of the system by how many neighbours there are. false: no memory. */
+bool projection_lay(Particles *s, const Neighbours *nb);
 
 /* 1 / K, K = sum_j V_j (-F) y^2 r^2/(r^2 + 0.01 h^2) over the lattice with these spacings, mean over directions: 1 for a
  * perfect kernel. */

@@ -79,7 +79,7 @@ INLINE void wall_velocity_row(const Row *row, Particles *s, const Model *model, 
 ROW_FUNCTIONS(wall_velocity_row)
 
 /* Along the normal of the wall's surface, from sum_f grad_w W V_f, always turned round; along the surface only where fluids stick. */
-INLINE void mirrored_velocity_row(const Row *row, Particles *s, const Model *model, How how)
+INLINE void mirror(const Row *row, Particles *s, const Model *model, const double about[3], How how)
 {
     const size_t i = row->i, wall = i - particles_fluid(s);
     const WallState *body = &model->wall[s->phase[i] - model->n_phases];
@@ -98,15 +98,31 @@ INLINE void mirrored_velocity_row(const Row *row, Particles *s, const Model *mod
     const double all = lanes_sum(&weight);
     double v[3], n[3], n2 = 0, into = 0;
     for (int d = 0; d < how.dim; d++) {
-        v[d] = all > 1e-12 ? lanes_sum(&sum[d]) / all : s->v[d][i];
+        v[d] = all > 1e-12 ? lanes_sum(&sum[d]) / all : about[d];
         n[d] = lanes_sum(&towards[d]);
         n2 += n[d] * n[d];
     }
-    for (int d = 0; d < how.dim; d++) into += n2 > 0 ? (s->v[d][i] - v[d]) * n[d] / n2 : 0;
-    for (int d = 0; d < how.dim; d++)
-        s->v_wall[d][wall] = body->no_slip ? 2 * s->v[d][i] - v[d] : v[d] + 2 * into * n[d];
+    for (int d = 0; d < how.dim; d++) into += n2 > 0 ? (about[d] - v[d]) * n[d] / n2 : 0;
+    for (int d = 0; d < how.dim; d++) s->v_wall[d][wall] = body->no_slip ? 2 * about[d] - v[d] : v[d] + 2 * into * n[d];
+}
+
+INLINE void mirrored_velocity_row(const Row *row, Particles *s, const Model *model, How how)
+{
+    double v[3] = {0};
+    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][row->i];
+    mirror(row, s, model, v, how);
 }
 ROW_FUNCTIONS(mirrored_velocity_row)
+
+/* Of a fluid that a wall has not yet pushed: what it has gained on it within the step, a flow at rest on the wall has not. */
+INLINE void mirrored_start_row(const Row *row, Particles *s, const Model *model, How how)
+{
+    const WallState *body = &model->wall[s->phase[row->i] - model->n_phases];
+    double v[3] = {0};
+    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][row->i] - model->dt * body->a[d];
+    mirror(row, s, model, v, how);
+}
+ROW_FUNCTIONS(mirrored_start_row)
 
 const Term wall_pressure = {
     .name = "wall pressure",
@@ -136,4 +152,13 @@ const Term mirrored_velocity = {
     .needed = is_viscous,
     .needs = NEED_W | NEED_F | NEED_V | NEED_STATE,
     .row = ROW_TABLE(mirrored_velocity_row),
+};
+
+const Term mirrored_start = {
+    .name = "mirrored velocity",
+    .source = "P2 eq. 38-42, schemes/README.md",
+    .equation = "v_w' = 2 v - v~ without slip; v~ + 2 ((v - v~) . n) n with slip;  v = v_w - dt a_w",
+    .on = ON_WALL,
+    .needs = NEED_W | NEED_F | NEED_V | NEED_STATE,
+    .row = ROW_TABLE(mirrored_start_row),
 };

@@ -1,0 +1,261 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A step of an incompressible flow: two projections, one that keeps the number density of the particles, one that keeps the velocity
+ * free of divergence.                                                                P4 2.1, schemes/README.md
+ *   x += dt (v + dt/2 a)
+ *   while a number density is off by more than its tolerance: solve for a pressure, and move particles by it
+ *   v += dt a;  solve for the pressure;  v -= dt grad p / rho
+ *   a = forces but pressure, at the new positions and velocities
+ * Gravity is that of the end of the step, and walls know of it, so that a layer at rest is exact. */
+#include "sim/integrator.h"
+#include "sim/integrators/integrators.h"
+#include "sim/terms/terms.h"
+#include <math.h>
+#include <omp.h>
+#include <string.h>
+
+static void run(MnsSim *sim, int pass)
+{
+    const double start = omp_get_wtime();
+    pass_run(&sim->scheme->rates[pass], &sim->s, &sim->nb, &sim->model, sim->threads);
+    integrator_clock(sim, TIMER_PASSES + (size_t)pass, start);
+}
+
+static void drift(MnsSim *sim, double dt)
+{
+    Particles *s = &sim->s;
+    const size_t n = particles_fluid(s);
+    for (int d = 0; d < s->dim; d++) {
+        double *restrict x = s->x[d];
+        const double *restrict v = s->v[d], *restrict a = s->a[d];
+#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
+        for (size_t i = 0; i < n; i++) x[i] += dt * (v[i] + 0.5 * dt * a[i]);
+    }
+    particles_changed(s, ON_FLUID, FIELD(X));
+}
+
+/* All forces but the pressure and gravity, which pushes walls and fluid alike and so needs no projection here. */
+static void push(MnsSim *sim, double dt, const double gravity[3])
+{
+    Particles *s = &sim->s;
+    const size_t n = particles_fluid(s);
+    for (int d = 0; d < s->dim; d++) {
+        double *restrict v = s->v[d];
+        const double *restrict a = s->a[d], g = gravity[d];
+#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
+        for (size_t i = 0; i < n; i++) v[i] += dt * (a[i] - g);
+    }
+    particles_changed(s, ON_FLUID, FIELD(V));
+}
+
+/* The largest error of a number density, over that of the lattice. */
+static double density_error(const MnsSim *sim)
+{
+    const Particles *s = &sim->s;
+    const double *restrict V = s->vol, nominal = sim->model.wall_volume;
+    double most = 0;
+#pragma omp parallel for simd schedule(static) reduction(max : most) num_threads(sim->threads)
+    for (size_t i = 0; i < particles_fluid(s); i++) {
+        const double error = fabs(nominal / V[i] - 1);
+        most = error > most ? error : most;
+    }
+    return most;
+}
+
+/* What a solver keeps is good for all solves of a step with the same densities, while the rows stay where they are; not for those of the
+ * next, as a restart would not have it. */
+static void forget_if(MnsSim *sim, bool changed)
+{
+    if (changed) system_forget(&sim->system);
+}
+
+static MnsStatus lay(MnsSim *sim, MnsError *error)
+{
+    sim->system.threads = sim->threads;
+    if (projection_lay(&sim->s, &sim->nb)) return MNS_OK;
+    return mns_fail(error, MNS_E_MEMORY, "no memory for the pressure system of %zu particles", sim->s.n);
+}
+
+static MnsStatus fail_solve(const MnsSim *sim, const SolveMethod *method, const SolveReport *report, double tolerance,
+                            const char *what, MnsError *error)
+{
+    char history[512];
+    solve_history(report, history, sizeof history);
+    return mns_fail(error, MNS_E_DIVERGED,
+                    "diverged in step %llu at t = %g s: the pressure that corrects the %s was not found by %s in %u "
+                    "iterations to a residual of %g; residuals: %s. Look at the snapshot, then allow more "
+                    "scheme.incompressible.iterations or a larger tolerance, or take smaller steps",
+                    (unsigned long long)sim->progress.step + 1, sim->model.t, what, method->name, report->iterations,
+                    tolerance, history);
+}
+
+static MnsStatus solve(MnsSim *sim, double tolerance, const char *what, SolveReport *report, MnsError *error)
+{
+    const double start = omp_get_wtime();
+    const SolveGoal goal = {tolerance, sim->model.projection.iterations};
+    const SolveMethod *method = solve_method(sim->model.projection.solver, &sim->system);
+    const double before = sim->system.setup_seconds;
+    method->solve(&sim->system, &goal, report);
+    integrator_clock(sim, sim->n_timers - 1, start);
+    const double setup = sim->system.setup_seconds - before;
+    sim->timers[sim->n_timers - 1].seconds -= setup;
+    sim->timers[sim->n_timers - 2].seconds += setup;
+    sim->timers[sim->n_timers - 2].calls += setup > 0;
+    return report->converged ? MNS_OK : fail_solve(sim, method, report, tolerance, what, error);
+}
+
+static MnsStatus correct_density_once(MnsSim *sim, MnsError *error)
+{
+    System *y = &sim->system;
+    SolveReport report;
+    MnsStatus status = lay(sim, error);
+    if (status) return status;
+    run(sim, PASS_DENSITY_SYSTEM);
+    memset(y->x, 0, y->matrix.n * sizeof *y->x);
+    status = solve(sim, sim->model.projection.correction_tolerance, "density", &report, error);
+    if (status) return status;
+    sim->solved.density_iterations += report.iterations;
+    sim->solved.corrections++;
+    system_centre(y);
+    run(sim, PASS_DENSITY_CORRECTION);
+    const uint64_t rebuilds = sim->progress.rebuilds;
+    status = integrator_lists(sim, error);
+    forget_if(sim, sim->progress.rebuilds != rebuilds);
+    if (!status) run(sim, PASS_NUMBER);
+    return status;
+}
+
+/* Where walls do not fit the particles, no arrangement is within the tolerance: so many corrections in a row may fail to lower the
+ * error by a part of itself. */
+enum { VAIN_MOST = 50 };
+static const double ENOUGH = 0.98;
+
+static MnsStatus correct_density(MnsSim *sim, MnsError *error)
+{
+    const Projection *options = &sim->model.projection;
+    MnsStatus status = integrator_lists(sim, error);
+    if (status) return status;
+    run(sim, PASS_NUMBER);
+    sim->solved.density_error = density_error(sim);
+    double least = INFINITY;
+    unsigned vain = 0;
+    while (!status && sim->solved.density_error > options->density_tolerance &&
+           sim->solved.corrections < options->corrections && vain < VAIN_MOST) {
+        vain = sim->solved.density_error < ENOUGH * least ? 0 : vain + 1;
+        least = fmin(least, sim->solved.density_error);
+        status = correct_density_once(sim, error);
+        sim->solved.density_error = density_error(sim);
+    }
+    return status;
+}
+
+/* Pressures of the step before; in walls, what solves their rows. */
+static void guess(MnsSim *sim, double dt)
+{
+    System *y = &sim->system;
+    const size_t n = particles_fluid(&sim->s);
+    const double *restrict p = sim->s.p;
+#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
+    for (size_t i = 0; i < n; i++) y->x[i] = p[i] * dt;
+    system_relax(y, n);
+}
+
+/* The pressure has no mean, or is 0 where it is least in the light fluids: on a gas, a pressure that a liquid has no less of would act
+ * through every fault of the arrangement, with the liquid's strength. */
+static void gauge(MnsSim *sim)
+{
+    enum { LIGHT = 10 }; /* times as dense as the lightest at most */
+    System *y = &sim->system;
+    const Model *model = &sim->model;
+    system_centre(y);
+    if (model->projection.mean_gauge) return;
+    double least = INFINITY;
+    bool light[UINT8_MAX + 1] = {0};
+    for (size_t a = 0; a < model->n_phases; a++) light[a] = model->phase[a].rho0 <= LIGHT * model->rho_min;
+#pragma omp parallel for schedule(static) reduction(min : least) num_threads(sim->threads)
+    for (size_t i = 0; i < particles_fluid(&sim->s); i++)
+        if (light[sim->s.phase[i]] && y->x[i] < least) least = y->x[i];
+    for (size_t i = 0; i < y->matrix.n; i++) y->x[i] -= least;
+}
+
+/* What a wall shows of its pressures, for pictures: their mean, by how much they matter. */
+static void show_walls(MnsSim *sim, double dt, double share)
+{
+    const System *y = &sim->system;
+    Particles *s = &sim->s;
+    const size_t n = particles_fluid(s), walls = s->n - n;
+    for (size_t w = 0; w < walls; w++) {
+        double sum = 0, weight = 0;
+        for (size_t node = n + w; node < y->matrix.n; node += walls) {
+            if (y->matrix.blocks[node] == 0) continue;
+            sum += y->matrix.diagonal[node] * y->x[node];
+            weight += y->matrix.diagonal[node];
+        }
+        s->p[n + w] += share * ((weight > 0 ? sum / (weight * dt) : 0) - s->p[n + w]);
+    }
+}
+
+/* A step that is cut short, to end when it is told to, has the divergence of a whole one to take away in less time: its pressure counts
+ * for its part only. */
+static void finish(MnsSim *sim, double dt)
+{
+    const double share = dt < sim->progress.dt ? dt / sim->progress.dt : 1;
+    Particles *s = &sim->s;
+    const size_t n = particles_fluid(s);
+    const double *restrict P = sim->system.x;
+    for (int d = 0; d < s->dim; d++) {
+        double *restrict v = s->v[d];
+        const double change = dt * sim->model.gravity[d];
+#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
+        for (size_t i = 0; i < n; i++) v[i] += change;
+    }
+#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
+    for (size_t i = 0; i < n; i++) s->p[i] += share * (P[i] / dt - s->p[i]);
+    show_walls(sim, dt, share);
+    particles_changed(s, ON_ALL, FIELD(V) | FIELD(P));
+}
+
+static MnsStatus correct_velocity(MnsSim *sim, double dt, const double gravity[3], MnsError *error)
+{
+    SolveReport report;
+    forget_if(sim, sim->model.projection.unit_mobility);
+    push(sim, dt, gravity);
+    run(sim, PASS_WALLS);
+    MnsStatus status = lay(sim, error);
+    if (status) return status;
+    run(sim, PASS_VELOCITY_SYSTEM);
+    guess(sim, dt);
+    status = solve(sim, sim->model.projection.tolerance, "velocity", &report, error);
+    sim->solved.iterations = report.iterations;
+    sim->solved.residual = report.residual;
+    gauge(sim);
+    run(sim, PASS_VELOCITY_CORRECTION);
+    finish(sim, dt);
+    return status;
+}
+
+static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
+{
+    const double start = omp_get_wtime();
+    double gravity[3]; /* that is in the accelerations */
+    memcpy(gravity, sim->model.gravity, sizeof gravity);
+    sim->solved = (Solved){0};
+    system_forget(&sim->system);
+    drift(sim, dt);
+    integrator_walls(sim, t, dt);
+    integrator_clock(sim, TIMER_DRIFT, start);
+    MnsStatus status = correct_density(sim, error);
+    if (!status) status = correct_velocity(sim, dt, gravity, error);
+    if (status) return status;
+    const bool well = integrator_look(sim);
+    /* The first of the rates is done again by a restart, and shall have the rounding that it has then. */
+    particles_changed(&sim->s, ON_ALL, FIELD(X));
+    integrator_rates(sim, PASS_RATES);
+    return well ? MNS_OK : fault_particle(sim, error);
+}
+
+const Integrator double_projection = {
+    .name = "two projections",
+    .source = "P4 2.1",
+    .equation = "x += dt (v + dt/2 a);  density corrections;  v += dt a - dt grad p/rho;  rates",
+    .step = step,
+};

@@ -1,0 +1,217 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Conjugate gradients preconditioned by one cycle of hypre's algebraic multigrid (BoomerAMG): iterations that hardly grow with the
+ * system. The preconditioner is asked for nothing along the constants, where the matrix is singular: hypre's own conjugate gradients
+ * break down there. hypre as Debian builds it has one thread, so its bits do not depend on ours.
+ * What is built without hypre has the same names, and says that it cannot. */
+#include "base/array.h"
+#include "sim/solve/vectors.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#if HAVE_HYPRE
+#include <HYPRE.h>
+#include <HYPRE_IJ_mv.h>
+#include <HYPRE_parcsr_ls.h>
+#include <mpi.h>
+#include <omp.h>
+
+struct Amg {
+    bool ready; /* made, and the matrix has not changed much since */
+    int n;
+    HYPRE_Solver solver;
+    HYPRE_IJMatrix matrix;
+    HYPRE_IJVector b, x;
+    HYPRE_ParCSRMatrix A;
+    HYPRE_ParVector pb, px;
+    HYPRE_BigInt *rows; /* [n] 0, 1, 2 ... */
+};
+
+/* One process, which talks to nobody: as it comes, Open MPI would start a helper and listen on the network. */
+static void start_mpi(void)
+{
+    int started = 0;
+    MPI_Initialized(&started);
+    if (started) return;
+    setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
+    setenv("OMPI_MCA_btl", "self", 0);
+    setenv("OMPI_MCA_pml", "ob1", 0);
+    setenv("OMPI_MCA_opal_signal", "", 0); /* signals are ours */
+    int provided = 0;
+    MPI_Init_thread(NULL, NULL, MPI_THREAD_SERIALIZED, &provided);
+    HYPRE_Init();
+}
+
+static void drop(struct Amg *amg)
+{
+    if (amg->solver) HYPRE_BoomerAMGDestroy(amg->solver);
+    if (amg->matrix) HYPRE_IJMatrixDestroy(amg->matrix);
+    if (amg->b) HYPRE_IJVectorDestroy(amg->b);
+    if (amg->x) HYPRE_IJVectorDestroy(amg->x);
+    free(amg->rows);
+    *amg = (struct Amg){0};
+}
+
+void amg_free(struct Amg *amg)
+{
+    if (amg) drop(amg);
+    free(amg);
+}
+
+void amg_forget(struct Amg *amg)
+{
+    if (amg) amg->ready = false;
+}
+
+/* A row that says nothing is one of the unit matrix. */
+static void set_row(HYPRE_IJMatrix matrix, const Matrix *m, size_t i)
+{
+    enum { MOST = 1024 };
+    HYPRE_BigInt row = (HYPRE_BigInt)i, column[MOST];
+    HYPRE_Complex value[MOST];
+    HYPRE_Int n = 1;
+    column[0] = row;
+    value[0] = m->blocks[i] ? m->diagonal[i] : 1;
+    const size_t first = m->start[i] * ENTRIES, last = first + m->blocks[i] * (size_t)ENTRIES;
+    for (size_t k = first; k < last && n < MOST; k++) {
+        if (!(m->c[k] > 0)) continue;
+        column[n] = (HYPRE_BigInt)m->column[k];
+        value[n++] = -(double)m->c[k];
+    }
+    HYPRE_IJMatrixSetValues(matrix, 1, &n, &row, column, value);
+}
+
+static void fill_matrix(struct Amg *amg, const Matrix *m)
+{
+    HYPRE_Int *sizes = calloc(m->n, sizeof *sizes);
+    if (!sizes) return;
+    for (size_t i = 0; i < m->n; i++) sizes[i] = (HYPRE_Int)(m->blocks[i] * ENTRIES + 1);
+    HYPRE_IJMatrixCreate(MPI_COMM_SELF, 0, amg->n - 1, 0, amg->n - 1, &amg->matrix);
+    HYPRE_IJMatrixSetObjectType(amg->matrix, HYPRE_PARCSR);
+    HYPRE_IJMatrixSetRowSizes(amg->matrix, sizes);
+    HYPRE_IJMatrixInitialize(amg->matrix);
+    for (size_t i = 0; i < m->n; i++) set_row(amg->matrix, m, i);
+    HYPRE_IJMatrixAssemble(amg->matrix);
+    HYPRE_IJMatrixGetObject(amg->matrix, (void **)&amg->A);
+    free(sizes);
+}
+
+static void make_vector(const struct Amg *amg, HYPRE_IJVector *ret, HYPRE_ParVector *ret_parallel)
+{
+    HYPRE_IJVectorCreate(MPI_COMM_SELF, 0, amg->n - 1, ret);
+    HYPRE_IJVectorSetObjectType(*ret, HYPRE_PARCSR);
+    HYPRE_IJVectorInitialize(*ret);
+    HYPRE_IJVectorAssemble(*ret);
+    HYPRE_IJVectorGetObject(*ret, (void **)ret_parallel);
+}
+
+/* One cycle, with the same relaxation before and after, so that it is symmetric; relaxed on the coarsest level too, where elimination
+ * would meet the singular matrix. The first level is coarsened twice, which takes twice the iterations and half of the making: it is made for each
+ * step. */
+static void make_solver(struct Amg *amg)
+{
+    enum { HMIS = 10, EXTENDED = 6, SYMMETRIC = 6, COARSEST = 3, NEIGHBOURS = 4 };
+    HYPRE_BoomerAMGCreate(&amg->solver);
+    HYPRE_BoomerAMGSetPrintLevel(amg->solver, 0);
+    HYPRE_BoomerAMGSetCoarsenType(amg->solver, HMIS);
+    HYPRE_BoomerAMGSetAggNumLevels(amg->solver, 1);
+    HYPRE_BoomerAMGSetInterpType(amg->solver, EXTENDED);
+    HYPRE_BoomerAMGSetPMaxElmts(amg->solver, NEIGHBOURS);
+    HYPRE_BoomerAMGSetStrongThreshold(amg->solver, 0.25);
+    HYPRE_BoomerAMGSetRelaxType(amg->solver, SYMMETRIC);
+    HYPRE_BoomerAMGSetCycleRelaxType(amg->solver, SYMMETRIC, COARSEST);
+    HYPRE_BoomerAMGSetMaxIter(amg->solver, 1);
+    HYPRE_BoomerAMGSetTol(amg->solver, 0);
+    HYPRE_BoomerAMGSetup(amg->solver, amg->A, amg->pb, amg->px);
+}
+
+/* false: no memory. */
+static bool prepare(System *y)
+{
+    if (!y->amg && !(y->amg = calloc(1, sizeof *y->amg))) return false;
+    if (y->amg->ready) return true;
+    const double start = omp_get_wtime();
+    struct Amg *amg = y->amg;
+    start_mpi();
+    drop(amg);
+    amg->n = (int)y->matrix.n;
+    if (!(amg->rows = array_new(y->matrix.n, sizeof *amg->rows))) return false;
+    for (int i = 0; i < amg->n; i++) amg->rows[i] = i;
+    fill_matrix(amg, &y->matrix);
+    make_vector(amg, &amg->b, &amg->pb);
+    make_vector(amg, &amg->x, &amg->px);
+    make_solver(amg);
+    amg->ready = true;
+    y->setup_seconds += omp_get_wtime() - start;
+    return true;
+}
+
+/* z: what a cycle makes of r. */
+static void cycle(System *y, const double *r, double *z)
+{
+    struct Amg *amg = y->amg;
+    memset(z, 0, y->matrix.n * sizeof *z);
+    HYPRE_IJVectorSetValues(amg->b, amg->n, amg->rows, r);
+    HYPRE_IJVectorSetValues(amg->x, amg->n, amg->rows, z);
+    HYPRE_BoomerAMGSolve(amg->solver, amg->A, amg->pb, amg->px);
+    HYPRE_IJVectorGetValues(amg->x, amg->n, amg->rows, z);
+    HYPRE_ClearAllErrors(); /* one is that a single cycle did not converge */
+    remove_mean(y, z, y->matrix.n);
+}
+
+static void iterate(System *y, const SolveGoal *goal, SolveReport *report, double size)
+{
+    double *r = y->work[0], *z = y->work[1], *p = y->work[2], *q = y->work[3], rz = 1;
+    memset(p, 0, y->matrix.n * sizeof *p);
+    for (unsigned k = 0; !note(report, goal, k, sqrt(dot(y, r, r)) / size); k++) {
+        const double before = rz;
+        cycle(y, r, z);
+        rz = dot(y, r, z);
+        add_to(y, p, rz / before, z);
+        matrix_multiply(&y->matrix, p, q, y->threads);
+        const double alpha = rz / dot(y, p, q);
+        add(y, y->x, alpha, p);
+        add(y, r, -alpha, q);
+        remove_mean(y, r, y->matrix.n);
+    }
+}
+
+static void solve(System *y, const SolveGoal *goal, SolveReport *report)
+{
+    const double size = begin(y, y->work[0]);
+    *report = (SolveReport){.converged = size == 0};
+    if (size == 0) memset(y->x, 0, y->matrix.n * sizeof *y->x);
+    else if (prepare(y)) iterate(y, goal, report, size);
+}
+
+bool amg_exists(void)
+{
+    return true;
+}
+#else
+static void solve(System *y, const SolveGoal *goal, SolveReport *report)
+{
+    solve_cg.solve(y, goal, report);
+}
+
+void amg_free(struct Amg *amg)
+{
+    (void)amg;
+}
+
+void amg_forget(struct Amg *amg)
+{
+    (void)amg;
+}
+
+bool amg_exists(void)
+{
+    return false;
+}
+#endif
+
+const SolveMethod solve_amg = {
+    .name = "amg",
+    .equation = "conjugate gradients, preconditioned by algebraic multigrid",
+    .solve = solve,
+};

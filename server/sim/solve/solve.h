@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Linear systems of particles: the one small interface between who has a system and who solves it. Every sum is of chunks of
+ * rows, in order, so that the number of threads does not change a bit. */
+#ifndef SIM_SOLVE_SOLVE_H
+#define SIM_SOLVE_SOLVE_H
+
+#include "sim/level.h"
+#include <meniscus/case.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum { ENTRIES = 8 }; /* of a row come in blocks of so many, the last filled up with zeros */
+
+/* (L x)_i = sum_k c_k (x_i - x_k): rows of differences, to which a constant is nothing, to the last bit. Symmetric where c_ij = c_ji. */
+typedef struct Matrix {
+    size_t n, room;   /* rows; blocks there is room for */
+    size_t *start;    /* [n + 1] first block of each row */
+    uint32_t *blocks; /* [n] of a row in use; 0: a row that says nothing, and that nobody refers to */
+    uint32_t *column; /* [ENTRIES * room] */
+    float *c;         /* [ENTRIES * room]; what they stand for is known to no more digits */
+    double *diagonal; /* [n] sum of c */
+} Matrix;
+
+/* Room for n rows. false: no memory, nothing is left behind. */
+bool matrix_init(Matrix *m, size_t n);
+void matrix_done(Matrix *m);
+
+/* Lay out the rows: blocks[i] says how many row i may take. false: no memory, the matrix as it was. */
+bool matrix_lay(Matrix *m);
+
+/* y = L x */
+void matrix_multiply(const Matrix *m, const double *x, double *y, int threads);
+
+enum { HISTORY_MAX = 24 };
+
+/* How a solve went. Residuals are over that of x = 0. */
+typedef struct SolveReport {
+    bool converged;
+    unsigned iterations;
+    double residual;
+    int n;                    /* of the history */
+    unsigned at[HISTORY_MAX]; /* iterations 0, 1, 2, 4 ... */
+    double of[HISTORY_MAX];   /* and the residuals there */
+} SolveReport;
+
+/* Room for the vectors of the methods. */
+enum { WORK_VECTORS = 7 };
+
+struct Amg;
+
+/* L x = b. Of b the mean over the first `bulk` rows is taken away, as nothing else can be solved: constants are L's null space. */
+typedef struct System {
+    Matrix matrix;
+    double *b, *x; /* [matrix.n] x: a guess, then the solution up to a constant */
+    size_t bulk;
+    int threads;
+    double *work[WORK_VECTORS]; /* [matrix.n] */
+    double *partial;            /* sums of chunks */
+    struct Amg *amg;      /* what the multigrid method keeps from one solve to the next; NULL before it was used */
+    double setup_seconds; /* spent on making it, so far */
+} System;
+
+typedef struct SolveGoal {
+    double tolerance; /* of the residual, over that of x = 0 */
+    unsigned iterations;
+} SolveGoal;
+
+typedef struct SolveMethod {
+    const char *name, *equation;
+    void (*solve)(System *system, const SolveGoal *goal, SolveReport *ret_report);
+} SolveMethod;
+
+extern const SolveMethod solve_cg;       /* symmetric matrices */
+extern const SolveMethod solve_bicgstab; /* all */
+extern const SolveMethod solve_amg;      /* symmetric ones; as solve_cg where there is no hypre */
+
+/* Room for n rows. false: no memory, nothing is left behind. */
+bool system_init(System *system, size_t n, size_t bulk, int threads);
+void system_done(System *system);
+size_t system_bytes(const System *system);
+
+/* Solve the rows from `first` on, none of which refers to another of them, by x of the rows before. */
+void system_relax(System *system, size_t first);
+
+/* Take away the mean of x over the bulk, everywhere. */
+void system_centre(System *system);
+
+/* The rows have changed places, or the entries more than a little: what a method has kept is of no use any more. */
+void system_forget(System *system);
+
+/* Was this built with algebraic multigrid? */
+bool amg_exists(void);
+
+/* The method that was asked for, or the fastest for a system of this size. */
+const SolveMethod *solve_method(MnsSolver solver, const System *system);
+
+/* The residuals of a solve in words, as in "1 at 0, 0.1 at 4, 0.02 at 8". */
+void solve_history(const SolveReport *report, char *text, size_t size);
+
+#endif

@@ -1,0 +1,252 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Matrices in rows of differences, and what methods of solution share. */
+#include "base/array.h"
+#include "sim/solve/vectors.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+bool matrix_init(Matrix *m, size_t n)
+{
+    *m = (Matrix){.n = n};
+    m->start = array_new(n + 1, sizeof *m->start);
+    m->blocks = array_new(n, sizeof *m->blocks);
+    m->diagonal = array_new(n, sizeof *m->diagonal);
+    if (m->start && m->blocks && m->diagonal) return true;
+    matrix_done(m);
+    return false;
+}
+
+void matrix_done(Matrix *m)
+{
+    free(m->start);
+    free(m->blocks);
+    free(m->column);
+    free(m->c);
+    free(m->diagonal);
+    *m = (Matrix){0};
+}
+
+/* A twentieth more than is asked for, as lists differ a little from one time to the next. */
+static bool reserve(Matrix *m, size_t blocks)
+{
+    if (blocks <= m->room) return true;
+    const size_t room = blocks + blocks / 20;
+    uint32_t *column = array_new(room, ENTRIES * sizeof *column);
+    float *c = array_new(room, ENTRIES * sizeof *c);
+    if (!column || !c) {
+        free(column);
+        free(c);
+        return false;
+    }
+    free(m->column);
+    free(m->c);
+    m->column = column;
+    m->c = c;
+    m->room = room;
+    return true;
+}
+
+bool matrix_lay(Matrix *m)
+{
+    size_t all = 0;
+    for (size_t i = 0; i < m->n; i++) all += m->blocks[i];
+    if (!reserve(m, all)) return false;
+    for (size_t i = 0; i < m->n; i++) m->start[i + 1] = m->start[i] + m->blocks[i];
+    return true;
+}
+
+INLINE double row_product(const Matrix *m, const double *restrict x, size_t i)
+{
+    const uint32_t *restrict column = m->column + m->start[i] * ENTRIES;
+    const float *restrict c = m->c + m->start[i] * ENTRIES;
+    const double x_i = x[i];
+    double sum[ENTRIES] = {0};
+    for (size_t k = 0; k < m->blocks[i] * (size_t)ENTRIES; k += ENTRIES)
+#pragma omp simd
+        for (size_t l = 0; l < ENTRIES; l++) sum[l] += (double)c[k + l] * (x_i - x[column[k + l]]);
+    return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
+}
+
+/* Rows [first, last), for every level of instructions; nothing is fused, so all give the same bits. */
+typedef void (*Multiply)(const Matrix *, const double *x, double *y, size_t first, size_t last);
+#define MULTIPLY(level, target)                                                                                        \
+    target static void multiply_##level(const Matrix *m, const double *x, double *y, size_t first, size_t last)        \
+    {                                                                                                                  \
+        for (size_t i = first; i < last; i++) y[i] = row_product(m, x, i);                                             \
+    }
+MULTIPLY(base, )
+#if HAS_LEVELS
+MULTIPLY(v3, FOR_V3)
+MULTIPLY(v4, FOR_V4)
+static const Multiply MULTIPLIES[LEVELS] = {multiply_base, multiply_v3, multiply_v4};
+#else
+static const Multiply MULTIPLIES[LEVELS] = {multiply_base};
+#endif
+
+void matrix_multiply(const Matrix *m, const double *x, double *y, int threads)
+{
+    enum { CHUNK = 256 };
+    const Multiply multiply = MULTIPLIES[level_in_use()];
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (size_t k = 0; k < m->n; k += CHUNK) multiply(m, x, y, k, k + CHUNK < m->n ? k + CHUNK : m->n);
+}
+
+bool system_init(System *y, size_t n, size_t bulk, int threads)
+{
+    *y = (System){.bulk = bulk, .threads = threads};
+    bool well = matrix_init(&y->matrix, n);
+    well = well && (y->b = array_new(n, sizeof(double))) && (y->x = array_new(n, sizeof(double)));
+    for (int k = 0; well && k < WORK_VECTORS; k++) well = (y->work[k] = array_new(n, sizeof(double)));
+    well = well && (y->partial = array_new(3 * chunks_of(y), sizeof(double)));
+    if (!well) system_done(y);
+    return well;
+}
+
+void system_done(System *y)
+{
+    matrix_done(&y->matrix);
+    free(y->b);
+    free(y->x);
+    for (int k = 0; k < WORK_VECTORS; k++) free(y->work[k]);
+    free(y->partial);
+    amg_free(y->amg);
+    *y = (System){0};
+}
+
+size_t system_bytes(const System *y)
+{
+    const Matrix *m = &y->matrix;
+    return m->n * (sizeof *m->start + sizeof *m->blocks + (3 + WORK_VECTORS) * sizeof(double)) +
+           m->room * ENTRIES * (sizeof *m->column + sizeof *m->c);
+}
+
+void system_relax(System *y, size_t first)
+{
+    const Matrix *m = &y->matrix;
+#pragma omp parallel for schedule(static) num_threads(y->threads)
+    for (size_t i = first; i < m->n; i++) {
+        y->x[i] = 0;
+        if (m->blocks[i]) y->x[i] = (y->b[i] - row_product(m, y->x, i)) / m->diagonal[i];
+    }
+}
+
+void system_centre(System *y)
+{
+    double sum = 0;
+    for (size_t i = 0; i < y->bulk; i++) sum += y->x[i];
+    for (size_t i = 0; i < y->matrix.n; i++) y->x[i] -= sum / (double)y->bulk;
+}
+
+const SolveMethod *solve_method(MnsSolver solver, const System *y)
+{
+    /* Rows from which on multigrid is faster, in two and three dimensions, by how long they are (DECISIONS.md). */
+    const size_t n = y->matrix.n, large = y->matrix.start[n] <= 8 * n ? 50000 : 1000000;
+    if (solver == MNS_SOLVER_BY_SIZE) return amg_exists() && n >= large ? &solve_amg : &solve_cg;
+    return solver == MNS_SOLVER_BICGSTAB ? &solve_bicgstab : solver == MNS_SOLVER_AMG ? &solve_amg : &solve_cg;
+}
+
+double partial_sum(const System *y, int k)
+{
+    const double *partial = partial_of(y, k);
+    double sum = 0;
+    for (size_t chunk = 0; chunk < chunks_of(y); chunk++) sum += partial[chunk];
+    return sum;
+}
+
+double dot(const System *y, const double *a, const double *b)
+{
+    double *partial = partial_of(y, 0);
+#pragma omp parallel for schedule(static) num_threads(y->threads)
+    for (size_t chunk = 0; chunk < chunks_of(y); chunk++) {
+        double sum = 0;
+        for (size_t i = chunk * ROWS; i < chunk_end(y, chunk); i++) sum += a[i] * b[i];
+        partial[chunk] = sum;
+    }
+    return partial_sum(y, 0);
+}
+
+void remove_mean(const System *y, double *a, size_t n)
+{
+    double sum = 0, count = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (y->matrix.blocks[i] == 0) continue;
+        sum += a[i];
+        count++;
+    }
+    const double mean = count > 0 ? sum / count : 0;
+    for (size_t i = 0; i < n; i++)
+        if (y->matrix.blocks[i]) a[i] -= mean;
+}
+
+void add(const System *y, double *restrict a, double f, const double *restrict b)
+{
+#pragma omp parallel for simd schedule(static) num_threads(y->threads)
+    for (size_t i = 0; i < y->matrix.n; i++) a[i] += f * b[i];
+}
+
+void add_to(const System *y, double *restrict a, double f, const double *restrict b)
+{
+#pragma omp parallel for simd schedule(static) num_threads(y->threads)
+    for (size_t i = 0; i < y->matrix.n; i++) a[i] = b[i] + f * a[i];
+}
+
+void system_forget(System *y)
+{
+    amg_forget(y->amg);
+}
+
+void jacobi(const System *y, const double *r, double *z)
+{
+    const double *restrict diagonal = y->matrix.diagonal;
+#pragma omp parallel for schedule(static) num_threads(y->threads)
+    for (size_t i = 0; i < y->matrix.n; i++) z[i] = diagonal[i] > 0 ? r[i] / diagonal[i] : 0;
+}
+
+double begin(System *y, double *r)
+{
+    const size_t n = y->matrix.n;
+    double excess = 0, count = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (y->matrix.blocks[i] == 0) {
+            y->b[i] = 0;
+            continue;
+        }
+        excess += y->b[i];
+        count += i < y->bulk;
+    }
+    for (size_t i = 0; i < y->bulk; i++)
+        if (y->matrix.blocks[i]) y->b[i] -= excess / count;
+    matrix_multiply(&y->matrix, y->x, r, y->threads);
+    for (size_t i = 0; i < n; i++) r[i] = y->b[i] - r[i];
+    return sqrt(dot(y, y->b, y->b));
+}
+
+static bool is_noted(unsigned iteration)
+{
+    return (iteration & (iteration - 1)) == 0; /* 0, 1, 2, 4 ... */
+}
+
+bool note(SolveReport *report, const SolveGoal *goal, unsigned iteration, double residual)
+{
+    const bool last = !(residual > goal->tolerance) || iteration >= goal->iterations;
+    report->iterations = iteration;
+    report->residual = residual;
+    report->converged = residual <= goal->tolerance;
+    if ((last || is_noted(iteration)) && report->n < HISTORY_MAX) {
+        report->at[report->n] = iteration;
+        report->of[report->n++] = residual;
+    }
+    return last;
+}
+
+void solve_history(const SolveReport *report, char *text, size_t size)
+{
+    size_t used = 0;
+    if (size) *text = 0;
+    for (int k = 0; k < report->n && used < size; k++) {
+        const int n =
+            snprintf(text + used, size - used, "%s%.2g after %u", k ? ", " : "", report->of[k], report->at[k]);
+        used += n > 0 ? (size_t)n : 0;
+    }
+}

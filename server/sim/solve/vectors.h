@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Sums over the rows of a system, chunk by chunk and in order; and what all methods begin with. */
+#ifndef SIM_SOLVE_VECTORS_H
+#define SIM_SOLVE_VECTORS_H
+
+#include "sim/solve/solve.h"
+
+enum { ROWS = 1024 }; /* of a chunk, which is one thread's whatever the number of threads */
+
+static inline size_t chunks_of(const System *y)
+{
+    return (y->matrix.n + ROWS - 1) / ROWS;
+}
+
+static inline size_t chunk_end(const System *y, size_t chunk)
+{
+    const size_t end = (chunk + 1) * ROWS;
+    return end < y->matrix.n ? end : y->matrix.n;
+}
+
+/* Sum k of the chunks' partial sums. */
+double partial_sum(const System *y, int k);
+
+static inline double *partial_of(const System *y, int k)
+{
+    return y->partial + (size_t)k * chunks_of(y);
+}
+
+double dot(const System *y, const double *a, const double *b);
+
+/* Take away from a the mean over the rows that say something, of the first n; from these rows. */
+void remove_mean(const System *y, double *a, size_t n);
+
+/* a += f b;  a = b + f a */
+void add(const System *y, double *a, double f, const double *b);
+void add_to(const System *y, double *a, double f, const double *b);
+
+/* amg.c: what the multigrid method keeps */
+void amg_free(struct Amg *amg);
+void amg_forget(struct Amg *amg);
+
+/* z = r / diagonal, 0 in rows that say nothing. */
+void jacobi(const System *y, const double *r, double *z);
+
+/* Make b solvable and r = b - L x; returns |b|. Rows that say nothing ask for nothing. */
+double begin(System *y, double *r);
+
+/* Note the residual of an iteration; true: it is small enough, and that is in the report. */
+bool note(SolveReport *report, const SolveGoal *goal, unsigned iteration, double residual);
+
+#endif

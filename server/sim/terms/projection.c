@@ -1,0 +1,300 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The pressure systems of an incompressible flow of many fluids, and what is done with their solutions.          P4 eq. 20-35
+ *   A_ij = (V_i^2 + V_j^2) F,  V = 1 / sum W;  densities are those of reference
+ *   c_ij = -A_ij / (rho_i + rho_j),  (L P)_i = sum_j c_ij (P_i - P_j)
+ *   velocity   L P = -1/2 sum_j A_ij (v_j - v_i)/2 . x_ij,     v_i -= 1/m_i sum_j A_ij P_ij x_ij,            p = P/dt
+ *   density    L P = -1/2 (V_i - V_0),                         x_i -= 1/m_i sum_j A_ij (P_ij + P_ref) x_ij
+ *   P_ij = (rho_i P_j + rho_j P_i) / (rho_i + rho_j)
+ * A wall particle is an unknown of its own towards each fluid, of that fluid's density, through which nothing flows:
+ *   sum_i c_iw (P_w - P_i - rho_i dt (g - a_w) . (x_w - x_i)) = 0
+ * so L stays symmetric, a layer at rest is exact, and no fluid feels the pressure of another through a wall. */
+#include "sim/solve/solve.h"
+#include "sim/terms/terms.h"
+#include <math.h>
+
+/* Of a spacing, by which one density correction may move a particle. They are a hundredth of one as a rule; without a bound single
+ * particles beside an interface or in a corner are thrown out of their neighbours' reach. */
+static const double MOVE_MOST = 0.1;
+
+/* The Laplacian has a narrower stencil than the divergence of a gradient, so that for waves of a few spacings its solution is too small:
+ * to go farther saves a quarter of the corrections, and from 3 on they diverge. */
+static const double FARTHER = 1.5;
+
+/* Unknown of a wall particle towards a fluid. */
+INLINE size_t node_of(const Particles *s, size_t wall_particle, unsigned fluid)
+{
+    const size_t n = particles_fluid(s);
+    return n + fluid * (s->n - n) + (wall_particle - n);
+}
+
+size_t projection_unknowns(const Particles *s)
+{
+    return particles_fluid(s) + s->n_phases * (s->n - particles_fluid(s));
+}
+
+bool projection_lay(Particles *s, const Neighbours *nb)
+{
+    const size_t n = particles_fluid(s);
+    uint32_t *blocks = s->system->matrix.blocks;
+    for (size_t i = 0; i < n; i++) {
+        const size_t fluid = nb->end[i][GROUP_SUMMATION], walls = nb->end[i][GROUP_WALL] - fluid;
+        blocks[i] = (uint32_t)((fluid + LANES - 1) / LANES + (walls + LANES - 1) / LANES);
+    }
+    for (size_t i = n; i < s->n; i++)
+        for (unsigned a = 0; a < s->n_phases; a++)
+            blocks[node_of(s, i, a)] = ((uint32_t)nb->end[i][GROUP_WALL] + LANES - 1) / LANES;
+    return matrix_lay(&s->system->matrix);
+}
+
+/* -A_ij, the same for the two of a pair to the last bit. */
+INLINE double facing(double V_i, double V_j, double F)
+{
+    return -(V_i * V_i + V_j * V_j) * F;
+}
+
+/* What a density counts as: 1 of all where positions alone are put right, so that the heavy do not push the light about. */
+INLINE double weight_of(const Model *model, unsigned fluid, bool unit)
+{
+    return unit ? 1 : model->phase[fluid].rho0;
+}
+
+/* 1 / (rho_i + rho_j) by the fluid of j. */
+INLINE void inverse_sums(const Model *model, unsigned fluid, bool unit, double ret[MNS_MAX_FLUIDS])
+{
+    for (unsigned a = 0; a < model->n_phases; a++)
+        ret[a] = 1 / (weight_of(model, fluid, unit) + weight_of(model, a, unit));
+}
+
+INLINE double float_sum(const float *c, size_t n)
+{
+    double sum = 0;
+    for (size_t k = 0; k < n; k++) sum += (double)c[k];
+    return sum;
+}
+
+/* Row of a fluid particle. */
+INLINE void matrix_row(const Row *row, Particles *s, const Model *model, bool unit)
+{
+    const size_t i = row->i, first = s->system->matrix.start[i] * LANES;
+    Matrix *m = &s->system->matrix;
+    const unsigned mine = s->phase[i];
+    const double V = s->vol[i];
+    double inverse[MNS_MAX_FLUIDS];
+    inverse_sums(model, mine, unit, inverse);
+    uint32_t *column = m->column + first;
+    float *c = m->c + first;
+    for (size_t b = 0; b < row->n; b++) {
+        const Block *block = &row->block[b];
+        const uint32_t *j = row_j(row, block);
+        double by[LANES];
+        for (size_t l = 0; l < LANES; l++) {
+            column[b * LANES + l] = b < row->n_fluid ? j[l] : (uint32_t)node_of(s, j[l], mine);
+            by[l] = inverse[b < row->n_fluid ? s->phase[j[l]] : mine];
+        }
+#pragma omp simd
+        for (size_t l = 0; l < LANES; l++) c[b * LANES + l] = (float)(facing(V, block->V[l], block->F[l]) * by[l]);
+    }
+    m->diagonal[i] = float_sum(c, row->n * LANES);
+    m->blocks[i] = m->diagonal[i] > 0 ? (uint32_t)row->n : 0;
+}
+
+INLINE void velocity_matrix_row(const Row *row, Particles *s, const Model *model, How how)
+{
+    (void)how;
+    matrix_row(row, s, model, false);
+}
+ROW_FUNCTIONS(velocity_matrix_row)
+
+INLINE void density_matrix_row(const Row *row, Particles *s, const Model *model, How how)
+{
+    (void)how;
+    matrix_row(row, s, model, model->projection.unit_mobility);
+    s->system->b[row->i] = -0.5 * (s->vol[row->i] - model->wall_volume);
+}
+ROW_FUNCTIONS(density_matrix_row)
+
+/* Row of a wall particle towards one fluid; pull: [dim] dt (g - a_w), or 0. */
+INLINE void wall_row(const Row *row, Particles *s, const Model *model, unsigned fluid, bool unit, const double pull[3],
+                     How how)
+{
+    System *y = s->system;
+    Matrix *m = &y->matrix;
+    const size_t node = node_of(s, row->i, fluid), first = m->start[node] * LANES;
+    const double V = s->vol[row->i], rho = weight_of(model, fluid, unit), inverse = 1 / (rho + rho);
+    size_t n = 0;
+    double flux = 0;
+    for (const Block *b = row->block; b < row->block + row->n; b++) {
+        const uint32_t *j = row_j(row, b);
+        for (int l = 0; l < LANES; l++) {
+            if (s->phase[j[l]] != fluid || !(b->F[l] < 0)) continue;
+            const float c = (float)(facing(V, b->V[l], b->F[l]) * inverse);
+            double along = 0;
+            for (int d = 0; d < how.dim; d++) along += pull[d] * b->x[d][l];
+            m->column[first + n] = j[l];
+            m->c[first + n++] = c;
+            flux += (double)c * rho * along;
+        }
+    }
+    m->diagonal[node] = float_sum(m->c + first, n);
+    for (; n % LANES; n++) {
+        m->column[first + n] = (uint32_t)node;
+        m->c[first + n] = 0;
+    }
+    m->blocks[node] = m->diagonal[node] > 0 ? (uint32_t)(n / LANES) : 0;
+    y->b[node] = flux;
+}
+
+INLINE void velocity_wall_row(const Row *row, Particles *s, const Model *model, How how)
+{
+    const WallState *wall = &model->wall[s->phase[row->i] - model->n_phases];
+    double pull[3] = {0};
+    for (int d = 0; d < how.dim; d++) pull[d] = model->dt * (model->gravity[d] - wall->a[d]);
+    for (unsigned a = 0; a < model->n_phases; a++) wall_row(row, s, model, a, false, pull, how);
+}
+ROW_FUNCTIONS(velocity_wall_row)
+
+INLINE void density_wall_row(const Row *row, Particles *s, const Model *model, How how)
+{
+    const double pull[3] = {0};
+    for (unsigned a = 0; a < model->n_phases; a++)
+        wall_row(row, s, model, a, model->projection.unit_mobility, pull, how);
+}
+ROW_FUNCTIONS(density_wall_row)
+
+INLINE void divergence_row(const Row *row, Particles *s, const Model *model, How how)
+{
+    (void)model;
+    const size_t i = row->i, first_wall = particles_fluid(s);
+    const double V = s->vol[i];
+    double v[3];
+    Lanes sum = {0};
+    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i];
+    for (const Block *b = row->block; b < row->block + row->n; b++) {
+        const uint32_t *j = row_j(row, b);
+        double its[3][LANES];
+        for (int d = 0; d < how.dim; d++)
+            for (int l = 0; l < LANES; l++)
+                its[d][l] = b < row->block + row->n_fluid ? b->v[d][l] : s->v_wall[d][j[l] - first_wall];
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            double along = 0;
+            for (int d = 0; d < how.dim; d++) along += (its[d][l] - v[d]) * b->x[d][l];
+            sum.of[l] += facing(V, b->V[l], b->F[l]) * along;
+        }
+    }
+    s->system->b[i] = 0.25 * lanes_sum(&sum);
+}
+ROW_FUNCTIONS(divergence_row)
+
+/* 1/m_i sum_j A_ij (times P_ij + offset) x_ij */
+INLINE void push(const Row *row, const Particles *s, const Model *model, bool unit, double times, double offset,
+                 How how, double ret[3])
+{
+    const size_t i = row->i;
+    const unsigned mine = s->phase[i];
+    const double V = s->vol[i], rho = weight_of(model, mine, unit), *P = s->system->x, P_i = times * P[i] + offset;
+    double inverse[MNS_MAX_FLUIDS];
+    Lanes sum[3] = {0};
+    inverse_sums(model, mine, unit, inverse);
+    for (const Block *b = row->block; b < row->block + row->n; b++) {
+        const uint32_t *j = row_j(row, b);
+        const bool wall = b >= row->block + row->n_fluid;
+        double P_ij[LANES];
+        for (int l = 0; l < LANES; l++) {
+            const unsigned fluid = wall ? mine : s->phase[j[l]];
+            const double P_j = times * P[wall ? node_of(s, j[l], mine) : j[l]] + offset;
+            P_ij[l] = (rho * P_j + weight_of(model, fluid, unit) * P_i) * inverse[fluid];
+        }
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const double c = facing(V, b->V[l], b->F[l]) * P_ij[l];
+            for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, b->x[d][l], how);
+        }
+    }
+    const double m = unit ? model->wall_volume : s->m[i];
+    for (int d = 0; d < how.dim; d++) ret[d] = -lanes_sum(&sum[d]) / m;
+}
+
+INLINE void velocity_correction_row(const Row *row, Particles *s, const Model *model, How how)
+{
+    double change[3];
+    push(row, s, model, false, 1, 0, how, change);
+    for (int d = 0; d < how.dim; d++) s->v[d][row->i] -= change[d];
+}
+ROW_FUNCTIONS(velocity_correction_row)
+
+INLINE void density_correction_row(const Row *row, Particles *s, const Model *model, How how)
+{
+    const double h = model->kernel.h, rho = model->projection.unit_mobility ? 1 : model->rho_min;
+    double change[3], keep = 1;
+    push(row, s, model, model->projection.unit_mobility, FARTHER, model->projection.offset * rho * h * h, how, change);
+    const double size = sqrt(DOT(change, change, how)), most = MOVE_MOST * model->dx;
+    if (size > most) keep = most / size;
+    for (int d = 0; d < how.dim; d++) s->x[d][row->i] -= keep * change[d];
+}
+ROW_FUNCTIONS(density_correction_row)
+
+const Term density_matrix = {
+    .name = "density system",
+    .source = "P4 eq. 20, 30, 31",
+    .equation = "sum_j c_ij (P_i - P_j) = (V_0 - V_i)/2,  c_ij = -A_ij/(rho_i + rho_j),  A_ij = (V_i^2 + V_j^2) F",
+    .on = ON_FLUID,
+    .needs = NEED_F | NEED_STATE,
+    .row = ROW_TABLE(density_matrix_row),
+};
+
+const Term density_wall_matrix = {
+    .name = "and at walls",
+    .source = "schemes/README.md",
+    .equation = "sum_i c_iw (P_w - P_i) = 0,  for each fluid of its own",
+    .on = ON_WALL,
+    .needs = NEED_F | NEED_STATE,
+    .row = ROW_TABLE(density_wall_row),
+};
+
+const Term density_correction = {
+    .name = "density correction",
+    .source = "P4 eq. 22, 35",
+    .equation = "x_i -= 1/m_i sum_j A_ij (P_ij + P_ref) x_ij,  P_ij = (rho_i P_j + rho_j P_i)/(rho_i + rho_j)",
+    .on = ON_FLUID,
+    .needs = NEED_F | NEED_STATE,
+    .writes = FIELD(X),
+    .row = ROW_TABLE(density_correction_row),
+};
+
+const Term velocity_matrix = {
+    .name = "velocity system",
+    .source = "P4 eq. 30",
+    .equation = "sum_j c_ij (P_i - P_j) = -1/2 (div v)_i V_i",
+    .on = ON_FLUID,
+    .needs = NEED_F | NEED_STATE,
+    .row = ROW_TABLE(velocity_matrix_row),
+};
+
+const Term velocity_wall_matrix = {
+    .name = "and at walls",
+    .source = "schemes/README.md",
+    .equation = "sum_i c_iw (P_w - P_i - rho_i dt (g - a_w) . x_wi) = 0,  for each fluid of its own",
+    .on = ON_WALL,
+    .needs = NEED_F | NEED_STATE,
+    .row = ROW_TABLE(velocity_wall_row),
+};
+
+const Term velocity_divergence = {
+    .name = "divergence",
+    .source = "P4 eq. 32 as differences",
+    .equation = "(div v)_i V_i = sum_j A_ij (v_j - v_i)/2 . x_ij",
+    .on = ON_FLUID,
+    .needs = NEED_F | NEED_V | NEED_STATE,
+    .row = ROW_TABLE(divergence_row),
+};
+
+const Term velocity_correction = {
+    .name = "velocity correction",
+    .source = "P4 eq. 24, 35",
+    .equation = "v_i -= 1/m_i sum_j A_ij P_ij x_ij",
+    .on = ON_FLUID,
+    .needs = NEED_F | NEED_STATE,
+    .writes = FIELD(V),
+    .row = ROW_TABLE(velocity_correction_row),
+};

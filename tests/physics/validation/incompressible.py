@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Flows without sound: P4 3.1 to 3.4, and layers at rest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from validation.metrics import Metric
+from validation.runs import Run, Snapshot, run
+from validation.series import at, extremum, row, table
+
+SETTLED = 0.15  # [s], until when a lattice in vortices breaks up
+
+
+def density_error(r: Run, after: float = 0.0) -> float:
+    """Largest error of a number density, over that at the start."""
+    late = r.t > after
+    low, high = r.probes["density_least"], r.probes["density_greatest"]
+    return float(max(np.max(1 - low[late] / low[0]), np.max(high[late] / high[0] - 1)))
+
+
+# --- P4 3.1: Taylor-Green ---------------------------------------------------------------------------------------------------
+
+
+def decay_error(r: Run) -> float:
+    """Of the greatest speed, relative, at its largest (P4 eq. 43), while more than a fiftieth is left."""
+    ref = table("P4/taylor_green_decay.csv")
+    exact = np.exp(np.interp(r.t, ref["t"], np.log(ref["Umax"])))
+    return float(np.max(np.abs(r.probes["speed"] / exact - 1)))
+
+
+def vortices(r: Run) -> np.ndarray:
+    """Energy of what moves against the centre of mass, which is 1 kg."""
+    return r.probes["kinetic"] - 0.5 * (r.probes["momentum_x"] ** 2 + r.probes["momentum_y"] ** 2)
+
+
+LIMITS = {30: 0.04, 60: 0.02, 120: 0.01}  # of that error, by particles to a side
+
+
+def score_decay(case: str, n: int, r: Run) -> Iterator[Metric]:
+    yield Metric(case, f"L_inf error of the greatest speed, {n} particles a side", decay_error(r), high=LIMITS[n])
+    yield Metric(case, f"largest density error after t = {SETTLED}, {n} particles a side", density_error(r, SETTLED), high=0.0101)
+    drift = max(float(np.max(np.abs(r.probes[f"momentum_{axis}"]))) for axis in "xy")
+    yield Metric(case, f"largest momentum / M U, {n} particles a side", drift, high=1e-12)
+
+
+def score_moved(case: str, r: Run, moved: Run) -> Iterator[Metric]:
+    apart = [float(np.interp(t, moved.t, vortices(moved)) / np.interp(t, r.t, vortices(r))) - 1 for t in (0.5, 1, 2)]
+    yield Metric(case, "energy beside a uniform speed, over that without, less 1, at t = 0.5, 1 or 2", max(apart, key=abs), low=-0.04, high=0.04)
+
+
+def taylor_green2d(paper: bool) -> Iterator[Metric]:
+    """P4 3.1 at its resolutions, and in a frame that moves."""
+    case, sizes = "taylor-green2d", (30, 60, 120) if paper else (30, 60)
+    runs = [run(case, f"resolution={n}") for n in sizes]
+    for n, r in zip(sizes, runs, strict=True):
+        yield from score_decay(case, n, r)
+    order = float(np.log2(decay_error(runs[0]) / decay_error(runs[-1])) / np.log2(sizes[-1] / sizes[0]))
+    yield Metric(case, "order of convergence", order, low=0.9)
+    yield from score_moved(case, runs[0], run(case, "resolution=30", "constants[1].value=1"))
+
+
+# --- at rest ---------------------------------------------------------------------------------------------------------------
+
+
+def score_layers(case: str, ratio: int, r: Run) -> Iterator[Metric]:
+    weight = 0.5 * (ratio + 1)
+    error = float(r.probes["error"][r.t > 0.02].max()) / weight
+    yield Metric(case, f"ratio {ratio}: rms error of the pressure / that at the floor", error, high=0.02)
+    yield Metric(case, f"ratio {ratio}: greatest speed / sqrt(g H)", float(r.probes["speed"].max()), high=0.01)
+    yield Metric(case, f"ratio {ratio}: escaped particles", float(np.nanmax(r.probes["escaped"])), high=0)
+
+
+def hydrostatic_isph(_: bool) -> Iterator[Metric]:
+    """Two layers at three ratios of density."""
+    case = "hydrostatic-isph"
+    for ratio in (1, 10, 1000):
+        heavy = (f"fluids[0].density={ratio}", f"fluids[0].viscosity={0.01 * ratio:g}", f"constants[2].value={ratio}")
+        yield from score_layers(case, ratio, run(case, *heavy))
+
+
+# --- P4 3.2: drops that oscillate ------------------------------------------------------------------------------------------
+
+
+def score_kicked(case: str, r: Run, paper: bool) -> Iterator[Metric]:
+    """Against volume of fluid: crests and period of the centre of a quarter."""
+    ref = table("P4/droplet_rho1_vof_noslip_256.csv")
+    crests = []
+    for when, sign in ((0.0717, 1), (0.2561, -1), (0.443, 1)):
+        t, x = extremum(r.t, r.probes["x_q"] - 0.5, when, 0.06, sign, 0.02)
+        crests.append(t)
+        name = f"centre of a quarter at the {'crest' if sign > 0 else 'trough'} near t = {when}"
+        yield Metric(case, name, x, at(ref, "x_q", when), 0.015 if paper else 0.03, relative=True)
+    yield Metric(case, "period, from crest to crest", crests[2] - crests[0], 0.370, 0.03 if paper else 0.06, relative=True)
+    late = r.t > r.t[-1] - 0.1
+    yield Metric(case, "pressure jump, last 0.1 s, / tension over radius", float(np.nanmean(r.probes["jump"][late])) * 0.1875, note="not scored: still swinging")
+    yield Metric(case, "largest density error", density_error(r), high=0.0101)
+    drift = max(float(np.max(np.abs(r.probes[f"momentum_{axis}"] - r.probes[f"momentum_{axis}"][0]))) for axis in "xy")
+    yield Metric(case, "change of momentum", drift, high=1e-12)
+
+
+def droplet_oscillation2d(paper: bool) -> Iterator[Metric]:
+    """P4 3.2, the drop in a liquid like itself."""
+    case = "droplet-oscillation2d"
+    yield from score_kicked(case, run(case, f"resolution={120 if paper else 60}"), paper)
+
+
+def score_ellipse(case: str, n: int, r: Run, tolerance: float) -> Iterator[Metric]:
+    """Against volume of fluid, whose period is a tenth shorter than the paper's."""
+    crests = [extremum(r.t, r.probes["x_q"] - 6, when, 1.2, 1, 0.4)[0] for when in (6.82, 13.6, 20.3)]
+    yield Metric(case, f"period of the first two swings, {n} particles high", crests[1] / 2, 6.71, tolerance, relative=True)
+    yield Metric(case, f"mean period of three swings, {n} particles high", crests[2] / 3, 19.91 / 3, note="not scored")
+    yield Metric(case, f"escaped particles, {n} particles high", float(np.nanmax(r.probes["escaped"])), high=0)
+
+
+def droplet_ellipse2d(paper: bool) -> Iterator[Metric]:
+    """P4 3.2, the elliptic drop at rest."""
+    case = "droplet-ellipse2d"
+    for n in (48, 96) if paper else (48,):
+        yield from score_ellipse(case, n, run(case, f"resolution={n}"), 0.04 if n == 96 else 0.1)
+
+
+# --- P4 3.3: a drop in shear -----------------------------------------------------------------------------------------------
+
+
+def deformation(s: Snapshot) -> float:
+    """(L - B)/(L + B) of the ellipse with the second moments of the drop's particles."""
+    x = s.x[s.phase == 0][:, :2]
+    x = x - x.mean(axis=0)
+    axes = np.sqrt(np.linalg.eigvalsh(x.T @ x))
+    return float((axes[1] - axes[0]) / (axes[1] + axes[0]))
+
+
+def shear_settings(ca: float, ratio: float) -> tuple[str, ...]:
+    """In units of tension, radius and shear rate, Re = 0.1 by the liquid around."""
+    density = 0.1 * ca
+    return (f"fluids[0].viscosity={ca * ratio:g}", f"fluids[1].viscosity={ca:g}", f"fluids[0].density={density:g}", f"fluids[1].density={density:g}")
+
+
+def drop_shear2d(paper: bool) -> Iterator[Metric]:
+    """P4 3.3: capillary numbers and ratios of viscosity."""
+    case, n = "drop-shear2d", 12 if paper else 6
+    points = ((0.05, 1), (0.1, 1), (0.15, 1), (0.2, 1), (0.15, 0.1), (0.15, 10)) if paper else ((0.15, 1), (0.15, 0.1))
+    for ca, ratio in points:
+        ref = float(row("P4/drop_in_shear_vof2d.csv", f"{ca:g}", **{"lambda": f"{ratio:g}", "Re": "0.1"})["D_I"])
+        r = run(case, f"resolution={n}", *shear_settings(ca, ratio))
+        yield Metric(case, f"Ca {ca:g}, viscosities {ratio:g}: deformation", deformation(r.last()), ref, 0.05 if paper else 0.1, relative=True)
+
+
+# --- P4 3.4: Rayleigh-Taylor -----------------------------------------------------------------------------------------------
+
+
+def score_tips(case: str, r: Run) -> Iterator[Metric]:
+    """Against finite volumes of 1/256 with walls that hold the fluids."""
+    ref = table("P2/rt2d_vof_noslip_256.csv")
+    for t in (1, 2, 3):
+        yield Metric(case, f"highest point of the light fluid at t = {t}", r.at("high", t), at(ref, "y_high", t), 0.015)
+        yield Metric(case, f"lowest point of the heavy fluid at t = {t}", r.at("low", t), at(ref, "y_low", t), 0.015)
+    yield Metric(case, "highest point of the light fluid at t = 5", r.at("high", 5), at(ref, "y_high", 5), note="not scored")
+    light, heavy = r.probes["density_least"], r.probes["density_greatest"]
+    yield Metric(case, "largest density error", float(max(np.max(1 - light), np.max(heavy / 1.8 - 1))), high=0.00505)
+    yield Metric(case, "escaped particles", float(np.nanmax(r.probes["escaped"])), high=0)
+    yield Metric(case, "smallest sum of W V", float(np.nanmin(r.probes["coverage"])), low=0.75)
+
+
+def rayleigh_taylor2d_isph(_: bool) -> Iterator[Metric]:
+    """P4 3.4, at the paper's resolution."""
+    yield from score_tips("rayleigh-taylor2d-isph", run("rayleigh-taylor2d-isph"))

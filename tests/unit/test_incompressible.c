@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Runs of the incompressible scheme: layers stay at rest under the right pressure at any ratio of densities, momentum is kept, number
+ * densities are, a pressure that is not found is a fault that tells why, and what the scheme cannot do is refused. */
+#include "tests/support/check.h"
+#include "tests/support/sims.h"
+#include <stdlib.h>
+#include <string.h>
+
+static void choose(MnsCase *c)
+{
+    c->scheme.name = "incompressible";
+    c->scheme.kernel = MNS_QUINTIC_SPLINE;
+    c->scheme.smoothing = 1;
+}
+
+/* A heavy liquid under one of density 1, each half a metre high, gravity 1. */
+static MnsCase *layers(int dim, double resolution, double heavy)
+{
+    MnsCase *c = case_blank(dim, resolution);
+    choose(c);
+    case_set_text(&c->gravity[1], "-1");
+    case_add_fluid(c, "heavy", heavy, 10);
+    case_add_fluid(c, "light", 1, 10);
+    case_add_part(&c->fluids[0].shape, MNS_BOX)->b[1] = 0.5;
+    c->fluids[0].shape.parts[0].b[0] = c->fluids[0].shape.parts[0].b[2] = 1;
+    for (int k = 0; k < 2; k++) c->fluids[k].viscosity = 0.01 * c->fluids[k].density;
+    case_add_wall(c, "tank");
+    c->walls[0].no_slip = true;
+    MnsPart *tank = case_add_part(&c->walls[0].shape, MNS_BOX);
+    tank->outside = true;
+    for (int d = 0; d < 3; d++) tank->b[d] = c->max[d];
+    return c;
+}
+
+/* Root mean square error of the pressure, over that at the floor. */
+static double pressure_error(const MnsSim *sim, double heavy)
+{
+    const Particles *s = &sim->s;
+    double squares = 0;
+    for (size_t i = 0; i < particles_fluid(s); i++) {
+        const double y = s->x[1][i], p = 1 - fmax(y, 0.5) + heavy * fmax(0.5 - y, 0);
+        squares += (s->p[i] - p) * (s->p[i] - p);
+    }
+    return sqrt(squares / (double)particles_fluid(s)) / (0.5 * (heavy + 1));
+}
+
+static double fastest(const MnsSim *sim)
+{
+    double most = 0;
+    for (size_t i = 0; i < particles_fluid(&sim->s); i++)
+        for (int d = 0; d < sim->s.dim; d++) most = fmax(most, fabs(sim->s.v[d][i]));
+    return most;
+}
+
+static void layers_at_rest_have_their_pressure_from_the_first_step_on(void **state)
+{
+    (void)state;
+    static const double RATIOS[] = {1, 10, 1000};
+    for (int dim = 2; dim <= 3; dim++)
+        for (int k = 0; k < 3; k++) {
+            MnsCase *c = layers(dim, dim == 2 ? 20 : 10, RATIOS[k]);
+            MnsSim *sim = sim_of(c);
+            for (int n = 0; n < (dim == 2 ? 30 : 5); n++) {
+                sim_steps(sim, 1);
+                assert_less(pressure_error(sim, RATIOS[k]),
+                            dim == 2 ? 0.03 : 0.06); /* half a spacing of it by the gauge */
+            }
+            assert_less(fastest(sim), 0.01);
+            sim_done(sim, c);
+        }
+}
+
+static void a_step_that_is_cut_short_leaves_the_pressure(void **state)
+{
+    (void)state;
+    MnsCase *c = layers(2, 20, 1000);
+    MnsSim *sim = sim_of(c);
+    sim_steps(sim, 5);
+    const double before = pressure_error(sim, 1000);
+    assert_int_equal(mns_sim_step(sim, mns_sim_progress(sim).t + 1e-6, NULL), MNS_OK);
+    assert_close(pressure_error(sim, 1000), before, 2e-3);
+    sim_done(sim, c);
+}
+
+static void momentum_and_number_densities_are_kept(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = case_periodic(dim, 20);
+        choose(c);
+        c->tension[0][1] = c->tension[1][0] = 0.05;
+        c->fluids[0].viscosity = c->fluids[1].viscosity = 0.01;
+        MnsSim *sim = sim_of(c);
+        double momentum[3] = {0}, size = 0;
+        const Particles *s = &sim->s;
+        for (size_t i = 0; i < s->n; i++)
+            for (int d = 0; d < dim; d++) {
+                momentum[d] += s->m[i] * s->v[d][i];
+                size += s->m[i] * fabs(s->v[d][i]);
+            }
+        sim_steps(sim, dim == 2 ? 30 : 6);
+        for (size_t i = 0; i < s->n; i++) {
+            assert_close(s->rho[i] / sim->model.phase[s->phase[i]].rho0, 1, 0.02);
+            for (int d = 0; d < dim; d++) momentum[d] -= s->m[i] * s->v[d][i];
+        }
+        for (int d = 0; d < dim; d++) assert_close(momentum[d], 0, 1e-12 * size);
+        sim_done(sim, c);
+    }
+}
+
+static void a_pressure_that_is_not_found_is_a_fault_that_tells_its_residuals(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        MnsCase *c = case_periodic(2, 20);
+        MnsError error = {0}, again = {0};
+        choose(c);
+        c->scheme.incompressible.iterations = 3;
+        c->scheme.incompressible.tolerance = k ? 0.1 : 1e-12;
+        c->scheme.incompressible.density_tolerance = k ? 1e-4 : 0.5;
+        c->scheme.incompressible.density_solver_tolerance = 1e-12;
+        MnsSim *sim = sim_of(c);
+        MnsStatus status = MNS_OK;
+        for (int n = 0; n < 20 && !status; n++) status = mns_sim_step(sim, INFINITY, &error);
+        assert_int_equal(status, MNS_E_DIVERGED);
+        assert_non_null(strstr(error.text, k ? "corrects the density" : "corrects the velocity"));
+        assert_non_null(strstr(error.text, "by cg in 3 iterations"));
+        assert_non_null(strstr(error.text, " after 0, "));
+        assert_non_null(strstr(error.text, " after 3. "));
+        assert_int_equal(mns_sim_step(sim, INFINITY, &again), MNS_E_DIVERGED);
+        assert_string_equal(again.text, error.text);
+        sim_done(sim, c);
+    }
+}
+
+static void a_space_that_is_not_full_is_refused(void **state)
+{
+    (void)state;
+    MnsCase *c = layers(2, 20, 2);
+    MnsSim *sim = NULL;
+    MnsError error = {0};
+    case_add_part(&c->fluids[1].shape, MNS_BOX)->b[1] = 0.8;
+    c->fluids[1].shape.parts[0].b[0] = 1;
+    c->fluids[1].shape.parts[0].a[1] = 0.5;
+    assert_int_equal(mns_sim_new(c, &sim, &error), MNS_E_INVALID);
+    assert_string_equal(error.path, "fluids");
+    mns_case_free(c);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(layers_at_rest_have_their_pressure_from_the_first_step_on),
+        cmocka_unit_test(a_step_that_is_cut_short_leaves_the_pressure),
+        cmocka_unit_test(momentum_and_number_densities_are_kept),
+        cmocka_unit_test(a_pressure_that_is_not_found_is_a_fault_that_tells_its_residuals),
+        cmocka_unit_test(a_space_that_is_not_full_is_refused),
+    };
+    return cmocka_run_group_tests_name("incompressible", tests, NULL, NULL);
+}

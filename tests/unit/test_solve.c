@@ -1,0 +1,239 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Methods for linear systems give what elimination gives, need nothing where the guess is the solution, say so where they fail, and
+ * give the same bits with any number of threads. */
+#include "sim/solve/solve.h"
+#include "tests/support/check.h"
+#include <stdlib.h>
+#include <string.h>
+
+enum { MANY = 5000, FEW = 60 };
+
+static double noise(uint64_t *seed)
+{
+    *seed = *seed * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return (double)(*seed >> 11) * 0x1p-52 - 1;
+}
+
+/* A ring in which each row refers to the three on either side, with weights of its own; one row says nothing. Weights of a pair are the
+ * same unless they are skewed. */
+static void ring(System *y, size_t n, double skew, int threads)
+{
+    static const int REACH[] = {-3, -2, -1, 1, 2, 3};
+    assert_true(system_init(y, n + 1, n, threads));
+    Matrix *m = &y->matrix;
+    for (size_t i = 0; i <= n; i++) m->blocks[i] = 2;
+    assert_true(matrix_lay(m));
+    m->blocks[n] = 0;
+    for (size_t i = 0; i < n; i++) {
+        m->blocks[i] = 1;
+        for (size_t k = 0; k < ENTRIES; k++) {
+            const size_t at = m->start[i] * ENTRIES + k;
+            const size_t j = k < 6 ? (i + n + (size_t)(REACH[k] + (int)n)) % n : i;
+            const uint64_t pair = (i < j ? i : j) * 7919 + (i < j ? j : i) * 104729;
+            double c = 1 + 0.5 * sin((double)(pair % 1000)) + skew * sin((double)(3 * i + k));
+            if (k >= 6) c = 0;
+            m->column[at] = (uint32_t)j;
+            m->c[at] = (float)c;
+            m->diagonal[i] += (double)m->c[at];
+        }
+    }
+}
+
+/* By elimination with pivots, x of the last row being 0. */
+static void eliminate(const System *y, const double *b, double *ret)
+{
+    const size_t n = y->bulk, w = n + 1;
+    double *a = calloc(n * w, sizeof *a);
+    assert_non_null(a);
+    const Matrix *m = &y->matrix;
+    for (size_t i = 0; i < n; i++) {
+        for (size_t k = m->start[i] * ENTRIES; k < (m->start[i] + m->blocks[i]) * ENTRIES; k++) {
+            a[i * w + i] += (double)m->c[k];
+            a[i * w + m->column[k]] -= (double)m->c[k];
+        }
+        a[i * w + n] = b[i];
+    }
+    for (size_t k = 0; k < n - 1; k++) {
+        size_t best = k;
+        for (size_t q = k; q < n; q++)
+            if (fabs(a[q * w + k]) > fabs(a[best * w + k])) best = q;
+        for (size_t c = 0; c <= n; c++) {
+            const double kept = a[k * w + c];
+            a[k * w + c] = a[best * w + c];
+            a[best * w + c] = kept;
+        }
+        for (size_t q = 0; q < n; q++) {
+            const double factor = q == k ? 0 : a[q * w + k] / a[k * w + k];
+            for (size_t c = k; c <= n && factor != 0; c++) a[q * w + c] -= factor * a[k * w + c];
+        }
+    }
+    ret[n - 1] = 0;
+    for (size_t k = 0; k < n - 1; k++) ret[k] = a[k * w + n] / a[k * w + k];
+    free(a);
+}
+
+/* What L makes of a random x, so that there is a solution for every matrix. */
+static void ask(System *y, uint64_t seed)
+{
+    for (size_t i = 0; i < y->matrix.n; i++) y->x[i] = noise(&seed);
+    matrix_multiply(&y->matrix, y->x, y->b, y->threads);
+    memset(y->x, 0, y->matrix.n * sizeof *y->x);
+}
+
+static void constants_are_nothing_to_a_matrix(void **state)
+{
+    (void)state;
+    System y;
+    ring(&y, MANY, 0.3, 1);
+    for (size_t i = 0; i < y.matrix.n; i++) y.x[i] = 1.0 / 3;
+    matrix_multiply(&y.matrix, y.x, y.b, 1);
+    for (size_t i = 0; i < y.matrix.n; i++) assert_true(y.b[i] == 0);
+    system_done(&y);
+}
+
+static void methods_give_what_elimination_gives(void **state)
+{
+    (void)state;
+    const SolveMethod *const methods[] = {&solve_cg, &solve_bicgstab, &solve_bicgstab};
+    for (int k = 0; k < 3; k++) {
+        System y;
+        SolveReport report;
+        double exact[FEW];
+        ring(&y, FEW, k == 2 ? 0.3 : 0, 1);
+        ask(&y, 5);
+        eliminate(&y, y.b, exact);
+        methods[k]->solve(&y, &(SolveGoal){1e-12, 500}, &report);
+        assert_true(report.converged && report.iterations > 3 && report.iterations < 120 && report.residual <= 1e-12);
+        for (size_t i = 0; i < FEW; i++) assert_close(y.x[i] - y.x[FEW - 1], exact[i], 1e-9);
+        assert_true(y.x[FEW] == 0); /* the row that says nothing */
+        system_done(&y);
+    }
+}
+
+/* Where it was built; under a sanitizer MPI's own leaks would be told of. */
+static void multigrid_gives_the_same_in_few_iterations_at_any_size(void **state)
+{
+    (void)state;
+    static const size_t SIZES[] = {FEW, 500, MANY};
+    if (!amg_exists() || getenv("MENISCUS_SANITIZED")) skip();
+    for (int k = 0; k < 3; k++) {
+        System y, z;
+        SolveReport report, plain;
+        ring(&y, SIZES[k], 0, 1);
+        ring(&z, SIZES[k], 0, 1);
+        for (int again = 0; again < 2; again++) { /* with what was kept, and without */
+            ask(&y, 5);
+            ask(&z, 5);
+            solve_amg.solve(&y, &(SolveGoal){1e-10, 100}, &report);
+            solve_cg.solve(&z, &(SolveGoal){1e-10, 20000}, &plain);
+            assert_true(report.converged && plain.converged);
+            if (report.iterations > 25) fail_msg("%u iterations for %zu rows", report.iterations, SIZES[k]);
+            for (size_t i = 0; i < SIZES[k]; i++) assert_close(y.x[i] - y.x[0], z.x[i] - z.x[0], 1e-3);
+            assert_true(y.x[SIZES[k]] == 0);
+            system_forget(&y);
+        }
+        system_done(&y);
+        system_done(&z);
+    }
+}
+
+static void what_cannot_be_solved_is_taken_from_the_bulk(void **state)
+{
+    (void)state;
+    System y;
+    SolveReport report;
+    ring(&y, FEW, 0, 1);
+    ask(&y, 3);
+    double wanted[FEW];
+    memcpy(wanted, y.b, sizeof wanted);
+    for (size_t i = 0; i < FEW; i++) y.b[i] += 0.25;
+    solve_cg.solve(&y, &(SolveGoal){1e-10, 500}, &report);
+    assert_true(report.converged);
+    for (size_t i = 0; i < FEW; i++) assert_close(y.b[i], wanted[i], 1e-12);
+    system_done(&y);
+}
+
+static void a_guess_that_is_right_needs_no_iteration(void **state)
+{
+    (void)state;
+    const SolveMethod *const methods[] = {&solve_cg, &solve_bicgstab};
+    for (int k = 0; k < 2; k++) {
+        System y;
+        SolveReport cold, near, warm;
+        ring(&y, 500, 0, 1);
+        ask(&y, 8);
+        methods[k]->solve(&y, &(SolveGoal){1e-10, 5000}, &cold);
+        methods[k]->solve(&y, &(SolveGoal){1e-9, 5000}, &warm);
+        for (size_t i = 0; i < y.matrix.n; i++) y.x[i] += 1e-3 * sin((double)i);
+        methods[k]->solve(&y, &(SolveGoal){1e-6, 5000}, &near);
+        assert_true(cold.converged && warm.converged && near.converged);
+        assert_int_equal(warm.iterations, 0);
+        assert_true(near.iterations > 0 && 2 * near.iterations < cold.iterations);
+        memset(y.b, 0, y.matrix.n * sizeof *y.b);
+        methods[k]->solve(&y, &(SolveGoal){1e-6, 10}, &near);
+        assert_true(near.converged && y.x[7] == 0);
+        system_done(&y);
+    }
+}
+
+static void a_solve_that_fails_says_how(void **state)
+{
+    (void)state;
+    const SolveMethod *const methods[] = {&solve_cg, &solve_bicgstab};
+    for (int k = 0; k < 2; k++) {
+        System y;
+        SolveReport report;
+        char text[256];
+        ring(&y, MANY, 0, 1);
+        ask(&y, 2);
+        methods[k]->solve(&y, &(SolveGoal){1e-10, 5}, &report);
+        assert_false(report.converged);
+        assert_int_equal(report.iterations, 5);
+        assert_true(report.residual > 1e-10 && report.n == 5 && report.of[0] == 1);
+        solve_history(&report, text, sizeof text);
+        assert_true(strncmp(text, "1 after 0, ", 11) == 0 && strstr(text, " after 5"));
+        y.b[3] = NAN;
+        methods[k]->solve(&y, &(SolveGoal){1e-10, 5}, &report);
+        assert_false(report.converged);
+        system_done(&y);
+    }
+}
+
+static void threads_change_no_bit(void **state)
+{
+    (void)state;
+    const SolveMethod *const methods[] = {&solve_cg, &solve_bicgstab};
+    for (int k = 0; k < 2; k++) {
+        double *x = NULL;
+        for (int threads = 1; threads <= 3; threads++) {
+            System y;
+            SolveReport report;
+            ring(&y, MANY, 0, threads);
+            ask(&y, 4);
+            methods[k]->solve(&y, &(SolveGoal){1e-5, 20000}, &report);
+            assert_true(report.converged);
+            if (!x) {
+                x = malloc(MANY * sizeof *x);
+                assert_non_null(x);
+                memcpy(x, y.x, MANY * sizeof *x);
+            }
+            assert_memory_equal(x, y.x, MANY * sizeof *x);
+            system_done(&y);
+        }
+        free(x);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(constants_are_nothing_to_a_matrix),
+        cmocka_unit_test(methods_give_what_elimination_gives),
+        cmocka_unit_test(multigrid_gives_the_same_in_few_iterations_at_any_size),
+        cmocka_unit_test(what_cannot_be_solved_is_taken_from_the_bulk),
+        cmocka_unit_test(a_guess_that_is_right_needs_no_iteration),
+        cmocka_unit_test(a_solve_that_fails_says_how),
+        cmocka_unit_test(threads_change_no_bit),
+    };
+    return cmocka_run_group_tests_name("solve", tests, NULL, NULL);
+}
