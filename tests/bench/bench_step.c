@@ -97,11 +97,16 @@ static MnsCase *incompressible_droplet(int dim, double resolution)
 }
 
 static const Bench BENCHES[] = {
-    {"dambreak2d-p3", dam_break, 2, 95, 60, false},    {"dambreak3d-p3", dam_break, 3, 20, 12, false},
-    {"droplet2d-p3", droplet, 2, 316, 60, false},      {"droplet3d-p3", droplet, 3, 46, 12, false},
-    {"drop2d-p2", tense_droplet, 2, 316, 60, false},   {"drop3d-p2", tense_droplet, 3, 46, 12, false},
-    {"drop2d-p1", drop_in_tank, 2, 316, 30, false},    {"drop3d-p1", drop_in_tank, 3, 46, 6, false},
-    {"dambreak3d-p3-200k", dam_break, 3, 26, 6, true}, {"dambreak3d-p3-1m", dam_break, 3, 45, 3, true},
+    {"dambreak2d-p3", dam_break, 2, 95, 60, false},
+    {"dambreak3d-p3", dam_break, 3, 20, 12, false},
+    {"droplet2d-p3", droplet, 2, 316, 60, false},
+    {"droplet3d-p3", droplet, 3, 46, 12, false},
+    {"drop2d-p2", tense_droplet, 2, 316, 60, false},
+    {"drop3d-p2", tense_droplet, 3, 46, 12, false},
+    {"drop2d-p1", drop_in_tank, 2, 316, 30, false},
+    {"drop3d-p1", drop_in_tank, 3, 46, 6, false},
+    {"dambreak3d-p3-200k", dam_break, 3, 26, 6, true},
+    {"dambreak3d-p3-1m", dam_break, 3, 45, 3, true},
     {"drop2d-p4", incompressible_droplet, 2, 100, 20, false},
     {"drop3d-p4", incompressible_droplet, 3, 22, 6, false},
     {"drop2d-p4-100k", incompressible_droplet, 2, 316, 6, true},
