@@ -10,7 +10,7 @@ from validation.metrics import Metric
 from validation.runs import Run, Snapshot, run
 from validation.series import at, extremum, row, table
 
-SETTLED = 0.15  # [s], until when a lattice in vortices breaks up
+SETTLED = 0.1  # [s], until when a lattice in vortices may break up
 
 
 def density_error(r: Run, after: float = 0.0) -> float:
