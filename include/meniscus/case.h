@@ -117,15 +117,34 @@ typedef struct MnsIncompressible {
     MnsSolver solver;
 } MnsIncompressible;
 
+typedef enum MnsDiffusion {
+    MNS_DIFFUSION_DIVTAU,
+    MNS_DIFFUSION_HARMONIC,
+    MNS_DIFFUSION_CONSERVATIVE,
+    MNS_DIFFUSION_SPH
+} MnsDiffusion;
+
+typedef struct MnsDifferences {
+    MnsDiffusion diffusion;
+    double interface_threshold, shifting_strength, tolerance, guard;
+    double reference_speed;  /* [m/s]; below 0: by gravity and the height of the domain */
+    int buoyant_in;          /* fluid, or -1 */
+    bool holds_pressure;     /* 0 at this point, else its mean */
+    double zero_pressure[3]; /* [m] */
+    unsigned iterations;
+} MnsDifferences;
+
 /* Those of the scheme that is named count. */
 typedef struct MnsSchemeOptions {
-    const char *name; /* of the scheme: "riemann", "dissipation", "interfacial", "incompressible"; a literal */
+    const char
+        *name; /* of the scheme: "riemann", "dissipation", "interfacial", "incompressible", "differences"; a literal */
     MnsKernel kernel;
     double smoothing, cfl, skin;
     MnsRiemann riemann;
     MnsDissipation dissipation;
     MnsInterfacial interfacial;
     MnsIncompressible incompressible;
+    MnsDifferences differences;
 } MnsSchemeOptions;
 
 typedef enum MnsProbeKind {
@@ -194,6 +213,8 @@ typedef struct MnsCase {
     double reference_length, resolution; /* [m], particles per reference length */
     double min[3], max[3];               /* domain [m] */
     bool periodic[3];
+    double disorder; /* of the particles at the start, in spacings */
+    unsigned seed;
     size_t n_constants;
     MnsConstant *constants;
     char *gravity[3]; /* formulas of t [m/s^2] */

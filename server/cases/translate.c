@@ -25,6 +25,8 @@ static MnsStatus translate_domain(Translation *t, const Meniscus__Domain *m)
         case_path_cut(&t->path, before);
     }
     case_path_cut(&t->path, outer);
+    c->disorder = m->disorder;
+    c->seed = m->seed;
     return status;
 }
 
@@ -73,7 +75,7 @@ static MnsStatus translate_constants(Translation *t, const Meniscus__Case *m)
 /* What cannot be compressed carries no sound. */
 static bool has_sound(const Translation *t)
 {
-    return strcmp(t->c->scheme.name, "incompressible") != 0;
+    return strcmp(t->c->scheme.name, "incompressible") != 0 && strcmp(t->c->scheme.name, "differences") != 0;
 }
 
 static MnsStatus translate_fluid(Translation *t, const Meniscus__Fluid *m, const Names *before, MnsFluid *fluid)
@@ -253,6 +255,46 @@ static void translate_incompressible(const Meniscus__Incompressible *m, MnsSchem
                             .guard = m->guard};
 }
 
+static MnsStatus translate_differences(Translation *t, const Meniscus__Differences *m, MnsSchemeOptions *ret)
+{
+    static const MnsDiffusion diffusions[] = {
+        [MENISCUS__DIFFUSION__DIVTAU] = MNS_DIFFUSION_DIVTAU,
+        [MENISCUS__DIFFUSION__HARMONIC] = MNS_DIFFUSION_HARMONIC,
+        [MENISCUS__DIFFUSION__CONSERVATIVE] = MNS_DIFFUSION_CONSERVATIVE,
+        [MENISCUS__DIFFUSION__SPH] = MNS_DIFFUSION_SPH,
+    };
+    ret->name = "differences";
+    ret->differences = (MnsDifferences){.diffusion = diffusions[m->diffusion],
+                                        .interface_threshold = m->interface_threshold,
+                                        .shifting_strength = m->shifting_strength,
+                                        .buoyant_in = -1,
+                                        .holds_pressure = m->n_zero_pressure > 0,
+                                        .reference_speed = m->has_reference_speed ? m->reference_speed : -1,
+                                        .tolerance = m->tolerance,
+                                        .iterations = m->iterations,
+                                        .guard = m->guard};
+    if (!m->n_zero_pressure) return MNS_OK;
+    const size_t before = translation_enter(t, "differences");
+    const MnsStatus status =
+        take_vector(t, "zero_pressure", m->n_zero_pressure, m->zero_pressure, ret->differences.zero_pressure);
+    case_path_cut(&t->path, before);
+    return status;
+}
+
+/* The fluid is known by name only when fluids are. */
+static MnsStatus translate_buoyancy(Translation *t, const Meniscus__Scheme *m)
+{
+    Names fluids;
+    if (!m || m->method_case != MENISCUS__SCHEME__METHOD_DIFFERENCES || !m->differences->buoyant_in) return MNS_OK;
+    names_of_fluids(t->c, &fluids);
+    const size_t before = translation_enter(t, "scheme");
+    translation_enter(t, "differences");
+    const MnsStatus status =
+        take_reference(t, "buoyant_in", m->differences->buoyant_in, &fluids, &t->c->scheme.differences.buoyant_in);
+    case_path_cut(&t->path, before);
+    return status;
+}
+
 static MnsStatus translate_method(Translation *t, const Meniscus__Scheme *m, MnsSchemeOptions *ret)
 {
     switch (m->method_case) {
@@ -260,6 +302,7 @@ static MnsStatus translate_method(Translation *t, const Meniscus__Scheme *m, Mns
     case MENISCUS__SCHEME__METHOD_DISSIPATION: translate_dissipation(m->dissipation, ret); return MNS_OK;
     case MENISCUS__SCHEME__METHOD_INTERFACIAL: translate_interfacial(m->interfacial, ret); return MNS_OK;
     case MENISCUS__SCHEME__METHOD_INCOMPRESSIBLE: translate_incompressible(m->incompressible, ret); return MNS_OK;
+    case MENISCUS__SCHEME__METHOD_DIFFERENCES: return translate_differences(t, m->differences, ret);
     case MENISCUS__SCHEME__METHOD__NOT_SET: translate_riemann(NULL, ret); return MNS_OK;
     case _MENISCUS__SCHEME__METHOD__CASE_IS_INT_SIZE: break;
     }
@@ -272,8 +315,10 @@ static void default_kernel(const Meniscus__Scheme *m, MnsKernel *ret_kernel, dou
     const bool dissipation = m->method_case == MENISCUS__SCHEME__METHOD_DISSIPATION;
     const bool interfacial = m->method_case == MENISCUS__SCHEME__METHOD_INTERFACIAL;
     const bool incompressible = m->method_case == MENISCUS__SCHEME__METHOD_INCOMPRESSIBLE;
-    *ret_kernel = dissipation ? MNS_TRUNCATED_GAUSSIAN : incompressible ? MNS_QUINTIC_SPLINE : MNS_WENDLAND_C2;
-    *ret_smoothing = dissipation ? 1.1 : interfacial ? 1.6 : incompressible ? 1 : 1.3;
+    const bool differences = m->method_case == MENISCUS__SCHEME__METHOD_DIFFERENCES,
+               quintic = incompressible || differences;
+    *ret_kernel = dissipation ? MNS_TRUNCATED_GAUSSIAN : quintic ? MNS_QUINTIC_SPLINE : MNS_WENDLAND_C2;
+    *ret_smoothing = dissipation ? 1.1 : interfacial ? 1.6 : incompressible ? 1 : differences ? 0.9 : 1.3;
 }
 
 static MnsStatus translate_scheme(Translation *t, const Meniscus__Scheme *given, MnsSchemeOptions *ret)
@@ -357,6 +402,7 @@ static MnsStatus translate_all(Translation *t, const Meniscus__Case *m)
     if (!status) status = translate_constants(t, m);
     if (!status) status = take_formulas(t, "gravity", m->n_gravity, m->gravity, c->gravity);
     if (!status) status = translate_fluids(t, m);
+    if (!status) status = translate_buoyancy(t, m->scheme);
     if (!status) status = translate_interfaces(t, m);
     if (!status) status = translate_walls(t, m);
     if (!status) status = translate_probes(t, m);

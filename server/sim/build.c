@@ -73,6 +73,26 @@ typedef struct Filling {
     const Start *starts; /* [n_fluids]; NULL: what they are comes later */
 } Filling;
 
+/* By the case's shapes, which are where the walls are at first. */
+static void find_surface(MnsSim *sim, size_t i, size_t k)
+{
+    Particles *s = &sim->s;
+    double x[3] = {0}, normal[3];
+    for (int d = 0; d < s->dim; d++) x[d] = s->x[d][i];
+    const double depth = -shape_distance(&sim->solid[k], x);
+    shape_normal(&sim->solid[k], x, 1e-3 * sim->model.dx, normal);
+    for (int d = 0; d < s->dim; d++) s->to_surface[d][i] = depth * normal[d];
+}
+
+/* A number in [-1, 1) for each key, as good as random: the finalizer of splitmix64. */
+static double noise_of(uint64_t key)
+{
+    uint64_t z = (key + 1) * UINT64_C(0x9e3779b97f4a7c15);
+    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1;
+}
+
 static void set_wall(const Filling *f, size_t i, size_t k)
 {
     const Model *model = &f->sim->model;
@@ -80,6 +100,16 @@ static void set_wall(const Filling *f, size_t i, size_t k)
     s->rho[i] = model->rho_max;
     s->m[i] = model->rho_max * model->wall_volume;
     for (int d = 0; d < s->dim; d++) s->v[d][i] = model->wall[k].v[d];
+    if (s->to_surface[0]) find_surface(f->sim, i, k);
+}
+
+/* Off the lattice by a disorder that depends on the particle's number alone. */
+static void disorder(const MnsSim *sim, uint32_t id, double x[3])
+{
+    if (!(sim->c->disorder > 0)) return;
+    for (int d = 0; d < sim->s.dim; d++)
+        x[d] += sim->c->disorder * sim->model.cell[d] *
+                noise_of((uint64_t)sim->c->seed << 34 | (uint64_t)id << 2 | (unsigned)d);
 }
 
 static MnsStatus fill_row(const Filling *f, size_t r, MnsError *error)
@@ -95,6 +125,7 @@ static MnsStatus fill_row(const Filling *f, size_t r, MnsError *error)
             const size_t i = run->at + q;
             double x[3];
             lattice_place(f->lattice, r, run->first + q, x);
+            if ((size_t)run->owner < model->n_phases) disorder(f->sim, id, x);
             s->id[i] = id++;
             s->phase[i] = (uint8_t)run->owner;
             s->vol[i] = model->wall_volume;

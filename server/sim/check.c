@@ -70,6 +70,7 @@ static MnsStatus check_options(const MnsCase *c, MnsError *error)
         {"scheme.interfacial.repulsion", f->repulsion, BOUNDS_Interfacial_repulsion},
         {"scheme.interfacial.background_pressure", f->background_pressure, BOUNDS_Interfacial_background_pressure},
         {"scheme.interfacial.guard", f->guard, BOUNDS_Interfacial_guard},
+        {"domain.disorder", c->disorder, BOUNDS_Domain_disorder},
         {"limits.time_step_floor", l->time_step_floor, BOUNDS_Limits_time_step_floor},
         {"limits.density_min", l->density_min, BOUNDS_Limits_density_min},
         {"limits.density_max", l->density_max, BOUNDS_Limits_density_max},
@@ -101,6 +102,24 @@ static MnsStatus check_incompressible(const MnsCase *c, MnsError *error)
         {"guard", i->guard, BOUNDS_Incompressible_guard},
     };
     return is_incompressible(c) ? CHECK_BOUNDS("scheme.incompressible", list, error) : MNS_OK;
+}
+
+static MnsStatus check_differences(const MnsCase *c, MnsError *error)
+{
+    const MnsDifferences *g = &c->scheme.differences;
+    const Bounded list[] = {
+        {"interface_threshold", g->interface_threshold, BOUNDS_Differences_interface_threshold},
+        {"shifting_strength", g->shifting_strength, BOUNDS_Differences_shifting_strength},
+        {"reference_speed", fmax(g->reference_speed, 0), BOUNDS_Differences_reference_speed},
+        {"tolerance", g->tolerance, BOUNDS_Differences_tolerance},
+        {"iterations", g->iterations, BOUNDS_Differences_iterations},
+        {"guard", g->guard, BOUNDS_Differences_guard},
+    };
+    if (strcmp(c->scheme.name, "differences") != 0) return MNS_OK;
+    if (c->n_fluids > 2)
+        return mns_fail_at(error, MNS_E_INVALID, "fluids", "found %zu fluids; the scheme differences is for one or two",
+                           c->n_fluids);
+    return CHECK_BOUNDS("scheme.differences", list, error);
 }
 
 static MnsStatus check_domain(const MnsCase *c, MnsError *error)
@@ -256,10 +275,11 @@ static MnsStatus check_fluid(const MnsCase *c, size_t k, const Constants *consta
     const MnsFluid *f = &c->fluids[k];
     char at[64];
     snprintf(at, sizeof at, "fluids[%zu]", k);
-    const Bounded list[] = {{"density", f->density, BOUNDS_Fluid_density},
-                            {"viscosity", f->viscosity, BOUNDS_Fluid_viscosity},
-                            {"sound_speed", is_incompressible(c) ? 1 : f->sound_speed, BOUNDS_Fluid_sound_speed},
-                            {"exponent", f->exponent == 0 ? 1 : f->exponent, BOUNDS_Fluid_exponent}};
+    const Bounded list[] = {
+        {"density", f->density, BOUNDS_Fluid_density},
+        {"viscosity", f->viscosity, BOUNDS_Fluid_viscosity},
+        {"sound_speed", scheme_find(c->scheme.name)->projects ? 1 : f->sound_speed, BOUNDS_Fluid_sound_speed},
+        {"exponent", f->exponent == 0 ? 1 : f->exponent, BOUNDS_Fluid_exponent}};
     MnsStatus status = CHECK_BOUNDS(at, list, error);
     if (status) return status;
     for (size_t other = 0; other < k; other++)
@@ -419,6 +439,7 @@ MnsStatus mns_case_check(const MnsCase *c, MnsError *error)
     MnsStatus status = check_scalars(c, error);
     if (!status) status = check_options(c, error);
     if (!status) status = check_incompressible(c, error);
+    if (!status) status = check_differences(c, error);
     if (!status) status = check_domain(c, error);
     if (!status) status = check_neighbours(c, error);
     if (status) return status;

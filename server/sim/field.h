@@ -33,8 +33,20 @@
     ROW(SURFACE, "surface_vector", "m^dim Pa^0.5",                                                                     \
         "towards other fluids; its square along the surface, less its mean, is the surface stress times V^2", 3,       \
         MNS_F64, surface)                                                                                              \
-    ROW(CORRECTION, "correction", "1", "of the kernel's gradient, diagonal of the matrix", 3, MNS_F64, correction)     \
+    ROW(CORRECTION, "correction", "1", "of the kernel's gradient or of differences, diagonal of the matrix", 3,        \
+        MNS_F64, correction)                                                                                           \
     ROW(CORRECTION_OFF, "correction_off", "1", "the rest of it: xy, xz, yz", 3, MNS_F64, correction_off)               \
+    ROW(OFFSET, "offset", "1/m", "offset vector: where a particle's neighbours lie on average, corrected (P5 eq. 11)", \
+        3, MNS_F64, offset)                                                                                            \
+    ROW(LAPLACIAN, "laplacian_scale", "m^(dim-2)", "2 dim over the sum of r^2 of the neighbours, weighted (P5 eq. 9)", \
+        1, MNS_F64, laplacian)                                                                                         \
+    ROW(COLOUR, "colour", "1", "share of the first fluid among neighbours", 1, MNS_F64, colour)                        \
+    ROW(COLOUR_GRADIENT, "colour_gradient", "m^2/kg", "gradient of the colour, over density", 3, MNS_F64,              \
+        colour_gradient)                                                                                               \
+    ROW(RHO_MIXED, "mixed_density", "kg/m^3", "density of the neighbours' mixture", 1, MNS_F64, rho_mixed)             \
+    ROW(MU_MIXED, "mixed_viscosity", "Pa s", "viscosity of the neighbours' mixture", 1, MNS_F64, mu_mixed)             \
+    ROW(TO_SURFACE, "to_surface", "m", "from a wall particle to the nearest point of its surface", 3, MNS_F64,         \
+        to_surface)                                                                                                    \
     ROW(X0, "position_before", "m", "position at the beginning of the step", 3, MNS_F64, x0)                           \
     ROW(V0, "velocity_before", "m/s", "velocity at the beginning of the step", 3, MNS_F64, v0)                         \
     ROW(RHO0, "density_before", "kg/m^3", "density at the beginning of the step", 1, MNS_F64, rho0)

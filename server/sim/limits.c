@@ -107,6 +107,15 @@ static double incompressible_viscous(const MnsSim *sim)
     return viscous_by(sim, 0.25);
 }
 
+/* Of mixtures of two fluids, whose viscosity over density is between theirs. */
+static double mixture_viscous(const MnsSim *sim)
+{
+    const Model *model = &sim->model;
+    double most = 0;
+    for (size_t a = 0; a < model->n_phases; a++) most = fmax(most, model->phase[a].mu / model->phase[a].rho0);
+    return most > 0 ? 0.25 * model->kernel.h * model->kernel.h / most : INFINITY;
+}
+
 /* With arithmetic averages a light particle is as stiff as the heavy one beside it. */
 static double stiff_interface(const MnsSim *sim)
 {
@@ -168,6 +177,14 @@ const Limit incompressible_viscous_limit = {
     .equation = "dt <= 0.25 h^2 rho / mu",
     .entries = "viscosity, density, resolution",
     .of = incompressible_viscous,
+};
+
+const Limit mixture_viscous_limit = {
+    .name = "viscosity",
+    .source = "schemes/README.md",
+    .equation = "dt <= 0.25 h^2 rho / mu,  of each fluid",
+    .entries = "viscosity, density, resolution",
+    .of = mixture_viscous,
 };
 
 const Limit incompressible_tension_limit = {

@@ -40,6 +40,15 @@ typedef struct Projection {
     MnsSolver solver;
 } Projection;
 
+/* Options of the scheme of differences. */
+typedef struct Differences {
+    MnsDiffusion diffusion;
+    double threshold; /* of the interface: gradient of the colour, times h */
+    double shifting;  /* of particles to where there are fewer */
+    double buoyancy;  /* density that gravity does not act on [kg/m^3] */
+    double scale;     /* dx^2 / volume of a cell: kernel sums are over this */
+} Differences;
+
 typedef struct Model {
     Level level; /* of instructions */
     int dim;
@@ -60,6 +69,7 @@ typedef struct Model {
     bool filled;                       /* at the start, no place was without fluid or wall, and no side open */
     bool closed;                       /* and never will be, as all walls move as one */
     bool transport_stress;             /* option of the scheme */
+    double v_max;                      /* of the fluid, as last looked at [m/s]; of schemes that shift by it */
     double t, dt;                      /* end of the current step [s], its length [s] */
     double gravity[3];                 /* at t [m/s^2] */
     double cfl, limiter, guard;        /* options of the scheme; guard in [m] */
@@ -70,6 +80,7 @@ typedef struct Model {
     bool shifts_along_interfaces; /* and corrects from the same fluid; else P2's original */
     bool corrects_gradients;      /* in continuity and pressure force */
     Projection projection;
+    Differences differences;
     bool tense;                                     /* is there any surface tension? */
     double tension[MNS_MAX_FLUIDS][MNS_MAX_FLUIDS]; /* [N/m] */
     double density_min, density_max, dt_floor;      /* limits, over the reference density and the first time step */

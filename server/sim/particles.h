@@ -24,7 +24,10 @@ typedef struct Particles {
     double *shepard;                                    /* sum of W V */
     double *gradient[3], *normal[3], *concentration[3]; /* of the pressure; of the interface, 0 away from it */
     double *surface[3];                                 /* its stress is |q|^2 I/dim - q (x) q over V^2 */
-    double *correction[3], *correction_off[3];          /* of the kernel's gradient: xx, yy, zz; xy, xz, yz */
+    double *correction[3], *correction_off[3]; /* of the kernel's gradient or of differences: xx, yy, zz; xy, xz, yz */
+    double *offset[3], *laplacian;             /* of differences (terms/differences.h) */
+    double *colour, *colour_gradient[3], *rho_mixed, *mu_mixed; /* of what is around: share of the first fluid */
+    double *to_surface[3];                                      /* of wall particles */
     double *x0[3], *v0[3], *rho0;   /* at the beginning of the step, for integrators of more than one evaluation */
     double *p_wall[MNS_MAX_FLUIDS]; /* [n_wall] pressure a wall shows to each fluid */
     double *v_wall[3];              /* [n_wall] fluid velocity extrapolated into a wall; NULL without viscosity */

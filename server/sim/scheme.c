@@ -6,7 +6,7 @@
 #include <string.h>
 
 static const Scheme *const SCHEMES[] = {&scheme_riemann, &scheme_dissipation, &scheme_interfacial,
-                                        &scheme_incompressible};
+                                        &scheme_incompressible, &scheme_differences};
 enum { N_SCHEMES = sizeof SCHEMES / sizeof *SCHEMES };
 
 const Scheme *scheme_find(const char *name)

@@ -89,7 +89,7 @@ typedef struct Scheme {
     void (*options)(Model *, const MnsCase *); /* from the case to the model */
 } Scheme;
 
-extern const Scheme scheme_riemann, scheme_dissipation, scheme_interfacial, scheme_incompressible;
+extern const Scheme scheme_riemann, scheme_dissipation, scheme_interfacial, scheme_incompressible, scheme_differences;
 
 /* All fields that its particles have with these options: a term or a rule that is not needed writes nothing. */
 Fields scheme_fields(const Scheme *scheme, const Model *model);

@@ -33,8 +33,9 @@ static MnsStatus projection_init(MnsSim *sim, MnsError *error)
 {
     if (!sim->model.filled)
         return mns_fail_at(error, MNS_E_INVALID, "fluids",
-                           "the scheme incompressible needs fluids that fill the domain up to walls or periodic sides: "
-                           "there is an empty place, or an open side");
+                           "the scheme %s needs fluids that fill the domain up to walls or periodic sides: there is an "
+                           "empty place, or an open side",
+                           sim->scheme->name);
     if (!system_init(&sim->system, projection_unknowns(&sim->s), particles_fluid(&sim->s), sim->threads))
         return mns_fail(error, MNS_E_MEMORY, "no memory for the pressure system of %zu particles", sim->s.n);
     sim->s.system = &sim->system;

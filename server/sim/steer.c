@@ -50,6 +50,11 @@ static const char *domain_changed(const MnsCase *a, const MnsCase *b)
         if (a->min[d] != b->min[d] || a->max[d] != b->max[d] || a->periodic[d] != b->periodic[d]) return "domain";
     if (o->kernel != p->kernel || o->smoothing != p->smoothing || o->skin != p->skin || strcmp(o->name, p->name) != 0)
         return "scheme";
+    if (a->disorder != b->disorder || a->seed != b->seed) return "domain";
+    if (o->differences.buoyant_in != p->differences.buoyant_in ||
+        o->differences.holds_pressure != p->differences.holds_pressure ||
+        !same_vector(o->differences.zero_pressure, p->differences.zero_pressure))
+        return "scheme";
     if (o->dissipation.background_pressure != p->dissipation.background_pressure ||
         o->interfacial.background_pressure != p->interfacial.background_pressure)
         return "scheme";

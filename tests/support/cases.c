@@ -50,7 +50,14 @@ MnsCase *case_blank(int dim, double resolution)
                                                       .tolerance = 1e-4,
                                                       .density_solver_tolerance = 0.1,
                                                       .iterations = 5000,
-                                                      .guard = 0.25}};
+                                                      .guard = 0.25},
+                                   .differences = {.interface_threshold = 0.01,
+                                                   .shifting_strength = 0.2,
+                                                   .buoyant_in = -1,
+                                                   .reference_speed = -1,
+                                                   .tolerance = 1e-6,
+                                                   .iterations = 5000,
+                                                   .guard = 0.25}};
     c->end_time = 1;
     c->threads = 1;
     c->limits = (MnsLimits){1e-4, 0.1, 10};

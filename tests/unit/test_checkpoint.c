@@ -468,7 +468,7 @@ static void unknown_fields_are_another_version(void **state)
 {
     char *path = write_step(*state, 5, 1000, 1);
     const hid_t file = open_to_change(path);
-    H5Gclose(H5Gcreate2(file, "/state/colour", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+    H5Gclose(H5Gcreate2(file, "/state/flavour", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
     close_changed(file, path);
     assert_refused(path, MNS_E_VERSION, NULL);
     free(path);

@@ -36,16 +36,25 @@ static Cloud *stirred(int dim, bool closed)
         for (size_t i = 0; i < cloud->s.n; i++) {
             cloud->s.b[d][i] = 300 * cloud_noise(&seed);
             cloud->s.a[d][i] = 3 * cloud_noise(&seed);
-            cloud->s.normal[d][i] = d == 0 ? 0.6 : d == 1 ? 0.8 : 0;
+            cloud->s.normal[d][i] = d == (int)(i % 2) ? 0.6 : d < 2 ? 0.8 : 0;
             cloud->s.surface[d][i] = 1e-3 * cloud_noise(&seed);
             cloud->s.concentration[d][i] = 5 * cloud_noise(&seed);
             cloud->s.gradient[d][i] = 9e3 * cloud_noise(&seed);
+            cloud->s.correction[d][i] = 2 + cloud_noise(&seed);
+            cloud->s.correction_off[d][i] = 0.2 * cloud_noise(&seed);
+            cloud->s.offset[d][i] = cloud_noise(&seed);
+            cloud->s.colour_gradient[d][i] = cloud_noise(&seed);
+            cloud->s.to_surface[d][i] = 0.1 * (1 + d + cloud_noise(&seed));
         }
     }
     for (size_t k = 0; k < cloud->system.matrix.n; k++) cloud->system.x[k] = cloud_noise(&seed);
     for (size_t i = 0; i < cloud->s.n; i++) {
         cloud->s.rate[i] = 0.5 + 0.1 * cloud_noise(&seed);
         cloud->s.rho[i] *= 1.01; /* what follows from it is out of date */
+        cloud->s.laplacian[i] = 3 + cloud_noise(&seed);
+        cloud->s.colour[i] = 0.5 + 0.5 * cloud_noise(&seed);
+        cloud->s.rho_mixed[i] = 500 + 400 * cloud_noise(&seed);
+        cloud->s.mu_mixed[i] = 2 + cloud_noise(&seed);
     }
     return cloud;
 }
@@ -95,8 +104,9 @@ static void assert_declared(const Term *term, const Local *local, int dim)
     const char *name = term ? term->name : local->name;
     const Fields writes = term ? term->writes : local->writes;
     Fields found = 0;
-    for (int closed = 0; closed < 2; closed++) {
-        Cloud *cloud = stirred(dim, closed);
+    for (int k = 0; k < 8; k++) {
+        Cloud *cloud = stirred(dim, k % 2);
+        cloud->model.differences.diffusion = (MnsDiffusion)(k / 2);
         char *before = copy_of(&cloud->s);
         const Pass pass = {"alone", .terms = {term}};
         if (term) pass_run(&pass, &cloud->s, &cloud->nb, &cloud->model, 1);

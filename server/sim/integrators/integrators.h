@@ -8,6 +8,7 @@
 extern const Integrator kick_drift_kick;
 extern const Integrator predictor_corrector;
 extern const Integrator double_projection;
+extern const Integrator single_projection;
 
 /* Passes of a scheme with two projections, in this order; from the last of these on, they are the rates. */
 enum {
@@ -19,5 +20,8 @@ enum {
     PASS_VELOCITY_CORRECTION,
     PASS_RATES
 };
+
+/* Passes of a scheme with one projection, in this order; from the last of these on, they are the rates. */
+enum { PASS_CONTINUED, PASS_SYSTEM, PASS_CORRECTION, PASS_SPACING, PASS_SHAPE };
 
 #endif

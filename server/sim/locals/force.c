@@ -16,3 +16,19 @@ const Local body_force = {
     .apply = gravity,
     .writes = FIELD(A),
 };
+
+static void float_up(Particles *s, const Model *model, size_t first, size_t last)
+{
+    for (int d = 0; d < s->dim; d++)
+        for (size_t i = first; i < last; i++)
+            s->a[d][i] = (1 - model->differences.buoyancy / s->rho_mixed[i]) * model->gravity[d];
+}
+
+const Local buoyancy = {
+    .name = "gravity",
+    .source = "P5 3.3, with its force as that of a density's excess",
+    .equation = "du_i/dt = (1 - rho_0/rho~_i) g,  rho_0 = 0 or that of a fluid in which others float",
+    .on = ON_FLUID,
+    .apply = float_up,
+    .writes = FIELD(A),
+};

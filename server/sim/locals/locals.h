@@ -14,5 +14,6 @@ extern const Local tait_pressure;     /* state.c    p = c^2 rho0/gamma ((rho/rho
 extern const Local volume_of_number;  /* number.c   V = 1 / sum of W, rho = m / V          */
 extern const Local volume_alone;      /* number.c   V = m / rho                          */
 extern const Local body_force;        /* force.c    a = g                                */
+extern const Local buoyancy;          /* force.c    a = (1 - rho_0/rho~) g               */
 
 #endif

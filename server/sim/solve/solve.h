@@ -46,13 +46,18 @@ typedef struct SolveReport {
 /* Room for the vectors of the methods. */
 enum { WORK_VECTORS = 7 };
 
+#define NOT_HELD SIZE_MAX
+
 struct Amg;
 
-/* L x = b. Of b the mean over the first `bulk` rows is taken away, as nothing else can be solved: constants are L's null space. */
+/* L x = b. Of b the mean over the first `bulk` rows is taken away, as nothing else can be solved: constants are L's null space.
+ * But a row can be held: it says nothing, and others refer to it, so that x stays as it is there and is known everywhere. */
 typedef struct System {
     Matrix matrix;
     double *b, *x; /* [matrix.n] x: a guess, then the solution up to a constant */
     size_t bulk;
+    size_t held;  /* row; NOT_HELD: none */
+    double least; /* that the residual of x = 0 counts as, where there is only rounding */
     int threads;
     double *work[WORK_VECTORS]; /* [matrix.n] */
     double *partial;            /* sums of chunks */

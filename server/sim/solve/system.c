@@ -94,7 +94,7 @@ void matrix_multiply(const Matrix *m, const double *x, double *y, int threads)
 
 bool system_init(System *y, size_t n, size_t bulk, int threads)
 {
-    *y = (System){.bulk = bulk, .threads = threads};
+    *y = (System){.bulk = bulk, .held = NOT_HELD, .threads = threads};
     bool well = matrix_init(&y->matrix, n);
     well = well && (y->b = array_new(n, sizeof(double))) && (y->x = array_new(n, sizeof(double)));
     for (int k = 0; well && k < WORK_VECTORS; k++) well = (y->work[k] = array_new(n, sizeof(double)));
@@ -126,6 +126,7 @@ void system_relax(System *y, size_t first)
     const Matrix *m = &y->matrix;
 #pragma omp parallel for schedule(static) num_threads(y->threads)
     for (size_t i = first; i < m->n; i++) {
+        if (i == y->held) continue;
         y->x[i] = 0;
         if (m->blocks[i]) y->x[i] = (y->b[i] - row_product(m, y->x, i)) / m->diagonal[i];
     }
@@ -169,6 +170,7 @@ double dot(const System *y, const double *a, const double *b)
 void remove_mean(const System *y, double *a, size_t n)
 {
     double sum = 0, count = 0;
+    if (y->held != NOT_HELD) return;
     for (size_t i = 0; i < n; i++) {
         if (y->matrix.blocks[i] == 0) continue;
         sum += a[i];
@@ -216,10 +218,11 @@ double begin(System *y, double *r)
         count += i < y->bulk;
     }
     for (size_t i = 0; i < y->bulk; i++)
-        if (y->matrix.blocks[i]) y->b[i] -= excess / count;
+        if (y->matrix.blocks[i] && y->held == NOT_HELD) y->b[i] -= excess / count;
     matrix_multiply(&y->matrix, y->x, r, y->threads);
     for (size_t i = 0; i < n; i++) r[i] = y->b[i] - r[i];
-    return sqrt(dot(y, y->b, y->b));
+    const double size = sqrt(dot(y, y->b, y->b));
+    return size < y->least ? y->least : size;
 }
 
 static bool is_noted(unsigned iteration)

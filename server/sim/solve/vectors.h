@@ -42,7 +42,7 @@ void amg_forget(struct Amg *amg);
 /* z = r / diagonal, 0 in rows that say nothing. */
 void jacobi(const System *y, const double *r, double *z);
 
-/* Make b solvable and r = b - L x; returns |b|. Rows that say nothing ask for nothing. */
+/* Make b solvable and r = b - L x; returns |b|, or the least that counts. Rows that say nothing ask for nothing. */
 double begin(System *y, double *r);
 
 /* Note the residual of an iteration; true: it is small enough, and that is in the report. */

@@ -11,11 +11,10 @@ typedef struct Moments {
     Lanes of[6];
 } Moments;
 
-/* weight: 1 for a pair that counts. */
-INLINE void moments_pair(Moments *m, const Pair *pair, double weight, How how, int l)
+/* c x (x) x */
+INLINE void moments_add(Moments *m, const Pair *pair, double c, How how, int l)
 {
-    const double c = -weight * pair->V * pair->F, x = c * pair->x[0], y = c * pair->x[1],
-                 z = how.dim == 3 ? c * pair->x[2] : 0;
+    const double x = c * pair->x[0], y = c * pair->x[1], z = how.dim == 3 ? c * pair->x[2] : 0;
     add_product(&m->of[0], l, x, pair->x[0], how);
     add_product(&m->of[1], l, y, pair->x[1], how);
     add_product(&m->of[2], l, x, pair->x[1], how);
@@ -26,18 +25,27 @@ INLINE void moments_pair(Moments *m, const Pair *pair, double weight, How how, i
     }
 }
 
+/* weight: 1 for a pair that counts. */
+INLINE void moments_pair(Moments *m, const Pair *pair, double weight, How how, int l)
+{
+    moments_add(m, pair, -weight * pair->V * pair->F, how, l);
+}
+
 /* M as a matrix; the identity for a particle that has no neighbours, or all of them nearly in a line or a plane. How many there are
  * does not count: in the corner of a tank it is an eighth, and what M makes of them is differences over distances. */
 typedef struct Correction {
     double of[3][3];
 } Correction;
 
-INLINE Correction moments_inverse(const Moments *m, How how)
+/* scale: of the sums. */
+INLINE Correction moments_inverse_of(const Moments *m, double scale, How how)
 {
     Correction M = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    const double xx = lanes_sum(&m->of[0]), yy = lanes_sum(&m->of[1]), xy = lanes_sum(&m->of[2]);
-    const double zz = how.dim == 3 ? lanes_sum(&m->of[3]) : 1, xz = how.dim == 3 ? lanes_sum(&m->of[4]) : 0,
-                 yz = how.dim == 3 ? lanes_sum(&m->of[5]) : 0;
+    const double xx = scale * lanes_sum(&m->of[0]), yy = scale * lanes_sum(&m->of[1]),
+                 xy = scale * lanes_sum(&m->of[2]);
+    const double zz = how.dim == 3 ? scale * lanes_sum(&m->of[3]) : 1,
+                 xz = how.dim == 3 ? scale * lanes_sum(&m->of[4]) : 0,
+                 yz = how.dim == 3 ? scale * lanes_sum(&m->of[5]) : 0;
     const double a = yy * zz - yz * yz, b = xz * yz - xy * zz, c = xy * yz - xz * yy;
     const double det = xx * a + xy * b + xz * c;
     const double mean = how.dim == 3 ? (xx + yy + zz) / 3 : (xx + yy) / 2;
@@ -50,6 +58,11 @@ INLINE Correction moments_inverse(const Moments *m, How how)
     M.of[0][2] = M.of[2][0] = c * inverse;
     M.of[1][2] = M.of[2][1] = (xy * xz - xx * yz) * inverse;
     return M;
+}
+
+INLINE Correction moments_inverse(const Moments *m, How how)
+{
+    return moments_inverse_of(m, 1, how);
 }
 
 /* ret = M g */

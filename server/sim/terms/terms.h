@@ -45,6 +45,21 @@ extern const Term velocity_correction; /* projection.c     of velocities        
 extern const Term surface_vector;      /* surface_stress.c beside interfaces                           */
 extern const Term surface_stress;      /* surface_stress.c its divergence                              */
 
+extern const Term truncation;        /* difference_shape.c    what differences are made with                */
+extern const Term mixture;           /* difference_shape.c    densities and viscosities of what is around     */
+extern const Term difference_matrix; /* difference_pressure.c system for the pressure, and divergence        */
+extern const Term difference_wall_matrix;
+extern const Term difference_correction; /* difference_pressure.c of velocities                              */
+extern const Term continued_velocity;    /* wall_differences.c    of fluid into walls                            */
+extern const Term continued_start;       /* wall_differences.c    the same before the pressure is known              */
+extern const Term harmonic_diffusion;    /* momentum_diffusion.c                                              */
+extern const Term divtau_diffusion;
+extern const Term conservative_diffusion;
+extern const Term sph_diffusion;
+extern const Term colour_gradient; /* colour_gradient.c     interfaces                                     */
+extern const Term colour_tension;  /* colour_gradient.c     their tension                                  */
+extern const Term even_spacing;    /* spacing.c             particles to where there are fewer             */
+
 extern const Fusion dissipation_shape;         /* dissipation_shape.c     sums and gradients              */
 extern const Fusion dissipation_rates;         /* dissipation_rates.c     all rates                       */
 extern const Fusion dissipation_viscous_rates; /*                         and viscosity                   */
@@ -81,6 +96,9 @@ size_t projection_unknowns(const Particles *s);
 
 /* Lay out the rows of the system by how many neighbours there are. false: no memory. */
 bool projection_lay(Particles *s, const Neighbours *nb);
+
+/* The same for the scheme of differences, in which walls are unknowns once. */
+bool differences_lay(Particles *s, const Neighbours *nb);
 
 /* 1 / K, K = sum_j V_j (-F) y^2 r^2/(r^2 + 0.01 h^2) over the lattice with these spacings, mean over directions: 1 for a
  * perfect kernel. */

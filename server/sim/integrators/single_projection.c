@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A step of an incompressible flow with one projection, where the particles are at its beginning.               P5 eq. 20-25
+ *   u* = u + dt a,   solve for the pressure,   u' = u* - dt grad p / rho
+ *   x += dt/2 (u + u'),   particles are shifted to where there are fewer
+ *   a = forces but pressure, at the new positions and velocities */
+#include "sim/integrator.h"
+#include "sim/integrators/integrators.h"
+#include "sim/terms/terms.h"
+#include <math.h>
+#include <omp.h>
+#include <string.h>
+
+static void run(MnsSim *sim, int pass)
+{
+    const double start = omp_get_wtime();
+    pass_run(&sim->scheme->rates[pass], &sim->s, &sim->nb, &sim->model, sim->threads);
+    integrator_clock(sim, TIMER_PASSES + (size_t)pass, start);
+}
+
+static void push(MnsSim *sim, double dt)
+{
+    Particles *s = &sim->s;
+    const size_t n = particles_fluid(s);
+    for (int d = 0; d < s->dim; d++) {
+        double *restrict v = s->v[d], *restrict v0 = s->v0[d];
+        const double *restrict a = s->a[d];
+#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
+        for (size_t i = 0; i < n; i++) {
+            v0[i] = v[i];
+            v[i] += dt * a[i];
+        }
+    }
+    particles_changed(s, ON_FLUID, FIELD(V) | FIELD(V0));
+}
+
+static void drift(MnsSim *sim, double dt)
+{
+    Particles *s = &sim->s;
+    const size_t n = particles_fluid(s);
+    for (int d = 0; d < s->dim; d++) {
+        double *restrict x = s->x[d];
+        const double *restrict v = s->v[d], *restrict v0 = s->v0[d];
+#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
+        for (size_t i = 0; i < n; i++) x[i] += 0.5 * dt * (v0[i] + v[i]);
+    }
+    particles_changed(s, ON_FLUID, FIELD(X));
+}
+
+/* The particle nearest to a point, of several the one of the least id, as storage order changes. */
+static size_t nearest(const MnsSim *sim, const double at[3])
+{
+    const Particles *s = &sim->s;
+    double least = INFINITY;
+    size_t best = 0;
+    for (size_t i = 0; i < particles_fluid(s); i++) {
+        double r2 = 0;
+        for (int d = 0; d < s->dim; d++) {
+            const double x = model_nearest(&sim->model, d, s->x[d][i] - at[d]);
+            r2 += x * x;
+        }
+        if (r2 > least || (r2 == least && s->id[i] > s->id[best])) continue;
+        least = r2;
+        best = i;
+    }
+    return best;
+}
+
+/* Pressures of the step before, from the held one; in walls, what solves their rows. */
+static void guess(MnsSim *sim, double dt)
+{
+    System *y = &sim->system;
+    const size_t n = particles_fluid(&sim->s);
+    const double *restrict p = sim->s.p, from = y->held == NOT_HELD ? 0 : p[y->held];
+#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
+    for (size_t i = 0; i < n; i++) y->x[i] = (p[i] - from) * dt;
+    system_relax(y, n);
+}
+
+static MnsStatus fail_solve(const MnsSim *sim, const SolveReport *report, MnsError *error)
+{
+    char history[512];
+    solve_history(report, history, sizeof history);
+    return mns_fail(
+        error, MNS_E_DIVERGED,
+        "diverged in step %llu at t = %g s: the pressure was not found in %u iterations to a residual of %g; "
+        "residuals: %s. Look at the snapshot, then allow more scheme.differences.iterations or a larger "
+        "tolerance, or take smaller steps",
+        (unsigned long long)sim->progress.step + 1, sim->model.t, report->iterations, sim->model.projection.tolerance,
+        history);
+}
+
+static MnsStatus solve(MnsSim *sim, MnsError *error)
+{
+    const double start = omp_get_wtime();
+    /* Of divergences, a millionth of the speed over h at each particle: on a lattice there may be none but rounding. */
+    sim->system.least = 1e-6 * sim->v_max / sim->model.kernel.h * sqrt((double)particles_fluid(&sim->s));
+    const SolveGoal goal = {sim->model.projection.tolerance, sim->model.projection.iterations};
+    SolveReport report;
+    solve_bicgstab.solve(&sim->system, &goal, &report);
+    integrator_clock(sim, sim->n_timers - 1, start);
+    sim->solved = (Solved){.iterations = report.iterations, .residual = report.residual};
+    return report.converged ? MNS_OK : fail_solve(sim, &report, error);
+}
+
+static void keep_pressure(MnsSim *sim, double dt)
+{
+    Particles *s = &sim->s;
+    const double *restrict P = sim->system.x;
+#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
+    for (size_t i = 0; i < s->n; i++) s->p[i] = P[i] / dt;
+    particles_changed(s, ON_ALL, FIELD(P));
+}
+
+static MnsStatus project(MnsSim *sim, double dt, MnsError *error)
+{
+    const MnsDifferences *options = &sim->c->scheme.differences;
+    System *y = &sim->system;
+    y->threads = sim->threads;
+    y->held = options->holds_pressure ? nearest(sim, options->zero_pressure) : NOT_HELD;
+    if (!differences_lay(&sim->s, &sim->nb))
+        return mns_fail(error, MNS_E_MEMORY, "no memory for the pressure system of %zu particles", sim->s.n);
+    run(sim, PASS_CONTINUED);
+    run(sim, PASS_SYSTEM);
+    guess(sim, dt);
+    const MnsStatus status = solve(sim, error);
+    if (y->held == NOT_HELD) system_centre(y);
+    run(sim, PASS_CORRECTION);
+    keep_pressure(sim, dt);
+    return status;
+}
+
+static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
+{
+    sim->model.dt = dt;
+    push(sim, dt);
+    MnsStatus status = project(sim, dt, error);
+    if (status) return status;
+    const double start = omp_get_wtime();
+    drift(sim, dt);
+    bool well = integrator_look(sim);
+    integrator_walls(sim, t, dt);
+    integrator_clock(sim, TIMER_DRIFT, start);
+    status = integrator_lists(sim, error);
+    if (status) return status;
+    sim->model.v_max = sim->v_max;
+    run(sim, PASS_SPACING);
+    status = integrator_lists(sim, error);
+    if (status) return status;
+    integrator_rates(sim, PASS_SHAPE);
+    well = integrator_look(sim) && well;
+    return well ? MNS_OK : fault_particle(sim, error);
+}
+
+const Integrator single_projection = {
+    .name = "one projection",
+    .source = "P5 eq. 20-25",
+    .equation = "u' = u + dt a - dt grad p/rho;  x += dt/2 (u + u');  shift;  rates",
+    .step = step,
+    .works = FIELD(V0),
+};

@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The pressure system of generalized finite differences, and what is done with its solution P = p dt.               P5 eq. 21-24
+ *   2 dim/D_i sum_j 2 k_ij/(rho~_i + rho~_j) (P_j - P_i) = <div u>_i = sum_j W (u_i - u_j) . B_i x
+ *   u_i -= B_i sum_j 2/(rho~_i + rho~_j) (P_i - P_j) W x
+ * A wall particle is an unknown, through whose surface nothing flows: with n the normal of the surface, b body forces
+ *   sum_f W (P_w - P_f - dt rho~_w (n . (b - a_w)) (n . x_wf)) = 0 */
+#include "sim/solve/solve.h"
+#include "sim/terms/differences.h"
+#include "sim/terms/terms.h"
+#include <math.h>
+
+static size_t blocks_for(size_t entries)
+{
+    return (entries + LANES - 1) / LANES;
+}
+
+bool differences_lay(Particles *s, const Neighbours *nb)
+{
+    const size_t n = particles_fluid(s);
+    Matrix *m = &s->system->matrix;
+    for (size_t i = 0; i < m->n; i++) {
+        const size_t fluid = i < s->n ? nb->end[i][GROUP_SUMMATION] : 0;
+        const size_t walls = i < n ? nb->end[i][GROUP_WALL] - fluid : 0;
+        m->blocks[i] = (uint32_t)(blocks_for(fluid) + blocks_for(walls));
+    }
+    return matrix_lay(m);
+}
+
+/* The row of a particle, whose blocks of entries are those of its pairs; of a held one, nothing. */
+INLINE void end_row(System *y, const Row *row, double b)
+{
+    Matrix *m = &y->matrix;
+    const size_t i = row->i;
+    const float *c = m->c + m->start[i] * LANES;
+    double diagonal = 0;
+    for (size_t k = 0; k < row->n * LANES; k++) diagonal += (double)c[k];
+    const bool says = diagonal > 0 && i != y->held;
+    m->diagonal[i] = says ? diagonal : 0;
+    m->blocks[i] = says ? (uint32_t)row->n : 0;
+    y->b[i] = says ? b : 0;
+}
+
+INLINE void difference_matrix_row(const Row *row, Particles *s, const Model *model, How how)
+{
+    const size_t i = row->i;
+    Matrix *m = &s->system->matrix;
+    const Stencil stencil = stencil_of(s, i, how);
+    const double rho = s->rho_mixed[i];
+    uint32_t *column = m->column + m->start[i] * LANES;
+    float *c = m->c + m->start[i] * LANES;
+    Lanes sum[3][3] = {0};
+    double u[3], flux = 0;
+    for (int d = 0; d < how.dim; d++) u[d] = s->v[d][i];
+    for (size_t k = 0; k < row->n; k++) {
+        const Block *b = &row->block[k];
+        double its[LANES], v[3][LANES];
+        gather(s->rho_mixed, row_j(row, b), its);
+        gather_velocities(row, b, s, how, v);
+        for (size_t l = 0; l < LANES; l++) column[k * LANES + l] = row_j(row, b)[l];
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            double x[3];
+            for (int d = 0; d < how.dim; d++) x[d] = b->x[d][l];
+            c[k * LANES + (size_t)l] = (float)(2 * LAPLACIAN_WEIGHT(stencil, x, b->W[l], how) / (rho + its[l]));
+            for (int d = 0; d < how.dim; d++) {
+                const double du = b->W[l] * (u[d] - v[d][l]);
+                for (int e = 0; e < how.dim; e++) add_product(&sum[d][e], l, du, x[e], how);
+            }
+        }
+    }
+    for (int d = 0; d < how.dim; d++) {
+        double gradient[3];
+        gradient_of(s, i, model, sum[d], how, gradient);
+        flux += gradient[d];
+    }
+    end_row(s->system, row, -flux);
+}
+ROW_FUNCTIONS(difference_matrix_row)
+
+/* Times 1 / (rho~ h^2) and the volume of a cell, so that it counts about as much as the row of a fluid particle. */
+INLINE void difference_wall_row(const Row *row, Particles *s, const Model *model, How how)
+{
+    const size_t i = row->i;
+    const WallState *wall = &model->wall[s->phase[i] - model->n_phases];
+    Matrix *m = &s->system->matrix;
+    const double h = model->kernel.h, rho = s->rho_mixed[i], scale = model->wall_volume / (rho * h * h);
+    uint32_t *column = m->column + m->start[i] * LANES;
+    float *c = m->c + m->start[i] * LANES;
+    double n[3], depth2 = 0, pull = 0, flux = 0;
+    for (int d = 0; d < how.dim; d++) {
+        n[d] = s->to_surface[d][i];
+        depth2 += n[d] * n[d];
+        pull += n[d] * (body_force_of(model, rho, d) - wall->a[d]);
+    }
+    pull *= depth2 > 0 ? model->dt * rho / depth2 : 0;
+    for (size_t k = 0; k < row->n; k++) {
+        const Block *b = &row->block[k];
+        for (size_t l = 0; l < LANES; l++) {
+            double along = 0;
+            for (int d = 0; d < how.dim; d++) along += n[d] * b->x[d][l];
+            column[k * LANES + l] = row_j(row, b)[l];
+            c[k * LANES + l] = (float)(scale * b->W[l]);
+            flux += (double)c[k * LANES + l] * along;
+        }
+    }
+    end_row(s->system, row, pull * flux);
+}
+ROW_FUNCTIONS(difference_wall_row)
+
+INLINE void difference_correction_row(const Row *row, Particles *s, const Model *model, How how)
+{
+    const size_t i = row->i;
+    const double *P = s->system->x, P_i = P[i], rho = s->rho_mixed[i];
+    Lanes sum[3] = {0};
+    double change[3];
+    for (const Block *b = row->block; b < row->block + row->n; b++) {
+        double P_j[LANES], its[LANES];
+        gather(P, row_j(row, b), P_j);
+        gather(s->rho_mixed, row_j(row, b), its);
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const double difference = 2 * b->W[l] * (P_i - P_j[l]) / (rho + its[l]);
+            for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, difference, b->x[d][l], how);
+        }
+    }
+    gradient_of(s, i, model, sum, how, change);
+    for (int d = 0; d < how.dim; d++) s->v[d][i] -= change[d];
+}
+ROW_FUNCTIONS(difference_correction_row)
+
+const Term difference_matrix = {
+    .name = "pressure system",
+    .source = "P5 eq. 23, 24",
+    .equation = "2 dim/D_i sum_j 2 k_ij/(rho~_i + rho~_j) (P_j - P_i) = sum_j W (u_i - u_j) . B_i x",
+    .on = ON_FLUID,
+    .needs = NEED_W | NEED_V,
+    .row = ROW_TABLE(difference_matrix_row),
+};
+
+const Term difference_wall_matrix = {
+    .name = "and at walls",
+    .source = "schemes/README.md",
+    .equation = "sum_f W (P_w - P_f - dt rho~_w (n . (b - a_w)) (n . x_wf)) = 0",
+    .on = ON_WALL,
+    .needs = NEED_W,
+    .row = ROW_TABLE(difference_wall_row),
+};
+
+const Term difference_correction = {
+    .name = "velocity correction",
+    .source = "P5 eq. 21, 22",
+    .equation = "u_i -= B_i sum_j 2/(rho~_i + rho~_j) (P_i - P_j) W x",
+    .on = ON_FLUID,
+    .needs = NEED_W,
+    .writes = FIELD(V),
+    .row = ROW_TABLE(difference_correction_row),
+};

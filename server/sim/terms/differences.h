@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Generalized finite differences over the neighbours of a particle, weighted by the kernel.                        P5 eq. 8-11
+ *   B_i = (sum_j W x (x) x)^-1,  o_i = B_i sum_j W x,  k_ij = W (1 - x . o_i),  D_i = sum_j r^2 k_ij,   x = x_i - x_j
+ *   <grad f>_i = B_i sum_j (f_i - f_j) W x                      exact for linear f, however the neighbours lie
+ *   <lap f>_i = 2 dim/D_i sum_j (f_j - f_i) k_ij                nothing of linear f, and exact for r^2 from anywhere
+ * B is kept as `correction`, in units of dx^2 / V_0 and so of about 1 over the kernel's second moment. */
+#ifndef SIM_TERMS_DIFFERENCES_H
+#define SIM_TERMS_DIFFERENCES_H
+
+#include "sim/terms/moments.h"
+
+/* What is fixed in the differences of one particle. */
+typedef struct Stencil {
+    double offset[3], laplacian;
+} Stencil;
+
+INLINE Stencil stencil_of(const Particles *s, size_t i, How how)
+{
+    Stencil stencil = {.laplacian = s->laplacian[i]};
+    for (int d = 0; d < how.dim; d++) stencil.offset[d] = s->offset[d][i];
+    return stencil;
+}
+
+/* 2 dim k_ij / D_i, of a stencil and arrays; a macro as DOT() is one. */
+#define LAPLACIAN_WEIGHT(stencil, x, W, how) ((stencil).laplacian * (W) * (1 - DOT((stencil).offset, (x), (how))))
+
+/* ret = B_i sum */
+INLINE void gradient_of(const Particles *s, size_t i, const Model *model, const Lanes sum[3], How how, double ret[3])
+{
+    const double scale = 1 / model->differences.scale;
+    double g[3] = {0};
+    for (int d = 0; d < how.dim; d++) g[d] = scale * lanes_sum(&sum[d]);
+    const double xy = s->correction_off[0][i];
+    ret[0] = s->correction[0][i] * g[0] + xy * g[1];
+    ret[1] = xy * g[0] + s->correction[1][i] * g[1];
+    if (how.dim == 2) return;
+    const double xz = s->correction_off[1][i], yz = s->correction_off[2][i];
+    ret[0] += xz * g[2];
+    ret[1] += yz * g[2];
+    ret[2] = xz * g[0] + yz * g[1] + s->correction[2][i] * g[2];
+}
+
+/* A field of eight neighbours; before a loop, as compilers do not vectorise what is fetched from here and there. */
+INLINE void gather(const double *f, const uint32_t *j, double ret[LANES])
+{
+    for (int l = 0; l < LANES; l++) ret[l] = f[j[l]];
+}
+
+/* Velocities of eight neighbours, or what a wall shows instead. */
+INLINE void gather_velocities(const Row *row, const Block *b, const Particles *s, How how, double ret[3][LANES])
+{
+    const bool wall = b >= row->block + row->n_fluid;
+    const uint32_t *j = row_j(row, b);
+    const size_t first_wall = particles_fluid(s);
+    for (int d = 0; d < how.dim; d++)
+        for (int l = 0; l < LANES; l++) ret[d][l] = wall ? s->v_wall[d][j[l] - first_wall] : b->v[d][l];
+}
+
+/* Gravity on what is around a particle, less that on the fluid in which it floats. */
+INLINE double body_force_of(const Model *model, double rho, int d)
+{
+    return (1 - model->differences.buoyancy / rho) * model->gravity[d];
+}
+
+#endif
