@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from validation import bubbles, dam_breaks, drops, incompressible, interfaces, jobs, rest, sloshing
+from validation import bubbles, dam_breaks, differences, drops, incompressible, interfaces, jobs, rest, sloshing
 from validation.metrics import Metric, Report
 from validation.runs import ROOT, told
 
@@ -72,6 +72,12 @@ CASES = {
     "droplet-ellipse2d": Case(incompressible.droplet_ellipse2d, 70, 0.3),
     "drop-shear2d": Case(incompressible.drop_shear2d, 100, 9),
     "rayleigh-taylor2d-isph": Case(incompressible.rayleigh_taylor2d_isph, 200, 0.06),
+    # Joubert, Wilke and Pizette.
+    "taylor-green2d-differences": Case(differences.taylor_green2d, 10, 0.1),
+    "franke-operators": Case(differences.franke_operators, 3, 0.01),
+    "poiseuille-two-phase-operators": Case(differences.poiseuille_operators, 5, 0.01),
+    "poiseuille-two-phase": Case(differences.poiseuille, 150, 0.6),
+    "bubble3d-cylinder": Case(differences.bubble3d_cylinder, 200, 300),
 }
 
 

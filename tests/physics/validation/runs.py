@@ -31,6 +31,7 @@ class Snapshot:
     pressure: np.ndarray | None  # [n]
     density: np.ndarray | None = None  # [n]
     velocity: np.ndarray | None = None  # [n, 3]
+    acceleration: np.ndarray | None = None  # [n, 3]
 
 
 @dataclass
@@ -72,11 +73,11 @@ def read_snapshot(path: Path, fluids: int) -> Snapshot:
         fluid = phase < fluids
         attributes = file["meniscus"].attrs
         data = file["VTKHDF/PointData"]
-        pressure, density, velocity = (
-            data[name][:][fluid] if name in data else None for name in ("pressure", "density", "velocity"))
+        names = ("pressure", "density", "velocity", "acceleration")
+        fields = {name: data[name][:][fluid] for name in names if name in data}
         return Snapshot(
             float(np.ravel(attributes["time"])[0]), float(np.ravel(attributes["spacing"])[0]),
-            file["VTKHDF/Points"][:][fluid], phase[fluid], pressure, density, velocity)
+            file["VTKHDF/Points"][:][fluid], phase[fluid], **({"pressure": None} | fields))
 
 
 def fingerprint(case: str, settings: list[str]) -> str:
