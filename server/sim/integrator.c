@@ -81,14 +81,16 @@ MnsStatus integrator_lists(MnsSim *sim, MnsError *error)
     return build_lists(sim, error);
 }
 
+void integrator_pass(MnsSim *sim, int pass)
+{
+    const double start = omp_get_wtime();
+    pass_run(&sim->scheme->rates[pass], &sim->s, &sim->nb, &sim->model, sim->threads);
+    integrator_clock(sim, TIMER_PASSES + (size_t)pass, start);
+}
+
 void integrator_rates(MnsSim *sim, int first)
 {
-    const Pass *passes = sim->scheme->rates;
-    for (int k = first; k < SCHEME_PASSES_MAX && passes[k].name; k++) {
-        const double start = omp_get_wtime();
-        pass_run(&passes[k], &sim->s, &sim->nb, &sim->model, sim->threads);
-        integrator_clock(sim, TIMER_PASSES + (size_t)k, start);
-    }
+    for (int k = first; k < SCHEME_PASSES_MAX && sim->scheme->rates[k].name; k++) integrator_pass(sim, k);
 }
 
 bool integrator_look(MnsSim *sim)

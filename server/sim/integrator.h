@@ -11,7 +11,8 @@ void integrator_walls(MnsSim *sim, double t, double dt);
 /* Neighbour lists for the positions of now, made again if a particle has left its skin. */
 MnsStatus integrator_lists(MnsSim *sim, MnsError *error);
 
-/* The scheme's passes, from this one on. */
+/* One of the scheme's passes; the passes from this one on. */
+void integrator_pass(MnsSim *sim, int pass);
 void integrator_rates(MnsSim *sim, int first);
 
 /* The two questions about new velocities and densities: how fast, which is noted, and is all well? */

@@ -13,13 +13,6 @@
 #include <omp.h>
 #include <string.h>
 
-static void run(MnsSim *sim, int pass)
-{
-    const double start = omp_get_wtime();
-    pass_run(&sim->scheme->rates[pass], &sim->s, &sim->nb, &sim->model, sim->threads);
-    integrator_clock(sim, TIMER_PASSES + (size_t)pass, start);
-}
-
 static void drift(MnsSim *sim, double dt)
 {
     Particles *s = &sim->s;
@@ -109,18 +102,18 @@ static MnsStatus correct_density_once(MnsSim *sim, MnsError *error)
     SolveReport report;
     MnsStatus status = lay(sim, error);
     if (status) return status;
-    run(sim, PASS_DENSITY_SYSTEM);
+    integrator_pass(sim, PASS_DENSITY_SYSTEM);
     memset(y->x, 0, y->matrix.n * sizeof *y->x);
     status = solve(sim, sim->model.projection.correction_tolerance, "density", &report, error);
     if (status) return status;
     sim->solved.density_iterations += report.iterations;
     sim->solved.corrections++;
     system_centre(y);
-    run(sim, PASS_DENSITY_CORRECTION);
+    integrator_pass(sim, PASS_DENSITY_CORRECTION);
     const uint64_t rebuilds = sim->progress.rebuilds;
     status = integrator_lists(sim, error);
     forget_if(sim, sim->progress.rebuilds != rebuilds);
-    if (!status) run(sim, PASS_NUMBER);
+    if (!status) integrator_pass(sim, PASS_NUMBER);
     return status;
 }
 
@@ -134,7 +127,7 @@ static MnsStatus correct_density(MnsSim *sim, MnsError *error)
     const Projection *options = &sim->model.projection;
     MnsStatus status = integrator_lists(sim, error);
     if (status) return status;
-    run(sim, PASS_NUMBER);
+    integrator_pass(sim, PASS_NUMBER);
     sim->solved.density_error = density_error(sim);
     double least = INFINITY;
     unsigned vain = 0;
@@ -174,7 +167,10 @@ static void gauge(MnsSim *sim)
 #pragma omp parallel for schedule(static) reduction(min : least) num_threads(sim->threads)
     for (size_t i = 0; i < particles_fluid(&sim->s); i++)
         if (light[sim->s.phase[i]] && y->x[i] < least) least = y->x[i];
-    for (size_t i = 0; i < y->matrix.n; i++) y->x[i] -= least;
+    const size_t n = y->matrix.n;
+    double *restrict x = y->x;
+#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
+    for (size_t i = 0; i < n; i++) x[i] -= least;
 }
 
 /* What a wall shows of its pressures, for pictures: their mean, by how much they matter. */
@@ -219,16 +215,16 @@ static MnsStatus correct_velocity(MnsSim *sim, double dt, const double gravity[3
     SolveReport report;
     forget_if(sim, sim->model.projection.unit_mobility);
     push(sim, dt, gravity);
-    run(sim, PASS_WALLS);
+    integrator_pass(sim, PASS_WALLS);
     MnsStatus status = lay(sim, error);
     if (status) return status;
-    run(sim, PASS_VELOCITY_SYSTEM);
+    integrator_pass(sim, PASS_VELOCITY_SYSTEM);
     guess(sim, dt);
     status = solve(sim, sim->model.projection.tolerance, "velocity", &report, error);
     sim->solved.iterations = report.iterations;
     sim->solved.residual = report.residual;
     gauge(sim);
-    run(sim, PASS_VELOCITY_CORRECTION);
+    integrator_pass(sim, PASS_VELOCITY_CORRECTION);
     finish(sim, dt);
     return status;
 }

@@ -10,13 +10,6 @@
 #include <omp.h>
 #include <string.h>
 
-static void run(MnsSim *sim, int pass)
-{
-    const double start = omp_get_wtime();
-    pass_run(&sim->scheme->rates[pass], &sim->s, &sim->nb, &sim->model, sim->threads);
-    integrator_clock(sim, TIMER_PASSES + (size_t)pass, start);
-}
-
 static void push(MnsSim *sim, double dt)
 {
     Particles *s = &sim->s;
@@ -119,12 +112,12 @@ static MnsStatus project(MnsSim *sim, double dt, MnsError *error)
     y->held = options->holds_pressure ? nearest(sim, options->zero_pressure) : NOT_HELD;
     if (!differences_lay(&sim->s, &sim->nb))
         return mns_fail(error, MNS_E_MEMORY, "no memory for the pressure system of %zu particles", sim->s.n);
-    run(sim, PASS_CONTINUED);
-    run(sim, PASS_SYSTEM);
+    integrator_pass(sim, PASS_CONTINUED);
+    integrator_pass(sim, PASS_SYSTEM);
     guess(sim, dt);
     const MnsStatus status = solve(sim, error);
     if (y->held == NOT_HELD) system_centre(y);
-    run(sim, PASS_CORRECTION);
+    integrator_pass(sim, PASS_CORRECTION);
     keep_pressure(sim, dt);
     return status;
 }
@@ -143,7 +136,7 @@ static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
     status = integrator_lists(sim, error);
     if (status) return status;
     sim->model.v_max = sim->v_max;
-    run(sim, PASS_SPACING);
+    integrator_pass(sim, PASS_SPACING);
     status = integrator_lists(sim, error);
     if (status) return status;
     integrator_rates(sim, PASS_SHAPE);
