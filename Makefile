@@ -92,9 +92,15 @@ bench: bench-programs ## benchmarks as JSON lines
 	@for b in $(BENCH); do $$b || exit 1; done
 	@for b in $(wildcard tests/bench/*.py); do BUILD=$(BUILD) $(PYTHON) $$b || exit 1; done
 
-.PHONY: tests bench-programs flags solver-libs
-tests: $(UNIT) # and none whose source is gone, as all programs there are run
-	@rm -f $(filter-out $(UNIT),$(wildcard $(BUILD)/tests/unit/* $(BUILD)/tests/protocol/*))
+.PHONY: tests raced bench-programs flags solver-libs
+# All programs there are run, so there are none whose source is gone.
+others = $(filter-out $1,$(wildcard $(BUILD)/tests/unit/* $(BUILD)/tests/protocol/*))
+tests: $(UNIT)
+	@rm -f $(call others,$(UNIT))
+# Where there can be races: the team of the solver, and the threads of the daemon.
+RACED := $(filter $(BUILD)/tests/protocol/% $(addprefix $(BUILD)/tests/unit/test_,build fault guard mailbox neighbours probe restart steer wall writer),$(UNIT))
+raced: all $(RACED)
+	@rm -f $(call others,$(RACED))
 bench-programs: all $(BENCH)
 
 reference: $(BUILD)/case-reference.md ## write the manual of the case format from its schema
@@ -105,7 +111,7 @@ asan: ## unit and protocol tests under address and undefined-behaviour sanitizer
 	@BUILD=$(BUILD)/asan tests/support/sanitize.sh address
 
 tsan: ## the same under the thread sanitizer (clang, libomp)
-	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/tsan CC=clang SANITIZE=thread all tests
+	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/tsan CC=clang SANITIZE=thread raced
 	@BUILD=$(BUILD)/tsan tests/support/sanitize.sh thread
 
 lint: all ## clang-format, clang-tidy, cppcheck, shellcheck, layers

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The command line of meniscusd: what to do, and nothing of how. */
 #include "base/log.h"
+#include "base/waiting.h"
 #include "batch/batch.h"
 #include "batch/schemes.h"
 #include "net/daemon.h"
@@ -11,7 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 const char *argp_program_version = "meniscusd " MENISCUS_VERSION;
 
@@ -154,19 +154,6 @@ static error_t parse(int key, char *text, struct argp_state *state)
     return 0;
 }
 
-/* The OpenMP team must not spin while it waits: on a machine with other work to do, a thread that spins keeps from the
- * processor the very one it waits for, and a step takes many times as long. GNU's runtime reads its settings before
- * main(), so the program starts itself again with them; whoever sets one has their way. For 0.5 s of dambreak2d at resolution
- * 20, two threads on two processors with a busy loop beside: 1.9 to 3.0 s at 1000, 7.9 to 12.3 at 10000. */
-static void keep_threads_from_spinning(char **argv)
-{
-    if (getenv("GOMP_SPINCOUNT") || getenv("OMP_WAIT_POLICY")) return;
-    setenv("GOMP_SPINCOUNT", "1000", 1);
-    setenv("KMP_BLOCKTIME", "0", 0);
-    char path[4096] = ""; /* the true one, or the process would be listed as "exe" */
-    if (readlink("/proc/self/exe", path, sizeof path - 1) > 0) execv(path, argv);
-}
-
 /* argp ends the process where the command line is wrong; scripts are told all the same. */
 typedef struct Words {
     int argc;
@@ -210,7 +197,7 @@ int main(int argc, char **argv)
                "way, 74 input/output error, 75 stopped by a signal, after a checkpoint if it had begun (run the same "
                "command again)."};
     Options options = {.batch.until = NAN, .level = -1, .daemon.name = "default", .daemon.threads = -1};
-    keep_threads_from_spinning(argv);
+    waiting_threads_sleep(argv);
     argp_err_exit_status = MNS_EXIT_USAGE;
     static Words words; /* outlives main() */
     words = (Words){argc, argv, false};

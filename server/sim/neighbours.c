@@ -148,7 +148,7 @@ static Trouble search_all(Neighbours *nb, const Particles *s, const Model *model
         Cut cut = {NULL, 0};
         Run runs[GRID_RUNS_MAX];
         Trouble trouble = {false, UINT32_MAX};
-#pragma omp for schedule(dynamic, 16)
+#pragma omp for schedule(guided)
         for (size_t cell = 0; cell < grid->cells; cell++) {
             const Search q = {.s = s,
                               .near = select_near(model->level, s->dim, model->periodic),

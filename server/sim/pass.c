@@ -4,7 +4,7 @@
  * while these are in the cache, when other chunks have not begun. */
 #include "sim/pass.h"
 
-enum { CHUNK_ROWS = 256, CHUNK_LOCAL = 4096 };
+enum { CHUNK_ROWS = 64, CHUNK_LOCAL = 4096 };
 
 void local_run(const Local *local, Particles *s, const Model *model, int threads)
 {
@@ -141,7 +141,8 @@ static void sweep_all(const Sweep sweeps[GROUPS], Particles *s, const Model *mod
         for (int g = 0; g < GROUPS; g++) {
             const Sweep *sweep = &sweeps[g];
             const size_t last = sweep->n_before + sweep->n_terms + sweep->n_after ? s->begin[g + 1] : 0;
-#pragma omp for schedule(dynamic) nowait
+/* Shares that lie together: a thread has most neighbours in its cache. */
+#pragma omp for schedule(guided) nowait
             for (size_t k = s->begin[g]; k < last; k += CHUNK_ROWS)
                 sweep_chunk(sweep, &row, s, model, k, k + CHUNK_ROWS < last ? k + CHUNK_ROWS : last);
         }

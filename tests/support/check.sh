@@ -36,20 +36,27 @@ count() {
     END { print p + 0, f + 0 }' "$log"
 }
 
-# run NAME SECONDS COMMAND...: a program that hangs has failed; so has one that ends badly without naming a test.
-run() {
-    local name=$1 limit=$2 status=0 p f
-    shift 2
-    timeout --kill-after=10 "$limit" "$@" >"$log" 2>&1 </dev/null || status=$?
+# note NAME STATUS SECONDS: count what a command left in the log. A program that hangs has failed; so has one that ends badly without
+# naming a test.
+note() {
+    local name=$1 status=$2 p f
     read -r p f < <(count)
-    if [ $status -ne 0 ] && [ "$f" -eq 0 ]; then f=1; fi
-    if [ $status -eq 0 ] && [ $((p + f)) -eq 0 ]; then p=1; fi
+    if [ "$status" -ne 0 ] && [ "$f" -eq 0 ]; then f=1; fi
+    if [ "$status" -eq 0 ] && [ $((p + f)) -eq 0 ]; then p=1; fi
     passed=$((passed + p)) failed=$((failed + f))
     [ "$f" -eq 0 ] && return
-    echo "---- $name: $f failed, exit status $status$([ $status -ne 124 ] || echo ": still running after $limit s")"
+    echo "---- $name: $f failed, exit status $status$([ "$status" -ne 124 ] || echo ": still running after $3 s")"
     cat "$log"
     echo "----"
     failures+=("$name")
+}
+
+# run NAME SECONDS COMMAND...
+run() {
+    local name=$1 limit=$2 status=0
+    shift 2
+    timeout --kill-after=10 "$limit" "$@" >"$log" 2>&1 </dev/null || status=$?
+    note "$name" "$status" "$limit"
 }
 
 group() {
@@ -61,11 +68,22 @@ group() {
     printf '   %d passed, %d failed, %d s\n' $((passed - p)) $((failed - f)) $((SECONDS - started))
 }
 
+# As many at a time as there are processors, as they wait for nothing but processors; told in their order.
 programs() {
-    local file
+    local limit=120 file k=0 files=() logs
     for file in "$BUILD"/tests/unit/* "$BUILD"/tests/protocol/*; do
-        if [ -f "$file" ] && [ -x "$file" ]; then run "$file" 120 "$file"; fi
+        if [ -f "$file" ] && [ -x "$file" ]; then files+=("$file"); fi
     done
+    logs=$(mktemp -d)
+    # shellcheck disable=SC2016 # the inner shell expands
+    for file in "${files[@]}"; do printf '%s\0%s\0' "$file" "$logs/$((k++))"; done |
+        xargs -0 -P "$jobs" -n 2 sh -c \
+            'timeout --kill-after=10 '$limit' "$1" >"$2" 2>&1 </dev/null; echo $? >"$2.status"' sh
+    for k in "${!files[@]}"; do
+        mv "$logs/$k" "$log"
+        note "${files[k]}" "$(cat "$logs/$k.status")" "$limit"
+    done
+    rm -rf "$logs"
 }
 
 scripts() {
@@ -94,7 +112,7 @@ other_compiler() {
 sanitizers() {
     run "build with address sanitizer" 300 make -s -j"$jobs" BUILD="$BUILD/asan" SANITIZE=address,undefined all tests
     run "address and undefined-behaviour sanitizers" 300 env BUILD="$BUILD/asan" tests/support/sanitize.sh address
-    run "build with thread sanitizer" 300 make -s -j"$jobs" BUILD="$BUILD/tsan" CC=clang SANITIZE=thread all tests
+    run "build with thread sanitizer" 300 make -s -j"$jobs" BUILD="$BUILD/tsan" CC=clang SANITIZE=thread raced
     run "thread sanitizer" 300 env BUILD="$BUILD/tsan" tests/support/sanitize.sh thread
 }
 

@@ -11,8 +11,6 @@ demo=${DEMO:-$BUILD/demo}
 
 export XDG_RUNTIME_DIR MENISCUS_DAEMON=demo
 XDG_RUNTIME_DIR=$(mktemp -d /tmp/meniscus-demo-XXXXXX)
-# Threads that spin while they wait would slow down a machine that does other things too.
-export OMP_WAIT_POLICY=passive
 daemon=
 finish() {
     status=$?

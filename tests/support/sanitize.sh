@@ -24,16 +24,12 @@ thread)
 esac
 export OMP_WAIT_POLICY=passive OMP_NUM_THREADS=${OMP_NUM_THREADS:-2} MENISCUS_SANITIZED=$1 CMOCKA_MESSAGE_OUTPUT=STDOUT
 
-# Programs that have something to show under this sanitizer. Those that take longest come first.
+# Those that take longest come first.
 programs() {
     local program name
     for program in "$BUILD"/tests/protocol/* "$BUILD"/tests/unit/*; do
         if [ ! -f "$program" ] || [ ! -x "$program" ]; then continue; fi
         name=${program#"$BUILD"/tests/}
-        # Programs of one thread have no races to find; the team of the solver and the daemon's threads have.
-        if [ "$1" = thread ] && ! [[ $name =~ ^(protocol/|unit/test_(build|fault|guard|mailbox|neighbours|probe|restart|steer|wall|writer)$) ]]; then
-            continue
-        fi
         # Flows that run long, of what the others run shortly.
         if [[ $name =~ ^unit/test_(flow|wall_seam|probe_surface)$ ]]; then continue; fi
         echo "$name"
@@ -60,4 +56,4 @@ run_one() {
 export -f run_one
 
 # shellcheck disable=SC2016 # the inner shell expands
-programs "$1" | xargs -P "$(nproc)" -n 1 bash -c 'run_one "$1"' run_one
+programs | xargs -P "$(nproc)" -n 1 bash -c 'run_one "$1"' run_one

@@ -12,18 +12,19 @@ static void kick_and_drift(MnsSim *sim, double dt)
     Particles *s = &sim->s;
     const size_t n = particles_fluid(s);
     const double half = 0.5 * dt;
+#pragma omp parallel num_threads(sim->threads)
     for (int d = 0; d < s->dim; d++) {
         double *restrict x = s->x[d], *restrict v = s->v[d];
         const double *restrict a = s->a[d], *restrict b = s->b[d];
         if (!b) { /* no transport velocity in this scheme */
-#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
+#pragma omp for simd schedule(static) nowait
             for (size_t i = 0; i < n; i++) {
                 v[i] += half * a[i];
                 x[i] += dt * v[i];
             }
             continue;
         }
-#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
+#pragma omp for simd schedule(static) nowait
         for (size_t i = 0; i < n; i++) {
             v[i] += half * a[i];
             x[i] += dt * (v[i] + half * b[i]);
