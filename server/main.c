@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The command line of meniscusd: what to do, and nothing of how. */
 #include "base/log.h"
-#include "base/waiting.h"
 #include "batch/batch.h"
 #include "batch/schemes.h"
 #include "net/daemon.h"
+#include "run/waiting.h"
 #include <argp.h>
 #include <math.h>
 #include <meniscus/exit.h>

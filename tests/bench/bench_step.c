@@ -6,7 +6,7 @@
  * usage: bench_step [NAME [THREADS [RESOLUTION [STEPS]]]]
  * Without arguments: every case but the large ones, with one thread and with all. With STEPS: that many, once, without a start to
  * warm up, for those who count instructions (tests/system/test_instructions.sh). */
-#include "base/waiting.h"
+#include "run/waiting.h"
 #include "sim/sim.h"
 #include "tests/support/cases.h"
 #include <omp.h>

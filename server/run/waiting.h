@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* How the threads of a team wait for each other. */
-#ifndef BASE_WAITING_H
-#define BASE_WAITING_H
+#ifndef RUN_WAITING_H
+#define RUN_WAITING_H
 
 /* First of all in main(): waiting threads spin for a moment and then sleep, unless the environment says how they wait. Starts the
  * program again, once; returns if that is done or cannot be done. */

@@ -4,7 +4,7 @@
  * fifteenth of a step of 100,000 particles in the plane. GNU's runtime reads its settings before main(), so the program starts
  * itself again with them; whoever sets one has their way. For 0.5 s of dambreak2d at resolution 20, two threads on two
  * processors with a busy loop beside: 1.0 s at 1000, 1.1 at 2000, 1.3 to 1.6 at 5000. */
-#include "base/waiting.h"
+#include "run/waiting.h"
 #include <stdlib.h>
 #include <unistd.h>
 
