@@ -93,6 +93,7 @@ typedef struct MnsDissipation {
     double delta, repulsion, background_pressure, guard;
     MnsDissipationForm form;
     MnsPairAverage pair_average;
+    bool gradient_correction;
 } MnsDissipation;
 
 typedef enum MnsShifting { MNS_SHIFTING_OFF, MNS_SHIFTING_INTERFACE, MNS_SHIFTING_ORIGINAL } MnsShifting;

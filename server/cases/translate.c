@@ -203,6 +203,7 @@ static void translate_dissipation(const Meniscus__Dissipation *m, MnsSchemeOptio
     ret->name = "dissipation";
     ret->dissipation = (MnsDissipation){.delta = m->delta,
                                         .form = forms[m->form],
+                                        .gradient_correction = m->gradient_correction,
                                         .repulsion = m->repulsion,
                                         .pair_average = PAIR_AVERAGES[m->pair_average],
                                         .background_pressure = m->background_pressure,

@@ -22,7 +22,7 @@ static void ring(System *y, size_t n, double skew, int threads)
     assert_true(system_init(y, n + 1, n, threads));
     Matrix *m = &y->matrix;
     for (size_t i = 0; i <= n; i++) m->blocks[i] = 2;
-    assert_true(matrix_lay(m));
+    assert_true(matrix_lay(m, 2));
     m->blocks[n] = 0;
     for (size_t i = 0; i < n; i++) {
         m->blocks[i] = 1;
@@ -224,9 +224,31 @@ static void threads_change_no_bit(void **state)
     }
 }
 
+/* Rows of many pieces, of none, one or two blocks each. */
+static void rows_lie_one_after_the_other(void **state)
+{
+    (void)state;
+    for (size_t n = 1; n < 100000; n = 3 * n + 1) {
+        Matrix m;
+        assert_true(matrix_init(&m, n));
+        for (size_t i = 0; i < n; i++) m.blocks[i] = (uint32_t)(i % 7 % 3);
+        for (int threads = 1; threads <= 3; threads++) {
+            size_t next = 0;
+            assert_true(matrix_lay(&m, threads));
+            for (size_t i = 0; i < n; i++) {
+                assert_int_equal(m.start[i], next);
+                next += m.blocks[i];
+            }
+            assert_int_equal(m.start[n], next);
+        }
+        matrix_done(&m);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rows_lie_one_after_the_other),
         cmocka_unit_test(constants_are_nothing_to_a_matrix),
         cmocka_unit_test(methods_give_what_elimination_gives),
         cmocka_unit_test(multigrid_gives_the_same_in_few_iterations_at_any_size),

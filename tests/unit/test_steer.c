@@ -128,11 +128,10 @@ static void steered_runs_resume_bit_for_bit(void **state)
 }
 
 /* Nobody pays for the fields of an option that is off. */
-static void fields_are_there_once_an_option_needs_them(void **state)
+static void assert_fields_come(const char *scheme)
 {
-    (void)state;
-    MnsCase *c = case_shaken_by("interfacial", 3, 1), *steered = case_shaken_by("interfacial", 3, 1);
-    steered->scheme.interfacial.gradient_correction = true;
+    MnsCase *c = case_shaken_by(scheme, 3, 1), *steered = case_shaken_by(scheme, 3, 1);
+    steered->scheme.interfacial.gradient_correction = steered->scheme.dissipation.gradient_correction = true;
     MnsSim *sim = sim_of(c);
     const size_t before = particles_bytes(&sim->s);
     sim_steps(sim, 2);
@@ -148,6 +147,13 @@ static void fields_are_there_once_an_option_needs_them(void **state)
         assert_true(sim->s.correction[d][0] > 0.5);
     }
     sim_done(sim, steered);
+}
+
+static void fields_are_there_once_an_option_needs_them(void **state)
+{
+    (void)state;
+    assert_fields_come("interfacial");
+    assert_fields_come("dissipation");
 }
 
 int main(void)

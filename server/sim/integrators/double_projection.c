@@ -179,6 +179,7 @@ static void show_walls(MnsSim *sim, double dt, double share)
     const System *y = &sim->system;
     Particles *s = &sim->s;
     const size_t n = particles_fluid(s), walls = s->n - n;
+#pragma omp parallel for schedule(static) num_threads(sim->threads)
     for (size_t w = 0; w < walls; w++) {
         double sum = 0, weight = 0;
         for (size_t node = n + w; node < y->matrix.n; node += walls) {

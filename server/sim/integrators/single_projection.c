@@ -39,23 +39,38 @@ static void drift(MnsSim *sim, double dt)
     particles_changed(s, ON_FLUID, FIELD(X));
 }
 
-/* The particle nearest to a point, of several the one of the least id, as storage order changes. */
+/* A particle, and how far it is from a point. */
+typedef struct Candidate {
+    double r2;
+    size_t i;
+} Candidate;
+
+/* Of several as near, the one of the least id, as storage order changes. */
+static bool is_nearer(const Particles *s, Candidate a, Candidate b)
+{
+    return a.r2 < b.r2 || (a.r2 == b.r2 && s->id[a.i] < s->id[b.i]);
+}
+
 static size_t nearest(const MnsSim *sim, const double at[3])
 {
     const Particles *s = &sim->s;
-    double least = INFINITY;
-    size_t best = 0;
-    for (size_t i = 0; i < particles_fluid(s); i++) {
-        double r2 = 0;
-        for (int d = 0; d < s->dim; d++) {
-            const double x = model_nearest(&sim->model, d, s->x[d][i] - at[d]);
-            r2 += x * x;
+    Candidate best = {INFINITY, 0};
+#pragma omp parallel num_threads(sim->threads)
+    {
+        Candidate mine = {INFINITY, 0};
+#pragma omp for schedule(static) nowait
+        for (size_t i = 0; i < particles_fluid(s); i++) {
+            Candidate one = {0, i};
+            for (int d = 0; d < s->dim; d++) {
+                const double x = model_nearest(&sim->model, d, s->x[d][i] - at[d]);
+                one.r2 += x * x;
+            }
+            if (is_nearer(s, one, mine)) mine = one;
         }
-        if (r2 > least || (r2 == least && s->id[i] > s->id[best])) continue;
-        least = r2;
-        best = i;
+#pragma omp critical(nearest_particle)
+        if (is_nearer(s, mine, best)) best = mine;
     }
-    return best;
+    return best.i;
 }
 
 /* Pressures of the step before, from the held one; in walls, what solves their rows. */

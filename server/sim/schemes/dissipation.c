@@ -12,6 +12,7 @@ static void dissipation_options(Model *model, const MnsCase *c)
     model->delta = options->delta;
     model->dissipates_rest = options->form != MNS_DISSIPATION_PLAIN;
     model->keeps_pair_volume = options->form == MNS_DISSIPATION_GENERALIZED;
+    model->corrects_gradients = options->gradient_correction;
     model->repulsion = options->repulsion;
     model->density_average = options->pair_average == MNS_AVERAGE_DENSITY ? 1 : 0;
     model->guard = options->guard * model->dx;
@@ -27,11 +28,11 @@ const Scheme scheme_dissipation = {
     .rates =
         {
             {"walls", .before = {&linear_pressure}, .terms = {&wall_pressure, &wall_velocity}},
-            {"shape", .terms = {&shepard_sum, &pressure_gradient, &interface_normal},
+            {"shape", .terms = {&shepard_sum, &pressure_gradient, &interface_normal, &corrected_continuity},
              .fusions = {&dissipation_shape, &dissipation_shape_beside}},
             {"rates", .before = {&body_force},
-             .terms = {&continuity, &density_dissipation, &pressure_force, &viscosity, &wall_friction,
-                       &surface_tension},
+             .terms = {&continuity, &density_dissipation, &pressure_force, &corrected_pressure_force, &viscosity,
+                       &wall_friction, &surface_tension},
              .fusions = {&dissipation_viscous_rates, &dissipation_rates, &dissipation_rates_beside}},
         },
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(M) | FIELD(REF),

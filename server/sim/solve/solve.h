@@ -26,7 +26,7 @@ bool matrix_init(Matrix *m, size_t n);
 void matrix_done(Matrix *m);
 
 /* Lay out the rows: blocks[i] says how many row i may take. false: no memory, the matrix as it was. */
-bool matrix_lay(Matrix *m);
+bool matrix_lay(Matrix *m, int threads);
 
 /* y = L x */
 void matrix_multiply(const Matrix *m, const double *x, double *y, int threads);

@@ -47,12 +47,25 @@ static bool reserve(Matrix *m, size_t blocks)
     return true;
 }
 
-bool matrix_lay(Matrix *m)
+/* Starts within pieces of the rows, then those of the pieces, of which there are few, then both together. */
+bool matrix_lay(Matrix *m, int threads)
 {
-    size_t all = 0;
-    for (size_t i = 0; i < m->n; i++) all += m->blocks[i];
-    if (!reserve(m, all)) return false;
-    for (size_t i = 0; i < m->n; i++) m->start[i + 1] = m->start[i] + m->blocks[i];
+    enum { PIECE = 8192 };
+    const size_t n = m->n;
+    size_t *start = m->start;
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (size_t first = 0; first < n; first += PIECE) {
+        const size_t last = first + PIECE < n ? first + PIECE : n;
+        size_t sum = 0;
+        for (size_t i = first; i < last; i++) start[i + 1] = sum += m->blocks[i];
+    }
+    for (size_t end = PIECE; end < n; end += PIECE) start[end + PIECE < n ? end + PIECE : n] += start[end];
+    if (!reserve(m, start[n])) return false;
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (size_t first = PIECE; first < n; first += PIECE) {
+        const size_t last = first + PIECE < n ? first + PIECE : n;
+        for (size_t i = first + 1; i < last; i++) start[i] += start[first];
+    }
     return true;
 }
 

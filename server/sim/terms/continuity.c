@@ -48,6 +48,7 @@ const Term continuity = {
     .source = "P1 eq. 7",
     .equation = "d rho_i/dt = rho_i sum_j V_j v_ij . grad_i W",
     .on = ON_CONTINUITY,
+    .needed = plain_gradients,
     .needs = NEED_F | NEED_V | NEED_STATE,
     .row = ROW_TABLE(continuity_row),
 };

@@ -17,13 +17,15 @@ static size_t blocks_for(size_t entries)
 bool differences_lay(Particles *s, const Neighbours *nb)
 {
     const size_t n = particles_fluid(s);
+    const int threads = s->system->threads;
     Matrix *m = &s->system->matrix;
+#pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t i = 0; i < m->n; i++) {
         const size_t fluid = i < s->n ? nb->end[i][GROUP_SUMMATION] : 0;
         const size_t walls = i < n ? nb->end[i][GROUP_WALL] - fluid : 0;
         m->blocks[i] = (uint32_t)(blocks_for(fluid) + blocks_for(walls));
     }
-    return matrix_lay(m);
+    return matrix_lay(m, threads);
 }
 
 /* The row of a particle, whose blocks of entries are those of its pairs; of a held one, nothing. */

@@ -49,6 +49,7 @@ const Term pressure_force = {
     .source = "P1 eq. 9",
     .equation = "m_i dv_i/dt -= sum_j V_i V_j (p_i/Gamma_i + p_j/Gamma_j) grad_i W, and a repulsion of unlike fluids",
     .on = ON_FLUID,
+    .needed = plain_gradients,
     .needs = NEED_F | NEED_STATE | NEED_SHEPARD | NEED_OTHERS,
     .writes = FIELD(A),
     .row = ROW_TABLE(pressure_force_row),

@@ -19,17 +19,19 @@ CORNER = ("domain.max=[0.5, 0.5, 4]", "walls[0].shape[0].box.max=[0.5, 0.5, 5]")
 
 def score_spikes(case: str, atwood: float, r: Run, full: bool) -> Iterator[Metric]:
     ref = table(f"P1/rt3d_vof_At{atwood}.csv")
-    for t, spike in ((2, 0.03), (3, 0.05)) if full else ((1.5, 0.06), (2, 0.06), (2.5, 0.06)):
+    for t, spike in ((2, 0.03), (3, 0.05)) if full else ((1.5, 0.06), (2, 0.06)):
         bubble = 0.02 if full else 0.04
         yield Metric(case, f"At {atwood}: spike at t = {t}", r.at("spike", t), at(ref, "z_spike", t), spike)
         yield Metric(case, f"At {atwood}: bubble at t = {t}", r.at("bubble", t), at(ref, "z_bubble", t), bubble)
 
 
 def rayleigh_taylor3d(paper: bool) -> Iterator[Metric]:
-    """P1 4.3; reduced, a quarter of the box. At two resolutions."""
+    """P1 4.3; reduced, a quarter of the box for the least and the largest Atwood number. At two resolutions."""
     case, sizes = "rayleigh-taylor3d", (64, 125) if paper else (16, 32)
-    part = ["end_time=3.05"] if paper else ["end_time=2.55", *CORNER]
+    part = ["end_time=3.05"] if paper else ["end_time=2.05", *CORNER]
     for atwood, light in LIGHT.items():
+        if not paper and atwood not in (min(LIGHT), max(LIGHT)):
+            continue
         runs = [run(case, f"resolution={n}", *part, f"fluids[0].density={light}") for n in sizes]
         r = runs[-1]
         yield from score_spikes(case, atwood, r, paper)
