@@ -4,7 +4,7 @@
 #include "batch/batch.h"
 #include "batch/schemes.h"
 #include "net/daemon.h"
-#include "run/waiting.h"
+#include "run/environment.h"
 #include <argp.h>
 #include <math.h>
 #include <meniscus/exit.h>
@@ -177,13 +177,11 @@ static int run(Options *options)
     return options->batch.name ? batch_run(&options->batch) : daemon_run(&options->daemon);
 }
 
-/* $MENISCUS_LEVEL, for those who want the bits of an old machine, or to be spared a machine's slow instructions. */
 static bool take_level(void)
 {
-    const char *level = getenv("MENISCUS_LEVEL");
     MnsError error;
-    if (!level || !*level || !mns_level_force(level, &error)) return true;
-    fprintf(stderr, "meniscusd: MENISCUS_LEVEL: %s\n", error.text);
+    if (!environment_level(&error)) return true;
+    fprintf(stderr, "meniscusd: %s\n", error.text);
     return false;
 }
 
@@ -197,7 +195,7 @@ int main(int argc, char **argv)
                "way, 74 input/output error, 75 stopped by a signal, after a checkpoint if it had begun (run the same "
                "command again)."};
     Options options = {.batch.until = NAN, .level = -1, .daemon.name = "default", .daemon.threads = -1};
-    waiting_threads_sleep(argv);
+    environment_waiting(argv);
     argp_err_exit_status = MNS_EXIT_USAGE;
     static Words words; /* outlives main() */
     words = (Words){argc, argv, false};

@@ -64,7 +64,7 @@ size_t mns_sim_bytes(const MnsSim *sim);           /* memory of particles and ne
 
 /** Instruction set of the loops over pairs, as compilers name it: the best that the machine has ("x86-64-v4"), or the one asked
  *  for. All with the same arithmetic give the same bits: "fused", where products and the sums they are added to are rounded once, as
- *  every machine since 2013 can, or "separate".
+ *  machines with AVX2 and FMA can (most since 2013), or "separate".
  *  @return mns_level_force(): MNS_OK; MNS_E_INVALID if there is no such level, or not on this machine. For runs made later. */
 const char *mns_level(void);
 const char *mns_arithmetic(void);

@@ -58,7 +58,7 @@ static inline size_t neighbours_mark_bytes(size_t entries)
 {
     return (entries + 7) / 8;
 }
-static inline uint8_t *neighbours_marks(const Neighbours *nb, size_t i)
+static inline uint8_t *neighbours_marks(Neighbours *nb, size_t i)
 {
     return (uint8_t *)(nb->list[i] + nb->end[i][GROUP_WALL]);
 }

@@ -7,9 +7,6 @@
 #include "sim/row.h"
 #include <math.h>
 #include <string.h>
-#if HAS_LEVELS
-#include <immintrin.h>
-#endif
 
 typedef double Quad __attribute__((vector_size(32), may_alias));
 

@@ -107,7 +107,7 @@ static const Build BUILDS[LEVELS][2] = {
 static const Build BUILDS[LEVELS][2] = {{build_base_2, build_base_3}};
 #endif
 
-RowPlan row_plan(const Neighbours *nb, const Particles *s, const Model *model, unsigned needs, RowPairs pairs)
+RowPlan row_plan(Neighbours *nb, const Particles *s, const Model *model, unsigned needs, RowPairs pairs)
 {
     RowPlan plan = {.nb = nb, .s = s, .model = model, .needs = needs, .pairs = pairs};
     plan.kernel = kernel_scale(&model->kernel);

@@ -47,7 +47,7 @@ typedef enum RowPairs { ROW_LISTED, ROW_MARKED } RowPairs;
 
 /* What the rows of one loop have in common. */
 typedef struct RowPlan {
-    const Neighbours *nb;
+    Neighbours *nb; /* whose marks are written where all that are listed are looked at */
     const Particles *s;
     const Model *model;
     unsigned needs; /* of the terms: NEED_F | NEED_V ... */
@@ -58,7 +58,7 @@ typedef struct RowPlan {
 } RowPlan;
 
 /* Of bundles that have been refreshed for these needs. */
-RowPlan row_plan(const Neighbours *nb, const Particles *s, const Model *model, unsigned needs, RowPairs pairs);
+RowPlan row_plan(Neighbours *nb, const Particles *s, const Model *model, unsigned needs, RowPairs pairs);
 
 void row_build(Row *row, const RowPlan *plan, size_t i);
 

@@ -21,6 +21,7 @@ static void name_timers(MnsSim *sim)
     sim->timers[TIMER_NEIGHBOURS].name = "neighbours";
     sim->timers[TIMER_DRIFT].name = "drift";
     sim->timers[TIMER_KICK].name = "kick";
+    sim->timers[TIMER_REST].name = "rest";
     sim->n_timers = TIMER_PASSES;
     for (int k = 0; k < SCHEME_PASSES_MAX && sim->scheme->rates[k].name; k++)
         sim->timers[sim->n_timers++].name = sim->scheme->rates[k].name;
@@ -126,8 +127,24 @@ static double cut(double t, double *dt, double t_max)
     return t_max;
 }
 
+/* What all timers have together [s]. */
+static double timed(const MnsSim *sim)
+{
+    double seconds = 0;
+    for (size_t k = 0; k < sim->n_timers; k++) seconds += sim->timers[k].seconds;
+    return seconds;
+}
+
+/* What of a step no other timer has: what one thread does while the others wait. */
+static void clock_rest(MnsSim *sim, double start, double before)
+{
+    sim->timers[TIMER_REST].seconds += omp_get_wtime() - start - (timed(sim) - before);
+    sim->timers[TIMER_REST].calls++;
+}
+
 MnsStatus mns_sim_step(MnsSim *sim, double t_max, MnsError *error)
 {
+    const double start = omp_get_wtime(), before = timed(sim);
     MnsError why = {0};
     MnsProgress *progress = &sim->progress;
     if (sim->fault.status) {
@@ -146,6 +163,7 @@ MnsStatus mns_sim_step(MnsSim *sim, double t_max, MnsError *error)
     progress->t = t;
     progress->dt = dt;
     progress->step++;
+    clock_rest(sim, start, before);
     return status ? remember(sim, status, &why, error) : MNS_OK;
 }
 

@@ -8,9 +8,9 @@
 #include "sim/shape.h"
 #include "sim/solve/solve.h"
 
-enum { SIM_TIMERS_MAX = SCHEME_PASSES_MAX + 5, SIM_WARNINGS_MAX = 16 };
+enum { SIM_TIMERS_MAX = SCHEME_PASSES_MAX + 6, SIM_WARNINGS_MAX = 16 };
 enum { SIM_BLOCK = 4096 }; /* particles that are summed up by one thread */
-enum { TIMER_NEIGHBOURS, TIMER_DRIFT, TIMER_KICK, TIMER_PASSES };
+enum { TIMER_NEIGHBOURS, TIMER_DRIFT, TIMER_KICK, TIMER_REST, TIMER_PASSES };
 
 /* How the projections of the last step went. */
 typedef struct Solved {

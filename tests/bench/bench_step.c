@@ -6,7 +6,7 @@
  * usage: bench_step [NAME [THREADS [RESOLUTION [STEPS]]]]
  * Without arguments: every case but the large ones, with one thread and with all. With STEPS: that many, once, without a start to
  * warm up, for those who count instructions (tests/system/test_instructions.sh). */
-#include "run/waiting.h"
+#include "run/environment.h"
 #include "sim/sim.h"
 #include "tests/support/cases.h"
 #include <omp.h>
@@ -151,8 +151,7 @@ typedef struct Wish {
 
 /* What was measured. */
 typedef struct Result {
-    double ns, build, wall,
-        steps; /* of a particle and step, the median; [s] to make the simulation, of all steps; how many */
+    double ns, build, steps; /* of a particle and step, the median; to make the simulation [s]; how many steps */
     MnsTimer before[SIM_TIMERS_MAX];
 } Result;
 
@@ -173,16 +172,14 @@ static void print(const Bench *bench, const MnsSim *sim, const Result *result)
            (unsigned long long)(sim->timers[TIMER_NEIGHBOURS].calls - before[TIMER_NEIGHBOURS].calls));
     size_t n_timers = 0;
     const MnsTimer *timers = mns_sim_timers(sim, &n_timers);
-    double other = result->wall * 1e9 / steps; /* what no timer has, one thread at work */
     for (size_t k = 0; k < n_timers; k++) {
         const double spent = (timers[k].seconds - before[k].seconds) * 1e9 / steps;
-        other -= spent;
         printf(", \"%s_ns\": %.1f, \"%s_ns_per_pair\": %.2f", timers[k].name, spent / n, timers[k].name,
                spent / (fluid * neighbours));
     }
     const double rebuilds = (double)(timers[TIMER_NEIGHBOURS].calls - before[TIMER_NEIGHBOURS].calls);
     const double search = timers[TIMER_NEIGHBOURS].seconds - before[TIMER_NEIGHBOURS].seconds;
-    printf(", \"other_ns\": %.1f, \"search_ns_per_particle\": %.1f, \"search_ns_per_pair\": %.2f}\n", other / n,
+    printf(", \"search_ns_per_particle\": %.1f, \"search_ns_per_pair\": %.2f}\n",
            rebuilds > 0 ? search * 1e9 / (n * rebuilds) : 0, rebuilds > 0 ? search * 1e9 / (pairs * rebuilds) : 0);
     fflush(stdout);
 }
@@ -205,7 +202,6 @@ static int run(const Bench *bench, Wish wish)
         const double start = omp_get_wtime();
         well = advance(sim, steps);
         const double spent = omp_get_wtime() - start;
-        result.wall += spent;
         ns[k] = spent * 1e9 / ((double)mns_sim_particles(sim) * steps);
     }
     if (well) {
@@ -220,7 +216,12 @@ static int run(const Bench *bench, Wish wish)
 
 int main(int argc, char **argv)
 {
-    waiting_threads_sleep(argv);
+    MnsError error;
+    environment_waiting(argv);
+    if (environment_level(&error)) {
+        fprintf(stderr, "bench_step: %s\n", error.text);
+        return 2;
+    }
     int well = 1, found = 0;
     Wish wish = {.threads = argc > 2 ? atoi(argv[2]) : 0,
                  .resolution = argc > 3 ? atof(argv[3]) : 0,

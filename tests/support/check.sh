@@ -99,7 +99,7 @@ scripts() {
 house() {
     run "layers" 60 tests/support/layers.sh
     run "headers" 120 tests/support/headers.sh
-    run "vector loops" 60 tests/support/vectorised.sh
+    run "vector loops" 150 tests/support/vectorised.sh
     run "lint" 400 tests/support/lint.sh
     run "server/cases/REFERENCE.md is what \`make reference\` writes" 10 \
         diff -u server/cases/REFERENCE.md "$BUILD/case-reference.md"

@@ -1,18 +1,27 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+#include "run/environment.h"
+#include <meniscus/sim.h>
+#include <stdlib.h>
+#include <unistd.h>
+
 /* The OpenMP team must not spin for long: on a machine with other work to do, a thread that spins keeps from the
  * processor the very one it waits for, and a step takes longer. Nor may it sleep at once: to be woken at each barrier takes a
  * fifteenth of a step of 100,000 particles in the plane. GNU's runtime reads its settings before main(), so the program starts
  * itself again with them; whoever sets one has their way. For 0.5 s of dambreak2d at resolution 20, two threads on two
  * processors with a busy loop beside: 1.0 s at 1000, 1.1 at 2000, 1.3 to 1.6 at 5000. */
-#include "run/waiting.h"
-#include <stdlib.h>
-#include <unistd.h>
-
-void waiting_threads_sleep(char **argv)
+void environment_waiting(char **argv)
 {
     if (getenv("GOMP_SPINCOUNT") || getenv("OMP_WAIT_POLICY")) return;
     setenv("GOMP_SPINCOUNT", "1000", 1);
     setenv("KMP_BLOCKTIME", "0", 0);
     char path[4096] = ""; /* the true one, or the process would be listed as "exe" */
     if (readlink("/proc/self/exe", path, sizeof path - 1) > 0) execv(path, argv);
+}
+
+MnsStatus environment_level(MnsError *error)
+{
+    const char *name = getenv("MENISCUS_LEVEL");
+    MnsError why;
+    if (!name || !*name || !mns_level_force(name, &why)) return MNS_OK;
+    return mns_fail(error, why.status, "MENISCUS_LEVEL: %s", why.text);
 }
