@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from validation import bubbles, dam_breaks, drops, interfaces, jobs, rest, sloshing
+from validation import bubbles, dam_breaks, drops, incompressible, interfaces, jobs, rest, sloshing
 from validation.common import NEAR, grain
 from validation.metrics import Metric, commit
 from validation.runs import ROOT, Run, Snapshot, load, run, told
@@ -86,6 +86,14 @@ def drift(case: str, r: Run) -> Iterator[Metric]:
     yield Metric(case, "grain of the drop's pressure [Pa]", grain(r.last(), 0))
 
 
+def vortices(case: str, r: Run) -> Iterator[Metric]:
+    yield Metric(case, "L_inf error of the greatest speed", incompressible.decay_error(r))
+    for t in (1, 2, 4):
+        exact = 0.25 * np.exp(-16 * np.pi**2 * 0.01 * t)
+        yield Metric(case, f"kinetic energy at t = {t} [J/m]", r.at("kinetic", t), exact, 0.1, relative=True)
+    yield Metric(case, "density, least to greatest, over its mean", float(r.at("density_greatest", 2) - r.at("density_least", 2)))
+
+
 # --- the cases, and how each scheme is told to do them ----------------------------------------------------------------------
 
 
@@ -100,14 +108,25 @@ class Comparison:
     needs: float = np.inf  # time to which a run must have come for its metrics [s]; to its end, if not said
 
 
+# What all schemes can be asked for; the speed of sound is for those that have one, ten times the fastest.
+VORTICES = ("fluids[0].sound_speed=10", "probes=[{name: speed, extremum: {field: velocity}}, {name: kinetic, kinetic_energy: {}},"
+            " {name: density_least, extremum: {field: density, which: min}}, {name: density_greatest, extremum: {field: density}}]")
+
 # At a ratio of 1000 dissipation averages by density: with arithmetic averages it takes four times the steps.
 COMPARISONS = {
+    **{f"Taylor-Green vortices, {n} particles a side": Comparison(
+        "taylor-green2d", (f"resolution={n}", *VORTICES),
+        (("riemann", ""), ("dissipation", "background_pressure: 2"), ("interfacial", "background_pressure: 2"),
+         ("interfacial", "background_pressure: 2, gradient_correction: true"), ("incompressible", "reference_speed: 1, gauge: mean"),
+         ("differences", "reference_speed: 1")), vortices) for n in (30, 60)},
     "Water under air at rest, ratio 1000": Comparison(
         "hydrostatic", ("resolution=40",),
-        (("riemann", ""), ("dissipation", "pair_average: density"), ("interfacial", "")), at_rest),
+        (("riemann", ""), ("dissipation", "pair_average: density"), ("interfacial", ""), ("incompressible", ""), ("differences", "")),
+        at_rest),
     "Water under a liquid at rest, ratio 10": Comparison(
         "hydrostatic", ("resolution=40", "fluids[1].density=100", "constants[3].value=100"),
-        (("riemann", ""), ("dissipation", ""), ("dissipation", "pair_average: density"), ("interfacial", "")), at_rest),
+        (("riemann", ""), ("dissipation", ""), ("dissipation", "pair_average: density"), ("interfacial", ""),
+         ("incompressible", ""), ("differences", "")), at_rest),
     "A flat interface with tension, ratio 1000": Comparison(
         "flat-interface2d", ("resolution=50",),
         (("riemann", ""), ("dissipation", "pair_average: density, background_pressure: 100, repulsion: 0"),
@@ -115,7 +134,8 @@ COMPARISONS = {
     "A drop at rest under its tension, ratio 1000": Comparison(
         "static-drop2d", ("resolution=50",),
         (("riemann", ""), ("dissipation", "pair_average: density, background_pressure: 90, repulsion: 0"),
-         ("interfacial", "background_pressure: 90")), static_drop),
+         ("interfacial", "background_pressure: 90"), ("incompressible", "reference_speed: 0.2"),
+         ("differences", "reference_speed: 0.2")), static_drop),
     "A drop that drifts, without tension, ratio 1000": Comparison(
         "drop-periodic2d", ("resolution=40",),
         (("riemann", ""), ("dissipation", "pair_average: density"), ("interfacial", "")), drift),
@@ -128,11 +148,13 @@ COMPARISONS = {
         (("riemann", ""), ("dissipation", "repulsion: 0"), ("interfacial", "")), layer),
     "Rayleigh-Taylor instability, ratio 1.8": Comparison(
         "rayleigh-taylor2d", ("resolution=50",),
-        (("riemann", ""), ("dissipation", "background_pressure: 2"), ("interfacial", "background_pressure: 2")), rayleigh_taylor),
+        (("riemann", ""), ("dissipation", "background_pressure: 2"), ("dissipation", "background_pressure: 2, gradient_correction: true"),
+         ("interfacial", "background_pressure: 2"), ("interfacial", "background_pressure: 2, gradient_correction: true"),
+         ("incompressible", ""), ("differences", "")), rayleigh_taylor),
     "A bubble that rises, ratio 10": Comparison(
         "bubble2d-hysing1", ("resolution=25",),
         (("riemann", ""), ("dissipation", "background_pressure: 800"),
-         ("interfacial", "repulsion: 0.08, background_pressure: 800")), hysing),
+         ("interfacial", "repulsion: 0.08, background_pressure: 800"), ("incompressible", ""), ("differences", "")), hysing),
 }
 
 

@@ -50,10 +50,10 @@ CASES = {
     "sloshing2d-three-layers": Case(sloshing.sloshing2d_three_layers, 120, 0.04),
     "sloshing3d-three-layers": Case(sloshing.sloshing3d_three_layers, None, 13),
     "bubble2d-single": Case(bubbles.bubble2d_single, 95, 0.2),
-    "bubble3d-single": Case(bubbles.bubble3d_single, 380, 13),
+    "bubble3d-single": Case(bubbles.bubble3d_single, 1030, 13),
     "bubble3d-single-printed": Case(bubbles.bubble3d_single_printed, None, 0.5),
     "bubble3d-double": Case(bubbles.bubble3d_double, 1060, 13),
-    "rayleigh-taylor3d": Case(interfaces.rayleigh_taylor3d, 1300, 400),
+    "rayleigh-taylor3d": Case(interfaces.rayleigh_taylor3d, 2100, 400),
     "lock-exchange2d": Case(interfaces.lock_exchange2d, 110, 0.2),
     "lock-exchange3d": Case(interfaces.lock_exchange3d, None, 56),
     # Zhu and Zou 2020.

@@ -42,14 +42,11 @@ licensed() {
 }
 
 layout() {
-    local file bad=0
-    for file in "${sources[@]}" "${headers[@]}"; do
-        clang-format "$file" | cmp -s - "$file" || {
-            echo "$file is laid out otherwise by \`make format\`"
-            bad=1
-        }
-    done
-    return "$bad"
+    # shellcheck disable=SC2016 # the inner shell expands
+    printf '%s\n' "${sources[@]}" "${headers[@]}" | xargs -P "$(nproc)" -n 1 sh -c 'clang-format "$1" | cmp -s - "$1" || {
+        echo "$1 is laid out otherwise by \`make format\`"
+        exit 1
+    }' sh
 }
 
 tidy() {

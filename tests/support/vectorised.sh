@@ -10,8 +10,8 @@ flags=()
 eval "flags=($(MAKEFLAGS='' make -s --no-print-directory BUILD="$BUILD" CC=gcc flags))"
 # For the instruction set that most machines have had for a decade, so that the answer does not depend on this one.
 flags+=(-std=c17 -O3 -march=x86-64-v3 -fno-math-errno -fno-trapping-math -ffp-contract=off -fopenmp)
-remarks=$(mktemp) all=$(mktemp)
-trap 'rm -f "$remarks" "$all"' EXIT
+remarks=$(mktemp) told=$(mktemp -d)
+trap 'rm -rf "$remarks" "$told"' EXIT
 failed=0
 
 verdict() {
@@ -46,14 +46,22 @@ in_block_pair=$(lines server/sim/row.h block_pair)
 fused="fused\.h:($(lines server/sim/fused.h fetched_pair)|$(lines server/sim/fused.h approach)|$(lines server/sim/fused.h near_pair))"
 fused="($fused|pairs\.h:($(lines server/sim/pairs.h nearest)))"
 
-# given_up: how many fused loops were.
+# given_up REMARKS: how many fused loops were.
 given_up() {
-    grep -cE "$fused:.*couldn't vectorize loop" "$all" || true
+    grep -cE "$fused:.*couldn't vectorize loop" "$1" || true
 }
 
-while read -r file; do
-    gcc "${flags[@]}" -fopt-info-vec-optimized-missed -c -o /dev/null "$file" 2>&1 |
-        grep -E "loop vectorized|couldn't vectorize loop" >"$all" || true
+mapfile -t files < <(grep -rlE '^[[:space:]]*#pragma omp.*simd' server/sim --include='*.c' | sort)
+# What gcc says of each file, as many at a time as there are processors.
+# shellcheck disable=SC2016 # the inner shell expands
+printf '%s\0' "${files[@]}" | xargs -0 -P "$(nproc)" -I{} bash -c '
+    told=$1 file=$2
+    shift 2
+    gcc "$@" -fopt-info-vec-optimized-missed -c -o /dev/null "$file" 2>&1 |
+        grep -E "loop vectorized|couldn.t vectorize loop" >"$told/${file//\//_}" || true' \
+    bash "$told" {} "${flags[@]}"
+for file in "${files[@]}"; do
+    all=$told/${file//\//_}
     grep -E 'loop vectorized' "$all" | sed -E 's|^([^:]*:[0-9]+):.*|\1|' >"$remarks" || true
     while IFS=: read -r line _; do
         body=$(sed -n "$((line + 2))p" "$file")
@@ -66,7 +74,7 @@ while read -r file; do
     fi
     if grep -qE '(FUSED|BESIDE)_TABLE' "$file"; then
         found=$(grep -cE "$fused$" "$remarks" || true)
-        verdict "$(($(given_up) > 0 || found == 0))" "what is fused in $file"
+        verdict "$(($(given_up "$all") > 0 || found == 0))" "what is fused in $file"
     fi
-done < <(grep -rlE '^[[:space:]]*#pragma omp.*simd' server/sim --include='*.c' | sort)
+done
 exit $failed
