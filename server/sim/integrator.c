@@ -39,14 +39,13 @@ static bool lists_are_stale(const MnsSim *sim)
     const double *x = s->x[0], *y = s->x[1], *z = s->dim == 3 ? s->x[2] : s->x[0];
     const double *rx = s->ref[0], *ry = s->ref[1], *rz = s->dim == 3 ? s->ref[2] : s->ref[0];
     const double flat = s->dim == 3 ? 1 : 0, allowed = 0.25 * sim->model.skin * sim->model.skin;
-    double most = 0;
-#pragma omp parallel for simd schedule(static) reduction(max : most) num_threads(sim->threads)
+    size_t strays = 0;
+#pragma omp parallel for simd schedule(static) reduction(+ : strays) num_threads(sim->threads)
     for (size_t i = 0; i < s->n; i++) {
         const double dx = x[i] - rx[i], dy = y[i] - ry[i], dz = (z[i] - rz[i]) * flat;
-        const double moved = dx * dx + dy * dy + dz * dz;
-        most = moved > most ? moved : most;
+        strays += dx * dx + dy * dy + dz * dz > allowed;
     }
-    return most > allowed;
+    return strays > 0;
 }
 
 /* Positions of periodic directions go back into the domain, and become those the lists are built from. */

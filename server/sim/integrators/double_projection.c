@@ -46,7 +46,7 @@ static double density_error(const MnsSim *sim)
     const Particles *s = &sim->s;
     const double *restrict V = s->vol, nominal = sim->model.wall_volume;
     double most = 0;
-#pragma omp parallel for simd schedule(static) reduction(max : most) num_threads(sim->threads)
+#pragma omp parallel for schedule(static) reduction(max : most) num_threads(sim->threads)
     for (size_t i = 0; i < particles_fluid(s); i++) {
         const double error = fabs(nominal / V[i] - 1);
         most = error > most ? error : most;
