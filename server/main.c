@@ -25,6 +25,8 @@ enum {
     KEY_THREADS,
     KEY_STATE,
     KEY_TCP,
+    KEY_LISTEN,
+    KEY_KEYS,
     KEY_LOAD,
     KEY_START,
     KEY_SCHEMES
@@ -34,6 +36,9 @@ static const struct argp_option arguments[] = {
     {"name", 'n', "NAME", 0, "Name by which clients find the daemon (default)", 1},
     {"state-dir", KEY_STATE, "DIR", 0, "Where runs keep their files", 1},
     {"tcp", KEY_TCP, "PORT", 0, "Listen on 127.0.0.1 too: commands at PORT, telemetry at PORT + 1", 1},
+    {"listen", KEY_LISTEN, "tcp://ADDRESS:PORT", 0,
+     "The same at any address, for those who have a key: see `meniscus help keys`", 1},
+    {"keys", KEY_KEYS, "DIR", 0, "Where the keys of --listen are ($MENISCUS_KEYS, or ~/.config/meniscus/keys)", 1},
     {"load", KEY_LOAD, "CASE", 0, "Load a case at the start: a file, or the name of one that came along", 1},
     {"start", KEY_START, 0, 0, "Set it in motion", 1},
     {"batch", KEY_BATCH, "CASE", 0, "Run CASE to its end without a daemon, print what came of it, and exit", 2},
@@ -117,8 +122,10 @@ static void check(const Options *options, struct argp_state *state)
     const DaemonOptions *daemon = &options->daemon;
     if (!batch->name && (batch->directory || (batch->json && !options->schemes) || !isnan(batch->until)))
         argp_error(state, "--out, --until and --output go with --batch");
-    if (batch->name && (daemon->load || daemon->start || daemon->tcp || daemon->state_dir))
-        argp_error(state, "--batch starts no daemon: leave out --load, --start, --tcp and --state-dir");
+    if (batch->name && (daemon->load || daemon->start || daemon->at.tcp || daemon->at.listen || daemon->state_dir))
+        argp_error(state, "--batch starts no daemon: leave out --load, --start, --tcp, --listen and --state-dir");
+    if (daemon->at.keys && !daemon->at.listen)
+        argp_error(state, "--keys says where the keys of --listen are: give both");
     if (!batch->name && !daemon->load && (options->n_settings || options->resume || daemon->start))
         argp_error(state, "--set, --resume and --start need a case: --load or --batch");
 }
@@ -127,9 +134,11 @@ static error_t parse(int key, char *text, struct argp_state *state)
 {
     Options *options = state->input;
     switch (key) {
-    case 'n': options->daemon.name = text; break;
+    case 'n': options->daemon.at.name = text; break;
     case KEY_STATE: options->daemon.state_dir = text; break;
-    case KEY_TCP: options->daemon.tcp = text; break;
+    case KEY_TCP: options->daemon.at.tcp = text; break;
+    case KEY_LISTEN: options->daemon.at.listen = text; break;
+    case KEY_KEYS: options->daemon.at.keys = text; break;
     case KEY_LOAD: options->daemon.load = text; break;
     case KEY_START: options->daemon.start = true; break;
     case KEY_BATCH: options->batch.name = text; break;
@@ -194,7 +203,7 @@ int main(int argc, char **argv)
                "Exit codes: 0 done, 1 refused or failed, 2 usage, 65 bad case, 70 diverged or a formula failed on the "
                "way, 74 input/output error, 75 stopped by a signal, after a checkpoint if it had begun (run the same "
                "command again)."};
-    Options options = {.batch.until = NAN, .level = -1, .daemon.name = "default", .daemon.threads = -1};
+    Options options = {.batch.until = NAN, .level = -1, .daemon.at.name = "default", .daemon.threads = -1};
     environment_waiting(argv);
     argp_err_exit_status = MNS_EXIT_USAGE;
     static Words words; /* outlives main() */

@@ -48,7 +48,7 @@ static const Exchange *post(Daemon *daemon, const Meniscus__Request *request)
     meniscus__request__pack(request, packed);
     Meniscus__Request *copy = meniscus__request__unpack(NULL, size, packed);
     free(packed);
-    Exchange *exchange = copy ? exchange_new(copy) : NULL;
+    Exchange *exchange = copy ? exchange_new(copy, &(Who){"daemon", ROLE_ADMIN}) : NULL;
     if (!exchange || !handle(daemon->run, exchange, &error)) return exchange;
     log_line(LOG_ERROR, "%s", error.text);
     exchange_free(exchange);
@@ -208,7 +208,7 @@ static MnsStatus make_parent(Daemon *daemon, MnsError *error)
 static void find_parent(Daemon *daemon)
 {
     const char *given = daemon->options->state_dir, *systemd = getenv("STATE_DIRECTORY");
-    const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME"), *name = daemon->options->name;
+    const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME"), *name = daemon->options->at.name;
     char *to = daemon->parent;
     const size_t size = sizeof daemon->parent;
     if (given) snprintf(to, size, "%s", given);
@@ -257,8 +257,9 @@ static int serve_locked(Daemon *daemon, const char *path)
     const bool disk = status == MNS_E_IO || status == MNS_E_NO_SPACE;
     if (status) return refused(&error, disk ? MNS_EXIT_IO : MNS_EXIT_FAILED);
     if (daemon->file) post_load(daemon, path);
-    log_line(LOG_INFORMATION, "listening at %s%s%s", daemon->endpoint.control,
-             daemon->endpoint.tcp_control[0] ? " and " : "", daemon->endpoint.tcp_control);
+    const Endpoint *at = &daemon->endpoint;
+    log_line(LOG_INFORMATION, "listening at %s%s%s%s%s", at->control, at->tcp_control[0] ? " and " : "",
+             at->tcp_control, at->far_control[0] ? " and, for those who have a key, at " : "", at->far_control);
     notify_ready();
     serve(daemon);
     run_free(daemon->run);
@@ -275,7 +276,7 @@ int daemon_run(const DaemonOptions *options)
         case_file_free(daemon.file);
         return refused(&error, MNS_EXIT_BAD_CASE);
     }
-    const MnsStatus status = endpoint_open(options->name, options->tcp, &daemon.endpoint, &error);
+    const MnsStatus status = endpoint_open(&options->at, &daemon.endpoint, &error);
     if (status) {
         case_file_free(daemon.file);
         const bool usage = status == MNS_E_INVALID || status == MNS_E_LIMIT;

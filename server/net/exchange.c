@@ -8,7 +8,7 @@
 #include <string.h>
 #include <xxhash.h>
 
-Exchange *exchange_new(Meniscus__Request *request)
+Exchange *exchange_new(Meniscus__Request *request, const Who *who)
 {
     Exchange *exchange = calloc(1, sizeof *exchange);
     Meniscus__Reply *reply = malloc(sizeof *reply);
@@ -19,6 +19,7 @@ Exchange *exchange_new(Meniscus__Request *request)
         return NULL;
     }
     meniscus__reply__init(reply);
+    exchange->order.who = *who;
     exchange->order.deadline = INFINITY;
     exchange->request = request;
     exchange->reply = reply;

@@ -357,27 +357,27 @@ _Static_assert(RUN_STATES == RUN_STOPPING + 1, "all states are compared");
 
 /* clang-format off */
 static const Handler handlers[] = {
-    /* request                  name            where    states                    traits                by                  then               */
-    [REQUEST(STATUS)]       = { "status",       HERE,    ANY,                      0,                    serve_status,       NULL               },
-    [REQUEST(CAPABILITIES)] = { "capabilities", HERE,    ANY,                      0,                    serve_capabilities, NULL               },
-    [REQUEST(GET)]          = { "get",          HERE,    ANY,                      0,                    serve_get,          NULL               },
-    [REQUEST(LOAD)]         = { "load",         AT_STEP, STILL | EMPTY,            0,                    serve_load,         complete_directory },
-    [REQUEST(START)]        = { "start",        AT_STEP, READY,                    MOTION,               serve_go,           NULL               },
-    [REQUEST(RESUME)]       = { "resume",       AT_STEP, PAUSED | FAULT,           MOTION,               serve_go,           NULL               },
-    [REQUEST(STEP)]         = { "step",         AT_STEP, READY | PAUSED,           MOTION,               serve_step,         NULL               },
-    [REQUEST(RUN_UNTIL)]    = { "run_until",    AT_STEP, READY | PAUSED,           MOTION,               serve_until,        NULL               },
-    [REQUEST(PAUSE)]        = { "pause",        AT_STEP, RUNNING | READY | PAUSED, URGENT,               serve_pause,        NULL               },
-    [REQUEST(STOP)]         = { "stop",         AT_STEP, LOADED,                   URGENT | ENDS,        serve_stop,         complete_directory },
-    [REQUEST(CANCEL)]       = { "cancel",       AT_STEP, ANY,                      URGENT | ENDS,        serve_cancel,       NULL               },
-    [REQUEST(SHUTDOWN)]     = { "shutdown",     AT_STEP, ANY,                      URGENT | ENDS | LAST, serve_shutdown,     complete_directory },
-    [REQUEST(RESET)]        = { "reset",        AT_STEP, STILL,                    0,                    serve_reset,        complete_directory },
-    [REQUEST(RESTORE)]      = { "restore",      AT_STEP, STILL,                    0,                    serve_restore,      complete_directory },
-    [REQUEST(CHECKPOINT)]   = { "checkpoint",   AT_STEP, LOADED,                   0,                    serve_checkpoint,   complete_file      },
-    [REQUEST(SNAPSHOT)]     = { "snapshot",     AT_STEP, LOADED,                   0,                    serve_snapshot,     complete_file      },
-    [REQUEST(SET)]          = { "set",          AT_STEP, LOADED,                   0,                    serve_set,          complete_set       },
-    [REQUEST(QUERY)]        = { "query",        AT_STEP, LOADED,                   LARGE,                serve_query,        NULL               },
-    [REQUEST(WAIT)]         = { "wait",         AT_STEP, ANY,                      0,                    serve_wait,         complete_wait      },
-    [REQUEST(BREAKPOINT)]   = { "breakpoint",   AT_STEP, LOADED,                   0,                    serve_breakpoint,   NULL               },
+    /* request                  name            where    role           states                    traits                by                  then               */
+    [REQUEST(STATUS)]       = { "status",       HERE,    ROLE_VIEWER,   ANY,                      0,                    serve_status,       NULL               },
+    [REQUEST(CAPABILITIES)] = { "capabilities", HERE,    ROLE_VIEWER,   ANY,                      0,                    serve_capabilities, NULL               },
+    [REQUEST(GET)]          = { "get",          HERE,    ROLE_VIEWER,   ANY,                      0,                    serve_get,          NULL               },
+    [REQUEST(LOAD)]         = { "load",         AT_STEP, ROLE_ADMIN,    STILL | EMPTY,            0,                    serve_load,         complete_directory },
+    [REQUEST(START)]        = { "start",        AT_STEP, ROLE_OPERATOR, READY,                    MOTION,               serve_go,           NULL               },
+    [REQUEST(RESUME)]       = { "resume",       AT_STEP, ROLE_OPERATOR, PAUSED | FAULT,           MOTION,               serve_go,           NULL               },
+    [REQUEST(STEP)]         = { "step",         AT_STEP, ROLE_OPERATOR, READY | PAUSED,           MOTION,               serve_step,         NULL               },
+    [REQUEST(RUN_UNTIL)]    = { "run_until",    AT_STEP, ROLE_OPERATOR, READY | PAUSED,           MOTION,               serve_until,        NULL               },
+    [REQUEST(PAUSE)]        = { "pause",        AT_STEP, ROLE_OPERATOR, RUNNING | READY | PAUSED, URGENT,               serve_pause,        NULL               },
+    [REQUEST(STOP)]         = { "stop",         AT_STEP, ROLE_OPERATOR, LOADED,                   URGENT | ENDS,        serve_stop,         complete_directory },
+    [REQUEST(CANCEL)]       = { "cancel",       AT_STEP, ROLE_OPERATOR, ANY,                      URGENT | ENDS,        serve_cancel,       NULL               },
+    [REQUEST(SHUTDOWN)]     = { "shutdown",     AT_STEP, ROLE_ADMIN,    ANY,                      URGENT | ENDS | LAST, serve_shutdown,     complete_directory },
+    [REQUEST(RESET)]        = { "reset",        AT_STEP, ROLE_OPERATOR, STILL,                    0,                    serve_reset,        complete_directory },
+    [REQUEST(RESTORE)]      = { "restore",      AT_STEP, ROLE_OPERATOR, STILL,                    0,                    serve_restore,      complete_directory },
+    [REQUEST(CHECKPOINT)]   = { "checkpoint",   AT_STEP, ROLE_OPERATOR, LOADED,                   0,                    serve_checkpoint,   complete_file      },
+    [REQUEST(SNAPSHOT)]     = { "snapshot",     AT_STEP, ROLE_OPERATOR, LOADED,                   0,                    serve_snapshot,     complete_file      },
+    [REQUEST(SET)]          = { "set",          AT_STEP, ROLE_OPERATOR, LOADED,                   0,                    serve_set,          complete_set       },
+    [REQUEST(QUERY)]        = { "query",        AT_STEP, ROLE_VIEWER,   LOADED,                   LARGE,                serve_query,        NULL               },
+    [REQUEST(WAIT)]         = { "wait",         AT_STEP, ROLE_VIEWER,   ANY,                      0,                    serve_wait,         complete_wait      },
+    [REQUEST(BREAKPOINT)]   = { "breakpoint",   AT_STEP, ROLE_OPERATOR, LOADED,                   0,                    serve_breakpoint,   NULL               },
 };
 /* clang-format on */
 
@@ -435,10 +435,17 @@ static void note_end(const Handler *handler, const Meniscus__Request *request, O
     if (order->ends) memcpy(order->ends_id, request->cancel->id.data, ORDER_ID);
 }
 
+static MnsStatus deny(const Handler *handler, const Who *who, MnsError *error)
+{
+    return mns_fail(error, MNS_E_DENIED, "%s takes the role %s, and \"%s\" is %s", handler->name,
+                    role_name(handler->role), who->name, role_name(who->role));
+}
+
 MnsStatus handle(Run *run, Exchange *exchange, MnsError *error)
 {
     const Handler *handler = handler_find(exchange->request->command_case);
     if (!handler) return mns_fail(error, MNS_E_VERSION, "this daemon does not know the command");
+    if (exchange->order.who.role < handler->role) return deny(handler, &exchange->order.who, error);
     if (handler->where == HERE && exchange->request->has_if_step)
         return mns_fail_at(error, MNS_E_INVALID, "if_step",
                            "%s takes no if_step: it is answered at whatever step the run is, and says at which",

@@ -4,15 +4,23 @@
 #ifndef RUN_ORDER_H
 #define RUN_ORDER_H
 
+#include "proto/keys.h"
 #include "run/note.h"
 
 struct Run;
 
 enum { ORDER_ID = 16 };
 
+/* Who gave an order: the name of a key; "local", as whoever can open the sockets on this machine; "daemon", as for a signal. */
+typedef struct Who {
+    char name[KEY_NAME_SIZE];
+    Role role;
+} Who;
+
 typedef struct Order {
     struct Order *next;
     uint8_t id[ORDER_ID];
+    Who who;
     uint64_t number; /* rises in the order of posting                                        */
     bool urgent;     /* overtakes all that are not                                           */
     bool motion;     /* sets the run in motion: called off by a later pause or stop           */

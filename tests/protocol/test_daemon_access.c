@@ -1,0 +1,392 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The door of a daemon that listens to those from afar: who has no key gets not one byte of data, who has one may do what its role
+ * allows, and a change of the keys holds at once. */
+#include "proto/frame.h"
+#include "proto/keys.h"
+#include "tests/support/check.h"
+#include "tests/support/steer.h"
+#include <arpa/inet.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/time.h>
+#include <sys/un.h>
+#include <unistd.h>
+#include <zmq.h>
+
+/* A daemon with three keys, and one that it does not know. */
+typedef struct Castle {
+    Dialogue dialogue; /* local */
+    char keys[64];
+    int port;
+    KeyPair viewer, operator, admin, stranger;
+    void *sockets[16]; /* closed in the end, also of a test that fails */
+    size_t n_sockets;
+} Castle;
+
+/* --- a daemon with keys ---------------------------------------------------------------------------------------------------- */
+
+static int bind_port(int port, int *ret_fd)
+{
+    struct sockaddr_in address = {
+        .sin_family = AF_INET, .sin_port = htons((uint16_t)port), .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    socklen_t size = sizeof address;
+    *ret_fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    if (bind(*ret_fd, (struct sockaddr *)&address, size) || getsockname(*ret_fd, (struct sockaddr *)&address, &size))
+        return 0;
+    return ntohs(address.sin_port);
+}
+
+/* Two ports in a row that nobody has at this moment. */
+static int free_ports(void)
+{
+    for (int k = 0; k < 100; k++) {
+        int first, second;
+        const int port = bind_port(0, &first), next = port && port < 65535 ? bind_port(port + 1, &second) : 0;
+        close(first);
+        if (port && port < 65535) close(second);
+        if (next) return port;
+    }
+    fail_msg("there are no free ports");
+    return 0;
+}
+
+static void make_pair(KeyPair *pair, const char *server)
+{
+    assert_int_equal(zmq_curve_keypair(pair->public_key, pair->secret_key), 0);
+    memcpy(pair->server_key, server, strlen(server) + 1);
+}
+
+/* Let in these, in this order: viewer, operator, admin; a NULL is not. */
+static void let_in(const Castle *castle, const KeyPair *viewer, const KeyPair *operator, const KeyPair * admin)
+{
+    const KeyPair *pairs[] = {viewer, operator, admin };
+    const char *names[] = {"vera", "otto", "ada"};
+    Key list[3];
+    Keys keys = {0, list};
+    MnsError error;
+    for (size_t k = 0; k < 3; k++) {
+        if (!pairs[k]) continue;
+        Key *key = &list[keys.n++];
+        *key = (Key){.role = (Role)(ROLE_VIEWER + k)};
+        strcpy(key->name, names[k]);
+        memcpy(key->public_key, pairs[k]->public_key, KEY_TEXT);
+    }
+    if (keys_write(castle->keys, &keys, &error)) fail_msg("%s", error.text);
+}
+
+static int begin(void **state)
+{
+    Castle *castle = calloc(1, sizeof *castle);
+    KeyPair own = {.server_key = ""};
+    char path[KEYS_PATH], listen[64], keys[96];
+    strcpy(castle->keys, "/tmp/mns-keys-XXXXXX");
+    assert_non_null(mkdtemp(castle->keys));
+    make_pair(&own, "");
+    key_path(castle->keys, KEYS_DAEMON, path);
+    assert_int_equal(key_file_write(path, &own, NULL), MNS_OK);
+    KeyPair *const pairs[] = {&castle->viewer, &castle->operator, & castle->admin, &castle->stranger};
+    for (size_t k = 0; k < 4; k++) make_pair(pairs[k], own.public_key);
+    let_in(castle, &castle->viewer, &castle->operator, & castle->admin);
+    castle->port = free_ports();
+    snprintf(listen, sizeof listen, "--listen=tcp://127.0.0.1:%d", castle->port);
+    snprintf(keys, sizeof keys, "--keys=%s", castle->keys);
+    dialogue_begin(&castle->dialogue, (const char *const[]){listen, keys, NULL});
+    *state = castle;
+    return 0;
+}
+
+static int end(void **state)
+{
+    Castle *castle = *state;
+    char command[96];
+    while (castle->n_sockets) zmq_close(castle->sockets[--castle->n_sockets]);
+    const int code = dialogue_end(&castle->dialogue);
+    snprintf(command, sizeof command, "rm -rf %s", castle->keys);
+    assert_int_equal(system(command), 0);
+    free(castle);
+    return code;
+}
+
+/* --- those from afar --------------------------------------------------------------------------------------------------------- */
+
+enum { PATIENCE_MS = 20000, SILENCE_MS = 700 };
+
+/* A DEALER at the control socket, or a SUB at the telemetry one; pair: NULL for plain text. */
+static void *connect_as(Castle *castle, int type, const KeyPair *pair)
+{
+    const int none = 0, patience = PATIENCE_MS;
+    char address[64];
+    void *socket = zmq_socket(castle->dialogue.context, type);
+    assert_true(castle->n_sockets < sizeof castle->sockets / sizeof *castle->sockets);
+    castle->sockets[castle->n_sockets++] = socket;
+    zmq_setsockopt(socket, ZMQ_LINGER, &none, sizeof none);
+    zmq_setsockopt(socket, ZMQ_RCVTIMEO, &patience, sizeof patience);
+    if (pair) {
+        assert_int_equal(zmq_setsockopt(socket, ZMQ_CURVE_SERVERKEY, pair->server_key, KEY_TEXT), 0);
+        assert_int_equal(zmq_setsockopt(socket, ZMQ_CURVE_PUBLICKEY, pair->public_key, KEY_TEXT), 0);
+        assert_int_equal(zmq_setsockopt(socket, ZMQ_CURVE_SECRETKEY, pair->secret_key, KEY_TEXT), 0);
+    }
+    if (type == ZMQ_SUB) zmq_setsockopt(socket, ZMQ_SUBSCRIBE, "", 0);
+    snprintf(address, sizeof address, "tcp://127.0.0.1:%d", castle->port + (type == ZMQ_SUB));
+    assert_int_equal(zmq_connect(socket, address), 0);
+    return socket;
+}
+
+static void assert_code(void *socket, Meniscus__Request request, Meniscus__Code code, const char *part)
+{
+    uint8_t id[16];
+    dialogue_say(socket, &request, id);
+    Meniscus__Reply *reply = dialogue_receive(socket, NULL);
+    assert_non_null(reply);
+    if (reply->code != code) fail_msg("code %d: %s", (int)reply->code, reply->message);
+    if (part && !strstr(reply->message, part)) fail_msg("\"%s\" does not say \"%s\"", reply->message, part);
+    meniscus__reply__free_unpacked(reply, NULL);
+}
+
+/* Ask, if there is a connection to ask on: no answer comes. */
+static void assert_no_answer(void *control)
+{
+    char frame[64];
+    const int silence = SILENCE_MS;
+    uint8_t id[16], packed[128];
+    Meniscus__Request request = dialogue_status();
+    dialogue_seal(&request, id);
+    zmq_send(control, packed, meniscus__request__pack(&request, packed), ZMQ_DONTWAIT);
+    zmq_setsockopt(control, ZMQ_RCVTIMEO, &silence, sizeof silence);
+    assert_int_equal(zmq_recv(control, frame, sizeof frame, 0), -1);
+}
+
+/* Whatever comes within a while: how many messages. */
+static int hear(void *telemetry, int milliseconds)
+{
+    int n = 0;
+    char frame[64];
+    zmq_setsockopt(telemetry, ZMQ_RCVTIMEO, &milliseconds, sizeof milliseconds);
+    const double until = steer_now() + 1e-3 * milliseconds;
+    while (steer_now() < until && zmq_recv(telemetry, frame, sizeof frame, 0) >= 0) n++;
+    return n;
+}
+
+/* A first request gets no answer, and nothing is heard. */
+static void assert_silence(Castle *castle, const KeyPair *pair)
+{
+    void *control = connect_as(castle, ZMQ_DEALER, pair), *telemetry = connect_as(castle, ZMQ_SUB, pair);
+    assert_no_answer(control);
+    assert_int_equal(hear(telemetry, SILENCE_MS), 0);
+}
+
+/* The run goes on by itself and tells of it all the time. */
+static void set_in_motion(Castle *castle)
+{
+    dialogue_load(&castle->dialogue, (const char *const[]){"output.probe_interval=0.01", NULL});
+    Meniscus__Request start = dialogue_start();
+    assert_int_equal(dialogue_code(&castle->dialogue, &start), MENISCUS__CODE__OK);
+}
+
+/* --- facts ------------------------------------------------------------------------------------------------------------------- */
+
+static void who_is_not_let_in_gets_no_answer_and_hears_nothing(void **state)
+{
+    Castle *castle = *state;
+    set_in_motion(castle);
+    KeyPair wrong_server = castle->admin;
+    memcpy(wrong_server.server_key, castle->stranger.public_key, KEY_TEXT);
+    assert_silence(castle, NULL);
+    assert_silence(castle, &castle->stranger);
+    assert_silence(castle, &wrong_server);
+    void *control = connect_as(castle, ZMQ_DEALER, &castle->viewer),
+         *telemetry = connect_as(castle, ZMQ_SUB, &castle->viewer);
+    char topic[64];
+    assert_code(control, dialogue_status(), MENISCUS__CODE__OK, NULL);
+    assert_true(zmq_recv(telemetry, topic, sizeof topic, 0) > 0);
+}
+
+/* Bytes by hand: what comes back before the connection is closed is the greeting that everybody gets, and nothing else. */
+static void assert_greeting_alone(int port, const void *data, size_t size)
+{
+    static const uint8_t signature[] = {0xff, 0, 0, 0, 0, 0, 0, 0, 1, 0x7f, 3};
+    struct sockaddr_in address = {
+        .sin_family = AF_INET, .sin_port = htons((uint16_t)port), .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    const struct timeval patience = {.tv_sec = 10};
+    uint8_t got[4096];
+    size_t n = 0;
+    const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    assert_int_equal(connect(fd, (struct sockaddr *)&address, sizeof address), 0);
+    if (size) assert_int_equal(send(fd, data, size, MSG_NOSIGNAL), size);
+    for (ssize_t more; n < sizeof got && (more = recv(fd, got + n, sizeof got - n, 0)) > 0;) n += (size_t)more;
+    close(fd);
+    assert_true(n <= 64);
+    assert_memory_equal(got, signature, n < sizeof signature ? n : sizeof signature);
+    if (n > 12) assert_memory_equal(got + 12, "CURVE", n < 17 ? n - 12 : 5);
+    for (size_t k = 17; k < n; k++) assert_int_equal(got[k] & ~1, 0);
+}
+
+static void bytes_by_hand_get_the_greeting_and_the_door(void **state)
+{
+    Castle *castle = *state;
+    set_in_motion(castle);
+    static const uint8_t null[] =
+        "\xff\0\0\0\0\0\0\0\1\x7f\3\0NULL\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0"
+        "\4\x1c\5READY\x0bSocket-Type\0\0\0\6DEALER\0\1x";
+    static const uint8_t subscriber[] =
+        "\xff\0\0\0\0\0\0\0\1\x7f\3\0NULL\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0"
+        "\4\x19\5READY\x0bSocket-Type\0\0\0\3SUB\0\1\1";
+    static const uint8_t old[] = "\xff\0\0\0\0\0\0\0\1\x7f\1\5\0\0\0\1x"; /* ZMTP 2.0 has no security */
+    static const uint8_t ancient[] = "\1\0\2\0x";                         /* nor has 1.0              */
+    uint8_t hello[64 + 202] = "\xff\0\0\0\0\0\0\0\1\x7f\3\0CURVE";        /* and a HELLO with no key in it */
+    memcpy(hello + 64, "\4\xc8\5HELLO\1", 9);
+    for (int port = castle->port; port <= castle->port + 1; port++) {
+        assert_greeting_alone(port, null, sizeof null - 1);
+        assert_greeting_alone(port, subscriber, sizeof subscriber - 1);
+        assert_greeting_alone(port, old, sizeof old - 1);
+        assert_greeting_alone(port, ancient, sizeof ancient - 1);
+        assert_greeting_alone(port, hello, sizeof hello);
+        assert_greeting_alone(port, "GET / HTTP/1.1\r\n\r\n", 18);
+        assert_greeting_alone(port, NULL, 0); /* says nothing, and is shown out */
+    }
+    Meniscus__Request status = dialogue_status();
+    assert_int_equal(dialogue_code(&castle->dialogue, &status), MENISCUS__CODE__OK);
+}
+
+static void a_role_may_do_so_much_and_is_told_which_one_may_more(void **state)
+{
+    Castle *castle = *state;
+    LoadRequest load;
+    void *viewer = connect_as(castle, ZMQ_DEALER, &castle->viewer),
+         *operator= connect_as(castle, ZMQ_DEALER, &castle->operator),
+         *admin = connect_as(castle, ZMQ_DEALER, &castle->admin);
+    dialogue_load_init(&load, "dam", dialogue_case, NULL);
+    assert_code(viewer, load.request, MENISCUS__CODE__PERMISSION_DENIED, "admin");
+    assert_code(operator, load.request, MENISCUS__CODE__PERMISSION_DENIED,
+                "load takes the role admin, and \"otto\" is operator");
+    assert_code(admin, load.request, MENISCUS__CODE__OK, NULL);
+    dialogue_load_done(&load);
+    assert_code(viewer, dialogue_status(), MENISCUS__CODE__OK, NULL);
+    assert_code(viewer, dialogue_start(), MENISCUS__CODE__PERMISSION_DENIED,
+                "start takes the role operator, and \"vera\" is viewer");
+    assert_code(viewer, dialogue_stop(), MENISCUS__CODE__PERMISSION_DENIED, "operator");
+    assert_code(operator, dialogue_start(), MENISCUS__CODE__OK, NULL);
+    assert_code(viewer, dialogue_pause(), MENISCUS__CODE__PERMISSION_DENIED, "operator");
+    assert_code(operator, dialogue_pause(), MENISCUS__CODE__OK, NULL);
+    assert_code(operator, dialogue_shutdown(), MENISCUS__CODE__PERMISSION_DENIED, "admin");
+}
+
+/* Encryption makes frames longer: what is allowed is still the request. */
+static void a_request_may_be_as_long_as_on_this_machine(void **state)
+{
+    Castle *castle = *state;
+    void *viewer = connect_as(castle, ZMQ_DEALER, &castle->viewer);
+    char *longest = calloc(1, FRAME_MAX);
+    assert_int_equal(zmq_send(viewer, longest, FRAME_MAX, 0), FRAME_MAX);
+    free(longest);
+    Meniscus__Reply *reply = dialogue_receive(viewer, NULL);
+    assert_non_null(reply);
+    assert_int_equal(reply->code, MENISCUS__CODE__INVALID_ARGUMENT);
+    meniscus__reply__free_unpacked(reply, NULL);
+}
+
+static void a_new_key_is_let_in_and_a_role_changes_on_a_connection_that_is_open(void **state)
+{
+    Castle *castle = *state;
+    void *viewer = connect_as(castle, ZMQ_DEALER, &castle->viewer);
+    assert_code(viewer, dialogue_pause(), MENISCUS__CODE__PERMISSION_DENIED, "operator");
+    let_in(castle, &castle->stranger, &castle->viewer,
+           &castle->admin); /* otto's key is vera's now; vera has the stranger's */
+    assert_code(viewer, dialogue_pause(), MENISCUS__CODE__FAILED_PRECONDITION, "EMPTY");
+    void *stranger = connect_as(castle, ZMQ_DEALER, &castle->stranger);
+    assert_code(stranger, dialogue_status(), MENISCUS__CODE__OK, NULL);
+}
+
+static void a_key_that_is_gone_is_cut_off_at_once_on_open_connections_and_others_go_on(void **state)
+{
+    Castle *castle = *state;
+    set_in_motion(castle);
+    void *viewer = connect_as(castle, ZMQ_DEALER, &castle->viewer),
+         *listener = connect_as(castle, ZMQ_SUB, &castle->viewer);
+    void *operator= connect_as(castle, ZMQ_DEALER, &castle->operator),
+         *other = connect_as(castle, ZMQ_SUB, &castle->operator);
+    assert_code(viewer, dialogue_status(), MENISCUS__CODE__OK, NULL);
+    assert_code(operator, dialogue_status(), MENISCUS__CODE__OK, NULL);
+    assert_true(hear(listener, 1000) > 0);
+    let_in(castle, NULL, &castle->operator, & castle->admin);
+    steer_sleep(300);
+    hear(listener, 100); /* what was on its way */
+    assert_int_equal(hear(listener, SILENCE_MS), 0);
+    assert_no_answer(viewer);
+    assert_code(operator, dialogue_status(), MENISCUS__CODE__OK, NULL);
+    hear(other, 100);
+    assert_true(hear(other, 1000) > 0);
+}
+
+static void keys_that_others_could_change_let_nobody_in_until_it_is_mended(void **state)
+{
+    Castle *castle = *state;
+    char path[128];
+    snprintf(path, sizeof path, "%s/authorized", castle->keys);
+    assert_int_equal(chmod(path, 0666), 0);
+    steer_sleep(200);
+    assert_silence(castle, &castle->admin);
+    assert_int_equal(chmod(path, 0600), 0);
+    steer_sleep(200);
+    void *admin = connect_as(castle, ZMQ_DEALER, &castle->admin);
+    assert_code(admin, dialogue_status(), MENISCUS__CODE__OK, NULL);
+}
+
+/* ZMTP lets a client say properties of itself. On this machine it may call itself what it likes, and stays "local". */
+static void nobody_becomes_another_by_saying_so(void **state)
+{
+    Castle *castle = *state;
+    static const uint8_t greeting[64] = "\xff\0\0\0\0\0\0\0\1\x7f\3\0NULL";
+    uint8_t ready[128] = "\4\x55\5READY\x0bSocket-Type\0\0\0\6DEALER\7User-Id\0\0\0\x28", answer[4096], packed[128],
+            id[16];
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    const struct timeval patience = {.tv_sec = 10};
+    const size_t from = 2 + 28 + 8 + 4; /* where the name goes */
+    memcpy(ready + from, castle->viewer.public_key, 40);
+    ready[1] = (uint8_t)(from + 40 - 2);
+    const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    snprintf(address.sun_path, sizeof address.sun_path, "%s", castle->dialogue.endpoint + strlen("ipc://"));
+    assert_int_equal(connect(fd, (struct sockaddr *)&address, sizeof address), 0);
+    assert_int_equal(write(fd, greeting, sizeof greeting), sizeof greeting);
+    assert_int_equal(recv(fd, answer, 64, MSG_WAITALL), 64);
+    assert_int_equal(write(fd, ready, from + 40), from + 40);
+    assert_int_equal(recv(fd, answer, 2, MSG_WAITALL), 2); /* its READY */
+    assert_int_equal(answer[0], 4);
+    assert_int_equal(recv(fd, answer, answer[1], MSG_WAITALL), answer[1]);
+    Meniscus__Request request = dialogue_pause(); /* vera may not */
+    dialogue_seal(&request, id);
+    const size_t size = meniscus__request__pack(&request, packed + 2);
+    packed[0] = 0;
+    packed[1] = (uint8_t)size;
+    assert_int_equal(write(fd, packed, size + 2), size + 2);
+    assert_int_equal(recv(fd, answer, 2, MSG_WAITALL), 2);
+    assert_int_equal(answer[0], 0); /* one short frame */
+    const size_t length = answer[1];
+    assert_int_equal(recv(fd, answer, length, MSG_WAITALL), length);
+    Meniscus__Reply *reply = meniscus__reply__unpack(NULL, length, answer);
+    assert_non_null(reply);
+    assert_int_equal(reply->code, MENISCUS__CODE__FAILED_PRECONDITION);
+    meniscus__reply__free_unpacked(reply, NULL);
+    close(fd);
+}
+
+int main(void)
+{
+#define TEST(name) cmocka_unit_test_setup_teardown(name, begin, end)
+    const struct CMUnitTest tests[] = {
+        TEST(who_is_not_let_in_gets_no_answer_and_hears_nothing),
+        TEST(bytes_by_hand_get_the_greeting_and_the_door),
+        TEST(a_role_may_do_so_much_and_is_told_which_one_may_more),
+        TEST(a_request_may_be_as_long_as_on_this_machine),
+        TEST(a_new_key_is_let_in_and_a_role_changes_on_a_connection_that_is_open),
+        TEST(a_key_that_is_gone_is_cut_off_at_once_on_open_connections_and_others_go_on),
+        TEST(keys_that_others_could_change_let_nobody_in_until_it_is_mended),
+        TEST(nobody_becomes_another_by_saying_so),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
