@@ -19,6 +19,8 @@ _STATUS: dict[str, str] = {
     "UNIMPLEMENTED": "wrong version",
     "UNAVAILABLE": "unavailable",
     "DATA_LOSS": "corrupt",
+    "PERMISSION_DENIED": "denied",
+    "UNAUTHENTICATED": "denied",
 }
 
 _HINTS: dict[str, str] = {
@@ -37,6 +39,7 @@ _HINTS: dict[str, str] = {
     "timed out": "allow more time, or see with status() how far it is",
     "interrupted": "another client ended the command: give it again if it is still wanted",
     "internal error": "please report this with the daemon's log",
+    "denied": "ask whoever keeps the daemon's keys: `meniscus keys` makes one of the role that is needed",
 }
 
 
@@ -76,6 +79,10 @@ class StateError(MeniscusError):
     """Not possible in the present state."""
 
 
+class DeniedError(MeniscusError):
+    """The key lacks the role that this takes, or is not let in (any more)."""
+
+
 class UnavailableError(MeniscusError):
     """Nobody answers, or the daemon was restarted meanwhile."""
 
@@ -102,6 +109,8 @@ _BY_CODE: dict[str, Type[MeniscusError]] = {
     "NOT_FOUND": RefusedError,
     "FAILED_PRECONDITION": StateError,
     "ALREADY_EXISTS": StateError,
+    "PERMISSION_DENIED": DeniedError,
+    "UNAUTHENTICATED": DeniedError,
     "UNAVAILABLE": UnavailableError,
     "DEADLINE_EXCEEDED": TimedOutError,
     "ABORTED": CancelledError,
