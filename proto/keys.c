@@ -106,7 +106,8 @@ static MnsStatus wrong(MnsError *error, const char *path, size_t number, const c
     return mns_fail(error, MNS_E_INVALID, "%s:%zu: %s", path, number, what);
 }
 
-static MnsStatus add(Keys *keys, int n, char *const words[static WORDS], const char *path, size_t number, MnsError *error)
+static MnsStatus add(Keys *keys, int n, char *const words[static WORDS], const char *path, size_t number,
+                     MnsError *error)
 {
     MnsError name;
     if (n != 3) return wrong(error, path, number, "a line has a name, a role and a public key");
@@ -139,7 +140,8 @@ MnsStatus keys_read(const char *directory, Keys *ret, MnsError *error)
     MnsStatus status = open_private(path, &file, error);
     for (int n; !status && file && (n = read_words(file, line, words, &number)) >= 0;)
         status = add(&keys, n, words, path, number, error);
-    if (!status && file && ferror(file)) status = mns_fail(error, MNS_E_IO, "cannot read %s: %s", path, strerror(errno));
+    if (!status && file && ferror(file))
+        status = mns_fail(error, MNS_E_IO, "cannot read %s: %s", path, strerror(errno));
     if (file) fclose(file);
     if (status) keys_done(&keys);
     else *ret = keys;
@@ -184,7 +186,9 @@ MnsStatus key_file_read(const char *path, KeyPair *ret, MnsError *error)
     for (int n; !status && (n = read_words(file, line, words, &number)) >= 0;) {
         char *to = place_of(&pair, words[0]);
         if (to && n == 2 && key_is_valid(words[1])) memcpy(to, words[1], KEY_TEXT);
-        else status = wrong(error, path, number, "a line is public-key, secret-key or server-key, and 40 letters of Z85");
+        else
+            status =
+                wrong(error, path, number, "a line is public-key, secret-key or server-key, and 40 letters of Z85");
     }
     if (file) fclose(file);
     explicit_bzero(line, sizeof line);
@@ -253,8 +257,8 @@ static MnsStatus replace(const char *path, const char *text, size_t size, MnsErr
     if (fd >= 0) whole = !close(fd) && whole;
     whole = whole && !rename(temporary, path) && sync_above(path);
     if (whole) return MNS_OK;
-    const MnsStatus status = mns_fail(error, errno == ENOSPC ? MNS_E_NO_SPACE : MNS_E_IO, "cannot write %s: %s", path,
-                                      strerror(errno));
+    const MnsStatus status =
+        mns_fail(error, errno == ENOSPC ? MNS_E_NO_SPACE : MNS_E_IO, "cannot write %s: %s", path, strerror(errno));
     unlink(temporary);
     return status;
 }
@@ -279,8 +283,9 @@ MnsStatus keys_write(const char *directory, const Keys *keys, MnsError *error)
 MnsStatus key_file_write(const char *path, const KeyPair *pair, MnsError *error)
 {
     char text[512];
-    int n = snprintf(text, sizeof text, "# Who has this file may do what its key may: keep it to yourself.\n"
-                                        "public-key %s\nsecret-key %s\n",
+    int n = snprintf(text, sizeof text,
+                     "# Who has this file may do what its key may: keep it to yourself.\n"
+                     "public-key %s\nsecret-key %s\n",
                      pair->public_key, pair->secret_key);
     if (*pair->server_key) n += snprintf(text + n, sizeof text - (size_t)n, "server-key %s\n", pair->server_key);
     const MnsStatus status = replace(path, text, (size_t)n, error);

@@ -80,8 +80,9 @@ static MnsStatus check_new(Invocation *in, const char *name, Role *ret, MnsError
     const char *role = options_get(&in->options, OPT_ROLE);
     *ret = role ? role_find(role) : ROLE_NONE;
     if (*ret == ROLE_NONE)
-        return command_usage(in, mns_fail(error, MNS_E_INVALID, "--role must be given: viewer, operator or admin%s%.40s%s",
-                                          role ? "; found \"" : "", role ? role : "", role ? "\"" : ""));
+        return command_usage(in,
+                             mns_fail(error, MNS_E_INVALID, "--role must be given: viewer, operator or admin%s%.40s%s",
+                                      role ? "; found \"" : "", role ? role : "", role ? "\"" : ""));
     return command_usage(in, key_name_check(name, error));
 }
 
@@ -92,16 +93,19 @@ static MnsStatus new_key(Invocation *in, Ring *ring, const char *name, MnsError 
     char path[KEYS_PATH];
     MnsStatus status = check_new(in, name, &role, error);
     if (!status && keys_named(&ring->keys, name))
-        status = mns_fail(error, MNS_E_STATE, "there is a key \"%s\" already; take another name, or remove it first", name);
-    if (!status && ring->keys.n == KEYS_MAX) status = mns_fail(error, MNS_E_LIMIT, "there are %d keys, and no room for more", KEYS_MAX);
+        status =
+            mns_fail(error, MNS_E_STATE, "there is a key \"%s\" already; take another name, or remove it first", name);
+    if (!status && ring->keys.n == KEYS_MAX)
+        status = mns_fail(error, MNS_E_LIMIT, "there are %d keys, and no room for more", KEYS_MAX);
     if (!status) status = add(ring, name, role, &pair, path, error);
     explicit_bzero(pair.secret_key, sizeof pair.secret_key);
     if (status) return status;
     if (in->json)
-        return output_json(json_pack("{ss ss ss ss ss}", "name", name, "role", role_name(role), "public_key", pair.public_key,
-                                     "server_key", pair.server_key, "file", path),
+        return output_json(json_pack("{ss ss ss ss ss}", "name", name, "role", role_name(role), "public_key",
+                                     pair.public_key, "server_key", pair.server_key, "file", path),
                            error);
-    printf("%s is %s. Its secret is in\n    %s\nGive that file to %s and nobody else; there: meniscus --key %s.key --daemon "
+    printf("%s is %s. Its secret is in\n    %s\nGive that file to %s and nobody else; there: meniscus --key %s.key "
+           "--daemon "
            "tcp://HOST:PORT status\n",
            name, role_name(role), path, name, name);
     return MNS_OK;
@@ -119,8 +123,8 @@ static MnsStatus list_keys(const Invocation *in, const Ring *ring, MnsError *err
     for (size_t k = 0; k < ring->keys.n; k++) {
         const Key *key = &ring->keys.keys[k];
         if (!in->json) printf("%-20s %-9s %s\n", key->name, role_name(key->role), key->public_key);
-        json_array_append_new(list, json_pack("{ss ss ss}", "name", key->name, "role", role_name(key->role), "public_key",
-                                              key->public_key));
+        json_array_append_new(list, json_pack("{ss ss ss}", "name", key->name, "role", role_name(key->role),
+                                              "public_key", key->public_key));
     }
     if (in->json)
         return output_json(json_pack("{ss ss? so}", "directory", ring->directory, "server_key",
@@ -142,7 +146,8 @@ static MnsStatus remove_key(const Invocation *in, Ring *ring, const char *name, 
     const MnsStatus status = keys_write(ring->directory, &ring->keys, error);
     if (status) return status;
     key_path(ring->directory, name, path);
-    if (unlink(path) && errno != ENOENT) return mns_fail(error, MNS_E_IO, "cannot remove %s: %s", path, strerror(errno));
+    if (unlink(path) && errno != ENOENT)
+        return mns_fail(error, MNS_E_IO, "cannot remove %s: %s", path, strerror(errno));
     if (in->json) return output_json(json_pack("{ss}", "name", name), error);
     printf("%s is let in no more\n", name);
     return MNS_OK;
@@ -153,10 +158,11 @@ MnsStatus command_keys(Invocation *in, MnsError *error)
     const char *const *words = in->options.words;
     const bool is_list = strcmp(words[0], "list") == 0, is_new = strcmp(words[0], "new") == 0;
     if (!is_list && !is_new && strcmp(words[0], "remove") != 0)
-        return command_usage(in, mns_fail(error, MNS_E_INVALID, "keys new NAME, keys list or keys remove NAME; found \"%.80s\"",
-                                          words[0]));
+        return command_usage(in, mns_fail(error, MNS_E_INVALID,
+                                          "keys new NAME, keys list or keys remove NAME; found \"%.80s\"", words[0]));
     if ((in->options.n_words == 1) != is_list)
-        return command_usage(in, mns_fail(error, MNS_E_INVALID, "keys %s %s", words[0], is_list ? "takes no name" : "needs a name"));
+        return command_usage(
+            in, mns_fail(error, MNS_E_INVALID, "keys %s %s", words[0], is_list ? "takes no name" : "needs a name"));
     Ring ring;
     MnsStatus status = ring_open(in, !is_list, &ring, error);
     if (!status && is_list) status = list_keys(in, &ring, error);

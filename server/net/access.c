@@ -22,7 +22,7 @@ static const char LOCAL[] = "local", REMOTE[] = "remote";
 enum { HANDSHAKE_MS = 3000 };
 
 struct Access {
-    void *socket;    /* REP: ZeroMQ asks, we answer                */
+    void *socket; /* REP: ZeroMQ asks, we answer                */
     char directory[KEYS_PATH];
     KeyPair own;
     Keys keys;
@@ -147,10 +147,10 @@ bool access_refresh(Access *access)
     if (stat(path, &info)) info = (struct stat){.st_size = -1};
     if (same_file(&info, &access->seen)) return false;
     access->seen = info; /* looked at before it is read: a change in between is another one */
-    if (keys_read(access->directory, &keys, &error))
-        log_line(LOG_ERROR, "nobody is let in from afar: %s", error.text);
+    if (keys_read(access->directory, &keys, &error)) log_line(LOG_ERROR, "nobody is let in from afar: %s", error.text);
     else if (!keys.n)
-        log_line(LOG_WARNING, "nobody is let in from afar: there are no keys in %s; `meniscus keys new` makes one", path);
+        log_line(LOG_WARNING, "nobody is let in from afar: there are no keys in %s; `meniscus keys new` makes one",
+                 path);
     else log_line(LOG_INFORMATION, "%zu keys are let in from afar", keys.n);
     const bool gone = is_one_gone(&access->keys, &keys);
     keys_done(&access->keys);
@@ -173,9 +173,12 @@ static bool receive(void *socket, Question *ret)
     struct {
         void *to;
         size_t room;
-    } parts[] = {{ret->version, sizeof ret->version - 1},   {ret->id, sizeof ret->id - 1},
-                 {ret->domain, sizeof ret->domain - 1},     {ret->address, sizeof ret->address - 1},
-                 {ret->identity, sizeof ret->identity - 1}, {ret->mechanism, sizeof ret->mechanism - 1},
+    } parts[] = {{ret->version, sizeof ret->version - 1},
+                 {ret->id, sizeof ret->id - 1},
+                 {ret->domain, sizeof ret->domain - 1},
+                 {ret->address, sizeof ret->address - 1},
+                 {ret->identity, sizeof ret->identity - 1},
+                 {ret->mechanism, sizeof ret->mechanism - 1},
                  {ret->key, sizeof ret->key}};
     enum { PARTS = sizeof parts / sizeof *parts };
     char surplus[8];
@@ -184,8 +187,8 @@ static bool receive(void *socket, Question *ret)
     *ret = (Question){.n = 0};
     for (; more; ret->n++) {
         const bool known = ret->n < PARTS;
-        const int got = zmq_recv(socket, known ? parts[ret->n].to : surplus, known ? parts[ret->n].room : sizeof surplus,
-                                 ret->n ? 0 : ZMQ_DONTWAIT);
+        const int got = zmq_recv(socket, known ? parts[ret->n].to : surplus,
+                                 known ? parts[ret->n].room : sizeof surplus, ret->n ? 0 : ZMQ_DONTWAIT);
         if (got < 0) return false;
         if (ret->n == 1) ret->id_size = (size_t)got < sizeof ret->id ? (size_t)got : 0;
         if (ret->n == 6) ret->key_size = (size_t)got;
@@ -213,7 +216,8 @@ static void note_refusal(Access *access, const Question *question)
     access->refused++;
     if (now < access->told + 1) return;
     access->told = now;
-    log_line(LOG_WARNING, "refused a connection from %s: its key is not among those that are let in (%lu refused so far)",
+    log_line(LOG_WARNING,
+             "refused a connection from %s: its key is not among those that are let in (%lu refused so far)",
              question->address, access->refused);
 }
 

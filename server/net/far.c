@@ -5,6 +5,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include <string.h>
+#include <sys/resource.h>
 
 /* What is encrypted is a little longer than what is in it, and frames of the handshake are longer than some sockets allow. */
 static void make_room(void *socket)
@@ -17,6 +18,17 @@ static void make_room(void *socket)
     zmq_setsockopt(socket, ZMQ_MAXMSGSIZE, &largest, sizeof largest);
 }
 
+/* Each who knocks has a descriptor until the handshake is over. Many must not leave the run without any for its files: the soft limit
+ * is often 1024, and the hard one far beyond what can knock in the time that a handshake may take. */
+static void make_descriptors(void)
+{
+    struct rlimit limit;
+    const rlim_t enough = 65536;
+    if (getrlimit(RLIMIT_NOFILE, &limit) || limit.rlim_cur >= enough) return;
+    limit.rlim_cur = limit.rlim_max < enough ? limit.rlim_max : enough;
+    setrlimit(RLIMIT_NOFILE, &limit);
+}
+
 /* Those from afar have a thread of ZeroMQ of their own, so that many who knock keep nobody on this machine waiting. Options hold
  * for what is bound after them. */
 MnsStatus far_bind(Far *far, const Access *access, void *socket, const char *address, MnsError *error)
@@ -25,6 +37,7 @@ MnsStatus far_bind(Far *far, const Access *access, void *socket, const char *add
     const int six = address[strlen("tcp://")] == '[';
     zmq_setsockopt(socket, ZMQ_AFFINITY, &second_thread, sizeof second_thread);
     zmq_setsockopt(socket, ZMQ_IPV6, &six, sizeof six);
+    make_descriptors();
     make_room(socket);
     access_guard_remote(access, socket);
     if (zmq_bind(socket, address))

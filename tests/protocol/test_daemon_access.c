@@ -2,7 +2,7 @@
 /* The door of a daemon that listens to those from afar: who has no key gets not one byte of data, who has one may do what its role
  * allows, and a change of the keys holds at once. */
 #include "proto/frame.h"
-#include "proto/keys.h"
+#include "tests/support/castle.h"
 #include "tests/support/check.h"
 #include "tests/support/steer.h"
 #include <arpa/inet.h>
@@ -16,124 +16,7 @@
 #include <unistd.h>
 #include <zmq.h>
 
-/* A daemon with three keys, and one that it does not know. */
-typedef struct Castle {
-    Dialogue dialogue; /* local */
-    char keys[64];
-    int port;
-    KeyPair viewer, operator, admin, stranger;
-    void *sockets[16]; /* closed in the end, also of a test that fails */
-    size_t n_sockets;
-} Castle;
-
-/* --- a daemon with keys ---------------------------------------------------------------------------------------------------- */
-
-static int bind_port(int port, int *ret_fd)
-{
-    struct sockaddr_in address = {
-        .sin_family = AF_INET, .sin_port = htons((uint16_t)port), .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
-    socklen_t size = sizeof address;
-    *ret_fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    if (bind(*ret_fd, (struct sockaddr *)&address, size) || getsockname(*ret_fd, (struct sockaddr *)&address, &size))
-        return 0;
-    return ntohs(address.sin_port);
-}
-
-/* Two ports in a row that nobody has at this moment. */
-static int free_ports(void)
-{
-    for (int k = 0; k < 100; k++) {
-        int first, second;
-        const int port = bind_port(0, &first), next = port && port < 65535 ? bind_port(port + 1, &second) : 0;
-        close(first);
-        if (port && port < 65535) close(second);
-        if (next) return port;
-    }
-    fail_msg("there are no free ports");
-    return 0;
-}
-
-static void make_pair(KeyPair *pair, const char *server)
-{
-    assert_int_equal(zmq_curve_keypair(pair->public_key, pair->secret_key), 0);
-    memcpy(pair->server_key, server, strlen(server) + 1);
-}
-
-/* Let in these, in this order: viewer, operator, admin; a NULL is not. */
-static void let_in(const Castle *castle, const KeyPair *viewer, const KeyPair *operator, const KeyPair * admin)
-{
-    const KeyPair *pairs[] = {viewer, operator, admin };
-    const char *names[] = {"vera", "otto", "ada"};
-    Key list[3];
-    Keys keys = {0, list};
-    MnsError error;
-    for (size_t k = 0; k < 3; k++) {
-        if (!pairs[k]) continue;
-        Key *key = &list[keys.n++];
-        *key = (Key){.role = (Role)(ROLE_VIEWER + k)};
-        strcpy(key->name, names[k]);
-        memcpy(key->public_key, pairs[k]->public_key, KEY_TEXT);
-    }
-    if (keys_write(castle->keys, &keys, &error)) fail_msg("%s", error.text);
-}
-
-static int begin(void **state)
-{
-    Castle *castle = calloc(1, sizeof *castle);
-    KeyPair own = {.server_key = ""};
-    char path[KEYS_PATH], listen[64], keys[96];
-    strcpy(castle->keys, "/tmp/mns-keys-XXXXXX");
-    assert_non_null(mkdtemp(castle->keys));
-    make_pair(&own, "");
-    key_path(castle->keys, KEYS_DAEMON, path);
-    assert_int_equal(key_file_write(path, &own, NULL), MNS_OK);
-    KeyPair *const pairs[] = {&castle->viewer, &castle->operator, & castle->admin, &castle->stranger};
-    for (size_t k = 0; k < 4; k++) make_pair(pairs[k], own.public_key);
-    let_in(castle, &castle->viewer, &castle->operator, & castle->admin);
-    castle->port = free_ports();
-    snprintf(listen, sizeof listen, "--listen=tcp://127.0.0.1:%d", castle->port);
-    snprintf(keys, sizeof keys, "--keys=%s", castle->keys);
-    dialogue_begin(&castle->dialogue, (const char *const[]){listen, keys, NULL});
-    *state = castle;
-    return 0;
-}
-
-static int end(void **state)
-{
-    Castle *castle = *state;
-    char command[96];
-    while (castle->n_sockets) zmq_close(castle->sockets[--castle->n_sockets]);
-    const int code = dialogue_end(&castle->dialogue);
-    snprintf(command, sizeof command, "rm -rf %s", castle->keys);
-    assert_int_equal(system(command), 0);
-    free(castle);
-    return code;
-}
-
-/* --- those from afar --------------------------------------------------------------------------------------------------------- */
-
-enum { PATIENCE_MS = 20000, SILENCE_MS = 700 };
-
-/* A DEALER at the control socket, or a SUB at the telemetry one; pair: NULL for plain text. */
-static void *connect_as(Castle *castle, int type, const KeyPair *pair)
-{
-    const int none = 0, patience = PATIENCE_MS;
-    char address[64];
-    void *socket = zmq_socket(castle->dialogue.context, type);
-    assert_true(castle->n_sockets < sizeof castle->sockets / sizeof *castle->sockets);
-    castle->sockets[castle->n_sockets++] = socket;
-    zmq_setsockopt(socket, ZMQ_LINGER, &none, sizeof none);
-    zmq_setsockopt(socket, ZMQ_RCVTIMEO, &patience, sizeof patience);
-    if (pair) {
-        assert_int_equal(zmq_setsockopt(socket, ZMQ_CURVE_SERVERKEY, pair->server_key, KEY_TEXT), 0);
-        assert_int_equal(zmq_setsockopt(socket, ZMQ_CURVE_PUBLICKEY, pair->public_key, KEY_TEXT), 0);
-        assert_int_equal(zmq_setsockopt(socket, ZMQ_CURVE_SECRETKEY, pair->secret_key, KEY_TEXT), 0);
-    }
-    if (type == ZMQ_SUB) zmq_setsockopt(socket, ZMQ_SUBSCRIBE, "", 0);
-    snprintf(address, sizeof address, "tcp://127.0.0.1:%d", castle->port + (type == ZMQ_SUB));
-    assert_int_equal(zmq_connect(socket, address), 0);
-    return socket;
-}
+enum { SILENCE_MS = 700 };
 
 static void assert_code(void *socket, Meniscus__Request request, Meniscus__Code code, const char *part)
 {
@@ -173,7 +56,7 @@ static int hear(void *telemetry, int milliseconds)
 /* A first request gets no answer, and nothing is heard. */
 static void assert_silence(Castle *castle, const KeyPair *pair)
 {
-    void *control = connect_as(castle, ZMQ_DEALER, pair), *telemetry = connect_as(castle, ZMQ_SUB, pair);
+    void *control = castle_connect(castle, ZMQ_DEALER, pair), *telemetry = castle_connect(castle, ZMQ_SUB, pair);
     assert_no_answer(control);
     assert_int_equal(hear(telemetry, SILENCE_MS), 0);
 }
@@ -197,8 +80,8 @@ static void who_is_not_let_in_gets_no_answer_and_hears_nothing(void **state)
     assert_silence(castle, NULL);
     assert_silence(castle, &castle->stranger);
     assert_silence(castle, &wrong_server);
-    void *control = connect_as(castle, ZMQ_DEALER, &castle->viewer),
-         *telemetry = connect_as(castle, ZMQ_SUB, &castle->viewer);
+    void *control = castle_connect(castle, ZMQ_DEALER, &castle->viewer),
+         *telemetry = castle_connect(castle, ZMQ_SUB, &castle->viewer);
     char topic[64];
     assert_code(control, dialogue_status(), MENISCUS__CODE__OK, NULL);
     assert_true(zmq_recv(telemetry, topic, sizeof topic, 0) > 0);
@@ -256,9 +139,9 @@ static void a_role_may_do_so_much_and_is_told_which_one_may_more(void **state)
 {
     Castle *castle = *state;
     LoadRequest load;
-    void *viewer = connect_as(castle, ZMQ_DEALER, &castle->viewer),
-         *operator= connect_as(castle, ZMQ_DEALER, &castle->operator),
-         *admin = connect_as(castle, ZMQ_DEALER, &castle->admin);
+    void *viewer = castle_connect(castle, ZMQ_DEALER, &castle->viewer),
+         *operator= castle_connect(castle, ZMQ_DEALER, &castle->operator),
+         *admin = castle_connect(castle, ZMQ_DEALER, &castle->admin);
     dialogue_load_init(&load, "dam", dialogue_case, NULL);
     assert_code(viewer, load.request, MENISCUS__CODE__PERMISSION_DENIED, "admin");
     assert_code(operator, load.request, MENISCUS__CODE__PERMISSION_DENIED,
@@ -279,7 +162,7 @@ static void a_role_may_do_so_much_and_is_told_which_one_may_more(void **state)
 static void a_request_may_be_as_long_as_on_this_machine(void **state)
 {
     Castle *castle = *state;
-    void *viewer = connect_as(castle, ZMQ_DEALER, &castle->viewer);
+    void *viewer = castle_connect(castle, ZMQ_DEALER, &castle->viewer);
     char *longest = calloc(1, FRAME_MAX);
     assert_int_equal(zmq_send(viewer, longest, FRAME_MAX, 0), FRAME_MAX);
     free(longest);
@@ -292,12 +175,12 @@ static void a_request_may_be_as_long_as_on_this_machine(void **state)
 static void a_new_key_is_let_in_and_a_role_changes_on_a_connection_that_is_open(void **state)
 {
     Castle *castle = *state;
-    void *viewer = connect_as(castle, ZMQ_DEALER, &castle->viewer);
+    void *viewer = castle_connect(castle, ZMQ_DEALER, &castle->viewer);
     assert_code(viewer, dialogue_pause(), MENISCUS__CODE__PERMISSION_DENIED, "operator");
-    let_in(castle, &castle->stranger, &castle->viewer,
-           &castle->admin); /* otto's key is vera's now; vera has the stranger's */
+    castle_let_in(castle, &castle->stranger, &castle->viewer,
+                  &castle->admin); /* otto's key is vera's now; vera has the stranger's */
     assert_code(viewer, dialogue_pause(), MENISCUS__CODE__FAILED_PRECONDITION, "EMPTY");
-    void *stranger = connect_as(castle, ZMQ_DEALER, &castle->stranger);
+    void *stranger = castle_connect(castle, ZMQ_DEALER, &castle->stranger);
     assert_code(stranger, dialogue_status(), MENISCUS__CODE__OK, NULL);
 }
 
@@ -305,14 +188,14 @@ static void a_key_that_is_gone_is_cut_off_at_once_on_open_connections_and_others
 {
     Castle *castle = *state;
     set_in_motion(castle);
-    void *viewer = connect_as(castle, ZMQ_DEALER, &castle->viewer),
-         *listener = connect_as(castle, ZMQ_SUB, &castle->viewer);
-    void *operator= connect_as(castle, ZMQ_DEALER, &castle->operator),
-         *other = connect_as(castle, ZMQ_SUB, &castle->operator);
+    void *viewer = castle_connect(castle, ZMQ_DEALER, &castle->viewer),
+         *listener = castle_connect(castle, ZMQ_SUB, &castle->viewer);
+    void *operator= castle_connect(castle, ZMQ_DEALER, &castle->operator),
+         *other = castle_connect(castle, ZMQ_SUB, &castle->operator);
     assert_code(viewer, dialogue_status(), MENISCUS__CODE__OK, NULL);
     assert_code(operator, dialogue_status(), MENISCUS__CODE__OK, NULL);
     assert_true(hear(listener, 1000) > 0);
-    let_in(castle, NULL, &castle->operator, & castle->admin);
+    castle_let_in(castle, NULL, &castle->operator, & castle->admin);
     steer_sleep(300);
     hear(listener, 100); /* what was on its way */
     assert_int_equal(hear(listener, SILENCE_MS), 0);
@@ -332,7 +215,7 @@ static void keys_that_others_could_change_let_nobody_in_until_it_is_mended(void 
     assert_silence(castle, &castle->admin);
     assert_int_equal(chmod(path, 0600), 0);
     steer_sleep(200);
-    void *admin = connect_as(castle, ZMQ_DEALER, &castle->admin);
+    void *admin = castle_connect(castle, ZMQ_DEALER, &castle->admin);
     assert_code(admin, dialogue_status(), MENISCUS__CODE__OK, NULL);
 }
 
@@ -377,7 +260,7 @@ static void nobody_becomes_another_by_saying_so(void **state)
 
 int main(void)
 {
-#define TEST(name) cmocka_unit_test_setup_teardown(name, begin, end)
+#define TEST(name) cmocka_unit_test_setup_teardown(name, castle_begin, castle_end)
     const struct CMUnitTest tests[] = {
         TEST(who_is_not_let_in_gets_no_answer_and_hears_nothing),
         TEST(bytes_by_hand_get_the_greeting_and_the_door),
