@@ -32,7 +32,7 @@ static void flood(int port)
         int *fd = &fds[n % OPEN];
         if (n >= OPEN) close(*fd);
         *fd = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-        connect(*fd, (struct sockaddr *)&to, sizeof to);
+        (void)connect(*fd, (struct sockaddr *)&to, sizeof to);
         send(*fd, greeting, sizeof greeting, MSG_NOSIGNAL);
         while ((double)n > RATE * (steer_now() - began)) steer_sleep(1);
     }
