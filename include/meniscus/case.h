@@ -133,6 +133,7 @@ typedef struct MnsDifferences {
     bool holds_pressure;     /* 0 at this point, else its mean */
     double zero_pressure[3]; /* [m] */
     unsigned iterations;
+    MnsSolver solver; /* not MNS_SOLVER_CG */
 } MnsDifferences;
 
 /* Those of the scheme that is named count. */

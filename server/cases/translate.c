@@ -228,18 +228,23 @@ static void translate_interfacial(const Meniscus__Interfacial *m, MnsSchemeOptio
                                         .guard = m->guard};
 }
 
+static MnsSolver solver_of(Meniscus__Solver solver)
+{
+    static const MnsSolver solvers[] = {
+        [MENISCUS__SOLVER__BY_SIZE] = MNS_SOLVER_BY_SIZE,
+        [MENISCUS__SOLVER__CG] = MNS_SOLVER_CG,
+        [MENISCUS__SOLVER__BICGSTAB] = MNS_SOLVER_BICGSTAB,
+        [MENISCUS__SOLVER__AMG] = MNS_SOLVER_AMG,
+    };
+    return solvers[solver];
+}
+
 static void translate_incompressible(const Meniscus__Incompressible *m, MnsSchemeOptions *ret)
 {
     static const MnsMobility mobilities[] = {
         [MENISCUS__MOBILITY__BY_RATIO] = MNS_MOBILITY_BY_RATIO,
         [MENISCUS__MOBILITY__TRUE_DENSITY] = MNS_MOBILITY_DENSITY,
         [MENISCUS__MOBILITY__UNIT] = MNS_MOBILITY_UNIT,
-    };
-    static const MnsSolver solvers[] = {
-        [MENISCUS__SOLVER__BY_SIZE] = MNS_SOLVER_BY_SIZE,
-        [MENISCUS__SOLVER__CG] = MNS_SOLVER_CG,
-        [MENISCUS__SOLVER__BICGSTAB] = MNS_SOLVER_BICGSTAB,
-        [MENISCUS__SOLVER__AMG] = MNS_SOLVER_AMG,
     };
     ret->name = "incompressible";
     ret->incompressible =
@@ -249,7 +254,7 @@ static void translate_incompressible(const Meniscus__Incompressible *m, MnsSchem
                             .mobility = mobilities[m->mobility],
                             .reference_speed = m->has_reference_speed ? m->reference_speed : -1,
                             .gauge = m->gauge == MENISCUS__GAUGE__MEAN ? MNS_GAUGE_MEAN : MNS_GAUGE_MINIMUM,
-                            .solver = solvers[m->solver],
+                            .solver = solver_of(m->solver),
                             .tolerance = m->tolerance,
                             .density_solver_tolerance = m->density_solver_tolerance,
                             .iterations = m->iterations,
@@ -273,6 +278,7 @@ static MnsStatus translate_differences(Translation *t, const Meniscus__Differenc
                                         .reference_speed = m->has_reference_speed ? m->reference_speed : -1,
                                         .tolerance = m->tolerance,
                                         .iterations = m->iterations,
+                                        .solver = solver_of(m->solver),
                                         .guard = m->guard};
     if (!m->n_zero_pressure) return MNS_OK;
     const size_t before = translation_enter(t, "differences");

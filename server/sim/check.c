@@ -119,6 +119,10 @@ static MnsStatus check_differences(const MnsCase *c, MnsError *error)
     if (c->n_fluids > 2)
         return mns_fail_at(error, MNS_E_INVALID, "fluids", "found %zu fluids; the scheme differences is for one or two",
                            c->n_fluids);
+    if (g->solver == MNS_SOLVER_CG)
+        return mns_fail_at(error, MNS_E_INVALID, "scheme.differences.solver",
+                           "found cg, which solves symmetric systems, and that of differences is none; write by-size, "
+                           "bicgstab or amg");
     return CHECK_BOUNDS("scheme.differences", list, error);
 }
 

@@ -67,6 +67,7 @@ static void remember_positions(MnsSim *sim)
 static MnsStatus build_lists(MnsSim *sim, MnsError *error)
 {
     const double start = omp_get_wtime();
+    system_forget(&sim->system); /* rows change places */
     const MnsStatus status = neighbours_build(&sim->nb, &sim->s, &sim->model, error);
     integrator_clock(sim, TIMER_NEIGHBOURS, start);
     return status;

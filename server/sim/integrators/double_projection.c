@@ -8,10 +8,14 @@
  * Gravity is that of the end of the step, and walls know of it, so that a layer at rest is exact. */
 #include "sim/integrator.h"
 #include "sim/integrators/integrators.h"
+#include "sim/integrators/pressure.h"
 #include "sim/terms/terms.h"
 #include <math.h>
 #include <omp.h>
 #include <string.h>
+
+/* Of which something is kept from one solve to the next. */
+enum { MATRIX_VELOCITY, MATRIX_DENSITY };
 
 static void drift(MnsSim *sim, double dt)
 {
@@ -54,11 +58,15 @@ static double density_error(const MnsSim *sim)
     return most;
 }
 
-/* What a solver keeps is good for all solves of a step with the same densities, while the rows stay where they are; not for those of the
- * next, as a restart would not have it. */
-static void forget_if(MnsSim *sim, bool changed)
+/* Where particles are, and where they were when the lists were made. */
+static void exchange_positions(Particles *s)
 {
-    if (changed) system_forget(&sim->system);
+    for (int d = 0; d < s->dim; d++) {
+        double *x = s->x[d];
+        s->x[d] = s->ref[d];
+        s->ref[d] = x;
+    }
+    particles_changed(s, ON_ALL, FIELD(X) | FIELD(REF));
 }
 
 static MnsStatus lay(MnsSim *sim, MnsError *error)
@@ -68,32 +76,23 @@ static MnsStatus lay(MnsSim *sim, MnsError *error)
     return mns_fail(error, MNS_E_MEMORY, "no memory for the pressure system of %zu particles", sim->s.n);
 }
 
-static MnsStatus fail_solve(const MnsSim *sim, const SolveMethod *method, const SolveReport *report, double tolerance,
-                            const char *what, MnsError *error)
+static const SolveMethod *method_of(const MnsSim *sim)
 {
-    char history[512];
-    solve_history(report, history, sizeof history);
-    return mns_fail(error, MNS_E_DIVERGED,
-                    "diverged in step %llu at t = %g s: the pressure that corrects the %s was not found by %s in %u "
-                    "iterations to a residual of %g; residuals: %s. Look at the snapshot, then allow more "
-                    "scheme.incompressible.iterations or a larger tolerance, or take smaller steps",
-                    (unsigned long long)sim->progress.step + 1, sim->model.t, what, method->name, report->iterations,
-                    tolerance, history);
+    return solve_method(sim->model.projection.solver, &sim->system, true);
 }
 
-static MnsStatus solve(MnsSim *sim, double tolerance, const char *what, SolveReport *report, MnsError *error)
+/* Of rows that are laid out. What a method makes of a matrix fits all solves of the same weights until the lists are made again, as
+ * particles hardly move in between. It is made from where they were then, which a restart knows. */
+static void prepare(MnsSim *sim, int matrix, int pass)
 {
-    const double start = omp_get_wtime();
-    const SolveGoal goal = {tolerance, sim->model.projection.iterations};
-    const SolveMethod *method = solve_method(sim->model.projection.solver, &sim->system);
-    const double before = sim->system.setup_seconds;
-    method->solve(&sim->system, &goal, report);
-    integrator_clock(sim, sim->n_timers - 1, start);
-    const double setup = sim->system.setup_seconds - before;
-    sim->timers[sim->n_timers - 1].seconds -= setup;
-    sim->timers[sim->n_timers - 2].seconds += setup;
-    sim->timers[sim->n_timers - 2].calls += setup > 0;
-    return report->converged ? MNS_OK : fail_solve(sim, method, report, tolerance, what, error);
+    system_keep(&sim->system, matrix);
+    if (!method_of(sim)->prepare || system_is_ready(&sim->system)) return;
+    exchange_positions(&sim->s);
+    integrator_pass(sim, PASS_NUMBER);
+    integrator_pass(sim, pass);
+    pressure_prepare(sim, method_of(sim));
+    exchange_positions(&sim->s);
+    integrator_pass(sim, PASS_NUMBER);
 }
 
 static MnsStatus correct_density_once(MnsSim *sim, MnsError *error)
@@ -102,24 +101,23 @@ static MnsStatus correct_density_once(MnsSim *sim, MnsError *error)
     SolveReport report;
     MnsStatus status = lay(sim, error);
     if (status) return status;
+    prepare(sim, sim->model.projection.unit_mobility ? MATRIX_DENSITY : MATRIX_VELOCITY, PASS_DENSITY_SYSTEM);
     integrator_pass(sim, PASS_DENSITY_SYSTEM);
     memset(y->x, 0, y->matrix.n * sizeof *y->x);
-    status = solve(sim, sim->model.projection.correction_tolerance, "density", &report, error);
+    status = pressure_solve(sim, method_of(sim), sim->model.projection.correction_tolerance, "density", &report, error);
     if (status) return status;
     sim->solved.density_iterations += report.iterations;
     sim->solved.corrections++;
     system_centre(y);
     integrator_pass(sim, PASS_DENSITY_CORRECTION);
-    const uint64_t rebuilds = sim->progress.rebuilds;
     status = integrator_lists(sim, error);
-    forget_if(sim, sim->progress.rebuilds != rebuilds);
     if (!status) integrator_pass(sim, PASS_NUMBER);
     return status;
 }
 
 /* Where walls do not fit the particles, no arrangement is within the tolerance: so many corrections in a row may fail to lower the
  * error by a part of itself. */
-enum { VAIN_MOST = 50 };
+enum { VAIN_MOST = 200 };
 static const double ENOUGH = 0.98;
 
 static MnsStatus correct_density(MnsSim *sim, MnsError *error)
@@ -214,14 +212,14 @@ static void finish(MnsSim *sim, double dt)
 static MnsStatus correct_velocity(MnsSim *sim, double dt, const double gravity[3], MnsError *error)
 {
     SolveReport report;
-    forget_if(sim, sim->model.projection.unit_mobility);
     push(sim, dt, gravity);
     integrator_pass(sim, PASS_WALLS);
     MnsStatus status = lay(sim, error);
     if (status) return status;
+    prepare(sim, MATRIX_VELOCITY, PASS_VELOCITY_SYSTEM);
     integrator_pass(sim, PASS_VELOCITY_SYSTEM);
     guess(sim, dt);
-    status = solve(sim, sim->model.projection.tolerance, "velocity", &report, error);
+    status = pressure_solve(sim, method_of(sim), sim->model.projection.tolerance, "velocity", &report, error);
     sim->solved.iterations = report.iterations;
     sim->solved.residual = report.residual;
     gauge(sim);
@@ -236,7 +234,6 @@ static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
     double gravity[3]; /* that is in the accelerations */
     memcpy(gravity, sim->model.gravity, sizeof gravity);
     sim->solved = (Solved){0};
-    system_forget(&sim->system);
     drift(sim, dt);
     integrator_walls(sim, t, dt);
     integrator_clock(sim, TIMER_DRIFT, start);

@@ -5,6 +5,7 @@
  *   a = forces but pressure, at the new positions and velocities */
 #include "sim/integrator.h"
 #include "sim/integrators/integrators.h"
+#include "sim/integrators/pressure.h"
 #include "sim/terms/terms.h"
 #include <math.h>
 #include <omp.h>
@@ -84,30 +85,16 @@ static void guess(MnsSim *sim, double dt)
     system_relax(y, n);
 }
 
-static MnsStatus fail_solve(const MnsSim *sim, const SolveReport *report, MnsError *error)
-{
-    char history[512];
-    solve_history(report, history, sizeof history);
-    return mns_fail(
-        error, MNS_E_DIVERGED,
-        "diverged in step %llu at t = %g s: the pressure was not found in %u iterations to a residual of %g; "
-        "residuals: %s. Look at the snapshot, then allow more scheme.differences.iterations or a larger "
-        "tolerance, or take smaller steps",
-        (unsigned long long)sim->progress.step + 1, sim->model.t, report->iterations, sim->model.projection.tolerance,
-        history);
-}
-
 static MnsStatus solve(MnsSim *sim, MnsError *error)
 {
-    const double start = omp_get_wtime();
+    const SolveMethod *method = solve_method(sim->model.projection.solver, &sim->system, false);
+    SolveReport report;
     /* Of divergences, a millionth of the speed over h at each particle: on a lattice there may be none but rounding. */
     sim->system.least = 1e-6 * sim->v_max / sim->model.kernel.h * sqrt((double)particles_fluid(&sim->s));
-    const SolveGoal goal = {sim->model.projection.tolerance, sim->model.projection.iterations};
-    SolveReport report;
-    solve_bicgstab.solve(&sim->system, &goal, &report);
-    integrator_clock(sim, sim->n_timers - 1, start);
+    system_forget(&sim->system); /* a restart would not have what was made of the matrix of an earlier step */
+    const MnsStatus status = pressure_solve(sim, method, sim->model.projection.tolerance, "velocity", &report, error);
     sim->solved = (Solved){.iterations = report.iterations, .residual = report.residual};
-    return report.converged ? MNS_OK : fail_solve(sim, &report, error);
+    return status;
 }
 
 static void keep_pressure(MnsSim *sim, double dt)

@@ -16,8 +16,10 @@ static void differences_options(Model *model, const MnsCase *c)
         model->phase[k].c = INFINITY;
         model->phase[k].summation = true;
     }
-    model->projection = (Projection){
-        .tolerance = options->tolerance, .speed = options->reference_speed, .iterations = options->iterations};
+    model->projection = (Projection){.tolerance = options->tolerance,
+                                     .speed = options->reference_speed,
+                                     .iterations = options->iterations,
+                                     .solver = options->solver};
     model->differences = (Differences){.diffusion = options->diffusion,
                                        .threshold = options->interface_threshold,
                                        .shifting = options->shifting_strength,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Conjugate gradients preconditioned by one cycle of hypre's algebraic multigrid (BoomerAMG): iterations that hardly grow with the
- * system. The preconditioner is asked for nothing along the constants, where the matrix is singular: hypre's own conjugate gradients
+/* Conjugate or, for matrices that are not symmetric, stabilised biconjugate gradients preconditioned by one cycle of hypre's algebraic
+ * multigrid (BoomerAMG): iterations that hardly grow with the system. The preconditioner is asked for nothing along the constants, where the matrix is singular: hypre's own conjugate gradients
  * break down there. hypre as Debian builds it has one thread, so its bits do not depend on ours.
  * What is built without hypre has the same names, and says that it cannot. */
 #include "base/array.h"
@@ -63,6 +63,11 @@ void amg_forget(struct Amg *amg)
     if (amg) amg->ready = false;
 }
 
+bool amg_is_ready(const struct Amg *amg)
+{
+    return amg && amg->ready;
+}
+
 /* A row that says nothing is one of the unit matrix. */
 static void set_row(HYPRE_IJMatrix matrix, const Matrix *m, size_t i)
 {
@@ -74,7 +79,7 @@ static void set_row(HYPRE_IJMatrix matrix, const Matrix *m, size_t i)
     value[0] = m->blocks[i] ? m->diagonal[i] : 1;
     const size_t first = m->start[i] * ENTRIES, last = first + m->blocks[i] * (size_t)ENTRIES;
     for (size_t k = first; k < last && n < MOST; k++) {
-        if (!(m->c[k] > 0)) continue;
+        if (m->c[k] == 0) continue;
         column[n] = (HYPRE_BigInt)m->column[k];
         value[n++] = -(double)m->c[k];
     }
@@ -125,17 +130,17 @@ static void make_solver(struct Amg *amg)
     HYPRE_BoomerAMGSetup(amg->solver, amg->A, amg->pb, amg->px);
 }
 
-/* false: no memory. */
-static bool prepare(System *y)
+/* Without memory it is not ready. */
+static void prepare(System *y)
 {
-    if (!y->amg && !(y->amg = calloc(1, sizeof *y->amg))) return false;
-    if (y->amg->ready) return true;
+    struct Amg **kept = &y->amg[y->kept], *amg = *kept;
+    if (amg_is_ready(amg)) return;
+    if (!amg && !(amg = *kept = calloc(1, sizeof *amg))) return;
     const double start = omp_get_wtime();
-    struct Amg *amg = y->amg;
     start_mpi();
     drop(amg);
     amg->n = (int)y->matrix.n;
-    if (!(amg->rows = array_new(y->matrix.n, sizeof *amg->rows))) return false;
+    if (!(amg->rows = array_new(y->matrix.n, sizeof *amg->rows))) return;
     for (int i = 0; i < amg->n; i++) amg->rows[i] = i;
     fill_matrix(amg, &y->matrix);
     make_vector(amg, &amg->b, &amg->pb);
@@ -143,23 +148,22 @@ static bool prepare(System *y)
     make_solver(amg);
     amg->ready = true;
     y->setup_seconds += omp_get_wtime() - start;
-    return true;
 }
 
 /* z: what a cycle makes of r. */
 static void cycle(System *y, const double *r, double *z)
 {
-    struct Amg *amg = y->amg;
+    struct Amg *amg = y->amg[y->kept];
     memset(z, 0, y->matrix.n * sizeof *z);
     HYPRE_IJVectorSetValues(amg->b, amg->n, amg->rows, r);
     HYPRE_IJVectorSetValues(amg->x, amg->n, amg->rows, z);
     HYPRE_BoomerAMGSolve(amg->solver, amg->A, amg->pb, amg->px);
     HYPRE_IJVectorGetValues(amg->x, amg->n, amg->rows, z);
     HYPRE_ClearAllErrors(); /* one is that a single cycle did not converge */
-    remove_mean(y, z, y->matrix.n);
+    remove_mean(y, z);
 }
 
-static void iterate(System *y, const SolveGoal *goal, SolveReport *report, double size)
+static void conjugate_gradients(System *y, const SolveGoal *goal, SolveReport *report, double size)
 {
     double *r = y->work[0], *z = y->work[1], *p = y->work[2], *q = y->work[3], rz = 1;
     memset(p, 0, y->matrix.n * sizeof *p);
@@ -172,16 +176,29 @@ static void iterate(System *y, const SolveGoal *goal, SolveReport *report, doubl
         const double alpha = rz / dot(y, p, q);
         add(y, y->x, alpha, p);
         add(y, r, -alpha, q);
-        remove_mean(y, r, y->matrix.n);
+        remove_mean(y, r);
     }
 }
 
-static void solve(System *y, const SolveGoal *goal, SolveReport *report)
+static void solve_with(System *y, const SolveGoal *goal, SolveReport *report, bool symmetric)
 {
     const double size = begin(y, y->work[0]);
     *report = (SolveReport){.converged = size == 0};
     if (size == 0) memset(y->x, 0, y->matrix.n * sizeof *y->x);
-    else if (prepare(y)) iterate(y, goal, report, size);
+    else prepare(y);
+    if (size == 0 || !system_is_ready(y)) return;
+    if (symmetric) conjugate_gradients(y, goal, report, size);
+    else stabilised_gradients(y, goal, report, size, cycle);
+}
+
+static void solve_symmetric(System *y, const SolveGoal *goal, SolveReport *report)
+{
+    solve_with(y, goal, report, true);
+}
+
+static void solve_skew(System *y, const SolveGoal *goal, SolveReport *report)
+{
+    solve_with(y, goal, report, false);
 }
 
 bool amg_exists(void)
@@ -189,9 +206,16 @@ bool amg_exists(void)
     return true;
 }
 #else
-static void solve(System *y, const SolveGoal *goal, SolveReport *report)
+static void (*const prepare)(System *) = NULL;
+
+static void solve_symmetric(System *y, const SolveGoal *goal, SolveReport *report)
 {
     solve_cg.solve(y, goal, report);
+}
+
+static void solve_skew(System *y, const SolveGoal *goal, SolveReport *report)
+{
+    solve_bicgstab.solve(y, goal, report);
 }
 
 void amg_free(struct Amg *amg)
@@ -204,6 +228,11 @@ void amg_forget(struct Amg *amg)
     (void)amg;
 }
 
+bool amg_is_ready(const struct Amg *amg)
+{
+    return amg != NULL;
+}
+
 bool amg_exists(void)
 {
     return false;
@@ -213,5 +242,13 @@ bool amg_exists(void)
 const SolveMethod solve_amg = {
     .name = "amg",
     .equation = "conjugate gradients, preconditioned by algebraic multigrid",
-    .solve = solve,
+    .solve = solve_symmetric,
+    .prepare = prepare,
+};
+
+const SolveMethod solve_amg_bicgstab = {
+    .name = "amg with bicgstab",
+    .equation = "stabilised biconjugate gradients, preconditioned by algebraic multigrid",
+    .solve = solve_skew,
+    .prepare = prepare,
 };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Stabilised biconjugate gradients (van der Vorst 1992), preconditioned by the diagonal: for matrices that are not symmetric. Their
- * residuals can have a part along the constants that no x changes, so it is taken away. */
+/* Stabilised biconjugate gradients (van der Vorst 1992): for matrices that are not symmetric. Their residuals can have a part along
+ * the constants that no x changes, so it is taken away. */
 #include "sim/solve/vectors.h"
 #include <math.h>
 #include <string.h>
@@ -13,26 +13,21 @@ static void turn(const System *y, double beta, double omega, const double *restr
     for (size_t i = 0; i < y->matrix.n; i++) p[i] = r[i] + beta * (p[i] - omega * v[i]);
 }
 
-/* ret = L (a / diagonal), without its mean; a / diagonal is left in z. */
-static void advance(const System *y, const double *a, double *z, double *ret)
+/* ret = L z, without its mean, where z = M^-1 a. */
+static void advance(System *y, Precondition *precondition, const double *a, double *z, double *ret)
 {
-    jacobi(y, a, z);
+    precondition(y, a, z);
     matrix_multiply(&y->matrix, z, ret, y->threads);
-    remove_mean(y, ret, y->matrix.n);
+    remove_mean(y, ret);
 }
 
-static void solve(System *y, const SolveGoal *goal, SolveReport *report)
+void stabilised_gradients(System *y, const SolveGoal *goal, SolveReport *report, double size,
+                          Precondition *precondition)
 {
     double *r = y->work[0], *shadow = y->work[1], *p = y->work[2], *v = y->work[3], *t = y->work[4], *z = y->work[5],
            *zs = y->work[6];
     const size_t bytes = y->matrix.n * sizeof(double);
-    const double size = begin(y, r);
-    *report = (SolveReport){.converged = size == 0};
-    if (size == 0) {
-        memset(y->x, 0, bytes);
-        return;
-    }
-    remove_mean(y, r, y->matrix.n);
+    remove_mean(y, r);
     memcpy(shadow, r, bytes);
     memset(p, 0, bytes);
     memset(v, 0, bytes);
@@ -41,16 +36,24 @@ static void solve(System *y, const SolveGoal *goal, SolveReport *report)
         const double before = rho;
         rho = dot(y, shadow, r);
         turn(y, rho / before * (alpha / omega), omega, r, v, p);
-        advance(y, p, z, v);
+        advance(y, precondition, p, z, v);
         alpha = rho / dot(y, shadow, v);
         add(y, r, -alpha, v);
-        advance(y, r, zs, t);
+        advance(y, precondition, r, zs, t);
         const double tt = dot(y, t, t);
         omega = tt > 0 ? dot(y, t, r) / tt : 0;
         add(y, y->x, alpha, z);
         add(y, y->x, omega, zs);
         add(y, r, -omega, t);
     }
+}
+
+static void solve(System *y, const SolveGoal *goal, SolveReport *report)
+{
+    const double size = begin(y, y->work[0]);
+    *report = (SolveReport){.converged = size == 0};
+    if (size == 0) memset(y->x, 0, y->matrix.n * sizeof *y->x);
+    else stabilised_gradients(y, goal, report, size, jacobi);
 }
 
 const SolveMethod solve_bicgstab = {

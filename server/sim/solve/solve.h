@@ -48,6 +48,8 @@ enum { WORK_VECTORS = 7 };
 
 #define NOT_HELD SIZE_MAX
 
+enum { MATRICES = 2 }; /* that take turns in a system */
+
 struct Amg;
 
 /* L x = b. Of b the mean over the first `bulk` rows is taken away, as nothing else can be solved: constants are L's null space.
@@ -61,7 +63,9 @@ typedef struct System {
     int threads;
     double *work[WORK_VECTORS]; /* [matrix.n] */
     double *partial;            /* sums of chunks */
-    struct Amg *amg;      /* what the multigrid method keeps from one solve to the next; NULL before it was used */
+    struct Amg *
+        amg[MATRICES]; /* what the multigrid method keeps of each from one solve to the next; NULL before it was used */
+    int kept;          /* of which of them the matrix is now */
     double setup_seconds; /* spent on making it, so far */
 } System;
 
@@ -73,11 +77,14 @@ typedef struct SolveGoal {
 typedef struct SolveMethod {
     const char *name, *equation;
     void (*solve)(System *system, const SolveGoal *goal, SolveReport *ret_report);
+    void (*prepare)(
+        System *system); /* make what is kept, unless it is there; NULL: nothing is. Without it solve() does */
 } SolveMethod;
 
-extern const SolveMethod solve_cg;       /* symmetric matrices */
-extern const SolveMethod solve_bicgstab; /* all */
-extern const SolveMethod solve_amg;      /* symmetric ones; as solve_cg where there is no hypre */
+extern const SolveMethod solve_cg;           /* symmetric matrices */
+extern const SolveMethod solve_bicgstab;     /* all */
+extern const SolveMethod solve_amg;          /* symmetric ones; as solve_cg where there is no hypre */
+extern const SolveMethod solve_amg_bicgstab; /* all; as solve_bicgstab where there is no hypre */
 
 /* Room for n rows. false: no memory, nothing is left behind. */
 bool system_init(System *system, size_t n, size_t bulk, int threads);
@@ -90,14 +97,20 @@ void system_relax(System *system, size_t first);
 /* Take away the mean of x over the bulk, everywhere. */
 void system_centre(System *system);
 
+/* The matrix will be this one of those that take turns, [0, MATRICES). */
+void system_keep(System *system, int matrix);
+
+/* Is there what a method has kept of the matrix? */
+bool system_is_ready(const System *system);
+
 /* The rows have changed places, or the entries more than a little: what a method has kept is of no use any more. */
 void system_forget(System *system);
 
 /* Was this built with algebraic multigrid? */
 bool amg_exists(void);
 
-/* The method that was asked for, or the fastest for a system of this size. */
-const SolveMethod *solve_method(MnsSolver solver, const System *system);
+/* The method that was asked for, or the fastest for a system of this size; one for all matrices unless they are symmetric. */
+const SolveMethod *solve_method(MnsSolver solver, const System *system, bool symmetric);
 
 /* The residuals of a solve in words, as in "1 at 0, 0.1 at 4, 0.02 at 8". */
 void solve_history(const SolveReport *report, char *text, size_t size);

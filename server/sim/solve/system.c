@@ -123,7 +123,7 @@ void system_done(System *y)
     free(y->x);
     for (int k = 0; k < WORK_VECTORS; k++) free(y->work[k]);
     free(y->partial);
-    amg_free(y->amg);
+    for (int k = 0; k < MATRICES; k++) amg_free(y->amg[k]);
     *y = (System){0};
 }
 
@@ -147,17 +147,24 @@ void system_relax(System *y, size_t first)
 
 void system_centre(System *y)
 {
-    double sum = 0;
-    for (size_t i = 0; i < y->bulk; i++) sum += y->x[i];
-    for (size_t i = 0; i < y->matrix.n; i++) y->x[i] -= sum / (double)y->bulk;
+    double *sums = partial_of(y, 0), *restrict x = y->x;
+#pragma omp parallel for schedule(static) num_threads(y->threads)
+    for (size_t chunk = 0; chunk < chunks_of(y); chunk++) {
+        sums[chunk] = 0;
+        for (size_t i = chunk * ROWS; i < chunk_end(y, chunk) && i < y->bulk; i++) sums[chunk] += x[i];
+    }
+    const double mean = partial_sum(y, 0) / (double)y->bulk;
+#pragma omp parallel for simd schedule(static) num_threads(y->threads)
+    for (size_t i = 0; i < y->matrix.n; i++) x[i] -= mean;
 }
 
-const SolveMethod *solve_method(MnsSolver solver, const System *y)
+const SolveMethod *solve_method(MnsSolver solver, const System *y, bool symmetric)
 {
     /* Rows from which on multigrid is faster, in two and three dimensions, by how long they are (DECISIONS.md). */
     const size_t n = y->matrix.n, large = y->matrix.start[n] <= 8 * n ? 50000 : 1000000;
-    if (solver == MNS_SOLVER_BY_SIZE) return amg_exists() && n >= large ? &solve_amg : &solve_cg;
-    return solver == MNS_SOLVER_BICGSTAB ? &solve_bicgstab : solver == MNS_SOLVER_AMG ? &solve_amg : &solve_cg;
+    if (solver == MNS_SOLVER_BY_SIZE) solver = amg_exists() && n >= large ? MNS_SOLVER_AMG : MNS_SOLVER_CG;
+    if (solver == MNS_SOLVER_AMG) return symmetric ? &solve_amg : &solve_amg_bicgstab;
+    return symmetric && solver == MNS_SOLVER_CG ? &solve_cg : &solve_bicgstab;
 }
 
 double partial_sum(const System *y, int k)
@@ -180,18 +187,37 @@ double dot(const System *y, const double *a, const double *b)
     return partial_sum(y, 0);
 }
 
-void remove_mean(const System *y, double *a, size_t n)
+/* Partial sums of a over the rows that say something, and of how many they are; `only` of the first rows. */
+static void sum_rows(const System *y, const double *a, size_t only)
 {
-    double sum = 0, count = 0;
-    if (y->held != NOT_HELD) return;
-    for (size_t i = 0; i < n; i++) {
-        if (y->matrix.blocks[i] == 0) continue;
-        sum += a[i];
-        count++;
+    double *sums = partial_of(y, 0), *counts = partial_of(y, 1);
+#pragma omp parallel for schedule(static) num_threads(y->threads)
+    for (size_t chunk = 0; chunk < chunks_of(y); chunk++) {
+        double sum = 0, count = 0;
+        for (size_t i = chunk * ROWS; i < chunk_end(y, chunk); i++) {
+            if (y->matrix.blocks[i] == 0) continue;
+            sum += a[i];
+            count += i < only;
+        }
+        sums[chunk] = sum;
+        counts[chunk] = count;
     }
-    const double mean = count > 0 ? sum / count : 0;
+}
+
+/* a less f, in the rows that say something, of the first n. */
+static void lower(const System *y, double *a, double f, size_t n)
+{
+#pragma omp parallel for schedule(static) num_threads(y->threads)
     for (size_t i = 0; i < n; i++)
-        if (y->matrix.blocks[i]) a[i] -= mean;
+        if (y->matrix.blocks[i]) a[i] -= f;
+}
+
+void remove_mean(const System *y, double *a)
+{
+    if (y->held != NOT_HELD) return;
+    sum_rows(y, a, y->matrix.n);
+    const double count = partial_sum(y, 1);
+    if (count > 0) lower(y, a, partial_sum(y, 0) / count, y->matrix.n);
 }
 
 void add(const System *y, double *restrict a, double f, const double *restrict b)
@@ -208,10 +234,20 @@ void add_to(const System *y, double *restrict a, double f, const double *restric
 
 void system_forget(System *y)
 {
-    amg_forget(y->amg);
+    for (int k = 0; k < MATRICES; k++) amg_forget(y->amg[k]);
 }
 
-void jacobi(const System *y, const double *r, double *z)
+void system_keep(System *y, int matrix)
+{
+    y->kept = matrix;
+}
+
+bool system_is_ready(const System *y)
+{
+    return amg_is_ready(y->amg[y->kept]);
+}
+
+void jacobi(System *y, const double *r, double *z)
 {
     const double *restrict diagonal = y->matrix.diagonal;
 #pragma omp parallel for schedule(static) num_threads(y->threads)
@@ -221,20 +257,18 @@ void jacobi(const System *y, const double *r, double *z)
 double begin(System *y, double *r)
 {
     const size_t n = y->matrix.n;
-    double excess = 0, count = 0;
-    for (size_t i = 0; i < n; i++) {
-        if (y->matrix.blocks[i] == 0) {
-            y->b[i] = 0;
-            continue;
-        }
-        excess += y->b[i];
-        count += i < y->bulk;
+    double *restrict b = y->b;
+#pragma omp parallel for schedule(static) num_threads(y->threads)
+    for (size_t i = 0; i < n; i++)
+        if (y->matrix.blocks[i] == 0) b[i] = 0;
+    if (y->held == NOT_HELD) {
+        sum_rows(y, b, y->bulk);
+        lower(y, b, partial_sum(y, 0) / partial_sum(y, 1), y->bulk);
     }
-    for (size_t i = 0; i < y->bulk; i++)
-        if (y->matrix.blocks[i] && y->held == NOT_HELD) y->b[i] -= excess / count;
     matrix_multiply(&y->matrix, y->x, r, y->threads);
-    for (size_t i = 0; i < n; i++) r[i] = y->b[i] - r[i];
-    const double size = sqrt(dot(y, y->b, y->b));
+#pragma omp parallel for simd schedule(static) num_threads(y->threads)
+    for (size_t i = 0; i < n; i++) r[i] = b[i] - r[i];
+    const double size = sqrt(dot(y, b, b));
     return size < y->least ? y->least : size;
 }
 

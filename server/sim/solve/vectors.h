@@ -28,8 +28,8 @@ static inline double *partial_of(const System *y, int k)
 
 double dot(const System *y, const double *a, const double *b);
 
-/* Take away from a the mean over the rows that say something, of the first n; from these rows. */
-void remove_mean(const System *y, double *a, size_t n);
+/* Take away from a the mean over the rows that say something; from these rows. */
+void remove_mean(const System *y, double *a);
 
 /* a += f b;  a = b + f a */
 void add(const System *y, double *a, double f, const double *b);
@@ -38,9 +38,17 @@ void add_to(const System *y, double *a, double f, const double *b);
 /* amg.c: what the multigrid method keeps */
 void amg_free(struct Amg *amg);
 void amg_forget(struct Amg *amg);
+bool amg_is_ready(const struct Amg *amg);
+
+/* z = M^-1 r: L is near M, and M easily solved. */
+typedef void Precondition(System *y, const double *r, double *z);
 
 /* z = r / diagonal, 0 in rows that say nothing. */
-void jacobi(const System *y, const double *r, double *z);
+Precondition jacobi;
+
+/* bicgstab.c: from the residual work[0] of x on; size: what residuals are over. */
+void stabilised_gradients(System *y, const SolveGoal *goal, SolveReport *report, double size,
+                          Precondition *precondition);
 
 /* Make b solvable and r = b - L x; returns |b|, or the least that counts. Rows that say nothing ask for nothing. */
 double begin(System *y, double *r);

@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "sim/integrators/pressure.h"
+#include <omp.h>
+
+/* Timers: the last but one is of what methods set up, the last of the rest. */
+static void book(MnsSim *sim, double start, double setup_before)
+{
+    MnsTimer *timer = &sim->timers[sim->n_timers - 2];
+    const double setup = sim->system.setup_seconds - setup_before;
+    integrator_clock(sim, sim->n_timers - 1, start);
+    timer[1].seconds -= setup;
+    timer[0].seconds += setup;
+    timer[0].calls += setup > 0;
+}
+
+static MnsStatus fail_solve(const MnsSim *sim, const SolveMethod *method, const SolveReport *report, double tolerance,
+                            const char *what, MnsError *error)
+{
+    char history[512];
+    solve_history(report, history, sizeof history);
+    return mns_fail(error, MNS_E_DIVERGED,
+                    "diverged in step %llu at t = %g s: the pressure that corrects the %s was not found by %s in %u "
+                    "iterations to a residual of %g; residuals: %s. Look at the snapshot, then allow more "
+                    "scheme.%s.iterations or a larger tolerance, or take smaller steps",
+                    (unsigned long long)sim->progress.step + 1, sim->model.t, what, method->name, report->iterations,
+                    tolerance, history, sim->scheme->name);
+}
+
+MnsStatus pressure_solve(MnsSim *sim, const SolveMethod *method, double tolerance, const char *what, SolveReport *ret_report,
+                         MnsError *error)
+{
+    const double start = omp_get_wtime(), before = sim->system.setup_seconds;
+    const SolveGoal goal = {tolerance, sim->model.projection.iterations};
+    method->solve(&sim->system, &goal, ret_report);
+    book(sim, start, before);
+    return ret_report->converged ? MNS_OK : fail_solve(sim, method, ret_report, tolerance, what, error);
+}
+
+void pressure_prepare(MnsSim *sim, const SolveMethod *method)
+{
+    const double start = omp_get_wtime(), before = sim->system.setup_seconds;
+    if (!method->prepare) return;
+    method->prepare(&sim->system);
+    book(sim, start, before);
+}
