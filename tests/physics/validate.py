@@ -69,7 +69,7 @@ CASES = {
     "hydrostatic-isph": Case(incompressible.hydrostatic_isph, 2, 0.01),
     "taylor-green2d": Case(incompressible.taylor_green2d, 25, 0.1),
     "droplet-oscillation2d": Case(incompressible.droplet_oscillation2d, 35, 0.1),
-    "droplet-ellipse2d": Case(incompressible.droplet_ellipse2d, 70, 0.3),
+    "droplet-ellipse2d": Case(incompressible.droplet_ellipse2d, 400, 0.4),
     "drop-shear2d": Case(incompressible.drop_shear2d, 100, 9),
     "rayleigh-taylor2d-isph": Case(incompressible.rayleigh_taylor2d_isph, 200, 0.06),
     # Joubert, Wilke and Pizette.

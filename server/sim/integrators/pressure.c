@@ -26,8 +26,8 @@ static MnsStatus fail_solve(const MnsSim *sim, const SolveMethod *method, const 
                     tolerance, history, sim->scheme->name);
 }
 
-MnsStatus pressure_solve(MnsSim *sim, const SolveMethod *method, double tolerance, const char *what, SolveReport *ret_report,
-                         MnsError *error)
+MnsStatus pressure_solve(MnsSim *sim, const SolveMethod *method, double tolerance, const char *what,
+                         SolveReport *ret_report, MnsError *error)
 {
     const double start = omp_get_wtime(), before = sim->system.setup_seconds;
     const SolveGoal goal = {tolerance, sim->model.projection.iterations};
