@@ -15,7 +15,8 @@ counted() {
         sed -n 's/.*Collected *: *\([0-9]*\).*/\1/p'
 }
 
-# within NAME RESOLUTION BOUND: what four more steps cost for each pair that is in reach. New bounds are set by hand, with a reason.
+# within NAME RESOLUTION BOUND: what four more steps cost for each pair that is in reach. New bounds are set by hand, with a
+# reason; the last: sums are cleared by more instructions that take less time than the string instructions before.
 within() {
     local name=$1 resolution=$2 bound=$3 few many per_pair
     few=$(counted "$name" "$resolution" 4)
@@ -41,9 +42,9 @@ if [ "$(uname -m)" != x86_64 ]; then
     echo "ok - instructions are counted on x86-64 only"
     exit 0
 fi
-within dambreak2d-p3 20 137
+within dambreak2d-p3 20 143
 within dambreak3d-p3 8 146
-within droplet2d-p3 40 142
+within droplet2d-p3 40 149
 within droplet3d-p3 12 104
 within drop3d-p2 10 247
 exit $failed
