@@ -14,6 +14,7 @@
 #include "proto/frame.h"
 #include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -224,17 +225,9 @@ static void send_exchange(Desk *desk, Exchange *exchange, uint8_t *packed, size_
     if (!n) free(packed);
 }
 
-static void complete(Desk *desk, Exchange *exchange)
-{
-    Order *order = &exchange->order;
-    if (!order->status && exchange->handler && exchange->handler->complete)
-        order->status = exchange->handler->complete(exchange, &order->error);
-    exchange_seal(exchange, desk->epoch);
-}
-
 void desk_reply(Desk *desk, Exchange *exchange)
 {
-    complete(desk, exchange);
+    if (!exchange->sealed) exchange_seal(exchange);
     const Meniscus__Reply *reply = exchange->reply;
     const bool whole = reply && reply->has_id; /* else there was no memory, and without its id nobody knows it */
     const size_t size = whole ? meniscus__reply__get_packed_size(reply) : 0;
@@ -316,7 +309,7 @@ static MnsStatus begin(Desk *desk, Exchange *exchange, MnsError *error)
 
 /* Takes over the request. */
 static void take_request(Desk *desk, const Sender *sender, const Who *who, ProtobufCBinaryData id,
-                         Meniscus__Request *request)
+                         Meniscus__Request *request, const Lineage *lineage)
 {
     LedgerEntry entry;
     MnsError error;
@@ -331,10 +324,23 @@ static void take_request(Desk *desk, const Sender *sender, const Who *who, Proto
         refuse(desk, sender, id, &error);
         return;
     }
+    exchange->epoch = desk->epoch;
+    exchange->order.lineage = lineage;
     if (sender->size) exchange->senders[exchange->n_senders++] = *sender;
     if (!begin(desk, exchange, &error)) return;
     refuse(desk, sender, id, &error);
     exchange_free(exchange);
+}
+
+void desk_recall(Desk *desk, const uint8_t id[static ORDER_ID], const uint8_t *reply, size_t size)
+{
+    ledger_recall(desk->ledger, id, reply, size);
+}
+
+void desk_take(Desk *desk, const Who *who, Meniscus__Request *request, const Lineage *lineage)
+{
+    const Sender nobody = {.size = 0};
+    take_request(desk, &nobody, who, request->id, request, lineage);
 }
 
 /* Nobody who is not let in gets here, but whoever is no longer: then it is as if nothing had come. */
@@ -351,7 +357,7 @@ static void take_frame(Desk *desk, const Sender *sender, zmq_msg_t *frame, uint6
         parts == 1 ? MNS_OK : mns_fail(&error, MNS_E_INVALID, "a request is one frame; these are %" PRIu64, parts);
     if (!status) status = request_read(data, size, &request, &error);
     if (!status) {
-        take_request(desk, sender, &who, id, request);
+        take_request(desk, sender, &who, id, request, NULL);
         return;
     }
     refuse(desk, sender, id, &error);
