@@ -112,7 +112,7 @@ typedef enum MnsSolver { MNS_SOLVER_BY_SIZE, MNS_SOLVER_CG, MNS_SOLVER_BICGSTAB,
 typedef struct MnsIncompressible {
     double density_tolerance, density_offset, tolerance, density_solver_tolerance, guard;
     double reference_speed; /* [m/s]; below 0: by gravity and the height of the domain */
-    unsigned density_corrections, iterations;
+    unsigned density_corrections, density_patience, iterations;
     MnsMobility mobility;
     MnsGauge gauge;
     MnsSolver solver;

@@ -250,6 +250,7 @@ static void translate_incompressible(const Meniscus__Incompressible *m, MnsSchem
     ret->incompressible =
         (MnsIncompressible){.density_tolerance = m->density_tolerance,
                             .density_corrections = m->density_corrections,
+                            .density_patience = m->density_patience,
                             .density_offset = m->density_offset,
                             .mobility = mobilities[m->mobility],
                             .reference_speed = m->has_reference_speed ? m->reference_speed : -1,

@@ -94,6 +94,7 @@ static MnsStatus check_incompressible(const MnsCase *c, MnsError *error)
     const Bounded list[] = {
         {"density_tolerance", i->density_tolerance, BOUNDS_Incompressible_density_tolerance},
         {"density_corrections", i->density_corrections, BOUNDS_Incompressible_density_corrections},
+        {"density_patience", i->density_patience, BOUNDS_Incompressible_density_patience},
         {"density_offset", i->density_offset, BOUNDS_Incompressible_density_offset},
         {"reference_speed", fmax(i->reference_speed, 0), BOUNDS_Incompressible_reference_speed},
         {"tolerance", i->tolerance, BOUNDS_Incompressible_tolerance},

@@ -32,9 +32,9 @@ typedef struct Face {
 /* Options of schemes that solve for the pressure. */
 typedef struct Projection {
     double density_tolerance, offset; /* of number densities, relative; of the correction pressure, over rho h^2 */
-    double tolerance, correction_tolerance; /* of the residuals of the two solves, relative */
-    double speed;                           /* that the flow is expected to have at least [m/s] */
-    unsigned corrections, iterations;       /* at most, in a step; in a solve */
+    double tolerance, correction_tolerance;     /* of the residuals of the two solves, relative */
+    double speed;                               /* that the flow is expected to have at least [m/s] */
+    unsigned corrections, patience, iterations; /* at most, in a step; in vain; in a solve */
     bool unit_mobility,
         mean_gauge; /* density correction as of fluids of one density; pressure has no mean, else no minimum below 0 */
     MnsSolver solver;

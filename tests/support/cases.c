@@ -45,6 +45,7 @@ MnsCase *case_blank(int dim, double resolution)
                                                    .guard = 0.25},
                                    .incompressible = {.density_tolerance = 0.01,
                                                       .density_corrections = 200,
+                                                      .density_patience = 50,
                                                       .density_offset = 0.3,
                                                       .reference_speed = -1,
                                                       .tolerance = 1e-4,

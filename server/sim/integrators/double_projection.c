@@ -115,9 +115,7 @@ static MnsStatus correct_density_once(MnsSim *sim, MnsError *error)
     return status;
 }
 
-/* Where walls do not fit the particles, no arrangement is within the tolerance: so many corrections in a row may fail to lower the
- * error by a part of itself. */
-enum { VAIN_MOST = 200 };
+/* A correction that lowers the density's error by less than a part of it is in vain: where walls do not fit the particles, all may be. */
 static const double ENOUGH = 0.98;
 
 static MnsStatus correct_density(MnsSim *sim, MnsError *error)
@@ -130,7 +128,7 @@ static MnsStatus correct_density(MnsSim *sim, MnsError *error)
     double least = INFINITY;
     unsigned vain = 0;
     while (!status && sim->solved.density_error > options->density_tolerance &&
-           sim->solved.corrections < options->corrections && vain < VAIN_MOST) {
+           sim->solved.corrections < options->corrections && vain < options->patience) {
         vain = sim->solved.density_error < ENOUGH * least ? 0 : vain + 1;
         least = fmin(least, sim->solved.density_error);
         status = correct_density_once(sim, error);

@@ -29,6 +29,7 @@ static void incompressible_options(Model *model, const MnsCase *c)
                                      .correction_tolerance = options->density_solver_tolerance,
                                      .speed = options->reference_speed,
                                      .corrections = options->density_corrections,
+                                     .patience = options->density_patience,
                                      .iterations = options->iterations,
                                      .unit_mobility = moves_alike(model, options->mobility),
                                      .mean_gauge = options->gauge == MNS_GAUGE_MEAN,
