@@ -137,7 +137,6 @@ Meniscus__Code code_of(MnsStatus status)
         [MNS_E_TIMEOUT] = MENISCUS__CODE__DEADLINE_EXCEEDED,
         [MNS_E_INTERRUPTED] = MENISCUS__CODE__ABORTED,
         [MNS_E_INTERNAL] = MENISCUS__CODE__INTERNAL,
-        [MNS_E_DENIED] = MENISCUS__CODE__PERMISSION_DENIED,
     };
     const unsigned k = (unsigned)status;
     return k < sizeof codes / sizeof *codes ? codes[k] : MENISCUS__CODE__INTERNAL;

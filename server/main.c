@@ -2,8 +2,6 @@
 /* The command line of meniscusd: what to do, and nothing of how. */
 #include "base/log.h"
 #include "batch/batch.h"
-#include "batch/history_print.h"
-#include "batch/replay.h"
 #include "batch/schemes.h"
 #include "net/daemon.h"
 #include "run/environment.h"
@@ -27,35 +25,22 @@ enum {
     KEY_THREADS,
     KEY_STATE,
     KEY_TCP,
-    KEY_LISTEN,
-    KEY_KEYS,
     KEY_LOAD,
     KEY_START,
-    KEY_SCHEMES,
-    KEY_LOG,
-    KEY_REPLAY,
-    KEY_VERIFY
+    KEY_SCHEMES
 };
 
 static const struct argp_option arguments[] = {
     {"name", 'n', "NAME", 0, "Name by which clients find the daemon (default)", 1},
     {"state-dir", KEY_STATE, "DIR", 0, "Where runs keep their files", 1},
     {"tcp", KEY_TCP, "PORT", 0, "Listen on 127.0.0.1 too: commands at PORT, telemetry at PORT + 1", 1},
-    {"listen", KEY_LISTEN, "tcp://ADDRESS:PORT", 0,
-     "The same at any address, for those who have a key: see `meniscus help keys`", 1},
-    {"keys", KEY_KEYS, "DIR", 0, "Where the keys of --listen are ($MENISCUS_KEYS, or ~/.config/meniscus/keys)", 1},
     {"load", KEY_LOAD, "CASE", 0, "Load a case at the start: a file, or the name of one that came along", 1},
     {"start", KEY_START, 0, 0, "Set it in motion", 1},
     {"batch", KEY_BATCH, "CASE", 0, "Run CASE to its end without a daemon, print what came of it, and exit", 2},
     {"out", KEY_OUT, "DIR", 0, "Run directory of --batch (./CASE.run)", 2},
     {"until", KEY_UNTIL, "T", 0, "Stop --batch with a checkpoint at the first step at or after T seconds", 2},
     {"schemes", KEY_SCHEMES, 0, 0, "Print the schemes and their equations, and exit", 2},
-    {"log", KEY_LOG, "DIR", 0, "Print the journal of a run directory, and exit; with --verify only whether it is whole",
-     2},
-    {"replay", KEY_REPLAY, "DIR", 0,
-     "Do the run of a directory again, from its journal, compare the states with --verify, and exit", 2},
-    {"verify", KEY_VERIFY, 0, 0, "See --log and --replay", 2},
-    {"output", 'o', "json", 0, "Print one JSON object at the end of --batch, or for --schemes, --log, --replay", 2},
+    {"output", 'o', "json", 0, "Print one JSON object at the end of --batch, or for --schemes", 2},
     {"set", KEY_SET, "PATH=VALUE", 0, "Change an entry of the case; may be given often", 3},
     {"resume", KEY_RESUME, "auto", 0, "Go on from the newest whole checkpoint in the run directory, if there is one",
      3},
@@ -69,8 +54,7 @@ static const struct argp_option arguments[] = {
 typedef struct Options {
     BatchOptions batch;
     DaemonOptions daemon;
-    bool schemes, verify;
-    const char *log, *replay; /* run directories */
+    bool schemes;
     size_t n_settings;
     char **settings;
     char threads[32];
@@ -131,17 +115,10 @@ static void check(const Options *options, struct argp_state *state)
 {
     const BatchOptions *batch = &options->batch;
     const DaemonOptions *daemon = &options->daemon;
-    if (!batch->name && (batch->directory || (batch->json && !options->schemes && !options->log && !options->replay) ||
-                         !isnan(batch->until)))
+    if (!batch->name && (batch->directory || (batch->json && !options->schemes) || !isnan(batch->until)))
         argp_error(state, "--out, --until and --output go with --batch");
-    if (batch->name && (daemon->load || daemon->start || daemon->at.tcp || daemon->at.listen || daemon->state_dir))
-        argp_error(state, "--batch starts no daemon: leave out --load, --start, --tcp, --listen and --state-dir");
-    if (daemon->at.keys && !daemon->at.listen)
-        argp_error(state, "--keys says where the keys of --listen are: give both");
-    if (options->log && options->replay) argp_error(state, "--log and --replay are two things; ask for one");
-    if (options->verify && !options->log && !options->replay) argp_error(state, "--verify goes with --log or --replay");
-    if (options->replay && !options->verify)
-        argp_error(state, "--replay goes with --verify: it compares, and writes nothing");
+    if (batch->name && (daemon->load || daemon->start || daemon->tcp || daemon->state_dir))
+        argp_error(state, "--batch starts no daemon: leave out --load, --start, --tcp and --state-dir");
     if (!batch->name && !daemon->load && (options->n_settings || options->resume || daemon->start))
         argp_error(state, "--set, --resume and --start need a case: --load or --batch");
 }
@@ -150,11 +127,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
 {
     Options *options = state->input;
     switch (key) {
-    case 'n': options->daemon.at.name = text; break;
+    case 'n': options->daemon.name = text; break;
     case KEY_STATE: options->daemon.state_dir = text; break;
-    case KEY_TCP: options->daemon.at.tcp = text; break;
-    case KEY_LISTEN: options->daemon.at.listen = text; break;
-    case KEY_KEYS: options->daemon.at.keys = text; break;
+    case KEY_TCP: options->daemon.tcp = text; break;
     case KEY_LOAD: options->daemon.load = text; break;
     case KEY_START: options->daemon.start = true; break;
     case KEY_BATCH: options->batch.name = text; break;
@@ -167,9 +142,6 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case KEY_THREADS: set_threads(options, text, state); break;
     case 'o': options->batch.json = only(text, "json", "--output", state); break;
     case KEY_RESUME: options->resume = only(text, "auto", "--resume", state); break;
-    case KEY_LOG: options->log = text; break;
-    case KEY_REPLAY: options->replay = text; break;
-    case KEY_VERIFY: options->verify = true; break;
     case KEY_SCHEMES: options->schemes = true; break;
     case KEY_LEVEL: set_level(options, text, state); break;
     case ARGP_KEY_ARG: argp_error(state, "there is no place for \"%s\"; a case follows --load or --batch", text); break;
@@ -197,9 +169,6 @@ static void tell_scripts(int code, void *of)
 
 static int run(Options *options)
 {
-    if (options->schemes) return schemes_print(options->batch.json);
-    if (options->log) return history_print(options->log, options->verify, options->batch.json);
-    if (options->replay) return replay_run(options->replay, options->daemon.threads, options->batch.json);
     const int usual = options->batch.name ? LOG_WARNING : LOG_INFORMATION;
     log_set_level((LogLevel)(options->level >= 0 ? options->level : usual));
     options->batch.n_settings = options->daemon.n_settings = options->n_settings;
@@ -225,7 +194,7 @@ int main(int argc, char **argv)
                "Exit codes: 0 done, 1 refused or failed, 2 usage, 65 bad case, 70 diverged or a formula failed on the "
                "way, 74 input/output error, 75 stopped by a signal, after a checkpoint if it had begun (run the same "
                "command again)."};
-    Options options = {.batch.until = NAN, .level = -1, .daemon.at.name = "default", .daemon.threads = -1};
+    Options options = {.batch.until = NAN, .level = -1, .daemon.name = "default", .daemon.threads = -1};
     environment_waiting(argv);
     argp_err_exit_status = MNS_EXIT_USAGE;
     static Words words; /* outlives main() */
@@ -234,7 +203,7 @@ int main(int argc, char **argv)
     argp_parse(&parser, argc, argv, 0, NULL, &options);
     if (!take_level()) exit(MNS_EXIT_USAGE);
     words.understood = true;
-    const int code = run(&options);
+    const int code = options.schemes ? schemes_print(options.batch.json) : run(&options);
     free(options.settings);
     return code;
 }

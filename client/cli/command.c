@@ -37,49 +37,7 @@ const Command command_table[] = {
      .exits = EXIT_IO,
      .max_words = 1,
      .run = command_render},
-    {.name = "log",
-     .arguments = "DIR",
-     .help = "print the journal of a run directory: who changed what, and when",
-     .details =
-         "Every command that changed something, with its step, the values before and after, and what was answered. "
-         "With --verify only whether the journal is whole: a changed byte is named with its record, exit code 74.",
-     .options = OPTION(OPT_VERIFY),
-     .exits = EXIT_IO,
-     .is_alone = true,
-     .min_words = 1,
-     .max_words = 1,
-     .run = command_log},
-    {.name = "replay",
-     .arguments = "DIR --verify",
-     .help = "do a run again from its journal, and compare the states",
-     .details =
-         "The case is executed with all that was commanded, without a daemon and without writing anything, and every "
-         "hash of the state that the journal has, of each 100 steps and wherever the run stood still, must come "
-         "out again, with any number of threads. The first step that differs is named; exit code 1.",
-     .options = OPTION(OPT_VERIFY) | OPTION(OPT_THREADS),
-     .exits = EXIT_IO,
-     .is_alone = true,
-     .min_words = 1,
-     .max_words = 1,
-     .run = command_replay},
     {.name = "schemes", .help = "print the schemes and their equations", .is_alone = true, .run = command_schemes},
-    {.name = "keys",
-     .arguments = "new NAME | list | remove NAME",
-     .help = "make, list and remove keys for connections from afar",
-     .details =
-         "A daemon with --listen lets in whoever has one of its keys, and nobody else:\n"
-         "    meniscus keys new ada --role operator    on the daemon's machine, as its user\n"
-         "    meniscusd --listen tcp://192.0.2.7:5555\n"
-         "Give the file that is written, ada.key, to ada, over a way that is safe; there it must have mode 0600:\n"
-         "    meniscus --key ada.key --daemon tcp://192.0.2.7:5555 status\n"
-         "A daemon that runs takes note of a new key at once, and cuts off a key that is removed. Whoever can open the "
-         "sockets on the daemon's machine, which its user can, needs no key and is an admin.",
-     .options = OPTION(OPT_ROLE) | OPTION(OPT_KEYS),
-     .exits = EXIT_IO,
-     .is_alone = true,
-     .min_words = 1,
-     .max_words = 2,
-     .run = command_keys},
     {.name = "help",
      .arguments = "[COMMAND]",
      .help = "explain a command, or list all",

@@ -85,12 +85,9 @@ MnsStatus command_status(Invocation *in, MnsError *error);
 MnsStatus command_capabilities(Invocation *in, MnsError *error);
 MnsStatus command_schemes(Invocation *in, MnsError *error);
 MnsStatus command_ls(Invocation *in, MnsError *error);
-MnsStatus command_keys(Invocation *in, MnsError *error);
 MnsStatus command_help(Invocation *in, MnsError *error);
 MnsStatus command_render(Invocation *in, MnsError *error);
 MnsStatus command_run(Invocation *in, MnsError *error);
-MnsStatus command_log(Invocation *in, MnsError *error);
-MnsStatus command_replay(Invocation *in, MnsError *error);
 
 /* Help for one command, or for all with NULL, as text on standard output. */
 void help_print(const Command *command);

@@ -8,9 +8,6 @@
 
 const OptionInfo option_table[] = {
     [OPT_DAEMON] = {"daemon", 'd', "NAME|ENDPOINT", "which daemon; default $MENISCUS_DAEMON, or the one named default"},
-    [OPT_KEY] = {"key", 0, "FILE", "our key, for a daemon at tcp://HOST:PORT; default $MENISCUS_KEY"},
-    [OPT_SERVER_KEY] = {"server-key", 0, "KEY",
-                        "the daemon's public key; default $MENISCUS_SERVER_KEY, or that in FILE"},
     [OPT_OUTPUT] = {"output", 'o', "text|json", "how to print results"},
     [OPT_TIMEOUT] = {"timeout", 0, "SECONDS", "give up after this long (exit code 124)"},
     [OPT_ID] = {"id", 0, "32 HEX DIGITS", "id of the request: repeated with the same id, a command happens once"},
@@ -37,7 +34,6 @@ const OptionInfo option_table[] = {
     [OPT_UNTIL] = {"until", 0, "T", "stop with a checkpoint at the first step at or after this time [s]"},
     [OPT_RESUME_AUTO] = {"resume", 0, "auto", "go on from the newest whole checkpoint in the run directory, if any"},
     [OPT_THREADS] = {"threads", 0, "N", "threads of the solver, 0 for all processors; default: as the case says"},
-    [OPT_VERIFY] = {"verify", 0, NULL, "compare, and say whether all is as it was"},
     [OPT_LOG_LEVEL] = {"log-level", 0, "LEVEL", "error, warning (default), notice, info or debug"},
     [OPT_PICTURE] = {"out", 0, "FILE.png", "where the picture goes; must be given"},
     [OPT_FIELD] = {"field", 'f', "NAME", "phase (default), pressure, velocity, density or any other field"},
@@ -49,9 +45,6 @@ const OptionInfo option_table[] = {
     [OPT_BOX] = {"box", 'b', "X0,Y0,X1,Y1", "part of the plane to draw [m]; default: the domain"},
     [OPT_TITLE] = {"title", 't', "TEXT", "instead of the title of the case"},
     [OPT_SIZE] = {"size", 's', "W[xH]", "in pixels; without H as high as the plot needs; default: 1600"},
-    [OPT_ROLE] = {"role", 0, "ROLE",
-                  "viewer: asks and listens; operator: steers too; admin: also loads and shuts down"},
-    [OPT_KEYS] = {"keys", 0, "DIR", "where the keys are; default $MENISCUS_KEYS, or ~/.config/meniscus/keys"},
 };
 
 enum { LONG_ONLY = 256 };

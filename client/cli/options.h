@@ -7,8 +7,6 @@
 
 typedef enum OptionId {
     OPT_DAEMON,
-    OPT_KEY,
-    OPT_SERVER_KEY,
     OPT_OUTPUT,
     OPT_TIMEOUT,
     OPT_ID,
@@ -34,7 +32,6 @@ typedef enum OptionId {
     OPT_UNTIL,
     OPT_RESUME_AUTO,
     OPT_THREADS,
-    OPT_VERIFY,
     OPT_LOG_LEVEL,
     OPT_PICTURE,
     OPT_FIELD,
@@ -46,8 +43,6 @@ typedef enum OptionId {
     OPT_BOX,
     OPT_TITLE,
     OPT_SIZE,
-    OPT_ROLE,
-    OPT_KEYS,
     OPTION_COUNT
 } OptionId;
 

@@ -17,7 +17,7 @@ static const MnsStatus statuses[] = {
     [MENISCUS__CODE__DEADLINE_EXCEEDED] = MNS_E_TIMEOUT,
     [MENISCUS__CODE__NOT_FOUND] = MNS_E_NOT_FOUND,
     [MENISCUS__CODE__ALREADY_EXISTS] = MNS_E_STATE,
-    [MENISCUS__CODE__PERMISSION_DENIED] = MNS_E_DENIED,
+    [MENISCUS__CODE__PERMISSION_DENIED] = MNS_E_STATE,
     [MENISCUS__CODE__RESOURCE_EXHAUSTED] = MNS_E_LIMIT,
     [MENISCUS__CODE__FAILED_PRECONDITION] = MNS_E_STATE,
     [MENISCUS__CODE__ABORTED] = MNS_E_INTERRUPTED,
@@ -26,7 +26,7 @@ static const MnsStatus statuses[] = {
     [MENISCUS__CODE__INTERNAL] = MNS_E_INTERNAL,
     [MENISCUS__CODE__UNAVAILABLE] = MNS_E_UNAVAILABLE,
     [MENISCUS__CODE__DATA_LOSS] = MNS_E_CORRUPT,
-    [MENISCUS__CODE__UNAUTHENTICATED] = MNS_E_DENIED,
+    [MENISCUS__CODE__UNAUTHENTICATED] = MNS_E_STATE,
 };
 
 MnsStatus call_random(uint8_t *data, size_t size, MnsError *error)
@@ -116,7 +116,7 @@ static MnsStatus exchange(MnsClient *client, const Meniscus__Request *request, d
 
 MnsStatus call_reason(const char *reason)
 {
-    for (int k = MNS_OK + 1; reason && k <= MNS_E_DENIED; k++)
+    for (int k = MNS_OK + 1; reason && k <= MNS_E_INTERNAL; k++)
         if (strcmp(reason, mns_status_name((MnsStatus)k)) == 0) return (MnsStatus)k;
     return MNS_OK;
 }

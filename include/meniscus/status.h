@@ -22,8 +22,7 @@ typedef enum MnsStatus {
     MNS_E_UNAVAILABLE, /* nobody answers                                                            */
     MNS_E_TIMEOUT,     /* not done in time                                                          */
     MNS_E_INTERRUPTED, /* stopped by a signal or a request                                          */
-    MNS_E_INTERNAL,    /* a defect of this program                                                  */
-    MNS_E_DENIED       /* who asks may not do that, or is not let in                                */
+    MNS_E_INTERNAL     /* a defect of this program                                                  */
 } MnsStatus;
 
 /** Why a call failed. Every function that can fail takes one as its last parameter; it may be NULL. */

@@ -22,7 +22,6 @@ const char *mns_status_name(MnsStatus status)
         [MNS_E_TIMEOUT] = "timed out",
         [MNS_E_INTERRUPTED] = "interrupted",
         [MNS_E_INTERNAL] = "internal error",
-        [MNS_E_DENIED] = "denied",
     };
     const unsigned k = (unsigned)status;
     return k < sizeof names / sizeof *names ? names[k] : "unknown";
@@ -45,7 +44,6 @@ const char *mns_status_hint(MnsStatus status)
         [MNS_E_TIMEOUT] = "allow more time, or see with `meniscus status` how far it is",
         [MNS_E_INTERRUPTED] = "ended on request: see `meniscus status`, and give it again if it is still wanted",
         [MNS_E_INTERNAL] = "please report this with the command and the log",
-        [MNS_E_DENIED] = "ask whoever keeps the daemon's keys: `meniscus keys` makes one of the role that is needed",
     };
     const unsigned k = (unsigned)status;
     return k < sizeof hints / sizeof *hints && hints[k] ? hints[k] : "";

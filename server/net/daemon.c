@@ -4,7 +4,6 @@
 
 #include "base/log.h"
 #include "base/signals.h"
-#include "net/comeback.h"
 #include "net/desk.h"
 #include "net/handlers.h"
 #include "net/notify.h"
@@ -31,20 +30,16 @@ typedef struct Daemon {
     Notify notify;
     CaseFile *file;       /* of --load, until it is loaded     */
     const Exchange *load; /* under way                         */
-    Comeback comeback;
-    const Exchange *recovery; /* under way */
     Signals signals;
     bool leaving; /* the run has come to its end       */
     int code;
     char parent[RUNDIR_PATH];
 } Daemon;
 
-static const Who OURSELVES = {"daemon", ROLE_ADMIN};
-
 /* --- requests of our own ----------------------------------------------------------------------------------------------- */
 
 /* Post a copy of a request, whose reply nobody reads. NULL if that was not possible. */
-static const Exchange *post(Daemon *daemon, const Meniscus__Request *request, const Lineage *lineage)
+static const Exchange *post(Daemon *daemon, const Meniscus__Request *request)
 {
     MnsError error;
     const size_t size = meniscus__request__get_packed_size(request);
@@ -53,8 +48,7 @@ static const Exchange *post(Daemon *daemon, const Meniscus__Request *request, co
     meniscus__request__pack(request, packed);
     Meniscus__Request *copy = meniscus__request__unpack(NULL, size, packed);
     free(packed);
-    Exchange *exchange = copy ? exchange_new(copy, &OURSELVES) : NULL;
-    if (exchange) exchange->order.lineage = lineage;
+    Exchange *exchange = copy ? exchange_new(copy) : NULL;
     if (!exchange || !handle(daemon->run, exchange, &error)) return exchange;
     log_line(LOG_ERROR, "%s", error.text);
     exchange_free(exchange);
@@ -70,7 +64,7 @@ static void post_shutdown(Daemon *daemon, bool checkpoint)
     request.command_case = MENISCUS__REQUEST__COMMAND_SHUTDOWN;
     request.shutdown = &shutdown;
     notify_stopping();
-    post(daemon, &request, NULL);
+    post(daemon, &request);
 }
 
 static void post_checkpoint(Daemon *daemon)
@@ -79,7 +73,7 @@ static void post_checkpoint(Daemon *daemon)
     Meniscus__CheckpointNow checkpoint = MENISCUS__CHECKPOINT_NOW__INIT;
     request.command_case = MENISCUS__REQUEST__COMMAND_CHECKPOINT;
     request.checkpoint = &checkpoint;
-    post(daemon, &request, NULL);
+    post(daemon, &request);
 }
 
 static void post_start(Daemon *daemon)
@@ -88,7 +82,7 @@ static void post_start(Daemon *daemon)
     Meniscus__Start start = MENISCUS__START__INIT;
     request.command_case = MENISCUS__REQUEST__COMMAND_START;
     request.start = &start;
-    post(daemon, &request, NULL);
+    post(daemon, &request);
 }
 
 /* --- the case of the command line ---------------------------------------------------------------------------------------- */
@@ -115,7 +109,7 @@ static void post_load(Daemon *daemon, const char *path)
     load.resume = daemon->options->resume;
     request.command_case = MENISCUS__REQUEST__COMMAND_LOAD;
     request.load = &load;
-    daemon->load = post(daemon, &request, NULL);
+    daemon->load = post(daemon, &request);
     load_done(&load);
 }
 
@@ -131,28 +125,6 @@ static void after_load(Daemon *daemon, Order *order)
     log_line(LOG_ERROR, "%s", order->error.text);
     daemon->code = bad ? MNS_EXIT_BAD_CASE : taken ? MNS_EXIT_FAILED : MNS_EXIT_IO;
     post_shutdown(daemon, false);
-}
-
-/* --- after a crash ------------------------------------------------------------------------------------------------------ */
-
-static void post_recovery(Daemon *daemon)
-{
-    Meniscus__Request request;
-    Meniscus__Load load;
-    comeback_request(&daemon->comeback, &request, &load);
-    log_line(LOG_NOTICE, "going on with %s, which was not ended", daemon->comeback.directory);
-    daemon->recovery = post(daemon, &request, &daemon->comeback.lineage);
-    Meniscus__Request *resume = daemon->recovery ? comeback_resume(&daemon->comeback) : NULL;
-    if (resume) post(daemon, resume, NULL); /* now, so that a pause that comes meanwhile calls it off */
-    request_free(resume);
-    Meniscus__Request *rest = daemon->recovery ? comeback_rest(&daemon->comeback) : NULL;
-    if (rest) desk_take(daemon->desk, &OURSELVES, rest, &daemon->comeback.lineage); /* before its sender asks again */
-}
-
-static void after_recovery(Daemon *daemon, const Order *order)
-{
-    daemon->recovery = NULL;
-    if (order->status) log_line(LOG_ERROR, "no run is gone on with: %s", order->error.text);
 }
 
 /* --- what happens -------------------------------------------------------------------------------------------------------- */
@@ -173,7 +145,6 @@ static void take_answer(Daemon *daemon, Order *order)
     /* A shutdown that was too late, or for another step, has done nothing: the run goes on, and so do we. */
     const bool last = exchange->handler && exchange->handler->traits & LAST && order->state == RUN_STOPPING;
     if (exchange == daemon->load) after_load(daemon, order);
-    else if (exchange == daemon->recovery) after_recovery(daemon, order);
     else if (order->status && !exchange->n_senders) log_line(LOG_WARNING, "%s", order->error.text);
     if (last) daemon->leaving = true;
     if (last && order->status) daemon->code = MNS_EXIT_IO;
@@ -237,7 +208,7 @@ static MnsStatus make_parent(Daemon *daemon, MnsError *error)
 static void find_parent(Daemon *daemon)
 {
     const char *given = daemon->options->state_dir, *systemd = getenv("STATE_DIRECTORY");
-    const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME"), *name = daemon->options->at.name;
+    const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME"), *name = daemon->options->name;
     char *to = daemon->parent;
     const size_t size = sizeof daemon->parent;
     if (given) snprintf(to, size, "%s", given);
@@ -285,17 +256,13 @@ static int serve_locked(Daemon *daemon, const char *path)
     const MnsStatus status = begin(daemon, &error);
     const bool disk = status == MNS_E_IO || status == MNS_E_NO_SPACE;
     if (status) return refused(&error, disk ? MNS_EXIT_IO : MNS_EXIT_FAILED);
-    comeback_begin(&daemon->comeback, daemon->parent, daemon->desk);
     if (daemon->file) post_load(daemon, path);
-    else if (daemon->comeback.due) post_recovery(daemon);
-    const Endpoint *at = &daemon->endpoint;
-    log_line(LOG_INFORMATION, "listening at %s%s%s%s%s", at->control, at->tcp_control[0] ? " and " : "",
-             at->tcp_control, at->far_control[0] ? " and, for those who have a key, at " : "", at->far_control);
+    log_line(LOG_INFORMATION, "listening at %s%s%s", daemon->endpoint.control,
+             daemon->endpoint.tcp_control[0] ? " and " : "", daemon->endpoint.tcp_control);
     notify_ready();
     serve(daemon);
     run_free(daemon->run);
     desk_free(daemon->desk);
-    comeback_done(&daemon->comeback);
     return daemon->code;
 }
 
@@ -308,7 +275,7 @@ int daemon_run(const DaemonOptions *options)
         case_file_free(daemon.file);
         return refused(&error, MNS_EXIT_BAD_CASE);
     }
-    const MnsStatus status = endpoint_open(&options->at, &daemon.endpoint, &error);
+    const MnsStatus status = endpoint_open(options->name, options->tcp, &daemon.endpoint, &error);
     if (status) {
         case_file_free(daemon.file);
         const bool usage = status == MNS_E_INVALID || status == MNS_E_LIMIT;

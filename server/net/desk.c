@@ -6,7 +6,6 @@
 
 #include "base/clock.h"
 #include "base/log.h"
-#include "net/far.h"
 #include "net/handlers.h"
 #include "net/ledger.h"
 #include "net/outgoing.h"
@@ -14,7 +13,6 @@
 #include "proto/frame.h"
 #include <inttypes.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -38,12 +36,8 @@ typedef struct Reading {
     uint64_t frames; /* taken so far, that of the sender too */
 } Reading;
 
-enum { CONTROL, TELEMETRY, FARS };
-
 struct Desk {
     void *context, *control, *telemetry;
-    Access *access;
-    Far far[FARS];
     Run *run;
     Ledger *ledger;
     Publisher *publisher;
@@ -84,18 +78,12 @@ static MnsStatus bind_all(Desk *desk, const Endpoint *at, MnsError *error)
     if (!status) status = bind_one(desk->telemetry, at->telemetry, error);
     umask(mask);
     if (!status) status = bind_one(desk->control, at->tcp_control, error);
-    if (!status) status = bind_one(desk->telemetry, at->tcp_telemetry, error);
-    if (status || !at->far_control[0]) return status;
-    status = far_bind(&desk->far[CONTROL], desk->access, desk->control, at->far_control, error);
-    return status ? status : far_bind(&desk->far[TELEMETRY], desk->access, desk->telemetry, at->far_telemetry, error);
+    return status ? status : bind_one(desk->telemetry, at->tcp_telemetry, error);
 }
 
-static MnsStatus open_sockets(Desk *desk, const Endpoint *at, MnsError *error)
+static MnsStatus open_sockets(Desk *desk, MnsError *error)
 {
     desk->context = zmq_ctx_new();
-    if (desk->context && at->far_control[0]) zmq_ctx_set(desk->context, ZMQ_IO_THREADS, 2);
-    MnsStatus status = access_new(desk->context, at->keys, &desk->access, error);
-    if (status) return status;
     desk->control = desk->context ? zmq_socket(desk->context, ZMQ_ROUTER) : NULL;
     desk->telemetry = desk->control ? zmq_socket(desk->context, ZMQ_XPUB) : NULL;
     if (!desk->telemetry) return mns_fail(error, MNS_E_MEMORY, "cannot make sockets: %s", zmq_strerror(zmq_errno()));
@@ -108,8 +96,6 @@ static MnsStatus open_sockets(Desk *desk, const Endpoint *at, MnsError *error)
     set_common(desk->telemetry);
     set(desk->telemetry, ZMQ_XPUB_VERBOSE, 1);
     zmq_setsockopt(desk->telemetry, ZMQ_MAXMSGSIZE, &largest_subscription, sizeof largest_subscription);
-    access_guard_local(desk->access, desk->control);
-    access_guard_local(desk->access, desk->telemetry);
     return visitors_init(&desk->visitors, desk->context, desk->control, error);
 }
 
@@ -123,7 +109,7 @@ MnsStatus desk_new(const Endpoint *endpoint, Run *run, Desk **ret, MnsError *err
     desk->replied = -INFINITY;
     zmq_msg_init(&desk->reading.first);
     desk->epoch = (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
-    MnsStatus status = open_sockets(desk, endpoint, error);
+    MnsStatus status = open_sockets(desk, error);
     outgoing_init(&desk->outgoing, desk->control, desk->epoch);
     if (!status) status = bind_all(desk, endpoint, error);
     if (!status) {
@@ -147,7 +133,6 @@ void desk_free(Desk *desk)
     zmq_msg_close(&desk->reading.first);
     if (desk->control) zmq_close(desk->control);
     if (desk->telemetry) zmq_close(desk->telemetry);
-    access_free(desk->access);
     if (desk->context) zmq_ctx_term(desk->context);
     ledger_free(desk->ledger);
     publisher_free(desk->publisher);
@@ -159,31 +144,14 @@ Publisher *desk_publisher(Desk *desk)
     return desk->publisher;
 }
 
-/* --- the door ----------------------------------------------------------------------------------------------------------- */
-
-static void see_to_door(Desk *desk)
-{
-    for (int k = 0; k < FARS; k++) far_mend(&desk->far[k]);
-    if (access_refresh(desk->access)) {
-        log_line(LOG_NOTICE, "a key is gone: connections from afar are made anew");
-        for (int k = 0; k < FARS; k++) far_cut(&desk->far[k]);
-    }
-    for (int k = 0; k < AT_ONCE && access_answer(desk->access); k++) continue;
-}
-
 unsigned desk_poll(Desk *desk, const int fds[2], long timeout)
 {
-    const int watch = access_watch(desk->access);
     zmq_pollitem_t items[] = {{.fd = fds[0], .events = ZMQ_POLLIN},
                               {.fd = fds[1], .events = ZMQ_POLLIN},
                               {.socket = desk->control, .events = ZMQ_POLLIN},
                               {.socket = desk->telemetry, .events = ZMQ_POLLIN},
-                              {.socket = desk->visitors.monitor, .events = ZMQ_POLLIN},
-                              {.socket = access_socket(desk->access), .events = ZMQ_POLLIN},
-                              {.fd = watch, .events = ZMQ_POLLIN}};
-    for (int k = 0; k < FARS; k++)
-        if (far_is_cut(&desk->far[k]) && timeout > FAR_RETRY_MS) timeout = FAR_RETRY_MS;
-    if (zmq_poll(items, watch >= 0 ? 7 : 6, timeout) <= 0) return 0;
+                              {.socket = desk->visitors.monitor, .events = ZMQ_POLLIN}};
+    if (zmq_poll(items, 5, timeout) <= 0) return 0;
     return (items[0].revents ? 1u : 0) | (items[1].revents ? 2u : 0);
 }
 
@@ -225,9 +193,17 @@ static void send_exchange(Desk *desk, Exchange *exchange, uint8_t *packed, size_
     if (!n) free(packed);
 }
 
+static void complete(Desk *desk, Exchange *exchange)
+{
+    Order *order = &exchange->order;
+    if (!order->status && exchange->handler && exchange->handler->complete)
+        order->status = exchange->handler->complete(exchange, &order->error);
+    exchange_seal(exchange, desk->epoch);
+}
+
 void desk_reply(Desk *desk, Exchange *exchange)
 {
-    if (!exchange->sealed) exchange_seal(exchange);
+    complete(desk, exchange);
     const Meniscus__Reply *reply = exchange->reply;
     const bool whole = reply && reply->has_id; /* else there was no memory, and without its id nobody knows it */
     const size_t size = whole ? meniscus__reply__get_packed_size(reply) : 0;
@@ -308,8 +284,7 @@ static MnsStatus begin(Desk *desk, Exchange *exchange, MnsError *error)
 }
 
 /* Takes over the request. */
-static void take_request(Desk *desk, const Sender *sender, const Who *who, ProtobufCBinaryData id,
-                         Meniscus__Request *request, const Lineage *lineage)
+static void take_request(Desk *desk, const Sender *sender, ProtobufCBinaryData id, Meniscus__Request *request)
 {
     LedgerEntry entry;
     MnsError error;
@@ -318,46 +293,28 @@ static void take_request(Desk *desk, const Sender *sender, const Who *who, Proto
         request_free(request);
         return;
     }
-    Exchange *exchange = exchange_new(request, who);
+    Exchange *exchange = exchange_new(request);
     if (!exchange) {
         mns_fail(&error, MNS_E_MEMORY, "no memory for the command; nothing was done");
         refuse(desk, sender, id, &error);
         return;
     }
-    exchange->epoch = desk->epoch;
-    exchange->order.lineage = lineage;
     if (sender->size) exchange->senders[exchange->n_senders++] = *sender;
     if (!begin(desk, exchange, &error)) return;
     refuse(desk, sender, id, &error);
     exchange_free(exchange);
 }
 
-void desk_recall(Desk *desk, const uint8_t id[static ORDER_ID], const uint8_t *reply, size_t size)
-{
-    ledger_recall(desk->ledger, id, reply, size);
-}
-
-void desk_take(Desk *desk, const Who *who, Meniscus__Request *request, const Lineage *lineage)
-{
-    const Sender nobody = {.size = 0};
-    take_request(desk, &nobody, who, request->id, request, lineage);
-}
-
-/* Nobody who is not let in gets here, but whoever is no longer: then it is as if nothing had come. */
-static void take_frame(Desk *desk, const Sender *sender, zmq_msg_t *frame, uint64_t parts)
+static void take_frame(Desk *desk, const Sender *sender, const void *data, size_t size, uint64_t parts)
 {
     MnsError error;
-    Who who;
-    const void *data = zmq_msg_data(frame);
-    const size_t size = zmq_msg_size(frame);
-    if (!access_who(desk->access, frame, &who)) return;
     Meniscus__Request *request = NULL;
     const ProtobufCBinaryData id = request_id(data, size);
     MnsStatus status =
         parts == 1 ? MNS_OK : mns_fail(&error, MNS_E_INVALID, "a request is one frame; these are %" PRIu64, parts);
     if (!status) status = request_read(data, size, &request, &error);
     if (!status) {
-        take_request(desk, sender, &who, id, request, NULL);
+        take_request(desk, sender, id, request);
         return;
     }
     refuse(desk, sender, id, &error);
@@ -381,7 +338,8 @@ static bool receive_frame(Desk *desk)
     zmq_msg_close(&frame);
     reading->frames++;
     if (more) return true;
-    take_frame(desk, &reading->sender, &reading->first, reading->frames - 1);
+    take_frame(desk, &reading->sender, zmq_msg_data(&reading->first), zmq_msg_size(&reading->first),
+               reading->frames - 1);
     zmq_msg_close(&reading->first);
     zmq_msg_init(&reading->first);
     reading->frames = 0;
@@ -402,7 +360,6 @@ static bool receive_subscription(Desk *desk)
 void desk_receive(Desk *desk)
 {
     visitors_note(&desk->visitors);
-    see_to_door(desk);
     for (int k = 0; k < AT_ONCE && receive_frame(desk); k++) continue;
     for (int k = 0; k < AT_ONCE && receive_subscription(desk); k++) continue;
 }

@@ -2,14 +2,13 @@
 /* A request and its reply. Replies are built of memory from malloc, as if they had been unpacked, and freed the same way. */
 #include "net/exchange.h"
 
-#include "net/handlers.h"
 #include "proto/frame.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <xxhash.h>
 
-Exchange *exchange_new(Meniscus__Request *request, const Who *who)
+Exchange *exchange_new(Meniscus__Request *request)
 {
     Exchange *exchange = calloc(1, sizeof *exchange);
     Meniscus__Reply *reply = malloc(sizeof *reply);
@@ -20,7 +19,6 @@ Exchange *exchange_new(Meniscus__Request *request, const Who *who)
         return NULL;
     }
     meniscus__reply__init(reply);
-    exchange->order.who = *who;
     exchange->order.deadline = INFINITY;
     exchange->request = request;
     exchange->reply = reply;
@@ -33,7 +31,6 @@ void exchange_free(Exchange *exchange)
     if (!exchange) return;
     for (size_t k = 0; k < EXCHANGE_ARRAYS; k++) free(exchange->arrays[k]);
     document_leave(exchange->order.document);
-    document_leave(exchange->order.before);
     request_free(exchange->request);
     meniscus__reply__free_unpacked(exchange->reply, NULL);
     free(exchange);
@@ -99,13 +96,10 @@ static void seal_failure(const Exchange *exchange)
         if (exchange->allowed & 1u << state) reply->allowed[reply->n_allowed++] = (Meniscus__State)state;
 }
 
-void exchange_seal(Exchange *exchange)
+void exchange_seal(Exchange *exchange, uint64_t epoch)
 {
-    Order *order = &exchange->order;
-    if (!order->status && exchange->handler && exchange->handler->complete)
-        order->status = exchange->handler->complete(exchange, &order->error);
+    const Order *order = &exchange->order;
     if (order->status) drop_result(exchange);
-    exchange->sealed = true;
     Meniscus__Reply *reply = exchange->reply;
     if (!reply) return;
     if (order->status) seal_failure(exchange);
@@ -114,7 +108,7 @@ void exchange_seal(Exchange *exchange)
     if (reply->has_id) memcpy(reply->id.data, order->id, reply->id.len = ORDER_ID);
     reply->has_code = reply->has_daemon_epoch = reply->has_state = reply->has_step = reply->has_time = true;
     reply->code = code_of(order->status);
-    reply->daemon_epoch = exchange->epoch;
+    reply->daemon_epoch = epoch;
     reply->state = (Meniscus__State)order->state;
     reply->step = order->step;
     reply->time = order->t;

@@ -135,17 +135,10 @@ static void serve_load(Run *run, Exchange *x)
     const Meniscus__Load *from = x->request->load;
     MnsError error;
     RunSetting *settings = NULL;
-    if (x->order.lineage) {
-        run_recover(run, &x->order);
-        return;
-    }
     MnsStatus status = read_settings(from, &settings, &error);
     if (!status && !from->case_) status = mns_fail_at(&error, MNS_E_INVALID, "case", "load needs a case");
-    const RunLoad load = {.message = from->case_,
-                          .name = from->name ? from->name : "case",
-                          .resume = from->has_resume && from->resume,
-                          .n_settings = from->n_settings,
-                          .settings = settings};
+    const RunLoad load = {from->case_, from->name ? from->name : "case", from->has_resume && from->resume,
+                          from->n_settings, settings};
     if (status) answer(run, x, status, &error);
     else run_load(run, &x->order, &load);
     free(settings);
@@ -161,11 +154,7 @@ static void serve_pause(Run *run, Exchange *x)
 }
 static void serve_step(Run *run, Exchange *x)
 {
-    const Lineage *lineage = x->order.lineage; /* it had set out before a crash: what is left of it */
-    const uint64_t now = mns_sim_progress(run_sim(run)).step, count = x->request->step->count;
-    const uint64_t done = lineage && now > lineage->begun_step ? now - lineage->begun_step : 0;
-    if (done && done >= count) answer(run, x, MNS_OK, NULL);
-    else run_step(run, &x->order, count - done);
+    run_step(run, &x->order, x->request->step->count);
 }
 
 static void serve_until(Run *run, Exchange *x)
@@ -257,7 +246,21 @@ static void serve_wait(Run *run, Exchange *x)
 
 static void serve_breakpoint(Run *run, Exchange *x)
 {
-    run_breakpoint(run, &x->order, x->request->breakpoint);
+    const Meniscus__SetBreakpoint *from = x->request->breakpoint;
+    Breakpoint point = {.t = from->has_time ? from->time : NAN, .step = from->has_step ? from->step : 0};
+    MnsError error;
+    const char *name = from->name ? from->name : "", *condition = from->condition ? from->condition : "";
+    if (strlen(name) >= sizeof point.name || strlen(condition) >= sizeof point.condition) {
+        answer(run, x,
+               mns_fail(&error, MNS_E_INVALID,
+                        "the name of a breakpoint has fewer than %d letters, its condition fewer than %d",
+                        BREAKPOINT_NAME, BREAKPOINT_TEXT),
+               &error);
+        return;
+    }
+    memcpy(point.name, name, strlen(name));
+    memcpy(point.condition, condition, strlen(condition));
+    run_breakpoint(run, &x->order, &point, from->has_remove && from->remove);
 }
 
 static void serve_cancel(Run *run, Exchange *x)
@@ -354,27 +357,27 @@ _Static_assert(RUN_STATES == RUN_STOPPING + 1, "all states are compared");
 
 /* clang-format off */
 static const Handler handlers[] = {
-    /* request                  name            where    role           states                    traits                          by                  then                */
-    [REQUEST(STATUS)]       = { "status",       HERE,    ROLE_VIEWER,   ANY,                      0,                              serve_status,       NULL               },
-    [REQUEST(CAPABILITIES)] = { "capabilities", HERE,    ROLE_VIEWER,   ANY,                      0,                              serve_capabilities, NULL               },
-    [REQUEST(GET)]          = { "get",          HERE,    ROLE_VIEWER,   ANY,                      0,                              serve_get,          NULL               },
-    [REQUEST(LOAD)]         = { "load",         AT_STEP, ROLE_ADMIN,    STILL | EMPTY,            CHANGES,                        serve_load,         complete_directory },
-    [REQUEST(START)]        = { "start",        AT_STEP, ROLE_OPERATOR, READY,                    MOTION | CHANGES,               serve_go,           NULL               },
-    [REQUEST(RESUME)]       = { "resume",       AT_STEP, ROLE_OPERATOR, PAUSED | FAULT,           MOTION | CHANGES,               serve_go,           NULL               },
-    [REQUEST(STEP)]         = { "step",         AT_STEP, ROLE_OPERATOR, READY | PAUSED,           MOTION | CHANGES,               serve_step,         NULL               },
-    [REQUEST(RUN_UNTIL)]    = { "run_until",    AT_STEP, ROLE_OPERATOR, READY | PAUSED,           MOTION | CHANGES,               serve_until,        NULL               },
-    [REQUEST(PAUSE)]        = { "pause",        AT_STEP, ROLE_OPERATOR, RUNNING | READY | PAUSED, URGENT | CHANGES,               serve_pause,        NULL               },
-    [REQUEST(STOP)]         = { "stop",         AT_STEP, ROLE_OPERATOR, LOADED,                   URGENT | ENDS | CHANGES,        serve_stop,         complete_directory },
-    [REQUEST(CANCEL)]       = { "cancel",       AT_STEP, ROLE_OPERATOR, ANY,                      URGENT | ENDS,                  serve_cancel,       NULL               },
-    [REQUEST(SHUTDOWN)]     = { "shutdown",     AT_STEP, ROLE_ADMIN,    ANY,                      URGENT | ENDS | LAST | CHANGES, serve_shutdown,     complete_directory },
-    [REQUEST(RESET)]        = { "reset",        AT_STEP, ROLE_OPERATOR, STILL,                    CHANGES,                        serve_reset,        complete_directory },
-    [REQUEST(RESTORE)]      = { "restore",      AT_STEP, ROLE_OPERATOR, STILL,                    CHANGES,                        serve_restore,      complete_directory },
-    [REQUEST(CHECKPOINT)]   = { "checkpoint",   AT_STEP, ROLE_OPERATOR, LOADED,                   0,                              serve_checkpoint,   complete_file      },
-    [REQUEST(SNAPSHOT)]     = { "snapshot",     AT_STEP, ROLE_OPERATOR, LOADED,                   0,                              serve_snapshot,     complete_file      },
-    [REQUEST(SET)]          = { "set",          AT_STEP, ROLE_OPERATOR, LOADED,                   CHANGES,                        serve_set,          complete_set       },
-    [REQUEST(QUERY)]        = { "query",        AT_STEP, ROLE_VIEWER,   LOADED,                   LARGE,                          serve_query,        NULL               },
-    [REQUEST(WAIT)]         = { "wait",         AT_STEP, ROLE_VIEWER,   ANY,                      0,                              serve_wait,         complete_wait      },
-    [REQUEST(BREAKPOINT)]   = { "breakpoint",   AT_STEP, ROLE_OPERATOR, LOADED,                   CHANGES,                        serve_breakpoint,   NULL               },
+    /* request                  name            where    states                    traits                by                  then               */
+    [REQUEST(STATUS)]       = { "status",       HERE,    ANY,                      0,                    serve_status,       NULL               },
+    [REQUEST(CAPABILITIES)] = { "capabilities", HERE,    ANY,                      0,                    serve_capabilities, NULL               },
+    [REQUEST(GET)]          = { "get",          HERE,    ANY,                      0,                    serve_get,          NULL               },
+    [REQUEST(LOAD)]         = { "load",         AT_STEP, STILL | EMPTY,            0,                    serve_load,         complete_directory },
+    [REQUEST(START)]        = { "start",        AT_STEP, READY,                    MOTION,               serve_go,           NULL               },
+    [REQUEST(RESUME)]       = { "resume",       AT_STEP, PAUSED | FAULT,           MOTION,               serve_go,           NULL               },
+    [REQUEST(STEP)]         = { "step",         AT_STEP, READY | PAUSED,           MOTION,               serve_step,         NULL               },
+    [REQUEST(RUN_UNTIL)]    = { "run_until",    AT_STEP, READY | PAUSED,           MOTION,               serve_until,        NULL               },
+    [REQUEST(PAUSE)]        = { "pause",        AT_STEP, RUNNING | READY | PAUSED, URGENT,               serve_pause,        NULL               },
+    [REQUEST(STOP)]         = { "stop",         AT_STEP, LOADED,                   URGENT | ENDS,        serve_stop,         complete_directory },
+    [REQUEST(CANCEL)]       = { "cancel",       AT_STEP, ANY,                      URGENT | ENDS,        serve_cancel,       NULL               },
+    [REQUEST(SHUTDOWN)]     = { "shutdown",     AT_STEP, ANY,                      URGENT | ENDS | LAST, serve_shutdown,     complete_directory },
+    [REQUEST(RESET)]        = { "reset",        AT_STEP, STILL,                    0,                    serve_reset,        complete_directory },
+    [REQUEST(RESTORE)]      = { "restore",      AT_STEP, STILL,                    0,                    serve_restore,      complete_directory },
+    [REQUEST(CHECKPOINT)]   = { "checkpoint",   AT_STEP, LOADED,                   0,                    serve_checkpoint,   complete_file      },
+    [REQUEST(SNAPSHOT)]     = { "snapshot",     AT_STEP, LOADED,                   0,                    serve_snapshot,     complete_file      },
+    [REQUEST(SET)]          = { "set",          AT_STEP, LOADED,                   0,                    serve_set,          complete_set       },
+    [REQUEST(QUERY)]        = { "query",        AT_STEP, LOADED,                   LARGE,                serve_query,        NULL               },
+    [REQUEST(WAIT)]         = { "wait",         AT_STEP, ANY,                      0,                    serve_wait,         complete_wait      },
+    [REQUEST(BREAKPOINT)]   = { "breakpoint",   AT_STEP, LOADED,                   0,                    serve_breakpoint,   NULL               },
 };
 /* clang-format on */
 
@@ -422,13 +425,6 @@ static void serve_at_step(Run *run, Order *order)
            &error);
 }
 
-static const Meniscus__Reply *seal(Order *order)
-{
-    Exchange *x = (Exchange *)order;
-    exchange_seal(x);
-    return x->reply;
-}
-
 /* A cancel ends what it names, and nothing if that is no id. With a condition on the step none does, as what is being loaded is
  * at no step yet. */
 static void note_end(const Handler *handler, const Meniscus__Request *request, Order *order)
@@ -439,17 +435,10 @@ static void note_end(const Handler *handler, const Meniscus__Request *request, O
     if (order->ends) memcpy(order->ends_id, request->cancel->id.data, ORDER_ID);
 }
 
-static MnsStatus deny(const Handler *handler, const Who *who, MnsError *error)
-{
-    return mns_fail(error, MNS_E_DENIED, "%s takes the role %s, and \"%s\" is %s", handler->name,
-                    role_name(handler->role), who->name, role_name(who->role));
-}
-
 MnsStatus handle(Run *run, Exchange *exchange, MnsError *error)
 {
     const Handler *handler = handler_find(exchange->request->command_case);
     if (!handler) return mns_fail(error, MNS_E_VERSION, "this daemon does not know the command");
-    if (exchange->order.who.role < handler->role) return deny(handler, &exchange->order.who, error);
     if (handler->where == HERE && exchange->request->has_if_step)
         return mns_fail_at(error, MNS_E_INVALID, "if_step",
                            "%s takes no if_step: it is answered at whatever step the run is, and says at which",
@@ -460,8 +449,6 @@ MnsStatus handle(Run *run, Exchange *exchange, MnsError *error)
     exchange->order.urgent = handler->traits & URGENT;
     exchange->order.motion = handler->traits & MOTION;
     exchange->order.serve = serve_at_step;
-    exchange->order.seal = seal;
-    if (handler->traits & CHANGES) exchange->order.request = exchange->request;
     note_end(handler, exchange->request, &exchange->order);
     exchange->at_step = handler->where == AT_STEP;
     if (handler->where == AT_STEP) return run_post(run, &exchange->order, error);

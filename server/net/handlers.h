@@ -16,22 +16,20 @@ typedef enum Trait {
     MOTION = 1 << 1, /* sets the run in motion; a later pause calls it off       */
     LARGE = 1 << 2,  /* its reply may be: not while clients leave much unread    */
     LAST = 1 << 3,   /* the daemon leaves after it                               */
-    ENDS = 1 << 4,   /* gives up what is being loaded; a cancel, what it names   */
-    CHANGES = 1 << 5 /* something: the journal has it before its reply leaves    */
+    ENDS = 1 << 4    /* gives up what is being loaded; a cancel, what it names   */
 } Trait;
 
 typedef struct Handler {
     const char *name;
     Where where;
-    Role role;       /* that it takes at least                                   */
     unsigned states; /* bits 1 << RunState in which it is possible               */
     unsigned traits; /* of Trait                                                 */
 
     /* Answers the order of the exchange, now or when done. */
     void (*serve)(Run *run, Exchange *exchange);
 
-    /* Completes the reply after a success from what the order brought back, on the thread of the sockets; of what CHANGES something,
-     * on the runner's. May be NULL. By then the run may be another one. */
+    /* Completes the reply after a success from what the order brought back, on the thread of the sockets; may be NULL. By then the
+     * run may be another one. */
     MnsStatus (*complete)(Exchange *exchange, MnsError *error);
 } Handler;
 
@@ -43,7 +41,7 @@ enum { HANDLER_NAMES = 64 };
 void handler_names(const char *ret[static HANDLER_NAMES]);
 
 /* Set the exchange on its way: serve it here, or post it to the run. MNS_OK: its order will come back. MNS_E_LIMIT: the
- * mailbox is full. MNS_E_DENIED: whoever asks may not. */
+ * mailbox is full. */
 MnsStatus handle(Run *run, Exchange *exchange, MnsError *error);
 
 #endif

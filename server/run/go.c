@@ -7,7 +7,6 @@
 #include <math.h>
 #include <string.h>
 
-enum { HASH_STEPS = 100 };                   /* a replay is compared with the journal this often */
 static const double PROGRESS_INTERVAL = 0.2; /* [s], of the notes for people */
 
 /* --- goals ------------------------------------------------------------------------------------------------------------ */
@@ -109,7 +108,6 @@ void run_go(Run *run, Order *order)
 
 static void go_for(Run *run, Order *order, Goal goal, const char *text)
 {
-    run_note_begun(run, order);
     goal.on = true;
     goal.order = order;
     run->goal = goal;
@@ -183,38 +181,28 @@ static void arrive(Run *run, MnsProgress before)
     }
 }
 
-MnsStatus run_step_once(Run *run, double limit, bool *ret_output, MnsError *error)
-{
-    const double started = clock_now();
-    run->hashed = *ret_output = false;
-    const MnsStatus status = mns_sim_step(run->sim, limit, error);
-    const double now = clock_now();
-    run_beat(run);
-    if (status) { /* what there is to be seen of it, whole, for whoever comes later; no checkpoint: nobody would go on from it */
-        outputs_snapshot(&run->outputs, run->sim, run->document, mns_sim_state_fields(run->sim), NULL, NULL);
-        return status;
-    }
-    meter_step(&run->meter, mns_sim_progress(run->sim), mns_sim_particles(run->sim), now - started, now);
-    run_publish_step(run);
-    if (mns_sim_progress(run->sim).step % HASH_STEPS == 0) run_hash(run);
-    *ret_output = true;
-    return outputs_take(&run->outputs, run->sim, run->document, error);
-}
-
 void run_advance(Run *run)
 {
     MnsError error;
-    bool output;
     const MnsProgress before = mns_sim_progress(run->sim);
-    const double end = run->document->c->end_time;
+    const double end = run->document->c->end_time, started = clock_now();
     if (before.t >= end || goal_reached(run)) {
         arrive(run, before);
         return;
     }
-    const MnsStatus status = run_step_once(run, run->goal.exact ? fmin(run->goal.t, end) : end, &output, &error);
-    if (status) run_fault(run, &error, output);
-    if (status && !output) return;
-    if (!status) arrive(run, before);
-    if (clock_now() - run->progress >= PROGRESS_INTERVAL) run_tell_progress(run);
+    run->hashed = false;
+    const MnsStatus status = mns_sim_step(run->sim, run->goal.exact ? fmin(run->goal.t, end) : end, &error);
+    const double now = clock_now();
+    run_beat(run);
+    if (status) { /* what there is to be seen of it, whole, for whoever comes later; no checkpoint: nobody would go on from it */
+        outputs_snapshot(&run->outputs, run->sim, run->document, mns_sim_state_fields(run->sim), NULL, NULL);
+        run_fault(run, &error, false);
+        return;
+    }
+    meter_step(&run->meter, mns_sim_progress(run->sim), mns_sim_particles(run->sim), now - started, now);
+    run_publish_step(run);
+    if (outputs_take(&run->outputs, run->sim, run->document, &error)) run_fault(run, &error, true);
+    else arrive(run, before);
+    if (now - run->progress >= PROGRESS_INTERVAL) run_tell_progress(run);
     run_answer_waiters(run);
 }

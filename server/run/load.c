@@ -23,8 +23,6 @@ typedef struct Candidate {
     bool goes_on;       /* from a checkpoint                                         */
     size_t made;        /* of the directory, by rundir_make()                      */
     int lock;           /* of the directory; -1 if the present run has it            */
-    Journal *journal;   /* the same; NULL                                            */
-    bool journal_made;  /* it was not there before                                   */
     char directory[RUNDIR_PATH];
 } Candidate;
 
@@ -35,22 +33,18 @@ static void candidate_drop(Candidate *candidate)
     document_leave(candidate->stored);
     document_leave(candidate->original);
     if (candidate->lock < 0) return; /* the directory is not ours to take away */
-    journal_free(candidate->journal);
-    if (candidate->journal_made) rundir_forget_journal(candidate->directory);
     if (candidate->made) rundir_unmake(candidate->directory, candidate->made);
     close(candidate->lock);
 }
 
 /* Make its directory and have it to ourselves: before anything in it is looked at, as another run may be writing there. */
-static MnsStatus occupy(Run *run, Candidate *candidate, MnsError *error)
+static MnsStatus occupy(const Run *run, Candidate *candidate, MnsError *error)
 {
     const bool ours = run->directory_lock >= 0 && !strcmp(candidate->directory, run->outputs.directory);
     if (ours) return MNS_OK;
     MnsStatus status = rundir_make(candidate->directory, &candidate->made, error);
     if (!status) status = rundir_lock(candidate->directory, &candidate->lock, error);
     if (!status) rundir_clear(candidate->directory);
-    if (!status)
-        status = run_journal_open(run, candidate->directory, &candidate->journal, &candidate->journal_made, error);
     return status;
 }
 
@@ -148,19 +142,8 @@ static void forget_run(Run *run)
 {
     document_leave(run->original);
     run->original = NULL;
-    journal_free(run->journal);
-    run->journal = NULL;
     if (run->directory_lock >= 0) close(run->directory_lock);
     run->directory_lock = -1;
-}
-
-/* The last answer of a run: it is written down in its directory, and leaves when that is free. */
-static void answer_last(Run *run, Order *order, MnsStatus status, const MnsError *error)
-{
-    run_answer(run, order, status, error);
-    run_sync(run);
-    forget_run(run);
-    run_release(run);
 }
 
 static void open_log(Run *run)
@@ -168,17 +151,6 @@ static void open_log(Run *run)
     char path[4096];
     snprintf(path, sizeof path, "%s/log", run->outputs.directory);
     run->log = fopen(path, "ae");
-}
-
-/* So that a daemon that is started after a crash finds it. */
-static void note_current(Run *run)
-{
-    MnsError error;
-    char text[700];
-    if (!rundir_note_current(run->options.parent, run->outputs.directory, &error)) return;
-    snprintf(text, sizeof text,
-             "after a crash the daemon will not find this run by itself, but by load --resume: %.400s", error.text);
-    run_tell(run, NOTE_LOG, LOG_WARNING, "journal", text);
 }
 
 /* Put the candidate in place. On failure the present run stays there, and nothing that could fail comes after the files. */
@@ -199,10 +171,7 @@ static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
     if (candidate->lock >= 0) {
         if (run->directory_lock >= 0) close(run->directory_lock);
         run->directory_lock = candidate->lock;
-        journal_free(run->journal);
-        run->journal = candidate->journal;
     }
-    if (run->options.parent) note_current(run);
     run->meter = (Meter){.stepping = 0};
     run->loaded = clock_now();
     open_log(run);
@@ -244,8 +213,7 @@ static void replace(Run *run, Order *order, Candidate *candidate, MnsStatus stat
     } else {
         snprintf(order->path, sizeof order->path, "%s", run->outputs.directory);
         order->effect_step = mns_sim_progress(run->sim).step;
-        run->hash = mns_sim_hash(run->sim); /* the journal has it below, after the order */
-        run->hashed = true;
+        run_hash(run);
         run_enter(run, RUN_READY, text);
         tell_files(run);
         tell_warnings(run);
@@ -253,17 +221,12 @@ static void replace(Run *run, Order *order, Candidate *candidate, MnsStatus stat
         document_leave(candidate->stored);
     }
     run_answer(run, order, status, error);
-    if (!status) run_note_hash(run);
 }
 
 /* --- the orders -------------------------------------------------------------------------------------------------------- */
 
 static MnsStatus choose_directory(const Run *run, const RunLoad *load, char ret[static RUNDIR_PATH], MnsError *error)
 {
-    if (load->directory) {
-        snprintf(ret, RUNDIR_PATH, "%s", load->directory);
-        return MNS_OK;
-    }
     if (!run->options.directory) return rundir_choose(run->options.parent, load->name, load->resume, ret, error);
     if (strlen(run->options.directory) >= RUNDIR_PATH)
         return mns_fail(error, MNS_E_LIMIT, "the path of the run directory is too long: %.200s...",
@@ -400,8 +363,9 @@ void run_stop(Run *run, Order *order, bool checkpoint)
     }
     run_goal_end(run, MNS_E_INTERRUPTED, &ended);
     if (close_run(run, &error)) run_tell(run, NOTE_LOG, LOG_WARNING, "lost", error.text);
+    forget_run(run);
     run_enter(run, RUN_EMPTY, "stopped on request");
-    answer_last(run, order, MNS_OK, NULL);
+    run_answer(run, order, MNS_OK, NULL);
 }
 
 /* What is gone, and from where one can go on. */
@@ -430,6 +394,7 @@ void run_leave(Run *run, Order *order, bool checkpoint)
     MnsError lost;
     if (close_run(run, &lost) && !status && strcmp(lost.text, run->fault.text) != 0)
         run_tell(run, NOTE_LOG, LOG_WARNING, "lost", lost.text);
+    forget_run(run);
     run->leaving = true;
-    answer_last(run, order, status, &error);
+    run_answer(run, order, status, &error);
 }

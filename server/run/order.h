@@ -4,34 +4,15 @@
 #ifndef RUN_ORDER_H
 #define RUN_ORDER_H
 
-#include "meniscus.pb-c.h"
-#include "proto/keys.h"
 #include "run/note.h"
 
 struct Run;
 
 enum { ORDER_ID = 16 };
 
-/* Who gave an order: the name of a key; "local", as whoever can open the sockets on this machine; "daemon", as for a signal. */
-typedef struct Who {
-    char name[KEY_NAME_SIZE];
-    Role role;
-} Who;
-
 typedef struct Order {
     struct Order *next;
-
-    /* If it changes something, what the journal says of it: the answer leaves only when that is on the disk. */
-    const Meniscus__Request *request; /* as it was sent; NULL: it changes nothing                */
-    bool begun;                       /* the journal has it already, and must tell how it ended   */
-
-    const struct Lineage *lineage; /* of a load after a crash: what it comes back to; borrowed    */
-
-    /* What the reply will be, once it is answered; on the runner's thread. May be NULL; the result too. */
-    const Meniscus__Reply *(*seal)(struct Order *order);
-
     uint8_t id[ORDER_ID];
-    Who who;
     uint64_t number; /* rises in the order of posting                                        */
     bool urgent;     /* overtakes all that are not                                           */
     bool motion;     /* sets the run in motion: called off by a later pause or stop           */
@@ -53,7 +34,6 @@ typedef struct Order {
     double t, effect_t; /* [s]                                                                  */
     char path[4096];    /* of the file written, or the run directory; empty if there is none    */
     Document *document; /* a share of the case after a change of it; NULL if there was none     */
-    Document *before;   /* the same before it                                                   */
     unsigned threads;   /* used then                                                            */
     Note note;          /* that carries it through the outbox: an answer needs no memory to get there */
 } Order;

@@ -193,7 +193,7 @@ static void take_answers(Bench *bench)
         Exchange *exchange = (Exchange *)note->order;
         if (!note->order->status && exchange->handler && exchange->handler->complete)
             note->order->status = exchange->handler->complete(exchange, &note->order->error);
-        exchange_seal(exchange);
+        exchange_seal(exchange, 1);
         exchange_free(exchange);
         bench->under_way--;
         bench->answered++;
@@ -215,7 +215,7 @@ static bool left_out(const Meniscus__Request *request)
 static void post(Bench *bench, Meniscus__Request *request)
 {
     MnsError error;
-    Exchange *exchange = exchange_new(request, &(Who){"local", ROLE_ADMIN});
+    Exchange *exchange = exchange_new(request);
     exchange->order.deadline = clock_now() + 0.02; /* or waits would pile up */
     if (handle(bench->run, exchange, &error)) exchange_free(exchange);
     else bench->under_way++;
@@ -256,7 +256,7 @@ static Exchange *last_order(void)
 {
     Meniscus__Request *request = malloc(sizeof *request);
     meniscus__request__init(request);
-    Exchange *exchange = exchange_new(request, &(Who){"local", ROLE_ADMIN});
+    Exchange *exchange = exchange_new(request);
     exchange->order.serve = leave;
     return exchange;
 }

@@ -12,7 +12,6 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = Path(os.environ.get("BUILD", ROOT / "build")).resolve()
-CHOICES = ("MENISCUS_DAEMON", "MENISCUS_KEY", "MENISCUS_SERVER_KEY", "MENISCUS_KEYS")
 SMALL = ["dambreak2d", "--set", "resolution=20"]
 
 
@@ -22,7 +21,6 @@ class DaemonTest(unittest.TestCase):
     home: Path
     environment: dict[str, str]
     daemon: "subprocess.Popen[bytes]"
-    options: "list[str]" = []  # of meniscusd, besides
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -30,7 +28,7 @@ class DaemonTest(unittest.TestCase):
         cls.addClassCleanup(scratch.cleanup)
         cls.home = Path(scratch.name)
         (cls.home / "run").mkdir(mode=0o700)
-        cls.environment = {key: value for key, value in os.environ.items() if key not in CHOICES}
+        cls.environment = {key: value for key, value in os.environ.items() if key != "MENISCUS_DAEMON"}
         cls.environment |= {
             "XDG_RUNTIME_DIR": str(cls.home / "run"),
             "MENISCUS_CASES": str(ROOT / "server" / "cases"),
@@ -43,21 +41,13 @@ class DaemonTest(unittest.TestCase):
     def start_daemon(cls) -> None:
         with open(cls.home / "log", "ab") as log:
             cls.daemon = subprocess.Popen(
-                [BUILD / "meniscusd", "--name", "default", "--state-dir", cls.home / "state", *cls.options],
+                [BUILD / "meniscusd", "--name", "default", "--state-dir", cls.home / "state"],
                 env=cls.environment, stdout=log, stderr=log,
             )
         socket = cls.home / "run" / "meniscus" / "default" / "control.ipc"
         until = time.monotonic() + 20
         while not socket.exists() and cls.daemon.poll() is None and time.monotonic() < until:
             time.sleep(0.01)
-
-    @classmethod
-    def kill_daemon(cls) -> None:
-        """As a crash ends it, and start it again."""
-        cls.daemon.kill()
-        cls.daemon.wait()
-        (cls.home / "run" / "meniscus" / "default" / "control.ipc").unlink()  # what start_daemon() waits for
-        cls.start_daemon()
 
     @classmethod
     def end_daemon(cls) -> None:

@@ -13,7 +13,7 @@ static Exchange *new_exchange(void)
     memcpy(request->id.data, "sixteen letters!", ORDER_ID);
     request->id.len = ORDER_ID;
     request->has_id = true;
-    Exchange *exchange = exchange_new(request, &(Who){"local", ROLE_ADMIN});
+    Exchange *exchange = exchange_new(request);
     assert_non_null(exchange);
     return exchange;
 }
@@ -36,8 +36,7 @@ static void a_success_says_when_and_brings_its_arrays(void **state)
     exchange->order.state = RUN_PAUSED;
     exchange->order.step = 9;
     exchange->order.effect_step = 7;
-    exchange->epoch = 42;
-    exchange_seal(exchange);
+    exchange_seal(exchange, 42);
     const Meniscus__Reply *reply = exchange->reply;
     assert_memory_equal(reply->id.data, "sixteen letters!", ORDER_ID);
     assert_int_equal(reply->code, MENISCUS__CODE__OK);
@@ -60,8 +59,7 @@ static void a_failure_brings_reason_place_and_states_and_no_result(void **state)
     exchange->at_step = true;
     exchange->allowed = 1u << RUN_READY | 1u << RUN_PAUSED;
     exchange->order.status = mns_fail_at(&exchange->order.error, MNS_E_STATE, "where", "not now");
-    exchange->epoch = 42;
-    exchange_seal(exchange);
+    exchange_seal(exchange, 42);
     const Meniscus__Reply *reply = exchange->reply;
     assert_int_equal(reply->code, MENISCUS__CODE__FAILED_PRECONDITION);
     assert_string_equal(reply->message, "not now");
@@ -80,7 +78,7 @@ static void what_only_looks_has_no_effect(void **state)
 {
     (void)state;
     Exchange *exchange = new_exchange();
-    exchange_seal(exchange);
+    exchange_seal(exchange, 1);
     assert_false(exchange->reply->has_effect_step);
     exchange_free(exchange);
 }

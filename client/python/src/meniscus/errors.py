@@ -19,8 +19,6 @@ _STATUS: dict[str, str] = {
     "UNIMPLEMENTED": "wrong version",
     "UNAVAILABLE": "unavailable",
     "DATA_LOSS": "corrupt",
-    "PERMISSION_DENIED": "denied",
-    "UNAUTHENTICATED": "denied",
 }
 
 _HINTS: dict[str, str] = {
@@ -39,7 +37,6 @@ _HINTS: dict[str, str] = {
     "timed out": "allow more time, or see with status() how far it is",
     "interrupted": "another client ended the command: give it again if it is still wanted",
     "internal error": "please report this with the daemon's log",
-    "denied": "ask whoever keeps the daemon's keys: `meniscus keys` makes one of the role that is needed",
 }
 
 
@@ -79,10 +76,6 @@ class StateError(MeniscusError):
     """Not possible in the present state."""
 
 
-class DeniedError(MeniscusError):
-    """The key lacks the role that this takes, or is not let in (any more)."""
-
-
 class UnavailableError(MeniscusError):
     """Nobody answers, or the daemon was restarted meanwhile."""
 
@@ -109,8 +102,6 @@ _BY_CODE: dict[str, Type[MeniscusError]] = {
     "NOT_FOUND": RefusedError,
     "FAILED_PRECONDITION": StateError,
     "ALREADY_EXISTS": StateError,
-    "PERMISSION_DENIED": DeniedError,
-    "UNAUTHENTICATED": DeniedError,
     "UNAVAILABLE": UnavailableError,
     "DEADLINE_EXCEEDED": TimedOutError,
     "ABORTED": CancelledError,
