@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Viscous forces are the sums of P1 eq. 10, give the Laplacian of plane flows, conserve momentum between fluids, and
- * act on walls only where these do not let the fluid slip. */
+ * act on walls only where these do not let the fluid slip. Where viscosities are unlike, a second term adds the rest of the stress. */
 #include "sim/terms/terms.h"
 #include "tests/support/check.h"
 #include "tests/support/cloud.h"
@@ -14,6 +14,11 @@ static int tank(const double x[3])
 static int no_walls(const double x[3])
 {
     return x[1] < 0.4 + 0.3 * x[0] ? CLOUD_WATER : CLOUD_AIR;
+}
+
+static int layers(const double x[3])
+{
+    return x[1] < 0.45 ? CLOUD_WATER : CLOUD_AIR;
 }
 
 static Cloud *stirred(int dim, int (*owner)(const double x[3]))
@@ -199,6 +204,70 @@ static void friction_is_against_the_motion_relative_to_the_wall(void **state)
     cloud_free(cloud);
 }
 
+/* Forces of two fluids that meet at y = 0.45 and move with dv_x/dy = shear, dv_y/dx = turn, dv_y/dy = -dv_x/dx = strain, per length of the
+ * interface: what all of them add up to between their rims. */
+static void force_of_interface(int dim, double jitter, double shear, double turn, double strain, double force[3])
+{
+    Cloud *cloud = cloud_new(&(CloudSetup){.dim = dim,
+                                           .dx = 0.05,
+                                           .n = {18, 18, 12},
+                                           .jitter = jitter,
+                                           .smoothing = 1.3,
+                                           .viscous = true,
+                                           .owner = layers});
+    Particles *s = &cloud->s;
+    cloud->model.viscous_scale = viscosity_scale(&cloud->model.kernel, dim, cloud->model.cell);
+    for (size_t i = 0; i < s->n; i++) {
+        const double x = s->x[0][i] - 0.45, y = s->x[1][i] - 0.45;
+        s->v[0][i] = shear * y - strain * x;
+        s->v[1][i] = turn * x + strain * y;
+    }
+    const Term *const both[] = {&viscosity, &transposed_viscosity};
+    for (int d = 0; d < 3; d++) force[d] = 0;
+    for (int k = 0; k < 2; k++) {
+        cloud_term(cloud, both[k]);
+        for (size_t i = 0; i < s->n; i++) {
+            if (fabs(s->x[0][i] - 0.45) > 0.2 || fabs(s->x[1][i] - 0.45) > 0.25) continue;
+            if (dim == 3 && fabs(s->x[2][i] - 0.3) > 0.1) continue;
+            for (int d = 0; d < dim; d++) force[d] += s->m[i] * s->a[d][i];
+        }
+    }
+    const double area = dim == 3 ? 0.4 * 0.2 : 0.4;
+    for (int d = 0; d < dim; d++) force[d] /= area;
+    cloud_free(cloud);
+}
+
+/* The jump of the stress, (0.5 - 3) (dv_i/dx_j + dv_j/dx_i): on a lattice to rounding; in disorder v is linear and its Laplacian noise. */
+static void unlike_fluids_have_the_whole_stress(void **state)
+{
+    (void)state;
+    const double jump = 0.5 - 3;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int disorder = 0; disorder < 2; disorder++) {
+            const double jitter = disorder ? 0.1 : 0, within = disorder ? 0.06 * 5 : 1e-13 * 5;
+            double force[3];
+            force_of_interface(dim, jitter, -1, 1, 0, force); /* as a solid body */
+            assert_close(force[0], 0, within);
+            assert_close(force[1], 0, within);
+            force_of_interface(dim, jitter, 0, 0, 1, force);
+            assert_close(force[0], 0, within);
+            assert_close(force[1], 2 * jump, within);
+            force_of_interface(dim, jitter, 1, 1, 0, force);
+            assert_close(force[0], 2 * jump, within);
+            assert_close(force[1], 0, within);
+        }
+}
+
+static void fluids_of_one_viscosity_need_no_more(void **state)
+{
+    (void)state;
+    Cloud *cloud = stirred(2, no_walls);
+    assert_true(transposed_viscosity.needed(&cloud->model));
+    cloud->model.phase[1].mu = cloud->model.phase[0].mu;
+    assert_false(transposed_viscosity.needed(&cloud->model));
+    cloud_free(cloud);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -208,6 +277,8 @@ int main(void)
         cmocka_unit_test(plane_flows_feel_the_laplacian),
         cmocka_unit_test(walls_without_slip_show_the_mirrored_velocity),
         cmocka_unit_test(walls_with_slip_do_nothing),
+        cmocka_unit_test(unlike_fluids_have_the_whole_stress),
+        cmocka_unit_test(fluids_of_one_viscosity_need_no_more),
         cmocka_unit_test(friction_is_against_the_motion_relative_to_the_wall),
     };
     return cmocka_run_group_tests_name("viscosity", tests, NULL, NULL);

@@ -45,6 +45,8 @@ extern const Term velocity_correction; /* projection.c     of velocities        
 extern const Term surface_vector;      /* surface_stress.c beside interfaces                           */
 extern const Term surface_stress;      /* surface_stress.c its divergence                              */
 
+extern const Term transposed_viscosity; /* transposed_viscosity.c where unlike viscosities meet */
+
 extern const Term truncation;        /* difference_shape.c    what differences are made with                */
 extern const Term mixture;           /* difference_shape.c    densities and viscosities of what is around     */
 extern const Term difference_matrix; /* difference_pressure.c system for the pressure, and divergence        */
