@@ -61,9 +61,8 @@ void atomic_cancel(AtomicFile *file)
     unlink(file->temporary);
 }
 
-/* A rename lasts through a power failure only once the directory is on the disk. File systems that cannot sync a
- * directory say EINVAL; there is nothing more to do for them. */
-static int sync_directory_of(const char *path)
+/* File systems that cannot sync a directory say EINVAL; there is nothing more to do for them. */
+int file_sync_directory(const char *path)
 {
     char dir[IO_PATH_MAX];
     const char *slash = strrchr(path, '/');
@@ -94,7 +93,7 @@ MnsStatus atomic_commit(AtomicFile *file, MnsError *error)
         atomic_cancel(file);
         return file_fail(error, failure, "write", file->path);
     }
-    failure = sync_directory_of(file->path);
+    failure = file_sync_directory(file->path);
     return failure ? file_fail(error, failure, "sync the directory of", file->path) : MNS_OK;
 }
 

@@ -42,6 +42,9 @@ MnsStatus atomic_copy(const char *from, const char *to, MnsError *error);
 int file_read_at(int fd, void *data, size_t size, size_t offset, size_t *ret_got);
 int file_write_at(int fd, const void *data, size_t size, size_t offset);
 
+/* A new name lasts through a power failure only once its directory is on the disk: have it there. @return 0 or an errno. */
+int file_sync_directory(const char *path);
+
 /* Turn an errno into a status and a sentence: MNS_E_NO_SPACE if disk, quota or size limit is used up,
  * MNS_E_MEMORY, MNS_E_IO else. @param verb  as in "write" */
 MnsStatus file_fail(MnsError *error, int number, const char *verb, const char *path);

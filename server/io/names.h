@@ -9,6 +9,7 @@
 #define CHECKPOINT_BEGIN "checkpoint-"
 #define SNAPSHOT_BEGIN   "snapshot-"
 #define NUMBERED_END     ".hdf"
+#define JOURNAL_NAME     "journal"
 #define INDEX_NAME       "snapshots.hdf.series"
 
 enum { NUMBERED_NAME = 64 };
