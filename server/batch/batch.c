@@ -8,6 +8,7 @@
 #include "proto/case_file.h"
 #include "proto/case_find.h"
 #include "proto/case_name.h"
+#include "proto/load.h"
 #include "proto/script.h"
 #include <math.h>
 #include <meniscus/exit.h>
@@ -16,6 +17,16 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+/* What the command line asks for, as a client would: for the journal. */
+typedef struct BatchRequests {
+    Meniscus__Request load, start, until, shutdown, pause;
+    Meniscus__Load what;
+    Meniscus__Start begin;
+    Meniscus__RunUntil when;
+    Meniscus__Shutdown leave;
+    Meniscus__Pause halt;
+} BatchRequests;
 
 /* An order that knows the batch. */
 typedef struct BatchOrder {
@@ -36,6 +47,7 @@ typedef struct Batch {
     size_t n_settings;
     RunSetting *settings; /* [n_settings] of the file */
     double probes[MNS_MAX_PROBES];
+    BatchRequests requests;
     BatchOrder pause, checkpoint; /* of signals: there from the beginning, so that none is lost for lack of memory */
 } Batch;
 
@@ -96,11 +108,19 @@ static void serve_leave(Run *run, Order *order)
 
 /* --- orders, notes and signals ----------------------------------------------------------------------------------------- */
 
+static BatchOrder new_order(Batch *batch, void (*serve)(Run *, Order *), const Meniscus__Request *request)
+{
+    return (BatchOrder){.order = {.serve = serve, .deadline = INFINITY, .request = request, .caller = {"batch"}},
+                        .batch = batch};
+}
+
 /* An order whose answer does not matter; ends: also the loading of the case. While it is under way another one of it would change nothing. */
-static void post_aside(Batch *batch, BatchOrder *order, void (*serve)(Run *, Order *), bool ends)
+static void post_aside(Batch *batch, BatchOrder *order, void (*serve)(Run *, Order *), const Meniscus__Request *request,
+                       bool ends)
 {
     if (order->under_way) return;
-    *order = (BatchOrder){.order = {.serve = serve, .deadline = INFINITY, .ends = ends}, .batch = batch};
+    *order = new_order(batch, serve, request);
+    order->order.ends = ends;
     order->under_way = !run_post(batch->run, &order->order, NULL);
 }
 
@@ -108,8 +128,8 @@ static void take_signal(Batch *batch)
 {
     switch (signals_take(&batch->signals)) {
     case SIGNAL_NOTHING: break;
-    case SIGNAL_CHECKPOINT: post_aside(batch, &batch->checkpoint, serve_checkpoint, false); break;
-    case SIGNAL_LEAVE: post_aside(batch, &batch->pause, serve_pause, true); break;
+    case SIGNAL_CHECKPOINT: post_aside(batch, &batch->checkpoint, serve_checkpoint, NULL, false); break;
+    case SIGNAL_LEAVE: post_aside(batch, &batch->pause, serve_pause, &batch->requests.pause, true); break;
     case SIGNAL_INSIST: _exit(MNS_EXIT_FAILED);
     }
 }
@@ -127,10 +147,10 @@ static bool take_notes(Batch *batch, const Order *awaited)
     return came;
 }
 
-/* Have the runner do something, and wait for it. */
-static MnsStatus perform(Batch *batch, void (*serve)(Run *, Order *), MnsError *error)
+/* Have the runner do something, and wait for it. request: for the journal; NULL if it only looks. */
+static MnsStatus perform(Batch *batch, void (*serve)(Run *, Order *), const Meniscus__Request *request, MnsError *error)
 {
-    BatchOrder order = {.order = {.serve = serve, .deadline = INFINITY}, .batch = batch};
+    BatchOrder order = new_order(batch, serve, request);
     MnsStatus status = run_post(batch->run, &order.order, error);
     if (status) return status;
     struct pollfd wake[2] = {{.fd = run_outbox(batch->run)->wake, .events = POLLIN},
@@ -176,6 +196,35 @@ static MnsStatus read_case(Batch *batch, MnsError *error)
     return MNS_OK;
 }
 
+static MnsStatus make_requests(Batch *batch, MnsError *error)
+{
+    BatchRequests *to = &batch->requests;
+    const Meniscus__Request none = MENISCUS__REQUEST__INIT;
+    to->load = to->start = to->until = to->shutdown = to->pause = none;
+    meniscus__start__init(&to->begin);
+    meniscus__run_until__init(&to->when);
+    meniscus__shutdown__init(&to->leave);
+    meniscus__pause__init(&to->halt);
+    to->when.has_time = to->when.has_exact = to->leave.has_checkpoint = to->leave.checkpoint = true;
+    to->when.time = batch->options->until;
+    to->when.exact = false;
+    to->load.command_case = MENISCUS__REQUEST__COMMAND_LOAD;
+    to->load.load = &to->what;
+    to->start.command_case = MENISCUS__REQUEST__COMMAND_START;
+    to->start.start = &to->begin;
+    to->until.command_case = MENISCUS__REQUEST__COMMAND_RUN_UNTIL;
+    to->until.run_until = &to->when;
+    to->shutdown.command_case = MENISCUS__REQUEST__COMMAND_SHUTDOWN;
+    to->shutdown.shutdown = &to->leave;
+    to->pause.command_case = MENISCUS__REQUEST__COMMAND_PAUSE;
+    to->pause.pause = &to->halt;
+    const MnsStatus status = load_init(&to->what, batch->file, error);
+    to->what.name = batch->name;
+    to->what.has_resume = true;
+    to->what.resume = batch->options->resume;
+    return status;
+}
+
 /* --- the run ----------------------------------------------------------------------------------------------------------- */
 
 /* From a loaded case to where it shall stop. */
@@ -185,11 +234,12 @@ static MnsStatus go(Batch *batch, MnsError *error)
     run_status(batch->run, &status);
     if (batch->signals.leaving || status.progress.t >= batch->options->until) return MNS_OK;
     const bool to_the_end = !(batch->options->until < status.end_time);
-    const MnsStatus started = perform(batch, to_the_end ? serve_go : serve_until, error);
+    const MnsStatus started = perform(batch, to_the_end ? serve_go : serve_until,
+                                      to_the_end ? &batch->requests.start : &batch->requests.until, error);
     if (started == MNS_E_INVALID || started == MNS_E_LIMIT)
         return started; /* else it began, and the state says how it ended */
-    if (batch->signals.leaving) return perform(batch, serve_pause, error);
-    return perform(batch, serve_wait, error);
+    if (batch->signals.leaving) return perform(batch, serve_pause, &batch->requests.pause, error);
+    return perform(batch, serve_wait, NULL, error);
 }
 
 /* Run, look, leave. What is returned is why the run is not whole; a fault is in the outcome's status besides. */
@@ -197,12 +247,12 @@ static MnsStatus run_loaded(Batch *batch, Outcome *outcome, MnsError *error)
 {
     MnsError left;
     MnsStatus status = go(batch, error);
-    if (!status) status = perform(batch, serve_probes, error);
+    if (!status) status = perform(batch, serve_probes, NULL, error);
     memcpy(outcome->probes, batch->probes, sizeof outcome->probes);
     run_status(batch->run, &outcome->status);
     outcome->document = run_document(batch->run);
     memcpy(outcome->directory, batch->directory, sizeof outcome->directory);
-    const MnsStatus leaving = perform(batch, serve_leave, &left);
+    const MnsStatus leaving = perform(batch, serve_leave, &batch->requests.shutdown, &left);
     if (!status && leaving) *error = left;
     return status ? status : leaving;
 }
@@ -213,11 +263,11 @@ static MnsStatus run_case(Batch *batch, Outcome *outcome, MnsError *error)
     MnsStatus status = run_new(&options, &batch->run, error);
     if (status) return status;
     bar_begin(&batch->bar);
-    status = perform(batch, serve_load, error);
+    status = perform(batch, serve_load, &batch->requests.load, error);
     if (status == MNS_E_INVALID || status == MNS_E_LIMIT || status == MNS_E_MEMORY)
         case_file_locate(batch->file, error);
     if (!status) status = run_loaded(batch, outcome, error);
-    else perform(batch, serve_leave, &(MnsError){.status = MNS_OK});
+    else perform(batch, serve_leave, &batch->requests.shutdown, &(MnsError){.status = MNS_OK});
     bar_end(&batch->bar);
     run_join(batch->run);
     take_notes(batch, NULL);
@@ -267,6 +317,7 @@ int batch_run(const BatchOptions *options)
     outcome.status.progress.t = outcome.status.end_time = outcome.status.wall = NAN;
     outcome.status.ns_per_particle_step = NAN;
     MnsStatus status = read_case(&batch, &outcome.error);
+    if (!status) status = make_requests(&batch, &outcome.error);
     if (!status) status = run_case(&batch, &outcome, &outcome.error);
     if (!status) outcome.error.status = MNS_OK;
     if (status && !outcome.status.fault.status) /* of a fault, and of what was lost with it, the log has told */
@@ -277,6 +328,7 @@ int batch_run(const BatchOptions *options)
         outcome.code = MNS_EXIT_IO;
     }
     outcome_done(&outcome);
+    load_done(&batch.requests.what);
     free(batch.settings);
     case_file_free(batch.file);
     signals_done(&batch.signals);

@@ -49,6 +49,7 @@ static const Exchange *post(Daemon *daemon, const Meniscus__Request *request)
     Meniscus__Request *copy = meniscus__request__unpack(NULL, size, packed);
     free(packed);
     Exchange *exchange = copy ? exchange_new(copy) : NULL;
+    if (exchange) snprintf(exchange->order.caller.name, sizeof exchange->order.caller.name, "daemon");
     if (!exchange || !handle(daemon->run, exchange, &error)) return exchange;
     log_line(LOG_ERROR, "%s", error.text);
     exchange_free(exchange);

@@ -13,6 +13,7 @@
 #include "proto/frame.h"
 #include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -193,17 +194,9 @@ static void send_exchange(Desk *desk, Exchange *exchange, uint8_t *packed, size_
     if (!n) free(packed);
 }
 
-static void complete(Desk *desk, Exchange *exchange)
-{
-    Order *order = &exchange->order;
-    if (!order->status && exchange->handler && exchange->handler->complete)
-        order->status = exchange->handler->complete(exchange, &order->error);
-    exchange_seal(exchange, desk->epoch);
-}
-
 void desk_reply(Desk *desk, Exchange *exchange)
 {
-    complete(desk, exchange);
+    if (!exchange->sealed) exchange_seal(exchange);
     const Meniscus__Reply *reply = exchange->reply;
     const bool whole = reply && reply->has_id; /* else there was no memory, and without its id nobody knows it */
     const size_t size = whole ? meniscus__reply__get_packed_size(reply) : 0;
@@ -283,6 +276,14 @@ static MnsStatus begin(Desk *desk, Exchange *exchange, MnsError *error)
     return status;
 }
 
+/* The one place that says who gives a command. ZeroMQ numbers connections anew when the daemon starts. */
+static void name_caller(const Sender *sender, Caller *ret)
+{
+    size_t n = (size_t)snprintf(ret->name, sizeof ret->name, "connection ");
+    for (size_t k = 0; k < sender->size && n + 2 < sizeof ret->name; k++)
+        n += (size_t)snprintf(ret->name + n, sizeof ret->name - n, "%02x", sender->identity[k]);
+}
+
 /* Takes over the request. */
 static void take_request(Desk *desk, const Sender *sender, ProtobufCBinaryData id, Meniscus__Request *request)
 {
@@ -299,6 +300,8 @@ static void take_request(Desk *desk, const Sender *sender, ProtobufCBinaryData i
         refuse(desk, sender, id, &error);
         return;
     }
+    exchange->epoch = desk->epoch;
+    name_caller(sender, &exchange->order.caller);
     if (sender->size) exchange->senders[exchange->n_senders++] = *sender;
     if (!begin(desk, exchange, &error)) return;
     refuse(desk, sender, id, &error);

@@ -2,6 +2,7 @@
 /* A request and its reply. Replies are built of memory from malloc, as if they had been unpacked, and freed the same way. */
 #include "net/exchange.h"
 
+#include "net/handlers.h"
 #include "proto/frame.h"
 #include <math.h>
 #include <stdlib.h>
@@ -31,6 +32,7 @@ void exchange_free(Exchange *exchange)
     if (!exchange) return;
     for (size_t k = 0; k < EXCHANGE_ARRAYS; k++) free(exchange->arrays[k]);
     document_leave(exchange->order.document);
+    document_leave(exchange->order.before);
     request_free(exchange->request);
     meniscus__reply__free_unpacked(exchange->reply, NULL);
     free(exchange);
@@ -96,10 +98,13 @@ static void seal_failure(const Exchange *exchange)
         if (exchange->allowed & 1u << state) reply->allowed[reply->n_allowed++] = (Meniscus__State)state;
 }
 
-void exchange_seal(Exchange *exchange, uint64_t epoch)
+void exchange_seal(Exchange *exchange)
 {
-    const Order *order = &exchange->order;
+    Order *order = &exchange->order;
+    if (!order->status && exchange->handler && exchange->handler->complete)
+        order->status = exchange->handler->complete(exchange, &order->error);
     if (order->status) drop_result(exchange);
+    exchange->sealed = true;
     Meniscus__Reply *reply = exchange->reply;
     if (!reply) return;
     if (order->status) seal_failure(exchange);
@@ -108,7 +113,7 @@ void exchange_seal(Exchange *exchange, uint64_t epoch)
     if (reply->has_id) memcpy(reply->id.data, order->id, reply->id.len = ORDER_ID);
     reply->has_code = reply->has_daemon_epoch = reply->has_state = reply->has_step = reply->has_time = true;
     reply->code = code_of(order->status);
-    reply->daemon_epoch = epoch;
+    reply->daemon_epoch = exchange->epoch;
     reply->state = (Meniscus__State)order->state;
     reply->step = order->step;
     reply->time = order->t;

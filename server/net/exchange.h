@@ -24,6 +24,8 @@ typedef struct Exchange {
     void *arrays[EXCHANGE_ARRAYS];    /* [reply->n_arrays] raw frames, from malloc */
     size_t sizes[EXCHANGE_ARRAYS];    /* [bytes] */
     bool at_step;                     /* it takes effect between two steps */
+    bool sealed;                      /* the reply is complete             */
+    uint64_t epoch;                   /* of the daemon                     */
     unsigned allowed;                 /* if it was refused for the state: where it would be possible */
     Sender senders[EXCHANGE_SENDERS]; /* who has sent it, the latest last; each gets the reply */
     size_t n_senders;                 /* 0: nobody wants it                                    */
@@ -41,8 +43,8 @@ void exchange_free(Exchange *exchange);
 MnsStatus exchange_add(Exchange *exchange, const char *name, const char *type, const char *unit, const uint64_t *shape,
                        size_t n_shape, void *data, size_t size, MnsError *error);
 
-/* Complete the reply from the order's answer. */
-void exchange_seal(Exchange *exchange, uint64_t epoch);
+/* Complete the reply from the order's answer; once more if that has become a failure since. */
+void exchange_seal(Exchange *exchange);
 
 /* A value for the reply: text if not NULL, else a number unless it is NAN. NULL if there is no memory. */
 Meniscus__Value *exchange_value(const char *name, double number, const char *text, const char *unit);

@@ -357,27 +357,27 @@ _Static_assert(RUN_STATES == RUN_STOPPING + 1, "all states are compared");
 
 /* clang-format off */
 static const Handler handlers[] = {
-    /* request                  name            where    states                    traits                by                  then               */
-    [REQUEST(STATUS)]       = { "status",       HERE,    ANY,                      0,                    serve_status,       NULL               },
-    [REQUEST(CAPABILITIES)] = { "capabilities", HERE,    ANY,                      0,                    serve_capabilities, NULL               },
-    [REQUEST(GET)]          = { "get",          HERE,    ANY,                      0,                    serve_get,          NULL               },
-    [REQUEST(LOAD)]         = { "load",         AT_STEP, STILL | EMPTY,            0,                    serve_load,         complete_directory },
-    [REQUEST(START)]        = { "start",        AT_STEP, READY,                    MOTION,               serve_go,           NULL               },
-    [REQUEST(RESUME)]       = { "resume",       AT_STEP, PAUSED | FAULT,           MOTION,               serve_go,           NULL               },
-    [REQUEST(STEP)]         = { "step",         AT_STEP, READY | PAUSED,           MOTION,               serve_step,         NULL               },
-    [REQUEST(RUN_UNTIL)]    = { "run_until",    AT_STEP, READY | PAUSED,           MOTION,               serve_until,        NULL               },
-    [REQUEST(PAUSE)]        = { "pause",        AT_STEP, RUNNING | READY | PAUSED, URGENT,               serve_pause,        NULL               },
-    [REQUEST(STOP)]         = { "stop",         AT_STEP, LOADED,                   URGENT | ENDS,        serve_stop,         complete_directory },
-    [REQUEST(CANCEL)]       = { "cancel",       AT_STEP, ANY,                      URGENT | ENDS,        serve_cancel,       NULL               },
-    [REQUEST(SHUTDOWN)]     = { "shutdown",     AT_STEP, ANY,                      URGENT | ENDS | LAST, serve_shutdown,     complete_directory },
-    [REQUEST(RESET)]        = { "reset",        AT_STEP, STILL,                    0,                    serve_reset,        complete_directory },
-    [REQUEST(RESTORE)]      = { "restore",      AT_STEP, STILL,                    0,                    serve_restore,      complete_directory },
-    [REQUEST(CHECKPOINT)]   = { "checkpoint",   AT_STEP, LOADED,                   0,                    serve_checkpoint,   complete_file      },
-    [REQUEST(SNAPSHOT)]     = { "snapshot",     AT_STEP, LOADED,                   0,                    serve_snapshot,     complete_file      },
-    [REQUEST(SET)]          = { "set",          AT_STEP, LOADED,                   0,                    serve_set,          complete_set       },
-    [REQUEST(QUERY)]        = { "query",        AT_STEP, LOADED,                   LARGE,                serve_query,        NULL               },
-    [REQUEST(WAIT)]         = { "wait",         AT_STEP, ANY,                      0,                    serve_wait,         complete_wait      },
-    [REQUEST(BREAKPOINT)]   = { "breakpoint",   AT_STEP, LOADED,                   0,                    serve_breakpoint,   NULL               },
+    /* request                    name            where    states                    traits                          by                  then                */
+    [REQUEST(STATUS)]       = { "status",       HERE,    ANY,                      0,                              serve_status,       NULL               },
+    [REQUEST(CAPABILITIES)] = { "capabilities", HERE,    ANY,                      0,                              serve_capabilities, NULL               },
+    [REQUEST(GET)]          = { "get",          HERE,    ANY,                      0,                              serve_get,          NULL               },
+    [REQUEST(LOAD)]         = { "load",         AT_STEP, STILL | EMPTY,            CHANGES,                        serve_load,         complete_directory },
+    [REQUEST(START)]        = { "start",        AT_STEP, READY,                    MOTION | CHANGES,               serve_go,           NULL               },
+    [REQUEST(RESUME)]       = { "resume",       AT_STEP, PAUSED | FAULT,           MOTION | CHANGES,               serve_go,           NULL               },
+    [REQUEST(STEP)]         = { "step",         AT_STEP, READY | PAUSED,           MOTION | CHANGES,               serve_step,         NULL               },
+    [REQUEST(RUN_UNTIL)]    = { "run_until",    AT_STEP, READY | PAUSED,           MOTION | CHANGES,               serve_until,        NULL               },
+    [REQUEST(PAUSE)]        = { "pause",        AT_STEP, RUNNING | READY | PAUSED, URGENT | CHANGES,               serve_pause,        NULL               },
+    [REQUEST(STOP)]         = { "stop",         AT_STEP, LOADED,                   URGENT | ENDS | CHANGES,        serve_stop,         complete_directory },
+    [REQUEST(CANCEL)]       = { "cancel",       AT_STEP, ANY,                      URGENT | ENDS,                  serve_cancel,       NULL               },
+    [REQUEST(SHUTDOWN)]     = { "shutdown",     AT_STEP, ANY,                      URGENT | ENDS | LAST | CHANGES, serve_shutdown,     complete_directory },
+    [REQUEST(RESET)]        = { "reset",        AT_STEP, STILL,                    CHANGES,                        serve_reset,        complete_directory },
+    [REQUEST(RESTORE)]      = { "restore",      AT_STEP, STILL,                    CHANGES,                        serve_restore,      complete_directory },
+    [REQUEST(CHECKPOINT)]   = { "checkpoint",   AT_STEP, LOADED,                   0,                              serve_checkpoint,   complete_file      },
+    [REQUEST(SNAPSHOT)]     = { "snapshot",     AT_STEP, LOADED,                   0,                              serve_snapshot,     complete_file      },
+    [REQUEST(SET)]          = { "set",          AT_STEP, LOADED,                   CHANGES,                        serve_set,          complete_set       },
+    [REQUEST(QUERY)]        = { "query",        AT_STEP, LOADED,                   LARGE,                          serve_query,        NULL               },
+    [REQUEST(WAIT)]         = { "wait",         AT_STEP, ANY,                      0,                              serve_wait,         complete_wait      },
+    [REQUEST(BREAKPOINT)]   = { "breakpoint",   AT_STEP, LOADED,                   CHANGES,                        serve_breakpoint,   NULL               },
 };
 /* clang-format on */
 
@@ -425,6 +425,13 @@ static void serve_at_step(Run *run, Order *order)
            &error);
 }
 
+static const Meniscus__Reply *seal(Order *order)
+{
+    Exchange *x = (Exchange *)order;
+    exchange_seal(x);
+    return x->reply;
+}
+
 /* A cancel ends what it names, and nothing if that is no id. With a condition on the step none does, as what is being loaded is
  * at no step yet. */
 static void note_end(const Handler *handler, const Meniscus__Request *request, Order *order)
@@ -449,6 +456,8 @@ MnsStatus handle(Run *run, Exchange *exchange, MnsError *error)
     exchange->order.urgent = handler->traits & URGENT;
     exchange->order.motion = handler->traits & MOTION;
     exchange->order.serve = serve_at_step;
+    exchange->order.seal = seal;
+    if (handler->traits & CHANGES) exchange->order.request = exchange->request;
     note_end(handler, exchange->request, &exchange->order);
     exchange->at_step = handler->where == AT_STEP;
     if (handler->where == AT_STEP) return run_post(run, &exchange->order, error);

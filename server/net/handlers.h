@@ -16,7 +16,8 @@ typedef enum Trait {
     MOTION = 1 << 1, /* sets the run in motion; a later pause calls it off       */
     LARGE = 1 << 2,  /* its reply may be: not while clients leave much unread    */
     LAST = 1 << 3,   /* the daemon leaves after it                               */
-    ENDS = 1 << 4    /* gives up what is being loaded; a cancel, what it names   */
+    ENDS = 1 << 4,   /* gives up what is being loaded; a cancel, what it names   */
+    CHANGES = 1 << 5 /* something: the journal has it before its reply leaves    */
 } Trait;
 
 typedef struct Handler {
@@ -28,8 +29,8 @@ typedef struct Handler {
     /* Answers the order of the exchange, now or when done. */
     void (*serve)(Run *run, Exchange *exchange);
 
-    /* Completes the reply after a success from what the order brought back, on the thread of the sockets; may be NULL. By then the
-     * run may be another one. */
+    /* Completes the reply after a success from what the order brought back, on the thread of the sockets; of what CHANGES something,
+     * on the runner's. May be NULL. By then the run may be another one. */
     MnsStatus (*complete)(Exchange *exchange, MnsError *error);
 } Handler;
 

@@ -6,6 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+void run_hand_back(Run *run, Order *order)
+{
+    order->note = (Note){.kind = NOTE_ANSWER, .order = order};
+    outbox_put(&run->outbox, &order->note);
+}
+
 void run_answer(Run *run, Order *order, MnsStatus status, const MnsError *error)
 {
     order->status = status;
@@ -15,8 +21,8 @@ void run_answer(Run *run, Order *order, MnsStatus status, const MnsError *error)
     order->step = run->status.progress.step;
     order->t = run->status.progress.t;
     pthread_mutex_unlock(&run->lock);
-    order->note = (Note){.kind = NOTE_ANSWER, .order = order};
-    outbox_put(&run->outbox, &order->note);
+    if (order->request && run_note_done(run, order)) return;
+    run_hand_back(run, order);
 }
 
 static bool wait_over(const Run *run, const RunWait *wait)

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+enum { HASH_STEPS = 100 };                   /* a replay is compared with the journal this often */
 static const double PROGRESS_INTERVAL = 0.2; /* [s], of the notes for people */
 
 /* --- goals ------------------------------------------------------------------------------------------------------------ */
@@ -108,6 +109,7 @@ void run_go(Run *run, Order *order)
 
 static void go_for(Run *run, Order *order, Goal goal, const char *text)
 {
+    run_note_begun(run, order);
     goal.on = true;
     goal.order = order;
     run->goal = goal;
@@ -201,6 +203,7 @@ void run_advance(Run *run)
     }
     meter_step(&run->meter, mns_sim_progress(run->sim), mns_sim_particles(run->sim), now - started, now);
     run_publish_step(run);
+    if (mns_sim_progress(run->sim).step % HASH_STEPS == 0) run_hash(run);
     if (outputs_take(&run->outputs, run->sim, run->document, &error)) run_fault(run, &error, true);
     else arrive(run, before);
     if (now - run->progress >= PROGRESS_INTERVAL) run_tell_progress(run);

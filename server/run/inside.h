@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The inside of a run, for the files of this folder that make it up: run.c, go.c, load.c, making.c, resumed.c, steer.c, publish.c, answer.c. */
+/* The inside of a run, for the files of this folder that make it up: run.c, go.c, load.c, making.c, resumed.c, steer.c, publish.c, answer.c,
+ * chronicle.c. */
 #ifndef RUN_INSIDE_H
 #define RUN_INSIDE_H
 
+#include "io/journal.h"
 #include "run/mailbox.h"
 #include "run/meter.h"
 #include "run/outputs.h"
@@ -46,9 +48,13 @@ struct Run {
     Goal goal;
     Waiter *waiters;
     Meter meter;
-    double loaded;   /* clock_now() when the case was loaded     */
-    double progress; /* clock_now() of the last progress note    */
-    FILE *log;       /* of the run directory; NULL if there is none */
+    double loaded;      /* clock_now() when the case was loaded     */
+    double progress;    /* clock_now() of the last progress note    */
+    FILE *log;          /* of the run directory; NULL if there is none */
+    Journal *journal;   /* the same                                    */
+    Order *unsaid;      /* answered, and not on the disk yet: nobody hears of it before. The latest first */
+    bool uncommitted;   /* the journal has something that is to be on the disk before the run goes on */
+    MnsError unwritten; /* what could not even be added to it; MNS_OK: nothing                        */
 
     /* For everybody: */
     pthread_mutex_t lock;
@@ -71,6 +77,18 @@ void run_tell_progress(Run *run);
 /* An event or a line of the log. */
 void run_tell(Run *run, NoteKind kind, int level, const char *word, const char *text);
 
+/* chronicle.c: the journal. Refuse what could not be written down, note what has set out, what is done, the hash of the state. */
+MnsStatus run_journal_open(Run *run, const char *directory, Journal **ret, bool *ret_made, MnsError *error);
+MnsStatus run_journal_ready(Run *run, const Order *order, MnsError *error);
+void run_note_begun(Run *run, Order *order);
+bool run_note_done(Run *run, Order *order); /* true: the order is kept until it is on the disk */
+void run_note_hash(Run *run);
+
+/* Have it all on the disk, then let the answers go. If that fails, they tell so and the run is in FAULT. */
+void run_commit(Run *run);
+void run_sync(Run *run); /* the first half of it, and the second */
+void run_release(Run *run);
+
 /* making.c: a simulation for whoever gave this order; state: to go on from, or NULL. As mns_sim_make(); MNS_E_TIMEOUT if the deadline
  * of the order passes meanwhile, MNS_E_INTERRUPTED if another one ends it. */
 MnsStatus run_make(Run *run, const Order *order, const MnsCase *c, const MnsCapture *state, MnsSim **ret,
@@ -86,6 +104,7 @@ void run_tell_resumed(Run *run, const Document *stored, const Document *given);
 void run_tell_file(void *run, const char *text);
 
 /* answer.c: those who wait; run_answer() and run_wait() are there too. */
+void run_hand_back(Run *run, Order *order); /* an answer, to whoever gave the order */
 void run_answer_waiters(Run *run);          /* those whose wait is over         */
 void run_answer_late(Run *run, double now); /* those whose deadline has passed  */
 void run_answer_all_waiters(Run *run, const MnsError *error);

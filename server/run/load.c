@@ -23,6 +23,8 @@ typedef struct Candidate {
     bool goes_on;       /* from a checkpoint                                         */
     size_t made;        /* of the directory, by rundir_make()                      */
     int lock;           /* of the directory; -1 if the present run has it            */
+    Journal *journal;   /* the same; NULL                                            */
+    bool journal_made;  /* it was not there before                                   */
     char directory[RUNDIR_PATH];
 } Candidate;
 
@@ -33,18 +35,22 @@ static void candidate_drop(Candidate *candidate)
     document_leave(candidate->stored);
     document_leave(candidate->original);
     if (candidate->lock < 0) return; /* the directory is not ours to take away */
+    journal_free(candidate->journal);
+    if (candidate->journal_made) rundir_forget_journal(candidate->directory);
     if (candidate->made) rundir_unmake(candidate->directory, candidate->made);
     close(candidate->lock);
 }
 
 /* Make its directory and have it to ourselves: before anything in it is looked at, as another run may be writing there. */
-static MnsStatus occupy(const Run *run, Candidate *candidate, MnsError *error)
+static MnsStatus occupy(Run *run, Candidate *candidate, MnsError *error)
 {
     const bool ours = run->directory_lock >= 0 && !strcmp(candidate->directory, run->outputs.directory);
     if (ours) return MNS_OK;
     MnsStatus status = rundir_make(candidate->directory, &candidate->made, error);
     if (!status) status = rundir_lock(candidate->directory, &candidate->lock, error);
     if (!status) rundir_clear(candidate->directory);
+    if (!status)
+        status = run_journal_open(run, candidate->directory, &candidate->journal, &candidate->journal_made, error);
     return status;
 }
 
@@ -142,8 +148,19 @@ static void forget_run(Run *run)
 {
     document_leave(run->original);
     run->original = NULL;
+    journal_free(run->journal);
+    run->journal = NULL;
     if (run->directory_lock >= 0) close(run->directory_lock);
     run->directory_lock = -1;
+}
+
+/* The last answer of a run: it is written down in its directory, and leaves when that is free. */
+static void answer_last(Run *run, Order *order, MnsStatus status, const MnsError *error)
+{
+    run_answer(run, order, status, error);
+    run_sync(run);
+    forget_run(run);
+    run_release(run);
 }
 
 static void open_log(Run *run)
@@ -171,6 +188,8 @@ static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
     if (candidate->lock >= 0) {
         if (run->directory_lock >= 0) close(run->directory_lock);
         run->directory_lock = candidate->lock;
+        journal_free(run->journal);
+        run->journal = candidate->journal;
     }
     run->meter = (Meter){.stepping = 0};
     run->loaded = clock_now();
@@ -213,7 +232,8 @@ static void replace(Run *run, Order *order, Candidate *candidate, MnsStatus stat
     } else {
         snprintf(order->path, sizeof order->path, "%s", run->outputs.directory);
         order->effect_step = mns_sim_progress(run->sim).step;
-        run_hash(run);
+        run->hash = mns_sim_hash(run->sim); /* the journal has it below, after the order */
+        run->hashed = true;
         run_enter(run, RUN_READY, text);
         tell_files(run);
         tell_warnings(run);
@@ -221,6 +241,7 @@ static void replace(Run *run, Order *order, Candidate *candidate, MnsStatus stat
         document_leave(candidate->stored);
     }
     run_answer(run, order, status, error);
+    if (!status) run_note_hash(run);
 }
 
 /* --- the orders -------------------------------------------------------------------------------------------------------- */
@@ -363,9 +384,8 @@ void run_stop(Run *run, Order *order, bool checkpoint)
     }
     run_goal_end(run, MNS_E_INTERRUPTED, &ended);
     if (close_run(run, &error)) run_tell(run, NOTE_LOG, LOG_WARNING, "lost", error.text);
-    forget_run(run);
     run_enter(run, RUN_EMPTY, "stopped on request");
-    run_answer(run, order, MNS_OK, NULL);
+    answer_last(run, order, MNS_OK, NULL);
 }
 
 /* What is gone, and from where one can go on. */
@@ -394,7 +414,6 @@ void run_leave(Run *run, Order *order, bool checkpoint)
     MnsError lost;
     if (close_run(run, &lost) && !status && strcmp(lost.text, run->fault.text) != 0)
         run_tell(run, NOTE_LOG, LOG_WARNING, "lost", lost.text);
-    forget_run(run);
     run->leaving = true;
-    run_answer(run, order, status, &error);
+    answer_last(run, order, status, &error);
 }

@@ -4,14 +4,29 @@
 #ifndef RUN_ORDER_H
 #define RUN_ORDER_H
 
+#include "meniscus.pb-c.h"
 #include "run/note.h"
 
 struct Run;
 
 enum { ORDER_ID = 16 };
 
+/* Whoever gives an order, as far as it is known: what they may do would belong here. */
+typedef struct Caller {
+    char name[64]; /* of the connection */
+} Caller;
+
 typedef struct Order {
     struct Order *next;
+    Caller caller;
+
+    /* If it changes something, what the journal says of it: the answer leaves only when that is on the disk. */
+    const Meniscus__Request *request; /* as it was sent; NULL: it changes nothing                */
+    bool begun;                       /* the journal has it already, and must tell how it ended   */
+
+    /* What the reply will be, once it is answered; on the runner's thread. May be NULL; the result too. */
+    const Meniscus__Reply *(*seal)(struct Order *order);
+
     uint8_t id[ORDER_ID];
     uint64_t number; /* rises in the order of posting                                        */
     bool urgent;     /* overtakes all that are not                                           */
@@ -34,6 +49,7 @@ typedef struct Order {
     double t, effect_t; /* [s]                                                                  */
     char path[4096];    /* of the file written, or the run directory; empty if there is none    */
     Document *document; /* a share of the case after a change of it; NULL if there was none     */
+    Document *before;   /* the same before it                                                   */
     unsigned threads;   /* used then                                                            */
     Note note;          /* that carries it through the outbox: an answer needs no memory to get there */
 } Order;

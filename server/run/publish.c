@@ -90,8 +90,10 @@ static void fill_hash(const Run *run, RunStatus *status)
 
 void run_hash(Run *run)
 {
-    if (!run->hashed) run->hash = mns_sim_hash(run->sim);
+    if (run->hashed) return;
+    run->hash = mns_sim_hash(run->sim);
     run->hashed = true;
+    run_note_hash(run);
 }
 
 void run_settle(Run *run)

@@ -32,7 +32,9 @@ static void serve(Run *run, Order *order)
     const MnsProgress now = run->sim ? mns_sim_progress(run->sim) : (MnsProgress){.t = 0};
     order->effect_step = now.step;
     order->effect_t = now.t;
-    const MnsStatus status = check_moment(run, order, now.step, &error);
+    MnsStatus status = check_moment(run, order, now.step, &error);
+    if (!status && order->request) status = run_journal_ready(run, order, &error);
+    if (!order->request) run_commit(run); /* what it sees or writes is not undone by a crash */
     if (status) run_answer(run, order, status, &error);
     else order->serve(run, order);
 }
@@ -50,12 +52,17 @@ static void serve_some(Run *run)
 {
     for (int k = 0; k < SERVED_AT_ONCE && !run->leaving; k++) {
         run_settle(run);
-        Order *order = mailbox_take(&run->mailbox, wake_time(run));
+        Order *order = mailbox_take(&run->mailbox, run->unsaid ? 0 : wake_time(run));
+        if (!order && run->unsaid) { /* nobody else to write down with it */
+            run_commit(run);
+            continue;
+        }
         run_beat(run);
         if (!order) break;
         serve(run, order);
     }
     run_expire(run);
+    run_commit(run);
 }
 
 /* Whoever still waits is told that it was in vain. */
@@ -66,6 +73,7 @@ static void answer_all(Run *run)
     run_goal_end(run, MNS_E_UNAVAILABLE, &error);
     run_answer_all_waiters(run, &error);
     for (Order *order; (order = mailbox_take(&run->mailbox, 0));) run_answer(run, order, MNS_E_UNAVAILABLE, &error);
+    run_commit(run);
 }
 
 static void *run_thread(void *arg)
@@ -90,6 +98,7 @@ static void answer_output(void *run, Order *order, MnsStatus status, const MnsEr
 static void destroy(Run *run)
 {
     writer_free(run->outputs.writer);
+    journal_free(run->journal);
     breakpoints_free(run->breakpoints);
     document_leave(run->published);
     mailbox_done(&run->mailbox);

@@ -86,6 +86,12 @@ MnsStatus rundir_lock(const char *dir, int *ret_fd, MnsError *error)
                     holder, dir);
 }
 
+void rundir_forget_journal(const char *dir)
+{
+    char path[4096];
+    if (!directory_path(path, dir, JOURNAL_NAME, NULL)) unlink(path);
+}
+
 void rundir_unmake(const char *dir, size_t made)
 {
     char path[4096];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The directory that holds everything of one run: case.yaml, log, checkpoint-STEP.hdf, snapshot-STEP.hdf,
+/* The directory that holds everything of one run: case.yaml, log, journal, checkpoint-STEP.hdf, snapshot-STEP.hdf,
  * snapshots.hdf.series, probes.hdf. Files of a time line that was left go to a subdirectory, abandoned/, abandoned.2/ and so on;
  * lock says who is running there. */
 #ifndef RUN_RUNDIR_H
@@ -29,6 +29,9 @@ MnsStatus rundir_lock(const char *dir, int *ret_fd, MnsError *error);
 /* Remove what a writer that was killed left half written; only whoever has the lock may. */
 void rundir_clear(const char *dir);
 
+/* Take away a journal in which nothing stands yet, as after a run that could not begin. */
+void rundir_forget_journal(const char *dir);
+
 /* Take away what was made, as far as nothing is in it but our lock, as after a run that could not begin. */
 void rundir_unmake(const char *dir, size_t made);
 
@@ -41,7 +44,7 @@ MnsStatus rundir_abandon(const char *dir, bool all, uint64_t after, char ret_asi
 /* Undo that, as far as the disk lets us. Nothing to do if aside is empty. */
 void rundir_return(const char *dir, const char *aside);
 
-/* Names of the files people look for (the log is not one), sorted; ret and its *ret_n strings are the caller's. */
+/* Names of the files people look for (log and journal are none), sorted; ret and its *ret_n strings are the caller's. */
 MnsStatus rundir_list(const char *dir, char ***ret, size_t *ret_n, MnsError *error);
 
 #endif

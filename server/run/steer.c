@@ -56,9 +56,10 @@ void run_set(Run *run, Order *order, size_t n, const char *const *paths, const c
     MnsStatus status = changed(run, n, paths, values, &document, &error);
     if (!status) {
         status = mns_sim_steer(run->sim, document->c, &error);
-        document_leave(status ? document : run->document);
+        if (status) document_leave(document);
     }
     if (!status) {
+        order->before = run->document;
         run->document = document; /* the state is the same, and so is its hash */
         order->document = document_share(document);
         order->threads = (unsigned)mns_sim_threads(run->sim);

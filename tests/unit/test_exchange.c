@@ -36,7 +36,8 @@ static void a_success_says_when_and_brings_its_arrays(void **state)
     exchange->order.state = RUN_PAUSED;
     exchange->order.step = 9;
     exchange->order.effect_step = 7;
-    exchange_seal(exchange, 42);
+    exchange->epoch = 42;
+    exchange_seal(exchange);
     const Meniscus__Reply *reply = exchange->reply;
     assert_memory_equal(reply->id.data, "sixteen letters!", ORDER_ID);
     assert_int_equal(reply->code, MENISCUS__CODE__OK);
@@ -59,7 +60,8 @@ static void a_failure_brings_reason_place_and_states_and_no_result(void **state)
     exchange->at_step = true;
     exchange->allowed = 1u << RUN_READY | 1u << RUN_PAUSED;
     exchange->order.status = mns_fail_at(&exchange->order.error, MNS_E_STATE, "where", "not now");
-    exchange_seal(exchange, 42);
+    exchange->epoch = 42;
+    exchange_seal(exchange);
     const Meniscus__Reply *reply = exchange->reply;
     assert_int_equal(reply->code, MENISCUS__CODE__FAILED_PRECONDITION);
     assert_string_equal(reply->message, "not now");
@@ -78,7 +80,7 @@ static void what_only_looks_has_no_effect(void **state)
 {
     (void)state;
     Exchange *exchange = new_exchange();
-    exchange_seal(exchange, 1);
+    exchange_seal(exchange);
     assert_false(exchange->reply->has_effect_step);
     exchange_free(exchange);
 }

@@ -1,0 +1,243 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the journal of a run is told, and when its answers may leave. Answers of one round of orders wait for the disk
+ * together; between steps the solver waits for it only where a command took effect. */
+#include "run/inside.h"
+
+#include "base/log.h"
+#include "io/directory.h"
+#include "io/names.h"
+#include "journal.pb-c.h"
+#include "proto/case_file.h"
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+/* For the records that a command leads to besides its own: how a step ended that it breaks off, a hash. */
+enum { ROOM_BESIDES = 16 << 10 };
+
+typedef Meniscus__JournalRecord Record;
+
+/* --- the file ---------------------------------------------------------------------------------------------------------- */
+
+static void tell_torn(Run *run, const char *path, const JournalReport *report)
+{
+    char text[512];
+    if (!report->torn) return;
+    snprintf(text, sizeof text,
+             "the last %" PRIu64
+             " bytes of %.300s were a record that a crash has left half written, and nobody was told "
+             "of; they are cut off behind record %" PRIu64,
+             report->torn, path, report->records);
+    run_tell(run, NOTE_LOG, LOG_WARNING, "journal", text);
+}
+
+MnsStatus run_journal_open(Run *run, const char *directory, Journal **ret, bool *ret_made, MnsError *error)
+{
+    char path[4096];
+    JournalReport report;
+    Journal *journal = NULL;
+    MnsStatus status = directory_path(path, directory, JOURNAL_NAME, error);
+    if (status) return status;
+    const bool made = access(path, F_OK) != 0;
+    status = journal_open(path, &journal, &report, error);
+    if (!status) status = journal_reserve(journal, ROOM_BESIDES, error);
+    if (status) {
+        journal_free(journal);
+        if (made) unlink(path);
+        return status;
+    }
+    tell_torn(run, path, &report);
+    *ret = journal;
+    *ret_made = made;
+    return MNS_OK;
+}
+
+/* --- records ----------------------------------------------------------------------------------------------------------- */
+
+static uint64_t wall_us(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    return (uint64_t)now.tv_sec * 1000000u + (uint64_t)now.tv_nsec / 1000u;
+}
+
+/* A failure is told by the next run_commit(). */
+static void add(Run *run, Meniscus__JournalRecord__Kind kind, Record *record)
+{
+    record->has_kind = record->has_wall_us = record->has_step = true;
+    record->kind = kind;
+    record->wall_us = wall_us();
+    const size_t size = meniscus__journal_record__get_packed_size(record);
+    uint8_t *packed = malloc(size + 1);
+    if (packed) meniscus__journal_record__pack(record, packed);
+    if (!packed) mns_fail(&run->unwritten, MNS_E_MEMORY, "no memory for a record of the journal");
+    else journal_add(run->journal, packed, size, &run->unwritten);
+    free(packed);
+}
+
+static void set_time(const Run *run, Record *record)
+{
+    record->has_time = run->sim != NULL;
+    if (run->sim) record->time = mns_sim_progress(run->sim).t;
+}
+
+static void add_of_order(Run *run, Meniscus__JournalRecord__Kind kind, Record *record, Order *order)
+{
+    Meniscus__Who who = MENISCUS__WHO__INIT;
+    who.name = order->caller.name;
+    record->who = &who;
+    record->request = (Meniscus__Request *)order->request;
+    add(run, kind, record);
+    record->who = NULL;
+}
+
+void run_note_begun(Run *run, Order *order)
+{
+    Record record = MENISCUS__JOURNAL_RECORD__INIT;
+    if (!order->request || !run->journal) return;
+    record.step = mns_sim_progress(run->sim).step;
+    set_time(run, &record);
+    add_of_order(run, MENISCUS__JOURNAL_RECORD__KIND__BEGUN, &record, order);
+    order->begun = run->uncommitted = true;
+}
+
+void run_note_hash(Run *run)
+{
+    Record record = MENISCUS__JOURNAL_RECORD__INIT;
+    const bool diverged = run->fault.status && !run->output_failed; /* in the middle of a step */
+    if (!run->journal || diverged) return;
+    record.step = mns_sim_progress(run->sim).step;
+    set_time(run, &record);
+    record.has_state_hash = true;
+    record.state_hash = run->hash;
+    add(run, MENISCUS__JOURNAL_RECORD__KIND__HASH, &record);
+    journal_write(run->journal, NULL); /* what fails here is tried again with the next command, and told then */
+}
+
+/* Entries that a set has changed. */
+typedef struct Changes {
+    size_t n;
+    Meniscus__Change list[64];
+    Meniscus__Change *pointers[64];
+} Changes;
+
+static void add_change(void *arg, const char *path, const char *before, const char *after)
+{
+    Changes *changes = arg;
+    if (changes->n == sizeof changes->list / sizeof *changes->list) return;
+    Meniscus__Change *change = &changes->list[changes->n];
+    meniscus__change__init(change);
+    change->path = strdup(path);
+    change->before = strdup(before);
+    change->after = strdup(after);
+    changes->pointers[changes->n++] = change;
+}
+
+static void free_changes(Changes *changes)
+{
+    for (size_t k = 0; k < changes->n; k++) {
+        free(changes->list[k].path);
+        free(changes->list[k].before);
+        free(changes->list[k].after);
+    }
+}
+
+static bool begins_anew(const Order *order)
+{
+    switch (order->request->command_case) {
+    case MENISCUS__REQUEST__COMMAND_LOAD:
+    case MENISCUS__REQUEST__COMMAND_RESET:
+    case MENISCUS__REQUEST__COMMAND_RESTORE: return true;
+    default: return false;
+    }
+}
+
+static void note_done(Run *run, Order *order)
+{
+    Changes changes = {.n = 0};
+    Record record = MENISCUS__JOURNAL_RECORD__INIT;
+    record.step = order->effect_step;
+    set_time(run, &record);
+    if (order->before) case_message_differences(order->before->message, order->document->message, add_change, &changes);
+    record.n_changes = changes.n;
+    record.changes = changes.pointers;
+    if (begins_anew(order)) record.case_ = run->document->message;
+    record.reply = order->seal ? (Meniscus__Reply *)order->seal(order) : NULL;
+    add_of_order(run, MENISCUS__JOURNAL_RECORD__KIND__COMMAND, &record, order);
+    free_changes(&changes);
+}
+
+bool run_note_done(Run *run, Order *order)
+{
+    if (!run->journal || (order->status && !order->begun)) return false;
+    note_done(run, order);
+    order->next = run->unsaid;
+    run->unsaid = order;
+    run->uncommitted = true;
+    return true;
+}
+
+/* --- before and after a command ---------------------------------------------------------------------------------------- */
+
+MnsStatus run_journal_ready(Run *run, const Order *order, MnsError *error)
+{
+    if (begins_anew(order)) run_commit(run); /* it takes long, and may lead to another journal */
+    const bool elsewhere = order->request->command_case == MENISCUS__REQUEST__COMMAND_LOAD;
+    if (!run->journal || order->urgent || elsewhere) return MNS_OK; /* what halts a run is always possible */
+    const size_t size = 2 * meniscus__request__get_packed_size(order->request);
+    return journal_reserve(run->journal, size + (run->document ? run->document->size : 0) + ROOM_BESIDES, error);
+}
+
+static MnsStatus sync_journal(Run *run, MnsError *error)
+{
+    const MnsError failed = run->unwritten;
+    run->unwritten = (MnsError){.status = MNS_OK};
+    run->uncommitted = false;
+    if (!failed.status) return run->journal ? journal_commit(run->journal, error) : MNS_OK;
+    *error = failed;
+    return failed.status;
+}
+
+static void tell_unwritten(Run *run, Order *order, const MnsError *why)
+{
+    order->status = mns_fail(&order->error, why->status,
+                             "it was done, but the journal cannot be written, so the run is halted; resume tries the "
+                             "journal again: %.300s",
+                             why->text);
+    order->state = run->state;
+    if (order->seal) order->seal(order);
+}
+
+void run_sync(Run *run)
+{
+    MnsError error;
+    if (!run->uncommitted) return;
+    const MnsStatus status = sync_journal(run, &error);
+    if (!status) return;
+    if (run->sim && run->state != RUN_FAULT) run_fault(run, &error, true);
+    for (Order *order = run->unsaid; order; order = order->next)
+        if (!order->status) tell_unwritten(run, order, &error);
+}
+
+void run_release(Run *run)
+{
+    Order *first = NULL;
+    for (Order *order = run->unsaid, *next; order; order = next) { /* in the order in which they were answered */
+        next = order->next;
+        order->next = first;
+        first = order;
+    }
+    run->unsaid = NULL;
+    for (Order *order = first, *next; order; order = next) {
+        next = order->next;
+        run_hand_back(run, order);
+    }
+}
+
+void run_commit(Run *run)
+{
+    run_sync(run);
+    run_release(run);
+}
