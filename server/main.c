@@ -2,6 +2,8 @@
 /* The command line of meniscusd: what to do, and nothing of how. */
 #include "base/log.h"
 #include "batch/batch.h"
+#include "batch/history_print.h"
+#include "batch/replay.h"
 #include "batch/schemes.h"
 #include "net/daemon.h"
 #include "run/environment.h"
@@ -27,7 +29,10 @@ enum {
     KEY_TCP,
     KEY_LOAD,
     KEY_START,
-    KEY_SCHEMES
+    KEY_SCHEMES,
+    KEY_LOG,
+    KEY_REPLAY,
+    KEY_VERIFY
 };
 
 static const struct argp_option arguments[] = {
@@ -40,7 +45,12 @@ static const struct argp_option arguments[] = {
     {"out", KEY_OUT, "DIR", 0, "Run directory of --batch (./CASE.run)", 2},
     {"until", KEY_UNTIL, "T", 0, "Stop --batch with a checkpoint at the first step at or after T seconds", 2},
     {"schemes", KEY_SCHEMES, 0, 0, "Print the schemes and their equations, and exit", 2},
-    {"output", 'o', "json", 0, "Print one JSON object at the end of --batch, or for --schemes", 2},
+    {"log", KEY_LOG, "DIR", 0, "Print the journal of a run directory, and exit; with --verify only whether it is whole",
+     2},
+    {"replay", KEY_REPLAY, "DIR", 0,
+     "Do the run of a directory again, from its journal, compare the states with --verify, and exit", 2},
+    {"verify", KEY_VERIFY, 0, 0, "See --log and --replay", 2},
+    {"output", 'o', "json", 0, "Print one JSON object at the end of --batch, or for --schemes, --log, --replay", 2},
     {"set", KEY_SET, "PATH=VALUE", 0, "Change an entry of the case; may be given often", 3},
     {"resume", KEY_RESUME, "auto", 0, "Go on from the newest whole checkpoint in the run directory, if there is one",
      3},
@@ -54,7 +64,8 @@ static const struct argp_option arguments[] = {
 typedef struct Options {
     BatchOptions batch;
     DaemonOptions daemon;
-    bool schemes;
+    bool schemes, verify;
+    const char *log, *replay; /* run directories */
     size_t n_settings;
     char **settings;
     char threads[32];
@@ -115,8 +126,13 @@ static void check(const Options *options, struct argp_state *state)
 {
     const BatchOptions *batch = &options->batch;
     const DaemonOptions *daemon = &options->daemon;
-    if (!batch->name && (batch->directory || (batch->json && !options->schemes) || !isnan(batch->until)))
+    if (!batch->name && (batch->directory || (batch->json && !options->schemes && !options->log && !options->replay) ||
+                         !isnan(batch->until)))
         argp_error(state, "--out, --until and --output go with --batch");
+    if (options->log && options->replay) argp_error(state, "--log and --replay are two things; ask for one");
+    if (options->verify && !options->log && !options->replay) argp_error(state, "--verify goes with --log or --replay");
+    if (options->replay && !options->verify)
+        argp_error(state, "--replay goes with --verify: it compares, and writes nothing");
     if (batch->name && (daemon->load || daemon->start || daemon->tcp || daemon->state_dir))
         argp_error(state, "--batch starts no daemon: leave out --load, --start, --tcp and --state-dir");
     if (!batch->name && !daemon->load && (options->n_settings || options->resume || daemon->start))
@@ -142,6 +158,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case KEY_THREADS: set_threads(options, text, state); break;
     case 'o': options->batch.json = only(text, "json", "--output", state); break;
     case KEY_RESUME: options->resume = only(text, "auto", "--resume", state); break;
+    case KEY_LOG: options->log = text; break;
+    case KEY_REPLAY: options->replay = text; break;
+    case KEY_VERIFY: options->verify = true; break;
     case KEY_SCHEMES: options->schemes = true; break;
     case KEY_LEVEL: set_level(options, text, state); break;
     case ARGP_KEY_ARG: argp_error(state, "there is no place for \"%s\"; a case follows --load or --batch", text); break;
@@ -169,6 +188,9 @@ static void tell_scripts(int code, void *of)
 
 static int run(Options *options)
 {
+    if (options->schemes) return schemes_print(options->batch.json);
+    if (options->log) return history_print(options->log, options->verify, options->batch.json);
+    if (options->replay) return replay_run(options->replay, options->daemon.threads, options->batch.json);
     const int usual = options->batch.name ? LOG_WARNING : LOG_INFORMATION;
     log_set_level((LogLevel)(options->level >= 0 ? options->level : usual));
     options->batch.n_settings = options->daemon.n_settings = options->n_settings;
@@ -203,7 +225,7 @@ int main(int argc, char **argv)
     argp_parse(&parser, argc, argv, 0, NULL, &options);
     if (!take_level()) exit(MNS_EXIT_USAGE);
     words.understood = true;
-    const int code = options.schemes ? schemes_print(options.batch.json) : run(&options);
+    const int code = run(&options);
     free(options.settings);
     return code;
 }

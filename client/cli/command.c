@@ -37,6 +37,31 @@ const Command command_table[] = {
      .exits = EXIT_IO,
      .max_words = 1,
      .run = command_render},
+    {.name = "log",
+     .arguments = "DIR",
+     .help = "print the journal of a run directory: who changed what, and when",
+     .details =
+         "Every command that changed something, with its step, the values before and after, and what was answered. "
+         "With --verify only whether the journal is whole: a changed byte is named with its record, exit code 74.",
+     .options = OPTION(OPT_VERIFY),
+     .exits = EXIT_IO,
+     .is_alone = true,
+     .min_words = 1,
+     .max_words = 1,
+     .run = command_log},
+    {.name = "replay",
+     .arguments = "DIR --verify",
+     .help = "do a run again from its journal, and compare the states",
+     .details =
+         "The case is executed with all that was commanded, without a daemon and without writing anything, and every "
+         "hash of the state that the journal has, of each 100 steps and wherever the run stood still, must come "
+         "out again, with any number of threads. The first step that differs is named; exit code 1.",
+     .options = OPTION(OPT_VERIFY) | OPTION(OPT_THREADS),
+     .exits = EXIT_IO,
+     .is_alone = true,
+     .min_words = 1,
+     .max_words = 1,
+     .run = command_replay},
     {.name = "schemes", .help = "print the schemes and their equations", .is_alone = true, .run = command_schemes},
     {.name = "help",
      .arguments = "[COMMAND]",

@@ -88,6 +88,8 @@ MnsStatus command_ls(Invocation *in, MnsError *error);
 MnsStatus command_help(Invocation *in, MnsError *error);
 MnsStatus command_render(Invocation *in, MnsError *error);
 MnsStatus command_run(Invocation *in, MnsError *error);
+MnsStatus command_log(Invocation *in, MnsError *error);
+MnsStatus command_replay(Invocation *in, MnsError *error);
 
 /* Help for one command, or for all with NULL, as text on standard output. */
 void help_print(const Command *command);

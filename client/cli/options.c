@@ -34,6 +34,7 @@ const OptionInfo option_table[] = {
     [OPT_UNTIL] = {"until", 0, "T", "stop with a checkpoint at the first step at or after this time [s]"},
     [OPT_RESUME_AUTO] = {"resume", 0, "auto", "go on from the newest whole checkpoint in the run directory, if any"},
     [OPT_THREADS] = {"threads", 0, "N", "threads of the solver, 0 for all processors; default: as the case says"},
+    [OPT_VERIFY] = {"verify", 0, NULL, "compare, and say whether all is as it was"},
     [OPT_LOG_LEVEL] = {"log-level", 0, "LEVEL", "error, warning (default), notice, info or debug"},
     [OPT_PICTURE] = {"out", 0, "FILE.png", "where the picture goes; must be given"},
     [OPT_FIELD] = {"field", 'f', "NAME", "phase (default), pressure, velocity, density or any other field"},

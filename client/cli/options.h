@@ -32,6 +32,7 @@ typedef enum OptionId {
     OPT_UNTIL,
     OPT_RESUME_AUTO,
     OPT_THREADS,
+    OPT_VERIFY,
     OPT_LOG_LEVEL,
     OPT_PICTURE,
     OPT_FIELD,

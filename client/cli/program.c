@@ -56,6 +56,36 @@ static MnsStatus check_run(const Options *o, MnsError *error)
     return status;
 }
 
+MnsStatus command_log(Invocation *in, MnsError *error)
+{
+    const bool verify = options_get(&in->options, OPT_VERIFY);
+    const char *arguments[] = {"--log", in->options.words[0], NULL, NULL, NULL, NULL};
+    size_t n = 2;
+    if (verify) arguments[n++] = "--verify";
+    if (in->json) arguments[n++] = "--output=json";
+    return program_become("meniscusd", arguments, error);
+}
+
+MnsStatus command_replay(Invocation *in, MnsError *error)
+{
+    const Options *o = &in->options;
+    const char *threads = options_get(o, OPT_THREADS);
+    const char *arguments[] = {"--replay", o->words[0], "--verify", NULL, NULL, NULL, NULL};
+    size_t n = 3;
+    if (!options_get(o, OPT_VERIFY))
+        return command_usage(in, mns_fail(error, MNS_E_INVALID,
+                                          "a replay is there to compare, and writes nothing: say meniscus replay DIR "
+                                          "--verify"));
+    const MnsStatus status = command_usage(in, check_run(o, error));
+    if (status != MNS_OK) return status;
+    if (threads) {
+        arguments[n++] = "--threads";
+        arguments[n++] = threads;
+    }
+    if (in->json) arguments[n++] = "--output=json";
+    return program_become("meniscusd", arguments, error);
+}
+
 MnsStatus command_run(Invocation *in, MnsError *error)
 {
     const Options *o = &in->options;

@@ -79,6 +79,12 @@ static const char *hint_for(MnsStatus status)
     return "give the same command again, with --resume auto to go on from the checkpoint if there is one";
 }
 
+json_t *outcome_failure(const MnsError *error, int code)
+{
+    if (!error->status) return json_null();
+    return failure(error->status, error->text, error->path, mns_status_hint(error->status), code);
+}
+
 /* Why the run is not whole, as every command of `meniscus` says it; null if it is. */
 static json_t *error_of(const Outcome *outcome)
 {

@@ -4,6 +4,7 @@
 #define BATCH_OUTCOME_H
 
 #include "run/run.h"
+#include <jansson.h>
 
 typedef struct Outcome {
     RunStatus status;              /* when the run stood still                                       */
@@ -19,6 +20,9 @@ MnsStatus outcome_print(const Outcome *outcome, bool json, MnsError *error);
 
 /* Print as JSON that the command line is wrong: no run, but one object all the same. */
 void outcome_print_misuse(int code);
+
+/* A failure as every command of `meniscus` says it; null if there is none. */
+json_t *outcome_failure(const MnsError *error, int code);
 
 void outcome_done(Outcome *outcome);
 

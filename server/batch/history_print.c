@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The journal of a run directory: a line, or an object, for each record. */
+#include "batch/history_print.h"
+
+#include "batch/outcome.h"
+#include "run/history.h"
+#include "run/state.h"
+#include <inttypes.h>
+#include <jansson.h>
+#include <meniscus/exit.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+typedef Meniscus__JournalRecord Record;
+
+static const char *kind_name(const Record *record)
+{
+    switch (record->kind) {
+    case MENISCUS__JOURNAL_RECORD__KIND__COMMAND: return "command";
+    case MENISCUS__JOURNAL_RECORD__KIND__BEGUN: return "begun";
+    case MENISCUS__JOURNAL_RECORD__KIND__HASH: return "hash";
+    default: return "unknown";
+    }
+}
+
+static void when(const Record *record, char ret[static 40])
+{
+    struct tm parts;
+    char seconds[24];
+    const time_t whole = (time_t)(record->wall_us / 1000000u);
+    strftime(seconds, sizeof seconds, "%Y-%m-%dT%H:%M:%S", gmtime_r(&whole, &parts));
+    snprintf(ret, 40, "%s.%03uZ", seconds, (unsigned)(record->wall_us / 1000u % 1000u));
+}
+
+static const char *text(const char *string)
+{
+    return string ? string : "";
+}
+
+/* --- for people -------------------------------------------------------------------------------------------------------- */
+
+/* What was asked for, in words as short as those of the command line. */
+static void print_arguments(const Meniscus__Request *request)
+{
+    switch (request->command_case) {
+    case MENISCUS__REQUEST__COMMAND_LOAD: printf(" %s", text(request->load->name)); break;
+    case MENISCUS__REQUEST__COMMAND_STEP: printf(" %" PRIu64, request->step->count); break;
+    case MENISCUS__REQUEST__COMMAND_RUN_UNTIL: printf(" %.9g", request->run_until->time); break;
+    case MENISCUS__REQUEST__COMMAND_RESTORE:
+        printf(" %s", request->restore->checkpoint ? request->restore->checkpoint : "the newest checkpoint");
+        break;
+    case MENISCUS__REQUEST__COMMAND_BREAKPOINT:
+        printf("%s %s", request->breakpoint->remove ? " remove" : "", text(request->breakpoint->name));
+        break;
+    default: break;
+    }
+}
+
+static void print_outcome(const Record *record)
+{
+    const Meniscus__Reply *reply = record->reply;
+    if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__BEGUN) printf(": begun");
+    else if (reply && reply->code != MENISCUS__CODE__OK) printf(": %s", text(reply->message));
+    else if (reply) printf(": %s", run_state_name((RunState)reply->state));
+}
+
+static void print_line(const HistoryRecord *at)
+{
+    const Record *record = at->message;
+    char moment[40];
+    when(record, moment);
+    printf("%6" PRIu64 "  %s  %8" PRIu64 "  %12.6g  %-22s  ", at->number, moment, record->step, record->time,
+           record->who ? text(record->who->name) : "");
+    printf("%s", record->request ? history_command(record) : kind_name(record));
+    if (record->request) print_arguments(record->request);
+    for (size_t k = 0; k < record->n_changes; k++)
+        printf("%s %s = %s (was %s)", k ? "," : "", text(record->changes[k]->path), text(record->changes[k]->after),
+               text(record->changes[k]->before));
+    print_outcome(record);
+    putchar('\n');
+}
+
+static void print_table(const History *history)
+{
+    printf("%6s  %-24s  %8s  %12s  %-22s  %s\n", "record", "when", "step", "t [s]", "who", "what");
+    for (size_t k = 0; k < history->n; k++)
+        if (history->records[k].message->kind != MENISCUS__JOURNAL_RECORD__KIND__HASH) print_line(&history->records[k]);
+}
+
+static void print_verdict(const History *history, MnsStatus status, const MnsError *error)
+{
+    size_t hashes = 0;
+    for (size_t k = 0; k < history->n; k++)
+        hashes += history->records[k].message->kind == MENISCUS__JOURNAL_RECORD__KIND__HASH;
+    printf("%" PRIu64 " records, %zu of them hashes of the state, %" PRIu64 " bytes: ", history->report.records, hashes,
+           history->report.size);
+    if (status) printf("damaged. %s\n", error->text);
+    else if (history->report.torn)
+        printf("whole, and %" PRIu64 " bytes of a record that a crash left half written\n", history->report.torn);
+    else printf("whole\n");
+}
+
+/* --- for programs ------------------------------------------------------------------------------------------------------ */
+
+static json_t *changes_json(const Record *record)
+{
+    json_t *list = json_array();
+    for (size_t k = 0; k < record->n_changes; k++)
+        json_array_append_new(list,
+                              json_pack("{ss ss ss}", "path", text(record->changes[k]->path), "before",
+                                        text(record->changes[k]->before), "after", text(record->changes[k]->after)));
+    return list;
+}
+
+static json_t *id_json(const Record *record)
+{
+    char hex[2 * 16 + 1] = "";
+    const ProtobufCBinaryData *id = record->request ? &record->request->id : NULL;
+    for (size_t k = 0; id && id->len == 16 && k < id->len; k++) snprintf(hex + 2 * k, 3, "%02x", id->data[k]);
+    return hex[0] ? json_string(hex) : json_null();
+}
+
+static json_t *reply_json(const Meniscus__Reply *reply)
+{
+    if (!reply) return json_null();
+    const ProtobufCEnumValue *code = protobuf_c_enum_descriptor_get_value(&meniscus__code__descriptor, reply->code);
+    return json_pack("{ss ss? ss sI}", "code", code ? code->name : "UNKNOWN", "message", reply->message, "state",
+                     run_state_name((RunState)reply->state), "effect_step", (json_int_t)reply->effect_step);
+}
+
+static json_t *record_json(const HistoryRecord *at)
+{
+    const Record *record = at->message;
+    char moment[40], hash[24];
+    when(record, moment);
+    snprintf(hash, sizeof hash, "%016" PRIx64, record->state_hash);
+    return json_pack("{sI sI ss ss ss? sI sf ss? so so so ss?}", "number", (json_int_t)at->number, "offset",
+                     (json_int_t)at->offset, "kind", kind_name(record), "when", moment, "who",
+                     record->who ? record->who->name : NULL, "step", (json_int_t)record->step, "time", record->time,
+                     "command", record->request ? history_command(record) : NULL, "id", id_json(record), "changes",
+                     changes_json(record), "reply", reply_json(record->reply), "state_hash",
+                     record->has_state_hash ? hash : NULL);
+}
+
+static void print_json(const char *directory, const History *history, bool verify, const MnsError *error, int code)
+{
+    json_t *list = json_array();
+    for (size_t k = 0; !verify && k < history->n; k++) json_array_append_new(list, record_json(&history->records[k]));
+    json_t *all =
+        json_pack("{ss sI sI sI sb so so}", "directory", directory, "n_records", (json_int_t)history->report.records,
+                  "bytes", (json_int_t)history->report.size, "torn_bytes", (json_int_t)history->report.torn, "whole",
+                  !error->status, "error", outcome_failure(error, code), "records", list);
+    json_dumpf(all, stdout, JSON_COMPACT);
+    putchar('\n');
+    json_decref(all);
+}
+
+int history_print(const char *directory, bool verify, bool json)
+{
+    MnsError error = {.status = MNS_OK};
+    History history;
+    const MnsStatus status = history_read(directory, &history, &error);
+    const int code = !status ? MNS_EXIT_DONE : status == MNS_E_NOT_FOUND ? MNS_EXIT_FAILED : MNS_EXIT_IO;
+    if (status) fprintf(stderr, "meniscusd: %s\n", error.text);
+    if (json) print_json(directory, &history, verify, &error, code);
+    else if (!status || status == MNS_E_CORRUPT) {
+        if (!verify) print_table(&history);
+        print_verdict(&history, status, &error);
+    }
+    history_done(&history);
+    return fflush(stdout) ? MNS_EXIT_IO : code;
+}

@@ -1,0 +1,283 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A run once more, from its journal. Between two records the solver steps as it did then; at each record what was commanded is
+ * done again, or the hash compared. The states that a later restore goes back to are kept in memory as they are passed. */
+#include "batch/replay.h"
+
+#include "batch/outcome.h"
+#include "proto/case_file.h"
+#include "run/document.h"
+#include "run/history.h"
+#include <inttypes.h>
+#include <jansson.h>
+#include <math.h>
+#include <meniscus/exit.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef Meniscus__JournalRecord Record;
+
+/* A state that is gone back to. */
+typedef struct Kept {
+    uint64_t step;
+    MnsCapture *state; /* NULL: not come by yet */
+} Kept;
+
+typedef struct Replay {
+    const char *directory;
+    int threads;
+    MnsSim *sim;
+    Document *document;
+    double limit; /* of a run_until under way, which shortens the last step [s] */
+    size_t n_kept;
+    Kept *kept; /* [n_kept] */
+    uint64_t steps, compared, agreed_step;
+} Replay;
+
+static MnsStatus differs(const HistoryRecord *at, MnsError *error, const char *what)
+{
+    return mns_fail(error, MNS_E_STATE, "record %" PRIu64 ", step %" PRIu64 ": %s", at->number, at->message->step,
+                    what);
+}
+
+/* --- documents --------------------------------------------------------------------------------------------------------- */
+
+/* Of a message, with the threads that the replay is to use. */
+static MnsStatus document_of(const Replay *replay, const Meniscus__Case *message, Document **ret, MnsError *error)
+{
+    Meniscus__Case *changed;
+    char threads[16];
+    if (replay->threads < 0) return document_new(message, "replay", ret, error);
+    snprintf(threads, sizeof threads, "%d", replay->threads);
+    MnsStatus status = case_message_set(message, "threads", threads, &changed, error);
+    if (status) return status;
+    status = document_new(changed, "replay", ret, error);
+    meniscus__case__free_unpacked(changed, NULL);
+    return status;
+}
+
+static MnsStatus assigned(const Meniscus__Case *old, const Meniscus__Set *set, Meniscus__Case **ret, MnsError *error)
+{
+    Meniscus__Case *last = NULL;
+    for (size_t k = 0; k < set->n_assignments; k++) {
+        Meniscus__Case *next;
+        const Meniscus__Assignment *a = set->assignments[k];
+        const MnsStatus status =
+            case_message_set(last ? last : old, a->path ? a->path : "", a->value ? a->value : "", &next, error);
+        if (last) meniscus__case__free_unpacked(last, NULL);
+        if (status) return status;
+        last = next;
+    }
+    *ret = last;
+    return last ? MNS_OK : mns_fail(error, MNS_E_INVALID, "a set without an assignment");
+}
+
+static MnsStatus set_again(Replay *replay, const Meniscus__Set *set, MnsError *error)
+{
+    Meniscus__Case *message;
+    Document *document;
+    MnsStatus status = assigned(replay->document->message, set, &message, error);
+    if (status) return status;
+    status = document_of(replay, message, &document, error);
+    meniscus__case__free_unpacked(message, NULL);
+    if (status) return status;
+    status = mns_sim_steer(replay->sim, document->c, error);
+    document_leave(status ? document : replay->document);
+    if (!status) replay->document = document;
+    return status;
+}
+
+/* --- states that are gone back to -------------------------------------------------------------------------------------- */
+
+static Kept *find_kept(const Replay *replay, uint64_t step)
+{
+    for (size_t k = 0; k < replay->n_kept; k++)
+        if (replay->kept[k].step == step) return &replay->kept[k];
+    return NULL;
+}
+
+/* A load that goes on, or a restore; false of what begins at the beginning. */
+static bool goes_back(const Record *record)
+{
+    if (!history_done_well(record) || !record->case_) return false;
+    if (record->request->command_case == MENISCUS__REQUEST__COMMAND_RESTORE) return true;
+    return record->request->command_case == MENISCUS__REQUEST__COMMAND_LOAD && record->request->load->resume &&
+           record->step > 0;
+}
+
+static MnsStatus list_kept(Replay *replay, const HistoryRecord *records, size_t n, MnsError *error)
+{
+    replay->kept = calloc(n + 1, sizeof *replay->kept);
+    if (!replay->kept) return mns_fail(error, MNS_E_MEMORY, "no memory for the replay");
+    for (size_t k = 0; k < n; k++)
+        if (goes_back(records[k].message) && !find_kept(replay, records[k].message->step))
+            replay->kept[replay->n_kept++].step = records[k].message->step;
+    return MNS_OK;
+}
+
+/* The latest state of that step is the one that the checkpoint of its name had. */
+static MnsStatus keep(const Replay *replay, MnsError *error)
+{
+    Kept *kept = find_kept(replay, mns_sim_progress(replay->sim).step);
+    MnsCapture *state;
+    if (!kept) return MNS_OK;
+    const MnsStatus status = mns_sim_capture(replay->sim, mns_sim_state_fields(replay->sim), &state, error);
+    if (status) return status;
+    mns_capture_free(kept->state);
+    kept->state = state;
+    return MNS_OK;
+}
+
+static MnsStatus state_of(const Replay *replay, uint64_t step, const MnsCapture **ret, MnsError *error)
+{
+    Kept *kept = find_kept(replay, step);
+    MnsStatus status = MNS_OK;
+    if (!kept->state) status = history_checkpoint(replay->directory, step, &kept->state, error);
+    if (!status) *ret = kept->state;
+    return status;
+}
+
+/* --- what was commanded ------------------------------------------------------------------------------------------------ */
+
+/* A simulation of the record's case: from a state, or from the beginning with NULL. */
+static MnsStatus begin(Replay *replay, const Meniscus__Case *message, const MnsCapture *state, MnsError *error)
+{
+    Document *document;
+    MnsSim *sim;
+    MnsStatus status = document_of(replay, message, &document, error);
+    if (status) return status;
+    status = state ? mns_sim_resume(document->c, state, &sim, error) : mns_sim_new(document->c, &sim, error);
+    if (status) {
+        document_leave(document);
+        return status;
+    }
+    mns_sim_free(replay->sim);
+    document_leave(replay->document);
+    replay->sim = sim;
+    replay->document = document;
+    replay->limit = INFINITY;
+    return keep(replay, error);
+}
+
+static MnsStatus advance(Replay *replay, const HistoryRecord *at, MnsError *error)
+{
+    MnsStatus status = MNS_OK;
+    const uint64_t step = at->message->step;
+    while (!status && mns_sim_progress(replay->sim).step < step) {
+        const double end = replay->document->c->end_time;
+        if (mns_sim_progress(replay->sim).t >= end)
+            return differs(at, error, "the replay reached the end time before this step");
+        status = mns_sim_step(replay->sim, fmin(replay->limit, end), error);
+        if (!status) status = keep(replay, error);
+        replay->steps++;
+    }
+    if (!status && mns_sim_progress(replay->sim).step > step)
+        return differs(at, error, "the journal goes back without a restore");
+    return status;
+}
+
+static MnsStatus compare(Replay *replay, const HistoryRecord *at, MnsError *error)
+{
+    const Record *record = at->message;
+    char text[200];
+    replay->compared++;
+    const uint64_t hash = mns_sim_hash(replay->sim);
+    if (hash == record->state_hash) {
+        replay->agreed_step = record->step;
+        return MNS_OK;
+    }
+    snprintf(text, sizeof text,
+             "the state differs: its hash is %016" PRIx64 ", and was %016" PRIx64
+             "; the last that agreed was that of step %" PRIu64,
+             hash, record->state_hash, replay->agreed_step);
+    return differs(at, error, text);
+}
+
+static MnsStatus command_again(Replay *replay, const Record *record, MnsError *error)
+{
+    const Meniscus__Request *request = record->request;
+    switch (request->command_case) {
+    case MENISCUS__REQUEST__COMMAND_SET: return set_again(replay, request->set, error);
+    case MENISCUS__REQUEST__COMMAND_STEP:
+    case MENISCUS__REQUEST__COMMAND_RUN_UNTIL: replay->limit = INFINITY; return MNS_OK;
+    default: return MNS_OK; /* what it did is where the next record begins */
+    }
+}
+
+static void set_out(Replay *replay, const Meniscus__Request *request)
+{
+    if (request->command_case != MENISCUS__REQUEST__COMMAND_RUN_UNTIL) return;
+    replay->limit = request->run_until->exact ? request->run_until->time : INFINITY;
+}
+
+static MnsStatus do_again(Replay *replay, const HistoryRecord *at, MnsError *error)
+{
+    const Record *record = at->message;
+    const MnsCapture *state = NULL;
+    if (history_done_well(record) && record->case_) {
+        const MnsStatus found = goes_back(record) ? state_of(replay, record->step, &state, error) : MNS_OK;
+        return found ? found : begin(replay, record->case_, state, error);
+    }
+    if (!replay->sim)
+        return differs(at, error, "the journal does not begin with a load, so there is nothing to replay");
+    const MnsStatus status = advance(replay, at, error);
+    if (status) return status;
+    if (record->has_state_hash) return compare(replay, at, error);
+    if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__BEGUN && record->request) set_out(replay, record->request);
+    if (history_done_well(record)) return command_again(replay, record, error);
+    if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__COMMAND) replay->limit = INFINITY; /* broken off */
+    return MNS_OK;
+}
+
+/* The last load that did not go on from a checkpoint. */
+static size_t first_of(const History *history)
+{
+    for (size_t k = history->n; k-- > 0;) {
+        const Record *record = history->records[k].message;
+        if (history_done_well(record) && record->case_ && !goes_back(record) &&
+            record->request->command_case == MENISCUS__REQUEST__COMMAND_LOAD)
+            return k;
+    }
+    return 0;
+}
+
+static MnsStatus replay_all(Replay *replay, const History *history, MnsError *error)
+{
+    const size_t first = first_of(history);
+    MnsStatus status = list_kept(replay, history->records + first, history->n - first, error);
+    for (size_t k = first; !status && k < history->n; k++) status = do_again(replay, &history->records[k], error);
+    return status;
+}
+
+static void print(const Replay *replay, const MnsError *error, int code, bool json)
+{
+    if (json) {
+        json_t *all = json_pack("{ss sI sI sb so}", "directory", replay->directory, "steps", (json_int_t)replay->steps,
+                                "compared", (json_int_t)replay->compared, "agrees", !error->status, "error",
+                                outcome_failure(error, code));
+        json_dumpf(all, stdout, JSON_COMPACT);
+        putchar('\n');
+        json_decref(all);
+    } else if (!error->status)
+        printf("%" PRIu64 " steps done again, %" PRIu64 " states compared: all agree\n", replay->steps,
+               replay->compared);
+}
+
+int replay_run(const char *directory, int threads, bool json)
+{
+    MnsError error = {.status = MNS_OK};
+    History history;
+    Replay replay = {.directory = directory, .threads = threads, .limit = INFINITY};
+    MnsStatus status = history_read(directory, &history, &error);
+    if (!status) status = replay_all(&replay, &history, &error);
+    const bool files = status == MNS_E_CORRUPT || status == MNS_E_IO;
+    const int code = files ? MNS_EXIT_IO : status ? MNS_EXIT_FAILED : MNS_EXIT_DONE;
+    if (status) fprintf(stderr, "meniscusd: %s\n", error.text);
+    print(&replay, &error, code, json);
+    for (size_t k = 0; k < replay.n_kept; k++) mns_capture_free(replay.kept[k].state);
+    free(replay.kept);
+    mns_sim_free(replay.sim);
+    document_leave(replay.document);
+    history_done(&history);
+    return fflush(stdout) ? MNS_EXIT_IO : code;
+}

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the journal of a run directory tells. */
+#include "run/history.h"
+
+#include "io/checkpoint.h"
+#include "io/directory.h"
+#include "io/names.h"
+#include <inttypes.h>
+#include <stdlib.h>
+
+static MnsStatus take(void *arg, uint64_t number, uint64_t offset, const void *data, size_t size, MnsError *error)
+{
+    History *history = arg;
+    const size_t n = history->n;
+    if (!(n & (n - 1))) { /* a power of two: as large again */
+        HistoryRecord *records = reallocarray(history->records, n ? 2 * n : 1, sizeof *records);
+        if (!records) return mns_fail(error, MNS_E_MEMORY, "no memory for %zu records of the journal", n);
+        history->records = records;
+    }
+    Meniscus__JournalRecord *message = meniscus__journal_record__unpack(NULL, size, data);
+    if (!message)
+        return mns_fail(error, MNS_E_CORRUPT,
+                        "record %" PRIu64 " of the journal, at byte %" PRIu64 ", is whole but says nothing known here",
+                        number, offset);
+    history->records[history->n++] = (HistoryRecord){number, offset, message};
+    return MNS_OK;
+}
+
+MnsStatus history_read(const char *directory, History *ret, MnsError *error)
+{
+    char path[4096];
+    *ret = (History){.n = 0};
+    const MnsStatus status = directory_path(path, directory, JOURNAL_NAME, error);
+    return status ? status : journal_read(path, take, ret, &ret->report, error);
+}
+
+void history_done(History *history)
+{
+    for (size_t k = 0; k < history->n; k++) meniscus__journal_record__free_unpacked(history->records[k].message, NULL);
+    free(history->records);
+    *history = (History){.n = 0};
+}
+
+bool history_done_well(const Meniscus__JournalRecord *record)
+{
+    return record->kind == MENISCUS__JOURNAL_RECORD__KIND__COMMAND && record->request &&
+           (!record->reply || record->reply->code == MENISCUS__CODE__OK);
+}
+
+const char *history_command(const Meniscus__JournalRecord *record)
+{
+    const ProtobufCFieldDescriptor *field =
+        record->request ? protobuf_c_message_descriptor_get_field(&meniscus__request__descriptor,
+                                                                  (unsigned)record->request->command_case)
+                        : NULL;
+    return field ? field->name : "";
+}
+
+MnsStatus history_checkpoint(const char *directory, uint64_t step, MnsCapture **ret, MnsError *error)
+{
+    char name[NUMBERED_NAME], path[4096];
+    Checkpoint checkpoint;
+    name_numbered(CHECKPOINT_BEGIN, step, name);
+    MnsStatus status = directory_path(path, directory, name, error);
+    if (!status) status = checkpoint_read(path, &checkpoint, error);
+    if (status) return status;
+    *ret = checkpoint.state;
+    checkpoint.state = NULL;
+    checkpoint_done(&checkpoint);
+    return MNS_OK;
+}

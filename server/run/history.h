@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the journal of a run directory tells: all of its records, in order. */
+#ifndef RUN_HISTORY_H
+#define RUN_HISTORY_H
+
+#include "io/journal.h"
+#include "journal.pb-c.h"
+#include <meniscus/sim.h>
+
+typedef struct HistoryRecord {
+    uint64_t number, offset; /* in the file */
+    Meniscus__JournalRecord *message;
+} HistoryRecord;
+
+typedef struct History {
+    size_t n;
+    HistoryRecord *records; /* [n] */
+    JournalReport report;
+} History;
+
+/* Read it all. MNS_OK; MNS_E_NOT_FOUND; MNS_E_CORRUPT: a byte has been changed, the sentence says in which record, and what comes
+ * before it is here; MNS_E_IO, MNS_E_MEMORY. Free it with history_done() in any case. */
+MnsStatus history_read(const char *directory, History *ret, MnsError *error);
+void history_done(History *history);
+
+/* What a record tells was done, and not refused or broken off; false also of hashes. */
+bool history_done_well(const Meniscus__JournalRecord *record);
+
+/* Name of its command, as in the protocol. */
+const char *history_command(const Meniscus__JournalRecord *record);
+
+/* The state of a checkpoint in the directory; what checkpoint_read() returns. */
+MnsStatus history_checkpoint(const char *directory, uint64_t step, MnsCapture **ret, MnsError *error);
+
+#endif

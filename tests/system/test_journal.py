@@ -1,0 +1,138 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The journal of a run: it tells who changed what, it can be replayed to the same bits, and no changed byte escapes it."""
+
+import random
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from daemon import BUILD, DaemonTest  # noqa: E402
+
+CASE = ["dambreak2d", "--set", "resolution=8", "--set", "end_time=30", "--set", "threads=1"]
+COMMANDS = 40  # of a random time line
+HASH_STEPS = 100
+
+
+class Journal(DaemonTest):
+    def run_of(self, name: str) -> Path:
+        self.meniscus("load", *CASE, "--name", name)
+        return self.home / "state" / name
+
+    def log(self, run: Path) -> list[dict[str, Any]]:
+        records: list[dict[str, Any]] = self.ask("log", str(run))["records"]
+        return records
+
+    def replay(self, run: Path, *more: str, code: int = 0) -> dict[str, Any]:
+        result: dict[str, Any] = self.ask("replay", str(run), "--verify", *more, code=code)
+        return result
+
+    def test_it_tells_who_changed_what_and_when(self) -> None:
+        run = self.run_of("who")
+        self.meniscus("step", "3")
+        self.meniscus("set", "gravity=[0, -2]", "end_time=2", "--id", "0123456789abcdef0123456789abcdef")
+        self.meniscus("set", "gravity=[0, 0, 9]", code=1)
+        self.meniscus("step", "2")
+        self.meniscus("stop")
+        records = self.log(run)
+        told = [(r["command"], r["kind"], r["step"]) for r in records if r["kind"] != "hash"]
+        self.assertEqual(told, [("load", "command", 0), ("step", "begun", 0), ("step", "command", 3), ("set", "command", 3),
+                                ("step", "begun", 3), ("step", "command", 5), ("stop", "command", 5)])
+        change = next(r for r in records if r["command"] == "set")
+        self.assertEqual(change["changes"], [{"path": "gravity", "before": "[0, -1]", "after": "[0, -2]"},
+                                             {"path": "end_time", "before": "30", "after": "2"}])
+        self.assertEqual(change["id"], "0123456789abcdef0123456789abcdef")
+        self.assertEqual(change["reply"]["code"], "OK")
+        self.assertTrue(change["who"].startswith("connection "))
+        self.assertIn("gravity = [0, -2] (was [0, -1])", self.meniscus("log", str(run)).stdout)
+
+    def test_what_was_answered_outlives_a_kill(self) -> None:
+        run = self.run_of("killed")
+        for k in range(20):
+            self.meniscus("set", f"end_time={k + 5}")
+        self.daemon.kill()
+        self.daemon.wait()
+        type(self).start_daemon()
+        self.assertEqual(self.log(run)[-1]["changes"][0]["after"], "24")
+
+    def test_a_random_time_line_replays_to_the_same_bits_with_any_number_of_threads(self) -> None:
+        chance = random.Random(20261122)
+        run = self.run_of("random")
+        for _ in range(COMMANDS):
+            self.do_something(chance)
+        self.meniscus("checkpoint")
+        self.meniscus("restore")
+        self.whatever("breakpoint", "b", "--remove")
+        for _ in range(2):
+            self.meniscus("step", str(HASH_STEPS))
+        records = self.log(run)
+        hashes = sum(r["kind"] == "hash" for r in records)
+        self.assertGreater(hashes, 10)
+        self.assertTrue(any(r["command"] == "restore" for r in records))
+        self.assertTrue(any(r["kind"] == "hash" and r["step"] and r["step"] % HASH_STEPS == 0 for r in records))
+        for threads in ("1", "2", "3"):
+            result = self.replay(run, "--threads", threads)
+            self.assertTrue(result["agrees"])
+            self.assertEqual(result["compared"], hashes)
+
+    def whatever(self, *words: str) -> None:
+        """A command that may be refused."""
+        subprocess.run([BUILD / "meniscus", *words], env=self.environment, capture_output=True, timeout=60)
+
+    def do_something(self, chance: random.Random) -> None:
+        time = self.ask("status")["time"]
+        words = chance.choice([
+            ["step", str(chance.randint(1, 40))], ["run-until", f"{time + chance.uniform(0.001, 0.03):.5f}"],
+            ["run-until", f"{time + 0.01:.5f}", "--whole-steps"], ["set", f"gravity=[{chance.uniform(-1, 1):.3f}, -1]"],
+            ["set", f"scheme.cfl={chance.uniform(0.1, 0.3):.3f}"], ["set", f"threads={chance.randint(1, 2)}"],
+            ["checkpoint"], ["restore"], ["reset"], ["breakpoint", "b", "--time", f"{time + 0.004:.5f}"], ["pause"],
+        ])
+        self.whatever(*words)
+
+    def test_a_replay_that_computes_otherwise_is_found_at_the_first_state(self) -> None:
+        run = self.run_of("otherwise")
+        self.meniscus("step", str(HASH_STEPS + 5))
+        self.meniscus("stop")
+        words = [BUILD / "meniscus", "replay", run, "--verify"]
+        plain = subprocess.run(words, env=self.environment, capture_output=True, text=True, timeout=60)
+        self.assertEqual(plain.returncode, 0)
+        old = subprocess.run(words, env=self.environment | {"MENISCUS_LEVEL": "x86-64"}, capture_output=True, text=True,
+                             timeout=60)
+        self.assertEqual(old.returncode, 1)
+        self.assertIn("the last that agreed was that of step 0", old.stderr)
+
+    def test_a_changed_byte_is_found_and_named(self) -> None:
+        run = self.run_of("changed")
+        self.meniscus("step", "3")
+        self.meniscus("stop")
+        whole = (run / "journal").read_bytes()
+        begins = [r["offset"] for r in self.log(run)]
+        for at in range(0, len(whole), 97):
+            (run / "journal").write_bytes(whole[:at] + bytes([whole[at] ^ 4]) + whole[at + 1:])
+            said = self.meniscus("log", str(run), "--verify", code=74).stderr
+            record = sum(begin <= at for begin in begins)
+            if record:
+                self.assertIn(f"record {record}, which begins at byte {begins[record - 1]}", said)
+            self.replay(run, code=74)
+        (run / "journal").write_bytes(whole)
+        self.assertIn("whole", self.meniscus("log", str(run), "--verify").stdout)
+
+    def test_a_batch_run_has_a_journal_too(self) -> None:
+        out = self.home / "batch"
+        words = [BUILD / "meniscusd", "--batch", *CASE, "--out", out, "--set", "end_time=0.3"]
+        for more in (["--until", "0.1"], ["--resume", "auto"]):
+            subprocess.run([*words, *more], env=self.environment, check=True, capture_output=True, timeout=60)
+        told = [r["command"] for r in self.log(out) if r["kind"] == "command"]
+        self.assertEqual(told, ["load", "run_until", "shutdown", "load", "start", "shutdown"])
+        self.assertTrue(self.replay(out)["agrees"])
+
+    def test_a_directory_without_a_journal_is_said_so(self) -> None:
+        self.assertIn("no journal", self.meniscus("log", str(self.home), code=1).stderr)
+        self.assertIn("--verify", self.meniscus("replay", str(self.home), code=2).stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
