@@ -61,8 +61,11 @@ static Batch *batch_of(Order *order)
 static void serve_load(Run *run, Order *order)
 {
     const Batch *batch = batch_of(order);
-    const RunLoad load = {case_file_message(batch->file), batch->name, batch->options->resume, batch->n_settings,
-                          batch->settings};
+    const RunLoad load = {.message = case_file_message(batch->file),
+                          .name = batch->name,
+                          .resume = batch->options->resume,
+                          .n_settings = batch->n_settings,
+                          .settings = batch->settings};
     run_load(run, order, &load);
 }
 

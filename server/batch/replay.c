@@ -30,7 +30,9 @@ typedef struct Replay {
     Document *document;
     double limit; /* of a run_until under way, which shortens the last step [s] */
     size_t n_kept;
-    Kept *kept; /* [n_kept] */
+    Kept *kept;           /* [n_kept] */
+    const Record *origin; /* the record it began with last                                                */
+    size_t again;         /* of the commands there that are to be done again, the next one                */
     uint64_t steps, compared, agreed_step;
 } Replay;
 
@@ -72,18 +74,24 @@ static MnsStatus assigned(const Meniscus__Case *old, const Meniscus__Set *set, M
     return last ? MNS_OK : mns_fail(error, MNS_E_INVALID, "a set without an assignment");
 }
 
-static MnsStatus set_again(Replay *replay, const Meniscus__Set *set, MnsError *error)
+static MnsStatus adopt(Replay *replay, const Meniscus__Case *message, MnsError *error)
 {
-    Meniscus__Case *message;
     Document *document;
-    MnsStatus status = assigned(replay->document->message, set, &message, error);
-    if (status) return status;
-    status = document_of(replay, message, &document, error);
-    meniscus__case__free_unpacked(message, NULL);
+    MnsStatus status = document_of(replay, message, &document, error);
     if (status) return status;
     status = mns_sim_steer(replay->sim, document->c, error);
     document_leave(status ? document : replay->document);
     if (!status) replay->document = document;
+    return status;
+}
+
+static MnsStatus set_again(Replay *replay, const Meniscus__Set *set, MnsError *error)
+{
+    Meniscus__Case *message;
+    MnsStatus status = assigned(replay->document->message, set, &message, error);
+    if (status) return status;
+    status = adopt(replay, message, error);
+    meniscus__case__free_unpacked(message, NULL);
     return status;
 }
 
@@ -96,21 +104,12 @@ static Kept *find_kept(const Replay *replay, uint64_t step)
     return NULL;
 }
 
-/* A load that goes on, or a restore; false of what begins at the beginning. */
-static bool goes_back(const Record *record)
-{
-    if (!history_done_well(record) || !record->case_) return false;
-    if (record->request->command_case == MENISCUS__REQUEST__COMMAND_RESTORE) return true;
-    return record->request->command_case == MENISCUS__REQUEST__COMMAND_LOAD && record->request->load->resume &&
-           record->step > 0;
-}
-
 static MnsStatus list_kept(Replay *replay, const HistoryRecord *records, size_t n, MnsError *error)
 {
     replay->kept = calloc(n + 1, sizeof *replay->kept);
     if (!replay->kept) return mns_fail(error, MNS_E_MEMORY, "no memory for the replay");
     for (size_t k = 0; k < n; k++)
-        if (goes_back(records[k].message) && !find_kept(replay, records[k].message->step))
+        if (history_goes_back(records[k].message) && !find_kept(replay, records[k].message->step))
             replay->kept[replay->n_kept++].step = records[k].message->step;
     return MNS_OK;
 }
@@ -159,9 +158,32 @@ static MnsStatus begin(Replay *replay, const Meniscus__Case *message, const MnsC
     return keep(replay, error);
 }
 
-static MnsStatus advance(Replay *replay, const HistoryRecord *at, MnsError *error)
+static void set_limit(Replay *replay, const Meniscus__Request *request)
+{
+    const bool exact =
+        request && request->command_case == MENISCUS__REQUEST__COMMAND_RUN_UNTIL && request->run_until->exact;
+    replay->limit = exact ? request->run_until->time : INFINITY;
+}
+
+/* What a crash undid here, and was done again. */
+static MnsStatus catch_up(Replay *replay, MnsError *error)
 {
     MnsStatus status = MNS_OK;
+    for (; !status && replay->again < replay->origin->n_again; replay->again++) {
+        const Meniscus__Again *again = replay->origin->again[replay->again];
+        const Meniscus__Request *request = again->request;
+        if (again->step > mns_sim_progress(replay->sim).step) break;
+        if (again->adopted) status = adopt(replay, again->adopted, error);
+        else if (request && request->command_case == MENISCUS__REQUEST__COMMAND_SET)
+            status = set_again(replay, request->set, error);
+        else if (!request || request->command_case != MENISCUS__REQUEST__COMMAND_BREAKPOINT) set_limit(replay, request);
+    }
+    return status;
+}
+
+static MnsStatus advance(Replay *replay, const HistoryRecord *at, MnsError *error)
+{
+    MnsStatus status = catch_up(replay, error);
     const uint64_t step = at->message->step;
     while (!status && mns_sim_progress(replay->sim).step < step) {
         const double end = replay->document->c->end_time;
@@ -169,6 +191,7 @@ static MnsStatus advance(Replay *replay, const HistoryRecord *at, MnsError *erro
             return differs(at, error, "the replay reached the end time before this step");
         status = mns_sim_step(replay->sim, fmin(replay->limit, end), error);
         if (!status) status = keep(replay, error);
+        if (!status) status = catch_up(replay, error);
         replay->steps++;
     }
     if (!status && mns_sim_progress(replay->sim).step > step)
@@ -204,26 +227,31 @@ static MnsStatus command_again(Replay *replay, const Record *record, MnsError *e
     }
 }
 
-static void set_out(Replay *replay, const Meniscus__Request *request)
+/* Begin where the record does. The run may have got beyond the last record before, and have written a checkpoint there. */
+static MnsStatus begin_again(Replay *replay, const HistoryRecord *at, MnsError *error)
 {
-    if (request->command_case != MENISCUS__REQUEST__COMMAND_RUN_UNTIL) return;
-    replay->limit = request->run_until->exact ? request->run_until->time : INFINITY;
+    const Record *record = at->message;
+    const MnsCapture *state = NULL;
+    const bool back = history_goes_back(record);
+    MnsStatus status = MNS_OK;
+    if (back && replay->sim && record->step > mns_sim_progress(replay->sim).step) status = advance(replay, at, error);
+    if (back && !status) status = state_of(replay, record->step, &state, error);
+    if (!status) status = begin(replay, record->case_, state, error);
+    replay->origin = record;
+    replay->again = 0;
+    return status;
 }
 
 static MnsStatus do_again(Replay *replay, const HistoryRecord *at, MnsError *error)
 {
     const Record *record = at->message;
-    const MnsCapture *state = NULL;
-    if (history_done_well(record) && record->case_) {
-        const MnsStatus found = goes_back(record) ? state_of(replay, record->step, &state, error) : MNS_OK;
-        return found ? found : begin(replay, record->case_, state, error);
-    }
+    if (history_done_well(record) && record->case_) return begin_again(replay, at, error);
     if (!replay->sim)
         return differs(at, error, "the journal does not begin with a load, so there is nothing to replay");
     const MnsStatus status = advance(replay, at, error);
     if (status) return status;
     if (record->has_state_hash) return compare(replay, at, error);
-    if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__BEGUN && record->request) set_out(replay, record->request);
+    if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__BEGUN && record->request) set_limit(replay, record->request);
     if (history_done_well(record)) return command_again(replay, record, error);
     if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__COMMAND) replay->limit = INFINITY; /* broken off */
     return MNS_OK;
@@ -234,7 +262,7 @@ static size_t first_of(const History *history)
 {
     for (size_t k = history->n; k-- > 0;) {
         const Record *record = history->records[k].message;
-        if (history_done_well(record) && record->case_ && !goes_back(record) &&
+        if (history_done_well(record) && record->case_ && !history_goes_back(record) &&
             record->request->command_case == MENISCUS__REQUEST__COMMAND_LOAD)
             return k;
     }

@@ -4,6 +4,7 @@
 
 #include "base/log.h"
 #include "base/signals.h"
+#include "net/comeback.h"
 #include "net/desk.h"
 #include "net/handlers.h"
 #include "net/notify.h"
@@ -30,6 +31,8 @@ typedef struct Daemon {
     Notify notify;
     CaseFile *file;       /* of --load, until it is loaded     */
     const Exchange *load; /* under way                         */
+    Comeback comeback;
+    const Exchange *recovery; /* under way */
     Signals signals;
     bool leaving; /* the run has come to its end       */
     int code;
@@ -39,7 +42,7 @@ typedef struct Daemon {
 /* --- requests of our own ----------------------------------------------------------------------------------------------- */
 
 /* Post a copy of a request, whose reply nobody reads. NULL if that was not possible. */
-static const Exchange *post(Daemon *daemon, const Meniscus__Request *request)
+static const Exchange *post(Daemon *daemon, const Meniscus__Request *request, const Lineage *lineage)
 {
     MnsError error;
     const size_t size = meniscus__request__get_packed_size(request);
@@ -50,6 +53,7 @@ static const Exchange *post(Daemon *daemon, const Meniscus__Request *request)
     free(packed);
     Exchange *exchange = copy ? exchange_new(copy) : NULL;
     if (exchange) snprintf(exchange->order.caller.name, sizeof exchange->order.caller.name, "daemon");
+    if (exchange) exchange->order.lineage = lineage;
     if (!exchange || !handle(daemon->run, exchange, &error)) return exchange;
     log_line(LOG_ERROR, "%s", error.text);
     exchange_free(exchange);
@@ -65,7 +69,7 @@ static void post_shutdown(Daemon *daemon, bool checkpoint)
     request.command_case = MENISCUS__REQUEST__COMMAND_SHUTDOWN;
     request.shutdown = &shutdown;
     notify_stopping();
-    post(daemon, &request);
+    post(daemon, &request, NULL);
 }
 
 static void post_checkpoint(Daemon *daemon)
@@ -74,7 +78,7 @@ static void post_checkpoint(Daemon *daemon)
     Meniscus__CheckpointNow checkpoint = MENISCUS__CHECKPOINT_NOW__INIT;
     request.command_case = MENISCUS__REQUEST__COMMAND_CHECKPOINT;
     request.checkpoint = &checkpoint;
-    post(daemon, &request);
+    post(daemon, &request, NULL);
 }
 
 static void post_start(Daemon *daemon)
@@ -83,7 +87,7 @@ static void post_start(Daemon *daemon)
     Meniscus__Start start = MENISCUS__START__INIT;
     request.command_case = MENISCUS__REQUEST__COMMAND_START;
     request.start = &start;
-    post(daemon, &request);
+    post(daemon, &request, NULL);
 }
 
 /* --- the case of the command line ---------------------------------------------------------------------------------------- */
@@ -110,7 +114,7 @@ static void post_load(Daemon *daemon, const char *path)
     load.resume = daemon->options->resume;
     request.command_case = MENISCUS__REQUEST__COMMAND_LOAD;
     request.load = &load;
-    daemon->load = post(daemon, &request);
+    daemon->load = post(daemon, &request, NULL);
     load_done(&load);
 }
 
@@ -126,6 +130,29 @@ static void after_load(Daemon *daemon, Order *order)
     log_line(LOG_ERROR, "%s", order->error.text);
     daemon->code = bad ? MNS_EXIT_BAD_CASE : taken ? MNS_EXIT_FAILED : MNS_EXIT_IO;
     post_shutdown(daemon, false);
+}
+
+/* --- after a crash ------------------------------------------------------------------------------------------------------ */
+
+static void post_recovery(Daemon *daemon)
+{
+    Meniscus__Request request;
+    Meniscus__Load load;
+    comeback_request(&daemon->comeback, &request, &load);
+    log_line(LOG_NOTICE, "going on with %s, which was not ended", daemon->comeback.directory);
+    daemon->recovery = post(daemon, &request, &daemon->comeback.lineage);
+    Meniscus__Request *resume = daemon->recovery ? comeback_resume(&daemon->comeback) : NULL;
+    if (resume) post(daemon, resume, NULL); /* now, so that a pause that comes meanwhile calls it off */
+    request_free(resume);
+}
+
+/* The run is on its way to where it was; what was under way then waits behind that. */
+static void after_recovery(Daemon *daemon, const Order *order)
+{
+    daemon->recovery = NULL;
+    if (order->status) log_line(LOG_ERROR, "no run is gone on with: %s", order->error.text);
+    Meniscus__Request *rest = order->status ? NULL : comeback_rest(&daemon->comeback, order->effect_step);
+    if (rest) desk_take(daemon->desk, rest);
 }
 
 /* --- what happens -------------------------------------------------------------------------------------------------------- */
@@ -146,6 +173,7 @@ static void take_answer(Daemon *daemon, Order *order)
     /* A shutdown that was too late, or for another step, has done nothing: the run goes on, and so do we. */
     const bool last = exchange->handler && exchange->handler->traits & LAST && order->state == RUN_STOPPING;
     if (exchange == daemon->load) after_load(daemon, order);
+    else if (exchange == daemon->recovery) after_recovery(daemon, order);
     else if (order->status && !exchange->n_senders) log_line(LOG_WARNING, "%s", order->error.text);
     if (last) daemon->leaving = true;
     if (last && order->status) daemon->code = MNS_EXIT_IO;
@@ -257,13 +285,16 @@ static int serve_locked(Daemon *daemon, const char *path)
     const MnsStatus status = begin(daemon, &error);
     const bool disk = status == MNS_E_IO || status == MNS_E_NO_SPACE;
     if (status) return refused(&error, disk ? MNS_EXIT_IO : MNS_EXIT_FAILED);
+    comeback_begin(&daemon->comeback, daemon->parent, daemon->desk);
     if (daemon->file) post_load(daemon, path);
+    else if (daemon->comeback.due) post_recovery(daemon);
     log_line(LOG_INFORMATION, "listening at %s%s%s", daemon->endpoint.control,
              daemon->endpoint.tcp_control[0] ? " and " : "", daemon->endpoint.tcp_control);
     notify_ready();
     serve(daemon);
     run_free(daemon->run);
     desk_free(daemon->desk);
+    comeback_done(&daemon->comeback);
     return daemon->code;
 }
 

@@ -308,6 +308,17 @@ static void take_request(Desk *desk, const Sender *sender, ProtobufCBinaryData i
     exchange_free(exchange);
 }
 
+void desk_recall(Desk *desk, const uint8_t id[static ORDER_ID], const uint8_t *reply, size_t size)
+{
+    ledger_recall(desk->ledger, id, reply, size);
+}
+
+void desk_take(Desk *desk, Meniscus__Request *request)
+{
+    const Sender nobody = {.size = 0};
+    take_request(desk, &nobody, request->id, request);
+}
+
 static void take_frame(Desk *desk, const Sender *sender, const void *data, size_t size, uint64_t parts)
 {
     MnsError error;

@@ -135,10 +135,17 @@ static void serve_load(Run *run, Exchange *x)
     const Meniscus__Load *from = x->request->load;
     MnsError error;
     RunSetting *settings = NULL;
+    if (x->order.lineage) {
+        run_recover(run, &x->order);
+        return;
+    }
     MnsStatus status = read_settings(from, &settings, &error);
     if (!status && !from->case_) status = mns_fail_at(&error, MNS_E_INVALID, "case", "load needs a case");
-    const RunLoad load = {from->case_, from->name ? from->name : "case", from->has_resume && from->resume,
-                          from->n_settings, settings};
+    const RunLoad load = {.message = from->case_,
+                          .name = from->name ? from->name : "case",
+                          .resume = from->has_resume && from->resume,
+                          .n_settings = from->n_settings,
+                          .settings = settings};
     if (status) answer(run, x, status, &error);
     else run_load(run, &x->order, &load);
     free(settings);
@@ -246,21 +253,7 @@ static void serve_wait(Run *run, Exchange *x)
 
 static void serve_breakpoint(Run *run, Exchange *x)
 {
-    const Meniscus__SetBreakpoint *from = x->request->breakpoint;
-    Breakpoint point = {.t = from->has_time ? from->time : NAN, .step = from->has_step ? from->step : 0};
-    MnsError error;
-    const char *name = from->name ? from->name : "", *condition = from->condition ? from->condition : "";
-    if (strlen(name) >= sizeof point.name || strlen(condition) >= sizeof point.condition) {
-        answer(run, x,
-               mns_fail(&error, MNS_E_INVALID,
-                        "the name of a breakpoint has fewer than %d letters, its condition fewer than %d",
-                        BREAKPOINT_NAME, BREAKPOINT_TEXT),
-               &error);
-        return;
-    }
-    memcpy(point.name, name, strlen(name));
-    memcpy(point.condition, condition, strlen(condition));
-    run_breakpoint(run, &x->order, &point, from->has_remove && from->remove);
+    run_breakpoint(run, &x->order, x->request->breakpoint);
 }
 
 static void serve_cancel(Run *run, Exchange *x)

@@ -71,6 +71,30 @@ static Slot *free_slot(Ledger *ledger)
     return slot;
 }
 
+static void keep(Ledger *ledger, Slot *slot, const uint8_t *reply, size_t size)
+{
+    uint8_t *copy = reply ? malloc(size + 1) : NULL;
+    slot->entry.under_way = NULL;
+    if (!copy) {
+        forget(ledger, slot);
+        return;
+    }
+    memcpy(copy, reply, size);
+    slot->entry.reply = copy;
+    slot->entry.size = size;
+    ledger->bytes += size;
+    while (ledger->bytes > BYTES) forget(ledger, oldest(ledger));
+}
+
+void ledger_recall(Ledger *ledger, const uint8_t id[static ORDER_ID], const uint8_t *reply, size_t size)
+{
+    Slot *slot = find(ledger, id) ? NULL : free_slot(ledger);
+    if (!slot) return;
+    memcpy(slot->id, id, ORDER_ID);
+    slot->age = ++ledger->age;
+    keep(ledger, slot, reply, size);
+}
+
 MnsStatus ledger_begin(Ledger *ledger, Exchange *exchange, MnsError *error)
 {
     Slot *slot = free_slot(ledger);
@@ -84,16 +108,5 @@ MnsStatus ledger_begin(Ledger *ledger, Exchange *exchange, MnsError *error)
 void ledger_end(Ledger *ledger, const Exchange *exchange, const uint8_t *reply, size_t size)
 {
     Slot *slot = (Slot *)find(ledger, exchange->order.id);
-    uint8_t *copy = slot && reply ? malloc(size + 1) : NULL;
-    if (!slot) return;
-    slot->entry.under_way = NULL;
-    if (!copy) {
-        forget(ledger, slot);
-        return;
-    }
-    memcpy(copy, reply, size);
-    slot->entry.reply = copy;
-    slot->entry.size = size;
-    ledger->bytes += size;
-    while (ledger->bytes > BYTES) forget(ledger, oldest(ledger));
+    if (slot) keep(ledger, slot, reply, size);
 }

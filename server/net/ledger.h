@@ -25,6 +25,9 @@ bool ledger_find(const Ledger *ledger, const uint8_t id[static ORDER_ID], Ledger
 /* Note that an exchange is under way. MNS_E_LIMIT: too many are. */
 MnsStatus ledger_begin(Ledger *ledger, Exchange *exchange, MnsError *error);
 
+/* Note a request of before this program was started, and its reply. */
+void ledger_recall(Ledger *ledger, const uint8_t id[static ORDER_ID], const uint8_t *reply, size_t size);
+
 /* Note its reply; reply NULL: do not remember that the request was made. */
 void ledger_end(Ledger *ledger, const Exchange *exchange, const uint8_t *reply, size_t size);
 

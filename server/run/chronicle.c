@@ -8,6 +8,7 @@
 #include "io/names.h"
 #include "journal.pb-c.h"
 #include "proto/case_file.h"
+#include "run/lineage.h"
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -154,6 +155,34 @@ static bool begins_anew(const Order *order)
     }
 }
 
+/* What a load after a crash is going to do again stands in its own record: both are there, or none. */
+static Meniscus__Again **list_again(const Lineage *lineage, uint64_t step, size_t *ret_n)
+{
+    Meniscus__Again **list = calloc(lineage->n + 1, sizeof *list);
+    Meniscus__Again *items = calloc(lineage->n + 1, sizeof *items);
+    size_t n = 0;
+    for (size_t k = 0; list && items && k < lineage->n; k++) {
+        if (!lineage_needs(lineage, k, step)) continue;
+        const LineageEntry *entry = &lineage->entries[k];
+        meniscus__again__init(&items[n]);
+        items[n].has_step = true;
+        items[n].step = entry->step > step ? entry->step : step;
+        items[n].request = (Meniscus__Request *)entry->request;
+        items[n].adopted = (Meniscus__Case *)entry->adopted;
+        list[n] = &items[n];
+        n++;
+    }
+    if (!n) free(items);
+    *ret_n = n;
+    return list;
+}
+
+static void free_again(Meniscus__Again **list)
+{
+    if (list) free(list[0]);
+    free(list);
+}
+
 static void note_done(Run *run, Order *order)
 {
     Changes changes = {.n = 0};
@@ -164,8 +193,11 @@ static void note_done(Run *run, Order *order)
     record.n_changes = changes.n;
     record.changes = changes.pointers;
     if (begins_anew(order)) record.case_ = run->document->message;
+    if (order->lineage) record.again = list_again(order->lineage, order->effect_step, &record.n_again);
     record.reply = order->seal ? (Meniscus__Reply *)order->seal(order) : NULL;
+    if (order->lineage && !record.again) mns_fail(&run->unwritten, MNS_E_MEMORY, "no memory for the journal");
     add_of_order(run, MENISCUS__JOURNAL_RECORD__KIND__COMMAND, &record, order);
+    free_again(record.again);
     free_changes(&changes);
 }
 

@@ -183,29 +183,38 @@ static void arrive(Run *run, MnsProgress before)
     }
 }
 
-void run_advance(Run *run)
+MnsStatus run_step_once(Run *run, double limit, bool *ret_output, MnsError *error)
 {
-    MnsError error;
-    const MnsProgress before = mns_sim_progress(run->sim);
-    const double end = run->document->c->end_time, started = clock_now();
-    if (before.t >= end || goal_reached(run)) {
-        arrive(run, before);
-        return;
-    }
-    run->hashed = false;
-    const MnsStatus status = mns_sim_step(run->sim, run->goal.exact ? fmin(run->goal.t, end) : end, &error);
+    const double started = clock_now();
+    run->hashed = *ret_output = false;
+    const MnsStatus status = mns_sim_step(run->sim, limit, error);
     const double now = clock_now();
     run_beat(run);
     if (status) { /* what there is to be seen of it, whole, for whoever comes later; no checkpoint: nobody would go on from it */
         outputs_snapshot(&run->outputs, run->sim, run->document, mns_sim_state_fields(run->sim), NULL, NULL);
-        run_fault(run, &error, false);
-        return;
+        return status;
     }
     meter_step(&run->meter, mns_sim_progress(run->sim), mns_sim_particles(run->sim), now - started, now);
     run_publish_step(run);
     if (mns_sim_progress(run->sim).step % HASH_STEPS == 0) run_hash(run);
-    if (outputs_take(&run->outputs, run->sim, run->document, &error)) run_fault(run, &error, true);
-    else arrive(run, before);
-    if (now - run->progress >= PROGRESS_INTERVAL) run_tell_progress(run);
+    *ret_output = true;
+    return outputs_take(&run->outputs, run->sim, run->document, error);
+}
+
+void run_advance(Run *run)
+{
+    MnsError error;
+    bool output;
+    const MnsProgress before = mns_sim_progress(run->sim);
+    const double end = run->document->c->end_time;
+    if (before.t >= end || goal_reached(run)) {
+        arrive(run, before);
+        return;
+    }
+    const MnsStatus status = run_step_once(run, run->goal.exact ? fmin(run->goal.t, end) : end, &output, &error);
+    if (status) run_fault(run, &error, output);
+    if (status && !output) return;
+    if (!status) arrive(run, before);
+    if (clock_now() - run->progress >= PROGRESS_INTERVAL) run_tell_progress(run);
     run_answer_waiters(run);
 }

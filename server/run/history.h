@@ -26,6 +26,9 @@ void history_done(History *history);
 /* What a record tells was done, and not refused or broken off; false also of hashes. */
 bool history_done_well(const Meniscus__JournalRecord *record);
 
+/* Does it lead back to a checkpoint, and not to the beginning? */
+bool history_goes_back(const Meniscus__JournalRecord *record);
+
 /* Name of its command, as in the protocol. */
 const char *history_command(const Meniscus__JournalRecord *record);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The inside of a run, for the files of this folder that make it up: run.c, go.c, load.c, making.c, resumed.c, steer.c, publish.c, answer.c,
- * chronicle.c. */
+ * chronicle.c, recover.c. */
 #ifndef RUN_INSIDE_H
 #define RUN_INSIDE_H
 
@@ -119,5 +119,13 @@ void run_expire(Run *run);                    /* waiters and goals whose deadlin
 void run_call_off(Run *run, const Order *by); /* orders that would set it in motion, older than this one */
 void run_fault(Run *run, const MnsError *error, bool output);
 void run_advance(Run *run); /* one step and all that hangs on it                  */
+
+/* One step, cut at the time `limit`, and the outputs that are due after it. *ret_output: it is one of them that failed, not the step. */
+MnsStatus run_step_once(Run *run, double limit, bool *ret_output, MnsError *error);
+
+/* steer.c: what has been commanded before, without an answer. */
+MnsStatus run_set_again(Run *run, const Meniscus__Set *set, MnsError *error);
+MnsStatus run_adopt_again(Run *run, const Meniscus__Case *message, MnsError *error);
+MnsStatus run_breakpoint_again(Run *run, const Meniscus__SetBreakpoint *request, MnsError *error);
 
 #endif

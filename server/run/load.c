@@ -170,6 +170,17 @@ static void open_log(Run *run)
     run->log = fopen(path, "ae");
 }
 
+/* So that a daemon that is started after a crash finds it. */
+static void note_current(Run *run)
+{
+    MnsError error;
+    char text[700];
+    if (!rundir_note_current(run->options.parent, run->outputs.directory, &error)) return;
+    snprintf(text, sizeof text,
+             "after a crash the daemon will not find this run by itself, but by load --resume: %.400s", error.text);
+    run_tell(run, NOTE_LOG, LOG_WARNING, "journal", text);
+}
+
 /* Put the candidate in place. On failure the present run stays there, and nothing that could fail comes after the files. */
 static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
 {
@@ -191,6 +202,7 @@ static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
         journal_free(run->journal);
         run->journal = candidate->journal;
     }
+    if (run->options.parent) note_current(run);
     run->meter = (Meter){.stepping = 0};
     run->loaded = clock_now();
     open_log(run);
@@ -248,6 +260,10 @@ static void replace(Run *run, Order *order, Candidate *candidate, MnsStatus stat
 
 static MnsStatus choose_directory(const Run *run, const RunLoad *load, char ret[static RUNDIR_PATH], MnsError *error)
 {
+    if (load->directory) {
+        snprintf(ret, RUNDIR_PATH, "%s", load->directory);
+        return MNS_OK;
+    }
     if (!run->options.directory) return rundir_choose(run->options.parent, load->name, load->resume, ret, error);
     if (strlen(run->options.directory) >= RUNDIR_PATH)
         return mns_fail(error, MNS_E_LIMIT, "the path of the run directory is too long: %.200s...",

@@ -24,6 +24,8 @@ typedef struct Order {
     const Meniscus__Request *request; /* as it was sent; NULL: it changes nothing                */
     bool begun;                       /* the journal has it already, and must tell how it ended   */
 
+    const struct Lineage *lineage; /* of a load after a crash: what it comes back to; borrowed    */
+
     /* What the reply will be, once it is answered; on the runner's thread. May be NULL; the result too. */
     const Meniscus__Reply *(*seal)(struct Order *order);
 

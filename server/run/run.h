@@ -6,6 +6,7 @@
 
 #include "run/breakpoint.h"
 #include "run/document.h"
+#include "run/lineage.h"
 #include "run/outbox.h"
 #include "run/rundir.h"
 
@@ -76,13 +77,19 @@ typedef struct RunSetting {
 typedef struct RunLoad {
     const Meniscus__Case *message; /* copied */
     const char *name;
-    bool resume; /* from the newest whole checkpoint in the run directory, if there is one */
+    const char *directory; /* of a run that is gone on with; NULL: chosen by the name                        */
+    bool resume;           /* from the newest whole checkpoint in the run directory, if there is one */
     size_t n_settings;
     const RunSetting
         *settings; /* [n_settings] the message has them already; on resuming they are made to the checkpoint's too */
 } RunLoad;
 
 void run_load(Run *run, Order *order, const RunLoad *load);
+
+/* After a crash: load the case from the newest whole checkpoint of its directory, answer, and do again what the journal has from there on.
+ * The run stands then where the last command left it, READY or PAUSED. The order has its lineage, which is borrowed until the next
+ * order is served. */
+void run_recover(Run *run, Order *order);
 void run_reset(Run *run, Order *order);                     /* to t = 0 of the same case                              */
 void run_restore(Run *run, Order *order, const char *name); /* of a file in the run directory; NULL: the newest whole */
 void run_stop(Run *run, Order *order, bool checkpoint);     /* to EMPTY, files kept                                   */
@@ -111,7 +118,7 @@ void run_snapshot(Run *run, Order *order, size_t n, char *const *fields);
 void run_set(Run *run, Order *order, size_t n, const char *const *paths, const char *const *values);
 
 /* Set a breakpoint, or remove that of its name. */
-void run_breakpoint(Run *run, Order *order, const Breakpoint *point, bool remove);
+void run_breakpoint(Run *run, Order *order, const Meniscus__SetBreakpoint *request);
 
 /* Answer an order that only looked. */
 void run_answer(Run *run, Order *order, MnsStatus status, const MnsError *error);

@@ -5,6 +5,7 @@
 #include "io/atomic_file.h"
 #include "io/directory.h"
 #include "io/names.h"
+#include "proto/case_name.h"
 #include "run/lock.h"
 #include <dirent.h>
 #include <errno.h>
@@ -84,6 +85,37 @@ MnsStatus rundir_lock(const char *dir, int *ret_fd, MnsError *error)
     return mns_fail(error, MNS_E_STATE,
                     "%s is running in the directory '%.300s'; wait until it has ended, or choose another directory",
                     holder, dir);
+}
+
+static const char current_name[] = "current";
+
+MnsStatus rundir_note_current(const char *parent, const char *dir, MnsError *error)
+{
+    char path[4096], line[RUNDIR_PATH];
+    const char *name = strrchr(dir, '/');
+    const MnsStatus status = directory_path(path, parent, current_name, error);
+    snprintf(line, sizeof line, "%s\n", name ? name + 1 : dir);
+    return status ? status : atomic_write(path, line, strlen(line), error);
+}
+
+MnsStatus rundir_current(const char *parent, char ret[static RUNDIR_PATH], MnsError *error)
+{
+    char path[4096], name[256];
+    MnsStatus status = directory_path(path, parent, current_name, error);
+    if (status) return status;
+    FILE *file = fopen(path, "re");
+    if (!file && errno == ENOENT) return mns_fail(error, MNS_E_NOT_FOUND, "no run was loaded in '%.300s'", parent);
+    if (!file) return file_fail(error, errno, "read", path);
+    const bool read = fgets(name, sizeof name, file) != NULL;
+    fclose(file);
+    if (read) name[strcspn(name, "\n")] = 0;
+    if (!read || !is_name(name))
+        return mns_fail(error, MNS_E_CORRUPT, "'%.300s' does not have the name of a run directory; remove it", path);
+    status = directory_path(path, parent, name, error);
+    if (!status && strlen(path) >= RUNDIR_PATH)
+        status = mns_fail(error, MNS_E_LIMIT, "the path of the run directory is too long: %.200s...", parent);
+    if (!status) memcpy(ret, path, strlen(path) + 1);
+    return status;
 }
 
 void rundir_forget_journal(const char *dir)

@@ -29,6 +29,11 @@ MnsStatus rundir_lock(const char *dir, int *ret_fd, MnsError *error);
 /* Remove what a writer that was killed left half written; only whoever has the lock may. */
 void rundir_clear(const char *dir);
 
+/* Note in the file `current` of parent that the run of this directory was loaded last there, and read it. MNS_E_NOT_FOUND if there is
+ * none; MNS_E_IO, MNS_E_NO_SPACE. */
+MnsStatus rundir_note_current(const char *parent, const char *dir, MnsError *error);
+MnsStatus rundir_current(const char *parent, char ret[static RUNDIR_PATH], MnsError *error);
+
 /* Take away a journal in which nothing stands yet, as after a run that could not begin. */
 void rundir_forget_journal(const char *dir);
 

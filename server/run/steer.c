@@ -5,6 +5,9 @@
 #include "base/log.h"
 #include "proto/case_file.h"
 #include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 /* Message with all assignments made, one after the other. */
 static MnsStatus assign(const Meniscus__Case *old, size_t n, const char *const *paths, const char *const *values,
@@ -49,26 +52,58 @@ static void tell_changes(Run *run, size_t n, const char *const *paths, const cha
     }
 }
 
+/* Go over to a document, which is taken over. ret_before: the one until now, to be left; may be NULL. */
+static MnsStatus adopt(Run *run, Document *document, Document **ret_before, MnsError *error)
+{
+    const MnsStatus status = mns_sim_steer(run->sim, document->c, error);
+    if (status) {
+        document_leave(document);
+        return status;
+    }
+    if (ret_before) *ret_before = run->document;
+    else document_leave(run->document);
+    run->document = document; /* the state is the same, and so is its hash */
+    run_publish(run);
+    return MNS_OK;
+}
+
 void run_set(Run *run, Order *order, size_t n, const char *const *paths, const char *const *values)
 {
     MnsError error;
     Document *document;
     MnsStatus status = changed(run, n, paths, values, &document, &error);
+    if (!status) status = adopt(run, document, &order->before, &error);
     if (!status) {
-        status = mns_sim_steer(run->sim, document->c, &error);
-        if (status) document_leave(document);
-    }
-    if (!status) {
-        order->before = run->document;
-        run->document = document; /* the state is the same, and so is its hash */
         order->document = document_share(document);
         order->threads = (unsigned)mns_sim_threads(run->sim);
-        run_publish(run);
         tell_changes(run, n, paths, values);
         if (run->state == RUN_DONE && mns_sim_progress(run->sim).t < document->c->end_time)
             run_enter(run, RUN_PAUSED, "the end time was moved");
     }
     run_answer(run, order, status, &error);
+}
+
+MnsStatus run_set_again(Run *run, const Meniscus__Set *set, MnsError *error)
+{
+    MnsStatus status = MNS_OK;
+    Document *document;
+    const char **texts = calloc(2 * set->n_assignments + 1, sizeof *texts);
+    if (!texts) return mns_fail(error, MNS_E_MEMORY, "no memory for a set of %zu entries", set->n_assignments);
+    const char **paths = texts, **values = texts + set->n_assignments;
+    for (size_t k = 0; k < set->n_assignments; k++) {
+        paths[k] = set->assignments[k]->path ? set->assignments[k]->path : "";
+        values[k] = set->assignments[k]->value ? set->assignments[k]->value : "";
+    }
+    status = changed(run, set->n_assignments, paths, values, &document, error);
+    free(texts);
+    return status ? status : adopt(run, document, NULL, error);
+}
+
+MnsStatus run_adopt_again(Run *run, const Meniscus__Case *message, MnsError *error)
+{
+    Document *document;
+    const MnsStatus status = document_new(message, run->document->name, &document, error);
+    return status ? status : adopt(run, document, NULL, error);
 }
 
 /* What has been passed never comes. */
@@ -84,14 +119,36 @@ static MnsStatus check_ahead(MnsProgress now, const Breakpoint *point, MnsError 
     return MNS_OK;
 }
 
-void run_breakpoint(Run *run, Order *order, const Breakpoint *point, bool remove)
+static MnsStatus read_breakpoint(const Meniscus__SetBreakpoint *from, Breakpoint *ret, MnsError *error)
+{
+    const char *name = from->name ? from->name : "", *condition = from->condition ? from->condition : "";
+    *ret = (Breakpoint){.t = from->has_time ? from->time : NAN, .step = from->has_step ? from->step : 0};
+    if (strlen(name) >= sizeof ret->name || strlen(condition) >= sizeof ret->condition)
+        return mns_fail(error, MNS_E_INVALID,
+                        "the name of a breakpoint has fewer than %d letters, its condition fewer than %d",
+                        BREAKPOINT_NAME, BREAKPOINT_TEXT);
+    memcpy(ret->name, name, strlen(name));
+    memcpy(ret->condition, condition, strlen(condition));
+    return MNS_OK;
+}
+
+MnsStatus run_breakpoint_again(Run *run, const Meniscus__SetBreakpoint *request, MnsError *error)
+{
+    Breakpoint point;
+    const bool remove = request->has_remove && request->remove;
+    MnsStatus status = read_breakpoint(request, &point, error);
+    if (!status && !remove) status = check_ahead(mns_sim_progress(run->sim), &point, error);
+    if (!status)
+        status = remove ? breakpoints_remove(run->breakpoints, point.name, error)
+                        : breakpoints_set(run->breakpoints, run->document->c, &point, error);
+    if (!status) run_publish(run);
+    return status;
+}
+
+void run_breakpoint(Run *run, Order *order, const Meniscus__SetBreakpoint *request)
 {
     MnsError error;
-    MnsStatus status = remove ? MNS_OK : check_ahead(mns_sim_progress(run->sim), point, &error);
-    if (!status)
-        status = remove ? breakpoints_remove(run->breakpoints, point->name, &error)
-                        : breakpoints_set(run->breakpoints, run->document->c, point, &error);
-    if (!status) run_publish(run);
+    const MnsStatus status = run_breakpoint_again(run, request, &error);
     run_answer(run, order, status, &error);
 }
 

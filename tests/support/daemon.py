@@ -50,6 +50,14 @@ class DaemonTest(unittest.TestCase):
             time.sleep(0.01)
 
     @classmethod
+    def kill_daemon(cls) -> None:
+        """As a crash ends it, and start it again."""
+        cls.daemon.kill()
+        cls.daemon.wait()
+        (cls.home / "run" / "meniscus" / "default" / "control.ipc").unlink()  # what start_daemon() waits for
+        cls.start_daemon()
+
+    @classmethod
     def end_daemon(cls) -> None:
         cls.daemon.terminate()
         status = cls.daemon.wait(timeout=60)

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A daemon that is started again: what it replied before, the run that a crash has ended, what was under way. */
+#ifndef NET_COMEBACK_H
+#define NET_COMEBACK_H
+
+#include "net/desk.h"
+#include "run/lineage.h"
+#include "run/rundir.h"
+
+typedef struct Comeback {
+    History history;
+    Lineage lineage;
+    bool due; /* there is a run to come back to */
+    char directory[RUNDIR_PATH];
+} Comeback;
+
+/* Look for the run that was loaded last below parent, and have the desk remember what was replied there. What is in the way is logged. */
+void comeback_begin(Comeback *comeback, const char *parent, Desk *desk);
+
+/* The request that leads back to it; its order takes the lineage. Borrowed. */
+void comeback_request(const Comeback *comeback, Meniscus__Request *ret, Meniscus__Load *load);
+
+/* Both the caller's; NULL if there is none, or no memory.
+ *  resume  for a run that was going on by itself, to be served after the request above
+ *  rest    the step or run_until that was under way, under its id, with what is left of it
+ *  checkpoint  the step from which the run goes on */
+Meniscus__Request *comeback_resume(const Comeback *comeback);
+Meniscus__Request *comeback_rest(const Comeback *comeback, uint64_t checkpoint);
+
+void comeback_done(Comeback *comeback);
+
+#endif

@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The way to where a run was. */
+#include "run/lineage.h"
+
+#include <stdlib.h>
+
+typedef Meniscus__JournalRecord Record;
+
+static MnsStatus add(Lineage *lineage, uint64_t step, const Meniscus__Request *request, const Meniscus__Case *adopted,
+                     MnsError *error)
+{
+    LineageEntry *entries = reallocarray(lineage->entries, lineage->n + 1, sizeof *entries);
+    if (!entries) return mns_fail(error, MNS_E_MEMORY, "no memory for the journal");
+    lineage->entries = entries;
+    entries[lineage->n++] = (LineageEntry){step, request, adopted};
+    return MNS_OK;
+}
+
+static bool is_command(const LineageEntry *entry, Meniscus__Request__CommandCase command)
+{
+    return entry->request && entry->request->command_case == command;
+}
+
+/* A step or run_until, or its end: the time to which the last step is shortened. */
+static bool is_limit(const LineageEntry *entry)
+{
+    return !entry->adopted && !is_command(entry, MENISCUS__REQUEST__COMMAND_SET) &&
+           !is_command(entry, MENISCUS__REQUEST__COMMAND_BREAKPOINT);
+}
+
+/* What was done from this step on belongs to another time line, and so does all that was under way; breakpoints are gone. */
+static void cut(Lineage *lineage, uint64_t step)
+{
+    size_t n = 0;
+    for (size_t k = 0; k < lineage->n; k++) {
+        const LineageEntry *entry = &lineage->entries[k];
+        const bool gone = is_command(entry, MENISCUS__REQUEST__COMMAND_BREAKPOINT) || entry->step >= step;
+        if (!gone) lineage->entries[n++] = *entry;
+    }
+    lineage->n = n;
+    lineage->begun = NULL;
+}
+
+static MnsStatus begin_anew(Lineage *lineage, const Record *record, MnsError *error)
+{
+    const bool back = history_goes_back(record);
+    cut(lineage, back ? record->step : 0);
+    if (!back && record->request->command_case == MENISCUS__REQUEST__COMMAND_LOAD) {
+        lineage->name = record->request->load->name;
+        lineage->original = record->case_;
+    }
+    MnsStatus status = back ? add(lineage, record->step, NULL, NULL, error) : MNS_OK;
+    if (back && !status) status = add(lineage, record->step, NULL, record->case_, error);
+    for (size_t k = 0; !status && k < record->n_again; k++)
+        status = add(lineage, record->again[k]->step, record->again[k]->request, record->again[k]->adopted, error);
+    return status;
+}
+
+static bool is_motion(const Meniscus__Request *request)
+{
+    return request->command_case == MENISCUS__REQUEST__COMMAND_STEP ||
+           request->command_case == MENISCUS__REQUEST__COMMAND_RUN_UNTIL;
+}
+
+/* A command that was done, or a step or run_until that ended, well or not. */
+static MnsStatus take_command(Lineage *lineage, const Record *record, MnsError *error)
+{
+    const Meniscus__Request *request = record->request;
+    lineage->state = record->reply ? (RunState)record->reply->state : RUN_PAUSED;
+    lineage->step = record->step;
+    switch (request->command_case) {
+    case MENISCUS__REQUEST__COMMAND_STOP:
+    case MENISCUS__REQUEST__COMMAND_SHUTDOWN: lineage->ended = true; return MNS_OK;
+    case MENISCUS__REQUEST__COMMAND_SET:
+    case MENISCUS__REQUEST__COMMAND_BREAKPOINT: return add(lineage, record->step, request, NULL, error);
+    default: break;
+    }
+    if (!is_motion(request)) return MNS_OK;
+    lineage->begun = NULL;
+    return add(lineage, record->step, NULL, NULL, error); /* its limit is gone */
+}
+
+static MnsStatus take(Lineage *lineage, const Record *record, MnsError *error)
+{
+    if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__BEGUN && record->request) {
+        lineage->begun = record->request;
+        lineage->begun_step = record->step;
+        lineage->state = RUN_RUNNING;
+        lineage->step = record->step;
+        return add(lineage, record->step, record->request, NULL, error);
+    }
+    if (record->kind != MENISCUS__JOURNAL_RECORD__KIND__COMMAND || !record->request) return MNS_OK;
+    if (!history_done_well(record) || !record->case_) return take_command(lineage, record, error);
+    lineage->ended = false;
+    lineage->state = RUN_READY;
+    lineage->step = record->step;
+    return begin_anew(lineage, record, error);
+}
+
+MnsStatus lineage_of(const History *history, Lineage *ret, MnsError *error)
+{
+    MnsStatus status = MNS_OK;
+    *ret = (Lineage){.n = 0};
+    for (size_t k = 0; !status && k < history->n; k++) status = take(ret, history->records[k].message, error);
+    if (!status && !ret->original)
+        return mns_fail(error, MNS_E_STATE, "the journal has no load that could be gone back to");
+    if (!status && ret->ended) return mns_fail(error, MNS_E_STATE, "the run was ended");
+    return status;
+}
+
+void lineage_done(Lineage *lineage)
+{
+    free(lineage->entries);
+    *lineage = (Lineage){.n = 0};
+}
+
+/* Of what set out and ended before the checkpoint only the last says anything. */
+static bool is_past(const Lineage *lineage, size_t k, uint64_t checkpoint)
+{
+    for (size_t next = k + 1; next < lineage->n && lineage->entries[next].step <= checkpoint; next++)
+        if (is_limit(&lineage->entries[next])) return true;
+    return false;
+}
+
+bool lineage_needs(const Lineage *lineage, size_t k, uint64_t checkpoint)
+{
+    const LineageEntry *entry = &lineage->entries[k];
+    if (is_command(entry, MENISCUS__REQUEST__COMMAND_BREAKPOINT) || entry->step >= checkpoint) return true;
+    return is_limit(entry) && !is_past(lineage, k, checkpoint);
+}

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What led to where a run was, of all that its journal tells: the way from its last beginning, without the time lines that were
+ * left. */
+#ifndef RUN_LINEAGE_H
+#define RUN_LINEAGE_H
+
+#include "run/history.h"
+#include "run/state.h"
+
+/* At a step: a command, or a case that was adopted with a restore. */
+typedef struct LineageEntry {
+    uint64_t step;
+    const Meniscus__Request *request;
+    const Meniscus__Case *adopted;
+} LineageEntry;
+
+/* All borrowed from the history but `entries`. */
+typedef struct Lineage {
+    const char *directory;          /* of the run; the caller's                                           */
+    const char *name;               /* of the case                                                        */
+    const Meniscus__Case *original; /* as it was loaded                                                   */
+    size_t n;
+    LineageEntry *entries;          /* [n], by rising steps                                               */
+    bool ended;                     /* by a stop or a shutdown: there is nothing to come back to          */
+    RunState state;                 /* after the last command                                             */
+    uint64_t step;                  /* the same: it was there, or beyond if it was RUNNING                */
+    const Meniscus__Request *begun; /* a step or run_until that was under way; or NULL                     */
+    uint64_t begun_step;
+} Lineage;
+
+/* MNS_OK; MNS_E_STATE: there is no load, or it has ended; MNS_E_MEMORY. Free it with lineage_done() in any case. */
+MnsStatus lineage_of(const History *history, Lineage *ret, MnsError *error);
+void lineage_done(Lineage *lineage);
+
+/* Must entry k be done again by a run that goes on from a checkpoint of this step? Checkpoints have what was set, and nothing else. */
+bool lineage_needs(const Lineage *lineage, size_t k, uint64_t checkpoint);
+
+#endif

@@ -1,0 +1,154 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""A daemon that is killed at random moments comes back to where it was: nothing that was answered is lost, nothing is done twice.
+
+MENISCUS_KILLS says how often it is killed; 12 unless it is set.
+"""
+
+import os
+import random
+import secrets
+import sys
+import threading
+import time
+import unittest
+from pathlib import Path
+from typing import Any
+
+import h5py
+import zmq
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from daemon import BUILD, DaemonTest  # noqa: E402
+
+sys.path.insert(0, str(BUILD / "python"))
+from meniscus import meniscus_pb2 as pb  # noqa: E402
+
+KILLS = int(os.environ.get("MENISCUS_KILLS", "12"))
+CASE = ["dambreak2d", "--set", "resolution=8", "--set", "end_time=1000", "--set", "threads=1",
+        "--set", "output.checkpoint_interval=0.05", "--set", "output.snapshot_interval=0.2"]
+BACK_S = 5.0  # the longest that anybody has to wait for an answer after a kill
+PATIENCE_S = 60.0
+
+
+class Crash(DaemonTest):
+    def supervise(self, kills: int, chance: random.Random, done: threading.Event) -> None:
+        """Kill the daemon and start it again, as systemd would."""
+        for _ in range(kills):
+            time.sleep(chance.uniform(0.02, 0.6))
+            self.daemon.kill()
+            self.daemon.wait()
+            began = time.monotonic()
+            type(self).start_daemon()
+            self.send(pb.Request(major=1, id=secrets.token_bytes(16), status=pb.GetStatus()))
+            self.slowest = max(self.slowest, time.monotonic() - began)
+        done.set()
+
+    def send(self, request: "pb.Request") -> bytes:
+        """Send until there is a reply, always under the same id: the reply, as it came."""
+        endpoint = f"ipc://{self.home}/run/meniscus/default/control.ipc"
+        until = time.monotonic() + PATIENCE_S
+        while time.monotonic() < until:
+            with zmq.Context() as context, context.socket(zmq.DEALER) as socket:
+                socket.setsockopt(zmq.LINGER, 0)
+                socket.connect(endpoint)
+                socket.send(request.SerializeToString())
+                if socket.poll(500):
+                    return socket.recv()
+        raise AssertionError(f"no reply to {request} in {PATIENCE_S} s")
+
+    def command(self, chance: random.Random, k: int) -> "pb.Request":
+        request = pb.Request(major=1, id=secrets.token_bytes(16))
+        if chance.random() < 0.5:
+            request.step.count = chance.randint(1, 60)
+        else:
+            request.set.assignments.add(path="gravity", value=f"[{1e-3 * (k % 7):.4f}, -1]")
+            request.set.assignments.add(path="end_time", value=str(1001 + k))
+        return request
+
+    def test_nothing_is_lost_and_nothing_done_twice(self) -> None:
+        chance = random.Random(7)
+        self.slowest = 0.0
+        self.meniscus("load", *CASE, "--name", "killed")
+        run = self.home / "state" / "killed"
+        done = threading.Event()
+        supervisor = threading.Thread(target=self.supervise, args=(KILLS, random.Random(11), done))
+        supervisor.start()
+        steps, sent, value = 0, [], "1000"
+        while not done.is_set():
+            request = self.command(chance, len(sent))
+            packed = self.send(request)
+            reply = pb.Reply.FromString(packed)
+            self.assertEqual(reply.code, pb.OK, reply.message)
+            sent.append((request, packed))
+            if request.HasField("step"):
+                steps += request.step.count
+                self.assertEqual(reply.step, steps, "each step is done once")
+            else:
+                value = request.set.assignments[1].value
+            again, answered = chance.choice(sent)
+            self.assertEqual(self.send(again), answered, "the first answer, and nothing is done")
+        supervisor.join()
+        status = self.ask("status")
+        self.assertEqual((status["state"] == "READY", status["step"]), (steps == 0, steps))
+        self.assertEqual(float(self.ask("get", "end_time")["values"]["end_time"]["value"]), float(value))
+        self.check_journal(run, sent)
+        self.check_files(run)
+        self.assertLess(self.slowest, BACK_S)
+        print(f"{KILLS} kills, {len(sent)} commands, {steps} steps, back in {self.slowest:.2f} s at most", file=sys.stderr)
+
+    def check_journal(self, run: Path, sent: "list[tuple[pb.Request, bytes]]") -> None:
+        records: list[dict[str, Any]] = self.ask("log", str(run))["records"]
+        done = [r["id"] for r in records if r["kind"] == "command" and r["id"]]
+        for request, _ in sent:
+            self.assertEqual(done.count(request.id.hex()), 1)
+        self.assertTrue(self.ask("replay", str(run), "--verify", timeout=300)["agrees"])
+
+    def check_files(self, run: Path) -> None:
+        files = sorted(run.glob("*.hdf"))
+        self.assertGreater(len(files), 2)
+        for file in files:
+            with h5py.File(file) as opened:
+                self.assertGreater(len(opened), 0)
+
+    def test_what_was_paused_stays_paused_to_the_bit(self) -> None:
+        self.meniscus("load", *CASE, "--name", "paused")
+        self.meniscus("step", "30")
+        self.meniscus("checkpoint")
+        self.meniscus("set", "gravity=[0.1, -1]")
+        self.meniscus("run-until", "0.2")
+        self.meniscus("breakpoint", "later", "--time", "0.9")
+        before = self.ask("status")
+        self.kill_daemon()
+        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+        after = self.ask("status")
+        for key in ("state", "step", "time", "state_hash", "breakpoints"):
+            self.assertEqual(after[key], before[key], key)
+
+    def test_what_was_running_goes_on(self) -> None:
+        self.meniscus("load", *CASE, "--name", "running", "--start")
+        self.meniscus("wait", "--for", "step=50")
+        self.kill_daemon()
+        self.meniscus("wait", "--for", "step=100", "--timeout", "20")
+        self.assertEqual(self.ask("status")["state"], "RUNNING")
+
+    def test_a_step_under_way_ends_where_it_was_to_end(self) -> None:
+        request = pb.Request(major=1, id=secrets.token_bytes(16), step=pb.Step(count=3000))
+        self.meniscus("load", *CASE, "--name", "under-way")
+        asking = threading.Thread(target=lambda: setattr(self, "late", pb.Reply.FromString(self.send(request))))
+        asking.start()
+        self.meniscus("wait", "--for", "step=200")
+        self.kill_daemon()
+        asking.join()
+        reply: Any = getattr(self, "late")
+        self.assertEqual((reply.code, reply.state, reply.step), (pb.OK, pb.PAUSED, 3000))
+
+    def test_what_was_stopped_stays_stopped(self) -> None:
+        self.meniscus("load", *CASE, "--name", "stopped")
+        self.meniscus("stop")
+        self.kill_daemon()
+        self.assertEqual(self.ask("status")["state"], "EMPTY")
+
+
+if __name__ == "__main__":
+    unittest.main()
