@@ -167,6 +167,31 @@ class DiskFull(DaemonTest):
             with self.subTest(free=free):
                 self.disturbed_run(free)
 
+    def test_a_command_without_room_for_its_record_is_refused_and_nothing_is_done(self) -> None:
+        self.resize(LARGE_BYTES)
+        directory = Path(self.ask("load", *CASE)["message"])
+        self.clear(directory)
+        filler = self.fill(0)
+        accepted = 1.0
+        for k in range(1000):  # until the room that the journal had taken before is used up
+            words = [BUILD / "meniscus", "set", f"end_time={k + 2}"]
+            done = subprocess.run(words, env=self.environment, capture_output=True, text=True, timeout=60)
+            if done.returncode:
+                break
+            accepted = float(k + 2)
+        self.assertEqual(done.returncode, 74, done.stderr)
+        self.assertIn("cannot make room in", done.stderr)
+        self.assertEqual(float(self.ask("get", "end_time")["values"]["end_time"]["value"]), accepted)
+        self.assertEqual(self.ask("status")["state"], "READY")
+        self.meniscus("step", code=74)
+        self.meniscus("pause")
+        filler.unlink()
+        self.meniscus("set", "end_time=0.4")
+        self.meniscus("step", "3")
+        self.assertEqual(self.ask("log", str(directory))["error"], None)
+        self.assertTrue(self.ask("replay", str(directory), "--verify")["agrees"])
+        self.meniscus("stop")
+
 
 if __name__ == "__main__":
     if INSIDE not in os.environ:
