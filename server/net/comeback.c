@@ -54,21 +54,6 @@ static Meniscus__Request *copy_of(const Meniscus__Request *request)
     return copy;
 }
 
-/* What is left of so many steps; none: it was there, and nobody heard of it. */
-static Meniscus__Request *rest_of_steps(const Meniscus__Request *begun, uint64_t done)
-{
-    Meniscus__Request request = *begun;
-    Meniscus__Step step = *begun->step;
-    Meniscus__Pause pause = MENISCUS__PAUSE__INIT;
-    step.has_count = true;
-    step.count = begun->step->count - done;
-    request.step = &step;
-    if (done < begun->step->count) return copy_of(&request);
-    request.command_case = MENISCUS__REQUEST__COMMAND_PAUSE;
-    request.pause = &pause;
-    return copy_of(&request);
-}
-
 Meniscus__Request *comeback_resume(const Comeback *comeback)
 {
     const Lineage *lineage = &comeback->lineage;
@@ -80,14 +65,12 @@ Meniscus__Request *comeback_resume(const Comeback *comeback)
     return copy_of(&request);
 }
 
-Meniscus__Request *comeback_rest(const Comeback *comeback, uint64_t checkpoint)
+Meniscus__Request *comeback_rest(const Comeback *comeback)
 {
-    const Lineage *lineage = &comeback->lineage;
-    if (!lineage->begun) return NULL;
-    Meniscus__Request begun = *lineage->begun;
+    if (!comeback->lineage.begun) return NULL;
+    Meniscus__Request begun = *comeback->lineage.begun;
     begun.has_if_step = false; /* it was met when it set out */
-    if (begun.command_case != MENISCUS__REQUEST__COMMAND_STEP) return copy_of(&begun);
-    return rest_of_steps(&begun, checkpoint > lineage->begun_step ? checkpoint - lineage->begun_step : 0);
+    return copy_of(&begun);
 }
 
 void comeback_done(Comeback *comeback)

@@ -22,10 +22,9 @@ void comeback_request(const Comeback *comeback, Meniscus__Request *ret, Meniscus
 
 /* Both the caller's; NULL if there is none, or no memory.
  *  resume  for a run that was going on by itself, to be served after the request above
- *  rest    the step or run_until that was under way, under its id, with what is left of it
- *  checkpoint  the step from which the run goes on */
+ *  rest    the step or run_until that was under way, under its id */
 Meniscus__Request *comeback_resume(const Comeback *comeback);
-Meniscus__Request *comeback_rest(const Comeback *comeback, uint64_t checkpoint);
+Meniscus__Request *comeback_rest(const Comeback *comeback);
 
 void comeback_done(Comeback *comeback);
 

@@ -144,15 +144,14 @@ static void post_recovery(Daemon *daemon)
     Meniscus__Request *resume = daemon->recovery ? comeback_resume(&daemon->comeback) : NULL;
     if (resume) post(daemon, resume, NULL); /* now, so that a pause that comes meanwhile calls it off */
     request_free(resume);
+    Meniscus__Request *rest = daemon->recovery ? comeback_rest(&daemon->comeback) : NULL;
+    if (rest) desk_take(daemon->desk, rest, &daemon->comeback.lineage); /* before its sender asks again */
 }
 
-/* The run is on its way to where it was; what was under way then waits behind that. */
 static void after_recovery(Daemon *daemon, const Order *order)
 {
     daemon->recovery = NULL;
     if (order->status) log_line(LOG_ERROR, "no run is gone on with: %s", order->error.text);
-    Meniscus__Request *rest = order->status ? NULL : comeback_rest(&daemon->comeback, order->effect_step);
-    if (rest) desk_take(daemon->desk, rest);
 }
 
 /* --- what happens -------------------------------------------------------------------------------------------------------- */

@@ -285,7 +285,8 @@ static void name_caller(const Sender *sender, Caller *ret)
 }
 
 /* Takes over the request. */
-static void take_request(Desk *desk, const Sender *sender, ProtobufCBinaryData id, Meniscus__Request *request)
+static void take_request(Desk *desk, const Sender *sender, ProtobufCBinaryData id, Meniscus__Request *request,
+                         const Lineage *lineage)
 {
     LedgerEntry entry;
     MnsError error;
@@ -301,6 +302,7 @@ static void take_request(Desk *desk, const Sender *sender, ProtobufCBinaryData i
         return;
     }
     exchange->epoch = desk->epoch;
+    exchange->order.lineage = lineage;
     name_caller(sender, &exchange->order.caller);
     if (sender->size) exchange->senders[exchange->n_senders++] = *sender;
     if (!begin(desk, exchange, &error)) return;
@@ -313,10 +315,10 @@ void desk_recall(Desk *desk, const uint8_t id[static ORDER_ID], const uint8_t *r
     ledger_recall(desk->ledger, id, reply, size);
 }
 
-void desk_take(Desk *desk, Meniscus__Request *request)
+void desk_take(Desk *desk, Meniscus__Request *request, const Lineage *lineage)
 {
     const Sender nobody = {.size = 0};
-    take_request(desk, &nobody, request->id, request);
+    take_request(desk, &nobody, request->id, request, lineage);
 }
 
 static void take_frame(Desk *desk, const Sender *sender, const void *data, size_t size, uint64_t parts)
@@ -328,7 +330,7 @@ static void take_frame(Desk *desk, const Sender *sender, const void *data, size_
         parts == 1 ? MNS_OK : mns_fail(&error, MNS_E_INVALID, "a request is one frame; these are %" PRIu64, parts);
     if (!status) status = request_read(data, size, &request, &error);
     if (!status) {
-        take_request(desk, sender, id, request);
+        take_request(desk, sender, id, request, NULL);
         return;
     }
     refuse(desk, sender, id, &error);

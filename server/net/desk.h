@@ -27,8 +27,9 @@ void desk_reply(Desk *desk, Exchange *exchange);
 /* Remember what was replied to a request before this daemon was started. */
 void desk_recall(Desk *desk, const uint8_t id[static ORDER_ID], const uint8_t *reply, size_t size);
 
-/* Take a request as if somebody had sent it who is gone; whoever sends it again gets the reply. It is taken over. */
-void desk_take(Desk *desk, Meniscus__Request *request);
+/* Take a request as if somebody had sent it who is gone; whoever sends it again gets the reply. It is taken over.
+ *  lineage  of the run in which it had set out; borrowed */
+void desk_take(Desk *desk, Meniscus__Request *request, const Lineage *lineage);
 
 Publisher *desk_publisher(Desk *desk);
 
