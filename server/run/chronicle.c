@@ -193,11 +193,10 @@ static void note_done(Run *run, Order *order)
     record.n_changes = changes.n;
     record.changes = changes.pointers;
     if (begins_anew(order)) record.case_ = run->document->message;
-    if (order->lineage && begins_anew(order))
-        record.again = list_again(order->lineage, order->effect_step, &record.n_again);
+    record.has_comeback = record.comeback = order->lineage && begins_anew(order);
+    if (record.comeback) record.again = list_again(order->lineage, order->effect_step, &record.n_again);
     record.reply = order->seal ? (Meniscus__Reply *)order->seal(order) : NULL;
-    if (order->lineage && begins_anew(order) && !record.again)
-        mns_fail(&run->unwritten, MNS_E_MEMORY, "no memory for the journal");
+    if (record.comeback && !record.again) mns_fail(&run->unwritten, MNS_E_MEMORY, "no memory for the journal");
     add_of_order(run, MENISCUS__JOURNAL_RECORD__KIND__COMMAND, &record, order);
     free_again(record.again);
     free_changes(&changes);

@@ -80,6 +80,18 @@ static MnsStatus take_command(Lineage *lineage, const Record *record, MnsError *
     return add(lineage, record->step, NULL, NULL, error); /* its limit is gone */
 }
 
+/* A load after a crash: the run is where it was only when all is done again, and another crash may come before that. */
+static MnsStatus take_comeback(Lineage *lineage, const Record *record, MnsError *error)
+{
+    const Lineage before = *lineage;
+    const MnsStatus status = begin_anew(lineage, record, error);
+    lineage->state = before.state;
+    lineage->step = before.step;
+    lineage->begun = before.begun;
+    lineage->begun_step = before.begun_step;
+    return status;
+}
+
 static MnsStatus take(Lineage *lineage, const Record *record, MnsError *error)
 {
     if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__BEGUN && record->request) {
@@ -91,6 +103,7 @@ static MnsStatus take(Lineage *lineage, const Record *record, MnsError *error)
     }
     if (record->kind != MENISCUS__JOURNAL_RECORD__KIND__COMMAND || !record->request) return MNS_OK;
     if (!history_done_well(record) || !record->case_) return take_command(lineage, record, error);
+    if (record->comeback) return take_comeback(lineage, record, error);
     lineage->ended = false;
     lineage->state = RUN_READY;
     lineage->step = record->step;
