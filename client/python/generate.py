@@ -1,26 +1,28 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Make the Python modules of the protocol: generate.py PROTO_DIRECTORY PACKAGE_DIRECTORY
 
-Runs protoc, then turns the import between the two modules into one within the package: protoc knows no packages but
+Runs protoc, then turns the imports between the modules into those within the package: protoc knows no packages but
 those of the directory layout, and the .proto files lie flat.
 """
 
 import pathlib
+import re
 import subprocess
 import sys
 
-SOURCES = ("case.proto", "meniscus.proto")
+SOURCES = ("case.proto", "meniscus.proto", "journal.proto")
 
 
 def generate(proto: pathlib.Path, package: pathlib.Path) -> None:
-    """Write case_pb2.py and meniscus_pb2.py with their .pyi into the package directory."""
+    """Write case_pb2.py, meniscus_pb2.py and journal_pb2.py with their .pyi into the package directory."""
     package.mkdir(parents=True, exist_ok=True)
     subprocess.run(
         ["protoc", f"-I{proto}", f"--python_out={package}", f"--pyi_out={package}", *SOURCES], check=True
     )
-    for name in ("meniscus_pb2.py", "meniscus_pb2.pyi"):
+    for name in ("meniscus_pb2.py", "meniscus_pb2.pyi", "journal_pb2.py", "journal_pb2.pyi"):
         module = package / name
-        module.write_text(module.read_text().replace("import case_pb2 as", "from . import case_pb2 as"))
+        text = re.sub(r"^import (case|meniscus)_pb2 as", r"from . import \1_pb2 as", module.read_text(), flags=re.MULTILINE)
+        module.write_text(text)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 """The journal of a run: it tells who changed what, it can be replayed to the same bits, and no changed byte escapes it."""
 
 import random
+import struct
 import subprocess
 import sys
 import unittest
@@ -11,6 +12,9 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from daemon import BUILD, DaemonTest  # noqa: E402
+
+sys.path.insert(0, str(BUILD / "python"))
+from meniscus import journal_pb2  # noqa: E402
 
 CASE = ["dambreak2d", "--set", "resolution=8", "--set", "end_time=30", "--set", "threads=1"]
 COMMANDS = 40  # of a random time line
@@ -48,6 +52,24 @@ class Journal(DaemonTest):
         self.assertEqual(change["reply"]["code"], "OK")
         self.assertTrue(change["who"].startswith("connection "))
         self.assertIn("gravity = [0, -2] (was [0, -1])", self.meniscus("log", str(run)).stdout)
+
+    def test_programs_can_read_it_with_the_messages_of_the_python_package(self) -> None:
+        run = self.run_of("read")
+        self.meniscus("set", "gravity=[0, -2]")
+        self.meniscus("step", "3")
+        data, records = (run / "journal").read_bytes(), []
+        self.assertEqual(data[:8], b"MNSJRNL1")
+        at = 8
+        while at < len(data) and data[at:at + 4] != bytes(4):  # behind the last there may be room
+            _, size, number = struct.unpack_from("<IIQ", data, at)
+            records.append(journal_pb2.JournalRecord.FromString(data[at + 40:at + 40 + size]))
+            self.assertEqual(number, len(records))
+            at += 40 + size
+        told = self.log(run)
+        self.assertEqual([r.step for r in records], [r["step"] for r in told])
+        kinds = [journal_pb2.JournalRecord.Kind.Name(r.kind).lower() for r in records]
+        self.assertEqual(kinds, [r["kind"] for r in told])
+        self.assertEqual([(c.path, c.before, c.after) for r in records for c in r.changes], [("gravity", "[0, -1]", "[0, -2]")])
 
     def test_what_was_answered_outlives_a_kill(self) -> None:
         run = self.run_of("killed")
