@@ -18,6 +18,7 @@
     STATE_HAS_ITS_NUMBER(PREFIX, PAUSED);                                                                              \
     STATE_HAS_ITS_NUMBER(PREFIX, DONE);                                                                                \
     STATE_HAS_ITS_NUMBER(PREFIX, FAULT);                                                                               \
-    STATE_HAS_ITS_NUMBER(PREFIX, STOPPING)
+    STATE_HAS_ITS_NUMBER(PREFIX, STOPPING);                                                                            \
+    STATE_HAS_ITS_NUMBER(PREFIX, RECOVERING)
 
 #endif

@@ -39,7 +39,10 @@ static const struct argp_option arguments[] = {
     {"name", 'n', "NAME", 0, "Name by which clients find the daemon (default)", 1},
     {"state-dir", KEY_STATE, "DIR", 0, "Where runs keep their files", 1},
     {"tcp", KEY_TCP, "PORT", 0, "Listen on 127.0.0.1 too: commands at PORT, telemetry at PORT + 1", 1},
-    {"load", KEY_LOAD, "CASE", 0, "Load a case at the start: a file, or the name of one that came along", 1},
+    {"load", KEY_LOAD, "CASE", 0,
+     "Load a case at the start: a file, or the name of one that came along; after a crash the same command line goes "
+     "on with the run it had",
+     1},
     {"start", KEY_START, 0, 0, "Set it in motion", 1},
     {"batch", KEY_BATCH, "CASE", 0, "Run CASE to its end without a daemon, print what came of it, and exit", 2},
     {"out", KEY_OUT, "DIR", 0, "Run directory of --batch (./CASE.run)", 2},

@@ -148,7 +148,8 @@ const Command command_table[] = {
      .help = "wait for a state, a time or a step",
      .details = "Without --for, for the end of the run: state=DONE. A time or a step that the run can no longer reach, "
                 "as it is DONE, ends the wait with exit code 1; a run in FAULT ends every wait for something else, "
-                "with the code of its cause. States: EMPTY, LOADING, READY, RUNNING, PAUSED, DONE, FAULT, STOPPING.",
+                "with the code of its cause. States: EMPTY, LOADING, READY, RUNNING, PAUSED, DONE, FAULT, STOPPING, "
+                "RECOVERING.",
      .request = "wait",
      .options = OPTION(OPT_IF_STEP) | OPTION(OPT_FOR),
      .exits = EXIT_DIVERGED | EXIT_IO | EXIT_AGAIN,

@@ -20,7 +20,7 @@ static MnsStatus read_state(const char *name, Goal *goal, MnsError *error)
     if (!mns_state_parse(name, &state))
         return mns_fail(error, MNS_E_INVALID,
                         "--for state=%.40s: the states are EMPTY, LOADING, READY, RUNNING, PAUSED, "
-                        "DONE, FAULT and STOPPING",
+                        "DONE, FAULT, STOPPING and RECOVERING",
                         name);
     goal->states |= 1u << state;
     return MNS_OK;

@@ -17,7 +17,7 @@ typedef struct OwnedReply {
 
 /* States are taken from messages by their number. */
 STATES_HAVE_THE_NUMBERS_OF_THE_PROTOCOL(MNS_STATE_);
-_Static_assert(MNS_STATE_COUNT == MNS_STATE_STOPPING + 1, "all states are compared");
+_Static_assert(MNS_STATE_COUNT == MNS_STATE_RECOVERING + 1, "all states are compared");
 
 const char *mns_state_name(MnsState state)
 {

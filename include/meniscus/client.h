@@ -41,6 +41,7 @@ typedef enum MnsState {
     MNS_STATE_DONE,  /* end time reached                                 */
     MNS_STATE_FAULT, /* diverged, or an output failed                    */
     MNS_STATE_STOPPING,
+    MNS_STATE_RECOVERING, /* after a crash, on the way to where it was    */
     MNS_STATE_COUNT
 } MnsState;
 

@@ -18,10 +18,10 @@ static void recall(Desk *desk, const Meniscus__JournalRecord *record)
     free(packed);
 }
 
-void comeback_begin(Comeback *comeback, const char *parent, Desk *desk)
+void comeback_begin(Comeback *comeback, const char *parent, const char *asked, Desk *desk)
 {
     MnsError error;
-    MnsStatus status = rundir_current(parent, comeback->directory, &error);
+    MnsStatus status = rundir_current(parent, asked, comeback->directory, &comeback->same, &error);
     if (!status) status = history_read(comeback->directory, &comeback->history, &error);
     if (status) {
         if (status != MNS_E_NOT_FOUND) log_line(LOG_ERROR, "no run is gone on with: %s", error.text);

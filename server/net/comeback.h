@@ -10,12 +10,14 @@
 typedef struct Comeback {
     History history;
     Lineage lineage;
-    bool due; /* there is a run to come back to */
+    bool due;  /* there is a run to come back to                                             */
+    bool same; /* it was loaded by a daemon whose command line asked for the same case, or none */
     char directory[RUNDIR_PATH];
 } Comeback;
 
-/* Look for the run that was loaded last below parent, and have the desk remember what was replied there. What is in the way is logged. */
-void comeback_begin(Comeback *comeback, const char *parent, Desk *desk);
+/* Look for the run that was loaded last below parent, and have the desk remember what was replied there. What is in the way is logged.
+ *  asked  as in RunOptions */
+void comeback_begin(Comeback *comeback, const char *parent, const char *asked, Desk *desk);
 
 /* The request that leads back to it; its order takes the lineage. Borrowed. */
 void comeback_request(const Comeback *comeback, Meniscus__Request *ret, Meniscus__Load *load);

@@ -29,13 +29,16 @@ typedef struct Daemon {
     Desk *desk;
     Run *run;
     Notify notify;
-    CaseFile *file;       /* of --load, until it is loaded     */
+    CaseFile *file;       /* of --load; NULL without one        */
+    MnsError bad_case;    /* why it cannot be read              */
     const Exchange *load; /* under way                         */
     Comeback comeback;
     const Exchange *recovery; /* under way */
     Signals signals;
     bool leaving; /* the run has come to its end       */
     int code;
+    char path[4096]; /* of the case of --load */
+    char *asked;     /* the case of the command line, with its settings; NULL without one */
     char parent[RUNDIR_PATH];
 } Daemon;
 
@@ -52,7 +55,7 @@ static const Exchange *post(Daemon *daemon, const Meniscus__Request *request, co
     Meniscus__Request *copy = meniscus__request__unpack(NULL, size, packed);
     free(packed);
     Exchange *exchange = copy ? exchange_new(copy) : NULL;
-    if (exchange) snprintf(exchange->order.caller.name, sizeof exchange->order.caller.name, "daemon");
+    if (exchange) snprintf(exchange->order.caller.name, sizeof exchange->order.caller.name, CALLER_DAEMON);
     if (exchange) exchange->order.lineage = lineage;
     if (!exchange || !handle(daemon->run, exchange, &error)) return exchange;
     log_line(LOG_ERROR, "%s", error.text);
@@ -92,20 +95,37 @@ static void post_start(Daemon *daemon)
 
 /* --- the case of the command line ---------------------------------------------------------------------------------------- */
 
-static MnsStatus read_case(Daemon *daemon, char path[static 4096], MnsError *error)
+static MnsStatus note_asked(Daemon *daemon, MnsError *error)
 {
     const DaemonOptions *options = daemon->options;
-    MnsStatus status = case_find(options->load, path, error);
-    if (!status) status = case_file_read(path, &daemon->file, error);
+    size_t size;
+    char whole[PATH_MAX];
+    FILE *text = open_memstream(&daemon->asked, &size);
+    if (!text) return mns_fail(error, MNS_E_MEMORY, "no memory for the command line");
+    fprintf(text, "%s\n", realpath(daemon->path, whole) ? whole : daemon->path);
+    for (size_t k = 0; k < options->n_settings; k++) fprintf(text, "%s\n", options->settings[k]);
+    if (!fclose(text)) return MNS_OK;
+    return mns_fail(error, MNS_E_MEMORY, "no memory for the command line");
+}
+
+static MnsStatus read_case(Daemon *daemon, MnsError *error)
+{
+    const DaemonOptions *options = daemon->options;
+    MnsStatus status = case_find(options->load, daemon->path, error);
+    if (!status) status = note_asked(daemon, error);
+    if (!status) status = case_file_read(daemon->path, &daemon->file, error);
     for (size_t k = 0; !status && k < options->n_settings; k++)
         status = case_file_set(daemon->file, options->settings[k], error);
+    if (!status) return MNS_OK;
+    case_file_free(daemon->file);
+    daemon->file = NULL;
     return status;
 }
 
-static void post_load(Daemon *daemon, const char *path)
+static void post_load(Daemon *daemon)
 {
     char name[CASE_NAME_SIZE];
-    case_name_from_path(path, name);
+    case_name_from_path(daemon->path, name);
     Meniscus__Request request = MENISCUS__REQUEST__INIT;
     Meniscus__Load load;
     if (load_init(&load, daemon->file, NULL)) return;
@@ -144,14 +164,42 @@ static void post_recovery(Daemon *daemon)
     Meniscus__Request *resume = daemon->recovery ? comeback_resume(&daemon->comeback) : NULL;
     if (resume) post(daemon, resume, NULL); /* now, so that a pause that comes meanwhile calls it off */
     request_free(resume);
+    if (daemon->recovery && daemon->options->start && daemon->comeback.lineage.untouched) post_start(daemon);
     Meniscus__Request *rest = daemon->recovery ? comeback_rest(&daemon->comeback) : NULL;
     if (rest) desk_take(daemon->desk, rest, &daemon->comeback.lineage); /* before its sender asks again */
+}
+
+static void refuse_case(Daemon *daemon)
+{
+    log_line(LOG_ERROR, "%s", daemon->bad_case.text);
+    daemon->code = MNS_EXIT_BAD_CASE;
+    post_shutdown(daemon, false);
 }
 
 static void after_recovery(Daemon *daemon, const Order *order)
 {
     daemon->recovery = NULL;
-    if (order->status) log_line(LOG_ERROR, "no run is gone on with: %s", order->error.text);
+    if (!order->status) return;
+    log_line(LOG_ERROR, "no run is gone on with: %s", order->error.text);
+    if (order->status == MNS_E_INTERRUPTED) return; /* somebody has called it off */
+    if (daemon->bad_case.status) refuse_case(daemon);
+    else if (daemon->file) post_load(daemon);
+}
+
+/* The same command line goes on with the run that a crash has ended, whatever has become of the case file; another one is for another
+ * case. */
+static void post_first(Daemon *daemon)
+{
+    const Comeback *comeback = &daemon->comeback;
+    const bool asked = daemon->options->load != NULL;
+    if (comeback->due && asked && !comeback->same)
+        log_line(LOG_NOTICE, "%s was not ended; it is left for the case of --load. Without --load it is gone on with",
+                 comeback->directory);
+    const bool back = comeback->due && (!asked || comeback->same);
+    if (back && daemon->bad_case.status) log_line(LOG_WARNING, "%s", daemon->bad_case.text);
+    if (back) post_recovery(daemon);
+    else if (daemon->bad_case.status) refuse_case(daemon);
+    else if (asked) post_load(daemon);
 }
 
 /* --- what happens -------------------------------------------------------------------------------------------------------- */
@@ -260,6 +308,7 @@ static MnsStatus begin(Daemon *daemon, MnsError *error)
     const RunOptions options = {.parent = daemon->parent,
                                 .nice = SOLVER_NICE,
                                 .threads = daemon->options->threads,
+                                .asked = daemon->asked,
                                 .beat_interval = daemon->notify.watchdog / 4};
     status = run_new(&options, &daemon->run, error);
     if (status) return status;
@@ -272,21 +321,29 @@ static MnsStatus begin(Daemon *daemon, MnsError *error)
     return status;
 }
 
+/* Was the run that was loaded last asked for as now? */
+static bool asked_before(Daemon *daemon)
+{
+    char directory[RUNDIR_PATH];
+    bool same;
+    find_parent(daemon);
+    return daemon->asked && !rundir_current(daemon->parent, daemon->asked, directory, &same, NULL) && same;
+}
+
 static int refused(const MnsError *error, int code)
 {
     log_line(LOG_ERROR, "%s", error->text);
     return code;
 }
 
-static int serve_locked(Daemon *daemon, const char *path)
+static int serve_locked(Daemon *daemon)
 {
     MnsError error;
     const MnsStatus status = begin(daemon, &error);
     const bool disk = status == MNS_E_IO || status == MNS_E_NO_SPACE;
     if (status) return refused(&error, disk ? MNS_EXIT_IO : MNS_EXIT_FAILED);
-    comeback_begin(&daemon->comeback, daemon->parent, daemon->desk);
-    if (daemon->file) post_load(daemon, path);
-    else if (daemon->comeback.due) post_recovery(daemon);
+    comeback_begin(&daemon->comeback, daemon->parent, daemon->asked, daemon->desk);
+    post_first(daemon);
     log_line(LOG_INFORMATION, "listening at %s%s%s", daemon->endpoint.control,
              daemon->endpoint.tcp_control[0] ? " and " : "", daemon->endpoint.tcp_control);
     notify_ready();
@@ -297,25 +354,30 @@ static int serve_locked(Daemon *daemon, const char *path)
     return daemon->code;
 }
 
+static void forget_case(Daemon *daemon)
+{
+    case_file_free(daemon->file);
+    free(daemon->asked);
+}
+
 int daemon_run(const DaemonOptions *options)
 {
     MnsError error;
-    char path[4096] = "";
     Daemon daemon = {.options = options, .code = MNS_EXIT_DONE};
-    if (options->load && read_case(&daemon, path, &error)) {
-        case_file_free(daemon.file);
-        return refused(&error, MNS_EXIT_BAD_CASE);
+    if (options->load && read_case(&daemon, &daemon.bad_case) && !asked_before(&daemon)) {
+        forget_case(&daemon);
+        return refused(&daemon.bad_case, MNS_EXIT_BAD_CASE);
     }
     const MnsStatus status = endpoint_open(options->name, options->tcp, &daemon.endpoint, &error);
     if (status) {
-        case_file_free(daemon.file);
+        forget_case(&daemon);
         const bool usage = status == MNS_E_INVALID || status == MNS_E_LIMIT;
         return refused(&error, usage ? MNS_EXIT_USAGE : status == MNS_E_IO ? MNS_EXIT_IO : MNS_EXIT_FAILED);
     }
     signals_catch(&daemon.signals);
-    const int code = serve_locked(&daemon, path);
+    const int code = serve_locked(&daemon);
     endpoint_close(&daemon.endpoint);
-    case_file_free(daemon.file);
+    forget_case(&daemon);
     signals_done(&daemon.signals);
     return code;
 }

@@ -303,6 +303,7 @@ static void take_request(Desk *desk, const Sender *sender, ProtobufCBinaryData i
     }
     exchange->epoch = desk->epoch;
     exchange->order.lineage = lineage;
+    exchange->order.begun = lineage != NULL;
     name_caller(sender, &exchange->order.caller);
     if (sender->size) exchange->senders[exchange->n_senders++] = *sender;
     if (!begin(desk, exchange, &error)) return;

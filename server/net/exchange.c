@@ -32,7 +32,6 @@ void exchange_free(Exchange *exchange)
     if (!exchange) return;
     for (size_t k = 0; k < EXCHANGE_ARRAYS; k++) free(exchange->arrays[k]);
     document_leave(exchange->order.document);
-    document_leave(exchange->order.before);
     request_free(exchange->request);
     meniscus__reply__free_unpacked(exchange->reply, NULL);
     free(exchange);

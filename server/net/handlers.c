@@ -14,9 +14,9 @@
 
 /* --- HERE -------------------------------------------------------------------------------------------------------------- */
 
-static void answer(Run *run, Exchange *x, MnsStatus status, const MnsError *error)
+static void answer_now(Run *run, Exchange *x, MnsStatus status, const MnsError *error)
 {
-    run_answer(run, &x->order, status, error);
+    run_answer_now(run, &x->order, status, error);
 }
 
 /* status: NULL if there was no memory for it. */
@@ -25,7 +25,7 @@ static void answer_status(Run *run, Exchange *x, const RunStatus *status)
     MnsError error;
     x->reply->status = status ? describe_status(status) : NULL;
     if (x->reply->status) x->reply->result_case = MENISCUS__REPLY__RESULT_STATUS;
-    answer(run, x, x->reply->status ? MNS_OK : mns_fail(&error, MNS_E_MEMORY, "no memory for the status"), &error);
+    answer_now(run, x, x->reply->status ? MNS_OK : mns_fail(&error, MNS_E_MEMORY, "no memory for the status"), &error);
 }
 
 static void serve_status_at_rest(Run *run, Order *order)
@@ -57,7 +57,7 @@ static void serve_capabilities(Run *run, Exchange *x)
     x->reply->capabilities = describe_capabilities(names, document);
     document_leave(document);
     if (x->reply->capabilities) x->reply->result_case = MENISCUS__REPLY__RESULT_CAPABILITIES;
-    answer(run, x, x->reply->capabilities ? MNS_OK : mns_fail(&error, MNS_E_MEMORY, "no memory"), &error);
+    answer_now(run, x, x->reply->capabilities ? MNS_OK : mns_fail(&error, MNS_E_MEMORY, "no memory"), &error);
 }
 
 enum { ENTRIES_MAX = 128 }; /* of one get or set; many times what can be set */
@@ -91,7 +91,7 @@ static void answer_get(Run *run, Exchange *x, size_t n, const char *const *paths
 {
     MnsError error;
     Document *document = run_document(run);
-    answer(run, x, get_entries(document, x, n, paths, &error), &error);
+    answer_now(run, x, get_entries(document, x, n, paths, &error), &error);
     document_leave(document);
 }
 
@@ -113,6 +113,11 @@ static void serve_get(Run *run, Exchange *x)
 }
 
 /* --- AT_STEP ----------------------------------------------------------------------------------------------------------- */
+
+static void answer(Run *run, Exchange *x, MnsStatus status, const MnsError *error)
+{
+    run_answer(run, &x->order, status, error);
+}
 
 /* *ret: [n_settings], yours. */
 static MnsStatus read_settings(const Meniscus__Load *load, RunSetting **ret, MnsError *error)
@@ -341,6 +346,7 @@ enum {
     PAUSED = 1 << RUN_PAUSED,
     DONE = 1 << RUN_DONE,
     FAULT = 1 << RUN_FAULT,
+    RECOVERING = 1 << RUN_RECOVERING,
     STILL = READY | PAUSED | DONE | FAULT, /* a case, not in motion */
     LOADED = STILL | RUNNING,
     ANY = (1 << RUN_STATES) - 1
@@ -348,7 +354,7 @@ enum {
 
 /* States go over the wire, in sets too, with the numbers they have here. */
 STATES_HAVE_THE_NUMBERS_OF_THE_PROTOCOL(RUN_);
-_Static_assert(RUN_STATES == RUN_STOPPING + 1, "all states are compared");
+_Static_assert(RUN_STATES == RUN_RECOVERING + 1, "all states are compared");
 
 #define REQUEST(command) MENISCUS__REQUEST__COMMAND_##command
 
@@ -364,7 +370,7 @@ static const Handler handlers[] = {
     [REQUEST(STEP)]         = { "step",         AT_STEP, READY | PAUSED,           MOTION | CHANGES,               serve_step,         NULL               },
     [REQUEST(RUN_UNTIL)]    = { "run_until",    AT_STEP, READY | PAUSED,           MOTION | CHANGES,               serve_until,        NULL               },
     [REQUEST(PAUSE)]        = { "pause",        AT_STEP, RUNNING | READY | PAUSED, URGENT | CHANGES,               serve_pause,        NULL               },
-    [REQUEST(STOP)]         = { "stop",         AT_STEP, LOADED,                   URGENT | ENDS | CHANGES,        serve_stop,         complete_directory },
+    [REQUEST(STOP)]         = { "stop",         AT_STEP, LOADED | RECOVERING,      URGENT | ENDS | CHANGES,        serve_stop,         complete_directory },
     [REQUEST(CANCEL)]       = { "cancel",       AT_STEP, ANY,                      URGENT | ENDS,                  serve_cancel,       NULL               },
     [REQUEST(SHUTDOWN)]     = { "shutdown",     AT_STEP, ANY,                      URGENT | ENDS | LAST | CHANGES, serve_shutdown,     complete_directory },
     [REQUEST(RESET)]        = { "reset",        AT_STEP, STILL,                    CHANGES,                        serve_reset,        complete_directory },
@@ -439,6 +445,13 @@ static void note_end(const Handler *handler, const Meniscus__Request *request, O
     if (order->ends) memcpy(order->ends_id, request->cancel->id.data, ORDER_ID);
 }
 
+/* After a crash: for the step it names, or for a state worth keeping. */
+static bool waits_for_the_run(const Meniscus__Request *request)
+{
+    const bool stops = request->command_case == REQUEST(STOP);
+    return request->has_if_step || (stops && request->stop->has_checkpoint && request->stop->checkpoint);
+}
+
 MnsStatus handle(Run *run, Exchange *exchange, MnsError *error)
 {
     const Handler *handler = handler_find(exchange->request->command_case);
@@ -454,6 +467,7 @@ MnsStatus handle(Run *run, Exchange *exchange, MnsError *error)
     exchange->order.motion = handler->traits & MOTION;
     exchange->order.serve = serve_at_step;
     exchange->order.seal = seal;
+    exchange->order.meanwhile = handler->traits & ENDS && !waits_for_the_run(exchange->request);
     if (handler->traits & CHANGES) exchange->order.request = exchange->request;
     note_end(handler, exchange->request, &exchange->order);
     exchange->at_step = handler->where == AT_STEP;

@@ -12,7 +12,7 @@ void run_hand_back(Run *run, Order *order)
     outbox_put(&run->outbox, &order->note);
 }
 
-void run_answer(Run *run, Order *order, MnsStatus status, const MnsError *error)
+static void fill(Run *run, Order *order, MnsStatus status, const MnsError *error)
 {
     order->status = status;
     if (status) order->error = *error;
@@ -21,8 +21,28 @@ void run_answer(Run *run, Order *order, MnsStatus status, const MnsError *error)
     order->step = run->status.progress.step;
     order->t = run->status.progress.t;
     pthread_mutex_unlock(&run->lock);
-    if (order->request && run_note_done(run, order)) return;
+}
+
+void run_answer_now(Run *run, Order *order, MnsStatus status, const MnsError *error)
+{
+    fill(run, order, status, error);
     run_hand_back(run, order);
+}
+
+void run_answer(Run *run, Order *order, MnsStatus status, const MnsError *error)
+{
+    fill(run, order, status, error);
+    if (order->request) run_note_done(run, order);
+    if (!run_keep(run, order)) run_hand_back(run, order);
+}
+
+/* Of a command that had set out before a crash the journal tells where it ended. */
+void run_answer_unserved(Run *run, Order *order, MnsStatus status, const MnsError *error)
+{
+    const Lineage *ahead = run->recovery.lineage;
+    if (ahead) order->effect_step = ahead->step;
+    else if (run->sim) order->effect_step = mns_sim_progress(run->sim).step;
+    run_answer(run, order, status, error);
 }
 
 static bool wait_over(const Run *run, const RunWait *wait)

@@ -120,29 +120,37 @@ void run_note_hash(Run *run)
 /* Entries that a set has changed. */
 typedef struct Changes {
     size_t n;
-    Meniscus__Change list[64];
-    Meniscus__Change *pointers[64];
+    Meniscus__Change **list;
+    bool whole; /* there was memory for all */
 } Changes;
 
-static void add_change(void *arg, const char *path, const char *before, const char *after)
+static Meniscus__Change *new_change(const char *path, const char *before, const char *after)
 {
-    Changes *changes = arg;
-    if (changes->n == sizeof changes->list / sizeof *changes->list) return;
-    Meniscus__Change *change = &changes->list[changes->n];
+    Meniscus__Change *change = malloc(sizeof *change);
+    if (!change) return NULL;
     meniscus__change__init(change);
     change->path = strdup(path);
     change->before = strdup(before);
     change->after = strdup(after);
-    changes->pointers[changes->n++] = change;
+    if (change->path && change->before && change->after) return change;
+    meniscus__change__free_unpacked(change, NULL);
+    return NULL;
+}
+
+static void add_change(void *arg, const char *path, const char *before, const char *after)
+{
+    Changes *changes = arg;
+    Meniscus__Change **list = reallocarray(changes->list, changes->n + 1, sizeof *list);
+    if (list) changes->list = list;
+    Meniscus__Change *change = list ? new_change(path, before, after) : NULL;
+    if (change) list[changes->n++] = change;
+    else changes->whole = false;
 }
 
 static void free_changes(Changes *changes)
 {
-    for (size_t k = 0; k < changes->n; k++) {
-        free(changes->list[k].path);
-        free(changes->list[k].before);
-        free(changes->list[k].after);
-    }
+    for (size_t k = 0; k < changes->n; k++) meniscus__change__free_unpacked(changes->list[k], NULL);
+    free(changes->list);
 }
 
 static bool begins_anew(const Order *order)
@@ -161,7 +169,12 @@ static Meniscus__Again **list_again(const Lineage *lineage, uint64_t step, size_
     Meniscus__Again **list = calloc(lineage->n + 1, sizeof *list);
     Meniscus__Again *items = calloc(lineage->n + 1, sizeof *items);
     size_t n = 0;
-    for (size_t k = 0; list && items && k < lineage->n; k++) {
+    if (!list || !items) {
+        free(list);
+        free(items);
+        return NULL;
+    }
+    for (size_t k = 0; k < lineage->n; k++) {
         if (!lineage_needs(lineage, k, step)) continue;
         const LineageEntry *entry = &lineage->entries[k];
         meniscus__again__init(&items[n]);
@@ -183,32 +196,44 @@ static void free_again(Meniscus__Again **list)
     free(list);
 }
 
+static bool leaves_on_the_way(const Run *run, const Order *order)
+{
+    return run->recovery.lineage && order->request->command_case == MENISCUS__REQUEST__COMMAND_SHUTDOWN;
+}
+
 static void note_done(Run *run, Order *order)
 {
-    Changes changes = {.n = 0};
+    Changes changes = {.whole = true};
     Record record = MENISCUS__JOURNAL_RECORD__INIT;
     record.step = order->effect_step;
     set_time(run, &record);
-    if (order->before) case_message_differences(order->before->message, order->document->message, add_change, &changes);
+    if (run->before) case_message_differences(run->before->message, run->document->message, add_change, &changes);
     record.n_changes = changes.n;
-    record.changes = changes.pointers;
-    if (begins_anew(order)) record.case_ = run->document->message;
-    record.has_comeback = record.comeback = order->lineage && begins_anew(order);
-    if (record.comeback) record.again = list_again(order->lineage, order->effect_step, &record.n_again);
+    record.changes = changes.list;
+    const bool anew = begins_anew(order), comeback = anew && order->lineage;
+    if (anew) record.case_ = run->document->message;
+    record.has_comeback = record.comeback = comeback || leaves_on_the_way(run, order);
+    if (comeback) record.again = list_again(order->lineage, order->effect_step, &record.n_again);
     record.reply = order->seal ? (Meniscus__Reply *)order->seal(order) : NULL;
-    if (record.comeback && !record.again) mns_fail(&run->unwritten, MNS_E_MEMORY, "no memory for the journal");
+    if (!changes.whole || (comeback && !record.again))
+        mns_fail(&run->unwritten, MNS_E_MEMORY, "no memory for the journal");
     add_of_order(run, MENISCUS__JOURNAL_RECORD__KIND__COMMAND, &record, order);
     free_again(record.again);
     free_changes(&changes);
 }
 
-bool run_note_done(Run *run, Order *order)
+void run_note_done(Run *run, Order *order)
 {
-    if (!run->journal || (order->status && !order->begun)) return false;
+    if (!run->journal || (order->status && !order->begun)) return;
     note_done(run, order);
+    run->uncommitted = true;
+}
+
+bool run_keep(Run *run, Order *order)
+{
+    if (!run->uncommitted && !run->unsaid) return false;
     order->next = run->unsaid;
     run->unsaid = order;
-    run->uncommitted = true;
     return true;
 }
 
@@ -219,7 +244,8 @@ MnsStatus run_journal_ready(Run *run, const Order *order, MnsError *error)
     if (begins_anew(order)) run_commit(run); /* it takes long, and may lead to another journal */
     const bool elsewhere = order->request->command_case == MENISCUS__REQUEST__COMMAND_LOAD;
     if (!run->journal || order->urgent || elsewhere) return MNS_OK; /* what halts a run is always possible */
-    const size_t size = 2 * meniscus__request__get_packed_size(order->request);
+    const size_t size =
+        3 * meniscus__request__get_packed_size(order->request); /* itself, what it changed, what is replied */
     return journal_reserve(run->journal, size + (run->document ? run->document->size : 0) + ROOM_BESIDES, error);
 }
 
@@ -233,8 +259,10 @@ static MnsStatus sync_journal(Run *run, MnsError *error)
     return failed.status;
 }
 
+/* What changed nothing is as it was answered. */
 static void tell_unwritten(Run *run, Order *order, const MnsError *why)
 {
+    if (order->status || !order->request) return;
     order->status = mns_fail(&order->error, why->status,
                              "it was done, but the journal cannot be written, so the run is halted; resume tries the "
                              "journal again: %.300s",
@@ -243,15 +271,27 @@ static void tell_unwritten(Run *run, Order *order, const MnsError *why)
     if (order->seal) order->seal(order);
 }
 
+/* So that a daemon that is started after a crash finds it. */
+static void note_current(Run *run)
+{
+    MnsError error;
+    char text[700];
+    run->current_due = false;
+    if (!rundir_note_current(run->options.parent, run->outputs.directory, run->options.asked, &error)) return;
+    snprintf(text, sizeof text,
+             "after a crash the daemon will not find this run by itself, but by load --resume: %.400s", error.text);
+    run_tell(run, NOTE_LOG, LOG_WARNING, "journal", text);
+}
+
 void run_sync(Run *run)
 {
     MnsError error;
     if (!run->uncommitted) return;
     const MnsStatus status = sync_journal(run, &error);
+    if (!status && run->current_due) note_current(run);
     if (!status) return;
     if (run->sim && run->state != RUN_FAULT) run_fault(run, &error, true);
-    for (Order *order = run->unsaid; order; order = order->next)
-        if (!order->status) tell_unwritten(run, order, &error);
+    for (Order *order = run->unsaid; order; order = order->next) tell_unwritten(run, order, &error);
 }
 
 void run_release(Run *run)

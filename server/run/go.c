@@ -7,8 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { HASH_STEPS = 100 };                   /* a replay is compared with the journal this often */
-static const double PROGRESS_INTERVAL = 0.2; /* [s], of the notes for people */
+enum { HASH_STEPS = 100 }; /* a replay is compared with the journal this often */
 
 /* --- goals ------------------------------------------------------------------------------------------------------------ */
 
@@ -31,9 +30,19 @@ static void break_off(Run *run, MnsStatus status, const char *text)
     run_goal_end(run, status, &error);
 }
 
+/* Of those that wait until the run is back. */
+static void expire_waiting(Run *run, double now)
+{
+    MnsError error;
+    mns_fail(&error, MNS_E_TIMEOUT, "the deadline passed before the run was back where it was; nothing was done");
+    for (Order *order; (order = mailbox_remove_late(&run->mailbox, now));)
+        run_answer_unserved(run, order, MNS_E_TIMEOUT, &error);
+}
+
 void run_expire(Run *run)
 {
     const double now = clock_now();
+    if (run->state == RUN_RECOVERING) expire_waiting(run, now);
     if (!(run_next_deadline(run) < now)) return;
     run_answer_late(run, now);
     if (run->goal.order && run->goal.order->deadline < now)
@@ -46,7 +55,7 @@ void run_cancel(Run *run, Order *order, const uint8_t id[static ORDER_ID])
     Order *queued = mailbox_remove(&run->mailbox, id);
     mns_fail(&error, MNS_E_INTERRUPTED, "cancelled");
     const bool is_goal = run->goal.order && !memcmp(run->goal.order->id, id, ORDER_ID);
-    if (queued) run_answer(run, queued, MNS_E_INTERRUPTED, &error);
+    if (queued) run_answer_unserved(run, queued, MNS_E_INTERRUPTED, &error);
     if (is_goal) break_off(run, MNS_E_INTERRUPTED, "cancelled");
     const bool waited = run_answer_cancelled(run, id, &error);
     if (queued || is_goal || waited || order->ended) run_answer(run, order, MNS_OK, NULL);
@@ -80,7 +89,7 @@ void run_call_off(Run *run, const Order *by)
     MnsError error;
     mns_fail(&error, MNS_E_INTERRUPTED, "called off by a later pause or stop");
     for (Order *order; (order = mailbox_remove_motion(&run->mailbox, by->number));)
-        run_answer(run, order, MNS_E_INTERRUPTED, &error);
+        run_answer_unserved(run, order, MNS_E_INTERRUPTED, &error);
 }
 
 void run_pause(Run *run, Order *order)
@@ -215,6 +224,6 @@ void run_advance(Run *run)
     if (status) run_fault(run, &error, output);
     if (status && !output) return;
     if (!status) arrive(run, before);
-    if (clock_now() - run->progress >= PROGRESS_INTERVAL) run_tell_progress(run);
+    run_tell_progress_at_times(run);
     run_answer_waiters(run);
 }

@@ -25,6 +25,14 @@ typedef struct Waiter {
     Order *order;
 } Waiter;
 
+/* The way back to where the run was before a crash. */
+typedef struct Recovery {
+    const Lineage *lineage; /* borrowed; NULL: the run is where it was, or there was none */
+    size_t next;            /* of its entries                                             */
+    uint64_t checkpoint;    /* the step it goes on from                                   */
+    double limit;           /* time to which a step is shortened [s]                      */
+} Recovery;
+
 struct Run {
     RunOptions options;
     pthread_t thread;
@@ -46,13 +54,16 @@ struct Run {
     uint64_t hash; /* of the state, if it is known */
     bool hashed;
     Goal goal;
+    Recovery recovery;
     Waiter *waiters;
     Meter meter;
-    double loaded;      /* clock_now() when the case was loaded     */
-    double progress;    /* clock_now() of the last progress note    */
-    FILE *log;          /* of the run directory; NULL if there is none */
-    Journal *journal;   /* the same                                    */
-    Order *unsaid;      /* answered, and not on the disk yet: nobody hears of it before. The latest first */
+    double loaded;    /* clock_now() when the case was loaded     */
+    double progress;  /* clock_now() of the last progress note    */
+    FILE *log;        /* of the run directory; NULL if there is none */
+    Journal *journal; /* the same                                    */
+    Order *unsaid; /* answered, and not on the disk yet, or after such: nobody hears of it before. The latest first */
+    Document *before;   /* the case before the order that is being answered changed it; NULL if it did not */
+    bool current_due;   /* this run is to be noted as the current one, once its journal is on the disk     */
     bool uncommitted;   /* the journal has something that is to be on the disk before the run goes on */
     MnsError unwritten; /* what could not even be added to it; MNS_OK: nothing                        */
 
@@ -73,6 +84,7 @@ void run_hash(Run *run);
 void run_settle(Run *run);
 void run_enter(Run *run, RunState state, const char *text); /* a new state: published, told, and who waits answered */
 void run_tell_progress(Run *run);
+void run_tell_progress_at_times(Run *run); /* not more often than people look */
 
 /* An event or a line of the log. */
 void run_tell(Run *run, NoteKind kind, int level, const char *word, const char *text);
@@ -81,13 +93,18 @@ void run_tell(Run *run, NoteKind kind, int level, const char *word, const char *
 MnsStatus run_journal_open(Run *run, const char *directory, Journal **ret, bool *ret_made, MnsError *error);
 MnsStatus run_journal_ready(Run *run, const Order *order, MnsError *error);
 void run_note_begun(Run *run, Order *order);
-bool run_note_done(Run *run, Order *order); /* true: the order is kept until it is on the disk */
+void run_note_done(Run *run, Order *order);
+bool run_keep(Run *run,
+              Order *order); /* an order that is answered; true: it is kept until what was noted is on the disk */
 void run_note_hash(Run *run);
 
 /* Have it all on the disk, then let the answers go. If that fails, they tell so and the run is in FAULT. */
 void run_commit(Run *run);
 void run_sync(Run *run); /* the first half of it, and the second */
 void run_release(Run *run);
+
+/* recover.c: RECOVERING. One step on the way back, and what was commanded at the boundary. */
+void run_recover_on(Run *run);
 
 /* making.c: a simulation for whoever gave this order; state: to go on from, or NULL. As mns_sim_make(); MNS_E_TIMEOUT if the deadline
  * of the order passes meanwhile, MNS_E_INTERRUPTED if another one ends it. */
@@ -105,8 +122,10 @@ void run_tell_file(void *run, const char *text);
 
 /* answer.c: those who wait; run_answer() and run_wait() are there too. */
 void run_hand_back(Run *run, Order *order); /* an answer, to whoever gave the order */
-void run_answer_waiters(Run *run);          /* those whose wait is over         */
-void run_answer_late(Run *run, double now); /* those whose deadline has passed  */
+void run_answer_unserved(Run *run, Order *order, MnsStatus status,
+                         const MnsError *error); /* that was taken out of the queue */
+void run_answer_waiters(Run *run);               /* those whose wait is over         */
+void run_answer_late(Run *run, double now);      /* those whose deadline has passed  */
 void run_answer_all_waiters(Run *run, const MnsError *error);
 double run_next_deadline(const Run *run); /* of clock_now(); INFINITY: none */
 

@@ -2,7 +2,9 @@
 /* The way to where a run was. */
 #include "run/lineage.h"
 
+#include "run/order.h"
 #include <stdlib.h>
+#include <string.h>
 
 typedef Meniscus__JournalRecord Record;
 
@@ -67,7 +69,10 @@ static MnsStatus take_command(Lineage *lineage, const Record *record, MnsError *
 {
     const Meniscus__Request *request = record->request;
     lineage->state = record->reply ? (RunState)record->reply->state : RUN_PAUSED;
+    if (lineage->state == RUN_RECOVERING)
+        lineage->state = RUN_PAUSED; /* what was under way was called off before the run was back */
     lineage->step = record->step;
+    lineage->untouched = false;
     switch (request->command_case) {
     case MENISCUS__REQUEST__COMMAND_STOP:
     case MENISCUS__REQUEST__COMMAND_SHUTDOWN: lineage->ended = true; return MNS_OK;
@@ -89,6 +94,8 @@ static MnsStatus take_comeback(Lineage *lineage, const Record *record, MnsError 
     lineage->step = before.step;
     lineage->begun = before.begun;
     lineage->begun_step = before.begun_step;
+    lineage->name = before.name;
+    lineage->original = before.original;
     return status;
 }
 
@@ -99,12 +106,16 @@ static MnsStatus take(Lineage *lineage, const Record *record, MnsError *error)
         lineage->begun_step = record->step;
         lineage->state = RUN_RUNNING;
         lineage->step = record->step;
+        lineage->untouched = false;
         return add(lineage, record->step, record->request, NULL, error);
     }
     if (record->kind != MENISCUS__JOURNAL_RECORD__KIND__COMMAND || !record->request) return MNS_OK;
+    if (record->comeback && !record->case_) return MNS_OK; /* a shutdown on the way back */
     if (!history_done_well(record) || !record->case_) return take_command(lineage, record, error);
     if (record->comeback) return take_comeback(lineage, record, error);
     lineage->ended = false;
+    lineage->untouched = record->request->command_case == MENISCUS__REQUEST__COMMAND_LOAD && record->who &&
+                         record->who->name && !strcmp(record->who->name, CALLER_DAEMON);
     lineage->state = RUN_READY;
     lineage->step = record->step;
     return begin_anew(lineage, record, error);

@@ -22,6 +22,7 @@ typedef struct Lineage {
     size_t n;
     LineageEntry *entries;          /* [n], by rising steps                                               */
     bool ended;                     /* by a stop or a shutdown: there is nothing to come back to          */
+    bool untouched;                 /* the daemon has loaded it, and nothing was commanded since           */
     RunState state;                 /* after the last command                                             */
     uint64_t step;                  /* the same: it was there, or beyond if it was RUNNING                */
     const Meniscus__Request *begun; /* a step or run_until that was under way; or NULL                     */

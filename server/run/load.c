@@ -170,17 +170,6 @@ static void open_log(Run *run)
     run->log = fopen(path, "ae");
 }
 
-/* So that a daemon that is started after a crash finds it. */
-static void note_current(Run *run)
-{
-    MnsError error;
-    char text[700];
-    if (!rundir_note_current(run->options.parent, run->outputs.directory, &error)) return;
-    snprintf(text, sizeof text,
-             "after a crash the daemon will not find this run by itself, but by load --resume: %.400s", error.text);
-    run_tell(run, NOTE_LOG, LOG_WARNING, "journal", text);
-}
-
 /* Put the candidate in place. On failure the present run stays there, and nothing that could fail comes after the files. */
 static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
 {
@@ -201,8 +190,8 @@ static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
         run->directory_lock = candidate->lock;
         journal_free(run->journal);
         run->journal = candidate->journal;
+        run->current_due = run->options.parent != NULL;
     }
-    if (run->options.parent) note_current(run);
     run->meter = (Meter){.stepping = 0};
     run->loaded = clock_now();
     open_log(run);
@@ -246,7 +235,7 @@ static void replace(Run *run, Order *order, Candidate *candidate, MnsStatus stat
         order->effect_step = mns_sim_progress(run->sim).step;
         run->hash = mns_sim_hash(run->sim); /* the journal has it below, after the order */
         run->hashed = true;
-        run_enter(run, RUN_READY, text);
+        run_enter(run, order->lineage ? RUN_RECOVERING : RUN_READY, text);
         tell_files(run);
         tell_warnings(run);
         if (candidate->stored && candidate->original) run_tell_resumed(run, candidate->stored, candidate->original);
@@ -314,7 +303,8 @@ void run_load(Run *run, Order *order, const RunLoad *load)
         run_answer(run, order, status, &error);
         return;
     }
-    run_enter(run, RUN_LOADING, load->name);
+    if (!order->lineage) run->recovery.lineage = NULL;
+    run_enter(run, order->lineage ? RUN_RECOVERING : RUN_LOADING, load->name);
     candidate.original = document_share(document);
     status = choose_directory(run, load, candidate.directory, &error);
     if (!status) status = occupy(run, &candidate, &error);
@@ -385,6 +375,13 @@ static MnsStatus secure(Run *run, bool checkpoint, MnsError *error)
     return outputs_rescue(outputs, run->sim, run->document, path, error);
 }
 
+/* The journal tells that the run is ended, unless it was stopped before there was one: then it is not looked for any more. */
+static void end_recovery(Run *run)
+{
+    if (run->recovery.lineage && !run->sim) rundir_forget_current(run->options.parent);
+    run->recovery.lineage = NULL;
+}
+
 void run_stop(Run *run, Order *order, bool checkpoint)
 {
     MnsError error;
@@ -399,6 +396,7 @@ void run_stop(Run *run, Order *order, bool checkpoint)
         return;
     }
     run_goal_end(run, MNS_E_INTERRUPTED, &ended);
+    end_recovery(run);
     if (close_run(run, &error)) run_tell(run, NOTE_LOG, LOG_WARNING, "lost", error.text);
     run_enter(run, RUN_EMPTY, "stopped on request");
     answer_last(run, order, MNS_OK, NULL);
@@ -418,6 +416,7 @@ static void tell_lost(Run *run, const MnsError *why)
 void run_leave(Run *run, Order *order, bool checkpoint)
 {
     MnsError error, ended;
+    if (run->recovery.lineage) checkpoint = false; /* whoever went on from it would miss what comes after it */
     mns_fail(&ended, MNS_E_INTERRUPTED, "the program is stopping");
     run_enter(run, RUN_STOPPING, checkpoint ? "stopping, with a checkpoint" : "stopping");
     run_goal_end(run, MNS_E_INTERRUPTED, &ended);

@@ -68,22 +68,22 @@ Order *mailbox_take(Mailbox *box, double until)
     return order;
 }
 
-static bool ends_in(Order *list, const uint8_t *id)
+static bool ends_in(Order *list, const uint8_t *id, bool recovering)
 {
     static const uint8_t any[ORDER_ID];
     bool found = false;
     for (Order *order = list; order; order = order->next) {
-        if (!order->ends) continue;
+        if (!order->ends || (recovering && !order->meanwhile)) continue;
         if (memcmp(order->ends_id, any, ORDER_ID) && memcmp(order->ends_id, id, ORDER_ID)) continue;
         found = order->ended = true;
     }
     return found;
 }
 
-bool mailbox_ends(Mailbox *box, const uint8_t id[static ORDER_ID])
+bool mailbox_ends(Mailbox *box, const uint8_t id[static ORDER_ID], bool recovering)
 {
     pthread_mutex_lock(&box->lock);
-    const bool urgent = ends_in(box->urgent, id), plain = ends_in(box->plain, id);
+    const bool urgent = ends_in(box->urgent, id, recovering), plain = ends_in(box->plain, id, recovering);
     pthread_mutex_unlock(&box->lock);
     return urgent || plain;
 }
@@ -117,6 +117,27 @@ static Order *remove_first(Mailbox *box, bool (*is)(const Order *, const void *)
     if (order) box->n--;
     pthread_mutex_unlock(&box->lock);
     return order;
+}
+
+static bool is_meanwhile(const Order *order, const void *arg)
+{
+    (void)arg;
+    return order->meanwhile;
+}
+
+static bool is_late(const Order *order, const void *arg)
+{
+    return order->deadline < *(const double *)arg;
+}
+
+Order *mailbox_take_meanwhile(Mailbox *box)
+{
+    return remove_first(box, is_meanwhile, NULL);
+}
+
+Order *mailbox_remove_late(Mailbox *box, double now)
+{
+    return remove_first(box, is_late, &now);
 }
 
 Order *mailbox_remove(Mailbox *box, const uint8_t id[static ORDER_ID])

@@ -27,11 +27,18 @@ MnsStatus mailbox_post(Mailbox *box, Order *order, MnsError *error);
 /* The next order, urgent ones first; waits for one until the moment `until` (clock_now()). NULL if there is none. */
 Order *mailbox_take(Mailbox *box, double until);
 
+/* The next order that may be served while the run comes back after a crash; NULL if there is none now. */
+Order *mailbox_take_meanwhile(Mailbox *box);
+
+/* Take the first order out of the queue whose deadline lies before now; NULL if there is none. */
+Order *mailbox_remove_late(Mailbox *box, double now);
+
 /* Take the first order out of the queue that sets in motion and was posted before number; NULL if there is none. */
 Order *mailbox_remove_motion(Mailbox *box, uint64_t before);
 
-/* Is there one that ends the order of this id, while it is served? It stays where it is, and knows. */
-bool mailbox_ends(Mailbox *box, const uint8_t id[static ORDER_ID]);
+/* Is there one that ends the order of this id, while it is served? It stays where it is, and knows.
+ *  recovering  the order leads back to a run after a crash: only one that may be served meanwhile ends it */
+bool mailbox_ends(Mailbox *box, const uint8_t id[static ORDER_ID], bool recovering);
 
 /* Take the order of this id out of the queue; NULL if it is not there. */
 Order *mailbox_remove(Mailbox *box, const uint8_t id[static ORDER_ID]);

@@ -16,7 +16,8 @@ static bool given_up(void *arg)
 {
     const Client *client = arg;
     run_beat(client->run);
-    return client->order->deadline < clock_now() || mailbox_ends(&client->run->mailbox, client->order->id);
+    const Order *order = client->order;
+    return order->deadline < clock_now() || mailbox_ends(&client->run->mailbox, order->id, order->lineage != NULL);
 }
 
 MnsStatus run_make(Run *run, const Order *order, const MnsCase *c, const MnsCapture *state, MnsSim **ret,

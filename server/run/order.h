@@ -12,6 +12,7 @@ struct Run;
 enum { ORDER_ID = 16 };
 
 /* Whoever gives an order, as far as it is known: what they may do would belong here. */
+#define CALLER_DAEMON "daemon" /* its command line, and signals */
 typedef struct Caller {
     char name[64]; /* of the connection */
 } Caller;
@@ -24,7 +25,8 @@ typedef struct Order {
     const Meniscus__Request *request; /* as it was sent; NULL: it changes nothing                */
     bool begun;                       /* the journal has it already, and must tell how it ended   */
 
-    const struct Lineage *lineage; /* of a load after a crash: what it comes back to; borrowed    */
+    const struct Lineage
+        *lineage; /* of a load after a crash, and of a command that was under way: what is come back to; borrowed */
 
     /* What the reply will be, once it is answered; on the runner's thread. May be NULL; the result too. */
     const Meniscus__Reply *(*seal)(struct Order *order);
@@ -32,6 +34,7 @@ typedef struct Order {
     uint8_t id[ORDER_ID];
     uint64_t number; /* rises in the order of posting                                        */
     bool urgent;     /* overtakes all that are not                                           */
+    bool meanwhile;  /* served also while the run comes back after a crash                   */
     bool motion;     /* sets the run in motion: called off by a later pause or stop           */
     bool ends;       /* what is being loaded is given up for it; only the order of `ends_id`, unless that is zeros */
     bool ended;      /* that has happened */
@@ -51,7 +54,6 @@ typedef struct Order {
     double t, effect_t; /* [s]                                                                  */
     char path[4096];    /* of the file written, or the run directory; empty if there is none    */
     Document *document; /* a share of the case after a change of it; NULL if there was none     */
-    Document *before;   /* the same before it                                                   */
     unsigned threads;   /* used then                                                            */
     Note note;          /* that carries it through the outbox: an answer needs no memory to get there */
 } Order;

@@ -9,10 +9,12 @@
 #include <string.h>
 #include <time.h>
 
+static const double PROGRESS_INTERVAL = 0.2; /* [s], of the notes for people */
+
 const char *run_state_name(RunState state)
 {
-    static const char *const names[RUN_STATES] = {"EMPTY",  "LOADING", "READY", "RUNNING",
-                                                  "PAUSED", "DONE",    "FAULT", "STOPPING"};
+    static const char *const names[RUN_STATES] = {"EMPTY", "LOADING", "READY",    "RUNNING",   "PAUSED",
+                                                  "DONE",  "FAULT",   "STOPPING", "RECOVERING"};
     return (unsigned)state < RUN_STATES ? names[state] : "UNKNOWN";
 }
 
@@ -83,7 +85,8 @@ static void fill_case(const Run *run, RunStatus *status)
 /* With the lock held. */
 static void fill_hash(const Run *run, RunStatus *status)
 {
-    const bool still = run->sim && run->state != RUN_RUNNING && run->state != RUN_LOADING;
+    const bool moving = run->state == RUN_RUNNING || run->state == RUN_LOADING || run->state == RUN_RECOVERING;
+    const bool still = run->sim && !moving;
     status->hash = still && run->hashed ? run->hash : 0;
     status->hash_due = still && !run->hashed && run->state != RUN_STOPPING;
 }
@@ -99,6 +102,7 @@ void run_hash(Run *run)
 void run_settle(Run *run)
 {
     if (!run->status.hash_due) return; /* this thread alone writes it */
+    run_commit(run);
     run_hash(run);
     pthread_mutex_lock(&run->lock);
     fill_hash(run, &run->status);
@@ -167,6 +171,11 @@ void run_tell_progress(Run *run)
     note->eta = meter_eta(&run->meter, note->t, note->end_time);
     note->steps_per_second = meter_rate(&run->meter);
     outbox_put(&run->outbox, note);
+}
+
+void run_tell_progress_at_times(Run *run)
+{
+    if (clock_now() - run->progress >= PROGRESS_INTERVAL) run_tell_progress(run);
 }
 
 void run_enter(Run *run, RunState state, const char *text)

@@ -1,24 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Back to where a run was before a crash: from its newest whole checkpoint, with all that was commanded since, at the steps at
- * which it was. Orders that come meanwhile wait; whoever asks for the status is told how far it is. */
+ * which it was. Between two steps the runner serves who may not be kept waiting, see run.c; all others wait in the mailbox. */
 #include "run/inside.h"
 
 #include "base/log.h"
 #include <inttypes.h>
 #include <math.h>
-
-static MnsStatus advance(Run *run, uint64_t step, double limit, bool *ret_output, MnsError *error)
-{
-    MnsStatus status = MNS_OK;
-    while (!status && mns_sim_progress(run->sim).step < step) {
-        const double end = run->document->c->end_time;
-        if (mns_sim_progress(run->sim).t >= end)
-            return mns_fail(error, MNS_E_INTERNAL, "the end time was reached before step %" PRIu64 " of the journal",
-                            step);
-        status = run_step_once(run, fmin(limit, end), ret_output, error);
-    }
-    return status;
-}
 
 /* A breakpoint that has been passed, or was gone when it was removed, changes nothing now. */
 static MnsStatus do_again(Run *run, const LineageEntry *entry, double *limit, MnsError *error)
@@ -37,37 +24,76 @@ static MnsStatus do_again(Run *run, const LineageEntry *entry, double *limit, Mn
     return MNS_OK;
 }
 
-static MnsStatus catch_up(Run *run, const Lineage *lineage, bool *ret_output, MnsError *error)
+/* All that was commanded up to this step. */
+static MnsStatus do_all_again(Run *run, uint64_t step, MnsError *error)
 {
-    const uint64_t checkpoint = mns_sim_progress(run->sim).step;
-    double limit = INFINITY;
+    Recovery *recovery = &run->recovery;
+    const Lineage *lineage = recovery->lineage;
     MnsStatus status = MNS_OK;
-    *ret_output = outputs_behind(&run->outputs, mns_sim_progress(run->sim).t);
-    if (*ret_output && (lineage->n || lineage->step))
-        status = outputs_take(&run->outputs, run->sim, run->document, error);
-    for (size_t k = 0; !status && k < lineage->n; k++) {
-        const LineageEntry *entry = &lineage->entries[k];
-        if (!lineage_needs(lineage, k, checkpoint)) continue;
-        status = advance(run, entry->step, limit, ret_output, error);
-        if (!status) status = do_again(run, entry, &limit, error);
-    }
-    return status ? status : advance(run, lineage->step, limit, ret_output, error);
+    for (; !status && recovery->next < lineage->n && lineage->entries[recovery->next].step <= step; recovery->next++)
+        if (lineage_needs(lineage, recovery->next, recovery->checkpoint))
+            status = do_again(run, &lineage->entries[recovery->next], &recovery->limit, error);
+    return status;
+}
+
+static MnsStatus step_again(Run *run, bool *ret_output, MnsError *error)
+{
+    const double end = run->document->c->end_time;
+    if (mns_sim_progress(run->sim).t < end)
+        return run_step_once(run, fmin(run->recovery.limit, end), ret_output, error);
+    return mns_fail(error, MNS_E_INTERNAL, "the end time was reached before step %" PRIu64 " of the journal",
+                    run->recovery.lineage->step);
+}
+
+static void fail(Run *run, const MnsError *error, bool output)
+{
+    run->recovery.lineage = NULL;
+    run_hash(run);
+    run_fault(run, error, output);
+}
+
+static void arrive(Run *run)
+{
+    const RunState state = run->recovery.lineage->state;
+    run->recovery.lineage = NULL;
+    run_hash(run);
+    run_enter(run, state == RUN_READY ? RUN_READY : RUN_PAUSED, "back where it was");
+}
+
+void run_recover_on(Run *run)
+{
+    MnsError error;
+    bool output = false;
+    const uint64_t step = mns_sim_progress(run->sim).step;
+    MnsStatus status = do_all_again(run, step, &error);
+    const bool there = !status && step >= run->recovery.lineage->step;
+    if (!status && !there) status = step_again(run, &output, &error);
+    if (status) fail(run, &error, output);
+    else if (there) arrive(run);
+    else run_tell_progress_at_times(run);
+}
+
+/* The outputs of the checkpoint's own step come first, if it had begun at all. */
+static void set_out(Run *run, const Lineage *lineage)
+{
+    MnsError error;
+    const MnsProgress now = mns_sim_progress(run->sim);
+    char text[128];
+    run->recovery.checkpoint = now.step;
+    snprintf(text, sizeof text, "doing again what came after the checkpoint, to step %" PRIu64, lineage->step);
+    run_tell(run, NOTE_LOG, LOG_NOTICE, "recovering", text);
+    const bool due = outputs_behind(&run->outputs, now.t) && (lineage->n || lineage->step);
+    if (due && outputs_take(&run->outputs, run->sim, run->document, &error)) fail(run, &error, true);
 }
 
 void run_recover(Run *run, Order *order)
 {
-    MnsError error;
-    bool output = false;
     const Lineage *lineage = order->lineage;
     const RunLoad load = {
         .message = lineage->original, .name = lineage->name, .directory = lineage->directory, .resume = true};
+    run->recovery = (Recovery){.lineage = lineage, .limit = INFINITY};
     run_load(run, order, &load);
-    const bool loaded = run->state == RUN_READY;
     run_commit(run); /* and from here on the order is whoever's gave it */
-    if (!loaded || run->state != RUN_READY) return;
-    run_enter(run, RUN_LOADING, "doing again what came after the checkpoint");
-    const MnsStatus status = catch_up(run, lineage, &output, &error);
-    run_hash(run);
-    if (status) run_fault(run, &error, output);
-    else run_enter(run, lineage->state == RUN_READY ? RUN_READY : RUN_PAUSED, "back where it was");
+    if (run->state == RUN_RECOVERING) set_out(run, lineage);
+    else if (run->state != RUN_EMPTY) run->recovery.lineage = NULL; /* the journal cannot be written */
 }

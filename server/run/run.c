@@ -43,16 +43,23 @@ static void serve(Run *run, Order *order)
  * runtimes put their threads to sleep after a short spin. */
 static double wake_time(const Run *run)
 {
-    if (run->state == RUN_RUNNING) return 0;
+    if (run->state == RUN_RUNNING || run->unsaid) return 0;
     const double beat = run->options.beat_interval > 0 ? clock_now() + run->options.beat_interval : INFINITY;
     return fmin(beat, run_next_deadline(run));
+}
+
+/* While the run comes back after a crash, those that have no time for that; the others wait until it is there. */
+static Order *next_order(Run *run)
+{
+    if (run->state == RUN_RECOVERING) return mailbox_take_meanwhile(&run->mailbox);
+    return mailbox_take(&run->mailbox, wake_time(run));
 }
 
 static void serve_some(Run *run)
 {
     for (int k = 0; k < SERVED_AT_ONCE && !run->leaving; k++) {
         run_settle(run);
-        Order *order = mailbox_take(&run->mailbox, run->unsaid ? 0 : wake_time(run));
+        Order *order = next_order(run);
         if (!order && run->unsaid) { /* nobody else to write down with it */
             run_commit(run);
             continue;
@@ -72,7 +79,8 @@ static void answer_all(Run *run)
     mns_fail(&error, MNS_E_UNAVAILABLE, "the daemon is leaving");
     run_goal_end(run, MNS_E_UNAVAILABLE, &error);
     run_answer_all_waiters(run, &error);
-    for (Order *order; (order = mailbox_take(&run->mailbox, 0));) run_answer(run, order, MNS_E_UNAVAILABLE, &error);
+    for (Order *order; (order = mailbox_take(&run->mailbox, 0));)
+        run_answer_unserved(run, order, MNS_E_UNAVAILABLE, &error);
     run_commit(run);
 }
 
@@ -85,14 +93,16 @@ static void *run_thread(void *arg)
     while (!run->leaving) {
         serve_some(run);
         if (run->state == RUN_RUNNING) run_advance(run);
+        else if (run->state == RUN_RECOVERING) run_recover_on(run);
     }
     answer_all(run);
     return NULL;
 }
 
+/* On the writer's thread, or this one. */
 static void answer_output(void *run, Order *order, MnsStatus status, const MnsError *error)
 {
-    run_answer(run, order, status, error);
+    run_answer_now(run, order, status, error);
 }
 
 static void destroy(Run *run)

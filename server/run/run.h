@@ -18,6 +18,7 @@ typedef struct RunOptions {
     int nice;              /* of the solver's threads: what serves people must come first while every core computes */
     int threads;           /* for cases that do not say; -1: their default                                          */
     double beat_interval;  /* [s] run_heartbeat() rises at least as often while idle; 0: only with the steps        */
+    const char *asked;     /* the case that the command line asks for, noted with the current run; NULL: for none   */
 } RunOptions;
 
 enum { RUN_TIMERS = 32 };
@@ -87,8 +88,8 @@ typedef struct RunLoad {
 void run_load(Run *run, Order *order, const RunLoad *load);
 
 /* After a crash: load the case from the newest whole checkpoint of its directory, answer, and do again what the journal has from there on.
- * The run stands then where the last command left it, READY or PAUSED. The order has its lineage, which is borrowed until the next
- * order is served. */
+ * The state is RECOVERING meanwhile, and only orders that may be served then are; the run stands in the end where the last command left it,
+ * READY or PAUSED. The order has its lineage, which is borrowed until the run is left. */
 void run_recover(Run *run, Order *order);
 void run_reset(Run *run, Order *order);                     /* to t = 0 of the same case                              */
 void run_restore(Run *run, Order *order, const char *name); /* of a file in the run directory; NULL: the newest whole */
@@ -120,8 +121,11 @@ void run_set(Run *run, Order *order, size_t n, const char *const *paths, const c
 /* Set a breakpoint, or remove that of its name. */
 void run_breakpoint(Run *run, Order *order, const Meniscus__SetBreakpoint *request);
 
-/* Answer an order that only looked. */
+/* Answer an order. What it changed is on the disk before anybody hears of it, and answers go out in the order in which they are given. */
 void run_answer(Run *run, Order *order, MnsStatus status, const MnsError *error);
+
+/* On any thread: answer one that changed nothing, at once. */
+void run_answer_now(Run *run, Order *order, MnsStatus status, const MnsError *error);
 
 RunState run_state(const Run *run);
 const MnsSim *run_sim(const Run *run); /* NULL without a case */

@@ -89,16 +89,35 @@ MnsStatus rundir_lock(const char *dir, int *ret_fd, MnsError *error)
 
 static const char current_name[] = "current";
 
-MnsStatus rundir_note_current(const char *parent, const char *dir, MnsError *error)
+MnsStatus rundir_note_current(const char *parent, const char *dir, const char *asked, MnsError *error)
 {
-    char path[4096], line[RUNDIR_PATH];
+    char path[4096], *text;
     const char *name = strrchr(dir, '/');
-    const MnsStatus status = directory_path(path, parent, current_name, error);
-    snprintf(line, sizeof line, "%s\n", name ? name + 1 : dir);
-    return status ? status : atomic_write(path, line, strlen(line), error);
+    MnsStatus status = directory_path(path, parent, current_name, error);
+    if (status) return status;
+    const int size = asprintf(&text, "%s\n%s", name ? name + 1 : dir, asked ? asked : "");
+    if (size < 0) return mns_fail(error, MNS_E_MEMORY, "no memory for the name of the run");
+    status = atomic_write(path, text, (size_t)size, error);
+    free(text);
+    return status;
 }
 
-MnsStatus rundir_current(const char *parent, char ret[static RUNDIR_PATH], MnsError *error)
+void rundir_forget_current(const char *parent)
+{
+    char path[4096];
+    if (!directory_path(path, parent, current_name, NULL)) unlink(path);
+}
+
+/* Is this what is left of the file? */
+static bool goes_on_with(FILE *file, const char *text)
+{
+    int c;
+    while ((c = getc(file)) != EOF && *text && c == (unsigned char)*text) text++;
+    return c == EOF && !*text;
+}
+
+MnsStatus rundir_current(const char *parent, const char *asked, char ret[static RUNDIR_PATH], bool *ret_same,
+                         MnsError *error)
 {
     char path[4096], name[256];
     MnsStatus status = directory_path(path, parent, current_name, error);
@@ -107,6 +126,7 @@ MnsStatus rundir_current(const char *parent, char ret[static RUNDIR_PATH], MnsEr
     if (!file && errno == ENOENT) return mns_fail(error, MNS_E_NOT_FOUND, "no run was loaded in '%.300s'", parent);
     if (!file) return file_fail(error, errno, "read", path);
     const bool read = fgets(name, sizeof name, file) != NULL;
+    *ret_same = read && goes_on_with(file, asked ? asked : "");
     fclose(file);
     if (read) name[strcspn(name, "\n")] = 0;
     if (!read || !is_name(name))

@@ -30,9 +30,13 @@ MnsStatus rundir_lock(const char *dir, int *ret_fd, MnsError *error);
 void rundir_clear(const char *dir);
 
 /* Note in the file `current` of parent that the run of this directory was loaded last there, and read it. MNS_E_NOT_FOUND if there is
- * none; MNS_E_IO, MNS_E_NO_SPACE. */
-MnsStatus rundir_note_current(const char *parent, const char *dir, MnsError *error);
-MnsStatus rundir_current(const char *parent, char ret[static RUNDIR_PATH], MnsError *error);
+ * none; MNS_E_IO, MNS_E_NO_SPACE.
+ *  asked     text of lines that is noted and compared: what the command line of the program asks for; NULL: for nothing
+ *  ret_same  it was the same when the run was loaded */
+MnsStatus rundir_note_current(const char *parent, const char *dir, const char *asked, MnsError *error);
+MnsStatus rundir_current(const char *parent, const char *asked, char ret[static RUNDIR_PATH], bool *ret_same,
+                         MnsError *error);
+void rundir_forget_current(const char *parent);
 
 /* Take away a journal in which nothing stands yet, as after a run that could not begin. */
 void rundir_forget_journal(const char *dir);

@@ -13,6 +13,7 @@ typedef enum RunState {
     RUN_DONE,
     RUN_FAULT,
     RUN_STOPPING,
+    RUN_RECOVERING,
     RUN_STATES
 } RunState;
 

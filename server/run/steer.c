@@ -72,7 +72,7 @@ void run_set(Run *run, Order *order, size_t n, const char *const *paths, const c
     MnsError error;
     Document *document;
     MnsStatus status = changed(run, n, paths, values, &document, &error);
-    if (!status) status = adopt(run, document, &order->before, &error);
+    if (!status) status = adopt(run, document, &run->before, &error);
     if (!status) {
         order->document = document_share(document);
         order->threads = (unsigned)mns_sim_threads(run->sim);
@@ -81,6 +81,8 @@ void run_set(Run *run, Order *order, size_t n, const char *const *paths, const c
             run_enter(run, RUN_PAUSED, "the end time was moved");
     }
     run_answer(run, order, status, &error);
+    document_leave(run->before);
+    run->before = NULL;
 }
 
 MnsStatus run_set_again(Run *run, const Meniscus__Set *set, MnsError *error)

@@ -108,21 +108,21 @@ static void run_until_is_exact_and_survives_other_commands(void **state)
     meniscus__reply__free_unpacked(reply, NULL);
 }
 
-static void cancel_ends_run_until_with_aborted(void **state)
+static void say_cancel(void *socket, uint8_t *id, uint8_t *cancel_id)
 {
-    Dialogue *dialogue = *state;
-    uint8_t id[16], cancel_id[16];
-    dialogue_load(dialogue, NULL);
-    steer_say_until(dialogue->control, 900, id);
     Meniscus__Request request = MENISCUS__REQUEST__INIT;
     Meniscus__Cancel cancel = MENISCUS__CANCEL__INIT;
     cancel.has_id = 1;
     cancel.id = (ProtobufCBinaryData){.len = 16, .data = id};
     request.command_case = MENISCUS__REQUEST__COMMAND_CANCEL;
     request.cancel = &cancel;
-    dialogue_say(dialogue->control, &request, cancel_id);
-    Meniscus__Reply *first = dialogue_receive(dialogue->control, NULL);
-    Meniscus__Reply *second = dialogue_receive(dialogue->control, NULL);
+    dialogue_say(socket, &request, cancel_id);
+}
+
+static void check_cancelled(void *socket, const uint8_t *id)
+{
+    Meniscus__Reply *first = dialogue_receive(socket, NULL);
+    Meniscus__Reply *second = dialogue_receive(socket, NULL);
     assert_non_null(first);
     assert_non_null(second);
     assert_memory_equal(first->id.data, id, 16);
@@ -131,6 +131,30 @@ static void cancel_ends_run_until_with_aborted(void **state)
     assert_true(second->state != MENISCUS__STATE__RUNNING);
     meniscus__reply__free_unpacked(first, NULL);
     meniscus__reply__free_unpacked(second, NULL);
+}
+
+static void cancel_ends_run_until_with_aborted(void **state)
+{
+    Dialogue *dialogue = *state;
+    uint8_t id[16], cancel_id[16];
+    dialogue_load(dialogue, NULL);
+    steer_say_until(dialogue->control, 900, id);
+    say_cancel(dialogue->control, id, cancel_id);
+    check_cancelled(dialogue->control, id);
+}
+
+static void a_cancel_is_answered_after_what_it_ends(void **state)
+{
+    Dialogue *dialogue = *state;
+    uint8_t id[16], cancel_id[16];
+    void *watcher = dialogue_connect(dialogue);
+    dialogue_load(dialogue, NULL);
+    steer_say_until(dialogue->control, 900, id);
+    steer_say_wait_for(watcher, MENISCUS__STATE__RUNNING, cancel_id);
+    steer_accepted(dialogue_receive(watcher, NULL)); /* it is under way, and no longer in the queue */
+    zmq_close(watcher);
+    say_cancel(dialogue->control, id, cancel_id);
+    check_cancelled(dialogue->control, id);
 }
 
 static void a_deadline_ends_what_takes_too_long(void **state)
@@ -363,6 +387,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(steps_are_counted_exactly, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(run_until_is_exact_and_survives_other_commands, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(cancel_ends_run_until_with_aborted, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(a_cancel_is_answered_after_what_it_ends, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_deadline_ends_what_takes_too_long, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(each_who_asks_under_the_same_id_is_answered, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(the_same_request_again_changes_nothing, steer_begin, steer_end),

@@ -191,9 +191,7 @@ static void take_answers(Bench *bench)
             continue;
         }
         Exchange *exchange = (Exchange *)note->order;
-        if (!note->order->status && exchange->handler && exchange->handler->complete)
-            note->order->status = exchange->handler->complete(exchange, &note->order->error);
-        exchange_seal(exchange);
+        if (!exchange->sealed) exchange_seal(exchange);
         exchange_free(exchange);
         bench->under_way--;
         bench->answered++;

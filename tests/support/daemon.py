@@ -21,6 +21,7 @@ class DaemonTest(unittest.TestCase):
     home: Path
     environment: dict[str, str]
     daemon: "subprocess.Popen[bytes]"
+    options: "list[str]" = []  # of the daemon
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -41,7 +42,7 @@ class DaemonTest(unittest.TestCase):
     def start_daemon(cls) -> None:
         with open(cls.home / "log", "ab") as log:
             cls.daemon = subprocess.Popen(
-                [BUILD / "meniscusd", "--name", "default", "--state-dir", cls.home / "state"],
+                [BUILD / "meniscusd", "--name", "default", "--state-dir", cls.home / "state", *cls.options],
                 env=cls.environment, stdout=log, stderr=log,
             )
         socket = cls.home / "run" / "meniscus" / "default" / "control.ipc"

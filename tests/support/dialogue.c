@@ -54,16 +54,21 @@ static void await_socket(const char *path)
     if (access(path, F_OK)) fail_msg("the daemon has made no socket %s", path);
 }
 
+static void start(Dialogue *dialogue, const char *const *options)
+{
+    dialogue->daemon = fork();
+    if (dialogue->daemon == 0) run_daemon(dialogue, options);
+    await_socket(dialogue->endpoint + strlen("ipc://"));
+    dialogue->control = dialogue_connect(dialogue);
+}
+
 void dialogue_begin(Dialogue *dialogue, const char *const *options)
 {
     *dialogue = (Dialogue){.home = "/tmp/mns-dialogue-XXXXXX"};
     assert_non_null(mkdtemp(dialogue->home));
-    dialogue->daemon = fork();
-    if (dialogue->daemon == 0) run_daemon(dialogue, options);
     snprintf(dialogue->endpoint, sizeof dialogue->endpoint, "ipc://%s/meniscus/t/control.ipc", dialogue->home);
-    await_socket(dialogue->endpoint + strlen("ipc://"));
     dialogue->context = zmq_ctx_new();
-    dialogue->control = dialogue_connect(dialogue);
+    start(dialogue, options);
 }
 
 int dialogue_join(Dialogue *dialogue)
@@ -72,6 +77,15 @@ int dialogue_join(Dialogue *dialogue)
     if (dialogue->daemon <= 0 || waitpid(dialogue->daemon, &how, 0) != dialogue->daemon) return -1;
     dialogue->daemon = 0;
     return WIFEXITED(how) ? WEXITSTATUS(how) : -1;
+}
+
+void dialogue_crash(Dialogue *dialogue)
+{
+    kill(dialogue->daemon, SIGKILL);
+    assert_int_equal(dialogue_join(dialogue), -1);
+    assert_int_equal(unlink(dialogue->endpoint + strlen("ipc://")), 0); /* which start() waits for */
+    zmq_close(dialogue->control);
+    start(dialogue, NULL);
 }
 
 int dialogue_end(Dialogue *dialogue)

@@ -19,6 +19,9 @@ typedef struct Dialogue {
 /* Start $BUILD/meniscusd (build/meniscusd) with these further options, NULL-terminated, and connect. Fails the test. */
 void dialogue_begin(Dialogue *dialogue, const char *const *options);
 
+/* Kill the daemon as a crash would, start it again without further options, and connect. */
+void dialogue_crash(Dialogue *dialogue);
+
 /* End the daemon with SIGTERM if it runs; its exit code, or -1 if a signal ended it. Removes the directory. */
 int dialogue_end(Dialogue *dialogue);
 

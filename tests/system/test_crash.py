@@ -8,6 +8,7 @@ MENISCUS_KILLS says how often it is killed; 12 unless it is set.
 import os
 import random
 import secrets
+import subprocess
 import sys
 import threading
 import time
@@ -29,6 +30,7 @@ CASE = ["dambreak2d", "--set", "resolution=8", "--set", "end_time=1000", "--set"
         "--set", "output.checkpoint_interval=0.05", "--set", "output.snapshot_interval=0.2"]
 BACK_S = 5.0  # the longest that anybody has to wait for an answer after a kill
 PATIENCE_S = 60.0
+FAR_S = 2.0  # of steps since the last checkpoint
 
 
 class Crash(DaemonTest):
@@ -143,11 +145,91 @@ class Crash(DaemonTest):
         reply: Any = getattr(self, "late")
         self.assertEqual((reply.code, reply.state, reply.step), (pb.OK, pb.PAUSED, 3000))
 
+    def come_back_slowly(self, name: str) -> int:
+        """A run that has far to go after a crash, as it has no checkpoint but the first; the step it was at."""
+        self.meniscus("load", *CASE, "--set", "output.checkpoint_interval=1000", "--name", name)
+        began, steps = time.monotonic(), 0
+        while time.monotonic() < began + FAR_S:
+            self.meniscus("step", "500")
+            steps += 500
+        self.kill_daemon()
+        until = time.monotonic() + 20
+        while (state := self.ask("status")["state"]) == "EMPTY" and time.monotonic() < until:
+            pass
+        self.assertEqual(state, "RECOVERING")
+        return steps
+
+    def test_whoever_asks_meanwhile_is_answered_and_who_changes_something_waits(self) -> None:
+        steps = self.come_back_slowly("meanwhile")
+        began = time.monotonic()
+        setting = subprocess.Popen([BUILD / "meniscus", "set", "gravity=[0, -2]"], env=self.environment,
+                                   stdout=subprocess.DEVNULL)
+        late = self.meniscus("--timeout", "0.05", "set", "gravity=[0, -3]", code=124).stderr
+        self.assertIn("before the run was back", late)
+        self.assertEqual(self.ask("get", "gravity")["values"]["gravity"]["value"], "[0, -1]")
+        self.assertEqual(self.ask("status")["state"], "RECOVERING")
+        self.assertLess(time.monotonic() - began, FAR_S / 2)
+        self.assertEqual(setting.wait(PATIENCE_S), 0)
+        status = self.ask("status")
+        self.assertEqual((status["state"], status["step"]), ("PAUSED", steps))
+        self.assertEqual(self.ask("get", "gravity")["values"]["gravity"]["value"], "[0, -2]")
+
+    def test_a_stop_on_the_way_back_is_done_at_once_and_for_good(self) -> None:
+        steps = self.come_back_slowly("stopped-on-the-way")
+        reply = self.ask("stop")
+        self.assertEqual(reply["state"], "EMPTY")
+        self.assertLess(reply["step"], steps)
+        self.kill_daemon()
+        self.assertEqual(self.ask("status")["state"], "EMPTY")
+
+    def test_who_leaves_on_the_way_back_comes_back_the_next_time(self) -> None:
+        steps = self.come_back_slowly("left-on-the-way")
+        self.daemon.terminate()
+        self.assertEqual(self.daemon.wait(20), 0)
+        type(self).start_daemon()
+        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", str(PATIENCE_S))
+        self.assertEqual(self.ask("status")["step"], steps)
+
     def test_what_was_stopped_stays_stopped(self) -> None:
         self.meniscus("load", *CASE, "--name", "stopped")
         self.meniscus("stop")
         self.kill_daemon()
         self.assertEqual(self.ask("status")["state"], "EMPTY")
+
+
+class WithACase(DaemonTest):
+    """A daemon whose command line has a case, started again by the same one."""
+
+    options = ["--load", "dambreak2d", "--set", "resolution=8", "--set", "end_time=1000", "--set", "threads=1", "--start"]
+
+    def runs(self) -> "list[str]":
+        return sorted(run.name for run in (self.home / "state").iterdir() if run.is_dir())
+
+    def test_the_same_command_line_goes_on_with_the_run_it_had(self) -> None:
+        self.meniscus("wait", "--for", "step=50")
+        self.kill_daemon()
+        self.meniscus("wait", "--for", "step=100", "--timeout", "20")
+        self.assertEqual((self.ask("status")["state"], self.runs()), ("RUNNING", ["dambreak2d"]))
+        self.meniscus("pause")
+        self.meniscus("set", "gravity=[0.1, -1]")
+        before = self.ask("status")
+        self.kill_daemon()
+        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+        after = self.ask("status")
+        for key in ("step", "state_hash"):
+            self.assertEqual(after[key], before[key], key)
+        self.assertEqual(self.runs(), ["dambreak2d"])
+        self.meniscus("stop")
+        self.meniscus("load", *CASE, "--name", "another")
+        self.kill_daemon()
+        self.meniscus("wait", "--for", "state=READY", "--timeout", "20")
+        self.assertEqual(self.runs(), ["another", "dambreak2d"])
+
+        type(self).options = [*self.options, "--set", "gravity=[0, -2]"]
+        self.addCleanup(setattr, type(self), "options", self.options[:-2])
+        self.kill_daemon()
+        self.meniscus("wait", "--for", "step=10", "--timeout", "20")
+        self.assertEqual(self.runs(), ["another", "dambreak2d", "dambreak2d.2"])
 
 
 if __name__ == "__main__":

@@ -62,12 +62,12 @@ static void an_order_may_end_what_is_under_way(void **state)
     Order orders[3] = {{.ends = false}, {.ends = true, .ends_id = "second"}, {.ends = true, .urgent = true}};
     const uint8_t first[ORDER_ID] = "first", second[ORDER_ID] = "second";
     mailbox_post(*state, &orders[0], NULL);
-    assert_false(mailbox_ends(*state, first));
+    assert_false(mailbox_ends(*state, first, false));
     mailbox_post(*state, &orders[1], NULL);
-    assert_false(mailbox_ends(*state, first) || orders[1].ended);
-    assert_true(mailbox_ends(*state, second) && orders[1].ended);
+    assert_false(mailbox_ends(*state, first, false) || orders[1].ended);
+    assert_true(mailbox_ends(*state, second, false) && orders[1].ended);
     mailbox_post(*state, &orders[2], NULL);
-    assert_true(mailbox_ends(*state, first) && orders[2].ended);
+    assert_true(mailbox_ends(*state, first, false) && orders[2].ended);
     assert_ptr_equal(mailbox_take(*state, 0), &orders[2]);
     assert_ptr_equal(mailbox_take(*state, 0), &orders[0]);
     assert_ptr_equal(mailbox_take(*state, 0), &orders[1]);
@@ -95,6 +95,39 @@ static void waiting_ends_at_its_moment(void **state)
     assert_true(clock_now() >= until);
 }
 
+static void while_a_run_comes_back_only_some_orders_are_taken(void **state)
+{
+    Mailbox *box = *state;
+    Order set = {.id = "set"}, pause = {.urgent = true}, stop = {.urgent = true, .meanwhile = true, .ends = true};
+    Order keep = {.urgent = true, .ends = true}; /* what it ends must be there first */
+    mailbox_post(box, &keep, NULL);
+    assert_false(mailbox_ends(box, keep.id, true));
+    assert_true(mailbox_ends(box, keep.id, false));
+    assert_ptr_equal(mailbox_take(box, 0), &keep);
+    mailbox_post(box, &set, NULL);
+    mailbox_post(box, &pause, NULL);
+    mailbox_post(box, &stop, NULL);
+    assert_true(mailbox_ends(box, set.id, true));
+    assert_ptr_equal(mailbox_take_meanwhile(box), &stop);
+    assert_null(mailbox_take_meanwhile(box));
+    assert_ptr_equal(mailbox_take(box, 0), &pause);
+    assert_ptr_equal(mailbox_take(box, 0), &set);
+}
+
+static void those_whose_deadline_has_passed_can_be_taken_out(void **state)
+{
+    Mailbox *box = *state;
+    Order patient = {.deadline = 30}, late = {.deadline = 10}, later = {.urgent = true, .deadline = 20};
+    mailbox_post(box, &patient, NULL);
+    mailbox_post(box, &late, NULL);
+    mailbox_post(box, &later, NULL);
+    assert_null(mailbox_remove_late(box, 10));
+    assert_ptr_equal(mailbox_remove_late(box, 15), &late);
+    assert_null(mailbox_remove_late(box, 15));
+    assert_ptr_equal(mailbox_remove_late(box, 25), &later);
+    assert_ptr_equal(mailbox_take(box, 0), &patient);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -103,6 +136,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(an_order_may_end_what_is_under_way, begin, end),
         cmocka_unit_test_setup_teardown(an_order_can_be_taken_back_by_its_id, begin, end),
         cmocka_unit_test_setup_teardown(only_older_orders_that_set_in_motion_are_called_off, begin, end),
+        cmocka_unit_test_setup_teardown(while_a_run_comes_back_only_some_orders_are_taken, begin, end),
+        cmocka_unit_test_setup_teardown(those_whose_deadline_has_passed_can_be_taken_out, begin, end),
         cmocka_unit_test_setup_teardown(waiting_ends_at_its_moment, begin, end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -222,6 +222,36 @@ static void what_a_killed_writer_left_is_cleared_and_nothing_else(void **state)
     for (size_t k = 0; k < sizeof kept / sizeof *kept; k++) assert_true(has(kept[k]));
 }
 
+static bool is_current(const char *asked, const char *wanted)
+{
+    char dir[RUNDIR_PATH], expected[128];
+    bool same;
+    path_of(wanted, expected);
+    assert_int_equal(rundir_current(place, asked, dir, &same, NULL), MNS_OK);
+    assert_string_equal(dir, expected);
+    return same;
+}
+
+static void the_current_run_is_known_with_what_was_asked_for(void **state)
+{
+    (void)state;
+    char dir[RUNDIR_PATH], run[128];
+    bool same;
+    assert_int_equal(rundir_current(place, NULL, dir, &same, NULL), MNS_E_NOT_FOUND);
+    path_of("dam.2", run);
+    assert_int_equal(rundir_note_current(place, run, "/cases/dam.yaml\nresolution=8\n", NULL), MNS_OK);
+    assert_true(is_current("/cases/dam.yaml\nresolution=8\n", "dam.2"));
+    assert_false(is_current("/cases/dam.yaml\nresolution=9\n", "dam.2"));
+    assert_false(is_current("/cases/dam.yaml\n", "dam.2"));
+    assert_false(is_current("/cases/dam.yaml\nresolution=8\nthreads=1\n", "dam.2"));
+    assert_false(is_current(NULL, "dam.2"));
+    assert_int_equal(rundir_note_current(place, run, NULL, NULL), MNS_OK);
+    assert_true(is_current(NULL, "dam.2"));
+    assert_false(is_current("/cases/dam.yaml\n", "dam.2"));
+    rundir_forget_current(place);
+    assert_int_equal(rundir_current(place, NULL, dir, &same, NULL), MNS_E_NOT_FOUND);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -236,6 +266,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(directories_that_cannot_be_made_leave_none, begin, end),
         cmocka_unit_test_setup_teardown(a_directory_with_files_is_not_unmade, begin, end),
         cmocka_unit_test_setup_teardown(what_a_killed_writer_left_is_cleared_and_nothing_else, begin, end),
+        cmocka_unit_test_setup_teardown(the_current_run_is_known_with_what_was_asked_for, begin, end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -139,8 +139,8 @@ class Client:
     ) -> Reply:
         """Return at the first of: one of the states, a simulated time [s], a step. TimedOutError after timeout [s].
 
-        states      of "EMPTY", "LOADING", "READY", "RUNNING", "PAUSED", "DONE", "FAULT", "STOPPING"; the reply says in which
-                    state it is, so a run that went wrong is seen by reply.state == "FAULT" and status().fault
+        states      of "EMPTY", "LOADING", "READY", "RUNNING", "PAUSED", "DONE", "FAULT", "STOPPING", "RECOVERING"; the
+                    reply says in which state it is, so a run that went wrong is seen by reply.state == "FAULT" and status().fault
         request_id  16 bytes by which cancel() can name this request
         """
         message = pb.Wait(states=[pb.State.Value(state) for state in states], time=time, step=step)

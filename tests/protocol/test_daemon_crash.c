@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A daemon that is killed and started again: what it says and does on the way back to its run, and where that is. */
+#include "tests/support/check.h"
+#include "tests/support/steer.h"
+#include <string.h>
+#include <zmq.h>
+
+static const double FAR = 1.5; /* [s] of steps since the only checkpoint */
+
+static uint64_t hash_of(Dialogue *dialogue)
+{
+    Meniscus__Reply *reply = steer_status(dialogue);
+    const uint64_t hash = reply->status->state_hash;
+    meniscus__reply__free_unpacked(reply, NULL);
+    assert_true(hash);
+    return hash;
+}
+
+static Meniscus__State state_of(Dialogue *dialogue)
+{
+    Meniscus__Reply *reply = steer_status(dialogue);
+    const Meniscus__State state = reply->status->state;
+    meniscus__reply__free_unpacked(reply, NULL);
+    return state;
+}
+
+static void what_was_paused_is_where_it_was(void **state)
+{
+    Dialogue *dialogue = *state;
+    dialogue_load(dialogue, NULL);
+    steer_go(dialogue, 30);
+    steer_accepted(steer_set(dialogue, "gravity", "[0.1, -1]"));
+    steer_go(dialogue, 12);
+    const uint64_t hash = hash_of(dialogue);
+    for (int k = 0; k < 2; k++) {
+        dialogue_crash(dialogue);
+        steer_accepted(steer_wait(dialogue, MENISCUS__STATE__PAUSED, 20000));
+        assert_int_equal(steer_step_now(dialogue), 42);
+        assert_int_equal(hash_of(dialogue), hash);
+    }
+}
+
+static void what_was_answered_is_answered_alike_and_done_once(void **state)
+{
+    Dialogue *dialogue = *state;
+    uint8_t id[16];
+    dialogue_load(dialogue, NULL);
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__Step step = MENISCUS__STEP__INIT;
+    step.has_count = 1;
+    step.count = 7;
+    request.command_case = MENISCUS__REQUEST__COMMAND_STEP;
+    request.step = &step;
+    dialogue_say(dialogue->control, &request, id);
+    Meniscus__Reply *first = dialogue_receive(dialogue->control, NULL);
+    assert_non_null(first);
+    dialogue_crash(dialogue);
+    dialogue_send(dialogue->control, &request);
+    Meniscus__Reply *again = dialogue_receive(dialogue->control, NULL);
+    assert_non_null(again);
+    assert_memory_equal(again->id.data, id, 16);
+    assert_int_equal(again->code, MENISCUS__CODE__OK);
+    assert_int_equal(again->daemon_epoch, first->daemon_epoch); /* of the daemon that did it */
+    assert_int_equal(again->effect_step, 7);
+    meniscus__reply__free_unpacked(first, NULL);
+    meniscus__reply__free_unpacked(again, NULL);
+    steer_accepted(steer_wait(dialogue, MENISCUS__STATE__PAUSED, 20000));
+    assert_int_equal(steer_step_now(dialogue), 7);
+}
+
+/* A crash far from the only checkpoint, and the daemon on its way back; the step it was at. */
+static uint64_t crash_far_out(Dialogue *dialogue)
+{
+    uint64_t steps = 0;
+    dialogue_load(dialogue, (const char *const[]){"output.checkpoint_interval=1000", NULL});
+    for (const double until = steer_now() + FAR; steer_now() < until; steps += 20) steer_go(dialogue, 20);
+    dialogue_crash(dialogue);
+    Meniscus__State state = MENISCUS__STATE__EMPTY;
+    for (const double until = steer_now() + 20; state == MENISCUS__STATE__EMPTY && steer_now() < until;)
+        state = state_of(dialogue);
+    assert_int_equal(state, MENISCUS__STATE__RECOVERING);
+    return steps;
+}
+
+static void changes_wait_until_the_run_is_back_or_their_deadline_passes(void **state)
+{
+    static const char *const pairs[][2] = {{"gravity", "[0, -2]"}};
+    Dialogue *dialogue = *state;
+    uint8_t id[16], late_id[16];
+    const uint64_t steps = crash_far_out(dialogue);
+    void *patient = dialogue_connect(dialogue);
+    steer_say_set(patient, 1, pairs, id);
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__Set set = MENISCUS__SET__INIT;
+    Meniscus__Assignment assignment = MENISCUS__ASSIGNMENT__INIT;
+    assignment.path = "gravity";
+    assignment.value = "[0, -3]";
+    set.n_assignments = 1;
+    set.assignments = (Meniscus__Assignment *[]){&assignment};
+    request.command_case = MENISCUS__REQUEST__COMMAND_SET;
+    request.set = &set;
+    request.has_deadline_ms = 1;
+    request.deadline_ms = 20;
+    dialogue_say(dialogue->control, &request, late_id);
+    steer_refused(dialogue_receive(dialogue->control, NULL), MENISCUS__CODE__DEADLINE_EXCEEDED,
+                  "before the run was back");
+    assert_int_equal(state_of(dialogue), MENISCUS__STATE__RECOVERING);
+    Meniscus__Reply *reply = dialogue_receive(patient, NULL);
+    assert_non_null(reply);
+    assert_int_equal(reply->code, MENISCUS__CODE__OK);
+    assert_int_equal(reply->effect_step, steps);
+    assert_string_equal(reply->values->values[0]->text, "[0, -2]");
+    meniscus__reply__free_unpacked(reply, NULL);
+    zmq_close(patient);
+}
+
+static void a_stop_on_the_way_back_is_for_good(void **state)
+{
+    Dialogue *dialogue = *state;
+    const uint64_t steps = crash_far_out(dialogue);
+    Meniscus__Request stop = dialogue_stop();
+    Meniscus__Reply *reply = dialogue_ask(dialogue, &stop);
+    assert_int_equal(reply->code, MENISCUS__CODE__OK);
+    assert_int_equal(reply->state, MENISCUS__STATE__EMPTY);
+    assert_true(reply->effect_step < steps);
+    meniscus__reply__free_unpacked(reply, NULL);
+    dialogue_crash(dialogue);
+    steer_sleep(200);
+    assert_int_equal(state_of(dialogue), MENISCUS__STATE__EMPTY);
+}
+
+static void a_pause_on_the_way_back_keeps_it_from_going_on(void **state)
+{
+    Dialogue *dialogue = *state;
+    dialogue_load(dialogue, NULL);
+    Meniscus__Request start = dialogue_start(), pause = dialogue_pause();
+    assert_int_equal(dialogue_code(dialogue, &start), MENISCUS__CODE__OK);
+    steer_accepted(steer_wait_step(dialogue, 20));
+    dialogue_crash(dialogue);
+    steer_accepted(dialogue_ask(dialogue, &pause));
+    const uint64_t step = steer_step_now(dialogue);
+    steer_sleep(100);
+    assert_int_equal(steer_step_now(dialogue), step);
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, steer_begin, steer_end)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(what_was_paused_is_where_it_was),
+        TEST(what_was_answered_is_answered_alike_and_done_once),
+        TEST(changes_wait_until_the_run_is_back_or_their_deadline_passes),
+        TEST(a_stop_on_the_way_back_is_for_good),
+        TEST(a_pause_on_the_way_back_keeps_it_from_going_on),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,225 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What a journal says of where a run was, also when one crash follows another. */
+#include "run/lineage.h"
+#include "run/order.h"
+#include "tests/support/check.h"
+#include <stdlib.h>
+
+typedef Meniscus__JournalRecord Record;
+
+enum { RECORDS = 16 };
+
+/* Records as they are written, and what they point to. */
+typedef struct Book {
+    History history;
+    HistoryRecord list[RECORDS];
+    Record records[RECORDS];
+    Meniscus__Request requests[RECORDS];
+    Meniscus__Reply replies[RECORDS];
+    Meniscus__Load loads[RECORDS];
+    Meniscus__Set sets[RECORDS];
+    Meniscus__Step steps[RECORDS];
+    Meniscus__Again again;
+    Meniscus__Again *all_again[1];
+    Meniscus__Case given, stored;
+    Meniscus__Who who; /* of the first load */
+    Lineage lineage;
+} Book;
+
+static int begin(void **state)
+{
+    Book *book = calloc(1, sizeof *book);
+    if (!book) return 1;
+    meniscus__case__init(&book->given);
+    meniscus__case__init(&book->stored);
+    book->history.records = book->list;
+    *state = book;
+    return 0;
+}
+
+static int end(void **state)
+{
+    Book *book = *state;
+    lineage_done(&book->lineage);
+    free(book);
+    return 0;
+}
+
+/* One more record of a command that ended well at this step, in this state. */
+static Record *add(Book *book, Meniscus__Request__CommandCase command, uint64_t step, Meniscus__State state)
+{
+    const size_t k = book->history.n++;
+    Record *record = &book->records[k];
+    meniscus__journal_record__init(record);
+    meniscus__request__init(&book->requests[k]);
+    meniscus__reply__init(&book->replies[k]);
+    meniscus__load__init(&book->loads[k]);
+    meniscus__set__init(&book->sets[k]);
+    meniscus__step__init(&book->steps[k]);
+    book->list[k] = (HistoryRecord){.number = k + 1, .message = record};
+    record->kind = MENISCUS__JOURNAL_RECORD__KIND__COMMAND;
+    record->step = step;
+    record->request = &book->requests[k];
+    record->reply = &book->replies[k];
+    record->reply->state = state;
+    record->request->command_case = command;
+    if (command == MENISCUS__REQUEST__COMMAND_LOAD) record->request->load = &book->loads[k];
+    if (command == MENISCUS__REQUEST__COMMAND_SET) record->request->set = &book->sets[k];
+    if (command == MENISCUS__REQUEST__COMMAND_STEP) record->request->step = &book->steps[k];
+    return record;
+}
+
+static void add_load(Book *book)
+{
+    Record *record = add(book, MENISCUS__REQUEST__COMMAND_LOAD, 0, MENISCUS__STATE__READY);
+    record->request->load->name = "dam";
+    record->case_ = &book->given;
+    record->who = &book->who;
+    meniscus__who__init(&book->who);
+    book->who.name = CALLER_DAEMON;
+}
+
+/* The load of a daemon after a crash: from a checkpoint of this step. */
+static Record *add_comeback(Book *book, uint64_t step)
+{
+    Record *record = add(book, MENISCUS__REQUEST__COMMAND_LOAD, step, MENISCUS__STATE__RECOVERING);
+    record->request->load->name = "dam";
+    record->request->load->has_resume = record->request->load->resume = true;
+    record->case_ = &book->stored;
+    record->has_comeback = record->comeback = true;
+    return record;
+}
+
+static Record *add_begun(Book *book, uint64_t step)
+{
+    Record *record = add(book, MENISCUS__REQUEST__COMMAND_STEP, step, MENISCUS__STATE__RUNNING);
+    record->kind = MENISCUS__JOURNAL_RECORD__KIND__BEGUN;
+    record->reply = NULL;
+    return record;
+}
+
+static Lineage *read(Book *book, MnsStatus status)
+{
+    lineage_done(&book->lineage);
+    assert_int_equal(lineage_of(&book->history, &book->lineage, NULL), status);
+    return &book->lineage;
+}
+
+static void a_run_that_the_daemon_loaded_and_no_more_is_untouched(void **state)
+{
+    Book *book = *state;
+    add_load(book);
+    const Lineage *lineage = read(book, MNS_OK);
+    assert_true(lineage->untouched);
+    assert_int_equal(lineage->state, RUN_READY);
+    assert_ptr_equal(lineage->original, &book->given);
+    assert_string_equal(lineage->name, "dam");
+    book->who.name = "connection 1";
+    assert_false(read(book, MNS_OK)->untouched);
+    book->who.name = CALLER_DAEMON;
+    add(book, MENISCUS__REQUEST__COMMAND_SET, 0, MENISCUS__STATE__READY);
+    assert_false(read(book, MNS_OK)->untouched);
+}
+
+static void a_run_is_where_its_last_command_left_it(void **state)
+{
+    Book *book = *state;
+    add_load(book);
+    add_begun(book, 0);
+    add(book, MENISCUS__REQUEST__COMMAND_STEP, 30, MENISCUS__STATE__PAUSED);
+    const Lineage *lineage = read(book, MNS_OK);
+    assert_int_equal(lineage->state, RUN_PAUSED);
+    assert_int_equal(lineage->step, 30);
+    assert_null(lineage->begun);
+}
+
+static void a_second_crash_on_the_way_back_leaves_it_there(void **state)
+{
+    Book *book = *state;
+    add_load(book);
+    add_begun(book, 0);
+    add(book, MENISCUS__REQUEST__COMMAND_STEP, 30, MENISCUS__STATE__PAUSED);
+    Record *set = add(book, MENISCUS__REQUEST__COMMAND_SET, 30, MENISCUS__STATE__PAUSED);
+    Record *comeback = add_comeback(book, 20);
+    book->all_again[0] = &book->again;
+    meniscus__again__init(&book->again);
+    book->again.step = 30;
+    book->again.request = set->request;
+    comeback->n_again = 1;
+    comeback->again = book->all_again;
+    const Lineage *lineage = read(book, MNS_OK);
+    assert_int_equal(lineage->state, RUN_PAUSED); /* not READY, as the load by itself would leave it */
+    assert_int_equal(lineage->step, 30);
+    assert_ptr_equal(lineage->entries[lineage->n - 1].request, set->request);
+    assert_int_equal(lineage->entries[lineage->n - 1].step, 30);
+    assert_ptr_equal(lineage->original, &book->given); /* and a reset leads to the case as it was loaded */
+}
+
+static void a_reset_leads_to_the_case_as_given_also_after_a_way_back_to_the_beginning(void **state)
+{
+    Book *book = *state;
+    add_load(book);
+    add(book, MENISCUS__REQUEST__COMMAND_SET, 0, MENISCUS__STATE__READY);
+    add_comeback(book, 0); /* the checkpoint of the beginning, with what was set there */
+    const Lineage *lineage = read(book, MNS_OK);
+    assert_ptr_equal(lineage->original, &book->given);
+    assert_int_equal(lineage->state, RUN_READY);
+}
+
+static void a_step_under_way_stays_so_through_two_crashes(void **state)
+{
+    Book *book = *state;
+    add_load(book);
+    const Record *begun = add_begun(book, 7);
+    add_comeback(book, 5);
+    const Lineage *lineage = read(book, MNS_OK);
+    assert_ptr_equal(lineage->begun, begun->request);
+    assert_int_equal(lineage->begun_step, 7);
+    assert_int_equal(lineage->step, 7);
+    assert_int_equal(lineage->state, RUN_RUNNING);
+}
+
+static void what_was_under_way_and_is_called_off_before_the_run_is_back_leaves_it_paused(void **state)
+{
+    Book *book = *state;
+    add_load(book);
+    add_begun(book, 7);
+    add_comeback(book, 5);
+    add(book, MENISCUS__REQUEST__COMMAND_STEP, 7, MENISCUS__STATE__RECOVERING)->reply->code = MENISCUS__CODE__ABORTED;
+    const Lineage *lineage = read(book, MNS_OK);
+    assert_null(lineage->begun);
+    assert_int_equal(lineage->state, RUN_PAUSED);
+    assert_int_equal(lineage->step, 7);
+}
+
+static void a_shutdown_ends_a_run_but_not_on_its_way_back(void **state)
+{
+    Book *book = *state;
+    add_load(book);
+    add_begun(book, 0);
+    add(book, MENISCUS__REQUEST__COMMAND_STEP, 30, MENISCUS__STATE__PAUSED);
+    add_comeback(book, 20);
+    Record *shutdown = add(book, MENISCUS__REQUEST__COMMAND_SHUTDOWN, 24, MENISCUS__STATE__STOPPING);
+    shutdown->has_comeback = shutdown->comeback = true;
+    const Lineage *lineage = read(book, MNS_OK);
+    assert_int_equal(lineage->step, 30);
+    assert_int_equal(lineage->state, RUN_PAUSED);
+    shutdown->has_comeback = shutdown->comeback = false;
+    read(book, MNS_E_STATE);
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, begin, end)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(a_run_that_the_daemon_loaded_and_no_more_is_untouched),
+        TEST(a_run_is_where_its_last_command_left_it),
+        TEST(a_second_crash_on_the_way_back_leaves_it_there),
+        TEST(a_reset_leads_to_the_case_as_given_also_after_a_way_back_to_the_beginning),
+        TEST(a_step_under_way_stays_so_through_two_crashes),
+        TEST(what_was_under_way_and_is_called_off_before_the_run_is_back_leaves_it_paused),
+        TEST(a_shutdown_ends_a_run_but_not_on_its_way_back),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
