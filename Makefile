@@ -29,7 +29,7 @@ OPT       := $(if $(SANITIZE),-O1,-O2) -ftree-vectorize
 X86       := $(filter x86_64%,$(shell $(CC) -dumpmachine))
 CLEAR     := $(if $(X86),$(if $(findstring clang,$(CC)),,-mmemset-strategy=unrolled_loop:1024:noalign$(comma)libcall:-1:noalign))
 HOT       := $(if $(SANITIZE),-O1,-O3) $(if $(X86),-mprefer-vector-width=512) $(CLEAR)
-PKGS      := libzmq libprotobuf-c hdf5-serial yaml-0.1 jansson cairo libsystemd libxxhash lua5.4
+PKGS      := libzmq libprotobuf-c hdf5-serial yaml-0.1 jansson cairo libsystemd libxxhash lua5.4 libmicrohttpd
 CLIENT_PKGS := libzmq libprotobuf-c yaml-0.1 libxxhash
 # Asked once; a package that is missing is reported by the recipe of the stamps, so that `make packages` can be run.
 pkg_cflags := $(shell pkg-config --cflags $(PKGS) 2>/dev/null | sed 's/-I/-isystem /g')
@@ -56,7 +56,7 @@ objects    = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
 GEN       := $(BUILD)/gen/case.pb-c.c $(BUILD)/gen/meniscus.pb-c.c $(BUILD)/gen/journal.pb-c.c $(BUILD)/gen/case_schema.c
 SOLVER    := $(call objects,$(call sources,server/base server/sim server/sim/probes server/sim/integrators server/sim/terms server/sim/locals server/sim/solve server/sim/schemes))
 PROTO     := $(call objects,$(call sources,proto)) $(patsubst $(BUILD)/gen/%.c,$(BUILD)/obj/gen/%.o,$(GEN))
-DAEMON    := $(call objects,$(call sources,server/cases server/io server/run server/net server/batch))
+DAEMON    := $(call objects,$(call sources,server/cases server/io server/run server/http server/net server/batch))
 CLIENT    := $(call objects,$(call sources,client/lib)) $(BUILD)/obj/server/base/status.o
 CLI       := $(call objects,$(call sources,client/cli))
 UNIT      := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/unit tests/protocol))
@@ -103,7 +103,7 @@ others = $(filter-out $1,$(wildcard $(BUILD)/tests/unit/* $(BUILD)/tests/protoco
 tests: $(UNIT)
 	@rm -f $(call others,$(UNIT))
 # Where there can be races: the team of the solver, and the threads of the daemon.
-RACED := $(filter $(BUILD)/tests/protocol/% $(addprefix $(BUILD)/tests/unit/test_,build fault guard mailbox neighbours probe restart steer wall writer),$(UNIT))
+RACED := $(filter $(BUILD)/tests/protocol/% $(addprefix $(BUILD)/tests/unit/test_,build fault figures guard mailbox neighbours probe restart steer wall writer),$(UNIT))
 raced: all $(RACED)
 	@rm -f $(call others,$(RACED))
 bench-programs: all $(BENCH)

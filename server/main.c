@@ -27,6 +27,8 @@ enum {
     KEY_THREADS,
     KEY_STATE,
     KEY_TCP,
+    KEY_HTTP,
+    KEY_TOKEN,
     KEY_LOAD,
     KEY_START,
     KEY_SCHEMES,
@@ -39,6 +41,9 @@ static const struct argp_option arguments[] = {
     {"name", 'n', "NAME", 0, "Name by which clients find the daemon (default)", 1},
     {"state-dir", KEY_STATE, "DIR", 0, "Where runs keep their files", 1},
     {"tcp", KEY_TCP, "PORT", 0, "Listen on 127.0.0.1 too: commands at PORT, telemetry at PORT + 1", 1},
+    {"http", KEY_HTTP, "[ADDRESS:]PORT", 0,
+     "Serve /metrics for Prometheus, /healthz and /readyz at this port of 127.0.0.1 or of another address", 1},
+    {"http-token", KEY_TOKEN, "FILE", 0, "The word that --http asks for; without one, it serves this machine only", 1},
     {"load", KEY_LOAD, "CASE", 0,
      "Load a case at the start: a file, or the name of one that came along; after a crash the same command line goes "
      "on with the run it had",
@@ -136,8 +141,10 @@ static void check(const Options *options, struct argp_state *state)
     if (options->verify && !options->log && !options->replay) argp_error(state, "--verify goes with --log or --replay");
     if (options->replay && !options->verify)
         argp_error(state, "--replay goes with --verify: it compares, and writes nothing");
-    if (batch->name && (daemon->load || daemon->start || daemon->tcp || daemon->state_dir))
-        argp_error(state, "--batch starts no daemon: leave out --load, --start, --tcp and --state-dir");
+    if (batch->name && (daemon->load || daemon->start || daemon->tcp || daemon->http.address || daemon->state_dir))
+        argp_error(state, "--batch starts no daemon: leave out --load, --start, --tcp, --http and --state-dir");
+    if (daemon->http.token_file && !daemon->http.address)
+        argp_error(state, "--http-token is asked for by --http: give both");
     if (!batch->name && !daemon->load && (options->n_settings || options->resume || daemon->start))
         argp_error(state, "--set, --resume and --start need a case: --load or --batch");
 }
@@ -149,6 +156,8 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case 'n': options->daemon.name = text; break;
     case KEY_STATE: options->daemon.state_dir = text; break;
     case KEY_TCP: options->daemon.tcp = text; break;
+    case KEY_HTTP: options->daemon.http.address = text; break;
+    case KEY_TOKEN: options->daemon.http.token_file = text; break;
     case KEY_LOAD: options->daemon.load = text; break;
     case KEY_START: options->daemon.start = true; break;
     case KEY_BATCH: options->batch.name = text; break;

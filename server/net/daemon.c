@@ -5,6 +5,7 @@
 #include "base/log.h"
 #include "base/signals.h"
 #include "net/comeback.h"
+#include "net/describe.h"
 #include "net/desk.h"
 #include "net/handlers.h"
 #include "net/notify.h"
@@ -28,6 +29,7 @@ typedef struct Daemon {
     Endpoint endpoint;
     Desk *desk;
     Run *run;
+    Http *http; /* NULL if it is not served                */
     Notify notify;
     CaseFile *file;       /* of --load; NULL without one        */
     MnsError bad_case;    /* why it cannot be read              */
@@ -299,6 +301,18 @@ static void serve_leave(Run *run, Order *order)
     run_leave(run, order, false);
 }
 
+static MnsStatus serve_http(Daemon *daemon, MnsError *error)
+{
+    if (!daemon->http) return MNS_OK;
+    const HttpSources sources = {.name = daemon->options->name,
+                                 .commit = describe_commit(),
+                                 .compiler = describe_compiler(),
+                                 .directory = daemon->parent,
+                                 .run = daemon->run,
+                                 .traffic = desk_traffic(daemon->desk)};
+    return http_serve(daemon->http, &sources, error);
+}
+
 static MnsStatus begin(Daemon *daemon, MnsError *error)
 {
     notify_begin(&daemon->notify);
@@ -309,11 +323,14 @@ static MnsStatus begin(Daemon *daemon, MnsError *error)
                                 .nice = SOLVER_NICE,
                                 .threads = daemon->options->threads,
                                 .asked = daemon->asked,
-                                .beat_interval = daemon->notify.watchdog / 4};
+                                .beat_interval = daemon->notify.watchdog / 4,
+                                .figures = http_figures(daemon->http)};
     status = run_new(&options, &daemon->run, error);
     if (status) return status;
     status = desk_new(&daemon->endpoint, daemon->run, &daemon->desk, error);
+    if (!status) status = serve_http(daemon, error);
     if (!status) return MNS_OK;
+    desk_free(daemon->desk);
     Order leave = {.serve = serve_leave, .deadline = INFINITY};
     run_post(daemon->run, &leave, NULL);
     run_join(daemon->run);
@@ -336,10 +353,19 @@ static int refused(const MnsError *error, int code)
     return code;
 }
 
+/* What people should do about it: call the program otherwise, or mend a file or an address. */
+static int code_of_place(MnsStatus status)
+{
+    if (status == MNS_E_INVALID || status == MNS_E_LIMIT) return MNS_EXIT_USAGE;
+    return status == MNS_E_IO ? MNS_EXIT_IO : MNS_EXIT_FAILED;
+}
+
 static int serve_locked(Daemon *daemon)
 {
     MnsError error;
-    const MnsStatus status = begin(daemon, &error);
+    MnsStatus status = http_open(&daemon->options->http, &daemon->http, &error);
+    if (status) return refused(&error, code_of_place(status));
+    status = begin(daemon, &error);
     const bool disk = status == MNS_E_IO || status == MNS_E_NO_SPACE;
     if (status) return refused(&error, disk ? MNS_EXIT_IO : MNS_EXIT_FAILED);
     comeback_begin(&daemon->comeback, daemon->parent, daemon->asked, daemon->desk);
@@ -348,6 +374,7 @@ static int serve_locked(Daemon *daemon)
              daemon->endpoint.tcp_control[0] ? " and " : "", daemon->endpoint.tcp_control);
     notify_ready();
     serve(daemon);
+    http_stop(daemon->http);
     run_free(daemon->run);
     desk_free(daemon->desk);
     comeback_done(&daemon->comeback);
@@ -371,11 +398,11 @@ int daemon_run(const DaemonOptions *options)
     const MnsStatus status = endpoint_open(options->name, options->tcp, &daemon.endpoint, &error);
     if (status) {
         forget_case(&daemon);
-        const bool usage = status == MNS_E_INVALID || status == MNS_E_LIMIT;
-        return refused(&error, usage ? MNS_EXIT_USAGE : status == MNS_E_IO ? MNS_EXIT_IO : MNS_EXIT_FAILED);
+        return refused(&error, code_of_place(status));
     }
     signals_catch(&daemon.signals);
     const int code = serve_locked(&daemon);
+    http_free(daemon.http);
     endpoint_close(&daemon.endpoint);
     forget_case(&daemon);
     signals_done(&daemon.signals);

@@ -3,13 +3,13 @@
 #ifndef NET_DAEMON_H
 #define NET_DAEMON_H
 
-#include <stdbool.h>
-#include <stddef.h>
+#include "http/http.h"
 
 typedef struct DaemonOptions {
     const char *name;      /* of the daemon; its sockets are found by it           */
     const char *state_dir; /* run directories go there; NULL: where users keep state */
     const char *tcp;       /* port on loopback, or NULL                            */
+    HttpOptions http;      /* where metrics are served, or not                     */
     int threads;           /* for cases that do not say; -1: their default        */
     const char *load;      /* case to load at the start, or NULL                   */
     size_t n_settings;

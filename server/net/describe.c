@@ -19,6 +19,16 @@
 #define COMPILER "gcc " __VERSION__
 #endif
 
+const char *describe_commit(void)
+{
+    return MENISCUS_COMMIT;
+}
+
+const char *describe_compiler(void)
+{
+    return COMPILER;
+}
+
 /* Room for n pointers; *ret_n counts those in it. */
 static void *pointers(size_t n)
 {

@@ -6,6 +6,10 @@
 #include "meniscus.pb-c.h"
 #include "run/run.h"
 
+/* Of the sources, "+" behind it if they were changed, or ""; of the compiler, "gcc 12.2.0". */
+const char *describe_commit(void);
+const char *describe_compiler(void);
+
 /* NULL if there is no memory. */
 Meniscus__Status *describe_status(const RunStatus *status);
 

@@ -45,6 +45,7 @@ struct Desk {
     Visitors visitors;
     Reading reading;
     Outgoing outgoing;
+    Traffic traffic;
     RunStatus status; /* looked at last: room that is there when there is no memory */
     double replied;   /* clock_now() of the latest reply */
     uint64_t epoch;
@@ -115,7 +116,7 @@ MnsStatus desk_new(const Endpoint *endpoint, Run *run, Desk **ret, MnsError *err
     if (!status) status = bind_all(desk, endpoint, error);
     if (!status) {
         desk->ledger = ledger_new();
-        desk->publisher = publisher_new(desk->telemetry, desk->epoch);
+        desk->publisher = publisher_new(desk->telemetry, desk->epoch, desk->traffic.topics);
         if (!desk->ledger || !desk->publisher) status = mns_fail(error, MNS_E_MEMORY, "no memory for the desk");
     }
     if (status) desk_free(desk);
@@ -143,6 +144,11 @@ void desk_free(Desk *desk)
 Publisher *desk_publisher(Desk *desk)
 {
     return desk->publisher;
+}
+
+const Traffic *desk_traffic(const Desk *desk)
+{
+    return &desk->traffic;
 }
 
 unsigned desk_poll(Desk *desk, const int fds[2], long timeout)
@@ -197,6 +203,7 @@ static void send_exchange(Desk *desk, Exchange *exchange, uint8_t *packed, size_
 void desk_reply(Desk *desk, Exchange *exchange)
 {
     if (!exchange->sealed) exchange_seal(exchange);
+    if (exchange->order.status) desk->traffic.refused++;
     const Meniscus__Reply *reply = exchange->reply;
     const bool whole = reply && reply->has_id; /* else there was no memory, and without its id nobody knows it */
     const size_t size = whole ? meniscus__reply__get_packed_size(reply) : 0;
@@ -219,6 +226,7 @@ static void refuse(Desk *desk, const Sender *sender, ProtobufCBinaryData id, con
 {
     Meniscus__Reply reply = MENISCUS__REPLY__INIT;
     const Recipient to = recipient(sender, id);
+    desk->traffic.refused++;
     run_status(desk->run, &desk->status);
     reply.has_id = id.len > 0;
     reply.id = id;
@@ -327,6 +335,7 @@ static void take_frame(Desk *desk, const Sender *sender, const void *data, size_
     MnsError error;
     Meniscus__Request *request = NULL;
     const ProtobufCBinaryData id = request_id(data, size);
+    desk->traffic.requests++;
     MnsStatus status =
         parts == 1 ? MNS_OK : mns_fail(&error, MNS_E_INVALID, "a request is one frame; these are %" PRIu64, parts);
     if (!status) status = request_read(data, size, &request, &error);
@@ -377,6 +386,8 @@ static bool receive_subscription(Desk *desk)
 void desk_receive(Desk *desk)
 {
     visitors_note(&desk->visitors);
+    desk->traffic.clients = desk->visitors.n;
+    desk->traffic.unread = desk->outgoing.unread;
     for (int k = 0; k < AT_ONCE && receive_frame(desk); k++) continue;
     for (int k = 0; k < AT_ONCE && receive_subscription(desk); k++) continue;
 }

@@ -33,4 +33,7 @@ void desk_take(Desk *desk, Meniscus__Request *request, const Lineage *lineage);
 
 Publisher *desk_publisher(Desk *desk);
 
+/* What has gone over the sockets, for any thread to look at. */
+const Traffic *desk_traffic(const Desk *desk);
+
 #endif

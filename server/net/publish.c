@@ -8,7 +8,7 @@
 #include <string.h>
 #include <zmq.h>
 
-enum { TOPICS = 4 };
+enum { TOPICS = TRAFFIC_TOPICS };
 
 typedef struct Topic {
     uint64_t sequence;
@@ -19,6 +19,7 @@ typedef struct Topic {
 struct Publisher {
     void *socket;
     uint64_t epoch;
+    TopicTraffic *traffic;
     Topic topics[TOPICS];
 };
 
@@ -40,12 +41,14 @@ static int topic_of(NoteKind kind)
     }
 }
 
-Publisher *publisher_new(void *socket, uint64_t epoch)
+Publisher *publisher_new(void *socket, uint64_t epoch, TopicTraffic *traffic)
 {
     Publisher *publisher = calloc(1, sizeof *publisher);
     if (!publisher) return NULL;
     publisher->socket = socket;
     publisher->epoch = epoch;
+    publisher->traffic = traffic;
+    for (int k = 0; k < TOPICS; k++) traffic[k].name = topic_names[k];
     return publisher;
 }
 
@@ -87,6 +90,8 @@ static void send_message(Publisher *publisher, int k, Meniscus__Telemetry *messa
     free(topic->last);
     topic->last = packed;
     topic->size = size;
+    publisher->traffic[k].messages++;
+    publisher->traffic[k].bytes += size;
     send_last(publisher, k);
 }
 

@@ -4,13 +4,14 @@
 #ifndef NET_PUBLISH_H
 #define NET_PUBLISH_H
 
+#include "http/traffic.h"
 #include "run/outbox.h"
 #include <meniscus/sim.h>
 
 typedef struct Publisher Publisher;
 
-/* socket: an XPUB of ZeroMQ, borrowed. NULL if there is no memory. */
-Publisher *publisher_new(void *socket, uint64_t epoch);
+/* socket: an XPUB of ZeroMQ, borrowed, as are the topics that it counts: [TRAFFIC_TOPICS]. NULL if there is no memory. */
+Publisher *publisher_new(void *socket, uint64_t epoch, TopicTraffic *traffic);
 void publisher_free(Publisher *publisher);
 
 /* Send a note, but answers. */

@@ -68,6 +68,7 @@ void run_fault(Run *run, const MnsError *error, bool output)
 {
     run->fault = *error;
     run->output_failed = output;
+    run->figures.faults[error->status]++;
     outputs_flush(&run->outputs, NULL);
     run_enter(run, RUN_FAULT, error->text);
     run_goal_end(run, error->status, error);
@@ -204,6 +205,7 @@ MnsStatus run_step_once(Run *run, double limit, bool *ret_output, MnsError *erro
         return status;
     }
     meter_step(&run->meter, mns_sim_progress(run->sim), mns_sim_particles(run->sim), now - started, now);
+    run_count_step(run, now - started);
     run_publish_step(run);
     if (mns_sim_progress(run->sim).step % HASH_STEPS == 0) run_hash(run);
     *ret_output = true;
@@ -224,6 +226,7 @@ void run_advance(Run *run)
     if (status) run_fault(run, &error, output);
     if (status && !output) return;
     if (!status) arrive(run, before);
+    run_show(run);
     run_tell_progress_at_times(run);
     run_answer_waiters(run);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The inside of a run, for the files of this folder that make it up: run.c, go.c, load.c, making.c, resumed.c, steer.c, publish.c, answer.c,
+/* The inside of a run, for the files of this folder that make it up: run.c, go.c, load.c, making.c, resumed.c, steer.c, publish.c, watch.c, answer.c,
  * chronicle.c, recover.c. */
 #ifndef RUN_INSIDE_H
 #define RUN_INSIDE_H
@@ -66,6 +66,7 @@ struct Run {
     bool current_due;   /* this run is to be noted as the current one, once its journal is on the disk     */
     bool uncommitted;   /* the journal has something that is to be on the disk before the run goes on */
     MnsError unwritten; /* what could not even be added to it; MNS_OK: nothing                        */
+    RunFigures figures; /* to be put where others look; its document is not a share */
 
     /* For everybody: */
     pthread_mutex_t lock;
@@ -105,6 +106,10 @@ void run_release(Run *run);
 
 /* recover.c: RECOVERING. One step on the way back, and what was commanded at the boundary. */
 void run_recover_on(Run *run);
+/* watch.c: for whoever watches from outside. */
+void run_count_step(Run *run, double seconds); /* that it took                              */
+void run_count_phases(Run *run);               /* of the simulation that was just put there */
+void run_show(Run *run);                       /* all that is published, and the counts     */
 
 /* making.c: a simulation for whoever gave this order; state: to go on from, or NULL. As mns_sim_make(); MNS_E_TIMEOUT if the deadline
  * of the order passes meanwhile, MNS_E_INTERRUPTED if another one ends it. */

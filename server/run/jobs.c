@@ -8,6 +8,7 @@
 #include "io/snapshot.h"
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 /* What can be in memory only when the disk is full: the files that wait, the one that failed and the one of the boundary at which that
@@ -42,9 +43,21 @@ static FileMeta meta_of(const Document *document)
     return (FileMeta){.c = document->c, .case_name = document->name, .case_text = document->text};
 }
 
+/* Take note of an attempt that began then. */
+static MnsStatus tally(OutputTally *of, double began, MnsStatus status)
+{
+    struct timespec now;
+    of->seconds += clock_now() - began;
+    if (status) of->failed++;
+    else of->written++;
+    if (!status && !clock_gettime(CLOCK_REALTIME, &now)) of->latest = (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+    return status;
+}
+
 static MnsStatus write_snapshot(Job *base, MnsError *error)
 {
     const FileJob *job = (const FileJob *)base;
+    const double began = clock_now();
     const FileMeta meta = meta_of(job->document);
     char name[NUMBERED_NAME], path[4096];
     name_numbered(SNAPSHOT_BEGIN, job->capture->progress.step, name);
@@ -52,15 +65,17 @@ static MnsStatus write_snapshot(Job *base, MnsError *error)
     if (!status) status = snapshot_write(path, job->capture, &meta, error);
     if (!status) status = snapshot_index(job->directory, NULL, NULL, error);
     if (!status && job->order) memcpy(job->order->path, path, sizeof path);
-    return status;
+    return tally(&job->outputs->snapshots, began, status);
 }
 
 static MnsStatus save_checkpoint(const FileJob *job, char ret_path[static 4096], MnsError *error)
 {
     const Document *document = job->document;
     const FileMeta meta = meta_of(document);
-    return checkpoint_write(job->directory, job->capture, &meta, document->blob, document->size,
-                            document->c->output.checkpoints_kept, ret_path, error);
+    const double began = clock_now();
+    const MnsStatus status = checkpoint_write(job->directory, job->capture, &meta, document->blob, document->size,
+                                              document->c->output.checkpoints_kept, ret_path, error);
+    return tally(&job->outputs->checkpoints, began, status);
 }
 
 static MnsStatus write_checkpoint(Job *base, MnsError *error)

@@ -194,6 +194,7 @@ static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
     }
     run->meter = (Meter){.stepping = 0};
     run->loaded = clock_now();
+    run_count_phases(run);
     open_log(run);
     return MNS_OK;
 }

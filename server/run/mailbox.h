@@ -11,7 +11,8 @@ typedef struct Mailbox {
     pthread_mutex_t lock;
     pthread_cond_t filled;
     Order *urgent, *plain; /* first of each list */
-    size_t n, limit;
+    _Atomic size_t n;      /* changed with the lock held, and looked at without */
+    size_t limit;
     uint64_t posted;
 } Mailbox;
 

@@ -47,7 +47,7 @@ static Note *drop_live(Outbox *box)
     *list = note->next;
     if (box->last == note) box->last = before;
     box->live--;
-    box->dropped++;
+    box->dropped[note->kind]++;
     return note;
 }
 
@@ -78,8 +78,5 @@ Note *outbox_take(Outbox *box)
 
 uint64_t outbox_dropped(Outbox *box)
 {
-    pthread_mutex_lock(&box->lock);
-    const uint64_t dropped = box->dropped;
-    pthread_mutex_unlock(&box->lock);
-    return dropped;
+    return box->dropped[NOTE_PROGRESS] + box->dropped[NOTE_PROBES];
 }

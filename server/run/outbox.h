@@ -11,9 +11,9 @@
 typedef struct Outbox {
     pthread_mutex_t lock;
     Note *first, *last;
-    size_t live; /* droppable ones inside */
-    uint64_t dropped;
-    int wake; /* eventfd: readable while something is inside */
+    _Atomic size_t live;                       /* droppable ones inside; looked at without the lock */
+    _Atomic uint64_t dropped[NOTE_PROBES + 1]; /* by kind; the same */
+    int wake;                                  /* eventfd: readable while something is inside */
 } Outbox;
 
 MnsStatus outbox_init(Outbox *box, MnsError *error);

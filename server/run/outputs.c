@@ -75,6 +75,7 @@ static void take_over(Outputs *outputs, const Opening *opening, Document *docume
     outputs->rescued = false;
     outputs->state_size = opening->state_size;
     outputs->document = document_share(document);
+    outputs->sample.taken = false;
     const bool sampled = outputs->series && document->c->output.probe_interval > 0 && progress.step > 0;
     outputs->series_lost = goes_on && sampled && !series_rows(outputs->series);
     const double before = goes_on && progress.step > 0 ? progress.t : -INFINITY;
@@ -131,6 +132,9 @@ static MnsStatus take_probes(Outputs *outputs, const MnsSim *sim, Document *docu
     const MnsProgress now = mns_sim_progress(sim);
     double values[MNS_MAX_PROBES];
     for (size_t k = 0; k < n; k++) values[k] = mns_sim_probe(sim, k);
+    outputs->sample.taken = true;
+    outputs->sample.t = now.t;
+    memcpy(outputs->sample.values, values, n * sizeof *values);
     Note *note = note_new(NOTE_PROBES, n);
     if (!note) return mns_fail(error, MNS_E_MEMORY, "no memory for a sample of the probes");
     note->state = RUN_RUNNING;

@@ -18,6 +18,19 @@ typedef struct OutputTimes {
     double probes, snapshot, checkpoint;
 } OutputTimes;
 
+/* Files of one kind since the program began; the writer's thread counts, any may look. */
+typedef struct OutputTally {
+    _Atomic uint64_t written, failed;
+    _Atomic double seconds, latest; /* spent on them; when the latest was written, since 1970, or 0 [s] */
+} OutputTally;
+
+/* The latest sample of the probes of this run. */
+typedef struct Sample {
+    bool taken;
+    double t; /* [s] */
+    double values[MNS_MAX_PROBES];
+} Sample;
+
 typedef struct Outputs {
     char directory[RUNDIR_PATH];
     Writer *writer;
@@ -33,6 +46,9 @@ typedef struct Outputs {
     double wall_checkpoint; /* clock_now() of the last one; of the beginning if there is none   */
     double wall_flush;      /* the same for the series                                          */
     uint64_t at_checkpoint; /* step of the last one; UINT64_MAX: none                           */
+
+    Sample sample;
+    OutputTally snapshots, checkpoints;
 
     /* How long writing the series took the last time; the writer's to set. A crash may cost the samples since then, but
      * none before a checkpoint: a restart writes the later ones again. */

@@ -122,6 +122,7 @@ void run_publish(Run *run)
     document_leave(run->published);
     run->published = document_share(run->document);
     pthread_mutex_unlock(&run->lock);
+    run_show(run);
 }
 
 static Note *note_now(const Run *run, NoteKind kind)

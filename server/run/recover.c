@@ -71,6 +71,7 @@ void run_recover_on(Run *run)
     if (status) fail(run, &error, output);
     else if (there) arrive(run);
     else run_tell_progress_at_times(run);
+    run_show(run);
 }
 
 /* The outputs of the checkpoint's own step come first, if it had begun at all. */

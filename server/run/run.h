@@ -6,6 +6,7 @@
 
 #include "run/breakpoint.h"
 #include "run/document.h"
+#include "run/figures.h"
 #include "run/lineage.h"
 #include "run/outbox.h"
 #include "run/rundir.h"
@@ -19,9 +20,10 @@ typedef struct RunOptions {
     int threads;           /* for cases that do not say; -1: their default                                          */
     double beat_interval;  /* [s] run_heartbeat() rises at least as often while idle; 0: only with the steps        */
     const char *asked;     /* the case that the command line asks for, noted with the current run; NULL: for none   */
+    Figures *figures;      /* where the runner's thread puts them, borrowed until run_free(); NULL: nobody looks     */
 } RunOptions;
 
-enum { RUN_TIMERS = 32 };
+enum { RUN_TIMERS = FIGURES_TIMERS };
 
 /* A look at the run, as it was at the last step boundary. */
 typedef struct RunStatus {

@@ -11,9 +11,9 @@ enum { LIGHT_MAX = 4096 }; /* of decency */
 struct Writer {
     pthread_t thread;
     pthread_mutex_t lock;
-    pthread_cond_t changed; /* anything below                                     */
-    Job *first;             /* the one being done, or that failed; then the others */
-    unsigned heavy, light;
+    pthread_cond_t changed;        /* anything below                                     */
+    Job *first;                    /* the one being done, or that failed; then the others */
+    _Atomic unsigned heavy, light; /* changed with the lock held, and looked at without */
     bool busy, leaving, salvaging;
     MnsStatus status; /* of the failed job */
     MnsError error;
@@ -23,7 +23,7 @@ struct Writer {
 
 static void count(Writer *writer, const Job *job, int by)
 {
-    unsigned *which = job->heavy ? &writer->heavy : &writer->light;
+    _Atomic unsigned *which = job->heavy ? &writer->heavy : &writer->light;
     *which += (unsigned)by;
 }
 
@@ -192,6 +192,12 @@ MnsStatus writer_call(Writer *writer, Job *job, MnsError *error)
     if (call.status && error) *error = call.error;
     pthread_mutex_unlock(&writer->lock);
     return call.status;
+}
+
+void writer_queue(const Writer *writer, unsigned *ret_heavy, unsigned *ret_light)
+{
+    *ret_heavy = writer->heavy;
+    *ret_light = writer->light;
 }
 
 MnsStatus writer_failure(Writer *writer, MnsError *error)

@@ -40,6 +40,9 @@ void writer_post(Writer *writer, Job *job);
 /* Do a job of the caller's after all others, but before one that has failed, and wait for it. */
 MnsStatus writer_call(Writer *writer, Job *job, MnsError *error);
 
+/* How many heavy jobs, and how many others, are queued or being done. Waits for nobody. */
+void writer_queue(const Writer *writer, unsigned *ret_heavy, unsigned *ret_light);
+
 /* Has a job failed? MNS_OK or its failure. */
 MnsStatus writer_failure(Writer *writer, MnsError *error);
 

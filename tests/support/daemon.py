@@ -18,6 +18,7 @@ SMALL = ["dambreak2d", "--set", "resolution=20"]
 class DaemonTest(unittest.TestCase):
     """Tests that share one daemon, which each finds EMPTY. self.environment leads clients to it."""
 
+    options: list[str] = []  # of the daemon, besides its name and directory
     home: Path
     environment: dict[str, str]
     daemon: "subprocess.Popen[bytes]"

@@ -24,6 +24,7 @@ kind_of() {
     '<meniscus/'*) echo meniscus ;;
     *.pb-c.h? | '<protobuf-c/'*) echo messages ;;
     '<zmq'*) echo zmq ;;
+    '<microhttpd.h>') echo microhttpd ;;
     '<hdf5'* | '<H5'*) echo hdf5 ;;
     '<yaml.h>') echo yaml ;;
     '<jansson.h>') echo jansson ;;

@@ -8,14 +8,14 @@ build='
 gcc make pkgconf
 protobuf-compiler protobuf-c-compiler python3 python3-protobuf
 libzmq3-dev libprotobuf-c-dev libhdf5-dev libyaml-dev libjansson-dev
-libcairo2-dev libsystemd-dev libxxhash-dev liblua5.4-dev libhypre-dev
+libcairo2-dev libsystemd-dev libxxhash-dev liblua5.4-dev libhypre-dev libmicrohttpd-dev
 python3-numpy python3-h5py python3-matplotlib python3-zmq python3-yaml
 '
 check='
 libcmocka-dev
 clang clang-format clang-tidy libclang-rt-14-dev libomp-dev
 cppcheck shellcheck g++ git procps
-systemd util-linux valgrind
+systemd util-linux valgrind prometheus
 paraview python3-paraview xvfb xauth
 python3-scipy
 '

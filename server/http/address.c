@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Where HTTP is served. */
+#include "http/address.h"
+
+#include <arpa/inet.h>
+#include <errno.h>
+#include <netinet/in.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static MnsStatus complain(const char *text, MnsError *error)
+{
+    return mns_fail_at(error, MNS_E_INVALID, "http",
+                       "--http takes a port from 0 (any free one) to 65535, as in 9464, or an address before it, as in "
+                       "127.0.0.1:9464 or [::1]:9464; found \"%.80s\"",
+                       text);
+}
+
+static bool read_port(const char *digits, in_port_t *ret)
+{
+    char *end;
+    const long port = strtol(digits, &end, 10);
+    if (*digits < '0' || *digits > '9' || *end || port > 65535) return false;
+    *ret = htons((in_port_t)port);
+    return true;
+}
+
+/* host: as written, without the brackets that an address of IPv6 has in a URL. */
+static bool read_host(const char *host, bool brackets, in_port_t port, Address *ret)
+{
+    struct sockaddr_in *v4 = (struct sockaddr_in *)&ret->where;
+    struct sockaddr_in6 *v6 = (struct sockaddr_in6 *)&ret->where;
+    *ret = (Address){.size = brackets ? sizeof *v6 : sizeof *v4};
+    if (brackets) {
+        *v6 = (struct sockaddr_in6){.sin6_family = AF_INET6, .sin6_port = port};
+        if (inet_pton(AF_INET6, host, &v6->sin6_addr) != 1) return false;
+        ret->loopback = IN6_IS_ADDR_LOOPBACK(&v6->sin6_addr) ||
+                        (IN6_IS_ADDR_V4MAPPED(&v6->sin6_addr) && v6->sin6_addr.s6_addr[12] == IN_LOOPBACKNET);
+        return true;
+    }
+    *v4 = (struct sockaddr_in){.sin_family = AF_INET, .sin_port = port};
+    if (inet_pton(AF_INET, strcmp(host, "localhost") ? host : "127.0.0.1", &v4->sin_addr) != 1) return false;
+    ret->loopback = ntohl(v4->sin_addr.s_addr) >> 24 == IN_LOOPBACKNET;
+    return true;
+}
+
+MnsStatus address_parse(const char *text, Address *ret, MnsError *error)
+{
+    char host[INET6_ADDRSTRLEN + 2] = "127.0.0.1";
+    in_port_t port;
+    const char *colon = strrchr(text, ':');
+    const size_t size = colon ? (size_t)(colon - text) : 0;
+    if (size >= sizeof host || !read_port(colon ? colon + 1 : text, &port)) return complain(text, error);
+    if (colon) snprintf(host, sizeof host, "%.*s", (int)size, text);
+    const bool brackets = size > 2 && host[0] == '[' && host[size - 1] == ']';
+    if (brackets) host[size - 1] = 0;
+    Address address;
+    if (!read_host(host + brackets, brackets, port, &address)) return complain(text, error);
+    *ret = address;
+    return MNS_OK;
+}
+
+MnsStatus address_listen(const Address *address, int *ret_fd, MnsError *error)
+{
+    const int on = 1;
+    const struct sockaddr *where = (const struct sockaddr *)&address->where;
+    const int fd = socket(where->sa_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    /* Connections of a daemon that has just ended must not keep the next one from the port. */
+    const bool good = fd >= 0 && !setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) &&
+                      !bind(fd, where, address->size) && !listen(fd, SOMAXCONN);
+    if (good) {
+        *ret_fd = fd;
+        return MNS_OK;
+    }
+    const int why = errno;
+    if (fd >= 0) close(fd);
+    return mns_fail_at(error, MNS_E_IO, "http", "cannot listen for HTTP there: %s; choose another port for --http%s",
+                       strerror(why), why == EADDRNOTAVAIL ? ", of an address that this machine has" : "");
+}
+
+void address_of(int fd, char ret[static 64])
+{
+    struct sockaddr_storage where = {.ss_family = AF_UNSPEC};
+    socklen_t size = sizeof where;
+    const struct sockaddr_in *v4 = (const struct sockaddr_in *)&where;
+    const struct sockaddr_in6 *v6 = (const struct sockaddr_in6 *)&where;
+    char host[INET6_ADDRSTRLEN] = "";
+    getsockname(fd, (struct sockaddr *)&where, &size);
+    if (where.ss_family == AF_INET6) {
+        inet_ntop(AF_INET6, &v6->sin6_addr, host, sizeof host);
+        snprintf(ret, 64, "[%s]:%u", host, (unsigned)ntohs(v6->sin6_port));
+    } else {
+        inet_ntop(AF_INET, &v4->sin_addr, host, sizeof host);
+        snprintf(ret, 64, "%s:%u", host, (unsigned)ntohs(v4->sin_port));
+    }
+}

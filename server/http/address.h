@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Where HTTP is served: an address and a port. */
+#ifndef HTTP_ADDRESS_H
+#define HTTP_ADDRESS_H
+
+#include <meniscus/status.h>
+#include <stdbool.h>
+#include <sys/socket.h>
+
+typedef struct Address {
+    struct sockaddr_storage where;
+    socklen_t size;
+    bool loopback; /* only this machine reaches it */
+} Address;
+
+/* Read "[ADDRESS:]PORT": a port of 127.0.0.1, or after an IPv4 address, an IPv6 address in brackets, or "localhost"; port 0 is any free one.
+ * MNS_E_INVALID. */
+MnsStatus address_parse(const char *text, Address *ret, MnsError *error);
+
+/* A socket that listens there. MNS_E_IO. */
+MnsStatus address_listen(const Address *address, int *ret_fd, MnsError *error);
+
+/* Write where a socket listens, as in a URL: "127.0.0.1:9464". */
+void address_of(int fd, char ret[static 64]);
+
+#endif

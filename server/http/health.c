@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Is the daemon well? */
+#include "http/health.h"
+
+#include <jansson.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Takes over the object. */
+static char *print(json_t *object)
+{
+    char *text = object ? json_dumps(object, JSON_COMPACT) : NULL;
+    json_decref(object);
+    return text;
+}
+
+char *health_alive(const View *view)
+{
+    return print(json_pack("{s:s, s:s, s:s}", "status", "ok", "name", view->from->name, "version", MENISCUS_VERSION));
+}
+
+/* Why it is not ready, and what to do; empty if it is. */
+static void find_reason(const View *view, char *text, size_t size)
+{
+    *text = 0;
+    switch (view->run->state) {
+    case RUN_EMPTY: snprintf(text, size, "there is no run; load one: meniscus load CASE"); return;
+    case RUN_LOADING: snprintf(text, size, "a case is being loaded; ask again"); return;
+    case RUN_RECOVERING: snprintf(text, size, "the run is being brought back to where it was; ask again"); return;
+    case RUN_STOPPING: snprintf(text, size, "the daemon is leaving"); return;
+    case RUN_FAULT: snprintf(text, size, "%s", view->run->fault.text); return;
+    default: break;
+    }
+    if (view->disk.refused)
+        snprintf(text, size, "nothing can be written to '%.300s': %s; mend that, or the next output stops the run",
+                 view->from->directory, strerror(view->disk.refused));
+}
+
+char *health_ready(const View *view, bool *ret_ready)
+{
+    char reason[1024];
+    const RunFigures *run = view->run;
+    find_reason(view, reason, sizeof reason);
+    *ret_ready = !*reason;
+    json_t *object = json_pack("{s:b, s:s}", "ready", *ret_ready, "state", run_state_name(run->state));
+    if (run->document) json_object_set_new(object, "case", json_string(run->document->name));
+    if (*reason) json_object_set_new(object, "reason", json_string(reason));
+    if (run->state == RUN_FAULT)
+        json_object_set_new(object, "fault_reason", json_string(mns_status_name(run->fault.status)));
+    return print(object);
+}

@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The pages: one table. */
+#include "http/page.h"
+
+#include "http/health.h"
+#include "http/metrics.h"
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct Page {
+    const char *path;
+    void (*make)(const Question *question, const View *view, Answer *ret);
+} Page;
+
+static void take_text(Answer *answer, unsigned code, const char *type, char *text)
+{
+    *answer = (Answer){.code = code, .type = type, .text = text, .size = text ? strlen(text) : 0};
+}
+
+static void make_metrics(const Question *question, const View *view, Answer *ret)
+{
+    Exposition exposition;
+    const bool open_metrics = exposition_accepts_open_metrics(question->accept);
+    *ret = (Answer){.code = 200, .type = exposition_type(open_metrics)};
+    if (!exposition_begin(&exposition, open_metrics)) return;
+    metrics_print(&exposition, view);
+    ret->text = exposition_end(&exposition, &ret->size);
+}
+
+static void make_health(const Question *question, const View *view, Answer *ret)
+{
+    (void)question;
+    take_text(ret, 200, "application/json", health_alive(view));
+}
+
+static void make_readiness(const Question *question, const View *view, Answer *ret)
+{
+    bool ready;
+    (void)question;
+    char *text = health_ready(view, &ready);
+    take_text(ret, ready ? 200 : 503, "application/json", text);
+}
+
+static const Page pages[] = {{"/metrics", make_metrics}, {"/healthz", make_health}, {"/readyz", make_readiness}};
+
+static const Page *find(const char *path)
+{
+    for (size_t k = 0; k < sizeof pages / sizeof *pages; k++)
+        if (!strcmp(pages[k].path, path)) return &pages[k];
+    return NULL;
+}
+
+static void refuse(Answer *answer, unsigned code, const char *text)
+{
+    take_text(answer, code, "text/plain; charset=utf-8", strdup(text));
+}
+
+bool page_refuse(const Question *question, const Token *token, Answer *ret)
+{
+    if (!token_shown(token, question->authorization))
+        refuse(ret, 401, "who asks must send the token of --http-token: Authorization: Bearer TOKEN\n");
+    else if (strcmp(question->method, "GET") != 0 && strcmp(question->method, "HEAD") != 0)
+        refuse(ret, 405, "this is only to be looked at, with GET or HEAD; commands go over the control socket\n");
+    else if (question->body) refuse(ret, 400, "nothing can be sent here: leave out the body\n");
+    else if (!find(question->path))
+        refuse(ret, 404, "there is no such page; there are /metrics, /healthz and /readyz\n");
+    else return false;
+    return true;
+}
+
+void page_make(const Question *question, const View *view, Answer *ret)
+{
+    find(question->path)->make(question, view, ret);
+}
