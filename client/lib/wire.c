@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 enum {
-    CONNECT_MS = 1000, /* to a daemon that should be there             */
+    CONNECT_MS = 5000, /* to a daemon that should be there: where nobody listens it is known at once */
     RECONNECT_S = 5,   /* to a daemon that was there: it may be restarted */
     HEARTBEAT_MS = 2000,
     HEARTBEAT_TIMEOUT_MS = 6000,

@@ -15,7 +15,7 @@ from . import meniscus_pb2 as pb
 from .checksum import xxh64
 from .errors import CorruptError, MeniscusError, TimedOutError, UnavailableError, error_for
 
-CONNECT_S = 1.0  # to a daemon that should be there
+CONNECT_S = 5.0  # to a daemon that should be there: where nobody listens it is known at once
 RECONNECT_S = 5.0  # to a daemon that was there
 GREETING_S = 5.0  # a daemon answers greetings at once, whatever it computes
 GRACE_S = 2.0  # beyond the deadline that the daemon knows, for its answer to get here
