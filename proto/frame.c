@@ -136,6 +136,8 @@ Meniscus__Code code_of(MnsStatus status)
         [MNS_E_UNAVAILABLE] = MENISCUS__CODE__UNAVAILABLE,
         [MNS_E_TIMEOUT] = MENISCUS__CODE__DEADLINE_EXCEEDED,
         [MNS_E_INTERRUPTED] = MENISCUS__CODE__ABORTED,
+        [MNS_E_HELD] = MENISCUS__CODE__FAILED_PRECONDITION,
+        [MNS_E_EXPIRED] = MENISCUS__CODE__ABORTED,
         [MNS_E_INTERNAL] = MENISCUS__CODE__INTERNAL,
     };
     const unsigned k = (unsigned)status;

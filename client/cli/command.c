@@ -104,7 +104,7 @@ const Command command_table[] = {
      .help = "start the run",
      .details = "Possible in READY.",
      .request = "start",
-     .options = OPTION(OPT_IF_STEP),
+     .options = OPTION(OPT_IF_STEP) | OPTION(OPT_IF_VERSION),
      .call = mns_client_start,
      .run = command_simple},
     {.name = "pause",
@@ -118,7 +118,7 @@ const Command command_table[] = {
      .help = "go on after a pause",
      .details = "Possible in PAUSED, and in FAULT after an output failed: then the output is tried again.",
      .request = "resume",
-     .options = OPTION(OPT_IF_STEP),
+     .options = OPTION(OPT_IF_STEP) | OPTION(OPT_IF_VERSION),
      .call = mns_client_resume,
      .run = command_simple},
     {.name = "step",
@@ -126,7 +126,7 @@ const Command command_table[] = {
      .help = "do COUNT time steps (1)",
      .details = "Answers when they are done; the state is PAUSED then. Possible in READY and PAUSED.",
      .request = "step",
-     .options = OPTION(OPT_IF_STEP),
+     .options = OPTION(OPT_IF_STEP) | OPTION(OPT_IF_VERSION),
      .exits = EXIT_DIVERGED | EXIT_IO | EXIT_AGAIN,
      .max_words = 1,
      .is_long = true,
@@ -138,7 +138,7 @@ const Command command_table[] = {
          "Answers when it is there; the state is PAUSED then, or DONE at the end time, beyond which no TIME may lie. "
          "Possible in READY and PAUSED.",
      .request = "run_until",
-     .options = OPTION(OPT_IF_STEP) | OPTION(OPT_WHOLE_STEPS),
+     .options = OPTION(OPT_IF_STEP) | OPTION(OPT_IF_VERSION) | OPTION(OPT_WHOLE_STEPS),
      .exits = EXIT_DIVERGED | EXIT_IO | EXIT_AGAIN,
      .min_words = 1,
      .max_words = 1,
@@ -170,8 +170,8 @@ const Command command_table[] = {
      .details = "Exactly one of the options says when, or that the breakpoint goes away; one of the same name is "
                 "replaced. `meniscus status` lists them.",
      .request = "breakpoint",
-     .options =
-         OPTION(OPT_IF_STEP) | OPTION(OPT_AT_TIME) | OPTION(OPT_AT_STEP) | OPTION(OPT_CONDITION) | OPTION(OPT_REMOVE),
+     .options = OPTION(OPT_IF_STEP) | OPTION(OPT_IF_VERSION) | OPTION(OPT_AT_TIME) | OPTION(OPT_AT_STEP) |
+                OPTION(OPT_CONDITION) | OPTION(OPT_REMOVE),
      .min_words = 1,
      .max_words = 1,
      .run = command_breakpoint},
@@ -220,10 +220,40 @@ const Command command_table[] = {
                 "Answers with the step at which it took effect. `meniscus get` lists what can be set, `meniscus "
                 "capabilities` with units and bounds.",
      .request = "set",
-     .options = OPTION(OPT_IF_STEP),
+     .options = OPTION(OPT_IF_STEP) | OPTION(OPT_IF_VERSION),
      .min_words = 1,
      .max_words = MAX_WORDS,
      .run = command_set},
+    {.name = "rollback",
+     .arguments = "VERSION",
+     .help = "change the case back to what it was at a version",
+     .details = "Versions are counted: 1 when the case is loaded, one more with every change of it, a rollback too. "
+                "`meniscus status` "
+                "tells the present one, every reply that of its time. The last 256 are kept, and none from before a "
+                "load, reset or "
+                "restore. It takes effect at the next step boundary, all or nothing.",
+     .request = "rollback",
+     .options = OPTION(OPT_IF_STEP) | OPTION(OPT_IF_VERSION),
+     .min_words = 1,
+     .max_words = 1,
+     .run = command_rollback},
+    {.name = "lease",
+     .arguments = "[take|renew|release]",
+     .help = "be the only one to change the run, for a while",
+     .details = "    export MENISCUS_LEASE=$(meniscus lease --ttl 60)\n"
+                "    meniscus set end_time=3\n"
+                "    meniscus lease release\n"
+                "take (default) prints the epoch of the lease, a number that rises with every new one. While it lives, "
+                "only commands "
+                "that come with it change the run; all others are refused, and told who holds it. renew and release "
+                "are for the lease "
+                "of --lease. Pause, stop and shutdown need none. What was sent under a lease that is over is refused, "
+                "however late it "
+                "comes.",
+     .request = "lease",
+     .options = OPTION(OPT_TTL) | OPTION(OPT_HOLDER),
+     .max_words = 1,
+     .run = command_lease},
     {.name = "snapshot",
      .help = "write a snapshot now",
      .details = "Fields for people and for ParaView; answers with the path when the file is whole. --fields: instead "
@@ -248,7 +278,7 @@ const Command command_table[] = {
      .details = "FILE is a name in the run directory, as in checkpoint-0000000100.hdf. The state is READY then; "
                 "files of later steps move to abandoned/ there. Not possible while RUNNING: pause first.",
      .request = "restore",
-     .options = OPTION(OPT_IF_STEP),
+     .options = OPTION(OPT_IF_STEP) | OPTION(OPT_IF_VERSION),
      .exits = EXIT_IO,
      .max_words = 1,
      .is_long = true,
@@ -258,7 +288,7 @@ const Command command_table[] = {
      .details = "The state is READY then, and the case as it was loaded: what was set since is undone, breakpoints are "
                 "gone. Files move to abandoned/ in the run directory. Not possible while RUNNING: pause first.",
      .request = "reset",
-     .options = OPTION(OPT_IF_STEP),
+     .options = OPTION(OPT_IF_STEP) | OPTION(OPT_IF_VERSION),
      .is_long = true,
      .call = mns_client_reset,
      .run = command_simple},

@@ -19,8 +19,10 @@ typedef struct Invocation {
     uint8_t id[MNS_REQUEST_ID_SIZE];
     bool has_if_step;
     uint64_t if_step;
-    MnsClient *client; /* NULL until command_connect() */
-    int code;          /* exit code that the command wants, whatever its status; 0: none */
+    uint64_t if_version; /* 0: whichever */
+    uint64_t lease;      /* epoch; 0: none */
+    MnsClient *client;   /* NULL until command_connect() */
+    int code;            /* exit code that the command wants, whatever its status; 0: none */
 } Invocation;
 
 struct Command {
@@ -77,6 +79,8 @@ MnsStatus command_breakpoint(Invocation *in, MnsError *error);
 MnsStatus command_cancel(Invocation *in, MnsError *error);
 MnsStatus command_shutdown(Invocation *in, MnsError *error);
 MnsStatus command_set(Invocation *in, MnsError *error);
+MnsStatus command_rollback(Invocation *in, MnsError *error);
+MnsStatus command_lease(Invocation *in, MnsError *error);
 MnsStatus command_get(Invocation *in, MnsError *error);
 MnsStatus command_query(Invocation *in, MnsError *error);
 MnsStatus command_wait(Invocation *in, MnsError *error);

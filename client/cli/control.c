@@ -6,9 +6,11 @@
 #include "proto/case_find.h"
 #include <inttypes.h>
 #include <math.h>
+#include <pwd.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* Print a reply, and forget it. path: what it names, or NULL. */
 static MnsStatus report_path(const Invocation *in, MnsReply *reply, const char *path, MnsError *error)
@@ -128,6 +130,64 @@ MnsStatus command_cancel(Invocation *in, MnsError *error)
     if (status == MNS_OK) status = command_connect(in, error);
     if (status == MNS_OK) status = mns_client_cancel(in->client, id, &reply, error);
     return report(in, status, reply, error);
+}
+
+MnsStatus command_rollback(Invocation *in, MnsError *error)
+{
+    uint64_t version;
+    MnsReply *reply = NULL;
+    MnsStatus status = command_usage(in, parse_count("VERSION", in->options.words[0], &version, error));
+    if (status == MNS_OK) status = command_connect(in, error);
+    if (status == MNS_OK) status = mns_client_rollback(in->client, version, &reply, error);
+    return report(in, status, reply, error);
+}
+
+/* Print a lease, or that it was given back; in a shell its number is all that is wanted. */
+static MnsStatus report_lease(const Invocation *in, MnsReply *reply, MnsError *error)
+{
+    MnsStatus status = MNS_OK;
+    if (in->json) {
+        json_t *object = output_reply(reply);
+        json_object_set_new(object, "lease_epoch",
+                            reply->lease_epoch ? json_integer((json_int_t)reply->lease_epoch) : json_null());
+        json_object_set_new(object, "lease_s", output_number(reply->lease_epoch ? reply->lease_s : NAN));
+        status = output_json(object, error);
+    } else if (reply->lease_epoch) printf("%" PRIu64 "\n", reply->lease_epoch);
+    mns_reply_free(reply);
+    return status;
+}
+
+/* ret: [256], user@host */
+static void name_holder(char *ret)
+{
+    char host[128] = "somewhere";
+    const struct passwd *user = getpwuid(getuid());
+    gethostname(host, sizeof host - 1);
+    snprintf(ret, 256, "%.30s@%.30s", user ? user->pw_name : "somebody", host);
+}
+
+MnsStatus command_lease(Invocation *in, MnsError *error)
+{
+    const char *what = in->options.n_words ? in->options.words[0] : "take", *ttl = options_get(&in->options, OPT_TTL);
+    const char *holder = options_get(&in->options, OPT_HOLDER);
+    const bool take = !strcmp(what, "take"), release = !strcmp(what, "release");
+    char name[256];
+    double seconds = 30;
+    MnsReply *reply = NULL;
+    MnsStatus status = ttl ? command_usage(in, parse_number("--ttl", ttl, &seconds, error)) : MNS_OK;
+    if (!status && !take && !release && strcmp(what, "renew") != 0)
+        status = command_usage(in, mns_fail(error, MNS_E_INVALID,
+                                            "lease takes one of take, renew and release, but found \"%.60s\"", what));
+    if (!status && !take && !in->lease)
+        status = command_usage(
+            in, mns_fail(error, MNS_E_INVALID, "which lease? Give its epoch with --lease or $MENISCUS_LEASE"));
+    name_holder(name);
+    if (!status) status = command_connect(in, error);
+    if (!status && take) mns_client_set_lease(in->client, 0);
+    if (!status)
+        status = release ? mns_client_release(in->client, &reply, error)
+                         : mns_client_lease(in->client, seconds, take ? holder ? holder : name : NULL, &reply, error);
+    return status ? status : report_lease(in, reply, error);
 }
 
 /* The options of a breakpoint. Exactly one of time, step, condition and removal must be said. */

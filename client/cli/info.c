@@ -44,6 +44,8 @@ static void print_info(const MnsRunInfo *info)
     if (info->state != MNS_STATE_EMPTY) {
         printf("case        %s%s%s\n", info->case_name, *info->title ? ": " : "", info->title);
         printf("directory   %s\n", info->run_directory);
+        if (*info->lease_holder) printf("lease       %s, for %.1f s\n", info->lease_holder, info->lease_s);
+        if (info->case_version > 1) printf("version     %" PRIu64 " of the case\n", info->case_version);
         printf("time        %.6g of %.6g s, step %" PRIu64 ", last dt %.3g s\n", info->time, info->end_time, info->step,
                info->time_step);
         printf("particles   %" PRIu64 ", %" PRIu64 " of fluid; kept from walls %" PRIu64 " times\n", info->particles,
@@ -55,7 +57,7 @@ static void print_info(const MnsRunInfo *info)
     print_breakpoints(info);
     print_timers(info);
     printf("memory      %.1f MiB\n", (double)info->memory_bytes / (1 << 20));
-    printf("version     %s\n", info->version);
+    printf("meniscusd   %s\n", info->version);
 }
 
 MnsStatus command_status(Invocation *in, MnsError *error)

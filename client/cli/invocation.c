@@ -80,7 +80,9 @@ static MnsStatus check_words(const Invocation *in, MnsError *error)
 static MnsStatus read_manner(Invocation *in, MnsError *error)
 {
     const char *timeout = options_get(&in->options, OPT_TIMEOUT), *id = options_get(&in->options, OPT_ID),
-               *if_step = options_get(&in->options, OPT_IF_STEP);
+               *if_step = options_get(&in->options, OPT_IF_STEP),
+               *if_version = options_get(&in->options, OPT_IF_VERSION), *given = options_get(&in->options, OPT_LEASE),
+               *lease = given ? given : getenv("MENISCUS_LEASE");
     in->timeout = in->command->is_long ? -1 : quick_s;
     if (timeout) {
         const MnsStatus status = parse_number("--timeout", timeout, &in->timeout, error);
@@ -91,6 +93,11 @@ static MnsStatus read_manner(Invocation *in, MnsError *error)
     in->has_if_step = if_step;
     MnsStatus status = id ? parse_id("--id", id, in->id, error) : MNS_OK;
     if (!status && if_step) status = parse_count("--if-step", if_step, &in->if_step, error);
+    if (!status && if_version) status = parse_count("--if-version", if_version, &in->if_version, error);
+    if (!status && if_version && !in->if_version)
+        status = mns_fail(error, MNS_E_INVALID, "--if-version 0: the first version of a case is 1");
+    if (!status && lease && *lease)
+        status = parse_count(given ? "--lease" : "MENISCUS_LEASE", lease, &in->lease, error);
     return status;
 }
 
@@ -101,6 +108,8 @@ MnsStatus command_connect(Invocation *in, MnsError *error)
     mns_client_set_timeout(in->client, in->timeout);
     if (in->has_id) mns_client_set_request_id(in->client, in->id);
     if (in->has_if_step) mns_client_set_if_step(in->client, in->if_step);
+    if (in->if_version) mns_client_set_if_version(in->client, in->if_version);
+    mns_client_set_lease(in->client, in->lease);
     return MNS_OK;
 }
 

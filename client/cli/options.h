@@ -12,7 +12,11 @@ typedef enum OptionId {
     OPT_ID,
     OPT_HELP,
     OPT_VERSION,
+    OPT_LEASE,
     OPT_IF_STEP,
+    OPT_IF_VERSION,
+    OPT_TTL,
+    OPT_HOLDER,
     OPT_SET,
     OPT_START,
     OPT_RESUME,
@@ -50,7 +54,7 @@ typedef enum OptionId {
 /* Options as a set. */
 typedef uint64_t OptionSet;
 #define OPTION(id)     (UINT64_C(1) << (id))
-#define OPTIONS_GLOBAL (OPTION(OPT_VERSION + 1) - 1)
+#define OPTIONS_GLOBAL (OPTION(OPT_LEASE + 1) - 1)
 enum { MAX_WORDS = 1024 };
 
 typedef struct OptionInfo {

@@ -73,9 +73,10 @@ json_t *output_array(const MnsArray *array)
 json_t *output_reply(const MnsReply *reply)
 {
     json_t *effect = reply->effect_step == MNS_NO_STEP ? json_null() : json_integer((json_int_t)reply->effect_step);
-    return json_pack("{ss sI so so so ss}", "state", mns_state_name(reply->state), "step", (json_int_t)reply->step,
+    json_t *version = reply->case_version ? json_integer((json_int_t)reply->case_version) : json_null();
+    return json_pack("{ss sI so so so ss so}", "state", mns_state_name(reply->state), "step", (json_int_t)reply->step,
                      "time", output_number(reply->time), "effect_step", effect, "daemon_epoch",
-                     hex(reply->daemon_epoch), "message", reply->message);
+                     hex(reply->daemon_epoch), "message", reply->message, "case_version", version);
 }
 
 static json_t *timers(const MnsRunInfo *info)
@@ -119,6 +120,10 @@ json_t *output_info(const MnsRunInfo *info)
         (json_int_t)info->threads, "state_hash", info->state_hash ? hex(info->state_hash) : json_null());
     json_object_update_new(object, times);
     json_object_update_new(object, counts);
+    json_object_set_new(object, "case_version",
+                        info->case_version ? json_integer((json_int_t)info->case_version) : json_null());
+    json_object_set_new(object, "lease_holder", *info->lease_holder ? json_string(info->lease_holder) : json_null());
+    json_object_set_new(object, "lease_s", output_number(info->lease_s));
     json_object_set_new(object, "timers", timers(info));
     json_object_set_new(object, "breakpoints", breakpoints(info));
     return object;

@@ -203,5 +203,10 @@ MnsStatus call_make(MnsClient *client, Meniscus__Request *request, Meniscus__Rep
     request->has_if_step = client->has_if_step;
     request->if_step = client->if_step;
     client->has_if_step = false;
+    request->has_if_version = client->if_version > 0;
+    request->if_version = client->if_version;
+    client->if_version = 0;
+    request->has_lease_epoch = client->lease_epoch > 0;
+    request->lease_epoch = client->lease_epoch;
     return call_as(client, request, id, client->timeout, ret_reply, ret_frames, error);
 }

@@ -16,7 +16,9 @@ struct MnsClient {
     uint8_t next_id[MNS_REQUEST_ID_SIZE];
     bool has_if_step; /* the next command is conditional    */
     uint64_t if_step;
-    void *telemetry; /* SUB socket, or NULL                  */
+    uint64_t if_version;  /* of the next command; 0: whichever */
+    uint64_t lease_epoch; /* of all commands; 0: none          */
+    void *telemetry;      /* SUB socket, or NULL                  */
     struct {
         uint64_t epoch, sequence; /* of the last message; epoch 0: none   */
     } heard[4];                   /* by topic                             */

@@ -43,3 +43,13 @@ void mns_client_set_if_step(MnsClient *client, uint64_t step)
     client->if_step = step;
     client->has_if_step = true;
 }
+
+void mns_client_set_if_version(MnsClient *client, uint64_t version)
+{
+    client->if_version = version;
+}
+
+void mns_client_set_lease(MnsClient *client, uint64_t epoch)
+{
+    client->lease_epoch = epoch;
+}

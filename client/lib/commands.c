@@ -131,6 +131,44 @@ static char *split(const char *text, Meniscus__Assignment *ret)
     return copy;
 }
 
+MnsStatus mns_client_rollback(MnsClient *client, uint64_t version, MnsReply **ret_reply, MnsError *error)
+{
+    Meniscus__Rollback rollback = MENISCUS__ROLLBACK__INIT;
+    rollback.has_version = true;
+    rollback.version = version;
+    return send(client, MENISCUS__REQUEST__COMMAND_ROLLBACK, &rollback, ret_reply, error);
+}
+
+/* What comes of it is this client's lease from now on. */
+static MnsStatus send_lease(MnsClient *client, Meniscus__Lease *lease, MnsReply **ret_reply, MnsError *error)
+{
+    MnsReply *reply;
+    const MnsStatus status = send(client, MENISCUS__REQUEST__COMMAND_LEASE, lease, &reply, error);
+    if (status != MNS_OK) return status;
+    client->lease_epoch = reply->lease_epoch;
+    if (ret_reply) *ret_reply = reply;
+    else mns_reply_free(reply);
+    return MNS_OK;
+}
+
+MnsStatus mns_client_lease(MnsClient *client, double seconds, const char *holder, MnsReply **ret_reply, MnsError *error)
+{
+    Meniscus__Lease lease = MENISCUS__LEASE__INIT;
+    if (!(seconds >= 0 && seconds < 1e9))
+        return mns_fail_at(error, MNS_E_INVALID, "ttl_ms", "a lease lives from 0.1 to 86400 s; found %g", seconds);
+    lease.has_ttl_ms = true;
+    lease.ttl_ms = (uint64_t)(1e3 * seconds + 0.5);
+    lease.holder = (char *)holder;
+    return send_lease(client, &lease, ret_reply, error);
+}
+
+MnsStatus mns_client_release(MnsClient *client, MnsReply **ret_reply, MnsError *error)
+{
+    Meniscus__Lease lease = MENISCUS__LEASE__INIT;
+    lease.has_release = lease.release = true;
+    return send_lease(client, &lease, ret_reply, error);
+}
+
 MnsStatus mns_client_set(MnsClient *client, size_t n, const char *const *assignments, MnsReply **ret_reply,
                          MnsError *error)
 {

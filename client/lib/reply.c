@@ -153,6 +153,9 @@ static MnsRunInfo *read_info(Arena *arena, const Meniscus__Status *m)
         .samples_dropped = m->samples_dropped,
         .memory_bytes = m->memory_bytes,
         .state_hash = m->state_hash,
+        .case_version = m->case_version,
+        .lease_holder = text(m->lease_holder),
+        .lease_s = number(m->has_lease_s, m->lease_s),
         .threads = m->threads,
         .n_timers = m->n_timers,
         .n_breakpoints = m->n_breakpoints,
@@ -256,6 +259,10 @@ static bool read_result(OwnedReply *owned)
     case MENISCUS__REPLY__RESULT_OUTPUT: return (reply->output = read_output(&owned->arena, message->output));
     case MENISCUS__REPLY__RESULT_CAPABILITIES:
         return (reply->capabilities = read_capabilities(&owned->arena, message->capabilities));
+    case MENISCUS__REPLY__RESULT_LEASE:
+        reply->lease_epoch = message->lease->epoch;
+        reply->lease_s = 1e-3 * (double)message->lease->ttl_ms;
+        return true;
     case MENISCUS__REPLY__RESULT_WAIT: reply->state_reached = message->wait->state_reached; return true;
     default: return true;
     }
@@ -269,7 +276,8 @@ static MnsStatus read_reply(OwnedReply *owned, Frames *frames, MnsError *error)
                               .daemon_epoch = message->daemon_epoch,
                               .step = message->step,
                               .effect_step = message->has_effect_step ? message->effect_step : MNS_NO_STEP,
-                              .time = message->time};
+                              .time = message->time,
+                              .case_version = message->case_version};
     if (!read_result(owned)) return mns_fail(error, MNS_E_MEMORY, "no memory for a reply");
     return read_arrays(owned, frames, error);
 }

@@ -14,7 +14,8 @@
  *    MNS_E_VERSION      the daemon speaks another version
  *    MNS_E_UNAVAILABLE  nobody answers, or the daemon was restarted meanwhile
  *    MNS_E_TIMEOUT      not done within the time limit
- *    MNS_E_INTERRUPTED  cancelled by another client */
+ *    MNS_E_INTERRUPTED  cancelled by another client
+ *    MNS_E_HELD         somebody else holds the lease; MNS_E_EXPIRED: the lease of this client is over */
 #ifndef MENISCUS_CLIENT_H
 #define MENISCUS_CLIENT_H
 
@@ -91,7 +92,10 @@ typedef struct MnsRunInfo {
     double eta_s, wall_s;             /* [s], wall clock: to the end, since the start */
     double steps_per_second, ns_per_particle_step;
     uint64_t step, particles, fluid_particles, guarded, samples_dropped, memory_bytes;
-    uint64_t state_hash; /* 0 while it runs */
+    uint64_t state_hash;      /* 0 while it runs */
+    uint64_t case_version;    /* 1 when the case was loaded, one more with every change */
+    const char *lease_holder; /* who may change the run; empty if everybody may         */
+    double lease_s;           /* for how long yet                                       */
     unsigned threads;
     size_t n_timers, n_breakpoints;
     const MnsTimerInfo *timers;
@@ -131,6 +135,9 @@ typedef struct MnsReply {
     uint64_t
         effect_step; /* the step boundary at which the command took effect; MNS_NO_STEP: nothing did, as of a get */
     double time;     /* simulated time of the reply [s] */
+    uint64_t case_version; /* 1 when a case is loaded, one more with every change; 0 without a case */
+    uint64_t lease_epoch;  /* that was given; 0: none */
+    double lease_s;        /* for which it lives      */
     size_t n_values, n_arrays;
     const MnsValue *values; /* get, set, query of probes */
     const MnsArray *arrays; /* query of points and particles */
@@ -181,6 +188,12 @@ void mns_client_set_request_id(MnsClient *client, const uint8_t id[MNS_REQUEST_I
  *  MNS_E_STATE, error->path is "if_step", and nothing is done. For a change that was made up for what was seen at that step.
  *  Not for status, get and capabilities, which refuse it with MNS_E_INVALID. */
 void mns_client_set_if_step(MnsClient *client, uint64_t step);
+
+/** The same for the version of the case that the next command is for: MnsReply.case_version. */
+void mns_client_set_if_version(MnsClient *client, uint64_t version);
+
+/** Send this epoch of a lease with all later commands, 0 for none; mns_client_lease() does so by itself. */
+void mns_client_set_lease(MnsClient *client, uint64_t epoch);
 
 /* --- commands
  * ---------------------------------------------------------------------------------------------------------- */
@@ -273,6 +286,21 @@ MnsStatus mns_client_capabilities(MnsClient *client, MnsReply **ret_reply, MnsEr
  *  with none of the three is removed. @param breakpoint  see MnsBreakpoint. */
 MnsStatus mns_client_breakpoint(MnsClient *client, const MnsBreakpoint *breakpoint, MnsReply **ret_reply,
                                 MnsError *error);
+
+/** Go back to the case as it was at a version, which makes one more: the last 256 are kept, and none from before a load, reset or
+ *  restore. @return MNS_E_NOT_FOUND if it is not kept. */
+MnsStatus mns_client_rollback(MnsClient *client, uint64_t version, MnsReply **ret_reply, MnsError *error);
+
+/** Take the lease, or renew the one that this client sends: until it is over nobody else can change the run, but for pause, stop and
+ *  shutdown. All later commands of this client come under it.
+ *  @param seconds  for which it lives, 0.1 to 86400
+ *  @param holder   what others are told, at most 63 bytes
+ *  @return MNS_E_HELD if another has it, MNS_E_EXPIRED if it was over before it could be renewed. */
+MnsStatus mns_client_lease(MnsClient *client, double seconds, const char *holder, MnsReply **ret_reply,
+                           MnsError *error);
+
+/** Give the lease back. */
+MnsStatus mns_client_release(MnsClient *client, MnsReply **ret_reply, MnsError *error);
 
 /** End a pending step, run_until or wait; it returns MNS_E_INTERRUPTED to who asked. @param id  of that request. */
 MnsStatus mns_client_cancel(MnsClient *client, const uint8_t id[MNS_REQUEST_ID_SIZE], MnsReply **ret_reply,

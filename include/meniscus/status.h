@@ -22,6 +22,8 @@ typedef enum MnsStatus {
     MNS_E_UNAVAILABLE, /* nobody answers                                                            */
     MNS_E_TIMEOUT,     /* not done in time                                                          */
     MNS_E_INTERRUPTED, /* stopped by a signal or a request                                          */
+    MNS_E_HELD,        /* somebody else holds the lease                                             */
+    MNS_E_EXPIRED,     /* the lease it was sent under is over                                       */
     MNS_E_INTERNAL     /* a defect of this program                                                  */
 } MnsStatus;
 

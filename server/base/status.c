@@ -21,6 +21,8 @@ const char *mns_status_name(MnsStatus status)
         [MNS_E_UNAVAILABLE] = "unavailable",
         [MNS_E_TIMEOUT] = "timed out",
         [MNS_E_INTERRUPTED] = "interrupted",
+        [MNS_E_HELD] = "held",
+        [MNS_E_EXPIRED] = "expired",
         [MNS_E_INTERNAL] = "internal error",
     };
     const unsigned k = (unsigned)status;
@@ -43,6 +45,8 @@ const char *mns_status_hint(MnsStatus status)
         [MNS_E_UNAVAILABLE] = "see which daemons there are with `meniscus ls`, or start one with `meniscusd`",
         [MNS_E_TIMEOUT] = "allow more time, or see with `meniscus status` how far it is",
         [MNS_E_INTERRUPTED] = "ended on request: see `meniscus status`, and give it again if it is still wanted",
+        [MNS_E_HELD] = "wait until it is given back, or only watch; pause, stop and shutdown are always possible",
+        [MNS_E_EXPIRED] = "see with `meniscus status` who holds the lease now, and take a new one with `meniscus lease`",
         [MNS_E_INTERNAL] = "please report this with the command and the log",
     };
     const unsigned k = (unsigned)status;

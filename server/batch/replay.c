@@ -221,6 +221,7 @@ static MnsStatus command_again(Replay *replay, const Record *record, MnsError *e
     const Meniscus__Request *request = record->request;
     switch (request->command_case) {
     case MENISCUS__REQUEST__COMMAND_SET: return set_again(replay, request->set, error);
+    case MENISCUS__REQUEST__COMMAND_ROLLBACK: return adopt(replay, record->case_, error);
     case MENISCUS__REQUEST__COMMAND_STEP:
     case MENISCUS__REQUEST__COMMAND_RUN_UNTIL: replay->limit = INFINITY; return MNS_OK;
     default: return MNS_OK; /* what it did is where the next record begins */
@@ -245,7 +246,7 @@ static MnsStatus begin_again(Replay *replay, const HistoryRecord *at, MnsError *
 static MnsStatus do_again(Replay *replay, const HistoryRecord *at, MnsError *error)
 {
     const Record *record = at->message;
-    if (history_done_well(record) && record->case_) return begin_again(replay, at, error);
+    if (history_begins(record)) return begin_again(replay, at, error);
     if (!replay->sim)
         return differs(at, error, "the journal does not begin with a load, so there is nothing to replay");
     const MnsStatus status = advance(replay, at, error);
@@ -262,7 +263,7 @@ static size_t first_of(const History *history)
 {
     for (size_t k = history->n; k-- > 0;) {
         const Record *record = history->records[k].message;
-        if (history_done_well(record) && record->case_ && !history_goes_back(record) &&
+        if (history_begins(record) && !history_goes_back(record) &&
             record->request->command_case == MENISCUS__REQUEST__COMMAND_LOAD)
             return k;
     }

@@ -69,7 +69,7 @@ Meniscus__Request *comeback_rest(const Comeback *comeback)
 {
     if (!comeback->lineage.begun) return NULL;
     Meniscus__Request begun = *comeback->lineage.begun;
-    begun.has_if_step = false; /* it was met when it set out */
+    begun.has_if_step = begun.has_if_version = begun.has_lease_epoch = false; /* they were met when it set out */
     return copy_of(&begun);
 }
 

@@ -164,7 +164,8 @@ static void post_recovery(Daemon *daemon)
     log_line(LOG_NOTICE, "going on with %s, which was not ended", daemon->comeback.directory);
     daemon->recovery = post(daemon, &request, &daemon->comeback.lineage);
     Meniscus__Request *resume = daemon->recovery ? comeback_resume(&daemon->comeback) : NULL;
-    if (resume) post(daemon, resume, NULL); /* now, so that a pause that comes meanwhile calls it off */
+    if (resume)
+        post(daemon, resume, &daemon->comeback.lineage); /* now, so that a pause that comes meanwhile calls it off */
     request_free(resume);
     if (daemon->recovery && daemon->options->start && daemon->comeback.lineage.untouched) post_start(daemon);
     Meniscus__Request *rest = daemon->recovery ? comeback_rest(&daemon->comeback) : NULL;

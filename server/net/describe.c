@@ -2,6 +2,7 @@
 /* What a daemon says of itself. */
 #include "net/describe.h"
 
+#include "base/clock.h"
 #include "net/publish.h"
 #include "proto/case_file.h"
 #include <math.h>
@@ -94,6 +95,13 @@ static void add_numbers(Meniscus__Status *message, const RunStatus *status)
     set_number(status->eta, &message->has_eta_s, &message->eta_s);
     set_number(status->wall, &message->has_wall_s, &message->wall_s);
     set_number(status->age, &message->has_age_s, &message->age_s);
+    const double left = status->lease.until - clock_now();
+    if (status->lease.epoch && left > 0) {
+        message->lease_holder = strdup(status->lease.holder);
+        set_number(left, &message->has_lease_s, &message->lease_s);
+    }
+    message->has_case_version = status->version > 0;
+    message->case_version = status->version;
 }
 
 Meniscus__Status *describe_status(const RunStatus *status)

@@ -116,6 +116,8 @@ void exchange_seal(Exchange *exchange)
     reply->state = (Meniscus__State)order->state;
     reply->step = order->step;
     reply->time = order->t;
+    reply->has_case_version = order->version > 0;
+    reply->case_version = order->version;
     reply->has_effect_step = !order->status && exchange->at_step;
     reply->effect_step = order->effect_step;
 }

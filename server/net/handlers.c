@@ -230,6 +230,22 @@ static void serve_set(Run *run, Exchange *x)
     else run_set(run, &x->order, set->n_assignments, paths, values);
 }
 
+static void serve_rollback(Run *run, Exchange *x)
+{
+    const Meniscus__Rollback *rollback = x->request->rollback;
+    run_rollback(run, &x->order, rollback->has_version ? rollback->version : 0);
+}
+
+static void serve_lease(Run *run, Exchange *x)
+{
+    const Meniscus__Lease *lease = x->request->lease;
+    const LeaseWish wish = {.epoch = x->order.lease_epoch,
+                            .ttl_ms = lease->has_ttl_ms ? lease->ttl_ms : 0,
+                            .release = lease->has_release && lease->release,
+                            .holder = lease->holder};
+    run_lease(run, &x->order, &wish);
+}
+
 static void serve_query(Run *run, Exchange *x)
 {
     const Meniscus__Query *query = x->request->query;
@@ -323,6 +339,22 @@ static MnsStatus complete_directory(Exchange *x, MnsError *error)
     return complete_file(x, error);
 }
 
+static MnsStatus complete_lease(Exchange *x, MnsError *error)
+{
+    const Lease *lease = &x->order.lease;
+    if (!lease->epoch) return MNS_OK; /* given back */
+    Meniscus__LeaseGrant *grant = malloc(sizeof *grant);
+    if (!grant) return mns_fail(error, MNS_E_MEMORY, "no memory for the reply");
+    meniscus__lease_grant__init(grant);
+    grant->has_epoch = grant->has_ttl_ms = true;
+    grant->epoch = lease->epoch;
+    grant->ttl_ms = lease->ttl_ms;
+    grant->holder = strdup(lease->holder);
+    x->reply->result_case = MENISCUS__REPLY__RESULT_LEASE;
+    x->reply->lease = grant;
+    return MNS_OK;
+}
+
 static MnsStatus complete_wait(Exchange *x, MnsError *error)
 {
     const Meniscus__Wait *wait = x->request->wait;
@@ -364,23 +396,25 @@ static const Handler handlers[] = {
     [REQUEST(STATUS)]       = { "status",       HERE,    ANY,                      0,                              serve_status,       NULL               },
     [REQUEST(CAPABILITIES)] = { "capabilities", HERE,    ANY,                      0,                              serve_capabilities, NULL               },
     [REQUEST(GET)]          = { "get",          HERE,    ANY,                      0,                              serve_get,          NULL               },
-    [REQUEST(LOAD)]         = { "load",         AT_STEP, STILL | EMPTY,            CHANGES,                        serve_load,         complete_directory },
-    [REQUEST(START)]        = { "start",        AT_STEP, READY,                    MOTION | CHANGES,               serve_go,           NULL               },
-    [REQUEST(RESUME)]       = { "resume",       AT_STEP, PAUSED | FAULT,           MOTION | CHANGES,               serve_go,           NULL               },
-    [REQUEST(STEP)]         = { "step",         AT_STEP, READY | PAUSED,           MOTION | CHANGES,               serve_step,         NULL               },
-    [REQUEST(RUN_UNTIL)]    = { "run_until",    AT_STEP, READY | PAUSED,           MOTION | CHANGES,               serve_until,        NULL               },
+    [REQUEST(LOAD)]         = { "load",         AT_STEP, STILL | EMPTY,            CHANGES | LEASED,               serve_load,         complete_directory },
+    [REQUEST(START)]        = { "start",        AT_STEP, READY,                    MOTION | CHANGES | LEASED,      serve_go,           NULL               },
+    [REQUEST(RESUME)]       = { "resume",       AT_STEP, PAUSED | FAULT,           MOTION | CHANGES | LEASED,      serve_go,           NULL               },
+    [REQUEST(STEP)]         = { "step",         AT_STEP, READY | PAUSED,           MOTION | CHANGES | LEASED,      serve_step,         NULL               },
+    [REQUEST(RUN_UNTIL)]    = { "run_until",    AT_STEP, READY | PAUSED,           MOTION | CHANGES | LEASED,      serve_until,        NULL               },
     [REQUEST(PAUSE)]        = { "pause",        AT_STEP, RUNNING | READY | PAUSED, URGENT | CHANGES,               serve_pause,        NULL               },
     [REQUEST(STOP)]         = { "stop",         AT_STEP, LOADED | RECOVERING,      URGENT | ENDS | CHANGES,        serve_stop,         complete_directory },
     [REQUEST(CANCEL)]       = { "cancel",       AT_STEP, ANY,                      URGENT | ENDS,                  serve_cancel,       NULL               },
     [REQUEST(SHUTDOWN)]     = { "shutdown",     AT_STEP, ANY,                      URGENT | ENDS | LAST | CHANGES, serve_shutdown,     complete_directory },
-    [REQUEST(RESET)]        = { "reset",        AT_STEP, STILL,                    CHANGES,                        serve_reset,        complete_directory },
-    [REQUEST(RESTORE)]      = { "restore",      AT_STEP, STILL,                    CHANGES,                        serve_restore,      complete_directory },
+    [REQUEST(RESET)]        = { "reset",        AT_STEP, STILL,                    CHANGES | LEASED,               serve_reset,        complete_directory },
+    [REQUEST(RESTORE)]      = { "restore",      AT_STEP, STILL,                    CHANGES | LEASED,               serve_restore,      complete_directory },
     [REQUEST(CHECKPOINT)]   = { "checkpoint",   AT_STEP, LOADED,                   0,                              serve_checkpoint,   complete_file      },
     [REQUEST(SNAPSHOT)]     = { "snapshot",     AT_STEP, LOADED,                   0,                              serve_snapshot,     complete_file      },
-    [REQUEST(SET)]          = { "set",          AT_STEP, LOADED,                   CHANGES,                        serve_set,          complete_set       },
+    [REQUEST(SET)]          = { "set",          AT_STEP, LOADED,                   CHANGES | LEASED,               serve_set,          complete_set       },
+    [REQUEST(ROLLBACK)]     = { "rollback",     AT_STEP, LOADED,                   CHANGES | LEASED,               serve_rollback,     NULL               },
+    [REQUEST(LEASE)]        = { "lease",        AT_STEP, ANY,                      CHANGES,                        serve_lease,        complete_lease     },
     [REQUEST(QUERY)]        = { "query",        AT_STEP, LOADED,                   LARGE,                          serve_query,        NULL               },
     [REQUEST(WAIT)]         = { "wait",         AT_STEP, ANY,                      0,                              serve_wait,         complete_wait      },
-    [REQUEST(BREAKPOINT)]   = { "breakpoint",   AT_STEP, LOADED,                   CHANGES,                        serve_breakpoint,   NULL               },
+    [REQUEST(BREAKPOINT)]   = { "breakpoint",   AT_STEP, LOADED,                   CHANGES | LEASED,               serve_breakpoint,   NULL               },
 };
 /* clang-format on */
 
@@ -456,13 +490,19 @@ MnsStatus handle(Run *run, Exchange *exchange, MnsError *error)
 {
     const Handler *handler = handler_find(exchange->request->command_case);
     if (!handler) return mns_fail(error, MNS_E_VERSION, "this daemon does not know the command");
-    if (handler->where == HERE && exchange->request->has_if_step)
-        return mns_fail_at(error, MNS_E_INVALID, "if_step",
-                           "%s takes no if_step: it is answered at whatever step the run is, and says at which",
-                           handler->name);
+    const Meniscus__Request *request = exchange->request;
+    if (handler->where == HERE && (request->has_if_step || request->has_if_version)) {
+        const char *which = request->has_if_step ? "if_step" : "if_version";
+        return mns_fail_at(error, MNS_E_INVALID, which,
+                           "%s takes no %s: it is answered at whatever step the run is, and says at which",
+                           handler->name, which);
+    }
     exchange->handler = handler;
     exchange->order.conditional = exchange->request->has_if_step;
     exchange->order.if_step = exchange->request->if_step;
+    exchange->order.if_version = request->has_if_version ? request->if_version : 0;
+    exchange->order.lease_epoch = request->has_lease_epoch ? request->lease_epoch : 0;
+    exchange->order.leased = handler->traits & LEASED;
     exchange->order.urgent = handler->traits & URGENT;
     exchange->order.motion = handler->traits & MOTION;
     exchange->order.serve = serve_at_step;

@@ -12,12 +12,13 @@ typedef enum Where {
 
 /* What else there is to know of a command. */
 typedef enum Trait {
-    URGENT = 1 << 0, /* overtakes all that is queued                             */
-    MOTION = 1 << 1, /* sets the run in motion; a later pause calls it off       */
-    LARGE = 1 << 2,  /* its reply may be: not while clients leave much unread    */
-    LAST = 1 << 3,   /* the daemon leaves after it                               */
-    ENDS = 1 << 4,   /* gives up what is being loaded; a cancel, what it names   */
-    CHANGES = 1 << 5 /* something: the journal has it before its reply leaves    */
+    URGENT = 1 << 0,  /* overtakes all that is queued                             */
+    MOTION = 1 << 1,  /* sets the run in motion; a later pause calls it off       */
+    LARGE = 1 << 2,   /* its reply may be: not while clients leave much unread    */
+    LAST = 1 << 3,    /* the daemon leaves after it                               */
+    ENDS = 1 << 4,    /* gives up what is being loaded; a cancel, what it names   */
+    CHANGES = 1 << 5, /* something: the journal has it before its reply leaves   */
+    LEASED = 1 << 6   /* refused while somebody else holds the lease             */
 } Trait;
 
 typedef struct Handler {

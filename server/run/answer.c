@@ -19,6 +19,7 @@ static void fill(Run *run, Order *order, MnsStatus status, const MnsError *error
     pthread_mutex_lock(&run->lock);
     order->state = run->status.state;
     order->step = run->status.progress.step;
+    order->version = run->status.version;
     order->t = run->status.progress.t;
     pthread_mutex_unlock(&run->lock);
 }

@@ -182,6 +182,9 @@ static Meniscus__Again **list_again(const Lineage *lineage, uint64_t step, size_
         items[n].step = entry->step > step ? entry->step : step;
         items[n].request = (Meniscus__Request *)entry->request;
         items[n].adopted = (Meniscus__Case *)entry->adopted;
+        items[n].has_case_version = entry->version > 0;
+        items[n].case_version = entry->version;
+        items[n].has_anew = items[n].anew = entry->anew;
         list[n] = &items[n];
         n++;
     }
@@ -211,7 +214,10 @@ static void note_done(Run *run, Order *order)
     record.n_changes = changes.n;
     record.changes = changes.list;
     const bool anew = begins_anew(order), comeback = anew && order->lineage;
-    if (anew) record.case_ = run->document->message;
+    if (anew || order->request->command_case == MENISCUS__REQUEST__COMMAND_ROLLBACK)
+        record.case_ = run->document->message;
+    record.has_case_version = run->versions.number > 0;
+    record.case_version = run->versions.number;
     record.has_comeback = record.comeback = comeback || leaves_on_the_way(run, order);
     if (comeback) record.again = list_again(order->lineage, order->effect_step, &record.n_again);
     record.reply = order->seal ? (Meniscus__Reply *)order->seal(order) : NULL;

@@ -47,9 +47,15 @@ bool history_done_well(const Meniscus__JournalRecord *record)
            (!record->reply || record->reply->code == MENISCUS__CODE__OK);
 }
 
+bool history_begins(const Meniscus__JournalRecord *record)
+{
+    return history_done_well(record) && record->case_ &&
+           record->request->command_case != MENISCUS__REQUEST__COMMAND_ROLLBACK;
+}
+
 bool history_goes_back(const Meniscus__JournalRecord *record)
 {
-    if (!history_done_well(record) || !record->case_) return false;
+    if (!history_begins(record)) return false;
     if (record->request->command_case == MENISCUS__REQUEST__COMMAND_RESTORE) return true;
     return record->request->command_case == MENISCUS__REQUEST__COMMAND_LOAD && record->request->load->resume &&
            record->step > 0;

@@ -26,6 +26,9 @@ void history_done(History *history);
 /* What a record tells was done, and not refused or broken off; false also of hashes. */
 bool history_done_well(const Meniscus__JournalRecord *record);
 
+/* Is what comes after it of the case that it has: is it a load, reset or restore that was done? */
+bool history_begins(const Meniscus__JournalRecord *record);
+
 /* Does it lead back to a checkpoint, and not to the beginning? */
 bool history_goes_back(const Meniscus__JournalRecord *record);
 

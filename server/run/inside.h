@@ -9,6 +9,7 @@
 #include "run/meter.h"
 #include "run/outputs.h"
 #include "run/run.h"
+#include "run/versions.h"
 #include <stdio.h>
 
 /* What a step or run_until is after; on while it is. */
@@ -47,6 +48,8 @@ struct Run {
     MnsError fault;
     MnsSim *sim; /* NULL without a case, as are the two documents */
     Document *document;
+    Versions versions;
+    Lease lease;
     Document *original; /* the case as it was loaded, before anybody steered */
     int directory_lock; /* -1 without a run                                  */
     Breakpoints *breakpoints;
@@ -151,5 +154,8 @@ MnsStatus run_step_once(Run *run, double limit, bool *ret_output, MnsError *erro
 MnsStatus run_set_again(Run *run, const Meniscus__Set *set, MnsError *error);
 MnsStatus run_adopt_again(Run *run, const Meniscus__Case *message, MnsError *error);
 MnsStatus run_breakpoint_again(Run *run, const Meniscus__SetBreakpoint *request, MnsError *error);
+
+/* All versions of the case that a lineage tells of. */
+MnsStatus run_remember(Run *run, const Lineage *lineage, MnsError *error);
 
 #endif

@@ -8,13 +8,12 @@
 
 typedef Meniscus__JournalRecord Record;
 
-static MnsStatus add(Lineage *lineage, uint64_t step, const Meniscus__Request *request, const Meniscus__Case *adopted,
-                     MnsError *error)
+static MnsStatus add(Lineage *lineage, LineageEntry entry, MnsError *error)
 {
     LineageEntry *entries = reallocarray(lineage->entries, lineage->n + 1, sizeof *entries);
     if (!entries) return mns_fail(error, MNS_E_MEMORY, "no memory for the journal");
     lineage->entries = entries;
-    entries[lineage->n++] = (LineageEntry){step, request, adopted};
+    entries[lineage->n++] = entry;
     return MNS_OK;
 }
 
@@ -47,14 +46,28 @@ static MnsStatus begin_anew(Lineage *lineage, const Record *record, MnsError *er
 {
     const bool back = history_goes_back(record);
     cut(lineage, back ? record->step : 0);
+    if (!back) lineage->first_version = record->case_version;
     if (!back && record->request->command_case == MENISCUS__REQUEST__COMMAND_LOAD) {
         lineage->name = record->request->load->name;
         lineage->original = record->case_;
     }
-    MnsStatus status = back ? add(lineage, record->step, NULL, NULL, error) : MNS_OK;
-    if (back && !status) status = add(lineage, record->step, NULL, record->case_, error);
-    for (size_t k = 0; !status && k < record->n_again; k++)
-        status = add(lineage, record->again[k]->step, record->again[k]->request, record->again[k]->adopted, error);
+    /* A checkpoint that a crash has led back to is no version: what follows makes the case as it was. */
+    const LineageEntry adopted = {.step = record->step,
+                                  .adopted = record->case_,
+                                  .version = record->comeback ? 0 : record->case_version,
+                                  .anew = true};
+    MnsStatus status = back ? add(lineage, (LineageEntry){.step = record->step}, error) : MNS_OK;
+    if (back && !status) status = add(lineage, adopted, error);
+    for (size_t k = 0; !status && k < record->n_again; k++) {
+        const Meniscus__Again *again = record->again[k];
+        status = add(lineage,
+                     (LineageEntry){.step = again->step,
+                                    .request = again->request,
+                                    .adopted = again->adopted,
+                                    .version = again->case_version,
+                                    .anew = again->anew},
+                     error);
+    }
     return status;
 }
 
@@ -64,10 +77,21 @@ static bool is_motion(const Meniscus__Request *request)
            request->command_case == MENISCUS__REQUEST__COMMAND_RUN_UNTIL;
 }
 
+static void take_lease(Lineage *lineage, const Record *record)
+{
+    const Meniscus__LeaseGrant *grant = record->reply ? record->reply->lease : NULL;
+    if (record->request->lease->release) lineage->lease_until_us = 0;
+    if (!grant) return;
+    lineage->lease_epoch = grant->epoch;
+    lineage->lease_holder = grant->holder;
+    lineage->lease_until_us = record->wall_us + 1000 * grant->ttl_ms;
+}
+
 /* A command that was done, or a step or run_until that ended, well or not. */
 static MnsStatus take_command(Lineage *lineage, const Record *record, MnsError *error)
 {
     const Meniscus__Request *request = record->request;
+    LineageEntry entry = {.step = record->step, .request = request};
     lineage->state = record->reply ? (RunState)record->reply->state : RUN_PAUSED;
     if (lineage->state == RUN_RECOVERING)
         lineage->state = RUN_PAUSED; /* what was under way was called off before the run was back */
@@ -76,13 +100,17 @@ static MnsStatus take_command(Lineage *lineage, const Record *record, MnsError *
     switch (request->command_case) {
     case MENISCUS__REQUEST__COMMAND_STOP:
     case MENISCUS__REQUEST__COMMAND_SHUTDOWN: lineage->ended = true; return MNS_OK;
-    case MENISCUS__REQUEST__COMMAND_SET:
-    case MENISCUS__REQUEST__COMMAND_BREAKPOINT: return add(lineage, record->step, request, NULL, error);
+    case MENISCUS__REQUEST__COMMAND_SET: entry.version = record->case_version; return add(lineage, entry, error);
+    case MENISCUS__REQUEST__COMMAND_BREAKPOINT: return add(lineage, entry, error);
+    case MENISCUS__REQUEST__COMMAND_ROLLBACK:
+        entry = (LineageEntry){.step = record->step, .adopted = record->case_, .version = record->case_version};
+        return add(lineage, entry, error);
+    case MENISCUS__REQUEST__COMMAND_LEASE: take_lease(lineage, record); return MNS_OK;
     default: break;
     }
     if (!is_motion(request)) return MNS_OK;
     lineage->begun = NULL;
-    return add(lineage, record->step, NULL, NULL, error); /* its limit is gone */
+    return add(lineage, (LineageEntry){.step = record->step}, error); /* its limit is gone */
 }
 
 /* A load after a crash: the run is where it was only when all is done again, and another crash may come before that. */
@@ -96,6 +124,7 @@ static MnsStatus take_comeback(Lineage *lineage, const Record *record, MnsError 
     lineage->begun_step = before.begun_step;
     lineage->name = before.name;
     lineage->original = before.original;
+    lineage->first_version = before.first_version;
     return status;
 }
 
@@ -107,11 +136,11 @@ static MnsStatus take(Lineage *lineage, const Record *record, MnsError *error)
         lineage->state = RUN_RUNNING;
         lineage->step = record->step;
         lineage->untouched = false;
-        return add(lineage, record->step, record->request, NULL, error);
+        return add(lineage, (LineageEntry){.step = record->step, .request = record->request}, error);
     }
     if (record->kind != MENISCUS__JOURNAL_RECORD__KIND__COMMAND || !record->request) return MNS_OK;
     if (record->comeback && !record->case_) return MNS_OK; /* a shutdown on the way back */
-    if (!history_done_well(record) || !record->case_) return take_command(lineage, record, error);
+    if (!history_begins(record)) return take_command(lineage, record, error);
     if (record->comeback) return take_comeback(lineage, record, error);
     lineage->ended = false;
     lineage->untouched = record->request->command_case == MENISCUS__REQUEST__COMMAND_LOAD && record->who &&

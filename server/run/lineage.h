@@ -7,11 +7,13 @@
 #include "run/history.h"
 #include "run/state.h"
 
-/* At a step: a command, or a case that was adopted with a restore. */
+/* At a step: a command, or a case that was adopted with a restore or a rollback. */
 typedef struct LineageEntry {
     uint64_t step;
     const Meniscus__Request *request;
     const Meniscus__Case *adopted;
+    uint64_t version; /* of the case that it led to; 0: to none                       */
+    bool anew;        /* that none before it can be gone back to from                */
 } LineageEntry;
 
 /* All borrowed from the history but `entries`. */
@@ -19,6 +21,7 @@ typedef struct Lineage {
     const char *directory;          /* of the run; the caller's                                           */
     const char *name;               /* of the case                                                        */
     const Meniscus__Case *original; /* as it was loaded                                                   */
+    uint64_t first_version;         /* of the original                                                    */
     size_t n;
     LineageEntry *entries;          /* [n], by rising steps                                               */
     bool ended;                     /* by a stop or a shutdown: there is nothing to come back to          */
@@ -27,6 +30,9 @@ typedef struct Lineage {
     uint64_t step;                  /* the same: it was there, or beyond if it was RUNNING                */
     const Meniscus__Request *begun; /* a step or run_until that was under way; or NULL                     */
     uint64_t begun_step;
+    uint64_t lease_epoch; /* of the last lease; 0: none                                         */
+    const char *lease_holder;
+    uint64_t lease_until_us; /* on the wall clock                                                  */
 } Lineage;
 
 /* MNS_OK; MNS_E_STATE: there is no load, or it has ended; MNS_E_MEMORY. Free it with lineage_done() in any case. */

@@ -148,6 +148,7 @@ static void forget_run(Run *run)
 {
     document_leave(run->original);
     run->original = NULL;
+    versions_done(&run->versions);
     journal_free(run->journal);
     run->journal = NULL;
     if (run->directory_lock >= 0) close(run->directory_lock);
@@ -192,6 +193,7 @@ static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
         run->journal = candidate->journal;
         run->current_due = run->options.parent != NULL;
     }
+    versions_begin(&run->versions, candidate->original ? 1 : run->versions.number + 1, run->document);
     run->meter = (Meter){.stepping = 0};
     run->loaded = clock_now();
     run_count_phases(run);

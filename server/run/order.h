@@ -5,6 +5,7 @@
 #define RUN_ORDER_H
 
 #include "meniscus.pb-c.h"
+#include "run/lease.h"
 #include "run/note.h"
 
 struct Run;
@@ -41,7 +42,10 @@ typedef struct Order {
     uint8_t ends_id[ORDER_ID];
     bool conditional; /* refused unless the run is at if_step                                */
     uint64_t if_step;
-    double deadline; /* [s] of clock_now(); INFINITY: none                                   */
+    uint64_t if_version;  /* refused unless the case is at it; 0: at whichever                */
+    uint64_t lease_epoch; /* that it came with; 0: none                                      */
+    bool leased;          /* refused while somebody else holds the lease                     */
+    double deadline;      /* [s] of clock_now(); INFINITY: none                                   */
 
     /* Called on the runner's thread. Must lead to one run_answer(), at once or later. */
     void (*serve)(struct Run *run, struct Order *order);
@@ -51,6 +55,8 @@ typedef struct Order {
     MnsError error; /* if status is not MNS_OK                                              */
     RunState state; /* after the effect                                                     */
     uint64_t step, effect_step;
+    uint64_t version;   /* of the case; 0 without one */
+    Lease lease;        /* that was given or renewed; none of epoch 0 */
     double t, effect_t; /* [s]                                                                  */
     char path[4096];    /* of the file written, or the run directory; empty if there is none    */
     Document *document; /* a share of the case after a change of it; NULL if there was none     */

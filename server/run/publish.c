@@ -74,6 +74,8 @@ static void fill_case(const Run *run, RunStatus *status)
     snprintf(status->title, sizeof status->title, "%s", c->title);
     memcpy(status->directory, run->outputs.directory, sizeof status->directory);
     status->end_time = c->end_time;
+    status->version =
+        run->state == RUN_RECOVERING ? 0 : run->versions.number; /* it is not known before all is done again */
     status->threads = (unsigned)mns_sim_threads(run->sim);
     status->particles = mns_sim_particles(run->sim);
     status->fluid_particles = mns_sim_fluid_particles(run->sim);
@@ -119,6 +121,7 @@ void run_publish(Run *run)
     fill_hash(run, status);
     if (run->state == RUN_FAULT) status->fault = run->fault;
     if (run->sim) fill_case(run, status);
+    status->lease = run->lease;
     document_leave(run->published);
     run->published = document_share(run->document);
     pthread_mutex_unlock(&run->lock);

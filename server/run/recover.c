@@ -3,9 +3,12 @@
  * which it was. Between two steps the runner serves who may not be kept waiting, see run.c; all others wait in the mailbox. */
 #include "run/inside.h"
 
+#include "base/clock.h"
 #include "base/log.h"
 #include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
+#include <time.h>
 
 /* A breakpoint that has been passed, or was gone when it was removed, changes nothing now. */
 static MnsStatus do_again(Run *run, const LineageEntry *entry, double *limit, MnsError *error)
@@ -52,9 +55,27 @@ static void fail(Run *run, const MnsError *error, bool output)
     run_fault(run, error, output);
 }
 
+/* It lives on by the wall clock, the only one that a crash leaves. */
+static void restore_lease(Run *run, const Lineage *lineage)
+{
+    struct timespec wall;
+    clock_gettime(CLOCK_REALTIME, &wall);
+    const double now = (double)wall.tv_sec + 1e-9 * (double)wall.tv_nsec,
+                 until = 1e-6 * (double)lineage->lease_until_us;
+    run->lease = (Lease){.epoch = lineage->lease_epoch, .until = clock_now() + (until - now)};
+    if (lineage->lease_holder) snprintf(run->lease.holder, sizeof run->lease.holder, "%s", lineage->lease_holder);
+}
+
 static void arrive(Run *run)
 {
-    const RunState state = run->recovery.lineage->state;
+    MnsError error;
+    const Lineage *lineage = run->recovery.lineage;
+    const RunState state = lineage->state;
+    if (run_remember(run, lineage, &error)) {
+        fail(run, &error, false);
+        return;
+    }
+    restore_lease(run, lineage);
     run->recovery.lineage = NULL;
     run_hash(run);
     run_enter(run, state == RUN_READY ? RUN_READY : RUN_PAUSED, "back where it was");

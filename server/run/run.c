@@ -18,6 +18,13 @@ static MnsStatus check_moment(const Run *run, const Order *order, uint64_t step,
     if (order->deadline < clock_now())
         return mns_fail(error, MNS_E_TIMEOUT,
                         "the deadline passed before the command could take effect; nothing was done");
+    const MnsStatus status =
+        order->leased && !order->lineage ? lease_admits(&run->lease, order->lease_epoch, clock_now(), error) : MNS_OK;
+    if (status) return status;
+    if (order->if_version && order->if_version != run->versions.number)
+        return mns_fail_at(error, MNS_E_STATE, "if_version",
+                           "the case is at version %" PRIu64 ", not %" PRIu64 "; nothing was done",
+                           run->versions.number, order->if_version);
     if (!order->conditional || (run->sim && order->if_step == step)) return MNS_OK;
     if (!run->sim)
         return mns_fail_at(error, MNS_E_STATE, "if_step",
@@ -111,6 +118,7 @@ static void destroy(Run *run)
     journal_free(run->journal);
     breakpoints_free(run->breakpoints);
     document_leave(run->published);
+    versions_done(&run->versions);
     mailbox_done(&run->mailbox);
     outbox_done(&run->outbox);
     pthread_mutex_destroy(&run->lock);

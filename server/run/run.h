@@ -7,6 +7,7 @@
 #include "run/breakpoint.h"
 #include "run/document.h"
 #include "run/figures.h"
+#include "run/lease.h"
 #include "run/lineage.h"
 #include "run/outbox.h"
 #include "run/rundir.h"
@@ -36,6 +37,8 @@ typedef struct RunStatus {
     double steps_per_second, ns_per_particle_step, eta; /* [1/s], [ns], [s]; NAN: not known */
     double stepping, wall;                              /* wall-clock time in steps, and while RUNNING [s] */
     double age;                                         /* wall-clock time since the case was loaded, pauses too [s] */
+    uint64_t version;                                   /* of the case; 0 without one                          */
+    Lease lease;                                        /* the last one: it may be over by now                 */
     uint64_t samples_dropped;                           /* live ones that nobody fetched in time */
     uint64_t hash;                                      /* of the state, when it stands still with a case; else 0 */
     bool hash_due;                                      /* it stands still, and is known before the next order    */
@@ -119,6 +122,12 @@ void run_snapshot(Run *run, Order *order, size_t n, char *const *fields);
 
 /* Change n entries of the case, or none. The answer has a share of the changed case, which is the order's owner's. */
 void run_set(Run *run, Order *order, size_t n, const char *const *paths, const char *const *values);
+
+/* Back to the case as it was at a version, which makes one more. The answer is as that of a set. */
+void run_rollback(Run *run, Order *order, uint64_t version);
+
+/* Give a lease, renew it or end it. */
+void run_lease(Run *run, Order *order, const LeaseWish *wish);
 
 /* Set a breakpoint, or remove that of its name. */
 void run_breakpoint(Run *run, Order *order, const Meniscus__SetBreakpoint *request);

@@ -2,12 +2,14 @@
 /* Changes of a run under way: entries of its case, breakpoints, outputs on demand. */
 #include "run/inside.h"
 
+#include "base/clock.h"
 #include "base/log.h"
 #include "proto/case_file.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 /* Message with all assignments made, one after the other. */
 static MnsStatus assign(const Meniscus__Case *old, size_t n, const char *const *paths, const char *const *values,
@@ -25,22 +27,26 @@ static MnsStatus assign(const Meniscus__Case *old, size_t n, const char *const *
     return last ? MNS_OK : mns_fail(error, MNS_E_INVALID, "there is nothing to set: give at least one path=value");
 }
 
-/* The document of the changed case, if the run may change to it now. */
-static MnsStatus changed(const Run *run, size_t n, const char *const *paths, const char *const *values, Document **ret,
-                         MnsError *error)
+/* Nothing is asked to end in the past. */
+static MnsStatus check_end(const Run *run, const Document *document, MnsError *error)
 {
-    Meniscus__Case *message;
-    MnsStatus status = assign(run->document->message, n, paths, values, &message, error);
-    if (status) return status;
-    status = case_message_steerable(run->document->message, message, error);
-    if (!status) status = document_new(message, run->document->name, ret, error);
-    meniscus__case__free_unpacked(message, NULL);
-    if (status) return status;
-    const double t = mns_sim_progress(run->sim).t, end = (*ret)->c->end_time;
+    const double t = mns_sim_progress(run->sim).t, end = document->c->end_time;
     if (end >= t) return MNS_OK;
-    document_leave(*ret);
     return mns_fail_at(error, MNS_E_INVALID, "end_time",
                        "the end time must not lie before the present time, %.9g s; found %.9g", t, end);
+}
+
+/* The document of the changed case, if a run may change to it. */
+static MnsStatus changed(const Document *old, size_t n, const char *const *paths, const char *const *values,
+                         Document **ret, MnsError *error)
+{
+    Meniscus__Case *message;
+    MnsStatus status = assign(old->message, n, paths, values, &message, error);
+    if (status) return status;
+    status = case_message_steerable(old->message, message, error);
+    if (!status) status = document_new(message, old->name, ret, error);
+    meniscus__case__free_unpacked(message, NULL);
+    return status;
 }
 
 static void tell_changes(Run *run, size_t n, const char *const *paths, const char *const *values)
@@ -55,7 +61,8 @@ static void tell_changes(Run *run, size_t n, const char *const *paths, const cha
 /* Go over to a document, which is taken over. ret_before: the one until now, to be left; may be NULL. */
 static MnsStatus adopt(Run *run, Document *document, Document **ret_before, MnsError *error)
 {
-    const MnsStatus status = mns_sim_steer(run->sim, document->c, error);
+    MnsStatus status = check_end(run, document, error);
+    if (!status) status = mns_sim_steer(run->sim, document->c, error);
     if (status) {
         document_leave(document);
         return status;
@@ -63,32 +70,56 @@ static MnsStatus adopt(Run *run, Document *document, Document **ret_before, MnsE
     if (ret_before) *ret_before = run->document;
     else document_leave(run->document);
     run->document = document; /* the state is the same, and so is its hash */
+    if (run->state != RUN_RECOVERING) versions_add(&run->versions, document);
     run_publish(run);
     return MNS_OK;
+}
+
+/* Go over to a document, which is taken over. */
+static MnsStatus change(Run *run, Order *order, Document *document, MnsError *error)
+{
+    const MnsStatus status = adopt(run, document, &run->before, error);
+    if (status) return status;
+    order->document = document_share(document);
+    order->threads = (unsigned)mns_sim_threads(run->sim);
+    return MNS_OK;
+}
+
+/* Answer an order that was to change the case. */
+static void answer_change(Run *run, Order *order, MnsStatus status, const MnsError *error)
+{
+    if (!status && run->state == RUN_DONE && mns_sim_progress(run->sim).t < run->document->c->end_time)
+        run_enter(run, RUN_PAUSED, "the end time was moved");
+    run_answer(run, order, status, error);
+    document_leave(run->before);
+    run->before = NULL;
 }
 
 void run_set(Run *run, Order *order, size_t n, const char *const *paths, const char *const *values)
 {
     MnsError error;
     Document *document;
-    MnsStatus status = changed(run, n, paths, values, &document, &error);
-    if (!status) status = adopt(run, document, &run->before, &error);
-    if (!status) {
-        order->document = document_share(document);
-        order->threads = (unsigned)mns_sim_threads(run->sim);
-        tell_changes(run, n, paths, values);
-        if (run->state == RUN_DONE && mns_sim_progress(run->sim).t < document->c->end_time)
-            run_enter(run, RUN_PAUSED, "the end time was moved");
-    }
-    run_answer(run, order, status, &error);
-    document_leave(run->before);
-    run->before = NULL;
+    MnsStatus status = changed(run->document, n, paths, values, &document, &error);
+    if (!status) status = change(run, order, document, &error);
+    if (!status) tell_changes(run, n, paths, values);
+    answer_change(run, order, status, &error);
 }
 
-MnsStatus run_set_again(Run *run, const Meniscus__Set *set, MnsError *error)
+void run_rollback(Run *run, Order *order, uint64_t version)
 {
-    MnsStatus status = MNS_OK;
+    MnsError error;
+    char text[64];
     Document *document;
+    MnsStatus status = versions_find(&run->versions, version, &document, &error);
+    if (!status) status = change(run, order, document_share(document), &error);
+    snprintf(text, sizeof text, "to version %" PRIu64, version);
+    if (!status) run_tell(run, NOTE_EVENT, LOG_INFORMATION, "rollback", text);
+    answer_change(run, order, status, &error);
+}
+
+/* A document as a set leaves it. */
+static MnsStatus after_set(const Document *old, const Meniscus__Set *set, Document **ret, MnsError *error)
+{
     const char **texts = calloc(2 * set->n_assignments + 1, sizeof *texts);
     if (!texts) return mns_fail(error, MNS_E_MEMORY, "no memory for a set of %zu entries", set->n_assignments);
     const char **paths = texts, **values = texts + set->n_assignments;
@@ -96,8 +127,15 @@ MnsStatus run_set_again(Run *run, const Meniscus__Set *set, MnsError *error)
         paths[k] = set->assignments[k]->path ? set->assignments[k]->path : "";
         values[k] = set->assignments[k]->value ? set->assignments[k]->value : "";
     }
-    status = changed(run, set->n_assignments, paths, values, &document, error);
+    const MnsStatus status = changed(old, set->n_assignments, paths, values, ret, error);
     free(texts);
+    return status;
+}
+
+MnsStatus run_set_again(Run *run, const Meniscus__Set *set, MnsError *error)
+{
+    Document *document;
+    const MnsStatus status = after_set(run->document, set, &document, error);
     return status ? status : adopt(run, document, NULL, error);
 }
 
@@ -106,6 +144,50 @@ MnsStatus run_adopt_again(Run *run, const Meniscus__Case *message, MnsError *err
     Document *document;
     const MnsStatus status = document_new(message, run->document->name, &document, error);
     return status ? status : adopt(run, document, NULL, error);
+}
+
+/* What the case became with an entry of a lineage. */
+static MnsStatus after_entry(const Document *old, const LineageEntry *entry, Document **ret, MnsError *error)
+{
+    if (entry->adopted) return document_new(entry->adopted, old->name, ret, error);
+    return after_set(old, entry->request->set, ret, error);
+}
+
+MnsStatus run_remember(Run *run, const Lineage *lineage, MnsError *error)
+{
+    Document *last;
+    MnsStatus status = document_new(lineage->original, run->document->name, &last, error);
+    if (status) return status;
+    versions_begin(&run->versions, lineage->first_version, last);
+    for (size_t k = 0; !status && k < lineage->n; k++) {
+        const LineageEntry *entry = &lineage->entries[k];
+        Document *next;
+        if (!entry->version) continue;
+        status = after_entry(last, entry, &next, error);
+        if (status) break;
+        if (entry->anew) versions_begin(&run->versions, entry->version, next);
+        else versions_add(&run->versions, next);
+        document_leave(last);
+        last = next;
+    }
+    document_leave(last);
+    return status;
+}
+
+void run_lease(Run *run, Order *order, const LeaseWish *wish)
+{
+    MnsError error;
+    char text[160];
+    const uint64_t least = (uint64_t)time(NULL); /* so that epochs rise where no journal has the last one */
+    const MnsStatus status = lease_take(&run->lease, wish, least, clock_now(), &error);
+    if (!status) {
+        if (!wish->release) order->lease = run->lease;
+        snprintf(text, sizeof text, wish->release ? "%s has given it back" : "%s has it for %.1f s", run->lease.holder,
+                 1e-3 * (double)run->lease.ttl_ms);
+        run_publish(run);
+        run_tell(run, NOTE_EVENT, LOG_INFORMATION, "lease", text);
+    }
+    run_answer(run, order, status, &error);
 }
 
 /* What has been passed never comes. */

@@ -3,8 +3,11 @@
 
 from __future__ import annotations
 
+import getpass
 import time as clock
+from contextlib import contextmanager
 from dataclasses import replace
+from socket import gethostname
 from types import TracebackType
 from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Type
 
@@ -15,7 +18,7 @@ from . import meniscus_pb2 as pb
 from .case import CaseSource, CaseText
 from .connection import Connection
 from .endpoint import control_endpoint, telemetry_endpoint
-from .errors import CaseError, MeniscusError
+from .errors import CaseError, LeaseError, MeniscusError
 from .values import (OutputFile, Reply, Status, Telemetry, Value, read_array, read_reply, read_status, read_telemetry,
                      read_values)
 
@@ -34,6 +37,7 @@ class Client:
 
     def __init__(self, daemon: Optional[str] = None, timeout: Optional[float] = None) -> None:
         self.timeout = timeout
+        self._lease = 0  # epoch
         self._connection = Connection(control_endpoint(daemon))
 
     def close(self) -> None:
@@ -160,13 +164,52 @@ class Client:
 
     # --- values -----------------------------------------------------------------------------------------------------
 
-    def set(self, assignments: Mapping[str, Any], if_step: Optional[int] = None) -> Reply:
+    def set(
+        self, assignments: Mapping[str, Any], if_step: Optional[int] = None, if_version: Optional[int] = None
+    ) -> Reply:
         """Change entries of the running case, all or none: {"end_time": 3, "gravity": [0, -1]}.
 
-        if_step  only if the run is at this step when the command would begin; else StateError, whose path is "if_step"
+        if_step     only if the run is at this step when the command would begin; else StateError, whose path is "if_step"
+        if_version  the same for the version of the case, as replies and status() have it
         """
         items = [pb.Assignment(path=path, value=_as_yaml(value)) for path, value in assignments.items()]
-        return self._simple(pb.Request(set=pb.Set(assignments=items), if_step=if_step))
+        return self._simple(pb.Request(set=pb.Set(assignments=items), if_step=if_step, if_version=if_version))
+
+    def rollback(self, version: int, if_version: Optional[int] = None) -> Reply:
+        """Change the case back to what it was at a version, which makes one more. RefusedError if it is not kept."""
+        return self._simple(pb.Request(rollback=pb.Rollback(version=version), if_version=if_version))
+
+    # --- the only one to change the run -------------------------------------------------------------------------------
+
+    @contextmanager
+    def lease(self, seconds: float = 30, holder: Optional[str] = None) -> Iterator[int]:
+        """Be the only one to change the run while the block lasts, but for pause, stop and shutdown: `with client.lease(60):`.
+
+        seconds  for which it lives, unless it is renewed with renew()
+        holder   what others are told; None: user@host
+        Yields the epoch. LeaseError: somebody else holds it; within the block, from any command that changes the run: it is over.
+        """
+        name = holder or f"{getpass.getuser()[:30]}@{gethostname()[:30]}"
+        self._take_lease(pb.Lease(ttl_ms=round(1000 * seconds), holder=name))
+        try:
+            yield self._lease
+        finally:
+            self._give_back()
+
+    def renew(self, seconds: float = 30) -> None:
+        """Let the lease live for so long from now on."""
+        self._take_lease(pb.Lease(ttl_ms=round(1000 * seconds)))
+
+    def _take_lease(self, lease: pb.Lease) -> None:
+        self._lease = self._call(pb.Request(lease=lease))[0].lease.epoch
+
+    def _give_back(self) -> None:
+        try:
+            self._call(pb.Request(lease=pb.Lease(release=True)))
+        except LeaseError:
+            pass  # it was over
+        finally:
+            self._lease = 0
 
     def get(self, *paths: str) -> Dict[str, Value]:
         """Entries of the case by path, as in "end_time" or "fluids[1].density", with their units; none: all that can be set."""
@@ -233,6 +276,8 @@ class Client:
     def _call(
         self, request: pb.Request, timeout: Optional[float] = None, request_id: Optional[bytes] = None
     ) -> Tuple[pb.Reply, List[bytes]]:
+        if self._lease:
+            request.lease_epoch = self._lease
         return self._connection.call(request, self.timeout if timeout is None else timeout, request_id)
 
     def _simple(

@@ -36,6 +36,8 @@ _HINTS: dict[str, str] = {
     "unavailable": "see which daemons there are with `meniscus ls`, or start one with `meniscusd`",
     "timed out": "allow more time, or see with status() how far it is",
     "interrupted": "another client ended the command: give it again if it is still wanted",
+    "held": "wait until it is given back, or only watch; pause(), stop() and shutdown() are always possible",
+    "expired": "see status().lease_holder for who holds it now, and take a new one with lease()",
     "internal error": "please report this with the daemon's log",
 }
 
@@ -88,6 +90,10 @@ class CancelledError(MeniscusError):
     """Another client ended the command."""
 
 
+class LeaseError(MeniscusError):
+    """Somebody else holds the lease, or that of this client is over."""
+
+
 class DivergedError(MeniscusError):
     """The simulation has diverged; it can be inspected and restored."""
 
@@ -115,4 +121,6 @@ def error_for(
     """The exception that stands for a code of the protocol, or for its reason where that is more exact."""
     if reason == "diverged":
         return DivergedError(code, message, path, reason, allowed)
+    if reason in ("held", "expired"):
+        return LeaseError(code, message, path, reason, allowed)
     return _BY_CODE.get(code, MeniscusError)(code, message, path, reason, allowed)

@@ -32,6 +32,7 @@ class Reply:
     daemon_epoch: int  # another number after every start of the daemon
     message: str = ""
     path: Optional[str] = None  # of load, reset, restore, stop and shutdown: the run directory
+    case_version: Optional[int] = None  # 1 when a case is loaded, one more with every change of it
 
 
 @dataclass(frozen=True)
@@ -88,6 +89,9 @@ class Status:
     memory_bytes: Optional[int] = None
     version: Optional[str] = None
     state_hash: Optional[int] = None  # only when not RUNNING
+    case_version: Optional[int] = None  # 1 when the case was loaded, one more with every change
+    lease_holder: Optional[str] = None  # who alone may change the run
+    lease_s: Optional[float] = None  # for how long yet [s]
     timers: Tuple[Timer, ...] = ()
     breakpoints: Tuple[Breakpoint, ...] = ()
 
@@ -121,7 +125,8 @@ def read_reply(reply: pb.Reply) -> Reply:
     """The part that every reply has."""
     return Reply(
         pb.State.Name(reply.state), reply.step, reply.time, _given(reply, "effect_step"), reply.daemon_epoch,
-        reply.message, _given(reply.output, "path") if reply.HasField("output") else None
+        reply.message, _given(reply.output, "path") if reply.HasField("output") else None,
+        _given(reply, "case_version")
     )
 
 
