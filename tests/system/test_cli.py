@@ -12,17 +12,18 @@ import sys
 import time
 import unittest
 from pathlib import Path
+from unittest import mock
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from daemon import BUILD, ROOT, SMALL, DaemonTest  # noqa: E402
 
 CASES = ROOT / "server" / "cases"
 
-REPLY = {"state", "step", "time", "effect_step", "daemon_epoch", "message"}
+REPLY = {"state", "step", "time", "effect_step", "daemon_epoch", "message", "case_version"}
 STATUS = set(
     "state case title run_directory fault fault_reason version time end_time time_step eta_s wall_s steps_per_second "
     "ns_per_particle_step step particles fluid_particles guarded samples_dropped memory_bytes threads state_hash timers "
-    "breakpoints".split()
+    "breakpoints case_version lease_holder lease_s".split()
 )
 
 
@@ -202,6 +203,38 @@ class Commands(DaemonTest):
         self.meniscus("set", "end_time=3", "--if-step", "-1", code=2)
         done = self.meniscus("load", "dambreak2d", "--if-step", "2", code=1)
         self.assertEqual(done.stderr, "meniscus: if_step: the run is at step 3, not 2; nothing was done\n")
+
+    def test_changes_are_taken_back(self) -> None:
+        self.load()
+        self.assertEqual(self.ask("set", "end_time=3")["case_version"], 2)
+        self.assertEqual(self.ask("set", "end_time=4", "--if-version", "2")["case_version"], 3)
+        done = self.meniscus("set", "end_time=5", "--if-version", "2", code=1)
+        self.assertIn("if_version: the case is at version 3, not 2; nothing was done", done.stderr)
+        self.assertEqual(self.ask("rollback", "2")["case_version"], 4)
+        self.assertEqual(self.ask("get", "end_time")["values"]["end_time"]["value"], 3)
+        done = self.meniscus("rollback", "9", code=1)
+        self.assertIn("there is no version 9 of the case: the present one is 4", done.stderr)
+        for words in (["rollback"], ["rollback", "one"], ["set", "end_time=3", "--if-version", "0"]):
+            self.meniscus(*words, code=2)
+
+    def test_one_at_a_time_changes_the_run(self) -> None:
+        self.load()
+        epoch = self.meniscus("lease", "--ttl", "60", "--holder", "anna").stdout.strip()
+        done = self.meniscus("set", "end_time=3", code=1)
+        self.assertIn("lease_epoch: anna holds the lease for another", done.stderr)
+        self.assertEqual(self.ask("status")["lease_holder"], "anna")
+        self.ask("set", "end_time=3", "--lease", epoch)
+        with mock.patch.dict(self.environment, MENISCUS_LEASE=epoch):
+            self.assertEqual(str(self.ask("lease", "renew", "--ttl", "50")["lease_epoch"]), epoch)
+            self.assertEqual(self.ask("set", "end_time=4")["state"], "READY")
+            self.assertIsNone(self.ask("lease", "release")["lease_epoch"])
+            done = self.meniscus("set", "end_time=5", code=1)
+            self.assertIn(f"the lease of epoch {epoch} is over", done.stderr)
+        self.ask("set", "end_time=5")
+        self.assertIsNone(self.ask("status")["lease_holder"])
+        for words in (["lease", "give"], ["lease", "renew"], ["lease", "--ttl", "soon"], ["lease", "--lease", "x"]):
+            self.meniscus(*words, code=2)
+        self.meniscus("lease", "--ttl", "0.05", code=1)
 
     def test_a_breakpoint_that_was_passed_is_refused(self) -> None:
         self.load()
@@ -431,7 +464,7 @@ class WithoutDaemon(unittest.TestCase):
         self.assertEqual(commands["run-until"]["request"], "run_until")
         names = (
             "load start pause resume step run-until stop reset set get query watch snapshot checkpoint restore wait "
-            "status ls schemes render run log replay"
+            "status ls schemes render run log replay rollback lease"
         )
         for name in names.split():
             self.assertIn(name, commands)

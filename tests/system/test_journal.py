@@ -108,9 +108,19 @@ class Journal(DaemonTest):
             ["step", str(chance.randint(1, 40))], ["run-until", f"{time + chance.uniform(0.001, 0.03):.5f}"],
             ["run-until", f"{time + 0.01:.5f}", "--whole-steps"], ["set", f"gravity=[{chance.uniform(-1, 1):.3f}, -1]"],
             ["set", f"scheme.cfl={chance.uniform(0.1, 0.3):.3f}"], ["set", f"threads={chance.randint(1, 2)}"],
-            ["checkpoint"], ["restore"], ["reset"], ["breakpoint", "b", "--time", f"{time + 0.004:.5f}"], ["pause"],
+            ["checkpoint"], ["restore"], ["reset"], ["rollback", str(self.ask("status")["case_version"] - 1)], ["breakpoint", "b", "--time", f"{time + 0.004:.5f}"], ["pause"],
         ])
         self.whatever(*words)
+
+    def test_what_was_taken_back_is_told_and_replayed(self) -> None:
+        run = self.run_of("back")
+        self.meniscus("set", "gravity=[0, -2]")
+        self.meniscus("step", "20")
+        self.meniscus("rollback", "1")
+        self.meniscus("step", str(HASH_STEPS))
+        change = next(r for r in self.log(run) if r["command"] == "rollback")
+        self.assertEqual(change["changes"], [{"path": "gravity", "before": "[0, -2]", "after": "[0, -1]"}])
+        self.assertTrue(self.replay(run)["agrees"])
 
     def test_a_replay_that_computes_otherwise_is_found_at_the_first_state(self) -> None:
         run = self.run_of("otherwise")
