@@ -21,7 +21,7 @@ typedef struct Points {
     const double *x[3], *period, *frequency; /* [dim] are used */
 } Points;
 
-/* Indices from first to last - 1, but for `self`, of points of which the nearest image is nearer to `at` than the root of `distance2`.
+/* Indices from first to last - 1, but for `self`, which is the one at `at`, of points of which the nearest image is nearer to `at` than the root of `distance2`.
  * Returns how many; sets *images if that image is another than the point itself for any of them. out: [last - first + SELECT_SLACK]. */
 typedef size_t (*SelectNear)(const Points *points, uint32_t first, uint32_t last, const double at[3], double distance2,
                              uint32_t self, uint32_t *out, bool *images);
