@@ -6,7 +6,6 @@
 #include "proto/case_find.h"
 #include <inttypes.h>
 #include <math.h>
-#include <pwd.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -161,9 +160,9 @@ static MnsStatus report_lease(const Invocation *in, MnsReply *reply, MnsError *e
 static void name_holder(char *ret)
 {
     char host[128] = "somewhere";
-    const struct passwd *user = getpwuid(getuid());
+    const char *user = getenv("USER");
     gethostname(host, sizeof host - 1);
-    snprintf(ret, 256, "%.30s@%.30s", user ? user->pw_name : "somebody", host);
+    snprintf(ret, 256, "%.30s@%.30s", user ? user : "somebody", host);
 }
 
 MnsStatus command_lease(Invocation *in, MnsError *error)
