@@ -2,6 +2,9 @@
 # Everything is built below $(BUILD). `make help` lists the targets.
 
 BUILD     ?= build
+ifeq ($(strip $(BUILD)),)
+$(error BUILD is empty, which would put everything into /: unset it, or name a folder)
+endif
 # make comes with a CC of its own, so ?= would have no effect.
 ifeq ($(origin CC),default)
 CC        := gcc
@@ -29,7 +32,7 @@ OPT       := $(if $(SANITIZE),-O1,-O2) -ftree-vectorize
 X86       := $(filter x86_64%,$(shell $(CC) -dumpmachine))
 CLEAR     := $(if $(X86),$(if $(findstring clang,$(CC)),,-mmemset-strategy=unrolled_loop:1024:noalign$(comma)libcall:-1:noalign))
 HOT       := $(if $(SANITIZE),-O1,-O3) $(if $(X86),-mprefer-vector-width=512) $(CLEAR)
-PKGS      := libzmq libprotobuf-c hdf5-serial yaml-0.1 jansson cairo libsystemd libxxhash lua5.4 libmicrohttpd
+PKGS      := libzmq libprotobuf-c hdf5-serial yaml-0.1 jansson cairo libsystemd libxxhash lua5.4 mpfr libmicrohttpd
 CLIENT_PKGS := libzmq libprotobuf-c yaml-0.1 libxxhash
 # Asked once; a package that is missing is reported by the recipe of the stamps, so that `make packages` can be run.
 pkg_cflags := $(shell pkg-config --cflags $(PKGS) 2>/dev/null | sed 's/-I/-isystem /g')
@@ -97,7 +100,7 @@ bench: bench-programs ## benchmarks as JSON lines
 	@for b in $(BENCH); do $$b || exit 1; done
 	@for b in $(wildcard tests/bench/*.py); do BUILD=$(BUILD) $(PYTHON) $$b || exit 1; done
 
-.PHONY: tests raced bench-programs flags solver-libs
+.PHONY: tests raced bench-programs flags solver-flags solver-libs
 # All programs there are run, so there are none whose source is gone.
 others = $(filter-out $1,$(wildcard $(BUILD)/tests/unit/* $(BUILD)/tests/protocol/*))
 tests: $(UNIT)
@@ -126,6 +129,9 @@ lint: all ## clang-format, clang-tidy, cppcheck, shellcheck, layers
 
 flags: # the preprocessor's, quoted for a shell: for the scripts of tests/support
 	$(info $(cppflags) $(hypre_cflags) $(cases) $(CPPFLAGS))@:
+
+solver-flags: # with which the solver is compiled
+	$(info $(cflags) $(HOT))@:
 
 solver-libs: # that the solver needs besides those of its .pc file
 	$(info $(hypre_libs))@:

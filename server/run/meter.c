@@ -43,6 +43,7 @@ static void take_rates(Meter *meter, MnsProgress progress, double passed, double
 void meter_step(Meter *meter, MnsProgress progress, size_t particles, double seconds, double now)
 {
     meter->stepping += seconds;
+    meter->steps++;
     meter->particle_steps += (double)particles;
     const double passed = now - meter->mark;
     if (!meter->measured && passed > 0) take_rates(meter, progress, passed, 1); /* better than nothing to say */

@@ -8,7 +8,8 @@
 typedef struct Meter {
     double stepping;       /* wall-clock time inside mns_sim_step() [s]             */
     double particle_steps; /* particles times steps                                 */
-    double mark, mark_t;   /* where the last stretch of measurement began: wall, t  */
+    uint64_t steps;
+    double mark, mark_t; /* where the last stretch of measurement began: wall, t  */
     uint64_t mark_step;
     double steps_rate, time_rate; /* steps and simulated seconds per wall second; 0: not known yet */
     bool measured;                /* over a whole stretch at least */

@@ -76,6 +76,8 @@ static void take_over(Outputs *outputs, const Opening *opening, Document *docume
     outputs->state_size = opening->state_size;
     outputs->document = document_share(document);
     outputs->sample.taken = false;
+    outputs->timers[OUTPUTS_PROBES] = (MnsTimer){.name = "probes"};
+    outputs->timers[OUTPUTS_CAPTURES] = (MnsTimer){.name = "captures"};
     const bool sampled = outputs->series && document->c->output.probe_interval > 0 && progress.step > 0;
     outputs->series_lost = goes_on && sampled && !series_rows(outputs->series);
     const double before = goes_on && progress.step > 0 ? progress.t : -INFINITY;
@@ -125,13 +127,30 @@ MnsStatus outputs_close(Outputs *outputs, MnsError *error)
 
 /* --- what is due ------------------------------------------------------------------------------------------------------- */
 
+static void book(MnsTimer *timer, double began)
+{
+    timer->seconds += clock_now() - began;
+    timer->calls++;
+}
+
+/* As mns_sim_capture(), with its time booked. */
+static MnsStatus capture_fields(Outputs *outputs, const MnsSim *sim, uint64_t fields, MnsCapture **ret, MnsError *error)
+{
+    const double began = clock_now();
+    const MnsStatus status = mns_sim_capture(sim, fields, ret, error);
+    book(&outputs->timers[OUTPUTS_CAPTURES], began);
+    return status;
+}
+
 /* Measure all probes; the samples go to the file and to whoever watches. */
 static MnsStatus take_probes(Outputs *outputs, const MnsSim *sim, Document *document, MnsError *error)
 {
+    const double began = clock_now();
     const size_t n = document->c->n_probes;
     const MnsProgress now = mns_sim_progress(sim);
     double values[MNS_MAX_PROBES];
     for (size_t k = 0; k < n; k++) values[k] = mns_sim_probe(sim, k);
+    book(&outputs->timers[OUTPUTS_PROBES], began);
     outputs->sample.taken = true;
     outputs->sample.t = now.t;
     memcpy(outputs->sample.values, values, n * sizeof *values);
@@ -158,7 +177,7 @@ MnsStatus outputs_flush(Outputs *outputs, MnsError *error)
 MnsStatus outputs_checkpoint(Outputs *outputs, const MnsSim *sim, Document *document, Order *order, MnsError *error)
 {
     MnsCapture *capture;
-    MnsStatus status = mns_sim_capture(sim, mns_sim_state_fields(sim), &capture, error);
+    MnsStatus status = capture_fields(outputs, sim, mns_sim_state_fields(sim), &capture, error);
     if (status) return status;
     const uint64_t step = capture->progress.step;
     status = outputs_flush(outputs, error); /* a restart needs the samples up to the checkpoint */
@@ -183,7 +202,7 @@ MnsStatus outputs_snapshot(Outputs *outputs, const MnsSim *sim, Document *docume
     MnsCapture *capture;
     fields |= field_bit("position") | field_bit("id") | field_bit("phase");
     for (size_t k = 0; k < output->n_fields; k++) fields |= field_bit(output->fields[k]);
-    const MnsStatus status = mns_sim_capture(sim, fields, &capture, error);
+    const MnsStatus status = capture_fields(outputs, sim, fields, &capture, error);
     return status ? status : job_post_snapshot(outputs, capture, document, order, error);
 }
 

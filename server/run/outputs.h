@@ -31,6 +31,9 @@ typedef struct Sample {
     double values[MNS_MAX_PROBES];
 } Sample;
 
+/* What they take of the runner's time. */
+enum { OUTPUTS_PROBES, OUTPUTS_CAPTURES, OUTPUTS_TIMERS };
+
 typedef struct Outputs {
     char directory[RUNDIR_PATH];
     Writer *writer;
@@ -48,6 +51,7 @@ typedef struct Outputs {
     uint64_t at_checkpoint; /* step of the last one; UINT64_MAX: none                           */
 
     Sample sample;
+    MnsTimer timers[OUTPUTS_TIMERS]; /* since outputs_open() */
     OutputTally snapshots, checkpoints;
 
     /* How long writing the series took the last time; the writer's to set. A crash may cost the samples since then, but

@@ -44,6 +44,26 @@ Document *run_document(Run *run)
     return document;
 }
 
+static void add_timer(RunStatus *status, MnsTimer timer)
+{
+    if (status->n_timers < RUN_TIMERS) status->timers[status->n_timers++] = timer;
+}
+
+/* Of all the time in motion: the solver's, that of the outputs, and what is left: orders, the journal, news for those who watch. */
+static void fill_timers(const Run *run, RunStatus *status)
+{
+    size_t n;
+    const MnsTimer *timers = mns_sim_timers(run->sim, &n);
+    double between = status->wall - status->stepping;
+    status->n_timers = 0;
+    for (size_t k = 0; k < n; k++) add_timer(status, timers[k]);
+    for (size_t k = 0; k < OUTPUTS_TIMERS; k++) {
+        add_timer(status, run->outputs.timers[k]);
+        between -= run->outputs.timers[k].seconds;
+    }
+    add_timer(status, (MnsTimer){"between steps", fmax(between, 0), run->meter.steps});
+}
+
 /* With the lock held, and a simulation. */
 static void fill_numbers(const Run *run, RunStatus *status)
 {
@@ -55,9 +75,7 @@ static void fill_numbers(const Run *run, RunStatus *status)
     status->stepping = run->meter.stepping;
     status->wall = meter_ran(&run->meter, now);
     status->age = now - run->loaded;
-    const MnsTimer *timers = mns_sim_timers(run->sim, &status->n_timers);
-    if (status->n_timers > RUN_TIMERS) status->n_timers = RUN_TIMERS;
-    memcpy(status->timers, timers, status->n_timers * sizeof *timers);
+    fill_timers(run, status);
 }
 
 void run_publish_step(Run *run)

@@ -168,7 +168,7 @@ static MnsStatus populate(MnsSim *sim, Lattice *lattice, const Constants *consta
     if (!status) status = making_fits(sim, sizes, false, error);
     if (!status)
         status = particles_init(&sim->s, c->dim, c->n_fluids, sizes, scheme_fields(sim->scheme, &sim->model),
-                                sim->model.viscous || sim->scheme->projects, &sim->making, error);
+                                sim->model.viscous || sim->scheme->projects, sim->threads, &sim->making, error);
     if (!status) number(lattice, sim);
     if (!status && !sim->resumed) status = start_init(starts, sim, lattice, constants, error);
     const Filling filling = {.sim = sim, .lattice = lattice, .starts = sim->resumed ? NULL : starts};

@@ -77,13 +77,13 @@ static Bundle empty(int dim, int k)
     return bundle;
 }
 
-bool bundles_init(Bundles *b, size_t n, int dim, unsigned needs)
+bool bundles_init(Bundles *b, size_t n, int dim, unsigned needs, int threads)
 {
     *b = (Bundles){.dim = dim};
     for (int k = 0; k < BUNDLES; k++) {
         b->bundle[k] = empty(dim, k);
         if (!(bundle_meets(dim, k) & needs)) continue;
-        if (!(b->bundle[k].data = array_new(n, sizeof *b->bundle[k].data))) {
+        if (!(b->bundle[k].data = array_new_team(n, sizeof *b->bundle[k].data, threads))) {
             bundles_done(b);
             return false;
         }

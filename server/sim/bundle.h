@@ -93,7 +93,7 @@ typedef struct Bundles {
 } Bundles;
 
 /* Room for n particles, for terms with these needs. false: no memory, nothing is left behind. */
-bool bundles_init(Bundles *b, size_t n, int dim, unsigned needs);
+bool bundles_init(Bundles *b, size_t n, int dim, unsigned needs, int threads);
 void bundles_done(Bundles *b);
 
 /* Fields of a group have changed. */

@@ -19,7 +19,7 @@ MnsCapture *mns_capture_new(int dim, size_t n, size_t n_fluid, uint64_t fields)
     for (int f = 0; info[f].name; f++) {
         if (!(fields >> f & 1)) continue;
         for (int d = 0; d < (info[f].components == 1 ? 1 : dim); d++)
-            if (!(capture->data[f][d] = array_new(n, field_size(&info[f])))) {
+            if (!(capture->data[f][d] = array_room(n, field_size(&info[f])))) {
                 mns_capture_free(capture);
                 return NULL;
             }
@@ -35,6 +35,14 @@ void mns_capture_free(MnsCapture *capture)
     free(capture);
 }
 
+enum { SHARE = 1 << 20 }; /* bytes that one thread copies at a time */
+
+static void copy(char *to, const char *from, size_t bytes, int threads)
+{
+#pragma omp parallel for schedule(static) num_threads(threads) if (bytes > SHARE)
+    for (size_t k = 0; k < bytes; k += SHARE) memcpy(to + k, from + k, bytes - k < SHARE ? bytes - k : SHARE);
+}
+
 MnsStatus mns_sim_capture(const MnsSim *sim, uint64_t fields, MnsCapture **ret_capture, MnsError *error)
 {
     const Particles *s = &sim->s;
@@ -45,7 +53,7 @@ MnsStatus mns_sim_capture(const MnsSim *sim, uint64_t fields, MnsCapture **ret_c
     for (int f = 0; mns_fields()[f].name; f++)
         for (int d = 0; d < 3; d++)
             if (capture->data[f][d])
-                memcpy(capture->data[f][d], particles_field(s, f, d), s->n * field_size(&mns_fields()[f]));
+                copy(capture->data[f][d], particles_field(s, f, d), s->n * field_size(&mns_fields()[f]), sim->threads);
     *ret_capture = capture;
     return MNS_OK;
 }

@@ -161,14 +161,14 @@ INLINE Pair near_pair(const Block *near, const Block *rest, int l, const RowPlan
 #define FUSED_FUNCTIONS(body)                                                                                          \
     FUSED_FUNCTION(body, base, , 2, BASE_FUSES, fetch_quads)                                                           \
     FUSED_FUNCTION(body, base, , 3, BASE_FUSES, fetch_quads)                                                           \
-    FUSED_FUNCTION(body, v3, FOR_V3, 2, true, fetch_quads)                                                             \
-    FUSED_FUNCTION(body, v3, FOR_V3, 3, true, fetch_quads)                                                             \
+    FUSED_FUNCTION(body, v3, FOR_V3, 2, true, fetch_halves)                                                            \
+    FUSED_FUNCTION(body, v3, FOR_V3, 3, true, fetch_halves)                                                            \
     FUSED_FUNCTION(body, v4, FOR_V4, 2, true, fetch_octs)                                                              \
     FUSED_FUNCTION(body, v4, FOR_V4, 3, true, fetch_octs)
 #define FUSED_TABLE(body) ROW_TABLE(body)
 #define BESIDE_FUNCTIONS(body)                                                                                         \
-    BESIDE_FUNCTION(body, v3, FOR_V3, 2, true, fetch_quads)                                                            \
-    BESIDE_FUNCTION(body, v3, FOR_V3, 3, true, fetch_quads)                                                            \
+    BESIDE_FUNCTION(body, v3, FOR_V3, 2, true, fetch_halves)                                                           \
+    BESIDE_FUNCTION(body, v3, FOR_V3, 3, true, fetch_halves)                                                           \
     BESIDE_FUNCTION(body, v4, FOR_V4, 2, true, fetch_octs)                                                             \
     BESIDE_FUNCTION(body, v4, FOR_V4, 3, true, fetch_octs)
 #define BESIDE_TABLE(body)                                                                                             \

@@ -13,12 +13,13 @@ MnsStatus neighbours_init(Neighbours *nb, size_t n, int dim, unsigned needs, int
 {
     enum { USUAL = 30 }; /* neighbours, to choose slabs by */
     *nb = (Neighbours){.n = n, .threads = threads, .tells_others = needs & NEED_OTHERS};
-    nb->list = array_new(n, sizeof *nb->list);
-    nb->end = array_new(n, sizeof *nb->end);
+    nb->list = array_new_team(n, sizeof *nb->list, threads);
+    nb->end = array_new_team(n, sizeof *nb->end, threads);
     nb->counts = array_new(sort_counts(threads), sizeof *nb->counts);
     slabs_init(&nb->slabs, n * USUAL, threads);
-    nb->has = array_new(n, sizeof *nb->has);
-    if (nb->list && nb->end && nb->has && nb->counts && bundles_init(&nb->bundles, n, dim, needs)) return MNS_OK;
+    nb->has = array_new_team(n, sizeof *nb->has, threads);
+    if (nb->list && nb->end && nb->has && nb->counts && bundles_init(&nb->bundles, n, dim, needs, threads))
+        return MNS_OK;
     neighbours_done(nb);
     return mns_fail(error, MNS_E_MEMORY, "no memory for the neighbour lists of %zu particles", n);
 }

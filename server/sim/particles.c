@@ -12,7 +12,7 @@ static int components(const Particles *s, int field)
     return mns_fields()[field].components == 1 ? 1 : s->dim;
 }
 
-static MnsStatus allocate_fields(Particles *s, const MnsMaking *making, MnsError *error)
+static MnsStatus allocate_fields(Particles *s, int threads, const MnsMaking *making, MnsError *error)
 {
     const MnsFieldInfo *fields = mns_fields();
     for (int f = 0; fields[f].name; f++)
@@ -20,41 +20,43 @@ static MnsStatus allocate_fields(Particles *s, const MnsMaking *making, MnsError
             if (particles_field(s, f, d)) continue;
             const MnsStatus status = making ? making_goes_on(making, error) : MNS_OK;
             if (status) return status;
-            void *array = array_new(s->n, field_size(&fields[f]));
+            void *array = array_new_team(s->n, field_size(&fields[f]), threads);
             if (!array) return mns_fail(error, MNS_E_MEMORY, "no memory for %zu particles", s->n);
             particles_set_field(s, f, d, array);
         }
     return MNS_OK;
 }
 
-static MnsStatus allocate(Particles *s, bool mirrored, const MnsMaking *making, MnsError *error)
+static MnsStatus allocate(Particles *s, bool mirrored, int threads, const MnsMaking *making, MnsError *error)
 {
     const size_t n_wall = s->n - particles_fluid(s);
-    const MnsStatus status = allocate_fields(s, making, error);
+    const MnsStatus status = allocate_fields(s, threads, making, error);
     if (status) return status;
-    bool well = (s->rate = array_new(s->n, sizeof(double)));
-    for (size_t k = 0; well && k < s->n_phases; k++) well = (s->p_wall[k] = array_new(n_wall, sizeof(double)));
-    for (int d = 0; well && mirrored && d < s->dim; d++) well = (s->v_wall[d] = array_new(n_wall, sizeof(double)));
+    bool well = (s->rate = array_new_team(s->n, sizeof(double), threads));
+    for (size_t k = 0; well && k < s->n_phases; k++)
+        well = (s->p_wall[k] = array_new_team(n_wall, sizeof(double), threads));
+    for (int d = 0; well && mirrored && d < s->dim; d++)
+        well = (s->v_wall[d] = array_new_team(n_wall, sizeof(double), threads));
     return well ? MNS_OK : mns_fail(error, MNS_E_MEMORY, "no memory for %zu particles", s->n);
 }
 
 MnsStatus particles_init(Particles *s, int dim, size_t n_phases, const size_t sizes[GROUPS], Fields fields,
-                         bool mirrored, const MnsMaking *making, MnsError *error)
+                         bool mirrored, int threads, const MnsMaking *making, MnsError *error)
 {
     *s = (Particles){.dim = dim, .n_phases = n_phases, .fields = fields};
     for (int g = 0; g < GROUPS; g++) s->begin[g + 1] = s->begin[g] + sizes[g];
     s->n = s->begin[GROUPS];
-    const MnsStatus status = allocate(s, mirrored, making, error);
+    const MnsStatus status = allocate(s, mirrored, threads, making, error);
     if (status) particles_done(s);
     else particles_changed(s, ON_ALL, ALL_FIELDS);
     return status;
 }
 
-MnsStatus particles_add(Particles *s, Fields fields, MnsError *error)
+MnsStatus particles_add(Particles *s, Fields fields, int threads, MnsError *error)
 {
     const Fields before = s->fields;
     s->fields |= fields;
-    const MnsStatus status = allocate_fields(s, NULL, error);
+    const MnsStatus status = allocate_fields(s, threads, NULL, error);
     if (!status) return MNS_OK;
     for (int f = 0; mns_fields()[f].name; f++)
         for (int d = 0; d < components(s, f) && !(before >> f & 1); d++) {

@@ -50,15 +50,15 @@ static inline void particles_changed(Particles *s, unsigned on, Fields fields)
         if (on >> g & 1) s->changed[g] |= fields;
 }
 
-/* Arrays of zeros for groups of these sizes. MNS_E_MEMORY, MNS_E_INTERRUPTED: nothing is left behind.
+/* Arrays of zeros for groups of these sizes, made by so many threads. MNS_E_MEMORY, MNS_E_INTERRUPTED: nothing is left behind.
  *  mirrored  walls show the fluid a velocity
  *  making  asked before each array, as to fill one may take a second; NULL: nobody gives up */
 MnsStatus particles_init(Particles *s, int dim, size_t n_phases, const size_t sizes[GROUPS], Fields fields,
-                         bool mirrored, const MnsMaking *making, MnsError *error);
+                         bool mirrored, int threads, const MnsMaking *making, MnsError *error);
 void particles_done(Particles *s);
 
 /* Arrays of zeros for fields that there are not yet. MNS_E_MEMORY: those that were there are. */
-MnsStatus particles_add(Particles *s, Fields fields, MnsError *error);
+MnsStatus particles_add(Particles *s, Fields fields, int threads, MnsError *error);
 
 /* Component d of a field of mns_fields(); NULL where there is none. */
 void *particles_field(const Particles *s, int field, int d);

@@ -97,8 +97,8 @@ typedef void (*Build)(Row *, const RowPlan *, size_t);
 BUILD(base, , 2, BASE_FUSES, fetch_quads)
 BUILD(base, , 3, BASE_FUSES, fetch_quads)
 #if HAS_LEVELS
-BUILD(v3, FOR_V3, 2, true, fetch_quads)
-BUILD(v3, FOR_V3, 3, true, fetch_quads)
+BUILD(v3, FOR_V3, 2, true, fetch_halves)
+BUILD(v3, FOR_V3, 3, true, fetch_halves)
 BUILD(v4, FOR_V4, 2, true, fetch_octs)
 BUILD(v4, FOR_V4, 3, true, fetch_octs)
 static const Build BUILDS[LEVELS][2] = {

@@ -33,7 +33,7 @@ static bool make(Slabs *slabs, size_t capacity)
         slabs->slab = slab;
         slabs->room = room;
     }
-    uint32_t *data = array_new(capacity, sizeof *data);
+    uint32_t *data = array_room(capacity, sizeof *data);
     if (!data) return false;
     slabs->slab[slabs->n++] = (Slab){data, capacity};
     return true;

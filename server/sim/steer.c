@@ -148,7 +148,7 @@ static MnsStatus add_fields(MnsSim *sim, const MnsCase *c, MnsError *error)
 {
     Model model = sim->model;
     sim->scheme->options(&model, c);
-    return particles_add(&sim->s, scheme_fields(sim->scheme, &model), error);
+    return particles_add(&sim->s, scheme_fields(sim->scheme, &model), sim->threads, error);
 }
 
 /* Can the rest of the run be done with the new factor of the time step and the new end? */

@@ -105,6 +105,16 @@ static MnsCase *incompressible_droplet(int dim, double resolution)
     return c;
 }
 
+/* The same by P5, with the whole divergence of the stress. */
+static MnsCase *differenced_droplet(int dim, double resolution)
+{
+    MnsCase *c = droplet(dim, resolution);
+    c->scheme.name = "differences";
+    c->scheme.differences.reference_speed = 1;
+    c->tension[0][1] = c->tension[1][0] = 0.1;
+    return c;
+}
+
 static const Bench BENCHES[] = {
     {"dambreak2d-p3", dam_break, 2, 95, 60, false},
     {"dambreak3d-p3", dam_break, 3, 20, 12, false},
@@ -119,6 +129,8 @@ static const Bench BENCHES[] = {
     {"dambreak3d-p3-1m", dam_break, 3, 45, 3, true},
     {"drop2d-p4", incompressible_droplet, 2, 100, 20, false},
     {"drop3d-p4", incompressible_droplet, 3, 22, 6, false},
+    {"drop2d-p5", differenced_droplet, 2, 100, 20, false},
+    {"drop3d-p5", differenced_droplet, 3, 22, 6, false},
     {"drop2d-p4-100k", incompressible_droplet, 2, 316, 6, true},
     {"drop2d-p4-1m", incompressible_droplet, 2, 1000, 2, true},
     {"drop3d-p4-100k", incompressible_droplet, 3, 46, 3, true},

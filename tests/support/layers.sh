@@ -32,6 +32,7 @@ kind_of() {
     '<systemd/'*) echo systemd ;;
     '<lua'* | '<lauxlib.h>') echo lua ;;
     '<xxh'*) echo xxhash ;;
+    '<mpfr.h>') echo mpfr ;;
     '<omp.h>') echo openmp ;;
     '<immintrin.h>') echo instructions ;;
     '<HYPRE'* | '<mpi.h>') echo hypre ;;
@@ -108,7 +109,7 @@ report "the solver itself calls nothing of the system but memory, text and mathe
 
 read -ra hypre <<<"$(MAKEFLAGS='' make -s --no-print-directory BUILD="$BUILD" CC="$CC" solver-libs)"
 if output=$("$CC" -shared -fopenmp -o "$BUILD/libmeniscus-alone.so" -Wl,--no-undefined -Wl,--whole-archive \
-    "$BUILD/libmeniscus.a" -Wl,--no-whole-archive -llua5.4 -lxxhash "${hypre[@]}" -lm 2>&1); then
+    "$BUILD/libmeniscus.a" -Wl,--no-whole-archive -llua5.4 -lxxhash -lmpfr "${hypre[@]}" -lm 2>&1); then
     echo "ok - the solver library is complete by itself"
 else
     echo "not ok - the solver library is complete by itself"

@@ -6,10 +6,12 @@ set -eu
 cd "$(dirname "$0")/../.."
 BUILD=${BUILD:-build}
 flags=()
-# The words are quoted for a shell.
-eval "flags=($(MAKEFLAGS='' make -s --no-print-directory BUILD="$BUILD" CC=gcc flags))"
-# For the instruction set that most machines have had for a decade, so that the answer does not depend on this one.
-flags+=(-std=c17 -O3 -march=x86-64-v3 -fno-math-errno -fno-trapping-math -ffp-contract=off -fopenmp)
+# The words are quoted for a shell. For the instruction set that most machines have had for a decade, so that the answer does not depend
+# on this one.
+for of in flags solver-flags; do
+    eval "flags+=($(MAKEFLAGS='' make -s --no-print-directory BUILD="$BUILD" CC=gcc SANITIZE= "$of"))"
+done
+flags+=(-march=x86-64-v3)
 remarks=$(mktemp) told=$(mktemp -d)
 trap 'rm -rf "$remarks" "$told"' EXIT
 failed=0

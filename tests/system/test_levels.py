@@ -1,7 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""A run that goes on where products are rounded otherwise: it does, and says so."""
+"""A run that goes on where products are rounded otherwise: it does, and says so. And where the level is the same, so are the bits,
+whatever the processor has besides."""
 
+import json
 import os
 import subprocess
 import sys
@@ -48,6 +50,29 @@ class Levels(unittest.TestCase):
     def test_who_goes_on_with_the_same_is_not(self) -> None:
         self.run_until(0.1)
         self.assertNotIn(WARNING, self.run_until(0.2))
+
+
+class Processors(unittest.TestCase):
+    """The C library chooses its mathematics by the processor, and can be told that this one has less than it has."""
+
+    def state_of(self, case: str, settings: tuple[str, ...], less: bool) -> str:
+        environment = os.environ | {"MENISCUS_CASES": str(ROOT / "server" / "cases"), "MENISCUS_LEVEL": "x86-64"}
+        if less:
+            environment["GLIBC_TUNABLES"] = "glibc.cpu.hwcaps=-AVX,-AVX2,-FMA,-FMA4"
+        with tempfile.TemporaryDirectory(prefix="mns-processors-") as scratch:
+            words = [BUILD / "meniscusd", "--batch", case, "--out", f"{scratch}/run", "--output", "json"]
+            words += [word for setting in settings for word in ("--set", setting)]
+            done = subprocess.run(words, env=environment, capture_output=True, text=True, timeout=100)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return str(json.loads(done.stdout)["state_hash"])
+
+    def test_walls_that_move_by_a_sine(self) -> None:
+        case = "sloshing2d", ("resolution=20", "end_time=0.5")
+        self.assertEqual(self.state_of(*case, less=False), self.state_of(*case, less=True))
+
+    def test_fields_that_begin_as_formulas(self) -> None:
+        case = "taylor-green2d", ("resolution=20", "end_time=0.05")
+        self.assertEqual(self.state_of(*case, less=False), self.state_of(*case, less=True))
 
 
 if __name__ == "__main__":

@@ -263,7 +263,7 @@ static void rows_lie_one_after_the_other(void **state)
     (void)state;
     for (size_t n = 1; n < 100000; n = 3 * n + 1) {
         Matrix m;
-        assert_true(matrix_init(&m, n));
+        assert_true(matrix_init(&m, n, 1));
         for (size_t i = 0; i < n; i++) m.blocks[i] = (uint32_t)(i % 7 % 3);
         for (int threads = 1; threads <= 3; threads++) {
             size_t next = 0;

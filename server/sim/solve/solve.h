@@ -22,7 +22,7 @@ typedef struct Matrix {
 } Matrix;
 
 /* Room for n rows. false: no memory, nothing is left behind. */
-bool matrix_init(Matrix *m, size_t n);
+bool matrix_init(Matrix *m, size_t n, int threads);
 void matrix_done(Matrix *m);
 
 /* Lay out the rows: blocks[i] says how many row i may take. false: no memory, the matrix as it was. */

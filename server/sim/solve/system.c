@@ -6,12 +6,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-bool matrix_init(Matrix *m, size_t n)
+bool matrix_init(Matrix *m, size_t n, int threads)
 {
     *m = (Matrix){.n = n};
-    m->start = array_new(n + 1, sizeof *m->start);
-    m->blocks = array_new(n, sizeof *m->blocks);
-    m->diagonal = array_new(n, sizeof *m->diagonal);
+    m->start = array_new_team(n + 1, sizeof *m->start, threads);
+    m->blocks = array_new_team(n, sizeof *m->blocks, threads);
+    m->diagonal = array_new_team(n, sizeof *m->diagonal, threads);
     if (m->start && m->blocks && m->diagonal) return true;
     matrix_done(m);
     return false;
@@ -28,12 +28,12 @@ void matrix_done(Matrix *m)
 }
 
 /* A twentieth more than is asked for, as lists differ a little from one time to the next. */
-static bool reserve(Matrix *m, size_t blocks)
+static bool reserve(Matrix *m, size_t blocks, int threads)
 {
     if (blocks <= m->room) return true;
     const size_t room = blocks + blocks / 20;
-    uint32_t *column = array_new(room, ENTRIES * sizeof *column);
-    float *c = array_new(room, ENTRIES * sizeof *c);
+    uint32_t *column = array_new_team(room, ENTRIES * sizeof *column, threads);
+    float *c = array_new_team(room, ENTRIES * sizeof *c, threads);
     if (!column || !c) {
         free(column);
         free(c);
@@ -60,7 +60,7 @@ bool matrix_lay(Matrix *m, int threads)
         for (size_t i = first; i < last; i++) start[i + 1] = sum += m->blocks[i];
     }
     for (size_t end = PIECE; end < n; end += PIECE) start[end + PIECE < n ? end + PIECE : n] += start[end];
-    if (!reserve(m, start[n])) return false;
+    if (!reserve(m, start[n], threads)) return false;
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t first = PIECE; first < n; first += PIECE) {
         const size_t last = first + PIECE < n ? first + PIECE : n;
@@ -108,9 +108,10 @@ void matrix_multiply(const Matrix *m, const double *x, double *y, int threads)
 bool system_init(System *y, size_t n, size_t bulk, int threads)
 {
     *y = (System){.bulk = bulk, .held = NOT_HELD, .threads = threads};
-    bool well = matrix_init(&y->matrix, n);
-    well = well && (y->b = array_new(n, sizeof(double))) && (y->x = array_new(n, sizeof(double)));
-    for (int k = 0; well && k < WORK_VECTORS; k++) well = (y->work[k] = array_new(n, sizeof(double)));
+    bool well = matrix_init(&y->matrix, n, threads);
+    well = well && (y->b = array_new_team(n, sizeof(double), threads)) &&
+           (y->x = array_new_team(n, sizeof(double), threads));
+    for (int k = 0; well && k < WORK_VECTORS; k++) well = (y->work[k] = array_new_team(n, sizeof(double), threads));
     well = well && (y->partial = array_new(3 * chunks_of(y), sizeof(double)));
     if (!well) system_done(y);
     return well;
