@@ -16,32 +16,32 @@ static double settled(long double near)
     return low == high ? low : (double)NAN;
 }
 
-#define OF_ONE(name)                                 \
-    static double nearest_##name(double x)           \
-    {                                                \
-        const double quick = settled(name##l(x));    \
-        if (!isnan(quick)) return quick;             \
-        MPFR_DECL_INIT(value, 53);                   \
-        mpfr_set_d(value, x, MPFR_RNDN);             \
-        mpfr_##name(value, value, MPFR_RNDN);        \
-        return mpfr_get_d(value, MPFR_RNDN);         \
-    }                                                \
-    double name(double x)                            \
-    {                                                \
-        return nearest_##name(x);                    \
+#define OF_ONE(name)                                                                                                   \
+    static double nearest_##name(double x)                                                                             \
+    {                                                                                                                  \
+        const double quick = settled(name##l(x));                                                                      \
+        if (!isnan(quick)) return quick;                                                                               \
+        MPFR_DECL_INIT(value, 53);                                                                                     \
+        mpfr_set_d(value, x, MPFR_RNDN);                                                                               \
+        mpfr_##name(value, value, MPFR_RNDN);                                                                          \
+        return mpfr_get_d(value, MPFR_RNDN);                                                                           \
+    }                                                                                                                  \
+    double name(double x)                                                                                              \
+    {                                                                                                                  \
+        return nearest_##name(x);                                                                                      \
     }
 
-#define OF_TWO(name)                                 \
-    double name(double x, double y)                  \
-    {                                                \
-        const double quick = settled(name##l(x, y)); \
-        if (!isnan(quick)) return quick;             \
-        MPFR_DECL_INIT(value, 53);                   \
-        MPFR_DECL_INIT(other, 53);                   \
-        mpfr_set_d(value, x, MPFR_RNDN);             \
-        mpfr_set_d(other, y, MPFR_RNDN);             \
-        mpfr_##name(value, value, other, MPFR_RNDN); \
-        return mpfr_get_d(value, MPFR_RNDN);         \
+#define OF_TWO(name)                                                                                                   \
+    double name(double x, double y)                                                                                    \
+    {                                                                                                                  \
+        const double quick = settled(name##l(x, y));                                                                   \
+        if (!isnan(quick)) return quick;                                                                               \
+        MPFR_DECL_INIT(value, 53);                                                                                     \
+        MPFR_DECL_INIT(other, 53);                                                                                     \
+        mpfr_set_d(value, x, MPFR_RNDN);                                                                               \
+        mpfr_set_d(other, y, MPFR_RNDN);                                                                               \
+        mpfr_##name(value, value, other, MPFR_RNDN);                                                                   \
+        return mpfr_get_d(value, MPFR_RNDN);                                                                           \
     }
 
 OF_ONE(sin)

@@ -24,24 +24,51 @@ static double value_of(const Sampler *q, size_t j)
     return sqrt(sum);
 }
 
-static void visit(Sampler *q, size_t first, size_t last)
+enum { AT_ONCE = 64 }; /* particles whose distances are taken in one go */
+
+/* r2: [n] squared distances of the particles from first on. */
+static void measure(const Sampler *q, size_t first, size_t n, double *restrict r2)
+{
+    const Model *model = &q->sim->model;
+    for (size_t k = 0; k < n; k++) r2[k] = 0;
+    for (int d = 0; d < q->sim->s.dim; d++) {
+        const double at = q->x[d], *x = q->sim->s.x[d] + first;
+        if (model->period[d] > 0)
+            for (size_t k = 0; k < n; k++) {
+                const double dx = model_nearest(model, d, at - x[k]);
+                r2[k] += dx * dx;
+            }
+        else
+            for (size_t k = 0; k < n; k++) r2[k] += (at - x[k]) * (at - x[k]);
+    }
+}
+
+static void add(Sampler *q, size_t j, double W)
 {
     const Particles *s = &q->sim->s;
-    for (size_t j = first; j < last; j++) {
-        double r2 = 0, W = 0, F = 0;
-        for (int d = 0; d < s->dim; d++) {
-            const double dx = model_nearest(&q->sim->model, d, q->x[d] - s->x[d][j]);
-            r2 += dx * dx;
+    const double weight = W * s->vol[j];
+    q->sums.all += weight;
+    if (j >= particles_fluid(s)) return;
+    q->sums.fluid += weight;
+    q->sums.value += weight * value_of(q, j);
+    if (q->fluids >> s->phase[j] & 1) q->sums.one += weight;
+}
+
+static void visit(Sampler *q, size_t first, size_t last)
+{
+    for (; first < last; first += AT_ONCE) {
+        const size_t n = last - first < AT_ONCE ? last - first : AT_ONCE;
+        double r[AT_ONCE], W[AT_ONCE], F[AT_ONCE];
+        size_t near[AT_ONCE], n_near = 0;
+        measure(q, first, n, r);
+        for (size_t k = 0; k < n; k++) {
+            const double distance = sqrt(r[k]);
+            r[n_near] = distance; /* what stood there has been looked at */
+            near[n_near] = first + k;
+            n_near += distance < q->kernel.support;
         }
-        const double r = sqrt(r2);
-        if (!(r < q->kernel.support)) continue;
-        kernel_eval(&q->kernel, 1, &r, &W, &F);
-        const double weight = W * s->vol[j];
-        q->sums.all += weight;
-        if (j >= particles_fluid(s)) continue;
-        q->sums.fluid += weight;
-        q->sums.value += weight * value_of(q, j);
-        if (q->fluids >> s->phase[j] & 1) q->sums.one += weight;
+        kernel_eval(&q->kernel, n_near, r, W, F);
+        for (size_t k = 0; k < n_near; k++) add(q, near[k], W[k]);
     }
 }
 

@@ -15,11 +15,11 @@ typedef struct Function {
 } Function;
 
 static const Function FUNCTIONS[] = {
-    {"sin", "sin(x)", sin, mpfr_sin, -1e3, 1e3},       {"cos", "cos(x)", cos, mpfr_cos, -1e3, 1e3},
-    {"tan", "tan(x)", tan, mpfr_tan, -1e2, 1e2},       {"asin", "asin(x)", asin, mpfr_asin, -1, 1},
-    {"acos", "acos(x)", acos, mpfr_acos, -1, 1},       {"atan", "atan(x)", atan, mpfr_atan, -50, 50},
-    {"exp", "exp(x)", exp, mpfr_exp, -700, 700},       {"log", "log(x)", log, mpfr_log, 0, 1e6},
-    {"log2", "log(x, 2)", log2, mpfr_log2, 0, 1e6},    {"log10", "log(x, 10)", log10, mpfr_log10, 0, 1e6},
+    {"sin", "sin(x)", sin, mpfr_sin, -1e3, 1e3},    {"cos", "cos(x)", cos, mpfr_cos, -1e3, 1e3},
+    {"tan", "tan(x)", tan, mpfr_tan, -1e2, 1e2},    {"asin", "asin(x)", asin, mpfr_asin, -1, 1},
+    {"acos", "acos(x)", acos, mpfr_acos, -1, 1},    {"atan", "atan(x)", atan, mpfr_atan, -50, 50},
+    {"exp", "exp(x)", exp, mpfr_exp, -700, 700},    {"log", "log(x)", log, mpfr_log, 0, 1e6},
+    {"log2", "log(x, 2)", log2, mpfr_log2, 0, 1e6}, {"log10", "log(x, 10)", log10, mpfr_log10, 0, 1e6},
     {"cbrt", NULL, cbrt, mpfr_cbrt, -1e3, 1e3},
 };
 enum { N_FUNCTIONS = sizeof FUNCTIONS / sizeof *FUNCTIONS };
