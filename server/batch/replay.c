@@ -58,22 +58,6 @@ static MnsStatus document_of(const Replay *replay, const Meniscus__Case *message
     return status;
 }
 
-static MnsStatus assigned(const Meniscus__Case *old, const Meniscus__Set *set, Meniscus__Case **ret, MnsError *error)
-{
-    Meniscus__Case *last = NULL;
-    for (size_t k = 0; k < set->n_assignments; k++) {
-        Meniscus__Case *next;
-        const Meniscus__Assignment *a = set->assignments[k];
-        const MnsStatus status =
-            case_message_set(last ? last : old, a->path ? a->path : "", a->value ? a->value : "", &next, error);
-        if (last) meniscus__case__free_unpacked(last, NULL);
-        if (status) return status;
-        last = next;
-    }
-    *ret = last;
-    return last ? MNS_OK : mns_fail(error, MNS_E_INVALID, "a set without an assignment");
-}
-
 static MnsStatus adopt(Replay *replay, const Meniscus__Case *message, MnsError *error)
 {
     Document *document;
@@ -87,11 +71,11 @@ static MnsStatus adopt(Replay *replay, const Meniscus__Case *message, MnsError *
 
 static MnsStatus set_again(Replay *replay, const Meniscus__Set *set, MnsError *error)
 {
-    Meniscus__Case *message;
-    MnsStatus status = assigned(replay->document->message, set, &message, error);
+    Document *changed;
+    MnsStatus status = document_set(replay->document, set, &changed, error);
     if (status) return status;
-    status = adopt(replay, message, error);
-    meniscus__case__free_unpacked(message, NULL);
+    status = adopt(replay, changed->message, error);
+    document_leave(changed);
     return status;
 }
 

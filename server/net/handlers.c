@@ -207,27 +207,13 @@ static void serve_snapshot(Run *run, Exchange *x)
     run_snapshot(run, &x->order, x->request->snapshot->n_fields, x->request->snapshot->fields);
 }
 
-/* Paths and values of the assignments; false if one is not whole. */
-static bool split(const Meniscus__Set *set, const char **paths, const char **values)
-{
-    for (size_t k = 0; k < set->n_assignments; k++) {
-        paths[k] = set->assignments[k]->path;
-        values[k] = set->assignments[k]->value;
-        if (!paths[k] || !values[k]) return false;
-    }
-    return true;
-}
-
 static void serve_set(Run *run, Exchange *x)
 {
     const Meniscus__Set *set = x->request->set;
-    const char *paths[ENTRIES_MAX], *values[ENTRIES_MAX];
     MnsError error;
     if (set->n_assignments > ENTRIES_MAX)
         answer(run, x, mns_fail(&error, MNS_E_LIMIT, "at most %d entries can be set at a time", ENTRIES_MAX), &error);
-    else if (!split(set, paths, values))
-        answer(run, x, mns_fail(&error, MNS_E_INVALID, "an assignment needs a path and a value"), &error);
-    else run_set(run, &x->order, set->n_assignments, paths, values);
+    else run_set(run, &x->order, set);
 }
 
 static void serve_rollback(Run *run, Exchange *x)

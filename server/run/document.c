@@ -74,6 +74,35 @@ MnsStatus document_new(const Meniscus__Case *message, const char *name, Document
     return status;
 }
 
+/* Message with all assignments made. */
+static MnsStatus assign(const Meniscus__Case *old, const Meniscus__Set *set, Meniscus__Case **ret, MnsError *error)
+{
+    Meniscus__Case *last = NULL;
+    for (size_t k = 0; k < set->n_assignments; k++) {
+        const Meniscus__Assignment *made = set->assignments[k];
+        Meniscus__Case *next;
+        const MnsStatus status = made->path && made->value
+                                     ? case_message_set(last ? last : old, made->path, made->value, &next, error)
+                                     : mns_fail(error, MNS_E_INVALID, "an assignment needs a path and a value");
+        if (last) meniscus__case__free_unpacked(last, NULL);
+        if (status) return status;
+        last = next;
+    }
+    *ret = last;
+    return last ? MNS_OK : mns_fail(error, MNS_E_INVALID, "there is nothing to set: give at least one path=value");
+}
+
+MnsStatus document_set(const Document *old, const Meniscus__Set *set, Document **ret, MnsError *error)
+{
+    Meniscus__Case *message;
+    MnsStatus status = assign(old->message, set, &message, error);
+    if (status) return status;
+    status = case_message_steerable(old->message, message, error);
+    if (!status) status = document_new(message, old->name, ret, error);
+    meniscus__case__free_unpacked(message, NULL);
+    return status;
+}
+
 Document *document_share(Document *document)
 {
     if (document) document->references++;

@@ -3,7 +3,7 @@
 #ifndef RUN_DOCUMENT_H
 #define RUN_DOCUMENT_H
 
-#include "case.pb-c.h"
+#include "meniscus.pb-c.h"
 #include <meniscus/case.h>
 
 typedef struct Document {
@@ -22,6 +22,10 @@ MnsStatus document_new(const Meniscus__Case *message, const char *name, Document
 
 /* The same from a packed message, as a checkpoint keeps it. */
 MnsStatus document_unpack(const void *blob, size_t size, const char *name, Document **ret, MnsError *error);
+
+/* As a set leaves the case of a run under way: all assignments made, one after the other. MNS_E_INVALID; MNS_E_STATE if something would
+ * change that cannot. */
+MnsStatus document_set(const Document *old, const Meniscus__Set *set, Document **ret, MnsError *error);
 
 /* One more, one fewer user; NULL is fine for both. Any thread. */
 Document *document_share(Document *document);

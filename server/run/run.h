@@ -120,8 +120,8 @@ void run_cancel(Run *run, Order *order, const uint8_t id[static ORDER_ID]);
 void run_checkpoint(Run *run, Order *order);
 void run_snapshot(Run *run, Order *order, size_t n, char *const *fields);
 
-/* Change n entries of the case, or none. The answer has a share of the changed case, which is the order's owner's. */
-void run_set(Run *run, Order *order, size_t n, const char *const *paths, const char *const *values);
+/* Change all these entries of the case, or none. The answer has a share of the changed case, which is the order's owner's. */
+void run_set(Run *run, Order *order, const Meniscus__Set *set);
 
 /* Back to the case as it was at a version, which makes one more. The answer is as that of a set. */
 void run_rollback(Run *run, Order *order, uint64_t version);

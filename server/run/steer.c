@@ -4,28 +4,10 @@
 
 #include "base/clock.h"
 #include "base/log.h"
-#include "proto/case_file.h"
 #include <inttypes.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include <time.h>
-
-/* Message with all assignments made, one after the other. */
-static MnsStatus assign(const Meniscus__Case *old, size_t n, const char *const *paths, const char *const *values,
-                        Meniscus__Case **ret, MnsError *error)
-{
-    Meniscus__Case *last = NULL;
-    for (size_t k = 0; k < n; k++) {
-        Meniscus__Case *next;
-        const MnsStatus status = case_message_set(last ? last : old, paths[k], values[k], &next, error);
-        if (last) meniscus__case__free_unpacked(last, NULL);
-        if (status) return status;
-        last = next;
-    }
-    *ret = last;
-    return last ? MNS_OK : mns_fail(error, MNS_E_INVALID, "there is nothing to set: give at least one path=value");
-}
 
 /* Nothing is asked to end in the past. */
 static MnsStatus check_end(const Run *run, const Document *document, MnsError *error)
@@ -36,24 +18,11 @@ static MnsStatus check_end(const Run *run, const Document *document, MnsError *e
                        "the end time must not lie before the present time, %.9g s; found %.9g", t, end);
 }
 
-/* The document of the changed case, if a run may change to it. */
-static MnsStatus changed(const Document *old, size_t n, const char *const *paths, const char *const *values,
-                         Document **ret, MnsError *error)
+static void tell_changes(Run *run, const Meniscus__Set *set)
 {
-    Meniscus__Case *message;
-    MnsStatus status = assign(old->message, n, paths, values, &message, error);
-    if (status) return status;
-    status = case_message_steerable(old->message, message, error);
-    if (!status) status = document_new(message, old->name, ret, error);
-    meniscus__case__free_unpacked(message, NULL);
-    return status;
-}
-
-static void tell_changes(Run *run, size_t n, const char *const *paths, const char *const *values)
-{
-    for (size_t k = 0; k < n; k++) {
+    for (size_t k = 0; k < set->n_assignments; k++) {
         char text[512];
-        snprintf(text, sizeof text, "%.200s = %.200s", paths[k], values[k]);
+        snprintf(text, sizeof text, "%.200s = %.200s", set->assignments[k]->path, set->assignments[k]->value);
         run_tell(run, NOTE_EVENT, LOG_INFORMATION, "set", text);
     }
 }
@@ -95,13 +64,13 @@ static void answer_change(Run *run, Order *order, MnsStatus status, const MnsErr
     run->before = NULL;
 }
 
-void run_set(Run *run, Order *order, size_t n, const char *const *paths, const char *const *values)
+void run_set(Run *run, Order *order, const Meniscus__Set *set)
 {
     MnsError error;
     Document *document;
-    MnsStatus status = changed(run->document, n, paths, values, &document, &error);
+    MnsStatus status = document_set(run->document, set, &document, &error);
     if (!status) status = change(run, order, document, &error);
-    if (!status) tell_changes(run, n, paths, values);
+    if (!status) tell_changes(run, set);
     answer_change(run, order, status, &error);
 }
 
@@ -117,25 +86,10 @@ void run_rollback(Run *run, Order *order, uint64_t version)
     answer_change(run, order, status, &error);
 }
 
-/* A document as a set leaves it. */
-static MnsStatus after_set(const Document *old, const Meniscus__Set *set, Document **ret, MnsError *error)
-{
-    const char **texts = calloc(2 * set->n_assignments + 1, sizeof *texts);
-    if (!texts) return mns_fail(error, MNS_E_MEMORY, "no memory for a set of %zu entries", set->n_assignments);
-    const char **paths = texts, **values = texts + set->n_assignments;
-    for (size_t k = 0; k < set->n_assignments; k++) {
-        paths[k] = set->assignments[k]->path ? set->assignments[k]->path : "";
-        values[k] = set->assignments[k]->value ? set->assignments[k]->value : "";
-    }
-    const MnsStatus status = changed(old, set->n_assignments, paths, values, ret, error);
-    free(texts);
-    return status;
-}
-
 MnsStatus run_set_again(Run *run, const Meniscus__Set *set, MnsError *error)
 {
     Document *document;
-    const MnsStatus status = after_set(run->document, set, &document, error);
+    const MnsStatus status = document_set(run->document, set, &document, error);
     return status ? status : adopt(run, document, NULL, error);
 }
 
@@ -150,7 +104,7 @@ MnsStatus run_adopt_again(Run *run, const Meniscus__Case *message, MnsError *err
 static MnsStatus after_entry(const Document *old, const LineageEntry *entry, Document **ret, MnsError *error)
 {
     if (entry->adopted) return document_new(entry->adopted, old->name, ret, error);
-    return after_set(old, entry->request->set, ret, error);
+    return document_set(old, entry->request->set, ret, error);
 }
 
 MnsStatus run_remember(Run *run, const Lineage *lineage, MnsError *error)

@@ -270,8 +270,13 @@ static void only_look(Run *run, Order *order)
 
 static void set_and_look(Run *run, Order *order)
 {
-    const char *const paths[] = {"gravity", "scheme.cfl"}, *const values[] = {"[0.5, -2]", "0.1"};
-    run_set(run, order, 2, paths, values);
+    Meniscus__Assignment made[] = {MENISCUS__ASSIGNMENT__INIT, MENISCUS__ASSIGNMENT__INIT};
+    Meniscus__Set set = MENISCUS__SET__INIT;
+    made[0].path = "gravity", made[0].value = "[0.5, -2]";
+    made[1].path = "scheme.cfl", made[1].value = "0.1";
+    set.n_assignments = 2;
+    set.assignments = (Meniscus__Assignment *[]){&made[0], &made[1]};
+    run_set(run, order, &set);
     look(run);
 }
 
