@@ -138,6 +138,7 @@ Meniscus__Code code_of(MnsStatus status)
         [MNS_E_INTERRUPTED] = MENISCUS__CODE__ABORTED,
         [MNS_E_HELD] = MENISCUS__CODE__FAILED_PRECONDITION,
         [MNS_E_EXPIRED] = MENISCUS__CODE__ABORTED,
+        [MNS_E_DENIED] = MENISCUS__CODE__PERMISSION_DENIED,
         [MNS_E_INTERNAL] = MENISCUS__CODE__INTERNAL,
     };
     const unsigned k = (unsigned)status;

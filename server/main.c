@@ -27,6 +27,8 @@ enum {
     KEY_THREADS,
     KEY_STATE,
     KEY_TCP,
+    KEY_LISTEN,
+    KEY_KEYS,
     KEY_HTTP,
     KEY_TOKEN,
     KEY_LOAD,
@@ -41,6 +43,9 @@ static const struct argp_option arguments[] = {
     {"name", 'n', "NAME", 0, "Name by which clients find the daemon (default)", 1},
     {"state-dir", KEY_STATE, "DIR", 0, "Where runs keep their files", 1},
     {"tcp", KEY_TCP, "PORT", 0, "Listen on 127.0.0.1 too: commands at PORT, telemetry at PORT + 1", 1},
+    {"listen", KEY_LISTEN, "tcp://ADDRESS:PORT", 0,
+     "The same at any address, for those who have a key: see `meniscus help keys`", 1},
+    {"keys", KEY_KEYS, "DIR", 0, "Where the keys of --listen are ($MENISCUS_KEYS, or ~/.config/meniscus/keys)", 1},
     {"http", KEY_HTTP, "[ADDRESS:]PORT", 0,
      "Serve /metrics for Prometheus, /healthz and /readyz at this port of 127.0.0.1 or of another address", 1},
     {"http-token", KEY_TOKEN, "FILE", 0, "The word that --http asks for; without one, it serves this machine only", 1},
@@ -141,8 +146,12 @@ static void check(const Options *options, struct argp_state *state)
     if (options->verify && !options->log && !options->replay) argp_error(state, "--verify goes with --log or --replay");
     if (options->replay && !options->verify)
         argp_error(state, "--replay goes with --verify: it compares, and writes nothing");
-    if (batch->name && (daemon->load || daemon->start || daemon->tcp || daemon->http.address || daemon->state_dir))
-        argp_error(state, "--batch starts no daemon: leave out --load, --start, --tcp, --http and --state-dir");
+    if (batch->name && (daemon->load || daemon->start || daemon->at.tcp || daemon->at.listen || daemon->http.address ||
+                        daemon->state_dir))
+        argp_error(state,
+                   "--batch starts no daemon: leave out --load, --start, --tcp, --listen, --http and --state-dir");
+    if (daemon->at.keys && !daemon->at.listen)
+        argp_error(state, "--keys says where the keys of --listen are: give both");
     if (daemon->http.token_file && !daemon->http.address)
         argp_error(state, "--http-token is asked for by --http: give both");
     if (!batch->name && !daemon->load && (options->n_settings || options->resume || daemon->start))
@@ -153,9 +162,11 @@ static error_t parse(int key, char *text, struct argp_state *state)
 {
     Options *options = state->input;
     switch (key) {
-    case 'n': options->daemon.name = text; break;
+    case 'n': options->daemon.at.name = text; break;
     case KEY_STATE: options->daemon.state_dir = text; break;
-    case KEY_TCP: options->daemon.tcp = text; break;
+    case KEY_TCP: options->daemon.at.tcp = text; break;
+    case KEY_LISTEN: options->daemon.at.listen = text; break;
+    case KEY_KEYS: options->daemon.at.keys = text; break;
     case KEY_HTTP: options->daemon.http.address = text; break;
     case KEY_TOKEN: options->daemon.http.token_file = text; break;
     case KEY_LOAD: options->daemon.load = text; break;
@@ -228,7 +239,7 @@ int main(int argc, char **argv)
                "Exit codes: 0 done, 1 refused or failed, 2 usage, 65 bad case, 70 diverged or a formula failed on the "
                "way, 74 input/output error, 75 stopped by a signal, after a checkpoint if it had begun (run the same "
                "command again)."};
-    Options options = {.batch.until = NAN, .level = -1, .daemon.name = "default", .daemon.threads = -1};
+    Options options = {.batch.until = NAN, .level = -1, .daemon.at.name = "default", .daemon.threads = -1};
     environment_waiting(argv);
     argp_err_exit_status = MNS_EXIT_USAGE;
     static Words words; /* outlives main() */

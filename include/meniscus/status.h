@@ -24,6 +24,7 @@ typedef enum MnsStatus {
     MNS_E_INTERRUPTED, /* stopped by a signal or a request                                          */
     MNS_E_HELD,        /* somebody else holds the lease                                             */
     MNS_E_EXPIRED,     /* the lease it was sent under is over                                       */
+    MNS_E_DENIED,      /* who asks may not do that, or is not let in                                */
     MNS_E_INTERNAL     /* a defect of this program                                                  */
 } MnsStatus;
 

@@ -23,6 +23,7 @@ const char *mns_status_name(MnsStatus status)
         [MNS_E_INTERRUPTED] = "interrupted",
         [MNS_E_HELD] = "held",
         [MNS_E_EXPIRED] = "expired",
+        [MNS_E_DENIED] = "denied",
         [MNS_E_INTERNAL] = "internal error",
     };
     const unsigned k = (unsigned)status;
@@ -48,6 +49,7 @@ const char *mns_status_hint(MnsStatus status)
         [MNS_E_HELD] = "wait until it is given back, or only watch; pause, stop and shutdown are always possible",
         [MNS_E_EXPIRED] =
             "see with `meniscus status` who holds the lease now, and take a new one with `meniscus lease`",
+        [MNS_E_DENIED] = "ask whoever keeps the daemon's keys: `meniscus keys` makes one of the role that is needed",
         [MNS_E_INTERNAL] = "please report this with the command and the log",
     };
     const unsigned k = (unsigned)status;

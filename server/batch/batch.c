@@ -113,8 +113,9 @@ static void serve_leave(Run *run, Order *order)
 
 static BatchOrder new_order(Batch *batch, void (*serve)(Run *, Order *), const Meniscus__Request *request)
 {
-    return (BatchOrder){.order = {.serve = serve, .deadline = INFINITY, .request = request, .caller = {"batch"}},
-                        .batch = batch};
+    return (BatchOrder){
+        .order = {.serve = serve, .deadline = INFINITY, .request = request, .who = {WHO_BATCH, ROLE_ADMIN}},
+        .batch = batch};
 }
 
 /* An order whose answer does not matter; ends: also the loading of the case. While it is under way another one of it would change nothing. */

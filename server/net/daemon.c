@@ -44,6 +44,8 @@ typedef struct Daemon {
     char parent[RUNDIR_PATH];
 } Daemon;
 
+static const Who OURSELVES = {WHO_DAEMON, ROLE_ADMIN};
+
 /* --- requests of our own ----------------------------------------------------------------------------------------------- */
 
 /* Post a copy of a request, whose reply nobody reads. NULL if that was not possible. */
@@ -56,8 +58,7 @@ static const Exchange *post(Daemon *daemon, const Meniscus__Request *request, co
     meniscus__request__pack(request, packed);
     Meniscus__Request *copy = meniscus__request__unpack(NULL, size, packed);
     free(packed);
-    Exchange *exchange = copy ? exchange_new(copy) : NULL;
-    if (exchange) snprintf(exchange->order.caller.name, sizeof exchange->order.caller.name, CALLER_DAEMON);
+    Exchange *exchange = copy ? exchange_new(copy, &OURSELVES) : NULL;
     if (exchange) exchange->order.lineage = lineage;
     if (!exchange || !handle(daemon->run, exchange, &error)) return exchange;
     log_line(LOG_ERROR, "%s", error.text);
@@ -169,7 +170,7 @@ static void post_recovery(Daemon *daemon)
     request_free(resume);
     if (daemon->recovery && daemon->options->start && daemon->comeback.lineage.untouched) post_start(daemon);
     Meniscus__Request *rest = daemon->recovery ? comeback_rest(&daemon->comeback) : NULL;
-    if (rest) desk_take(daemon->desk, rest, &daemon->comeback.lineage); /* before its sender asks again */
+    if (rest) desk_take(daemon->desk, &OURSELVES, rest, &daemon->comeback.lineage); /* before its sender asks again */
 }
 
 static void refuse_case(Daemon *daemon)
@@ -287,7 +288,7 @@ static MnsStatus make_parent(Daemon *daemon, MnsError *error)
 static void find_parent(Daemon *daemon)
 {
     const char *given = daemon->options->state_dir, *systemd = getenv("STATE_DIRECTORY");
-    const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME"), *name = daemon->options->name;
+    const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME"), *name = daemon->options->at.name;
     char *to = daemon->parent;
     const size_t size = sizeof daemon->parent;
     if (given) snprintf(to, size, "%s", given);
@@ -305,7 +306,7 @@ static void serve_leave(Run *run, Order *order)
 static MnsStatus serve_http(Daemon *daemon, MnsError *error)
 {
     if (!daemon->http) return MNS_OK;
-    const HttpSources sources = {.name = daemon->options->name,
+    const HttpSources sources = {.name = daemon->options->at.name,
                                  .commit = describe_commit(),
                                  .compiler = describe_compiler(),
                                  .directory = daemon->parent,
@@ -371,8 +372,9 @@ static int serve_locked(Daemon *daemon)
     if (status) return refused(&error, disk ? MNS_EXIT_IO : MNS_EXIT_FAILED);
     comeback_begin(&daemon->comeback, daemon->parent, daemon->asked, daemon->desk);
     post_first(daemon);
-    log_line(LOG_INFORMATION, "listening at %s%s%s", daemon->endpoint.control,
-             daemon->endpoint.tcp_control[0] ? " and " : "", daemon->endpoint.tcp_control);
+    const Endpoint *at = &daemon->endpoint;
+    log_line(LOG_INFORMATION, "listening at %s%s%s%s%s", at->control, at->tcp_control[0] ? " and " : "",
+             at->tcp_control, at->far_control[0] ? " and, for those who have a key, at " : "", at->far_control);
     notify_ready();
     serve(daemon);
     http_stop(daemon->http);
@@ -396,7 +398,7 @@ int daemon_run(const DaemonOptions *options)
         forget_case(&daemon);
         return refused(&daemon.bad_case, MNS_EXIT_BAD_CASE);
     }
-    const MnsStatus status = endpoint_open(options->name, options->tcp, &daemon.endpoint, &error);
+    const MnsStatus status = endpoint_open(&options->at, &daemon.endpoint, &error);
     if (status) {
         forget_case(&daemon);
         return refused(&error, code_of_place(status));

@@ -4,11 +4,11 @@
 #define NET_DAEMON_H
 
 #include "http/http.h"
+#include "net/endpoint.h"
 
 typedef struct DaemonOptions {
-    const char *name;      /* of the daemon; its sockets are found by it           */
+    EndpointOptions at;    /* its name, by which its sockets are found, and where else it listens */
     const char *state_dir; /* run directories go there; NULL: where users keep state */
-    const char *tcp;       /* port on loopback, or NULL                            */
     HttpOptions http;      /* where metrics are served, or not                     */
     int threads;           /* for cases that do not say; -1: their default        */
     const char *load;      /* case to load at the start, or NULL                   */

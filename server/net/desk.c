@@ -6,6 +6,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "net/far.h"
 #include "net/handlers.h"
 #include "net/ledger.h"
 #include "net/outgoing.h"
@@ -37,8 +38,12 @@ typedef struct Reading {
     uint64_t frames; /* taken so far, that of the sender too */
 } Reading;
 
+enum { CONTROL, TELEMETRY, FARS };
+
 struct Desk {
     void *context, *control, *telemetry;
+    Access *access;
+    Far far[FARS];
     Run *run;
     Ledger *ledger;
     Publisher *publisher;
@@ -80,12 +85,18 @@ static MnsStatus bind_all(Desk *desk, const Endpoint *at, MnsError *error)
     if (!status) status = bind_one(desk->telemetry, at->telemetry, error);
     umask(mask);
     if (!status) status = bind_one(desk->control, at->tcp_control, error);
-    return status ? status : bind_one(desk->telemetry, at->tcp_telemetry, error);
+    if (!status) status = bind_one(desk->telemetry, at->tcp_telemetry, error);
+    if (status || !at->far_control[0]) return status;
+    status = far_bind(&desk->far[CONTROL], desk->access, desk->control, at->far_control, error);
+    return status ? status : far_bind(&desk->far[TELEMETRY], desk->access, desk->telemetry, at->far_telemetry, error);
 }
 
-static MnsStatus open_sockets(Desk *desk, MnsError *error)
+static MnsStatus open_sockets(Desk *desk, const Endpoint *at, MnsError *error)
 {
     desk->context = zmq_ctx_new();
+    if (desk->context && at->far_control[0]) zmq_ctx_set(desk->context, ZMQ_IO_THREADS, 2);
+    MnsStatus status = access_new(desk->context, at->keys, &desk->access, error);
+    if (status) return status;
     desk->control = desk->context ? zmq_socket(desk->context, ZMQ_ROUTER) : NULL;
     desk->telemetry = desk->control ? zmq_socket(desk->context, ZMQ_XPUB) : NULL;
     if (!desk->telemetry) return mns_fail(error, MNS_E_MEMORY, "cannot make sockets: %s", zmq_strerror(zmq_errno()));
@@ -98,6 +109,8 @@ static MnsStatus open_sockets(Desk *desk, MnsError *error)
     set_common(desk->telemetry);
     set(desk->telemetry, ZMQ_XPUB_VERBOSE, 1);
     zmq_setsockopt(desk->telemetry, ZMQ_MAXMSGSIZE, &largest_subscription, sizeof largest_subscription);
+    access_guard_local(desk->access, desk->control);
+    access_guard_local(desk->access, desk->telemetry);
     return visitors_init(&desk->visitors, desk->context, desk->control, error);
 }
 
@@ -111,7 +124,7 @@ MnsStatus desk_new(const Endpoint *endpoint, Run *run, Desk **ret, MnsError *err
     desk->replied = -INFINITY;
     zmq_msg_init(&desk->reading.first);
     desk->epoch = (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
-    MnsStatus status = open_sockets(desk, error);
+    MnsStatus status = open_sockets(desk, endpoint, error);
     outgoing_init(&desk->outgoing, desk->control, desk->epoch);
     if (!status) status = bind_all(desk, endpoint, error);
     if (!status) {
@@ -135,6 +148,7 @@ void desk_free(Desk *desk)
     zmq_msg_close(&desk->reading.first);
     if (desk->control) zmq_close(desk->control);
     if (desk->telemetry) zmq_close(desk->telemetry);
+    access_free(desk->access);
     if (desk->context) zmq_ctx_term(desk->context);
     ledger_free(desk->ledger);
     publisher_free(desk->publisher);
@@ -151,14 +165,31 @@ const Traffic *desk_traffic(const Desk *desk)
     return &desk->traffic;
 }
 
+/* --- the door ----------------------------------------------------------------------------------------------------------- */
+
+static void see_to_door(Desk *desk)
+{
+    for (int k = 0; k < FARS; k++) far_mend(&desk->far[k]);
+    if (access_refresh(desk->access)) {
+        log_line(LOG_NOTICE, "a key is gone: connections from afar are made anew");
+        for (int k = 0; k < FARS; k++) far_cut(&desk->far[k]);
+    }
+    for (int k = 0; k < AT_ONCE && access_answer(desk->access); k++) continue;
+}
+
 unsigned desk_poll(Desk *desk, const int fds[2], long timeout)
 {
+    const int watch = access_watch(desk->access);
     zmq_pollitem_t items[] = {{.fd = fds[0], .events = ZMQ_POLLIN},
                               {.fd = fds[1], .events = ZMQ_POLLIN},
                               {.socket = desk->control, .events = ZMQ_POLLIN},
                               {.socket = desk->telemetry, .events = ZMQ_POLLIN},
-                              {.socket = desk->visitors.monitor, .events = ZMQ_POLLIN}};
-    if (zmq_poll(items, 5, timeout) <= 0) return 0;
+                              {.socket = desk->visitors.monitor, .events = ZMQ_POLLIN},
+                              {.socket = access_socket(desk->access), .events = ZMQ_POLLIN},
+                              {.fd = watch, .events = ZMQ_POLLIN}};
+    for (int k = 0; k < FARS; k++)
+        if (far_is_cut(&desk->far[k]) && timeout > FAR_RETRY_MS) timeout = FAR_RETRY_MS;
+    if (zmq_poll(items, watch >= 0 ? 7 : 6, timeout) <= 0) return 0;
     return (items[0].revents ? 1u : 0) | (items[1].revents ? 2u : 0);
 }
 
@@ -284,17 +315,9 @@ static MnsStatus begin(Desk *desk, Exchange *exchange, MnsError *error)
     return status;
 }
 
-/* The one place that says who gives a command. ZeroMQ numbers connections anew when the daemon starts. */
-static void name_caller(const Sender *sender, Caller *ret)
-{
-    size_t n = (size_t)snprintf(ret->name, sizeof ret->name, "connection ");
-    for (size_t k = 0; k < sender->size && n + 2 < sizeof ret->name; k++)
-        n += (size_t)snprintf(ret->name + n, sizeof ret->name - n, "%02x", sender->identity[k]);
-}
-
 /* Takes over the request. */
-static void take_request(Desk *desk, const Sender *sender, ProtobufCBinaryData id, Meniscus__Request *request,
-                         const Lineage *lineage)
+static void take_request(Desk *desk, const Sender *sender, const Who *who, ProtobufCBinaryData id,
+                         Meniscus__Request *request, const Lineage *lineage)
 {
     LedgerEntry entry;
     MnsError error;
@@ -303,7 +326,7 @@ static void take_request(Desk *desk, const Sender *sender, ProtobufCBinaryData i
         request_free(request);
         return;
     }
-    Exchange *exchange = exchange_new(request);
+    Exchange *exchange = exchange_new(request, who);
     if (!exchange) {
         mns_fail(&error, MNS_E_MEMORY, "no memory for the command; nothing was done");
         refuse(desk, sender, id, &error);
@@ -312,7 +335,6 @@ static void take_request(Desk *desk, const Sender *sender, ProtobufCBinaryData i
     exchange->epoch = desk->epoch;
     exchange->order.lineage = lineage;
     exchange->order.begun = lineage != NULL;
-    name_caller(sender, &exchange->order.caller);
     if (sender->size) exchange->senders[exchange->n_senders++] = *sender;
     if (!begin(desk, exchange, &error)) return;
     refuse(desk, sender, id, &error);
@@ -324,15 +346,20 @@ void desk_recall(Desk *desk, const uint8_t id[static ORDER_ID], const uint8_t *r
     ledger_recall(desk->ledger, id, reply, size);
 }
 
-void desk_take(Desk *desk, Meniscus__Request *request, const Lineage *lineage)
+void desk_take(Desk *desk, const Who *who, Meniscus__Request *request, const Lineage *lineage)
 {
     const Sender nobody = {.size = 0};
-    take_request(desk, &nobody, request->id, request, lineage);
+    take_request(desk, &nobody, who, request->id, request, lineage);
 }
 
-static void take_frame(Desk *desk, const Sender *sender, const void *data, size_t size, uint64_t parts)
+/* Nobody who is not let in gets here, but whoever is no longer: then it is as if nothing had come. */
+static void take_frame(Desk *desk, const Sender *sender, zmq_msg_t *frame, uint64_t parts)
 {
     MnsError error;
+    Who who;
+    const void *data = zmq_msg_data(frame);
+    const size_t size = zmq_msg_size(frame);
+    if (!access_who(desk->access, frame, &who)) return;
     Meniscus__Request *request = NULL;
     const ProtobufCBinaryData id = request_id(data, size);
     desk->traffic.requests++;
@@ -340,7 +367,7 @@ static void take_frame(Desk *desk, const Sender *sender, const void *data, size_
         parts == 1 ? MNS_OK : mns_fail(&error, MNS_E_INVALID, "a request is one frame; these are %" PRIu64, parts);
     if (!status) status = request_read(data, size, &request, &error);
     if (!status) {
-        take_request(desk, sender, id, request, NULL);
+        take_request(desk, sender, &who, id, request, NULL);
         return;
     }
     refuse(desk, sender, id, &error);
@@ -364,8 +391,7 @@ static bool receive_frame(Desk *desk)
     zmq_msg_close(&frame);
     reading->frames++;
     if (more) return true;
-    take_frame(desk, &reading->sender, zmq_msg_data(&reading->first), zmq_msg_size(&reading->first),
-               reading->frames - 1);
+    take_frame(desk, &reading->sender, &reading->first, reading->frames - 1);
     zmq_msg_close(&reading->first);
     zmq_msg_init(&reading->first);
     reading->frames = 0;
@@ -388,6 +414,7 @@ void desk_receive(Desk *desk)
     visitors_note(&desk->visitors);
     desk->traffic.clients = desk->visitors.n;
     desk->traffic.unread = desk->outgoing.unread;
+    see_to_door(desk);
     for (int k = 0; k < AT_ONCE && receive_frame(desk); k++) continue;
     for (int k = 0; k < AT_ONCE && receive_subscription(desk); k++) continue;
 }

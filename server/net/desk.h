@@ -29,7 +29,7 @@ void desk_recall(Desk *desk, const uint8_t id[static ORDER_ID], const uint8_t *r
 
 /* Take a request as if somebody had sent it who is gone; whoever sends it again gets the reply. It is taken over.
  *  lineage  of the run in which it had set out; borrowed */
-void desk_take(Desk *desk, Meniscus__Request *request, const Lineage *lineage);
+void desk_take(Desk *desk, const Who *who, Meniscus__Request *request, const Lineage *lineage);
 
 Publisher *desk_publisher(Desk *desk);
 

@@ -4,6 +4,7 @@
 
 #include "proto/case_name.h"
 #include "run/lock.h"
+#include <arpa/inet.h>
 #include <errno.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -76,26 +77,77 @@ static MnsStatus lock(Endpoint *endpoint, const char *name, MnsError *error)
                     holder, path);
 }
 
-/* Only loopback: on other addresses anybody could steer. */
-static MnsStatus set_tcp(const char *tcp, Endpoint *endpoint, MnsError *error)
+/* A port with one after it for telemetry; 0 if the text is none. */
+static long port_of(const char *digits)
 {
     char *end;
+    const long port = strtol(digits, &end, 10);
+    return *digits >= '0' && *digits <= '9' && !*end && port >= 1 && port <= 65534 ? port : 0;
+}
+
+static void set_pair(const char *host, size_t size, long port, char control[ENDPOINT_SIZE],
+                     char telemetry[ENDPOINT_SIZE])
+{
+    snprintf(control, ENDPOINT_SIZE, "tcp://%.*s:%ld", (int)size, host, port);
+    snprintf(telemetry, ENDPOINT_SIZE, "tcp://%.*s:%ld", (int)size, host, port + 1);
+}
+
+/* Plain text, so only loopback: on other addresses anybody could listen and steer. */
+static MnsStatus set_tcp(const char *tcp, Endpoint *endpoint, MnsError *error)
+{
+    if (!strncmp(tcp, "tcp://", 6)) tcp += 6;
     const char *colon = strrchr(tcp, ':');
     const size_t host = colon ? (size_t)(colon - tcp) : 0;
     if (colon && strncmp(tcp, "127.0.0.1:", host + 1) != 0 && strncmp(tcp, "localhost:", host + 1) != 0)
         return mns_fail_at(
             error, MNS_E_INVALID, "tcp",
-            "commands are taken from this machine only, as anybody who reaches the port could steer: use "
-            "127.0.0.1 instead of \"%.*s\", and a tunnel from elsewhere",
-            (int)host, tcp);
+            "--tcp is plain text and for this machine only, as anybody who reaches the port could steer: use 127.0.0.1 "
+            "instead of \"%.*s\", or make keys with `meniscus keys new NAME --role operator` and give --listen "
+            "tcp://%.*s:%.20s",
+            (int)host, tcp, (int)host, tcp, colon + 1);
     const char *digits = colon ? colon + 1 : tcp;
-    const long port = strtol(digits, &end, 10);
-    if (*digits < '0' || *digits > '9' || *end || port < 1 || port > 65534)
+    const long port = port_of(digits);
+    if (!port)
         return mns_fail_at(error, MNS_E_INVALID, "tcp",
                            "--tcp takes a port from 1 to 65534 (telemetry is at the next one); found \"%.60s\"",
                            digits);
-    snprintf(endpoint->tcp_control, ENDPOINT_SIZE, "tcp://127.0.0.1:%ld", port);
-    snprintf(endpoint->tcp_telemetry, ENDPOINT_SIZE, "tcp://127.0.0.1:%ld", port + 1);
+    set_pair("127.0.0.1", strlen("127.0.0.1"), port, endpoint->tcp_control, endpoint->tcp_telemetry);
+    return MNS_OK;
+}
+
+/* Numbers only: a name may mean another address tomorrow, and some systems ask the network for it. */
+static bool is_address(const char *host, size_t size)
+{
+    char text[INET6_ADDRSTRLEN] = "";
+    struct in6_addr room;
+    const bool six = size > 2 && host[0] == '[' && host[size - 1] == ']';
+    if (six) host++, size -= 2;
+    if (size == 1 && *host == '*') return !six;
+    if (size >= sizeof text) return false;
+    memcpy(text, host, size);
+    return inet_pton(six ? AF_INET6 : AF_INET, text, &room) == 1;
+}
+
+/* With keys, so any address. */
+static MnsStatus set_listen(const EndpointOptions *options, Endpoint *endpoint, MnsError *error)
+{
+    const char *text = options->listen, *host = strncmp(text, "tcp://", 6) ? text : text + 6,
+               *colon = strrchr(host, ':');
+    const size_t size = colon ? (size_t)(colon - host) : 0;
+    const long port = colon ? port_of(colon + 1) : 0;
+    if (!port || !is_address(host, size))
+        return mns_fail_at(
+            error, MNS_E_INVALID, "listen",
+            "--listen takes tcp://ADDRESS:PORT: the number of an address of this machine, as 192.0.2.7 or "
+            "[2001:db8::7], or * for all, and a port from 1 to 65534 (telemetry is at the next one); found "
+            "\"%.80s\"",
+            text);
+    set_pair(host, size, port, endpoint->far_control, endpoint->far_telemetry);
+    if (!options->keys) return keys_directory(endpoint->keys, error);
+    if (!*options->keys || strlen(options->keys) >= KEYS_PATH - KEY_NAME_SIZE - 16)
+        return mns_fail_at(error, MNS_E_INVALID, "keys", "--keys must name a directory; found \"%.80s\"",
+                           options->keys);
+    memcpy(endpoint->keys, options->keys, strlen(options->keys) + 1);
     return MNS_OK;
 }
 
@@ -105,13 +157,15 @@ static void remove_sockets(const Endpoint *endpoint)
     unlink(endpoint->telemetry + strlen("ipc://"));
 }
 
-MnsStatus endpoint_open(const char *name, const char *tcp, Endpoint *ret, MnsError *error)
+MnsStatus endpoint_open(const EndpointOptions *options, Endpoint *ret, MnsError *error)
 {
     char directory[256];
     bool own;
     Endpoint endpoint = {.lock = -1};
+    const char *name = options->name;
     MnsStatus status = check_name(name, error);
-    if (!status && tcp) status = set_tcp(tcp, &endpoint, error);
+    if (!status && options->tcp) status = set_tcp(options->tcp, &endpoint, error);
+    if (!status && options->listen) status = set_listen(options, &endpoint, error);
     if (!status) status = choose(name, directory, &own, error);
     if (!status && own) status = make(directory, error);
     if (status) return status;

@@ -1,24 +1,36 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Where a daemon listens: its own directory, locked, with two sockets that only its user can open; and loopback TCP. */
+/* Where a daemon listens: its own directory, locked, with two sockets that only its user can open; loopback TCP; and, for those who have
+ * a key, any address. */
 #ifndef NET_ENDPOINT_H
 #define NET_ENDPOINT_H
 
-#include <meniscus/status.h>
+#include "proto/keys.h"
 
 enum { ENDPOINT_SIZE = 160 };
 
 typedef struct Endpoint {
     char control[ENDPOINT_SIZE], telemetry[ENDPOINT_SIZE];         /* "ipc://..."                        */
     char tcp_control[ENDPOINT_SIZE], tcp_telemetry[ENDPOINT_SIZE]; /* "tcp://127.0.0.1:..."; or empty    */
+    char far_control[ENDPOINT_SIZE], far_telemetry[ENDPOINT_SIZE]; /* "tcp://ADDRESS:...", with keys; or empty */
+    char keys[KEYS_PATH];                                          /* their directory; or empty */
     char directory[ENDPOINT_SIZE];
     int lock; /* file descriptor */
 } Endpoint;
 
+/* What the command line says of it. */
+typedef struct EndpointOptions {
+    const char *name; /* of the daemon */
+    const char *
+        tcp; /* NULL, "PORT" or "127.0.0.1:PORT": commands there, telemetry at the next port, for whoever is on this machine */
+    const char *
+        listen; /* NULL, or "tcp://ADDRESS:PORT": the same for those who have a key, at an address of this machine or all (*) */
+    const char *keys; /* directory of the keys; NULL: where a user keeps them. See proto/keys.h */
+} EndpointOptions;
+
 /* Find and make the directory of the daemon `name`: $RUNTIME_DIRECTORY (of systemd), $XDG_RUNTIME_DIR/meniscus/NAME or
- * /tmp/meniscus-UID/NAME; lock it; remove sockets left behind.
- *  tcp  NULL, "PORT" or "127.0.0.1:PORT": commands there, telemetry at the next port
- * MNS_E_INVALID; MNS_E_LIMIT if the path is too long for a socket; MNS_E_STATE if a daemon of that name is running; MNS_E_IO. */
-MnsStatus endpoint_open(const char *name, const char *tcp, Endpoint *ret, MnsError *error);
+ * /tmp/meniscus-UID/NAME; lock it; remove sockets left behind. MNS_E_INVALID; MNS_E_LIMIT if the path is too long for a socket;
+ * MNS_E_STATE if a daemon of that name is running; MNS_E_NOT_FOUND if it is not known where the keys are; MNS_E_IO. */
+MnsStatus endpoint_open(const EndpointOptions *options, Endpoint *ret, MnsError *error);
 
 /* Remove the sockets and let go of the lock. */
 void endpoint_close(Endpoint *endpoint);

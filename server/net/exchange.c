@@ -9,7 +9,7 @@
 #include <string.h>
 #include <xxhash.h>
 
-Exchange *exchange_new(Meniscus__Request *request)
+Exchange *exchange_new(Meniscus__Request *request, const Who *who)
 {
     Exchange *exchange = calloc(1, sizeof *exchange);
     Meniscus__Reply *reply = malloc(sizeof *reply);
@@ -20,6 +20,7 @@ Exchange *exchange_new(Meniscus__Request *request)
         return NULL;
     }
     meniscus__reply__init(reply);
+    exchange->order.who = *who;
     exchange->order.deadline = INFINITY;
     exchange->request = request;
     exchange->reply = reply;

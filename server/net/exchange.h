@@ -32,7 +32,7 @@ typedef struct Exchange {
 } Exchange;
 
 /* Takes over the request. NULL if there is no memory; then the request is freed. */
-Exchange *exchange_new(Meniscus__Request *request);
+Exchange *exchange_new(Meniscus__Request *request, const Who *who);
 
 /* NULL is fine. */
 void exchange_free(Exchange *exchange);

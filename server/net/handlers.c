@@ -378,29 +378,29 @@ _Static_assert(RUN_STATES == RUN_RECOVERING + 1, "all states are compared");
 
 /* clang-format off */
 static const Handler handlers[] = {
-    /* request                    name            where    states                    traits                          by                  then                */
-    [REQUEST(STATUS)]       = { "status",       HERE,    ANY,                      0,                              serve_status,       NULL               },
-    [REQUEST(CAPABILITIES)] = { "capabilities", HERE,    ANY,                      0,                              serve_capabilities, NULL               },
-    [REQUEST(GET)]          = { "get",          HERE,    ANY,                      0,                              serve_get,          NULL               },
-    [REQUEST(LOAD)]         = { "load",         AT_STEP, STILL | EMPTY,            CHANGES | LEASED,               serve_load,         complete_directory },
-    [REQUEST(START)]        = { "start",        AT_STEP, READY,                    MOTION | CHANGES | LEASED,      serve_go,           NULL               },
-    [REQUEST(RESUME)]       = { "resume",       AT_STEP, PAUSED | FAULT,           MOTION | CHANGES | LEASED,      serve_go,           NULL               },
-    [REQUEST(STEP)]         = { "step",         AT_STEP, READY | PAUSED,           MOTION | CHANGES | LEASED,      serve_step,         NULL               },
-    [REQUEST(RUN_UNTIL)]    = { "run_until",    AT_STEP, READY | PAUSED,           MOTION | CHANGES | LEASED,      serve_until,        NULL               },
-    [REQUEST(PAUSE)]        = { "pause",        AT_STEP, RUNNING | READY | PAUSED, URGENT | CHANGES,               serve_pause,        NULL               },
-    [REQUEST(STOP)]         = { "stop",         AT_STEP, LOADED | RECOVERING,      URGENT | ENDS | CHANGES,        serve_stop,         complete_directory },
-    [REQUEST(CANCEL)]       = { "cancel",       AT_STEP, ANY,                      URGENT | ENDS,                  serve_cancel,       NULL               },
-    [REQUEST(SHUTDOWN)]     = { "shutdown",     AT_STEP, ANY,                      URGENT | ENDS | LAST | CHANGES, serve_shutdown,     complete_directory },
-    [REQUEST(RESET)]        = { "reset",        AT_STEP, STILL,                    CHANGES | LEASED,               serve_reset,        complete_directory },
-    [REQUEST(RESTORE)]      = { "restore",      AT_STEP, STILL,                    CHANGES | LEASED,               serve_restore,      complete_directory },
-    [REQUEST(CHECKPOINT)]   = { "checkpoint",   AT_STEP, LOADED,                   0,                              serve_checkpoint,   complete_file      },
-    [REQUEST(SNAPSHOT)]     = { "snapshot",     AT_STEP, LOADED,                   0,                              serve_snapshot,     complete_file      },
-    [REQUEST(SET)]          = { "set",          AT_STEP, LOADED,                   CHANGES | LEASED,               serve_set,          complete_set       },
-    [REQUEST(ROLLBACK)]     = { "rollback",     AT_STEP, LOADED,                   CHANGES | LEASED,               serve_rollback,     NULL               },
-    [REQUEST(LEASE)]        = { "lease",        AT_STEP, ANY,                      CHANGES,                        serve_lease,        complete_lease     },
-    [REQUEST(QUERY)]        = { "query",        AT_STEP, LOADED,                   LARGE,                          serve_query,        NULL               },
-    [REQUEST(WAIT)]         = { "wait",         AT_STEP, ANY,                      0,                              serve_wait,         complete_wait      },
-    [REQUEST(BREAKPOINT)]   = { "breakpoint",   AT_STEP, LOADED,                   CHANGES | LEASED,               serve_breakpoint,   NULL               },
+    /* request                    name            where    role           states                    traits                          by                  then                */
+    [REQUEST(STATUS)]       = { "status",       HERE,    ROLE_VIEWER,   ANY,                      0,                              serve_status,       NULL               },
+    [REQUEST(CAPABILITIES)] = { "capabilities", HERE,    ROLE_VIEWER,   ANY,                      0,                              serve_capabilities, NULL               },
+    [REQUEST(GET)]          = { "get",          HERE,    ROLE_VIEWER,   ANY,                      0,                              serve_get,          NULL               },
+    [REQUEST(LOAD)]         = { "load",         AT_STEP, ROLE_ADMIN,    STILL | EMPTY,            CHANGES | LEASED,               serve_load,         complete_directory },
+    [REQUEST(START)]        = { "start",        AT_STEP, ROLE_OPERATOR, READY,                    MOTION | CHANGES | LEASED,      serve_go,           NULL               },
+    [REQUEST(RESUME)]       = { "resume",       AT_STEP, ROLE_OPERATOR, PAUSED | FAULT,           MOTION | CHANGES | LEASED,      serve_go,           NULL               },
+    [REQUEST(STEP)]         = { "step",         AT_STEP, ROLE_OPERATOR, READY | PAUSED,           MOTION | CHANGES | LEASED,      serve_step,         NULL               },
+    [REQUEST(RUN_UNTIL)]    = { "run_until",    AT_STEP, ROLE_OPERATOR, READY | PAUSED,           MOTION | CHANGES | LEASED,      serve_until,        NULL               },
+    [REQUEST(PAUSE)]        = { "pause",        AT_STEP, ROLE_OPERATOR, RUNNING | READY | PAUSED, URGENT | CHANGES,               serve_pause,        NULL               },
+    [REQUEST(STOP)]         = { "stop",         AT_STEP, ROLE_OPERATOR, LOADED | RECOVERING,      URGENT | ENDS | CHANGES,        serve_stop,         complete_directory },
+    [REQUEST(CANCEL)]       = { "cancel",       AT_STEP, ROLE_OPERATOR, ANY,                      URGENT | ENDS,                  serve_cancel,       NULL               },
+    [REQUEST(SHUTDOWN)]     = { "shutdown",     AT_STEP, ROLE_ADMIN,    ANY,                      URGENT | ENDS | LAST | CHANGES, serve_shutdown,     complete_directory },
+    [REQUEST(RESET)]        = { "reset",        AT_STEP, ROLE_OPERATOR, STILL,                    CHANGES | LEASED,               serve_reset,        complete_directory },
+    [REQUEST(RESTORE)]      = { "restore",      AT_STEP, ROLE_OPERATOR, STILL,                    CHANGES | LEASED,               serve_restore,      complete_directory },
+    [REQUEST(CHECKPOINT)]   = { "checkpoint",   AT_STEP, ROLE_OPERATOR, LOADED,                   0,                              serve_checkpoint,   complete_file      },
+    [REQUEST(SNAPSHOT)]     = { "snapshot",     AT_STEP, ROLE_OPERATOR, LOADED,                   0,                              serve_snapshot,     complete_file      },
+    [REQUEST(SET)]          = { "set",          AT_STEP, ROLE_OPERATOR, LOADED,                   CHANGES | LEASED,               serve_set,          complete_set       },
+    [REQUEST(ROLLBACK)]     = { "rollback",     AT_STEP, ROLE_OPERATOR, LOADED,                   CHANGES | LEASED,               serve_rollback,     NULL               },
+    [REQUEST(LEASE)]        = { "lease",        AT_STEP, ROLE_OPERATOR, ANY,                      CHANGES,                        serve_lease,        complete_lease     },
+    [REQUEST(QUERY)]        = { "query",        AT_STEP, ROLE_VIEWER,   LOADED,                   LARGE,                          serve_query,        NULL               },
+    [REQUEST(WAIT)]         = { "wait",         AT_STEP, ROLE_VIEWER,   ANY,                      0,                              serve_wait,         complete_wait      },
+    [REQUEST(BREAKPOINT)]   = { "breakpoint",   AT_STEP, ROLE_OPERATOR, LOADED,                   CHANGES | LEASED,               serve_breakpoint,   NULL               },
 };
 /* clang-format on */
 
@@ -472,10 +472,17 @@ static bool waits_for_the_run(const Meniscus__Request *request)
     return request->has_if_step || (stops && request->stop->has_checkpoint && request->stop->checkpoint);
 }
 
+static MnsStatus deny(const Handler *handler, const Who *who, MnsError *error)
+{
+    return mns_fail(error, MNS_E_DENIED, "%s takes the role %s, and \"%s\" is %s", handler->name,
+                    role_name(handler->role), who->name, role_name(who->role));
+}
+
 MnsStatus handle(Run *run, Exchange *exchange, MnsError *error)
 {
     const Handler *handler = handler_find(exchange->request->command_case);
     if (!handler) return mns_fail(error, MNS_E_VERSION, "this daemon does not know the command");
+    if (exchange->order.who.role < handler->role) return deny(handler, &exchange->order.who, error);
     const Meniscus__Request *request = exchange->request;
     if (handler->where == HERE && (request->has_if_step || request->has_if_version)) {
         const char *which = request->has_if_step ? "if_step" : "if_version";

@@ -24,6 +24,7 @@ typedef enum Trait {
 typedef struct Handler {
     const char *name;
     Where where;
+    Role role;       /* that it takes at least                                   */
     unsigned states; /* bits 1 << RunState in which it is possible               */
     unsigned traits; /* of Trait                                                 */
 
@@ -43,7 +44,7 @@ enum { HANDLER_NAMES = 64 };
 void handler_names(const char *ret[static HANDLER_NAMES]);
 
 /* Set the exchange on its way: serve it here, or post it to the run. MNS_OK: its order will come back. MNS_E_LIMIT: the
- * mailbox is full. */
+ * mailbox is full. MNS_E_DENIED: whoever asks may not. */
 MnsStatus handle(Run *run, Exchange *exchange, MnsError *error);
 
 #endif

@@ -87,7 +87,8 @@ static void set_time(const Run *run, Record *record)
 static void add_of_order(Run *run, Meniscus__JournalRecord__Kind kind, Record *record, Order *order)
 {
     Meniscus__Who who = MENISCUS__WHO__INIT;
-    who.name = order->caller.name;
+    who.name = (char *)order->who.name;
+    who.role = (char *)role_name(order->who.role);
     record->who = &who;
     record->request = (Meniscus__Request *)order->request;
     add(run, kind, record);

@@ -144,7 +144,7 @@ static MnsStatus take(Lineage *lineage, const Record *record, MnsError *error)
     if (record->comeback) return take_comeback(lineage, record, error);
     lineage->ended = false;
     lineage->untouched = record->request->command_case == MENISCUS__REQUEST__COMMAND_LOAD && record->who &&
-                         record->who->name && !strcmp(record->who->name, CALLER_DAEMON);
+                         record->who->name && !strcmp(record->who->name, WHO_DAEMON);
     lineage->state = RUN_READY;
     lineage->step = record->step;
     return begin_anew(lineage, record, error);

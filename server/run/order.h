@@ -5,6 +5,7 @@
 #define RUN_ORDER_H
 
 #include "meniscus.pb-c.h"
+#include "proto/keys.h"
 #include "run/lease.h"
 #include "run/note.h"
 
@@ -12,15 +13,14 @@ struct Run;
 
 enum { ORDER_ID = 16 };
 
-/* Whoever gives an order, as far as it is known: what they may do would belong here. */
-#define CALLER_DAEMON "daemon" /* its command line, and signals */
-typedef struct Caller {
-    char name[64]; /* of the connection */
-} Caller;
+/* Who gave an order: the name of a key, or one of those that no key has (proto/keys.h). */
+typedef struct Who {
+    char name[KEY_NAME_SIZE];
+    Role role;
+} Who;
 
 typedef struct Order {
     struct Order *next;
-    Caller caller;
 
     /* If it changes something, what the journal says of it: the answer leaves only when that is on the disk. */
     const Meniscus__Request *request; /* as it was sent; NULL: it changes nothing                */
@@ -33,6 +33,7 @@ typedef struct Order {
     const Meniscus__Reply *(*seal)(struct Order *order);
 
     uint8_t id[ORDER_ID];
+    Who who;
     uint64_t number; /* rises in the order of posting                                        */
     bool urgent;     /* overtakes all that are not                                           */
     bool meanwhile;  /* served also while the run comes back after a crash                   */

@@ -213,7 +213,7 @@ static bool left_out(const Meniscus__Request *request)
 static void post(Bench *bench, Meniscus__Request *request)
 {
     MnsError error;
-    Exchange *exchange = exchange_new(request);
+    Exchange *exchange = exchange_new(request, &(Who){WHO_LOCAL, ROLE_ADMIN});
     exchange->order.deadline = clock_now() + 0.02; /* or waits would pile up */
     if (handle(bench->run, exchange, &error)) exchange_free(exchange);
     else bench->under_way++;
@@ -254,7 +254,7 @@ static Exchange *last_order(void)
 {
     Meniscus__Request *request = malloc(sizeof *request);
     meniscus__request__init(request);
-    Exchange *exchange = exchange_new(request);
+    Exchange *exchange = exchange_new(request, &(Who){WHO_LOCAL, ROLE_ADMIN});
     exchange->order.serve = leave;
     return exchange;
 }

@@ -9,6 +9,9 @@
 #include <string.h>
 #include <sys/prctl.h>
 #include <sys/random.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <sys/un.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -109,6 +112,39 @@ void *dialogue_connect(const Dialogue *dialogue)
     zmq_setsockopt(socket, ZMQ_LINGER, &none, sizeof none);
     assert_int_equal(zmq_connect(socket, dialogue->endpoint), 0);
     return socket;
+}
+
+/* Messages may follow only when the other side has said READY too: a daemon asks its door first who that is. */
+static void await_ready(int fd)
+{
+    uint8_t head[2], body[256];
+    assert_int_equal(recv(fd, head, sizeof head, MSG_WAITALL), sizeof head);
+    assert_int_equal(head[0], 4); /* a short command */
+    assert_int_equal(recv(fd, body, head[1], MSG_WAITALL), head[1]);
+    assert_memory_equal(body, "\5READY", 6);
+}
+
+int dialogue_by_hand(const char *endpoint, const void *properties, size_t size)
+{
+    static const uint8_t greeting[64] = "\xff\0\0\0\0\0\0\0\1\x7f\3\0NULL";
+    static const char type[] = "\4\0\5READY\x0bSocket-Type\0\0\0\6DEALER";
+    const struct timeval patience = {.tv_sec = 10};
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    uint8_t ready[256], answer[64];
+    const size_t whole = sizeof type - 1 + size;
+    assert_true(whole < sizeof ready);
+    memcpy(ready, type, sizeof type - 1);
+    if (size) memcpy(ready + sizeof type - 1, properties, size);
+    ready[1] = (uint8_t)(whole - 2);
+    const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    snprintf(address.sun_path, sizeof address.sun_path, "%s", endpoint + strlen("ipc://"));
+    assert_int_equal(connect(fd, (const struct sockaddr *)&address, sizeof address), 0);
+    assert_int_equal(send(fd, greeting, sizeof greeting, MSG_NOSIGNAL), sizeof greeting);
+    assert_int_equal(recv(fd, answer, sizeof answer, MSG_WAITALL), sizeof answer);
+    assert_int_equal(send(fd, ready, whole, MSG_NOSIGNAL), whole);
+    await_ready(fd);
+    return fd;
 }
 
 void dialogue_seal(Meniscus__Request *request, uint8_t *id)

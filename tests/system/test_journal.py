@@ -50,7 +50,7 @@ class Journal(DaemonTest):
                                              {"path": "end_time", "before": "30", "after": "2"}])
         self.assertEqual(change["id"], "0123456789abcdef0123456789abcdef")
         self.assertEqual(change["reply"]["code"], "OK")
-        self.assertTrue(change["who"].startswith("connection "))
+        self.assertEqual(change["who"], "local")
         self.assertIn("gravity = [0, -2] (was [0, -1])", self.meniscus("log", str(run)).stdout)
 
     def test_programs_can_read_it_with_the_messages_of_the_python_package(self) -> None:

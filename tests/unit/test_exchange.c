@@ -13,7 +13,7 @@ static Exchange *new_exchange(void)
     memcpy(request->id.data, "sixteen letters!", ORDER_ID);
     request->id.len = ORDER_ID;
     request->has_id = true;
-    Exchange *exchange = exchange_new(request);
+    Exchange *exchange = exchange_new(request, &(Who){WHO_LOCAL, ROLE_ADMIN});
     assert_non_null(exchange);
     return exchange;
 }

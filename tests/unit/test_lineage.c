@@ -76,7 +76,7 @@ static void add_load(Book *book)
     record->case_ = &book->given;
     record->who = &book->who;
     meniscus__who__init(&book->who);
-    book->who.name = CALLER_DAEMON;
+    book->who.name = WHO_DAEMON;
 }
 
 /* The load of a daemon after a crash: from a checkpoint of this step. */
@@ -116,7 +116,7 @@ static void a_run_that_the_daemon_loaded_and_no_more_is_untouched(void **state)
     assert_string_equal(lineage->name, "dam");
     book->who.name = "connection 1";
     assert_false(read(book, MNS_OK)->untouched);
-    book->who.name = CALLER_DAEMON;
+    book->who.name = WHO_DAEMON;
     add(book, MENISCUS__REQUEST__COMMAND_SET, 0, MENISCUS__STATE__READY);
     assert_false(read(book, MNS_OK)->untouched);
 }

@@ -19,6 +19,8 @@ _STATUS: dict[str, str] = {
     "UNIMPLEMENTED": "wrong version",
     "UNAVAILABLE": "unavailable",
     "DATA_LOSS": "corrupt",
+    "PERMISSION_DENIED": "denied",
+    "UNAUTHENTICATED": "denied",
 }
 
 _HINTS: dict[str, str] = {
@@ -38,6 +40,7 @@ _HINTS: dict[str, str] = {
     "interrupted": "another client ended the command: give it again if it is still wanted",
     "held": "wait until it is given back, or only watch; pause(), stop() and shutdown() are always possible",
     "expired": "see status().lease_holder for who holds it now, and take a new one with lease()",
+    "denied": "ask whoever keeps the daemon's keys: `meniscus keys` makes one of the role that is needed",
     "internal error": "please report this with the daemon's log",
 }
 
@@ -78,6 +81,10 @@ class StateError(MeniscusError):
     """Not possible in the present state."""
 
 
+class DeniedError(MeniscusError):
+    """The key lacks the role that this takes, or is not let in (any more)."""
+
+
 class UnavailableError(MeniscusError):
     """Nobody answers, or the daemon was restarted meanwhile."""
 
@@ -108,6 +115,8 @@ _BY_CODE: dict[str, Type[MeniscusError]] = {
     "NOT_FOUND": RefusedError,
     "FAILED_PRECONDITION": StateError,
     "ALREADY_EXISTS": StateError,
+    "PERMISSION_DENIED": DeniedError,
+    "UNAUTHENTICATED": DeniedError,
     "UNAVAILABLE": UnavailableError,
     "DEADLINE_EXCEEDED": TimedOutError,
     "ABORTED": CancelledError,

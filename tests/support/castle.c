@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A daemon with keys. */
+#include "tests/support/castle.h"
+
+#include "tests/support/check.h"
+#include <arpa/inet.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+#include <zmq.h>
+
+static int bind_port(int port, int *ret_fd)
+{
+    struct sockaddr_in address = {
+        .sin_family = AF_INET, .sin_port = htons((uint16_t)port), .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    socklen_t size = sizeof address;
+    *ret_fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    if (bind(*ret_fd, (struct sockaddr *)&address, size) || getsockname(*ret_fd, (struct sockaddr *)&address, &size))
+        return 0;
+    return ntohs(address.sin_port);
+}
+
+/* Two ports in a row that nobody has at this moment. */
+static int free_ports(void)
+{
+    for (int k = 0; k < 100; k++) {
+        int first, second;
+        const int port = bind_port(0, &first), next = port && port < 65535 ? bind_port(port + 1, &second) : 0;
+        close(first);
+        if (port && port < 65535) close(second);
+        if (next) return port;
+    }
+    fail_msg("there are no free ports");
+    return 0;
+}
+
+static void make_pair(KeyPair *pair, const char *server)
+{
+    assert_int_equal(zmq_curve_keypair(pair->public_key, pair->secret_key), 0);
+    memcpy(pair->server_key, server, strlen(server) + 1);
+}
+
+void castle_let_in(const Castle *castle, size_t n, const Guest *guests)
+{
+    Key list[8] = {{.role = ROLE_NONE}};
+    MnsError error;
+    assert_true(n < sizeof list / sizeof *list);
+    for (size_t k = 0; k < n; k++) {
+        list[k].role = guests[k].role;
+        snprintf(list[k].name, sizeof list[k].name, "%s", guests[k].name);
+        memcpy(list[k].public_key, guests[k].pair->public_key, KEY_TEXT);
+    }
+    if (keys_write(castle->keys, &(Keys){n, list}, &error)) fail_msg("%s", error.text);
+}
+
+int castle_begin(void **state)
+{
+    Castle *castle = calloc(1, sizeof *castle);
+    KeyPair own = {.server_key = ""};
+    char path[KEYS_PATH], listen[64], keys[96];
+    strcpy(castle->keys, "/tmp/mns-keys-XXXXXX");
+    assert_non_null(mkdtemp(castle->keys));
+    make_pair(&own, "");
+    key_path(castle->keys, KEYS_DAEMON, path);
+    assert_int_equal(key_file_write(path, &own, NULL), MNS_OK);
+    KeyPair *const pairs[] = {&castle->viewer, &castle->operator, & castle->admin, &castle->stranger};
+    for (size_t k = 0; k < 4; k++) make_pair(pairs[k], own.public_key);
+    const Guest guests[] = {{"vera", ROLE_VIEWER, &castle->viewer},
+                            {"otto", ROLE_OPERATOR, &castle->operator}, {"ada", ROLE_ADMIN, &castle->admin}};
+    castle_let_in(castle, 3, guests);
+    castle->port = free_ports();
+    snprintf(listen, sizeof listen, "--listen=tcp://127.0.0.1:%d", castle->port);
+    snprintf(keys, sizeof keys, "--keys=%s", castle->keys);
+    dialogue_begin(&castle->dialogue, (const char *const[]){listen, keys, NULL});
+    *state = castle;
+    return 0;
+}
+
+int castle_end(void **state)
+{
+    Castle *castle = *state;
+    char command[96];
+    while (castle->n_sockets) zmq_close(castle->sockets[--castle->n_sockets]);
+    const int code = dialogue_end(&castle->dialogue);
+    snprintf(command, sizeof command, "rm -rf %s", castle->keys);
+    assert_int_equal(system(command), 0);
+    free(castle);
+    return code;
+}
+
+void *castle_connect(Castle *castle, int type, const KeyPair *pair)
+{
+    const int none = 0, patience = 20000;
+    char address[64];
+    void *socket = zmq_socket(castle->dialogue.context, type);
+    assert_true(castle->n_sockets < sizeof castle->sockets / sizeof *castle->sockets);
+    castle->sockets[castle->n_sockets++] = socket;
+    zmq_setsockopt(socket, ZMQ_LINGER, &none, sizeof none);
+    zmq_setsockopt(socket, ZMQ_RCVTIMEO, &patience, sizeof patience);
+    if (pair) {
+        assert_int_equal(zmq_setsockopt(socket, ZMQ_CURVE_SERVERKEY, pair->server_key, KEY_TEXT), 0);
+        assert_int_equal(zmq_setsockopt(socket, ZMQ_CURVE_PUBLICKEY, pair->public_key, KEY_TEXT), 0);
+        assert_int_equal(zmq_setsockopt(socket, ZMQ_CURVE_SECRETKEY, pair->secret_key, KEY_TEXT), 0);
+    }
+    if (type == ZMQ_SUB) zmq_setsockopt(socket, ZMQ_SUBSCRIBE, "", 0);
+    snprintf(address, sizeof address, "tcp://127.0.0.1:%d", castle->port + (type == ZMQ_SUB));
+    assert_int_equal(zmq_connect(socket, address), 0);
+    return socket;
+}
+
+static bool answers(const Meniscus__Reply *reply, const uint8_t *id)
+{
+    return reply && reply->id.len == 16 && !memcmp(reply->id.data, id, 16);
+}
+
+Meniscus__Reply *castle_ask(void *socket, Meniscus__Request request)
+{
+    uint8_t id[16];
+    zmq_pollitem_t item = {.socket = socket, .events = ZMQ_POLLIN};
+    dialogue_seal(&request, id);
+    for (int k = 0; k < 20; k++) {
+        dialogue_send(socket, &request);
+        while (zmq_poll(&item, 1, 1000) > 0) {
+            Meniscus__Reply *reply = dialogue_receive(socket, NULL);
+            if (answers(reply, id)) return reply;
+            if (reply) meniscus__reply__free_unpacked(reply, NULL);
+        }
+    }
+    return NULL;
+}
