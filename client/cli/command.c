@@ -63,6 +63,23 @@ const Command command_table[] = {
      .max_words = 1,
      .run = command_replay},
     {.name = "schemes", .help = "print the schemes and their equations", .is_alone = true, .run = command_schemes},
+    {.name = "keys",
+     .arguments = "new NAME | list | remove NAME",
+     .help = "make, list and remove keys for connections from afar",
+     .details =
+         "A daemon with --listen lets in whoever has one of its keys, and nobody else:\n"
+         "    meniscus keys new ada --role operator    on the daemon's machine, as its user\n"
+         "    meniscusd --listen tcp://192.0.2.7:5555\n"
+         "Give the file that is written, ada.key, to ada, over a way that is safe; there it must have mode 0600:\n"
+         "    meniscus --key ada.key --daemon tcp://192.0.2.7:5555 status\n"
+         "A daemon that runs takes note of a new key at once, and cuts off a key that is removed. Whoever can open the "
+         "sockets on the daemon's machine, which its user can, needs no key and is an admin.",
+     .options = OPTION(OPT_ROLE) | OPTION(OPT_KEYS),
+     .exits = EXIT_IO,
+     .is_alone = true,
+     .min_words = 1,
+     .max_words = 2,
+     .run = command_keys},
     {.name = "help",
      .arguments = "[COMMAND]",
      .help = "explain a command, or list all",

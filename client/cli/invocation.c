@@ -17,6 +17,7 @@ int command_exit_code(MnsStatus status, bool is_load)
     case MNS_E_UNAVAILABLE: return MNS_EXIT_UNREACHABLE;
     case MNS_E_DIVERGED: return MNS_EXIT_DIVERGED;
     case MNS_E_TIMEOUT: return MNS_EXIT_TIMEOUT;
+    case MNS_E_DENIED: return MNS_EXIT_DENIED;
     case MNS_E_INTERRUPTED: return MNS_EXIT_AGAIN;
     case MNS_E_IO:
     case MNS_E_NO_SPACE:
@@ -103,7 +104,10 @@ static MnsStatus read_manner(Invocation *in, MnsError *error)
 
 MnsStatus command_connect(Invocation *in, MnsError *error)
 {
-    const MnsStatus status = mns_client_open(options_get(&in->options, OPT_DAEMON), &in->client, error);
+    const MnsClientOptions options = {.daemon = options_get(&in->options, OPT_DAEMON),
+                                      .key_file = options_get(&in->options, OPT_KEY),
+                                      .server_key = options_get(&in->options, OPT_SERVER_KEY)};
+    const MnsStatus status = mns_client_open_with(&options, &in->client, error);
     if (status != MNS_OK) return status;
     mns_client_set_timeout(in->client, in->timeout);
     if (in->has_id) mns_client_set_request_id(in->client, in->id);

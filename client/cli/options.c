@@ -8,6 +8,9 @@
 
 const OptionInfo option_table[] = {
     [OPT_DAEMON] = {"daemon", 'd', "NAME|ENDPOINT", "which daemon; default $MENISCUS_DAEMON, or the one named default"},
+    [OPT_KEY] = {"key", 0, "FILE", "our key, for a daemon at tcp://HOST:PORT; default $MENISCUS_KEY"},
+    [OPT_SERVER_KEY] = {"server-key", 0, "KEY",
+                        "the daemon's public key; default $MENISCUS_SERVER_KEY, or that in FILE"},
     [OPT_OUTPUT] = {"output", 'o', "text|json", "how to print results"},
     [OPT_TIMEOUT] = {"timeout", 0, "SECONDS", "give up after this long (exit code 124)"},
     [OPT_ID] = {"id", 0, "32 HEX DIGITS", "id of the request: repeated with the same id, a command happens once"},
@@ -51,6 +54,9 @@ const OptionInfo option_table[] = {
     [OPT_BOX] = {"box", 'b', "X0,Y0,X1,Y1", "part of the plane to draw [m]; default: the domain"},
     [OPT_TITLE] = {"title", 't', "TEXT", "instead of the title of the case"},
     [OPT_SIZE] = {"size", 's', "W[xH]", "in pixels; without H as high as the plot needs; default: 1600"},
+    [OPT_ROLE] = {"role", 0, "ROLE",
+                  "viewer: asks and listens; operator: steers too; admin: also loads and shuts down"},
+    [OPT_KEYS] = {"keys", 0, "DIR", "where the keys are; default $MENISCUS_KEYS, or ~/.config/meniscus/keys"},
 };
 
 enum { LONG_ONLY = 256 };

@@ -7,6 +7,8 @@
 
 typedef enum OptionId {
     OPT_DAEMON,
+    OPT_KEY,
+    OPT_SERVER_KEY,
     OPT_OUTPUT,
     OPT_TIMEOUT,
     OPT_ID,
@@ -48,6 +50,8 @@ typedef enum OptionId {
     OPT_BOX,
     OPT_TITLE,
     OPT_SIZE,
+    OPT_ROLE,
+    OPT_KEYS,
     OPTION_COUNT
 } OptionId;
 

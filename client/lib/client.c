@@ -1,22 +1,70 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Opening and closing a client, and what holds for all its commands. */
 #include "client/lib/call.h"
+#include "client/lib/endpoint.h"
 #include <stdlib.h>
 #include <string.h>
 
-MnsStatus mns_client_open(const char *daemon, MnsClient **ret_client, MnsError *error)
+static const char *given_or(const char *given, const char *variable)
+{
+    const char *value = given ? given : getenv(variable);
+    return value && *value ? value : NULL;
+}
+
+/* The keys to use at an endpoint; *ret_plain: none. */
+static MnsStatus choose_keys(const MnsClientOptions *options, const char *endpoint, KeyPair *ret, bool *ret_plain,
+                             MnsError *error)
+{
+    const char *file = given_or(options->key_file, "MENISCUS_KEY");
+    const char *server = given_or(options->server_key, "MENISCUS_SERVER_KEY");
+    const bool far = endpoint_is_far(endpoint);
+    *ret_plain = strncmp(endpoint, "ipc://", 6) == 0 || (!far && !file);
+    if (*ret_plain) return MNS_OK;
+    if (!file)
+        return mns_fail(
+            error, MNS_E_DENIED,
+            "%s is not on this machine, so it takes a key: give --key FILE or set MENISCUS_KEY; `meniscus keys new` "
+            "writes the file on the daemon's machine",
+            endpoint);
+    if (server && !key_is_valid(server))
+        return mns_fail(error, MNS_E_INVALID,
+                        "\"%.80s\" is no server key: it has 40 letters, as `meniscus keys list` prints it", server);
+    const MnsStatus status = key_file_read(file, ret, error);
+    if (status == MNS_OK && server) memcpy(ret->server_key, server, KEY_TEXT);
+    if (status != MNS_OK || *ret->server_key) return status;
+    return mns_fail(error, MNS_E_INVALID,
+                    "%s does not say the daemon's public key: give --server-key or set MENISCUS_SERVER_KEY", file);
+}
+
+MnsStatus mns_client_open_with(const MnsClientOptions *options, MnsClient **ret_client, MnsError *error)
 {
     char endpoint[MNS_ENDPOINT_SIZE];
-    MnsStatus status = mns_daemon_endpoint(daemon, endpoint, error);
+    KeyPair keys = {.public_key = ""};
+    bool plain = true;
+    MnsStatus status = mns_daemon_endpoint(options->daemon, endpoint, error);
+    if (status == MNS_OK) status = choose_keys(options, endpoint, &keys, &plain, error);
     if (status != MNS_OK) return status;
     MnsClient *client = calloc(1, sizeof *client);
     if (!client) return mns_fail(error, MNS_E_MEMORY, "no memory for a client");
     client->timeout = -1;
-    status = wire_open(&client->wire, endpoint, error);
+    status = wire_open(&client->wire, endpoint, plain ? NULL : &keys, error);
+    explicit_bzero(&keys, sizeof keys);
     if (status == MNS_OK) status = call_greet(client, error);
     if (status == MNS_OK) *ret_client = client;
     else mns_client_close(client);
     return status;
+}
+
+MnsStatus mns_client_open(const char *daemon, MnsClient **ret_client, MnsError *error)
+{
+    return mns_client_open_with(&(MnsClientOptions){.daemon = daemon}, ret_client, error);
+}
+
+MnsStatus mns_key_pair(char ret_public[MNS_KEY_SIZE], char ret_secret[MNS_KEY_SIZE], MnsError *error)
+{
+    if (zmq_curve_keypair(ret_public, ret_secret) == 0) return MNS_OK;
+    return mns_fail(error, MNS_E_UNAVAILABLE, "cannot make keys: %s; libzmq must be built with libsodium",
+                    zmq_strerror(zmq_errno()));
 }
 
 void mns_client_close(MnsClient *client)

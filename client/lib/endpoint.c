@@ -37,20 +37,35 @@ static MnsStatus ipc_endpoint(const char *path, char ret[MNS_ENDPOINT_SIZE], Mns
     return MNS_OK;
 }
 
+/* A name or a number of a machine, an IPv6 number in brackets; not what stands for any machine. */
+static bool is_host(const char *host, size_t size)
+{
+    static const char any[] = "0.0.0.0", letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.-";
+    if (size == strlen(any) && strncmp(host, any, size) == 0) return false;
+    if (size > 2 && host[0] == '[' && host[size - 1] == ']')
+        return strspn(host + 1, "0123456789abcdefABCDEF:.") == size - 2;
+    return size > 0 && size <= 100 && strspn(host, letters) == size;
+}
+
 /* The telemetry socket is at PORT + 1, so the last port has no place for it. */
 static MnsStatus tcp_endpoint(const char *endpoint, char ret[MNS_ENDPOINT_SIZE], MnsError *error)
 {
-    static const char loopback[] = "tcp://127.0.0.1:";
+    const char *host = endpoint + strlen("tcp://"), *colon = strrchr(host, ':');
     char *end = NULL;
-    const char *digits = endpoint + sizeof loopback - 1;
-    const long port = begins(endpoint, loopback) && *digits >= '0' && *digits <= '9' ? strtol(digits, &end, 10) : 0;
-    if (port < 1 || port > 65534 || *end)
+    const long port = colon && colon[1] >= '0' && colon[1] <= '9' ? strtol(colon + 1, &end, 10) : 0;
+    if (port < 1 || port > 65534 || *end || !is_host(host, (size_t)(colon - host)))
         return mns_fail(error, MNS_E_INVALID,
-                        "\"%s\" is not an endpoint; allowed is tcp://127.0.0.1:PORT with 1 <= PORT "
-                        "<= 65534",
-                        endpoint);
-    snprintf(ret, MNS_ENDPOINT_SIZE, "%s%ld", loopback, port);
+                        "\"%.200s\" is not an endpoint; allowed is tcp://HOST:PORT with 1 <= PORT <= 65534", endpoint);
+    snprintf(ret, MNS_ENDPOINT_SIZE, "tcp://%.*s:%ld", (int)(colon - host), host, port);
     return MNS_OK;
+}
+
+bool endpoint_is_far(const char *endpoint)
+{
+    static const char *const near[] = {"ipc://", "tcp://127.0.0.1:", "tcp://localhost:", "tcp://[::1]:"};
+    for (size_t k = 0; k < sizeof near / sizeof *near; k++)
+        if (begins(endpoint, near[k])) return false;
+    return true;
 }
 
 static MnsStatus named_endpoint(const char *name, char ret[MNS_ENDPOINT_SIZE], MnsError *error)
@@ -58,7 +73,7 @@ static MnsStatus named_endpoint(const char *name, char ret[MNS_ENDPOINT_SIZE], M
     if (!*name || *name == '.' || strpbrk(name, "/:"))
         return mns_fail(error, MNS_E_INVALID,
                         "\"%s\" is neither the name of a daemon (no slash, no colon, no leading "
-                        "dot) nor ipc://PATH nor tcp://127.0.0.1:PORT",
+                        "dot) nor ipc://PATH nor tcp://HOST:PORT",
                         name);
     char base[DIRECTORY_COUNT][DIRECTORY_SIZE];
     char path[PATH_MAX];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Where a daemon's other socket is. */
+/* Where a daemon's other socket is, and whether it is on this machine. */
 #ifndef CLIENT_ENDPOINT_H
 #define CLIENT_ENDPOINT_H
 
@@ -8,5 +8,8 @@
 /* The telemetry socket that belongs to a control endpoint: telemetry.ipc beside it, or the next port.
  * MNS_OK; MNS_E_INVALID if its path would be too long. */
 MnsStatus endpoint_telemetry(const char *control, char ret[MNS_ENDPOINT_SIZE], MnsError *error);
+
+/* May others read what goes there? Then it takes a key. */
+bool endpoint_is_far(const char *endpoint);
 
 #endif

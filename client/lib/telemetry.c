@@ -32,7 +32,9 @@ static MnsStatus listen_to(MnsClient *client, MnsError *error)
     void *socket = zmq_socket(client->wire.context, ZMQ_SUB);
     for (size_t k = 0; socket && k < sizeof options / sizeof *options; k++)
         zmq_setsockopt(socket, options[k].option, &options[k].value, sizeof options[k].value);
-    if (!socket || zmq_connect(socket, endpoint) != 0) {
+    const int six = strchr(endpoint, '[') != NULL;
+    if (socket) zmq_setsockopt(socket, ZMQ_IPV6, &six, sizeof six);
+    if (!socket || !wire_secure(&client->wire, socket) || zmq_connect(socket, endpoint) != 0) {
         const int cause = errno;
         if (socket) zmq_close(socket);
         return mns_fail(error, MNS_E_UNAVAILABLE, "cannot listen to %s: %s", endpoint, zmq_strerror(cause));

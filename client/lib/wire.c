@@ -44,7 +44,9 @@ static void set_options(void *dealer)
 
 static bool watch_dealer(Wire *wire)
 {
-    static const int events = ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_CONNECT_RETRIED;
+    static const int events = ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_CONNECT_RETRIED |
+                              ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
+                              ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL;
     static const char address[] = "inproc://monitor"; /* every client has a context of its own */
     wire->monitor = zmq_socket(wire->context, ZMQ_PAIR);
     return wire->monitor && zmq_socket_monitor(wire->dealer, address, events) == 0 &&
@@ -61,13 +63,47 @@ static int note_events(Wire *wire)
         memcpy(&event, data, sizeof event);
         if (event == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) {
             wire->connected = true;
+            wire->failed = 0;
             wire->connections++;
         } else if (event == ZMQ_EVENT_DISCONNECTED && wire->connected) {
             wire->connected = false;
             wire->lost_since = wire_clock();
-        }
+        } else if (event & (ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
+                            ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL) &&
+                   wire->failed != ZMQ_EVENT_HANDSHAKE_FAILED_AUTH)
+            wire->failed = event;
     }
     return event;
+}
+
+/* ZeroMQ does not try again after that. */
+static bool is_denied(const Wire *wire)
+{
+    return wire->failed == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
+}
+
+static MnsStatus deny(const Wire *wire, MnsError *error)
+{
+    return mns_fail(
+        error, MNS_E_DENIED,
+        "the daemon at %s does not let in the key %s; on its machine, `meniscus keys list` tells which it does",
+        wire->endpoint, wire->keys.public_key);
+}
+
+/* A daemon that cannot make sense of a handshake says nothing, so what is wrong can only be guessed. */
+static MnsStatus misunderstood(const Wire *wire, MnsError *error)
+{
+    if (!*wire->keys.public_key)
+        return mns_fail(
+            error, MNS_E_UNAVAILABLE,
+            "whoever listens at %s takes no plain text: if it is a daemon with --listen, give --key FILE, which "
+            "`meniscus keys new` writes on its machine",
+            wire->endpoint);
+    return mns_fail(
+        error, MNS_E_UNAVAILABLE,
+        "whoever listens at %s does not have the secret of the server key %s: it is another daemon, or its keys "
+        "were made anew, or it is at its --tcp, which takes no key",
+        wire->endpoint, wire->keys.server_key);
 }
 
 static MnsStatus await_connection(Wire *wire, MnsError *error)
@@ -77,16 +113,26 @@ static MnsStatus await_connection(Wire *wire, MnsError *error)
     bool refused = false;
     while (!wire->connected && !refused && wire_clock() < deadline) {
         zmq_poll(&item, 1, (long)fmax(1, 1e3 * (deadline - wire_clock())));
-        refused = note_events(wire) == ZMQ_EVENT_CONNECT_RETRIED;
+        refused = note_events(wire) == ZMQ_EVENT_CONNECT_RETRIED || wire->failed;
     }
     if (wire->connected) return MNS_OK;
+    if (wire->failed) return is_denied(wire) ? deny(wire, error) : misunderstood(wire, error);
     return mns_fail(error, MNS_E_UNAVAILABLE,
                     "nobody listens at %s; start a daemon with `meniscusd`, or see `meniscus ls`", wire->endpoint);
 }
 
-MnsStatus wire_open(Wire *wire, const char *endpoint, MnsError *error)
+bool wire_secure(const Wire *wire, void *socket)
+{
+    const KeyPair *keys = &wire->keys;
+    return !*keys->public_key || (!zmq_setsockopt(socket, ZMQ_CURVE_SERVERKEY, keys->server_key, KEY_TEXT) &&
+                                  !zmq_setsockopt(socket, ZMQ_CURVE_PUBLICKEY, keys->public_key, KEY_TEXT) &&
+                                  !zmq_setsockopt(socket, ZMQ_CURVE_SECRETKEY, keys->secret_key, KEY_TEXT));
+}
+
+MnsStatus wire_open(Wire *wire, const char *endpoint, const KeyPair *keys, MnsError *error)
 {
     *wire = (Wire){0};
+    if (keys) wire->keys = *keys;
     snprintf(wire->endpoint, sizeof wire->endpoint, "%s", endpoint);
     const bool is_ipc = strncmp(endpoint, "ipc://", 6) == 0;
     if (is_ipc && access(endpoint + 6, F_OK) != 0)
@@ -97,6 +143,9 @@ MnsStatus wire_open(Wire *wire, const char *endpoint, MnsError *error)
     if (!wire->dealer || !watch_dealer(wire))
         return mns_fail(error, MNS_E_MEMORY, "cannot make a socket: %s", zmq_strerror(errno));
     set_options(wire->dealer);
+    set(wire->dealer, ZMQ_IPV6, strchr(endpoint, '[') != NULL);
+    if (!wire_secure(wire, wire->dealer))
+        return mns_fail(error, MNS_E_INVALID, "these keys cannot be used: %s", zmq_strerror(errno));
     if (zmq_connect(wire->dealer, endpoint) != 0)
         return mns_fail(error, MNS_E_UNAVAILABLE, "cannot connect to %s: %s", endpoint, zmq_strerror(errno));
     return await_connection(wire, error);
@@ -113,7 +162,7 @@ void wire_close(Wire *wire)
         zmq_close(wire->monitor);
     }
     if (wire->context) zmq_ctx_term(wire->context);
-    *wire = (Wire){0};
+    explicit_bzero(wire, sizeof *wire);
 }
 
 static MnsStatus gone(const Wire *wire, MnsError *error)
@@ -132,6 +181,7 @@ MnsStatus wire_send(Wire *wire, const void *data, size_t size, MnsError *error)
         if (zmq_send(wire->dealer, data, size, ZMQ_DONTWAIT) >= 0) return MNS_OK;
         if (errno != EAGAIN && errno != EINTR)
             return mns_fail(error, MNS_E_UNAVAILABLE, "cannot send to %s: %s", wire->endpoint, zmq_strerror(errno));
+        if (is_denied(wire)) return deny(wire, error);
         if (wire_clock() > deadline) return gone(wire, error);
         zmq_pollitem_t item = {.socket = wire->dealer, .events = ZMQ_POLLOUT};
         zmq_poll(&item, 1, RETRY_MS);
@@ -157,6 +207,7 @@ MnsStatus wire_receive(Wire *wire, double deadline, Frames *ret, MnsError *error
         if (frames_receive(ret, wire->dealer)) return MNS_OK;
         note_events(wire);
         if (wire->connections > connections) return MNS_OK;
+        if (is_denied(wire)) return deny(wire, error);
         const double now = wire_clock();
         if (!wire->connected && now > wire->lost_since + RECONNECT_S) return gone(wire, error);
         if (now > deadline) return mns_fail(error, MNS_E_TIMEOUT, "no answer from %s in time", wire->endpoint);

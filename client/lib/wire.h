@@ -3,6 +3,7 @@
 #ifndef CLIENT_WIRE_H
 #define CLIENT_WIRE_H
 
+#include "proto/keys.h"
 #include <meniscus/client.h>
 #include <zmq.h>
 
@@ -14,6 +15,8 @@ typedef struct Wire {
     bool connected;       /* the last the monitor said                                     */
     unsigned connections; /* how often a connection was made: more than before = reconnected */
     double lost_since;    /* monotonic time [s] at which it was lost                        */
+    int failed;           /* the event of a handshake that failed since; 0: none            */
+    KeyPair keys;         /* empty: plain text                                              */
 } Wire;
 
 /* The frames of one message. */
@@ -25,8 +28,12 @@ typedef struct Frames {
 /* Monotonic time [s]. */
 double wire_clock(void);
 
-/* Connect. MNS_OK; MNS_E_UNAVAILABLE at once if the connection is refused, within a second if there is no answer. */
-MnsStatus wire_open(Wire *wire, const char *endpoint, MnsError *error);
+/* Connect. keys: NULL for plain text. MNS_OK; MNS_E_UNAVAILABLE at once if the connection is refused, within five seconds if there is
+ * no answer; MNS_E_DENIED if our key is refused. */
+MnsStatus wire_open(Wire *wire, const char *endpoint, const KeyPair *keys, MnsError *error);
+
+/* Have a socket that is not connected yet use the keys. False if they cannot be. */
+bool wire_secure(const Wire *wire, void *socket);
 
 void wire_close(Wire *wire);
 
@@ -35,7 +42,7 @@ MnsStatus wire_send(Wire *wire, const void *data, size_t size, MnsError *error);
 
 /* Receive one message into ret, which the caller passes to frames_done(). Comes back with ret->n = 0 when the
  * connection was made anew, because an answer may be lost then. MNS_OK; MNS_E_TIMEOUT at `deadline` (monotonic,
- * INFINITY for none); MNS_E_UNAVAILABLE when the connection is lost and does not come back. */
+ * INFINITY for none); MNS_E_UNAVAILABLE when the connection is lost and does not come back, MNS_E_DENIED when our key is let in no more. */
 MnsStatus wire_receive(Wire *wire, double deadline, Frames *ret, MnsError *error);
 
 /* Receive all frames of one message from a socket that has one. Frames beyond the limit are dropped. @return false:

@@ -15,7 +15,8 @@
  *    MNS_E_UNAVAILABLE  nobody answers, or the daemon was restarted meanwhile
  *    MNS_E_TIMEOUT      not done within the time limit
  *    MNS_E_INTERRUPTED  cancelled by another client
- *    MNS_E_HELD         somebody else holds the lease; MNS_E_EXPIRED: the lease of this client is over */
+ *    MNS_E_HELD         somebody else holds the lease; MNS_E_EXPIRED: the lease of this client is over
+ *    MNS_E_DENIED       the key lacks the role that this takes, or is not let in (any more) */
 #ifndef MENISCUS_CLIENT_H
 #define MENISCUS_CLIENT_H
 
@@ -159,7 +160,7 @@ const MnsArray *mns_reply_array(const MnsReply *reply, const char *name);
 
 /** Where a daemon listens for commands.
  *  @param daemon  a name: its socket is control.ipc in the first that exists of $XDG_RUNTIME_DIR/meniscus/NAME,
- *                 /run/meniscus/NAME and /tmp/meniscus-UID/NAME; or an endpoint: ipc://PATH or tcp://127.0.0.1:PORT.
+ *                 /run/meniscus/NAME and /tmp/meniscus-UID/NAME; or an endpoint: ipc://PATH or tcp://HOST:PORT.
  *                 NULL: $MENISCUS_DAEMON, or "default".
  *  @return MNS_OK; MNS_E_INVALID; MNS_E_UNAVAILABLE if there is no such socket: the sentence says where it looked. */
 MnsStatus mns_daemon_endpoint(const char *daemon, char ret_endpoint[MNS_ENDPOINT_SIZE], MnsError *error);
@@ -168,9 +169,21 @@ MnsStatus mns_daemon_endpoint(const char *daemon, char ret_endpoint[MNS_ENDPOINT
  * false. */
 void mns_daemon_list(bool (*visit)(void *arg, const char *name, const char *endpoint), void *arg);
 
-/** Connect and greet. @param daemon  as above.
- *  @return MNS_OK; as mns_daemon_endpoint(); MNS_E_UNAVAILABLE within about a second if nobody listens; MNS_E_VERSION.
- */
+/** How to reach a daemon. A key is for tcp:// only, and off this machine there is no way without: then every byte is encrypted,
+ *  each side knows that the other is who it should be, and what the client may do is up to the role of its key. */
+typedef struct MnsClientOptions {
+    const char *daemon;     /* as above                                                                              */
+    const char *key_file;   /* of `meniscus keys new`, mode 0600; NULL: $MENISCUS_KEY. Of neither: plain text        */
+    const char *server_key; /* public key of the daemon; NULL: $MENISCUS_SERVER_KEY, or that in the file of the key  */
+} MnsClientOptions;
+
+/** Connect and greet.
+ *  @return MNS_OK; as mns_daemon_endpoint(); MNS_E_UNAVAILABLE within five seconds if nobody listens, or if
+ *          the daemon has another public key; MNS_E_DENIED if it does not know ours, or there is none; MNS_E_VERSION. Of the file
+ *          of the key: MNS_E_NOT_FOUND, MNS_E_INVALID, MNS_E_IO; MNS_E_STATE if others can read it. */
+MnsStatus mns_client_open_with(const MnsClientOptions *options, MnsClient **ret_client, MnsError *error);
+
+/** The same with nothing but the daemon said. */
 MnsStatus mns_client_open(const char *daemon, MnsClient **ret_client, MnsError *error);
 
 /** Disconnect; NULL is fine. Commands that were accepted go on without the client. */
@@ -194,6 +207,11 @@ void mns_client_set_if_version(MnsClient *client, uint64_t version);
 
 /** Send this epoch of a lease with all later commands, 0 for none; mns_client_lease() does so by itself. */
 void mns_client_set_lease(MnsClient *client, uint64_t epoch);
+
+enum { MNS_KEY_SIZE = 41 };
+
+/** Make a new pair of keys, as text of 40 letters. @return MNS_OK; MNS_E_UNAVAILABLE if this libzmq was built without them. */
+MnsStatus mns_key_pair(char ret_public[MNS_KEY_SIZE], char ret_secret[MNS_KEY_SIZE], MnsError *error);
 
 /* --- commands
  * ---------------------------------------------------------------------------------------------------------- */

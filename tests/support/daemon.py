@@ -12,6 +12,7 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = Path(os.environ.get("BUILD", ROOT / "build")).resolve()
+CHOICES = ("MENISCUS_DAEMON", "MENISCUS_KEY", "MENISCUS_SERVER_KEY", "MENISCUS_KEYS")
 SMALL = ["dambreak2d", "--set", "resolution=20"]
 
 
@@ -22,7 +23,6 @@ class DaemonTest(unittest.TestCase):
     home: Path
     environment: dict[str, str]
     daemon: "subprocess.Popen[bytes]"
-    options: "list[str]" = []  # of the daemon
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -30,7 +30,7 @@ class DaemonTest(unittest.TestCase):
         cls.addClassCleanup(scratch.cleanup)
         cls.home = Path(scratch.name)
         (cls.home / "run").mkdir(mode=0o700)
-        cls.environment = {key: value for key, value in os.environ.items() if key != "MENISCUS_DAEMON"}
+        cls.environment = {key: value for key, value in os.environ.items() if key not in CHOICES}
         cls.environment |= {
             "XDG_RUNTIME_DIR": str(cls.home / "run"),
             "MENISCUS_CASES": str(ROOT / "server" / "cases"),

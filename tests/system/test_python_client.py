@@ -241,7 +241,7 @@ class WithoutDaemon(unittest.TestCase):
 
     def test_every_failure_has_a_status_and_a_hint_whatever_its_source(self) -> None:
         for code in meniscus_pb2.Code.keys():
-            if code in ("OK", "PERMISSION_DENIED", "UNAUTHENTICATED", "INTERNAL"):
+            if code in ("OK", "INTERNAL"):
                 continue
             error = errors.error_for(code, "because")
             self.assertNotEqual(error.status, "internal error", code)
@@ -259,8 +259,13 @@ class WithoutDaemon(unittest.TestCase):
         self.assertEqual(set(errors._HINTS), words)
         self.assertLessEqual(set(errors._STATUS.values()), words)
 
-    def test_endpoints_of_other_hosts_are_refused(self) -> None:
-        for daemon in ("tcp://10.0.0.1:80", "tcp://127.0.0.1:65535", "../x", "udp://127.0.0.1:3"):
+    def test_other_hosts_take_a_key(self) -> None:
+        for daemon in ("tcp://10.0.0.1:80", "tcp://host.example:5555", "tcp://[2001:db8::7]:5555"):
+            with self.assertRaises(meniscus.DeniedError):
+                meniscus.Client(daemon)
+
+    def test_what_is_no_endpoint_is_refused(self) -> None:
+        for daemon in ("tcp://0.0.0.0:80", "tcp://127.0.0.1:65535", "../x", "udp://127.0.0.1:3"):
             with self.assertRaises(meniscus.RefusedError):
                 meniscus.Client(daemon)
 

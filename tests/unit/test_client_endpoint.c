@@ -79,13 +79,16 @@ static void a_missing_daemon_is_unavailable_and_the_sentence_says_where_it_was_l
     assert_non_null(strstr(error.text, "meniscusd --name nobody"));
 }
 
-static void what_is_no_endpoint_on_this_host_is_invalid(void **state)
+static void what_is_no_endpoint_is_invalid(void **state)
 {
     static const char *const bad[] = {"tcp://127.0.0.1",
                                       "tcp://127.0.0.1:",
                                       "tcp://127.0.0.1:0",
                                       "tcp://127.0.0.1:65535",
-                                      "tcp://10.0.0.1:80",
+                                      "tcp://10.0.0.1:80:80",
+                                      "tcp://a b:80",
+                                      "tcp://[::1:80",
+                                      "tcp://::1:80",
                                       "tcp://0.0.0.0:80",
                                       "tcp://*:80",
                                       "tcp://127.0.0.1:80x",
@@ -104,6 +107,27 @@ static void what_is_no_endpoint_on_this_host_is_invalid(void **state)
         if (mns_daemon_endpoint(bad[k], endpoint, &error) != MNS_E_INVALID) fail_msg("%s was taken", bad[k]);
         assert_string_equal(endpoint, "untouched");
         assert_true(strlen(error.text) > 10);
+    }
+}
+
+static void off_this_machine_there_is_no_way_without_a_key(void **state)
+{
+    static const char *const far[] = {"tcp://10.0.0.1:80", "tcp://host.example:80", "tcp://[2001:db8::7]:80",
+                                      "tcp://127.0.0.1.example:80"};
+    (void)state;
+    unsetenv("MENISCUS_KEY");
+    for (size_t k = 0; k < sizeof far / sizeof *far; k++) {
+        char endpoint[MNS_ENDPOINT_SIZE];
+        MnsClient *client = NULL;
+        MnsError error = {0};
+        assert_int_equal(mns_daemon_endpoint(far[k], endpoint, NULL), MNS_OK);
+        assert_string_equal(endpoint, far[k]);
+        assert_int_equal(mns_client_open(far[k], &client, &error), MNS_E_DENIED);
+        assert_non_null(strstr(error.text, "meniscus keys new"));
+        assert_int_equal(
+            mns_client_open_with(&(MnsClientOptions){.daemon = far[k], .key_file = "/none"}, &client, &error),
+            MNS_E_NOT_FOUND);
+        assert_null(client);
     }
 }
 
@@ -179,7 +203,8 @@ int main(void)
         TEST(a_name_is_a_socket_in_the_runtime_directory),
         TEST(the_environment_names_the_daemon_if_nobody_else_does),
         TEST(a_missing_daemon_is_unavailable_and_the_sentence_says_where_it_was_looked_for),
-        TEST(what_is_no_endpoint_on_this_host_is_invalid),
+        TEST(what_is_no_endpoint_is_invalid),
+        TEST(off_this_machine_there_is_no_way_without_a_key),
         TEST(a_path_longer_than_a_unix_socket_may_have_is_invalid),
         TEST(telemetry_is_beside_the_control_socket),
         TEST(daemons_of_this_host_are_listed),

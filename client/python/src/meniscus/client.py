@@ -19,6 +19,7 @@ from .case import CaseSource, CaseText
 from .connection import Connection
 from .endpoint import control_endpoint, telemetry_endpoint
 from .errors import CaseError, LeaseError, MeniscusError
+from .keys import choose_keys
 from .values import (OutputFile, Reply, Status, Telemetry, Value, read_array, read_reply, read_status, read_telemetry,
                      read_values)
 
@@ -28,17 +29,27 @@ TOPICS = ("event", "log", "progress", "probe")
 class Client:
     """A connection to a daemon. Not thread-safe: one per thread. Usable as a context manager.
 
-    daemon   a name, ipc://PATH or tcp://127.0.0.1:PORT; None: $MENISCUS_DAEMON, or "default"
-    timeout  limit of each command [s]; None: none. A daemon that dies is noticed without it.
+    daemon      a name, ipc://PATH or tcp://HOST:PORT; None: $MENISCUS_DAEMON, or "default"
+    timeout     limit of each command [s]; None: none. A daemon that dies is noticed without it.
+    key         file of our key, as `meniscus keys new` wrote it, for tcp://; None: $MENISCUS_KEY. Of neither: plain text, on this
+                machine only
+    server_key  public key of the daemon; None: $MENISCUS_SERVER_KEY, or that in the file of the key
 
     Every command returns after its effect, and raises a MeniscusError if it fails. A command cut off by a lost
     connection is sent again under the same id, so it happens once.
     """
 
-    def __init__(self, daemon: Optional[str] = None, timeout: Optional[float] = None) -> None:
+    def __init__(
+        self,
+        daemon: Optional[str] = None,
+        timeout: Optional[float] = None,
+        key: Optional[str] = None,
+        server_key: Optional[str] = None,
+    ) -> None:
         self.timeout = timeout
         self._lease = 0  # epoch
-        self._connection = Connection(control_endpoint(daemon))
+        endpoint = control_endpoint(daemon)
+        self._connection = Connection(endpoint, choose_keys(endpoint, key, server_key))
 
     def close(self) -> None:
         """Disconnect; what the daemon is doing goes on."""
@@ -268,6 +279,7 @@ class Client:
         socket.setsockopt(zmq.RCVHWM, 10000)
         for topic in topics or TOPICS:
             socket.setsockopt(zmq.SUBSCRIBE, topic.encode())
+        self._connection.secure(socket)
         socket.connect(telemetry_endpoint(self._connection.endpoint))
         return _messages(socket, timeout)
 

@@ -13,20 +13,24 @@ from zmq.utils.monitor import recv_monitor_message
 
 from . import meniscus_pb2 as pb
 from .checksum import xxh64
-from .errors import CorruptError, MeniscusError, TimedOutError, UnavailableError, error_for
+from .errors import CorruptError, DeniedError, MeniscusError, TimedOutError, UnavailableError, error_for
+from .keys import Keys
 
 CONNECT_S = 5.0  # to a daemon that should be there: where nobody listens it is known at once
 RECONNECT_S = 5.0  # to a daemon that was there
 GREETING_S = 5.0  # a daemon answers greetings at once, whatever it computes
 GRACE_S = 2.0  # beyond the deadline that the daemon knows, for its answer to get here
 MAX_REQUEST = 1 << 20  # bytes; a daemon takes no more
+FAILURES = (zmq.EVENT_HANDSHAKE_FAILED_AUTH, zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL, zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL)
 
 
 class Connection:
     """One DEALER socket. A monitor tells when it is connected, so a dead daemon is noticed without a time limit."""
 
-    def __init__(self, endpoint: str) -> None:
+    def __init__(self, endpoint: str, keys: Optional[Keys] = None) -> None:
         self.endpoint = endpoint
+        self._keys = keys
+        self._failed = 0  # the event of a handshake that failed since
         self.epoch = 0
         self._connected = False
         self._connections = 0
@@ -34,13 +38,14 @@ class Connection:
         self.context = zmq.Context()
         self._socket = self.context.socket(zmq.DEALER)
         self._monitor = self._socket.get_monitor_socket(
-            zmq.EVENT_HANDSHAKE_SUCCEEDED | zmq.EVENT_DISCONNECTED | zmq.EVENT_CONNECT_RETRIED
+            zmq.EVENT_HANDSHAKE_SUCCEEDED | zmq.EVENT_DISCONNECTED | zmq.EVENT_CONNECT_RETRIED | sum(FAILURES)
         )
         self._socket.setsockopt(zmq.LINGER, 0)
         self._socket.setsockopt(zmq.IMMEDIATE, 1)
         self._socket.setsockopt(zmq.HEARTBEAT_IVL, 2000)
         self._socket.setsockopt(zmq.HEARTBEAT_TIMEOUT, 6000)
         self._socket.setsockopt(zmq.RECONNECT_IVL_MAX, 1000)
+        self.secure(self._socket)
         try:
             self._socket.connect(endpoint)
             self._await_connection()
@@ -48,6 +53,12 @@ class Connection:
         except BaseException:
             self.close()
             raise
+
+    def secure(self, socket: zmq.Socket) -> None:
+        """Prepare a socket for this daemon, before it is connected."""
+        socket.setsockopt(zmq.IPV6, int("[" in self.endpoint))
+        if self._keys:
+            self._keys.secure(socket)
 
     def close(self) -> None:
         """Disconnect. Commands that were accepted go on without us."""
@@ -108,6 +119,7 @@ class Connection:
                 self._socket.send(packed, zmq.DONTWAIT)
                 return
             except zmq.Again:
+                self._check_denied()
                 if time.monotonic() > deadline:
                     raise self._gone() from None
                 self._socket.poll(100, zmq.POLLOUT)
@@ -129,6 +141,7 @@ class Connection:
             self._note_events()
             if self._connections > connections:
                 return None
+            self._check_denied()
             now = time.monotonic()
             if not self._connected and now > self._lost_since + RECONNECT_S:
                 raise self._gone()
@@ -141,18 +154,31 @@ class Connection:
             event = int(recv_monitor_message(self._monitor)["event"])
             if event == zmq.EVENT_HANDSHAKE_SUCCEEDED:
                 self._connected = True
+                self._failed = 0
                 self._connections += 1
             elif event == zmq.EVENT_DISCONNECTED and self._connected:
                 self._connected = False
                 self._lost_since = time.monotonic()
+            elif event in FAILURES and self._failed != zmq.EVENT_HANDSHAKE_FAILED_AUTH:
+                self._failed = event
         return event
+
+    def _check_denied(self) -> None:
+        """ZeroMQ does not try again when a key was refused."""
+        if self._keys and self._failed == zmq.EVENT_HANDSHAKE_FAILED_AUTH:
+            text = f"the daemon at {self.endpoint} does not let in the key {self._keys.public}"
+            raise DeniedError("UNAUTHENTICATED", f"{text}; on its machine, `meniscus keys list` tells which it does")
 
     def _await_connection(self) -> None:
         deadline = time.monotonic() + CONNECT_S
         event = 0
-        while not self._connected and event != zmq.EVENT_CONNECT_RETRIED and time.monotonic() < deadline:
+        while not (self._connected or self._failed or event == zmq.EVENT_CONNECT_RETRIED) and time.monotonic() < deadline:
             self._monitor.poll(max(1, int(1000 * (deadline - time.monotonic()))))
             event = self._note_events()
+        self._check_denied()
+        if self._failed:
+            what = f"does not have the secret of the server key {self._keys.server}" if self._keys else "takes no plain text"
+            raise UnavailableError("UNAVAILABLE", f"whoever listens at {self.endpoint} {what}; see the keys of the daemon")
         if not self._connected:
             raise UnavailableError("UNAVAILABLE", f"nobody listens at {self.endpoint}; start a daemon with `meniscusd`")
 

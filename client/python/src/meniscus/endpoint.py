@@ -18,17 +18,18 @@ def _directories() -> List[Path]:
 
 
 def control_endpoint(daemon: Optional[str] = None) -> str:
-    """Endpoint of a daemon given by name, as ipc://PATH or as tcp://127.0.0.1:PORT.
+    """Endpoint of a daemon given by name, as ipc://PATH or as tcp://HOST:PORT.
 
     None means $MENISCUS_DAEMON, or "default". UnavailableError if no daemon of that name has a socket.
     """
     chosen = daemon or os.environ.get("MENISCUS_DAEMON") or "default"
     if chosen.startswith("ipc://") and len(chosen) > len("ipc://"):
         return chosen
-    if re.fullmatch(r"tcp://127\.0\.0\.1:[1-9][0-9]{0,4}", chosen) and int(chosen.rsplit(":", 1)[1]) < 65535:
+    tcp = re.fullmatch(r"tcp://([a-zA-Z0-9.-]{1,100}|\[[0-9a-fA-F:.]+\]):([1-9][0-9]{0,4})", chosen)
+    if tcp and int(tcp[2]) < 65535 and tcp[1] != "0.0.0.0":
         return chosen
     if "/" in chosen or ":" in chosen or chosen.startswith("."):
-        raise RefusedError("INVALID_ARGUMENT", f'"{chosen}" is neither a name nor ipc://PATH nor tcp://127.0.0.1:PORT')
+        raise RefusedError("INVALID_ARGUMENT", f'"{chosen}" is neither a name nor ipc://PATH nor tcp://HOST:PORT')
     for directory in _directories():
         socket = directory / chosen / "control.ipc"
         if socket.exists():

@@ -1,0 +1,151 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Keys as people use them: made, listed and removed on the command line, used by it, by the C library and by Python."""
+
+import os
+import socket
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+from typing import Tuple
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from daemon import BUILD, DaemonTest  # noqa: E402
+
+sys.path.insert(0, str(BUILD / "python"))
+import meniscus  # noqa: E402
+
+
+def free_ports() -> int:
+    """The first of two in a row that nobody has at this moment."""
+    while True:
+        with socket.socket() as first, socket.socket() as second:
+            first.bind(("127.0.0.1", 0))
+            port = int(first.getsockname()[1])
+            try:
+                second.bind(("127.0.0.1", port + 1))
+            except (OSError, OverflowError):
+                continue
+            return port
+
+
+class Keys(DaemonTest):
+    far: str
+    keys: Path
+
+    @classmethod
+    def start_daemon(cls) -> None:
+        cls.keys = cls.home / "keys"
+        cls.environment["MENISCUS_KEYS"] = str(cls.keys)
+        cls.far = f"tcp://127.0.0.1:{free_ports()}"
+        for name, role in (("vera", "viewer"), ("otto", "operator"), ("ada", "admin")):
+            subprocess.run([BUILD / "meniscus", "keys", "new", name, "--role", role], env=cls.environment, check=True,
+                           stdout=subprocess.DEVNULL)
+        cls.options = ["--listen", cls.far]
+        super().start_daemon()
+
+    def as_(self, name: str) -> Tuple[str, ...]:
+        return ("--daemon", self.far, "--key", str(self.keys / f"{name}.key"))
+
+    def test_a_key_does_what_its_role_may(self) -> None:
+        self.assertEqual(self.ask("status", *self.as_("vera"))["state"], "EMPTY")
+        refused = self.ask("load", "dambreak2d", *self.as_("otto"), code=77)["error"]
+        self.assertEqual(refused["status"], "denied")
+        self.assertIn("load takes the role admin", refused["message"])
+        self.meniscus("load", "dambreak2d", "--set", "resolution=10", *self.as_("ada"))
+        self.assertIn("operator", self.meniscus("start", *self.as_("vera"), code=77).stderr)
+        self.meniscus("step", "2", *self.as_("otto"))
+        self.meniscus("shutdown", *self.as_("otto"), code=77)
+        self.assertEqual(self.ask("status", *self.as_("vera"))["step"], 2)
+
+    def test_keys_are_listed_and_no_secret_among_them(self) -> None:
+        listed = self.ask("keys", "list")
+        roles = {key["name"]: key["role"] for key in listed["keys"]}
+        self.assertEqual({name: roles[name] for name in ("vera", "otto", "ada")},
+                         {"vera": "viewer", "otto": "operator", "ada": "admin"})
+        text = self.meniscus("keys", "list").stdout + str(listed)
+        self.assertIn(listed["server_key"], text)
+        for file in self.keys.glob("*.key"):
+            self.assertEqual(file.stat().st_mode & 0o7777, 0o600)
+            secret = next(line.split()[1] for line in file.read_text().splitlines() if line.startswith("secret-key"))
+            self.assertNotIn(secret, text)
+        self.assertEqual(self.keys.stat().st_mode & 0o777, 0o700)
+
+    def test_a_key_comes_and_goes_while_the_daemon_runs(self) -> None:
+        made = self.ask("keys", "new", "eve", "--role", "viewer")
+        self.assertIn("already", self.meniscus("keys", "new", "eve", "--role", "admin", code=1).stderr)
+        copy = self.home / "eve.key"
+        copy.write_bytes(Path(made["file"]).read_bytes())
+        copy.chmod(0o600)
+        with meniscus.Client(self.far, timeout=20, key=str(copy)) as client:
+            self.assertEqual(client.status().state, "EMPTY")
+            self.meniscus("keys", "remove", "eve")
+            with self.assertRaises(meniscus.DeniedError):
+                for _ in range(100):
+                    client.status()
+        self.assertFalse(Path(made["file"]).exists())
+        self.assertIn("does not let in", self.meniscus("status", "--daemon", self.far, "--key", str(copy), code=77).stderr)
+        self.meniscus("keys", "remove", "eve", code=1)
+
+    def test_a_client_that_is_not_removed_goes_on(self) -> None:
+        self.meniscus("keys", "new", "gone", "--role", "viewer")
+        with meniscus.Client(self.far, timeout=20, key=str(self.keys / "otto.key")) as client:
+            client.status()
+            self.meniscus("keys", "remove", "gone")
+            for _ in range(50):
+                self.assertEqual(client.status().state, "EMPTY")
+
+    def test_python_speaks_with_a_key_and_hears_why_not(self) -> None:
+        self.meniscus("load", "dambreak2d", "--set", "resolution=10")
+        with meniscus.Client(self.far, timeout=20, key=str(self.keys / "vera.key")) as client:
+            messages = client.subscribe("event", timeout=10)
+            self.assertEqual(next(messages).state, "READY")
+            with self.assertRaises(meniscus.DeniedError) as refused:
+                client.start()
+            self.assertEqual(refused.exception.status, "denied")
+            self.assertIn("operator", str(refused.exception))
+        with self.assertRaisesRegex(meniscus.UnavailableError, "takes no plain text"):
+            meniscus.Client(self.far, timeout=20)
+        other = self.ask("keys", "list")["keys"][0]["public_key"]
+        with self.assertRaisesRegex(meniscus.UnavailableError, "does not have the secret"):
+            meniscus.Client(self.far, timeout=20, key=str(self.keys / "vera.key"), server_key=other)
+        with self.assertRaisesRegex(meniscus.DeniedError, "not on this machine"):
+            meniscus.Client("tcp://192.0.2.7:5555", timeout=20)
+
+    def test_the_environment_names_the_key(self) -> None:
+        self.environment["MENISCUS_KEY"] = str(self.keys / "vera.key")
+        self.addCleanup(self.environment.pop, "MENISCUS_KEY")
+        self.assertEqual(self.ask("status", "--daemon", self.far)["state"], "EMPTY")
+        self.assertEqual(self.ask("status")["state"], "EMPTY")  # by name: no key is needed, and none is used
+        self.meniscus("status", "--daemon", self.far, "--server-key", "short", code=1)
+
+    def test_a_file_that_others_can_read_is_no_key(self) -> None:
+        copy = self.home / "open.key"
+        copy.write_bytes((self.keys / "vera.key").read_bytes())
+        copy.chmod(0o644)
+        refused = self.meniscus("status", "--daemon", self.far, "--key", str(copy), code=1)
+        self.assertIn("chmod 600", refused.stderr)
+        with self.assertRaisesRegex(meniscus.StateError, "chmod 600"):
+            meniscus.Client(self.far, key=str(copy))
+
+    def test_a_daemon_without_keys_does_not_listen(self) -> None:
+        environment = self.environment | {"MENISCUS_KEYS": str(self.home / "none")}
+        words = [str(BUILD / "meniscusd"), "--name", "none", "--state-dir", str(self.home / "none-state")]
+        for more, code, part in ((["--listen", f"tcp://127.0.0.1:{free_ports()}"], 1, "meniscus keys new"),
+                                 (["--tcp", "0.0.0.0:5555"], 2, "meniscus keys new"),
+                                 (["--keys", "x"], 2, "--listen")):
+            done = subprocess.run(words + more, env=environment, capture_output=True, text=True, timeout=30)
+            self.assertEqual(done.returncode, code, done.stderr)
+            self.assertIn(part, done.stderr)
+
+    def test_wrong_words_are_explained(self) -> None:
+        for words in (("keys",), ("keys", "make", "x"), ("keys", "new"), ("keys", "new", "x"), ("keys", "list", "x"),
+                      ("keys", "new", "x", "--role", "king"), ("keys", "new", "../x", "--role", "admin"),
+                      ("keys", "new", "local", "--role", "admin")):
+            self.meniscus(*words, code=2)
+
+
+if __name__ == "__main__":
+    os.environ.pop("MENISCUS_KEY", None)
+    unittest.main()
