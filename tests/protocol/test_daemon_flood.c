@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Whoever begins handshakes and ends none, as fast as a machine can, keeps nobody from steering: neither on the daemon's machine nor those
+ * from afar who are let in already. What it costs is bounded, and given back. */
+#include "tests/support/castle.h"
+#include "tests/support/check.h"
+#include "tests/support/steer.h"
+#include <arpa/inet.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <zmq.h>
+
+enum { OPEN = 2000, RATE = 10000 };
+
+static const double flood_s = 2;
+
+/* 10^4 connections a second that say how they would like to be secured, and then no more. The oldest are forgotten. */
+static void flood(int port)
+{
+    static const uint8_t greeting[64] = "\xff\0\0\0\0\0\0\0\1\x7f\3\0CURVE";
+    static int fds[OPEN];
+    struct sockaddr_in to = {
+        .sin_family = AF_INET, .sin_port = htons((uint16_t)port), .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    const double began = steer_now();
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    for (unsigned long n = 0;; n++) {
+        int *fd = &fds[n % OPEN];
+        if (n >= OPEN) close(*fd);
+        *fd = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+        (void)connect(*fd, (struct sockaddr *)&to, sizeof to);
+        send(*fd, greeting, sizeof greeting, MSG_NOSIGNAL);
+        while ((double)n > RATE * (steer_now() - began)) steer_sleep(1);
+    }
+}
+
+static int count_descriptors(pid_t daemon)
+{
+    char path[64];
+    snprintf(path, sizeof path, "/proc/%d/fd", (int)daemon);
+    return steer_count(path, "");
+}
+
+static void assert_quick(void *socket, double most_s)
+{
+    const double began = steer_now();
+    Meniscus__Reply *reply = castle_ask(socket, dialogue_status());
+    assert_non_null(reply);
+    assert_int_equal(reply->code, MENISCUS__CODE__OK);
+    meniscus__reply__free_unpacked(reply, NULL);
+    assert_less(steer_now() - began, most_s);
+}
+
+/* What takes longer than a second is not busy but shut out. */
+static void ten_thousand_half_open_handshakes_a_second_keep_nobody_from_steering(void **state)
+{
+    Castle *castle = *state;
+    void *far = castle_connect(castle, ZMQ_DEALER, &castle->operator);
+    assert_quick(far, 20);
+    const int before = count_descriptors(castle->dialogue.daemon);
+    const pid_t attacker = fork();
+    if (attacker == 0) flood(castle->port);
+    int most = 0, asked = 0;
+    for (const double until = steer_now() + flood_s; steer_now() < until; asked++) {
+        assert_quick(castle->dialogue.control, 1);
+        assert_quick(far, 1);
+        const int now = count_descriptors(castle->dialogue.daemon);
+        if (now > most) most = now;
+        steer_sleep(5);
+    }
+    kill(attacker, SIGKILL);
+    waitpid(attacker, NULL, 0);
+    print_message("%d rounds, %d descriptors before, %d at most\n", asked, before, most);
+    assert_true(asked > 20);
+    assert_true(most > before + 20); /* it was an attack */
+    assert_quick(castle_connect(castle, ZMQ_DEALER, &castle->viewer), 15);
+    for (int k = 0; k < 100 && count_descriptors(castle->dialogue.daemon) > before + 10; k++) steer_sleep(100);
+    assert_true(count_descriptors(castle->dialogue.daemon) <= before + 10);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(ten_thousand_half_open_handshakes_a_second_keep_nobody_from_steering,
+                                        castle_begin, castle_end),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
