@@ -63,10 +63,11 @@ DAEMON    := $(call objects,$(call sources,server/cases server/io server/run ser
 CLIENT    := $(call objects,$(call sources,client/lib)) $(BUILD)/obj/server/base/status.o
 CLI       := $(call objects,$(call sources,client/cli))
 UNIT      := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/unit tests/protocol))
+FUZZ      := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/fuzz))
 BENCH     := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/bench))
 SUPPORT   := $(call objects,$(call sources,tests/support))
 
-.PHONY: all help packages demo check validate compare bench reference install uninstall clean lint format asan tsan
+.PHONY: all help packages demo check validate compare bench reference install uninstall clean lint format asan tsan fuzz
 all: $(BUILD)/meniscusd $(BUILD)/meniscus $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-client.a $(BUILD)/libmeniscus-client.so $(BUILD)/case-reference.md $(BUILD)/python/meniscus/meniscus_pb2.py ## build everything
 
 help: ## list the targets
@@ -100,7 +101,7 @@ bench: bench-programs ## benchmarks as JSON lines
 	@for b in $(BENCH); do $$b || exit 1; done
 	@for b in $(wildcard tests/bench/*.py); do BUILD=$(BUILD) $(PYTHON) $$b || exit 1; done
 
-.PHONY: tests raced bench-programs flags solver-flags solver-libs
+.PHONY: tests raced bench-programs fuzz-programs flags solver-flags solver-libs
 # All programs there are run, so there are none whose source is gone.
 others = $(filter-out $1,$(wildcard $(BUILD)/tests/unit/* $(BUILD)/tests/protocol/*))
 tests: $(UNIT)
@@ -110,6 +111,7 @@ RACED := $(filter $(BUILD)/tests/protocol/% $(addprefix $(BUILD)/tests/unit/test
 raced: all $(RACED)
 	@rm -f $(call others,$(RACED))
 bench-programs: all $(BENCH)
+fuzz-programs: $(FUZZ)
 
 reference: $(BUILD)/case-reference.md ## write the manual of the case format from its schema
 	cp $< server/cases/REFERENCE.md
@@ -121,6 +123,10 @@ asan: ## unit and protocol tests under address and undefined-behaviour sanitizer
 tsan: ## the same under the thread sanitizer (clang, libomp)
 	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/tsan CC=clang SANITIZE=thread raced
 	@BUILD=$(BUILD)/tsan tests/support/sanitize.sh thread
+
+fuzz: ## what comes from outside, under libFuzzer (clang) [FUZZ_SECONDS=600, for each target]
+	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/fuzz CC=clang SANITIZE=address,undefined,fuzzer-no-link fuzz-programs
+	@BUILD=$(BUILD)/fuzz tests/support/fuzz.sh $(or $(FUZZ_SECONDS),600)
 
 lint: all ## clang-format, clang-tidy, cppcheck, shellcheck, layers
 	@BUILD=$(BUILD) tests/support/layers.sh
@@ -167,6 +173,10 @@ $(BUILD)/libmeniscus-client.so: $(CLIENT) $(PROTO) client/lib/exports.map $(BUIL
 $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT) $(BUILD)/libmeniscus-cli.a $(BUILD)/libmeniscus-client.a $(BUILD)/libmeniscusd.a $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-proto.a
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)$(link) $< $(SUPPORT) -Wl,--start-group $(filter %.a,$^) -Wl,--end-group $(pkg_libs) $(hypre_libs) -lm -lpthread -lcmocka $(LDLIBS)
+# No more than they look at, as it is all built for them alone.
+$(BUILD)/tests/fuzz/%: $(BUILD)/obj/tests/fuzz/%.o $(call objects,$(call sources,server/cases) server/base/status.c server/sim/case.c server/sim/field.c) $(BUILD)/libmeniscus-proto.a
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)$(link) -fsanitize=fuzzer $^ $(client_libs) -lm $(LDLIBS)
 
 # --- objects and generated sources --------------------------------------------------------------------------------------
 $(SOLVER): private cflags += $(HOT)

@@ -116,11 +116,17 @@ sanitizers() {
     run "thread sanitizer" 300 env BUILD="$BUILD/tsan" tests/support/sanitize.sh thread
 }
 
+fuzzing() {
+    run "build with libFuzzer" 300 make -s -j"$jobs" BUILD="$BUILD/fuzz" CC=clang SANITIZE=address,undefined,fuzzer-no-link fuzz-programs
+    run "fuzz targets" 60 env BUILD="$BUILD/fuzz" tests/support/fuzz.sh 8
+}
+
 group "unit and protocol tests" programs
 group "system tests" scripts
 group "the house: layers, headers, style, manual" house
 group "clang" other_compiler
 group "sanitizers" sanitizers
+group "fuzzing" fuzzing
 
 [ ${#failures[@]} -eq 0 ] || printf 'failed: %s\n' "${failures[@]}"
 printf '%d seconds\n' $SECONDS

@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# fuzz.sh SECONDS: let libFuzzer look for inputs that break a promise, crash, leak or hang, so long for each target of $BUILD/tests/fuzz,
+# as many targets at a time as there are processors. Inputs to begin with are in tests/fuzz/corpus and, for cases, those that are
+# shipped; what is found on the way is kept in $BUILD/corpus, and what breaks something in $BUILD/finds. Prints TAP.
+set -eu
+cd "$(dirname "$0")/../.."
+BUILD=${BUILD:-build/fuzz}
+seconds=${1:?how many seconds for each target}
+export ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
+export LSAN_OPTIONS=print_suppressions=0 BUILD seconds
+
+fuzz_one() {
+    local program=$1 name log
+    name=${program##*/fuzz_}
+    log=$BUILD/fuzz_$name.log
+    local corpus=(tests/fuzz/corpus/"$name")
+    if [ "$name" = case ]; then corpus=(server/cases); fi
+    mkdir -p "$BUILD/corpus/$name" "$BUILD/finds"
+    if "$program" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -max_len=16384 -print_final_stats=1 \
+        -artifact_prefix="$BUILD/finds/$name-" "$BUILD/corpus/$name" "${corpus[@]}" >"$log" 2>&1; then
+        echo "ok - $name: $(sed -n 's/^stat::number_of_executed_units: *//p' "$log") inputs break nothing"
+    else
+        echo "not ok - $name: an input in $BUILD/finds breaks something"
+        grep -aE '^(==|SUMMARY|.*(broken|runtime error):)|#[0-9] .* in ' "$log" | head -n 30 | sed 's/^/# /'
+        return 1
+    fi
+}
+export -f fuzz_one
+
+# shellcheck disable=SC2016 # the inner shell expands
+printf '%s\0' "$BUILD"/tests/fuzz/fuzz_* | xargs -0 -P "$(nproc)" -n 1 bash -c 'fuzz_one "$1"' bash
