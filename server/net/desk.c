@@ -167,14 +167,22 @@ const Traffic *desk_traffic(const Desk *desk)
 
 /* --- the door ----------------------------------------------------------------------------------------------------------- */
 
+/* Before each connection and each request, not once in a turn: what comes after a change is judged by the keys after it. */
+static void look_at_keys(Desk *desk)
+{
+    if (!access_refresh(desk->access)) return;
+    log_line(LOG_NOTICE, "a key is gone: connections from afar are made anew");
+    for (int k = 0; k < FARS; k++) far_cut(&desk->far[k]);
+}
+
 static void see_to_door(Desk *desk)
 {
+    bool more = true;
     for (int k = 0; k < FARS; k++) far_mend(&desk->far[k]);
-    if (access_refresh(desk->access)) {
-        log_line(LOG_NOTICE, "a key is gone: connections from afar are made anew");
-        for (int k = 0; k < FARS; k++) far_cut(&desk->far[k]);
+    for (int k = 0; k < AT_ONCE && more; k++) {
+        look_at_keys(desk);
+        more = access_answer(desk->access);
     }
-    for (int k = 0; k < AT_ONCE && access_answer(desk->access); k++) continue;
 }
 
 unsigned desk_poll(Desk *desk, const int fds[2], long timeout)
@@ -359,6 +367,7 @@ static void take_frame(Desk *desk, const Sender *sender, zmq_msg_t *frame, uint6
     Who who;
     const void *data = zmq_msg_data(frame);
     const size_t size = zmq_msg_size(frame);
+    look_at_keys(desk);
     if (!access_who(desk->access, frame, &who)) return;
     Meniscus__Request *request = NULL;
     const ProtobufCBinaryData id = request_id(data, size);
