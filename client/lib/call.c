@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A request and its reply. After a lost connection the same request goes out under the same id, so it happens once;
- * unless the daemon was restarted meanwhile and may have forgotten the id: then only questions are asked again. */
+/* A request and its reply. After a lost connection the same request goes out under the same id, so it happens once: a daemon that
+ * comes back after a crash knows from its run's journal what it has answered, and what that has not was never done. */
 #include "client/lib/call.h"
 #include <math.h>
 #include <stdlib.h>
@@ -74,21 +74,16 @@ static MnsStatus await(MnsClient *client, const Meniscus__Request *request, doub
     }
 }
 
-static bool asks_only(const Meniscus__Request *request)
-{
-    return protobuf_c_enum_descriptor_get_value(&meniscus__request__question__descriptor, (int)request->command_case);
-}
-
-/* After a lost connection: is this still the daemon that has, or has not, heard the request? */
+/* After a lost connection: if there is a daemon that was started since, the one before has ended, which is all that a shutdown wants. */
 static MnsStatus may_repeat(MnsClient *client, const Meniscus__Request *request, MnsError *error)
 {
     const uint64_t before = client->epoch;
     const MnsStatus status = call_greet(client, error);
     if (status != MNS_OK) return status;
-    if (client->epoch == before || asks_only(request)) return MNS_OK;
+    if (client->epoch == before || request->command_case != MENISCUS__REQUEST__COMMAND_SHUTDOWN) return MNS_OK;
     return mns_fail(error, MNS_E_UNAVAILABLE,
-                    "the daemon at %s was restarted before it answered; ask `meniscus status` "
-                    "what it is doing and give the command again if need be",
+                    "the daemon at %s ended before it answered, and another was started; give the command again if "
+                    "that shall end too",
                     client->wire.endpoint);
 }
 

@@ -12,7 +12,7 @@
  *    MNS_E_DIVERGED     the simulation has diverged; it can be inspected and restored
  *    MNS_E_IO, MNS_E_NO_SPACE, MNS_E_CORRUPT  the daemon could not read or write a file; or an array came damaged
  *    MNS_E_VERSION      the daemon speaks another version
- *    MNS_E_UNAVAILABLE  nobody answers, or the daemon was restarted meanwhile
+ *    MNS_E_UNAVAILABLE  nobody answers, also not within five seconds of a lost connection
  *    MNS_E_TIMEOUT      not done within the time limit
  *    MNS_E_INTERRUPTED  cancelled by another client
  *    MNS_E_HELD         somebody else holds the lease; MNS_E_EXPIRED: the lease of this client is over

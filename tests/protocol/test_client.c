@@ -212,27 +212,29 @@ static void a_lost_connection_repeats_the_request_under_the_same_id(void **state
     assert_int_equal(fixture->commands[1], MENISCUS__REQUEST__COMMAND_STEP);
 }
 
-static void a_restarted_daemon_is_not_given_the_command_twice(void **state)
+static void a_restarted_daemon_is_given_the_command_again_under_its_id(void **state)
+{
+    Fixture *fixture = *state;
+    fixture->manners[0] = FAKE_DISCONNECT;
+    fixture->restart = true;
+    settle(fixture);
+    assert_int_equal(mns_client_step(fixture->client, 5, NULL, NULL), MNS_OK);
+    assert_int_equal(atomic_load(&fixture->n), 2);
+    settle(fixture);
+    assert_memory_equal(fixture->ids[0], fixture->ids[1], 16);
+    assert_int_equal(fixture->commands[1], MENISCUS__REQUEST__COMMAND_STEP);
+}
+
+static void a_shutdown_does_not_end_the_daemon_that_is_started_after_it(void **state)
 {
     Fixture *fixture = *state;
     MnsError error = {0};
     fixture->manners[0] = FAKE_DISCONNECT;
     fixture->restart = true;
     settle(fixture);
-    assert_int_equal(mns_client_step(fixture->client, 5, NULL, &error), MNS_E_UNAVAILABLE);
+    assert_int_equal(mns_client_shutdown(fixture->client, false, NULL, &error), MNS_E_UNAVAILABLE);
     assert_int_equal(atomic_load(&fixture->n), 1);
-    assert_non_null(strstr(error.text, "restarted"));
-}
-
-static void a_question_is_repeated_to_a_restarted_daemon(void **state)
-{
-    Fixture *fixture = *state;
-    fixture->manners[0] = FAKE_DISCONNECT;
-    fixture->restart = true;
-    settle(fixture);
-    const char *path = "end_time";
-    assert_int_equal(mns_client_get(fixture->client, 1, &path, NULL, NULL), MNS_OK);
-    assert_int_equal(atomic_load(&fixture->n), 2);
+    assert_non_null(strstr(error.text, "another was started"));
 }
 
 static void answers_to_other_requests_are_passed_over(void **state)
@@ -422,8 +424,8 @@ int main(void)
         TEST(a_code_nobody_knows_is_a_failure),
         TEST(the_reason_is_more_exact_than_the_code),
         TEST(a_lost_connection_repeats_the_request_under_the_same_id),
-        TEST(a_restarted_daemon_is_not_given_the_command_twice),
-        TEST(a_question_is_repeated_to_a_restarted_daemon),
+        TEST(a_restarted_daemon_is_given_the_command_again_under_its_id),
+        TEST(a_shutdown_does_not_end_the_daemon_that_is_started_after_it),
         TEST(answers_to_other_requests_are_passed_over),
         TEST(silence_ends_with_the_time_limit),
         TEST(a_daemon_that_dies_is_noticed_without_a_time_limit),

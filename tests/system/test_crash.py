@@ -23,6 +23,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from daemon import BUILD, DaemonTest  # noqa: E402
 
 sys.path.insert(0, str(BUILD / "python"))
+from meniscus import Client  # noqa: E402
 from meniscus import meniscus_pb2 as pb  # noqa: E402
 
 KILLS = int(os.environ.get("MENISCUS_KILLS", "12"))
@@ -144,6 +145,28 @@ class Crash(DaemonTest):
         asking.join()
         reply: Any = getattr(self, "late")
         self.assertEqual((reply.code, reply.state, reply.step), (pb.OK, pb.PAUSED, 3000))
+
+    def step_by_command(self, count: int) -> None:
+        reply = self.ask("step", str(count))
+        self.late = reply["state"], reply["step"]
+
+    def step_by_python(self, count: int) -> None:
+        with Client(f"ipc://{self.home}/run/meniscus/default/control.ipc") as client:
+            reply = client.step(count)
+        self.late = reply.state, reply.step
+
+    def test_clients_hear_of_their_step_over_a_crash(self) -> None:
+        self.meniscus("load", *CASE, "--name", "over")
+        steps = 0
+        for step in (self.step_by_command, self.step_by_python):
+            self.late: Any = None
+            asking = threading.Thread(target=step, args=(3000,))
+            asking.start()
+            self.meniscus("wait", "--for", f"step={steps + 200}")
+            self.kill_daemon()
+            asking.join()
+            steps += 3000
+            self.assertEqual(self.late, ("PAUSED", steps))
 
     def come_back_slowly(self, name: str) -> int:
         """A run that has far to go after a crash, as it has no checkpoint but the first; the step it was at."""

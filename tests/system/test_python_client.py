@@ -281,14 +281,6 @@ class WithoutDaemon(unittest.TestCase):
         with self.assertRaises(meniscus.CorruptError):
             values.read_array(array, frame)
 
-    def test_only_questions_are_put_to_another_daemon_again(self) -> None:
-        for question in "get query wait status capabilities".split():
-            request = meniscus_pb2.Request()
-            getattr(request, question).SetInParent()
-            self.assertTrue(connection._asks_only(request), question)
-        self.assertFalse(connection._asks_only(meniscus_pb2.Request(step=meniscus_pb2.Step())))
-        self.assertFalse(connection._asks_only(meniscus_pb2.Request()))
-
     def test_the_checksum_is_the_published_one(self) -> None:
         self.assertEqual(connection.xxh64(b""), 0xEF46DB3751D8E999)
 

@@ -5,7 +5,6 @@
 #include "tests/support/check.h"
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 static void every_command_of_the_protocol_has_a_handler_and_a_name(void **state)
 {
@@ -29,19 +28,6 @@ static void every_command_of_the_protocol_has_a_handler_and_a_name(void **state)
     assert_int_equal(n, commands);
     assert_null(handler_find(MENISCUS__REQUEST__COMMAND__NOT_SET));
     assert_null(handler_find((Meniscus__Request__CommandCase)9999));
-}
-
-static void every_question_is_a_command_of_that_name(void **state)
-{
-    (void)state;
-    const ProtobufCEnumDescriptor *questions = &meniscus__request__question__descriptor;
-    assert_true(questions->n_values > 0);
-    for (unsigned k = 0; k < questions->n_values; k++) {
-        const Handler *handler = handler_find((Meniscus__Request__CommandCase)questions->values[k].value);
-        assert_non_null(handler);
-        assert_int_equal(strcasecmp(handler->name, questions->values[k].name), 0);
-        assert_false(handler->traits & (MOTION | LAST));
-    }
 }
 
 static void every_state_of_the_protocol_is_one_of_the_run(void **state)
@@ -142,7 +128,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_command_of_the_protocol_has_a_handler_and_a_name),
-        cmocka_unit_test(every_question_is_a_command_of_that_name),
         cmocka_unit_test(every_state_of_the_protocol_is_one_of_the_run),
         cmocka_unit_test(a_small_frame_cannot_take_much_memory),
         cmocka_unit_test(a_truncated_request_is_none),

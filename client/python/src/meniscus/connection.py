@@ -108,8 +108,9 @@ class Connection:
     def _check_repeatable(self, request: pb.Request) -> None:
         before = self.epoch
         self._greet()
-        if self.epoch != before and not _asks_only(request):
-            raise UnavailableError("UNAVAILABLE", "the daemon was restarted before it answered; ask for its status")
+        if self.epoch != before and request.HasField("shutdown"):
+            text = "the daemon ended before it answered, and another was started; give the command again if that shall end too"
+            raise UnavailableError("UNAVAILABLE", text)
 
     def _send(self, packed: bytes) -> None:
         deadline = time.monotonic() + RECONNECT_S
@@ -186,11 +187,6 @@ class Connection:
         return UnavailableError(
             "UNAVAILABLE", f"the daemon at {self.endpoint} went away; whether the command took effect is not known"
         )
-
-
-def _asks_only(request: pb.Request) -> bool:
-    command = request.WhichOneof("command")
-    return command is not None and pb.Request.DESCRIPTOR.fields_by_name[command].number in pb.Request.Question.values()
 
 
 def _unpack(frames: List[bytes]) -> Tuple[pb.Reply, List[bytes]]:

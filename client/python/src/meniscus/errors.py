@@ -86,7 +86,7 @@ class DeniedError(MeniscusError):
 
 
 class UnavailableError(MeniscusError):
-    """Nobody answers, or the daemon was restarted meanwhile."""
+    """Nobody answers, also not within five seconds of a lost connection."""
 
 
 class TimedOutError(MeniscusError):
