@@ -3,6 +3,7 @@
  * and, where the table says so, the run last. */
 #include "http/metrics.h"
 
+#include "base/clock.h"
 #include <math.h>
 
 typedef void Print(Exposition *to, const Family *family, const View *view);
@@ -122,6 +123,32 @@ static double refused(const View *view)
 static double unread(const View *view)
 {
     return (double)view->from->traffic->unread;
+}
+
+static double denied(const View *view)
+{
+    return (double)view->from->traffic->denied;
+}
+
+static double lease(const View *view)
+{
+    const double left = view->run->lease.until - clock_now();
+    return view->run->lease.epoch && left > 0 ? left : 0;
+}
+
+static double journaled(const View *view)
+{
+    return (double)view->counts.journal.records;
+}
+
+static double not_journaled(const View *view)
+{
+    return (double)view->counts.journal.failures;
+}
+
+static double journal_seconds(const View *view)
+{
+    return view->counts.journal.seconds;
 }
 
 static double connections(const View *view)
@@ -287,6 +314,19 @@ static void topic_skips(Exposition *to, const Family *family, const View *view)
     one(to, family, (double)view->counts.samples_dropped, "topic", "probe");
 }
 
+static void keys(Exposition *to, const Family *family, const View *view)
+{
+    static const char *const roles[TRAFFIC_ROLES] = {"viewer", "operator", "admin"};
+    for (int k = 0; k < TRAFFIC_ROLES; k++) one(to, family, (double)view->from->traffic->keys[k], "role", roles[k]);
+}
+
+static void handshakes_failed(Exposition *to, const Family *family, const View *view)
+{
+    static const char *const reasons[TRAFFIC_FAILURES] = {"key", "protocol", "silence"};
+    for (int k = 0; k < TRAFFIC_FAILURES; k++)
+        one(to, family, (double)view->from->traffic->failures[k], "reason", reasons[k]);
+}
+
 static void answers(Exposition *to, const Family *family, const View *view)
 {
     for (int k = 0; k < HTTP_CODES; k++) {
@@ -358,9 +398,20 @@ static const Metric metrics[] = {
     {{"meniscus_output", "seconds", METRIC_COUNTER, "Time spent on writing them"}, .print = files_seconds},
     {{"meniscus_output_latest_timestamp", "seconds", METRIC_GAUGE, "When the latest was written, since 1970; 0: none"},
      .print = files_latest},
+    {{"meniscus_journal_records", "", METRIC_COUNTER, "Records of journals"}, .number = journaled},
+    {{"meniscus_journal_failures", "", METRIC_COUNTER, "Times they could not be had on the disk"},
+     .number = not_journaled},
+    {{"meniscus_journal", "seconds", METRIC_COUNTER, "Time the solver waited for that"}, .number = journal_seconds},
     {{"meniscus_disk_size", "bytes", METRIC_GAUGE, "Size of the disk that runs are on"}, .number = disk_size},
     {{"meniscus_disk_free", "bytes", METRIC_GAUGE, "What is free on it for the daemon"}, .number = disk_free},
 
+    {{"meniscus_lease", "seconds", METRIC_GAUGE, "How long the lease lives on; 0: nobody holds one"}, .number = lease},
+    {{"meniscus_access_keys", "", METRIC_GAUGE, "Keys that are let in from afar"}, .print = keys},
+    {{"meniscus_access_handshakes_failed", "", METRIC_COUNTER,
+      "Connections to the control socket that were not let in"},
+     .print = handshakes_failed},
+    {{"meniscus_access_denied", "", METRIC_COUNTER, "Requests that take a role which their key lacks"},
+     .number = denied},
     {{"meniscus_control_clients", "", METRIC_GAUGE, "Connections to the control socket"}, .number = clients},
     {{"meniscus_control_requests", "", METRIC_COUNTER, "Requests that came"}, .number = requests},
     {{"meniscus_control_failures", "", METRIC_COUNTER, "Those refused, and those that failed or were called off"},

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { TRAFFIC_TOPICS = 4 };
+enum { TRAFFIC_TOPICS = 4, TRAFFIC_ROLES = 3, TRAFFIC_FAILURES = 3 };
 
 typedef struct TopicTraffic {
     const char *name;                 /* set before there is any other thread */
@@ -18,6 +18,12 @@ typedef struct Traffic {
     _Atomic uint64_t requests, refused; /* requests; of those and of the answers since, the ones that failed */
     _Atomic size_t unread;              /* bytes of replies that clients have not taken */
     TopicTraffic topics[TRAFFIC_TOPICS];
+
+    _Atomic size_t keys[TRAFFIC_ROLES]; /* that are let in from afar: of viewers, operators, admins */
+    _Atomic uint64_t denied;            /* requests that the role of their key may not make         */
+    /* Connections to the control socket that ended before the handshake did: their key is not let in; they did not speak as they
+     * must; they fell silent or hung up. */
+    _Atomic uint64_t failures[TRAFFIC_FAILURES];
 } Traffic;
 
 #endif

@@ -26,9 +26,10 @@ struct Access {
     char directory[KEYS_PATH];
     KeyPair own;
     Keys keys;
-    struct stat seen; /* of the file that the keys are from        */
-    int watch;        /* inotify of the directory, or -1           */
-    double told;      /* clock_now() when a refusal was last logged */
+    size_t counts[ROLE_ADMIN + 1]; /* of them, by role */
+    struct stat seen;              /* of the file that the keys are from        */
+    int watch;                     /* inotify of the directory, or -1           */
+    double told;                   /* clock_now() when a refusal was last logged */
     unsigned long refused;
 };
 
@@ -182,7 +183,14 @@ bool access_refresh(Access *access)
     const bool gone = is_one_gone(&access->keys, &keys);
     keys_done(&access->keys);
     access->keys = keys;
+    memset(access->counts, 0, sizeof access->counts);
+    for (size_t k = 0; k < keys.n; k++) access->counts[keys.keys[k].role]++;
     return gone;
+}
+
+size_t access_count(const Access *access, Role role)
+{
+    return access->counts[role];
 }
 
 /* --- who is who ------------------------------------------------------------------------------------------------------------- */

@@ -31,6 +31,9 @@ bool access_answer(Access *access);
  * cut, as whoever had it may have one. A file that is wrong, or that others could change, lets nobody in. */
 bool access_refresh(Access *access);
 
+/* How many keys of a role are let in. */
+size_t access_count(const Access *access, Role role);
+
 /* Who sent this frame, one of the envelope and not that of the connection's id. False if that is nobody who is let in. */
 bool access_who(const Access *access, zmq_msg_t *frame, Who *ret);
 

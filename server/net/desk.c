@@ -266,6 +266,7 @@ static void refuse(Desk *desk, const Sender *sender, ProtobufCBinaryData id, con
     Meniscus__Reply reply = MENISCUS__REPLY__INIT;
     const Recipient to = recipient(sender, id);
     desk->traffic.refused++;
+    desk->traffic.denied += why->status == MNS_E_DENIED;
     run_status(desk->run, &desk->status);
     reply.has_id = id.len > 0;
     reply.id = id;
@@ -418,11 +419,22 @@ static bool receive_subscription(Desk *desk)
     return true;
 }
 
+_Static_assert((int)TRAFFIC_ROLES == ROLE_ADMIN - ROLE_VIEWER + 1, "keys are counted by all roles");
+_Static_assert((int)TRAFFIC_FAILURES == (int)FAILURES, "failures are counted by all reasons");
+
+static void note_traffic(Desk *desk)
+{
+    Traffic *traffic = &desk->traffic;
+    visitors_note(&desk->visitors);
+    traffic->clients = desk->visitors.n;
+    traffic->unread = desk->outgoing.unread;
+    for (int k = 0; k < TRAFFIC_ROLES; k++) traffic->keys[k] = access_count(desk->access, (Role)(ROLE_VIEWER + k));
+    for (int k = 0; k < TRAFFIC_FAILURES; k++) traffic->failures[k] = desk->visitors.failed[k];
+}
+
 void desk_receive(Desk *desk)
 {
-    visitors_note(&desk->visitors);
-    desk->traffic.clients = desk->visitors.n;
-    desk->traffic.unread = desk->outgoing.unread;
+    note_traffic(desk);
     see_to_door(desk);
     for (int k = 0; k < AT_ONCE && receive_frame(desk); k++) continue;
     for (int k = 0; k < AT_ONCE && receive_subscription(desk); k++) continue;

@@ -3,7 +3,6 @@
 #include "net/visitors.h"
 
 #include "base/clock.h"
-#include <stdint.h>
 #include <string.h>
 #include <zmq.h>
 
@@ -11,7 +10,8 @@ static const char address[] = "inproc://visitors"; /* a context has one desk */
 
 MnsStatus visitors_init(Visitors *visitors, void *context, void *socket, MnsError *error)
 {
-    const int events = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED, none = 0;
+    const int none = 0, events = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH |
+                                 ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL;
     *visitors = (Visitors){.socket = socket, .monitor = zmq_socket(context, ZMQ_PAIR)};
     if (visitors->monitor) zmq_setsockopt(visitors->monitor, ZMQ_LINGER, &none, sizeof none);
     if (visitors->monitor && !zmq_socket_monitor(socket, address, events) && !zmq_connect(visitors->monitor, address))
@@ -27,6 +27,17 @@ void visitors_done(Visitors *visitors)
     *visitors = (Visitors){.n = 0};
 }
 
+static void note(Visitors *visitors, int event)
+{
+    switch (event) {
+    case ZMQ_EVENT_ACCEPTED: visitors->n++; break;
+    case ZMQ_EVENT_HANDSHAKE_FAILED_AUTH: visitors->failed[FAILED_KEY]++; break;
+    case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL: visitors->failed[FAILED_PROTOCOL]++; break;
+    case ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL: visitors->failed[FAILED_SILENCE]++; break;
+    default: visitors->n -= visitors->n > 0;
+    }
+}
+
 /* An event is two frames: its number and value, and the address. */
 void visitors_note(Visitors *visitors)
 {
@@ -35,8 +46,7 @@ void visitors_note(Visitors *visitors)
     while (zmq_recv(visitors->monitor, data, sizeof data, ZMQ_DONTWAIT) >= 0) {
         zmq_recv(visitors->monitor, where, sizeof where, 0);
         memcpy(&event, data, sizeof event);
-        if (event == ZMQ_EVENT_ACCEPTED) visitors->n++;
-        else if (visitors->n > 0) visitors->n--;
+        note(visitors, event);
     }
 }
 

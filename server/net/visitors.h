@@ -4,10 +4,15 @@
 #define NET_VISITORS_H
 
 #include <meniscus/status.h>
+#include <stdint.h>
+
+/* Why a connection ended before its handshake did: its key is not let in; it did not speak as it must; it fell silent or hung up. */
+typedef enum Failure { FAILED_KEY, FAILED_PROTOCOL, FAILED_SILENCE, FAILURES } Failure;
 
 typedef struct Visitors {
-    void *socket, *monitor; /* both NULL before visitors_init() */
-    long n;                 /* connections that are open        */
+    void *socket, *monitor;    /* both NULL before visitors_init() */
+    long n;                    /* connections that are open        */
+    uint64_t failed[FAILURES]; /* since the beginning              */
 } Visitors;
 
 /* Begin to count, before the socket is bound. MNS_E_MEMORY. */

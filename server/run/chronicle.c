@@ -3,6 +3,7 @@
  * together; between steps the solver waits for it only where a command took effect. */
 #include "run/inside.h"
 
+#include "base/clock.h"
 #include "base/log.h"
 #include "io/directory.h"
 #include "io/names.h"
@@ -74,7 +75,7 @@ static void add(Run *run, Meniscus__JournalRecord__Kind kind, Record *record)
     uint8_t *packed = malloc(size + 1);
     if (packed) meniscus__journal_record__pack(record, packed);
     if (!packed) mns_fail(&run->unwritten, MNS_E_MEMORY, "no memory for a record of the journal");
-    else journal_add(run->journal, packed, size, &run->unwritten);
+    else if (!journal_add(run->journal, packed, size, &run->unwritten)) run->journal_tally.records++;
     free(packed);
 }
 
@@ -294,7 +295,10 @@ void run_sync(Run *run)
 {
     MnsError error;
     if (!run->uncommitted) return;
+    const double began = clock_now();
     const MnsStatus status = sync_journal(run, &error);
+    run->journal_tally.seconds += clock_now() - began;
+    run->journal_tally.failures += status != MNS_OK;
     if (!status && run->current_due) note_current(run);
     if (!status) return;
     if (run->sim && run->state != RUN_FAULT) run_fault(run, &error, true);

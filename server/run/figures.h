@@ -5,6 +5,7 @@
 #define RUN_FIGURES_H
 
 #include "run/document.h"
+#include "run/lease.h"
 #include "run/state.h"
 #include <meniscus/sim.h>
 
@@ -13,6 +14,7 @@ enum { FIGURES_TIMERS = 32, FIGURES_REASONS = MNS_E_INTERNAL + 1 };
 typedef struct RunFigures {
     RunState state;
     MnsError fault; /* in FAULT */
+    Lease lease;
 
     /* Since the daemon began, whatever was loaded: */
     uint64_t steps;

@@ -75,6 +75,10 @@ struct Run {
     pthread_mutex_t lock;
     RunStatus status;
     Document *published;
+    struct {
+        _Atomic uint64_t records, failures;
+        _Atomic double seconds;
+    } journal_tally; /* as RunJournal; this thread counts */
 };
 
 /* publish.c: what others see. */

@@ -47,6 +47,7 @@ void run_show(Run *run)
     if (!run->options.figures) return;
     figures->state = run->status.state;
     figures->fault = run->status.fault;
+    figures->lease = run->status.lease;
     figures->document = run->document;
     fill_run(&run->status, figures);
     if (run->document) fill_sample(&run->outputs.sample, run->document->c->n_probes, figures);
@@ -70,6 +71,9 @@ void run_counts(Run *run, RunCounts *ret)
                        .progress_dropped = run->outbox.dropped[NOTE_PROGRESS],
                        .samples_dropped = run->outbox.dropped[NOTE_PROBES],
                        .snapshots = files_of(&outputs->snapshots),
-                       .checkpoints = files_of(&outputs->checkpoints)};
+                       .checkpoints = files_of(&outputs->checkpoints),
+                       .journal = {.records = run->journal_tally.records,
+                                   .failures = run->journal_tally.failures,
+                                   .seconds = run->journal_tally.seconds}};
     writer_queue(outputs->writer, &ret->files, &ret->rows);
 }

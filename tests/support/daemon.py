@@ -3,6 +3,7 @@
 
 import json
 import os
+import socket
 import subprocess
 import tempfile
 import time
@@ -14,6 +15,19 @@ ROOT = Path(__file__).resolve().parents[2]
 BUILD = Path(os.environ.get("BUILD", ROOT / "build")).resolve()
 CHOICES = ("MENISCUS_DAEMON", "MENISCUS_KEY", "MENISCUS_SERVER_KEY", "MENISCUS_KEYS")
 SMALL = ["dambreak2d", "--set", "resolution=20"]
+
+
+def free_ports() -> int:
+    """The first of two in a row that nobody has at this moment."""
+    while True:
+        with socket.socket() as first, socket.socket() as second:
+            first.bind(("127.0.0.1", 0))
+            port = int(first.getsockname()[1])
+            try:
+                second.bind(("127.0.0.1", port + 1))
+            except (OSError, OverflowError):
+                continue
+            return port
 
 
 class DaemonTest(unittest.TestCase):

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, Callable
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from daemon import BUILD, ROOT, SMALL, DaemonTest  # noqa: E402
+from daemon import BUILD, ROOT, SMALL, DaemonTest, free_ports  # noqa: E402
 from exposition import Family, parse  # noqa: E402
 
 OPEN_METRICS = "application/openmetrics-text;version=1.0.0,text/plain;version=0.0.4;q=0.5"
@@ -177,6 +177,62 @@ class Metrics(HttpTest):
         self.assertIn(labels["level"], build["build"])
         self.assertEqual(metrics["meniscus_daemon_info"].value(name="default"), 1)
         self.assertEqual(metrics["meniscus_run_info"].value(case="dambreak2d", scheme="riemann"), 1)
+
+
+class Access(HttpTest):
+    """A daemon that listens to those who have a key."""
+
+    far: str
+
+    @classmethod
+    def start_daemon(cls) -> None:
+        cls.environment["MENISCUS_KEYS"] = str(cls.home / "keys")
+        for name, role in (("vera", "viewer"), ("otto", "operator"), ("olga", "operator")):
+            subprocess.run([BUILD / "meniscus", "keys", "new", name, "--role", role], env=cls.environment, check=True,
+                           stdout=subprocess.DEVNULL)
+        cls.far = f"tcp://127.0.0.1:{free_ports()}"
+        cls.options = [*HttpTest.options, "--listen", cls.far]
+        super().start_daemon()
+
+    def await_rise(self, name: str, before: "dict[str, Family]", **labels: str) -> None:
+        until = time.monotonic() + 20
+        while self.scrape()[name].value(**labels) <= before[name].value(**labels):
+            self.assertLess(time.monotonic(), until, f"{name} {labels}")
+
+    def test_who_was_not_let_in_is_counted_by_reason(self) -> None:
+        failed, key = "meniscus_access_handshakes_failed_total", str(self.home / "old.key")
+        made = Path(self.ask("keys", "new", "old", "--role", "viewer")["file"])
+        shutil.copy2(made, key)
+        self.meniscus("keys", "remove", "old")
+        before = self.scrape()
+        self.assertEqual({labels: n for labels, n in before["meniscus_access_keys"].samples.items()},
+                         {(("role", "viewer"),): 1, (("role", "operator"),): 2, (("role", "admin"),): 0})
+        self.meniscus("status", "--daemon", self.far, "--key", key, code=77)
+        self.await_rise(failed, before, reason="key")
+        where = "127.0.0.1", int(self.far.rsplit(":", 1)[1])
+        with socket.create_connection(where) as plain, contextlib.suppress(ConnectionResetError):
+            plain.sendall(b"\xff\0\0\0\0\0\0\0\1\x7f\3\0NULL".ljust(64, b"\0"))
+            while plain.recv(64):
+                pass
+        self.await_rise(failed, before, reason="protocol")
+        with socket.create_connection(where):
+            pass
+        self.await_rise(failed, before, reason="silence")
+        self.meniscus("start", "--daemon", self.far, "--key", str(self.home / "keys" / "vera.key"), code=77)
+        self.await_rise("meniscus_access_denied_total", before)
+
+    def test_the_journal_and_the_lease_are_told_of(self) -> None:
+        self.meniscus("load", *SMALL)
+        before = self.scrape()
+        self.assertEqual(before["meniscus_lease_seconds"].value(), 0)
+        epoch = str(self.ask("lease", "--ttl", "60")["lease_epoch"])
+        after = self.scrape()
+        self.assertAlmostEqual(after["meniscus_lease_seconds"].value(), 60, delta=20)
+        self.assertEqual(after["meniscus_journal_records_total"].value(), before["meniscus_journal_records_total"].value() + 1)
+        self.assertGreater(after["meniscus_journal_seconds_total"].value(), before["meniscus_journal_seconds_total"].value())
+        self.assertEqual(after["meniscus_journal_failures_total"].value(), 0)
+        self.meniscus("lease", "release", "--lease", epoch)
+        self.assertEqual(self.scrape()["meniscus_lease_seconds"].value(), 0)
 
 
 class Health(HttpTest):

@@ -3,7 +3,6 @@
 """Keys as people use them: made, listed and removed on the command line, used by it, by the C library and by Python."""
 
 import os
-import socket
 import subprocess
 import sys
 import unittest
@@ -11,23 +10,10 @@ from pathlib import Path
 from typing import Tuple
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from daemon import BUILD, DaemonTest  # noqa: E402
+from daemon import BUILD, DaemonTest, free_ports  # noqa: E402
 
 sys.path.insert(0, str(BUILD / "python"))
 import meniscus  # noqa: E402
-
-
-def free_ports() -> int:
-    """The first of two in a row that nobody has at this moment."""
-    while True:
-        with socket.socket() as first, socket.socket() as second:
-            first.bind(("127.0.0.1", 0))
-            port = int(first.getsockname()[1])
-            try:
-                second.bind(("127.0.0.1", port + 1))
-            except (OSError, OverflowError):
-                continue
-            return port
 
 
 class Keys(DaemonTest):
