@@ -62,12 +62,14 @@ PROTO     := $(call objects,$(call sources,proto)) $(patsubst $(BUILD)/gen/%.c,$
 DAEMON    := $(call objects,$(call sources,server/cases server/io server/run server/http server/net server/batch))
 CLIENT    := $(call objects,$(call sources,client/lib)) $(BUILD)/obj/server/base/status.o
 CLI       := $(call objects,$(call sources,client/cli))
+DASHBOARD := $(call objects,$(filter-out %/main.c %/server.c %/files.c,$(call sources,client/dashboard)))
+WEB       := client/dashboard/web
 UNIT      := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/unit tests/protocol))
 FUZZ      := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/fuzz))
 BENCH     := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/bench))
 SUPPORT   := $(call objects,$(call sources,tests/support))
 
-.PHONY: all help packages demo check validate compare bench reference install uninstall clean lint format asan tsan fuzz
+.PHONY: all help packages demo dashboard check validate compare bench reference install uninstall clean lint format asan tsan fuzz
 all: $(BUILD)/meniscusd $(BUILD)/meniscus $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-client.a $(BUILD)/libmeniscus-client.so $(BUILD)/case-reference.md $(BUILD)/python/meniscus/meniscus_pb2.py ## build everything
 
 help: ## list the targets
@@ -82,9 +84,13 @@ demo: packages ## build, run a dam break in a daemon, stream, write HDF5, draw p
 	@$(MAKE) --no-print-directory -s $(PARALLEL) all
 	@BUILD=$(BUILD) tests/support/demo.sh
 
+dashboard: ## build the dashboard for browsers: needs libwebsockets, and npm with its registry
+	@tests/support/packages.sh dashboard
+	@$(MAKE) --no-print-directory -s $(PARALLEL) $(BUILD)/meniscus-dashboard
+
 check: ## build and run every test; last line: N passed, N failed
 	@tests/support/packages.sh check
-	@$(MAKE) --no-print-directory -s $(PARALLEL) all tests bench-programs
+	@$(MAKE) --no-print-directory -s $(PARALLEL) all tests bench-programs $(BUILD)/meniscus-dashboard $(BUILD)/web-check/node_modules/.package-lock.json
 	@BUILD=$(BUILD) CC=$(CC) tests/support/check.sh
 
 validate: ## the papers' cases against their references [CASE=name] [SIZE=paper] [JOBS=n]
@@ -160,9 +166,25 @@ $(BUILD)/meniscusd: $(BUILD)/obj/server/main.o $(DAEMON) $(BUILD)/libmeniscus.a 
 	$(call say,LINK,$@)$(link) $(filter-out %/sources,$^) $(pkg_libs) $(hypre_libs) -lm -lpthread $(LDLIBS)
 $(BUILD)/meniscus: $(CLI) $(BUILD)/libmeniscus-client.a $(BUILD)/stamp/sources
 	$(call say,LINK,$@)$(link) $(filter-out %/sources,$^) $(pkg_libs) -lm -lpthread $(LDLIBS)
+# Not of `all`: its front end is bundled from npm, which fresh machines have not. What the linker makes of files is named after their paths.
+$(BUILD)/meniscus-dashboard: $(patsubst %,$(BUILD)/obj/client/dashboard/%.o,main server files) $(BUILD)/obj/web.o $(BUILD)/libmeniscus-dashboard.a \
+    $(BUILD)/libmeniscus-cli.a $(BUILD)/libmeniscus-client.a
+	$(call say,LINK,$@)$(link) $^ $(pkg_libs) $(shell pkg-config --libs libwebsockets) -lm -lpthread $(LDLIBS)
+$(BUILD)/obj/web.o: $(BUILD)/web/app.js
+	$(call say,LD,$@)cd $(BUILD)/web && ld -r -b binary -z noexecstack -o ../obj/web.o index.html app.js app.css icon.svg
+$(BUILD)/web/app.js: $(wildcard $(WEB)/src/*) $(BUILD)/web/node_modules/.package-lock.json
+	$(call say,BUNDLE,$@)cp $(WEB)/src/index.html $(WEB)/src/icon.svg $(BUILD)/web && NODE_PATH=$(BUILD)/web/node_modules \
+	    node $(BUILD)/web/node_modules/esbuild/bin/esbuild $(WEB)/src/app.js --bundle --minify --format=esm --target=es2022 \
+	    --legal-comments=inline --log-level=warning --outfile=$@
+# Exactly what the lock file says; for the tests a browser's remote control besides.
+$(BUILD)/web/node_modules/.package-lock.json: private npm_flags := --omit=dev
+$(BUILD)/%/node_modules/.package-lock.json: $(WEB)/package.json $(WEB)/package-lock.json $(WEB)/.npmrc
+	@mkdir -p $(BUILD)/$*
+	$(call say,NPM,$(@D))cp $^ $(BUILD)/$* && cd $(BUILD)/$* && npm ci --silent $(npm_flags) && touch node_modules/.package-lock.json
 $(BUILD)/libmeniscus.a: $(SOLVER)
 $(BUILD)/libmeniscus-proto.a: $(PROTO)
 $(BUILD)/libmeniscus-client.a: $(CLIENT) $(PROTO)
+$(BUILD)/libmeniscus-dashboard.a: $(DASHBOARD)
 $(BUILD)/libmeniscusd.a: $(DAEMON)
 $(BUILD)/libmeniscus-cli.a: $(filter-out %/main.o,$(CLI))
 $(BUILD)/%.a: $(BUILD)/stamp/sources
@@ -170,7 +192,7 @@ $(BUILD)/%.a: $(BUILD)/stamp/sources
 $(BUILD)/libmeniscus-client.so: $(CLIENT) $(PROTO) client/lib/exports.map $(BUILD)/stamp/sources
 	$(call say,LINK,$@)$(link) -shared -Wl,-soname,$(@F).$(firstword $(subst ., ,$(VERSION))) -Wl,--version-script=client/lib/exports.map \
 	    $(filter %.o,$^) $(client_libs) $(LDLIBS)
-$(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT) $(BUILD)/libmeniscus-cli.a $(BUILD)/libmeniscus-client.a $(BUILD)/libmeniscusd.a $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-proto.a
+$(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT) $(BUILD)/libmeniscus-dashboard.a $(BUILD)/libmeniscus-cli.a $(BUILD)/libmeniscus-client.a $(BUILD)/libmeniscusd.a $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-proto.a
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)$(link) $< $(SUPPORT) -Wl,--start-group $(filter %.a,$^) -Wl,--end-group $(pkg_libs) $(hypre_libs) -lm -lpthread -lcmocka $(LDLIBS)
 # No more than they look at, as it is all built for them alone.
@@ -207,7 +229,7 @@ $(BUILD)/python/meniscus/meniscus_pb2.py: client/python/generate.py $(PY_FILES) 
 $(BUILD)/stamp/flags: export STAMP = $(compile) $(hypre_cflags) $(WARN) $(CFLAGS) $(link) $(pkg_libs) $(hypre_libs) $(client_libs) $(LDLIBS)
 $(BUILD)/stamp/prefix: export STAMP = $(PREFIX)
 $(BUILD)/stamp/commit: export STAMP = $(COMMIT)
-$(BUILD)/stamp/sources: export STAMP = $(SOLVER) $(PROTO) $(DAEMON) $(CLIENT) $(CLI)
+$(BUILD)/stamp/sources: export STAMP = $(SOLVER) $(PROTO) $(DAEMON) $(CLIENT) $(CLI) $(DASHBOARD)
 $(BUILD)/stamp/%: FORCE
 	@for tool in pkg-config protoc protoc-c; do command -v $$tool >/dev/null || { echo "$$tool is missing: run make packages" >&2; exit 1; }; done
 	@pkg-config --exists $(PKGS) || { echo "packages are missing ($(PKGS)): run make packages" >&2; exit 1; }

@@ -74,36 +74,6 @@ MnsStatus command_status(Invocation *in, MnsError *error)
 
 /* --- what a daemon can do ----------------------------------------------------------------------------------------- */
 
-static json_t *topic(const MnsTopicInfo *t)
-{
-    return json_pack("{ss ss ss ss ss ss ss sI}", "name", t->name, "type", t->type, "unit", t->unit, "range", t->range,
-                     "value", t->value, "meaning", t->meaning, "takes_effect", t->takes_effect, "components",
-                     (json_int_t)t->components);
-}
-
-static json_t *topics(size_t n, const MnsTopicInfo *list)
-{
-    json_t *array = json_array();
-    for (size_t k = 0; k < n; k++) json_array_append_new(array, topic(&list[k]));
-    return array;
-}
-
-static json_t *names(size_t n, const char *const *list)
-{
-    json_t *array = json_array();
-    for (size_t k = 0; k < n; k++) json_array_append_new(array, json_string(list[k]));
-    return array;
-}
-
-static json_t *capabilities_json(const MnsCapabilities *c)
-{
-    return json_pack("{ss ss ss ss so so so so so so}", "version", c->version, "build", c->build, "compiler",
-                     c->compiler, "commit", c->commit, "commands", names(c->n_commands, c->commands), "topics",
-                     names(c->n_topics, c->topics), "probes", names(c->n_probes, c->probes), "parameters",
-                     topics(c->n_parameters, c->parameters), "fields", topics(c->n_fields, c->fields), "schemes",
-                     topics(c->n_schemes, c->schemes));
-}
-
 static void print_topics(const char *title, size_t n, const MnsTopicInfo *list)
 {
     if (n) printf("\n%s\n", title);
@@ -149,7 +119,7 @@ MnsStatus command_capabilities(Invocation *in, MnsError *error)
     MnsReply *reply = NULL;
     MnsStatus status = command_connect(in, error);
     if (status == MNS_OK) status = ask_capabilities(in, &reply, error);
-    if (status == MNS_OK && in->json) status = output_json(capabilities_json(reply->capabilities), error);
+    if (status == MNS_OK && in->json) status = output_json(output_capabilities(reply->capabilities), error);
     if (status == MNS_OK && !in->json) print_capabilities(reply->capabilities);
     mns_reply_free(reply);
     return status;

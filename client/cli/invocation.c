@@ -28,20 +28,13 @@ int command_exit_code(MnsStatus status, bool is_load)
     }
 }
 
-/* A failure as scripts get it. */
-static json_t *failure_json(const MnsError *error, const char *hint, int code)
-{
-    return json_pack("{s{ss ss ss ss si}}", "error", "status", mns_status_name(error->status), "message", error->text,
-                     "path", error->path, "hint", hint, "exit_code", code);
-}
-
 /* The sentence on standard error; with -o json the same on standard output for programs. */
 /* What is wrong in a case file begins with its place; all else with who says it, and the entry unless the sentence has it. */
 static int complain(const MnsError *error, bool json, int code)
 {
     const bool placed = code == MNS_EXIT_BAD_CASE, named = placed || strstr(error->text, error->path);
     fprintf(stderr, "%s%s%s%s\n", placed ? "" : "meniscus: ", named ? "" : error->path, named ? "" : ": ", error->text);
-    if (json) output_json(failure_json(error, mns_status_hint(error->status), code), NULL);
+    if (json) output_json(output_failure(error, mns_status_hint(error->status), code), NULL);
     return code;
 }
 
@@ -50,7 +43,7 @@ static int misuse(const MnsError *error, bool json, const Command *command)
     char hint[64];
     snprintf(hint, sizeof hint, "`meniscus help%s%s` explains", command ? " " : "", command ? command->name : "");
     fprintf(stderr, "meniscus: %s\n%s.\n", error->text, hint);
-    if (json) output_json(failure_json(error, hint, MNS_EXIT_USAGE), NULL);
+    if (json) output_json(output_failure(error, hint, MNS_EXIT_USAGE), NULL);
     return MNS_EXIT_USAGE;
 }
 

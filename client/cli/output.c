@@ -129,6 +129,71 @@ json_t *output_info(const MnsRunInfo *info)
     return object;
 }
 
+static json_t *topic(const MnsTopicInfo *t)
+{
+    return json_pack("{ss ss ss ss ss ss ss sI}", "name", t->name, "type", t->type, "unit", t->unit, "range", t->range,
+                     "value", t->value, "meaning", t->meaning, "takes_effect", t->takes_effect, "components",
+                     (json_int_t)t->components);
+}
+
+static json_t *topics(size_t n, const MnsTopicInfo *list)
+{
+    json_t *array = json_array();
+    for (size_t k = 0; k < n; k++) json_array_append_new(array, topic(&list[k]));
+    return array;
+}
+
+static json_t *names(size_t n, const char *const *list)
+{
+    json_t *array = json_array();
+    for (size_t k = 0; k < n; k++) json_array_append_new(array, json_string(list[k]));
+    return array;
+}
+
+json_t *output_capabilities(const MnsCapabilities *c)
+{
+    return json_pack("{ss ss ss ss so so so so so so}", "version", c->version, "build", c->build, "compiler",
+                     c->compiler, "commit", c->commit, "commands", names(c->n_commands, c->commands), "topics",
+                     names(c->n_topics, c->topics), "probes", names(c->n_probes, c->probes), "parameters",
+                     topics(c->n_parameters, c->parameters), "fields", topics(c->n_fields, c->fields), "schemes",
+                     topics(c->n_schemes, c->schemes));
+}
+
+static const char *topic_name(MnsTopic topic)
+{
+    switch (topic) {
+    case MNS_TOPIC_EVENT: return "event";
+    case MNS_TOPIC_LOG: return "log";
+    case MNS_TOPIC_PROGRESS: return "progress";
+    default: return "probe";
+    }
+}
+
+json_t *output_telemetry(const MnsTelemetry *m)
+{
+    json_t *object =
+        json_pack("{ss sI sI sI so}", "topic", topic_name(m->topic), "sequence", (json_int_t)m->sequence, "lost",
+                  (json_int_t)m->lost, "step", (json_int_t)m->step, "time", output_number(m->time));
+    json_t *more = NULL;
+    if (m->topic == MNS_TOPIC_EVENT)
+        more = json_pack("{ss ss ss}", "state", mns_state_name(m->state), "what", m->what, "text", m->text);
+    if (m->topic == MNS_TOPIC_LOG) more = json_pack("{sI ss}", "level", (json_int_t)m->level, "text", m->text);
+    if (m->topic == MNS_TOPIC_PROBE) more = json_pack("{so}", "values", output_values(m->n_values, m->values));
+    if (m->topic == MNS_TOPIC_PROGRESS)
+        more =
+            json_pack("{ss so so so so so}", "state", mns_state_name(m->state), "fraction", output_number(m->fraction),
+                      "eta_s", output_number(m->eta_s), "steps_per_second", output_number(m->steps_per_second),
+                      "time_step", output_number(m->time_step), "end_time", output_number(m->end_time));
+    if (more) json_object_update_new(object, more);
+    return object;
+}
+
+json_t *output_failure(const MnsError *error, const char *hint, int code)
+{
+    return json_pack("{s{ss ss ss ss si}}", "error", "status", mns_status_name(error->status), "message", error->text,
+                     "path", error->path, "hint", hint, "exit_code", code);
+}
+
 void output_print_values(size_t n, const MnsValue *values)
 {
     int width = 0;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What goes to standard output: one JSON object with stable keys, or text for people. README.md lists the keys. */
+/* What goes to standard output: one JSON object with stable keys, or text for people. README.md lists the keys. The dashboard sends its
+ * browsers the same objects. */
 #ifndef CLI_OUTPUT_H
 #define CLI_OUTPUT_H
 
@@ -26,6 +27,15 @@ json_t *output_reply(const MnsReply *reply);
 
 /* All of a status. */
 json_t *output_info(const MnsRunInfo *info);
+
+/* One message of telemetry: topic, sequence, lost, step, time, and what its topic has. */
+json_t *output_telemetry(const MnsTelemetry *message);
+
+/* All that a daemon can do. */
+json_t *output_capabilities(const MnsCapabilities *capabilities);
+
+/* {"error": ...}: a failure, what to do about it, and the exit code that goes with it. */
+json_t *output_failure(const MnsError *error, const char *hint, int code);
 
 /* Values as lines "name = value unit". */
 void output_print_values(size_t n, const MnsValue *values);

@@ -3,14 +3,12 @@
 #include "client/cli/program.h"
 #include "client/cli/command.h"
 #include <errno.h>
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-/* PATH of a program in the directory of this one. @return false if there is none that may be run. */
-static bool beside(const char *program, char ret[PATH_MAX])
+bool program_beside(const char *program, char ret[static PATH_MAX])
 {
     char self[PATH_MAX];
     const ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
@@ -32,7 +30,7 @@ MnsStatus program_become(const char *program, const char *const *arguments, MnsE
     memcpy(argv + 1, arguments, n * sizeof *argv);
     char path[PATH_MAX];
     fflush(NULL);
-    if (beside(program, path)) execv(path, (char **)argv);
+    if (program_beside(program, path)) execv(path, (char **)argv);
     else execvp(program, (char **)argv);
     const int cause = errno;
     free(argv);

@@ -58,6 +58,11 @@ const ColourMap *colour_map_find(const char *name)
     return NULL;
 }
 
+const char *colour_map_name(const ColourMap *map)
+{
+    return map->name;
+}
+
 bool colour_map_diverges(const ColourMap *map)
 {
     return map->diverges;

@@ -18,6 +18,8 @@ const ColourMap *colour_map(size_t k);
 /* The map of that name; NULL if there is none. */
 const ColourMap *colour_map_find(const char *name);
 
+const char *colour_map_name(const ColourMap *map);
+
 /* Whether the middle of the map means zero. */
 bool colour_map_diverges(const ColourMap *map);
 

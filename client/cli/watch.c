@@ -19,36 +19,6 @@ typedef struct Watch {
     double quiet; /* time without a message [s] */
 } Watch;
 
-static const char *topic_name(MnsTopic topic)
-{
-    switch (topic) {
-    case MNS_TOPIC_EVENT: return "event";
-    case MNS_TOPIC_LOG: return "log";
-    case MNS_TOPIC_PROGRESS: return "progress";
-    default: return "probe";
-    }
-}
-
-/* One message as JSON: topic, sequence, lost, step, time, and what its topic has. */
-static json_t *message_json(const MnsTelemetry *m)
-{
-    json_t *object =
-        json_pack("{ss sI sI sI so}", "topic", topic_name(m->topic), "sequence", (json_int_t)m->sequence, "lost",
-                  (json_int_t)m->lost, "step", (json_int_t)m->step, "time", output_number(m->time));
-    json_t *more = NULL;
-    if (m->topic == MNS_TOPIC_EVENT)
-        more = json_pack("{ss ss ss}", "state", mns_state_name(m->state), "what", m->what, "text", m->text);
-    if (m->topic == MNS_TOPIC_LOG) more = json_pack("{sI ss}", "level", (json_int_t)m->level, "text", m->text);
-    if (m->topic == MNS_TOPIC_PROBE) more = json_pack("{so}", "values", output_values(m->n_values, m->values));
-    if (m->topic == MNS_TOPIC_PROGRESS)
-        more =
-            json_pack("{ss so so so so so}", "state", mns_state_name(m->state), "fraction", output_number(m->fraction),
-                      "eta_s", output_number(m->eta_s), "steps_per_second", output_number(m->steps_per_second),
-                      "time_step", output_number(m->time_step), "end_time", output_number(m->end_time));
-    if (more) json_object_update_new(object, more);
-    return object;
-}
-
 /* The first look, and a later one after silence: what telemetry may have been sent before we listened. */
 static MnsStatus look(Watch *watch, bool first, MnsError *error)
 {
@@ -86,7 +56,7 @@ static MnsStatus take(Watch *watch, const MnsTelemetry *message, MnsError *error
 {
     screen_take(&watch->screen, message);
     watch->quiet = 0;
-    if (watch->in->json) return output_json(message_json(message), error);
+    if (watch->in->json) return output_json(output_telemetry(message), error);
     if (message->topic == MNS_TOPIC_EVENT && *watch->screen.news) screen_say(&watch->screen, watch->screen.news);
     watch->changed |= watch->screen.is_terminal || message->topic == MNS_TOPIC_PROGRESS;
     return MNS_OK;

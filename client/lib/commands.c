@@ -250,6 +250,8 @@ MnsStatus mns_client_query_particles(MnsClient *client, const MnsParticleQuery *
     particles.limit = from->limit;
     particles.has_walls = true;
     particles.walls = from->walls;
+    particles.has_every = from->every > 0;
+    particles.every = from->every;
     Meniscus__Query what = MENISCUS__QUERY__INIT;
     what.what_case = MENISCUS__QUERY__WHAT_PARTICLES;
     what.particles = &particles;

@@ -281,6 +281,7 @@ typedef struct MnsParticleQuery {
     const char *const *fields; /* [n_fields]; none: position, id and phase */
     uint64_t limit;            /* MNS_E_LIMIT beyond; 0: 100000 */
     bool walls;                /* wall particles too */
+    uint64_t every;            /* about one in so many, by chance but always the same; 0: all */
 } MnsParticleQuery;
 
 /** Particles of a box, one array per field. */

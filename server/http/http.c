@@ -4,7 +4,7 @@
 #include "http/http.h"
 
 #include "base/log.h"
-#include "http/address.h"
+#include "proto/address.h"
 #include "http/guests.h"
 #include "http/page.h"
 #include <limits.h>

@@ -132,16 +132,28 @@ static MnsStatus box_of(const Meniscus__ParticleQuery *query, size_t dim, double
     return MNS_OK;
 }
 
-/* Indices of the particles within; yours. NULL if there is no memory. */
-static uint32_t *select_within(const MnsSim *sim, size_t n, const double min[3], const double max[3], size_t *ret_n)
+/* Spreads numbers that follow each other over all numbers (the finalizer of MurmurHash3), so that a choice by it shows no stripes of
+ * the lattice on which particles were numbered. */
+static uint32_t scatter(uint32_t id)
+{
+    id = (id ^ id >> 16) * 0x85ebca6bu;
+    id = (id ^ id >> 13) * 0xc2b2ae35u;
+    return id ^ id >> 16;
+}
+
+/* Indices of one in `every` of the particles within; yours. NULL if there is no memory. */
+static uint32_t *select_within(const MnsSim *sim, size_t n, const double min[3], const double max[3], uint64_t every,
+                               size_t *ret_n)
 {
     const int position = mns_field_find("position"), dim = mns_sim_case(sim)->dim;
+    const uint32_t *id = mns_sim_field(sim, mns_field_find("id"), 0);
+    const uint64_t numbers = (uint64_t)UINT32_MAX + 1, below = every > 1 ? numbers / every : numbers;
     const double *x[3];
     uint32_t *chosen = malloc((n + 1) * sizeof *chosen);
     for (int d = 0; d < dim; d++) x[d] = mns_sim_field(sim, position, d);
     *ret_n = 0;
     for (size_t k = 0; chosen && k < n; k++) {
-        bool within = true;
+        bool within = scatter(id[k]) < below;
         for (int d = 0; d < dim; d++) within = within && x[d][k] >= min[d] && x[d][k] <= max[d];
         if (within) chosen[(*ret_n)++] = (uint32_t)k;
     }
@@ -207,7 +219,7 @@ MnsStatus look_particles(const MnsSim *sim, const Meniscus__ParticleQuery *query
     if (!status) status = fields_of(sim, query, fields, &n_fields, error);
     if (status) return status;
     const size_t all = query->has_walls && query->walls ? mns_sim_particles(sim) : mns_sim_fluid_particles(sim);
-    uint32_t *chosen = select_within(sim, all, min, max, &n);
+    uint32_t *chosen = select_within(sim, all, min, max, query->every, &n);
     if (!chosen) return mns_fail(error, MNS_E_MEMORY, "no memory for a choice of particles");
     status = check_size(query, fields, n_fields, n, error);
     for (size_t k = 0; !status && k < n_fields; k++) status = add_field(sim, fields[k], chosen, n, exchange, error);

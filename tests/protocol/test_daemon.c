@@ -275,6 +275,46 @@ static void particles_of_a_box_come_as_raw_frames_within_a_limit(void **state)
     assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__RESOURCE_EXHAUSTED);
 }
 
+/* The ids of about one in `every` particles, into ret; how many there are. */
+static size_t sampled(Dialogue *dialogue, uint64_t every, uint32_t ret[200])
+{
+    Meniscus__Query query;
+    Meniscus__ParticleQuery which = MENISCUS__PARTICLE_QUERY__INIT;
+    char *fields[] = {(char *)"id"};
+    Meniscus__Request request = particles(&query, &which);
+    uint8_t id[16];
+    which.has_every = 1;
+    which.every = every;
+    which.n_fields = 1;
+    which.fields = fields;
+    dialogue_say(dialogue->control, &request, id);
+    zmq_msg_t frame;
+    zmq_msg_init(&frame);
+    assert_true(zmq_msg_recv(&frame, dialogue->control, 0) > 0);
+    assert_true(zmq_msg_more(&frame));
+    assert_true(zmq_msg_recv(&frame, dialogue->control, 0) >= 0);
+    const size_t n = zmq_msg_size(&frame) / sizeof *ret;
+    assert_true(n <= 200);
+    memcpy(ret, zmq_msg_data(&frame), n * sizeof *ret);
+    zmq_msg_close(&frame);
+    return n;
+}
+
+static void one_particle_in_so_many_is_always_the_same(void **state)
+{
+    Dialogue *dialogue = *state;
+    uint32_t all[200], some[200], again[200];
+    dialogue_load(dialogue, NULL);
+    assert_int_equal(sampled(dialogue, 1, all), 200);
+    assert_int_equal(sampled(dialogue, 0, all), 200);
+    const size_t n = sampled(dialogue, 5, some);
+    assert_in_range(n, 25, 60);
+    steer_accepted(steer_step(dialogue, 3));
+    assert_int_equal(sampled(dialogue, 5, again), n);
+    assert_memory_equal(some, again, n * sizeof *some);
+    assert_int_equal(sampled(dialogue, UINT64_MAX, some), 0);
+}
+
 static void a_box_has_corners_that_are_numbers(void **state)
 {
     Dialogue *dialogue = *state;
@@ -393,6 +433,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(the_same_request_again_changes_nothing, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_set_of_several_is_all_or_nothing, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(particles_of_a_box_come_as_raw_frames_within_a_limit, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(one_particle_in_so_many_is_always_the_same, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_box_has_corners_that_are_numbers, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_breakpoint_pauses_at_its_step, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_restored_run_goes_on_bit_for_bit, steer_begin, steer_end),

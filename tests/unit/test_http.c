@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Where HTTP is served and to whom: addresses, tokens, refusals, and who must go when too many come. */
-#include "http/address.h"
+#include "proto/address.h"
 #include "http/guests.h"
 #include "http/page.h"
 #include "tests/support/check.h"

@@ -253,14 +253,16 @@ class Client:
         max: Optional[Sequence[float]] = None,
         walls: bool = False,
         limit: Optional[int] = None,
+        every: int = 1,
     ) -> Dict[str, np.ndarray]:
         """Particles of a box, or all: one array per field in SI units, the first index counts particles.
 
         fields    names as in capabilities().fields; none: position
         min, max  lower and upper corner of the box [m], as many coordinates as the case has dimensions
         limit     RESOURCE_EXHAUSTED if there are more; None: 100000
+        every     about one in so many, by chance but always the same
         """
-        message = pb.ParticleQuery(min=min or (), max=max or (), fields=fields, walls=walls, limit=limit)
+        message = pb.ParticleQuery(min=min or (), max=max or (), fields=fields, walls=walls, limit=limit, every=every)
         reply, frames = self._call(pb.Request(query=pb.Query(particles=message)))
         return {array.name: read_array(array, frame) for array, frame in zip(reply.arrays, frames)}
 

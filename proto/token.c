@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The word that whoever asks over HTTP must know, as RFC 6750 has it. */
-#include "http/token.h"
+#include "proto/token.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -57,15 +57,19 @@ MnsStatus token_read(const char *path, Token *ret, MnsError *error)
     return status;
 }
 
+bool token_is(const Token *token, const char *word)
+{
+    const size_t n = strlen(token->text);
+    if (strlen(word) != n) return false;
+    unsigned different = 0;
+    for (size_t k = 0; k < n; k++) different |= (unsigned)(word[k] ^ token->text[k]);
+    return !different;
+}
+
 bool token_shown(const Token *token, const char *authorization)
 {
     static const char scheme[] = "Bearer ";
     if (!token->text[0]) return true;
     if (!authorization || strncasecmp(authorization, scheme, strlen(scheme)) != 0) return false;
-    const char *shown = authorization + strlen(scheme);
-    const size_t n = strlen(token->text);
-    if (strlen(shown) != n) return false;
-    unsigned different = 0;
-    for (size_t k = 0; k < n; k++) different |= (unsigned)(shown[k] ^ token->text[k]);
-    return !different;
+    return token_is(token, authorization + strlen(scheme));
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The word that whoever asks over HTTP must know. */
-#ifndef HTTP_TOKEN_H
-#define HTTP_TOKEN_H
+#ifndef PROTO_TOKEN_H
+#define PROTO_TOKEN_H
 
 #include <meniscus/status.h>
 #include <stdbool.h>
@@ -15,7 +15,10 @@ typedef struct Token {
 /* Read the one line of a file that only its owner can read. MNS_E_IO; MNS_E_INVALID if others can, or it is no such word. */
 MnsStatus token_read(const char *path, Token *ret, MnsError *error);
 
-/* Does the value of an Authorization header, NULL if there was none, show the token? Takes as long for any wrong one of a length. */
+/* Is this the token? Takes as long for any wrong word of a length. */
+bool token_is(const Token *token, const char *word);
+
+/* Does the value of an Authorization header, NULL if there was none, show the token? All do where none is asked for. */
 bool token_shown(const Token *token, const char *authorization);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Where HTTP is served: an address and a port. */
-#ifndef HTTP_ADDRESS_H
-#define HTTP_ADDRESS_H
+#ifndef PROTO_ADDRESS_H
+#define PROTO_ADDRESS_H
 
 #include <meniscus/status.h>
 #include <stdbool.h>
@@ -20,7 +20,10 @@ MnsStatus address_parse(const char *text, Address *ret, MnsError *error);
 /* A socket that listens there. MNS_E_IO. */
 MnsStatus address_listen(const Address *address, int *ret_fd, MnsError *error);
 
-/* Write where a socket listens, as in a URL: "127.0.0.1:9464". */
+/* Write an address with this port as in a URL: "127.0.0.1:9464". */
+void address_print(const Address *address, int port, char ret[static 64]);
+
+/* Write where a socket listens. */
 void address_of(int fd, char ret[static 64]);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Where HTTP is served. */
-#include "http/address.h"
+#include "proto/address.h"
 
 #include <arpa/inet.h>
 #include <errno.h>
@@ -80,19 +80,26 @@ MnsStatus address_listen(const Address *address, int *ret_fd, MnsError *error)
                        strerror(why), why == EADDRNOTAVAIL ? ", of an address that this machine has" : "");
 }
 
-void address_of(int fd, char ret[static 64])
+void address_print(const Address *address, int port, char ret[static 64])
 {
-    struct sockaddr_storage where = {.ss_family = AF_UNSPEC};
-    socklen_t size = sizeof where;
-    const struct sockaddr_in *v4 = (const struct sockaddr_in *)&where;
-    const struct sockaddr_in6 *v6 = (const struct sockaddr_in6 *)&where;
+    const struct sockaddr_in *v4 = (const struct sockaddr_in *)&address->where;
+    const struct sockaddr_in6 *v6 = (const struct sockaddr_in6 *)&address->where;
     char host[INET6_ADDRSTRLEN] = "";
-    getsockname(fd, (struct sockaddr *)&where, &size);
-    if (where.ss_family == AF_INET6) {
+    if (address->where.ss_family == AF_INET6) {
         inet_ntop(AF_INET6, &v6->sin6_addr, host, sizeof host);
-        snprintf(ret, 64, "[%s]:%u", host, (unsigned)ntohs(v6->sin6_port));
+        snprintf(ret, 64, "[%s]:%d", host, port);
     } else {
         inet_ntop(AF_INET, &v4->sin_addr, host, sizeof host);
-        snprintf(ret, 64, "%s:%u", host, (unsigned)ntohs(v4->sin_port));
+        snprintf(ret, 64, "%s:%d", host, port);
     }
+}
+
+void address_of(int fd, char ret[static 64])
+{
+    Address address = {.where.ss_family = AF_UNSPEC};
+    socklen_t size = sizeof address.where;
+    const struct sockaddr_in *v4 = (const struct sockaddr_in *)&address.where;
+    const struct sockaddr_in6 *v6 = (const struct sockaddr_in6 *)&address.where;
+    getsockname(fd, (struct sockaddr *)&address.where, &size);
+    address_print(&address, ntohs(address.where.ss_family == AF_INET6 ? v6->sin6_port : v4->sin_port), ret);
 }

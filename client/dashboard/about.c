@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What must be known of a case to show it. */
+#include "client/dashboard/about.h"
+#include "client/cli/output.h"
+#include "client/cli/render_colour.h"
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { MOST_PHASES = 64, STOPS = 32 };
+
+static json_t *colour_json(Colour colour)
+{
+    char text[16];
+    snprintf(text, sizeof text, "#%02x%02x%02x", (unsigned)lround(255 * colour.r), (unsigned)lround(255 * colour.g),
+             (unsigned)lround(255 * colour.b));
+    return json_string(text);
+}
+
+/* The same colours as in pictures of `meniscus render`. */
+static json_t *maps_json(void)
+{
+    json_t *maps = json_array();
+    for (size_t k = 0; colour_map(k); k++) {
+        json_t *stops = json_array();
+        for (int s = 0; s < STOPS; s++)
+            json_array_append_new(stops, colour_json(colour_at(colour_map(k), s / (STOPS - 1.0))));
+        json_array_append_new(maps, json_pack("{ss sb so}", "name", colour_map_name(colour_map(k)), "diverges",
+                                              (int)colour_map_diverges(colour_map(k)), "stops", stops));
+    }
+    return maps;
+}
+
+/* Names of the fluids, or the walls, one by one until there are no more. */
+static size_t ask_names(MnsClient *client, const char *list, char names[MOST_PHASES][64])
+{
+    size_t n = 0;
+    while (n < MOST_PHASES) {
+        char path[64];
+        MnsReply *reply = NULL;
+        snprintf(path, sizeof path, "%s[%zu].name", list, n);
+        if (mns_client_get(client, 1, (const char *const[]){path}, &reply, NULL) != MNS_OK) break;
+        const char *name = reply->n_values == 1 && reply->values[0].text ? reply->values[0].text : list;
+        snprintf(names[n++], 64, "%s", name);
+        mns_reply_free(reply);
+    }
+    return n;
+}
+
+static json_t *fluids_json(MnsClient *client)
+{
+    char names[MOST_PHASES][64];
+    const char *list[MOST_PHASES];
+    Colour colours[MOST_PHASES];
+    json_t *fluids = json_array();
+    const size_t n = ask_names(client, "fluids", names);
+    for (size_t k = 0; k < n; k++) list[k] = names[k];
+    colour_fluids(n, list, colours);
+    for (size_t k = 0; k < n; k++)
+        json_array_append_new(fluids, json_pack("{ss so}", "name", names[k], "colour", colour_json(colours[k])));
+    return fluids;
+}
+
+static json_t *walls_json(MnsClient *client)
+{
+    char names[MOST_PHASES][64];
+    json_t *walls = json_array();
+    const size_t n = ask_names(client, "walls", names);
+    for (size_t k = 0; k < n; k++) json_array_append_new(walls, json_string(names[k]));
+    return walls;
+}
+
+static MnsStatus ask_case(MnsClient *client, json_t *about, MnsError *error)
+{
+    static const char *const paths[] = {"dimensions", "reference_length", "resolution", "domain.min",
+                                        "domain.max", "gravity",          "scheme"};
+    MnsReply *reply = NULL;
+    const MnsStatus status = mns_client_get(client, sizeof paths / sizeof *paths, paths, &reply, error);
+    if (status) return status;
+    json_object_set_new(about, "case", output_values(reply->n_values, reply->values));
+    mns_reply_free(reply);
+    json_object_set_new(about, "fluids", fluids_json(client));
+    json_object_set_new(about, "walls", walls_json(client));
+    return MNS_OK;
+}
+
+MnsStatus about_ask(MnsClient *client, const MnsReply *status, json_t **ret, MnsError *error)
+{
+    MnsReply *reply = NULL;
+    MnsStatus failed = mns_client_capabilities(client, &reply, error);
+    if (!failed && !reply->capabilities) failed = mns_fail(error, MNS_E_VERSION, "the daemon's capabilities are empty");
+    if (failed) {
+        mns_reply_free(reply);
+        return failed;
+    }
+    json_t *about = json_pack("{ss so so}", "topic", "about", "capabilities", output_capabilities(reply->capabilities),
+                              "colour_maps", maps_json());
+    mns_reply_free(reply);
+    const MnsState state = status->state;
+    /* While a case is being loaded there is none to ask about: it is asked when the state changes. */
+    if (state != MNS_STATE_EMPTY && state != MNS_STATE_LOADING && state != MNS_STATE_STOPPING)
+        failed = ask_case(client, about, error);
+    if (failed == MNS_E_STATE) failed = MNS_OK;
+    if (failed) json_decref(about);
+    else *ret = about;
+    return failed;
+}

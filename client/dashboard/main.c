@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* meniscus-dashboard: a daemon in the browser. A process of its own, so that whatever browsers do costs the simulation no more than any
+ * other client. */
+#include "client/dashboard/server.h"
+#include "client/dashboard/watcher.h"
+#include <getopt.h>
+#include <math.h>
+#include <meniscus/exit.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char usage[] =
+    "Usage: meniscus-dashboard [OPTION]...\n"
+    "Show a meniscusd in the browser, and steer it from there.\n"
+    "\n"
+    "  -d, --daemon NAME|ENDPOINT  which daemon; default $MENISCUS_DAEMON, or the one named default\n"
+    "      --http [ADDRESS:]PORT   where to serve browsers; default 127.0.0.1:9465; port 0 is any free one\n"
+    "      --http-token FILE       ask browsers for the word in this file, which only its owner can read; must be "
+    "given\n"
+    "                              where other machines reach the address\n"
+    "      --allow-host NAME       a name by which browsers call this machine, besides its own; may be repeated\n"
+    "      --frames N              at most N pictures a second, for all browsers together; default 30\n"
+    "  -h, --help                  print this\n"
+    "  -V, --version               print the version\n";
+
+typedef struct Options {
+    const char *daemon;
+    double frames;
+    ServerOptions server;
+    char host[256]; /* of this machine */
+    bool has_token;
+} Options;
+
+static MnsStatus read_frames(const char *text, double *ret, MnsError *error)
+{
+    char *end;
+    const double value = strtod(text, &end);
+    if (end == text || *end || !(value >= 0.1 && value <= 120))
+        return mns_fail(error, MNS_E_INVALID, "--frames takes a number from 0.1 to 120; found \"%.80s\"", text);
+    *ret = value;
+    return MNS_OK;
+}
+
+static MnsStatus add_host(Guard *guard, const char *name, MnsError *error)
+{
+    if (guard->n == GUARD_NAMES)
+        return mns_fail(error, MNS_E_INVALID, "--allow-host can be given at most %d times", GUARD_NAMES - 1);
+    guard->names[guard->n++] = name;
+    return MNS_OK;
+}
+
+static MnsStatus take(int letter, Options *options, MnsError *error)
+{
+    switch (letter) {
+    case 'd': options->daemon = optarg; return MNS_OK;
+    case 'p': return address_parse(optarg, &options->server.address, error);
+    case 't': options->has_token = true; return token_read(optarg, &options->server.token, error);
+    case 'a': return add_host(&options->server.guard, optarg, error);
+    case 'f': return read_frames(optarg, &options->frames, error);
+    default: return mns_fail(error, MNS_E_INVALID, "`meniscus-dashboard --help` lists the options");
+    }
+}
+
+static MnsStatus read_options(int argc, char **argv, Options *options, MnsError *error)
+{
+    static const struct option longs[] = {
+        {"daemon", required_argument, NULL, 'd'},     {"http", required_argument, NULL, 'p'},
+        {"http-token", required_argument, NULL, 't'}, {"allow-host", required_argument, NULL, 'a'},
+        {"frames", required_argument, NULL, 'f'},     {"help", no_argument, NULL, 'h'},
+        {"version", no_argument, NULL, 'V'},          {0},
+    };
+    MnsStatus status = address_parse("9465", &options->server.address, error);
+    if (!gethostname(options->host, sizeof options->host - 1)) add_host(&options->server.guard, options->host, NULL);
+    for (int letter; !status && (letter = getopt_long(argc, argv, "d:hV", longs, NULL)) != -1;) {
+        if (letter == 'h') exit(fputs(usage, stdout) < 0);
+        if (letter == 'V') exit(printf("meniscus-dashboard %s\n", MENISCUS_VERSION) < 0);
+        status = take(letter, options, error);
+    }
+    if (status) return status;
+    if (optind < argc) return mns_fail(error, MNS_E_INVALID, "there is no use for \"%.200s\"", argv[optind]);
+    if (options->server.address.loopback || options->has_token) return MNS_OK;
+    return mns_fail_at(
+        error, MNS_E_INVALID, "http",
+        "other machines reach that address, so whoever knows it could steer the run: give a token too, with "
+        "--http-token FILE");
+}
+
+static void end(int signal)
+{
+    (void)signal;
+    server_stop();
+}
+
+typedef struct Start {
+    Hub *hub;
+    const Options *options;
+} Start;
+
+static void started(void *arg, int port)
+{
+    const Start *start = arg;
+    char where[64];
+    MnsError error = {0};
+    address_print(&start->options->server.address, port, where);
+    MnsStatus status = watcher_start(start->hub, &error);
+    if (!status) status = painter_start(start->hub, start->options->frames, &error);
+    if (status) fprintf(stderr, "meniscus-dashboard: %s\n", error.text);
+    else fprintf(stderr, "meniscus-dashboard: %s is at http://%s/\n", hub_daemon(start->hub), where);
+    if (!start->options->server.address.loopback)
+        fprintf(stderr,
+                "meniscus-dashboard: HTTP is not encrypted: between machines use a tunnel or a proxy with TLS\n");
+    if (status) server_stop();
+}
+
+int main(int argc, char **argv)
+{
+    static Options options = {.frames = 30};
+    MnsError error = {0};
+    MnsStatus status = read_options(argc, argv, &options, &error);
+    if (!options.daemon) options.daemon = getenv("MENISCUS_DAEMON");
+    if (!options.daemon || !*options.daemon) options.daemon = "default";
+    Hub *hub = status ? NULL : hub_new(options.daemon);
+    const struct sigaction action = {.sa_handler = end};
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+    signal(SIGPIPE, SIG_IGN);
+    if (hub) status = server_run(hub, &options.server, started, &(Start){hub, &options}, &error);
+    if (!status && !hub) status = mns_fail(&error, MNS_E_MEMORY, "no memory");
+    if (!status) return MNS_EXIT_DONE;
+    fprintf(stderr, "meniscus-dashboard: %s\n", error.text);
+    return status == MNS_E_IO ? MNS_EXIT_IO : status == MNS_E_MEMORY ? MNS_EXIT_FAILED : MNS_EXIT_USAGE;
+}

@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The thread that fetches particles. Each question costs the solver a copy between two steps, so only what somebody waits for is asked,
+ * nothing is asked twice of the same step, and never more often than was agreed, however many browsers there are. */
+#include "client/dashboard/watcher.h"
+#include <math.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+static const double patience_s = 30; /* for a step to end                             */
+static const double idle_s = 0.1;    /* between looks while nothing moves             */
+
+typedef struct Painter {
+    Hub *hub;
+    MnsClient *client;
+    double interval;
+    size_t turn; /* wishes are served one after the other */
+} Painter;
+
+static double now_s(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static void rest(double seconds)
+{
+    if (seconds <= 0) return;
+    const struct timespec pause = {.tv_sec = (time_t)seconds, .tv_nsec = (long)(1e9 * (seconds - floor(seconds)))};
+    nanosleep(&pause, NULL);
+}
+
+static bool can_show(MnsState state)
+{
+    return state == MNS_STATE_READY || state == MNS_STATE_RUNNING || state == MNS_STATE_PAUSED ||
+           state == MNS_STATE_DONE || state == MNS_STATE_FAULT;
+}
+
+static MnsStatus paint(Painter *painter, const Wish *wish, const MnsRunInfo *info, uint64_t generation, MnsError *error)
+{
+    const char *fields[3] = {"position", "phase", wish->field};
+    const uint64_t all = wish->walls ? info->particles : info->fluid_particles;
+    const MnsParticleQuery query = {.n_fields = strcmp(wish->field, "phase") != 0 ? 3 : 2,
+                                    .fields = fields,
+                                    .walls = wish->walls,
+                                    .every = frame_every(all, wish->limit),
+                                    .limit = 2 * FRAME_MOST};
+    MnsReply *reply = NULL;
+    Frame *frame = NULL;
+    MnsStatus status = mns_client_query_particles(painter->client, &query, &reply, error);
+    if (!status) status = frame_new(wish, (FrameKey){generation, reply->step}, query.every, all, reply, &frame, error);
+    mns_reply_free(reply);
+    if (!status) hub_show(painter->hub, frame);
+    return status;
+}
+
+/* Serve the next demand that the run has something new for. *ret_painted: there was one. */
+static MnsStatus serve(Painter *painter, size_t n, const Demand *demands, bool *ret_painted, MnsError *error)
+{
+    MnsReply *reply = NULL;
+    MnsStatus status = MNS_OK;
+    *ret_painted = false;
+    /* Before the status: what changes in between is painted again. */
+    const uint64_t generation = hub_generation(painter->hub);
+    status = mns_client_status(painter->client, &reply, error);
+    if (status) return status;
+    const bool has = reply->info && can_show(reply->state);
+    for (size_t k = 0; has && k < n && !*ret_painted && !status; k++) {
+        const Demand *demand = &demands[(painter->turn + k) % n];
+        if (demand->has && key_equal(demand->have, (FrameKey){generation, reply->step})) continue;
+        painter->turn += k + 1;
+        *ret_painted = true;
+        status = paint(painter, &demand->wish, reply->info, generation, error);
+    }
+    mns_reply_free(reply);
+    return status;
+}
+
+/* One round: wait for a demand, serve it, keep the pace. A question that the daemon refuses, as of a field that the scheme has not, is
+ * asked again later; only a daemon that is gone is left. */
+static MnsStatus round_once(Painter *painter, MnsError *error)
+{
+    Demand demands[HUB_BROWSERS];
+    const size_t n = hub_await_demands(painter->hub, demands);
+    if (!n) return MNS_OK;
+    const double began = now_s();
+    bool painted;
+    const MnsStatus status = serve(painter, n, demands, &painted, error);
+    if (status == MNS_E_UNAVAILABLE || status == MNS_E_VERSION) return status;
+    rest(began + (painted && !status ? painter->interval : idle_s) - now_s());
+    return MNS_OK;
+}
+
+static void *live(void *arg)
+{
+    Painter *painter = arg;
+    for (;;) {
+        MnsError error = {0};
+        Demand demands[HUB_BROWSERS];
+        while (!hub_await_demands(painter->hub, demands)) {}
+        MnsStatus status = mns_client_open(hub_daemon(painter->hub), &painter->client, &error);
+        if (!status) mns_client_set_timeout(painter->client, patience_s);
+        while (!status) status = round_once(painter, &error);
+        mns_client_close(painter->client);
+        painter->client = NULL;
+        rest(1);
+    }
+    return NULL;
+}
+
+MnsStatus painter_start(Hub *hub, double frames_per_second, MnsError *error)
+{
+    pthread_t thread;
+    Painter *painter = calloc(1, sizeof *painter);
+    if (!painter) return mns_fail(error, MNS_E_MEMORY, "no memory for a thread");
+    *painter = (Painter){.hub = hub, .interval = 1 / frames_per_second};
+    if (pthread_create(&thread, NULL, live, painter)) {
+        free(painter);
+        return mns_fail(error, MNS_E_LIMIT, "the system gives no thread");
+    }
+    pthread_detach(thread);
+    return MNS_OK;
+}

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The thread that serves browsers: files over HTTP, everything else over one WebSocket each. The only part that knows libwebsockets. */
+#ifndef DASHBOARD_SERVER_H
+#define DASHBOARD_SERVER_H
+
+#include "client/dashboard/guard.h"
+#include "client/dashboard/hub.h"
+#include "proto/address.h"
+#include "proto/token.h"
+
+typedef struct ServerOptions {
+    Address address;
+    Token token; /* "": nobody is asked for one */
+    Guard guard;
+} ServerOptions;
+
+/* Listen, then call started(arg, port); serve until *stop. MNS_E_IO: nobody can listen there. */
+MnsStatus server_run(Hub *hub, const ServerOptions *options, void (*started)(void *arg, int port), void *arg,
+                     MnsError *error);
+
+/* End server_run(); safe in a signal handler. */
+void server_stop(void);
+
+#endif

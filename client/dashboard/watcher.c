@@ -1,0 +1,232 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The thread that listens to the daemon. When the daemon goes away, it says so and looks for it until it is back. */
+#include "client/dashboard/watcher.h"
+#include "client/cli/output.h"
+#include "client/dashboard/about.h"
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+static const double tick_s = 0.05;  /* samples go to browsers at least this far apart */
+static const double status_s = 1;   /* between looks at the status                     */
+static const double patience_s = 5; /* for an answer that a daemon gives at once       */
+enum { BATCH = 200 };               /* samples of one tick; more are in the history    */
+
+typedef struct Watcher {
+    Hub *hub;
+    MnsClient *client;
+    uint64_t epoch, version; /* of what was told last */
+    char directory[4096];    /* of the run            */
+    MnsState state;
+    uint64_t heard; /* number of the latest event: on subscribing it comes again */
+    json_t *names;  /* of the samples of this tick; NULL: none */
+    json_t *units, *rows;
+    uint64_t unsent; /* samples of this tick beyond BATCH */
+    double looked;
+} Watcher;
+
+static double now_s(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static json_t *wall_clock(void)
+{
+    char text[32];
+    struct tm utc;
+    const time_t now = time(NULL);
+    strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));
+    return json_string(text);
+}
+
+static void tell_daemon(Watcher *watcher, const MnsError *error)
+{
+    json_t *object = json_pack("{ss ss sb}", "topic", "daemon", "name", hub_daemon(watcher->hub), "alive", !error);
+    if (error) json_object_update_new(object, output_failure(error, mns_status_hint(error->status), 0));
+    hub_tell(watcher->hub, TELL_DAEMON, object);
+}
+
+/* --- samples ----------------------------------------------------------------------------------------------------------- */
+
+static void flush(Watcher *watcher)
+{
+    if (!watcher->rows) return;
+    hub_tell(watcher->hub, TELL_SAMPLES,
+             json_pack("{ss so so so sI}", "topic", "samples", "names", watcher->names, "units", watcher->units, "rows",
+                       watcher->rows, "unsent", (json_int_t)watcher->unsent));
+    watcher->names = watcher->units = watcher->rows = NULL;
+    watcher->unsent = 0;
+}
+
+static bool same_names(const json_t *names, const MnsTelemetry *message)
+{
+    if (json_array_size(names) != message->n_values) return false;
+    for (size_t k = 0; k < message->n_values; k++)
+        if (strcmp(json_string_value(json_array_get(names, k)), message->values[k].name) != 0) return false;
+    return true;
+}
+
+static void take_sample(Watcher *watcher, const MnsTelemetry *message)
+{
+    hub_sample(watcher->hub, message->time, message->n_values, message->values);
+    if (watcher->rows && !same_names(watcher->names, message)) flush(watcher);
+    if (!watcher->rows) {
+        watcher->rows = json_array();
+        watcher->names = json_array();
+        watcher->units = json_array();
+        for (size_t k = 0; k < message->n_values; k++) {
+            json_array_append_new(watcher->names, json_string(message->values[k].name));
+            json_array_append_new(watcher->units, json_string(message->values[k].unit));
+        }
+    }
+    if (json_array_size(watcher->rows) == BATCH) {
+        watcher->unsent++;
+        return;
+    }
+    json_t *row = json_array();
+    json_array_append_new(row, output_number(message->time));
+    for (size_t k = 0; k < message->n_values; k++) json_array_append_new(row, output_number(message->values[k].number));
+    json_array_append_new(watcher->rows, row);
+}
+
+/* --- the run ----------------------------------------------------------------------------------------------------------- */
+
+/* What the daemon can do and what the case is, and the probes as they are now: telemetry tells of the next sample. */
+static MnsStatus tell_about(Watcher *watcher, const MnsReply *status, MnsError *error)
+{
+    json_t *about = NULL;
+    const MnsStatus failed = about_ask(watcher->client, status, &about, error);
+    if (failed) return failed;
+    hub_renew(watcher->hub);
+    json_object_set_new(about, "generation", json_integer((json_int_t)hub_generation(watcher->hub)));
+    hub_tell(watcher->hub, TELL_ABOUT, about);
+    MnsReply *probes = NULL;
+    if (status->state != MNS_STATE_EMPTY &&
+        mns_client_query_probes(watcher->client, 0, NULL, &probes, NULL) == MNS_OK) {
+        const MnsTelemetry sample = {.time = probes->time, .n_values = probes->n_values, .values = probes->values};
+        take_sample(watcher, &sample);
+    }
+    mns_reply_free(probes);
+    return MNS_OK;
+}
+
+/* Is it another run, or one that is new to us, rather than the same with something set? */
+static bool is_other(const Watcher *watcher, const MnsReply *reply)
+{
+    return reply->daemon_epoch != watcher->epoch || strcmp(reply->info->run_directory, watcher->directory) != 0 ||
+           reply->case_version < watcher->version;
+}
+
+static bool has_case(MnsState state)
+{
+    return state != MNS_STATE_EMPTY && state != MNS_STATE_LOADING && state != MNS_STATE_STOPPING;
+}
+
+static MnsStatus look(Watcher *watcher, MnsError *error)
+{
+    MnsReply *reply = NULL;
+    MnsStatus status = mns_client_status(watcher->client, &reply, error);
+    if (!status && !reply->info) status = mns_fail(error, MNS_E_VERSION, "the daemon's status is empty");
+    if (status) {
+        mns_reply_free(reply);
+        return status;
+    }
+    const bool other = is_other(watcher, reply);
+    const bool news =
+        other || reply->case_version != watcher->version || has_case(reply->state) != has_case(watcher->state);
+    if (other) {
+        flush(watcher);
+        hub_forget(watcher->hub);
+    }
+    watcher->epoch = reply->daemon_epoch;
+    watcher->version = reply->case_version;
+    watcher->state = reply->state;
+    snprintf(watcher->directory, sizeof watcher->directory, "%s", reply->info->run_directory);
+    hub_set_directory(watcher->hub, watcher->directory);
+    json_t *told = output_info(reply->info);
+    json_object_set_new(told, "topic", json_string("status"));
+    if (news) status = tell_about(watcher, reply, error);
+    hub_tell(watcher->hub, TELL_STATUS, told);
+    watcher->looked = now_s();
+    mns_reply_free(reply);
+    return status;
+}
+
+static MnsStatus take_news(Watcher *watcher, const MnsTelemetry *message, MnsError *error)
+{
+    if (message->topic == MNS_TOPIC_EVENT && message->daemon_epoch == watcher->epoch &&
+        message->sequence <= watcher->heard)
+        return MNS_OK;
+    if (message->topic == MNS_TOPIC_EVENT) watcher->heard = message->sequence;
+    json_t *told = output_telemetry(message);
+    json_object_set_new(told, "when", wall_clock());
+    hub_tell(watcher->hub, TELL_EVENT, told);
+    if (message->topic != MNS_TOPIC_EVENT) return MNS_OK;
+    hub_renew(watcher->hub);
+    return look(watcher, error);
+}
+
+static MnsStatus take(Watcher *watcher, const MnsTelemetry *message, MnsError *error)
+{
+    switch (message->topic) {
+    case MNS_TOPIC_PROBE: take_sample(watcher, message); return MNS_OK;
+    case MNS_TOPIC_PROGRESS: hub_tell(watcher->hub, TELL_PROGRESS, output_telemetry(message)); return MNS_OK;
+    default: return take_news(watcher, message, error);
+    }
+}
+
+/* Messages of one tick, then what is due. */
+static MnsStatus tick(Watcher *watcher, MnsError *error)
+{
+    const double end = now_s() + tick_s;
+    MnsStatus status = MNS_OK;
+    for (double left = tick_s; left > 0 && !status; left = end - now_s()) {
+        MnsTelemetry *message = NULL;
+        status = mns_client_next(watcher->client, left, &message, error);
+        if (!status) status = take(watcher, message, error);
+        mns_telemetry_free(message);
+        if (status == MNS_E_TIMEOUT || status == MNS_E_INTERRUPTED || status == MNS_E_CORRUPT) status = MNS_OK;
+    }
+    flush(watcher);
+    if (!status && now_s() - watcher->looked > status_s) status = look(watcher, error);
+    return status;
+}
+
+/* From the connection to its loss. */
+static void attend(Watcher *watcher, MnsError *error)
+{
+    MnsStatus status = mns_client_open(hub_daemon(watcher->hub), &watcher->client, error);
+    if (status) return;
+    mns_client_set_timeout(watcher->client, patience_s);
+    status = mns_client_subscribe(watcher->client, MNS_TOPIC_ALL, error);
+    if (!status) status = look(watcher, error);
+    if (!status) tell_daemon(watcher, NULL);
+    while (!status) status = tick(watcher, error);
+    mns_client_close(watcher->client);
+    watcher->client = NULL;
+}
+
+static void *live(void *arg)
+{
+    Watcher watcher = {.hub = arg};
+    const struct timespec pause = {.tv_sec = 1};
+    for (;;) {
+        MnsError error = {0};
+        attend(&watcher, &error);
+        tell_daemon(&watcher, &error);
+        nanosleep(&pause, NULL);
+    }
+    return NULL;
+}
+
+MnsStatus watcher_start(Hub *hub, MnsError *error)
+{
+    pthread_t thread;
+    if (pthread_create(&thread, NULL, live, hub)) return mns_fail(error, MNS_E_LIMIT, "the system gives no thread");
+    pthread_detach(thread);
+    return MNS_OK;
+}

@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The particles, drawn by three.js: a plane that can be moved and zoomed, or a space that can be turned.
+import * as THREE from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { number, ticks } from "./format.js";
+
+const PHASES = 256, MARGIN = 1.06, FILL = { 2: 1.42, 3: 1.15 }; // discs that leave no gaps in a plane
+
+const vertexShader = `
+  attribute float value; attribute float phase;
+  uniform float size, scale, lo, hi, byPhase; uniform bool perspective;
+  uniform sampler2D map, palette;
+  varying vec3 colour;
+  void main() {
+    vec4 own = texture2D(palette, vec2((phase + 0.5) / ${PHASES}.0, 0.5));
+    colour = own.rgb;
+    if (byPhase < 0.5) colour = texture2D(map, vec2(clamp((value - lo) / (hi - lo), 0.0, 1.0) * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb;
+    vec4 seen = modelViewMatrix * vec4(position, 1.0);
+    gl_Position = own.a > 0.5 ? projectionMatrix * seen : vec4(2.0, 2.0, 2.0, 1.0);
+    gl_PointSize = max(1.5, size * scale / (perspective ? -seen.z : 1.0));
+  }`;
+const fragmentShader = `
+  uniform bool perspective; varying vec3 colour;
+  void main() {
+    vec2 at = 2.0 * gl_PointCoord - 1.0;
+    float r = dot(at, at);
+    if (r > 1.0) discard;
+    float light = perspective ? 0.55 + 0.45 * sqrt(1.0 - r) : 1.0;
+    gl_FragColor = vec4(colour * light, 1.0);
+  }`;
+
+/** @param {number} width  of the texture */
+function strip(width) {
+  const texture = new THREE.DataTexture(new Uint8Array(4 * width), width, 1, THREE.RGBAFormat);
+  texture.minFilter = texture.magFilter = width === PHASES ? THREE.NearestFilter : THREE.LinearFilter;
+  return texture;
+}
+
+/** @param {string} hex @returns {[number, number, number]} */
+export function rgb(hex) {
+  return [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16));
+}
+
+/**
+ * @typedef {object} Space
+ * @property {2|3} dimensions @property {number[]} min @property {number[]} max @property {number} spacing @property {number[]} up
+ */
+
+export class View {
+  /** @param {HTMLElement} place */
+  constructor(place) {
+    this.place = place;
+    this.renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
+    this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace; // the colours are those of the screen already
+    this.ink = document.createElement("canvas"); // axes, over the particles
+    place.append(this.renderer.domElement, this.ink);
+    this.scene = new THREE.Scene();
+    this.material = new THREE.ShaderMaterial({
+      vertexShader, fragmentShader,
+      uniforms: {
+        size: { value: 1 }, scale: { value: 1 }, lo: { value: 0 }, hi: { value: 1 }, byPhase: { value: 1 }, perspective: { value: false },
+        map: { value: strip(256 + 0) }, palette: { value: strip(PHASES) },
+      },
+    });
+    this.points = new THREE.Points(new THREE.BufferGeometry(), this.material);
+    this.points.frustumCulled = false;
+    this.points.visible = false;
+    this.box = new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: 0x808080 }));
+    this.box.frustumCulled = false;
+    this.scene.add(this.points, this.box);
+    this.room = 0;
+    /** @type {Space|null} */
+    this.space = null;
+    this.stale = true;
+    new ResizeObserver(() => this.resize()).observe(place);
+  }
+
+  /** Of another case: look at all of it. @param {Space} space */
+  setSpace(space) {
+    this.space = space;
+    this.points.visible = false;
+    this.controls?.dispose();
+    const [x0, y0, z0 = 0] = space.min, [x1, y1, z1 = 0] = space.max;
+    this.centre = new THREE.Vector3((x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2);
+    this.reach = new THREE.Vector3(x1 - x0, y1 - y0, z1 - z0);
+    const corners = [];
+    const across = (/** @type {number} */ a) => [a & 1 ? x1 : x0, a & 2 ? y1 : y0, a & 4 ? z1 : z0];
+    for (let a = 0; a < 2 ** space.dimensions; a++)
+      for (let d = 1; d < 2 ** space.dimensions; d *= 2) if (!(a & d)) corners.push(...across(a), ...across(a | d));
+    this.box.geometry.dispose();
+    this.box.geometry = new THREE.BufferGeometry().setAttribute("position", new THREE.Float32BufferAttribute(corners, 3));
+    const plane = space.dimensions === 2;
+    this.camera = plane ? new THREE.OrthographicCamera() : new THREE.PerspectiveCamera(40);
+    if (!plane) this.camera.up.set(...space.up);
+    this.controls = new OrbitControls(this.camera, this.renderer.domElement);
+    this.controls.enableRotate = !plane;
+    this.controls.zoomToCursor = plane;
+    this.controls.screenSpacePanning = true;
+    if (plane) this.controls.mouseButtons.LEFT = THREE.MOUSE.PAN;
+    if (plane) this.controls.touches.ONE = THREE.TOUCH.PAN;
+    this.controls.addEventListener("change", () => { this.stale = true; });
+    this.material.uniforms.perspective.value = !plane;
+    this.home();
+    this.resize();
+  }
+
+  /** Show all of the domain. */
+  home() {
+    if (!this.space) return;
+    const size = this.reach.length();
+    this.controls.target.copy(this.centre);
+    if (this.space.dimensions === 2) {
+      this.camera.position.set(this.centre.x, this.centre.y, size);
+      this.camera.near = 0;
+      this.camera.far = 2 * size;
+      this.camera.zoom = 1;
+    } else {
+      const up = new THREE.Vector3(...this.space.up).normalize();
+      const side = Math.abs(up.y) > 0.5 ? new THREE.Vector3(0, 0, 1) : new THREE.Vector3(0, -1, 0);
+      const right = new THREE.Vector3().crossVectors(up, side);
+      const from = side.clone().addScaledVector(right, 0.45).addScaledVector(up, 0.35).normalize();
+      this.camera.position.copy(this.centre).addScaledVector(from, 1.45 * size);
+      this.camera.near = size / 100;
+      this.camera.far = 20 * size;
+    }
+    this.resize();
+    this.controls.update();
+  }
+
+  resize() {
+    const width = this.place.clientWidth, height = this.place.clientHeight;
+    if (!width || !height) return;
+    const ratio = Math.min(2, window.devicePixelRatio || 1);
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(width, height);
+    this.ink.width = width * ratio;
+    this.ink.height = height * ratio;
+    if (this.camera instanceof THREE.OrthographicCamera) {
+      // Room for the axes: left and below.
+      const pads = { left: 52, right: 12, top: 12, bottom: 36 };
+      const across = Math.max(1, width - pads.left - pads.right), up = Math.max(1, height - pads.top - pads.bottom);
+      const unit = Math.max(MARGIN * this.reach.x / across, MARGIN * this.reach.y / up, 1e-12);
+      Object.assign(this.camera, {
+        left: -unit * (across / 2 + pads.left), right: unit * (across / 2 + pads.right),
+        top: unit * (up / 2 + pads.top), bottom: -unit * (up / 2 + pads.bottom),
+      });
+    } else if (this.camera) this.camera.aspect = width / height;
+    this.camera?.updateProjectionMatrix();
+    this.stale = true;
+  }
+
+  /** @param {string[]} stops  colours of the map from its lower to its upper end */
+  setMap(stops) {
+    const texture = this.material.uniforms.map.value, last = stops.length - 1;
+    for (let k = 0; k < 256; k++) {
+      const at = k / 255 * last, low = Math.min(last - 1, Math.floor(at)), a = rgb(stops[low]), b = rgb(stops[low + 1]);
+      texture.image.data.set([0, 1, 2].map((c) => a[c] + (at - low) * (b[c] - a[c])), 4 * k);
+      texture.image.data[4 * k + 3] = 255;
+    }
+    texture.needsUpdate = true;
+    this.stale = true;
+  }
+
+  /** @param {{colour: string, visible: boolean}[]} phases */
+  setPhases(phases) {
+    const texture = this.material.uniforms.palette.value;
+    for (let k = 0; k < PHASES; k++) {
+      const { colour, visible } = phases[k] ?? { colour: "#808080", visible: true };
+      texture.image.data.set([...rgb(colour), visible ? 255 : 0], 4 * k);
+    }
+    texture.needsUpdate = true;
+    this.stale = true;
+  }
+
+  /** @param {[number, number]|null} ends */
+  setRange(ends) {
+    if (ends) [this.material.uniforms.lo.value, this.material.uniforms.hi.value] = ends;
+    this.stale = true;
+  }
+
+  /** @param {import("./frame.js").Frame} frame */
+  setFrame(frame) {
+    if (!this.space) return;
+    const geometry = this.points.geometry, n = frame.particles;
+    if (n > this.room || geometry.getAttribute("position")?.itemSize !== frame.dimensions) {
+      this.room = Math.ceil(1.2 * n) + 16;
+      const add = (/** @type {string} */ name, /** @type {any} */ array, /** @type {number} */ size) =>
+        geometry.setAttribute(name, new THREE.BufferAttribute(array, size).setUsage(THREE.DynamicDrawUsage));
+      geometry.dispose();
+      add("position", new Float32Array(frame.dimensions * this.room), frame.dimensions);
+      // three.js would look at all particles, and at what is in no use, for it.
+      geometry.boundingSphere = new THREE.Sphere(this.centre, this.reach.length());
+      add("value", new Float32Array(this.room), 1);
+      add("phase", new Uint8Array(this.room), 1);
+    }
+    for (const name of /** @type {const} */ (["position", "value", "phase"])) {
+      const from = frame[name], attribute = geometry.getAttribute(name);
+      if (!from) continue;
+      attribute.array.set(from);
+      attribute.clearUpdateRanges();
+      attribute.addUpdateRange(0, from.length);
+      attribute.needsUpdate = true;
+    }
+    geometry.setDrawRange(0, n);
+    this.material.uniforms.byPhase.value = frame.value ? 0 : 1;
+    // Fewer particles are drawn larger, so that together they fill what all would.
+    this.material.uniforms.size.value = FILL[frame.dimensions] * this.space.spacing * frame.every ** (1 / frame.dimensions);
+    this.points.visible = n > 0;
+    this.stale = true;
+  }
+
+  /** Draw, if anything has changed. @param {{ink: string, paper: string}} colours */
+  draw(colours) {
+    if (!this.camera || !this.stale) return;
+    this.stale = false;
+    const height = this.renderer.domElement.height;
+    const camera = this.camera;
+    this.material.uniforms.scale.value = camera instanceof THREE.OrthographicCamera
+      ? height * camera.zoom / (camera.top - camera.bottom)
+      : height / (2 * Math.tan(camera.fov * Math.PI / 360));
+    this.scene.background = new THREE.Color().setStyle(colours.paper, THREE.LinearSRGBColorSpace);
+    this.renderer.render(this.scene, camera);
+    this.drawInk(colours);
+  }
+
+  /** Axes of a plane; names of the directions of a space. @param {{ink: string, paper: string}} colours */
+  drawInk({ ink, paper }) {
+    const ratio = this.renderer.getPixelRatio(), pen = this.ink.getContext("2d");
+    const width = this.ink.width / ratio, height = this.ink.height / ratio;
+    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    pen.clearRect(0, 0, width, height);
+    pen.font = "12px system-ui, sans-serif";
+    pen.fillStyle = pen.strokeStyle = ink;
+    if (this.space.dimensions === 2) this.drawAxes(pen, width, height, paper);
+    else this.drawTriad(pen, width, height);
+  }
+
+  /** @param {CanvasRenderingContext2D} pen @param {number} width @param {number} height @param {string} paper */
+  drawAxes(pen, width, height, paper) {
+    const camera = this.camera, left = 52, below = height - 28;
+    const x0 = camera.position.x + camera.left / camera.zoom, x1 = camera.position.x + camera.right / camera.zoom;
+    const y0 = camera.position.y + camera.bottom / camera.zoom, y1 = camera.position.y + camera.top / camera.zoom;
+    const atX = (/** @type {number} */ x) => (x - x0) / (x1 - x0) * width, atY = (/** @type {number} */ y) => (y1 - y) / (y1 - y0) * height;
+    pen.fillStyle = paper;
+    pen.fillRect(0, 0, left, height);
+    pen.fillRect(0, below, width, height - below);
+    pen.fillStyle = pen.strokeStyle;
+    pen.beginPath();
+    pen.textAlign = "center";
+    pen.textBaseline = "top";
+    for (const x of ticks(x0, x1, width / 90)) {
+      const at = Math.round(atX(x)) + 0.5;
+      if (at < left || at > width - 16) continue;
+      pen.moveTo(at, below);
+      pen.lineTo(at, below + 5);
+      if (at < width - 44) pen.fillText(number(x, 6), at, below + 8);
+    }
+    pen.fillText("x (m)", width - 22, below + 8);
+    pen.textAlign = "right";
+    pen.textBaseline = "middle";
+    for (const y of ticks(y0, y1, height / 50)) {
+      const at = Math.round(atY(y)) + 0.5;
+      if (at > below || at < 6) continue;
+      pen.moveTo(left - 5, at);
+      pen.lineTo(left, at);
+      if (at > 26) pen.fillText(number(y, 6), left - 8, at);
+    }
+    pen.fillText("y (m)", left - 8, 12);
+    pen.moveTo(left + 0.5, 0);
+    pen.lineTo(left + 0.5, below + 0.5);
+    pen.lineTo(width, below + 0.5);
+    pen.stroke();
+  }
+
+  /** @param {CanvasRenderingContext2D} pen @param {number} width @param {number} height */
+  drawTriad(pen, width, height) {
+    const { min, max } = this.space;
+    pen.textAlign = "center";
+    pen.textBaseline = "middle";
+    ["x", "y", "z"].forEach((name, d) => {
+      const end = new THREE.Vector3(...min), beyond = new THREE.Vector3(...min);
+      end.setComponent(d, max[d]);
+      beyond.setComponent(d, max[d] + 0.05 * this.reach.length());
+      const at = beyond.project(this.camera);
+      if (at.z > 1) return;
+      pen.fillText(`${name} = ${number(max[d], 4)} m`, (at.x + 1) / 2 * width, (1 - at.y) / 2 * height);
+    });
+  }
+
+  /** Keys for who has no mouse. @param {KeyboardEvent} event @returns {boolean} whether it was one of ours */
+  key(event) {
+    if (!this.camera) return false;
+    const plane = this.space.dimensions === 2;
+    const moves = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+    const move = moves[/** @type {keyof typeof moves} */ (event.key)];
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    if (event.key === "Home") this.home();
+    else if (event.key === "+" || event.key === "=" || event.key === "-") {
+      const factor = event.key === "-" ? 0.8 : 1.25;
+      if (plane) this.camera.zoom *= factor;
+      else this.camera.position.copy(this.controls.target).addScaledVector(offset, 1 / factor);
+      this.camera.updateProjectionMatrix();
+    } else if (move && plane) {
+      const by = 0.08 * (this.camera.right - this.camera.left) / this.camera.zoom;
+      for (const at of [this.camera.position, this.controls.target]) at.add(new THREE.Vector3(by * move[0], by * move[1], 0));
+    } else if (move) {
+      const up = this.camera.up.clone().normalize(), right = new THREE.Vector3().crossVectors(up, offset).normalize();
+      offset.applyAxisAngle(up, -0.12 * move[0]);
+      const angle = offset.angleTo(up), turn = Math.min(Math.max(angle - 0.12 * move[1], 0.05), Math.PI - 0.05) - angle;
+      offset.applyAxisAngle(right, turn);
+      this.camera.position.copy(this.controls.target).add(offset);
+    } else return false;
+    this.controls.update();
+    this.stale = true;
+    return true;
+  }
+}
