@@ -146,7 +146,6 @@ static const struct {
 
 MnsStatus ask_call(const Ask *ask, MnsClient *client, MnsReply **ret_reply, MnsError *error)
 {
-    mns_client_set_lease(client, ask->lease);
     if (asks[ask->kind].plain) return asks[ask->kind].plain(client, ret_reply, error);
     return asks[ask->kind].call(ask, client, ret_reply, error);
 }
@@ -223,6 +222,7 @@ MnsStatus ask_parse(const char *text, size_t size, Ask *ret, MnsError *error)
 {
     json_error_t why;
     json_t *object = size <= ASK_BYTES ? json_loadb(text, size, JSON_REJECT_DUPLICATES, &why) : NULL;
+    *ret = (Ask){0};
     if (!object) return mns_fail(error, MNS_E_INVALID, "a message is one JSON object of at most %d bytes", ASK_BYTES);
     const char *what = json_string_value(json_object_get(object, "do"));
     Ask ask = {.json = object, .kind = ASK_HELLO};

@@ -53,7 +53,7 @@ MnsStatus ask_parse(const char *text, size_t size, Ask *ret, MnsError *error);
 
 void ask_done(Ask *ask);
 
-/* Make the call that belongs to a command. As the function of <meniscus/client.h>. */
+/* Make the call that belongs to a command, under whatever lease the client has. As the function of <meniscus/client.h>. */
 MnsStatus ask_call(const Ask *ask, MnsClient *client, MnsReply **ret_reply, MnsError *error);
 
 #endif

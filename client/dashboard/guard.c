@@ -13,7 +13,7 @@ static bool take_name(const char *host, char ret[GUARD_TEXT])
     const size_t size = brackets ? (end ? (size_t)(end - host) - 1 : 0) : end ? (size_t)(end - host) : strlen(host);
     const char *rest = brackets && end ? end + 1 : end;
     if (!size || size >= GUARD_TEXT) return false;
-    if (rest && *rest && (*rest != ':' || strspn(rest + 1, "0123456789") != strlen(rest + 1))) return false;
+    if (rest && *rest && (*rest != ':' || !rest[1] || strspn(rest + 1, "0123456789") != strlen(rest + 1))) return false;
     memcpy(ret, host + brackets, size);
     ret[size] = 0;
     struct in6_addr v6;

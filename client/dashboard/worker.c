@@ -39,6 +39,7 @@ static MnsStatus command(const Work *work, json_t **ret, MnsError *error)
     MnsStatus status = mns_client_open(hub_daemon(work->hub), &client, error);
     const bool is_long = work->ask.kind == ASK_STEP || work->ask.kind == ASK_RUN_UNTIL || work->ask.kind == ASK_LOAD;
     if (!status && !is_long) mns_client_set_timeout(client, quick_s);
+    if (!status) mns_client_set_lease(client, work->ask.lease);
     if (!status) status = ask_call(&work->ask, client, &reply, error);
     if (!status) *ret = success(&work->ask, reply);
     mns_reply_free(reply);

@@ -47,14 +47,20 @@ link() {
     if [ "$action" = install ]; then ln -sf "$1" "$DESTDIR$2"; else rm -f "$DESTDIR$2"; fi
 }
 
+hypre=$(MAKEFLAGS='' make -s --no-print-directory BUILD="$BUILD" solver-libs)
 put 755 "$BUILD/meniscusd" "$bin/meniscusd"
 put 755 "$BUILD/meniscus" "$bin/meniscus"
+# Where it was built; what is not there is not missed when it is taken away.
+if [ -f "$BUILD/meniscus-dashboard" ] || [ "$action" = uninstall ]; then
+    put 755 "$BUILD/meniscus-dashboard" "$bin/meniscus-dashboard"
+    put 644 client/dashboard/README.md "$doc/dashboard.md"
+    fill systemd/meniscus-dashboard@.service "$units/meniscus-dashboard@.service"
+fi
 put 644 "$BUILD/libmeniscus.a" "$lib/libmeniscus.a"
 put 644 "$BUILD/libmeniscus-client.a" "$lib/libmeniscus-client.a"
 put 755 "$BUILD/libmeniscus-client.so" "$lib/libmeniscus-client.so.$VERSION"
 link "libmeniscus-client.so.$VERSION" "$lib/libmeniscus-client.so.${VERSION%%.*}"
 link "libmeniscus-client.so.${VERSION%%.*}" "$lib/libmeniscus-client.so"
-hypre=$(MAKEFLAGS='' make -s --no-print-directory BUILD="$BUILD" solver-libs)
 fill tests/support/meniscus.pc.in "$lib/pkgconfig/meniscus.pc"
 fill tests/support/meniscus-client.pc.in "$lib/pkgconfig/meniscus-client.pc"
 for file in include/meniscus/*.h; do put 644 "$file" "$PREFIX/$file"; done

@@ -25,6 +25,7 @@ kind_of() {
     *.pb-c.h? | '<protobuf-c/'*) echo messages ;;
     '<zmq'*) echo zmq ;;
     '<microhttpd.h>') echo microhttpd ;;
+    '<libwebsockets.h>') echo websockets ;;
     '<hdf5'* | '<H5'*) echo hdf5 ;;
     '<yaml.h>') echo yaml ;;
     '<jansson.h>') echo jansson ;;

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# packages.sh [build|check|validate]: install the Debian packages that are missing. `build` (the default) is what building
-# and `make demo` need; `check` and `validate` are that and what the target of this name needs besides. Costs one dpkg-query when nothing is missing.
+# packages.sh [build|dashboard|check|validate]: install the Debian packages that are missing. `build` (the default) is what building
+# and `make demo` need; the others are that and what the target of this name needs besides. Costs one dpkg-query when nothing is missing.
 set -eu
 
 build='
@@ -11,7 +11,14 @@ libzmq3-dev libprotobuf-c-dev libhdf5-dev libyaml-dev libjansson-dev
 libcairo2-dev libsystemd-dev libxxhash-dev liblua5.4-dev libmpfr-dev libhypre-dev libmicrohttpd-dev
 python3-numpy python3-h5py python3-matplotlib python3-zmq python3-yaml
 '
+dashboard='
+libwebsockets-dev
+'
+# Not those of Debian where there are others.
+command -v node >/dev/null || dashboard+=' nodejs'
+command -v npm >/dev/null || dashboard+=' npm'
 check='
+chromium
 libcmocka-dev
 clang clang-format clang-tidy libclang-rt-14-dev libomp-dev
 cppcheck shellcheck g++ git procps
@@ -26,10 +33,11 @@ python3-scipy
 group=${1:-build}
 case $group in
 build) wanted=$build ;;
-check) wanted=$build$check ;;
+dashboard) wanted=$build$dashboard ;;
+check) wanted=$build$dashboard$check ;;
 validate) wanted=$build$validate ;;
 *)
-    echo "usage: packages.sh [build|check|validate]" >&2
+    echo "usage: packages.sh [build|dashboard|check|validate]" >&2
     exit 64
     ;;
 esac

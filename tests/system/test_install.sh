@@ -49,6 +49,7 @@ expect "a program builds with the client library" build client meniscus-client
 expect "it runs" env LD_LIBRARY_PATH="$root/opt/lib" "$stage/client"
 expect "the installed command line runs" "$root/opt/bin/meniscus" --help
 expect "the installed daemon runs" "$root/opt/bin/meniscusd" --help
+expect "the installed dashboard runs" "$root/opt/bin/meniscus-dashboard" --help
 expect "the Python client can be imported" env PYTHONPATH="$root/opt/lib/python3/dist-packages" \
     /usr/bin/python3 -c "import meniscus"
 expect "the cases are there" test -f "$root/opt/share/meniscus/cases/dambreak2d.yaml"

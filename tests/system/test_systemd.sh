@@ -11,7 +11,9 @@ unset MAKEFLAGS MFLAGS MAKELEVEL
 
 make -s BUILD="$BUILD" DESTDIR= PREFIX="$stage/usr" install
 unit=$stage/usr/lib/systemd/system/meniscusd@dam.service
+dashboard=$stage/usr/lib/systemd/system/meniscus-dashboard@dam.service
 mv "$stage/usr/lib/systemd/system/meniscusd@.service" "$unit"
+mv "$stage/usr/lib/systemd/system/meniscus-dashboard@.service" "$dashboard"
 
 clean() { # unknown keys are only warnings there
     "$@" 2>&1 | tee "$stage/words"
@@ -19,6 +21,8 @@ clean() { # unknown keys are only warnings there
 }
 expect "systemd-analyze verify has nothing to say" clean systemd-analyze verify --man=no "$unit"
 expect "the exposure level is at most 2.5" systemd-analyze security --offline=yes --threshold=25 --no-pager "$unit"
+expect "nor of the dashboard's" clean systemd-analyze verify --man=no "$dashboard"
+expect "nor is that more exposed" systemd-analyze security --offline=yes --threshold=25 --no-pager "$dashboard"
 expect "the user can be made" systemd-sysusers --dry-run "$stage/usr/lib/sysusers.d/meniscus.conf"
 for word in "Type=notify" "NotifyAccess=main" "TimeoutStopSec=300" "StateDirectory=meniscus/%i" "RuntimeDirectory=meniscus/%i" \
     "MemoryMax=80%" "Restart=on-failure"; do

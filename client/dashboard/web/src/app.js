@@ -122,7 +122,7 @@ function takeAbout(about) {
   }
   const min = vector(about.case["domain.min"].value), max = vector(about.case["domain.max"].value), dimensions = Number(about.case.dimensions.value);
   const gravity = vector(about.case.gravity?.value), strength = Math.hypot(...gravity);
-  const up = dimensions === 3 && strength > 0 ? gravity.map((g) => -g / strength) : [0, 0, 1];
+  const up = dimensions === 3 && gravity.length === 3 && strength > 0 ? gravity.map((g) => -g / strength) : [0, 0, 1];
   const space = { dimensions, min, max, spacing: about.case.reference_length.value / about.case.resolution.value, up };
   const names = about.fluids.map((/** @type {any} */ f) => f.name), key = JSON.stringify([space.dimensions, min, max, space.spacing, names, known.status?.run_directory]);
   if (key === known.space) return;
@@ -410,7 +410,7 @@ setInterval(async () => {
   complain($("notes"), "The lease is lost", reply.error);
 }, LEASE_S * 1000 / 3);
 
-for (const limit of LIMITS) $("limit").append(element("option", { value: String(limit), selected: limit === USUAL_LIMIT }, `${count(limit)} particles`));
+for (const limit of LIMITS) $("limit").append(element("option", { value: String(limit), selected: limit === USUAL_LIMIT }, `${count(limit)}`));
 for (const id of ["field", "walls", "limit"])
   $(id).onchange = () => {
     if (id === "field") kept("field", $("field").value);

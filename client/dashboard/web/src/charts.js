@@ -71,7 +71,7 @@ export class Charts {
     const plot = new uPlot({
       width: Math.max(100, this.width()), height: HEIGHT, legend: { show: false },
       cursor: { sync: { key: this.sync.key }, y: false, drag: { x: false, y: false } },
-      scales: { x: { time: false, range: (_, lo, hi) => [lo ?? 0, hi > lo ? hi : (lo ?? 0) + 1] }, y: { range: height } },
+      scales: { x: { time: false }, y: { range: height } },
       series: [{}, { stroke: style.getPropertyValue("--accent"), width: 1.5, points: { show: false } }],
       axes: [{ ...axis, size: 26, values: (u, s) => s.map((v, k) => (k === s.length - 1 ? `${number(v, 5)} s` : number(v, 5))) },
         { ...axis, size: 64, space: 28, values }],
@@ -100,7 +100,8 @@ export class Charts {
     for (const probe of this.series.probes.values()) {
       const chart = this.charts.get(probe.name) ?? this.make(probe);
       if (!chart.inSight) continue;
-      chart.plot.setData([probe.t, probe.v]);
+      // Of a single point uPlot would make an axis of its own.
+      chart.plot.setData(probe.t.length === 1 ? [[probe.t[0], probe.t[0] + 1], [probe.v[0], null]] : [probe.t, probe.v]);
       chart.thinned.textContent = probe.thinned ? "thinned, extremes kept" : "";
       this.showValue(probe.name, chart.plot.cursor.idx);
     }

@@ -51,5 +51,6 @@ export function bounds(text) {
 
 /** A vector as the case writes it: "[0, -1]"; numbers only. @param {string} text @returns {number[]} */
 export function vector(text) {
-  return (String(text ?? "").match(/^\[(.*)\]$/)?.[1] ?? "").split(",").map(Number).filter(Number.isFinite);
+  const inside = /^\[(.+)\]$/.exec(text ?? "")?.[1];
+  return inside ? inside.split(",").map(Number).filter(Number.isFinite) : [];
 }

@@ -29,8 +29,10 @@ export function complain(place, what, error) {
 
 /** Ask before something that cannot be taken back. @returns {Promise<FormData|null>} null: better not */
 export function confirmed(/** @type {HTMLDialogElement} */ dialog, /** @type {string} */ title, /** @type {string} */ text, /** @type {string} */ yes, /** @type {Node[]} */ ...more) {
+  const cancel = element("button", { type: "button" }, "Cancel"); // no submit button, so that Enter means yes
+  cancel.onclick = () => dialog.close("");
   const form = element("form", { method: "dialog" }, element("h2", {}, title), element("p", {}, text), ...more,
-    element("div", { className: "actions" }, element("button", { value: "" }, "Cancel"), element("button", { className: "primary", value: "yes" }, yes)));
+    element("div", { className: "actions" }, cancel, element("button", { className: "primary", value: "yes" }, yes)));
   dialog.replaceChildren(form);
   dialog.returnValue = "";
   dialog.showModal();

@@ -13,11 +13,12 @@ const vertexShader = `
   varying vec3 colour;
   void main() {
     vec4 own = texture2D(palette, vec2((phase + 0.5) / ${PHASES}.0, 0.5));
+    bool wall = own.a < 0.75;
     colour = own.rgb;
-    if (byPhase < 0.5) colour = texture2D(map, vec2(clamp((value - lo) / (hi - lo), 0.0, 1.0) * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb;
+    if (byPhase < 0.5 && !wall) colour = texture2D(map, vec2(clamp((value - lo) / (hi - lo), 0.0, 1.0) * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb;
     vec4 seen = modelViewMatrix * vec4(position, 1.0);
-    gl_Position = own.a > 0.5 ? projectionMatrix * seen : vec4(2.0, 2.0, 2.0, 1.0);
-    gl_PointSize = max(1.5, size * scale / (perspective ? -seen.z : 1.0));
+    gl_Position = own.a > 0.25 ? projectionMatrix * seen : vec4(2.0, 2.0, 2.0, 1.0);
+    gl_PointSize = max(1.5, (perspective && wall ? 0.2 : 1.0) * size * scale / (perspective ? -seen.z : 1.0));
   }`;
 const fragmentShader = `
   uniform bool perspective; varying vec3 colour;
@@ -32,7 +33,7 @@ const fragmentShader = `
 /** @param {number} width  of the texture */
 function strip(width) {
   const texture = new THREE.DataTexture(new Uint8Array(4 * width), width, 1, THREE.RGBAFormat);
-  texture.minFilter = texture.magFilter = width === PHASES ? THREE.NearestFilter : THREE.LinearFilter;
+  texture.minFilter = texture.magFilter = THREE.NearestFilter;
   return texture;
 }
 
@@ -59,7 +60,7 @@ export class View {
       vertexShader, fragmentShader,
       uniforms: {
         size: { value: 1 }, scale: { value: 1 }, lo: { value: 0 }, hi: { value: 1 }, byPhase: { value: 1 }, perspective: { value: false },
-        map: { value: strip(256 + 0) }, palette: { value: strip(PHASES) },
+        map: { value: strip(256) }, palette: { value: strip(PHASES) },
       },
     });
     this.points = new THREE.Points(new THREE.BufferGeometry(), this.material);
@@ -119,7 +120,7 @@ export class View {
       const side = Math.abs(up.y) > 0.5 ? new THREE.Vector3(0, 0, 1) : new THREE.Vector3(0, -1, 0);
       const right = new THREE.Vector3().crossVectors(up, side);
       const from = side.clone().addScaledVector(right, 0.45).addScaledVector(up, 0.35).normalize();
-      this.camera.position.copy(this.centre).addScaledVector(from, 1.45 * size);
+      this.camera.position.copy(this.centre).addScaledVector(from, 1.25 * size);
       this.camera.near = size / 100;
       this.camera.far = 20 * size;
     }
@@ -161,12 +162,12 @@ export class View {
     this.stale = true;
   }
 
-  /** @param {{colour: string, visible: boolean}[]} phases */
+  /** Walls keep their colour, and in a space they are dots that can be looked through. @param {{colour: string, visible: boolean, wall: boolean}[]} phases */
   setPhases(phases) {
     const texture = this.material.uniforms.palette.value;
     for (let k = 0; k < PHASES; k++) {
-      const { colour, visible } = phases[k] ?? { colour: "#808080", visible: true };
-      texture.image.data.set([...rgb(colour), visible ? 255 : 0], 4 * k);
+      const { colour, visible, wall } = phases[k] ?? { colour: "#808080", visible: true, wall: false };
+      texture.image.data.set([...rgb(colour), visible ? (wall ? 128 : 255) : 0], 4 * k);
     }
     texture.needsUpdate = true;
     this.stale = true;

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What needs no browser: numbers, ranges, pictures as they come, the past of the probes.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { bounds, count, duration, number, ticks, vector } from "../src/format.js";
+import { decode } from "../src/frame.js";
+import { patience } from "../src/link.js";
+import { deed } from "../src/logs.js";
+import { choices, relevant, slide } from "../src/parameters.js";
+import { Range, spread } from "../src/range.js";
+import { MOST, Series } from "../src/series.js";
+
+/** As the gateway makes them. */
+function picture(/** @type {object} */ header, /** @type {number[]} */ floats, /** @type {number[]} */ bytes, skipped = 0) {
+  const text = new TextEncoder().encode(JSON.stringify(header)), padded = Math.ceil(text.length / 4) * 4;
+  const buffer = new ArrayBuffer(8 + padded + 4 * floats.length + bytes.length), view = new DataView(buffer);
+  view.setUint32(0, padded, true);
+  view.setUint32(4, skipped, true);
+  new Uint8Array(buffer, 8, padded).fill(32).set(text);
+  new Float32Array(buffer, 8 + padded, floats.length).set(floats);
+  new Uint8Array(buffer, 8 + padded + 4 * floats.length).set(bytes);
+  return buffer;
+}
+
+test("a picture is read as it was written", () => {
+  const frame = decode(picture({ particles: 2, dimensions: 2, field: "pressure", unit: "Pa" }, [1, 2, 3, 4, 10, 20], [0, 1], 7));
+  assert.deepEqual([...frame.position], [1, 2, 3, 4]);
+  assert.deepEqual([...frame.value ?? []], [10, 20]);
+  assert.deepEqual([...frame.phase], [0, 1]);
+  assert.equal(frame.skipped, 7);
+  assert.equal(frame.unit, "Pa");
+});
+
+test("a picture by phase has no values", () => {
+  const frame = decode(picture({ particles: 1, dimensions: 3, field: "phase" }, [1, 2, 3], [5]));
+  assert.equal(frame.value, null);
+  assert.deepEqual([...frame.phase], [5]);
+});
+
+test("a picture of another size than it says is refused", () => {
+  const good = picture({ particles: 2, dimensions: 2, field: "phase" }, [1, 2, 3, 4], [0, 1]);
+  for (const size of [0, 7, 12, good.byteLength - 1]) assert.throws(() => decode(good.slice(0, size)));
+  assert.throws(() => decode(picture({ particles: 3, dimensions: 2, field: "phase" }, [1, 2, 3, 4], [0, 1])), /another size/);
+});
+
+test("numbers are short, and what is not known is a dash", () => {
+  assert.deepEqual([0, 1234.5678, -0.00001234, 2.5e9, 1e-9, 1e6].map((v) => number(v)), ["0", "1235", "-1.234e-5", "2.5e9", "1e-9", "1e6"]);
+  assert.deepEqual([null, undefined, NaN, Infinity].map((v) => number(v)), ["–", "–", "–", "–"]);
+  assert.equal(count(1234567), "1\u202f234\u202f567");
+  assert.equal(count(999), "999");
+});
+
+test("durations are in the units that people would say", () => {
+  assert.deepEqual([0, 59.4, 61, 3600, 90000, null].map((s) => duration(s)), ["0 s", "59 s", "1 min 1 s", "1 h 0 min", "1 d 1 h", "–"]);
+});
+
+test("ticks are round, within, and about as many as wanted", () => {
+  assert.deepEqual(ticks(0, 1, 5), [0, 0.2, 0.4, 0.6, 0.8, 1]);
+  assert.deepEqual(ticks(-0.13, 0.27, 4), [-0.1, 0, 0.1, 0.2]);
+  for (const [lo, hi] of [[0, 0.7], [-3e-7, 8e-7], [1e6, 1.00001e6]]) {
+    const list = ticks(lo, hi, 6);
+    assert.ok(list.length >= 2 && list.length <= 8, String(list));
+    assert.ok(list.every((v) => v >= lo - 1e-9 * Math.abs(lo) && v <= hi * (1 + 1e-9)));
+  }
+  assert.deepEqual(ticks(1, 1, 5), []);
+  assert.deepEqual(ticks(NaN, 1, 5), []);
+});
+
+test("bounds are read as capabilities write them", () => {
+  assert.deepEqual(bounds("[1e-3, 1]"), { lo: 0.001, hi: 1, openLo: false, openHi: false });
+  assert.deepEqual(bounds("(0, inf)"), { lo: 0, hi: null, openLo: true, openHi: true });
+  assert.deepEqual(bounds(""), { lo: null, hi: null, openLo: false, openHi: false });
+  assert.deepEqual(vector("[0, -9.81, 1e-3]"), [0, -9.81, 0.001]);
+  assert.deepEqual(vector("null"), []);
+});
+
+const parameter = { name: "scheme.cfl", type: "number", unit: "", range: "[1e-3, 1]", value: "0.25", meaning: "", takes_effect: "" };
+
+test("a slider goes from bound to bound, by decades where there are many", () => {
+  const wide = slide(parameter), narrow = slide({ ...parameter, range: "[0, 20]" }), whole = slide({ ...parameter, type: "whole number", range: "[0, 1024]" });
+  assert.ok(wide && narrow && whole);
+  assert.deepEqual([0, 333, 1000].map(wide.from), [0.001, 0.00998, 1]);
+  assert.equal(narrow.from(500), 10);
+  assert.equal(whole.from(500), 512);
+  for (const place of [0, 250, 999, 1000]) assert.equal(wide.to(wide.from(place)), place);
+  assert.equal(narrow.to(99), 1000);
+  assert.equal(slide({ ...parameter, range: "[0, inf)" }), null);
+  assert.equal(slide({ ...parameter, type: "list of formula", range: "" }), null);
+});
+
+test("words to choose from, and the parameters of one's own scheme", () => {
+  assert.deepEqual(choices({ ...parameter, type: "true or false" }), ["true", "false"]);
+  assert.deepEqual(choices({ ...parameter, type: "by-size, cg, amg" }), ["by-size", "cg", "amg"]);
+  assert.equal(choices(parameter), null);
+  const names = ["gravity", "scheme.cfl", "scheme.riemann.guard", "scheme.differences.guard"].map((name) => ({ ...parameter, name }));
+  assert.deepEqual(relevant(names, "{riemann: {}}").map((p) => p.name), ["gravity", "scheme.cfl", "scheme.riemann.guard"]);
+});
+
+test("a spray particle does not stretch the colour bar", () => {
+  const values = Float32Array.from({ length: 1000 }, (_, k) => k);
+  values[500] = 1e9;
+  assert.deepEqual(spread(values), [10, 990]);
+  assert.deepEqual(spread(values, (k) => k < 100), [1, 98]);
+  assert.equal(spread(Float32Array.of(NaN)), null);
+});
+
+test("the colour bar is calm, holds when told, and never has no height", () => {
+  const range = new Range();
+  assert.deepEqual(range.follow([0, 10]), [0, 10]);
+  const [, hi] = range.follow([0, 20]) ?? [];
+  assert.ok(hi > 10 && hi < 20);
+  range.held = true;
+  assert.deepEqual(range.follow([0, 99]), [0, hi]);
+  range.held = false;
+  range.begin();
+  const [a, b] = range.follow([5, 5]) ?? [];
+  assert.ok(b > a);
+  range.begin();
+  assert.deepEqual(range.follow([-1, 3], true), [-3, 3]);
+});
+
+test("samples follow each other, and a new time line takes the place of the old", () => {
+  const series = new Series();
+  series.add(["a"], ["m"], [[0, 1], [1, 2], [2, null]]);
+  assert.deepEqual(series.probes.get("a")?.v, [1, 2, null]);
+  series.add(["a"], ["m"], [[1, 7]]);
+  assert.deepEqual(series.probes.get("a")?.t, [0, 1]);
+  assert.deepEqual(series.probes.get("a")?.v, [1, 7]);
+  assert.equal(series.probes.get("a")?.unit, "m");
+});
+
+test("memory is bounded: when much has come, the thinned history is asked for", () => {
+  const series = new Series();
+  let asked = 0;
+  for (let k = 0; k < 10 * MOST; k++)
+    if (series.add(["a"], [""], [[k, k]])) {
+      asked++;
+      series.begin([{ name: "a", unit: "", thinned: 1, t: [0, k], v: [0, k] }]);
+    }
+  assert.ok(asked >= 9);
+  assert.ok((series.probes.get("a")?.t.length ?? 0) <= MOST + 1);
+});
+
+test("a lost connection is tried again, ever more patiently but never for long", () => {
+  assert.deepEqual([0, 1, 2, 10].map(patience), [500, 1000, 2000, 8000]);
+});
+
+test("records of the journal in words", () => {
+  assert.equal(deed({ changes: [{ path: "gravity", before: "[0, -1]", after: "[0, -5]" }], reply: { code: "OK" } }), "gravity: [0, -1] → [0, -5]");
+  assert.equal(deed({ kind: "begun" }), "set out");
+  assert.equal(deed({ changes: [], reply: { code: "ABORTED", message: "ended" } }), "ABORTED: ended");
+  assert.equal(deed({ reply: { code: "OK", state: "PAUSED" } }), "PAUSED");
+});
