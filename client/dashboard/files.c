@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The front end. The linker makes objects of its files and names them so: see `dashboard` in the Makefile. */
 #include "client/dashboard/files.h"
+#include <stdint.h>
 #include <string.h>
 
 #define EMBEDDED(name) extern const unsigned char _binary_##name##_start[], _binary_##name##_end[]
@@ -17,11 +18,11 @@ const File *file_find(const char *path)
         {"/app.css", "text/css; charset=utf-8", _binary_app_css_start, 0},
         {"/icon.svg", "image/svg+xml", _binary_icon_svg_start, 0},
     };
-    /* Differences of such addresses are no constants for the compiler. */
-    files[0].size = (size_t)(_binary_index_html_end - _binary_index_html_start);
-    files[1].size = (size_t)(_binary_app_js_end - _binary_app_js_start);
-    files[2].size = (size_t)(_binary_app_css_end - _binary_app_css_start);
-    files[3].size = (size_t)(_binary_icon_svg_end - _binary_icon_svg_start);
+    /* Such addresses are known to the linker, not to the compiler. */
+    files[0].size = (uintptr_t)_binary_index_html_end - (uintptr_t)_binary_index_html_start;
+    files[1].size = (uintptr_t)_binary_app_js_end - (uintptr_t)_binary_app_js_start;
+    files[2].size = (uintptr_t)_binary_app_css_end - (uintptr_t)_binary_app_css_start;
+    files[3].size = (uintptr_t)_binary_icon_svg_end - (uintptr_t)_binary_icon_svg_start;
     for (size_t k = 0; k < sizeof files / sizeof *files; k++)
         if (!strcmp(files[k].path, path)) return &files[k];
     return NULL;

@@ -15,8 +15,6 @@
 
 enum { MOST_BYTES = 64 << 20, PIECE = 1 << 16, PATIENCE_MS = 20000 };
 
-extern char **environ;
-
 static MnsStatus begin(const char *directory, pid_t *ret_pid, int *ret_fd, MnsError *error)
 {
     char path[PATH_MAX];

@@ -46,7 +46,7 @@ static MnsStatus paint(Painter *painter, const Wish *wish, const MnsRunInfo *inf
                                     .fields = fields,
                                     .walls = wish->walls,
                                     .every = frame_every(all, wish->limit),
-                                    .limit = 2 * FRAME_MOST};
+                                    .limit = UINT64_C(2) * FRAME_MOST};
     MnsReply *reply = NULL;
     Frame *frame = NULL;
     MnsStatus status = mns_client_query_particles(painter->client, &query, &reply, error);

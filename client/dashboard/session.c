@@ -14,10 +14,10 @@ struct Waiting {
 Text *text_new(const char *text, bool lossy)
 {
     const size_t size = strlen(text);
-    Text *copy = malloc(sizeof *copy + FRAME_HEADROOM + size);
+    Text *copy = malloc(sizeof *copy + FRAME_HEADROOM + size + 1);
     if (!copy) return NULL;
     *copy = (Text){.lossy = lossy, .size = size};
-    memcpy(copy->bytes + FRAME_HEADROOM, text, size);
+    memcpy(copy->bytes + FRAME_HEADROOM, text, size + 1);
     return copy;
 }
 

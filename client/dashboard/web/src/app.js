@@ -100,7 +100,7 @@ function wish() {
 async function command(what, message, done = () => "") {
   const reply = await link.ask({ ...message, ...(known.lease ? { lease: known.lease } : {}) });
   if (reply.error) complain($("notes"), what, reply.error);
-  else if (done(reply)) tell($("notes"), done(reply));
+  else tell($("notes"), done(reply));
   return reply;
 }
 
@@ -226,8 +226,8 @@ function showShown() {
     : [element("b", {}, `Thinned: ${count(frame.particles)} of ${count(frame.all)} particles, about one in ${frame.every}, drawn larger`)]));
   const parts = [];
   if (known.status?.state === "RUNNING") parts.push(`${number(pace.length / 2, 2)} pictures/s`);
-  if (frame.skipped) parts.push(`${count(frame.skipped)} pictures dropped`);
-  if (known.lost) parts.push(`${count(known.lost)} messages dropped`);
+  if (frame.skipped) parts.push(`dropped pictures: ${count(frame.skipped)}`);
+  if (known.lost) parts.push(`dropped samples: ${count(known.lost)}`);
   parts.push(`step ${count(frame.step)}`);
   $("pace").textContent = parts.join(" · ");
 }

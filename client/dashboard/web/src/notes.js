@@ -14,9 +14,10 @@ function put(place, note, bad) {
   if (!bad) setTimeout(() => note.remove(), GOOD_MS);
 }
 
-/** @param {HTMLElement} place @param {string} text */
+/** @param {HTMLElement} place @param {string} text  "": it is plain to see */
 export function tell(place, text) {
-  put(place, element("div", { className: "note", role: "status" }, element("div", {}, text)), false);
+  for (const old of place.querySelectorAll(".bad")) old.remove(); // that trouble is over
+  if (text) put(place, element("div", { className: "note", role: "status" }, element("div", {}, text)), false);
 }
 
 /** @param {HTMLElement} place @param {string} what @param {{message: string, hint?: string, path?: string}} error */

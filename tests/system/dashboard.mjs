@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A person at the dashboard, for test_dashboard.py: clicks and keys in headless Chromium against a real daemon, in two browsers at once.
+// Arguments: the build directory, a directory for pictures. The environment leads to the daemon. One line for each fact; the first that does
+// not hold ends it.
+import { spawn } from "node:child_process";
+import { createRequire } from "node:module";
+import { once } from "node:events";
+import path from "node:path";
+
+const [build, pictures] = process.argv.slice(2).map((word) => path.resolve(word));
+const { default: puppeteer } = await import(createRequire(path.join(build, "web-check/node_modules/x.js")).resolve("puppeteer-core"));
+const PATIENCE_MS = 20000;
+let port = "0", gateway;
+
+async function startGateway() {
+  gateway = spawn(path.join(build, "meniscus-dashboard"), ["--http", port], { stdio: ["ignore", "ignore", "pipe"] });
+  for await (const line of gateway.stderr) {
+    const found = /127\.0\.0\.1:(\d+)/.exec(String(line));
+    if (found) return void (port = found[1]);
+  }
+  throw new Error("the gateway did not start");
+}
+
+async function endGateway() {
+  const ended = once(gateway, "exit");
+  gateway.kill("SIGTERM");
+  const [code] = await ended;
+  hold(code === 0, "the gateway ends when it is told to");
+}
+
+function hold(fact, what) {
+  if (!fact) throw new Error(`not so: ${what}`);
+  console.log(`so: ${what}`);
+}
+
+await startGateway();
+const chromium = await puppeteer.launch({ executablePath: "/usr/bin/chromium", args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
+const complaints = [], elsewhere = [];
+
+async function open(scheme) {
+  const context = await chromium.createBrowserContext(), page = await context.newPage();
+  await page.setViewport({ width: 1280, height: 800 });
+  await page.emulateMediaFeatures([{ name: "prefers-color-scheme", value: scheme }]);
+  page.on("pageerror", (error) => complaints.push(error.message));
+  page.on("console", (message) => message.type() === "error" && complaints.push(message.text()));
+  page.on("request", (request) => request.url().startsWith(`http://127.0.0.1:${port}/`) || request.url().startsWith("data:") || elsewhere.push(request.url()));
+  await page.goto(`http://127.0.0.1:${port}/`);
+  return page;
+}
+
+async function see(page, words, what = words, where = "body") {
+  await page.waitForFunction((w, at) => document.querySelector(at)?.innerText.includes(w), { timeout: PATIENCE_MS, polling: 50 }, words, where)
+    .catch(async () => { throw new Error(`does not come: ${what}; the page says: ${await page.$eval("body", (b) => b.innerText)}`); });
+  console.log(`so: ${what}`);
+}
+const state = (page, name) => see(page, name, `the page says ${name}`, "#state");
+const text = (page, selector) => page.$eval(selector, (element) => element.textContent);
+const step = async (page) => Number(/step ([\d\u202f]+)/.exec(await text(page, "#clock"))[1].replaceAll("\u202f", ""));
+const picture = (page, name) => page.screenshot({ path: path.join(pictures, `${name}.png`) });
+
+/** How many pixels of the particles are nearly of this colour. */
+const pixels = (page, colour) => page.evaluate((wanted) => {
+  const from = document.querySelector("#canvas canvas"), to = document.createElement("canvas");
+  [to.width, to.height] = [from.width, from.height];
+  const pen = to.getContext("2d");
+  pen.drawImage(from, 0, 0);
+  const { data } = pen.getImageData(0, 0, to.width, to.height);
+  let n = 0;
+  for (let k = 0; k < data.length; k += 4) n += wanted.every((c, i) => Math.abs(c - data[k + i]) < 12);
+  return n;
+}, colour);
+const WATER = [0x1f, 0x78, 0xb4];
+
+try {
+  const page = await open("light"), other = await open("dark");
+  await see(page, "No case is loaded", "an empty daemon is explained");
+  hold(await other.$eval(":root", (root) => root.dataset.theme === "dark"), "who likes it dark gets it dark");
+  await picture(page, "empty");
+
+  await page.type("#load-name", "no-such-case");
+  await page.keyboard.press("Enter");
+  await see(page, "there is no case \"no-such-case\"", "a case that is not there is refused in the daemon's words", "#notes");
+  await see(page, "What to do:", "with what to do", "#notes");
+  await page.$eval("#load-name", (input) => { input.value = ""; });
+  await page.type("#load-name", "dambreak2d");
+  await page.click("#empty input[type=number]");
+  await page.keyboard.type("20");
+  await page.click("#load");
+  await state(page, "READY");
+  await state(other, "READY");
+  await see(page, "All 4\u202f280 particles", "all particles are there, and the page says so", "#shown");
+  await page.waitForFunction(() => !document.querySelector("#bar").hidden);
+  hold(await pixels(page, WATER) > 5000, "the water is blue");
+
+  await page.click("#go");
+  await state(page, "RUNNING");
+  await state(other, "RUNNING");
+  await other.waitForFunction(() => document.querySelector("#progress").value > 0.001, { timeout: PATIENCE_MS });
+  await see(page, "to go", "it says how long yet", "#eta");
+  await other.waitForFunction(() => document.querySelectorAll("figure .uplot").length >= 10, { timeout: PATIENCE_MS });
+  hold(/ Pa$/.test(await text(other, "figure[data-probe=P05] .value")), "probes are drawn, with their unit");
+  await page.select("#field", "pressure");
+  await see(page, "pressure (Pa)", "the colour bar names its unit", "#bar-title");
+  await picture(page, "running");
+  await other.click("#go");
+  await state(page, "PAUSED");
+
+  const before = await step(page);
+  await page.$eval("#step-count", (input) => { input.value = "5"; });
+  await page.click("#step");
+  await page.waitForFunction((wanted) => document.querySelector("#clock").textContent.replaceAll("\u202f", "").includes(`step ${wanted} `), { timeout: PATIENCE_MS }, before + 5);
+  hold(await step(page) === before + 5, "five steps are five steps");
+  const goal = (Number(/t = ([\d.e-]+)/.exec(await text(page, "#clock"))[1]) + 0.05).toFixed(3);
+  await page.type("#until-time", goal);
+  await page.keyboard.press("Enter");
+  await see(page, `Reached t = ${Number(goal)} s`, "it runs to a time, exactly", "#notes");
+
+  await page.click("#tab-parameters");
+  await page.focus("[id='set-scheme.cfl']");
+  await page.keyboard.down("Control");
+  await page.keyboard.press("a");
+  await page.keyboard.up("Control");
+  await page.keyboard.type("0.2");
+  await see(page, "Apply 1 change", "changes are collected");
+  await page.keyboard.press("Enter");
+  await see(page, "scheme.cfl=0.2", "and set together", "#notes");
+  await picture(page, "parameters");
+  await other.waitForFunction(() => document.querySelector("[id='set-scheme.cfl']")?.value === "0.2", { timeout: PATIENCE_MS });
+  await page.$eval("#set-gravity", (input) => { input.value = "nonsense"; input.dispatchEvent(new Event("input")); });
+  await page.click("#parameters .primary");
+  await see(page, "Not set:", "what is wrong is refused", "#notes");
+  await page.click("#parameters .foot button:last-child");
+  await page.click("#snapshot");
+  await see(page, "snapshot-", "a snapshot is written", "#notes");
+  await page.click("#checkpoint");
+  await see(page, "checkpoint-", "and a checkpoint", "#notes");
+
+  await page.click("#tab-events");
+  await see(page, "paused", "events are listed", "#events");
+  await picture(page, "events");
+  await page.click("#tab-journal");
+  await see(page, "scheme.cfl: 0.25 → 0.2", "the journal has what was set, from what to what", "#journal");
+  await picture(page, "journal");
+
+  await page.click("#lease-button");
+  await page.waitForSelector("#ask[open]");
+  await page.keyboard.press("Enter");
+  await see(page, "You hold the lease", "the lease can be had", "#lease");
+  await see(other, "dashboard holds the lease", "others see who has it", "#lease");
+  hold(await other.$eval("#go", (button) => button.disabled && button.title.includes("holds the lease")), "and why they cannot go on");
+  await page.focus("#go");
+  await page.keyboard.press("Enter");
+  await state(other, "RUNNING");
+  await other.click("#go");
+  await state(page, "PAUSED");
+  await page.click("#lease-button");
+  await other.waitForFunction(() => !document.querySelector("#go").disabled, { timeout: PATIENCE_MS });
+
+  await other.$eval("#limit", (select) => { select.options[0].value = "1000"; select.selectedIndex = 0; select.dispatchEvent(new Event("change")); });
+  await see(other, "Thinned:", "a picture of fewer particles than there are says so", "#shown");
+  await see(other, "of 4\u202f280 particles", "and of how many", "#shown");
+  await other.focus("#canvas");
+  const still = await other.$eval("#canvas canvas", (c) => c.toDataURL());
+  await other.keyboard.press("ArrowLeft");
+  await other.keyboard.press("+");
+  await other.waitForFunction((was) => document.querySelector("#canvas canvas").toDataURL() !== was, { timeout: PATIENCE_MS, polling: 100 }, still);
+  console.log("so: the picture can be moved without a mouse");
+  await other.click("#theme");
+  hold(await other.$eval(":root", (root) => root.dataset.theme === "light"), "dark and light can be chosen");
+
+  hold(complaints.length === 0, `nothing goes wrong in the pages: ${complaints}`);
+  await endGateway();
+  await see(page, "The dashboard's server does not answer.", "a gateway that is gone is told");
+  await picture(page, "away");
+  await startGateway();
+  await page.waitForFunction(() => document.querySelector("#banner").hidden, { timeout: PATIENCE_MS });
+  await state(page, "PAUSED");
+  hold(elsewhere.length === 0, `nothing is fetched from elsewhere: ${elsewhere}`);
+
+  await page.click("#stop");
+  await page.waitForSelector("#ask[open]");
+  await page.keyboard.press("Escape");
+  hold(/PAUSED/.test(await text(page, "#state")), "who does not confirm has not stopped the run");
+  await page.click("#stop");
+  await page.waitForSelector("#ask[open]");
+  await page.click("#ask .primary");
+  await state(page, "EMPTY");
+  await see(page, "No case is loaded", "then another case can be loaded");
+  await endGateway();
+} finally {
+  await chromium.close();
+  gateway.kill("SIGKILL");
+}

@@ -1,0 +1,408 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The dashboard: whom its gateway lets in, what it does with browsers that misbehave, and a person who clicks in real ones."""
+
+import base64
+import contextlib
+import http.client
+import json
+import os
+import re
+import socket
+import struct
+import subprocess
+import sys
+import time
+import unittest
+from pathlib import Path
+from typing import Any, Optional
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from daemon import BUILD, ROOT, SMALL, DaemonTest  # noqa: E402
+
+PATIENCE_S = 20
+TEXT, BINARY, CLOSE, PING, PONG = 1, 2, 8, 9, 10
+
+
+class Browser:
+    """As much of a WebSocket as a test needs; nothing is hidden, so that it can misbehave."""
+
+    def __init__(self, port: int, host: Optional[str] = None, origin: Optional[str] = "same") -> None:
+        host = host or f"127.0.0.1:{port}"
+        self.socket = socket.create_connection(("127.0.0.1", port), timeout=20)
+        lines = [
+            "GET / HTTP/1.1", f"Host: {host}", "Upgrade: websocket", "Connection: Upgrade", "Sec-WebSocket-Version: 13",
+            f"Sec-WebSocket-Key: {base64.b64encode(os.urandom(16)).decode()}", "Sec-WebSocket-Protocol: meniscus-dashboard",
+        ]
+        if origin:
+            lines.append(f"Origin: {'http://' + host if origin == 'same' else origin}")
+        self.socket.sendall("\r\n".join([*lines, "", ""]).encode())
+        self.bytes = b""
+        while b"\r\n\r\n" not in self.bytes:
+            piece = self.socket.recv(4096)
+            if not piece:
+                break
+            self.bytes += piece
+        head, _, self.bytes = self.bytes.partition(b"\r\n\r\n")
+        self.status = int(head.split()[1]) if head else 0
+
+    def __enter__(self) -> "Browser":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.socket.close()
+
+    def frame(self, data: bytes, kind: int = TEXT, last: bool = True) -> None:
+        mask, n = os.urandom(4), len(data)
+        size = bytes([n]) if n < 126 else b"\x7e" + struct.pack(">H", n) if n < 65536 else b"\x7f" + struct.pack(">Q", n)
+        size = bytes([size[0] | 128]) + size[1:]
+        self.socket.sendall(bytes([(128 if last else 0) | kind]) + size + mask + bytes(c ^ mask[k % 4] for k, c in enumerate(data)))
+
+    def say(self, **message: Any) -> None:
+        self.frame(json.dumps(message).encode())
+
+    def _take(self, n: int) -> bytes:
+        while len(self.bytes) < n:
+            piece = self.socket.recv(65536)
+            if not piece:
+                raise EOFError
+            self.bytes += piece
+        taken, self.bytes = self.bytes[:n], self.bytes[n:]
+        return taken
+
+    def hear(self) -> "tuple[int, bytes]":
+        kind, size = self._take(2)
+        n = size & 127
+        if n == 126:
+            (n,) = struct.unpack(">H", self._take(2))
+        elif n == 127:
+            (n,) = struct.unpack(">Q", self._take(8))
+        data = self._take(n)
+        if kind & 15 == PING:
+            self.frame(data, PONG)
+            return self.hear()
+        return kind & 15, data
+
+    def until(self, topic: str, **having: Any) -> "dict[str, Any]":
+        """The next message of a topic, with these entries."""
+        end = time.monotonic() + PATIENCE_S
+        while time.monotonic() < end:
+            kind, data = self.hear()
+            if kind == CLOSE:
+                raise EOFError(data)
+            if kind != TEXT:
+                continue
+            message = json.loads(data)
+            if message["topic"] == topic and having.items() <= message.items():
+                return message
+        raise TimeoutError(f"no {topic} with {having}")
+
+    def picture(self) -> "dict[str, Any]":
+        """The header of the next picture; drawn() says that there may be another."""
+        kind, data, end = 0, b"", time.monotonic() + PATIENCE_S
+        while kind != BINARY and time.monotonic() < end:
+            kind, data = self.hear()
+        assert kind == BINARY, "no picture"
+        size, skipped = struct.unpack_from("<II", data)
+        header = json.loads(data[8 : 8 + size])
+        n, width = header["particles"], header["dimensions"] * 4 + 1 + (4 if header["field"] != "phase" else 0)
+        assert len(data) == 8 + size + n * width, (len(data), header)
+        return header | {"skipped": skipped}
+
+    def ask(self, **message: Any) -> "dict[str, Any]":
+        self.say(**message)
+        return self.until("reply", id=message["id"])
+
+    def closed(self) -> "tuple[int, bytes]":
+        """Code and reason with which the other side closes."""
+        end = time.monotonic() + PATIENCE_S
+        with contextlib.suppress(EOFError, ConnectionError):
+            while time.monotonic() < end:
+                kind, data = self.hear()
+                if kind == CLOSE:
+                    return (struct.unpack(">H", data[:2])[0], data[2:]) if data else (1005, b"")
+            return 0, b"still open"
+        return 1006, b""
+
+
+class DashboardTest(DaemonTest):
+    gateway: "subprocess.Popen[bytes]"
+    port: int
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        super().setUpClass()
+        cls.gateway, cls.port = cls.start_gateway("gateway")
+
+    @classmethod
+    def start_gateway(cls, name: str, *options: str) -> "tuple[subprocess.Popen[bytes], int]":
+        log = cls.home / f"{name}.log"
+        with open(log, "wb") as file:
+            gateway = subprocess.Popen([BUILD / "meniscus-dashboard", "--http", "0", *options], env=cls.environment, stderr=file)
+
+        def end() -> None:
+            gateway.terminate()
+            assert gateway.wait(timeout=20) == 0, log.read_text()
+
+        cls.addClassCleanup(end)
+        until = time.monotonic() + 20
+        while time.monotonic() < until:
+            found = re.search(r"is at http://127\.0\.0\.1:(\d+)/", log.read_text())
+            if found:
+                return gateway, int(found[1])
+            time.sleep(0.02)
+        raise AssertionError(f"no port in the log: {log.read_text()}")
+
+    def browser(self, greet: bool = True, port: int = 0, **how: Any) -> Browser:
+        browser = Browser(port or self.port, **how)
+        self.addCleanup(browser.socket.close)
+        if greet:
+            self.assertEqual(browser.status, 101)
+            browser.say(do="hello")
+            browser.until("hello")
+        return browser
+
+    def still_serves(self) -> None:
+        with self.browser() as other:
+            other.until("status")
+
+    def memory_kib(self) -> int:
+        return int(re.search(r"VmRSS:\s+(\d+)", Path(f"/proc/{self.gateway.pid}/status").read_text())[1])  # type: ignore[index]
+
+
+class Strangers(DashboardTest):
+    def fetch(self, path: str, method: str = "GET", **headers: str) -> "tuple[int, http.client.HTTPMessage, bytes]":
+        with contextlib.closing(http.client.HTTPConnection("127.0.0.1", self.port, timeout=20)) as connection:
+            connection.request(method, path, headers=headers)
+            answer = connection.getresponse()
+            return answer.status, answer.headers, answer.read()
+
+    def test_the_page_is_served_whole_and_runs_nothing_but_its_own(self) -> None:
+        for path, kind in {"/": "text/html", "/app.js": "text/javascript", "/app.css": "text/css", "/icon.svg": "image/svg+xml"}.items():
+            code, headers, body = self.fetch(path)
+            self.assertEqual((code, len(body)), (200, int(headers["Content-Length"])), path)
+            self.assertTrue(headers["Content-Type"].startswith(kind))
+            self.assertIn("script-src 'self';", headers["Content-Security-Policy"])
+            self.assertNotIn("unsafe", headers["Content-Security-Policy"])
+            self.assertEqual(headers["X-Content-Type-Options"], "nosniff")
+
+    def test_nothing_else_is_served(self) -> None:
+        for path in ("/index.html", "/../etc/passwd", "/%2e%2e/etc/passwd", "//etc/passwd", "/app.js/"):
+            self.assertIn(self.fetch(path)[0], (403, 404), path)
+        self.assertEqual(self.fetch("/", Host="evil.example")[0], 403)
+
+    def test_pages_of_other_sites_open_no_socket(self) -> None:
+        for how in ({"origin": None}, {"origin": "null"}, {"origin": "http://evil.example"}, {"origin": "http://localhost:1"},
+                    {"host": "evil.example", "origin": "same"}):
+            self.assertNotEqual(self.browser(greet=False, **how).status, 101, how)
+        self.assertEqual(self.browser(greet=False, host="localhost:8080").status, 101)
+
+    def test_who_does_not_greet_is_shown_out(self) -> None:
+        browser = self.browser(greet=False)
+        browser.say(do="start", id=1)
+        self.assertEqual(browser.closed(), (1008, b"hello"))
+
+    def test_with_a_token_only_who_knows_it_sees_anything(self) -> None:
+        token = self.home / "token"
+        token.write_text("0123456789abcdef\n")
+        token.chmod(0o600)
+        _, port = self.start_gateway("token", "--http-token", str(token))
+        for words in ({}, {"token": ""}, {"token": "0123456789abcdee"}, {"token": "0123456789abcdef0"}):
+            browser = self.browser(greet=False, port=port)
+            browser.say(do="hello", **words)
+            self.assertEqual(browser.closed(), (1008, b"token"), words)
+        browser = self.browser(greet=False, port=port)
+        browser.say(do="hello", token="0123456789abcdef")
+        browser.until("status")
+
+    def test_other_machines_are_served_for_a_token_only(self) -> None:
+        for options, words in ((("--http", "0.0.0.0:0"), "--http-token"), (("--http", "x"), "takes a port"), (("--frames", "0"), "--frames takes"),
+                               (("sloshing2d",), "no use"), (("--nonsense",), "--help")):
+            done = subprocess.run([BUILD / "meniscus-dashboard", *options], env=self.environment, capture_output=True, text=True, timeout=20)
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn(words, done.stderr)
+
+
+class Misbehaviour(DashboardTest):
+    """What one browser does costs the others nothing."""
+
+    def test_what_cannot_be_understood_is_answered_and_nothing_else(self) -> None:
+        browser = self.browser()
+        for words, path in ((b"{", ""), (b"[1]", "do"), (b'{"do":"shutdown"}', "do"), (b'{"do":"step","id":3,"count":-1}', "count")):
+            browser.frame(words)
+            error = browser.until("reply")["error"]
+            self.assertEqual((error["status"], error["path"]), ("invalid", path))
+        self.assertEqual(browser.ask(do="load", id=4, name="../../etc/passwd")["error"]["path"], "name")
+
+    def test_bad_frames_cost_their_sender_the_connection(self) -> None:
+        for send, codes in (
+            (lambda b: b.frame(b'{"do":"history"}', kind=BINARY), (1003,)),
+            (lambda b: b.frame(b"x" * (65 << 10)), (1009,)),
+            (lambda b: [b.frame(b"x" * 9000, kind=TEXT if k == 0 else 0, last=False) for k in range(9)], (1009, 1006)),
+            (lambda b: b.frame(b"\xff\xfe"), (1007, 1006)),
+            (lambda b: b.frame(b"", kind=11), (1002, 1006)),
+            (lambda b: b.socket.sendall(os.urandom(5000)), (1002, 1006, 1005, 1009)),
+        ):
+            browser = self.browser()
+            with contextlib.suppress(ConnectionError):
+                send(browser)
+            self.assertIn(browser.closed()[0], codes)
+            self.still_serves()
+
+    def test_a_message_may_come_in_pieces(self) -> None:
+        browser = self.browser()
+        browser.until("history")
+        browser.frame(b'{"do":"hi', last=False)
+        browser.frame(b"sto", kind=0, last=False)
+        browser.frame(b'ry"}', kind=0)
+        browser.until("history")
+
+    def test_who_does_not_read_or_draw_gets_little_and_others_all(self) -> None:
+        self.meniscus("load", *SMALL, "--set", "end_time=1000", "--set", "output.probe_interval=1e-6")
+        silent = [self.browser() for _ in range(8)]
+        for browser in silent:
+            browser.say(do="show", field="velocity", limit=100000)
+        quick = self.browser()
+        quick.say(do="show", field="velocity", limit=100000)
+        self.meniscus("start")
+        before, steps = self.memory_kib(), set()
+        until = time.monotonic() + 5
+        while time.monotonic() < until:
+            steps.add(quick.picture()["step"])
+            quick.say(do="drawn", count=1)
+        self.assertGreater(len(steps), 20)
+        self.assertLess(self.memory_kib() - before, 100 << 10)
+        # It has had two, and then the newest one, with how many gave way.
+        late = silent[0]
+        first = [late.picture() for _ in range(2)]
+        late.say(do="drawn", count=2)
+        newest = late.picture()
+        self.assertGreater(newest["step"], first[1]["step"] + 20)
+        self.assertGreater(newest["skipped"], 10)
+
+    def test_browsers_that_vanish_are_forgotten(self) -> None:
+        self.meniscus("load", *SMALL)
+        self.meniscus("start")
+        for _ in range(40):
+            browser = self.browser()
+            browser.say(do="show", field="pressure", limit=100000)
+            browser.picture()
+            browser.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+            browser.socket.close()
+        self.still_serves()
+
+    def test_one_browser_more_than_there_may_be_is_turned_away(self) -> None:
+        here = [self.browser() for _ in range(32)]
+        self.assertNotEqual(self.browser(greet=False).closed()[0], 0)
+        here[0].socket.close()
+        until = time.monotonic() + 10
+        while time.monotonic() < until:
+            late = self.browser(greet=False)
+            with contextlib.suppress(EOFError, ConnectionError):
+                late.say(do="hello")
+                late.until("hello")
+                return
+        self.fail("nobody is let in when there is room again")
+
+
+class Steering(DashboardTest):
+    def test_commands_take_effect_and_all_see_it(self) -> None:
+        one, two = self.browser(), self.browser()
+        self.assertEqual(one.ask(do="load", id=1, name="dambreak2d", settings=["resolution=20"])["state"], "READY")
+        two.until("event", state="READY")
+        about = two.until("about")
+        while "case" not in about:
+            about = two.until("about")
+        self.assertEqual([fluid["name"] for fluid in about["fluids"]], ["water", "air"])
+        self.assertEqual(about["fluids"][0]["colour"], "#1f78b4")
+        self.assertEqual(one.ask(do="step", id=2, count=10)["step"], 10)
+        self.assertEqual(one.ask(do="set", id=3, settings=["end_time=3", "gravity=[0, -2]"])["effect_step"], 10)
+        self.assertEqual(float(self.ask("get", "end_time")["values"]["end_time"]["value"]), 3)
+        error = two.ask(do="set", id=4, settings=["end_time=never"])["error"]
+        self.assertEqual((error["status"], error["path"]), ("invalid", "end_time"))
+        error = two.ask(do="start", id=5)["error"]
+        self.assertIn("possible in READY", error["message"])
+        self.assertIn("meniscus status", error["hint"])
+        self.assertRegex(two.ask(do="checkpoint", id=6)["path"], r"checkpoint-\d+\.hdf$")
+        records = two.ask(do="journal", id=7)["records"]
+        self.assertEqual([r["command"] for r in records if r["kind"] == "command"][:3], ["load", "step", "set"])
+        self.assertNotIn("hash", [r["kind"] for r in records])
+
+    def test_a_long_command_does_not_keep_others_waiting(self) -> None:
+        self.meniscus("load", *SMALL, "--set", "end_time=1000")
+        browser = self.browser()
+        browser.say(do="run_until", id=1, time=900)
+        browser.until("event", state="RUNNING")
+        began = time.monotonic()
+        self.assertEqual(browser.ask(do="pause", id=2)["state"], "PAUSED")
+        self.assertLess(time.monotonic() - began, 5)
+
+    def test_a_lease_is_honoured(self) -> None:
+        self.meniscus("load", *SMALL)
+        one, two = self.browser(), self.browser()
+        epoch = one.ask(do="lease", id=1, seconds=20, holder="anna")["lease_epoch"]
+        self.assertEqual(two.until("status", lease_holder="anna")["lease_holder"], "anna")
+        error = two.ask(do="step", id=2, count=1)["error"]
+        self.assertEqual(error["status"], "held")
+        self.assertIn("anna", error["message"])
+        self.assertEqual(one.ask(do="step", id=3, count=1, lease=epoch)["state"], "PAUSED")
+        one.ask(do="release", id=4, lease=epoch)
+        self.assertEqual(two.ask(do="step", id=5, count=1)["state"], "PAUSED")
+
+    def test_a_late_comer_has_the_past_and_pictures_are_thinned_as_wished(self) -> None:
+        self.meniscus("load", *SMALL, "--set", "output.probe_interval=1e-6")
+        first = self.browser()
+        first.until("about")
+        self.meniscus("step", "30")
+        first.until("samples")
+        time.sleep(0.3)
+        late = self.browser()
+        probes = {probe["name"]: probe for probe in late.until("history")["probes"]}
+        self.assertGreaterEqual(len(probes["P05"]["t"]), 30)
+        self.assertEqual(probes["P05"]["unit"], "Pa")
+        late.say(do="show", field="pressure", limit=1000)
+        few = late.picture()
+        self.assertEqual((few["step"], few["all"], few["every"], few["unit"]), (30, 4280, 5, "Pa"))
+        self.assertTrue(600 < few["particles"] < 1100, few)
+        late.say(do="show", field="phase", limit=100000, walls=True)
+        late.say(do="drawn", count=1)
+        many = late.picture()
+        self.assertEqual((many["particles"], many["every"]), (self.ask("status")["particles"], 1))
+
+    def test_a_daemon_that_dies_is_missed_and_found_again(self) -> None:
+        browser = self.browser()
+        browser.until("daemon", alive=True)
+        self.kill_daemon_for(browser)
+        browser.until("daemon", alive=True)
+        self.assertEqual(browser.ask(do="load", id=1, name="dambreak2d", settings=["resolution=20"])["state"], "READY")
+
+    def kill_daemon_for(self, browser: Browser) -> None:
+        cls = type(self)
+        cls.daemon.kill()
+        cls.daemon.wait()
+        error = browser.until("daemon", alive=False)["error"]
+        self.assertEqual(error["status"], "unavailable")
+        self.assertTrue(error["hint"])
+        self.assertIn("error", browser.ask(do="start", id=9))
+        with contextlib.suppress(FileNotFoundError):
+            (cls.home / "run" / "meniscus" / "default" / "control.ipc").unlink()
+        cls.start_daemon()
+
+
+class Page(DaemonTest):
+    def test_the_logic_of_the_page(self) -> None:
+        done = subprocess.run(["node", "--test", ROOT / "client" / "dashboard" / "web" / "test"], capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 0, done.stdout)
+
+    def test_a_person_can_do_everything_in_a_browser(self) -> None:
+        pictures = Path(os.environ.get("PICTURES", self.home))
+        done = subprocess.run(
+            ["node", ROOT / "tests" / "system" / "dashboard.mjs", BUILD, pictures],
+            env=self.environment, capture_output=True, text=True, timeout=150,
+        )
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertEqual(self.ask("status")["state"], "EMPTY")
+
+
+if __name__ == "__main__":
+    unittest.main()
