@@ -67,9 +67,11 @@ static MnsStatus serve(Painter *painter, size_t n, const Demand *demands, bool *
     status = mns_client_status(painter->client, &reply, error);
     if (status) return status;
     const bool has = reply->info && can_show(reply->state);
+    /* A status is a little old; what is asked of a run in motion is answered at the next step, which is a new one. */
+    const bool moves = reply->state == MNS_STATE_RUNNING;
     for (size_t k = 0; has && k < n && !*ret_painted && !status; k++) {
         const Demand *demand = &demands[(painter->turn + k) % n];
-        if (demand->has && key_equal(demand->have, (FrameKey){generation, reply->step})) continue;
+        if (!moves && demand->has && key_equal(demand->have, (FrameKey){generation, reply->step})) continue;
         painter->turn += k + 1;
         *ret_painted = true;
         status = paint(painter, &demand->wish, reply->info, generation, error);

@@ -37,7 +37,7 @@ licensed() {
             bad=1
         }
     done < <(find include server proto client tests systemd Makefile .ci/run -type f \( -name '*.[ch]' -o -name '*.proto' -o -name '*.py' \
-        -o -name '*.sh' -o -name '*.yaml' -o -name Makefile -o -name run \) -not -path '*/__pycache__/*')
+        -o -name '*.js' -o -name '*.mjs' -o -name '*.css' -o -name '*.sh' -o -name '*.yaml' -o -name Makefile -o -name run \) -not -path '*/__pycache__/*')
     return "$bad"
 }
 

@@ -16,7 +16,7 @@ function put(place, note, bad) {
 
 /** @param {HTMLElement} place @param {string} text  "": it is plain to see */
 export function tell(place, text) {
-  for (const old of place.querySelectorAll(".bad")) old.remove(); // that trouble is over
+  place.replaceChildren(); // what was before is over
   if (text) put(place, element("div", { className: "note", role: "status" }, element("div", {}, text)), false);
 }
 
