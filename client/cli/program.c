@@ -1,24 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Other programs of the project, and `meniscus run`, which is one of them. */
 #include "client/cli/program.h"
+#include "client/cli/beside.h"
 #include "client/cli/command.h"
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-bool program_beside(const char *program, char ret[static PATH_MAX])
-{
-    char self[PATH_MAX];
-    const ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
-    if (n <= 0) return false;
-    self[n] = 0;
-    char *slash = strrchr(self, '/');
-    if (!slash) return false;
-    *slash = 0;
-    return snprintf(ret, PATH_MAX, "%s/%s", self, program) < PATH_MAX && access(ret, X_OK) == 0;
-}
 
 MnsStatus program_become(const char *program, const char *const *arguments, MnsError *error)
 {
@@ -30,7 +19,7 @@ MnsStatus program_become(const char *program, const char *const *arguments, MnsE
     memcpy(argv + 1, arguments, n * sizeof *argv);
     char path[PATH_MAX];
     fflush(NULL);
-    if (program_beside(program, path)) execv(path, (char **)argv);
+    if (beside_find(program, path)) execv(path, (char **)argv);
     else execvp(program, (char **)argv);
     const int cause = errno;
     free(argv);

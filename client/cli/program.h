@@ -3,12 +3,7 @@
 #ifndef CLI_PROGRAM_H
 #define CLI_PROGRAM_H
 
-#include <limits.h>
 #include <meniscus/status.h>
-#include <stdbool.h>
-
-/* PATH of a program in the directory of this one. @return false if there is none that may be run. */
-bool program_beside(const char *program, char ret[static PATH_MAX]);
 
 /* Become another program: the one beside this one, or else the one in PATH. @param arguments  without the program's
  * name; ends with NULL. Returns only if that fails: MNS_E_NOT_FOUND, MNS_E_MEMORY. */

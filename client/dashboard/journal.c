@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The journal of a run. Only the daemon's program knows how it lies in its file, so that is asked. */
 #include "client/dashboard/journal.h"
-#include "client/cli/program.h"
+#include "client/cli/beside.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -19,7 +19,7 @@ static MnsStatus begin(const char *directory, pid_t *ret_pid, int *ret_fd, MnsEr
 {
     char path[PATH_MAX];
     int ends[2];
-    if (!program_beside("meniscusd", path)) memcpy(path, "meniscusd", sizeof "meniscusd");
+    if (!beside_find("meniscusd", path)) memcpy(path, "meniscusd", sizeof "meniscusd");
     if (pipe2(ends, O_CLOEXEC)) return mns_fail(error, MNS_E_LIMIT, "cannot read the journal: %s", strerror(errno));
     char *arguments[] = {(char *)"meniscusd", (char *)"--log", (char *)directory, (char *)"--output=json", NULL};
     posix_spawn_file_actions_t actions;

@@ -309,7 +309,7 @@ class Steering(DashboardTest):
     def test_commands_take_effect_and_all_see_it(self) -> None:
         one, two = self.browser(), self.browser()
         self.assertEqual(one.ask(do="load", id=1, name="dambreak2d", settings=["resolution=20"])["state"], "READY")
-        two.until("event", state="READY")
+        two.until("event", state="READY", what="ready")
         about = two.until("about")
         while "case" not in about:
             about = two.until("about")
@@ -332,7 +332,7 @@ class Steering(DashboardTest):
         self.meniscus("load", *SMALL, "--set", "end_time=1000")
         browser = self.browser()
         browser.say(do="run_until", id=1, time=900)
-        browser.until("event", state="RUNNING")
+        self.meniscus("wait", "--for", "state=RUNNING", "--timeout", "20")
         began = time.monotonic()
         self.assertEqual(browser.ask(do="pause", id=2)["state"], "PAUSED")
         self.assertLess(time.monotonic() - began, 5)

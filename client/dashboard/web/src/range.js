@@ -36,7 +36,7 @@ export class Range {
     if (!wanted || (this.held && this.ends)) return this.ends;
     let [lo, hi] = wanted;
     if (symmetric) [lo, hi] = [-Math.max(Math.abs(lo), Math.abs(hi)), Math.max(Math.abs(lo), Math.abs(hi))];
-    if (!(hi > lo)) [lo, hi] = [lo - Math.abs(lo) * 1e-3 - 1e-12, hi + Math.abs(hi) * 1e-3 + 1e-12];
+    if (!(hi > lo)) [lo, hi] = [lo - (Math.abs(lo) / 20 || 1), hi + (Math.abs(hi) / 20 || 1)];
     if (!this.ends) this.ends = [lo, hi];
     else this.ends = [this.ends[0] + EASE * (lo - this.ends[0]), this.ends[1] + EASE * (hi - this.ends[1])];
     return this.ends;

@@ -101,6 +101,8 @@ export class View {
     if (plane) this.controls.touches.ONE = THREE.TOUCH.PAN;
     this.controls.addEventListener("change", () => { this.stale = true; });
     this.material.uniforms.perspective.value = !plane;
+    this.box.material.depthTest = !plane;
+    this.box.renderOrder = 1;
     this.home();
     this.resize();
   }
@@ -284,7 +286,8 @@ export class View {
       beyond.setComponent(d, max[d] + 0.05 * this.reach.length());
       const at = beyond.project(this.camera);
       if (at.z > 1) return;
-      pen.fillText(`${name} = ${number(max[d], 4)} m`, (at.x + 1) / 2 * width, (1 - at.y) / 2 * height);
+      const x = Math.min(Math.max((at.x + 1) / 2 * width, 44), width - 44), y = Math.min(Math.max((1 - at.y) / 2 * height, 10), height - 10);
+      pen.fillText(`${name} = ${number(max[d], 4)} m`, x, y);
     });
   }
 
