@@ -134,6 +134,17 @@ try {
   await see(page, "snapshot-", "a snapshot is written", "#notes");
   await page.click("#checkpoint");
   await see(page, "checkpoint-", "and a checkpoint", "#notes");
+  const kept = await step(page);
+
+  await page.click("#step");
+  await page.waitForFunction((wanted) => document.querySelector("#clock").textContent.replaceAll("\u202f", "").includes(`step ${wanted} `), { timeout: PATIENCE_MS }, kept + 5);
+  await page.click("#back");
+  await page.waitForSelector("#ask[open]");
+  await picture(page, "back");
+  await page.click("#ask .primary");
+  await see(page, "Back at t =", "it goes back to the checkpoint", "#notes");
+  await page.waitForFunction((wanted) => document.querySelector("#clock").textContent.replaceAll("\u202f", "").includes(`step ${wanted} `), { timeout: PATIENCE_MS }, kept);
+  await state(page, "READY");
 
   await page.click("#tab-events");
   await see(page, "paused", "events are listed", "#events");

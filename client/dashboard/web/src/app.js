@@ -257,7 +257,7 @@ function showState() {
   const why = lockedBy ? `${lockedBy} holds the lease` : state === "AWAY" ? "not connected" : `not possible while ${state}`;
   /** @type {[string, boolean, boolean][]} button, possible in this state, needs the lease */
   const buttons = [["go", Boolean(go[1]), go[1] !== "pause"], ["step", MOVES.includes(state), true], ["until", MOVES.includes(state), true],
-    ["snapshot", has, false], ["checkpoint", has, false], ["reset", has && state !== "RUNNING", true], ["stop", has, false]];
+    ["snapshot", has, false], ["checkpoint", has, false], ["back", has && state !== "RUNNING", true], ["stop", has, false]];
   for (const [id, possible, leased] of buttons) {
     const may = possible && !(leased && lockedBy);
     $(id).disabled = !may;
@@ -376,9 +376,11 @@ $("until-form").onsubmit = (/** @type {Event} */ event) => {
 };
 for (const id of ["snapshot", "checkpoint"])
   $(id).onclick = () => command(`No ${id}`, { do: id }, (r) => `Written: ${r.path}`);
-$("reset").onclick = async () => {
-  if (await confirmed($("ask"), "Back to the beginning?", "What was set since the case was loaded is undone. Files of this time line move to the folder abandoned.", "Reset"))
-    command("Not reset", { do: "reset" });
+$("back").onclick = async () => {
+  const ways = [["restore", "the newest checkpoint", "With the case as it was then."], ["reset", "the beginning", "What was set since the case was loaded is undone."]].map(([value, name, text], k) =>
+    element("p", {}, element("label", {}, element("input", { type: "radio", name: "way", value, checked: k === 0 }), ` To ${name}. `, element("span", { className: "muted" }, text))));
+  const form = await confirmed($("ask"), "Go back?", "Files of this time line, from there on, move to the folder abandoned.", "Go back", ...ways);
+  if (form) command("Not gone back", { do: String(form.get("way")) }, (r) => `Back at t = ${number(r.time, 6)} s, step ${count(r.step)}`);
 };
 $("stop").onclick = async () => {
   const keep = element("input", { type: "checkbox", name: "checkpoint", checked: true });
