@@ -18,7 +18,7 @@ bool key_equal(FrameKey a, FrameKey b)
 
 uint64_t frame_every(uint64_t n, uint64_t limit)
 {
-    return limit && n > limit ? (n + limit - 1) / limit : 1;
+    return limit && n > limit ? (n + limit / 2) / limit : 1;
 }
 
 static size_t columns(const MnsArray *array)

@@ -11,7 +11,7 @@ enum { FRAME_HEADROOM = 64, FRAME_PREFIX = 8, FRAME_MOST = 1000000, FRAME_FIELD 
 /* What a browser wants to see. */
 typedef struct Wish {
     char field[FRAME_FIELD];
-    uint64_t limit; /* at most so many particles; there are more: about one in so many that it is kept */
+    uint64_t limit; /* about so many particles; of more, one in so many */
     bool walls;
 } Wish;
 
@@ -34,7 +34,7 @@ typedef struct Frame {
     unsigned char bytes[]; /* [FRAME_HEADROOM + size] */
 } Frame;
 
-/* One particle in how many is shown, so that about `limit` of n are. */
+/* One particle in how many is shown, so that about `limit` of n are: a little more than that are still all shown. */
 uint64_t frame_every(uint64_t n, uint64_t limit);
 
 /* From the answer to a query of "position", "phase" and the field of the wish, for one in `every` of `all` particles. MNS_E_CORRUPT: it
