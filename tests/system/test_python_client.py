@@ -124,6 +124,13 @@ class WithDaemon(DaemonTest):
             self.client.particles(limit=5)
         self.assertEqual(caught.exception.code, "RESOURCE_EXHAUSTED")
 
+    def test_one_particle_in_so_many_is_always_the_same(self) -> None:
+        self.client.load("dambreak2d", {"resolution": 10})
+        some = self.client.particles(["id"], every=4)["id"]
+        self.assertTrue(180 < len(some) < 360, len(some))
+        self.client.step(3)
+        self.assertEqual(set(some), set(self.client.particles(["id"], every=4)["id"]))
+
     def test_a_checkpoint_is_restored_to_the_bit(self) -> None:
         self.load()
         self.client.step(4)
