@@ -5,6 +5,7 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { number, ticks } from "./format.js";
 
 const PHASES = 256, MARGIN = 1.06, FILL = { 2: 1.42, 3: 1.15 }; // discs that leave no gaps in a plane
+const SCATTERED = 1.4; // larger yet where they are chosen by chance, which leaves holes
 
 const vertexShader = `
   attribute float value; attribute float phase;
@@ -207,7 +208,8 @@ export class View {
     geometry.setDrawRange(0, n);
     this.material.uniforms.byPhase.value = frame.value ? 0 : 1;
     // Fewer particles are drawn larger, so that together they fill what all would.
-    this.material.uniforms.size.value = FILL[frame.dimensions] * this.space.spacing * frame.every ** (1 / frame.dimensions);
+    const larger = frame.every > 1 ? SCATTERED * frame.every ** (1 / frame.dimensions) : 1;
+    this.material.uniforms.size.value = FILL[frame.dimensions] * this.space.spacing * larger;
     this.points.visible = n > 0;
     this.stale = true;
   }
