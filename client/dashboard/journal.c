@@ -90,7 +90,7 @@ static void drop_hashes(json_t *log)
     json_object_set_new(log, "records", kept);
 }
 
-MnsStatus journal_read(const char *directory, json_t **ret, MnsError *error)
+MnsStatus journal_shown(const char *directory, json_t **ret, MnsError *error)
 {
     pid_t pid;
     int fd;

@@ -10,6 +10,6 @@ enum { JOURNAL_RECORDS = 500 };
 
 /* What `meniscus log DIRECTORY -o json` says, of the records only the last JOURNAL_RECORDS of commands. MNS_E_NOT_FOUND: there is no such
  * program; MNS_E_IO, MNS_E_TIMEOUT, MNS_E_LIMIT: it said nothing usable, or too much. */
-MnsStatus journal_read(const char *directory, json_t **ret, MnsError *error);
+MnsStatus journal_shown(const char *directory, json_t **ret, MnsError *error);
 
 #endif

@@ -52,7 +52,7 @@ static MnsStatus journal(const Work *work, json_t **ret, MnsError *error)
     char directory[4096];
     hub_directory(work->hub, directory);
     if (!*directory) return mns_fail(error, MNS_E_STATE, "there is no case, and so no journal");
-    const MnsStatus status = journal_read(directory, ret, error);
+    const MnsStatus status = journal_shown(directory, ret, error);
     if (status) return status;
     json_object_set_new(*ret, "topic", json_string("reply"));
     json_object_set_new(*ret, "id", json_integer((json_int_t)work->ask.id));
