@@ -11,7 +11,7 @@ flags=()
 for of in flags solver-flags; do
     eval "flags+=($(MAKEFLAGS='' make -s --no-print-directory BUILD="$BUILD" CC=gcc SANITIZE= "$of"))"
 done
-flags+=(-march=x86-64-v3)
+flags+=(-march=x86-64-v3 -g0) # with -g it names other lines
 remarks=$(mktemp) told=$(mktemp -d)
 trap 'rm -rf "$remarks" "$told"' EXIT
 failed=0
