@@ -6,7 +6,19 @@
 
 const Command command_table[] = {
     {.group = "Without a daemon",
-     .name = "run",
+     .name = "init",
+     .arguments = "[FILE]",
+     .help = "write a case file to begin with",
+     .details = "    meniscus init                            case.yaml: water falls under air, each entry explained\n"
+                "    meniscus init my.yaml --from dambreak2d  a case that came along, or a file, with its comments\n"
+                "Without FILE it is case.yaml here, with --from the name of that case and .yaml. A file that is there "
+                "already stays as it is: exit code 74.",
+     .options = OPTION(OPT_FROM),
+     .exits = EXIT_BAD_CASE | EXIT_IO,
+     .is_alone = true,
+     .max_words = 1,
+     .run = command_init},
+    {.name = "run",
      .arguments = "CASE",
      .help = "run a case to its end without a daemon",
      .details = "CASE is a file, or the name of one of the cases that came along. Progress goes to standard error; at "

@@ -52,6 +52,7 @@ typedef enum OptionId {
     OPT_SIZE,
     OPT_ROLE,
     OPT_KEYS,
+    OPT_FROM,
     OPTION_COUNT
 } OptionId;
 
