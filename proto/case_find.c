@@ -15,9 +15,10 @@ enum { CASES_MAX = 64 };
 
 typedef struct Search {
     const char *name;
-    char *ret_path;   /* [4096] */
-    char looked[200]; /* folders without it, for the complaint */
-    char there[2000]; /* names of the cases in them, one after the other */
+    char *ret_path;    /* [4096] */
+    char looked[200];  /* folders without it, for the complaint */
+    char there[2000];  /* names of the cases in the first that has any, one after the other */
+    char folder[4096]; /* which that is */
     size_t n_there, size_there;
 } Search;
 
@@ -79,7 +80,9 @@ static bool look_in(Search *search, const char *folder)
     }
     if (access(folder, F_OK)) return false;
     append(search->looked, sizeof search->looked, folder, strlen(folder));
-    if (!search->n_there) list_cases(search, folder);
+    if (search->n_there) return false;
+    list_cases(search, folder);
+    if (search->n_there) snprintf(search->folder, sizeof search->folder, "%s", folder);
     return false;
 }
 
@@ -101,16 +104,29 @@ static bool look_beside_program(Search *search)
     return false;
 }
 
+static bool look_everywhere(Search *search)
+{
+    const char *asked = getenv("MENISCUS_CASES");
+    return (asked && look_in(search, asked)) || look_beside_program(search) || look_in(search, MENISCUS_CASES);
+}
+
+void case_list(void (*tell)(void *arg, const char *name, const char *folder), void *arg)
+{
+    char path[4096];
+    Search search = {.name = ".", .ret_path = path}; /* no case is called that */
+    if (look_everywhere(&search)) return;
+    const char *next = search.there;
+    for (size_t k = 0; k < search.n_there; k++, next += strlen(next) + 1) tell(arg, next, search.folder);
+}
+
 MnsStatus case_find(const char *name, char ret_path[static 4096], MnsError *error)
 {
     Search search = {.name = name, .ret_path = ret_path};
-    const char *asked = getenv("MENISCUS_CASES");
     if (strlen(name) < 4096 && is_file(name)) {
         strcpy(ret_path, name);
         return MNS_OK;
     }
-    if (asked && look_in(&search, asked)) return MNS_OK;
-    if (look_beside_program(&search) || look_in(&search, MENISCUS_CASES)) return MNS_OK;
+    if (look_everywhere(&search)) return MNS_OK;
     if (!*search.looked) /* no such folder, and $MENISCUS_CASES would say where there is one */
         snprintf(search.looked, sizeof search.looked, "$MENISCUS_CASES, beside the program or in %s", MENISCUS_CASES);
     return fail_search(&search, error);

@@ -10,4 +10,7 @@
  * it looked, what is there and what is like it; MNS_E_INVALID: `name` is a directory or another thing that is no file. */
 MnsStatus case_find(const char *name, char ret_path[static 4096], MnsError *error);
 
+/* Tell of each case in the first of these folders that has any, in order of their names. */
+void case_list(void (*tell)(void *arg, const char *name, const char *folder), void *arg);
+
 #endif

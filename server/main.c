@@ -3,6 +3,7 @@
 #include "base/log.h"
 #include "batch/batch.h"
 #include "batch/history_print.h"
+#include "batch/machine.h"
 #include "batch/replay.h"
 #include "batch/schemes.h"
 #include "net/daemon.h"
@@ -34,6 +35,7 @@ enum {
     KEY_LOAD,
     KEY_START,
     KEY_SCHEMES,
+    KEY_MACHINE,
     KEY_LOG,
     KEY_REPLAY,
     KEY_VERIFY
@@ -58,12 +60,14 @@ static const struct argp_option arguments[] = {
     {"out", KEY_OUT, "DIR", 0, "Run directory of --batch (./CASE.run)", 2},
     {"until", KEY_UNTIL, "T", 0, "Stop --batch with a checkpoint at the first step at or after T seconds", 2},
     {"schemes", KEY_SCHEMES, 0, 0, "Print the schemes and their equations, and exit", 2},
+    {"machine", KEY_MACHINE, 0, 0, "Print the instructions this machine would compute with, and exit", 2},
     {"log", KEY_LOG, "DIR", 0, "Print the journal of a run directory, and exit; with --verify only whether it is whole",
      2},
     {"replay", KEY_REPLAY, "DIR", 0,
      "Do the run of a directory again, from its journal, compare the states with --verify, and exit", 2},
     {"verify", KEY_VERIFY, 0, 0, "See --log and --replay", 2},
-    {"output", 'o', "json", 0, "Print one JSON object at the end of --batch, or for --schemes, --log, --replay", 2},
+    {"output", 'o', "json", 0,
+     "Print one JSON object at the end of --batch, or for --schemes, --machine, --log, --replay", 2},
     {"set", KEY_SET, "PATH=VALUE", 0, "Change an entry of the case; may be given often", 3},
     {"resume", KEY_RESUME, "auto", 0, "Go on from the newest whole checkpoint in the run directory, if there is one",
      3},
@@ -77,7 +81,7 @@ static const struct argp_option arguments[] = {
 typedef struct Options {
     BatchOptions batch;
     DaemonOptions daemon;
-    bool schemes, verify;
+    bool schemes, machine, verify;
     const char *log, *replay; /* run directories */
     size_t n_settings;
     char **settings;
@@ -139,8 +143,8 @@ static void check(const Options *options, struct argp_state *state)
 {
     const BatchOptions *batch = &options->batch;
     const DaemonOptions *daemon = &options->daemon;
-    if (!batch->name && (batch->directory || (batch->json && !options->schemes && !options->log && !options->replay) ||
-                         !isnan(batch->until)))
+    const bool prints = options->schemes || options->machine || options->log || options->replay;
+    if (!batch->name && (batch->directory || (batch->json && !prints) || !isnan(batch->until)))
         argp_error(state, "--out, --until and --output go with --batch");
     if (options->log && options->replay) argp_error(state, "--log and --replay are two things; ask for one");
     if (options->verify && !options->log && !options->replay) argp_error(state, "--verify goes with --log or --replay");
@@ -185,6 +189,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case KEY_REPLAY: options->replay = text; break;
     case KEY_VERIFY: options->verify = true; break;
     case KEY_SCHEMES: options->schemes = true; break;
+    case KEY_MACHINE: options->machine = true; break;
     case KEY_LEVEL: set_level(options, text, state); break;
     case ARGP_KEY_ARG: argp_error(state, "there is no place for \"%s\"; a case follows --load or --batch", text); break;
     case ARGP_KEY_END:
@@ -212,6 +217,7 @@ static void tell_scripts(int code, void *of)
 static int run(Options *options)
 {
     if (options->schemes) return schemes_print(options->batch.json);
+    if (options->machine) return machine_print(options->batch.json);
     if (options->log) return history_print(options->log, options->verify, options->batch.json);
     if (options->replay) return replay_run(options->replay, options->daemon.threads, options->batch.json);
     const int usual = options->batch.name ? LOG_WARNING : LOG_INFORMATION;

@@ -92,6 +92,17 @@ const Command command_table[] = {
      .min_words = 1,
      .max_words = 2,
      .run = command_keys},
+    {.name = "doctor",
+     .help = "look whether all is well here, and say what to do",
+     .details =
+         "One line for each thing: instructions, threads, memory, the versions of the programs, cases, the "
+         "directory of sockets, the daemon, where its runs keep their files, keys, and what only some need. Each is "
+         "ok, "
+         "a warning, or a problem with what to do; exit code 1 if there is a problem. That no daemon runs is none.",
+     .options =
+         OPTION(OPT_DAEMON) | OPTION(OPT_KEY) | OPTION(OPT_SERVER_KEY) | OPTION(OPT_KEYS) | OPTION(OPT_STATE_DIR),
+     .is_alone = true,
+     .run = command_doctor},
     {.name = "help",
      .arguments = "[COMMAND]",
      .help = "explain a command, or list all",

@@ -58,6 +58,7 @@ const OptionInfo option_table[] = {
                   "viewer: asks and listens; operator: steers too; admin: also loads and shuts down"},
     [OPT_KEYS] = {"keys", 0, "DIR", "where the keys are; default $MENISCUS_KEYS, or ~/.config/meniscus/keys"},
     [OPT_FROM] = {"from", 0, "CASE", "begin with this case, its comments and all; default: a small one of two fluids"},
+    [OPT_STATE_DIR] = {"state-dir", 0, "DIR", "where the daemon keeps its runs; default: as `meniscusd` chooses it"},
 };
 
 enum { LONG_ONLY = 256 };

@@ -53,6 +53,7 @@ typedef enum OptionId {
     OPT_ROLE,
     OPT_KEYS,
     OPT_FROM,
+    OPT_STATE_DIR,
     OPTION_COUNT
 } OptionId;
 

@@ -4,9 +4,12 @@
 #include "client/cli/beside.h"
 #include "client/cli/command.h"
 #include <errno.h>
+#include <fcntl.h>
+#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 MnsStatus program_become(const char *program, const char *const *arguments, MnsError *error)
@@ -25,6 +28,48 @@ MnsStatus program_become(const char *program, const char *const *arguments, MnsE
     free(argv);
     return mns_fail(error, MNS_E_NOT_FOUND, "cannot run %s: %s; it belongs beside this program or in $PATH", program,
                     strerror(cause));
+}
+
+/* Until it ends; what does not fit is read and forgotten, so that it can end. */
+static void read_all(int fd, char *ret, size_t size)
+{
+    char rest[256];
+    size_t n = 0;
+    ssize_t got;
+    while ((got = n + 1 < size ? read(fd, ret + n, size - 1 - n) : read(fd, rest, sizeof rest)) > 0)
+        if (n + 1 < size) n += (size_t)got;
+    ret[n] = 0;
+}
+
+MnsStatus program_ask(const char *program, const char *const *arguments, char *ret, size_t size, MnsError *error)
+{
+    enum { MOST = 8 };
+    const char *argv[MOST + 2] = {program};
+    char path[PATH_MAX];
+    int ends[2], state = -1;
+    pid_t child;
+    posix_spawn_file_actions_t actions;
+    for (size_t k = 0; arguments[k]; k++) {
+        if (k == MOST) return mns_fail(error, MNS_E_LIMIT, "too many words for %s", program);
+        argv[k + 1] = arguments[k];
+    }
+    if (pipe2(ends, O_CLOEXEC)) return mns_fail(error, MNS_E_IO, "cannot ask %s: %s", program, strerror(errno));
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+    const bool beside = beside_find(program, path);
+    const int failed = posix_spawnp(&child, beside ? path : program, &actions, NULL, (char **)argv, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    close(ends[1]);
+    if (!failed) read_all(ends[0], ret, size);
+    close(ends[0]);
+    if (failed)
+        return mns_fail(error, MNS_E_NOT_FOUND, "cannot run %s: %s; it belongs beside this program or in $PATH",
+                        program, strerror(failed));
+    while (waitpid(child, &state, 0) < 0 && errno == EINTR) continue;
+    if (WIFEXITED(state) && WEXITSTATUS(state) == 0) return MNS_OK;
+    return mns_fail(error, MNS_E_IO, "%s ended with exit code %d", program,
+                    WIFEXITED(state) ? WEXITSTATUS(state) : 128);
 }
 
 /* Values that can be wrong without a look at the case are refused here, like those of any command. */

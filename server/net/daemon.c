@@ -14,6 +14,7 @@
 #include "proto/case_name.h"
 #include "proto/frame.h"
 #include "proto/load.h"
+#include "proto/places.h"
 #include <limits.h>
 #include <math.h>
 #include <meniscus/exit.h>
@@ -287,15 +288,9 @@ static MnsStatus make_parent(Daemon *daemon, MnsError *error)
 
 static void find_parent(Daemon *daemon)
 {
-    const char *given = daemon->options->state_dir, *systemd = getenv("STATE_DIRECTORY");
-    const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME"), *name = daemon->options->at.name;
-    char *to = daemon->parent;
-    const size_t size = sizeof daemon->parent;
-    if (given) snprintf(to, size, "%s", given);
-    else if (systemd && *systemd) snprintf(to, size, "%s", systemd);
-    else if (state && *state) snprintf(to, size, "%s/meniscus/%s", state, name);
-    else if (home && *home) snprintf(to, size, "%s/.local/state/meniscus/%s", home, name);
-    else snprintf(to, size, "meniscus-%s", name);
+    const char *given = daemon->options->state_dir;
+    if (given) snprintf(daemon->parent, sizeof daemon->parent, "%s", given);
+    else places_state(daemon->options->at.name, daemon->parent, sizeof daemon->parent);
 }
 
 static void serve_leave(Run *run, Order *order)

@@ -3,6 +3,7 @@
 #include "net/endpoint.h"
 
 #include "proto/case_name.h"
+#include "proto/places.h"
 #include "run/lock.h"
 #include <arpa/inet.h>
 #include <errno.h>
@@ -29,12 +30,13 @@ static MnsStatus check_name(const char *name, MnsError *error)
 /* The directory of this daemon; *ret_own: ours to make, with the one above it. */
 static MnsStatus choose(const char *name, char ret[static 256], bool *ret_own, MnsError *error)
 {
-    const char *given = getenv("RUNTIME_DIRECTORY"), *user = getenv("XDG_RUNTIME_DIR");
+    const char *given = getenv("RUNTIME_DIRECTORY");
+    char base[256];
     int n;
     *ret_own = !(given && *given);
+    places_sockets(base, sizeof base);
     if (!*ret_own) n = snprintf(ret, 256, "%s", given);
-    else if (user && *user) n = snprintf(ret, 256, "%s/meniscus/%s", user, name);
-    else n = snprintf(ret, 256, "/tmp/meniscus-%u/%s", (unsigned)getuid(), name);
+    else n = snprintf(ret, 256, "%s/%s", base, name);
     const size_t whole = (size_t)n + strlen("/telemetry.ipc");
     if (whole <= PATH_LONGEST) return MNS_OK;
     return mns_fail(
