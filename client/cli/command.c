@@ -103,6 +103,17 @@ const Command command_table[] = {
          OPTION(OPT_DAEMON) | OPTION(OPT_KEY) | OPTION(OPT_SERVER_KEY) | OPTION(OPT_KEYS) | OPTION(OPT_STATE_DIR),
      .is_alone = true,
      .run = command_doctor},
+    {.name = "completion",
+     .arguments = "bash|zsh",
+     .help = "print what makes a shell finish command lines of meniscus",
+     .details = "`make install` puts it where shells look for it. Elsewhere:\n"
+                "    source <(meniscus completion bash)       in ~/.bashrc\n"
+                "    source <(meniscus completion zsh)        in ~/.zshrc, after compinit\n"
+                "It offers commands, options, cases, daemons and entries that can be set.",
+     .is_alone = true,
+     .min_words = 1,
+     .max_words = 1,
+     .run = command_completion},
     {.name = "help",
      .arguments = "[COMMAND]",
      .help = "explain a command, or list all",

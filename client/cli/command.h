@@ -89,6 +89,7 @@ MnsStatus command_status(Invocation *in, MnsError *error);
 MnsStatus command_capabilities(Invocation *in, MnsError *error);
 MnsStatus command_schemes(Invocation *in, MnsError *error);
 MnsStatus command_ls(Invocation *in, MnsError *error);
+MnsStatus command_completion(Invocation *in, MnsError *error);
 MnsStatus command_doctor(Invocation *in, MnsError *error);
 MnsStatus command_init(Invocation *in, MnsError *error);
 MnsStatus command_keys(Invocation *in, MnsError *error);

@@ -54,7 +54,7 @@ const OptionInfo option_table[] = {
     [OPT_BOX] = {"box", 'b', "X0,Y0,X1,Y1", "part of the plane to draw [m]; default: the domain"},
     [OPT_TITLE] = {"title", 't', "TEXT", "instead of the title of the case"},
     [OPT_SIZE] = {"size", 's', "W[xH]", "in pixels; without H as high as the plot needs; default: 1600"},
-    [OPT_ROLE] = {"role", 0, "ROLE",
+    [OPT_ROLE] = {"role", 0, "viewer|operator|admin",
                   "viewer: asks and listens; operator: steers too; admin: also loads and shuts down"},
     [OPT_KEYS] = {"keys", 0, "DIR", "where the keys are; default $MENISCUS_KEYS, or ~/.config/meniscus/keys"},
     [OPT_FROM] = {"from", 0, "CASE", "begin with this case, its comments and all; default: a small one of two fluids"},

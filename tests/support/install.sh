@@ -56,6 +56,16 @@ if [ -f "$BUILD/meniscus-dashboard" ] || [ "$action" = uninstall ]; then
     put 644 client/dashboard/README.md "$doc/dashboard.md"
     fill systemd/meniscus-dashboard@.service "$units/meniscus-dashboard@.service"
 fi
+# Shells look for these by the name of the program.
+completion() {
+    local text
+    text=$(mktemp)
+    if [ "$action" = install ]; then "$BUILD/meniscus" completion "$1" >"$text"; fi
+    put 644 "$text" "$2"
+    rm -f "$text"
+}
+completion bash "$PREFIX/share/bash-completion/completions/meniscus"
+completion zsh "$PREFIX/share/zsh/site-functions/_meniscus"
 put 644 "$BUILD/libmeniscus.a" "$lib/libmeniscus.a"
 put 644 "$BUILD/libmeniscus-client.a" "$lib/libmeniscus-client.a"
 put 755 "$BUILD/libmeniscus-client.so" "$lib/libmeniscus-client.so.$VERSION"

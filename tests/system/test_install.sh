@@ -52,6 +52,8 @@ expect "the installed daemon runs" "$root/opt/bin/meniscusd" --help
 expect "the installed dashboard runs" "$root/opt/bin/meniscus-dashboard" --help
 expect "the Python client can be imported" env PYTHONPATH="$root/opt/lib/python3/dist-packages" \
     /usr/bin/python3 -c "import meniscus"
+expect "bash finds its completion" bash -n "$root/opt/share/bash-completion/completions/meniscus"
+expect "zsh finds its completion" grep -q '^#compdef meniscus$' "$root/opt/share/zsh/site-functions/_meniscus"
 expect "the cases are there" test -f "$root/opt/share/meniscus/cases/dambreak2d.yaml"
 expect "the unit names the installed daemon" grep -q '^ExecStart=/opt/bin/meniscusd ' "$root/opt/lib/systemd/system/meniscusd@.service"
 

@@ -1,0 +1,323 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* meniscus completion: scripts that let a shell finish command lines, written from the tables by which those are parsed. What is not in
+ * the tables, as names of daemons, the scripts ask this command for. */
+#include "client/cli/completion.h"
+#include "client/cli/command.h"
+#include "client/cli/output.h"
+#include "proto/case_file.h"
+#include "proto/case_find.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* --- what a word may be --------------------------------------------------------------------------------------------------- */
+
+static const struct {
+    const char *begins, *kinds;
+} meanings[] = {
+    {"CASE", "@cases @files"}, {"COMMAND", "@commands"},       {"DIR", "@directories"}, {"ENDPOINT", "@daemons"},
+    {"FILE", "@files"},        {"PATH=VALUE", "@assignments"}, {"PATH", "@parameters"}, {"SNAPSHOT", "@files"},
+};
+
+static void append(char *ret, size_t size, const char *text, size_t length)
+{
+    const size_t n = strlen(ret);
+    snprintf(ret + n, size - n, "%s%.*s", n ? " " : "", (int)length, text);
+}
+
+/* The first word of one alternative, as in "at FIELD X,Y". */
+static void append_word(char *ret, size_t size, const char *word)
+{
+    static const char lower[] = "abcdefghijklmnopqrstuvwxyz-";
+    const size_t n = strspn(word, lower);
+    if (n && word[0] != '-' && (!word[n] || strchr(" |]", word[n]))) append(ret, size, word, n);
+    else if (n && word[n] == '=') append(ret, size, word, n + 1);
+    for (size_t k = 0; k < sizeof meanings / sizeof *meanings; k++) {
+        const size_t length = strlen(meanings[k].begins);
+        if (strncmp(word, meanings[k].begins, length) != 0) continue;
+        append(ret, size, meanings[k].kinds, strlen(meanings[k].kinds));
+        return;
+    }
+}
+
+void completion_kinds(const char *text, char *ret, size_t size)
+{
+    *ret = 0;
+    while (text && *text) {
+        text += strspn(text, " [|");
+        append_word(ret, size, text);
+        text += strcspn(text, "|");
+    }
+}
+
+/* --- bash ----------------------------------------------------------------------------------------------------------------- */
+
+static const char bash_begin[] =
+    "# Completion of meniscus for bash, written by `meniscus completion bash`.\n"
+    "_meniscus_offer()\n"
+    "{\n"
+    "    local kind current=$1 program=${COMP_WORDS[0]} found\n"
+    "    shift\n"
+    "    for kind; do\n"
+    "        case $kind in\n"
+    "        @files) found=$(compgen -f -- \"$current\") ;;\n"
+    "        @directories) found=$(compgen -d -- \"$current\") ;;\n"
+    "        @assignments) found=$(compgen -S = -W \"$(\"$program\" completion parameters 2>/dev/null)\" -- "
+    "\"$current\") ;;\n"
+    "        @*) found=$(compgen -W \"$(\"$program\" completion \"${kind#@}\" 2>/dev/null)\" -- \"$current\") ;;\n"
+    "        *) found=$(compgen -W \"$kind\" -- \"$current\") ;;\n"
+    "        esac\n"
+    "        case $kind in @files | @directories) compopt -o filenames 2>/dev/null ;; esac\n"
+    "        if [ -n \"$found\" ]; then mapfile -t -O ${#COMPREPLY[@]} COMPREPLY <<<\"$found\"; fi\n"
+    "    done\n"
+    "    case ${COMPREPLY[0]-} in *=) compopt -o nospace 2>/dev/null ;; esac\n"
+    "}\n"
+    "\n"
+    "_meniscus()\n"
+    "{\n"
+    "    local current=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} command='' options='' words='' "
+    "value='' k\n"
+    "    COMPREPLY=()\n"
+    "    # bash takes --option=value apart into three words.\n"
+    "    if [ \"$current\" = = ]; then\n"
+    "        current=''\n"
+    "    elif [ \"$before\" = = ]; then\n"
+    "        before=${COMP_WORDS[COMP_CWORD - 2]}\n"
+    "        case $before in -*) ;; *) return ;; esac\n"
+    "    fi\n"
+    "    for ((k = 1; k < COMP_CWORD; k++)); do\n"
+    "        case ${COMP_WORDS[k]} in\n";
+
+static void print_names(FILE *out, OptionSet options, const char *between, bool with_value)
+{
+    const char *gap = "";
+    for (int k = 0; k < OPTION_COUNT; k++) {
+        const OptionInfo *info = &option_table[k];
+        if (!(options & OPTION(k)) || (with_value && !info->value)) continue;
+        fprintf(out, "%s--%s", gap, info->name);
+        gap = between;
+        if (info->letter) fprintf(out, "%s-%c", gap, info->letter);
+    }
+}
+
+/* What follows `before`, where that is an option that takes a value. */
+static void print_values(FILE *out, OptionSet options)
+{
+    char kinds[256];
+    fputs("        case $before in\n", out);
+    for (int k = 0; k < OPTION_COUNT; k++) {
+        const OptionInfo *info = &option_table[k];
+        if (!(options & OPTION(k)) || !info->value) continue;
+        completion_kinds(info->value, kinds, sizeof kinds);
+        fprintf(out, "        --%s", info->name);
+        if (info->letter) fprintf(out, " | -%c", info->letter);
+        fprintf(out, ") value=1 words='%s' ;;\n", kinds);
+    }
+    fputs("        esac\n        ;;\n", out);
+}
+
+static void print_bash(FILE *out)
+{
+    char kinds[256];
+    fputs(bash_begin, out);
+    fputs("        ", out);
+    print_names(out, OPTIONS_GLOBAL, " | ", true);
+    fputs(")\n"
+          "            if [ \"${COMP_WORDS[k + 1]-}\" = = ]; then ((k++)); fi\n"
+          "            ((k++))\n"
+          "            ;;\n"
+          "        -*) ;;\n"
+          "        *)\n"
+          "            command=${COMP_WORDS[k]}\n"
+          "            break\n"
+          "            ;;\n"
+          "        esac\n"
+          "    done\n"
+          "    case $command in\n"
+          "    '')\n"
+          "        options='",
+          out);
+    print_names(out, OPTIONS_GLOBAL, " ", false);
+    fputs("' words=@commands\n", out);
+    print_values(out, OPTIONS_GLOBAL);
+    for (const Command *command = command_table; command->name; command++) {
+        completion_kinds(command->arguments, kinds, sizeof kinds);
+        fprintf(out, "    %s)\n        options='", command->name);
+        print_names(out, command_options(command), " ", false);
+        fprintf(out, "' words='%s'\n", kinds);
+        print_values(out, command_options(command));
+    }
+    fputs("    esac\n"
+          "    if [ -z \"$value\" ]; then case $current in -*) words=$options ;; esac; fi\n"
+          "    # shellcheck disable=SC2086 # words\n"
+          "    _meniscus_offer \"$current\" $words\n"
+          "}\n"
+          "complete -F _meniscus meniscus\n",
+          out);
+}
+
+/* --- zsh ------------------------------------------------------------------------------------------------------------------ */
+
+static const char zsh_begin[] =
+    "#compdef meniscus\n"
+    "# Completion of meniscus for zsh, written by `meniscus completion zsh`.\n"
+    "_meniscus_offer()\n"
+    "{\n"
+    "    local kind\n"
+    "    local -a found\n"
+    "    for kind; do\n"
+    "        case $kind in\n"
+    "        @files) _files ;;\n"
+    "        @directories) _files -/ ;;\n"
+    "        @assignments)\n"
+    "            found=(${(f)\"$(_call_program names meniscus completion parameters 2>/dev/null)\"})\n"
+    "            compadd -q -S = -a found\n"
+    "            ;;\n"
+    "        @*)\n"
+    "            found=(${(f)\"$(_call_program names meniscus completion ${kind#@} 2>/dev/null)\"})\n"
+    "            compadd -a found\n"
+    "            ;;\n"
+    "        *=) compadd -S '' -- $kind ;;\n"
+    "        *) compadd -- $kind ;;\n"
+    "        esac\n"
+    "    done\n"
+    "}\n"
+    "\n"
+    "_meniscus()\n"
+    "{\n"
+    "    local curcontext=$curcontext state line\n"
+    "    local -a commands\n"
+    "    local -A opt_args\n"
+    "    commands=(\n";
+
+/* Within single quotes, for _arguments and _describe. */
+static void print_quoted(FILE *out, const char *text)
+{
+    for (; *text; text++) {
+        if (*text == '\'') fputs("'\\'", out);
+        else if (strchr("[]:$`\\", *text)) putc('\\', out);
+        putc(*text, out);
+    }
+}
+
+static void print_spec(FILE *out, const OptionInfo *info, bool letter)
+{
+    char kinds[256];
+    if (letter) fprintf(out, "            '*-%c%s[", info->letter, info->value ? "+" : "");
+    else fprintf(out, "            '*--%s%s[", info->name, info->value ? "=" : "");
+    print_quoted(out, info->help);
+    putc(']', out);
+    if (info->value) {
+        completion_kinds(info->value, kinds, sizeof kinds);
+        putc(':', out);
+        print_quoted(out, info->value);
+        if (*kinds) fprintf(out, ": _meniscus_offer %s", kinds);
+        else fputs(": ", out);
+    }
+    fputs("' \\\n", out);
+}
+
+static void print_specs(FILE *out, OptionSet options)
+{
+    for (int k = 0; k < OPTION_COUNT; k++) {
+        if (!(options & OPTION(k))) continue;
+        print_spec(out, &option_table[k], false);
+        if (option_table[k].letter) print_spec(out, &option_table[k], true);
+    }
+}
+
+static void print_zsh(FILE *out)
+{
+    char kinds[256];
+    fputs(zsh_begin, out);
+    for (const Command *command = command_table; command->name; command++) {
+        fprintf(out, "        '%s:", command->name);
+        print_quoted(out, command->help);
+        fputs("'\n", out);
+    }
+    fputs("    )\n    _arguments -C \\\n", out);
+    print_specs(out, OPTIONS_GLOBAL);
+    fputs("            '1:command:->command' '*::argument:->argument'\n"
+          "    case $state in\n"
+          "    command) _describe -t commands command commands ;;\n"
+          "    argument)\n"
+          "        case $words[1] in\n",
+          out);
+    for (const Command *command = command_table; command->name; command++) {
+        completion_kinds(command->arguments, kinds, sizeof kinds);
+        fprintf(out, "        %s)\n            _arguments \\\n", command->name);
+        print_specs(out, command_options(command));
+        if (*kinds) fprintf(out, "            '*:word: _meniscus_offer %s'\n            ;;\n", kinds);
+        else fputs("            '*:word: '\n            ;;\n", out);
+    }
+    fputs("        esac\n        ;;\n    esac\n}\n\nif [ \"$funcstack[1]\" = _meniscus ]; then _meniscus \"$@\"; else "
+          "compdef "
+          "_meniscus meniscus; fi\n",
+          out);
+}
+
+/* --- names that are not in the tables ------------------------------------------------------------------------------------- */
+
+static void tell_case(void *arg, const char *name, const char *folder)
+{
+    (void)folder;
+    fprintf(arg, "%s\n", name);
+}
+
+static void print_cases(FILE *out)
+{
+    case_list(tell_case, out);
+}
+
+static bool tell_daemon(void *arg, const char *name, const char *endpoint)
+{
+    (void)endpoint;
+    fprintf(arg, "%s\n", name);
+    return true;
+}
+
+static void print_daemons(FILE *out)
+{
+    mns_daemon_list(tell_daemon, out);
+}
+
+static void print_commands(FILE *out)
+{
+    for (const Command *command = command_table; command->name; command++) fprintf(out, "%s\n", command->name);
+}
+
+static void print_parameters(FILE *out)
+{
+    size_t n;
+    const CaseParameter *parameters = case_parameters(&n);
+    for (size_t k = 0; k < n; k++) fprintf(out, "%s\n", parameters[k].path);
+}
+
+static const struct {
+    const char *name;
+    void (*print)(FILE *out);
+} texts[] = {{"bash", print_bash},   {"zsh", print_zsh},         {"commands", print_commands},
+             {"cases", print_cases}, {"daemons", print_daemons}, {"parameters", print_parameters}};
+
+MnsStatus command_completion(Invocation *in, MnsError *error)
+{
+    const char *word = in->options.words[0];
+    char *text = NULL;
+    size_t size, k = 0;
+    while (k < sizeof texts / sizeof *texts && strcmp(texts[k].name, word) != 0) k++;
+    if (k == sizeof texts / sizeof *texts)
+        return command_usage(in,
+                             mns_fail(error, MNS_E_INVALID,
+                                      "completion bash or completion zsh; for their scripts commands, cases, daemons "
+                                      "or parameters; found \"%.80s\"",
+                                      word));
+    FILE *out = open_memstream(&text, &size);
+    if (out) texts[k].print(out);
+    bool whole = out && !ferror(out);
+    if (out && fclose(out)) whole = false;
+    MnsStatus status = whole ? MNS_OK : mns_fail(error, MNS_E_MEMORY, "no memory for the completion");
+    if (whole && in->json) status = output_json(json_pack("{ss ss}", "of", word, "text", text), error);
+    else if (whole) fputs(text, stdout);
+    free(text);
+    return status;
+}

@@ -1,0 +1,115 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Completion: a shell offers what the tables have, and what is there."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from daemon import BUILD, ROOT  # noqa: E402
+
+CASES = ROOT / "server" / "cases"
+SPLIT = r"""
+. "$1"
+COMP_WORDS=("${@:2}") COMP_CWORD=$(($# - 2))
+_meniscus
+printf '%s\n' "${COMPREPLY[@]}"
+"""
+
+
+class Completion(unittest.TestCase):
+    script: Path
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        scratch = tempfile.TemporaryDirectory(prefix="mns-")
+        cls.addClassCleanup(scratch.cleanup)
+        cls.script = Path(scratch.name) / "meniscus.bash"
+        with open(cls.script, "w") as file:
+            subprocess.run([BUILD / "meniscus", "completion", "bash"], stdout=file, check=True, timeout=20)
+
+    def setUp(self) -> None:
+        scratch = tempfile.TemporaryDirectory(prefix="mns-")
+        self.addCleanup(scratch.cleanup)
+        self.home = Path(scratch.name)
+        self.environment = os.environ | {"MENISCUS_CASES": str(CASES), "XDG_RUNTIME_DIR": scratch.name}
+
+    def meniscus(self, *words: str, code: int = 0) -> str:
+        done = subprocess.run([BUILD / "meniscus", *words], env=self.environment, capture_output=True, text=True, timeout=20)
+        self.assertEqual(done.returncode, code, done.stderr)
+        return done.stdout
+
+    def offers(self, *words: str) -> set[str]:
+        """What bash offers for the last word, of words as bash takes them apart."""
+        done = subprocess.run(
+            ["bash", "-c", SPLIT, "bash", self.script, BUILD / "meniscus", *words], env=self.environment, cwd=self.home,
+            capture_output=True, text=True, timeout=20,
+        )  # fmt: skip
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        return set(done.stdout.split())
+
+    def test_commands_are_those_of_the_table(self) -> None:
+        commands = {c["name"] for c in json.loads(self.meniscus("help", "-o", "json"))["commands"]}
+        self.assertEqual(self.offers(""), commands)
+        self.assertEqual(self.offers("run-"), {"run-until"})
+        self.assertEqual(self.offers("help", "doc"), {"doctor"})
+        self.assertEqual(self.offers("--timeout", "5", "-o", "json", "watc"), {"watch"})
+
+    def test_each_command_has_its_options(self) -> None:
+        tables = json.loads(self.meniscus("help", "-o", "json"))
+        for command in tables["commands"]:
+            given = {o for o in self.offers(command["name"], "-") if o.startswith("--")}
+            expected = {f"--{option['name']}" for option in command["options"]}
+            self.assertTrue(expected <= given and {"--output", "--help"} <= given, command["name"])
+        self.assertNotIn("--walls", self.offers("load", "--"))
+
+    def test_values_are_offered_where_they_are_known(self) -> None:
+        self.assertEqual(self.offers("run", "dambreak2"), {"dambreak2d", "dambreak2d-interfacial", "dambreak2d-interfacial-square"})
+        self.assertEqual(self.offers("status", "-o", ""), {"text", "json"})
+        self.assertEqual(self.offers("status", "--output", "=", "j"), {"json"})
+        self.assertEqual(self.offers("keys", "new", "ada", "--role", "o"), {"operator"})
+        self.assertEqual(self.offers("keys", ""), {"new", "list", "remove"})
+        self.assertEqual(self.offers("lease", ""), {"take", "renew", "release"})
+        self.assertEqual(self.offers("query", ""), {"probes", "at", "box"})
+        self.assertEqual(self.offers("wait", "--for", ""), {"state=", "time=", "step="})
+        self.assertEqual(self.offers("set", "scheme.c"), {"scheme.cfl="})
+        self.assertEqual(self.offers("load", "x", "--set", "grav"), {"gravity="})
+        self.assertEqual(self.offers("set", "gravity", "=", ""), set())
+        self.assertEqual(self.offers("get", "end_"), {"end_time"})
+        self.assertEqual(self.offers("watch", "--timeout", ""), set())
+
+    def test_files_directories_and_daemons_are_offered_where_they_are_meant(self) -> None:
+        (self.home / "a directory").mkdir()
+        (self.home / "dam.yaml").touch()
+        (self.home / "meniscus" / "lab").mkdir(parents=True)
+        (self.home / "meniscus" / "lab" / "control.ipc").touch()
+        self.assertEqual(self.offers("load", "dam.y"), {"dam.yaml"})
+        self.assertEqual(self.offers("log", "a"), {"a", "directory"})
+        self.assertEqual(self.offers("log", "d"), set())
+        self.assertEqual(self.offers("-d", "la"), {"lab"})
+
+    def test_both_scripts_parse_and_name_every_command(self) -> None:
+        commands = json.loads(self.meniscus("help", "-o", "json"))["commands"]
+        for shell in ("bash", "zsh"):
+            script = self.meniscus("completion", shell)
+            self.assertEqual(script, json.loads(self.meniscus("completion", shell, "-o", "json"))["text"])
+            for command in commands:
+                self.assertRegex(script, rf"(?m)^ *{command['name']}\)$")
+            if shutil.which(shell):
+                subprocess.run([shell, "-n"], input=script, text=True, check=True, timeout=20)
+        self.assertEqual(set(self.meniscus("completion", "cases").split()), {p.stem for p in CASES.glob("*.yaml")})
+        self.meniscus("completion", "fish", code=2)
+
+    def test_the_bash_script_is_clean(self) -> None:
+        done = subprocess.run(["shellcheck", "-s", "bash", self.script], capture_output=True, text=True, timeout=20)
+        self.assertEqual(done.returncode, 0, done.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()
