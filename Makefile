@@ -67,10 +67,11 @@ WEB       := client/dashboard/web
 UNIT      := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/unit tests/protocol))
 FUZZ      := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/fuzz))
 BENCH     := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/bench))
+MANUALS   := $(addprefix $(BUILD)/man/,meniscus.1 meniscusd.8 meniscus-case.5)
 SUPPORT   := $(call objects,$(call sources,tests/support))
 
 .PHONY: all help packages demo dashboard check validate compare bench reference install uninstall clean lint format asan tsan fuzz
-all: $(BUILD)/meniscusd $(BUILD)/meniscus $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-client.a $(BUILD)/libmeniscus-client.so $(BUILD)/case-reference.md $(BUILD)/python/meniscus/meniscus_pb2.py ## build everything
+all: $(BUILD)/meniscusd $(BUILD)/meniscus $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-client.a $(BUILD)/libmeniscus-client.so $(BUILD)/case-reference.md $(BUILD)/python/meniscus/meniscus_pb2.py $(if $(SANITIZE),,$(MANUALS)) ## build everything
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z][a-z-]*:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' Makefile
@@ -219,6 +220,10 @@ $(BUILD)/gen/case_schema.c $(BUILD)/gen/sim/case_bounds.h $(BUILD)/case-referenc
 	@mkdir -p $(BUILD)/gen/sim
 	$(call say,GEN,$(BUILD)/gen/case_schema.c)protoc -Iproto --include_source_info --descriptor_set_out=$(BUILD)/gen/case.desc proto/case.proto \
 	    && $(PYTHON) proto/schema.py $(BUILD)/gen/case.desc $(BUILD)/gen/case_schema.c $(BUILD)/gen/sim/case_bounds.h $(BUILD)/case-reference.md
+# Manual pages are what the programs say of themselves.
+$(MANUALS) &: client/cli/manual.py client/README.md $(BUILD)/meniscus $(BUILD)/meniscusd $(BUILD)/case-reference.md
+	@mkdir -p $(BUILD)/man
+	$(call say,GEN,$(BUILD)/man)$(PYTHON) client/cli/manual.py $(BUILD) $(BUILD)/man
 # The Python client with its generated modules, for PYTHONPATH=$(BUILD)/python; client/python/setup.py does the same for pip.
 PY_FILES := $(wildcard client/python/src/meniscus/*.py) client/python/src/meniscus/py.typed
 $(BUILD)/python/meniscus/meniscus_pb2.py: client/python/generate.py $(PY_FILES) $(wildcard proto/*.proto) | $(BUILD)/stamp/flags

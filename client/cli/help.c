@@ -27,14 +27,31 @@ static const struct {
     {MNS_EXIT_TIMEOUT, 0, true, "timed out"},
 };
 
+/* What the program is for, and what to type first. */
+static const char about[] =
+    "Compute flows of several fluids with particles, and steer, watch and question them while they run.";
+static const char beginning[] =
+    "To begin with, a dam break to its end, with its files in ./dam:\n"
+    "    meniscus run dambreak2d --set resolution=20 --out dam\n"
+    "or in a daemon, which takes commands while it computes:\n"
+    "    meniscusd --state-dir runs &\n"
+    "    meniscus load dambreak2d --start\n"
+    "    meniscus watch                                      Ctrl-C ends the watching, not the run\n"
+    "    meniscus render --field pressure --out dam.png\n"
+    "    meniscus shutdown";
+
+/* Whether a command may end with row k of the table; NULL: any command. */
+static bool may_exit(size_t k, const Command *command)
+{
+    const bool of_daemon = !exit_table[k].of_daemon || !command || !command->is_alone;
+    return of_daemon && (!exit_table[k].exits || !command || command->exits & exit_table[k].exits);
+}
+
 static void print_exits(const Command *command)
 {
     puts("\nExit codes:");
-    for (size_t k = 0; k < sizeof exit_table / sizeof *exit_table; k++) {
-        const bool of_daemon = !exit_table[k].of_daemon || !command || !command->is_alone;
-        const bool of_this = !exit_table[k].exits || !command || command->exits & exit_table[k].exits;
-        if (of_daemon && of_this) printf("  %-4d %s\n", exit_table[k].code, exit_table[k].meaning);
-    }
+    for (size_t k = 0; k < sizeof exit_table / sizeof *exit_table; k++)
+        if (may_exit(k, command)) printf("  %-4d %s\n", exit_table[k].code, exit_table[k].meaning);
 }
 
 static void print_options(OptionSet options)
@@ -51,16 +68,7 @@ static void print_options(OptionSet options)
 
 static void print_all(void)
 {
-    puts("Usage: meniscus COMMAND [OPTION]... [WORD]...\n"
-         "Compute flows of several fluids with particles, and steer, watch and question them while they run.\n\n"
-         "To begin with, a dam break to its end, with its files in ./dam:\n"
-         "    meniscus run dambreak2d --set resolution=20 --out dam\n"
-         "or in a daemon, which takes commands while it computes:\n"
-         "    meniscusd --state-dir runs &\n"
-         "    meniscus load dambreak2d --start\n"
-         "    meniscus watch                                      Ctrl-C ends the watching, not the run\n"
-         "    meniscus render --field pressure --out dam.png\n"
-         "    meniscus shutdown");
+    printf("Usage: meniscus COMMAND [OPTION]... [WORD]...\n%s\n\n%s\n", about, beginning);
     for (const Command *command = command_table; command->name; command++) {
         if (command->group) printf("\n%s:\n", command->group);
         printf("  %-13s %s\n", command->name, command->help);
@@ -117,8 +125,20 @@ static json_t *options_json(OptionSet options)
     json_t *list = json_array();
     for (int k = 0; k < OPTION_COUNT; k++)
         if (options & OPTION(k))
-            json_array_append_new(list, json_pack("{ss ss? ss}", "name", option_table[k].name, "value",
-                                                  option_table[k].value, "help", option_table[k].help));
+            json_array_append_new(
+                list, json_pack("{ss so ss? ss}", "name", option_table[k].name, "letter",
+                                option_table[k].letter ? json_stringn(&option_table[k].letter, 1) : json_null(),
+                                "value", option_table[k].value, "help", option_table[k].help));
+    return list;
+}
+
+static json_t *exits_json(const Command *command)
+{
+    json_t *list = json_array();
+    for (size_t k = 0; k < sizeof exit_table / sizeof *exit_table; k++)
+        if (may_exit(k, command))
+            json_array_append_new(
+                list, json_pack("{si ss}", "code", (int)exit_table[k].code, "meaning", exit_table[k].meaning));
     return list;
 }
 
@@ -126,10 +146,12 @@ json_t *help_json(void)
 {
     json_t *list = json_array();
     for (const Command *command = command_table; command->name; command++)
-        json_array_append_new(list, json_pack("{ss ss? ss ss? ss? so}", "name", command->name, "arguments",
-                                              command->arguments, "help", command->help, "details", command->details,
-                                              "request", command->request, "options", options_json(command->options)));
-    return json_pack("{so so}", "commands", list, "options", options_json(OPTIONS_GLOBAL));
+        json_array_append_new(list, json_pack("{ss ss? ss? ss ss? ss? so so}", "name", command->name, "group",
+                                              command->group, "arguments", command->arguments, "help", command->help,
+                                              "details", command->details, "request", command->request, "options",
+                                              options_json(command->options), "exit_codes", exits_json(command)));
+    return json_pack("{ss ss ss so so so}", "version", MENISCUS_VERSION, "about", about, "beginning", beginning,
+                     "commands", list, "options", options_json(OPTIONS_GLOBAL), "exit_codes", exits_json(NULL));
 }
 
 MnsStatus command_help(Invocation *in, MnsError *error)

@@ -25,6 +25,7 @@ cppcheck shellcheck g++ git procps
 systemd util-linux valgrind prometheus
 paraview python3-paraview xvfb xauth
 python3-scipy
+man-db
 '
 validate='
 python3-scipy

@@ -54,6 +54,9 @@ expect "the Python client can be imported" env PYTHONPATH="$root/opt/lib/python3
     /usr/bin/python3 -c "import meniscus"
 expect "bash finds its completion" bash -n "$root/opt/share/bash-completion/completions/meniscus"
 expect "zsh finds its completion" grep -q '^#compdef meniscus$' "$root/opt/share/zsh/site-functions/_meniscus"
+# shellcheck disable=SC2016 # the inner shell expands
+expect "man finds the manual pages" sh -c 'for page in meniscus meniscusd meniscus-case; do man -M "$1" -w "$page" || exit 1; done' \
+    sh "$root/opt/share/man"
 expect "the cases are there" test -f "$root/opt/share/meniscus/cases/dambreak2d.yaml"
 expect "the unit names the installed daemon" grep -q '^ExecStart=/opt/bin/meniscusd ' "$root/opt/lib/systemd/system/meniscusd@.service"
 
