@@ -122,6 +122,15 @@ const Command command_table[] = {
      .max_words = 1,
      .run = command_help},
     {.group = "Begin and end", .name = "ls", .help = "list the daemons of this host", .run = command_ls},
+    {.name = "top",
+     .help = "show the daemons of this host, and what they do, each second",
+     .details =
+         "State, case, share of the end time, speed, time to go, clients besides this one, memory and faults, until "
+         "Ctrl-C. With -o json one object each second, or with --once a single one. Colours only on terminals, "
+         "and not if NO_COLOR is set.",
+     .options = OPTION(OPT_ONCE),
+     .is_alone = true,
+     .run = command_top},
     {.name = "load",
      .arguments = "CASE",
      .help = "load a case, by name or file",

@@ -92,6 +92,7 @@ MnsStatus command_ls(Invocation *in, MnsError *error);
 MnsStatus command_completion(Invocation *in, MnsError *error);
 MnsStatus command_doctor(Invocation *in, MnsError *error);
 MnsStatus command_init(Invocation *in, MnsError *error);
+MnsStatus command_top(Invocation *in, MnsError *error);
 MnsStatus command_keys(Invocation *in, MnsError *error);
 MnsStatus command_help(Invocation *in, MnsError *error);
 MnsStatus command_render(Invocation *in, MnsError *error);

@@ -54,6 +54,7 @@ typedef enum OptionId {
     OPT_KEYS,
     OPT_FROM,
     OPT_STATE_DIR,
+    OPT_ONCE,
     OPTION_COUNT
 } OptionId;
 

@@ -464,7 +464,7 @@ class WithoutDaemon(unittest.TestCase):
         self.assertEqual(commands["run-until"]["request"], "run_until")
         names = (
             "load start pause resume step run-until stop reset set get query watch snapshot checkpoint restore wait "
-            "status ls schemes render run log replay rollback lease init doctor completion"
+            "status ls schemes render run log replay rollback lease init doctor completion top"
         )
         for name in names.split():
             self.assertIn(name, commands)
@@ -476,7 +476,7 @@ class WithoutDaemon(unittest.TestCase):
             self.assertIn(f"  {name} ", overview)
             for option in command["options"]:
                 self.assertIn(f"--{option['name']}", text)
-            self.assertEqual("69 " in text, name not in ("init", "doctor", "completion", "run", "help", "schemes", "keys", "log", "replay"), "who talks to a daemon says so")
+            self.assertEqual("69 " in text, name not in ("init", "doctor", "completion", "top", "run", "help", "schemes", "keys", "log", "replay"), "who talks to a daemon says so")
 
     def test_the_overview_tells_a_beginner_what_to_type(self) -> None:
         overview = self.run_cli("help").stdout

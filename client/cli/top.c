@@ -1,0 +1,186 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* meniscus top: the daemons of this machine in a table that is made anew each second. */
+#include "client/cli/command.h"
+#include "client/cli/listener.h"
+#include "client/cli/output.h"
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <time.h>
+#include <unistd.h>
+
+static const long every_s = 1;
+
+/* --- what there is -------------------------------------------------------------------------------------------------------- */
+
+/* A daemon that does not answer has no `info`. */
+static json_t *describe(const char *name, const char *endpoint, const MnsRunInfo *info)
+{
+    static const MnsRunInfo silent = {.state = MNS_STATE_EMPTY, .case_name = "", .fault = ""};
+    const bool alive = info != NULL;
+    const MnsRunInfo *at = alive ? info : &silent;
+    const bool loaded = at->state != MNS_STATE_EMPTY;
+    const long visitors = listener_visitors(endpoint);
+    json_t *row = json_pack("{ss ss sb ss? ss? ss?}", "name", name, "endpoint", endpoint, "alive", alive, "state",
+                            alive ? mns_state_name(at->state) : NULL, "case", loaded ? at->case_name : NULL, "fault",
+                            *at->fault ? at->fault : NULL);
+    json_object_set_new(row, "time", output_number(loaded ? at->time : (double)NAN));
+    json_object_set_new(row, "end_time", output_number(loaded ? at->end_time : (double)NAN));
+    json_object_set_new(row, "step", loaded ? json_integer((json_int_t)at->step) : json_null());
+    json_object_set_new(row, "steps_per_second", output_number(loaded ? at->steps_per_second : (double)NAN));
+    json_object_set_new(row, "eta_s", output_number(loaded ? at->eta_s : (double)NAN));
+    json_object_set_new(row, "memory_bytes", alive ? json_integer((json_int_t)at->memory_bytes) : json_null());
+    /* without us, who are there at this moment */
+    json_object_set_new(row, "clients", alive && visitors > 0 ? json_integer(visitors - 1) : json_null());
+    return row;
+}
+
+static bool visit(void *arg, const char *name, const char *endpoint)
+{
+    MnsClient *client = NULL;
+    MnsReply *reply = NULL;
+    if (!listener_is_gone(endpoint) && mns_client_open(endpoint, &client, NULL) == MNS_OK) {
+        mns_client_set_timeout(client, 1);
+        if (mns_client_status(client, &reply, NULL) != MNS_OK) reply = NULL;
+    }
+    json_array_append_new(arg, describe(name, endpoint, reply ? reply->info : NULL));
+    mns_reply_free(reply);
+    mns_client_close(client);
+    return true;
+}
+
+static json_t *look(void)
+{
+    json_t *daemons = json_array();
+    if (daemons) mns_daemon_list(visit, daemons);
+    return daemons;
+}
+
+/* --- the table ------------------------------------------------------------------------------------------------------------ */
+
+typedef struct Table {
+    bool is_terminal, has_colour;
+    int width; /* no line of a terminal may be wider, as it would be two */
+    int drawn; /* lines that are ours */
+} Table;
+
+static double number(const json_t *row, const char *name)
+{
+    const json_t *value = json_object_get(row, name);
+    return json_is_number(value) ? json_number_value(value) : (double)NAN;
+}
+
+static const char *text(const json_t *row, const char *name, const char *otherwise)
+{
+    const char *value = json_string_value(json_object_get(row, name));
+    return value ? value : otherwise;
+}
+
+/* A number, or a dash where it is not known. */
+static const char *cell(char ret[static 32], double value, const char *unit)
+{
+    if (!isfinite(value)) return strcpy(ret, "-");
+    if (fabs(value) < 10) snprintf(ret, 32, "%.3g%s", value, unit);
+    else snprintf(ret, 32, "%.0f%s", fmin(value, 1e15), unit);
+    return ret;
+}
+
+static const char *duration(char ret[static 32], double s)
+{
+    if (!isfinite(s) || s < 0 || s > 1e8) return strcpy(ret, "-");
+    const unsigned long whole = (unsigned long)(s + 0.5);
+    if (whole >= 3600) snprintf(ret, 32, "%lu:%02lu:%02lu", whole / 3600, whole / 60 % 60, whole % 60);
+    else snprintf(ret, 32, "%lu:%02lu", whole / 60, whole % 60);
+    return ret;
+}
+
+static const char *colour_of(const char *state)
+{
+    static const struct {
+        const char *state, *colour;
+    } colours[] = {{"RUNNING", "\033[32m"}, {"FAULT", "\033[31m"}, {"dead", "\033[31m"}, {"PAUSED", "\033[33m"}};
+    for (size_t k = 0; k < sizeof colours / sizeof *colours; k++)
+        if (strcmp(colours[k].state, state) == 0) return colours[k].colour;
+    return "";
+}
+
+static void print_line(const Table *table, const char *colour, const char *line)
+{
+    if (!table->is_terminal) puts(line);
+    else
+        printf("%s%.*s%s\033[K\n", table->has_colour ? colour : "", table->width, line,
+               table->has_colour && *colour ? "\033[0m" : "");
+}
+
+static void print_row(const Table *table, const json_t *row)
+{
+    char done[32], speed[32], eta[32], clients[32], memory[32], line[900];
+    const char *state = text(row, "state", "dead");
+    snprintf(line, sizeof line, "%-16.60s %-10s %-20.60s %6s %8s %9s %7s %9s  %.500s", text(row, "name", ""), state,
+             text(row, "case", "-"), cell(done, 100 * number(row, "time") / number(row, "end_time"), "%"),
+             cell(speed, number(row, "steps_per_second"), ""), duration(eta, number(row, "eta_s")),
+             cell(clients, number(row, "clients"), ""), cell(memory, number(row, "memory_bytes") / (1 << 20), " MiB"),
+             text(row, "fault", ""));
+    print_line(table, colour_of(state), line);
+}
+
+static void draw(Table *table, const json_t *daemons)
+{
+    char line[160];
+    struct winsize size;
+    const size_t n = json_array_size(daemons);
+    const int before = table->drawn;
+    table->width =
+        table->is_terminal && !ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) && size.ws_col >= 20 ? size.ws_col - 1 : 80;
+    if (before) printf("\033[%dA\r", before);
+    snprintf(line, sizeof line, "%-16s %-10s %-20s %6s %8s %9s %7s %9s  %s", "NAME", "STATE", "CASE", "DONE", "STEPS/S",
+             "ETA", "CLIENTS", "MEMORY", "FAULT");
+    print_line(table, "\033[1m", n ? line : "no daemon on this host; start one with `meniscusd`");
+    for (size_t k = 0; k < n; k++) print_row(table, json_array_get(daemons, k));
+    if (table->is_terminal) fputs("\033[J", stdout);
+    table->drawn = (int)n + 1;
+    fflush(stdout);
+}
+
+static MnsStatus show(const Invocation *in, Table *table, MnsError *error)
+{
+    json_t *daemons = look();
+    if (in->json) return output_json(json_pack("{so}", "daemons", daemons), error);
+    draw(table, daemons);
+    json_decref(daemons);
+    return MNS_OK;
+}
+
+/* Until a signal comes, which takes effect when the table is whole. */
+static MnsStatus repeat(const Invocation *in, Table *table, MnsError *error)
+{
+    const struct timespec pause = {.tv_sec = every_s};
+    sigset_t signals;
+    int signal = -1;
+    MnsStatus status = MNS_OK;
+    sigemptyset(&signals);
+    sigaddset(&signals, SIGINT);
+    sigaddset(&signals, SIGTERM);
+    sigaddset(&signals, SIGHUP);
+    sigprocmask(SIG_BLOCK, &signals, NULL);
+    while (!status && signal <= 0) {
+        status = show(in, table, error);
+        if (!status) signal = sigtimedwait(&signals, NULL, &pause);
+    }
+    sigprocmask(SIG_UNBLOCK, &signals, NULL);
+    if (signal > 0) raise(signal);
+    return status;
+}
+
+MnsStatus command_top(Invocation *in, MnsError *error)
+{
+    const char *none = getenv("NO_COLOR"), *kind = getenv("TERM");
+    Table table = {.is_terminal = isatty(STDOUT_FILENO)};
+    const bool once = options_get(&in->options, OPT_ONCE) || !(table.is_terminal || in->json);
+    table.is_terminal = table.is_terminal && !once;
+    table.has_colour = !(none && *none) && kind && strcmp(kind, "dumb") != 0;
+    return once ? show(in, &table, error) : repeat(in, &table, error);
+}

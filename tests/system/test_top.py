@@ -1,0 +1,91 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""meniscus top: what daemons do, for people on a terminal and for scripts."""
+
+import json
+import os
+import pty
+import signal
+import socket
+import subprocess
+import sys
+import time
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from daemon import BUILD, SMALL, DaemonTest  # noqa: E402
+
+KEYS = set(
+    "name endpoint alive state case fault time end_time step steps_per_second eta_s memory_bytes clients".split()
+)
+
+
+class Top(DaemonTest):
+    def daemons(self) -> dict:
+        rows = self.ask("top", "--once")["daemons"]
+        for row in rows:
+            self.assertEqual(set(row), KEYS)
+        return {row["name"]: row for row in rows}
+
+    def test_a_daemon_tells_what_it_does(self) -> None:
+        empty = self.daemons()["default"]
+        self.assertEqual((empty["state"], empty["case"], empty["clients"]), ("EMPTY", None, 0))
+        self.meniscus("load", *SMALL, "--start")
+        self.meniscus("wait", "--for", "step=20")
+        running = self.daemons()["default"]
+        self.assertEqual((running["state"], running["case"]), ("RUNNING", "dambreak2d"))
+        self.assertGreater(running["steps_per_second"], 0)
+        self.assertGreater(running["memory_bytes"], 1 << 20)
+
+    def test_clients_are_counted_and_a_fault_is_shown(self) -> None:
+        self.meniscus("load", *SMALL, "--set", "limits.density_max=1.0000001")
+        waiting = subprocess.Popen([BUILD / "meniscus", "wait"], env=self.environment, stderr=subprocess.PIPE)
+        until = time.monotonic() + 20
+        while self.daemons()["default"]["clients"] != 1 and time.monotonic() < until:
+            time.sleep(0.05)
+        self.assertEqual(self.daemons()["default"]["clients"], 1)
+        self.meniscus("start")
+        self.assertEqual(waiting.wait(timeout=30), 70)
+        waiting.communicate()
+        self.assertTrue(self.daemons()["default"]["fault"])
+        self.assertRegex(self.meniscus("top").stdout, "(?m)^default +FAULT +dambreak2d ")
+
+    def test_without_a_terminal_it_is_one_plain_table(self) -> None:
+        place = self.home / "run" / "meniscus" / "gone"
+        place.mkdir(mode=0o700)
+        with socket.socket(socket.AF_UNIX) as listener:
+            listener.bind(str(place / "control.ipc"))
+        self.addCleanup((place / "control.ipc").unlink)
+        lines = self.meniscus("top").stdout.splitlines()
+        self.assertEqual(lines[0].split(), "NAME STATE CASE DONE STEPS/S ETA CLIENTS MEMORY FAULT".split())
+        self.assertEqual({tuple(line.split()[:2]) for line in lines[1:]}, {("default", "EMPTY"), ("gone", "dead")})
+        self.assertNotIn("\033", "".join(lines))
+
+    def test_on_a_terminal_it_is_made_anew_until_it_is_interrupted(self) -> None:
+        ours, theirs = pty.openpty()
+        self.addCleanup(os.close, ours)
+        environment = self.environment | {"TERM": "xterm"}
+        top = subprocess.Popen([BUILD / "meniscus", "top"], env=environment, stdout=theirs)
+        os.close(theirs)
+        shown = b""
+        while shown.count(b"STEPS/S") < 2:
+            shown += os.read(ours, 4096)
+        top.send_signal(signal.SIGINT)
+        self.assertEqual(top.wait(timeout=10), -signal.SIGINT)
+        self.assertIn(b"\033[1m", shown)
+        self.assertIn(b"\033[2A", shown)
+
+    def test_scripts_get_an_object_each_second(self) -> None:
+        words = [BUILD / "meniscus", "top", "-o", "json"]
+        top = subprocess.Popen(words, env=self.environment, stdout=subprocess.PIPE, text=True)
+        assert top.stdout
+        for _ in range(2):
+            self.assertEqual(json.loads(top.stdout.readline())["daemons"][0]["name"], "default")
+        top.terminate()
+        self.assertEqual(top.wait(timeout=10), -signal.SIGTERM)
+        top.stdout.close()
+
+
+if __name__ == "__main__":
+    unittest.main()
