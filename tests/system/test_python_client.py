@@ -19,7 +19,7 @@ from daemon import BUILD, ROOT, DaemonTest  # noqa: E402
 
 sys.path.insert(0, str(BUILD / "python"))
 import meniscus  # noqa: E402
-from meniscus import case, connection, errors, meniscus_pb2, values  # noqa: E402
+from meniscus import case, dialogue, errors, meniscus_pb2, values  # noqa: E402
 
 SMALL = {"resolution": 20}
 
@@ -278,18 +278,18 @@ class WithoutDaemon(unittest.TestCase):
 
     def test_a_damaged_array_is_refused(self) -> None:
         frame = np.array([1.0, 2.0]).tobytes()
-        array = meniscus_pb2.Array(name="p", type="<f8", shape=[2], xxh64=connection.xxh64(frame))
-        connection._check(meniscus_pb2.Reply(arrays=[array]), [frame])
+        array = meniscus_pb2.Array(name="p", type="<f8", shape=[2], xxh64=dialogue.xxh64(frame))
+        dialogue.check(meniscus_pb2.Reply(arrays=[array]), [frame])
         with self.assertRaises(meniscus.CorruptError):
-            connection._check(meniscus_pb2.Reply(arrays=[array]), [frame[:-1] + b"\x01"])
+            dialogue.check(meniscus_pb2.Reply(arrays=[array]), [frame[:-1] + b"\x01"])
         with self.assertRaises(meniscus.CorruptError):
-            connection._check(meniscus_pb2.Reply(arrays=[array]), [])
+            dialogue.check(meniscus_pb2.Reply(arrays=[array]), [])
         array.shape[0] = 3
         with self.assertRaises(meniscus.CorruptError):
             values.read_array(array, frame)
 
     def test_the_checksum_is_the_published_one(self) -> None:
-        self.assertEqual(connection.xxh64(b""), 0xEF46DB3751D8E999)
+        self.assertEqual(dialogue.xxh64(b""), 0xEF46DB3751D8E999)
 
     def test_overrides_reach_into_lists_and_new_entries(self) -> None:
         text = case.CaseText("dambreak2d")

@@ -11,12 +11,14 @@
         print(client.query())
 """
 
+from .asynchronous import AsyncClient
 from .client import TOPICS, Client
 from .errors import (CancelledError, CaseError, CorruptError, DeniedError, DivergedError, LeaseError, MeniscusError,
                      RefusedError, StateError, TimedOutError, UnavailableError)
 from .values import Breakpoint, OutputFile, Reply, Status, Telemetry, Timer, Value
 
 __version__ = "0.1.0"
-__all__ = ["Breakpoint", "CancelledError", "CaseError", "Client", "CorruptError", "DeniedError", "DivergedError", "LeaseError",
-           "MeniscusError", "OutputFile", "RefusedError", "Reply", "StateError", "Status", "TOPICS", "Telemetry", "TimedOutError", "Timer",
-           "UnavailableError", "Value"]
+__all__ = ["AsyncClient", "Breakpoint", "CancelledError", "CaseError", "Client", "CorruptError",
+           "DeniedError", "DivergedError", "LeaseError", "MeniscusError", "OutputFile",
+           "RefusedError", "Reply", "StateError", "Status", "TOPICS", "Telemetry", "TimedOutError", "Timer", "UnavailableError",
+           "Value"]

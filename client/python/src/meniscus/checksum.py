@@ -5,10 +5,12 @@ from __future__ import annotations
 
 import ctypes
 import ctypes.util
-from typing import Callable
+from typing import Callable, Union
+
+import numpy as np
 
 
-def _load() -> Callable[[bytes], int]:
+def _load() -> Callable[[Union[bytes, memoryview]], int]:
     try:
         import xxhash
 
@@ -19,8 +21,13 @@ def _load() -> Callable[[bytes], int]:
             raise ImportError("install the Python package xxhash or the system's libxxhash") from None
         function = ctypes.CDLL(name).XXH64
         function.restype = ctypes.c_uint64
-        function.argtypes = [ctypes.c_char_p, ctypes.c_size_t, ctypes.c_uint64]
-        return lambda data: int(function(data, len(data), 0))
+        function.argtypes = [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_uint64]
+
+        def digest(data: Union[bytes, memoryview]) -> int:
+            octets = np.frombuffer(data, dtype=np.uint8)  # whose address can be had without a copy
+            return int(function(octets.ctypes.data, octets.size, 0))
+
+        return digest
 
 
 xxh64 = _load()

@@ -13,6 +13,9 @@ from . import meniscus_pb2 as pb
 from .errors import CorruptError
 
 
+Frame = Union[bytes, memoryview]
+
+
 @dataclass(frozen=True)
 class Value:
     """A number or a text with its unit; None where there is nothing to measure."""
@@ -154,10 +157,11 @@ def _value(message: pb.Value) -> Union[float, str, None]:
     return _given(message, "text")
 
 
-def read_array(array: pb.Array, frame: bytes) -> np.ndarray:
-    """A raw frame as an array that nobody else changes."""
+def read_array(array: pb.Array, frame: Frame) -> np.ndarray:
+    """A raw frame as an array that nobody else changes: the memory into which it was received, where that can be."""
     try:
-        return np.frombuffer(frame, dtype=np.dtype(array.type)).reshape(tuple(array.shape)).copy()
+        received = np.frombuffer(frame, dtype=np.dtype(array.type)).reshape(tuple(array.shape))
+        return received if received.flags.writeable and received.flags.aligned else received.copy()
     except (TypeError, ValueError):
         text = f'array "{array.name}" has {len(frame)} bytes, which do not fit {array.type} {list(array.shape)}'
         raise CorruptError("DATA_LOSS", text) from None
