@@ -15,10 +15,14 @@ from .asynchronous import AsyncClient
 from .client import TOPICS, Client
 from .errors import (CancelledError, CaseError, CorruptError, DeniedError, DivergedError, LeaseError, MeniscusError,
                      RefusedError, StateError, TimedOutError, UnavailableError)
+from .files import Field, ProbeSeries, Snapshot, Snapshots
+from .plot import LivePlot
+from .simulation import Bounds, Parameter, Parameters, Probes, Simulation
 from .values import Breakpoint, OutputFile, Reply, Status, Telemetry, Timer, Value
 
 __version__ = "0.1.0"
-__all__ = ["AsyncClient", "Breakpoint", "CancelledError", "CaseError", "Client", "CorruptError",
-           "DeniedError", "DivergedError", "LeaseError", "MeniscusError", "OutputFile",
-           "RefusedError", "Reply", "StateError", "Status", "TOPICS", "Telemetry", "TimedOutError", "Timer", "UnavailableError",
+__all__ = ["AsyncClient", "Bounds", "Breakpoint", "CancelledError", "CaseError", "Client", "CorruptError",
+           "DeniedError", "DivergedError", "Field", "LeaseError", "LivePlot", "MeniscusError", "OutputFile",
+           "Parameter", "Parameters", "ProbeSeries", "Probes", "RefusedError", "Reply", "Simulation", "Snapshot",
+           "Snapshots", "StateError", "Status", "TOPICS", "Telemetry", "TimedOutError", "Timer", "UnavailableError",
            "Value"]

@@ -9,6 +9,7 @@ from typing import Any, Dict, List, Optional, Tuple, Union
 
 import numpy as np
 
+from . import display
 from . import meniscus_pb2 as pb
 from .errors import CorruptError
 
@@ -97,6 +98,17 @@ class Status:
     lease_s: Optional[float] = None  # for how long yet [s]
     timers: Tuple[Timer, ...] = ()
     breakpoints: Tuple[Breakpoint, ...] = ()
+
+    def _repr_html_(self) -> str:
+        rows: List[Tuple[str, Any]] = [("state", self.state), ("case", self.title or self.case_name)]
+        if self.time is not None:
+            end = f" of {self.end_time:g}" if self.end_time is not None else ""
+            rows.append(("time", f"{self.time:g}{end} s"))
+        rows += [("step", self.step), ("particles", self.particles), ("fault", self.fault), ("lease", self.lease_holder)]
+        if self.eta_s is not None:
+            rows.append(("to the end", f"{self.eta_s:.0f} s"))
+        shown = display.table([row for row in rows if row[1] is not None])
+        return shown + (display.bar(self.time / self.end_time) if self.time is not None and self.end_time else "")
 
 
 @dataclass(frozen=True)

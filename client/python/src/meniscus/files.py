@@ -1,0 +1,276 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The files of a run as numpy arrays: snapshots and the series of its probes. Needs h5py, and no daemon.
+
+Nothing is read before it is asked for. A run that goes on writing disturbs nobody: a file with its final name is whole, and what was
+opened stays as it was until refresh().
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Type, Union
+
+import numpy as np
+
+from .errors import CorruptError
+
+PathLike = Union[str, Path]
+
+
+def _open(path: Path) -> Any:
+    import h5py
+
+    if not path.is_file():
+        raise FileNotFoundError(f"there is no file {path}")
+    try:
+        return h5py.File(path, "r")
+    except OSError as error:
+        raise CorruptError("DATA_LOSS", f"{path} is no whole HDF5 file: {error}") from None
+
+
+def _text(value: Any) -> str:
+    return value.decode() if isinstance(value, bytes) else str(value)
+
+
+class Field:
+    """One field of a snapshot, read when it is indexed or made an array: field[:], field[:100], np.asarray(field)."""
+
+    def __init__(self, dataset: Any, columns: Optional[int] = None) -> None:
+        self._dataset = dataset
+        self._columns = columns
+        self.name: str = dataset.name.rsplit("/", 1)[1]
+        self.unit = _text(dataset.attrs.get("unit", ""))
+        self.meaning = _text(dataset.attrs.get("meaning", ""))
+        self.dtype: np.dtype[Any] = dataset.dtype
+        self.shape: Tuple[int, ...] = dataset.shape[:1] if len(dataset.shape) == 1 else (dataset.shape[0], columns or dataset.shape[1])
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __getitem__(self, rows: Any) -> Any:
+        whole = rows if isinstance(rows, tuple) else (rows,)
+        if len(self.shape) == 2 and len(whole) == 1 and self._columns:
+            return self._dataset[whole[0], : self._columns]
+        return self._dataset[rows]
+
+    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> np.ndarray:
+        return np.asarray(self[:], dtype=dtype)
+
+    def __repr__(self) -> str:
+        return f"<Field {self.name} {list(self.shape)} {self.dtype}, {self.meaning} [{self.unit}]>"
+
+
+class Snapshot(Mapping[str, Field]):
+    """A snapshot: fields by name, and which moment of which run.
+
+        with Snapshot("snapshot-0000000100.hdf") as snapshot:
+            snapshot.time, snapshot.units["pressure"]
+            water = snapshot.select("water")                       # a mask
+            snapshot["pressure"][:][water].max()
+            snapshot.array("position", "pressure")["pressure"]     # structured
+
+    Vectors have as many components as the case has dimensions.
+    """
+
+    def __init__(self, path: PathLike) -> None:
+        self.path = Path(path)
+        self._file = _open(self.path)
+        try:
+            about = self._file["meniscus"]
+            self.time = float(about.attrs["time"])  # simulated [s]
+            self.step = int(about.attrs["step"])
+            self.time_step = float(about.attrs["dt"])  # the last one [s]
+            self.dimensions = int(about.attrs["dim"])
+            self.spacing = float(about.attrs["spacing"])  # of particles at the start [m]
+            self.title = _text(about.attrs["title"])
+            self.case = _text(about.attrs["case"])
+            self.fluids = tuple(_text(name) for name in about["fluids"][:])
+            self.walls = tuple(_text(name) for name in about["walls"][:])
+            self._fields = ["position", *self._file["VTKHDF/PointData"]]
+        except KeyError as error:
+            self.close()
+            raise CorruptError("DATA_LOSS", f"{self.path} is no snapshot of Meniscus: {error}") from None
+
+    def close(self) -> None:
+        """Close the file; arrays that were read stay."""
+        self._file.close()
+
+    def __enter__(self) -> Snapshot:
+        return self
+
+    def __exit__(
+        self, kind: Optional[Type[BaseException]], value: Optional[BaseException], trace: Optional[TracebackType]
+    ) -> None:
+        self.close()
+
+    def __getitem__(self, name: str) -> Field:
+        if name not in self._fields:
+            raise KeyError(f'"{name}" is not in {self.path.name}; there are {", ".join(self._fields)}')
+        dataset = self._file["VTKHDF/Points" if name == "position" else f"VTKHDF/PointData/{name}"]
+        wide = len(dataset.shape) == 2 and dataset.shape[1] == 3
+        field = Field(dataset, self.dimensions if wide else None)
+        field.name = name
+        return field
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._fields)
+
+    def __len__(self) -> int:
+        return len(self._fields)
+
+    @property
+    def particles(self) -> int:
+        """How many there are in it."""
+        return int(self._file["VTKHDF/NumberOfPoints"][0])
+
+    @property
+    def units(self) -> Dict[str, str]:
+        """Of the fields, by name."""
+        return {name: self[name].unit for name in self}
+
+    def select(self, *names: str) -> np.ndarray:
+        """Which particles are of these fluids and walls: a mask [n]."""
+        all_names = self.fluids + self.walls
+        for name in names:
+            if name not in all_names:
+                raise KeyError(f'there is no fluid or wall "{name}"; there are {", ".join(all_names)}')
+        return np.isin(self["phase"][:], [k for k, name in enumerate(all_names) if name in names])
+
+    def array(self, *names: str) -> np.ndarray:
+        """These fields, or all, as a structured array [n]."""
+        fields = [self[name] for name in names or self]
+        table = np.empty(self.particles, dtype=[(f.name, f.dtype, f.shape[1:]) for f in fields])
+        for field in fields:
+            table[field.name] = field[:]
+        return table
+
+    def __repr__(self) -> str:
+        return f"<Snapshot {self.path.name}, step {self.step}, time {self.time:g} s, {self.particles} particles: {', '.join(self)}>"
+
+
+class Snapshots(Sequence[Snapshot]):
+    """The snapshots of a run directory in the order of their steps, each opened when it is asked for."""
+
+    def __init__(self, directory: PathLike) -> None:
+        self.directory = Path(directory)
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Look which there are by now."""
+        self.paths: List[Path] = sorted(self.directory.glob("snapshot-*.hdf"), key=lambda path: int(path.stem.split("-")[1]))
+
+    def __len__(self) -> int:
+        return len(self.paths)
+
+    def __getitem__(self, k: Any) -> Any:
+        return [Snapshot(path) for path in self.paths[k]] if isinstance(k, slice) else Snapshot(self.paths[k])
+
+    def __iter__(self) -> Iterator[Snapshot]:
+        """Each is closed when the next is asked for."""
+        for path in self.paths:
+            with Snapshot(path) as snapshot:
+                yield snapshot
+
+    @property
+    def times(self) -> np.ndarray:
+        """Of all of them [s]."""
+        return np.array([snapshot.time for snapshot in self])
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} snapshots in {self.directory}>"
+
+
+class ProbeSeries(Mapping[str, np.ndarray]):
+    """The probes of a run over time, from its probes.hdf: arrays by name, all of the same length.
+
+        series = ProbeSeries("runs/dambreak2d")
+        series.time, series["front"], series.units["front"]
+        series.array("front", "P05")          # structured, with the fields step and time before those that are named
+
+    Before the run has written anything there are no probes in it. nan: there was nothing to measure.
+    """
+
+    def __init__(self, path: PathLike) -> None:
+        """path: a run directory, or the file."""
+        self.path = Path(path) / "probes.hdf" if Path(path).is_dir() else Path(path)
+        self._file: Any = None
+        self._stamp: Optional[Tuple[int, int, int]] = None
+        self._read: Dict[str, np.ndarray] = {}
+        self.refresh()
+
+    def refresh(self) -> bool:
+        """Take what was written since; was there anything?"""
+        try:
+            about = os.stat(self.path)
+        except FileNotFoundError:
+            return False
+        stamp = (about.st_ino, about.st_mtime_ns, about.st_size)
+        if stamp == self._stamp:
+            return False
+        file = _open(self.path)
+        self.close()
+        self._file, self._stamp, self._read = file, stamp, {}
+        return True
+
+    def close(self) -> None:
+        """Close the file; arrays that were read stay."""
+        if self._file:
+            self._file.close()
+        self._file = None
+
+    def __enter__(self) -> ProbeSeries:
+        return self
+
+    def __exit__(
+        self, kind: Optional[Type[BaseException]], value: Optional[BaseException], trace: Optional[TracebackType]
+    ) -> None:
+        self.close()
+
+    def _column(self, name: str) -> np.ndarray:
+        if name not in self._read:
+            if not self._file:
+                return np.empty(0, dtype=np.uint64 if name == "step" else np.float64)
+            self._read[name] = self._file[name][:]
+        return self._read[name]
+
+    @property
+    def step(self) -> np.ndarray:
+        """Of each row."""
+        return self._column("step")
+
+    @property
+    def time(self) -> np.ndarray:
+        """Of each row, simulated [s]."""
+        return self._column("time")
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name not in self._names():
+            raise KeyError(f'there is no probe "{name}" in {self.path}; there are {", ".join(self) or "none yet"}')
+        return self._column(f"probes/{name}")
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names())
+
+    def __len__(self) -> int:
+        return len(self._names())
+
+    def _names(self) -> List[str]:
+        return list(self._file["probes"]) if self._file else []
+
+    @property
+    def units(self) -> Dict[str, str]:
+        """Of the probes, by name."""
+        return {name: _text(self._file[f"probes/{name}"].attrs["unit"]) for name in self}
+
+    def array(self, *names: str) -> np.ndarray:
+        """Step, time and these probes, or all, as a structured array."""
+        columns = {"step": self.step, "time": self.time, **{name: self[name] for name in names or self}}
+        table = np.empty(len(self.time), dtype=[(name, column.dtype) for name, column in columns.items()])
+        for name, column in columns.items():
+            table[name] = column
+        return table
+
+    def __repr__(self) -> str:
+        return f"<ProbeSeries {self.path}, {len(self.time)} rows: {', '.join(self)}>"

@@ -1,0 +1,179 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Simulation, the readers of a run's files, and how they look in a notebook, against a real daemon."""
+
+import os
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from daemon import BUILD, DaemonTest  # noqa: E402
+
+sys.path.insert(0, str(BUILD / "python"))
+import meniscus  # noqa: E402
+from meniscus import simulation as module  # noqa: E402
+
+SMALL = {"resolution": 10, "end_time": 1}
+
+
+class WithDaemon(DaemonTest):
+    def setUp(self) -> None:
+        os.environ["MENISCUS_CASES"] = self.environment["MENISCUS_CASES"]
+        self.simulation = meniscus.Simulation(f"ipc://{self.home}/run/meniscus/default/control.ipc", timeout=50)
+        self.addCleanup(self.simulation.close)
+        self.simulation.load("dambreak2d", SMALL)
+
+    def test_parameters_are_items_and_attributes(self) -> None:
+        parameters = self.simulation.parameters
+        self.assertEqual((parameters["end_time"].value, parameters["end_time"].unit), (1, "s"))
+        parameters.end_time = 3
+        self.assertEqual(float(parameters.end_time), 3)
+        parameters.scheme.cfl = np.float64(0.2)
+        self.assertEqual(parameters["scheme.cfl"].value, 0.2)
+        self.assertEqual(str(parameters.scheme.cfl.bounds), "[0.001, 1]")
+        self.assertIn("scheme", dir(parameters))
+        with self.assertRaises(meniscus.RefusedError) as caught:
+            parameters.scheme.cfl = 99
+        self.assertEqual(caught.exception.path, "scheme.cfl")
+        with self.assertRaises(AttributeError):
+            parameters.scheme.cfi
+        with self.assertRaises(KeyError):
+            parameters["cfl"]
+
+    def test_several_parameters_change_at_one_step_or_not_at_all(self) -> None:
+        parameters = self.simulation.parameters
+        with self.assertRaises(meniscus.RefusedError):
+            parameters.update({"end_time": 4, "scheme.cfl": 99})
+        self.assertEqual(parameters.end_time.value, 1)
+        self.simulation.parameters = {"end_time": 4, "gravity": [0, -2]}
+        self.assertEqual(parameters.end_time.value, 4)
+        self.assertEqual([float(formula) for formula in parameters.gravity.value], [0, -2])
+        self.assertIs(parameters.scheme.riemann.transport_stress.value in (True, False), True)
+
+    def test_probes_are_numbers(self) -> None:
+        probes = self.simulation.probes
+        self.assertIn("front", probes)
+        self.assertAlmostEqual(probes["front"], 2, delta=0.2)
+        self.assertEqual(probes.units["P05"], "Pa")
+        now = probes.now("front", "h1")
+        self.assertEqual(now.dtype.names, ("front", "h1"))
+        self.assertEqual(now["front"], probes["front"])
+        with self.assertRaises(KeyError):
+            probes["nothing"]
+
+    def test_time_state_and_particles(self) -> None:
+        self.simulation.run_until(0.05)
+        self.assertEqual((self.simulation.time, self.simulation.state), (0.05, "PAUSED"))
+        velocity = self.simulation.particles(["velocity"])["velocity"]
+        velocity *= 2  # an array of our own
+        self.assertEqual(velocity.shape[1], 2)
+
+    def test_a_snapshot_is_what_was_asked_of_the_daemon(self) -> None:
+        self.simulation.run_until(0.05)
+        file = self.simulation.snapshot(["velocity", "pressure"])
+        now = self.simulation.particles(["position", "pressure"], walls=True)
+        with meniscus.Snapshot(file.path) as snapshot:
+            self.assertEqual((snapshot.step, snapshot.time, snapshot.dimensions), (file.step, file.time, 2))
+            self.assertEqual(snapshot.units["pressure"], "Pa")
+            self.assertEqual(snapshot.units["position"], "m")
+            self.assertEqual(snapshot["velocity"].shape, (snapshot.particles, 2))
+            self.assertEqual(snapshot["position"][3:5].shape, (2, 2))
+            self.assertEqual(snapshot["position"][3:5, 0].shape, (2,))
+            table = snapshot.array("position", "pressure")
+            ours, theirs = np.lexsort(table["position"].T), np.lexsort(now["position"].T)
+            np.testing.assert_array_equal(table["pressure"][ours], now["pressure"][theirs])
+            masks = snapshot.select("water"), snapshot.select("water", "air")
+            self.assertTrue(0 < masks[0].sum() < masks[1].sum() <= snapshot.particles)
+            with self.assertRaises(KeyError):
+                snapshot["colour"]
+            with self.assertRaises(KeyError):
+                snapshot.select("oil")
+        snapshots = self.simulation.snapshots
+        self.assertEqual(list(snapshots.times), [0, 0.05])
+        with snapshots[-1] as last:
+            self.assertEqual(last.step, file.step)
+
+    def test_the_series_of_a_run_that_goes_on(self) -> None:
+        with meniscus.ProbeSeries(self.home / "nowhere" / "probes.hdf") as nothing:
+            self.assertEqual((len(nothing), len(nothing.time), nothing.refresh()), (0, 0, False))
+        self.simulation.parameters = {"end_time": 60, "output.probe_interval": 0.01}
+        self.simulation.run_until(0.1)
+        self.simulation.checkpoint()
+        series = self.simulation.series
+        before = len(series.time)
+        self.assertTrue(before and np.isfinite(series["kinetic"]).all())
+        self.assertEqual(series.units["P05"], "Pa")
+        self.simulation.run_until(0.3)
+        self.simulation.checkpoint()
+        self.assertEqual(len(series["front"]), before)  # all columns of one moment
+        self.assertTrue(series.refresh())
+        self.assertGreater(len(series["front"]), before)
+        table = series.array("front")
+        self.assertEqual(table.dtype.names, ("step", "time", "front"))
+        self.assertTrue((np.diff(table["time"]) > 0).all())
+        self.assertFalse(series.refresh())
+
+    def test_what_a_notebook_shows_is_escaped(self) -> None:
+        self.simulation.stop()
+        self.simulation.load("dambreak2d", SMALL | {"title": "<script>alert('&')</script>"})
+        for shown in (self.simulation._repr_html_(), self.simulation.status()._repr_html_()):
+            self.assertNotIn("<script", shown)
+            self.assertIn("&lt;script&gt;alert(&#x27;&amp;&#x27;)&lt;/script&gt;", shown)
+        self.assertIn("front", self.simulation._repr_html_())
+        self.assertIn("[0.001, 1]", self.simulation.parameters._repr_html_())
+        self.simulation.stop()
+        self.assertIn("EMPTY", self.simulation._repr_html_())
+        self.simulation.load("dambreak2d", SMALL)
+
+    def test_a_plot_follows_the_run_until_it_stands_still(self) -> None:
+        plot = self.simulation.plot("front", "P05", "h1", interval=0.05)
+        self.assertEqual(len(plot.figure.axes), 2)  # one for each unit
+        self.simulation.start()
+        plot.follow(timeout=20)
+        self.assertEqual(self.simulation.state, "DONE")
+        times = plot.figure.axes[0].lines[0].get_xdata()
+        self.assertGreater(len(times), 10)
+        self.assertTrue((np.diff(times) > 0).all())
+        self.assertTrue((plot._repr_png_() or b"").startswith(b"\x89PNG"))
+        plot.follow(timeout=20)  # nothing comes any more, and that is seen
+
+
+class WithoutDaemon(unittest.TestCase):
+    def test_bounds(self) -> None:
+        bounds = module.Bounds.read("(0, inf)")
+        assert bounds
+        self.assertEqual([value in bounds for value in (0, 1e-9, 1e300)], [False, True, True])
+        self.assertEqual(str(bounds), "(0, inf)")
+        self.assertIsNone(module.Bounds.read(""))
+
+    def test_a_file_that_is_none_is_named(self) -> None:
+        import tempfile
+
+        with tempfile.TemporaryDirectory(prefix="mns-") as scratch:
+            bad = Path(scratch) / "snapshot-0000000001.hdf"
+            with self.assertRaises(FileNotFoundError):
+                meniscus.Snapshot(bad)
+            bad.write_bytes(b"no HDF5")
+            with self.assertRaises(meniscus.CorruptError):
+                meniscus.Snapshot(bad)
+            with h5py.File(bad, "w"):
+                pass
+            with self.assertRaises(meniscus.CorruptError) as caught:
+                meniscus.Snapshot(bad)
+            self.assertIn(bad.name, caught.exception.message)
+
+    def test_it_is_imported_without_what_only_notebooks_have(self) -> None:
+        code = "import sys\nfor name in ('IPython', 'matplotlib', 'h5py'): sys.modules[name] = None\nimport meniscus\n" \
+            "print(meniscus.Status('DONE')._repr_html_())"
+        done = subprocess.run(["/usr/bin/python3", "-c", code], env=os.environ | {"PYTHONPATH": str(BUILD / "python")},
+                              capture_output=True, text=True)
+        self.assertIn("DONE", done.stdout, done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
