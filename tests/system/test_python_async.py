@@ -110,12 +110,12 @@ class WithDaemon(DaemonTest):
     @with_client
     async def test_what_a_crash_cut_off_is_done_once(self, client: meniscus.AsyncClient) -> None:
         await client.load("dambreak2d", SMALL | {"end_time": 3})
-        until = asyncio.ensure_future(client.run_until(1.5))
+        until = asyncio.ensure_future(client.run_until(0.8))
         await asyncio.sleep(0.3)
         self.assertFalse(until.done())
         await asyncio.to_thread(self.kill_daemon)
         reply = await until
-        self.assertEqual((reply.state, reply.time), ("PAUSED", 1.5))
+        self.assertEqual((reply.state, reply.time), ("PAUSED", 0.8))
 
     def test_who_listens_is_told_when_the_client_is_closed(self) -> None:
         async def main() -> list:
