@@ -114,7 +114,7 @@ class Parameters(MutableMapping[str, Any]):
     def __delitem__(self, path: str) -> None:
         raise TypeError("parameters cannot be removed, but changed: see rollback()")
 
-    def update(self, *others: Any, **words: Any) -> None:  # type: ignore[override]
+    def update(self, *others: Any, **words: Any) -> None:
         """Change several at the same step, all or none."""
         changes = dict(*others, **words)
         self._client.set({self._prefix + path: value for path, value in changes.items()})
