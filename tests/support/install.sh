@@ -79,6 +79,9 @@ for file in server/cases/*.yaml; do put 644 "$file" "$share/cases/${file##*/}"; 
 for file in server/monitoring/*; do put 644 "$file" "$share/monitoring/${file##*/}"; done
 for file in proto/*.proto; do put 644 "$file" "$share/${file}"; done
 for file in README.md ARCHITECTURE.md CHANGELOG.md LICENSE systemd/meniscus.conf; do put 644 "$file" "$doc/${file##*/}"; done
+for file in client/workflows/*.py; do put 755 "$file" "$share/workflows/${file##*/}"; done
+for file in client/workflows/Makefile client/workflows/*.json; do put 644 "$file" "$share/workflows/${file##*/}"; done
+put 644 client/workflows/README.md "$doc/workflows.md"
 put 644 "$BUILD/case-reference.md" "$doc/case-reference.md"
 put 644 server/http/README.md "$doc/http.md"
 for file in "$BUILD"/python/meniscus/*.py*; do put 644 "$file" "$python/${file##*/}"; done
@@ -89,7 +92,7 @@ put 644 systemd/meniscus.tmpfiles "$tmpfiles/meniscus.conf"
 
 if [ "$action" = uninstall ]; then
     # Directories of our own go too, once they are empty; those that others share stay.
-    for directory in "$PREFIX/include/meniscus" "$share/cases" "$share/monitoring" "$share/proto" "$share" "$doc" "$python/__pycache__" "$python"; do
+    for directory in "$PREFIX/include/meniscus" "$share/cases" "$share/monitoring" "$share/proto" "$share/workflows/__pycache__" "$share/workflows" "$share" "$doc" "$python/__pycache__" "$python"; do
         case $directory in */__pycache__) rm -rf "${DESTDIR:?}$directory" ;; esac
         if [ -d "$DESTDIR$directory" ]; then rmdir --ignore-fail-on-non-empty "$DESTDIR$directory"; fi
     done
