@@ -80,7 +80,7 @@ for file in server/monitoring/*; do put 644 "$file" "$share/monitoring/${file##*
 for file in proto/*.proto; do put 644 "$file" "$share/${file}"; done
 for file in README.md ARCHITECTURE.md CHANGELOG.md LICENSE systemd/meniscus.conf; do put 644 "$file" "$doc/${file##*/}"; done
 for file in client/workflows/*.py; do put 755 "$file" "$share/workflows/${file##*/}"; done
-for file in client/workflows/Makefile client/workflows/*.json; do put 644 "$file" "$share/workflows/${file##*/}"; done
+for file in client/workflows/Makefile client/workflows/Snakefile client/workflows/*.json; do put 644 "$file" "$share/workflows/${file##*/}"; done
 put 644 client/workflows/README.md "$doc/workflows.md"
 put 644 "$BUILD/case-reference.md" "$doc/case-reference.md"
 put 644 server/http/README.md "$doc/http.md"

@@ -1,6 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""What workflow managers rely on: exit codes, signals, one object as the schema says; and the examples for them do what they say."""
+"""What workflow managers rely on: exit codes, signals, one object as the schema says; and the examples for them do what they say.
+
+Snakemake runs its example (package snakemake); where it is not there that test is skipped."""
 
 import json
 import os
@@ -15,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import jsonschema
+import matplotlib.image
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from daemon import BUILD, ROOT, DaemonTest  # noqa: E402
@@ -214,6 +217,15 @@ class Sweeps(Workflow):
         self.assertGreater(steps[1][0], steps[0][0])
         self.assertGreater(steps[1][1], steps[0][1])
         self.assertEqual(list(self.home.glob("*/*.json")), [])
+
+    @unittest.skipUnless(shutil.which("snakemake"), "needs the package snakemake")
+    def test_snakemake_sweeps_and_draws(self) -> None:
+        command = ["snakemake", "--cores", "2", "--snakefile", HERE / "Snakefile", "--directory", self.home / "out", "--config",
+                   "probe=kinetic", *(f"{k.lower()}={v}" for k, v in SWEEP.items())]
+        self.do(*command)
+        self.check_report(self.home / "out")
+        picture = matplotlib.image.imread(self.home / "out/report.png")[:, :, :3]
+        self.assertGreater((picture.min(axis=2) < 0.9).mean(), 0.01, "something is drawn")
 
 
 if __name__ == "__main__":
