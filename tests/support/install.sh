@@ -36,7 +36,7 @@ put() {
 fill() {
     local filled
     filled=$(mktemp)
-    sed -e "s|@bindir@|$bin|g" -e "s|@docdir@|$doc|g" -e "s|@prefix@|$PREFIX|g" -e "s|@version@|$VERSION|g" \
+    sed -e "s|@bindir@|$bin|g" -e "s|@docdir@|$doc|g" -e "s|@share@|$share|g" -e "s|@prefix@|$PREFIX|g" -e "s|@version@|$VERSION|g" \
         -e "s|@hypre@|$hypre|g" "$1" >"$filled"
     put 644 "$filled" "$2"
     rm -f "$filled"
@@ -79,8 +79,9 @@ for file in server/cases/*.yaml; do put 644 "$file" "$share/cases/${file##*/}"; 
 for file in server/monitoring/*; do put 644 "$file" "$share/monitoring/${file##*/}"; done
 for file in proto/*.proto; do put 644 "$file" "$share/${file}"; done
 for file in README.md ARCHITECTURE.md CHANGELOG.md LICENSE systemd/meniscus.conf; do put 644 "$file" "$doc/${file##*/}"; done
-for file in client/workflows/*.py; do put 755 "$file" "$share/workflows/${file##*/}"; done
+for file in client/workflows/*.py client/workflows/*.sh; do put 755 "$file" "$share/workflows/${file##*/}"; done
 for file in client/workflows/Makefile client/workflows/Snakefile client/workflows/*.json; do put 644 "$file" "$share/workflows/${file##*/}"; done
+for file in client/workflows/*.service client/workflows/*.timer; do fill "$file" "$share/workflows/${file##*/}"; done
 put 644 client/workflows/README.md "$doc/workflows.md"
 put 644 "$BUILD/case-reference.md" "$doc/case-reference.md"
 put 644 server/http/README.md "$doc/http.md"

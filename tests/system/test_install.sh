@@ -60,6 +60,7 @@ expect "man finds the manual pages" sh -c 'for page in meniscus meniscusd menisc
 expect "the cases are there" test -f "$root/opt/share/meniscus/cases/dambreak2d.yaml"
 expect "the installed example of a sweep runs" env MENISCUS="$root/opt/bin/meniscus" make -f "$root/opt/share/meniscus/workflows/Makefile" \
     OUT="$stage/sweep" CASE="$root/opt/share/meniscus/cases/hydrostatic.yaml" RESOLUTIONS=8 SCHEMES=riemann SETTINGS=end_time=0.01
+expect "its unit names it" grep -q ' -f /opt/share/meniscus/workflows/Makefile ' "$root/opt/share/meniscus/workflows/meniscus-sweep.service"
 expect "the unit names the installed daemon" grep -q '^ExecStart=/opt/bin/meniscusd ' "$root/opt/lib/systemd/system/meniscusd@.service"
 
 expect "make uninstall works" make -s BUILD="$BUILD" DESTDIR="$root" PREFIX=/opt uninstall

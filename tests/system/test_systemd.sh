@@ -24,6 +24,9 @@ expect "the exposure level is at most 2.5" systemd-analyze security --offline=ye
 expect "nor of the dashboard's" clean systemd-analyze verify --man=no "$dashboard"
 expect "nor is that more exposed" systemd-analyze security --offline=yes --threshold=25 --no-pager "$dashboard"
 expect "the user can be made" systemd-sysusers --dry-run "$stage/usr/lib/sysusers.d/meniscus.conf"
+sweep=$stage/usr/share/meniscus/workflows/meniscus-sweep
+expect "nor of the sweep's and its timer" clean systemd-analyze verify --man=no "$sweep.service" "$sweep.timer"
+expect "a sweep tells make alone, with time for checkpoints" grep -qx "KillMode=mixed" "$sweep.service"
 for word in "Type=notify" "NotifyAccess=main" "TimeoutStopSec=300" "StateDirectory=meniscus/%i" "RuntimeDirectory=meniscus/%i" \
     "MemoryMax=80%" "Restart=on-failure"; do
     expect "the unit says $word" grep -qx "$word" "$unit"

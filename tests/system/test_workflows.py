@@ -227,6 +227,31 @@ class Sweeps(Workflow):
         picture = matplotlib.image.imread(self.home / "out/report.png")[:, :, :3]
         self.assertGreater((picture.min(axis=2) < 0.9).mean(), 0.01, "something is drawn")
 
+    def test_a_slurm_job_that_runs_out_of_time_goes_back_in_line(self) -> None:
+        fake = self.home / "bin"
+        fake.mkdir()
+        (fake / "scontrol").write_text('#!/bin/sh\necho "scontrol $*"\n')
+        (fake / "scontrol").chmod(0o755)
+        self.environment |= SWEEP | {"PATH": f"{fake}:{self.environment['PATH']}", "SLURM_JOB_ID": "71", "SLURM_ARRAY_TASK_ID": "3",
+                                     "SETTINGS": "end_time=1000"}
+        directory = self.home / "scheme~dissipation/resolution~10.run"
+        job = self.start("bash", HERE / "slurm.sh")
+        wait_for(lambda: list(directory.glob("snapshot-*.hdf")))
+        job.send_signal(signal.SIGUSR1)
+        words = self.finish(job, 0)
+        self.assertIn("exit code 75", words)
+        self.assertIn("scontrol requeue 71", words)
+        self.assertTrue(list(directory.glob("checkpoint-*.hdf")))
+        job = self.start("bash", HERE / "slurm.sh")
+        time.sleep(0.7)
+        job.terminate()
+        self.assertNotIn("requeue", self.finish(job, 75))
+        self.environment |= {"SLURM_ARRAY_TASK_ID": "0", "SETTINGS": "end_time=0.01"}
+        self.do("bash", HERE / "slurm.sh")
+        self.assertTrue((self.home / "scheme~riemann/resolution~8.json").exists())
+        self.environment["SLURM_ARRAY_TASK_ID"] = "4"
+        self.do("bash", HERE / "slurm.sh", code=2)
+
 
 if __name__ == "__main__":
     unittest.main()
