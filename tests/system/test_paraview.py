@@ -116,6 +116,30 @@ class SnapshotsInParaView(unittest.TestCase):
                 ranges = numpy.column_stack([columns.min(axis=0), columns.max(axis=0)])
                 numpy.testing.assert_allclose(seen["arrays"][name], ranges, rtol=1e-12, err_msg=name)
 
+    def example(self, output):
+        """What the example for workflows does of the series."""
+        series = glob.glob(f"{self.dir.name}/**/snapshots.hdf.series", recursive=True)[0]
+        script = os.path.join(os.path.dirname(__file__), "../../client/workflows/with_paraview.py")
+        path = f"{self.dir.name}/{output}"
+        for _ in range(3):
+            done = subprocess.run(["xvfb-run", "-a", "pvpython", script, series, path], capture_output=True, text=True, timeout=120, check=False)
+            if "bad X server connection" not in done.stdout + done.stderr:
+                break
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return path
+
+    def test_the_example_writes_the_particles_of_the_last_time_as_csv(self):
+        table = numpy.genfromtxt(self.example("last.csv"), delimiter=",", names=True, deletechars="")
+        columns = {name.strip('"'): table[name] for name in table.dtype.names}
+        self.assertEqual(len(table), len(self.last["VTKHDF/Points"]))
+        numpy.testing.assert_allclose(columns["pressure"], self.last["VTKHDF/PointData/pressure"][:], rtol=1e-4)
+        numpy.testing.assert_allclose(columns["Points:0"], self.last["VTKHDF/Points"][:, 0], rtol=1e-4)
+
+    def test_the_example_draws_the_last_time(self):
+        pixels = matplotlib.image.imread(self.example("last.png"))[:, :, :3]
+        self.assertEqual(pixels.shape, (800, 1200, 3))
+        self.assertGreater(len(numpy.unique(pixels.reshape(-1, 3), axis=0)), 50)
+
     def test_the_picture_shows_the_phases(self):
         pixels = matplotlib.image.imread(self.picture)[:, :, :3]
         colours, counts = numpy.unique(pixels.reshape(-1, 3), axis=0, return_counts=True)
