@@ -133,6 +133,12 @@ class Contract(Workflow):
         second = self.object_of(self.do("timeout", "--preserve-status", "1", *command, code=75))
         self.assertGreater(second["steps"], first["steps"])
 
+    def test_what_is_done_is_told_again(self) -> None:
+        command = self.batch(*SMALL, "--out", "run", "--resume", "auto")
+        first, again = (self.object_of(self.do(*command)) for _ in range(2))
+        for key in ("state", "t", "steps", "state_hash", "probes", "error", "exit_code"):
+            self.assertEqual(again[key], first[key], key)
+
     def test_a_job_is_done_once_and_its_result_is_whole(self) -> None:
         command = self.job("a", *SMALL)
         self.do(*command)
@@ -148,11 +154,11 @@ class Contract(Workflow):
         self.assertEqual(sorted(p.name for p in self.home.glob("*.json*")), ["a.json", "d.json"])
 
     def test_a_job_that_is_told_to_leave_leaves_a_checkpoint_and_no_result(self) -> None:
-        self.do(*self.job("late", *LONG, options=("--deadline", "0.7")), code=75)
+        self.do(*self.job("late", *LONG, options=("--deadline", "1.2")), code=75)
         kept = set(self.home.glob("late.run/checkpoint-*.hdf"))
         self.assertTrue(kept)
         job = self.start(*self.job("late", *LONG))
-        time.sleep(0.7)
+        time.sleep(1.2)
         job.terminate()
         self.finish(job, 75)
         self.assertTrue(set(self.home.glob("late.run/checkpoint-*.hdf")) - kept)
@@ -163,7 +169,7 @@ class Contract(Workflow):
         wait_for(lambda: list(self.home.glob("killed.run/snapshot-*.hdf")))
         job.kill()
         self.finish(job, -signal.SIGKILL)
-        self.do(*self.job("killed", *LONG, options=("--deadline", "1")), code=75)
+        self.do(*self.job("killed", *LONG, options=("--deadline", "1.2")), code=75)
 
 
 class RequestId(DaemonTest):
@@ -243,7 +249,7 @@ class Sweeps(Workflow):
         self.assertIn("scontrol requeue 71", words)
         self.assertTrue(list(directory.glob("checkpoint-*.hdf")))
         job = self.start("bash", HERE / "slurm.sh")
-        time.sleep(0.7)
+        time.sleep(1.2)
         job.terminate()
         self.assertNotIn("requeue", self.finish(job, 75))
         self.environment |= {"SLURM_ARRAY_TASK_ID": "0", "SETTINGS": "end_time=0.01"}
