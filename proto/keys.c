@@ -97,6 +97,13 @@ static MnsStatus check_directory(const char *directory, MnsError *error)
 
 enum { LINE = 256, WORDS = 4 };
 
+/* What of a line did not fit, so that it is not taken for the next one. */
+static void skip_rest(FILE *file, const char *line)
+{
+    if (strchr(line, '\n')) return;
+    for (int c = getc(file); c != EOF && c != '\n'; c = getc(file)) {}
+}
+
 /* The next line that is not empty, in words; WORDS of them if there are as many or more. -1 at the end. */
 static int read_words(FILE *file, char line[static LINE], char *words[static WORDS], size_t *number)
 {
@@ -104,6 +111,7 @@ static int read_words(FILE *file, char line[static LINE], char *words[static WOR
         int n = 0;
         char *rest;
         ++*number;
+        skip_rest(file, line);
         if (line[0] == '#') continue;
         for (char *word = strtok_r(line, " \t\n", &rest); word && n < WORDS; word = strtok_r(NULL, " \t\n", &rest))
             words[n++] = word;

@@ -95,6 +95,7 @@ static MnsStatus call_load(const Ask *ask, MnsClient *client, MnsReply **ret, Mn
     if (!status) status = mns_client_load(client, &load, ret, error);
     if (!status && ask->start) {
         mns_reply_free(*ret);
+        *ret = NULL; /* nothing is written there if it is refused */
         status = mns_client_start(client, ret, error);
     }
     return status;

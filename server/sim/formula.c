@@ -69,9 +69,10 @@ static int open_names(lua_State *lua)
     return 0;
 }
 
-/* "local x,y = ... return (TEXT\n)" on the stack, as a function of the variables. */
-static int compile(lua_State *lua, const char *text, const char *const *variables)
+/* "local x,y = ... return (TEXT\n)", as a function of the variables. Runs protected, as memory may not suffice. */
+static int load_text(lua_State *lua)
 {
+    const char *text = lua_touserdata(lua, 1), *const *variables = lua_touserdata(lua, 2);
     luaL_Buffer source;
     luaL_buffinit(lua, &source);
     for (size_t k = 0; variables[k]; k++) {
@@ -83,9 +84,25 @@ static int compile(lua_State *lua, const char *text, const char *const *variable
     luaL_addstring(&source, text);
     luaL_addstring(&source, "\n)");
     luaL_pushresult(&source);
-    const int status = luaL_loadbufferx(lua, lua_tostring(lua, -1), lua_rawlen(lua, -1), "=formula", "t");
-    lua_remove(lua, -2);
-    return status;
+    if (luaL_loadbufferx(lua, lua_tostring(lua, -1), lua_rawlen(lua, -1), "=formula", "t") != LUA_OK)
+        return lua_error(lua);
+    return 1;
+}
+
+/* The function on the stack; or what is wrong with the text. */
+static int compile(lua_State *lua, const char *text, const char *const *variables)
+{
+    lua_pushcfunction(lua, load_text);
+    lua_pushlightuserdata(lua, (void *)text);
+    lua_pushlightuserdata(lua, (void *)variables);
+    return lua_pcall(lua, 2, 1, 0);
+}
+
+/* A global of that name and value. Runs protected. */
+static int set_constant(lua_State *lua)
+{
+    lua_setglobal(lua, lua_touserdata(lua, 1));
+    return 0;
 }
 
 /* Call the function on top of the stack, leaving it there; NAN and false if it fails, with the message on the stack. */
@@ -128,8 +145,10 @@ static MnsStatus define(lua_State *lua, const MnsConstant *constant, MnsError *e
     double value = NAN;
     if (compile(lua, constant->value, none) != LUA_OK || !call(lua, NULL, 0, &value, NULL))
         return complain(lua, constant->value, error);
+    lua_pushcfunction(lua, set_constant);
+    lua_pushlightuserdata(lua, constant->name);
     lua_pushnumber(lua, value);
-    lua_setglobal(lua, constant->name);
+    if (lua_pcall(lua, 2, 0, 0) != LUA_OK) return complain(lua, constant->value, error);
     lua_settop(lua, 0);
     return MNS_OK;
 }
@@ -158,7 +177,8 @@ static MnsStatus prepare(Formula *f, const char *text, const char *const *variab
 {
     lua_State *lua = f->lua;
     lua_pushcfunction(lua, open_names);
-    if (lua_pcall(lua, 0, 0, 0) != LUA_OK) return mns_fail(error, MNS_E_MEMORY, "no memory for a formula");
+    if (!lua_checkstack(lua, VARIABLES_MAX + LUA_MINSTACK) || lua_pcall(lua, 0, 0, 0) != LUA_OK)
+        return mns_fail(error, MNS_E_MEMORY, "no memory for a formula");
     for (size_t k = 0; k < n; k++) {
         const MnsStatus status = define(lua, &constants[k], error);
         if (status) return status;

@@ -3,6 +3,7 @@
 #include "sim/formula.h"
 #include "tests/support/check.h"
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const char *const XYT[] = {"x", "y", "t", NULL};
@@ -258,6 +259,58 @@ static void long_texts_do_not_overflow_the_complaint(void **state)
     assert_refused(text, "is not a formula");
 }
 
+enum { MANY = 150 };
+
+/* More than a state of Lua has room for by itself. */
+static void a_formula_may_have_many_variables(void **state)
+{
+    (void)state;
+    char names[MANY][8], text[MANY * 8] = "";
+    const char *variables[MANY + 1] = {NULL};
+    double values[MANY], sum = 0;
+    for (int k = 0; k < MANY; k++) {
+        snprintf(names[k], sizeof names[k], "v%d", k);
+        variables[k] = names[k];
+        snprintf(text + strlen(text), sizeof text - strlen(text), k ? "+%s" : "%s", names[k]);
+        sum += values[k] = k + 1;
+    }
+    Formula *f = NULL;
+    MnsError error = {0};
+    if (formula_new(text, variables, NULL, 0, &f, &error)) fail_msg("%s", error.text);
+    assert_true(formula_eval(f, values) == sum);
+    formula_free(f);
+}
+
+/* "1+1+1 ...", of n letters. */
+static char *sum_of_ones(size_t n)
+{
+    char *text = malloc(n + 1);
+    assert_non_null(text);
+    for (size_t k = 0; k < n; k++) text[k] = k % 2 ? '+' : '1';
+    text[n - (n % 2 ? 0 : 1)] = 0;
+    return text;
+}
+
+static void a_formula_that_does_not_fit_is_refused(void **state)
+{
+    (void)state;
+    for (size_t n = 10000; n <= 1000000; n *= 10) {
+        char *text = sum_of_ones(n);
+        const MnsConstant constant = {.name = "c", .value = text};
+        Formula *f = NULL;
+        MnsError error = {0};
+        if (formula_new(text, XYT, NULL, 0, &f, &error)) assert_int_equal(error.status, MNS_E_INVALID);
+        formula_free(f);
+        f = NULL;
+        if (formula_new("c", XYT, &constant, 1, &f, &error)) assert_int_equal(error.status, MNS_E_INVALID);
+        formula_free(f);
+        free(text);
+    }
+    char *text = sum_of_ones(1000000);
+    assert_refused(text, "not enough memory");
+    free(text);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -279,6 +332,8 @@ int main(void)
         cmocka_unit_test(compiled_code_is_no_text),
         cmocka_unit_test(formulas_do_not_share_anything),
         cmocka_unit_test(long_texts_do_not_overflow_the_complaint),
+        cmocka_unit_test(a_formula_may_have_many_variables),
+        cmocka_unit_test(a_formula_that_does_not_fit_is_refused),
     };
     return cmocka_run_group_tests_name("formula", tests, NULL, NULL);
 }

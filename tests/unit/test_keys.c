@@ -99,6 +99,21 @@ static void files_that_others_can_reach_are_refused_and_the_sentence_says_what_t
     keys_done(&keys);
 }
 
+static void a_long_comment_is_one_line(void **state)
+{
+    (void)state;
+    static const char line[] = "\nada operator " ADA "\n";
+    char text[1024] = "# ";
+    memset(text + 2, 'x', 600);
+    memcpy(text + 602, line, sizeof line);
+    put("authorized", text, 0600);
+    Keys keys;
+    MnsError error;
+    assert_int_equal(keys_read(home, &keys, &error), MNS_OK);
+    assert_int_equal(keys.n, 1);
+    keys_done(&keys);
+}
+
 static void a_directory_that_others_can_write_to_is_refused(void **state)
 {
     (void)state;
@@ -234,6 +249,7 @@ int main(void)
         TEST(what_is_written_is_read_again_and_others_cannot_read_it),
         TEST(no_file_is_no_keys),
         TEST(files_that_others_can_reach_are_refused_and_the_sentence_says_what_to_do),
+        TEST(a_long_comment_is_one_line),
         TEST(a_directory_that_others_can_write_to_is_refused),
         TEST(files_of_somebody_else_are_refused),
         TEST(what_is_no_file_is_not_waited_for),
