@@ -19,8 +19,9 @@ PYTHON    := /usr/bin/python3
 # All processors, unless whoever called said -j.
 PARALLEL   = $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc))
 
-# Sanitizers make gcc see what is not there, so only plain builds fail on warnings.
-WARN      := -Wall -Wextra -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla -Wpointer-arith $(if $(SANITIZE),,-Werror)
+# Sanitizers make gcc see what is not there, so its builds with them do not fail on warnings.
+WARN      := -Wall -Wextra -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla -Wpointer-arith
+WARN      += $(if $(and $(SANITIZE),$(if $(findstring clang,$(CC)),,gcc)),,-Werror)
 # gcc judges vector loops (tests/support/vectorised.sh) and signs; clang asks for casts of every enum.
 WARN      += $(if $(findstring clang,$(CC)),-Wno-pass-failed -Wno-sign-conversion)
 # No -ffast-math: NaN must stay NaN. No contraction: the force of i on j must be minus that of j on i to the last bit.
@@ -89,10 +90,10 @@ dashboard: ## build the dashboard for browsers: needs libwebsockets, and npm wit
 	@tests/support/packages.sh dashboard
 	@$(MAKE) --no-print-directory -s $(PARALLEL) $(BUILD)/meniscus-dashboard
 
-check: ## build and run every test; last line: N passed, N failed
+check: ## build and run every test; last line: N passed, N failed [ALL=1: linters, clang, sanitizers and fuzz targets too, as CI]
 	@tests/support/packages.sh check
 	@$(MAKE) --no-print-directory -s $(PARALLEL) all tests bench-programs $(BUILD)/meniscus-dashboard $(BUILD)/web-check/node_modules/.package-lock.json
-	@BUILD=$(BUILD) CC=$(CC) tests/support/check.sh
+	@BUILD=$(BUILD) CC=$(CC) tests/support/check.sh $(if $(ALL),everything)
 
 validate: ## the papers' cases against their references [CASE=name] [SIZE=paper] [JOBS=n]
 	@tests/support/packages.sh validate
@@ -115,7 +116,8 @@ tests: $(UNIT)
 	@rm -f $(call others,$(UNIT))
 # Where there can be races: the team of the solver, and the threads of the daemon.
 RACED := $(filter $(BUILD)/tests/protocol/% $(addprefix $(BUILD)/tests/unit/test_,build fault figures guard mailbox neighbours probe restart steer wall writer),$(UNIT))
-raced: all $(RACED)
+# What clang warns of is looked for in all of the tests.
+raced: all $(RACED) $(patsubst $(BUILD)/tests/%,$(BUILD)/obj/tests/%.o,$(UNIT))
 	@rm -f $(call others,$(RACED))
 bench-programs: all $(BENCH)
 fuzz-programs: $(FUZZ)

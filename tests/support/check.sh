@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# check.sh: run everything there is to check, after the build. Prints a line for each group, all output of what failed, and
-# at the end one line: N passed, N failed. Single tests are counted where a program tells of them (TAP, unittest).
+# check.sh [everything]: run every test, after the build; with `everything` also the linters, another compiler, the sanitizers and the
+# fuzz targets, which take longer than the tests. Prints a line for each group, all output of what failed, and at the end one line: N
+# passed, N failed. Single tests are counted where a program tells of them (TAP, unittest).
 set -eu
 cd "$(dirname "$0")/../.."
 BUILD=${BUILD:-build}
@@ -36,27 +37,30 @@ count() {
     END { print p + 0, f + 0 }' "$log"
 }
 
-# note NAME STATUS SECONDS: count what a command left in the log. A program that hangs has failed; so has one that ends badly without
-# naming a test.
+# note NAME STATUS SECONDS [step]: count what a command left in the log. A program that hangs has failed; so has one that ends badly without
+# naming a test, or well without having tested anything, unless it is a step, which is one test by itself.
 note() {
     local name=$1 status=$2 p f
     read -r p f < <(count)
-    if [ "$status" -ne 0 ] && [ "$f" -eq 0 ]; then f=1; fi
-    if [ "$status" -eq 0 ] && [ $((p + f)) -eq 0 ]; then p=1; fi
+    if [ $((p + f)) -eq 0 ] && [ "$status" -eq 0 ] && [ "${4:-}" = step ]; then p=1; fi
+    if [ "$f" -eq 0 ] && { [ "$status" -ne 0 ] || [ "$p" -eq 0 ]; }; then f=1; fi
     passed=$((passed + p)) failed=$((failed + f))
     [ "$f" -eq 0 ] && return
-    echo "---- $name: $f failed, exit status $status$([ "$status" -ne 124 ] || echo ": still running after $3 s")"
+    echo "---- $name: $f failed, exit status $status$(
+        [ "$status" -ne 124 ] || echo ": still running after $3 s"
+        [ $((p + status)) -ne 0 ] || echo ", and no test named"
+    )"
     cat "$log"
     echo "----"
     failures+=("$name")
 }
 
-# run NAME SECONDS COMMAND...
+# run KIND NAME SECONDS COMMAND...: of KIND tests, which names its tests, or step.
 run() {
-    local name=$1 limit=$2 status=0
-    shift 2
+    local kind=$1 name=$2 limit=$3 status=0
+    shift 3
     timeout --kill-after=10 "$limit" "$@" >"$log" 2>&1 </dev/null || status=$?
-    note "$name" "$status" "$limit"
+    note "$name" "$status" "$limit" "$kind"
 }
 
 group() {
@@ -68,65 +72,69 @@ group() {
     printf '   %d passed, %d failed, %d s\n' $((passed - p)) $((failed - f)) $((SECONDS - started))
 }
 
-# As many at a time as there are processors, as they wait for nothing but processors; told in their order.
-programs() {
-    local limit=120 file k=0 files=() logs
-    for file in "$BUILD"/tests/unit/* "$BUILD"/tests/protocol/*; do
-        if [ -f "$file" ] && [ -x "$file" ]; then files+=("$file"); fi
-    done
+# at_once SECONDS FILE...: as many at a time as there are processors; told in their order.
+at_once() {
+    local limit=$1 file k=0 logs
+    shift
     logs=$(mktemp -d)
     # shellcheck disable=SC2016 # the inner shell expands
-    for file in "${files[@]}"; do printf '%s\0%s\0' "$file" "$logs/$((k++))"; done |
-        xargs -0 -P "$jobs" -n 2 sh -c \
-            'timeout --kill-after=10 '$limit' "$1" >"$2" 2>&1 </dev/null; echo $? >"$2.status"' sh
-    for k in "${!files[@]}"; do
+    for file; do printf '%s\0%s\0' "$file" "$logs/$((k++))"; done |
+        xargs -0 -P "$jobs" -n 2 sh -c '
+            case $1 in *.py) with="'"$PYTHON"' -W ignore::ResourceWarning" ;; *) with= ;; esac
+            timeout --kill-after=10 '"$limit"' $with "$1" >"$2" 2>&1 </dev/null; echo $? >"$2.status"' sh
+    k=0
+    for file; do
         mv "$logs/$k" "$log"
-        note "${files[k]}" "$(cat "$logs/$k.status")" "$limit"
+        note "$file" "$(cat "$logs/$k.status")" "$limit"
+        k=$((k + 1))
     done
     rm -rf "$logs"
 }
 
-scripts() {
-    local file
-    for file in tests/*/test_*.py client/python/tests/test_*.py; do
-        if [ -f "$file" ]; then run "$file" 240 $PYTHON -W ignore::ResourceWarning "$file"; fi
+programs() {
+    local file files=()
+    for file in "$BUILD"/tests/unit/* "$BUILD"/tests/protocol/*; do
+        if [ -f "$file" ] && [ -x "$file" ]; then files+=("$file"); fi
     done
-    for file in tests/*/test_*.sh; do
-        if [ -f "$file" ]; then run "$file" 240 "$file"; fi
-    done
+    at_once 120 "${files[@]}"
 }
 
+# They wait for daemons more than for processors.
+scripts() { at_once 300 tests/*/test_*.py tests/*/test_*.sh; }
+
 house() {
-    run "layers" 60 tests/support/layers.sh
-    run "headers" 120 tests/support/headers.sh
-    run "vector loops" 150 tests/support/vectorised.sh
-    run "lint" 400 tests/support/lint.sh
-    run "server/cases/REFERENCE.md is what \`make reference\` writes" 10 \
+    run tests "layers" 60 tests/support/layers.sh
+    run tests "headers" 120 tests/support/headers.sh
+    run step "server/cases/REFERENCE.md is what \`make reference\` writes" 10 \
         diff -u server/cases/REFERENCE.md "$BUILD/case-reference.md"
 }
 
-other_compiler() {
-    run "build with clang" 300 make -s -j"$jobs" BUILD="$BUILD/clang" CC=clang all tests
+style() {
+    run tests "vector loops" 150 tests/support/vectorised.sh
+    run tests "lint" 400 tests/support/lint.sh
 }
 
+# The thread sanitizer's build is clang's too: what clang warns of breaks it.
 sanitizers() {
-    run "build with address sanitizer" 300 make -s -j"$jobs" BUILD="$BUILD/asan" SANITIZE=address,undefined all tests
-    run "address and undefined-behaviour sanitizers" 300 env BUILD="$BUILD/asan" tests/support/sanitize.sh address
-    run "build with thread sanitizer" 300 make -s -j"$jobs" BUILD="$BUILD/tsan" CC=clang SANITIZE=thread raced
-    run "thread sanitizer" 300 env BUILD="$BUILD/tsan" tests/support/sanitize.sh thread
+    run step "build with address sanitizer" 300 make -s -j"$jobs" BUILD="$BUILD/asan" SANITIZE=address,undefined all tests
+    run tests "address and undefined-behaviour sanitizers" 300 env BUILD="$BUILD/asan" tests/support/sanitize.sh address
+    run step "build with clang and thread sanitizer" 300 make -s -j"$jobs" BUILD="$BUILD/tsan" CC=clang SANITIZE=thread raced
+    run tests "thread sanitizer" 300 env BUILD="$BUILD/tsan" tests/support/sanitize.sh thread
 }
 
 fuzzing() {
-    run "build with libFuzzer" 300 make -s -j"$jobs" BUILD="$BUILD/fuzz" CC=clang SANITIZE=address,undefined,fuzzer-no-link fuzz-programs
-    run "fuzz targets" 60 env BUILD="$BUILD/fuzz" tests/support/fuzz.sh 8
+    run step "build with libFuzzer" 300 make -s -j"$jobs" BUILD="$BUILD/fuzz" CC=clang SANITIZE=address,undefined,fuzzer-no-link fuzz-programs
+    run tests "fuzz targets" 60 env BUILD="$BUILD/fuzz" tests/support/fuzz.sh 8
 }
 
 group "unit and protocol tests" programs
 group "system tests" scripts
-group "the house: layers, headers, style, manual" house
-group "clang" other_compiler
-group "sanitizers" sanitizers
-group "fuzzing" fuzzing
+group "the house: layers, headers, manual" house
+if [ "${1:-}" = everything ]; then
+    group "style" style
+    group "sanitizers" sanitizers
+    group "fuzzing" fuzzing
+fi
 
 [ ${#failures[@]} -eq 0 ] || printf 'failed: %s\n' "${failures[@]}"
 printf '%d seconds\n' $SECONDS
