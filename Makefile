@@ -45,7 +45,6 @@ HYPRE     ?= $(wildcard /usr/include/hypre/HYPRE.h)
 hypre_cflags := $(if $(HYPRE),-DHAVE_HYPRE=1 -isystem $(dir $(HYPRE)) $(shell pkg-config --cflags ompi-c 2>/dev/null | sed 's/-I/-isystem /g'))
 hypre_libs := $(if $(HYPRE),-lHYPRE $(shell pkg-config --libs ompi-c 2>/dev/null))
 cppflags  := -Iinclude -Iserver -I. -I$(BUILD)/gen -D_GNU_SOURCE -DMENISCUS_VERSION='"$(VERSION)"' $(pkg_cflags)
-cases     := -DMENISCUS_CASES='"$(PREFIX)/share/meniscus/cases"'
 sanitize  := $(if $(SANITIZE),-fsanitize=$(SANITIZE) -fno-omit-frame-pointer -DMENISCUS_SANITIZED)
 cflags    := -std=c17 -g $(OPT) $(FLOAT) -fopenmp -fPIC -ffile-prefix-map=$(CURDIR)=. $(sanitize)
 ldflags   := -fopenmp -Wl,--as-needed $(sanitize)
@@ -68,10 +67,11 @@ WEB       := client/dashboard/web
 UNIT      := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/unit tests/protocol))
 FUZZ      := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/fuzz))
 BENCH     := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/bench))
+DASHBOARD_ALL := $(addprefix $(BUILD)/,meniscus-dashboard man/meniscus-dashboard.8)
 MANUALS   := $(addprefix $(BUILD)/man/,meniscus.1 meniscusd.8 meniscus-case.5)
 SUPPORT   := $(call objects,$(call sources,tests/support))
 
-.PHONY: all help packages demo dashboard check validate compare bench reference install uninstall clean lint format asan tsan fuzz
+.PHONY: all help packages demo dashboard check validate compare bench reference install uninstall deb clean lint format asan tsan fuzz
 all: $(BUILD)/meniscusd $(BUILD)/meniscus $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-client.a $(BUILD)/libmeniscus-client.so $(BUILD)/case-reference.md $(BUILD)/python/meniscus/meniscus_pb2.py $(if $(SANITIZE),,$(MANUALS)) ## build everything
 
 help: ## list the targets
@@ -88,11 +88,11 @@ demo: packages ## build, run a dam break in a daemon, stream, write HDF5, draw p
 
 dashboard: ## build the dashboard for browsers: needs libwebsockets, and npm with its registry
 	@tests/support/packages.sh dashboard
-	@$(MAKE) --no-print-directory -s $(PARALLEL) $(BUILD)/meniscus-dashboard
+	@$(MAKE) --no-print-directory -s $(PARALLEL) $(DASHBOARD_ALL)
 
 check: ## build and run every test; last line: N passed, N failed [ALL=1: linters, clang, sanitizers and fuzz targets too, as CI]
 	@tests/support/packages.sh check
-	@$(MAKE) --no-print-directory -s $(PARALLEL) all tests bench-programs $(BUILD)/meniscus-dashboard $(BUILD)/web-check/node_modules/.package-lock.json
+	@$(MAKE) --no-print-directory -s $(PARALLEL) all tests bench-programs $(DASHBOARD_ALL) $(BUILD)/web-check/node_modules/.package-lock.json
 	@BUILD=$(BUILD) CC=$(CC) tests/support/check.sh $(if $(ALL),everything)
 
 validate: ## the papers' cases against their references [CASE=name] [SIZE=paper] [JOBS=n]
@@ -143,7 +143,7 @@ lint: all ## clang-format, clang-tidy, cppcheck, shellcheck, layers
 	@BUILD=$(BUILD) tests/support/lint.sh
 
 flags: # the preprocessor's, quoted for a shell: for the scripts of tests/support
-	$(info $(cppflags) $(hypre_cflags) $(cases) $(CPPFLAGS))@:
+	$(info $(cppflags) $(hypre_cflags) $(CPPFLAGS))@:
 
 solver-flags: # with which the solver is compiled
 	$(info $(cflags) $(HOT))@:
@@ -159,6 +159,11 @@ install: all ## install below $(DESTDIR)$(PREFIX)
 
 uninstall: ## remove what install put there
 	DESTDIR=$(DESTDIR) PREFIX=$(PREFIX) BUILD=$(BUILD) VERSION=$(VERSION) tests/support/install.sh uninstall
+
+deb: ## a Debian package, with the dashboard where that was built; DEBFULLNAME and DEBEMAIL say whose
+	@tests/support/packages.sh deb
+	@$(MAKE) --no-print-directory -s $(PARALLEL) all
+	@BUILD=$(BUILD) VERSION=$(VERSION) tests/support/deb.sh
 
 clean: ## remove the build
 	rm -rf $(BUILD)
@@ -194,7 +199,7 @@ $(BUILD)/%.a: $(BUILD)/stamp/sources
 	$(call say,AR,$@)rm -f $@ && $(AR) rcs $@ $(filter %.o,$^)
 $(BUILD)/libmeniscus-client.so: $(CLIENT) $(PROTO) client/lib/exports.map $(BUILD)/stamp/sources
 	$(call say,LINK,$@)$(link) -shared -Wl,-soname,$(@F).$(firstword $(subst ., ,$(VERSION))) -Wl,--version-script=client/lib/exports.map \
-	    $(filter %.o,$^) $(client_libs) $(LDLIBS)
+	    $(filter %.o,$^) $(client_libs) -lm $(LDLIBS)
 $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT) $(BUILD)/libmeniscus-dashboard.a $(BUILD)/libmeniscus-cli.a $(BUILD)/libmeniscus-client.a $(BUILD)/libmeniscusd.a $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-proto.a
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)$(link) $< $(SUPPORT) -Wl,--start-group $(filter %.a,$^) -Wl,--end-group $(pkg_libs) $(hypre_libs) -lm -lpthread -lcmocka $(LDLIBS)
@@ -205,8 +210,6 @@ $(BUILD)/tests/fuzz/%: $(BUILD)/obj/tests/fuzz/%.o $(call objects,$(call sources
 
 # --- objects and generated sources --------------------------------------------------------------------------------------
 $(SOLVER): private cflags += $(HOT)
-$(BUILD)/obj/proto/case_find.o: private cppflags += $(cases)
-$(BUILD)/obj/proto/case_find.o: $(BUILD)/stamp/prefix
 $(BUILD)/obj/server/net/describe.o: private cppflags += -DMENISCUS_COMMIT='"$(COMMIT)"'
 $(BUILD)/obj/server/net/describe.o: $(BUILD)/stamp/commit
 $(BUILD)/obj/%.o: %.c $(BUILD)/stamp/flags | $(GEN) $(BUILD)/gen/sim/case_bounds.h
@@ -225,7 +228,10 @@ $(BUILD)/gen/case_schema.c $(BUILD)/gen/sim/case_bounds.h $(BUILD)/case-referenc
 # Manual pages are what the programs say of themselves.
 $(MANUALS) &: client/cli/manual.py client/README.md $(BUILD)/meniscus $(BUILD)/meniscusd $(BUILD)/case-reference.md
 	@mkdir -p $(BUILD)/man
-	$(call say,GEN,$(BUILD)/man)$(PYTHON) client/cli/manual.py $(BUILD) $(BUILD)/man
+	$(call say,GEN,$(BUILD)/man)$(PYTHON) client/cli/manual.py $(BUILD) $(notdir $(MANUALS))
+$(BUILD)/man/meniscus-dashboard.8: client/cli/manual.py client/dashboard/README.md $(BUILD)/meniscus $(BUILD)/meniscus-dashboard
+	@mkdir -p $(BUILD)/man
+	$(call say,GEN,$@)$(PYTHON) client/cli/manual.py $(BUILD) $(@F)
 # The Python client with its generated modules, for PYTHONPATH=$(BUILD)/python; client/python/setup.py does the same for pip.
 PY_FILES := $(wildcard client/python/src/meniscus/*.py) client/python/src/meniscus/py.typed
 $(BUILD)/python/meniscus/meniscus_pb2.py: client/python/generate.py $(PY_FILES) $(wildcard proto/*.proto) | $(BUILD)/stamp/flags
@@ -234,7 +240,6 @@ $(BUILD)/python/meniscus/meniscus_pb2.py: client/python/generate.py $(PY_FILES) 
 
 # --- stamps: written only when what they hold has changed, and then all that depends on it is made again ------------------
 $(BUILD)/stamp/flags: export STAMP = $(compile) $(hypre_cflags) $(WARN) $(CFLAGS) $(link) $(pkg_libs) $(hypre_libs) $(client_libs) $(LDLIBS)
-$(BUILD)/stamp/prefix: export STAMP = $(PREFIX)
 $(BUILD)/stamp/commit: export STAMP = $(COMMIT)
 $(BUILD)/stamp/sources: export STAMP = $(SOLVER) $(PROTO) $(DAEMON) $(CLIENT) $(CLI) $(DASHBOARD)
 $(BUILD)/stamp/%: FORCE

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Find a case by name: as a path, in $MENISCUS_CASES, beside the program, in the installation. */
+/* Find a case by name: as a path, in $MENISCUS_CASES, beside the program, which is in the build or installed. */
 #include "proto/case_find.h"
 #include "proto/case_value.h"
 #include "proto/case_words.h"
@@ -107,7 +107,7 @@ static bool look_beside_program(Search *search)
 static bool look_everywhere(Search *search)
 {
     const char *asked = getenv("MENISCUS_CASES");
-    return (asked && look_in(search, asked)) || look_beside_program(search) || look_in(search, MENISCUS_CASES);
+    return (asked && look_in(search, asked)) || look_beside_program(search);
 }
 
 void case_list(void (*tell)(void *arg, const char *name, const char *folder), void *arg)
@@ -128,6 +128,6 @@ MnsStatus case_find(const char *name, char ret_path[static 4096], MnsError *erro
     }
     if (look_everywhere(&search)) return MNS_OK;
     if (!*search.looked) /* no such folder, and $MENISCUS_CASES would say where there is one */
-        snprintf(search.looked, sizeof search.looked, "$MENISCUS_CASES, beside the program or in %s", MENISCUS_CASES);
+        snprintf(search.looked, sizeof search.looked, "$MENISCUS_CASES or beside the program");
     return fail_search(&search, error);
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""manual.py BUILD OUT: manual pages, from what the programs in BUILD say of themselves, the README of the clients and the
-manual of the case format. Nothing is said here that is said there."""
+"""manual.py BUILD PAGE...: manual pages as BUILD/man/PAGE, from what the programs in BUILD say of themselves, the READMEs of clients and
+dashboard and the manual of the case format. Nothing is said here that is said there."""
 
 import json
 import os
@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 
 CLIENTS = Path(__file__).resolve().parents[1] / "README.md"
+DASHBOARD = CLIENTS.parent / "dashboard" / "README.md"
 
 
 def escape(text: str) -> str:
@@ -170,12 +171,12 @@ def client_page(tables: dict) -> list[str]:
     return out + see("meniscusd(8)", "meniscus-case(5)")
 
 
-def daemon_page(text: str, version: str) -> list[str]:
-    """From what argp prints: two columns, of which the first overflows into lines of its own."""
+def program_page(name: str, section: int, version: str, text: str) -> list[str]:
+    """From the help that a program prints: two columns, of which the first may overflow into lines of its own."""
     before, after = text.split("\n\n", 1)
     about = " ".join(before.splitlines()[1:])
-    out = title("meniscusd", 8, version, lower(about))
-    out += [".SH SYNOPSIS", ".B meniscusd", "[\\fIOPTION\\fR]...", ".SH OPTIONS"]
+    out = title(name, section, version, lower(about))
+    out += [".SH SYNOPSIS", f".B {escape(name)}", "[\\fIOPTION\\fR]...", ".SH OPTIONS"]
     body, _, ending = after.partition("\n\nMandatory")
     item: list[str] = []
     items = [item]
@@ -192,7 +193,7 @@ def daemon_page(text: str, version: str) -> list[str]:
     exits = [part for part in ending.split("\n\n") if part.startswith("Exit codes:")]
     if exits:
         out += [".SH EXIT STATUS", guard(inline(" ".join(exits[0].split()).partition(": ")[2]))]
-    return out + see("meniscus(1)", "meniscus-case(5)")
+    return out
 
 
 def bold_option(match: "re.Match[str]") -> str:
@@ -206,7 +207,7 @@ def case_page(text: str, version: str) -> list[str]:
 
 
 def main() -> None:
-    build, out = Path(sys.argv[1]), Path(sys.argv[2])
+    build, names = Path(sys.argv[1]), sys.argv[2:]
     environment = {**os.environ, "LC_ALL": "C", "ARGP_HELP_FMT": "rmargin=100"}
 
     def said(*words: str) -> str:
@@ -215,13 +216,24 @@ def main() -> None:
         ).stdout
 
     tables = json.loads(said("meniscus", "help", "-o", "json"))
+    version = tables["version"]
+
+    def daemon_page() -> list[str]:
+        return program_page("meniscusd", 8, version, said("meniscusd", "--help")) + see("meniscus(1)", "meniscus-case(5)")
+
+    def dashboard_page() -> list[str]:
+        page = program_page("meniscus-dashboard", 8, version, said("meniscus-dashboard", "--help"))
+        readme = DASHBOARD.read_text(encoding="utf-8")
+        return page + markdown(sections(readme, "What it costs", "Who may")) + see("meniscus(1)", "meniscusd(8)")
+
     pages = {
-        "meniscus.1": client_page(tables),
-        "meniscusd.8": daemon_page(said("meniscusd", "--help"), tables["version"]),
-        "meniscus-case.5": case_page((build / "case-reference.md").read_text(encoding="utf-8"), tables["version"]),
+        "meniscus.1": lambda: client_page(tables),
+        "meniscusd.8": daemon_page,
+        "meniscus-dashboard.8": dashboard_page,
+        "meniscus-case.5": lambda: case_page((build / "case-reference.md").read_text(encoding="utf-8"), version),
     }
-    for name, lines in pages.items():
-        (out / name).write_text("\n".join(lines) + "\n", encoding="utf-8")
+    for name in names:
+        (build / "man" / name).write_text("\n".join(pages[name]()) + "\n", encoding="utf-8")
 
 
 main()

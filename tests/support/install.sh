@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # install.sh install|uninstall: put what was built below $DESTDIR$PREFIX, or take the same files away again. One list serves
-# both, so uninstall leaves nothing behind.
+# both, so uninstall leaves nothing behind. $LIBDIR is for distributions that keep libraries elsewhere than in $PREFIX/lib.
 set -eu
 cd "$(dirname "$0")/../.."
 BUILD=${BUILD:-build} PREFIX=${PREFIX:-/usr/local} DESTDIR=${DESTDIR:-} VERSION=${VERSION:?}
@@ -13,7 +13,7 @@ install | uninstall) action=$1 ;;
     ;;
 esac
 
-bin=$PREFIX/bin lib=$PREFIX/lib share=$PREFIX/share/meniscus doc=$PREFIX/share/doc/meniscus
+bin=$PREFIX/bin lib=${LIBDIR:-$PREFIX/lib} share=$PREFIX/share/meniscus doc=$PREFIX/share/doc/meniscus
 python=$PREFIX/lib/python3/dist-packages/meniscus
 units=$PREFIX/lib/systemd/system sysusers=$PREFIX/lib/sysusers.d tmpfiles=$PREFIX/lib/tmpfiles.d
 if [ "$PREFIX" = /usr ]; then
@@ -36,7 +36,7 @@ put() {
 fill() {
     local filled
     filled=$(mktemp)
-    sed -e "s|@bindir@|$bin|g" -e "s|@docdir@|$doc|g" -e "s|@share@|$share|g" -e "s|@prefix@|$PREFIX|g" -e "s|@version@|$VERSION|g" \
+    sed -e "s|@bindir@|$bin|g" -e "s|@docdir@|$doc|g" -e "s|@share@|$share|g" -e "s|@prefix@|$PREFIX|g" -e "s|@libdir@|${lib/#$PREFIX/\$\{prefix\}}|g" -e "s|@version@|$VERSION|g" \
         -e "s|@hypre@|$hypre|g" "$1" >"$filled"
     put 644 "$filled" "$2"
     rm -f "$filled"
@@ -53,6 +53,7 @@ put 755 "$BUILD/meniscus" "$bin/meniscus"
 # Where it was built; what is not there is not missed when it is taken away.
 if [ -f "$BUILD/meniscus-dashboard" ] || [ "$action" = uninstall ]; then
     put 755 "$BUILD/meniscus-dashboard" "$bin/meniscus-dashboard"
+    put 644 "$BUILD/man/meniscus-dashboard.8" "$PREFIX/share/man/man8/meniscus-dashboard.8"
     put 644 client/dashboard/README.md "$doc/dashboard.md"
     fill systemd/meniscus-dashboard@.service "$units/meniscus-dashboard@.service"
 fi

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# packages.sh [build|dashboard|check|validate]: install the Debian packages that are missing. `build` (the default) is what building
+# packages.sh [build|dashboard|deb|check|validate]: install the Debian packages that are missing. `build` (the default) is what building
 # and `make demo` need; the others are that and what the target of this name needs besides. Costs one dpkg-query when nothing is missing.
 set -eu
 
@@ -17,6 +17,9 @@ libwebsockets-dev
 # Not those of Debian where there are others.
 command -v node >/dev/null || dashboard+=' nodejs'
 command -v npm >/dev/null || dashboard+=' npm'
+deb='
+debhelper dpkg-dev
+'
 check='
 chromium
 libcmocka-dev
@@ -24,7 +27,7 @@ clang clang-format clang-tidy libclang-rt-14-dev libomp-dev
 cppcheck shellcheck g++ git procps
 systemd util-linux valgrind prometheus
 paraview python3-paraview xvfb xauth
-python3-scipy man-db python3-nbclient python3-ipykernel python3-jsonschema snakemake
+python3-scipy man-db lintian python3-nbclient python3-ipykernel python3-jsonschema snakemake
 '
 validate='
 python3-scipy
@@ -34,10 +37,11 @@ group=${1:-build}
 case $group in
 build) wanted=$build ;;
 dashboard) wanted=$build$dashboard ;;
-check) wanted=$build$dashboard$check ;;
+deb) wanted=$build$deb ;;
+check) wanted=$build$dashboard$deb$check ;;
 validate) wanted=$build$validate ;;
 *)
-    echo "usage: packages.sh [build|dashboard|check|validate]" >&2
+    echo "usage: packages.sh [build|dashboard|deb|check|validate]" >&2
     exit 64
     ;;
 esac

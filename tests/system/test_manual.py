@@ -12,7 +12,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from daemon import BUILD, ROOT  # noqa: E402
 
-PAGES = ("meniscus.1", "meniscusd.8", "meniscus-case.5")
+PAGES = ("meniscus.1", "meniscusd.8", "meniscus-dashboard.8", "meniscus-case.5")
 
 
 def shown(page: str) -> str:
@@ -54,6 +54,15 @@ class Manual(unittest.TestCase):
             self.assertIn(option, page)
         self.assertIn("--state-dir=DIR Where runs keep their files", page)
         self.assertIn("75 stopped by a signal", page)
+
+    def test_the_page_of_the_dashboard_has_every_option(self) -> None:
+        page = shown("meniscus-dashboard.8")
+        text = subprocess.run([BUILD / "meniscus-dashboard", "--help"], capture_output=True, text=True, check=True).stdout
+        options = set(re.findall(r"--[a-z-]+", text))
+        self.assertGreater(len(options), 5)
+        for option in options:
+            self.assertIn(option, page)
+        self.assertIn("WHO MAY", page)
 
     def test_the_page_of_the_case_has_every_entry(self) -> None:
         page = shown("meniscus-case.5")
