@@ -45,6 +45,7 @@ kind_of() {
         ;;
     '"'*/*)
         local path=${1#\"}
+        path=${path#client/}
         echo "${path%%/*}"
         ;;
     *) echo "$1, which does not begin with its folder" ;;
