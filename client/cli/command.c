@@ -49,6 +49,21 @@ const Command command_table[] = {
      .exits = EXIT_IO,
      .max_words = 1,
      .run = command_render},
+    {.name = "export",
+     .arguments = "FILE.hdf",
+     .help = "write a snapshot, or the series of the probes, as CSV or VTK",
+     .details = "    meniscus export probes.hdf                          step, time and all probes, as CSV on standard "
+                "output\n"
+                "    meniscus export snapshot-0000000100.hdf --out a.vtk  particles and their fields\n"
+                "Headings of CSV have units, as in `pressure [Pa]`; a cell is empty where there was nothing to "
+                "measure. ParaView, "
+                "and whatever else reads VTKHDF, opens snapshots as they are.",
+     .options = OPTION(OPT_EXPORT),
+     .exits = EXIT_IO,
+     .is_alone = true,
+     .min_words = 1,
+     .max_words = 1,
+     .run = command_export},
     {.name = "log",
      .arguments = "DIR",
      .help = "print the journal of a run directory: who changed what, and when",

@@ -91,6 +91,7 @@ MnsStatus command_schemes(Invocation *in, MnsError *error);
 MnsStatus command_ls(Invocation *in, MnsError *error);
 MnsStatus command_completion(Invocation *in, MnsError *error);
 MnsStatus command_doctor(Invocation *in, MnsError *error);
+MnsStatus command_export(Invocation *in, MnsError *error);
 MnsStatus command_init(Invocation *in, MnsError *error);
 MnsStatus command_top(Invocation *in, MnsError *error);
 MnsStatus command_keys(Invocation *in, MnsError *error);

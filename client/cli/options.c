@@ -59,6 +59,8 @@ const OptionInfo option_table[] = {
     [OPT_KEYS] = {"keys", 0, "DIR", "where the keys are; default $MENISCUS_KEYS, or ~/.config/meniscus/keys"},
     [OPT_FROM] = {"from", 0, "CASE", "begin with this case, its comments and all; default: a small one of two fluids"},
     [OPT_STATE_DIR] = {"state-dir", 0, "DIR", "where the daemon keeps its runs; default: as `meniscusd` chooses it"},
+    [OPT_EXPORT] = {"out", 0, "FILE",
+                    "where the table goes: a name that ends with .csv or .vtk; default: CSV on standard output"},
     [OPT_ONCE] = {"once", 0, NULL, "look once; where the output is no terminal and no JSON, that is so anyhow"},
 };
 

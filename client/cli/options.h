@@ -55,6 +55,7 @@ typedef enum OptionId {
     OPT_FROM,
     OPT_STATE_DIR,
     OPT_ONCE,
+    OPT_EXPORT,
     OPTION_COUNT
 } OptionId;
 

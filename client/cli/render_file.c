@@ -1,107 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Frames from snapshot files: the one file of the client that knows HDF5. */
+/* Frames from snapshot files. */
+#include "client/cli/hdf_source.h"
 #include "client/cli/render_frame.h"
 #include "proto/case_file.h"
-#include <errno.h>
-#include <hdf5.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static const char points[] = "/VTKHDF/Points", group[] = "/VTKHDF/PointData", about[] = "/meniscus";
-
-typedef struct Source {
-    hid_t file;
-    const char *path;
-    MnsError *error;
-} Source;
-
-static MnsStatus damaged(const Source *s, const char *what)
-{
-    return mns_fail_at(s->error, MNS_E_CORRUPT, s->path, "%s is damaged or not a snapshot of Meniscus: %s", s->path,
-                       what);
-}
-
-/* --- attributes of /meniscus -------------------------------------------------------------------------------------- */
-
-static bool get_number(const Source *s, const char *name, hid_t type, void *ret)
-{
-    if (H5Aexists_by_name(s->file, about, name, H5P_DEFAULT) <= 0) return false;
-    const hid_t attribute = H5Aopen_by_name(s->file, about, name, H5P_DEFAULT, H5P_DEFAULT);
-    const hid_t space = H5Aget_space(attribute);
-    const bool good = H5Sget_simple_extent_npoints(space) == 1 && H5Aread(attribute, type, ret) >= 0;
-    H5Sclose(space);
-    H5Aclose(attribute);
-    return good;
-}
-
-/* A text of fixed length, at the object of that name; stays empty if there is none. */
-static void get_text(const Source *s, const char *object, const char *name, size_t size, char *ret)
-{
-    ret[0] = '\0';
-    if (H5Aexists_by_name(s->file, object, name, H5P_DEFAULT) <= 0) return;
-    const hid_t attribute = H5Aopen_by_name(s->file, object, name, H5P_DEFAULT, H5P_DEFAULT);
-    const hid_t type = H5Aget_type(attribute), space = H5Aget_space(attribute);
-    const size_t length = H5Tget_size(type);
-    if (H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0 && H5Sget_simple_extent_npoints(space) == 1) {
-        char *text = calloc(length + 1, 1);
-        if (text && H5Aread(attribute, type, text) >= 0) snprintf(ret, size, "%s", text);
-        free(text);
-    }
-    H5Sclose(space);
-    H5Tclose(type);
-    H5Aclose(attribute);
-}
-
-/* --- datasets ----------------------------------------------------------------------------------------------------- */
-
-/* Whether every part of a path is there: HDF5 complains of a missing part in the middle. */
-static bool has(const Source *s, const char *name)
-{
-    char part[256];
-    for (const char *end = strchr(name + 1, '/');; end = strchr(end + 1, '/')) {
-        snprintf(part, sizeof part, "%.*s", end ? (int)(end - name) : (int)strlen(name), name);
-        if (H5Lexists(s->file, part, H5P_DEFAULT) <= 0) return false;
-        if (!end) return true;
-    }
-}
-
-/* Rows and columns of a dataset of numbers; a vector has one column. */
-static bool shape_of(hid_t dataset, hsize_t shape[2])
-{
-    const hid_t space = H5Dget_space(dataset), type = H5Dget_type(dataset);
-    const int rank = H5Sget_simple_extent_ndims(space);
-    const H5T_class_t class = H5Tget_class(type);
-    shape[1] = 1;
-    const bool good = (rank == 1 || rank == 2) && (class == H5T_INTEGER || class == H5T_FLOAT) &&
-                      H5Sget_simple_extent_dims(space, shape, NULL) == rank && shape[1] >= 1 && shape[1] <= 9;
-    H5Tclose(type);
-    H5Sclose(space);
-    return good;
-}
-
-/* All of a dataset with `rows` rows as doubles, to be freed. */
-static MnsStatus get_numbers(const Source *s, const char *name, size_t rows, int *ret_columns, double **ret)
-{
-    hsize_t shape[2] = {0, 0};
-    const hid_t dataset = H5Dopen2(s->file, name, H5P_DEFAULT);
-    double *values = NULL;
-    MnsStatus status = MNS_OK;
-    if (dataset < 0 || !shape_of(dataset, shape) || shape[0] != rows) status = damaged(s, name);
-    else if (!(values = malloc((rows ? rows : 1) * shape[1] * sizeof *values)))
-        status = mns_fail(s->error, MNS_E_MEMORY, "there is no memory for %zu particles", rows);
-    else if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) status = damaged(s, name);
-    if (dataset >= 0) H5Dclose(dataset);
-    if (status) {
-        free(values);
-        return status;
-    }
-    *ret_columns = (int)shape[1];
-    *ret = values;
-    return MNS_OK;
-}
 
 /* A scalar of each particle, of vectors the magnitude. */
 static MnsStatus get_field(const Source *s, const char *name, size_t n, int *ret_columns, double **ret)
@@ -109,7 +16,7 @@ static MnsStatus get_field(const Source *s, const char *name, size_t n, int *ret
     char path[sizeof group + FRAME_NAME + 1];
     double *values;
     snprintf(path, sizeof path, "%s/%s", group, name);
-    const MnsStatus status = get_numbers(s, path, n, ret_columns, &values);
+    const MnsStatus status = source_numbers(s, path, n, ret_columns, &values);
     if (status) return status;
     frame_magnitude(n, *ret_columns, values, values);
     *ret = values;
@@ -141,7 +48,7 @@ static MnsStatus no_such_field(const Source *s, const char *name)
  * none. Variable ones are not even tried: in a damaged file HDF5 may search for them without end. */
 static char *get_texts(const Source *s, const char *name, size_t most, size_t longest, size_t *ret_n, size_t *ret_size)
 {
-    if (!has(s, name)) return NULL;
+    if (!source_has(s, name)) return NULL;
     const hid_t dataset = H5Dopen2(s->file, name, H5P_DEFAULT);
     const hid_t type = H5Dget_type(dataset), space = H5Dget_space(dataset);
     const hssize_t n = H5Sget_simple_extent_npoints(space);
@@ -193,25 +100,25 @@ static void get_space(const Source *s, Frame *frame)
 static MnsStatus get_about(const Source *s, Frame *frame)
 {
     uint64_t n_fluid = 0;
-    const bool good = get_number(s, "time", H5T_NATIVE_DOUBLE, &frame->time) &&
-                      get_number(s, "spacing", H5T_NATIVE_DOUBLE, &frame->spacing) &&
-                      get_number(s, "dim", H5T_NATIVE_INT, &frame->dim) &&
-                      get_number(s, "fluid_particles", H5T_NATIVE_UINT64, &n_fluid);
-    if (!good) return damaged(s, "time, spacing, dimension or number of particles is missing");
+    const bool good = source_number(s, "time", H5T_NATIVE_DOUBLE, &frame->time) &&
+                      source_number(s, "spacing", H5T_NATIVE_DOUBLE, &frame->spacing) &&
+                      source_number(s, "dim", H5T_NATIVE_INT, &frame->dim) &&
+                      source_number(s, "fluid_particles", H5T_NATIVE_UINT64, &n_fluid);
+    if (!good) return source_damaged(s, "time, spacing, dimension or number of particles is missing");
     if (!(frame->spacing > 0) || (frame->dim != 2 && frame->dim != 3) || n_fluid > frame->n)
-        return damaged(s, "its spacing, dimension or number of particles makes no sense");
+        return source_damaged(s, "its spacing, dimension or number of particles makes no sense");
     frame->n_fluid = n_fluid;
-    get_text(s, about, "title", sizeof frame->title, frame->title);
+    source_text(s, about, "title", sizeof frame->title, frame->title);
     get_fluids(s, frame);
     get_space(s, frame);
-    return frame->n_fluids ? MNS_OK : damaged(s, "it names no fluids");
+    return frame->n_fluids ? MNS_OK : source_damaged(s, "it names no fluids");
 }
 
 static MnsStatus get_places(const Source *s, Frame *frame)
 {
     double *values;
     int columns;
-    const MnsStatus status = get_numbers(s, points, frame->n, &columns, &values);
+    const MnsStatus status = source_numbers(s, points, frame->n, &columns, &values);
     if (status) return status;
     for (size_t i = 0; i < frame->n; i++)
         for (int d = 0; d < columns && d < 3; d++) frame->x[i][d] = values[i * (size_t)columns + (size_t)d];
@@ -223,7 +130,7 @@ static MnsStatus get_phases(const Source *s, Frame *frame)
 {
     double *values;
     int columns;
-    if (!has(s, "/VTKHDF/PointData/phase")) return damaged(s, "it has no field \"phase\"");
+    if (!source_has(s, "/VTKHDF/PointData/phase")) return source_damaged(s, "it has no field \"phase\"");
     const MnsStatus status = get_field(s, "phase", frame->n, &columns, &values);
     if (status) return status;
     for (size_t i = 0; i < frame->n; i++) frame->phase[i] = values[i] >= 0 && values[i] < 1e6 ? (int)values[i] : 0;
@@ -238,29 +145,27 @@ static MnsStatus get_value(const Source *s, const char *field, Frame *frame)
     if (!strcmp(field, "phase")) return MNS_OK;
     snprintf(frame->field, sizeof frame->field, "%s", field);
     snprintf(path, sizeof path, "%s/%s", group, frame->field);
-    if (strchr(field, '/') || !*field || !has(s, path)) return no_such_field(s, field);
+    if (strchr(field, '/') || !*field || !source_has(s, path)) return no_such_field(s, field);
     const MnsStatus status = get_field(s, frame->field, frame->n, &columns, &frame->value);
     if (status) return status;
     frame->is_magnitude = columns > 1;
-    get_text(s, path, "unit", sizeof frame->unit, frame->unit);
+    source_text(s, path, "unit", sizeof frame->unit, frame->unit);
     return MNS_OK;
 }
 
 static MnsStatus get_weight(const Source *s, Frame *frame)
 {
     int columns;
-    if (!has(s, "/VTKHDF/PointData/density")) return MNS_OK;
+    if (!source_has(s, "/VTKHDF/PointData/density")) return MNS_OK;
     return get_field(s, "density", frame->n, &columns, &frame->weight);
 }
 
 static MnsStatus read_all(const Source *s, const char *field, Frame *frame)
 {
     hsize_t shape[2] = {0, 0};
-    if (!has(s, points) || !has(s, group) || !has(s, about)) return damaged(s, "it has no particles");
-    const hid_t dataset = H5Dopen2(s->file, points, H5P_DEFAULT);
-    const bool good = dataset >= 0 && shape_of(dataset, shape) && shape[1] == 3 && shape[0] < UINT32_MAX;
-    if (dataset >= 0) H5Dclose(dataset);
-    if (!good) return damaged(s, points);
+    if (!source_has(s, points) || !source_has(s, group) || !source_has(s, about))
+        return source_damaged(s, "it has no particles");
+    if (!source_shape(s, points, shape) || shape[1] != 3 || shape[0] >= UINT32_MAX) return source_damaged(s, points);
     MnsStatus status = frame_init(frame, shape[0], s->error);
     if (status) return status;
     status = get_about(s, frame);
@@ -274,20 +179,12 @@ static MnsStatus read_all(const Source *s, const char *field, Frame *frame)
 
 MnsStatus frame_read_file(const char *path, const char *field, Frame *ret, MnsError *error)
 {
-    if (access(path, R_OK)) {
-        const MnsStatus status = errno == ENOENT ? MNS_E_NOT_FOUND : MNS_E_IO;
-        return mns_fail_at(error, status, path, "cannot read %s: %s", path, strerror(errno));
-    }
-    /* HDF5 would print a page about each failure; the sentence says enough. */
-    H5E_auto2_t print;
-    void *arg;
-    H5Eget_auto2(H5E_DEFAULT, &print, &arg);
-    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
-    const Source s = {H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT), path, error};
+    Source s;
     Frame frame;
-    const MnsStatus status = s.file < 0 ? damaged(&s, "HDF5 cannot open it") : read_all(&s, field, &frame);
-    if (s.file >= 0) H5Fclose(s.file);
-    H5Eset_auto2(H5E_DEFAULT, print, arg);
+    MnsStatus status = source_open(&s, path, error);
+    if (status) return status;
+    status = read_all(&s, field, &frame);
+    source_close(&s);
     if (!status) *ret = frame;
     return status;
 }

@@ -4,12 +4,11 @@
 #include "client/cli/render_interface.h"
 #include "client/cli/render_page.h"
 #include "client/cli/render_raster.h"
-#include <errno.h>
+#include "client/cli/whole_file.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static const Colour wall_colour = {0.60, 0.60, 0.60};
 
@@ -112,27 +111,9 @@ static cairo_status_t to_file(void *file, const unsigned char *data, unsigned le
     return fwrite(data, 1, length, file) == length ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_WRITE_ERROR;
 }
 
-static MnsStatus refuse(const char *path, int code, MnsError *error)
+static bool write_png(FILE *file, const void *surface)
 {
-    const MnsStatus status = code == ENOSPC || code == EDQUOT ? MNS_E_NO_SPACE : MNS_E_IO;
-    return mns_fail_at(error, status, path, "cannot write the picture %s: %s", path, strerror(code));
-}
-
-static MnsStatus save(cairo_surface_t *surface, const char *path, MnsError *error)
-{
-    char part[4096];
-    if ((size_t)snprintf(part, sizeof part, "%s.part", path) >= sizeof part) return refuse(path, ENAMETOOLONG, error);
-    FILE *file = fopen(part, "wb");
-    if (!file) return refuse(path, errno, error);
-    errno = 0;
-    const bool written =
-        cairo_surface_write_to_png_stream(surface, to_file, file) == CAIRO_STATUS_SUCCESS && !fflush(file);
-    int code = written ? 0 : errno ? errno : EIO;
-    if (fclose(file) && !code) code = errno;
-    if (!code && rename(part, path)) code = errno;
-    if (!code) return MNS_OK;
-    unlink(part);
-    return refuse(path, code, error);
+    return cairo_surface_write_to_png_stream((cairo_surface_t *)surface, to_file, file) == CAIRO_STATUS_SUCCESS;
 }
 
 static void fit(Page *page)
@@ -157,7 +138,7 @@ static MnsStatus compose(const Frame *frame, const View *view, const Colour *col
     if (!status) status = draw_dots(frame, view, colours, &layout, cr, error);
     if (!status) {
         page_draw(page, &layout, cr);
-        status = save(surface, path, error);
+        status = whole_file_write(path, "the picture", write_png, surface, error);
         memcpy(drawn->plot, &layout.plot, sizeof drawn->plot);
     }
     cairo_destroy(cr);
