@@ -71,7 +71,7 @@ DASHBOARD_ALL := $(addprefix $(BUILD)/,meniscus-dashboard man/meniscus-dashboard
 MANUALS   := $(addprefix $(BUILD)/man/,meniscus.1 meniscusd.8 meniscus-case.5)
 SUPPORT   := $(call objects,$(call sources,tests/support))
 
-.PHONY: all help packages demo dashboard check validate compare bench reference install uninstall deb clean lint format asan tsan fuzz
+.PHONY: all help packages demo dashboard check validate compare bench reference install uninstall deb pictures clean lint format asan tsan fuzz
 all: $(BUILD)/meniscusd $(BUILD)/meniscus $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-client.a $(BUILD)/libmeniscus-client.so $(BUILD)/case-reference.md $(BUILD)/python/meniscus/meniscus_pb2.py $(if $(SANITIZE),,$(MANUALS)) ## build everything
 
 help: ## list the targets
@@ -150,6 +150,9 @@ solver-flags: # with which the solver is compiled
 
 solver-libs: # that the solver needs besides those of its .pc file
 	$(info $(hypre_libs))@:
+
+pictures: all $(DASHBOARD_ALL) $(BUILD)/web-check/node_modules/.package-lock.json ## draw those of the README again: some minutes
+	@BUILD=$(BUILD) tests/support/pictures.sh
 
 format: ## lay out the sources
 	clang-format -i $$(git ls-files '*.c' '*.h')
