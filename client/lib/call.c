@@ -11,6 +11,8 @@
 static const double greeting_s = 5; /* a daemon answers greetings at once, whatever it computes        */
 static const double grace_s = 2;    /* beyond the deadline the daemon knows, for its answer to get here */
 
+enum { ENDED_MAX = 2 }; /* daemons that end while they have a request: once is an accident */
+
 static const MnsStatus statuses[] = {
     [MENISCUS__CODE__OK] = MNS_OK,
     [MENISCUS__CODE__INVALID_ARGUMENT] = MNS_E_INVALID,
@@ -74,17 +76,25 @@ static MnsStatus await(MnsClient *client, const Meniscus__Request *request, doub
     }
 }
 
-/* After a lost connection: if there is a daemon that was started since, the one before has ended, which is all that a shutdown wants. */
-static MnsStatus may_repeat(MnsClient *client, const Meniscus__Request *request, MnsError *error)
+/* After a lost connection: is the request given to whoever is there now? If that is a daemon that was started since, the one before has
+ * ended, which is all that a shutdown wants, and what another request may have brought about: one that ends every daemon must not be
+ * given to each that a supervisor starts. A wait brings nothing about. *ended: how many daemons ended while they had it. */
+static MnsStatus may_repeat(MnsClient *client, const Meniscus__Request *request, int *ended, MnsError *error)
 {
     const uint64_t before = client->epoch;
     const MnsStatus status = call_greet(client, error);
     if (status != MNS_OK) return status;
-    if (client->epoch == before || request->command_case != MENISCUS__REQUEST__COMMAND_SHUTDOWN) return MNS_OK;
+    if (client->epoch == before || request->command_case == MENISCUS__REQUEST__COMMAND_WAIT) return MNS_OK;
+    if (request->command_case == MENISCUS__REQUEST__COMMAND_SHUTDOWN)
+        return mns_fail(error, MNS_E_UNAVAILABLE,
+                        "the daemon at %s ended before it answered, and another was started; give the command again if "
+                        "that shall end too",
+                        client->wire.endpoint);
+    if (++*ended < ENDED_MAX) return MNS_OK;
     return mns_fail(error, MNS_E_UNAVAILABLE,
-                    "the daemon at %s ended before it answered, and another was started; give the command again if "
-                    "that shall end too",
-                    client->wire.endpoint);
+                    "the daemon at %s ended %d times before it answered, perhaps because of this command, which is not "
+                    "given to it again: see its log for why, and `meniscus status` for what took effect",
+                    client->wire.endpoint, ENDED_MAX);
 }
 
 /* Send until there is a reply. The reply may be a refusal. */
@@ -99,11 +109,12 @@ static MnsStatus exchange(MnsClient *client, const Meniscus__Request *request, d
     if (!packed) return mns_fail(error, MNS_E_MEMORY, "no memory for a request of %zu bytes", size);
     meniscus__request__pack(request, packed);
     MnsStatus status = MNS_OK;
+    int ended = 0;
     for (*ret = NULL; status == MNS_OK && !*ret;) {
         status = wire_send(&client->wire, packed, size, error);
         if (status == MNS_OK) status = await(client, request, deadline, ret, frames, error);
         if (status == MNS_OK && !*ret && request->command_case != MENISCUS__REQUEST__COMMAND_STATUS)
-            status = may_repeat(client, request, error);
+            status = may_repeat(client, request, &ended, error);
     }
     free(packed);
     return status;

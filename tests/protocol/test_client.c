@@ -80,7 +80,7 @@ static void handle(void *arg, const Meniscus__Request *request, FakeAnswer *answ
     answer->reply->effect_step = 41;
     answer->reply->state = MENISCUS__STATE__PAUSED;
     if (request->command_case == MENISCUS__REQUEST__COMMAND_QUERY) add_array(fixture, answer);
-    if (fixture->restart) fake_daemon_set_epoch(fixture->daemon, 2);
+    if (fixture->restart) fake_daemon_set_epoch(fixture->daemon, 2 + (uint64_t)k);
     atomic_fetch_add(&fixture->n, 1);
     pthread_mutex_unlock(&fixture->lock);
 }
@@ -223,6 +223,28 @@ static void a_restarted_daemon_is_given_the_command_again_under_its_id(void **st
     settle(fixture);
     assert_memory_equal(fixture->ids[0], fixture->ids[1], 16);
     assert_int_equal(fixture->commands[1], MENISCUS__REQUEST__COMMAND_STEP);
+}
+
+static void a_command_that_ends_every_daemon_is_not_given_to_each(void **state)
+{
+    Fixture *fixture = *state;
+    MnsError error = {0};
+    for (int k = 0; k < 4; k++) fixture->manners[k] = FAKE_DISCONNECT;
+    fixture->restart = true;
+    settle(fixture);
+    assert_int_equal(mns_client_step(fixture->client, 5, NULL, &error), MNS_E_UNAVAILABLE);
+    assert_int_equal(atomic_load(&fixture->n), 2);
+    assert_non_null(strstr(error.text, "ended 2 times"));
+}
+
+static void a_wait_is_given_to_every_daemon_that_comes(void **state)
+{
+    Fixture *fixture = *state;
+    for (int k = 0; k < 3; k++) fixture->manners[k] = FAKE_DISCONNECT;
+    fixture->restart = true;
+    settle(fixture);
+    assert_int_equal(mns_client_wait(fixture->client, 1u << MNS_STATE_DONE, NAN, 0, NULL, NULL), MNS_OK);
+    assert_int_equal(atomic_load(&fixture->n), 4);
 }
 
 static void a_shutdown_does_not_end_the_daemon_that_is_started_after_it(void **state)
@@ -425,6 +447,8 @@ int main(void)
         TEST(the_reason_is_more_exact_than_the_code),
         TEST(a_lost_connection_repeats_the_request_under_the_same_id),
         TEST(a_restarted_daemon_is_given_the_command_again_under_its_id),
+        TEST(a_command_that_ends_every_daemon_is_not_given_to_each),
+        TEST(a_wait_is_given_to_every_daemon_that_comes),
         TEST(a_shutdown_does_not_end_the_daemon_that_is_started_after_it),
         TEST(answers_to_other_requests_are_passed_over),
         TEST(silence_ends_with_the_time_limit),

@@ -13,6 +13,7 @@ import unittest
 from pathlib import Path
 
 import numpy as np
+import zmq
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from daemon import BUILD, ROOT, DaemonTest  # noqa: E402
@@ -287,6 +288,39 @@ class WithoutDaemon(unittest.TestCase):
         array.shape[0] = 3
         with self.assertRaises(meniscus.CorruptError):
             values.read_array(array, frame)
+
+    def repeat(self, request: meniscus_pb2.Request, deaths: int) -> int:
+        """Speak with daemons that end when they get the request, so many of them: how often it was sent."""
+        spoken = dialogue.Dialogue("ipc:///tmp/nobody")
+        spoken.note(zmq.EVENT_HANDSHAKE_SUCCEEDED)
+        spoken.epoch = 1
+        self.sent = 0
+        steps = spoken.call(request)
+        step = next(steps)
+        while isinstance(step, (dialogue.Send, dialogue.Wait)):
+            if isinstance(step, dialogue.Send):
+                asked = meniscus_pb2.Request.FromString(step.frame)
+                self.sent += not asked.HasField("status")
+                if asked.HasField("status") or self.sent > deaths:
+                    reply = meniscus_pb2.Reply(id=asked.id, code="OK", daemon_epoch=1 + self.sent)
+                    spoken.deliver([reply.SerializeToString()])
+                else:
+                    spoken.note(zmq.EVENT_DISCONNECTED)
+            try:
+                step = steps.send(True)
+            except StopIteration:
+                return self.sent
+            if self.sent and not spoken._connected:
+                spoken.note(zmq.EVENT_HANDSHAKE_SUCCEEDED)
+        raise AssertionError(step)
+
+    def test_a_command_that_ends_every_daemon_is_not_given_to_each(self) -> None:
+        step = meniscus_pb2.Request(step=meniscus_pb2.Step(count=1))
+        self.assertEqual(self.repeat(step, 1), 2)
+        with self.assertRaisesRegex(meniscus.UnavailableError, "ended 2 times"):
+            self.repeat(step, 9)
+        self.assertEqual(self.sent, 2)
+        self.assertEqual(self.repeat(meniscus_pb2.Request(wait=meniscus_pb2.Wait()), 5), 6)
 
     def test_the_checksum_is_the_published_one(self) -> None:
         self.assertEqual(dialogue.xxh64(b""), 0xEF46DB3751D8E999)

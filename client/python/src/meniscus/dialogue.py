@@ -27,6 +27,7 @@ GREETING_S = 5.0  # a daemon answers greetings at once, whatever it computes
 GRACE_S = 2.0  # beyond the deadline that the daemon knows, for its answer to get here
 TRY_S = 0.1  # to send, before we look what became of the connection
 MAX_REQUEST = 1 << 20  # bytes; a daemon takes no more
+MAX_ENDED = 2  # daemons that end while they have a request: once is an accident
 FAILURES = (zmq.EVENT_HANDSHAKE_FAILED_AUTH, zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL, zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL)
 EVENTS = zmq.EVENT_HANDSHAKE_SUCCEEDED | zmq.EVENT_DISCONNECTED | zmq.EVENT_CONNECT_RETRIED | sum(FAILURES)
 
@@ -141,21 +142,33 @@ class Dialogue:
             text = f"the request has {len(packed)} bytes, a daemon takes {MAX_REQUEST}"
             raise MeniscusError("RESOURCE_EXHAUSTED", text)
         deadline = None if timeout is None else time.monotonic() + timeout + GRACE_S
+        ended = 0  # daemons, while they had the request
         while True:
             yield Wait(0)  # learn what happened since the last call
             connections = yield from self._send(packed)
             answer = yield from self._await_answer(request.id, connections, deadline)
             if answer:
                 return answer
-            if request.WhichOneof("command") != "status":
-                yield from self._check_repeatable(request)
+            kind = request.WhichOneof("command")
+            if kind == "status":
+                continue
+            before = self.epoch
+            yield from self._greet()
+            if self.epoch != before and kind != "wait":
+                ended += 1
+                self._check_repeatable(kind, ended)
 
-    def _check_repeatable(self, request: pb.Request) -> Connecting:
-        before = self.epoch
-        yield from self._greet()
-        if self.epoch != before and request.HasField("shutdown"):
+    def _check_repeatable(self, kind: Optional[str], ended: int) -> None:
+        """May it be given to a daemon that was started since? The one before has ended, which is all that a shutdown wants, and
+        what another request may have brought about: one that ends every daemon must not be given to each that is started. A wait
+        brings nothing about."""
+        if kind == "shutdown":
             text = "the daemon ended before it answered, and another was started; give the command again if that shall end too"
             raise UnavailableError("UNAVAILABLE", text)
+        if ended >= MAX_ENDED:
+            text = f"the daemon at {self.endpoint} ended {ended} times before it answered, perhaps because of this command"
+            more = "which is not given to it again: see its log for why, and status() for what took effect"
+            raise UnavailableError("UNAVAILABLE", f"{text}, {more}")
 
     def _send(self, packed: bytes) -> Generator[Union[Send, Wait], bool, int]:
         """Returns how many connections there had been by then."""
