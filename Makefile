@@ -5,6 +5,13 @@ BUILD     ?= build
 ifeq ($(strip $(BUILD)),)
 $(error BUILD is empty, which would put everything into /: unset it, or name a folder)
 endif
+ifneq "$(BUILD)" "$(firstword $(BUILD))"
+$(error BUILD is "$(BUILD)", and make takes blanks for the ends of names: name a folder without any)
+endif
+# `make clean` removes it.
+ifneq ($(or $(filter /,$(abspath $(BUILD))),$(filter $(abspath $(BUILD))/%,$(CURDIR)/)),)
+$(error BUILD is $(BUILD), where the sources are, or above them: name a folder of its own, such as build)
+endif
 # make comes with a CC of its own, so ?= would have no effect.
 ifeq ($(origin CC),default)
 CC        := gcc

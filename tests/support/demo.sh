@@ -1,13 +1,20 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# demo.sh: a tour of what was just built. A dam breaks in a daemon while we watch, pause, ask and change it; at the end there
-# are pictures to look at. Nothing is left running, and nothing is written outside $DEMO ($BUILD/demo) but the sockets.
+# demo.sh [NAME]: a tour of what was just built. A dam breaks in a daemon while we watch, pause, ask and change it; at the end
+# there are pictures to look at. Nothing is left running, and nothing is written outside $BUILD/NAME ($BUILD/demo) but the sockets.
+# What was there before is removed.
 set -eu
 cd "$(dirname "$0")/../.."
 BUILD=${BUILD:-build}
 RESOLUTION=${RESOLUTION:-40} # particles per water depth
 WATCH=${WATCH:-6}            # seconds
-demo=${DEMO:-$BUILD/demo}
+case ${1:-demo} in
+*/* | .*)
+    echo "demo.sh: \"$1\" is no name of a directory in $BUILD" >&2
+    exit 2
+    ;;
+esac
+demo=${BUILD:?}/${1:-demo}
 
 export XDG_RUNTIME_DIR MENISCUS_DAEMON=demo
 XDG_RUNTIME_DIR=$(mktemp -d /tmp/meniscus-demo-XXXXXX)
