@@ -267,6 +267,17 @@ static bool sync_above(const char *path)
     return synced;
 }
 
+/* On the disk; the errno of what failed, or 0. A disk that fills up takes a part, and says why when it is given the rest. */
+static int write_all(int fd, const char *text, size_t size)
+{
+    for (size_t done = 0; done < size;) {
+        const ssize_t got = write(fd, text + done, size - done);
+        if (got < 0 && errno != EINTR) return errno;
+        if (got > 0) done += (size_t)got;
+    }
+    return fsync(fd) ? errno : 0;
+}
+
 /* Write PATH.tmp and rename it, so that whoever reads it finds all of it or the one before. */
 static MnsStatus replace(const char *path, const char *text, size_t size, MnsError *error)
 {
@@ -274,14 +285,13 @@ static MnsStatus replace(const char *path, const char *text, size_t size, MnsErr
     snprintf(temporary, sizeof temporary, "%s.tmp", path);
     unlink(temporary); /* of a program that was killed */
     const int fd = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-    bool whole = fd >= 0 && write(fd, text, size) == (ssize_t)size && !fsync(fd);
-    if (fd >= 0) whole = !close(fd) && whole;
-    whole = whole && !rename(temporary, path) && sync_above(path);
-    if (whole) return MNS_OK;
-    const MnsStatus status =
-        mns_fail(error, errno == ENOSPC ? MNS_E_NO_SPACE : MNS_E_IO, "cannot write %s: %s", path, strerror(errno));
+    int cause = fd < 0 ? errno : write_all(fd, text, size);
+    if (fd >= 0 && close(fd) && !cause) cause = errno;
+    if (!cause && (rename(temporary, path) || !sync_above(path))) cause = errno;
+    if (!cause) return MNS_OK;
     unlink(temporary);
-    return status;
+    return mns_fail(error, cause == ENOSPC || cause == EDQUOT ? MNS_E_NO_SPACE : MNS_E_IO, "cannot write %s: %s", path,
+                    strerror(cause));
 }
 
 MnsStatus keys_write(const char *directory, const Keys *keys, MnsError *error)

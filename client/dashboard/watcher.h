@@ -14,7 +14,7 @@ MnsStatus watcher_start(Hub *hub, MnsError *error);
 MnsStatus painter_start(Hub *hub, double frames_per_second, MnsError *error);
 
 /* Give a command, or read the journal, on a thread of its own; the answer goes to the browser. Takes the ask, also on failure.
- * MNS_E_LIMIT: too many are under way. */
+ * MNS_E_LIMIT: too many are under way; MNS_E_MEMORY: there is no memory or no thread for it. */
 MnsStatus worker_start(Hub *hub, uint64_t browser, Ask *ask, MnsError *error);
 
 /* The failure of what a browser has asked under this id. */

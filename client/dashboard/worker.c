@@ -5,6 +5,7 @@
 #include "client/dashboard/watcher.h"
 #include <pthread.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const double quick_s = 60; /* for commands that cannot rightly take longer */
 
@@ -73,20 +74,30 @@ static void *live(void *arg)
     return NULL;
 }
 
-MnsStatus worker_start(Hub *hub, uint64_t browser, Ask *ask, MnsError *error)
+/* Takes the ask if it begins. */
+static MnsStatus begin(Hub *hub, uint64_t browser, const Ask *ask, MnsError *error)
 {
     pthread_t thread;
     Work *work = calloc(1, sizeof *work);
-    const bool may = work && hub_begin_command(hub);
-    if (may) {
-        *work = (Work){.hub = hub, .browser = browser, .ask = *ask};
-        if (!pthread_create(&thread, NULL, live, work)) {
-            pthread_detach(thread);
-            return MNS_OK;
-        }
-        hub_end_command(hub);
+    if (!work) return mns_fail(error, MNS_E_MEMORY, "no memory for a command");
+    *work = (Work){.hub = hub, .browser = browser, .ask = *ask};
+    const int cause = pthread_create(&thread, NULL, live, work);
+    if (!cause) {
+        pthread_detach(thread);
+        return MNS_OK;
     }
     free(work);
+    return mns_fail(error, MNS_E_MEMORY, "no thread for a command: %s", strerror(cause));
+}
+
+MnsStatus worker_start(Hub *hub, uint64_t browser, Ask *ask, MnsError *error)
+{
+    const bool may = hub_begin_command(hub);
+    const MnsStatus status =
+        may ? begin(hub, browser, ask, error)
+            : mns_fail(error, MNS_E_LIMIT, "%d commands are under way already; wait for one to end", HUB_COMMANDS);
+    if (!status) return MNS_OK;
+    if (may) hub_end_command(hub);
     ask_done(ask);
-    return mns_fail(error, MNS_E_LIMIT, "%d commands are under way already; wait for one to end", HUB_COMMANDS);
+    return status;
 }

@@ -4,7 +4,9 @@
 #include "client/dashboard/guard.h"
 #include "client/dashboard/history.h"
 #include "client/dashboard/session.h"
+#include "client/dashboard/watcher.h"
 #include "tests/support/check.h"
+#include "tests/support/memory.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -415,6 +417,26 @@ static void what_waits_for_a_slow_browser_is_bounded(void **state)
     text_release(sample);
 }
 
+/* --- commands ----------------------------------------------------------------------------------------------------------- */
+
+static void why_a_command_cannot_begin_is_told(void **state)
+{
+    (void)state;
+    static Hub *hub; /* lives as long as the process */
+    MnsError error;
+    hub = hub_new("nobody");
+    if (memory_can_fail) {
+        memory_is_gone(true);
+        const MnsStatus status = worker_start(hub, 1, &(Ask){.kind = ASK_PAUSE}, &error);
+        memory_is_gone(false);
+        assert_int_equal(status, MNS_E_MEMORY);
+        assert_non_null(strstr(error.text, "no memory"));
+    }
+    for (int k = 0; k < HUB_COMMANDS; k++) assert_true(hub_begin_command(hub)); /* what failed gave its place back */
+    assert_int_equal(worker_start(hub, 1, &(Ask){.kind = ASK_PAUSE}, &error), MNS_E_LIMIT);
+    assert_non_null(strstr(error.text, "16 commands are under way"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -434,6 +456,7 @@ int main(void)
         cmocka_unit_test(only_the_newest_picture_waits_and_the_others_are_counted),
         cmocka_unit_test(a_browser_that_does_not_draw_gets_no_more),
         cmocka_unit_test(what_waits_for_a_slow_browser_is_bounded),
+        cmocka_unit_test(why_a_command_cannot_begin_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -3,9 +3,12 @@
 #include "proto/keys.h"
 #include "tests/support/check.h"
 #include "tests/support/io_fixture.h"
+#include <errno.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -220,6 +223,30 @@ static void changes_are_made_one_after_the_other(void **state)
     keys_unlock(lock);
 }
 
+/* A limit on the size of files takes a part of what is written, as a disk does that fills up. */
+static void a_disk_that_takes_a_part_is_told_and_the_old_keys_stay(void **state)
+{
+    (void)state;
+    char path[256];
+    struct rlimit before, small;
+    KeyPair pair = {.public_key = ADA, .secret_key = BEN}, other = {.public_key = BEN, .secret_key = ADA}, read;
+    MnsError error;
+    place("part.key", path);
+    assert_int_equal(key_file_write(path, &pair, &error), MNS_OK);
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+    small = before;
+    small.rlim_cur = 50;
+    signal(SIGXFSZ, SIG_IGN);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
+    errno = EACCES; /* of something else */
+    const MnsStatus status = key_file_write(path, &other, &error);
+    setrlimit(RLIMIT_FSIZE, &before);
+    assert_int_equal(status, MNS_E_IO);
+    if (!strstr(error.text, strerror(EFBIG))) fail_msg("\"%s\" does not say why", error.text);
+    assert_int_equal(key_file_read(path, &read, &error), MNS_OK);
+    assert_string_equal(read.public_key, ADA);
+}
+
 static void where_keys_are_is_up_to_the_environment(void **state)
 {
     (void)state;
@@ -256,6 +283,7 @@ int main(void)
         TEST(a_wrong_line_is_named_and_lets_nobody_in),
         TEST(a_secret_file_has_both_keys_and_perhaps_the_daemons),
         TEST(changes_are_made_one_after_the_other),
+        TEST(a_disk_that_takes_a_part_is_told_and_the_old_keys_stay),
         TEST(where_keys_are_is_up_to_the_environment),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
