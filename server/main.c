@@ -243,8 +243,8 @@ int main(int argc, char **argv)
         .parser = parse,
         .doc = "Run particle simulations of fluids, and let people steer them while they run.\v"
                "Exit codes: 0 done, 1 refused or failed, 2 usage, 65 bad case, 70 diverged or a formula failed on the "
-               "way, 74 input/output error, 75 stopped by a signal, after a checkpoint if it had begun (run the same "
-               "command again)."};
+               "way, 74 input/output error, 75 stopped by a signal, after a checkpoint if it had begun, or another "
+               "run has the directory (run the same command again)."};
     Options options = {.batch.until = NAN, .level = -1, .daemon.at.name = "default", .daemon.threads = -1};
     environment_waiting(argv);
     argp_err_exit_status = MNS_EXIT_USAGE;

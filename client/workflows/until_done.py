@@ -75,7 +75,7 @@ def keep(path: Path, told: "dict[str, Any]") -> None:
 
 def is_taken(code: int, told: "dict[str, Any] | None") -> bool:
     """Another run is still in the directory, such as one that was told to leave."""
-    return code == 1 and bool(told) and (told.get("error") or {}).get("status") == "wrong state"
+    return code == AGAIN and bool(told) and (told.get("error") or {}).get("status") == "wrong state"
 
 
 def until_done(job: Job, result: Path, tries: int, accepted: "list[int]") -> int:
@@ -90,7 +90,7 @@ def until_done(job: Job, result: Path, tries: int, accepted: "list[int]") -> int
             return 0
         if is_taken(code, told) and time.monotonic() < patience:
             time.sleep(PAUSE_S)
-        elif code == AGAIN or -code in STOPPED_BY or is_taken(code, told):
+        elif code == AGAIN or -code in STOPPED_BY:
             tries -= 1
         else:
             return code if code >= 0 else 128 - code

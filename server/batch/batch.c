@@ -287,6 +287,7 @@ static int exit_code(const Batch *batch, const Outcome *outcome)
     switch (status) {
     case MNS_OK: return batch->signals.leaving && outcome->status.state != RUN_DONE ? MNS_EXIT_AGAIN : MNS_EXIT_DONE;
     case MNS_E_INTERRUPTED: return MNS_EXIT_AGAIN;
+    case MNS_E_STATE: return outcome->document ? MNS_EXIT_FAILED : MNS_EXIT_AGAIN; /* another run has the directory */
     case MNS_E_DIVERGED: return MNS_EXIT_DIVERGED;
     case MNS_E_IO:
     case MNS_E_NO_SPACE:

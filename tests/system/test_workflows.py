@@ -123,7 +123,7 @@ class Contract(Workflow):
         run.send_signal(signal.SIGUSR1)
         wait_for(lambda: set(self.home.glob("run/checkpoint-*.hdf")) - before)
         self.assertIsNone(run.poll(), "it goes on")
-        busy = self.object_of(self.do(*command, code=1))
+        busy = self.object_of(self.do(*command, code=75))
         self.assertEqual(busy["error"]["status"], "wrong state")
         run.terminate()
         first = self.object_of(self.finish(run, 75))
