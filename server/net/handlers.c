@@ -267,13 +267,23 @@ static void serve_breakpoint(Run *run, Exchange *x)
     run_breakpoint(run, &x->order, x->request->breakpoint);
 }
 
+/* Of the command to cancel; NULL if that is none. Zeros are the id of nothing: what the daemon does by itself has no other. */
+static const uint8_t *cancelled_id(const Meniscus__Cancel *cancel)
+{
+    static const uint8_t zeros[ORDER_ID];
+    if (!cancel->has_id || cancel->id.len != ORDER_ID) return NULL;
+    return memcmp(cancel->id.data, zeros, ORDER_ID) ? cancel->id.data : NULL;
+}
+
 static void serve_cancel(Run *run, Exchange *x)
 {
-    const Meniscus__Cancel *cancel = x->request->cancel;
+    const uint8_t *id = cancelled_id(x->request->cancel);
     MnsError error;
-    if (cancel->has_id && cancel->id.len == ORDER_ID) run_cancel(run, &x->order, cancel->id.data);
+    if (id) run_cancel(run, &x->order, id);
     else
-        answer(run, x, mns_fail_at(&error, MNS_E_INVALID, "id", "cancel needs the id of a command, %d bytes", ORDER_ID),
+        answer(run, x,
+               mns_fail_at(&error, MNS_E_INVALID, "id", "cancel needs the id of a command, %d bytes and not all zero",
+                           ORDER_ID),
                &error);
 }
 
@@ -455,21 +465,28 @@ static const Meniscus__Reply *seal(Order *order)
     return x->reply;
 }
 
-/* A cancel ends what it names, and nothing if that is no id. With a condition on the step none does, as what is being loaded is
- * at no step yet. */
-static void note_end(const Handler *handler, const Meniscus__Request *request, Order *order)
+static bool is_conditional(const Meniscus__Request *request)
 {
-    order->ends = handler->traits & ENDS && !request->has_if_step;
-    if (request->command_case != REQUEST(CANCEL) || !order->ends) return;
-    order->ends = request->cancel->has_id && request->cancel->id.len == ORDER_ID;
-    if (order->ends) memcpy(order->ends_id, request->cancel->id.data, ORDER_ID);
+    return request->has_if_step || (request->has_if_version && request->if_version);
 }
 
-/* After a crash: for the step it names, or for a state worth keeping. */
+/* A cancel ends what it names, and nothing if that is no id. With a condition on the step or the version none does, as what is
+ * being loaded is at none yet. */
+static void note_end(const Handler *handler, const Meniscus__Request *request, Order *order)
+{
+    order->ends = handler->traits & ENDS && !is_conditional(request);
+    order->ends_any = order->ends && request->command_case != REQUEST(CANCEL);
+    if (order->ends_any || !order->ends) return;
+    const uint8_t *id = cancelled_id(request->cancel);
+    order->ends = id != NULL;
+    if (id) memcpy(order->ends_id, id, ORDER_ID);
+}
+
+/* After a crash: for the step or version it names, or for a state worth keeping. */
 static bool waits_for_the_run(const Meniscus__Request *request)
 {
     const bool stops = request->command_case == REQUEST(STOP);
-    return request->has_if_step || (stops && request->stop->has_checkpoint && request->stop->checkpoint);
+    return is_conditional(request) || (stops && request->stop->has_checkpoint && request->stop->checkpoint);
 }
 
 static MnsStatus deny(const Handler *handler, const Who *who, MnsError *error)

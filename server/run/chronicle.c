@@ -201,6 +201,20 @@ static void free_again(Meniscus__Again **list)
     free(list);
 }
 
+/* Its own record may be in the journal of another run, or in none. True: to be told with this order. */
+static bool tell_lease(const Run *run, const Order *order, Meniscus__LeaseGrant *ret)
+{
+    const bool loads = order->request->command_case == MENISCUS__REQUEST__COMMAND_LOAD && !order->lineage;
+    if (!loads || !run->lease.epoch) return false;
+    const double left = run->lease.until - clock_now();
+    meniscus__lease_grant__init(ret);
+    ret->has_epoch = ret->has_ttl_ms = true;
+    ret->epoch = run->lease.epoch;
+    ret->ttl_ms = left > 0 ? (uint64_t)(1e3 * left) : 0;
+    ret->holder = (char *)run->lease.holder;
+    return true;
+}
+
 static bool leaves_on_the_way(const Run *run, const Order *order)
 {
     return run->recovery.lineage && order->request->command_case == MENISCUS__REQUEST__COMMAND_SHUTDOWN;
@@ -210,8 +224,10 @@ static void note_done(Run *run, Order *order)
 {
     Changes changes = {.whole = true};
     Record record = MENISCUS__JOURNAL_RECORD__INIT;
+    Meniscus__LeaseGrant lease;
     record.step = order->effect_step;
     set_time(run, &record);
+    if (tell_lease(run, order, &lease)) record.lease = &lease;
     if (run->before) case_message_differences(run->before->message, run->document->message, add_change, &changes);
     record.n_changes = changes.n;
     record.changes = changes.list;

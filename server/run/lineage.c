@@ -77,14 +77,18 @@ static bool is_motion(const Meniscus__Request *request)
            request->command_case == MENISCUS__REQUEST__COMMAND_RUN_UNTIL;
 }
 
-static void take_lease(Lineage *lineage, const Record *record)
+static void take_grant(Lineage *lineage, const Record *record, const Meniscus__LeaseGrant *grant)
 {
-    const Meniscus__LeaseGrant *grant = record->reply ? record->reply->lease : NULL;
-    if (record->request->lease->release) lineage->lease_until_us = 0;
     if (!grant) return;
     lineage->lease_epoch = grant->epoch;
     lineage->lease_holder = grant->holder;
     lineage->lease_until_us = record->wall_us + 1000 * grant->ttl_ms;
+}
+
+static void take_lease(Lineage *lineage, const Record *record)
+{
+    if (record->request->lease->release) lineage->lease_until_us = 0;
+    take_grant(lineage, record, record->reply ? record->reply->lease : NULL);
 }
 
 /* A command that was done, or a step or run_until that ended, well or not. */
@@ -142,6 +146,7 @@ static MnsStatus take(Lineage *lineage, const Record *record, MnsError *error)
     if (record->comeback && !record->case_) return MNS_OK; /* a shutdown on the way back */
     if (!history_begins(record)) return take_command(lineage, record, error);
     if (record->comeback) return take_comeback(lineage, record, error);
+    take_grant(lineage, record, record->lease);
     lineage->ended = false;
     lineage->untouched = record->request->command_case == MENISCUS__REQUEST__COMMAND_LOAD && record->who &&
                          record->who->name && !strcmp(record->who->name, WHO_DAEMON);

@@ -70,11 +70,10 @@ Order *mailbox_take(Mailbox *box, double until)
 
 static bool ends_in(Order *list, const uint8_t *id, bool recovering)
 {
-    static const uint8_t any[ORDER_ID];
     bool found = false;
     for (Order *order = list; order; order = order->next) {
         if (!order->ends || (recovering && !order->meanwhile)) continue;
-        if (memcmp(order->ends_id, any, ORDER_ID) && memcmp(order->ends_id, id, ORDER_ID)) continue;
+        if (!order->ends_any && memcmp(order->ends_id, id, ORDER_ID)) continue;
         found = order->ended = true;
     }
     return found;

@@ -38,7 +38,8 @@ typedef struct Order {
     bool urgent;     /* overtakes all that are not                                           */
     bool meanwhile;  /* served also while the run comes back after a crash                   */
     bool motion;     /* sets the run in motion: called off by a later pause or stop           */
-    bool ends;       /* what is being loaded is given up for it; only the order of `ends_id`, unless that is zeros */
+    bool ends;       /* what is being loaded is given up for it: the order of `ends_id`      */
+    bool ends_any;   /* or whichever it is                                                   */
     bool ended;      /* that has happened */
     uint8_t ends_id[ORDER_ID];
     bool conditional; /* refused unless the run is at if_step                                */

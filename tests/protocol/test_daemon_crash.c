@@ -129,6 +129,22 @@ static void a_stop_on_the_way_back_is_for_good(void **state)
     assert_int_equal(state_of(dialogue), MENISCUS__STATE__EMPTY);
 }
 
+/* Which version that is, only the run knows when it is back. */
+static void a_stop_for_a_version_waits_until_the_run_is_back(void **state)
+{
+    Dialogue *dialogue = *state;
+    const uint64_t steps = crash_far_out(dialogue);
+    for (uint64_t version = 2; version >= 1; version--) {
+        Meniscus__Request stop = dialogue_stop();
+        stop.has_if_version = true;
+        stop.if_version = version;
+        Meniscus__Reply *reply = dialogue_ask(dialogue, &stop);
+        assert_int_equal(reply->code, version == 1 ? MENISCUS__CODE__OK : MENISCUS__CODE__FAILED_PRECONDITION);
+        if (version == 1) assert_int_equal(reply->effect_step, steps);
+        meniscus__reply__free_unpacked(reply, NULL);
+    }
+}
+
 static void a_pause_on_the_way_back_keeps_it_from_going_on(void **state)
 {
     Dialogue *dialogue = *state;
@@ -152,6 +168,7 @@ int main(void)
         TEST(what_was_answered_is_answered_alike_and_done_once),
         TEST(changes_wait_until_the_run_is_back_or_their_deadline_passes),
         TEST(a_stop_on_the_way_back_is_for_good),
+        TEST(a_stop_for_a_version_waits_until_the_run_is_back),
         TEST(a_pause_on_the_way_back_keeps_it_from_going_on),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

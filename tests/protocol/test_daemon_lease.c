@@ -164,6 +164,32 @@ static void a_lease_outlives_a_crash(void **state)
     assert_true(take(dialogue, 60000, 0) > epoch);
 }
 
+/* The journal of the run that is loaded knows of it, and when it has ended before that, too. */
+static void a_lease_from_before_the_load_outlives_a_crash(void **state)
+{
+    Dialogue *dialogue = *state;
+    const uint64_t epoch = take(dialogue, 60000, 0);
+    LoadRequest load;
+    dialogue_load_init(&load, "dam", dialogue_case, NULL);
+    load.request.has_lease_epoch = true;
+    load.request.lease_epoch = epoch;
+    assert_int_equal(dialogue_code(dialogue, &load.request), MENISCUS__CODE__OK);
+    dialogue_crash(dialogue);
+    steer_wait_for(dialogue, MENISCUS__STATE__READY);
+    refused_as(set_end(dialogue, "3", 0, 0), MENISCUS__CODE__FAILED_PRECONDITION, "held", "lease_epoch");
+    steer_accepted(set_end(dialogue, "3", epoch, 0));
+    assert_int_equal(steer_code(dialogue, dialogue_stop()), MENISCUS__CODE__OK);
+    give_back(dialogue, epoch);
+    load.load.has_resume = load.load.resume = true;
+    load.request.has_lease_epoch = false;
+    assert_int_equal(dialogue_code(dialogue, &load.request), MENISCUS__CODE__OK);
+    dialogue_load_done(&load);
+    dialogue_crash(dialogue);
+    steer_wait_for(dialogue, MENISCUS__STATE__READY);
+    steer_accepted(set_end(dialogue, "4", 0, 0));
+    assert_true(take(dialogue, 60000, 0) > epoch);
+}
+
 /* --- versions ---------------------------------------------------------------------------------------------------------- */
 
 static void each_change_is_a_version_that_can_be_gone_back_to(void **state)
@@ -243,6 +269,7 @@ int main(void)
         TEST(a_lease_ends_by_itself_unless_it_is_renewed),
         TEST(a_lease_out_of_bounds_is_refused),
         TEST(a_lease_outlives_a_crash),
+        TEST(a_lease_from_before_the_load_outlives_a_crash),
         TEST(each_change_is_a_version_that_can_be_gone_back_to),
         TEST(a_change_can_be_for_one_version_only),
         TEST(going_back_must_not_end_the_run_in_the_past),

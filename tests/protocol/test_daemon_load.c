@@ -117,10 +117,11 @@ static void a_load_that_is_cancelled_leaves_the_run_before_it(void **state)
     zmq_close(other);
 }
 
+/* An id that nobody has, and one that is none. */
 static void cancelling_something_else_does_not_end_a_load(void **state)
 {
     Dialogue *dialogue = *state;
-    uint8_t id[16], unknown[16] = "somebody else's";
+    uint8_t id[16], unknown[16] = "somebody else's", zeros[16] = {0}, zeros_id[16];
     void *other = dialogue_connect(dialogue), *third = dialogue_connect(dialogue);
     Meniscus__Request request;
     Meniscus__Cancel command;
@@ -129,12 +130,16 @@ static void cancelling_something_else_does_not_end_a_load(void **state)
     make_cancel(&request, &command, unknown);
     dialogue_seal(&request, cancel_id);
     dialogue_send(third, &request);
+    make_cancel(&request, &command, zeros);
+    dialogue_seal(&request, zeros_id);
+    dialogue_send(third, &request);
     steer_sleep(300);
     Meniscus__Reply *reply = steer_status(dialogue);
     assert_int_equal(reply->status->state, MENISCUS__STATE__LOADING);
     meniscus__reply__free_unpacked(reply, NULL);
     assert_int_equal(steer_code(dialogue, dialogue_stop()), MENISCUS__CODE__OK);
     assert_ended(third, cancel_id, MENISCUS__CODE__NOT_FOUND, "");
+    assert_ended(third, zeros_id, MENISCUS__CODE__INVALID_ARGUMENT, "not all zero");
     zmq_close(other);
     zmq_close(third);
 }

@@ -59,7 +59,9 @@ static void an_order_can_be_taken_back_by_its_id(void **state)
 /* Of whatever is under way, or of one order alone; it is still served afterwards. */
 static void an_order_may_end_what_is_under_way(void **state)
 {
-    Order orders[3] = {{.ends = false}, {.ends = true, .ends_id = "second"}, {.ends = true, .urgent = true}};
+    Order orders[3] = {{.ends = true}, /* of an id that is all zeros, and nobody else's */
+                       {.ends = true, .ends_id = "second"},
+                       {.ends = true, .ends_any = true, .urgent = true}};
     const uint8_t first[ORDER_ID] = "first", second[ORDER_ID] = "second";
     mailbox_post(*state, &orders[0], NULL);
     assert_false(mailbox_ends(*state, first, false));
@@ -98,8 +100,9 @@ static void waiting_ends_at_its_moment(void **state)
 static void while_a_run_comes_back_only_some_orders_are_taken(void **state)
 {
     Mailbox *box = *state;
-    Order set = {.id = "set"}, pause = {.urgent = true}, stop = {.urgent = true, .meanwhile = true, .ends = true};
-    Order keep = {.urgent = true, .ends = true}; /* what it ends must be there first */
+    Order set = {.id = "set"}, pause = {.urgent = true},
+          stop = {.urgent = true, .meanwhile = true, .ends = true, .ends_any = true};
+    Order keep = {.urgent = true, .ends = true, .ends_any = true}; /* what it ends must be there first */
     mailbox_post(box, &keep, NULL);
     assert_false(mailbox_ends(box, keep.id, true));
     assert_true(mailbox_ends(box, keep.id, false));
