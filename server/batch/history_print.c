@@ -20,6 +20,7 @@ static const char *kind_name(const Record *record)
     case MENISCUS__JOURNAL_RECORD__KIND__COMMAND: return "command";
     case MENISCUS__JOURNAL_RECORD__KIND__BEGUN: return "begun";
     case MENISCUS__JOURNAL_RECORD__KIND__HASH: return "hash";
+    case MENISCUS__JOURNAL_RECORD__KIND__SCHEDULED: return "scheduled";
     default: return "unknown";
     }
 }
@@ -57,10 +58,17 @@ static void print_arguments(const Meniscus__Request *request)
     }
 }
 
+static void print_moment(const Meniscus__Request *request)
+{
+    if (request->has_at_step) printf(": scheduled for step %" PRIu64, request->at_step);
+    else printf(": scheduled for t = %.9g s", request->at_time);
+}
+
 static void print_outcome(const Record *record)
 {
     const Meniscus__Reply *reply = record->reply;
     if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__BEGUN) printf(": begun");
+    else if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__SCHEDULED) print_moment(record->request);
     else if (reply && reply->code != MENISCUS__CODE__OK) printf(": %s", text(reply->message));
     else if (reply) printf(": %s", run_state_name((RunState)reply->state));
 }

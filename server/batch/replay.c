@@ -23,6 +23,12 @@ typedef struct Kept {
     MnsCapture *state; /* NULL: not come by yet */
 } Kept;
 
+/* A scheduled command, which shortens the steps before its time. */
+typedef struct Pending {
+    const Meniscus__Request *request;
+    uint64_t until; /* the step at which it was done or dropped; UINT64_MAX: a later record tells */
+} Pending;
+
 typedef struct Replay {
     const char *directory;
     int threads;
@@ -30,7 +36,9 @@ typedef struct Replay {
     Document *document;
     double limit; /* of a run_until under way, which shortens the last step [s] */
     size_t n_kept;
-    Kept *kept;           /* [n_kept] */
+    Kept *kept; /* [n_kept] */
+    size_t n_pending;
+    Pending *pending;     /* [n_pending] */
     const Record *origin; /* the record it began with last                                                */
     size_t again;         /* of the commands there that are to be done again, the next one                */
     uint64_t steps, compared, agreed_step;
@@ -149,6 +157,42 @@ static void set_limit(Replay *replay, const Meniscus__Request *request)
     replay->limit = exact ? request->run_until->time : INFINITY;
 }
 
+/* --- what is scheduled -------------------------------------------------------------------------------------------------- */
+
+static MnsStatus add_pending(Replay *replay, const Meniscus__Request *request, uint64_t until, MnsError *error)
+{
+    Pending *pending = reallocarray(replay->pending, replay->n_pending + 1, sizeof *pending);
+    if (!pending) return mns_fail(error, MNS_E_MEMORY, "no memory for the replay");
+    replay->pending = pending;
+    pending[replay->n_pending++] = (Pending){request, until};
+    return MNS_OK;
+}
+
+/* One was done or dropped, if the request is that of one. */
+static void end_pending(Replay *replay, const Meniscus__Request *request)
+{
+    for (size_t k = 0; k < replay->n_pending; k++) {
+        const ProtobufCBinaryData *id = &replay->pending[k].request->id;
+        if (id->len != request->id.len || memcmp(id->data, request->id.data, id->len) != 0) continue;
+        replay->pending[k] = replay->pending[--replay->n_pending];
+        return;
+    }
+}
+
+/* The time to which the next step is shortened. */
+static double pending_limit(const Replay *replay)
+{
+    double limit = INFINITY;
+    const uint64_t step = mns_sim_progress(replay->sim).step;
+    for (size_t k = 0; k < replay->n_pending; k++) {
+        const Pending *pending = &replay->pending[k];
+        if (pending->request->has_at_time && step < pending->until) limit = fmin(limit, pending->request->at_time);
+    }
+    return limit;
+}
+
+/* --- step by step ------------------------------------------------------------------------------------------------------- */
+
 /* What a crash undid here, and was done again. */
 static MnsStatus catch_up(Replay *replay, MnsError *error)
 {
@@ -157,7 +201,9 @@ static MnsStatus catch_up(Replay *replay, MnsError *error)
         const Meniscus__Again *again = replay->origin->again[replay->again];
         const Meniscus__Request *request = again->request;
         if (again->step > mns_sim_progress(replay->sim).step) break;
-        if (again->adopted) status = adopt(replay, again->adopted, error);
+        if (again->scheduled && request)
+            status = add_pending(replay, request, again->has_until_step ? again->until_step : UINT64_MAX, error);
+        else if (again->adopted) status = adopt(replay, again->adopted, error);
         else if (request && request->command_case == MENISCUS__REQUEST__COMMAND_SET)
             status = set_again(replay, request->set, error);
         else if (!request || request->command_case != MENISCUS__REQUEST__COMMAND_BREAKPOINT) set_limit(replay, request);
@@ -173,7 +219,7 @@ static MnsStatus advance(Replay *replay, const HistoryRecord *at, MnsError *erro
         const double end = replay->document->c->end_time;
         if (mns_sim_progress(replay->sim).t >= end)
             return differs(at, error, "the replay reached the end time before this step");
-        status = mns_sim_step(replay->sim, fmin(replay->limit, end), error);
+        status = mns_sim_step(replay->sim, fmin(fmin(replay->limit, pending_limit(replay)), end), error);
         if (!status) status = keep(replay, error);
         if (!status) status = catch_up(replay, error);
         replay->steps++;
@@ -223,8 +269,16 @@ static MnsStatus begin_again(Replay *replay, const HistoryRecord *at, MnsError *
     if (back && !status) status = state_of(replay, record->step, &state, error);
     if (!status) status = begin(replay, record->case_, state, error);
     replay->origin = record;
-    replay->again = 0;
+    replay->again = replay->n_pending = 0;
     return status;
+}
+
+/* A step or run_until that ended before it was done; what was scheduled and refused changes no limit but its own. */
+static bool is_broken_off(const Record *record)
+{
+    const bool motion = record->request && (record->request->command_case == MENISCUS__REQUEST__COMMAND_STEP ||
+                                            record->request->command_case == MENISCUS__REQUEST__COMMAND_RUN_UNTIL);
+    return motion && record->kind == MENISCUS__JOURNAL_RECORD__KIND__COMMAND;
 }
 
 static MnsStatus do_again(Replay *replay, const HistoryRecord *at, MnsError *error)
@@ -236,9 +290,13 @@ static MnsStatus do_again(Replay *replay, const HistoryRecord *at, MnsError *err
     const MnsStatus status = advance(replay, at, error);
     if (status) return status;
     if (record->has_state_hash) return compare(replay, at, error);
+    if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__SCHEDULED && record->request)
+        return add_pending(replay, record->request, UINT64_MAX, error);
+    if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__COMMAND && record->request)
+        end_pending(replay, record->request);
     if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__BEGUN && record->request) set_limit(replay, record->request);
     if (history_done_well(record)) return command_again(replay, record, error);
-    if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__COMMAND) replay->limit = INFINITY; /* broken off */
+    if (is_broken_off(record)) replay->limit = INFINITY;
     return MNS_OK;
 }
 
@@ -289,6 +347,7 @@ int replay_run(const char *directory, int threads, bool json)
     print(&replay, &error, code, json);
     for (size_t k = 0; k < replay.n_kept; k++) mns_capture_free(replay.kept[k].state);
     free(replay.kept);
+    free(replay.pending);
     mns_sim_free(replay.sim);
     document_leave(replay.document);
     history_done(&history);

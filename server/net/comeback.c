@@ -3,6 +3,7 @@
 #include "net/comeback.h"
 
 #include "base/log.h"
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -71,6 +72,19 @@ Meniscus__Request *comeback_rest(const Comeback *comeback)
     Meniscus__Request begun = *comeback->lineage.begun;
     begun.has_if_step = begun.has_if_version = begun.has_lease_epoch = false; /* they were met when it set out */
     return copy_of(&begun);
+}
+
+void comeback_scheduled(const Comeback *comeback, Desk *desk)
+{
+    const Lineage *lineage = &comeback->lineage;
+    for (size_t k = 0; k < lineage->n; k++) {
+        const LineageEntry *entry = &lineage->entries[k];
+        if (!entry->scheduled || entry->until != UINT64_MAX) continue;
+        Who who = {.role = entry->who && entry->who->role ? role_find(entry->who->role) : ROLE_ADMIN};
+        snprintf(who.name, sizeof who.name, "%s", entry->who && entry->who->name ? entry->who->name : WHO_DAEMON);
+        Meniscus__Request *request = copy_of(entry->request);
+        if (request) desk_take(desk, &who, request, lineage);
+    }
 }
 
 void comeback_done(Comeback *comeback)

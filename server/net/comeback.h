@@ -28,6 +28,9 @@ void comeback_request(const Comeback *comeback, Meniscus__Request *ret, Meniscus
 Meniscus__Request *comeback_resume(const Comeback *comeback);
 Meniscus__Request *comeback_rest(const Comeback *comeback);
 
+/* Give the desk what was scheduled, under its ids, to be served after the request above. */
+void comeback_scheduled(const Comeback *comeback, Desk *desk);
+
 void comeback_done(Comeback *comeback);
 
 #endif

@@ -165,6 +165,7 @@ static void post_recovery(Daemon *daemon)
     comeback_request(&daemon->comeback, &request, &load);
     log_line(LOG_NOTICE, "going on with %s, which was not ended", daemon->comeback.directory);
     daemon->recovery = post(daemon, &request, &daemon->comeback.lineage);
+    if (daemon->recovery) comeback_scheduled(&daemon->comeback, daemon->desk); /* before anything sets it in motion */
     Meniscus__Request *resume = daemon->recovery ? comeback_resume(&daemon->comeback) : NULL;
     if (resume)
         post(daemon, resume, &daemon->comeback.lineage); /* now, so that a pause that comes meanwhile calls it off */
@@ -247,6 +248,10 @@ static void take_notes(Daemon *daemon)
     for (Note *note; (note = outbox_take(run_outbox(daemon->run)));) {
         if (note->kind == NOTE_ANSWER) {
             take_answer(daemon, note->order); /* and with it the note */
+            continue;
+        }
+        if (note->kind == NOTE_SCHEDULED) {
+            desk_scheduled(daemon->desk, (Exchange *)note->order);
             continue;
         }
         show(daemon, note);

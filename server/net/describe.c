@@ -74,6 +74,27 @@ static void add_breakpoints(Meniscus__Status *message, const RunStatus *status)
     }
 }
 
+static void add_scheduled(Meniscus__Status *message, const RunStatus *status)
+{
+    message->scheduled = pointers(status->n_scheduled);
+    for (size_t k = 0; message->scheduled && k < status->n_scheduled; k++) {
+        const RunScheduled *from = &status->scheduled[k];
+        Meniscus__Scheduled *item = malloc(sizeof *item);
+        if (!item) return;
+        meniscus__scheduled__init(item);
+        item->id.data = malloc(ORDER_ID);
+        item->has_id = item->id.data != NULL;
+        if (item->has_id) memcpy(item->id.data, from->id, item->id.len = ORDER_ID);
+        item->has_at_step = from->at.step != UINT64_MAX;
+        item->at_step = from->at.step;
+        item->has_at_time = isfinite(from->at.t);
+        item->at_time = from->at.t;
+        item->who = strdup(from->who);
+        item->what = strdup(from->what);
+        message->scheduled[message->n_scheduled++] = item;
+    }
+}
+
 static void add_numbers(Meniscus__Status *message, const RunStatus *status)
 {
     message->has_step = message->has_particles = message->has_fluid_particles = message->has_guarded = true;
@@ -121,6 +142,7 @@ Meniscus__Status *describe_status(const RunStatus *status)
     add_numbers(message, status);
     add_timers(message, status);
     add_breakpoints(message, status);
+    add_scheduled(message, status);
     return message;
 }
 

@@ -283,6 +283,42 @@ static void refuse(Desk *desk, const Sender *sender, ProtobufCBinaryData id, con
     send_parts(desk, &to, 1, (void *[]){packed}, &size);
 }
 
+/* To one who does not wait for what comes of a scheduled command. */
+static void acknowledge(Desk *desk, const Exchange *exchange, const Sender *sender)
+{
+    Meniscus__Reply reply = MENISCUS__REPLY__INIT;
+    char text[sizeof exchange->order.notice.text + 16];
+    const Recipient to = {sender->identity, sender->size, exchange->order.id};
+    snprintf(text, sizeof text, "scheduled: %s", exchange->order.notice.text);
+    run_status(desk->run, &desk->status);
+    reply.has_id = reply.has_code = reply.has_daemon_epoch = reply.has_state = true;
+    reply.id = (ProtobufCBinaryData){.len = ORDER_ID, .data = (uint8_t *)exchange->order.id};
+    reply.code = MENISCUS__CODE__OK;
+    reply.message = text;
+    reply.daemon_epoch = desk->epoch;
+    reply.state = (Meniscus__State)desk->status.state;
+    reply.has_step = reply.has_time = true;
+    reply.step = desk->status.progress.step;
+    reply.time = desk->status.progress.t;
+    reply.has_case_version = desk->status.version > 0;
+    reply.case_version = desk->status.version;
+    const size_t size = meniscus__reply__get_packed_size(&reply);
+    uint8_t *packed = malloc(size + 1);
+    if (packed) meniscus__reply__pack(&reply, packed);
+    send_parts(desk, &to, 1, (void *[]){packed}, &size);
+}
+
+void desk_scheduled(Desk *desk, Exchange *exchange)
+{
+    size_t n = 0;
+    exchange->scheduled = true;
+    for (size_t k = 0; k < exchange->n_senders; k++) {
+        if (exchange->senders[k].no_wait) acknowledge(desk, exchange, &exchange->senders[k]);
+        else exchange->senders[n++] = exchange->senders[k];
+    }
+    exchange->n_senders = n;
+}
+
 /* One more who wants the reply. Connections that were lost are among them, so there is an end: the first is told to ask again. */
 static void add_sender(Desk *desk, Exchange *exchange, const Sender *sender, ProtobufCBinaryData id)
 {
@@ -299,6 +335,10 @@ static void add_sender(Desk *desk, Exchange *exchange, const Sender *sender, Pro
 /* The same request again: its reply again, or when it comes. */
 static void repeat(Desk *desk, const Sender *sender, ProtobufCBinaryData id, const LedgerEntry *entry)
 {
+    if (entry->under_way && entry->under_way->scheduled && sender->no_wait) {
+        acknowledge(desk, entry->under_way, sender);
+        return;
+    }
     if (entry->under_way) {
         add_sender(desk, entry->under_way, sender, id);
         return;
@@ -325,28 +365,30 @@ static MnsStatus begin(Desk *desk, Exchange *exchange, MnsError *error)
 }
 
 /* Takes over the request. */
-static void take_request(Desk *desk, const Sender *sender, const Who *who, ProtobufCBinaryData id,
+static void take_request(Desk *desk, const Sender *from, const Who *who, ProtobufCBinaryData id,
                          Meniscus__Request *request, const Lineage *lineage)
 {
     LedgerEntry entry;
     MnsError error;
+    Sender sender = *from;
+    sender.no_wait = request->has_no_wait && request->no_wait;
     if (ledger_find(desk->ledger, request->id.data, &entry)) {
-        repeat(desk, sender, id, &entry);
+        repeat(desk, &sender, id, &entry);
         request_free(request);
         return;
     }
     Exchange *exchange = exchange_new(request, who);
     if (!exchange) {
         mns_fail(&error, MNS_E_MEMORY, "no memory for the command; nothing was done");
-        refuse(desk, sender, id, &error);
+        refuse(desk, &sender, id, &error);
         return;
     }
     exchange->epoch = desk->epoch;
     exchange->order.lineage = lineage;
     exchange->order.begun = lineage != NULL;
-    if (sender->size) exchange->senders[exchange->n_senders++] = *sender;
+    if (sender.size) exchange->senders[exchange->n_senders++] = sender;
     if (!begin(desk, exchange, &error)) return;
-    refuse(desk, sender, id, &error);
+    refuse(desk, &sender, id, &error);
     exchange_free(exchange);
 }
 

@@ -24,6 +24,9 @@ void desk_receive(Desk *desk);
 /* The order of an exchange has come back: reply, remember, free it. */
 void desk_reply(Desk *desk, Exchange *exchange);
 
+/* An exchange is scheduled, and would outlive a crash: tell those who do not wait for what comes of it. */
+void desk_scheduled(Desk *desk, Exchange *exchange);
+
 /* Remember what was replied to a request before this daemon was started. */
 void desk_recall(Desk *desk, const uint8_t id[static ORDER_ID], const uint8_t *reply, size_t size);
 

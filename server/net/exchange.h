@@ -12,6 +12,7 @@ enum { EXCHANGE_ARRAYS = MNS_MAX_FIELDS, EXCHANGE_IDENTITY = 256, EXCHANGE_SENDE
 typedef struct Sender {
     uint8_t identity[EXCHANGE_IDENTITY];
     size_t size;
+    bool no_wait; /* it wants to know when a command is scheduled, and not what comes of it */
 } Sender;
 
 struct Handler;
@@ -25,6 +26,7 @@ typedef struct Exchange {
     size_t sizes[EXCHANGE_ARRAYS];    /* [bytes] */
     bool at_step;                     /* it takes effect between two steps */
     bool sealed;                      /* the reply is complete             */
+    bool scheduled;                   /* it waits for its moment, and would outlive a crash */
     uint64_t epoch;                   /* of the daemon                     */
     unsigned allowed;                 /* if it was refused for the state: where it would be possible */
     Sender senders[EXCHANGE_SENDERS]; /* who has sent it, the latest last; each gets the reply */

@@ -4,6 +4,7 @@
 
 #include "net/describe.h"
 #include "net/look.h"
+#include "net/scheduled.h"
 #include "proto/case_file.h"
 #include "proto/states.h"
 #include <assert.h>
@@ -207,12 +208,18 @@ static void serve_snapshot(Run *run, Exchange *x)
     run_snapshot(run, &x->order, x->request->snapshot->n_fields, x->request->snapshot->fields);
 }
 
+MnsStatus handler_check_set(const Meniscus__Set *set, MnsError *error)
+{
+    if (set->n_assignments <= ENTRIES_MAX) return MNS_OK;
+    return mns_fail(error, MNS_E_LIMIT, "at most %d entries can be set at a time", ENTRIES_MAX);
+}
+
 static void serve_set(Run *run, Exchange *x)
 {
     const Meniscus__Set *set = x->request->set;
     MnsError error;
-    if (set->n_assignments > ENTRIES_MAX)
-        answer(run, x, mns_fail(&error, MNS_E_LIMIT, "at most %d entries can be set at a time", ENTRIES_MAX), &error);
+    const MnsStatus status = handler_check_set(set, &error);
+    if (status) answer(run, x, status, &error);
     else run_set(run, &x->order, set);
 }
 
@@ -397,16 +404,16 @@ static const Handler handlers[] = {
     [REQUEST(RESUME)]       = { "resume",       AT_STEP, ROLE_OPERATOR, PAUSED | FAULT,           MOTION | CHANGES | LEASED,      serve_go,           NULL               },
     [REQUEST(STEP)]         = { "step",         AT_STEP, ROLE_OPERATOR, READY | PAUSED,           MOTION | CHANGES | LEASED,      serve_step,         NULL               },
     [REQUEST(RUN_UNTIL)]    = { "run_until",    AT_STEP, ROLE_OPERATOR, READY | PAUSED,           MOTION | CHANGES | LEASED,      serve_until,        NULL               },
-    [REQUEST(PAUSE)]        = { "pause",        AT_STEP, ROLE_OPERATOR, RUNNING | READY | PAUSED, URGENT | CHANGES,               serve_pause,        NULL               },
+    [REQUEST(PAUSE)]        = { "pause",        AT_STEP, ROLE_OPERATOR, RUNNING | READY | PAUSED, URGENT | CHANGES | AT_MOMENT,   serve_pause,        NULL               },
     [REQUEST(STOP)]         = { "stop",         AT_STEP, ROLE_OPERATOR, LOADED | RECOVERING,      URGENT | ENDS | CHANGES,        serve_stop,         complete_directory },
     [REQUEST(CANCEL)]       = { "cancel",       AT_STEP, ROLE_OPERATOR, ANY,                      URGENT | ENDS,                  serve_cancel,       NULL               },
     [REQUEST(SHUTDOWN)]     = { "shutdown",     AT_STEP, ROLE_ADMIN,    ANY,                      URGENT | ENDS | LAST | CHANGES, serve_shutdown,     complete_directory },
     [REQUEST(RESET)]        = { "reset",        AT_STEP, ROLE_OPERATOR, STILL,                    CHANGES | LEASED,               serve_reset,        complete_directory },
     [REQUEST(RESTORE)]      = { "restore",      AT_STEP, ROLE_OPERATOR, STILL,                    CHANGES | LEASED,               serve_restore,      complete_directory },
-    [REQUEST(CHECKPOINT)]   = { "checkpoint",   AT_STEP, ROLE_OPERATOR, LOADED,                   0,                              serve_checkpoint,   complete_file      },
-    [REQUEST(SNAPSHOT)]     = { "snapshot",     AT_STEP, ROLE_OPERATOR, LOADED,                   0,                              serve_snapshot,     complete_file      },
-    [REQUEST(SET)]          = { "set",          AT_STEP, ROLE_OPERATOR, LOADED,                   CHANGES | LEASED,               serve_set,          complete_set       },
-    [REQUEST(ROLLBACK)]     = { "rollback",     AT_STEP, ROLE_OPERATOR, LOADED,                   CHANGES | LEASED,               serve_rollback,     NULL               },
+    [REQUEST(CHECKPOINT)]   = { "checkpoint",   AT_STEP, ROLE_OPERATOR, LOADED,                   AT_MOMENT,                      serve_checkpoint,   complete_file      },
+    [REQUEST(SNAPSHOT)]     = { "snapshot",     AT_STEP, ROLE_OPERATOR, LOADED,                   AT_MOMENT,                      serve_snapshot,     complete_file      },
+    [REQUEST(SET)]          = { "set",          AT_STEP, ROLE_OPERATOR, LOADED,                   CHANGES | LEASED | AT_MOMENT,   serve_set,          complete_set       },
+    [REQUEST(ROLLBACK)]     = { "rollback",     AT_STEP, ROLE_OPERATOR, LOADED,                   CHANGES | LEASED | AT_MOMENT,   serve_rollback,     NULL               },
     [REQUEST(LEASE)]        = { "lease",        AT_STEP, ROLE_OPERATOR, ANY,                      CHANGES,                        serve_lease,        complete_lease     },
     [REQUEST(QUERY)]        = { "query",        AT_STEP, ROLE_VIEWER,   LOADED,                   LARGE,                          serve_query,        NULL               },
     [REQUEST(WAIT)]         = { "wait",         AT_STEP, ROLE_VIEWER,   ANY,                      0,                              serve_wait,         complete_wait      },
@@ -430,7 +437,7 @@ void handler_names(const char *ret[static HANDLER_NAMES])
     ret[n] = NULL;
 }
 
-static void list_states(unsigned states, char ret[static 128])
+void handler_states(unsigned states, char ret[static 128])
 {
     ret[0] = 0;
     for (int state = 0; state < RUN_STATES; state++)
@@ -451,7 +458,7 @@ static void serve_at_step(Run *run, Order *order)
         return;
     }
     x->allowed = handler->states;
-    list_states(handler->states, where);
+    handler_states(handler->states, where);
     answer(run, x,
            mns_fail(&error, MNS_E_STATE, "cannot %s while %s; possible in %s", handler->name,
                     run_state_name(run_state(run)), where),
@@ -507,6 +514,8 @@ MnsStatus handle(Run *run, Exchange *exchange, MnsError *error)
                            "%s takes no %s: it is answered at whatever step the run is, and says at which",
                            handler->name, which);
     }
+    const MnsStatus status = scheduled_read(handler, exchange, error);
+    if (status) return status;
     exchange->handler = handler;
     exchange->order.conditional = exchange->request->has_if_step;
     exchange->order.if_step = exchange->request->if_step;
@@ -518,7 +527,7 @@ MnsStatus handle(Run *run, Exchange *exchange, MnsError *error)
     exchange->order.serve = serve_at_step;
     exchange->order.seal = seal;
     exchange->order.meanwhile = handler->traits & ENDS && !waits_for_the_run(exchange->request);
-    if (handler->traits & CHANGES) exchange->order.request = exchange->request;
+    if (handler->traits & CHANGES || exchange->order.scheduled) exchange->order.request = exchange->request;
     note_end(handler, exchange->request, &exchange->order);
     exchange->at_step = handler->where == AT_STEP;
     if (handler->where == AT_STEP) return run_post(run, &exchange->order, error);

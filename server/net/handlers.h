@@ -12,13 +12,14 @@ typedef enum Where {
 
 /* What else there is to know of a command. */
 typedef enum Trait {
-    URGENT = 1 << 0,  /* overtakes all that is queued                             */
-    MOTION = 1 << 1,  /* sets the run in motion; a later pause calls it off       */
-    LARGE = 1 << 2,   /* its reply may be: not while clients leave much unread    */
-    LAST = 1 << 3,    /* the daemon leaves after it                               */
-    ENDS = 1 << 4,    /* gives up what is being loaded; a cancel, what it names   */
-    CHANGES = 1 << 5, /* something: the journal has it before its reply leaves   */
-    LEASED = 1 << 6   /* refused while somebody else holds the lease             */
+    URGENT = 1 << 0,   /* overtakes all that is queued                             */
+    MOTION = 1 << 1,   /* sets the run in motion; a later pause calls it off       */
+    LARGE = 1 << 2,    /* its reply may be: not while clients leave much unread    */
+    LAST = 1 << 3,     /* the daemon leaves after it                               */
+    ENDS = 1 << 4,     /* gives up what is being loaded; a cancel, what it names   */
+    CHANGES = 1 << 5,  /* something: the journal has it before its reply leaves   */
+    LEASED = 1 << 6,   /* refused while somebody else holds the lease             */
+    AT_MOMENT = 1 << 7 /* may be scheduled, see scheduled.h                       */
 } Trait;
 
 typedef struct Handler {
@@ -42,6 +43,12 @@ const Handler *handler_find(Meniscus__Request__CommandCase command);
 /* Names of all, then NULL. */
 enum { HANDLER_NAMES = 64 };
 void handler_names(const char *ret[static HANDLER_NAMES]);
+
+/* Are these few enough? MNS_E_LIMIT. */
+MnsStatus handler_check_set(const Meniscus__Set *set, MnsError *error);
+
+/* Names of states, with commas. */
+void handler_states(unsigned states, char ret[static 128]);
 
 /* Set the exchange on its way: serve it here, or post it to the run. MNS_OK: its order will come back. MNS_E_LIMIT: the
  * mailbox is full. MNS_E_DENIED: whoever asks may not. */

@@ -34,6 +34,7 @@ void run_answer(Run *run, Order *order, MnsStatus status, const MnsError *error)
 {
     fill(run, order, status, error);
     if (order->request) run_note_done(run, order);
+    if (order->appointed && status) run_tell_undone(run, order, error);
     if (!run_keep(run, order)) run_hand_back(run, order);
 }
 
@@ -125,7 +126,7 @@ void run_answer_all_waiters(Run *run, const MnsError *error)
 
 double run_next_deadline(const Run *run)
 {
-    double next = run->goal.order ? run->goal.order->deadline : INFINITY;
+    double next = fmin(run->goal.order ? run->goal.order->deadline : INFINITY, agenda_deadline(&run->agenda));
     for (const Waiter *waiter = run->waiters; waiter; waiter = waiter->next) next = fmin(next, waiter->order->deadline);
     return next;
 }

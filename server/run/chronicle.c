@@ -96,14 +96,25 @@ static void add_of_order(Run *run, Meniscus__JournalRecord__Kind kind, Record *r
     record->who = NULL;
 }
 
-void run_note_begun(Run *run, Order *order)
+/* What is to come of it will be told by another record. */
+static void note_ahead(Run *run, Meniscus__JournalRecord__Kind kind, Order *order)
 {
     Record record = MENISCUS__JOURNAL_RECORD__INIT;
     if (!order->request || !run->journal) return;
     record.step = mns_sim_progress(run->sim).step;
     set_time(run, &record);
-    add_of_order(run, MENISCUS__JOURNAL_RECORD__KIND__BEGUN, &record, order);
+    add_of_order(run, kind, &record, order);
     order->begun = run->uncommitted = true;
+}
+
+void run_note_begun(Run *run, Order *order)
+{
+    note_ahead(run, MENISCUS__JOURNAL_RECORD__KIND__BEGUN, order);
+}
+
+void run_note_scheduled(Run *run, Order *order)
+{
+    note_ahead(run, MENISCUS__JOURNAL_RECORD__KIND__SCHEDULED, order);
 }
 
 void run_note_hash(Run *run)
@@ -166,6 +177,22 @@ static bool begins_anew(const Order *order)
 }
 
 /* What a load after a crash is going to do again stands in its own record: both are there, or none. */
+static void fill_again(Meniscus__Again *item, const LineageEntry *entry, uint64_t step)
+{
+    meniscus__again__init(item);
+    item->has_step = true;
+    item->step = entry->step > step ? entry->step : step;
+    item->request = (Meniscus__Request *)entry->request;
+    item->adopted = (Meniscus__Case *)entry->adopted;
+    item->has_case_version = entry->version > 0;
+    item->case_version = entry->version;
+    item->has_anew = item->anew = entry->anew;
+    item->has_scheduled = item->scheduled = entry->scheduled;
+    item->has_until_step = entry->scheduled && entry->until != UINT64_MAX;
+    item->until_step = entry->until;
+    item->who = (Meniscus__Who *)entry->who;
+}
+
 static Meniscus__Again **list_again(const Lineage *lineage, uint64_t step, size_t *ret_n)
 {
     Meniscus__Again **list = calloc(lineage->n + 1, sizeof *list);
@@ -178,15 +205,7 @@ static Meniscus__Again **list_again(const Lineage *lineage, uint64_t step, size_
     }
     for (size_t k = 0; k < lineage->n; k++) {
         if (!lineage_needs(lineage, k, step)) continue;
-        const LineageEntry *entry = &lineage->entries[k];
-        meniscus__again__init(&items[n]);
-        items[n].has_step = true;
-        items[n].step = entry->step > step ? entry->step : step;
-        items[n].request = (Meniscus__Request *)entry->request;
-        items[n].adopted = (Meniscus__Case *)entry->adopted;
-        items[n].has_case_version = entry->version > 0;
-        items[n].case_version = entry->version;
-        items[n].has_anew = items[n].anew = entry->anew;
+        fill_again(&items[n], &lineage->entries[k], step);
         list[n] = &items[n];
         n++;
     }
@@ -339,5 +358,6 @@ void run_release(Run *run)
 void run_commit(Run *run)
 {
     run_sync(run);
+    if (run_announces(run)) run_announce(run);
     run_release(run);
 }

@@ -45,6 +45,7 @@ void run_expire(Run *run)
     if (run->state == RUN_RECOVERING) expire_waiting(run, now);
     if (!(run_next_deadline(run) < now)) return;
     run_answer_late(run, now);
+    run_expire_appointments(run, now);
     if (run->goal.order && run->goal.order->deadline < now)
         break_off(run, MNS_E_TIMEOUT, "paused: the deadline of the command passed before it was done");
 }
@@ -57,8 +58,8 @@ void run_cancel(Run *run, Order *order, const uint8_t id[static ORDER_ID])
     const bool is_goal = run->goal.order && !memcmp(run->goal.order->id, id, ORDER_ID);
     if (queued) run_answer_unserved(run, queued, MNS_E_INTERRUPTED, &error);
     if (is_goal) break_off(run, MNS_E_INTERRUPTED, "cancelled");
-    const bool waited = run_answer_cancelled(run, id, &error);
-    if (queued || is_goal || waited || order->ended) run_answer(run, order, MNS_OK, NULL);
+    const bool waited = run_answer_cancelled(run, id, &error), scheduled = run_cancel_appointment(run, id, &error);
+    if (queued || is_goal || waited || scheduled || order->ended) run_answer(run, order, MNS_OK, NULL);
     else run_answer(run, order, mns_fail(&error, MNS_E_NOT_FOUND, "no command of that id is under way"), &error);
 }
 
@@ -222,7 +223,8 @@ void run_advance(Run *run)
         arrive(run, before);
         return;
     }
-    const MnsStatus status = run_step_once(run, run->goal.exact ? fmin(run->goal.t, end) : end, &output, &error);
+    const double limit = fmin(run->goal.exact ? run->goal.t : INFINITY, agenda_limit(&run->agenda));
+    const MnsStatus status = run_step_once(run, fmin(limit, end), &output, &error);
     if (status) run_fault(run, &error, output);
     if (status && !output) return;
     if (!status) arrive(run, before);

@@ -61,13 +61,16 @@ bool history_goes_back(const Meniscus__JournalRecord *record)
            record->step > 0;
 }
 
-const char *history_command(const Meniscus__JournalRecord *record)
+const char *history_request(const Meniscus__Request *request)
 {
     const ProtobufCFieldDescriptor *field =
-        record->request ? protobuf_c_message_descriptor_get_field(&meniscus__request__descriptor,
-                                                                  (unsigned)record->request->command_case)
-                        : NULL;
+        protobuf_c_message_descriptor_get_field(&meniscus__request__descriptor, (unsigned)request->command_case);
     return field ? field->name : "";
+}
+
+const char *history_command(const Meniscus__JournalRecord *record)
+{
+    return record->request ? history_request(record->request) : "";
 }
 
 MnsStatus history_checkpoint(const char *directory, uint64_t step, MnsCapture **ret, MnsError *error)

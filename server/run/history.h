@@ -32,8 +32,9 @@ bool history_begins(const Meniscus__JournalRecord *record);
 /* Does it lead back to a checkpoint, and not to the beginning? */
 bool history_goes_back(const Meniscus__JournalRecord *record);
 
-/* Name of its command, as in the protocol. */
+/* Name of its command, as in the protocol; and of that of a request. */
 const char *history_command(const Meniscus__JournalRecord *record);
+const char *history_request(const Meniscus__Request *request);
 
 /* The state of a checkpoint in the directory; what checkpoint_read() returns. */
 MnsStatus history_checkpoint(const char *directory, uint64_t step, MnsCapture **ret, MnsError *error);

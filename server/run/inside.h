@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The inside of a run, for the files of this folder that make it up: run.c, go.c, load.c, making.c, resumed.c, steer.c, publish.c, watch.c, answer.c,
- * chronicle.c, recover.c. */
+ * chronicle.c, recover.c, appoint.c. */
 #ifndef RUN_INSIDE_H
 #define RUN_INSIDE_H
 
 #include "io/journal.h"
+#include "run/agenda.h"
 #include "run/mailbox.h"
 #include "run/meter.h"
 #include "run/outputs.h"
@@ -59,6 +60,7 @@ struct Run {
     Goal goal;
     Recovery recovery;
     Waiter *waiters;
+    Agenda agenda;
     Meter meter;
     double loaded;    /* clock_now() when the case was loaded     */
     double progress;  /* clock_now() of the last progress note    */
@@ -101,6 +103,7 @@ void run_tell(Run *run, NoteKind kind, int level, const char *word, const char *
 MnsStatus run_journal_open(Run *run, const char *directory, Journal **ret, bool *ret_made, MnsError *error);
 MnsStatus run_journal_ready(Run *run, const Order *order, MnsError *error);
 void run_note_begun(Run *run, Order *order);
+void run_note_scheduled(Run *run, Order *order);
 void run_note_done(Run *run, Order *order);
 bool run_keep(Run *run,
               Order *order); /* an order that is answered; true: it is kept until what was noted is on the disk */
@@ -143,6 +146,21 @@ double run_next_deadline(const Run *run); /* of clock_now(); INFINITY: none */
 
 /* Those of that id; whether there are any. */
 bool run_answer_cancelled(Run *run, const uint8_t id[static ORDER_ID], const MnsError *error);
+
+/* run.c: may an order be served at this boundary, or, if it is scheduled, be accepted? */
+MnsStatus run_check_moment(const Run *run, const Order *order, MnsError *error);
+
+/* appoint.c: scheduled orders. Accept one, or answer why not; tell those who want to know, once it is on the disk; describe it in a few words. */
+void run_appoint(Run *run, Order *order);
+bool run_announces(const Run *run); /* is there any to tell of? */
+void run_announce(Run *run);
+void run_describe_scheduled(const Order *order, char *ret, size_t size);
+void run_tell_undone(Run *run, const Order *order, const MnsError *why);
+
+/* That of the id is answered so, and whether there is one; those whose deadline has passed; all of them, as the run for which they are goes. */
+bool run_cancel_appointment(Run *run, const uint8_t id[static ORDER_ID], const MnsError *why);
+void run_expire_appointments(Run *run, double now);
+void run_drop_appointments(Run *run, const char *text);
 
 /* go.c: goals. */
 void run_goal_end(Run *run, MnsStatus status, const MnsError *error); /* answers who is after it */

@@ -3,6 +3,7 @@
 #include "run/lineage.h"
 
 #include "run/order.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -25,16 +26,17 @@ static bool is_command(const LineageEntry *entry, Meniscus__Request__CommandCase
 /* A step or run_until, or its end: the time to which the last step is shortened. */
 static bool is_limit(const LineageEntry *entry)
 {
-    return !entry->adopted && !is_command(entry, MENISCUS__REQUEST__COMMAND_SET) &&
+    return !entry->adopted && !entry->scheduled && !is_command(entry, MENISCUS__REQUEST__COMMAND_SET) &&
            !is_command(entry, MENISCUS__REQUEST__COMMAND_BREAKPOINT);
 }
 
-/* What was done from this step on belongs to another time line, and so does all that was under way; breakpoints are gone. */
+/* What was done from this step on belongs to another time line, and so does all that was under way or scheduled; breakpoints are gone. */
 static void cut(Lineage *lineage, uint64_t step)
 {
     size_t n = 0;
     for (size_t k = 0; k < lineage->n; k++) {
-        const LineageEntry *entry = &lineage->entries[k];
+        LineageEntry *entry = &lineage->entries[k];
+        if (entry->scheduled && entry->until > step) entry->until = step;
         const bool gone = is_command(entry, MENISCUS__REQUEST__COMMAND_BREAKPOINT) || entry->step >= step;
         if (!gone) lineage->entries[n++] = *entry;
     }
@@ -65,7 +67,10 @@ static MnsStatus begin_anew(Lineage *lineage, const Record *record, MnsError *er
                                     .request = again->request,
                                     .adopted = again->adopted,
                                     .version = again->case_version,
-                                    .anew = again->anew},
+                                    .anew = again->anew,
+                                    .scheduled = again->scheduled,
+                                    .until = again->has_until_step ? again->until_step : UINT64_MAX,
+                                    .who = again->who},
                      error);
     }
     return status;
@@ -91,11 +96,29 @@ static void take_lease(Lineage *lineage, const Record *record)
     take_grant(lineage, record, record->reply ? record->reply->lease : NULL);
 }
 
+static bool same_id(const Meniscus__Request *a, const Meniscus__Request *b)
+{
+    return a->id.len == ORDER_ID && b->id.len == ORDER_ID && !memcmp(a->id.data, b->id.data, ORDER_ID);
+}
+
+/* A scheduled command was done or dropped. False if it is none. */
+static bool end_scheduled(const Lineage *lineage, const Record *record)
+{
+    for (size_t k = 0; k < lineage->n; k++) {
+        LineageEntry *entry = &lineage->entries[k];
+        if (!entry->scheduled || entry->until != UINT64_MAX || !same_id(entry->request, record->request)) continue;
+        entry->until = record->step;
+        return true;
+    }
+    return false;
+}
+
 /* A command that was done, or a step or run_until that ended, well or not. */
 static MnsStatus take_command(Lineage *lineage, const Record *record, MnsError *error)
 {
     const Meniscus__Request *request = record->request;
     LineageEntry entry = {.step = record->step, .request = request};
+    if (end_scheduled(lineage, record) && !history_done_well(record)) return MNS_OK;
     lineage->state = record->reply ? (RunState)record->reply->state : RUN_PAUSED;
     if (lineage->state == RUN_RECOVERING)
         lineage->state = RUN_PAUSED; /* what was under way was called off before the run was back */
@@ -132,8 +155,19 @@ static MnsStatus take_comeback(Lineage *lineage, const Record *record, MnsError 
     return status;
 }
 
+static MnsStatus take_scheduled(Lineage *lineage, const Record *record, MnsError *error)
+{
+    const LineageEntry entry = {
+        .step = record->step, .request = record->request, .scheduled = true, .until = UINT64_MAX, .who = record->who};
+    lineage->untouched = false;
+    lineage->step = record->step;
+    return add(lineage, entry, error);
+}
+
 static MnsStatus take(Lineage *lineage, const Record *record, MnsError *error)
 {
+    if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__SCHEDULED && record->request)
+        return take_scheduled(lineage, record, error);
     if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__BEGUN && record->request) {
         lineage->begun = record->request;
         lineage->begun_step = record->step;
@@ -180,9 +214,22 @@ static bool is_past(const Lineage *lineage, size_t k, uint64_t checkpoint)
     return false;
 }
 
+double lineage_limit(const Lineage *lineage, uint64_t step)
+{
+    double limit = INFINITY;
+    for (size_t k = 0; k < lineage->n; k++) {
+        const LineageEntry *entry = &lineage->entries[k];
+        const bool holds = entry->scheduled && entry->step <= step && step < entry->until;
+        if (holds && entry->request->has_at_time) limit = fmin(limit, entry->request->at_time);
+    }
+    return limit;
+}
+
 bool lineage_needs(const Lineage *lineage, size_t k, uint64_t checkpoint)
 {
     const LineageEntry *entry = &lineage->entries[k];
+    if (entry->scheduled)
+        return entry->until == UINT64_MAX || (entry->until > checkpoint && entry->request->has_at_time);
     if (is_command(entry, MENISCUS__REQUEST__COMMAND_BREAKPOINT) || entry->step >= checkpoint) return true;
     return is_limit(entry) && !is_past(lineage, k, checkpoint);
 }

@@ -14,6 +14,9 @@ typedef struct LineageEntry {
     const Meniscus__Case *adopted;
     uint64_t version; /* of the case that it led to; 0: to none                       */
     bool anew;        /* that none before it can be gone back to from                */
+    bool scheduled;   /* accepted here; it shortened steps up to the step `until`, at which it was done or dropped */
+    uint64_t until;   /* UINT64_MAX: it waits still                                  */
+    const Meniscus__Who *who; /* of a scheduled one; or NULL                          */
 } LineageEntry;
 
 /* All borrowed from the history but `entries`. */
@@ -38,6 +41,9 @@ typedef struct Lineage {
 /* MNS_OK; MNS_E_STATE: there is no load, or it has ended; MNS_E_MEMORY. Free it with lineage_done() in any case. */
 MnsStatus lineage_of(const History *history, Lineage *ret, MnsError *error);
 void lineage_done(Lineage *lineage);
+
+/* The time to which what was scheduled shortened the step that followed the boundary of this step [s]; INFINITY: to none. */
+double lineage_limit(const Lineage *lineage, uint64_t step);
 
 /* Must entry k be done again by a run that goes on from a checkpoint of this step? Checkpoints have what was set, and nothing else. */
 bool lineage_needs(const Lineage *lineage, size_t k, uint64_t checkpoint);

@@ -179,6 +179,10 @@ static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
                                           candidate->goes_on, &lost, error);
     if (status) return status;
     if (lost.status) run_tell(run, NOTE_LOG, LOG_WARNING, "lost", lost.text);
+    if (run->agenda.n) {
+        run_drop_appointments(run, "called off by a load, reset or restore");
+        run_commit(run); /* they belong to the journal of the run that goes */
+    }
     give_up(run);
     run->sim = candidate->sim;
     run->document = candidate->document;
@@ -399,6 +403,7 @@ void run_stop(Run *run, Order *order, bool checkpoint)
         return;
     }
     run_goal_end(run, MNS_E_INTERRUPTED, &ended);
+    run_drop_appointments(run, ended.text);
     end_recovery(run);
     if (close_run(run, &error)) run_tell(run, NOTE_LOG, LOG_WARNING, "lost", error.text);
     run_enter(run, RUN_EMPTY, "stopped on request");
@@ -423,6 +428,7 @@ void run_leave(Run *run, Order *order, bool checkpoint)
     mns_fail(&ended, MNS_E_INTERRUPTED, "the program is stopping");
     run_enter(run, RUN_STOPPING, checkpoint ? "stopping, with a checkpoint" : "stopping");
     run_goal_end(run, MNS_E_INTERRUPTED, &ended);
+    run_drop_appointments(run, ended.text);
     snprintf(order->path, sizeof order->path, "%s", run->outputs.directory);
     const MnsStatus status = secure(run, checkpoint, &error);
     const bool diverged = run->fault.status && !run->output_failed;

@@ -15,7 +15,7 @@ Note *note_new(NoteKind kind, size_t n)
 
 void note_free(Note *note)
 {
-    if (!note || note->kind == NOTE_ANSWER) return;
+    if (!note || note->kind == NOTE_ANSWER || note->kind == NOTE_SCHEDULED) return;
     document_leave(note->document);
     free(note);
 }

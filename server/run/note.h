@@ -9,11 +9,12 @@
 #include <stdint.h>
 
 typedef enum NoteKind {
-    NOTE_ANSWER,   /* order, of which it is a part                      */
-    NOTE_EVENT,    /* word, text: something happened to the run         */
-    NOTE_LOG,      /* level, text                                       */
-    NOTE_PROGRESS, /* fraction, eta, steps_per_second, dt, end_time     */
-    NOTE_PROBES    /* document, values [document->c->n_probes]          */
+    NOTE_ANSWER,    /* order, of which it is a part                      */
+    NOTE_SCHEDULED, /* the same: it waits for its moment, and outlives a crash */
+    NOTE_EVENT,     /* word, text: something happened to the run         */
+    NOTE_LOG,       /* level, text                                       */
+    NOTE_PROGRESS,  /* fraction, eta, steps_per_second, dt, end_time     */
+    NOTE_PROBES     /* document, values [document->c->n_probes]          */
 } NoteKind;
 
 struct Order;
@@ -36,7 +37,7 @@ typedef struct Note {
 /* An empty note with room for n values; NULL if there is no memory. */
 Note *note_new(NoteKind kind, size_t n);
 
-/* Free a note; NULL is fine. That of an answer goes with its order: for it this does nothing, and must not be called once the
+/* Free a note; NULL is fine. Those that are part of an order go with it: for them this does nothing, and must not be called once the
  * order is gone. */
 void note_free(Note *note);
 

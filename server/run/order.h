@@ -19,6 +19,12 @@ typedef struct Who {
     Role role;
 } Who;
 
+/* When a scheduled order takes effect: at the step, or at the first boundary from the time on [s]. UINT64_MAX, INFINITY: no matter. */
+typedef struct Moment {
+    uint64_t step;
+    double t;
+} Moment;
+
 typedef struct Order {
     struct Order *next;
 
@@ -28,6 +34,15 @@ typedef struct Order {
 
     const struct Lineage
         *lineage; /* of a load after a crash, and of a command that was under way: what is come back to; borrowed */
+
+    bool scheduled; /* it waits for its moment: */
+    Moment at;
+    bool appointed, announced; /* the journal has it; and whoever listens has been told                   */
+    bool written;              /* its file is, or could not be: status and error tell                     */
+    Note notice;               /* that it is scheduled: comes through the outbox before its answer        */
+
+    /* Could it take effect now, but for the moment? As serve() would find, without doing it. */
+    MnsStatus (*check)(const struct Run *run, struct Order *order, MnsError *error);
 
     /* What the reply will be, once it is answered; on the runner's thread. May be NULL; the result too. */
     const Meniscus__Reply *(*seal)(struct Order *order);

@@ -85,6 +85,18 @@ void run_publish_step(Run *run)
     pthread_mutex_unlock(&run->lock);
 }
 
+static void fill_scheduled(const Run *run, RunStatus *status)
+{
+    for (const Order *order = run->agenda.first; order; order = order->next) {
+        if (!order->announced) continue; /* not on the disk yet */
+        RunScheduled *item = &status->scheduled[status->n_scheduled++];
+        memcpy(item->id, order->id, sizeof item->id);
+        item->at = order->at;
+        snprintf(item->who, sizeof item->who, "%s", order->who.name);
+        run_describe_scheduled(order, item->what, sizeof item->what);
+    }
+}
+
 static void fill_case(const Run *run, RunStatus *status)
 {
     const MnsCase *c = run->document->c;
@@ -99,6 +111,7 @@ static void fill_case(const Run *run, RunStatus *status)
     status->fluid_particles = mns_sim_fluid_particles(run->sim);
     status->bytes = mns_sim_bytes(run->sim);
     breakpoints_list(run->breakpoints, status->breakpoints, &status->n_breakpoints);
+    fill_scheduled(run, status);
     fill_numbers(run, status);
 }
 

@@ -14,6 +14,7 @@
 static MnsStatus do_again(Run *run, const LineageEntry *entry, double *limit, MnsError *error)
 {
     const Meniscus__Request *request = entry->request;
+    if (entry->scheduled) return MNS_OK; /* it shortens steps, and what came of it is an entry of its own */
     if (entry->adopted) return run_adopt_again(run, entry->adopted, error);
     if (request && request->command_case == MENISCUS__REQUEST__COMMAND_SET)
         return run_set_again(run, request->set, error);
@@ -42,8 +43,9 @@ static MnsStatus do_all_again(Run *run, uint64_t step, MnsError *error)
 static MnsStatus step_again(Run *run, bool *ret_output, MnsError *error)
 {
     const double end = run->document->c->end_time;
-    if (mns_sim_progress(run->sim).t < end)
-        return run_step_once(run, fmin(run->recovery.limit, end), ret_output, error);
+    const MnsProgress now = mns_sim_progress(run->sim);
+    const double limit = fmin(run->recovery.limit, lineage_limit(run->recovery.lineage, now.step));
+    if (now.t < end) return run_step_once(run, fmin(limit, end), ret_output, error);
     return mns_fail(error, MNS_E_INTERNAL, "the end time was reached before step %" PRIu64 " of the journal",
                     run->recovery.lineage->step);
 }

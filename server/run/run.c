@@ -12,16 +12,23 @@
 /* How many orders wait at most, and how many are served between two steps. */
 enum { MAILBOX_LIMIT = 2048, SERVED_AT_ONCE = 64 };
 
-/* MNS_OK if the order may still be served, at this step. */
-static MnsStatus check_moment(const Run *run, const Order *order, uint64_t step, MnsError *error)
+/* A version that is to come may be there when a scheduled order takes effect. */
+static bool is_version(const Order *order, uint64_t version)
 {
+    const bool early = order->scheduled && !order->appointed;
+    return !order->if_version || order->if_version == version || (early && order->if_version > version);
+}
+
+MnsStatus run_check_moment(const Run *run, const Order *order, MnsError *error)
+{
+    const uint64_t step = run->sim ? mns_sim_progress(run->sim).step : 0;
     if (order->deadline < clock_now())
         return mns_fail(error, MNS_E_TIMEOUT,
                         "the deadline passed before the command could take effect; nothing was done");
     const MnsStatus status =
         order->leased && !order->lineage ? lease_admits(&run->lease, order->lease_epoch, clock_now(), error) : MNS_OK;
     if (status) return status;
-    if (order->if_version && order->if_version != run->versions.number)
+    if (!is_version(order, run->versions.number))
         return mns_fail_at(error, MNS_E_STATE, "if_version",
                            "the case is at version %" PRIu64 ", not %" PRIu64 "; nothing was done",
                            run->versions.number, order->if_version);
@@ -39,18 +46,38 @@ static void serve(Run *run, Order *order)
     const MnsProgress now = run->sim ? mns_sim_progress(run->sim) : (MnsProgress){.t = 0};
     order->effect_step = now.step;
     order->effect_t = now.t;
-    MnsStatus status = check_moment(run, order, now.step, &error);
+    if (order->scheduled && !order->appointed) {
+        run_appoint(run, order);
+        return;
+    }
+    MnsStatus status = run_check_moment(run, order, &error);
     if (!status && order->request) status = run_journal_ready(run, order, &error);
-    if (!order->request) run_commit(run); /* what it sees or writes is not undone by a crash */
+    if (!order->request || order->scheduled) run_commit(run); /* what it sees or writes is not undone by a crash */
     if (status) run_answer(run, order, status, &error);
     else order->serve(run, order);
+}
+
+/* Those whose moment this boundary is. In FAULT it is not complete, or its files are not: they wait until it is. */
+static void keep_appointments(Run *run)
+{
+    bool any = false;
+    while (run->agenda.n && !run->leaving) {
+        const bool whole =
+            run->state == RUN_READY || run->state == RUN_RUNNING || run->state == RUN_PAUSED || run->state == RUN_DONE;
+        Order *order = whole ? agenda_take_due(&run->agenda, mns_sim_progress(run->sim)) : NULL;
+        if (!order) break;
+        run_settle(run);
+        serve(run, order);
+        any = true;
+    }
+    if (any) run_publish(run);
 }
 
 /* Until when to sleep if nobody wants anything: a paused run uses no processor. The OpenMP team does not either: both
  * runtimes put their threads to sleep after a short spin. */
 static double wake_time(const Run *run)
 {
-    if (run->state == RUN_RUNNING || run->unsaid) return 0;
+    if (run->state == RUN_RUNNING || run->unsaid || run_announces(run)) return 0;
     const double beat = run->options.beat_interval > 0 ? clock_now() + run->options.beat_interval : INFINITY;
     return fmin(beat, run_next_deadline(run));
 }
@@ -64,16 +91,18 @@ static Order *next_order(Run *run)
 
 static void serve_some(Run *run)
 {
+    keep_appointments(run);
     for (int k = 0; k < SERVED_AT_ONCE && !run->leaving; k++) {
         run_settle(run);
         Order *order = next_order(run);
-        if (!order && run->unsaid) { /* nobody else to write down with it */
+        if (!order && (run->unsaid || run_announces(run))) { /* nobody else to write down with it */
             run_commit(run);
             continue;
         }
         run_beat(run);
         if (!order) break;
         serve(run, order);
+        keep_appointments(run);
     }
     run_expire(run);
     run_commit(run);
@@ -109,7 +138,13 @@ static void *run_thread(void *arg)
 /* On the writer's thread, or this one. */
 static void answer_output(void *run, Order *order, MnsStatus status, const MnsError *error)
 {
-    run_answer_now(run, order, status, error);
+    if (!order->appointed) {
+        run_answer_now(run, order, status, error);
+        return;
+    }
+    order->status = status; /* the runner waits for it, as the journal must tell */
+    if (status) order->error = *error;
+    order->written = true;
 }
 
 static void destroy(Run *run)

@@ -4,6 +4,7 @@
 #ifndef RUN_RUN_H
 #define RUN_RUN_H
 
+#include "run/agenda.h"
 #include "run/breakpoint.h"
 #include "run/document.h"
 #include "run/figures.h"
@@ -26,6 +27,13 @@ typedef struct RunOptions {
 
 enum { RUN_TIMERS = FIGURES_TIMERS };
 
+/* What is scheduled. */
+typedef struct RunScheduled {
+    uint8_t id[ORDER_ID];
+    Moment at;
+    char who[KEY_NAME_SIZE], what[200]; /* "set gravity = [0, -2], at step 5000" */
+} RunScheduled;
+
 /* A look at the run, as it was at the last step boundary. */
 typedef struct RunStatus {
     RunState state;
@@ -44,9 +52,10 @@ typedef struct RunStatus {
     bool hash_due;                                      /* it stands still, and is known before the next order    */
     unsigned threads;
     MnsError fault; /* in FAULT */
-    size_t n_timers, n_breakpoints;
+    size_t n_timers, n_breakpoints, n_scheduled;
     MnsTimer timers[RUN_TIMERS];
     Breakpoint breakpoints[BREAKPOINTS];
+    RunScheduled scheduled[AGENDA_LIMIT];
 } RunStatus;
 
 /* Start the threads; the strings are borrowed until run_free(). MNS_OK, MNS_E_MEMORY, MNS_E_LIMIT. */
@@ -114,7 +123,7 @@ typedef struct RunWait {
 } RunWait;
 void run_wait(Run *run, Order *order, const RunWait *wait);
 
-/* End the step, run_until or wait of that id; or take an order out of the queue. */
+/* End the step, run_until or wait of that id; or take an order out of the queue, or of those that are scheduled. */
 void run_cancel(Run *run, Order *order, const uint8_t id[static ORDER_ID]);
 
 void run_checkpoint(Run *run, Order *order);
@@ -122,6 +131,11 @@ void run_snapshot(Run *run, Order *order, size_t n, char *const *fields);
 
 /* Change all these entries of the case, or none. The answer has a share of the changed case, which is the order's owner's. */
 void run_set(Run *run, Order *order, const Meniscus__Set *set);
+
+/* Would these be done now? Nothing is. For Order.check. */
+MnsStatus run_check_set(const Run *run, const Meniscus__Set *set, MnsError *error);
+MnsStatus run_check_rollback(const Run *run, uint64_t version, MnsError *error);
+MnsStatus run_check_fields(size_t n, char *const *fields, MnsError *error);
 
 /* Back to the case as it was at a version, which makes one more. The answer is as that of a set. */
 void run_rollback(Run *run, Order *order, uint64_t version);

@@ -74,6 +74,22 @@ void run_set(Run *run, Order *order, const Meniscus__Set *set)
     answer_change(run, order, status, &error);
 }
 
+MnsStatus run_check_set(const Run *run, const Meniscus__Set *set, MnsError *error)
+{
+    Document *document;
+    MnsStatus status = document_set(run->document, set, &document, error);
+    if (status) return status;
+    status = check_end(run, document, error);
+    document_leave(document);
+    return status;
+}
+
+MnsStatus run_check_rollback(const Run *run, uint64_t version, MnsError *error)
+{
+    Document *document;
+    return versions_find(&run->versions, version, &document, error);
+}
+
 void run_rollback(Run *run, Order *order, uint64_t version)
 {
     MnsError error;
@@ -190,12 +206,24 @@ void run_breakpoint(Run *run, Order *order, const Meniscus__SetBreakpoint *reque
     run_answer(run, order, status, &error);
 }
 
+/* The journal tells what came of it before the run goes on, so the solver waits for the file. Behind an output that has failed the
+ * file waits too, and its answer with it. */
+static void after_scheduled_output(Run *run, Order *order)
+{
+    MnsError failed;
+    const MnsStatus status = writer_drain(run->outputs.writer, &failed);
+    if (order->written) run_answer(run, order, order->status, &order->error);
+    else order->appointed = false;
+    if (status && run->state != RUN_FAULT) run_fault(run, &failed, true);
+}
+
 /* The order is with the writer unless there was no memory for the copy. A failure of the file comes up at the next boundary,
  * or here if the run stands still. */
 static void after_output(Run *run, Order *order, MnsStatus status, const MnsError *error)
 {
     MnsError failed;
     if (status) run_answer(run, order, status, error);
+    else if (order->scheduled) after_scheduled_output(run, order);
     else if (run->state != RUN_RUNNING && run->state != RUN_FAULT && writer_drain(run->outputs.writer, &failed))
         run_fault(run, &failed, true);
 }
@@ -227,6 +255,12 @@ static MnsStatus find_fields(size_t n, char *const *fields, uint64_t *ret, MnsEr
         *ret |= (uint64_t)1 << field;
     }
     return MNS_OK;
+}
+
+MnsStatus run_check_fields(size_t n, char *const *fields, MnsError *error)
+{
+    uint64_t mask = 0;
+    return find_fields(n, fields, &mask, error);
 }
 
 void run_snapshot(Run *run, Order *order, size_t n, char *const *fields)
