@@ -65,18 +65,20 @@ bool run_announces(const Run *run)
     return false;
 }
 
+/* Whoever hears of it and asks for the status finds it there. */
 void run_announce(Run *run)
 {
-    for (Order *order = run->agenda.first; order; order = order->next) {
-        if (order->announced) continue;
-        order->announced = true;
+    Order *order = run->agenda.first;
+    while (order && order->announced) order = order->next; /* those behind it are new, too */
+    for (Order *new = order; new; new = new->next) new->announced = true;
+    run_publish(run);
+    for (; order; order = order->next) {
         run_describe_scheduled(order, order->notice.text, sizeof order->notice.text);
         run_tell(run, NOTE_EVENT, LOG_INFORMATION, "scheduled", order->notice.text);
         order->notice.kind = NOTE_SCHEDULED;
         order->notice.order = order;
         outbox_put(&run->outbox, &order->notice);
     }
-    run_publish(run);
 }
 
 void run_describe_scheduled(const Order *order, char *ret, size_t size)

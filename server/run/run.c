@@ -57,7 +57,7 @@ static void serve(Run *run, Order *order)
     else order->serve(run, order);
 }
 
-/* Those whose moment this boundary is. In FAULT it is not complete, or its files are not: they wait until it is. */
+/* Those whose moment this boundary is, before whoever wanted the run to come here is answered: then the case is as it was to be from here on. In FAULT it is not complete, or its files are not: they wait until it is. */
 static void keep_appointments(Run *run)
 {
     bool any = false;
@@ -66,7 +66,6 @@ static void keep_appointments(Run *run)
             run->state == RUN_READY || run->state == RUN_RUNNING || run->state == RUN_PAUSED || run->state == RUN_DONE;
         Order *order = whole ? agenda_take_due(&run->agenda, mns_sim_progress(run->sim)) : NULL;
         if (!order) break;
-        run_settle(run);
         serve(run, order);
         any = true;
     }

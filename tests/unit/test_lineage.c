@@ -3,6 +3,7 @@
 #include "run/lineage.h"
 #include "run/order.h"
 #include "tests/support/check.h"
+#include <math.h>
 #include <stdlib.h>
 
 typedef Meniscus__JournalRecord Record;
@@ -208,6 +209,88 @@ static void a_shutdown_ends_a_run_but_not_on_its_way_back(void **state)
     read(book, MNS_E_STATE);
 }
 
+/* A set that waits for a time, accepted at this step, under an id of its own. */
+static Record *add_scheduled(Book *book, uint64_t step, double t, uint8_t *id)
+{
+    Record *record = add(book, MENISCUS__REQUEST__COMMAND_SET, step, MENISCUS__STATE__RUNNING);
+    record->kind = MENISCUS__JOURNAL_RECORD__KIND__SCHEDULED;
+    record->reply = NULL;
+    record->request->has_at_time = true;
+    record->request->at_time = t;
+    record->request->id = (ProtobufCBinaryData){.len = ORDER_ID, .data = id};
+    return record;
+}
+
+/* What came of it. */
+static Record *add_outcome(Book *book, const Record *scheduled, uint64_t step, Meniscus__Code code)
+{
+    Record *record = add(book, MENISCUS__REQUEST__COMMAND_SET, step, MENISCUS__STATE__RUNNING);
+    record->request = scheduled->request;
+    record->reply->code = code;
+    return record;
+}
+
+static size_t count_pending(const Lineage *lineage)
+{
+    size_t n = 0;
+    for (size_t k = 0; k < lineage->n; k++)
+        n += lineage->entries[k].scheduled && lineage->entries[k].until == UINT64_MAX;
+    return n;
+}
+
+static void what_is_scheduled_waits_until_a_record_tells_what_came_of_it(void **state)
+{
+    Book *book = *state;
+    uint8_t ids[2][ORDER_ID] = {"first", "second"};
+    add_load(book);
+    add(book, MENISCUS__REQUEST__COMMAND_START, 0, MENISCUS__STATE__RUNNING);
+    const Record *first = add_scheduled(book, 10, 0.3, ids[0]), *second = add_scheduled(book, 10, 0.5, ids[1]);
+    const Lineage *lineage = read(book, MNS_OK);
+    assert_int_equal(count_pending(lineage), 2);
+    assert_int_equal(lineage->state, RUN_RUNNING);
+    assert_true(isinf(lineage_limit(lineage, 9)));
+    assert_true(lineage_limit(lineage, 10) == 0.3);
+    add_outcome(book, first, 30, MENISCUS__CODE__OK);
+    lineage = read(book, MNS_OK);
+    assert_int_equal(count_pending(lineage), 1);
+    assert_true(lineage_limit(lineage, 29) == 0.3);
+    assert_true(lineage_limit(lineage, 30) == 0.5);
+    assert_ptr_equal(lineage->entries[lineage->n - 1].request, first->request); /* and it is done again */
+    add_outcome(book, second, 40, MENISCUS__CODE__ABORTED);
+    lineage = read(book, MNS_OK);
+    assert_int_equal(count_pending(lineage), 0);
+    assert_true(isinf(lineage_limit(lineage, 40)));
+    assert_false(lineage->entries[lineage->n - 1].request == second->request &&
+                 !lineage->entries[lineage->n - 1].scheduled); /* and it is not */
+}
+
+static void what_is_scheduled_outlives_two_crashes_but_no_restore(void **state)
+{
+    Book *book = *state;
+    uint8_t id[ORDER_ID] = "one";
+    add_load(book);
+    const Record *scheduled = add_scheduled(book, 10, 0.5, id);
+    add(book, MENISCUS__REQUEST__COMMAND_SET, 40, MENISCUS__STATE__PAUSED);
+    Record *comeback = add_comeback(book, 20);
+    meniscus__again__init(&book->again);
+    book->all_again[0] = &book->again;
+    book->again.step = 20;
+    book->again.request = scheduled->request;
+    book->again.has_scheduled = book->again.scheduled = true;
+    comeback->n_again = 1;
+    comeback->again = book->all_again;
+    const Lineage *lineage = read(book, MNS_OK);
+    assert_int_equal(count_pending(lineage), 1);
+    assert_true(lineage_limit(lineage, 10) == 0.5);
+    assert_true(lineage_limit(lineage, 20) == 0.5);
+    Record *restore = add(book, MENISCUS__REQUEST__COMMAND_RESTORE, 15, MENISCUS__STATE__READY);
+    restore->case_ = &book->stored;
+    lineage = read(book, MNS_OK);
+    assert_int_equal(count_pending(lineage), 0);
+    assert_true(lineage_limit(lineage, 14) == 0.5); /* the steps before were shortened by it all the same */
+    assert_true(isinf(lineage_limit(lineage, 15)));
+}
+
 #define TEST(name) cmocka_unit_test_setup_teardown(name, begin, end)
 
 int main(void)
@@ -220,6 +303,8 @@ int main(void)
         TEST(a_step_under_way_stays_so_through_two_crashes),
         TEST(what_was_under_way_and_is_called_off_before_the_run_is_back_leaves_it_paused),
         TEST(a_shutdown_ends_a_run_but_not_on_its_way_back),
+        TEST(what_is_scheduled_waits_until_a_record_tells_what_came_of_it),
+        TEST(what_is_scheduled_outlives_two_crashes_but_no_restore),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
