@@ -63,10 +63,16 @@ for name in sys.argv[1:]:
     ast.parse(open(name, encoding="utf-8").read(), name)'
 }
 
+# With what is generated, which is in the build.
+types() {
+    (cd "$BUILD/python" && mypy --config-file "$OLDPWD/client/python/pyproject.toml" --cache-dir .mypy_cache -p meniscus)
+}
+
 check "every source names its licence" licensed
 check "layout of C (clang-format)" layout
 check "shell scripts (shellcheck)" shellcheck "${scripts[@]}"
 check "Python parses" python_compiles
+check "types of the Python client (mypy)" types
 # readdir is safe on a stream of its own, and readdir_r is deprecated. Uninitialised values are the compilers' to find:
 # cppcheck takes `c ? a : &b` for a use of b. That a condition reads an element before its limit is style, not an error.
 # It is kept from the tests, as it does not know that cmocka's skip() and fail() do not return.

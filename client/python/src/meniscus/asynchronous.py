@@ -79,7 +79,7 @@ class AsyncConnection:
     def _call_off(self, request_id: bytes) -> None:
         """Its answer interests nobody: what has ended by itself cannot be cancelled."""
         request = pb.Request(major=pb.PROTOCOL_MAJOR, id=os.urandom(16), cancel=pb.Cancel(id=request_id))
-        sent = self._socket.send(request.SerializeToString(), zmq.DONTWAIT)
+        sent: "asyncio.Future[Any]" = self._socket.send(request.SerializeToString(), zmq.DONTWAIT)  # type: ignore[assignment]
         sent.add_done_callback(lambda done: done.cancelled() or done.exception())
 
     async def _do(self, steps: Generator[Union[Send, Wait], bool, T]) -> T:

@@ -68,7 +68,7 @@ class CaseText:
         stream = io.StringIO(text)
         stream.name = name
         try:
-            node = yaml.compose(stream, Loader=yaml.BaseLoader)
+            node: Optional[yaml.Node] = yaml.compose(stream, Loader=yaml.BaseLoader)  # type: ignore[no-untyped-call]
         except yaml.MarkedYAMLError as error:
             where = _place(error.problem_mark) if error.problem_mark else name
             raise CaseError("INVALID_ARGUMENT", f"{where}: {error.problem}") from None
@@ -160,13 +160,15 @@ def _descend(node: yaml.Node, word: str, new: yaml.Node, last: bool, path: str) 
             node.value.append(made)
         elif last:
             node.value[int(word)] = new
-        return node.value[int(word)]
+        item: yaml.Node = node.value[int(word)]
+        return item
     if not isinstance(node, yaml.MappingNode):
         raise CaseError("NOT_FOUND", f'"{path}": "{word}" is not an entry of a single value', path)
     for k, (key, value) in enumerate(node.value):
         if key.value == word:
-            node.value[k] = (key, new if last else value)
-            return node.value[k][1]
+            entry: yaml.Node = new if last else value
+            node.value[k] = (key, entry)
+            return entry
     key = yaml.ScalarNode("tag:yaml.org,2002:str", word, new.start_mark, new.end_mark)
     node.value.append((key, made))
     return made

@@ -44,32 +44,33 @@ def method(build: Callable[P, Command[T]]) -> Callable[Concatenate[Any, P], T]:
     """The method of Client that does a command and returns its result."""
 
     @functools.wraps(build)
-    def call(self: Any, *args: P.args, **words: P.kwargs) -> T:
+    def call(self: Any, /, *args: P.args, **words: P.kwargs) -> T:
         result: T = self._do(build(*args, **words))
         return result
 
-    return _with_self(call, build)
+    _show_arguments(call, build)
+    return call
 
 
 def async_method(build: Callable[P, Command[T]]) -> Callable[Concatenate[Any, P], Coroutine[Any, Any, T]]:
     """The method of AsyncClient that does it while others go on."""
 
     @functools.wraps(build)
-    async def call(self: Any, *args: P.args, **words: P.kwargs) -> T:
+    async def call(self: Any, /, *args: P.args, **words: P.kwargs) -> T:
         result: T = await self._do(build(*args, **words))
         return result
 
-    return _with_self(call, build)
+    _show_arguments(call, build)
+    return call
 
 
-def _with_self(call: Any, build: Callable[..., Any]) -> Any:
+def _show_arguments(call: Any, build: Callable[..., Any]) -> None:
     """Help and editors show the arguments of the command."""
     signature = inspect.signature(build)
     me = inspect.Parameter("self", inspect.Parameter.POSITIONAL_OR_KEYWORD)
     result = str(signature.return_annotation)[len("Command["):-1]
     call.__annotations__ = {**build.__annotations__, "return": result}
     call.__signature__ = signature.replace(parameters=[me, *signature.parameters.values()], return_annotation=result)
-    return call
 
 
 # --- how answers are read ------------------------------------------------------------------------------------------------

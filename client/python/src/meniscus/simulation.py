@@ -180,8 +180,8 @@ class Probes(Mapping[str, float]):
         """By name."""
         return {name: value.unit for name, value in self._client.query().items()}
 
-    def now(self, *names: str) -> np.void:
-        """These probes, or all, of one step, as a record whose fields have their names."""
+    def now(self, *names: str) -> Any:
+        """These probes, or all, of one step, as a record (np.void) whose fields have their names."""
         values = self._client.query(*names)
         record = np.zeros((), dtype=[(name, np.float64) for name in values])
         for name, value in values.items():

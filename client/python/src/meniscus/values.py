@@ -164,9 +164,11 @@ def read_values(message: pb.Values) -> Dict[str, Value]:
 
 
 def _value(message: pb.Value) -> Union[float, str, None]:
-    if message.HasField("number") and math.isfinite(message.number):
-        return message.number
-    return _given(message, "text")
+    number: Optional[float] = message.number if message.HasField("number") else None
+    if number is not None and math.isfinite(number):
+        return number
+    text: Optional[str] = _given(message, "text")
+    return text
 
 
 def read_array(array: pb.Array, frame: Frame) -> np.ndarray:
