@@ -186,7 +186,7 @@ const Command command_table[] = {
      .help = "pause at the next step boundary",
      .details = "Answers when the solver stands still. Possible in RUNNING, READY and PAUSED.",
      .request = "pause",
-     .options = OPTION(OPT_IF_STEP),
+     .options = OPTION(OPT_IF_STEP) | OPTIONS_MOMENT,
      .call = mns_client_pause,
      .run = command_simple},
     {.name = "resume",
@@ -291,11 +291,17 @@ const Command command_table[] = {
      .name = "set",
      .arguments = "PATH=VALUE...",
      .help = "change entries of the running case, all or none",
-     .details = "    meniscus set end_time=3 gravity='[0, -2]'\n"
-                "Answers with the step at which it took effect. `meniscus get` lists what can be set, `meniscus "
-                "capabilities` with units and bounds.",
+     .details =
+         "    meniscus set end_time=3 gravity='[0, -2]'\n"
+         "Answers with the step at which it took effect. `meniscus get` lists what can be set, `meniscus "
+         "capabilities` with units and bounds.\n"
+         "    meniscus set gravity='[0, -2]' --at-step 5000 --no-wait\n"
+         "schedules it, as pause, rollback, checkpoint and snapshot can be. It is checked at once, and again when "
+         "it takes effect. `meniscus status` lists what is scheduled, `meniscus cancel` of its id calls it off, and "
+         "so does a load, reset, restore or stop; a crash of the daemon does not. The command given again with the "
+         "same --id and without --no-wait waits for it. A --timeout is for its effect.",
      .request = "set",
-     .options = OPTION(OPT_IF_STEP) | OPTION(OPT_IF_VERSION),
+     .options = OPTION(OPT_IF_STEP) | OPTION(OPT_IF_VERSION) | OPTIONS_MOMENT,
      .min_words = 1,
      .max_words = MAX_WORDS,
      .run = command_set},
@@ -308,7 +314,7 @@ const Command command_table[] = {
                 "load, reset or "
                 "restore. It takes effect at the next step boundary, all or nothing.",
      .request = "rollback",
-     .options = OPTION(OPT_IF_STEP) | OPTION(OPT_IF_VERSION),
+     .options = OPTION(OPT_IF_STEP) | OPTION(OPT_IF_VERSION) | OPTIONS_MOMENT,
      .min_words = 1,
      .max_words = 1,
      .run = command_rollback},
@@ -334,7 +340,7 @@ const Command command_table[] = {
      .details = "Fields for people and for ParaView; answers with the path when the file is whole. --fields: instead "
                 "of those that the case names.",
      .request = "snapshot",
-     .options = OPTION(OPT_IF_STEP) | OPTION(OPT_FIELDS),
+     .options = OPTION(OPT_IF_STEP) | OPTION(OPT_FIELDS) | OPTIONS_MOMENT,
      .exits = EXIT_IO,
      .is_long = true,
      .run = command_snapshot},
@@ -342,7 +348,7 @@ const Command command_table[] = {
      .help = "write a checkpoint now",
      .details = "The whole state, to go on from; answers with the path when the file is whole.",
      .request = "checkpoint",
-     .options = OPTION(OPT_IF_STEP),
+     .options = OPTION(OPT_IF_STEP) | OPTIONS_MOMENT,
      .exits = EXIT_IO,
      .is_long = true,
      .call = mns_client_checkpoint,

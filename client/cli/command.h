@@ -21,8 +21,11 @@ typedef struct Invocation {
     uint64_t if_step;
     uint64_t if_version; /* 0: whichever */
     uint64_t lease;      /* epoch; 0: none */
-    MnsClient *client;   /* NULL until command_connect() */
-    int code;            /* exit code that the command wants, whatever its status; 0: none */
+    bool has_at_step, has_at_time;
+    uint64_t at_step;
+    double at_time;    /* [s] */
+    MnsClient *client; /* NULL until command_connect() */
+    int code;          /* exit code that the command wants, whatever its status; 0: none */
 } Invocation;
 
 struct Command {

@@ -19,6 +19,15 @@ static void print_breakpoints(const MnsRunInfo *info)
     }
 }
 
+static void print_scheduled(const MnsRunInfo *info)
+{
+    for (size_t k = 0; k < info->n_scheduled; k++) {
+        char id[2 * MNS_REQUEST_ID_SIZE + 1];
+        output_id(info->scheduled[k].id, id);
+        printf("scheduled   %s (%s, id %s)\n", info->scheduled[k].what, info->scheduled[k].who, id);
+    }
+}
+
 static void print_timers(const MnsRunInfo *info)
 {
     double all = 0;
@@ -55,6 +64,7 @@ static void print_info(const MnsRunInfo *info)
         if (info->state_hash) printf("state hash  %016" PRIx64 "\n", info->state_hash);
     }
     print_breakpoints(info);
+    print_scheduled(info);
     print_timers(info);
     printf("memory      %.1f MiB\n", (double)info->memory_bytes / (1 << 20));
     printf("meniscusd   %s\n", info->version);

@@ -70,6 +70,21 @@ static MnsStatus check_words(const Invocation *in, MnsError *error)
     return MNS_OK;
 }
 
+/* Whoever waits for a moment waits as long as it takes; a time limit would call the command off. */
+static MnsStatus read_moment(Invocation *in, MnsError *error)
+{
+    const char *step = options_get(&in->options, OPT_WAIT_STEP), *time = options_get(&in->options, OPT_WAIT_TIME);
+    in->has_at_step = step;
+    in->has_at_time = time;
+    if (step && time) return mns_fail(error, MNS_E_INVALID, "--at-step or --at-time, not both");
+    if (!step && !time && options_get(&in->options, OPT_NO_WAIT))
+        return mns_fail(error, MNS_E_INVALID, "--no-wait goes with --at-step or --at-time; all else is done at once");
+    if (!step && !time) return MNS_OK;
+    in->timeout = -1;
+    return step ? parse_count("--at-step", step, &in->at_step, error)
+                : parse_number("--at-time", time, &in->at_time, error);
+}
+
 /* What the global options say about requests. */
 static MnsStatus read_manner(Invocation *in, MnsError *error)
 {
@@ -78,14 +93,16 @@ static MnsStatus read_manner(Invocation *in, MnsError *error)
                *if_version = options_get(&in->options, OPT_IF_VERSION), *given = options_get(&in->options, OPT_LEASE),
                *lease = given ? given : getenv("MENISCUS_LEASE");
     in->timeout = in->command->is_long ? -1 : quick_s;
+    MnsStatus status = read_moment(in, error);
+    if (status) return status;
     if (timeout) {
-        const MnsStatus status = parse_number("--timeout", timeout, &in->timeout, error);
+        status = parse_number("--timeout", timeout, &in->timeout, error);
         if (status != MNS_OK) return status;
         if (in->timeout < 0) return mns_fail(error, MNS_E_INVALID, "--timeout %s: seconds are not negative", timeout);
     }
     in->has_id = id;
     in->has_if_step = if_step;
-    MnsStatus status = id ? parse_id("--id", id, in->id, error) : MNS_OK;
+    status = id ? parse_id("--id", id, in->id, error) : MNS_OK;
     if (!status && if_step) status = parse_count("--if-step", if_step, &in->if_step, error);
     if (!status && if_version) status = parse_count("--if-version", if_version, &in->if_version, error);
     if (!status && if_version && !in->if_version)
@@ -106,6 +123,9 @@ MnsStatus command_connect(Invocation *in, MnsError *error)
     if (in->has_id) mns_client_set_request_id(in->client, in->id);
     if (in->has_if_step) mns_client_set_if_step(in->client, in->if_step);
     if (in->if_version) mns_client_set_if_version(in->client, in->if_version);
+    if (in->has_at_step) mns_client_set_at_step(in->client, in->at_step);
+    if (in->has_at_time) mns_client_set_at_time(in->client, in->at_time);
+    if (options_get(&in->options, OPT_NO_WAIT)) mns_client_set_no_wait(in->client);
     mns_client_set_lease(in->client, in->lease);
     return MNS_OK;
 }

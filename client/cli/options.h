@@ -17,6 +17,9 @@ typedef enum OptionId {
     OPT_LEASE,
     OPT_IF_STEP,
     OPT_IF_VERSION,
+    OPT_WAIT_STEP,
+    OPT_WAIT_TIME,
+    OPT_NO_WAIT,
     OPT_TTL,
     OPT_HOLDER,
     OPT_SET,
@@ -61,7 +64,9 @@ typedef enum OptionId {
 
 /* Options as a set. */
 typedef uint64_t OptionSet;
-#define OPTION(id)     (UINT64_C(1) << (id))
+#define OPTION(id) (UINT64_C(1) << (id))
+#define OPTIONS_MOMENT                                                                                                 \
+    (OPTION(OPT_WAIT_STEP) | OPTION(OPT_WAIT_TIME) | OPTION(OPT_NO_WAIT)) /* of what can be scheduled */
 #define OPTIONS_GLOBAL (OPTION(OPT_LEASE + 1) - 1)
 enum { MAX_WORDS = 1024 };
 

@@ -89,6 +89,11 @@ static json_t *timers(const MnsRunInfo *info)
     return list;
 }
 
+void output_id(const uint8_t id[MNS_REQUEST_ID_SIZE], char ret[2 * MNS_REQUEST_ID_SIZE + 1])
+{
+    for (size_t k = 0; k < MNS_REQUEST_ID_SIZE; k++) snprintf(ret + 2 * k, 3, "%02x", id[k]);
+}
+
 static json_t *breakpoints(const MnsRunInfo *info)
 {
     json_t *list = json_array();
@@ -97,6 +102,21 @@ static json_t *breakpoints(const MnsRunInfo *info)
         json_array_append_new(list, json_pack("{ss so so ss?}", "name", at->name, "time", output_number(at->time),
                                               "step", at->step ? json_integer((json_int_t)at->step) : json_null(),
                                               "when", at->condition));
+    }
+    return list;
+}
+
+static json_t *scheduled(const MnsRunInfo *info)
+{
+    json_t *list = json_array();
+    for (size_t k = 0; k < info->n_scheduled; k++) {
+        const MnsScheduled *at = &info->scheduled[k];
+        char id[2 * MNS_REQUEST_ID_SIZE + 1];
+        output_id(at->id, id);
+        json_array_append_new(
+            list, json_pack("{ss so so ss ss}", "id", id, "at_step",
+                            at->at_step == MNS_NO_STEP ? json_null() : json_integer((json_int_t)at->at_step), "at_time",
+                            output_number(at->at_time), "who", at->who, "what", at->what));
     }
     return list;
 }
@@ -126,6 +146,7 @@ json_t *output_info(const MnsRunInfo *info)
     json_object_set_new(object, "lease_s", output_number(info->lease_s));
     json_object_set_new(object, "timers", timers(info));
     json_object_set_new(object, "breakpoints", breakpoints(info));
+    json_object_set_new(object, "scheduled", scheduled(info));
     return object;
 }
 

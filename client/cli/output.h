@@ -40,4 +40,7 @@ json_t *output_failure(const MnsError *error, const char *hint, int code);
 /* Values as lines "name = value unit". */
 void output_print_values(size_t n, const MnsValue *values);
 
+/* The id of a request, as options take it. */
+void output_id(const uint8_t id[MNS_REQUEST_ID_SIZE], char ret[2 * MNS_REQUEST_ID_SIZE + 1]);
+
 #endif

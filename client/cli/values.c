@@ -34,7 +34,8 @@ MnsStatus command_set(Invocation *in, MnsError *error)
                                                 in->options.words[k]));
     if (status == MNS_OK) status = command_connect(in, error);
     if (status == MNS_OK) status = mns_client_set(in->client, in->options.n_words, in->options.words, &reply, error);
-    if (status == MNS_OK && !in->json)
+    if (status == MNS_OK && !in->json && reply->effect_step == MNS_NO_STEP) printf("%s\n", reply->message);
+    else if (status == MNS_OK && !in->json)
         printf("in effect from step %" PRIu64 "%s%s\n", reply->effect_step, *reply->message ? ": " : "",
                reply->message);
     return report_values(in, status, reply, error);

@@ -212,6 +212,12 @@ MnsStatus call_make(MnsClient *client, Meniscus__Request *request, Meniscus__Rep
     request->has_if_version = client->if_version > 0;
     request->if_version = client->if_version;
     client->if_version = 0;
+    request->has_at_step = client->has_at_step;
+    request->at_step = client->at_step;
+    request->has_at_time = client->has_at_time;
+    request->at_time = client->at_time;
+    request->has_no_wait = request->no_wait = client->no_wait;
+    client->has_at_step = client->has_at_time = client->no_wait = false;
     request->has_lease_epoch = client->lease_epoch > 0;
     request->lease_epoch = client->lease_epoch;
     return call_as(client, request, id, client->timeout, ret_reply, ret_frames, error);

@@ -16,7 +16,10 @@ struct MnsClient {
     uint8_t next_id[MNS_REQUEST_ID_SIZE];
     bool has_if_step; /* the next command is conditional    */
     uint64_t if_step;
-    uint64_t if_version;  /* of the next command; 0: whichever */
+    uint64_t if_version;                    /* of the next command; 0: whichever */
+    bool has_at_step, has_at_time, no_wait; /* the next command is scheduled */
+    uint64_t at_step;
+    double at_time;       /* [s] */
     uint64_t lease_epoch; /* of all commands; 0: none          */
     void *telemetry;      /* SUB socket, or NULL                  */
     struct {

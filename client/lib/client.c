@@ -92,6 +92,23 @@ void mns_client_set_if_step(MnsClient *client, uint64_t step)
     client->has_if_step = true;
 }
 
+void mns_client_set_at_step(MnsClient *client, uint64_t step)
+{
+    client->at_step = step;
+    client->has_at_step = true;
+}
+
+void mns_client_set_at_time(MnsClient *client, double time)
+{
+    client->at_time = time;
+    client->has_at_time = true;
+}
+
+void mns_client_set_no_wait(MnsClient *client)
+{
+    client->no_wait = true;
+}
+
 void mns_client_set_if_version(MnsClient *client, uint64_t version)
 {
     client->if_version = version;

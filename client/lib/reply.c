@@ -127,6 +127,20 @@ static const MnsBreakpoint *read_breakpoints(Arena *arena, const Meniscus__Statu
     return breakpoints;
 }
 
+static const MnsScheduled *read_scheduled(Arena *arena, const Meniscus__Status *message)
+{
+    MnsScheduled *scheduled = arena_take(arena, message->n_scheduled, sizeof *scheduled);
+    for (size_t k = 0; scheduled && k < message->n_scheduled; k++) {
+        const Meniscus__Scheduled *from = message->scheduled[k];
+        scheduled[k] = (MnsScheduled){.at_step = from->has_at_step ? from->at_step : MNS_NO_STEP,
+                                      .at_time = number(from->has_at_time, from->at_time),
+                                      .who = text(from->who),
+                                      .what = text(from->what)};
+        if (from->id.len == MNS_REQUEST_ID_SIZE) memcpy(scheduled[k].id, from->id.data, MNS_REQUEST_ID_SIZE);
+    }
+    return scheduled;
+}
+
 static MnsRunInfo *read_info(Arena *arena, const Meniscus__Status *m)
 {
     MnsRunInfo *info = arena_take(arena, 1, sizeof *info);
@@ -159,10 +173,12 @@ static MnsRunInfo *read_info(Arena *arena, const Meniscus__Status *m)
         .threads = m->threads,
         .n_timers = m->n_timers,
         .n_breakpoints = m->n_breakpoints,
+        .n_scheduled = m->n_scheduled,
         .timers = read_timers(arena, m),
         .breakpoints = read_breakpoints(arena, m),
+        .scheduled = read_scheduled(arena, m),
     };
-    return info->timers && info->breakpoints ? info : NULL;
+    return info->timers && info->breakpoints && info->scheduled ? info : NULL;
 }
 
 static const MnsTopicInfo *read_parameters(Arena *arena, const Meniscus__Capabilities *message)

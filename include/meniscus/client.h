@@ -33,6 +33,8 @@ typedef struct MnsClient MnsClient;
 
 enum { MNS_REQUEST_ID_SIZE = 16, MNS_ENDPOINT_SIZE = 160 };
 
+#define MNS_NO_STEP UINT64_MAX
+
 /** States of a daemon, with the numbers of the protocol. */
 typedef enum MnsState {
     MNS_STATE_EMPTY, /* no case                                          */
@@ -84,6 +86,14 @@ typedef struct MnsBreakpoint {
     uint64_t step;                /* 0 if it is not about a step                             */
 } MnsBreakpoint;
 
+/** A command that waits for a step or a time. */
+typedef struct MnsScheduled {
+    uint8_t id[MNS_REQUEST_ID_SIZE]; /* for mns_client_cancel()                                */
+    uint64_t at_step;                /* MNS_NO_STEP if it waits for a time                     */
+    double at_time;                  /* [s]; NAN if it waits for a step                        */
+    const char *who, *what;          /* who gave it; "set gravity = [0, -2], at step 5000"     */
+} MnsScheduled;
+
 /** What a daemon is doing. Strings are never NULL; numbers that the daemon does not know are NAN or 0. */
 typedef struct MnsRunInfo {
     MnsState state;
@@ -98,9 +108,10 @@ typedef struct MnsRunInfo {
     const char *lease_holder; /* who may change the run; empty if everybody may         */
     double lease_s;           /* for how long yet                                       */
     unsigned threads;
-    size_t n_timers, n_breakpoints;
+    size_t n_timers, n_breakpoints, n_scheduled;
     const MnsTimerInfo *timers;
     const MnsBreakpoint *breakpoints;
+    const MnsScheduled *scheduled; /* in the order in which they were accepted */
 } MnsRunInfo;
 
 /** A file the daemon has written. */
@@ -124,8 +135,6 @@ typedef struct MnsCapabilities {
     const char *const *commands, *const *probes, *const *topics; /* topics: what can be subscribed to */
     const MnsTopicInfo *parameters, *fields, *schemes;
 } MnsCapabilities;
-
-#define MNS_NO_STEP UINT64_MAX
 
 /** The answer to a command. All it points to lives as long as it does. */
 typedef struct MnsReply {
@@ -204,6 +213,15 @@ void mns_client_set_if_step(MnsClient *client, uint64_t step);
 
 /** The same for the version of the case that the next command is for: MnsReply.case_version. */
 void mns_client_set_if_version(MnsClient *client, uint64_t version);
+
+/** Schedule the next command, a set, rollback, pause, checkpoint or snapshot: it takes effect when the run is at this step, or at this
+ *  simulated time [s], at which a step ends exactly. It is checked at once, and again then; a moment that is past is refused with
+ *  MNS_E_INVALID. A crash of the daemon does not lose it; a load, reset, restore or stop calls it off. A time limit is for its effect. */
+void mns_client_set_at_step(MnsClient *client, uint64_t step);
+void mns_client_set_at_time(MnsClient *client, double time);
+
+/** Have the next command, which is scheduled, return when the daemon has accepted it: effect_step is MNS_NO_STEP then. */
+void mns_client_set_no_wait(MnsClient *client);
 
 /** Send this epoch of a lease with all later commands, 0 for none; mns_client_lease() does so by itself. */
 void mns_client_set_lease(MnsClient *client, uint64_t epoch);

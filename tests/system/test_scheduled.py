@@ -5,9 +5,11 @@
 MENISCUS_KILLS says how often it is killed; 8 unless it is set.
 """
 
+import asyncio
 import os
 import random
 import secrets
+import subprocess
 import sys
 import time
 import unittest
@@ -20,6 +22,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from daemon import BUILD, DaemonTest  # noqa: E402
 
 sys.path.insert(0, str(BUILD / "python"))
+from meniscus import AsyncClient, Client, OutputFile  # noqa: E402
 from meniscus import meniscus_pb2 as pb  # noqa: E402
 
 KILLS = int(os.environ.get("MENISCUS_KILLS", "8"))
@@ -230,6 +233,44 @@ class Scheduled(DaemonTest):
         self.assertEqual(self.hear(waiting).effect_step, 10)
         self.assertEqual(self.give(no_wait=True, **words).effect_step, 10)
         self.assertEqual(self.give(status=pb.GetStatus()).case_version, 2)
+
+    # --- clients -----------------------------------------------------------------------------------------------------------
+
+    def test_from_the_command_line(self) -> None:
+        said = self.meniscus("set", "gravity=[0, -2]", "--at-step", "8", "--no-wait", "--id", "ab" * 16).stdout
+        self.assertEqual(said, "scheduled: set gravity = [0, -2], at step 8\n")
+        self.assertIn("checkpoint, at t = 0.05 s", self.meniscus("checkpoint", "--at-time", "0.05", "--no-wait").stdout)
+        listed = self.ask("status")["scheduled"]
+        self.assertEqual([(s["at_step"], s["at_time"]) for s in listed], [(8, None), (None, 0.05)])
+        self.assertIn(f"(local, id {listed[0]['id']})", self.meniscus("status").stdout)
+        self.assertEqual(listed[0]["id"], "ab" * 16)
+        self.meniscus("cancel", listed[1]["id"])
+        again = subprocess.Popen([BUILD / "meniscus", "set", "gravity=[0, -2]", "--at-step", "8", "--id", "ab" * 16],
+                                 env=self.environment, stdout=subprocess.PIPE, text=True)
+        time.sleep(0.2)
+        self.assertIsNone(again.poll())
+        self.meniscus("step", "10")
+        self.assertIn("in effect from step 8", again.communicate(timeout=20)[0])
+        for words in (["--at-step", "9", "--at-time", "1"], ["--no-wait"], ["--at-step", "-1"]):
+            self.meniscus("pause", *words, code=2)
+        self.assertIn("is past", self.meniscus("pause", "--at-step", "1", code=1).stderr)
+
+    def test_from_python(self) -> None:
+        with Client(f"ipc://{self.home}/run/meniscus/default/control.ipc") as client:
+            reply = client.set({"gravity": "[0, -2]"}, at_step=8, wait=False)
+            self.assertIsNone(reply.effect_step)
+            self.assertIsNone(client.pause(at_time=0.05, wait=False).effect_step)
+            scheduled = client.status().scheduled
+            self.assertEqual([(s.at_step, s.at_time, s.who) for s in scheduled], [(8, None, "local"), (None, 0.05, "local")])
+            client.cancel(scheduled[1].id)
+            self.assertEqual(asyncio.run(self.snapshot_while_stepping()).step, 9)
+            self.assertEqual(client.status().case_version, 2)
+            self.assertEqual(client.status().scheduled, ())
+
+    async def snapshot_while_stepping(self) -> "OutputFile":
+        async with AsyncClient(f"ipc://{self.home}/run/meniscus/default/control.ipc") as client:
+            file, _ = await asyncio.gather(client.snapshot(at_step=9), client.step(12))
+            return file
 
     # --- crashes -----------------------------------------------------------------------------------------------------------
 

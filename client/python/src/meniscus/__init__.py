@@ -18,11 +18,11 @@ from .errors import (CancelledError, CaseError, CorruptError, DeniedError, Diver
 from .files import Field, ProbeSeries, Snapshot, Snapshots
 from .plot import LivePlot
 from .simulation import Bounds, Parameter, Parameters, Probes, Simulation
-from .values import Breakpoint, OutputFile, Reply, Status, Telemetry, Timer, Value
+from .values import Breakpoint, OutputFile, Reply, Scheduled, Status, Telemetry, Timer, Value
 
 __version__ = "0.1.0"
 __all__ = ["AsyncClient", "Bounds", "Breakpoint", "CancelledError", "CaseError", "Client", "CorruptError",
            "DeniedError", "DivergedError", "Field", "LeaseError", "LivePlot", "MeniscusError", "OutputFile",
-           "Parameter", "Parameters", "ProbeSeries", "Probes", "RefusedError", "Reply", "Simulation", "Snapshot",
-           "Snapshots", "StateError", "Status", "TOPICS", "Telemetry", "TimedOutError", "Timer", "UnavailableError",
+           "Parameter", "Parameters", "ProbeSeries", "Probes", "RefusedError", "Reply", "Scheduled", "Simulation",
+           "Snapshot", "Snapshots", "StateError", "Status", "TOPICS", "Telemetry", "TimedOutError", "Timer", "UnavailableError",
            "Value"]

@@ -138,9 +138,12 @@ def start(if_step: Optional[int] = None) -> Command[Reply]:
     return Command(pb.Request(start=pb.Start(), if_step=if_step), _reply)
 
 
-def pause(if_step: Optional[int] = None) -> Command[Reply]:
-    """Pause at the next step boundary. if_step: as for set()."""
-    return Command(pb.Request(pause=pb.Pause(), if_step=if_step), _reply)
+def pause(
+    if_step: Optional[int] = None, at_step: Optional[int] = None, at_time: Optional[float] = None, wait: bool = True
+) -> Command[Reply]:
+    """Pause at the next step boundary. if_step, at_step, at_time, wait: as for set()."""
+    request = pb.Request(pause=pb.Pause(), if_step=if_step, at_step=at_step, at_time=at_time, no_wait=not wait or None)
+    return Command(request, _reply)
 
 
 def resume(if_step: Optional[int] = None) -> Command[Reply]:
@@ -184,14 +187,17 @@ def restore(checkpoint: Optional[str] = None) -> Command[Reply]:
     return Command(pb.Request(restore=pb.Restore(checkpoint=checkpoint)), _reply)
 
 
-def checkpoint() -> Command[OutputFile]:
-    """Write a checkpoint now."""
-    return Command(pb.Request(checkpoint=pb.CheckpointNow()), _output)
+def checkpoint(at_step: Optional[int] = None, at_time: Optional[float] = None) -> Command[OutputFile]:
+    """Write a checkpoint now, or at a step or time, as for set(); returns when it is whole."""
+    return Command(pb.Request(checkpoint=pb.CheckpointNow(), at_step=at_step, at_time=at_time), _output)
 
 
-def snapshot(fields: Sequence[str] = ()) -> Command[OutputFile]:
-    """Write a snapshot now, with these fields or those of the case."""
-    return Command(pb.Request(snapshot=pb.SnapshotNow(fields=fields)), _output)
+def snapshot(
+    fields: Sequence[str] = (), at_step: Optional[int] = None, at_time: Optional[float] = None
+) -> Command[OutputFile]:
+    """Write a snapshot now, with these fields or those of the case. at_step, at_time: as for checkpoint()."""
+    request = pb.Request(snapshot=pb.SnapshotNow(fields=fields), at_step=at_step, at_time=at_time)
+    return Command(request, _output)
 
 
 def wait(
@@ -248,20 +254,42 @@ def release_lease() -> Command[int]:
 
 
 def set(
-    assignments: Mapping[str, Any], if_step: Optional[int] = None, if_version: Optional[int] = None
+    assignments: Mapping[str, Any], if_step: Optional[int] = None, if_version: Optional[int] = None,
+    at_step: Optional[int] = None, at_time: Optional[float] = None, wait: bool = True,
 ) -> Command[Reply]:
     """Change entries of the running case, all or none: {"end_time": 3, "gravity": [0, -1]}.
 
     if_step     only if the run is at this step when the command would begin; else StateError, whose path is "if_step"
     if_version  the same for the version of the case, as replies and status() have it
+    at_step     schedule it: it is checked now, and takes effect when the run is at this step
+    at_time     or at this simulated time [s], at which a step ends exactly
+    wait        return when it has taken effect; False: when it is scheduled, with an effect_step of None. A timeout is for the effect
     """
     items = [pb.Assignment(path=path, value=_as_yaml(value)) for path, value in assignments.items()]
-    return Command(pb.Request(set=pb.Set(assignments=items), if_step=if_step, if_version=if_version), _reply)
+    return Command(
+        pb.Request(
+            set=pb.Set(assignments=items), if_step=if_step, if_version=if_version,
+            at_step=at_step, at_time=at_time, no_wait=not wait or None,
+        ),
+        _reply,
+    )
 
 
-def rollback(version: int, if_version: Optional[int] = None) -> Command[Reply]:
-    """Change the case back to what it was at a version, which makes one more. RefusedError if it is not kept."""
-    return Command(pb.Request(rollback=pb.Rollback(version=version), if_version=if_version), _reply)
+def rollback(
+    version: int, if_version: Optional[int] = None,
+    at_step: Optional[int] = None, at_time: Optional[float] = None, wait: bool = True,
+) -> Command[Reply]:
+    """Change the case back to what it was at a version, which makes one more. RefusedError if it is not kept.
+
+    if_version, at_step, at_time, wait  as for set()
+    """
+    return Command(
+        pb.Request(
+            rollback=pb.Rollback(version=version), if_version=if_version,
+            at_step=at_step, at_time=at_time, no_wait=not wait or None,
+        ),
+        _reply,
+    )
 
 
 def get(*paths: str) -> Command[Dict[str, Value]]:

@@ -68,6 +68,17 @@ class Breakpoint:
 
 
 @dataclass(frozen=True)
+class Scheduled:
+    """A command that waits for a step or a time [s]; the other is None. id: for cancel()."""
+
+    id: bytes
+    at_step: Optional[int]
+    at_time: Optional[float]
+    who: str
+    what: str
+
+
+@dataclass(frozen=True)
 class Status:
     """What a daemon is doing. None: not known, or not in this state."""
 
@@ -98,6 +109,7 @@ class Status:
     lease_s: Optional[float] = None  # for how long yet [s]
     timers: Tuple[Timer, ...] = ()
     breakpoints: Tuple[Breakpoint, ...] = ()
+    scheduled: Tuple[Scheduled, ...] = ()  # in the order in which they were accepted
 
     def _repr_html_(self) -> str:
         rows: List[Tuple[str, Any]] = [("state", self.state), ("case", self.title or self.case_name)]
@@ -147,12 +159,15 @@ def read_reply(reply: pb.Reply) -> Reply:
 
 def read_status(message: pb.Status) -> Status:
     """A status, field by field."""
-    names = [name for name in Status.__dataclass_fields__ if name not in ("state", "timers", "breakpoints")]
+    names = [name for name in Status.__dataclass_fields__ if name not in ("state", "timers", "breakpoints", "scheduled")]
     return Status(
         state=pb.State.Name(message.state),
         timers=tuple(Timer(timer.name, timer.seconds, timer.calls) for timer in message.timers),
         breakpoints=tuple(
             Breakpoint(b.name, _given(b, "time"), _given(b, "step"), _given(b, "condition")) for b in message.breakpoints
+        ),
+        scheduled=tuple(
+            Scheduled(s.id, _given(s, "at_step"), _given(s, "at_time"), s.who, s.what) for s in message.scheduled
         ),
         **{name: _given(message, name) for name in names},
     )
