@@ -28,6 +28,7 @@ cppcheck shellcheck mypy g++ git procps
 systemd util-linux valgrind prometheus
 paraview python3-paraview xvfb xauth
 python3-scipy man-db lintian python3-nbclient python3-ipykernel python3-jsonschema snakemake
+python3-hypothesis
 '
 validate='
 python3-scipy

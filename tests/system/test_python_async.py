@@ -159,7 +159,7 @@ class WithoutDaemon(unittest.TestCase):
 
     def test_a_method_explains_itself(self) -> None:
         self.assertIn("Run until a simulated time", meniscus.AsyncClient.run_until.__doc__ or "")
-        self.assertEqual(str(inspect.signature(meniscus.Client.pause)), "(self, if_step: 'Optional[int]' = None) -> 'Reply'")
+        self.assertEqual(str(inspect.signature(meniscus.Client.start)), "(self, if_step: 'Optional[int]' = None) -> 'Reply'")
 
 
 if __name__ == "__main__":
