@@ -1,0 +1,350 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Random sequences of commands, good and bad, of several clients: every reply is that of the reference model (tests/support/reference.py).
+
+MENISCUS_SEQUENCES says how many; 250 unless it is set. They are the same every time unless MENISCUS_SEED is set. What fails is made as
+short as it can be, and printed.
+"""
+
+import os
+import secrets
+import shutil
+import sys
+import time
+import unittest
+from pathlib import Path
+from typing import Any
+
+import zmq
+from hypothesis import HealthCheck, Phase, given, seed, settings
+from hypothesis import strategies as st
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from daemon import BUILD, ROOT, DaemonTest  # noqa: E402
+from reference import Answer, Model  # noqa: E402
+
+sys.path.insert(0, str(BUILD / "python"))
+from meniscus import meniscus_pb2 as pb  # noqa: E402
+from meniscus.case import CaseText  # noqa: E402
+
+SEQUENCES = int(os.environ.get("MENISCUS_SEQUENCES", "250"))
+SEED = int(os.environ.get("MENISCUS_SEED", "20261123"))
+SETTINGS = {"resolution": 6, "threads": 1, "end_time": 1000, "output.checkpoints_kept": 50, "output.checkpoint_wall_interval": 0}
+CLIENTS = 3
+FAR = 10**9  # a step that no run comes to
+PATIENCE_MS = 10000
+GRAVITIES = ("[0, -1]", "[0, -2]", "[0.5, -3]")
+BAD = (("gravity", "[0, 0, 1]"), ("nonsense", "1"), ("end_time", "-1"))
+
+# Each command is a name and a number, from which the driver makes a request that fits the moment, or does not.
+NAMES = ("load start resume step run_until pause stop reset restore checkpoint set set_bad end_here end_far rollback breakpoint "
+         "lease release get status cancel again").split()
+LIKELY = ["step"] * 5 + ["set"] * 4 + ["run_until"] * 2 + ["rollback", "pause", "checkpoint", "cancel", "again", "load", "load"]
+COMMANDS = st.tuples(
+    st.sampled_from(LIKELY + NAMES), st.integers(0, 11), st.integers(0, CLIENTS - 1),
+    st.sampled_from(["now"] * 3 + ["at_step", "at_time", "past", "both", "no_wait"]),
+    st.sampled_from(["", "", "", "", "mine", "wrong"]),
+    st.sampled_from(["", "", "", "", "version", "next version", "old version", "step", "other step"]),
+)
+
+
+class Misfit(AssertionError):
+    """A reply that is not as the model has it."""
+
+
+class Driver:
+    """Gives commands to a daemon and to the model, and compares what comes of them."""
+
+    def __init__(self, endpoint: str, load: "pb.Load") -> None:
+        self.context = zmq.Context()
+        self.sockets = [self.context.socket(zmq.DEALER) for _ in range(CLIENTS)]
+        for socket in self.sockets:
+            socket.connect(endpoint)
+        self.load = load
+        self.model = Model({"gravity": "[0, -1]", "end_time": "1000"})
+        self.heard: dict[bytes, bytes] = {}  # replies that nobody has asked for yet, by id
+        self.answered: list[tuple["pb.Request", bytes]] = []
+        self.commands = 0
+
+    def close(self) -> None:
+        self.context.destroy(0)
+
+    # --- what goes out and comes in -----------------------------------------------------------------------------------------
+
+    def send(self, request: "pb.Request", client: int) -> None:
+        self.commands += 1
+        self.sockets[client].send(request.SerializeToString())
+
+    def listen(self, milliseconds: int) -> None:
+        until = time.monotonic() + 1e-3 * milliseconds
+        poller = zmq.Poller()
+        for socket in self.sockets:
+            poller.register(socket, zmq.POLLIN)
+        for socket, _ in poller.poll(max(0, 1e3 * (until - time.monotonic()))):
+            packed = socket.recv()
+            self.heard[pb.Reply.FromString(packed).id] = packed
+
+    def hear(self, wanted: bytes) -> bytes:
+        until = time.monotonic() + 1e-3 * PATIENCE_MS
+        while wanted not in self.heard and time.monotonic() < until:
+            self.listen(200)
+        if wanted not in self.heard:
+            raise Misfit(f"no reply to {wanted.hex()}")
+        return self.heard.pop(wanted)
+
+    def compare(self, request: "pb.Request", packed: bytes, answer: Answer) -> None:
+        reply = pb.Reply.FromString(packed)
+        found = {"code": pb.Code.Name(reply.code), "state": pb.State.Name(reply.state), "version": reply.case_version,
+                 "effect": reply.effect_step if reply.HasField("effect_step") else None, "path": reply.path,
+                 "allowed": frozenset(pb.State.Name(state) for state in reply.allowed)}
+        wanted = {"code": answer.code, "state": answer.state, "version": answer.version, "effect": answer.effect,
+                  "path": answer.path, "allowed": answer.allowed}
+        if answer.state == "?":
+            found = {"code": found["code"]}
+        if answer.at_desk:
+            del found["version"]
+        if answer.path == "?" or reply.code == pb.OK:
+            found.pop("path", None)
+        if request.WhichOneof("command") in ("status", "get"):
+            found.pop("effect", None)
+        wrong = {key: (value, wanted[key]) for key, value in found.items() if value != wanted[key]}
+        if wrong:
+            raise Misfit(f"{wrong} (found, wanted) of {request}: {reply}")
+        if not answer.at_desk and request.WhichOneof("command") not in ("status", "get"):
+            self.answered.append((request, packed))
+
+    # --- one command --------------------------------------------------------------------------------------------------------
+
+    def give(self, request: "pb.Request", client: int = 0) -> "pb.Reply":
+        request.major = 1
+        request.id = request.id or secrets.token_bytes(16)
+        before = {r.id: r for r in self.model.pending}
+        moving = self.model.state == "RUNNING"
+        self.send(request, client)
+        if moving:  # only the daemon knows where it is
+            packed = self.hear(request.id)
+            reply = pb.Reply.FromString(packed)
+            if reply.step < self.model.step:
+                raise Misfit(f"it went back from {self.model.step}: {reply}")
+            if reply.HasField("effect_step"):
+                self.model.step, self.model.time = reply.effect_step, reply.time
+            answer = self.model.take(request)
+        else:
+            answer = self.model.take(request)
+            if answer.waits:
+                if not request.no_wait:
+                    self.see_scheduled(request.id)
+                    return pb.Reply()
+                answer.waits = False
+            packed = self.hear(request.id)
+            reply = pb.Reply.FromString(packed)
+        if answer.goal:
+            at = {}
+            for r in self.model.pending:
+                if self.model.is_due(r, reply.step, reply.time):
+                    told = pb.Reply.FromString(self.outcome(r))
+                    at[r.id] = told.step, told.time
+            answer = self.model.arrive(request, reply, at)
+        self.compare(request, packed, answer)
+        if request.no_wait and request.id in {r.id for r in self.model.pending}:
+            self.answered.pop()  # the same id is answered otherwise when it is done
+        for id, late in self.model.answers.items():
+            if id in before:
+                self.compare(before[id], self.outcome(before[id]), late)
+                self.heard.pop(id, None)
+        return reply
+
+    def see_scheduled(self, wanted: bytes) -> None:
+        until = time.monotonic() + 1e-3 * PATIENCE_MS
+        while time.monotonic() < until and wanted not in self.heard:
+            ask = pb.Request(major=1, id=secrets.token_bytes(16), status=pb.GetStatus())
+            self.send(ask, 0)
+            status = pb.Reply.FromString(self.hear(ask.id)).status
+            if wanted in [s.id for s in status.scheduled]:
+                return
+        raise Misfit(f"{wanted.hex()} is not scheduled")
+
+    def outcome(self, request: "pb.Request") -> bytes:
+        """What came of a scheduled command: who did not wait asks again."""
+        if request.no_wait and request.id not in self.heard:
+            self.send(request, 0)
+        packed = self.hear(request.id)
+        self.heard[request.id] = packed
+        return packed
+
+    def repeat(self, number: int) -> None:
+        if not self.answered:
+            return
+        request, packed = self.answered[-1 - number % len(self.answered)]
+        self.send(request, number % CLIENTS)
+        if self.hear(request.id) != packed:
+            raise Misfit(f"another reply to the same request {request}")
+
+    # --- from a name and a number to a request --------------------------------------------------------------------------------
+
+    def request(self, name: str, number: int) -> "pb.Request":
+        model, request = self.model, pb.Request()
+        if name == "load":
+            request.load.CopyFrom(self.load)
+        elif name == "step":
+            request.step.count = number
+        elif name == "run_until":
+            request.run_until.time = model.time + 0.004 * (number - 1)
+        elif name == "set":
+            request.set.assignments.add(path="gravity", value=GRAVITIES[number % 3])
+        elif name == "set_bad":
+            request.set.assignments.add(path="gravity", value="[7, 7]")
+            if number:
+                request.set.assignments.add(path=BAD[number % 3][0], value=BAD[number % 3][1])
+            else:
+                del request.set.assignments[:]
+        elif name in ("end_here", "end_far"):
+            here = name == "end_here" and model.time > 0 and model.state != "RUNNING"
+            request.set.assignments.add(path="end_time", value=repr(model.time) if here else str(1000 + number))
+        elif name == "rollback":
+            request.rollback.version = max(0, model.version + 1 - number % 5)
+        elif name == "breakpoint":
+            request.breakpoint.name = "ab"[number % 2]
+            if number < 3:
+                request.breakpoint.remove = True
+            else:
+                request.breakpoint.step = max(0, model.step + number - 5) or FAR
+        elif name == "lease":
+            request.lease.ttl_ms, request.lease.holder = 50 if number == 0 else 3600000, "anna"
+        elif name == "release":
+            request.lease.release = True
+        elif name == "get":
+            request.get.paths.append("gravity")
+        elif name == "cancel":
+            ids = [r.id for r in model.pending] + [bytes(16), b"x", secrets.token_bytes(16)]
+            request.cancel.id = ids[number % len(ids)]
+        else:
+            getattr(request, name).SetInParent()
+        return request
+
+    def moment(self, request: "pb.Request", when: str, number: int) -> None:
+        model = self.model
+        if when in ("at_step", "both", "no_wait"):
+            request.at_step = FAR + number if model.state == "RUNNING" else model.step + number
+        if when in ("at_time", "both"):
+            request.at_time = model.end() * 2 if model.state == "RUNNING" else model.time + 0.003 * number if model.document else 1.0
+        if when == "past":
+            request.at_step = max(0, model.step - 1) if model.state != "RUNNING" else 0
+        if when == "no_wait":
+            request.no_wait = True
+
+    def suits(self, request: "pb.Request", when: str) -> bool:
+        """Can the model know what comes of it? While the run moves, not what depends on where it is."""
+        model, kind = self.model, request.WhichOneof("command")
+        if kind in ("start", "resume"):
+            still = all(step <= model.step or step >= FAR for step in model.breakpoints.values())
+            return still and all(r.at_step >= FAR for r in model.pending) and model.time < model.end()
+        if model.state != "RUNNING":
+            return True
+        if kind == "rollback" and model.versions.get(request.rollback.version, {"end_time": "1000"})["end_time"] < "1000":
+            return False
+        return when in ("now", "both", "no_wait") and (kind != "breakpoint" or request.breakpoint.remove)
+
+    def command(self, name: str, number: int, client: int, when: str, lease: str, condition: str) -> None:
+        model = self.model
+        if name == "again":
+            self.repeat(number)
+            return
+        request = self.request(name, number)
+        self.moment(request, when if name not in ("end_here", "end_far") else "now", number)
+        if lease:
+            request.lease_epoch = model.epoch if lease == "mine" and model.epoch else 77
+        elif name in ("lease", "release") and model.held and number % 2:
+            request.lease_epoch = model.epoch
+        if "version" in condition:
+            request.if_version = max(1, model.version + {"v": 0, "n": 1, "o": -1}[condition[0]])
+        elif condition:
+            request.if_step = model.step if condition == "step" and model.state != "RUNNING" else FAR
+        if not self.suits(request, when):
+            return
+        reply = self.give(request, client)
+        if name == "lease" and reply.code == pb.OK:
+            model.epoch = reply.lease.epoch
+
+    # --- a sequence -----------------------------------------------------------------------------------------------------------
+
+    def finish(self) -> None:
+        """Compare what can be seen, and leave the daemon EMPTY."""
+        model = self.model
+        if model.state == "RUNNING":
+            self.give(pb.Request(pause=pb.Pause()))
+        status = self.give(pb.Request(status=pb.GetStatus())).status
+        pending = [(s.id, s.at_step, s.at_time) for s in status.scheduled]
+        if pending != [(r.id, r.at_step, r.at_time) for r in model.pending]:
+            raise Misfit(f"scheduled are {status.scheduled}, not {model.pending}")
+        if model.state != "EMPTY":
+            values = self.give(pb.Request(get=pb.Get(paths=["gravity", "end_time"]))).values.values
+            seen = (status.step, {b.name: b.step for b in status.breakpoints}, values[0].text, values[1].number)
+            wanted = (model.step, model.breakpoints, model.document["gravity"], model.end())
+            if seen != wanted:
+                raise Misfit(f"{seen}, not {wanted}")
+            self.give(pb.Request(stop=pb.Stop()))
+        if model.held:
+            self.give(pb.Request(lease=pb.Lease(release=True), lease_epoch=model.epoch))
+        self.listen(0)
+        if self.heard:
+            raise Misfit(f"answered twice, or unasked: {[pb.Reply.FromString(r) for r in self.heard.values()]}")
+
+
+class Sequences(DaemonTest):
+    commands = 0
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        super().setUpClass()
+        text = CaseText(str(ROOT / "server" / "cases" / "dambreak2d.yaml"))
+        for path, value in SETTINGS.items():
+            text.set(path, value)
+        cls.load = pb.Load(case=text.message(), name="model")
+        cls.endpoint = f"ipc://{cls.home}/run/meniscus/default/control.ipc"
+
+    def recover(self) -> None:
+        """After a sequence that failed, for the next one."""
+        self.daemon.kill()
+        self.daemon.wait()
+        shutil.rmtree(self.home / "state", ignore_errors=True)
+        (self.home / "run" / "meniscus" / "default" / "control.ipc").unlink(missing_ok=True)
+        type(self).start_daemon()
+
+    def run_sequence(self, sequence: list[tuple[Any, ...]]) -> None:
+        driver = Driver(self.endpoint, self.load)
+        try:
+            driver.give(pb.Request(load=self.load))
+            for command in sequence:
+                driver.command(*command)
+            driver.finish()
+        except BaseException:
+            self.recover()
+            raise
+        finally:
+            driver.close()
+            type(self).commands += driver.commands
+        for run in (self.home / "state").glob("model*"):
+            shutil.rmtree(run, ignore_errors=True)
+
+    def test_every_reply_is_that_of_the_model(self) -> None:
+        began = time.monotonic()
+
+        @seed(SEED)
+        @settings(max_examples=SEQUENCES, deadline=None, database=None, suppress_health_check=list(HealthCheck),
+                  phases=(Phase.generate, Phase.shrink), print_blob=False)
+        @given(st.lists(COMMANDS, max_size=25))
+        def sequences(sequence: list[tuple[Any, ...]]) -> None:
+            self.run_sequence(sequence)
+
+        try:
+            sequences()
+        except BaseException:
+            print(f"with MENISCUS_SEED={SEED} MENISCUS_SEQUENCES={SEQUENCES}:", file=sys.stderr)
+            raise
+        seconds = time.monotonic() - began
+        print(f"{SEQUENCES} sequences, {self.commands} commands, seed {SEED}: {seconds:.1f} s", file=sys.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
