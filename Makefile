@@ -63,7 +63,7 @@ say        = $(if $(V),,@$(if $(silent),,echo "$(1) $(2)"; ))
 
 sources    = $(sort $(foreach d,$(1),$(wildcard $(d)/*.c)))
 objects    = $(patsubst %.c,$(BUILD)/obj/%.o,$(1))
-GEN       := $(BUILD)/gen/case.pb-c.c $(BUILD)/gen/meniscus.pb-c.c $(BUILD)/gen/journal.pb-c.c $(BUILD)/gen/case_schema.c
+GEN       := $(BUILD)/gen/case.pb-c.c $(BUILD)/gen/meniscus.pb-c.c $(BUILD)/gen/journal.pb-c.c $(BUILD)/gen/packing.pb-c.c $(BUILD)/gen/stream.pb-c.c $(BUILD)/gen/case_schema.c
 SOLVER    := $(call objects,$(call sources,server/base server/sim server/sim/probes server/sim/integrators server/sim/terms server/sim/locals server/sim/solve server/sim/schemes))
 PROTO     := $(call objects,$(call sources,proto)) $(patsubst $(BUILD)/gen/%.c,$(BUILD)/obj/gen/%.o,$(GEN))
 DAEMON    := $(call objects,$(call sources,server/cases server/io server/run server/http server/net server/batch))

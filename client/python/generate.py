@@ -10,18 +10,18 @@ import re
 import subprocess
 import sys
 
-SOURCES = ("case.proto", "meniscus.proto", "journal.proto")
+SOURCES = ("case.proto", "meniscus.proto", "journal.proto", "packing.proto", "stream.proto")
 
 
 def generate(proto: pathlib.Path, package: pathlib.Path) -> None:
-    """Write case_pb2.py, meniscus_pb2.py and journal_pb2.py with their .pyi into the package directory."""
+    """Write NAME_pb2.py of each of them, with its .pyi, into the package directory."""
     package.mkdir(parents=True, exist_ok=True)
     subprocess.run(
         ["protoc", f"-I{proto}", f"--python_out={package}", f"--pyi_out={package}", *SOURCES], check=True
     )
-    for name in ("meniscus_pb2.py", "meniscus_pb2.pyi", "journal_pb2.py", "journal_pb2.pyi"):
+    for name in (source.replace(".proto", f"_pb2.{kind}") for source in SOURCES for kind in ("py", "pyi")):
         module = package / name
-        text = re.sub(r"^import (case|meniscus)_pb2 as", r"from . import \1_pb2 as", module.read_text(), flags=re.MULTILINE)
+        text = re.sub(r"^import (case|meniscus|packing)_pb2 as", r"from . import \1_pb2 as", module.read_text(), flags=re.MULTILINE)
         module.write_text(text)
 
 
