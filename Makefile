@@ -40,8 +40,8 @@ OPT       := $(if $(SANITIZE),-O1,-O2) -ftree-vectorize
 X86       := $(filter x86_64%,$(shell $(CC) -dumpmachine))
 CLEAR     := $(if $(X86),$(if $(findstring clang,$(CC)),,-mmemset-strategy=unrolled_loop:1024:noalign$(comma)libcall:-1:noalign))
 HOT       := $(if $(SANITIZE),-O1,-O3) $(if $(X86),-mprefer-vector-width=512) $(CLEAR)
-PKGS      := libzmq libprotobuf-c hdf5-serial yaml-0.1 jansson cairo libsystemd libxxhash lua5.4 mpfr libmicrohttpd
-CLIENT_PKGS := libzmq libprotobuf-c yaml-0.1 libxxhash
+PKGS      := libzmq libprotobuf-c hdf5-serial yaml-0.1 jansson cairo libsystemd libxxhash liblz4 libzstd lua5.4 mpfr libmicrohttpd
+CLIENT_PKGS := libzmq libprotobuf-c yaml-0.1 libxxhash liblz4 libzstd
 # Asked once; a package that is missing is reported by the recipe of the stamps, so that `make packages` can be run.
 pkg_cflags := $(shell pkg-config --cflags $(PKGS) 2>/dev/null | sed 's/-I/-isystem /g')
 pkg_libs   := $(shell pkg-config --libs $(PKGS) 2>/dev/null)
@@ -220,6 +220,7 @@ $(BUILD)/tests/fuzz/%: $(BUILD)/obj/tests/fuzz/%.o $(call objects,$(call sources
 
 # --- objects and generated sources --------------------------------------------------------------------------------------
 $(SOLVER): private cflags += $(HOT)
+$(BUILD)/obj/proto/packing_numbers.o: private cflags += $(if $(SANITIZE),-O1,-O3)
 $(BUILD)/obj/server/net/describe.o: private cppflags += -DMENISCUS_COMMIT='"$(COMMIT)"'
 $(BUILD)/obj/server/net/describe.o: $(BUILD)/stamp/commit
 $(BUILD)/obj/%.o: %.c $(BUILD)/stamp/flags | $(GEN) $(BUILD)/gen/sim/case_bounds.h

@@ -33,6 +33,7 @@ kind_of() {
     '<systemd/'*) echo systemd ;;
     '<lua'* | '<lauxlib.h>') echo lua ;;
     '<xxh'*) echo xxhash ;;
+    '<lz4'* | '<zstd'*) echo codecs ;;
     '<mpfr.h>') echo mpfr ;;
     '<omp.h>') echo openmp ;;
     '<immintrin.h>') echo instructions ;;
