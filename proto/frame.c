@@ -28,34 +28,81 @@ static void give_back(void *arg, void *memory)
     free(memory);
 }
 
+static MnsStatus check_version(bool given, uint32_t major, MnsError *error)
+{
+    if (given && major == FRAME_MAJOR) return MNS_OK;
+    return mns_fail_at(error, MNS_E_VERSION, "major",
+                       "this daemon speaks version %d of the protocol, the request says %u%s", FRAME_MAJOR, major,
+                       given ? "" : " (nothing)");
+}
+
+static MnsStatus check_id(bool given, size_t size, MnsError *error)
+{
+    if (given && size == FRAME_ID) return MNS_OK;
+    return mns_fail_at(error, MNS_E_INVALID, "id", "a request needs an id of %d bytes; this one has %zu", FRAME_ID,
+                       given ? size : 0);
+}
+
+static MnsStatus fail_command(MnsError *error)
+{
+    return mns_fail_at(error, MNS_E_VERSION, "command", "the request has no command that this daemon knows");
+}
+
 /* Is it one we can answer? */
 static MnsStatus check(const Meniscus__Request *request, MnsError *error)
 {
-    if (!request->has_major || request->major != FRAME_MAJOR)
-        return mns_fail_at(error, MNS_E_VERSION, "major",
-                           "this daemon speaks version %d of the protocol, the request says %u%s", FRAME_MAJOR,
-                           request->major, request->has_major ? "" : " (nothing)");
-    if (!request->has_id || request->id.len != FRAME_ID)
-        return mns_fail_at(error, MNS_E_INVALID, "id", "a request needs an id of %d bytes; this one has %zu", FRAME_ID,
-                           request->has_id ? request->id.len : 0);
-    if (request->command_case == MENISCUS__REQUEST__COMMAND__NOT_SET)
-        return mns_fail_at(error, MNS_E_VERSION, "command", "the request has no command that this daemon knows");
-    return MNS_OK;
+    MnsStatus status = check_version(request->has_major, request->major, error);
+    if (!status) status = check_id(request->has_id, request->id.len, error);
+    if (!status && request->command_case == MENISCUS__REQUEST__COMMAND__NOT_SET) status = fail_command(error);
+    return status;
 }
 
-MnsStatus request_read(const void *data, size_t size, Meniscus__Request **ret, MnsError *error)
+static MnsStatus check_stream(const Meniscus__StreamRequest *request, MnsError *error)
+{
+    const bool answered = request->command_case != MENISCUS__STREAM_REQUEST__COMMAND_CREDIT &&
+                          request->command_case != MENISCUS__STREAM_REQUEST__COMMAND_CANCEL;
+    MnsStatus status = check_version(request->has_major, request->major, error);
+    if (!status && (answered || request->has_id)) status = check_id(request->has_id, request->id.len, error);
+    if (!status && request->command_case == MENISCUS__STREAM_REQUEST__COMMAND__NOT_SET) status = fail_command(error);
+    return status;
+}
+
+/* A message of that kind, within limits. */
+static MnsStatus unpack(const ProtobufCMessageDescriptor *kind, const void *data, size_t size, ProtobufCMessage **ret,
+                        MnsError *error)
 {
     Budget budget = {.left = FRAME_MEMORY};
     ProtobufCAllocator allocator = {.alloc = take, .free = give_back, .allocator_data = &budget};
     *ret = NULL;
     if (size > FRAME_MAX)
         return mns_fail(error, MNS_E_LIMIT, "a request may have %d bytes, this one has %zu", FRAME_MAX, size);
-    *ret = meniscus__request__unpack(&allocator, size, data);
-    if (*ret) return check(*ret, error);
+    *ret = protobuf_c_message_unpack(kind, &allocator, size, data);
+    if (*ret) return MNS_OK;
     if (budget.exceeded)
         return mns_fail(error, MNS_E_LIMIT, "the request takes more than %d bytes of memory", FRAME_MEMORY);
     if (budget.starved) return mns_fail(error, MNS_E_MEMORY, "no memory for the request; nothing was done");
     return mns_fail(error, MNS_E_INVALID, "these %zu bytes are no request of this protocol", size);
+}
+
+MnsStatus request_read(const void *data, size_t size, Meniscus__Request **ret, MnsError *error)
+{
+    ProtobufCMessage *message;
+    const MnsStatus status = unpack(&meniscus__request__descriptor, data, size, &message, error);
+    *ret = (Meniscus__Request *)message;
+    return status ? status : check(*ret, error);
+}
+
+MnsStatus stream_request_read(const void *data, size_t size, Meniscus__StreamRequest **ret, MnsError *error)
+{
+    ProtobufCMessage *message;
+    const MnsStatus status = unpack(&meniscus__stream_request__descriptor, data, size, &message, error);
+    *ret = (Meniscus__StreamRequest *)message;
+    return status ? status : check_stream(*ret, error);
+}
+
+void stream_request_free(Meniscus__StreamRequest *request)
+{
+    if (request) meniscus__stream_request__free_unpacked(request, NULL);
 }
 
 /* --- the id ------------------------------------------------------------------------------------------------------------ */

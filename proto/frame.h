@@ -4,6 +4,7 @@
 #define PROTO_FRAME_H
 
 #include "meniscus.pb-c.h"
+#include "stream.pb-c.h"
 #include <meniscus/status.h>
 #include <stddef.h>
 
@@ -19,7 +20,11 @@ enum {
  * Free *ret in any case with request_free(). */
 MnsStatus request_read(const void *data, size_t size, Meniscus__Request **ret, MnsError *error);
 
-/* The id of a request, without reading the rest of it; borrowed from the data. Of no length if there is none, or one of more than 64
+/* The same of what comes over the data socket; credit and cancel need no id. */
+MnsStatus stream_request_read(const void *data, size_t size, Meniscus__StreamRequest **ret, MnsError *error);
+void stream_request_free(Meniscus__StreamRequest *request);
+
+/* The id of a request of either kind, without reading the rest of it; borrowed from the data. Of no length if there is none, or one of more than 64
  * bytes. */
 ProtobufCBinaryData request_id(const void *data, size_t size);
 

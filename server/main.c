@@ -32,6 +32,7 @@ enum {
     KEY_KEYS,
     KEY_HTTP,
     KEY_TOKEN,
+    KEY_STREAMS,
     KEY_LOAD,
     KEY_START,
     KEY_SCHEMES,
@@ -44,13 +45,14 @@ enum {
 static const struct argp_option arguments[] = {
     {"name", 'n', "NAME", 0, "Name by which clients find the daemon (default)", 1},
     {"state-dir", KEY_STATE, "DIR", 0, "Where runs keep their files", 1},
-    {"tcp", KEY_TCP, "PORT", 0, "Listen on 127.0.0.1 too: commands at PORT, telemetry at PORT + 1", 1},
+    {"tcp", KEY_TCP, "PORT", 0, "Listen on 127.0.0.1 too: commands at PORT, telemetry and data after it", 1},
     {"listen", KEY_LISTEN, "tcp://ADDRESS:PORT", 0,
      "The same at any address, for those who have a key: see `meniscus help keys`", 1},
     {"keys", KEY_KEYS, "DIR", 0, "Where the keys of --listen are ($MENISCUS_KEYS, or ~/.config/meniscus/keys)", 1},
     {"http", KEY_HTTP, "[ADDRESS:]PORT", 0,
      "Serve /metrics for Prometheus, /healthz and /readyz at this port of 127.0.0.1 or of another address", 1},
     {"http-token", KEY_TOKEN, "FILE", 0, "The word that --http asks for; without one, it serves this machine only", 1},
+    {"stream-memory", KEY_STREAMS, "MIB", 0, "Memory that streams of data may hold, in MiB (256)", 1},
     {"load", KEY_LOAD, "CASE", 0,
      "Load a case at the start: a file, or the name of one that came along; after a crash the same command line goes "
      "on with the run it had",
@@ -107,6 +109,17 @@ static void set_threads(Options *options, const char *text, struct argp_state *s
     if (*text < '0' || *text > '9' || *end || n > MOST)
         argp_error(state, "--threads takes a number from 0 to %d; found \"%s\"", MOST, text);
     options->daemon.threads = (int)n;
+}
+
+/* Half of it are copies of fields, made between two steps. */
+static size_t memory_of(const char *text, struct argp_state *state)
+{
+    enum { LEAST = 16, MOST = 1 << 20 };
+    char *end;
+    const long n = strtol(text, &end, 10);
+    if (*text < '0' || *text > '9' || *end || n < LEAST || n > MOST)
+        argp_error(state, "--stream-memory takes a number of MiB from %d to %d; found \"%s\"", LEAST, MOST, text);
+    return (size_t)n << 20;
 }
 
 static void add_threads(Options *options, struct argp_state *state)
@@ -172,6 +185,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case KEY_LISTEN: options->daemon.at.listen = text; break;
     case KEY_KEYS: options->daemon.at.keys = text; break;
     case KEY_HTTP: options->daemon.http.address = text; break;
+    case KEY_STREAMS: options->daemon.stream_memory = memory_of(text, state); break;
     case KEY_TOKEN: options->daemon.http.token_file = text; break;
     case KEY_LOAD: options->daemon.load = text; break;
     case KEY_START: options->daemon.start = true; break;
@@ -245,7 +259,11 @@ int main(int argc, char **argv)
                "Exit codes: 0 done, 1 refused or failed, 2 usage, 65 bad case, 70 diverged or a formula failed on the "
                "way, 74 input/output error, 75 stopped by a signal, after a checkpoint if it had begun, or another "
                "run has the directory (run the same command again)."};
-    Options options = {.batch.until = NAN, .level = -1, .daemon.at.name = "default", .daemon.threads = -1};
+    Options options = {.batch.until = NAN,
+                       .level = -1,
+                       .daemon.at.name = "default",
+                       .daemon.threads = -1,
+                       .daemon.stream_memory = (size_t)256 << 20};
     environment_waiting(argv);
     argp_err_exit_status = MNS_EXIT_USAGE;
     static Words words; /* outlives main() */

@@ -113,6 +113,10 @@ typedef struct MnsCapture {
  *  @return MNS_OK; MNS_E_MEMORY. */
 MnsStatus mns_sim_capture(const MnsSim *sim, uint64_t fields, MnsCapture **ret_capture, MnsError *error);
 
+/** Copy fields out once more, into a capture that nobody reads any longer and that has as many particles and dimensions: what room it has is used
+ *  again, which spares the operating system's handing out of memory. @return MNS_OK; MNS_E_STATE if it is of another size; MNS_E_MEMORY. */
+MnsStatus mns_sim_recapture(const MnsSim *sim, uint64_t fields, MnsCapture *capture, MnsError *error);
+
 /** An empty capture with room for its fields, to be filled by a reader. @return NULL if there is no memory. */
 MnsCapture *mns_capture_new(int dim, size_t n, size_t n_fluid, uint64_t fields);
 

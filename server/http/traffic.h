@@ -6,18 +6,31 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { TRAFFIC_TOPICS = 4, TRAFFIC_ROLES = 3, TRAFFIC_FAILURES = 3 };
+enum { TRAFFIC_TOPICS = 4, TRAFFIC_ROLES = 3, TRAFFIC_FAILURES = 3, TRAFFIC_STREAMS = 5 };
 
 typedef struct TopicTraffic {
     const char *name;                 /* set before there is any other thread */
     _Atomic uint64_t messages, bytes; /* published */
 } TopicTraffic;
 
+/* Of streams, by what they have: probes, fields, events, series, snapshots. Counted by their thread. */
+typedef struct StreamTraffic {
+    _Atomic uint64_t items[TRAFFIC_STREAMS], bytes[TRAFFIC_STREAMS]; /* sent whole; sent, with what is said of them */
+    _Atomic uint64_t skipped[TRAFFIC_STREAMS], cancelled[TRAFFIC_STREAMS];
+    _Atomic size_t open[TRAFFIC_STREAMS]; /* streams */
+    _Atomic uint64_t too_slow;            /* items given up for want of memory, under way to those who did not take them */
+    _Atomic uint64_t refused;             /* requests */
+    _Atomic size_t memory;                /* bytes of items, whether they wait or are on their way */
+    _Atomic size_t copies;                /* bytes of room for copies of fields, of which items are made */
+    _Atomic uint64_t without_room;        /* step boundaries at which something was due and all that room was in use */
+} StreamTraffic;
+
 typedef struct Traffic {
     _Atomic long clients;               /* connections to the control socket */
     _Atomic uint64_t requests, refused; /* requests; of those and of the answers since, the ones that failed */
     _Atomic size_t unread;              /* bytes of replies that clients have not taken */
     TopicTraffic topics[TRAFFIC_TOPICS];
+    StreamTraffic streams;
 
     _Atomic size_t keys[TRAFFIC_ROLES]; /* that are let in from afar: of viewers, operators, admins */
     _Atomic uint64_t denied;            /* requests that the role of their key may not make         */

@@ -8,6 +8,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,6 +26,7 @@ struct Access {
     void *socket; /* REP: ZeroMQ asks, we answer                */
     char directory[KEYS_PATH];
     KeyPair own;
+    pthread_mutex_t lock; /* of the keys, as who sent a frame is asked for by other threads too */
     Keys keys;
     size_t counts[ROLE_ADMIN + 1]; /* of them, by role */
     struct stat seen;              /* of the file that the keys are from        */
@@ -63,6 +65,7 @@ MnsStatus access_new(void *context, const char *keys, Access **ret, MnsError *er
     Access *access = calloc(1, sizeof *access);
     if (!access) return mns_fail(error, MNS_E_MEMORY, "no memory for the access control");
     *access = (Access){.watch = -1, .told = -INFINITY};
+    pthread_mutex_init(&access->lock, NULL);
     const int none = 0;
     MnsStatus status = MNS_OK;
     access->socket = zmq_socket(context, ZMQ_REP);
@@ -87,6 +90,7 @@ void access_free(Access *access)
     if (access->socket) zmq_close(access->socket);
     if (access->watch >= 0) close(access->watch);
     keys_done(&access->keys);
+    pthread_mutex_destroy(&access->lock);
     explicit_bzero(&access->own, sizeof access->own);
     free(access);
 }
@@ -181,8 +185,10 @@ bool access_refresh(Access *access)
     if (keys_read(access->directory, &keys, &error)) log_line(LOG_ERROR, "nobody is let in from afar: %s", error.text);
     else tell_keys(access, &keys, path);
     const bool gone = is_one_gone(&access->keys, &keys);
+    pthread_mutex_lock(&access->lock);
     keys_done(&access->keys);
     access->keys = keys;
+    pthread_mutex_unlock(&access->lock);
     memset(access->counts, 0, sizeof access->counts);
     for (size_t k = 0; k < keys.n; k++) access->counts[keys.keys[k].role]++;
     return gone;
@@ -271,7 +277,7 @@ bool access_answer(Access *access)
     return true;
 }
 
-bool access_who(const Access *access, zmq_msg_t *frame, Who *ret)
+bool access_who(Access *access, zmq_msg_t *frame, Who *ret)
 {
     const char *user = zmq_msg_gets(frame, "User-Id");
     if (!user) return false;
@@ -279,9 +285,10 @@ bool access_who(const Access *access, zmq_msg_t *frame, Who *ret)
         *ret = (Who){WHO_LOCAL, ROLE_ADMIN};
         return true;
     }
+    pthread_mutex_lock(&access->lock);
     const Key *key = keys_find(&access->keys, user);
-    if (!key) return false;
-    *ret = (Who){.role = key->role};
-    memcpy(ret->name, key->name, sizeof ret->name);
-    return true;
+    if (key) *ret = (Who){.role = key->role};
+    if (key) memcpy(ret->name, key->name, sizeof ret->name);
+    pthread_mutex_unlock(&access->lock);
+    return key != NULL;
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The door: who may connect, and as whom. Every connection passes it before it gets or says anything: those from this machine have
  * the user "local", an admin, as only its user can open the sockets; those from afar are known by their keys. ZeroMQ asks here
- * (ZAP, RFC 27) and notes the answer with each message. To be made before any other socket, and used by their thread alone. */
+ * (ZAP, RFC 27) and notes the answer with each message. To be made before any other socket, and used by
+ * one thread, but for access_who(). */
 #ifndef NET_ACCESS_H
 #define NET_ACCESS_H
 
@@ -34,7 +35,7 @@ bool access_refresh(Access *access);
 /* How many keys of a role are let in. */
 size_t access_count(const Access *access, Role role);
 
-/* Who sent this frame, one of the envelope and not that of the connection's id. False if that is nobody who is let in. */
-bool access_who(const Access *access, zmq_msg_t *frame, Who *ret);
+/* Who sent this frame, one of the envelope and not that of the connection's id. False if that is nobody who is let in. Any thread. */
+bool access_who(Access *access, zmq_msg_t *frame, Who *ret);
 
 #endif

@@ -240,7 +240,7 @@ static void show(Daemon *daemon, const Note *note)
              (unsigned long)note->step);
     if (note->kind == NOTE_EVENT || note->kind == NOTE_PROGRESS)
         notify_status(&daemon->notify, note->kind == NOTE_EVENT, text);
-    publisher_send(desk_publisher(daemon->desk), note);
+    desk_tell(daemon->desk, note);
 }
 
 static void take_notes(Daemon *daemon)
@@ -324,6 +324,7 @@ static MnsStatus begin(Daemon *daemon, MnsError *error)
     const RunOptions options = {.parent = daemon->parent,
                                 .nice = SOLVER_NICE,
                                 .threads = daemon->options->threads,
+                                .stream_memory = daemon->options->stream_memory / 2,
                                 .asked = daemon->asked,
                                 .beat_interval = daemon->notify.watchdog / 4,
                                 .figures = http_figures(daemon->http)};
@@ -378,6 +379,7 @@ static int serve_locked(Daemon *daemon)
     notify_ready();
     serve(daemon);
     http_stop(daemon->http);
+    desk_end_streams(daemon->desk);
     run_free(daemon->run);
     desk_free(daemon->desk);
     comeback_done(&daemon->comeback);

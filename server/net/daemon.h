@@ -10,6 +10,7 @@ typedef struct DaemonOptions {
     EndpointOptions at;    /* its name, by which its sockets are found, and where else it listens */
     const char *state_dir; /* run directories go there; NULL: where users keep state */
     HttpOptions http;      /* where metrics are served, or not                     */
+    size_t stream_memory;  /* bytes that streams may hold: half are copies of fields, half items made of them */
     int threads;           /* for cases that do not say; -1: their default        */
     const char *load;      /* case to load at the start, or NULL                   */
     size_t n_settings;

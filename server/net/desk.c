@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The desk: sockets and what goes through them. A client that sends rubbish gets a sentence; one that vanishes, nothing; no
+/* The desk: the sockets of commands and news, and what goes through them. A client that sends rubbish gets a sentence; one that vanishes, nothing; no
  * client can make the daemon wait. Answers nobody reads are bounded in bytes. Messages that ZeroMQ has not received to their end
  * cannot be: see DECISIONS.md. */
 #include "net/desk.h"
@@ -10,6 +10,7 @@
 #include "net/handlers.h"
 #include "net/ledger.h"
 #include "net/outgoing.h"
+#include "net/streams.h"
 #include "net/visitors.h"
 #include "proto/frame.h"
 #include <inttypes.h>
@@ -47,6 +48,7 @@ struct Desk {
     Run *run;
     Ledger *ledger;
     Publisher *publisher;
+    Streams *streams; /* the third socket, which has a thread of its own */
     Visitors visitors;
     Reading reading;
     Outgoing outgoing;
@@ -127,6 +129,13 @@ MnsStatus desk_new(const Endpoint *endpoint, Run *run, Desk **ret, MnsError *err
     MnsStatus status = open_sockets(desk, endpoint, error);
     outgoing_init(&desk->outgoing, desk->control, desk->epoch);
     if (!status) status = bind_all(desk, endpoint, error);
+    const StreamsOptions options = {.context = desk->context,
+                                    .access = desk->access,
+                                    .at = endpoint,
+                                    .run = run,
+                                    .epoch = desk->epoch,
+                                    .traffic = &desk->traffic.streams};
+    if (!status) status = streams_new(&options, &desk->streams, error);
     if (!status) {
         desk->ledger = ledger_new();
         desk->publisher = publisher_new(desk->telemetry, desk->epoch, desk->traffic.topics);
@@ -140,6 +149,7 @@ MnsStatus desk_new(const Endpoint *endpoint, Run *run, Desk **ret, MnsError *err
 void desk_free(Desk *desk)
 {
     if (!desk) return;
+    streams_stop(desk->streams);
     const double patience = FAREWELL_MS - 1e3 * (clock_now() - desk->replied);
     if (patience > 0) visitors_see_off(&desk->visitors, (long)patience);
     visitors_done(&desk->visitors);
@@ -150,14 +160,21 @@ void desk_free(Desk *desk)
     if (desk->telemetry) zmq_close(desk->telemetry);
     access_free(desk->access);
     if (desk->context) zmq_ctx_term(desk->context);
+    streams_free(desk->streams);
     ledger_free(desk->ledger);
     publisher_free(desk->publisher);
     free(desk);
 }
 
-Publisher *desk_publisher(Desk *desk)
+void desk_tell(Desk *desk, const Note *note)
 {
-    return desk->publisher;
+    publisher_send(desk->publisher, note);
+    if (note->kind == NOTE_EVENT) streams_tell(desk->streams, note);
+}
+
+void desk_end_streams(Desk *desk)
+{
+    streams_stop(desk->streams);
 }
 
 const Traffic *desk_traffic(const Desk *desk)
@@ -173,6 +190,7 @@ static void look_at_keys(Desk *desk)
     if (!access_refresh(desk->access)) return;
     log_line(LOG_NOTICE, "a key is gone: connections from afar are made anew");
     for (int k = 0; k < FARS; k++) far_cut(&desk->far[k]);
+    streams_cut(desk->streams);
 }
 
 static void see_to_door(Desk *desk)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The desk: owns every socket, and never waits for physics. Requests in, replies and telemetry out. */
+/* The desk: owns the sockets of commands and news, and never waits for physics. Requests in, replies and telemetry out. The data socket is its
+ * streams', which have a thread of their own. */
 #ifndef NET_DESK_H
 #define NET_DESK_H
 
@@ -34,7 +35,11 @@ void desk_recall(Desk *desk, const uint8_t id[static ORDER_ID], const uint8_t *r
  *  lineage  of the run in which it had set out; borrowed */
 void desk_take(Desk *desk, const Who *who, Meniscus__Request *request, const Lineage *lineage);
 
-Publisher *desk_publisher(Desk *desk);
+/* Something happened to the run: out with it. */
+void desk_tell(Desk *desk, const Note *note);
+
+/* End the streams, before the run is freed. */
+void desk_end_streams(Desk *desk);
 
 /* What has gone over the sockets, for any thread to look at. */
 const Traffic *desk_traffic(const Desk *desk);

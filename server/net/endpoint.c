@@ -79,19 +79,20 @@ static MnsStatus lock(Endpoint *endpoint, const char *name, MnsError *error)
                     holder, path);
 }
 
-/* A port with one after it for telemetry; 0 if the text is none. */
+/* A port with two after it, for telemetry and data; 0 if the text is none. */
 static long port_of(const char *digits)
 {
     char *end;
     const long port = strtol(digits, &end, 10);
-    return *digits >= '0' && *digits <= '9' && !*end && port >= 1 && port <= 65534 ? port : 0;
+    return *digits >= '0' && *digits <= '9' && !*end && port >= 1 && port <= 65533 ? port : 0;
 }
 
-static void set_pair(const char *host, size_t size, long port, char control[ENDPOINT_SIZE],
-                     char telemetry[ENDPOINT_SIZE])
+static void set_ports(const char *host, size_t size, long port, char control[ENDPOINT_SIZE],
+                      char telemetry[ENDPOINT_SIZE], char data[ENDPOINT_SIZE])
 {
     snprintf(control, ENDPOINT_SIZE, "tcp://%.*s:%ld", (int)size, host, port);
     snprintf(telemetry, ENDPOINT_SIZE, "tcp://%.*s:%ld", (int)size, host, port + 1);
+    snprintf(data, ENDPOINT_SIZE, "tcp://%.*s:%ld", (int)size, host, port + 2);
 }
 
 /* Plain text, so only loopback: on other addresses anybody could listen and steer. */
@@ -111,9 +112,9 @@ static MnsStatus set_tcp(const char *tcp, Endpoint *endpoint, MnsError *error)
     const long port = port_of(digits);
     if (!port)
         return mns_fail_at(error, MNS_E_INVALID, "tcp",
-                           "--tcp takes a port from 1 to 65534 (telemetry is at the next one); found \"%.60s\"",
+                           "--tcp takes a port from 1 to 65533 (telemetry and data are at the two after it); found \"%.60s\"",
                            digits);
-    set_pair("127.0.0.1", strlen("127.0.0.1"), port, endpoint->tcp_control, endpoint->tcp_telemetry);
+    set_ports("127.0.0.1", strlen("127.0.0.1"), port, endpoint->tcp_control, endpoint->tcp_telemetry, endpoint->tcp_data);
     return MNS_OK;
 }
 
@@ -141,10 +142,10 @@ static MnsStatus set_listen(const EndpointOptions *options, Endpoint *endpoint, 
         return mns_fail_at(
             error, MNS_E_INVALID, "listen",
             "--listen takes tcp://ADDRESS:PORT: the number of an address of this machine, as 192.0.2.7 or "
-            "[2001:db8::7], or * for all, and a port from 1 to 65534 (telemetry is at the next one); found "
+            "[2001:db8::7], or * for all, and a port from 1 to 65533 (telemetry and data are at the two after it); found "
             "\"%.80s\"",
             text);
-    set_pair(host, size, port, endpoint->far_control, endpoint->far_telemetry);
+    set_ports(host, size, port, endpoint->far_control, endpoint->far_telemetry, endpoint->far_data);
     if (!options->keys) return keys_directory(endpoint->keys, error);
     if (!*options->keys || strlen(options->keys) >= KEYS_PATH - KEY_NAME_SIZE - 16)
         return mns_fail_at(error, MNS_E_INVALID, "keys", "--keys must name a directory; found \"%.80s\"",
@@ -157,6 +158,7 @@ static void remove_sockets(const Endpoint *endpoint)
 {
     unlink(endpoint->control + strlen("ipc://"));
     unlink(endpoint->telemetry + strlen("ipc://"));
+    unlink(endpoint->data + strlen("ipc://"));
 }
 
 MnsStatus endpoint_open(const EndpointOptions *options, Endpoint *ret, MnsError *error)
@@ -174,6 +176,7 @@ MnsStatus endpoint_open(const EndpointOptions *options, Endpoint *ret, MnsError 
     snprintf(endpoint.directory, ENDPOINT_SIZE, "%.107s", directory);
     snprintf(endpoint.control, ENDPOINT_SIZE, "ipc://%.107s/control.ipc", directory);
     snprintf(endpoint.telemetry, ENDPOINT_SIZE, "ipc://%.107s/telemetry.ipc", directory);
+    snprintf(endpoint.data, ENDPOINT_SIZE, "ipc://%.107s/data.ipc", directory);
     status = lock(&endpoint, name, error);
     if (status) return status;
     remove_sockets(&endpoint);

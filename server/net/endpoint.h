@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Where a daemon listens: its own directory, locked, with two sockets that only its user can open; loopback TCP; and, for those who have
+/* Where a daemon listens: its own directory, locked, with three sockets that only its user can open; loopback TCP; and, for those who have
  * a key, any address. */
 #ifndef NET_ENDPOINT_H
 #define NET_ENDPOINT_H
@@ -9,9 +9,9 @@
 enum { ENDPOINT_SIZE = 160 };
 
 typedef struct Endpoint {
-    char control[ENDPOINT_SIZE], telemetry[ENDPOINT_SIZE];         /* "ipc://..."                        */
-    char tcp_control[ENDPOINT_SIZE], tcp_telemetry[ENDPOINT_SIZE]; /* "tcp://127.0.0.1:..."; or empty    */
-    char far_control[ENDPOINT_SIZE], far_telemetry[ENDPOINT_SIZE]; /* "tcp://ADDRESS:...", with keys; or empty */
+    char control[ENDPOINT_SIZE], telemetry[ENDPOINT_SIZE], data[ENDPOINT_SIZE]; /* "ipc://..." */
+    char tcp_control[ENDPOINT_SIZE], tcp_telemetry[ENDPOINT_SIZE], tcp_data[ENDPOINT_SIZE]; /* "tcp://127.0.0.1:..."; or empty    */
+    char far_control[ENDPOINT_SIZE], far_telemetry[ENDPOINT_SIZE], far_data[ENDPOINT_SIZE]; /* "tcp://ADDRESS:...", with keys; or empty */
     char keys[KEYS_PATH];                                          /* their directory; or empty */
     char directory[ENDPOINT_SIZE];
     int lock; /* file descriptor */
@@ -21,7 +21,7 @@ typedef struct Endpoint {
 typedef struct EndpointOptions {
     const char *name; /* of the daemon */
     const char *
-        tcp; /* NULL, "PORT" or "127.0.0.1:PORT": commands there, telemetry at the next port, for whoever is on this machine */
+        tcp; /* NULL, "PORT" or "127.0.0.1:PORT": commands there, telemetry and data at the two ports after it, for whoever is on this machine */
     const char *
         listen; /* NULL, or "tcp://ADDRESS:PORT": the same for those who have a key, at an address of this machine or all (*) */
     const char *keys; /* directory of the keys; NULL: where a user keeps them. See proto/keys.h */

@@ -2,6 +2,7 @@
 /* Questions about the simulation between two steps. */
 #include "net/look.h"
 
+#include "net/selection.h"
 #include "proto/frame.h"
 #include <math.h>
 #include <stdlib.h>
@@ -132,15 +133,6 @@ static MnsStatus box_of(const Meniscus__ParticleQuery *query, size_t dim, double
     return MNS_OK;
 }
 
-/* Spreads numbers that follow each other over all numbers (the finalizer of MurmurHash3), so that a choice by it shows no stripes of
- * the lattice on which particles were numbered. */
-static uint32_t scatter(uint32_t id)
-{
-    id = (id ^ id >> 16) * 0x85ebca6bu;
-    id = (id ^ id >> 13) * 0xc2b2ae35u;
-    return id ^ id >> 16;
-}
-
 /* Indices of one in `every` of the particles within; yours. NULL if there is no memory. */
 static uint32_t *select_within(const MnsSim *sim, size_t n, const double min[3], const double max[3], uint64_t every,
                                size_t *ret_n)
@@ -153,7 +145,7 @@ static uint32_t *select_within(const MnsSim *sim, size_t n, const double min[3],
     for (int d = 0; d < dim; d++) x[d] = mns_sim_field(sim, position, d);
     *ret_n = 0;
     for (size_t k = 0; chosen && k < n; k++) {
-        bool within = scatter(id[k]) < below;
+        bool within = selection_scatter(id[k]) < below;
         for (int d = 0; d < dim; d++) within = within && x[d][k] >= min[d] && x[d][k] <= max[d];
         if (within) chosen[(*ret_n)++] = (uint32_t)k;
     }

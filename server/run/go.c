@@ -227,6 +227,7 @@ void run_advance(Run *run)
     const MnsStatus status = run_step_once(run, fmin(limit, end), &output, &error);
     if (status) run_fault(run, &error, output);
     if (status && !output) return;
+    run_offer(run, true);
     if (!status) arrive(run, before);
     run_show(run);
     run_tell_progress_at_times(run);

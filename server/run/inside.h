@@ -40,6 +40,7 @@ struct Run {
     pthread_t thread;
     Mailbox mailbox;
     Outbox outbox;
+    Tap *tap;
     _Atomic uint64_t beat;
 
     /* Of the runner's thread alone: */
@@ -116,6 +117,9 @@ void run_release(Run *run);
 
 /* recover.c: RECOVERING. One step on the way back, and what was commanded at the boundary. */
 void run_recover_on(Run *run);
+/* run.c: a step boundary, for streams. */
+void run_offer(Run *run, bool stepped);
+
 /* watch.c: for whoever watches from outside. */
 void run_count_step(Run *run, double seconds); /* that it took                              */
 void run_count_phases(Run *run);               /* of the simulation that was just put there */

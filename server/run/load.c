@@ -139,6 +139,7 @@ static void give_up(Run *run)
 static MnsStatus close_run(Run *run, MnsError *error)
 {
     const MnsStatus status = outputs_close(&run->outputs, error);
+    tap_place(run->tap, NULL, NULL, false);
     give_up(run);
     return status;
 }
@@ -186,6 +187,7 @@ static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
     give_up(run);
     run->sim = candidate->sim;
     run->document = candidate->document;
+    tap_place(run->tap, run->sim, run->document, !candidate->original);
     if (candidate->original) {
         document_leave(run->original);
         run->original = candidate->original;

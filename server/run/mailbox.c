@@ -61,11 +61,20 @@ Order *mailbox_take(Mailbox *box, double until)
     const struct timespec moment = {.tv_sec = (time_t)fmin(until, 1e15),
                                     .tv_nsec = isfinite(until) ? (long)(1e9 * (until - floor(until))) : 0};
     int waited = 0;
-    while (!box->urgent && !box->plain && !waited && until > 0)
+    while (!box->urgent && !box->plain && !box->woken && !waited && until > 0)
         waited = pthread_cond_timedwait(&box->filled, &box->lock, &moment);
+    box->woken = false;
     Order *order = first(box);
     pthread_mutex_unlock(&box->lock);
     return order;
+}
+
+void mailbox_wake(Mailbox *box)
+{
+    pthread_mutex_lock(&box->lock);
+    box->woken = true;
+    pthread_cond_signal(&box->filled);
+    pthread_mutex_unlock(&box->lock);
 }
 
 static bool ends_in(Order *list, const uint8_t *id, bool recovering)

@@ -13,6 +13,7 @@ typedef struct Mailbox {
     Order *urgent, *plain; /* first of each list */
     _Atomic size_t n;      /* changed with the lock held, and looked at without */
     size_t limit;
+    bool woken; /* whoever waits for an order is to look around first */
     uint64_t posted;
 } Mailbox;
 
@@ -27,6 +28,9 @@ MnsStatus mailbox_post(Mailbox *box, Order *order, MnsError *error);
 
 /* The next order, urgent ones first; waits for one until the moment `until` (clock_now()). NULL if there is none. */
 Order *mailbox_take(Mailbox *box, double until);
+
+/* Whoever waits for an order, now or the next time, gets NULL at once: there is something else to see to. */
+void mailbox_wake(Mailbox *box);
 
 /* The next order that may be served while the run comes back after a crash; NULL if there is none now. */
 Order *mailbox_take_meanwhile(Mailbox *box);

@@ -152,6 +152,7 @@ static MnsStatus take_probes(Outputs *outputs, const MnsSim *sim, Document *docu
     for (size_t k = 0; k < n; k++) values[k] = mns_sim_probe(sim, k);
     book(&outputs->timers[OUTPUTS_PROBES], began);
     outputs->sample.taken = true;
+    outputs->sample.step = now.step;
     outputs->sample.t = now.t;
     memcpy(outputs->sample.values, values, n * sizeof *values);
     Note *note = note_new(NOTE_PROBES, n);

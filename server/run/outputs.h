@@ -27,6 +27,7 @@ typedef struct OutputTally {
 /* The latest sample of the probes of this run. */
 typedef struct Sample {
     bool taken;
+    uint64_t step;
     double t; /* [s] */
     double values[MNS_MAX_PROBES];
 } Sample;

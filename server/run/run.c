@@ -119,6 +119,14 @@ static void answer_all(Run *run)
     run_commit(run);
 }
 
+void run_offer(Run *run, bool stepped)
+{
+    const Sample *sample = &run->outputs.sample;
+    if (!run->sim) return;
+    const bool known = sample->taken && sample->step == mns_sim_progress(run->sim).step;
+    tap_look(run->tap, run->sim, stepped, known ? sample->values : NULL);
+}
+
 static void *run_thread(void *arg)
 {
     Run *run = arg;
@@ -129,6 +137,7 @@ static void *run_thread(void *arg)
         serve_some(run);
         if (run->state == RUN_RUNNING) run_advance(run);
         else if (run->state == RUN_RECOVERING) run_recover_on(run);
+        else run_offer(run, false);
     }
     answer_all(run);
     return NULL;
@@ -155,6 +164,7 @@ static void destroy(Run *run)
     versions_done(&run->versions);
     mailbox_done(&run->mailbox);
     outbox_done(&run->outbox);
+    tap_free(run->tap);
     pthread_mutex_destroy(&run->lock);
     free(run);
 }
@@ -174,7 +184,8 @@ MnsStatus run_new(const RunOptions *options, Run **ret, MnsError *error)
     pthread_mutex_init(&run->lock, NULL);
     run->breakpoints = breakpoints_new();
     run->outputs = (Outputs){.outbox = &run->outbox, .answer = answer_output, .note = run_tell_file, .arg = run};
-    if (!run->breakpoints) status = mns_fail(error, MNS_E_MEMORY, "no memory for a run");
+    run->tap = tap_new(options->stream_memory);
+    if (!run->breakpoints || !run->tap) status = mns_fail(error, MNS_E_MEMORY, "no memory for a run");
     else status = writer_new(run_beat, run, &run->outputs.writer, error);
     if (!status && pthread_create(&run->thread, NULL, run_thread, run))
         status = mns_fail(error, MNS_E_MEMORY, "the operating system refuses a thread for the solver");
@@ -197,6 +208,17 @@ void run_free(Run *run)
 MnsStatus run_post(Run *run, Order *order, MnsError *error)
 {
     return mailbox_post(&run->mailbox, order, error);
+}
+
+Tap *run_tap(Run *run)
+{
+    return run->tap;
+}
+
+void run_ask(Run *run, Feed *feed)
+{
+    tap_ask(run->tap, feed);
+    mailbox_wake(&run->mailbox);
 }
 
 Outbox *run_outbox(Run *run)

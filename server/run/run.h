@@ -12,6 +12,7 @@
 #include "run/lineage.h"
 #include "run/outbox.h"
 #include "run/rundir.h"
+#include "run/tap.h"
 
 typedef struct Run Run;
 
@@ -22,6 +23,7 @@ typedef struct RunOptions {
     int threads;           /* for cases that do not say; -1: their default                                          */
     double beat_interval;  /* [s] run_heartbeat() rises at least as often while idle; 0: only with the steps        */
     const char *asked;     /* the case that the command line asks for, noted with the current run; NULL: for none   */
+    size_t stream_memory;  /* bytes that copies for streams may take in all                                         */
     Figures *figures;      /* where the runner's thread puts them, borrowed until run_free(); NULL: nobody looks     */
 } RunOptions;
 
@@ -78,6 +80,10 @@ void run_status(Run *run, RunStatus *ret);
 
 /* A share of the present case; NULL if there is none. */
 Document *run_document(Run *run);
+
+/* What streams take. tap_ask() through this, so that a run that stands still wakes up for it. */
+Tap *run_tap(Run *run);
+void run_ask(Run *run, Feed *feed);
 
 /* A number that rises with every step, and while the run has nothing to do; it stands still if the solver hangs. */
 uint64_t run_heartbeat(Run *run);

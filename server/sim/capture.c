@@ -7,6 +7,19 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+/* Room for these fields, as far as there is none yet. */
+static bool make_room(MnsCapture *capture, uint64_t fields)
+{
+    const MnsFieldInfo *info = mns_fields();
+    for (int f = 0; info[f].name; f++) {
+        if (!(fields >> f & 1)) continue;
+        for (int d = 0; d < (info[f].components == 1 ? 1 : capture->dim); d++)
+            if (!capture->data[f][d] && !(capture->data[f][d] = array_room(capture->n, field_size(&info[f]))))
+                return false;
+    }
+    return true;
+}
+
 MnsCapture *mns_capture_new(int dim, size_t n, size_t n_fluid, uint64_t fields)
 {
     MnsCapture *capture = calloc(1, sizeof *capture);
@@ -15,16 +28,9 @@ MnsCapture *mns_capture_new(int dim, size_t n, size_t n_fluid, uint64_t fields)
     capture->n = n;
     capture->n_fluid = n_fluid;
     capture->fields = fields;
-    const MnsFieldInfo *info = mns_fields();
-    for (int f = 0; info[f].name; f++) {
-        if (!(fields >> f & 1)) continue;
-        for (int d = 0; d < (info[f].components == 1 ? 1 : dim); d++)
-            if (!(capture->data[f][d] = array_room(n, field_size(&info[f])))) {
-                mns_capture_free(capture);
-                return NULL;
-            }
-    }
-    return capture;
+    if (make_room(capture, fields)) return capture;
+    mns_capture_free(capture);
+    return NULL;
 }
 
 void mns_capture_free(MnsCapture *capture)
@@ -43,18 +49,37 @@ static void copy(char *to, const char *from, size_t bytes, int threads)
     for (size_t k = 0; k < bytes; k += SHARE) memcpy(to + k, from + k, bytes - k < SHARE ? bytes - k : SHARE);
 }
 
+static void copy_out(const MnsSim *sim, MnsCapture *capture)
+{
+    const Particles *s = &sim->s;
+    capture->spacing = sim->model.dx;
+    capture->progress = sim->progress;
+    for (int f = 0; mns_fields()[f].name; f++)
+        for (int d = 0; d < 3; d++)
+            if (capture->fields >> f & 1 && capture->data[f][d])
+                copy(capture->data[f][d], particles_field(s, f, d), s->n * field_size(&mns_fields()[f]), sim->threads);
+}
+
 MnsStatus mns_sim_capture(const MnsSim *sim, uint64_t fields, MnsCapture **ret_capture, MnsError *error)
 {
     const Particles *s = &sim->s;
     MnsCapture *capture = mns_capture_new(s->dim, s->n, particles_fluid(s), fields & s->fields);
     if (!capture) return mns_fail(error, MNS_E_MEMORY, "no memory to copy %zu particles", s->n);
-    capture->spacing = sim->model.dx;
-    capture->progress = sim->progress;
-    for (int f = 0; mns_fields()[f].name; f++)
-        for (int d = 0; d < 3; d++)
-            if (capture->data[f][d])
-                copy(capture->data[f][d], particles_field(s, f, d), s->n * field_size(&mns_fields()[f]), sim->threads);
+    copy_out(sim, capture);
     *ret_capture = capture;
+    return MNS_OK;
+}
+
+MnsStatus mns_sim_recapture(const MnsSim *sim, uint64_t fields, MnsCapture *capture, MnsError *error)
+{
+    const Particles *s = &sim->s;
+    if (capture->dim != s->dim || capture->n != s->n || capture->n_fluid != particles_fluid(s))
+        return mns_fail(error, MNS_E_STATE, "the capture has room for %zu particles, and there are %zu", capture->n,
+                        s->n);
+    if (!make_room(capture, fields & s->fields))
+        return mns_fail(error, MNS_E_MEMORY, "no memory to copy %zu particles", s->n);
+    capture->fields = fields & s->fields;
+    copy_out(sim, capture);
     return MNS_OK;
 }
 

@@ -106,10 +106,11 @@ static void ports_are_of_this_machine_alone(void **state)
                      MNS_OK);
     assert_string_equal(endpoint.tcp_control, "tcp://127.0.0.1:5555");
     assert_string_equal(endpoint.tcp_telemetry, "tcp://127.0.0.1:5556");
+    assert_string_equal(endpoint.tcp_data, "tcp://127.0.0.1:5557");
     endpoint_close(&endpoint);
     assert_refused("n", "0.0.0.0:5555", MNS_E_INVALID, "0.0.0.0");
     assert_refused("n", "127.0.0.1.evil.example:5555", MNS_E_INVALID, "this machine");
-    assert_refused("n", "65535", MNS_E_INVALID, "1 to 65534");
+    assert_refused("n", "65535", MNS_E_INVALID, "1 to 65533");
     assert_refused("n", "0", MNS_E_INVALID, "found \"0\"");
     assert_refused("n", "55x", MNS_E_INVALID, "55x");
     assert_refused("n", "", MNS_E_INVALID, "port");
@@ -130,10 +131,10 @@ static void with_keys_any_address_will_do(void **state)
     (void)state;
     static const char *const good[][2] = {{"tcp://192.0.2.7:5555", "tcp://192.0.2.7:5556"},
                                           {"*:5555", "tcp://*:5556"},
-                                          {"tcp://[2001:db8::7]:65534", "tcp://[2001:db8::7]:65535"}};
+                                          {"tcp://[2001:db8::7]:65533", "tcp://[2001:db8::7]:65534"}};
     static const char *const bad[] = {
         "",          "5555",           "tcp://:5555",        "host.example:5555", "192.0.2:5555",
-        "[*]:5555",  "192.0.2.7:0",    "192.0.2.7:65535",    "2001:db8::7:5555",  "[192.0.2.7]:5555",
+        "[*]:5555",  "192.0.2.7:0",    "192.0.2.7:65534",    "2001:db8::7:5555",  "[192.0.2.7]:5555",
         "tcp://*:x", "ipc:///tmp/x:1", "tcp://192.0.2.7:55 "};
     Endpoint endpoint;
     MnsError error;

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What falls due for all who asked for the same: one feed of the run, and one item, which the newest replaces. */
+#ifndef NET_CHANNEL_H
+#define NET_CHANNEL_H
+
+#include "net/stream.h"
+
+/* One more who asks for this: an existing channel, or a new one. MNS_E_MEMORY; MNS_E_STATE if the case has changed meanwhile. */
+MnsStatus channel_join(Channel **list, Tap *tap, const Meniscus__Subscribe *asked, const StreamSpec *spec,
+                       uint64_t generation, Channel **ret, MnsError *error);
+
+/* One fewer; without any it is gone. */
+void channel_leave(Channel **list, Tap *tap, Channel *channel);
+
+/* Take the newest of what was due, if it may take so many bytes. MNS_E_LIMIT, MNS_E_MEMORY: it is only counted. */
+MnsStatus channel_refresh(Channel *channel, Tap *tap, StreamMemory *memory, size_t limit);
+
+/* Another item takes the place of the newest. */
+void channel_put(Channel *channel, StreamItem *item, uint64_t number);
+
+#endif

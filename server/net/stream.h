@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A stream: what was asked for, its books, and the item that is under way. And the feeds they share: who asks for the same has the same items. All of
+ * the streams' thread. */
+#ifndef NET_STREAM_H
+#define NET_STREAM_H
+
+#include "net/stream_item.h"
+#include "net/subscription.h"
+#include "run/run.h"
+#include <xxhash.h>
+
+enum { STREAM_IDENTITY = 256 };
+
+/* Bytes handed to ZeroMQ that it has not let go of; its thread counts them down, and may do so when the stream is gone. */
+typedef struct Flight {
+    _Atomic unsigned users;
+    _Atomic size_t bytes;
+} Flight;
+
+/* What falls due for all who asked for the same. */
+typedef struct Channel {
+    struct Channel *next;
+    StreamSpec spec; /* of the first who asked */
+    uint8_t *key;    /* [key_size] what was asked, but for what each has of its own */
+    size_t key_size, users;
+    uint64_t generation;
+    Feed *feed;         /* NULL: of events                            */
+    uint64_t due;       /* how many were due so far                   */
+    StreamItem *newest; /* NULL: none yet                             */
+} Channel;
+
+/* A file that is under way. */
+typedef struct StreamFile {
+    int fd; /* -1: none */
+    char name[STREAM_FILE_NAME];
+    uint64_t line;
+    XXH64_state_t *sum;
+} StreamFile;
+
+typedef struct Stream {
+    struct Stream *next;
+    uint64_t id;
+    uint8_t identity[STREAM_IDENTITY];
+    size_t identity_size;
+    bool gone; /* nobody is there to send to */
+    Subscription books;
+    StreamSpec spec;
+    uint64_t skipped;
+    uint64_t generation;
+    Channel *channel;    /* of LATEST                                             */
+    Feed *first;         /* for one item at once, before those of the channel     */
+    StreamItem *head;    /* that item, until it is begun                          */
+    uint64_t at_once;    /* one more than the step it was of: the channel need not send that again; 0: none */
+    StreamItem *item;    /* begun last; kept until the next, for a resume         */
+    StreamFile file;     /* or this                                               */
+    StreamCursor cursor; /* LOSSLESS: behind the item begun last                  */
+    Meniscus__Abandoned *abandoned; /* to be told with the next item              */
+    Flight *flight;
+    size_t window; /* of bytes in flight                                           */
+    double moved;  /* clock_now() when bytes of it last moved, or it was asked for */
+} Stream;
+
+#endif

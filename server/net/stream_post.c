@@ -1,0 +1,254 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Messages of streams on their way out. */
+#include "net/stream_post.h"
+
+#include "base/clock.h"
+#include "proto/frame.h"
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+#include <zmq.h>
+
+enum { WINDOW_MOST = 4 << 20 };
+
+Flight *flight_new(void)
+{
+    Flight *flight = calloc(1, sizeof *flight);
+    if (flight) flight->users = 1;
+    return flight;
+}
+
+void flight_leave(Flight *flight)
+{
+    if (flight && !--flight->users) free(flight);
+}
+
+/* --- parcels ------------------------------------------------------------------------------------------------------------ */
+
+/* Bytes on their way: of an item, which is shared, or a buffer of their own. */
+typedef struct Parcel {
+    StreamPost *post;
+    Flight *flight;
+    StreamItem *item;
+    void *buffer;
+    _Atomic size_t size; /* written last and read first, as ZeroMQ hands it over unseen by race detectors */
+} Parcel;
+
+static void let_go(void *data, void *hint)
+{
+    (void)data;
+    Parcel *parcel = hint;
+    const size_t size = parcel->size;
+    StreamPost *post = parcel->post;
+    parcel->flight->bytes -= size;
+    post->bytes -= size;
+    if (parcel->buffer) *post->memory -= size;
+    flight_leave(parcel->flight);
+    stream_item_leave(parcel->item);
+    free(parcel->buffer);
+    free(parcel);
+    eventfd_write(post->wake, 1);
+}
+
+/* buffer: taken over if it is one; else the bytes are of the item. */
+static bool wrap(StreamPost *post, Stream *stream, const void *data, void *buffer, size_t size, zmq_msg_t *ret)
+{
+    Parcel *parcel = malloc(sizeof *parcel);
+    if (!parcel || zmq_msg_init_data(ret, (void *)data, size, let_go, parcel)) {
+        free(parcel);
+        free(buffer);
+        return false;
+    }
+    parcel->post = post;
+    parcel->flight = stream->flight;
+    parcel->item = buffer ? NULL : stream_item_share(stream->item);
+    parcel->buffer = buffer;
+    stream->flight->users++;
+    stream->flight->bytes += size;
+    post->bytes += size;
+    if (buffer) *post->memory += size;
+    parcel->size = size;
+    return true;
+}
+
+/* The bytes of the next message: of a file they are read now. False: there is no memory, or the file cannot be read. */
+static bool load(StreamPost *post, Stream *stream, size_t n, zmq_msg_t *ret)
+{
+    const uint64_t offset = stream->books.offset;
+    const void *data = stream->file.fd < 0 ? stream_item_bytes(stream->item, offset, n) : NULL;
+    if (data) return wrap(post, stream, data, NULL, n, ret);
+    char *buffer = malloc(n);
+    if (!buffer) return false;
+    if (stream->file.fd < 0) stream_item_copy(stream->item, offset, n, buffer);
+    else if (pread(stream->file.fd, buffer, n, (off_t)offset) != (ssize_t)n) {
+        free(buffer);
+        return false;
+    } else if (stream->file.sum) XXH64_update(stream->file.sum, buffer, n);
+    return wrap(post, stream, buffer, buffer, n, ret);
+}
+
+/* --- what is said of them ----------------------------------------------------------------------------------------------- */
+
+/* NULL if there is no memory. */
+static uint8_t *pack(const Meniscus__StreamItem *item, size_t *ret_size)
+{
+    Meniscus__StreamMessage message = MENISCUS__STREAM_MESSAGE__INIT;
+    message.what_case = MENISCUS__STREAM_MESSAGE__WHAT_ITEM;
+    message.item = (Meniscus__StreamItem *)item;
+    *ret_size = meniscus__stream_message__get_packed_size(&message);
+    uint8_t *packed = malloc(*ret_size + 1);
+    if (packed) meniscus__stream_message__pack(&message, packed);
+    return packed;
+}
+
+/* What comes with the first message of an item. */
+static void describe(Meniscus__StreamItem *to, const StreamPost *post, const Stream *stream,
+                     Meniscus__PackedArray *arrays[STREAM_FIELDS_MAX], Meniscus__FileBegin *file)
+{
+    const StreamItem *item = stream->item;
+    to->has_skipped = to->has_daemon_epoch = true;
+    to->skipped = stream->skipped;
+    to->daemon_epoch = post->epoch;
+    to->abandoned = stream->abandoned;
+    if (stream->file.fd >= 0) {
+        file->name = (char *)stream->file.name;
+        file->has_size = true;
+        file->size = stream->books.size;
+        to->file = file;
+        return;
+    }
+    if (!item) return;
+    to->has_step = to->has_time = true;
+    to->step = item->step;
+    to->time = item->time;
+    to->event = item->event;
+    to->arrays = arrays;
+    to->n_arrays = item->n;
+    for (size_t k = 0; k < item->n; k++) arrays[k] = (Meniscus__PackedArray *)item->parts[k].packed->manifest;
+}
+
+/* What comes with the last one of a LOSSLESS stream. */
+static void conclude(Meniscus__StreamItem *to, const Stream *stream, Meniscus__Cursor *next)
+{
+    const StreamCursor *cursor = &stream->cursor;
+    if (stream_is_latest(stream->spec.kind)) return;
+    next->has_line = true;
+    next->line = cursor->line;
+    next->has_row = stream->spec.kind == STREAM_SERIES;
+    next->row = cursor->row;
+    next->file = cursor->file[0] ? (char *)cursor->file : NULL;
+    next->has_offset = cursor->file[0] != 0;
+    next->offset = cursor->offset;
+    to->next = next;
+    to->has_xxh64 = stream->file.fd >= 0 && stream->file.sum;
+    if (to->has_xxh64) to->xxh64 = XXH64_digest(stream->file.sum);
+}
+
+static uint8_t *header(const StreamPost *post, const Stream *stream, size_t n, size_t *ret_size)
+{
+    const Subscription *books = &stream->books;
+    Meniscus__StreamItem item = MENISCUS__STREAM_ITEM__INIT;
+    Meniscus__PackedArray *arrays[STREAM_FIELDS_MAX];
+    Meniscus__FileBegin file = MENISCUS__FILE_BEGIN__INIT;
+    Meniscus__Cursor next = MENISCUS__CURSOR__INIT;
+    item.has_stream = item.has_sequence = item.has_offset = item.has_size = true;
+    item.stream = stream->id;
+    item.sequence = books->sequence;
+    item.offset = books->offset;
+    item.size = books->size;
+    if (!books->opened) describe(&item, post, stream, arrays, &file);
+    if (books->offset + n == books->size) conclude(&item, stream, &next);
+    return pack(&item, ret_size);
+}
+
+/* --- sending ------------------------------------------------------------------------------------------------------------ */
+
+/* Whether ZeroMQ takes more of this stream. One that has nothing on its way may always send: so nobody keeps others from it. */
+static bool has_room(const StreamPost *post, Stream *stream, size_t n)
+{
+    const size_t own = stream->flight->bytes;
+    if (!own) return true;
+    if (post->bytes + n > post->limit) return false;
+    if (own < stream->window / 2 && stream->window < WINDOW_MOST) stream->window *= 2;
+    return own + n <= stream->window;
+}
+
+/* A message that is begun must be ended, or the next one would be taken for the rest of it: so all is there before. */
+static bool send_parts(StreamPost *post, const Stream *stream, const uint8_t *head, size_t size, zmq_msg_t *bytes)
+{
+    if (zmq_send(post->socket, stream->identity, stream->identity_size, ZMQ_SNDMORE | ZMQ_DONTWAIT) < 0) return false;
+    zmq_send(post->socket, head, size, ZMQ_DONTWAIT | (bytes ? ZMQ_SNDMORE : 0));
+    if (bytes && zmq_msg_send(bytes, post->socket, ZMQ_DONTWAIT) < 0) zmq_msg_close(bytes);
+    return true;
+}
+
+/* How long the first frame is does not depend on the bytes; what it says of the last ones of a file does. */
+StreamSent stream_post_next(StreamPost *post, Stream *stream)
+{
+    Subscription *books = &stream->books;
+    const size_t n = subscription_next(books);
+    size_t size;
+    zmq_msg_t bytes;
+    if (books->credit < n || !has_room(post, stream, n)) return STREAM_WAITS;
+    uint8_t *head = header(post, stream, n, &size);
+    if (head && books->credit < size + n) {
+        free(head);
+        return STREAM_WAITS;
+    }
+    const bool loaded = head && (!n || load(post, stream, n, &bytes));
+    if (loaded && stream->file.sum) {
+        free(head);
+        head = header(post, stream, n, &size);
+    }
+    const bool sent = loaded && head && send_parts(post, stream, head, size, n ? &bytes : NULL);
+    const int why = zmq_errno();
+    if (loaded && n && !sent) zmq_msg_close(&bytes);
+    if (!loaded || !head) {
+        free(head);
+        return STREAM_FAILED;
+    }
+    free(head);
+    if (!sent) return why == EHOSTUNREACH ? STREAM_GONE : STREAM_WAITS;
+    subscription_pay(books, size + n);
+    stream->moved = clock_now();
+    post->traffic->bytes[stream->spec.kind] += size + n;
+    return subscription_sent(books, n) ? STREAM_WHOLE : STREAM_MORE;
+}
+
+void stream_post_end(StreamPost *post, const Stream *stream, bool whole_stream, MnsStatus status, const char *reason,
+                     const char *text)
+{
+    Meniscus__StreamItem item = MENISCUS__STREAM_ITEM__INIT;
+    Meniscus__StreamEnd end = MENISCUS__STREAM_END__INIT;
+    Meniscus__Cursor next = MENISCUS__CURSOR__INIT;
+    size_t size;
+    item.has_stream = item.has_sequence = true;
+    item.stream = stream->id;
+    item.sequence = stream->books.sequence;
+    end.has_code = true;
+    end.code = code_of(status);
+    end.reason = (char *)reason;
+    end.message = (char *)text;
+    *(whole_stream ? &item.ended : &item.cancelled) = &end;
+    if (!whole_stream) conclude(&item, stream, &next);
+    item.has_xxh64 = false;
+    uint8_t *packed = pack(&item, &size);
+    if (packed) send_parts(post, stream, packed, size, NULL);
+    free(packed);
+}
+
+void stream_post_reply(StreamPost *post, const uint8_t *identity, size_t size, const Meniscus__StreamReply *reply)
+{
+    Meniscus__StreamMessage message = MENISCUS__STREAM_MESSAGE__INIT;
+    message.what_case = MENISCUS__STREAM_MESSAGE__WHAT_REPLY;
+    message.reply = (Meniscus__StreamReply *)reply;
+    const size_t whole = meniscus__stream_message__get_packed_size(&message);
+    uint8_t *packed = malloc(whole + 1);
+    if (!packed) return;
+    meniscus__stream_message__pack(&message, packed);
+    if (zmq_send(post->socket, identity, size, ZMQ_SNDMORE | ZMQ_DONTWAIT) >= 0)
+        zmq_send(post->socket, packed, whole, ZMQ_DONTWAIT);
+    free(packed);
+}

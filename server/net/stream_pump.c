@@ -1,0 +1,230 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What streams have next, and on with it: each gets one message in turn, so that none keeps others waiting. */
+#include "net/streams_inside.h"
+
+#include "base/clock.h"
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const double GONE_FOR = 30;  /* [s] that a stream is kept for a resume when nobody is there */
+static const double STUCK_FOR = 1;  /* [s] without a byte taken, after which an item under way may be given up */
+
+Stream *streams_find(Streams *streams, uint64_t id, const uint8_t *identity, size_t size)
+{
+    for (Stream *s = streams->first; s; s = s->next)
+        if (s->id == id && (!identity || (s->identity_size == size && !memcmp(s->identity, identity, size)))) return s;
+    return NULL;
+}
+
+void stream_close_item(Stream *stream)
+{
+    stream_item_leave(stream->item);
+    stream->item = NULL;
+    if (stream->file.fd >= 0) close(stream->file.fd);
+    stream->file.fd = -1;
+    XXH64_freeState(stream->file.sum);
+    stream->file.sum = NULL;
+}
+
+void streams_drop(Streams *streams, Stream *stream, const MnsError *why)
+{
+    Tap *tap = run_tap(streams->options.run);
+    Stream **at = &streams->first;
+    while (*at != stream) at = &(*at)->next;
+    *at = stream->next;
+    streams->n--;
+    streams->options.traffic->open[stream->spec.kind]--;
+    if (why && !stream->gone)
+        stream_post_end(&streams->post, stream, true, why->status, mns_status_name(why->status), why->text);
+    stream_close_item(stream);
+    stream_item_leave(stream->head);
+    if (stream->first) tap_close(tap, stream->first);
+    if (stream->channel) channel_leave(&streams->channels, tap, stream->channel);
+    flight_leave(stream->flight);
+    free(stream);
+}
+
+/* --- memory ------------------------------------------------------------------------------------------------------------- */
+
+/* The one that has not moved for longest and holds an item: whole ones, kept for a resume, before those under way. */
+static Stream *find_slowest(const Streams *streams, double now)
+{
+    Stream *found = NULL;
+    for (Stream *s = streams->first; s; s = s->next) {
+        if (!s->item || (s->books.under_way && s->moved > now - STUCK_FOR)) continue;
+        const bool worse = found && found->books.under_way && !s->books.under_way;
+        const bool as_bad = found && found->books.under_way == s->books.under_way && s->moved < found->moved;
+        if (!found || worse || as_bad) found = s;
+    }
+    return found;
+}
+
+static void give_up_slow(Streams *streams, Stream *stream)
+{
+    if (subscription_cancel(&stream->books, 0)) {
+        streams->options.traffic->too_slow++;
+        if (!stream->gone)
+            stream_post_end(&streams->post, stream, false, MNS_E_LIMIT, "too slow",
+                            "nothing of this item was taken for a while, and streams hold all the memory they may; the "
+                            "next one comes when there is credit");
+    }
+    stream_close_item(stream);
+}
+
+void streams_reclaim(Streams *streams, size_t bytes)
+{
+    const double now = clock_now();
+    for (Stream *slow; streams->memory + bytes > streams->limit && (slow = find_slowest(streams, now));)
+        give_up_slow(streams, slow);
+}
+
+/* --- what is new -------------------------------------------------------------------------------------------------------- */
+
+static void refresh_events(Streams *streams, Channel *channel)
+{
+    pthread_mutex_lock(&streams->lock);
+    const uint64_t told = streams->told;
+    StreamItem *news = told > channel->due ? stream_item_share(streams->news) : NULL;
+    pthread_mutex_unlock(&streams->lock);
+    if (news) channel_put(channel, news, told);
+    channel->due = told;
+}
+
+static void refresh_channels(Streams *streams)
+{
+    Tap *tap = run_tap(streams->options.run);
+    for (Channel *c = streams->channels; c; c = c->next) {
+        if (!c->feed) {
+            refresh_events(streams, c);
+            continue;
+        }
+        streams_reclaim(streams, 0);
+        const size_t held = streams->memory;
+        channel_refresh(c, tap, &streams->memory, held < streams->limit ? streams->limit - held : 0);
+    }
+}
+
+/* Streams of a case that is gone have nothing more to say. Those who left without a word are forgotten after a while. */
+static void drop_over(Streams *streams)
+{
+    MnsError over;
+    const double now = clock_now();
+    mns_fail(&over, MNS_E_INTERRUPTED, "the run was ended or another case was loaded; subscribe again");
+    for (Stream *s = streams->first, *next; s; s = next) {
+        next = s->next;
+        const bool other = s->spec.kind != STREAM_EVENTS && s->generation != streams->now.generation;
+        if (other) streams_drop(streams, s, &over);
+        else if (s->gone && now > s->moved + GONE_FOR) streams_drop(streams, s, NULL);
+    }
+}
+
+void streams_refresh(Streams *streams)
+{
+    document_leave(streams->now.document);
+    tap_case(run_tap(streams->options.run), &streams->now);
+    drop_over(streams);
+    refresh_channels(streams);
+}
+
+/* --- one stream --------------------------------------------------------------------------------------------------------- */
+
+/* The item of a stream that asked for one at once; NULL if it is not there yet. */
+static StreamItem *take_first(Streams *streams, Stream *stream)
+{
+    Tap *tap = run_tap(streams->options.run);
+    uint64_t due;
+    StreamItem *item = NULL;
+    const Shot *shot = tap_take(tap, stream->first, &due);
+    if (!shot) return NULL;
+    streams_reclaim(streams, 0);
+    const MnsStatus status = stream_item_new(&stream->spec, shot, &streams->memory, streams->limit, &item, NULL);
+    tap_leave(tap, shot);
+    if (status) return NULL;
+    tap_close(tap, stream->first);
+    stream->first = NULL;
+    return item;
+}
+
+/* What a LATEST stream has next, or NULL. *ret_number: as subscription_take() has it. */
+static StreamItem *next_item(Streams *streams, Stream *stream, uint64_t *ret_number)
+{
+    Channel *channel = stream->channel;
+    *ret_number = 0;
+    if (stream->head) return stream_item_share(stream->head);
+    if (stream->first) {
+        stream->head = take_first(streams, stream);
+        return stream_item_share(stream->head);
+    }
+    if (!channel->newest || !subscription_wants(&stream->books, channel->newest->number)) return NULL;
+    *ret_number = channel->newest->number;
+    return stream_item_share(channel->newest);
+}
+
+/* Is it of the boundary that the item at once was of? Then the stream has it. */
+static bool has_it(Stream *stream, const StreamItem *item, uint64_t number)
+{
+    if (!number || stream->at_once != item->step + 1) return false;
+    stream->books.taken = number;
+    return true;
+}
+
+/* Begin the next item with its first message; without credit for that it waits, and a newer one takes its place. */
+static StreamSent begin_latest(Streams *streams, Stream *stream)
+{
+    uint64_t number;
+    StreamItem *item = next_item(streams, stream, &number), *before = stream->item;
+    if (!item) return STREAM_WAITS;
+    if (has_it(stream, item, number) || stream_item_pack(item, &stream->spec, NULL)) {
+        stream_item_leave(item);
+        return STREAM_WAITS;
+    }
+    stream->item = item;
+    stream->skipped = subscription_take(&stream->books, number, item->size);
+    const StreamSent sent = stream_post_next(&streams->post, stream);
+    if (sent == STREAM_MORE || sent == STREAM_WHOLE) {
+        stream_item_leave(before);
+        stream->at_once = number ? 0 : item->step + 1;
+        if (!number) stream_item_leave(stream->head);
+        if (!number) stream->head = NULL;
+        streams->options.traffic->skipped[stream->spec.kind] += stream->skipped;
+        return sent;
+    }
+    subscription_put_back(&stream->books, stream->skipped);
+    stream_item_leave(item);
+    stream->item = before;
+    return sent;
+}
+
+static StreamSent advance(Streams *streams, Stream *stream)
+{
+    if (stream->books.under_way) return stream_post_next(&streams->post, stream);
+    if (!stream->books.credit) return STREAM_WAITS;
+    return stream_is_latest(stream->spec.kind) ? begin_latest(streams, stream) : STREAM_WAITS;
+}
+
+static bool pump(Streams *streams, Stream *stream)
+{
+    if (stream->gone) return false;
+    switch (advance(streams, stream)) {
+    case STREAM_WHOLE: streams->options.traffic->items[stream->spec.kind]++; return true;
+    case STREAM_MORE: return true;
+    case STREAM_GONE:
+        stream->gone = true;
+        stream->moved = clock_now();
+        return false;
+    case STREAM_FAILED:
+    case STREAM_WAITS: break;
+    }
+    return false;
+}
+
+bool streams_pump(Streams *streams)
+{
+    bool any = false;
+    for (Stream *s = streams->first, *next; s; s = next) {
+        next = s->next;
+        any = pump(streams, s) || any;
+    }
+    return any;
+}

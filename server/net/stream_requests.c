@@ -1,0 +1,275 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What clients of streams ask for. */
+#include "net/streams_inside.h"
+
+#include "base/clock.h"
+#include "proto/frame.h"
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+#include <zmq.h>
+
+enum { AT_ONCE = 256 };
+
+/* Who has sent a request, and its answer as far as it is known. */
+typedef struct Asked {
+    uint8_t identity[STREAM_IDENTITY];
+    size_t size;
+    Meniscus__StreamReply reply;
+    MnsError error;
+} Asked;
+
+/* --- answers ------------------------------------------------------------------------------------------------------------ */
+
+static void answer(Streams *streams, Asked *asked, MnsStatus status)
+{
+    Meniscus__StreamReply *reply = &asked->reply;
+    reply->has_code = reply->has_daemon_epoch = true;
+    reply->code = code_of(status);
+    reply->daemon_epoch = streams->options.epoch;
+    if (status) {
+        streams->options.traffic->refused++;
+        reply->message = asked->error.text;
+        reply->path = asked->error.path[0] ? asked->error.path : NULL;
+        reply->reason = (char *)mns_status_name(status);
+    }
+    stream_post_reply(&streams->post, asked->identity, asked->size, reply);
+}
+
+static MnsStatus fail_unknown(Asked *asked)
+{
+    return mns_fail_at(&asked->error, MNS_E_NOT_FOUND, "stream",
+                       "there is no such stream on this connection: it is over, or of an earlier start of the daemon; "
+                       "resume one of another connection, or subscribe");
+}
+
+/* --- subscribe ---------------------------------------------------------------------------------------------------------- */
+
+static const char *numpy_of(const PackingHow *how, MnsType type)
+{
+    if (type == MNS_F64) return how->exactness == PACKING_F32 ? "<f4" : "<f8";
+    return type == MNS_U32 ? "<u4" : "|u1";
+}
+
+static void describe_column(const StreamSpec *spec, size_t k, const MnsCase *c, Meniscus__StreamColumn *ret)
+{
+    const bool field = spec->kind == STREAM_FIELDS;
+    const MnsFieldInfo *info = &mns_fields()[field ? spec->columns[k] : 0];
+    const MnsProbe *probe = field ? NULL : &c->probes[spec->columns[k]];
+    meniscus__stream_column__init(ret);
+    ret->name = (char *)(field ? info->name : probe->name);
+    ret->unit = (char *)(field ? info->unit : mns_probe_unit(probe));
+    ret->type = (char *)numpy_of(&spec->how[field ? k : 0], field ? info->type : MNS_F64);
+    ret->has_components = true;
+    ret->components = field && info->components > 1 ? (uint32_t)c->dim : 1;
+}
+
+static void answer_subscribe(Streams *streams, Asked *asked, const Stream *stream)
+{
+    Meniscus__StreamColumn columns[MNS_MAX_PROBES], *list[MNS_MAX_PROBES];
+    const StreamSpec *spec = &stream->spec;
+    for (size_t k = 0; k < spec->n; k++) {
+        describe_column(spec, k, streams->now.document->c, &columns[k]);
+        list[k] = &columns[k];
+    }
+    asked->reply.n_columns = spec->n;
+    asked->reply.columns = list;
+    asked->reply.has_stream = asked->reply.has_chunk_bytes = true;
+    asked->reply.stream = stream->id;
+    asked->reply.chunk_bytes = (uint32_t)spec->chunk;
+    answer(streams, asked, MNS_OK);
+}
+
+/* Who left without a word makes room for who comes. */
+static MnsStatus make_place(Streams *streams, MnsError *error)
+{
+    Stream *oldest = NULL;
+    if (streams->n < STREAMS_MAX) return MNS_OK;
+    for (Stream *s = streams->first; s; s = s->next)
+        if (s->gone && (!oldest || s->moved < oldest->moved)) oldest = s;
+    if (!oldest)
+        return mns_fail(error, MNS_E_LIMIT, "there are %d streams already; end one, or ask again later", STREAMS_MAX);
+    streams_drop(streams, oldest, NULL);
+    return MNS_OK;
+}
+
+static MnsStatus join(Streams *streams, Stream *stream, const Meniscus__Subscribe *asked, MnsError *error)
+{
+    Tap *tap = run_tap(streams->options.run);
+    const StreamSpec *spec = &stream->spec;
+    if (!stream_is_latest(spec->kind)) return MNS_OK;
+    const MnsStatus status =
+        channel_join(&streams->channels, tap, asked, spec, stream->generation, &stream->channel, error);
+    if (status) return status;
+    if (!stream->channel->feed && stream->channel->users == 1) stream->channel->due = streams->told;
+    if (!spec->first || !stream->channel->feed) return MNS_OK;
+    Wish wish = spec->wish;
+    wish.when = (When){.every_steps = UINT64_MAX};
+    stream->first = tap_open(tap, stream->generation, &wish);
+    if (stream->first) run_ask(streams->options.run, stream->first);
+    return MNS_OK;
+}
+
+static MnsStatus subscribe(Streams *streams, Asked *asked, const Meniscus__Subscribe *request)
+{
+    MnsError *error = &asked->error;
+    Stream *stream = calloc(1, sizeof *stream);
+    Flight *flight = stream ? flight_new() : NULL;
+    if (!flight) {
+        free(stream);
+        return mns_fail(error, MNS_E_MEMORY, "no memory for another stream");
+    }
+    MnsStatus status = subscribe_read(request, &streams->now, streams->limit, &stream->spec, error);
+    stream->generation = streams->now.generation;
+    if (!status) status = make_place(streams, error);
+    if (!status) status = join(streams, stream, request, error);
+    if (status) {
+        flight_leave(flight);
+        free(stream);
+        return status;
+    }
+    while (!stream->id) getrandom(&stream->id, sizeof stream->id, 0);
+    stream->flight = flight;
+    memcpy(stream->identity, asked->identity, asked->size);
+    stream->identity_size = asked->size;
+    stream->file.fd = -1;
+    stream->window = 2 * stream->spec.chunk;
+    stream->cursor = stream->spec.from;
+    stream->moved = clock_now();
+    subscription_begin(&stream->books, stream->spec.chunk, stream->spec.credit,
+                       stream->channel ? stream->channel->due : 0);
+    stream->next = streams->first;
+    streams->first = stream;
+    streams->n++;
+    streams->options.traffic->open[stream->spec.kind]++;
+    answer_subscribe(streams, asked, stream);
+    return MNS_OK;
+}
+
+/* --- the others --------------------------------------------------------------------------------------------------------- */
+
+static MnsStatus resume(Streams *streams, Asked *asked, const Meniscus__ResumeStream *request)
+{
+    Stream *stream = streams_find(streams, request->stream, NULL, 0);
+    if (!stream) return fail_unknown(asked);
+    const bool item = stream->item || stream->file.fd >= 0;
+    const bool kept = item && request->has_sequence &&
+                      subscription_resume(&stream->books, request->sequence, request->offset);
+    if (!kept && !stream_is_latest(stream->spec.kind))
+        return mns_fail_at(&asked->error, MNS_E_STATE, "sequence",
+                           "the item begun last is number %" PRIu64 ", of which %" PRIu64
+                           " bytes were sent: this is beyond them, or another; subscribe with `from`",
+                           stream->books.sequence, stream->books.offset);
+    if (!kept) subscription_cancel(&stream->books, 0);
+    if (stream->file.sum) { /* of bytes that came once */
+        XXH64_freeState(stream->file.sum);
+        stream->file.sum = NULL;
+    }
+    memcpy(stream->identity, asked->identity, asked->size);
+    stream->identity_size = asked->size;
+    stream->gone = false;
+    stream->moved = clock_now();
+    stream->books.credit = 0;
+    subscription_grant(&stream->books, request->credit);
+    asked->reply.has_stream = asked->reply.has_sequence = asked->reply.has_offset = true;
+    asked->reply.stream = stream->id;
+    asked->reply.sequence = stream->books.sequence + !kept;
+    asked->reply.offset = kept ? request->offset : 0;
+    answer(streams, asked, MNS_OK);
+    return MNS_OK;
+}
+
+static MnsStatus cancel(Streams *streams, Asked *asked, const Meniscus__CancelItem *request)
+{
+    Stream *stream = streams_find(streams, request->stream, asked->identity, asked->size);
+    if (!stream) return fail_unknown(asked);
+    if (stream->spec.kind == STREAM_SERIES)
+        return mns_fail_at(&asked->error, MNS_E_STATE, "stream",
+                           "no row of a series can be left out; unsubscribe, and subscribe with `from` later");
+    if (!subscription_cancel(&stream->books, request->sequence)) return MNS_OK; /* it is whole, or over, already */
+    streams->options.traffic->cancelled[stream->spec.kind]++;
+    stream_post_end(&streams->post, stream, false, MNS_E_INTERRUPTED, "cancelled", "cancelled, as asked");
+    stream_close_item(stream);
+    return MNS_OK;
+}
+
+static MnsStatus unsubscribe(Streams *streams, Asked *asked, const Meniscus__Unsubscribe *request)
+{
+    Stream *stream = streams_find(streams, request->stream, asked->identity, asked->size);
+    if (!stream) return fail_unknown(asked);
+    streams_drop(streams, stream, NULL);
+    asked->reply.has_stream = true;
+    asked->reply.stream = request->stream;
+    answer(streams, asked, MNS_OK);
+    return MNS_OK;
+}
+
+static MnsStatus grant(Streams *streams, Asked *asked, const Meniscus__Credit *request)
+{
+    Stream *stream = streams_find(streams, request->stream, asked->identity, asked->size);
+    if (!stream) return fail_unknown(asked);
+    subscription_grant(&stream->books, request->bytes);
+    return MNS_OK;
+}
+
+static MnsStatus serve(Streams *streams, Asked *asked, const Meniscus__StreamRequest *request)
+{
+    switch (request->command_case) {
+    case MENISCUS__STREAM_REQUEST__COMMAND_SUBSCRIBE: return subscribe(streams, asked, request->subscribe);
+    case MENISCUS__STREAM_REQUEST__COMMAND_CREDIT: return grant(streams, asked, request->credit);
+    case MENISCUS__STREAM_REQUEST__COMMAND_CANCEL: return cancel(streams, asked, request->cancel);
+    case MENISCUS__STREAM_REQUEST__COMMAND_UNSUBSCRIBE: return unsubscribe(streams, asked, request->unsubscribe);
+    default: return resume(streams, asked, request->resume);
+    }
+}
+
+/* --- frames ------------------------------------------------------------------------------------------------------------- */
+
+static void take(Streams *streams, Asked *asked, zmq_msg_t *frame, int parts)
+{
+    Meniscus__StreamRequest *request = NULL;
+    const void *data = zmq_msg_data(frame);
+    const size_t size = zmq_msg_size(frame);
+    const ProtobufCBinaryData id = request_id(data, size);
+    Who who;
+    if (!access_who(streams->options.access, frame, &who)) return;
+    meniscus__stream_reply__init(&asked->reply);
+    asked->reply.has_id = id.len > 0;
+    asked->reply.id = id;
+    MnsStatus status = parts == 1
+                           ? stream_request_read(data, size, &request, &asked->error)
+                           : mns_fail(&asked->error, MNS_E_INVALID, "a request is one frame; these are %d", parts);
+    if (!status) status = serve(streams, asked, request);
+    if (status) answer(streams, asked, status);
+    stream_request_free(request);
+}
+
+/* A message arrives whole: who it is from, and its parts, of which there should be one. */
+static bool receive_one(Streams *streams)
+{
+    Asked asked = {.size = 0};
+    zmq_msg_t first, rest;
+    int parts = 0;
+    const int size = zmq_recv(streams->socket, asked.identity, sizeof asked.identity, ZMQ_DONTWAIT);
+    if (size < 0) return false;
+    asked.size = (size_t)size < sizeof asked.identity ? (size_t)size : sizeof asked.identity;
+    zmq_msg_init(&first);
+    for (bool more = true; more; parts++) {
+        zmq_msg_t *to = parts ? &rest : &first;
+        if (parts) zmq_msg_init(&rest);
+        if (zmq_msg_recv(to, streams->socket, ZMQ_DONTWAIT) < 0) break;
+        more = zmq_msg_more(to);
+        if (parts) zmq_msg_close(&rest);
+    }
+    if (parts) take(streams, &asked, &first, parts);
+    zmq_msg_close(&first);
+    return true;
+}
+
+bool streams_receive(Streams *streams)
+{
+    bool any = false;
+    for (int k = 0; k < AT_ONCE && receive_one(streams); k++) any = true;
+    return any;
+}

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The inside of the streams' thread, for the files that make it up: streams.c, stream_requests.c, stream_pump.c. */
+#ifndef NET_STREAMS_INSIDE_H
+#define NET_STREAMS_INSIDE_H
+
+#include "net/channel.h"
+#include "net/far.h"
+#include "net/stream_post.h"
+#include "net/streams.h"
+#include <pthread.h>
+
+enum { STREAMS_MAX = 4096 };
+
+struct Streams {
+    StreamsOptions options;
+    pthread_t thread;
+    void *socket;
+    Far far;
+    int wake; /* eventfd: something below is to be looked at */
+    _Atomic bool leaving, cut;
+
+    /* Of the thread alone: */
+    Stream *first;
+    size_t n;
+    Channel *channels;
+    StreamPost post;
+    StreamMemory memory;
+    size_t limit; /* of it                                 */
+    TapCase now;  /* the case, with a share of its document */
+
+    /* The newest event: whoever tells of it puts it here. */
+    pthread_mutex_t lock;
+    StreamItem *news;
+    uint64_t told; /* events so far */
+};
+
+/* stream_requests.c: take what has come, at most a few; false if there was nothing. */
+bool streams_receive(Streams *streams);
+
+/* stream_pump.c: another case, new shots and events; then a message of each stream that may have one, false if there was none. */
+void streams_refresh(Streams *streams);
+bool streams_pump(Streams *streams);
+
+/* Find one of this connection; identity NULL: of any. */
+Stream *streams_find(Streams *streams, uint64_t id, const uint8_t *identity, size_t size);
+
+/* Forget a stream. why: told to who has it; NULL: nobody asks. */
+void streams_drop(Streams *streams, Stream *stream, const MnsError *why);
+
+/* Make room for so many bytes of items, at the cost of those who have not taken any for longest. */
+void streams_reclaim(Streams *streams, size_t bytes);
+
+/* The item or file under way is over. */
+void stream_close_item(Stream *stream);
+
+#endif
