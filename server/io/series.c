@@ -7,16 +7,27 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+/* What was written before a line and is not of it is there no longer. */
+typedef struct Lines {
+    size_t n;
+    uint64_t *id, *row; /* [n] */
+} Lines;
 
 struct Series {
     FileMeta meta;
     char path[IO_PATH_MAX];
-    size_t n, room;     /* rows */
-    uint64_t *step;     /* [room] */
-    double *time;       /* [room] s */
-    double **value;     /* [probes][room] */
-    bool changed;       /* since it was last written */
-    uint64_t last_step; /* of interest when an old file is read */
+    size_t n, room; /* rows */
+    uint64_t *step; /* [room] */
+    double *time;   /* [room] s */
+    double **value; /* [probes][room] */
+    Lines lines;
+    _Atomic size_t saved; /* rows in the file */
+    bool changed;         /* since it was last written */
+    bool cut;             /* rows that were in the file were left out */
+    uint64_t last_step;   /* of interest when an old file is read */
 };
 
 static size_t probes(const Series *s)
@@ -64,6 +75,25 @@ static bool same_probes(H5 *h, const Series *s)
     return true;
 }
 
+static MnsStatus lines_room(Lines *lines, size_t n, MnsError *error)
+{
+    uint64_t *id = realloc(lines->id, n * sizeof *id);
+    if (id) lines->id = id;
+    uint64_t *row = id ? realloc(lines->row, n * sizeof *row) : NULL;
+    if (row) lines->row = row;
+    return row ? MNS_OK : mns_fail(error, MNS_E_MEMORY, "no memory for %zu time lines", n);
+}
+
+static void get_lines(H5 *h, Lines *lines)
+{
+    const size_t n = h5_rows(h, "/lines/id");
+    if (!n || h->status) return;
+    h->status = lines_room(lines, n, h->error);
+    h5_get_rows(h, "/lines/id", H5T_NATIVE_UINT64, 0, n, lines->id);
+    h5_get_rows(h, "/lines/row", H5T_NATIVE_UINT64, 0, n, lines->row);
+    if (!h->status) lines->n = n;
+}
+
 static void get_rows(H5 *h, void *into)
 {
     Series *s = into;
@@ -78,7 +108,9 @@ static void get_rows(H5 *h, void *into)
         h5_get_rows(h, name, H5T_NATIVE_DOUBLE, 0, n, s->value[k]);
     }
     while (!h->status && s->n < n && s->step[s->n] <= s->last_step) s->n++;
-    s->changed = s->n < n;
+    s->saved = s->n;
+    s->cut = s->changed = s->n < n;
+    if (!h->status && h5_has(h, "/lines/id")) get_lines(h, &s->lines);
 }
 
 /* The sentence of a file that cannot be read says what to do about it. */
@@ -105,6 +137,7 @@ MnsStatus series_new(const char *dir, const FileMeta *meta, bool resume, uint64_
     s->last_step = last_step;
     MnsStatus status = directory_path(s->path, dir, "probes.hdf", error);
     if (!status && resume) status = take_over(s, error);
+    if (!status && !s->lines.n) status = series_begin_line(s, error);
     if (status) series_free(s);
     else *ret = s;
     return status;
@@ -113,6 +146,57 @@ MnsStatus series_new(const char *dir, const FileMeta *meta, bool resume, uint64_
 size_t series_rows(const Series *series)
 {
     return series->n;
+}
+
+size_t series_saved(const Series *series)
+{
+    return series->saved < series->n ? series->saved : series->n;
+}
+
+bool series_was_cut(const Series *series)
+{
+    return series->cut;
+}
+
+/* By the clock, so that no other line has the same number, whatever file it was in. */
+MnsStatus series_begin_line(Series *series, MnsError *error)
+{
+    Lines *lines = &series->lines;
+    struct timespec now;
+    const MnsStatus status = lines_room(lines, lines->n + 1, error);
+    if (status) return status;
+    clock_gettime(CLOCK_REALTIME, &now);
+    lines->id[lines->n] = (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
+    lines->row[lines->n++] = series->n;
+    series->changed = true;
+    return MNS_OK;
+}
+
+uint64_t series_line(const Series *series)
+{
+    return series->lines.id[series->lines.n - 1];
+}
+
+size_t series_line_end(const Series *series, uint64_t line)
+{
+    const Lines *lines = &series->lines;
+    size_t k = 0, end = SIZE_MAX;
+    while (k < lines->n && lines->id[k] != line) k++;
+    if (k == lines->n) return 0;
+    while (++k < lines->n)
+        if (lines->row[k] < end) end = lines->row[k];
+    return end;
+}
+
+void series_copy(const Series *series, size_t first, size_t n, size_t n_columns, const int *columns, uint64_t *step,
+                 double *time, double *values)
+{
+    memcpy(step, series->step + first, n * sizeof *step);
+    memcpy(time, series->time + first, n * sizeof *time);
+    for (size_t c = 0; c < n_columns; c++) {
+        const double *from = series->value[columns[c]] + first;
+        for (size_t k = 0; k < n; k++) values[k * n_columns + c] = from[k];
+    }
 }
 
 size_t series_size(const Series *series)
@@ -147,6 +231,9 @@ static void fill(H5 *h, const void *what)
         h5_put(h, name, H5T_NATIVE_DOUBLE, s->n, s->value[k]);
         h5_mark_text(h, name, "unit", mns_probe_unit(&s->meta.c->probes[k]));
     }
+    h5_make_group(h, "/lines");
+    h5_put(h, "/lines/id", H5T_NATIVE_UINT64, s->lines.n, s->lines.id);
+    h5_put(h, "/lines/row", H5T_NATIVE_UINT64, s->lines.n, s->lines.row);
 }
 
 MnsStatus series_flush(Series *series, MnsError *error)
@@ -154,6 +241,7 @@ MnsStatus series_flush(Series *series, MnsError *error)
     if (!series->changed) return MNS_OK;
     const MnsStatus status = h5_save(series->path, true, fill, series, error);
     series->changed = status != MNS_OK;
+    if (!status) series->saved = series->n;
     return status;
 }
 
@@ -164,5 +252,7 @@ void series_free(Series *series)
     free(series->value);
     free(series->time);
     free(series->step);
+    free(series->lines.id);
+    free(series->lines.row);
     free(series);
 }

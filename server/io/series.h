@@ -2,6 +2,7 @@
 /* Time series of the probes: kept in memory, written whole to DIR/probes.hdf each time it is flushed.
  *
  *  /step [rows]   /time [rows] s   /probes/NAME [rows], attribute unit   /meniscus see meta.h
+ *  /lines/id [lines]   /lines/row [lines]: time lines, the latest last, and the row at which each begins
  *
  * In Python:  f = h5py.File("probes.hdf")
  *             t, p1 = f["time"][:], f["probes/P1"][:]        # unit: f["probes/P1"].attrs["unit"].decode() */
@@ -20,8 +21,21 @@ typedef struct Series Series;
 MnsStatus series_new(const char *dir, const FileMeta *meta, bool resume, uint64_t last_step, Series **ret,
                      MnsError *error);
 
-/* How many rows it has. */
+/* How many rows it has; how many of them are in the file, for any thread. */
 size_t series_rows(const Series *series);
+size_t series_saved(const Series *series);
+
+/* From here on rows may be others than those that were here before. Done by series_new() for the first row; was_cut: it left out rows. */
+bool series_was_cut(const Series *series);
+MnsStatus series_begin_line(Series *series, MnsError *error);
+
+/* The present time line; and how many rows of another one are still what they were, 0 if it is not known. */
+uint64_t series_line(const Series *series);
+size_t series_line_end(const Series *series, uint64_t line);
+
+/* Copy rows out, of these probes; values: [n][n_columns]. */
+void series_copy(const Series *series, size_t first, size_t n, size_t n_columns, const int *columns, uint64_t *step,
+                 double *time, double *values);
 
 /* What its values take [bytes]. */
 size_t series_size(const Series *series);

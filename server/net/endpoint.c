@@ -111,10 +111,11 @@ static MnsStatus set_tcp(const char *tcp, Endpoint *endpoint, MnsError *error)
     const char *digits = colon ? colon + 1 : tcp;
     const long port = port_of(digits);
     if (!port)
-        return mns_fail_at(error, MNS_E_INVALID, "tcp",
-                           "--tcp takes a port from 1 to 65533 (telemetry and data are at the two after it); found \"%.60s\"",
-                           digits);
-    set_ports("127.0.0.1", strlen("127.0.0.1"), port, endpoint->tcp_control, endpoint->tcp_telemetry, endpoint->tcp_data);
+        return mns_fail_at(
+            error, MNS_E_INVALID, "tcp",
+            "--tcp takes a port from 1 to 65533 (telemetry and data are at the two after it); found \"%.60s\"", digits);
+    set_ports("127.0.0.1", strlen("127.0.0.1"), port, endpoint->tcp_control, endpoint->tcp_telemetry,
+              endpoint->tcp_data);
     return MNS_OK;
 }
 
@@ -142,7 +143,8 @@ static MnsStatus set_listen(const EndpointOptions *options, Endpoint *endpoint, 
         return mns_fail_at(
             error, MNS_E_INVALID, "listen",
             "--listen takes tcp://ADDRESS:PORT: the number of an address of this machine, as 192.0.2.7 or "
-            "[2001:db8::7], or * for all, and a port from 1 to 65533 (telemetry and data are at the two after it); found "
+            "[2001:db8::7], or * for all, and a port from 1 to 65533 (telemetry and data are at the two after it); "
+            "found "
             "\"%.80s\"",
             text);
     set_ports(host, size, port, endpoint->far_control, endpoint->far_telemetry, endpoint->far_data);

@@ -10,9 +10,11 @@ enum { ENDPOINT_SIZE = 160 };
 
 typedef struct Endpoint {
     char control[ENDPOINT_SIZE], telemetry[ENDPOINT_SIZE], data[ENDPOINT_SIZE]; /* "ipc://..." */
-    char tcp_control[ENDPOINT_SIZE], tcp_telemetry[ENDPOINT_SIZE], tcp_data[ENDPOINT_SIZE]; /* "tcp://127.0.0.1:..."; or empty    */
-    char far_control[ENDPOINT_SIZE], far_telemetry[ENDPOINT_SIZE], far_data[ENDPOINT_SIZE]; /* "tcp://ADDRESS:...", with keys; or empty */
-    char keys[KEYS_PATH];                                          /* their directory; or empty */
+    char tcp_control[ENDPOINT_SIZE], tcp_telemetry[ENDPOINT_SIZE],
+        tcp_data[ENDPOINT_SIZE]; /* "tcp://127.0.0.1:..."; or empty    */
+    char far_control[ENDPOINT_SIZE], far_telemetry[ENDPOINT_SIZE],
+        far_data[ENDPOINT_SIZE]; /* "tcp://ADDRESS:...", with keys; or empty */
+    char keys[KEYS_PATH];        /* their directory; or empty */
     char directory[ENDPOINT_SIZE];
     int lock; /* file descriptor */
 } Endpoint;

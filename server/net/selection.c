@@ -111,7 +111,6 @@ void selection_gather(const MnsCapture *capture, int field, const uint32_t *chos
     const int parts = components(capture, field);
     const MnsType type = mns_fields()[field].type;
     for (int d = 0; d < parts; d++)
-        if (type == MNS_F64)
-            gather_doubles(capture->data[field][d], chosen, n, (size_t)parts, (double *)to + d);
+        if (type == MNS_F64) gather_doubles(capture->data[field][d], chosen, n, (size_t)parts, (double *)to + d);
         else gather_bytes(capture->data[field][d], chosen, n, size_of(type), to); /* these have one component */
 }

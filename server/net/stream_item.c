@@ -96,8 +96,7 @@ static MnsStatus add_fields(StreamItem *item, const StreamSpec *spec, const MnsC
     const size_t everybody = where->walls ? capture->n : capture->n_fluid;
     const size_t n = all ? everybody : selection_choose(where, capture, chosen);
     MnsStatus status = MNS_OK;
-    if (bytes_needed(spec, capture, n) > limit)
-        status = mns_fail(error, MNS_E_LIMIT, "the streams hold all they may");
+    if (bytes_needed(spec, capture, n) > limit) status = mns_fail(error, MNS_E_LIMIT, "the streams hold all they may");
     for (size_t k = 0; !status && k < spec->n; k++)
         status = add_field(item, capture, spec->columns[k], chosen, n, error);
     free(chosen);

@@ -18,11 +18,11 @@ typedef struct StreamPost {
 
 /* What became of it. */
 typedef enum StreamSent {
-    STREAM_MORE,    /* a message is sent, and there is more of this item      */
-    STREAM_WHOLE,   /* the item is whole with it                              */
-    STREAM_WAITS,   /* for credit, or for ZeroMQ                              */
-    STREAM_GONE,    /* nobody is there                                        */
-    STREAM_FAILED   /* the file cannot be read, or there is no memory         */
+    STREAM_MORE,  /* a message is sent, and there is more of this item      */
+    STREAM_WHOLE, /* the item is whole with it                              */
+    STREAM_WAITS, /* for credit, or for ZeroMQ                              */
+    STREAM_GONE,  /* nobody is there                                        */
+    STREAM_FAILED /* the file cannot be read, or there is no memory         */
 } StreamSent;
 
 Flight *flight_new(void);

@@ -7,8 +7,8 @@
 #include <string.h>
 #include <unistd.h>
 
-static const double GONE_FOR = 30;  /* [s] that a stream is kept for a resume when nobody is there */
-static const double STUCK_FOR = 1;  /* [s] without a byte taken, after which an item under way may be given up */
+static const double GONE_FOR = 30; /* [s] that a stream is kept for a resume when nobody is there */
+static const double STUCK_FOR = 1; /* [s] without a byte taken, after which an item under way may be given up */
 
 Stream *streams_find(Streams *streams, uint64_t id, const uint8_t *identity, size_t size)
 {
@@ -39,6 +39,7 @@ void streams_drop(Streams *streams, Stream *stream, const MnsError *why)
         stream_post_end(&streams->post, stream, true, why->status, mns_status_name(why->status), why->text);
     stream_close_item(stream);
     stream_item_leave(stream->head);
+    free(stream->abandoned);
     if (stream->first) tap_close(tap, stream->first);
     if (stream->channel) channel_leave(&streams->channels, tap, stream->channel);
     flight_leave(stream->flight);
@@ -52,7 +53,9 @@ static Stream *find_slowest(const Streams *streams, double now)
 {
     Stream *found = NULL;
     for (Stream *s = streams->first; s; s = s->next) {
-        if (!s->item || (s->books.under_way && s->moved > now - STUCK_FOR)) continue;
+        if (!s->item || (s->books.under_way && !stream_is_latest(s->spec.kind)) ||
+            (s->books.under_way && s->moved > now - STUCK_FOR))
+            continue;
         const bool worse = found && found->books.under_way && !s->books.under_way;
         const bool as_bad = found && found->books.under_way == s->books.under_way && s->moved < found->moved;
         if (!found || worse || as_bad) found = s;
@@ -196,18 +199,78 @@ static StreamSent begin_latest(Streams *streams, Stream *stream)
     return sent;
 }
 
+/* --- LOSSLESS ----------------------------------------------------------------------------------------------------------- */
+
+/* What was taken belongs to a past that was undone. */
+static bool leave_line(Stream *stream, const StreamCursor *now)
+{
+    Meniscus__Abandoned *left = malloc(sizeof *left);
+    if (!left) return false;
+    meniscus__abandoned__init(left);
+    left->has_line = true;
+    left->line = stream->cursor.line;
+    left->has_row = stream->spec.kind == STREAM_SERIES;
+    left->row = now->row;
+    stream->abandoned = left;
+    stream->cursor = *now;
+    stream->skipped = 0;
+    stream_close_item(stream);
+    subscription_take(&stream->books, 0, 0);
+    return true;
+}
+
+/* The next rows, as many as are on the disk and paid for. */
+static bool begin_rows(Streams *streams, Stream *stream)
+{
+    enum { HEAD = 1024 }; /* more than is said of three arrays */
+    const StreamSpec *spec = &stream->spec;
+    const size_t width = (2 + spec->n) * sizeof(double);
+    StreamCursor *cursor = &stream->cursor;
+    SeriesRows rows;
+    StreamItem *item;
+    if (stream->books.credit < HEAD + width || streams->memory >= streams->limit) return false;
+    const uint64_t paid = stream->books.credit - HEAD, room = paid < spec->chunk ? paid : spec->chunk;
+    const size_t most = room / width ? room / width : 1;
+    if (run_rows(streams->options.run, cursor->given ? cursor->line : 0, cursor->row, most, spec->n, spec->columns,
+                 &rows, NULL))
+        return false;
+    const StreamCursor next = {.line = rows.line, .row = rows.first + rows.n, .given = true};
+    if (rows.left) return leave_line(stream, &next);
+    if (!rows.n || stream_item_rows(spec, rows.n, rows.step, rows.time, rows.values, &streams->memory, &item, NULL))
+        return false;
+    if (stream_item_pack(item, spec, NULL)) {
+        stream_item_leave(item);
+        return false;
+    }
+    stream_close_item(stream);
+    stream->item = item;
+    stream->cursor = next;
+    stream->skipped = subscription_take(&stream->books, 0, item->size);
+    return true;
+}
+
+static StreamSent begin_lossless(Streams *streams, Stream *stream)
+{
+    const bool begun = stream->spec.kind == STREAM_SERIES && begin_rows(streams, stream);
+    return begun ? stream_post_next(&streams->post, stream) : STREAM_WAITS;
+}
+
 static StreamSent advance(Streams *streams, Stream *stream)
 {
     if (stream->books.under_way) return stream_post_next(&streams->post, stream);
     if (!stream->books.credit) return STREAM_WAITS;
-    return stream_is_latest(stream->spec.kind) ? begin_latest(streams, stream) : STREAM_WAITS;
+    return stream_is_latest(stream->spec.kind) ? begin_latest(streams, stream) : begin_lossless(streams, stream);
 }
 
 static bool pump(Streams *streams, Stream *stream)
 {
     if (stream->gone) return false;
     switch (advance(streams, stream)) {
-    case STREAM_WHOLE: streams->options.traffic->items[stream->spec.kind]++; return true;
+    case STREAM_WHOLE:
+        streams->options.traffic->items[stream->spec.kind]++;
+        free(stream->abandoned);
+        stream->abandoned = NULL;
+        return true;
     case STREAM_MORE: return true;
     case STREAM_GONE:
         stream->gone = true;

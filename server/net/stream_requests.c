@@ -154,8 +154,8 @@ static MnsStatus resume(Streams *streams, Asked *asked, const Meniscus__ResumeSt
     Stream *stream = streams_find(streams, request->stream, NULL, 0);
     if (!stream) return fail_unknown(asked);
     const bool item = stream->item || stream->file.fd >= 0;
-    const bool kept = item && request->has_sequence &&
-                      subscription_resume(&stream->books, request->sequence, request->offset);
+    const bool kept =
+        item && request->has_sequence && subscription_resume(&stream->books, request->sequence, request->offset);
     if (!kept && !stream_is_latest(stream->spec.kind))
         return mns_fail_at(&asked->error, MNS_E_STATE, "sequence",
                            "the item begun last is number %" PRIu64 ", of which %" PRIu64

@@ -101,8 +101,7 @@ static MnsStatus read_probes(const Meniscus__ProbeStream *asked, const MnsCase *
                            MNS_MAX_PROBES, spec->n);
     for (size_t k = 0; k < spec->n; k++) {
         spec->columns[k] = (int)k;
-        const MnsStatus status =
-            asked->n_names ? read_probe(asked->names[k], k, c, &spec->columns[k], error) : MNS_OK;
+        const MnsStatus status = asked->n_names ? read_probe(asked->names[k], k, c, &spec->columns[k], error) : MNS_OK;
         if (status) return status;
         spec->wish.probes[spec->columns[k] / 64] |= UINT64_C(1) << spec->columns[k] % 64;
     }
@@ -145,8 +144,7 @@ static MnsStatus read_corner(size_t n, const double *asked, size_t dim, double o
     if (n && n != dim)
         return mns_fail_at(error, MNS_E_INVALID, path, "%s takes %zu coordinates; found %zu", path, dim, n);
     for (size_t d = 0; d < n; d++)
-        if (isnan(asked[d]))
-            return mns_fail_at(error, MNS_E_INVALID, path, "%s is no number along %c", path, "xyz"[d]);
+        if (isnan(asked[d])) return mns_fail_at(error, MNS_E_INVALID, path, "%s is no number along %c", path, "xyz"[d]);
     return MNS_OK;
 }
 

@@ -168,7 +168,12 @@ typedef struct RowJob {
 static MnsStatus write_row(Job *base, MnsError *error)
 {
     const RowJob *row = (const RowJob *)base;
-    if (row->n) return series_append(row->series, row->step, row->t, row->values, error);
+    if (row->n) {
+        pthread_mutex_lock(&row->outputs->series_lock);
+        const MnsStatus added = series_append(row->series, row->step, row->t, row->values, error);
+        pthread_mutex_unlock(&row->outputs->series_lock);
+        return added;
+    }
     const double before = clock_now();
     const MnsStatus status = series_flush(row->series, error);
     row->outputs->flush_seconds = clock_now() - before;

@@ -177,7 +177,7 @@ static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
 {
     MnsError lost;
     const MnsStatus status = outputs_open(&run->outputs, candidate->directory, candidate->document, candidate->sim,
-                                          candidate->goes_on, &lost, error);
+                                          candidate->goes_on, candidate->order->lineage != NULL, &lost, error);
     if (status) return status;
     if (lost.status) run_tell(run, NOTE_LOG, LOG_WARNING, "lost", lost.text);
     if (run->agenda.n) {

@@ -9,6 +9,7 @@
 #include "run/schedule.h"
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* --- from one directory to the next ------------------------------------------------------------------------------------- */
@@ -16,7 +17,7 @@
 /* A directory made ready for a run, while nothing of the present one has been given up. */
 typedef struct Opening {
     const char *directory;
-    bool goes_on;
+    bool goes_on, again;
     uint64_t step;
     size_t state_size;
     Series *series;
@@ -36,6 +37,8 @@ static MnsStatus prepare(Opening *opening, Writer *writer, const Document *docum
     status = job_hold(writer, &opening->reserve, directory, opening->state_size, error);
     if (!status && document->c->n_probes)
         status = job_open_series(writer, directory, document, opening->goes_on, opening->step, &opening->series, error);
+    if (!status && opening->series && !opening->again && series_was_cut(opening->series))
+        status = series_begin_line(opening->series, error);
     if (status) atomic_cancel(&opening->text);
     return status;
 }
@@ -64,13 +67,20 @@ static MnsStatus move_in(Opening *opening, const Outputs *outputs, MnsError *err
     return status;
 }
 
+static void put_series(Outputs *outputs, Series *series)
+{
+    pthread_mutex_lock(&outputs->series_lock);
+    outputs->series = series;
+    pthread_mutex_unlock(&outputs->series_lock);
+}
+
 /* Nothing here can fail. */
 static void take_over(Outputs *outputs, const Opening *opening, Document *document, MnsProgress progress)
 {
     const bool goes_on = opening->goes_on;
     snprintf(outputs->directory, sizeof outputs->directory, "%s", opening->directory);
     memcpy(outputs->aside, opening->aside, sizeof outputs->aside);
-    outputs->series = opening->series;
+    put_series(outputs, opening->series);
     outputs->reserve = opening->reserve;
     outputs->rescued = false;
     outputs->state_size = opening->state_size;
@@ -87,12 +97,13 @@ static void take_over(Outputs *outputs, const Opening *opening, Document *docume
 }
 
 MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *document, const MnsSim *sim, bool goes_on,
-                       MnsError *ret_lost, MnsError *error)
+                       bool again, MnsError *ret_lost, MnsError *error)
 {
     const MnsProgress progress = mns_sim_progress(sim);
     const size_t state_size = mns_sim_capture_size(sim, mns_sim_state_fields(sim));
     const bool same = !strcmp(directory, outputs->directory);
-    Opening opening = {.directory = directory, .goes_on = goes_on, .step = progress.step, .state_size = state_size};
+    Opening opening = {
+        .directory = directory, .goes_on = goes_on, .again = again, .step = progress.step, .state_size = state_size};
     MnsStatus status =
         outputs_flush(outputs, error); /* the file may be read here, or moved aside with all its samples */
     if (status) return status;
@@ -107,6 +118,9 @@ MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *docume
     if (same) outputs->reserve = (Reserve){.held = false};
     outputs_close(outputs, ret_lost);
     take_over(outputs, &opening, document, progress);
+    /* That a line was left is on the disk before anything of the new one, or whoever has rows of it would take these for more of them. */
+    if (!again && opening.series && series_was_cut(opening.series) && !outputs_flush(outputs, NULL))
+        writer_drain(outputs->writer, NULL);
     return MNS_OK;
 }
 
@@ -116,12 +130,50 @@ MnsStatus outputs_close(Outputs *outputs, MnsError *error)
     outputs_flush(outputs, NULL);
     const MnsStatus status = writer_drain(outputs->writer, error);
     writer_discard(outputs->writer);
-    series_free(outputs->series);
-    outputs->series = NULL;
+    Series *series = outputs->series;
+    put_series(outputs, NULL);
+    series_free(series);
     document_leave(outputs->document);
     outputs->document = NULL;
     reserve_release(&outputs->reserve);
     outputs->directory[0] = 0;
+    return status;
+}
+
+/* --- what is there ----------------------------------------------------------------------------------------------------- */
+
+static MnsStatus copy_rows(const Series *series, size_t n_columns, const int *columns, SeriesRows *ret, MnsError *error)
+{
+    const size_t n = ret->n;
+    ret->step = malloc(n * sizeof *ret->step);
+    ret->time = malloc(n * sizeof *ret->time);
+    ret->values = malloc(n * n_columns * sizeof *ret->values);
+    if (ret->step && ret->time && ret->values) {
+        series_copy(series, ret->first, n, n_columns, columns, ret->step, ret->time, ret->values);
+        return MNS_OK;
+    }
+    free(ret->step);
+    free(ret->time);
+    free(ret->values);
+    return mns_fail(error, MNS_E_MEMORY, "no memory for %zu rows", n);
+}
+
+MnsStatus outputs_rows(Outputs *outputs, uint64_t line, uint64_t first, size_t most, size_t n_columns,
+                       const int *columns, SeriesRows *ret, MnsError *error)
+{
+    MnsStatus status = MNS_OK;
+    pthread_mutex_lock(&outputs->series_lock);
+    const Series *series = outputs->series;
+    if (!series) status = mns_fail(error, MNS_E_STATE, "there is no series of probes");
+    else {
+        const size_t end = line ? series_line_end(series, line) : SIZE_MAX, saved = series_saved(series);
+        *ret = (SeriesRows){.line = series_line(series), .first = first};
+        ret->left = first > end;
+        if (ret->left) ret->first = end;
+        else if (first < saved) ret->n = saved - first < most ? saved - first : most;
+        if (ret->n) status = copy_rows(series, n_columns, columns, ret, error);
+    }
+    pthread_mutex_unlock(&outputs->series_lock);
     return status;
 }
 

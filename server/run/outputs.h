@@ -11,6 +11,7 @@
 #include "run/outbox.h"
 #include "run/rundir.h"
 #include "run/writer.h"
+#include <pthread.h>
 
 /* Of the boundaries at which it was last looked whether each is due [s]; -INFINITY: never yet. Each has one of its own, as
  * what could not be taken for lack of memory is due again at the next boundary, and the others are not. */
@@ -39,13 +40,14 @@ typedef struct Outputs {
     char directory[RUNDIR_PATH];
     Writer *writer;
     Outbox *outbox;
-    Series *series;          /* the writer's thread only; NULL without probes                    */
-    Document *document;      /* that the series was opened with, and borrows from; NULL when closed */
-    char aside[RUNDIR_PATH]; /* where outputs_open() moved files to; empty if there were none */
-    Reserve reserve;         /* for what a full disk must not cost; the writer's thread only        */
-    _Atomic bool rescued;    /* the reserve is given up until the run moves again                   */
-    size_t state_size;       /* of a capture of the state [bytes]                              */
-    bool series_lost;        /* outputs_open() found no samples from before, and should have  */
+    Series *series;              /* the writer's thread only, and outputs_rows(); NULL without probes */
+    pthread_mutex_t series_lock; /* while it is looked at there, changed or replaced              */
+    Document *document;          /* that the series was opened with, and borrows from; NULL when closed */
+    char aside[RUNDIR_PATH];     /* where outputs_open() moved files to; empty if there were none */
+    Reserve reserve;             /* for what a full disk must not cost; the writer's thread only        */
+    _Atomic bool rescued;        /* the reserve is given up until the run moves again                   */
+    size_t state_size;           /* of a capture of the state [bytes]                              */
+    bool series_lost;            /* outputs_open() found no samples from before, and should have  */
     OutputTimes before;
     double wall_checkpoint; /* clock_now() of the last one; of the beginning if there is none   */
     double wall_flush;      /* the same for the series                                          */
@@ -67,10 +69,11 @@ typedef struct Outputs {
 
 /* Go over to a directory, which exists, with the state of sim: the series begins there, or goes on if `goes_on`, and files of
  * later steps are moved aside. On failure outputs and all files are as they were; on success the present ones are closed.
+ *  again     what was written before comes once more, to the bit: after a crash. Else rows of the series that are left out were of another time line
  * MNS_E_NO_SPACE also where there is no room for what a disk that fills up later must not cost.
  *  ret_lost  as outputs_close() says of them */
 MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *document, const MnsSim *sim, bool goes_on,
-                       MnsError *ret_lost, MnsError *error);
+                       bool again, MnsError *ret_lost, MnsError *error);
 
 /* Write what is left and close the series. MNS_OK; or the failure, and what could not be written is given up. */
 MnsStatus outputs_close(Outputs *outputs, MnsError *error);
@@ -87,6 +90,20 @@ bool outputs_behind(const Outputs *outputs, double t);
 MnsStatus outputs_checkpoint(Outputs *outputs, const MnsSim *sim, Document *document, Order *order, MnsError *error);
 MnsStatus outputs_snapshot(Outputs *outputs, const MnsSim *sim, Document *document, uint64_t fields, Order *order,
                            MnsError *error);
+
+/* Rows of the series that are on the disk. */
+typedef struct SeriesRows {
+    uint64_t line;         /* the time line                                                              */
+    bool left;             /* rows from `first` on were of a line that was left: nothing else is filled in */
+    size_t first, n;       /* rows */
+    uint64_t *step;        /* [n], the caller's with the others */
+    double *time, *values; /* [n], [n][n_columns] */
+} SeriesRows;
+
+/* At most so many from row `first` of a line on, 0 for whatever line there is. n is 0 if there are none yet. Any thread. MNS_E_STATE: there is
+ * no series; MNS_E_MEMORY. */
+MnsStatus outputs_rows(Outputs *outputs, uint64_t line, uint64_t first, size_t most, size_t n_columns,
+                       const int *columns, SeriesRows *ret, MnsError *error);
 
 /* Have the series written soon. */
 MnsStatus outputs_flush(Outputs *outputs, MnsError *error);

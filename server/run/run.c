@@ -164,6 +164,7 @@ static void destroy(Run *run)
     versions_done(&run->versions);
     mailbox_done(&run->mailbox);
     outbox_done(&run->outbox);
+    pthread_mutex_destroy(&run->outputs.series_lock);
     tap_free(run->tap);
     pthread_mutex_destroy(&run->lock);
     free(run);
@@ -184,6 +185,7 @@ MnsStatus run_new(const RunOptions *options, Run **ret, MnsError *error)
     pthread_mutex_init(&run->lock, NULL);
     run->breakpoints = breakpoints_new();
     run->outputs = (Outputs){.outbox = &run->outbox, .answer = answer_output, .note = run_tell_file, .arg = run};
+    pthread_mutex_init(&run->outputs.series_lock, NULL);
     run->tap = tap_new(options->stream_memory);
     if (!run->breakpoints || !run->tap) status = mns_fail(error, MNS_E_MEMORY, "no memory for a run");
     else status = writer_new(run_beat, run, &run->outputs.writer, error);
@@ -213,6 +215,12 @@ MnsStatus run_post(Run *run, Order *order, MnsError *error)
 Tap *run_tap(Run *run)
 {
     return run->tap;
+}
+
+MnsStatus run_rows(Run *run, uint64_t line, uint64_t first, size_t most, size_t n_columns, const int *columns,
+                   SeriesRows *ret, MnsError *error)
+{
+    return outputs_rows(&run->outputs, line, first, most, n_columns, columns, ret, error);
 }
 
 void run_ask(Run *run, Feed *feed)

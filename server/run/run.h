@@ -11,6 +11,7 @@
 #include "run/lease.h"
 #include "run/lineage.h"
 #include "run/outbox.h"
+#include "run/outputs.h"
 #include "run/rundir.h"
 #include "run/tap.h"
 
@@ -84,6 +85,8 @@ Document *run_document(Run *run);
 /* What streams take. tap_ask() through this, so that a run that stands still wakes up for it. */
 Tap *run_tap(Run *run);
 void run_ask(Run *run, Feed *feed);
+MnsStatus run_rows(Run *run, uint64_t line, uint64_t first, size_t most, size_t n_columns, const int *columns,
+                   SeriesRows *ret, MnsError *error); /* as outputs_rows() */
 
 /* A number that rises with every step, and while the run has nothing to do; it stands still if the solver hangs. */
 uint64_t run_heartbeat(Run *run);
