@@ -33,7 +33,6 @@ typedef struct Channel {
 typedef struct StreamFile {
     int fd; /* -1: none */
     char name[STREAM_FILE_NAME];
-    uint64_t line;
     XXH64_state_t *sum;
 } StreamFile;
 
@@ -57,6 +56,7 @@ typedef struct Stream {
     Meniscus__Abandoned *abandoned; /* to be told with the next item              */
     Flight *flight;
     size_t window; /* of bytes in flight                                           */
+    double looked; /* clock_now() when it was last looked for another file          */
     double moved;  /* clock_now() when bytes of it last moved, or it was asked for */
 } Stream;
 

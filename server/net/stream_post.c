@@ -198,7 +198,7 @@ StreamSent stream_post_next(StreamPost *post, Stream *stream)
         return STREAM_WAITS;
     }
     const bool loaded = head && (!n || load(post, stream, n, &bytes));
-    if (loaded && stream->file.sum) {
+    if (loaded && stream->file.sum && books->offset + n == books->size) {
         free(head);
         head = header(post, stream, n, &size);
     }

@@ -3,12 +3,15 @@
 #include "net/streams_inside.h"
 
 #include "base/clock.h"
+#include "run/snapshots.h"
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-static const double GONE_FOR = 30; /* [s] that a stream is kept for a resume when nobody is there */
-static const double STUCK_FOR = 1; /* [s] without a byte taken, after which an item under way may be given up */
+static const double GONE_FOR = 30;    /* [s] that a stream is kept for a resume when nobody is there */
+static const double STUCK_FOR = 1;    /* [s] without a byte taken, after which an item under way may be given up */
+static const double LOOK_EVERY = 0.2; /* [s] for another snapshot file */
 
 Stream *streams_find(Streams *streams, uint64_t id, const uint8_t *identity, size_t size)
 {
@@ -212,6 +215,7 @@ static bool leave_line(Stream *stream, const StreamCursor *now)
     left->has_row = stream->spec.kind == STREAM_SERIES;
     left->row = now->row;
     stream->abandoned = left;
+    stream->looked = 0;
     stream->cursor = *now;
     stream->skipped = 0;
     stream_close_item(stream);
@@ -249,9 +253,50 @@ static bool begin_rows(Streams *streams, Stream *stream)
     return true;
 }
 
+static SnapshotPlace place_of(const StreamCursor *cursor)
+{
+    SnapshotPlace place = {.written = cursor->line, .offset = cursor->offset};
+    snprintf(place.name, sizeof place.name, "%.*s", NUMBERED_NAME - 1, cursor->file);
+    return place;
+}
+
+/* offset: where to go on in the file. */
+static StreamCursor cursor_at(const SnapshotPlace *place, uint64_t offset)
+{
+    StreamCursor cursor = {.line = place->written, .offset = offset, .given = true};
+    snprintf(cursor.file, sizeof cursor.file, "%s", place->name);
+    return cursor;
+}
+
+/* The next file, or the rest of one. */
+static bool begin_file(Streams *streams, Stream *stream)
+{
+    const double now = clock_now();
+    const SnapshotPlace from = place_of(&stream->cursor);
+    SnapshotNext next;
+    RunStatus status;
+    if (now < stream->looked + LOOK_EVERY) return false;
+    stream->looked = now;
+    run_status(streams->options.run, &status);
+    if (!status.directory[0] || snapshots_next(status.directory, &from, &next, NULL)) return false;
+    const StreamCursor here = cursor_at(&next.place, next.place.offset);
+    if (next.left) return leave_line(stream, &here);
+    if (!next.there) return false;
+    stream_close_item(stream);
+    stream->file.fd = next.fd;
+    snprintf(stream->file.name, sizeof stream->file.name, "%s", next.place.name);
+    if (!next.place.offset) stream->file.sum = XXH64_createState();
+    if (stream->file.sum) XXH64_reset(stream->file.sum, 0);
+    stream->cursor = cursor_at(&next.place, next.size);
+    stream->skipped = subscription_take(&stream->books, 0, next.size);
+    stream->books.offset = next.place.offset;
+    return true;
+}
+
 static StreamSent begin_lossless(Streams *streams, Stream *stream)
 {
-    const bool begun = stream->spec.kind == STREAM_SERIES && begin_rows(streams, stream);
+    const bool series = stream->spec.kind == STREAM_SERIES;
+    const bool begun = series ? begin_rows(streams, stream) : begin_file(streams, stream);
     return begun ? stream_post_next(&streams->post, stream) : STREAM_WAITS;
 }
 
@@ -262,6 +307,15 @@ static StreamSent advance(Streams *streams, Stream *stream)
     return stream_is_latest(stream->spec.kind) ? begin_latest(streams, stream) : begin_lossless(streams, stream);
 }
 
+/* A file that cannot be read, or no memory for a message. */
+static void give_up(Streams *streams, Stream *stream)
+{
+    if (stream->file.fd < 0 || !subscription_cancel(&stream->books, 0)) return;
+    stream_post_end(&streams->post, stream, false, MNS_E_IO, "input/output error",
+                    "the file could not be read to its end; the next one follows");
+    stream_close_item(stream);
+}
+
 static bool pump(Streams *streams, Stream *stream)
 {
     if (stream->gone) return false;
@@ -270,13 +324,14 @@ static bool pump(Streams *streams, Stream *stream)
         streams->options.traffic->items[stream->spec.kind]++;
         free(stream->abandoned);
         stream->abandoned = NULL;
+        stream->looked = 0;
         return true;
     case STREAM_MORE: return true;
     case STREAM_GONE:
         stream->gone = true;
         stream->moved = clock_now();
         return false;
-    case STREAM_FAILED:
+    case STREAM_FAILED: give_up(streams, stream); break;
     case STREAM_WAITS: break;
     }
     return false;

@@ -10,7 +10,7 @@
 #include <unistd.h>
 #include <zmq.h>
 
-enum { ROUNDS = 8, TICK_MS = 1000, REQUEST_MOST = 64 << 10, FAREWELL_MS = 200 };
+enum { ROUNDS = 8, TICK_MS = 200, REQUEST_MOST = 64 << 10, FAREWELL_MS = 200 };
 
 static void set(void *socket, int option, int value)
 {

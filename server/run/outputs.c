@@ -27,6 +27,17 @@ typedef struct Opening {
     AtomicFile text;        /* that file without its name */
 } Opening;
 
+/* After a crash, a run that is done again from its beginning is of the same time line, if its file can be read. */
+static MnsStatus open_series(Opening *opening, Writer *writer, const Document *document, MnsError *error)
+{
+    const char *directory = opening->directory;
+    Series **ret = &opening->series;
+    if (opening->again && !opening->goes_on &&
+        !job_open_series(writer, directory, document, true, opening->step, ret, NULL))
+        return MNS_OK;
+    return job_open_series(writer, directory, document, opening->goes_on, opening->step, ret, error);
+}
+
 /* What takes room or reads files. */
 static MnsStatus prepare(Opening *opening, Writer *writer, const Document *document, MnsError *error)
 {
@@ -35,8 +46,7 @@ static MnsStatus prepare(Opening *opening, Writer *writer, const Document *docum
     if (!status) status = atomic_fill(&opening->text, opening->path, document->text, strlen(document->text), error);
     if (status) return status;
     status = job_hold(writer, &opening->reserve, directory, opening->state_size, error);
-    if (!status && document->c->n_probes)
-        status = job_open_series(writer, directory, document, opening->goes_on, opening->step, &opening->series, error);
+    if (!status && document->c->n_probes) status = open_series(opening, writer, document, error);
     if (!status && opening->series && !opening->again && series_was_cut(opening->series))
         status = series_begin_line(opening->series, error);
     if (status) atomic_cancel(&opening->text);

@@ -79,6 +79,7 @@ static void arrive(Run *run)
     }
     restore_lease(run, lineage);
     run->recovery.lineage = NULL;
+    outputs_flush(&run->outputs, NULL);
     run_hash(run);
     run_enter(run, state == RUN_READY ? RUN_READY : RUN_PAUSED, "back where it was");
 }

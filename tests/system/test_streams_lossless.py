@@ -27,6 +27,9 @@ CASE = ["dambreak2d", "--set", "resolution=8", "--set", "end_time=1000", "--set"
 PLENTY = 1 << 30
 
 
+STEP_0 = 1  # the state at the beginning is a row, too
+
+
 class Series(DaemonTest):
     def setUp(self) -> None:
         self.endpoint = f"ipc://{self.home}/run/meniscus/default/data.ipc"
@@ -91,7 +94,7 @@ class Series(DaemonTest):
         self.meniscus("step", "300")
         taker = self.subscribe(credit=0, chunk_bytes=4096)
         granted = 0
-        while len(self.rows) < 300:
+        while len(self.rows) < 300 + STEP_0:
             taker.grant(self.stream, 3000)
             granted += 3000
             while not taker.quiet(0.02):
@@ -105,16 +108,16 @@ class Series(DaemonTest):
         self.meniscus("checkpoint")
         self.meniscus("step", "40")
         taker = self.subscribe()
-        self.follow(taker, 80)
+        self.follow(taker, 80 + STEP_0)
         line = self.cursor.line
         self.meniscus("restore")
         self.meniscus("set", "gravity=[0, -2]")
         item = taker.item()
         self.assertTrue(item.head.HasField("abandoned"))
-        self.assertEqual((item.head.abandoned.line, item.head.abandoned.row), (line, 40))
+        self.assertEqual((item.head.abandoned.line, item.head.abandoned.row), (line, 40 + STEP_0))
         self.keep(item)
         self.meniscus("step", "10")
-        self.follow(taker, 50)
+        self.follow(taker, 50 + STEP_0)
         self.compare(self.columns())
 
     def test_who_was_away_during_a_restore_is_told_too(self) -> None:
@@ -123,7 +126,7 @@ class Series(DaemonTest):
         self.meniscus("checkpoint")
         self.meniscus("step", "40")
         taker = self.subscribe()
-        self.follow(taker, 80)
+        self.follow(taker, 80 + STEP_0)
         taker.close()
         self.meniscus("restore")
         self.meniscus("step", "10")
@@ -131,19 +134,19 @@ class Series(DaemonTest):
         taker = self.subscribe()
         self.assertTrue((item := taker.item()).head.HasField("abandoned"))
         self.keep(item)
-        self.follow(taker, 50)
+        self.follow(taker, 50 + STEP_0)
         self.compare(self.columns())
 
     def test_a_reset_undoes_all(self) -> None:
         self.meniscus("load", *CASE)
         self.meniscus("step", "40")
         taker = self.subscribe()
-        self.follow(taker, 40)
+        self.follow(taker, 40 + STEP_0)
         self.meniscus("reset")
         self.assertEqual((item := taker.item()).head.abandoned.row, 0)
         self.keep(item)
         self.meniscus("step", "7")
-        self.follow(taker, 7)
+        self.follow(taker, 7 + STEP_0)
         self.compare(self.columns())
 
     def test_kills_leave_no_gap_and_no_duplicate(self) -> None:
@@ -176,7 +179,7 @@ class Series(DaemonTest):
         self.meniscus("pause")
         self.meniscus("step", "1")
         n = self.ask("status")["step"]
-        self.follow(self.subscribe(), n)
+        self.follow(self.subscribe(), n + STEP_0)
         rows = self.compare(columns)
         print(f"{rows} rows over {KILLS} kills of the daemon", file=sys.stderr)
 
