@@ -3,12 +3,12 @@
 """Streams: what a client asks for is what it gets, as fast as it takes it, and nobody else notices."""
 
 import sys
+import time
 import unittest
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import zmq
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from daemon import BUILD, DaemonTest  # noqa: E402
@@ -82,15 +82,235 @@ class Streams(DaemonTest):
             self.assertLessEqual(self.taker.received, sum(grants[: grants.index(n) + 1]))
         self.assertGreater(size, 0)
 
-    def test_values_of_probes_are_those_of_a_query(self) -> None:
+    def test_values_of_probes_are_those_of_a_query_and_come_at_once(self) -> None:
         columns = self.taker.subscribe(probes=sb.ProbeStream(), credit=PLENTY).columns
         item = self.taker.item()
-        values = {v["name"]: v["value"] for v in self.ask("query", "probes")["values"]} if False else None
         with Client(f"ipc://{self.home}/run/meniscus/default/control.ipc") as client:
-            asked = client.probes()
+            asked = client.query()
         self.assertEqual([column.name for column in columns], list(asked))
-        np.testing.assert_array_equal(item.array("values"), [float(asked[column.name]) for column in columns])
-        del values
+        np.testing.assert_array_equal(item.array("values"), [asked[column.name].value for column in columns])
+
+    def test_probes_come_in_the_order_in_which_they_are_named(self) -> None:
+        with Client(f"ipc://{self.home}/run/meniscus/default/control.ipc") as client:
+            names = list(client.query())[8:5:-1]
+            self.taker.subscribe(probes=sb.ProbeStream(names=names), credit=PLENTY)
+            values = self.taker.item().array("values")
+            self.assertEqual(list(values), [client.query()[name].value for name in names])
+
+    def test_events_come_and_only_the_newest_for_who_is_late(self) -> None:
+        stream = self.taker.subscribe(events=sb.EventStream()).stream
+        self.meniscus("step", "1")
+        self.meniscus("step", "1")
+        self.taker.grant(stream, PLENTY)
+        item = self.taker.item()
+        self.assertEqual(item.head.event.state, 4)  # PAUSED
+        self.assertGreaterEqual(item.head.skipped, 3)
+
+    def test_what_is_paced_by_the_clock_comes_no_faster(self) -> None:
+        self.taker.subscribe(fields=fields("pressure"), when=sb.When(max_hz=10), credit=PLENTY)
+        self.meniscus("start")
+        began, times = time.monotonic(), []
+        while time.monotonic() < began + 2:
+            self.taker.item()
+            times.append(time.monotonic())
+        self.assertLessEqual(len(times), 22)
+        self.assertGreaterEqual(len(times), 10)
+
+    def test_items_come_at_the_first_step_after_each_multiple_of_an_interval(self) -> None:
+        self.taker.subscribe(fields=fields("pressure"), when=sb.When(interval=0.01), credit=PLENTY)
+        self.meniscus("run-until", "0.055")
+        for k in range(1, 6):
+            item = self.taker.item()
+            self.assertEqual(item.head.sequence, k)
+            self.assertGreaterEqual(item.head.time, 0.01 * k)
+            self.assertLess(item.head.time, 0.01 * k + 0.005)
+
+    def test_each_selection_has_those_particles_and_no_others(self) -> None:
+        self.meniscus("step", "5")
+        everybody = self.query("id", "position", "phase", walls=True)
+        fluid = self.query("id", "position", "phase")
+        x, y = fluid["position"].T
+        centre = fluid["position"].mean(axis=0)
+        ball = ((fluid["position"] - centre) ** 2).sum(axis=1) <= 0.1**2
+        walls = everybody["phase"][-1]
+        cases = [
+            (dict(), fluid, slice(None)),
+            (dict(walls=True), everybody, slice(None)),
+            (dict(min=[0.1, -9], max=[0.4, 0.3]), fluid, (x >= 0.1) & (x <= 0.4) & (y <= 0.3)),
+            (dict(centre=list(centre), radius=0.1), fluid, ball),
+            (dict(centre=list(centre), radius=0.1, min=[float(centre[0]), -9]), fluid, ball & (x >= centre[0])),
+            (dict(phases=[int(walls)], walls=True), everybody, everybody["phase"] == walls),
+            (dict(min=[99.0, 99.0]), fluid, x > 98),
+        ]
+        for where, of, chosen in cases:
+            with self.subTest(where=where):
+                taker = self.new_taker()
+                taker.subscribe(fields=fields("id", "position"), where=sb.Where(**where), when=sb.When(first=True), credit=PLENTY)
+                item = taker.item()
+                np.testing.assert_array_equal(item.array("id"), of["id"][chosen])
+                np.testing.assert_array_equal(item.array("position"), of["position"][chosen])
+
+    def test_one_in_so_many_is_always_the_same_ones(self) -> None:
+        stream = self.taker.subscribe(fields=fields("id"), where=sb.Where(every=4), when=sb.When(every_steps=1), credit=PLENTY)
+        del stream
+        self.meniscus("step", "1")
+        first = set(self.taker.item().array("id"))
+        self.meniscus("step", "20")
+        for _ in range(20):
+            self.assertEqual(set(self.taker.item().array("id")), first)
+        n = len(self.query("id")["id"])
+        self.assertTrue(0.15 * n < len(first) < 0.35 * n, (len(first), n))
+
+    def test_bounded_values_differ_by_less_than_the_bound(self) -> None:
+        from meniscus import packing_pb2
+
+        self.meniscus("step", "5")
+        self.taker.subscribe(
+            fields=fields("position", exactness=sb.Exactness(bound=1e-4)), when=sb.When(first=True), credit=PLENTY,
+            codec=packing_pb2.CODEC_NONE,
+        )
+        item = self.taker.item()
+        array = item.head.arrays[0]
+        q, rows = array.quantisation, array.shape[0]
+        data = np.frombuffer(bytes(item.bytes), np.uint8)
+        if array.shuffle:
+            data = data.reshape(array.shuffle, -1).T.copy().ravel()
+        numbers = data.view(f"<u{q.width}").reshape(rows, -1)
+        values = np.array(q.offset) + q.step * numbers
+        error = np.abs(values - self.query("position")["position"]).max()
+        self.assertLess(error, 1e-4)
+        self.assertGreater(error, 1e-6)
+        self.assertLess(len(item.bytes), 0.5 * array.raw_bytes)
+
+    # --- who does not take what comes --------------------------------------------------------------------------------
+
+    def test_a_cancelled_item_ends_at_once_and_the_next_one_is_the_newest(self) -> None:
+        stream = self.taker.subscribe(fields=fields("position", "velocity"), when=sb.When(every_steps=1), chunk_bytes=4096, credit=9000).stream
+        self.meniscus("step", "1")
+        self.taker.receive()
+        self.meniscus("step", "5")
+        began = time.monotonic()
+        self.taker.send(cancel=sb.CancelItem(stream=stream))
+        while not (message := self.taker.receive()[0]).item.HasField("cancelled"):
+            pass
+        self.assertLess(time.monotonic() - began, 0.5)
+        self.assertEqual((message.item.sequence, message.item.cancelled.reason), (1, "cancelled"))
+        self.taker.under_way.clear()
+        self.taker.grant(stream, PLENTY)
+        item = self.taker.item()
+        self.assertEqual((item.head.sequence, item.head.step, item.head.skipped), (6, 6, 4))
+
+    def test_an_item_goes_on_over_another_connection_where_it_ended(self) -> None:
+        stream = self.taker.subscribe(fields=fields("position", "velocity"), when=sb.When(first=True), chunk_bytes=4096, credit=20000).stream
+        message, data = self.taker.receive()
+        item = self.taker.take(message.item, data)
+        asked = self.query("position")["position"]
+        self.taker.close()
+        self.meniscus("step", "5")
+        other = self.new_taker()
+        reply = other.ask(resume=sb.ResumeStream(stream=stream, sequence=1, offset=len(data), credit=PLENTY))
+        self.assertEqual((reply.code, reply.sequence, reply.offset), (0, 1, len(data)))
+        while not item.whole:
+            message, data = other.receive()
+            item.take(message.item, data)
+        np.testing.assert_array_equal(item.array("position"), asked)
+
+    def test_an_item_that_is_no_longer_there_is_not_resumed(self) -> None:
+        stream = self.taker.subscribe(fields=fields("position"), when=sb.When(every_steps=1), credit=PLENTY).stream
+        self.meniscus("step", "2")
+        self.assertEqual([self.taker.item().head.sequence for _ in range(2)], [1, 2])
+        other = self.new_taker()
+        reply = other.ask(resume=sb.ResumeStream(stream=stream, sequence=1, offset=100, credit=PLENTY))
+        self.assertEqual((reply.code, reply.sequence, reply.offset), (0, 3, 0))
+        self.meniscus("step", "1")
+        self.assertEqual(other.item().head.sequence, 3)
+        self.assertEqual(other.ask(resume=sb.ResumeStream(stream=stream + 1)).code, 5)  # NOT_FOUND
+
+    def test_who_stops_does_not_change_what_others_get(self) -> None:
+        stopped = [self.new_taker() for _ in range(20)]
+        for k, taker in enumerate(stopped):
+            taker.subscribe(fields=fields("position", "velocity"), when=sb.When(every_steps=1 + k % 3), credit=5000, chunk_bytes=4096)
+        self.taker.subscribe(fields=fields("position"), when=sb.When(every_steps=1), credit=PLENTY)
+        for k in range(1, 31):
+            self.meniscus("step", "1")
+            item = self.taker.item(5)
+            self.assertEqual((item.head.step, item.head.skipped), (k, 0))
+
+    def test_after_an_unsubscribe_nothing_comes(self) -> None:
+        stream = self.taker.subscribe(fields=fields("position"), when=sb.When(every_steps=1), credit=PLENTY).stream
+        self.assertEqual(self.taker.ask(unsubscribe=sb.Unsubscribe(stream=stream)).code, 0)
+        self.meniscus("step", "3")
+        self.assertTrue(self.taker.quiet(0.3))
+        self.assertEqual(self.taker.ask(unsubscribe=sb.Unsubscribe(stream=stream)).code, 5)
+
+    def test_a_stream_is_nobody_elses(self) -> None:
+        stream = self.taker.subscribe(fields=fields("position"), when=sb.When(every_steps=1)).stream
+        other = self.new_taker()
+        other.grant(stream, PLENTY)
+        self.assertEqual(other.receive()[0].reply.code, 5)
+        self.meniscus("step", "1")
+        self.assertTrue(self.taker.quiet(0.3))
+
+    def test_when_the_run_is_left_its_streams_are_over(self) -> None:
+        self.taker.subscribe(fields=fields("position"), when=sb.When(every_steps=1), credit=PLENTY)
+        self.meniscus("stop")
+        message, _ = self.taker.receive()
+        self.assertEqual(message.item.ended.code, 10)  # ABORTED
+        self.meniscus("load", *CASE)
+
+    # --- what is refused ---------------------------------------------------------------------------------------------
+
+    def test_each_bad_entry_is_refused_with_its_path_and_a_sentence(self) -> None:
+        position = fields("position")
+        bound = sb.Exactness(bound=-1)
+        cases = [
+            ("what", dict()),
+            ("fields", dict(fields=sb.FieldStream())),
+            ("fields[1].name", dict(fields=fields("position", "presure"))),
+            ("fields[1].name", dict(fields=fields("position", "position"))),
+            ("fields[0].exactness.bound", dict(fields=fields("position", exactness=bound))),
+            ("fields[0].exactness", dict(fields=fields("id", exactness=sb.Exactness(f32=True)))),
+            ("probes.names[0]", dict(probes=sb.ProbeStream(names=["nowhere"]))),
+            ("probes.exactness.bound", dict(probes=sb.ProbeStream(exactness=bound))),
+            ("delivery", dict(fields=position, delivery=sb.LOSSLESS)),
+            ("delivery", dict(events=sb.EventStream(), delivery=sb.LOSSLESS)),
+            ("delivery", dict(snapshots=sb.SnapshotStream(), delivery=sb.LATEST)),
+            ("when", dict(snapshots=sb.SnapshotStream(), when=sb.When(first=True))),
+            ("when.every_steps", dict(fields=position, when=sb.When(every_steps=0))),
+            ("when.interval", dict(fields=position, when=sb.When(interval=-1))),
+            ("when.interval", dict(fields=position, when=sb.When(interval=float("nan")))),
+            ("when.max_hz", dict(fields=position, when=sb.When(max_hz=0))),
+            ("where", dict(probes=sb.ProbeStream(), where=sb.Where(every=2))),
+            ("where.min", dict(fields=position, where=sb.Where(min=[0]))),
+            ("where.max", dict(fields=position, where=sb.Where(max=[0, float("nan")]))),
+            ("where.min", dict(fields=position, where=sb.Where(min=[1, 0], max=[0, 1]))),
+            ("where.centre", dict(fields=position, where=sb.Where(radius=1))),
+            ("where.radius", dict(fields=position, where=sb.Where(centre=[0, 0]))),
+            ("where.radius", dict(fields=position, where=sb.Where(centre=[0, 0], radius=0))),
+            ("where.phases", dict(fields=position, where=sb.Where(phases=[99]))),
+            ("where.every", dict(fields=position, where=sb.Where(every=0))),
+            ("codec", dict(snapshots=sb.SnapshotStream(), codec=1)),
+            ("chunk_bytes", dict(fields=position, chunk_bytes=100)),
+            ("chunk_bytes", dict(fields=position, chunk_bytes=1 << 30)),
+            ("from", dict(fields=position, **{"from": sb.Cursor(row=1)})),
+            ("from.file", dict(snapshots=sb.SnapshotStream(), **{"from": sb.Cursor(file="../../etc/passwd")})),
+        ]
+        for path, what in cases:
+            with self.subTest(path=path, what=what):
+                reply = self.taker.ask(subscribe=sb.Subscribe(credit=PLENTY, **what))
+                self.assertIn(reply.code, (3, 5), reply)
+                self.assertEqual(reply.path, path)
+                self.assertGreater(len(reply.message), 15)
+        self.meniscus("step", "1")
+        self.assertTrue(self.taker.quiet(0.2))
+
+    def test_rubbish_gets_a_sentence_and_nobody_is_hurt(self) -> None:
+        for frames in ([b""], [b"\xff" * 40], [b"a", b"b"], [sb.StreamRequest(major=2, id=b"x" * 16).SerializeToString()],
+                       [sb.StreamRequest(major=1, id=b"x").SerializeToString()]):
+            self.taker.socket.send_multipart(frames)
+            self.assertNotEqual(self.taker.receive()[0].reply.code, 0)
+        self.taker.subscribe(fields=fields("position"), when=sb.When(first=True), credit=PLENTY)
+        self.taker.item()
 
 
 if __name__ == "__main__":

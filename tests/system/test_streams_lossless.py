@@ -184,5 +184,85 @@ class Series(DaemonTest):
         print(f"{rows} rows over {KILLS} kills of the daemon", file=sys.stderr)
 
 
+class Snapshots(DaemonTest):
+    CASE = [*CASE, "--set", "output.checkpoint_interval=1000", "--set", "output.snapshot_interval=0.01", "--name", "files"]
+
+    def setUp(self) -> None:
+        self.endpoint = f"ipc://{self.home}/run/meniscus/default/data.ipc"
+        self.meniscus("load", *self.CASE)
+
+    def subscribe(self, cursor: "sb.Cursor | None" = None, credit: int = PLENTY, **more: Any) -> Taker:
+        taker = Taker(self.endpoint)
+        self.addCleanup(taker.close)
+        self.stream = taker.subscribe(snapshots=sb.SnapshotStream(), credit=credit, **more, **{"from": cursor}).stream
+        return taker
+
+    def files(self) -> "dict[str, bytes]":
+        directory = Path(self.ask("status")["run_directory"])
+        return {path.name: path.read_bytes() for path in sorted(directory.glob("snapshot-*.hdf"))}
+
+    def take(self, taker: Taker, n: int) -> "dict[str, bytes]":
+        items = [taker.item() for _ in range(n)]
+        self.cursor = items[-1].last.next
+        return {item.head.file.name: bytes(item.bytes) for item in items}
+
+    def test_files_come_byte_for_byte_and_those_written_later_too(self) -> None:
+        self.meniscus("run-until", "0.03")
+        taker = self.subscribe()
+        files = self.files()
+        self.assertGreaterEqual(len(files), 3)
+        self.assertEqual(self.take(taker, len(files)), files)
+        self.meniscus("run-until", "0.05")
+        later = {name: data for name, data in self.files().items() if name not in files}
+        self.assertEqual(self.take(taker, len(later)), later)
+
+    def test_a_cursor_goes_on_within_a_file_also_after_a_crash(self) -> None:
+        self.meniscus("run-until", "0.02")
+        self.meniscus("checkpoint")
+        name, data = list(self.files().items())[1]
+        taker = self.subscribe()
+        self.take(taker, 1)
+        line = self.take(taker, 1) and self.cursor.line
+        self.kill_daemon()
+        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+        taker = self.subscribe(sb.Cursor(line=line, file=name, offset=1000))
+        rest = b""
+        while len(rest) < len(data) - 1000:
+            message, part = taker.receive()
+            self.assertEqual(message.item.offset, 1000 + len(rest))
+            rest += part
+        self.assertEqual(rest, data[1000:])
+
+    def test_files_that_a_restore_undid_are_told_and_those_in_their_place_come(self) -> None:
+        self.meniscus("run-until", "0.02")
+        self.meniscus("checkpoint")
+        kept = self.files()
+        self.meniscus("run-until", "0.05")
+        taker = self.subscribe()
+        self.take(taker, len(self.files()))
+        self.meniscus("restore")
+        item = taker.item()
+        self.assertTrue(item.head.HasField("abandoned"))
+        self.assertEqual(item.last.next.file, list(kept)[-1])
+        self.meniscus("set", "gravity=[0, -2]")
+        self.meniscus("run-until", "0.04")
+        later = {name: data for name, data in self.files().items() if name not in kept}
+        self.assertEqual(self.take(taker, len(later)), later)
+
+    def test_a_cancelled_file_is_left_out(self) -> None:
+        self.meniscus("run-until", "0.02")
+        taker = self.subscribe(credit=20000, chunk_bytes=4096)
+        while taker.socket.poll(300):
+            message, data = taker.receive()
+            item = taker.take(message.item, data)
+        self.assertFalse(item.whole, "the file is too small for this test")
+        taker.send(cancel=sb.CancelItem(stream=self.stream))
+        item = taker.item()
+        self.assertEqual(item.head.cancelled.reason, "cancelled")
+        taker.grant(self.stream, PLENTY)
+        name, data = list(self.files().items())[1]
+        self.assertEqual(self.take(taker, 1), {name: data})
+
+
 if __name__ == "__main__":
     unittest.main()
