@@ -128,18 +128,18 @@ MnsStatus call_reason(const char *reason)
 }
 
 /* The reason is exact; codes are fewer. A reason nobody here knows comes from a newer daemon: the code has to do. */
-static MnsStatus status_of(const Meniscus__Reply *reply)
+MnsStatus call_status(Meniscus__Code code, const char *reason)
 {
-    const unsigned code = (unsigned)reply->code;
-    const MnsStatus exact = call_reason(reply->reason);
+    const unsigned k = (unsigned)code;
+    const MnsStatus exact = call_reason(reason);
     if (exact != MNS_OK) return exact;
-    const MnsStatus status = code < sizeof statuses / sizeof *statuses ? statuses[code] : MNS_E_INTERNAL;
+    const MnsStatus status = k < sizeof statuses / sizeof *statuses ? statuses[k] : MNS_E_INTERNAL;
     return status == MNS_OK ? MNS_E_INTERNAL : status;
 }
 
 static MnsStatus refusal(const Meniscus__Reply *reply, MnsError *error)
 {
-    const MnsStatus status = status_of(reply);
+    const MnsStatus status = call_status(reply->code, reply->reason);
     const char *message = reply->message && *reply->message ? reply->message : "the daemon refused without a reason";
     return mns_fail_at(error, status, reply->path ? reply->path : "", "%s", message);
 }

@@ -33,6 +33,9 @@ MnsStatus call_random(uint8_t *data, size_t size, MnsError *error);
 /* A reason of the protocol as a status; MNS_OK if it is NULL or unknown. */
 MnsStatus call_reason(const char *reason);
 
+/* What a refusal means. */
+MnsStatus call_status(Meniscus__Code code, const char *reason);
+
 /* Ask the daemon who it is: sets client->epoch. MNS_E_UNAVAILABLE if it does not answer, MNS_E_VERSION. */
 MnsStatus call_greet(MnsClient *client, MnsError *error);
 

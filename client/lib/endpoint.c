@@ -97,17 +97,29 @@ MnsStatus mns_daemon_endpoint(const char *daemon, char ret_endpoint[MNS_ENDPOINT
     return named_endpoint(chosen, ret_endpoint, error);
 }
 
-MnsStatus endpoint_telemetry(const char *control, char ret[MNS_ENDPOINT_SIZE], MnsError *error)
+/* `ports` on from that of the control socket, or a file beside it. */
+static MnsStatus beside(const char *control, int ports, const char *file, char ret[MNS_ENDPOINT_SIZE], MnsError *error)
 {
     if (begins(control, "tcp://")) {
         const char *colon = strrchr(control, ':');
-        snprintf(ret, MNS_ENDPOINT_SIZE, "%.*s:%ld", (int)(colon - control), control, strtol(colon + 1, NULL, 10) + 1);
+        snprintf(ret, MNS_ENDPOINT_SIZE, "%.*s:%ld", (int)(colon - control), control,
+                 strtol(colon + 1, NULL, 10) + ports);
         return MNS_OK;
     }
     const char *path = control + strlen("ipc://"), *slash = strrchr(path, '/');
-    char beside[MNS_ENDPOINT_SIZE + 16];
-    snprintf(beside, sizeof beside, "%.*stelemetry.ipc", slash ? (int)(slash - path + 1) : 0, path);
-    return ipc_endpoint(beside, ret, error);
+    char whole[MNS_ENDPOINT_SIZE + 16];
+    snprintf(whole, sizeof whole, "%.*s%s", slash ? (int)(slash - path + 1) : 0, path, file);
+    return ipc_endpoint(whole, ret, error);
+}
+
+MnsStatus endpoint_telemetry(const char *control, char ret[MNS_ENDPOINT_SIZE], MnsError *error)
+{
+    return beside(control, 1, "telemetry.ipc", ret, error);
+}
+
+MnsStatus endpoint_data(const char *control, char ret[MNS_ENDPOINT_SIZE], MnsError *error)
+{
+    return beside(control, 2, "data.ipc", ret, error);
 }
 
 /* Visit the daemons below one directory. @return false if the visitor has had enough. */

@@ -9,6 +9,9 @@
  * MNS_OK; MNS_E_INVALID if its path would be too long. */
 MnsStatus endpoint_telemetry(const char *control, char ret[MNS_ENDPOINT_SIZE], MnsError *error);
 
+/* The socket of streams: data.ipc beside it, or the port after the next. */
+MnsStatus endpoint_data(const char *control, char ret[MNS_ENDPOINT_SIZE], MnsError *error);
+
 /* May others read what goes there? Then it takes a key. */
 bool endpoint_is_far(const char *endpoint);
 

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The data socket of a daemon that sends what a test tells it to, beside a fake daemon. */
+#ifndef SUPPORT_FAKE_STREAMS_H
+#define SUPPORT_FAKE_STREAMS_H
+
+#include "stream.pb-c.h"
+#include "tests/support/fake_daemon.h"
+#include <stdbool.h>
+
+typedef struct FakeStreams FakeStreams;
+
+/* Called on its thread for each request. */
+typedef void FakeStreamHandler(void *arg, FakeStreams *streams, const Meniscus__StreamRequest *request);
+
+FakeStreams *fake_streams_new(const FakeDaemon *daemon, FakeStreamHandler *handler, void *arg);
+void fake_streams_free(FakeStreams *streams);
+
+/* To whoever sent the request last. From the handler. */
+void fake_streams_reply(FakeStreams *streams, const Meniscus__StreamRequest *request, Meniscus__StreamReply *reply);
+void fake_streams_send(FakeStreams *streams, Meniscus__StreamItem *item, const void *bytes, size_t size);
+
+/* Close the socket when the handler returns, and bind it anew. */
+void fake_streams_disconnect(FakeStreams *streams);
+
+#endif
