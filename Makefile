@@ -73,12 +73,13 @@ DASHBOARD := $(call objects,$(filter-out %/main.c %/server.c %/files.c,$(call so
 WEB       := client/dashboard/web
 UNIT      := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/unit tests/protocol))
 FUZZ      := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/fuzz))
+TORTURE   := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/torture))
 BENCH     := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/bench))
 DASHBOARD_ALL := $(addprefix $(BUILD)/,meniscus-dashboard man/meniscus-dashboard.8)
 MANUALS   := $(addprefix $(BUILD)/man/,meniscus.1 meniscusd.8 meniscus-case.5)
 SUPPORT   := $(call objects,$(call sources,tests/support))
 
-.PHONY: all help packages demo dashboard check validate compare bench reference install uninstall deb pictures clean lint format asan tsan fuzz
+.PHONY: all help packages demo dashboard check validate compare torture bench reference install uninstall deb pictures clean lint format asan tsan fuzz
 all: $(BUILD)/meniscusd $(BUILD)/meniscus $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-client.a $(BUILD)/libmeniscus-client.so $(BUILD)/case-reference.md $(BUILD)/python/meniscus/meniscus_pb2.py $(if $(SANITIZE),,$(MANUALS)) ## build everything
 
 help: ## list the targets
@@ -116,7 +117,12 @@ bench: bench-programs ## benchmarks as JSON lines
 	@for b in $(BENCH); do $$b || exit 1; done
 	@for b in $(wildcard tests/bench/*.py); do BUILD=$(BUILD) $(PYTHON) $$b || exit 1; done
 
-.PHONY: tests raced bench-programs fuzz-programs flags solver-flags solver-libs
+torture: ## the control plane against its promises: 15 minutes [ROW=name] [SIZE=full]
+	@tests/support/packages.sh check
+	@$(MAKE) --no-print-directory -s $(PARALLEL) all torture-programs
+	@BUILD=$(BUILD) $(PYTHON) tests/torture/torture.py $(ROW) $(if $(SIZE),--size $(SIZE))
+
+.PHONY: tests raced bench-programs torture-programs fuzz-programs flags solver-flags solver-libs
 # All programs there are run, so there are none whose source is gone.
 others = $(filter-out $1,$(wildcard $(BUILD)/tests/unit/* $(BUILD)/tests/protocol/*))
 tests: $(UNIT)
@@ -127,6 +133,9 @@ RACED := $(filter $(BUILD)/tests/protocol/% $(addprefix $(BUILD)/tests/unit/test
 raced: all $(RACED) $(patsubst $(BUILD)/tests/%,$(BUILD)/obj/tests/%.o,$(UNIT))
 	@rm -f $(call others,$(RACED))
 bench-programs: all $(BENCH)
+# What is tried is run, and what is fed rubbish is built with sanitizers.
+torture-programs: tests $(TORTURE)
+	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/fuzz CC=clang SANITIZE=address,undefined,fuzzer-no-link fuzz-programs
 fuzz-programs: $(FUZZ)
 
 reference: $(BUILD)/case-reference.md ## write the manual of the case format from its schema

@@ -3,40 +3,19 @@
  * from afar who are let in already. What it costs is bounded, and given back. */
 #include "tests/support/castle.h"
 #include "tests/support/check.h"
+#include "tests/support/flood.h"
 #include "tests/support/steer.h"
-#include <arpa/inet.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/prctl.h>
-#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <zmq.h>
 
-enum { OPEN = 2000, RATE = 10000 };
+enum { RATE = 10000 };
 
 static const double flood_s = 2;
-
-/* 10^4 connections a second that say how they would like to be secured, and then no more. The oldest are forgotten. */
-static void flood(int port)
-{
-    static const uint8_t greeting[64] = "\xff\0\0\0\0\0\0\0\1\x7f\3\0CURVE";
-    static int fds[OPEN];
-    struct sockaddr_in to = {
-        .sin_family = AF_INET, .sin_port = htons((uint16_t)port), .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
-    const double began = steer_now();
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-    for (unsigned long n = 0;; n++) {
-        int *fd = &fds[n % OPEN];
-        if (n >= OPEN) close(*fd);
-        *fd = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-        (void)connect(*fd, (struct sockaddr *)&to, sizeof to);
-        send(*fd, greeting, sizeof greeting, MSG_NOSIGNAL);
-        while ((double)n > RATE * (steer_now() - began)) steer_sleep(1);
-    }
-}
 
 static int count_descriptors(pid_t daemon)
 {
@@ -63,7 +42,11 @@ static void ten_thousand_half_open_handshakes_a_second_keep_nobody_from_steering
     assert_quick(far, 20);
     const int before = count_descriptors(castle->dialogue.daemon);
     const pid_t attacker = fork();
-    if (attacker == 0) flood(castle->port);
+    if (attacker == 0) {
+        prctl(PR_SET_PDEATHSIG, SIGKILL);
+        flood_handshakes(castle->port, RATE, 10 * flood_s);
+        _exit(0);
+    }
     int most = 0, asked = 0;
     for (const double until = steer_now() + flood_s; steer_now() < until; asked++) {
         assert_quick(castle->dialogue.control, 1);

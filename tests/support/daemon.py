@@ -9,7 +9,7 @@ import tempfile
 import time
 import unittest
 from pathlib import Path
-from typing import Any
+from typing import Any, Sequence
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = Path(os.environ.get("BUILD", ROOT / "build")).resolve()
@@ -30,6 +30,35 @@ def free_ports() -> int:
             return port
 
 
+def surroundings(home: Path) -> dict[str, str]:
+    """The environment that leads a daemon and its clients to a directory, which is there."""
+    (home / "run").mkdir(mode=0o700)
+    clean = {key: value for key, value in os.environ.items() if key not in CHOICES}
+    return clean | {
+        "XDG_RUNTIME_DIR": str(home / "run"),
+        "MENISCUS_CASES": str(ROOT / "server" / "cases"),
+        "OMP_WAIT_POLICY": "passive",
+    }
+
+
+def control_socket(home: Path) -> Path:
+    return home / "run" / "meniscus" / "default" / "control.ipc"
+
+
+def start_in(home: Path, environment: dict[str, str], options: "Sequence[str | Path]") -> "subprocess.Popen[bytes]":
+    """Start a daemon there, and wait until clients can reach it. One that was killed has left a socket, which says nothing."""
+    control_socket(home).unlink(missing_ok=True)
+    with open(home / "log", "ab") as log:
+        daemon = subprocess.Popen(
+            [BUILD / "meniscusd", "--name", "default", "--state-dir", home / "state", *options],
+            env=environment, stdout=log, stderr=log,
+        )
+    until = time.monotonic() + 20
+    while not control_socket(home).exists() and daemon.poll() is None and time.monotonic() < until:
+        time.sleep(0.01)
+    return daemon
+
+
 class DaemonTest(unittest.TestCase):
     """Tests that share one daemon, which each finds EMPTY. self.environment leads clients to it."""
 
@@ -43,34 +72,19 @@ class DaemonTest(unittest.TestCase):
         scratch = tempfile.TemporaryDirectory(prefix="mns-")
         cls.addClassCleanup(scratch.cleanup)
         cls.home = Path(scratch.name)
-        (cls.home / "run").mkdir(mode=0o700)
-        cls.environment = {key: value for key, value in os.environ.items() if key not in CHOICES}
-        cls.environment |= {
-            "XDG_RUNTIME_DIR": str(cls.home / "run"),
-            "MENISCUS_CASES": str(ROOT / "server" / "cases"),
-            "OMP_WAIT_POLICY": "passive",
-        }
+        cls.environment = surroundings(cls.home)
         cls.start_daemon()
         cls.addClassCleanup(lambda: cls.end_daemon())
 
     @classmethod
     def start_daemon(cls) -> None:
-        with open(cls.home / "log", "ab") as log:
-            cls.daemon = subprocess.Popen(
-                [BUILD / "meniscusd", "--name", "default", "--state-dir", cls.home / "state", *cls.options],
-                env=cls.environment, stdout=log, stderr=log,
-            )
-        socket = cls.home / "run" / "meniscus" / "default" / "control.ipc"
-        until = time.monotonic() + 20
-        while not socket.exists() and cls.daemon.poll() is None and time.monotonic() < until:
-            time.sleep(0.01)
+        cls.daemon = start_in(cls.home, cls.environment, cls.options)
 
     @classmethod
     def kill_daemon(cls) -> None:
         """As a crash ends it, and start it again."""
         cls.daemon.kill()
         cls.daemon.wait()
-        (cls.home / "run" / "meniscus" / "default" / "control.ipc").unlink()  # what start_daemon() waits for
         cls.start_daemon()
 
     @classmethod

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What those cost who only listen, and those who have stopped to."""
+
+from __future__ import annotations
+
+import os
+import signal
+from contextlib import contextmanager
+from typing import Any, Callable, Iterator
+
+from .live import Daemon, beside, computing, loss, told
+from .metrics import Metric, Size
+
+PROBES, MEMORY_MIB = 32, 256
+LISTEN_S = 600  # the longest that a generator lives by itself
+SAMPLES = {"output.probe_interval": 0.002}  # one for about ten steps
+
+
+@contextmanager
+def subscribers(daemon: Daemon, count: int, topic: str = "", stopped: bool = False) -> Iterator[Any]:
+    """Of the telemetry, all of them connected; stopped: in the midst of it."""
+    with beside("subscribers", daemon.telemetry, count, LISTEN_S, topic, ready=True) as process:
+        if stopped:
+            os.kill(process.pid, signal.SIGSTOP)
+        yield process
+
+
+def few(size: Size) -> Iterator[Metric]:
+    """Subscribers of probes, with a processor to themselves and without."""
+    processors = len(os.sched_getaffinity(0))
+    for threads, most, where in ((max(1, processors - 1), 0.01, "a processor to spare"), (processors, 0.03, "none to spare")):
+        with Daemon() as daemon, daemon.client() as client:
+            computing(client, size.resolution, threads=threads, **SAMPLES)
+            share = loss(client, size.seconds, size.turns, lambda: subscribers(daemon, PROBES, "probe"))
+            yield Metric(f"steps/s lost to {PROBES} subscribers of probes, {where}", 100 * share, "%", high=100 * most)
+
+
+def many(size: Size) -> Iterator[Metric]:
+    """As many subscribers that listen, and then as many that were stopped: the pace, the daemon's memory, and another client's wait."""
+    for stopped, kind in ((False, "that listen"), (True, "that were stopped")):
+        yield from _many(size, stopped, f"{size.subscribers} subscribers {kind}")
+
+
+def _many(size: Size, stopped: bool, who: str) -> Iterator[Metric]:
+    with Daemon() as daemon, daemon.client() as client:
+        computing(client, size.resolution)
+        before, alone = daemon.memory_mib(), told("round_trips", daemon.endpoint, size.seconds)
+        grown, waits = [0.0], []
+
+        @contextmanager
+        def company() -> Iterator[None]:
+            with subscribers(daemon, size.subscribers, stopped=stopped):
+                yield
+                waits.append(told("round_trips", daemon.endpoint, size.seconds)["p99_ms"])
+                grown.append(daemon.memory_mib() - before)
+
+        many_subscribers: Callable[[], Any] = company
+        share = loss(client, size.seconds, size.turns, many_subscribers)
+    yield Metric(f"steps/s lost to {who}", 100 * share, "%", high=2)
+    yield Metric(f"memory that the daemon takes for {who}", max(grown), "MiB", high=MEMORY_MIB)
+    yield Metric(f"status of a healthy client among {who}, 99 %, as many times that alone", max(waits) / alone["p99_ms"], high=2,
+                 note=f"{alone['p99_ms']:.3g} ms alone")
