@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from rows import company, contention, latency  # noqa: E402
+from rows import captures, company, contention, crashes, faults, latency, rubbish  # noqa: E402
 from rows.metrics import SIZES, Metric, Report, Size, remark, resized  # noqa: E402
 
 
@@ -39,8 +39,14 @@ ROWS = {
     "run-until": Row(latency.run_until, "run_until to exactly the asked time, whatever else is commanded"),
     "subscribers": Row(company.few, "32 subscribers of probes", 180),
     "many-subscribers": Row(company.many, "1000 subscribers, and 1000 that were stopped", 240),
+    "kills": Row(crashes.kills, "kill -9 at random moments", 240),
+    "replay": Row(crashes.replays, "restart, and replay of the journal, bit for bit", 240),
+    "capture": Row(captures.captures, "capture stall of the solver"),
+    "frames": Row(rubbish.frames, "malformed frames under sanitizers", 180),
+    "parameters": Row(rubbish.parameters, "fuzzed parameter sets", 240),
     "writers": Row(contention.writers, "64 contending writers with leases: never two at once"),
     "handshakes": Row(contention.handshakes, "10^4 half-open handshakes a second"),
+    "faults": Row(faults.faults, "a diverged solver, no memory, a full disk: the daemon answers", 300),
 }
 
 
