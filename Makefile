@@ -100,7 +100,7 @@ dashboard: ## build the dashboard for browsers: needs libwebsockets, and npm wit
 
 check: ## build and run every test; last line: N passed, N failed [ALL=1: linters, clang, sanitizers and fuzz targets too, as CI]
 	@tests/support/packages.sh check
-	@$(MAKE) --no-print-directory -s $(PARALLEL) all tests bench-programs $(DASHBOARD_ALL) $(BUILD)/web-check/node_modules/.package-lock.json
+	@$(MAKE) --no-print-directory -s $(PARALLEL) all tests bench-programs $(TORTURE) $(DASHBOARD_ALL) $(BUILD)/web-check/node_modules/.package-lock.json
 	@BUILD=$(BUILD) CC=$(CC) tests/support/check.sh $(if $(ALL),everything)
 
 validate: ## the papers' cases against their references [CASE=name] [SIZE=paper] [JOBS=n]

@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import os
 import signal
+import time
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, Callable, Iterator
 
 from .live import Daemon, beside, computing, loss, told
@@ -23,6 +25,12 @@ def subscribers(daemon: Daemon, count: int, topic: str = "", stopped: bool = Fal
         if stopped:
             os.kill(process.pid, signal.SIGSTOP)
         yield process
+
+
+def _seconds_of(pid: int) -> float:
+    """Of processors, that a process has had."""
+    times = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[11:13]
+    return sum(map(int, times)) / os.sysconf("SC_CLK_TCK")
 
 
 def few(size: Size) -> Iterator[Metric]:
@@ -45,18 +53,21 @@ def _many(size: Size, stopped: bool, who: str) -> Iterator[Metric]:
     with Daemon() as daemon, daemon.client() as client:
         computing(client, size.resolution)
         before, alone = daemon.memory_mib(), told("round_trips", daemon.endpoint, size.seconds)
-        grown, waits = [0.0], []
+        grown, waits, own = [0.0], [], []
 
         @contextmanager
         def company() -> Iterator[None]:
-            with subscribers(daemon, size.subscribers, stopped=stopped):
+            with subscribers(daemon, size.subscribers, stopped=stopped) as process:
+                began, spent = time.monotonic(), _seconds_of(process.pid)
                 yield
+                own.append((_seconds_of(process.pid) - spent) / (time.monotonic() - began) / len(os.sched_getaffinity(0)))
                 waits.append(told("round_trips", daemon.endpoint, size.seconds)["p99_ms"])
                 grown.append(daemon.memory_mib() - before)
 
         many_subscribers: Callable[[], Any] = company
         share = loss(client, size.seconds, size.turns, many_subscribers)
-    yield Metric(f"steps/s lost to {who}", 100 * share, "%", high=2)
+    yield Metric(f"steps/s lost to {who}", 100 * share, "%", high=2,
+                 note=f"they themselves take {100 * max(own):.2g} % of the processors")
     yield Metric(f"memory that the daemon takes for {who}", max(grown), "MiB", high=MEMORY_MIB)
     yield Metric(f"status of a healthy client among {who}, 99 %, as many times that alone", max(waits) / alone["p99_ms"], high=2,
                  note=f"{alone['p99_ms']:.3g} ms alone")

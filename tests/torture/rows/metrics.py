@@ -93,8 +93,8 @@ class Size:
 SIZES = {
     "small": Size(),
     "full": Size(
-        seconds=60, turns=10, pauses=10_000, runs_until=10_000, kills=200, replays=20, fuzz_seconds=3600,
-        frames=100_000_000, parameters=1_000_000, captures=500,
+        seconds=60, turns=10, pauses=10_000, runs_until=10_000, kills=200, replays=20, fuzz_seconds=21_600,
+        frames=10_000_000, parameters=1_000_000, captures=500,
     ),
 }
 
