@@ -133,8 +133,8 @@ RACED := $(filter $(BUILD)/tests/protocol/% $(addprefix $(BUILD)/tests/unit/test
 raced: all $(RACED) $(patsubst $(BUILD)/tests/%,$(BUILD)/obj/tests/%.o,$(UNIT))
 	@rm -f $(call others,$(RACED))
 bench-programs: all $(BENCH)
-# What is tried is run, and what is fed rubbish is built with sanitizers.
-torture-programs: tests $(TORTURE)
+# What is fed rubbish is built with sanitizers.
+torture-programs: $(TORTURE) $(BUILD)/tests/protocol/test_daemon_fuzz
 	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/fuzz CC=clang SANITIZE=address,undefined,fuzzer-no-link fuzz-programs
 fuzz-programs: $(FUZZ)
 

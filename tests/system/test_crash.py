@@ -92,6 +92,7 @@ class Crash(DaemonTest):
             again, answered = chance.choice(sent)
             self.assertEqual(self.send(again), answered, "the first answer, and nothing is done")
         supervisor.join()
+        self.meniscus("wait", "--for", f"state={'PAUSED' if steps else 'READY'}", "--timeout", str(PATIENCE_S))  # back from the last kill
         status = self.ask("status")
         self.assertEqual((status["state"] == "READY", status["step"]), (steps == 0, steps))
         self.assertEqual(float(self.ask("get", "end_time")["values"]["end_time"]["value"]), float(value))

@@ -19,7 +19,7 @@ from meniscus import meniscus_pb2 as pb  # isort: skip
 
 def status(size: Size) -> Iterator[Metric]:
     with Daemon() as daemon, daemon.client() as client:
-        idle = told("round_trips", daemon.endpoint, size.seconds, 0.5)
+        idle = told("round_trips", daemon.endpoint, size.seconds, 0)
         yield Metric("status of an idle daemon, 99 %", idle["p99_ms"], "ms", high=0.15, note=f"{idle['n']} times")
         computing(client, size.resolution)
         busy = told("round_trips", daemon.endpoint, 2 * size.seconds, 0.5)

@@ -87,7 +87,7 @@ class Size:
     frames: int = 200_000  # in front of the handlers
     parameters: int = 20_000  # random sets
     writers: int = 64
-    captures: int = 60
+    captures: int = 30
 
 
 SIZES = {
