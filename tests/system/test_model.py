@@ -124,7 +124,7 @@ class Driver:
         if moving:  # only the daemon knows where it is
             packed = self.hear(request.id)
             reply = pb.Reply.FromString(packed)
-            if reply.HasField("step") and reply.step < self.model.step:
+            if reply.HasField("step") and reply.state != pb.EMPTY and reply.step < self.model.step:
                 raise Misfit(f"it went back from {self.model.step}: {reply}")
             if reply.HasField("effect_step"):
                 self.model.step, self.model.time = reply.effect_step, reply.time
@@ -165,9 +165,11 @@ class Driver:
         raise Misfit(f"{wanted.hex()} is not scheduled")
 
     def outcome(self, request: "pb.Request") -> bytes:
-        """What came of a scheduled command: who did not wait asks again."""
+        """What came of a scheduled command: who did not wait asks again, and waits now."""
         if request.no_wait and request.id not in self.heard:
-            self.send(request, 0)
+            again = pb.Request.FromString(request.SerializeToString())
+            again.no_wait = False
+            self.send(again, 0)
         packed = self.hear(request.id)
         self.heard[request.id] = packed
         return packed
