@@ -125,6 +125,26 @@ static double unread(const View *view)
     return (double)view->from->traffic->unread;
 }
 
+static double stream_memory(const View *view)
+{
+    return (double)(view->from->traffic->streams.memory + view->from->traffic->streams.copies);
+}
+
+static double streams_slow(const View *view)
+{
+    return (double)view->from->traffic->streams.too_slow;
+}
+
+static double streams_refused(const View *view)
+{
+    return (double)view->from->traffic->streams.refused;
+}
+
+static double without_room(const View *view)
+{
+    return (double)view->from->traffic->streams.without_room;
+}
+
 static double denied(const View *view)
 {
     return (double)view->from->traffic->denied;
@@ -308,6 +328,38 @@ static void topic_bytes(Exposition *to, const Family *family, const View *view)
     for (int k = 0; k < TRAFFIC_TOPICS; k++) one(to, family, (double)topics[k].bytes, "topic", topics[k].name);
 }
 
+/* A count for each kind of stream. */
+static void of_streams(Exposition *to, const Family *family, const _Atomic uint64_t *counts)
+{
+    static const char *const kinds[TRAFFIC_STREAMS] = {"probes", "fields", "events", "series", "snapshots"};
+    for (int k = 0; k < TRAFFIC_STREAMS; k++) one(to, family, (double)counts[k], "what", kinds[k]);
+}
+
+static void streams_open(Exposition *to, const Family *family, const View *view)
+{
+    of_streams(to, family, view->from->traffic->streams.open);
+}
+
+static void stream_items(Exposition *to, const Family *family, const View *view)
+{
+    of_streams(to, family, view->from->traffic->streams.items);
+}
+
+static void stream_bytes(Exposition *to, const Family *family, const View *view)
+{
+    of_streams(to, family, view->from->traffic->streams.bytes);
+}
+
+static void stream_skips(Exposition *to, const Family *family, const View *view)
+{
+    of_streams(to, family, view->from->traffic->streams.skipped);
+}
+
+static void stream_cancels(Exposition *to, const Family *family, const View *view)
+{
+    of_streams(to, family, view->from->traffic->streams.cancelled);
+}
+
 static void topic_skips(Exposition *to, const Family *family, const View *view)
 {
     one(to, family, (double)view->counts.progress_dropped, "topic", "progress");
@@ -424,6 +476,21 @@ static const Metric metrics[] = {
      .print = topic_skips},
     {{"meniscus_telemetry_waiting", "", METRIC_GAUGE, "Samples and progress that wait to be published"},
      .number = notes},
+    {{"meniscus_streams", "", METRIC_GAUGE, "Streams that are subscribed to"}, .print = streams_open},
+    {{"meniscus_stream_items", "", METRIC_COUNTER, "Items sent whole"}, .print = stream_items},
+    {{"meniscus_stream", "bytes", METRIC_COUNTER, "Bytes of items sent, with what is said of them"},
+     .print = stream_bytes},
+    {{"meniscus_stream_skipped", "", METRIC_COUNTER, "Items that were due and gave way to newer ones"},
+     .print = stream_skips},
+    {{"meniscus_stream_cancelled", "", METRIC_COUNTER, "Items cancelled by who got them"}, .print = stream_cancels},
+    {{"meniscus_streams_too_slow", "", METRIC_COUNTER, "Items under way given up because memory was short"},
+     .number = streams_slow},
+    {{"meniscus_streams_without_room", "", METRIC_COUNTER, "Steps at which items were due and there was no room"},
+     .number = without_room},
+    {{"meniscus_streams_refused", "", METRIC_COUNTER, "Requests for streams that were refused"},
+     .number = streams_refused},
+    {{"meniscus_streams_memory", "bytes", METRIC_GAUGE, "Held by streams: copies of fields, and items"},
+     .number = stream_memory},
 
     {{"meniscus_http_connections", "", METRIC_GAUGE, "Connections to this port"}, .number = connections},
     {{"meniscus_http_crowded_out", "", METRIC_COUNTER, "Connections closed to make room for newer ones"},

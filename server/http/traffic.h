@@ -17,7 +17,7 @@ typedef struct TopicTraffic {
 typedef struct StreamTraffic {
     _Atomic uint64_t items[TRAFFIC_STREAMS], bytes[TRAFFIC_STREAMS]; /* sent whole; sent, with what is said of them */
     _Atomic uint64_t skipped[TRAFFIC_STREAMS], cancelled[TRAFFIC_STREAMS];
-    _Atomic size_t open[TRAFFIC_STREAMS]; /* streams */
+    _Atomic uint64_t open[TRAFFIC_STREAMS]; /* streams */
     _Atomic uint64_t too_slow;     /* items given up for want of memory, under way to those who did not take them */
     _Atomic uint64_t refused;      /* requests */
     _Atomic size_t memory;         /* bytes of items, whether they wait or are on their way */
