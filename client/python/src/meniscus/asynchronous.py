@@ -8,7 +8,7 @@ import os
 from contextlib import asynccontextmanager
 from dataclasses import replace
 from types import TracebackType
-from typing import Any, AsyncIterator, Generator, List, Mapping, Optional, Type, TypeVar, Union
+from typing import Any, AsyncIterator, Generator, List, Mapping, Optional, Tuple, Type, TypeVar, Union
 
 import zmq
 import zmq.asyncio
@@ -19,10 +19,12 @@ from . import meniscus_pb2 as pb
 from .case import CaseSource
 from .commands import Command, async_method
 from .dialogue import EVENTS, TRY_S, Answer, Dialogue, Listening, Send, Wait, prepare_control
-from .endpoint import control_endpoint, telemetry_endpoint
+from .endpoint import control_endpoint, data_endpoint, telemetry_endpoint
 from .errors import LeaseError, MeniscusError
+from .flow import MEMORY, Flow
 from .keys import Keys, choose_keys
 from .values import Reply, Telemetry
+from .wishes import Column, Cursor, StreamItem, StreamStats, subscription
 
 T = TypeVar("T")
 CANCELLED = ("load", "step", "run_until", "wait")  # what lasts: nobody wants it any more when its task is cancelled
@@ -32,10 +34,10 @@ LINGER_MS = 500  # for the last word, which may be a cancel
 class AsyncConnection:
     """The dialogue over a socket of the running loop. One task takes in messages, one the events of the connection."""
 
-    def __init__(self, endpoint: str, keys: Optional[Keys] = None) -> None:
+    def __init__(self, endpoint: str, keys: Optional[Keys] = None, dialogue: Optional[Dialogue] = None) -> None:
         self.endpoint = endpoint
         self.keys = keys
-        self._dialogue = Dialogue(endpoint, keys)
+        self._dialogue = dialogue or Dialogue(endpoint, keys)
         self._news: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self.context = zmq.asyncio.Context()
         self._socket = self.context.socket(zmq.DEALER)
@@ -47,7 +49,7 @@ class AsyncConnection:
         """Connect, and ask whether somebody is there."""
         try:
             self._socket.connect(self.endpoint)
-            await self._do(self._dialogue.connect())
+            await self.do(self._dialogue.connect())
         except BaseException:
             await self.close()
             raise
@@ -70,7 +72,7 @@ class AsyncConnection:
     async def call(self, request: pb.Request, timeout: Optional[float], request_id: Optional[bytes]) -> Answer:
         """Dialogue.call(). When its task is cancelled, the daemon is told that nobody waits for it any more."""
         try:
-            return await self._do(self._dialogue.call(request, timeout, request_id))
+            return await self.do(self._dialogue.call(request, timeout, request_id))
         except asyncio.CancelledError:
             if request.WhichOneof("command") in CANCELLED:
                 self._call_off(request.id)
@@ -82,7 +84,8 @@ class AsyncConnection:
         sent: "asyncio.Future[Any]" = self._socket.send(request.SerializeToString(), zmq.DONTWAIT)  # type: ignore[assignment]
         sent.add_done_callback(lambda done: done.cancelled() or done.exception())
 
-    async def _do(self, steps: Generator[Union[Send, Wait], bool, T]) -> T:
+    async def do(self, steps: Generator[Union[Send, Wait], bool, T]) -> T:
+        """What the dialogue says is to be done, to its end."""
         try:
             step = next(steps)
             while True:
@@ -255,6 +258,20 @@ class AsyncClient:
         """Events as they happen, as subscribe() has them."""
         return self.subscribe("event", timeout=timeout)
 
+    # --- streams ----------------------------------------------------------------------------------------------------
+
+    def stream(
+        self,
+        what: str = "probes",
+        *names: str,
+        since: Optional[Cursor] = None,
+        timeout: Optional[float] = None,
+        memory: int = MEMORY,
+        **wishes: Any,
+    ) -> AsyncStream:
+        """Data at your own pace, as Client.stream(): `async with client.stream(...) as stream: async for item in stream`."""
+        return AsyncStream(self._endpoint, self._keys, what, names, since, timeout, memory, wishes)
+
     # --- under the hood ---------------------------------------------------------------------------------------------
 
     def _connected(self) -> AsyncConnection:
@@ -272,6 +289,84 @@ class AsyncClient:
             if not command.explain:
                 raise
             raise command.explain(error) from None
+
+
+class AsyncStream:
+    """Items for `async for`, until it is closed, or for the timeout of the stream none came."""
+
+    def __init__(
+        self,
+        endpoint: str,
+        keys: Optional[Keys],
+        what: str,
+        names: Tuple[str, ...],
+        since: Optional[Cursor],
+        timeout: Optional[float],
+        memory: int,
+        wishes: Mapping[str, Any],
+    ) -> None:
+        self._flow = Flow(data_endpoint(endpoint), keys, what, subscription(what, names, **wishes), since, memory)
+        self._timeout = timeout
+        self._connection: Optional[AsyncConnection] = None
+
+    async def open(self) -> AsyncStream:
+        """Subscribe, as `async with` does."""
+        if not self._connection:
+            connection = AsyncConnection(self._flow.endpoint, self._flow.keys, self._flow)
+            await connection.open()
+            self._connection = connection
+        return self
+
+    @property
+    def columns(self) -> Tuple[Column, ...]:
+        """Of the items: name, unit, type, components."""
+        return self._flow.columns
+
+    @property
+    def stats(self) -> StreamStats:
+        """What became of it so far."""
+        return self._flow.stats
+
+    @property
+    def cursor(self) -> Optional[Cursor]:
+        """Of a series or of snapshots: behind the last item that was taken."""
+        return self._flow.cursor
+
+    async def next(self, timeout: Optional[float] = None) -> Optional[StreamItem]:
+        """The next item; None if there was none within so many seconds."""
+        await self.open()
+        assert self._connection
+        item: Optional[StreamItem] = await self._connection.do(self._flow.next(timeout))
+        return item
+
+    async def cancel(self) -> None:
+        """Give up the item under way; the next one follows. Not of a series."""
+        if self._connection:
+            await self._connection.do(self._flow.cancel())
+
+    def __aiter__(self) -> AsyncStream:
+        return self
+
+    async def __anext__(self) -> StreamItem:
+        item = await self.next(self._timeout)
+        if item is None:
+            raise StopAsyncIteration
+        return item
+
+    async def aclose(self) -> None:
+        """Take no more."""
+        connection, self._connection = self._connection, None
+        if connection:
+            await connection.do(self._flow.close())
+            await connection.close()
+
+    async def __aenter__(self) -> AsyncStream:
+        return await self.open()
+
+    async def __aexit__(
+        self, kind: Optional[Type[BaseException]], value: Optional[BaseException], trace: Optional[TracebackType]
+    ) -> None:
+        await self.aclose()
 
 
 class Messages:

@@ -18,8 +18,11 @@ from .connection import Connection
 from .dialogue import Listening
 from .endpoint import control_endpoint, telemetry_endpoint
 from .errors import LeaseError, MeniscusError
+from .flow import MEMORY
 from .keys import choose_keys
+from .streams import Stream
 from .values import Reply, Telemetry
+from .wishes import Cursor
 
 T = TypeVar("T")
 TOPICS = Listening.TOPICS
@@ -155,6 +158,38 @@ class Client:
     def events(self, timeout: Optional[float] = None) -> Iterator[Telemetry]:
         """Events as they happen, as subscribe() has them."""
         return self.subscribe("event", timeout=timeout)
+
+    # --- streams ----------------------------------------------------------------------------------------------------
+
+    def stream(
+        self,
+        what: str = "probes",
+        *names: str,
+        since: Optional[Cursor] = None,
+        timeout: Optional[float] = None,
+        memory: int = MEMORY,
+        **wishes: Any,
+    ) -> Stream:
+        """Data at your own pace: `with client.stream("fields", "position", "pressure", max_hz=10) as stream: for item in stream`.
+
+        what    "probes", "fields" or "events": the newest; what was due while you were busy is skipped, and counted in item.skipped.
+                "series" or "snapshots": the rows of the probes' series, or the snapshot files byte for byte, once they are on the disk:
+                all of them, in order, also over lost connections and new starts of the daemon
+        names   of probes (none: all), or of fields (1 to 16)
+        since   a Cursor, to go on behind what was taken before: of "series" and "snapshots"; None: from the beginning
+        timeout the iteration ends after so long without an item [s]; None: never
+        memory  bytes that an item may have, packed or unpacked
+        exact   "f64", "f32", or a bound: no value is off by as much, in its own unit; of fields also {name: any of these}
+        pack    "none", "lz4" or "zstd"
+        every_steps, interval [s, simulated], max_hz, first     when: at multiples of these, at most so often; `first`: one at once
+        box=(min, max), sphere=(centre, radius) [m], phases, walls, every     which particles; `every`: about one in so many
+
+        item["pressure"] is an array of numpy: [particles] or [particles][components] of fields, a number of probes, [rows] of series.
+        RefusedError: a name or bound is wrong, error.path says which. While it is iterated: CorruptError if an item came damaged,
+        UnavailableError if the daemon is away for more than five seconds; the stream may be asked again after both, and goes on.
+        """
+        connection = self._connection
+        return Stream(connection.endpoint, connection.keys, what, names, since, timeout, memory, wishes)
 
     # --- under the hood ---------------------------------------------------------------------------------------------
 

@@ -20,10 +20,10 @@ T = TypeVar("T")
 class Connection:
     """One DEALER socket. A monitor tells when it is connected, so a dead daemon is noticed without a time limit."""
 
-    def __init__(self, endpoint: str, keys: Optional[Keys] = None) -> None:
+    def __init__(self, endpoint: str, keys: Optional[Keys] = None, dialogue: Optional[Dialogue] = None) -> None:
         self.endpoint = endpoint
         self.keys = keys
-        self._dialogue = Dialogue(endpoint, keys)
+        self._dialogue = dialogue or Dialogue(endpoint, keys)
         self.context = zmq.Context()
         self._socket = self.context.socket(zmq.DEALER)
         self._monitor = self._socket.get_monitor_socket(EVENTS)
@@ -33,7 +33,7 @@ class Connection:
         try:
             prepare_control(self._socket, endpoint, keys)
             self._socket.connect(endpoint)
-            self._do(self._dialogue.connect())
+            self.do(self._dialogue.connect())
         except BaseException:
             self.close()
             raise
@@ -43,20 +43,21 @@ class Connection:
         """Of the daemon: another number after every start of it."""
         return self._dialogue.epoch
 
-    def close(self) -> None:
+    def close(self, linger_ms: int = 0) -> None:
         """Disconnect. Commands that were accepted go on without us."""
         self._socket.disable_monitor()
         self._monitor.close(0)
-        self._socket.close(0)
-        self.context.destroy(0)
+        self._socket.close(linger_ms)
+        self.context.destroy(linger_ms)
 
     def call(
         self, request: pb.Request, timeout: Optional[float] = None, request_id: Optional[bytes] = None
     ) -> Answer:
         """Dialogue.call()."""
-        return self._do(self._dialogue.call(request, timeout, request_id))
+        return self.do(self._dialogue.call(request, timeout, request_id))
 
-    def _do(self, steps: Generator[Union[Send, Wait], bool, T]) -> T:
+    def do(self, steps: Generator[Union[Send, Wait], bool, T]) -> T:
+        """What the dialogue says is to be done, to its end."""
         try:
             step = next(steps)
             while True:

@@ -42,7 +42,16 @@ def control_endpoint(daemon: Optional[str] = None) -> str:
 
 def telemetry_endpoint(control: str) -> str:
     """The telemetry socket that belongs to a control endpoint: telemetry.ipc beside it, or the next port."""
+    return _beside(control, "telemetry.ipc", 1)
+
+
+def data_endpoint(control: str) -> str:
+    """The socket of streams: data.ipc beside it, or the port after the next."""
+    return _beside(control, "data.ipc", 2)
+
+
+def _beside(control: str, file: str, ports: int) -> str:
     if control.startswith("tcp://"):
         host, port = control.rsplit(":", 1)
-        return f"{host}:{int(port) + 1}"
-    return f"ipc://{Path(control[len('ipc://'):]).parent / 'telemetry.ipc'}"
+        return f"{host}:{int(port) + ports}"
+    return f"ipc://{Path(control[len('ipc://'):]).parent / file}"

@@ -1,0 +1,353 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A stream without a socket: items put together from messages, credit, and going on after a lost connection.
+
+As in dialogue.py, what is to be sent and waited for are steps of a generator, for transports that wait and those that do not.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections import deque
+from typing import Any, Deque, Dict, Generator, List, Optional, Union
+
+import numpy as np
+from google.protobuf.message import DecodeError
+
+from . import meniscus_pb2
+from . import stream_pb2 as pb
+from .checksum import Xxh64
+from .dialogue import RECONNECT_S, Dialogue, Send, Wait
+from .errors import CorruptError, MeniscusError, UnavailableError, error_for
+from .keys import Keys
+from .packing import checked_size, unpack
+from .values import Frame
+from .wishes import Column, Cursor, StreamItem, StreamStats
+
+MEMORY = 1 << 30  # bytes an item may have
+REPLY_S = 15.0  # the state is looked at between two steps
+SMALL, LARGE, SPARE = 4096, 262144, 16384
+HEADER = 512  # bytes of a message beside those of the item, at most, but for the first one
+WINDOWS = {"probes": SMALL + SPARE, "fields": LARGE + SPARE, "events": SMALL + SPARE, "series": 1 << 20, "snapshots": 8 << 20}
+
+Steps = Generator[Union[Send, Wait], bool, Any]
+
+
+class Flow(Dialogue):
+    """One stream, over a connection that may be lost and made anew."""
+
+    def __init__(
+        self, endpoint: str, keys: Optional[Keys], what: str, wish: pb.Subscribe, cursor: Optional[Cursor], memory: int
+    ) -> None:
+        super().__init__(endpoint, keys)
+        self.columns: tuple[Column, ...] = ()
+        self.stats = StreamStats()
+        self.cursor = cursor  # behind what was handed out
+        self._behind = cursor  # the same, or of what waits to be
+        self._what = what
+        self._wish = wish
+        self._memory = memory
+        self._window = WINDOWS[what]
+        wish.chunk_bytes = SMALL if self._window < LARGE else LARGE
+        self._lossless = wish.delivery == pb.LOSSLESS
+        self._attached_to = 0  # connections there had been when the daemon was told of this one
+        self._number = 0  # of the stream, at the daemon; 0: to be subscribed
+        self._chunk = 1
+        self._open = 0  # bytes that were granted, and have not come
+        self._wanted = 0  # that should be open
+        self._sequence: Optional[int] = None  # of the item that came last, and the first byte of it that did not come
+        self._offset = 0
+        self._done = False  # all of it was handed out
+        self._first: Optional[pb.StreamItem] = None  # of the item that is under way
+        self._bytes: Any = b""
+        self._file: Optional[Dict[str, Any]] = None
+        self._ready: Deque[Union[StreamItem, MeniscusError]] = deque()
+        self._over: Optional[MeniscusError] = None
+        self._began = False
+        self._unwanted = False  # the item under way is to be cancelled
+        self._asked: Optional[pb.StreamRequest] = None  # whose reply is waited for
+        self._reply: Optional[pb.StreamReply] = None
+
+    # --- what is to be done ---------------------------------------------------------------------------------------------
+
+    def _greet(self) -> Steps:
+        yield from self._attach()
+
+    def next(self, timeout: Optional[float]) -> Steps:
+        """The next item; None if none was whole within the timeout. Being asked for it tells that the one before is done with."""
+        deadline = None if timeout is None else time.monotonic() + timeout
+        if not self._ready:
+            self._wanted = max(self._wanted, self._window)
+        while True:
+            yield Wait(0)
+            if self._unwanted:
+                self._unwanted = False
+                yield from self.cancel()
+            if self._ready:
+                return self._hand_out(self._ready.popleft())
+            if self._over:
+                raise self._over
+            if not self._number or self._attached_to != self._connections:
+                yield from self._attach()
+            elif self._open < self._wanted:
+                yield from self._grant()
+            if self._ready:
+                continue
+            now = time.monotonic()
+            if not self._connected and now > self._lost_since + RECONNECT_S:
+                self._lost_since = now  # whoever asks again waits again
+                raise self._gone()
+            if deadline is not None and now >= deadline:
+                return None
+            yield Wait(1 if deadline is None else max(0.001, min(1, deadline - now)))
+
+    def cancel(self) -> Steps:
+        """Give up the item under way; the next one follows."""
+        if self._what == "series":
+            text = "no row of a series can be left out; close the stream, and begin one at its cursor later"
+            raise error_for("FAILED_PRECONDITION", text)
+        if self._number:
+            yield from self._tell(pb.StreamRequest(cancel=pb.CancelItem(stream=self._number)))
+
+    def close(self) -> Steps:
+        """Say that no more is wanted. Nobody waits for the answer."""
+        if self._number and self._connected:
+            request = pb.StreamRequest(unsubscribe=pb.Unsubscribe(stream=self._number))
+            yield Send(self._sealed(request))
+
+    def _hand_out(self, what: Union[StreamItem, MeniscusError]) -> StreamItem:
+        if isinstance(what, MeniscusError):
+            raise what
+        self.cursor = what.cursor or self.cursor
+        self.stats.items += not what.file or what.whole or what.abandoned
+        self.stats.skipped += what.skipped
+        return what
+
+    def _sealed(self, request: pb.StreamRequest) -> bytes:
+        request.major, request.id = meniscus_pb2.PROTOCOL_MAJOR, os.urandom(16)
+        return request.SerializeToString()
+
+    def _tell(self, request: pb.StreamRequest) -> Steps:
+        yield from self._send(self._sealed(request))
+
+    def _grant(self) -> Steps:
+        more = self._wanted - self._open
+        self._open, self._wanted = self._wanted, 0
+        yield from self._tell(pb.StreamRequest(credit=pb.Credit(stream=self._number, bytes=more)))
+
+    def _ask(self, request: pb.StreamRequest) -> Generator[Union[Send, Wait], bool, pb.StreamReply]:
+        """Send, and again over each new connection, until there is a reply, which may be a refusal."""
+        deadline = time.monotonic() + REPLY_S
+        self._reply, again = None, True
+        while not self._reply:
+            if again:
+                packed, self._asked = self._sealed(request), request
+                self._attached_to = yield from self._send(packed)
+            yield Wait(max(0.001, min(1, deadline - time.monotonic())))
+            again = self._connections != self._attached_to
+            self._check_denied()
+            if not self._reply and time.monotonic() > deadline:
+                raise UnavailableError("UNAVAILABLE", f"{self.endpoint} is open, but nobody answers there")
+        reply, self._reply, self._asked = self._reply, None, None
+        return reply
+
+    def _attach(self) -> Steps:
+        again, self._began = self._began, True
+        resumed = self._number and (yield from self._resume())
+        if not resumed:
+            yield from self._subscribe(again)
+        self.stats.reconnects += again
+
+    def _resume(self) -> Generator[Union[Send, Wait], bool, bool]:
+        rest = len(self._bytes) - self._offset if self._first else 0
+        credit = self._window + rest + rest // self._chunk * HEADER
+        resume = pb.ResumeStream(stream=self._number, credit=credit)
+        if self._sequence is not None:
+            resume.sequence, resume.offset = self._sequence, self._offset
+        reply = yield from self._ask(pb.StreamRequest(resume=resume))
+        return bool(reply.code == meniscus_pb2.OK)
+
+    def _resumed(self, reply: pb.StreamReply, request: pb.StreamRequest) -> None:
+        if (reply.sequence, reply.offset) != (self._sequence, self._offset):
+            self._first = None
+        self._open = request.resume.credit
+
+    def _subscribe(self, again: bool) -> Steps:
+        self._start_over()
+        place = self._place()
+        if place:
+            getattr(self._wish, "from").CopyFrom(place)
+        self._wish.credit = self._window
+        reply = yield from self._ask(pb.StreamRequest(subscribe=self._wish))
+        if reply.code != meniscus_pb2.OK:
+            error = error_for(meniscus_pb2.Code.Name(reply.code), reply.message, reply.path, reply.reason)
+            if again and reply.code not in (meniscus_pb2.UNAVAILABLE, meniscus_pb2.RESOURCE_EXHAUSTED):
+                self._over = error
+            raise error
+
+    def _subscribed(self, reply: pb.StreamReply) -> None:
+        self._number, self._chunk = reply.stream, reply.chunk_bytes or 1
+        self.epoch = reply.daemon_epoch
+        self._open = self._window
+        self.columns = tuple(Column(c.name, c.unit, c.type, c.components or 1) for c in reply.columns)
+
+    def _place(self) -> Optional[pb.Cursor]:
+        """Within a file, if its line is known; else bytes that came before are passed over when they come again."""
+        cursor = self._behind
+        if not self._lossless or not cursor:
+            return None
+        if self._what == "series":
+            return pb.Cursor(line=cursor.line, row=cursor.row)
+        if self._file:
+            return pb.Cursor(line=cursor.line, file=self._file["name"], offset=self._file["got"])
+        return pb.Cursor(line=cursor.line, file=cursor.file, offset=cursor.offset)
+
+    # --- what came ------------------------------------------------------------------------------------------------------
+
+    def deliver(self, frames: List[Frame]) -> None:
+        try:
+            message = pb.StreamMessage.FromString(bytes(frames[0]))
+            if message.HasField("reply"):
+                self._take_reply(message.reply)
+            elif message.item.stream == self._number and self._number:
+                self._open -= sum(map(len, frames))
+                self._take(message.item, frames[1:])
+        except DecodeError:
+            self._distrust(CorruptError("DATA_LOSS", "a message of a stream cannot be read"))
+        except CorruptError as error:
+            self._distrust(error)
+        except (MeniscusError, ImportError) as error:
+            self._fail(error if isinstance(error, MeniscusError) else MeniscusError("UNIMPLEMENTED", str(error)))
+
+    def _take_reply(self, reply: pb.StreamReply) -> None:
+        """Items may be right behind it, so what it says holds at once."""
+        if self._asked and reply.id == self._asked.id:
+            self._reply = reply
+            if reply.code == meniscus_pb2.OK and self._asked.HasField("resume"):
+                self._resumed(reply, self._asked)
+            elif reply.code == meniscus_pb2.OK:
+                self._subscribed(reply)
+        elif reply.code == meniscus_pb2.NOT_FOUND and not self._asked:
+            self._start_over()  # forgotten, as nothing was taken for long
+
+    def _start_over(self) -> None:
+        self._number, self._sequence, self._first, self._done = 0, None, None, False
+
+    def _distrust(self, error: MeniscusError) -> None:
+        """What comes of this stream cannot be used: begin anew behind what was whole."""
+        self._start_over()
+        self._ready.append(error)
+
+    def _fail(self, error: MeniscusError) -> None:
+        if self._lossless:
+            self._over = error
+        self._first, self._unwanted = None, not self._lossless
+        self._ready.append(error)
+
+    def _take(self, item: pb.StreamItem, frames: List[Frame]) -> None:
+        same = item.sequence == self._sequence
+        if item.HasField("ended"):
+            self._end(item.ended)
+        elif item.HasField("cancelled"):
+            self._first = self._file = None
+            self.stats.cancelled += 1
+            self._behind = _cursor(item) or self._behind
+        elif self._sequence is None or item.sequence > self._sequence or (same and not self._done):
+            self._sequence, self._done = item.sequence, False
+            data = memoryview(frames[0]) if frames else memoryview(b"")
+            if self._what == "snapshots" and not item.HasField("abandoned"):
+                self._take_file(item, data)
+            else:
+                self._take_piece(item, data)
+
+    def _end(self, end: pb.StreamEnd) -> None:
+        self._start_over()
+        if end.code not in (meniscus_pb2.UNAVAILABLE, meniscus_pb2.RESOURCE_EXHAUSTED):  # it leaves, or we were slow
+            self._over = error_for(meniscus_pb2.Code.Name(end.code), end.message, "", end.reason)
+
+    def _take_piece(self, item: pb.StreamItem, data: memoryview) -> None:
+        if not item.offset:
+            self._check_arrays(item)
+            self._first, self._offset = item, 0
+            single = len(data) == item.size  # in the memory it was received in
+            self._bytes = data if single else memoryview(np.empty(item.size, np.uint8))
+        elif not self._first or self._first.sequence != item.sequence:
+            return  # of an item that was given up
+        if item.offset != self._offset or item.size != self._first.size or len(data) > item.size - item.offset:
+            raise CorruptError("DATA_LOSS", "an item of the stream came damaged: its bytes do not follow one another")
+        if self._bytes is not data:
+            self._bytes[self._offset : self._offset + len(data)] = data
+        self._offset += len(data)
+        rest = item.size - self._offset
+        if rest:
+            self._wanted = max(self._wanted, rest + (rest // self._chunk + 1) * HEADER)
+            return
+        first, self._first, self._done = self._first, None, True
+        self._ready.append(self._whole(first, _cursor(item)))
+        self._behind = _cursor(item) or self._behind
+
+    def _check_arrays(self, item: pb.StreamItem) -> None:
+        left = self._memory
+        for array in item.arrays:
+            left -= checked_size(array, left)
+        if sum(array.packed_bytes for array in item.arrays) != item.size:
+            raise CorruptError("DATA_LOSS", "an item of the stream came damaged: its arrays do not have its bytes")
+
+    def _whole(self, first: pb.StreamItem, cursor: Optional[Cursor]) -> StreamItem:
+        arrays: Dict[str, np.ndarray] = {}
+        at = 0
+        for array in first.arrays:
+            arrays[array.name] = unpack(array, self._bytes[at : at + array.packed_bytes], self._memory)
+            at += array.packed_bytes
+            self.stats.raw_bytes += array.raw_bytes
+        self.stats.packed_bytes += at
+        more: Dict[str, Any] = {}
+        if first.HasField("event"):
+            event = first.event
+            more = {"state": meniscus_pb2.State.Name(event.state), "what": event.what, "text": event.text}
+        if first.HasField("abandoned"):
+            more = {"abandoned": True, "row": first.abandoned.row, "file": first.abandoned.file or None}
+            self._file = None  # which may come again, as another
+        return StreamItem(*_common(first), arrays=arrays, columns=self.columns, cursor=cursor, **more)
+
+    def _take_file(self, item: pb.StreamItem, data: memoryview) -> None:
+        """A piece of a file. What comes a second time was handed out already."""
+        if item.HasField("file"):
+            name = item.file.name
+            if not name or name.startswith(".") or "/" in name:
+                raise CorruptError("DATA_LOSS", "a file of the stream has a name that it cannot have")
+            file = self._file
+            if not file or file["name"] != name or file["size"] != item.size or item.offset > file["got"]:
+                self._file = {"name": name, "size": item.size, "got": item.offset, "sum": None if item.offset else Xxh64()}
+        file = self._file
+        if not file or item.offset > file["got"] or item.size != file["size"] or len(data) > item.size - item.offset:
+            raise CorruptError("DATA_LOSS", "an item of the stream came damaged: the bytes of a file do not follow one another")
+        before = file["got"]
+        fresh = data[before - item.offset :]
+        if file["sum"]:
+            file["sum"].update(fresh)
+        file["got"] += len(fresh)
+        self._offset = item.offset + len(data)
+        whole = self._offset == item.size
+        if whole:
+            self._file, self._done = None, True
+            if file["sum"] and item.HasField("xxh64") and file["sum"].digest() != item.xxh64:
+                raise CorruptError("DATA_LOSS", f"{file['name']} came damaged: its checksum does not match")
+            self._behind = _cursor(item) or self._behind
+        if len(fresh) or whole:
+            self.stats.packed_bytes += len(fresh)
+            self.stats.raw_bytes += len(fresh)
+            self._ready.append(
+                StreamItem(*_common(item), file=file["name"], file_size=item.size, offset=before, data=fresh, whole=whole,
+                           cursor=_cursor(item))
+            )
+
+
+def _common(item: pb.StreamItem) -> tuple[int, int, int, int, float]:
+    return item.sequence, item.skipped, item.daemon_epoch, item.step, item.time
+
+
+def _cursor(item: pb.StreamItem) -> Optional[Cursor]:
+    if not item.HasField("next"):
+        return None
+    return Cursor(item.next.line, item.next.row, item.next.file, item.next.offset)
