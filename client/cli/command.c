@@ -263,6 +263,30 @@ const Command command_table[] = {
      .exits = EXIT_DIVERGED | EXIT_IO,
      .is_long = true,
      .run = command_watch},
+    {.name = "stream",
+     .arguments = "[probes [NAME...] | fields NAME... | events | series [NAME...] | snapshots]",
+     .help = "take data of a run at your own pace",
+     .details =
+         "    meniscus stream --max-hz 10              the newest values of all probes\n"
+         "    meniscus stream fields position pressure --first --count 1 --csv\n"
+         "    meniscus stream fields velocity --interval 0.1 --exact 0.01 --pack lz4 --to DIR\n"
+         "    meniscus stream series front --csv       every row of the series, from the beginning on, once it is on "
+         "the "
+         "disk\n"
+         "    meniscus stream snapshots --to DIR       the snapshot files, byte for byte\n"
+         "Probes, fields and events are the newest: what is due while the one before is still printed is skipped. "
+         "Series "
+         "and snapshots are whole. Rows begin with step and time. When the connection is lost it is made anew, and the "
+         "stream goes on where it was. With -o json one object for each item. Until Ctrl-C, --count or --timeout, "
+         "which "
+         "ends it with exit code 124.",
+     .options = OPTION(OPT_EVERY_STEPS) | OPTION(OPT_INTERVAL) | OPTION(OPT_MAX_HZ) | OPTION(OPT_FIRST) |
+                OPTION(OPT_EXACT) | OPTION(OPT_PACK) | OPTION(OPT_WITHIN) | OPTION(OPT_EVERY) | OPTION(OPT_WALLS) |
+                OPTION(OPT_COUNT) | OPTION(OPT_CSV) | OPTION(OPT_TO),
+     .exits = EXIT_IO,
+     .max_words = MAX_WORDS,
+     .is_long = true,
+     .run = command_stream},
     {.name = "query",
      .arguments = "[probes [NAME...] | at FIELD X,Y[,Z]... | box [MIN MAX]]",
      .help = "print probes, a field at points, or the particles of a box",

@@ -88,6 +88,7 @@ MnsStatus command_get(Invocation *in, MnsError *error);
 MnsStatus command_query(Invocation *in, MnsError *error);
 MnsStatus command_wait(Invocation *in, MnsError *error);
 MnsStatus command_watch(Invocation *in, MnsError *error);
+MnsStatus command_stream(Invocation *in, MnsError *error);
 MnsStatus command_status(Invocation *in, MnsError *error);
 MnsStatus command_capabilities(Invocation *in, MnsError *error);
 MnsStatus command_schemes(Invocation *in, MnsError *error);

@@ -66,6 +66,19 @@ const OptionInfo option_table[] = {
     [OPT_EXPORT] = {"out", 0, "FILE",
                     "where the table goes: a name that ends with .csv or .vtk; default: CSV on standard output"},
     [OPT_ONCE] = {"once", 0, NULL, "look once; where the output is no terminal and no JSON, that is so anyhow"},
+    [OPT_EVERY_STEPS] = {"every-steps", 0, "N", "at steps that are multiples of N"},
+    [OPT_INTERVAL] = {"interval", 0, "T", "at multiples of this simulated time [s]"},
+    [OPT_MAX_HZ] = {"max-hz", 0, "HZ", "not more often than this, by the clock on the wall"},
+    [OPT_FIRST] = {"first", 0, NULL, "one item at once, also if the run stands still"},
+    [OPT_EXACT] =
+        {"exact", 0, "f32|BOUND|FIELD=BOUND",
+         "numbers of four bytes, or off by less than BOUND, in the SI unit; default: as computed; may be repeated"},
+    [OPT_PACK] = {"pack", 0, "none|lz4|zstd", "how bytes are packed on the way; default: none"},
+    [OPT_WITHIN] = {"box", 0, "X0,Y0[,Z0],X1,Y1[,Z1]", "the particles between two corners [m]"},
+    [OPT_EVERY] = {"every", 0, "N", "about one particle in N, always the same ones"},
+    [OPT_COUNT] = {"count", 0, "N", "end after N items; default: go on until Ctrl-C"},
+    [OPT_CSV] = {"csv", 0, NULL, "lines of values with commas between them"},
+    [OPT_TO] = {"to", 0, "DIR", "write files there: NAME-STEP.npy for each field, or the snapshots"},
 };
 
 enum { LONG_ONLY = 256 };

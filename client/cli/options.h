@@ -59,6 +59,17 @@ typedef enum OptionId {
     OPT_STATE_DIR,
     OPT_ONCE,
     OPT_EXPORT,
+    OPT_EVERY_STEPS,
+    OPT_INTERVAL,
+    OPT_MAX_HZ,
+    OPT_FIRST,
+    OPT_EXACT,
+    OPT_PACK,
+    OPT_WITHIN,
+    OPT_EVERY,
+    OPT_COUNT,
+    OPT_CSV,
+    OPT_TO,
     OPTION_COUNT
 } OptionId;
 

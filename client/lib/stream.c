@@ -6,8 +6,16 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
-enum { CHUNK_SMALL = 4096, CHUNK_LARGE = 262144, SPARE = 16384, FILE_WINDOW = 8 << 20, ROWS_WINDOW = 1 << 20 };
+enum {
+    CHUNK_SMALL = 4096,
+    CHUNK_LARGE = 262144,
+    SPARE = 16384,
+    FILE_WINDOW = 8 << 20,
+    ROWS_WINDOW = 1 << 20,
+    AGAIN_US = 200000
+};
 
 /* Of what is LATEST little more than one message, as what waits on the way is old when it comes. */
 static void choose_window(MnsStream *stream, MnsStreamKind kind)
@@ -78,7 +86,12 @@ static MnsStatus receive(MnsStream *stream, double deadline, bool *ret_ready, Mn
 {
     Frames frames;
     if (stream->wire.connections != stream->connections) stream->attached = false;
-    if (!stream->attached) return stream_attach(stream, deadline, error);
+    if (!stream->attached) {
+        const MnsStatus status = stream_attach(stream, deadline, error);
+        if (status != MNS_E_STATE) return status;
+        usleep(AGAIN_US); /* a daemon that was started again has no case for a while */
+        return MNS_OK;
+    }
     const MnsStatus status = wire_receive(&stream->wire, deadline, &frames, error);
     if (status) return status;
     if (frames.n) return read_frames(stream, &frames, ret_ready, error);

@@ -163,7 +163,8 @@ static MnsStatus subscribe(MnsStream *stream, double deadline, MnsError *error)
     if (reply->code != MENISCUS__CODE__OK) {
         status = refusal(reply, error);
         meniscus__stream_message__free_unpacked(answer, NULL);
-        if (stream->reply_message && status != MNS_E_UNAVAILABLE && status != MNS_E_LIMIT) stream->over = *error;
+        const bool passes = status == MNS_E_UNAVAILABLE || status == MNS_E_LIMIT || status == MNS_E_STATE;
+        if (stream->reply_message && !passes) stream->over = *error;
         return status;
     }
     stream->number = reply->stream;

@@ -18,7 +18,7 @@ from . import meniscus_pb2
 from . import stream_pb2 as pb
 from .checksum import Xxh64
 from .dialogue import RECONNECT_S, Dialogue, Send, Wait
-from .errors import CorruptError, MeniscusError, UnavailableError, error_for
+from .errors import CorruptError, MeniscusError, StateError, UnavailableError, error_for
 from .keys import Keys
 from .packing import checked_size, unpack
 from .values import Frame
@@ -29,6 +29,10 @@ REPLY_S = 15.0  # the state is looked at between two steps
 SMALL, LARGE, SPARE = 4096, 262144, 16384
 HEADER = 512  # bytes of a message beside those of the item, at most, but for the first one
 WINDOWS = {"probes": SMALL + SPARE, "fields": LARGE + SPARE, "events": SMALL + SPARE, "series": 1 << 20, "snapshots": 8 << 20}
+
+AGAIN_S = 0.2
+# Refusals of a stream that had begun after which it may be asked for again.
+PASSING = (meniscus_pb2.UNAVAILABLE, meniscus_pb2.RESOURCE_EXHAUSTED, meniscus_pb2.FAILED_PRECONDITION)
 
 Steps = Generator[Union[Send, Wait], bool, Any]
 
@@ -88,7 +92,10 @@ class Flow(Dialogue):
             if self._over:
                 raise self._over
             if not self._number or self._attached_to != self._connections:
-                yield from self._attach()
+                try:
+                    yield from self._attach()
+                except StateError:  # a daemon that was started again has no case for a while
+                    yield Wait(AGAIN_S)
             elif self._open < self._wanted:
                 yield from self._grant()
             if self._ready:
@@ -181,7 +188,7 @@ class Flow(Dialogue):
         reply = yield from self._ask(pb.StreamRequest(subscribe=self._wish))
         if reply.code != meniscus_pb2.OK:
             error = error_for(meniscus_pb2.Code.Name(reply.code), reply.message, reply.path, reply.reason)
-            if again and reply.code not in (meniscus_pb2.UNAVAILABLE, meniscus_pb2.RESOURCE_EXHAUSTED):
+            if again and reply.code not in PASSING:
                 self._over = error
             raise error
 
