@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from rows import captures, company, contention, crashes, faults, latency, rubbish  # noqa: E402
+from rows import captures, company, contention, crashes, faults, latency, rubbish, streams  # noqa: E402
 from rows.metrics import SIZES, Metric, Report, Size, remark, resized  # noqa: E402
 
 
@@ -37,8 +37,10 @@ ROWS = {
     "status": Row(latency.status, "status round trip, all cores computing and idle"),
     "pause": Row(latency.pause, "pause at the first step boundary, with commands queued"),
     "run-until": Row(latency.run_until, "run_until to exactly the asked time, whatever else is commanded"),
-    "subscribers": Row(company.few, "32 subscribers of probes", 180),
+    "subscribers": Row(company.few, "32 subscribers of probes and 4 of fields", 180),
     "many-subscribers": Row(company.many, "1000 subscribers, and 1000 that were stopped", 240),
+    "lossless": Row(streams.lossless, "lossless stream over kills of clients and daemon: no gap, no duplicate", 240),
+    "snapshot": Row(streams.snapshot, "snapshot to one loopback client, and its cancel"),
     "kills": Row(crashes.kills, "kill -9 at random moments", 240),
     "replay": Row(crashes.replays, "restart, and replay of the journal, bit for bit", 240),
     "capture": Row(captures.captures, "capture stall of the solver"),

@@ -12,8 +12,9 @@ from typing import Any, Callable, Iterator
 
 from .live import Daemon, beside, computing, loss, told
 from .metrics import Metric, Size
+from .streams import takers
 
-PROBES, MEMORY_MIB = 32, 256
+PROBES, FIELDS, HERTZ, MEMORY_MIB = 32, 4, 10.0, 256
 LISTEN_S = 600  # the longest that a generator lives by itself
 SAMPLES = {"output.probe_interval": 0.002}  # one for about ten steps
 
@@ -34,13 +35,19 @@ def _seconds_of(pid: int) -> float:
 
 
 def few(size: Size) -> Iterator[Metric]:
-    """Subscribers of probes, with a processor to themselves and without."""
+    """Subscribers of probes and of fields, with a processor to themselves and without."""
     processors = len(os.sched_getaffinity(0))
     for threads, most, where in ((max(1, processors - 1), 0.01, "a processor to spare"), (processors, 0.03, "none to spare")):
         with Daemon() as daemon, daemon.client() as client:
             computing(client, size.resolution, threads=threads, **SAMPLES)
-            share = loss(client, size.seconds, size.turns, lambda: subscribers(daemon, PROBES, "probe"))
-            yield Metric(f"steps/s lost to {PROBES} subscribers of probes, {where}", 100 * share, "%", high=100 * most)
+
+            @contextmanager
+            def company() -> Iterator[None]:
+                with subscribers(daemon, PROBES, "probe"), takers(daemon, FIELDS, HERTZ):
+                    yield
+
+            share = loss(client, size.seconds, size.turns, company)
+            yield Metric(f"steps/s lost to {PROBES} subscribers of probes and {FIELDS} of fields, {where}", 100 * share, "%", high=100 * most)
 
 
 def many(size: Size) -> Iterator[Metric]:

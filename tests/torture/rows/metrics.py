@@ -83,6 +83,9 @@ class Size:
     subscribers: int = 1000  # that listen, and as many that are stopped
     kills: int = 20
     replays: int = 3  # kills of each run that is gone on with and replayed
+    samples: int = 20_000  # of a lossless stream
+    client_kills: int = 10
+    daemon_kills: int = 2
     fuzz_seconds: float = 15.0  # for each target
     frames: int = 200_000  # in front of the handlers
     parameters: int = 20_000  # random sets
@@ -94,7 +97,7 @@ SIZES = {
     "small": Size(),
     "full": Size(
         seconds=60, turns=10, pauses=10_000, runs_until=10_000, kills=200, replays=20, fuzz_seconds=21_600,
-        frames=10_000_000, parameters=1_000_000, captures=500,
+        frames=10_000_000, samples=10_000_000, client_kills=100, daemon_kills=10, parameters=1_000_000, captures=500,
     ),
 }
 
