@@ -56,6 +56,7 @@ typedef struct Stream {
     Meniscus__Abandoned *abandoned; /* to be told with the next item              */
     Flight *flight;
     size_t window; /* of bytes in flight                                           */
+    double probed; /* clock_now() when it was last asked whether anybody is there    */
     double looked; /* clock_now() when it was last looked for another file          */
     double moved;  /* clock_now() when bytes of it last moved, or it was asked for */
 } Stream;

@@ -217,6 +217,12 @@ StreamSent stream_post_next(StreamPost *post, Stream *stream)
     return subscription_sent(books, n) ? STREAM_WHOLE : STREAM_MORE;
 }
 
+StreamSent stream_post_probe(StreamPost *post, const Stream *stream)
+{
+    const uint8_t nothing = 0;
+    return send_parts(post, stream, &nothing, 0, NULL) || zmq_errno() != EHOSTUNREACH ? STREAM_WAITS : STREAM_GONE;
+}
+
 void stream_post_end(StreamPost *post, const Stream *stream, bool whole_stream, MnsStatus status, const char *reason,
                      const char *text)
 {

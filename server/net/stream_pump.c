@@ -4,6 +4,7 @@
 
 #include "base/clock.h"
 #include "run/snapshots.h"
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +12,7 @@
 
 static const double GONE_FOR = 30;    /* [s] that a stream is kept for a resume when nobody is there */
 static const double STUCK_FOR = 1;    /* [s] without a byte taken, after which an item under way may be given up */
+static const double PROBE_EVERY = 10; /* [s] without anything sent */
 static const double LOOK_EVERY = 0.2; /* [s] for another snapshot file */
 
 Stream *streams_find(Streams *streams, uint64_t id, const uint8_t *identity, size_t size)
@@ -316,10 +318,21 @@ static void give_up(Streams *streams, Stream *stream)
     stream_close_item(stream);
 }
 
+/* Whoever left without a word is found out only by sending something, and without credit there is nothing to send. */
+static StreamSent probe(Streams *streams, Stream *stream)
+{
+    const double now = clock_now();
+    if (now < fmax(stream->moved, stream->probed) + PROBE_EVERY || stream->flight->bytes) return STREAM_WAITS;
+    stream->probed = now;
+    return stream_post_probe(&streams->post, stream);
+}
+
 static bool pump(Streams *streams, Stream *stream)
 {
     if (stream->gone) return false;
-    switch (advance(streams, stream)) {
+    StreamSent sent = advance(streams, stream);
+    if (sent == STREAM_WAITS) sent = probe(streams, stream);
+    switch (sent) {
     case STREAM_WHOLE:
         streams->options.traffic->items[stream->spec.kind]++;
         free(stream->abandoned);

@@ -79,6 +79,7 @@ static void *streams_thread(void *arg)
     Streams *streams = arg;
     MnsError leaving;
     bool busy = false;
+    pthread_setname_np(pthread_self(), "streams");
     while (!streams->leaving) {
         wait_for_news(streams, busy);
         look_around(streams);

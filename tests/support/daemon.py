@@ -18,13 +18,14 @@ SMALL = ["dambreak2d", "--set", "resolution=20"]
 
 
 def free_ports() -> int:
-    """The first of two in a row that nobody has at this moment."""
+    """The first of three in a row that nobody has at this moment."""
     while True:
-        with socket.socket() as first, socket.socket() as second:
+        with socket.socket() as first, socket.socket() as second, socket.socket() as third:
             first.bind(("127.0.0.1", 0))
             port = int(first.getsockname()[1])
             try:
                 second.bind(("127.0.0.1", port + 1))
+                third.bind(("127.0.0.1", port + 2))
             except (OSError, OverflowError):
                 continue
             return port

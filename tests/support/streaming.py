@@ -64,9 +64,11 @@ class Taker:
         return ident
 
     def receive(self, timeout: float = 20) -> "tuple[sb.StreamMessage, bytes]":
-        if not self.socket.poll(int(1000 * timeout)):
-            raise TimeoutError("nothing came")
-        frames = self.socket.recv_multipart()
+        frames = [b""]
+        while frames == [b""]:  # which only asks whether anybody is there
+            if not self.socket.poll(int(1000 * timeout)):
+                raise TimeoutError("nothing came")
+            frames = self.socket.recv_multipart()
         message = sb.StreamMessage.FromString(frames[0])
         if message.HasField("item") and not (message.item.HasField("cancelled") or message.item.HasField("ended")):
             self.received += sum(len(frame) for frame in frames)
