@@ -68,6 +68,7 @@ static int end(void **state)
     bench->leave = (Order){.serve = serve_leave, .deadline = INFINITY};
     run_post(bench->run, &bench->leave, NULL);
     run_join(bench->run);
+    desk_end_streams(bench->desk);
     run_free(bench->run);
     desk_free(bench->desk);
     scratch_free(bench->home);
