@@ -42,7 +42,8 @@ static int begin(void **state)
     if (!status) status = outbox_init(&place->outbox, NULL);
     if (!status) status = writer_new(NULL, NULL, &place->outputs.writer, NULL);
     if (!status)
-        status = outputs_open(&place->outputs, place->home, place->document, place->sim, false, &(MnsError){0}, NULL);
+        status =
+            outputs_open(&place->outputs, place->home, place->document, place->sim, false, false, &(MnsError){0}, NULL);
     return (int)status;
 }
 
