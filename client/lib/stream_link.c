@@ -150,7 +150,7 @@ static MnsStatus subscribe(MnsStream *stream, double deadline, MnsError *error)
     Meniscus__StreamRequest request = MENISCUS__STREAM_REQUEST__INIT;
     Meniscus__Cursor from;
     Meniscus__StreamMessage *answer;
-    stream_drop_parts(stream);
+    stream_start_over(stream);
     stream->wish->from = place(stream, &from);
     stream->wish->has_credit = true;
     stream->wish->credit = stream->window;
