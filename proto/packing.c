@@ -169,8 +169,9 @@ static bool compress(OwnedPacked *to, Meniscus__Codec codec)
         if (room) depart(to, MENISCUS__DEPARTURE__DEPARTURE_NOT_SMALLER);
         return room;
     }
-    uint8_t *fitted = realloc(coded, packed);
-    take_bytes(to, fitted ? fitted : coded, packed);
+    void *fitted = realloc(coded, packed);
+    if (fitted) coded = fitted;
+    take_bytes(to, coded, packed);
     to->manifest.codec = codec;
     to->manifest.has_shuffle = shuffled;
     to->manifest.shuffle = shuffled ? (uint32_t)row : 0;

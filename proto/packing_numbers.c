@@ -2,6 +2,7 @@
 /* Loops over the numbers of an array that is packed, in blocks that stay in the first cache and are simple enough for vector units. */
 #include "proto/packing_numbers.h"
 
+#include <assert.h>
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -21,6 +22,7 @@ typedef struct Extent {
 /* The extents of all components. False if a value is not finite. */
 static bool measure(const double *x, size_t n, size_t components, Extent *ret)
 {
+    assert(components >= 1 && components <= PACKING_OFFSETS);
     const size_t block = components * ROWS;
     double low[BLOCK], high[BLOCK], doubt[BLOCK] = {0};
     for (size_t j = 0; j < block; j++) low[j] = high[j] = x[j % components];

@@ -19,6 +19,7 @@ static MnsStatus fail(const char *path, MnsError *error)
 /* The head of an .npy file, format 1.0: a Python literal, padded with blanks to a multiple of 64 bytes. */
 static size_t npy_head(const MnsArray *array, char ret[256])
 {
+    static const char magic[] = {'\x93', 'N', 'U', 'M', 'P', 'Y', 1, 0};
     char shape[100] = "";
     for (size_t d = 0; d < array->n_dims; d++)
         snprintf(shape + strlen(shape), sizeof shape - strlen(shape), "%zu,", array->shape[d]);
@@ -29,7 +30,7 @@ static size_t npy_head(const MnsArray *array, char ret[256])
                  whole = (used + NPY_ALIGNMENT - 1) / NPY_ALIGNMENT * NPY_ALIGNMENT;
     memset(literal + n, ' ', whole - used);
     ret[whole - 1] = '\n';
-    memcpy(ret, "\x93NUMPY\x01\x00", 8);
+    memcpy(ret, magic, sizeof magic);
     ret[8] = (char)((whole - NPY_PREAMBLE) & 0xff);
     ret[9] = (char)((whole - NPY_PREAMBLE) >> 8);
     return whole;

@@ -24,8 +24,9 @@ static MnsStatus send(MnsStream *stream, Meniscus__StreamRequest *request, uint8
     request->id = (ProtobufCBinaryData){.len = MNS_REQUEST_ID_SIZE, .data = id};
     const size_t size = meniscus__stream_request__get_packed_size(request);
     uint8_t *packed = malloc(size);
+    if (packed) meniscus__stream_request__pack(request, packed);
+    request->id = (ProtobufCBinaryData){.len = 0}; /* which was borrowed */
     if (!packed) return mns_fail(error, MNS_E_MEMORY, "no memory for a request of %zu bytes", size);
-    meniscus__stream_request__pack(request, packed);
     status = wire_send(&stream->wire, packed, size, error);
     free(packed);
     return status;
