@@ -98,7 +98,7 @@ static void tell_order(Job *base, MnsStatus status, const MnsError *error)
 static void free_file_job(Job *base)
 {
     FileJob *job = (FileJob *)base;
-    mns_capture_free(job->capture);
+    mns_capture_free(atomic_exchange(&job->outputs->spare, job->capture));
     document_leave(job->document);
     free(job);
 }

@@ -12,6 +12,7 @@
 #include "run/rundir.h"
 #include "run/writer.h"
 #include <pthread.h>
+#include <stdatomic.h>
 
 /* Of the boundaries at which it was last looked whether each is due [s]; -INFINITY: never yet. Each has one of its own, as
  * what could not be taken for lack of memory is due again at the next boundary, and the others are not. */
@@ -47,6 +48,7 @@ typedef struct Outputs {
     Reserve reserve;             /* for what a full disk must not cost; the writer's thread only        */
     _Atomic bool rescued;        /* the reserve is given up until the run moves again                   */
     size_t state_size;           /* of a capture of the state [bytes]                              */
+    _Atomic(MnsCapture *) spare; /* the last one that was written, for its room; NULL: none */
     bool series_lost;            /* outputs_open() found no samples from before, and should have  */
     OutputTimes before;
     double wall_checkpoint; /* clock_now() of the last one; of the beginning if there is none   */
