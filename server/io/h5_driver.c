@@ -119,7 +119,13 @@ herr_t h5_driver_use(hid_t access, Disk *disk)
     const hid_t driver = H5FDregister(&disk_class);
     if (driver < 0) return -1;
     const DiskAccess info = {disk};
-    const herr_t result = H5Pset_driver(access, driver, &info);
-    H5FDunregister(driver); /* the list and the files opened with it keep it alive */
-    return result;
+    disk->driver = driver;
+    return H5Pset_driver(access, driver, &info);
+}
+
+/* A file gives its own hold of the driver up before it calls its close(), so that it must not be the last. */
+void h5_driver_done(Disk *disk)
+{
+    if (disk->driver > 0) H5FDunregister(disk->driver);
+    disk->driver = 0;
 }

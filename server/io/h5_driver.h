@@ -10,12 +10,16 @@
 #include <hdf5.h>
 
 typedef struct Disk {
-    int fd;      /* stays the caller's */
-    int failure; /* errno of the first call that failed; 0: none */
+    int fd;       /* stays the caller's */
+    int failure;  /* errno of the first call that failed; 0: none */
+    hid_t driver; /* from h5_driver_use() on; 0: none            */
 } Disk;
 
 /* Make the files opened with a file access list use *disk, which must outlive them. @return negative if HDF5
  * refuses. */
 herr_t h5_driver_use(hid_t access, Disk *disk);
+
+/* After the file is closed, or could not be opened. */
+void h5_driver_done(Disk *disk);
 
 #endif

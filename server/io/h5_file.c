@@ -69,6 +69,7 @@ static void open_existing(H5 *h)
 static void finish(H5 *h)
 {
     if (h->file >= 0 && H5Fclose(h->file) < 0) h5_raise(h, MNS_E_IO, "cannot close the HDF5 file '%s'", h->path);
+    h5_driver_done(&h->disk);
     if (h->disk.failure && !h->status)
         h->status = file_fail(h->error, h->disk.failure, h->writing ? "write" : "read", h->path);
 }
