@@ -154,7 +154,7 @@ static void reply_resume(Fixture *f, FakeStreams *streams, const Meniscus__Strea
     reply.sequence = f->sequence = request->resume->sequence;
     reply.offset = f->offset = request->resume->offset;
     f->sent = 0;
-    f->granted = request->resume->credit;
+    f->granted = f->manner == FORGOTTEN ? 0 : request->resume->credit;
     fake_streams_reply(streams, request, &reply);
 }
 

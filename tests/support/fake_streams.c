@@ -28,6 +28,7 @@ static void bind_router(FakeStreams *streams)
     static const int none = 0;
     streams->router = zmq_socket(streams->context, ZMQ_ROUTER);
     zmq_setsockopt(streams->router, ZMQ_LINGER, &none, sizeof none);
+    zmq_setsockopt(streams->router, ZMQ_SNDHWM, &none, sizeof none); /* nothing is dropped */
     if (zmq_bind(streams->router, streams->endpoint) != 0) abort();
 }
 
