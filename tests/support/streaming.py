@@ -47,8 +47,13 @@ class Item:
 class Taker:
     """A connection to the data socket."""
 
-    def __init__(self, endpoint: str, context: "zmq.Context[Any] | None" = None) -> None:
-        self.socket = (context or zmq.Context.instance()).socket(zmq.DEALER)
+    def __init__(self, endpoint: str, keys: "dict[str, str] | None" = None) -> None:
+        """keys: public-key, secret-key and server-key, for those from afar."""
+        self.socket = zmq.Context.instance().socket(zmq.DEALER)
+        if keys:
+            self.socket.curve_publickey = keys["public-key"].encode()
+            self.socket.curve_secretkey = keys["secret-key"].encode()
+            self.socket.curve_serverkey = keys["server-key"].encode()
         self.socket.setsockopt(zmq.LINGER, 0)
         self.socket.setsockopt(zmq.RCVHWM, 0)
         self.socket.connect(endpoint)
@@ -64,9 +69,9 @@ class Taker:
         return ident
 
     def receive(self, timeout: float = 20) -> "tuple[sb.StreamMessage, bytes]":
-        frames = [b""]
+        frames, until = [b""], time.monotonic() + timeout
         while frames == [b""]:  # which only asks whether anybody is there
-            if not self.socket.poll(int(1000 * timeout)):
+            if not self.socket.poll(int(1000 * max(until - time.monotonic(), 0))):
                 raise TimeoutError("nothing came")
             frames = self.socket.recv_multipart()
         message = sb.StreamMessage.FromString(frames[0])
