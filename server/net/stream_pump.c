@@ -137,21 +137,26 @@ void streams_refresh(Streams *streams)
 
 /* --- one stream --------------------------------------------------------------------------------------------------------- */
 
-/* The item of a stream that asked for one at once; NULL if it is not there yet. */
+/* The item of a stream that asked for one at once; NULL if it is not there yet. It is asked for again, as there may have been no room. */
 static StreamItem *take_first(Streams *streams, Stream *stream)
 {
-    Tap *tap = run_tap(streams->options.run);
+    Run *run = streams->options.run;
+    const double now = clock_now();
     uint64_t due;
     StreamItem *item = NULL;
-    const Shot *shot = tap_take(tap, stream->first, &due);
-    if (!shot) return NULL;
+    const Shot *shot = tap_take(run_tap(run), stream->first, &due);
+    if (!shot) {
+        if (now > stream->looked + LOOK_EVERY) run_ask(run, stream->first);
+        if (now > stream->looked + LOOK_EVERY) stream->looked = now;
+        return NULL;
+    }
     streams_reclaim(streams, 0);
-    const MnsStatus status = stream_item_new(&stream->spec, shot, &streams->memory, streams->limit, &item, NULL);
-    tap_leave(tap, shot);
-    if (status) return NULL;
-    tap_close(tap, stream->first);
+    const size_t held = streams->memory, left = held < streams->limit ? streams->limit - held : 0;
+    const MnsStatus status = stream_item_new(&stream->spec, shot, &streams->memory, left, &item, NULL);
+    tap_leave(run_tap(run), shot);
+    tap_close(run_tap(run), stream->first); /* without memory for it, those that are due come all the same */
     stream->first = NULL;
-    return item;
+    return status ? NULL : item;
 }
 
 /* What a LATEST stream has next, or NULL. *ret_number: as subscription_take() has it. */
