@@ -198,8 +198,13 @@ class Snapshots(DaemonTest):
         return taker
 
     def files(self) -> "dict[str, bytes]":
-        directory = Path(self.ask("status")["run_directory"])
-        return {path.name: path.read_bytes() for path in sorted(directory.glob("snapshot-*.hdf"))}
+        """Those until now, one each 0.01 s, when they are written: the run does not wait for the last one."""
+        status = self.ask("status")
+        directory, n = Path(status["run_directory"]), round(status["time"] / 0.01) + 1
+        until = time.monotonic() + 20
+        while len(paths := sorted(directory.glob("snapshot-*.hdf"))) < n and time.monotonic() < until:
+            time.sleep(0.02)
+        return {path.name: path.read_bytes() for path in paths}
 
     def take(self, taker: Taker, n: int) -> "dict[str, bytes]":
         items = [taker.item() for _ in range(n)]
