@@ -74,9 +74,9 @@ typedef enum OptionId {
 } OptionId;
 
 /* Options as a set. */
-typedef uint64_t OptionSet;
-_Static_assert(OPTION_COUNT <= 64, "a set of options has 64 bits");
-#define OPTION(id) (UINT64_C(1) << (id))
+typedef unsigned __int128 OptionSet;
+_Static_assert(OPTION_COUNT <= 128, "a set of options has 128 bits");
+#define OPTION(id) ((OptionSet)1 << (id))
 #define OPTIONS_MOMENT                                                                                                 \
     (OPTION(OPT_WAIT_STEP) | OPTION(OPT_WAIT_TIME) | OPTION(OPT_NO_WAIT)) /* of what can be scheduled */
 #define OPTIONS_GLOBAL (OPTION(OPT_LEASE + 1) - 1)

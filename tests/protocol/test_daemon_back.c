@@ -3,6 +3,7 @@
 #include "tests/support/check.h"
 #include "tests/support/steer.h"
 #include <hdf5.h>
+#include <meniscus/exit.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -210,7 +211,7 @@ static void a_directory_in_use_is_refused_and_free_again_after_a_kill(void **sta
     snprintf(words, sizeof words, "--batch %s/state/dam/case.yaml --until 0.001 --set end_time=0.01 --out %s/state/dam",
              dialogue->home, dialogue->home);
     snprintf(who, sizeof who, "process %d on ", (int)dialogue->daemon);
-    assert_int_equal(run_daemon(dialogue, words, line), 1);
+    assert_int_equal(run_daemon(dialogue, words, line), MNS_EXIT_AGAIN);
     assert_non_null(strstr(line, who));
     assert_non_null(strstr(line, "state/dam"));
     assert_int_equal(kill(dialogue->daemon, SIGKILL), 0);
@@ -226,7 +227,7 @@ static void a_directory_is_free_after_stop_and_held_after_reset(void **state)
     snprintf(words, sizeof words, "--batch %s/state/dam/case.yaml --until 0.001 --set end_time=0.01 --out %s/state/dam",
              dialogue->home, dialogue->home);
     assert_int_equal(steer_code(dialogue, dialogue_reset()), MENISCUS__CODE__OK);
-    assert_int_equal(run_daemon(dialogue, words, line), 1);
+    assert_int_equal(run_daemon(dialogue, words, line), MNS_EXIT_AGAIN);
     assert_int_equal(steer_code(dialogue, dialogue_stop()), MENISCUS__CODE__OK);
     assert_int_equal(run_daemon(dialogue, words, line), 0);
 }
