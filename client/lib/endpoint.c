@@ -47,15 +47,15 @@ static bool is_host(const char *host, size_t size)
     return size > 0 && size <= 100 && strspn(host, letters) == size;
 }
 
-/* The telemetry socket is at PORT + 1, so the last port has no place for it. */
+/* Telemetry is at PORT + 1 and data at PORT + 2, so the last ports have no place for them. */
 static MnsStatus tcp_endpoint(const char *endpoint, char ret[MNS_ENDPOINT_SIZE], MnsError *error)
 {
     const char *host = endpoint + strlen("tcp://"), *colon = strrchr(host, ':');
     char *end = NULL;
     const long port = colon && colon[1] >= '0' && colon[1] <= '9' ? strtol(colon + 1, &end, 10) : 0;
-    if (port < 1 || port > 65534 || *end || !is_host(host, (size_t)(colon - host)))
+    if (port < 1 || port > 65533 || *end || !is_host(host, (size_t)(colon - host)))
         return mns_fail(error, MNS_E_INVALID,
-                        "\"%.200s\" is not an endpoint; allowed is tcp://HOST:PORT with 1 <= PORT <= 65534", endpoint);
+                        "\"%.200s\" is not an endpoint; allowed is tcp://HOST:PORT with 1 <= PORT <= 65533", endpoint);
     snprintf(ret, MNS_ENDPOINT_SIZE, "tcp://%.*s:%ld", (int)(colon - host), host, port);
     return MNS_OK;
 }

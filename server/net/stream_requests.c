@@ -143,6 +143,7 @@ static MnsStatus subscribe(Streams *streams, Asked *asked, const Meniscus__Subsc
     streams->first = stream;
     streams->n++;
     streams->options.traffic->open[stream->spec.kind]++;
+    if (stream->spec.kind == STREAM_SERIES) run_follow(streams->options.run, 1);
     answer_subscribe(streams, asked, stream);
     return MNS_OK;
 }

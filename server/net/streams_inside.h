@@ -41,6 +41,10 @@ bool streams_receive(Streams *streams);
 void streams_refresh(Streams *streams);
 bool streams_pump(Streams *streams);
 
+/* stream_latest.c, stream_lossless.c: begin the next item with its first message; STREAM_WAITS if there is none, or no credit for that. */
+StreamSent stream_begin_latest(Streams *streams, Stream *stream);
+StreamSent stream_begin_lossless(Streams *streams, Stream *stream);
+
 /* Find one of this connection; identity NULL: of any. */
 Stream *streams_find(Streams *streams, uint64_t id, const uint8_t *identity, size_t size);
 

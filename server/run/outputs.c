@@ -302,7 +302,7 @@ MnsStatus outputs_take(Outputs *outputs, const MnsSim *sim, Document *document, 
     if (checkpoint_due(outputs, output, t)) status = outputs_checkpoint(outputs, sim, document, NULL, error);
     if (status) return status;
     before->checkpoint = t;
-    if (clock_now() - outputs->wall_flush >= schedule_flush(outputs->flush_seconds))
+    if (clock_now() - outputs->wall_flush >= schedule_flush(outputs->flush_seconds, outputs->followers > 0))
         status = outputs_flush(outputs, error);
     return status ? status : writer_failure(outputs->writer, error);
 }

@@ -62,6 +62,7 @@ typedef struct Outputs {
     /* How long writing the series took the last time; the writer's to set. A crash may cost the samples since then, but
      * none before a checkpoint: a restart writes the later ones again. */
     _Atomic double flush_seconds;
+    _Atomic unsigned followers; /* who wait for new rows of it; any thread counts */
 
     /* Tell who ordered an output that it is written or failed; on the writer's thread. */
     void (*answer)(void *arg, Order *order, MnsStatus status, const MnsError *error);

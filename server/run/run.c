@@ -223,6 +223,11 @@ MnsStatus run_rows(Run *run, uint64_t line, uint64_t first, size_t most, size_t 
     return outputs_rows(&run->outputs, line, first, most, n_columns, columns, ret, error);
 }
 
+void run_follow(Run *run, int by)
+{
+    run->outputs.followers += (unsigned)by;
+}
+
 void run_ask(Run *run, Feed *feed)
 {
     tap_ask(run->tap, feed);

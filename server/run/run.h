@@ -85,6 +85,8 @@ Document *run_document(Run *run);
 /* What streams take. tap_ask() through this, so that a run that stands still wakes up for it. */
 Tap *run_tap(Run *run);
 void run_ask(Run *run, Feed *feed);
+void run_follow(Run *run,
+                int by); /* one more, or one less, waits for rows of the series: they get to the disk sooner */
 MnsStatus run_rows(Run *run, uint64_t line, uint64_t first, size_t most, size_t n_columns, const int *columns,
                    SeriesRows *ret, MnsError *error); /* as outputs_rows() */
 

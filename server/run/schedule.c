@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-static const double FLUSH_INTERVAL = 10, FLUSH_SHARE = 0.05;
+static const double FLUSH_INTERVAL = 10, FOLLOWED_INTERVAL = 1, FLUSH_SHARE = 0.05;
 
 /* Largest k with k * interval <= t. The quotient may round across an integer, so the product decides: then a boundary at
  * exactly k * interval counts as there, however the division went. */
@@ -24,7 +24,7 @@ bool schedule_due(double interval, double before, double t)
     return ticks(interval, t) > ticks(interval, before);
 }
 
-double schedule_flush(double seconds)
+double schedule_flush(double seconds, bool followed)
 {
-    return fmax(FLUSH_INTERVAL, seconds / FLUSH_SHARE);
+    return fmax(followed ? FOLLOWED_INTERVAL : FLUSH_INTERVAL, seconds / FLUSH_SHARE);
 }

@@ -12,7 +12,7 @@
 bool schedule_due(double interval, double before, double t);
 
 /* How long to wait at least [s] before something is written whole again that took so many seconds the last time: a growing file
- * then takes 5 % of its writer's time at most, however long the run. */
-double schedule_flush(double seconds);
+ * then takes 5 % of its writer's time at most, however long the run. followed: somebody waits for what is new in it. */
+double schedule_flush(double seconds, bool followed);
 
 #endif

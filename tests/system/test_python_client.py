@@ -273,7 +273,7 @@ class WithoutDaemon(unittest.TestCase):
                 meniscus.Client(daemon)
 
     def test_what_is_no_endpoint_is_refused(self) -> None:
-        for daemon in ("tcp://0.0.0.0:80", "tcp://127.0.0.1:65535", "../x", "udp://127.0.0.1:3"):
+        for daemon in ("tcp://0.0.0.0:80", "tcp://127.0.0.1:65534", "../x", "udp://127.0.0.1:3"):
             with self.assertRaises(meniscus.RefusedError):
                 meniscus.Client(daemon)
 

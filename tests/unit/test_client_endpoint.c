@@ -84,7 +84,7 @@ static void what_is_no_endpoint_is_invalid(void **state)
     static const char *const bad[] = {"tcp://127.0.0.1",
                                       "tcp://127.0.0.1:",
                                       "tcp://127.0.0.1:0",
-                                      "tcp://127.0.0.1:65535",
+                                      "tcp://127.0.0.1:65534",
                                       "tcp://10.0.0.1:80:80",
                                       "tcp://a b:80",
                                       "tcp://[::1:80",

@@ -58,9 +58,11 @@ static void absurd_intervals_end(void **state)
 static void what_takes_long_to_write_is_written_seldom(void **state)
 {
     (void)state;
-    assert_true(schedule_flush(0) == 10);
-    assert_true(schedule_flush(0.4) == 10);
-    assert_close(schedule_flush(3), 60, 1e-9);
+    assert_true(schedule_flush(0, false) == 10);
+    assert_true(schedule_flush(0.4, false) == 10);
+    assert_close(schedule_flush(3, false), 60, 1e-9);
+    assert_true(schedule_flush(0.01, true) == 1);
+    assert_close(schedule_flush(3, true), 60, 1e-9);
 }
 
 int main(void)

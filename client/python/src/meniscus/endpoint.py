@@ -26,7 +26,7 @@ def control_endpoint(daemon: Optional[str] = None) -> str:
     if chosen.startswith("ipc://") and len(chosen) > len("ipc://"):
         return chosen
     tcp = re.fullmatch(r"tcp://([a-zA-Z0-9.-]{1,100}|\[[0-9a-fA-F:.]+\]):([1-9][0-9]{0,4})", chosen)
-    if tcp and int(tcp[2]) < 65535 and tcp[1] != "0.0.0.0":
+    if tcp and int(tcp[2]) <= 65533 and tcp[1] != "0.0.0.0":
         return chosen
     if "/" in chosen or ":" in chosen or chosen.startswith("."):
         raise RefusedError("INVALID_ARGUMENT", f'"{chosen}" is neither a name nor ipc://PATH nor tcp://HOST:PORT')
