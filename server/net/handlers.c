@@ -2,116 +2,14 @@
 /* The commands of the protocol. The table says all; the functions before it take the request apart. */
 #include "net/handlers.h"
 
-#include "net/describe.h"
+#include "net/complete.h"
+#include "net/here.h"
 #include "net/look.h"
 #include "net/scheduled.h"
-#include "proto/case_file.h"
 #include "proto/states.h"
-#include <assert.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* --- HERE -------------------------------------------------------------------------------------------------------------- */
-
-static void answer_now(Run *run, Exchange *x, MnsStatus status, const MnsError *error)
-{
-    run_answer_now(run, &x->order, status, error);
-}
-
-/* status: NULL if there was no memory for it. */
-static void answer_status(Run *run, Exchange *x, const RunStatus *status)
-{
-    MnsError error;
-    x->reply->status = status ? describe_status(status) : NULL;
-    if (x->reply->status) x->reply->result_case = MENISCUS__REPLY__RESULT_STATUS;
-    answer_now(run, x, x->reply->status ? MNS_OK : mns_fail(&error, MNS_E_MEMORY, "no memory for the status"), &error);
-}
-
-static void serve_status_at_rest(Run *run, Order *order)
-{
-    RunStatus *status = malloc(sizeof *status);
-    if (status) run_status(run, status);
-    answer_status(run, (Exchange *)order, status);
-    free(status);
-}
-
-/* Here, but for the moment in which the runner hashes the state it was stopped at: then by the runner, right after that. */
-static void serve_status(Run *run, Exchange *x)
-{
-    RunStatus *status = malloc(sizeof *status);
-    if (status) run_status(run, status);
-    x->order.serve = serve_status_at_rest;
-    x->order.urgent = true;
-    const bool posted = status && status->hash_due && !run_post(run, &x->order, NULL);
-    if (!posted) answer_status(run, x, status);
-    free(status);
-}
-
-static void serve_capabilities(Run *run, Exchange *x)
-{
-    MnsError error;
-    const char *names[HANDLER_NAMES];
-    Document *document = run_document(run);
-    handler_names(names);
-    x->reply->capabilities = describe_capabilities(names, document);
-    document_leave(document);
-    if (x->reply->capabilities) x->reply->result_case = MENISCUS__REPLY__RESULT_CAPABILITIES;
-    answer_now(run, x, x->reply->capabilities ? MNS_OK : mns_fail(&error, MNS_E_MEMORY, "no memory"), &error);
-}
-
-enum { ENTRIES_MAX = 128 }; /* of one get or set; many times what can be set */
-
-/* One entry of the case as text, and as a number where it is one. */
-static MnsStatus get_entry(const Document *document, const char *path, Meniscus__Value **ret, MnsError *error)
-{
-    char *text, *end;
-    const char *unit;
-    const MnsStatus status = case_message_get(document->message, path, &text, &unit, error);
-    if (status) return status;
-    const double number = strtod(text, &end);
-    *ret = exchange_value(path, end != text && !*end ? number : NAN, text, unit);
-    free(text);
-    return MNS_OK;
-}
-
-/* Entries of a case into the reply. */
-static MnsStatus get_entries(const Document *document, Exchange *x, size_t n, const char *const *paths, MnsError *error)
-{
-    if (!document) return mns_fail(error, MNS_E_STATE, "there is no case; load one first");
-    Meniscus__Value **values = calloc(n + 1, sizeof(Meniscus__Value *));
-    MnsStatus status = values ? MNS_OK : mns_fail(error, MNS_E_MEMORY, "no memory for %zu values", n);
-    for (size_t k = 0; !status && k < n; k++) status = get_entry(document, paths[k], &values[k], error);
-    if (!status) return exchange_values(x, values, n, error);
-    exchange_values(x, values, n, NULL); /* frees them, as the one that failed is missing */
-    return status;
-}
-
-static void answer_get(Run *run, Exchange *x, size_t n, const char *const *paths)
-{
-    MnsError error;
-    Document *document = run_document(run);
-    answer_now(run, x, get_entries(document, x, n, paths, &error), &error);
-    document_leave(document);
-}
-
-/* Of an empty list: everything that can be set. */
-static void serve_get(Run *run, Exchange *x)
-{
-    const Meniscus__Get *get = x->request->get;
-    const CaseParameter *table;
-    const char *paths[ENTRIES_MAX];
-    size_t n = get->n_paths;
-    if (n) {
-        answer_get(run, x, n, (const char *const *)get->paths);
-        return;
-    }
-    table = case_parameters(&n);
-    assert(n <= ENTRIES_MAX);
-    for (size_t k = 0; k < n; k++) paths[k] = table[k].path;
-    answer_get(run, x, n, paths);
-}
 
 /* --- AT_STEP ----------------------------------------------------------------------------------------------------------- */
 
@@ -294,84 +192,6 @@ static void serve_cancel(Run *run, Exchange *x)
                &error);
 }
 
-/* --- completing replies ------------------------------------------------------------------------------------------------- */
-
-/* The entry keeps what was asked for, as a restart on another machine may have it. */
-static void note_threads(Exchange *x)
-{
-    char text[80];
-    const Order *order = &x->order;
-    const unsigned wanted = order->document->c->threads;
-    if (wanted <= order->threads || x->reply->message) return;
-    snprintf(text, sizeof text, "of %u threads asked for, %u are used", wanted, order->threads);
-    x->reply->message = strdup(text);
-}
-
-/* The values as this change left them, whatever has been changed since. */
-static MnsStatus complete_set(Exchange *x, MnsError *error)
-{
-    const Meniscus__Set *set = x->request->set;
-    const char *paths[ENTRIES_MAX];
-    for (size_t k = 0; k < set->n_assignments; k++) {
-        paths[k] = set->assignments[k]->path;
-        if (!strcmp(paths[k], "threads")) note_threads(x);
-    }
-    return get_entries(x->order.document, x, set->n_assignments, paths, error);
-}
-
-static MnsStatus complete_file(Exchange *x, MnsError *error)
-{
-    Meniscus__OutputFile *file = malloc(sizeof *file);
-    if (!file) return mns_fail(error, MNS_E_MEMORY, "no memory for the reply");
-    meniscus__output_file__init(file);
-    file->path = strdup(x->order.path);
-    file->has_step = true;
-    file->step = x->order.effect_step;
-    file->has_time = true;
-    file->time = x->order.effect_t;
-    x->reply->result_case = MENISCUS__REPLY__RESULT_OUTPUT;
-    x->reply->output = file;
-    return MNS_OK;
-}
-
-/* Where the files of the run are, or were. */
-static MnsStatus complete_directory(Exchange *x, MnsError *error)
-{
-    if (!x->order.path[0]) return MNS_OK; /* there was none */
-    x->reply->message = strdup(x->order.path);
-    return complete_file(x, error);
-}
-
-static MnsStatus complete_lease(Exchange *x, MnsError *error)
-{
-    const Lease *lease = &x->order.lease;
-    if (!lease->epoch) return MNS_OK; /* given back */
-    Meniscus__LeaseGrant *grant = malloc(sizeof *grant);
-    if (!grant) return mns_fail(error, MNS_E_MEMORY, "no memory for the reply");
-    meniscus__lease_grant__init(grant);
-    grant->has_epoch = grant->has_ttl_ms = true;
-    grant->epoch = lease->epoch;
-    grant->ttl_ms = lease->ttl_ms;
-    grant->holder = strdup(lease->holder);
-    x->reply->result_case = MENISCUS__REPLY__RESULT_LEASE;
-    x->reply->lease = grant;
-    return MNS_OK;
-}
-
-static MnsStatus complete_wait(Exchange *x, MnsError *error)
-{
-    const Meniscus__Wait *wait = x->request->wait;
-    Meniscus__WaitResult *result = malloc(sizeof *result);
-    if (!result) return mns_fail(error, MNS_E_MEMORY, "no memory for the reply");
-    meniscus__wait_result__init(result);
-    result->has_state_reached = true;
-    for (size_t k = 0; k < wait->n_states; k++)
-        if ((unsigned)wait->states[k] == (unsigned)x->order.state) result->state_reached = true;
-    x->reply->result_case = MENISCUS__REPLY__RESULT_WAIT;
-    x->reply->wait = result;
-    return MNS_OK;
-}
-
 /* --- the table --------------------------------------------------------------------------------------------------------- */
 
 enum {
@@ -396,9 +216,9 @@ _Static_assert(RUN_STATES == RUN_RECOVERING + 1, "all states are compared");
 /* clang-format off */
 static const Handler handlers[] = {
     /* request                    name            where    role           states                    traits                          by                  then                */
-    [REQUEST(STATUS)]       = { "status",       HERE,    ROLE_VIEWER,   ANY,                      0,                              serve_status,       NULL               },
-    [REQUEST(CAPABILITIES)] = { "capabilities", HERE,    ROLE_VIEWER,   ANY,                      0,                              serve_capabilities, NULL               },
-    [REQUEST(GET)]          = { "get",          HERE,    ROLE_VIEWER,   ANY,                      0,                              serve_get,          NULL               },
+    [REQUEST(STATUS)]       = { "status",       HERE,    ROLE_VIEWER,   ANY,                      0,                              here_status,        NULL               },
+    [REQUEST(CAPABILITIES)] = { "capabilities", HERE,    ROLE_VIEWER,   ANY,                      0,                              here_capabilities,  NULL               },
+    [REQUEST(GET)]          = { "get",          HERE,    ROLE_VIEWER,   ANY,                      0,                              here_get,           NULL               },
     [REQUEST(LOAD)]         = { "load",         AT_STEP, ROLE_ADMIN,    STILL | EMPTY,            CHANGES | LEASED,               serve_load,         complete_directory },
     [REQUEST(START)]        = { "start",        AT_STEP, ROLE_OPERATOR, READY,                    MOTION | CHANGES | LEASED,      serve_go,           NULL               },
     [REQUEST(RESUME)]       = { "resume",       AT_STEP, ROLE_OPERATOR, PAUSED | FAULT,           MOTION | CHANGES | LEASED,      serve_go,           NULL               },
