@@ -52,7 +52,9 @@ static void serve(Run *run, Order *order)
     }
     MnsStatus status = run_check_moment(run, order, &error);
     if (!status && order->request) status = run_journal_ready(run, order, &error);
-    if (!order->request || order->scheduled) run_commit(run); /* what it sees or writes is not undone by a crash */
+    /* What it sees or writes is not undone by a crash. Those who are to be answered at this boundary wait for all that is scheduled for it. */
+    if (!order->request) run_commit(run);
+    else if (order->scheduled) run_sync(run);
     if (status) run_answer(run, order, status, &error);
     else order->serve(run, order);
 }
