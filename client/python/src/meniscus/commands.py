@@ -138,11 +138,15 @@ def start(if_step: Optional[int] = None) -> Command[Reply]:
     return Command(pb.Request(start=pb.Start(), if_step=if_step), _reply)
 
 
+def _no_wait(wait: bool) -> Dict[str, Any]:
+    return {} if wait else {"no_wait": True}
+
+
 def pause(
     if_step: Optional[int] = None, at_step: Optional[int] = None, at_time: Optional[float] = None, wait: bool = True
 ) -> Command[Reply]:
     """Pause at the next step boundary. if_step, at_step, at_time, wait: as for set()."""
-    request = pb.Request(pause=pb.Pause(), if_step=if_step, at_step=at_step, at_time=at_time, no_wait=not wait or None)
+    request = pb.Request(pause=pb.Pause(), if_step=if_step, at_step=at_step, at_time=at_time, **_no_wait(wait))
     return Command(request, _reply)
 
 
@@ -269,7 +273,7 @@ def set(
     return Command(
         pb.Request(
             set=pb.Set(assignments=items), if_step=if_step, if_version=if_version,
-            at_step=at_step, at_time=at_time, no_wait=not wait or None,
+            at_step=at_step, at_time=at_time, **_no_wait(wait),
         ),
         _reply,
     )
@@ -286,7 +290,7 @@ def rollback(
     return Command(
         pb.Request(
             rollback=pb.Rollback(version=version), if_version=if_version,
-            at_step=at_step, at_time=at_time, no_wait=not wait or None,
+            at_step=at_step, at_time=at_time, **_no_wait(wait),
         ),
         _reply,
     )

@@ -132,7 +132,8 @@ class Flow(Dialogue):
 
     def _sealed(self, request: pb.StreamRequest) -> bytes:
         request.major, request.id = meniscus_pb2.PROTOCOL_MAJOR, os.urandom(16)
-        return request.SerializeToString()
+        sealed: bytes = request.SerializeToString()
+        return sealed
 
     def _tell(self, request: pb.StreamRequest) -> Steps:
         yield from self._send(self._sealed(request))
@@ -277,7 +278,7 @@ class Flow(Dialogue):
             self._check_arrays(item)
             self._first, self._offset = item, 0
             single = len(data) == item.size  # in the memory it was received in
-            self._bytes = data if single else memoryview(np.empty(item.size, np.uint8))
+            self._bytes = data if single else np.empty(item.size, np.uint8).data
         elif not self._first or self._first.sequence != item.sequence:
             return  # of an item that was given up
         if item.offset != self._offset or item.size != self._first.size or len(data) > item.size - item.offset:

@@ -20,7 +20,7 @@ def checked_size(manifest: pb.PackedArray, limit: int) -> int:
     """Bytes of the array once it is unpacked. CorruptError if the manifest contradicts itself, MeniscusError beyond the limit."""
     if manifest.type not in TYPES or manifest.codec not in pb.Codec.values():
         raise MeniscusError("UNIMPLEMENTED", f'the array "{manifest.name}" is of a type or codec that is not known here')
-    size = math.prod(manifest.shape) * np.dtype(manifest.type).itemsize
+    size: int = math.prod(manifest.shape) * np.dtype(manifest.type).itemsize
     if size > limit:
         raise MeniscusError("RESOURCE_EXHAUSTED", f'the array "{manifest.name}" is larger than the {limit} bytes there is room for')
     if len(manifest.shape) > 4 or manifest.raw_bytes != size or not manifest.HasField("xxh64"):
@@ -68,8 +68,9 @@ def _check_quantisation(manifest: pb.PackedArray) -> None:
 
 def _plain_size(manifest: pb.PackedArray) -> int:
     quantised = manifest.HasField("quantisation")
-    number = manifest.quantisation.width if quantised else np.dtype(manifest.type).itemsize
-    return math.prod(manifest.shape) * number
+    number: int = manifest.quantisation.width if quantised else np.dtype(manifest.type).itemsize
+    count: int = math.prod(manifest.shape)
+    return count * number
 
 
 def _decode(manifest: pb.PackedArray, packed: Bytes) -> Bytes:

@@ -8,12 +8,13 @@ from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
+from . import packing_pb2
 from . import stream_pb2 as pb
 from .errors import RefusedError
 from .packing import codec_module
 
 KINDS = ("probes", "fields", "events", "series", "snapshots")
-CODECS = {"none": 0, "lz4": 1, "zstd": 2}
+CODECS = {"none": packing_pb2.CODEC_NONE, "lz4": packing_pb2.CODEC_LZ4, "zstd": packing_pb2.CODEC_ZSTD}
 Exactness = Union[None, str, float, Mapping[str, Union[str, float]]]
 
 
@@ -160,4 +161,4 @@ def _say_when(
     given = {"every_steps": every_steps, "interval": interval, "max_hz": max_hz, "first": first or None}
     when = {name: value for name, value in given.items() if value is not None}
     if when:
-        wish.when.CopyFrom(pb.When(**when))
+        wish.when.CopyFrom(pb.When(**when))  # type: ignore[arg-type]
