@@ -173,7 +173,9 @@ static void end_pending(Replay *replay, const Meniscus__Request *request)
 {
     for (size_t k = 0; k < replay->n_pending; k++) {
         const ProtobufCBinaryData *id = &replay->pending[k].request->id;
-        if (id->len != request->id.len || memcmp(id->data, request->id.data, id->len) != 0) continue;
+        if (replay->pending[k].until != UINT64_MAX || id->len != request->id.len ||
+            memcmp(id->data, request->id.data, id->len) != 0)
+            continue;
         replay->pending[k] = replay->pending[--replay->n_pending];
         return;
     }
@@ -183,10 +185,12 @@ static void end_pending(Replay *replay, const Meniscus__Request *request)
 static double pending_limit(const Replay *replay)
 {
     double limit = INFINITY;
-    const uint64_t step = mns_sim_progress(replay->sim).step;
+    const MnsProgress now = mns_sim_progress(replay->sim);
+    const uint64_t step = now.step;
     for (size_t k = 0; k < replay->n_pending; k++) {
         const Pending *pending = &replay->pending[k];
-        if (pending->request->has_at_time && step < pending->until) limit = fmin(limit, pending->request->at_time);
+        if (pending->request->has_at_time && step < pending->until && pending->request->at_time > now.t)
+            limit = fmin(limit, pending->request->at_time);
     }
     return limit;
 }

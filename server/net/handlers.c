@@ -342,7 +342,8 @@ MnsStatus handle(Run *run, Exchange *exchange, MnsError *error)
     exchange->order.if_version = request->has_if_version ? request->if_version : 0;
     exchange->order.lease_epoch = request->has_lease_epoch ? request->lease_epoch : 0;
     exchange->order.leased = handler->traits & LEASED;
-    exchange->order.urgent = handler->traits & URGENT;
+    /* What is scheduled keeps its place among the others, and after a crash comes behind the load that brings the run back. */
+    exchange->order.urgent = handler->traits & URGENT && !exchange->order.scheduled;
     exchange->order.motion = handler->traits & MOTION;
     exchange->order.serve = serve_at_step;
     exchange->order.seal = seal;

@@ -52,6 +52,13 @@ static bool is_any(const Order *order, const void *arg)
     return true;
 }
 
+bool agenda_is_due(const Agenda *agenda, MnsProgress now)
+{
+    for (const Order *order = agenda->first; order; order = order->next)
+        if (is_due(order, &now)) return true;
+    return false;
+}
+
 Order *agenda_take_due(Agenda *agenda, MnsProgress now)
 {
     return take(agenda, is_due, &now);

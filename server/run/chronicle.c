@@ -102,6 +102,8 @@ static void note_ahead(Run *run, Meniscus__JournalRecord__Kind kind, Order *orde
     Record record = MENISCUS__JOURNAL_RECORD__INIT;
     if (!order->request || !run->journal) return;
     record.step = mns_sim_progress(run->sim).step;
+    record.has_state = kind == MENISCUS__JOURNAL_RECORD__KIND__SCHEDULED;
+    record.state = (Meniscus__State)run->state;
     set_time(run, &record);
     add_of_order(run, kind, &record, order);
     order->begun = run->uncommitted = true;
@@ -286,7 +288,8 @@ MnsStatus run_journal_ready(Run *run, const Order *order, MnsError *error)
 {
     if (begins_anew(order)) run_commit(run); /* it takes long, and may lead to another journal */
     const bool elsewhere = order->request->command_case == MENISCUS__REQUEST__COMMAND_LOAD;
-    if (!run->journal || order->urgent || elsewhere) return MNS_OK; /* what halts a run is always possible */
+    const bool halts = order->appointed && order->request->command_case == MENISCUS__REQUEST__COMMAND_PAUSE;
+    if (!run->journal || order->urgent || halts || elsewhere) return MNS_OK; /* what halts a run is always possible */
     const size_t size =
         3 * meniscus__request__get_packed_size(order->request); /* itself, what it changed, what is replied */
     return journal_reserve(run->journal, size + (run->document ? run->document->size : 0) + ROOM_BESIDES, error);
@@ -305,7 +308,7 @@ static MnsStatus sync_journal(Run *run, MnsError *error)
 /* What changed nothing is as it was answered. */
 static void tell_unwritten(Run *run, Order *order, const MnsError *why)
 {
-    if (order->status || !order->request) return;
+    if (order->status || !order->request || order->durable) return;
     order->status = mns_fail(&order->error, why->status,
                              "it was done, but the journal cannot be written, so the run is halted; resume tries the "
                              "journal again: %.300s",
@@ -335,6 +338,7 @@ void run_sync(Run *run)
     run->journal_tally.seconds += clock_now() - began;
     run->journal_tally.failures += status != MNS_OK;
     if (!status && run->current_due) note_current(run);
+    for (Order *order = run->unsaid; order && !status; order = order->next) order->durable = true;
     if (!status) return;
     if (run->sim && run->state != RUN_FAULT) run_fault(run, &error, true);
     for (Order *order = run->unsaid; order; order = order->next) tell_unwritten(run, order, &error);

@@ -113,12 +113,27 @@ static bool end_scheduled(const Lineage *lineage, const Record *record)
     return false;
 }
 
+static void come_to(Lineage *lineage, const Record *record)
+{
+    if (record->step > lineage->step) lineage->step = record->step;
+}
+
+/* A breakpoint or an output that failed has halted the run, of which no record tells. */
+static void halt(Lineage *lineage, RunState state)
+{
+    if (state == RUN_READY || state == RUN_PAUSED || state == RUN_DONE) lineage->state = state;
+}
+
 /* A command that was done, or a step or run_until that ended, well or not. */
 static MnsStatus take_command(Lineage *lineage, const Record *record, MnsError *error)
 {
     const Meniscus__Request *request = record->request;
     LineageEntry entry = {.step = record->step, .request = request};
-    if (end_scheduled(lineage, record) && !history_done_well(record)) return MNS_OK;
+    if (end_scheduled(lineage, record) && !history_done_well(record)) {
+        come_to(lineage, record); /* its time has shortened a step all the same */
+        if (record->reply) halt(lineage, (RunState)record->reply->state);
+        return MNS_OK;
+    }
     lineage->state = record->reply ? (RunState)record->reply->state : RUN_PAUSED;
     if (lineage->state == RUN_RECOVERING)
         lineage->state = RUN_PAUSED; /* what was under way was called off before the run was back */
@@ -161,6 +176,7 @@ static MnsStatus take_scheduled(Lineage *lineage, const Record *record, MnsError
         .step = record->step, .request = record->request, .scheduled = true, .until = UINT64_MAX, .who = record->who};
     lineage->untouched = false;
     lineage->step = record->step;
+    if (record->has_state) halt(lineage, (RunState)record->state);
     return add(lineage, entry, error);
 }
 
@@ -214,13 +230,14 @@ static bool is_past(const Lineage *lineage, size_t k, uint64_t checkpoint)
     return false;
 }
 
-double lineage_limit(const Lineage *lineage, uint64_t step)
+double lineage_limit(const Lineage *lineage, uint64_t step, double t)
 {
     double limit = INFINITY;
     for (size_t k = 0; k < lineage->n; k++) {
         const LineageEntry *entry = &lineage->entries[k];
         const bool holds = entry->scheduled && entry->step <= step && step < entry->until;
-        if (holds && entry->request->has_at_time) limit = fmin(limit, entry->request->at_time);
+        if (holds && entry->request->has_at_time && entry->request->at_time > t)
+            limit = fmin(limit, entry->request->at_time);
     }
     return limit;
 }

@@ -43,7 +43,7 @@ MnsStatus lineage_of(const History *history, Lineage *ret, MnsError *error);
 void lineage_done(Lineage *lineage);
 
 /* The time to which what was scheduled shortened the step that followed the boundary of this step [s]; INFINITY: to none. */
-double lineage_limit(const Lineage *lineage, uint64_t step);
+double lineage_limit(const Lineage *lineage, uint64_t step, double t);
 
 /* Must entry k be done again by a run that goes on from a checkpoint of this step? Checkpoints have what was set, and nothing else. */
 bool lineage_needs(const Lineage *lineage, size_t k, uint64_t checkpoint);

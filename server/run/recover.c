@@ -44,7 +44,7 @@ static MnsStatus step_again(Run *run, bool *ret_output, MnsError *error)
 {
     const double end = run->document->c->end_time;
     const MnsProgress now = mns_sim_progress(run->sim);
-    const double limit = fmin(run->recovery.limit, lineage_limit(run->recovery.lineage, now.step));
+    const double limit = fmin(run->recovery.limit, lineage_limit(run->recovery.lineage, now.step, now.t));
     if (now.t < end) return run_step_once(run, fmin(limit, end), ret_output, error);
     return mns_fail(error, MNS_E_INTERNAL, "the end time was reached before step %" PRIu64 " of the journal",
                     run->recovery.lineage->step);

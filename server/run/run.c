@@ -52,18 +52,20 @@ static void serve(Run *run, Order *order)
     }
     MnsStatus status = run_check_moment(run, order, &error);
     if (!status && order->request) status = run_journal_ready(run, order, &error);
-    /* What it sees or writes is not undone by a crash. Those who are to be answered at this boundary wait for all that is scheduled for it. */
-    if (!order->request) run_commit(run);
-    else if (order->scheduled) run_sync(run);
+    if (!order->request) run_commit(run); /* what it sees or writes is not undone by a crash */
     if (status) run_answer(run, order, status, &error);
     else order->serve(run, order);
 }
 
-/* Those whose moment this boundary is, before whoever wanted the run to come here is answered: then the case is as it was to be from here on. In FAULT it is not complete, or its files are not: they wait until it is. */
+/* Those whose moment this boundary is, before whoever wanted the run to come here is answered: then the case is as it was to be from here on.
+ * What they see or write is on the disk before, so that no crash undoes it. In FAULT the case is not complete, or its files are not: they wait
+ * until it is. */
 static void keep_appointments(Run *run)
 {
     bool any = false;
-    while (run->agenda.n && !run->leaving) {
+    while (agenda_is_due(&run->agenda, run->sim ? mns_sim_progress(run->sim) : (MnsProgress){.t = 0}) &&
+           !run->leaving) {
+        run_sync(run);
         const bool whole =
             run->state == RUN_READY || run->state == RUN_RUNNING || run->state == RUN_PAUSED || run->state == RUN_DONE;
         Order *order = whole ? agenda_take_due(&run->agenda, mns_sim_progress(run->sim)) : NULL;

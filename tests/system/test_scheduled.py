@@ -307,6 +307,22 @@ class Scheduled(DaemonTest):
         self.assertEqual(self.pending(), [])
         self.replays()
 
+    def test_a_pause_is_pending_still_after_a_kill(self) -> None:
+        for k in range(4):
+            self.say(self.socket, pause=pb.Pause(), at_step=100 * (k + 1), no_wait=True)
+            self.hear(self.socket)
+            self.say(self.socket, set=set_gravity(f"[0, {-2 - k}]"), at_step=100 * (k + 1), no_wait=True)
+            self.hear(self.socket)
+            pending = self.pending()
+            self.assertEqual(len(pending), 2)
+            self.back()
+            self.assertEqual(self.pending(), pending, "all of it, in the order of acceptance")
+            self.give(**{"resume" if k else "start": pb.Resume() if k else pb.Start()})
+            self.say(self.socket, wait=pb.Wait(states=[pb.PAUSED]))
+            self.assertEqual(self.hear(self.socket).step, 100 * (k + 1))
+            self.assertEqual(self.gravity(), f"[0, {-2 - k}]")
+        self.replays()
+
     def time_now(self) -> float:
         return float(self.give(status=pb.GetStatus()).time)
 

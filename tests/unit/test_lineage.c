@@ -248,18 +248,20 @@ static void what_is_scheduled_waits_until_a_record_tells_what_came_of_it(void **
     const Lineage *lineage = read(book, MNS_OK);
     assert_int_equal(count_pending(lineage), 2);
     assert_int_equal(lineage->state, RUN_RUNNING);
-    assert_true(isinf(lineage_limit(lineage, 9)));
-    assert_true(lineage_limit(lineage, 10) == 0.3);
+    assert_true(isinf(lineage_limit(lineage, 9, 0)));
+    assert_true(lineage_limit(lineage, 10, 0) == 0.3);
+    assert_true(lineage_limit(lineage, 10, 0.3) == 0.5); /* what is past shortens nothing */
     add_outcome(book, first, 30, MENISCUS__CODE__OK);
     lineage = read(book, MNS_OK);
     assert_int_equal(count_pending(lineage), 1);
-    assert_true(lineage_limit(lineage, 29) == 0.3);
-    assert_true(lineage_limit(lineage, 30) == 0.5);
+    assert_true(lineage_limit(lineage, 29, 0) == 0.3);
+    assert_true(lineage_limit(lineage, 30, 0) == 0.5);
     assert_ptr_equal(lineage->entries[lineage->n - 1].request, first->request); /* and it is done again */
     add_outcome(book, second, 40, MENISCUS__CODE__ABORTED);
     lineage = read(book, MNS_OK);
     assert_int_equal(count_pending(lineage), 0);
-    assert_true(isinf(lineage_limit(lineage, 40)));
+    assert_int_equal(lineage->step, 40); /* its time has shortened a step there all the same */
+    assert_true(isinf(lineage_limit(lineage, 40, 0)));
     assert_false(lineage->entries[lineage->n - 1].request == second->request &&
                  !lineage->entries[lineage->n - 1].scheduled); /* and it is not */
 }
@@ -281,14 +283,14 @@ static void what_is_scheduled_outlives_two_crashes_but_no_restore(void **state)
     comeback->again = book->all_again;
     const Lineage *lineage = read(book, MNS_OK);
     assert_int_equal(count_pending(lineage), 1);
-    assert_true(lineage_limit(lineage, 10) == 0.5);
-    assert_true(lineage_limit(lineage, 20) == 0.5);
+    assert_true(lineage_limit(lineage, 10, 0) == 0.5);
+    assert_true(lineage_limit(lineage, 20, 0) == 0.5);
     Record *restore = add(book, MENISCUS__REQUEST__COMMAND_RESTORE, 15, MENISCUS__STATE__READY);
     restore->case_ = &book->stored;
     lineage = read(book, MNS_OK);
     assert_int_equal(count_pending(lineage), 0);
-    assert_true(lineage_limit(lineage, 14) == 0.5); /* the steps before were shortened by it all the same */
-    assert_true(isinf(lineage_limit(lineage, 15)));
+    assert_true(lineage_limit(lineage, 14, 0) == 0.5); /* the steps before were shortened by it all the same */
+    assert_true(isinf(lineage_limit(lineage, 15, 0)));
 }
 
 #define TEST(name) cmocka_unit_test_setup_teardown(name, begin, end)
