@@ -91,10 +91,9 @@ static MnsStatus read_table(const Source *s, Table *table)
 
 /* --- writing -------------------------------------------------------------------------------------------------------------- */
 
-static void write_heading(const Column *column, int k, FILE *out)
+static void write_heading(const Column *column, int k, bool is_position, FILE *out)
 {
     static const char axes[] = "xyz";
-    const bool is_position = !strcmp(column->name, "position");
     if (is_position) fputc(axes[k], out);
     else if (column->components == 1) fputs(column->name, out);
     else if (column->components == 3) fprintf(out, "%s_%c", column->name, axes[k]);
@@ -109,7 +108,7 @@ static bool write_csv(FILE *out, const void *arg)
     for (size_t c = 0; c < table->n; c++)
         for (int k = 0; k < table->column[c].components; k++) {
             if (c || k) fputc(',', out);
-            write_heading(&table->column[c], k, out);
+            write_heading(&table->column[c], k, table->is_particles && !c, out);
         }
     fputc('\n', out);
     for (size_t i = 0; i < table->rows; i++) {

@@ -2,6 +2,7 @@
 /* Files of HDF5 from outside, of which nothing is believed. */
 #include "client/cli/hdf_source.h"
 #include <errno.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -107,8 +108,9 @@ MnsStatus source_numbers(const Source *s, const char *name, size_t rows, int *re
     double *values = NULL;
     MnsStatus status = MNS_OK;
     if (dataset < 0 || !shape_of(dataset, shape) || shape[0] != rows) status = source_damaged(s, name);
+    else if (rows >= UINT32_MAX) status = mns_fail(s->error, MNS_E_LIMIT, "%s has more rows than can be read", s->path);
     else if (!(values = malloc((rows ? rows : 1) * shape[1] * sizeof *values)))
-        status = mns_fail(s->error, MNS_E_MEMORY, "there is no memory for %zu particles", rows);
+        status = mns_fail(s->error, MNS_E_MEMORY, "there is no memory for %zu rows", rows);
     else if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
         status = source_damaged(s, name);
     if (dataset >= 0) H5Dclose(dataset);
