@@ -170,6 +170,7 @@ static void codes_become_statuses_with_sentence_and_path(void **state)
     Fixture *fixture = *state;
     for (size_t k = 0; k < sizeof table / sizeof *table; k++) {
         MnsError error = {0};
+        settle(fixture);
         fixture->code = table[k].code;
         fixture->path = "fluids[1].density";
         settle(fixture);
@@ -195,6 +196,7 @@ static void the_reason_is_more_exact_than_the_code(void **state)
     fixture->reason = "diverged";
     settle(fixture);
     assert_int_equal(mns_client_step(fixture->client, 1, NULL, NULL), MNS_E_DIVERGED);
+    settle(fixture);
     fixture->reason = "of a kind yet to come";
     settle(fixture);
     assert_int_equal(mns_client_step(fixture->client, 1, NULL, NULL), MNS_E_INTERRUPTED);

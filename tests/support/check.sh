@@ -110,20 +110,20 @@ house() {
 }
 
 style() {
-    run tests "vector loops" 150 tests/support/vectorised.sh
-    run tests "lint" 400 tests/support/lint.sh
+    run tests "vector loops" 300 tests/support/vectorised.sh
+    run tests "lint" 800 tests/support/lint.sh
 }
 
 # The thread sanitizer's build is clang's too: what clang warns of breaks it.
 sanitizers() {
-    run step "build with address sanitizer" 300 make -s -j"$jobs" BUILD="$BUILD/asan" SANITIZE=address,undefined all tests
-    run tests "address and undefined-behaviour sanitizers" 300 env BUILD="$BUILD/asan" tests/support/sanitize.sh address
-    run step "build with clang and thread sanitizer" 300 make -s -j"$jobs" BUILD="$BUILD/tsan" CC=clang SANITIZE=thread raced
-    run tests "thread sanitizer" 300 env BUILD="$BUILD/tsan" tests/support/sanitize.sh thread
+    run step "build with address sanitizer" 600 make -s -j"$jobs" BUILD="$BUILD/asan" SANITIZE=address,undefined all tests
+    run tests "address and undefined-behaviour sanitizers" 600 env BUILD="$BUILD/asan" tests/support/sanitize.sh address
+    run step "build with clang and thread sanitizer" 600 make -s -j"$jobs" BUILD="$BUILD/tsan" CC=clang SANITIZE=thread raced
+    run tests "thread sanitizer" 600 env BUILD="$BUILD/tsan" tests/support/sanitize.sh thread
 }
 
 fuzzing() {
-    run step "build with libFuzzer" 300 make -s -j"$jobs" BUILD="$BUILD/fuzz" CC=clang SANITIZE=address,undefined,fuzzer-no-link fuzz-programs
+    run step "build with libFuzzer" 600 make -s -j"$jobs" BUILD="$BUILD/fuzz" CC=clang SANITIZE=address,undefined,fuzzer-no-link fuzz-programs
     run tests "fuzz targets" 60 env BUILD="$BUILD/fuzz" tests/support/fuzz.sh 8
 }
 
