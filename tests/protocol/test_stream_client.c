@@ -33,7 +33,7 @@ typedef struct Fixture {
     FakeStreams *streams;
     MnsClient *client;
     _Atomic Manner manner;
-    bool files;
+    atomic_bool files;
     atomic_uint subscribed, resumed, cancelled, unsubscribed;
     _Atomic uint64_t granted, sent, from_row, from_offset;
     uint64_t sequence, offset; /* of the item under way */
