@@ -48,6 +48,7 @@ typedef struct Stream {
     uint64_t generation;
     Channel *channel;    /* of LATEST                                             */
     Feed *first;         /* for one item at once, before those of the channel     */
+    bool first_due;      /* it is closed, and opened again by a resume            */
     StreamItem *head;    /* that item, until it is begun                          */
     uint64_t at_once;    /* one more than the step it was of: the channel need not send that again; 0: none */
     StreamItem *item;    /* begun last; kept until the next, for a resume         */

@@ -162,6 +162,16 @@ static StreamSent probe(Streams *streams, Stream *stream)
     return stream_post_probe(&streams->post, stream);
 }
 
+/* Nobody is there: what the run may have for it is not kept from others. */
+static void leave_alone(Streams *streams, Stream *stream)
+{
+    stream->gone = true;
+    stream->moved = clock_now();
+    stream->first_due = stream->first != NULL;
+    if (stream->first) tap_close(run_tap(streams->options.run), stream->first);
+    stream->first = NULL;
+}
+
 static bool pump(Streams *streams, Stream *stream)
 {
     if (stream->gone) return false;
@@ -175,10 +185,7 @@ static bool pump(Streams *streams, Stream *stream)
         stream->looked = 0;
         return true;
     case STREAM_MORE: return true;
-    case STREAM_GONE:
-        stream->gone = true;
-        stream->moved = clock_now();
-        return false;
+    case STREAM_GONE: leave_alone(streams, stream); return false;
     case STREAM_FAILED: give_up(streams, stream); break;
     case STREAM_WAITS: break;
     }

@@ -243,6 +243,14 @@ class Streams(DaemonTest):
             item = self.taker.item(5)
             self.assertEqual((item.head.step, item.head.skipped), (k, 0))
 
+    def test_who_asks_for_an_item_at_once_and_does_not_take_it_keeps_it_from_nobody(self) -> None:
+        for _ in range(6):
+            self.new_taker().subscribe(fields=fields("position"), when=sb.When(first=True))
+            time.sleep(0.1)  # so that each would have a state of its own
+            self.meniscus("step", "1")
+        self.taker.subscribe(fields=fields("position"), when=sb.When(first=True), credit=PLENTY)
+        self.assertEqual(self.taker.item(5).head.step, 6)
+
     def test_after_an_unsubscribe_nothing_comes(self) -> None:
         stream = self.taker.subscribe(fields=fields("position"), when=sb.When(every_steps=1), credit=PLENTY).stream
         self.assertEqual(self.taker.ask(unsubscribe=sb.Unsubscribe(stream=stream)).code, 0)
