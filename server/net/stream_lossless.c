@@ -20,6 +20,7 @@ static bool leave_line(Stream *stream, const StreamCursor *now)
     left->line = stream->cursor.line;
     left->has_row = stream->spec.kind == STREAM_SERIES;
     left->row = now->row;
+    free(stream->abandoned); /* of an item that was cancelled before it was told */
     stream->abandoned = left;
     stream->looked = 0;
     stream->cursor = *now;
@@ -41,8 +42,8 @@ static bool begin_rows(Streams *streams, Stream *stream)
     if (stream->books.credit < HEAD + width || streams->memory >= streams->limit) return false;
     const uint64_t paid = stream->books.credit - HEAD, room = paid < spec->chunk ? paid : spec->chunk;
     const size_t most = room / width ? room / width : 1;
-    if (run_rows(streams->options.run, cursor->given ? cursor->line : 0, cursor->row, most, spec->n, spec->columns,
-                 &rows, NULL))
+    if (run_rows(streams->options.run, streams->now.document, cursor->given ? cursor->line : 0, cursor->row, most,
+                 spec->n, spec->columns, &rows, NULL))
         return false;
     const StreamCursor next = {.line = rows.line, .row = rows.first + rows.n, .given = true};
     if (rows.left) return leave_line(stream, &next);

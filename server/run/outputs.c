@@ -77,10 +77,11 @@ static MnsStatus move_in(Opening *opening, const Outputs *outputs, MnsError *err
     return status;
 }
 
-static void put_series(Outputs *outputs, Series *series)
+static void put_series(Outputs *outputs, Series *series, Document *document)
 {
     pthread_mutex_lock(&outputs->series_lock);
     outputs->series = series;
+    outputs->document = document;
     pthread_mutex_unlock(&outputs->series_lock);
 }
 
@@ -90,11 +91,10 @@ static void take_over(Outputs *outputs, const Opening *opening, Document *docume
     const bool goes_on = opening->goes_on;
     snprintf(outputs->directory, sizeof outputs->directory, "%s", opening->directory);
     memcpy(outputs->aside, opening->aside, sizeof outputs->aside);
-    put_series(outputs, opening->series);
+    put_series(outputs, opening->series, document_share(document));
     outputs->reserve = opening->reserve;
     outputs->rescued = false;
     outputs->state_size = opening->state_size;
-    outputs->document = document_share(document);
     outputs->sample.taken = false;
     outputs->timers[OUTPUTS_PROBES] = (MnsTimer){.name = "probes"};
     outputs->timers[OUTPUTS_CAPTURES] = (MnsTimer){.name = "captures"};
@@ -142,10 +142,10 @@ MnsStatus outputs_close(Outputs *outputs, MnsError *error)
     writer_discard(outputs->writer);
     mns_capture_free(atomic_exchange(&outputs->spare, NULL));
     Series *series = outputs->series;
-    put_series(outputs, NULL);
+    Document *document = outputs->document;
+    put_series(outputs, NULL, NULL);
     series_free(series);
-    document_leave(outputs->document);
-    outputs->document = NULL;
+    document_leave(document);
     reserve_release(&outputs->reserve);
     outputs->directory[0] = 0;
     return status;
@@ -169,13 +169,14 @@ static MnsStatus copy_rows(const Series *series, size_t n_columns, const int *co
     return mns_fail(error, MNS_E_MEMORY, "no memory for %zu rows", n);
 }
 
-MnsStatus outputs_rows(Outputs *outputs, uint64_t line, uint64_t first, size_t most, size_t n_columns,
-                       const int *columns, SeriesRows *ret, MnsError *error)
+MnsStatus outputs_rows(Outputs *outputs, const Document *document, uint64_t line, uint64_t first, size_t most,
+                       size_t n_columns, const int *columns, SeriesRows *ret, MnsError *error)
 {
     MnsStatus status = MNS_OK;
     pthread_mutex_lock(&outputs->series_lock);
     const Series *series = outputs->series;
     if (!series) status = mns_fail(error, MNS_E_STATE, "there is no series of probes");
+    else if (outputs->document != document) status = mns_fail(error, MNS_E_STATE, "the series is of another case");
     else {
         const size_t end = line ? series_line_end(series, line) : SIZE_MAX, saved = series_saved(series);
         *ret = (SeriesRows){.line = series_line(series), .first = first};

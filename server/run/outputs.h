@@ -42,7 +42,7 @@ typedef struct Outputs {
     Writer *writer;
     Outbox *outbox;
     Series *series;              /* the writer's thread only, and outputs_rows(); NULL without probes */
-    pthread_mutex_t series_lock; /* while it is looked at there, changed or replaced              */
+    pthread_mutex_t series_lock; /* while it is looked at there, changed or replaced, with the document */
     Document *document;          /* that the series was opened with, and borrows from; NULL when closed */
     char aside[RUNDIR_PATH];     /* where outputs_open() moved files to; empty if there were none */
     Reserve reserve;             /* for what a full disk must not cost; the writer's thread only        */
@@ -104,9 +104,9 @@ typedef struct SeriesRows {
 } SeriesRows;
 
 /* At most so many from row `first` of a line on, 0 for whatever line there is. n is 0 if there are none yet. Any thread. MNS_E_STATE: there is
- * no series; MNS_E_MEMORY. */
-MnsStatus outputs_rows(Outputs *outputs, uint64_t line, uint64_t first, size_t most, size_t n_columns,
-                       const int *columns, SeriesRows *ret, MnsError *error);
+ * no series, or it is of another document, whose columns may be others; MNS_E_MEMORY. */
+MnsStatus outputs_rows(Outputs *outputs, const Document *document, uint64_t line, uint64_t first, size_t most,
+                       size_t n_columns, const int *columns, SeriesRows *ret, MnsError *error);
 
 /* Have the series written soon. */
 MnsStatus outputs_flush(Outputs *outputs, MnsError *error);

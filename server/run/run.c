@@ -221,10 +221,10 @@ Tap *run_tap(Run *run)
     return run->tap;
 }
 
-MnsStatus run_rows(Run *run, uint64_t line, uint64_t first, size_t most, size_t n_columns, const int *columns,
-                   SeriesRows *ret, MnsError *error)
+MnsStatus run_rows(Run *run, const Document *document, uint64_t line, uint64_t first, size_t most, size_t n_columns,
+                   const int *columns, SeriesRows *ret, MnsError *error)
 {
-    return outputs_rows(&run->outputs, line, first, most, n_columns, columns, ret, error);
+    return outputs_rows(&run->outputs, document, line, first, most, n_columns, columns, ret, error);
 }
 
 void run_follow(Run *run, int by)

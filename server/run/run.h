@@ -87,8 +87,8 @@ Tap *run_tap(Run *run);
 void run_ask(Run *run, Feed *feed);
 void run_follow(Run *run,
                 int by); /* one more, or one less, waits for rows of the series: they get to the disk sooner */
-MnsStatus run_rows(Run *run, uint64_t line, uint64_t first, size_t most, size_t n_columns, const int *columns,
-                   SeriesRows *ret, MnsError *error); /* as outputs_rows() */
+MnsStatus run_rows(Run *run, const Document *document, uint64_t line, uint64_t first, size_t most, size_t n_columns,
+                   const int *columns, SeriesRows *ret, MnsError *error); /* as outputs_rows() */
 
 /* A number that rises with every step, and while the run has nothing to do; it stands still if the solver hangs. */
 uint64_t run_heartbeat(Run *run);
