@@ -168,6 +168,7 @@ MnsStatus series_begin_line(Series *series, MnsError *error)
     clock_gettime(CLOCK_REALTIME, &now);
     lines->id[lines->n] = (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
     lines->row[lines->n++] = series->n;
+    if (series->n) series->changed = true;
     return MNS_OK;
 }
 

@@ -189,6 +189,16 @@ MnsStatus outputs_rows(Outputs *outputs, const Document *document, uint64_t line
     return status;
 }
 
+MnsStatus outputs_begin_line(Outputs *outputs, MnsError *error)
+{
+    if (!outputs->series) return MNS_OK;
+    writer_drain(outputs->writer, NULL); /* all rows until now are of the line before */
+    pthread_mutex_lock(&outputs->series_lock);
+    const MnsStatus status = series_begin_line(outputs->series, error);
+    pthread_mutex_unlock(&outputs->series_lock);
+    return status;
+}
+
 /* --- what is due ------------------------------------------------------------------------------------------------------- */
 
 static void book(MnsTimer *timer, double began)

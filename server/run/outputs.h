@@ -108,6 +108,9 @@ typedef struct SeriesRows {
 MnsStatus outputs_rows(Outputs *outputs, const Document *document, uint64_t line, uint64_t first, size_t most,
                        size_t n_columns, const int *columns, SeriesRows *ret, MnsError *error);
 
+/* What is on the disk, or was sent, of rows after these is of another time line. MNS_E_MEMORY. */
+MnsStatus outputs_begin_line(Outputs *outputs, MnsError *error);
+
 /* Have the series written soon. */
 MnsStatus outputs_flush(Outputs *outputs, MnsError *error);
 

@@ -73,7 +73,8 @@ static void arrive(Run *run)
     MnsError error;
     const Lineage *lineage = run->recovery.lineage;
     const RunState state = lineage->state;
-    if (run_remember(run, lineage, &error)) {
+    /* Rows that came after this step before the crash may be others now, if something is commanded first. */
+    if (run_remember(run, lineage, &error) || outputs_begin_line(&run->outputs, &error)) {
         fail(run, &error, false);
         return;
     }
