@@ -109,6 +109,14 @@ static MnsStatus explain(MnsStream *stream, MnsStatus status, double timeout_s, 
                     stream->wire.endpoint);
 }
 
+/* In each turn, as what came may have used credit and made no item. The rest of an item that is under way was granted with its pieces. */
+static MnsStatus pay(MnsStream *stream, MnsError *error)
+{
+    const bool lossless = stream_is_lossless(stream);
+    if (lossless ? stream->open > stream->window / 2 : stream->parts.first != NULL) return MNS_OK;
+    return stream_grant(stream, stream->window, error);
+}
+
 MnsStatus mns_stream_next(MnsStream *stream, double timeout_s, const MnsStreamItem **ret_item, MnsError *error)
 {
     const double deadline = timeout_s < 0 ? INFINITY : wire_clock() + timeout_s;
@@ -118,10 +126,9 @@ MnsStatus mns_stream_next(MnsStream *stream, double timeout_s, const MnsStreamIt
     stream_drop_item(stream);
     if (stream->over.status) return mns_fail_at(error, stream->over.status, stream->over.path, "%s", stream->over.text);
     MnsStatus status = MNS_OK;
-    if (stream->open <= stream->window / 2 || !stream_is_lossless(stream))
-        status = stream_grant(stream, stream->window, error);
     while (!status && !ready) {
-        status = receive(stream, deadline, &ready, error);
+        status = pay(stream, error);
+        if (!status) status = receive(stream, deadline, &ready, error);
         if (!status && !ready && wire_clock() > deadline) status = MNS_E_TIMEOUT;
     }
     if (status) return explain(stream, status, timeout_s, error);

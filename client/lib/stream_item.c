@@ -316,6 +316,7 @@ MnsStatus stream_take(MnsStream *stream, Meniscus__StreamMessage *message, Frame
     const bool files = stream->wish->what_case == MENISCUS__SUBSCRIBE__WHAT_SNAPSHOTS;
     const bool piece = !item->ended && !item->cancelled && !old && frames->n <= 2;
     if (piece) {
+        if (!same) stream->offset = 0;
         stream->heard = true;
         stream->sequence = item->sequence;
         stream->done = false;

@@ -261,12 +261,16 @@ class Flow(Dialogue):
             self.stats.cancelled += 1
             self._behind = _cursor(item) or self._behind
         elif self._sequence is None or item.sequence > self._sequence or (same and not self._done):
+            if not same:
+                self._offset = 0
             self._sequence, self._done = item.sequence, False
             data = memoryview(frames[0]) if frames else memoryview(b"")
             if self._what == "snapshots" and not item.HasField("abandoned"):
                 self._take_file(item, data)
             else:
                 self._take_piece(item, data)
+        if not self._ready and not self._first:  # it used credit, and made no item
+            self._wanted = max(self._wanted, self._window)
 
     def _end(self, end: pb.StreamEnd) -> None:
         self._start_over()
