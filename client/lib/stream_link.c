@@ -104,12 +104,13 @@ static const char *text(const char *maybe)
     return maybe ? maybe : "";
 }
 
-/* Where a LOSSLESS stream goes on: within a file, if its line is known; else bytes that came before are passed over when they come again. */
+/* Where a LOSSLESS stream goes on: within a file, if the line of the cursor is that of this file; else bytes that came before are passed over
+ * when they come again. */
 static Meniscus__Cursor *place(const MnsStream *stream, Meniscus__Cursor *to)
 {
     const MnsCursor *cursor = &stream->cursor;
     if (!stream_is_lossless(stream) || !stream->has_cursor) return NULL;
-    const bool within = *stream->file.name;
+    const bool within = *stream->file.name && !strcmp(stream->file.name, cursor->file);
     meniscus__cursor__init(to);
     to->has_line = true;
     to->line = cursor->line;

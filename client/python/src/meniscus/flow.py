@@ -200,13 +200,13 @@ class Flow(Dialogue):
         self.columns = tuple(Column(c.name, c.unit, c.type, c.components or 1) for c in reply.columns)
 
     def _place(self) -> Optional[pb.Cursor]:
-        """Within a file, if its line is known; else bytes that came before are passed over when they come again."""
+        """Within a file, if the line of the cursor is that of this file; else bytes that came before are passed over when they come again."""
         cursor = self._behind
         if not self._lossless or not cursor:
             return None
         if self._what == "series":
             return pb.Cursor(line=cursor.line, row=cursor.row)
-        if self._file:
+        if self._file and self._file["name"] == cursor.file:
             return pb.Cursor(line=cursor.line, file=self._file["name"], offset=self._file["got"])
         return pb.Cursor(line=cursor.line, file=cursor.file, offset=cursor.offset)
 
