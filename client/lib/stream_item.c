@@ -292,8 +292,10 @@ static MnsStatus end(MnsStream *stream, const Meniscus__StreamEnd *end, MnsError
     return mns_fail(error, status, "%s", why.text);
 }
 
-static void give_up_item(MnsStream *stream, const Meniscus__StreamItem *item)
+/* A LOSSLESS stream tells what the daemon gave up by itself, as it leaves a gap. */
+static MnsStatus give_up_item(MnsStream *stream, const Meniscus__StreamItem *item, MnsError *error)
 {
+    const Meniscus__StreamEnd *why = item->cancelled;
     stream_drop_parts(stream);
     *stream->file.name = 0;
     stream->stats.cancelled++;
@@ -301,6 +303,9 @@ static void give_up_item(MnsStream *stream, const Meniscus__StreamItem *item)
         take_cursor(item->next, &stream->cursor);
         stream->has_cursor = true;
     }
+    if (!stream_is_lossless(stream) || !strcmp(text(why->reason), "cancelled")) return MNS_OK;
+    return mns_fail(error, call_status(why->code, why->reason), "%s",
+                    why->message ? why->message : "the daemon has given up an item");
 }
 
 MnsStatus stream_take(MnsStream *stream, Meniscus__StreamMessage *message, Frames *frames, bool *ret_ready,
@@ -322,7 +327,7 @@ MnsStatus stream_take(MnsStream *stream, Meniscus__StreamMessage *message, Frame
         stream->done = false;
     }
     if (item->ended) status = end(stream, item->ended, error);
-    else if (item->cancelled) give_up_item(stream, item);
+    else if (item->cancelled) status = give_up_item(stream, item, error);
     else if (piece && files && !item->abandoned) status = take_file(stream, item, frames, ret_ready, error);
     else if (piece) {
         zmq_msg_t *bytes = frames->n > 1 ? &frames->frame[1] : NULL;

@@ -260,6 +260,9 @@ class Flow(Dialogue):
             self._first = self._file = None
             self.stats.cancelled += 1
             self._behind = _cursor(item) or self._behind
+            why = item.cancelled
+            if self._lossless and why.reason != "cancelled":  # which leaves a gap
+                self._ready.append(error_for(meniscus_pb2.Code.Name(why.code), why.message, "", why.reason))
         elif self._sequence is None or item.sequence > self._sequence or (same and not self._done):
             if not same:
                 self._offset = 0
