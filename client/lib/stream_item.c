@@ -150,7 +150,6 @@ static MnsStatus hand_out(MnsStream *stream, MnsError *error)
     MnsStreamItem *item = &stream->item;
     parts->whole = true;
     const MnsStatus status = fill_arrays(stream, first, error);
-    if (status == MNS_E_MEMORY) return status;
     if (status) return leave(stream, status);
     fill_item(stream, first);
     if (first->event) {
@@ -178,7 +177,7 @@ static MnsStatus begin(MnsStream *stream, Meniscus__StreamMessage *message, MnsE
     parts->size = item->size;
     MnsStatus status = check_arrays(stream, item, error);
     if (!status && !(parts->bytes = malloc(parts->size + 1)))
-        status = mns_fail(error, MNS_E_MEMORY, "no memory for an item of %zu bytes", (size_t)parts->size);
+        status = leave(stream, mns_fail(error, MNS_E_MEMORY, "no memory for an item of %zu bytes", (size_t)item->size));
     if (status) stream_drop_parts(stream);
     return status;
 }
