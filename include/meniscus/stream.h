@@ -111,7 +111,7 @@ const MnsStreamColumn *mns_stream_columns(const MnsStream *stream, size_t *ret_n
  *  @param ret_item   borrowed until the next call
  *  @return MNS_OK; MNS_E_TIMEOUT if none was whole by then: ask again. MNS_E_UNAVAILABLE if the daemon is away for more than five seconds: the stream
  *          can be asked again, and goes on when it is back. MNS_E_CORRUPT: an item came damaged; asked again the stream goes on, LOSSLESS with
- *          the same item. MNS_E_LIMIT: the item is larger than `memory`; LATEST goes on with the next. MNS_E_MEMORY. MNS_E_NOT_FOUND: the stream is over, as
+ *          the same item. MNS_E_LIMIT: the item is larger than `memory`; LATEST goes on with the next. MNS_E_MEMORY. MNS_E_INTERRUPTED: the stream is over, as
  *          another case was loaded; all later calls say the same. */
 MnsStatus mns_stream_next(MnsStream *stream, double timeout_s, const MnsStreamItem **ret_item, MnsError *error);
 
