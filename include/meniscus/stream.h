@@ -79,8 +79,8 @@ typedef struct MnsStreamItem {
     const void *data;           /* [size] */
     size_t size;
     bool whole; /* the file ends with this piece; its checksum matches, if it was taken from the beginning */
-    bool
-        abandoned; /* a restore or reset undid what came after row `cursor.row` of the series, or of `file` and later ones */
+    /* A restore or reset undid, or a crash may have changed, what came after `row` of the series; of snapshots those that come again by name. */
+    bool abandoned;
     uint64_t row;            /* abandoned: the first row that is undone                                          */
     const MnsCursor *cursor; /* LOSSLESS: behind this item; NULL within a file                                */
 } MnsStreamItem;

@@ -52,12 +52,12 @@ class StreamItem:
     state: Optional[str] = None  # events
     what: str = ""  # events
     text: str = ""  # events
-    file: Optional[str] = None  # snapshots: name, without directory; abandoned: the first file that is undone
+    file: Optional[str] = None  # snapshots: name, without directory; abandoned: None, as those that come again tell
     file_size: int = 0  # [bytes]
     offset: int = 0  # of this piece in the file [bytes]
     data: Union[bytes, memoryview] = b""  # the piece
     whole: bool = False  # the file ends with it; its checksum matches, if it was taken from the beginning
-    abandoned: bool = False  # a restore or reset undid what came after `row` of the series, or of `file` and later ones
+    abandoned: bool = False  # a restore or reset undid, or a crash may have changed, what came after `row`; of snapshots those that come again by name
     row: int = 0
     cursor: Optional[Cursor] = None  # series, snapshots: behind this item; None within a file
 
