@@ -217,19 +217,20 @@ static void after_scheduled_output(Run *run, Order *order)
     if (status && run->state != RUN_FAULT) run_fault(run, &failed, true);
 }
 
-/* The order is with the writer unless there was no memory for the copy. A failure of the file comes up at the next boundary,
- * or here if the run stands still. */
-static void after_output(Run *run, Order *order, MnsStatus status, const MnsError *error)
+/* The order is with the writer unless there was no memory for the copy; it may be answered and gone by now, unless it was scheduled. A
+ * failure of the file comes up at the next boundary, or here if the run stands still. */
+static void after_output(Run *run, Order *order, bool scheduled, MnsStatus status, const MnsError *error)
 {
     MnsError failed;
     if (status) run_answer(run, order, status, error);
-    else if (order->scheduled) after_scheduled_output(run, order);
+    else if (scheduled) after_scheduled_output(run, order);
     else if (run->state != RUN_RUNNING && run->state != RUN_FAULT && writer_drain(run->outputs.writer, &failed))
         run_fault(run, &failed, true);
 }
 
 void run_checkpoint(Run *run, Order *order)
 {
+    const bool scheduled = order->scheduled;
     MnsError error;
     MnsStatus status;
     if (run->state == RUN_FAULT &&
@@ -244,7 +245,7 @@ void run_checkpoint(Run *run, Order *order)
                           "state: %.300s",
                           run->fault.text);
     else status = outputs_checkpoint(&run->outputs, run->sim, run->document, order, &error);
-    after_output(run, order, status, &error);
+    after_output(run, order, scheduled, status, &error);
 }
 
 static MnsStatus find_fields(size_t n, char *const *fields, uint64_t *ret, MnsError *error)
@@ -265,6 +266,7 @@ MnsStatus run_check_fields(size_t n, char *const *fields, MnsError *error)
 
 void run_snapshot(Run *run, Order *order, size_t n, char *const *fields)
 {
+    const bool scheduled = order->scheduled;
     MnsError error;
     uint64_t mask = 0;
     MnsStatus status = find_fields(n, fields, &mask, &error);
@@ -272,5 +274,5 @@ void run_snapshot(Run *run, Order *order, size_t n, char *const *fields)
         status = mns_fail(&error, MNS_E_STATE, "an earlier output waits to be written; resume first: %.300s",
                           run->fault.text);
     if (!status) status = outputs_snapshot(&run->outputs, run->sim, run->document, mask, order, &error);
-    after_output(run, order, status, &error);
+    after_output(run, order, scheduled, status, &error);
 }
