@@ -309,9 +309,9 @@ class Scheduled(DaemonTest):
 
     def test_a_pause_is_pending_still_after_a_kill(self) -> None:
         for k in range(4):
-            self.say(self.socket, pause=pb.Pause(), at_step=100 * (k + 1), no_wait=True)
-            self.hear(self.socket)
             self.say(self.socket, set=set_gravity(f"[0, {-2 - k}]"), at_step=100 * (k + 1), no_wait=True)
+            self.hear(self.socket)
+            self.say(self.socket, pause=pb.Pause(), at_step=100 * (k + 1), no_wait=True)
             self.hear(self.socket)
             pending = self.pending()
             self.assertEqual(len(pending), 2)
