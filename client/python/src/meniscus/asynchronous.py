@@ -21,10 +21,10 @@ from .commands import Command, async_method
 from .dialogue import EVENTS, TRY_S, Answer, Dialogue, Listening, Send, Wait, prepare_control
 from .endpoint import control_endpoint, data_endpoint, telemetry_endpoint
 from .errors import LeaseError, MeniscusError
-from .flow import MEMORY, Flow
+from .flow import MEMORY, Flow, StreamFacts
 from .keys import Keys, choose_keys
 from .values import Reply, Telemetry
-from .wishes import Column, Cursor, StreamItem, StreamStats, subscription
+from .wishes import Cursor, StreamItem, subscription
 
 T = TypeVar("T")
 CANCELLED = ("load", "step", "run_until", "wait")  # what lasts: nobody wants it any more when its task is cancelled
@@ -291,7 +291,7 @@ class AsyncClient:
             raise command.explain(error) from None
 
 
-class AsyncStream:
+class AsyncStream(StreamFacts):
     """Items for `async for`, until it is closed, or for the timeout of the stream none came."""
 
     def __init__(
@@ -316,21 +316,6 @@ class AsyncStream:
             await connection.open()
             self._connection = connection
         return self
-
-    @property
-    def columns(self) -> Tuple[Column, ...]:
-        """Of the items: name, unit, type, components."""
-        return self._flow.columns
-
-    @property
-    def stats(self) -> StreamStats:
-        """What became of it so far."""
-        return self._flow.stats
-
-    @property
-    def cursor(self) -> Optional[Cursor]:
-        """Of a series or of snapshots: behind the last item that was taken."""
-        return self._flow.cursor
 
     async def next(self, timeout: Optional[float] = None) -> Optional[StreamItem]:
         """The next item; None if there was none within so many seconds."""

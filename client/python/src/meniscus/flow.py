@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import time
 from collections import deque
-from typing import Any, Deque, Dict, Generator, List, Optional, Union
+from typing import Any, Deque, Dict, Generator, List, Optional, Tuple, Union
 
 import numpy as np
 from google.protobuf.message import DecodeError
@@ -366,3 +366,24 @@ def _cursor(item: pb.StreamItem) -> Optional[Cursor]:
     if not item.HasField("next"):
         return None
     return Cursor(item.next.line, item.next.row, item.next.file, item.next.offset)
+
+
+class StreamFacts:
+    """What streams tell of themselves, with asyncio and without."""
+
+    _flow: Flow
+
+    @property
+    def columns(self) -> Tuple[Column, ...]:
+        """Of the items: name, unit, type, components."""
+        return self._flow.columns
+
+    @property
+    def stats(self) -> StreamStats:
+        """What became of it so far."""
+        return self._flow.stats
+
+    @property
+    def cursor(self) -> Optional[Cursor]:
+        """Of a series or of snapshots: behind the last item that was taken."""
+        return self._flow.cursor

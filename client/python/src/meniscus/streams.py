@@ -9,14 +9,14 @@ from typing import Any, Iterator, Mapping, Optional, Tuple, Type
 from .connection import Connection
 from .endpoint import data_endpoint
 from .errors import MeniscusError
-from .flow import Flow
+from .flow import Flow, StreamFacts
 from .keys import Keys
-from .wishes import Column, Cursor, StreamItem, StreamStats, subscription
+from .wishes import Cursor, StreamItem, subscription
 
 LINGER_MS = 200  # for the last word
 
 
-class Stream:
+class Stream(StreamFacts):
     """Items as they come, at the pace of who takes them; made by Client.stream(). Usable as a context manager."""
 
     def __init__(
@@ -33,21 +33,6 @@ class Stream:
         self._flow = Flow(data_endpoint(endpoint), keys, what, subscription(what, names, **wishes), since, memory)
         self._timeout = timeout
         self._connection: Optional[Connection] = Connection(self._flow.endpoint, keys, self._flow)
-
-    @property
-    def columns(self) -> Tuple[Column, ...]:
-        """Of the items: name, unit, type, components."""
-        return self._flow.columns
-
-    @property
-    def stats(self) -> StreamStats:
-        """What became of it so far."""
-        return self._flow.stats
-
-    @property
-    def cursor(self) -> Optional[Cursor]:
-        """Of a series or of snapshots: behind the last item that was taken."""
-        return self._flow.cursor
 
     def next(self, timeout: Optional[float] = None) -> Optional[StreamItem]:
         """The next item; None if there was none within so many seconds."""
