@@ -52,11 +52,11 @@ static bool is_any(const Order *order, const void *arg)
     return true;
 }
 
-bool agenda_is_due(const Agenda *agenda, MnsProgress now)
+const Order *agenda_due(const Agenda *agenda, MnsProgress now)
 {
-    for (const Order *order = agenda->first; order; order = order->next)
-        if (is_due(order, &now)) return true;
-    return false;
+    const Order *order = agenda->first;
+    while (order && !is_due(order, &now)) order = order->next;
+    return order;
 }
 
 Order *agenda_take_due(Agenda *agenda, MnsProgress now)

@@ -17,8 +17,8 @@ typedef struct Agenda {
 /* MNS_E_LIMIT: AGENDA_LIMIT are waiting, and the order stays the caller's. */
 MnsStatus agenda_add(Agenda *agenda, Order *order, MnsError *error);
 
-/* Has the moment of any come, at this boundary? */
-bool agenda_is_due(const Agenda *agenda, MnsProgress now);
+/* The one that agenda_take_due() would take, which stays in. */
+const Order *agenda_due(const Agenda *agenda, MnsProgress now);
 
 /* Each takes one out, the first that was accepted; NULL if there is none: one whose moment has come, at this boundary; that of an id; one
  * whose deadline lies before now; whichever. */

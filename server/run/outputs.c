@@ -104,6 +104,7 @@ static void take_over(Outputs *outputs, const Opening *opening, Document *docume
     outputs->before = (OutputTimes){before, before, before};
     outputs->at_checkpoint = goes_on ? progress.step : UINT64_MAX;
     outputs->wall_checkpoint = outputs->wall_flush = clock_now();
+    outputs->rows_wait = true;
 }
 
 MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *document, const MnsSim *sim, bool goes_on,
@@ -196,6 +197,7 @@ MnsStatus outputs_begin_line(Outputs *outputs, MnsError *error)
     pthread_mutex_lock(&outputs->series_lock);
     const MnsStatus status = series_begin_line(outputs->series, error);
     pthread_mutex_unlock(&outputs->series_lock);
+    outputs->rows_wait = true;
     return status;
 }
 
@@ -244,16 +246,28 @@ static MnsStatus take_probes(Outputs *outputs, const MnsSim *sim, Document *docu
     note->document = document_share(document);
     for (size_t k = 0; k < n; k++) note->values[k] = values[k];
     const MnsStatus status = job_post_row(outputs, now, n, values, error);
-    if (status) note_free(note);
-    else outbox_put(outputs->outbox, note);
-    return status;
+    if (status) {
+        note_free(note);
+        return status;
+    }
+    outputs->rows_wait = true;
+    outbox_put(outputs->outbox, note);
+    return MNS_OK;
 }
 
 MnsStatus outputs_flush(Outputs *outputs, MnsError *error)
 {
     const MnsStatus status = outputs->series ? job_post_flush(outputs, error) : MNS_OK;
-    if (!status) outputs->wall_flush = clock_now();
-    return status;
+    if (status) return status;
+    outputs->wall_flush = clock_now();
+    outputs->rows_wait = false;
+    return MNS_OK;
+}
+
+MnsStatus outputs_settle(Outputs *outputs, MnsError *error)
+{
+    const MnsStatus status = outputs->rows_wait ? outputs_flush(outputs, error) : MNS_OK;
+    return status ? status : writer_drain(outputs->writer, error);
 }
 
 MnsStatus outputs_checkpoint(Outputs *outputs, const MnsSim *sim, Document *document, Order *order, MnsError *error)
@@ -262,7 +276,8 @@ MnsStatus outputs_checkpoint(Outputs *outputs, const MnsSim *sim, Document *docu
     MnsStatus status = capture_fields(outputs, sim, mns_sim_state_fields(sim), &capture, error);
     if (status) return status;
     const uint64_t step = capture->progress.step;
-    status = outputs_flush(outputs, error); /* a restart needs the samples up to the checkpoint */
+    if (outputs->rows_wait) /* a restart needs the samples up to the checkpoint */
+        status = outputs_flush(outputs, error);
     if (!status) status = job_post_checkpoint(outputs, capture, document, order, error);
     else mns_capture_free(capture);
     if (status) return status;
@@ -329,8 +344,7 @@ MnsStatus outputs_finish(Outputs *outputs, const MnsSim *sim, Document *document
     MnsStatus status = MNS_OK;
     if (outputs->at_checkpoint != mns_sim_progress(sim).step)
         status = outputs_checkpoint(outputs, sim, document, NULL, error);
-    else status = outputs_flush(outputs, error);
-    return status ? status : writer_drain(outputs->writer, error);
+    return status ? status : outputs_settle(outputs, error);
 }
 
 MnsStatus outputs_rescue(Outputs *outputs, const MnsSim *sim, Document *document, char *ret_path, MnsError *error)

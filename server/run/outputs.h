@@ -53,6 +53,7 @@ typedef struct Outputs {
     OutputTimes before;
     double wall_checkpoint; /* clock_now() of the last one; of the beginning if there is none   */
     double wall_flush;      /* the same for the series                                          */
+    bool rows_wait;         /* there are some since then, or it has changed otherwise */
     uint64_t at_checkpoint; /* step of the last one; UINT64_MAX: none                           */
 
     Sample sample;
@@ -113,6 +114,9 @@ MnsStatus outputs_begin_line(Outputs *outputs, MnsError *error);
 
 /* Have the series written soon. */
 MnsStatus outputs_flush(Outputs *outputs, MnsError *error);
+
+/* All that was taken is on the disk before this returns, unless an output has failed. */
+MnsStatus outputs_settle(Outputs *outputs, MnsError *error);
 
 /* The series and a checkpoint of this very step, written before this returns. */
 MnsStatus outputs_finish(Outputs *outputs, const MnsSim *sim, Document *document, MnsError *error);

@@ -4,6 +4,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include <assert.h>
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
@@ -206,15 +207,15 @@ void run_breakpoint(Run *run, Order *order, const Meniscus__SetBreakpoint *reque
     run_answer(run, order, status, &error);
 }
 
-/* The journal tells what came of it before the run goes on, so the solver waits for the file. Behind an output that has failed the
- * file waits too, and its answer with it. */
+/* The journal tells what came of it before the run goes on, so the solver waits for the file. It is the only one that the writer had to do,
+ * see run.c. */
 static void after_scheduled_output(Run *run, Order *order)
 {
     MnsError failed;
     const MnsStatus status = writer_drain(run->outputs.writer, &failed);
-    if (order->written) run_answer(run, order, order->status, &order->error);
-    else order->appointed = false;
-    if (status && run->state != RUN_FAULT) run_fault(run, &failed, true);
+    assert(order->written);
+    run_answer(run, order, order->status, &order->error);
+    if (status) run_fault(run, &failed, true);
 }
 
 /* The order is with the writer unless there was no memory for the copy; it may be answered and gone by now, unless it was scheduled. A

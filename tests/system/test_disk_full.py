@@ -167,6 +167,28 @@ class DiskFull(DaemonTest):
             with self.subTest(free=free):
                 self.disturbed_run(free)
 
+    def test_a_scheduled_file_behind_one_that_failed_waits_and_the_journal_has_it(self) -> None:
+        self.resize(LARGE_BYTES)
+        directory = Path(self.ask("load", *CASE, "--set", "output.snapshot_interval=1e-9")["message"])
+        self.clear(directory)
+        self.meniscus("step", "3")
+        words = [BUILD / "meniscus", "snapshot", "--at-step", "4"]
+        waiting = subprocess.Popen(words, env=self.environment, stderr=subprocess.DEVNULL)
+        self.addCleanup(waiting.kill)
+        while not self.ask("status").get("scheduled"):
+            self.assertIsNone(waiting.poll())
+        filler = self.fill((directory / names(directory)[0]).stat().st_size // 2)  # so that the file of step 4 fails late
+        subprocess.run([BUILD / "meniscus", "step"], env=self.environment, capture_output=True, timeout=60)
+        self.meniscus("wait", "--for", "state=FAULT", "--timeout", "60")
+        self.assertIsNone(waiting.poll(), "what is scheduled for step 4 is neither written nor answered")
+        self.assertEqual(len(self.ask("status")["scheduled"]), 1)
+        filler.unlink()
+        self.meniscus("resume")
+        self.assertEqual(waiting.wait(60), 0)
+        records = [r for r in self.ask("log", str(directory))["records"] if r.get("command") == "snapshot"]
+        self.assertEqual([(r["kind"], r["step"]) for r in records], [("scheduled", 3), ("command", 4)])
+        self.meniscus("stop")
+
     def test_a_command_without_room_for_its_record_is_refused_and_nothing_is_done(self) -> None:
         self.resize(LARGE_BYTES)
         directory = Path(self.ask("load", *CASE)["message"])
