@@ -50,6 +50,15 @@ class Table(unittest.TestCase):
             with self.assertRaises(SystemExit):
                 resized(SIZES["small"], [wrong])
 
+    def test_what_company_costs_is_told_with_the_unrest_of_the_machine(self) -> None:
+        paces, spent = iter([100, 90, 100, 88, 120]), iter([0, 0, 0, 1, 1, 1, 1, 2, 2, 2])
+        with mock.patch.multiple(live, pace=lambda *_: next(paces), beside_solver=lambda *_: next(spent)), \
+                mock.patch.object(live.os, "sched_getaffinity", return_value={0, 1}):
+            lost = live.loss(mock.Mock(), mock.Mock(), 2.0, 2, mock.MagicMock())
+        self.assertAlmostEqual(lost.share, 0.15)
+        self.assertAlmostEqual(lost.error, 0.05)
+        self.assertAlmostEqual(lost.beside, 0.25)
+
     def test_a_row_that_fails_or_takes_too_long_is_a_miss_and_the_next_is_run(self) -> None:
         def broken(_: Size) -> Iterator[Metric]:
             yield Metric("first", 1, low=1)

@@ -143,7 +143,8 @@ static void a_last_checkpoint_that_found_no_memory_is_not_left_out(void **state)
         assert_written(place, "checkpoint", n);
         step(place);
     }
-    assert_int_equal(failures, STEPS / 2); /* there is room for the copy from the first one on: one allocation is left */
+    assert_int_equal(failures,
+                     STEPS / 2); /* there is room for the copy from the first one on: one allocation is left */
 }
 
 /* The solver stands still for a copy, and not for the system to find pages. */

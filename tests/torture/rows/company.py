@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 import signal
+import statistics
 import time
 from contextlib import contextmanager
 from pathlib import Path
@@ -46,8 +47,9 @@ def few(size: Size) -> Iterator[Metric]:
                 with subscribers(daemon, PROBES, "probe"), takers(daemon, FIELDS, HERTZ):
                     yield
 
-            share = loss(client, size.seconds, size.turns, company)
-            yield Metric(f"steps/s lost to {PROBES} subscribers of probes and {FIELDS} of fields, {where}", 100 * share, "%", high=100 * most)
+            lost = loss(daemon, client, size.window, size.turns, company)
+            yield Metric(f"steps/s lost to {PROBES} subscribers of probes and {FIELDS} of fields, {where}", 100 * lost.share, "%",
+                         high=100 * most, note=lost.note)
 
 
 def many(size: Size) -> Iterator[Metric]:
@@ -68,13 +70,12 @@ def _many(size: Size, stopped: bool, who: str) -> Iterator[Metric]:
                 began, spent = time.monotonic(), _seconds_of(process.pid)
                 yield
                 own.append((_seconds_of(process.pid) - spent) / (time.monotonic() - began) / len(os.sched_getaffinity(0)))
-                waits.append(told("round_trips", daemon.endpoint, size.seconds)["p99_ms"])
+                waits.append(told("round_trips", daemon.endpoint, size.window)["p99_ms"])
                 grown.append(daemon.memory_mib() - before)
 
         many_subscribers: Callable[[], Any] = company
-        share = loss(client, size.seconds, size.turns, many_subscribers)
-    yield Metric(f"steps/s lost to {who}", 100 * share, "%", high=2,
-                 note=f"they themselves take {100 * max(own):.2g} % of the processors")
+        lost = loss(daemon, client, size.window, size.turns, many_subscribers)
+    yield Metric(f"steps/s lost to {who}", 100 * lost.share, "%", high=2, note=f"{lost.note}, they themselves {100 * statistics.fmean(own):.2g} %")
     yield Metric(f"memory that the daemon takes for {who}", max(grown), "MiB", high=MEMORY_MIB)
-    yield Metric(f"status of a healthy client among {who}, 99 %, as many times that alone", max(waits) / alone["p99_ms"], high=2,
+    yield Metric(f"status of a healthy client among {who}, 99 %, as many times that alone", statistics.median(waits) / alone["p99_ms"], high=2,
                  note=f"{alone['p99_ms']:.3g} ms alone")

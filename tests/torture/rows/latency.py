@@ -20,7 +20,9 @@ from meniscus import meniscus_pb2 as pb  # isort: skip
 def status(size: Size) -> Iterator[Metric]:
     with Daemon() as daemon, daemon.client() as client:
         idle = told("round_trips", daemon.endpoint, size.seconds, 0)
+        bare = told("round_trips", "echo", size.seconds, 0)
         yield Metric("status of an idle daemon, 99 %", idle["p99_ms"], "ms", high=0.15, note=f"{idle['n']} times")
+        yield Metric("of that, an echo of ZeroMQ and nothing else, 99 %", bare["p99_ms"], "ms")
         computing(client, size.resolution)
         busy = told("round_trips", daemon.endpoint, 2 * size.seconds, 0.5)
         yield Metric("status while all processors compute, 99 %", busy["p99_ms"], "ms", high=2, note=f"{busy['n']} times")

@@ -4,13 +4,15 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Iterator, Sequence
 
@@ -109,16 +111,49 @@ def pace(client: meniscus.Client, seconds: float) -> float:
     return ((client.status().step or 0) - first) / (time.monotonic() - began)
 
 
-def loss(client: meniscus.Client, seconds: float, turns: int, company: Callable[[], Any]) -> float:
-    """Which share of its pace the run loses while company() lasts. It is taken in turns, before, during and after, so that drifts of the
-    flow and the machine cancel; the median of them."""
-    losses = []
+@dataclass(frozen=True)
+class Loss:
+    """The share of its pace that a run loses to company, and of all processors what the daemon then takes more beside its solver."""
+
+    share: float
+    error: float  # standard error of the share: the machine's own unrest
+    beside: float
+
+    @property
+    def note(self) -> str:
+        return f"+- {100 * self.error:.2g} %; it takes {100 * self.beside:.2g} % of the processors beside the solver"
+
+
+def beside_solver(daemon: Daemon) -> float:
+    """Processor time [s] that threads of the daemon have had which do not solve: those that are not nice."""
+    spent = 0
+    for task in Path(f"/proc/{daemon.process.pid}/task").iterdir():
+        with suppress(OSError):  # it has ended
+            words = (task / "stat").read_text().rsplit(")", 1)[1].split()
+            if int(words[16]) <= 0:
+                spent += int(words[11]) + int(words[12])
+    return spent / os.sysconf("SC_CLK_TCK")
+
+
+def loss(daemon: Daemon, client: meniscus.Client, seconds: float, turns: int, company: Callable[[], Any]) -> Loss:
+    """It is taken in turns, before, during and after, so that drifts of the flow and the machine cancel."""
+    losses, beside_alone, beside_with = [], 0.0, 0.0
+
+    def look() -> tuple[float, float]:
+        spent = beside_solver(daemon)
+        return pace(client, seconds), beside_solver(daemon) - spent
+
+    before, spent = look()
     for _ in range(turns):
-        before = pace(client, seconds)
+        beside_alone += spent
         with company():
-            during = pace(client, seconds)
-        losses.append(1 - during / (0.5 * (before + pace(client, seconds))))
-    return statistics.median(losses)
+            during, spent = look()
+            beside_with += spent
+        after, spent = look()
+        losses.append(1 - 2 * during / (before + after))
+        before = after
+    error = statistics.stdev(losses) / math.sqrt(turns) if turns > 1 else math.inf
+    return Loss(statistics.fmean(losses), error, (beside_with - beside_alone) / (seconds * turns * len(os.sched_getaffinity(0))))
 
 
 def test_program(words: Sequence["str | Path"], seconds: float, **environment: str) -> tuple[int, int, str]:

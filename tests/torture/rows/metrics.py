@@ -75,7 +75,8 @@ class Size:
     """How much of everything; `--set NAME=VALUE` changes one."""
 
     seconds: float = 5.0  # of each measurement of times
-    turns: int = 3  # of a solver alone and with company
+    turns: int = 10  # of a solver alone and with company,
+    window: float = 2.0  # so long each
     resolution: float = 60.0  # of the dam break that computes meanwhile: 43,000 particles
     pauses: int = 100
     queued: int = 1000  # commands, at each pause
@@ -96,7 +97,7 @@ class Size:
 SIZES = {
     "small": Size(),
     "full": Size(
-        seconds=60, turns=10, pauses=10_000, runs_until=10_000, kills=200, replays=20, fuzz_seconds=21_600,
+        seconds=60, turns=300, pauses=10_000, runs_until=10_000, kills=200, replays=20, fuzz_seconds=21_600,
         frames=10_000_000, samples=10_000_000, client_kills=100, daemon_kills=10, parameters=1_000_000, captures=500,
     ),
 }
