@@ -44,7 +44,8 @@ static void serve(Run *run, Order *order)
 {
     MnsError error;
     const MnsProgress now = run->sim ? mns_sim_progress(run->sim) : (MnsProgress){.t = 0};
-    order->effect_step = now.step;
+    const Lineage *ahead = run->recovery.lineage;
+    order->effect_step = ahead ? ahead->step : now.step; /* on the way back the run is, for the journal, where it was */
     order->effect_t = now.t;
     if (order->scheduled && !order->appointed) {
         run_appoint(run, order);

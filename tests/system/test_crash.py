@@ -169,13 +169,17 @@ class Crash(DaemonTest):
             steps += 3000
             self.assertEqual(self.late, ("PAUSED", steps))
 
-    def come_back_slowly(self, name: str) -> int:
-        """A run that has far to go after a crash, as it has no checkpoint but the first; the step it was at."""
+    def come_back_slowly(self, name: str, under_way: bool = False) -> int:
+        """A run that has far to go after a crash, as it has no checkpoint but the first; the step it was at. Under way: to more of them."""
         self.meniscus("load", *CASE, "--set", "output.checkpoint_interval=1000", "--name", name)
         began, steps = time.monotonic(), 0
         while time.monotonic() < began + FAR_S:
             self.meniscus("step", "500")
             steps += 500
+        if under_way:
+            stepping = subprocess.Popen([BUILD / "meniscus", "step", "1000000"], env=self.environment, stderr=subprocess.DEVNULL)
+            self.addCleanup(stepping.wait)
+            self.meniscus("wait", "--for", f"step={steps + 1}")
         self.kill_daemon()
         until = time.monotonic() + 20
         while (state := self.ask("status")["state"]) == "EMPTY" and time.monotonic() < until:
@@ -205,6 +209,13 @@ class Crash(DaemonTest):
         self.assertLess(reply["step"], steps)
         self.kill_daemon()
         self.assertEqual(self.ask("status")["state"], "EMPTY")
+
+    def test_what_a_stop_on_the_way_back_calls_off_is_replayed(self) -> None:
+        self.come_back_slowly("called-off", under_way=True)
+        self.meniscus("stop")
+        run = next((self.home / "state").glob("called-off*"))
+        self.assertEqual([r["command"] for r in self.ask("log", str(run))["records"] if r["command"]][-2:], ["step", "stop"])
+        self.assertTrue(self.ask("replay", str(run), "--verify")["agrees"])
 
     def test_who_leaves_on_the_way_back_comes_back_the_next_time(self) -> None:
         steps = self.come_back_slowly("left-on-the-way")
