@@ -104,7 +104,7 @@ static bool has_id(const Run *run, const Waiter *waiter, const void *arg)
 
 void run_answer_waiters(Run *run)
 {
-    if (run->waiters) answer_some(run, is_over, NULL, MNS_OK, NULL);
+    if (run->waiters && !run_due(run)) answer_some(run, is_over, NULL, MNS_OK, NULL);
 }
 
 void run_answer_late(Run *run, double now)

@@ -57,6 +57,14 @@ void run_appoint(Run *run, Order *order)
     if (!old) run_note_scheduled(run, order);
 }
 
+/* In FAULT the case is not complete, or its files are not. */
+const Order *run_due(const Run *run)
+{
+    const bool whole =
+        run->state == RUN_READY || run->state == RUN_RUNNING || run->state == RUN_PAUSED || run->state == RUN_DONE;
+    return whole ? agenda_due(&run->agenda, mns_sim_progress(run->sim)) : NULL;
+}
+
 /* In FAULT the journal may be what has failed. */
 bool run_announces(const Run *run)
 {

@@ -231,5 +231,4 @@ void run_advance(Run *run)
     if (!status) arrive(run, before);
     run_show(run);
     run_tell_progress_at_times(run);
-    run_answer_waiters(run);
 }

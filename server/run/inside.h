@@ -143,7 +143,7 @@ void run_tell_file(void *run, const char *text);
 void run_hand_back(Run *run, Order *order); /* an answer, to whoever gave the order */
 void run_answer_unserved(Run *run, Order *order, MnsStatus status,
                          const MnsError *error); /* that was taken out of the queue */
-void run_answer_waiters(Run *run);               /* those whose wait is over         */
+void run_answer_waiters(Run *run);               /* those whose wait is over, unless something scheduled comes first */
 void run_answer_late(Run *run, double now);      /* those whose deadline has passed  */
 void run_answer_all_waiters(Run *run, const MnsError *error);
 double run_next_deadline(const Run *run); /* of clock_now(); INFINITY: none */
@@ -156,7 +156,8 @@ MnsStatus run_check_moment(const Run *run, const Order *order, MnsError *error);
 
 /* appoint.c: scheduled orders. Accept one, or answer why not; tell those who want to know, once it is on the disk; describe it in a few words. */
 void run_appoint(Run *run, Order *order);
-bool run_announces(const Run *run); /* is there any to tell of? */
+const Order *run_due(const Run *run); /* the next one for this boundary; NULL: none, or the run is in no state for it */
+bool run_announces(const Run *run);   /* is there any to tell of? */
 void run_announce(Run *run);
 void run_describe_scheduled(const Order *order, char *ret, size_t size);
 void run_tell_undone(Run *run, const Order *order, const MnsError *why);

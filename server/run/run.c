@@ -58,23 +58,11 @@ static void serve(Run *run, Order *order)
     else order->serve(run, order);
 }
 
-static const Order *due(const Run *run)
-{
-    return agenda_due(&run->agenda, run->sim ? mns_sim_progress(run->sim) : (MnsProgress){.t = 0});
-}
-
-/* In FAULT the case is not complete, or its files are not. */
-static bool is_whole(const Run *run)
-{
-    return run->state == RUN_READY || run->state == RUN_RUNNING || run->state == RUN_PAUSED || run->state == RUN_DONE;
-}
-
 /* A scheduled file is answered at its boundary, so nothing that may fail is before it with the writer. */
 static bool ready_for(Run *run, const Order *order)
 {
     const Meniscus__Request__CommandCase command = order->request->command_case;
     MnsError error;
-    if (!is_whole(run)) return false;
     if (command != MENISCUS__REQUEST__COMMAND_CHECKPOINT && command != MENISCUS__REQUEST__COMMAND_SNAPSHOT) return true;
     if (!outputs_settle(&run->outputs, &error)) return true;
     run_fault(run, &error, true);
@@ -82,16 +70,17 @@ static bool ready_for(Run *run, const Order *order)
 }
 
 /* Those whose moment this boundary is, before whoever wanted the run to come here is answered: then the case is as it was to be from here on.
- * What they see or write is on the disk before, so that no crash undoes it. What the run is not ready for waits until it is. */
+ * What they see or write is on the disk before, so that no crash undoes it. */
 static void keep_appointments(Run *run)
 {
     bool any = false;
-    for (const Order *next; !run->leaving && (next = due(run)); any = true) {
+    for (const Order *next; !run->leaving && (next = run_due(run)); any = true) {
         run_sync(run);
         if (!ready_for(run, next)) break;
         serve(run, agenda_take_due(&run->agenda, mns_sim_progress(run->sim)));
     }
     if (any) run_publish(run);
+    run_answer_waiters(run);
 }
 
 /* Until when to sleep if nobody wants anything: a paused run uses no processor. The OpenMP team does not either: both

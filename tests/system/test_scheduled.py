@@ -65,6 +65,12 @@ class Scheduled(DaemonTest):
         self.say(self.socket, **words)
         return self.hear(self.socket, code)
 
+    def give_apart(self, **words: Any) -> "pb.Reply":
+        """Over a connection of its own, which no other reply comes by."""
+        socket = self.connect()
+        self.say(socket, **words)
+        return self.hear(socket)
+
     def silent(self, socket: "zmq.Socket[bytes]") -> None:
         self.assertFalse(socket.poll(100), "nothing is answered before its effect")
 
@@ -120,6 +126,16 @@ class Scheduled(DaemonTest):
         self.assertEqual(self.gravity(), "[0, -3]")
         changes = [r["changes"][0]["after"] for r in self.ask("log", str(self.run_directory))["records"] if r["changes"]]
         self.assertEqual(changes, ["[0, -4]", "[0, -2]", "[0, -3]"])
+
+    def test_whoever_waits_for_a_step_finds_done_what_was_scheduled_for_it(self) -> None:
+        for k in range(1, 21):
+            self.give(set=set_gravity(f"[0, -{k + 1}]"), at_step=3 * k, no_wait=True)
+            waiting = self.connect()
+            self.say(waiting, wait=pb.Wait(step=3 * k))
+            self.say(self.socket, step=pb.Step(count=3))
+            self.hear(waiting)
+            self.assertEqual(self.give_apart(status=pb.GetStatus()).status.case_version, k + 1)
+            self.hear(self.socket)
 
     def test_files_are_of_that_step(self) -> None:
         sockets = [self.connect() for _ in range(3)]
