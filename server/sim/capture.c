@@ -41,23 +41,46 @@ void mns_capture_free(MnsCapture *capture)
     free(capture);
 }
 
-enum { SHARE = 1 << 20 }; /* bytes that one thread copies at a time */
+/* An array to be copied, or a part of one. */
+typedef struct Stretch {
+    char *to;
+    const char *from;
+    size_t bytes;
+} Stretch;
 
-static void copy(char *to, const char *from, size_t bytes, int threads)
+enum { SHARE = 1 << 18, STRETCHES = 3 * MNS_MAX_FIELDS }; /* bytes that one thread copies at a time */
+
+static void copy_share(const Stretch *of, size_t begin)
 {
-#pragma omp parallel for schedule(static) num_threads(threads) if (bytes > SHARE)
-    for (size_t k = 0; k < bytes; k += SHARE) memcpy(to + k, from + k, bytes - k < SHARE ? bytes - k : SHARE);
+    if (begin < of->bytes)
+        memcpy(of->to + begin, of->from + begin, of->bytes - begin < SHARE ? of->bytes - begin : SHARE);
+}
+
+/* All in one parallel region: to wake threads for each array would take as long as to copy it. */
+static void copy(const Stretch *stretches, int n, size_t longest, int threads)
+{
+#pragma omp parallel for collapse(2) schedule(dynamic) num_threads(threads) if (longest > SHARE)
+    for (int k = 0; k < n; k++)
+        for (size_t begin = 0; begin < longest; begin += SHARE) copy_share(&stretches[k], begin);
 }
 
 static void copy_out(const MnsSim *sim, MnsCapture *capture)
 {
     const Particles *s = &sim->s;
+    Stretch stretches[STRETCHES];
+    size_t longest = 0;
+    int n = 0;
     capture->spacing = sim->model.dx;
     capture->progress = sim->progress;
-    for (int f = 0; mns_fields()[f].name; f++)
+    for (int f = 0; mns_fields()[f].name; f++) {
+        const size_t bytes = s->n * field_size(&mns_fields()[f]);
         for (int d = 0; d < 3; d++)
-            if (capture->fields >> f & 1 && capture->data[f][d])
-                copy(capture->data[f][d], particles_field(s, f, d), s->n * field_size(&mns_fields()[f]), sim->threads);
+            if (capture->fields >> f & 1 && capture->data[f][d]) {
+                stretches[n++] = (Stretch){capture->data[f][d], particles_field(s, f, d), bytes};
+                longest = bytes > longest ? bytes : longest;
+            }
+    }
+    copy(stretches, n, longest, sim->threads);
 }
 
 MnsStatus mns_sim_capture(const MnsSim *sim, uint64_t fields, MnsCapture **ret_capture, MnsError *error)
