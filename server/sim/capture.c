@@ -64,23 +64,30 @@ static void copy(const Stretch *stretches, int n, size_t longest, int threads)
         for (size_t begin = 0; begin < longest; begin += SHARE) copy_share(&stretches[k], begin);
 }
 
-static void copy_out(const MnsSim *sim, MnsCapture *capture)
+/* Between the particles and all arrays that the capture has, out or in. */
+static void copy_all(const MnsSim *sim, const MnsCapture *capture, bool out)
 {
     const Particles *s = &sim->s;
     Stretch stretches[STRETCHES];
     size_t longest = 0;
     int n = 0;
-    capture->spacing = sim->model.dx;
-    capture->progress = sim->progress;
     for (int f = 0; mns_fields()[f].name; f++) {
         const size_t bytes = s->n * field_size(&mns_fields()[f]);
-        for (int d = 0; d < 3; d++)
-            if (capture->fields >> f & 1 && capture->data[f][d]) {
-                stretches[n++] = (Stretch){capture->data[f][d], particles_field(s, f, d), bytes};
-                longest = bytes > longest ? bytes : longest;
-            }
+        for (int d = 0; d < 3; d++) {
+            char *copied = capture->data[f][d], *own = particles_field(s, f, d);
+            if (!(capture->fields >> f & 1) || !copied || !own) continue;
+            stretches[n++] = out ? (Stretch){copied, own, bytes} : (Stretch){own, copied, bytes};
+            longest = bytes > longest ? bytes : longest;
+        }
     }
     copy(stretches, n, longest, sim->threads);
+}
+
+static void copy_out(const MnsSim *sim, MnsCapture *capture)
+{
+    capture->spacing = sim->model.dx;
+    capture->progress = sim->progress;
+    copy_all(sim, capture, true);
 }
 
 MnsStatus mns_sim_capture(const MnsSim *sim, uint64_t fields, MnsCapture **ret_capture, MnsError *error)
@@ -137,7 +144,7 @@ static bool fits(const MnsSim *sim, const MnsCapture *capture)
 
 MnsStatus mns_sim_restore(MnsSim *sim, const MnsCapture *capture, MnsError *error)
 {
-    Particles *s = &sim->s;
+    const Particles *s = &sim->s;
     for (int f = 0; mns_fields()[f].name; f++)
         if (sim->scheme->state & ~capture->fields & UINT64_C(1) << f)
             return mns_fail(error, MNS_E_VERSION,
@@ -148,10 +155,7 @@ MnsStatus mns_sim_restore(MnsSim *sim, const MnsCapture *capture, MnsError *erro
                         "the saved state, %zu particles of which %zu fluid, is not of this case, which "
                         "has %zu and %zu",
                         capture->n, capture->n_fluid, s->n, particles_fluid(s));
-    for (int f = 0; mns_fields()[f].name; f++)
-        for (int d = 0; d < 3; d++)
-            if (capture->data[f][d] && particles_field(s, f, d))
-                memcpy(particles_field(s, f, d), capture->data[f][d], s->n * field_size(&mns_fields()[f]));
+    copy_all(sim, capture, false);
     sim->progress = capture->progress;
     sim->fault = (MnsError){0};
     return integrator_restart(sim, error);
