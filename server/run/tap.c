@@ -197,12 +197,30 @@ static bool find_due(Tap *tap, MnsProgress now, bool stepped, Wish *ret)
     return any;
 }
 
-static size_t size_of(const MnsSim *sim, const MnsCapture *capture)
+/* What the arrays of a capture take, whatever simulation they are of, and whether or not they are filled now. */
+static size_t size_of(const MnsCapture *capture)
 {
-    uint64_t fields = 0;
-    for (int f = 0; capture && mns_fields()[f].name; f++)
-        if (capture->data[f][0]) fields |= UINT64_C(1) << f;
-    return capture && capture->n == mns_sim_particles(sim) ? mns_sim_capture_size(sim, fields) : 0;
+    size_t width = 0;
+    for (int f = 0; capture && mns_fields()[f].name; f++) {
+        const MnsType type = mns_fields()[f].type;
+        const size_t one = type == MNS_F64 ? sizeof(double) : type == MNS_U32 ? sizeof(uint32_t) : sizeof(uint8_t);
+        for (int d = 0; d < 3; d++) width += capture->data[f][d] ? one : 0;
+    }
+    return width ? width * capture->n : 0;
+}
+
+static void tally_rooms(Tap *tap)
+{
+    size_t bytes = 0;
+    for (int k = 0; k < TAP_ROOMS; k++) bytes += size_of(tap->rooms[k].capture);
+    tap->tally.bytes = bytes;
+}
+
+static void empty(Tap *tap, Room *room)
+{
+    mns_capture_free(room->capture);
+    room->capture = NULL;
+    tally_rooms(tap);
 }
 
 /* Room that nobody uses, the one that was used last first: its memory is warm. */
@@ -213,20 +231,38 @@ static Room *find_room(Tap *tap)
     return NULL;
 }
 
+/* What a room would take more if these fields were copied there, besides those that it has arrays for. */
+static size_t growth(const Room *room, const MnsSim *sim, uint64_t fields)
+{
+    for (int f = 0; room->capture && mns_fields()[f].name; f++)
+        if (room->capture->data[f][0]) fields &= ~(UINT64_C(1) << f);
+    return mns_sim_capture_size(sim, fields);
+}
+
+/* Within the limit with a copy of these fields in this room? What nobody uses gives way: arrays of another case, of fields that nobody
+ * wants now, and at last other rooms. */
+static bool make_room(Tap *tap, Room *room, const MnsSim *sim, uint64_t fields)
+{
+    for (int k = 0; k < TAP_ROOMS; k++) {
+        Room *other = &tap->rooms[k];
+        if (!other->users && other->capture && other->capture->n != mns_sim_particles(sim)) empty(tap, other);
+    }
+    if (tap->tally.bytes + growth(room, sim, fields) > tap->limit) empty(tap, room);
+    for (int k = 0; k < TAP_ROOMS && tap->tally.bytes + growth(room, sim, fields) > tap->limit; k++)
+        if (!tap->rooms[k].users) empty(tap, &tap->rooms[k]);
+    return tap->tally.bytes + growth(room, sim, fields) <= tap->limit;
+}
+
 /* A copy of the fields, in room from before if that fits. False: there is no room for it. */
 static bool copy_fields(Tap *tap, Room *room, const MnsSim *sim, uint64_t fields)
 {
-    const size_t before = size_of(sim, room->capture), wanted = mns_sim_capture_size(sim, fields);
-    if (wanted > before && tap->tally.bytes - before + wanted > tap->limit) return false;
+    if (!make_room(tap, room, sim, fields)) return false;
     MnsStatus status = room->capture ? mns_sim_recapture(sim, fields, room->capture, NULL) : MNS_E_STATE;
     if (status == MNS_E_STATE) {
-        mns_capture_free(room->capture);
-        room->capture = NULL;
+        empty(tap, room);
         status = mns_sim_capture(sim, fields, &room->capture, NULL);
     }
-    size_t bytes = 0;
-    for (int k = 0; k < TAP_ROOMS; k++) bytes += size_of(sim, tap->rooms[k].capture);
-    tap->tally.bytes = bytes;
+    tally_rooms(tap);
     return !status;
 }
 
@@ -255,15 +291,8 @@ static Room *shoot(Tap *tap, const MnsSim *sim, const Wish *wish, const double *
 /* Nobody watches any longer. */
 static void drop_rooms(Tap *tap)
 {
-    size_t left = 0;
-    for (int k = 0; k < TAP_ROOMS; k++) {
-        Room *room = &tap->rooms[k];
-        left += room->users > 0;
-        if (room->users) continue;
-        mns_capture_free(room->capture);
-        room->capture = NULL;
-    }
-    if (!left) tap->tally.bytes = 0;
+    for (int k = 0; k < TAP_ROOMS; k++)
+        if (!tap->rooms[k].users) empty(tap, &tap->rooms[k]);
 }
 
 /* Each feed keeps the newest alone. With the lock held. */
