@@ -135,6 +135,26 @@ static double streams_slow(const View *view)
     return (double)view->from->traffic->streams.too_slow;
 }
 
+static double streams_packed(const View *view)
+{
+    return (double)view->from->traffic->streams.packed;
+}
+
+static double streams_let_go(const View *view)
+{
+    return (double)view->from->traffic->streams.let_go;
+}
+
+static double streams_not_made(const View *view)
+{
+    return (double)view->from->traffic->streams.not_made;
+}
+
+static double streams_unheard(const View *view)
+{
+    return (double)view->from->traffic->streams.unheard;
+}
+
 static double streams_refused(const View *view)
 {
     return (double)view->from->traffic->streams.refused;
@@ -485,6 +505,14 @@ static const Metric metrics[] = {
     {{"meniscus_stream_cancelled", "", METRIC_COUNTER, "Items cancelled by who got them"}, .print = stream_cancels},
     {{"meniscus_streams_too_slow", "", METRIC_COUNTER, "Items under way given up because memory was short"},
      .number = streams_slow},
+    {{"meniscus_streams_packed", "", METRIC_COUNTER, "Items packed, once for all who get them"},
+     .number = streams_packed},
+    {{"meniscus_streams_let_go", "", METRIC_COUNTER, "Items that waited for credit and made room for others"},
+     .number = streams_let_go},
+    {{"meniscus_streams_not_made", "", METRIC_COUNTER, "Items that were due and for which there was no memory"},
+     .number = streams_not_made},
+    {{"meniscus_streams_unheard", "", METRIC_COUNTER, "Requests of clients that do not read the replies"},
+     .number = streams_unheard},
     {{"meniscus_streams_without_room", "", METRIC_COUNTER, "Steps at which items were due and there was no room"},
      .number = without_room},
     {{"meniscus_streams_refused", "", METRIC_COUNTER, "Requests for streams that were refused"},

@@ -18,8 +18,12 @@ typedef struct StreamTraffic {
     _Atomic uint64_t items[TRAFFIC_STREAMS], bytes[TRAFFIC_STREAMS]; /* sent whole; sent, with what is said of them */
     _Atomic uint64_t skipped[TRAFFIC_STREAMS], cancelled[TRAFFIC_STREAMS];
     _Atomic uint64_t open[TRAFFIC_STREAMS]; /* streams */
+    _Atomic uint64_t packed;                /* items, each once for all who get it */
     _Atomic uint64_t too_slow;     /* items given up for want of memory, under way to those who did not take them */
+    _Atomic uint64_t let_go;       /* items that waited for those who had no credit, and made room for others */
+    _Atomic uint64_t not_made;     /* items that were due and for which there was no memory */
     _Atomic uint64_t refused;      /* requests */
+    _Atomic uint64_t unheard;      /* requests of those who do not read the replies */
     _Atomic size_t memory;         /* bytes of items, whether they wait or are on their way */
     _Atomic size_t copies;         /* bytes of room for copies of fields, of which items are made */
     _Atomic uint64_t without_room; /* step boundaries at which something was due and all that room was in use */

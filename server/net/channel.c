@@ -2,6 +2,7 @@
 /* What falls due for all who asked for the same. */
 #include "net/channel.h"
 
+#include "base/clock.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -78,15 +79,5 @@ void channel_put(Channel *channel, StreamItem *item, uint64_t number)
     stream_item_leave(channel->newest);
     item->number = number;
     channel->newest = item;
-}
-
-MnsStatus channel_refresh(Channel *channel, Tap *tap, StreamMemory *memory, size_t limit)
-{
-    StreamItem *item;
-    const Shot *shot = channel->feed ? tap_take(tap, channel->feed, &channel->due) : NULL;
-    if (!shot) return MNS_OK;
-    const MnsStatus status = stream_item_new(&channel->spec, shot, memory, limit, &item, NULL);
-    tap_leave(tap, shot);
-    if (!status) channel_put(channel, item, channel->due);
-    return status;
+    channel->since = clock_now();
 }

@@ -12,9 +12,6 @@ MnsStatus channel_join(Channel **list, Tap *tap, const Meniscus__Subscribe *aske
 /* One fewer; without any it is gone. */
 void channel_leave(Channel **list, Tap *tap, Channel *channel);
 
-/* Take the newest of what was due, if it may take so many bytes. MNS_E_LIMIT, MNS_E_MEMORY: it is only counted. */
-MnsStatus channel_refresh(Channel *channel, Tap *tap, StreamMemory *memory, size_t limit);
-
 /* Another item takes the place of the newest. */
 void channel_put(Channel *channel, StreamItem *item, uint64_t number);
 

@@ -27,6 +27,8 @@ typedef struct Channel {
     Feed *feed;         /* NULL: of events                            */
     uint64_t due;       /* how many were due so far                   */
     StreamItem *newest; /* NULL: none yet                             */
+    double since;       /* clock_now() when it came                   */
+    bool starved;       /* there was no memory for the last one that was due */
 } Channel;
 
 /* A file that is under way. */
@@ -36,12 +38,21 @@ typedef struct StreamFile {
     XXH64_state_t *sum;
 } StreamFile;
 
+/* Why the first message of an item could not be sent: until one of these is better, the next one need not be tried. */
+typedef struct StreamBlock {
+    bool is;
+    uint64_t credit;
+    size_t flight; /* bytes */
+    size_t raw;    /* of the item, before it was packed */
+} StreamBlock;
+
 typedef struct Stream {
     struct Stream *next;
     uint64_t id;
     uint8_t identity[STREAM_IDENTITY];
     size_t identity_size;
-    bool gone; /* nobody is there to send to */
+    bool gone;     /* nobody is there to send to */
+    bool too_slow; /* LOSSLESS: memory was short, and it took nothing; to be dropped */
     Subscription books;
     StreamSpec spec;
     uint64_t skipped;
@@ -56,6 +67,7 @@ typedef struct Stream {
     StreamCursor cursor; /* LOSSLESS: behind the item begun last                  */
     Meniscus__Abandoned *abandoned; /* to be told with the next item              */
     Flight *flight;
+    StreamBlock block;
     size_t window; /* of bytes in flight                                           */
     double probed; /* clock_now() when it was last asked whether anybody is there    */
     double looked; /* clock_now() when it was last looked for another file          */

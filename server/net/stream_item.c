@@ -33,6 +33,13 @@ static StreamItem *new_item(StreamMemory *memory)
     return item;
 }
 
+size_t stream_item_raw(const StreamItem *item)
+{
+    size_t bytes = 0;
+    for (size_t k = 0; k < item->n; k++) bytes += bytes_of(&item->parts[k].array);
+    return bytes;
+}
+
 StreamItem *stream_item_share(StreamItem *item)
 {
     if (item) item->users++;
@@ -87,7 +94,7 @@ static MnsStatus add_field(StreamItem *item, const MnsCapture *capture, int fiel
 }
 
 static MnsStatus add_fields(StreamItem *item, const StreamSpec *spec, const MnsCapture *capture, size_t limit,
-                            MnsError *error)
+                            size_t *ret_needed, MnsError *error)
 {
     const Selection *where = &spec->where;
     const bool all = !where->boxed && !where->ball && !where->mixed && where->every == 1;
@@ -96,7 +103,11 @@ static MnsStatus add_fields(StreamItem *item, const StreamSpec *spec, const MnsC
     const size_t everybody = where->walls ? capture->n : capture->n_fluid;
     const size_t n = all ? everybody : selection_choose(where, capture, chosen);
     MnsStatus status = MNS_OK;
-    if (bytes_needed(spec, capture, n) > limit) status = mns_fail(error, MNS_E_LIMIT, "the streams hold all they may");
+    const size_t needed = bytes_needed(spec, capture, n);
+    if (needed > limit) {
+        *ret_needed = needed;
+        status = mns_fail(error, MNS_E_LIMIT, "%zu bytes are needed, and streams may hold %zu more", needed, limit);
+    }
     for (size_t k = 0; !status && k < spec->n; k++)
         status = add_field(item, capture, spec->columns[k], chosen, n, error);
     free(chosen);
@@ -113,14 +124,15 @@ static MnsStatus add_values(StreamItem *item, const StreamSpec *spec, const doub
 }
 
 MnsStatus stream_item_new(const StreamSpec *spec, const Shot *shot, StreamMemory *memory, size_t limit,
-                          StreamItem **ret, MnsError *error)
+                          size_t *ret_needed, StreamItem **ret, MnsError *error)
 {
     StreamItem *item = new_item(memory);
     if (!item) return mns_fail(error, MNS_E_MEMORY, "no memory for an item");
     item->step = shot->progress.step;
     item->time = shot->progress.t;
-    const MnsStatus status = spec->kind == STREAM_FIELDS ? add_fields(item, spec, shot->capture, limit, error)
-                                                         : add_values(item, spec, shot->values, error);
+    const MnsStatus status = spec->kind == STREAM_FIELDS
+                                 ? add_fields(item, spec, shot->capture, limit, ret_needed, error)
+                                 : add_values(item, spec, shot->values, error);
     if (status) stream_item_leave(item);
     else *ret = item;
     return status;

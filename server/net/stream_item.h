@@ -30,9 +30,10 @@ typedef struct StreamItem {
     Meniscus__Event *event; /* or NULL */
 } StreamItem;
 
-/* What of a shot the spec has, numbers as they are. MNS_E_LIMIT: it would take more than `limit` bytes of memory; MNS_E_MEMORY. */
+/* What of a shot the spec has, numbers as they are. MNS_E_LIMIT: it would take more than `limit` bytes of memory, namely *ret_needed;
+ * MNS_E_MEMORY. */
 MnsStatus stream_item_new(const StreamSpec *spec, const Shot *shot, StreamMemory *memory, size_t limit,
-                          StreamItem **ret, MnsError *error);
+                          size_t *ret_needed, StreamItem **ret, MnsError *error);
 
 /* Rows of a series: values is [rows][columns]. All three are taken over, in any case. */
 MnsStatus stream_item_rows(const StreamSpec *spec, size_t rows, uint64_t *step, double *time, double *values,
@@ -43,6 +44,9 @@ StreamItem *stream_item_event(const Note *note, StreamMemory *memory);
 
 /* Pack it as its spec says; nothing to do if it is. */
 MnsStatus stream_item_pack(StreamItem *item, const StreamSpec *spec, MnsError *error);
+
+/* Bytes of its numbers, as they are or were before they were packed. */
+size_t stream_item_raw(const StreamItem *item);
 
 StreamItem *stream_item_share(StreamItem *item);
 void stream_item_leave(StreamItem *item); /* NULL is fine */

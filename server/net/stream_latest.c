@@ -19,13 +19,13 @@ static StreamItem *take_first(Streams *streams, Stream *stream)
         if (now > stream->looked + ASK_EVERY) stream->looked = now;
         return NULL;
     }
-    streams_reclaim(streams, 0);
-    const size_t held = streams->memory, left = held < streams->limit ? streams->limit - held : 0;
-    const MnsStatus status = stream_item_new(&stream->spec, shot, &streams->memory, left, &item, NULL);
+    const MnsStatus status = streams_make(streams, &stream->spec, shot, NULL, &item);
     tap_leave(run_tap(run), shot);
-    tap_close(run_tap(run), stream->first); /* without memory for it, those that are due come all the same */
+    stream->looked = now;
+    if (status) return NULL;
+    tap_close(run_tap(run), stream->first);
     stream->first = NULL;
-    return status ? NULL : item;
+    return item;
 }
 
 /* What a LATEST stream has next, or NULL. *ret_number: as subscription_take() has it. */
@@ -51,18 +51,30 @@ static bool has_it(Stream *stream, const StreamItem *item, uint64_t number)
     return true;
 }
 
+bool stream_is_blocked(const Stream *stream)
+{
+    const StreamBlock *block = &stream->block;
+    return block->is && stream->books.credit <= block->credit && stream->flight->bytes >= block->flight;
+}
+
 StreamSent stream_begin_latest(Streams *streams, Stream *stream)
 {
     uint64_t number;
     StreamItem *item = next_item(streams, stream, &number), *before = stream->item;
     if (!item) return STREAM_WAITS;
+    const bool pack = !item->packed;
     if (has_it(stream, item, number) || stream_item_pack(item, &stream->spec, NULL)) {
         stream_item_leave(item);
         return STREAM_WAITS;
     }
+    streams->options.traffic->packed += pack;
+    const StreamBlock block = {
+        .credit = stream->books.credit, .flight = stream->flight->bytes, .raw = stream_item_raw(item)};
     stream->item = item;
     stream->skipped = subscription_take(&stream->books, number, item->size);
     const StreamSent sent = stream_post_next(&streams->post, stream);
+    stream->block = block;
+    stream->block.is = sent == STREAM_WAITS;
     if (sent == STREAM_MORE || sent == STREAM_WHOLE) {
         stream_item_leave(before);
         stream->at_once = number ? 0 : item->step + 1;

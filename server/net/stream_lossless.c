@@ -39,9 +39,10 @@ static bool begin_rows(Streams *streams, Stream *stream)
     StreamCursor *cursor = &stream->cursor;
     SeriesRows rows;
     StreamItem *item;
-    if (stream->books.credit < HEAD + width || streams->memory >= streams->limit) return false;
+    if (stream->books.credit < HEAD + width) return false;
     const uint64_t paid = stream->books.credit - HEAD, room = paid < spec->chunk ? paid : spec->chunk;
     const size_t most = room / width ? room / width : 1;
+    if (!streams_reclaim(streams, most * width, NULL)) return false;
     if (run_rows(streams->options.run, streams->now.document, cursor->given ? cursor->line : 0, cursor->row, most,
                  spec->n, spec->columns, &rows, NULL))
         return false;

@@ -11,7 +11,9 @@
 #include <unistd.h>
 #include <zmq.h>
 
-enum { WINDOW_MOST = 4 << 20 };
+/* Bytes on their way for a stream at most; and items below this are shared with ZeroMQ. What it does not let go of, as whoever hangs reads nothing, is so
+ * a part of a large item, not all of it. */
+enum { WINDOW_MOST = 4 << 20, SHARED_MOST = 1 << 20 };
 
 Flight *flight_new(void)
 {
@@ -77,7 +79,8 @@ static bool wrap(StreamPost *post, Stream *stream, const void *data, void *buffe
 static bool load(StreamPost *post, Stream *stream, size_t n, zmq_msg_t *ret)
 {
     const uint64_t offset = stream->books.offset;
-    const void *data = stream->file.fd < 0 ? stream_item_bytes(stream->item, offset, n) : NULL;
+    const bool shared = stream->file.fd < 0 && stream->item->size <= SHARED_MOST;
+    const void *data = shared ? stream_item_bytes(stream->item, offset, n) : NULL;
     if (data) return wrap(post, stream, data, NULL, n, ret);
     char *buffer = malloc(n);
     if (!buffer) return false;

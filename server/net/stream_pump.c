@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 static const double GONE_FOR = 30;    /* [s] that a stream is kept for a resume when nobody is there */
-static const double STUCK_FOR = 1;    /* [s] without a byte taken, after which an item under way may be given up */
 static const double PROBE_EVERY = 10; /* [s] without anything sent */
 
 Stream *streams_find(Streams *streams, uint64_t id, const uint8_t *identity, size_t size)
@@ -50,42 +49,6 @@ void streams_drop(Streams *streams, Stream *stream, const MnsError *why)
     free(stream);
 }
 
-/* --- memory ------------------------------------------------------------------------------------------------------------- */
-
-/* The one that has not moved for longest and holds an item: whole ones, kept for a resume, before those under way. */
-static Stream *find_slowest(const Streams *streams, double now)
-{
-    Stream *found = NULL;
-    for (Stream *s = streams->first; s; s = s->next) {
-        if (!s->item || (s->books.under_way && !stream_is_latest(s->spec.kind)) ||
-            (s->books.under_way && s->moved > now - STUCK_FOR))
-            continue;
-        const bool worse = found && found->books.under_way && !s->books.under_way;
-        const bool as_bad = found && found->books.under_way == s->books.under_way && s->moved < found->moved;
-        if (!found || worse || as_bad) found = s;
-    }
-    return found;
-}
-
-static void give_up_slow(Streams *streams, Stream *stream)
-{
-    if (subscription_cancel(&stream->books, 0)) {
-        streams->options.traffic->too_slow++;
-        if (!stream->gone)
-            stream_post_end(&streams->post, stream, false, MNS_E_LIMIT, "too slow",
-                            "nothing of this item was taken for a while, and streams hold all the memory they may; the "
-                            "next one comes when there is credit");
-    }
-    stream_close_item(stream);
-}
-
-void streams_reclaim(Streams *streams, size_t bytes)
-{
-    const double now = clock_now();
-    for (Stream *slow; streams->memory + bytes > streams->limit && (slow = find_slowest(streams, now));)
-        give_up_slow(streams, slow);
-}
-
 /* --- what is new -------------------------------------------------------------------------------------------------------- */
 
 static void refresh_events(Streams *streams, Channel *channel)
@@ -98,30 +61,44 @@ static void refresh_events(Streams *streams, Channel *channel)
     channel->due = told;
 }
 
-static void refresh_channels(Streams *streams)
+static void refresh_feed(Streams *streams, Channel *channel)
 {
     Tap *tap = run_tap(streams->options.run);
-    for (Channel *c = streams->channels; c; c = c->next) {
-        if (!c->feed) {
-            refresh_events(streams, c);
-            continue;
+    StreamItem *item;
+    const Shot *shot = tap_take(tap, channel->feed, &channel->due);
+    if (!shot) return;
+    const MnsStatus status = streams_make(streams, &channel->spec, shot, channel, &item);
+    tap_leave(tap, shot);
+    if (!status) channel_put(channel, item, channel->due);
+    channel->starved = status == MNS_E_LIMIT;
+}
+
+/* Who takes what comes is served before who does not, and of those first the ones that had to do without the last time: or others would take the memory
+ * from them again and again. A feed that was served has nothing more for a later turn. */
+static void refresh_channels(Streams *streams)
+{
+    for (int turn = 0; turn < 3; turn++)
+        for (Channel *c = streams->channels; c; c = c->next) {
+            if (!c->feed && !turn) refresh_events(streams, c);
+            if (c->feed && (turn == 2 || ((turn || c->starved) && streams_is_lively(streams, c))))
+                refresh_feed(streams, c);
         }
-        streams_reclaim(streams, 0);
-        const size_t held = streams->memory;
-        channel_refresh(c, tap, &streams->memory, held < streams->limit ? streams->limit - held : 0);
-    }
 }
 
 /* Streams of a case that is gone have nothing more to say. Those who left without a word are forgotten after a while. */
 static void drop_over(Streams *streams)
 {
-    MnsError over;
+    MnsError over, slow;
     const double now = clock_now();
+    mns_fail(&slow, MNS_E_LIMIT,
+             "nothing was taken for a while, and streams hold all the memory they may; subscribe "
+             "again with `from` to go on");
     mns_fail(&over, MNS_E_INTERRUPTED, "the run was ended or another case was loaded; subscribe again");
     for (Stream *s = streams->first, *next; s; s = next) {
         next = s->next;
         const bool other = s->spec.kind != STREAM_EVENTS && s->generation != streams->now.generation;
         if (other) streams_drop(streams, s, &over);
+        else if (s->too_slow) streams_drop(streams, s, &slow);
         else if (s->gone && now > s->moved + GONE_FOR) streams_drop(streams, s, NULL);
     }
 }
@@ -174,7 +151,7 @@ static void leave_alone(Streams *streams, Stream *stream)
 
 static bool pump(Streams *streams, Stream *stream)
 {
-    if (stream->gone) return false;
+    if (stream->gone || stream->too_slow) return false;
     StreamSent sent = advance(streams, stream);
     if (sent == STREAM_WAITS) sent = probe(streams, stream);
     switch (sent) {

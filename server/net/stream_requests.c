@@ -95,7 +95,7 @@ static MnsStatus make_place(Streams *streams, MnsError *error)
 }
 
 /* For one item at once. The run is asked for it when there is credit: a shot that nobody takes would keep its room from others. */
-static void open_first(Streams *streams, Stream *stream)
+void streams_open_first(Streams *streams, Stream *stream)
 {
     Wish wish = stream->spec.wish;
     wish.when = (When){.every_steps = UINT64_MAX};
@@ -112,7 +112,7 @@ static MnsStatus join(Streams *streams, Stream *stream, const Meniscus__Subscrib
         channel_join(&streams->channels, tap, asked, spec, stream->generation, &stream->channel, error);
     if (status) return status;
     if (!stream->channel->feed && stream->channel->users == 1) stream->channel->due = streams->told;
-    if (spec->first && stream->channel->feed) open_first(streams, stream);
+    if (spec->first && stream->channel->feed) streams_open_first(streams, stream);
     return MNS_OK;
 }
 
@@ -175,7 +175,7 @@ static MnsStatus resume(Streams *streams, Asked *asked, const Meniscus__ResumeSt
     memcpy(stream->identity, asked->identity, asked->size);
     stream->identity_size = asked->size;
     stream->gone = false;
-    if (stream->first_due) open_first(streams, stream);
+    if (stream->first_due) streams_open_first(streams, stream);
     stream->first_due = false;
     stream->moved = clock_now();
     stream->books.credit = 0;

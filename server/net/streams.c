@@ -108,7 +108,7 @@ MnsStatus streams_new(const StreamsOptions *options, Streams **ret, MnsError *er
                            : open_socket(streams, error);
     streams->post.socket = streams->socket;
     streams->post.epoch = options->epoch;
-    streams->post.limit = streams->limit / 2;
+    streams->post.limit = streams->limit / 4;
     streams->post.memory = &streams->memory;
     streams->post.traffic = options->traffic;
     tap_case(run_tap(options->run), &streams->now);

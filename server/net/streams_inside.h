@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The inside of the streams' thread, for the files that make it up: streams.c, stream_requests.c, stream_pump.c. */
+/* The inside of the streams' thread, for the files that make it up: streams.c, stream_requests.c, stream_pump.c, stream_latest.c, stream_lossless.c,
+ * stream_memory.c. */
 #ifndef NET_STREAMS_INSIDE_H
 #define NET_STREAMS_INSIDE_H
 
@@ -51,8 +52,21 @@ Stream *streams_find(Streams *streams, uint64_t id, const uint8_t *identity, siz
 /* Forget a stream. why: told to who has it; NULL: nobody asks. */
 void streams_drop(Streams *streams, Stream *stream, const MnsError *why);
 
-/* Make room for so many bytes of items, at the cost of those who have not taken any for longest. */
-void streams_reclaim(Streams *streams, size_t bytes);
+/* stream_memory.c: make room for so many bytes of an item, at the cost of those who have not taken any for longest. channel: for its next item, which
+ * takes the place of its newest; or NULL. False: there is none, or so much is more than all may hold. */
+bool streams_reclaim(Streams *streams, size_t needed, Channel *channel);
+
+/* An item of a shot, with room made for it as above. MNS_E_LIMIT, MNS_E_MEMORY: it is counted that there is none. */
+MnsStatus streams_make(Streams *streams, const StreamSpec *spec, const Shot *shot, Channel *channel, StreamItem **ret);
+
+/* Does somebody take what the channel has, as it comes? */
+bool streams_is_lively(const Streams *streams, const Channel *channel);
+
+/* stream_latest.c: is all as it was when the first message of an item could not be sent? */
+bool stream_is_blocked(const Stream *stream);
+
+/* stream_requests.c: for one item at once. */
+void streams_open_first(Streams *streams, Stream *stream);
 
 /* The item or file under way is over. */
 void stream_close_item(Stream *stream);

@@ -1,0 +1,114 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Streams when memory is short: those who take what comes go on, and all that others lose by it is counted."""
+
+import sys
+import time
+import unittest
+import urllib.request
+from pathlib import Path
+from typing import Any
+
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from daemon import DaemonTest, free_ports  # noqa: E402
+from streaming import Item, Taker, sb  # noqa: E402
+
+LARGE = ["dambreak2d", "--set", "resolution=100", "--set", "threads=1", "--set", "end_time=1000", "--name", "large"]
+SMALL = ["dambreak2d", "--set", "resolution=8", "--set", "threads=1", "--set", "end_time=1000", "--name", "small",
+         "--set", "output.probe_interval=1e-6", "--set", "output.checkpoint_interval=1000"]
+PLENTY = 1 << 30
+HALF = 4 << 20  # of the memory for items
+
+
+def fields(*names: str) -> "sb.FieldStream":
+    return sb.FieldStream(fields=[sb.FieldWish(name=name) for name in names])
+
+
+class ShortOfMemory(DaemonTest):
+    @classmethod
+    def start_daemon(cls) -> None:
+        cls.port = free_ports()
+        cls.options = ["--stream-memory", "16", "--http", str(cls.port)]
+        super().start_daemon()
+
+    def setUp(self) -> None:
+        self.endpoint = f"ipc://{self.home}/run/meniscus/default/data.ipc"
+        self.taker = self.new_taker()
+
+    def new_taker(self) -> Taker:
+        taker = Taker(self.endpoint)
+        self.addCleanup(taker.close)
+        return taker
+
+    def count(self, name: str) -> float:
+        with urllib.request.urlopen(f"http://127.0.0.1:{self.port}/metrics", timeout=10) as page:
+            lines = page.read().decode().splitlines()
+        return float(next(line.split()[-1] for line in lines if line.startswith(f"meniscus_streams_{name}_total")))
+
+    def every_step(self, *names: str, **how: Any) -> "dict[str, Any]":
+        return dict(fields=fields(*names), when=sb.When(every_steps=1), **how)
+
+    def step_until_one_comes(self, taker: Taker) -> Item:
+        """There is room for one of several that are due."""
+        for _ in range(8):
+            self.meniscus("step", "1")
+            try:
+                return taker.item(1.5)
+            except TimeoutError:
+                pass
+        raise TimeoutError("no item in eight steps")
+
+    def test_items_above_half_of_the_memory_come_one_after_the_other(self) -> None:
+        self.meniscus("load", *LARGE)
+        self.taker.subscribe(**self.every_step("position", "velocity", "pressure", credit=PLENTY))
+        for k in range(1, 6):
+            self.meniscus("step", "1")
+            item = self.taker.item(5)
+            self.assertEqual((item.head.step, item.head.sequence, item.head.skipped), (k, k, 0))
+            self.assertGreater(item.head.size, HALF)
+
+    def test_who_takes_nothing_keeps_no_large_item_from_others(self) -> None:
+        """Neither with one that is under way, nor with one that waits; and they learn what they have lost by it."""
+        self.meniscus("load", *LARGE)
+        hung, broke = self.new_taker(), self.new_taker()
+        stuck = hung.subscribe(**self.every_step("position", "velocity", "density", credit=20000, chunk_bytes=4096)).stream
+        self.meniscus("step", "1")
+        hung.receive()  # it is under way
+        waiting = broke.subscribe(**self.every_step("position", "velocity", "mass")).stream
+        self.taker.subscribe(**self.every_step("position", "velocity", "pressure", credit=PLENTY))
+        time.sleep(1.2)
+        sequence = step = 0
+        for k in range(2, 6):
+            self.meniscus("step", "1")
+            if not (k == 2 and self.taker.quiet(1)):  # two are due at once, and there is room for one of them
+                item = self.taker.item(5)
+                self.assertEqual(item.head.sequence, sequence + 1 + item.head.skipped)
+                sequence, step = item.head.sequence, item.head.step
+            time.sleep(1.2)
+        self.assertEqual((step, sequence), (5, 4))
+        self.assertGreater(self.count("too_slow"), 0)
+        self.assertGreater(self.count("let_go") + self.count("not_made"), 0)
+        self.taker.close()
+        hung.grant(stuck, PLENTY)
+        while not (message := hung.receive()[0]).item.HasField("cancelled"):
+            pass
+        self.assertEqual(message.item.cancelled.reason, "too slow")
+        hung.under_way.clear()
+        broke.grant(waiting, PLENTY)
+        for taker, before in ((hung, 1), (broke, 0)):
+            item = self.step_until_one_comes(taker)
+            self.assertEqual(item.head.sequence, before + 1 + item.head.skipped)
+            self.assertEqual(item.head.sequence, item.head.step - 1 + before)  # one who came after the first step
+
+    def test_who_keeps_rows_for_a_resume_keeps_nobody_from_catching_up(self) -> None:
+        self.meniscus("load", *SMALL)
+        self.meniscus("step", "11000")
+        for _ in range(10):
+            taker = self.new_taker()
+            taker.subscribe(probes=sb.ProbeStream(), delivery=sb.LOSSLESS, credit=(1 << 20) + 1024, chunk_bytes=1 << 20)
+            self.assertGreater(taker.item(5).head.size, 900 << 10)
+
+
+if __name__ == "__main__":
+    unittest.main()
