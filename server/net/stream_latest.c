@@ -57,13 +57,20 @@ bool stream_is_blocked(const Stream *stream)
     return block->is && stream->books.credit <= block->credit && stream->flight->bytes >= block->flight;
 }
 
+/* To pack an item takes long, and is in vain if none of it can be sent. How large it will be is not known before: so it is done once, and again when there is
+ * more credit, fewer bytes on their way, or an item that is smaller to begin with. */
+static bool is_in_vain(const Stream *stream, const StreamItem *item)
+{
+    return !item->packed && stream_is_blocked(stream) && stream_item_raw(item) >= stream->block.raw;
+}
+
 StreamSent stream_begin_latest(Streams *streams, Stream *stream)
 {
     uint64_t number;
     StreamItem *item = next_item(streams, stream, &number), *before = stream->item;
     if (!item) return STREAM_WAITS;
     const bool pack = !item->packed;
-    if (has_it(stream, item, number) || stream_item_pack(item, &stream->spec, NULL)) {
+    if (has_it(stream, item, number) || is_in_vain(stream, item) || stream_item_pack(item, &stream->spec, NULL)) {
         stream_item_leave(item);
         return STREAM_WAITS;
     }

@@ -7,7 +7,8 @@
 
 static const double WAITED_FOR = 1; /* [s] that an item waits before it may be let go       */
 static const double STUCK_FOR = 1;  /* [s] without a byte taken, after which an item under way may be given up     */
-static const double HUNG_FOR = 10;  /* [s] the same of a LOSSLESS stream, which is over then, as nothing of it may be left out */
+static const double HUNG_FOR =
+    10; /* [s] the same of a LOSSLESS stream, which is over then, as nothing of it may be left out */
 
 static bool is_short(const Streams *streams, size_t needed)
 {

@@ -9,12 +9,14 @@ import urllib.request
 from pathlib import Path
 from typing import Any
 
+import zmq
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from daemon import DaemonTest, free_ports  # noqa: E402
 from streaming import Item, Taker, sb  # noqa: E402
 
 LARGE = ["dambreak2d", "--set", "resolution=100", "--set", "threads=1", "--set", "end_time=1000", "--name", "large"]
+MIDDLE = ["dambreak2d", "--set", "resolution=20", "--set", "threads=1", "--set", "end_time=1000", "--name", "middle"]
 SMALL = ["dambreak2d", "--set", "resolution=8", "--set", "threads=1", "--set", "end_time=1000", "--name", "small",
          "--set", "output.probe_interval=1e-6", "--set", "output.checkpoint_interval=1000"]
 PLENTY = 1 << 30
@@ -108,6 +110,27 @@ class ShortOfMemory(DaemonTest):
             taker = self.new_taker()
             taker.subscribe(probes=sb.ProbeStream(), delivery=sb.LOSSLESS, credit=(1 << 20) + 1024, chunk_bytes=1 << 20)
             self.assertGreater(taker.item(5).head.size, 900 << 10)
+
+    # --- items that nobody can have yet -----------------------------------------------------------------------------
+
+    def test_what_cannot_be_sent_is_packed_once_and_those_skipped_are_counted_all_the_same(self) -> None:
+        """Neither for want of credit, nor as ZeroMQ lets go of nothing: whoever hangs reads nothing."""
+        self.meniscus("load", *MIDDLE)
+        poor = self.taker.subscribe(**self.every_step("position", codec=1, credit=20)).stream
+        hung = self.new_taker()
+        hung.socket.setsockopt(zmq.RCVHWM, 1)
+        hung.socket.setsockopt(zmq.RCVBUF, 4096)
+        hung.subscribe(**self.every_step("velocity", codec=1, credit=PLENTY, chunk_bytes=4096))
+        before = self.count("packed")
+        for _ in range(30):
+            self.meniscus("step", "1")
+        self.assertLessEqual(self.count("packed") - before, 10)
+        self.taker.grant(poor, PLENTY)
+        item = self.taker.item(5)
+        self.assertEqual((item.head.step, item.head.sequence, item.head.skipped), (30, 30, 29))
+        self.meniscus("step", "1")
+        item = self.taker.item(5)
+        self.assertEqual((item.head.step, item.head.sequence, item.head.skipped), (31, 31, 0))
 
 
 if __name__ == "__main__":
