@@ -3,7 +3,6 @@
 #include "net/streams_inside.h"
 
 #include "base/clock.h"
-#include "run/snapshots.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -86,7 +85,7 @@ static bool begin_file(Streams *streams, Stream *stream)
     if (now < stream->looked + LOOK_EVERY) return false;
     stream->looked = now;
     run_status(streams->options.run, &status);
-    if (!status.directory[0] || snapshots_next(status.directory, &from, &next, NULL)) return false;
+    if (!status.directory[0] || snapshots_next(&streams->snapshots, status.directory, &from, &next, NULL)) return false;
     const StreamCursor here = cursor_at(&next.place, next.place.offset);
     if (next.left) return leave_line(stream, &here);
     if (!next.there) return false;

@@ -138,6 +138,7 @@ void streams_free(Streams *streams)
     if (!streams) return;
     stream_item_leave(streams->news);
     document_leave(streams->now.document);
+    snapshots_done(&streams->snapshots);
     pthread_mutex_destroy(&streams->lock);
     if (streams->wake >= 0) close(streams->wake);
     if (streams->post.wake >= 0) close(streams->post.wake);

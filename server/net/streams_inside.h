@@ -8,6 +8,7 @@
 #include "net/far.h"
 #include "net/stream_post.h"
 #include "net/streams.h"
+#include "run/snapshots.h"
 #include <pthread.h>
 
 enum { STREAMS_MAX = 4096 };
@@ -27,7 +28,8 @@ struct Streams {
     StreamPost post;
     StreamMemory memory;
     size_t limit; /* of it                                 */
-    TapCase now;  /* the case, with a share of its document */
+    SnapshotIndex snapshots;
+    TapCase now; /* the case, with a share of its document */
 
     /* The newest event: whoever tells of it puts it here. */
     pthread_mutex_t lock;

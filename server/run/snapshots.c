@@ -5,6 +5,7 @@
 #include "io/atomic_file.h"
 #include "io/directory.h"
 #include "run/rundir.h"
+#include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -41,32 +42,93 @@ static SnapshotPlace place_of(const char *name, const struct stat *info, uint64_
     return place;
 }
 
-/* The first file after a step that was written after a moment, and the last one before it. */
-static void search(const char *directory, char *const *names, size_t n, bool any, uint64_t after, uint64_t since,
-                   SnapshotNext *ret)
+/* --- the index ---------------------------------------------------------------------------------------------------------- */
+
+static const double SETTLED_AFTER = 0.1; /* [s] more than the clock of file systems is coarse */
+
+void snapshots_done(SnapshotIndex *index)
 {
-    uint64_t step, best = UINT64_MAX, last = 0;
+    free(index->directory);
+    free(index->entries);
+    *index = (SnapshotIndex){.n = 0};
+}
+
+static int by_step(const void *a, const void *b)
+{
+    const uint64_t first = ((const SnapshotEntry *)a)->step, second = ((const SnapshotEntry *)b)->step;
+    return (first > second) - (first < second);
+}
+
+static MnsStatus read_directory(SnapshotIndex *index, const char *directory, MnsError *error)
+{
+    char **names;
+    size_t n;
+    const MnsStatus status = rundir_list(directory, &names, &n, error);
+    if (status) return status;
+    index->directory = strdup(directory);
+    index->entries = calloc(n + 1, sizeof *index->entries);
+    for (size_t k = 0; k < n; k++) {
+        SnapshotEntry entry = {.step = 0};
+        if (index->entries && names[k] && is_snapshot(names[k], &entry.step)) {
+            snprintf(entry.name, sizeof entry.name, "%s", names[k]);
+            index->entries[index->n++] = entry;
+        }
+        free(names[k]);
+    }
+    free(names);
+    if (!index->directory || !index->entries) {
+        snapshots_done(index);
+        return mns_fail(error, MNS_E_MEMORY, "no memory for the list of snapshots");
+    }
+    qsort(index->entries, index->n, sizeof *index->entries, by_step);
+    return MNS_OK;
+}
+
+static MnsStatus refresh(SnapshotIndex *index, const char *directory, MnsError *error)
+{
+    struct stat info;
+    struct timespec now;
+    if (stat(directory, &info)) return file_fail(error, errno, "read", directory);
+    if (index->settled && !strcmp(index->directory, directory) && info.st_mtim.tv_sec == index->changed.tv_sec &&
+        info.st_mtim.tv_nsec == index->changed.tv_nsec)
+        return MNS_OK;
+    snapshots_done(index);
+    clock_gettime(CLOCK_REALTIME, &now);
+    index->changed = info.st_mtim;
+    const double age = (double)(now.tv_sec - info.st_mtim.tv_sec) + 1e-9 * (double)(now.tv_nsec - info.st_mtim.tv_nsec);
+    const MnsStatus status = read_directory(index, directory, error);
+    index->settled = !status && age > SETTLED_AFTER;
+    return status;
+}
+
+/* Where files after a step begin. */
+static size_t behind(const SnapshotIndex *index, uint64_t step)
+{
+    size_t low = 0, high = index->n;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (index->entries[middle].step <= step) low = middle + 1;
+        else high = middle;
+    }
+    return low;
+}
+
+/* The first file from entry k on that was written after a moment, or the last one before it. */
+static void search(const SnapshotIndex *index, size_t k, uint64_t since, SnapshotNext *ret)
+{
     struct stat info;
     int fd;
-    for (size_t k = 0; k < n; k++) {
-        if (!is_snapshot(names[k], &step) || (!any && step <= after) || !look(directory, names[k], &info, &fd))
-            continue;
-        const bool fits = written(&info) > since;
-        if (fits && step < best) {
-            if (ret->there) close(ret->fd);
-            best = step;
-            ret->there = true;
-            ret->fd = fd;
-            ret->size = (uint64_t)info.st_size;
-            ret->place = place_of(names[k], &info, 0);
-            continue;
-        }
-        close(fd);
-        if (fits || step < last || ret->there) continue;
-        last = step;
-        ret->place = place_of(names[k], &info, (uint64_t)info.st_size);
+    for (; k < index->n && !ret->there; k++) {
+        if (!look(index->directory, index->entries[k].name, &info, &fd)) continue;
+        ret->there = written(&info) > since;
+        ret->fd = ret->there ? fd : -1;
+        ret->size = (uint64_t)info.st_size;
+        ret->place = place_of(index->entries[k].name, &info, ret->there ? 0 : ret->size);
+        if (!ret->there) close(fd);
     }
 }
+
+/* --- places ------------------------------------------------------------------------------------------------------------- */
 
 /* Is the file of the place what it was? Then go on in it, or behind it. */
 static bool go_on(const char *directory, const SnapshotPlace *from, SnapshotNext *ret)
@@ -86,23 +148,24 @@ static bool go_on(const char *directory, const SnapshotPlace *from, SnapshotNext
     return true;
 }
 
-MnsStatus snapshots_next(const char *directory, const SnapshotPlace *from, SnapshotNext *ret, MnsError *error)
+MnsStatus snapshots_next(SnapshotIndex *index, const char *directory, const SnapshotPlace *from, SnapshotNext *ret,
+                         MnsError *error)
 {
-    char **names;
-    size_t n;
     uint64_t after = 0;
     const bool begins = !from->name[0];
     *ret = (SnapshotNext){.fd = -1, .place = *from};
     if (!begins && !is_snapshot(from->name, &after)) ret->left = true;
     else if (!begins) ret->left = !go_on(directory, from, ret);
     if (ret->there) return MNS_OK;
-    const MnsStatus status = rundir_list(directory, &names, &n, error);
+    const MnsStatus status = refresh(index, directory, error);
     if (status) return status;
-    if (ret->left) ret->place = (SnapshotPlace){.offset = 0};
-    search(directory, names, n, begins || ret->left, after, ret->left ? from->written : 0, ret);
-    for (size_t k = 0; k < n; k++) free(names[k]);
-    free(names);
-    if (ret->left && ret->there) close(ret->fd); /* it is told first */
-    if (ret->left) ret->there = false;
+    if (!ret->left) {
+        search(index, begins ? 0 : behind(index, after), 0, ret);
+        return MNS_OK;
+    }
+    SnapshotNext next = {.fd = -1};
+    search(index, 0, from->written, &next);
+    if (next.there) close(next.fd); /* it is told first */
+    ret->place = next.place;
     return MNS_OK;
 }

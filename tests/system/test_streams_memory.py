@@ -106,6 +106,9 @@ class ShortOfMemory(DaemonTest):
     def test_who_keeps_rows_for_a_resume_keeps_nobody_from_catching_up(self) -> None:
         self.meniscus("load", *SMALL)
         self.meniscus("step", "11000")
+        self.taker.subscribe(probes=sb.ProbeStream(), delivery=sb.LOSSLESS, credit=PLENTY)
+        while self.taker.item(5).last.next.row < 11001:  # all are on the disk
+            pass
         for _ in range(10):
             taker = self.new_taker()
             taker.subscribe(probes=sb.ProbeStream(), delivery=sb.LOSSLESS, credit=(1 << 20) + 1024, chunk_bytes=1 << 20)
