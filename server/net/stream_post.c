@@ -54,8 +54,17 @@ static void let_go(void *data, void *hint)
     eventfd_write(post->wake, 1);
 }
 
-/* buffer: taken over if it is one; else the bytes are of the item. */
-static bool wrap(StreamPost *post, Stream *stream, const void *data, void *buffer, size_t size, zmq_msg_t *ret)
+/* What ZeroMQ and we need for one more frame, however short. */
+static const size_t COST = sizeof(Parcel) + sizeof(zmq_msg_t);
+
+size_t stream_post_window(size_t chunk)
+{
+    return 2 * (chunk + 2 * COST);
+}
+
+/* buffer: taken over if it is one; else the bytes are of the item, which is shared. */
+static bool wrap(StreamPost *post, Flight *flight, StreamItem *item, const void *data, void *buffer, size_t size,
+                 zmq_msg_t *ret)
 {
     Parcel *parcel = malloc(sizeof *parcel);
     if (!parcel || zmq_msg_init_data(ret, (void *)data, size, let_go, parcel)) {
@@ -64,14 +73,14 @@ static bool wrap(StreamPost *post, Stream *stream, const void *data, void *buffe
         return false;
     }
     parcel->post = post;
-    parcel->flight = stream->flight;
-    parcel->item = buffer ? NULL : stream_item_share(stream->item);
+    parcel->flight = flight;
+    parcel->item = buffer ? NULL : stream_item_share(item);
     parcel->buffer = buffer;
-    stream->flight->users++;
-    stream->flight->bytes += size;
-    post->bytes += size;
-    if (buffer) *post->memory += size;
-    parcel->size = size;
+    flight->users++;
+    flight->bytes += size + COST;
+    post->bytes += size + COST;
+    if (buffer) *post->memory += size + COST;
+    parcel->size = size + COST;
     return true;
 }
 
@@ -81,7 +90,7 @@ static bool load(StreamPost *post, Stream *stream, size_t n, zmq_msg_t *ret)
     const uint64_t offset = stream->books.offset;
     const bool shared = stream->file.fd < 0 && stream->item->size <= SHARED_MOST;
     const void *data = shared ? stream_item_bytes(stream->item, offset, n) : NULL;
-    if (data) return wrap(post, stream, data, NULL, n, ret);
+    if (data) return wrap(post, stream->flight, stream->item, data, NULL, n, ret);
     char *buffer = malloc(n);
     if (!buffer) return false;
     if (stream->file.fd < 0) stream_item_copy(stream->item, offset, n, buffer);
@@ -89,7 +98,7 @@ static bool load(StreamPost *post, Stream *stream, size_t n, zmq_msg_t *ret)
         free(buffer);
         return false;
     } else if (stream->file.sum) XXH64_update(stream->file.sum, buffer, n);
-    return wrap(post, stream, buffer, buffer, n, ret);
+    return wrap(post, stream->flight, NULL, buffer, buffer, n, ret);
 }
 
 /* --- what is said of them ----------------------------------------------------------------------------------------------- */
@@ -178,52 +187,76 @@ static bool has_room(const StreamPost *post, Stream *stream, size_t n)
     return own + n <= stream->window;
 }
 
-/* A message that is begun must be ended, or the next one would be taken for the rest of it: so all is there before. */
-static bool send_parts(StreamPost *post, const Stream *stream, const uint8_t *head, size_t size, zmq_msg_t *bytes)
+/* A message that is begun must be ended, or the next one would be taken for the rest of it: so all is there before. False, with zmq_errno(): it is not
+ * begun. bytes NULL: there are none. Both are taken over. */
+static bool send_parts(StreamPost *post, const uint8_t *identity, size_t size, zmq_msg_t *head, zmq_msg_t *bytes)
 {
-    if (zmq_send(post->socket, stream->identity, stream->identity_size, ZMQ_SNDMORE | ZMQ_DONTWAIT) < 0) return false;
-    zmq_send(post->socket, head, size, ZMQ_DONTWAIT | (bytes ? ZMQ_SNDMORE : 0));
-    if (bytes && zmq_msg_send(bytes, post->socket, ZMQ_DONTWAIT) < 0) zmq_msg_close(bytes);
-    return true;
+    const bool begun = zmq_send(post->socket, identity, size, ZMQ_SNDMORE | ZMQ_DONTWAIT) >= 0;
+    const int why = zmq_errno();
+    if (!begun || zmq_msg_send(head, post->socket, ZMQ_DONTWAIT | (bytes ? ZMQ_SNDMORE : 0)) < 0) zmq_msg_close(head);
+    if (bytes && (!begun || zmq_msg_send(bytes, post->socket, ZMQ_DONTWAIT) < 0)) zmq_msg_close(bytes);
+    errno = why;
+    return begun;
 }
 
-/* How long the first frame is does not depend on the bytes; what it says of the last ones of a file does. */
+/* Both frames of the next message. False: there is no memory, or the file cannot be read. How long the first frame is does not depend on the bytes; what
+ * it says of the last ones of a file does. */
+static bool load_both(StreamPost *post, Stream *stream, uint8_t *packed, size_t size, size_t n, zmq_msg_t *head,
+                      zmq_msg_t *bytes)
+{
+    if (n && !load(post, stream, n, bytes)) {
+        free(packed);
+        return false;
+    }
+    if (stream->file.sum && stream->books.offset + n == stream->books.size) {
+        free(packed);
+        packed = header(post, stream, n, &size);
+    }
+    if (packed && wrap(post, stream->flight, NULL, packed, packed, size, head)) return true;
+    if (n) zmq_msg_close(bytes);
+    return false;
+}
+
 StreamSent stream_post_next(StreamPost *post, Stream *stream)
 {
     Subscription *books = &stream->books;
     const size_t n = subscription_next(books);
     size_t size;
-    zmq_msg_t bytes;
+    zmq_msg_t head, bytes;
     if (books->credit < n || !has_room(post, stream, n)) return STREAM_WAITS;
-    uint8_t *head = header(post, stream, n, &size);
-    if (head && books->credit < size + n) {
-        free(head);
+    uint8_t *packed = header(post, stream, n, &size);
+    if (!packed) return STREAM_FAILED;
+    if (books->credit < size + n) {
+        free(packed);
         return STREAM_WAITS;
     }
-    const bool loaded = head && (!n || load(post, stream, n, &bytes));
-    if (loaded && stream->file.sum && books->offset + n == books->size) {
-        free(head);
-        head = header(post, stream, n, &size);
+    if (!load_both(post, stream, packed, size, n, &head, &bytes)) return STREAM_FAILED;
+    if (!send_parts(post, stream->identity, stream->identity_size, &head, n ? &bytes : NULL)) {
+        const int why = errno;
+        XXH64_freeState(stream->file.sum); /* it has bytes that nobody got */
+        stream->file.sum = NULL;
+        return why == EHOSTUNREACH ? STREAM_GONE : STREAM_WAITS;
     }
-    const bool sent = loaded && head && send_parts(post, stream, head, size, n ? &bytes : NULL);
-    const int why = zmq_errno();
-    if (loaded && n && !sent) zmq_msg_close(&bytes);
-    if (!loaded || !head) {
-        free(head);
-        return STREAM_FAILED;
-    }
-    free(head);
-    if (!sent) return why == EHOSTUNREACH ? STREAM_GONE : STREAM_WAITS;
     subscription_pay(books, size + n);
     stream->moved = clock_now();
     post->traffic->bytes[stream->spec.kind] += size + n;
     return subscription_sent(books, n) ? STREAM_WHOLE : STREAM_MORE;
 }
 
+/* A frame that is taken over, counted where flight says; false as above, or if there is no memory. */
+static bool send_one(StreamPost *post, Flight *flight, const uint8_t *identity, size_t identity_size, uint8_t *packed,
+                     size_t size)
+{
+    zmq_msg_t message;
+    errno = ENOMEM;
+    return packed && wrap(post, flight, NULL, packed, packed, size, &message) &&
+           send_parts(post, identity, identity_size, &message, NULL);
+}
+
 StreamSent stream_post_probe(StreamPost *post, const Stream *stream)
 {
-    const uint8_t nothing = 0;
-    return send_parts(post, stream, &nothing, 0, NULL) || zmq_errno() != EHOSTUNREACH ? STREAM_WAITS : STREAM_GONE;
+    const bool sent = send_one(post, stream->flight, stream->identity, stream->identity_size, malloc(1), 0);
+    return sent || errno != EHOSTUNREACH ? STREAM_WAITS : STREAM_GONE;
 }
 
 void stream_post_end(StreamPost *post, const Stream *stream, bool whole_stream, MnsStatus status, const char *reason,
@@ -244,8 +277,65 @@ void stream_post_end(StreamPost *post, const Stream *stream, bool whole_stream, 
     if (!whole_stream) conclude(&item, stream, &next);
     item.has_xxh64 = false;
     uint8_t *packed = pack(&item, &size);
-    if (packed) send_parts(post, stream, packed, size, NULL);
-    free(packed);
+    send_one(post, stream->flight, stream->identity, stream->identity_size, packed, size);
+}
+
+/* --- replies ------------------------------------------------------------------------------------------------------------ */
+
+enum { UNREAD_MOST = 1 << 20 };
+
+struct StreamPeer {
+    StreamPeer *next;
+    uint8_t identity[STREAM_IDENTITY];
+    size_t size;
+    Flight *flight;
+};
+
+/* Those who have read all are forgotten on the way. */
+static StreamPeer *find_peer(StreamPost *post, const uint8_t *identity, size_t size)
+{
+    StreamPeer *found = NULL;
+    for (StreamPeer **at = &post->peers, *peer; (peer = *at);) {
+        const bool same = peer->size == size && !memcmp(peer->identity, identity, size);
+        if (same) found = peer;
+        if (same || peer->flight->bytes) {
+            at = &peer->next;
+            continue;
+        }
+        *at = peer->next;
+        flight_leave(peer->flight);
+        free(peer);
+    }
+    return found;
+}
+
+static StreamPeer *new_peer(StreamPost *post, const uint8_t *identity, size_t size)
+{
+    StreamPeer *peer = calloc(1, sizeof *peer);
+    if (!peer || !(peer->flight = flight_new())) {
+        free(peer);
+        return NULL;
+    }
+    memcpy(peer->identity, identity, size);
+    peer->size = size;
+    peer->next = post->peers;
+    post->peers = peer;
+    return peer;
+}
+
+bool stream_post_is_heard(StreamPost *post, const uint8_t *identity, size_t size)
+{
+    const StreamPeer *peer = find_peer(post, identity, size);
+    return !peer || peer->flight->bytes < UNREAD_MOST;
+}
+
+void stream_post_done(StreamPost *post)
+{
+    for (StreamPeer *peer; (peer = post->peers);) {
+        post->peers = peer->next;
+        flight_leave(peer->flight);
+        free(peer);
+    }
 }
 
 void stream_post_reply(StreamPost *post, const uint8_t *identity, size_t size, const Meniscus__StreamReply *reply)
@@ -254,10 +344,10 @@ void stream_post_reply(StreamPost *post, const uint8_t *identity, size_t size, c
     message.what_case = MENISCUS__STREAM_MESSAGE__WHAT_REPLY;
     message.reply = (Meniscus__StreamReply *)reply;
     const size_t whole = meniscus__stream_message__get_packed_size(&message);
-    uint8_t *packed = malloc(whole + 1);
+    StreamPeer *peer = find_peer(post, identity, size);
+    if (!peer) peer = new_peer(post, identity, size);
+    uint8_t *packed = peer ? malloc(whole + 1) : NULL;
     if (!packed) return;
     meniscus__stream_message__pack(&message, packed);
-    if (zmq_send(post->socket, identity, size, ZMQ_SNDMORE | ZMQ_DONTWAIT) >= 0)
-        zmq_send(post->socket, packed, whole, ZMQ_DONTWAIT);
-    free(packed);
+    send_one(post, peer->flight, identity, size, packed, whole);
 }

@@ -139,7 +139,7 @@ static MnsStatus subscribe(Streams *streams, Asked *asked, const Meniscus__Subsc
     memcpy(stream->identity, asked->identity, asked->size);
     stream->identity_size = asked->size;
     stream->file.fd = -1;
-    stream->window = 2 * stream->spec.chunk;
+    stream->window = stream_post_window(stream->spec.chunk);
     stream->cursor = stream->spec.from;
     stream->moved = clock_now();
     subscription_begin(&stream->books, stream->spec.chunk, stream->spec.credit,
@@ -248,8 +248,11 @@ static void take(Streams *streams, Asked *asked, zmq_msg_t *frame, int parts)
     MnsStatus status = parts == 1
                            ? stream_request_read(data, size, &request, &asked->error)
                            : mns_fail(&asked->error, MNS_E_INVALID, "a request is one frame; these are %d", parts);
-    if (!status) status = serve(streams, asked, request);
-    if (status) answer(streams, asked, status);
+    const bool heard = stream_post_is_heard(&streams->post, asked->identity, asked->size);
+    const bool credit = request && request->command_case == MENISCUS__STREAM_REQUEST__COMMAND_CREDIT;
+    if (!status && (heard || credit)) status = serve(streams, asked, request);
+    if (!heard && (status || !credit)) streams->options.traffic->unheard++;
+    else if (status) answer(streams, asked, status);
     stream_request_free(request);
 }
 

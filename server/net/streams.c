@@ -139,6 +139,7 @@ void streams_free(Streams *streams)
     stream_item_leave(streams->news);
     document_leave(streams->now.document);
     snapshots_done(&streams->snapshots);
+    stream_post_done(&streams->post);
     pthread_mutex_destroy(&streams->lock);
     if (streams->wake >= 0) close(streams->wake);
     if (streams->post.wake >= 0) close(streams->post.wake);

@@ -78,7 +78,8 @@ static int count_opened(const Place *place)
     _Alignas(struct inotify_event) char buffer[4096];
     int n = 0;
     for (ssize_t size; (size = read(place->watch, buffer, sizeof buffer)) > 0;)
-        for (char *at = buffer; at < buffer + size; at += sizeof(struct inotify_event) + ((struct inotify_event *)at)->len)
+        for (char *at = buffer; at < buffer + size;
+             at += sizeof(struct inotify_event) + ((struct inotify_event *)at)->len)
             n += ((struct inotify_event *)at)->len > 0; /* else it is the directory itself */
     return n;
 }
