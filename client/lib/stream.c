@@ -69,10 +69,8 @@ static MnsStatus read_frames(MnsStream *stream, Frames *frames, bool *ret_ready,
     Meniscus__StreamMessage *message =
         meniscus__stream_message__unpack(NULL, zmq_msg_size(&frames->frame[0]), zmq_msg_data(&frames->frame[0]));
     MnsStatus status = MNS_OK;
-    if (!message) {
-        stream_start_over(stream);
-        status = mns_fail(error, MNS_E_CORRUPT, "a message of a stream cannot be read");
-    } else if (message->what_case == MENISCUS__STREAM_MESSAGE__WHAT_ITEM && message->item->stream == stream->number)
+    if (!message) status = stream_distrust(stream, "a message cannot be read", error);
+    else if (message->what_case == MENISCUS__STREAM_MESSAGE__WHAT_ITEM && message->item->stream == stream->number)
         return stream_take(stream, message, frames, ret_ready, error);
     else if (message->what_case == MENISCUS__STREAM_MESSAGE__WHAT_REPLY &&
              message->reply->code == MENISCUS__CODE__NOT_FOUND)
@@ -86,10 +84,11 @@ static MnsStatus receive(MnsStream *stream, double deadline, bool *ret_ready, Mn
 {
     Frames frames;
     if (stream->wire.connections != stream->connections) stream->attached = false;
-    if (!stream->attached) {
+    if (!stream->attached && stream->wire.connected) {
         const MnsStatus status = stream_attach(stream, deadline, error);
         if (status != MNS_E_STATE) return status;
-        usleep(AGAIN_US); /* a daemon that was started again has no case for a while */
+        /* A daemon that was started again has no case for a while. */
+        usleep((useconds_t)fmin(AGAIN_US, fmax(0, 1e6 * (deadline - wire_clock()))));
         return MNS_OK;
     }
     const MnsStatus status = wire_receive(&stream->wire, deadline, &frames, error);
@@ -156,25 +155,14 @@ MnsStreamStats mns_stream_stats(const MnsStream *stream)
     return stream->stats;
 }
 
-/* The daemon forgets it by itself in the end, so nobody waits for the answer. */
-static void unsubscribe(MnsStream *stream)
-{
-    static const int linger_ms = 200;
-    Meniscus__StreamRequest request = MENISCUS__STREAM_REQUEST__INIT;
-    Meniscus__Unsubscribe what = MENISCUS__UNSUBSCRIBE__INIT;
-    if (!stream->attached || !stream->wire.connected) return;
-    what.has_stream = true;
-    what.stream = stream->number;
-    request.command_case = MENISCUS__STREAM_REQUEST__COMMAND_UNSUBSCRIBE;
-    request.unsubscribe = &what;
-    zmq_setsockopt(stream->wire.dealer, ZMQ_LINGER, &linger_ms, sizeof linger_ms);
-    stream_tell(stream, &request, NULL);
-}
-
 void mns_stream_close(MnsStream *stream)
 {
+    static const int linger_ms = 200;
     if (!stream) return;
-    unsubscribe(stream);
+    if (stream->wire.connected) {
+        zmq_setsockopt(stream->wire.dealer, ZMQ_LINGER, &linger_ms, sizeof linger_ms);
+        stream_sign_off(stream, wire_clock() + 1e-3 * linger_ms);
+    }
     stream_drop_item(stream);
     stream_drop_parts(stream);
     zmq_msg_close(&stream->file.held);

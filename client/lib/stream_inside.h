@@ -35,7 +35,10 @@ struct MnsStream {
     size_t memory, window;
     unsigned connections; /* that there had been when it was attached */
     bool attached;        /* the daemon knows this connection: else it is to be told */
-    uint64_t number;      /* of the stream, at the daemon; 0: to be subscribed */
+    bool asking;          /* a subscribe or resume was sent, and is not answered yet */
+    uint8_t asked[MNS_REQUEST_ID_SIZE];
+    unsigned asked_over; /* connections there had been by then */
+    uint64_t number;     /* of the stream, at the daemon; 0: to be subscribed */
     uint64_t chunk;
     uint64_t open;             /* bytes that were granted, and have not come */
     bool heard;                /* the two below are of an item */
@@ -57,19 +60,29 @@ struct MnsStream {
 MnsStatus stream_wish(const MnsStreamOptions *options, Meniscus__Subscribe **ret, MnsError *error);
 bool stream_is_lossless(const MnsStream *stream);
 
-/* Have the daemon know this connection: resume, or subscribe. Until the deadline, or a few seconds. */
+/* Have the daemon know this connection: resume, or subscribe. Until the deadline, or a few seconds. MNS_E_TIMEOUT: it was asked, and the answer is
+ * still waited for when this is called again. */
 MnsStatus stream_attach(MnsStream *stream, double deadline, MnsError *error);
+
+/* Say that no more is wanted of a stream, which the daemon sends over this connection. Nobody waits for the answer. */
+void stream_unsubscribe(MnsStream *stream, uint64_t number);
+
+/* The same of this one; if its number is not told yet, until the deadline. */
+void stream_sign_off(MnsStream *stream, double deadline);
 
 /* Send a command that is answered only if it is refused. */
 MnsStatus stream_tell(MnsStream *stream, Meniscus__StreamRequest *request, MnsError *error);
 
-/* Let the daemon send so many bytes in all, if it may not yet. */
+/* Let the daemon send so many bytes in all, if it may not yet; of more than 1 GiB only that, and the rest when some of it came. */
 MnsStatus stream_grant(MnsStream *stream, uint64_t open, MnsError *error);
 
 /* A message of this stream came: note what is to be noted. Takes over the message and the frames. True in *ret_ready: stream->item is there.
  * error is not NULL. */
 MnsStatus stream_take(MnsStream *stream, Meniscus__StreamMessage *message, Frames *frames, bool *ret_ready,
                       MnsError *error);
+
+/* Begin anew, as what came cannot be right: the daemon is told, so that it keeps nothing for who does not listen. MNS_E_CORRUPT. */
+MnsStatus stream_distrust(MnsStream *stream, const char *what, MnsError *error);
 
 /* Forget what is under way of arrays; what the caller has. */
 void stream_drop_parts(MnsStream *stream);

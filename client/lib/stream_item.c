@@ -41,20 +41,12 @@ void stream_start_over(MnsStream *stream)
 /* Begin anew, as what comes of this stream cannot be used. */
 static MnsStatus leave(MnsStream *stream, MnsStatus status)
 {
-    if (stream->attached) {
-        Meniscus__StreamRequest request = MENISCUS__STREAM_REQUEST__INIT;
-        Meniscus__Unsubscribe old = MENISCUS__UNSUBSCRIBE__INIT;
-        old.has_stream = true;
-        old.stream = stream->number;
-        request.command_case = MENISCUS__STREAM_REQUEST__COMMAND_UNSUBSCRIBE;
-        request.unsubscribe = &old;
-        stream_tell(stream, &request, NULL);
-    }
+    if (stream->attached) stream_unsubscribe(stream, stream->number);
     stream_start_over(stream);
     return status;
 }
 
-static MnsStatus distrust(MnsStream *stream, const char *what, MnsError *error)
+MnsStatus stream_distrust(MnsStream *stream, const char *what, MnsError *error)
 {
     return leave(stream, mns_fail(error, MNS_E_CORRUPT, "an item of the stream came damaged: %s", what));
 }
@@ -101,7 +93,7 @@ static MnsStatus check_arrays(MnsStream *stream, const Meniscus__StreamItem *fir
         left -= size;
         packed += first->arrays[k]->packed_bytes;
     }
-    if (packed != first->size) return distrust(stream, "its arrays do not have the bytes of the item", error);
+    if (packed != first->size) return stream_distrust(stream, "its arrays do not have the bytes of the item", error);
     return MNS_OK;
 }
 
@@ -199,7 +191,7 @@ static MnsStatus take_piece(MnsStream *stream, Meniscus__StreamMessage *message,
     if (status) return status;
     if (offset && !known) return MNS_OK; /* of an item that was given up */
     if (offset != parts->got || size > parts->size - parts->got)
-        return distrust(stream, "its bytes do not follow one another", error);
+        return stream_distrust(stream, "its bytes do not follow one another", error);
     if (size) memcpy(parts->bytes + offset, data, size);
     parts->got += size;
     stream->offset = parts->got;
@@ -219,7 +211,7 @@ static MnsStatus begin_file(MnsStream *stream, const Meniscus__StreamItem *item,
     FileParts *file = &stream->file;
     const char *name = text(item->file->name);
     if (!*name || *name == '.' || strlen(name) >= sizeof file->name || strchr(name, '/'))
-        return distrust(stream, "a file has a name that it cannot have", error);
+        return stream_distrust(stream, "a file has a name that it cannot have", error);
     if (!strcmp(name, file->name) && item->offset <= file->got && item->size == file->size)
         return MNS_OK; /* once more */
     snprintf(file->name, sizeof file->name, "%s", name);
@@ -241,7 +233,7 @@ static MnsStatus take_file(MnsStream *stream, const Meniscus__StreamItem *item, 
     const uint8_t *data = zmq_msg_data(&file->held);
     const uint64_t size = zmq_msg_size(&file->held);
     if (!*file->name || item->offset > file->got || item->size != file->size || size > file->size - item->offset)
-        return distrust(stream, "the bytes of a file do not follow one another", error);
+        return stream_distrust(stream, "the bytes of a file do not follow one another", error);
     const uint64_t old = file->got - item->offset < size ? file->got - item->offset : size;
     const uint64_t fresh = size - old, before = file->got;
     if (file->hashed && fresh) XXH64_update(file->hash, data + old, fresh);
@@ -250,7 +242,7 @@ static MnsStatus take_file(MnsStream *stream, const Meniscus__StreamItem *item, 
     const bool whole = stream->offset == file->size;
     if (whole && file->hashed && item->has_xxh64 && XXH64_digest(file->hash) != item->xxh64) {
         *file->name = 0;
-        return distrust(stream, "the checksum of a file does not match", error);
+        return stream_distrust(stream, "the checksum of a file does not match", error);
     }
     if (!fresh && !whole) return MNS_OK;
     MnsStreamItem *to = &stream->item;

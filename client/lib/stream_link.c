@@ -7,7 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double reply_s = 15; /* the state is looked at between two steps */
+static const double reply_s = 15;                      /* the state is looked at between two steps */
+static const uint64_t CREDIT_MOST = UINT64_C(1) << 30; /* bytes: what is granted beyond counts as that much */
 
 bool stream_is_lossless(const MnsStream *stream)
 {
@@ -38,9 +39,22 @@ MnsStatus stream_tell(MnsStream *stream, Meniscus__StreamRequest *request, MnsEr
     return send(stream, request, id, error);
 }
 
+void stream_unsubscribe(MnsStream *stream, uint64_t number)
+{
+    Meniscus__StreamRequest request = MENISCUS__STREAM_REQUEST__INIT;
+    Meniscus__Unsubscribe what = MENISCUS__UNSUBSCRIBE__INIT;
+    if (!stream->wire.connected) return; /* the daemon finds out */
+    what.has_stream = true;
+    what.stream = number;
+    request.command_case = MENISCUS__STREAM_REQUEST__COMMAND_UNSUBSCRIBE;
+    request.unsubscribe = &what;
+    stream_tell(stream, &request, NULL);
+}
+
 MnsStatus stream_grant(MnsStream *stream, uint64_t open, MnsError *error)
 {
-    if (stream->open >= open || !stream->attached) return MNS_OK;
+    if (open > CREDIT_MOST) open = CREDIT_MOST;
+    if (stream->open >= open || !stream->attached || !stream->wire.connected) return MNS_OK;
     Meniscus__StreamRequest request = MENISCUS__STREAM_REQUEST__INIT;
     Meniscus__Credit credit = MENISCUS__CREDIT__INIT;
     credit.has_stream = credit.has_bytes = true;
@@ -71,23 +85,32 @@ static MnsStatus await(MnsStream *stream, const uint8_t id[MNS_REQUEST_ID_SIZE],
         if (!*ret)
             return mns_fail(error, MNS_E_VERSION, "cannot read what %s sends; is it a meniscusd of this version?",
                             stream->wire.endpoint);
-        meniscus__stream_message__free_unpacked(*ret,
-                                                NULL); /* of a stream that is over, or an answer nobody waits for */
+        /* Of a stream that is over, or an answer nobody waits for: what was begun for nobody is ended. */
+        if (reply && reply->code == MENISCUS__CODE__OK && reply->has_chunk_bytes)
+            stream_unsubscribe(stream, reply->stream);
+        meniscus__stream_message__free_unpacked(*ret, NULL);
         if (wire_clock() > deadline)
             return mns_fail(error, MNS_E_TIMEOUT, "no answer from %s in time", stream->wire.endpoint);
     }
 }
 
-/* Send, and again over each new connection, until there is a reply, which may be a refusal. */
+/* Send, and again over each new connection, until there is a reply, which may be a refusal. What was not answered by the deadline may still be:
+ * that answer is waited for when this is called again, as another stream would be one more than is read. */
 static MnsStatus ask(MnsStream *stream, Meniscus__StreamRequest *request, double deadline,
                      Meniscus__StreamMessage **ret, MnsError *error)
 {
-    uint8_t id[MNS_REQUEST_ID_SIZE];
     MnsStatus status = MNS_OK;
     for (*ret = NULL; !status && !*ret;) {
-        status = send(stream, request, id, error);
-        if (!status) status = await(stream, id, deadline, ret, error);
+        if (!stream->asking || stream->asked_over != stream->wire.connections) {
+            stream->asking = false;
+            status = send(stream, request, stream->asked, error);
+            if (status) return status;
+            stream->asking = true;
+            stream->asked_over = stream->wire.connections;
+        }
+        status = await(stream, stream->asked, deadline, ret, error);
     }
+    if (status != MNS_E_TIMEOUT) stream->asking = false;
     return status;
 }
 
@@ -186,12 +209,13 @@ static MnsStatus resume(MnsStream *stream, double deadline, bool *ret, MnsError 
     Meniscus__ResumeStream from = MENISCUS__RESUME_STREAM__INIT;
     Meniscus__StreamMessage *answer;
     const uint64_t rest = stream->parts.first ? stream->parts.size - stream->parts.got : 0;
+    const uint64_t credit = stream->window + rest + rest / stream->chunk * 512;
     from.has_stream = from.has_credit = true;
     from.has_sequence = from.has_offset = stream->heard;
     from.stream = stream->number;
     from.sequence = stream->sequence;
     from.offset = stream->offset;
-    from.credit = stream->window + rest + rest / stream->chunk * 512;
+    from.credit = credit < CREDIT_MOST ? credit : CREDIT_MOST;
     request.command_case = MENISCUS__STREAM_REQUEST__COMMAND_RESUME;
     request.resume = &from;
     const MnsStatus status = ask(stream, &request, deadline, &answer, error);
@@ -215,9 +239,23 @@ MnsStatus stream_attach(MnsStream *stream, double deadline, MnsError *error)
     const bool again = stream->reply_message;
     MnsStatus status = stream->number ? resume(stream, until, &resumed, error) : MNS_OK;
     if (!status && !resumed) status = subscribe(stream, until, error);
+    if (status == MNS_E_TIMEOUT && until < deadline)
+        return mns_fail(error, MNS_E_UNAVAILABLE, "%s is open, but nobody answers there", stream->wire.endpoint);
     if (!status) {
         stream->connections = stream->wire.connections;
         stream->stats.reconnects += again;
     }
     return status;
+}
+
+void stream_sign_off(MnsStream *stream, double deadline)
+{
+    Meniscus__StreamMessage *answer = NULL;
+    uint64_t number = stream->attached || stream->asking ? stream->number : 0;
+    if (stream->asking && !number) {
+        await(stream, stream->asked, deadline, &answer, NULL);
+        if (answer && answer->reply->code == MENISCUS__CODE__OK) number = answer->reply->stream;
+        if (answer) meniscus__stream_message__free_unpacked(answer, NULL);
+    }
+    if (number) stream_unsubscribe(stream, number);
 }

@@ -20,7 +20,6 @@ typedef enum Manner {
     TOO_MANY_BYTES, /* in its last piece                                     */
     STRAY_PIECES,   /* of another stream and of another item, between others */
     HOLE,           /* a piece is left out                                   */
-    GARBAGE,        /* no message                                            */
     STOPPED,        /* the connection ends within the item, and it is resumed */
     FORGOTTEN,      /* the same, and nobody remembers                        */
     NEVER_SENT,

@@ -62,6 +62,13 @@ void fake_streams_send(FakeStreams *streams, Meniscus__StreamItem *item, const v
     post(streams, &message, bytes, size);
 }
 
+void fake_streams_garbage(FakeStreams *streams)
+{
+    static const char garbage[] = "\xff\xff\xff no message";
+    zmq_send(streams->router, streams->peer, streams->peer_size, ZMQ_SNDMORE);
+    zmq_send(streams->router, garbage, sizeof garbage, 0);
+}
+
 void fake_streams_disconnect(FakeStreams *streams)
 {
     streams->disconnect = true;

@@ -19,6 +19,9 @@ void fake_streams_free(FakeStreams *streams);
 void fake_streams_reply(FakeStreams *streams, const Meniscus__StreamRequest *request, Meniscus__StreamReply *reply);
 void fake_streams_send(FakeStreams *streams, Meniscus__StreamItem *item, const void *bytes, size_t size);
 
+/* Bytes that are no message. */
+void fake_streams_garbage(FakeStreams *streams);
+
 /* Close the socket when the handler returns, and bind it anew. */
 void fake_streams_disconnect(FakeStreams *streams);
 
