@@ -112,7 +112,11 @@ static bool shrink(OwnedPacked *to, const PackingHow *how)
 {
     const size_t n = count_of(to);
     const double *x = to->packed.data;
-    if (!n || strcmp(to->type, "<f8") != 0 || how->exactness == PACKING_F64) return true;
+    if (strcmp(to->type, "<f8") != 0 || how->exactness == PACKING_F64) return true;
+    if (!n) { /* of nothing, but of the type that was asked for */
+        if (how->exactness == PACKING_F32) memcpy(to->type, "<f4", sizeof to->type);
+        return true;
+    }
     return how->exactness == PACKING_F32 ? narrow(to, x, n) : quantise(to, x, n, how->bound);
 }
 
