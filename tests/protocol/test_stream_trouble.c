@@ -22,9 +22,9 @@ typedef struct Fixture {
     MnsClient *client;
     /* What the daemon of a test does; begun is the number of subscriptions so far, the last one included. */
     void (*serve)(struct Fixture *f, const Meniscus__StreamRequest *request);
-    atomic_uint begun, ended;           /* of subscriptions */
-    _Atomic uint64_t last_ended;        /* number of the stream */
-    _Atomic uint64_t granted, sent;     /* bytes */
+    atomic_uint begun, ended;       /* of subscriptions */
+    _Atomic uint64_t last_ended;    /* number of the stream */
+    _Atomic uint64_t granted, sent; /* bytes */
     char from_file[MNS_STREAM_FILE_SIZE];
     _Atomic uint64_t from_offset;
     uint8_t bytes[BYTES];
@@ -276,7 +276,8 @@ static void serve_repeats(Fixture *f, const Meniscus__StreamRequest *request)
         agree(f, request, FIRST_STREAM + f->begun);
         send_bytes(f, 1);
     }
-    for (; f->sent + BYTES + 400 <= f->granted && f->sent < (uint64_t)REPEATS * BYTES; f->sent += BYTES) send_bytes(f, 1);
+    for (; f->sent + BYTES + 400 <= f->granted && f->sent < (uint64_t)REPEATS * BYTES; f->sent += BYTES)
+        send_bytes(f, 1);
     if (f->sent >= (uint64_t)REPEATS * BYTES) send_bytes(f, 2);
 }
 
