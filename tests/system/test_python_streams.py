@@ -20,6 +20,7 @@ from support.daemon import BUILD, DaemonTest  # noqa: E402
 sys.path.insert(0, str(BUILD / "python"))
 import meniscus  # noqa: E402
 from meniscus import meniscus_pb2, stream_pb2 as pb  # noqa: E402
+from meniscus.asynchronous import AsyncStream  # noqa: E402
 from meniscus.checksum import Xxh64, xxh64  # noqa: E402
 from meniscus.streams import Stream  # noqa: E402
 
@@ -138,12 +139,12 @@ DATA = np.arange(3000, dtype="<f8").reshape(1000, 3) / 4
 
 
 class Misbehaving(threading.Thread):
-    """The data socket of a daemon. manner: good, checksum, size, hole, stopped, forgotten, silent."""
+    """The data socket of a daemon. manner: good, checksum, size, hole, stopped, forgotten, slow (to answer after a stop), silent."""
 
     def __init__(self, endpoint: str, manner: str, files: bool = False) -> None:
         super().__init__()
         self.manner, self.files, self.endpoint = manner, files, endpoint
-        self.subscribed = self.resumed = self.cancelled = 0
+        self.subscribed = self.resumed = self.cancelled = self.unsubscribed = 0
         self.granted = self.sent = self.sequence = self.offset = 0
         self.starts: list[pb.Cursor] = []
         self.end = threading.Event()
@@ -165,6 +166,7 @@ class Misbehaving(threading.Thread):
     def serve(self, peer: bytes, request: pb.StreamRequest) -> None:
         command = request.WhichOneof("command")
         if command == "unsubscribe":
+            self.unsubscribed += 1
             return
         if command == "credit":
             self.granted += request.credit.bytes
@@ -176,7 +178,7 @@ class Misbehaving(threading.Thread):
         else:
             self.answer(peer, request)
         while self.send_piece(peer):
-            if self.manner in ("stopped", "forgotten") and self.subscribed + self.resumed == 1 and (self.sequence, self.offset) == (2, 2 * PIECE):
+            if self.manner in ("stopped", "forgotten", "slow") and self.subscribed + self.resumed == 1 and (self.sequence, self.offset) == (2, 2 * PIECE):
                 time.sleep(0.1)
                 self.router.close(0)
                 time.sleep(0.1)
@@ -188,6 +190,7 @@ class Misbehaving(threading.Thread):
         self.sent = 0
         if request.HasField("resume"):
             self.resumed += 1
+            time.sleep(0.4 if self.manner == "slow" else 0)
             if self.manner == "forgotten":
                 reply.code = meniscus_pb2.NOT_FOUND
             self.sequence, self.offset = request.resume.sequence, request.resume.offset
@@ -266,7 +269,7 @@ class WithoutDaemon(unittest.TestCase):
                     self.check(item, sequence)
                     assert item and item.cursor
                     self.assertEqual(item.cursor.row, 100 * sequence)
-                self.assertEqual(daemon.subscribed, 2)
+                self.assertEqual((daemon.subscribed, daemon.unsubscribed), (2, 1))
 
     def test_after_a_lost_connection_an_item_goes_on_where_its_bytes_ended(self) -> None:
         for manner, subscribed in (("stopped", 1), ("forgotten", 3)):
@@ -276,6 +279,41 @@ class WithoutDaemon(unittest.TestCase):
                     self.check(stream.next(10), sequence)
                 self.assertEqual((daemon.subscribed, daemon.resumed, stream.stats.reconnects), (subscribed, 1, 1))
                 self.assertEqual(daemon.starts[-1].row, 100 if subscribed > 1 else 0)
+
+    def test_an_answer_later_than_anybody_waits_is_that_to_the_one_request(self) -> None:
+        daemon, stream = self.begin("slow")
+        came, in_vain = 0, 0
+        while came < 10:
+            item = stream.next(0.05)
+            if item:
+                self.check(item, came + 1)
+            came, in_vain = came + bool(item), in_vain + (item is None)
+        self.assertGreater(in_vain, 2)
+        self.assertEqual((daemon.subscribed, daemon.resumed), (1, 1))
+
+    def test_asyncio_ends_whoever_waits_when_it_is_closed(self) -> None:
+        daemon, other = self.begin("silent")
+        endpoint = daemon.endpoint.replace("data.ipc", "control.ipc")
+
+        async def iterate(stream: AsyncStream) -> int:
+            return len([item async for item in stream])
+
+        async def close_in_the_midst() -> None:
+            stream = AsyncStream(endpoint, None, "series", (), None, None, 1 << 20, {})
+            waiting = [asyncio.ensure_future(iterate(stream)), asyncio.ensure_future(stream.next())]
+            await asyncio.sleep(0.3)
+            await stream.aclose()
+            done, late = await asyncio.wait(waiting, timeout=10)
+            self.assertFalse(late)
+            self.assertEqual(waiting[0].result(), 0)
+            self.assertIsInstance(waiting[1].exception(), RuntimeError)
+            with self.assertRaises(RuntimeError):
+                await stream.next()
+            await stream.aclose()
+
+        asyncio.run(close_in_the_midst())
+        self.assertEqual(daemon.subscribed, 2)  # of both streams, one each
+        self.assertEqual(daemon.unsubscribed, 1)
 
     def test_a_file_comes_once_over_two_connections(self) -> None:
         for manner in ("good", "stopped", "forgotten"):

@@ -20,7 +20,7 @@ from .case import CaseSource
 from .commands import Command, async_method
 from .dialogue import EVENTS, TRY_S, Answer, Dialogue, Listening, Send, Wait, prepare_control
 from .endpoint import control_endpoint, data_endpoint, telemetry_endpoint
-from .errors import LeaseError, MeniscusError
+from .errors import LeaseError, MeniscusError, UnavailableError
 from .flow import MEMORY, Flow, StreamFacts
 from .keys import Keys, choose_keys
 from .values import Reply, Telemetry
@@ -43,6 +43,7 @@ class AsyncConnection:
         self._socket = self.context.socket(zmq.DEALER)
         self._monitor = self._socket.get_monitor_socket(EVENTS)
         prepare_control(self._socket, endpoint, keys)
+        self._closed = False
         self._tasks = [asyncio.ensure_future(self._take_in()), asyncio.ensure_future(self._watch())]
 
     async def open(self) -> None:
@@ -60,7 +61,11 @@ class AsyncConnection:
         return self._dialogue.epoch
 
     async def close(self) -> None:
-        """Disconnect. Commands that were accepted go on without us."""
+        """Disconnect. Commands that were accepted go on without us; who awaits one is told."""
+        if self._closed:
+            return
+        self._closed = True
+        self._tell()
         for task in self._tasks:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
@@ -89,6 +94,8 @@ class AsyncConnection:
         try:
             step = next(steps)
             while True:
+                if self._closed:
+                    raise UnavailableError("UNAVAILABLE", "the connection was closed meanwhile; what was accepted goes on")
                 if isinstance(step, Send):
                     step = steps.send(await self._send(step.frame))
                 else:
@@ -308,20 +315,36 @@ class AsyncStream(StreamFacts):
         self._flow = Flow(data_endpoint(endpoint), keys, what, subscription(what, names, **wishes), since, memory)
         self._timeout = timeout
         self._connection: Optional[AsyncConnection] = None
+        self._opening = asyncio.Lock()
+        self._closed = False
 
     async def open(self) -> AsyncStream:
         """Subscribe, as `async with` does."""
-        if not self._connection:
-            connection = AsyncConnection(self._flow.endpoint, self._flow.keys, self._flow)
-            await connection.open()
-            self._connection = connection
+        async with self._opening:
+            self._check_open()
+            if not self._connection:
+                self._connection = AsyncConnection(self._flow.endpoint, self._flow.keys, self._flow)
+                try:
+                    await self._connection.open()
+                except BaseException:
+                    self._connection = None
+                    self._check_open()
+                    raise
         return self
 
+    def _check_open(self) -> None:
+        if self._closed:
+            raise RuntimeError("the stream is closed")
+
     async def next(self, timeout: Optional[float] = None) -> Optional[StreamItem]:
-        """The next item; None if there was none within so many seconds."""
+        """The next item; None if there was none within so many seconds. RuntimeError: the stream is closed, before or meanwhile."""
         await self.open()
         assert self._connection
-        item: Optional[StreamItem] = await self._connection.do(self._flow.next(timeout))
+        try:
+            item: Optional[StreamItem] = await self._connection.do(self._flow.next(timeout))
+        except UnavailableError:
+            self._check_open()
+            raise
         return item
 
     async def cancel(self) -> None:
@@ -333,16 +356,24 @@ class AsyncStream(StreamFacts):
         return self
 
     async def __anext__(self) -> StreamItem:
-        item = await self.next(self._timeout)
+        try:
+            item = await self.next(self._timeout)
+        except RuntimeError:
+            if not self._closed:
+                raise
+            item = None
         if item is None:
             raise StopAsyncIteration
         return item
 
     async def aclose(self) -> None:
-        """Take no more."""
-        connection, self._connection = self._connection, None
+        """Take no more. Who awaits an item is told."""
+        connection, self._connection, self._closed = self._connection, None, True
         if connection:
-            await connection.do(self._flow.close())
+            try:
+                await connection.do(self._flow.close())
+            except MeniscusError:
+                pass  # nobody is there to be told
             await connection.close()
 
     async def __aenter__(self) -> AsyncStream:

@@ -25,7 +25,9 @@ from .values import Frame
 from .wishes import Column, Cursor, StreamItem, StreamStats
 
 MEMORY = 1 << 30  # bytes an item may have
+CREDIT = 1 << 30  # bytes that may be open: more would not be counted
 REPLY_S = 15.0  # the state is looked at between two steps
+LAST_S = 0.2  # for the number of a stream that is ended before it is known
 SMALL, LARGE, SPARE = 4096, 262144, 16384
 HEADER = 512  # bytes of a message beside those of the item, at most, but for the first one
 WINDOWS = {"probes": SMALL + SPARE, "fields": LARGE + SPARE, "events": SMALL + SPARE, "series": 1 << 20, "snapshots": 8 << 20}
@@ -69,41 +71,47 @@ class Flow(Dialogue):
         self._over: Optional[MeniscusError] = None
         self._began = False
         self._unwanted = False  # the item under way is to be cancelled
-        self._asked: Optional[pb.StreamRequest] = None  # whose reply is waited for
+        self._asked: Optional[pb.StreamRequest] = None  # whose reply is waited for, however long whoever wants an item does
+        self._asked_at = 0.0
+        self._asked_over = 0  # the connection
+        self._again = False  # it is asked for again
         self._reply: Optional[pb.StreamReply] = None
+        self._useless: List[int] = []  # streams of which nothing can be used, to be ended
 
     # --- what is to be done ---------------------------------------------------------------------------------------------
 
     def _greet(self) -> Steps:
-        yield from self._attach()
+        while not (yield from self._attach(None)):
+            self._check_gone()
+            yield Wait(AGAIN_S)
 
     def next(self, timeout: Optional[float]) -> Steps:
         """The next item; None if none was whole within the timeout. Being asked for it tells that the one before is done with."""
         deadline = None if timeout is None else time.monotonic() + timeout
         if not self._ready:
-            self._wanted = max(self._wanted, self._window)
+            self._want(self._window)
         while True:
             yield Wait(0)
             if self._unwanted:
                 self._unwanted = False
                 yield from self.cancel()
+            while self._useless and self._connected:
+                yield from self._tell(pb.StreamRequest(unsubscribe=pb.Unsubscribe(stream=self._useless.pop())))
             if self._ready:
                 return self._hand_out(self._ready.popleft())
             if self._over:
                 raise self._over
-            if not self._number or self._attached_to != self._connections:
+            if self._connected and (self._asked or not self._number or self._attached_to != self._connections):
                 try:
-                    yield from self._attach()
+                    yield from self._attach(deadline)
                 except StateError:  # a daemon that was started again has no case for a while
                     yield Wait(AGAIN_S)
-            elif self._open < self._wanted:
+            elif self._connected and self._open < self._wanted:
                 yield from self._grant()
             if self._ready:
                 continue
+            self._check_gone()
             now = time.monotonic()
-            if not self._connected and now > self._lost_since + RECONNECT_S:
-                self._lost_since = now  # whoever asks again waits again
-                raise self._gone()
             if deadline is not None and now >= deadline:
                 return None
             yield Wait(1 if deadline is None else max(0.001, min(1, deadline - now)))
@@ -117,7 +125,10 @@ class Flow(Dialogue):
             yield from self._tell(pb.StreamRequest(cancel=pb.CancelItem(stream=self._number)))
 
     def close(self) -> Steps:
-        """Say that no more is wanted. Nobody waits for the answer."""
+        """Say that no more is wanted. Nobody waits for the answer, but for a moment for the number of what has just been asked for."""
+        until = time.monotonic() + LAST_S
+        while self._asked and not self._reply and self._connected and time.monotonic() < until:
+            yield Wait(LAST_S / 4)
         if self._number and self._connected:
             request = pb.StreamRequest(unsubscribe=pb.Unsubscribe(stream=self._number))
             yield Send(self._sealed(request))
@@ -138,60 +149,83 @@ class Flow(Dialogue):
     def _tell(self, request: pb.StreamRequest) -> Steps:
         yield from self._send(self._sealed(request))
 
+    def _check_gone(self) -> None:
+        now = time.monotonic()
+        if not self._connected and now > self._lost_since + RECONNECT_S:
+            self._lost_since = now  # whoever asks again waits again
+            raise self._gone()
+
+    def _want(self, credit: int) -> None:
+        self._wanted = max(self._wanted, min(credit, CREDIT))
+
     def _grant(self) -> Steps:
         more = self._wanted - self._open
         self._open, self._wanted = self._wanted, 0
         yield from self._tell(pb.StreamRequest(credit=pb.Credit(stream=self._number, bytes=more)))
 
-    def _ask(self, request: pb.StreamRequest) -> Generator[Union[Send, Wait], bool, pb.StreamReply]:
-        """Send, and again over each new connection, until there is a reply, which may be a refusal."""
-        deadline = time.monotonic() + REPLY_S
-        self._reply, again = None, True
-        while not self._reply:
-            if again:
-                packed, self._asked = self._sealed(request), request
-                self._attached_to = yield from self._send(packed)
-            yield Wait(max(0.001, min(1, deadline - time.monotonic())))
-            again = self._connections != self._attached_to
-            self._check_denied()
-            if not self._reply and time.monotonic() > deadline:
+    def _ask(self, request: pb.StreamRequest) -> None:
+        self._asked, self._reply, self._asked_at, self._asked_over = request, None, time.monotonic(), 0
+
+    def _answer(self, until: Optional[float]) -> Generator[Union[Send, Wait], bool, Optional[pb.StreamReply]]:
+        """To what was asked, which is sent again over each new connection: a reply, which may be a refusal. None: there was none until
+        then, or the connection is lost; it is waited for the next time."""
+        while self._asked and not self._reply and self._connected:
+            if self._asked_over != self._connections:
+                packed = self._sealed(self._asked)
+                self._asked_over = self._attached_to = yield from self._send(packed)
+            now = time.monotonic()
+            if now > self._asked_at + REPLY_S:
+                self._asked = None
                 raise UnavailableError("UNAVAILABLE", f"{self.endpoint} is open, but nobody answers there")
-        reply, self._reply, self._asked = self._reply, None, None
+            if until is not None and now >= until:
+                return None
+            yield Wait(max(0.001, min(1, (until or now + 1) - now)))
+            self._check_denied()
+        reply, self._reply = self._reply, None
+        if reply:
+            self._asked = None
         return reply
 
-    def _attach(self) -> Steps:
-        again, self._began = self._began, True
-        resumed = self._number and (yield from self._resume())
-        if not resumed:
-            yield from self._subscribe(again)
-        self.stats.reconnects += again
+    def _attach(self, until: Optional[float]) -> Generator[Union[Send, Wait], bool, bool]:
+        """Tell the daemon of this one, by its number if it has one. False: there is no answer yet."""
+        if not self._asked:
+            self._again, self._began = self._began, True
+            self._ask(self._resume() if self._number else self._subscribe())
+        resumes = self._asked and self._asked.HasField("resume")
+        reply = yield from self._answer(until)
+        if reply and resumes and reply.code != meniscus_pb2.OK:
+            self._ask(self._subscribe())
+            reply = yield from self._answer(until)
+        if not reply:
+            return False
+        if reply.code != meniscus_pb2.OK:
+            error = error_for(meniscus_pb2.Code.Name(reply.code), reply.message, reply.path, reply.reason)
+            if self._again and reply.code not in PASSING:
+                self._over = error
+            raise error
+        self.stats.reconnects += self._again
+        return True
 
-    def _resume(self) -> Generator[Union[Send, Wait], bool, bool]:
+    def _resume(self) -> pb.StreamRequest:
         rest = len(self._bytes) - self._offset if self._first else 0
-        credit = self._window + rest + rest // self._chunk * HEADER
+        credit = min(self._window + rest + rest // self._chunk * HEADER, CREDIT)
         resume = pb.ResumeStream(stream=self._number, credit=credit)
         if self._sequence is not None:
             resume.sequence, resume.offset = self._sequence, self._offset
-        reply = yield from self._ask(pb.StreamRequest(resume=resume))
-        return bool(reply.code == meniscus_pb2.OK)
+        return pb.StreamRequest(resume=resume)
 
     def _resumed(self, reply: pb.StreamReply, request: pb.StreamRequest) -> None:
         if (reply.sequence, reply.offset) != (self._sequence, self._offset):
             self._first = None
         self._open = request.resume.credit
 
-    def _subscribe(self, again: bool) -> Steps:
+    def _subscribe(self) -> pb.StreamRequest:
         self._start_over()
         place = self._place()
         if place:
             getattr(self._wish, "from").CopyFrom(place)
         self._wish.credit = self._window
-        reply = yield from self._ask(pb.StreamRequest(subscribe=self._wish))
-        if reply.code != meniscus_pb2.OK:
-            error = error_for(meniscus_pb2.Code.Name(reply.code), reply.message, reply.path, reply.reason)
-            if again and reply.code not in PASSING:
-                self._over = error
-            raise error
+        return pb.StreamRequest(subscribe=self._wish)
 
     def _subscribed(self, reply: pb.StreamReply) -> None:
         self._number, self._chunk = reply.stream, reply.chunk_bytes or 1
@@ -241,14 +275,21 @@ class Flow(Dialogue):
     def _start_over(self) -> None:
         self._number, self._sequence, self._first, self._done = 0, None, None, False
 
+    def _end_at_daemon(self) -> None:
+        if self._number:
+            self._useless.append(self._number)
+
     def _distrust(self, error: MeniscusError) -> None:
-        """What comes of this stream cannot be used: begin anew behind what was whole."""
+        """What comes of this stream cannot be used: end it, and begin anew behind what was whole."""
+        self._end_at_daemon()
         self._start_over()
         self._ready.append(error)
 
     def _fail(self, error: MeniscusError) -> None:
         if self._lossless:
             self._over = error
+            self._end_at_daemon()
+            self._start_over()
         self._first, self._unwanted = None, not self._lossless
         self._ready.append(error)
 
@@ -273,7 +314,7 @@ class Flow(Dialogue):
             else:
                 self._take_piece(item, data)
         if not self._ready and not self._first:  # it used credit, and made no item
-            self._wanted = max(self._wanted, self._window)
+            self._want(self._window)
 
     def _end(self, end: pb.StreamEnd) -> None:
         self._start_over()
@@ -295,7 +336,7 @@ class Flow(Dialogue):
         self._offset += len(data)
         rest = item.size - self._offset
         if rest:
-            self._wanted = max(self._wanted, rest + (rest // self._chunk + 1) * HEADER)
+            self._want(rest + (rest // self._chunk + 1) * HEADER)
             return
         first, self._first, self._done = self._first, None, True
         self._ready.append(self._whole(first, _cursor(item)))
