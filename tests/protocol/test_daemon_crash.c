@@ -122,7 +122,7 @@ static void a_stop_on_the_way_back_is_for_good(void **state)
     Meniscus__Reply *reply = dialogue_ask(dialogue, &stop);
     assert_int_equal(reply->code, MENISCUS__CODE__OK);
     assert_int_equal(reply->state, MENISCUS__STATE__EMPTY);
-    assert_true(reply->effect_step < steps);
+    assert_int_equal(reply->effect_step, steps); /* for the journal the run is where it was */
     meniscus__reply__free_unpacked(reply, NULL);
     dialogue_crash(dialogue);
     steer_sleep(200);
