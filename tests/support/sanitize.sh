@@ -42,7 +42,7 @@ run_one() {
     # Addresses are not randomised, as the thread sanitizer of this version does not find its shadow memory on kernels that use many
     # random bits.
     [ "$MENISCUS_SANITIZED" != thread ] || run=(setarch "$(uname -m)" -R)
-    [[ ! $name =~ ^protocol/test_(daemon_(garbage|fuzz)|stream_client)$ ]] || suppressions=$BUILD/leaks_garbage.supp
+    [[ ! $name =~ ^protocol/test_(daemon_(garbage|fuzz)|stream_(client|trouble))$ ]] || suppressions=$BUILD/leaks_garbage.supp
     output=$(LSAN_OPTIONS=suppressions=$suppressions:print_suppressions=0 \
         timeout --kill-after=10 "$LIMIT" "${run[@]}" "$BUILD/tests/$name" 2>&1) || status=$?
     if [ $status -eq 0 ]; then
