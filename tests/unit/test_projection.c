@@ -211,7 +211,8 @@ static void walls_turn_velocities_round(void **state)
     }
 }
 
-/* Each opposite for the two of a pair: weighted by what resists them, all corrections of a space without walls add up to nothing. */
+/* Each opposite for the two of a pair: weighted by what resists them, all corrections of a space without walls add up to nothing. Those of
+ * the density where no pressure is below 0. */
 static void corrections_keep_momentum(void **state)
 {
     (void)state;
@@ -230,7 +231,7 @@ static void corrections_keep_momentum(void **state)
             double before[3][1024];
             assert_true(s->n <= 1024 && s->n == particles_fluid(s));
             cloud->model.projection.unit_mobility = k == 2;
-            for (size_t i = 0; i < s->n; i++) cloud->system.x[i] = 1e-4 * cloud_noise(&seed);
+            for (size_t i = 0; i < s->n; i++) cloud->system.x[i] = 1e-4 * (cloud_noise(&seed) + (k ? 1 : 0));
             for (int d = 0; d < dim; d++) memcpy(before[d], s->x[d], s->n * sizeof(double));
             cloud_term(cloud, k ? &density_correction : &velocity_correction);
             for (int d = 0; d < dim; d++) {
@@ -245,6 +246,35 @@ static void corrections_keep_momentum(void **state)
             }
             cloud_free(cloud);
         }
+}
+
+/* The largest move, in spacings, by a pressure that is the same everywhere; it is given over h^2, as densities count as 1. */
+static double moved_by(double pressure)
+{
+    Cloud *cloud = cloud_new(&(CloudSetup){.dim = 2,
+                                           .dx = 0.1,
+                                           .n = {9, 9},
+                                           .jitter = 0.1,
+                                           .smoothing = 1,
+                                           .kernel = MNS_QUINTIC_SPLINE,
+                                           .periodic = {true, true}});
+    Particles *s = &cloud->s;
+    double before[2][128], most = 0;
+    assert_true(s->n <= 128 && s->n == particles_fluid(s));
+    for (size_t i = 0; i < s->n; i++) cloud->system.x[i] = pressure * cloud->model.kernel.h * cloud->model.kernel.h;
+    for (int d = 0; d < 2; d++) memcpy(before[d], s->x[d], s->n * sizeof(double));
+    cloud_term(cloud, &density_correction);
+    for (size_t i = 0; i < s->n; i++) most = fmax(most, hypot(s->x[0][i] - before[0][i], s->x[1][i] - before[1][i]));
+    cloud_free(cloud);
+    return most / 0.1;
+}
+
+static void a_pressure_below_nothing_draws_nobody_together(void **state)
+{
+    (void)state;
+    const double offset = moved_by(0); /* of the offset alone, which spreads them */
+    assert_true(offset > 0 && moved_by(0.3) > 3 * offset);
+    assert_close(moved_by(-0.3), offset, 1e-12);
 }
 
 static void a_density_correction_moves_nobody_far(void **state)
@@ -361,6 +391,7 @@ int main(void)
         cmocka_unit_test(even_flows_have_no_divergence),
         cmocka_unit_test(walls_turn_velocities_round),
         cmocka_unit_test(corrections_keep_momentum),
+        cmocka_unit_test(a_pressure_below_nothing_draws_nobody_together),
         cmocka_unit_test(a_density_correction_moves_nobody_far),
         cmocka_unit_test(layers_at_rest_are_a_solution),
         cmocka_unit_test(a_projection_takes_the_divergence_away),

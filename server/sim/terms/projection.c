@@ -3,7 +3,7 @@
  *   A_ij = (V_i^2 + V_j^2) F,  V = 1 / sum W;  densities are those of reference
  *   c_ij = -A_ij / (rho_i + rho_j),  (L P)_i = sum_j c_ij (P_i - P_j)
  *   velocity   L P = -1/2 sum_j A_ij (v_j - v_i)/2 . x_ij,     v_i -= 1/m_i sum_j A_ij P_ij x_ij,            p = P/dt
- *   density    L P = -1/2 (V_i - V_0),                         x_i -= 1/m_i sum_j A_ij (P_ij + P_ref) x_ij
+ *   density    L P = -1/2 (V_i - V_0),                         x_i -= 1/m_i sum_j A_ij (P_ij - min(P_i, 0) + P_ref) x_ij
  *   P_ij = (rho_i P_j + rho_j P_i) / (rho_i + rho_j)
  * A wall particle is an unknown of its own towards each fluid, of that fluid's density, through which nothing flows:
  *   sum_i c_iw (P_w - P_i - rho_i dt (g - a_w) . (x_w - x_i)) = 0
@@ -189,13 +189,13 @@ INLINE void divergence_row(const Row *row, Particles *s, const Model *model, How
 }
 ROW_FUNCTIONS(divergence_row)
 
-/* 1/m_i sum_j A_ij (times P_ij + offset) x_ij */
-INLINE void push(const Row *row, const Particles *s, const Model *model, bool unit, double times, double offset,
-                 How how, double ret[3])
+/* 1/m_i sum_j A_ij (times (P_ij - P_i) + base) x_ij: with times P_i as the base it is opposite for the two of a pair. */
+INLINE void push(const Row *row, const Particles *s, const Model *model, bool unit, double times, double base, How how,
+                 double ret[3])
 {
     const size_t i = row->i;
     const unsigned mine = s->phase[i];
-    const double V = s->vol[i], rho = weight_of(model, mine, unit), *P = s->system->x, P_i = times * P[i] + offset;
+    const double V = s->vol[i], rho = weight_of(model, mine, unit), *P = s->system->x, P_i = times * P[i];
     double inverse[MNS_MAX_FLUIDS];
     Lanes sum[3] = {0};
     inverse_sums(model, mine, unit, inverse);
@@ -205,8 +205,8 @@ INLINE void push(const Row *row, const Particles *s, const Model *model, bool un
         double P_ij[LANES];
         for (int l = 0; l < LANES; l++) {
             const unsigned fluid = wall ? mine : s->phase[j[l]];
-            const double P_j = times * P[wall ? node_of(s, j[l], mine) : j[l]] + offset;
-            P_ij[l] = (rho * P_j + weight_of(model, fluid, unit) * P_i) * inverse[fluid];
+            const double P_j = times * P[wall ? node_of(s, j[l], mine) : j[l]];
+            P_ij[l] = rho * inverse[fluid] * (P_j - P_i) + base;
         }
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
@@ -221,7 +221,7 @@ INLINE void push(const Row *row, const Particles *s, const Model *model, bool un
 INLINE void velocity_correction_row(const Row *row, Particles *s, const Model *model, How how)
 {
     double change[3];
-    push(row, s, model, false, 1, 0, how, change);
+    push(row, s, model, false, 1, s->system->x[row->i], how, change);
     for (int d = 0; d < how.dim; d++) s->v[d][row->i] -= change[d];
 }
 ROW_FUNCTIONS(velocity_correction_row)
@@ -230,7 +230,10 @@ INLINE void density_correction_row(const Row *row, Particles *s, const Model *mo
 {
     const double h = model->kernel.h, rho = model->projection.unit_mobility ? 1 : model->rho_min;
     double change[3], keep = 1;
-    push(row, s, model, model->projection.unit_mobility, FARTHER, model->projection.offset * rho * h * h, how, change);
+    /* A pressure below 0 draws neighbours together until they meet, and is the larger the more particles a wave of densities has: of it
+     * the differences alone are used. */
+    const double base = FARTHER * fmax(s->system->x[row->i], 0) + model->projection.offset * rho * h * h;
+    push(row, s, model, model->projection.unit_mobility, FARTHER, base, how, change);
     const double size = sqrt(DOT(change, change, how)), most = MOVE_MOST * model->dx;
     if (size > most) keep = most / size;
     for (int d = 0; d < how.dim; d++) s->x[d][row->i] -= keep * change[d];
@@ -258,7 +261,8 @@ const Term density_wall_matrix = {
 const Term density_correction = {
     .name = "density correction",
     .source = "P4 eq. 22, 35",
-    .equation = "x_i -= 1/m_i sum_j A_ij (P_ij + P_ref) x_ij,  P_ij = (rho_i P_j + rho_j P_i)/(rho_i + rho_j)",
+    .equation =
+        "x_i -= 1/m_i sum_j A_ij (P_ij - min(P_i, 0) + P_ref) x_ij,  P_ij = (rho_i P_j + rho_j P_i)/(rho_i + rho_j)",
     .on = ON_FLUID,
     .needs = NEED_F | NEED_STATE,
     .writes = FIELD(X),
