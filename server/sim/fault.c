@@ -71,10 +71,17 @@ static Effect alone(MnsSim *sim, Row *row, const Term *term)
     return effect;
 }
 
-/* The term that has most to do with the density of i, or with its acceleration; one that gives no number counts as most. */
+/* Of accelerations, those that write them: others fill rows of a pressure system that may not be laid out. */
+static bool is_asked(const Term *term, bool density, unsigned group, const Model *model)
+{
+    return term->on & group && (density || term->writes & FIELD(A)) && (!term->needed || term->needed(model));
+}
+
+/* The term that has most to do with the density of i, or with its acceleration; one that gives no number counts as most. Where the
+ * pressure is solved for, no term has to do with densities, and the pressure is what is left if nothing else pushes. */
 static const char *blame(MnsSim *sim, size_t i, bool density)
 {
-    const char *name = density ? "density" : "gravity";
+    const bool projects = sim->scheme->projects;
     const Model *model = &sim->model;
     double most = 0; /* of gravity to begin with, which is no term */
     for (int d = 0; d < model->dim; d++) {
@@ -83,6 +90,8 @@ static const char *blame(MnsSim *sim, size_t i, bool density)
         for (size_t k = 0; k < model->n_walls; k++)
             if (!isfinite(model->wall[k].x[d] + model->wall[k].v[d] + model->wall[k].a[d])) return "motion of a wall";
     }
+    if (density && projects) return "number density";
+    const char *name = density ? "density" : projects && most == 0 ? "pressure" : "gravity";
     Row *row = array_new(1, sizeof *row); /* aligned */
     if (!row) return "unknown";
     const unsigned needs = scheme_needs(sim->scheme);
@@ -94,7 +103,7 @@ static const char *blame(MnsSim *sim, size_t i, bool density)
     for (int p = 0; p < SCHEME_PASSES_MAX && passes[p].name; p++)
         for (int k = 0; k < PASS_TERMS_MAX && passes[p].terms[k]; k++) {
             const Term *term = passes[p].terms[k];
-            if (!(term->on & group) || (term->needed && !term->needed(&sim->model))) continue;
+            if (!is_asked(term, density, group, model)) continue;
             const Effect effect = alone(sim, row, term);
             const double size = density ? effect.rate : effect.acceleration;
             if (size <= most) continue;
@@ -103,6 +112,12 @@ static const char *blame(MnsSim *sim, size_t i, bool density)
         }
     free(row);
     return name;
+}
+
+static const char *remedy(const Scheme *scheme)
+{
+    return scheme->projects ? "a smaller cfl, a higher reference_speed or a finer resolution"
+                            : "a higher sound speed, a smaller cfl or a finer resolution";
 }
 
 MnsStatus fault_particle(MnsSim *sim, MnsError *error)
@@ -116,11 +131,10 @@ MnsStatus fault_particle(MnsSim *sim, MnsError *error)
     return mns_fail(
         error, MNS_E_DIVERGED,
         "diverged in step %llu at t = %g s: particle %u of %s at (%g, %g, %g) m has %s (density %g times its "
-        "reference, allowed (%g, %g); speed %g m/s); most is due to \"%s\". Look at the snapshot, then try a "
-        "higher sound speed, a smaller cfl or a finer resolution",
+        "reference, allowed (%g, %g); speed %g m/s); most is due to \"%s\". Look at the snapshot, then try %s",
         (unsigned long long)sim->progress.step + 1, sim->model.t, s->id[i], sim->c->fluids[s->phase[i]].name,
         s->x[0][i], s->x[1][i], z, dense ? "left the bounds of density" : "a velocity that is no number", ratio,
-        sim->model.density_min, sim->model.density_max, speed(s, i), blame(sim, i, dense));
+        sim->model.density_min, sim->model.density_max, speed(s, i), blame(sim, i, dense), remedy(sim->scheme));
 }
 
 MnsStatus fault_time_step(MnsSim *sim, double dt, const Limit *limit, MnsError *error)

@@ -151,13 +151,14 @@ static MnsStatus add_fields(MnsSim *sim, const MnsCase *c, MnsError *error)
     return particles_add(&sim->s, scheme_fields(sim->scheme, &model), sim->threads, error);
 }
 
-/* Can the rest of the run be done with the new factor of the time step and the new end? */
-static MnsStatus affordable(MnsSim *sim, const MnsCase *c, MnsError *error)
+/* Can the rest of the run be done with the new options, the new gravity and the new end? */
+static MnsStatus affordable(MnsSim *sim, const MnsCase *c, Formula *const gravity[3], MnsError *error)
 {
-    const double cfl = sim->model.cfl;
-    sim->model.cfl = c->scheme.cfl;
+    const Model kept = sim->model;
+    setup_options(sim, c);
+    for (int d = 0; d < c->dim; d++) sim->model.gravity[d] = formula_eval(gravity[d], &sim->progress.t);
     const MnsStatus status = plan_check(sim, c, error);
-    sim->model.cfl = cfl;
+    sim->model = kept;
     return status;
 }
 
@@ -168,13 +169,11 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
     const char *entry = changed(sim->c, c);
     if (entry) return mns_fail_at(error, MNS_E_INVALID, entry, "cannot change in a run: load the case anew");
 
-    status = affordable(sim, c, error);
-    if (status) return status;
-
     const int threads = sim_threads_for(c);
     Neighbours lists = {0};
     Formula *gravity[3] = {0};
     status = compile_gravity(c, sim->progress.t, gravity, error);
+    if (!status) status = affordable(sim, c, gravity, error);
     if (!status && threads != sim->threads) status = build_lists(sim, threads, &lists, error);
     if (!status) status = add_fields(sim, c, error);
     if (status) {

@@ -154,6 +154,50 @@ static void restore_takes_a_fault_away(void **state)
     sim_done(sim, c);
 }
 
+/* Of every scheme, before its first step too, when nothing of a pressure system is laid out; and later nothing writes into that, whose rows
+ * may be laid out for other lists. */
+static void every_scheme_names_who_is_to_blame_at_any_time(void **state)
+{
+    (void)state;
+    char text[1];
+    const char *scheme;
+    for (size_t k = 0; (scheme = mns_scheme_describe(k, text, sizeof text)); k++)
+        for (int dim = 2; dim <= 3; dim++)
+            for (int steps = 0; steps < 3; steps += 2) {
+                MnsCase *c = case_shaken_by(scheme, dim, 2);
+                MnsError error = {0};
+                MnsSim *sim = sim_of(c);
+                sim_steps(sim, steps);
+                for (size_t i = 0; i < sim->system.matrix.n; i++) sim->system.matrix.blocks[i] = 77;
+                sim->v_max = 1e12;
+                sim->progress.dt_first = 1;
+                assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_E_DIVERGED);
+                if (!strstr(error.text, "m/s, most due to \"")) fail_msg("\"%s\" blames nobody", error.text);
+                for (size_t i = 0; i < sim->system.matrix.n; i++) assert_int_equal(sim->system.matrix.blocks[i], 77);
+                sim_done(sim, c);
+            }
+}
+
+/* Densities that are no part of the equations have no term that moves them, and no speed of sound to be raised. */
+static void without_compression_the_number_density_is_to_blame(void **state)
+{
+    (void)state;
+    static const char *const schemes[] = {"incompressible", "differences"};
+    for (int k = 0; k < 2; k++) {
+        MnsCase *c = case_shaken_by(schemes[k], 2, 1);
+        MnsError error = {0};
+        c->limits.density_min = 0.9999;
+        c->limits.density_max = 1.0001;
+        MnsSim *sim = sim_of(c);
+        MnsStatus status = MNS_OK;
+        for (int n = 0; n < 50 && !status; n++) status = mns_sim_step(sim, INFINITY, &error);
+        assert_int_equal(status, MNS_E_DIVERGED);
+        if (!strstr(error.text, "most is due to \"number density\"") || strstr(error.text, "sound speed"))
+            fail_msg("\"%s\"", error.text);
+        sim_done(sim, c);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -164,6 +208,8 @@ int main(void)
         cmocka_unit_test(a_density_out_of_bounds_is_named_before_what_is_no_number),
         cmocka_unit_test(time_step_below_its_floor_is_a_divergence),
         cmocka_unit_test(restore_takes_a_fault_away),
+        cmocka_unit_test(every_scheme_names_who_is_to_blame_at_any_time),
+        cmocka_unit_test(without_compression_the_number_density_is_to_blame),
     };
     return cmocka_run_group_tests_name("fault", tests, NULL, NULL);
 }

@@ -84,9 +84,35 @@ static void run_is_not_steered_to_where_it_has_no_end(void **state)
     assert_ptr_equal(mns_sim_case(sim), c);
     assert_true(sim->model.cfl == 0.25);
     other->scheme.cfl = 0.25;
+    case_set_text(&other->gravity[1], "-1e30");
+    assert_int_equal(mns_sim_steer(sim, other, &error), MNS_E_LIMIT);
+    assert_non_null(strstr(error.text, "gravity"));
+    assert_true(sim->model.gravity[1] == 0);
+    case_set_text(&other->gravity[1], "0");
     assert_int_equal(mns_sim_steer(sim, other, &error), MNS_OK);
     sim_done(sim, other);
     mns_case_free(c);
+}
+
+/* By any option that bounds the step. */
+static void run_is_not_steered_to_a_speed_that_has_no_end(void **state)
+{
+    (void)state;
+    static const char *const schemes[] = {"incompressible", "differences"};
+    for (int k = 0; k < 2; k++) {
+        MnsCase *c = case_shaken_by(schemes[k], 2, 1), *other = case_shaken_by(schemes[k], 2, 1);
+        c->end_time = other->end_time = 1;
+        other->scheme.incompressible.reference_speed = other->scheme.differences.reference_speed = 1e30;
+        MnsSim *sim = sim_of(c);
+        MnsError error = {0};
+        const double speed = sim->model.projection.speed;
+        assert_int_equal(mns_sim_steer(sim, other, &error), MNS_E_LIMIT);
+        assert_non_null(strstr(error.text, "reference_speed"));
+        assert_true(sim->model.projection.speed == speed);
+        sim_steps(sim, 1);
+        sim_done(sim, c);
+        mns_case_free(other);
+    }
 }
 
 /* Against the first step alone, a run of 3e8 steps could become one of 3e14. */
@@ -283,6 +309,7 @@ int main(void)
         cmocka_unit_test(long_run_of_long_steps_is_not_refused),
         cmocka_unit_test(more_snapshots_than_a_disk_holds_are_refused),
         cmocka_unit_test(run_is_not_steered_to_where_it_has_no_end),
+        cmocka_unit_test(run_is_not_steered_to_a_speed_that_has_no_end),
         cmocka_unit_test(step_that_has_become_too_short_for_the_end_is_a_divergence),
         cmocka_unit_test(interval_shorter_than_a_step_is_said_to_be_one),
         cmocka_unit_test(a_probe_where_no_fluid_comes_is_warned_of),
