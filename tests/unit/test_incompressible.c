@@ -133,6 +133,25 @@ static void a_pressure_that_is_not_found_is_a_fault_that_tells_its_residuals(voi
     }
 }
 
+/* It tells that, and not to iterate on. */
+static void a_pressure_that_is_no_number_is_a_fault_of_its_own(void **state)
+{
+    (void)state;
+    static const char *const schemes[] = {"incompressible", "differences"};
+    for (int k = 0; k < 2; k++) {
+        MnsCase *c = layers(2, 20, 2);
+        c->scheme.name = schemes[k];
+        MnsError error = {0};
+        MnsSim *sim = sim_of(c);
+        sim_steps(sim, 1);
+        sim->s.p[9] = NAN; /* where the solve begins */
+        assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_E_DIVERGED);
+        if (!strstr(error.text, "something is no number") || strstr(error.text, "iterations"))
+            fail_msg("\"%s\"", error.text);
+        sim_done(sim, c);
+    }
+}
+
 static void a_space_that_is_not_full_is_refused(void **state)
 {
     (void)state;
@@ -154,6 +173,7 @@ int main(void)
         cmocka_unit_test(a_step_that_is_cut_short_leaves_the_pressure),
         cmocka_unit_test(momentum_and_number_densities_are_kept),
         cmocka_unit_test(a_pressure_that_is_not_found_is_a_fault_that_tells_its_residuals),
+        cmocka_unit_test(a_pressure_that_is_no_number_is_a_fault_of_its_own),
         cmocka_unit_test(a_space_that_is_not_full_is_refused),
     };
     return cmocka_run_group_tests_name("incompressible", tests, NULL, NULL);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "sim/integrators/pressure.h"
+#include <math.h>
 #include <omp.h>
 
 /* Timers: the last but one is of what methods set up, the last of the rest. */
@@ -13,10 +14,22 @@ static void book(MnsSim *sim, double start, double setup_before)
     timer[0].calls += setup > 0;
 }
 
+/* More iterations make no number of what is none. */
+static MnsStatus fail_numbers(const MnsSim *sim, const char *what, MnsError *error)
+{
+    return mns_fail(
+        error, MNS_E_DIVERGED,
+        "diverged in step %llu at t = %g s: in the pressure that corrects the %s something is no number, as a "
+        "velocity or a pressure was none or the system has no solution. Look at the snapshot, then take "
+        "smaller steps by a smaller scheme.cfl or a higher scheme.%s.reference_speed",
+        (unsigned long long)sim->progress.step + 1, sim->model.t, what, sim->scheme->name);
+}
+
 static MnsStatus fail_solve(const MnsSim *sim, const SolveMethod *method, const SolveReport *report, double tolerance,
                             const char *what, MnsError *error)
 {
     char history[512];
+    if (!isfinite(report->residual)) return fail_numbers(sim, what, error);
     solve_history(report, history, sizeof history);
     return mns_fail(error, MNS_E_DIVERGED,
                     "diverged in step %llu at t = %g s: the pressure that corrects the %s was not found by %s in %u "
