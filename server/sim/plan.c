@@ -26,11 +26,24 @@ static double outputs(double interval, double time, double dt)
     return interval > 0 ? time / fmax(interval, dt) : 0;
 }
 
+/* A flow without sound that is at rest, inviscid and weightless has nothing to be quick about: it would be over in one step, whatever
+ * gravity or walls are going to do. */
+static MnsStatus fail_boundless(const MnsCase *c, MnsError *error)
+{
+    char entry[64];
+    snprintf(entry, sizeof entry, "scheme.%s.reference_speed", c->scheme.name);
+    return mns_fail_at(error, MNS_E_INVALID, entry,
+                       "nothing bounds the time step, as the fluids are at rest and have neither weight, viscosity nor "
+                       "surface tension: give %s, the speed in m/s that you expect, above 0",
+                       entry);
+}
+
 MnsStatus plan_check(const MnsSim *sim, const MnsCase *c, MnsError *error)
 {
     const Limit *limit = NULL;
     const double dt = limits_dt(sim, &limit), left = c->end_time - sim->progress.t;
-    if (!isfinite(left)) return MNS_OK; /* of a C program, which knows when to stop */
+    if (isinf(dt) && sim->s.n > 0) return fail_boundless(c, error); /* without particles speeds are not known */
+    if (!isfinite(left)) return MNS_OK;                             /* of a C program, which knows when to stop */
     if (left > 0 && !(left / dt <= STEPS_MAX))
         return mns_fail_at(error, MNS_E_LIMIT, "end_time",
                            "%g s more would take %.1e steps of %.1e s, allowed: %.0e; what limits the step is %s, "

@@ -4,6 +4,7 @@
 #include "tests/support/check.h"
 #include "tests/support/sims.h"
 #include <omp.h>
+#include <stdio.h>
 #include <string.h>
 
 static void assert_endless(const MnsCase *c, const char *path, const char *word)
@@ -35,6 +36,38 @@ static void run_without_end_is_refused_with_what_limits_its_step(void **state)
         case_set_text(&c->fluids[0].velocity[0], "1e20"); /* known only when the particles are there */
         assert_endless(c, "end_time", "flow");
         mns_case_free(c);
+    }
+}
+
+/* Without sound, at rest, with nothing that acts yet. */
+static void run_of_one_step_without_bound_is_refused(void **state)
+{
+    (void)state;
+    static const char *const schemes[] = {"incompressible", "differences"};
+    for (int k = 0; k < 2; k++) {
+        MnsCase *c = case_still(2, 10, MNS_DENSITY_SUMMATION), *other = case_still(2, 10, MNS_DENSITY_SUMMATION);
+        MnsSim *sim = NULL;
+        MnsError error = {0};
+        char entry[64];
+        snprintf(entry, sizeof entry, "scheme.%s.reference_speed", schemes[k]);
+        c->scheme.name = other->scheme.name = schemes[k];
+        case_set_text(&c->gravity[0], "sin(t)");
+        for (int endless = 0; endless < 2; endless++) {
+            c->end_time = endless ? INFINITY : 1;
+            assert_int_equal(mns_sim_new(c, &sim, &error), MNS_E_INVALID);
+            assert_string_equal(error.path, entry);
+        }
+        c->scheme.incompressible.reference_speed = c->scheme.differences.reference_speed = 1;
+        sim = sim_of(c);
+        case_set_text(&other->gravity[0], "sin(t)");
+        other->scheme.incompressible.reference_speed = other->scheme.differences.reference_speed = 0;
+        assert_int_equal(mns_sim_steer(sim, other, &error), MNS_E_INVALID);
+        assert_string_equal(error.path, entry);
+        mns_sim_free(sim);
+        c->scheme.incompressible.reference_speed = c->scheme.differences.reference_speed = -1;
+        case_set_text(&c->fluids[0].velocity[0], "1e-3*y"); /* which is known only when the particles are there */
+        sim_done(sim_of(c), c);
+        mns_case_free(other);
     }
 }
 
@@ -306,6 +339,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(run_without_end_is_refused_with_what_limits_its_step),
+        cmocka_unit_test(run_of_one_step_without_bound_is_refused),
         cmocka_unit_test(long_run_of_long_steps_is_not_refused),
         cmocka_unit_test(more_snapshots_than_a_disk_holds_are_refused),
         cmocka_unit_test(run_is_not_steered_to_where_it_has_no_end),
