@@ -157,6 +157,7 @@ MnsStatus mns_sim_step(MnsSim *sim, double t_max, MnsError *error)
     double dt = limits_dt(sim, &limit);
     if (!(dt >= plan_floor(sim)) || !(dt > 0)) return remember(sim, fault_time_step(sim, dt, limit, &why), &why, error);
     if (progress->dt_first == 0) progress->dt_first = dt;
+    sim->whole = dt;
     const double t = cut(progress->t, &dt, t_max);
     MnsStatus status = integrator_step(sim, t, dt, &why);
     if (setup_check(sim, &why)) status = why.status; /* what comes of it is not to be blamed */

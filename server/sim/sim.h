@@ -29,6 +29,7 @@ struct MnsSim {
     MnsProgress progress;
     bool resumed; /* made from a saved state, which the initial fields of the case have no part in */
     double v_max; /* of the fluid, at the end of the last step [m/s] */
+    double whole; /* length that the present step would have if it were not cut short [s] */
     Formula *gravity[3];
     Formula *surface[MNS_MAX_WALLS][3]; /* velocity of a wall's surface */
     Shape solid[MNS_MAX_WALLS];         /* where the case puts the walls */

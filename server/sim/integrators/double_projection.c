@@ -137,17 +137,6 @@ static MnsStatus correct_density(MnsSim *sim, MnsError *error)
     return status;
 }
 
-/* Pressures of the step before; in walls, what solves their rows. */
-static void guess(MnsSim *sim, double dt)
-{
-    System *y = &sim->system;
-    const size_t n = particles_fluid(&sim->s);
-    const double *restrict p = sim->s.p;
-#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
-    for (size_t i = 0; i < n; i++) y->x[i] = p[i] * dt;
-    system_relax(y, n);
-}
-
 /* The pressure has no mean, or is 0 where it is least in the light fluids: on a gas, a pressure that a liquid has no less of would act
  * through every fault of the arrangement, with the liquid's strength. */
 static void gauge(MnsSim *sim)
@@ -187,11 +176,9 @@ static void show_walls(MnsSim *sim, double dt, double share)
     }
 }
 
-/* A step that is cut short, to end when it is told to, has the divergence of a whole one to take away in less time: its pressure counts
- * for its part only. */
 static void finish(MnsSim *sim, double dt)
 {
-    const double share = dt < sim->progress.dt ? dt / sim->progress.dt : 1;
+    const double share = pressure_share(sim, dt);
     Particles *s = &sim->s;
     const size_t n = particles_fluid(s);
     const double *restrict P = sim->system.x;
@@ -216,7 +203,7 @@ static MnsStatus correct_velocity(MnsSim *sim, double dt, const double gravity[3
     if (status) return status;
     prepare(sim, MATRIX_VELOCITY, PASS_VELOCITY_SYSTEM);
     integrator_pass(sim, PASS_VELOCITY_SYSTEM);
-    guess(sim, dt);
+    pressure_guess(sim, dt);
     status = pressure_solve(sim, method_of(sim), sim->model.projection.tolerance, "velocity", &report, error);
     sim->solved.iterations = report.iterations;
     sim->solved.residual = report.residual;

@@ -56,3 +56,18 @@ void pressure_prepare(MnsSim *sim, const SolveMethod *method)
     method->prepare(&sim->system);
     book(sim, start, before);
 }
+
+void pressure_guess(MnsSim *sim, double dt)
+{
+    System *y = &sim->system;
+    const size_t n = particles_fluid(&sim->s);
+    const double *restrict p = sim->s.p, from = y->held == NOT_HELD ? 0 : p[y->held];
+#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
+    for (size_t i = 0; i < n; i++) y->x[i] = (p[i] - from) * dt;
+    system_relax(y, n);
+}
+
+double pressure_share(const MnsSim *sim, double dt)
+{
+    return dt < sim->whole ? dt / sim->whole : 1;
+}

@@ -12,4 +12,11 @@ MnsStatus pressure_solve(MnsSim *sim, const SolveMethod *method, double toleranc
 /* Set up for the matrix of now what the method makes of it, if anything, unless that is there. */
 void pressure_prepare(MnsSim *sim, const SolveMethod *method);
 
+/* Begin with the pressures of the step before, from the held one if there is one; in walls, with what solves their rows. */
+void pressure_guess(MnsSim *sim, double dt);
+
+/* How much of it a step's pressure replaces of the one before: one that is cut short, to end when it is told to, has the divergence of a
+ * whole one to take away in less time. */
+double pressure_share(const MnsSim *sim, double dt);
+
 #endif

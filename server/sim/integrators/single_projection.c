@@ -74,17 +74,6 @@ static size_t nearest(const MnsSim *sim, const double at[3])
     return best.i;
 }
 
-/* Pressures of the step before, from the held one; in walls, what solves their rows. */
-static void guess(MnsSim *sim, double dt)
-{
-    System *y = &sim->system;
-    const size_t n = particles_fluid(&sim->s);
-    const double *restrict p = sim->s.p, from = y->held == NOT_HELD ? 0 : p[y->held];
-#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
-    for (size_t i = 0; i < n; i++) y->x[i] = (p[i] - from) * dt;
-    system_relax(y, n);
-}
-
 static MnsStatus solve(MnsSim *sim, MnsError *error)
 {
     const SolveMethod *method = solve_method(sim->model.projection.solver, &sim->system, false);
@@ -100,9 +89,9 @@ static MnsStatus solve(MnsSim *sim, MnsError *error)
 static void keep_pressure(MnsSim *sim, double dt)
 {
     Particles *s = &sim->s;
-    const double *restrict P = sim->system.x;
+    const double *restrict P = sim->system.x, share = pressure_share(sim, dt);
 #pragma omp parallel for simd schedule(static) num_threads(sim->threads)
-    for (size_t i = 0; i < s->n; i++) s->p[i] = P[i] / dt;
+    for (size_t i = 0; i < s->n; i++) s->p[i] += share * (P[i] / dt - s->p[i]);
     particles_changed(s, ON_ALL, FIELD(P));
 }
 
@@ -116,7 +105,7 @@ static MnsStatus project(MnsSim *sim, double dt, MnsError *error)
         return mns_fail(error, MNS_E_MEMORY, "no memory for the pressure system of %zu particles", sim->s.n);
     integrator_pass(sim, PASS_CONTINUED);
     integrator_pass(sim, PASS_SYSTEM);
-    guess(sim, dt);
+    pressure_guess(sim, dt);
     const MnsStatus status = solve(sim, error);
     if (y->held == NOT_HELD) system_centre(y);
     integrator_pass(sim, PASS_CORRECTION);
