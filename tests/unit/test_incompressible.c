@@ -161,6 +161,47 @@ static void a_pressure_that_is_no_number_is_a_fault_of_its_own(void **state)
     }
 }
 
+/* The wall between them is so thick that nothing of a pressure gets through, and the smaller one is not fluid of the other. */
+static void two_closed_spaces_are_stirred_in_one_case(void **state)
+{
+    (void)state;
+    static const char *const schemes[] = {"incompressible", "differences"};
+    for (int k = 0; k < 2; k++)
+        for (int held = 0; held < 2; held++) {
+            MnsCase *c = layers(2, 20, 3);
+            c->scheme.name = schemes[k];
+            c->scheme.differences.holds_pressure = held;
+            c->scheme.differences.zero_pressure[0] = c->scheme.differences.zero_pressure[1] = 0.2;
+            c->scheme.incompressible.gauge = held ? MNS_GAUGE_MEAN : c->scheme.incompressible.gauge;
+            c->scheme.incompressible.tolerance = c->scheme.differences.tolerance = 1e-7;
+            case_add_wall(c, "partition");
+            c->walls[1].no_slip = true;
+            MnsPart *partition = case_add_part(&c->walls[1].shape, MNS_BOX);
+            partition->a[0] = 0.4;
+            partition->b[0] = 0.8;
+            partition->b[1] = partition->b[2] = 1;
+            for (int f = 0; f < 2; f++) {
+                case_set_text(&c->fluids[f].velocity[0], "0.3*sin(5*x + 2*y)");
+                case_set_text(&c->fluids[f].velocity[1], "0.2*cos(3*x - 4*y)");
+            }
+            MnsSim *sim = sim_of(c);
+            sim_steps(sim, 10);
+            assert_int_equal(sim->system.parts, 2);
+            double least[2] = {INFINITY, INFINITY}, mean[2] = {0}, n[2] = {0};
+            for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
+                const int right = sim->s.x[0][i] > 0.6;
+                mean[right] += sim->s.p[i];
+                n[right]++;
+                if (sim->s.phase[i] == 1) least[right] = fmin(least[right], sim->s.p[i]);
+            }
+            for (int right = 0; right < 2; right++) {
+                if (k == 0 && held == 0) assert_close(least[right], 0, 1e-9);
+                else if (k == 0 || right == 1) assert_close(mean[right] / n[right], 0, 1e-9);
+            }
+            sim_done(sim, c);
+        }
+}
+
 static void a_space_that_is_not_full_is_refused(void **state)
 {
     (void)state;
@@ -183,6 +224,7 @@ int main(void)
         cmocka_unit_test(momentum_and_number_densities_are_kept),
         cmocka_unit_test(a_pressure_that_is_not_found_is_a_fault_that_tells_its_residuals),
         cmocka_unit_test(a_pressure_that_is_no_number_is_a_fault_of_its_own),
+        cmocka_unit_test(two_closed_spaces_are_stirred_in_one_case),
         cmocka_unit_test(a_space_that_is_not_full_is_refused),
     };
     return cmocka_run_group_tests_name("incompressible", tests, NULL, NULL);

@@ -186,6 +186,80 @@ static void what_cannot_be_solved_is_taken_from_the_bulk(void **state)
     system_done(&y);
 }
 
+/* Every other row of one ring, or none of it, refers to rows of another. */
+static void split(System *y, size_t n)
+{
+    Matrix *m = &y->matrix;
+    ring(y, n, 0, 1);
+    for (size_t i = 0; i < n; i++) {
+        m->diagonal[i] = 0;
+        for (size_t k = m->start[i] * ENTRIES; k < (m->start[i] + 1) * ENTRIES; k++) {
+            if ((m->column[k] + i) % 2) m->c[k] = 0; /* even rows and odd ones are apart */
+            m->diagonal[i] += (double)m->c[k];
+        }
+    }
+}
+
+/* What has no solution is taken from each of them, and each is centred by itself, but where a row is held. */
+static void parts_are_solved_as_if_they_were_alone(void **state)
+{
+    (void)state;
+    const SolveMethod *const methods[] = {&solve_cg, &solve_bicgstab, &solve_amg, &solve_amg_bicgstab};
+    for (int k = 0; k < (amg_exists() && !getenv("MENISCUS_SANITIZED") ? 4 : 2); k++)
+        for (int held = 0; held < 2; held++) {
+            System y;
+            SolveReport report;
+            double wanted[500], mean[2] = {0};
+            split(&y, 500);
+            ask(&y, 5);
+            memcpy(wanted, y.b, sizeof wanted);
+            for (size_t i = 0; i < 500; i++) y.b[i] += i % 2 ? 0.25 : held ? 0 : -0.125;
+            if (held) {
+                y.held = 100;
+                y.matrix.blocks[100] = 0;
+                y.matrix.diagonal[100] = 0;
+                y.x[100] = 0;
+            }
+            methods[k]->solve(&y, &(SolveGoal){1e-10, 5000}, &report);
+            if (!report.converged) fail_msg("%s: %g after %u", methods[k]->name, report.residual, report.iterations);
+            assert_int_equal(y.parts, 2);
+            for (size_t i = 0; i < 500; i++) {
+                if (i != y.held) assert_close(y.b[i], wanted[i], 1e-12);
+                assert_true(y.part[i] == (i % 2 != y.part[0]));
+            }
+            system_centre(&y);
+            for (size_t i = 0; i < 500; i++) mean[i % 2] += y.x[i] / 250;
+            assert_close(mean[1], 0, 1e-12);
+            if (held) assert_true(fabs(mean[0]) > 1e-6 && fabs(y.x[100]) <= 0);
+            else assert_close(mean[0], 0, 1e-12);
+            system_done(&y);
+        }
+}
+
+/* Some that say nothing and nobody refers to; rings of six are too many to be told apart. */
+static void parts_are_counted(void **state)
+{
+    (void)state;
+    enum { RINGS = 100, EACH = 7 };
+    System y;
+    SolveReport report;
+    ring(&y, MANY, 0, 1);
+    solve_cg.solve(&y, &(SolveGoal){1, 1}, &report);
+    assert_int_equal(y.parts, 1);
+    system_done(&y);
+    ring(&y, RINGS * EACH, 0, 1);
+    for (size_t i = 0; i < RINGS * EACH; i++)
+        for (size_t k = 0; k < ENTRIES; k++) {
+            const size_t at = y.matrix.start[i] * ENTRIES + k;
+            if (y.matrix.column[at] / EACH != i / EACH) y.matrix.c[at] = 0;
+        }
+    solve_cg.solve(&y, &(SolveGoal){1, 1}, &report);
+    assert_int_equal(y.parts, PARTS_MAX);
+    for (size_t i = 0; i < RINGS * EACH; i++)
+        assert_int_equal(y.part[i], i / EACH < PARTS_MAX ? i / EACH : PARTS_MAX - 1);
+    system_done(&y);
+}
+
 static void a_guess_that_is_right_needs_no_iteration(void **state)
 {
     (void)state;
@@ -287,6 +361,8 @@ int main(void)
         cmocka_unit_test(multigrid_gives_the_same_in_few_iterations_at_any_size),
         cmocka_unit_test(what_is_kept_still_serves_a_matrix_nearby),
         cmocka_unit_test(what_cannot_be_solved_is_taken_from_the_bulk),
+        cmocka_unit_test(parts_are_solved_as_if_they_were_alone),
+        cmocka_unit_test(parts_are_counted),
         cmocka_unit_test(a_guess_that_is_right_needs_no_iteration),
         cmocka_unit_test(a_solve_that_fails_says_how),
         cmocka_unit_test(threads_change_no_bit),

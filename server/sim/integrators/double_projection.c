@@ -137,6 +137,17 @@ static MnsStatus correct_density(MnsSim *sim, MnsError *error)
     return status;
 }
 
+/* The same in each of several parts; where there is no light fluid, the pressure keeps its mean of 0. */
+static void gauge_parts(System *y, const Particles *s, const bool light[])
+{
+    double least[PARTS_MAX];
+    for (size_t k = 0; k < y->parts; k++) least[k] = INFINITY;
+    for (size_t i = 0; i < particles_fluid(s); i++)
+        if (light[s->phase[i]]) least[y->part[i]] = fmin(least[y->part[i]], y->x[i]);
+    for (size_t i = 0; i < y->matrix.n; i++)
+        if (isfinite(least[y->part[i]])) y->x[i] -= least[y->part[i]];
+}
+
 /* The pressure has no mean, or is 0 where it is least in the light fluids: on a gas, a pressure that a liquid has no less of would act
  * through every fault of the arrangement, with the liquid's strength. */
 static void gauge(MnsSim *sim)
@@ -149,6 +160,10 @@ static void gauge(MnsSim *sim)
     double least = INFINITY;
     bool light[UINT8_MAX + 1] = {0};
     for (size_t a = 0; a < model->n_phases; a++) light[a] = model->phase[a].rho0 <= LIGHT * model->rho_min;
+    if (y->parts > 1) {
+        gauge_parts(y, &sim->s, light);
+        return;
+    }
 #pragma omp parallel for schedule(static) reduction(min : least) num_threads(sim->threads)
     for (size_t i = 0; i < particles_fluid(&sim->s); i++)
         if (light[sim->s.phase[i]] && y->x[i] < least) least = y->x[i];

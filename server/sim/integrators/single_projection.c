@@ -107,7 +107,7 @@ static MnsStatus project(MnsSim *sim, double dt, MnsError *error)
     integrator_pass(sim, PASS_SYSTEM);
     pressure_guess(sim, dt);
     const MnsStatus status = solve(sim, error);
-    if (y->held == NOT_HELD) system_centre(y);
+    system_centre(y);
     integrator_pass(sim, PASS_CORRECTION);
     keep_pressure(sim, dt);
     return status;

@@ -48,18 +48,22 @@ enum { WORK_VECTORS = 7 };
 
 #define NOT_HELD SIZE_MAX
 
-enum { MATRICES = 2 }; /* that take turns in a system */
+enum { MATRICES = 2 };   /* that take turns in a system */
+enum { PARTS_MAX = 64 }; /* that are told apart */
 
 struct Amg;
 
 /* L x = b. Of b the mean over the first `bulk` rows is taken away, as nothing else can be solved: constants are L's null space.
- * But a row can be held: it says nothing, and others refer to it, so that x stays as it is there and is known everywhere. */
+ * But a row can be held: it says nothing, and others refer to it, so that x stays as it is there and is known everywhere.
+ * Spaces that a wall keeps apart are parts of a matrix, none of which refers to another: all this is so in each of them. */
 typedef struct System {
     Matrix matrix;
     double *b, *x; /* [matrix.n] x: a guess, then the solution up to a constant */
     size_t bulk;
-    size_t held;  /* row; NOT_HELD: none */
-    double least; /* that the residual of x = 0 counts as, where there is only rounding */
+    size_t held;    /* row; NOT_HELD: none */
+    size_t parts;   /* found by the last solve */
+    uint32_t *part; /* [matrix.n] of each row that says something or that others refer to, [0, parts) */
+    double least;   /* that the residual of x = 0 counts as, where there is only rounding */
     int threads;
     double *work[WORK_VECTORS]; /* [matrix.n] */
     double *partial;            /* sums of chunks */
@@ -94,7 +98,7 @@ size_t system_bytes(const System *system);
 /* Solve the rows from `first` on, none of which refers to another of them, by x of the rows before. */
 void system_relax(System *system, size_t first);
 
-/* Take away the mean of x over the bulk, everywhere. */
+/* Take away the mean of x over the bulk, everywhere; of each part its own, but of one that is held. */
 void system_centre(System *system);
 
 /* The matrix will be this one of those that take turns, [0, MATRICES). */

@@ -107,10 +107,11 @@ void matrix_multiply(const Matrix *m, const double *x, double *y, int threads)
 
 bool system_init(System *y, size_t n, size_t bulk, int threads)
 {
-    *y = (System){.bulk = bulk, .held = NOT_HELD, .threads = threads};
+    *y = (System){.bulk = bulk, .held = NOT_HELD, .parts = 1, .threads = threads};
     bool well = matrix_init(&y->matrix, n, threads);
     well = well && (y->b = array_new_team(n, sizeof(double), threads)) &&
-           (y->x = array_new_team(n, sizeof(double), threads));
+           (y->x = array_new_team(n, sizeof(double), threads)) &&
+           (y->part = array_new_team(n, sizeof *y->part, threads));
     for (int k = 0; well && k < WORK_VECTORS; k++) well = (y->work[k] = array_new_team(n, sizeof(double), threads));
     well = well && (y->partial = array_new(3 * chunks_of(y), sizeof(double)));
     if (!well) system_done(y);
@@ -122,6 +123,7 @@ void system_done(System *y)
     matrix_done(&y->matrix);
     free(y->b);
     free(y->x);
+    free(y->part);
     for (int k = 0; k < WORK_VECTORS; k++) free(y->work[k]);
     free(y->partial);
     for (int k = 0; k < MATRICES; k++) amg_free(y->amg[k]);
@@ -131,7 +133,7 @@ void system_done(System *y)
 size_t system_bytes(const System *y)
 {
     const Matrix *m = &y->matrix;
-    return m->n * (sizeof *m->start + sizeof *m->blocks + (3 + WORK_VECTORS) * sizeof(double)) +
+    return m->n * (sizeof *m->start + sizeof *m->blocks + sizeof *y->part + (3 + WORK_VECTORS) * sizeof(double)) +
            m->room * ENTRIES * (sizeof *m->column + sizeof *m->c);
 }
 
@@ -148,6 +150,11 @@ void system_relax(System *y, size_t first)
 
 void system_centre(System *y)
 {
+    if (y->parts > 1) {
+        parts_level(y, y->x, PARTS_CENTRE);
+        return;
+    }
+    if (y->held != NOT_HELD) return;
     double *sums = partial_of(y, 0), *restrict x = y->x;
 #pragma omp parallel for schedule(static) num_threads(y->threads)
     for (size_t chunk = 0; chunk < chunks_of(y); chunk++) {
@@ -215,6 +222,10 @@ static void lower(const System *y, double *a, double f, size_t n)
 
 void remove_mean(const System *y, double *a)
 {
+    if (y->parts > 1) {
+        parts_level(y, a, PARTS_MEAN);
+        return;
+    }
     if (y->held != NOT_HELD) return;
     sum_rows(y, a, y->matrix.n);
     const double count = partial_sum(y, 1);
@@ -262,7 +273,10 @@ double begin(System *y, double *r)
 #pragma omp parallel for schedule(static) num_threads(y->threads)
     for (size_t i = 0; i < n; i++)
         if (y->matrix.blocks[i] == 0) b[i] = 0;
-    if (y->held == NOT_HELD) {
+    parts_find(y);
+    if (y->parts > 1) {
+        parts_level(y, b, PARTS_BALANCE);
+    } else if (y->held == NOT_HELD) {
         sum_rows(y, b, y->bulk);
         lower(y, b, partial_sum(y, 0) / partial_sum(y, 1), y->bulk);
     }

@@ -35,6 +35,14 @@ void remove_mean(const System *y, double *a);
 void add(const System *y, double *a, double f, const double *b);
 void add_to(const System *y, double *a, double f, const double *b);
 
+/* parts.c: find the parts of the matrix of now */
+void parts_find(System *y);
+
+/* parts.c: in each part that is not held, of the rows that say something, take away from a the mean; from the bulk what makes the sum of all
+ * of them 0; from all rows, whether they say something or not, the mean over the bulk. */
+typedef enum PartsHow { PARTS_MEAN, PARTS_BALANCE, PARTS_CENTRE } PartsHow;
+void parts_level(const System *y, double *a, PartsHow how);
+
 /* amg.c: what the multigrid method keeps */
 void amg_free(struct Amg *amg);
 void amg_forget(struct Amg *amg);
