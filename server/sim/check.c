@@ -2,6 +2,7 @@
 /* Is a case physical, and can it be built? Each complaint names the entry, what was found and what is allowed. */
 #include "sim/case_bounds.h"
 #include "sim/probes/probes.h"
+#include "sim/solve/solve.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -87,6 +88,14 @@ static bool is_incompressible(const MnsCase *c)
     return strcmp(c->scheme.name, "incompressible") == 0;
 }
 
+static MnsStatus check_solver(MnsSolver solver, const char *at, MnsError *error)
+{
+    if (solver != MNS_SOLVER_AMG || amg_exists()) return MNS_OK;
+    return mns_fail_at(error, MNS_E_INVALID, at,
+                       "found amg, which this program was built without, as it needs the library hypre; write by-size "
+                       "or bicgstab");
+}
+
 /* Numbers that have no sense where nobody has given them. */
 static MnsStatus check_incompressible(const MnsCase *c, MnsError *error)
 {
@@ -102,7 +111,9 @@ static MnsStatus check_incompressible(const MnsCase *c, MnsError *error)
         {"iterations", i->iterations, BOUNDS_Incompressible_iterations},
         {"guard", i->guard, BOUNDS_Incompressible_guard},
     };
-    return is_incompressible(c) ? CHECK_BOUNDS("scheme.incompressible", list, error) : MNS_OK;
+    if (!is_incompressible(c)) return MNS_OK;
+    const MnsStatus status = check_solver(i->solver, "scheme.incompressible.solver", error);
+    return status ? status : CHECK_BOUNDS("scheme.incompressible", list, error);
 }
 
 static MnsStatus check_differences(const MnsCase *c, MnsError *error)
@@ -124,7 +135,8 @@ static MnsStatus check_differences(const MnsCase *c, MnsError *error)
         return mns_fail_at(error, MNS_E_INVALID, "scheme.differences.solver",
                            "found cg, which solves symmetric systems, and that of differences is none; write by-size, "
                            "bicgstab or amg");
-    return CHECK_BOUNDS("scheme.differences", list, error);
+    const MnsStatus status = check_solver(g->solver, "scheme.differences.solver", error);
+    return status ? status : CHECK_BOUNDS("scheme.differences", list, error);
 }
 
 static MnsStatus check_domain(const MnsCase *c, MnsError *error)

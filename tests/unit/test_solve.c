@@ -170,6 +170,64 @@ static void multigrid_gives_the_same_in_few_iterations_at_any_size(void **state)
     }
 }
 
+/* More than a particle can have neighbours: that is told, and nothing of it is kept. */
+static void what_multigrid_cannot_be_made_of_is_a_status(void **state)
+{
+    (void)state;
+    if (!amg_exists() || getenv("MENISCUS_SANITIZED")) skip();
+    System y;
+    SolveReport report;
+    const size_t n = 1200;
+    assert_true(system_init(&y, n, n, 1));
+    for (size_t i = 0; i < n; i++) y.matrix.blocks[i] = (uint32_t)(n / ENTRIES);
+    assert_true(matrix_lay(&y.matrix, 1));
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < n; k++) {
+            y.matrix.column[y.matrix.start[i] * ENTRIES + k] = (uint32_t)k;
+            y.matrix.c[y.matrix.start[i] * ENTRIES + k] = k == i ? 0 : 1;
+            y.matrix.diagonal[i] += k != i;
+        }
+    ask(&y, 5);
+    assert_int_equal(solve_amg.prepare(&y), MNS_E_INTERNAL);
+    assert_false(system_is_ready(&y));
+    solve_amg.solve(&y, &(SolveGoal){1e-8, 100}, &report);
+    assert_int_equal(report.status, MNS_E_INTERNAL);
+    assert_false(report.converged);
+    solve_cg.solve(&y, &(SolveGoal){1e-8, 100}, &report);
+    assert_true(report.converged && report.status == MNS_OK);
+    system_done(&y);
+}
+
+/* By hand, by size in rows of two and of three dimensions, and by what the matrix is. */
+static void methods_are_chosen_by_size_and_symmetry(void **state)
+{
+    (void)state;
+    static const struct {
+        size_t n, blocks;
+        MnsSolver solver;
+        const SolveMethod *symmetric, *skew;
+    } cases[] = {
+        {49999, 5, MNS_SOLVER_BY_SIZE, &solve_cg, &solve_bicgstab},
+        {50000, 8, MNS_SOLVER_BY_SIZE, &solve_amg, &solve_amg_bicgstab},
+        {50000, 9, MNS_SOLVER_BY_SIZE, &solve_cg, &solve_bicgstab},
+        {999999, 15, MNS_SOLVER_BY_SIZE, &solve_cg, &solve_bicgstab},
+        {1000000, 15, MNS_SOLVER_BY_SIZE, &solve_amg, &solve_amg_bicgstab},
+        {1000000, 15, MNS_SOLVER_CG, &solve_cg, &solve_bicgstab},
+        {1000000, 15, MNS_SOLVER_BICGSTAB, &solve_bicgstab, &solve_bicgstab},
+        {10, 5, MNS_SOLVER_AMG, &solve_amg, &solve_amg_bicgstab},
+    };
+    if (!amg_exists()) skip();
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        size_t *start = calloc(cases[k].n + 1, sizeof *start);
+        assert_non_null(start);
+        start[cases[k].n] = cases[k].n * cases[k].blocks;
+        const System y = {.matrix = {.n = cases[k].n, .start = start}};
+        assert_ptr_equal(solve_method(cases[k].solver, &y, true), cases[k].symmetric);
+        assert_ptr_equal(solve_method(cases[k].solver, &y, false), cases[k].skew);
+        free(start);
+    }
+}
+
 static void what_cannot_be_solved_is_taken_from_the_bulk(void **state)
 {
     (void)state;
@@ -360,6 +418,8 @@ int main(void)
         cmocka_unit_test(methods_give_what_elimination_gives),
         cmocka_unit_test(multigrid_gives_the_same_in_few_iterations_at_any_size),
         cmocka_unit_test(what_is_kept_still_serves_a_matrix_nearby),
+        cmocka_unit_test(what_multigrid_cannot_be_made_of_is_a_status),
+        cmocka_unit_test(methods_are_chosen_by_size_and_symmetry),
         cmocka_unit_test(what_cannot_be_solved_is_taken_from_the_bulk),
         cmocka_unit_test(parts_are_solved_as_if_they_were_alone),
         cmocka_unit_test(parts_are_counted),

@@ -25,6 +25,18 @@ static MnsStatus fail_numbers(const MnsSim *sim, const char *what, MnsError *err
         (unsigned long long)sim->progress.step + 1, sim->model.t, what, sim->scheme->name);
 }
 
+static MnsStatus fail_method(const MnsSim *sim, const SolveMethod *method, MnsStatus status, MnsError *error)
+{
+    if (status == MNS_E_MEMORY)
+        return mns_fail(error, status,
+                        "no memory for what %s keeps of the pressure system of %zu rows: write scheme.%s.solver: "
+                        "bicgstab, or lower the resolution",
+                        method->name, sim->system.matrix.n, sim->scheme->name);
+    return mns_fail(error, status,
+                    "%s could not be set up for the pressure system of %zu rows: write scheme.%s.solver: bicgstab",
+                    method->name, sim->system.matrix.n, sim->scheme->name);
+}
+
 static MnsStatus fail_solve(const MnsSim *sim, const SolveMethod *method, const SolveReport *report, double tolerance,
                             const char *what, MnsError *error)
 {
@@ -46,6 +58,7 @@ MnsStatus pressure_solve(MnsSim *sim, const SolveMethod *method, double toleranc
     const SolveGoal goal = {tolerance, sim->model.projection.iterations};
     method->solve(&sim->system, &goal, ret_report);
     book(sim, start, before);
+    if (ret_report->status) return fail_method(sim, method, ret_report->status, error);
     return ret_report->converged ? MNS_OK : fail_solve(sim, method, ret_report, tolerance, what, error);
 }
 

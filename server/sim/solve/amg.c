@@ -4,7 +4,9 @@
  * break down there. hypre as Debian builds it has one thread, so its bits do not depend on ours.
  * What is built without hypre has the same names, and says that it cannot. */
 #include "base/array.h"
+#include "sim/neighbours.h"
 #include "sim/solve/vectors.h"
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,6 +17,11 @@
 #include <HYPRE_parcsr_ls.h>
 #include <mpi.h>
 #include <omp.h>
+
+#ifdef HYPRE_USING_OPENMP
+#error                                                                                                                 \
+    "this hypre has threads of its own, so its bits depend on their number: build with one without OpenMP, or with HYPRE= for none"
+#endif
 
 struct Amg {
     bool ready; /* made, and the matrix has not changed much since */
@@ -39,6 +46,9 @@ static void start_mpi(void)
     setenv("OMPI_MCA_opal_signal", "", 0); /* signals are ours */
     int provided = 0;
     MPI_Init_thread(NULL, NULL, MPI_THREAD_SERIALIZED, &provided);
+    MPI_Comm_set_errhandler(MPI_COMM_WORLD,
+                            MPI_ERRORS_RETURN); /* hypre's codes tell of them; by default they end the process */
+    MPI_Comm_set_errhandler(MPI_COMM_SELF, MPI_ERRORS_RETURN);
     HYPRE_Init();
 }
 
@@ -68,37 +78,42 @@ bool amg_is_ready(const struct Amg *amg)
     return amg && amg->ready;
 }
 
-/* A row that says nothing is one of the unit matrix. */
-static void set_row(HYPRE_IJMatrix matrix, const Matrix *m, size_t i)
+enum { MOST = ROW_MAX + 1 }; /* entries of a row: its particle's neighbours and itself */
+
+/* A row that says nothing is one of the unit matrix. false: it has more entries than a row can have. */
+static bool set_row(HYPRE_IJMatrix matrix, const Matrix *m, size_t i)
 {
-    enum { MOST = 1024 };
     HYPRE_BigInt row = (HYPRE_BigInt)i, column[MOST];
     HYPRE_Complex value[MOST];
     HYPRE_Int n = 1;
     column[0] = row;
     value[0] = m->blocks[i] ? m->diagonal[i] : 1;
     const size_t first = m->start[i] * ENTRIES, last = first + m->blocks[i] * (size_t)ENTRIES;
-    for (size_t k = first; k < last && n < MOST; k++) {
+    for (size_t k = first; k < last; k++) {
         if (m->c[k] == 0) continue;
+        if (n == MOST) return false;
         column[n] = (HYPRE_BigInt)m->column[k];
         value[n++] = -(double)m->c[k];
     }
     HYPRE_IJMatrixSetValues(matrix, 1, &n, &row, column, value);
+    return true;
 }
 
-static void fill_matrix(struct Amg *amg, const Matrix *m)
+static MnsStatus fill_matrix(struct Amg *amg, const Matrix *m)
 {
     HYPRE_Int *sizes = calloc(m->n, sizeof *sizes);
-    if (!sizes) return;
+    if (!sizes) return MNS_E_MEMORY;
     for (size_t i = 0; i < m->n; i++) sizes[i] = (HYPRE_Int)(m->blocks[i] * ENTRIES + 1);
     HYPRE_IJMatrixCreate(MPI_COMM_SELF, 0, amg->n - 1, 0, amg->n - 1, &amg->matrix);
     HYPRE_IJMatrixSetObjectType(amg->matrix, HYPRE_PARCSR);
     HYPRE_IJMatrixSetRowSizes(amg->matrix, sizes);
     HYPRE_IJMatrixInitialize(amg->matrix);
-    for (size_t i = 0; i < m->n; i++) set_row(amg->matrix, m, i);
+    bool well = true;
+    for (size_t i = 0; i < m->n && well; i++) well = set_row(amg->matrix, m, i);
     HYPRE_IJMatrixAssemble(amg->matrix);
     HYPRE_IJMatrixGetObject(amg->matrix, (void **)&amg->A);
     free(sizes);
+    return well && amg->A ? MNS_OK : MNS_E_INTERNAL;
 }
 
 static void make_vector(const struct Amg *amg, HYPRE_IJVector *ret, HYPRE_ParVector *ret_parallel)
@@ -130,24 +145,45 @@ static void make_solver(struct Amg *amg)
     HYPRE_BoomerAMGSetup(amg->solver, amg->A, amg->pb, amg->px);
 }
 
-/* Without memory it is not ready. */
-static void prepare(System *y)
+/* What hypre has noted since it was last asked. */
+static MnsStatus noted(void)
+{
+    const HYPRE_Int code = HYPRE_GetError();
+    HYPRE_ClearAllErrors();
+    return code == 0 ? MNS_OK : code & HYPRE_ERROR_MEMORY ? MNS_E_MEMORY : MNS_E_INTERNAL;
+}
+
+static MnsStatus make(struct Amg *amg, const Matrix *m)
+{
+    amg->n = (int)m->n;
+    if (m->n > INT_MAX) return MNS_E_MEMORY; /* hypre counts no farther */
+    if (!(amg->rows = array_new(m->n, sizeof *amg->rows))) return MNS_E_MEMORY;
+    for (int i = 0; i < amg->n; i++) amg->rows[i] = i;
+    HYPRE_ClearAllErrors();
+    MnsStatus status = fill_matrix(amg, m);
+    if (status) return status;
+    make_vector(amg, &amg->b, &amg->pb);
+    make_vector(amg, &amg->x, &amg->px);
+    status = noted();
+    if (status) return status;
+    make_solver(amg);
+    return noted();
+}
+
+/* What was not made is not ready, and not kept. */
+static MnsStatus prepare(System *y)
 {
     struct Amg **kept = &y->amg[y->kept], *amg = *kept;
-    if (amg_is_ready(amg)) return;
-    if (!amg && !(amg = *kept = calloc(1, sizeof *amg))) return;
+    if (amg_is_ready(amg)) return MNS_OK;
+    if (!amg && !(amg = *kept = calloc(1, sizeof *amg))) return MNS_E_MEMORY;
     const double start = omp_get_wtime();
     start_mpi();
     drop(amg);
-    amg->n = (int)y->matrix.n;
-    if (!(amg->rows = array_new(y->matrix.n, sizeof *amg->rows))) return;
-    for (int i = 0; i < amg->n; i++) amg->rows[i] = i;
-    fill_matrix(amg, &y->matrix);
-    make_vector(amg, &amg->b, &amg->pb);
-    make_vector(amg, &amg->x, &amg->px);
-    make_solver(amg);
-    amg->ready = true;
+    const MnsStatus status = make(amg, &y->matrix);
+    if (status) drop(amg);
+    else amg->ready = true;
     y->setup_seconds += omp_get_wtime() - start;
+    return status;
 }
 
 /* z: what a cycle makes of r. */
@@ -185,8 +221,8 @@ static void solve_with(System *y, const SolveGoal *goal, SolveReport *report, bo
     const double size = begin(y, y->work[0]);
     *report = (SolveReport){.converged = size == 0};
     if (size == 0) memset(y->x, 0, y->matrix.n * sizeof *y->x);
-    else prepare(y);
-    if (size == 0 || !system_is_ready(y)) return;
+    else report->status = prepare(y);
+    if (size == 0 || report->status) return;
     if (symmetric) conjugate_gradients(y, goal, report, size);
     else stabilised_gradients(y, goal, report, size, cycle);
 }
@@ -206,7 +242,7 @@ bool amg_exists(void)
     return true;
 }
 #else
-static void (*const prepare)(System *) = NULL;
+static MnsStatus (*const prepare)(System *) = NULL;
 
 static void solve_symmetric(System *y, const SolveGoal *goal, SolveReport *report)
 {

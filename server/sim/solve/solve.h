@@ -36,6 +36,7 @@ enum { HISTORY_MAX = 24 };
 /* How a solve went. Residuals are over that of x = 0. */
 typedef struct SolveReport {
     bool converged;
+    MnsStatus status; /* of what the method makes of the matrix first: MNS_E_MEMORY or MNS_E_INTERNAL if it could not */
     unsigned iterations;
     double residual;
     int n;                    /* of the history */
@@ -81,8 +82,8 @@ typedef struct SolveGoal {
 typedef struct SolveMethod {
     const char *name, *equation;
     void (*solve)(System *system, const SolveGoal *goal, SolveReport *ret_report);
-    void (*prepare)(
-        System *system); /* make what is kept, unless it is there; NULL: nothing is. Without it solve() does */
+    /* Make what is kept, unless it is there; NULL: nothing is. Without it, or where it fails, solve() does, and tells. */
+    MnsStatus (*prepare)(System *system);
 } SolveMethod;
 
 extern const SolveMethod solve_cg;           /* symmetric matrices */
@@ -116,7 +117,7 @@ bool amg_exists(void);
 /* The method that was asked for, or the fastest for a system of this size; one for all matrices unless they are symmetric. */
 const SolveMethod *solve_method(MnsSolver solver, const System *system, bool symmetric);
 
-/* The residuals of a solve in words, as in "1 at 0, 0.1 at 4, 0.02 at 8". */
+/* The residuals of a solve in words, as in "1 after 0, 0.1 after 4, 0.02 after 8". */
 void solve_history(const SolveReport *report, char *text, size_t size);
 
 #endif
