@@ -22,9 +22,11 @@ struct Feed {
     uint64_t generation;
     Wish wish;
     DueState due;
-    bool asked, is_due; /* asked: for the state as it is; is_due: at the boundary that is looked at, and counted */
-    uint64_t count;     /* of those that were due                    */
-    Room *newest;       /* not taken yet, or NULL                    */
+    bool asked;     /* for the state as it is                                                  */
+    bool is_due;    /* at the boundary that is looked at, and counted                          */
+    bool wanted;    /* its wish is part of the shot that is taken; who asks later has to wait  */
+    uint64_t count; /* of those that were due                    */
+    Room *newest;   /* not taken yet, or NULL                    */
 };
 
 struct Tap {
@@ -185,10 +187,11 @@ static bool find_due(Tap *tap, MnsProgress now, bool stepped, Wish *ret)
     bool any = false;
     *ret = (Wish){.fields = 0};
     for (Feed *feed = tap->feeds; feed; feed = feed->next) {
-        feed->is_due = false;
+        feed->is_due = feed->wanted = false;
         if (feed->generation != tap->now.generation) continue;
         feed->is_due = stepped && due_now(&feed->wish.when, &feed->due, now.step, now.t, now.dt, wall);
-        if (!feed->is_due && !feed->asked) continue;
+        feed->wanted = feed->is_due || feed->asked;
+        if (!feed->wanted) continue;
         feed->count += feed->is_due;
         any = true;
         ret->fields |= feed->wish.fields;
@@ -295,13 +298,13 @@ static void drop_rooms(Tap *tap)
         if (!tap->rooms[k].users) empty(tap, &tap->rooms[k]);
 }
 
-/* Each feed keeps the newest alone. With the lock held. */
+/* Each feed keeps the newest alone, of those whose wish it was taken for: somebody may have asked meanwhile. With the lock held. */
 static void hand_out(Tap *tap, Room *room)
 {
     for (Feed *feed = tap->feeds; feed; feed = feed->next) {
-        if (!feed->is_due && !feed->asked) continue;
+        if (!feed->wanted) continue;
         feed->count += !feed->is_due;
-        feed->is_due = feed->asked = false;
+        feed->wanted = feed->is_due = feed->asked = false;
         leave(feed->newest);
         feed->newest = room;
         room->users++;

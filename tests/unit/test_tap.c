@@ -3,6 +3,8 @@
 #include "run/tap.h"
 #include "tests/support/check.h"
 #include "tests/support/sims.h"
+#include <pthread.h>
+#include <unistd.h>
 
 static uint64_t bit(const char *field)
 {
@@ -114,12 +116,72 @@ static void room_for_the_case_before_is_not_in_the_way_of_another(void **state)
     sim_done(next, other);
 }
 
+/* The thread of streams: asks again and again, and looks at what it gets. */
+typedef struct Asker {
+    Tap *tap;
+    Feed *feed;
+    _Atomic bool done;
+    uint64_t shots, empty, stale;
+} Asker;
+
+static void *ask_on(void *arg)
+{
+    Asker *asker = arg;
+    while (!asker->done) {
+        uint64_t due;
+        tap_ask(asker->tap, asker->feed);
+        const Shot *shot = tap_take(asker->tap, asker->feed, &due);
+        if (!shot) continue;
+        asker->shots++;
+        if (!shot->values) asker->empty++;
+        else asker->stale += shot->values[0] != 7;
+        tap_leave(asker->tap, shot);
+        usleep(20); /* so that it asks at any moment of a look */
+    }
+    return NULL;
+}
+
+/* Between the look at who is due and the handing out there is a copy, and time to ask. */
+static void who_asks_while_a_shot_is_taken_gets_none_without_what_it_wants(void **state)
+{
+    (void)state;
+    enum { SHOTS = 4000 };
+    MnsCase *c = case_shaken_by("riemann", 3, 1);
+    case_add_probe(c, MNS_PROBE_KINETIC_ENERGY);
+    MnsSim *sim = sim_of(c);
+    Tap *tap = tap_new((size_t)1 << 30);
+    const uint64_t generation = place(tap, sim);
+    double known[MNS_MAX_PROBES];
+    for (size_t k = 0; k < MNS_MAX_PROBES; k++) known[k] = 7;
+    Feed *fields = open_feed(tap, generation, bit("position") | bit("velocity") | bit("density"));
+    Asker asker = {.tap = tap, .feed = tap_open(tap, generation, &(Wish){.probes = {1}})};
+    pthread_t thread;
+    assert_int_equal(pthread_create(&thread, NULL, ask_on, &asker), 0);
+    for (int k = 0; k < SHOTS; k++) {
+        uint64_t due;
+        tap_ask(tap, fields);
+        tap_look(tap, sim, false, known);
+        const Shot *shot = tap_take(tap, fields, &due);
+        if (!shot) continue;
+        assert_non_null(shot->capture);
+        tap_leave(tap, shot);
+    }
+    asker.done = true;
+    pthread_join(thread, NULL);
+    assert_in_range(asker.shots, 1, UINT64_MAX);
+    assert_int_equal(asker.empty, 0);
+    assert_int_equal(asker.stale, 0);
+    tap_free(tap);
+    sim_done(sim, c);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(wishes_that_have_nothing_in_common_stay_within_the_limit_together),
         cmocka_unit_test(room_beyond_the_first_gives_way_to_a_wish_that_is_larger),
         cmocka_unit_test(room_for_the_case_before_is_not_in_the_way_of_another),
+        cmocka_unit_test(who_asks_while_a_shot_is_taken_gets_none_without_what_it_wants),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
