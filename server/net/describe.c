@@ -146,13 +146,20 @@ Meniscus__Status *describe_status(const RunStatus *status)
     return message;
 }
 
+/* One more in a list with room for it. Only what is there counts: whoever packs the list looks at each. */
+static void add_text(char **to, size_t *ret_n, const char *text)
+{
+    to[*ret_n] = strdup(text);
+    *ret_n += to[*ret_n] != NULL;
+}
+
 /* A list that ends with NULL. */
 static void add_texts(char ***to, size_t *ret_n, const char *const *list)
 {
     size_t n = 0;
     while (list[n]) n++;
     *to = pointers(n);
-    for (size_t k = 0; *to && k < n; k++) (*to)[(*ret_n)++] = strdup(list[k]);
+    for (size_t k = 0; *to && k < n; k++) add_text(*to, ret_n, list[k]);
 }
 
 static void add_parameters(Meniscus__Capabilities *message, const Document *document)
@@ -197,7 +204,7 @@ static void add_probes(Meniscus__Capabilities *message, const MnsCase *c)
 {
     message->probes = pointers(c->n_probes);
     for (size_t k = 0; message->probes && k < c->n_probes; k++)
-        message->probes[message->n_probes++] = strdup(c->probes[k].name);
+        add_text(message->probes, &message->n_probes, c->probes[k].name);
 }
 
 static void add_schemes(Meniscus__Capabilities *message)
