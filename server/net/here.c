@@ -94,7 +94,17 @@ void here_get(Run *run, Exchange *x)
     const Meniscus__Get *get = x->request->get;
     const CaseParameter *table;
     const char *paths[ENTRIES_MAX];
+    MnsError error;
     size_t n = get->n_paths;
+    if (n > ENTRIES_MAX) {
+        answer_now(run, x,
+                   mns_fail_at(&error, MNS_E_LIMIT, "paths",
+                               "at most %d entries can be asked for at a time, found %zu; without any, all that can be "
+                               "set are answered",
+                               ENTRIES_MAX, n),
+                   &error);
+        return;
+    }
     if (n) {
         answer_get(run, x, n, (const char *const *)get->paths);
         return;
