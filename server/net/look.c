@@ -39,18 +39,23 @@ MnsStatus look_probes(const MnsSim *sim, const Meniscus__ProbeQuery *query, Exch
 {
     const MnsCase *c = mns_sim_case(sim);
     const size_t n = query->n_names ? query->n_names : c->n_probes;
-    size_t probe;
-    for (size_t k = 0; k < query->n_names; k++)
-        if (find_probe(c, query->names[k], &probe, error)) return MNS_E_NOT_FOUND;
+    size_t probes[MNS_MAX_PROBES];
+    double found[MNS_MAX_PROBES]; /* by number of the probe: one that is named again costs nothing again */
+    bool known[MNS_MAX_PROBES] = {false};
     if (n > MNS_MAX_PROBES)
         return mns_fail_at(error, MNS_E_LIMIT, "probes", "at most %d probes at a time, found %zu", MNS_MAX_PROBES, n);
+    for (size_t k = 0; k < n; k++) {
+        probes[k] = k;
+        if (query->n_names && find_probe(c, query->names[k], &probes[k], error)) return MNS_E_NOT_FOUND;
+    }
     Meniscus__Value **values = calloc(n + 1, sizeof(Meniscus__Value *));
     if (!values) return mns_fail(error, MNS_E_MEMORY, "no memory for %zu values", n);
     for (size_t k = 0; k < n; k++) {
-        probe = k;
-        if (query->n_names) find_probe(c, query->names[k], &probe, NULL);
+        const size_t probe = probes[k];
         const MnsProbe *is = &c->probes[probe];
-        values[k] = exchange_value(is->name, mns_sim_probe(sim, probe), NULL, mns_probe_unit(is));
+        if (!known[probe]) found[probe] = mns_sim_probe(sim, probe);
+        known[probe] = true;
+        values[k] = exchange_value(is->name, found[probe], NULL, mns_probe_unit(is));
     }
     return exchange_values(exchange, values, n, error);
 }
