@@ -498,4 +498,5 @@ void desk_receive(Desk *desk)
     see_to_door(desk);
     for (int k = 0; k < AT_ONCE && receive_frame(desk); k++) continue;
     for (int k = 0; k < AT_ONCE && receive_subscription(desk); k++) continue;
+    publisher_greet(desk->publisher);
 }

@@ -13,6 +13,7 @@ enum { TOPICS = TRAFFIC_TOPICS };
 typedef struct Topic {
     uint64_t sequence;
     uint8_t *last; /* [size] the last message, packed; NULL before the first */
+    bool welcome;  /* somebody has subscribed since it was sent               */
     size_t size;
 } Topic;
 
@@ -58,19 +59,41 @@ void publisher_free(Publisher *publisher)
     free(publisher);
 }
 
+/* False if there is no memory; then there is nothing to close. */
+static bool copy_to(zmq_msg_t *part, const void *data, size_t size)
+{
+    if (zmq_msg_init_size(part, size)) return false;
+    memcpy(zmq_msg_data(part), data, size);
+    return true;
+}
+
+/* Both parts are there before the first is sent: a message that is begun is ended. */
 static void send_last(const Publisher *publisher, int k)
 {
     const Topic *topic = &publisher->topics[k];
-    const char *name = topic_names[k];
-    if (zmq_send(publisher->socket, name, strlen(name), ZMQ_SNDMORE | ZMQ_DONTWAIT) >= 0)
-        zmq_send(publisher->socket, topic->last, topic->size, ZMQ_DONTWAIT);
+    zmq_msg_t name, body;
+    if (!copy_to(&name, topic_names[k], strlen(topic_names[k]))) return;
+    if (copy_to(&body, topic->last, topic->size)) {
+        if (zmq_msg_send(&name, publisher->socket, ZMQ_SNDMORE | ZMQ_DONTWAIT) >= 0)
+            zmq_msg_send(&body, publisher->socket, ZMQ_DONTWAIT);
+        zmq_msg_close(&body); /* empty if it was sent */
+    }
+    zmq_msg_close(&name);
 }
 
 void publisher_welcome(Publisher *publisher, const char *prefix, size_t size)
 {
     for (int k = 0; k < TOPICS; k++) {
         const size_t n = strlen(topic_names[k]);
-        if (publisher->topics[k].last && size <= n && !memcmp(topic_names[k], prefix, size)) send_last(publisher, k);
+        if (size <= n && !memcmp(topic_names[k], prefix, size)) publisher->topics[k].welcome = true;
+    }
+}
+
+void publisher_greet(Publisher *publisher)
+{
+    for (int k = 0; k < TOPICS; k++) {
+        if (publisher->topics[k].welcome && publisher->topics[k].last) send_last(publisher, k);
+        publisher->topics[k].welcome = false;
     }
 }
 

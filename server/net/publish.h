@@ -17,8 +17,11 @@ void publisher_free(Publisher *publisher);
 /* Send a note, but answers. */
 void publisher_send(Publisher *publisher, const Note *note);
 
-/* Somebody subscribed: the last message of each topic that begins with this goes out again, under its old number. */
+/* Somebody subscribed: the last message of each topic that begins with this is to go out again, under its old number. */
 void publisher_welcome(Publisher *publisher, const char *prefix, size_t size);
+
+/* Send those: each once, to all who are subscribed, however many came. */
+void publisher_greet(Publisher *publisher);
 
 /* Names of all topics, then NULL. */
 const char *const *publisher_topics(void);
