@@ -37,12 +37,15 @@ static MnsStatus take(const Reader *reader, void *data, size_t size, uint64_t of
     return failure ? file_fail(error, failure, "read", reader->path) : MNS_OK;
 }
 
-/* A file system may have made room and never filled it: then there are only zeros up to the end. */
-static MnsStatus only_zeros(const Reader *reader, bool *ret, MnsError *error)
+enum { PAGE = 4096 };
+
+/* A file system may have made room and never filled it, all of it or from the beginning of a page on: then there are only zeros from there
+ * to the end. */
+static MnsStatus only_zeros(const Reader *reader, uint64_t from, bool *ret, MnsError *error)
 {
-    uint8_t block[4096];
-    *ret = true;
-    for (uint64_t at = reader->report.size; *ret && at < reader->size; at += sizeof block) {
+    uint8_t block[PAGE];
+    *ret = from < reader->size;
+    for (uint64_t at = from; *ret && at < reader->size; at += sizeof block) {
         const uint64_t left = reader->size - at;
         const size_t n = left < sizeof block ? (size_t)left : sizeof block;
         const MnsStatus status = take(reader, block, n, at, error);
@@ -62,6 +65,14 @@ static MnsStatus make_room(Reader *reader, size_t size, MnsError *error)
     return MNS_OK;
 }
 
+/* Was a record of so many bytes at the place reached, which is not as it must be, written up to the end of some page only? */
+static MnsStatus is_torn(const Reader *reader, uint64_t size, bool *ret, MnsError *error)
+{
+    const uint64_t begin = reader->report.size,
+                   page = (begin + size - 1) / PAGE * PAGE; /* the last that it reaches into */
+    return only_zeros(reader, page > begin ? page : begin, ret, error);
+}
+
 /* The frame at the place reached. *ret_torn: the file ends before the record does. */
 static MnsStatus read_frame(Reader *reader, JournalFrame *ret, bool *ret_torn, MnsError *error)
 {
@@ -70,7 +81,7 @@ static MnsStatus read_frame(Reader *reader, JournalFrame *ret, bool *ret_torn, M
     MnsStatus status = *ret_torn ? MNS_OK : take(reader, ret, sizeof *ret, reader->report.size, error);
     if (status || *ret_torn) return status;
     if (ret->check != journal_frame_check(ret) || le32toh(ret->mark) != journal_mark) {
-        status = only_zeros(reader, ret_torn, error);
+        status = is_torn(reader, sizeof *ret, ret_torn, error);
         return status || *ret_torn ? status : damaged(reader, "has a changed head", error);
     }
     if (le64toh(ret->number) != reader->report.records + 1 || le32toh(ret->size) > JOURNAL_RECORD_MAX)
@@ -79,7 +90,7 @@ static MnsStatus read_frame(Reader *reader, JournalFrame *ret, bool *ret_torn, M
     return MNS_OK;
 }
 
-static MnsStatus check_payload(Reader *reader, const JournalFrame *frame, MnsError *error)
+static MnsStatus check_payload(Reader *reader, const JournalFrame *frame, bool *ret_torn, MnsError *error)
 {
     uint8_t chain[JOURNAL_CHAIN];
     const size_t size = le32toh(frame->size);
@@ -88,8 +99,11 @@ static MnsStatus check_payload(Reader *reader, const JournalFrame *frame, MnsErr
     if (status) return status;
     if (!journal_frame_chain(reader->chain, frame, reader->data, size, chain))
         return mns_fail(error, MNS_E_MEMORY, "no memory to check a record of the journal");
-    if (memcmp(chain, frame->chain, sizeof chain) != 0)
+    if (memcmp(chain, frame->chain, sizeof chain) != 0) {
+        status = is_torn(reader, sizeof *frame + size, ret_torn, error);
+        if (status || *ret_torn) return status;
         return damaged(reader, "does not have its checksum: it was changed, or one before it exchanged", error);
+    }
     memcpy(reader->chain, chain, sizeof chain);
     return MNS_OK;
 }
@@ -101,8 +115,8 @@ static MnsStatus read_records(Reader *reader, JournalVisit *visit, void *arg, Mn
         JournalFrame frame;
         bool torn;
         status = read_frame(reader, &frame, &torn, error);
+        if (!status && !torn) status = check_payload(reader, &frame, &torn, error);
         if (!status && torn) break;
-        if (!status) status = check_payload(reader, &frame, error);
         const uint64_t offset = reader->report.size, number = reader->report.records + 1;
         if (!status && visit) status = visit(arg, number, offset, reader->data, le32toh(frame.size), error);
         if (status) return status;

@@ -254,15 +254,48 @@ static void a_file_that_is_not_there_is_said_so(void **state)
     assert_int_equal(journal_read(path, NULL, NULL, &report, &error), MNS_E_NOT_FOUND);
 }
 
+/* A machine that stops may leave a file that has its length, and of its last pages none. */
+static void pages_that_a_crash_left_empty_are_cut_off(void **state)
+{
+    (void)state;
+    enum { N = 20, SIZE = 1500, PAGE = 4096 };
+    char text[SIZE];
+    MnsError error;
+    Journal *journal = opened(NULL);
+    memset(text, 'x', sizeof text);
+    for (int k = 0; k < N; k++) assert_int_equal(journal_add(journal, text, sizeof text, &error), MNS_OK);
+    assert_int_equal(journal_commit(journal, &error), MNS_OK);
+    journal_free(journal);
+    const size_t size = size_of_file();
+    for (size_t from = size / PAGE * PAGE; from > 0; from -= PAGE) {
+        JournalReport report;
+        assert_int_equal(truncate(path, (off_t)from), 0);
+        assert_int_equal(truncate(path, (off_t)size), 0);
+        assert_int_equal(journal_read(path, NULL, NULL, &report, &error), MNS_OK);
+        assert_int_equal(report.records, (from - HEAD) / (FRAME + SIZE));
+        assert_int_equal(report.torn, size - report.size);
+    }
+    JournalReport report;
+    journal = opened(&report);
+    assert_int_equal(report.records, 2);
+    journal_free(journal);
+    assert_int_equal(size_of_file(), HEAD + 2 * (FRAME + SIZE));
+}
+
 int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, begin, end)
     const struct CMUnitTest tests[] = {
-        TEST(what_was_committed_is_read_back_in_order),   TEST(a_journal_goes_on_behind_its_last_record),
-        TEST(a_torn_end_is_told_from_damage_and_cut_off), TEST(room_that_was_never_filled_is_a_torn_end),
-        TEST(a_changed_byte_anywhere_is_found_and_named), TEST(a_record_that_was_taken_out_is_missed),
-        TEST(a_write_that_fails_is_tried_again),          TEST(what_was_written_outlives_the_program),
+        TEST(what_was_committed_is_read_back_in_order),
+        TEST(a_journal_goes_on_behind_its_last_record),
+        TEST(a_torn_end_is_told_from_damage_and_cut_off),
+        TEST(room_that_was_never_filled_is_a_torn_end),
+        TEST(a_changed_byte_anywhere_is_found_and_named),
+        TEST(a_record_that_was_taken_out_is_missed),
+        TEST(a_write_that_fails_is_tried_again),
+        TEST(what_was_written_outlives_the_program),
         TEST(a_file_that_is_not_there_is_said_so),
+        cmocka_unit_test_setup_teardown(pages_that_a_crash_left_empty_are_cut_off, begin, end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
