@@ -46,7 +46,7 @@ struct Desk {
     Access *access;
     Far far[FARS];
     Run *run;
-    Ledger *ledger;
+    Ledger *deeds, *questions; /* of what changes or writes something, and of all else */
     Publisher *publisher;
     Streams *streams; /* the third socket, which has a thread of its own */
     Visitors visitors;
@@ -137,9 +137,11 @@ MnsStatus desk_new(const Endpoint *endpoint, Run *run, Desk **ret, MnsError *err
                                     .traffic = &desk->traffic.streams};
     if (!status) status = streams_new(&options, &desk->streams, error);
     if (!status) {
-        desk->ledger = ledger_new();
+        desk->deeds = ledger_new();
+        desk->questions = ledger_new();
         desk->publisher = publisher_new(desk->telemetry, desk->epoch, desk->traffic.topics);
-        if (!desk->ledger || !desk->publisher) status = mns_fail(error, MNS_E_MEMORY, "no memory for the desk");
+        if (!desk->deeds || !desk->questions || !desk->publisher)
+            status = mns_fail(error, MNS_E_MEMORY, "no memory for the desk");
     }
     if (status) desk_free(desk);
     else *ret = desk;
@@ -161,7 +163,8 @@ void desk_free(Desk *desk)
     access_free(desk->access);
     if (desk->context) zmq_ctx_term(desk->context);
     streams_free(desk->streams);
-    ledger_free(desk->ledger);
+    ledger_free(desk->deeds);
+    ledger_free(desk->questions);
     publisher_free(desk->publisher);
     free(desk);
 }
@@ -257,6 +260,11 @@ static void send_exchange(Desk *desk, Exchange *exchange, uint8_t *packed, size_
     if (!n) free(packed);
 }
 
+static Ledger *ledger_of(const Desk *desk, const Handler *handler)
+{
+    return handler && handler->traits & LOOKS ? desk->questions : desk->deeds;
+}
+
 void desk_reply(Desk *desk, Exchange *exchange)
 {
     if (!exchange->sealed) exchange_seal(exchange);
@@ -266,7 +274,7 @@ void desk_reply(Desk *desk, Exchange *exchange)
     const size_t size = whole ? meniscus__reply__get_packed_size(reply) : 0;
     uint8_t *packed = whole ? malloc(size + 1) : NULL;
     if (packed) meniscus__reply__pack(reply, packed);
-    ledger_end(desk->ledger, exchange, packed && !reply->n_arrays ? packed : NULL, size);
+    ledger_end(ledger_of(desk, exchange->handler), exchange, packed && !reply->n_arrays ? packed : NULL, size);
     send_exchange(desk, exchange, packed, size);
     exchange_free(exchange);
 }
@@ -375,10 +383,11 @@ static MnsStatus begin(Desk *desk, Exchange *exchange, MnsError *error)
                         "clients have not yet read %zu bytes of earlier answers; read them, or wait",
                         (size_t)desk->outgoing.unread);
     const bool noted = handler && handler->where == AT_STEP;
-    MnsStatus status = noted ? ledger_begin(desk->ledger, exchange, error) : MNS_OK;
+    Ledger *ledger = ledger_of(desk, handler);
+    MnsStatus status = noted ? ledger_begin(ledger, exchange, error) : MNS_OK;
     if (status) return status;
     status = handle(desk->run, exchange, error);
-    if (status && noted) ledger_end(desk->ledger, exchange, NULL, 0);
+    if (status && noted) ledger_end(ledger, exchange, NULL, 0);
     return status;
 }
 
@@ -390,7 +399,7 @@ static void take_request(Desk *desk, const Sender *from, const Who *who, Protobu
     MnsError error;
     Sender sender = *from;
     sender.no_wait = request->has_no_wait && request->no_wait;
-    if (ledger_find(desk->ledger, request->id.data, &entry)) {
+    if (ledger_find(desk->deeds, request->id.data, &entry) || ledger_find(desk->questions, request->id.data, &entry)) {
         repeat(desk, &sender, id, &entry);
         request_free(request);
         return;
@@ -412,7 +421,7 @@ static void take_request(Desk *desk, const Sender *from, const Who *who, Protobu
 
 void desk_recall(Desk *desk, const uint8_t id[static ORDER_ID], const uint8_t *reply, size_t size)
 {
-    ledger_recall(desk->ledger, id, reply, size);
+    ledger_recall(desk->deeds, id, reply, size);
 }
 
 void desk_take(Desk *desk, const Who *who, Meniscus__Request *request, const Lineage *lineage)

@@ -109,7 +109,8 @@ static void serve_snapshot(Run *run, Exchange *x)
 MnsStatus handler_check_set(const Meniscus__Set *set, MnsError *error)
 {
     if (set->n_assignments <= ENTRIES_MAX) return MNS_OK;
-    return mns_fail(error, MNS_E_LIMIT, "at most %d entries can be set at a time", ENTRIES_MAX);
+    return mns_fail_at(error, MNS_E_LIMIT, "assignments", "at most %d entries can be set at a time, found %zu",
+                       ENTRIES_MAX, set->n_assignments);
 }
 
 static void serve_set(Run *run, Exchange *x)
@@ -235,8 +236,8 @@ static const Handler handlers[] = {
     [REQUEST(SET)]          = { "set",          AT_STEP, ROLE_OPERATOR, LOADED,                   CHANGES | LEASED | AT_MOMENT,   serve_set,          complete_set       },
     [REQUEST(ROLLBACK)]     = { "rollback",     AT_STEP, ROLE_OPERATOR, LOADED,                   CHANGES | LEASED | AT_MOMENT,   serve_rollback,     NULL               },
     [REQUEST(LEASE)]        = { "lease",        AT_STEP, ROLE_OPERATOR, ANY,                      CHANGES,                        serve_lease,        complete_lease     },
-    [REQUEST(QUERY)]        = { "query",        AT_STEP, ROLE_VIEWER,   LOADED,                   LARGE,                          serve_query,        NULL               },
-    [REQUEST(WAIT)]         = { "wait",         AT_STEP, ROLE_VIEWER,   ANY,                      0,                              serve_wait,         complete_wait      },
+    [REQUEST(QUERY)]        = { "query",        AT_STEP, ROLE_VIEWER,   LOADED,                   LARGE | LOOKS,                  serve_query,        NULL               },
+    [REQUEST(WAIT)]         = { "wait",         AT_STEP, ROLE_VIEWER,   ANY,                      LOOKS,                          serve_wait,         complete_wait      },
     [REQUEST(BREAKPOINT)]   = { "breakpoint",   AT_STEP, ROLE_OPERATOR, LOADED,                   CHANGES | LEASED,               serve_breakpoint,   NULL               },
 };
 /* clang-format on */
@@ -345,6 +346,7 @@ MnsStatus handle(Run *run, Exchange *exchange, MnsError *error)
     /* What is scheduled keeps its place among the others, and after a crash comes behind the load that brings the run back. */
     exchange->order.urgent = handler->traits & URGENT && !exchange->order.scheduled;
     exchange->order.motion = handler->traits & MOTION;
+    exchange->order.looks = handler->traits & LOOKS;
     exchange->order.serve = serve_at_step;
     exchange->order.seal = seal;
     exchange->order.meanwhile = handler->traits & ENDS && !waits_for_the_run(exchange->request);

@@ -12,14 +12,15 @@ typedef enum Where {
 
 /* What else there is to know of a command. */
 typedef enum Trait {
-    URGENT = 1 << 0,   /* overtakes all that is queued                             */
-    MOTION = 1 << 1,   /* sets the run in motion; a later pause calls it off       */
-    LARGE = 1 << 2,    /* its reply may be: not while clients leave much unread    */
-    LAST = 1 << 3,     /* the daemon leaves after it                               */
-    ENDS = 1 << 4,     /* gives up what is being loaded; a cancel, what it names   */
-    CHANGES = 1 << 5,  /* something: the journal has it before its reply leaves   */
-    LEASED = 1 << 6,   /* refused while somebody else holds the lease             */
-    AT_MOMENT = 1 << 7 /* may be scheduled, see scheduled.h                       */
+    URGENT = 1 << 0,    /* overtakes all that is queued                             */
+    MOTION = 1 << 1,    /* sets the run in motion; a later pause calls it off       */
+    LARGE = 1 << 2,     /* its reply may be: not while clients leave much unread    */
+    LAST = 1 << 3,      /* the daemon leaves after it                               */
+    ENDS = 1 << 4,      /* gives up what is being loaded; a cancel, what it names   */
+    CHANGES = 1 << 5,   /* something: the journal has it before its reply leaves   */
+    LEASED = 1 << 6,    /* refused while somebody else holds the lease             */
+    AT_MOMENT = 1 << 7, /* may be scheduled, see scheduled.h                      */
+    LOOKS = 1 << 8      /* and does no more: it changes nothing, and writes nothing */
 } Trait;
 
 typedef struct Handler {

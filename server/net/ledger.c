@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ENTRIES = 4096, BYTES = 8 << 20 };
+enum { ENTRIES = LEDGER_ENTRIES, BYTES = 8 << 20 };
 
 typedef struct Slot {
     uint8_t id[ORDER_ID];

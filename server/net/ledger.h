@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which requests were made, and what was replied: a request that comes again gets the same reply and does nothing. Memory
- * is bounded; the oldest replies are forgotten first. */
+ * is bounded; the oldest replies are forgotten first. What changes or writes something has a ledger of its own, so that nobody who
+ * only asks can have it forgotten. */
 #ifndef NET_LEDGER_H
 #define NET_LEDGER_H
 
 #include "net/exchange.h"
+
+enum { LEDGER_ENTRIES = 4096 }; /* that are remembered */
 
 typedef struct Ledger Ledger;
 

@@ -131,11 +131,32 @@ double run_next_deadline(const Run *run)
     return next;
 }
 
+/* Nobody tells when a client that waits has gone, and a wait need not have an end: so there are so many at most. */
+enum { WAITERS = 1024 };
+
+static bool is_last(const Run *run, const Waiter *waiter, const void *arg)
+{
+    (void)run, (void)arg;
+    return !waiter->next;
+}
+
+static void make_place(Run *run)
+{
+    MnsError error;
+    size_t n = 0;
+    for (const Waiter *waiter = run->waiters; waiter; waiter = waiter->next) n++;
+    if (n < WAITERS) return;
+    mns_fail(&error, MNS_E_LIMIT, "%d others wait, and of more the one that came first is let go; ask again later",
+             WAITERS);
+    answer_some(run, is_last, NULL, error.status, &error);
+}
+
 void run_wait(Run *run, Order *order, const RunWait *wait)
 {
     MnsError error;
     Waiter *waiter = wait_over(run, wait) ? NULL : malloc(sizeof *waiter);
     if (waiter) {
+        make_place(run);
         *waiter = (Waiter){.next = run->waiters, .wait = *wait, .order = order};
         run->waiters = waiter;
     } else if (wait_over(run, wait)) run_answer(run, order, MNS_OK, NULL);

@@ -33,8 +33,10 @@ static void append(Order **list, Order *order)
 MnsStatus mailbox_post(Mailbox *box, Order *order, MnsError *error)
 {
     pthread_mutex_lock(&box->lock);
-    const bool full = box->n >= (order->urgent ? 2 * box->limit : box->limit);
+    const bool crowded = order->looks && !order->urgent && box->looking >= box->limit / 2;
+    const bool full = crowded || box->n >= (order->urgent ? 2 * box->limit : box->limit);
     if (!full) {
+        box->looking += order->looks;
         order->number = ++box->posted;
         append(order->urgent ? &box->urgent : &box->plain, order);
         box->n++;
@@ -42,7 +44,8 @@ MnsStatus mailbox_post(Mailbox *box, Order *order, MnsError *error)
     }
     pthread_mutex_unlock(&box->lock);
     if (!full) return MNS_OK;
-    return mns_fail(error, MNS_E_LIMIT, "%zu commands are waiting already; send this one again later", box->limit);
+    return mns_fail(error, MNS_E_LIMIT, "%zu %s are waiting already; send this one again later",
+                    crowded ? box->limit / 2 : box->limit, crowded ? "questions" : "commands");
 }
 
 /* With the lock held. */
@@ -52,6 +55,15 @@ static Order *first(Mailbox *box)
     if (!order) return NULL;
     *list = order->next;
     box->n--;
+    box->looking -= order->looks;
+    return order;
+}
+
+Order *mailbox_take_but_looks(Mailbox *box)
+{
+    pthread_mutex_lock(&box->lock);
+    Order *order = box->urgent || (box->plain && !box->plain->looks) ? first(box) : NULL;
+    pthread_mutex_unlock(&box->lock);
     return order;
 }
 
@@ -123,6 +135,7 @@ static Order *remove_first(Mailbox *box, bool (*is)(const Order *, const void *)
     Order *order = unlink_first(&box->plain, is, arg);
     if (!order) order = unlink_first(&box->urgent, is, arg);
     if (order) box->n--;
+    if (order) box->looking -= order->looks;
     pthread_mutex_unlock(&box->lock);
     return order;
 }

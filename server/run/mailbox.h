@@ -12,12 +12,13 @@ typedef struct Mailbox {
     pthread_cond_t filled;
     Order *urgent, *plain; /* first of each list */
     _Atomic size_t n;      /* changed with the lock held, and looked at without */
+    size_t looking;        /* of them, those that only look                     */
     size_t limit;
     bool woken; /* whoever waits for an order is to look around first */
     uint64_t posted;
 } Mailbox;
 
-/* limit: how many plain orders it holds; urgent ones always find room for as many again. */
+/* limit: how many plain orders it holds, half of them such that only look; urgent ones always find room for as many again. */
 void mailbox_init(Mailbox *box, size_t limit);
 
 /* Orders still inside are the caller's business: take them first. */
@@ -28,6 +29,9 @@ MnsStatus mailbox_post(Mailbox *box, Order *order, MnsError *error);
 
 /* The next order, urgent ones first; waits for one until the moment `until` (clock_now()). NULL if there is none. */
 Order *mailbox_take(Mailbox *box, double until);
+
+/* The next order at once, as above, but none that only looks: then, or if there is none, NULL. */
+Order *mailbox_take_but_looks(Mailbox *box);
 
 /* Whoever waits for an order, now or the next time, gets NULL at once: there is something else to see to. */
 void mailbox_wake(Mailbox *box);

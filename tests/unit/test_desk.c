@@ -111,15 +111,11 @@ static Meniscus__Reply *ask_hard(const Bench *bench, Meniscus__Request *request,
     return NULL;
 }
 
-enum { ALLOCATIONS = 40 }; /* more than an answer takes */
-
-static void whatever_allocation_fails_there_is_an_answer_under_the_id(void **state)
+static void assert_answered_whatever_fails(const Bench *bench, Meniscus__Request ask, long allocations)
 {
-    const Bench *bench = *state;
-    if (!memory_can_fail) skip();
     int refused = 0;
-    for (long n = 0; n < ALLOCATIONS; n++) {
-        Meniscus__Request request = dialogue_status();
+    for (long n = 0; n < allocations; n++) {
+        Meniscus__Request request = ask;
         Meniscus__Reply *reply = ask_hard(bench, &request, n);
         if (!reply) fail_msg("no answer when allocation %ld fails", n);
         refused += reply->code != MENISCUS__CODE__OK;
@@ -129,7 +125,24 @@ static void whatever_allocation_fails_there_is_an_answer_under_the_id(void **sta
         }
         meniscus__reply__free_unpacked(reply, NULL);
     }
-    assert_in_range(refused, 4, ALLOCATIONS - 1);
+    assert_in_range(refused, 4, allocations - 1);
+}
+
+static Meniscus__Request capabilities_request(void)
+{
+    static Meniscus__GetCapabilities all = MENISCUS__GET_CAPABILITIES__INIT;
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    request.command_case = MENISCUS__REQUEST__COMMAND_CAPABILITIES;
+    request.capabilities = &all;
+    return request;
+}
+
+/* More allocations than an answer takes. */
+static void whatever_allocation_fails_there_is_an_answer_under_the_id(void **state)
+{
+    if (!memory_can_fail) skip();
+    assert_answered_whatever_fails(*state, dialogue_status(), 40);
+    assert_answered_whatever_fails(*state, capabilities_request(), 700);
 }
 
 /* Words take memory, but not a code. */
@@ -146,11 +159,107 @@ static void where_there_is_no_memory_at_all_there_is_a_code_under_the_id(void **
     }
 }
 
+/* Ask n times the same, each under an id of its own, and take so many answers; how many have this code. */
+static size_t ask_often(const Bench *bench, Meniscus__Request ask, size_t n, size_t answers, Meniscus__Code code)
+{
+    const int wake = run_outbox(bench->run)->wake, fds[2] = {wake, wake};
+    size_t found = 0, answered = 0;
+    for (size_t sent = 0, k = 0; answered < answers && k < 100000; k++) {
+        zmq_pollitem_t item = {.socket = bench->client.control, .events = ZMQ_POLLIN};
+        const bool few = answers < n || sent < answered + 800; /* as more would be refused */
+        for (size_t end = sent + 200; few && sent < n && sent < end; sent++) {
+            Meniscus__Request request = ask;
+            uint8_t id[16];
+            dialogue_say(bench->client.control, &request, id);
+        }
+        desk_poll(bench->desk, fds, 1);
+        serve(bench);
+        while (zmq_poll(&item, 1, 0) > 0) {
+            Meniscus__Reply *reply = dialogue_receive(bench->client.control, NULL);
+            found += reply->code == code;
+            answered++;
+            meniscus__reply__free_unpacked(reply, NULL);
+        }
+    }
+    return found;
+}
+
+static Meniscus__Reply *ask(const Bench *bench, Meniscus__Request *request, const uint8_t *again)
+{
+    const int wake = run_outbox(bench->run)->wake, fds[2] = {wake, wake};
+    uint8_t id[16];
+    dialogue_seal(request, id);
+    if (again) memcpy(id, again, sizeof id);
+    dialogue_send(bench->client.control, request);
+    for (int k = 0; k < 1000; k++) {
+        zmq_pollitem_t item = {.socket = bench->client.control, .events = ZMQ_POLLIN};
+        desk_poll(bench->desk, fds, 10);
+        serve(bench);
+        while (zmq_poll(&item, 1, 0) > 0) {
+            Meniscus__Reply *reply = dialogue_receive(bench->client.control, NULL);
+            if (!memcmp(reply->id.data, id, sizeof id)) return reply;
+            meniscus__reply__free_unpacked(reply, NULL);
+        }
+    }
+    fail_msg("no answer");
+    return NULL;
+}
+
+/* Neither by having waits under way without end, nor by having more replies remembered than are. */
+static void who_only_asks_keeps_nobody_from_doing_something_once(void **state)
+{
+    enum { MANY = 4200 };
+    const Bench *bench = *state;
+    Meniscus__Wait wait = MENISCUS__WAIT__INIT, none = MENISCUS__WAIT__INIT;
+    Meniscus__Lease lease = MENISCUS__LEASE__INIT;
+    Meniscus__State done = MENISCUS__STATE__DONE;
+    Meniscus__Request request = MENISCUS__REQUEST__INIT, waits = request, bad = request;
+    wait.n_states = 1;
+    wait.states = &done;
+    waits.command_case = bad.command_case = MENISCUS__REQUEST__COMMAND_WAIT;
+    waits.wait = &wait;
+    bad.wait = &none;
+    lease.has_ttl_ms = 1;
+    lease.ttl_ms = 60000;
+    lease.holder = (char *)"anna";
+    request.command_case = MENISCUS__REQUEST__COMMAND_LEASE;
+    request.lease = &lease;
+    assert_in_range(ask_often(bench, waits, MANY, MANY - 1024, MENISCUS__CODE__RESOURCE_EXHAUSTED), MANY - 1024, MANY);
+    Meniscus__Reply *first = ask(bench, &request, NULL);
+    assert_int_equal(first->code, MENISCUS__CODE__OK);
+    assert_int_equal(ask_often(bench, bad, MANY, MANY, MENISCUS__CODE__INVALID_ARGUMENT), MANY);
+    Meniscus__Reply *again = ask(bench, &request, first->id.data);
+    assert_int_equal(again->code, MENISCUS__CODE__OK);
+    assert_int_equal(again->lease->epoch, first->lease->epoch);
+    meniscus__reply__free_unpacked(first, NULL);
+    meniscus__reply__free_unpacked(again, NULL);
+}
+
+/* Each empty one would be the whole case. */
+static void entries_that_are_asked_for_are_counted_before_they_are_printed(void **state)
+{
+    static char *paths[129];
+    Meniscus__Get get = MENISCUS__GET__INIT;
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    for (size_t k = 0; k < 129; k++) paths[k] = (char *)"";
+    get.paths = paths;
+    request.command_case = MENISCUS__REQUEST__COMMAND_GET;
+    request.get = &get;
+    for (get.n_paths = 128; get.n_paths <= 129; get.n_paths++) {
+        Meniscus__Reply *reply = ask(*state, &request, NULL);
+        assert_int_equal(reply->code, get.n_paths == 129 ? MENISCUS__CODE__RESOURCE_EXHAUSTED
+                                                         : MENISCUS__CODE__FAILED_PRECONDITION); /* there is no case */
+        meniscus__reply__free_unpacked(reply, NULL);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(whatever_allocation_fails_there_is_an_answer_under_the_id, begin, end),
         cmocka_unit_test_setup_teardown(where_there_is_no_memory_at_all_there_is_a_code_under_the_id, begin, end),
+        cmocka_unit_test_setup_teardown(who_only_asks_keeps_nobody_from_doing_something_once, begin, end),
+        cmocka_unit_test_setup_teardown(entries_that_are_asked_for_are_counted_before_they_are_printed, begin, end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

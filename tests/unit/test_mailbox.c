@@ -44,6 +44,37 @@ static void a_full_box_says_so_and_still_takes_urgent_orders(void **state)
     assert_int_equal(mailbox_post(*state, &orders[3], &error), MNS_OK);
 }
 
+/* The box holds three. */
+static void who_only_looks_leaves_room_for_who_does_something(void **state)
+{
+    Order looks[2] = {{.looks = true}, {.looks = true}}, plain[2] = {{.urgent = false}};
+    MnsError error = {.text = ""};
+    assert_int_equal(mailbox_post(*state, &looks[0], &error), MNS_OK);
+    assert_int_equal(mailbox_post(*state, &looks[1], &error), MNS_E_LIMIT);
+    for (int k = 0; k < 2; k++) assert_int_equal(mailbox_post(*state, &plain[k], &error), MNS_OK);
+    assert_ptr_equal(mailbox_take(*state, 0), &looks[0]);
+    assert_int_equal(mailbox_post(*state, &looks[1], &error), MNS_OK);
+    assert_ptr_equal(mailbox_remove(*state, looks[1].id), &plain[0]); /* all have the same id */
+    assert_ptr_equal(mailbox_take(*state, 0), &plain[1]);
+    assert_ptr_equal(mailbox_take(*state, 0), &looks[1]);
+    assert_int_equal(mailbox_post(*state, &looks[0], &error), MNS_OK);
+}
+
+static void who_only_looks_can_be_left_waiting_and_keeps_its_place(void **state)
+{
+    Order looks = {.looks = true}, plain[2] = {{.urgent = false}}, urgent = {.urgent = true};
+    mailbox_post(*state, &plain[0], NULL);
+    mailbox_post(*state, &looks, NULL);
+    mailbox_post(*state, &plain[1], NULL);
+    mailbox_post(*state, &urgent, NULL);
+    assert_ptr_equal(mailbox_take_but_looks(*state), &urgent);
+    assert_ptr_equal(mailbox_take_but_looks(*state), &plain[0]);
+    assert_null(mailbox_take_but_looks(*state));
+    assert_ptr_equal(mailbox_take(*state, 0), &looks);
+    assert_ptr_equal(mailbox_take_but_looks(*state), &plain[1]);
+    assert_null(mailbox_take_but_looks(*state));
+}
+
 static void an_order_can_be_taken_back_by_its_id(void **state)
 {
     Order orders[2] = {{.id = "first"}, {.id = "second"}};
@@ -136,6 +167,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(orders_come_out_as_they_went_in_but_urgent_ones_first, begin, end),
         cmocka_unit_test_setup_teardown(a_full_box_says_so_and_still_takes_urgent_orders, begin, end),
+        cmocka_unit_test_setup_teardown(who_only_looks_leaves_room_for_who_does_something, begin, end),
+        cmocka_unit_test_setup_teardown(who_only_looks_can_be_left_waiting_and_keeps_its_place, begin, end),
         cmocka_unit_test_setup_teardown(an_order_may_end_what_is_under_way, begin, end),
         cmocka_unit_test_setup_teardown(an_order_can_be_taken_back_by_its_id, begin, end),
         cmocka_unit_test_setup_teardown(only_older_orders_that_set_in_motion_are_called_off, begin, end),
