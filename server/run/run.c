@@ -12,6 +12,9 @@
 /* How many orders wait at most, and how many are served between two steps. */
 enum { MAILBOX_LIMIT = 2048, SERVED_AT_ONCE = 64 };
 
+/* Who only looks takes so much of the time of a step from a run in motion, or so many seconds where steps are short. */
+static const double LOOKS_SHARE = 0.1, LOOKS_LEAST = 5e-4;
+
 /* A version that is to come may be there when a scheduled order takes effect. */
 static bool is_version(const Order *order, uint64_t version)
 {
@@ -92,26 +95,39 @@ static double wake_time(const Run *run)
     return fmin(beat, run_next_deadline(run));
 }
 
-/* While the run comes back after a crash, those that have no time for that; the others wait until it is there. */
-static Order *next_order(Run *run)
+/* For those who only look, at one boundary [s]. */
+static double patience(const Run *run)
+{
+    const Meter *meter = &run->meter;
+    return fmax(LOOKS_LEAST, meter->steps ? LOOKS_SHARE * meter->stepping / (double)meter->steps : 0);
+}
+
+/* looked: the time that such orders have taken at this boundary; what is behind those that wait for the next one waits too, as orders keep
+ * their order. While the run comes back after a crash, those that have no time for that; the others wait until it is there. */
+static Order *next_order(Run *run, double looked)
 {
     if (run->state == RUN_RECOVERING) return mailbox_take_meanwhile(&run->mailbox);
+    if (run->state == RUN_RUNNING && looked > patience(run)) return mailbox_take_but_looks(&run->mailbox);
     return mailbox_take(&run->mailbox, wake_time(run));
 }
 
 static void serve_some(Run *run)
 {
+    double looked = 0;
     keep_appointments(run);
     for (int k = 0; k < SERVED_AT_ONCE && !run->leaving; k++) {
         run_settle(run);
-        Order *order = next_order(run);
+        Order *order = next_order(run, looked);
         if (!order && (run->unsaid || run_announces(run))) { /* nobody else to write down with it */
             run_commit(run);
             continue;
         }
         run_beat(run);
         if (!order) break;
+        const bool looks = order->looks;
+        const double began = clock_now();
         serve(run, order);
+        if (looks) looked += clock_now() - began;
         keep_appointments(run);
     }
     run_expire(run);

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 /* A run, and an order that goes there and back. */
@@ -324,6 +325,67 @@ static void threads_are_counted_as_the_solver_does(void **state)
     free(status);
 }
 
+static void look_long(Run *run, Order *order)
+{
+    nanosleep(&(struct timespec){.tv_nsec = 2000000}, NULL);
+    run_answer(run, order, MNS_OK, NULL);
+}
+
+/* Post them all before the run looks; their answers come back in the order in which they are given. */
+static void take_answers(const Bench *bench, size_t n, const Order **ret)
+{
+    for (size_t k = 0; k < n;) {
+        Note *note = next_note(bench);
+        if (note->kind == NOTE_ANSWER) ret[k++] = note->order;
+        else note_free(note);
+    }
+}
+
+/* Each takes longer than all may at one boundary. */
+static void who_only_looks_does_not_hold_up_a_run_in_motion(void **state)
+{
+    enum { N = 20 };
+    Bench *bench = *state;
+    Order orders[N];
+    const Order *answered[N];
+    assert_int_equal(case_file_set(bench->file, "end_time=50", NULL), MNS_OK);
+    assert_int_equal(perform(bench, load), MNS_OK);
+    assert_int_equal(perform(bench, go), MNS_OK);
+    for (size_t k = 0; k < N; k++) {
+        orders[k] = (Order){.serve = look_long, .looks = true, .deadline = INFINITY};
+        assert_int_equal(run_post(bench->run, &orders[k], NULL), MNS_OK);
+    }
+    take_answers(bench, N, answered);
+    for (size_t k = 1; k < N; k++) assert_true(orders[k].effect_step > orders[k - 1].effect_step);
+}
+
+static void await_a_case(Run *run, Order *order)
+{
+    run_wait(run, order, &(RunWait){.states = 1 << RUN_READY, .t = INFINITY, .step = UINT64_MAX});
+}
+
+static void of_too_many_who_wait_the_first_is_let_go(void **state)
+{
+    enum { WAITERS = 1024, BEYOND = 3 };
+    Bench *bench = *state;
+    static Order orders[WAITERS + BEYOND];
+    const Order *answered[WAITERS + 1];
+    for (size_t k = 0; k < WAITERS + BEYOND; k++) {
+        orders[k] = (Order){.serve = await_a_case, .looks = true, .deadline = INFINITY};
+        while (run_post(bench->run, &orders[k], NULL)) nanosleep(&(struct timespec){.tv_nsec = 100000}, NULL);
+    }
+    take_answers(bench, BEYOND, answered);
+    for (size_t k = 0; k < BEYOND; k++) {
+        assert_ptr_equal(answered[k], &orders[k]);
+        assert_int_equal(orders[k].status, MNS_E_LIMIT);
+    }
+    bench->order = (Order){.serve = load, .deadline = INFINITY};
+    assert_int_equal(run_post(bench->run, &bench->order, NULL), MNS_OK);
+    take_answers(bench, WAITERS + 1, answered);
+    for (size_t k = BEYOND; k < WAITERS + BEYOND; k++) assert_int_equal(orders[k].status, MNS_OK);
+    assert_ptr_equal(answered[WAITERS], &bench->order);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -336,6 +398,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_pause_is_answered_before_the_state_is_hashed, begin, end),
         cmocka_unit_test_setup_teardown(a_change_leaves_the_hash_as_it_is, begin, end),
         cmocka_unit_test_setup_teardown(threads_are_counted_as_the_solver_does, begin, end),
+        cmocka_unit_test_setup_teardown(who_only_looks_does_not_hold_up_a_run_in_motion, begin, end),
+        cmocka_unit_test_setup_teardown(of_too_many_who_wait_the_first_is_let_go, begin, end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
