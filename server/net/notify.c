@@ -45,7 +45,7 @@ void notify_look(Notify *notify, Run *run)
     const RunState state = status->state;
     free(status);
     notify->next = now + (notify->watchdog > 0 ? notify->watchdog / 4 : STOPPING_INTERVAL);
-    const bool alive = beat != notify->beat || state == RUN_LOADING || state == RUN_RECOVERING;
+    const bool alive = beat != notify->beat; /* it beats while it places particles, too, and on its way back */
     notify->beat = beat;
     if (alive && notify->watchdog > 0) sd_notify(0, "WATCHDOG=1");
     if (alive && state == RUN_STOPPING) sd_notifyf(0, "EXTEND_TIMEOUT_USEC=%d", (int)(4e6 * STOPPING_INTERVAL));

@@ -22,7 +22,7 @@ void notify_status(Notify *notify, bool important, const char *text);
 
 void notify_stopping(void);
 
-/* To be called now and then: a sign of life if the run gave one, or cannot while it places particles. A daemon that is
+/* To be called now and then: a sign of life if the run gave one. A daemon that is
  * stopping asks for more time while it writes. */
 void notify_look(Notify *notify, Run *run);
 
