@@ -228,8 +228,9 @@ static void take_answer(Daemon *daemon, Order *order)
     if (exchange == daemon->load) after_load(daemon, order);
     else if (exchange == daemon->recovery) after_recovery(daemon, order);
     else if (order->status && !exchange->n_senders) log_line(LOG_WARNING, "%s", order->error.text);
+    if (last && !daemon->leaving && order->status)
+        daemon->code = MNS_EXIT_IO; /* of others it is only told that we leave */
     if (last) daemon->leaving = true;
-    if (last && order->status) daemon->code = MNS_EXIT_IO;
     desk_reply(daemon->desk, exchange);
 }
 
