@@ -356,7 +356,7 @@ class Incompressible(Scored):
         self.check(good, lambda r: incompressible.score_decay("c", 30, r), scaled("speed", 1.05), moved("momentum_y", 1e-6),
                    changed("density_least", lambda t, v: v - 0.02 * (t > 1)))
         beside = made(t, kinetic=0.5 + 0.25 * decay**2, momentum_x=1, momentum_y=0)
-        self.check(beside, lambda r: incompressible.score_moved("c", good, r), moved("kinetic", 0.02))
+        self.check(beside, lambda r: incompressible.score_moved("c", 60, good, r), moved("kinetic", 0.02))
 
     def test_layers(self):
         t = samples(0.5, 0.01)

@@ -68,7 +68,7 @@ CASES = {
     "bubble2d-hysing1": Case(bubbles.bubble2d_hysing1, 60, 0.1),
     # Hu and Adams 2007; a step takes ten times as long as without a pressure to solve for.
     "hydrostatic-isph": Case(incompressible.hydrostatic_isph, 2, 0.01),
-    "taylor-green2d": Case(incompressible.taylor_green2d, 25, 0.1),
+    "taylor-green2d": Case(incompressible.taylor_green2d, 90, 0.2),
     "droplet-oscillation2d": Case(incompressible.droplet_oscillation2d, 35, 0.1),
     "droplet-ellipse2d": Case(incompressible.droplet_ellipse2d, 400, 0.4),
     "drop-shear2d": Case(incompressible.drop_shear2d, 100, 9),
