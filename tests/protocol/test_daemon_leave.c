@@ -2,6 +2,7 @@
 /* How a daemon leaves: its last reply reaches whoever asked, and nobody who does not hang up can keep it. */
 #include "tests/support/check.h"
 #include "tests/support/steer.h"
+#include <signal.h>
 #include <time.h>
 #include <unistd.h>
 #include <zmq.h>
@@ -98,10 +99,33 @@ static void nobody_keeps_a_daemon_by_not_hanging_up(void **state)
     for (size_t k = 0; k < 20; k++) zmq_close(deaf[k]);
 }
 
+/* Also while the first writes its checkpoint: what is answered to the second is no fault of the daemon's. */
+static void who_sends_away_a_daemon_that_leaves_changes_nothing_of_how_it_ends(void **state)
+{
+    (void)state;
+    static const char *const fine[] = {"resolution=60", NULL};
+    for (int k = 0; k < 6; k++) {
+        Dialogue dialogue;
+        dialogue_begin(&dialogue, NULL);
+        dialogue_load(&dialogue, fine);
+        Meniscus__Request first = dialogue_shutdown(), second = first;
+        Meniscus__Shutdown keep = MENISCUS__SHUTDOWN__INIT;
+        uint8_t ids[2][16];
+        keep.has_checkpoint = keep.checkpoint = true;
+        first.shutdown = &keep;
+        dialogue_say(dialogue.control, &first, ids[0]);
+        if (k % 2) dialogue_say(dialogue.control, &second, ids[1]);
+        else kill(dialogue.daemon, SIGTERM);
+        assert_int_equal(dialogue_join(&dialogue), 0);
+        dialogue_end(&dialogue);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_reply_to_shutdown_reaches_clients_quick_and_slow),
+        cmocka_unit_test(who_sends_away_a_daemon_that_leaves_changes_nothing_of_how_it_ends),
         cmocka_unit_test_setup_teardown(who_waits_is_told_before_the_daemon_leaves, steer_begin, steer_end_somehow),
         cmocka_unit_test_setup_teardown(nobody_keeps_a_daemon_by_not_hanging_up, steer_begin, steer_end_somehow),
     };
