@@ -3,14 +3,21 @@
 #include "net/comeback.h"
 
 #include "base/log.h"
+#include "net/ledger.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+static bool has_reply(const Meniscus__JournalRecord *record)
+{
+    const Meniscus__Request *request = record->request;
+    return request && record->reply && request->has_id && request->id.len == ORDER_ID;
+}
+
 static void recall(Desk *desk, const Meniscus__JournalRecord *record)
 {
     const Meniscus__Request *request = record->request;
-    if (!request || !record->reply || !request->has_id || request->id.len != ORDER_ID) return;
+    if (!has_reply(record)) return;
     const size_t size = meniscus__reply__get_packed_size(record->reply);
     uint8_t *packed = malloc(size + 1);
     if (!packed) return;
@@ -19,18 +26,38 @@ static void recall(Desk *desk, const Meniscus__JournalRecord *record)
     free(packed);
 }
 
-void comeback_begin(Comeback *comeback, const char *parent, const char *asked, Desk *desk)
+/* Those that the desk remembers, the last ones. */
+static void recall_last(Desk *desk, const History *history)
 {
-    MnsError error;
-    MnsStatus status = rundir_current(parent, asked, comeback->directory, &comeback->same, &error);
-    if (!status) status = history_read(comeback->directory, &comeback->history, &error);
-    if (status) {
-        if (status != MNS_E_NOT_FOUND) log_line(LOG_ERROR, "no run is gone on with: %s", error.text);
-        return;
-    }
-    for (size_t k = 0; k < comeback->history.n; k++) recall(desk, comeback->history.records[k].message);
-    comeback->due = !lineage_of(&comeback->history, &comeback->lineage, &error);
+    size_t k = history->n;
+    for (size_t n = 0; k > 0 && n < LEDGER_ENTRIES; k--) n += has_reply(history->records[k - 1].message);
+    for (; k < history->n; k++) recall(desk, history->records[k].message);
+}
+
+static MnsStatus fail_unread(const Comeback *comeback, const char *parent, const MnsError *why, MnsError *error)
+{
+    return mns_fail(
+        error, why->status,
+        "the run of %.200s, which was not ended, cannot be gone on with: %.300s. Nothing was done; mend that and "
+        "start again, or remove '%.200s/current' to begin without that run",
+        comeback->directory[0] ? comeback->directory : parent, why->text, parent);
+}
+
+MnsStatus comeback_begin(Comeback *comeback, const char *parent, const char *asked, Desk *desk, MnsError *error)
+{
+    MnsError why;
+    MnsStatus status = rundir_current(parent, asked, comeback->directory, &comeback->same, &why);
+    const bool other = !status && asked && !comeback->same;
+    if (!status) status = history_read(comeback->directory, &comeback->history, &why);
+    if (!status) recall_last(desk, &comeback->history);
+    if (!status) status = lineage_of(&comeback->history, &comeback->lineage, &why);
+    comeback->due = !status;
     comeback->lineage.directory = comeback->directory;
+    if (!status || status == MNS_E_NOT_FOUND || status == MNS_E_STATE)
+        return MNS_OK; /* there is none, or it was ended */
+    if (!other) return fail_unread(comeback, parent, &why, error);
+    log_line(LOG_ERROR, "%s", why.text);
+    return MNS_OK;
 }
 
 void comeback_request(const Comeback *comeback, Meniscus__Request *ret, Meniscus__Load *load)

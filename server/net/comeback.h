@@ -15,9 +15,10 @@ typedef struct Comeback {
     char directory[RUNDIR_PATH];
 } Comeback;
 
-/* Look for the run that was loaded last below parent, and have the desk remember what was replied there. What is in the way is logged.
+/* Look for the run that was loaded last below parent, and have the desk remember what was replied there. Not MNS_OK: it is the one that is
+ * asked for, and what its journal tells is not to be had; whoever began anew now would forget it.
  *  asked  as in RunOptions */
-void comeback_begin(Comeback *comeback, const char *parent, const char *asked, Desk *desk);
+MnsStatus comeback_begin(Comeback *comeback, const char *parent, const char *asked, Desk *desk, MnsError *error);
 
 /* The request that leads back to it; its order takes the lineage. Borrowed. */
 void comeback_request(const Comeback *comeback, Meniscus__Request *ret, Meniscus__Load *load);

@@ -175,11 +175,16 @@ static void post_recovery(Daemon *daemon)
     if (rest) desk_take(daemon->desk, &OURSELVES, rest, &daemon->comeback.lineage); /* before its sender asks again */
 }
 
+static void give_up(Daemon *daemon, const MnsError *why, int code)
+{
+    log_line(LOG_ERROR, "%s", why->text);
+    daemon->code = code;
+    post_shutdown(daemon, false);
+}
+
 static void refuse_case(Daemon *daemon)
 {
-    log_line(LOG_ERROR, "%s", daemon->bad_case.text);
-    daemon->code = MNS_EXIT_BAD_CASE;
-    post_shutdown(daemon, false);
+    give_up(daemon, &daemon->bad_case, MNS_EXIT_BAD_CASE);
 }
 
 static void after_recovery(Daemon *daemon, const Order *order)
@@ -372,8 +377,9 @@ static int serve_locked(Daemon *daemon)
     status = begin(daemon, &error);
     const bool disk = status == MNS_E_IO || status == MNS_E_NO_SPACE;
     if (status) return refused(&error, disk ? MNS_EXIT_IO : MNS_EXIT_FAILED);
-    comeback_begin(&daemon->comeback, daemon->parent, daemon->asked, daemon->desk);
-    post_first(daemon);
+    status = comeback_begin(&daemon->comeback, daemon->parent, daemon->asked, daemon->desk, &error);
+    if (status) give_up(daemon, &error, MNS_EXIT_IO);
+    else post_first(daemon);
     const Endpoint *at = &daemon->endpoint;
     log_line(LOG_INFORMATION, "listening at %s%s%s%s%s", at->control, at->tcp_control[0] ? " and " : "",
              at->tcp_control, at->far_control[0] ? " and, for those who have a key, at " : "", at->far_control);

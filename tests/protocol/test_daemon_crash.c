@@ -2,7 +2,11 @@
 /* A daemon that is killed and started again: what it says and does on the way back to its run, and where that is. */
 #include "tests/support/check.h"
 #include "tests/support/steer.h"
+#include <meniscus/exit.h>
+#include <signal.h>
+#include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 #include <zmq.h>
 
 static const double FAR = 1.5; /* [s] of steps since the only checkpoint */
@@ -161,6 +165,40 @@ static void a_pause_on_the_way_back_keeps_it_from_going_on(void **state)
 
 #define TEST(name) cmocka_unit_test_setup_teardown(name, steer_begin, steer_end)
 
+/* As if a byte of it had been changed: what comes after the load, near the end. */
+static void damage(const char *path)
+{
+    FILE *file = fopen(path, "r+");
+    assert_non_null(file);
+    assert_int_equal(fseek(file, -100, SEEK_END), 0);
+    const int c = getc(file);
+    assert_int_equal(fseek(file, -100, SEEK_END), 0);
+    putc(c ^ 1, file);
+    fclose(file);
+}
+
+/* Whoever began anew would have forgotten the run by the next crash. */
+static void a_run_whose_journal_cannot_be_read_is_not_forgotten(void **state)
+{
+    Dialogue *dialogue = *state;
+    char here[256], journal[300], current[300];
+    steer_load_here(dialogue, NULL, here);
+    steer_go(dialogue, 5);
+    snprintf(journal, sizeof journal, "%s/journal", here);
+    snprintf(current, sizeof current, "%s/../current", here);
+    kill(dialogue->daemon, SIGKILL);
+    assert_int_equal(dialogue_join(dialogue), -1);
+    damage(journal);
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(dialogue_in_vain(dialogue), MNS_EXIT_IO);
+        assert_int_equal(access(current, F_OK), 0);
+    }
+    damage(journal); /* as it was */
+    dialogue_again(dialogue);
+    steer_accepted(steer_wait(dialogue, MENISCUS__STATE__PAUSED, 20000));
+    assert_int_equal(steer_step_now(dialogue), 5);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -170,6 +208,7 @@ int main(void)
         TEST(a_stop_on_the_way_back_is_for_good),
         TEST(a_stop_for_a_version_waits_until_the_run_is_back),
         TEST(a_pause_on_the_way_back_keeps_it_from_going_on),
+        cmocka_unit_test_setup_teardown(a_run_whose_journal_cannot_be_read_is_not_forgotten, steer_begin, steer_end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
