@@ -324,6 +324,7 @@ static void note_current(Run *run)
     char text[700];
     run->current_due = false;
     if (!rundir_note_current(run->options.parent, run->outputs.directory, run->options.asked, &error)) return;
+    rundir_forget_current(run->options.parent); /* else a crash would lead back to the run before this one */
     snprintf(text, sizeof text,
              "after a crash the daemon will not find this run by itself, but by load --resume: %.400s", error.text);
     run_tell(run, NOTE_LOG, LOG_WARNING, "journal", text);
