@@ -87,7 +87,8 @@ static void take_grant(Lineage *lineage, const Record *record, const Meniscus__L
     if (!grant) return;
     lineage->lease_epoch = grant->epoch;
     lineage->lease_holder = grant->holder;
-    lineage->lease_until_us = record->wall_us + 1000 * grant->ttl_ms;
+    lineage->lease_ttl_ms = grant->ttl_ms < LEASE_MS_MAX ? grant->ttl_ms : LEASE_MS_MAX;
+    lineage->lease_until_us = record->wall_us + 1000 * lineage->lease_ttl_ms;
 }
 
 static void take_lease(Lineage *lineage, const Record *record)
@@ -228,6 +229,11 @@ static bool is_past(const Lineage *lineage, size_t k, uint64_t checkpoint)
     for (size_t next = k + 1; next < lineage->n && lineage->entries[next].step <= checkpoint; next++)
         if (is_limit(&lineage->entries[next])) return true;
     return false;
+}
+
+double lineage_lease_left(const Lineage *lineage, double wall)
+{
+    return fmin(1e-6 * (double)lineage->lease_until_us - wall, 1e-3 * (double)lineage->lease_ttl_ms);
 }
 
 double lineage_limit(const Lineage *lineage, uint64_t step, double t)

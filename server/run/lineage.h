@@ -36,11 +36,16 @@ typedef struct Lineage {
     uint64_t lease_epoch; /* of the last lease; 0: none                                         */
     const char *lease_holder;
     uint64_t lease_until_us; /* on the wall clock                                                  */
+    uint64_t lease_ttl_ms;   /* the same, from when it was given: no lease lives longer, whatever the clock says */
 } Lineage;
 
 /* MNS_OK; MNS_E_STATE: there is no load, or it has ended; MNS_E_MEMORY. Free it with lineage_done() in any case. */
 MnsStatus lineage_of(const History *history, Lineage *ret, MnsError *error);
 void lineage_done(Lineage *lineage);
+
+/* How long the last lease lives on at this moment of the wall clock, the only one that a crash leaves; where that was put back, no longer
+ * than it was given for. Both in [s]; negative: it is over. */
+double lineage_lease_left(const Lineage *lineage, double wall);
 
 /* The time to which what was scheduled shortened the step that followed the boundary of this step [s]; INFINITY: to none. */
 double lineage_limit(const Lineage *lineage, uint64_t step, double t);

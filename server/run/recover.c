@@ -62,9 +62,9 @@ static void restore_lease(Run *run, const Lineage *lineage)
 {
     struct timespec wall;
     clock_gettime(CLOCK_REALTIME, &wall);
-    const double now = (double)wall.tv_sec + 1e-9 * (double)wall.tv_nsec,
-                 until = 1e-6 * (double)lineage->lease_until_us;
-    run->lease = (Lease){.epoch = lineage->lease_epoch, .until = clock_now() + (until - now)};
+    const double left = lineage_lease_left(lineage, (double)wall.tv_sec + 1e-9 * (double)wall.tv_nsec);
+    run->lease =
+        (Lease){.epoch = lineage->lease_epoch, .until = clock_now() + left, .ttl_ms = (uint32_t)lineage->lease_ttl_ms};
     if (lineage->lease_holder) snprintf(run->lease.holder, sizeof run->lease.holder, "%s", lineage->lease_holder);
 }
 
