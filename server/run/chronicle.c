@@ -309,12 +309,20 @@ static MnsStatus sync_journal(Run *run, MnsError *error)
 static void tell_unwritten(Run *run, Order *order, const MnsError *why)
 {
     if (order->status || !order->request || order->durable) return;
-    order->status = mns_fail(&order->error, why->status,
-                             "it was done, but the journal cannot be written, so the run is halted; resume tries the "
-                             "journal again: %.300s",
+    const bool lease = order->request->command_case == MENISCUS__REQUEST__COMMAND_LEASE;
+    order->status = mns_fail(&order->error, why->status, "%s; resume tries the journal again: %.300s",
+                             lease ? "the journal cannot be written, so the run is halted, and the lease as it was"
+                                   : "it was done, but the journal cannot be written, so the run is halted",
                              why->text);
     order->state = run->state;
     if (order->seal) order->seal(order);
+}
+
+/* Nobody was told of it: it would be held by nobody, until it is over. */
+static void take_lease_back(Run *run)
+{
+    run->lease = run->lease_before;
+    run_publish(run);
 }
 
 /* So that a daemon that is started after a crash finds it. */
@@ -340,6 +348,8 @@ void run_sync(Run *run)
     run->journal_tally.failures += status != MNS_OK;
     if (!status && run->current_due) note_current(run);
     for (Order *order = run->unsaid; order && !status; order = order->next) order->durable = true;
+    if (status && run->lease_unsettled) take_lease_back(run);
+    run->lease_unsettled = false;
     if (!status) return;
     if (run->sim && run->state != RUN_FAULT) run_fault(run, &error, true);
     for (Order *order = run->unsaid; order; order = order->next) tell_unwritten(run, order, &error);

@@ -51,9 +51,10 @@ struct Run {
     MnsSim *sim; /* NULL without a case, as are the two documents */
     Document *document;
     Versions versions;
-    Lease lease;
-    Document *original; /* the case as it was loaded, before anybody steered */
-    int directory_lock; /* -1 without a run                                  */
+    Lease lease, lease_before; /* lease_before: as it was before one that is not on the disk yet, */
+    bool lease_unsettled;      /* if there is such                                                */
+    Document *original;        /* the case as it was loaded, before anybody steered */
+    int directory_lock;        /* -1 without a run                                  */
     Breakpoints *breakpoints;
     Outputs outputs;
     uint64_t hash; /* of the state, if it is known */

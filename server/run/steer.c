@@ -150,8 +150,11 @@ void run_lease(Run *run, Order *order, const LeaseWish *wish)
     MnsError error;
     char text[160];
     const uint64_t least = (uint64_t)time(NULL); /* so that epochs rise where no journal has the last one */
+    const Lease before = run->lease;
     const MnsStatus status = lease_take(&run->lease, wish, least, clock_now(), &error);
     if (!status) {
+        if (run->journal && !run->lease_unsettled) run->lease_before = before;
+        run->lease_unsettled = run->journal != NULL;
         if (!wish->release) order->lease = run->lease;
         snprintf(text, sizeof text, wish->release ? "%s has given it back" : "%s has it for %.1f s", run->lease.holder,
                  1e-3 * (double)run->lease.ttl_ms);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A whole run without sockets: what is ordered is answered, what is given up leaves nothing behind. */
+#include "base/clock.h"
 #include "proto/case_file.h"
 #include "run/run.h"
 #include "tests/support/check.h"
@@ -325,6 +326,42 @@ static void threads_are_counted_as_the_solver_does(void **state)
     free(status);
 }
 
+static Meniscus__Request lease_request = MENISCUS__REQUEST__INIT;
+
+static void take_lease(Run *run, Order *order)
+{
+    lease_request.command_case = MENISCUS__REQUEST__COMMAND_LEASE;
+    order->request = &lease_request;
+    run_lease(run, order, &(LeaseWish){.ttl_ms = 60000, .holder = "anna"});
+}
+
+static double lease_left(const Bench *bench)
+{
+    RunStatus *status = malloc(sizeof *status);
+    assert_non_null(status);
+    run_status(bench->run, status);
+    const double left = status->lease.until - clock_now();
+    free(status);
+    return left;
+}
+
+/* Its holder was told that there is none. */
+static void a_lease_that_the_journal_refuses_is_nobodys(void **state)
+{
+    Bench *bench = *state;
+    assert_int_equal(perform(bench, load), MNS_OK);
+    limit_files(0);
+    assert_int_equal(perform(bench, take_lease), MNS_E_NO_SPACE);
+    assert_true(lease_left(bench) <= 0);
+    limit_files(SIZE_MAX);
+    assert_int_equal(perform(bench, go), MNS_OK); /* tries the journal again */
+    assert_int_equal(perform(bench, take_lease), MNS_OK);
+    assert_true(lease_left(bench) > 50);
+    limit_files(0);
+    assert_int_equal(perform(bench, take_lease), MNS_E_HELD);
+    limit_files(SIZE_MAX);
+}
+
 static void look_long(Run *run, Order *order)
 {
     nanosleep(&(struct timespec){.tv_nsec = 2000000}, NULL);
@@ -400,6 +437,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(threads_are_counted_as_the_solver_does, begin, end),
         cmocka_unit_test_setup_teardown(who_only_looks_does_not_hold_up_a_run_in_motion, begin, end),
         cmocka_unit_test_setup_teardown(of_too_many_who_wait_the_first_is_let_go, begin, end),
+        cmocka_unit_test_setup_teardown(a_lease_that_the_journal_refuses_is_nobodys, begin, end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
