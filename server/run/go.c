@@ -106,7 +106,13 @@ void run_go(Run *run, Order *order)
     MnsError error;
     MnsStatus status = MNS_OK;
     assert(run->sim);
-    if (run->state == RUN_FAULT && !run->output_failed)
+    if (run->state == RUN_FAULT && run->astray)
+        status = mns_fail(
+            &error, MNS_E_STATE,
+            "the run did not come back to where it was before the crash, and what was commanded there would be "
+            "lost; end the daemon and start it again, or restore or reset: %.300s",
+            run->fault.text);
+    else if (run->state == RUN_FAULT && !run->output_failed)
         status = mns_fail(&error, MNS_E_STATE, "the simulation has diverged; restore a checkpoint or reset: %.300s",
                           run->fault.text);
     else if (run->state == RUN_FAULT) status = writer_retry(run->outputs.writer, &error);

@@ -61,6 +61,7 @@ struct Run {
     bool hashed;
     Goal goal;
     Recovery recovery;
+    bool astray; /* it did not come back to where it was: to go on would lose what was commanded since the checkpoint */
     Waiter *waiters;
     Agenda agenda;
     Meter meter;

@@ -185,6 +185,7 @@ static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
         run_commit(run); /* they belong to the journal of the run that goes */
     }
     give_up(run);
+    run->astray = false;
     run->sim = candidate->sim;
     run->document = candidate->document;
     tap_place(run->tap, run->sim, run->document, !candidate->original);

@@ -53,6 +53,7 @@ static MnsStatus step_again(Run *run, bool *ret_output, MnsError *error)
 static void fail(Run *run, const MnsError *error, bool output)
 {
     run->recovery.lineage = NULL;
+    run->astray = true;
     run_hash(run);
     run_fault(run, error, output);
 }
@@ -121,5 +122,7 @@ void run_recover(Run *run, Order *order)
     run_load(run, order, &load);
     run_commit(run); /* and from here on the order is whoever's gave it */
     if (run->state == RUN_RECOVERING) set_out(run, lineage);
-    else if (run->state != RUN_EMPTY) run->recovery.lineage = NULL; /* the journal cannot be written */
+    else if (run->state != RUN_EMPTY) { /* the journal cannot be written */ run->recovery.lineage = NULL;
+        run->astray = true;
+    }
 }
