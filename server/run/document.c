@@ -74,8 +74,7 @@ MnsStatus document_new(const Meniscus__Case *message, const char *name, Document
     return status;
 }
 
-/* Message with all assignments made. */
-static MnsStatus assign(const Meniscus__Case *old, const Meniscus__Set *set, Meniscus__Case **ret, MnsError *error)
+MnsStatus document_assign(const Meniscus__Case *old, const Meniscus__Set *set, Meniscus__Case **ret, MnsError *error)
 {
     Meniscus__Case *last = NULL;
     for (size_t k = 0; k < set->n_assignments; k++) {
@@ -95,7 +94,7 @@ static MnsStatus assign(const Meniscus__Case *old, const Meniscus__Set *set, Men
 MnsStatus document_set(const Document *old, const Meniscus__Set *set, Document **ret, MnsError *error)
 {
     Meniscus__Case *message;
-    MnsStatus status = assign(old->message, set, &message, error);
+    MnsStatus status = document_assign(old->message, set, &message, error);
     if (status) return status;
     status = case_message_steerable(old->message, message, error);
     if (!status) status = document_new(message, old->name, ret, error);

@@ -23,6 +23,9 @@ MnsStatus document_new(const Meniscus__Case *message, const char *name, Document
 /* The same from a packed message, as a checkpoint keeps it. */
 MnsStatus document_unpack(const void *blob, size_t size, const char *name, Document **ret, MnsError *error);
 
+/* Message with all assignments made, yours: only what is written where is looked at. */
+MnsStatus document_assign(const Meniscus__Case *old, const Meniscus__Set *set, Meniscus__Case **ret, MnsError *error);
+
 /* As a set leaves the case of a run under way: all assignments made, one after the other. MNS_E_INVALID; MNS_E_STATE if something would
  * change that cannot. */
 MnsStatus document_set(const Document *old, const Meniscus__Set *set, Document **ret, MnsError *error);

@@ -9,13 +9,32 @@
 
 typedef Meniscus__JournalRecord Record;
 
+static MnsStatus fail_memory(MnsError *error)
+{
+    return mns_fail(error, MNS_E_MEMORY, "no memory for the journal");
+}
+
+static MnsStatus note_waiting(Lineage *lineage, size_t k, MnsError *error)
+{
+    size_t *waiting = reallocarray(lineage->waiting, lineage->n_waiting + 1, sizeof *waiting);
+    if (!waiting) return fail_memory(error);
+    lineage->waiting = waiting;
+    waiting[lineage->n_waiting++] = k;
+    return MNS_OK;
+}
+
 static MnsStatus add(Lineage *lineage, LineageEntry entry, MnsError *error)
 {
-    LineageEntry *entries = reallocarray(lineage->entries, lineage->n + 1, sizeof *entries);
-    if (!entries) return mns_fail(error, MNS_E_MEMORY, "no memory for the journal");
-    lineage->entries = entries;
-    entries[lineage->n++] = entry;
-    return MNS_OK;
+    if (lineage->n == lineage->room) {
+        const size_t room = 2 * lineage->room + 16;
+        LineageEntry *entries = reallocarray(lineage->entries, room, sizeof *entries);
+        if (!entries) return fail_memory(error);
+        lineage->entries = entries;
+        lineage->room = room;
+    }
+    lineage->entries[lineage->n++] = entry;
+    const bool waits = entry.scheduled && entry.request && entry.until == UINT64_MAX;
+    return waits ? note_waiting(lineage, lineage->n - 1, error) : MNS_OK;
 }
 
 static bool is_command(const LineageEntry *entry, Meniscus__Request__CommandCase command)
@@ -41,6 +60,7 @@ static void cut(Lineage *lineage, uint64_t step)
         if (!gone) lineage->entries[n++] = *entry;
     }
     lineage->n = n;
+    lineage->n_waiting = 0; /* all are dropped */
     lineage->begun = NULL;
 }
 
@@ -103,12 +123,14 @@ static bool same_id(const Meniscus__Request *a, const Meniscus__Request *b)
 }
 
 /* A scheduled command was done or dropped. False if it is none. */
-static bool end_scheduled(const Lineage *lineage, const Record *record)
+static bool end_scheduled(Lineage *lineage, const Record *record)
 {
-    for (size_t k = 0; k < lineage->n; k++) {
-        LineageEntry *entry = &lineage->entries[k];
-        if (!entry->scheduled || entry->until != UINT64_MAX || !same_id(entry->request, record->request)) continue;
+    for (size_t k = 0; k < lineage->n_waiting; k++) {
+        LineageEntry *entry = &lineage->entries[lineage->waiting[k]];
+        if (!same_id(entry->request, record->request)) continue;
         entry->until = record->step;
+        lineage->n_waiting--;
+        memmove(&lineage->waiting[k], &lineage->waiting[k + 1], (lineage->n_waiting - k) * sizeof *lineage->waiting);
         return true;
     }
     return false;
@@ -206,6 +228,17 @@ static MnsStatus take(Lineage *lineage, const Record *record, MnsError *error)
     return begin_anew(lineage, record, error);
 }
 
+/* So that no step on the way back looks at all entries. */
+static MnsStatus list_timed(Lineage *lineage, MnsError *error)
+{
+    lineage->timed = calloc(lineage->n + 1, sizeof *lineage->timed);
+    if (!lineage->timed) return fail_memory(error);
+    for (size_t k = 0; k < lineage->n; k++)
+        if (lineage->entries[k].scheduled && lineage->entries[k].request && lineage->entries[k].request->has_at_time)
+            lineage->timed[lineage->n_timed++] = k;
+    return MNS_OK;
+}
+
 MnsStatus lineage_of(const History *history, Lineage *ret, MnsError *error)
 {
     MnsStatus status = MNS_OK;
@@ -214,12 +247,14 @@ MnsStatus lineage_of(const History *history, Lineage *ret, MnsError *error)
     if (!status && !ret->original)
         return mns_fail(error, MNS_E_STATE, "the journal has no load that could be gone back to");
     if (!status && ret->ended) return mns_fail(error, MNS_E_STATE, "the run was ended");
-    return status;
+    return status ? status : list_timed(ret, error);
 }
 
 void lineage_done(Lineage *lineage)
 {
     free(lineage->entries);
+    free(lineage->waiting);
+    free(lineage->timed);
     *lineage = (Lineage){.n = 0};
 }
 
@@ -239,11 +274,10 @@ double lineage_lease_left(const Lineage *lineage, double wall)
 double lineage_limit(const Lineage *lineage, uint64_t step, double t)
 {
     double limit = INFINITY;
-    for (size_t k = 0; k < lineage->n; k++) {
-        const LineageEntry *entry = &lineage->entries[k];
-        const bool holds = entry->scheduled && entry->step <= step && step < entry->until;
-        if (holds && entry->request->has_at_time && entry->request->at_time > t)
-            limit = fmin(limit, entry->request->at_time);
+    for (size_t k = 0; k < lineage->n_timed; k++) {
+        const LineageEntry *entry = &lineage->entries[lineage->timed[k]];
+        const bool holds = entry->step <= step && step < entry->until;
+        if (holds && entry->request->at_time > t) limit = fmin(limit, entry->request->at_time);
     }
     return limit;
 }

@@ -19,14 +19,17 @@ typedef struct LineageEntry {
     const Meniscus__Who *who; /* of a scheduled one; or NULL                          */
 } LineageEntry;
 
-/* All borrowed from the history but `entries`. */
+/* All borrowed from the history but `entries`, `waiting` and `timed`. */
 typedef struct Lineage {
     const char *directory;          /* of the run; the caller's                                           */
     const char *name;               /* of the case                                                        */
     const Meniscus__Case *original; /* as it was loaded                                                   */
     uint64_t first_version;         /* of the original                                                    */
     size_t n;
-    LineageEntry *entries;          /* [n], by rising steps                                               */
+    LineageEntry *entries; /* [n] of [room], by rising steps                                     */
+    size_t room, n_waiting, n_timed;
+    size_t *waiting;                /* [n_waiting] entries that are scheduled and neither done nor dropped: few */
+    size_t *timed;                  /* [n_timed] those that have shortened steps                          */
     bool ended;                     /* by a stop or a shutdown: there is nothing to come back to          */
     bool untouched;                 /* the daemon has loaded it, and nothing was commanded since           */
     RunState state;                 /* after the last command                                             */

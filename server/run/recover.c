@@ -58,7 +58,6 @@ static void fail(Run *run, const MnsError *error, bool output)
     run_fault(run, error, output);
 }
 
-/* It lives on by the wall clock, the only one that a crash leaves. */
 static void restore_lease(Run *run, const Lineage *lineage)
 {
     struct timespec wall;

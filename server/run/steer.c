@@ -124,19 +124,60 @@ static MnsStatus after_entry(const Document *old, const LineageEntry *entry, Doc
     return document_set(old, entry->request->set, ret, error);
 }
 
+/* The entry that led to the first version of those that are kept; the number of all where that is the original. */
+static size_t first_kept(const Lineage *lineage)
+{
+    size_t n = 0;
+    for (size_t k = lineage->n; k > 0; k--) {
+        const LineageEntry *entry = &lineage->entries[k - 1];
+        n += entry->version > 0;
+        if (entry->version && (entry->anew || n == VERSIONS_KEPT)) return k - 1;
+    }
+    return lineage->n;
+}
+
+/* The case as it was before entry `end`. What is not kept of it is only read, not made a case of: there may be very much. */
+static MnsStatus find_before(Run *run, const Lineage *lineage, size_t end, Document **ret, MnsError *error)
+{
+    const Meniscus__Case *base = lineage->original;
+    Meniscus__Case *last = NULL;
+    size_t begin = 0;
+    MnsStatus status = MNS_OK;
+    for (size_t k = 0; k < end; k++)
+        if (lineage->entries[k].version && lineage->entries[k].adopted) {
+            base = lineage->entries[k].adopted;
+            begin = k + 1;
+        }
+    for (size_t k = begin; !status && k < end; k++) {
+        Meniscus__Case *next;
+        if (!lineage->entries[k].version) continue;
+        run_beat(run);
+        status = document_assign(last ? last : base, lineage->entries[k].request->set, &next, error);
+        if (status) break;
+        if (last) meniscus__case__free_unpacked(last, NULL);
+        last = next;
+    }
+    if (!status) status = document_new(last ? last : base, run->document->name, ret, error);
+    if (last) meniscus__case__free_unpacked(last, NULL);
+    return status;
+}
+
 MnsStatus run_remember(Run *run, const Lineage *lineage, MnsError *error)
 {
     Document *last;
-    MnsStatus status = document_new(lineage->original, run->document->name, &last, error);
+    const size_t first = first_kept(lineage);
+    const bool all = first == lineage->n;
+    MnsStatus status = find_before(run, lineage, all ? 0 : first, &last, error);
     if (status) return status;
-    versions_begin(&run->versions, lineage->first_version, last);
-    for (size_t k = 0; !status && k < lineage->n; k++) {
+    if (all) versions_begin(&run->versions, lineage->first_version, last);
+    for (size_t k = all ? 0 : first; !status && k < lineage->n; k++) {
         const LineageEntry *entry = &lineage->entries[k];
         Document *next;
         if (!entry->version) continue;
+        run_beat(run);
         status = after_entry(last, entry, &next, error);
         if (status) break;
-        if (entry->anew) versions_begin(&run->versions, entry->version, next);
+        if (k == first || entry->anew) versions_begin(&run->versions, entry->version, next);
         else versions_add(&run->versions, next);
         document_leave(last);
         last = next;
