@@ -293,6 +293,26 @@ static void what_is_scheduled_outlives_two_crashes_but_no_restore(void **state)
     assert_true(isinf(lineage_limit(lineage, 15, 0)));
 }
 
+/* The clock of the wall may have been put back, or have been wrong when it was given. */
+static void a_lease_lives_by_the_wall_clock_but_no_longer_than_it_was_given_for(void **state)
+{
+    Book *book = *state;
+    Meniscus__Lease lease = MENISCUS__LEASE__INIT;
+    Meniscus__LeaseGrant grant = MENISCUS__LEASE_GRANT__INIT;
+    add_load(book);
+    Record *record = add(book, MENISCUS__REQUEST__COMMAND_LEASE, 0, MENISCUS__STATE__READY);
+    record->request->lease = &lease;
+    record->reply->lease = &grant;
+    record->wall_us = 1000000000;
+    grant.epoch = 7;
+    grant.ttl_ms = 30000;
+    const Lineage *lineage = read(book, MNS_OK);
+    assert_int_equal(lineage->lease_epoch, 7);
+    assert_float_equal(lineage_lease_left(lineage, 1010), 20, 1e-9);
+    assert_float_equal(lineage_lease_left(lineage, 1031), -1, 1e-9);
+    assert_float_equal(lineage_lease_left(lineage, 10), 30, 1e-9);
+}
+
 #define TEST(name) cmocka_unit_test_setup_teardown(name, begin, end)
 
 int main(void)
@@ -307,6 +327,7 @@ int main(void)
         TEST(a_shutdown_ends_a_run_but_not_on_its_way_back),
         TEST(what_is_scheduled_waits_until_a_record_tells_what_came_of_it),
         TEST(what_is_scheduled_outlives_two_crashes_but_no_restore),
+        TEST(a_lease_lives_by_the_wall_clock_but_no_longer_than_it_was_given_for),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
