@@ -2,6 +2,7 @@
 /* One writer at a time, versions of the case, and both after a crash. */
 #include "tests/support/check.h"
 #include "tests/support/steer.h"
+#include <stdio.h>
 #include <string.h>
 
 static Meniscus__Request lease(Meniscus__Lease *message, uint64_t ttl_ms, const char *holder)
@@ -260,6 +261,26 @@ static void versions_are_found_again_after_a_crash(void **state)
     assert_true(steer_get(dialogue, "end_time") == 2);
 }
 
+/* What was set before the first that is kept is in all of them. */
+static void of_very_many_versions_the_last_are_found_again_after_a_crash(void **state)
+{
+    enum { N = 300, KEPT = 256 };
+    Dialogue *dialogue = *state;
+    char text[16];
+    dialogue_load(dialogue, NULL);
+    steer_accepted(steer_set(dialogue, "scheme.cfl", "0.125"));
+    for (int k = 3; k <= N; k++) {
+        snprintf(text, sizeof text, "%d", 1000 + k);
+        assert_int_equal(version_of(set_end(dialogue, text, 0, 0)), k);
+    }
+    dialogue_crash(dialogue);
+    steer_wait_for(dialogue, MENISCUS__STATE__READY);
+    refused_as(rollback(dialogue, N - KEPT), MENISCUS__CODE__NOT_FOUND, "not found", "version");
+    assert_int_equal(version_of(rollback(dialogue, N - KEPT + 1)), N + 1);
+    assert_true(steer_get(dialogue, "end_time") == 1000 + N - KEPT + 1);
+    assert_true(steer_get(dialogue, "scheme.cfl") == 0.125);
+}
+
 int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, steer_begin, steer_end)
@@ -274,6 +295,7 @@ int main(void)
         TEST(a_change_can_be_for_one_version_only),
         TEST(going_back_must_not_end_the_run_in_the_past),
         TEST(versions_are_found_again_after_a_crash),
+        TEST(of_very_many_versions_the_last_are_found_again_after_a_crash),
     };
     return cmocka_run_group_tests_name("daemon_lease", tests, NULL, NULL);
 }
