@@ -10,6 +10,8 @@
 #include <stdio.h>
 #include <time.h>
 
+static const double TURN = 0.05; /* [s] between two looks at who has no time for all this */
+
 /* A breakpoint that has been passed, or was gone when it was removed, changes nothing now. */
 static MnsStatus do_again(Run *run, const LineageEntry *entry, double *limit, MnsError *error)
 {
@@ -28,15 +30,23 @@ static MnsStatus do_again(Run *run, const LineageEntry *entry, double *limit, Mn
     return MNS_OK;
 }
 
-/* All that was commanded up to this step. */
-static MnsStatus do_all_again(Run *run, uint64_t step, MnsError *error)
+/* What was commanded up to this step, as much of it as a turn has time for: there may be very much, and somebody who wants the run ended.
+ * *ret_all: that is all of it. */
+static MnsStatus do_some_again(Run *run, uint64_t step, bool *ret_all, MnsError *error)
 {
     Recovery *recovery = &run->recovery;
     const Lineage *lineage = recovery->lineage;
+    const double until = clock_now() + TURN;
     MnsStatus status = MNS_OK;
-    for (; !status && recovery->next < lineage->n && lineage->entries[recovery->next].step <= step; recovery->next++)
+    *ret_all = false;
+    while (!status && !*ret_all && clock_now() < until) {
+        *ret_all = recovery->next == lineage->n || lineage->entries[recovery->next].step > step;
+        if (*ret_all) break;
+        run_beat(run);
         if (lineage_needs(lineage, recovery->next, recovery->checkpoint))
             status = do_again(run, &lineage->entries[recovery->next], &recovery->limit, error);
+        recovery->next++;
+    }
     return status;
 }
 
@@ -88,11 +98,11 @@ static void arrive(Run *run)
 void run_recover_on(Run *run)
 {
     MnsError error;
-    bool output = false;
+    bool output = false, all;
     const uint64_t step = mns_sim_progress(run->sim).step;
-    MnsStatus status = do_all_again(run, step, &error);
-    const bool there = !status && step >= run->recovery.lineage->step;
-    if (!status && !there) status = step_again(run, &output, &error);
+    MnsStatus status = do_some_again(run, step, &all, &error);
+    const bool there = !status && all && step >= run->recovery.lineage->step;
+    if (!status && all && !there) status = step_again(run, &output, &error);
     if (status) fail(run, &error, output);
     else if (there) arrive(run);
     else run_tell_progress_at_times(run);
