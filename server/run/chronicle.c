@@ -19,6 +19,11 @@
 /* For the records that a command leads to besides its own: how a step ended that it breaks off, a hash. */
 enum { ROOM_BESIDES = 16 << 10 };
 
+/* All that a run does again after a crash stands in one record, of JOURNAL_RECORD_MAX at most: so a checkpoint comes when the commands since
+ * the last take this much, and what is commanded at one step boundary, which no checkpoint makes less, has an end. */
+enum { NOTED_MAX = 8 << 20, NOTED_HERE_MAX = 12 << 20 };
+_Static_assert((int)NOTED_HERE_MAX < (int)JOURNAL_RECORD_MAX, "with the case besides");
+
 typedef Meniscus__JournalRecord Record;
 
 /* --- the file ---------------------------------------------------------------------------------------------------------- */
@@ -92,6 +97,9 @@ static void add_of_order(Run *run, Meniscus__JournalRecord__Kind kind, Record *r
     who.role = (char *)role_name(order->who.role);
     record->who = &who;
     record->request = (Meniscus__Request *)order->request;
+    const size_t size = meniscus__journal_record__get_packed_size(record);
+    run->noted += size;
+    run->noted_here += size;
     add(run, kind, record);
     record->who = NULL;
 }
@@ -274,6 +282,14 @@ void run_note_done(Run *run, Order *order)
     run->uncommitted = true;
 }
 
+MnsStatus run_bound_way_back(Run *run, MnsError *error)
+{
+    const bool covered = run->outputs.at_checkpoint == mns_sim_progress(run->sim).step, due = run->noted > NOTED_MAX;
+    run->noted_here = 0;
+    if (covered || due) run->noted = 0;
+    return due && !covered ? outputs_checkpoint(&run->outputs, run->sim, run->document, NULL, error) : MNS_OK;
+}
+
 bool run_keep(Run *run, Order *order)
 {
     if (!run->uncommitted && !run->unsaid) return false;
@@ -292,6 +308,11 @@ MnsStatus run_journal_ready(Run *run, const Order *order, MnsError *error)
     if (!run->journal || order->urgent || halts || elsewhere) return MNS_OK; /* what halts a run is always possible */
     const size_t size =
         3 * meniscus__request__get_packed_size(order->request); /* itself, what it changed, what is replied */
+    if (!order->motion && !begins_anew(order) && run->noted_here + size > NOTED_HERE_MAX)
+        return mns_fail(
+            error, MNS_E_LIMIT,
+            "what was commanded at this step takes %zu bytes of the journal, and may take %d; go on by a step",
+            run->noted_here, NOTED_HERE_MAX);
     return journal_reserve(run->journal, size + (run->document ? run->document->size : 0) + ROOM_BESIDES, error);
 }
 

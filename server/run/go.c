@@ -230,7 +230,8 @@ void run_advance(Run *run)
         return;
     }
     const double limit = fmin(run->goal.exact ? run->goal.t : INFINITY, agenda_limit(&run->agenda));
-    const MnsStatus status = run_step_once(run, fmin(limit, end), &output, &error);
+    MnsStatus status = run_step_once(run, fmin(limit, end), &output, &error);
+    if (!status) status = run_bound_way_back(run, &error);
     if (status) run_fault(run, &error, output);
     if (status && !output) return;
     run_offer(run, true);

@@ -70,9 +70,12 @@ struct Run {
     FILE *log;        /* of the run directory; NULL if there is none */
     Journal *journal; /* the same                                    */
     Order *unsaid; /* answered, and not on the disk yet, or after such: nobody hears of it before. The latest first */
-    Document *before;   /* the case before the order that is being answered changed it; NULL if it did not */
-    bool current_due;   /* this run is to be noted as the current one, once its journal is on the disk     */
-    bool uncommitted;   /* the journal has something that is to be on the disk before the run goes on */
+    Document *before; /* the case before the order that is being answered changed it; NULL if it did not */
+    bool current_due; /* this run is to be noted as the current one, once its journal is on the disk     */
+    bool uncommitted; /* the journal has something that is to be on the disk before the run goes on */
+    size_t
+        noted; /* bytes of records of commands since the last checkpoint: what a way back would have to tell in one record */
+    size_t noted_here;  /* the same, at the boundary at which the run stands                             */
     MnsError unwritten; /* what could not even be added to it; MNS_OK: nothing                        */
     RunFigures figures; /* to be put where others look; its document is not a share */
 
@@ -111,6 +114,9 @@ void run_note_done(Run *run, Order *order);
 bool run_keep(Run *run,
               Order *order); /* an order that is answered; true: it is kept until what was noted is on the disk */
 void run_note_hash(Run *run);
+
+/* After a step: a checkpoint, if a way back would otherwise have too much to tell. */
+MnsStatus run_bound_way_back(Run *run, MnsError *error);
 
 /* Have it all on the disk, then let the answers go. If that fails, they tell so and the run is in FAULT. */
 void run_commit(Run *run);

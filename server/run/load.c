@@ -186,6 +186,7 @@ static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
     }
     give_up(run);
     run->astray = false;
+    run->noted = run->noted_here = 0;
     run->sim = candidate->sim;
     run->document = candidate->document;
     tap_place(run->tap, run->sim, run->document, !candidate->original);

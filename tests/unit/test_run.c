@@ -21,8 +21,9 @@ typedef struct Bench {
     char *home;
     CaseFile *file;
     Note *answer;
-    int events, log_lines; /* before the answer */
-    char logged[640];      /* the last line     */
+    const Meniscus__Request *request; /* of the orders to come, for the journal; or NULL */
+    int events, log_lines;            /* before the answer */
+    char logged[640];                 /* the last line     */
 } Bench;
 
 static Note *next_note(const Bench *bench)
@@ -39,7 +40,7 @@ static Note *next_note(const Bench *bench)
 static MnsStatus perform(Bench *bench, void (*serve)(Run *run, Order *order))
 {
     document_leave(bench->order.document);
-    bench->order = (Order){.serve = serve, .deadline = INFINITY};
+    bench->order = (Order){.serve = serve, .deadline = INFINITY, .request = bench->request};
     bench->events = bench->log_lines = 0;
     assert_int_equal(run_post(bench->run, &bench->order, NULL), MNS_OK);
     for (;;) {
@@ -330,8 +331,6 @@ static Meniscus__Request lease_request = MENISCUS__REQUEST__INIT;
 
 static void take_lease(Run *run, Order *order)
 {
-    lease_request.command_case = MENISCUS__REQUEST__COMMAND_LEASE;
-    order->request = &lease_request;
     run_lease(run, order, &(LeaseWish){.ttl_ms = 60000, .holder = "anna"});
 }
 
@@ -350,16 +349,65 @@ static void a_lease_that_the_journal_refuses_is_nobodys(void **state)
 {
     Bench *bench = *state;
     assert_int_equal(perform(bench, load), MNS_OK);
+    lease_request.command_case = MENISCUS__REQUEST__COMMAND_LEASE;
+    bench->request = &lease_request;
     limit_files(0);
     assert_int_equal(perform(bench, take_lease), MNS_E_NO_SPACE);
     assert_true(lease_left(bench) <= 0);
     limit_files(SIZE_MAX);
+    bench->request = NULL;
     assert_int_equal(perform(bench, go), MNS_OK); /* tries the journal again */
+    bench->request = &lease_request;
     assert_int_equal(perform(bench, take_lease), MNS_OK);
     assert_true(lease_left(bench) > 50);
     limit_files(0);
     assert_int_equal(perform(bench, take_lease), MNS_E_HELD);
     limit_files(SIZE_MAX);
+    bench->request = NULL;
+}
+
+static void give_lease_back(Run *run, Order *order)
+{
+    RunStatus *status = malloc(sizeof *status);
+    assert_non_null(status);
+    run_status(run, status);
+    run_lease(run, order, &(LeaseWish){.epoch = status->lease.epoch, .release = true});
+    free(status);
+}
+
+/* Else the one record of all that is to be done again would be too large. */
+static void what_a_way_back_has_to_tell_is_bounded(void **state)
+{
+    enum { MIB = 1 << 20 };
+    Bench *bench = *state;
+    static char padding[MIB];
+    Meniscus__Request large = MENISCUS__REQUEST__INIT;
+    Meniscus__Lease lease = MENISCUS__LEASE__INIT;
+    memset(padding, 'x', sizeof padding - 1);
+    lease.holder = padding;
+    large.command_case = MENISCUS__REQUEST__COMMAND_LEASE;
+    large.lease = &lease;
+    assert_int_equal(case_file_set(bench->file, "end_time=50", NULL), MNS_OK);
+    assert_int_equal(case_file_set(bench->file, "output.checkpoint_interval=50", NULL), MNS_OK);
+    assert_int_equal(perform(bench, load), MNS_OK);
+    assert_int_equal(perform(bench, step), MNS_OK);
+    bench->request = &large;
+    int done = 0;
+    while (done < 20 && !perform(bench, done % 2 ? give_lease_back : take_lease)) done++;
+    assert_int_equal(bench->order.status, MNS_E_LIMIT);
+    assert_in_range(done, 9, 11);
+    bench->request = NULL;
+    char *directory = path_in(bench->home, "small");
+    char *name = path_in(directory, "checkpoint-0000000003.hdf");
+    assert_false(exists(name));
+    assert_int_equal(perform(bench, step), MNS_OK);
+    bench->request = &large;
+    assert_int_equal(perform(bench, done % 2 ? give_lease_back : take_lease), MNS_OK);
+    bench->request = NULL;
+    assert_int_equal(perform(bench, write_checkpoint), MNS_OK); /* and with it those before are written */
+    assert_true(exists(name));
+    free(name);
+    free(directory);
 }
 
 static void look_long(Run *run, Order *order)
@@ -438,6 +486,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(who_only_looks_does_not_hold_up_a_run_in_motion, begin, end),
         cmocka_unit_test_setup_teardown(of_too_many_who_wait_the_first_is_let_go, begin, end),
         cmocka_unit_test_setup_teardown(a_lease_that_the_journal_refuses_is_nobodys, begin, end),
+        cmocka_unit_test_setup_teardown(what_a_way_back_has_to_tell_is_bounded, begin, end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
