@@ -20,11 +20,10 @@ static double list_bytes(const Model *model)
 }
 
 /* Vectors of the pressure system; and its rows, of which half a block is empty and a twentieth is to spare. */
-static double system_need(const MnsSim *sim, const size_t sizes[GROUPS])
+static double system_need(const MnsSim *sim, const Particles *s)
 {
     const Model *model = &sim->model;
-    const double fluid = (double)(sizes[GROUP_CONTINUITY] + sizes[GROUP_SUMMATION]), walls = (double)sizes[GROUP_WALL];
-    const double rows = fluid + (double)model->n_phases * walls, spare = 1.05;
+    const double rows = (double)sim->scheme->unknowns(s), spare = 1.05;
     const System none = {.matrix.n = 1};
     return rows * (double)system_bytes(&none) +
            spare * rows * (list_entries(model) + 0.5 * ENTRIES) * (sizeof(uint32_t) + sizeof(float));
@@ -60,7 +59,7 @@ double making_bytes(const MnsSim *sim, const size_t sizes[GROUPS])
     s.n = s.begin[GROUPS];
     double bytes = (double)particles_bytes(&s) + neighbours_need(sim, s.n) +
                    (double)s.n * capture_bytes(s.dim, sim->scheme->state);
-    if (sim->scheme->projects) bytes += system_need(sim, sizes);
+    if (sim->scheme->projects) bytes += system_need(sim, &s);
     if (sim->model.viscous || sim->scheme->projects) bytes += (double)sizes[GROUP_WALL] * sizeof(double) * s.dim;
     return bytes;
 }

@@ -51,6 +51,7 @@ const Scheme scheme_differences = {
     .given = PASS_SHAPE,
     .derive = &volume_alone,
     .projects = true,
+    .unknowns = differences_unknowns,
     .again = {PASS_SHAPE, PASS_SHAPE + 2},
     .options = differences_options,
 };

@@ -7,7 +7,7 @@
 #include "sim/terms/terms.h"
 #include <math.h>
 
-/* With true densities a correction of the heavy throws the light about: from a ratio of 100 on such runs blow up. */
+/* With true densities a correction of the heavy throws the light about: runs with a ratio of 100 blow up by it, so that it ends well below. */
 static bool moves_alike(const Model *model, MnsMobility mobility)
 {
     if (mobility != MNS_MOBILITY_BY_RATIO) return mobility == MNS_MOBILITY_UNIT;
@@ -61,5 +61,6 @@ const Scheme scheme_incompressible = {
     .derive = &volume_alone,
     .again = {PASS_RATES, PASS_RATES + 1},
     .projects = true,
+    .unknowns = projection_unknowns,
     .options = incompressible_options,
 };

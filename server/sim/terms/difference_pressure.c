@@ -9,6 +9,11 @@
 #include "sim/terms/terms.h"
 #include <math.h>
 
+size_t differences_unknowns(const Particles *s)
+{
+    return s->n;
+}
+
 static size_t blocks_for(size_t entries)
 {
     return (entries + LANES - 1) / LANES;

@@ -99,7 +99,8 @@ size_t projection_unknowns(const Particles *s);
 /* Lay out the rows of the system by how many neighbours there are. false: no memory. */
 bool projection_lay(Particles *s, const Neighbours *nb);
 
-/* The same for the scheme of differences, in which walls are unknowns once. */
+/* The same for the scheme of differences, in which walls are unknowns once; of a system that may have room for more. */
+size_t differences_unknowns(const Particles *s);
 bool differences_lay(Particles *s, const Neighbours *nb);
 
 /* 1 / K, K = sum_j V_j (-F) y^2 r^2/(r^2 + 0.01 h^2) over the lattice with these spacings, mean over directions: 1 for a
