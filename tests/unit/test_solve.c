@@ -318,6 +318,53 @@ static void parts_are_counted(void **state)
     system_done(&y);
 }
 
+/* Each row refers to the next only: with a right hand side of two opposite ones the second residual has nothing of the first. */
+static void a_breakdown_is_begun_anew(void **state)
+{
+    (void)state;
+    enum { N = 8 };
+    System y;
+    SolveReport report;
+    assert_true(system_init(&y, N, N, 1));
+    for (size_t i = 0; i < N; i++) y.matrix.blocks[i] = 1;
+    assert_true(matrix_lay(&y.matrix, 1));
+    for (size_t i = 0; i < N; i++) {
+        for (size_t k = 0; k < ENTRIES; k++) y.matrix.column[i * ENTRIES + k] = (uint32_t)((i + 1) % N);
+        y.matrix.c[i * ENTRIES] = 1;
+        y.matrix.diagonal[i] = 1;
+        y.b[i] = i == 0 ? 1 : i == N / 2 ? -1 : 0;
+    }
+    solve_bicgstab.solve(&y, &(SolveGoal){1e-6, 100}, &report);
+    if (!report.converged) fail_msg("%g after %u", report.residual, report.iterations);
+    for (size_t i = 0; i < N; i++) assert_close(y.x[i] - y.x[(i + 1) % N], i == 0 ? 1 : i == N / 2 ? -1 : 0, 1e-5);
+    system_done(&y);
+}
+
+/* From a guess that is far off, by what rounding leaves of it: b - L x is more than the methods' own sums of it say. */
+static void what_is_left_is_looked_at_where_little_is_allowed(void **state)
+{
+    (void)state;
+    const SolveMethod *const methods[] = {&solve_cg, &solve_bicgstab, &solve_amg};
+    static const double far[] = {1e4, 1e5, 1e5};
+    for (int k = 0; k < (amg_exists() && !getenv("MENISCUS_SANITIZED") ? 3 : 2); k++) {
+        System y;
+        SolveReport report;
+        ring(&y, FEW, 0, 1);
+        ask(&y, 5);
+        for (size_t i = 0; i < FEW; i++) y.x[i] = far[k] * sin(3.0 * (double)i);
+        methods[k]->solve(&y, &(SolveGoal){5e-12, 3000}, &report);
+        assert_true(report.converged);
+        matrix_multiply(&y.matrix, y.x, y.work[0], 1);
+        double left = 0, size = 0;
+        for (size_t i = 0; i < FEW; i++) {
+            left += (y.b[i] - y.work[0][i]) * (y.b[i] - y.work[0][i]);
+            size += y.b[i] * y.b[i];
+        }
+        assert_less(sqrt(left / size), 5.05e-12);
+        system_done(&y);
+    }
+}
+
 static void a_guess_that_is_right_needs_no_iteration(void **state)
 {
     (void)state;
@@ -423,6 +470,8 @@ int main(void)
         cmocka_unit_test(what_cannot_be_solved_is_taken_from_the_bulk),
         cmocka_unit_test(parts_are_solved_as_if_they_were_alone),
         cmocka_unit_test(parts_are_counted),
+        cmocka_unit_test(a_breakdown_is_begun_anew),
+        cmocka_unit_test(what_is_left_is_looked_at_where_little_is_allowed),
         cmocka_unit_test(a_guess_that_is_right_needs_no_iteration),
         cmocka_unit_test(a_solve_that_fails_says_how),
         cmocka_unit_test(threads_change_no_bit),

@@ -201,19 +201,23 @@ static void cycle(System *y, const double *r, double *z)
 
 static void conjugate_gradients(System *y, const SolveGoal *goal, SolveReport *report, double size)
 {
-    double *r = y->work[0], *z = y->work[1], *p = y->work[2], *q = y->work[3], rz = 1;
-    memset(p, 0, y->matrix.n * sizeof *p);
-    for (unsigned k = 0; !note(report, goal, k, sqrt(dot(y, r, r)) / size); k++) {
-        const double before = rz;
-        cycle(y, r, z);
-        rz = dot(y, r, z);
-        add_to(y, p, rz / before, z);
-        matrix_multiply(&y->matrix, p, q, y->threads);
-        const double alpha = rz / dot(y, p, q);
-        add(y, y->x, alpha, p);
-        add(y, r, -alpha, q);
-        remove_mean(y, r);
-    }
+    double *r = y->work[0], *z = y->work[1], *p = y->work[2], *q = y->work[3];
+    unsigned k = 0;
+    do {
+        double rz = 1;
+        memset(p, 0, y->matrix.n * sizeof *p);
+        for (; !note(report, goal, k, sqrt(dot(y, r, r)) / size); k++) {
+            const double before = rz;
+            cycle(y, r, z);
+            rz = dot(y, r, z);
+            add_to(y, p, rz / before, z);
+            matrix_multiply(&y->matrix, p, q, y->threads);
+            const double alpha = rz / dot(y, p, q);
+            add(y, y->x, alpha, p);
+            add(y, r, -alpha, q);
+            remove_mean(y, r);
+        }
+    } while (is_left(y, goal, report, r, size));
 }
 
 static void solve_with(System *y, const SolveGoal *goal, SolveReport *report, bool symmetric)

@@ -21,23 +21,25 @@ static void advance(System *y, Precondition *precondition, const double *a, doub
     remove_mean(y, ret);
 }
 
-void stabilised_gradients(System *y, const SolveGoal *goal, SolveReport *report, double size,
-                          Precondition *precondition)
+/* From the residual r on, until the solution is found, or no direction is left that the shadow of the first residual sees. Returns the
+ * number of iterations. */
+static unsigned iterate(System *y, const SolveGoal *goal, SolveReport *report, double size, Precondition *precondition,
+                        unsigned k)
 {
     double *r = y->work[0], *shadow = y->work[1], *p = y->work[2], *v = y->work[3], *t = y->work[4], *z = y->work[5],
            *zs = y->work[6];
     const size_t bytes = y->matrix.n * sizeof(double);
-    remove_mean(y, r);
     memcpy(shadow, r, bytes);
     memset(p, 0, bytes);
     memset(v, 0, bytes);
     double rho = 1, alpha = 1, omega = 1;
-    for (unsigned k = 0; !note(report, goal, k, sqrt(dot(y, r, r)) / size); k++) {
+    for (; !note(report, goal, k, sqrt(dot(y, r, r)) / size); k++) {
         const double before = rho;
         rho = dot(y, shadow, r);
         turn(y, rho / before * (alpha / omega), omega, r, v, p);
         advance(y, precondition, p, z, v);
         alpha = rho / dot(y, shadow, v);
+        if (!isfinite(alpha)) return k;
         add(y, r, -alpha, v);
         advance(y, precondition, r, zs, t);
         const double tt = dot(y, t, t);
@@ -46,6 +48,22 @@ void stabilised_gradients(System *y, const SolveGoal *goal, SolveReport *report,
         add(y, y->x, omega, zs);
         add(y, r, -omega, t);
     }
+    return k;
+}
+
+/* Begun anew from where it broke down, but not where it breaks down at once. */
+void stabilised_gradients(System *y, const SolveGoal *goal, SolveReport *report, double size,
+                          Precondition *precondition)
+{
+    double *r = y->work[0];
+    unsigned begun = 0, k = 0;
+    bool broken = false;
+    remove_mean(y, r);
+    do {
+        begun = k;
+        k = iterate(y, goal, report, size, precondition, k);
+        broken = isfinite(report->residual) && report->residual > goal->tolerance && k < goal->iterations;
+    } while ((broken && k > begun) || is_left(y, goal, report, r, size));
 }
 
 static void solve(System *y, const SolveGoal *goal, SolveReport *report)

@@ -47,16 +47,19 @@ static void solve(System *y, const SolveGoal *goal, SolveReport *report)
         memset(y->x, 0, y->matrix.n * sizeof *y->x);
         return;
     }
-    memset(p, 0, y->matrix.n * sizeof *p);
-    memset(q, 0, y->matrix.n * sizeof *q);
-    Products now = update(y, 0, p, q, r, z);
-    double beta = 0;
-    for (unsigned k = 0; !note(report, goal, k, sqrt(now.rr) / size); k++) {
-        add_to(y, p, beta, z);
-        const double pq = advance(y, p, q), before = now.rz;
-        now = update(y, now.rz / pq, p, q, r, z);
-        beta = now.rz / before;
-    }
+    unsigned k = 0;
+    do {
+        memset(p, 0, y->matrix.n * sizeof *p);
+        memset(q, 0, y->matrix.n * sizeof *q);
+        Products now = update(y, 0, p, q, r, z);
+        double beta = 0;
+        for (; !note(report, goal, k, sqrt(now.rr) / size); k++) {
+            add_to(y, p, beta, z);
+            const double pq = advance(y, p, q), before = now.rz;
+            now = update(y, now.rz / pq, p, q, r, z);
+            beta = now.rz / before;
+        }
+    } while (is_left(y, goal, report, r, size));
 }
 
 const SolveMethod solve_cg = {

@@ -266,6 +266,26 @@ void jacobi(System *y, const double *r, double *z)
     for (size_t i = 0; i < y->matrix.n; i++) z[i] = diagonal[i] > 0 ? r[i] / diagonal[i] : 0;
 }
 
+/* r = b - L x */
+static void subtract_product(const System *y, double *restrict r)
+{
+    const double *restrict b = y->b;
+    matrix_multiply(&y->matrix, y->x, r, y->threads);
+#pragma omp parallel for simd schedule(static) num_threads(y->threads)
+    for (size_t i = 0; i < y->matrix.n; i++) r[i] = b[i] - r[i];
+}
+
+bool is_left(System *y, const SolveGoal *goal, SolveReport *report, double *r, double size)
+{
+    const double rounded = 1e-8; /* with larger tolerances than this the check would cost more than it finds */
+    if (!report->converged || report->iterations == 0 || goal->tolerance >= rounded) return false;
+    subtract_product(y, r);
+    remove_mean(y, r);
+    report->residual = sqrt(dot(y, r, r)) / size;
+    report->converged = report->residual <= goal->tolerance;
+    return !report->converged;
+}
+
 double begin(System *y, double *r)
 {
     const size_t n = y->matrix.n;
@@ -280,9 +300,7 @@ double begin(System *y, double *r)
         sum_rows(y, b, y->bulk);
         lower(y, b, partial_sum(y, 0) / partial_sum(y, 1), y->bulk);
     }
-    matrix_multiply(&y->matrix, y->x, r, y->threads);
-#pragma omp parallel for simd schedule(static) num_threads(y->threads)
-    for (size_t i = 0; i < n; i++) r[i] = b[i] - r[i];
+    subtract_product(y, r);
     const double size = sqrt(dot(y, b, b));
     return size < y->least ? y->least : size;
 }

@@ -61,6 +61,10 @@ void stabilised_gradients(System *y, const SolveGoal *goal, SolveReport *report,
 /* Make b solvable and r = b - L x; returns |b|, or the least that counts. Rows that say nothing ask for nothing. */
 double begin(System *y, double *r);
 
+/* r = b - L x of a solve that has come to its end, if its tolerance is so small that the rounding of many iterations matters; true: more is
+ * left of it than is allowed, and the method has to go on from there. */
+bool is_left(System *y, const SolveGoal *goal, SolveReport *report, double *r, double size);
+
 /* Note the residual of an iteration; true: it is small enough, and that is in the report. */
 bool note(SolveReport *report, const SolveGoal *goal, unsigned iteration, double residual);
 
