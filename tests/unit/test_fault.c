@@ -198,6 +198,25 @@ static void without_compression_the_number_density_is_to_blame(void **state)
     }
 }
 
+/* What surrounds a particle without an equation of its own would take its old pressure as given. */
+static void a_particle_without_a_pressure_is_to_blame(void **state)
+{
+    (void)state;
+    MnsCase *c = case_shaken_by("differences", 2, 1);
+    MnsError error = {0};
+    MnsSim *sim = sim_of(c);
+    sim_steps(sim, 2);
+    sim->s.laplacian[40] = sim->s.laplacian[70] = 0;
+    const size_t first = sim->s.id[40] < sim->s.id[70] ? 40 : 70;
+    char particle[64];
+    snprintf(particle, sizeof particle, "neighbours of 2 particles lie too much to one side");
+    assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_E_DIVERGED);
+    if (!strstr(error.text, particle)) fail_msg("\"%s\" does not say \"%s\"", error.text, particle);
+    snprintf(particle, sizeof particle, "particle %u of %s", sim->s.id[first], c->fluids[sim->s.phase[first]].name);
+    if (!strstr(error.text, particle)) fail_msg("\"%s\" does not say \"%s\"", error.text, particle);
+    sim_done(sim, c);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -209,6 +228,7 @@ int main(void)
         cmocka_unit_test(time_step_below_its_floor_is_a_divergence),
         cmocka_unit_test(restore_takes_a_fault_away),
         cmocka_unit_test(every_scheme_names_who_is_to_blame_at_any_time),
+        cmocka_unit_test(a_particle_without_a_pressure_is_to_blame),
         cmocka_unit_test(without_compression_the_number_density_is_to_blame),
     };
     return cmocka_run_group_tests_name("fault", tests, NULL, NULL);

@@ -95,6 +95,28 @@ static void keep_pressure(MnsSim *sim, double dt)
     particles_changed(s, ON_ALL, FIELD(P));
 }
 
+/* Of a particle whose neighbours lie so that its row has no diagonal to divide by, the pressure would stay what it was, and the fluid around
+ * would take it as given. Of several it is the one with the smallest id. */
+static MnsStatus check_rows(const MnsSim *sim, MnsError *error)
+{
+    const Particles *s = &sim->s;
+    const System *y = &sim->system;
+    size_t silent = 0, worst = s->n;
+    for (size_t i = 0; i < particles_fluid(s); i++) {
+        if (y->matrix.blocks[i] || i == y->held || sim->nb.end[i][GROUP_WALL] == 0) continue;
+        if (worst == s->n || s->id[i] < s->id[worst]) worst = i;
+        silent++;
+    }
+    if (silent == 0) return MNS_OK;
+    return mns_fail(
+        error, MNS_E_DIVERGED,
+        "diverged in step %llu at t = %g s: the neighbours of %zu particles lie too much to one side for the "
+        "pressure to be solved for there, as of particle %u of %s at (%g, %g, %g) m. Look at the snapshot, "
+        "then try a smaller cfl, a larger shifting_strength or a larger scheme.smoothing",
+        (unsigned long long)sim->progress.step + 1, sim->model.t, silent, s->id[worst],
+        sim->c->fluids[s->phase[worst]].name, s->x[0][worst], s->x[1][worst], s->dim == 3 ? s->x[2][worst] : 0);
+}
+
 static MnsStatus project(MnsSim *sim, double dt, MnsError *error)
 {
     const MnsDifferences *options = &sim->c->scheme.differences;
@@ -105,8 +127,10 @@ static MnsStatus project(MnsSim *sim, double dt, MnsError *error)
         return mns_fail(error, MNS_E_MEMORY, "no memory for the pressure system of %zu particles", sim->s.n);
     integrator_pass(sim, PASS_CONTINUED);
     integrator_pass(sim, PASS_SYSTEM);
+    MnsStatus status = check_rows(sim, error);
+    if (status) return status;
     pressure_guess(sim, dt);
-    const MnsStatus status = solve(sim, error);
+    status = solve(sim, error);
     system_centre(y);
     integrator_pass(sim, PASS_CORRECTION);
     keep_pressure(sim, dt);
