@@ -117,6 +117,54 @@ static void momentum_and_number_densities_are_kept(void **state)
     }
 }
 
+/* Three drops of unlike fluids in a fourth, with a tension between any two, stirred; bits are those of any number of threads. */
+static void four_fluids_keep_momentum_and_bits(void **state)
+{
+    (void)state;
+    uint64_t hash = 0;
+    for (unsigned threads = 1; threads <= 3; threads += 2) {
+        MnsCase *c = case_blank(2, 24);
+        choose(c);
+        c->threads = threads;
+        case_add_fluid(c, "one", 3, 10);
+        case_add_fluid(c, "two", 0.7, 10);
+        case_add_fluid(c, "three", 8, 10);
+        case_add_fluid(c, "rest", 1, 10);
+        for (int k = 0; k < 4; k++) {
+            if (k < 3) {
+                MnsPart *ball = case_add_part(&c->fluids[k].shape, MNS_BALL);
+                ball->a[0] = 0.27 + 0.23 * k;
+                ball->a[1] = k == 1 ? 0.7 : 0.35;
+                ball->radius = 0.15 + 0.02 * k;
+            }
+            c->fluids[k].viscosity = 0.01; /* alike, as the transposed stress of unlike ones is not of pairs */
+            case_set_text(&c->fluids[k].velocity[0], "0.3*sin(2*pi*y)");
+            case_set_text(&c->fluids[k].velocity[1], "0.5*cos(2*pi*x) + 0.1");
+            for (int q = 0; q < 4; q++) c->tension[k][q] = k == q ? 0 : 0.01 * (1 + k + q);
+        }
+        for (int d = 0; d < 2; d++) c->periodic[d] = true;
+        MnsSim *sim = sim_of(c);
+        const Particles *s = &sim->s;
+        double momentum[2] = {0}, size = 0;
+        size_t n[4] = {0};
+        for (size_t i = 0; i < s->n; i++) {
+            n[s->phase[i]]++;
+            for (int d = 0; d < 2; d++) {
+                momentum[d] += s->m[i] * s->v[d][i];
+                size += s->m[i] * fabs(s->v[d][i]);
+            }
+        }
+        for (int k = 0; k < 4; k++) assert_true(n[k] > 30);
+        sim_steps(sim, 25);
+        for (size_t i = 0; i < s->n; i++)
+            for (int d = 0; d < 2; d++) momentum[d] -= s->m[i] * s->v[d][i];
+        for (int d = 0; d < 2; d++) assert_close(momentum[d], 0, 1e-12 * size);
+        if (threads > 1) assert_true(mns_sim_hash(sim) == hash);
+        hash = mns_sim_hash(sim);
+        sim_done(sim, c);
+    }
+}
+
 static void a_pressure_that_is_not_found_is_a_fault_that_tells_its_residuals(void **state)
 {
     (void)state;
@@ -222,6 +270,7 @@ int main(void)
         cmocka_unit_test(layers_at_rest_have_their_pressure_from_the_first_step_on),
         cmocka_unit_test(a_step_that_is_cut_short_leaves_the_pressure),
         cmocka_unit_test(momentum_and_number_densities_are_kept),
+        cmocka_unit_test(four_fluids_keep_momentum_and_bits),
         cmocka_unit_test(a_pressure_that_is_not_found_is_a_fault_that_tells_its_residuals),
         cmocka_unit_test(a_pressure_that_is_no_number_is_a_fault_of_its_own),
         cmocka_unit_test(two_closed_spaces_are_stirred_in_one_case),

@@ -157,6 +157,74 @@ static void radial_viscosity_needs_half_the_time_step(void **state)
     sim_done(sim, c);
 }
 
+/* Without sound: what the flow is expected to do comes on top of what it does, and is found from gravity where it is not given. */
+static void flows_without_sound_go_by_the_speed_that_is_expected(void **state)
+{
+    (void)state;
+    static const char *const schemes[] = {"incompressible", "differences"};
+    for (int k = 0; k < 2; k++) {
+        MnsCase *c;
+        MnsSim *sim = two_fluids(&c, schemes[k], MNS_AVERAGE_DENSITY, 0);
+        sim->v_max = 3;
+        sim->model.projection.speed = 2;
+        assert_close(flow_limit.of(sim), 0.25 * 0.13 / 5, 1e-15);
+        sim->model.gravity[0] = -3;
+        sim->model.gravity[1] = 6; /* in a box of 1 x 1: sqrt(3 + 6) */
+        assert_close(flow_limit.of(sim), 0.25 * 0.13 / 5, 1e-15);
+        sim->model.projection.speed = -1;
+        assert_close(flow_limit.of(sim), 0.25 * 0.13 / 6, 1e-15);
+        sim->model.max[1] = 7 / 6.0; /* sqrt(3 + 7) */
+        sim->v_max = 0;
+        assert_close(flow_limit.of(sim), 0.25 * 0.13 / sqrt(10), 1e-15);
+        sim->model.projection.speed = 0;
+        assert_true(isinf(flow_limit.of(sim)));
+        sim_done(sim, c);
+    }
+}
+
+/* P4 by pairs, of which the harmonic mean moves the lighter one, and a fluid is a pair of its own; P5 by mixtures, as thin as the fluid with
+ * the most viscosity over density. */
+static void viscosity_bounds_the_time_step_of_flows_without_sound(void **state)
+{
+    (void)state;
+    static const char *const schemes[] = {"incompressible", "differences"};
+    for (int k = 0; k < 2; k++) {
+        MnsCase *c;
+        const Limit *limit = NULL;
+        MnsSim *sim = two_fluids(&c, schemes[k], MNS_AVERAGE_DENSITY, 0); /* 2 and 1 Pa s, 1 and 0.1 kg/m^3 */
+        assert_close(incompressible_viscous_limit.of(sim), 0.25 * 0.0169 * 0.1 * 3 / 4, 1e-15);
+        assert_close(mixture_viscous_limit.of(sim), 0.25 * 0.0169 * 0.1, 1e-15);
+        assert_close(limits_dt(sim, &limit), 0.25 * 0.0169 * 0.1 * (k ? 1 : 0.75), 1e-15);
+        assert_ptr_equal(limit, k ? &mixture_viscous_limit : &incompressible_viscous_limit);
+        sim->model.phase[1].mu = 0; /* then the mean is 0 too, and the first fluid is left */
+        assert_close(incompressible_viscous_limit.of(sim), 0.25 * 0.0169 / 2, 1e-15);
+        assert_close(mixture_viscous_limit.of(sim), 0.25 * 0.0169 / 2, 1e-15);
+        sim->model.phase[0].mu = 0;
+        assert_true(isinf(incompressible_viscous_limit.of(sim)) && isinf(mixture_viscous_limit.of(sim)));
+        sim_done(sim, c);
+    }
+}
+
+/* P4 eq. 39 has the lighter of the two: 0.25 sqrt(0.1 * 0.13^3 / (2 pi 0.6)). */
+static void surface_tension_bounds_the_time_step_by_the_lighter_fluid_where_there_is_no_sound(void **state)
+{
+    (void)state;
+    static const char *const schemes[] = {"incompressible", "differences"};
+    for (int k = 0; k < 2; k++) {
+        MnsCase *c;
+        const Limit *limit = NULL;
+        MnsSim *sim = two_fluids(&c, schemes[k], MNS_AVERAGE_DENSITY, 0);
+        assert_close(incompressible_tension_limit.of(sim), 1.9085e-3, 1e-7);
+        sim->model.phase[0].mu = sim->model.phase[1].mu = 0;
+        sim->model.tension[0][1] = sim->model.tension[1][0] = 4 * 0.6;
+        assert_close(limits_dt(sim, &limit), 0.5 * 1.9085e-3, 1e-7);
+        assert_ptr_equal(limit, &incompressible_tension_limit);
+        sim->model.tension[0][1] = sim->model.tension[1][0] = 0;
+        assert_true(isinf(incompressible_tension_limit.of(sim)));
+        sim_done(sim, c);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -166,6 +234,9 @@ int main(void)
         cmocka_unit_test(light_fluids_are_stiff_where_averages_are_arithmetic),
         cmocka_unit_test(surface_tension_bounds_the_time_step_by_the_mean_density),
         cmocka_unit_test(radial_viscosity_needs_half_the_time_step),
+        cmocka_unit_test(flows_without_sound_go_by_the_speed_that_is_expected),
+        cmocka_unit_test(viscosity_bounds_the_time_step_of_flows_without_sound),
+        cmocka_unit_test(surface_tension_bounds_the_time_step_by_the_lighter_fluid_where_there_is_no_sound),
     };
     return cmocka_run_group_tests_name("limits", tests, NULL, NULL);
 }
