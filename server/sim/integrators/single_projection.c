@@ -91,7 +91,7 @@ static void keep_pressure(MnsSim *sim, double dt)
     Particles *s = &sim->s;
     const double *restrict P = sim->system.x, share = pressure_share(sim, dt);
 #pragma omp parallel for simd schedule(static) num_threads(sim->threads)
-    for (size_t i = 0; i < s->n; i++) s->p[i] += share * (P[i] / dt - s->p[i]);
+    for (size_t i = 0; i < s->n; i++) s->p[i] = share * (P[i] / dt) + (1 - share) * s->p[i];
     particles_changed(s, ON_ALL, FIELD(P));
 }
 
