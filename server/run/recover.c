@@ -131,7 +131,8 @@ void run_recover(Run *run, Order *order)
     run_load(run, order, &load);
     run_commit(run); /* and from here on the order is whoever's gave it */
     if (run->state == RUN_RECOVERING) set_out(run, lineage);
-    else if (run->state != RUN_EMPTY) { /* the journal cannot be written */ run->recovery.lineage = NULL;
+    else if (run->state != RUN_EMPTY) {
+        run->recovery.lineage = NULL; /* the journal cannot be written */
         run->astray = true;
     }
 }
