@@ -3,20 +3,9 @@
 #include "net/look.h"
 
 #include "net/selection.h"
-#include "proto/frame.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-static const char *numpy_of(MnsType type)
-{
-    return type == MNS_F64 ? "<f8" : type == MNS_U32 ? "<u4" : "|u1";
-}
-
-static size_t width_of(MnsType type)
-{
-    return number_size(numpy_of(type));
-}
 
 static MnsStatus find_field(const MnsSim *sim, const char *name, int *ret, MnsError *error)
 {
@@ -161,7 +150,8 @@ static MnsStatus add_field(const MnsSim *sim, int field, const uint32_t *chosen,
                            MnsError *error)
 {
     const MnsFieldInfo *info = &mns_fields()[field];
-    const size_t parts = info->components == 1 ? 1 : (size_t)mns_sim_case(sim)->dim, width = width_of(info->type);
+    const size_t parts = info->components == 1 ? 1 : (size_t)mns_sim_case(sim)->dim,
+                 width = tap_number_size(info->type);
     char *data = malloc(n * parts * width + 1);
     if (!data) return mns_fail(error, MNS_E_MEMORY, "no memory for %zu particles", n);
     for (size_t d = 0; d < parts; d++) {
@@ -169,7 +159,7 @@ static MnsStatus add_field(const MnsSim *sim, int field, const uint32_t *chosen,
         for (size_t k = 0; k < n; k++) memcpy(data + (k * parts + d) * width, from + chosen[k] * width, width);
     }
     const uint64_t shape[2] = {n, parts};
-    return exchange_add(exchange, info->name, numpy_of(info->type), info->unit, shape, parts == 1 ? 1 : 2, data,
+    return exchange_add(exchange, info->name, selection_numpy(info->type), info->unit, shape, parts == 1 ? 1 : 2, data,
                         n * parts * width, error);
 }
 
@@ -194,7 +184,7 @@ static MnsStatus check_size(const Meniscus__ParticleQuery *query, const int *fie
 {
     size_t bytes = 0;
     for (size_t k = 0; k < n_fields; k++)
-        bytes += n * (size_t)mns_fields()[fields[k]].components * width_of(mns_fields()[fields[k]].type);
+        bytes += n * (size_t)mns_fields()[fields[k]].components * tap_number_size(mns_fields()[fields[k]].type);
     if (n > query->limit)
         return mns_fail_at(error, MNS_E_LIMIT, "limit",
                            "%zu particles are within, and the limit is %llu; ask for a smaller box or raise it", n,

@@ -2,6 +2,7 @@
 /* Which particles of a capture a stream has. */
 #include "net/selection.h"
 
+#include "run/tap.h"
 #include <string.h>
 
 /* The finalizer of MurmurHash3. */
@@ -76,9 +77,9 @@ size_t selection_choose(const Selection *selection, const MnsCapture *capture, u
     return n;
 }
 
-static size_t size_of(MnsType type)
+const char *selection_numpy(MnsType type)
 {
-    return type == MNS_F64 ? sizeof(double) : type == MNS_U32 ? sizeof(uint32_t) : sizeof(uint8_t);
+    return type == MNS_F64 ? "<f8" : type == MNS_U32 ? "<u4" : "|u1";
 }
 
 static int components(const MnsCapture *capture, int field)
@@ -88,7 +89,7 @@ static int components(const MnsCapture *capture, int field)
 
 size_t selection_width(const MnsCapture *capture, int field)
 {
-    return (size_t)components(capture, field) * size_of(mns_fields()[field].type);
+    return (size_t)components(capture, field) * tap_number_size(mns_fields()[field].type);
 }
 
 /* Most of what is asked for are numbers of eight bytes, and this is most of the time that a stream takes. */
@@ -112,5 +113,5 @@ void selection_gather(const MnsCapture *capture, int field, const uint32_t *chos
     const MnsType type = mns_fields()[field].type;
     for (int d = 0; d < parts; d++)
         if (type == MNS_F64) gather_doubles(capture->data[field][d], chosen, n, (size_t)parts, (double *)to + d);
-        else gather_bytes(capture->data[field][d], chosen, n, size_of(type), to); /* these have one component */
+        else gather_bytes(capture->data[field][d], chosen, n, tap_number_size(type), to); /* these have one component */
 }

@@ -26,6 +26,9 @@ uint64_t selection_fields(const Selection *selection);
 /* Indices of those selected, which come in the order of the capture; chosen: [capture->n]. Returns how many. */
 size_t selection_choose(const Selection *selection, const MnsCapture *capture, uint32_t *chosen);
 
+/* What numpy calls the numbers of a field. */
+const char *selection_numpy(MnsType type);
+
 /* Bytes of one particle's value: all components. */
 size_t selection_width(const MnsCapture *capture, int field);
 

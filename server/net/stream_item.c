@@ -5,11 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *numpy_of(MnsType type)
-{
-    return type == MNS_F64 ? "<f8" : type == MNS_U32 ? "<u4" : "|u1";
-}
-
 static size_t bytes_of(const PackingArray *array)
 {
     size_t bytes = (size_t)(array->type[2] - '0');
@@ -86,7 +81,7 @@ static MnsStatus add_field(StreamItem *item, const MnsCapture *capture, int fiel
     selection_gather(capture, field, chosen, n, raw);
     const PackingArray array = {.name = info->name,
                                 .unit = info->unit,
-                                .type = numpy_of(info->type),
+                                .type = selection_numpy(info->type),
                                 .n_dims = info->components == 1 ? 1 : 2,
                                 .shape = {n, (size_t)capture->dim}};
     add(item, array, raw);

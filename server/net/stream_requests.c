@@ -48,8 +48,7 @@ static MnsStatus fail_unknown(Asked *asked)
 
 static const char *numpy_of(const PackingHow *how, MnsType type)
 {
-    if (type == MNS_F64) return how->exactness == PACKING_F32 ? "<f4" : "<f8";
-    return type == MNS_U32 ? "<u4" : "|u1";
+    return type == MNS_F64 && how->exactness == PACKING_F32 ? "<f4" : selection_numpy(type);
 }
 
 static void describe_column(const StreamSpec *spec, size_t k, const MnsCase *c, Meniscus__StreamColumn *ret)

@@ -247,7 +247,7 @@ static MnsStatus check_size(const StreamSpec *spec, const TapCase *now, size_t l
     for (int f = 0; mns_fields()[f].name; f++)
         if (spec->wish.fields >> f & 1)
             width += (mns_fields()[f].components == 1 ? 1 : (size_t)now->document->c->dim) *
-                     (mns_fields()[f].type == MNS_F64 ? sizeof(double) : 4);
+                     tap_number_size(mns_fields()[f].type);
     if (width * now->particles <= limit) return MNS_OK;
     return mns_fail_at(error, MNS_E_LIMIT, "fields",
                        "a copy of these fields takes %zu bytes, and all streams together may hold %zu: ask for fewer "

@@ -200,13 +200,17 @@ static bool find_due(Tap *tap, MnsProgress now, bool stepped, Wish *ret)
     return any;
 }
 
+size_t tap_number_size(MnsType type)
+{
+    return type == MNS_F64 ? sizeof(double) : type == MNS_U32 ? sizeof(uint32_t) : sizeof(uint8_t);
+}
+
 /* What the arrays of a capture take, whatever simulation they are of, and whether or not they are filled now. */
 static size_t size_of(const MnsCapture *capture)
 {
     size_t width = 0;
     for (int f = 0; capture && mns_fields()[f].name; f++) {
-        const MnsType type = mns_fields()[f].type;
-        const size_t one = type == MNS_F64 ? sizeof(double) : type == MNS_U32 ? sizeof(uint32_t) : sizeof(uint8_t);
+        const size_t one = tap_number_size(mns_fields()[f].type);
         for (int d = 0; d < 3; d++) width += capture->data[f][d] ? one : 0;
     }
     return width ? width * capture->n : 0;

@@ -28,6 +28,9 @@ typedef struct Shot {
     const double *values;      /* by number of the probe; NULL: none is wanted */
 } Shot;
 
+/* Bytes of one number of a field, wherever it is copied to. */
+size_t tap_number_size(MnsType type);
+
 /* The simulation that is there now. */
 typedef struct TapCase {
     uint64_t generation; /* rises with each case that is loaded or left; feeds of another one give nothing more */
