@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What goes over the sockets of the control plane, counted by the desk's thread for any other to look at. */
+/* What goes over the sockets of the control plane, counted by the thread of the socket concerned for any other to look at. */
 #ifndef HTTP_TRAFFIC_H
 #define HTTP_TRAFFIC_H
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The desk: the sockets of commands and news, and what goes through them. A client that sends rubbish gets a sentence; one that vanishes, nothing; no
- * client can make the daemon wait. Answers nobody reads are bounded in bytes. Messages that ZeroMQ has not received to their end
- * cannot be: see DECISIONS.md. */
+/* The desk: the sockets of commands and news, and what goes through them. A client that sends rubbish gets a sentence; one that vanishes, nothing; none
+ * is waited for. Answers nobody reads are bounded in bytes, and what a frame may ask of this thread in its size or its number. Messages that
+ * ZeroMQ has not received to their end cannot be: see DECISIONS.md. */
 #include "net/desk.h"
 
 #include "base/clock.h"

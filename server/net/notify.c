@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the service manager hears. Signs of life come from the run's own heart: a helper thread that sent them by itself
- * would hide a solver that hangs. */
+ * would hide a solver that hangs. It beats with each step, on the way back and while particles are placed too. */
 #include "net/notify.h"
 
 #include "base/clock.h"
