@@ -19,13 +19,18 @@ static double list_bytes(const Model *model)
     return entries * sizeof(uint32_t) + entries / 8 + 8;
 }
 
-/* Vectors of the pressure system; and its rows, of which half a block is empty and a twentieth is to spare. */
+/* Vectors of the pressure system; its rows, of which half a block is empty and a twentieth is to spare; and what multigrid keeps of them, of
+ * two matrices that take turns where densities are corrected by weights of their own. */
 static double system_need(const MnsSim *sim, const Particles *s)
 {
     const Model *model = &sim->model;
     const double rows = (double)sim->scheme->unknowns(s), spare = 1.05;
+    const Projection *options = &model->projection;
     const System none = {.matrix.n = 1};
-    return rows * (double)system_bytes(&none) +
+    double multigrid = 0;
+    if (amg_exists() && solve_takes_amg(options->solver, rows, list_entries(model) / ENTRIES))
+        multigrid = (options->unit_mobility ? 2 : 1) * amg_bytes(rows, list_entries(model));
+    return multigrid + rows * (double)system_bytes(&none) +
            spare * rows * (list_entries(model) + 0.5 * ENTRIES) * (sizeof(uint32_t) + sizeof(float));
 }
 

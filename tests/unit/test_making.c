@@ -34,6 +34,47 @@ static void what_a_simulation_takes_is_foreseen_and_not_much_more(void **state)
     assert_foreseen(case_periodic(3, 30));
 }
 
+static MnsCase *filled(const char *scheme, int dim, double resolution, MnsSolver solver)
+{
+    MnsCase *c = case_periodic(dim, resolution);
+    c->scheme.name = scheme;
+    c->scheme.kernel = MNS_QUINTIC_SPLINE;
+    c->scheme.smoothing = 1;
+    c->scheme.incompressible.solver = c->scheme.differences.solver = solver;
+    return c;
+}
+
+static double foreseen(MnsCase *c)
+{
+    MnsSim *sim = sim_of(c);
+    size_t sizes[GROUPS];
+    for (int g = 0; g < GROUPS; g++) sizes[g] = sim->s.begin[g + 1] - sim->s.begin[g];
+    const double bytes = making_bytes(sim, sizes);
+    sim_done(sim, c);
+    return bytes;
+}
+
+/* With what a library will keep, which nobody else counts, where it will be used: 28 neighbours at 12 bytes in two dimensions, 113 in
+ * three, at the least. */
+static void systems_are_foreseen_with_what_multigrid_keeps(void **state)
+{
+    (void)state;
+    static const char *const schemes[] = {"incompressible", "differences"};
+    for (int k = 0; k < 2; k++) {
+        assert_foreseen(filled(schemes[k], 2, 100, MNS_SOLVER_BY_SIZE));
+        assert_foreseen(filled(schemes[k], 3, 20, MNS_SOLVER_BICGSTAB));
+        if (!amg_exists()) continue;
+        for (int dim = 2; dim <= 3; dim++) {
+            const double resolution = dim == 2 ? 100 : 20, rows = pow(resolution, dim), entries = dim == 2 ? 29 : 114;
+            const double plain = foreseen(filled(schemes[k], dim, resolution, MNS_SOLVER_BICGSTAB));
+            const double kept = foreseen(filled(schemes[k], dim, resolution, MNS_SOLVER_AMG)) - plain;
+            assert_less(12 * rows * entries, kept);
+            assert_less(kept, 2 * 16e6 + 60 * rows * entries);
+            assert_true(foreseen(filled(schemes[k], dim, resolution, MNS_SOLVER_BY_SIZE)) == plain);
+        }
+    }
+}
+
 static void what_does_not_fit_is_refused_with_what_is_needed_and_what_there_is(void **state)
 {
     (void)state;
@@ -96,6 +137,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_a_simulation_takes_is_foreseen_and_not_much_more),
+        cmocka_unit_test(systems_are_foreseen_with_what_multigrid_keeps),
         cmocka_unit_test(what_does_not_fit_is_refused_with_what_is_needed_and_what_there_is),
         cmocka_unit_test(what_is_far_too_big_is_refused_before_it_is_counted),
         cmocka_unit_test(it_can_be_given_up_at_any_time_until_it_is_ready),

@@ -279,6 +279,14 @@ bool amg_exists(void)
 }
 #endif
 
+/* A copy of the entries, and as much again while it is made or for the coarse levels, of 8 bytes for a value and 4 for its place, a few of
+ * them to spare; and the library itself. */
+double amg_bytes(double rows, double entries)
+{
+    const double each = 20, itself = 16e6;
+    return itself + each * rows * entries;
+}
+
 const SolveMethod solve_amg = {
     .name = "amg",
     .equation = "conjugate gradients, preconditioned by algebraic multigrid",

@@ -114,6 +114,12 @@ void system_forget(System *system);
 /* Was this built with algebraic multigrid? */
 bool amg_exists(void);
 
+/* What that keeps of one matrix of so many rows and entries in each, about. */
+double amg_bytes(double rows, double entries);
+
+/* Would a system of so many rows, of so many blocks each, be solved with it? */
+bool solve_takes_amg(MnsSolver solver, double rows, double blocks);
+
 /* The method that was asked for, or the fastest for a system of this size; one for all matrices unless they are symmetric. */
 const SolveMethod *solve_method(MnsSolver solver, const System *system, bool symmetric);
 

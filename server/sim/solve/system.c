@@ -166,13 +166,19 @@ void system_centre(System *y)
     for (size_t i = 0; i < y->matrix.n; i++) x[i] -= mean;
 }
 
+bool solve_takes_amg(MnsSolver solver, double rows, double blocks)
+{
+    /* Rows from which on it is faster, in two and three dimensions, by how long they are (DECISIONS.md). */
+    const double large = blocks <= 8 ? 50000 : 1000000;
+    return solver == MNS_SOLVER_AMG || (solver == MNS_SOLVER_BY_SIZE && amg_exists() && rows >= large);
+}
+
 const SolveMethod *solve_method(MnsSolver solver, const System *y, bool symmetric)
 {
-    /* Rows from which on multigrid is faster, in two and three dimensions, by how long they are (DECISIONS.md). */
-    const size_t n = y->matrix.n, large = y->matrix.start[n] <= 8 * n ? 50000 : 1000000;
-    if (solver == MNS_SOLVER_BY_SIZE) solver = amg_exists() && n >= large ? MNS_SOLVER_AMG : MNS_SOLVER_CG;
-    if (solver == MNS_SOLVER_AMG) return symmetric ? &solve_amg : &solve_amg_bicgstab;
-    return symmetric && solver == MNS_SOLVER_CG ? &solve_cg : &solve_bicgstab;
+    const size_t n = y->matrix.n;
+    if (solve_takes_amg(solver, (double)n, (double)y->matrix.start[n] / (double)n))
+        return symmetric ? &solve_amg : &solve_amg_bicgstab;
+    return symmetric && solver != MNS_SOLVER_BICGSTAB ? &solve_cg : &solve_bicgstab;
 }
 
 double partial_sum(const System *y, int k)
