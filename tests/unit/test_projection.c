@@ -382,6 +382,47 @@ static void a_projection_takes_the_divergence_away(void **state)
     }
 }
 
+static unsigned iterations_of(size_t n, const SolveMethod *method)
+{
+    Cloud *cloud = cloud_new(&(CloudSetup){.dim = 2,
+                                           .dx = 1.0 / (double)n,
+                                           .n = {n, n},
+                                           .jitter = 0.2,
+                                           .smoothing = 1,
+                                           .kernel = MNS_QUINTIC_SPLINE,
+                                           .calibrated = true,
+                                           .periodic = {true, true},
+                                           .threads = 2,
+                                           .owner = two_kinds});
+    Particles *s = &cloud->s;
+    SolveReport report;
+    const double k = 2 * acos(-1);
+    for (size_t i = 0; i < s->n; i++) {
+        s->v[0][i] = sin(k * s->x[0][i]) + cos(k * s->x[1][i]);
+        s->v[1][i] = 0.5 * sin(k * (s->x[0][i] + s->x[1][i]));
+    }
+    cloud_term(cloud, &velocity_matrix);
+    cloud_term(cloud, &velocity_divergence);
+    method->solve(&cloud->system, &(SolveGoal){1e-6, 5000}, &report);
+    assert_true(report.converged);
+    cloud_free(cloud);
+    return report.iterations;
+}
+
+/* Of densities 1000 and 1, in disorder; by the diagonal alone they are as many as there are particles along a side. */
+static void multigrid_takes_hardly_more_iterations_for_ten_times_the_particles(void **state)
+{
+    (void)state;
+    if (!amg_exists() || getenv("MENISCUS_SANITIZED")) skip();
+    const SolveMethod *const methods[] = {&solve_amg, &solve_amg_bicgstab};
+    const unsigned plain[] = {iterations_of(100, &solve_cg), iterations_of(316, &solve_cg)};
+    for (int k = 0; k < 2; k++) {
+        const unsigned few = iterations_of(100, methods[k]), many = iterations_of(316, methods[k]);
+        if (many > 1.5 * few + 1) fail_msg("%s: %u iterations, then %u", methods[k]->name, few, many);
+    }
+    assert_true(plain[1] > 2 * plain[0]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -394,6 +435,7 @@ int main(void)
         cmocka_unit_test(a_pressure_below_nothing_draws_nobody_together),
         cmocka_unit_test(a_density_correction_moves_nobody_far),
         cmocka_unit_test(layers_at_rest_are_a_solution),
+        cmocka_unit_test(multigrid_takes_hardly_more_iterations_for_ten_times_the_particles),
         cmocka_unit_test(a_projection_takes_the_divergence_away),
     };
     return cmocka_run_group_tests_name("projection", tests, NULL, NULL);
