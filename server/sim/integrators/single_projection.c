@@ -95,19 +95,24 @@ static void keep_pressure(MnsSim *sim, double dt)
     particles_changed(s, ON_ALL, FIELD(P));
 }
 
+/* Neighbours, but no diagonal to divide by. */
+static bool is_silent(const MnsSim *sim, size_t i)
+{
+    return sim->system.matrix.blocks[i] == 0 && i != sim->system.held && sim->nb.end[i][GROUP_WALL] > 0;
+}
+
 /* Of a particle whose neighbours lie so that its row has no diagonal to divide by, the pressure would stay what it was, and the fluid around
  * would take it as given. Of several it is the one with the smallest id. */
 static MnsStatus check_rows(const MnsSim *sim, MnsError *error)
 {
     const Particles *s = &sim->s;
-    const System *y = &sim->system;
-    size_t silent = 0, worst = s->n;
-    for (size_t i = 0; i < particles_fluid(s); i++) {
-        if (y->matrix.blocks[i] || i == y->held || sim->nb.end[i][GROUP_WALL] == 0) continue;
-        if (worst == s->n || s->id[i] < s->id[worst]) worst = i;
-        silent++;
-    }
+    const size_t n = particles_fluid(s);
+    size_t silent = 0, worst = n;
+#pragma omp parallel for schedule(static) reduction(+ : silent) num_threads(sim->threads)
+    for (size_t i = 0; i < n; i++) silent += is_silent(sim, i);
     if (silent == 0) return MNS_OK;
+    for (size_t i = 0; i < n; i++)
+        if (is_silent(sim, i) && (worst == n || s->id[i] < s->id[worst])) worst = i;
     return mns_fail(
         error, MNS_E_DIVERGED,
         "diverged in step %llu at t = %g s: the neighbours of %zu particles lie too much to one side for the "

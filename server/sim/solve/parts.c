@@ -1,14 +1,37 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parts of a matrix that do not refer to each other, as of spaces on both sides of a wall: each has a constant of its own that nothing
- * determines. They are found anew for each solve, which costs about as much as a product, so that a restart need know nothing of them; and
- * by one thread, as are the sums of several, which are rare. */
+ * determines. They are found anew for each solve, which costs about as much as a product, so that a restart need know nothing of them. The
+ * sums of several, which are rare, are one thread's. */
 #include "sim/solve/vectors.h"
 
-/* The least row of its part, so far. Rows on the way are made to point there more directly. */
+/* Trees of rows, which all threads join at a time: who points elsewhere never points at itself again, and nobody points at a larger one.
+ * So whatever their order, in the end the root of each is the least row of its part. */
+static uint32_t parent(const uint32_t *up, uint32_t i)
+{
+    return __atomic_load_n(&up[i], __ATOMIC_RELAXED);
+}
+
+/* Rows on the way are made to point there more directly. */
 static uint32_t root(uint32_t *up, uint32_t i)
 {
-    while (up[i] != i) i = up[i] = up[up[i]];
+    for (uint32_t above = parent(up, i); above != i; above = parent(up, i)) {
+        const uint32_t next = parent(up, above);
+        if (next != above) __atomic_store_n(&up[i], next, __ATOMIC_RELAXED);
+        i = next;
+    }
     return i;
+}
+
+static void unite(uint32_t *up, uint32_t i, uint32_t j)
+{
+    for (;;) {
+        i = root(up, i);
+        j = root(up, j);
+        if (i == j) return;
+        uint32_t high = i > j ? i : j;
+        const uint32_t low = i > j ? j : i;
+        if (__atomic_compare_exchange_n(&up[high], &high, low, false, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) return;
+    }
 }
 
 /* Does row i count? One that says nothing determines nothing, unless it is held. */
@@ -17,24 +40,15 @@ static bool counts(const System *y, uint32_t i)
     return y->matrix.blocks[i] > 0 || i == y->held;
 }
 
-/* How many fewer parts there are after row i was joined with those of one of its blocks. */
-static size_t join(const System *y, uint32_t *up, uint32_t i, size_t block)
+/* Join row i with those of one of its blocks. */
+static void join(const System *y, uint32_t *up, uint32_t i, size_t block)
 {
     const Matrix *m = &y->matrix;
-    size_t joined = 0;
     const size_t first = (m->start[i] + block) * ENTRIES;
-    uint32_t mine = root(up, i);
     for (size_t k = first; k < first + ENTRIES; k++) {
         const uint32_t j = m->column[k];
-        if (m->c[k] == 0 || up[j] == mine || !counts(y, j)) continue;
-        const uint32_t its = root(up, j);
-        if (its == mine) continue;
-        const uint32_t high = its > mine ? its : mine;
-        mine = its > mine ? mine : its;
-        up[high] = mine;
-        joined++;
+        if (m->c[k] != 0 && counts(y, j)) unite(up, i, j);
     }
-    return joined;
 }
 
 /* Numbers instead of least rows, which come before the others; those too many share the last. */
@@ -52,19 +66,31 @@ static size_t number(const System *y)
     return n;
 }
 
+static size_t count_roots(const System *y)
+{
+    size_t n = 0;
+#pragma omp parallel for schedule(static) reduction(+ : n) num_threads(y->threads)
+    for (uint32_t i = 0; i < y->matrix.n; i++) n += counts(y, i) && y->part[i] == i;
+    return n;
+}
+
 /* Block by block: one or two of each row are enough where there is one part only. */
 void parts_find(System *y)
 {
     const Matrix *m = &y->matrix;
-    size_t separate = 0, most = 0;
+    size_t most = 0;
+#pragma omp parallel for schedule(static) reduction(max : most) num_threads(y->threads)
     for (uint32_t i = 0; i < m->n; i++) {
         y->part[i] = i;
-        separate += counts(y, i);
         most = m->blocks[i] > most ? m->blocks[i] : most;
     }
-    for (size_t block = 0; block < most && separate > 1; block++)
-        for (uint32_t i = 0; i < m->n && separate > 1; i++)
-            if (block < m->blocks[i]) separate -= join(y, y->part, i, block);
+    size_t separate = count_roots(y);
+    for (size_t block = 0; block < most && separate > 1; block++) {
+#pragma omp parallel for schedule(static) num_threads(y->threads)
+        for (uint32_t i = 0; i < m->n; i++)
+            if (block < m->blocks[i]) join(y, y->part, i, block);
+        separate = count_roots(y);
+    }
     y->parts = separate > 1 ? number(y) : 1;
 }
 
