@@ -60,7 +60,7 @@ size_t mns_sim_particles(const MnsSim *sim);       /* fluid and wall */
 size_t mns_sim_fluid_particles(const MnsSim *sim); /* these come first in every field */
 double mns_sim_spacing(const MnsSim *sim);         /* dx [m] */
 double mns_sim_mean_neighbours(const MnsSim *sim); /* of a fluid particle, within the kernel's support */
-size_t mns_sim_bytes(const MnsSim *sim);           /* memory of particles and neighbour lists */
+size_t mns_sim_bytes(const MnsSim *sim); /* of particles, lists and pressure system; not what multigrid keeps */
 
 /** Instruction set of the loops over pairs, as compilers name it: the best that the machine has ("x86-64-v4"), or the one asked
  *  for. All with the same arithmetic give the same bits: "fused", where products and the sums they are added to are rounded once, as

@@ -35,8 +35,8 @@ typedef struct Projection {
     double tolerance, correction_tolerance;     /* of the residuals of the two solves, relative */
     double speed;                               /* that the flow is expected to have at least [m/s] */
     unsigned corrections, patience, iterations; /* at most, in a step; in vain; in a solve */
-    bool unit_mobility,
-        mean_gauge; /* density correction as of fluids of one density; pressure has no mean, else no minimum below 0 */
+    bool unit_mobility;                         /* density correction as of fluids of one density */
+    bool mean_gauge;                            /* pressure has no mean; else its least in the light fluids is 0 */
     MnsSolver solver;
 } Projection;
 

@@ -21,7 +21,7 @@ INLINE Stencil stencil_of(const Particles *s, size_t i, How how)
     return stencil;
 }
 
-/* 2 dim k_ij / D_i, of a stencil and arrays; a macro as DOT() is one. */
+/* 2 dim k_ij / D_i, of a stencil and arrays; a macro as DOT() is one, so that what it is given must be names. */
 #define LAPLACIAN_WEIGHT(stencil, x, W, how) ((stencil).laplacian * (W) * (1 - DOT((stencil).offset, (x), (how))))
 
 /* ret = B_i sum */
