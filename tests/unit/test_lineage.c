@@ -180,6 +180,23 @@ static void a_step_under_way_stays_so_through_two_crashes(void **state)
     assert_int_equal(lineage->state, RUN_RUNNING);
 }
 
+/* The run may have a checkpoint from beyond the step at which it set out. */
+static void a_step_that_sets_out_again_after_a_crash_counts_from_where_it_began(void **state)
+{
+    Book *book = *state;
+    uint8_t ids[2][ORDER_ID] = {"first", "second"};
+    add_load(book);
+    for (int k = 0; k < 2; k++) {
+        const Record *begun = add_begun(book, k ? 9 : 7);
+        begun->request->has_id = true;
+        begun->request->id = (ProtobufCBinaryData){.len = ORDER_ID, .data = ids[0]};
+        add_comeback(book, k ? 12 : 9);
+    }
+    assert_int_equal(read(book, MNS_OK)->begun_step, 7);
+    book->requests[3].id.data = ids[1];
+    assert_int_equal(read(book, MNS_OK)->begun_step, 9);
+}
+
 static void what_was_under_way_and_is_called_off_before_the_run_is_back_leaves_it_paused(void **state)
 {
     Book *book = *state;
@@ -323,6 +340,7 @@ int main(void)
         TEST(a_second_crash_on_the_way_back_leaves_it_there),
         TEST(a_reset_leads_to_the_case_as_given_also_after_a_way_back_to_the_beginning),
         TEST(a_step_under_way_stays_so_through_two_crashes),
+        TEST(a_step_that_sets_out_again_after_a_crash_counts_from_where_it_began),
         TEST(what_was_under_way_and_is_called_off_before_the_run_is_back_leaves_it_paused),
         TEST(a_shutdown_ends_a_run_but_not_on_its_way_back),
         TEST(what_is_scheduled_waits_until_a_record_tells_what_came_of_it),
