@@ -60,6 +60,21 @@ static void serve_leave(Run *run, Order *order)
     run_leave(run, order, false);
 }
 
+static void answer_all(const Bench *bench)
+{
+    for (Note *note; (note = outbox_take(run_outbox(bench->run)));) {
+        if (note->kind != NOTE_ANSWER) note_free(note);
+        else if (note->order != &bench->leave) desk_reply(bench->desk, (Exchange *)note->order);
+    }
+}
+
+/* What the daemon does when something has come. */
+static void serve(const Bench *bench)
+{
+    desk_receive(bench->desk);
+    answer_all(bench);
+}
+
 static int end(void **state)
 {
     Bench *bench = *state;
@@ -68,22 +83,13 @@ static int end(void **state)
     bench->leave = (Order){.serve = serve_leave, .deadline = INFINITY};
     run_post(bench->run, &bench->leave, NULL);
     run_join(bench->run);
+    answer_all(bench); /* who waits, that it stops */
     desk_end_streams(bench->desk);
     run_free(bench->run);
     desk_free(bench->desk);
     scratch_free(bench->home);
     free(bench);
     return 0;
-}
-
-/* What the daemon does when something has come. */
-static void serve(const Bench *bench)
-{
-    desk_receive(bench->desk);
-    for (Note *note; (note = outbox_take(run_outbox(bench->run)));) {
-        if (note->kind == NOTE_ANSWER) desk_reply(bench->desk, (Exchange *)note->order);
-        else note_free(note);
-    }
 }
 
 /* Ask, with memory that fails while the desk is at it: after n allocations, or at once and for good. NULL: no answer. */

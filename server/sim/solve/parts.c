@@ -35,7 +35,7 @@ static void unite(uint32_t *up, uint32_t i, uint32_t j)
 }
 
 /* Does row i count? One that says nothing determines nothing, unless it is held. */
-static bool counts(const System *y, uint32_t i)
+static bool counts(const System *y, size_t i)
 {
     return y->matrix.blocks[i] > 0 || i == y->held;
 }
@@ -70,7 +70,7 @@ static size_t count_roots(const System *y)
 {
     size_t n = 0;
 #pragma omp parallel for schedule(static) reduction(+ : n) num_threads(y->threads)
-    for (uint32_t i = 0; i < y->matrix.n; i++) n += counts(y, i) && y->part[i] == i;
+    for (size_t i = 0; i < y->matrix.n; i++) n += counts(y, i) && y->part[i] == i;
     return n;
 }
 
@@ -80,15 +80,15 @@ void parts_find(System *y)
     const Matrix *m = &y->matrix;
     size_t most = 0;
 #pragma omp parallel for schedule(static) reduction(max : most) num_threads(y->threads)
-    for (uint32_t i = 0; i < m->n; i++) {
-        y->part[i] = i;
+    for (size_t i = 0; i < m->n; i++) {
+        y->part[i] = (uint32_t)i;
         most = m->blocks[i] > most ? m->blocks[i] : most;
     }
     size_t separate = count_roots(y);
     for (size_t block = 0; block < most && separate > 1; block++) {
 #pragma omp parallel for schedule(static) num_threads(y->threads)
-        for (uint32_t i = 0; i < m->n; i++)
-            if (block < m->blocks[i]) join(y, y->part, i, block);
+        for (size_t i = 0; i < m->n; i++)
+            if (block < m->blocks[i]) join(y, y->part, (uint32_t)i, block);
         separate = count_roots(y);
     }
     y->parts = separate > 1 ? number(y) : 1;
