@@ -70,11 +70,10 @@ struct Run {
     FILE *log;        /* of the run directory; NULL if there is none */
     Journal *journal; /* the same                                    */
     Order *unsaid; /* answered, and not on the disk yet, or after such: nobody hears of it before. The latest first */
-    Document *before; /* the case before the order that is being answered changed it; NULL if it did not */
-    bool current_due; /* this run is to be noted as the current one, once its journal is on the disk     */
-    bool uncommitted; /* the journal has something that is to be on the disk before the run goes on */
-    size_t
-        noted; /* bytes of records of commands since the last checkpoint: what a way back would have to tell in one record */
+    Document *before;   /* the case before the order that is being answered changed it; NULL if it did not */
+    bool current_due;   /* this run is to be noted as the current one, once its journal is on the disk     */
+    bool uncommitted;   /* the journal has something that is to be on the disk before the run goes on */
+    size_t noted;       /* bytes of commands since the last checkpoint, which one record of a way back is to hold */
     size_t noted_here;  /* the same, at the boundary at which the run stands                             */
     MnsError unwritten; /* what could not even be added to it; MNS_OK: nothing                        */
     RunFigures figures; /* to be put where others look; its document is not a share */

@@ -208,9 +208,8 @@ static MnsStatus take(Lineage *lineage, const Record *record, MnsError *error)
     if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__SCHEDULED && record->request)
         return take_scheduled(lineage, record, error);
     if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__BEGUN && record->request) {
-        const bool goes_on =
-            lineage->begun &&
-            same_id(lineage->begun, record->request); /* after a crash: it counts from where it began */
+        /* After a crash it counts from where it began. */
+        const bool goes_on = lineage->begun && same_id(lineage->begun, record->request);
         if (!goes_on) lineage->begun_step = record->step;
         lineage->begun = record->request;
         lineage->state = RUN_RUNNING;

@@ -46,8 +46,8 @@ static void start_mpi(void)
     setenv("OMPI_MCA_opal_signal", "", 0); /* signals are ours */
     int provided = 0;
     MPI_Init_thread(NULL, NULL, MPI_THREAD_SERIALIZED, &provided);
-    MPI_Comm_set_errhandler(MPI_COMM_WORLD,
-                            MPI_ERRORS_RETURN); /* hypre's codes tell of them; by default they end the process */
+    /* By default errors end the process; hypre's codes tell of them. */
+    MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN);
     MPI_Comm_set_errhandler(MPI_COMM_SELF, MPI_ERRORS_RETURN);
     HYPRE_Init();
 }
