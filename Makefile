@@ -38,7 +38,7 @@ OPT       := $(if $(SANITIZE),-O1,-O2) -ftree-vectorize
 # The solver's short loops over dimensions must be unrolled, and its blocks of eight doubles are one register where there are such. gcc clears sums
 # of such blocks by string instructions, which take as long as a quarter of a particle's pairs.
 X86       := $(filter x86_64%,$(shell $(CC) -dumpmachine))
-CLEAR     := $(if $(X86),$(if $(findstring clang,$(CC)),,-mmemset-strategy=unrolled_loop:1024:noalign$(comma)libcall:-1:noalign))
+CLEAR     := $(if $(X86),$(if $(findstring clang,$(CC)),,-mmemset-strategy=vector_loop:1024:noalign$(comma)libcall:-1:noalign))
 HOT       := $(if $(SANITIZE),-O1,-O3) $(if $(X86),-mprefer-vector-width=512) $(CLEAR)
 PKGS      := libzmq libprotobuf-c hdf5-serial yaml-0.1 jansson cairo libsystemd libxxhash liblz4 libzstd lua5.4 mpfr libmicrohttpd
 CLIENT_PKGS := libzmq libprotobuf-c yaml-0.1 libxxhash liblz4 libzstd
@@ -91,6 +91,7 @@ packages: ## install the Debian packages that are missing
 	@tests/support/packages.sh
 
 demo: packages ## build, run a dam break in a daemon, stream, write HDF5, draw pictures
+	@echo "Building: some minutes without a word (make all V=1 tells each)"
 	@$(MAKE) --no-print-directory -s $(PARALLEL) all
 	@BUILD=$(BUILD) tests/support/demo.sh
 

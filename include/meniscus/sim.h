@@ -23,8 +23,8 @@ MnsStatus mns_sim_new(const MnsCase *c, MnsSim **ret_sim, MnsError *error);
 /** Free a simulation; NULL is fine. */
 void mns_sim_free(MnsSim *sim);
 
-/** What is allowed and hardly meant, found when the simulation was made: sentence k, from 0, with the entry at its beginning;
- *  NULL if there are no more. */
+/** What is allowed and hardly meant, found when the simulation was made, or told once as it goes: sentence k, from 0, with the entry at
+ *  its beginning; NULL if there are no more. */
 const char *mns_sim_warning(const MnsSim *sim, size_t k);
 
 /** Advance by one time step: the smallest limit of the scheme, cut so that the step does not pass t_max. A step that ends
@@ -54,6 +54,10 @@ typedef struct MnsProgress {
 } MnsProgress;
 
 MnsProgress mns_sim_progress(const MnsSim *sim);
+
+/** Steps since the simulation was made or restored after which a number density was still off by more than the case allows, of schemes that
+ *  correct it. The first of them is told by a warning as well. */
+uint64_t mns_sim_uncorrected(const MnsSim *sim);
 
 int mns_sim_threads(const MnsSim *sim);            /* of OpenMP's team */
 size_t mns_sim_particles(const MnsSim *sim);       /* fluid and wall */

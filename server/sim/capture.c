@@ -158,6 +158,7 @@ MnsStatus mns_sim_restore(MnsSim *sim, const MnsCapture *capture, MnsError *erro
     copy_all(sim, capture, false);
     sim->progress = capture->progress;
     sim->fault = (MnsError){0};
+    sim->uncorrected = 0;
     return integrator_restart(sim, error);
 }
 

@@ -33,12 +33,6 @@ INLINE bool mark_others(const RowPlan *plan, size_t i, const uint32_t *j, const 
     return any;
 }
 
-/* Of eight neighbours: what is given for each fluid. */
-INLINE void by_fluid(const Particles *s, const uint32_t *j, const double *of, double ret[LANES])
-{
-    for (int l = 0; l < LANES; l++) ret[l] = of[s->phase[j[l]]];
-}
-
 /* Pair l of a block that was fetched for these needs; beyond: what beyond_reach() says of it. */
 INLINE Pair fetched_pair(const Block *b, int l, const double *beyond, const double x_i[3], const RowPlan *plan,
                          unsigned needs, How how)
@@ -158,14 +152,23 @@ INLINE Pair near_pair(const Block *near, const Block *rest, int l, const RowPlan
  * over rows. */
 #define BESIDE_FUNCTION(...) KERNEL_FUNCTION(BESIDE_SHAPE, BESIDE_CASE, __VA_ARGS__)
 #if HAS_LEVELS
-#define FUSED_FUNCTIONS(body)                                                                                          \
+#define FUSED_LEVELS(body, for_v3)                                                                                     \
     FUSED_FUNCTION(body, base, , 2, BASE_FUSES, fetch_quads)                                                           \
     FUSED_FUNCTION(body, base, , 3, BASE_FUSES, fetch_quads)                                                           \
-    FUSED_FUNCTION(body, v3, FOR_V3, 2, true, fetch_halves)                                                            \
-    FUSED_FUNCTION(body, v3, FOR_V3, 3, true, fetch_halves)                                                            \
+    FUSED_FUNCTION(body, v3, for_v3, 2, true, fetch_halves)                                                            \
+    FUSED_FUNCTION(body, v3, for_v3, 3, true, fetch_halves)                                                            \
     FUSED_FUNCTION(body, v4, FOR_V4, 2, true, fetch_octs)                                                              \
     FUSED_FUNCTION(body, v4, FOR_V4, 3, true, fetch_octs)
-#define FUSED_TABLE(body) ROW_TABLE(body)
+#define FUSED_FUNCTIONS(body) FUSED_LEVELS(body, FOR_V3)
+/* The same of a body that does not approach(). Where a block is two vectors, gcc has the whole chain of the first, from differences to sums,
+ * before that of the second, which is further than a processor looks ahead; told to schedule, it lays them side by side. */
+#ifndef __clang__
+#define INTERLEAVED FOR_V3 __attribute__((optimize("schedule-insns")))
+#else
+#define INTERLEAVED FOR_V3
+#endif
+#define INTERLEAVED_FUNCTIONS(body) FUSED_LEVELS(body, INTERLEAVED)
+#define FUSED_TABLE(body)           ROW_TABLE(body)
 #define BESIDE_FUNCTIONS(body)                                                                                         \
     BESIDE_FUNCTION(body, v3, FOR_V3, 2, true, fetch_halves)                                                           \
     BESIDE_FUNCTION(body, v3, FOR_V3, 3, true, fetch_halves)                                                           \
@@ -183,6 +186,7 @@ INLINE Pair near_pair(const Block *near, const Block *rest, int l, const RowPlan
 #define FUSED_FUNCTIONS(body)                                                                                          \
     FUSED_FUNCTION(body, base, , 2, BASE_FUSES, fetch_quads)                                                           \
     FUSED_FUNCTION(body, base, , 3, BASE_FUSES, fetch_quads)
+#define INTERLEAVED_FUNCTIONS(body) FUSED_FUNCTIONS(body)
 #define FUSED_TABLE(body)                                                                                              \
     {                                                                                                                  \
         [0 ... LEVELS - 1] = { body##_base_2, body##_base_3 }                                                          \

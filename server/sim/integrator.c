@@ -112,11 +112,11 @@ bool integrator_look(MnsSim *sim)
     return bad == 0;
 }
 
-void integrator_walls(MnsSim *sim, double t, double dt)
+void integrator_walls(MnsSim *sim, double t, double dt, double ahead)
 {
     WallState before[MNS_MAX_WALLS];
     for (size_t k = 0; k < sim->model.n_walls; k++) before[k] = sim->model.wall[k];
-    setup_at(sim, t, dt);
+    setup_at(sim, t, dt, ahead);
     move_walls(sim, before);
     sim->progress.guarded += guard_walls(sim);
     /* Advection velocities are dt/2 of what is in B. */
@@ -149,7 +149,7 @@ void integrator_derive(MnsSim *sim)
 
 MnsStatus integrator_restart(MnsSim *sim, MnsError *error)
 {
-    setup_at(sim, sim->progress.t, sim->progress.dt);
+    setup_at(sim, sim->progress.t, sim->progress.dt, 0);
     MnsStatus status = build_lists(sim, error);
     if (!status) status = making_goes_on(&sim->making, error);
     if (status) return status;

@@ -5,8 +5,9 @@
 
 #include "sim/sim.h"
 
-/* Gravity and walls as they are at t, dt after they were last set; fluid particles kept out of the walls. */
-void integrator_walls(MnsSim *sim, double t, double dt);
+/* Gravity and walls as they are at t, dt after they were last set; fluid particles kept out of the walls. Walls' velocities are means from
+ * then until `ahead` after t. */
+void integrator_walls(MnsSim *sim, double t, double dt, double ahead);
 
 /* Neighbour lists for the positions of now, made again if a particle has left its skin. */
 MnsStatus integrator_lists(MnsSim *sim, MnsError *error);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "sim/limits.h"
 #include "sim/sim.h"
+#include "sim/terms/average.h"
 #include <math.h>
 
 static const double PI = 3.14159265358979323846;
@@ -60,7 +61,7 @@ static double viscous_by(const MnsSim *sim, double factor)
         for (size_t b = 0; b <= a; b++) {
             const Phase *p = &model->phase[a], *q = &model->phase[b];
             if (p->mu + q->mu <= 0) continue;
-            const double h = model->kernel.h, mu = 2 * p->mu * q->mu / (p->mu + q->mu);
+            const double h = model->kernel.h, mu = harmonic_mean(p->mu, q->mu);
             least = fmin(least, factor * h * h * fmin(p->rho0, q->rho0) / mu);
         }
     return least;
@@ -114,6 +115,13 @@ static double mixture_viscous(const MnsSim *sim)
     double most = 0;
     for (size_t a = 0; a < model->n_phases; a++) most = fmax(most, model->phase[a].mu / model->phase[a].rho0);
     return most > 0 ? 0.25 * model->kernel.h * model->kernel.h / most : INFINITY;
+}
+
+/* Diffusion of densities from particle to particle, by steps that go forward. */
+static double dissipation(const MnsSim *sim)
+{
+    const Model *model = &sim->model;
+    return model->delta > 0 ? 0.8 * model->kernel.h / (model->delta * model->c_max) : INFINITY;
 }
 
 /* With arithmetic averages a light particle is as stiff as the heavy one beside it. */
@@ -209,6 +217,14 @@ const Limit interface_limit = {
     .equation = "dt <= h / (c_h sqrt(rho_h / rho_l)), twice that with dissipation; none with averages by density",
     .entries = "pair_average of the scheme, density, sound_speed, resolution",
     .of = stiff_interface,
+};
+
+const Limit dissipation_limit = {
+    .name = "dissipation",
+    .source = "schemes/README.md",
+    .equation = "dt <= 0.8 h / (delta c)",
+    .entries = "delta of the scheme, sound_speed, resolution",
+    .of = dissipation,
 };
 
 double limits_dt(const MnsSim *sim, const Limit **ret_limit)

@@ -58,8 +58,7 @@ MnsStatus plan_check(const MnsSim *sim, const MnsCase *c, MnsError *error)
     return MNS_OK;
 }
 
-static void warn(MnsSim *sim, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void warn(MnsSim *sim, const char *format, ...)
+void plan_warn(MnsSim *sim, const char *format, ...)
 {
     if (sim->n_warnings == SIM_WARNINGS_MAX) return;
     va_list list;
@@ -71,8 +70,8 @@ static void warn(MnsSim *sim, const char *format, ...)
 static void warn_interval(MnsSim *sim, const char *entry, double interval, double dt)
 {
     if (interval > 0 && interval < dt)
-        warn(sim, "%s: %g s is shorter than the first time step, %.2g s: it means after every step", entry, interval,
-             dt);
+        plan_warn(sim, "%s: %g s is shorter than the first time step, %.2g s: it means after every step", entry,
+                  interval, dt);
 }
 
 /* Is particle i beside the domain's lower (-1) or upper (1) side along d, with no wall behind that side? */
@@ -95,12 +94,26 @@ static void warn_open_sides(MnsSim *sim)
         for (int side = -1; side <= 1 && sim->model.period[d] == 0; side += 2)
             for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
                 if (!is_exposed(sim, i, d, side)) continue;
-                warn(sim,
-                     "domain: %s touches the %s %c side, which is neither a wall nor periodic: what leaves there is "
-                     "lost, as a probe of kind `escaped` would show; put a wall there, or make %c periodic",
-                     sim->c->fluids[sim->s.phase[i]].name, side < 0 ? "lower" : "upper", "xyz"[d], "xyz"[d]);
+                plan_warn(
+                    sim,
+                    "domain: %s touches the %s %c side, which is neither a wall nor periodic: what leaves there is "
+                    "lost, as a probe of kind `escaped` would show; put a wall there, or make %c periodic",
+                    sim->c->fluids[sim->s.phase[i]].name, side < 0 ? "lower" : "upper", "xyz"[d], "xyz"[d]);
                 break;
             }
+}
+
+/* What is given to a scheme that does not ask for it. */
+static void warn_ignored(MnsSim *sim)
+{
+    for (size_t k = 0; k < sim->c->n_fluids; k++) {
+        const MnsFluid *fluid = &sim->c->fluids[k];
+        static const char format[] = "fluids[%zu].%s: the scheme %s makes no use of it";
+        if (fluid->density_method != MNS_DENSITY_AUTOMATIC && !sim->scheme->reads_density_method)
+            plan_warn(sim, format, k, "density_method", sim->scheme->name);
+        if (fluid->exponent > 0 && !sim->scheme->reads_exponent)
+            plan_warn(sim, format, k, "exponent", sim->scheme->name);
+    }
 }
 
 /* A probe at a place that no fluid can be near has no value, ever. One that moves with a wall may come in. */
@@ -115,10 +128,11 @@ static void warn_probes_outside(MnsSim *sim)
         for (int d = 0; placed && probe->wall < 0 && d < model->dim; d++) {
             if (model->period[d] > 0 || (uses & PROBE_ON_LINE && d == probe->axis)) continue;
             if (probe->at[d] >= model->min[d] - reach && probe->at[d] <= model->max[d] + reach) continue;
-            warn(sim,
-                 "probes[%zu]: %.60s is at %c = %g m, outside the domain, %g to %g m: where no fluid comes it has no "
-                 "value",
-                 k, probe->name, "xyz"[d], probe -> at[d], model -> min[d], model -> max[d]);
+            plan_warn(
+                sim,
+                "probes[%zu]: %.60s is at %c = %g m, outside the domain, %g to %g m: where no fluid comes it has no "
+                "value",
+                k, probe->name, "xyz"[d], probe -> at[d], model -> min[d], model -> max[d]);
             break;
         }
     }
@@ -177,16 +191,18 @@ static void warn_sound(MnsSim *sim, size_t k, double g, const Load *load)
     if (phase->c >= 0.99 * enough) return; /* two digits are as many as people give */
     enough = rounded_up(enough);
     if (fmax(most, least) > DENSITY_DEVIATION)
-        warn(sim,
-             "fluids[%zu].sound_speed: with %g m/s the pressure at the start makes %.60s %.0f %% %s than its "
-             "reference; %g m/s would be enough",
-             k, phase->c, sim->c->fluids[k].name, 100 * fmax(most, least), most > least ? "denser" : "thinner", enough);
+        plan_warn(sim,
+                  "fluids[%zu].sound_speed: with %g m/s the pressure at the start makes %.60s %.0f %% %s than its "
+                  "reference; %g m/s would be enough",
+                  k, phase->c, sim->c->fluids[k].name, 100 * fmax(most, least), most > least ? "denser" : "thinner",
+                  enough);
     else
-        warn(sim,
-             "fluids[%zu].sound_speed: %g m/s is less than ten times sqrt(%s) of %.60s, %g m %s: it may be compressed; "
-             "%g m/s would be enough",
-             k, phase->c, weight > tension ? "g H" : "sigma/(rho R)", sim->c->fluids[k].name, height,
-             radius > 0 ? "across" : "high", enough);
+        plan_warn(
+            sim,
+            "fluids[%zu].sound_speed: %g m/s is less than ten times sqrt(%s) of %.60s, %g m %s: it may be compressed; "
+            "%g m/s would be enough",
+            k, phase->c, weight > tension ? "g H" : "sigma/(rho R)", sim->c->fluids[k].name, height,
+            radius > 0 ? "across" : "high", enough);
 }
 
 static void warn_sounds(MnsSim *sim)
@@ -202,6 +218,7 @@ void plan_look(MnsSim *sim)
 {
     warn_open_sides(sim);
     warn_probes_outside(sim);
+    warn_ignored(sim);
     if (!sim->resumed) warn_sounds(sim);
 
     const MnsOutput *output = &sim->c->output;
@@ -211,10 +228,11 @@ void plan_look(MnsSim *sim)
     warn_interval(sim, "output.checkpoint_interval", output->checkpoint_interval, dt);
     const unsigned processors = (unsigned)omp_get_num_procs();
     if (sim->c->threads > processors)
-        warn(sim,
-             "threads: %u on %u processors only wait for each other; %d are used, and the results are the same for "
-             "any number",
-             sim->c->threads, processors, sim->threads);
+        plan_warn(
+            sim,
+            "threads: %u on %u processors only wait for each other; %d are used, and the results are the same for "
+            "any number",
+            sim->c->threads, processors, sim->threads);
 }
 
 const char *mns_sim_warning(const MnsSim *sim, size_t k)

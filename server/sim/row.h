@@ -41,6 +41,12 @@ static inline const uint32_t *row_j(const Row *row, const Block *block)
     return row->j + (size_t)(block - row->block) * LANES;
 }
 
+/* Of eight neighbours: what is given for each fluid. */
+INLINE void by_fluid(const Particles *s, const uint32_t *j, const double *of, double ret[LANES])
+{
+    for (int l = 0; l < LANES; l++) ret[l] = of[s->phase[j[l]]];
+}
+
 /* Pairs of a particle: all that are listed, which are marked as in reach or not, or only those that were marked since anything
  * moved. */
 typedef enum RowPairs { ROW_LISTED, ROW_MARKED } RowPairs;

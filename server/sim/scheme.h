@@ -85,6 +85,7 @@ typedef struct Scheme {
     int given;                              /* passes left out at the start, where the case gives their results */
     const Local *derive; /* what follows from the state without neighbours, after it was set or restored */
     bool projects;       /* solves for the pressure: particles have a system for it */
+    bool reads_density_method, reads_exponent; /* of a fluid */
     size_t (*unknowns)(const Particles *);     /* of that system */
     int again[2];                              /* and with neighbours: passes [again[0], again[1]) */
     void (*options)(Model *, const MnsCase *); /* from the case to the model */

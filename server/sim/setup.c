@@ -109,7 +109,7 @@ MnsStatus setup_model(MnsSim *sim, MnsError *error)
             status = formula_team_init(&sim->probe_formula[k], sim->threads, c->probes[k].formula, XYZT, constants.list,
                                        constants.n, error);
     if (!status) {
-        setup_at(sim, sim->progress.t, sim->progress.dt);
+        setup_at(sim, sim->progress.t, sim->progress.dt, 0);
         status = setup_check(sim, error);
     }
     if (!status) status = plan_check(sim, c, error); /* before particles are placed in vain */
@@ -118,27 +118,28 @@ MnsStatus setup_model(MnsSim *sim, MnsError *error)
     return status;
 }
 
-/* Mean velocity of the wall over the step that ends at t, so that velocity and displacement agree. */
-static void move_wall(MnsSim *sim, size_t k, double t, double dt)
+/* Mean velocity of the wall from t - dt to t + ahead, so that velocity and displacement agree. */
+static void move_wall(MnsSim *sim, size_t k, double t, double dt, double ahead)
 {
     WallState *wall = &sim->model.wall[k];
     const MnsMotion *motion = &sim->c->walls[k].motion;
-    double before[3], v[3], a[3];
+    double before[3], after[3], v[3], a[3];
     motion_at(motion, t - dt, before, v, a);
+    motion_at(motion, t + ahead, after, v, a);
     motion_at(motion, t, wall->x, v, wall->a);
     for (int d = 0; d < sim->model.dim; d++) {
-        const double material = dt > 0 ? (wall->x[d] - before[d]) / dt : v[d];
+        const double material = dt > 0 ? (after[d] - before[d]) / (dt + ahead) : v[d];
         wall->v[d] = material + formula_eval(sim->surface[k][d], &t);
     }
 }
 
-void setup_at(MnsSim *sim, double t, double dt)
+void setup_at(MnsSim *sim, double t, double dt, double ahead)
 {
     Model *model = &sim->model;
     model->t = t;
     model->dt = dt;
     for (int d = 0; d < model->dim; d++) model->gravity[d] = formula_eval(sim->gravity[d], &t);
-    for (size_t k = 0; k < model->n_walls; k++) move_wall(sim, k, t, dt);
+    for (size_t k = 0; k < model->n_walls; k++) move_wall(sim, k, t, dt, ahead);
 }
 
 /* A formula at the present time, where it gave no finite number. */

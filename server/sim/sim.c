@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A simulation from the outside: make it, step it, steer it, free it. Read this file first. */
 #include "base/array.h"
+#include "sim/chambers.h"
 #include "sim/integrator.h"
 #include "sim/limits.h"
 #include "sim/making.h"
@@ -53,6 +54,7 @@ static MnsStatus sim_init(MnsSim *sim, const MnsCapture *capture, MnsError *erro
         status = neighbours_init(&sim->nb, sim->s.n, sim->s.dim, scheme_needs(sim->scheme), sim->threads, error);
     if (!status) status = making_goes_on(&sim->making, error);
     if (!status) status = capture ? mns_sim_restore(sim, capture, error) : integrator_start(sim, error);
+    if (!status && !capture && sim->scheme->projects) status = chambers_check(sim, error);
     if (!status) status = making_goes_on(&sim->making, error);
     if (!status) status = plan_check(sim, sim->c, error); /* again, now that speeds are known */
     if (!status) plan_look(sim);
@@ -171,6 +173,11 @@ MnsStatus mns_sim_step(MnsSim *sim, double t_max, MnsError *error)
 const MnsCase *mns_sim_case(const MnsSim *sim)
 {
     return sim->c;
+}
+
+uint64_t mns_sim_uncorrected(const MnsSim *sim)
+{
+    return sim->uncorrected;
 }
 
 MnsProgress mns_sim_progress(const MnsSim *sim)

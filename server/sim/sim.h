@@ -41,11 +41,12 @@ struct MnsSim {
     double *partial;               /* [sim_blocks(fluid)] work space of sums over the fluid */
     System system;                 /* for the pressure, of schemes that project */
     Solved solved;
+    uint64_t uncorrected; /* steps after which a number density was off by more than its tolerance */
     MnsTimer timers[SIM_TIMERS_MAX];
     size_t n_timers;
     MnsError fault; /* said again by every further step */
     size_t n_warnings;
-    char warning[SIM_WARNINGS_MAX][256]; /* about the case, found when it was loaded */
+    char warning[SIM_WARNINGS_MAX][256]; /* about the case, found when it was loaded or as it goes */
 };
 
 /* sim.c: how many threads a case gets */
@@ -57,16 +58,20 @@ MnsStatus plan_check(const MnsSim *sim, const MnsCase *c, MnsError *error);
 double plan_floor(const MnsSim *sim);
 void plan_look(MnsSim *sim);
 
+/* plan.c: one more warning; the entry of the case comes first */
+void plan_warn(MnsSim *sim, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
 /* check.c: number of particles along d, and the spacing stretched to fit */
 size_t case_fit(const MnsCase *c, int d, double *ret_spacing);
 
 /* build.c: lattice, particles, initial fields */
 MnsStatus build_particles(MnsSim *sim, const Constants *constants, MnsError *error);
 
-/* setup.c: from the case to the model; gravity and walls at a time */
+/* setup.c: from the case to the model; gravity and walls at t, dt after they were last set, with velocities that are means from then until
+ * `ahead` after t */
 MnsStatus setup_model(MnsSim *sim, MnsError *error);
 void setup_options(MnsSim *sim, const MnsCase *c);
-void setup_at(MnsSim *sim, double t, double dt);
+void setup_at(MnsSim *sim, double t, double dt, double ahead);
 
 /* setup.c: MNS_E_INVALID if a formula of gravity, of a wall or of a probe has failed, with its entry */
 MnsStatus setup_check(MnsSim *sim, MnsError *error);

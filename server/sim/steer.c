@@ -193,7 +193,7 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
     sim->c = c;
     setup_options(sim, c);
     for (size_t k = 0; k < c->n_walls; k++) sim->solid[k].shape = &c->walls[k].shape;
-    setup_at(sim, sim->progress.t, sim->progress.dt);
+    setup_at(sim, sim->progress.t, sim->progress.dt, 0);
     /* Pressures at walls know of gravity, and a restart from here would find them by the new one. */
     integrator_derive(sim);
     return MNS_OK;

@@ -209,6 +209,17 @@ static void a_pressure_that_is_no_number_is_a_fault_of_its_own(void **state)
     }
 }
 
+/* A wall across the tank, from the floor up. */
+static void add_partition(MnsCase *c, double from, double to, double top)
+{
+    case_add_wall(c, "partition");
+    MnsPart *box = case_add_part(&c->walls[1].shape, MNS_BOX);
+    box->a[0] = from;
+    box->b[0] = to;
+    box->b[1] = top;
+    box->b[2] = 1;
+}
+
 /* The wall between them is so thick that nothing of a pressure gets through, and the smaller one is not fluid of the other. */
 static void two_closed_spaces_are_stirred_in_one_case(void **state)
 {
@@ -222,12 +233,8 @@ static void two_closed_spaces_are_stirred_in_one_case(void **state)
             c->scheme.differences.zero_pressure[0] = c->scheme.differences.zero_pressure[1] = 0.2;
             c->scheme.incompressible.gauge = held ? MNS_GAUGE_MEAN : c->scheme.incompressible.gauge;
             c->scheme.incompressible.tolerance = c->scheme.differences.tolerance = 1e-7;
-            case_add_wall(c, "partition");
+            add_partition(c, 0.4, 0.8, 1);
             c->walls[1].no_slip = true;
-            MnsPart *partition = case_add_part(&c->walls[1].shape, MNS_BOX);
-            partition->a[0] = 0.4;
-            partition->b[0] = 0.8;
-            partition->b[1] = partition->b[2] = 1;
             for (int f = 0; f < 2; f++) {
                 case_set_text(&c->fluids[f].velocity[0], "0.3*sin(5*x + 2*y)");
                 case_set_text(&c->fluids[f].velocity[1], "0.2*cos(3*x - 4*y)");
@@ -248,6 +255,73 @@ static void two_closed_spaces_are_stirred_in_one_case(void **state)
             }
             sim_done(sim, c);
         }
+}
+
+/* Thinner than twice the kernel's reach it would let through what neither space can hold. A gap in it makes it well; so does another scheme. */
+static void a_wall_that_would_join_two_spaces_is_refused(void **state)
+{
+    (void)state;
+    static const double THICK[] = {0.05, 0.1, 0.15, 0.2, 0.25, 0.3};
+    static const char *const schemes[] = {"incompressible", "differences", "riemann"};
+    for (int k = 0; k < 3; k++)
+        for (int of = 0; of < 6; of++)
+            for (int open = 0; open < 2; open++) {
+                MnsCase *c = layers(2, 20, 3);
+                MnsSim *sim = NULL;
+                MnsError error = {0};
+                c->scheme.name = schemes[k];
+                if (k == 1) c->scheme.smoothing = 0.9;
+                add_partition(c, 0.5, 0.5 + THICK[of], open ? 0.8 : 1);
+                const MnsStatus status = mns_sim_new(c, &sim, &error);
+                if (of < (k ? 3 : 5) && !open && k < 2) {
+                    assert_int_equal(status, MNS_E_INVALID);
+                    assert_string_equal(error.path, "walls");
+                    assert_non_null(strstr(error.text, k == 0 ? "at least 0.35 m thick" : "at least 0.32 m thick"));
+                } else if (of == 5 || open || k == 2) assert_int_equal(status, MNS_OK);
+                mns_sim_free(sim);
+                mns_case_free(c);
+            }
+}
+
+/* A particle of a wall has an unknown for each fluid in P4, and one for all in P5. */
+static void a_wall_between_two_fluids_joins_them_where_it_has_one_unknown(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        MnsCase *c = layers(2, 20, 3);
+        MnsSim *sim = NULL;
+        MnsError error = {0};
+        c->scheme.name = k ? "differences" : "incompressible";
+        if (k) c->scheme.smoothing = 0.9;
+        c->fluids[0].shape.parts[0].b[0] = 0.5;
+        c->fluids[0].shape.parts[0].b[1] = 1;
+        add_partition(c, 0.5, 0.65, 1);
+        assert_int_equal(mns_sim_new(c, &sim, &error), k ? MNS_E_INVALID : MNS_OK);
+        mns_sim_free(sim);
+        mns_case_free(c);
+    }
+}
+
+/* Its fluids would touch across the diagonal of a lattice, were it not for the wall between them. */
+static void a_thin_slanted_wall_is_seen(void **state)
+{
+    (void)state;
+    for (int thick = 0; thick < 2; thick++) {
+        MnsCase *c = layers(2, 20, 3);
+        MnsSim *sim = NULL;
+        MnsError error = {0};
+        case_add_wall(c, "partition");
+        for (int k = 0; k < 2; k++) {
+            MnsPart *side = case_add_part(&c->walls[1].shape, MNS_HALF_SPACE);
+            side->a[0] = 1 + (1 - 2 * k) * (thick ? 0.25 : 0.03);
+            side->b[0] = side->b[1] = 1 - 2 * k;
+            if (k) side->operation = MNS_INTERSECT;
+        }
+        const MnsStatus status = mns_sim_new(c, &sim, &error);
+        if (status != (thick ? MNS_OK : MNS_E_INVALID)) fail_msg("%d: %s", thick, error.text);
+        mns_sim_free(sim);
+        mns_case_free(c);
+    }
 }
 
 /* Counted from the particle nearest to the point, across a seam if that is nearer; without one it has no mean. */
@@ -292,6 +366,35 @@ static void the_pressure_is_counted_from_a_point_or_its_mean(void **state)
     }
 }
 
+/* Vortices draw out a lattice until its densities are off; with one correction a step they stay so. All such steps count, and the first is
+ * told, once; where there are corrections enough there are none. */
+static void densities_that_stay_off_are_counted_and_told_once(void **state)
+{
+    (void)state;
+    for (unsigned corrections = 1; corrections <= 200; corrections += 199) {
+        MnsCase *c = case_periodic(2, 20);
+        choose(c);
+        c->disorder = 0.1;
+        c->scheme.incompressible.density_corrections = corrections;
+        MnsSim *sim = sim_of(c);
+        uint64_t off = 0;
+        const size_t before = sim->n_warnings;
+        for (int n = 0; n < 20; n++) {
+            sim_steps(sim, 1);
+            off += sim->solved.density_error > c->scheme.incompressible.density_tolerance;
+        }
+        assert_int_equal(mns_sim_uncorrected(sim), off);
+        assert_int_equal(sim->n_warnings - before, corrections == 1);
+        if (corrections == 1) {
+            assert_true(off > 1);
+            assert_non_null(strstr(mns_sim_warning(sim, before), "scheme.incompressible.density_tolerance: step 1 "));
+            assert_non_null(strstr(mns_sim_warning(sim, before), "after 1 corrections; "));
+            assert_non_null(strstr(mns_sim_warning(sim, before), "where walls do not fit, the resolution"));
+        } else assert_int_equal(off, 0);
+        sim_done(sim, c);
+    }
+}
+
 static void a_space_that_is_not_full_is_refused(void **state)
 {
     (void)state;
@@ -316,7 +419,11 @@ int main(void)
         cmocka_unit_test(a_pressure_that_is_not_found_is_a_fault_that_tells_its_residuals),
         cmocka_unit_test(a_pressure_that_is_no_number_is_a_fault_of_its_own),
         cmocka_unit_test(two_closed_spaces_are_stirred_in_one_case),
+        cmocka_unit_test(a_wall_that_would_join_two_spaces_is_refused),
+        cmocka_unit_test(a_wall_between_two_fluids_joins_them_where_it_has_one_unknown),
+        cmocka_unit_test(a_thin_slanted_wall_is_seen),
         cmocka_unit_test(the_pressure_is_counted_from_a_point_or_its_mean),
+        cmocka_unit_test(densities_that_stay_off_are_counted_and_told_once),
         cmocka_unit_test(a_space_that_is_not_full_is_refused),
     };
     return cmocka_run_group_tests_name("incompressible", tests, NULL, NULL);

@@ -126,6 +126,26 @@ static void light_fluids_are_stiff_where_averages_are_arithmetic(void **state)
     }
 }
 
+/* The faster of two fluids bounds the time step of those that dissipate much: 0.8 h/(delta c). */
+static void dissipation_bounds_the_time_step(void **state)
+{
+    (void)state;
+    static const char *const schemes[] = {"dissipation", "interfacial"};
+    for (size_t k = 0; k < 2; k++) {
+        MnsCase *c;
+        const Limit *limit = NULL;
+        MnsSim *sim = two_fluids(&c, schemes[k], MNS_AVERAGE_DENSITY, 4);
+        sim->model.c_max = 800; /* faster than friction and tension */
+        sim->model.cfl = 0.4;
+        assert_close(limits_dt(sim, &limit), 0.8 * 0.13 / (4 * 800), 1e-15);
+        assert_ptr_equal(limit, &dissipation_limit);
+        sim_done(sim, c);
+        sim = two_fluids(&c, schemes[k], MNS_AVERAGE_DENSITY, 0);
+        assert_true(isinf(dissipation_limit.of(sim)));
+        sim_done(sim, c);
+    }
+}
+
 /* Waves of an interface move both fluids: 0.25 sqrt(rho h^3/(2 pi sigma)) with the mean density. */
 static void surface_tension_bounds_the_time_step_by_the_mean_density(void **state)
 {
@@ -232,6 +252,7 @@ int main(void)
         cmocka_unit_test(time_step_follows_the_worst_pair_of_fluids),
         cmocka_unit_test(time_step_minds_how_walls_move),
         cmocka_unit_test(light_fluids_are_stiff_where_averages_are_arithmetic),
+        cmocka_unit_test(dissipation_bounds_the_time_step),
         cmocka_unit_test(surface_tension_bounds_the_time_step_by_the_mean_density),
         cmocka_unit_test(radial_viscosity_needs_half_the_time_step),
         cmocka_unit_test(flows_without_sound_go_by_the_speed_that_is_expected),

@@ -190,6 +190,26 @@ static void interval_shorter_than_a_step_is_said_to_be_one(void **state)
     sim_done(sim, c);
 }
 
+static void an_entry_that_the_scheme_does_not_read_is_warned_of(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *scheme;
+        bool method, exponent; /* read */
+    } rows[] = {{"riemann", true, false}, {"dissipation", false, false}, {"interfacial", false, true}};
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        MnsCase *c = case_still(2, 10, MNS_DENSITY_AUTOMATIC);
+        c->scheme.name = rows[k].scheme;
+        c->fluids[1].density_method = MNS_DENSITY_CONTINUITY;
+        c->fluids[0].exponent = 7;
+        MnsSim *sim = sim_of(c);
+        assert_int_equal(warns(sim, "fluids[1].density_method: the scheme "), !rows[k].method);
+        assert_int_equal(warns(sim, "fluids[0].exponent: the scheme "), !rows[k].exponent);
+        assert_false(warns(sim, "fluids[0].density_method") || warns(sim, "fluids[1].exponent"));
+        sim_done(sim, c);
+    }
+}
+
 static void a_probe_where_no_fluid_comes_is_warned_of(void **state)
 {
     (void)state;
@@ -312,7 +332,7 @@ static void speed_of_sound_that_is_small_for_the_tension_of_a_drop_is_warned_of(
     (void)state;
     for (int dim = 2; dim <= 3; dim++)
         for (int small = 0; small < 2; small++) {
-            MnsCase *c = case_still(dim, 20, MNS_DENSITY_CONTINUITY);
+            MnsCase *c = case_still(dim, 20, MNS_DENSITY_AUTOMATIC);
             MnsPart *ball = case_add_part(&c->fluids[1].shape, MNS_BALL);
             ball->radius = 0.2;
             for (int d = 0; d < dim; d++) ball->a[d] = 0.5;
@@ -346,6 +366,7 @@ int main(void)
         cmocka_unit_test(run_is_not_steered_to_a_speed_that_has_no_end),
         cmocka_unit_test(step_that_has_become_too_short_for_the_end_is_a_divergence),
         cmocka_unit_test(interval_shorter_than_a_step_is_said_to_be_one),
+        cmocka_unit_test(an_entry_that_the_scheme_does_not_read_is_warned_of),
         cmocka_unit_test(a_probe_where_no_fluid_comes_is_warned_of),
         cmocka_unit_test(fluid_at_an_open_side_is_warned_of_once),
         cmocka_unit_test(threads_beyond_the_processors_are_said_and_bounded),

@@ -46,6 +46,7 @@ static Cloud *stirred(int dim, int (*owner)(const double x[3]))
                                            .flowing = true,
                                            .calibrated = true,
                                            .owner = owner});
+    cloud->model.phase[CLOUD_AIR].c = 10; /* another than in water */
     cloud_stir(cloud, 15);
     cloud_term(cloud, &corrected_normal);
     return cloud;
@@ -73,19 +74,19 @@ static void before_free(Before *before)
     for (int k = 0; k < 7; k++) free(before->of[k]);
 }
 
-/* M of particle i, of its own fluid only if `along`; 1 in the midst of a fluid, where differences are not corrected. */
+/* M of particle i, of its own fluid; 1 in the midst of a fluid and in the original, where differences are not corrected. */
 static void correction_of(const Cloud *cloud, size_t i, bool along, double M[3][3])
 {
     const Particles *s = &cloud->s;
     double moments[3][3] = {{0}};
     for (size_t j = 0; j < particles_fluid(s); j++) {
-        if (j == i || (along && s->phase[j] != s->phase[i])) continue;
+        if (j == i || s->phase[j] != s->phase[i]) continue;
         const CloudPair pair = cloud_pair(cloud, i, j);
         for (int d = 0; d < s->dim; d++)
             for (int e = 0; e < s->dim; e++) moments[d][e] -= pair.dx[d] * pair.F * pair.dx[e] * s->vol[j];
     }
     cloud_invert(moments, s->dim, M);
-    for (int d = 0; d < 3 && !is_mixed(cloud, i); d++)
+    for (int d = 0; d < 3 && !(along && is_mixed(cloud, i)); d++)
         for (int e = 0; e < 3; e++) M[d][e] = d == e ? 1 : 0;
 }
 
@@ -264,7 +265,7 @@ static void a_linear_field_is_carried(void **state)
                 for (int e = 0; e < dim; e++) field[k] += slope[k][e] * s->x[e][i];
             for (int d = 0; d < dim; d++) s->v[d][i] = field[d];
             s->rho[i] = cloud->model.phase[s->phase[i]].rho0 * field[3];
-            s->z[i] = 20 * s->rho[i];
+            s->z[i] = cloud->model.phase[s->phase[i]].c * s->rho[i];
         }
         Before before = before_of(s);
         cloud_shift(cloud);

@@ -345,13 +345,13 @@ static void what_is_left_is_looked_at_where_little_is_allowed(void **state)
 {
     (void)state;
     const SolveMethod *const methods[] = {&solve_cg, &solve_bicgstab, &solve_amg};
-    static const double far[] = {1e4, 1e5, 1e5};
+    static const double far = 1e5;
     for (int k = 0; k < (amg_exists() && !getenv("MENISCUS_SANITIZED") ? 3 : 2); k++) {
         System y;
         SolveReport report;
         ring(&y, FEW, 0, 1);
         ask(&y, 5);
-        for (size_t i = 0; i < FEW; i++) y.x[i] = far[k] * sin(3.0 * (double)i);
+        for (size_t i = 0; i < FEW; i++) y.x[i] = far * sin(3.0 * (double)i);
         methods[k]->solve(&y, &(SolveGoal){5e-12, 3000}, &report);
         assert_true(report.converged);
         matrix_multiply(&y.matrix, y.x, y.work[0], 1);

@@ -118,6 +118,20 @@ static MnsStatus correct_density_once(MnsSim *sim, MnsError *error)
 /* A correction that lowers the density's error by less than a part of it is in vain: where walls do not fit the particles, all may be. */
 static const double ENOUGH = 0.98;
 
+/* What is left of an error is not left to chance: it is counted, and the first is told. */
+static void look_at_density(MnsSim *sim)
+{
+    const Solved *solved = &sim->solved;
+    const double allowed = sim->model.projection.density_tolerance;
+    if (!(solved->density_error > allowed) || sim->uncorrected++) return;
+    plan_warn(
+        sim,
+        "scheme.%s.density_tolerance: step %llu leaves densities off by %.3g, not %.3g, after %u corrections; status "
+        "counts such steps. Raise density_corrections or density_patience, or, where walls do not fit, the resolution",
+        sim->scheme->name, (unsigned long long)sim->progress.step + 1, solved->density_error, allowed,
+        solved->corrections);
+}
+
 static MnsStatus correct_density(MnsSim *sim, MnsError *error)
 {
     const Projection *options = &sim->model.projection;
@@ -134,6 +148,7 @@ static MnsStatus correct_density(MnsSim *sim, MnsError *error)
         status = correct_density_once(sim, error);
         sim->solved.density_error = density_error(sim);
     }
+    if (!status) look_at_density(sim);
     return status;
 }
 
@@ -235,7 +250,7 @@ static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
     memcpy(gravity, sim->model.gravity, sizeof gravity);
     sim->solved = (Solved){0};
     drift(sim, dt);
-    integrator_walls(sim, t, dt);
+    integrator_walls(sim, t, dt, 0);
     integrator_clock(sim, TIMER_DRIFT, start);
     MnsStatus status = correct_density(sim, error);
     if (!status) status = correct_velocity(sim, dt, gravity, error);

@@ -58,7 +58,7 @@ static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
 {
     double start = omp_get_wtime();
     predict(sim, dt);
-    integrator_walls(sim, t - 0.5 * dt, 0.5 * dt);
+    integrator_walls(sim, t - 0.5 * dt, 0.5 * dt, 0.5 * dt); /* all of the step is done with these rates */
     integrator_clock(sim, TIMER_DRIFT, start);
     MnsStatus status = integrator_lists(sim, error);
     if (status) return status;
@@ -66,7 +66,7 @@ static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
 
     start = omp_get_wtime();
     correct(sim, dt);
-    integrator_walls(sim, t, dt);
+    integrator_walls(sim, t, dt, 0);
     integrator_clock(sim, TIMER_KICK, start);
     status = integrator_lists(sim, error);
     if (status) return status;

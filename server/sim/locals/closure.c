@@ -12,7 +12,7 @@ typedef double (*Summand)(const Particles *, const Model *, size_t i);
 static double volume(const Particles *s, const Model *model, size_t i)
 {
     (void)model;
-    return s->m[i] / s->rho[i];
+    return volume_of(s, i);
 }
 
 static double compliance(const Particles *s, const Model *model, size_t i)

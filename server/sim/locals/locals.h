@@ -16,4 +16,10 @@ extern const Local volume_alone;      /* number.c   V = m / rho                 
 extern const Local body_force;        /* force.c    a = g                                */
 extern const Local buoyancy;          /* force.c    a = (1 - rho_0/rho~) g               */
 
+/* What a particle takes up. */
+static inline double volume_of(const Particles *s, size_t i)
+{
+    return s->m[i] / s->rho[i];
+}
+
 #endif

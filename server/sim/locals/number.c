@@ -9,7 +9,7 @@ static void number(Particles *s, const Model *model, size_t first, size_t last)
 #pragma omp simd
     for (size_t i = first; i < last; i++) {
         s->rho[i] = s->m[i] * s->rate[i];
-        s->vol[i] = s->m[i] / s->rho[i];
+        s->vol[i] = volume_of(s, i);
     }
 }
 
@@ -17,7 +17,7 @@ static void volumes(Particles *s, const Model *model, size_t first, size_t last)
 {
     (void)model;
 #pragma omp simd
-    for (size_t i = first; i < last; i++) s->vol[i] = s->m[i] / s->rho[i];
+    for (size_t i = first; i < last; i++) s->vol[i] = volume_of(s, i);
 }
 
 const Local volume_of_number = {

@@ -8,7 +8,7 @@ static void state(Particles *s, const Model *model, size_t first, size_t last)
     for (size_t i = first; i < last; i++) {
         const Phase *phase = &model->phase[s->phase[i]];
         s->p[i] = state_pressure(phase, s->rho[i]);
-        s->vol[i] = s->m[i] / s->rho[i];
+        s->vol[i] = volume_of(s, i);
         s->z[i] = s->rho[i] * phase->c;
     }
 }
@@ -25,7 +25,7 @@ const Local linear_pressure = {
 static void volumes(Particles *s, const Model *model, size_t first, size_t last)
 {
     for (size_t i = first; i < last; i++) {
-        s->vol[i] = s->m[i] / s->rho[i];
+        s->vol[i] = volume_of(s, i);
         s->z[i] = s->rho[i] * model->phase[s->phase[i]].c;
     }
 }

@@ -34,8 +34,10 @@ const Scheme scheme_interfacial = {
     .name = "interfacial",
     .title = "interfacial SPH with shifting along interfaces",
     .source = "P2: Zhu and Zou 2020",
+    .reads_exponent = true,
     .integrator = &kick_drift_kick,
-    .limits = {&acoustic_limit, &interface_limit, &tension_limit, &body_force_limit, &radial_viscous_limit},
+    .limits = {&acoustic_limit, &interface_limit, &tension_limit, &body_force_limit, &radial_viscous_limit,
+               &dissipation_limit},
     .rates =
         {
             {"density",

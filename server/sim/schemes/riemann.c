@@ -47,6 +47,7 @@ const Scheme scheme_riemann = {
     .name = "riemann",
     .title = "low-dissipation Riemann SPH with transport velocity",
     .source = "P3: Rezavand, Zhang and Hu 2020",
+    .reads_density_method = true,
     .integrator = &kick_drift_kick,
     .limits = {&acoustic_limit, &body_force_limit, &viscous_limit},
     .rates =

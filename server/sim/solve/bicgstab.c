@@ -58,7 +58,6 @@ void stabilised_gradients(System *y, const SolveGoal *goal, SolveReport *report,
     double *r = y->work[0];
     unsigned begun = 0, k = 0;
     bool broken = false;
-    remove_mean(y, r);
     do {
         begun = k;
         k = iterate(y, goal, report, size, precondition, k);

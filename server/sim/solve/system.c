@@ -307,6 +307,7 @@ double begin(System *y, double *r)
         lower(y, b, partial_sum(y, 0) / partial_sum(y, 1), y->bulk);
     }
     subtract_product(y, r);
+    remove_mean(y, r);
     const double size = sqrt(dot(y, b, b));
     return size < y->least ? y->least : size;
 }

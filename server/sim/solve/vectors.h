@@ -58,7 +58,8 @@ Precondition jacobi;
 void stabilised_gradients(System *y, const SolveGoal *goal, SolveReport *report, double size,
                           Precondition *precondition);
 
-/* Make b solvable and r = b - L x; returns |b|, or the least that counts. Rows that say nothing ask for nothing. */
+/* Make b solvable and r = b - L x, without what no x changes: the rounding of a guess that is far off has a part along the constants.
+ * Returns |b|, or the least that counts. Rows that say nothing ask for nothing. */
 double begin(System *y, double *r);
 
 /* r = b - L x of a solve that has come to its end, if its tolerance is so small that the rounding of many iterations matters; true: more is

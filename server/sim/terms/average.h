@@ -13,4 +13,10 @@ INLINE double average_tilt(const Model *model, double z_i, const Pair *pair, dou
     return model->density_average * ((pair->z - z_i) * inverse);
 }
 
+/* Of two viscosities, which moves the fluid of the lesser: 2 a b/(a + b), 0 of two that are 0. */
+INLINE double harmonic_mean(double a, double b)
+{
+    return a + b > 0 ? 2 * a * b / (a + b) : 0;
+}
+
 #endif

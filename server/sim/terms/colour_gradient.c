@@ -7,11 +7,6 @@
 #include "sim/terms/terms.h"
 #include <math.h>
 
-static bool is_tense(const Model *model)
-{
-    return model->tense;
-}
-
 INLINE void colour_gradient_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i;

@@ -6,6 +6,7 @@
  *   sum_f W (P_w - P_f - dt rho~_w (n . (b - a_w)) (n . x_wf)) = 0 */
 #include "sim/solve/solve.h"
 #include "sim/terms/differences.h"
+#include "sim/terms/matrix_row.h"
 #include "sim/terms/terms.h"
 #include <math.h>
 
@@ -38,9 +39,7 @@ INLINE void end_row(System *y, const Row *row, double b)
 {
     Matrix *m = &y->matrix;
     const size_t i = row->i;
-    const float *c = m->c + m->start[i] * LANES;
-    double diagonal = 0;
-    for (size_t k = 0; k < row->n * LANES; k++) diagonal += (double)c[k];
+    const double diagonal = float_sum(m->c + m->start[i] * LANES, row->n * LANES);
     const bool says = diagonal > 0 && i != y->held;
     m->diagonal[i] = says ? diagonal : 0;
     m->blocks[i] = says ? (uint32_t)row->n : 0;

@@ -73,7 +73,7 @@ INLINE void corrected_pull_beside(const RowPlan *plan, Particles *s, size_t i, H
 INLINE void forces_beside(const RowPlan *plan, Particles *s, size_t i, How how)
 {
     enum { WALL_NEEDS = NEED_F | NEED_V | NEED_STATE, NEEDS = WALL_NEEDS | NEED_SHEPARD };
-    double x[3], mu[MNS_MAX_FLUIDS];
+    double x[3], mu[MNS_MAX_FLUIDS], like[MNS_MAX_FLUIDS];
     Lanes push[3] = {0}, drag[3] = {0}, friction[3] = {0}, slope[3] = {0}, carried[4] = {0};
     Block block, ahead[2];
     Beside near;
@@ -88,16 +88,18 @@ INLINE void forces_beside(const RowPlan *plan, Particles *s, size_t i, How how)
     const Pushed a = pushed_of(s, i);
     const WallPressure shown = wall_pressure_of(s, i);
     Shifted c = shifted_of(s, model, i);
-    if (mixed) shifted_corrected(&c, &near.carrying, how);
+    if (own_only > 0) shifted_corrected(&c, &near.carrying, how);
     const double soft = viscosity_softening(&model->kernel), beta = model->repulsion, p = s->p[i];
     viscosities_of(model, s->phase[i], 2, mu);
+    likenesses(model, s->phase[i], like);
     position_of(s, i, how, x);
     approach(ahead, 0, plan, &near.picked, near.j, x, how);
     for (size_t b = 0; b < near.picked.n_fluid; b++) {
         approach(ahead, b + 1, plan, &near.picked, near.j, x, how);
         const double *others = near.other.of[b], *counts = near.counts.of[b];
-        double against[LANES];
+        double against[LANES], alike[LANES];
         by_fluid(s, near.j + b * LANES, mu, against);
+        by_fluid(s, near.j + b * LANES, like, alike);
         fetch_rest(&block, near.j + b * LANES, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
@@ -105,7 +107,7 @@ INLINE void forces_beside(const RowPlan *plan, Particles *s, size_t i, How how)
             pressure_pair(&a, model, &pair, true, beta * others[l], how, l, push, WEIGHTS_SQUARES);
             drag_pair(c.v, a.V, &pair, against[l], soft, how, l, drag);
             gradient_pair(p, &pair, how, l, slope);
-            shifting_pair(&c, &pair, counts[l], how, l, carried);
+            shifting_pair(&c, &pair, counts[l], alike[l], how, l, carried);
         }
     }
     for (size_t b = near.picked.n_fluid; b < near.picked.n; b++) {

@@ -32,7 +32,7 @@ INLINE void interfacial_forces_of(const RowPlan *plan, Particles *s, size_t i, H
             if (viscous) drag_pair(c.v, a.V, &pair, mu, soft, how, l, drag);
             gradient_pair(p, &pair, how, l, slope);
             moments_pair(&moments, &pair, 1, how, l);
-            shifting_pair(&c, &pair, 1, how, l, carried);
+            shifting_pair(&c, &pair, 1, 1, how, l, carried);
         }
     }
     pressure_end(s, i, push, how);

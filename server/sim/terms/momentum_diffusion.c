@@ -6,6 +6,7 @@
  *   sph           rho du/dt = 1/V_i sum_j mu_ij (V_i^2 + V_j^2) (u_i - u_j) F
  * P5 prints u_i - u_j in the first, which makes momentum gather. It is not mu lap u but div(mu grad u); what it lacks of div tau is
  * grad mu . grad u^T, which is nothing in a parallel shear (schemes/README.md). */
+#include "sim/terms/average.h"
 #include "sim/terms/differences.h"
 #include "sim/terms/terms.h"
 
@@ -32,11 +33,6 @@ static bool is_conservative(const Model *model)
 static bool is_sph(const Model *model)
 {
     return spreads(model, MNS_DIFFUSION_SPH);
-}
-
-INLINE double harmonic_mean(double a, double b)
-{
-    return a + b > 0 ? 2 * a * b / (a + b) : 0;
 }
 
 /* Add scale * sum_j mu (u_j - u_i) 2 dim k_ij/D_i; mu: the harmonic mean, or 1. */

@@ -9,6 +9,7 @@
  *   sum_i c_iw (P_w - P_i - rho_i dt (g - a_w) . (x_w - x_i)) = 0
  * so L stays symmetric, a layer at rest is exact, and no fluid feels the pressure of another through a wall. */
 #include "sim/solve/solve.h"
+#include "sim/terms/matrix_row.h"
 #include "sim/terms/terms.h"
 #include <math.h>
 
@@ -66,13 +67,6 @@ INLINE void inverse_sums(const Model *model, unsigned fluid, bool unit, double r
 {
     for (unsigned a = 0; a < model->n_phases; a++)
         ret[a] = 1 / (weight_of(model, fluid, unit) + weight_of(model, a, unit));
-}
-
-INLINE double float_sum(const float *c, size_t n)
-{
-    double sum = 0;
-    for (size_t k = 0; k < n; k++) sum += (double)c[k];
-    return sum;
 }
 
 /* Row of a fluid particle. */

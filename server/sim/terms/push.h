@@ -93,12 +93,18 @@ INLINE void shifted_corrected(Shifted *a, const Moments *moments, How how)
     }
 }
 
-/* Of y . sum_j (f_j - f_i) grad_i W V_j for what particles carry: velocity, and in sum[3] z = rho c. */
-INLINE void shifting_pair(const Shifted *a, const Pair *pair, double counts, How how, int l, Lanes sum[4])
+/* c_i / c_j for each fluid: what z = rho c of its particles would be in a fluid of ours. */
+INLINE void likenesses(const Model *model, unsigned fluid, double ret[MNS_MAX_FLUIDS])
+{
+    for (size_t k = 0; k < model->n_phases; k++) ret[k] = model->phase[fluid].c / model->phase[k].c;
+}
+
+/* Of y . sum_j (f_j - f_i) grad_i W V_j for what particles carry: velocity, and in sum[3] rho c_i. like: c_i / c_j. */
+INLINE void shifting_pair(const Shifted *a, const Pair *pair, double counts, double like, How how, int l, Lanes sum[4])
 {
     const double c = counts * (pair->V * pair->F * DOT(a->y, pair->x, how));
     for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, pair->v[d] - a->v[d], how);
-    add_product(&sum[3], l, c, pair->z - a->z, how);
+    add_product(&sum[3], l, c, pair->z * like - a->z, how);
 }
 
 INLINE void shifting_end(const Shifted *a, Particles *s, const Model *model, size_t i, const Lanes sum[4], How how)

@@ -62,7 +62,7 @@ INLINE void riemann_density_fused(const RowPlan *plan, Particles *s, size_t i, H
     note_reach(plan, i, &picked, r[0], LANES);
     riemann_density_end(&a, s, i, &sum);
 }
-FUSED_FUNCTIONS(riemann_density_fused)
+INTERLEAVED_FUNCTIONS(riemann_density_fused)
 
 INLINE void riemann_momentum_row(const Row *row, Particles *s, const Model *model, How how)
 {

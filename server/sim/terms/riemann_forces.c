@@ -49,7 +49,7 @@ INLINE void riemann_forces_fused(const RowPlan *plan, Particles *s, size_t i, Ho
     if (picked.summed) forces(plan, s, i, how, j, &picked, true);
     else forces(plan, s, i, how, j, &picked, false);
 }
-FUSED_FUNCTIONS(riemann_forces_fused)
+INTERLEAVED_FUNCTIONS(riemann_forces_fused)
 
 const Fusion riemann_forces = {
     .terms = {&riemann_momentum, &background, &transport_stress},

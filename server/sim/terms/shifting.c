@@ -3,7 +3,7 @@
  *   dx_i = -A h |v_i| dt sum_j V_j grad_i W,   at most dx/10;   beside an interface only along it: dx_i -= (dx_i . n_i) n_i
  *   v_i += dx_i . sum_j (v_j - v_i) grad_i W V_j, density alike, over particles of the same fluid, beside an interface with M_i of
  * these, which P2 leaves out
- * P2's original shifts through interfaces too and corrects from all fluids, which mixes densities of water and air. */
+ * P2's original shifts through interfaces too and corrects from all fluids without M, which mixes densities of water and air. */
 #include "sim/terms/moments.h"
 #include "sim/terms/push.h"
 #include "sim/terms/terms.h"
@@ -53,14 +53,14 @@ INLINE void concentration_row(const Row *row, Particles *s, const Model *model, 
 }
 ROW_FUNCTIONS(concentration_row)
 
-INLINE void correct_shift(const Row *row, Shifted *a, bool same_only, How how)
+INLINE void correct_shift(const Row *row, Shifted *a, How how)
 {
     Moments moments = {0};
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
-            moments_pair(&moments, &pair, same_only ? 1 - pair.other : 1, how, l);
+            moments_pair(&moments, &pair, 1 - pair.other, how, l);
         }
     shifted_corrected(a, &moments, how);
 }
@@ -69,14 +69,18 @@ INLINE void shifting_row(const Row *row, Particles *s, const Model *model, How h
 {
     Shifted a = shifted_of(s, model, row->i);
     const bool same_only = row->mixed && model->shifts_along_interfaces;
-    if (row->mixed) correct_shift(row, &a, same_only, how);
+    if (same_only) correct_shift(row, &a, how);
+    double like[MNS_MAX_FLUIDS], alike[LANES];
+    likenesses(model, s->phase[row->i], like);
     Lanes sum[4] = {0};
-    for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
+    for (const Block *b = row->block; b < row->block + row->n_fluid; b++) {
+        by_fluid(s, row_j(row, b), like, alike);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
-            shifting_pair(&a, &pair, same_only ? 1 - pair.other : 1, how, l, sum);
+            shifting_pair(&a, &pair, same_only ? 1 - pair.other : 1, alike[l], how, l, sum);
         }
+    }
     shifting_end(&a, s, model, row->i, sum, how);
 }
 ROW_FUNCTIONS(shifting_row)

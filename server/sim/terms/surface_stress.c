@@ -6,11 +6,6 @@
 #include "sim/terms/terms.h"
 #include <math.h>
 
-static bool is_tense(const Model *model)
-{
-    return model->tense;
-}
-
 INLINE void surface_vector_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i;

@@ -19,11 +19,6 @@ double magnitude_of(double square)
     return sqrt(square);
 }
 
-static bool is_tense(const Model *model)
-{
-    return model->tense;
-}
-
 INLINE Correction moments_of(const Row *row, How how)
 {
     Moments moments = {0};

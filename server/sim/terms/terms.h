@@ -88,6 +88,11 @@ static inline bool finds_normals(const Model *model)
     return model->tense || model->shifts_along_interfaces;
 }
 
+static inline bool is_tense(const Model *model)
+{
+    return model->tense;
+}
+
 static inline bool is_viscous(const Model *model)
 {
     return model->viscous;

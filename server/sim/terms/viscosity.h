@@ -3,7 +3,7 @@
 #ifndef SIM_TERMS_VISCOSITY_H
 #define SIM_TERMS_VISCOSITY_H
 
-#include "sim/row.h"
+#include "sim/terms/average.h"
 
 /* Added to r^2, so that close pairs do not diverge. */
 INLINE double viscosity_softening(const Kernel *kernel)
@@ -11,12 +11,10 @@ INLINE double viscosity_softening(const Kernel *kernel)
     return 0.01 * kernel->h * kernel->h;
 }
 
-/* The harmonic mean of two fluids' viscosities, 2 mu_a mu_b/(mu_a + mu_b), times a number and the constant that makes the sum exact on
- * the lattice. */
+/* The harmonic mean of two fluids' viscosities, times half a number and the constant that makes the sum exact on the lattice. */
 INLINE double viscosity_of(const Model *model, unsigned a, unsigned b, double times)
 {
-    const double mu_a = model->phase[a].mu, mu_b = model->phase[b].mu;
-    return mu_a + mu_b > 0 ? model->viscous_scale * (times * (mu_a * mu_b) / (mu_a + mu_b)) : 0;
+    return model->viscous_scale * (0.5 * times * harmonic_mean(model->phase[a].mu, model->phase[b].mu));
 }
 
 /* Of sum_j V_i V_j mu F r^2/(r^2 + 0.01 h^2) v_ij, opposite to the last bit for the two of a pair; mu: 4 mu_i mu_j/(mu_i + mu_j). */

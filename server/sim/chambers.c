@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Through a thin wall the rows of two spaces refer to each other by little, and the pressures that this little asks for, to let through what
+ * neither can hold, are without bound: runs of P4 diverged in the third step. So spaces are told apart by where no wall is between neighbours, and
+ * none may be joined by what rows refer to. */
+#include "sim/chambers.h"
+#include "base/array.h"
+#include "sim/making.h"
+#include <math.h>
+#include <stdlib.h>
+
+static const double NEARER = 0.5; /* spacings that a fluid may come nearer to a wall than it is at the start */
+enum { MAKING_ASKED = 1 << 16 };  /* particles, after which it is asked whether to go on */
+
+typedef struct Chambers {
+    const MnsSim *sim;
+    size_t n;        /* fluid particles */
+    size_t least;    /* of a space: fewer are what a lattice leaves in a corner */
+    bool by_fluid;   /* a wall particle has an unknown for each fluid, not one for all */
+    uint32_t *of;    /* [n] of each fluid particle the first of its space */
+    uint32_t *count; /* [n] how many a space has, at its first particle */
+} Chambers;
+
+static uint32_t first_of(uint32_t *of, uint32_t i)
+{
+    for (; of[i] != i; i = of[i]) of[i] = of[of[i]];
+    return i;
+}
+
+/* ret: the way from i to the nearest image of j; returns its length. */
+static double way(const MnsSim *sim, size_t i, size_t j, double ret[3])
+{
+    double r2 = 0;
+    for (int d = 0; d < 3; d++) {
+        ret[d] = d < sim->s.dim ? -model_nearest(&sim->model, d, sim->s.x[d][i] - sim->s.x[d][j]) : 0;
+        r2 += ret[d] * ret[d];
+    }
+    return sqrt(r2);
+}
+
+/* Walls thinner than half a spacing would have no particles. */
+static bool is_wall_between(const MnsSim *sim, size_t i, size_t j)
+{
+    double to[3], x[3];
+    const int steps = (int)ceil(way(sim, i, j, to) / (0.25 * sim->model.dx));
+    for (int k = 1; k < steps; k++) {
+        for (int d = 0; d < 3; d++) x[d] = d < sim->s.dim ? sim->s.x[d][i] + to[d] * k / steps : 0;
+        for (size_t w = 0; w < sim->model.n_walls; w++)
+            if (shape_distance(&sim->solid[w], x) < 0) return true;
+    }
+    return false;
+}
+
+/* With those before it, most of which are of one space already. */
+static void join_neighbours(Chambers *c, uint32_t i)
+{
+    const uint32_t *list = neighbours_of(&c->sim->nb, i);
+    for (size_t k = 0; k < c->sim->nb.end[i][GROUP_WALL]; k++) {
+        if (list[k] >= i) continue;
+        const uint32_t a = first_of(c->of, i), b = first_of(c->of, list[k]);
+        if (a != b && !is_wall_between(c->sim, i, list[k])) c->of[a > b ? a : b] = a > b ? b : a;
+    }
+}
+
+static MnsStatus tell_apart(Chambers *c, size_t *ret_spaces, MnsError *error)
+{
+    MnsStatus status = MNS_OK;
+    for (size_t i = 0; i < c->n; i++) c->of[i] = (uint32_t)i;
+    for (size_t i = 0; i < c->n && !status; i++) {
+        join_neighbours(c, (uint32_t)i);
+        if (i % MAKING_ASKED == 0) status = making_goes_on(&c->sim->making, error);
+    }
+    for (size_t i = 0; i < c->n; i++) c->count[c->of[i] = first_of(c->of, (uint32_t)i)]++;
+    *ret_spaces = 0;
+    for (size_t i = 0; i < c->n; i++) *ret_spaces += c->count[i] >= c->least;
+    return status;
+}
+
+/* Does the row of a fluid particle, or of a wall particle towards a fluid, refer to two spaces? */
+static bool joins(const Chambers *c, size_t i)
+{
+    const uint32_t none = UINT32_MAX, *list = neighbours_of(&c->sim->nb, i);
+    const bool fluid = i < c->n;
+    const Model *model = &c->sim->model;
+    const double reach = (model->kernel.support + fmin(NEARER * model->dx, model->skin)) * (1 + 1e-9);
+    uint32_t seen[MNS_MAX_FLUIDS];
+    double to[3];
+    for (size_t k = 0; k < MNS_MAX_FLUIDS; k++) seen[k] = fluid ? c->of[i] : none;
+    if (fluid && c->count[c->of[i]] < c->least) return false;
+    for (size_t k = 0; k < c->sim->nb.end[i][GROUP_WALL]; k++) {
+        const uint32_t j = list[k];
+        if (j >= c->n || c->count[c->of[j]] < c->least) continue;
+        uint32_t *space = &seen[c->by_fluid ? c->sim->s.phase[j] : 0];
+        if (*space == c->of[j] || way(c->sim, i, j, to) > reach) continue;
+        if (*space != none) return true;
+        *space = c->of[j];
+    }
+    return false;
+}
+
+static MnsStatus refuse(const MnsSim *sim, size_t i, MnsError *error)
+{
+    double x[3] = {0};
+    for (int d = 0; d < sim->s.dim; d++) x[d] = sim->s.x[d][i];
+    return mns_fail_at(
+        error, MNS_E_INVALID, "walls",
+        "the wall near (%g, %g, %g) m is so thin that the pressures of the two closed spaces beside it would not be "
+        "apart: with the scheme %s and at this resolution, make it at least %.3g m thick, or open it",
+        x[0], x[1], x[2], sim->scheme->name, 2 * (sim->model.kernel.support + NEARER * sim->model.dx));
+}
+
+MnsStatus chambers_check(const MnsSim *sim, MnsError *error)
+{
+    Chambers c = {.sim = sim, .n = particles_fluid(&sim->s), .least = sim->s.dim == 2 ? 9 : 27};
+    c.by_fluid = sim->scheme->unknowns(&sim->s) > sim->s.n;
+    c.of = array_new(c.n, sizeof *c.of);
+    c.count = array_new(c.n, sizeof *c.count);
+    MnsStatus status = MNS_OK;
+    size_t spaces = 0;
+    if (!c.of || !c.count)
+        status = mns_fail(error, MNS_E_MEMORY, "no memory to tell the spaces of %zu particles apart", c.n);
+    else status = tell_apart(&c, &spaces, error);
+    for (size_t i = 0; i < sim->s.n && spaces > 1 && !status; i++)
+        if (joins(&c, i)) status = refuse(sim, i, error);
+    free(c.of);
+    free(c.count);
+    return status;
+}

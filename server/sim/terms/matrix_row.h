@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the rows of both schemes that solve for a pressure are made with. */
+#ifndef SIM_TERMS_MATRIX_ROW_H
+#define SIM_TERMS_MATRIX_ROW_H
+
+#include "sim/row.h"
+
+/* Entries are floats, and their sum is the diagonal of what is stored, not of what it stands for: so constants are nothing to a row. */
+INLINE double float_sum(const float *c, size_t n)
+{
+    double sum = 0;
+    for (size_t k = 0; k < n; k++) sum += (double)c[k];
+    return sum;
+}
+
+#endif
