@@ -65,6 +65,11 @@ static MnsStatus fail_search(const Search *search, MnsError *error)
         return mns_fail(error, MNS_E_INVALID, "a case is a file, and \"%s\" is %s", case_shown(search->name, shown),
                         S_ISDIR(info.st_mode) ? "a directory" : "no regular file");
     for (size_t k = 0; k < search->n_there; k++, next += strlen(next) + 1) names[k] = next;
+    const char *end = strrchr(search->name, '.');
+    if (end && !strcmp(end, ".yaml"))
+        return mns_fail(error, MNS_E_NOT_FOUND,
+                        "there is no file \"%s\"; `meniscus init FILE.yaml` writes a case to begin with",
+                        case_shown(search->name, shown));
     if (search->n_there) words_suggest(names, search->n_there, search->name, there, sizeof there);
     return mns_fail(error, MNS_E_NOT_FOUND, "there is no case \"%s\": no file of that name, and none in %s; %s",
                     case_shown(search->name, shown), search->looked, there);

@@ -25,12 +25,28 @@ static MnsStatus fail_path(const char *path, const char *rest, MnsError *error)
                      case_shown(rest, shown));
 }
 
+/* The one entry that can be set and is called like this at the end of its path: scheme.cfl for cfl. */
+static const char *only_one_called(const char *name)
+{
+    const char *found = NULL;
+    for (size_t k = 0; k < case_steerables_n; k++) {
+        const char *dot = strrchr(case_steerables[k].path, '.');
+        if (!dot || strcmp(dot + 1, name) != 0) continue;
+        if (found) return NULL;
+        found = case_steerables[k].path;
+    }
+    return found;
+}
+
 static MnsStatus fail_name(const char *path, MessageType *type, const char *name, size_t length, MnsError *error)
 {
     char wrong[48], shown[48], names[400];
     const size_t n = length < sizeof wrong ? length : sizeof wrong - 1;
     memcpy(wrong, name, n);
     wrong[n] = 0;
+    const char *meant = only_one_called(path);
+    if (meant)
+        return case_fail(error, MNS_E_NOT_FOUND, path, "unknown entry \"%s\", did you mean \"%s\"?", wrong, meant);
     case_names_for(type, wrong, names, sizeof names);
     return case_fail(error, MNS_E_NOT_FOUND, path, "unknown entry \"%s\", %s", case_shown(wrong, shown), names);
 }

@@ -2,10 +2,10 @@
 /* Single values of a case: from text, strictly; to text, exactly; and whether they are within their bounds. */
 #include "proto/case_scalar.h"
 #include "proto/case_words.h"
+#include "proto/text.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <yaml.h>
 
 static bool parse_enum(const ProtobufCEnumDescriptor *type, const char *text, int *ret)
 {
@@ -86,29 +86,13 @@ static bool within(const CaseEntry *entry, double value)
     return above && below;
 }
 
-/* UTF-8 that a case file can hold: whatever comes from a socket must be printable as one. */
-static bool is_text(const char *text)
-{
-    yaml_event_t event;
-    const size_t n = strlen(text);
-    for (size_t k = 0; k < n; k++) {
-        const unsigned char c = (unsigned char)text[k];
-        if ((c < ' ' && c != '\n' && c != '\t') || c == 127) return false;
-    }
-    if (n > INT32_MAX || !yaml_scalar_event_initialize(&event, NULL, NULL, (const yaml_char_t *)text, (int)n, 1, 1,
-                                                       YAML_ANY_SCALAR_STYLE))
-        return false;
-    yaml_event_delete(&event);
-    return true;
-}
-
 static bool is_good(const CaseEntry *entry, Field *field, const void *item)
 {
     switch (field->type) {
     case PROTOBUF_C_TYPE_DOUBLE: return within(entry, *(const double *)item);
     case PROTOBUF_C_TYPE_UINT32: return within(entry, *(const uint32_t *)item);
     case PROTOBUF_C_TYPE_ENUM: return protobuf_c_enum_descriptor_get_value(field->descriptor, *(const int *)item);
-    case PROTOBUF_C_TYPE_STRING: return *(const char *const *)item && is_text(*(const char *const *)item);
+    case PROTOBUF_C_TYPE_STRING: return *(const char *const *)item && text_is_clean(*(const char *const *)item, true);
     default: return true;
     }
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What may change while a simulation runs, and whether two cases differ in nothing else. */
 #include "proto/case_scalar.h"
+#include "proto/case_words.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,11 +11,14 @@ static MnsStatus compare(MessageType *type, const ProtobufCMessage *a, const Pro
 
 static MnsStatus fail_fixed(const CasePath *path, MnsError *error)
 {
-    char names[400] = "";
+    enum { MOST = 256 };
+    const char *paths[MOST];
+    char names[240];
     size_t n = 0;
-    for (size_t k = 0; k < case_steerables_n && n < sizeof names; k++)
-        n += (size_t)snprintf(names + n, sizeof names - n, "%s%s", k ? ", " : "", case_steerables[k].path);
-    return case_fail(error, MNS_E_INVALID, path->text, "cannot change while the simulation runs, allowed: %s", names);
+    for (; n < case_steerables_n && n < MOST; n++) paths[n] = case_steerables[n].path;
+    words_suggest(paths, n, path->text, names, sizeof names);
+    return case_fail(error, MNS_E_INVALID, path->text,
+                     "cannot change while the simulation runs; %s (`meniscus get` lists them)", names);
 }
 
 /* The value in force: what is there, or the default; NULL if there is neither. */

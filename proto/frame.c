@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Requests as they come off the wire. A few bytes can ask for much memory, so it is counted while they are unpacked. */
 #include "proto/frame.h"
+#include "proto/text.h"
 
 #include <stdbool.h>
 #include <stdlib.h>
@@ -54,7 +55,7 @@ static MnsStatus check(const Meniscus__Request *request, MnsError *error)
     MnsStatus status = check_version(request->has_major, request->major, error);
     if (!status) status = check_id(request->has_id, request->id.len, error);
     if (!status && request->command_case == MENISCUS__REQUEST__COMMAND__NOT_SET) status = fail_command(error);
-    return status;
+    return status ? status : text_check(&request->base, error);
 }
 
 static MnsStatus check_stream(const Meniscus__StreamRequest *request, MnsError *error)
@@ -64,7 +65,7 @@ static MnsStatus check_stream(const Meniscus__StreamRequest *request, MnsError *
     MnsStatus status = check_version(request->has_major, request->major, error);
     if (!status && (answered || request->has_id)) status = check_id(request->has_id, request->id.len, error);
     if (!status && request->command_case == MENISCUS__STREAM_REQUEST__COMMAND__NOT_SET) status = fail_command(error);
-    return status;
+    return status ? status : text_check(&request->base, error);
 }
 
 /* A message of that kind, within limits. */

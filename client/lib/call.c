@@ -82,7 +82,7 @@ static MnsStatus await(MnsClient *client, const Meniscus__Request *request, doub
 static MnsStatus may_repeat(MnsClient *client, const Meniscus__Request *request, int *ended, MnsError *error)
 {
     const uint64_t before = client->epoch;
-    const MnsStatus status = call_greet(client, error);
+    const MnsStatus status = call_greet(client, wire_clock() + greeting_s, error);
     if (status != MNS_OK) return status;
     if (client->epoch == before || request->command_case == MENISCUS__REQUEST__COMMAND_WAIT) return MNS_OK;
     if (request->command_case == MENISCUS__REQUEST__COMMAND_SHUTDOWN)
@@ -159,11 +159,11 @@ static MnsStatus check_arrays(const Meniscus__Reply *reply, Frames *frames, MnsE
     return MNS_OK;
 }
 
-/* id: [MNS_REQUEST_ID_SIZE]; timeout [s], negative: none. */
-static MnsStatus call_as(MnsClient *client, Meniscus__Request *request, uint8_t *id, double timeout,
+/* id: [MNS_REQUEST_ID_SIZE]; timeout [s], negative: none; grace [s]: how much later the answer may get here. */
+static MnsStatus call_as(MnsClient *client, Meniscus__Request *request, uint8_t *id, double timeout, double grace,
                          Meniscus__Reply **ret_reply, Frames *ret_frames, MnsError *error)
 {
-    const double deadline = timeout < 0 ? INFINITY : wire_clock() + timeout + grace_s;
+    const double deadline = timeout < 0 ? INFINITY : wire_clock() + timeout + grace;
     seal(request, id, timeout);
     MnsStatus status = exchange(client, request, deadline, ret_reply, ret_frames, error);
     if (status != MNS_OK) return status;
@@ -175,7 +175,7 @@ static MnsStatus call_as(MnsClient *client, Meniscus__Request *request, uint8_t 
     return status;
 }
 
-MnsStatus call_greet(MnsClient *client, MnsError *error)
+MnsStatus call_greet(MnsClient *client, double deadline, MnsError *error)
 {
     Meniscus__Request request = MENISCUS__REQUEST__INIT;
     Meniscus__GetStatus greeting = MENISCUS__GET_STATUS__INIT;
@@ -185,7 +185,8 @@ MnsStatus call_greet(MnsClient *client, MnsError *error)
     Frames frames;
     uint8_t id[MNS_REQUEST_ID_SIZE];
     MnsStatus status = call_random(id, sizeof id, error);
-    if (status == MNS_OK) status = call_as(client, &request, id, greeting_s, &reply, &frames, error);
+    const double timeout = fmax(0, deadline - wire_clock());
+    if (status == MNS_OK) status = call_as(client, &request, id, timeout, 0, &reply, &frames, error);
     if (status == MNS_E_TIMEOUT)
         return mns_fail(error, MNS_E_UNAVAILABLE, "%s is open, but nobody answers there", client->wire.endpoint);
     if (status != MNS_OK) return status;
@@ -220,5 +221,5 @@ MnsStatus call_make(MnsClient *client, Meniscus__Request *request, Meniscus__Rep
     client->has_at_step = client->has_at_time = client->no_wait = false;
     request->has_lease_epoch = client->lease_epoch > 0;
     request->lease_epoch = client->lease_epoch;
-    return call_as(client, request, id, client->timeout, ret_reply, ret_frames, error);
+    return call_as(client, request, id, client->timeout, grace_s, ret_reply, ret_frames, error);
 }

@@ -36,8 +36,8 @@ MnsStatus call_reason(const char *reason);
 /* What a refusal means. */
 MnsStatus call_status(Meniscus__Code code, const char *reason);
 
-/* Ask the daemon who it is: sets client->epoch. MNS_E_UNAVAILABLE if it does not answer, MNS_E_VERSION. */
-MnsStatus call_greet(MnsClient *client, MnsError *error);
+/* Ask the daemon who it is: sets client->epoch. MNS_E_UNAVAILABLE if it does not answer until the deadline (monotonic), MNS_E_VERSION. */
+MnsStatus call_greet(MnsClient *client, double deadline, MnsError *error);
 
 /* Send a request and wait for its reply. Version, id and deadline are filled in here. Each array of the reply
  * has its frame, checked. On failure, when the daemon refused, error->path is the reply's.

@@ -4,6 +4,9 @@
 #include "client/lib/endpoint.h"
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
+
+enum { STARTING_MS = 300, LOOK_MS = 20 };
 
 static const char *given_or(const char *given, const char *variable)
 {
@@ -36,20 +39,33 @@ static MnsStatus choose_keys(const MnsClientOptions *options, const char *endpoi
                     "%s does not say the daemon's public key: give --server-key or set MENISCUS_SERVER_KEY", file);
 }
 
+/* A daemon that was started in the line before has no socket yet. */
+static MnsStatus await_endpoint(const char *daemon, char ret[MNS_ENDPOINT_SIZE], MnsError *error)
+{
+    const double deadline = wire_clock() + 1e-3 * STARTING_MS;
+    MnsStatus status = mns_daemon_endpoint(daemon, ret, error);
+    while (status == MNS_E_UNAVAILABLE && wire_clock() < deadline) {
+        nanosleep(&(struct timespec){.tv_nsec = LOOK_MS * 1000000L}, NULL);
+        status = mns_daemon_endpoint(daemon, ret, error);
+    }
+    return status;
+}
+
 MnsStatus mns_client_open_with(const MnsClientOptions *options, MnsClient **ret_client, MnsError *error)
 {
     char endpoint[MNS_ENDPOINT_SIZE];
     KeyPair keys = {.public_key = ""};
     bool plain = true;
-    MnsStatus status = mns_daemon_endpoint(options->daemon, endpoint, error);
+    MnsStatus status = await_endpoint(options->daemon, endpoint, error);
     if (status == MNS_OK) status = choose_keys(options, endpoint, &keys, &plain, error);
     if (status != MNS_OK) return status;
     MnsClient *client = calloc(1, sizeof *client);
     if (!client) return mns_fail(error, MNS_E_MEMORY, "no memory for a client");
     client->timeout = -1;
-    status = wire_open(&client->wire, endpoint, plain ? NULL : &keys, error);
+    const double deadline = wire_clock() + (options->timeout > 0 ? options->timeout : WIRE_OPENING_S);
+    status = wire_open(&client->wire, endpoint, plain ? NULL : &keys, deadline, error);
     explicit_bzero(&keys, sizeof keys);
-    if (status == MNS_OK) status = call_greet(client, error);
+    if (status == MNS_OK) status = call_greet(client, deadline, error);
     if (status == MNS_OK) *ret_client = client;
     else mns_client_close(client);
     return status;

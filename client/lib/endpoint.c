@@ -2,6 +2,7 @@
 /* Where daemons listen: names to endpoints, and the list of those on this host. */
 #include "client/lib/endpoint.h"
 #include <dirent.h>
+#include <errno.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -77,15 +78,19 @@ static MnsStatus named_endpoint(const char *name, char ret[MNS_ENDPOINT_SIZE], M
                         name);
     char base[DIRECTORY_COUNT][DIRECTORY_SIZE];
     char path[PATH_MAX];
+    const char *closed = NULL;
     directories(base);
     for (int k = 0; k < DIRECTORY_COUNT; k++) {
         snprintf(path, sizeof path, "%s/%s/control.ipc", base[k], name);
         if (*base[k] && access(path, F_OK) == 0) return ipc_endpoint(path, ret, error);
+        if (*base[k] && errno == EACCES && !closed) closed = base[k];
     }
-    return mns_fail(error, MNS_E_UNAVAILABLE,
-                    "no daemon \"%s\": there is no %s/control.ipc in %s%s%s or %s; start one "
-                    "with `meniscusd --name %s`",
-                    name, name, base[0], *base[0] ? ", " : "", base[1], base[2], name);
+    return mns_fail(
+        error, MNS_E_UNAVAILABLE,
+        "no daemon \"%s\": there is no %s/control.ipc in %s%s%s or %s%s%s%s; start one "
+        "with `meniscusd --name %s`",
+        name, name, base[0], *base[0] ? ", " : "", base[1], base[2], closed ? " (" : "", closed ? closed : "",
+        closed ? " is closed to this user; `sudo -u meniscus` reaches daemons that systemd started)" : "", name);
 }
 
 MnsStatus mns_daemon_endpoint(const char *daemon, char ret_endpoint[MNS_ENDPOINT_SIZE], MnsError *error)

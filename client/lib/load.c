@@ -4,7 +4,14 @@
 #include "proto/load.h"
 #include "client/lib/commands.h"
 #include "proto/case_name.h"
+#include "proto/case_value.h"
 #include <string.h>
+
+/* The name, conditions and a lease come with the request, and are no fault of the file. */
+static bool is_of_case(const char *path)
+{
+    return case_field_named(&meniscus__case__descriptor, path, strcspn(path, ".[")) != NULL;
+}
 
 static MnsStatus send_case(MnsClient *client, const MnsLoad *from, const CaseFile *file, MnsReply **ret_reply,
                            MnsError *error)
@@ -23,9 +30,7 @@ static MnsStatus send_case(MnsClient *client, const MnsLoad *from, const CaseFil
     MnsError why = {0};
     status = command_call(client, &request, ret_reply, &why);
     load_done(&load);
-    /* The name and a condition on the step come with the request. */
-    const bool of_case = *why.path && strcmp(why.path, "name") != 0 && strcmp(why.path, "if_step") != 0;
-    if (status != MNS_OK && of_case) case_file_locate(file, &why);
+    if (status != MNS_OK && is_of_case(why.path)) case_file_locate(file, &why);
     if (status != MNS_OK && error) *error = why;
     return status;
 }

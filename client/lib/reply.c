@@ -141,6 +141,13 @@ static const MnsScheduled *read_scheduled(Arena *arena, const Meniscus__Status *
     return scheduled;
 }
 
+static const MnsStreamsNow *read_streams(Arena *arena, const Meniscus__StreamsNow *from)
+{
+    MnsStreamsNow *streams = from ? arena_take(arena, 1, sizeof *streams) : NULL;
+    if (streams) *streams = (MnsStreamsNow){from->latest, from->lossless, from->memory_bytes, from->skipped};
+    return streams;
+}
+
 static MnsRunInfo *read_info(Arena *arena, const Meniscus__Status *m)
 {
     MnsRunInfo *info = arena_take(arena, 1, sizeof *info);
@@ -164,6 +171,7 @@ static MnsRunInfo *read_info(Arena *arena, const Meniscus__Status *m)
         .particles = m->particles,
         .fluid_particles = m->fluid_particles,
         .guarded = m->guarded,
+        .uncorrected = m->uncorrected,
         .samples_dropped = m->samples_dropped,
         .memory_bytes = m->memory_bytes,
         .state_hash = m->state_hash,
@@ -177,8 +185,10 @@ static MnsRunInfo *read_info(Arena *arena, const Meniscus__Status *m)
         .timers = read_timers(arena, m),
         .breakpoints = read_breakpoints(arena, m),
         .scheduled = read_scheduled(arena, m),
+        .streams = read_streams(arena, m->streams),
     };
-    return info->timers && info->breakpoints && info->scheduled ? info : NULL;
+    const bool whole = info->timers && info->breakpoints && info->scheduled && (info->streams || !m->streams);
+    return whole ? info : NULL;
 }
 
 static const MnsTopicInfo *read_parameters(Arena *arena, const Meniscus__Capabilities *message)

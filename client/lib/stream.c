@@ -50,7 +50,8 @@ MnsStatus mns_stream_open(const MnsClient *client, const MnsStreamOptions *optio
                                : mns_fail(error, MNS_E_MEMORY, "no memory for a stream");
     if (!status) choose_window(stream, options->kind);
     if (!status)
-        status = wire_open(&stream->wire, endpoint, *client->wire.keys.public_key ? &client->wire.keys : NULL, error);
+        status = wire_open(&stream->wire, endpoint, *client->wire.keys.public_key ? &client->wire.keys : NULL,
+                           wire_clock() + WIRE_OPENING_S, error);
     if (!status) status = stream_attach(stream, client->timeout < 0 ? INFINITY : wire_clock() + client->timeout, error);
     if (!status) *ret_stream = stream;
     else mns_stream_close(stream);

@@ -10,8 +10,9 @@
 #include <unistd.h>
 
 enum {
-    CONNECT_MS = 5000, /* to a daemon that should be there: where nobody listens it is known at once */
-    RECONNECT_S = 5,   /* to a daemon that was there: it may be restarted */
+    REFUSALS =
+        3, /* a tenth of a second apart: where nobody listens then, nobody is about to, as a daemon started just now is */
+    RECONNECT_S = 5, /* to a daemon that was there: it may be restarted */
     HEARTBEAT_MS = 2000,
     HEARTBEAT_TIMEOUT_MS = 6000,
     RETRY_MS = 100,
@@ -106,17 +107,22 @@ static MnsStatus misunderstood(const Wire *wire, MnsError *error)
         wire->endpoint, wire->keys.server_key);
 }
 
-static MnsStatus await_connection(Wire *wire, MnsError *error)
+static MnsStatus await_connection(Wire *wire, double deadline, MnsError *error)
 {
-    const double deadline = wire_clock() + 1e-3 * CONNECT_MS;
     zmq_pollitem_t item = {.socket = wire->monitor, .events = ZMQ_POLLIN};
-    bool refused = false;
-    while (!wire->connected && !refused && wire_clock() < deadline) {
+    int refusals = 0;
+    while (!wire->connected && !wire->failed && refusals < REFUSALS && wire_clock() < deadline) {
         zmq_poll(&item, 1, (long)fmax(1, 1e3 * (deadline - wire_clock())));
-        refused = note_events(wire) == ZMQ_EVENT_CONNECT_RETRIED || wire->failed;
+        refusals += note_events(wire) == ZMQ_EVENT_CONNECT_RETRIED;
     }
     if (wire->connected) return MNS_OK;
     if (wire->failed) return is_denied(wire) ? deny(wire, error) : misunderstood(wire, error);
+    if (!refusals)
+        return mns_fail(
+            error, MNS_E_UNAVAILABLE,
+            "no answer from %s: who listens there hangs, or the network loses what is sent; see `meniscus ls` "
+            "on its machine",
+            wire->endpoint);
     return mns_fail(error, MNS_E_UNAVAILABLE,
                     "nobody listens at %s; start a daemon with `meniscusd`, or see `meniscus ls`", wire->endpoint);
 }
@@ -129,7 +135,7 @@ bool wire_secure(const Wire *wire, void *socket)
                                   !zmq_setsockopt(socket, ZMQ_CURVE_SECRETKEY, keys->secret_key, KEY_TEXT));
 }
 
-MnsStatus wire_open(Wire *wire, const char *endpoint, const KeyPair *keys, MnsError *error)
+MnsStatus wire_open(Wire *wire, const char *endpoint, const KeyPair *keys, double deadline, MnsError *error)
 {
     *wire = (Wire){0};
     if (keys) wire->keys = *keys;
@@ -148,7 +154,7 @@ MnsStatus wire_open(Wire *wire, const char *endpoint, const KeyPair *keys, MnsEr
         return mns_fail(error, MNS_E_INVALID, "these keys cannot be used: %s", zmq_strerror(errno));
     if (zmq_connect(wire->dealer, endpoint) != 0)
         return mns_fail(error, MNS_E_UNAVAILABLE, "cannot connect to %s: %s", endpoint, zmq_strerror(errno));
-    return await_connection(wire, error);
+    return await_connection(wire, deadline, error);
 }
 
 void wire_close(Wire *wire)

@@ -7,7 +7,7 @@
 #include <meniscus/client.h>
 #include <zmq.h>
 
-enum { WIRE_MAX_FRAMES = 66 };
+enum { WIRE_MAX_FRAMES = 66, WIRE_OPENING_S = 5 /* for a daemon that should be there */ };
 
 typedef struct Wire {
     void *context, *dealer, *monitor;
@@ -28,9 +28,9 @@ typedef struct Frames {
 /* Monotonic time [s]. */
 double wire_clock(void);
 
-/* Connect. keys: NULL for plain text. MNS_OK; MNS_E_UNAVAILABLE at once if the connection is refused, within five seconds if there is
- * no answer; MNS_E_DENIED if our key is refused. */
-MnsStatus wire_open(Wire *wire, const char *endpoint, const KeyPair *keys, MnsError *error);
+/* Connect. keys: NULL for plain text. MNS_OK; MNS_E_UNAVAILABLE at once if the connection is refused, at the deadline (monotonic) if there
+ * is no answer; MNS_E_DENIED if our key is refused. */
+MnsStatus wire_open(Wire *wire, const char *endpoint, const KeyPair *keys, double deadline, MnsError *error);
 
 /* Have a socket that is not connected yet use the keys. False if they cannot be. */
 bool wire_secure(const Wire *wire, void *socket);

@@ -94,6 +94,13 @@ typedef struct MnsScheduled {
     const char *who, *what;          /* who gave it; "set gravity = [0, -2], at step 5000"     */
 } MnsScheduled;
 
+/** Streams that are subscribed to, of all clients together. */
+typedef struct MnsStreamsNow {
+    uint64_t latest, lossless; /* streams of the newest: probes, fields, events; of everything: series, snapshots */
+    uint64_t memory_bytes;     /* that they hold                                                                  */
+    uint64_t skipped;          /* items that gave way to newer ones, since the daemon began                       */
+} MnsStreamsNow;
+
 /** What a daemon is doing. Strings are never NULL; numbers that the daemon does not know are NAN or 0. */
 typedef struct MnsRunInfo {
     MnsState state;
@@ -102,7 +109,7 @@ typedef struct MnsRunInfo {
     double time, end_time, time_step; /* [s], simulated */
     double eta_s, wall_s;             /* [s], wall clock: to the end, since the start */
     double steps_per_second, ns_per_particle_step;
-    uint64_t step, particles, fluid_particles, guarded, samples_dropped, memory_bytes;
+    uint64_t step, particles, fluid_particles, guarded, uncorrected, samples_dropped, memory_bytes;
     uint64_t state_hash;      /* 0 while it runs */
     uint64_t case_version;    /* 1 when the case was loaded, one more with every change */
     const char *lease_holder; /* who may change the run; empty if everybody may         */
@@ -112,6 +119,7 @@ typedef struct MnsRunInfo {
     const MnsTimerInfo *timers;
     const MnsBreakpoint *breakpoints;
     const MnsScheduled *scheduled; /* in the order in which they were accepted */
+    const MnsStreamsNow *streams;  /* NULL: the daemon does not tell */
 } MnsRunInfo;
 
 /** A file the daemon has written. */
@@ -184,10 +192,11 @@ typedef struct MnsClientOptions {
     const char *daemon;     /* as above                                                                              */
     const char *key_file;   /* of `meniscus keys new`, mode 0600; NULL: $MENISCUS_KEY. Of neither: plain text        */
     const char *server_key; /* public key of the daemon; NULL: $MENISCUS_SERVER_KEY, or that in the file of the key  */
+    double timeout;         /* to connect and be greeted [s]; 0: five seconds, that of commands is set below         */
 } MnsClientOptions;
 
-/** Connect and greet.
- *  @return MNS_OK; as mns_daemon_endpoint(); MNS_E_UNAVAILABLE within five seconds if nobody listens, or if
+/** Connect and greet. A daemon that was started in the line before is given 0.3 seconds to listen.
+ *  @return MNS_OK; as mns_daemon_endpoint(); MNS_E_UNAVAILABLE within the timeout if nobody listens or answers, or if
  *          the daemon has another public key; MNS_E_DENIED if it does not know ours, or there is none; MNS_E_VERSION. Of the file
  *          of the key: MNS_E_NOT_FOUND, MNS_E_INVALID, MNS_E_IO; MNS_E_STATE if others can read it. */
 MnsStatus mns_client_open_with(const MnsClientOptions *options, MnsClient **ret_client, MnsError *error);

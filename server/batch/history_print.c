@@ -21,6 +21,7 @@ static const char *kind_name(const Record *record)
     case MENISCUS__JOURNAL_RECORD__KIND__BEGUN: return "begun";
     case MENISCUS__JOURNAL_RECORD__KIND__HASH: return "hash";
     case MENISCUS__JOURNAL_RECORD__KIND__SCHEDULED: return "scheduled";
+    case MENISCUS__JOURNAL_RECORD__KIND__LEASE: return "lease";
     default: return "unknown";
     }
 }
@@ -69,6 +70,7 @@ static void print_outcome(const Record *record)
     const Meniscus__Reply *reply = record->reply;
     if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__BEGUN) printf(": begun");
     else if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__SCHEDULED) print_moment(record->request);
+    else if (record->undone) printf(": not done, as the journal could not be written");
     else if (reply && reply->code != MENISCUS__CODE__OK) printf(": %s", text(reply->message));
     else if (reply) printf(": %s", run_state_name((RunState)reply->state));
 }
@@ -76,9 +78,10 @@ static void print_outcome(const Record *record)
 static void print_line(const HistoryRecord *at)
 {
     const Record *record = at->message;
-    char moment[40];
+    char moment[40], t[32] = "-"; /* a record that ends a run has no simulated time */
     when(record, moment);
-    printf("%6" PRIu64 "  %s  %8" PRIu64 "  %12.6g  %-22s  ", at->number, moment, record->step, record->time,
+    if (record->has_time) snprintf(t, sizeof t, "%.6g", record->time);
+    printf("%6" PRIu64 "  %s  %8" PRIu64 "  %12s  %-22s  ", at->number, moment, record->step, t,
            record->who ? text(record->who->name) : "");
     printf("%s", record->request ? history_command(record) : kind_name(record));
     if (record->request) print_arguments(record->request);
@@ -92,8 +95,11 @@ static void print_line(const HistoryRecord *at)
 static void print_table(const History *history)
 {
     printf("%6s  %-24s  %8s  %12s  %-22s  %s\n", "record", "when", "step", "t [s]", "who", "what");
-    for (size_t k = 0; k < history->n; k++)
-        if (history->records[k].message->kind != MENISCUS__JOURNAL_RECORD__KIND__HASH) print_line(&history->records[k]);
+    for (size_t k = 0; k < history->n; k++) {
+        const Record *record = history->records[k].message;
+        const bool told = record->kind == MENISCUS__JOURNAL_RECORD__KIND__LEASE && !record->undone; /* as always */
+        if (record->kind != MENISCUS__JOURNAL_RECORD__KIND__HASH && !told) print_line(&history->records[k]);
+    }
 }
 
 static void print_verdict(const History *history, MnsStatus status, const MnsError *error)
@@ -137,18 +143,25 @@ static json_t *reply_json(const Meniscus__Reply *reply)
                      run_state_name((RunState)reply->state), "effect_step", (json_int_t)reply->effect_step);
 }
 
+/* Of a record that says whether somebody was told. */
+static json_t *undone_json(const Record *record)
+{
+    return record->kind == MENISCUS__JOURNAL_RECORD__KIND__LEASE ? json_boolean(record->undone) : json_null();
+}
+
 static json_t *record_json(const HistoryRecord *at)
 {
     const Record *record = at->message;
     char moment[40], hash[24];
     when(record, moment);
     snprintf(hash, sizeof hash, "%016" PRIx64, record->state_hash);
-    return json_pack("{sI sI ss ss ss? sI sf ss? so so so ss?}", "number", (json_int_t)at->number, "offset",
+    return json_pack("{sI sI ss ss ss? sI so ss? so so so ss? so}", "number", (json_int_t)at->number, "offset",
                      (json_int_t)at->offset, "kind", kind_name(record), "when", moment, "who",
-                     record->who ? record->who->name : NULL, "step", (json_int_t)record->step, "time", record->time,
-                     "command", record->request ? history_command(record) : NULL, "id", id_json(record), "changes",
+                     record->who ? record->who->name : NULL, "step", (json_int_t)record->step, "time",
+                     record->has_time ? json_real(record->time) : json_null(), "command",
+                     record->request ? history_command(record) : NULL, "id", id_json(record), "changes",
                      changes_json(record), "reply", reply_json(record->reply), "state_hash",
-                     record->has_state_hash ? hash : NULL);
+                     record->has_state_hash ? hash : NULL, "undone", undone_json(record));
 }
 
 static void print_json(const char *directory, const History *history, bool verify, const MnsError *error, int code)

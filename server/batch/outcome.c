@@ -113,6 +113,7 @@ static json_t *as_json(const Outcome *outcome)
     json_object_set_new(object, "wall_s", number(status->wall));
     json_object_set_new(object, "ns_per_particle_step", number(status->ns_per_particle_step));
     json_object_set_new(object, "guarded", integer(at->guarded));
+    json_object_set_new(object, "uncorrected", integer(status->uncorrected));
     json_object_set_new(object, "rebuilds", integer(at->rebuilds));
     json_object_set_new(object, "state_hash", hash_of(status));
     json_object_set_new(object, "probes", probes_of(outcome));
@@ -136,6 +137,8 @@ static void print_lines(const Outcome *outcome)
     for (size_t k = 0; k < c->n_probes; k++)
         printf("  %-24s %.9g %s\n", c->probes[k].name, outcome->probes[k], mns_probe_unit(&c->probes[k]));
     if (status->progress.guarded) printf("  kept from walls %" PRIu64 " times\n", status->progress.guarded);
+    if (status->uncorrected)
+        printf("  densities off by more than the case allows after %" PRIu64 " steps\n", status->uncorrected);
     printf("  files in %s\n", outcome->directory);
 }
 

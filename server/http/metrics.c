@@ -65,6 +65,11 @@ static double guarded(const View *view)
     return (double)view->run->progress.guarded;
 }
 
+static double uncorrected(const View *view)
+{
+    return (double)view->run->uncorrected;
+}
+
 static double probe_time(const View *view)
 {
     return view->run->sampled ? view->run->sampled_at : NAN;
@@ -108,6 +113,11 @@ static double disk_free(const View *view)
 static double clients(const View *view)
 {
     return (double)view->from->traffic->clients;
+}
+
+static double listeners(const View *view)
+{
+    return (double)view->from->traffic->listeners;
 }
 
 static double requests(const View *view)
@@ -382,8 +392,9 @@ static void stream_cancels(Exposition *to, const Family *family, const View *vie
 
 static void topic_skips(Exposition *to, const Family *family, const View *view)
 {
-    one(to, family, (double)view->counts.progress_dropped, "topic", "progress");
-    one(to, family, (double)view->counts.samples_dropped, "topic", "probe");
+    const TopicTraffic *topics = view->from->traffic->topics;
+    one(to, family, (double)(view->counts.progress_dropped + topics[TRAFFIC_PROGRESS].thinned), "topic", "progress");
+    one(to, family, (double)(view->counts.samples_dropped + topics[TRAFFIC_PROBE].thinned), "topic", "probe");
 }
 
 static void keys(Exposition *to, const Family *family, const View *view)
@@ -454,6 +465,10 @@ static const Metric metrics[] = {
     {{"meniscus_solver_guarded", "", METRIC_COUNTER, "Times a particle of this run was kept from entering a wall"},
      true,
      .number = guarded},
+    {{"meniscus_solver_uncorrected", "", METRIC_COUNTER,
+      "Steps since the case was loaded after which a number density was off by more than the case allows"},
+     true,
+     .number = uncorrected},
     {{"meniscus_probe_value", "", METRIC_GAUGE, "Latest sample of each probe, in the unit that its label says"},
      true,
      .print = probes},
@@ -490,6 +505,7 @@ static const Metric metrics[] = {
     {{"meniscus_control_failures", "", METRIC_COUNTER, "Those refused, and those that failed or were called off"},
      .number = refused},
     {{"meniscus_control_unread", "bytes", METRIC_GAUGE, "Replies that clients have not taken yet"}, .number = unread},
+    {{"meniscus_telemetry_clients", "", METRIC_GAUGE, "Connections to the telemetry socket"}, .number = listeners},
     {{"meniscus_telemetry_messages", "", METRIC_COUNTER, "Messages published"}, .print = topic_messages},
     {{"meniscus_telemetry", "bytes", METRIC_COUNTER, "Bytes published, once for all who subscribe"},
      .print = topic_bytes},

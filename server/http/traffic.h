@@ -6,11 +6,15 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { TRAFFIC_TOPICS = 4, TRAFFIC_ROLES = 3, TRAFFIC_FAILURES = 3, TRAFFIC_STREAMS = 5 };
+/* Topics of the telemetry. */
+enum { TRAFFIC_EVENT, TRAFFIC_LOG, TRAFFIC_PROGRESS, TRAFFIC_PROBE, TRAFFIC_TOPICS };
+
+enum { TRAFFIC_ROLES = 3, TRAFFIC_FAILURES = 3, TRAFFIC_STREAMS = 5 };
 
 typedef struct TopicTraffic {
     const char *name;                 /* set before there is any other thread */
     _Atomic uint64_t messages, bytes; /* published */
+    _Atomic uint64_t thinned;         /* left out, as very many listen and a newer one came */
 } TopicTraffic;
 
 /* Of streams, by what they have: probes, fields, events, series, snapshots. Counted by their thread. */
@@ -30,7 +34,7 @@ typedef struct StreamTraffic {
 } StreamTraffic;
 
 typedef struct Traffic {
-    _Atomic long clients;               /* connections to the control socket */
+    _Atomic long clients, listeners;    /* connections to the control socket, and to that of telemetry */
     _Atomic uint64_t requests, refused; /* requests; of those and of the answers since, the ones that failed */
     _Atomic size_t unread;              /* bytes of replies that clients have not taken */
     TopicTraffic topics[TRAFFIC_TOPICS];

@@ -73,6 +73,16 @@ static MnsStatus find_time(const char *dir, const DirectoryEntry *file, const Kn
     return status ? status : h5_load(path, false, get_time, ret, error);
 }
 
+/* Those of later steps are left out, which are to go. @return how many are left. */
+static size_t drop_later(DirectoryEntry *files, size_t n, uint64_t last)
+{
+    size_t left = 0;
+    uint64_t step;
+    for (size_t k = 0; k < n; k++)
+        if (!name_step(files[k].name, &step) || step <= last) files[left++] = files[k];
+    return left;
+}
+
 /* Files that cannot be read are left out: the others still play. @return how many moments there are. */
 static size_t find_moments(const char *dir, const DirectoryEntry *files, size_t n, Moment *moments, FileNote *note,
                            void *arg)
@@ -114,16 +124,19 @@ static MnsStatus write_index(const char *dir, const Moment *moments, size_t n, M
     return written;
 }
 
-MnsStatus snapshot_index(const char *dir, FileNote *note, void *arg, MnsError *error)
+MnsStatus snapshot_index(const char *dir, uint64_t last, size_t *ret_n, FileNote *note, void *arg, MnsError *error)
 {
     DirectoryEntry *files = NULL;
     size_t n = 0;
     MnsStatus status = directory_list(dir, SNAPSHOT_BEGIN, NUMBERED_END, &files, &n, error);
     if (status) return status;
+    n = drop_later(files, n, last);
     Moment *moments = malloc((n + 1) * sizeof *moments);
-    if (moments) status = write_index(dir, moments, find_moments(dir, files, n, moments, note, arg), error);
+    const size_t found = moments ? find_moments(dir, files, n, moments, note, arg) : 0;
+    if (moments) status = write_index(dir, moments, found, error);
     else status = mns_fail(error, MNS_E_MEMORY, "no memory for the index of the %zu snapshots in '%s'", n, dir);
     free(moments);
     free(files);
+    if (!status && ret_n) *ret_n = found;
     return status;
 }

@@ -31,41 +31,50 @@ static Channel *find(Channel *list, const uint8_t *key, size_t size, uint64_t ge
     return NULL;
 }
 
-MnsStatus channel_join(Channel **list, Tap *tap, const Meniscus__Subscribe *asked, const StreamSpec *spec,
-                       uint64_t generation, Channel **ret, MnsError *error)
+static MnsStatus open_channel(Channel **list, Tap *tap, const Stream *stream, uint8_t *key, size_t size,
+                              MnsError *error)
 {
-    size_t size;
-    uint8_t *key = key_of(asked, &size);
-    Channel *channel = key ? find(*list, key, size, generation) : NULL;
-    if (channel) {
-        free(key);
-        channel->users++;
-        *ret = channel;
-        return MNS_OK;
-    }
-    channel = key ? calloc(1, sizeof *channel) : NULL;
+    const StreamSpec *spec = &stream->spec;
     const bool fed = spec->kind != STREAM_EVENTS;
-    if (channel && fed) channel->feed = tap_open(tap, generation, &spec->wish);
+    Channel *channel = calloc(1, sizeof *channel);
+    if (channel && fed) channel->feed = tap_open(tap, stream->generation, &spec->wish);
     if (!channel || (fed && !channel->feed)) {
         free(channel);
-        free(key);
         return mns_fail(error, channel ? MNS_E_STATE : MNS_E_MEMORY,
                         channel ? "another case was loaded just now; ask again" : "no memory for another stream");
     }
     channel->spec = *spec;
     channel->key = key;
     channel->key_size = size;
-    channel->users = 1;
-    channel->generation = generation;
+    channel->generation = stream->generation;
     channel->next = *list;
     *list = channel;
-    *ret = channel;
     return MNS_OK;
 }
 
-void channel_leave(Channel **list, Tap *tap, Channel *channel)
+MnsStatus channel_join(Channel **list, Tap *tap, const Meniscus__Subscribe *asked, Stream *stream, MnsError *error)
 {
-    if (--channel->users) return;
+    size_t size;
+    uint8_t *key = key_of(asked, &size);
+    if (!key) return mns_fail(error, MNS_E_MEMORY, "no memory for another stream");
+    Channel *channel = find(*list, key, size, stream->generation);
+    const MnsStatus status = channel ? MNS_OK : open_channel(list, tap, stream, key, size, error);
+    if (channel || status) free(key);
+    if (status) return status;
+    stream->channel = channel ? channel : *list;
+    stream->beside = stream->channel->users;
+    stream->channel->users = stream;
+    return MNS_OK;
+}
+
+void channel_leave(Channel **list, Tap *tap, Stream *stream)
+{
+    Channel *channel = stream->channel;
+    Stream **at = &channel->users;
+    while (*at != stream) at = &(*at)->beside;
+    *at = stream->beside;
+    stream->channel = NULL;
+    if (channel->users) return;
     while (*list != channel) list = &(*list)->next;
     *list = channel->next;
     if (channel->feed) tap_close(tap, channel->feed);

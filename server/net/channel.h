@@ -5,12 +5,12 @@
 
 #include "net/stream.h"
 
-/* One more who asks for this: an existing channel, or a new one. MNS_E_MEMORY; MNS_E_STATE if the case has changed meanwhile. */
-MnsStatus channel_join(Channel **list, Tap *tap, const Meniscus__Subscribe *asked, const StreamSpec *spec,
-                       uint64_t generation, Channel **ret, MnsError *error);
+/* One more who asks for this, with its `spec` and `generation`: an existing channel becomes its `channel`, or a new one. MNS_E_MEMORY; MNS_E_STATE if the
+ * case has changed meanwhile. */
+MnsStatus channel_join(Channel **list, Tap *tap, const Meniscus__Subscribe *asked, Stream *stream, MnsError *error);
 
-/* One fewer; without any it is gone. */
-void channel_leave(Channel **list, Tap *tap, Channel *channel);
+/* One fewer; without any its channel is gone. */
+void channel_leave(Channel **list, Tap *tap, Stream *stream);
 
 /* Another item takes the place of the newest. */
 void channel_put(Channel *channel, StreamItem *item, uint64_t number);

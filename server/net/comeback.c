@@ -8,16 +8,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool has_reply(const Meniscus__JournalRecord *record)
+/* A lease that nobody was told of is none: whoever asks for it again gets another. */
+static bool has_reply(const History *history, size_t k, const char *boot)
 {
+    const Meniscus__JournalRecord *record = history->records[k].message;
     const Meniscus__Request *request = record->request;
-    return request && record->reply && request->has_id && request->id.len == ORDER_ID;
+    const bool replied = request && record->reply && request->has_id && request->id.len == ORDER_ID;
+    return replied && !history_untold(history, k, boot);
 }
 
 static void recall(Desk *desk, const Meniscus__JournalRecord *record)
 {
     const Meniscus__Request *request = record->request;
-    if (!has_reply(record)) return;
     const size_t size = meniscus__reply__get_packed_size(record->reply);
     uint8_t *packed = malloc(size + 1);
     if (!packed) return;
@@ -27,11 +29,12 @@ static void recall(Desk *desk, const Meniscus__JournalRecord *record)
 }
 
 /* Those that the desk remembers, the last ones. */
-static void recall_last(Desk *desk, const History *history)
+static void recall_last(Desk *desk, const History *history, const char *boot)
 {
     size_t k = history->n;
-    for (size_t n = 0; k > 0 && n < LEDGER_ENTRIES; k--) n += has_reply(history->records[k - 1].message);
-    for (; k < history->n; k++) recall(desk, history->records[k].message);
+    for (size_t n = 0; k > 0 && n < LEDGER_ENTRIES; k--) n += has_reply(history, k - 1, boot);
+    for (; k < history->n; k++)
+        if (has_reply(history, k, boot)) recall(desk, history->records[k].message);
 }
 
 static MnsStatus fail_unread(const Comeback *comeback, const char *parent, const MnsError *why, MnsError *error)
@@ -46,11 +49,13 @@ static MnsStatus fail_unread(const Comeback *comeback, const char *parent, const
 MnsStatus comeback_begin(Comeback *comeback, const char *parent, const char *asked, Desk *desk, MnsError *error)
 {
     MnsError why;
+    char boot[HISTORY_BOOT];
+    history_boot(boot);
     MnsStatus status = rundir_current(parent, asked, comeback->directory, &comeback->same, &why);
     const bool other = !status && asked && !comeback->same;
     if (!status) status = history_read(comeback->directory, &comeback->history, &why);
-    if (!status) recall_last(desk, &comeback->history);
-    if (!status) status = lineage_of(&comeback->history, &comeback->lineage, &why);
+    if (!status) recall_last(desk, &comeback->history, boot);
+    if (!status) status = lineage_of(&comeback->history, boot, &comeback->lineage, &why);
     comeback->due = !status;
     comeback->lineage.directory = comeback->directory;
     if (!status || status == MNS_E_NOT_FOUND || status == MNS_E_STATE)

@@ -61,6 +61,7 @@ static const Exchange *post(Daemon *daemon, const Meniscus__Request *request, co
     free(packed);
     Exchange *exchange = copy ? exchange_new(copy, &OURSELVES) : NULL;
     if (exchange) exchange->order.lineage = lineage;
+    if (exchange) exchange->order.leads = request->command_case == MENISCUS__REQUEST__COMMAND_LOAD;
     if (!exchange || !handle(daemon->run, exchange, &error)) return exchange;
     log_line(LOG_ERROR, "%s", error.text);
     exchange_free(exchange);

@@ -4,6 +4,7 @@
 
 #include "base/clock.h"
 #include "net/publish.h"
+#include "net/subscribe.h"
 #include "proto/case_file.h"
 #include <math.h>
 #include <meniscus/sim.h>
@@ -98,11 +99,13 @@ static void add_scheduled(Meniscus__Status *message, const RunStatus *status)
 static void add_numbers(Meniscus__Status *message, const RunStatus *status)
 {
     message->has_step = message->has_particles = message->has_fluid_particles = message->has_guarded = true;
+    message->has_uncorrected = true;
     message->has_samples_dropped = message->has_threads = message->has_memory_bytes = true;
     message->step = status->progress.step;
     message->particles = status->particles;
     message->fluid_particles = status->fluid_particles;
     message->guarded = status->progress.guarded;
+    message->uncorrected = status->uncorrected;
     message->samples_dropped = status->samples_dropped;
     message->threads = status->threads;
     message->memory_bytes = status->bytes;
@@ -125,7 +128,21 @@ static void add_numbers(Meniscus__Status *message, const RunStatus *status)
     message->case_version = status->version;
 }
 
-Meniscus__Status *describe_status(const RunStatus *status)
+static void add_streams(Meniscus__Status *message, const StreamTraffic *traffic)
+{
+    Meniscus__StreamsNow *streams = malloc(sizeof *streams);
+    if (!streams) return;
+    meniscus__streams_now__init(streams);
+    streams->has_latest = streams->has_lossless = streams->has_memory_bytes = streams->has_skipped = true;
+    for (int k = 0; k < TRAFFIC_STREAMS; k++) {
+        *(stream_is_latest((StreamKind)k) ? &streams->latest : &streams->lossless) += traffic->open[k];
+        streams->skipped += traffic->skipped[k];
+    }
+    streams->memory_bytes = traffic->memory + traffic->copies;
+    message->streams = streams;
+}
+
+Meniscus__Status *describe_status(const RunStatus *status, const StreamTraffic *streams)
 {
     Meniscus__Status *message = malloc(sizeof *message);
     if (!message) return NULL;
@@ -135,6 +152,7 @@ Meniscus__Status *describe_status(const RunStatus *status)
     message->version = strdup(MENISCUS_VERSION);
     if (status->fault.status) message->fault = strdup(status->fault.text);
     if (status->fault.status) message->fault_reason = strdup(mns_status_name(status->fault.status));
+    if (streams) add_streams(message, streams);
     if (!status->particles) return message;
     message->case_name = strdup(status->case_name);
     message->title = strdup(status->title);

@@ -3,6 +3,7 @@
 #ifndef NET_DESCRIBE_H
 #define NET_DESCRIBE_H
 
+#include "http/traffic.h"
 #include "meniscus.pb-c.h"
 #include "run/run.h"
 
@@ -10,8 +11,8 @@
 const char *describe_commit(void);
 const char *describe_compiler(void);
 
-/* NULL if there is no memory. */
-Meniscus__Status *describe_status(const RunStatus *status);
+/* streams: may be NULL. NULL if there is no memory. */
+Meniscus__Status *describe_status(const RunStatus *status, const StreamTraffic *streams);
 
 /* commands: NULL-terminated; document: the present case, or NULL. NULL if there is no memory. */
 Meniscus__Capabilities *describe_capabilities(const char *const *commands, const Document *document);

@@ -48,8 +48,8 @@ struct Desk {
     Run *run;
     Ledger *deeds, *questions; /* of what changes or writes something, and of all else */
     Publisher *publisher;
-    Streams *streams; /* the third socket, which has a thread of its own */
-    Visitors visitors;
+    Streams *streams;             /* the third socket, which has a thread of its own */
+    Visitors visitors, listeners; /* of control, of telemetry */
     Reading reading;
     Outgoing outgoing;
     Traffic traffic;
@@ -65,11 +65,12 @@ static void set(void *socket, int option, int value)
     zmq_setsockopt(socket, option, &value, sizeof value);
 }
 
-static void set_common(void *socket)
+/* beat: [ms] between two questions whether anybody is there, who has three times as long to say so. */
+static void set_common(void *socket, int beat)
 {
     set(socket, ZMQ_LINGER, 0);
-    set(socket, ZMQ_HEARTBEAT_IVL, 2000);
-    set(socket, ZMQ_HEARTBEAT_TIMEOUT, 6000);
+    set(socket, ZMQ_HEARTBEAT_IVL, beat);
+    set(socket, ZMQ_HEARTBEAT_TIMEOUT, 3 * beat);
 }
 
 static MnsStatus bind_one(void *socket, const char *address, MnsError *error)
@@ -103,17 +104,18 @@ static MnsStatus open_sockets(Desk *desk, const Endpoint *at, MnsError *error)
     desk->telemetry = desk->control ? zmq_socket(desk->context, ZMQ_XPUB) : NULL;
     if (!desk->telemetry) return mns_fail(error, MNS_E_MEMORY, "cannot make sockets: %s", zmq_strerror(zmq_errno()));
     const int64_t largest = FRAME_MAX, largest_subscription = 256;
-    set_common(desk->control);
+    set_common(desk->control, 2000);
     set(desk->control, ZMQ_ROUTER_MANDATORY, 1);
     set(desk->control, ZMQ_ROUTER_HANDOVER, 0);
     set(desk->control, ZMQ_SNDHWM, REPLIES_UNREAD);
     zmq_setsockopt(desk->control, ZMQ_MAXMSGSIZE, &largest, sizeof largest);
-    set_common(desk->telemetry);
+    set_common(desk->telemetry, 8000); /* there may be very many, to whom nobody owes an answer */
     set(desk->telemetry, ZMQ_XPUB_VERBOSE, 1);
     zmq_setsockopt(desk->telemetry, ZMQ_MAXMSGSIZE, &largest_subscription, sizeof largest_subscription);
     access_guard_local(desk->access, desk->control);
     access_guard_local(desk->access, desk->telemetry);
-    return visitors_init(&desk->visitors, desk->context, desk->control, error);
+    status = visitors_init(&desk->listeners, desk->context, desk->telemetry, "inproc://listeners", error);
+    return status ? status : visitors_init(&desk->visitors, desk->context, desk->control, "inproc://visitors", error);
 }
 
 MnsStatus desk_new(const Endpoint *endpoint, Run *run, Desk **ret, MnsError *error)
@@ -155,6 +157,7 @@ void desk_free(Desk *desk)
     const double patience = FAREWELL_MS - 1e3 * (clock_now() - desk->replied);
     if (patience > 0) visitors_see_off(&desk->visitors, (long)patience);
     visitors_done(&desk->visitors);
+    visitors_done(&desk->listeners);
     if (desk->control) set(desk->control, ZMQ_LINGER, FAREWELL_MS);
     if (desk->telemetry) set(desk->telemetry, ZMQ_LINGER, FAREWELL_MS);
     zmq_msg_close(&desk->reading.first);
@@ -193,6 +196,8 @@ static void look_at_keys(Desk *desk)
     if (!access_refresh(desk->access)) return;
     log_line(LOG_NOTICE, "a key is gone: connections from afar are made anew");
     for (int k = 0; k < FARS; k++) far_cut(&desk->far[k]);
+    visitors_cut(&desk->visitors);
+    visitors_cut(&desk->listeners);
     streams_cut(desk->streams);
 }
 
@@ -215,10 +220,13 @@ unsigned desk_poll(Desk *desk, const int fds[2], long timeout)
                               {.socket = desk->telemetry, .events = ZMQ_POLLIN},
                               {.socket = desk->visitors.monitor, .events = ZMQ_POLLIN},
                               {.socket = access_socket(desk->access), .events = ZMQ_POLLIN},
+                              {.socket = desk->listeners.monitor, .events = ZMQ_POLLIN},
                               {.fd = watch, .events = ZMQ_POLLIN}};
     for (int k = 0; k < FARS; k++)
         if (far_is_cut(&desk->far[k]) && timeout > FAR_RETRY_MS) timeout = FAR_RETRY_MS;
-    if (zmq_poll(items, watch >= 0 ? 7 : 6, timeout) <= 0) return 0;
+    const double held = publisher_flush(desk->publisher) - clock_now();
+    if (held < 1e-3 * (double)timeout) timeout = (long)(1e3 * fmax(held, 0)) + 1;
+    if (zmq_poll(items, watch >= 0 ? 8 : 7, timeout) <= 0) return 0;
     return (items[0].revents ? 1u : 0) | (items[1].revents ? 2u : 0);
 }
 
@@ -411,6 +419,7 @@ static void take_request(Desk *desk, const Sender *from, const Who *who, Protobu
         return;
     }
     exchange->epoch = desk->epoch;
+    exchange->streams = &desk->traffic.streams;
     exchange->order.lineage = lineage;
     exchange->order.begun = lineage != NULL;
     if (sender.size) exchange->senders[exchange->n_senders++] = sender;
@@ -495,7 +504,10 @@ static void note_traffic(Desk *desk)
 {
     Traffic *traffic = &desk->traffic;
     visitors_note(&desk->visitors);
+    visitors_note(&desk->listeners);
+    publisher_crowd(desk->publisher, desk->listeners.n);
     traffic->clients = desk->visitors.n;
+    traffic->listeners = desk->listeners.n;
     traffic->unread = desk->outgoing.unread;
     for (int k = 0; k < TRAFFIC_ROLES; k++) traffic->keys[k] = access_count(desk->access, (Role)(ROLE_VIEWER + k));
     for (int k = 0; k < TRAFFIC_FAILURES; k++) traffic->failures[k] = desk->visitors.failed[k];

@@ -3,6 +3,7 @@
 #ifndef NET_EXCHANGE_H
 #define NET_EXCHANGE_H
 
+#include "http/traffic.h"
 #include "meniscus.pb-c.h"
 #include "run/run.h"
 
@@ -28,6 +29,7 @@ typedef struct Exchange {
     bool sealed;                      /* the reply is complete             */
     bool scheduled;                   /* it waits for its moment, and would outlive a crash */
     uint64_t epoch;                   /* of the daemon                     */
+    const StreamTraffic *streams;     /* the same; NULL: not counted       */
     unsigned allowed;                 /* if it was refused for the state: where it would be possible */
     Sender senders[EXCHANGE_SENDERS]; /* who has sent it, the latest last; each gets the reply */
     size_t n_senders;                 /* 0: nobody wants it                                    */

@@ -268,6 +268,20 @@ void handler_states(unsigned states, char ret[static 128])
         }
 }
 
+const char *handler_way_out(RunState state)
+{
+    switch (state) {
+    case RUN_EMPTY: return "load a case first";
+    case RUN_READY: return "start it first";
+    case RUN_RUNNING: return "pause it first";
+    case RUN_PAUSED: return "resume goes on, reset begins anew";
+    case RUN_DONE: return "a later end_time lets it go on, reset begins anew";
+    case RUN_FAULT: return "restore a checkpoint, or reset";
+    case RUN_STOPPING: return "start the daemon again";
+    default: return "wait until it is ready"; /* it loads, or comes back after a crash */
+    }
+}
+
 static void serve_at_step(Run *run, Order *order)
 {
     Exchange *x = (Exchange *)order;
@@ -281,8 +295,8 @@ static void serve_at_step(Run *run, Order *order)
     x->allowed = handler->states;
     handler_states(handler->states, where);
     answer(run, x,
-           mns_fail(&error, MNS_E_STATE, "cannot %s while %s; possible in %s", handler->name,
-                    run_state_name(run_state(run)), where),
+           mns_fail(&error, MNS_E_STATE, "cannot %s while %s; possible in %s: %s", handler->name,
+                    run_state_name(run_state(run)), where, handler_way_out(run_state(run))),
            &error);
 }
 

@@ -18,7 +18,7 @@ static void answer_now(Run *run, Exchange *x, MnsStatus status, const MnsError *
 static void answer_status(Run *run, Exchange *x, const RunStatus *status)
 {
     MnsError error;
-    x->reply->status = status ? describe_status(status) : NULL;
+    x->reply->status = status ? describe_status(status, x->streams) : NULL;
     if (x->reply->status) x->reply->result_case = MENISCUS__REPLY__RESULT_STATUS;
     answer_now(run, x, x->reply->status ? MNS_OK : mns_fail(&error, MNS_E_MEMORY, "no memory for the status"), &error);
 }

@@ -2,6 +2,7 @@
 /* Telemetry. */
 #include "net/publish.h"
 
+#include "base/clock.h"
 #include "meniscus.pb-c.h"
 #include <math.h>
 #include <stdlib.h>
@@ -14,6 +15,8 @@ typedef struct Topic {
     uint64_t sequence;
     uint8_t *last; /* [size] the last message, packed; NULL before the first */
     bool welcome;  /* somebody has subscribed since it was sent               */
+    bool held;     /* it was not sent yet, as they are very many              */
+    double sent;   /* clock_now() of the last that was [s]                    */
     size_t size;
 } Topic;
 
@@ -21,8 +24,13 @@ struct Publisher {
     void *socket;
     uint64_t epoch;
     TopicTraffic *traffic;
+    double interval; /* [s] between two live messages of a topic, at least */
     Topic topics[TOPICS];
 };
+
+/* From so many on what is live is spread. Fewer get each message at once: at five a second it takes few percent of a processor. */
+enum { CROWD = 200, CROWD_MAX = 1000 };
+static const double SPREAD = 1e-3; /* [s] for each of a crowd */
 
 static const char *const topic_names[TOPICS + 1] = {"event", "log", "progress", "probe"};
 
@@ -34,12 +42,17 @@ const char *const *publisher_topics(void)
 static int topic_of(NoteKind kind)
 {
     switch (kind) {
-    case NOTE_EVENT: return 0;
-    case NOTE_LOG: return 1;
-    case NOTE_PROGRESS: return 2;
-    case NOTE_PROBES: return 3;
+    case NOTE_EVENT: return TRAFFIC_EVENT;
+    case NOTE_LOG: return TRAFFIC_LOG;
+    case NOTE_PROGRESS: return TRAFFIC_PROGRESS;
+    case NOTE_PROBES: return TRAFFIC_PROBE;
     default: return -1;
     }
+}
+
+static bool is_live(NoteKind kind)
+{
+    return kind == NOTE_PROGRESS || kind == NOTE_PROBES;
 }
 
 Publisher *publisher_new(void *socket, uint64_t epoch, TopicTraffic *traffic)
@@ -97,7 +110,40 @@ void publisher_greet(Publisher *publisher)
     }
 }
 
-/* Number, pack and keep a message, and send it. */
+void publisher_crowd(Publisher *publisher, long n)
+{
+    publisher->interval = n > CROWD ? SPREAD * (double)(n < CROWD_MAX ? n : CROWD_MAX) : 0;
+}
+
+static void send_kept(Publisher *publisher, int k)
+{
+    Topic *topic = &publisher->topics[k];
+    topic->held = false;
+    topic->sent = clock_now();
+    publisher->traffic[k].messages++;
+    publisher->traffic[k].bytes += topic->size;
+    send_last(publisher, k);
+}
+
+double publisher_flush(Publisher *publisher)
+{
+    double next = INFINITY;
+    for (int k = 0; k < TOPICS; k++) {
+        const Topic *topic = &publisher->topics[k];
+        if (topic->held && clock_now() >= topic->sent + publisher->interval) send_kept(publisher, k);
+        if (topic->held) next = fmin(next, topic->sent + publisher->interval);
+    }
+    return next;
+}
+
+/* What a run comes to is told whole: the sample and the progress of where it stands before the event that says why. */
+static void send_held(Publisher *publisher)
+{
+    for (int k = 0; k < TOPICS; k++)
+        if (publisher->topics[k].held) send_kept(publisher, k);
+}
+
+/* Number, pack and keep a message, and send it unless it comes too soon for that. */
 static void send_message(Publisher *publisher, int k, Meniscus__Telemetry *message, const Note *note)
 {
     Topic *topic = &publisher->topics[k];
@@ -113,9 +159,9 @@ static void send_message(Publisher *publisher, int k, Meniscus__Telemetry *messa
     free(topic->last);
     topic->last = packed;
     topic->size = size;
-    publisher->traffic[k].messages++;
-    publisher->traffic[k].bytes += size;
-    send_last(publisher, k);
+    publisher->traffic[k].thinned += topic->held;
+    topic->held = is_live(note->kind) && clock_now() < topic->sent + publisher->interval;
+    if (!topic->held) send_kept(publisher, k);
 }
 
 static void send_text(Publisher *publisher, int k, const Note *note)
@@ -182,6 +228,7 @@ static void send_probes(Publisher *publisher, int k, const Note *note)
 void publisher_send(Publisher *publisher, const Note *note)
 {
     const int k = topic_of(note->kind);
+    if (note->kind == NOTE_EVENT) send_held(publisher);
     if (note->kind == NOTE_EVENT || note->kind == NOTE_LOG) send_text(publisher, k, note);
     else if (note->kind == NOTE_PROGRESS) send_progress(publisher, k, note);
     else if (note->kind == NOTE_PROBES) send_probes(publisher, k, note);

@@ -14,6 +14,13 @@ typedef struct Publisher Publisher;
 Publisher *publisher_new(void *socket, uint64_t epoch, TopicTraffic *traffic);
 void publisher_free(Publisher *publisher);
 
+/* So many are connected: each message costs each of them, and the daemon for each, so very many get fewer of what is live: the newest of a topic,
+ * after so many milliseconds, a second at most. What is left out is seen from the numbers, and counted. */
+void publisher_crowd(Publisher *publisher, long n);
+
+/* Send what was held back and may go now; returns when there is more of that (clock_now()), INFINITY if there is none. */
+double publisher_flush(Publisher *publisher);
+
 /* Send a note, but answers. */
 void publisher_send(Publisher *publisher, const Note *note);
 

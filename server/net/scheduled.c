@@ -28,8 +28,8 @@ static MnsStatus check(const Run *run, Order *order, MnsError *error)
     if (STATES & 1u << run_state(run)) return check_command(run, x->request, error);
     x->allowed = STATES;
     handler_states(STATES, where);
-    return mns_fail(error, MNS_E_STATE, "cannot schedule a %s while %s; possible in %s", x->handler->name,
-                    run_state_name(run_state(run)), where);
+    return mns_fail(error, MNS_E_STATE, "cannot schedule a %s while %s; possible in %s: %s", x->handler->name,
+                    run_state_name(run_state(run)), where, handler_way_out(run_state(run)));
 }
 
 /* What goes together, and what does not. */

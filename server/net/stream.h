@@ -22,7 +22,8 @@ typedef struct Channel {
     struct Channel *next;
     StreamSpec spec; /* of the first who asked */
     uint8_t *key;    /* [key_size] what was asked, but for what each has of its own */
-    size_t key_size, users;
+    size_t key_size;
+    struct Stream *users; /* who takes it: first of a list of its own */
     uint64_t generation;
     Feed *feed;         /* NULL: of events                            */
     uint64_t due;       /* how many were due so far                   */
@@ -57,14 +58,15 @@ typedef struct Stream {
     StreamSpec spec;
     uint64_t skipped;
     uint64_t generation;
-    Channel *channel;    /* of LATEST                                             */
-    Feed *first;         /* for one item at once, before those of the channel     */
-    bool first_due;      /* it is closed, and opened again by a resume            */
-    StreamItem *head;    /* that item, until it is begun                          */
-    uint64_t at_once;    /* one more than the step it was of: the channel need not send that again; 0: none */
-    StreamItem *item;    /* begun last; kept until the next, for a resume         */
-    StreamFile file;     /* or this                                               */
-    StreamCursor cursor; /* LOSSLESS: behind the item begun last                  */
+    Channel *channel;      /* of LATEST                                             */
+    struct Stream *beside; /* the next that takes the same channel                */
+    Feed *first;           /* for one item at once, before those of the channel     */
+    bool first_due;        /* it is closed, and opened again by a resume            */
+    StreamItem *head;      /* that item, until it is begun                          */
+    uint64_t at_once;      /* one more than the step it was of: the channel need not send that again; 0: none */
+    StreamItem *item;      /* begun last; kept until the next, for a resume         */
+    StreamFile file;       /* or this                                               */
+    StreamCursor cursor;   /* LOSSLESS: behind the item begun last                  */
     Meniscus__Abandoned *abandoned; /* to be told with the next item              */
     Flight *flight;
     StreamBlock block;

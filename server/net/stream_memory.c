@@ -21,10 +21,10 @@ static bool is_latest(const Stream *stream)
 }
 
 /* Has somebody not had the newest of the channel? */
-static bool is_awaited(const Streams *streams, const Channel *channel)
+static bool is_awaited(const Channel *channel)
 {
-    for (const Stream *s = streams->first; s; s = s->next)
-        if (s->channel == channel && s->books.taken < channel->newest->number) return true;
+    for (const Stream *s = channel->users; s; s = s->beside)
+        if (s->books.taken < channel->newest->number) return true;
     return false;
 }
 
@@ -35,10 +35,10 @@ static void drop_newest(Channel *channel)
 }
 
 /* Does somebody take what the channel has, as it comes? */
-static bool is_lively(const Streams *streams, const Channel *channel, double now)
+static bool is_lively(const Channel *channel, double now)
 {
-    for (const Stream *s = streams->first; s; s = s->next) {
-        if (s->channel != channel || s->gone) continue;
+    for (const Stream *s = channel->users; s; s = s->beside) {
+        if (s->gone) continue;
         if (s->books.under_way ? s->moved > now - STUCK_FOR : s->books.credit && !stream_is_blocked(s)) return true;
     }
     return false;
@@ -60,7 +60,7 @@ static bool drop_kept(Streams *streams)
 static bool drop_had(Streams *streams)
 {
     for (Channel *c = streams->channels; c; c = c->next)
-        if (c->newest && !is_awaited(streams, c)) {
+        if (c->newest && !is_awaited(c)) {
             drop_newest(c);
             return true;
         }
@@ -74,7 +74,7 @@ static bool drop_waiting(Streams *streams, double now)
     bool slow = false;
     for (Channel *c = streams->channels; c; c = c->next) {
         if (!c->newest || !c->feed) continue;
-        const bool lively = is_lively(streams, c, now);
+        const bool lively = is_lively(c, now);
         if (lively && (c->since > now - WAITED_FOR || (found && !slow))) continue;
         if (found && slow == lively && c->newest->held <= found->newest->held) continue;
         found = c;
@@ -145,15 +145,15 @@ bool streams_reclaim(Streams *streams, size_t needed, Channel *channel)
     return !is_short(streams, needed);
 }
 
-bool streams_is_lively(const Streams *streams, const Channel *channel)
+bool channel_is_lively(const Channel *channel)
 {
-    return is_lively(streams, channel, clock_now());
+    return is_lively(channel, clock_now());
 }
 
 /* What nobody takes gets what room there is, and that of the item whose place it takes. */
 static bool make_room(Streams *streams, size_t needed, Channel *channel)
 {
-    if (!channel || streams_is_lively(streams, channel)) return streams_reclaim(streams, needed, channel);
+    if (!channel || channel_is_lively(channel)) return streams_reclaim(streams, needed, channel);
     const size_t own = channel->newest ? channel->newest->held : 0;
     if (own && !is_short(streams, needed - (own < needed ? own : needed))) drop_newest(channel);
     return !is_short(streams, needed);

@@ -44,7 +44,7 @@ void streams_drop(Streams *streams, Stream *stream, const MnsError *why)
     stream_item_leave(stream->head);
     free(stream->abandoned);
     if (stream->first) tap_close(tap, stream->first);
-    if (stream->channel) channel_leave(&streams->channels, tap, stream->channel);
+    if (stream->channel) channel_leave(&streams->channels, tap, stream);
     flight_leave(stream->flight);
     free(stream);
 }
@@ -80,8 +80,7 @@ static void refresh_channels(Streams *streams)
     for (int turn = 0; turn < 3; turn++)
         for (Channel *c = streams->channels; c; c = c->next) {
             if (!c->feed && !turn) refresh_events(streams, c);
-            if (c->feed && (turn == 2 || ((turn || c->starved) && streams_is_lively(streams, c))))
-                refresh_feed(streams, c);
+            if (c->feed && (turn == 2 || ((turn || c->starved) && channel_is_lively(c)))) refresh_feed(streams, c);
         }
 }
 

@@ -107,10 +107,9 @@ static MnsStatus join(Streams *streams, Stream *stream, const Meniscus__Subscrib
     Tap *tap = run_tap(streams->options.run);
     const StreamSpec *spec = &stream->spec;
     if (!stream_is_latest(spec->kind)) return MNS_OK;
-    const MnsStatus status =
-        channel_join(&streams->channels, tap, asked, spec, stream->generation, &stream->channel, error);
+    const MnsStatus status = channel_join(&streams->channels, tap, asked, stream, error);
     if (status) return status;
-    if (!stream->channel->feed && stream->channel->users == 1) stream->channel->due = streams->told;
+    if (!stream->channel->feed && !stream->beside) stream->channel->due = streams->told;
     if (spec->first && stream->channel->feed) streams_open_first(streams, stream);
     return MNS_OK;
 }

@@ -62,7 +62,7 @@ bool streams_reclaim(Streams *streams, size_t needed, Channel *channel);
 MnsStatus streams_make(Streams *streams, const StreamSpec *spec, const Shot *shot, Channel *channel, StreamItem **ret);
 
 /* Does somebody take what the channel has, as it comes? */
-bool streams_is_lively(const Streams *streams, const Channel *channel);
+bool channel_is_lively(const Channel *channel);
 
 /* stream_latest.c: is all as it was when the first message of an item could not be sent? */
 bool stream_is_blocked(const Stream *stream);

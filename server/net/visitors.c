@@ -3,12 +3,11 @@
 #include "net/visitors.h"
 
 #include "base/clock.h"
+#include <stdbool.h>
 #include <string.h>
 #include <zmq.h>
 
-static const char address[] = "inproc://visitors"; /* a context has one desk */
-
-MnsStatus visitors_init(Visitors *visitors, void *context, void *socket, MnsError *error)
+MnsStatus visitors_init(Visitors *visitors, void *context, void *socket, const char *address, MnsError *error)
 {
     const int none = 0, events = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH |
                                  ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL;
@@ -27,14 +26,28 @@ void visitors_done(Visitors *visitors)
     *visitors = (Visitors){.n = 0};
 }
 
-static void note(Visitors *visitors, int event)
+void visitors_cut(Visitors *visitors)
+{
+    visitors_note(visitors);
+    visitors->n -= visitors->far;
+    visitors->far = 0;
+}
+
+/* far: of a connection over the network */
+static void note(Visitors *visitors, int event, bool far)
 {
     switch (event) {
-    case ZMQ_EVENT_ACCEPTED: visitors->n++; break;
+    case ZMQ_EVENT_ACCEPTED:
+        visitors->n++;
+        visitors->far += far;
+        break;
     case ZMQ_EVENT_HANDSHAKE_FAILED_AUTH: visitors->failed[FAILED_KEY]++; break;
     case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL: visitors->failed[FAILED_PROTOCOL]++; break;
     case ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL: visitors->failed[FAILED_SILENCE]++; break;
-    default: visitors->n -= visitors->n > 0;
+    default:
+        if (far && !visitors->far) break; /* it was cut */
+        visitors->n -= visitors->n > 0;
+        visitors->far -= far;
     }
 }
 
@@ -44,9 +57,9 @@ void visitors_note(Visitors *visitors)
     uint16_t event;
     char data[6], where[256];
     while (zmq_recv(visitors->monitor, data, sizeof data, ZMQ_DONTWAIT) >= 0) {
-        zmq_recv(visitors->monitor, where, sizeof where, 0);
+        const int size = zmq_recv(visitors->monitor, where, sizeof where, 0);
         memcpy(&event, data, sizeof event);
-        note(visitors, event);
+        note(visitors, event, size >= 4 && memcmp(where, "tcp:", 4) == 0);
     }
 }
 

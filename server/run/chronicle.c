@@ -9,6 +9,7 @@
 #include "io/names.h"
 #include "journal.pb-c.h"
 #include "proto/case_file.h"
+#include "run/history.h"
 #include "run/lineage.h"
 #include <inttypes.h>
 #include <stdlib.h>
@@ -140,6 +141,20 @@ void run_note_hash(Run *run)
     journal_write(run->journal, NULL); /* what fails here is tried again with the next command, and told then */
 }
 
+/* Written before anybody is told, and not waited for: of what is in the file only a machine that fails loses anything. */
+static MnsStatus note_lease_told(Run *run, bool undone, MnsError *error)
+{
+    Record record = MENISCUS__JOURNAL_RECORD__INIT;
+    record.step = run->sim ? mns_sim_progress(run->sim).step : 0;
+    set_time(run, &record);
+    record.has_undone = undone;
+    record.undone = undone;
+    add(run, MENISCUS__JOURNAL_RECORD__KIND__LEASE, &record);
+    if (!run->unwritten.status) return journal_write(run->journal, error);
+    *error = run->unwritten;
+    return error->status;
+}
+
 /* Entries that a set has changed. */
 typedef struct Changes {
     size_t n;
@@ -254,6 +269,7 @@ static void note_done(Run *run, Order *order)
     Changes changes = {.whole = true};
     Record record = MENISCUS__JOURNAL_RECORD__INIT;
     Meniscus__LeaseGrant lease;
+    char boot[HISTORY_BOOT] = "";
     record.step = order->effect_step;
     set_time(run, &record);
     if (tell_lease(run, order, &lease)) record.lease = &lease;
@@ -266,6 +282,9 @@ static void note_done(Run *run, Order *order)
     record.has_case_version = run->versions.number > 0;
     record.case_version = run->versions.number;
     record.has_comeback = record.comeback = comeback || leaves_on_the_way(run, order);
+    if (comeback || order->request->command_case == MENISCUS__REQUEST__COMMAND_LEASE) history_boot(boot);
+    record.has_boot = boot[0] != 0;
+    record.boot = (ProtobufCBinaryData){strlen(boot), (uint8_t *)boot};
     if (comeback) record.again = list_again(order->lineage, order->effect_step, &record.n_again);
     record.reply = order->seal ? (Meniscus__Reply *)order->seal(order) : NULL;
     if (!changes.whole || (comeback && !record.again))
@@ -342,7 +361,9 @@ static void tell_unwritten(Run *run, Order *order, const MnsError *why)
 /* Nobody was told of it: it would be held by nobody, until it is over. */
 static void take_lease_back(Run *run)
 {
+    MnsError error;
     run->lease = run->lease_before;
+    note_lease_told(run, true, &error); /* its record may get to the disk later */
     run_publish(run);
 }
 
@@ -364,7 +385,8 @@ void run_sync(Run *run)
     MnsError error;
     if (!run->uncommitted) return;
     const double began = clock_now();
-    const MnsStatus status = sync_journal(run, &error);
+    MnsStatus status = sync_journal(run, &error);
+    if (!status && run->lease_unsettled) status = note_lease_told(run, false, &error);
     run->journal_tally.seconds += clock_now() - began;
     run->journal_tally.failures += status != MNS_OK;
     if (!status && run->current_due) note_current(run);

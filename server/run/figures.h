@@ -27,6 +27,7 @@ typedef struct RunFigures {
     double end_time, eta; /* [s]; NAN: not known */
     unsigned threads;
     size_t bytes;                                     /* of particles and neighbour lists */
+    uint64_t uncorrected;                             /* as mns_sim_uncorrected()         */
     size_t particles[MNS_MAX_FLUIDS + MNS_MAX_WALLS]; /* by phase: fluids, then walls */
     size_t n_timers;
     MnsTimer timers[FIGURES_TIMERS];

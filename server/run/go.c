@@ -214,6 +214,7 @@ MnsStatus run_step_once(Run *run, double limit, bool *ret_output, MnsError *erro
     meter_step(&run->meter, mns_sim_progress(run->sim), mns_sim_particles(run->sim), now - started, now);
     run_count_step(run, now - started);
     run_publish_step(run);
+    run_tell_warnings(run);
     if (mns_sim_progress(run->sim).step % HASH_STEPS == 0) run_hash(run);
     *ret_output = true;
     return outputs_take(&run->outputs, run->sim, run->document, error);

@@ -6,7 +6,9 @@
 #include "io/directory.h"
 #include "io/names.h"
 #include <inttypes.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static MnsStatus take(void *arg, uint64_t number, uint64_t offset, const void *data, size_t size, MnsError *error)
 {
@@ -59,6 +61,34 @@ bool history_goes_back(const Meniscus__JournalRecord *record)
     if (record->request->command_case == MENISCUS__REQUEST__COMMAND_RESTORE) return true;
     return record->request->command_case == MENISCUS__REQUEST__COMMAND_LOAD && record->request->load->resume &&
            record->step > 0;
+}
+
+void history_boot(char ret[static HISTORY_BOOT])
+{
+    FILE *file = fopen("/proc/sys/kernel/random/boot_id", "re");
+    if (!file || !fgets(ret, HISTORY_BOOT, file)) ret[0] = 0;
+    ret[strcspn(ret, "\n")] = 0;
+    if (file) fclose(file);
+}
+
+static bool is_of_boot(const Meniscus__JournalRecord *record, const char *boot)
+{
+    return record->boot.len == strlen(boot) && !memcmp(record->boot.data, boot, record->boot.len);
+}
+
+bool history_untold(const History *history, size_t k, const char *boot)
+{
+    const Meniscus__JournalRecord *record = history->records[k].message, *last = NULL;
+    if (!record->has_boot || history_begins(record) || !history_done_well(record)) return false;
+    for (k++; k < history->n; k++) {
+        const Meniscus__JournalRecord *next = history->records[k].message;
+        const bool tells = next->kind == MENISCUS__JOURNAL_RECORD__KIND__LEASE;
+        if (last && !tells) break;
+        if (history_begins(next) && next->comeback && next->has_boot) /* where it was judged already */
+            return record->boot.len == next->boot.len && !memcmp(record->boot.data, next->boot.data, next->boot.len);
+        if (tells) last = next;
+    }
+    return last ? last->undone : is_of_boot(record, boot);
 }
 
 const char *history_request(const Meniscus__Request *request)

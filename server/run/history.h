@@ -32,6 +32,14 @@ bool history_begins(const Meniscus__JournalRecord *record);
 /* Does it lead back to a checkpoint, and not to the beginning? */
 bool history_goes_back(const Meniscus__JournalRecord *record);
 
+/* The machine's present start, which outlives any program: a UUID, or empty if it is not known. */
+enum { HISTORY_BOOT = 40 };
+void history_boot(char ret[static HISTORY_BOOT]);
+
+/* Is record k a `lease` of which nobody was told: because the daemon that had written it down was killed before that, or because it took it back?
+ *  boot  the machine's present start */
+bool history_untold(const History *history, size_t k, const char *boot);
+
 /* Name of its command, as in the protocol; and of that of a request. */
 const char *history_command(const Meniscus__JournalRecord *record);
 const char *history_request(const Meniscus__Request *request);

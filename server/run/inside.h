@@ -65,6 +65,7 @@ struct Run {
     Waiter *waiters;
     Agenda agenda;
     Meter meter;
+    size_t warned;    /* how many of the simulation's warnings have been told */
     double loaded;    /* clock_now() when the case was loaded     */
     double progress;  /* clock_now() of the last progress note    */
     FILE *log;        /* of the run directory; NULL if there is none */
@@ -102,6 +103,7 @@ void run_tell_progress(Run *run);
 void run_tell_progress_at_times(Run *run); /* not more often than people look */
 
 /* An event or a line of the log. */
+void run_tell_warnings(Run *run); /* of the simulation, those that are new */
 void run_tell(Run *run, NoteKind kind, int level, const char *word, const char *text);
 
 /* chronicle.c: the journal. Refuse what could not be written down, note what has set out, what is done, the hash of the state. */

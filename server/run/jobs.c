@@ -63,7 +63,7 @@ static MnsStatus write_snapshot(Job *base, MnsError *error)
     name_numbered(SNAPSHOT_BEGIN, job->capture->progress.step, name);
     MnsStatus status = directory_path(path, job->directory, name, error);
     if (!status) status = snapshot_write(path, job->capture, &meta, error);
-    if (!status) status = snapshot_index(job->directory, NULL, NULL, error);
+    if (!status) status = listing_add(&job->outputs->listing, job->outputs->writer, job->directory, error);
     if (!status && job->order) memcpy(job->order->path, path, sizeof path);
     return tally(&job->outputs->snapshots, began, status);
 }
@@ -250,6 +250,7 @@ MnsStatus job_open_series(Writer *writer, const char *directory, const Document 
 typedef struct IndexJob {
     Job job;
     const char *directory;
+    uint64_t last;
     FileNote *note;
     void *arg;
 } IndexJob;
@@ -259,12 +260,13 @@ static MnsStatus write_index(Job *base, MnsError *error)
     const IndexJob *job = (const IndexJob *)base;
     char path[4096];
     const MnsStatus status = directory_path(path, job->directory, INDEX_NAME, error);
-    return status || access(path, F_OK) ? status : snapshot_index(job->directory, job->note, job->arg, error);
+    return status || access(path, F_OK) ? status
+                                        : snapshot_index(job->directory, job->last, NULL, job->note, job->arg, error);
 }
 
-MnsStatus job_index(Writer *writer, const char *directory, FileNote *note, void *arg, MnsError *error)
+MnsStatus job_index(Writer *writer, const char *directory, uint64_t last, FileNote *note, void *arg, MnsError *error)
 {
-    IndexJob job = {{.write = write_index}, directory, note, arg};
+    IndexJob job = {{.write = write_index}, directory, last, note, arg};
     return writer_call(writer, &job.job, error);
 }
 

@@ -28,6 +28,6 @@ MnsStatus job_open_series(Writer *writer, const char *directory, const Document 
                           uint64_t last_step, Series **ret, MnsError *error);
 
 /* Waits: snapshot_index(), whose note() is called on the writer's thread, if there is an index. */
-MnsStatus job_index(Writer *writer, const char *directory, FileNote *note, void *arg, MnsError *error);
+MnsStatus job_index(Writer *writer, const char *directory, uint64_t last, FileNote *note, void *arg, MnsError *error);
 
 #endif

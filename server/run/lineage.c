@@ -105,15 +105,15 @@ static bool is_motion(const Meniscus__Request *request)
 static void take_grant(Lineage *lineage, const Record *record, const Meniscus__LeaseGrant *grant)
 {
     if (!grant) return;
-    lineage->lease_epoch = grant->epoch;
-    lineage->lease_holder = grant->holder;
-    lineage->lease_ttl_ms = grant->ttl_ms < LEASE_MS_MAX ? grant->ttl_ms : LEASE_MS_MAX;
-    lineage->lease_until_us = record->wall_us + 1000 * lineage->lease_ttl_ms;
+    lineage->lease.epoch = grant->epoch;
+    lineage->lease.holder = grant->holder;
+    lineage->lease.ttl_ms = grant->ttl_ms < LEASE_MS_MAX ? grant->ttl_ms : LEASE_MS_MAX;
+    lineage->lease.until_us = record->wall_us + 1000 * lineage->lease.ttl_ms;
 }
 
 static void take_lease(Lineage *lineage, const Record *record)
 {
-    if (record->request->lease->release) lineage->lease_until_us = 0;
+    if (record->request->lease->release) lineage->lease.until_us = 0;
     take_grant(lineage, record, record->reply ? record->reply->lease : NULL);
 }
 
@@ -241,11 +241,15 @@ static MnsStatus list_timed(Lineage *lineage, MnsError *error)
     return MNS_OK;
 }
 
-MnsStatus lineage_of(const History *history, Lineage *ret, MnsError *error)
+MnsStatus lineage_of(const History *history, const char *boot, Lineage *ret, MnsError *error)
 {
     MnsStatus status = MNS_OK;
     *ret = (Lineage){.n = 0};
-    for (size_t k = 0; !status && k < history->n; k++) status = take(ret, history->records[k].message, error);
+    for (size_t k = 0; !status && k < history->n; k++) {
+        const LineageLease before = ret->lease;
+        status = take(ret, history->records[k].message, error);
+        if (history_untold(history, k, boot)) ret->lease = before;
+    }
     if (!status && !ret->original)
         return mns_fail(error, MNS_E_STATE, "the journal has no load that could be gone back to");
     if (!status && ret->ended) return mns_fail(error, MNS_E_STATE, "the run was ended");
@@ -270,7 +274,7 @@ static bool is_past(const Lineage *lineage, size_t k, uint64_t checkpoint)
 
 double lineage_lease_left(const Lineage *lineage, double wall)
 {
-    return fmin(1e-6 * (double)lineage->lease_until_us - wall, 1e-3 * (double)lineage->lease_ttl_ms);
+    return fmin(1e-6 * (double)lineage->lease.until_us - wall, 1e-3 * (double)lineage->lease.ttl_ms);
 }
 
 double lineage_limit(const Lineage *lineage, uint64_t step, double t)

@@ -19,6 +19,14 @@ typedef struct LineageEntry {
     const Meniscus__Who *who; /* of a scheduled one; or NULL                          */
 } LineageEntry;
 
+/* The last lease that somebody was told of. */
+typedef struct LineageLease {
+    uint64_t epoch; /* 0: none                                                                     */
+    const char *holder;
+    uint64_t until_us; /* on the wall clock                                                           */
+    uint64_t ttl_ms;   /* the same, from when it was given: no lease lives longer, whatever the clock says */
+} LineageLease;
+
 /* All borrowed from the history but `entries`, `waiting` and `timed`. */
 typedef struct Lineage {
     const char *directory;          /* of the run; the caller's                                           */
@@ -36,14 +44,11 @@ typedef struct Lineage {
     uint64_t step;                  /* the same: it was there, or beyond if it was RUNNING                */
     const Meniscus__Request *begun; /* a step or run_until that was under way; or NULL                     */
     uint64_t begun_step;
-    uint64_t lease_epoch; /* of the last lease; 0: none                                         */
-    const char *lease_holder;
-    uint64_t lease_until_us; /* on the wall clock                                                  */
-    uint64_t lease_ttl_ms;   /* the same, from when it was given: no lease lives longer, whatever the clock says */
+    LineageLease lease;
 } Lineage;
 
-/* MNS_OK; MNS_E_STATE: there is no load, or it has ended; MNS_E_MEMORY. Free it with lineage_done() in any case. */
-MnsStatus lineage_of(const History *history, Lineage *ret, MnsError *error);
+/* boot: of history_boot(). MNS_OK; MNS_E_STATE: there is no load, or it has ended; MNS_E_MEMORY. Free it with lineage_done() in any case. */
+MnsStatus lineage_of(const History *history, const char *boot, Lineage *ret, MnsError *error);
 void lineage_done(Lineage *lineage);
 
 /* How long the last lease lives on at this moment of the wall clock, the only one that a crash leaves; where that was put back, no longer

@@ -203,6 +203,7 @@ static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
     }
     versions_begin(&run->versions, candidate->original ? 1 : run->versions.number + 1, run->document);
     run->meter = (Meter){.stepping = 0};
+    run->warned = 0;
     run->loaded = clock_now();
     run_count_phases(run);
     open_log(run);
@@ -227,12 +228,6 @@ static void tell_files(Run *run)
     run_tell(run, NOTE_LOG, LOG_WARNING, "probes", text);
 }
 
-static void tell_warnings(Run *run)
-{
-    const char *text;
-    for (size_t k = 0; (text = mns_sim_warning(run->sim, k)); k++) run_tell(run, NOTE_LOG, LOG_WARNING, "case", text);
-}
-
 /* Install it and answer; status: whether it could be built. previous: the state to fall back to. */
 static void replace(Run *run, Order *order, Candidate *candidate, MnsStatus status, RunState previous, const char *text,
                     MnsError *error)
@@ -248,7 +243,7 @@ static void replace(Run *run, Order *order, Candidate *candidate, MnsStatus stat
         run->hashed = true;
         run_enter(run, order->lineage ? RUN_RECOVERING : RUN_READY, text);
         tell_files(run);
-        tell_warnings(run);
+        run_tell_warnings(run);
         if (candidate->stored && candidate->original) run_tell_resumed(run, candidate->stored, candidate->original);
         document_leave(candidate->stored);
     }
@@ -397,6 +392,7 @@ void run_stop(Run *run, Order *order, bool checkpoint)
 {
     MnsError error;
     MnsError ended;
+    run_commit(run); /* of what goes before nothing is left to be written when the simulation is gone */
     run_call_off(run, order);
     const MnsStatus status = secure(run, checkpoint, &error);
     mns_fail(&ended, MNS_E_INTERRUPTED, "stopped on request");
@@ -428,6 +424,7 @@ static void tell_lost(Run *run, const MnsError *why)
 void run_leave(Run *run, Order *order, bool checkpoint)
 {
     MnsError error, ended;
+    run_commit(run);                               /* as in run_stop() */
     if (run->recovery.lineage) checkpoint = false; /* whoever went on from it would miss what comes after it */
     mns_fail(&ended, MNS_E_INTERRUPTED, "the program is stopping");
     run_enter(run, RUN_STOPPING, checkpoint ? "stopping, with a checkpoint" : "stopping");

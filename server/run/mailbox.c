@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Orders on their way to the runner: two lists, so that pause, stop and cancel overtake everything queued. */
+/* Orders on their way to the runner: two lists, so that pause, stop and cancel overtake everything queued but the load that a daemon begins with. */
 #include "run/mailbox.h"
 
 #include <math.h>
@@ -51,7 +51,8 @@ MnsStatus mailbox_post(Mailbox *box, Order *order, MnsError *error)
 /* With the lock held. */
 static Order *first(Mailbox *box)
 {
-    Order **list = box->urgent ? &box->urgent : &box->plain, *order = *list;
+    const bool led = box->plain && box->plain->leads;
+    Order **list = box->urgent && !led ? &box->urgent : &box->plain, *order = *list;
     if (!order) return NULL;
     *list = order->next;
     box->n--;

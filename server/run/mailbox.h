@@ -27,7 +27,7 @@ void mailbox_done(Mailbox *box);
 /* MNS_OK; MNS_E_LIMIT if it is full, and the order stays the caller's. */
 MnsStatus mailbox_post(Mailbox *box, Order *order, MnsError *error);
 
-/* The next order, urgent ones first; waits for one until the moment `until` (clock_now()). NULL if there is none. */
+/* The next order, urgent ones first unless one leads; waits for one until the moment `until` (clock_now()). NULL if there is none. */
 Order *mailbox_take(Mailbox *box, double until);
 
 /* The next order at once, as above, but none that only looks: then, or if there is none, NULL. */

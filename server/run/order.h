@@ -52,6 +52,7 @@ typedef struct Order {
     Who who;
     uint64_t number; /* rises in the order of posting                                        */
     bool urgent;     /* overtakes all that are not                                           */
+    bool leads;      /* nothing overtakes it: what comes after the start is for the run that it brings  */
     bool looks;      /* changes nothing, writes nothing: may be kept waiting by what does, and by steps */
     bool meanwhile;  /* served also while the run comes back after a crash                   */
     bool motion;     /* sets the run in motion: called off by a later pause or stop           */

@@ -62,18 +62,20 @@ static void call_off(const Opening *opening, Outputs *outputs, bool same)
     else reserve_release(&reserve);
 }
 
-/* Move files aside, tell the index, and last make the first sign of the run; or leave all files as they were. */
+/* Tell the list of snapshots, move files aside, so that whoever reads it never looks for what has gone, and last make the first sign of
+ * the run; or leave all files as they were. */
 static MnsStatus move_in(Opening *opening, const Outputs *outputs, MnsError *error)
 {
     const char *directory = opening->directory;
-    MnsStatus status = rundir_abandon(directory, !opening->goes_on, opening->step, opening->aside, error);
-    if (!status && (opening->aside[0] || opening->goes_on))
-        status = job_index(outputs->writer, directory, outputs->note, outputs->arg, error);
+    MnsStatus status = MNS_OK;
+    if (opening->goes_on)
+        status = job_index(outputs->writer, directory, opening->step, outputs->note, outputs->arg, error);
+    if (!status) status = rundir_abandon(directory, !opening->goes_on, opening->step, opening->aside, error);
     if (!status) status = atomic_commit(&opening->text, error);
     if (!status) return MNS_OK;
     atomic_cancel(&opening->text);
     rundir_return(directory, opening->aside);
-    if (opening->aside[0]) job_index(outputs->writer, directory, NULL, NULL, NULL);
+    if (opening->goes_on) job_index(outputs->writer, directory, UINT64_MAX, NULL, NULL, NULL);
     return status;
 }
 
@@ -94,6 +96,7 @@ static void take_over(Outputs *outputs, const Opening *opening, Document *docume
     put_series(outputs, opening->series, document_share(document));
     outputs->reserve = opening->reserve;
     outputs->rescued = false;
+    outputs->listing = (Listing){.listed = 0};
     outputs->state_size = opening->state_size;
     outputs->sample.taken = false;
     outputs->timers[OUTPUTS_PROBES] = (MnsTimer){.name = "probes"};
@@ -115,8 +118,9 @@ MnsStatus outputs_open(Outputs *outputs, const char *directory, Document *docume
     const bool same = !strcmp(directory, outputs->directory);
     Opening opening = {
         .directory = directory, .goes_on = goes_on, .again = again, .step = progress.step, .state_size = state_size};
-    MnsStatus status =
-        outputs_flush(outputs, error); /* the file may be read here, or moved aside with all its samples */
+    /* The files may be read here, or moved aside: the list with all snapshots, and all samples. */
+    writer_hurry(outputs->writer);
+    MnsStatus status = outputs_flush(outputs, error);
     if (status) return status;
     if (same) opening.reserve = outputs->reserve;
     status = prepare(&opening, outputs->writer, document, error);
@@ -139,6 +143,7 @@ MnsStatus outputs_close(Outputs *outputs, MnsError *error)
 {
     if (!outputs->directory[0]) return MNS_OK;
     outputs_flush(outputs, NULL);
+    writer_hurry(outputs->writer);
     const MnsStatus status = writer_drain(outputs->writer, error);
     writer_discard(outputs->writer);
     mns_capture_free(atomic_exchange(&outputs->spare, NULL));
@@ -344,6 +349,7 @@ MnsStatus outputs_finish(Outputs *outputs, const MnsSim *sim, Document *document
     MnsStatus status = MNS_OK;
     if (outputs->at_checkpoint != mns_sim_progress(sim).step)
         status = outputs_checkpoint(outputs, sim, document, NULL, error);
+    writer_hurry(outputs->writer); /* the list of snapshots is whole when a run is done */
     return status ? status : outputs_settle(outputs, error);
 }
 

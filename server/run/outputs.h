@@ -8,6 +8,7 @@
 #include "io/reserve.h"
 #include "io/series.h"
 #include "run/document.h"
+#include "run/listing.h"
 #include "run/outbox.h"
 #include "run/rundir.h"
 #include "run/writer.h"
@@ -59,6 +60,7 @@ typedef struct Outputs {
     Sample sample;
     MnsTimer timers[OUTPUTS_TIMERS]; /* since outputs_open() */
     OutputTally snapshots, checkpoints;
+    Listing listing; /* of the snapshots */
 
     /* How long writing the series took the last time; the writer's to set. A crash may cost the samples since then, but
      * none before a checkpoint: a restart writes the later ones again. */

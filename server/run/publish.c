@@ -68,6 +68,7 @@ static void fill_timers(const Run *run, RunStatus *status)
 static void fill_numbers(const Run *run, RunStatus *status)
 {
     status->progress = mns_sim_progress(run->sim);
+    status->uncorrected = mns_sim_uncorrected(run->sim);
     const double now = clock_now();
     status->steps_per_second = run->state == RUN_RUNNING ? meter_rate(&run->meter) : NAN;
     status->eta = run->state == RUN_RUNNING ? meter_eta(&run->meter, status->progress.t, status->end_time) : NAN;
@@ -193,6 +194,12 @@ void run_tell(Run *run, NoteKind kind, int level, const char *word, const char *
     snprintf(note->word, sizeof note->word, "%s", word);
     snprintf(note->text, sizeof note->text, "%s", text);
     outbox_put(&run->outbox, note);
+}
+
+void run_tell_warnings(Run *run)
+{
+    for (const char *text; (text = mns_sim_warning(run->sim, run->warned)); run->warned++)
+        run_tell(run, NOTE_LOG, LOG_WARNING, "case", text);
 }
 
 void run_tell_progress(Run *run)

@@ -73,9 +73,9 @@ static void restore_lease(Run *run, const Lineage *lineage)
     struct timespec wall;
     clock_gettime(CLOCK_REALTIME, &wall);
     const double left = lineage_lease_left(lineage, (double)wall.tv_sec + 1e-9 * (double)wall.tv_nsec);
-    run->lease =
-        (Lease){.epoch = lineage->lease_epoch, .until = clock_now() + left, .ttl_ms = (uint32_t)lineage->lease_ttl_ms};
-    if (lineage->lease_holder) snprintf(run->lease.holder, sizeof run->lease.holder, "%s", lineage->lease_holder);
+    const LineageLease *lease = &lineage->lease;
+    run->lease = (Lease){.epoch = lease->epoch, .until = clock_now() + left, .ttl_ms = (uint32_t)lease->ttl_ms};
+    if (lease->holder) snprintf(run->lease.holder, sizeof run->lease.holder, "%s", lease->holder);
 }
 
 static void arrive(Run *run)
@@ -88,7 +88,6 @@ static void arrive(Run *run)
         fail(run, &error, false);
         return;
     }
-    restore_lease(run, lineage);
     run->recovery.lineage = NULL;
     outputs_flush(&run->outputs, NULL);
     run_hash(run);
@@ -129,7 +128,9 @@ void run_recover(Run *run, Order *order)
         .message = lineage->original, .name = lineage->name, .directory = lineage->directory, .resume = true};
     run->recovery = (Recovery){.lineage = lineage, .limit = INFINITY};
     run_load(run, order, &load);
-    run_commit(run); /* and from here on the order is whoever's gave it */
+    run_commit(run);                                          /* and from here on the order is whoever's gave it */
+    if (run->state != RUN_EMPTY) restore_lease(run, lineage); /* also where the way back breaks off */
+    run_publish(run);
     if (run->state == RUN_RECOVERING) set_out(run, lineage);
     else if (run->state != RUN_EMPTY) {
         run->recovery.lineage = NULL; /* the journal cannot be written */

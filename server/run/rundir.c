@@ -212,19 +212,31 @@ static MnsStatus keep_series(const char *dir, const char *aside, MnsError *error
 }
 
 /* A link is still at its old place: a rename to there would do nothing, so its second name is taken away. */
-void rundir_return(const char *dir, const char *aside)
+static void put_back(const char *dir, const char *aside, const char *name)
 {
     char from[4096 + 260], to[4096 + 260];
+    snprintf(from, sizeof from, "%s/%s", aside, name);
+    snprintf(to, sizeof to, "%s/%s", dir, name);
+    if (!rename(from, to)) unlink(from);
+}
+
+void rundir_return(const char *dir, const char *aside)
+{
     DIR *stream = aside[0] ? opendir(aside) : NULL;
     if (!stream) return;
-    for (struct dirent *entry; (entry = readdir(stream));) {
-        if (entry->d_name[0] == '.') continue;
-        snprintf(from, sizeof from, "%s/%s", aside, entry->d_name);
-        snprintf(to, sizeof to, "%s/%s", dir, entry->d_name);
-        if (!rename(from, to)) unlink(from);
-    }
+    for (struct dirent *entry; (entry = readdir(stream));)
+        if (entry->d_name[0] != '.' && strcmp(entry->d_name, INDEX_NAME) != 0) put_back(dir, aside, entry->d_name);
     closedir(stream);
+    put_back(dir, aside, INDEX_NAME); /* last, as it went first */
     rmdir(aside);
+}
+
+/* Before the files that it lists. */
+static MnsStatus move_list(const char *dir, char aside[static RUNDIR_PATH], MnsError *error)
+{
+    char path[4096];
+    const MnsStatus status = directory_path(path, dir, INDEX_NAME, error);
+    return status || !exists(path) ? status : move_aside(dir, INDEX_NAME, aside, error);
 }
 
 MnsStatus rundir_abandon(const char *dir, bool all, uint64_t after, char ret_aside[static RUNDIR_PATH], MnsError *error)
@@ -232,12 +244,11 @@ MnsStatus rundir_abandon(const char *dir, bool all, uint64_t after, char ret_asi
     char aside[RUNDIR_PATH] = "";
     DIR *stream = opendir(dir);
     if (!stream) return file_fail(error, errno, "read", dir);
-    MnsStatus status = MNS_OK;
+    MnsStatus status = all ? move_list(dir, aside, error) : MNS_OK;
     for (struct dirent *entry; !status && (entry = readdir(stream));) {
         uint64_t step;
         const bool numbered = name_step(entry->d_name, &step);
-        const bool of_all = !strcmp(entry->d_name, series_name) || !strcmp(entry->d_name, INDEX_NAME);
-        if ((numbered && (all || step > after)) || (all && of_all))
+        if ((numbered && (all || step > after)) || (all && !strcmp(entry->d_name, series_name)))
             status = move_aside(dir, entry->d_name, aside, error);
     }
     closedir(stream);

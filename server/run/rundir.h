@@ -44,7 +44,7 @@ void rundir_forget_journal(const char *dir);
 /* Take away what was made, as far as nothing is in it but our lock, as after a run that could not begin. */
 void rundir_unmake(const char *dir, size_t made);
 
-/* Move aside the checkpoints and snapshots of steps later than `after`, or with all, every one, their index and the probes; where some are
+/* Move aside the checkpoints and snapshots of steps later than `after`, or with all, every one, their index first and the probes; where some are
  * left, a link to the probes goes with the others, or a copy. On failure all is where it was.
  *  ret_aside  the directory they are in now, one that did not exist; empty if there were none */
 MnsStatus rundir_abandon(const char *dir, bool all, uint64_t after, char ret_aside[static RUNDIR_PATH],

@@ -6,14 +6,14 @@
 
 static const double FLUSH_INTERVAL = 10, FOLLOWED_INTERVAL = 1, FLUSH_SHARE = 0.05;
 
-/* Largest k with k * interval <= t. The quotient may round across an integer, so the product decides: then a boundary at
- * exactly k * interval counts as there, however the division went. */
+/* Largest k with k * interval <= t, but for rounding: 0.3, as people write it, is less than 3 * 0.1, and counts as there. */
 static double ticks(double interval, double t)
 {
-    double k = floor(t / interval);
-    if (!(k < 1e15)) return k; /* beyond, k + 1 is no other number */
-    while (k * interval > t) k--;
-    while ((k + 1) * interval <= t) k++;
+    const double reached = t * (1 + 1e-12);
+    double k = floor(reached / interval);
+    if (!(k < 1e15)) return k;          /* beyond, k + 1 is no other number */
+    while (k * interval > reached) k--; /* the quotient may round across an integer too */
+    while ((k + 1) * interval <= reached) k++;
     return k;
 }
 

@@ -30,6 +30,7 @@ static void fill_run(const RunStatus *status, RunFigures *figures)
     figures->eta = status->eta;
     figures->threads = status->threads;
     figures->bytes = status->bytes;
+    figures->uncorrected = status->uncorrected;
     figures->n_timers = status->n_timers;
     memcpy(figures->timers, status->timers, figures->n_timers * sizeof *figures->timers);
 }

@@ -2,6 +2,9 @@
 /* The thread that writes files, and its queue. */
 #include "run/writer.h"
 
+#include "base/clock.h"
+#include <assert.h>
+#include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <time.h>
@@ -13,6 +16,8 @@ struct Writer {
     pthread_mutex_t lock;
     pthread_cond_t changed;        /* anything below                                     */
     Job *first;                    /* the one being done, or that failed; then the others */
+    Job *late;                     /* the one that waits for its moment, not queued yet; NULL: none */
+    double moment;                 /* clock_now()                                        */
     _Atomic unsigned heavy, light; /* changed with the lock held, and looked at without */
     bool busy, leaving, salvaging;
     MnsStatus status; /* of the failed job */
@@ -62,6 +67,29 @@ static MnsStatus work(Writer *writer, Job *job)
     return kept ? status : MNS_OK;
 }
 
+/* Put a job where list points, before what is there. */
+static void insert(Writer *writer, Job **list, Job *job)
+{
+    job->next = *list;
+    *list = job;
+    count(writer, job, 1);
+    pthread_cond_broadcast(&writer->changed);
+}
+
+static Job **end_of(Job **list)
+{
+    while (*list) list = &(*list)->next;
+    return list;
+}
+
+/* With the lock held. */
+static void queue_late(Writer *writer)
+{
+    Job *job = writer->late;
+    writer->late = NULL;
+    if (job) insert(writer, end_of(&writer->first), job);
+}
+
 /* Most files stand for themselves, so that one that cannot be written is no reason to give up the others. */
 static void salvage(Writer *writer)
 {
@@ -73,8 +101,23 @@ static void salvage(Writer *writer)
         const bool is_row = job->row;
         if (work(writer, job) && is_row) row_failed = true;
     }
+    Job *late = writer->late; /* what those asked for, too */
+    queue_late(writer);
+    if (late) work(writer, late);
     writer->salvaging = false;
     pthread_cond_broadcast(&writer->changed);
+}
+
+static void await_change(Writer *writer)
+{
+    if (!writer->late) {
+        pthread_cond_wait(&writer->changed, &writer->lock);
+        return;
+    }
+    const struct timespec moment = {
+        .tv_sec = (time_t)fmin(writer->moment, 1e15),
+        .tv_nsec = isfinite(writer->moment) ? (long)(1e9 * (writer->moment - floor(writer->moment))) : 0};
+    pthread_cond_timedwait(&writer->changed, &writer->lock, &moment);
 }
 
 static void *writer_thread(void *arg)
@@ -82,10 +125,11 @@ static void *writer_thread(void *arg)
     Writer *writer = arg;
     pthread_mutex_lock(&writer->lock);
     for (;;) {
+        if (writer->late && clock_now() >= writer->moment) queue_late(writer);
         if (writer->salvaging) salvage(writer);
         else if (writer->first && (!writer->status || writer->first->once)) work(writer, writer->first);
         else if (writer->leaving) break;
-        else pthread_cond_wait(&writer->changed, &writer->lock);
+        else await_change(writer);
     }
     pthread_mutex_unlock(&writer->lock);
     return NULL;
@@ -121,21 +165,6 @@ static void sleep_locked(Writer *writer)
     if (writer->wait) writer->wait(writer->arg);
 }
 
-/* Put a job where list points, before what is there. */
-static void insert(Writer *writer, Job **list, Job *job)
-{
-    job->next = *list;
-    *list = job;
-    count(writer, job, 1);
-    pthread_cond_broadcast(&writer->changed);
-}
-
-static Job **end_of(Job **list)
-{
-    while (*list) list = &(*list)->next;
-    return list;
-}
-
 /* With the lock held. */
 static MnsStatus failure(const Writer *writer, MnsError *error)
 {
@@ -155,6 +184,23 @@ void writer_post(Writer *writer, Job *job)
     while (!writer->status && (job->heavy ? writer->heavy >= WRITER_HEAVY_MAX : writer->light >= LIGHT_MAX))
         sleep_locked(writer);
     insert(writer, end_of(&writer->first), job);
+    pthread_mutex_unlock(&writer->lock);
+}
+
+void writer_post_late(Writer *writer, Job *job, double moment)
+{
+    pthread_mutex_lock(&writer->lock);
+    assert(!writer->late);
+    writer->late = job;
+    writer->moment = moment;
+    pthread_cond_broadcast(&writer->changed);
+    pthread_mutex_unlock(&writer->lock);
+}
+
+void writer_hurry(Writer *writer)
+{
+    pthread_mutex_lock(&writer->lock);
+    queue_late(writer);
     pthread_mutex_unlock(&writer->lock);
 }
 
@@ -243,6 +289,7 @@ unsigned writer_discard(Writer *writer)
     const MnsError error = {.status = MNS_E_INTERRUPTED, .text = "the run was given up before this was written"};
     pthread_mutex_lock(&writer->lock);
     while (writer->busy) sleep_locked(writer);
+    queue_late(writer);
     for (; writer->first; n++) {
         tell(writer->first, MNS_E_INTERRUPTED, &error);
         drop(writer, writer->first);

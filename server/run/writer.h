@@ -37,6 +37,12 @@ void writer_free(Writer *writer);
  * writer_failure(): the new one is kept behind it. */
 void writer_post(Writer *writer, Job *job);
 
+/* Hand over a job that is queued at a moment (clock_now()), or by writer_hurry(), of which there may be one at a time. Waits for nobody. */
+void writer_post_late(Writer *writer, Job *job, double moment);
+
+/* Queue that job now, if there is one. */
+void writer_hurry(Writer *writer);
+
 /* Do a job of the caller's after all others, but before one that has failed, and wait for it. */
 MnsStatus writer_call(Writer *writer, Job *job, MnsError *error);
 
@@ -56,7 +62,7 @@ MnsStatus writer_salvage(Writer *writer, MnsError *error);
 /* Wait until all is written. MNS_OK, or a failure: then what is left is kept. */
 MnsStatus writer_drain(Writer *writer, MnsError *error);
 
-/* Throw away what waits, after finishing what is being written, and forget the failure. Returns how many jobs. */
+/* Throw away what waits, for its moment too, after finishing what is being written, and forget the failure. Returns how many jobs. */
 unsigned writer_discard(Writer *writer);
 
 #endif

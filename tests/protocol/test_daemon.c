@@ -331,6 +331,29 @@ static void a_box_has_corners_that_are_numbers(void **state)
     steer_accepted(dialogue_ask(dialogue, &request));
 }
 
+/* However many names are sent, none is looked for then. */
+static void names_of_probes_are_counted_before_they_are_looked_for(void **state)
+{
+    enum { MOST = 256 };
+    Dialogue *dialogue = *state;
+    char *names[MOST + 1];
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__Query query = MENISCUS__QUERY__INIT;
+    Meniscus__ProbeQuery which = MENISCUS__PROBE_QUERY__INIT;
+    dialogue_load(dialogue, NULL);
+    for (int k = 0; k <= MOST; k++) names[k] = (char *)"nowhere";
+    query.what_case = MENISCUS__QUERY__WHAT_PROBES;
+    query.probes = &which;
+    request.command_case = MENISCUS__REQUEST__COMMAND_QUERY;
+    request.query = &query;
+    which.names = names;
+    which.n_names = MOST + 1;
+    steer_refused(dialogue_ask(dialogue, &request), MENISCUS__CODE__RESOURCE_EXHAUSTED,
+                  "at most 256 probes at a time, found 257");
+    which.n_names = MOST;
+    steer_refused(dialogue_ask(dialogue, &request), MENISCUS__CODE__NOT_FOUND, "no probe \"nowhere\"");
+}
+
 static void a_breakpoint_pauses_at_its_step(void **state)
 {
     Dialogue *dialogue = *state;
@@ -421,6 +444,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(sockets_are_for_their_user_alone, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(names_of_probes_are_counted_before_they_are_looked_for, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(an_empty_daemon_says_so_and_refuses_to_start, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(pause_is_answered_when_the_solver_stands, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(pause_overtakes_a_thousand_queued_commands, steer_begin, steer_end),

@@ -266,7 +266,7 @@ static void nobody_becomes_another_by_saying_so(void **state)
     Castle *castle = *state;
     uint8_t user[64] = "\7User-Id\0\0\0\x28", packed[128], answer[256], id[16];
     memcpy(user + 12, castle->viewer.public_key, 40);
-    const int fd = dialogue_by_hand(castle->dialogue.endpoint, user, 12 + 40);
+    const int fd = dialogue_by_hand(castle->dialogue.endpoint, "DEALER", user, 12 + 40);
     Meniscus__Request request = dialogue_pause(); /* vera may not */
     dialogue_seal(&request, id);
     const size_t size = meniscus__request__pack(&request, packed + 2);

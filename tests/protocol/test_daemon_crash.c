@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A daemon that is killed and started again: what it says and does on the way back to its run, and where that is. */
+#include "run/writer.h"
 #include "tests/support/check.h"
 #include "tests/support/steer.h"
 #include <meniscus/exit.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <zmq.h>
 
@@ -149,6 +151,7 @@ static void a_stop_for_a_version_waits_until_the_run_is_back(void **state)
     }
 }
 
+/* Whether it comes before the load of the way back has begun, or after, is chance: so some more of them. */
 static void a_pause_on_the_way_back_keeps_it_from_going_on(void **state)
 {
     Dialogue *dialogue = *state;
@@ -156,8 +159,11 @@ static void a_pause_on_the_way_back_keeps_it_from_going_on(void **state)
     Meniscus__Request start = dialogue_start(), pause = dialogue_pause();
     assert_int_equal(dialogue_code(dialogue, &start), MENISCUS__CODE__OK);
     steer_accepted(steer_wait_step(dialogue, 20));
-    dialogue_crash(dialogue);
-    steer_accepted(dialogue_ask(dialogue, &pause));
+    for (int k = 0; k < 8; k++) {
+        dialogue_crash(dialogue);
+        steer_accepted(dialogue_ask(dialogue, &pause));
+        if (k < 7) assert_int_equal(steer_code(dialogue, dialogue_resume()), MENISCUS__CODE__OK);
+    }
     const uint64_t step = steer_step_now(dialogue);
     steer_sleep(100);
     assert_int_equal(steer_step_now(dialogue), step);
@@ -199,6 +205,32 @@ static void a_run_whose_journal_cannot_be_read_is_not_forgotten(void **state)
     assert_int_equal(steer_step_now(dialogue), 5);
 }
 
+/* What was commanded behind that place would be lost; what mends it is another start. */
+static void a_run_that_did_not_come_back_is_not_gone_on_with(void **state)
+{
+    Dialogue *dialogue = *state;
+    /* More behind the snapshot that fails than may wait to be written, so that the run cannot get there before it is told. */
+    const uint64_t there = 5 + WRITER_HEAVY_MAX;
+    char here[256], in_the_way[300];
+    steer_load_here(dialogue, (const char *const[]){"output.snapshot_interval=1e-9", NULL}, here);
+    steer_go(dialogue, there);
+    const uint64_t hash = hash_of(dialogue);
+    snprintf(in_the_way, sizeof in_the_way, "%s/snapshot-0000000003.hdf.tmp", here);
+    assert_int_equal(mkdir(in_the_way, 0700), 0);
+    dialogue_crash(dialogue);
+    steer_wait_for(dialogue, MENISCUS__STATE__FAULT);
+    assert_true(steer_step_now(dialogue) < there);
+    assert_int_equal(rmdir(in_the_way), 0); /* so that nothing else is in the way of a resume */
+    Meniscus__Request resume = dialogue_resume();
+    steer_refused(dialogue_ask(dialogue, &resume), MENISCUS__CODE__FAILED_PRECONDITION,
+                  "did not come back to where it was before the crash");
+    assert_int_equal(state_of(dialogue), MENISCUS__STATE__FAULT);
+    dialogue_crash(dialogue);
+    steer_accepted(steer_wait(dialogue, MENISCUS__STATE__PAUSED, 20000));
+    assert_int_equal(steer_step_now(dialogue), there);
+    assert_int_equal(hash_of(dialogue), hash);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -208,6 +240,7 @@ int main(void)
         TEST(a_stop_on_the_way_back_is_for_good),
         TEST(a_stop_for_a_version_waits_until_the_run_is_back),
         TEST(a_pause_on_the_way_back_keeps_it_from_going_on),
+        TEST(a_run_that_did_not_come_back_is_not_gone_on_with),
         cmocka_unit_test_setup_teardown(a_run_whose_journal_cannot_be_read_is_not_forgotten, steer_begin, steer_end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -3,6 +3,7 @@
 #include "proto/frame.h"
 #include "tests/support/check.h"
 #include "tests/support/steer.h"
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
@@ -69,7 +70,7 @@ static void a_message_without_end_keeps_nobody_waiting_and_goes_with_its_sender(
     Dialogue *dialogue = *state;
     static uint8_t parts[3 * 4096];
     for (size_t k = 0; k < sizeof parts; k += 3) parts[k] = parts[k + 1] = 1, parts[k + 2] = 'x';
-    const int fd = dialogue_by_hand(dialogue->endpoint, NULL, 0);
+    const int fd = dialogue_by_hand(dialogue->endpoint, "DEALER", NULL, 0);
     for (int k = 0; k < 32; k++) {
         assert_int_equal(send(fd, parts, sizeof parts, MSG_NOSIGNAL), sizeof parts);
         assert_alive(dialogue);
@@ -228,6 +229,23 @@ static void rubbish_on_the_telemetry_socket_does_no_harm(void **state)
     zmq_close(socket);
 }
 
+/* Else a machine that is switched off would be a listener for good: where nothing is published, nothing is sent to it that could fail. */
+static void a_listener_is_asked_whether_it_is_there_when_nothing_is_published(void **state)
+{
+    static const char subscribe[] = "\0\6\1quiet", ping[] = "\4PING";
+    const Dialogue *dialogue = *state;
+    char endpoint[160], got[64];
+    const char *name = strrchr(dialogue->endpoint, '/');
+    snprintf(endpoint, sizeof endpoint, "%.*s/telemetry.ipc", (int)(name - dialogue->endpoint), dialogue->endpoint);
+    const int fd = dialogue_by_hand(endpoint, "SUB", NULL, 0);
+    assert_int_equal(send(fd, subscribe, sizeof subscribe - 1, MSG_NOSIGNAL), sizeof subscribe - 1);
+    assert_int_equal(recv(fd, got, 2, MSG_WAITALL), 2); /* within ten seconds */
+    assert_int_equal(got[0], 4);
+    assert_int_equal(recv(fd, got, sizeof ping - 1, MSG_WAITALL), sizeof ping - 1);
+    assert_memory_equal(got, ping, sizeof ping - 1);
+    close(fd);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -247,6 +265,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(random_frames_do_no_harm, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_client_that_vanishes_leaves_its_command_running, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(rubbish_on_the_telemetry_socket_does_no_harm, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(a_listener_is_asked_whether_it_is_there_when_nothing_is_published, steer_begin,
+                                        steer_end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

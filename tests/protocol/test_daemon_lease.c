@@ -1,7 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* One writer at a time, versions of the case, and both after a crash. */
+#include "batch/replay.h"
+#include "io/journal.h"
+#include "io/names.h"
+#include "journal.pb-c.h"
 #include "tests/support/check.h"
 #include "tests/support/steer.h"
+#include <meniscus/exit.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -191,6 +196,43 @@ static void a_lease_from_before_the_load_outlives_a_crash(void **state)
     assert_true(take(dialogue, 60000, 0) > epoch);
 }
 
+/* As a daemon did that settled a lease after the end of the run: of no step. */
+static void tell_behind_the_end(const char *directory)
+{
+    char path[4096];
+    uint8_t packed[64];
+    Journal *journal;
+    Meniscus__JournalRecord record = MENISCUS__JOURNAL_RECORD__INIT;
+    record.has_kind = record.has_wall_us = record.has_step = true;
+    record.kind = MENISCUS__JOURNAL_RECORD__KIND__LEASE;
+    snprintf(path, sizeof path, "%s/" JOURNAL_NAME, directory);
+    assert_int_equal(journal_open(path, &journal, NULL, NULL), MNS_OK);
+    const size_t size = meniscus__journal_record__pack(&record, packed);
+    assert_int_equal(journal_add(journal, packed, size, NULL), MNS_OK);
+    assert_int_equal(journal_commit(journal, NULL), MNS_OK);
+    journal_free(journal);
+}
+
+static void a_replay_passes_over_whoever_was_told_behind_the_end(void **state)
+{
+    Dialogue *dialogue = *state;
+    char here[256];
+    LoadRequest load;
+    steer_load_here(dialogue, NULL, here);
+    steer_go(dialogue, 3);
+    assert_int_equal(steer_code(dialogue, dialogue_checkpoint()), MENISCUS__CODE__OK);
+    assert_int_equal(steer_code(dialogue, dialogue_stop()), MENISCUS__CODE__OK);
+    tell_behind_the_end(here);
+    assert_int_equal(replay_run(here, -1, false), MNS_EXIT_DONE);
+    dialogue_load_init(&load, "dam", dialogue_case, NULL);
+    load.load.has_resume = load.load.resume = true;
+    assert_int_equal(dialogue_code(dialogue, &load.request), MENISCUS__CODE__OK);
+    dialogue_load_done(&load);
+    steer_go(dialogue, 2);
+    assert_int_equal(steer_code(dialogue, dialogue_stop()), MENISCUS__CODE__OK);
+    assert_int_equal(replay_run(here, -1, false), MNS_EXIT_DONE);
+}
+
 /* --- versions ---------------------------------------------------------------------------------------------------------- */
 
 static void each_change_is_a_version_that_can_be_gone_back_to(void **state)
@@ -291,6 +333,7 @@ int main(void)
         TEST(a_lease_out_of_bounds_is_refused),
         TEST(a_lease_outlives_a_crash),
         TEST(a_lease_from_before_the_load_outlives_a_crash),
+        TEST(a_replay_passes_over_whoever_was_told_behind_the_end),
         TEST(each_change_is_a_version_that_can_be_gone_back_to),
         TEST(a_change_can_be_for_one_version_only),
         TEST(going_back_must_not_end_the_run_in_the_past),

@@ -28,9 +28,7 @@ typedef enum Manner {
 } Manner;
 
 typedef struct Fixture {
-    FakeDaemon *daemon;
-    FakeStreams *streams;
-    MnsClient *client;
+    StreamStand stand;
     _Atomic Manner manner;
     atomic_bool files;
     atomic_uint subscribed, resumed, cancelled, unsubscribed;
@@ -38,11 +36,6 @@ typedef struct Fixture {
     uint64_t sequence, offset; /* of the item under way */
     double x[VALUES];
 } Fixture;
-
-static void answer_nothing(void *arg, const Meniscus__Request *request, FakeAnswer *answer)
-{
-    (void)arg, (void)request, (void)answer;
-}
 
 /* One message of the item of this number, if it is covered. */
 static bool send_piece(Fixture *f, FakeStreams *streams, const Packed *packed)
@@ -188,32 +181,22 @@ static int set_up(void **state)
 {
     Fixture *f = calloc(1, sizeof *f);
     for (size_t k = 0; k < VALUES; k++) f->x[k] = 0.25 * (double)k;
-    f->daemon = fake_daemon_new(answer_nothing, NULL);
-    f->streams = fake_streams_new(f->daemon, handle, f);
     *state = f;
-    return mns_client_open(fake_daemon_endpoint(f->daemon), &f->client, NULL) == MNS_OK ? 0 : -1;
+    return stream_stand_begin(&f->stand, handle, f);
 }
 
 static int tear_down(void **state)
 {
     Fixture *f = *state;
-    mns_client_close(f->client);
-    fake_streams_free(f->streams);
-    fake_daemon_free(f->daemon);
+    stream_stand_end(&f->stand);
     free(f);
     return 0;
 }
 
 static MnsStream *open_stream(Fixture *f, MnsStreamKind kind, size_t memory)
 {
-    static const char *const names[] = {"velocity"};
-    const MnsStreamOptions options = {
-        .kind = kind, .n_names = kind == MNS_STREAM_FIELDS, .names = names, .memory = memory};
-    MnsStream *stream = NULL;
-    MnsError error = {0};
     f->files = kind == MNS_STREAM_SNAPSHOTS;
-    if (mns_stream_open(f->client, &options, &stream, &error)) fail_msg("%s", error.text);
-    return stream;
+    return stream_stand_take(&f->stand, kind, "velocity", memory);
 }
 
 static void check_item(const Fixture *f, const MnsStreamItem *item, uint64_t sequence)
@@ -368,11 +351,11 @@ static void a_refusal_names_the_entry(void **state)
     MnsError error = {0};
     f->manner = REFUSED;
     const MnsStreamOptions options = {.kind = MNS_STREAM_FIELDS, .n_names = 1, .names = names};
-    assert_int_equal(mns_stream_open(f->client, &options, &stream, &error), MNS_E_NOT_FOUND);
+    assert_int_equal(mns_stream_open(f->stand.client, &options, &stream, &error), MNS_E_NOT_FOUND);
     assert_string_equal(error.path, "fields[0].name");
     assert_string_equal(error.text, "there is no such field");
     const MnsStreamOptions flat = {.kind = MNS_STREAM_FIELDS, .n_names = 1, .names = names, .in_box = true};
-    assert_int_equal(mns_stream_open(f->client, &flat, &stream, &error), MNS_E_INVALID);
+    assert_int_equal(mns_stream_open(f->stand.client, &flat, &stream, &error), MNS_E_INVALID);
     assert_string_equal(error.path, "dim");
     assert_null(stream);
 }

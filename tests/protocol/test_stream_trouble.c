@@ -17,9 +17,7 @@ enum { FIRST_STREAM = 70, CHUNK = 262144, LATE_US = 150000, BYTES = 3000, HALF =
 static const char before[] = "snapshot-0000000001.hdf", within[] = "snapshot-0000000002.hdf";
 
 typedef struct Fixture {
-    FakeDaemon *daemon;
-    FakeStreams *streams;
-    MnsClient *client;
+    StreamStand stand;
     /* What the daemon of a test does; begun is the number of subscriptions so far, the last one included. */
     void (*serve)(struct Fixture *f, const Meniscus__StreamRequest *request);
     atomic_uint begun, ended;       /* of subscriptions */
@@ -32,25 +30,20 @@ typedef struct Fixture {
 
 /* --- what daemons do ---------------------------------------------------------------------------------------------------- */
 
-static void answer_nothing(void *arg, const Meniscus__Request *request, FakeAnswer *answer)
-{
-    (void)arg, (void)request, (void)answer;
-}
-
 static void agree(Fixture *f, const Meniscus__StreamRequest *request, uint64_t number)
 {
     Meniscus__StreamReply reply = MENISCUS__STREAM_REPLY__INIT;
     reply.has_stream = reply.has_chunk_bytes = true;
     reply.stream = number;
     reply.chunk_bytes = CHUNK;
-    fake_streams_reply(f->streams, request, &reply);
+    fake_streams_reply(f->stand.streams, request, &reply);
 }
 
 static void refuse(Fixture *f, const Meniscus__StreamRequest *request)
 {
     Meniscus__StreamReply reply = MENISCUS__STREAM_REPLY__INIT;
     reply.code = MENISCUS__CODE__NOT_FOUND;
-    fake_streams_reply(f->streams, request, &reply);
+    fake_streams_reply(f->stand.streams, request, &reply);
 }
 
 static Meniscus__StreamItem of_last_stream(const Fixture *f, uint64_t sequence, uint64_t offset, uint64_t size)
@@ -72,7 +65,7 @@ static void send_array(Fixture *f, uint64_t sequence, const PackingArray *array,
     Meniscus__StreamItem item = of_last_stream(f, sequence, 0, packed->size);
     item.n_arrays = 1;
     item.arrays = arrays;
-    fake_streams_send(f->streams, &item, packed->size ? packed->data : NULL, packed->size);
+    fake_streams_send(f->stand.streams, &item, packed->size ? packed->data : NULL, packed->size);
     packing_free(packed);
 }
 
@@ -93,7 +86,7 @@ static void send_cancelled(Fixture *f, uint64_t sequence, const char *reason, Me
     end.message = (char *)"given up, as others needed the memory";
     item.cancelled = &end;
     item.next = next;
-    fake_streams_send(f->streams, &item, NULL, 0);
+    fake_streams_send(f->stand.streams, &item, NULL, 0);
 }
 
 /* Bytes `from` to `to` of a file of BYTES, as they are in the fixture. */
@@ -113,7 +106,7 @@ static void send_file(Fixture *f, uint64_t sequence, const char *name, size_t fr
         item.has_xxh64 = true;
         item.xxh64 = XXH64(f->bytes, BYTES, 0);
     }
-    fake_streams_send(f->streams, &item, f->bytes + from, to - from);
+    fake_streams_send(f->stand.streams, &item, f->bytes + from, to - from);
 }
 
 static void handle(void *arg, FakeStreams *streams, const Meniscus__StreamRequest *request)
@@ -148,31 +141,21 @@ static int set_up(void **state)
 {
     Fixture *f = calloc(1, sizeof *f);
     for (size_t k = 0; k < BYTES; k++) f->bytes[k] = (uint8_t)(7 * k + k / 251);
-    f->daemon = fake_daemon_new(answer_nothing, NULL);
-    f->streams = fake_streams_new(f->daemon, handle, f);
     *state = f;
-    return mns_client_open(fake_daemon_endpoint(f->daemon), &f->client, NULL) == MNS_OK ? 0 : -1;
+    return stream_stand_begin(&f->stand, handle, f);
 }
 
 static int tear_down(void **state)
 {
     Fixture *f = *state;
-    mns_client_close(f->client);
-    fake_streams_free(f->streams);
-    fake_daemon_free(f->daemon);
+    stream_stand_end(&f->stand);
     free(f);
     return 0;
 }
 
 static MnsStream *open_stream(Fixture *f, MnsStreamKind kind, size_t memory)
 {
-    static const char *const names[] = {"phase"};
-    const MnsStreamOptions options = {
-        .kind = kind, .n_names = kind == MNS_STREAM_FIELDS, .names = names, .memory = memory};
-    MnsStream *stream = NULL;
-    MnsError error = {0};
-    if (mns_stream_open(f->client, &options, &stream, &error)) fail_msg("%s", error.text);
-    return stream;
+    return stream_stand_take(&f->stand, kind, "phase", memory);
 }
 
 /* Until the daemon was told of the end of so many. */
@@ -189,7 +172,7 @@ static void serve_late(Fixture *f, const Meniscus__StreamRequest *request)
     if (!subscribes(request)) return;
     usleep(LATE_US);
     agree(f, request, FIRST_STREAM + f->begun);
-    if (f->begun == 1) fake_streams_garbage(f->streams); /* then another is subscribed to */
+    if (f->begun == 1) fake_streams_garbage(f->stand.streams); /* then another is subscribed to */
     else send_bytes(f, 1);
 }
 
@@ -221,8 +204,8 @@ static void a_stream_that_was_given_up_before_it_was_answered_is_ended(void **st
     const MnsStreamOptions options = {.kind = MNS_STREAM_FIELDS, .n_names = 1, .names = names};
     MnsStream *stream = NULL;
     f->serve = serve_late;
-    mns_client_set_timeout(f->client, 0.02);
-    assert_int_equal(mns_stream_open(f->client, &options, &stream, NULL), MNS_E_TIMEOUT);
+    mns_client_set_timeout(f->stand.client, 0.02);
+    assert_int_equal(mns_stream_open(f->stand.client, &options, &stream, NULL), MNS_E_TIMEOUT);
     check_ended(f, 1);
     assert_int_equal(f->last_ended, FIRST_STREAM + 1);
 }
@@ -250,7 +233,7 @@ static void serve_large(Fixture *f, const Meniscus__StreamRequest *request)
     item.arrays = arrays;
     uint8_t *piece = calloc(1, CHUNK);
     if (!subscribes(request)) f->sent += CHUNK; /* less than it is */
-    else fake_streams_send(f->streams, &item, piece, CHUNK);
+    else fake_streams_send(f->stand.streams, &item, piece, CHUNK);
     free(piece);
 }
 
@@ -340,7 +323,7 @@ static void serve_interrupted(Fixture *f, const Meniscus__StreamRequest *request
     if (f->begun == 1) {
         send_file(f, 1, before, 0, BYTES);
         send_file(f, 2, within, 0, HALF);
-        fake_streams_disconnect(f->streams);
+        fake_streams_disconnect(f->stand.streams);
     } else {
         send_file(f, 1, within, 0, 2 * HALF);
         send_file(f, 1, within, 2 * HALF, BYTES);

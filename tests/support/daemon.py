@@ -6,6 +6,7 @@ import os
 import socket
 import subprocess
 import tempfile
+import threading
 import time
 import unittest
 from pathlib import Path
@@ -109,6 +110,15 @@ class DaemonTest(unittest.TestCase):
         lines = self.meniscus(*words, "-o", "json", code=code, timeout=timeout).stdout.splitlines()
         self.assertEqual(len(lines), 1, lines)
         return json.loads(lines[0])
+
+    def listen_late(self, seconds: float = 0.15) -> None:
+        """For a moment nobody is where the daemon listens, as right after its start."""
+        socket_file = control_socket(self.home)
+        away = socket_file.with_name("away")
+        socket_file.rename(away)
+        back = threading.Timer(seconds, away.rename, [socket_file])
+        back.start()
+        self.addCleanup(back.join)
 
     def tearDown(self) -> None:
         state = self.ask("status")["state"]

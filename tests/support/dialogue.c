@@ -136,17 +136,19 @@ static void await_ready(int fd)
     assert_memory_equal(body, "\5READY", 6);
 }
 
-int dialogue_by_hand(const char *endpoint, const void *properties, size_t size)
+int dialogue_by_hand(const char *endpoint, const char *kind, const void *properties, size_t size)
 {
     static const uint8_t greeting[64] = "\xff\0\0\0\0\0\0\0\1\x7f\3\0NULL";
-    static const char type[] = "\4\0\5READY\x0bSocket-Type\0\0\0\6DEALER";
+    static const char type[] = "\4\0\5READY\x0bSocket-Type\0\0\0";
     const struct timeval patience = {.tv_sec = 10};
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     uint8_t ready[256], answer[64];
-    const size_t whole = sizeof type - 1 + size;
+    const size_t n = strlen(kind), head = sizeof type + n, whole = head + size;
     assert_true(whole < sizeof ready);
     memcpy(ready, type, sizeof type - 1);
-    if (size) memcpy(ready + sizeof type - 1, properties, size);
+    ready[sizeof type - 1] = (uint8_t)n;
+    memcpy(ready + sizeof type, kind, n);
+    if (size) memcpy(ready + head, properties, size);
     ready[1] = (uint8_t)(whole - 2);
     const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
     setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);

@@ -35,9 +35,9 @@ int dialogue_join(Dialogue *dialogue);
 /* Another connection; close it with zmq_close(). */
 void *dialogue_connect(const Dialogue *dialogue);
 
-/* A connection without libzmq, at ipc://: past the handshake, in which the client says these properties of itself (after
- * Socket-Type). A file descriptor whose reads wait ten seconds at most. */
-int dialogue_by_hand(const char *endpoint, const void *properties, size_t size);
+/* A connection without libzmq, at ipc://: past the handshake, in which the client says what it is, "DEALER" or "SUB", and these properties
+ * of itself after that. A file descriptor whose reads wait ten seconds at most. */
+int dialogue_by_hand(const char *endpoint, const char *kind, const void *properties, size_t size);
 
 /* A request of this protocol's version with a new id; id: [16], room for it. */
 void dialogue_seal(Meniscus__Request *request, uint8_t *id);

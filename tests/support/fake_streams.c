@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The data socket of a fake daemon, on a thread of its own. */
 #include "tests/support/fake_streams.h"
+
+#include "tests/support/check.h"
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -128,4 +130,33 @@ void fake_streams_free(FakeStreams *streams)
     zmq_ctx_term(streams->context);
     unlink(streams->endpoint + strlen("ipc://"));
     free(streams);
+}
+
+static void answer_nothing(void *arg, const Meniscus__Request *request, FakeAnswer *answer)
+{
+    (void)arg, (void)request, (void)answer;
+}
+
+int stream_stand_begin(StreamStand *stand, FakeStreamHandler *handler, void *arg)
+{
+    stand->daemon = fake_daemon_new(answer_nothing, NULL);
+    stand->streams = fake_streams_new(stand->daemon, handler, arg);
+    return mns_client_open(fake_daemon_endpoint(stand->daemon), &stand->client, NULL) == MNS_OK ? 0 : -1;
+}
+
+void stream_stand_end(const StreamStand *stand)
+{
+    mns_client_close(stand->client);
+    fake_streams_free(stand->streams);
+    fake_daemon_free(stand->daemon);
+}
+
+MnsStream *stream_stand_take(const StreamStand *stand, MnsStreamKind kind, const char *field, size_t memory)
+{
+    const MnsStreamOptions options = {
+        .kind = kind, .n_names = kind == MNS_STREAM_FIELDS, .names = &field, .memory = memory};
+    MnsStream *stream = NULL;
+    MnsError error = {0};
+    if (mns_stream_open(stand->client, &options, &stream, &error)) fail_msg("%s", error.text);
+    return stream;
 }

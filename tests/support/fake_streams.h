@@ -5,6 +5,7 @@
 
 #include "stream.pb-c.h"
 #include "tests/support/fake_daemon.h"
+#include <meniscus/stream.h>
 #include <stdbool.h>
 
 typedef struct FakeStreams FakeStreams;
@@ -24,5 +25,19 @@ void fake_streams_garbage(FakeStreams *streams);
 
 /* Close the socket when the handler returns, and bind it anew. */
 void fake_streams_disconnect(FakeStreams *streams);
+
+/* Such a daemon, whose control socket answers nothing but `status`, and a client of it. */
+typedef struct StreamStand {
+    FakeDaemon *daemon;
+    FakeStreams *streams;
+    MnsClient *client;
+} StreamStand;
+
+/* 0, or -1 if the client cannot connect; what is begun is to be ended in any case. */
+int stream_stand_begin(StreamStand *stand, FakeStreamHandler *handler, void *arg);
+void stream_stand_end(const StreamStand *stand);
+
+/* Take a stream: of this field, or where it is none of fields, of all there is. Fails the test. */
+MnsStream *stream_stand_take(const StreamStand *stand, MnsStreamKind kind, const char *field, size_t memory);
 
 #endif

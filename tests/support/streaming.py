@@ -8,10 +8,16 @@ from typing import Any
 
 import numpy as np
 import zmq
-from daemon import BUILD
+from daemon import BUILD, DaemonTest
 
 sys.path.insert(0, str(BUILD / "python"))
 from meniscus import stream_pb2 as sb  # noqa: E402
+
+PLENTY = 1 << 30  # bytes of credit, for who does not count them
+
+
+def fields(*names: str, **exactness: Any) -> "sb.FieldStream":
+    return sb.FieldStream(fields=[sb.FieldWish(name=name, **exactness) for name in names])
 
 
 class Item:
@@ -119,3 +125,16 @@ class Taker:
             item = self.take(message.item, data)
             if item.whole:
                 return item
+
+
+class StreamTest(DaemonTest):
+    """Tests of one daemon's streams: each has a connection of its own, and may have more."""
+
+    def setUp(self) -> None:
+        self.endpoint = f"ipc://{self.home}/run/meniscus/default/data.ipc"
+        self.taker = self.new_taker()
+
+    def new_taker(self) -> Taker:
+        taker = Taker(self.endpoint)
+        self.addCleanup(taker.close)
+        return taker

@@ -5,6 +5,7 @@
 MENISCUS_KILLS says how often it is killed; 12 unless it is set.
 """
 
+import json
 import os
 import random
 import secrets
@@ -114,6 +115,8 @@ class Crash(DaemonTest):
         for file in files:
             with h5py.File(file) as opened:
                 self.assertGreater(len(opened), 0)
+        index = json.loads((run / "snapshots.hdf.series").read_text())
+        self.assertEqual(sorted(entry["name"] for entry in index["files"]), [file.name for file in files if file.name.startswith("snapshot-")])
 
     def test_what_was_paused_stays_paused_to_the_bit(self) -> None:
         self.meniscus("load", *CASE, "--name", "paused")

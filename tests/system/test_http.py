@@ -132,6 +132,19 @@ class Metrics(HttpTest):
         self.assertEqual(value("meniscus_steps_total") - before["meniscus_steps_total"].value(), 30)
         self.assertGreater(value("meniscus_stepping_seconds_total"), before["meniscus_stepping_seconds_total"].value())
 
+    def test_steps_that_leave_densities_off_are_counted_and_told_once(self) -> None:
+        """A start in disorder with one correction a step."""
+        self.meniscus("load", "taylor-green2d", "--set", "resolution=20", "--set", "scheme.incompressible.density_corrections=1")
+        self.assertEqual(self.ask("status")["uncorrected"], 0)
+        self.meniscus("step", "10")
+        status, metrics = self.ask("status"), self.scrape()
+        self.assertGreater(status["uncorrected"], 1)
+        self.assertEqual(metrics["meniscus_solver_uncorrected_total"].value(), status["uncorrected"])
+        log = (Path(status["run_directory"]) / "log").read_text()
+        self.assertEqual(log.count("scheme.incompressible.density_tolerance: step 1 leaves densities off by"), 1)
+        self.assertEqual(log.count("density_tolerance"), 1)
+        self.assertIn(f"off by more than the case allows after {status['uncorrected']} steps", self.meniscus("status").stdout)
+
     def test_counters_rise_while_it_runs(self) -> None:
         self.meniscus("load", *SMALL, "--set", "output.probe_interval=1e-6", "--set", "end_time=1000")
         self.meniscus("start")
@@ -228,7 +241,8 @@ class Access(HttpTest):
         epoch = str(self.ask("lease", "--ttl", "60")["lease_epoch"])
         after = self.scrape()
         self.assertAlmostEqual(after["meniscus_lease_seconds"].value(), 60, delta=20)
-        self.assertEqual(after["meniscus_journal_records_total"].value(), before["meniscus_journal_records_total"].value() + 1)
+        # The command, and that somebody was told.
+        self.assertEqual(after["meniscus_journal_records_total"].value(), before["meniscus_journal_records_total"].value() + 2)
         self.assertGreater(after["meniscus_journal_seconds_total"].value(), before["meniscus_journal_seconds_total"].value())
         self.assertEqual(after["meniscus_journal_failures_total"].value(), 0)
         self.meniscus("lease", "release", "--lease", epoch)

@@ -157,6 +157,8 @@ class Journal(DaemonTest):
             subprocess.run([*words, *more], env=self.environment, check=True, capture_output=True, timeout=60)
         told = [r["command"] for r in self.log(out) if r["kind"] == "command"]
         self.assertEqual(told, ["load", "run_until", "shutdown", "load", "start", "shutdown"])
+        # When it is shut down there is no simulation any more, and so no time of it.
+        self.assertEqual([r["time"] is None for r in self.log(out) if r["kind"] == "command"], [False, False, True] * 2)
         self.assertTrue(self.replay(out)["agrees"])
 
     def test_a_directory_without_a_journal_is_said_so(self) -> None:

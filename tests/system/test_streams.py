@@ -14,29 +14,18 @@ import zmq
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from daemon import BUILD, DaemonTest, free_ports  # noqa: E402
-from streaming import Taker, sb  # noqa: E402
+from streaming import PLENTY, StreamTest, Taker, fields, sb  # noqa: E402
 
 sys.path.insert(0, str(BUILD / "python"))
 from meniscus import Client  # noqa: E402
 
 CASE = ["dambreak2d", "--set", "resolution=20", "--set", "threads=1", "--set", "end_time=1000"]
-PLENTY = 1 << 30
 
 
-def fields(*names: str, **exactness: Any) -> "sb.FieldStream":
-    return sb.FieldStream(fields=[sb.FieldWish(name=name, **exactness) for name in names])
-
-
-class Streams(DaemonTest):
+class Streams(StreamTest):
     def setUp(self) -> None:
         self.meniscus("load", *CASE)
-        self.endpoint = f"ipc://{self.home}/run/meniscus/default/data.ipc"
-        self.taker = self.new_taker()
-
-    def new_taker(self) -> Taker:
-        taker = Taker(self.endpoint)
-        self.addCleanup(taker.close)
-        return taker
+        super().setUp()
 
     def query(self, *names: str, walls: bool = False) -> "dict[str, np.ndarray[Any, Any]]":
         with Client(f"ipc://{self.home}/run/meniscus/default/control.ipc") as client:
@@ -364,6 +353,40 @@ class Afar(DaemonTest):
         time.sleep(0.5)
         self.meniscus("step", "5")
         self.assertTrue(taker.quiet(1))
+
+
+class Counted(StreamTest):
+    """With a daemon of its own, where there are no streams but these."""
+
+    def counts(self) -> "dict[str, int]":
+        counts: "dict[str, int]" = self.ask("status")["streams"]
+        return counts
+
+    def test_the_status_tells_how_many_there_are_and_what_they_cost(self) -> None:
+        self.assertEqual(self.counts(), {"latest": 0, "lossless": 0, "memory_bytes": 0, "skipped": 0})
+        self.assertNotIn("\nstreams ", self.meniscus("status").stdout)
+        events = self.taker.subscribe(events=sb.EventStream()).stream
+        self.assertEqual(self.counts()["latest"], 1)  # of no run
+        self.meniscus("load", *CASE)
+        lazy = self.taker.subscribe(fields=fields("position"), when=sb.When(every_steps=1)).stream
+        self.taker.subscribe(probes=sb.ProbeStream(), delivery=sb.LOSSLESS)
+        self.assertEqual(self.ask("top", "--once")["daemons"][0]["streams"], 3)
+        self.meniscus("step", "10")
+        self.taker.grant(lazy, PLENTY)
+        size = len(self.taker.item().array("position").tobytes())
+        told = self.counts()
+        self.assertEqual((told["latest"], told["lossless"], told["skipped"]), (2, 1, 9))
+        self.assertGreater(told["memory_bytes"], size)
+        text = self.meniscus("status").stdout
+        self.assertRegex(text, r"\nstreams     2 of the newest, 1 of everything; \d+\.\d MiB held, 9 items skipped since")
+        with Client(f"ipc://{self.home}/run/meniscus/default/control.ipc") as client:
+            now = client.status().streams
+        assert now
+        self.assertEqual((now.latest, now.lossless, now.skipped), (2, 1, 9))
+        self.assertGreater(now.memory_bytes, size)
+        for stream in (events, lazy):
+            self.taker.ask(unsubscribe=sb.Unsubscribe(stream=stream))
+        self.assertEqual((self.counts()["latest"], self.counts()["lossless"]), (0, 1))
 
 
 if __name__ == "__main__":

@@ -19,14 +19,11 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from daemon import DaemonTest  # noqa: E402
-from streaming import Item, Taker, sb  # noqa: E402
+from streaming import PLENTY, Item, Taker, sb  # noqa: E402
 
 KILLS = int(os.environ.get("MENISCUS_KILLS", "12"))
 CASE = ["dambreak2d", "--set", "resolution=8", "--set", "end_time=1000", "--set", "threads=1",
         "--set", "output.probe_interval=1e-6", "--set", "output.checkpoint_interval=0.05"]
-PLENTY = 1 << 30
-
-
 STEP_0 = 1  # the state at the beginning is a row, too
 
 

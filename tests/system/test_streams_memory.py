@@ -12,36 +12,22 @@ from typing import Any
 import zmq
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from daemon import DaemonTest, free_ports  # noqa: E402
-from streaming import Item, Taker, sb  # noqa: E402
+from daemon import free_ports  # noqa: E402
+from streaming import PLENTY, Item, StreamTest, Taker, fields, sb  # noqa: E402
 
 LARGE = ["dambreak2d", "--set", "resolution=100", "--set", "threads=1", "--set", "end_time=1000", "--name", "large"]
 MIDDLE = ["dambreak2d", "--set", "resolution=20", "--set", "threads=1", "--set", "end_time=1000", "--name", "middle"]
 SMALL = ["dambreak2d", "--set", "resolution=8", "--set", "threads=1", "--set", "end_time=1000", "--name", "small",
          "--set", "output.probe_interval=1e-6", "--set", "output.checkpoint_interval=1000"]
-PLENTY = 1 << 30
 HALF = 4 << 20  # of the memory for items
 
 
-def fields(*names: str) -> "sb.FieldStream":
-    return sb.FieldStream(fields=[sb.FieldWish(name=name) for name in names])
-
-
-class ShortOfMemory(DaemonTest):
+class ShortOfMemory(StreamTest):
     @classmethod
     def start_daemon(cls) -> None:
         cls.port = free_ports()
         cls.options = ["--stream-memory", "16", "--http", str(cls.port)]
         super().start_daemon()
-
-    def setUp(self) -> None:
-        self.endpoint = f"ipc://{self.home}/run/meniscus/default/data.ipc"
-        self.taker = self.new_taker()
-
-    def new_taker(self) -> Taker:
-        taker = Taker(self.endpoint)
-        self.addCleanup(taker.close)
-        return taker
 
     def new_deaf(self) -> Taker:
         """One whose connection stands still when it does not read."""

@@ -92,6 +92,11 @@ static void texts_that_no_file_can_hold_are_refused(void **state)
     m->gravity[1][0] = '\x1b';
     complains(m, "gravity[1]",
               "gravity[1]: found a text that is not UTF-8 or has control characters in it: remove them");
+    free(m->gravity[1]);
+    m->gravity[1] = strdup("\xc2\x9b"
+                           "2J"); /* the same order to a terminal */
+    complains(m, "gravity[1]",
+              "gravity[1]: found a text that is not UTF-8 or has control characters in it: remove them");
 }
 
 static void missing_items_are_refused(void **state)

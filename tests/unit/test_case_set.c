@@ -171,6 +171,10 @@ static void wrong_paths_are_refused_with_a_suggestion(void **state)
             "--set fluids[1].densty=2: unknown entry \"densty\", did you mean \"density\"? Allowed: name, density, "
             "viscosity, "
             "sound_speed, shape, velocity, pressure, density_method, exponent");
+    refuses(file, "cfl=0.2", "--set cfl=0.2: unknown entry \"cfl\", did you mean \"scheme.cfl\"?");
+    refuses(file, "guard=1", /* of several schemes */
+            "--set guard=1: unknown entry \"guard\", allowed: title, dimensions, reference_length, resolution, domain, "
+            "constants, gravity, fluids, walls, scheme, end_time, threads, probes, output, limits, interfaces");
     refuses(file, "fluids.density=2", "--set fluids.density=2: \"fluids\" is a list, name one of its items: fluids[0]");
     refuses(file, "resolution[0]=2", "--set resolution[0]=2: \"resolution\" is not a list, leave out the index");
     refuses(file, "resolution.x=2",

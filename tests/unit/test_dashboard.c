@@ -92,6 +92,12 @@ static void commands_are_read_with_their_entries(void **state)
     assert_int_equal(parse("{\"do\":\"run_until\",\"id\":2,\"time\":1}", &ask, &error), MNS_OK);
     assert_close(ask.time, 1, 0);
     ask_done(&ask);
+    assert_int_equal(parse("{\"do\":\"snapshot\",\"id\":3,\"at_step\":0}", &ask, &error), MNS_OK);
+    assert_true(ask.at_a_step && !ask.at_a_time);
+    ask_done(&ask);
+    assert_int_equal(parse("{\"do\":\"pause\",\"id\":3}", &ask, &error), MNS_OK);
+    assert_false(ask.at_a_step || ask.at_a_time);
+    ask_done(&ask);
 }
 
 static void nothing_that_browsers_say_is_believed(void **state)
@@ -231,16 +237,44 @@ static void a_new_time_line_takes_the_place_of_the_old(void **state)
     history_init(&history);
     for (int k = 0; k < 10; k++) add(&history, k, k);
     add(&history, 3, 100);
-    json_t *json = history_json(&history);
+    json_t *json = history_json(&history, 0);
     const json_t *probe = json_array_get(json, 0);
     assert_int_equal(json_array_size(json_object_get(probe, "t")), 4);
     assert_close(json_number_value(json_array_get(json_object_get(probe, "v"), 3)), 100, 0);
     assert_string_equal(json_string_value(json_object_get(probe, "unit")), "Pa");
     json_decref(json);
     add(&history, 0, (double)NAN);
-    json = history_json(&history);
+    json = history_json(&history, 0);
     assert_true(json_is_null(json_array_get(json_object_get(json_array_get(json, 0), "v"), 0)));
     json_decref(json);
+    history_clear(&history);
+}
+
+static void the_past_goes_before_what_was_heard(void **state)
+{
+    (void)state;
+    static History history, past;
+    history_init(&history);
+    history_init(&past);
+    for (int k = 7; k < 10; k++) add(&history, k, k);
+    for (int k = 0; k < 2 * HISTORY_POINTS; k++) add(&past, -1 + 4e-3 * k, k == 777 ? 1e6 : -1); /* to 31 */
+    history_add(&past, 3, 1, &(MnsValue){.name = "P2", .unit = "m", .number = 4});
+    const uint64_t version = history.version;
+    history_precede(&history, &past);
+    assert_int_not_equal(history.version, version);
+    assert_int_equal(past.n, 0);
+    assert_int_equal(history.n, 2);
+    assert_string_equal(history.series[1].name, "P2");
+    const Series *series = &history.series[0];
+    assert_true(series->n <= HISTORY_POINTS && series->thinned > 0);
+    bool has_peak = false;
+    for (size_t k = 0; k < series->n; k++) {
+        if (k) assert_true(series->t[k] > series->t[k - 1]);
+        has_peak = has_peak || series->v[k] == 1e6;
+    }
+    assert_true(has_peak);
+    for (size_t k = 0; k < 3; k++) assert_close(series->v[series->n - 3 + k], 7 + (double)k, 0);
+    assert_true(series->t[series->n - 4] < 7);
     history_clear(&history);
 }
 
@@ -417,6 +451,101 @@ static void what_waits_for_a_slow_browser_is_bounded(void **state)
     text_release(sample);
 }
 
+/* --- the past on its way ------------------------------------------------------------------------------------------------- */
+
+static void nobody_wakes(void *arg)
+{
+    (void)arg;
+}
+
+/* As many probes as there may be, each with as many points as there may be. */
+static Hub *full_of_history(void)
+{
+    static MnsValue probes[HISTORY_PROBES];
+    static char names[HISTORY_PROBES][8];
+    static Hub *hub; /* lives as long as the process */
+    if (!hub) hub = hub_new("nobody");
+    hub_set_wake(hub, nobody_wakes, NULL);
+    for (size_t k = 0; k < HISTORY_PROBES; k++) {
+        snprintf(names[k], sizeof names[k], "P%zu", k);
+        probes[k] = (MnsValue){.name = names[k], .unit = "Pa"};
+    }
+    for (int i = 0; i < HISTORY_POINTS; i++) {
+        for (size_t k = 0; k < HISTORY_PROBES; k++) probes[k].number = -101325.0 / (1 + i);
+        hub_sample(hub, 1e-5 / 3 * i, HISTORY_PROBES, probes);
+    }
+    return hub;
+}
+
+static json_t *next_piece(Hub *hub, Session *session)
+{
+    Text *text;
+    Frame *frame;
+    session_next(session, &text, &frame);
+    if (!text) return NULL;
+    assert_true(session->waiting_bytes == 0);
+    json_t *piece = json_loadb((const char *)text->bytes + FRAME_HEADROOM, text->size, 0, NULL);
+    text_release(text);
+    assert_true(hub_recall_more(hub, session));
+    assert_true(session->waiting_bytes < SESSION_MOST_BYTES / 32);
+    return piece;
+}
+
+static bool says(const json_t *piece, const char *entry)
+{
+    return json_is_true(json_object_get(piece, entry));
+}
+
+static void a_history_of_any_size_reaches_a_browser_piece_by_piece(void **state)
+{
+    (void)state;
+    Hub *hub = full_of_history();
+    Session session;
+    size_t n = 0;
+    bool last = false;
+    session_init(&session, 1);
+    session.welcome = true;
+    assert_true(hub_recall(hub, &session));
+    for (json_t *piece; (piece = next_piece(hub, &session)); json_decref(piece), n++) {
+        const json_t *probe = json_array_get(json_object_get(piece, "probes"), 0);
+        char name[8];
+        snprintf(name, sizeof name, "P%zu", n);
+        assert_string_equal(json_string_value(json_object_get(probe, "name")), name);
+        assert_int_equal(json_array_size(json_object_get(probe, "v")), HISTORY_POINTS);
+        assert_int_equal(says(piece, "first"), n == 0);
+        assert_false(last);
+        last = says(piece, "last");
+        /* However often it is asked for meanwhile. */
+        if (n == 7) assert_true(hub_recall_history(hub, &session) && hub_recall_history(hub, &session));
+    }
+    assert_true(last);
+    assert_int_equal(n, HISTORY_PROBES);
+    session_done(&session);
+    hub_forget(hub);
+}
+
+static void another_run_on_the_way_begins_the_history_again(void **state)
+{
+    (void)state;
+    Hub *hub = full_of_history();
+    Session session;
+    session_init(&session, 1);
+    session.welcome = true;
+    assert_true(hub_recall_history(hub, &session));
+    for (int k = 0; k < 3; k++) json_decref(next_piece(hub, &session));
+    hub_forget(hub);
+    hub_sample(hub, 0, 1, &(MnsValue){.name = "other", .unit = "m"});
+    json_decref(next_piece(hub, &session)); /* it waited */
+    json_t *piece = next_piece(hub, &session);
+    assert_true(says(piece, "first") && says(piece, "last"));
+    const json_t *probe = json_array_get(json_object_get(piece, "probes"), 0);
+    assert_string_equal(json_string_value(json_object_get(probe, "name")), "other");
+    json_decref(piece);
+    assert_null(next_piece(hub, &session));
+    hub_forget(hub);
+    session_done(&session);
+}
+
 /* --- commands ----------------------------------------------------------------------------------------------------------- */
 
 static void why_a_command_cannot_begin_is_told(void **state)
@@ -450,12 +579,15 @@ int main(void)
         cmocka_unit_test(a_history_of_any_length_is_bounded_and_keeps_its_peaks),
         cmocka_unit_test(values_that_are_none_do_not_hide_those_that_are),
         cmocka_unit_test(a_new_time_line_takes_the_place_of_the_old),
+        cmocka_unit_test(the_past_goes_before_what_was_heard),
         cmocka_unit_test(a_picture_is_laid_out_as_the_manual_says),
         cmocka_unit_test(an_answer_without_what_was_asked_is_no_picture),
         cmocka_unit_test(one_in_so_many_that_about_the_limit_is_left),
         cmocka_unit_test(only_the_newest_picture_waits_and_the_others_are_counted),
         cmocka_unit_test(a_browser_that_does_not_draw_gets_no_more),
         cmocka_unit_test(what_waits_for_a_slow_browser_is_bounded),
+        cmocka_unit_test(a_history_of_any_size_reaches_a_browser_piece_by_piece),
+        cmocka_unit_test(another_run_on_the_way_begins_the_history_again),
         cmocka_unit_test(why_a_command_cannot_begin_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

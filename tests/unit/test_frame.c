@@ -80,6 +80,67 @@ static void a_truncated_request_is_none(void **state)
     free(packed);
 }
 
+/* What reading a request says of it, and at which field. */
+static MnsStatus status_of(Meniscus__Request *request, const char *path)
+{
+    MnsError error = {.path = ""};
+    uint8_t id[FRAME_ID] = {1};
+    Meniscus__Request *read;
+    request->has_major = request->has_id = true;
+    request->major = FRAME_MAJOR;
+    request->id = (ProtobufCBinaryData){sizeof id, id};
+    const size_t size = meniscus__request__get_packed_size(request);
+    uint8_t *packed = malloc(size);
+    meniscus__request__pack(request, packed);
+    const MnsStatus status = request_read(packed, size, &read, &error);
+    assert_string_equal(error.path, path);
+    request_free(read);
+    free(packed);
+    return status;
+}
+
+/* Others are shown what one has named: on terminals, which obey it, and as JSON, which there would be none of. */
+static void names_that_a_terminal_would_obey_are_refused(void **state)
+{
+    (void)state;
+    static const char *const bad[] = {"\x1b[2Janna",  "anna\xff", "an\nna",           "anna\x7f", "\xc2\x9b",
+                                      "\xed\xa0\x80", "\xc0\xaf", "\xf4\x90\x80\x80", "\xe2\x82", "\x80"};
+    Meniscus__Lease lease = MENISCUS__LEASE__INIT;
+    Meniscus__SetBreakpoint point = MENISCUS__SET_BREAKPOINT__INIT;
+    Meniscus__Request leasing = MENISCUS__REQUEST__INIT, pointing = MENISCUS__REQUEST__INIT;
+    leasing.command_case = MENISCUS__REQUEST__COMMAND_LEASE;
+    leasing.lease = &lease;
+    pointing.command_case = MENISCUS__REQUEST__COMMAND_BREAKPOINT;
+    pointing.breakpoint = &point;
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        lease.holder = point.name = (char *)bad[k];
+        assert_int_equal(status_of(&leasing, "holder"), MNS_E_INVALID);
+        assert_int_equal(status_of(&pointing, "name"), MNS_E_INVALID);
+    }
+    lease.holder = (char *)"Änne@κόσμος 𝄞";
+    assert_int_equal(status_of(&leasing, ""), MNS_OK);
+}
+
+/* Values of a case may have several lines, as in its file; paths to them may not. */
+static void texts_in_lists_are_named_and_values_may_have_lines(void **state)
+{
+    (void)state;
+    Meniscus__Set set = MENISCUS__SET__INIT;
+    Meniscus__Assignment good = MENISCUS__ASSIGNMENT__INIT, bad = good, *items[] = {&good, &bad};
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    request.command_case = MENISCUS__REQUEST__COMMAND_SET;
+    request.set = &set;
+    set.n_assignments = 2;
+    set.assignments = items;
+    good.path = bad.path = (char *)"title";
+    good.value = bad.value = (char *)"two\n\tlines";
+    assert_int_equal(status_of(&request, ""), MNS_OK);
+    bad.value = (char *)"\x07";
+    assert_int_equal(status_of(&request, "assignments[1].value"), MNS_E_INVALID);
+    bad.path = (char *)"title\n";
+    assert_int_equal(status_of(&request, "assignments[1].path"), MNS_E_INVALID);
+}
+
 static void assert_id(const void *data, size_t size, const char *id)
 {
     const ProtobufCBinaryData found = request_id(data, size);
@@ -131,6 +192,8 @@ int main(void)
         cmocka_unit_test(every_state_of_the_protocol_is_one_of_the_run),
         cmocka_unit_test(a_small_frame_cannot_take_much_memory),
         cmocka_unit_test(a_truncated_request_is_none),
+        cmocka_unit_test(names_that_a_terminal_would_obey_are_refused),
+        cmocka_unit_test(texts_in_lists_are_named_and_values_may_have_lines),
         cmocka_unit_test(the_id_is_known_of_a_request_that_cannot_be_read),
         cmocka_unit_test(bytes_that_end_too_soon_have_no_id),
         cmocka_unit_test(numbers_have_the_size_that_numpy_gives_them),

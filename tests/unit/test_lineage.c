@@ -102,7 +102,7 @@ static Record *add_begun(Book *book, uint64_t step)
 static Lineage *read(Book *book, MnsStatus status)
 {
     lineage_done(&book->lineage);
-    assert_int_equal(lineage_of(&book->history, &book->lineage, NULL), status);
+    assert_int_equal(lineage_of(&book->history, "this", &book->lineage, NULL), status);
     return &book->lineage;
 }
 
@@ -324,10 +324,98 @@ static void a_lease_lives_by_the_wall_clock_but_no_longer_than_it_was_given_for(
     grant.epoch = 7;
     grant.ttl_ms = 30000;
     const Lineage *lineage = read(book, MNS_OK);
-    assert_int_equal(lineage->lease_epoch, 7);
+    assert_int_equal(lineage->lease.epoch, 7);
     assert_float_equal(lineage_lease_left(lineage, 1010), 20, 1e-9);
     assert_float_equal(lineage_lease_left(lineage, 1031), -1, 1e-9);
     assert_float_equal(lineage_lease_left(lineage, 10), 30, 1e-9);
+}
+
+typedef struct Given {
+    Meniscus__Lease lease;
+    Meniscus__LeaseGrant grant;
+} Given;
+
+/* A lease that was given or renewed, since this start of the machine. */
+static Record *add_lease(Book *book, Given *given, uint64_t epoch)
+{
+    Record *record = add(book, MENISCUS__REQUEST__COMMAND_LEASE, 0, MENISCUS__STATE__READY);
+    *given = (Given){MENISCUS__LEASE__INIT, MENISCUS__LEASE_GRANT__INIT};
+    record->request->lease = &given->lease;
+    record->reply->lease = &given->grant;
+    record->has_boot = true;
+    record->boot = (ProtobufCBinaryData){4, (uint8_t *)"this"};
+    given->grant.epoch = epoch;
+    given->grant.ttl_ms = 30000;
+    return record;
+}
+
+static void add_told(Book *book, bool undone)
+{
+    Record *record = add(book, MENISCUS__REQUEST__COMMAND__NOT_SET, 0, MENISCUS__STATE__READY);
+    record->kind = MENISCUS__JOURNAL_RECORD__KIND__LEASE;
+    record->request = NULL;
+    record->reply = NULL;
+    record->undone = undone;
+}
+
+/* The daemon was killed while the record was on its way to the disk, or could not get it there. */
+static void a_lease_that_nobody_was_told_of_is_none(void **state)
+{
+    Book *book = *state;
+    Given given[4];
+    add_load(book);
+    add_lease(book, &given[0], 7);
+    assert_int_equal(read(book, MNS_OK)->lease.epoch, 0);
+    add_told(book, false);
+    assert_int_equal(read(book, MNS_OK)->lease.epoch, 7);
+    add_lease(book, &given[1], 8);
+    assert_int_equal(read(book, MNS_OK)->lease.epoch, 7);
+    add_told(book, false);
+    add_told(book, true);
+    assert_int_equal(read(book, MNS_OK)->lease.epoch, 7);
+    Record *release = add_lease(book, &given[2], 7);
+    release->reply->lease = NULL;
+    given[2].lease.release = true;
+    assert_true(read(book, MNS_OK)->lease.until_us > 0);
+    add_lease(book, &given[3], 9);
+    add_told(book, false); /* of both */
+    assert_int_equal(read(book, MNS_OK)->lease.epoch, 9);
+    assert_false(history_untold(&book->history, 5, "this") || history_untold(&book->history, 0, "this"));
+    assert_true(history_untold(&book->history, 3, "this"));
+}
+
+/* That somebody was told need not have got to the disk. */
+static void a_lease_is_kept_when_the_machine_itself_has_failed_or_it_is_of_an_older_daemon(void **state)
+{
+    Book *book = *state;
+    Given given;
+    add_load(book);
+    Record *record = add_lease(book, &given, 7);
+    record->boot.data = (uint8_t *)"past";
+    assert_int_equal(read(book, MNS_OK)->lease.epoch, 7);
+    record->has_boot = false;
+    assert_int_equal(read(book, MNS_OK)->lease.epoch, 7);
+}
+
+/* Whether somebody was told is judged where the daemon comes back first: what happens to the machine later says nothing of it, nor do those who are
+ * told of another lease. */
+static void a_lease_that_was_none_once_stays_none(void **state)
+{
+    Book *book = *state;
+    Given given[2];
+    add_load(book);
+    add_lease(book, &given[0], 7);
+    Record *back = add_comeback(book, 0);
+    back->has_boot = true;
+    back->boot = (ProtobufCBinaryData){4, (uint8_t *)"this"};
+    add_lease(book, &given[1], 8);
+    add_told(book, false);
+    read(book, MNS_OK);
+    assert_true(history_untold(&book->history, 1, "next"));
+    assert_true(history_untold(&book->history, 1, "this"));
+    assert_false(history_untold(&book->history, 3, "this") || history_untold(&book->history, 2, "this"));
+    back->boot.data = (uint8_t *)"next";
+    assert_false(history_untold(&book->history, 1, "next"));
 }
 
 #define TEST(name) cmocka_unit_test_setup_teardown(name, begin, end)
@@ -346,6 +434,9 @@ int main(void)
         TEST(what_is_scheduled_waits_until_a_record_tells_what_came_of_it),
         TEST(what_is_scheduled_outlives_two_crashes_but_no_restore),
         TEST(a_lease_lives_by_the_wall_clock_but_no_longer_than_it_was_given_for),
+        TEST(a_lease_that_was_none_once_stays_none),
+        TEST(a_lease_that_nobody_was_told_of_is_none),
+        TEST(a_lease_is_kept_when_the_machine_itself_has_failed_or_it_is_of_an_older_daemon),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

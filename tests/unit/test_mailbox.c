@@ -32,6 +32,22 @@ static void orders_come_out_as_they_went_in_but_urgent_ones_first(void **state)
     assert_null(mailbox_take(*state, 0));
 }
 
+/* A pause that comes before the runner has so much as looked at the load of a way back is for the run that comes back. */
+static void nothing_overtakes_an_order_that_leads(void **state)
+{
+    Order leads = {.leads = true}, plain = {.urgent = false}, urgent[2] = {{.urgent = true}, {.urgent = true}};
+    mailbox_post(*state, &leads, NULL);
+    mailbox_post(*state, &plain, NULL);
+    for (int k = 0; k < 2; k++) mailbox_post(*state, &urgent[k], NULL);
+    assert_ptr_equal(mailbox_take_but_looks(*state), &leads);
+    for (int k = 0; k < 2; k++) assert_ptr_equal(mailbox_take(*state, 0), &urgent[k]);
+    assert_ptr_equal(mailbox_take(*state, 0), &plain);
+    mailbox_post(*state, &urgent[0], NULL);
+    mailbox_post(*state, &leads, NULL);
+    assert_ptr_equal(mailbox_take(*state, 0), &leads);
+    assert_ptr_equal(mailbox_take(*state, 0), &urgent[0]);
+}
+
 static void a_full_box_says_so_and_still_takes_urgent_orders(void **state)
 {
     Order orders[5] = {{.urgent = false}}, urgent = {.urgent = true};
@@ -166,6 +182,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(orders_come_out_as_they_went_in_but_urgent_ones_first, begin, end),
+        cmocka_unit_test_setup_teardown(nothing_overtakes_an_order_that_leads, begin, end),
         cmocka_unit_test_setup_teardown(a_full_box_says_so_and_still_takes_urgent_orders, begin, end),
         cmocka_unit_test_setup_teardown(who_only_looks_leaves_room_for_who_does_something, begin, end),
         cmocka_unit_test_setup_teardown(who_only_looks_can_be_left_waiting_and_keeps_its_place, begin, end),

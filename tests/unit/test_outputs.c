@@ -1,13 +1,23 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a run leaves behind is all there, and once, also when there was no memory for it at first. */
+#include "base/clock.h"
+#include "io/checkpoint.h"
 #include "io/h5.h"
+#include "io/names.h"
 #include "proto/case_file.h"
 #include "run/outputs.h"
 #include "tests/support/check.h"
 #include "tests/support/io_fixture.h"
 #include "tests/support/memory.h"
+#include <errno.h>
+#include <fcntl.h>
+#include <jansson.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
 
 /* --- the run ----------------------------------------------------------------------------------------------------------- */
 
@@ -51,6 +61,7 @@ static int end(void **state)
 {
     Place *place = *state;
     memory_fails_after(-1);
+    limit_files(SIZE_MAX);
     outputs_close(&place->outputs, NULL);
     writer_free(place->outputs.writer);
     outbox_done(&place->outbox);
@@ -172,12 +183,254 @@ static void room_of_what_was_written_is_used_again_until_the_run_is_left(void **
     assert_null(outputs->spare);
 }
 
+/* --- the list of snapshots ------------------------------------------------------------------------------------------------ */
+
+static size_t listed_in(const char *directory, ino_t *ret_file)
+{
+    struct stat about = {.st_ino = 0};
+    char *path = path_in(directory, INDEX_NAME);
+    json_t *index = json_load_file(path, 0, NULL), *files = json_object_get(index, "files"), *file;
+    size_t k;
+    stat(path, &about);
+    *ret_file = about.st_ino;
+    json_array_foreach(files, k, file) if (!holds(directory, json_string_value(json_object_get(file, "name"))))
+        fail_msg("it lists what is not there");
+    const size_t n = json_array_size(files);
+    json_decref(index);
+    free(path);
+    return n;
+}
+
+/* Where each file that is moved is looked for in the list, before and after; NULL: nowhere. And how often one in the list was not there. */
+static const char *watched;
+static int lies;
+
+static void look_for_lies(void)
+{
+    char *path = watched ? path_in(watched, INDEX_NAME) : NULL;
+    json_t *index = path ? json_load_file(path, 0, NULL) : NULL, *file;
+    size_t k;
+    json_array_foreach(json_object_get(index, "files"), k, file) lies +=
+        !holds(watched, json_string_value(json_object_get(file, "name")));
+    json_decref(index);
+    free(path);
+}
+
+/* In front of that of the C library. */
+int rename(const char *from, const char *to)
+{
+    look_for_lies();
+    const int result = renameat(AT_FDCWD, from, AT_FDCWD, to), why = errno;
+    look_for_lies();
+    errno = why;
+    return result;
+}
+
+static size_t listed(const Place *place, ino_t *ret_file)
+{
+    return listed_in(place->home, ret_file);
+}
+
+static void snap(Place *place)
+{
+    Outputs *outputs = &place->outputs;
+    step(place);
+    assert_int_equal(outputs_snapshot(outputs, place->sim, place->document, 0, NULL, NULL), MNS_OK);
+    assert_int_equal(writer_drain(outputs->writer, NULL), MNS_OK);
+}
+
+/* As if there were many: other names of one that there is. */
+static void add_names(const Place *place, const char *of, unsigned n)
+{
+    char name[64], *from = path_in(place->home, of);
+    for (unsigned k = 0; k < n; k++) {
+        snprintf(name, sizeof name, "snapshot-9%09u.hdf", k);
+        char *to = path_in(place->home, name);
+        assert_int_equal(link(from, to), 0);
+        free(to);
+    }
+    free(from);
+}
+
+enum { MANY = 250, MORE = 31 }; /* not a multiple of the three after which it is written */
+
+static void the_list_of_many_snapshots_is_not_written_again_for_each(void **state)
+{
+    Place *place = *state;
+    ino_t before, now;
+    int writings = 0;
+    snap(place);
+    assert_int_equal(listed(place, &before), 1);
+    add_names(place, "snapshot-0000000001.hdf", MANY);
+    snap(place);
+    assert_int_equal(listed(place, &before), MANY + 2);
+    for (int k = 0; k < MORE; k++, before = now) {
+        place->outputs.listing.next = INFINITY; /* however slow the disk is */
+        snap(place);
+        listed(place, &now);
+        writings += now != before;
+    }
+    assert_in_range(writings, MORE / 4, MORE / 3);
+    assert_int_equal(outputs_close(&place->outputs, NULL), MNS_OK);
+    assert_int_equal(listed(place, &now), MANY + 2 + MORE);
+}
+
+/* Nobody has to wait for more of them. */
+static void the_list_of_many_snapshots_is_soon_whole(void **state)
+{
+    Place *place = *state;
+    ino_t file;
+    snap(place);
+    add_names(place, "snapshot-0000000001.hdf", MANY);
+    snap(place);
+    place->outputs.listing.next = clock_now() + 5;
+    snap(place);
+    assert_int_equal(listed(place, &file), MANY + 2);
+    for (int k = 0; k < 600 && listed(place, &file) < MANY + 3; k++)
+        nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL);
+    assert_int_equal(listed(place, &file), MANY + 3);
+}
+
+/* The list has these many, and there is one more. */
+enum { LISTED = MANY + 2 };
+
+static void have_many(Place *place)
+{
+    ino_t file;
+    snap(place);
+    add_names(place, "snapshot-0000000001.hdf", MANY);
+    snap(place);
+    assert_int_equal(listed(place, &file), LISTED);
+    place->outputs.listing.next = INFINITY;
+}
+
+static void fall_behind(Place *place)
+{
+    ino_t file;
+    have_many(place);
+    snap(place);
+    assert_int_equal(listed(place, &file), LISTED);
+}
+
+static void the_list_is_whole_when_a_run_is_done(void **state)
+{
+    Place *place = *state;
+    ino_t file;
+    fall_behind(place);
+    assert_int_equal(outputs_finish(&place->outputs, place->sim, place->document, NULL), MNS_OK);
+    assert_int_equal(listed(place, &file), LISTED + 1);
+}
+
+static void the_list_is_whole_where_a_reset_moves_it(void **state)
+{
+    Place *place = *state;
+    MnsError lost;
+    ino_t file;
+    fall_behind(place);
+    assert_int_equal(outputs_open(&place->outputs, place->home, place->document, place->sim, false, false, &lost, NULL),
+                     MNS_OK);
+    assert_int_equal(lost.status, MNS_OK);
+    assert_int_equal(listed_in(place->outputs.aside, &file), LISTED + 1);
+    assert_int_equal(listed(place, &file), 0);
+    assert_int_equal(file, 0);
+}
+
+/* The next snapshot finds no room, so nothing behind it is written. */
+static void fail_to_snap(Place *place)
+{
+    Outputs *outputs = &place->outputs;
+    limit_files(0);
+    step(place);
+    assert_int_equal(outputs_snapshot(outputs, place->sim, place->document, 0, NULL, NULL), MNS_OK);
+    assert_int_not_equal(writer_drain(outputs->writer, NULL), MNS_OK);
+}
+
+static void the_list_is_whole_when_what_failed_is_written(void **state)
+{
+    Place *place = *state;
+    ino_t file;
+    fall_behind(place);
+    fail_to_snap(place);
+    assert_int_not_equal(outputs_finish(&place->outputs, place->sim, place->document, NULL), MNS_OK);
+    limit_files(SIZE_MAX);
+    assert_int_equal(writer_retry(place->outputs.writer, NULL), MNS_OK);
+    assert_int_equal(listed(place, &file), LISTED + 2);
+}
+
+/* What waited to be listed before, and what only the salvage has written. */
+static void the_list_is_whole_behind_a_salvage(void **state)
+{
+    Place *place = *state;
+    ino_t file;
+    have_many(place);
+    fail_to_snap(place);
+    limit_files(SIZE_MAX);
+    assert_int_equal(writer_salvage(place->outputs.writer, NULL), MNS_OK);
+    assert_int_equal(listed(place, &file), LISTED + 1);
+    place->outputs.listing.next = INFINITY;
+    snap(place);
+    fail_to_snap(place);
+    assert_int_equal(listed(place, &file), LISTED + 1);
+    limit_files(SIZE_MAX);
+    assert_int_equal(writer_salvage(place->outputs.writer, NULL), MNS_OK);
+    assert_int_equal(listed(place, &file), LISTED + 3);
+}
+
+/* A reader may look at any moment, and files are moved one after the other. */
+static void nothing_is_listed_that_has_gone(void **state)
+{
+    enum { SNAPSHOTS = 8, KEPT = 3 };
+    Place *place = *state;
+    Outputs *outputs = &place->outputs;
+    MnsError lost;
+    ino_t file;
+    char *in_the_way = path_in(place->home, "case.yaml");
+    for (int k = 0; k < SNAPSHOTS; k++) {
+        snap(place);
+        if (k + 1 != KEPT) continue;
+        assert_int_equal(outputs_checkpoint(outputs, place->sim, place->document, NULL, NULL), MNS_OK);
+        assert_int_equal(writer_drain(outputs->writer, NULL), MNS_OK);
+    }
+    Checkpoint checkpoint;
+    MnsSim *back;
+    char *path = path_in(place->home, "checkpoint-0000000003.hdf");
+    assert_int_equal(checkpoint_read(path, &checkpoint, NULL), MNS_OK);
+    assert_int_equal(mns_sim_resume(place->document->c, checkpoint.state, &back, NULL), MNS_OK);
+    watched = place->home;
+    lies = 0;
+    for (int goes_on = 1; goes_on >= 0; goes_on--) { /* a restore, a reset; each refused at first */
+        unlink(in_the_way);
+        assert_int_equal(mkdir(in_the_way, 0777), 0);
+        assert_int_not_equal(outputs_open(outputs, place->home, place->document, back, goes_on, false, &lost, NULL),
+                             MNS_OK);
+        assert_int_equal(lies, 0);
+        assert_int_equal(listed(place, &file), goes_on ? SNAPSHOTS : KEPT);
+        assert_int_equal(rmdir(in_the_way), 0);
+        assert_int_equal(outputs_open(outputs, place->home, place->document, back, goes_on, false, &lost, NULL),
+                         MNS_OK);
+        assert_int_equal(lies, 0);
+        assert_int_equal(listed(place, &file), goes_on ? KEPT : 0);
+    }
+    watched = NULL;
+    mns_sim_free(back);
+    checkpoint_done(&checkpoint);
+    free(path);
+    free(in_the_way);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(what_finds_no_memory_is_taken_later_and_once, begin, end),
         cmocka_unit_test_setup_teardown(a_last_checkpoint_that_found_no_memory_is_not_left_out, begin, end),
         cmocka_unit_test_setup_teardown(room_of_what_was_written_is_used_again_until_the_run_is_left, begin, end),
+        cmocka_unit_test_setup_teardown(the_list_of_many_snapshots_is_not_written_again_for_each, begin, end),
+        cmocka_unit_test_setup_teardown(the_list_of_many_snapshots_is_soon_whole, begin, end),
+        cmocka_unit_test_setup_teardown(the_list_is_whole_when_a_run_is_done, begin, end),
+        cmocka_unit_test_setup_teardown(the_list_is_whole_where_a_reset_moves_it, begin, end),
+        cmocka_unit_test_setup_teardown(the_list_is_whole_when_what_failed_is_written, begin, end),
+        cmocka_unit_test_setup_teardown(the_list_is_whole_behind_a_salvage, begin, end),
+        cmocka_unit_test_setup_teardown(nothing_is_listed_that_has_gone, begin, end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,6 +2,7 @@
 /* A whole run without sockets: what is ordered is answered, what is given up leaves nothing behind. */
 #include "base/clock.h"
 #include "proto/case_file.h"
+#include "run/history.h"
 #include "run/run.h"
 #include "tests/support/check.h"
 #include "tests/support/io_fixture.h"
@@ -93,6 +94,30 @@ static int end(void **state)
     scratch_free(bench->home);
     free(bench);
     return 0;
+}
+
+/* Else a crash would lead back to the run before this one. */
+static void a_run_that_cannot_be_noted_as_the_current_one_leaves_none_noted(void **state)
+{
+    Bench *bench = *state;
+    static Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    static Meniscus__Load message = MENISCUS__LOAD__INIT;
+    char *current = path_in(bench->home, "current"), *in_the_way = path_in(bench->home, "current.tmp");
+    request.command_case = MENISCUS__REQUEST__COMMAND_LOAD;
+    request.load = &message;
+    bench->request = &request;
+    assert_int_equal(perform(bench, load), MNS_OK);
+    assert_true(exists(current));
+    assert_int_equal(mkdir(in_the_way, 0700), 0);
+    assert_int_equal(perform(bench, load), MNS_OK);
+    assert_false(exists(current));
+    assert_non_null(strstr(bench->logged, "after a crash the daemon will not find this run by itself"));
+    assert_int_equal(rmdir(in_the_way), 0);
+    assert_int_equal(perform(bench, load), MNS_OK);
+    assert_true(exists(current));
+    bench->request = NULL;
+    free(in_the_way);
+    free(current);
 }
 
 /* Else it would be lost when there is none. */
@@ -327,6 +352,7 @@ static void threads_are_counted_as_the_solver_does(void **state)
     free(status);
 }
 
+static Meniscus__Lease lease_message = MENISCUS__LEASE__INIT;
 static Meniscus__Request lease_request = MENISCUS__REQUEST__INIT;
 
 static void take_lease(Run *run, Order *order)
@@ -344,12 +370,35 @@ static double lease_left(const Bench *bench)
     return left;
 }
 
+/* Of how many leases the journal says that somebody was told, of `ret_n`. */
+static size_t told_in_journal(const Bench *bench, size_t *ret_n)
+{
+    History history;
+    size_t told = 0;
+    char boot[HISTORY_BOOT], *directory = path_in(bench->home, "small");
+    *ret_n = 0;
+    history_boot(boot);
+    assert_int_equal(strlen(boot), 36);
+    assert_int_equal(history_read(directory, &history, NULL), MNS_OK);
+    for (size_t k = 0; k < history.n; k++) {
+        const Meniscus__Request *request = history.records[k].message->request;
+        const bool lease = request && request->command_case == MENISCUS__REQUEST__COMMAND_LEASE;
+        *ret_n += lease;
+        told += lease && !history_untold(&history, k, boot);
+    }
+    history_done(&history);
+    free(directory);
+    return told;
+}
+
 /* Its holder was told that there is none. */
 static void a_lease_that_the_journal_refuses_is_nobodys(void **state)
 {
     Bench *bench = *state;
+    size_t n;
     assert_int_equal(perform(bench, load), MNS_OK);
     lease_request.command_case = MENISCUS__REQUEST__COMMAND_LEASE;
+    lease_request.lease = &lease_message;
     bench->request = &lease_request;
     limit_files(0);
     assert_int_equal(perform(bench, take_lease), MNS_E_NO_SPACE);
@@ -360,6 +409,8 @@ static void a_lease_that_the_journal_refuses_is_nobodys(void **state)
     bench->request = &lease_request;
     assert_int_equal(perform(bench, take_lease), MNS_OK);
     assert_true(lease_left(bench) > 50);
+    assert_int_equal(told_in_journal(bench, &n), 1); /* of the first nobody, and no crash makes it somebody's */
+    assert_int_equal(n, 2);
     limit_files(0);
     assert_int_equal(perform(bench, take_lease), MNS_E_HELD);
     limit_files(SIZE_MAX);
@@ -471,9 +522,52 @@ static void of_too_many_who_wait_the_first_is_let_go(void **state)
     assert_ptr_equal(answered[WAITERS], &bench->order);
 }
 
+static void rest(Run *run, Order *order)
+{
+    nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL);
+    run_answer(run, order, MNS_OK, NULL);
+}
+
+static void stop(Run *run, Order *order)
+{
+    run_stop(run, order, false);
+}
+
+/* That its holder is told stands where the run was, and not behind its end, whatever is commanded at once. */
+static void a_lease_is_settled_before_the_run_is_stopped(void **state)
+{
+    enum { N = 3 };
+    Bench *bench = *state;
+    static Meniscus__Request stop_request = MENISCUS__REQUEST__INIT;
+    static Meniscus__Stop stop_message = MENISCUS__STOP__INIT;
+    const Order *answered[N];
+    History history;
+    stop_request.command_case = MENISCUS__REQUEST__COMMAND_STOP;
+    stop_request.stop = &stop_message;
+    lease_request.command_case = MENISCUS__REQUEST__COMMAND_LEASE;
+    lease_request.lease = &lease_message;
+    assert_int_equal(perform(bench, load), MNS_OK);
+    assert_int_equal(perform(bench, step), MNS_OK);
+    Order orders[N] = {{.serve = rest, .deadline = INFINITY}, /* both of the others wait behind it */
+                       {.serve = take_lease, .deadline = INFINITY, .request = &lease_request},
+                       {.serve = stop, .deadline = INFINITY, .request = &stop_request}};
+    for (size_t k = 0; k < N; k++) assert_int_equal(run_post(bench->run, &orders[k], NULL), MNS_OK);
+    take_answers(bench, N, answered);
+    char *directory = path_in(bench->home, "small");
+    assert_int_equal(history_read(directory, &history, NULL), MNS_OK);
+    const HistoryRecord *last = &history.records[history.n - 1];
+    assert_int_equal(last[0].message->request->command_case, MENISCUS__REQUEST__COMMAND_STOP);
+    assert_int_equal(last[-1].message->kind, MENISCUS__JOURNAL_RECORD__KIND__LEASE);
+    assert_int_equal(last[-1].message->step, 2);
+    assert_int_equal(last[-2].message->request->command_case, MENISCUS__REQUEST__COMMAND_LEASE);
+    history_done(&history);
+    free(directory);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(a_run_that_cannot_be_noted_as_the_current_one_leaves_none_noted, begin, end),
         cmocka_unit_test_setup_teardown(an_answer_needs_no_memory_of_its_own, begin, end),
         cmocka_unit_test_setup_teardown(a_run_that_cannot_begin_leaves_no_directory, begin, end),
         cmocka_unit_test_setup_teardown(states_are_events_and_warnings_are_lines_of_the_log, begin, end),
@@ -487,6 +581,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(of_too_many_who_wait_the_first_is_let_go, begin, end),
         cmocka_unit_test_setup_teardown(a_lease_that_the_journal_refuses_is_nobodys, begin, end),
         cmocka_unit_test_setup_teardown(what_a_way_back_has_to_tell_is_bounded, begin, end),
+        cmocka_unit_test_setup_teardown(a_lease_is_settled_before_the_run_is_stopped, begin, end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

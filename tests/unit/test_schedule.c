@@ -48,6 +48,21 @@ static void a_boundary_at_the_very_multiple_is_due_there(void **state)
     }
 }
 
+/* A run to 0.3 s with a file each 0.1 s has one of its end. */
+static void a_multiple_as_people_write_it_is_met(void **state)
+{
+    (void)state;
+    static const struct {
+        double interval, t;
+    } rows[] = {{0.1, 0.3}, {0.1, 0.6}, {0.1, 0.7}, {0.2, 0.6}, {0.001, 0.009}, {0.07, 0.21}, {1e-5, 0.3}};
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        const double t = rows[k].t;
+        assert_true(schedule_due(rows[k].interval, t * 0.9999999, t));
+        assert_false(schedule_due(rows[k].interval, t, t * 1.0000001));
+        assert_false(schedule_due(rows[k].interval, t * 0.9999998, t * 0.9999999));
+    }
+}
+
 static void absurd_intervals_end(void **state)
 {
     (void)state;
@@ -73,6 +88,7 @@ int main(void)
         cmocka_unit_test(each_multiple_is_met_once_whatever_the_step),
         cmocka_unit_test(a_step_over_several_multiples_is_due_once),
         cmocka_unit_test(a_boundary_at_the_very_multiple_is_due_there),
+        cmocka_unit_test(a_multiple_as_people_write_it_is_met),
         cmocka_unit_test(absurd_intervals_end),
         cmocka_unit_test(what_takes_long_to_write_is_written_seldom),
     };

@@ -299,7 +299,7 @@ static void hdf5_prints_nothing_of_ours_and_all_of_its_callers(void **state)
     H5Eget_auto2(H5E_DEFAULT, &print, &arg);
     H5Eset_auto2(H5E_DEFAULT, count_print, &count);
     put_bytes(path, "garbage", 7);
-    assert_int_equal(snapshot_index(*state, NULL, NULL, NULL), MNS_OK);
+    assert_int_equal(snapshot_index(*state, UINT64_MAX, NULL, NULL, NULL, NULL), MNS_OK);
     assert_int_equal(count, 0);
     assert_true(H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT) < 0);
     assert_int_equal(count, 1);
@@ -328,7 +328,7 @@ static void the_index_lists_whole_snapshots_by_time(void **state)
     write_at(*state, "snapshot-2.hdf", 1.0 / 3);
     write_at(*state, "snapshot-1.hdf", 0.5);
     put_bytes(broken, "garbage", 7);
-    assert_int_equal(snapshot_index(*state, NULL, NULL, NULL), MNS_OK);
+    assert_int_equal(snapshot_index(*state, UINT64_MAX, NULL, NULL, NULL, NULL), MNS_OK);
     json_t *json = json_load_file(index, 0, NULL);
     json_t *files = json_object_get(json, "files");
     assert_string_equal(json_string_value(json_object_get(json, "file-series-version")), "1.0");
@@ -373,12 +373,12 @@ static void only_files_that_changed_are_opened_for_the_index(void **state)
     put_bytes(index, lie, sizeof lie - 1);
     pass_a_tick();
     write_at(*state, "snapshot-2.hdf", 8.5);
-    assert_int_equal(snapshot_index(*state, NULL, NULL, NULL), MNS_OK);
+    assert_int_equal(snapshot_index(*state, UINT64_MAX, NULL, NULL, NULL, NULL), MNS_OK);
     assert_true(indexed_time(*state, 0) == 7.5);
     assert_true(indexed_time(*state, 1) == 8.5);
     pass_a_tick();
     assert_int_equal(rename(one, away) | rename(away, one), 0); /* as old as before, but it could be another one */
-    assert_int_equal(snapshot_index(*state, NULL, NULL, NULL), MNS_OK);
+    assert_int_equal(snapshot_index(*state, UINT64_MAX, NULL, NULL, NULL, NULL), MNS_OK);
     assert_true(indexed_time(*state, 0) == 0.5);
     free(index);
     free(away);
@@ -397,7 +397,7 @@ static void a_damaged_snapshot_is_left_out_with_a_note(void **state)
     write_at(*state, "snapshot-1.hdf", 0.5);
     write_at(*state, "snapshot-2.hdf", 0.75);
     assert_int_equal(truncate(bad, 3000), 0);
-    assert_int_equal(snapshot_index(*state, note_text, text, NULL), MNS_OK);
+    assert_int_equal(snapshot_index(*state, UINT64_MAX, NULL, note_text, text, NULL), MNS_OK);
     assert_true(indexed_time(*state, 0) == 0.5);
     assert_non_null(strstr(text, "snapshot-2.hdf' is damaged"));
     assert_null(strstr(text, "snapshot-1.hdf"));
@@ -407,11 +407,11 @@ static void a_damaged_snapshot_is_left_out_with_a_note(void **state)
 static void a_directory_without_snapshots_has_an_empty_index(void **state)
 {
     char *index = path_in(*state, "snapshots.hdf.series"), *nowhere = path_in(*state, "nowhere");
-    assert_int_equal(snapshot_index(*state, NULL, NULL, NULL), MNS_OK);
+    assert_int_equal(snapshot_index(*state, UINT64_MAX, NULL, NULL, NULL, NULL), MNS_OK);
     json_t *json = json_load_file(index, 0, NULL);
     assert_true(json_is_array(json_object_get(json, "files")));
     assert_int_equal(json_array_size(json_object_get(json, "files")), 0);
-    assert_int_equal(snapshot_index(nowhere, NULL, NULL, NULL), MNS_E_IO);
+    assert_int_equal(snapshot_index(nowhere, UINT64_MAX, NULL, NULL, NULL, NULL), MNS_E_IO);
     json_decref(json);
     free(nowhere);
     free(index);

@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The thread that writes: nothing lost, nothing out of order, nobody waits for ever. */
+#include "base/clock.h"
 #include "run/writer.h"
 #include "tests/support/check.h"
+#include <math.h>
 #include <stdatomic.h>
+#include <time.h>
 
 /* A job that notes its number when it is done, and fails while `broken`. */
 typedef struct Probe {
@@ -151,6 +154,39 @@ static void a_salvage_writes_all_but_what_fails_and_no_row_behind_a_missing_one(
     assert_int_equal(done[5], 3);
 }
 
+static void a_late_job_waits_for_its_moment_and_not_if_hurried(void **state)
+{
+    Probe probes[3];
+    make(probes, 3, false);
+    writer_post_late(*state, &probes[0].job, clock_now() + 0.05);
+    writer_post(*state, &probes[1].job);
+    assert_int_equal(writer_drain(*state, NULL), MNS_OK);
+    while (n_done < 2) nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+    assert_int_equal(done[0], 1);
+    assert_int_equal(done[1], 0);
+    writer_drain(*state, NULL);
+    writer_post_late(*state, &probes[2].job, INFINITY);
+    assert_int_equal(writer_drain(*state, NULL), MNS_OK);
+    assert_int_equal(n_done, 2);
+    writer_hurry(*state);
+    assert_int_equal(writer_drain(*state, NULL), MNS_OK);
+    assert_int_equal(n_done, 3);
+    writer_hurry(*state);
+    assert_int_equal(writer_drain(*state, NULL), MNS_OK);
+}
+
+static void a_late_job_is_discarded_with_the_others(void **state)
+{
+    Probe probe;
+    make(&probe, 1, false);
+    writer_post_late(*state, &probe.job, INFINITY);
+    assert_int_equal(writer_discard(*state), 1);
+    assert_int_equal(probe.told_status, MNS_E_INTERRUPTED);
+    writer_hurry(*state);
+    assert_int_equal(writer_drain(*state, NULL), MNS_OK);
+    assert_int_equal(n_done, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -161,6 +197,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_failed_call_is_not_kept, begin, end),
         cmocka_unit_test_setup_teardown(a_salvage_writes_all_but_what_fails_and_no_row_behind_a_missing_one, begin,
                                         end),
+        cmocka_unit_test_setup_teardown(a_late_job_waits_for_its_moment_and_not_if_hurried, begin, end),
+        cmocka_unit_test_setup_teardown(a_late_job_is_discarded_with_the_others, begin, end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What one client names, another one prints: nothing in it may be an order to a terminal, or break a message of ours. */
+#include "proto/text.h"
+#include "meniscus.pb-c.h"
+#include <stdint.h>
+#include <string.h>
+
+/* The character at the beginning of a text, in its shortest form, and how many bytes it has; 0 bytes if there is none. */
+static size_t decode(const unsigned char *at, uint32_t *ret)
+{
+    static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
+    const size_t n = *at < 0x80 ? 1 : *at >= 0xf8 ? 0 : *at >= 0xf0 ? 4 : *at >= 0xe0 ? 3 : *at >= 0xc0 ? 2 : 0;
+    uint32_t c = n > 1 ? *at & (0x7fu >> n) : *at;
+    for (size_t k = 1; k < n; k++) {
+        if ((at[k] & 0xc0) != 0x80) return 0; /* also where the text ends */
+        c = c << 6 | (at[k] & 0x3fu);
+    }
+    const bool is_half = c >= 0xd800 && c <= 0xdfff; /* of a pair of UTF-16 */
+    *ret = c;
+    return n && c >= least[n] && c <= 0x10ffff && !is_half ? n : 0;
+}
+
+/* From U+0080 to U+009F there are more of them, which terminals obey too. */
+static bool is_control(uint32_t c, bool lines)
+{
+    if (c == '\n' || c == '\t') return !lines;
+    return c < ' ' || (c >= 0x7f && c <= 0x9f);
+}
+
+bool text_is_clean(const char *text, bool lines)
+{
+    uint32_t c = 0;
+    for (const unsigned char *at = (const unsigned char *)text; *at;) {
+        const size_t n = decode(at, &c);
+        if (!n || is_control(c, lines)) return false;
+        at += n;
+    }
+    return true;
+}
+
+static MnsStatus check_message(const ProtobufCMessage *message, CasePath *path, MnsError *error);
+
+/* A value that is set is written as in a case file, where it may have several lines. */
+static MnsStatus check_item(const ProtobufCMessage *message, Field *field, size_t k, CasePath *path, MnsError *error)
+{
+    if (field->type == PROTOBUF_C_TYPE_MESSAGE) return check_message(case_child(message, field, k), path, error);
+    const bool lines = message->descriptor == &meniscus__assignment__descriptor && !strcmp(field->name, "value");
+    const char *text = *(const char *const *)case_item(message, field, k);
+    if (text && text_is_clean(text, lines)) return MNS_OK;
+    return mns_fail_at(error, MNS_E_INVALID, path->text,
+                       "found a text that is not UTF-8 or has control characters in it: remove them");
+}
+
+static MnsStatus check_field(const ProtobufCMessage *message, Field *field, CasePath *path, MnsError *error)
+{
+    MnsStatus status = MNS_OK;
+    const bool is_list = field->label == PROTOBUF_C_LABEL_REPEATED;
+    const size_t n = case_count(message, field), before = case_path_name(path, field->name, strlen(field->name));
+    for (size_t k = 0; k < n && !status; k++) {
+        const size_t name = is_list ? case_path_index(path, k) : path->n;
+        status = check_item(message, field, k, path, error);
+        case_path_cut(path, name);
+    }
+    case_path_cut(path, before);
+    return status;
+}
+
+static MnsStatus check_message(const ProtobufCMessage *message, CasePath *path, MnsError *error)
+{
+    MnsStatus status = MNS_OK;
+    const ProtobufCMessageDescriptor *type = message->descriptor;
+    for (unsigned k = 0; k < type->n_fields && !status && type != &meniscus__case__descriptor; k++) {
+        Field *field = &type->fields[k];
+        if (field->type == PROTOBUF_C_TYPE_STRING || field->type == PROTOBUF_C_TYPE_MESSAGE)
+            status = check_field(message, field, path, error);
+    }
+    return status;
+}
+
+MnsStatus text_check(const ProtobufCMessage *request, MnsError *error)
+{
+    MnsStatus status = MNS_OK;
+    const ProtobufCMessageDescriptor *type = request->descriptor;
+    for (unsigned k = 0; k < type->n_fields && !status; k++) {
+        CasePath path = {0};
+        Field *field = &type->fields[k];
+        if (field->type == PROTOBUF_C_TYPE_MESSAGE && case_count(request, field))
+            status = check_message(case_child(request, field, 0), &path, error);
+    }
+    return status;
+}
