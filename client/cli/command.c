@@ -257,8 +257,10 @@ const Command command_table[] = {
      .run = command_status},
     {.name = "watch",
      .help = "show progress and probes while it runs",
-     .details = "Until the run ends, or Ctrl-C: that ends the watching, not the run. With -o json one object for each "
-                "message of the daemon. --timeout ends it with exit code 124 if the run has not ended by then.",
+     .details =
+         "Until the run ends, or Ctrl-C: that ends the watching, not the run. A terminal shows the newest values "
+         "of each probe as a chart, from the least to the greatest of them. With -o json one object for each "
+         "message of the daemon. --timeout ends it with exit code 124 if the run has not ended by then.",
      .options = OPTION(OPT_FOLLOW),
      .exits = EXIT_DIVERGED | EXIT_IO,
      .is_long = true,

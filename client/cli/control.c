@@ -156,13 +156,24 @@ static MnsStatus report_lease(const Invocation *in, MnsReply *reply, MnsError *e
     return status;
 }
 
+/* Bytes of a name of which at most 30 are shown: no character is cut in the middle. */
+static int name_bytes(const char *name)
+{
+    size_t n = strnlen(name, 31);
+    if (n == 31) do
+            n--;
+        while (n && ((unsigned char)name[n] & 0xc0) == 0x80);
+    return (int)n;
+}
+
 /* ret: [256], user@host */
 static void name_holder(char *ret)
 {
     char host[128] = "somewhere";
     const char *user = getenv("USER");
+    if (!user) user = "somebody";
     gethostname(host, sizeof host - 1);
-    snprintf(ret, 256, "%.30s@%.30s", user ? user : "somebody", host);
+    snprintf(ret, 256, "%.*s@%.*s", name_bytes(user), user, name_bytes(host), host);
 }
 
 MnsStatus command_lease(Invocation *in, MnsError *error)

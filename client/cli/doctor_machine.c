@@ -134,9 +134,38 @@ static bool in_path(const char *program, char *ret, size_t size)
     return false;
 }
 
+/* Whether a program in Python could use our package: `all`, `none` of it, or the module that is missing. */
+static void check_python(Doctor *doctor)
+{
+    static const char *const arguments[] = {
+        "-c",
+        "import sys\n"
+        "sys.path[:] = [place for place in sys.path if place]\n" /* not what lies in the working directory */
+        "import importlib.util\n"
+        "try:\n"
+        "    found = importlib.util.find_spec('meniscus')\n"
+        "    found = found and found.origin\n"
+        "    if found: import meniscus\n"
+        "    print('all' if found else 'none')\n"
+        "except ImportError as error: print('module', error.name, 'in', sys.executable)\n",
+        NULL};
+    char text[256];
+    if (program_ask("python3", arguments, text, sizeof text, &(MnsError){.status = MNS_OK}))
+        doctor_say(doctor, WELL, "python", NULL, "is not here; only programs of your own need it");
+    else if (strcmp(text, "all\n") == 0) doctor_say(doctor, WELL, "python", NULL, "python3 can import meniscus");
+    else if (strcmp(text, "none\n") == 0)
+        doctor_say(doctor, WELL, "python", NULL,
+                   "python3 does not find the package meniscus, which only programs of your own need: PYTHONPATH names "
+                   "its folder, build/python after `make`");
+    else
+        doctor_say(doctor, WARNING, "python", "apt-get install python3-numpy python3-protobuf python3-yaml python3-zmq",
+                   "the package meniscus needs the %.*s, which is not there", (int)strcspn(text, "\n"), text);
+}
+
 void doctor_check_extras(Doctor *doctor)
 {
     char path[PATH_MAX];
+    check_python(doctor);
     if (in_path("paraview", path, sizeof path) || in_path("pvpython", path, sizeof path))
         doctor_say(doctor, WELL, "paraview", NULL, "%.900s, for snapshots", path);
     else

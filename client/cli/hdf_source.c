@@ -2,13 +2,30 @@
 /* Files of HDF5 from outside, of which nothing is believed. */
 #include "client/cli/hdf_source.h"
 #include <errno.h>
+#include <glob.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static const char about[] = "/meniscus";
+
+/* Who names the directory of a run wants one of its files. */
+static MnsStatus fail_directory(const char *path, MnsError *error)
+{
+    char pattern[4096];
+    glob_t found;
+    snprintf(pattern, sizeof pattern, "%s/snapshot-*.hdf", path);
+    const bool any = glob(pattern, 0, NULL, &found) == 0;
+    if (any)
+        mns_fail_at(error, MNS_E_IO, path, "%s is a directory: give one of its files, as its newest snapshot, %s", path,
+                    found.gl_pathv[found.gl_pathc - 1]);
+    else mns_fail_at(error, MNS_E_IO, path, "%s is a directory, and no snapshot is in it", path);
+    globfree(&found);
+    return MNS_E_IO;
+}
 
 MnsStatus source_open(Source *s, const char *path, MnsError *error)
 {
@@ -17,6 +34,8 @@ MnsStatus source_open(Source *s, const char *path, MnsError *error)
         const MnsStatus status = errno == ENOENT ? MNS_E_NOT_FOUND : MNS_E_IO;
         return mns_fail_at(error, status, path, "cannot read %s: %s", path, strerror(errno));
     }
+    struct stat info;
+    if (!stat(path, &info) && S_ISDIR(info.st_mode)) return fail_directory(path, error);
     /* HDF5 would print a page about each failure; the sentence says enough. */
     H5Eget_auto2(H5E_DEFAULT, &s->print, &s->print_arg);
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);

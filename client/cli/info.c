@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What there is: the status of a daemon, what it can do, schemes, and the daemons of this host. */
 #include "client/cli/command.h"
+#include "client/cli/glance.h"
 #include "client/cli/output.h"
 #include "client/cli/program.h"
 #include <inttypes.h>
@@ -46,6 +47,15 @@ static void print_speed(const MnsRunInfo *info)
     printf("%u threads\n", info->threads);
 }
 
+/* As long as there are any. */
+static void print_streams(const MnsStreamsNow *streams)
+{
+    if (!streams || !(streams->latest + streams->lossless)) return;
+    printf("streams     %" PRIu64 " of the newest, %" PRIu64 " of everything; %.1f MiB held, %" PRIu64
+           " items skipped since the daemon began\n",
+           streams->latest, streams->lossless, (double)streams->memory_bytes / (1 << 20), streams->skipped);
+}
+
 static void print_info(const MnsRunInfo *info)
 {
     printf("state       %s\n", mns_state_name(info->state));
@@ -59,6 +69,8 @@ static void print_info(const MnsRunInfo *info)
                info->time_step);
         printf("particles   %" PRIu64 ", %" PRIu64 " of fluid; kept from walls %" PRIu64 " times\n", info->particles,
                info->fluid_particles, info->guarded);
+        if (info->uncorrected)
+            printf("densities   off by more than the case allows after %" PRIu64 " steps\n", info->uncorrected);
         print_speed(info);
         if (isfinite(info->eta_s)) printf("to go       %.0f s\n", info->eta_s);
         if (info->state_hash) printf("state hash  %016" PRIx64 "\n", info->state_hash);
@@ -66,6 +78,7 @@ static void print_info(const MnsRunInfo *info)
     print_breakpoints(info);
     print_scheduled(info);
     print_timers(info);
+    print_streams(info->streams);
     printf("memory      %.1f MiB\n", (double)info->memory_bytes / (1 << 20));
     printf("meniscusd   %s\n", info->version);
 }
@@ -167,20 +180,22 @@ typedef struct Listing {
     size_t n;
 } Listing;
 
-static void list_one(Listing *listing, const char *name, const char *endpoint, const MnsRunInfo *info)
+static void list_one(Listing *listing, const char *name, const char *endpoint, const Glance *glance)
 {
+    const MnsRunInfo *info = glance->info;
     const char *state = info ? mns_state_name(info->state) : NULL;
     const bool has_case = info && info->state != MNS_STATE_EMPTY;
     if (listing->json) {
-        json_t *daemon = json_pack("{ss ss sb ss? ss?}", "name", name, "endpoint", endpoint, "alive", info != NULL,
-                                   "state", state, "case", has_case ? info->case_name : NULL);
+        json_t *daemon =
+            json_pack("{ss ss sb sb ss? ss?}", "name", name, "endpoint", endpoint, "alive", info != NULL, "silent",
+                      glance->is_silent, "state", state, "case", has_case ? info->case_name : NULL);
         json_object_set_new(daemon, "time", output_number(has_case ? info->time : (double)NAN));
         json_object_set_new(daemon, "end_time", output_number(has_case ? info->end_time : (double)NAN));
         json_array_append_new(listing->json, daemon);
         return;
     }
     if (listing->n == 0) printf("%-16s %-9s %-18s %s\n", "NAME", "STATE", "CASE", "TIME");
-    printf("%-16s %-9s %-18s ", name, state ? state : "dead", has_case ? info->case_name : "-");
+    printf("%-16s %-9s %-18s ", name, glance_state(glance), has_case ? info->case_name : "-");
     if (has_case) printf("%.4g of %.4g s\n", info->time, info->end_time);
     else printf("-\n");
 }
@@ -188,16 +203,10 @@ static void list_one(Listing *listing, const char *name, const char *endpoint, c
 static bool visit_daemon(void *arg, const char *name, const char *endpoint)
 {
     Listing *listing = arg;
-    MnsClient *client = NULL;
-    MnsReply *reply = NULL;
-    if (mns_client_open(endpoint, &client, NULL) == MNS_OK) {
-        mns_client_set_timeout(client, 1);
-        if (mns_client_status(client, &reply, NULL) != MNS_OK) reply = NULL;
-    }
-    list_one(listing, name, endpoint, reply ? reply->info : NULL);
+    Glance glance = glance_at(endpoint);
+    list_one(listing, name, endpoint, &glance);
     listing->n++;
-    mns_reply_free(reply);
-    mns_client_close(client);
+    glance_done(&glance);
     return true;
 }
 

@@ -33,8 +33,12 @@ int command_exit_code(MnsStatus status, bool is_load)
 static int complain(const MnsError *error, bool json, int code)
 {
     const bool placed = code == MNS_EXIT_BAD_CASE, named = placed || strstr(error->text, error->path);
+    const char *hint = mns_status_hint(error->status);
     fprintf(stderr, "%s%s%s%s\n", placed ? "" : "meniscus: ", named ? "" : error->path, named ? "" : ": ", error->text);
-    if (json) output_json(output_failure(error, mns_status_hint(error->status), code), NULL);
+    /* Of what to do next, the commands, unless the sentence has them; about a state the daemon's own says more. */
+    if (!placed && error->status != MNS_E_STATE && strchr(hint, '`') && !strchr(error->text, '`'))
+        fprintf(stderr, "What to do: %s.\n", hint);
+    if (json) output_json(output_failure(error, hint, code), NULL);
     return code;
 }
 

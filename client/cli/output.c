@@ -121,6 +121,13 @@ static json_t *scheduled(const MnsRunInfo *info)
     return list;
 }
 
+static json_t *streams(const MnsStreamsNow *at)
+{
+    return at ? json_pack("{sI sI sI sI}", "latest", (json_int_t)at->latest, "lossless", (json_int_t)at->lossless,
+                          "memory_bytes", (json_int_t)at->memory_bytes, "skipped", (json_int_t)at->skipped)
+              : json_null();
+}
+
 /* json_pack() takes far more pairs than fit on a screen; the keys come in groups. */
 json_t *output_info(const MnsRunInfo *info)
 {
@@ -133,11 +140,12 @@ json_t *output_info(const MnsRunInfo *info)
                               output_number(info->eta_s), "wall_s", output_number(info->wall_s), "steps_per_second",
                               output_number(info->steps_per_second), "ns_per_particle_step",
                               output_number(info->ns_per_particle_step));
-    json_t *counts = json_pack(
-        "{sI sI sI sI sI sI sI so}", "step", (json_int_t)info->step, "particles", (json_int_t)info->particles,
-        "fluid_particles", (json_int_t)info->fluid_particles, "guarded", (json_int_t)info->guarded, "samples_dropped",
-        (json_int_t)info->samples_dropped, "memory_bytes", (json_int_t)info->memory_bytes, "threads",
-        (json_int_t)info->threads, "state_hash", info->state_hash ? hex(info->state_hash) : json_null());
+    json_t *counts =
+        json_pack("{sI sI sI sI sI sI sI sI so}", "step", (json_int_t)info->step, "particles",
+                  (json_int_t)info->particles, "fluid_particles", (json_int_t)info->fluid_particles, "guarded",
+                  (json_int_t)info->guarded, "uncorrected", (json_int_t)info->uncorrected, "samples_dropped",
+                  (json_int_t)info->samples_dropped, "memory_bytes", (json_int_t)info->memory_bytes, "threads",
+                  (json_int_t)info->threads, "state_hash", info->state_hash ? hex(info->state_hash) : json_null());
     json_object_update_new(object, times);
     json_object_update_new(object, counts);
     json_object_set_new(object, "case_version",
@@ -147,6 +155,7 @@ json_t *output_info(const MnsRunInfo *info)
     json_object_set_new(object, "timers", timers(info));
     json_object_set_new(object, "breakpoints", breakpoints(info));
     json_object_set_new(object, "scheduled", scheduled(info));
+    json_object_set_new(object, "streams", streams(info->streams));
     return object;
 }
 

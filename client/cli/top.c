@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* meniscus top: the daemons of this machine in a table that is made anew each second. */
 #include "client/cli/command.h"
-#include "client/cli/listener.h"
+#include "client/cli/glance.h"
 #include "client/cli/output.h"
 #include <math.h>
 #include <signal.h>
@@ -16,40 +16,43 @@ static const long every_s = 1;
 
 /* --- what there is -------------------------------------------------------------------------------------------------------- */
 
-/* A daemon that does not answer has no `info`. */
-static json_t *describe(const char *name, const char *endpoint, const MnsRunInfo *info)
+/* A daemon that does not answer has no status. */
+static json_t *describe(const char *name, const char *endpoint, const Glance *glance)
 {
-    static const MnsRunInfo silent = {.state = MNS_STATE_EMPTY, .case_name = "", .fault = ""};
-    const bool alive = info != NULL;
-    const MnsRunInfo *at = alive ? info : &silent;
+    static const MnsRunInfo none = {.state = MNS_STATE_EMPTY, .case_name = "", .fault = ""};
+    const bool alive = glance->info;
+    const MnsRunInfo *at = alive ? glance->info : &none;
     const bool loaded = at->state != MNS_STATE_EMPTY;
-    const long visitors = listener_visitors(endpoint);
-    json_t *row = json_pack("{ss ss sb ss? ss? ss?}", "name", name, "endpoint", endpoint, "alive", alive, "state",
-                            alive ? mns_state_name(at->state) : NULL, "case", loaded ? at->case_name : NULL, "fault",
-                            *at->fault ? at->fault : NULL);
+    json_t *row = json_pack("{ss ss sb sb ss? ss? ss?}", "name", name, "endpoint", endpoint, "alive", alive, "silent",
+                            glance->is_silent, "state", alive ? mns_state_name(at->state) : NULL, "case",
+                            loaded ? at->case_name : NULL, "fault", *at->fault ? at->fault : NULL);
     json_object_set_new(row, "time", output_number(loaded ? at->time : (double)NAN));
     json_object_set_new(row, "end_time", output_number(loaded ? at->end_time : (double)NAN));
     json_object_set_new(row, "step", loaded ? json_integer((json_int_t)at->step) : json_null());
     json_object_set_new(row, "steps_per_second", output_number(loaded ? at->steps_per_second : (double)NAN));
     json_object_set_new(row, "eta_s", output_number(loaded ? at->eta_s : (double)NAN));
     json_object_set_new(row, "memory_bytes", alive ? json_integer((json_int_t)at->memory_bytes) : json_null());
-    /* without us, who are there at this moment */
-    json_object_set_new(row, "clients", alive && visitors > 0 ? json_integer(visitors - 1) : json_null());
+    json_object_set_new(row, "clients", glance->clients >= 0 ? json_integer(glance->clients) : json_null());
+    const uint64_t n = at->streams ? at->streams->latest + at->streams->lossless : 0;
+    json_object_set_new(row, "streams", at->streams ? json_integer((json_int_t)n) : json_null());
     return row;
 }
 
+/* Is a signal on hold? They are where the table is made anew. */
+static bool is_interrupted(void)
+{
+    sigset_t signals;
+    return sigpending(&signals) == 0 &&
+           (sigismember(&signals, SIGINT) || sigismember(&signals, SIGTERM) || sigismember(&signals, SIGHUP));
+}
+
+/* Each that hangs takes a moment, so signals are looked at in between. */
 static bool visit(void *arg, const char *name, const char *endpoint)
 {
-    MnsClient *client = NULL;
-    MnsReply *reply = NULL;
-    if (!listener_is_gone(endpoint) && mns_client_open(endpoint, &client, NULL) == MNS_OK) {
-        mns_client_set_timeout(client, 1);
-        if (mns_client_status(client, &reply, NULL) != MNS_OK) reply = NULL;
-    }
-    json_array_append_new(arg, describe(name, endpoint, reply ? reply->info : NULL));
-    mns_reply_free(reply);
-    mns_client_close(client);
-    return true;
+    Glance glance = glance_at(endpoint);
+    json_array_append_new(arg, describe(name, endpoint, &glance));
+    glance_done(&glance);
+    return !is_interrupted();
 }
 
 static json_t *look(void)
@@ -63,8 +66,9 @@ static json_t *look(void)
 
 typedef struct Table {
     bool is_terminal, has_colour;
-    int width; /* no line of a terminal may be wider, as it would be two */
-    int drawn; /* lines that are ours */
+    int width;   /* no line of a terminal may be wider, as it would be two */
+    size_t room; /* for daemons: what is above the terminal cannot be drawn again */
+    int drawn;   /* lines that are ours */
 } Table;
 
 static double number(const json_t *row, const char *name)
@@ -101,7 +105,11 @@ static const char *colour_of(const char *state)
 {
     static const struct {
         const char *state, *colour;
-    } colours[] = {{"RUNNING", "\033[32m"}, {"FAULT", "\033[31m"}, {"dead", "\033[31m"}, {"PAUSED", "\033[33m"}};
+    } colours[] = {{"RUNNING", "\033[32m"},
+                   {"FAULT", "\033[31m"},
+                   {"dead", "\033[31m"},
+                   {"silent", "\033[31m"},
+                   {"PAUSED", "\033[33m"}};
     for (size_t k = 0; k < sizeof colours / sizeof *colours; k++)
         if (strcmp(colours[k].state, state) == 0) return colours[k].colour;
     return "";
@@ -118,7 +126,7 @@ static void print_line(const Table *table, const char *colour, const char *line)
 static void print_row(const Table *table, const json_t *row)
 {
     char done[32], speed[32], eta[32], clients[32], memory[32], line[900];
-    const char *state = text(row, "state", "dead");
+    const char *state = text(row, "state", json_is_true(json_object_get(row, "silent")) ? "silent" : "dead");
     snprintf(line, sizeof line, "%-16.60s %-10s %-20.60s %6s %8s %9s %7s %9s  %.500s", text(row, "name", ""), state,
              text(row, "case", "-"), cell(done, 100 * number(row, "time") / number(row, "end_time"), "%"),
              cell(speed, number(row, "steps_per_second"), ""), duration(eta, number(row, "eta_s")),
@@ -127,34 +135,48 @@ static void print_row(const Table *table, const json_t *row)
     print_line(table, colour_of(state), line);
 }
 
+/* The head of the table, and the line that the cursor is left in, have theirs too. */
+static void measure(Table *table)
+{
+    struct winsize size;
+    const bool known = table->is_terminal && !ioctl(STDOUT_FILENO, TIOCGWINSZ, &size);
+    table->width = known && size.ws_col >= 20 ? size.ws_col - 1 : 80;
+    table->room = !table->is_terminal ? SIZE_MAX : known && size.ws_row >= 4 ? size.ws_row - 2u : 22;
+}
+
 static void draw(Table *table, const json_t *daemons)
 {
     char line[160];
-    struct winsize size;
     const size_t n = json_array_size(daemons);
     const int before = table->drawn;
-    table->width =
-        table->is_terminal && !ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) && size.ws_col >= 20 ? size.ws_col - 1 : 80;
+    measure(table);
+    const size_t shown = n <= table->room ? n : table->room - 1;
     if (before) printf("\033[%dA\r", before);
     snprintf(line, sizeof line, "%-16s %-10s %-20s %6s %8s %9s %7s %9s  %s", "NAME", "STATE", "CASE", "DONE", "STEPS/S",
              "ETA", "CLIENTS", "MEMORY", "FAULT");
     print_line(table, "\033[1m", n ? line : "no daemon on this host; start one with `meniscusd`");
-    for (size_t k = 0; k < n; k++) print_row(table, json_array_get(daemons, k));
+    for (size_t k = 0; k < shown; k++) print_row(table, json_array_get(daemons, k));
+    snprintf(line, sizeof line, "... %zu more", n - shown);
+    if (shown < n) print_line(table, "", line);
     if (table->is_terminal) fputs("\033[J", stdout);
-    table->drawn = (int)n + 1;
+    table->drawn = 1 + (int)shown + (shown < n);
     fflush(stdout);
 }
 
 static MnsStatus show(const Invocation *in, Table *table, MnsError *error)
 {
     json_t *daemons = look();
+    if (is_interrupted()) { /* it is not whole */
+        json_decref(daemons);
+        return MNS_OK;
+    }
     if (in->json) return output_json(json_pack("{so}", "daemons", daemons), error);
     draw(table, daemons);
     json_decref(daemons);
     return MNS_OK;
 }
 
-/* Until a signal comes, which takes effect when the table is whole. */
+/* Until a signal comes, which takes effect between two daemons, and not while a table is drawn. */
 static MnsStatus repeat(const Invocation *in, Table *table, MnsError *error)
 {
     const struct timespec pause = {.tv_sec = every_s};

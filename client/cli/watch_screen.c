@@ -4,6 +4,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -15,7 +16,9 @@
 void screen_init(Screen *screen, bool may_redraw)
 {
     *screen = (Screen){.is_terminal = may_redraw && isatty(STDOUT_FILENO),
+                       .has_blocks = terminal_has_blocks(),
                        .time = NAN,
+                       .sampled = NAN,
                        .end_time = NAN,
                        .eta_s = NAN,
                        .steps_per_second = NAN};
@@ -33,11 +36,16 @@ void screen_take_info(Screen *screen, const MnsRunInfo *info)
     screen->step = info->step;
 }
 
+/* The same moment may be told again, as when the run stands still; one that lies before begins another time line. */
 void screen_take_values(Screen *screen, size_t n, const MnsValue *values)
 {
+    const bool is_new = screen->time != screen->sampled, is_back = screen->time < screen->sampled;
+    screen->sampled = screen->time;
     screen->n = n < SCREEN_MAX_PROBES ? n : SCREEN_MAX_PROBES;
     for (size_t k = 0; k < screen->n; k++) {
         Reading *probe = &screen->probes[k];
+        if (is_back || strncmp(probe->name, values[k].name, sizeof probe->name - 1) != 0) probe->history.n = 0;
+        if (is_new || !probe->history.n) sparkline_add(&probe->history, values[k].number);
         snprintf(probe->name, sizeof probe->name, "%s", values[k].name);
         snprintf(probe->unit, sizeof probe->unit, "%s", values[k].unit);
         probe->value = values[k].number;
@@ -108,6 +116,47 @@ static void draw_bar(const Screen *screen)
     fputs(CLEAR_LINE "\n", stdout);
 }
 
+/* Columns of the probes' table, such that each is as wide as the widest of what is shown. */
+typedef struct Columns {
+    int name, unit, chart; /* chart: 0 if there is no room for one */
+    bool has_range;
+} Columns;
+
+enum { VALUE_COLUMNS = 12, CHART_LEAST = 4, RANGE_COLUMNS = 22 };
+
+static Columns lay_out(const Screen *screen, int shown, int width)
+{
+    Columns columns = {0};
+    for (int k = 0; k < shown; k++) {
+        columns.name = (int)fmax(columns.name, (double)strlen(screen->probes[k].name));
+        columns.unit = (int)fmax(columns.unit, (double)strlen(screen->probes[k].unit));
+    }
+    const int free = width - 2 - columns.name - 1 - VALUE_COLUMNS - 1 - columns.unit - 2;
+    columns.has_range = free >= 2 * CHART_LEAST + RANGE_COLUMNS;
+    columns.chart = free - (columns.has_range ? RANGE_COLUMNS : 0);
+    columns.chart = columns.chart < CHART_LEAST ? 0 : (int)fmin(columns.chart, HISTORY_SIZE);
+    return columns;
+}
+
+static void print_chart(const Screen *screen, const Reading *probe, const Columns *columns)
+{
+    char chart[SPARKLINE_TEXT_SIZE];
+    double least = NAN, greatest = NAN;
+    const int n = (int)sparkline(&probe->history, (size_t)columns->chart, screen->has_blocks, chart, &least, &greatest);
+    printf("%*s  %s", columns->unit - (int)strlen(probe->unit), "", chart);
+    if (columns->has_range && isfinite(least)) printf("%*s  %.3g..%.3g", columns->chart - n, "", least, greatest);
+}
+
+static void print_probe(const Screen *screen, const Reading *probe, const Columns *columns, int width)
+{
+    char line[160];
+    snprintf(line, sizeof line, "  %-*s %*.6g %s", columns->name, probe->name, VALUE_COLUMNS, probe->value,
+             probe->unit);
+    printf("%.*s", width, line);
+    if (columns->chart) print_chart(screen, probe, columns);
+    fputs(CLEAR_LINE "\n", stdout);
+}
+
 /* Back to our first line, then all of it again: each line cleared as it is written, so nothing flickers. A line that
  * wraps would be two lines, so none may be wider than the terminal. */
 static void draw_terminal(Screen *screen)
@@ -122,11 +171,8 @@ static void draw_terminal(Screen *screen)
     snprintf(line, sizeof line, "t = %.6g s of %.6g s   step %" PRIu64 "   %.4g steps/s   lost %" PRIu64, screen->time,
              screen->end_time, screen->step, screen->steps_per_second, screen->lost);
     printf("%.*s" CLEAR_LINE "\n", width, line);
-    for (int k = 0; k < shown; k++) {
-        snprintf(line, sizeof line, "  %-24s %14.6g %s", screen->probes[k].name, screen->probes[k].value,
-                 screen->probes[k].unit);
-        printf("%.*s" CLEAR_LINE "\n", width, line);
-    }
+    const Columns columns = lay_out(screen, shown, width);
+    for (int k = 0; k < shown; k++) print_probe(screen, &screen->probes[k], &columns, width);
     fputs(CLEAR_TO_END, stdout);
     screen->drawn = 3 + shown;
     fflush(stdout);

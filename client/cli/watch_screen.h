@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What `meniscus watch` knows of a run, and how it looks: a few lines redrawn in place on a terminal, one line at a
+/* What `meniscus watch` knows of a run, and how it looks: a few lines redrawn in place on a terminal, with charts, one line at a
  * time elsewhere. */
 #ifndef CLI_WATCH_SCREEN_H
 #define CLI_WATCH_SCREEN_H
 
+#include "client/cli/sparkline.h"
 #include <meniscus/client.h>
 
 enum { SCREEN_MAX_PROBES = 256, SCREEN_NAME_SIZE = 64 };
@@ -11,10 +12,11 @@ enum { SCREEN_MAX_PROBES = 256, SCREEN_NAME_SIZE = 64 };
 typedef struct Reading {
     char name[SCREEN_NAME_SIZE], unit[16];
     double value;
+    History history; /* as long as this probe is at this place, on one time line */
 } Reading;
 
 typedef struct Screen {
-    bool is_terminal;
+    bool is_terminal, has_blocks;
     int drawn;       /* lines on the terminal that belong to us */
     char title[128]; /* name and title of the case */
     MnsState state;
@@ -22,7 +24,8 @@ typedef struct Screen {
     double time, end_time; /* simulated [s] */
     double eta_s, steps_per_second;
     uint64_t step, lost;
-    size_t n; /* probes */
+    double sampled; /* time of the newest values [s] */
+    size_t n;       /* probes */
     Reading probes[SCREEN_MAX_PROBES];
 } Screen;
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a browser may say. */
 #include "client/dashboard/ask.h"
+#include "client/cli/options.h"
 #include "proto/case_find.h"
 #include <math.h>
 #include <string.h>
@@ -26,7 +27,11 @@ enum {
     E_TOKEN = 1 << 12,
     E_NAME = 1 << 13,
     E_SETTINGS = 1 << 14,
-    E_COMMAND = E_ID | E_LEASE
+    E_AT_STEP = 1 << 15,
+    E_AT_TIME = 1 << 16,
+    E_REQUEST = 1 << 17,
+    E_COMMAND = E_ID | E_LEASE,
+    E_LATER = E_AT_STEP | E_AT_TIME
 };
 
 static const struct {
@@ -49,6 +54,9 @@ static const struct {
     {"token", A_TEXT, offsetof(Ask, token)},
     {"name", A_TEXT, offsetof(Ask, name)},
     {"settings", A_TEXTS, offsetof(Ask, settings)},
+    {"at_step", A_WHOLE, offsetof(Ask, at_step)},
+    {"at_time", A_NUMBER, offsetof(Ask, at_time)},
+    {"request", A_TEXT, offsetof(Ask, request)},
 };
 enum { ENTRIES = sizeof entries / sizeof *entries };
 
@@ -116,6 +124,13 @@ static MnsStatus call_lease(const Ask *ask, MnsClient *client, MnsReply **ret, M
     return mns_client_lease(client, ask->seconds, ask->holder, ret, error);
 }
 
+static MnsStatus call_cancel(const Ask *ask, MnsClient *client, MnsReply **ret, MnsError *error)
+{
+    uint8_t id[MNS_REQUEST_ID_SIZE];
+    const MnsStatus status = parse_id("request", ask->request, id, error);
+    return status ? status : mns_client_cancel(client, id, ret, error);
+}
+
 /* plain: of commands that say nothing but their name; call: of the others. */
 static const struct {
     const char *name;
@@ -129,24 +144,29 @@ static const struct {
     [ASK_HISTORY] = {"history", 0, 0, NULL, NULL},
     [ASK_JOURNAL] = {"journal", E_ID, 0, NULL, NULL},
     [ASK_START] = {"start", E_ID, E_COMMAND, mns_client_start, NULL},
-    [ASK_PAUSE] = {"pause", E_ID, E_COMMAND, mns_client_pause, NULL},
+    [ASK_PAUSE] = {"pause", E_ID, E_COMMAND | E_LATER, mns_client_pause, NULL},
     [ASK_RESUME] = {"resume", E_ID, E_COMMAND, mns_client_resume, NULL},
     [ASK_STEP] = {"step", E_ID | E_COUNT, E_COMMAND, NULL, call_step},
     [ASK_RUN_UNTIL] = {"run_until", E_ID | E_TIME, E_COMMAND, NULL, call_run_until},
     [ASK_STOP] = {"stop", E_ID, E_COMMAND | E_CHECKPOINT, NULL, call_stop},
     [ASK_RESET] = {"reset", E_ID, E_COMMAND, mns_client_reset, NULL},
     [ASK_RESTORE] = {"restore", E_ID, E_COMMAND | E_NAME, NULL, call_restore},
-    [ASK_CHECKPOINT] = {"checkpoint", E_ID, E_COMMAND, mns_client_checkpoint, NULL},
-    [ASK_SNAPSHOT] = {"snapshot", E_ID, E_COMMAND, NULL, call_snapshot},
+    [ASK_CHECKPOINT] = {"checkpoint", E_ID, E_COMMAND | E_LATER, mns_client_checkpoint, NULL},
+    [ASK_SNAPSHOT] = {"snapshot", E_ID, E_COMMAND | E_LATER, NULL, call_snapshot},
     [ASK_LOAD] = {"load", E_ID | E_NAME, E_COMMAND | E_SETTINGS | E_START, NULL, call_load},
-    [ASK_SET] = {"set", E_ID | E_SETTINGS, E_COMMAND, NULL, call_set},
+    [ASK_SET] = {"set", E_ID | E_SETTINGS, E_COMMAND | E_LATER, NULL, call_set},
     [ASK_ROLLBACK] = {"rollback", E_ID | E_VERSION, E_COMMAND, NULL, call_rollback},
     [ASK_LEASE] = {"lease", E_ID | E_SECONDS | E_HOLDER, E_COMMAND, NULL, call_lease},
     [ASK_RELEASE] = {"release", E_ID | E_LEASE, E_COMMAND, mns_client_release, NULL},
+    [ASK_CANCEL] = {"cancel", E_ID | E_REQUEST, E_COMMAND, NULL, call_cancel},
 };
 
 MnsStatus ask_call(const Ask *ask, MnsClient *client, MnsReply **ret_reply, MnsError *error)
 {
+    /* What is scheduled may be hours away: the browser is answered when it is accepted. */
+    if (ask->at_a_step) mns_client_set_at_step(client, ask->at_step);
+    if (ask->at_a_time) mns_client_set_at_time(client, ask->at_time);
+    if (ask->at_a_step || ask->at_a_time) mns_client_set_no_wait(client);
     if (asks[ask->kind].plain) return asks[ask->kind].plain(client, ret_reply, error);
     return asks[ask->kind].call(ask, client, ret_reply, error);
 }
@@ -212,6 +232,8 @@ static MnsStatus take_all(json_t *object, Ask *ret, MnsError *error)
         if (status) return status;
         given |= 1u << k;
     }
+    ret->at_a_step = given & E_AT_STEP;
+    ret->at_a_time = given & E_AT_TIME;
     for (size_t k = 0; k < ENTRIES; k++)
         if (asks[ret->kind].must & ~given & 1u << k)
             return mns_fail_at(error, MNS_E_INVALID, entries[k].name, "%s needs \"%s\"", asks[ret->kind].name,

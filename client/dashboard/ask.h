@@ -30,6 +30,7 @@ typedef enum AskKind {
     ASK_ROLLBACK,
     ASK_LEASE,
     ASK_RELEASE,
+    ASK_CANCEL,
     ASK_COUNT
 } AskKind;
 
@@ -41,8 +42,11 @@ typedef struct Ask {
     uint64_t lease; /* epoch under which a command goes out */
     uint64_t count, limit, version;
     double time, seconds;
+    bool at_a_step, at_a_time; /* scheduled: for at_step or at_time */
+    uint64_t at_step;
+    double at_time;
     bool walls, checkpoint, start;
-    const char *field, *holder, *token, *name;
+    const char *field, *holder, *token, *name, *request;
     size_t n_settings;
     const char *settings[ASK_WORDS];
 } Ask;

@@ -10,6 +10,7 @@
 void history_init(History *history)
 {
     history->n = 0;
+    history->version = 0;
 }
 
 void history_clear(History *history)
@@ -19,13 +20,21 @@ void history_clear(History *history)
         free(history->series[k].v);
     }
     history->n = 0;
+    history->version++;
+}
+
+static Series *find(History *history, const char *name)
+{
+    for (size_t k = 0; k < history->n; k++)
+        if (!strcmp(history->series[k].name, name)) return &history->series[k];
+    return NULL;
 }
 
 /* The series of that name, a new one if need be; NULL if there is no room. */
 static Series *series_of(History *history, const MnsValue *value)
 {
-    for (size_t k = 0; k < history->n; k++)
-        if (!strcmp(history->series[k].name, value->name)) return &history->series[k];
+    Series *known = find(history, value->name);
+    if (known) return known;
     if (history->n == HISTORY_PROBES) return NULL;
     Series *series = &history->series[history->n];
     *series = (Series){.t = malloc(HISTORY_POINTS * sizeof(double)), .v = malloc(HISTORY_POINTS * sizeof(double))};
@@ -61,30 +70,57 @@ static void thin(Series *series)
     series->thinned++;
 }
 
+/* Forget the points at this time and later. */
+static void cut(Series *series, double t)
+{
+    while (series->n && series->t[series->n - 1] >= t) series->n--;
+}
+
+static void append(Series *series, double t, double v)
+{
+    cut(series, t);
+    if (series->n == HISTORY_POINTS) thin(series);
+    series->t[series->n] = t;
+    series->v[series->n++] = v;
+}
+
 void history_add(History *history, double t, size_t n, const MnsValue *values)
 {
     for (size_t k = 0; k < n; k++) {
         Series *series = series_of(history, &values[k]);
-        if (!series) continue;
-        while (series->n && series->t[series->n - 1] >= t) series->n--;
-        if (series->n == HISTORY_POINTS) thin(series);
-        series->t[series->n] = t;
-        series->v[series->n++] = values[k].number;
+        if (series) append(series, t, values[k].number);
     }
 }
 
-json_t *history_json(const History *history)
+void history_precede(History *history, History *past)
 {
-    json_t *list = json_array();
-    for (size_t k = 0; k < history->n; k++) {
-        const Series *series = &history->series[k];
-        json_t *t = json_array(), *v = json_array();
-        for (size_t i = 0; i < series->n; i++) {
-            json_array_append_new(t, output_number(series->t[i]));
-            json_array_append_new(v, output_number(series->v[i]));
+    for (size_t k = 0; k < past->n; k++) {
+        Series *before = &past->series[k], *after = find(history, before->name);
+        if (after) {
+            cut(before, after->t[0]);
+            for (size_t i = 0; i < after->n; i++) append(before, after->t[i], after->v[i]);
+            before->thinned += after->thinned;
+            const Series whole = *before;
+            *before = *after;
+            *after = whole;
+        } else if (history->n < HISTORY_PROBES) {
+            history->series[history->n++] = *before;
+            *before = (Series){0};
         }
-        json_array_append_new(list, json_pack("{ss ss sI so so}", "name", series->name, "unit", series->unit, "thinned",
-                                              (json_int_t)series->thinned, "t", t, "v", v));
     }
-    return list;
+    history->version++;
+    history_clear(past);
+}
+
+json_t *history_json(const History *history, size_t k)
+{
+    if (k >= history->n) return json_array();
+    const Series *series = &history->series[k];
+    json_t *t = json_array(), *v = json_array();
+    for (size_t i = 0; i < series->n; i++) {
+        json_array_append_new(t, output_number(series->t[i]));
+        json_array_append_new(v, output_number(series->v[i]));
+    }
+    return json_pack("[{ss ss sI so so}]", "name", series->name, "unit", series->unit, "thinned",
+                     (json_int_t)series->thinned, "t", t, "v", v);
 }

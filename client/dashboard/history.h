@@ -18,6 +18,7 @@ typedef struct Series {
 
 typedef struct History {
     size_t n;
+    uint64_t version; /* another after each change that is not a sample more */
     Series series[HISTORY_PROBES];
 } History;
 
@@ -29,7 +30,10 @@ void history_clear(History *history);
 /* Take a sample over. Points at this time and later are of a time line that was left, and go. What there is no memory for is left out. */
 void history_add(History *history, double t, size_t n, const MnsValue *values);
 
-/* [{"name", "unit", "thinned", "t": [...], "v": [...]}, ...]; a value without a number is null. */
-json_t *history_json(const History *history);
+/* Put before each series what `past` has of it from before its first point, and take over what else is in there. */
+void history_precede(History *history, History *past);
+
+/* [{"name", "unit", "thinned", "t": [...], "v": [...]}] for series k, [] if there is none; a value without a number is null. */
+json_t *history_json(const History *history, size_t k);
 
 #endif

@@ -104,7 +104,7 @@ void hub_tell(Hub *hub, TellKind kind, json_t *object)
     char *words = words_of(object);
     if (!words) return;
     pthread_mutex_lock(&hub->lock);
-    post(hub, 0, words, kind == TELL_SAMPLES || kind == TELL_PROGRESS || kind == TELL_STATUS);
+    post(hub, 0, words, kind >= TELL_SAMPLES || kind == TELL_PROGRESS || kind == TELL_STATUS);
     keep(hub, kind, words);
     pthread_mutex_unlock(&hub->lock);
     hub->wake(hub->arg);
@@ -144,6 +144,22 @@ void hub_sample(Hub *hub, double t, size_t n, const MnsValue *values)
     pthread_mutex_unlock(&hub->lock);
 }
 
+uint64_t hub_history_version(Hub *hub)
+{
+    pthread_mutex_lock(&hub->lock);
+    const uint64_t version = hub->history.version;
+    pthread_mutex_unlock(&hub->lock);
+    return version;
+}
+
+void hub_precede(Hub *hub, uint64_t version, History *past)
+{
+    pthread_mutex_lock(&hub->lock);
+    if (hub->history.version == version) history_precede(&hub->history, past);
+    pthread_mutex_unlock(&hub->lock);
+    hub->wake(hub->arg);
+}
+
 void hub_forget(Hub *hub)
 {
     pthread_mutex_lock(&hub->lock);
@@ -172,24 +188,35 @@ uint64_t hub_generation(Hub *hub)
     return generation;
 }
 
-static bool send_words(Session *session, const char *words)
+/* The text that waits now; NULL if it does not. */
+static const Text *queue(Session *session, const char *words)
 {
-    if (!words) return true;
-    Text *text = text_new(words, false);
-    if (!text) return false;
+    Text *text = words ? text_new(words, false) : NULL;
+    if (!text) return NULL;
     text->users++;
     const bool sent = session_send(session, text);
     text_release(text);
-    return sent;
+    return sent ? text : NULL;
 }
 
-/* With the lock. */
-static bool send_history(Hub *hub, Session *session)
+static bool send_words(Session *session, const char *words)
 {
-    char *words = words_of(json_pack("{ss so}", "topic", "history", "probes", history_json(&hub->history)));
-    const bool sent = send_words(session, words);
+    return !words || queue(session, words);
+}
+
+/* With the lock. Pieces wait behind what was told before them, and what is told after them goes on where they end. */
+static bool send_piece(Hub *hub, Session *session)
+{
+    const History *history = &hub->history;
+    Past *past = &session->past;
+    const bool first = !past->next, last = past->next + 1 >= history->n;
+    char *words = words_of(json_pack("{ss sb sb so}", "topic", "history", "first", (int)first, "last", (int)last,
+                                     "probes", history_json(history, past->next)));
+    past->piece = queue(session, words);
+    past->due = !last;
+    past->next++;
     free(words);
-    return sent;
+    return past->piece;
 }
 
 bool hub_recall(Hub *hub, Session *session)
@@ -199,15 +226,25 @@ bool hub_recall(Hub *hub, Session *session)
     for (size_t k = 0; k < LATEST; k++) sent = sent && send_words(session, hub->latest[k]);
     const size_t from = hub->n_events > HUB_EVENTS ? hub->n_events - HUB_EVENTS : 0;
     for (size_t k = from; k < hub->n_events; k++) sent = sent && send_words(session, hub->events[k % HUB_EVENTS]);
-    sent = sent && send_history(hub, session);
     pthread_mutex_unlock(&hub->lock);
-    return sent;
+    return sent && hub_recall_history(hub, session);
 }
 
 bool hub_recall_history(Hub *hub, Session *session)
 {
+    if (!session->past.due)
+        session->past = (Past){.due = true, .version = session->past.version, .piece = session->past.piece};
+    return hub_recall_more(hub, session);
+}
+
+bool hub_recall_more(Hub *hub, Session *session)
+{
+    Past *past = &session->past;
+    if (!session->welcome) return true;
     pthread_mutex_lock(&hub->lock);
-    const bool sent = send_history(hub, session);
+    const uint64_t version = hub->history.version;
+    if (past->version != version) *past = (Past){.due = true, .version = version, .piece = past->piece};
+    const bool sent = !past->due || past->piece || send_piece(hub, session);
     pthread_mutex_unlock(&hub->lock);
     return sent;
 }

@@ -10,8 +10,17 @@ enum { HUB_BROWSERS = 32, HUB_EVENTS = 200, HUB_COMMANDS = 16 };
 
 typedef struct Hub Hub;
 
-/* What is said to all browsers. Of those before TELL_EVENT the latest is remembered, of events the last HUB_EVENTS. */
-typedef enum TellKind { TELL_DAEMON, TELL_ABOUT, TELL_STATUS, TELL_PROGRESS, TELL_EVENT, TELL_SAMPLES } TellKind;
+/* What is said to all browsers. Of those before TELL_EVENT the latest is remembered, of events the last HUB_EVENTS; what is passing is
+ * said again for as long as it holds. */
+typedef enum TellKind {
+    TELL_DAEMON,
+    TELL_ABOUT,
+    TELL_STATUS,
+    TELL_PROGRESS,
+    TELL_EVENT,
+    TELL_SAMPLES,
+    TELL_PASSING
+} TellKind;
 
 /* daemon: as mns_client_open() takes it; borrowed. NULL if there is no memory. */
 Hub *hub_new(const char *daemon);
@@ -30,6 +39,10 @@ void hub_answer(Hub *hub, uint64_t browser, json_t *object);
 
 /* A sample of the probes for the history. */
 void hub_sample(Hub *hub, double t, size_t n, const MnsValue *values);
+
+/* What was before the first sample, taken over if the history is still the one of that version; browsers then get all of it again. */
+void hub_precede(Hub *hub, uint64_t version, History *past);
+uint64_t hub_history_version(Hub *hub);
 
 /* Another run, or another start of the daemon: what was told of the last one is forgotten. */
 void hub_forget(Hub *hub);
@@ -69,10 +82,13 @@ Frame *hub_take_frame(Hub *hub);
 
 void hub_set_demands(Hub *hub, size_t n, const Demand *demands);
 
-/* Queue for a browser all that is remembered. @return false as session_send(). */
+/* Queue for a browser all that is remembered, of the history the first piece. @return false as session_send(). */
 bool hub_recall(Hub *hub, Session *session);
 
-/* Queue the history alone. */
+/* Begin with the history alone, unless it is on its way already. */
 bool hub_recall_history(Hub *hub, Session *session);
+
+/* Queue the next piece of the history, if one is due and none waits. Another history is sent without being asked for. */
+bool hub_recall_more(Hub *hub, Session *session);
 
 #endif

@@ -73,20 +73,21 @@ static MnsStatus listen_to(int fd, char **ret, size_t *ret_size, MnsError *error
     }
 }
 
-static bool is_hash(const json_t *record)
+/* What nobody asked for: a hash, or a note that somebody was told of a lease. */
+static bool is_silent(const json_t *record)
 {
     const char *kind = json_string_value(json_object_get(record, "kind"));
-    return kind && !strcmp(kind, "hash");
+    return kind && (!strcmp(kind, "hash") || !strcmp(kind, "lease"));
 }
 
-static void drop_hashes(json_t *log)
+static void drop_silent(json_t *log)
 {
     json_t *records = json_object_get(log, "records"), *kept = json_array();
     const size_t n = json_array_size(records);
     size_t from = n, wanted = JOURNAL_RECORDS;
-    while (from && wanted) wanted -= !is_hash(json_array_get(records, --from));
+    while (from && wanted) wanted -= !is_silent(json_array_get(records, --from));
     for (size_t k = from; k < n; k++)
-        if (!is_hash(json_array_get(records, k))) json_array_append(kept, json_array_get(records, k));
+        if (!is_silent(json_array_get(records, k))) json_array_append(kept, json_array_get(records, k));
     json_object_set_new(log, "records", kept);
 }
 
@@ -106,7 +107,7 @@ MnsStatus journal_shown(const char *directory, json_t **ret, MnsError *error)
     json_t *log = json_loadb(text, size, 0, NULL);
     free(text);
     if (!log) return mns_fail(error, MNS_E_IO, "meniscusd does not say what is in the journal of %.300s", directory);
-    drop_hashes(log);
+    drop_silent(log);
     *ret = log;
     return MNS_OK;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The thread that fetches particles. Each question costs the solver a copy between two steps, so only what somebody waits for is asked,
  * nothing is asked twice of the same step, and never more often than was agreed, however many browsers there are. */
+#include "client/cli/output.h"
 #include "client/dashboard/watcher.h"
 #include <math.h>
 #include <pthread.h>
@@ -10,12 +11,21 @@
 
 static const double patience_s = 30; /* for a step to end                             */
 static const double idle_s = 0.1;    /* between looks while nothing moves             */
+static const double refused_s = 2;   /* before what was refused is asked again        */
+
+/* What the daemon has refused, and is not asked for yet. */
+typedef struct Refused {
+    Wish wish;
+    double until;
+} Refused;
 
 typedef struct Painter {
     Hub *hub;
     MnsClient *client;
     double interval;
     size_t turn; /* wishes are served one after the other */
+    Refused refused[HUB_BROWSERS];
+    size_t n_refused; /* ever: the latest take the place of the oldest */
 } Painter;
 
 static double now_s(void)
@@ -32,10 +42,26 @@ static void rest(double seconds)
     nanosleep(&pause, NULL);
 }
 
-static bool can_show(MnsState state)
+static bool is_refused(const Painter *painter, const Wish *wish)
 {
-    return state == MNS_STATE_READY || state == MNS_STATE_RUNNING || state == MNS_STATE_PAUSED ||
-           state == MNS_STATE_DONE || state == MNS_STATE_FAULT;
+    for (size_t k = 0; k < painter->n_refused && k < HUB_BROWSERS; k++)
+        if (painter->refused[k].until > now_s() && wish_equal(&painter->refused[k].wish, wish)) return true;
+    return false;
+}
+
+/* Tell those who wait for it, and leave the daemon alone with it for a while. */
+static void refuse(Painter *painter, const Wish *wish, const MnsError *error)
+{
+    painter->refused[painter->n_refused++ % HUB_BROWSERS] = (Refused){.wish = *wish, .until = now_s() + refused_s};
+    json_t *object = json_pack("{ss ss sI sb}", "topic", "refused", "field", wish->field, "limit",
+                               (json_int_t)wish->limit, "walls", (int)wish->walls);
+    if (object) json_object_update_new(object, output_failure(error, mns_status_hint(error->status), 0));
+    hub_tell(painter->hub, TELL_PASSING, object);
+}
+
+static bool is_gone(MnsStatus status)
+{
+    return status == MNS_E_UNAVAILABLE || status == MNS_E_VERSION;
 }
 
 static MnsStatus paint(Painter *painter, const Wish *wish, const MnsRunInfo *info, uint64_t generation, MnsError *error)
@@ -66,22 +92,23 @@ static MnsStatus serve(Painter *painter, size_t n, const Demand *demands, bool *
     const uint64_t generation = hub_generation(painter->hub);
     status = mns_client_status(painter->client, &reply, error);
     if (status) return status;
-    const bool has = reply->info && can_show(reply->state);
+    const bool has = reply->info && watcher_is_settled(reply->state);
     /* A status is a little old; what is asked of a run in motion is answered at the next step, which is a new one. */
     const bool moves = reply->state == MNS_STATE_RUNNING;
     for (size_t k = 0; has && k < n && !*ret_painted && !status; k++) {
         const Demand *demand = &demands[(painter->turn + k) % n];
+        if (is_refused(painter, &demand->wish)) continue;
         if (!moves && demand->has && key_equal(demand->have, (FrameKey){generation, reply->step})) continue;
         painter->turn += k + 1;
         *ret_painted = true;
         status = paint(painter, &demand->wish, reply->info, generation, error);
+        if (status && !is_gone(status)) refuse(painter, &demand->wish, error);
     }
     mns_reply_free(reply);
     return status;
 }
 
-/* One round: wait for a demand, serve it, keep the pace. A question that the daemon refuses, as of a field that the scheme has not, is
- * asked again later; only a daemon that is gone is left. */
+/* One round: wait for a demand, serve it, keep the pace. What the daemon refuses costs the others nothing; only one that is gone is left. */
 static MnsStatus round_once(Painter *painter, MnsError *error)
 {
     Demand demands[HUB_BROWSERS];
@@ -90,7 +117,7 @@ static MnsStatus round_once(Painter *painter, MnsError *error)
     const double began = now_s();
     bool painted;
     const MnsStatus status = serve(painter, n, demands, &painted, error);
-    if (status == MNS_E_UNAVAILABLE || status == MNS_E_VERSION) return status;
+    if (is_gone(status)) return status;
     rest(began + (painted && !status ? painter->interval : idle_s) - now_s());
     return MNS_OK;
 }

@@ -139,7 +139,11 @@ static void take_post(Server *server)
     Frame *frame;
     while ((text = hub_take_text(server->hub, &browser))) deliver(server, browser, text);
     while ((frame = hub_take_frame(server->hub))) take_frame(server, frame);
-    for (size_t k = 0; k < server->n_browsers; k++) ask_to_write(server->browsers[k]);
+    for (size_t k = 0; k < server->n_browsers; k++) {
+        Visit *visit = server->browsers[k];
+        if (!hub_recall_more(server->hub, &visit->session)) hang_up(visit);
+        ask_to_write(visit);
+    }
     demand(server);
 }
 
@@ -269,6 +273,7 @@ static int write_next(Server *server, Visit *visit)
     if (text) {
         written = lws_write(visit->wsi, text->bytes + FRAME_HEADROOM, text->size, LWS_WRITE_TEXT);
         text_release(text);
+        if (!hub_recall_more(server->hub, &visit->session)) return -1;
     }
     if (frame) {
         written = lws_write(visit->wsi, frame->bytes + FRAME_HEADROOM, frame->size, LWS_WRITE_BINARY);

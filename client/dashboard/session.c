@@ -120,6 +120,7 @@ void session_next(Session *session, Text **ret_text, Frame **ret_frame)
     if (item) {
         *ret_text = item->text;
         session->waiting_bytes -= item->text->size;
+        if (item->text == session->past.piece) session->past.piece = NULL;
         session->first = item->next;
         if (!session->first) session->last = NULL;
         free(item);

@@ -26,6 +26,14 @@ void text_release(Text *text);
 
 typedef struct Waiting Waiting;
 
+/* The history on its way to a browser: a message for each probe, the next when the one before has gone, so that little of it waits. */
+typedef struct Past {
+    bool due;
+    size_t next;       /* probe                                        */
+    uint64_t version;  /* of the history when it began                 */
+    const Text *piece; /* the one that waits, borrowed; NULL: none     */
+} Past;
+
 typedef struct Session {
     uint64_t id;
     bool welcome; /* it has shown the token, if one is asked for */
@@ -33,6 +41,7 @@ typedef struct Session {
     Wish wish;
     Waiting *first, *last;
     size_t waiting_bytes;
+    Past past;
     uint64_t lost; /* texts that gave way, since it was told */
     Frame *frame;  /* newest, not sent yet                   */
     FrameKey seen; /* of the latest frame that was sent      */

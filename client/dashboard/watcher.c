@@ -12,7 +12,14 @@
 static const double tick_s = 0.05;  /* samples go to browsers at least this far apart */
 static const double status_s = 1;   /* between looks at the status                     */
 static const double patience_s = 5; /* for an answer that a daemon gives at once       */
+static const double repeat_s = 2;   /* after subscribing the last message comes again  */
 enum { BATCH = 200 };               /* samples of one tick; more are in the history    */
+
+/* What was heard of a topic. */
+typedef struct Heard {
+    uint64_t epoch, sequence; /* of the latest message: it comes again when somebody subscribes */
+    bool since;               /* anything since subscribing */
+} Heard;
 
 typedef struct Watcher {
     Hub *hub;
@@ -20,8 +27,10 @@ typedef struct Watcher {
     uint64_t epoch, version; /* of what was told last */
     char directory[4096];    /* of the run            */
     MnsState state;
-    uint64_t heard; /* number of the latest event: on subscribing it comes again */
-    json_t *names;  /* of the samples of this tick; NULL: none */
+    bool has_backlog; /* the run is new to us, and was under way before */
+    Heard events, log;
+    double subscribed;
+    json_t *names; /* of the samples of this tick; NULL: none */
     json_t *units, *rows;
     uint64_t unsent; /* samples of this tick beyond BATCH */
     double looked;
@@ -114,6 +123,12 @@ static MnsStatus tell_about(Watcher *watcher, const MnsReply *status, MnsError *
     return MNS_OK;
 }
 
+bool watcher_is_settled(MnsState state)
+{
+    return state == MNS_STATE_READY || state == MNS_STATE_RUNNING || state == MNS_STATE_PAUSED ||
+           state == MNS_STATE_DONE || state == MNS_STATE_FAULT;
+}
+
 /* Is it another run, or one that is new to us, rather than the same with something set? */
 static bool is_other(const Watcher *watcher, const MnsReply *reply)
 {
@@ -150,6 +165,11 @@ static MnsStatus look(Watcher *watcher, MnsError *error)
     json_t *told = output_info(reply->info);
     json_object_set_new(told, "topic", json_string("status"));
     if (news) status = tell_about(watcher, reply, error);
+    watcher->has_backlog = watcher->has_backlog || other;
+    if (!status && watcher->has_backlog && watcher_is_settled(reply->state)) {
+        if (reply->step) backlog_start(watcher->hub, reply->time);
+        watcher->has_backlog = false;
+    }
     hub_tell(watcher->hub, TELL_STATUS, told);
     watcher->looked = now_s();
     mns_reply_free(reply);
@@ -158,12 +178,16 @@ static MnsStatus look(Watcher *watcher, MnsError *error)
 
 static MnsStatus take_news(Watcher *watcher, const MnsTelemetry *message, MnsError *error)
 {
-    if (message->topic == MNS_TOPIC_EVENT && message->daemon_epoch == watcher->epoch &&
-        message->sequence <= watcher->heard)
-        return MNS_OK;
-    if (message->topic == MNS_TOPIC_EVENT) watcher->heard = message->sequence;
+    Heard *heard = message->topic == MNS_TOPIC_EVENT ? &watcher->events : &watcher->log;
+    /* Nobody knows when that was which happened before we listened. */
+    const bool is_old = !heard->since && now_s() - watcher->subscribed < repeat_s;
+    const bool is_known = message->daemon_epoch == heard->epoch && message->sequence <= heard->sequence;
+    heard->since = true;
+    if (is_known) return MNS_OK;
+    heard->epoch = message->daemon_epoch;
+    heard->sequence = message->sequence;
     json_t *told = output_telemetry(message);
-    json_object_set_new(told, "when", wall_clock());
+    json_object_set_new(told, "when", is_old ? json_null() : wall_clock());
     hub_tell(watcher->hub, TELL_EVENT, told);
     if (message->topic != MNS_TOPIC_EVENT) return MNS_OK;
     hub_renew(watcher->hub);
@@ -203,6 +227,8 @@ static void attend(Watcher *watcher, MnsError *error)
     if (status) return;
     mns_client_set_timeout(watcher->client, patience_s);
     status = mns_client_subscribe(watcher->client, MNS_TOPIC_ALL, error);
+    watcher->events.since = watcher->log.since = false;
+    watcher->subscribed = now_s();
     if (!status) status = look(watcher, error);
     if (!status) tell_daemon(watcher, NULL);
     while (!status) status = tick(watcher, error);

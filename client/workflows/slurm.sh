@@ -18,8 +18,13 @@ case=${CASE:-hydrostatic}
 read -ra resolutions <<<"${RESOLUTIONS:-20 30 40}"
 read -ra schemes <<<"${SCHEMES:-riemann dissipation interfacial}"
 read -ra settings <<<"${SETTINGS:-}"
-# Slurm runs a copy of this script, so it cannot tell where the others are.
-workflows=${MENISCUS_WORKFLOWS:-/usr/local/share/meniscus/workflows}
+# Slurm runs a copy of this script, which cannot tell where the others are: below the prefix of the program, if it was installed.
+program=$(readlink -f "$(command -v "${MENISCUS:-meniscus}")")
+workflows=${MENISCUS_WORKFLOWS:-$(dirname "$program")/../share/meniscus/workflows}
+if [ ! -f "$workflows/until_done.py" ]; then
+    echo "slurm.sh: no until_done.py in $workflows: have meniscus in the PATH of the job, or name the folder in MENISCUS_WORKFLOWS" >&2
+    exit 2
+fi
 
 runs=$((${#resolutions[@]} * ${#schemes[@]}))
 task=${SLURM_ARRAY_TASK_ID:-$runs}

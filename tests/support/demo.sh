@@ -78,7 +78,7 @@ try checkpoint
 try status
 
 say "7. Now we wait for the end."
-try wait --for state=DONE --timeout 170
+try wait --for state=DONE --timeout 3600
 
 say "8. Pictures, drawn from the last snapshot, and the water front against theory."
 try snapshot

@@ -42,6 +42,19 @@ fill() {
     rm -f "$filled"
 }
 
+# document FILE NAME: a page, whose links lead to other pages that are installed; those to what is not are only words then.
+document() {
+    local page
+    page=$(mktemp)
+    sed -E -e "s#(\]\()[./]*(client/)?(dashboard|python|workflows)/README\.md#\1\3.md#g" -e "s#(\]\()(\.\./)*server/http/README\.md#\1http.md#g" \
+        -e "s#(\]\()(client/|\.\./)README\.md#\1client.md#g" -e "s#(\]\()proto/README\.md#\1protocol.md#g" \
+        -e "s#(\]\()server/cases/REFERENCE\.md#\1case-reference.md#g" -e "s#(\]\()server/sim/schemes/README\.md#\1schemes.md#g" \
+        -e "s#(\]\(|src=\")client/pictures/#\1pictures/#g" -e "s#\]\((workflows/)?([A-Za-z_.-]+\.(py|sh|json|service|timer)|Makefile|Snakefile)\)#](../../meniscus/workflows/\2)#g" \
+        -e "s#\[([^]]*)\]\((\.\./)*(tests/[A-Za-z/_.]*|CONTRIBUTING\.md|DECISIONS\.md)\)#\1#g" "$1" >"$page"
+    put 644 "$page" "$doc/$2"
+    rm -f "$page"
+}
+
 # link TARGET NAME
 link() {
     if [ "$action" = install ]; then ln -sf "$1" "$DESTDIR$2"; else rm -f "$DESTDIR$2"; fi
@@ -54,7 +67,6 @@ put 755 "$BUILD/meniscus" "$bin/meniscus"
 if [ -f "$BUILD/meniscus-dashboard" ] || [ "$action" = uninstall ]; then
     put 755 "$BUILD/meniscus-dashboard" "$bin/meniscus-dashboard"
     put 644 "$BUILD/man/meniscus-dashboard.8" "$PREFIX/share/man/man8/meniscus-dashboard.8"
-    put 644 client/dashboard/README.md "$doc/dashboard.md"
     fill systemd/meniscus-dashboard@.service "$units/meniscus-dashboard@.service"
 fi
 # Shells look for these by the name of the program.
@@ -79,13 +91,19 @@ for file in include/meniscus/*.h; do put 644 "$file" "$PREFIX/$file"; done
 for file in server/cases/*.yaml; do put 644 "$file" "$share/cases/${file##*/}"; done
 for file in server/monitoring/*; do put 644 "$file" "$share/monitoring/${file##*/}"; done
 for file in proto/*.proto; do put 644 "$file" "$share/${file}"; done
-for file in README.md ARCHITECTURE.md CHANGELOG.md LICENSE systemd/meniscus.conf; do put 644 "$file" "$doc/${file##*/}"; done
+for file in CHANGELOG.md LICENSE systemd/meniscus.conf; do put 644 "$file" "$doc/${file##*/}"; done
 for file in client/workflows/*.py client/workflows/*.sh; do put 755 "$file" "$share/workflows/${file##*/}"; done
 for file in client/workflows/Makefile client/workflows/Snakefile client/workflows/*.json; do put 644 "$file" "$share/workflows/${file##*/}"; done
 for file in client/workflows/*.service client/workflows/*.timer; do fill "$file" "$share/workflows/${file##*/}"; done
-put 644 client/workflows/README.md "$doc/workflows.md"
+for file in README.md ARCHITECTURE.md; do document "$file" "$file"; done
+for page in dashboard python workflows; do document "client/$page/README.md" "$page.md"; done
+document client/README.md client.md
+document proto/README.md protocol.md
+document server/http/README.md http.md
+document server/sim/schemes/README.md schemes.md
 put 644 "$BUILD/case-reference.md" "$doc/case-reference.md"
-put 644 server/http/README.md "$doc/http.md"
+for file in client/pictures/*.png; do put 644 "$file" "$doc/pictures/${file##*/}"; done
+for file in client/python/examples/*.ipynb; do put 644 "$file" "$share/notebooks/${file##*/}"; done
 for file in "$BUILD"/python/meniscus/*.py*; do put 644 "$file" "$python/${file##*/}"; done
 put 644 "$BUILD/python/meniscus/py.typed" "$python/py.typed"
 fill systemd/meniscusd@.service "$units/meniscusd@.service"
@@ -94,7 +112,7 @@ put 644 systemd/meniscus.tmpfiles "$tmpfiles/meniscus.conf"
 
 if [ "$action" = uninstall ]; then
     # Directories of our own go too, once they are empty; those that others share stay.
-    for directory in "$PREFIX/include/meniscus" "$share/cases" "$share/monitoring" "$share/proto" "$share/workflows/__pycache__" "$share/workflows" "$share" "$doc" "$python/__pycache__" "$python"; do
+    for directory in "$PREFIX/include/meniscus" "$share/cases" "$share/monitoring" "$share/proto" "$share/workflows/__pycache__" "$share/workflows" "$share/notebooks" "$share" "$doc/pictures" "$doc" "$python/__pycache__" "$python"; do
         case $directory in */__pycache__) rm -rf "${DESTDIR:?}$directory" ;; esac
         if [ -d "$DESTDIR$directory" ]; then rmdir --ignore-fail-on-non-empty "$DESTDIR$directory"; fi
     done

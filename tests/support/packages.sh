@@ -29,6 +29,7 @@ systemd util-linux valgrind prometheus
 paraview python3-paraview xvfb xauth
 python3-scipy man-db lintian python3-nbclient python3-ipykernel python3-jsonschema snakemake
 python3-hypothesis
+munge slurm-client slurmctld slurmd
 '
 validate='
 python3-scipy

@@ -1,78 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A person at the dashboard, for test_dashboard.py: clicks and keys in headless Chromium against a real daemon, in two browsers at once.
-// Arguments: the build directory, a directory for pictures. The environment leads to the daemon. One line for each fact; the first that does
-// not hold ends it.
-import { spawn } from "node:child_process";
-import { createRequire } from "node:module";
-import { once } from "node:events";
-import path from "node:path";
-
-const [build, pictures] = process.argv.slice(2).map((word) => path.resolve(word));
-const { default: puppeteer } = await import(createRequire(path.join(build, "web-check/node_modules/x.js")).resolve("puppeteer-core"));
-const PATIENCE_MS = 20000;
-let port = "0", gateway;
-
-async function startGateway() {
-  gateway = spawn(path.join(build, "meniscus-dashboard"), ["--http", port], { stdio: ["ignore", "ignore", "pipe"] });
-  for await (const line of gateway.stderr) {
-    const found = /127\.0\.0\.1:(\d+)/.exec(String(line));
-    if (found) return void (port = found[1]);
-  }
-  throw new Error("the gateway did not start");
-}
-
-async function endGateway() {
-  const ended = once(gateway, "exit");
-  gateway.kill("SIGTERM");
-  const [code] = await ended;
-  hold(code === 0, "the gateway ends when it is told to");
-}
-
-function hold(fact, what) {
-  if (!fact) throw new Error(`not so: ${what}`);
-  console.log(`so: ${what}`);
-}
+// A person at the dashboard, for test_dashboard.py: clicks and keys against a real daemon, in two browsers at once.
+import { PATIENCE_MS, complaints, dropGateway, elsewhere, endGateway, hold, holdSoon, launch, open, picture, pixels, see, startGateway, state, step, text } from "./page.mjs";
 
 await startGateway();
-const chromium = await puppeteer.launch({ executablePath: "/usr/bin/chromium", args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
-const complaints = [], elsewhere = [];
+const chromium = await launch();
 
-async function open(scheme) {
-  const context = await chromium.createBrowserContext(), page = await context.newPage();
-  await page.setViewport({ width: 1280, height: 800 });
-  await page.emulateMediaFeatures([{ name: "prefers-color-scheme", value: scheme }]);
-  page.on("pageerror", (error) => complaints.push(error.message));
-  page.on("console", (message) => message.type() === "error" && complaints.push(message.text()));
-  page.on("request", (request) => request.url().startsWith(`http://127.0.0.1:${port}/`) || request.url().startsWith("data:") || elsewhere.push(request.url()));
-  await page.goto(`http://127.0.0.1:${port}/`);
-  return page;
-}
-
-async function see(page, words, what = words, where = "body") {
-  await page.waitForFunction((w, at) => document.querySelector(at)?.innerText.includes(w), { timeout: PATIENCE_MS, polling: 50 }, words, where)
-    .catch(async () => { throw new Error(`does not come: ${what}; the page says: ${await page.$eval("body", (b) => b.innerText)}`); });
-  console.log(`so: ${what}`);
-}
-const state = (page, name) => see(page, name, `the page says ${name}`, "#state");
-const text = (page, selector) => page.$eval(selector, (element) => element.textContent);
-const step = async (page) => Number(/step ([\d\u202f]+)/.exec(await text(page, "#clock"))[1].replaceAll("\u202f", ""));
-const picture = (page, name) => page.screenshot({ path: path.join(pictures, `${name}.png`) });
-
-/** How many pixels of the particles are nearly of this colour. */
-const pixels = (page, colour) => page.evaluate((wanted) => {
-  const from = document.querySelector("#canvas canvas"), to = document.createElement("canvas");
-  [to.width, to.height] = [from.width, from.height];
-  const pen = to.getContext("2d");
-  pen.drawImage(from, 0, 0);
-  const { data } = pen.getImageData(0, 0, to.width, to.height);
-  let n = 0;
-  for (let k = 0; k < data.length; k += 4) n += wanted.every((c, i) => Math.abs(c - data[k + i]) < 12);
-  return n;
-}, colour);
 const WATER = [0x1f, 0x78, 0xb4];
 
 try {
-  const page = await open("light"), other = await open("dark");
+  const page = await open(chromium, "light"), other = await open(chromium, "dark");
   await see(page, "No case is loaded", "an empty daemon is explained");
   hold(await other.$eval(":root", (root) => root.dataset.theme === "dark"), "who likes it dark gets it dark");
   await picture(page, "empty");
@@ -90,7 +26,7 @@ try {
   await state(other, "READY");
   await see(page, "All 4\u202f280 particles", "all particles are there, and the page says so", "#shown");
   await page.waitForFunction(() => !document.querySelector("#bar").hidden);
-  hold(await pixels(page, WATER) > 5000, "the water is blue");
+  await holdSoon(async () => await pixels(page, WATER) > 5000, "the water is blue");
 
   await page.click("#go");
   await state(page, "RUNNING");
@@ -114,6 +50,18 @@ try {
   await page.type("#until-time", goal);
   await page.keyboard.press("Enter");
   await see(page, `Reached t = ${Number(goal)} s`, "it runs to a time, exactly", "#notes");
+
+  await page.click("#later");
+  await page.waitForSelector("#ask[open]");
+  await page.select("#ask [name=what]", "set");
+  await page.type("#ask [name=settings]", "output.snapshot_interval=0.7");
+  await page.type("#ask [name=at]", "6.5");
+  await picture(page, "later");
+  await page.click("#ask .primary");
+  await see(other, "at t = 6.5 s", "what is to happen later is listed, for others too", "#scheduled");
+  await other.click("#scheduled button");
+  await page.waitForFunction(() => document.querySelector("#scheduled").hidden, { timeout: PATIENCE_MS });
+  console.log("so: and can be called off");
 
   await page.click("#tab-parameters");
   await page.focus("[id='set-scheme.cfl']");
@@ -176,6 +124,9 @@ try {
   await other.keyboard.press("+");
   await other.waitForFunction((was) => document.querySelector("#canvas canvas").toDataURL() !== was, { timeout: PATIENCE_MS, polling: 100 }, still);
   console.log("so: the picture can be moved without a mouse");
+  await other.setViewport({ width: 320, height: 568 });
+  hold(await other.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "a narrow window has all of it");
+  await picture(other, "narrow");
   await other.click("#theme");
   hold(await other.$eval(":root", (root) => root.dataset.theme === "light"), "dark and light can be chosen");
 
@@ -200,5 +151,5 @@ try {
   await endGateway();
 } finally {
   await chromium.close();
-  gateway.kill("SIGKILL");
+  dropGateway();
 }

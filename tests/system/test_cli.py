@@ -9,6 +9,7 @@ import re
 import signal
 import subprocess
 import sys
+import termios
 import time
 import unittest
 from pathlib import Path
@@ -19,12 +20,34 @@ from daemon import BUILD, ROOT, SMALL, DaemonTest  # noqa: E402
 
 CASES = ROOT / "server" / "cases"
 
+
+
+def documented(command: str) -> "set[str]":
+    """The keys that client/README.md promises scripts of a command."""
+    rows = re.findall(r"^\| ([^|]+) \| (.*) \|$", (ROOT / "client" / "README.md").read_text(), re.MULTILINE)
+    keys = {name: text for names, text in rows for name in names.split(", ")}
+    text = keys[command] + " " + (keys["load"] if keys[command].startswith("the same") else "")
+    return set(re.findall("[a-z_]+", text))
+
+
 REPLY = {"state", "step", "time", "effect_step", "daemon_epoch", "message", "case_version"}
 STATUS = set(
     "state case title run_directory fault fault_reason version time end_time time_step eta_s wall_s steps_per_second "
-    "ns_per_particle_step step particles fluid_particles guarded samples_dropped memory_bytes threads state_hash timers "
-    "breakpoints scheduled case_version lease_holder lease_s".split()
+    "ns_per_particle_step step particles fluid_particles guarded uncorrected samples_dropped memory_bytes threads state_hash timers "
+    "breakpoints scheduled case_version lease_holder lease_s streams".split()
 )
+
+
+def read_to_the_end(terminal: int) -> bytes:
+    """What is written to it until nobody has its other end; it is closed then."""
+    text = b""
+    try:
+        while chunk := os.read(terminal, 65536):
+            text += chunk
+    except OSError:  # what Linux says when the other end is closed
+        pass
+    os.close(terminal)
+    return text
 
 
 class Commands(DaemonTest):
@@ -37,6 +60,10 @@ class Commands(DaemonTest):
         self.assertEqual((reply["state"], reply["step"]), ("PAUSED", 5))
         self.assertEqual(self.ask("stop")["state"], "EMPTY")
 
+    def test_a_daemon_that_was_started_in_the_line_before_is_waited_for(self) -> None:
+        self.listen_late()
+        self.meniscus("status")
+
     def test_every_reply_has_the_documented_keys(self) -> None:
         self.assertEqual(set(self.load()), REPLY | {"path"})
         self.assertEqual(set(self.ask("status")), STATUS)
@@ -44,6 +71,29 @@ class Commands(DaemonTest):
         self.assertEqual(set(self.ask("get", "end_time")), REPLY | {"values"})
         self.assertEqual(set(self.ask("query")), REPLY | {"values"})
         self.assertEqual(set(self.ask("checkpoint")), REPLY | {"path"})
+        lease = self.ask("lease")
+        self.assertEqual(set(lease), REPLY | {"lease_epoch", "lease_s"})
+        self.ask("lease", "release", "--lease", str(lease["lease_epoch"]))
+
+    def test_every_key_that_is_printed_is_documented(self) -> None:
+        directory = Path(self.load()["path"])
+        self.meniscus("step", "3")
+        for words in (
+            ["step"], ["run-until", "0.01"], ["set", "end_time=3"], ["rollback", "1"], ["get", "end_time"], ["query", "probes", "front"],
+            ["query", "at", "pressure", "1,1"], ["query", "box"], ["checkpoint"], ["wait", "--for", "step=1"], ["lease", "--ttl", "0.1"],
+            ["status"], ["capabilities"], ["schemes"], ["ls"], ["top", "--once"], ["breakpoint", "b", "--step", "99"], ["help"],
+            ["export", str(directory / "probes.hdf"), "--out", str(self.home / "probes.csv")],
+            ["render", "--field", "pressure", "--out", str(self.home / "p.png")],
+        ):
+            command = " ".join(words[:2]) if words[0] == "query" else words[0]
+            answer = self.ask(*words)
+            for row in [answer, *answer.get("daemons", [])]:
+                self.assertLessEqual(set(row), documented(command), words)
+
+    def test_every_command_has_its_row_of_keys(self) -> None:
+        for command in self.ask("help")["commands"]:
+            if command["name"] not in ("keys", "query"):  # whose words have rows
+                self.assertTrue(documented(command["name"]))
 
     def test_the_run_directory_is_the_path_of_whatever_begins_or_ends_a_run(self) -> None:
         loaded = self.load("--start")
@@ -79,6 +129,11 @@ class Commands(DaemonTest):
         refused = self.meniscus("set", "end_time=4", "scheme.cfl=99", code=1)
         self.assertIn("meniscus: scheme.cfl: ", refused.stderr)
         self.assertEqual(self.ask("get", "end_time")["values"]["end_time"]["value"], 3.0)
+
+    def test_what_cannot_be_set_is_told_with_what_can(self) -> None:
+        self.load()
+        done = self.meniscus("set", "resolution=10", code=1)
+        self.assertRegex(done.stderr, r"resolution: cannot change while the simulation runs; allowed: gravity, .*, and \d+ more \(`meniscus get` lists them\)\n$")
 
     def test_set_does_not_disturb_the_files_that_are_written_later(self) -> None:
         self.load("--set", "output.probe_interval=0.002")
@@ -142,8 +197,9 @@ class Commands(DaemonTest):
     def test_wait_gives_up_in_time(self) -> None:
         self.load()
         began = time.monotonic()
-        self.meniscus("wait", "--for", "state=DONE", "--timeout", "0.3", code=124)
+        done = self.meniscus("wait", "--for", "state=DONE", "--timeout", "0.3", code=124)
         self.assertLess(time.monotonic() - began, 10)
+        self.assertIn("What to do: allow more time, or see with `meniscus status` how far it is.", done.stderr)
 
     def test_a_diverged_run_has_an_exit_code_of_its_own(self) -> None:
         self.load("--set", "limits.density_max=1.0000001", "--start")
@@ -222,6 +278,9 @@ class Commands(DaemonTest):
         epoch = self.meniscus("lease", "--ttl", "60", "--holder", "anna").stdout.strip()
         done = self.meniscus("set", "end_time=3", code=1)
         self.assertIn("lease_epoch: anna holds the lease for another", done.stderr)
+        done = self.meniscus("load", *SMALL, code=1)
+        self.assertIn(" lease_epoch: anna holds the lease for another", done.stderr)
+        self.assertNotIn("yaml", done.stderr, "the file is not to blame")
         self.assertEqual(self.ask("status")["lease_holder"], "anna")
         self.ask("set", "end_time=3", "--lease", epoch)
         with mock.patch.dict(self.environment, MENISCUS_LEASE=epoch):
@@ -235,6 +294,23 @@ class Commands(DaemonTest):
         for words in (["lease", "give"], ["lease", "renew"], ["lease", "--ttl", "soon"], ["lease", "--lease", "x"]):
             self.meniscus(*words, code=2)
         self.meniscus("lease", "--ttl", "0.05", code=1)
+
+    def test_a_name_that_would_upset_a_terminal_is_refused(self) -> None:
+        self.load()
+        for name in ("\x1b[2Janna", "anna\udcff"):  # the latter is the byte 0xff
+            for words in (["lease", "--holder", name], ["breakpoint", name, "--step", "9"]):
+                failure = self.ask(*words, code=1)["error"]
+                self.assertEqual(failure["path"], {"lease": "holder", "breakpoint": "name"}[words[0]], failure)
+                self.assertIn("control characters", failure["message"])
+        status = self.ask("status")
+        self.assertEqual((status["lease_holder"], status["breakpoints"]), (None, []))
+
+    def test_the_holder_of_a_lease_is_named_without_half_a_character(self) -> None:
+        self.load()
+        with mock.patch.dict(self.environment, USER="x" + 20 * "é"):
+            epoch = self.meniscus("lease").stdout.strip()
+        self.assertRegex(self.ask("status")["lease_holder"], "^x" + 14 * "é" + "@")
+        self.meniscus("lease", "release", "--lease", epoch)
 
     def test_a_breakpoint_that_was_passed_is_refused(self) -> None:
         self.load()
@@ -276,6 +352,8 @@ class Commands(DaemonTest):
     def test_a_wrong_state_is_refused_with_what_is_possible(self) -> None:
         done = self.meniscus("pause", code=1)
         self.assertIn("EMPTY", done.stderr)
+        self.assertIn("load a case first", done.stderr)
+        self.assertNotIn("What to do", done.stderr)
 
     def test_capabilities_and_schemes_are_listed(self) -> None:
         self.load()
@@ -322,6 +400,12 @@ class BadCases(DaemonTest):
         self.assertIn("dambreak2d", done.stderr)
         self.assertIn(f"none in {self.environment['MENISCUS_CASES']}", done.stderr)
 
+    def test_a_file_that_is_not_there_can_be_written(self) -> None:
+        for command in ("load", "run"):
+            done = self.meniscus(command, "no-such.yaml", code=65)
+            self.assertIn("no file \"no-such.yaml\"", done.stderr)
+            self.assertIn("`meniscus init FILE.yaml`", done.stderr)
+
     def test_a_bad_name_for_the_run_is_no_fault_of_the_case(self) -> None:
         done = self.meniscus("load", *SMALL, "--name", "../x", code=2)
         self.assertTrue(done.stderr.startswith("meniscus: the name of a case"), done.stderr)
@@ -332,8 +416,8 @@ class BadCases(DaemonTest):
 
 
 class Watching(DaemonTest):
-    def start(self, end_time: str = "0.3") -> None:
-        self.meniscus("load", *SMALL, "--set", f"end_time={end_time}", "--start")
+    def start(self, end_time: str = "0.3", *more: str) -> None:
+        self.meniscus("load", *SMALL, "--set", f"end_time={end_time}", *more, "--start")
 
     def test_lines_of_json_are_numbered_without_gaps(self) -> None:
         self.start()
@@ -355,6 +439,40 @@ class Watching(DaemonTest):
         self.start("1000")
         self.meniscus("watch", "--timeout", "0.3", code=124)
 
+    def watch_terminal(self, columns: int, locale: str) -> "list[str]":
+        """What is shown on a terminal as wide as that when the run is done: lines without what moves the cursor."""
+        self.start("0.3", "--set", "output.probe_interval=0.002")
+        master, slave = pty.openpty()
+        termios.tcsetwinsize(slave, (24, columns))
+        words = [BUILD / "meniscus", "watch"]
+        client = subprocess.Popen(words, env=self.environment | {"LC_ALL": locale}, stdout=slave)
+        os.close(slave)
+        text = read_to_the_end(master)
+        self.assertEqual(client.wait(timeout=60), 0)
+        self.meniscus("stop")
+        last = re.split(rb"\033\[\d+A\r", text)[-1].decode("utf-8")
+        return re.sub(r"\033\[[?\d]*[A-Za-z]", "", last).splitlines()
+
+    def test_each_probe_has_a_chart_in_the_columns_that_are_free(self) -> None:
+        for columns, chart, has_range in ((80, 20, True), (40, 4, False)):
+            lines = self.watch_terminal(columns, "C.UTF-8")
+            self.assertLess(max(len(line) for line in lines), columns, lines)
+            fronts = [line for line in lines if line.startswith("  front ")]
+            drawn = re.findall("[▁-█]+", fronts[0])
+            self.assertGreaterEqual(len(drawn[0]), chart, lines)
+            self.assertEqual((drawn[0][0], drawn[0][-1]), ("▁", "█"), "the water runs, and so its front rises")
+            value = float(fronts[0].split()[1])
+            ends = re.findall(r"(\S+)\.\.(\S+)$", fronts[0])
+            self.assertEqual(bool(ends), has_range, fronts)
+            if has_range:
+                self.assertLess(float(ends[0][0]), float(ends[0][1]))
+                self.assertAlmostEqual(float(ends[0][1]), value, delta=0.01)
+
+    def test_a_chart_is_ascii_where_the_locale_has_no_blocks(self) -> None:
+        fronts = [line for line in self.watch_terminal(80, "C") if line.startswith("  front ")]
+        self.assertTrue(fronts[0].isascii())
+        self.assertRegex(fronts[0], r"\.[.:=+*#-]+%")
+
     def test_a_terminal_is_left_as_it_was_found(self) -> None:
         self.start("1000")
         master, slave = pty.openpty()
@@ -363,13 +481,7 @@ class Watching(DaemonTest):
         time.sleep(0.7)
         client.send_signal(signal.SIGINT)
         client.wait(timeout=10)
-        text = b""
-        try:
-            while chunk := os.read(master, 65536):
-                text += chunk
-        except OSError:  # what Linux says when the other end is closed
-            pass
-        os.close(master)
+        text = read_to_the_end(master)
         self.assertEqual(client.returncode, -signal.SIGINT)
         self.assertIn(b"\033[?25l", text)
         self.assertIn(b"%", text)

@@ -97,6 +97,25 @@ class Browser:
                 return message
         raise TimeoutError(f"no {topic} with {having}")
 
+    def until_all(self, *topics: str) -> "dict[str, Any]":
+        """Until there is one of each topic, the latest of each."""
+        found: "dict[str, Any]" = {}
+        while len(found) < len(topics):
+            kind, data = self.hear()
+            message = json.loads(data) if kind == TEXT else {"topic": ""}
+            if message["topic"] in topics:
+                found[message["topic"]] = message
+        return found
+
+    def history(self) -> "dict[str, Any]":
+        """All of the history that comes next, by the names of its probes."""
+        piece = self.until("history", first=True)
+        probes = piece["probes"]
+        while not piece["last"]:
+            piece = self.until("history")
+            probes += piece["probes"]
+        return {probe["name"]: probe for probe in probes}
+
     def picture(self) -> "dict[str, Any]":
         """The header of the next picture; drawn() says that there may be another."""
         kind, data, end = 0, b"", time.monotonic() + PATIENCE_S
@@ -251,11 +270,11 @@ class Misbehaviour(DashboardTest):
 
     def test_a_message_may_come_in_pieces(self) -> None:
         browser = self.browser()
-        browser.until("history")
+        browser.history()
         browser.frame(b'{"do":"hi', last=False)
         browser.frame(b"sto", kind=0, last=False)
         browser.frame(b'ry"}', kind=0)
-        browser.until("history")
+        browser.history()
 
     def test_who_does_not_read_or_draw_gets_little_and_others_all(self) -> None:
         self.meniscus("load", *SMALL, "--set", "end_time=1000", "--set", "output.probe_interval=1e-6")
@@ -328,6 +347,24 @@ class Steering(DashboardTest):
         self.assertEqual([r["command"] for r in records if r["kind"] == "command"][:3], ["load", "step", "set"])
         self.assertNotIn("hash", [r["kind"] for r in records])
 
+    def test_what_is_scheduled_is_listed_and_done_or_called_off(self) -> None:
+        self.meniscus("load", *SMALL)
+        one, two = self.browser(), self.browser()
+        self.assertIn("scheduled: pause", one.ask(do="pause", id=1, at_time=5)["message"])
+        self.assertIn("scheduled: set", one.ask(do="set", id=2, settings=["gravity=[0, -2]"], at_step=7)["message"])
+        listed = two.until("status")["scheduled"]
+        while len(listed) < 2:
+            listed = two.until("status")["scheduled"]
+        self.assertEqual([(s["at_step"], s["at_time"]) for s in listed], [(None, 5), (7, None)])
+        self.assertIsNone(two.ask(do="cancel", id=3, request=listed[0]["id"]).get("error"))
+        self.assertEqual(two.ask(do="cancel", id=4, request="7")["error"]["status"], "invalid")
+        error = one.ask(do="snapshot", id=5, at_step=1, at_time=1)["error"]
+        self.assertIn("at_step or at_time", error["message"])
+        self.assertIn("no use for", one.ask(do="start", id=6, at_step=3)["error"]["message"])
+        one.ask(do="step", id=7, count=10)
+        self.assertEqual(self.ask("get", "gravity")["values"]["gravity"]["value"], "[0, -2]")
+        self.assertEqual(self.ask("status")["scheduled"], [])
+
     def test_a_long_command_does_not_keep_others_waiting(self) -> None:
         self.meniscus("load", *SMALL, "--set", "end_time=1000")
         browser = self.browser()
@@ -357,7 +394,7 @@ class Steering(DashboardTest):
         first.until("samples")
         time.sleep(0.3)
         late = self.browser()
-        probes = {probe["name"]: probe for probe in late.until("history")["probes"]}
+        probes = late.history()
         self.assertGreaterEqual(len(probes["P05"]["t"]), 30)
         self.assertEqual(probes["P05"]["unit"], "Pa")
         late.say(do="show", field="pressure", limit=1000)
@@ -368,6 +405,57 @@ class Steering(DashboardTest):
         late.say(do="drawn", count=1)
         many = late.picture()
         self.assertEqual((many["particles"], many["every"]), (self.ask("status")["particles"], 1))
+
+    def test_a_gateway_that_comes_late_has_the_past_from_the_beginning(self) -> None:
+        self.meniscus("load", *SMALL, "--set", "output.probe_interval=1e-6")
+        self.meniscus("step", "30")
+        _, port = self.start_gateway("late")
+        browser = self.browser(port=port)
+        times = browser.history()["P05"]["t"]
+        while len(times) < 31:
+            times = browser.history()["P05"]["t"]  # it comes without being asked for
+        self.assertEqual((len(times), times[0], times[-1]), (31, 0, self.ask("status")["time"]))
+        self.assertEqual(times, sorted(set(times)))
+
+    def test_what_happened_before_has_no_time_of_day_and_nothing_is_told_twice(self) -> None:
+        browser = self.browser()
+        browser.history()  # comes after what is remembered
+        time.sleep(3)  # what comes soon after the gateway does may have been before
+        self.meniscus("load", *SMALL, "--set", "threads=1000")  # which is warned of
+        told = browser.until_all("event", "log")
+        while told["event"]["what"] != "ready":
+            told["event"] = browser.until("event")
+        _, port = self.start_gateway("second")  # to which the daemon repeats the last of each
+        second = self.browser(port=port)
+        before = second.until_all("event", "log")
+        for topic, message in told.items():
+            self.assertRegex(message["when"], r"^\d{4}-\d\d-\d\dT")
+            self.assertEqual(before[topic], message | {"when": None})
+        time.sleep(3)
+        self.meniscus("step", "1")
+        self.assertRegex(second.until("event", what="paused")["when"], r"^\d{4}-")
+        heard: "list[dict[str, Any]]" = []
+        while not heard or heard[-1].get("what") != "paused":
+            kind, data = browser.hear()
+            heard += [m for m in [json.loads(data)] if m["topic"] in ("event", "log")] if kind == TEXT else []
+        self.assertEqual([m["what"] for m in heard], ["running", "paused"])
+
+    def test_a_picture_that_is_refused_is_told_and_asked_for_with_patience(self) -> None:
+        self.meniscus("load", *SMALL, "--set", "end_time=1000")
+        self.meniscus("start")
+        one, two = self.browser(), self.browser()
+        one.say(do="show", field="no_such_field", limit=7, walls=True)
+        two.say(do="show", field="pressure", limit=1000)
+        refused = one.until("refused")
+        self.assertEqual((refused["field"], refused["limit"], refused["walls"]), ("no_such_field", 7, True))
+        self.assertEqual(refused["error"]["status"], "not found")
+        self.assertIn("no_such_field", refused["error"]["message"])
+        again, until = 0, time.monotonic() + 5
+        while time.monotonic() < until:
+            kind, data = one.hear()
+            again += kind == TEXT and json.loads(data)["topic"] == "refused"
+        self.assertIn(again, (1, 2))
+        two.picture()  # the others have theirs
 
     def test_a_daemon_that_dies_is_missed_and_found_again(self) -> None:
         browser = self.browser()
@@ -394,14 +482,21 @@ class Page(DaemonTest):
         done = subprocess.run(["node", "--test", ROOT / "client" / "dashboard" / "web" / "test"], capture_output=True, text=True, timeout=60)
         self.assertEqual(done.returncode, 0, done.stdout)
 
-    def test_a_person_can_do_everything_in_a_browser(self) -> None:
+    def browse(self, script: str) -> None:
         pictures = Path(os.environ.get("PICTURES", self.home))
         done = subprocess.run(
-            ["node", ROOT / "tests" / "system" / "dashboard.mjs", BUILD, pictures],
-            env=self.environment, capture_output=True, text=True, timeout=150,
+            ["node", ROOT / "tests" / "system" / script, BUILD, pictures], env=self.environment, capture_output=True, text=True, timeout=150,
         )
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    def test_a_person_can_do_everything_in_a_browser(self) -> None:
+        self.browse("dashboard.mjs")
         self.assertEqual(self.ask("status")["state"], "EMPTY")
+
+    def test_a_space_is_drawn_and_all_else_works_without(self) -> None:
+        self.meniscus("load", "dambreak3d", "--set", "resolution=10")
+        self.browse("dashboard_view.mjs")
+        self.meniscus("stop")
 
 
 if __name__ == "__main__":

@@ -36,6 +36,32 @@ for file in usr/bin/meniscusd usr/bin/meniscus usr/bin/meniscus-dashboard lib/sy
     usr/include/meniscus/client.h usr/lib/python3/dist-packages/meniscus/__init__.py; do
     expect "it has $file" grep -q " \./$file\$" "$stage/list"
 done
+# Whoever installs nothing by hand can import the package; what it uses here and there is at least named.
+cat >"$stage/uses.py" <<'PY'
+import ast, importlib.util, pathlib, subprocess, sys
+
+deb, package = sys.argv[1], pathlib.Path(sys.argv[2])
+field = lambda name: subprocess.run(["dpkg-deb", "-f", deb, name], capture_output=True, text=True, check=True).stdout
+pulled, named = field("Depends") + field("Recommends"), field("Suggests")
+failed = False
+for page in package.glob("*.py"):
+    tree = ast.parse(page.read_text())
+    hints = [n for at in tree.body if isinstance(at, ast.If) and "TYPE_CHECKING" in ast.unparse(at.test) for n in ast.walk(at)]
+    for node in ast.walk(tree):
+        if node in hints:
+            continue
+        names = [n.name for n in node.names] if isinstance(node, ast.Import) else [node.module] if isinstance(node, ast.ImportFrom) and not node.level else []
+        for name in {n.split(".")[0] for n in names} - set(sys.stdlib_module_names) - {"meniscus"}:
+            found = importlib.util.find_spec("google.protobuf" if name == "google" else name)
+            if not found:
+                continue  # one of several that would do
+            owner = subprocess.run(["dpkg", "-S", found.origin], capture_output=True, text=True, check=True).stdout.split(":")[0].removesuffix("-serial")
+            if owner not in pulled + ("" if node in tree.body else named):
+                print(f"{page.name} imports {name} of {owner}")
+                failed = True
+sys.exit(failed)
+PY
+expect "what its Python package imports comes with it" /usr/bin/python3 "$stage/uses.py" "$deb" "$BUILD/python/meniscus"
 expect "lintian finds no error in it" lintian --allow-root --fail-on error "$deb"
 
 mount -t tmpfs none "$machine"

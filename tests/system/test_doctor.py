@@ -3,15 +3,16 @@
 """meniscus doctor: what is well is said in a line, what is not with a remedy, and scripts are told."""
 
 import socket
+import importlib.util
 import sys
 import tempfile
 import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from daemon import SMALL, DaemonTest  # noqa: E402
+from daemon import BUILD, SMALL, DaemonTest  # noqa: E402
 
-ALWAYS = {"programs", "instructions", "threads", "memory", "cases", "sockets", "daemon", "state", "keys", "paraview",
+ALWAYS = {"programs", "instructions", "threads", "memory", "cases", "sockets", "daemon", "state", "keys", "python", "paraview",
           "dashboard"}  # fmt: skip
 
 
@@ -58,6 +59,19 @@ class Doctor(DaemonTest):
         self.assertEqual({line.split()[1] for line in lines[:-1]}, ALWAYS)
         self.assertTrue({line.split()[0] for line in lines[:-1]} <= {"ok", "warning"})
         self.assertRegex(lines[-1], "^0 problems, [0-9]+ warnings?$")
+
+    def test_what_python_lacks_is_named(self) -> None:
+        lacking = self.scratch / "meniscus"
+        lacking.mkdir()
+        (lacking / "__init__.py").write_text("import no_such_module\n")
+        for path, status, words in ((str(BUILD / "python"), "ok", "can import"), (str(self.scratch), "warning", "no_such_module"),
+                                    ("/nonexistent", "ok", "PYTHONPATH")):  # fmt: skip
+            if path == "/nonexistent" and importlib.util.find_spec("meniscus"):
+                continue  # it is installed here
+            self.environment |= {"PYTHONPATH": path, "PATH": "/usr/bin:" + self.environment["PATH"]}
+            python = self.examine()["python"]
+            self.assertEqual(python["status"], status, python)
+            self.assertIn(words, python["text"])
 
     def test_it_looks_where_the_daemon_keeps_its_run(self) -> None:
         self.meniscus("load", *SMALL)

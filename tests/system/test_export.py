@@ -96,6 +96,8 @@ class Export(unittest.TestCase):
             ((str(self.series), "--out", str(self.directory / "p.vtk")), 1, "no places for a .vtk file"),
             ((str(self.snapshot), "--out", str(self.directory / "p.xls")), 2, "ends with .csv or .vtk"),
             ((str(self.snapshot), "-o", "json"), 2, "--out FILE must be given"),
+            ((str(self.directory / "run"),), 74, f"is a directory: give one of its files, as its newest snapshot, {self.snapshot}"),
+            ((str(self.directory),), 74, "no snapshot is in it"),
             ((str(self.directory / "none.hdf"),), 74, "cannot read"),
             ((str(nothing),), 74, "HDF5 cannot open it"),
             ((str(checkpoint),), 74, "neither a snapshot nor a series"),

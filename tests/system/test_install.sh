@@ -57,6 +57,17 @@ expect "zsh finds its completion" grep -q '^#compdef meniscus$' "$root/opt/share
 # shellcheck disable=SC2016 # the inner shell expands
 expect "man finds the manual pages" sh -c 'for page in meniscus meniscusd meniscus-case; do man -M "$1" -w "$page" || exit 1; done' \
     sh "$root/opt/share/man"
+cat >"$stage/links.py" <<'PY'
+import pathlib, re, sys
+
+pages = sorted(pathlib.Path(sys.argv[1]).glob("*.md"))
+links = [(page, link) for page in pages for link in re.findall(r"(?:\]\(|src=\")([^)\"#:]+\.[a-z]+|Makefile|Snakefile)[)\"]", page.read_text())]
+dead = [f"{page.name}: {link}" for page, link in links if not (page.parent / link).exists()]
+print(*dead, sep="\n")
+sys.exit(bool(dead) or len(links) < 20)
+PY
+expect "the pages about it lead to each other and to the examples" /usr/bin/python3 "$stage/links.py" "$root/opt/share/doc/meniscus"
+expect "the notebooks are there" test -f "$root/opt/share/meniscus/notebooks/steer.ipynb"
 expect "the cases are there" test -f "$root/opt/share/meniscus/cases/dambreak2d.yaml"
 expect "the installed example of a sweep runs" env MENISCUS="$root/opt/bin/meniscus" make -f "$root/opt/share/meniscus/workflows/Makefile" \
     OUT="$stage/sweep" CASE="$root/opt/share/meniscus/cases/hydrostatic.yaml" RESOLUTIONS=8 SCHEMES=riemann SETTINGS=end_time=0.01

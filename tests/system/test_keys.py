@@ -5,19 +5,27 @@
 import os
 import subprocess
 import sys
+import time
 import unittest
+import urllib.request
 from pathlib import Path
 from typing import Tuple
 
+import zmq
+
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from daemon import BUILD, DaemonTest, free_ports  # noqa: E402
+from exposition import parse  # noqa: E402
 
 sys.path.insert(0, str(BUILD / "python"))
 import meniscus  # noqa: E402
 
+CROWD = 210  # more than get each live message
+
 
 class Keys(DaemonTest):
     far: str
+    http: int
     keys: Path
 
     @classmethod
@@ -28,7 +36,8 @@ class Keys(DaemonTest):
         for name, role in (("vera", "viewer"), ("otto", "operator"), ("ada", "admin")):
             subprocess.run([BUILD / "meniscus", "keys", "new", name, "--role", role], env=cls.environment, check=True,
                            stdout=subprocess.DEVNULL)
-        cls.options = ["--listen", cls.far]
+        cls.http = free_ports()
+        cls.options = ["--listen", cls.far, "--http", str(cls.http)]
         super().start_daemon()
 
     def as_(self, name: str) -> Tuple[str, ...]:
@@ -81,6 +90,40 @@ class Keys(DaemonTest):
             self.meniscus("keys", "remove", "gone")
             for _ in range(50):
                 self.assertEqual(client.status().state, "EMPTY")
+
+    def metric(self, name: str, **labels: str) -> float:
+        with urllib.request.urlopen(f"http://127.0.0.1:{self.http}/metrics", timeout=20) as answer:
+            return parse(answer.read().decode())[name].value(**labels)
+
+    def assert_listeners(self, n: int) -> None:
+        until = time.monotonic() + 20
+        while self.metric("meniscus_telemetry_clients") != n and time.monotonic() < until:
+            time.sleep(0.05)
+        self.assertEqual(self.metric("meniscus_telemetry_clients"), n)
+
+    def test_a_crowd_that_is_cut_off_holds_up_nobody(self) -> None:
+        made = self.ask("keys", "new", "crowd", "--role", "viewer")
+        pair = dict(line.split() for line in Path(made["file"]).read_text().splitlines() if len(line.split()) == 2)
+        context = zmq.Context()
+        self.addCleanup(context.term)
+        host, port = self.far.rsplit(":", 1)
+        listeners = [context.socket(zmq.SUB) for _ in range(CROWD)]
+        for listener in listeners:
+            self.addCleanup(listener.close, linger=0)
+            listener.curve_publickey, listener.curve_secretkey = pair["public-key"].encode(), pair["secret-key"].encode()
+            listener.curve_serverkey = pair["server-key"].encode()
+            listener.reconnect_ivl = -1
+            listener.subscribe(b"")
+            listener.connect(f"{host}:{int(port) + 1}")
+        self.assert_listeners(CROWD)
+        self.meniscus("load", "dambreak2d", "--set", "resolution=10", "--set", "output.probe_interval=0.0001", "--set", "end_time=1000")
+        self.meniscus("step", "100")
+        spared = self.metric("meniscus_telemetry_skipped_total", topic="probe")
+        self.assertGreater(spared, 50)
+        self.meniscus("keys", "remove", "crowd")
+        self.assert_listeners(0)
+        self.meniscus("step", "100")
+        self.assertEqual(self.metric("meniscus_telemetry_skipped_total", topic="probe"), spared)
 
     def test_python_speaks_with_a_key_and_hears_why_not(self) -> None:
         self.meniscus("load", "dambreak2d", "--set", "resolution=10")

@@ -7,6 +7,7 @@ ParaView runs headless (packages paraview python3-paraview xvfb xauth); without 
 import glob
 import json
 import os
+import re
 import shutil
 import subprocess
 import tempfile
@@ -49,6 +50,17 @@ found = [look(p) for p in paths]
 draw(found[0][0], found[0][1]["times"][-1], picture)
 print(json.dumps([f[1] for f in found]))
 """
+
+# Behind a state that was run: what it shows.
+LOOK_AT_STATE = """
+import json
+from paraview.simple import FindSource, GetActiveView, GetDisplayProperties, GetSources, SaveScreenshot
+SaveScreenshot("state.png", GetActiveView())
+scale = GetColorTransferFunction("pressure").RGBPoints
+print(json.dumps({"time": GetActiveView().ViewTime, "sources": sorted(k[0] for k in GetSources()), "range": [scale[0], scale[-4]],
+                  "colour": list(GetDisplayProperties(FindSource("run")).ColorArrayName)}))
+"""
+WORKFLOWS = os.path.abspath(os.path.join(os.path.dirname(__file__), "../../client/workflows"))
 
 
 def paraview(picture, paths):
@@ -116,17 +128,50 @@ class SnapshotsInParaView(unittest.TestCase):
                 ranges = numpy.column_stack([columns.min(axis=0), columns.max(axis=0)])
                 numpy.testing.assert_allclose(seen["arrays"][name], ranges, rtol=1e-12, err_msg=name)
 
-    def example(self, output):
-        """What the example for workflows does of the series."""
-        series = glob.glob(f"{self.dir.name}/**/snapshots.hdf.series", recursive=True)[0]
-        script = os.path.join(os.path.dirname(__file__), "../../client/workflows/with_paraview.py")
-        path = f"{self.dir.name}/{output}"
+    def pvpython(self, *words):
+        """What a script prints, in the run directory."""
+        command = ["xvfb-run", "-a", "pvpython", *words]
         for _ in range(3):
-            done = subprocess.run(["xvfb-run", "-a", "pvpython", script, series, path], capture_output=True, text=True, timeout=120, check=False)
+            done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False, cwd=os.path.dirname(self.series_file()))
             if "bad X server connection" not in done.stdout + done.stderr:
                 break
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return done.stdout
+
+    def series_file(self):
+        return glob.glob(f"{self.dir.name}/**/snapshots.hdf.series", recursive=True)[0]
+
+    def example(self, output):
+        """What the example for workflows does of the series."""
+        path = f"{self.dir.name}/{output}"
+        self.pvpython(os.path.join(WORKFLOWS, "with_paraview.py"), self.series_file(), path)
         return path
+
+    def assert_drawn(self, path):
+        pixels = matplotlib.image.imread(path)[:, :, :3]
+        self.assertGreater(len(numpy.unique(pixels.reshape(-1, 3), axis=0)), 50)
+
+    def test_the_state_shows_the_last_time_by_pressure(self):
+        look = f"{self.dir.name}/look.py"
+        state = os.path.join(WORKFLOWS, "paraview_state.py")
+        with open(look, "w") as script:
+            script.write(f"exec(compile(open({state!r}).read(), 'state', 'exec'))\n{LOOK_AT_STATE}")
+        seen = json.loads(self.pvpython(look).splitlines()[-1])
+        self.assertEqual(seen["time"], float(self.last["meniscus"].attrs["time"]))
+        self.assertEqual((seen["sources"], seen["colour"]), (["run", "time"], ["POINTS", "pressure"]))
+        pressures = self.last["VTKHDF/PointData/pressure"][:]
+        numpy.testing.assert_allclose(seen["range"], [pressures.min(), pressures.max()], rtol=1e-6)
+        self.assert_drawn(os.path.join(os.path.dirname(self.series_file()), "state.png"))
+
+    def test_the_lines_of_the_documentation_draw(self):
+        with open(os.path.join(WORKFLOWS, "README.md")) as readme:
+            lines = re.search(r"```python\n(from paraview.*?)```", readme.read(), re.DOTALL)[1]
+        self.assertEqual(len(lines.splitlines()), 5)
+        script = f"{self.dir.name}/lines.py"
+        with open(script, "w") as file:
+            file.write(lines.replace("DIR/", ""))
+        self.pvpython(script)
+        self.assert_drawn(os.path.join(os.path.dirname(self.series_file()), "pressure.png"))
 
     def test_the_example_writes_the_particles_of_the_last_time_as_csv(self):
         table = numpy.genfromtxt(self.example("last.csv"), delimiter=",", names=True, deletechars="")

@@ -9,6 +9,7 @@ import sys
 import time
 import unittest
 from pathlib import Path
+from unittest import mock
 from typing import Any, Awaitable, Callable
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
@@ -95,6 +96,29 @@ class WithDaemon(DaemonTest):
         with meniscus.Client(self.endpoint) as client:
             self.assertEqual(client.wait(["PAUSED"], timeout=10).state, "PAUSED")
 
+    def test_a_daemon_that_was_started_in_the_line_before_is_waited_for_while_others_go_on(self) -> None:
+        async def main(daemon: str) -> int:
+            turns = 0
+
+            async def others() -> None:
+                nonlocal turns
+                while True:
+                    await asyncio.sleep(0.01)
+                    turns += 1
+
+            task = asyncio.ensure_future(others())
+            async with meniscus.AsyncClient(daemon) as client:
+                self.assertEqual((await client.status()).state, "EMPTY")
+            task.cancel()
+            return turns
+
+        with mock.patch.dict(os.environ, XDG_RUNTIME_DIR=str(self.home / "run")):
+            for daemon in (self.endpoint, "default"):
+                self.listen_late()
+                self.assertGreater(asyncio.run(main(daemon)), 5)
+            with self.assertRaises(meniscus.UnavailableError):
+                asyncio.run(main("nobody"))
+
     @with_client
     async def test_one_at_a_time_changes_the_run(self, client: meniscus.AsyncClient) -> None:
         await client.load("dambreak2d", SMALL)
@@ -103,9 +127,24 @@ class WithDaemon(DaemonTest):
                 await client.set({"end_time": 3})
                 with self.assertRaises(meniscus.LeaseError):
                     await other.set({"end_time": 4})
+                with self.assertRaisesRegex(meniscus.LeaseError, "^anna holds the lease"):
+                    await other.load("dambreak2d", SMALL)
                 await client.renew(30)
                 self.assertGreater(epoch, 0)
             self.assertEqual((await other.set({"end_time": 4})).case_version, 3)
+
+    @with_client
+    async def test_what_went_wrong_under_a_lease_is_seen_though_the_daemon_is_gone(self, client: meniscus.AsyncClient) -> None:
+        await client.load("dambreak2d", SMALL)
+        try:
+            with self.assertRaisesRegex(ValueError, "the cause"):
+                async with client.lease(60):
+                    self.daemon.kill()
+                    self.daemon.wait()
+                    raise ValueError("the cause")
+        finally:
+            self.start_daemon()
+        await client.wait(["READY"], timeout=20)
 
     @with_client
     async def test_what_a_crash_cut_off_is_done_once(self, client: meniscus.AsyncClient) -> None:

@@ -5,12 +5,14 @@
 import ctypes
 import os
 import re
+import signal
 import subprocess
 import sys
 import threading
 import time
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import zmq
@@ -51,11 +53,40 @@ class WithDaemon(DaemonTest):
         self.assertEqual({message.lost for message in heard}, {0})
         self.assertEqual(self.client.wait(["DONE"], timeout=20).state, "DONE")
 
+    @unittest.skipIf(os.getuid(), "only root can become another user")
+    def test_a_place_that_is_closed_to_us_is_passed_over_and_named(self) -> None:
+        place = self.home / "meniscus"
+        place.mkdir(mode=0o700)
+        self.home.chmod(0o755)
+        os.seteuid(65534)
+        try:
+            with mock.patch.dict(os.environ, XDG_RUNTIME_DIR=str(self.home)), self.assertRaisesRegex(meniscus.UnavailableError, f"{place} is closed to this user; `sudo -u meniscus`"):
+                meniscus.Client("nobody")
+        finally:
+            os.seteuid(0)
+
     def test_the_run_directory_is_the_path_of_a_load(self) -> None:
         loaded = self.client.load("dambreak2d", SMALL, start=True)
         self.assertEqual((loaded.state, loaded.path), ("RUNNING", self.client.status().run_directory))
         self.client.pause()
         self.assertEqual(self.client.stop().path, loaded.path)
+
+    def test_what_went_wrong_under_a_lease_is_seen_though_the_daemon_is_gone(self) -> None:
+        self.load()
+        try:
+            with self.assertRaisesRegex(ValueError, "the cause"), self.client.lease(60):
+                self.daemon.kill()
+                self.daemon.wait()
+                raise ValueError("the cause")
+        finally:
+            self.start_daemon()
+        self.client.wait(["READY"], timeout=20)
+
+    def test_numbers_may_be_numpys_in_overrides_and_in_set(self) -> None:
+        self.load(end_time=np.float64(1.5), gravity=np.array([0, -2]), resolution=np.int64(20))
+        self.assertEqual(self.client.get("end_time")["end_time"].value, 1.5)
+        self.client.set({"end_time": np.float32(2.5), "gravity": np.array([0.0, -3.0])})
+        self.assertIn("-3", str(self.client.get("gravity")["gravity"]))
 
     def test_a_resumed_run_keeps_what_was_set_but_for_overrides(self) -> None:
         self.load()
@@ -99,6 +130,9 @@ class WithDaemon(DaemonTest):
                 self.client.set({"end_time": 3})
                 with self.assertRaises(meniscus.LeaseError) as caught:
                     other.set({"end_time": 4})
+                self.assertEqual((caught.exception.status, caught.exception.path), ("held", "lease_epoch"))
+                with self.assertRaisesRegex(meniscus.LeaseError, "^anna holds the lease") as caught:
+                    other.load("dambreak2d", SMALL)
                 self.assertEqual((caught.exception.status, caught.exception.path), ("held", "lease_epoch"))
                 self.assertEqual(other.status().lease_holder, "anna")
                 other.pause()
@@ -224,6 +258,23 @@ class WithDaemon(DaemonTest):
         missing = {field.name for field in meniscus_pb2.Request.DESCRIPTOR.oneofs_by_name["command"].fields} - methods
         self.assertEqual(missing, set())
 
+    def test_a_daemon_that_is_about_to_listen_is_waited_for(self) -> None:
+        self.listen_late()
+        with meniscus.Client(self.endpoint) as other:
+            self.assertEqual(other.status().state, "EMPTY")
+        self.listen_late()
+        with mock.patch.dict(os.environ, XDG_RUNTIME_DIR=str(self.home / "run")), meniscus.Client("default") as other:
+            self.assertEqual(other.status().state, "EMPTY")
+
+    def test_a_daemon_that_hangs_is_not_said_to_be_gone(self) -> None:
+        self.daemon.send_signal(signal.SIGSTOP)
+        try:
+            with self.assertRaises(meniscus.UnavailableError) as caught:
+                meniscus.Client(self.endpoint)
+        finally:
+            self.daemon.send_signal(signal.SIGCONT)
+        self.assertIn("no answer from", caught.exception.message)
+
     def test_cancel_ends_a_pending_wait(self) -> None:
         self.load()
         request = bytes(range(16))
@@ -338,6 +389,24 @@ class WithoutDaemon(unittest.TestCase):
         self.assertEqual(message.limits.density_max, 7)
         with self.assertRaises(meniscus.CaseError):
             text.set("fluids[9].density", 1)
+
+    def test_values_of_a_case_may_be_those_of_numpy(self) -> None:
+        text = case.CaseText({"dimensions": np.int64(2), "gravity": np.array([0.0, -9.81]), "constants": [{"name": "a, b: #c", "value": np.float64(3)}]})
+        text.set("resolution", np.float32(40))
+        text.set("end_time", np.array(2.5))
+        text.set("output", {"probe_interval": np.float64(1e-5)})
+        text.set("threads", np.uint8(3))
+        message = text.message()
+        self.assertEqual((message.resolution, message.end_time, message.output.probe_interval), (40, 2.5, 1e-5))
+        self.assertEqual((message.threads, list(message.gravity)), (3, ["0.0", "-9.81"]))
+        self.assertEqual(message.constants[0].name, "a, b: #c")
+        for value, yaml in (
+            (np.True_, "true"), ([np.float64(1e-5), 2], "[1e-05, 2]"), ("[0, 1]", "[0, 1]"), (["-2*t", "1", "min(1, t)"], '["-2*t", 1, "min(1, t)"]'),
+            ({"at": np.zeros((2, 1))}, "{at: [[0.0], [0.0]]}"),
+        ):
+            self.assertEqual(case.as_yaml(value), yaml)
+        with self.assertRaisesRegex(meniscus.CaseError, "^None is no value of a case"):
+            text.set("end_time", None)
 
     def test_every_shipped_case_is_read(self) -> None:
         files = sorted((ROOT / "server/cases").glob("*.yaml"))

@@ -130,6 +130,11 @@ class WithDaemon(DaemonTest):
         self.assertIn("EMPTY", self.simulation._repr_html_())
         self.simulation.load("dambreak2d", SMALL)
 
+    def test_a_case_without_probes_has_nothing_to_plot(self) -> None:
+        self.simulation.load("dambreak2d", {"resolution": 20, "probes": []})
+        with self.assertRaisesRegex(meniscus.RefusedError, "this case has no probes"):
+            self.simulation.plot()
+
     def test_a_plot_follows_the_run_until_it_stands_still(self) -> None:
         plot = self.simulation.plot("front", "P05", "h1", interval=0.05)
         self.assertEqual(len(plot.figure.axes), 2)  # one for each unit

@@ -313,6 +313,9 @@ class WithoutDaemon(unittest.TestCase):
 
         asyncio.run(close_in_the_midst())
         self.assertEqual(daemon.subscribed, 2)  # of both streams, one each
+        until = time.monotonic() + 10
+        while not daemon.unsubscribed and time.monotonic() < until:  # which nobody answers
+            time.sleep(0.01)
         self.assertEqual(daemon.unsubscribed, 1)
 
     def test_a_file_comes_once_over_two_connections(self) -> None:

@@ -9,6 +9,7 @@ import signal
 import socket
 import subprocess
 import sys
+import termios
 import time
 import unittest
 from pathlib import Path
@@ -17,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from daemon import BUILD, SMALL, DaemonTest  # noqa: E402
 
 KEYS = set(
-    "name endpoint alive state case fault time end_time step steps_per_second eta_s memory_bytes clients".split()
+    "name endpoint alive silent state case fault time end_time step steps_per_second eta_s memory_bytes clients streams".split()
 )
 
 
@@ -61,6 +62,62 @@ class Top(DaemonTest):
         self.assertEqual(lines[0].split(), "NAME STATE CASE DONE STEPS/S ETA CLIENTS MEMORY FAULT".split())
         self.assertEqual({tuple(line.split()[:2]) for line in lines[1:]}, {("default", "EMPTY"), ("gone", "dead")})
         self.assertNotIn("\033", "".join(lines))
+
+    def test_a_daemon_that_hangs_is_silent_and_holds_nobody_up(self) -> None:
+        self.daemon.send_signal(signal.SIGSTOP)
+        self.addCleanup(self.daemon.send_signal, signal.SIGCONT)
+        began = time.monotonic()
+        top, listed = self.daemons()["default"], self.ask("ls")["daemons"][0]
+        for row in (top, listed):
+            self.assertEqual((row["alive"], row["silent"], row["state"]), (False, True, None))
+        self.assertRegex(self.meniscus("top").stdout, "(?m)^default +silent +- ")
+        self.assertRegex(self.meniscus("ls").stdout, "(?m)^default +silent +- ")
+        self.assertLess(time.monotonic() - began, 4 * 1.5)
+        self.assertIn("no answer from ", self.meniscus("status", code=69).stderr)
+        self.daemon.send_signal(signal.SIGCONT)
+        self.assertTrue(self.daemons()["default"]["alive"])
+
+    def test_no_more_daemons_are_shown_than_the_terminal_has_lines(self) -> None:
+        for k in range(9):
+            place = self.home / "run" / "meniscus" / f"gone{k}"
+            place.mkdir(mode=0o700)
+            with socket.socket(socket.AF_UNIX) as listener:
+                listener.bind(str(place / "control.ipc"))
+            self.addCleanup((place / "control.ipc").unlink)
+        ours, theirs = pty.openpty()
+        self.addCleanup(os.close, ours)
+        termios.tcsetwinsize(theirs, (8, 80))
+        top = subprocess.Popen([BUILD / "meniscus", "top"], env=self.environment, stdout=theirs)
+        os.close(theirs)
+        shown = b""
+        while shown.count(b"STEPS/S") < 2 or not shown.endswith(b"\033[J"):
+            shown += os.read(ours, 4096)
+        top.terminate()
+        top.wait(timeout=10)
+        first = shown.split(b"\033[J")[0].decode().splitlines()
+        self.assertEqual(len(first), 7, "and the last line is the cursor's")
+        self.assertTrue(first[-1].startswith("... 5 more"), first)
+        self.assertIn(b"\033[7A\r", shown)
+        self.assertEqual(len(self.meniscus("top").stdout.splitlines()), 11)
+
+    def test_an_interrupt_waits_for_no_more_than_one_daemon(self) -> None:
+        for k in range(10):  # somebody listens, and never says a word
+            place = self.home / "run" / "meniscus" / f"hung{k}"
+            place.mkdir(mode=0o700)
+            listener = socket.socket(socket.AF_UNIX)
+            listener.bind(str(place / "control.ipc"))
+            listener.listen()
+            self.addCleanup((place / "control.ipc").unlink)
+            self.addCleanup(listener.close)
+        ours, theirs = pty.openpty()
+        self.addCleanup(os.close, ours)
+        top = subprocess.Popen([BUILD / "meniscus", "top"], env=self.environment, stdout=theirs)
+        os.close(theirs)
+        time.sleep(0.7)
+        began = time.monotonic()
+        top.send_signal(signal.SIGINT)
+        self.assertEqual(top.wait(timeout=20), -signal.SIGINT)
+        self.assertLess(time.monotonic() - began, 2)
 
     def test_on_a_terminal_it_is_made_anew_until_it_is_interrupted(self) -> None:
         ours, theirs = pty.openpty()

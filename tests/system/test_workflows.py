@@ -233,6 +233,24 @@ class Sweeps(Workflow):
         picture = matplotlib.image.imread(self.home / "out/report.png")[:, :, :3]
         self.assertGreater((picture.min(axis=2) < 0.9).mean(), 0.01, "something is drawn")
 
+    @unittest.skipUnless(shutil.which("snakemake"), "needs the package snakemake")
+    def test_a_snakemake_that_was_killed_goes_on_when_it_is_unlocked(self) -> None:
+        command = ["snakemake", "--cores", "1", "--snakefile", HERE / "Snakefile", "--directory", self.home / "out"]
+        config = ["--config", "probe=kinetic", *(f"{k.lower()}={v}" for k, v in SWEEP.items())]
+        errors = open(self.home / "errors", "w")
+        self.addCleanup(errors.close)
+        killed = subprocess.Popen(
+            [str(w) for w in (*command, *config)], env=self.environment, cwd=self.home, start_new_session=True, stdout=errors, stderr=errors
+        )
+        wait_for(lambda: list(self.home.glob("out/*/*.run/journal")) or killed.poll() is not None)
+        os.killpg(killed.pid, signal.SIGKILL)  # with its jobs, as a power cut does
+        self.assertEqual(killed.wait(), -signal.SIGKILL)
+        self.do(*command, "--rerun-incomplete", *config, code=1)
+        self.assertIn("--unlock", (self.home / "errors").read_text())
+        self.do(*command, "--unlock", *config)
+        self.do(*command, "--rerun-incomplete", *config)
+        self.check_report(self.home / "out")
+
     def test_a_slurm_job_that_runs_out_of_time_goes_back_in_line(self) -> None:
         fake = self.home / "bin"
         fake.mkdir()

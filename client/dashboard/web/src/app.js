@@ -5,6 +5,7 @@ import "./app.css";
 import { Charts } from "./charts.js";
 import { count, duration, number, ticks, vector } from "./format.js";
 import { decode } from "./frame.js";
+import { appointment, askLater, showLater, told } from "./later.js";
 import { Link } from "./link.js";
 import { Events, Journal } from "./logs.js";
 import { complain, confirmed, tell } from "./notes.js";
@@ -21,8 +22,9 @@ const THIN = /(^|[^a-z])(air|gas|vapou?r|steam)([^a-z]|$)/i;
 /** What is known. */
 const known = {
   /** @type {any} */ about: null, /** @type {any} */ status: null, /** @type {any} */ progress: null, /** @type {any} */ daemon: null,
-  linked: false, lost: 0, lease: 0, drawn: 0,
+  linked: false, lost: 0, lease: 0, renewed: 0, drawn: 0,
   /** @type {import("./frame.js").Frame|null} */ frame: null,
+  /** Which pictures are wanted, and why they cannot be had. @type {any} */ wish: null, /** @type {any} */ refused: null,
   /** @type {{colour: string, visible: boolean, name: string, wall: boolean}[]} */ phases: [],
   /** @type {string} */ space: "",
 };
@@ -68,12 +70,19 @@ async function askToken() {
 /** @param {import("./link.js").Message} message */
 function take(message) {
   switch (message.topic) {
-    case "hello": events.clear(); break;
+    case "hello":
+      events.clear();
+      series.coming = true; // without being asked for
+      break;
     case "daemon": known.daemon = message; break;
     case "about": takeAbout(message); break;
-    case "status": known.status = message; known.progress = null; break;
+    case "status":
+      known.status = message;
+      known.progress = null;
+      renewLease();
+      break;
     case "progress": known.progress = message; break;
-    case "history": series.begin(message.probes); charts.stale = true; break;
+    case "history": series.recall(/** @type {any} */ (message)); charts.stale = true; break;
     case "samples":
       if (series.add(message.names, message.units, message.rows)) link.send({ do: "history" });
       charts.stale = true;
@@ -81,6 +90,9 @@ function take(message) {
     case "event": case "log":
       events.add(message);
       if (!$("journal").hidden) journal.read();
+      break;
+    case "refused":
+      if (["field", "limit", "walls"].every((key) => message[key] === known.wish?.[key])) known.refused = message.error;
       break;
     case "lost": known.lost += message.messages; break;
     default:
@@ -90,7 +102,9 @@ function take(message) {
 
 /** Say what is wanted in pictures. */
 function wish() {
-  link.send({ do: "show", field: $("field").value || "phase", limit: Number($("limit").value), walls: $("walls").checked });
+  known.wish = { field: $("field").value || "phase", limit: view ? Number($("limit").value) : 0, walls: $("walls").checked };
+  known.refused = null;
+  link.send({ do: "show", ...known.wish });
 }
 
 /**
@@ -132,8 +146,8 @@ function takeAbout(about) {
     ...about.fluids.map((/** @type {any} */ f) => ({ ...f, visible: !(dimensions === 3 && several && THIN.test(f.name)), wall: false })),
     ...about.walls.map((/** @type {string} */ name) => ({ name, colour: "#8a8f98", visible: true, wall: true })),
   ];
-  view.setSpace(/** @type {any} */ (space));
-  view.setPhases(known.phases);
+  view?.setSpace(/** @type {any} */ (space));
+  view?.setPhases(known.phases);
   showMap();
   range.begin();
   legend();
@@ -148,7 +162,18 @@ function fill(select, names, wanted) {
 
 // --- pictures -----------------------------------------------------------------------------------------------------------
 
-const view = new View($("canvas")), range = new Range();
+const view = begin(), range = new Range();
+
+/** Without WebGL there are no pictures, and all else goes on. */
+function begin() {
+  try {
+    return new View($("canvas"));
+  } catch {
+    for (const control of document.querySelectorAll(".toolbar select, .toolbar input, .toolbar button")) /** @type {any} */ (control).disabled = true;
+    return null;
+  }
+}
+
 /** Times at which pictures came, of the last seconds. @type {number[]} */
 let pace = [];
 
@@ -159,8 +184,9 @@ function takeFrame(buffer) {
   if (frame.field !== $("field").value || frame.walls !== $("walls").checked) return;
   if (frame.step !== known.frame?.step) pace.push(performance.now());
   known.frame = frame;
-  view.setFrame(frame);
-  if (frame.value) view.setRange(range.follow(spread(frame.value, (k) => !known.phases[frame.phase[k]]?.wall && known.phases[frame.phase[k]]?.visible !== false), isDiverging()));
+  known.refused = null;
+  view?.setFrame(frame);
+  if (frame.value) view?.setRange(range.follow(spread(frame.value, (k) => !known.phases[frame.phase[k]]?.wall && known.phases[frame.phase[k]]?.visible !== false), isDiverging()));
   showBar();
 }
 
@@ -171,7 +197,7 @@ function isDiverging() {
 function showMap() {
   const map = known.about?.colour_maps.find((/** @type {any} */ m) => m.name === $("map").value);
   if (!map) return;
-  view.setMap(map.stops);
+  view?.setMap(map.stops);
   const canvas = $("bar-canvas"), pen = canvas.getContext("2d"), shade = pen.createLinearGradient(0, canvas.height, 0, 0);
   map.stops.forEach((/** @type {string} */ colour, /** @type {number} */ k) => shade.addColorStop(k / (map.stops.length - 1), colour));
   pen.fillStyle = shade;
@@ -187,7 +213,7 @@ function legend() {
     const input = element("input", { type: "checkbox", checked: phase.visible });
     input.onchange = () => {
       phase.visible = input.checked;
-      view.setPhases(known.phases);
+      view?.setPhases(known.phases);
     };
     const dot = element("i");
     dot.style.background = phase.colour;
@@ -217,6 +243,11 @@ function showBar() {
 function showShown() {
   const frame = known.frame, now = performance.now();
   pace = pace.filter((t) => now - t < 2000);
+  if (known.refused) {
+    $("shown").replaceChildren(element("b", {}, `No picture: ${known.refused.message}`));
+    $("pace").textContent = "";
+    return;
+  }
   if (!frame) {
     $("shown").textContent = $("pace").textContent = "";
     return;
@@ -257,7 +288,7 @@ function showState() {
   const why = lockedBy ? `${lockedBy} holds the lease` : state === "AWAY" ? "not connected" : `not possible while ${state}`;
   /** @type {[string, boolean, boolean][]} button, possible in this state, needs the lease */
   const buttons = [["go", Boolean(go[1]), go[1] !== "pause"], ["step", MOVES.includes(state), true], ["until", MOVES.includes(state), true],
-    ["snapshot", has, false], ["checkpoint", has, false], ["back", has && state !== "RUNNING", true], ["stop", has, false]];
+    ["snapshot", has, false], ["checkpoint", has, false], ["later", has && state !== "FAULT", false], ["back", has && state !== "RUNNING", true], ["stop", has, false]];
   for (const [id, possible, leased] of buttons) {
     const may = possible && !(leased && lockedBy);
     $(id).disabled = !may;
@@ -270,6 +301,7 @@ function showState() {
   $("eta").textContent = state === "RUNNING"
     ? `${number(progress.steps_per_second, 3)} steps/s · ${duration(progress.eta_s)} to go` : state === "DONE" ? "end time reached" : "";
   if (!$("until-time").value && end) $("until-time").placeholder = number(end, 4);
+  showLater($("scheduled"), has ? status.scheduled ?? [] : [], (one) => command("Not called off", { do: "cancel", request: one.id }, () => `Called off: ${told(one)}`));
   showLease(status);
   showBanner(state, status);
   showEmpty(state);
@@ -291,6 +323,8 @@ function showLease(status) {
 function showBanner(state, status) {
   let words = ["", "", ""];
   if (!known.linked) words = ["The dashboard's server does not answer.", "It is tried again by itself.", ""];
+  else if (known.daemon && !known.daemon.alive && known.daemon.error?.status === "unavailable")
+    words = ["The daemon does not answer.", "It is asked again by itself.", "if it has ended, start it with the same --name and --state-dir: it comes back to its run"];
   else if (known.daemon && !known.daemon.alive) words = ["The daemon does not answer.", known.daemon.error?.message ?? "", known.daemon.error?.hint ?? ""];
   else if (state === "FAULT") words = ["The run has stopped.", status.fault ?? "", "look at it, write a snapshot; then reset, or restore a checkpoint"];
   const text = words.join("|");
@@ -302,13 +336,14 @@ function showBanner(state, status) {
 
 /** @param {string} state */
 function showEmpty(state) {
-  const kind = state === "EMPTY" ? "load" : ["LOADING", "RECOVERING", "STOPPING"].includes(state) ? state : known.frame ? "" : state;
+  const kind = state === "EMPTY" ? "load" : ["LOADING", "RECOVERING", "STOPPING"].includes(state) ? state : !view && LOADED.includes(state) ? "BLIND" : known.frame ? "" : state;
   const empty = $("empty");
   if (empty.dataset.kind === kind) return;
   empty.dataset.kind = kind;
   empty.hidden = !kind;
   const says = { LOADING: ["The case is being loaded", "Particles are placed; large cases take a while."], RECOVERING: ["The run is coming back", "After a crash, what came after the newest checkpoint is done again."],
-    STOPPING: ["The daemon is leaving", ""], AWAY: ["Not connected", "As soon as the daemon answers, its particles are here."] };
+    STOPPING: ["The daemon is leaving", ""], BLIND: ["This browser cannot draw the particles", "It has no WebGL, or was told to do without. Probes, parameters and all commands work as ever."],
+    AWAY: ["Not connected", "As soon as the daemon answers, its particles are here."] };
   const [title, text] = says[/** @type {keyof typeof says} */ (kind)] ?? ["Waiting for the first picture", ""];
   if (kind !== "load") {
     empty.replaceChildren(element("h2", {}, title), element("p", {}, text));
@@ -376,6 +411,10 @@ $("until-form").onsubmit = (/** @type {Event} */ event) => {
 };
 for (const id of ["snapshot", "checkpoint"])
   $(id).onclick = () => command(`No ${id}`, { do: id }, (r) => `Written: ${r.path}`);
+$("later").onclick = async () => {
+  const form = await askLater($("ask"), (known.progress ?? known.status)?.time ?? 0);
+  if (form) command("Not scheduled", appointment(form), (r) => r.message);
+};
 $("back").onclick = async () => {
   const ways = [["restore", "the newest checkpoint", "With the case as it was then."], ["reset", "the beginning", "What was set since the case was loaded is undone."]].map(([value, name, text], k) =>
     element("p", {}, element("label", {}, element("input", { type: "radio", name: "way", value, checked: k === 0 }), ` To ${name}. `, element("span", { className: "muted" }, text))));
@@ -402,17 +441,22 @@ $("lease-button").onclick = async () => {
 async function holdLease(holder) {
   const reply = await command("No lease", { do: "lease", seconds: LEASE_S, holder });
   known.lease = reply.lease_epoch ?? 0;
+  known.renewed = performance.now();
   showState();
 }
-setInterval(async () => {
-  if (!known.lease || !known.linked) return;
+
+/** With each status that comes, as browsers let the timers of a page in the background sleep for longer than a lease lasts. */
+async function renewLease() {
+  const now = performance.now();
+  if (!known.lease || now - known.renewed < LEASE_S * 1000 / 3) return;
+  known.renewed = now;
   const reply = await link.ask({ do: "lease", seconds: LEASE_S, holder: kept("holder") || "dashboard", lease: known.lease });
   if (!reply.error || !known.lease) return;
   known.lease = 0;
   complain($("notes"), "The lease is lost", reply.error);
-}, LEASE_S * 1000 / 3);
+}
 
-for (const limit of LIMITS) $("limit").append(element("option", { value: String(limit), selected: limit === USUAL_LIMIT }, `${count(limit)}`));
+for (const limit of LIMITS) $("limit").append(element("option", { value: String(limit), selected: limit === USUAL_LIMIT }, `≈ ${count(limit)}`));
 for (const id of ["field", "walls", "limit"])
   $(id).onchange = () => {
     if (id === "field") kept("field", $("field").value);
@@ -426,15 +470,15 @@ $("map").onchange = () => {
   showMap();
 };
 $("hold").onchange = () => { range.held = $("hold").checked; };
-$("home").onclick = () => view.home();
+$("home").onclick = () => view?.home();
 $("canvas").onkeydown = (/** @type {KeyboardEvent} */ event) => {
-  if (!event.ctrlKey && !event.metaKey && !event.altKey && view.key(event)) event.preventDefault();
+  if (!event.ctrlKey && !event.metaKey && !event.altKey && view?.key(event)) event.preventDefault();
 };
 
 /** @param {string} theme */
 function setTheme(theme) {
   document.documentElement.dataset.theme = theme;
-  view.stale = true;
+  if (view) view.stale = true;
   charts.rebuild();
 }
 const dark = matchMedia("(prefers-color-scheme: dark)");
@@ -445,7 +489,7 @@ $("theme").onclick = () => setTheme(kept("theme", document.documentElement.datas
 /** @param {number} now */
 function draw(now) {
   const style = getComputedStyle(document.documentElement);
-  view.draw({ ink: style.getPropertyValue("--muted").trim(), paper: style.getPropertyValue("--stage").trim() });
+  view?.draw({ ink: style.getPropertyValue("--muted").trim(), paper: style.getPropertyValue("--stage").trim() });
   charts.draw(now);
   if (known.drawn) {
     link.send({ do: "drawn", count: known.drawn });

@@ -35,7 +35,7 @@ export class Events {
   add(message) {
     const what = message.topic === "log" ? message.text : message.text || message.what;
     const row = element("tr", { className: message.topic === "log" && message.level <= 4 || message.state === "FAULT" ? "bad" : "" },
-      element("td", { className: "narrow" }, clock(message.when)), element("td", { className: "narrow number" }, number(message.time, 5)),
+      element("td", { className: "narrow" }, message.when ? clock(message.when) : "before"), element("td", { className: "narrow number" }, number(message.time, 5)),
       element("td", {}, message.topic === "event" && message.what && message.text ? `${message.what}: ${message.text}` : what));
     this.body.prepend(row);
     while (this.body.children.length > MOST_EVENTS) this.body.lastElementChild?.remove();

@@ -11,11 +11,21 @@ export class Series {
   constructor() {
     /** @type {Map<string, Probe>} */
     this.probes = new Map();
+    /** Is the history on its way? It is asked for once at a time. */
+    this.coming = false;
+    /** Which probes it has told of so far. @type {Set<string>} */
+    this.told = new Set();
   }
 
-  /** All of the past. @param {Probe[]} probes */
-  begin(probes) {
-    this.probes = new Map(probes.map((probe) => [probe.name, probe]));
+  /** A piece of the history. What none of its pieces tells of is of another run. @param {{first: boolean, last: boolean, probes: Probe[]}} piece */
+  recall({ first, last, probes }) {
+    if (first) this.told.clear();
+    for (const probe of probes) {
+      this.probes.set(probe.name, probe);
+      this.told.add(probe.name);
+    }
+    this.coming = !last;
+    if (last) for (const name of this.probes.keys()) if (!this.told.has(name)) this.probes.delete(name);
   }
 
   clear() {
@@ -25,7 +35,7 @@ export class Series {
   /**
    * Samples as they come; one that is not later than the last is of a new time line, which takes the place of the old one.
    * @param {string[]} names @param {string[]} units @param {(number|null)[][]} rows  time, then the values
-   * @returns {boolean} whether the history should be asked for again
+   * @returns {boolean} whether the history should be asked for again; then it counts as coming
    */
   add(names, units, rows) {
     let full = false;
@@ -41,6 +51,8 @@ export class Series {
         probe.v.push(values[k] ?? null);
         full ||= probe.t.length > MOST;
       });
-    return full;
+    const ask = full && !this.coming;
+    this.coming ||= ask;
+    return ask;
   }
 }

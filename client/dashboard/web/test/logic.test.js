@@ -4,6 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { bounds, count, duration, number, ticks, vector } from "../src/format.js";
 import { decode } from "../src/frame.js";
+import { appointment, told } from "../src/later.js";
 import { patience } from "../src/link.js";
 import { deed } from "../src/logs.js";
 import { choices, relevant, slide } from "../src/parameters.js";
@@ -135,10 +136,23 @@ test("memory is bounded: when much has come, the thinned history is asked for", 
   for (let k = 0; k < 10 * MOST; k++)
     if (series.add(["a"], [""], [[k, k]])) {
       asked++;
-      series.begin([{ name: "a", unit: "", thinned: 1, t: [0, k], v: [0, k] }]);
+      series.recall({ first: true, last: true, probes: [{ name: "a", unit: "", thinned: 1, t: [0, k], v: [0, k] }] });
     }
   assert.ok(asked >= 9);
   assert.ok((series.probes.get("a")?.t.length ?? 0) <= MOST + 1);
+});
+
+test("the history comes in pieces, and is not asked for again until it is whole", () => {
+  const series = new Series(), past = (/** @type {string} */ name) => ({ name, unit: "", thinned: 0, t: [0], v: [7] });
+  const rows = Array.from({ length: MOST + 2 }, (_, k) => [k, k]);
+  series.add(["gone"], [""], [[0, 1]]);
+  assert.equal(series.add(["a", "b"], ["", ""], rows.map(([t]) => [t, t, t])), true);
+  series.recall({ first: true, last: false, probes: [past("a")] });
+  assert.equal(series.add(["b"], [""], [[MOST + 2, 1]]), false);
+  assert.deepEqual([...series.probes.keys()], ["gone", "a", "b"]); // nothing vanishes on the way
+  series.recall({ first: false, last: true, probes: [past("b")] });
+  assert.deepEqual([...series.probes.keys()], ["a", "b"]);
+  assert.equal(series.add(["b"], [""], rows), true);
 });
 
 test("a lost connection is tried again, ever more patiently but never for long", () => {
@@ -150,4 +164,12 @@ test("records of the journal in words", () => {
   assert.equal(deed({ kind: "begun" }), "set out");
   assert.equal(deed({ changes: [], reply: { code: "ABORTED", message: "ended" } }), "ABORTED: ended");
   assert.equal(deed({ reply: { code: "OK", state: "PAUSED" } }), "PAUSED");
+});
+
+test("what is to happen later is said as the gateway wants it", () => {
+  const form = (/** @type {Record<string, string>} */ entries) => Object.entries(entries).reduce((f, [k, v]) => (f.set(k, v), f), new FormData());
+  assert.deepEqual(appointment(form({ what: "pause", at: "120", unit: "step", settings: "" })), { do: "pause", at_step: 120 });
+  assert.deepEqual(appointment(form({ what: "set", at: "0.5", unit: "time", settings: "gravity=[0, -2]\n\n end_time=3 " })),
+    { do: "set", settings: ["gravity=[0, -2]", "end_time=3"], at_time: 0.5 });
+  assert.equal(told({ id: "", at_step: 7, at_time: null, who: "local", what: "set" }), "set, at step 7");
 });

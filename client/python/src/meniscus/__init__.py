@@ -19,12 +19,12 @@ from .files import Field, ProbeSeries, Snapshot, Snapshots
 from .plot import LivePlot
 from .simulation import Bounds, Parameter, Parameters, Probes, Simulation
 from .streams import Stream
-from .values import Breakpoint, OutputFile, Reply, Scheduled, Status, Telemetry, Timer, Value
+from .values import Breakpoint, OutputFile, Reply, Scheduled, Status, StreamsNow, Telemetry, Timer, Value
 from .wishes import Column, Cursor, StreamItem, StreamStats
 
 __version__ = "0.1.0"
 __all__ = ["AsyncClient", "Bounds", "Breakpoint", "CancelledError", "CaseError", "Client", "Column", "CorruptError", "Cursor",
            "DeniedError", "DivergedError", "Field", "LeaseError", "LivePlot", "MeniscusError", "OutputFile",
            "Parameter", "Parameters", "ProbeSeries", "Probes", "RefusedError", "Reply", "Scheduled", "Simulation", "Snapshot",
-           "Snapshots", "StateError", "Status", "Stream", "StreamItem", "StreamStats", "TOPICS", "Telemetry", "TimedOutError", "Timer", "UnavailableError",
+           "Snapshots", "StateError", "Status", "Stream", "StreamItem", "StreamStats", "StreamsNow", "TOPICS", "Telemetry", "TimedOutError", "Timer", "UnavailableError",
            "Value"]

@@ -19,7 +19,7 @@ from . import meniscus_pb2 as pb
 from .case import CaseSource
 from .commands import Command, async_method
 from .dialogue import EVENTS, TRY_S, Answer, Dialogue, Listening, Send, Wait, prepare_control
-from .endpoint import control_endpoint, data_endpoint, telemetry_endpoint
+from .endpoint import async_await_endpoint, data_endpoint, telemetry_endpoint
 from .errors import LeaseError, MeniscusError, UnavailableError
 from .flow import MEMORY, Flow, StreamFacts
 from .keys import Keys, choose_keys
@@ -159,14 +159,14 @@ class AsyncClient:
     ) -> None:
         self.timeout = timeout
         self._lease = 0  # epoch
-        self._endpoint = control_endpoint(daemon)
-        self._keys = choose_keys(self._endpoint, key, server_key)
+        self._daemon, self._key, self._server_key = daemon, key, server_key
         self._connection: Optional[AsyncConnection] = None
 
     async def connect(self) -> AsyncClient:
-        """Connect, with the loop that is running."""
+        """Connect, with the loop that is running. UnavailableError if there is no such daemon."""
         if not self._connection:
-            connection = AsyncConnection(self._endpoint, self._keys)
+            endpoint = await async_await_endpoint(self._daemon)
+            connection = AsyncConnection(endpoint, choose_keys(endpoint, self._key, self._server_key))
             await connection.open()
             self._connection = connection
         return self
@@ -243,8 +243,8 @@ class AsyncClient:
     async def _give_back(self) -> None:
         try:
             await self._do(commands.release_lease())
-        except LeaseError:
-            pass  # it was over
+        except (LeaseError, UnavailableError):
+            pass  # it was over, or will be; what went wrong within the block shall be seen
         finally:
             self._lease = 0
 
@@ -277,7 +277,8 @@ class AsyncClient:
         **wishes: Any,
     ) -> AsyncStream:
         """Data at your own pace, as Client.stream(): `async with client.stream(...) as stream: async for item in stream`."""
-        return AsyncStream(self._endpoint, self._keys, what, names, since, timeout, memory, wishes)
+        connection = self._connected()
+        return AsyncStream(connection.endpoint, connection.keys, what, names, since, timeout, memory, wishes)
 
     # --- under the hood ---------------------------------------------------------------------------------------------
 

@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import difflib
 import io
+import json
 import os
 import re
 from pathlib import Path
 from typing import Any, Dict, Iterable, Mapping, Optional, Union
 
+import numpy as np
 import yaml
 from google.protobuf.descriptor import FieldDescriptor
 from google.protobuf.message import Message
@@ -47,6 +49,27 @@ def name_of(path: Path) -> str:
     return re.sub(r"^[.-]", "_", name)
 
 
+def as_yaml(value: Any) -> str:
+    """A value as after --set on the command line, in one line; numbers and arrays may be numpy's. Text is taken to be that already."""
+    return value if isinstance(value, str) else _flow(value)
+
+
+def _flow(value: Any) -> str:
+    if isinstance(value, (np.generic, np.ndarray)):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{_flow(key)}: {_flow(item)}" for key, item in value.items()) + "}"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(_flow(item) for item in value) + "]"
+    if isinstance(value, str):
+        return value if re.fullmatch(r"[\w.+-]+", value) else json.dumps(value, ensure_ascii=False)
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (int, float)):
+        return repr(value + 0)  # of an enumeration, its number
+    raise CaseError("INVALID_ARGUMENT", f"{value!r:.80} is no value of a case: allowed are numbers, text, truth values, lists and mappings of them")
+
+
 class CaseText:
     """A case as text, with the places of its entries."""
 
@@ -54,7 +77,7 @@ class CaseText:
         """case: a path, a name, or a mapping that has the shape of a case file."""
         if isinstance(case, Mapping):
             self.name, self.file = "case", "case"
-            text = yaml.safe_dump(dict(case), sort_keys=False)
+            text = as_yaml(case)
         else:
             path = find(case)
             self.name, self.file = name_of(path), str(path)
@@ -78,7 +101,7 @@ class CaseText:
 
     def set(self, path: str, value: Any) -> None:
         """Override an entry: set("fluids[1].density", 2). Text is read as YAML."""
-        text = value if isinstance(value, str) else yaml.safe_dump(value, default_flow_style=True)
+        text = as_yaml(value)
         new = self._compose(text, OVERRIDE + path)
         node = self._root
         words = re.findall(r"[^.\[\]]+", path)
@@ -93,6 +116,11 @@ class CaseText:
         self._places = {}
         self._read_message(self._root, message, "")
         return message
+
+    @staticmethod
+    def has(path: str) -> bool:
+        """Is it an entry of cases?"""
+        return re.split(r"[.\[]", path)[0] in case_pb2.Case.DESCRIPTOR.fields_by_name
 
     def locate(self, path: str) -> str:
         """FILE:LINE:COLUMN of an entry, or of the nearest entry around it."""

@@ -16,8 +16,8 @@ from .case import CaseSource
 from .commands import Command, method
 from .connection import Connection
 from .dialogue import Listening
-from .endpoint import control_endpoint, telemetry_endpoint
-from .errors import LeaseError, MeniscusError
+from .endpoint import await_endpoint, telemetry_endpoint
+from .errors import LeaseError, MeniscusError, UnavailableError
 from .flow import MEMORY
 from .keys import choose_keys
 from .streams import Stream
@@ -50,7 +50,7 @@ class Client:
     ) -> None:
         self.timeout = timeout
         self._lease = 0  # epoch
-        endpoint = control_endpoint(daemon)
+        endpoint = await_endpoint(daemon)
         self._connection = Connection(endpoint, choose_keys(endpoint, key, server_key))
 
     def close(self) -> None:
@@ -133,8 +133,8 @@ class Client:
     def _give_back(self) -> None:
         try:
             self._do(commands.release_lease())
-        except LeaseError:
-            pass  # it was over
+        except (LeaseError, UnavailableError):
+            pass  # it was over, or will be; what went wrong within the block shall be seen
         finally:
             self._lease = 0
 

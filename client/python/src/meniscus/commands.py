@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Callable, Coroutine, Dict, Generic, List,
 import numpy as np
 
 from . import meniscus_pb2 as pb
-from .case import CaseSource, CaseText
+from .case import CaseSource, CaseText, as_yaml
 from .errors import CaseError, MeniscusError
 from .values import Frame, OutputFile, Reply, Status, Value, read_array, read_reply, read_status, read_values
 
@@ -125,8 +125,8 @@ def load(
     request = pb.Request(load=pb.Load(case=text.message(), name=name or text.name, resume=resume, settings=settings))
 
     def explain(error: MeniscusError) -> MeniscusError:
-        if not error.path:
-            return error
+        if not text.has(error.path):
+            return error  # name, conditions and lease come with the request
         where = text.locate(error.path)
         return CaseError(error.code, f"{where}: {error.path}: {error.message}", error.path, error.status)
 
@@ -238,9 +238,14 @@ def shutdown(checkpoint: bool = False) -> Command[Reply]:
 # --- one writer at a time --------------------------------------------------------------------------------------------------
 
 
+def _short(name: str) -> str:
+    """Its first 30 bytes, and no half of a character."""
+    return name.encode(errors="ignore")[:30].decode(errors="ignore")
+
+
 def take_lease(seconds: float, holder: Optional[str]) -> Command[int]:
     """A new lease, with its epoch. holder: what others are told; None: user@host."""
-    name = holder or f"{getpass.getuser()[:30]}@{gethostname()[:30]}"
+    name = holder or f"{_short(getpass.getuser())}@{_short(gethostname())}"
     return Command(pb.Request(lease=pb.Lease(ttl_ms=round(1000 * seconds), holder=name)), _epoch)
 
 
@@ -269,7 +274,7 @@ def set(
     at_time     or at this simulated time [s], at which a step ends exactly
     wait        return when it has taken effect; False: when it is scheduled, with an effect_step of None. A timeout is for the effect
     """
-    items = [pb.Assignment(path=path, value=_as_yaml(value)) for path, value in assignments.items()]
+    items = [pb.Assignment(path=path, value=as_yaml(value)) for path, value in assignments.items()]
     return Command(
         pb.Request(
             set=pb.Set(assignments=items), if_step=if_step, if_version=if_version,
@@ -339,14 +344,3 @@ def particles(
     """
     message = pb.ParticleQuery(min=min or (), max=max or (), fields=fields, walls=walls, limit=limit, every=every)
     return Command(pb.Request(query=pb.Query(particles=message)), _arrays)
-
-
-def _as_yaml(value: Any) -> str:
-    """A value as after --set on the command line; text is taken to be that already."""
-    if isinstance(value, (bool, np.bool_)):
-        return "true" if value else "false"
-    if isinstance(value, (list, tuple, np.ndarray)):
-        return "[" + ", ".join(_as_yaml(item) for item in value) + "]"
-    if isinstance(value, np.generic):
-        value = value.item()
-    return value if isinstance(value, str) else repr(value)

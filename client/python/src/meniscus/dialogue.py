@@ -21,7 +21,8 @@ from .errors import CorruptError, DeniedError, MeniscusError, TimedOutError, Una
 from .keys import Keys
 from .values import Frame, Telemetry, read_telemetry
 
-CONNECT_S = 5.0  # to a daemon that should be there: where nobody listens it is known at once
+CONNECT_S = 5.0  # to a daemon that should be there
+REFUSALS = 3  # a tenth of a second apart: where nobody listens then, nobody is about to, as a daemon started just now is
 RECONNECT_S = 5.0  # to a daemon that was there
 GREETING_S = 5.0  # a daemon answers greetings at once, whatever it computes
 GRACE_S = 2.0  # beyond the deadline that the daemon knows, for its answer to get here
@@ -59,7 +60,7 @@ class Dialogue:
         self.keys = keys
         self.epoch = 0  # of the daemon
         self._failed = 0  # the event of a handshake that failed since
-        self._retried = False
+        self._refusals = 0
         self._connected = False
         self._connections = 0
         self._lost_since = time.monotonic()
@@ -69,7 +70,7 @@ class Dialogue:
 
     def note(self, event: int) -> None:
         """Something happened to the connection: an event of ZeroMQ."""
-        self._retried = event == zmq.EVENT_CONNECT_RETRIED
+        self._refusals += event == zmq.EVENT_CONNECT_RETRIED
         if event == zmq.EVENT_HANDSHAKE_SUCCEEDED:
             self._connected = True
             self._failed = 0
@@ -97,12 +98,16 @@ class Dialogue:
     def connect(self) -> Connecting:
         """Wait until it is connected, and ask whether somebody is there."""
         deadline = time.monotonic() + CONNECT_S
-        while not (self._connected or self._failed or self._retried) and time.monotonic() < deadline:
+        self._refusals = 0
+        while not (self._connected or self._failed or self._refusals >= REFUSALS) and time.monotonic() < deadline:
             yield Wait(max(0.001, deadline - time.monotonic()))
         self._check_denied()
         if self._failed:
             what = f"does not have the secret of the server key {self.keys.server}" if self.keys else "takes no plain text"
             raise UnavailableError("UNAVAILABLE", f"whoever listens at {self.endpoint} {what}; see the keys of the daemon")
+        if not self._connected and not self._refusals:
+            why = "who listens there hangs, or the network loses what is sent; see `meniscus ls` on its machine"
+            raise UnavailableError("UNAVAILABLE", f"no answer from {self.endpoint}: {why}")
         if not self._connected:
             raise UnavailableError("UNAVAILABLE", f"nobody listens at {self.endpoint}; start a daemon with `meniscusd`")
         yield from self._greet()

@@ -3,12 +3,17 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import re
+import time
 from pathlib import Path
 from typing import List, Optional
 
 from .errors import RefusedError, UnavailableError
+
+STARTING_S = 0.3
+LOOK_S = 0.02
 
 
 def _directories() -> List[Path]:
@@ -30,14 +35,46 @@ def control_endpoint(daemon: Optional[str] = None) -> str:
         return chosen
     if "/" in chosen or ":" in chosen or chosen.startswith("."):
         raise RefusedError("INVALID_ARGUMENT", f'"{chosen}" is neither a name nor ipc://PATH nor tcp://HOST:PORT')
+    closed = ""
     for directory in _directories():
         socket = directory / chosen / "control.ipc"
-        if socket.exists():
+        try:
+            socket.stat()
             return f"ipc://{socket}"
+        except PermissionError:
+            closed = closed or f" ({directory} is closed to this user; `sudo -u meniscus` reaches daemons that systemd started)"
+        except OSError:
+            pass  # it is elsewhere
     looked = ", ".join(str(directory) for directory in _directories())
     raise UnavailableError(
-        "UNAVAILABLE", f'no daemon "{chosen}" in {looked}; start one with `meniscusd --name {chosen}`'
+        "UNAVAILABLE", f'no daemon "{chosen}" in {looked}{closed}; start one with `meniscusd --name {chosen}`'
     )
+
+
+def _look(daemon: Optional[str], deadline: float) -> Optional[str]:
+    """Its endpoint; None if it is not there yet, UnavailableError if it is late."""
+    try:
+        return control_endpoint(daemon)
+    except UnavailableError:
+        if time.monotonic() > deadline:
+            raise
+        return None
+
+
+def await_endpoint(daemon: Optional[str] = None) -> str:
+    """The same of a daemon that may have been started in the line before, and has no socket yet."""
+    deadline = time.monotonic() + STARTING_S
+    while not (found := _look(daemon, deadline)):
+        time.sleep(LOOK_S)
+    return found
+
+
+async def async_await_endpoint(daemon: Optional[str] = None) -> str:
+    """The same while others go on."""
+    deadline = time.monotonic() + STARTING_S
+    while not (found := _look(daemon, deadline)):
+        await asyncio.sleep(LOOK_S)
+    return found
 
 
 def telemetry_endpoint(control: str) -> str:

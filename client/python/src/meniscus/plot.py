@@ -8,6 +8,7 @@ import time
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 from .client import Client
+from .errors import RefusedError
 from .values import Telemetry
 
 STILL = ("EMPTY", "READY", "PAUSED", "DONE", "FAULT", "STOPPING")
@@ -24,7 +25,9 @@ class LivePlot:
     """
 
     def __init__(self, client: Client, probes: Sequence[str], interval: float = 0.2) -> None:
-        """interval: least time between two pictures [s]"""
+        """interval: least time between two pictures [s]. RefusedError if there is nothing to plot."""
+        if not probes:
+            raise RefusedError("INVALID_ARGUMENT", "this case has no probes; add some to the case, and load it again", "probes")
         from matplotlib.figure import Figure
 
         values = client.query(*probes)

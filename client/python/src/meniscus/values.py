@@ -79,6 +79,16 @@ class Scheduled:
 
 
 @dataclass(frozen=True)
+class StreamsNow:
+    """Streams that are subscribed to, of all clients together."""
+
+    latest: int  # of the newest: probes, fields, events
+    lossless: int  # of everything: series, snapshots
+    memory_bytes: int  # that they hold
+    skipped: int  # items that gave way to newer ones, since the daemon began
+
+
+@dataclass(frozen=True)
 class Status:
     """What a daemon is doing. None: not known, or not in this state."""
 
@@ -96,6 +106,7 @@ class Status:
     ns_per_particle_step: Optional[float] = None  # [ns]
     eta_s: Optional[float] = None  # wall-clock time to the end [s]
     guarded: Optional[int] = None  # times that a particle was kept from a wall
+    uncorrected: Optional[int] = None  # steps after which a number density was off by more than the case allows
     samples_dropped: Optional[int] = None  # live samples that nobody fetched in time; files have them all
     fault: Optional[str] = None  # the sentence, in FAULT
     fault_reason: Optional[str] = None  # as MeniscusError.status
@@ -110,6 +121,7 @@ class Status:
     timers: Tuple[Timer, ...] = ()
     breakpoints: Tuple[Breakpoint, ...] = ()
     scheduled: Tuple[Scheduled, ...] = ()  # in the order in which they were accepted
+    streams: Optional[StreamsNow] = None
 
     def _repr_html_(self) -> str:
         rows: List[Tuple[str, Any]] = [("state", self.state), ("case", self.title or self.case_name)]
@@ -159,7 +171,8 @@ def read_reply(reply: pb.Reply) -> Reply:
 
 def read_status(message: pb.Status) -> Status:
     """A status, field by field."""
-    names = [name for name in Status.__dataclass_fields__ if name not in ("state", "timers", "breakpoints", "scheduled")]
+    now = message.streams
+    names = [name for name in Status.__dataclass_fields__ if name not in ("state", "timers", "breakpoints", "scheduled", "streams")]
     return Status(
         state=pb.State.Name(message.state),
         timers=tuple(Timer(timer.name, timer.seconds, timer.calls) for timer in message.timers),
@@ -169,6 +182,7 @@ def read_status(message: pb.Status) -> Status:
         scheduled=tuple(
             Scheduled(s.id, _given(s, "at_step"), _given(s, "at_time"), s.who, s.what) for s in message.scheduled
         ),
+        streams=StreamsNow(now.latest, now.lossless, now.memory_bytes, now.skipped) if message.HasField("streams") else None,
         **{name: _given(message, name) for name in names},
     )
 
