@@ -108,6 +108,14 @@ class Comparison:
     needs: float = np.inf  # time to which a run must have come for its metrics [s]; to its end, if not said
 
 
+@dataclass
+class Ladder:
+    """Two comparisons of one case that differ in resolution, coarse and fine. Their first metric is an error."""
+
+    coarse: str
+    fine: str
+
+
 # What all schemes can be asked for; the speed of sound is for those that have one, ten times the fastest.
 VORTICES = ("fluids[0].sound_speed=10", "probes=[{name: speed, extremum: {field: velocity}}, {name: kinetic, kinetic_energy: {}},"
             " {name: density_least, extremum: {field: density, which: min}}, {name: density_greatest, extremum: {field: density}}]")
@@ -156,6 +164,12 @@ COMPARISONS = {
         (("riemann", ""), ("dissipation", "background_pressure: 800"),
          ("interfacial", "repulsion: 0.08, background_pressure: 800"), ("incompressible", ""), ("differences", "")), hysing),
 }
+
+LADDERS = {
+    "Taylor-Green vortices, at equal cost": Ladder(*(f"Taylor-Green vortices, {n} particles a side" for n in (30, 60))),
+}
+FINE = {ladder.fine: title for title, ladder in LADDERS.items()}
+ORDER = [one for title in COMPARISONS for one in (title, FINE.get(title)) if one]
 
 
 # --- runs and tables --------------------------------------------------------------------------------------------------------
@@ -235,6 +249,39 @@ def section(title: str, comparison: Comparison, rows: Sequence[Row]) -> str:
     return "\n\n".join([f"## {title}", how, table, *(["\n".join(reasons)] if reasons else [])])
 
 
+def power(coarse: Row, fine: Row) -> tuple[float, float]:
+    """Of error = a cost^b through two runs: a and b, cost in seconds of the processor."""
+    costs, errors = zip(*((r.summary["cpu_s"], r.metrics[0].value) for r in (coarse, fine)), strict=True)
+    b = np.log(errors[1] / errors[0]) / np.log(costs[1] / costs[0])
+    return float(errors[0] / costs[0] ** b), float(b)
+
+
+def seconds_for(error: float, coarse: Row, fine: Row) -> str:
+    """Between the two runs; beyond them nothing is said but on which side it is."""
+    if coarse.metrics[0].value < error:
+        return f"under {coarse.summary['cpu_s']:.2g}"
+    if fine.metrics[0].value > error:
+        return f"over {fine.summary['cpu_s']:.2g}"
+    a, b = power(coarse, fine)
+    return f"{(error / a) ** (1 / b):.2g}"
+
+
+def at_equal_cost(title: str, coarse: Sequence[Row], fine: Sequence[Row]) -> str:
+    """What error each scheme has when all take the same time, and what time for the same error."""
+    pairs = [pair for pair in zip(coarse, fine, strict=True) if all(r.metrics and r.verdict == "done" for r in pair)]
+    cost = float(np.exp(np.mean([np.log(r.summary["cpu_s"]) for pair in pairs for r in pair])))
+    error = float(np.exp(np.mean([np.log(r.metrics[0].value) for pair in pairs for r in pair])))
+    lines = [["scheme", f"error in {cost:.2g} s", f"seconds for an error of {error:.2g}", "error falls as seconds to the power of"],
+             ["---"] * 4]
+    for one, other in pairs:
+        a, b = power(one, other)
+        lines.append([one.scheme, f"{a * cost**b:.2g}", seconds_for(error, one, other), f"{b:.2f}"])
+    table = "\n".join(f"| {' | '.join(line)} |" for line in lines)
+    how = (f"{pairs[0][0].metrics[0].name}, as the power of the cost that goes through the two tables above, at the geometric means of"
+           " their costs and errors; seconds are of one processor.")
+    return "\n\n".join([f"## {title}", how, table])
+
+
 def merged(old: str, fresh: Mapping[str, str], order: Sequence[str]) -> list[str]:
     """The sections in their order: those that are fresh, and of the others those that were there."""
     kept = {part.split("\n", 1)[0][3:]: part.strip() for part in re.split(r"^(?=## )", old, flags=re.MULTILINE)[1:]}
@@ -268,8 +315,9 @@ def main() -> int:
         if len(rows[title]) == len(chosen[title].schemes):
             fresh[title] = section(title, chosen[title], rows[title])
             print(fresh[title] + "\n", flush=True)
+    fresh |= {title: at_equal_cost(title, rows[ladder.coarse], rows[ladder.fine]) for title, ladder in LADDERS.items() if ladder.fine in rows}
     old = REPORT.read_text() if REPORT.exists() else ""
-    REPORT.write_text("\n\n".join([HEAD, *merged(old, fresh, list(COMPARISONS))]) + "\n")
+    REPORT.write_text("\n\n".join([HEAD, *merged(old, fresh, ORDER)]) + "\n")
     print(f"# {REPORT.relative_to(ROOT)}", file=sys.stderr)
     return 0
 

@@ -67,6 +67,21 @@ class Tables(unittest.TestCase):
         self.assertEqual(self.row(DIVERGED | {"exit_code": 1}).verdict, "failed")
         self.assertEqual(self.row(REFUSED).reason, "server/cases/a.yaml:3:1: no tension")
 
+    def test_at_equal_cost_errors_lie_on_the_power_through_two_runs(self):
+        def rows(cost: float, *errors: float) -> list[compare.Row]:
+            return [self.row(DONE | {"cpu_s": cost}, Metric("c", "error", error)) for error in errors]
+
+        text = compare.at_equal_cost("T", rows(1, 0.4, 0.1, 0.2), rows(16, 0.1, 0.1, 0.2)).split("\n")
+        # In 4 s the first has half its way; the mean of all errors is 0.16.
+        self.assertEqual(text[4], "| scheme | error in 4 s | seconds for an error of 0.16 | error falls as seconds to the power of |")
+        self.assertEqual(text[6], "| riemann | 0.2 | 6.3 | -0.50 |")
+        self.assertEqual(text[7], "| riemann | 0.1 | under 1 | 0.00 |")
+        self.assertEqual(text[8], "| riemann | 0.2 | over 16 | 0.00 |")
+
+    def test_the_report_has_what_is_compared(self):
+        titles = [line[3:] for line in compare.REPORT.read_text().splitlines() if line.startswith("## ")]
+        self.assertEqual(titles, compare.ORDER)
+
     def test_a_section_has_a_row_for_each_scheme_and_a_reason_for_each_gap(self):
         comparison = compare.Comparison("a", ("resolution=3",), (), lambda case, r: iter(()))
         rows = [self.row(REFUSED), self.row(DONE, Metric("c", "m", 1.23456, 1.2, 0.1), Metric("c", "n", 5)), self.row(DIVERGED)]

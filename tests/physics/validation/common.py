@@ -21,6 +21,11 @@ def hygiene(case: str, r: Run, void: bool = True) -> Iterator[Metric]:
         yield Metric(case, "smallest sum of W V", float(np.nanmin(r.probes["coverage"])), low=0.75)
 
 
+def converges(case: str, what: str, coarse: float, fine: float, exact: float = 0) -> Metric:
+    """Finer particles are nearer to it: of a quantity, or of its errors."""
+    return Metric(case, f"{what}: error of the finer over that of the coarser", abs(fine - exact) / abs(coarse - exact), high=1)
+
+
 def sharpness(r: Run, fluids: int = 2) -> tuple[float, ...]:
     """Share of each fluid in single particles lost in the others, in the last snapshot.
 

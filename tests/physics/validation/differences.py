@@ -25,13 +25,19 @@ def rms(values: np.ndarray) -> float:
 # --- vortices ---------------------------------------------------------------------------------------------------------------
 
 
+LIMITS = {30: 0.03, 60: 0.015}  # of that error, by particles to a side: of first order, from the 2.2 % of a prototype at 30 and a third more
+
+
+def score_vortices(case: str, n: int, r: Run) -> Iterator[Metric]:
+    yield Metric(case, f"L_inf error of the greatest speed, {n} particles a side", decay_error(r), high=LIMITS[n])
+    yield Metric(case, f"largest error of the number density, {n} particles a side", density_error(r))
+
+
 def taylor_green2d(paper: bool) -> Iterator[Metric]:
     """P4 3.1 with differences, whose paper has no such flow."""
     case, sizes = "taylor-green2d-differences", (30, 60) if paper else (30,)
     for n in sizes:
-        r = run(case, f"resolution={n}")
-        yield Metric(case, f"L_inf error of the greatest speed, {n} particles a side", decay_error(r), high=0.03)
-        yield Metric(case, f"largest error of the number density, {n} particles a side", density_error(r))
+        yield from score_vortices(case, n, run(case, f"resolution={n}"))
 
 
 # --- P5 3.1: Franke's function ------------------------------------------------------------------------------------------------
@@ -83,6 +89,7 @@ def franke_operators(paper: bool) -> Iterator[Metric]:
         for operator, column in columns.items():
             k = int(np.flatnonzero(regular["n"] == n + 1)[0])
             value = found[operator, n] = franke_error(franke_run(n, operator, 0.0))
+            # Of six digits that the reference has, half a unit in the last.
             yield Metric(case, f"{operator}, lattice, dx = 1/{n}", value, regular[column][k], 5e-6, relative=True)
             k = int(np.flatnonzero(irregular["n"] == n + 1)[0])
             spread = 3 * float(irregular[f"sd_{column}"][k])
@@ -120,20 +127,26 @@ def profile_error(ratio: float, s: Snapshot) -> float:
     return rms(s.velocity[:, 0] - exact) / rms(exact)
 
 
+def score_profile(case: str, ratio: float, operator: str, r: Run) -> Iterator[Metric]:
+    """Against rows of a lattice: a tenth for how unevenly rows lie that have glided, and what one fluid alone is off, 0.1 %; the sum of
+    smoothed particles as much again, by the kernel's own error."""
+    rows, square = table("P5/poiseuille_rows.csv"), table("P5/poiseuille_steady_flow_error.csv")
+    error, name = profile_error(ratio, r.last()), f"ratio {ratio:g}: error of the profile, {operator}"
+    same = "divtau" if operator == "divtau" else "harmonic"
+    expected = float(rows[same][np.flatnonzero(rows["X"] == ratio)[0]])
+    yield Metric(case, name, error, expected, 0.1 * expected + (0.002 if operator == "sph" else 0.001))
+    k = np.flatnonzero((square["X"] == ratio) & (square["c"] > 0))[0]
+    held = float(square["div" if operator == "divtau" else "gfd"][k])
+    yield Metric(case, f"{name} [of a square with exact sides]", error, held, note="not scored: sides that are held halve it")
+
+
 def poiseuille(paper: bool) -> Iterator[Metric]:
     """Which operator gives the flow: relative error of the steady profile. Of rows on a lattice it is known (poiseuille_rows.py); rows of
     particles that glide along each other are uneven by a part of the spacing."""
-    case, rows, square = "poiseuille-two-phase", table("P5/poiseuille_rows.csv"), table("P5/poiseuille_steady_flow_error.csv")
+    case = "poiseuille-two-phase"
     for ratio in (1.3, 2, 5, 10, 100) if paper else (2, 5):
         for operator in OPERATORS:
-            error = profile_error(ratio, run(case, *layers(ratio), by(operator)).last())
-            name = f"ratio {ratio:g}: error of the profile, {operator}"
-            same = "divtau" if operator == "divtau" else "harmonic"
-            expected = float(rows[same][np.flatnonzero(rows["X"] == ratio)[0]])
-            yield Metric(case, name, error, expected, 0.2 * expected + 0.001)
-            k = np.flatnonzero((square["X"] == ratio) & (square["c"] > 0))[0]
-            held = float(square["div" if operator == "divtau" else "gfd"][k])
-            yield Metric(case, f"{name} [of a square with exact sides]", error, held, note="not scored: sides that are held halve it")
+            yield from score_profile(case, ratio, operator, run(case, *layers(ratio), by(operator)))
 
 
 # --- P5 3.3: a bubble in a tube -------------------------------------------------------------------------------------------------
@@ -167,7 +180,7 @@ def bubble3d_cylinder(paper: bool) -> Iterator[Metric]:
         for operator in OPERATORS[:3]:
             r = run(case, f"resolution={n}", f"end_time={end:g}", *tube(height), by(operator))
             speeds[operator] = r.slope("centre", end - LATE, end)
-            if operator != "harmonic":
+            if operator != "harmonic":  # 6 % at the paper's size, 12 % at the coarser ones, whose particles are a tenth of the bubble
                 yield from score_rise(case, f"D/{n}, {operator}", r, end, 0.06 if n == 32 else 0.12)
         for operator, claim in (("harmonic", 1.572), ("conservative", None)):
             yield Metric(case, f"D/{n}: speed with {operator} over that with divtau", speeds[operator] / speeds["divtau"], claim,

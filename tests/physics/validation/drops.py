@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
-from validation.common import hygiene
+from validation.common import converges, hygiene
 from validation.metrics import Metric
 from validation.runs import Run, Snapshot, attempt, run
 from validation.series import peaks, row
@@ -44,21 +44,32 @@ def score_drop(case: str, key: str, dimensions: int, r: Run, full: bool) -> Iter
     yield Metric(case, "radius at the end [m]", radius(r.last(), dimensions), size, 0.005 if full else 0.02, relative=True)
 
 
-def score_swing(case: str, r: Run, full: bool) -> Iterator[Metric]:
-    """The mode of four lobes: the kinetic energy has two peaks in a period, and decays twice as fast as the shape."""
-    mode = row("common/droplet2d_modes.csv", "P2 2D square drop", n="4")
-    period, decay = float(mode["T_viscous"]), float(mode["decay_rate"])
+def swing(r: Run) -> tuple[float, float]:
+    """Period and decay rate of the mode of four lobes: the kinetic energy has two peaks in a period, and decays twice as fast as the
+    shape."""
     t, energy = peaks(r.t, r.probes["kinetic"])
     inside = (t > 0.01) & (t < 0.35)
     t, energy = t[inside], energy[inside]
-    many = len(t) > 2
-    value = 2 * float(np.polyfit(np.arange(len(t)), t, 1)[0]) if many else np.nan
-    yield Metric(case, "period of the swing [s]", value, period, note="not scored")
-    value = -0.5 * float(np.polyfit(t, np.log(energy), 1)[0]) if many else np.nan
-    yield Metric(case, "decay of the swing [1/s]", value, decay, note="not scored")
-    if full:
-        kinetic = r.probes["kinetic"]
-        yield Metric(case, "kinetic energy at 2 s / its largest", float(kinetic[-1] / kinetic.max()), high=1e-3)
+    if len(t) < 3:
+        return np.nan, np.nan
+    return 2 * float(np.polyfit(np.arange(len(t)), t, 1)[0]), -0.5 * float(np.polyfit(t, np.log(energy), 1)[0])
+
+
+def score_swings(case: str, sizes: Sequence[int], runs: Sequence[Run]) -> Iterator[Metric]:
+    """Waves on the drop are as long as the band in which the tension acts is wide, at l/50: they swing slower there."""
+    mode = row("common/droplet2d_modes.csv", "P2 2D square drop", n="4")
+    exact = float(mode["T_viscous"]), float(mode["decay_rate"])
+    found = [swing(r) for r in runs]
+    note = "not scored: the reference has no tolerance for it"
+    for n, of in zip(sizes, found, strict=True):
+        yield Metric(case, f"period of the swing at l/{n} [s]", of[0], exact[0], note=note)
+        yield Metric(case, f"decay of the swing at l/{n} [1/s]", of[1], exact[1], note=note)
+    yield converges(case, "period of the swing", *(of[0] for of in found), exact[0])
+
+
+def score_calm(case: str, r: Run) -> Iterator[Metric]:
+    kinetic = r.probes["kinetic"]
+    yield Metric(case, "kinetic energy at 2 s / its largest", float(kinetic[-1] / kinetic.max()), high=1e-3)
 
 
 def square_drop2d(paper: bool) -> Iterator[Metric]:
@@ -68,10 +79,13 @@ def square_drop2d(paper: bool) -> Iterator[Metric]:
     runs = [run(case, f"resolution={n}", f"end_time={end}") for n in sizes]
     scored = runs[1] if paper else runs[0]
     yield from score_drop(case, "2D", 2, scored, paper)
-    yield from score_swing(case, scored, paper)
+    yield from score_swings(case, sizes, runs)
+    if paper:
+        yield from score_calm(case, scored)
     for n, r in zip(sizes, runs, strict=True):
         yield Metric(case, f"pressure jump / Laplace's at l/{n}", jump(r) / dp)
         yield Metric(case, f"noise of the pressure inside / Laplace's jump at l/{n}", noise(r.last(), 2) / dp)
+    yield converges(case, "pressure jump", *(jump(r) for r in runs), dp)
     for shifting in ("off", "original"):
         other = attempt(case, f"resolution={sizes[0]}", f"end_time={end}", f"scheme.interfacial.shifting={shifting}")
         value = jump(other) / dp if other else np.inf
@@ -91,11 +105,12 @@ def cube_drop3d(paper: bool) -> Iterator[Metric]:
     yield from score_drop(case, "3D", 3, runs[-1], paper)
     for n, r in zip(sizes, runs, strict=True):
         yield Metric(case, f"pressure jump at l/{n} [Pa]", jump(r))
+    yield converges(case, "pressure jump", *(jump(r) for r in runs), laplace("3D")[1])
     yield from hygiene(case, runs[-1])
 
 
 def score_static(case: str, r: Run, spacing: float) -> Iterator[Metric]:
-    """What must be zero: speeds, noise in the pressure, momentum."""
+    """What must be zero: speeds, noise in the pressure."""
     size = radius(r.last(), 2)  # that of its particles, 2 % less than the drop's at l/50
     dp = TENSION / size
     late = r.t >= 0.5 * r.t[-1]
@@ -103,16 +118,23 @@ def score_static(case: str, r: Run, spacing: float) -> Iterator[Metric]:
     where = f"l/{round(0.2 / spacing)}"
     yield Metric(case, f"capillary number of what moves at {where}, second half", capillary, high=1e-2)
     yield Metric(case, f"noise of the pressure inside / Laplace's jump at {where}", noise(r.last(), 2) / dp, high=0.05)
-    scale = r.probes["mass_drop"][0] * np.sqrt(TENSION / (DENSITY * size))  # its mass at the speed of its tension
-    momentum = max(float(np.abs(r.probes[f"momentum_{axis}"]).max()) for axis in "xy")
-    yield Metric(case, f"largest momentum / M sqrt(tension / (rho R)) at {where}", momentum / scale, high=1e-2)
     yield Metric(case, f"pressure jump, last 0.1 s, at {where} [Pa]", jump(r), dp, 0.08, relative=True)
 
 
+def score_drift(case: str, r: Run) -> Iterator[Metric]:
+    """Momentum of the drop, over its mass at the speed of its tension."""
+    scale = r.probes["mass_drop"][0] * np.sqrt(TENSION / (DENSITY * radius(r.last(), 2)))
+    momentum = max(float(np.abs(r.probes[f"momentum_{axis}"]).max()) for axis in "xy")
+    yield Metric(case, "in disorder, largest momentum / M sqrt(tension / (rho R)) at l/50", momentum / scale, high=1e-2)
+
+
 def static_drop2d(_: bool) -> Iterator[Metric]:
-    """The drop of P2 4.2, round from the start, at two resolutions."""
+    """The drop of P2 4.2, round from the start, at two resolutions. On a lattice it has no momentum by symmetry, so that is seen from a
+    start in disorder."""
     case = "static-drop2d"
-    for n in (50, 100):
-        r = run(case, f"resolution={n}")
+    runs = [run(case, f"resolution={n}") for n in (50, 100)]
+    for n, r in zip((50, 100), runs, strict=True):
         yield from score_static(case, r, 0.2 / n)
-    yield from hygiene(case, r)
+    yield converges(case, "pressure jump over Laplace's", *(jump(r) * radius(r.last(), 2) / TENSION for r in runs), 1)
+    yield from score_drift(case, run(case, "resolution=50", "domain.disorder=0.1"))
+    yield from hygiene(case, runs[-1])

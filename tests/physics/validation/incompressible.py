@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Flows without sound: P4 3.1 to 3.4, and layers at rest."""
+"""Flows without sound: P4 3.1 to 3.4, and layers at rest.
+
+Where nothing else is said beside a tolerance, a size of the paper's has what particles of that size are published to reach, and a smaller one
+twice as much. Densities are corrected until they are within the tolerance of the case, so that is what they may be off, and no more."""
 
 from __future__ import annotations
 
@@ -11,6 +14,7 @@ from validation.runs import Run, Snapshot, run
 from validation.series import at, extremum, row, table
 
 SETTLED = 0.1  # [s], until when a lattice in vortices may break up
+DENSITY = 0.01  # density_tolerance of the cases that say nothing else
 
 
 def density_error(r: Run, after: float = 0.0) -> float:
@@ -40,12 +44,12 @@ def vortices(r: Run) -> np.ndarray:
     return r.probes["kinetic"] - 0.5 * (r.probes["momentum_x"] ** 2 + r.probes["momentum_y"] ** 2)
 
 
-LIMITS = {30: 0.04, 60: 0.02, 120: 0.01}  # of that error, by particles to a side
+LIMITS = {30: 0.04, 60: 0.02, 120: 0.01}  # of that error, by particles to a side: of first order, as P4 has it, from its 4 % at 30
 
 
 def score_decay(case: str, n: int, r: Run) -> Iterator[Metric]:
     yield Metric(case, f"L_inf error of the greatest speed, {n} particles a side", decay_error(r), high=LIMITS[n])
-    yield Metric(case, f"largest density error after t = {SETTLED}, {n} particles a side", density_error(r, SETTLED), high=0.0101)
+    yield Metric(case, f"largest density error after t = {SETTLED}, {n} particles a side", density_error(r, SETTLED), high=DENSITY)
     drift = momentum_change(r)
     yield Metric(case, f"largest change of momentum / M U, {n} particles a side", drift, high=1e-12)
 
@@ -68,7 +72,7 @@ def taylor_green2d(paper: bool) -> Iterator[Metric]:
     lattice = run(case, "resolution=60", "domain.disorder=0")
     yield Metric(case, "L_inf error of the greatest speed from a lattice, 60 particles a side", decay_error(lattice), high=LIMITS[60])
     broken = run(case, "resolution=120", "domain.disorder=0", "end_time=0.15")
-    yield Metric(case, "largest density error as a lattice breaks up, 120 particles a side", density_error(broken, SETTLED), high=0.0101)
+    yield Metric(case, "largest density error as a lattice breaks up, 120 particles a side", density_error(broken, SETTLED), high=DENSITY)
 
 
 # --- at rest ---------------------------------------------------------------------------------------------------------------
@@ -78,6 +82,7 @@ def score_layers(case: str, ratio: int, r: Run) -> Iterator[Metric]:
     weight = 0.5 * (ratio + 1)
     error = float(r.probes["error"][r.t > 0.02].max()) / weight
     yield Metric(case, f"ratio {ratio}: rms error of the pressure / that at the floor", error, high=0.02)
+    # Of what a fall through the tank would reach, a hundredth: three times what was measured.
     yield Metric(case, f"ratio {ratio}: greatest speed / sqrt(g H)", float(r.probes["speed"].max()), high=0.01)
     yield Metric(case, f"ratio {ratio}: escaped particles", float(np.nanmax(r.probes["escaped"])), high=0)
 
@@ -105,7 +110,7 @@ def score_kicked(case: str, r: Run, paper: bool) -> Iterator[Metric]:
     yield Metric(case, "period, from crest to crest", crests[2] - crests[0], 0.370, 0.03 if paper else 0.06, relative=True)
     late = r.t > r.t[-1] - 0.1
     yield Metric(case, "pressure jump, last 0.1 s, / tension over radius", float(np.nanmean(r.probes["jump"][late])) * 0.1875, note="not scored: still swinging")
-    yield Metric(case, "largest density error", density_error(r), high=0.0101)
+    yield Metric(case, "largest density error", density_error(r), high=DENSITY)
     drift = momentum_change(r)
     yield Metric(case, "change of momentum", drift, high=1e-12)
 
@@ -116,10 +121,13 @@ def droplet_oscillation2d(paper: bool) -> Iterator[Metric]:
     yield from score_kicked(case, run(case, f"resolution={120 if paper else 60}"), paper)
 
 
+PERIOD, PRINTED = 6.71, 7.38  # of volume of fluid, and P4's at 48 particles high
+
+
 def score_ellipse(case: str, n: int, r: Run, tolerance: float) -> Iterator[Metric]:
     """Against volume of fluid, whose period is a tenth shorter than the paper's."""
     crests = [extremum(r.t, r.probes["x_q"] - 6, when, 1.2, 1, 0.4)[0] for when in (6.82, 13.6, 20.3)]
-    yield Metric(case, f"period of the first two swings, {n} particles high", crests[1] / 2, 6.71, tolerance, relative=True)
+    yield Metric(case, f"period of the first two swings, {n} particles high", crests[1] / 2, PERIOD, tolerance, relative=True)
     yield Metric(case, f"mean period of three swings, {n} particles high", crests[2] / 3, 19.91 / 3, note="not scored")
     yield Metric(case, f"escaped particles, {n} particles high", float(np.nanmax(r.probes["escaped"])), high=0)
 
@@ -129,9 +137,12 @@ def droplet_ellipse2d(paper: bool) -> Iterator[Metric]:
     case = "droplet-ellipse2d"
     errors = []
     for n in (48, 72, 96) if paper else (48, 72):
+        # The paper's own size, 48, has been 7 to 10 % off: 10 % there, 4 % where the flow is finer, and towards it all the way.
         found = list(score_ellipse(case, n, run(case, f"resolution={n}"), 0.04 if n == 96 else 0.1))
-        errors.append(abs(found[0].value / 6.71 - 1))
+        errors.append(abs(found[0].value / PERIOD - 1))
         yield from found
+        if n == 48:  # the same method at the same size: within 3 %
+            yield Metric(case, f"period of the first two swings, {n} particles high, against the paper's", found[0].value, PRINTED, 0.03, relative=True)
     for coarse, fine in zip(errors, errors[1:], strict=False):
         yield Metric(case, "error of the period, of the finer drop over that of the coarser", fine / coarse, high=1)
 
@@ -153,14 +164,18 @@ def shear_settings(ca: float, ratio: float) -> tuple[str, ...]:
     return (f"fluids[0].viscosity={ca * ratio:g}", f"fluids[1].viscosity={ca:g}", f"fluids[0].density={density:g}", f"fluids[1].density={density:g}")
 
 
+def score_shear(case: str, ca: float, ratio: float, r: Run, paper: bool) -> Iterator[Metric]:
+    """Against volume of fluid, at 12 particles to the radius as in the paper, or at 6."""
+    ref = float(row("P4/drop_in_shear_vof2d.csv", f"{ca:g}", **{"lambda": f"{ratio:g}", "Re": "0.1"})["D_I"])
+    yield Metric(case, f"Ca {ca:g}, viscosities {ratio:g}: deformation", deformation(r.last()), ref, 0.05 if paper else 0.1, relative=True)
+
+
 def drop_shear2d(paper: bool) -> Iterator[Metric]:
     """P4 3.3: capillary numbers and ratios of viscosity."""
     case, n = "drop-shear2d", 12 if paper else 6
     points = ((0.05, 1), (0.1, 1), (0.15, 1), (0.2, 1), (0.15, 0.1), (0.15, 10)) if paper else ((0.15, 1), (0.15, 0.1))
     for ca, ratio in points:
-        ref = float(row("P4/drop_in_shear_vof2d.csv", f"{ca:g}", **{"lambda": f"{ratio:g}", "Re": "0.1"})["D_I"])
-        r = run(case, f"resolution={n}", *shear_settings(ca, ratio))
-        yield Metric(case, f"Ca {ca:g}, viscosities {ratio:g}: deformation", deformation(r.last()), ref, 0.05 if paper else 0.1, relative=True)
+        yield from score_shear(case, ca, ratio, run(case, f"resolution={n}", *shear_settings(ca, ratio)), paper)
 
 
 # --- P4 3.4: Rayleigh-Taylor -----------------------------------------------------------------------------------------------
@@ -169,12 +184,13 @@ def drop_shear2d(paper: bool) -> Iterator[Metric]:
 def score_tips(case: str, r: Run) -> Iterator[Metric]:
     """Against finite volumes of 1/256 with walls that hold the fluids."""
     ref = table("P2/rt2d_vof_noslip_256.csv")
-    for t in (1, 2, 3):
+    for t in (1, 2, 3):  # within a spacing of 1/60, nearly
         yield Metric(case, f"highest point of the light fluid at t = {t}", r.at("high", t), at(ref, "y_high", t), 0.015)
         yield Metric(case, f"lowest point of the heavy fluid at t = {t}", r.at("low", t), at(ref, "y_low", t), 0.015)
     yield Metric(case, "highest point of the light fluid at t = 5", r.at("high", 5), at(ref, "y_high", 5), note="not scored")
     light, heavy = r.probes["density_least"], r.probes["density_greatest"]
-    yield Metric(case, "largest density error", float(max(np.max(1 - light), np.max(heavy / 1.8 - 1))), high=0.00505)
+    yield Metric(case, "largest density error", float(max(np.max(1 - light), np.max(heavy / 1.8 - 1))), high=0.005)  # density_tolerance of the case, and P4's
+    yield Metric(case, "steps that leave a density off by more", r.summary["uncorrected"], high=0)  # and not only where it is sampled
     yield Metric(case, "escaped particles", float(np.nanmax(r.probes["escaped"])), high=0)
     yield Metric(case, "smallest sum of W V", float(np.nanmin(r.probes["coverage"])), low=0.75)
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from validation.common import hygiene
+from validation.common import converges, hygiene
 from validation.metrics import Metric
 from validation.runs import Run, run
 from validation.series import crossings, extremum, smooth, table
@@ -78,13 +78,19 @@ def score_one_layer(case: str, r: Run, full: bool) -> Iterator[Metric]:
     yield Metric(case, "rms distance from linear theory / its amplitude, t < 1.2 s", float(error), high=0.05 if full else np.inf)
 
 
+def last_crest(r: Run) -> float:
+    return extremum(r.t, r.probes["left"] - STILL, 3.12, 0.2, 1)[1]
+
+
 def sloshing2d_single(paper: bool) -> Iterator[Metric]:
     """P1 4.1.1 in a slice; two resolutions, the finer one scored."""
     case, sizes = "sloshing2d-single", (30, 60) if paper else (15, 30)
     runs = [run(case, f"resolution={n}", f"end_time={5.3 if paper else 3.2}") for n in sizes]
     yield from score_one_layer(case, runs[-1], paper)
     for n, r in zip(sizes, runs, strict=True):
-        yield Metric(case, f"crest near 3.12 s at h/{n} [m]", extremum(r.t, r.probes["left"] - STILL, 3.12, 0.2, 1)[1])
+        yield Metric(case, f"crest near 3.12 s at h/{n} [m]", last_crest(r))
+    ref = table("P1/sloshing_single_vof2d.csv")
+    yield converges(case, "crest near 3.12 s", *(last_crest(r) for r in runs), extremum(ref["t_s"], ref["left20mm"], 3.12, 0.2, 1)[1])
     yield from hygiene(case, runs[-1], void=False)
 
 
@@ -114,9 +120,11 @@ def sloshing2d_three_layers(paper: bool) -> Iterator[Metric]:
     case, sizes = "sloshing2d-three-layers", (10, 20)
     runs = [run(case, f"resolution={n}", "end_time=2.1") for n in sizes]
     yield from score_layers_slice(case, runs[1 if paper else 0], paper)
-    for n, r in zip(sizes, runs, strict=True):
-        crest = extremum(r.t, r.probes["fs_xm"] - REST["fs"], 1.92, 0.25, 1)[1]
+    crests = [extremum(r.t, r.probes["fs_xm"] - REST["fs"], 1.92, 0.25, 1)[1] for r in runs]
+    for n, crest in zip(sizes, crests, strict=True):
         yield Metric(case, f"crest of fs_xm near 1.92 s at {n} per layer [m]", crest)
+    ref = table("P1/three_layer_vof2d_xonly.csv")
+    yield converges(case, "crest of fs_xm near 1.92 s", *crests, extremum(ref["t_s"], ref["fs_xm"], 1.92, 0.25, 1)[1])
     yield from hygiene(case, runs[-1], void=False)
 
 
