@@ -90,8 +90,9 @@ class CaseText:
         """Read YAML; the name goes into the marks of its nodes."""
         stream = io.StringIO(text)
         stream.name = name
+        compose: Any = yaml.compose  # which has types on some machines, untyped there, and none on others
         try:
-            node: Optional[yaml.Node] = yaml.compose(stream, Loader=yaml.BaseLoader)  # type: ignore[no-untyped-call]
+            node: Optional[yaml.Node] = compose(stream, Loader=yaml.BaseLoader)
         except yaml.MarkedYAMLError as error:
             where = _place(error.problem_mark) if error.problem_mark else name
             raise CaseError("INVALID_ARGUMENT", f"{where}: {error.problem}") from None
@@ -175,7 +176,7 @@ def _suggest(wrong: str, names: Iterable[str]) -> str:
 
 def _place(mark: yaml.Mark) -> str:
     """FILE:LINE:COLUMN; an override has no lines worth naming."""
-    return mark.name if mark.name.startswith(OVERRIDE) else f"{mark.name}:{mark.line + 1}:{mark.column + 1}"
+    return str(mark.name) if mark.name.startswith(OVERRIDE) else f"{mark.name}:{mark.line + 1}:{mark.column + 1}"
 
 
 def _descend(node: yaml.Node, word: str, new: yaml.Node, last: bool, path: str) -> yaml.Node:
