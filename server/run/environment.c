@@ -1,8 +1,26 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "run/environment.h"
 #include <meniscus/sim.h>
+#include <omp.h>
+#include <sched.h>
 #include <stdlib.h>
 #include <unistd.h>
+
+/* Where threads are bound to processors (OMP_PROC_BIND, OMP_PLACES), the runtime has bound this one before main(), and a program that is
+ * started by it would take its one processor for all there are. */
+static void unbind(void)
+{
+    cpu_set_t all;
+    CPU_ZERO(&all);
+    for (int place = 0; place < omp_get_num_places(); place++) {
+        int ids[CPU_SETSIZE];
+        const int n = omp_get_place_num_procs(place);
+        if (n > CPU_SETSIZE) return;
+        omp_get_place_proc_ids(place, ids);
+        for (int k = 0; k < n; k++) CPU_SET((size_t)ids[k], &all);
+    }
+    if (CPU_COUNT(&all)) (void)sched_setaffinity(0, sizeof all, &all);
+}
 
 /* The OpenMP team must not spin for long: on a machine with other work to do, a thread that spins keeps from the
  * processor the very one it waits for, and a step takes longer. Nor may it sleep at once: to be woken at each barrier takes a
@@ -14,6 +32,7 @@ void environment_waiting(char **argv)
     if (getenv("GOMP_SPINCOUNT") || getenv("OMP_WAIT_POLICY")) return;
     setenv("GOMP_SPINCOUNT", "1000", 1);
     setenv("KMP_BLOCKTIME", "0", 0);
+    unbind();
     char path[4096] = ""; /* the true one, or the process would be listed as "exe" */
     if (readlink("/proc/self/exe", path, sizeof path - 1) > 0) execv(path, argv);
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
 """A run that goes on where products are rounded otherwise: it does, and says so. And where the level is the same, so are the bits,
-whatever the processor has besides."""
+whatever the processor has besides. Threads that are to be bound to processors are bound to different ones."""
 
 import json
 import os
@@ -73,6 +73,17 @@ class Processors(unittest.TestCase):
     def test_fields_that_begin_as_formulas(self) -> None:
         case = "taylor-green2d", ("resolution=20", "end_time=0.05")
         self.assertEqual(self.state_of(*case, less=False), self.state_of(*case, less=True))
+
+    @unittest.skipIf(len(os.sched_getaffinity(0)) < 2, "one processor")
+    def test_threads_that_are_bound_have_a_processor_each(self) -> None:
+        environment = {key: value for key, value in os.environ.items() if key not in ("OMP_WAIT_POLICY", "GOMP_SPINCOUNT")}
+        environment |= {"MENISCUS_CASES": str(ROOT / "server" / "cases"), "OMP_PROC_BIND": "true"}
+        environment |= {"OMP_DISPLAY_AFFINITY": "true", "OMP_AFFINITY_FORMAT": "team of %N: %A"}
+        with tempfile.TemporaryDirectory(prefix="mns-bound-") as scratch:
+            words = [BUILD / "meniscusd", "--batch=dambreak2d", "--set=threads=2", "--set=resolution=10", "--set=end_time=0.02"]
+            done = subprocess.run([*words, f"--out={scratch}/run"], env=environment, capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(len({line for line in done.stderr.splitlines() if line.startswith("team of 2: ")}), 2, done.stderr)
 
 
 if __name__ == "__main__":
