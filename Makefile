@@ -114,7 +114,9 @@ compare: ## the schemes side by side on the same cases [CASE=name] [JOBS=n]
 	@$(MAKE) --no-print-directory -s $(PARALLEL) all
 	@BUILD=$(BUILD) $(PYTHON) tests/physics/compare.py $(if $(CASE),--case $(CASE)) $(if $(JOBS),--jobs $(JOBS))
 
-bench: bench-programs ## benchmarks as JSON lines
+bench: ## benchmarks as JSON lines
+	@tests/support/packages.sh bench >&2
+	@$(MAKE) --no-print-directory -s $(PARALLEL) bench-programs >&2
 	@for b in $(BENCH); do $$b || exit 1; done
 	@for b in $(wildcard tests/bench/*.py); do BUILD=$(BUILD) $(PYTHON) $$b || exit 1; done
 
@@ -143,18 +145,23 @@ reference: $(BUILD)/case-reference.md ## write the manual of the case format fro
 	cp $< server/cases/REFERENCE.md
 
 asan: ## unit and protocol tests under address and undefined-behaviour sanitizers
+	@tests/support/packages.sh check
 	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/asan SANITIZE=address,undefined all tests
 	@BUILD=$(BUILD)/asan tests/support/sanitize.sh address
 
 tsan: ## the same under the thread sanitizer (clang, libomp)
+	@tests/support/packages.sh check
 	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/tsan CC=clang SANITIZE=thread raced
 	@BUILD=$(BUILD)/tsan tests/support/sanitize.sh thread
 
 fuzz: ## what comes from outside, under libFuzzer (clang) [FUZZ_SECONDS=600, for each target]
+	@tests/support/packages.sh check
 	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/fuzz CC=clang SANITIZE=address,undefined,fuzzer-no-link fuzz-programs
 	@BUILD=$(BUILD)/fuzz tests/support/fuzz.sh $(or $(FUZZ_SECONDS),600)
 
-lint: all ## clang-format, clang-tidy, cppcheck, shellcheck, layers
+lint: ## clang-format, clang-tidy, cppcheck, shellcheck, layers
+	@tests/support/packages.sh check
+	@$(MAKE) --no-print-directory -s $(PARALLEL) all
 	@BUILD=$(BUILD) tests/support/layers.sh
 	@BUILD=$(BUILD) tests/support/headers.sh
 	@BUILD=$(BUILD) tests/support/lint.sh
@@ -168,7 +175,9 @@ solver-flags: # with which the solver is compiled
 solver-libs: # that the solver needs besides those of its .pc file
 	$(info $(hypre_libs))@:
 
-pictures: all $(DASHBOARD_ALL) $(BUILD)/web-check/node_modules/.package-lock.json ## draw those of the README again: some minutes
+pictures: ## draw those of the README again: some minutes
+	@tests/support/packages.sh check
+	@$(MAKE) --no-print-directory -s $(PARALLEL) all $(DASHBOARD_ALL) $(BUILD)/web-check/node_modules/.package-lock.json
 	@BUILD=$(BUILD) tests/support/pictures.sh
 
 format: ## lay out the sources

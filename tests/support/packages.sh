@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# packages.sh [build|dashboard|deb|check|validate]: install the Debian packages that are missing. `build` (the default) is what building
+# packages.sh [build|dashboard|deb|bench|check|validate]: install the Debian packages that are missing. `build` (the default) is what building
 # and `make demo` need; the others are that and what the target of this name needs besides. Costs one dpkg-query when nothing is missing.
 set -eu
 
@@ -20,9 +20,11 @@ command -v npm >/dev/null || dashboard+=' npm'
 deb='
 debhelper dpkg-dev
 '
+bench='
+libcmocka-dev
+'
 check='
 chromium
-libcmocka-dev
 clang clang-format clang-tidy libclang-rt-14-dev libomp-dev
 cppcheck shellcheck mypy g++ git procps
 systemd util-linux valgrind prometheus
@@ -40,10 +42,11 @@ case $group in
 build) wanted=$build ;;
 dashboard) wanted=$build$dashboard ;;
 deb) wanted=$build$deb ;;
-check) wanted=$build$dashboard$deb$check ;;
+bench) wanted=$build$bench ;;
+check) wanted=$build$dashboard$deb$bench$check ;;
 validate) wanted=$build$validate ;;
 *)
-    echo "usage: packages.sh [build|dashboard|deb|check|validate]" >&2
+    echo "usage: packages.sh [build|dashboard|deb|bench|check|validate]" >&2
     exit 64
     ;;
 esac
