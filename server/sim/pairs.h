@@ -65,14 +65,15 @@ FOR_V3 INLINE void fetch_halves(double (*restrict bundle)[4], const uint32_t *re
 
 typedef double Oct __attribute__((vector_size(64), may_alias));
 
-/* A macro, as no function may return a vector that its instruction set does not have. */
+/* One load and one that is put beside it: the exchange of halves that gcc makes of a shuffle has but one unit, which all that follows
+ * waits for. A macro, as no function may return a vector that its instruction set does not have. */
 #define BOTH(first, second)                                                                                            \
-    __builtin_shufflevector(*(const Quad *)bundle[first], *(const Quad *)bundle[second], 0, 1, 2, 3, 4, 5, 6, 7)
+    _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(bundle[first])), _mm256_load_pd(bundle[second]), 1)
 
 /* The same where registers hold eight doubles, with a third of the shuffles. What is stored is loaded again as eight, which could
  * not be forwarded from two stores of four. */
-INLINE void fetch_octs(double (*restrict bundle)[4], const uint32_t *restrict j, double *restrict a, double *restrict b,
-                       double *restrict c, double *restrict d)
+FOR_V4 INLINE void fetch_octs(double (*restrict bundle)[4], const uint32_t *restrict j, double *restrict a,
+                              double *restrict b, double *restrict c, double *restrict d)
 {
     const Oct k04 = BOTH(j[0], j[4]), k15 = BOTH(j[1], j[5]), k26 = BOTH(j[2], j[6]), k37 = BOTH(j[3], j[7]);
     const Oct even01 = __builtin_shufflevector(k04, k15, 0, 8, 2, 10, 4, 12, 6, 14),

@@ -75,9 +75,14 @@ typedef struct Lanes {
 
 _Static_assert((int)SELECT_SLACK >= (int)LANES && (int)ROW_MAX % (int)LANES == 0, "room for padding");
 
+/* Halves onto each other: ((0 + 4) + (2 + 6)) + ((1 + 5) + (3 + 7)), in as many instructions as there are halvings. */
 INLINE double lanes_sum(const Lanes *a)
 {
-    return ((a->of[0] + a->of[4]) + (a->of[2] + a->of[6])) + ((a->of[1] + a->of[5]) + (a->of[3] + a->of[7]));
+    typedef double Half __attribute__((vector_size(LANES / 2 * sizeof(double)), aligned(sizeof(double)), may_alias));
+    typedef double Quarter __attribute__((vector_size(LANES / 4 * sizeof(double))));
+    const Half half = *(const Half *)a->of + *(const Half *)(a->of + LANES / 2);
+    const Quarter quarter = __builtin_shufflevector(half, half, 0, 1) + __builtin_shufflevector(half, half, 2, 3);
+    return quarter[0] + quarter[1];
 }
 
 typedef void (*Fetch)(double (*bundle)[4], const uint32_t *j, double *a, double *b, double *c, double *d);

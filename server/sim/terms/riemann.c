@@ -6,7 +6,7 @@
 
 INLINE void riemann_density_row(const Row *row, Particles *s, const Model *model, How how)
 {
-    const Side a = side_of(s, model, row->i);
+    const Side a = side_of(s, model, row->i, how);
     const Block *const walls = row->block + row->n_fluid, *const end = row->block + row->n;
     Lanes sum = {0};
     for (const Block *b = row->block; b < walls; b++)
@@ -36,7 +36,7 @@ INLINE void riemann_density_fused(const RowPlan *plan, Particles *s, size_t i, H
     Lanes sum = {0};
     Block block;
     const Picked picked = pick_neighbours(plan, i, j);
-    const Side a = side_of(s, plan->model, i);
+    const Side a = side_of(s, plan->model, i, how);
     position_of(s, i, how, x);
     for (size_t b = 0; b < picked.n_fluid; b++) {
         const double *beyond = beyond_reach(plan, &picked, b);
@@ -66,7 +66,7 @@ INTERLEAVED_FUNCTIONS(riemann_density_fused)
 
 INLINE void riemann_momentum_row(const Row *row, Particles *s, const Model *model, How how)
 {
-    const Side a = side_of(s, model, row->i);
+    const Side a = side_of(s, model, row->i, how);
     const Block *const walls = row->block + row->n_fluid, *const end = row->block + row->n;
     Lanes sum[3] = {0};
     for (const Block *b = row->block; b < walls; b++)

@@ -20,11 +20,11 @@ typedef struct Side {
     uint32_t first_wall;
 } Side;
 
-INLINE Side side_of(const Particles *s, const Model *model, size_t i)
+INLINE Side side_of(const Particles *s, const Model *model, size_t i, How how)
 {
     const Phase *phase = &model->phase[s->phase[i]];
     Side a = {.p = s->p[i], .z = s->z[i], .rho = s->rho[i], .c = phase->c, .rho0 = phase->rho0, .V = s->vol[i]};
-    for (int d = 0; d < s->dim; d++) a.v[d] = s->v[d][i];
+    for (int d = 0; d < how.dim; d++) a.v[d] = s->v[d][i];
     a.inverse_c2 = 1 / (a.c * a.c);
     a.steepness = model->limiter / model->c_max;
     a.tiny = 1e-12 * model->dx;

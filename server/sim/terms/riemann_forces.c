@@ -10,7 +10,7 @@ INLINE void forces(const RowPlan *plan, Particles *s, size_t i, How how, const u
                    bool stressed)
 {
     const unsigned needs = NEED_F | NEED_V | NEED_STATE | (stressed ? NEED_FLUX : 0);
-    const Side a = side_of(s, plan->model, i);
+    const Side a = side_of(s, plan->model, i, how);
     Lanes push[3] = {0}, spread[3] = {0}, stress[3] = {0};
     double x[3];
     Block block;

@@ -22,15 +22,16 @@ INLINE void background_pair(const Pair *pair, How how, int l, Lanes sum[3])
 INLINE void background_end(Particles *s, const Model *model, size_t i, const Lanes sums[3], How how)
 {
     const Phase *phase = &model->phase[s->phase[i]];
-    const double half = 0.5 * model->dt;
+    const double half = 0.5 * model->dt, scale = -2 * phase->p_b / s->rho[i];
     double along_w = 0;
     for (int d = 0; d < how.dim; d++) {
         const double sum = lanes_sum(&sums[d]);
         along_w += half * s->b[d][i] * sum; /* w of this step, of the last one's b */
-        s->b[d][i] = -2 * phase->p_b / s->rho[i] * sum;
+        s->b[d][i] = scale * sum;
     }
     if (!model->transport_stress || !phase->summation) return;
-    for (int d = 0; d < how.dim; d++) s->a[d][i] += s->vol[i] * s->rho[i] / s->m[i] * s->v[d][i] * along_w;
+    const double share = s->vol[i] * s->rho[i] / s->m[i];
+    for (int d = 0; d < how.dim; d++) s->a[d][i] += share * s->v[d][i] * along_w;
 }
 
 /* Of sum_j m_j v_j (w_j . grad_i W), over neighbours of summed density: of others q is 0. */
@@ -42,7 +43,8 @@ INLINE void transport_stress_pair(const Pair *pair, How how, int l, Lanes sum[3]
 
 INLINE void transport_stress_end(Particles *s, size_t i, const Lanes sum[3], How how)
 {
-    for (int d = 0; d < how.dim; d++) s->a[d][i] += s->vol[i] / s->m[i] * lanes_sum(&sum[d]);
+    const double scale = s->vol[i] / s->m[i];
+    for (int d = 0; d < how.dim; d++) s->a[d][i] += scale * lanes_sum(&sum[d]);
 }
 
 #endif
