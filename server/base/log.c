@@ -4,11 +4,19 @@
 
 #include <stdarg.h>
 #include <stdatomic.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 static _Atomic int log_level = LOG_INFORMATION;
+static bool to_journal;
+
+/* Before there are threads: a library that one of them starts may change the environment while another looks at it. */
+__attribute__((constructor)) static void look_at_environment(void)
+{
+    to_journal = getenv("JOURNAL_STREAM") != NULL;
+}
 
 void log_set_level(LogLevel level)
 {
@@ -37,6 +45,6 @@ void log_line(LogLevel level, const char *format, ...)
     va_end(list);
     for (char *c = line; *c; c++)
         if ((unsigned char)*c < ' ' || *c == 127) *c = ' ';
-    if (getenv("JOURNAL_STREAM")) fprintf(stderr, "<%d>%s\n", (int)level, line);
+    if (to_journal) fprintf(stderr, "<%d>%s\n", (int)level, line);
     else fprintf(stderr, "meniscusd: %s\n", line);
 }

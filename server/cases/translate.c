@@ -2,6 +2,7 @@
 /* Case message to MnsCase: names resolved, counts checked against the dimensions, defaults filled in. */
 #include "cases/translate.h"
 #include "cases/translation.h"
+#include <assert.h>
 #include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
@@ -72,10 +73,25 @@ static MnsStatus translate_constants(Translation *t, const Meniscus__Case *m)
     return status;
 }
 
-/* What cannot be compressed carries no sound. */
-static bool has_sound(const Translation *t)
+/* What suits each scheme where the case is silent: its paper's, or what was found to be needed where the paper is silent too. */
+typedef struct Method {
+    const char *scheme;
+    MnsKernel kernel;
+    double smoothing;
+    bool sound; /* are its fluids compressed? */
+} Method;
+
+static const Method *method_of(const MnsSchemeOptions *scheme)
 {
-    return strcmp(t->c->scheme.name, "incompressible") != 0 && strcmp(t->c->scheme.name, "differences") != 0;
+    static const Method methods[] = {
+        {"riemann", MNS_WENDLAND_C2, 1.3, true},         {"dissipation", MNS_TRUNCATED_GAUSSIAN, 1.1, true},
+        {"interfacial", MNS_WENDLAND_C2, 1.6, true},     {"incompressible", MNS_QUINTIC_SPLINE, 1, false},
+        {"differences", MNS_QUINTIC_SPLINE, 0.9, false},
+    };
+    for (size_t k = 0; k < sizeof methods / sizeof *methods; k++)
+        if (strcmp(methods[k].scheme, scheme->name) == 0) return &methods[k];
+    assert(!"a scheme without a row above");
+    return methods;
 }
 
 static MnsStatus translate_fluid(Translation *t, const Meniscus__Fluid *m, const Names *before, MnsFluid *fluid)
@@ -87,10 +103,11 @@ static MnsStatus translate_fluid(Translation *t, const Meniscus__Fluid *m, const
     };
     fluid->density = m->density;
     fluid->viscosity = m->viscosity;
-    fluid->sound_speed = has_sound(t) && m->has_sound_speed ? m->sound_speed : INFINITY;
+    const bool sound = method_of(&t->c->scheme)->sound;
+    fluid->sound_speed = sound && m->has_sound_speed ? m->sound_speed : INFINITY;
     fluid->density_method = methods[m->density_method];
     fluid->exponent = m->has_exponent ? m->exponent : 0;
-    if (has_sound(t) && !m->has_sound_speed)
+    if (sound && !m->has_sound_speed)
         return translation_fail(t, MNS_E_INVALID, "sound_speed", "missing, required: (0, inf) m/s");
     MnsStatus status = take_name(t, m->name, before, &fluid->name);
     if (!status) status = translate_shape(t, m->n_shape, m->shape, true, &fluid->shape);
@@ -317,18 +334,6 @@ static MnsStatus translate_method(Translation *t, const Meniscus__Scheme *m, Mns
     return translation_unknown(t);
 }
 
-/* What suits each scheme: its paper's, or what was found to be needed where the paper is silent. */
-static void default_kernel(const Meniscus__Scheme *m, MnsKernel *ret_kernel, double *ret_smoothing)
-{
-    const bool dissipation = m->method_case == MENISCUS__SCHEME__METHOD_DISSIPATION;
-    const bool interfacial = m->method_case == MENISCUS__SCHEME__METHOD_INTERFACIAL;
-    const bool incompressible = m->method_case == MENISCUS__SCHEME__METHOD_INCOMPRESSIBLE;
-    const bool differences = m->method_case == MENISCUS__SCHEME__METHOD_DIFFERENCES,
-               quintic = incompressible || differences;
-    *ret_kernel = dissipation ? MNS_TRUNCATED_GAUSSIAN : quintic ? MNS_QUINTIC_SPLINE : MNS_WENDLAND_C2;
-    *ret_smoothing = dissipation ? 1.1 : interfacial ? 1.6 : incompressible ? 1 : differences ? 0.9 : 1.3;
-}
-
 static MnsStatus translate_scheme(Translation *t, const Meniscus__Scheme *given, MnsSchemeOptions *ret)
 {
     static const MnsKernel kernels[] = {
@@ -339,13 +344,14 @@ static MnsStatus translate_scheme(Translation *t, const Meniscus__Scheme *given,
     const Meniscus__Scheme scheme_defaults = MENISCUS__SCHEME__INIT;
     const Meniscus__Scheme *m = given ? given : &scheme_defaults;
     *ret = (MnsSchemeOptions){.cfl = m->cfl, .skin = m->skin};
-    default_kernel(m, &ret->kernel, &ret->smoothing);
-    if (m->has_kernel) ret->kernel = kernels[m->kernel];
-    if (m->has_smoothing) ret->smoothing = m->smoothing;
     const size_t before = translation_enter(t, "scheme");
     const MnsStatus status = translate_method(t, m, ret);
     case_path_cut(&t->path, before);
-    return status;
+    if (status) return status;
+    const Method *method = method_of(ret);
+    ret->kernel = m->has_kernel ? kernels[m->kernel] : method->kernel;
+    ret->smoothing = m->has_smoothing ? m->smoothing : method->smoothing;
+    return MNS_OK;
 }
 
 static MnsStatus translate_fields(Translation *t, const Meniscus__Output *m, MnsOutput *ret)

@@ -156,7 +156,7 @@ static MnsStatus noted(void)
 static MnsStatus make(struct Amg *amg, const Matrix *m)
 {
     amg->n = (int)m->n;
-    if (m->n > INT_MAX) return MNS_E_MEMORY; /* hypre counts no farther */
+    if (!amg_holds((double)m->n, ENTRIES * (double)m->start[m->n] / (double)m->n)) return MNS_E_MEMORY;
     if (!(amg->rows = array_new(m->n, sizeof *amg->rows))) return MNS_E_MEMORY;
     for (int i = 0; i < amg->n; i++) amg->rows[i] = i;
     HYPRE_ClearAllErrors();
@@ -278,6 +278,11 @@ bool amg_exists(void)
     return false;
 }
 #endif
+
+bool amg_holds(double rows, double entries)
+{
+    return amg_exists() && rows * (entries + 1) <= INT_MAX;
+}
 
 /* A copy of the entries, and as much again while it is made or for the coarse levels, of 8 bytes for a value and 4 for its place, a few of
  * them to spare; and the library itself. */

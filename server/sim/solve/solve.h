@@ -114,7 +114,10 @@ void system_forget(System *system);
 /* Was this built with algebraic multigrid? */
 bool amg_exists(void);
 
-/* What that keeps of one matrix of so many rows and entries in each, about. */
+/* And can it take a matrix of so many rows and entries in each? hypre numbers them by int: some 19 million rows in space. */
+bool amg_holds(double rows, double entries);
+
+/* What it keeps of such a matrix, about. */
 double amg_bytes(double rows, double entries);
 
 /* Would a system of so many rows, of so many blocks each, be solved with it? */

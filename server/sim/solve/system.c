@@ -170,7 +170,8 @@ bool solve_takes_amg(MnsSolver solver, double rows, double blocks)
 {
     /* Rows from which on it is faster, in two and three dimensions, by how long they are (DECISIONS.md). */
     const double large = blocks <= 8 ? 50000 : 1000000;
-    return solver == MNS_SOLVER_AMG || (solver == MNS_SOLVER_BY_SIZE && amg_exists() && rows >= large);
+    return solver == MNS_SOLVER_AMG ||
+           (solver == MNS_SOLVER_BY_SIZE && rows >= large && amg_holds(rows, blocks * ENTRIES));
 }
 
 const SolveMethod *solve_method(MnsSolver solver, const System *y, bool symmetric)
