@@ -48,6 +48,37 @@ static double *written(const Particles *s)
     return all;
 }
 
+/* Say that all has changed: the positions too, which takes marks away, or all but them. The next pass shall find what is said here. */
+static void change(Cloud *cloud, bool marked)
+{
+    particles_changed(&cloud->s, ON_ALL, marked ? ALL_FIELDS & ~FIELD(X) : ALL_FIELDS);
+    neighbours_refresh(&cloud->nb, &cloud->s, &cloud->model, 0);
+    assert_int_equal(cloud->nb.marked & ON_FLUID, marked ? ON_FLUID : 0);
+}
+
+/* What is fused, how often it was asked for, and of which pairs it shall be asked. */
+static struct Counted {
+    FusedFunction function;
+    RowPairs pairs;
+    size_t calls;
+} counted;
+
+static void count(const RowPlan *plan, Particles *s, size_t i)
+{
+    counted.calls++;
+    assert_int_equal(plan->pairs, counted.pairs);
+    counted.function(plan, s, i);
+}
+
+/* A copy of which calls are counted, if there is a function of this level at all. */
+static Fusion watched(const Fusion *fusion, int dim, bool marked, Level level)
+{
+    Fusion copy = *fusion;
+    counted = (struct Counted){fusion->row[level][dim - 2], marked ? ROW_MARKED : ROW_LISTED, 0};
+    if (counted.function) copy.row[level][dim - 2] = count;
+    return copy;
+}
+
 /* One pass over a new cloud: with pairs that were marked before, or with all that are listed. */
 static double *result_of(const Pass *pass, int dim, MnsKernel kernel, bool periodic, bool marked, Level level,
                          size_t *ret_n)
@@ -59,8 +90,7 @@ static double *result_of(const Pass *pass, int dim, MnsKernel kernel, bool perio
     for (size_t i = 0; i < cloud->s.n; i++) cloud->s.rate[i] = 0;
     for (int d = 0; d < dim; d++)
         for (size_t i = 0; i < cloud->s.n; i++) cloud->s.a[d][i] = 0;
-    particles_changed(&cloud->s, ON_ALL, ALL_FIELDS);
-    if (marked) assert_true(cloud->nb.marked & 1u << GROUP_CONTINUITY);
+    change(cloud, marked);
     pass_run(pass, &cloud->s, &cloud->nb, &cloud->model, 1);
     double *all = written(&cloud->s);
     *ret_n = cloud->s.n;
@@ -70,11 +100,13 @@ static double *result_of(const Pass *pass, int dim, MnsKernel kernel, bool perio
 
 static void check(const Fusion *fusion, int dim, MnsKernel kernel, bool periodic, bool marked, Level level)
 {
-    Pass fused = {.name = "fused", .fusions = {fusion}}, apart = {.name = "one by one"};
+    const Fusion counting = watched(fusion, dim, marked, level);
+    Pass fused = {.name = "fused", .fusions = {&counting}}, apart = {.name = "one by one"};
     size_t n;
     memcpy(fused.terms, fusion->terms, sizeof fused.terms);
     memcpy(apart.terms, fusion->terms, sizeof apart.terms);
     double *a = result_of(&fused, dim, kernel, periodic, marked, level, &n);
+    assert_true(counted.calls > 0);
     double *b = result_of(&apart, dim, kernel, periodic, marked, level, &n);
     double most = 0;
     for (size_t k = 0; k < ROWS * n; k++) {
@@ -116,7 +148,7 @@ static int two_fluids_and_a_wall(const double x[3])
 typedef struct Way {
     int dim;
     MnsKernel kernel;
-    bool periodic, walls, tense;
+    bool periodic, walls, tense, marked;
     Level level;
 } Way;
 
@@ -140,6 +172,8 @@ static Cloud *mixed(const Way *way)
     cloud->model.density_average = 0.7;
     cloud->model.tense = way->tense;
     cloud->model.wall[0].no_slip = true;
+    const Pass first = {"marks", .terms = {&shepard_sum}};
+    if (way->marked) pass_run(&first, s, &cloud->nb, &cloud->model, 1);
     for (size_t i = 0; i < s->n; i++) {
         s->shepard[i] = 1 + 0.1 * cloud_noise(&seed);
         s->rate[i] = 0;
@@ -153,7 +187,7 @@ static Cloud *mixed(const Way *way)
         for (size_t a = 0; a < 2; a++) s->p_wall[a][w] = 100 * cloud_noise(&seed);
         for (int d = 0; d < way->dim; d++) s->v_wall[d][w] = cloud_noise(&seed);
     }
-    particles_changed(s, ON_ALL, ALL_FIELDS);
+    change(cloud, way->marked);
     return cloud;
 }
 
@@ -163,18 +197,6 @@ static size_t of_kinds(const Cloud *cloud, unsigned kinds)
     size_t n = 0;
     for (size_t i = 0; i < particles_fluid(&cloud->s); i++) n += (cloud->nb.has[i] & LIST_KINDS) == kinds;
     return n;
-}
-
-/* What is fused, and how often it was asked for. */
-static struct Counted {
-    FusedFunction function;
-    size_t calls;
-} counted;
-
-static void count(const RowPlan *plan, Particles *s, size_t i)
-{
-    counted.calls++;
-    counted.function(plan, s, i);
 }
 
 static bool has_term(const Term *const *list, const Term *term)
@@ -210,12 +232,10 @@ static void assert_same(const Cloud *a, const Cloud *b, const char *name)
 static void check_kinds(const Pass *from, const Fusion *fusion, const Way *way)
 {
     Pass apart = terms_of(from, fusion), fused = apart;
-    Fusion watched = *fusion;
+    const Fusion counting = watched(fusion, way->dim, way->marked, way->level);
     Cloud *a = mixed(way), *b = mixed(way);
     size_t expected = 0;
-    counted = (struct Counted){fusion->row[way->level][way->dim - 2], 0};
-    if (counted.function) watched.row[way->level][way->dim - 2] = count;
-    fused.fusions[0] = &watched;
+    fused.fusions[0] = &counting;
     for (unsigned kinds = 0; kinds <= LIST_KINDS; kinds++) {
         if (way->walls || !(kinds & LIST_WALLS)) assert_true(of_kinds(a, kinds) > 0);
         if (fusion_serves(fusion, kinds) && counted.function) expected += of_kinds(a, kinds);
@@ -232,13 +252,14 @@ static void check_ways(const Pass *from, const Fusion *fusion)
 {
     static const MnsKernel kernels[] = {MNS_WENDLAND_C2, MNS_TRUNCATED_GAUSSIAN, MNS_QUINTIC_SPLINE};
     for (size_t k = 0; k < 3; k++)
-        for (unsigned bits = 0; bits < 16; bits++)
+        for (unsigned bits = 0; bits < 32; bits++)
             for (int level = 0; level <= (int)level_in_use(); level++) {
                 const Way way = {.dim = bits & 1 ? 3 : 2,
                                  .kernel = kernels[k],
                                  .periodic = bits & 2,
                                  .walls = bits & 4,
                                  .tense = bits & 8,
+                                 .marked = bits & 16,
                                  .level = (Level)level};
                 check_kinds(from, fusion, &way);
             }
