@@ -275,11 +275,57 @@ static void what_is_fused_for_some_particles_has_the_bits_of_rows(void **state)
             for (int f = 0; f < PASS_FUSIONS_MAX && pass->fusions[f]; f++) check_ways(pass, pass->fusions[f]);
 }
 
+/* Marks that a pass leaves are those of a sum over all that are listed, or are not used: nobody was in reach when it began. */
+static void check_marks(Cloud *cloud, const Pass *pass)
+{
+    Particles *s = &cloud->s;
+    Neighbours *nb = &cloud->nb;
+    const Pass next = {"next", .terms = {&shepard_sum}};
+    for (size_t i = 0; i < s->n; i++) {
+        const size_t fluid = nb->end[i][GROUP_SUMMATION], walls = nb->end[i][GROUP_WALL] - fluid;
+        memset(neighbours_marks(nb, i), 0, neighbours_mark_bytes(fluid) + neighbours_mark_bytes(walls));
+    }
+    change(cloud, false);
+    pass_run(pass, s, nb, &cloud->model, 1);
+    pass_run(&next, s, nb, &cloud->model, 1);
+    double *trusted = calloc(s->n, sizeof *trusted);
+    assert_non_null(trusted);
+    memcpy(trusted, s->shepard, s->n * sizeof *trusted);
+    change(cloud, false);
+    pass_run(&next, s, nb, &cloud->model, 1);
+    for (size_t i = 0; i < particles_fluid(s); i++)
+        if (!(fabs(trusted[i] - s->shepard[i]) <= 1e-12 * s->shepard[i]))
+            fail_msg("after %s of %s: sum %.17g of marked pairs, %.17g of all", pass->terms[0]->name, pass->name,
+                     trusted[i], s->shepard[i]);
+    free(trusted);
+}
+
+static void marks_are_used_only_where_they_were_noted(void **state)
+{
+    (void)state;
+    static const Scheme *const schemes[] = {&scheme_riemann, &scheme_dissipation, &scheme_interfacial};
+    for (size_t k = 0; k < 3; k++)
+        for (const Pass *pass = schemes[k]->rates; pass->name; pass++)
+            for (int f = 0; f < PASS_FUSIONS_MAX && pass->fusions[f]; f++)
+                for (int way = 0; way < 4; way++)
+                    for (int level = 0; level <= (int)level_in_use(); level++) {
+                        const Way of = {.dim = way & 1 ? 3 : 2, .walls = way & 2, .tense = true, .level = (Level)level};
+                        Cloud *cloud = k ? mixed(&of) : stirred(of.dim, of.kernel, way & 2);
+                        Pass fused = terms_of(pass, pass->fusions[f]);
+                        fused.name = pass->name;
+                        fused.fusions[0] = pass->fusions[f];
+                        cloud->model.level = (Level)level;
+                        check_marks(cloud, &fused);
+                        cloud_free(cloud);
+                    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(fused_terms_have_the_bits_of_single_ones),
         cmocka_unit_test(what_is_fused_for_some_particles_has_the_bits_of_rows),
+        cmocka_unit_test(marks_are_used_only_where_they_were_noted),
     };
     return cmocka_run_group_tests_name("fused", tests, NULL, NULL);
 }
