@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What is fused gives the same bits as its terms one after the other, for every kernel, dimension and level of instructions. */
+#include "sim/fused.h"
 #include "sim/terms/terms.h"
 #include "tests/support/check.h"
 #include "tests/support/cloud.h"
@@ -275,6 +276,76 @@ static void what_is_fused_for_some_particles_has_the_bits_of_rows(void **state)
             for (int f = 0; f < PASS_FUSIONS_MAX && pass->fusions[f]; f++) check_ways(pass, pass->fusions[f]);
 }
 
+/* --- the three ways to a pair -------------------------------------------------------------------------------------------- */
+
+/* Of all that is carried, but for the distance of what only fills up a block. */
+static void assert_same_pair(Pair a, const Pair *b, bool beyond)
+{
+    if (beyond) a.r = b->r;
+    const double *x = (const double *)&a, *y = (const double *)b;
+    for (size_t k = 0; k < offsetof(Pair, other) / sizeof *x; k++)
+        if (!(x[k] == y[k])) fail_msg("%g and %g at %zu of a pair", x[k], y[k], k);
+}
+
+/* Pairs of a row, those that were fetched, and those of blocks that were approached; returns whether any carries a flux. */
+static bool compare_pairs(const RowPlan *plan, const Row *row, How how)
+{
+    uint32_t j[PICKED_MAX];
+    double x[3];
+    bool carries = false;
+    Block block, rest, ahead[2];
+    const Picked picked = pick_neighbours(plan, row->i, j);
+    position_of(plan->s, row->i, how, x);
+    approach(ahead, 0, plan, &picked, j, x, how);
+    for (size_t b = 0; b < picked.n; b++) {
+        const double *beyond = beyond_reach(plan, &picked, b);
+        approach(ahead, b + 1, plan, &picked, j, x, how);
+        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEED_ALL, how);
+        fetch_rest(&rest, j + b * LANES, &plan->nb->bundles, NEED_ALL, how);
+        for (int l = 0; l < LANES; l++) {
+            const Pair laid = block_pair(&row->block[b], l, how),
+                       fetched = fetched_pair(&block, l, beyond, x, plan, NEED_ALL, how),
+                       near = near_pair(&ahead[b % 2], &rest, l, plan, NEED_ALL, how);
+            assert_same_pair(fetched, &laid, beyond[l] > 0);
+            assert_same_pair(near, &laid, beyond[l] > 0);
+            carries |= fabs(near.q[0]) > 0;
+        }
+    }
+    return carries;
+}
+
+/* A row has fluxes only where some neighbour is of summed density. */
+static void pairs_are_the_same_however_they_are_come_by(void **state)
+{
+    (void)state;
+    static Row row;
+    for (int dim = 2; dim <= 3; dim++) {
+        bool carries = false;
+        Cloud *cloud = stirred(dim, MNS_QUINTIC_SPLINE, true);
+        Particles *s = &cloud->s;
+        uint64_t seed = 12;
+        cloud->model.level = LEVEL_BASE;
+        for (size_t i = 0; i < s->n; i++) s->shepard[i] = 1 + 0.1 * cloud_noise(&seed);
+        for (int d = 0; d < dim; d++)
+            for (size_t i = 0; i < s->n; i++) {
+                s->gradient[d][i] = 500 * cloud_noise(&seed);
+                s->normal[d][i] = cloud_noise(&seed);
+            }
+        particles_changed(s, ON_ALL, ALL_FIELDS);
+        neighbours_refresh(&cloud->nb, s, &cloud->model, NEED_ALL);
+        const RowPlan plan = row_plan(&cloud->nb, s, &cloud->model, NEED_ALL, ROW_LISTED);
+        const How how = {dim, BASE_FUSES, fetch_quads, true, kernel_shape_of(cloud->model.kernel.type)};
+        for (size_t i = 0; i < particles_fluid(s); i++) {
+            row_build(&row, &plan, i);
+            if (row.summed) carries |= compare_pairs(&plan, &row, how);
+        }
+        assert_true(carries);
+        cloud_free(cloud);
+    }
+}
+
+/* --- marks ------------------------------------------------------------------------------------------------------------ */
+
 /* Marks that a pass leaves are those of a sum over all that are listed, or are not used: nobody was in reach when it began. */
 static void check_marks(Cloud *cloud, const Pass *pass)
 {
@@ -325,6 +396,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(fused_terms_have_the_bits_of_single_ones),
         cmocka_unit_test(what_is_fused_for_some_particles_has_the_bits_of_rows),
+        cmocka_unit_test(pairs_are_the_same_however_they_are_come_by),
         cmocka_unit_test(marks_are_used_only_where_they_were_noted),
     };
     return cmocka_run_group_tests_name("fused", tests, NULL, NULL);
