@@ -51,7 +51,7 @@ static void join(const System *y, uint32_t *up, uint32_t i, size_t block)
     }
 }
 
-/* Numbers instead of least rows, which come before the others; those too many share the last. */
+/* Numbers instead of least rows, which come before the others; those too many share the last, and what says nothing goes with the first. */
 static size_t number(const System *y)
 {
     uint32_t *part = y->part, least[PARTS_MAX];
@@ -61,7 +61,7 @@ static size_t number(const System *y)
         size_t k = 0;
         while (k < n && least[k] != part[i]) k++;
         if (k == n && n < PARTS_MAX && counts(y, i)) least[n++] = part[i];
-        part[i] = (uint32_t)(k < n ? k : n ? n - 1 : 0);
+        part[i] = (uint32_t)(k < n ? k : n && counts(y, i) ? n - 1 : 0);
     }
     return n;
 }
@@ -94,18 +94,20 @@ void parts_find(System *y)
     y->parts = separate > 1 ? number(y) : 1;
 }
 
+/* Of each part the sum of a over its rows, and over how many of them it is spread. Rows that say nothing count in the centre only. */
 void parts_level(const System *y, double *a, PartsHow how)
 {
     double sum[PARTS_MAX] = {0}, count[PARTS_MAX] = {0};
     const Matrix *m = &y->matrix;
-    const size_t summed = how == PARTS_CENTRE ? y->bulk : m->n, counted = how == PARTS_MEAN ? m->n : y->bulk;
+    const bool all = how == PARTS_CENTRE;
+    const size_t summed = all ? y->bulk : m->n, counted = how == PARTS_MEAN ? m->n : y->bulk;
     for (size_t i = 0; i < summed; i++) {
-        if (m->blocks[i] == 0) continue;
+        if (m->blocks[i] == 0 && !all) continue;
         sum[y->part[i]] += a[i];
         count[y->part[i]] += i < counted;
     }
     for (size_t k = 0; k < y->parts; k++) sum[k] = count[k] > 0 ? sum[k] / count[k] : 0;
     if (y->held != NOT_HELD) sum[y->part[y->held]] = 0;
     for (size_t i = 0; i < (how == PARTS_BALANCE ? y->bulk : m->n); i++)
-        if (m->blocks[i]) a[i] -= sum[y->part[i]];
+        if (m->blocks[i] || all) a[i] -= sum[y->part[i]];
 }
