@@ -6,18 +6,16 @@
 #include <math.h>
 #include <stdlib.h>
 
-static double speed(const Particles *s, size_t i)
+static double squared_speed(const Particles *s, size_t i)
 {
     double v2 = 0;
     for (int d = 0; d < s->dim; d++) v2 += s->v[d][i] * s->v[d][i];
-    return sqrt(v2);
+    return v2;
 }
 
-static bool is_well(const MnsSim *sim, size_t i)
+static double speed(const Particles *s, size_t i)
 {
-    const Model *model = &sim->model;
-    const double ratio = sim->s.rho[i] / model->phase[sim->s.phase[i]].rho0;
-    return isfinite(speed(&sim->s, i)) && ratio > model->density_min && ratio < model->density_max;
+    return sqrt(squared_speed(s, i));
 }
 
 static size_t worst_particle(const MnsSim *sim)
@@ -27,7 +25,7 @@ static size_t worst_particle(const MnsSim *sim)
     size_t worst = n;
     bool cause = false; /* is it one that the others may come from? */
     for (size_t i = 0; i < n; i++) {
-        if (is_well(sim, i)) continue;
+        if (sim_is_well(s, &sim->model, i, squared_speed(s, i))) continue;
         const bool can_be = isfinite(s->rho[i]) && isfinite(speed(s, i));
         if (worst < n && (can_be == cause ? s->id[i] > s->id[worst] : cause)) continue;
         worst = i;

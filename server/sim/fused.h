@@ -33,31 +33,38 @@ INLINE bool mark_others(const RowPlan *plan, size_t i, const uint32_t *j, const 
     return any;
 }
 
-/* Pair l of a block that was fetched for these needs; beyond: what beyond_reach() says of it. */
-INLINE Pair fetched_pair(const Block *b, int l, const double *beyond, const double x_i[3], const RowPlan *plan,
-                         unsigned needs, How how)
+/* A pair of which x and r are known, and what else is needed of it: from a block with the first bundle, and from one with the rest. */
+INLINE Pair with_rest(Pair pair, const Block *first, const Block *rest, int l, const RowPlan *plan, unsigned needs,
+                      How how)
 {
-    Pair pair;
     for (int d = 0; d < how.dim; d++) {
-        pair.x[d] = nearest(plan->model, x_i[d] - b->x[d][l], d, how);
-        if (needs & NEED_V) pair.v[d] = b->v[d][l];
-        if (needs & NEED_FLUX) pair.q[d] = b->q[d][l];
-        if (needs & NEED_GRADIENT) pair.gradient[d] = b->gradient[d][l];
-        if (needs & NEED_NORMAL) pair.normal[d] = b->normal[d][l];
+        if (needs & NEED_V) pair.v[d] = (bundle_has(how.dim, 0, CARRIED_V + d) ? first : rest)->v[d][l];
+        if (needs & NEED_FLUX) pair.q[d] = rest->q[d][l];
+        if (needs & NEED_GRADIENT) pair.gradient[d] = rest->gradient[d][l];
+        if (needs & NEED_NORMAL) pair.normal[d] = rest->normal[d][l];
     }
-    pair.r = sqrt(DOT(pair.x, pair.x, how)) + beyond[l];
     if (needs & (NEED_W | NEED_F)) {
         const KernelValue value = how.kernel(&plan->kernel, pair.r, how.fma);
         pair.W = value.W;
         pair.F = value.F;
     }
-    if (needs & NEED_SHEPARD) pair.shepard = b->shepard[l];
+    if (needs & NEED_SHEPARD) pair.shepard = rest->shepard[l];
     if (needs & NEED_STATE) {
-        pair.p = b->p[l];
-        pair.V = b->V[l];
-        pair.z = b->z[l];
+        pair.p = rest->p[l];
+        pair.V = rest->V[l];
+        pair.z = rest->z[l];
     }
     return pair;
+}
+
+/* Pair l of a block that was fetched for these needs; beyond: what beyond_reach() says of it. */
+INLINE Pair fetched_pair(const Block *b, int l, const double *beyond, const double x_i[3], const RowPlan *plan,
+                         unsigned needs, How how)
+{
+    Pair pair = {0};
+    for (int d = 0; d < how.dim; d++) pair.x[d] = nearest(plan->model, x_i[d] - b->x[d][l], d, how);
+    pair.r = sqrt(DOT(pair.x, pair.x, how)) + beyond[l];
+    return with_rest(pair, b, b, l, plan, needs, how);
 }
 
 /* Fetch the first bundle of block b, if there is such a block, and take the distances. One block ahead of its terms, as nothing else
@@ -81,24 +88,8 @@ INLINE void approach(Block ahead[2], size_t b, const RowPlan *plan, const Picked
 INLINE Pair near_pair(const Block *near, const Block *rest, int l, const RowPlan *plan, unsigned needs, How how)
 {
     Pair pair = {.r = near->r[l]};
-    for (int d = 0; d < how.dim; d++) {
-        pair.x[d] = near->x[d][l];
-        if (needs & NEED_V) pair.v[d] = (bundle_has(how.dim, 0, CARRIED_V + d) ? near : rest)->v[d][l];
-        if (needs & NEED_GRADIENT) pair.gradient[d] = rest->gradient[d][l];
-        if (needs & NEED_NORMAL) pair.normal[d] = rest->normal[d][l];
-    }
-    if (needs & (NEED_W | NEED_F)) {
-        const KernelValue value = how.kernel(&plan->kernel, pair.r, how.fma);
-        pair.W = value.W;
-        pair.F = value.F;
-    }
-    if (needs & NEED_SHEPARD) pair.shepard = rest->shepard[l];
-    if (needs & NEED_STATE) {
-        pair.p = rest->p[l];
-        pair.V = rest->V[l];
-        pair.z = rest->z[l];
-    }
-    return pair;
+    for (int d = 0; d < how.dim; d++) pair.x[d] = near->x[d][l];
+    return with_rest(pair, near, rest, l, plan, needs, how);
 }
 
 /* FUSED_FUNCTIONS(body) makes functions of every level, in two and three dimensions, from a FusedBody that is INLINE;

@@ -104,8 +104,7 @@ bool integrator_look(MnsSim *sim)
     for (size_t i = 0; i < n; i++) {
         double v2 = 0;
         for (int d = 0; d < s->dim; d++) v2 += s->v[d][i] * s->v[d][i];
-        const double ratio = s->rho[i] / model->phase[s->phase[i]].rho0;
-        bad += !(v2 < INFINITY && ratio > model->density_min && ratio < model->density_max);
+        bad += !sim_is_well(s, model, i, v2);
         fastest = v2 > fastest ? v2 : fastest;
     }
     sim->v_max = sqrt(fastest);

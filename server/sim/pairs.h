@@ -184,7 +184,8 @@ INLINE Picked pick_neighbours(const RowPlan *plan, size_t i, uint32_t *j)
     return picked;
 }
 
-/* Note which of the pairs are in reach, if all that are listed were looked at. r: [n][stride] distances of the blocks. */
+/* Note which of the pairs are in reach, if all that are listed were looked at. What is fused may leave it out, and says so (Fusion.notes),
+ * as marks are used only where all have noted theirs. r: [n][stride] distances of the blocks. */
 INLINE void note_reach(const RowPlan *plan, size_t i, const Picked *picked, const double *r, size_t stride)
 {
     if (plan->pairs == ROW_LISTED)

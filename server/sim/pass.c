@@ -149,12 +149,21 @@ static void sweep_all(const Sweep sweeps[GROUPS], Particles *s, const Model *mod
     }
 }
 
+/* Has all that served the particles of a group noted who is in reach, as rows do? What is fused need not. */
+static bool noted(const Sweep *sweep)
+{
+    bool all = sweep->n_terms > 0;
+    for (unsigned kinds = 0; kinds <= LIST_KINDS; kinds++)
+        all = all && (!sweep->fusion[kinds] || sweep->fusion[kinds]->notes);
+    return all;
+}
+
 /* Say what has been written, now that nobody reads the old copies any more. */
 static void declare(const Sweep sweeps[GROUPS], Particles *s, Neighbours *nb)
 {
     for (int g = 0; g < GROUPS; g++) {
         const Sweep *sweep = &sweeps[g];
-        if (sweep->n_terms) nb->marked |= 1u << g;
+        if (noted(sweep)) nb->marked |= 1u << g;
         for (int k = 0; k < sweep->n_before; k++) particles_changed(s, 1u << g, sweep->before[k]->writes);
         for (int k = 0; k < sweep->n_terms; k++) particles_changed(s, 1u << g, sweep->terms[k]->writes);
         for (int k = 0; k < sweep->n_after; k++) particles_changed(s, 1u << g, sweep->after[k]->writes);

@@ -41,6 +41,7 @@ typedef struct Fusion {
     const Term *also[PASS_TERMS_MAX];  /* what it does where it is needed, and finds out itself; end with NULL */
     unsigned not_for;                  /* particles whose lists have such neighbours: LIST_... */
     unsigned not_together;             /* nor those that have all of these, unless it is 0 */
+    bool notes;                        /* does it note which of all that are listed are in reach (note_reach())? */
     FusedFunction row[LEVELS][2];      /* FUSED_TABLE() or BESIDE_TABLE(); NULL: not at this level */
 } Fusion;
 

@@ -7,6 +7,7 @@
 #include "sim/pass.h"
 #include "sim/shape.h"
 #include "sim/solve/solve.h"
+#include <math.h>
 
 enum { SIM_TIMERS_MAX = SCHEME_PASSES_MAX + 6, SIM_WARNINGS_MAX = 16 };
 enum { SIM_BLOCK = 4096 }; /* particles that are summed up by one thread */
@@ -79,6 +80,13 @@ MnsStatus setup_check(MnsSim *sim, MnsError *error);
 static inline size_t sim_blocks(size_t n)
 {
     return (n + SIM_BLOCK - 1) / SIM_BLOCK;
+}
+
+/* Can a run go on from particle i, of squared speed v2? Not from what is no number. */
+static inline bool sim_is_well(const Particles *s, const Model *model, size_t i, double v2)
+{
+    const double ratio = s->rho[i] / model->phase[s->phase[i]].rho0;
+    return v2 < INFINITY && ratio > model->density_min && ratio < model->density_max;
 }
 
 /* fault.c: say which particle is to blame for a divergence, where it is, and by which term */

@@ -45,7 +45,8 @@ lines() {
 
 in_block_pair=$(lines server/sim/row.h block_pair)
 # Fused loops begin in one of these, in so many instances that it is easier to see whether one of them was given up.
-fused="fused\.h:($(lines server/sim/fused.h fetched_pair)|$(lines server/sim/fused.h approach)|$(lines server/sim/fused.h near_pair))"
+fused="fused\.h:($(lines server/sim/fused.h with_rest)|$(lines server/sim/fused.h fetched_pair)"
+fused="$fused|$(lines server/sim/fused.h approach)|$(lines server/sim/fused.h near_pair))"
 fused="($fused|pairs\.h:($(lines server/sim/pairs.h nearest)))"
 
 # given_up REMARKS: how many fused loops were.

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What is fused gives the same bits as its terms one after the other, for every kernel, dimension and level of instructions. */
+#include "sim/fused.h"
 #include "sim/terms/terms.h"
 #include "tests/support/check.h"
 #include "tests/support/cloud.h"
@@ -48,6 +49,37 @@ static double *written(const Particles *s)
     return all;
 }
 
+/* Say that all has changed: the positions too, which takes marks away, or all but them. The next pass shall find what is said here. */
+static void change(Cloud *cloud, bool marked)
+{
+    particles_changed(&cloud->s, ON_ALL, marked ? ALL_FIELDS & ~FIELD(X) : ALL_FIELDS);
+    neighbours_refresh(&cloud->nb, &cloud->s, &cloud->model, 0);
+    assert_int_equal(cloud->nb.marked & ON_FLUID, marked ? ON_FLUID : 0);
+}
+
+/* What is fused, how often it was asked for, and of which pairs it shall be asked. */
+static struct Counted {
+    FusedFunction function;
+    RowPairs pairs;
+    size_t calls;
+} counted;
+
+static void count(const RowPlan *plan, Particles *s, size_t i)
+{
+    counted.calls++;
+    assert_int_equal(plan->pairs, counted.pairs);
+    counted.function(plan, s, i);
+}
+
+/* A copy of which calls are counted, if there is a function of this level at all. */
+static Fusion watched(const Fusion *fusion, int dim, bool marked, Level level)
+{
+    Fusion copy = *fusion;
+    counted = (struct Counted){fusion->row[level][dim - 2], marked ? ROW_MARKED : ROW_LISTED, 0};
+    if (counted.function) copy.row[level][dim - 2] = count;
+    return copy;
+}
+
 /* One pass over a new cloud: with pairs that were marked before, or with all that are listed. */
 static double *result_of(const Pass *pass, int dim, MnsKernel kernel, bool periodic, bool marked, Level level,
                          size_t *ret_n)
@@ -59,8 +91,7 @@ static double *result_of(const Pass *pass, int dim, MnsKernel kernel, bool perio
     for (size_t i = 0; i < cloud->s.n; i++) cloud->s.rate[i] = 0;
     for (int d = 0; d < dim; d++)
         for (size_t i = 0; i < cloud->s.n; i++) cloud->s.a[d][i] = 0;
-    particles_changed(&cloud->s, ON_ALL, ALL_FIELDS);
-    if (marked) assert_true(cloud->nb.marked & 1u << GROUP_CONTINUITY);
+    change(cloud, marked);
     pass_run(pass, &cloud->s, &cloud->nb, &cloud->model, 1);
     double *all = written(&cloud->s);
     *ret_n = cloud->s.n;
@@ -70,11 +101,13 @@ static double *result_of(const Pass *pass, int dim, MnsKernel kernel, bool perio
 
 static void check(const Fusion *fusion, int dim, MnsKernel kernel, bool periodic, bool marked, Level level)
 {
-    Pass fused = {.name = "fused", .fusions = {fusion}}, apart = {.name = "one by one"};
+    const Fusion counting = watched(fusion, dim, marked, level);
+    Pass fused = {.name = "fused", .fusions = {&counting}}, apart = {.name = "one by one"};
     size_t n;
     memcpy(fused.terms, fusion->terms, sizeof fused.terms);
     memcpy(apart.terms, fusion->terms, sizeof apart.terms);
     double *a = result_of(&fused, dim, kernel, periodic, marked, level, &n);
+    assert_true(counted.calls > 0);
     double *b = result_of(&apart, dim, kernel, periodic, marked, level, &n);
     double most = 0;
     for (size_t k = 0; k < ROWS * n; k++) {
@@ -116,7 +149,7 @@ static int two_fluids_and_a_wall(const double x[3])
 typedef struct Way {
     int dim;
     MnsKernel kernel;
-    bool periodic, walls, tense;
+    bool periodic, walls, tense, marked;
     Level level;
 } Way;
 
@@ -140,6 +173,8 @@ static Cloud *mixed(const Way *way)
     cloud->model.density_average = 0.7;
     cloud->model.tense = way->tense;
     cloud->model.wall[0].no_slip = true;
+    const Pass first = {"marks", .terms = {&shepard_sum}};
+    if (way->marked) pass_run(&first, s, &cloud->nb, &cloud->model, 1);
     for (size_t i = 0; i < s->n; i++) {
         s->shepard[i] = 1 + 0.1 * cloud_noise(&seed);
         s->rate[i] = 0;
@@ -153,7 +188,7 @@ static Cloud *mixed(const Way *way)
         for (size_t a = 0; a < 2; a++) s->p_wall[a][w] = 100 * cloud_noise(&seed);
         for (int d = 0; d < way->dim; d++) s->v_wall[d][w] = cloud_noise(&seed);
     }
-    particles_changed(s, ON_ALL, ALL_FIELDS);
+    change(cloud, way->marked);
     return cloud;
 }
 
@@ -163,18 +198,6 @@ static size_t of_kinds(const Cloud *cloud, unsigned kinds)
     size_t n = 0;
     for (size_t i = 0; i < particles_fluid(&cloud->s); i++) n += (cloud->nb.has[i] & LIST_KINDS) == kinds;
     return n;
-}
-
-/* What is fused, and how often it was asked for. */
-static struct Counted {
-    FusedFunction function;
-    size_t calls;
-} counted;
-
-static void count(const RowPlan *plan, Particles *s, size_t i)
-{
-    counted.calls++;
-    counted.function(plan, s, i);
 }
 
 static bool has_term(const Term *const *list, const Term *term)
@@ -210,12 +233,10 @@ static void assert_same(const Cloud *a, const Cloud *b, const char *name)
 static void check_kinds(const Pass *from, const Fusion *fusion, const Way *way)
 {
     Pass apart = terms_of(from, fusion), fused = apart;
-    Fusion watched = *fusion;
+    const Fusion counting = watched(fusion, way->dim, way->marked, way->level);
     Cloud *a = mixed(way), *b = mixed(way);
     size_t expected = 0;
-    counted = (struct Counted){fusion->row[way->level][way->dim - 2], 0};
-    if (counted.function) watched.row[way->level][way->dim - 2] = count;
-    fused.fusions[0] = &watched;
+    fused.fusions[0] = &counting;
     for (unsigned kinds = 0; kinds <= LIST_KINDS; kinds++) {
         if (way->walls || !(kinds & LIST_WALLS)) assert_true(of_kinds(a, kinds) > 0);
         if (fusion_serves(fusion, kinds) && counted.function) expected += of_kinds(a, kinds);
@@ -232,13 +253,14 @@ static void check_ways(const Pass *from, const Fusion *fusion)
 {
     static const MnsKernel kernels[] = {MNS_WENDLAND_C2, MNS_TRUNCATED_GAUSSIAN, MNS_QUINTIC_SPLINE};
     for (size_t k = 0; k < 3; k++)
-        for (unsigned bits = 0; bits < 16; bits++)
+        for (unsigned bits = 0; bits < 32; bits++)
             for (int level = 0; level <= (int)level_in_use(); level++) {
                 const Way way = {.dim = bits & 1 ? 3 : 2,
                                  .kernel = kernels[k],
                                  .periodic = bits & 2,
                                  .walls = bits & 4,
                                  .tense = bits & 8,
+                                 .marked = bits & 16,
                                  .level = (Level)level};
                 check_kinds(from, fusion, &way);
             }
@@ -254,11 +276,128 @@ static void what_is_fused_for_some_particles_has_the_bits_of_rows(void **state)
             for (int f = 0; f < PASS_FUSIONS_MAX && pass->fusions[f]; f++) check_ways(pass, pass->fusions[f]);
 }
 
+/* --- the three ways to a pair -------------------------------------------------------------------------------------------- */
+
+/* Of all that is carried, but for the distance of what only fills up a block. */
+static void assert_same_pair(Pair a, const Pair *b, bool beyond)
+{
+    if (beyond) a.r = b->r;
+    const double *x = (const double *)&a, *y = (const double *)b;
+    for (size_t k = 0; k < offsetof(Pair, other) / sizeof *x; k++)
+        if (!(x[k] == y[k])) fail_msg("%g and %g at %zu of a pair", x[k], y[k], k);
+}
+
+/* Pairs of a row, those that were fetched, and those of blocks that were approached; returns whether any carries a flux. */
+static bool compare_pairs(const RowPlan *plan, const Row *row, How how)
+{
+    uint32_t j[PICKED_MAX];
+    double x[3];
+    bool carries = false;
+    Block block, rest, ahead[2];
+    const Picked picked = pick_neighbours(plan, row->i, j);
+    position_of(plan->s, row->i, how, x);
+    approach(ahead, 0, plan, &picked, j, x, how);
+    for (size_t b = 0; b < picked.n; b++) {
+        const double *beyond = beyond_reach(plan, &picked, b);
+        approach(ahead, b + 1, plan, &picked, j, x, how);
+        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEED_ALL, how);
+        fetch_rest(&rest, j + b * LANES, &plan->nb->bundles, NEED_ALL, how);
+        for (int l = 0; l < LANES; l++) {
+            const Pair laid = block_pair(&row->block[b], l, how),
+                       fetched = fetched_pair(&block, l, beyond, x, plan, NEED_ALL, how),
+                       near = near_pair(&ahead[b % 2], &rest, l, plan, NEED_ALL, how);
+            assert_same_pair(fetched, &laid, beyond[l] > 0);
+            assert_same_pair(near, &laid, beyond[l] > 0);
+            carries |= fabs(near.q[0]) > 0;
+        }
+    }
+    return carries;
+}
+
+/* A row has fluxes only where some neighbour is of summed density. */
+static void pairs_are_the_same_however_they_are_come_by(void **state)
+{
+    (void)state;
+    static Row row;
+    for (int dim = 2; dim <= 3; dim++) {
+        bool carries = false;
+        Cloud *cloud = stirred(dim, MNS_QUINTIC_SPLINE, true);
+        Particles *s = &cloud->s;
+        uint64_t seed = 12;
+        cloud->model.level = LEVEL_BASE;
+        for (size_t i = 0; i < s->n; i++) s->shepard[i] = 1 + 0.1 * cloud_noise(&seed);
+        for (int d = 0; d < dim; d++)
+            for (size_t i = 0; i < s->n; i++) {
+                s->gradient[d][i] = 500 * cloud_noise(&seed);
+                s->normal[d][i] = cloud_noise(&seed);
+            }
+        particles_changed(s, ON_ALL, ALL_FIELDS);
+        neighbours_refresh(&cloud->nb, s, &cloud->model, NEED_ALL);
+        const RowPlan plan = row_plan(&cloud->nb, s, &cloud->model, NEED_ALL, ROW_LISTED);
+        const How how = {dim, BASE_FUSES, fetch_quads, true, kernel_shape_of(cloud->model.kernel.type)};
+        for (size_t i = 0; i < particles_fluid(s); i++) {
+            row_build(&row, &plan, i);
+            if (row.summed) carries |= compare_pairs(&plan, &row, how);
+        }
+        assert_true(carries);
+        cloud_free(cloud);
+    }
+}
+
+/* --- marks ------------------------------------------------------------------------------------------------------------ */
+
+/* Marks that a pass leaves are those of a sum over all that are listed, or are not used: nobody was in reach when it began. */
+static void check_marks(Cloud *cloud, const Pass *pass)
+{
+    Particles *s = &cloud->s;
+    Neighbours *nb = &cloud->nb;
+    const Pass next = {"next", .terms = {&shepard_sum}};
+    for (size_t i = 0; i < s->n; i++) {
+        const size_t fluid = nb->end[i][GROUP_SUMMATION], walls = nb->end[i][GROUP_WALL] - fluid;
+        memset(neighbours_marks(nb, i), 0, neighbours_mark_bytes(fluid) + neighbours_mark_bytes(walls));
+    }
+    change(cloud, false);
+    pass_run(pass, s, nb, &cloud->model, 1);
+    pass_run(&next, s, nb, &cloud->model, 1);
+    double *trusted = calloc(s->n, sizeof *trusted);
+    assert_non_null(trusted);
+    memcpy(trusted, s->shepard, s->n * sizeof *trusted);
+    change(cloud, false);
+    pass_run(&next, s, nb, &cloud->model, 1);
+    for (size_t i = 0; i < particles_fluid(s); i++)
+        if (!(fabs(trusted[i] - s->shepard[i]) <= 1e-12 * s->shepard[i]))
+            fail_msg("after %s of %s: sum %.17g of marked pairs, %.17g of all", pass->terms[0]->name, pass->name,
+                     trusted[i], s->shepard[i]);
+    free(trusted);
+}
+
+static void marks_are_used_only_where_they_were_noted(void **state)
+{
+    (void)state;
+    static const Scheme *const schemes[] = {&scheme_riemann, &scheme_dissipation, &scheme_interfacial};
+    for (size_t k = 0; k < 3; k++)
+        for (const Pass *pass = schemes[k]->rates; pass->name; pass++)
+            for (int f = 0; f < PASS_FUSIONS_MAX && pass->fusions[f]; f++)
+                for (int way = 0; way < 4; way++)
+                    for (int level = 0; level <= (int)level_in_use(); level++) {
+                        const Way of = {.dim = way & 1 ? 3 : 2, .walls = way & 2, .tense = true, .level = (Level)level};
+                        Cloud *cloud = k ? mixed(&of) : stirred(of.dim, of.kernel, way & 2);
+                        Pass fused = terms_of(pass, pass->fusions[f]);
+                        fused.name = pass->name;
+                        fused.fusions[0] = pass->fusions[f];
+                        cloud->model.level = (Level)level;
+                        check_marks(cloud, &fused);
+                        cloud_free(cloud);
+                    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(fused_terms_have_the_bits_of_single_ones),
         cmocka_unit_test(what_is_fused_for_some_particles_has_the_bits_of_rows),
+        cmocka_unit_test(pairs_are_the_same_however_they_are_come_by),
+        cmocka_unit_test(marks_are_used_only_where_they_were_noted),
     };
     return cmocka_run_group_tests_name("fused", tests, NULL, NULL);
 }

@@ -247,10 +247,10 @@ static void what_cannot_be_solved_is_taken_from_the_bulk(void **state)
 }
 
 /* Every other row of one ring, or none of it, refers to rows of another. */
-static void split(System *y, size_t n)
+static void split(System *y, size_t n, int threads)
 {
     Matrix *m = &y->matrix;
-    ring(y, n, 0, 1);
+    ring(y, n, 0, threads);
     for (size_t i = 0; i < n; i++) {
         m->diagonal[i] = 0;
         for (size_t k = m->start[i] * ENTRIES; k < (m->start[i] + 1) * ENTRIES; k++) {
@@ -270,7 +270,7 @@ static void parts_are_solved_as_if_they_were_alone(void **state)
             System y;
             SolveReport report;
             double wanted[500], mean[2] = {0};
-            split(&y, 500);
+            split(&y, 500, 1);
             ask(&y, 5);
             memcpy(wanted, y.b, sizeof wanted);
             for (size_t i = 0; i < 500; i++) y.b[i] += i % 2 ? 0.25 : held ? 0 : -0.125;
@@ -296,6 +296,49 @@ static void parts_are_solved_as_if_they_were_alone(void **state)
         }
 }
 
+/* A row of the bulk says nothing, and nobody refers to it. */
+static void silence(System *y, size_t row)
+{
+    Matrix *m = &y->matrix;
+    m->blocks[row] = 0;
+    m->diagonal[row] = 0;
+    for (size_t i = 0; i < m->n; i++)
+        for (size_t k = m->start[i] * ENTRIES; k < (m->start[i] + m->blocks[i]) * ENTRIES; k++) {
+            if (m->column[k] != row) continue;
+            m->diagonal[i] -= (double)m->c[k];
+            m->c[k] = 0;
+        }
+}
+
+/* They go with the first part, and count in its mean, as where there is no other; wherever among the rows of others they are. */
+static void rows_that_say_nothing_are_centred_too(void **state)
+{
+    (void)state;
+    for (int parts = 1; parts <= 2; parts++) {
+        System y;
+        SolveReport report;
+        double mean[2] = {0};
+        if (parts > 1) split(&y, 500, 1);
+        else ring(&y, 500, 0, 1);
+        silence(&y, 11);
+        ask(&y, 5);
+        y.x[11] = 3;
+        y.x[500] = 4;
+        solve_cg.solve(&y, &(SolveGoal){1e-10, 5000}, &report);
+        assert_true(report.converged && y.parts == (size_t)parts);
+        const double before = y.x[0];
+        system_centre(&y);
+        const double change = y.x[0] - before;
+        for (size_t i = 0; i < 500; i++) mean[parts > 1 && i != 11 && i % 2] += y.x[i];
+        assert_true(fabs(change) > 1e-3);
+        assert_close(mean[0], 0, 1e-10);
+        assert_close(mean[1], 0, 1e-10);
+        assert_close(y.x[11], 3 + change, 1e-12);
+        assert_close(y.x[500], 4 + change, 1e-12);
+        system_done(&y);
+    }
+}
+
 /* Some that say nothing and nobody refers to; rings of six are too many to be told apart. */
 static void parts_are_counted(void **state)
 {
@@ -307,7 +350,7 @@ static void parts_are_counted(void **state)
     solve_cg.solve(&y, &(SolveGoal){1, 1}, &report);
     assert_int_equal(y.parts, 1);
     system_done(&y);
-    ring(&y, RINGS * EACH, 0, 1);
+    ring(&y, RINGS * EACH, 0, 3);
     for (size_t i = 0; i < RINGS * EACH; i++)
         for (size_t k = 0; k < ENTRIES; k++) {
             const size_t at = y.matrix.start[i] * ENTRIES + k;
@@ -417,15 +460,18 @@ static void threads_change_no_bit(void **state)
 {
     (void)state;
     const SolveMethod *const methods[] = {&solve_cg, &solve_bicgstab};
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < 4; k++) {
         double *x = NULL;
         for (int threads = 1; threads <= 3; threads++) {
             System y;
             SolveReport report;
-            ring(&y, MANY, 0, threads);
+            if (k / 2) split(&y, MANY, threads);
+            else ring(&y, MANY, 0, threads);
             ask(&y, 4);
-            methods[k]->solve(&y, &(SolveGoal){1e-5, 20000}, &report);
-            assert_true(report.converged);
+            for (size_t i = 0; i < MANY; i++) y.b[i] += i % 2 ? 0.25 : -0.125;
+            methods[k % 2]->solve(&y, &(SolveGoal){1e-5, 20000}, &report);
+            assert_true(report.converged && y.parts == (k / 2 ? 2U : 1U));
+            system_centre(&y);
             if (!x) {
                 x = malloc(MANY * sizeof *x);
                 assert_non_null(x);
@@ -471,6 +517,7 @@ int main(void)
         cmocka_unit_test(methods_are_chosen_by_size_and_symmetry),
         cmocka_unit_test(what_cannot_be_solved_is_taken_from_the_bulk),
         cmocka_unit_test(parts_are_solved_as_if_they_were_alone),
+        cmocka_unit_test(rows_that_say_nothing_are_centred_too),
         cmocka_unit_test(parts_are_counted),
         cmocka_unit_test(a_breakdown_is_begun_anew),
         cmocka_unit_test(what_is_left_is_looked_at_where_little_is_allowed),

@@ -155,12 +155,15 @@ static MnsStatus correct_density(MnsSim *sim, MnsError *error)
 /* The same in each of several parts; where there is no light fluid, the pressure keeps its mean of 0. */
 static void gauge_parts(System *y, const Particles *s, const bool light[])
 {
-    double least[PARTS_MAX];
-    for (size_t k = 0; k < y->parts; k++) least[k] = INFINITY;
+    double least[PARTS_MAX], *restrict x = y->x;
+    const uint32_t *restrict part = y->part;
+    for (size_t k = 0; k < PARTS_MAX; k++) least[k] = INFINITY;
+#pragma omp parallel for schedule(static) reduction(min : least) num_threads(y->threads)
     for (size_t i = 0; i < particles_fluid(s); i++)
-        if (light[s->phase[i]]) least[y->part[i]] = fmin(least[y->part[i]], y->x[i]);
+        if (light[s->phase[i]] && x[i] < least[part[i]]) least[part[i]] = x[i];
+#pragma omp parallel for schedule(static) num_threads(y->threads)
     for (size_t i = 0; i < y->matrix.n; i++)
-        if (isfinite(least[y->part[i]])) y->x[i] -= least[y->part[i]];
+        if (isfinite(least[part[i]])) x[i] -= least[part[i]];
 }
 
 /* The pressure has no mean, or is 0 where it is least in the light fluids: on a gas, a pressure that a liquid has no less of would act

@@ -49,8 +49,7 @@ static bool kick_and_look(MnsSim *sim, double dt)
             s->v[d][i] += half * s->a[d][i];
             v2 += s->v[d][i] * s->v[d][i];
         }
-        const double ratio = s->rho[i] / model->phase[s->phase[i]].rho0;
-        bad += !(v2 < INFINITY && ratio > model->density_min && ratio < model->density_max);
+        bad += !sim_is_well(s, model, i, v2);
         fastest = v2 > fastest ? v2 : fastest;
     }
     particles_changed(s, ON_FLUID, FIELD(V));

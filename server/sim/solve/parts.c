@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parts of a matrix that do not refer to each other, as of spaces on both sides of a wall: each has a constant of its own that nothing
- * determines. They are found anew for each solve, which costs about as much as a product, so that a restart need know nothing of them. The
- * sums of several, which are rare, are one thread's. */
+ * determines. They are found anew for each solve, which costs about as much as a product, so that a restart need know nothing of them. */
 #include "sim/solve/vectors.h"
+#include <string.h>
 
 /* Trees of rows, which all threads join at a time: who points elsewhere never points at itself again, and nobody points at a larger one.
  * So whatever their order, in the end the root of each is the least row of its part. */
@@ -51,26 +51,52 @@ static void join(const System *y, uint32_t *up, uint32_t i, size_t block)
     }
 }
 
-/* Numbers instead of least rows, which come before the others; those too many share the last. */
-static size_t number(const System *y)
+static bool is_root(const System *y, size_t i)
 {
-    uint32_t *part = y->part, least[PARTS_MAX];
-    size_t n = 0;
-    for (uint32_t i = 0; i < y->matrix.n; i++) part[i] = root(part, i);
-    for (uint32_t i = 0; i < y->matrix.n; i++) {
-        size_t k = 0;
-        while (k < n && least[k] != part[i]) k++;
-        if (k == n && n < PARTS_MAX && counts(y, i)) least[n++] = part[i];
-        part[i] = (uint32_t)(k < n ? k : n ? n - 1 : 0);
+    return y->part[i] == i && counts(y, i);
+}
+
+/* How many there are; of each chunk it is left in the partial sums. */
+static size_t count_roots(const System *y)
+{
+    double *roots = partial_of(y, 0);
+#pragma omp parallel for schedule(static) num_threads(y->threads)
+    for (size_t chunk = 0; chunk < chunks_of(y); chunk++) {
+        size_t n = 0;
+        for (size_t i = chunk * ROWS; i < chunk_end(y, chunk); i++) n += is_root(y, i);
+        roots[chunk] = (double)n;
     }
+    return (size_t)partial_sum(y, 0);
+}
+
+/* The first PARTS_MAX of those that were counted; returns how many. Chunks without one are passed over. */
+static size_t first_roots(const System *y, uint32_t *ret)
+{
+    const double *roots = partial_of(y, 0);
+    size_t n = 0;
+    for (size_t chunk = 0; chunk < chunks_of(y); chunk++)
+        for (size_t i = chunk * ROWS; roots[chunk] > 0 && n < PARTS_MAX && i < chunk_end(y, chunk); i++)
+            if (is_root(y, i)) ret[n++] = (uint32_t)i;
     return n;
 }
 
-static size_t count_roots(const System *y)
+/* Numbers instead of least rows, which come before the others; those too many share the last, and what says nothing goes with the first.
+ * A row's number must not be taken for a row, so all are at their roots before. */
+static size_t number(const System *y)
 {
-    size_t n = 0;
-#pragma omp parallel for schedule(static) reduction(+ : n) num_threads(y->threads)
-    for (size_t i = 0; i < y->matrix.n; i++) n += counts(y, i) && y->part[i] == i;
+    uint32_t *part = y->part, least[PARTS_MAX];
+    const size_t n = first_roots(y, least), rows = y->matrix.n;
+#pragma omp parallel num_threads(y->threads)
+    {
+#pragma omp for schedule(static)
+        for (size_t i = 0; i < rows; i++) __atomic_store_n(&part[i], root(part, (uint32_t)i), __ATOMIC_RELAXED);
+#pragma omp for schedule(static)
+        for (size_t i = 0; i < rows; i++) {
+            size_t k = 0;
+            while (k < n && least[k] != part[i]) k++;
+            part[i] = (uint32_t)(k < n ? k : counts(y, i) ? n - 1 : 0);
+        }
+    }
     return n;
 }
 
@@ -94,18 +120,57 @@ void parts_find(System *y)
     y->parts = separate > 1 ? number(y) : 1;
 }
 
+/* Of each part a sum, and over how many rows it is spread. */
+typedef struct Shares {
+    double sum[PARTS_MAX], rows[PARTS_MAX];
+} Shares;
+
+_Static_assert(sizeof(Shares) == SHARES * sizeof(double), "room in the partial sums");
+
+static Shares *shares_of(const System *y)
+{
+    return (Shares *)partial_of(y, SUMS);
+}
+
+/* Those of each chunk. Rows that say nothing count in the centre only. */
+static void share(const System *y, const double *a, PartsHow how)
+{
+    const size_t summed = how == PARTS_CENTRE ? y->bulk : y->matrix.n,
+                 counted = how == PARTS_MEAN ? y->matrix.n : y->bulk;
+#pragma omp parallel for schedule(static) num_threads(y->threads)
+    for (size_t chunk = 0; chunk < chunks_of(y); chunk++) {
+        Shares *of = &shares_of(y)[chunk];
+        memset(of->sum, 0, y->parts * sizeof *of->sum);
+        memset(of->rows, 0, y->parts * sizeof *of->rows);
+        for (size_t i = chunk * ROWS; i < chunk_end(y, chunk) && i < summed; i++) {
+            if (y->matrix.blocks[i] == 0 && how != PARTS_CENTRE) continue;
+            of->sum[y->part[i]] += a[i];
+            of->rows[y->part[i]] += i < counted;
+        }
+    }
+}
+
+/* What is too much in each row of a part, by the shares of all chunks. */
+static void excess(const System *y, double *ret)
+{
+    double rows[PARTS_MAX] = {0};
+    memset(ret, 0, y->parts * sizeof *ret);
+    for (size_t chunk = 0; chunk < chunks_of(y); chunk++)
+        for (size_t k = 0; k < y->parts; k++) {
+            ret[k] += shares_of(y)[chunk].sum[k];
+            rows[k] += shares_of(y)[chunk].rows[k];
+        }
+    for (size_t k = 0; k < y->parts; k++) ret[k] = rows[k] > 0 ? ret[k] / rows[k] : 0;
+    if (y->held != NOT_HELD) ret[y->part[y->held]] = 0;
+}
+
 void parts_level(const System *y, double *a, PartsHow how)
 {
-    double sum[PARTS_MAX] = {0}, count[PARTS_MAX] = {0};
-    const Matrix *m = &y->matrix;
-    const size_t summed = how == PARTS_CENTRE ? y->bulk : m->n, counted = how == PARTS_MEAN ? m->n : y->bulk;
-    for (size_t i = 0; i < summed; i++) {
-        if (m->blocks[i] == 0) continue;
-        sum[y->part[i]] += a[i];
-        count[y->part[i]] += i < counted;
-    }
-    for (size_t k = 0; k < y->parts; k++) sum[k] = count[k] > 0 ? sum[k] / count[k] : 0;
-    if (y->held != NOT_HELD) sum[y->part[y->held]] = 0;
-    for (size_t i = 0; i < (how == PARTS_BALANCE ? y->bulk : m->n); i++)
-        if (m->blocks[i]) a[i] -= sum[y->part[i]];
+    double less[PARTS_MAX];
+    const size_t n = how == PARTS_BALANCE ? y->bulk : y->matrix.n;
+    share(y, a, how);
+    excess(y, less);
+#pragma omp parallel for schedule(static) num_threads(y->threads)
+    for (size_t i = 0; i < n; i++)
+        if (y->matrix.blocks[i] || how == PARTS_CENTRE) a[i] -= less[y->part[i]];
 }

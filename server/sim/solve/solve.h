@@ -63,7 +63,7 @@ typedef struct System {
     size_t bulk;
     size_t held;    /* row; NOT_HELD: none */
     size_t parts;   /* found by the last solve */
-    uint32_t *part; /* [matrix.n] of each row that says something or that others refer to, [0, parts) */
+    uint32_t *part; /* [matrix.n] of each row, [0, parts); 0 of one that says nothing and nobody refers to */
     double least;   /* that the residual of x = 0 counts as, where there is only rounding */
     int threads;
     double *work[WORK_VECTORS]; /* [matrix.n] */

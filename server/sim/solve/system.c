@@ -113,7 +113,7 @@ bool system_init(System *y, size_t n, size_t bulk, int threads)
            (y->x = array_new_team(n, sizeof(double), threads)) &&
            (y->part = array_new_team(n, sizeof *y->part, threads));
     for (int k = 0; well && k < WORK_VECTORS; k++) well = (y->work[k] = array_new_team(n, sizeof(double), threads));
-    well = well && (y->partial = array_new(3 * chunks_of(y), sizeof(double)));
+    well = well && (y->partial = array_new((SUMS + SHARES) * chunks_of(y), sizeof(double)));
     if (!well) system_done(y);
     return well;
 }

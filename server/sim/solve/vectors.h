@@ -7,6 +7,9 @@
 
 enum { ROWS = 1024 }; /* of a chunk, which is one thread's whatever the number of threads */
 
+/* Numbers for each chunk in the partial sums: of all rows, then of parts. */
+enum { SUMS = 3, SHARES = 2 * PARTS_MAX };
+
 static inline size_t chunks_of(const System *y)
 {
     return (y->matrix.n + ROWS - 1) / ROWS;

@@ -145,6 +145,7 @@ const Fusion dissipation_shape_beside = {
     .terms = {&shepard_sum, &pressure_gradient},
     .also = {&interface_normal},
     .not_together = LIST_WALLS | LIST_OTHERS, /* where walls mirror interfaces (images.c) */
+    .notes = true,
     .row = BESIDE_TABLE(shape_beside),
 };
 

@@ -41,5 +41,6 @@ const Fusion dissipation_shape = {
     .terms = {&shepard_sum, &pressure_gradient},
     .also = {&interface_normal},
     .not_for = LIST_WALLS | LIST_OTHERS,
+    .notes = true,
     .row = FUSED_TABLE(dissipation_shape_fused),
 };

@@ -43,5 +43,6 @@ FUSED_FUNCTIONS(interfacial_density_fused)
 const Fusion interfacial_density = {
     .terms = {&shepard_sum, &concentration, &volume_continuity, &density_dissipation},
     .not_for = LIST_WALLS,
+    .notes = true,
     .row = FUSED_TABLE(interfacial_density_fused),
 };

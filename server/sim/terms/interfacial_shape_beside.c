@@ -85,6 +85,7 @@ BESIDE_FUNCTIONS(normal_beside)
 
 const Fusion interfacial_density_beside = {
     .terms = {&shepard_sum, &concentration, &volume_continuity, &density_dissipation},
+    .notes = true,
     .row = BESIDE_TABLE(density_beside),
 };
 

@@ -49,4 +49,8 @@ const Term number_density = {
     .row = ROW_TABLE(number_density_row),
 };
 
-const Fusion number_density_alone = {.terms = {&number_density}, .row = FUSED_TABLE(number_density_fused)};
+const Fusion number_density_alone = {
+    .terms = {&number_density},
+    .notes = true,
+    .row = FUSED_TABLE(number_density_fused),
+};

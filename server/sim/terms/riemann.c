@@ -106,4 +106,8 @@ const Term riemann_momentum = {
     .row = ROW_TABLE(riemann_momentum_row),
 };
 
-const Fusion riemann_density_alone = {.terms = {&riemann_density}, .row = FUSED_TABLE(riemann_density_fused)};
+const Fusion riemann_density_alone = {
+    .terms = {&riemann_density},
+    .notes = true,
+    .row = FUSED_TABLE(riemann_density_fused),
+};
