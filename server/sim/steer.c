@@ -151,13 +151,15 @@ static MnsStatus add_fields(MnsSim *sim, const MnsCase *c, MnsError *error)
     return particles_add(&sim->s, scheme_fields(sim->scheme, &model), sim->threads, error);
 }
 
-/* Can the rest of the run be done with the new options, the new gravity and the new end? */
+/* Can the rest of the run be done with the new options, the new gravity and the new end, and be measured? A probe that can go on by what
+ * an older option has left could not after a restart. */
 static MnsStatus affordable(MnsSim *sim, const MnsCase *c, Formula *const gravity[3], MnsError *error)
 {
     const Model kept = sim->model;
     setup_options(sim, c);
     for (int d = 0; d < c->dim; d++) sim->model.gravity[d] = formula_eval(gravity[d], &sim->progress.t);
-    const MnsStatus status = plan_check(sim, c, error);
+    MnsStatus status = setup_probes(sim, c, error);
+    if (!status) status = plan_check(sim, c, error);
     sim->model = kept;
     return status;
 }

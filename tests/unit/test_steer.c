@@ -156,6 +156,29 @@ static void fields_are_there_once_an_option_needs_them(void **state)
     assert_fields_come("dissipation");
 }
 
+/* What a restart could not measure: the field would not be there any more. */
+static void options_that_a_probe_needs_cannot_be_turned_off(void **state)
+{
+    (void)state;
+    MnsCase *c[2];
+    for (int k = 0; k < 2; k++) {
+        c[k] = case_shaken_by("interfacial", 2, 1);
+        c[k]->scheme.interfacial.gradient_correction = k == 0;
+        case_set_text(&case_add_probe(c[k], MNS_PROBE_EXTREMUM)->field, "correction");
+    }
+    MnsSim *sim = sim_of(c[0]);
+    sim_steps(sim, 2);
+    const double value = mns_sim_probe(sim, 0);
+    assert_true(value > 0);
+    MnsError error = {0};
+    assert_int_equal(mns_sim_steer(sim, c[1], &error), MNS_E_INVALID);
+    assert_string_equal(error.path, "probes[0].extremum.field");
+    assert_ptr_equal(mns_sim_case(sim), c[0]);
+    assert_true(mns_sim_probe(sim, 0) == value && sim->model.corrects_gradients);
+    sim_done(sim, c[0]);
+    mns_case_free(c[1]);
+}
+
 /* Without sound too: options of the projections take effect, what a restart could not tell from the case is refused, and a state saved
  * afterwards goes on to the same bits. */
 static void projections_are_steered(void **state)
@@ -205,6 +228,7 @@ int main(void)
         cmocka_unit_test(steered_threads_and_limits_do_not_change_the_bits),
         cmocka_unit_test(steered_options_take_effect),
         cmocka_unit_test(fields_are_there_once_an_option_needs_them),
+        cmocka_unit_test(options_that_a_probe_needs_cannot_be_turned_off),
         cmocka_unit_test(steered_runs_resume_bit_for_bit),
         cmocka_unit_test(projections_are_steered),
     };
