@@ -42,7 +42,8 @@ MnsStatus mns_sim_step(MnsSim *sim, double t_max, MnsError *error);
 
 /** Adopt the entries of c that proto/case.proto marks as steerable (gravity, end time, output, threads, scheme options);
  *  all others must be as they were. c takes the place of the case the simulation borrowed, which may then be freed.
- *  @return MNS_OK; MNS_E_INVALID, MNS_E_LIMIT as of mns_sim_new(): the simulation unchanged. */
+ *  @return MNS_OK; MNS_E_INVALID, MNS_E_LIMIT as of mns_sim_new(); MNS_E_MEMORY if there is none for lists of other threads or for what
+ *          an option needs: the simulation unchanged. */
 MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error);
 
 const MnsCase *mns_sim_case(const MnsSim *sim);

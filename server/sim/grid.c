@@ -4,7 +4,9 @@
 #include "sim/grid.h"
 #include <math.h>
 
-enum { CELLS_PER_SIDE_MAX = 1 << 10, CELLS_FEW = 1 << 12, CELLS_PER_PARTICLE = 8 };
+enum { CELLS_FEW = 1 << 12, CELLS_PER_PARTICLE = 8 };
+/* Keys of the sort (sort.c) are of a group and a cell, in 32 bits. */
+static const double CELLS_MAX = UINT32_MAX / GROUPS;
 
 /* Is there fluid beyond what the grid covers along d? */
 static bool is_passed(const Particles *s, int d, double low, double high, int threads)
@@ -33,19 +35,20 @@ static void extent(const Particles *s, const Model *model, int d, int threads, d
     *high = most;
 }
 
-static void set_cells(Grid *grid, double distance)
+/* As a product of sides it may be more than any integer. */
+static double cells_of(const Grid *grid)
 {
-    grid->cells = 1;
-    grid->ratio = 0;
-    for (int d = 0; d < grid->dim; d++) {
-        grid->cells *= (size_t)grid->n[d];
-        grid->ratio = fmax(grid->ratio, distance * grid->per_length[d]);
-    }
+    return (double)grid->n[0] * grid->n[1] * grid->n[2];
+}
+
+static double cells_for(size_t n)
+{
+    return fmin(CELLS_MAX, CELLS_FEW + (double)CELLS_PER_PARTICLE * (double)n);
 }
 
 /* Halve the cells along the direction that has most of them: open ones repeat themselves twice as often then, periodic ones,
  * which must fit, become twice as wide. */
-static void halve(Grid *grid, const Model *model, double distance)
+static void halve(Grid *grid, const Model *model)
 {
     int d = 0;
     for (int e = 1; e < grid->dim; e++)
@@ -54,7 +57,6 @@ static void halve(Grid *grid, const Model *model, double distance)
     if (model->period[d] > 0) grid->per_length[d] *= (double)n / grid->n[d];
     grid->n[d] = n;
     grid->wraps[d] = true;
-    set_cells(grid, distance);
 }
 
 Grid grid_make(const Particles *s, const Model *model, double distance, int threads)
@@ -63,15 +65,15 @@ Grid grid_make(const Particles *s, const Model *model, double distance, int thre
     for (int d = 0; d < model->dim; d++) {
         double low, high;
         extent(s, model, d, threads, &low, &high);
-        const double edge = distance / grid.reach,
-                     count = fmax(1, fmin(CELLS_PER_SIDE_MAX, floor((high - low) / edge)));
+        const double edge = distance / grid.reach, count = fmax(1, fmin(CELLS_MAX, floor((high - low) / edge)));
         grid.n[d] = (int)count;
         grid.min[d] = low;
         grid.per_length[d] = count / (high - low);
         grid.wraps[d] = model->period[d] > 0 || is_passed(s, d, low, high, threads);
     }
-    set_cells(&grid, distance);
-    while (grid.cells > CELLS_FEW + CELLS_PER_PARTICLE * s->n) halve(&grid, model, distance);
+    while (cells_of(&grid) > cells_for(s->n)) halve(&grid, model);
+    grid.cells = (size_t)cells_of(&grid);
+    for (int d = 0; d < model->dim; d++) grid.ratio = fmax(grid.ratio, distance * grid.per_length[d]);
     return grid;
 }
 
@@ -79,9 +81,8 @@ size_t grid_cells_most(const Model *model, double distance, size_t n)
 {
     const double edge = distance / (model->dim == 3 ? 2 : 1);
     double cells = 1;
-    for (int d = 0; d < model->dim; d++)
-        cells *= fmin(CELLS_PER_SIDE_MAX, ceil((model->max[d] - model->min[d] + 2 * distance) / edge));
-    return (size_t)fmin(cells, CELLS_FEW + (double)CELLS_PER_PARTICLE * (double)n);
+    for (int d = 0; d < model->dim; d++) cells *= ceil((model->max[d] - model->min[d] + 2 * distance) / edge);
+    return (size_t)fmin(cells, cells_for(n));
 }
 
 size_t grid_cell(const Grid *grid, const double x[3])

@@ -48,6 +48,18 @@ static bool lists_are_stale(const MnsSim *sim)
     return strays > 0;
 }
 
+/* Where the step began moves by the same periods as where it is, or the end of the step would put particles beyond the side again. */
+static void wrap_beginning(MnsSim *sim, int d)
+{
+    const Particles *s = &sim->s;
+    const double period = sim->model.period[d], low = sim->model.min[d], frequency = sim->model.frequency[d];
+    const size_t n = particles_fluid(s);
+    const double *restrict x = s->x[d];
+    double *restrict x0 = s->x0[d];
+#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
+    for (size_t i = 0; i < n; i++) x0[i] -= period * floor((x[i] - low) * frequency);
+}
+
 /* Positions of periodic directions go back into the domain, and become those the lists are built from. */
 static void remember_positions(MnsSim *sim)
 {
@@ -55,13 +67,14 @@ static void remember_positions(MnsSim *sim)
     for (int d = 0; d < s->dim; d++) {
         const double period = sim->model.period[d], low = sim->model.min[d], frequency = sim->model.frequency[d];
         double *restrict x = s->x[d], *restrict ref = s->ref[d];
+        if (s->x0[d]) wrap_beginning(sim, d);
 #pragma omp parallel for simd schedule(static) num_threads(sim->threads)
         for (size_t i = 0; i < s->n; i++) {
             x[i] -= period * floor((x[i] - low) * frequency);
             ref[i] = x[i];
         }
     }
-    particles_changed(s, ON_ALL, FIELD(X) | FIELD(REF));
+    particles_changed(s, ON_ALL, FIELD(X) | FIELD(REF) | FIELD(X0));
 }
 
 static MnsStatus build_lists(MnsSim *sim, MnsError *error)
@@ -111,15 +124,16 @@ bool integrator_look(MnsSim *sim)
     return bad == 0;
 }
 
-void integrator_walls(MnsSim *sim, double t, double dt, double ahead)
+uint64_t integrator_walls(MnsSim *sim, double t, double dt, double ahead)
 {
     WallState before[MNS_MAX_WALLS];
     for (size_t k = 0; k < sim->model.n_walls; k++) before[k] = sim->model.wall[k];
     setup_at(sim, t, dt, ahead);
     move_walls(sim, before);
-    sim->progress.guarded += guard_walls(sim);
+    const uint64_t guarded = guard_walls(sim);
     /* Advection velocities are dt/2 of what is in B. */
     particles_changed(&sim->s, ON_FLUID, FIELD(X) | FIELD(V) | FIELD(B));
+    return guarded;
 }
 
 MnsStatus integrator_step(MnsSim *sim, double t, double dt, MnsError *error)

@@ -6,8 +6,8 @@
 #include "sim/sim.h"
 
 /* Gravity and walls as they are at t, dt after they were last set; fluid particles kept out of the walls. Walls' velocities are means from
- * then until `ahead` after t. */
-void integrator_walls(MnsSim *sim, double t, double dt, double ahead);
+ * then until `ahead` after t. Returns how many it kept out, which the step counts once. */
+uint64_t integrator_walls(MnsSim *sim, double t, double dt, double ahead);
 
 /* Neighbour lists for the positions of now, made again if a particle has left its skin. */
 MnsStatus integrator_lists(MnsSim *sim, MnsError *error);

@@ -57,14 +57,18 @@ MnsStatus particles_add(Particles *s, Fields fields, int threads, MnsError *erro
     const Fields before = s->fields;
     s->fields |= fields;
     const MnsStatus status = allocate_fields(s, threads, NULL, error);
-    if (!status) return MNS_OK;
+    if (status) particles_keep(s, before);
+    return status;
+}
+
+void particles_keep(Particles *s, Fields fields)
+{
     for (int f = 0; mns_fields()[f].name; f++)
-        for (int d = 0; d < components(s, f) && !(before >> f & 1); d++) {
+        for (int d = 0; d < components(s, f) && !(fields >> f & 1); d++) {
             free(particles_field(s, f, d));
             particles_set_field(s, f, d, NULL);
         }
-    s->fields = before;
-    return status;
+    s->fields &= fields;
 }
 
 void particles_done(Particles *s)

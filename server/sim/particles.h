@@ -60,6 +60,9 @@ void particles_done(Particles *s);
 /* Arrays of zeros for fields that there are not yet. MNS_E_MEMORY: those that were there are. */
 MnsStatus particles_add(Particles *s, Fields fields, int threads, MnsError *error);
 
+/* Give up the fields that are not among these. */
+void particles_keep(Particles *s, Fields fields);
+
 /* Component d of a field of mns_fields(); NULL where there is none. */
 void *particles_field(const Particles *s, int field, int d);
 void particles_set_field(Particles *s, int field, int d, void *array); /* one that there is */

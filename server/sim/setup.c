@@ -87,6 +87,33 @@ static MnsStatus find_faces(MnsSim *sim, MnsError *error)
     return MNS_OK;
 }
 
+/* The names of fields, as a list for people. */
+static const char *list_fields(Fields fields, size_t size, char text[])
+{
+    size_t used = 0;
+    text[0] = 0;
+    for (int f = 0; mns_fields()[f].name && used < size; f++)
+        if (fields >> f & 1)
+            used += (size_t)snprintf(text + used, size - used, "%s%s", used ? ", " : "", mns_fields()[f].name);
+    return text;
+}
+
+MnsStatus setup_probes(const MnsSim *sim, const MnsCase *c, MnsError *error)
+{
+    const Fields fields = scheme_fields(sim->scheme, &sim->model);
+    for (size_t k = 0; k < c->n_probes; k++) {
+        const MnsProbe *probe = &c->probes[k];
+        const ProbeKind *kind = probe_kind(probe);
+        char entry[64], list[480];
+        if (!(kind->uses & PROBE_FIELD) || fields >> mns_field_find(probe->field) & 1) continue;
+        snprintf(entry, sizeof entry, "probes[%zu].%s.field", k, kind->name);
+        return mns_fail_at(error, MNS_E_INVALID, entry,
+                           "the scheme %s has no field \"%.60s\" with these options; take one of %s", sim->scheme->name,
+                           probe->field, list_fields(fields, sizeof list, list));
+    }
+    return MNS_OK;
+}
+
 MnsStatus setup_model(MnsSim *sim, MnsError *error)
 {
     const MnsCase *c = sim->c;
@@ -95,7 +122,8 @@ MnsStatus setup_model(MnsSim *sim, MnsError *error)
     if (status) return status;
     set_geometry(&sim->model, c);
     setup_options(sim, c);
-    status = compile(sim->gravity, c->dim, c->gravity, &constants, error);
+    status = setup_probes(sim, c, error);
+    if (!status) status = compile(sim->gravity, c->dim, c->gravity, &constants, error);
     for (size_t k = 0; k < c->n_walls && !status; k++) {
         status = compile(sim->surface[k], c->dim, c->walls[k].surface_velocity, &constants, error);
         if (!status)

@@ -74,6 +74,9 @@ MnsStatus setup_model(MnsSim *sim, MnsError *error);
 void setup_options(MnsSim *sim, const MnsCase *c);
 void setup_at(MnsSim *sim, double t, double dt, double ahead);
 
+/* setup.c: MNS_E_INVALID if a probe of c asks for a field that the scheme does not have with the options of the model */
+MnsStatus setup_probes(const MnsSim *sim, const MnsCase *c, MnsError *error);
+
 /* setup.c: MNS_E_INVALID if a formula of gravity, of a wall or of a probe has failed, with its entry */
 MnsStatus setup_check(MnsSim *sim, MnsError *error);
 

@@ -2,6 +2,7 @@
 /* Two stable counting sorts: all threads sort into buckets of consecutive cells, then each sorts buckets of its own by cell. Counts
  * of each thread for each cell would take more memory than the particles where there are many threads. */
 #include "sim/sort.h"
+#include <assert.h>
 #include <omp.h>
 #include <string.h>
 
@@ -93,6 +94,7 @@ uint32_t *sort_by_cell(const Particles *s, const Grid *grid, uint32_t *start, ui
     Sort q = {.s = s, .grid = grid, .keys = GROUPS * grid->cells, .start = start, .counts = counts, .place = room};
     q.key = (uint32_t *)(q.place + s->n);
     q.order = q.key + s->n;
+    assert(q.keys <= UINT32_MAX); /* grid_make() makes no more cells */
     while ((q.keys - 1) >> q.shift >= SORT_BUCKETS_MAX) q.shift++;
     q.buckets = ((q.keys - 1) >> q.shift) + 1;
 #pragma omp parallel num_threads(threads)

@@ -151,14 +151,25 @@ static MnsStatus add_fields(MnsSim *sim, const MnsCase *c, MnsError *error)
     return particles_add(&sim->s, scheme_fields(sim->scheme, &model), sim->threads, error);
 }
 
-/* Can the rest of the run be done with the new options, the new gravity and the new end? */
+/* Can the rest of the run be done with the new options, the new gravity and the new end, and be measured? A probe that can go on by what
+ * an older option has left could not after a restart. */
 static MnsStatus affordable(MnsSim *sim, const MnsCase *c, Formula *const gravity[3], MnsError *error)
 {
     const Model kept = sim->model;
     setup_options(sim, c);
     for (int d = 0; d < c->dim; d++) sim->model.gravity[d] = formula_eval(gravity[d], &sim->progress.t);
-    const MnsStatus status = plan_check(sim, c, error);
+    MnsStatus status = setup_probes(sim, c, error);
+    if (!status) status = plan_check(sim, c, error);
     sim->model = kept;
+    return status;
+}
+
+/* A change that there was no memory for. To sort particles takes their rates as spare room, which the next step may read: so what
+ * follows from the state is found again. */
+static MnsStatus refuse(MnsSim *sim, MnsStatus status, Fields fields, bool sorted)
+{
+    particles_keep(&sim->s, fields);
+    if (sorted) integrator_derive(sim);
     return status;
 }
 
@@ -170,22 +181,24 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
     if (entry) return mns_fail_at(error, MNS_E_INVALID, entry, "cannot change in a run: load the case anew");
 
     const int threads = sim_threads_for(c);
+    const Fields fields = sim->s.fields;
     Neighbours lists = {0};
     Formula *gravity[3] = {0};
     status = compile_gravity(c, sim->progress.t, gravity, error);
     if (!status) status = affordable(sim, c, gravity, error);
-    if (!status && threads != sim->threads) status = build_lists(sim, threads, &lists, error);
     if (!status) status = add_fields(sim, c, error);
+    const bool sorts = !status && threads != sim->threads;
+    if (sorts) status = build_lists(sim, threads, &lists, error);
     if (status) {
         for (int d = 0; d < 3; d++) formula_free(gravity[d]);
         neighbours_done(&lists);
-        return status;
+        return refuse(sim, status, fields, sorts);
     }
     for (int d = 0; d < 3; d++) {
         formula_free(sim->gravity[d]);
         sim->gravity[d] = gravity[d];
     }
-    if (threads != sim->threads) {
+    if (sorts) {
         neighbours_done(&sim->nb);
         sim->nb = lists;
         sim->threads = threads;

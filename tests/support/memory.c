@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Memory that ends: malloc and calloc in front of those of the C library. */
+/* Memory that ends: malloc, calloc and posix_memalign in front of those of the C library. */
 #include "tests/support/memory.h"
 
+#include <errno.h>
 #include <stdlib.h>
 
 #if defined(__has_feature)
@@ -33,6 +34,7 @@ const bool memory_can_fail = true;
 
 void *__libc_malloc(size_t size);
 void *__libc_calloc(size_t n, size_t size);
+void *__libc_memalign(size_t alignment, size_t size);
 
 static bool refused(void)
 {
@@ -47,5 +49,13 @@ void *malloc(size_t size)
 void *calloc(size_t n, size_t size)
 {
     return refused() ? NULL : __libc_calloc(n, size);
+}
+
+int posix_memalign(void **ret, size_t alignment, size_t size)
+{
+    void *p = refused() ? NULL : __libc_memalign(alignment, size);
+    if (!p) return ENOMEM;
+    *ret = p;
+    return 0;
 }
 #endif

@@ -183,6 +183,34 @@ static void predictor_and_corrector_are_of_second_order_together(void **state)
     mns_case_free(c);
 }
 
+/* Through periodic sides, fast: lists that are made again in the middle of a step are still good at its end, and particles inside. */
+static void lists_are_made_once_a_step_where_particles_cross_a_periodic_side(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = case_still(dim, dim == 2 ? 12 : 7, MNS_DENSITY_CONTINUITY);
+        c->scheme.name = "dissipation";
+        c->scheme.dissipation.pair_average = MNS_AVERAGE_DENSITY;
+        for (int k = 0; k < 2; k++)
+            for (int d = 0; d < dim; d++) case_set_text(&c->fluids[k].velocity[d], d == 1 ? "-3" : "5");
+        MnsSim *sim = sim_of(c);
+        const Particles *s = &sim->s;
+        uint64_t rebuilds = 0;
+        for (int k = 0; k < 120; k++) {
+            sim_steps(sim, 1);
+            assert_in_range(mns_sim_progress(sim).rebuilds - rebuilds, 0, 1);
+            rebuilds = mns_sim_progress(sim).rebuilds;
+            for (size_t i = 0; i < s->n; i++)
+                for (int d = 0; d < dim; d++) {
+                    assert_true(s->x[d][i] > -0.5 * sim->model.skin && s->x[d][i] < 1 + 0.5 * sim->model.skin);
+                    assert_close(s->v[d][i], d == 1 ? -3 : 5, 1e-11); /* and nothing has pushed them */
+                }
+        }
+        assert_true(rebuilds > 10);
+        sim_done(sim, c);
+    }
+}
+
 /* What a wall that swings does to the fluid beside it. */
 static void so_they_are_beside_walls_that_move(void **state)
 {
@@ -201,6 +229,7 @@ int main(void)
         cmocka_unit_test(every_pair_in_reach_is_listed_at_every_step),
         cmocka_unit_test(walls_go_where_their_motion_has_them),
         cmocka_unit_test(falls_are_exact_or_of_second_order),
+        cmocka_unit_test(lists_are_made_once_a_step_where_particles_cross_a_periodic_side),
         cmocka_unit_test(predictor_and_corrector_are_of_second_order_together),
         cmocka_unit_test(so_they_are_beside_walls_that_move),
     };

@@ -295,6 +295,46 @@ static void particles_that_have_left_are_spread_over_the_cells(void **state)
     cloud_free(cloud);
 }
 
+/* However long a domain is, its cells are no wider than elsewhere, so that as few particles out of reach are looked at. */
+static void cells_of_a_long_domain_are_as_wide_as_the_reach(void **state)
+{
+    (void)state;
+    for (int along = 0; along < 2; along++)
+        for (int periodic = 0; periodic < 2; periodic++) {
+            CloudSetup setup = {.dim = 2, .dx = 0.1, .n = {3, 3, 1}, .skin = 0.3, .owner = NULL};
+            setup.n[along] = 6000;
+            setup.periodic[along] = periodic;
+            Cloud *cloud = cloud_new(&setup);
+            const double reach = cloud->model.kernel.support + cloud->model.skin;
+            assert_int_equal(cloud->nb.grid.n[along], (int)floor(600 / reach));
+            assert_less(cloud->nb.grid.ratio, 1 + 1e-12);
+            assert_complete(cloud);
+            cloud_free(cloud);
+        }
+}
+
+/* Nor does it matter how wide a domain is that is almost empty. */
+static void cells_of_an_endless_domain_can_be_counted(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int periodic = 0; periodic < 2; periodic++) {
+            Cloud *cloud = cloud_new(&(CloudSetup){.dim = dim, .dx = 0.1, .n = {6, 5, 4}, .owner = NULL});
+            for (int d = 0; d < dim; d++) {
+                cloud->model.max[d] = 1e15;
+                cloud->model.period[d] = periodic ? 1e15 : 0;
+            }
+            const Grid grid = grid_make(&cloud->s, &cloud->model, 0.3, 1);
+            assert_in_range(grid.cells, 1000, 4096 + 8 * cloud->s.n);
+            assert_true(grid.cells <= grid_cells_most(&cloud->model, 0.3, cloud->s.n));
+            for (size_t i = 0; i < cloud->s.n; i++) {
+                const double x[3] = {cloud->s.x[0][i], cloud->s.x[1][i], dim == 3 ? cloud->s.x[2][i] : 0};
+                assert_true(grid_cell(&grid, x) < grid.cells);
+            }
+            cloud_free(cloud);
+        }
+}
+
 /* Water in one corner of a wide box, and a speck far off. */
 static int corner(const double x[3])
 {
@@ -335,6 +375,8 @@ int main(void)
         cmocka_unit_test(a_position_that_is_no_number_does_no_harm),
         cmocka_unit_test(particles_that_have_left_are_spread_over_the_cells),
         cmocka_unit_test(cells_are_as_many_as_the_particles_need),
+        cmocka_unit_test(cells_of_a_long_domain_are_as_wide_as_the_reach),
+        cmocka_unit_test(cells_of_an_endless_domain_can_be_counted),
     };
     return cmocka_run_group_tests_name("neighbours", tests, NULL, NULL);
 }

@@ -3,6 +3,7 @@
 #include "sim/sample.h"
 #include "tests/support/check.h"
 #include "tests/support/sims.h"
+#include <string.h>
 
 /* A closed tank 1 x 0.8 (x 0.6) with water in a box of its lower left part; the rest is left empty, or is oil. */
 static MnsCase *tank(int dim, bool oil)
@@ -327,6 +328,47 @@ static void extremum_finds_the_one_particle(void **state)
     sim_done(sim, c);
 }
 
+/* Every field of every scheme is measured, or refused with what there is instead. */
+static void extremum_of_a_field_that_the_scheme_does_not_have_is_refused(void **state)
+{
+    (void)state;
+    static const char *const schemes[] = {"riemann", "dissipation", "interfacial", "incompressible", "differences"};
+    int refused = 0, measured = 0;
+    for (size_t k = 0; k < sizeof schemes / sizeof *schemes; k++)
+        for (int f = 0; mns_fields()[f].name; f++) {
+            MnsCase *c = case_shaken_by(schemes[k], 2, 1);
+            MnsError error = {0};
+            MnsSim *sim = NULL;
+            case_set_text(&case_add_probe(c, MNS_PROBE_MASS)->name, "first");
+            case_set_text(&case_add_probe(c, MNS_PROBE_EXTREMUM)->field, mns_fields()[f].name);
+            if (mns_sim_new(c, &sim, &error)) {
+                assert_string_equal(error.path, "probes[1].extremum.field");
+                assert_non_null(strstr(error.text, mns_fields()[f].name));
+                assert_non_null(strstr(error.text, schemes[k]));
+                assert_non_null(strstr(error.text, "take one of id, phase, position, velocity, density"));
+                refused++;
+            } else {
+                assert_true(!isnan(mns_sim_probe(sim, 1)));
+                measured++;
+            }
+            sim_done(sim, c);
+        }
+    assert_in_range(refused, 40, 80);
+    assert_in_range(measured, 60, 100);
+}
+
+static void extremum_of_a_field_that_is_not_there_is_no_number(void **state)
+{
+    (void)state;
+    MnsCase *c = tank(2, false);
+    MnsProbe *probe = case_add_probe(c, MNS_PROBE_EXTREMUM);
+    case_set_text(&probe->field, "density");
+    MnsSim *sim = sim_of(c);
+    case_set_text(&probe->field, "shepard_sum");
+    assert_true(isnan(mns_sim_probe(sim, 0)));
+    sim_done(sim, c);
+}
+
 static void deviation_is_the_root_mean_square_from_a_formula(void **state)
 {
     (void)state;
@@ -525,6 +567,8 @@ int main(void)
         cmocka_unit_test(coverage_reaches_to_the_walls_of_a_filled_domain),
         cmocka_unit_test(escaped_particles_are_counted_in_the_tank_s_coordinates),
         cmocka_unit_test(extremum_finds_the_one_particle),
+        cmocka_unit_test(extremum_of_a_field_that_the_scheme_does_not_have_is_refused),
+        cmocka_unit_test(extremum_of_a_field_that_is_not_there_is_no_number),
         cmocka_unit_test(solves_are_told_of),
         cmocka_unit_test(deviation_is_the_root_mean_square_from_a_formula),
         cmocka_unit_test(probes_are_the_same_for_any_number_of_threads),

@@ -39,19 +39,22 @@ static void bits_are_the_same_for_any_number_of_threads(void **state)
         }
 }
 
-static MnsCase *case_solved_by(MnsSolver solver, const char *scheme, int dim, unsigned threads)
+/* A change of the case that changes what a step is made of; NULL: none. */
+typedef void Option(MnsCase *c);
+
+static MnsCase *case_with(Option *option, const char *scheme, int dim, unsigned threads)
 {
     MnsCase *c = case_shaken_by(scheme, dim, threads);
-    c->scheme.incompressible.solver = c->scheme.differences.solver = solver;
+    if (option) option(c);
     return c;
 }
 
-/* Stopped after `before` steps and gone on in another simulation, with other threads, for 25 more. */
-static void assert_restart_by(MnsSolver solver, const char *scheme, int dim, int before, unsigned threads,
-                              unsigned other_threads)
+/* Stopped after `before` steps and gone on in another simulation, with other threads, for `after` more; from 25 on lists are made again
+ * meanwhile. */
+static void assert_restart_with(Option *option, const char *scheme, int dim, int before, int after, unsigned threads,
+                                unsigned other_threads)
 {
-    MnsCase *c = case_solved_by(solver, scheme, dim, threads),
-            *other = case_solved_by(solver, scheme, dim, other_threads);
+    MnsCase *c = case_with(option, scheme, dim, threads), *other = case_with(option, scheme, dim, other_threads);
     MnsSim *sim = sim_of(c), *again = sim_of(other);
     MnsCapture *capture = NULL;
     sim_steps(sim, before);
@@ -65,9 +68,9 @@ static void assert_restart_by(MnsSolver solver, const char *scheme, int dim, int
         if (memcmp(again->s.p_wall[a], sim->s.p_wall[a], (sim->s.n - particles_fluid(&sim->s)) * sizeof(double)) != 0)
             fail_msg("%s in %d dimensions: walls show other pressures", scheme, dim);
     mns_capture_free(capture);
-    sim_steps(sim, 25);
-    sim_steps(again, 25);
-    assert_true(mns_sim_progress(sim).rebuilds > rebuilds); /* over a list rebuild */
+    sim_steps(sim, after);
+    sim_steps(again, after);
+    assert_true(mns_sim_progress(sim).rebuilds > rebuilds || after < 25);
     if (mns_sim_hash(again) != mns_sim_hash(sim))
         fail_msg("%s in %d dimensions: other bits after a restart", scheme, dim);
     assert_true(mns_sim_hash(again) != then);
@@ -77,7 +80,7 @@ static void assert_restart_by(MnsSolver solver, const char *scheme, int dim, int
 
 static void assert_restart(const char *scheme, int dim, int before, unsigned threads, unsigned other_threads)
 {
-    assert_restart_by(MNS_SOLVER_BY_SIZE, scheme, dim, before, threads, other_threads);
+    assert_restart_with(NULL, scheme, dim, before, 25, threads, other_threads);
 }
 
 static void restart_goes_on_as_if_never_stopped(void **state)
@@ -92,14 +95,110 @@ static void restart_goes_on_as_if_never_stopped(void **state)
     }
 }
 
+static void plain(MnsCase *c)
+{
+    c->scheme.riemann.transport_stress = false;
+    c->scheme.riemann.background_pressure = c->scheme.riemann.heavy_background_pressure = 0;
+    c->scheme.interfacial.shifting = MNS_SHIFTING_OFF;
+    c->scheme.differences.shifting_strength = 0;
+    c->scheme.incompressible.mobility = MNS_MOBILITY_UNIT;
+    c->tension[0][1] = c->tension[1][0] = 0;
+}
+
+static void without_dissipation(MnsCase *c)
+{
+    c->scheme.dissipation.delta = c->scheme.interfacial.delta = 0;
+    c->scheme.interfacial.shifting_strength = 0;
+}
+
+/* Of fluids less unlike: corrected at a ratio of 1000, P2 blows up soon. */
+static void corrected(MnsCase *c)
+{
+    c->fluids[1].density = 0.5;
+    c->scheme.dissipation.gradient_correction = c->scheme.interfacial.gradient_correction = true;
+}
+
+static void corrected_and_still(MnsCase *c)
+{
+    corrected(c);
+    c->scheme.dissipation.form = MNS_DISSIPATION_PLAIN;
+    c->scheme.interfacial.shifting = MNS_SHIFTING_OFF;
+}
+
+static void as_printed(MnsCase *c)
+{
+    c->fluids[1].density = 0.5;
+    c->scheme.interfacial.shifting = MNS_SHIFTING_ORIGINAL;
+}
+
+static void inviscid(MnsCase *c)
+{
+    c->fluids[0].viscosity = c->fluids[1].viscosity = 0;
+    c->walls[0].no_slip = false;
+    c->scheme.interfacial.shifting = MNS_SHIFTING_OFF;
+}
+
+static void all_continuity(MnsCase *c)
+{
+    for (size_t k = 0; k < c->n_fluids; k++) c->fluids[k].density_method = MNS_DENSITY_CONTINUITY;
+}
+
+static void all_summation(MnsCase *c)
+{
+    for (size_t k = 0; k < c->n_fluids; k++) c->fluids[k].density_method = MNS_DENSITY_SUMMATION;
+}
+
+static void harmonic(MnsCase *c)
+{
+    c->scheme.differences.diffusion = MNS_DIFFUSION_HARMONIC;
+}
+
+static void conservative(MnsCase *c)
+{
+    c->scheme.differences.diffusion = MNS_DIFFUSION_CONSERVATIVE;
+}
+
+static void as_in_sph(MnsCase *c)
+{
+    c->scheme.differences.diffusion = MNS_DIFFUSION_SPH;
+}
+
+/* Options leave terms out of passes, and so what is done again after a restart must do without them as well. */
+static void restart_goes_on_with_any_options(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *scheme;
+        int before;         /* without shifting, differences end soon */
+        Option *options[7]; /* end with NULL */
+    } rows[] = {
+        {"riemann", 61, {plain, inviscid, all_continuity, all_summation}},
+        {"dissipation", 61, {plain, without_dissipation, corrected, corrected_and_still, inviscid}},
+        {"interfacial", 61, {plain, without_dissipation, corrected, corrected_and_still, as_printed, inviscid}},
+        {"incompressible", 31, {plain, inviscid}},
+        {"differences", 31, {plain, inviscid, harmonic, conservative, as_in_sph}},
+    };
+    for (size_t k = 0; scheme_of(k); k++) {
+        assert_in_range(k, 0, sizeof rows / sizeof *rows - 1);
+        assert_string_equal(scheme_of(k), rows[k].scheme);
+        for (size_t q = 0; rows[k].options[q]; q++)
+            assert_restart_with(rows[k].options[q], rows[k].scheme, 2, is_slow() ? 11 : rows[k].before, 4, 1, 1);
+    }
+}
+
+static void by_multigrid(MnsCase *c)
+{
+    c->scheme.incompressible.solver = c->scheme.differences.solver = MNS_SOLVER_AMG;
+}
+
 /* Multigrid keeps what it has made until the lists are made again. Under a sanitizer MPI's own leaks would be told of. */
 static void restart_makes_the_multigrid_that_there_was(void **state)
 {
     (void)state;
     if (!amg_exists() || is_slow()) skip();
-    assert_restart_by(MNS_SOLVER_AMG, "incompressible", 2, 33, 1, 2);
-    assert_restart_by(MNS_SOLVER_AMG, "incompressible", 3, 5, 2, 1);
-    assert_restart_by(MNS_SOLVER_AMG, "differences", 2, 21, 1, 2);
+    assert_restart_with(by_multigrid, "incompressible", 2, 33, 25, 1, 2);
+    assert_restart_with(by_multigrid, "incompressible", 3, 5, 25, 2, 1);
+    assert_restart_with(by_multigrid, "differences", 2, 21, 25, 1, 2);
 }
 
 /* What is derived is restored too, so that pictures and probes do not change. */
@@ -198,6 +297,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bits_are_the_same_for_any_number_of_threads),
         cmocka_unit_test(restart_goes_on_as_if_never_stopped),
+        cmocka_unit_test(restart_goes_on_with_any_options),
         cmocka_unit_test(restart_makes_the_multigrid_that_there_was),
         cmocka_unit_test(restart_shows_the_same_fields),
         cmocka_unit_test(hash_does_not_know_the_order_of_storage_but_every_bit_else),

@@ -2,6 +2,7 @@
 /* What is steered takes effect at the next step; what cannot change is refused and changes nothing. */
 #include "sim/limits.h"
 #include "tests/support/check.h"
+#include "tests/support/memory.h"
 #include "tests/support/sims.h"
 
 static void steered_gravity_acts_from_the_next_rates_on(void **state)
@@ -156,6 +157,70 @@ static void fields_are_there_once_an_option_needs_them(void **state)
     assert_fields_come("dissipation");
 }
 
+/* What a restart could not measure: the field would not be there any more. */
+static void options_that_a_probe_needs_cannot_be_turned_off(void **state)
+{
+    (void)state;
+    MnsCase *c[2];
+    for (int k = 0; k < 2; k++) {
+        c[k] = case_shaken_by("interfacial", 2, 1);
+        c[k]->scheme.interfacial.gradient_correction = k == 0;
+        case_set_text(&case_add_probe(c[k], MNS_PROBE_EXTREMUM)->field, "correction");
+    }
+    MnsSim *sim = sim_of(c[0]);
+    sim_steps(sim, 2);
+    const double value = mns_sim_probe(sim, 0);
+    assert_true(value > 0);
+    MnsError error = {0};
+    assert_int_equal(mns_sim_steer(sim, c[1], &error), MNS_E_INVALID);
+    assert_string_equal(error.path, "probes[0].extremum.field");
+    assert_ptr_equal(mns_sim_case(sim), c[0]);
+    assert_true(mns_sim_probe(sim, 0) == value && sim->model.corrects_gradients);
+    sim_done(sim, c[0]);
+    mns_case_free(c[1]);
+}
+
+/* More threads and another option, while memory ends after n allocations. Once refused it goes on as if nobody had asked. Returns whether it
+ * was refused. */
+static bool assert_refused_without_effect(const char *scheme, long n)
+{
+    MnsCase *c = case_shaken_by(scheme, 2, 1), *same = case_shaken_by(scheme, 2, 1),
+            *steered = case_shaken_by(scheme, 2, 2);
+    steered->scheme.interfacial.gradient_correction = steered->scheme.dissipation.gradient_correction = true;
+    MnsSim *sim = sim_of(c), *twin = sim_of(same);
+    sim_steps(sim, 4);
+    sim_steps(twin, 4);
+    memory_fails_after(n);
+    const MnsStatus status = mns_sim_steer(sim, steered, NULL);
+    memory_fails_after(-1);
+    if (status) {
+        assert_int_equal(status, MNS_E_MEMORY);
+        assert_ptr_equal(mns_sim_case(sim), c);
+        assert_int_equal(mns_sim_threads(sim), 1);
+        assert_true(sim->s.fields == twin->s.fields);
+        sim_steps(sim, 3);
+        sim_steps(twin, 3);
+        if (mns_sim_hash(sim) != mns_sim_hash(twin)) fail_msg("%s, allocation %ld: other bits", scheme, n);
+    }
+    mns_sim_free(sim);
+    mns_case_free(steered);
+    mns_case_free(c);
+    sim_done(twin, same);
+    return status != MNS_OK;
+}
+
+static void steering_without_memory_changes_nothing(void **state)
+{
+    (void)state;
+    static const char *const schemes[] = {"riemann", "dissipation", "interfacial", "incompressible", "differences"};
+    if (!memory_can_fail) skip();
+    for (size_t k = 0; k < sizeof schemes / sizeof *schemes; k++) {
+        long n = 0;
+        while (assert_refused_without_effect(schemes[k], n)) n++;
+        assert_in_range(n, 10, 200);
+    }
+}
+
 /* Without sound too: options of the projections take effect, what a restart could not tell from the case is refused, and a state saved
  * afterwards goes on to the same bits. */
 static void projections_are_steered(void **state)
@@ -205,6 +270,8 @@ int main(void)
         cmocka_unit_test(steered_threads_and_limits_do_not_change_the_bits),
         cmocka_unit_test(steered_options_take_effect),
         cmocka_unit_test(fields_are_there_once_an_option_needs_them),
+        cmocka_unit_test(options_that_a_probe_needs_cannot_be_turned_off),
+        cmocka_unit_test(steering_without_memory_changes_nothing),
         cmocka_unit_test(steered_runs_resume_bit_for_bit),
         cmocka_unit_test(projections_are_steered),
     };

@@ -253,7 +253,7 @@ static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
     memcpy(gravity, sim->model.gravity, sizeof gravity);
     sim->solved = (Solved){0};
     drift(sim, dt);
-    integrator_walls(sim, t, dt, 0);
+    sim->progress.guarded += integrator_walls(sim, t, dt, 0);
     integrator_clock(sim, TIMER_DRIFT, start);
     MnsStatus status = correct_density(sim, error);
     if (!status) status = correct_velocity(sim, dt, gravity, error);

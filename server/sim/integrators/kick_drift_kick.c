@@ -61,7 +61,7 @@ static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
 {
     const double start = omp_get_wtime();
     kick_and_drift(sim, dt);
-    integrator_walls(sim, t, dt, 0);
+    sim->progress.guarded += integrator_walls(sim, t, dt, 0);
     integrator_clock(sim, TIMER_DRIFT, start);
 
     const MnsStatus status = integrator_lists(sim, error);

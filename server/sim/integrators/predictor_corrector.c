@@ -66,7 +66,7 @@ static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
 
     start = omp_get_wtime();
     correct(sim, dt);
-    integrator_walls(sim, t, dt, 0);
+    sim->progress.guarded += integrator_walls(sim, t, dt, 0);
     integrator_clock(sim, TIMER_KICK, start);
     status = integrator_lists(sim, error);
     if (status) return status;

@@ -151,7 +151,7 @@ static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
     const double start = omp_get_wtime();
     drift(sim, dt);
     bool well = integrator_look(sim);
-    integrator_walls(sim, t, dt, 0);
+    sim->progress.guarded += integrator_walls(sim, t, dt, 0);
     integrator_clock(sim, TIMER_DRIFT, start);
     status = integrator_lists(sim, error);
     if (status) return status;

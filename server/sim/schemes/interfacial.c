@@ -51,7 +51,8 @@ const Scheme scheme_interfacial = {
                        &corrected_tension, &pressure_gradient, &shifting},
              .after = {&volume_of_density},
              .fusions = {&interfacial_viscous_forces, &interfacial_forces, &interfacial_forces_beside}},
-            {"walls, shifted", .terms = {&wall_pressure}}, /* what they show, of the state that a run goes on from */
+            {"walls, shifted",
+             .terms = {&shifted_wall_pressure}}, /* what they show, of the state that a run goes on from */
         },
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(P) | FIELD(M) | FIELD(A) | FIELD(REF) |
              FIELD(SHEPARD) | FIELD(GRADIENT) | FIELD(NORMAL) | FIELD(CONCENTRATION),

@@ -34,11 +34,6 @@ Shifted shifted_of(const Particles *s, const Model *model, size_t i)
     return a;
 }
 
-static bool shifts(const Model *model)
-{
-    return model->shifting > 0;
-}
-
 INLINE void concentration_row(const Row *row, Particles *s, const Model *model, How how)
 {
     (void)model;
@@ -90,7 +85,7 @@ const Term concentration = {
     .source = "P2 eq. 50",
     .equation = "grad C_i = sum_j V_j grad_i W",
     .on = ON_FLUID,
-    .needed = shifts,
+    .needed = is_shifted,
     .needs = NEED_F | NEED_STATE,
     .writes = FIELD(CONCENTRATION),
     .row = ROW_TABLE(concentration_row),
@@ -101,7 +96,7 @@ const Term shifting = {
     .source = "P2 eq. 50-53",
     .equation = "dx_i = -A h |v_i| dt sum_j V_j grad_i W, along interfaces;  v, rho += dx_i . grad of the same fluid",
     .on = ON_FLUID,
-    .needed = shifts,
+    .needed = is_shifted,
     .needs = NEED_F | NEED_V | NEED_STATE | NEED_OTHERS,
     .writes = FIELD(X) | FIELD(V) | FIELD(RHO),
     .row = ROW_TABLE(shifting_row),

@@ -15,6 +15,7 @@ extern const Term wall_friction;    /* viscosity.c         on walls without slip
 extern const Term wall_pressure;    /* wall.c              pressure a wall shows to each fluid          */
 extern const Term wall_velocity;    /* wall.c              fluid velocity extrapolated into a wall      */
 
+extern const Term shifted_wall_pressure; /* wall.c           the same again, where the fluid was shifted */
 extern const Term mirrored_velocity;     /* wall.c           what a wall's particles move like to the fluid */
 extern const Term shepard_sum;           /* shepard.c        sum of W V                                  */
 extern const Term continuity;            /* continuity.c     density by what flows together              */
@@ -91,6 +92,11 @@ static inline bool finds_normals(const Model *model)
 static inline bool is_tense(const Model *model)
 {
     return model->tense;
+}
+
+static inline bool is_shifted(const Model *model)
+{
+    return model->shifting > 0;
 }
 
 static inline bool is_viscous(const Model *model)

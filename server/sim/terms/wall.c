@@ -134,6 +134,18 @@ const Term wall_pressure = {
     .row = ROW_TABLE(wall_pressure_row),
 };
 
+/* What has not moved shows the same. To find it again, by fewer pairs, would round otherwise than a restart, which finds it once. */
+const Term shifted_wall_pressure = {
+    .name = "wall pressure",
+    .source = "P3 eq. 14, for each fluid of its own",
+    .equation = "the same, where the fluid has been shifted",
+    .on = ON_WALL,
+    .needed = is_shifted,
+    .needs = NEED_W | NEED_STATE,
+    .writes = FIELD(P),
+    .row = ROW_TABLE(wall_pressure_row),
+};
+
 const Term wall_velocity = {
     .name = "wall velocity",
     .source = "Adami 2012 eq. 22",
