@@ -83,7 +83,7 @@ class WithDaemon(DaemonTest):
         self.client.wait(["READY"], timeout=20)
 
     def test_a_client_that_was_closed_says_so(self) -> None:
-        client = meniscus.Client(timeout=60)
+        client = meniscus.Client(self.endpoint, timeout=50)
         client.close()
         client.close()
         with self.assertRaisesRegex(meniscus.UnavailableError, "the client is closed"):
