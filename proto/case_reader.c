@@ -51,6 +51,8 @@ static MnsStatus fail_syntax(Reader *reader)
     yaml_mark_t mark = parser->problem_mark;
     if (parser->error == YAML_MEMORY_ERROR) return case_no_memory(reader->error);
     if (parser->error == YAML_READER_ERROR) mark = mark_of_offset(reader->text, parser->problem_offset);
+    if (parser->error == YAML_SCANNER_ERROR && *parser->buffer.pointer == '\t')
+        return fail_at(reader, mark, "there is a tab, and YAML allows none for indentation: write spaces");
     snprintf(sentence, sizeof sentence, "this is not YAML: %s%s%s", parser->context ? parser->context : "",
              parser->context ? ", " : "", parser->problem ? parser->problem : "unknown problem");
     return fail_at(reader, mark, sentence);

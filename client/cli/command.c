@@ -21,12 +21,14 @@ const Command command_table[] = {
     {.name = "run",
      .arguments = "CASE",
      .help = "run a case to its end without a daemon",
-     .details = "CASE is a file, or the name of one of the cases that came along. Progress goes to standard error; at "
-                "the end the state, the probes and the files are listed. SIGTERM and Ctrl-C end the run with a "
-                "checkpoint and exit code 75: the same command with --resume auto goes on from there to the last bit, "
-                "with everything that was set: "
-                "where the file says otherwise by then, only --set changes it. "
-                "A formula that fails on the way ends it with exit code 70, as a divergence does.",
+     .details =
+         "CASE is a file, or the name of one of the cases that came along. Progress goes to standard error; at "
+         "the end the state, the probes and the files are listed. SIGTERM and Ctrl-C end the run with a "
+         "checkpoint and exit code 75: the same command with --resume auto goes on from there to the last bit, "
+         "with everything that was set: "
+         "where the file says otherwise by then, only --set changes it. Without it a run in a directory that has "
+         "one begins anew, and the files that were there go to `abandoned` in it. "
+         "A formula that fails on the way ends it with exit code 70, as a divergence does.",
      .options = OPTION(OPT_SET) | OPTION(OPT_DIRECTORY) | OPTION(OPT_UNTIL) | OPTION(OPT_RESUME_AUTO) |
                 OPTION(OPT_THREADS) | OPTION(OPT_LOG_LEVEL),
      .exits = EXIT_BAD_CASE | EXIT_DIVERGED | EXIT_IO | EXIT_AGAIN,

@@ -77,7 +77,12 @@ static const char bash_begin[] =
     "{\n"
     "    local current=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} command='' options='' words='' "
     "value='' k\n"
+    "    local of_state='--for state =( ([^ ]*))?$'\n"
     "    COMPREPLY=()\n"
+    "    if [[ \"${COMP_WORDS[*]:1:COMP_CWORD}\" =~ $of_state ]]; then\n"
+    "        _meniscus_offer \"${BASH_REMATCH[2]}\" @states\n"
+    "        return\n"
+    "    fi\n"
     "    # bash takes --option=value apart into three words.\n"
     "    if [ \"$current\" = = ]; then\n"
     "        current=''\n"
@@ -293,11 +298,17 @@ static void print_parameters(FILE *out)
     for (size_t k = 0; k < n; k++) fprintf(out, "%s\n", parameters[k].path);
 }
 
+static void print_states(FILE *out)
+{
+    for (int k = 0; k < MNS_STATE_COUNT; k++) fprintf(out, "%s\n", mns_state_name((MnsState)k));
+}
+
 static const struct {
     const char *name;
     void (*print)(FILE *out);
-} texts[] = {{"bash", print_bash},   {"zsh", print_zsh},         {"commands", print_commands},
-             {"cases", print_cases}, {"daemons", print_daemons}, {"parameters", print_parameters}};
+} texts[] = {{"bash", print_bash},    {"zsh", print_zsh},         {"commands", print_commands},
+             {"cases", print_cases},  {"daemons", print_daemons}, {"parameters", print_parameters},
+             {"states", print_states}};
 
 MnsStatus command_completion(Invocation *in, MnsError *error)
 {
@@ -308,8 +319,8 @@ MnsStatus command_completion(Invocation *in, MnsError *error)
     if (k == sizeof texts / sizeof *texts)
         return command_usage(in,
                              mns_fail(error, MNS_E_INVALID,
-                                      "completion bash or completion zsh; for their scripts commands, cases, daemons "
-                                      "or parameters; found \"%.80s\"",
+                                      "completion bash or completion zsh; for their scripts commands, cases, daemons, "
+                                      "parameters or states; found \"%.80s\"",
                                       word));
     FILE *out = open_memstream(&text, &size);
     if (out) texts[k].print(out);

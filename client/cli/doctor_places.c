@@ -124,7 +124,9 @@ void doctor_check_daemon(Doctor *doctor)
         doctor_say(doctor, expected ? WARNING : WELL, "daemon", remedy, "none named %s is running", doctor->name);
     else if (status) doctor_say(doctor, PROBLEM, "daemon", mns_status_hint(status), "%s", error.text);
     else if (listener_is_gone(endpoint))
-        doctor_say(doctor, WARNING, "daemon", remedy, "the one at %s has ended without a word", endpoint);
+        doctor_say(doctor, WARNING, "daemon",
+                   "start it again by the same command line as before: with its --state-dir it goes on with its run",
+                   "the one at %s has ended without a word", endpoint);
     else ask_daemon(doctor, endpoint);
 }
 

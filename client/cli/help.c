@@ -23,7 +23,7 @@ static const struct {
     {MNS_EXIT_DIVERGED, EXIT_DIVERGED, false, "the simulation has diverged"},
     {MNS_EXIT_IO, EXIT_IO, false, "a file could not be read or written"},
     {MNS_EXIT_AGAIN, EXIT_AGAIN, false,
-     "stopped before it was done, or another run has the directory: run the same command again"},
+     "stopped before it was done, or another run has the directory: run the same command again with --resume auto"},
     {MNS_EXIT_DENIED, 0, true, "our key is not let in, or lacks the role that this takes"},
     {MNS_EXIT_TIMEOUT, 0, true, "timed out"},
 };

@@ -102,8 +102,9 @@ static void print_topics(const char *title, size_t n, const MnsTopicInfo *list)
     if (n) printf("\n%s\n", title);
     for (size_t k = 0; k < n; k++) {
         const MnsTopicInfo *t = &list[k];
-        printf("  %-32s %s%s%s%s%s%s\n", t->name, t->value, *t->value ? " " : "", t->unit, *t->range ? " in " : "",
-               t->range, *t->unit || *t->range || *t->value ? ";" : "");
+        const char *unit = output_unit(t->unit);
+        printf("  %-32s %s%s%s%s%s%s\n", t->name, t->value, *t->value && *unit ? " " : "", unit,
+               *t->range ? " in " : "", t->range, *unit || *t->range || *t->value ? ";" : "");
         if (*t->meaning) printf("  %-32s %s\n", "", t->meaning);
     }
 }

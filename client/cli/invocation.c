@@ -28,12 +28,22 @@ int command_exit_code(MnsStatus status, bool is_load)
     }
 }
 
+/* What to do next; capabilities know the names of fields and probes, but not those of files, keys or versions. */
+static const char *hint_of(const MnsError *error)
+{
+    static const char *const known[] = {"field", "fields", "probes"};
+    if (error->status != MNS_E_NOT_FOUND) return mns_status_hint(error->status);
+    for (size_t k = 0; k < sizeof known / sizeof *known; k++)
+        if (strcmp(error->path, known[k]) == 0) return mns_status_hint(error->status);
+    return "check the name that the message has";
+}
+
 /* The sentence on standard error; with -o json the same on standard output for programs. */
 /* What is wrong in a case file begins with its place; all else with who says it, and the entry unless the sentence has it. */
 static int complain(const MnsError *error, bool json, int code)
 {
     const bool placed = code == MNS_EXIT_BAD_CASE, named = placed || strstr(error->text, error->path);
-    const char *hint = mns_status_hint(error->status);
+    const char *hint = hint_of(error);
     fprintf(stderr, "%s%s%s%s\n", placed ? "" : "meniscus: ", named ? "" : error->path, named ? "" : ": ", error->text);
     /* Of what to do next, the commands, unless the sentence has them; about a state the daemon's own says more. */
     if (!placed && error->status != MNS_E_STATE && strchr(hint, '`') && !strchr(error->text, '`'))
@@ -121,7 +131,13 @@ MnsStatus command_connect(Invocation *in, MnsError *error)
     const MnsClientOptions options = {.daemon = options_get(&in->options, OPT_DAEMON),
                                       .key_file = options_get(&in->options, OPT_KEY),
                                       .server_key = options_get(&in->options, OPT_SERVER_KEY)};
-    const MnsStatus status = mns_client_open_with(&options, &in->client, error);
+    char endpoint[MNS_ENDPOINT_SIZE];
+    MnsStatus status = mns_daemon_endpoint(options.daemon, endpoint, error);
+    if (status == MNS_E_INVALID) return command_usage(in, status);
+    status = mns_client_open_with(&options, &in->client, error);
+    /* What is wrong then is a key, whatever the command: nobody is to look for it in a case. */
+    if (status == MNS_E_NOT_FOUND || status == MNS_E_STATE) in->code = MNS_EXIT_IO;
+    if (status == MNS_E_INVALID) in->code = MNS_EXIT_FAILED;
     if (status != MNS_OK) return status;
     mns_client_set_timeout(in->client, in->timeout);
     if (in->has_id) mns_client_set_request_id(in->client, in->id);

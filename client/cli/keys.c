@@ -80,9 +80,9 @@ static MnsStatus check_new(Invocation *in, const char *name, Role *ret, MnsError
     const char *role = options_get(&in->options, OPT_ROLE);
     *ret = role ? role_find(role) : ROLE_NONE;
     if (*ret == ROLE_NONE)
-        return command_usage(in,
-                             mns_fail(error, MNS_E_INVALID, "--role must be given: viewer, operator or admin%s%.40s%s",
-                                      role ? "; found \"" : "", role ? role : "", role ? "\"" : ""));
+        return command_usage(in, mns_fail(error, MNS_E_INVALID, "--role must be %s: viewer, operator or admin%s%.40s%s",
+                                          role ? "one of these" : "given", role ? "; found \"" : "", role ? role : "",
+                                          role ? "\"" : ""));
     return command_usage(in, key_name_check(name, error));
 }
 

@@ -224,14 +224,19 @@ json_t *output_failure(const MnsError *error, const char *hint, int code)
                      "path", error->path, "hint", hint, "exit_code", code);
 }
 
+const char *output_unit(const char *unit)
+{
+    return strcmp(unit, "1") ? unit : "";
+}
+
 void output_print_values(size_t n, const MnsValue *values)
 {
     int width = 0;
     for (size_t k = 0; k < n; k++)
         if ((int)strlen(values[k].name) > width) width = (int)strlen(values[k].name);
-    for (size_t k = 0; k < n; k++)
-        if (values[k].text)
-            printf("%-*s = %s%s%s\n", width, values[k].name, values[k].text, *values[k].unit ? " " : "",
-                   values[k].unit);
-        else printf("%-*s = %.6g %s\n", width, values[k].name, values[k].number, values[k].unit);
+    for (size_t k = 0; k < n; k++) {
+        const char *unit = output_unit(values[k].unit), *gap = *unit ? " " : "";
+        if (values[k].text) printf("%-*s = %s%s%s\n", width, values[k].name, values[k].text, gap, unit);
+        else printf("%-*s = %.6g%s%s\n", width, values[k].name, values[k].number, gap, unit);
+    }
 }

@@ -38,6 +38,9 @@ json_t *output_capabilities(const MnsCapabilities *capabilities);
 json_t *output_failure(const MnsError *error, const char *hint, int code);
 
 /* Values as lines "name = value unit". */
+/* For people: nothing behind a number that has none. */
+const char *output_unit(const char *unit);
+
 void output_print_values(size_t n, const MnsValue *values);
 
 /* The id of a request, as options take it. */

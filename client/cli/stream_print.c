@@ -35,7 +35,7 @@ static void print_title(StreamSink *sink)
         for (unsigned c = 0; c < column->components; c++) {
             printf("%c%s", separator(sink), column->name);
             if (column->components > 1) printf("_%c", "xyz"[c % 3]);
-            if (sink->format == STREAM_TEXT && *column->unit) printf("[%s]", column->unit);
+            if (sink->format == STREAM_TEXT && *output_unit(column->unit)) printf("[%s]", column->unit);
         }
     }
     printf("\n");

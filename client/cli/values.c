@@ -80,7 +80,8 @@ static MnsStatus report_points(const Invocation *in, const MnsReply *reply, size
     for (size_t k = 0; k < n; k++) {
         printf("%s(", array->name);
         for (int d = 0; d < dim; d++) printf("%s%.6g", d ? ", " : "", points[k * (size_t)dim + (size_t)d]);
-        printf(") = %.6g %s\n", output_element(array, k), array->unit);
+        printf(") = %.6g%s%s\n", output_element(array, k), *output_unit(array->unit) ? " " : "",
+               output_unit(array->unit));
     }
     return MNS_OK;
 }
@@ -145,7 +146,7 @@ static MnsStatus print_table(const MnsReply *reply, MnsError *error)
         for (size_t c = 0; c < columns(array); c++) {
             printf(" %s", array->name);
             if (columns(array) > 1) printf("_%c", "xyz"[c % 3]);
-            if (*array->unit) printf("[%s]", array->unit);
+            if (*output_unit(array->unit)) printf("[%s]", array->unit);
         }
     }
     for (size_t i = 0; i < n; i++)
@@ -215,6 +216,6 @@ MnsStatus command_query(Invocation *in, MnsError *error)
     if (strcmp(words[0], "box") == 0) return query_box(in, n - 1, words + 1, error);
     return command_usage(in, mns_fail(error, MNS_E_INVALID,
                                       "query \"%.100s\": ask for probes [NAME...], at FIELD X,Y..., or "
-                                      "box MIN MAX",
-                                      words[0]));
+                                      "box MIN MAX; a probe of that name is `meniscus query probes %.100s`",
+                                      words[0], words[0]));
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The picture that `meniscus watch` shows. */
 #include "client/cli/watch_screen.h"
+#include "client/cli/output.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -47,7 +48,7 @@ void screen_take_values(Screen *screen, size_t n, const MnsValue *values)
         if (is_back || strncmp(probe->name, values[k].name, sizeof probe->name - 1) != 0) probe->history.n = 0;
         if (is_new || !probe->history.n) sparkline_add(&probe->history, values[k].number);
         snprintf(probe->name, sizeof probe->name, "%s", values[k].name);
-        snprintf(probe->unit, sizeof probe->unit, "%s", values[k].unit);
+        snprintf(probe->unit, sizeof probe->unit, "%s", output_unit(values[k].unit));
         probe->value = values[k].number;
     }
 }
@@ -167,9 +168,12 @@ static void draw_terminal(Screen *screen)
     if (screen->drawn) printf("\033[%dA\r", screen->drawn);
     printf("%.*s" CLEAR_LINE "\n", width, screen->title);
     draw_bar(screen);
-    char line[160];
-    snprintf(line, sizeof line, "t = %.6g s of %.6g s   step %" PRIu64 "   %.4g steps/s   lost %" PRIu64, screen->time,
-             screen->end_time, screen->step, screen->steps_per_second, screen->lost);
+    char line[160], speed[40] = "";
+    if (isfinite(screen->steps_per_second)) snprintf(speed, sizeof speed, "   %.4g steps/s", screen->steps_per_second);
+    if (screen->state == MNS_STATE_EMPTY) snprintf(line, sizeof line, "no case");
+    else
+        snprintf(line, sizeof line, "t = %.6g s of %.6g s   step %" PRIu64 "%s   lost %" PRIu64, screen->time,
+                 screen->end_time, screen->step, speed, screen->lost);
     printf("%.*s" CLEAR_LINE "\n", width, line);
     const Columns columns = lay_out(screen, shown, width);
     for (int k = 0; k < shown; k++) print_probe(screen, &screen->probes[k], &columns, width);
@@ -180,11 +184,17 @@ static void draw_terminal(Screen *screen)
 
 static void draw_line(const Screen *screen)
 {
+    if (screen->state == MNS_STATE_EMPTY) {
+        printf("%-8s no case\n", mns_state_name(screen->state));
+        fflush(stdout);
+        return;
+    }
     printf("%-8s t = %.6g s  step %" PRIu64 "  %5.1f %%", mns_state_name(screen->state), screen->time, screen->step,
            100 * fraction(screen));
     print_eta(screen);
     for (size_t k = 0; k < screen->n; k++)
-        printf("  %s = %.5g %s", screen->probes[k].name, screen->probes[k].value, screen->probes[k].unit);
+        printf("  %s = %.5g%s%s", screen->probes[k].name, screen->probes[k].value, *screen->probes[k].unit ? " " : "",
+               screen->probes[k].unit);
     putchar('\n');
     fflush(stdout);
 }

@@ -266,6 +266,7 @@ MnsStatus mns_client_wait(MnsClient *client, unsigned states, double time, uint6
     wait.states = list;
     for (unsigned k = 0; k < MNS_STATE_COUNT; k++)
         if (states & 1u << k) list[wait.n_states++] = (Meniscus__State)k;
+    if (time < 0) return mns_fail_at(error, MNS_E_INVALID, "time", "a time to wait for is 0 s or more; found %g", time);
     wait.has_time = !isnan(time);
     wait.time = time;
     wait.has_step = step > 0;

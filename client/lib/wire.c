@@ -107,6 +107,18 @@ static MnsStatus misunderstood(const Wire *wire, MnsError *error)
         wire->endpoint, wire->keys.server_key);
 }
 
+/* Of a daemon by its socket, .../NAME/control.ipc; empty if that is not how it is reached, or if the name is the usual one. */
+static void name_of(const char *endpoint, char ret[static 64])
+{
+    static const char last[] = "/control.ipc";
+    const char *end = strstr(endpoint, last), *begin = end;
+    *ret = 0;
+    if (!end || end[sizeof last - 1]) return;
+    while (begin > endpoint && begin[-1] != '/') begin--;
+    if (end - begin < 64) snprintf(ret, 64, "%.*s", (int)(end - begin), begin);
+    if (!strcmp(ret, "default")) *ret = 0;
+}
+
 static MnsStatus await_connection(Wire *wire, double deadline, MnsError *error)
 {
     zmq_pollitem_t item = {.socket = wire->monitor, .events = ZMQ_POLLIN};
@@ -123,8 +135,11 @@ static MnsStatus await_connection(Wire *wire, double deadline, MnsError *error)
             "no answer from %s: who listens there hangs, or the network loses what is sent; see `meniscus ls` "
             "on its machine",
             wire->endpoint);
+    char name[64];
+    name_of(wire->endpoint, name);
     return mns_fail(error, MNS_E_UNAVAILABLE,
-                    "nobody listens at %s; start a daemon with `meniscusd`, or see `meniscus ls`", wire->endpoint);
+                    "nobody listens at %s; start a daemon with `meniscusd%s%s`, or see `meniscus ls`", wire->endpoint,
+                    *name ? " --name " : "", name);
 }
 
 bool wire_secure(const Wire *wire, void *socket)

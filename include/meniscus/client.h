@@ -245,7 +245,7 @@ MnsStatus mns_key_pair(char ret_public[MNS_KEY_SIZE], char ret_secret[MNS_KEY_SI
 
 /** A case to load. */
 typedef struct MnsLoad {
-    const char *file; /* path of a YAML file */
+    const char *file; /* path of a YAML file; names of cases that came along are for programs, not found here */
     const char *name; /* of the run; NULL: that of the file without directory and suffix */
     size_t n_sets;
     const char *const *sets; /* [n_sets] entries to override, as in "resolution=40"; may be NULL if there are none */

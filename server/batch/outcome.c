@@ -8,6 +8,7 @@
 #include <meniscus/exit.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* A run that needed no step to be where it was asked to stop stands like any other that stopped there. */
 static const char *state_name(const RunStatus *status)
@@ -125,21 +126,32 @@ static json_t *as_json(const Outcome *outcome)
     return object;
 }
 
+/* A number without a unit is one by itself. */
+static void print_probe(const char *name, double value, const char *unit)
+{
+    printf("  %-24s %.9g%s%s\n", name, value, strcmp(unit, "1") ? " " : "", strcmp(unit, "1") ? unit : "");
+}
+
 static void print_lines(const Outcome *outcome)
 {
     const RunStatus *status = &outcome->status;
     if (!outcome->document) return;
     printf("%s: %s at t = %.9g s, step %" PRIu64 ", %zu particles\n", status->case_name, state_name(status),
            status->progress.t, status->progress.step, status->particles);
-    printf("  %.1f s of wall-clock time, %.1f ns per particle and step, %u threads, state %016" PRIx64 "\n",
-           status->wall, status->ns_per_particle_step, status->threads, status->hash);
+    printf("  %.1f s of wall-clock time, ", status->wall);
+    if (isfinite(status->ns_per_particle_step)) /* else there was no step */
+        printf("%.1f ns per particle and step, ", status->ns_per_particle_step);
+    printf("%u threads, state %016" PRIx64 "\n", status->threads, status->hash);
     const MnsCase *c = outcome->document->c;
     for (size_t k = 0; k < c->n_probes; k++)
-        printf("  %-24s %.9g %s\n", c->probes[k].name, outcome->probes[k], mns_probe_unit(&c->probes[k]));
+        print_probe(c->probes[k].name, outcome->probes[k], mns_probe_unit(&c->probes[k]));
     if (status->progress.guarded) printf("  kept from walls %" PRIu64 " times\n", status->progress.guarded);
     if (status->uncorrected)
         printf("  densities off by more than the case allows after %" PRIu64 " steps\n", status->uncorrected);
     printf("  files in %s\n", outcome->directory);
+    if (outcome->code == MNS_EXIT_AGAIN) printf("  to go on: %s\n", hint_for(MNS_E_INTERRUPTED));
+    else if (!strcmp(state_name(status), run_state_name(RUN_PAUSED)))
+        puts("  to go on: give the same command again, with --resume auto and without --until or with a later one");
 }
 
 static int print_json(json_t *object)

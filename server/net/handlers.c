@@ -268,12 +268,13 @@ void handler_states(unsigned states, char ret[static 128])
         }
 }
 
-const char *handler_way_out(RunState state)
+const char *handler_way_out(const Handler *handler, RunState state)
 {
+    const bool goes = handler->serve == serve_go; /* start and resume: what they are for is there already */
     switch (state) {
     case RUN_EMPTY: return "load a case first";
     case RUN_READY: return "start it first";
-    case RUN_RUNNING: return "pause it first";
+    case RUN_RUNNING: return goes ? "it runs already" : "pause it first";
     case RUN_PAUSED: return "resume goes on, reset begins anew";
     case RUN_DONE: return "a later end_time lets it go on, reset begins anew";
     case RUN_FAULT: return "restore a checkpoint, or reset";
@@ -294,9 +295,10 @@ static void serve_at_step(Run *run, Order *order)
     }
     x->allowed = handler->states;
     handler_states(handler->states, where);
+    const char *name = handler->serve == serve_until ? "run-until" : handler->name; /* as people type it */
     answer(run, x,
-           mns_fail(&error, MNS_E_STATE, "cannot %s while %s; possible in %s: %s", handler->name,
-                    run_state_name(run_state(run)), where, handler_way_out(run_state(run))),
+           mns_fail(&error, MNS_E_STATE, "cannot %s while %s; possible in %s: %s", name, run_state_name(run_state(run)),
+                    where, handler_way_out(handler, run_state(run))),
            &error);
 }
 

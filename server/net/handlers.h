@@ -52,7 +52,7 @@ MnsStatus handler_check_set(const Meniscus__Set *set, MnsError *error);
 void handler_states(unsigned states, char ret[static 128]);
 
 /* What to do first, for who is refused in a state. */
-const char *handler_way_out(RunState state);
+const char *handler_way_out(const Handler *handler, RunState state);
 
 /* Set the exchange on its way: serve it here, or post it to the run. MNS_OK: its order will come back. MNS_E_LIMIT: the
  * mailbox is full. MNS_E_DENIED: whoever asks may not. */

@@ -29,7 +29,7 @@ static MnsStatus check(const Run *run, Order *order, MnsError *error)
     x->allowed = STATES;
     handler_states(STATES, where);
     return mns_fail(error, MNS_E_STATE, "cannot schedule a %s while %s; possible in %s: %s", x->handler->name,
-                    run_state_name(run_state(run)), where, handler_way_out(run_state(run)));
+                    run_state_name(run_state(run)), where, handler_way_out(x->handler, run_state(run)));
 }
 
 /* What goes together, and what does not. */

@@ -21,6 +21,7 @@ typedef struct Candidate {
     Document *stored;   /* as a checkpoint had it; NULL without one */
     Document *original; /* what a reset leads back to, if it is another one than now */
     bool goes_on;       /* from a checkpoint                                         */
+    bool asked_to;      /* go on, if there is one                                    */
     size_t made;        /* of the directory, by rundir_make()                      */
     int lock;           /* of the directory; -1 if the present run has it            */
     Journal *journal;   /* the same; NULL                                            */
@@ -210,12 +211,25 @@ static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
     return MNS_OK;
 }
 
+/* Whoever gives a command again may have meant to go on. */
+static void tell_begun_anew(Run *run, const Candidate *candidate)
+{
+    char text[640];
+    snprintf(text, sizeof text, "the run in %.200s is begun anew, and its files are in %.200s: %s",
+             candidate->directory, run->outputs.aside,
+             candidate->asked_to ? "there was no checkpoint to go on from"
+                                 : "with --resume auto a run goes on from its newest checkpoint");
+    run_tell(run, NOTE_LOG, LOG_WARNING, "files", text);
+}
+
 /* What people would not expect of the files. */
-static void tell_files(Run *run)
+static void tell_files(Run *run, const Candidate *candidate)
 {
     const Outputs *outputs = &run->outputs;
+    const bool anew = candidate->original && !candidate->goes_on && !candidate->order->lineage;
     char text[512];
-    if (outputs->aside[0]) {
+    if (outputs->aside[0] && anew) tell_begun_anew(run, candidate);
+    else if (outputs->aside[0]) {
         snprintf(text, sizeof text, "files of the time line that was left are in %.400s", outputs->aside);
         run_tell(run, NOTE_LOG, LOG_NOTICE, "files", text);
     }
@@ -242,7 +256,7 @@ static void replace(Run *run, Order *order, Candidate *candidate, MnsStatus stat
         run->hash = mns_sim_hash(run->sim); /* the journal has it below, after the order */
         run->hashed = true;
         run_enter(run, order->lineage ? RUN_RECOVERING : RUN_READY, text);
-        tell_files(run);
+        tell_files(run, candidate);
         run_tell_warnings(run);
         if (candidate->stored && candidate->original) run_tell_resumed(run, candidate->stored, candidate->original);
         document_leave(candidate->stored);
@@ -302,7 +316,7 @@ void run_load(Run *run, Order *order, const RunLoad *load)
 {
     const RunState previous = run->state;
     MnsError error;
-    Candidate candidate = {.order = order, .lock = -1};
+    Candidate candidate = {.order = order, .asked_to = load->resume, .lock = -1};
     Document *document;
     MnsStatus status = document_of(run, load, &document, &error);
     if (status) {

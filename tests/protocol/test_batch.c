@@ -238,6 +238,37 @@ static void a_resumed_run_keeps_what_was_set_unless_it_is_set_again(void **state
     json_decref(object);
 }
 
+/* As text for people; the first line of what it says on standard output that has this part is there. */
+static bool tells(const Place *place, const char *options, const char *part)
+{
+    char command[512], cwd[2048];
+    const char *build = getenv("BUILD");
+    assert_non_null(getcwd(cwd, sizeof cwd));
+    char line[2900];
+    snprintf(command, sizeof command, "/meniscusd --batch dam.yaml %s 2>/dev/null | grep -qF -e '%s'", options, part);
+    snprintf(line, sizeof line, "cd %s && %s%s%s%s", place->home, build && *build == '/' ? "" : cwd,
+             build && *build == '/' ? "" : "/", build ? build : "build", command);
+    return system(line) == 0;
+}
+
+static void a_run_that_is_begun_anew_says_so_and_where_its_files_are(void **state)
+{
+    Place *place = *state;
+    json_decref(run(place, "", "--out a --until 0.02"));
+    assert_false(said(place, "err", "begun anew"));
+    json_decref(run(place, "", "--out a --until 0.02 --resume auto"));
+    assert_false(said(place, "err", "begun anew"));
+    json_decref(run(place, "", "--out a --until 0.02"));
+    assert_true(said(place, "err", "the run in a is begun anew, and its files are in a/abandoned: with --resume auto"));
+}
+
+static void people_are_told_how_a_run_goes_on(void **state)
+{
+    assert_true(tells(*state, "--out a --until 0.02", "same command again, with --resume auto and without --until"));
+    assert_false(tells(*state, "--out b --set end_time=0.02", "--resume auto"));
+    assert_false(tells(*state, "--out b --set end_time=0.02 --resume auto", "nan"));
+}
+
 static void a_damaged_checkpoint_is_passed_over(void **state)
 {
     Place *place = *state;
@@ -287,6 +318,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_formula_that_fails_on_the_way_is_a_fault_of_the_run, begin, end),
         cmocka_unit_test_setup_teardown(another_case_cannot_go_on_from_a_checkpoint, begin, end),
         cmocka_unit_test_setup_teardown(a_resumed_run_keeps_what_was_set_unless_it_is_set_again, begin, end),
+        cmocka_unit_test_setup_teardown(a_run_that_is_begun_anew_says_so_and_where_its_files_are, begin, end),
+        cmocka_unit_test_setup_teardown(people_are_told_how_a_run_goes_on, begin, end),
         cmocka_unit_test_setup_teardown(a_damaged_checkpoint_is_passed_over, begin, end),
         cmocka_unit_test_setup_teardown(a_wrong_command_line_and_an_unwritable_place_have_codes_of_their_own, begin,
                                         end),

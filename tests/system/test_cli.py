@@ -133,7 +133,34 @@ class Commands(DaemonTest):
     def test_what_cannot_be_set_is_told_with_what_can(self) -> None:
         self.load()
         done = self.meniscus("set", "resolution=10", code=1)
-        self.assertRegex(done.stderr, r"resolution: cannot change while the simulation runs; allowed: gravity, .*, and \d+ more \(`meniscus get` lists them\)\n$")
+        self.assertRegex(done.stderr, r"resolution: cannot change while the simulation runs; allowed: gravity, .*, and \d+ more \(steerable in `man meniscus-case`\)\n$")
+
+    def test_a_number_without_a_unit_is_printed_without_one(self) -> None:
+        self.load()
+        self.assertRegex(self.meniscus("query", "probes", "escaped").stdout, r"^escaped = 0\n$")
+        self.assertRegex(self.meniscus("get", "scheme.cfl").stdout, r"^scheme.cfl = 0.25\n$")
+        self.assertEqual(self.ask("query", "probes", "escaped")["values"]["escaped"]["unit"], "1")
+
+    def test_whoever_may_not_is_told_what_helps(self) -> None:
+        self.load("--start")
+        for command in ("start", "resume"):
+            refused = self.meniscus(command, code=1).stderr
+            self.assertIn("it runs already", refused)
+            self.assertNotIn("pause it first", refused)
+        self.assertIn("cannot run-until while RUNNING", self.meniscus("run-until", "1", code=1).stderr)
+        self.assertIn("`meniscus query probes front`", self.meniscus("query", "front", code=2).stderr)
+        self.assertIn("time to wait for is 0 s or more", self.meniscus("wait", "--for", "time=-1", code=1).stderr)
+
+    def test_capabilities_are_named_where_they_know_the_name(self) -> None:
+        self.load()
+        self.assertIn("`meniscus capabilities`", self.meniscus("query", "probes", "fron", code=1).stderr)
+        for words in (["restore", "nosuch"], ["rollback", "99"], ["export", "nosuch.hdf"]):
+            done = self.meniscus(*words, code=74 if words[0] == "export" else 1)
+            self.assertNotIn("capabilities", done.stderr, words)
+
+    def test_a_daemon_that_cannot_be_named_is_wrong_usage(self) -> None:
+        for name in ("a/b", "tcp://127.0.0.1"):
+            self.meniscus("status", "--daemon", name, code=2)
 
     def test_set_does_not_disturb_the_files_that_are_written_later(self) -> None:
         self.load("--set", "output.probe_interval=0.002")
@@ -416,6 +443,9 @@ class BadCases(DaemonTest):
 
 
 class Watching(DaemonTest):
+    def test_what_there_is_not_is_not_shown(self) -> None:
+        self.assertRegex(self.meniscus("watch").stdout, r"^EMPTY +no case\n$")
+
     def start(self, end_time: str = "0.3", *more: str) -> None:
         self.meniscus("load", *SMALL, "--set", f"end_time={end_time}", *more, "--start")
 

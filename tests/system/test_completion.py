@@ -78,6 +78,8 @@ class Completion(unittest.TestCase):
         self.assertEqual(self.offers("lease", ""), {"take", "renew", "release"})
         self.assertEqual(self.offers("query", ""), {"probes", "at", "box"})
         self.assertEqual(self.offers("wait", "--for", ""), {"state=", "time=", "step="})
+        self.assertEqual(self.offers("wait", "--for", "state", "=", "R"), {"READY", "RUNNING", "RECOVERING"})
+        self.assertIn("DONE", self.offers("wait", "--for", "state", "="))
         self.assertEqual(self.offers("set", "scheme.c"), {"scheme.cfl="})
         self.assertEqual(self.offers("load", "x", "--set", "grav"), {"gravity="})
         self.assertEqual(self.offers("set", "gravity", "=", ""), set())

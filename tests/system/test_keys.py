@@ -153,7 +153,10 @@ class Keys(DaemonTest):
         copy = self.home / "open.key"
         copy.write_bytes((self.keys / "vera.key").read_bytes())
         copy.chmod(0o644)
-        refused = self.meniscus("status", "--daemon", self.far, "--key", str(copy), code=1)
+        for words in (["status"], ["load", "dambreak2d"]):
+            lost = self.meniscus(*words, "--daemon", self.far, "--key", "nowhere.key", code=74)
+            self.assertTrue(lost.stderr.startswith("meniscus: there is no file of a key"), lost.stderr)
+        refused = self.meniscus("status", "--daemon", self.far, "--key", str(copy), code=74)
         self.assertIn("chmod 600", refused.stderr)
         with self.assertRaisesRegex(meniscus.StateError, "chmod 600"):
             meniscus.Client(self.far, key=str(copy))

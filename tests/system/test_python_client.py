@@ -82,6 +82,13 @@ class WithDaemon(DaemonTest):
             self.start_daemon()
         self.client.wait(["READY"], timeout=20)
 
+    def test_a_client_that_was_closed_says_so(self) -> None:
+        client = meniscus.Client(self.endpoint, timeout=50)
+        client.close()
+        client.close()
+        with self.assertRaisesRegex(meniscus.UnavailableError, "the client is closed"):
+            client.status()
+
     def test_numbers_may_be_numpys_in_overrides_and_in_set(self) -> None:
         self.load(end_time=np.float64(1.5), gravity=np.array([0, -2]), resolution=np.int64(20))
         self.assertEqual(self.client.get("end_time")["end_time"].value, 1.5)

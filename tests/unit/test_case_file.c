@@ -211,6 +211,8 @@ static void what_is_not_yaml_is_refused_with_its_place(void **state)
     complains_with("dimensions: 2\ndomain: {min: [0, 0\n", "a.yaml:3:1: domain.min: this is not YAML: ");
     complains_with("dimensions: 2\n\tresolution: 3\n", "a.yaml:2:1: ");
     complains_with("title: a\ntitel\xff: 1\n", "a.yaml:2:6: this is not YAML: ");
+    complains_with("title: a\ndomain:\n\tmin: [0, 0]\n",
+                   "a.yaml:3:1: domain: there is a tab, and YAML allows none for indentation: write spaces");
     complains_with("title: 'never closed\n", "this is not YAML: ");
 }
 

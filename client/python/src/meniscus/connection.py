@@ -11,6 +11,7 @@ from zmq.utils.monitor import parse_monitor_message
 
 from . import meniscus_pb2 as pb
 from .dialogue import EVENTS, TRY_S, Answer, Dialogue, Send, Wait, prepare_control
+from .errors import UnavailableError
 from .keys import Keys
 from .values import Frame
 
@@ -45,6 +46,8 @@ class Connection:
 
     def close(self, linger_ms: int = 0) -> None:
         """Disconnect. Commands that were accepted go on without us."""
+        if self._socket.closed:
+            return
         self._socket.disable_monitor()
         self._monitor.close(0)
         self._socket.close(linger_ms)
@@ -54,6 +57,8 @@ class Connection:
         self, request: pb.Request, timeout: Optional[float] = None, request_id: Optional[bytes] = None
     ) -> Answer:
         """Dialogue.call()."""
+        if self._socket.closed:
+            raise UnavailableError("UNAVAILABLE", "the client is closed; make a new one")
         return self.do(self._dialogue.call(request, timeout, request_id))
 
     def do(self, steps: Generator[Union[Send, Wait], bool, T]) -> T:
