@@ -123,6 +123,7 @@ static MnsStatus subscribe(Streams *streams, Asked *asked, const Meniscus__Subsc
         free(stream);
         return mns_fail(error, MNS_E_MEMORY, "no memory for another stream");
     }
+    streams_refresh(streams); /* who was just told of a load may ask before the news of it is here */
     MnsStatus status = subscribe_read(request, &streams->now, streams->limit, &stream->spec, error);
     stream->generation = streams->now.generation;
     if (!status) status = make_place(streams, error);

@@ -8,7 +8,7 @@ import path from "node:path";
 
 const [build, pictures] = process.argv.slice(2).map((word) => path.resolve(word));
 const { default: puppeteer } = await import(createRequire(path.join(build, "web-check/node_modules/x.js")).resolve("puppeteer-core"));
-export const PATIENCE_MS = 20000;
+export const PATIENCE_MS = 40000;
 /** What went wrong in the pages, and what they asked others for. */
 export const complaints = [], elsewhere = [];
 let port = "0", gateway;
