@@ -88,10 +88,9 @@ static const Method *method_of(const MnsSchemeOptions *scheme)
         {"interfacial", MNS_WENDLAND_C2, 1.6, true},     {"incompressible", MNS_QUINTIC_SPLINE, 1, false},
         {"differences", MNS_QUINTIC_SPLINE, 0.9, false},
     };
-    for (size_t k = 0; k < sizeof methods / sizeof *methods; k++)
-        if (strcmp(methods[k].scheme, scheme->name) == 0) return &methods[k];
-    assert(!"a scheme without a row above");
-    return methods;
+    size_t k = 0;
+    for (; strcmp(methods[k].scheme, scheme->name) != 0; k++) assert(k + 1 < sizeof methods / sizeof *methods);
+    return &methods[k];
 }
 
 static MnsStatus translate_fluid(Translation *t, const Meniscus__Fluid *m, const Names *before, MnsFluid *fluid)
