@@ -8,7 +8,7 @@ import path from "node:path";
 
 const [build, pictures] = process.argv.slice(2).map((word) => path.resolve(word));
 const { default: puppeteer } = await import(createRequire(path.join(build, "web-check/node_modules/x.js")).resolve("puppeteer-core"));
-export const PATIENCE_MS = 40000;
+export const PATIENCE_MS = 20000;
 /** What went wrong in the pages, and what they asked others for. */
 export const complaints = [], elsewhere = [];
 let port = "0", gateway;
@@ -74,13 +74,16 @@ export const step = async (page) => Number(/step ([\d\u202f]+)/.exec(await text(
 export const picture = (page, name) => page.screenshot({ path: path.join(pictures, `${name}.png`) });
 
 /** How many pixels of the particles are nearly of this colour. */
-export const pixels = (page, colour) => page.evaluate((wanted) => {
-  const from = document.querySelector("#canvas canvas"), to = document.createElement("canvas");
-  [to.width, to.height] = [from.width, from.height];
-  const pen = to.getContext("2d");
-  pen.drawImage(from, 0, 0);
-  const { data } = pen.getImageData(0, 0, to.width, to.height);
-  let n = 0;
-  for (let k = 0; k < data.length; k += 4) n += wanted.every((c, i) => Math.abs(c - data[k + i]) < 12);
-  return n;
-}, colour);
+export async function pixels(page, colour) {
+  await page.screenshot(); // a browser without a screen may put off drawing until somebody looks, where processors are busy
+  return page.evaluate((wanted) => {
+    const from = document.querySelector("#canvas canvas"), to = document.createElement("canvas");
+    [to.width, to.height] = [from.width, from.height];
+    const pen = to.getContext("2d");
+    pen.drawImage(from, 0, 0);
+    const { data } = pen.getImageData(0, 0, to.width, to.height);
+    let n = 0;
+    for (let k = 0; k < data.length; k += 4) n += wanted.every((c, i) => Math.abs(c - data[k + i]) < 12);
+    return n;
+  }, colour);
+}
