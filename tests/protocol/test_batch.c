@@ -37,15 +37,15 @@ static int end(void **state)
     return system(command);
 }
 
-/* Run with these options in the place; the JSON object it printed, or NULL. prefix: of the shell's command. */
-static json_t *run(Place *place, const char *prefix, const char *options)
+/* Run with these options in the place; the JSON object it printed, or NULL. prefix: of the shell's command; output: how it is to print. */
+static json_t *run_as(Place *place, const char *prefix, const char *output, const char *options)
 {
     char command[4600], cwd[2048], path[128];
     const char *build = getenv("BUILD");
     const bool absolute = build && *build == '/';
     assert_non_null(getcwd(cwd, sizeof cwd));
-    snprintf(command, sizeof command, "cd %s && %s %s/%s/meniscusd --batch dam.yaml -o json %s 2>err", place->home,
-             prefix, absolute ? "" : cwd, build ? build : "build", options);
+    snprintf(command, sizeof command, "cd %s && %s %s/%s/meniscusd --batch dam.yaml %s %s 2>err", place->home, prefix,
+             absolute ? "" : cwd, build ? build : "build", output, options);
     FILE *pipe = popen(command, "r");
     json_t *object = json_loadf(pipe, 0, NULL);
     place->code = WEXITSTATUS(pclose(pipe));
@@ -54,6 +54,11 @@ static json_t *run(Place *place, const char *prefix, const char *options)
     if (!errors || !fgets(place->first, sizeof place->first, errors)) place->first[0] = 0;
     if (errors) fclose(errors);
     return object;
+}
+
+static json_t *run(Place *place, const char *prefix, const char *options)
+{
+    return run_as(place, prefix, "-o json", options);
 }
 
 static void assert_says(const json_t *object, const char *key, const char *text)
@@ -216,7 +221,7 @@ static void another_case_cannot_go_on_from_a_checkpoint(void **state)
 static bool said(const Place *place, const char *file, const char *part)
 {
     char command[512];
-    snprintf(command, sizeof command, "grep -qF '%s' %s/%s", part, place->home, file);
+    snprintf(command, sizeof command, "grep -qF -e '%s' %s/%s", part, place->home, file);
     return system(command) == 0;
 }
 
@@ -238,17 +243,11 @@ static void a_resumed_run_keeps_what_was_set_unless_it_is_set_again(void **state
     json_decref(object);
 }
 
-/* As text for people; the first line of what it says on standard output that has this part is there. */
-static bool tells(const Place *place, const char *options, const char *part)
+/* As text for people, which is left in `out`. */
+static void run_for_people(Place *place, const char *options, int code)
 {
-    char command[512], cwd[2048];
-    const char *build = getenv("BUILD");
-    assert_non_null(getcwd(cwd, sizeof cwd));
-    char line[2900];
-    snprintf(command, sizeof command, "/meniscusd --batch dam.yaml %s 2>/dev/null | grep -qF -e '%s'", options, part);
-    snprintf(line, sizeof line, "cd %s && %s%s%s%s", place->home, build && *build == '/' ? "" : cwd,
-             build && *build == '/' ? "" : "/", build ? build : "build", command);
-    return system(line) == 0;
+    assert_null(run_as(place, "", ">out", options));
+    assert_int_equal(place->code, code);
 }
 
 static void a_run_that_is_begun_anew_says_so_and_where_its_files_are(void **state)
@@ -264,9 +263,14 @@ static void a_run_that_is_begun_anew_says_so_and_where_its_files_are(void **stat
 
 static void people_are_told_how_a_run_goes_on(void **state)
 {
-    assert_true(tells(*state, "--out a --until 0.02", "same command again, with --resume auto and without --until"));
-    assert_false(tells(*state, "--out b --set end_time=0.02", "--resume auto"));
-    assert_false(tells(*state, "--out b --set end_time=0.02 --resume auto", "nan"));
+    Place *place = *state;
+    run_for_people(place, "--out a --until 0.02", 0);
+    assert_true(said(place, "out", "same command again, with --resume auto and without --until"));
+    run_for_people(place, "--out b --set end_time=0.02", 0);
+    assert_false(said(place, "out", "--resume auto"));
+    run_for_people(place, "--out b --set end_time=0.02 --resume auto", 0);
+    assert_true(said(place, "out", "s of wall-clock time, "));
+    assert_false(said(place, "out", "nan"));
 }
 
 static void a_damaged_checkpoint_is_passed_over(void **state)
