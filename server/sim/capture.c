@@ -127,12 +127,14 @@ size_t mns_sim_capture_size(const MnsSim *sim, uint64_t fields)
 static bool groups_agree(const MnsSim *sim, const uint8_t *phase)
 {
     const Particles *s = &sim->s;
+    bool agree = true;
+#pragma omp parallel for schedule(static) reduction(&& : agree) num_threads(sim->threads)
     for (size_t i = 0; i < s->n; i++) {
         const bool wall = i >= particles_fluid(s);
-        if (wall != (phase[i] >= s->n_phases) || phase[i] >= s->n_phases + sim->model.n_walls) return false;
-        if (!wall && sim->model.phase[phase[i]].summation != (i >= s->begin[GROUP_SUMMATION])) return false;
+        if (wall != (phase[i] >= s->n_phases) || phase[i] >= s->n_phases + sim->model.n_walls) agree = false;
+        else if (!wall && sim->model.phase[phase[i]].summation != (i >= s->begin[GROUP_SUMMATION])) agree = false;
     }
-    return true;
+    return agree;
 }
 
 static bool fits(const MnsSim *sim, const MnsCapture *capture)

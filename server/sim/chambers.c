@@ -6,24 +6,46 @@
 #include "base/array.h"
 #include "sim/making.h"
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 
 static const double NEARER = 0.5; /* spacings that a fluid may come nearer to a wall than it is at the start */
-enum { MAKING_ASKED = 1 << 16 };  /* particles, after which it is asked whether to go on */
+enum { MAKING_ASKED = 1 << 20 };  /* particles, after which it is asked whether to go on */
+
+typedef _Atomic uint32_t Shared;
 
 typedef struct Chambers {
     const MnsSim *sim;
     size_t n;        /* fluid particles */
     size_t least;    /* of a space: fewer are what a lattice leaves in a corner */
     bool by_fluid;   /* a wall particle has an unknown for each fluid, not one for all */
-    uint32_t *of;    /* [n] of each fluid particle the first of its space */
+    Shared *of;      /* [n] of each fluid particle the first of its space */
     uint32_t *count; /* [n] how many a space has, at its first particle */
 } Chambers;
 
-static uint32_t first_of(uint32_t *of, uint32_t i)
+static uint32_t peek(const Shared *at)
 {
-    for (; of[i] != i; i = of[i]) of[i] = of[of[i]];
+    return atomic_load_explicit(at, memory_order_relaxed);
+}
+
+/* Chains are shortened on the way; what another thread has written there meanwhile leads to the same end. */
+static uint32_t first_of(Shared *of, uint32_t i)
+{
+    for (uint32_t next; (next = peek(&of[i])) != i; i = next)
+        atomic_store_explicit(&of[i], peek(&of[next]), memory_order_relaxed);
     return i;
+}
+
+/* The later first follows the earlier, so that any order of joins ends in the same: the first particle of a space stands for it. */
+static void join(Shared *of, uint32_t a, uint32_t b)
+{
+    while ((a = first_of(of, a)) != (b = first_of(of, b))) {
+        const uint32_t early = a < b ? a : b, late = a < b ? b : a;
+        uint32_t still = late; /* unless another thread has had it follow somebody meanwhile */
+        if (atomic_compare_exchange_strong_explicit(&of[late], &still, early, memory_order_relaxed,
+                                                    memory_order_relaxed))
+            return;
+    }
 }
 
 /* ret: the way from i to the nearest image of j; returns its length. */
@@ -56,22 +78,29 @@ static void join_neighbours(Chambers *c, uint32_t i)
     const uint32_t *list = neighbours_of(&c->sim->nb, i);
     for (size_t k = 0; k < c->sim->nb.end[i][GROUP_WALL]; k++) {
         if (list[k] >= i) continue;
-        const uint32_t a = first_of(c->of, i), b = first_of(c->of, list[k]);
-        if (a != b && !is_wall_between(c->sim, i, list[k])) c->of[a > b ? a : b] = a > b ? b : a;
+        if (first_of(c->of, i) != first_of(c->of, list[k]) && !is_wall_between(c->sim, i, list[k]))
+            join(c->of, i, list[k]);
     }
 }
 
+/* How many spaces of some size there are. */
 static MnsStatus tell_apart(Chambers *c, size_t *ret_spaces, MnsError *error)
 {
     MnsStatus status = MNS_OK;
-    for (size_t i = 0; i < c->n; i++) c->of[i] = (uint32_t)i;
-    for (size_t i = 0; i < c->n && !status; i++) {
-        join_neighbours(c, (uint32_t)i);
-        if (i % MAKING_ASKED == 0) status = making_goes_on(&c->sim->making, error);
+    const int threads = c->sim->threads;
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (size_t i = 0; i < c->n; i++) atomic_init(&c->of[i], (uint32_t)i);
+    for (size_t from = 0; from < c->n && !status; from += MAKING_ASKED) {
+        const size_t end = from + MAKING_ASKED < c->n ? from + MAKING_ASKED : c->n;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(threads)
+        for (size_t i = from; i < end; i++) join_neighbours(c, (uint32_t)i);
+        status = making_goes_on(&c->sim->making, error);
     }
-    for (size_t i = 0; i < c->n; i++) c->count[c->of[i] = first_of(c->of, (uint32_t)i)]++;
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (size_t i = 0; i < c->n; i++)
+        atomic_store_explicit(&c->of[i], first_of(c->of, (uint32_t)i), memory_order_relaxed);
     *ret_spaces = 0;
-    for (size_t i = 0; i < c->n; i++) *ret_spaces += c->count[i] >= c->least;
+    for (size_t i = 0; i < c->n; i++) *ret_spaces += ++c->count[peek(&c->of[i])] == c->least;
     return status;
 }
 
@@ -84,17 +113,28 @@ static bool joins(const Chambers *c, size_t i)
     const double reach = (model->kernel.support + fmin(NEARER * model->dx, model->skin)) * (1 + 1e-9);
     uint32_t seen[MNS_MAX_FLUIDS];
     double to[3];
-    for (size_t k = 0; k < MNS_MAX_FLUIDS; k++) seen[k] = fluid ? c->of[i] : none;
-    if (fluid && c->count[c->of[i]] < c->least) return false;
+    for (size_t k = 0; k < MNS_MAX_FLUIDS; k++) seen[k] = fluid ? peek(&c->of[i]) : none;
+    if (fluid && c->count[seen[0]] < c->least) return false;
     for (size_t k = 0; k < c->sim->nb.end[i][GROUP_WALL]; k++) {
         const uint32_t j = list[k];
-        if (j >= c->n || c->count[c->of[j]] < c->least) continue;
+        const uint32_t its = j < c->n ? peek(&c->of[j]) : none;
+        if (its == none || c->count[its] < c->least) continue;
         uint32_t *space = &seen[c->by_fluid ? c->sim->s.phase[j] : 0];
-        if (*space == c->of[j] || way(c->sim, i, j, to) > reach) continue;
+        if (*space == its || way(c->sim, i, j, to) > reach) continue;
         if (*space != none) return true;
-        *space = c->of[j];
+        *space = its;
     }
     return false;
+}
+
+/* SIZE_MAX: none does. */
+static size_t first_that_joins(const Chambers *c)
+{
+    size_t first = SIZE_MAX;
+#pragma omp parallel for schedule(dynamic, 256) reduction(min : first) num_threads(c->sim->threads)
+    for (size_t i = 0; i < c->sim->s.n; i++)
+        if (i < first && joins(c, i)) first = i;
+    return first;
 }
 
 static MnsStatus refuse(const MnsSim *sim, size_t i, MnsError *error)
@@ -119,8 +159,10 @@ MnsStatus chambers_check(const MnsSim *sim, MnsError *error)
     if (!c.of || !c.count)
         status = mns_fail(error, MNS_E_MEMORY, "no memory to tell the spaces of %zu particles apart", c.n);
     else status = tell_apart(&c, &spaces, error);
-    for (size_t i = 0; i < sim->s.n && spaces > 1 && !status; i++)
-        if (joins(&c, i)) status = refuse(sim, i, error);
+    if (spaces > 1 && !status) {
+        const size_t first = first_that_joins(&c);
+        if (first < sim->s.n) status = refuse(sim, first, error);
+    }
     free(c.of);
     free(c.count);
     return status;

@@ -87,20 +87,28 @@ static bool is_exposed(const MnsSim *sim, size_t i, int d, int side)
     return true;
 }
 
+/* SIZE_MAX: none is. */
+static size_t first_exposed(const MnsSim *sim, int d, int side)
+{
+    size_t first = SIZE_MAX;
+#pragma omp parallel for schedule(static) reduction(min : first) num_threads(sim->threads)
+    for (size_t i = 0; i < particles_fluid(&sim->s); i++)
+        if (i < first && is_exposed(sim, i, d, side)) first = i;
+    return first;
+}
+
 /* Nothing holds a fluid back at a side that is neither a wall nor periodic. It may be meant to fall. */
 static void warn_open_sides(MnsSim *sim)
 {
     for (int d = 0; d < sim->model.dim; d++)
-        for (int side = -1; side <= 1 && sim->model.period[d] == 0; side += 2)
-            for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
-                if (!is_exposed(sim, i, d, side)) continue;
-                plan_warn(
-                    sim,
-                    "domain: %s touches the %s %c side, which is neither a wall nor periodic: what leaves there is "
-                    "lost, as a probe of kind `escaped` would show; put a wall there, or make %c periodic",
-                    sim->c->fluids[sim->s.phase[i]].name, side < 0 ? "lower" : "upper", "xyz"[d], "xyz"[d]);
-                break;
-            }
+        for (int side = -1; side <= 1 && sim->model.period[d] == 0; side += 2) {
+            const size_t i = first_exposed(sim, d, side);
+            if (i == SIZE_MAX) continue;
+            plan_warn(sim,
+                      "domain: %s touches the %s %c side, which is neither a wall nor periodic: what leaves there is "
+                      "lost, as a probe of kind `escaped` would show; put a wall there, or make %c periodic",
+                      sim->c->fluids[sim->s.phase[i]].name, side < 0 ? "lower" : "upper", "xyz"[d], "xyz"[d]);
+        }
 }
 
 /* What is given to a scheme that does not ask for it. */
@@ -138,24 +146,34 @@ static void warn_probes_outside(MnsSim *sim)
     }
 }
 
-/* What the equation of state of a fluid has to carry. */
-typedef struct Load {
-    double low, high;   /* densities at the start [kg/m^3] */
-    double top, bottom; /* how far along gravity it reaches [m] */
-} Load;
+/* What the equations of state of the fluids have to carry, fluid by fluid. */
+typedef struct Loads {
+    double low[MNS_MAX_FLUIDS], high[MNS_MAX_FLUIDS];   /* densities at the start [kg/m^3] */
+    double top[MNS_MAX_FLUIDS], bottom[MNS_MAX_FLUIDS]; /* how far along gravity they reach [m] */
+} Loads;
 
-static void find_loads(const MnsSim *sim, double g, Load loads[])
+static void find_loads(const MnsSim *sim, double g, Loads *loads)
 {
     const Model *model = &sim->model;
-    for (size_t k = 0; k < model->n_phases; k++) loads[k] = (Load){INFINITY, -INFINITY, INFINITY, -INFINITY};
+    double *low = loads->low, *high = loads->high, *top = loads->top, *bottom = loads->bottom;
+    for (size_t k = 0; k < MNS_MAX_FLUIDS; k++) {
+        low[k] = top[k] = INFINITY;
+        high[k] = bottom[k] = -INFINITY;
+    }
+#pragma omp parallel for schedule(static) num_threads(sim->threads) reduction(min                                      \
+                                                                              : low[:MNS_MAX_FLUIDS], top              \
+                                                                              [:MNS_MAX_FLUIDS])                       \
+    reduction(max                                                                                                      \
+              : high[:MNS_MAX_FLUIDS], bottom                                                                          \
+              [:MNS_MAX_FLUIDS])
     for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
-        Load *load = &loads[sim->s.phase[i]];
+        const unsigned k = sim->s.phase[i];
         double depth = 0;
         for (int d = 0; d < model->dim && g > 0; d++) depth += model->gravity[d] / g * sim->s.x[d][i];
-        load->low = fmin(load->low, sim->s.rho[i]);
-        load->high = fmax(load->high, sim->s.rho[i]);
-        load->top = fmin(load->top, depth);
-        load->bottom = fmax(load->bottom, depth);
+        low[k] = fmin(low[k], sim->s.rho[i]);
+        high[k] = fmax(high[k], sim->s.rho[i]);
+        top[k] = fmin(top[k], depth);
+        bottom[k] = fmax(bottom[k], depth);
     }
 }
 
@@ -178,16 +196,16 @@ static const double DENSITY_DEVIATION = 0.1; /* at the start, beyond which it is
 
 /* The speed of sound must keep a fluid nearly as dense as it is, whatever presses on it: ten times the speeds that weight and
  * surface tension can give it, and more if the pressure of the start asks for that. */
-static void warn_sound(MnsSim *sim, size_t k, double g, const Load *load)
+static void warn_sound(MnsSim *sim, size_t k, double g, const Loads *loads)
 {
     const Phase *phase = &sim->model.phase[k];
     const double radius = sim->drops[k].largest;
-    const double height = radius > 0 ? 2 * radius : load->bottom - load->top + sim->model.dx;
+    const double height = radius > 0 ? 2 * radius : loads->bottom[k] - loads->top[k] + sim->model.dx;
     const double weight = 10 * sqrt(g * height), tension = 10 * sqrt(sim->drops[k].capillary / phase->rho0);
-    const double most = load->high / phase->rho0 - 1, least = 1 - load->low / phase->rho0;
+    const double most = loads->high[k] / phase->rho0 - 1, least = 1 - loads->low[k] / phase->rho0;
     double enough = fmax(weight, tension);
-    if (most > DENSITY_DEVIATION) enough = fmax(enough, speed_for(phase, load->high, 1 + DENSITY_DEVIATION));
-    if (least > DENSITY_DEVIATION) enough = fmax(enough, speed_for(phase, load->low, 1 - DENSITY_DEVIATION));
+    if (most > DENSITY_DEVIATION) enough = fmax(enough, speed_for(phase, loads->high[k], 1 + DENSITY_DEVIATION));
+    if (least > DENSITY_DEVIATION) enough = fmax(enough, speed_for(phase, loads->low[k], 1 - DENSITY_DEVIATION));
     if (phase->c >= 0.99 * enough) return; /* two digits are as many as people give */
     enough = rounded_up(enough);
     if (fmax(most, least) > DENSITY_DEVIATION)
@@ -207,11 +225,11 @@ static void warn_sound(MnsSim *sim, size_t k, double g, const Load *load)
 
 static void warn_sounds(MnsSim *sim)
 {
-    Load loads[MNS_MAX_FLUIDS];
+    Loads loads;
     double g2 = 0;
     for (int d = 0; d < sim->model.dim; d++) g2 += sim->model.gravity[d] * sim->model.gravity[d];
-    find_loads(sim, sqrt(g2), loads);
-    for (size_t k = 0; k < sim->model.n_phases; k++) warn_sound(sim, k, sqrt(g2), &loads[k]);
+    find_loads(sim, sqrt(g2), &loads);
+    for (size_t k = 0; k < sim->model.n_phases; k++) warn_sound(sim, k, sqrt(g2), &loads);
 }
 
 void plan_look(MnsSim *sim)

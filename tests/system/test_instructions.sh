@@ -53,7 +53,7 @@ within dambreak3d-p3 8 146 300
 within droplet2d-p3 40 149 300
 within droplet3d-p3 12 104 300
 within drop2d-p2 20 258 330
-within drop3d-p2 10 247 430
+within drop3d-p2-142 10 247 430
 within drop2d-p1 20 537 355
 within drop3d-p1 8 3230 485
 within drop2d-p4 20 475 690

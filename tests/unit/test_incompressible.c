@@ -257,7 +257,8 @@ static void two_closed_spaces_are_stirred_in_one_case(void **state)
         }
 }
 
-/* Thinner than twice the kernel's reach it would let through what neither space can hold. A gap in it makes it well; so does another scheme. */
+/* Thinner than twice the kernel's reach it would let through what neither space can hold. A gap in it makes it well; so does another scheme.
+ * Spaces are told apart by all threads. */
 static void a_wall_that_would_join_two_spaces_is_refused(void **state)
 {
     (void)state;
@@ -270,6 +271,7 @@ static void a_wall_that_would_join_two_spaces_is_refused(void **state)
                 MnsSim *sim = NULL;
                 MnsError error = {0};
                 c->scheme.name = schemes[k];
+                c->threads = of % 2 ? 1 : 2;
                 if (k == 1) c->scheme.smoothing = 0.9;
                 add_partition(c, 0.5, 0.5 + THICK[of], open ? 0.8 : 1);
                 const MnsStatus status = mns_sim_new(c, &sim, &error);
@@ -281,6 +283,25 @@ static void a_wall_that_would_join_two_spaces_is_refused(void **state)
                 mns_sim_free(sim);
                 mns_case_free(c);
             }
+}
+
+static void the_place_of_such_a_wall_is_the_same_for_any_number_of_threads(void **state)
+{
+    (void)state;
+    MnsError one = {0};
+    for (unsigned threads = 1; threads <= 2; threads++)
+        for (int again = 0; again < 10; again++) {
+            MnsCase *c = layers(2, 40, 3);
+            MnsSim *sim = NULL;
+            MnsError error = {0};
+            c->scheme.name = "incompressible";
+            c->threads = threads;
+            add_partition(c, 0.5, 0.575, 1);
+            assert_int_equal(mns_sim_new(c, &sim, &error), MNS_E_INVALID);
+            if (threads == 1) one = error;
+            assert_string_equal(error.text, one.text);
+            mns_case_free(c);
+        }
 }
 
 /* A particle of a wall has an unknown for each fluid in P4, and one for all in P5. */
@@ -420,6 +441,7 @@ int main(void)
         cmocka_unit_test(a_pressure_that_is_no_number_is_a_fault_of_its_own),
         cmocka_unit_test(two_closed_spaces_are_stirred_in_one_case),
         cmocka_unit_test(a_wall_that_would_join_two_spaces_is_refused),
+        cmocka_unit_test(the_place_of_such_a_wall_is_the_same_for_any_number_of_threads),
         cmocka_unit_test(a_wall_between_two_fluids_joins_them_where_it_has_one_unknown),
         cmocka_unit_test(a_thin_slanted_wall_is_seen),
         cmocka_unit_test(the_pressure_is_counted_from_a_point_or_its_mean),
