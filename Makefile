@@ -104,7 +104,7 @@ check: ## build and run every test; last line: N passed, N failed [ALL=1: linter
 	@$(MAKE) --no-print-directory -s $(PARALLEL) all tests bench-programs $(TORTURE) $(DASHBOARD_ALL) $(BUILD)/web-check/node_modules/.package-lock.json
 	@BUILD=$(BUILD) CC=$(CC) tests/support/check.sh $(if $(ALL),everything)
 
-validate: ## the papers' cases against their references [CASE=name] [SIZE=paper] [JOBS=n]
+validate: ## the papers' cases against their references [CASE="name ..."] [SIZE=paper] [JOBS=n]
 	@tests/support/packages.sh validate
 	@$(MAKE) --no-print-directory -s $(PARALLEL) all
 	@BUILD=$(BUILD) $(PYTHON) tests/physics/validate.py $(if $(CASE),--case $(CASE)) $(if $(SIZE),--size $(SIZE)) $(if $(JOBS),--jobs $(JOBS))

@@ -102,7 +102,7 @@ def estimates() -> None:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--case", choices=sorted(CASES), help="this one only")
+    parser.add_argument("--case", choices=sorted(CASES), nargs="+", default=list(CASES), metavar="CASE", help="these only")
     parser.add_argument("--size", choices=("reduced", "paper"), default="reduced")
     parser.add_argument("--list", action="store_true", help="print what the cases take on one processor, by estimate, and run none")
     jobs.add_option(parser)
@@ -114,9 +114,9 @@ def main() -> int:
     tasks = {}
     for name, case in CASES.items():
         skipped = (case.paper if report.paper else case.reduced) is None
-        if options.case == name and skipped:
+        if name in options.case and skipped:
             print(f"# {name} is scored at the paper's size only", file=sys.stderr)
-        if options.case in (None, name) and not skipped:
+        if name in options.case and not skipped:
             tasks[name] = lambda name=name: list(score(name, report.paper))
     for _, metrics in jobs.at_once(options.jobs, tasks):
         for metric in metrics:
