@@ -162,7 +162,8 @@ COMPARISONS = {
     "A bubble that rises, ratio 10": Comparison(
         "bubble2d-hysing1", ("resolution=25",),
         (("riemann", ""), ("dissipation", "background_pressure: 800"),
-         ("interfacial", "repulsion: 0.08, background_pressure: 800"), ("incompressible", ""), ("differences", "")), hysing),
+         ("interfacial", "repulsion: 0.08, background_pressure: 800"),
+         ("interfacial", "repulsion: 0.08, background_pressure: 800, gradient_correction: true"), ("incompressible", ""), ("differences", "")), hysing),
 }
 
 LADDERS = {
