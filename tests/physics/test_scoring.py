@@ -304,7 +304,7 @@ class Drops(Scored):
 
     def test_a_drop_that_drifts(self):
         good = made(samples(0.5, 0.002), [self.shot(2)], mass_drop=1.6, momentum_x=1e-6, momentum_y=-1e-6)
-        self.check(good, lambda r: drops.score_drift("c", r), scaled("momentum_y", 1e5))
+        self.check(good, lambda r: drops.score_drift("c", r, 50), scaled("momentum_y", 1e5))
 
     def test_a_flat_interface(self):
         t = samples(0.3, 0.005)
