@@ -52,8 +52,22 @@ static bool is_over(const Watch *watch)
     }
 }
 
+/* What a daemon says again to whoever comes late, and what was under way when we looked, is from before that look; an event may also tell
+ * that the run went back to a checkpoint or its beginning, and what comes after it is from there. The daemon knows which. */
+static MnsStatus find_old(Watch *watch, const MnsTelemetry *message, bool *ret_old, MnsError *error)
+{
+    MnsStatus status = MNS_OK;
+    const Screen *screen = &watch->screen;
+    if (message->step < screen->step && message->topic == MNS_TOPIC_EVENT) status = look(watch, false, error);
+    *ret_old = message->step < screen->step;
+    return status;
+}
+
 static MnsStatus take(Watch *watch, const MnsTelemetry *message, MnsError *error)
 {
+    bool old;
+    const MnsStatus status = find_old(watch, message, &old, error);
+    if (status != MNS_OK || old) return status;
     screen_take(&watch->screen, message);
     watch->quiet = 0;
     if (watch->in->json) return output_json(output_telemetry(message), error);

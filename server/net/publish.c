@@ -225,10 +225,29 @@ static void send_probes(Publisher *publisher, int k, const Note *note)
     send_message(publisher, k, &message, note);
 }
 
+static void forget(Topic *topic)
+{
+    free(topic->last);
+    topic->last = NULL;
+    topic->size = 0;
+    topic->held = false;
+}
+
+/* In these states a run begins, anew or from a checkpoint, or there is none: what was heard last was of another time line, and whoever
+ * comes now would take it for where the run is. */
+static bool begins_anew(const Note *note)
+{
+    return note->state == RUN_EMPTY || note->state == RUN_LOADING || note->state == RUN_READY;
+}
+
 void publisher_send(Publisher *publisher, const Note *note)
 {
     const int k = topic_of(note->kind);
     if (note->kind == NOTE_EVENT) send_held(publisher);
+    if (note->kind == NOTE_EVENT && begins_anew(note)) {
+        forget(&publisher->topics[TRAFFIC_PROGRESS]);
+        forget(&publisher->topics[TRAFFIC_PROBE]);
+    }
     if (note->kind == NOTE_EVENT || note->kind == NOTE_LOG) send_text(publisher, k, note);
     else if (note->kind == NOTE_PROGRESS) send_progress(publisher, k, note);
     else if (note->kind == NOTE_PROBES) send_probes(publisher, k, note);

@@ -469,6 +469,32 @@ class Watching(DaemonTest):
         self.start("1000")
         self.meniscus("watch", "--timeout", "0.3", code=124)
 
+    def test_time_does_not_go_back_right_after_a_start(self) -> None:
+        for _ in range(5):
+            self.start("1000", "--set", "output.probe_interval=10")
+            text = self.meniscus("watch", "--timeout", "0.5", code=124).stdout
+            steps = [int(step) for step in re.findall(r" step (\d+) ", text)]
+            self.assertGreater(len(steps), 1, text)
+            self.assertEqual(steps, sorted(steps), text)
+            self.assertTrue(steps[0] == 0 or "started" not in text, text)
+            self.meniscus("stop")
+
+    def test_time_goes_back_where_the_run_does(self) -> None:
+        self.meniscus("load", *SMALL)
+        self.meniscus("step", "3")
+        self.meniscus("checkpoint")
+        self.meniscus("step", "3")
+        words = [BUILD / "meniscus", "watch", "-o", "json"]
+        with subprocess.Popen(words, stdout=subprocess.PIPE, text=True, env=self.environment) as watching:
+            assert watching.stdout
+            self.assertEqual(json.loads(watching.stdout.readline())["step"], 6)
+            self.meniscus("restore")
+            while (line := json.loads(watching.stdout.readline()))["topic"] != "event" or line["step"] == 6:
+                pass
+            self.assertEqual((line["state"], line["step"]), ("READY", 3))
+            self.assertEqual(json.loads(watching.stdout.readline())["step"], 3)
+            self.meniscus("stop")
+
     def watch_terminal(self, columns: int, locale: str) -> "list[str]":
         """What is shown on a terminal as wide as that when the run is done: lines without what moves the cursor."""
         self.start("0.3", "--set", "output.probe_interval=0.002")

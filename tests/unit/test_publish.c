@@ -52,7 +52,7 @@ static void subscribe(Stand *stand, const char *topic)
 
 static void tell(Stand *stand, NoteKind kind, uint64_t step)
 {
-    Note note = {.kind = kind, .step = step};
+    Note note = {.kind = kind, .step = step, .state = RUN_RUNNING};
     publisher_send(stand->publisher, &note);
 }
 
@@ -144,6 +144,29 @@ static void many_who_come_in_one_turn_are_welcomed_once(void **state)
     assert_hears(stand, NULL, 0, 0);
 }
 
+/* Whoever comes after a load would take it for where this run is. */
+static void newcomers_do_not_hear_of_a_run_that_is_gone(void **state)
+{
+    Stand *stand = *state;
+    const Note running = {.kind = NOTE_PROGRESS, .step = 90, .state = RUN_RUNNING};
+    Note ready = {.kind = NOTE_EVENT, .state = RUN_READY};
+    publisher_send(stand->publisher, &running);
+    publisher_send(stand->publisher, &ready);
+    subscribe(stand, "");
+    publisher_greet(stand->publisher);
+    assert_hears(stand, "event", 1, 0);
+    assert_hears(stand, NULL, 0, 0);
+    publisher_send(stand->publisher, &running);
+    assert_hears(stand, "progress", 2, 90);
+    ready.state = RUN_PAUSED;
+    publisher_send(stand->publisher, &ready);
+    assert_hears(stand, "event", 2, 0);
+    publisher_welcome(stand->publisher, "", 0);
+    publisher_greet(stand->publisher);
+    assert_hears(stand, "event", 2, 0);
+    assert_hears(stand, "progress", 2, 90);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -151,6 +174,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(very_many_get_the_newest_and_each_event, begin, end),
         cmocka_unit_test_setup_teardown(what_is_held_back_goes_out_when_it_may, begin, end),
         cmocka_unit_test_setup_teardown(many_who_come_in_one_turn_are_welcomed_once, begin, end),
+        cmocka_unit_test_setup_teardown(newcomers_do_not_hear_of_a_run_that_is_gone, begin, end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
