@@ -78,6 +78,7 @@ MnsStatus command_run_until(Invocation *in, MnsError *error);
 MnsStatus command_stop(Invocation *in, MnsError *error);
 MnsStatus command_restore(Invocation *in, MnsError *error);
 MnsStatus command_snapshot(Invocation *in, MnsError *error);
+MnsStatus command_checkpoint(Invocation *in, MnsError *error);
 MnsStatus command_breakpoint(Invocation *in, MnsError *error);
 MnsStatus command_cancel(Invocation *in, MnsError *error);
 MnsStatus command_shutdown(Invocation *in, MnsError *error);

@@ -21,7 +21,8 @@ static MnsStatus report_path(const Invocation *in, MnsReply *reply, const char *
         status = output_json(object, error);
     } else {
         const char *message = path && !strcmp(path, reply->message) ? "" : reply->message;
-        printf("%s at step %" PRIu64 ", t = %.6g s", mns_state_name(reply->state), reply->step, reply->time);
+        const char *stopped = reply->state == MNS_STATE_EMPTY && path ? ", stopped" : "";
+        printf("%s%s at step %" PRIu64 ", t = %.6g s", mns_state_name(reply->state), stopped, reply->step, reply->time);
         printf("%s%s%s%s\n", path ? ": " : "", path ? path : "", *message ? ": " : "", message);
     }
     mns_reply_free(reply);
@@ -32,6 +33,17 @@ static MnsStatus report(const Invocation *in, MnsStatus status, MnsReply *reply,
 {
     if (status != MNS_OK) return status;
     return report_path(in, reply, reply->output ? reply->output->path : NULL, error);
+}
+
+/* A run in motion has gone on by the time of the reply, and one that was stopped is nowhere: people are told the moment of the effect, which
+ * is that of the file. Scripts have it in effect_step. */
+static MnsStatus report_effect(const Invocation *in, MnsStatus status, MnsReply *reply, MnsError *error)
+{
+    if (status == MNS_OK && reply->output && !in->json) {
+        reply->step = reply->output->step;
+        reply->time = reply->output->time;
+    }
+    return report(in, status, reply, error);
 }
 
 MnsStatus command_simple(Invocation *in, MnsError *error)
@@ -70,7 +82,7 @@ MnsStatus command_stop(Invocation *in, MnsError *error)
     const bool checkpoint = options_get(&in->options, OPT_CHECKPOINT);
     MnsStatus status = command_connect(in, error);
     if (status == MNS_OK) status = mns_client_stop(in->client, checkpoint, &reply, error);
-    return report(in, status, reply, error);
+    return report_effect(in, status, reply, error);
 }
 
 MnsStatus command_shutdown(Invocation *in, MnsError *error)
@@ -118,7 +130,15 @@ MnsStatus command_snapshot(Invocation *in, MnsError *error)
     status = command_connect(in, error);
     if (status == MNS_OK) status = mns_client_snapshot(in->client, n, fields, &reply, error);
     free(text);
-    return report(in, status, reply, error);
+    return report_effect(in, status, reply, error);
+}
+
+MnsStatus command_checkpoint(Invocation *in, MnsError *error)
+{
+    MnsReply *reply = NULL;
+    MnsStatus status = command_connect(in, error);
+    if (status == MNS_OK) status = mns_client_checkpoint(in->client, &reply, error);
+    return report_effect(in, status, reply, error);
 }
 
 MnsStatus command_cancel(Invocation *in, MnsError *error)

@@ -419,6 +419,7 @@ void run_stop(Run *run, Order *order, bool checkpoint)
     run_goal_end(run, MNS_E_INTERRUPTED, &ended);
     run_drop_appointments(run, ended.text);
     end_recovery(run);
+    if (run->sim) run_tell(run, NOTE_LOG, LOG_INFORMATION, "stopped", "on request"); /* the last word of its log */
     if (close_run(run, &error)) run_tell(run, NOTE_LOG, LOG_WARNING, "lost", error.text);
     run_enter(run, RUN_EMPTY, "stopped on request");
     answer_last(run, order, MNS_OK, NULL);

@@ -106,6 +106,19 @@ class Commands(DaemonTest):
             self.assertEqual(self.ask(command)["path"], directory)
         self.assertIn(f": {self.load()['path']}\n", self.meniscus("stop").stdout)
 
+    def test_the_step_that_is_printed_is_that_of_the_file_and_of_the_end(self) -> None:
+        directory = Path(self.load("--start")["path"])
+        self.meniscus("wait", "--for", "step=3")
+        for command in ("snapshot", "checkpoint"):
+            text = self.meniscus(command).stdout
+            printed, named = re.findall(r"step (\d+)", text) + re.findall(r"-(\d+)\.hdf", text)
+            self.assertEqual(int(printed), int(named), text)
+        text = self.meniscus("stop", "--checkpoint").stdout
+        step = re.match(r"EMPTY, stopped at step (\d+), t = ", text)
+        assert step, text
+        self.assertTrue((directory / f"checkpoint-{int(step[1]):010}.hdf").exists(), text)
+        self.assertRegex((directory / "log").read_text().splitlines()[-1], rf" step {step[1]} t .* stopped: on request$")
+
     def test_what_has_no_effect_has_no_step_of_it(self) -> None:
         self.load()
         self.meniscus("step", "2")
