@@ -9,6 +9,7 @@
 #include "net/daemon.h"
 #include "run/environment.h"
 #include <argp.h>
+#include <errno.h>
 #include <math.h>
 #include <meniscus/exit.h>
 #include <meniscus/sim.h>
@@ -246,7 +247,7 @@ static bool take_level(void)
 {
     MnsError error;
     if (!environment_level(&error)) return true;
-    fprintf(stderr, "meniscusd: %s\n", error.text);
+    fprintf(stderr, "%s: %s\n", log_program(), error.text);
     return false;
 }
 
@@ -264,6 +265,7 @@ int main(int argc, char **argv)
                        .daemon.at.name = "default",
                        .daemon.threads = -1,
                        .daemon.stream_memory = (size_t)256 << 20};
+    if (!strcmp(program_invocation_short_name, "meniscus")) log_set_program("meniscus"); /* it has become us */
     environment_waiting(argv);
     argp_err_exit_status = MNS_EXIT_USAGE;
     static Words words; /* outlives main() */

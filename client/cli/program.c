@@ -18,7 +18,7 @@ MnsStatus program_become(const char *program, const char *const *arguments, MnsE
     while (arguments[n]) n++;
     const char **argv = calloc(n + 2, sizeof *argv);
     if (!argv) return mns_fail(error, MNS_E_MEMORY, "no memory to run %s", program);
-    argv[0] = program;
+    argv[0] = "meniscus"; /* whoever typed that is to be answered in that name */
     memcpy(argv + 1, arguments, n * sizeof *argv);
     char path[PATH_MAX];
     fflush(NULL);

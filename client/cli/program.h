@@ -7,7 +7,7 @@
 #include <stddef.h>
 
 /* Become another program: the one beside this one, or else the one in PATH. @param arguments  without the program's
- * name; ends with NULL. Returns only if that fails: MNS_E_NOT_FOUND, MNS_E_MEMORY. */
+ * name, which is ours, as people typed it; ends with NULL. Returns only if that fails: MNS_E_NOT_FOUND, MNS_E_MEMORY. */
 MnsStatus program_become(const char *program, const char *const *arguments, MnsError *error);
 
 /* What another program, found like that, prints on standard output, cut to `size`. MNS_E_NOT_FOUND; MNS_E_IO if it ends with

@@ -11,11 +11,22 @@
 
 static _Atomic int log_level = LOG_INFORMATION;
 static bool to_journal;
+static const char *program = "meniscusd";
 
 /* Before there are threads: a library that one of them starts may change the environment while another looks at it. */
 __attribute__((constructor)) static void look_at_environment(void)
 {
     to_journal = getenv("JOURNAL_STREAM") != NULL;
+}
+
+void log_set_program(const char *name)
+{
+    program = name;
+}
+
+const char *log_program(void)
+{
+    return program;
 }
 
 void log_set_level(LogLevel level)
@@ -46,5 +57,5 @@ void log_line(LogLevel level, const char *format, ...)
     for (char *c = line; *c; c++)
         if ((unsigned char)*c < ' ' || *c == 127) *c = ' ';
     if (to_journal) fprintf(stderr, "<%d>%s\n", (int)level, line);
-    else fprintf(stderr, "meniscusd: %s\n", line);
+    else fprintf(stderr, "%s: %s\n", program, line);
 }

@@ -6,6 +6,10 @@
 /* Levels as in syslog: a smaller number is more urgent. */
 typedef enum LogLevel { LOG_ERROR = 3, LOG_WARNING = 4, LOG_NOTICE = 5, LOG_INFORMATION = 6, LOG_DETAIL = 7 } LogLevel;
 
+/* Whom people called, which is who speaks to them: the name borrowed for good, "meniscusd" if nobody says otherwise. Before there are threads. */
+void log_set_program(const char *name);
+const char *log_program(void);
+
 /* Lines of a higher number than level are not written; at the start that is LOG_INFORMATION. */
 void log_set_level(LogLevel level);
 

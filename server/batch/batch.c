@@ -2,6 +2,7 @@
 /* One run from the command line. The run has its own threads; this one posts orders, shows progress and minds signals. */
 #include "batch/batch.h"
 
+#include "base/log.h"
 #include "base/signals.h"
 #include "batch/bar.h"
 #include "batch/outcome.h"
@@ -310,7 +311,8 @@ static void complain(const Batch *batch, const MnsError *error)
     const size_t n = strlen(batch->path);
     const bool in_file = n && !strncmp(error->text, batch->path, n) && error->text[n] == ':';
     const bool placed = in_file || !strncmp(error->text, "--set ", 6);
-    fprintf(stderr, "%s%s\n", placed ? "" : "meniscusd: ", error->text);
+    if (placed) fprintf(stderr, "%s\n", error->text);
+    else fprintf(stderr, "%s: %s\n", log_program(), error->text);
 }
 
 int batch_run(const BatchOptions *options)

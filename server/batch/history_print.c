@@ -2,6 +2,7 @@
 /* The journal of a run directory: a line, or an object, for each record. */
 #include "batch/history_print.h"
 
+#include "base/log.h"
 #include "batch/outcome.h"
 #include "run/history.h"
 #include "run/state.h"
@@ -183,7 +184,7 @@ int history_print(const char *directory, bool verify, bool json)
     History history;
     const MnsStatus status = history_read(directory, &history, &error);
     const int code = !status ? MNS_EXIT_DONE : status == MNS_E_NOT_FOUND ? MNS_EXIT_FAILED : MNS_EXIT_IO;
-    if (status) fprintf(stderr, "meniscusd: %s\n", error.text);
+    if (status) fprintf(stderr, "%s: %s\n", log_program(), error.text);
     if (json) print_json(directory, &history, verify, &error, code);
     else if (!status || status == MNS_E_CORRUPT) {
         if (!verify) print_table(&history);

@@ -3,6 +3,7 @@
  * done again, or the hash compared. The states that a later restore goes back to are kept in memory as they are passed. */
 #include "batch/replay.h"
 
+#include "base/log.h"
 #include "batch/outcome.h"
 #include "proto/case_file.h"
 #include "run/document.h"
@@ -348,7 +349,7 @@ int replay_run(const char *directory, int threads, bool json)
     if (!status) status = replay_all(&replay, &history, &error);
     const bool files = status == MNS_E_CORRUPT || status == MNS_E_IO;
     const int code = files ? MNS_EXIT_IO : status ? MNS_EXIT_FAILED : MNS_EXIT_DONE;
-    if (status) fprintf(stderr, "meniscusd: %s\n", error.text);
+    if (status) fprintf(stderr, "%s: %s\n", log_program(), error.text);
     print(&replay, &error, code, json);
     for (size_t k = 0; k < replay.n_kept; k++) mns_capture_free(replay.kept[k].state);
     free(replay.kept);

@@ -617,6 +617,13 @@ class WithoutDaemon(unittest.TestCase):
             with self.subTest(words):
                 self.assert_fails_as_json(2, *words.split())
 
+    def test_who_typed_meniscus_is_answered_by_it(self) -> None:
+        for words, code in ((["run", "nosuch"], 65), (["log", "/nonexistent"], 1), (["run", *SMALL, "--out", "/dev/null/x"], 74)):
+            done = self.run_cli(*words)
+            self.assertEqual(done.returncode, code, done.stderr)
+            self.assertTrue(done.stderr.startswith("meniscus: "), done.stderr)
+            self.assertNotIn("meniscusd", done.stderr)
+
     def test_the_daemon_s_own_command_line_is_as_good(self) -> None:
         for words in (["--batch", "dambreak2d", "--bogus", "-o", "json"], ["--batch", "dambreak2d", "-o", "json", "x"]):
             done = subprocess.run([BUILD / "meniscusd", *words], capture_output=True, text=True, timeout=20)
