@@ -259,7 +259,8 @@ int main(int argc, char **argv)
         .doc = "Run particle simulations of fluids, and let people steer them while they run.\v"
                "Exit codes: 0 done, 1 refused or failed, 2 usage, 65 bad case, 70 diverged or a formula failed on the "
                "way, 74 input/output error, 75 stopped by a signal, after a checkpoint if it had begun, or another "
-               "run has the directory (run the same command again with --resume auto)."};
+               "run has the directory (run the same command again with --resume auto), or another daemon the state "
+               "directory."};
     Options options = {.batch.until = NAN,
                        .level = -1,
                        .daemon.at.name = "default",

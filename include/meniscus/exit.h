@@ -12,7 +12,8 @@ typedef enum MnsExit {
     MNS_EXIT_DIVERGED = 70,    /* the simulation has diverged, or a formula failed on the way       */
     MNS_EXIT_IO = 74,          /* a file could not be read or written                               */
     MNS_EXIT_AGAIN = 75,       /* stopped by a signal, after a checkpoint if it had begun, or another run has the
-                                * directory: run the same command again with --resume auto */
+                                * directory: run the same command again with --resume auto; or another daemon has the
+                                * state directory */
     MNS_EXIT_DENIED = 77,      /* the key is not let in, or lacks the role that this takes          */
     MNS_EXIT_TIMEOUT = 124     /* not done in time                                                  */
 } MnsExit;

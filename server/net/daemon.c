@@ -43,6 +43,7 @@ typedef struct Daemon {
     char path[4096]; /* of the case of --load */
     char *asked;     /* the case of the command line, with its settings; NULL without one */
     char parent[RUNDIR_PATH];
+    int held; /* lets go of it when closed; -1: it is not ours */
 } Daemon;
 
 static const Who OURSELVES = {WHO_DAEMON, ROLE_ADMIN};
@@ -298,6 +299,16 @@ static MnsStatus make_parent(Daemon *daemon, MnsError *error)
     return MNS_OK;
 }
 
+/* Two daemons would each take the other's run for one that a crash has ended. A full disk is no reason to stay away from the runs that are to
+ * be mended. */
+static MnsStatus hold_parent(Daemon *daemon, MnsError *error)
+{
+    const MnsStatus status = rundir_hold(daemon->parent, &daemon->held, error);
+    if (status != MNS_E_NO_SPACE) return status;
+    log_line(LOG_WARNING, "%s; who else uses the directory is not known", error->text);
+    return MNS_OK;
+}
+
 static void find_parent(Daemon *daemon)
 {
     const char *given = daemon->options->state_dir;
@@ -327,6 +338,7 @@ static MnsStatus begin(Daemon *daemon, MnsError *error)
     notify_begin(&daemon->notify);
     find_parent(daemon);
     MnsStatus status = make_parent(daemon, error);
+    if (!status) status = hold_parent(daemon, error);
     if (status) return status;
     const RunOptions options = {.parent = daemon->parent,
                                 .nice = SOLVER_NICE,
@@ -377,6 +389,7 @@ static int serve_locked(Daemon *daemon)
     if (status) return refused(&error, code_of_place(status));
     status = begin(daemon, &error);
     const bool disk = status == MNS_E_IO || status == MNS_E_NO_SPACE;
+    if (status == MNS_E_STATE && daemon->held < 0) return refused(&error, MNS_EXIT_AGAIN);
     if (status) return refused(&error, disk ? MNS_EXIT_IO : MNS_EXIT_FAILED);
     status = comeback_begin(&daemon->comeback, daemon->parent, daemon->asked, daemon->desk, &error);
     if (status) give_up(daemon, &error, MNS_EXIT_IO);
@@ -403,7 +416,7 @@ static void forget_case(Daemon *daemon)
 int daemon_run(const DaemonOptions *options)
 {
     MnsError error;
-    Daemon daemon = {.options = options, .code = MNS_EXIT_DONE};
+    Daemon daemon = {.options = options, .code = MNS_EXIT_DONE, .held = -1};
     if (options->load && read_case(&daemon, &daemon.bad_case) && !asked_before(&daemon)) {
         forget_case(&daemon);
         return refused(&daemon.bad_case, MNS_EXIT_BAD_CASE);
@@ -416,6 +429,7 @@ int daemon_run(const DaemonOptions *options)
     signals_catch(&daemon.signals);
     const int code = serve_locked(&daemon);
     http_free(daemon.http);
+    if (daemon.held >= 0) close(daemon.held);
     endpoint_close(&daemon.endpoint);
     forget_case(&daemon);
     signals_done(&daemon.signals);

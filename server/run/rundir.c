@@ -87,6 +87,19 @@ MnsStatus rundir_lock(const char *dir, int *ret_fd, MnsError *error)
                     holder, dir);
 }
 
+MnsStatus rundir_hold(const char *parent, int *ret_fd, MnsError *error)
+{
+    char path[4096], holder[LOCK_HOLDER];
+    MnsStatus status = directory_path(path, parent, lock_name, error);
+    if (!status) status = lock_take(path, ret_fd, holder, error);
+    if (status != MNS_E_STATE) return status;
+    return mns_fail(
+        error, MNS_E_STATE,
+        "another daemon, %s, has the runs in '%.300s': speak to that one, which `meniscus ls` names, or give "
+        "this one another --state-dir",
+        holder, parent);
+}
+
 static const char current_name[] = "current";
 
 MnsStatus rundir_note_current(const char *parent, const char *dir, const char *asked, MnsError *error)

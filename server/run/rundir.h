@@ -26,6 +26,9 @@ MnsStatus rundir_make(const char *dir, size_t *ret_made, MnsError *error);
  * MNS_E_IO, MNS_E_NO_SPACE. */
 MnsStatus rundir_lock(const char *dir, int *ret_fd, MnsError *error);
 
+/* Have the directory that runs get theirs in, so that no other daemon goes on with them meanwhile; the same otherwise. */
+MnsStatus rundir_hold(const char *parent, int *ret_fd, MnsError *error);
+
 /* Remove what a writer that was killed left half written; only whoever has the lock may. */
 void rundir_clear(const char *dir);
 

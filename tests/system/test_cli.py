@@ -281,6 +281,18 @@ class Commands(DaemonTest):
                               env=self.environment, capture_output=True, text=True, timeout=20)
         self.assertEqual(done.returncode, 74, done.stderr)
 
+    def test_a_second_daemon_does_not_take_the_runs_of_the_first(self) -> None:
+        self.load()
+        for name, code, words in (("second", 75, (f"process {self.daemon.pid} on ", str(self.home / "state"), "--state-dir")), ("default", 1, ("--name",))):
+            done = subprocess.run([BUILD / "meniscusd", "--name", name, "--state-dir", self.home / "state"],
+                                  env=self.environment, capture_output=True, text=True, timeout=20)
+            self.assertEqual(done.returncode, code, done.stderr)
+            self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+            for word in words:
+                self.assertIn(word, done.stderr)
+        self.assertEqual(self.ask("status")["state"], "READY")
+        self.meniscus("status", "--daemon", "second", code=69)
+
     def test_the_same_id_steps_once(self) -> None:
         self.load()
         words = ["step", "3", "--id", "0123456789abcdef0123456789abcdef"]
