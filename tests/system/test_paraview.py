@@ -185,6 +185,31 @@ class SnapshotsInParaView(unittest.TestCase):
         self.assertEqual(pixels.shape, (800, 1200, 3))
         self.assertGreater(len(numpy.unique(pixels.reshape(-1, 3), axis=0)), 50)
 
+    def without_display(self, path, output):
+        """The example where there is none, with the programs of a PATH."""
+        environment = {key: value for key, value in os.environ.items() if key != "DISPLAY"} | {"PATH": path}
+        words = [shutil.which("pvpython"), os.path.join(WORKFLOWS, "with_paraview.py"), self.series_file(), output]
+        return subprocess.run(words, capture_output=True, text=True, timeout=120, check=False, env=environment)
+
+    def test_the_example_draws_where_there_is_no_display(self):
+        path = f"{self.dir.name}/hidden.png"
+        for _ in range(3):
+            done = self.without_display(os.environ["PATH"], path)
+            if "bad X server connection" not in done.stdout + done.stderr:
+                break
+        self.assertEqual(done.returncode, 0, done.stderr[-2000:])
+        self.assert_drawn(path)
+
+    def test_the_example_says_what_it_takes_to_draw(self):
+        bare = f"{self.dir.name}/bare"
+        os.mkdir(bare)
+        os.symlink("/bin/true", f"{bare}/rsh")  # MPI, which pvpython begins with, insists on one
+        done = self.without_display(bare, f"{self.dir.name}/never.png")
+        self.assertEqual(done.returncode, 1, done.stderr[-2000:])
+        self.assertIn("there is no display", done.stderr)
+        self.assertIn("xvfb", done.stderr)
+        self.assertFalse(os.path.exists(f"{self.dir.name}/never.png"))
+
     def test_the_picture_shows_the_phases(self):
         pixels = matplotlib.image.imread(self.picture)[:, :, :3]
         colours, counts = numpy.unique(pixels.reshape(-1, 3), axis=0, return_counts=True)
