@@ -108,6 +108,21 @@ class Completion(unittest.TestCase):
         self.assertEqual(set(self.meniscus("completion", "cases").split()), {p.stem for p in CASES.glob("*.yaml")})
         self.meniscus("completion", "fish", code=2)
 
+    def test_zsh_offers_states_behind_state(self) -> None:
+        script = self.meniscus("completion", "zsh")
+        offer = script[: script.index("_meniscus()\n")]
+        self.assertRegex(offer, r"(?s)state=\)\n *if compset -P state=; then\n *_meniscus_offer @states\n *return\n")
+        self.assertRegex(script, r"--for=\[[^\n]*_meniscus_offer state= time= step='")
+        if shutil.which("zsh"):
+            stand_in = 'compset() { [[ $PREFIX == $2* ]] && PREFIX=${PREFIX#$2}; }\n_call_program() { shift; "$@"; }\n' \
+                       'compadd() { [[ $1 == -a ]] && print -l $found || print -- "${@: -1}"; }\n'
+            for word, expected in (("state=R", {s for s in self.meniscus("completion", "states").split()}), ("", {"state=", "time=", "step="})):
+                done = subprocess.run(
+                    ["zsh", "-c", f"{stand_in}{offer}\nPREFIX='{word}'\n_meniscus_offer state= time= step="], capture_output=True,
+                    env=self.environment | {"PATH": f"{BUILD}:{os.environ['PATH']}"}, text=True, timeout=20,
+                )  # fmt: skip
+                self.assertEqual(set(done.stdout.split()), expected, done.stderr)
+
     def test_the_bash_script_is_clean(self) -> None:
         done = subprocess.run(["shellcheck", "-s", "bash", self.script], capture_output=True, text=True, timeout=20)
         self.assertEqual(done.returncode, 0, done.stdout)
