@@ -43,6 +43,15 @@ def surroundings(home: Path) -> dict[str, str]:
     }
 
 
+def readme_lines(section: str) -> str:
+    """The program that a section of the Python client's README shows."""
+    text = (ROOT / "client" / "python" / "README.md").read_text()
+    _, _, rest = text.partition(f"\n## {section}\n")
+    _, _, program = rest.partition("\n## ")[0].partition("```python\n")
+    assert program, f"the README shows no program in its section {section}"
+    return program.partition("```")[0]
+
+
 def control_socket(home: Path) -> Path:
     return home / "run" / "meniscus" / "default" / "control.ipc"
 
@@ -110,6 +119,15 @@ class DaemonTest(unittest.TestCase):
         lines = self.meniscus(*words, "-o", "json", code=code, timeout=timeout).stdout.splitlines()
         self.assertEqual(len(lines), 1, lines)
         return json.loads(lines[0])
+
+    def run_python(self, program: str, here: Path) -> str:
+        """What a program of the Python client prints, in a directory."""
+        done = subprocess.run(
+            ["/usr/bin/python3", "-c", program], env=self.environment | {"PYTHONPATH": str(BUILD / "python")}, cwd=here,
+            capture_output=True, text=True, timeout=60,
+        )  # fmt: skip
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
 
     def listen_late(self, seconds: float = 0.15) -> None:
         """For a moment nobody is where the daemon listens, as right after its start."""

@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from daemon import BUILD, DaemonTest  # noqa: E402
+from daemon import BUILD, DaemonTest, readme_lines  # noqa: E402
 
 sys.path.insert(0, str(BUILD / "python"))
 import meniscus  # noqa: E402
@@ -117,6 +117,16 @@ class WithDaemon(DaemonTest):
         self.assertEqual(table.dtype.names, ("step", "time", "front"))
         self.assertTrue((np.diff(table["time"]) > 0).all())
         self.assertFalse(series.refresh())
+
+    def test_the_lines_of_the_documentation_read_files(self) -> None:
+        self.simulation.run_until(0.1)
+        self.simulation.snapshot()
+        runs = self.home / "lines" / "runs"
+        runs.mkdir(parents=True)
+        (runs / "dambreak2d").symlink_to(self.simulation.status().run_directory)
+        lines = self.run_python(readme_lines("The files of a run"), runs.parent).splitlines()
+        self.assertEqual(len(lines), len(self.simulation.snapshots))
+        self.assertRegex(lines[-1], r"^0.1 [\d.]+ Pa$")
 
     def test_what_a_notebook_shows_is_escaped(self) -> None:
         self.simulation.stop()

@@ -3,6 +3,7 @@
 
 import asyncio
 import os
+import re
 import sys
 import tempfile
 import threading
@@ -15,7 +16,7 @@ import numpy as np
 import zmq
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from support.daemon import BUILD, DaemonTest  # noqa: E402
+from support.daemon import BUILD, DaemonTest, readme_lines  # noqa: E402
 
 sys.path.insert(0, str(BUILD / "python"))
 import meniscus  # noqa: E402
@@ -120,6 +121,13 @@ class WithDaemon(DaemonTest):
         self.assertTrue(first and second)
         self.assertEqual(first + second, rows()[0])
         self.assertEqual(len(set(first + second)), len(first + second))
+
+    def test_the_lines_of_the_documentation_take_streams(self) -> None:
+        program, loops = re.subn(r"(?m)^    for item in stream:.*\n(?:        .*\n)+", r"\g<0>        break\n", readme_lines("Streams"))
+        self.assertEqual(loops, 2)
+        self.client.load("dambreak2d", {"resolution": 10, "end_time": 100}, start=True)
+        printed = self.run_python(program, self.home)
+        self.assertRegex(printed, r"^[\d.e-]+ \d+ [-\d.e]+ Pa\n\[0\.[^\]]*\] \[[^\]]*\]\n$")
 
     def test_asyncio_has_the_same(self) -> None:
         async def take() -> meniscus.StreamItem:
