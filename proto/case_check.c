@@ -13,9 +13,9 @@ static MnsStatus fail_missing(MessageType *type, Field *field, CasePath *path, M
     case_allowed(type, field, allowed, sizeof allowed);
     case_path_name(path, field->name, strlen(field->name));
     const char *some = field->label == PROTOBUF_C_LABEL_REPEATED ? "a list of at least one: " : "";
-    const bool is_axis = field->descriptor == &meniscus__axis__descriptor; /* how many there are is not known here */
-    return case_fail(error, MNS_E_INVALID, path->text, "missing, required: %s%s%s", some, allowed,
-                     is_axis ? " (z in three dimensions alone)" : "");
+    const CaseEntry *entry = case_entry_of(type, field);
+    return case_fail(error, MNS_E_INVALID, path->text, "missing, required: %s%s%s%s%s", some, allowed,
+                     *entry->note ? " (" : "", entry->note, *entry->note ? ")" : "");
 }
 
 /* Of a oneof that must have a member, complain at its first one; the others need not be looked at. */

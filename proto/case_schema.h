@@ -19,6 +19,7 @@ typedef struct CaseEntry {
     bool required, steerable;
     bool of_required_choice; /* member of a oneof of which one must be there                          */
     bool is_default;         /* member of a oneof: what the absence of all members means              */
+    const char *note;        /* what its words alone do not say, for who left it out; empty if there is nothing */
     const char *meaning;
 } CaseEntry;
 

@@ -15,7 +15,7 @@ from google.protobuf import descriptor_pb2
 FIELD = descriptor_pb2.FieldDescriptorProto
 TYPES = {FIELD.TYPE_DOUBLE: "number", FIELD.TYPE_UINT32: "whole number", FIELD.TYPE_BOOL: "true or false",
          FIELD.TYPE_STRING: "text", FIELD.TYPE_ENUM: "word", FIELD.TYPE_MESSAGE: "mapping"}
-WORDS = ("unit", "range", "required", "steerable", "formula", "count", "default")
+WORDS = ("unit", "range", "required", "steerable", "formula", "count", "default", "note")
 NUMBER = r"[-+]?(?:inf|[0-9.]+(?:e[-+]?[0-9]+)?)"
 
 
@@ -60,7 +60,7 @@ def enum_word(name):
 class Entry:
     """One field of one message, with what its comment says."""
 
-    def __init__(self, message, field, comment, oneof_words):
+    def __init__(self, message, field, comment, oneof_words, notes):
         where = f"{message}.{field.name}"
         self.name, self.field = field.name, field
         self.meaning, words = split_comment(where, comment)
@@ -78,6 +78,9 @@ class Entry:
         self.is_default = self.in_choice and "default" in words
         self.absence = "" if self.in_choice else words.get("default", "")
         self.type_name = field.type_name.rsplit(".", 1)[-1]
+        self.note = notes.get(self.type_name, "")
+        if "note" in words:
+            fail(where, "@note is for enums")
         if field.type not in TYPES:
             fail(where, "a type that case files do not have")
         if self.range and field.type not in (FIELD.TYPE_DOUBLE, FIELD.TYPE_UINT32):
@@ -117,12 +120,13 @@ class Schema:
         self.comments = {tuple(l.path): l.leading_comments for l in file.source_code_info.location}
         self.enums = {e.name: e for e in file.enum_type}
         self.package = file.package
+        notes = {e.name: split_comment(e.name, self.comments.get((5, k), ""))[1].get("note", "") for k, e in enumerate(file.enum_type)}
         self.messages = []
         for m, message in enumerate(file.message_type):
             choices = [split_comment(f"{message.name}.{c.name}", self.comments.get((4, m, 8, k), ""))[1]
                        for k, c in enumerate(message.oneof_decl)]
             entries = [Entry(message.name, f, self.comments.get((4, m, 2, k), ""),
-                             choices[f.oneof_index] if f.HasField("oneof_index") else {})
+                             choices[f.oneof_index] if f.HasField("oneof_index") else {}, notes)
                        for k, f in enumerate(message.field)]
             meaning = split_comment(message.name, self.comments.get((4, m), ""))[0]
             if not meaning:
@@ -158,7 +162,7 @@ def c_entry(entry):
             f"     .count_min = {entry.count[0]}, .count_max = {entry.count[1]}, .formula = {c_text(entry.formula)},\n"
             f"     .required = {flag[entry.required]}, .steerable = {flag[entry.steerable]}, "
             f".of_required_choice = {flag[entry.of_required_choice]}, .is_default = {flag[entry.is_default]},\n"
-            f"     .meaning = {c_text(entry.meaning)}}},\n")
+            f"     .note = {c_text(entry.note)}, .meaning = {c_text(entry.meaning)}}},\n")
 
 
 def write_table(schema, out):
