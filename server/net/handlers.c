@@ -216,29 +216,29 @@ _Static_assert(RUN_STATES == RUN_RECOVERING + 1, "all states are compared");
 
 /* clang-format off */
 static const Handler handlers[] = {
-    /* request                    name            where    role           states                    traits                          by                  then                */
-    [REQUEST(STATUS)]       = { "status",       HERE,    ROLE_VIEWER,   ANY,                      0,                              here_status,        NULL               },
-    [REQUEST(CAPABILITIES)] = { "capabilities", HERE,    ROLE_VIEWER,   ANY,                      0,                              here_capabilities,  NULL               },
-    [REQUEST(GET)]          = { "get",          HERE,    ROLE_VIEWER,   ANY,                      0,                              here_get,           NULL               },
-    [REQUEST(LOAD)]         = { "load",         AT_STEP, ROLE_ADMIN,    STILL | EMPTY,            CHANGES | LEASED,               serve_load,         complete_directory },
-    [REQUEST(START)]        = { "start",        AT_STEP, ROLE_OPERATOR, READY,                    MOTION | CHANGES | LEASED,      serve_go,           NULL               },
-    [REQUEST(RESUME)]       = { "resume",       AT_STEP, ROLE_OPERATOR, PAUSED | FAULT,           MOTION | CHANGES | LEASED,      serve_go,           NULL               },
-    [REQUEST(STEP)]         = { "step",         AT_STEP, ROLE_OPERATOR, READY | PAUSED,           MOTION | CHANGES | LEASED,      serve_step,         NULL               },
-    [REQUEST(RUN_UNTIL)]    = { "run_until",    AT_STEP, ROLE_OPERATOR, READY | PAUSED,           MOTION | CHANGES | LEASED,      serve_until,        NULL               },
-    [REQUEST(PAUSE)]        = { "pause",        AT_STEP, ROLE_OPERATOR, RUNNING | READY | PAUSED, URGENT | CHANGES | AT_MOMENT,   serve_pause,        NULL               },
-    [REQUEST(STOP)]         = { "stop",         AT_STEP, ROLE_OPERATOR, LOADED | RECOVERING,      URGENT | ENDS | CHANGES,        serve_stop,         complete_directory },
-    [REQUEST(CANCEL)]       = { "cancel",       AT_STEP, ROLE_OPERATOR, ANY,                      URGENT | ENDS,                  serve_cancel,       NULL               },
-    [REQUEST(SHUTDOWN)]     = { "shutdown",     AT_STEP, ROLE_ADMIN,    ANY,                      URGENT | ENDS | LAST | CHANGES, serve_shutdown,     complete_directory },
-    [REQUEST(RESET)]        = { "reset",        AT_STEP, ROLE_OPERATOR, STILL,                    CHANGES | LEASED,               serve_reset,        complete_directory },
-    [REQUEST(RESTORE)]      = { "restore",      AT_STEP, ROLE_OPERATOR, STILL,                    CHANGES | LEASED,               serve_restore,      complete_directory },
-    [REQUEST(CHECKPOINT)]   = { "checkpoint",   AT_STEP, ROLE_OPERATOR, LOADED,                   AT_MOMENT,                      serve_checkpoint,   complete_file      },
-    [REQUEST(SNAPSHOT)]     = { "snapshot",     AT_STEP, ROLE_OPERATOR, LOADED,                   AT_MOMENT,                      serve_snapshot,     complete_file      },
-    [REQUEST(SET)]          = { "set",          AT_STEP, ROLE_OPERATOR, LOADED,                   CHANGES | LEASED | AT_MOMENT,   serve_set,          complete_set       },
-    [REQUEST(ROLLBACK)]     = { "rollback",     AT_STEP, ROLE_OPERATOR, LOADED,                   CHANGES | LEASED | AT_MOMENT,   serve_rollback,     NULL               },
-    [REQUEST(LEASE)]        = { "lease",        AT_STEP, ROLE_OPERATOR, ANY,                      CHANGES,                        serve_lease,        complete_lease     },
-    [REQUEST(QUERY)]        = { "query",        AT_STEP, ROLE_VIEWER,   LOADED,                   LARGE | LOOKS,                  serve_query,        NULL               },
-    [REQUEST(WAIT)]         = { "wait",         AT_STEP, ROLE_VIEWER,   ANY,                      LOOKS,                          serve_wait,         complete_wait      },
-    [REQUEST(BREAKPOINT)]   = { "breakpoint",   AT_STEP, ROLE_OPERATOR, LOADED,                   CHANGES | LEASED,               serve_breakpoint,   NULL               },
+    /* request                    name            typed        where    role           states                    traits                          by                  then                */
+    [REQUEST(STATUS)]       = { "status",       NULL,        HERE,    ROLE_VIEWER,   ANY,                      0,                              here_status,        NULL               },
+    [REQUEST(CAPABILITIES)] = { "capabilities", NULL,        HERE,    ROLE_VIEWER,   ANY,                      0,                              here_capabilities,  NULL               },
+    [REQUEST(GET)]          = { "get",          NULL,        HERE,    ROLE_VIEWER,   ANY,                      0,                              here_get,           NULL               },
+    [REQUEST(LOAD)]         = { "load",         NULL,        AT_STEP, ROLE_ADMIN,    STILL | EMPTY,            CHANGES | LEASED,               serve_load,         complete_directory },
+    [REQUEST(START)]        = { "start",        NULL,        AT_STEP, ROLE_OPERATOR, READY,                    MOTION | CHANGES | LEASED,      serve_go,           NULL               },
+    [REQUEST(RESUME)]       = { "resume",       NULL,        AT_STEP, ROLE_OPERATOR, PAUSED | FAULT,           MOTION | CHANGES | LEASED,      serve_go,           NULL               },
+    [REQUEST(STEP)]         = { "step",         NULL,        AT_STEP, ROLE_OPERATOR, READY | PAUSED,           MOTION | CHANGES | LEASED,      serve_step,         NULL               },
+    [REQUEST(RUN_UNTIL)]    = { "run_until",    "run-until", AT_STEP, ROLE_OPERATOR, READY | PAUSED,           MOTION | CHANGES | LEASED,      serve_until,        NULL               },
+    [REQUEST(PAUSE)]        = { "pause",        NULL,        AT_STEP, ROLE_OPERATOR, RUNNING | READY | PAUSED, URGENT | CHANGES | AT_MOMENT,   serve_pause,        NULL               },
+    [REQUEST(STOP)]         = { "stop",         NULL,        AT_STEP, ROLE_OPERATOR, LOADED | RECOVERING,      URGENT | ENDS | CHANGES,        serve_stop,         complete_directory },
+    [REQUEST(CANCEL)]       = { "cancel",       NULL,        AT_STEP, ROLE_OPERATOR, ANY,                      URGENT | ENDS,                  serve_cancel,       NULL               },
+    [REQUEST(SHUTDOWN)]     = { "shutdown",     NULL,        AT_STEP, ROLE_ADMIN,    ANY,                      URGENT | ENDS | LAST | CHANGES, serve_shutdown,     complete_directory },
+    [REQUEST(RESET)]        = { "reset",        NULL,        AT_STEP, ROLE_OPERATOR, STILL,                    CHANGES | LEASED,               serve_reset,        complete_directory },
+    [REQUEST(RESTORE)]      = { "restore",      NULL,        AT_STEP, ROLE_OPERATOR, STILL,                    CHANGES | LEASED,               serve_restore,      complete_directory },
+    [REQUEST(CHECKPOINT)]   = { "checkpoint",   NULL,        AT_STEP, ROLE_OPERATOR, LOADED,                   AT_MOMENT,                      serve_checkpoint,   complete_file      },
+    [REQUEST(SNAPSHOT)]     = { "snapshot",     NULL,        AT_STEP, ROLE_OPERATOR, LOADED,                   AT_MOMENT,                      serve_snapshot,     complete_file      },
+    [REQUEST(SET)]          = { "set",          NULL,        AT_STEP, ROLE_OPERATOR, LOADED,                   CHANGES | LEASED | AT_MOMENT,   serve_set,          complete_set       },
+    [REQUEST(ROLLBACK)]     = { "rollback",     NULL,        AT_STEP, ROLE_OPERATOR, LOADED,                   CHANGES | LEASED | AT_MOMENT,   serve_rollback,     NULL               },
+    [REQUEST(LEASE)]        = { "lease",        NULL,        AT_STEP, ROLE_OPERATOR, ANY,                      CHANGES,                        serve_lease,        complete_lease     },
+    [REQUEST(QUERY)]        = { "query",        NULL,        AT_STEP, ROLE_VIEWER,   LOADED,                   LARGE | LOOKS,                  serve_query,        NULL               },
+    [REQUEST(WAIT)]         = { "wait",         NULL,        AT_STEP, ROLE_VIEWER,   ANY,                      LOOKS,                          serve_wait,         complete_wait      },
+    [REQUEST(BREAKPOINT)]   = { "breakpoint",   NULL,        AT_STEP, ROLE_OPERATOR, LOADED,                   CHANGES | LEASED,               serve_breakpoint,   NULL               },
 };
 /* clang-format on */
 
@@ -295,7 +295,7 @@ static void serve_at_step(Run *run, Order *order)
     }
     x->allowed = handler->states;
     handler_states(handler->states, where);
-    const char *name = handler->serve == serve_until ? "run-until" : handler->name; /* as people type it */
+    const char *name = handler->typed ? handler->typed : handler->name;
     answer(run, x,
            mns_fail(&error, MNS_E_STATE, "cannot %s while %s; possible in %s: %s", name, run_state_name(run_state(run)),
                     where, handler_way_out(handler, run_state(run))),

@@ -25,6 +25,7 @@ typedef enum Trait {
 
 typedef struct Handler {
     const char *name;
+    const char *typed; /* what people type for it; NULL: its name                  */
     Where where;
     Role role;       /* that it takes at least                                   */
     unsigned states; /* bits 1 << RunState in which it is possible               */
