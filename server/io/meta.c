@@ -41,6 +41,7 @@ void meta_put_moment(H5 *h, const MnsCapture *capture, size_t n)
     h5_mark(h, group, "step", H5T_NATIVE_UINT64, 0, &capture->progress.step);
     h5_mark(h, group, "time", H5T_NATIVE_DOUBLE, 0, &capture->progress.t);
     h5_mark(h, group, "dt", H5T_NATIVE_DOUBLE, 0, &capture->progress.dt);
+    if (capture->solver) h5_mark_text(h, group, "solver", capture->solver);
 }
 
 void meta_put_field(H5 *h, const char *name, const MnsFieldInfo *field)

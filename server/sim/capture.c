@@ -87,6 +87,7 @@ static void copy_out(const MnsSim *sim, MnsCapture *capture)
 {
     capture->spacing = sim->model.dx;
     capture->progress = sim->progress;
+    capture->solver = sim->solver;
     copy_all(sim, capture, true);
 }
 

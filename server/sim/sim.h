@@ -42,6 +42,7 @@ struct MnsSim {
     double *partial;               /* [sim_blocks(fluid)] work space of sums over the fluid */
     System system;                 /* for the pressure, of schemes that project */
     Solved solved;
+    const char *solver;   /* the method by which the last system was solved; NULL: none was yet */
     uint64_t uncorrected; /* steps after which a number density was off by more than its tolerance */
     MnsTimer timers[SIM_TIMERS_MAX];
     size_t n_timers;

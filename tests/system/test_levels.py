@@ -52,6 +52,23 @@ class Levels(unittest.TestCase):
         self.assertNotIn(WARNING, self.run_until(0.2))
 
 
+class Solvers(unittest.TestCase):
+    def test_files_name_the_method_by_which_pressures_were_solved_for(self) -> None:
+        with tempfile.TemporaryDirectory(prefix="mns-") as scratch:
+            for case, end, solver in (("hydrostatic-isph", 0.01, "cg"), ("dambreak2d", 0.1, None)):
+                out = Path(scratch) / case
+                words = ["--set", "resolution=10", "--set", f"end_time={end}", "--set", f"output.snapshot_interval={end}", "--out", out]
+                done = subprocess.run(
+                    [BUILD / "meniscusd", "--batch", case, *words], env=os.environ | {"MENISCUS_CASES": str(ROOT / "server" / "cases")},
+                    capture_output=True, text=True, timeout=60,
+                )  # fmt: skip
+                self.assertEqual(done.returncode, 0, done.stderr)
+                for kind in ("checkpoint", "snapshot"):
+                    with h5py.File(sorted(out.glob(f"{kind}-*.hdf"))[-1]) as file:
+                        found = file["meniscus"].attrs.get("solver")
+                    self.assertEqual(found and found.decode(), solver, (case, kind))
+
+
 class Processors(unittest.TestCase):
     """The C library chooses its mathematics by the processor, and can be told that this one has less than it has."""
 

@@ -57,6 +57,7 @@ MnsStatus pressure_solve(MnsSim *sim, const SolveMethod *method, double toleranc
     const double start = omp_get_wtime(), before = sim->system.setup_seconds;
     const SolveGoal goal = {tolerance, sim->model.projection.iterations};
     method->solve(&sim->system, &goal, ret_report);
+    sim->solver = method->name;
     book(sim, start, before);
     if (ret_report->status) return fail_method(sim, method, ret_report->status, error);
     return ret_report->converged ? MNS_OK : fail_solve(sim, method, ret_report, tolerance, what, error);

@@ -2,7 +2,7 @@
 /* Conjugate or, for matrices that are not symmetric, stabilised biconjugate gradients preconditioned by one cycle of hypre's algebraic
  * multigrid (BoomerAMG): iterations that hardly grow with the system. The preconditioner is asked for nothing along the constants, where the matrix is singular: hypre's own conjugate gradients
  * break down there. hypre as Debian builds it has one thread, so its bits do not depend on ours.
- * What is built without hypre has the same names, and says that it cannot. */
+ * What is built without hypre has the same functions, and solves without the preconditioner. */
 #include "base/array.h"
 #include "sim/neighbours.h"
 #include "sim/solve/vectors.h"
@@ -22,6 +22,8 @@
 #error                                                                                                                 \
     "this hypre has threads of its own, so its bits depend on their number: build with one without OpenMP, or with HYPRE= for none"
 #endif
+
+static const char symmetric_name[] = "amg", skew_name[] = "amg with bicgstab";
 
 struct Amg {
     bool ready; /* made, and the matrix has not changed much since */
@@ -248,6 +250,9 @@ bool amg_exists(void)
 #else
 static MnsStatus (*const prepare)(System *) = NULL;
 
+/* What does the work, and so is told to have done it. */
+static const char symmetric_name[] = "cg", skew_name[] = "bicgstab";
+
 static void solve_symmetric(System *y, const SolveGoal *goal, SolveReport *report)
 {
     solve_cg.solve(y, goal, report);
@@ -293,14 +298,14 @@ double amg_bytes(double rows, double entries)
 }
 
 const SolveMethod solve_amg = {
-    .name = "amg",
+    .name = symmetric_name,
     .equation = "conjugate gradients, preconditioned by algebraic multigrid",
     .solve = solve_symmetric,
     .prepare = prepare,
 };
 
 const SolveMethod solve_amg_bicgstab = {
-    .name = "amg with bicgstab",
+    .name = skew_name,
     .equation = "stabilised biconjugate gradients, preconditioned by algebraic multigrid",
     .solve = solve_skew,
     .prepare = prepare,
