@@ -29,7 +29,7 @@ void case_names_for(MessageType *type, const char *wrong, char *text, size_t siz
 {
     const char *names[64];
     for (unsigned k = 0; k < type->n_fields; k++) names[k] = type->fields[k].name;
-    words_suggest(names, type->n_fields, wrong, text, size);
+    words_suggest(names, type->n_fields, wrong, NULL, text, size);
 }
 
 static void allowed_number(const CaseEntry *entry, const char *kind, char *text, size_t size)

@@ -59,7 +59,7 @@ static void list_cases(Search *search, const char *folder)
 static MnsStatus fail_search(const Search *search, MnsError *error)
 {
     const char *names[CASES_MAX], *next = search->there;
-    char shown[48], there[240] = "there are none";
+    char shown[48], there[sizeof error->text] = "there are none";
     struct stat info;
     if (!stat(search->name, &info))
         return mns_fail(error, MNS_E_INVALID, "a case is a file, and \"%s\" is %s", case_shown(search->name, shown),
@@ -70,9 +70,14 @@ static MnsStatus fail_search(const Search *search, MnsError *error)
         return mns_fail(error, MNS_E_NOT_FOUND,
                         "there is no file \"%s\"; `meniscus init FILE.yaml` writes a case to begin with",
                         case_shown(search->name, shown));
-    if (search->n_there) words_suggest(names, search->n_there, search->name, there, sizeof there);
-    return mns_fail(error, MNS_E_NOT_FOUND, "there is no case \"%s\": no file of that name, and none in %s; %s",
-                    case_shown(search->name, shown), search->looked, there);
+    case_shown(search->name, shown);
+    const size_t around =
+        strlen(shown) + strlen(search->looked) + sizeof "there is no case \"\": no file of that name, and none in ; ";
+    if (search->n_there)
+        words_suggest(names, search->n_there, search->name, "`meniscus completion cases`", there,
+                      sizeof error->text - around);
+    return mns_fail(error, MNS_E_NOT_FOUND, "there is no case \"%s\": no file of that name, and none in %s; %s", shown,
+                    search->looked, there);
 }
 
 static bool look_in(Search *search, const char *folder)
@@ -84,7 +89,7 @@ static bool look_in(Search *search, const char *folder)
         return true;
     }
     if (access(folder, F_OK)) return false;
-    append(search->looked, sizeof search->looked, folder, strlen(folder));
+    if (!strstr(search->looked, folder)) append(search->looked, sizeof search->looked, folder, strlen(folder));
     if (search->n_there) return false;
     list_cases(search, folder);
     if (search->n_there) snprintf(search->folder, sizeof search->folder, "%s", folder);

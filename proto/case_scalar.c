@@ -45,7 +45,7 @@ static void explain_enum(const ProtobufCEnumDescriptor *type, const char *text, 
     const unsigned n = type->n_values < MOST ? type->n_values : MOST;
     for (unsigned k = 0; k < n; k++) names[k] = words_from_enum(type->values[k].name, words[k]);
     const int used = snprintf(sentence, size, "found \"%s\", ", case_shown(text, shown));
-    words_suggest(names, n, text, sentence + used, size - (size_t)used);
+    words_suggest(names, n, text, NULL, sentence + used, size - (size_t)used);
 }
 
 static void explain(MessageType *type, Field *field, const char *text, bool plain, char *sentence, size_t size)

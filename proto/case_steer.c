@@ -13,12 +13,11 @@ static MnsStatus fail_fixed(const CasePath *path, MnsError *error)
 {
     enum { MOST = 256 };
     const char *paths[MOST];
-    char names[120]; /* short, so that nobody's sentence around it loses its end */
+    char names[150]; /* short, so that nobody's sentence around it loses its end */
     size_t n = 0;
     for (; n < case_steerables_n && n < MOST; n++) paths[n] = case_steerables[n].path;
-    words_suggest(paths, n, path->text, names, sizeof names);
-    return case_fail(error, MNS_E_INVALID, path->text,
-                     "cannot change while the simulation runs; %s (steerable in `man meniscus-case`)", names);
+    words_suggest(paths, n, path->text, "`meniscus get`", names, sizeof names);
+    return case_fail(error, MNS_E_INVALID, path->text, "cannot change while the simulation runs; %s", names);
 }
 
 /* The value in force: what is there, or the default; NULL if there is neither. */

@@ -52,15 +52,15 @@ static const char *likeliest(const char *const *names, size_t n, const char *wro
     return best;
 }
 
-void words_suggest(const char *const *names, size_t n, const char *wrong, char *text, size_t size)
+void words_suggest(const char *const *names, size_t n, const char *wrong, const char *all, char *text, size_t size)
 {
-    enum { MORE = sizeof ", and 999 more" };
-    const char *best = likeliest(names, n, wrong);
+    const char *best = likeliest(names, n, wrong), *open = all ? " (" : "", *close = all ? " lists all)" : "";
+    const size_t more = sizeof ", and 999 more" + strlen(open) + strlen(all ? all : "") + strlen(close);
     int used = best ? snprintf(text, size, "did you mean \"%s\"? Allowed: ", best) : snprintf(text, size, "allowed: ");
     for (size_t k = 0; k < n && (size_t)used < size; k++) {
-        const size_t room = k + 1 < n ? MORE : 1;
+        const size_t room = k + 1 < n ? more : 1;
         if (k && (size_t)used + 2 + strlen(names[k]) + room > size) {
-            snprintf(text + used, size - (size_t)used, ", and %zu more", n - k);
+            snprintf(text + used, size - (size_t)used, ", and %zu more%s%s%s", n - k, open, all ? all : "", close);
             return;
         }
         used += snprintf(text + used, size - (size_t)used, "%s%s", k ? ", " : "", names[k]);

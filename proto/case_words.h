@@ -10,8 +10,9 @@
 const char *words_from_enum(const char *name, char word[static 64]);
 
 /* `did you mean "density"? Allowed: name, density`; without the question if no name is like the wrong word. What does not
- * fit is counted: `name, density, and 7 more`. */
-void words_suggest(const char *const *names, size_t n, const char *wrong, char *text, size_t size);
+ * fit is counted: `name, density, and 7 more (\`meniscus capabilities\` lists all)`.
+ *  all  the command that lists them, in its quotes; NULL: there is none */
+void words_suggest(const char *const *names, size_t n, const char *wrong, const char *all, char *text, size_t size);
 
 /* A decimal number, the whole text, with a point in every locale; .inf and -.inf as YAML has them, inf and -inf too. */
 bool words_to_number(const char *text, double *ret);

@@ -420,6 +420,6 @@ MnsStatus command_find(const char *name, const Command **ret, MnsError *error)
         *ret = command;
         return MNS_OK;
     }
-    words_suggest(names, n, name, text, sizeof text);
+    words_suggest(names, n, name, "`meniscus help`", text, sizeof text);
     return mns_fail(error, MNS_E_INVALID, "there is no command \"%.40s\"; %s", name, text);
 }

@@ -121,7 +121,7 @@ static MnsStatus complain(const char *word, OptionSet allowed, MnsError *error)
     const char *equals = strchr(word, '=');
     char bare[64];
     snprintf(bare, sizeof bare, "%.*s", equals ? (int)(equals - word) : (int)sizeof bare - 1, word);
-    words_suggest(names, n, bare, text, sizeof text);
+    words_suggest(names, n, bare, NULL, text, sizeof text);
     return mns_fail(error, MNS_E_INVALID, "there is no option %s; %s", bare, text);
 }
 

@@ -90,7 +90,7 @@ MnsStatus take_reference(Translation *t, const char *entry, const char *name, co
             *ret = (int)k;
             return MNS_OK;
         }
-    words_suggest(names->list, names->n, name, allowed, sizeof allowed);
+    words_suggest(names->list, names->n, name, names->all, allowed, sizeof allowed);
     return translation_fail(t, MNS_E_INVALID, entry, "there is no %s \"%s\", %s", names->what, case_shown(name, shown),
                             names->n ? allowed : "there is none at all");
 }
@@ -135,6 +135,6 @@ void names_of_walls(const MnsCase *c, Names *ret)
 
 void names_of_fields(Names *ret)
 {
-    *ret = (Names){.what = "field"};
+    *ret = (Names){.what = "field", .all = "`meniscus capabilities`"};
     for (const MnsFieldInfo *field = mns_fields(); field->name; field++) ret->list[ret->n++] = field->name;
 }

@@ -17,6 +17,7 @@ typedef struct Translation {
 /* Name and number of the things a name may stand for. */
 typedef struct Names {
     const char *what; /* "fluid" */
+    const char *all;  /* the command that lists them, where they may be too many for a sentence; or NULL */
     size_t n;
     const char *list[MNS_MAX_PROBES];
 } Names;

@@ -3,6 +3,8 @@
 #include "net/look.h"
 
 #include "net/selection.h"
+#include "run/tap.h"
+#include "run/unknown.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,8 +13,7 @@ static MnsStatus find_field(const MnsSim *sim, const char *name, int *ret, MnsEr
 {
     *ret = mns_field_find(name ? name : "");
     if (*ret >= 0 && mns_sim_field(sim, *ret, 0)) return MNS_OK;
-    return mns_fail_at(error, MNS_E_NOT_FOUND, "field",
-                       "there is no field \"%.60s\" in this simulation; `capabilities` lists them", name ? name : "");
+    return unknown_field("field", name, tap_fields_of(sim), error);
 }
 
 /* --- probes ------------------------------------------------------------------------------------------------------------ */
@@ -21,7 +22,7 @@ static MnsStatus find_probe(const MnsCase *c, const char *name, size_t *ret, Mns
 {
     for (*ret = 0; *ret < c->n_probes; ++*ret)
         if (!strcmp(c->probes[*ret].name, name)) return MNS_OK;
-    return mns_fail_at(error, MNS_E_NOT_FOUND, "probes", "the case has no probe \"%.60s\"", name);
+    return unknown_probe("probes", name, c, error);
 }
 
 MnsStatus look_probes(const MnsSim *sim, const Meniscus__ProbeQuery *query, Exchange *exchange, MnsError *error)

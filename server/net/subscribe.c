@@ -2,6 +2,7 @@
 /* What a client asks for in a `subscribe`. */
 #include "net/subscribe.h"
 
+#include "run/unknown.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -56,10 +57,7 @@ static MnsStatus read_field(const Meniscus__FieldWish *asked, size_t k, const Ta
     char path[40];
     const int field = mns_field_find(asked->name ? asked->name : "");
     snprintf(path, sizeof path, "fields[%zu].name", k);
-    if (field < 0 || !(now->fields >> field & 1))
-        return mns_fail_at(error, MNS_E_NOT_FOUND, path,
-                           "there is no field \"%.60s\" in this simulation; `capabilities` lists them",
-                           asked->name ? asked->name : "");
+    if (field < 0 || !(now->fields >> field & 1)) return unknown_field(path, asked->name, now->fields, error);
     for (size_t j = 0; j < k; j++)
         if (spec->columns[j] == field)
             return mns_fail_at(error, MNS_E_INVALID, path, "the field %s is asked for twice", asked->name);
@@ -89,7 +87,7 @@ static MnsStatus read_probe(const char *name, size_t k, const MnsCase *c, int *r
     for (*ret = 0; *ret < (int)c->n_probes; ++*ret)
         if (!strcmp(c->probes[*ret].name, name)) return MNS_OK;
     snprintf(path, sizeof path, "probes.names[%zu]", k);
-    return mns_fail_at(error, MNS_E_NOT_FOUND, path, "the case has no probe \"%.60s\"", name);
+    return unknown_probe(path, name, c, error);
 }
 
 static MnsStatus read_probes(const Meniscus__ProbeStream *asked, const MnsCase *c, StreamSpec *spec, MnsError *error)

@@ -4,6 +4,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "run/unknown.h"
 #include <assert.h>
 #include <inttypes.h>
 #include <math.h>
@@ -297,7 +298,7 @@ static MnsStatus find_fields(size_t n, char *const *fields, uint64_t *ret, MnsEr
 {
     for (size_t k = 0; k < n; k++) {
         const int field = mns_field_find(fields[k]);
-        if (field < 0) return mns_fail_at(error, MNS_E_NOT_FOUND, "fields", "there is no field \"%.60s\"", fields[k]);
+        if (field < 0) return unknown_field("fields", fields[k], UINT64_MAX, error);
         *ret |= (uint64_t)1 << field;
     }
     return MNS_OK;

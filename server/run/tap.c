@@ -158,7 +158,7 @@ void tap_leave(Tap *tap, const Shot *shot)
 
 /* --- the runner --------------------------------------------------------------------------------------------------------- */
 
-static uint64_t fields_of(const MnsSim *sim)
+uint64_t tap_fields_of(const MnsSim *sim)
 {
     uint64_t fields = 0;
     for (int f = 0; mns_fields()[f].name; f++)
@@ -168,7 +168,7 @@ static uint64_t fields_of(const MnsSim *sim)
 
 void tap_place(Tap *tap, const MnsSim *sim, Document *document, bool same)
 {
-    TapCase now = {.fields = document ? fields_of(sim) : 0,
+    TapCase now = {.fields = document ? tap_fields_of(sim) : 0,
                    .particles = document ? mns_sim_particles(sim) : 0,
                    .document = document_share(document)};
     pthread_mutex_lock(&tap->lock);

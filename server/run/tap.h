@@ -39,6 +39,9 @@ typedef struct TapCase {
     Document *document;  /* a share, or NULL */
 } TapCase;
 
+/* Fields that a simulation keeps, bit k for field k of mns_fields(). The runner's thread only. */
+uint64_t tap_fields_of(const MnsSim *sim);
+
 /* limit: bytes that copies may take in all. NULL if there is no memory, or no eventfd. */
 Tap *tap_new(size_t limit);
 void tap_free(Tap *tap);

@@ -146,7 +146,7 @@ class Commands(DaemonTest):
     def test_what_cannot_be_set_is_told_with_what_can(self) -> None:
         self.load()
         done = self.meniscus("set", "resolution=10", code=1)
-        self.assertRegex(done.stderr, r"resolution: cannot change while the simulation runs; allowed: gravity, .*, and \d+ more \(steerable in `man meniscus-case`\)\n$")
+        self.assertRegex(done.stderr, r"resolution: cannot change while the simulation runs; allowed: gravity, .*, and \d+ more \(`meniscus get` lists all\)\n$")
 
     def test_a_number_without_a_unit_is_printed_without_one(self) -> None:
         self.load()
@@ -170,6 +170,18 @@ class Commands(DaemonTest):
         for words in (["restore", "nosuch"], ["rollback", "99"], ["export", "nosuch.hdf"]):
             done = self.meniscus(*words, code=74 if words[0] == "export" else 1)
             self.assertNotIn("capabilities", done.stderr, words)
+
+    def test_a_name_that_is_not_there_is_answered_with_the_likeliest(self) -> None:
+        self.load()
+        for words in (["snapshot", "--fields", "presure"], ["query", "at", "presure", "0,0"], ["query", "box", "0,0", "1,1", "--fields", "presure"],
+                      ["stream", "fields", "presure", "--count", "1"]):  # fmt: skip
+            error = self.meniscus(*words, code=1).stderr
+            self.assertIn('there is no field "presure" in this simulation; did you mean "pressure"? Allowed: ', error, words)
+        for words in (["query", "probes", "fron"], ["stream", "probes", "fron", "--count", "1"]):
+            self.assertIn('no probe "fron"; did you mean "front"? Allowed: P05, ', self.meniscus(*words, code=1).stderr, words)
+        probe = "probes[0]={name: a, extremum: {field: presure}}"
+        self.assertRegex(self.meniscus("run", *SMALL, "--set", probe, code=65).stderr, 'did you mean "pressure"?.* more .`meniscus capabilities` lists all')
+        self.assertIn("`meniscus completion cases` lists all", self.meniscus("run", "nosuch", code=65).stderr)
 
     def test_a_daemon_that_cannot_be_named_is_wrong_usage(self) -> None:
         for name in ("a/b", "tcp://127.0.0.1"):

@@ -352,8 +352,9 @@ static void cases_are_found_by_name_and_by_path(void **state)
     assert_non_null(strstr(error.text, "there is no case \"dambrake\""));
     assert_non_null(strstr(error.text, "server/cases; "));
     assert_non_null(strstr(error.text, ", cavity2d, "));
-    assert_string_equal(error.text + strlen(error.text) - strlen(" more"),
-                        " more"); /* there are too many to name them all */
+    const char *rest = strstr(error.text, " more (`meniscus completion cases` lists all)");
+    assert_non_null(rest); /* there are too many to name them all */
+    assert_int_equal(rest[strlen(" more (`meniscus completion cases` lists all)")], 0);
     assert_null(strstr(error.text, "did you mean"));
     assert_int_equal(case_find("dambraek2d", path, &error), MNS_E_NOT_FOUND);
     assert_non_null(strstr(error.text, "did you mean \"dambreak2d\"? Allowed: bubble2d-hysing1, "));
