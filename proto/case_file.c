@@ -73,7 +73,8 @@ MnsStatus case_file_parse(const char *name, const char *text, size_t size, CaseF
 static MnsStatus fail_file(const char *path, const char *what, int number, MnsError *error)
 {
     const MnsStatus status = number == ENOENT || number == ENOTDIR ? MNS_E_NOT_FOUND : MNS_E_IO;
-    return mns_fail(error, status, "%s: cannot %s the case file: %s", path, what, strerror(number));
+    return mns_fail(error, status, "%s: cannot %s the case file: %s; %s", path, what, strerror(number),
+                    mns_refusal_hint(number));
 }
 
 /* All bytes of an open file, one more than allowed at most, so that the parser can refuse it. */

@@ -58,7 +58,8 @@ void key_path(const char *directory, const char *name, char ret[static KEYS_PATH
 static MnsStatus check_owner(int fd, const char *path, MnsError *error)
 {
     struct stat info;
-    if (fstat(fd, &info)) return mns_fail(error, MNS_E_IO, "cannot look at %s: %s", path, strerror(errno));
+    if (fstat(fd, &info))
+        return mns_fail(error, MNS_E_IO, "cannot look at %s: %s; %s", path, strerror(errno), mns_refusal_hint(errno));
     if (!S_ISREG(info.st_mode)) return mns_fail(error, MNS_E_STATE, "%s is no file; keys are not read from it", path);
     if (info.st_uid != geteuid())
         return mns_fail(error, MNS_E_STATE,
@@ -77,7 +78,8 @@ static MnsStatus open_private(const char *path, FILE **ret, MnsError *error)
     const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     *ret = NULL;
     if (fd < 0 && errno == ENOENT) return MNS_OK;
-    if (fd < 0) return mns_fail(error, MNS_E_IO, "cannot open %s: %s", path, strerror(errno));
+    if (fd < 0)
+        return mns_fail(error, MNS_E_IO, "cannot open %s: %s; %s", path, strerror(errno), mns_refusal_hint(errno));
     const MnsStatus status = check_owner(fd, path, error);
     if (!status && (*ret = fdopen(fd, "r"))) return MNS_OK;
     close(fd);
@@ -162,7 +164,7 @@ MnsStatus keys_read(const char *directory, Keys *ret, MnsError *error)
     for (int n; !status && file && (n = read_words(file, line, words, &number)) >= 0;)
         status = add(&keys, n, words, path, number, error);
     if (!status && file && ferror(file))
-        status = mns_fail(error, MNS_E_IO, "cannot read %s: %s", path, strerror(errno));
+        status = mns_fail(error, MNS_E_IO, "cannot read %s: %s; %s", path, strerror(errno), mns_refusal_hint(errno));
     if (file) fclose(file);
     if (status) keys_done(&keys);
     else *ret = keys;
@@ -233,7 +235,8 @@ static MnsStatus make_directory(const char *directory, MnsError *error)
         *slash = '/';
     }
     if (!mkdir(directory, 0700) || errno == EEXIST) return MNS_OK;
-    return mns_fail(error, MNS_E_IO, "cannot make the directory %s: %s", directory, strerror(errno));
+    return mns_fail(error, MNS_E_IO, "cannot make the directory %s: %s; %s", directory, strerror(errno),
+                    mns_refusal_hint(errno));
 }
 
 MnsStatus keys_lock(const char *directory, int *ret, MnsError *error)
@@ -245,7 +248,8 @@ MnsStatus keys_lock(const char *directory, int *ret, MnsError *error)
         *ret = lock;
         return MNS_OK;
     }
-    status = mns_fail(error, MNS_E_IO, "cannot lock the directory %s: %s", directory, strerror(errno));
+    status = mns_fail(error, MNS_E_IO, "cannot lock the directory %s: %s; %s", directory, strerror(errno),
+                      mns_refusal_hint(errno));
     if (lock >= 0) close(lock);
     return status;
 }
@@ -290,8 +294,8 @@ static MnsStatus replace(const char *path, const char *text, size_t size, MnsErr
     if (!cause && (rename(temporary, path) || !sync_above(path))) cause = errno;
     if (!cause) return MNS_OK;
     unlink(temporary);
-    return mns_fail(error, cause == ENOSPC || cause == EDQUOT ? MNS_E_NO_SPACE : MNS_E_IO, "cannot write %s: %s", path,
-                    strerror(cause));
+    return mns_fail(error, cause == ENOSPC || cause == EDQUOT ? MNS_E_NO_SPACE : MNS_E_IO, "cannot write %s: %s; %s",
+                    path, strerror(cause), mns_refusal_hint(cause));
 }
 
 MnsStatus keys_write(const char *directory, const Keys *keys, MnsError *error)

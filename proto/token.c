@@ -13,7 +13,8 @@ static MnsStatus check_file(const char *path, int fd, MnsError *error)
 {
     struct stat info;
     if (fstat(fd, &info))
-        return mns_fail_at(error, MNS_E_IO, "http-token", "cannot look at '%.300s': %s", path, strerror(errno));
+        return mns_fail_at(error, MNS_E_IO, "http-token", "cannot look at '%.300s': %s; %s", path, strerror(errno),
+                           mns_refusal_hint(errno));
     if (!S_ISREG(info.st_mode))
         return mns_fail_at(error, MNS_E_INVALID, "http-token", "--http-token takes a file, which '%.300s' is not",
                            path);
@@ -40,13 +41,13 @@ MnsStatus token_read(const char *path, Token *ret, MnsError *error)
     char text[TOKEN_LONGEST + 3]; /* one more than may be there, with the end of its line */
     const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (fd < 0)
-        return mns_fail_at(error, MNS_E_IO, "http-token", "cannot read the token in '%.300s': %s", path,
-                           strerror(errno));
+        return mns_fail_at(error, MNS_E_IO, "http-token", "cannot read the token in '%.300s': %s; %s", path,
+                           strerror(errno), mns_refusal_hint(errno));
     MnsStatus status = check_file(path, fd, error);
     const ssize_t n = status ? 0 : read(fd, text, sizeof text - 1);
     if (n < 0)
-        status =
-            mns_fail_at(error, MNS_E_IO, "http-token", "cannot read the token in '%.300s': %s", path, strerror(errno));
+        status = mns_fail_at(error, MNS_E_IO, "http-token", "cannot read the token in '%.300s': %s; %s", path,
+                             strerror(errno), mns_refusal_hint(errno));
     close(fd);
     if (status) return status;
     size_t size = n > 0 ? (size_t)n : 0;

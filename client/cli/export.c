@@ -170,7 +170,8 @@ static MnsStatus write_table(const Invocation *in, const Table *table, MnsError 
     const char *path = options_get(&in->options, OPT_EXPORT);
     if (!path) {
         if (write_csv(stdout, table) && !fflush(stdout)) return MNS_OK;
-        return mns_fail(error, MNS_E_IO, "cannot write to standard output: %s", strerror(errno));
+        return mns_fail(error, MNS_E_IO, "cannot write to standard output: %s; %s", strerror(errno),
+                        mns_refusal_hint(errno));
     }
     MnsStatus status =
         whole_file_write(path, "the table", ends_with(path, ".vtk") ? write_vtk : write_csv, table, error);

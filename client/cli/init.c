@@ -75,7 +75,8 @@ static MnsStatus read_text(const char *path, char **ret, size_t *ret_size, MnsEr
     char *text = NULL;
     size_t size = 0;
     FILE *file = fopen(path, "re");
-    if (!file) return mns_fail(error, MNS_E_IO, "cannot read %s: %s", path, strerror(errno));
+    if (!file)
+        return mns_fail(error, MNS_E_IO, "cannot read %s: %s; %s", path, strerror(errno), mns_refusal_hint(errno));
     FILE *memory = open_memstream(&text, &size);
     for (int c; memory && (c = getc(file)) != EOF;) putc(c, memory);
     const bool unread = ferror(file);
@@ -109,13 +110,14 @@ static MnsStatus write_new(const char *path, const char *text, size_t size, MnsE
     FILE *file = fopen(path, "wxe"); /* x: not if there is one */
     if (!file && errno == EEXIST)
         return mns_fail(error, MNS_E_IO, "%.300s is there already, and stays as it is: meniscus init OTHER.yaml", path);
-    if (!file) return mns_fail(error, MNS_E_IO, "cannot write %.300s: %s", path, strerror(errno));
+    if (!file)
+        return mns_fail(error, MNS_E_IO, "cannot write %.300s: %s; %s", path, strerror(errno), mns_refusal_hint(errno));
     const bool written = fwrite(text, 1, size, file) == size;
     if (!fclose(file) && written) return MNS_OK;
     const int cause = errno;
     unlink(path);
-    return mns_fail(error, cause == ENOSPC ? MNS_E_NO_SPACE : MNS_E_IO, "cannot write %.300s: %s", path,
-                    strerror(cause));
+    return mns_fail(error, cause == ENOSPC ? MNS_E_NO_SPACE : MNS_E_IO, "cannot write %.300s: %s; %s", path,
+                    strerror(cause), mns_refusal_hint(cause));
 }
 
 static MnsStatus tell(const Invocation *in, const char *path, const char *from, MnsError *error)

@@ -147,7 +147,7 @@ static MnsStatus remove_key(const Invocation *in, Ring *ring, const char *name, 
     if (status) return status;
     key_path(ring->directory, name, path);
     if (unlink(path) && errno != ENOENT)
-        return mns_fail(error, MNS_E_IO, "cannot remove %s: %s", path, strerror(errno));
+        return mns_fail(error, MNS_E_IO, "cannot remove %s: %s; %s", path, strerror(errno), mns_refusal_hint(errno));
     if (in->json) return output_json(json_pack("{ss}", "name", name), error);
     printf("%s is let in no more\n", name);
     return MNS_OK;

@@ -127,7 +127,8 @@ static MnsStatus read_when(const Options *options, MnsStreamOptions *to, uint64_
 static MnsStatus make_directory(const StreamSink *sink, MnsError *error)
 {
     if (!sink->directory || !mkdir(sink->directory, 0777) || errno == EEXIST) return MNS_OK;
-    return mns_fail(error, MNS_E_IO, "cannot make %.300s: %s", sink->directory, strerror(errno));
+    return mns_fail(error, MNS_E_IO, "cannot make the directory %.300s: %s; %s", sink->directory, strerror(errno),
+                    mns_refusal_hint(errno));
 }
 
 static MnsStatus read_sink(const Invocation *in, MnsStreamKind kind, StreamSink *ret, MnsError *error)

@@ -13,7 +13,7 @@ enum { NPY_ALIGNMENT = 64, NPY_PREAMBLE = 10 };
 static MnsStatus fail(const char *path, MnsError *error)
 {
     const MnsStatus status = errno == ENOSPC ? MNS_E_NO_SPACE : MNS_E_IO;
-    return mns_fail(error, status, "cannot write %.300s: %s", path, strerror(errno));
+    return mns_fail(error, status, "cannot write %.300s: %s; %s", path, strerror(errno), mns_refusal_hint(errno));
 }
 
 /* The head of an .npy file, format 1.0: a Python literal, padded with blanks to a multiple of 64 bytes. */

@@ -8,7 +8,8 @@
 static MnsStatus refuse(const char *path, const char *what, int code, MnsError *error)
 {
     const MnsStatus status = code == ENOSPC || code == EDQUOT ? MNS_E_NO_SPACE : MNS_E_IO;
-    return mns_fail_at(error, status, path, "cannot write %s %s: %s", what, path, strerror(code));
+    return mns_fail_at(error, status, path, "cannot write %s %s: %s; %s", what, path, strerror(code),
+                       mns_refusal_hint(code));
 }
 
 MnsStatus whole_file_write(const char *path, const char *what, bool (*write)(FILE *file, const void *arg),

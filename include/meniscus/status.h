@@ -41,6 +41,9 @@ const char *mns_status_name(MnsStatus status);
 /** What to do about a failure of that kind, as a sentence; "" if the failure says all there is to say. Never NULL. */
 const char *mns_status_hint(MnsStatus status);
 
+/** What to do where the operating system has refused a file or directory with this number of <errno.h>, as the end of a sentence; never NULL. */
+const char *mns_refusal_hint(int number);
+
 /** Fill in error, if there is one, and return status: `return mns_fail(error, MNS_E_IO, "cannot ...", ...);`
  *  An over-long sentence is cut. */
 MnsStatus mns_fail(MnsError *error, MnsStatus status, const char *format, ...) __attribute__((format(printf, 3, 4)));

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Codes and sentences of <meniscus/status.h>. */
+#include <errno.h>
 #include <meniscus/status.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -54,6 +55,26 @@ const char *mns_status_hint(MnsStatus status)
     };
     const unsigned k = (unsigned)status;
     return k < sizeof hints / sizeof *hints && hints[k] ? hints[k] : "";
+}
+
+const char *mns_refusal_hint(int number)
+{
+    switch (number) {
+    case ENOENT:
+    case ENOTDIR: return "check the path; a directory that is to be there must be made first";
+    case EACCES:
+    case EPERM: return "see whose it is, and choose a place that you may use";
+    case EROFS: return "nothing can be written there; choose another place";
+    case ENOSPC:
+    case EDQUOT:
+    case EFBIG: return "make room and try again";
+    case EISDIR: return "it is a directory; name a file";
+    case EEXIST: return "choose another name";
+    case EMFILE:
+    case ENFILE: return "allow more open files, as with `ulimit -n`";
+    case ENOMEM: return "free some memory and try again";
+    default: return "choose another place, or see what the disk has";
+    }
 }
 
 static void fill(MnsError *error, MnsStatus status, const char *path, const char *format, va_list list)

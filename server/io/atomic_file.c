@@ -13,9 +13,10 @@ MnsStatus file_fail(MnsError *error, int number, const char *verb, const char *p
     char reason[128];
     const char *text = strerror_r(number, reason, sizeof reason);
     if (number == ENOSPC || number == EDQUOT || number == EFBIG)
-        return mns_fail(error, MNS_E_NO_SPACE, "cannot %s '%s': %s; make room and try again", verb, path, text);
-    if (number == ENOMEM) return mns_fail(error, MNS_E_MEMORY, "cannot %s '%s': %s", verb, path, text);
-    return mns_fail(error, MNS_E_IO, "cannot %s '%s': %s", verb, path, text);
+        return mns_fail(error, MNS_E_NO_SPACE, "cannot %s '%s': %s; %s", verb, path, text, mns_refusal_hint(number));
+    if (number == ENOMEM)
+        return mns_fail(error, MNS_E_MEMORY, "cannot %s '%s': %s; %s", verb, path, text, mns_refusal_hint(number));
+    return mns_fail(error, MNS_E_IO, "cannot %s '%s': %s; %s", verb, path, text, mns_refusal_hint(number));
 }
 
 int file_read_at(int fd, void *data, size_t size, size_t offset, size_t *ret_got)

@@ -95,7 +95,8 @@ MnsStatus h5_load(const char *path, bool sealed, H5Read *read, void *into, MnsEr
 {
     const int fd = open(path, O_RDONLY | O_CLOEXEC);
     if (fd < 0 && errno == ENOENT) /* a file to be read may be anybody's word; one to be written may not */
-        return mns_fail(error, MNS_E_NOT_FOUND, "cannot open '%s': %s", path, strerror(errno));
+        return mns_fail(error, MNS_E_NOT_FOUND, "cannot open '%s': %s; %s", path, strerror(errno),
+                        mns_refusal_hint(errno));
     if (fd < 0) return file_fail(error, errno, "open", path);
     H5 h = {.path = path, .disk = {.fd = fd}, .file = -1, .error = error};
     const Printing printing = printing_off();

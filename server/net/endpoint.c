@@ -51,11 +51,13 @@ static MnsStatus make_private(const char *path, MnsError *error)
 {
     struct stat info;
     if (mkdir(path, 0700) && errno != EEXIST)
-        return mns_fail(error, MNS_E_IO, "cannot make the directory %s: %s", path, strerror(errno));
+        return mns_fail(error, MNS_E_IO, "cannot make the directory %s: %s; %s", path, strerror(errno),
+                        mns_refusal_hint(errno));
     if (lstat(path, &info) || !S_ISDIR(info.st_mode) || info.st_uid != geteuid())
         return mns_fail(error, MNS_E_IO, "%s is not a directory of this user; remove it or set XDG_RUNTIME_DIR", path);
     if (info.st_mode & 077 && chmod(path, 0700))
-        return mns_fail(error, MNS_E_IO, "cannot make %s private: %s", path, strerror(errno));
+        return mns_fail(error, MNS_E_IO, "cannot make %s private: %s; %s", path, strerror(errno),
+                        mns_refusal_hint(errno));
     return MNS_OK;
 }
 

@@ -30,8 +30,8 @@ static void write_holder(int fd)
 
 static MnsStatus fail(MnsError *error, int number, const char *verb, const char *path)
 {
-    return mns_fail(error, number == ENOSPC || number == EDQUOT ? MNS_E_NO_SPACE : MNS_E_IO, "cannot %s '%s': %s", verb,
-                    path, strerror(number));
+    return mns_fail(error, number == ENOSPC || number == EDQUOT ? MNS_E_NO_SPACE : MNS_E_IO, "cannot %s '%s': %s; %s",
+                    verb, path, strerror(number), mns_refusal_hint(number));
 }
 
 MnsStatus lock_take(const char *path, int *ret_fd, char ret_holder[static LOCK_HOLDER], MnsError *error)

@@ -305,6 +305,19 @@ class Commands(DaemonTest):
         self.assertEqual(self.ask("status")["state"], "READY")
         self.meniscus("status", "--daemon", "second", code=69)
 
+    def test_what_the_system_refuses_is_told_with_its_path_and_what_to_do(self) -> None:
+        directory = Path(self.load()["path"])
+        snapshot = self.ask("snapshot")["path"]
+        lost = str(self.home / "nowhere" / "x")
+        for code, words in (
+            (74, ["render", snapshot, "--field", "pressure", "--out", f"{lost}.png"]), (74, ["export", snapshot, "--out", f"{lost}.csv"]),
+            (74, ["init", f"{lost}.yaml"]), (74, ["stream", "snapshots", "--to", f"{lost}/y"]), (1, ["render", f"{lost}.hdf", "--out", "x.png"]),
+            (1, ["restore", "nosuch"]),
+        ):  # fmt: skip
+            error = self.meniscus(*words, code=code).stderr
+            self.assertIn("No such file or directory; check the path", error, words)
+            self.assertIn(str(directory / "nosuch") if "nosuch" in words else lost, error, words)
+
     def test_the_same_id_steps_once(self) -> None:
         self.load()
         words = ["step", "3", "--id", "0123456789abcdef0123456789abcdef"]

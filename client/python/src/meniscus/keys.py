@@ -71,7 +71,7 @@ def _read(file: str) -> dict[str, str]:
     except FileNotFoundError:
         raise RefusedError("NOT_FOUND", f"there is no file of a key {file}") from None
     except OSError as error:
-        raise MeniscusError("INTERNAL", f"cannot read {file}: {error.strerror}", reason="input/output error") from None
+        raise MeniscusError("INTERNAL", f"cannot read {file}: {error.strerror}; check the path, and that the file is yours", reason="input/output error") from None
     for line in lines:
         if len(line) != 2 or not _KEY.fullmatch(line[1]):
             raise RefusedError("INVALID_ARGUMENT", f"{file}: a line is public-key, secret-key or server-key, and 40 letters of Z85")
