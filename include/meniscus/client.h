@@ -177,7 +177,7 @@ const MnsArray *mns_reply_array(const MnsReply *reply, const char *name);
 
 /** Where a daemon listens for commands.
  *  @param daemon  a name: its socket is control.ipc in the first that exists of $XDG_RUNTIME_DIR/meniscus/NAME,
- *                 /run/meniscus/NAME and /tmp/meniscus-UID/NAME; or an endpoint: ipc://PATH or tcp://HOST:PORT.
+ *                 /run/meniscus/NAME and /tmp/meniscus-UID/NAME where nobody else may put one; or an endpoint: ipc://PATH or tcp://HOST:PORT.
  *                 NULL: $MENISCUS_DAEMON, or "default".
  *  @return MNS_OK; MNS_E_INVALID; MNS_E_UNAVAILABLE if there is no such socket: the sentence says where it looked. */
 MnsStatus mns_daemon_endpoint(const char *daemon, char ret_endpoint[MNS_ENDPOINT_SIZE], MnsError *error);
