@@ -17,7 +17,7 @@ static MnsStatus report_path(const Invocation *in, MnsReply *reply, const char *
     MnsStatus status = MNS_OK;
     if (in->json) {
         json_t *object = output_reply(reply);
-        if (path) json_object_set_new(object, "path", json_string(path));
+        if (path) json_object_set_new(object, "path", output_text(path));
         status = output_json(object, error);
     } else {
         const char *message = path && !strcmp(path, reply->message) ? "" : reply->message;

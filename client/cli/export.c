@@ -175,7 +175,8 @@ static MnsStatus write_table(const Invocation *in, const Table *table, MnsError 
     MnsStatus status =
         whole_file_write(path, "the table", ends_with(path, ".vtk") ? write_vtk : write_csv, table, error);
     if (status) return status;
-    if (in->json) return output_json(json_pack("{ss, sI}", "path", path, "rows", (json_int_t)table->rows), error);
+    if (in->json)
+        return output_json(json_pack("{so, sI}", "path", output_text(path), "rows", (json_int_t)table->rows), error);
     printf("%s: %zu %s\n", path, table->rows, table->is_particles ? "particles" : "samples");
     return MNS_OK;
 }

@@ -123,7 +123,10 @@ static MnsStatus tell(const Invocation *in, const char *path, const char *from, 
     char run[4200], load[4200];
     snprintf(run, sizeof run, "meniscus run %s", path);
     snprintf(load, sizeof load, "meniscus load %s --start", path);
-    if (in->json) return output_json(json_pack("{ss ss? s[ss]}", "file", path, "from", from, "next", run, load), error);
+    if (in->json)
+        return output_json(json_pack("{so so s[oo]}", "file", output_text(path), "from", output_text(from), "next",
+                                     output_text(run), output_text(load)),
+                           error);
     printf("%s is written. Change what you like in it, then run it to its end\n    %s\nor in a daemon, which "
            "`meniscusd &` "
            "starts\n    %s\n",

@@ -89,7 +89,8 @@ static json_t *columns_json(const StreamSink *sink)
 {
     json_t *list = json_array();
     for (size_t k = 0; k < sink->n_columns; k++)
-        json_array_append_new(list, json_pack("{ssss}", "name", sink->columns[k].name, "unit", sink->columns[k].unit));
+        json_array_append_new(list, json_pack("{soso}", "name", output_text(sink->columns[k].name), "unit",
+                                              output_text(sink->columns[k].unit)));
     return list;
 }
 
@@ -107,10 +108,10 @@ static MnsStatus print_json(const StreamSink *sink, const MnsStreamItem *item, M
     }
     if (sink->kind == MNS_STREAM_EVENTS) {
         json_object_set_new(object, "state", json_string(mns_state_name(item->state)));
-        json_object_set_new(object, "what", json_string(item->what));
-        json_object_set_new(object, "text", json_string(item->text));
+        json_object_set_new(object, "what", output_text(item->what));
+        json_object_set_new(object, "text", output_text(item->text));
     }
-    if (item->file) json_object_set_new(object, "file", json_string(item->file));
+    if (item->file) json_object_set_new(object, "file", output_text(item->file));
     if (item->file && !item->abandoned) json_object_set_new(object, "bytes", json_integer((json_int_t)item->file_size));
     if (item->abandoned) json_object_set_new(object, "abandoned_from_row", json_integer((json_int_t)item->row));
     return output_json(object, error);

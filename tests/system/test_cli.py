@@ -9,10 +9,12 @@ import re
 import signal
 import subprocess
 import sys
+import tempfile
 import termios
 import time
 import unittest
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
@@ -246,6 +248,26 @@ class Commands(DaemonTest):
         self.assertEqual(len(self.ask("status")["breakpoints"]), 1)
         self.meniscus("breakpoint", "b", "--remove")
         self.assertEqual(self.ask("status")["breakpoints"], [])
+
+    def test_there_is_one_object_whatever_the_bytes_of_a_name(self) -> None:
+        """Names of files are bytes, and JSON is UTF-8."""
+        with tempfile.TemporaryDirectory(prefix="mns-") as scratch:
+            bad = os.fsencode(scratch) + b"/caf\xe9."
+            shown = f"{scratch}/caf\ufffd."
+
+            def said(code: int, *words: "str | bytes") -> Any:
+                done = subprocess.run([BUILD / "meniscus", *words, "-o", "json"], env=self.environment, capture_output=True, timeout=60)
+                self.assertEqual(done.returncode, code, done.stderr)
+                return json.loads(done.stdout)
+
+            self.assertIn("caf\ufffd", said(65, "load", bad + b"yaml")["error"]["message"])
+            self.assertIn("caf\ufffd", said(74, "export", bad + b"h5", "--out", bad + b"csv")["error"]["message"])
+            self.assertIn("caf\ufffd", said(65, "run", bad + b"yaml")["error"]["message"])
+            written = said(0, "init", bad + b"yaml")
+            self.assertEqual(written["file"], f"{shown}yaml")
+            self.assertEqual(written["next"][0], f"meniscus run {shown}yaml")
+            ran = said(0, "run", bad + b"yaml", "--out", bad + b"run", "--set", "end_time=0")
+            self.assertEqual((ran["error"], ran["run_directory"]), (None, f"{shown}run"))
 
     def test_output_that_nobody_gets_is_a_failure(self) -> None:
         self.meniscus("load", *SMALL)
