@@ -269,7 +269,7 @@ MnsStatus mns_client_wait(MnsClient *client, unsigned states, double time, uint6
     if (time < 0) return mns_fail_at(error, MNS_E_INVALID, "time", "a time to wait for is 0 s or more; found %g", time);
     wait.has_time = !isnan(time);
     wait.time = time;
-    wait.has_step = step > 0;
+    wait.has_step = step != MNS_NO_STEP;
     wait.step = step;
     return send(client, MENISCUS__REQUEST__COMMAND_WAIT, &wait, ret_reply, error);
 }

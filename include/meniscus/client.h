@@ -318,7 +318,7 @@ MnsStatus mns_client_query_particles(MnsClient *client, const MnsParticleQuery *
 /** Return at the first of: one of the states, a simulated time, a step.
  *  @param states  bit s set: wait for state s (1u << MNS_STATE_DONE); 0: for no state
  *  @param time    [s]; NAN: for no time
- *  @param step    0: for no step */
+ *  @param step    MNS_NO_STEP: for no step */
 MnsStatus mns_client_wait(MnsClient *client, unsigned states, double time, uint64_t step, MnsReply **ret_reply,
                           MnsError *error);
 

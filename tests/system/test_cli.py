@@ -151,7 +151,7 @@ class Commands(DaemonTest):
             self.assertNotIn("pause it first", refused)
         self.assertIn("cannot run-until while RUNNING", self.meniscus("run-until", "1", code=1).stderr)
         self.assertIn("`meniscus query probes front`", self.meniscus("query", "front", code=2).stderr)
-        self.assertIn("time to wait for is 0 s or more", self.meniscus("wait", "--for", "time=-1", code=1).stderr)
+        self.assertIn("--for time=-1: a time to wait for is 0 s or more", self.meniscus("wait", "--for", "time=-1", code=2).stderr)
 
     def test_capabilities_are_named_where_they_know_the_name(self) -> None:
         self.load()
@@ -210,6 +210,13 @@ class Commands(DaemonTest):
         self.load("--set", "end_time=0.1", "--start")
         self.assertEqual(self.ask("wait", "--for", "state=DONE", "--timeout", "50")["state"], "DONE")
         self.meniscus("wait", "--for", "step=1000000000", "--timeout", "5", code=1)
+
+    def test_a_step_that_is_past_need_not_be_waited_for(self) -> None:
+        self.load()
+        self.assertEqual(self.ask("wait", "--for", "step=0", "--timeout", "5")["step"], 0)
+        self.meniscus("step", "3")
+        for step in ("0", "3"):
+            self.assertEqual(self.ask("wait", "--for", f"step={step}", "--timeout", "5")["step"], 3)
 
     def test_a_step_that_a_stop_ends_is_not_to_be_repeated_blindly(self) -> None:
         self.load()
