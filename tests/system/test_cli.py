@@ -349,7 +349,8 @@ class Commands(DaemonTest):
         self.assertIsNone(self.ask("status")["lease_holder"])
         for words in (["lease", "give"], ["lease", "renew"], ["lease", "--ttl", "soon"], ["lease", "--lease", "x"]):
             self.meniscus(*words, code=2)
-        self.meniscus("lease", "--ttl", "0.05", code=1)
+        for ttl in ("0.05", "-5", "86401", "1e300"):
+            self.assertIn(f"--ttl {ttl}: a lease lives from 0.1 to 86400 s", self.meniscus("lease", "--ttl", ttl, code=2).stderr)
 
     def test_a_name_that_would_upset_a_terminal_is_refused(self) -> None:
         self.load()
