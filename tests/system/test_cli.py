@@ -218,6 +218,28 @@ class Commands(DaemonTest):
         for step in ("0", "3"):
             self.assertEqual(self.ask("wait", "--for", f"step={step}", "--timeout", "5")["step"], 3)
 
+    def test_watch_gives_up_in_time(self) -> None:
+        """Even while it waits for an answer, and for as long as the machine's clock says."""
+        self.load()
+        words = [BUILD / "meniscus", "watch", "--timeout"]
+        with subprocess.Popen([*words, "2"], env=self.environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as watch:
+            time.sleep(0.5)
+            watch.send_signal(signal.SIGSTOP)
+            time.sleep(2)
+            watch.send_signal(signal.SIGCONT)
+            began = time.monotonic()
+            self.assertEqual(watch.wait(timeout=20), 124)
+            self.assertLess(time.monotonic() - began, 0.5)
+        with subprocess.Popen([*words, "3"], env=self.environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as watch:
+            began = time.monotonic()
+            time.sleep(0.5)
+            self.daemon.send_signal(signal.SIGSTOP)
+            try:
+                self.assertEqual(watch.wait(timeout=20), 124)
+                self.assertLess(time.monotonic() - began, 3 + 2 + 0.7)  # a request has two seconds of grace
+            finally:
+                self.daemon.send_signal(signal.SIGCONT)
+
     def test_a_step_that_a_stop_ends_is_not_to_be_repeated_blindly(self) -> None:
         self.load()
         words = [BUILD / "meniscus", "step", "1000000", "-o", "json"]
