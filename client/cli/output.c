@@ -53,13 +53,13 @@ double output_element(const MnsArray *array, size_t k)
     if (strcmp(array->type, "<f4") == 0) return (double)((const float *)array->data)[k];
     if (strcmp(array->type, "<u8") == 0) return (double)((const uint64_t *)array->data)[k];
     if (strcmp(array->type, "<u4") == 0) return (double)((const uint32_t *)array->data)[k];
-    return (double)((const uint8_t *)array->data)[k];
+    return strcmp(array->type, "|u1") == 0 ? (double)((const uint8_t *)array->data)[k] : (double)NAN;
 }
 
 static json_t *element(const MnsArray *array, size_t k)
 {
     const double value = output_element(array, k);
-    return array->type[1] == 'f' ? output_number(value) : json_integer((json_int_t)value);
+    return array->type[1] == 'f' || isnan(value) ? output_number(value) : json_integer((json_int_t)value);
 }
 
 /* The part of the array that begins at *k, from dimension d on. */
