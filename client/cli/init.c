@@ -5,6 +5,7 @@
 #include "proto/case_file.h"
 #include "proto/case_find.h"
 #include "proto/case_name.h"
+#include "proto/disk.h"
 #include <errno.h>
 #include <meniscus/exit.h>
 #include <stdio.h>
@@ -114,8 +115,7 @@ static MnsStatus write_new(const char *path, const char *text, size_t size, MnsE
     if (!fclose(file) && written) return MNS_OK;
     const int cause = errno;
     unlink(path);
-    return mns_fail(error, cause == ENOSPC ? MNS_E_NO_SPACE : MNS_E_IO, "cannot write %.300s: %s", path,
-                    strerror(cause));
+    return mns_fail(error, disk_status(cause), "cannot write %.300s: %s", path, strerror(cause));
 }
 
 static MnsStatus tell(const Invocation *in, const char *path, const char *from, MnsError *error)
