@@ -2,6 +2,7 @@
 /* Files of keys. They are lines of words with blanks between them, which letters of a key never are; '#' begins a comment only at
  * the beginning of a line, as keys may have it. */
 #include "proto/keys.h"
+#include "proto/disk.h"
 
 #include "proto/case_name.h"
 #include <errno.h>
@@ -259,18 +260,6 @@ void keys_unlock(int lock)
     close(lock);
 }
 
-/* Syncs the directory, so that a key that was removed is not back after the machine has lost its power. */
-static bool sync_above(const char *path)
-{
-    char directory[KEYS_PATH + 16];
-    snprintf(directory, sizeof directory, "%s", path);
-    *strrchr(directory, '/') = 0;
-    const int fd = open(directory, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    const bool synced = fd >= 0 && !fsync(fd);
-    if (fd >= 0) close(fd);
-    return synced;
-}
-
 /* On the disk; the errno of what failed, or 0. A disk that fills up takes a part, and says why when it is given the rest. */
 static int write_all(int fd, const char *text, size_t size)
 {
@@ -291,11 +280,12 @@ static MnsStatus replace(const char *path, const char *text, size_t size, MnsErr
     const int fd = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
     int cause = fd < 0 ? errno : write_all(fd, text, size);
     if (fd >= 0 && close(fd) && !cause) cause = errno;
-    if (!cause && (rename(temporary, path) || !sync_above(path))) cause = errno;
+    if (!cause && rename(temporary, path)) cause = errno;
+    if (!cause) cause = disk_sync_above(path);
     if (!cause) return MNS_OK;
     unlink(temporary);
-    return mns_fail(error, cause == ENOSPC || cause == EDQUOT ? MNS_E_NO_SPACE : MNS_E_IO, "cannot write %s: %s; %s",
-                    path, strerror(cause), mns_refusal_hint(cause));
+    return mns_fail(error, disk_status(cause), "cannot write %s: %s; %s", path, strerror(cause),
+                    mns_refusal_hint(cause));
 }
 
 MnsStatus keys_write(const char *directory, const Keys *keys, MnsError *error)

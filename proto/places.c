@@ -1,9 +1,43 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Where daemons are and keep their files. */
 #include "proto/places.h"
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
+
+Place places_look(const char *path)
+{
+    struct stat info;
+    if (lstat(path, &info)) return errno == ENOENT ? PLACE_MISSING : PLACE_STRANGE;
+    if (!S_ISDIR(info.st_mode) || info.st_uid != geteuid()) return PLACE_STRANGE;
+    if (info.st_mode & 022) return PLACE_OPEN;
+    return info.st_mode & 077 ? PLACE_SEEN : PLACE_PRIVATE;
+}
+
+/* Only root makes directories in /run, and gives them to whom it wants. */
+static bool is_given_by_root(const char *path)
+{
+    struct stat info;
+    return !lstat(path, &info) && S_ISDIR(info.st_mode) && !(info.st_mode & 022);
+}
+
+static bool is_ours(const char *path)
+{
+    const Place place = places_look(path);
+    return place == PLACE_PRIVATE || place == PLACE_SEEN;
+}
+
+bool places_is_safe(const char *base, const char *name)
+{
+    char path[4096];
+    const int n = snprintf(path, sizeof path, "%s/%s", base, name);
+    if (n < 0 || (size_t)n >= sizeof path) return false;
+    if (!strcmp(base, PLACES_SYSTEM)) return is_given_by_root(base) && is_given_by_root(path);
+    return is_ours(base) && is_ours(path);
+}
 
 void places_sockets(char *ret, size_t size)
 {

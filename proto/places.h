@@ -3,7 +3,24 @@
 #ifndef PROTO_PLACES_H
 #define PROTO_PLACES_H
 
+#include <stdbool.h>
 #include <stddef.h>
+
+/* Where systemd's daemons have theirs. */
+#define PLACES_SYSTEM "/run/meniscus"
+
+/* Whose a directory is: who may write in it can put a socket in the place of a daemon's. */
+typedef enum Place {
+    PLACE_MISSING, /* there is nothing */
+    PLACE_PRIVATE, /* ours alone */
+    PLACE_SEEN,    /* ours, and others may look in */
+    PLACE_OPEN,    /* ours, and others may write */
+    PLACE_STRANGE, /* somebody else's, or no directory, or a link, which leads anywhere */
+} Place;
+Place places_look(const char *path);
+
+/* May a client believe what is in BASE/NAME? Both must be ours, and not for others to write; in systemd's it is up to root whose they are. */
+bool places_is_safe(const char *base, const char *name);
 
 /* The directory that holds one directory of sockets per daemon: $XDG_RUNTIME_DIR/meniscus or /tmp/meniscus-UID. */
 void places_sockets(char *ret, size_t size);

@@ -3,6 +3,7 @@
 #include "proto/text.h"
 #include "meniscus.pb-c.h"
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* The character at the beginning of a text, in its shortest form, and how many bytes it has; 0 bytes if there is none. */
@@ -36,6 +37,22 @@ bool text_is_clean(const char *text, bool lines)
         at += n;
     }
     return true;
+}
+
+char *text_valid(const char *text)
+{
+    static const char replacement[] = "\xef\xbf\xbd";
+    const size_t longest = sizeof replacement - 1;
+    uint32_t c;
+    char *ret = malloc(longest * strlen(text) + 1), *to = ret;
+    for (const unsigned char *at = (const unsigned char *)text; ret && *at;) {
+        const size_t n = decode(at, &c), m = n ? n : longest;
+        memcpy(to, n ? (const char *)at : replacement, m);
+        at += n ? n : 1;
+        to += m;
+    }
+    if (ret) *to = 0;
+    return ret;
 }
 
 static MnsStatus check_message(const ProtobufCMessage *message, CasePath *path, MnsError *error);

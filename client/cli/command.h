@@ -60,6 +60,9 @@ int command_main(int argc, char **argv);
 /* Exit code of <meniscus/exit.h> for a failure. `is_load`: the case is to blame for invalid input. */
 int command_exit_code(MnsStatus status, bool is_load);
 
+/* A clock that nobody puts back [s]. */
+double command_clock(void);
+
 /* Connect to the daemon that the options name. A command does this when its words are understood. */
 MnsStatus command_connect(Invocation *in, MnsError *error);
 

@@ -6,6 +6,7 @@
 #include "client/cli/output.h"
 #include "proto/case_file.h"
 #include "proto/case_find.h"
+#include "proto/case_name.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -54,20 +55,29 @@ void completion_kinds(const char *text, char *ret, size_t size)
 
 static const char bash_begin[] =
     "# Completion of meniscus for bash, written by `meniscus completion bash`.\n"
+    "# Adds those of the lines read that begin with the first word. They are no -W of compgen, which runs what stands "
+    "in them.\n"
+    "_meniscus_match()\n"
+    "{\n"
+    "    local word\n"
+    "    while IFS= read -r word; do\n"
+    "        case $word in '') ;; \"$1\"*) COMPREPLY+=(\"$word${2-}\") ;; esac\n"
+    "    done\n"
+    "}\n"
+    "\n"
     "_meniscus_offer()\n"
     "{\n"
-    "    local kind current=$1 program=${COMP_WORDS[0]} found\n"
+    "    local kind current=$1 program=${COMP_WORDS[0]} found=''\n"
     "    shift\n"
     "    for kind; do\n"
     "        case $kind in\n"
     "        @files) found=$(compgen -f -- \"$current\") ;;\n"
     "        @directories) found=$(compgen -d -- \"$current\") ;;\n"
-    "        @assignments) found=$(compgen -S = -W \"$(\"$program\" completion parameters 2>/dev/null)\" -- "
-    "\"$current\") ;;\n"
-    "        @*) found=$(compgen -W \"$(\"$program\" completion \"${kind#@}\" 2>/dev/null)\" -- \"$current\") ;;\n"
-    "        *) found=$(compgen -W \"$kind\" -- \"$current\") ;;\n"
+    "        @assignments) _meniscus_match \"$current\" = <<<\"$(\"$program\" completion parameters 2>/dev/null)\" ;;\n"
+    "        @*) _meniscus_match \"$current\" <<<\"$(\"$program\" completion \"${kind#@}\" 2>/dev/null)\" ;;\n"
+    "        *) _meniscus_match \"$current\" <<<\"$kind\" ;;\n"
     "        esac\n"
-    "        case $kind in @files | @directories) compopt -o filenames 2>/dev/null ;; esac\n"
+    "        case $kind in @files | @directories) compopt -o filenames 2>/dev/null ;; *) continue ;; esac\n"
     "        if [ -n \"$found\" ]; then mapfile -t -O ${#COMPREPLY[@]} COMPREPLY <<<\"$found\"; fi\n"
     "    done\n"
     "    case ${COMPREPLY[0]-} in *=) compopt -o nospace 2>/dev/null ;; esac\n"
@@ -270,10 +280,16 @@ static void print_zsh(FILE *out)
 
 /* --- names that are not in the tables ------------------------------------------------------------------------------------- */
 
+/* They end on a command line as they are: of a name that is none of ours, a shell would run what stands in it. */
+static void tell(FILE *out, const char *name)
+{
+    if (is_name(name)) fprintf(out, "%s\n", name);
+}
+
 static void tell_case(void *arg, const char *name, const char *folder)
 {
     (void)folder;
-    fprintf(arg, "%s\n", name);
+    tell(arg, name);
 }
 
 static void print_cases(FILE *out)
@@ -284,7 +300,7 @@ static void print_cases(FILE *out)
 static bool tell_daemon(void *arg, const char *name, const char *endpoint)
 {
     (void)endpoint;
-    fprintf(arg, "%s\n", name);
+    tell(arg, name);
     return true;
 }
 

@@ -4,6 +4,7 @@
 #include "client/cli/command.h"
 #include "client/cli/output.h"
 #include "proto/case_find.h"
+#include "proto/lease.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -17,7 +18,7 @@ static MnsStatus report_path(const Invocation *in, MnsReply *reply, const char *
     MnsStatus status = MNS_OK;
     if (in->json) {
         json_t *object = output_reply(reply);
-        if (path) json_object_set_new(object, "path", json_string(path));
+        if (path) json_object_set_new(object, "path", output_text(path));
         status = output_json(object, error);
     } else {
         const char *message = path && !strcmp(path, reply->message) ? "" : reply->message;
@@ -196,15 +197,25 @@ static void name_holder(char *ret)
     snprintf(ret, 256, "%.*s@%.*s", name_bytes(user), user, name_bytes(host), host);
 }
 
+static MnsStatus read_ttl(const Invocation *in, double *ret, MnsError *error)
+{
+    const char *ttl = options_get(&in->options, OPT_TTL);
+    *ret = 30;
+    const MnsStatus status = ttl ? parse_number("--ttl", ttl, ret, error) : MNS_OK;
+    if (status || lease_can_live(*ret)) return status;
+    return mns_fail(error, MNS_E_INVALID, "--ttl %s: a lease lives from %g to %g s", ttl, 1e-3 * LEASE_MS_MIN,
+                    1e-3 * LEASE_MS_MAX);
+}
+
 MnsStatus command_lease(Invocation *in, MnsError *error)
 {
-    const char *what = in->options.n_words ? in->options.words[0] : "take", *ttl = options_get(&in->options, OPT_TTL);
+    const char *what = in->options.n_words ? in->options.words[0] : "take";
     const char *holder = options_get(&in->options, OPT_HOLDER);
     const bool take = !strcmp(what, "take"), release = !strcmp(what, "release");
     char name[256];
-    double seconds = 30;
+    double seconds;
     MnsReply *reply = NULL;
-    MnsStatus status = ttl ? command_usage(in, parse_number("--ttl", ttl, &seconds, error)) : MNS_OK;
+    MnsStatus status = command_usage(in, read_ttl(in, &seconds, error));
     if (!status && !take && !release && strcmp(what, "renew") != 0)
         status = command_usage(in, mns_fail(error, MNS_E_INVALID,
                                             "lease takes one of take, renew and release, but found \"%.60s\"", what));

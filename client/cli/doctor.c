@@ -18,8 +18,8 @@ void doctor_say(Doctor *doctor, Verdict verdict, const char *name, const char *r
     vsnprintf(text, sizeof text, format, list);
     va_end(list);
     doctor->counts[verdict]++;
-    json_array_append_new(doctor->checks, json_pack("{ss ss ss ss?}", "name", name, "status", verdicts[verdict], "text",
-                                                    text, "remedy", remedy));
+    json_array_append_new(doctor->checks, json_pack("{ss ss so so}", "name", name, "status", verdicts[verdict], "text",
+                                                    output_text(text), "remedy", output_text(remedy)));
     if (!doctor->in->json)
         printf("%-8s %-12s %s%s%s\n", verdicts[verdict], name, text, remedy ? ": " : "", remedy ? remedy : "");
     fflush(stdout);

@@ -35,16 +35,15 @@ static void nearest(const char *path, char *ret, size_t size)
 static bool is_private(Doctor *doctor, const char *path)
 {
     char remedy[400];
-    struct stat info;
-    if (lstat(path, &info)) return true;
-    const bool ours = S_ISDIR(info.st_mode) && info.st_uid == geteuid();
-    if (ours && !(info.st_mode & 077)) return true;
-    if (ours) snprintf(remedy, sizeof remedy, "chmod 700 %.300s", path);
+    const Place place = places_look(path);
+    if (place == PLACE_MISSING || place == PLACE_PRIVATE) return true;
+    if (place != PLACE_STRANGE) snprintf(remedy, sizeof remedy, "chmod 700 %.300s", path);
     else snprintf(remedy, sizeof remedy, "remove it, or set XDG_RUNTIME_DIR to a directory of your own");
-    if (ours)
-        doctor_say(doctor, PROBLEM, "sockets", remedy, "others can look into %.300s (mode %04o)", path,
-                   (unsigned)info.st_mode & 07777);
-    else doctor_say(doctor, PROBLEM, "sockets", remedy, "%.300s is no directory of this user", path);
+    if (place == PLACE_STRANGE)
+        doctor_say(doctor, PROBLEM, "sockets", remedy, "%.300s is no directory of this user", path);
+    else
+        doctor_say(doctor, PROBLEM, "sockets", remedy, "others can %s %.300s",
+                   place == PLACE_OPEN ? "write in" : "look into", path);
     return false;
 }
 

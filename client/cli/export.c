@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* meniscus export: the particles of a snapshot or the series of the probes, for programs that do not read HDF5. */
 #include "client/cli/command.h"
+#include "client/cli/csv.h"
 #include "client/cli/hdf_source.h"
 #include "client/cli/output.h"
 #include "client/cli/whole_file.h"
@@ -91,17 +92,14 @@ static MnsStatus read_table(const Source *s, Table *table)
 
 /* --- writing -------------------------------------------------------------------------------------------------------------- */
 
+/* Of the position, the axis says it all. */
 static void write_heading(const Column *column, int k, bool is_position, FILE *out)
 {
-    static const char axes[] = "xyz";
-    if (is_position) fputc(axes[k], out);
-    else if (column->components == 1) fputs(column->name, out);
-    else if (column->components == 3) fprintf(out, "%s_%c", column->name, axes[k]);
-    else fprintf(out, "%s_%d", column->name, k);
-    if (*column->unit && strcmp(column->unit, "1") != 0) fprintf(out, " [%s]", column->unit);
+    static const char *const axes[] = {"x", "y", "z"};
+    if (is_position) csv_heading(out, axes[k], 0, 1, column->unit);
+    else csv_heading(out, column->name, (size_t)k, (size_t)column->components, column->unit);
 }
 
-/* One line of headings with units, then a line for each row; numbers that lose nothing, and nothing where there is none. */
 static bool write_csv(FILE *out, const void *arg)
 {
     const Table *table = arg;
@@ -115,9 +113,8 @@ static bool write_csv(FILE *out, const void *arg)
         for (size_t c = 0; c < table->n; c++) {
             const Column *column = &table->column[c];
             for (int k = 0; k < column->components; k++) {
-                const double value = column->values[i * (size_t)column->components + (size_t)k];
                 if (c || k) fputc(',', out);
-                if (value == value) fprintf(out, "%.17g", value);
+                csv_number(out, column->values[i * (size_t)column->components + (size_t)k]);
             }
         }
         fputc('\n', out);
@@ -176,7 +173,8 @@ static MnsStatus write_table(const Invocation *in, const Table *table, MnsError 
     MnsStatus status =
         whole_file_write(path, "the table", ends_with(path, ".vtk") ? write_vtk : write_csv, table, error);
     if (status) return status;
-    if (in->json) return output_json(json_pack("{ss, sI}", "path", path, "rows", (json_int_t)table->rows), error);
+    if (in->json)
+        return output_json(json_pack("{so, sI}", "path", output_text(path), "rows", (json_int_t)table->rows), error);
     printf("%s: %zu %s\n", path, table->rows, table->is_particles ? "particles" : "samples");
     return MNS_OK;
 }

@@ -153,7 +153,8 @@ static json_t *schemes_json(const MnsCapabilities *c)
 {
     json_t *list = json_array();
     for (size_t k = 0; k < c->n_schemes; k++)
-        json_array_append_new(list, json_pack("{ss ss}", "name", c->schemes[k].name, "meaning", c->schemes[k].meaning));
+        json_array_append_new(list, json_pack("{so so}", "name", output_text(c->schemes[k].name), "meaning",
+                                              output_text(c->schemes[k].meaning)));
     return json_pack("{so}", "schemes", list);
 }
 
@@ -187,9 +188,9 @@ static void list_one(Listing *listing, const char *name, const char *endpoint, c
     const char *state = info ? mns_state_name(info->state) : NULL;
     const bool has_case = info && info->state != MNS_STATE_EMPTY;
     if (listing->json) {
-        json_t *daemon =
-            json_pack("{ss ss sb sb ss? ss?}", "name", name, "endpoint", endpoint, "alive", info != NULL, "silent",
-                      glance->is_silent, "state", state, "case", has_case ? info->case_name : NULL);
+        json_t *daemon = json_pack("{ss so sb sb ss? so}", "name", name, "endpoint", output_text(endpoint), "alive",
+                                   info != NULL, "silent", glance->is_silent, "state", state, "case",
+                                   output_text(has_case ? info->case_name : NULL));
         json_object_set_new(daemon, "time", output_number(has_case ? info->time : (double)NAN));
         json_object_set_new(daemon, "end_time", output_number(has_case ? info->end_time : (double)NAN));
         json_array_append_new(listing->json, daemon);

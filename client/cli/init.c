@@ -5,6 +5,7 @@
 #include "proto/case_file.h"
 #include "proto/case_find.h"
 #include "proto/case_name.h"
+#include "proto/disk.h"
 #include <errno.h>
 #include <meniscus/exit.h>
 #include <stdio.h>
@@ -116,8 +117,8 @@ static MnsStatus write_new(const char *path, const char *text, size_t size, MnsE
     if (!fclose(file) && written) return MNS_OK;
     const int cause = errno;
     unlink(path);
-    return mns_fail(error, cause == ENOSPC ? MNS_E_NO_SPACE : MNS_E_IO, "cannot write %.300s: %s; %s", path,
-                    strerror(cause), mns_refusal_hint(cause));
+    return mns_fail(error, disk_status(cause), "cannot write %.300s: %s; %s", path, strerror(cause),
+                    mns_refusal_hint(cause));
 }
 
 static MnsStatus tell(const Invocation *in, const char *path, const char *from, MnsError *error)
@@ -125,7 +126,10 @@ static MnsStatus tell(const Invocation *in, const char *path, const char *from, 
     char run[4200], load[4200];
     snprintf(run, sizeof run, "meniscus run %s", path);
     snprintf(load, sizeof load, "meniscus load %s --start", path);
-    if (in->json) return output_json(json_pack("{ss ss? s[ss]}", "file", path, "from", from, "next", run, load), error);
+    if (in->json)
+        return output_json(json_pack("{so so s[oo]}", "file", output_text(path), "from", output_text(from), "next",
+                                     output_text(run), output_text(load)),
+                           error);
     printf("%s is written. Change what you like in it, then run it to its end\n    %s\nor in a daemon, which "
            "`meniscusd &` "
            "starts\n    %s\n",

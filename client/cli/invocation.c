@@ -7,6 +7,7 @@
 #include <meniscus/exit.h>
 #include <stdio.h>
 #include <string.h>
+#include <time.h>
 
 static const double quick_s = 60; /* for commands that cannot rightly take longer, unless --timeout is given */
 
@@ -124,6 +125,13 @@ static MnsStatus read_manner(Invocation *in, MnsError *error)
     if (!status && lease && *lease)
         status = parse_count(given ? "--lease" : "MENISCUS_LEASE", lease, &in->lease, error);
     return status;
+}
+
+double command_clock(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
 MnsStatus command_connect(Invocation *in, MnsError *error)

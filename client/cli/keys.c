@@ -101,8 +101,8 @@ static MnsStatus new_key(Invocation *in, Ring *ring, const char *name, MnsError 
     explicit_bzero(pair.secret_key, sizeof pair.secret_key);
     if (status) return status;
     if (in->json)
-        return output_json(json_pack("{ss ss ss ss ss}", "name", name, "role", role_name(role), "public_key",
-                                     pair.public_key, "server_key", pair.server_key, "file", path),
+        return output_json(json_pack("{ss ss ss ss so}", "name", name, "role", role_name(role), "public_key",
+                                     pair.public_key, "server_key", pair.server_key, "file", output_text(path)),
                            error);
     printf("%s is %s. Its secret is in\n    %s\nGive that file to %s and nobody else; there: meniscus --key %s.key "
            "--daemon "
@@ -127,7 +127,7 @@ static MnsStatus list_keys(const Invocation *in, const Ring *ring, MnsError *err
                                               "public_key", key->public_key));
     }
     if (in->json)
-        return output_json(json_pack("{ss ss? so}", "directory", ring->directory, "server_key",
+        return output_json(json_pack("{so ss? so}", "directory", output_text(ring->directory), "server_key",
                                      *own.public_key ? own.public_key : NULL, "keys", list),
                            error);
     if (*own.public_key) printf("%-20s %-9s %s\n", KEYS_DAEMON, "", own.public_key);

@@ -15,13 +15,15 @@ static const char *path_of(const char *endpoint)
     return strncmp(endpoint, "ipc://", 6) == 0 ? endpoint + 6 : NULL;
 }
 
+/* One who is stopped takes nobody from the queue, and where that is full, connecting would wait for ever: then somebody has the socket, and
+ * says nothing. */
 bool listener_is_gone(const char *endpoint)
 {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     const char *path = path_of(endpoint);
     if (!path || strlen(path) >= sizeof address.sun_path) return false;
     memcpy(address.sun_path, path, strlen(path));
-    const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     const bool refused = fd >= 0 && connect(fd, (const struct sockaddr *)&address, sizeof address) &&
                          (errno == ECONNREFUSED || errno == ENOENT);
     if (fd >= 0) close(fd);

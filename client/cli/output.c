@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Replies as JSON with stable keys. A key that a reply may have is always there: null if there is nothing to say. */
 #include "client/cli/output.h"
+#include "proto/text.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 MnsStatus output_json(json_t *object, MnsError *error)
@@ -13,6 +15,14 @@ MnsStatus output_json(json_t *object, MnsError *error)
         json_dumpf(object, stdout, JSON_COMPACT | JSON_REAL_PRECISION(17)) | putchar('\n') | fflush(stdout);
     json_decref(object);
     return failed < 0 ? mns_fail(error, MNS_E_IO, "cannot write to standard output") : MNS_OK;
+}
+
+json_t *output_text(const char *text)
+{
+    char *valid = text ? text_valid(text) : NULL;
+    json_t *string = valid ? json_string(valid) : text ? NULL : json_null();
+    free(valid);
+    return string;
 }
 
 json_t *output_number(double value)
@@ -31,7 +41,7 @@ json_t *output_values(size_t n, const MnsValue *values)
     json_t *object = json_object();
     for (size_t k = 0; k < n; k++) {
         const bool is_text = values[k].text && !isfinite(values[k].number);
-        json_t *value = is_text ? json_string(values[k].text) : output_number(values[k].number);
+        json_t *value = is_text ? output_text(values[k].text) : output_number(values[k].number);
         json_object_set_new(object, values[k].name, json_pack("{so ss}", "value", value, "unit", values[k].unit));
     }
     return object;
@@ -43,13 +53,13 @@ double output_element(const MnsArray *array, size_t k)
     if (strcmp(array->type, "<f4") == 0) return (double)((const float *)array->data)[k];
     if (strcmp(array->type, "<u8") == 0) return (double)((const uint64_t *)array->data)[k];
     if (strcmp(array->type, "<u4") == 0) return (double)((const uint32_t *)array->data)[k];
-    return (double)((const uint8_t *)array->data)[k];
+    return strcmp(array->type, "|u1") == 0 ? (double)((const uint8_t *)array->data)[k] : (double)NAN;
 }
 
 static json_t *element(const MnsArray *array, size_t k)
 {
     const double value = output_element(array, k);
-    return array->type[1] == 'f' ? output_number(value) : json_integer((json_int_t)value);
+    return array->type[1] == 'f' || isnan(value) ? output_number(value) : json_integer((json_int_t)value);
 }
 
 /* The part of the array that begins at *k, from dimension d on. */
@@ -74,9 +84,9 @@ json_t *output_reply(const MnsReply *reply)
 {
     json_t *effect = reply->effect_step == MNS_NO_STEP ? json_null() : json_integer((json_int_t)reply->effect_step);
     json_t *version = reply->case_version ? json_integer((json_int_t)reply->case_version) : json_null();
-    return json_pack("{ss sI so so so ss so}", "state", mns_state_name(reply->state), "step", (json_int_t)reply->step,
+    return json_pack("{ss sI so so so so so}", "state", mns_state_name(reply->state), "step", (json_int_t)reply->step,
                      "time", output_number(reply->time), "effect_step", effect, "daemon_epoch",
-                     hex(reply->daemon_epoch), "message", reply->message, "case_version", version);
+                     hex(reply->daemon_epoch), "message", output_text(reply->message), "case_version", version);
 }
 
 static json_t *timers(const MnsRunInfo *info)
@@ -99,9 +109,10 @@ static json_t *breakpoints(const MnsRunInfo *info)
     json_t *list = json_array();
     for (size_t k = 0; k < info->n_breakpoints; k++) {
         const MnsBreakpoint *at = &info->breakpoints[k];
-        json_array_append_new(list, json_pack("{ss so so ss?}", "name", at->name, "time", output_number(at->time),
-                                              "step", at->step ? json_integer((json_int_t)at->step) : json_null(),
-                                              "when", at->condition));
+        json_array_append_new(list,
+                              json_pack("{so so so so}", "name", output_text(at->name), "time", output_number(at->time),
+                                        "step", at->step ? json_integer((json_int_t)at->step) : json_null(), "when",
+                                        output_text(at->condition)));
     }
     return list;
 }
@@ -114,9 +125,9 @@ static json_t *scheduled(const MnsRunInfo *info)
         char id[2 * MNS_REQUEST_ID_SIZE + 1];
         output_id(at->id, id);
         json_array_append_new(
-            list, json_pack("{ss so so ss ss}", "id", id, "at_step",
+            list, json_pack("{ss so so so so}", "id", id, "at_step",
                             at->at_step == MNS_NO_STEP ? json_null() : json_integer((json_int_t)at->at_step), "at_time",
-                            output_number(at->at_time), "who", at->who, "what", at->what));
+                            output_number(at->at_time), "who", output_text(at->who), "what", output_text(at->what)));
     }
     return list;
 }
@@ -131,10 +142,11 @@ static json_t *streams(const MnsStreamsNow *at)
 /* json_pack() takes far more pairs than fit on a screen; the keys come in groups. */
 json_t *output_info(const MnsRunInfo *info)
 {
-    json_t *object = json_pack(
-        "{ss ss ss ss ss? ss? ss}", "state", mns_state_name(info->state), "case", info->case_name, "title", info->title,
-        "run_directory", info->run_directory, "fault", *info->fault ? info->fault : NULL, "fault_reason",
-        info->fault_status ? mns_status_name(info->fault_status) : NULL, "version", info->version);
+    json_t *object =
+        json_pack("{ss so so so so ss? ss}", "state", mns_state_name(info->state), "case", output_text(info->case_name),
+                  "title", output_text(info->title), "run_directory", output_text(info->run_directory), "fault",
+                  output_text(*info->fault ? info->fault : NULL), "fault_reason",
+                  info->fault_status ? mns_status_name(info->fault_status) : NULL, "version", info->version);
     json_t *times = json_pack("{so so so so so so so}", "time", output_number(info->time), "end_time",
                               output_number(info->end_time), "time_step", output_number(info->time_step), "eta_s",
                               output_number(info->eta_s), "wall_s", output_number(info->wall_s), "steps_per_second",
@@ -150,7 +162,7 @@ json_t *output_info(const MnsRunInfo *info)
     json_object_update_new(object, counts);
     json_object_set_new(object, "case_version",
                         info->case_version ? json_integer((json_int_t)info->case_version) : json_null());
-    json_object_set_new(object, "lease_holder", *info->lease_holder ? json_string(info->lease_holder) : json_null());
+    json_object_set_new(object, "lease_holder", output_text(*info->lease_holder ? info->lease_holder : NULL));
     json_object_set_new(object, "lease_s", output_number(info->lease_s));
     json_object_set_new(object, "timers", timers(info));
     json_object_set_new(object, "breakpoints", breakpoints(info));
@@ -161,9 +173,9 @@ json_t *output_info(const MnsRunInfo *info)
 
 static json_t *topic(const MnsTopicInfo *t)
 {
-    return json_pack("{ss ss ss ss ss ss ss sI}", "name", t->name, "type", t->type, "unit", t->unit, "range", t->range,
-                     "value", t->value, "meaning", t->meaning, "takes_effect", t->takes_effect, "components",
-                     (json_int_t)t->components);
+    return json_pack("{ss ss ss so so so ss sI}", "name", t->name, "type", t->type, "unit", t->unit, "range",
+                     output_text(t->range), "value", output_text(t->value), "meaning", output_text(t->meaning),
+                     "takes_effect", t->takes_effect, "components", (json_int_t)t->components);
 }
 
 static json_t *topics(size_t n, const MnsTopicInfo *list)
@@ -176,7 +188,7 @@ static json_t *topics(size_t n, const MnsTopicInfo *list)
 static json_t *names(size_t n, const char *const *list)
 {
     json_t *array = json_array();
-    for (size_t k = 0; k < n; k++) json_array_append_new(array, json_string(list[k]));
+    for (size_t k = 0; k < n; k++) json_array_append_new(array, output_text(list[k]));
     return array;
 }
 
@@ -206,8 +218,10 @@ json_t *output_telemetry(const MnsTelemetry *m)
                   (json_int_t)m->lost, "step", (json_int_t)m->step, "time", output_number(m->time));
     json_t *more = NULL;
     if (m->topic == MNS_TOPIC_EVENT)
-        more = json_pack("{ss ss ss}", "state", mns_state_name(m->state), "what", m->what, "text", m->text);
-    if (m->topic == MNS_TOPIC_LOG) more = json_pack("{sI ss}", "level", (json_int_t)m->level, "text", m->text);
+        more = json_pack("{ss so so}", "state", mns_state_name(m->state), "what", output_text(m->what), "text",
+                         output_text(m->text));
+    if (m->topic == MNS_TOPIC_LOG)
+        more = json_pack("{sI so}", "level", (json_int_t)m->level, "text", output_text(m->text));
     if (m->topic == MNS_TOPIC_PROBE) more = json_pack("{so}", "values", output_values(m->n_values, m->values));
     if (m->topic == MNS_TOPIC_PROGRESS)
         more =
@@ -220,8 +234,8 @@ json_t *output_telemetry(const MnsTelemetry *m)
 
 json_t *output_failure(const MnsError *error, const char *hint, int code)
 {
-    return json_pack("{s{ss ss ss ss si}}", "error", "status", mns_status_name(error->status), "message", error->text,
-                     "path", error->path, "hint", hint, "exit_code", code);
+    return json_pack("{s{ss so so ss si}}", "error", "status", mns_status_name(error->status), "message",
+                     output_text(error->text), "path", output_text(error->path), "hint", hint, "exit_code", code);
 }
 
 const char *output_unit(const char *unit)

@@ -10,6 +10,9 @@
 /* Print as one line, and forget it. MNS_E_IO if standard output cannot be written; MNS_E_MEMORY if it is NULL. */
 MnsStatus output_json(json_t *object, MnsError *error);
 
+/* A text that comes from outside, as a name of a file, which need not be UTF-8; null for NULL. */
+json_t *output_text(const char *text);
+
 /* A number; null if it is not finite. */
 json_t *output_number(double value);
 

@@ -11,10 +11,11 @@ static MnsStatus report(const Invocation *in, const Frame *frame, const RenderOp
     if (drawn->skipped)
         fprintf(stderr, "meniscus: %zu particles have no finite position or value and were left out\n", drawn->skipped);
     if (in->json)
-        return output_json(json_pack("{ss si si ss so sI sI s[oo]}", "path", o->out, "width", drawn->width, "height",
-                                     drawn->height, "field", o->field, "time", output_number(frame->time), "particles",
-                                     (json_int_t)drawn->particles, "skipped", (json_int_t)drawn->skipped, "range",
-                                     output_number(drawn->range[0]), output_number(drawn->range[1])),
+        return output_json(json_pack("{so si si so so sI sI s[oo]}", "path", output_text(o->out), "width", drawn->width,
+                                     "height", drawn->height, "field", output_text(o->field), "time",
+                                     output_number(frame->time), "particles", (json_int_t)drawn->particles, "skipped",
+                                     (json_int_t)drawn->skipped, "range", output_number(drawn->range[0]),
+                                     output_number(drawn->range[1])),
                            error);
     puts(o->out);
     return MNS_OK;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Frames from a daemon while it runs: all particles of one step boundary. */
+#include "client/cli/output.h"
 #include "client/cli/render_frame.h"
 #include <math.h>
 #include <meniscus/client.h>
@@ -8,17 +9,6 @@
 #include <string.h>
 
 enum { MOST_PARTICLES = 50000000 };
-
-/* Element i of an array of one of the types that fields have; NAN for any other type. */
-static double element(const MnsArray *a, size_t i)
-{
-    const char *type = a->type;
-    if (!strcmp(type, "<f8")) return ((const double *)a->data)[i];
-    if (!strcmp(type, "<f4")) return (double)((const float *)a->data)[i];
-    if (!strcmp(type, "<u4")) return ((const uint32_t *)a->data)[i];
-    if (!strcmp(type, "|u1")) return ((const uint8_t *)a->data)[i];
-    return NAN;
-}
 
 static size_t columns(const MnsArray *a)
 {
@@ -39,7 +29,7 @@ static MnsStatus take_scalars(const MnsArray *a, double **ret, MnsError *error)
     const size_t n = a->shape[0], width = columns(a);
     double *values = malloc((n * width + 1) * sizeof *values);
     if (!values) return mns_fail(error, MNS_E_MEMORY, "there is no memory for %zu particles", n);
-    for (size_t i = 0; i < n * width; i++) values[i] = element(a, i);
+    for (size_t i = 0; i < n * width; i++) values[i] = output_element(a, i);
     frame_magnitude(n, (int)width, values, values);
     *ret = values;
     return MNS_OK;
@@ -49,7 +39,7 @@ static void take_places(const MnsArray *a, Frame *frame)
 {
     const size_t width = columns(a);
     for (size_t i = 0; i < frame->n; i++)
-        for (size_t d = 0; d < width && d < 3; d++) frame->x[i][d] = element(a, i * width + d);
+        for (size_t d = 0; d < width && d < 3; d++) frame->x[i][d] = output_element(a, i * width + d);
 }
 
 /* Fluid particles come first. */
@@ -57,7 +47,7 @@ static void take_phases(const MnsArray *a, Frame *frame)
 {
     frame->n_fluid = 0;
     for (size_t i = 0; i < frame->n; i++) {
-        const double phase = element(a, i);
+        const double phase = output_element(a, i);
         frame->phase[i] = phase >= 0 && phase < 1e6 ? (int)phase : 0;
         frame->n_fluid += (size_t)frame->phase[i] < frame->n_fluids;
     }

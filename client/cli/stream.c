@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 
 enum { FIELDS_MAX = 16 };
 
@@ -16,13 +15,6 @@ static const char *const kinds[] = {[MNS_STREAM_PROBES] = "probes",
                                     [MNS_STREAM_EVENTS] = "events",
                                     [MNS_STREAM_SERIES] = "series",
                                     [MNS_STREAM_SNAPSHOTS] = "snapshots"};
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static MnsStatus read_kind(const Options *options, MnsStreamOptions *to, MnsError *error)
 {
@@ -150,11 +142,11 @@ static MnsStatus read_sink(const Invocation *in, MnsStreamKind kind, StreamSink 
 /* Until there were so many (0: for ever), or the time is over. */
 static MnsStatus take(const Invocation *in, MnsStream *stream, StreamSink *sink, uint64_t count, MnsError *error)
 {
-    const double deadline = in->timeout < 0 ? INFINITY : now() + in->timeout;
+    const double deadline = in->timeout < 0 ? INFINITY : command_clock() + in->timeout;
     MnsStatus status = MNS_OK;
     for (uint64_t n = 0; !status && (!count || n < count);) {
         const MnsStreamItem *item;
-        status = mns_stream_next(stream, in->timeout < 0 ? -1 : fmax(0, deadline - now()), &item, error);
+        status = mns_stream_next(stream, in->timeout < 0 ? -1 : fmax(0, deadline - command_clock()), &item, error);
         if (status == MNS_E_TIMEOUT) status = mns_fail(error, status, "the %g s of --timeout are over", in->timeout);
         if (status) break;
         sink->columns = mns_stream_columns(stream, &sink->n_columns);

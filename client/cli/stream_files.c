@@ -1,20 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Items of a stream as files: arrays as numpy reads them, snapshots as they are in the run directory. */
 #include "client/cli/stream.h"
-#include <errno.h>
+#include "client/cli/whole_file.h"
 #include <inttypes.h>
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { NPY_ALIGNMENT = 64, NPY_PREAMBLE = 10 };
-
-static MnsStatus fail(const char *path, MnsError *error)
-{
-    const MnsStatus status = errno == ENOSPC ? MNS_E_NO_SPACE : MNS_E_IO;
-    return mns_fail(error, status, "cannot write %.300s: %s; %s", path, strerror(errno), mns_refusal_hint(errno));
-}
 
 /* The head of an .npy file, format 1.0: a Python literal, padded with blanks to a multiple of 64 bytes. */
 static size_t npy_head(const MnsArray *array, char ret[256])
@@ -36,30 +29,22 @@ static size_t npy_head(const MnsArray *array, char ret[256])
     return whole;
 }
 
-/* Under another name first, so that whoever looks finds it whole. */
-static MnsStatus write_npy(const char *path, const MnsArray *array, MnsError *error)
+static bool write_npy(FILE *file, const void *arg)
 {
-    char head[256], part[PATH_MAX];
+    const MnsArray *array = arg;
+    char head[256];
     const size_t size = npy_head(array, head);
-    snprintf(part, sizeof part, "%s.part", path);
-    FILE *file = fopen(part, "wb");
-    if (!file) return fail(part, error);
-    bool good = fwrite(head, 1, size, file) == size && fwrite(array->data, 1, array->size, file) == array->size;
-    good = !fclose(file) && good;
-    if (good && !rename(part, path)) return MNS_OK;
-    const MnsStatus status = fail(path, error);
-    unlink(part);
-    return status;
+    return fwrite(head, 1, size, file) == size && fwrite(array->data, 1, array->size, file) == array->size;
 }
 
 MnsStatus stream_put_arrays(const char *directory, const MnsStreamItem *item, MnsError *error)
 {
-    char path[PATH_MAX - 8];
+    char path[PATH_MAX];
     for (size_t a = 0; a < item->n_arrays; a++) {
         if (strchr(item->arrays[a].name, '/'))
             return mns_fail(error, MNS_E_CORRUPT, "a field has a name that no file can have");
         snprintf(path, sizeof path, "%s/%s-%010" PRIu64 ".npy", directory, item->arrays[a].name, item->step);
-        const MnsStatus status = write_npy(path, &item->arrays[a], error);
+        const MnsStatus status = whole_file_write(path, "the array", write_npy, &item->arrays[a], error);
         if (status) return status;
     }
     return MNS_OK;
@@ -67,15 +52,9 @@ MnsStatus stream_put_arrays(const char *directory, const MnsStreamItem *item, Mn
 
 MnsStatus stream_put_file(const char *directory, const MnsStreamItem *item, MnsError *error)
 {
-    char path[PATH_MAX - 8], part[PATH_MAX];
+    char path[PATH_MAX];
     if (item->abandoned || !item->file) return MNS_OK;
     snprintf(path, sizeof path, "%s/%s", directory, item->file);
-    snprintf(part, sizeof part, "%s.part", path);
-    FILE *file = fopen(part, item->offset ? "r+b" : "wb");
-    if (!file) return fail(part, error);
-    bool good = !fseeko(file, (off_t)item->offset, SEEK_SET) &&
-                (!item->size || fwrite(item->data, 1, item->size, file) == item->size);
-    good = !fclose(file) && good;
-    if (good && item->whole) good = !rename(part, path);
-    return good ? MNS_OK : fail(path, error);
+    const FilePiece piece = {item->data, item->size, item->offset, item->whole};
+    return whole_file_piece(path, "the snapshot", &piece, error);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Items of a stream as lines: a table for plotting programs, CSV, or a JSON object each. */
+#include "client/cli/csv.h"
 #include "client/cli/output.h"
 #include "client/cli/stream.h"
 #include <inttypes.h>
@@ -20,30 +21,52 @@ static size_t components(const MnsArray *array)
 
 /* --- tables ------------------------------------------------------------------------------------------------------------- */
 
-static char separator(const StreamSink *sink)
+static void print_csv_title(const StreamSink *sink)
 {
-    return sink->format == STREAM_CSV ? ',' : ' ';
+    csv_heading(stdout, "step", 0, 1, "1");
+    putchar(',');
+    csv_heading(stdout, "time", 0, 1, "s");
+    for (size_t k = 0; k < sink->n_columns; k++)
+        for (unsigned c = 0; c < sink->columns[k].components; c++) {
+            putchar(',');
+            csv_heading(stdout, sink->columns[k].name, c, sink->columns[k].components, sink->columns[k].unit);
+        }
+}
+
+/* For plotting programs, which take blanks for the ends of columns. */
+static void print_text_title(const StreamSink *sink)
+{
+    printf("# step time[s]");
+    for (size_t k = 0; k < sink->n_columns; k++) {
+        const MnsStreamColumn *column = &sink->columns[k];
+        for (unsigned c = 0; c < column->components; c++) {
+            printf(" %s", column->name);
+            if (column->components > 1) printf("_%c", "xyz"[c % 3]);
+            if (*output_unit(column->unit)) printf("[%s]", column->unit);
+        }
+    }
 }
 
 static void print_title(StreamSink *sink)
 {
     if (sink->titled) return;
     sink->titled = true;
-    printf(sink->format == STREAM_CSV ? "step,time" : "# step time[s]");
-    for (size_t k = 0; k < sink->n_columns; k++) {
-        const MnsStreamColumn *column = &sink->columns[k];
-        for (unsigned c = 0; c < column->components; c++) {
-            printf("%c%s", separator(sink), column->name);
-            if (column->components > 1) printf("_%c", "xyz"[c % 3]);
-            if (sink->format == STREAM_TEXT && *output_unit(column->unit)) printf("[%s]", column->unit);
-        }
-    }
+    if (sink->format == STREAM_CSV) print_csv_title(sink);
+    else print_text_title(sink);
     printf("\n");
+}
+
+static void print_value(const StreamSink *sink, double value)
+{
+    putchar(sink->format == STREAM_CSV ? ',' : ' ');
+    if (sink->format == STREAM_CSV) csv_number(stdout, value);
+    else printf("%.17g", value);
 }
 
 static void begin_row(const StreamSink *sink, double step, double time)
 {
-    printf("%.0f%c%.17g", step, separator(sink), time);
+    printf("%.0f", step);
+    print_value(sink, time);
 }
 
 /* Particles, a row each. */
@@ -57,7 +80,7 @@ static MnsStatus print_fields(StreamSink *sink, const MnsStreamItem *item, MnsEr
         begin_row(sink, (double)item->step, item->time);
         for (size_t a = 0; a < item->n_arrays; a++)
             for (size_t c = 0, m = components(&item->arrays[a]); c < m; c++)
-                printf("%c%.17g", separator(sink), output_element(&item->arrays[a], i * m + c));
+                print_value(sink, output_element(&item->arrays[a], i * m + c));
         printf("\n");
     }
     return MNS_OK;
@@ -77,7 +100,7 @@ static MnsStatus print_probes(const StreamSink *sink, const MnsStreamItem *item,
     for (size_t i = 0; i < rows; i++) {
         if (series) begin_row(sink, output_element(step, i), output_element(time, i));
         else begin_row(sink, (double)item->step, item->time);
-        for (size_t k = 0; k < n; k++) printf("%c%.17g", separator(sink), output_element(values, i * n + k));
+        for (size_t k = 0; k < n; k++) print_value(sink, output_element(values, i * n + k));
         printf("\n");
     }
     return MNS_OK;
@@ -89,7 +112,8 @@ static json_t *columns_json(const StreamSink *sink)
 {
     json_t *list = json_array();
     for (size_t k = 0; k < sink->n_columns; k++)
-        json_array_append_new(list, json_pack("{ssss}", "name", sink->columns[k].name, "unit", sink->columns[k].unit));
+        json_array_append_new(list, json_pack("{soso}", "name", output_text(sink->columns[k].name), "unit",
+                                              output_text(sink->columns[k].unit)));
     return list;
 }
 
@@ -107,10 +131,10 @@ static MnsStatus print_json(const StreamSink *sink, const MnsStreamItem *item, M
     }
     if (sink->kind == MNS_STREAM_EVENTS) {
         json_object_set_new(object, "state", json_string(mns_state_name(item->state)));
-        json_object_set_new(object, "what", json_string(item->what));
-        json_object_set_new(object, "text", json_string(item->text));
+        json_object_set_new(object, "what", output_text(item->what));
+        json_object_set_new(object, "text", output_text(item->text));
     }
-    if (item->file) json_object_set_new(object, "file", json_string(item->file));
+    if (item->file) json_object_set_new(object, "file", output_text(item->file));
     if (item->file && !item->abandoned) json_object_set_new(object, "bytes", json_integer((json_int_t)item->file_size));
     if (item->abandoned) json_object_set_new(object, "abandoned_from_row", json_integer((json_int_t)item->row));
     return output_json(object, error);

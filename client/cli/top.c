@@ -23,9 +23,10 @@ static json_t *describe(const char *name, const char *endpoint, const Glance *gl
     const bool alive = glance->info;
     const MnsRunInfo *at = alive ? glance->info : &none;
     const bool loaded = at->state != MNS_STATE_EMPTY;
-    json_t *row = json_pack("{ss ss sb sb ss? ss? ss?}", "name", name, "endpoint", endpoint, "alive", alive, "silent",
-                            glance->is_silent, "state", alive ? mns_state_name(at->state) : NULL, "case",
-                            loaded ? at->case_name : NULL, "fault", *at->fault ? at->fault : NULL);
+    json_t *row =
+        json_pack("{ss so sb sb ss? so so}", "name", name, "endpoint", output_text(endpoint), "alive", alive, "silent",
+                  glance->is_silent, "state", alive ? mns_state_name(at->state) : NULL, "case",
+                  output_text(loaded ? at->case_name : NULL), "fault", output_text(*at->fault ? at->fault : NULL));
     json_object_set_new(row, "time", output_number(loaded ? at->time : (double)NAN));
     json_object_set_new(row, "end_time", output_number(loaded ? at->end_time : (double)NAN));
     json_object_set_new(row, "step", loaded ? json_integer((json_int_t)at->step) : json_null());

@@ -72,7 +72,7 @@ static MnsStatus report_points(const Invocation *in, const MnsReply *reply, size
             for (int d = 0; d < dim; d++) json_array_append_new(at, output_number(points[k * (size_t)dim + (size_t)d]));
             json_array_append_new(list, at);
         }
-        json_object_set_new(object, "field", json_string(array->name));
+        json_object_set_new(object, "field", output_text(array->name));
         json_object_set_new(object, "points", list);
         json_object_update_new(object, output_array(array));
         return output_json(object, error);

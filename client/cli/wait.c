@@ -10,8 +10,8 @@
 
 typedef struct Goal {
     unsigned states;
-    double time;
-    uint64_t step;
+    double time;   /* NAN: none */
+    uint64_t step; /* MNS_NO_STEP: none */
 } Goal;
 
 static MnsStatus read_state(const char *name, Goal *goal, MnsError *error)
@@ -26,10 +26,17 @@ static MnsStatus read_state(const char *name, Goal *goal, MnsError *error)
     return MNS_OK;
 }
 
+static MnsStatus read_time(const char *text, Goal *goal, MnsError *error)
+{
+    const MnsStatus status = parse_number("--for time", text, &goal->time, error);
+    if (status || goal->time >= 0) return status;
+    return mns_fail(error, MNS_E_INVALID, "--for time=%s: a time to wait for is 0 s or more", text);
+}
+
 static MnsStatus read_goal(const char *text, Goal *goal, MnsError *error)
 {
     if (strncmp(text, "state=", 6) == 0) return read_state(text + 6, goal, error);
-    if (strncmp(text, "time=", 5) == 0) return parse_number("--for time", text + 5, &goal->time, error);
+    if (strncmp(text, "time=", 5) == 0) return read_time(text + 5, goal, error);
     if (strncmp(text, "step=", 5) == 0) return parse_count("--for step", text + 5, &goal->step, error);
     return mns_fail(error, MNS_E_INVALID, "--for \"%.100s\": write state=DONE, time=1.5 or step=1000", text);
 }
@@ -38,7 +45,7 @@ static MnsStatus read_goals(const Invocation *in, Goal *goal, MnsError *error)
 {
     const char *given[MAX_WORDS];
     const size_t n = options_all(&in->options, OPT_FOR, given);
-    *goal = (Goal){.time = NAN};
+    *goal = (Goal){.time = NAN, .step = MNS_NO_STEP};
     if (n == 0) goal->states = 1u << MNS_STATE_DONE;
     for (size_t k = 0; k < n; k++) {
         const MnsStatus status = read_goal(given[k], goal, error);
@@ -50,7 +57,7 @@ static MnsStatus read_goals(const Invocation *in, Goal *goal, MnsError *error)
 /* States after which a time or a step is never reached, or in which nothing good comes any more. */
 static unsigned dead_ends(const Goal *goal)
 {
-    const bool of_run = !isnan(goal->time) || goal->step > 0;
+    const bool of_run = !isnan(goal->time) || goal->step != MNS_NO_STEP;
     return 1u << MNS_STATE_FAULT | (of_run ? 1u << MNS_STATE_DONE : 0);
 }
 
@@ -84,8 +91,8 @@ MnsStatus command_wait(Invocation *in, MnsError *error)
     if (status == MNS_OK)
         status = mns_client_wait(in->client, goal.states | dead_ends(&goal), goal.time, goal.step, &reply, error);
     if (status != MNS_OK) return status;
-    const bool in_time = !isnan(goal.time) && reply->time >= goal.time, in_step = goal.step && reply->step >= goal.step;
-    const bool asked = in_time || in_step || goal.states & 1u << reply->state || !reply->state_reached;
+    const bool in_time = !isnan(goal.time) && reply->time >= goal.time;
+    const bool asked = in_time || reply->step >= goal.step || goal.states & 1u << reply->state || !reply->state_reached;
     status = asked ? report(in, reply, error) : in_vain(in, reply, error);
     mns_reply_free(reply);
     return status;

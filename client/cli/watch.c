@@ -4,6 +4,7 @@
 #include "client/cli/command.h"
 #include "client/cli/output.h"
 #include "client/cli/watch_screen.h"
+#include <math.h>
 #include <signal.h>
 #include <time.h>
 
@@ -14,15 +15,22 @@ typedef struct Watch {
     Invocation *in;
     Screen screen;
     bool follow;
-    double age;   /* since the beginning [s] */
-    bool changed; /* there is something to draw */
-    double quiet; /* time without a message [s] */
+    double deadline; /* of --timeout, by command_clock() [s]; INFINITY: none */
+    bool changed;    /* there is something to draw */
+    double quiet;    /* time without a message [s] */
 } Watch;
+
+/* How long it may still take, as a limit for a request [s]. */
+static double time_left(const Watch *watch)
+{
+    return isinf(watch->deadline) ? -1 : fmax(0, watch->deadline - command_clock());
+}
 
 /* The first look, and a later one after silence: what telemetry may have been sent before we listened. */
 static MnsStatus look(Watch *watch, bool first, MnsError *error)
 {
     MnsReply *status_reply = NULL, *probes = NULL;
+    mns_client_set_timeout(watch->in->client, time_left(watch));
     MnsStatus status = mns_client_status(watch->in->client, &status_reply, error);
     if (status != MNS_OK) return status;
     if (status_reply->info) screen_take_info(&watch->screen, status_reply->info);
@@ -79,21 +87,18 @@ static MnsStatus take(Watch *watch, const MnsTelemetry *message, MnsError *error
 /* Messages of one tick. */
 static MnsStatus listen_once(Watch *watch, MnsError *error)
 {
-    struct timespec begin, now;
-    clock_gettime(CLOCK_MONOTONIC, &begin);
-    double left = tick_s;
+    const double end = fmin(command_clock() + tick_s, watch->deadline);
+    double left = end - command_clock();
     while (left > 0 && !is_over(watch)) {
         MnsTelemetry *message = NULL;
         MnsStatus status = mns_client_next(watch->in->client, left, &message, error);
         if (status == MNS_OK) status = take(watch, message, error);
         mns_telemetry_free(message);
         if (status != MNS_OK && status != MNS_E_TIMEOUT && status != MNS_E_INTERRUPTED) return status;
-        clock_gettime(CLOCK_MONOTONIC, &now);
-        left = tick_s - (double)(now.tv_sec - begin.tv_sec) - 1e-9 * (double)(now.tv_nsec - begin.tv_nsec);
+        left = end - command_clock();
     }
     watch->quiet += tick_s;
-    watch->age += tick_s;
-    if (watch->in->timeout >= 0 && watch->age >= watch->in->timeout && !is_over(watch))
+    if (command_clock() >= watch->deadline && !is_over(watch))
         return mns_fail(error, MNS_E_TIMEOUT, "the run had not ended after %g s", watch->in->timeout);
     return MNS_OK;
 }
@@ -148,7 +153,9 @@ static MnsStatus watch_run(Watch *watch, MnsError *error)
 
 MnsStatus command_watch(Invocation *in, MnsError *error)
 {
-    Watch watch = {.in = in, .follow = options_get(&in->options, OPT_FOLLOW)};
+    Watch watch = {.in = in,
+                   .follow = options_get(&in->options, OPT_FOLLOW),
+                   .deadline = in->timeout < 0 ? INFINITY : command_clock() + in->timeout};
     MnsStatus status = command_connect(in, error);
     if (status == MNS_OK) status = mns_client_subscribe(in->client, MNS_TOPIC_ALL & ~MNS_TOPIC_LOG, error);
     return status == MNS_OK ? watch_run(&watch, error) : status;

@@ -3,9 +3,9 @@
 #ifndef DASHBOARD_SERVER_H
 #define DASHBOARD_SERVER_H
 
-#include "client/dashboard/guard.h"
 #include "client/dashboard/hub.h"
 #include "proto/address.h"
+#include "proto/guard.h"
 #include "proto/token.h"
 
 typedef struct ServerOptions {

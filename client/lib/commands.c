@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Every command of the protocol but load, as a function. */
 #include "client/lib/commands.h"
+#include "proto/lease.h"
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
@@ -154,8 +155,9 @@ static MnsStatus send_lease(MnsClient *client, Meniscus__Lease *lease, MnsReply 
 MnsStatus mns_client_lease(MnsClient *client, double seconds, const char *holder, MnsReply **ret_reply, MnsError *error)
 {
     Meniscus__Lease lease = MENISCUS__LEASE__INIT;
-    if (!(seconds >= 0 && seconds < 1e9))
-        return mns_fail_at(error, MNS_E_INVALID, "ttl_ms", "a lease lives from 0.1 to 86400 s; found %g", seconds);
+    if (!lease_can_live(seconds))
+        return mns_fail_at(error, MNS_E_INVALID, "ttl_ms", "a lease lives from %g to %g s; found %g",
+                           1e-3 * LEASE_MS_MIN, 1e-3 * LEASE_MS_MAX, seconds);
     lease.has_ttl_ms = true;
     lease.ttl_ms = (uint64_t)(1e3 * seconds + 0.5);
     lease.holder = (char *)holder;
@@ -269,7 +271,7 @@ MnsStatus mns_client_wait(MnsClient *client, unsigned states, double time, uint6
     if (time < 0) return mns_fail_at(error, MNS_E_INVALID, "time", "a time to wait for is 0 s or more; found %g", time);
     wait.has_time = !isnan(time);
     wait.time = time;
-    wait.has_step = step > 0;
+    wait.has_step = step != MNS_NO_STEP;
     wait.step = step;
     return send(client, MENISCUS__REQUEST__COMMAND_WAIT, &wait, ret_reply, error);
 }

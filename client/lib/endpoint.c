@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Where daemons listen: names to endpoints, and the list of those on this host. */
 #include "client/lib/endpoint.h"
+#include "proto/case_name.h"
+#include "proto/places.h"
 #include <dirent.h>
 #include <errno.h>
 #include <limits.h>
@@ -19,7 +21,7 @@ static void directories(char ret[DIRECTORY_COUNT][DIRECTORY_SIZE])
     const char *runtime = getenv("XDG_RUNTIME_DIR");
     ret[0][0] = 0;
     if (runtime && *runtime) snprintf(ret[0], DIRECTORY_SIZE, "%s/meniscus", runtime);
-    snprintf(ret[1], DIRECTORY_SIZE, "/run/meniscus");
+    snprintf(ret[1], DIRECTORY_SIZE, PLACES_SYSTEM);
     snprintf(ret[2], DIRECTORY_SIZE, "/tmp/meniscus-%u", (unsigned)getuid());
 }
 
@@ -78,19 +80,22 @@ static MnsStatus named_endpoint(const char *name, char ret[MNS_ENDPOINT_SIZE], M
                         name);
     char base[DIRECTORY_COUNT][DIRECTORY_SIZE];
     char path[PATH_MAX];
-    const char *closed = NULL;
+    const char *but = "", *why = "";
     directories(base);
     for (int k = 0; k < DIRECTORY_COUNT; k++) {
+        if (!*base[k]) continue;
         snprintf(path, sizeof path, "%s/%s/control.ipc", base[k], name);
-        if (*base[k] && access(path, F_OK) == 0) return ipc_endpoint(path, ret, error);
-        if (*base[k] && errno == EACCES && !closed) closed = base[k];
+        const bool there = access(path, F_OK) == 0;
+        if (there && places_is_safe(base[k], name)) return ipc_endpoint(path, ret, error);
+        if (*but || (!there && errno != EACCES)) continue;
+        but = base[k];
+        why = there ? " has one that is not asked, as others may write there)"
+                    : " is closed to this user; `sudo -u meniscus` reaches daemons that systemd started)";
     }
-    return mns_fail(
-        error, MNS_E_UNAVAILABLE,
-        "no daemon \"%s\": there is no %s/control.ipc in %s%s%s or %s%s%s%s; start one "
-        "with `meniscusd --name %s`",
-        name, name, base[0], *base[0] ? ", " : "", base[1], base[2], closed ? " (" : "", closed ? closed : "",
-        closed ? " is closed to this user; `sudo -u meniscus` reaches daemons that systemd started)" : "", name);
+    return mns_fail(error, MNS_E_UNAVAILABLE,
+                    "no daemon \"%s\": there is no %s/control.ipc in %s%s%s or %s%s%s%s; start one "
+                    "with `meniscusd --name %s`",
+                    name, name, base[0], *base[0] ? ", " : "", base[1], base[2], *but ? " (" : "", but, why, name);
 }
 
 MnsStatus mns_daemon_endpoint(const char *daemon, char ret_endpoint[MNS_ENDPOINT_SIZE], MnsError *error)
@@ -136,7 +141,7 @@ static bool list_directory(const char *base, bool (*visit)(void *, const char *,
     for (struct dirent *entry; more && (entry = readdir(directory));) {
         char path[PATH_MAX], endpoint[MNS_ENDPOINT_SIZE];
         snprintf(path, sizeof path, "%s/%s/control.ipc", base, entry->d_name);
-        if (entry->d_name[0] == '.' || access(path, F_OK) != 0) continue;
+        if (!is_name(entry->d_name) || access(path, F_OK) != 0 || !places_is_safe(base, entry->d_name)) continue;
         if (ipc_endpoint(path, endpoint, NULL) == MNS_OK) more = visit(arg, entry->d_name, endpoint);
     }
     closedir(directory);

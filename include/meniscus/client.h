@@ -177,7 +177,7 @@ const MnsArray *mns_reply_array(const MnsReply *reply, const char *name);
 
 /** Where a daemon listens for commands.
  *  @param daemon  a name: its socket is control.ipc in the first that exists of $XDG_RUNTIME_DIR/meniscus/NAME,
- *                 /run/meniscus/NAME and /tmp/meniscus-UID/NAME; or an endpoint: ipc://PATH or tcp://HOST:PORT.
+ *                 /run/meniscus/NAME and /tmp/meniscus-UID/NAME where nobody else may put one; or an endpoint: ipc://PATH or tcp://HOST:PORT.
  *                 NULL: $MENISCUS_DAEMON, or "default".
  *  @return MNS_OK; MNS_E_INVALID; MNS_E_UNAVAILABLE if there is no such socket: the sentence says where it looked. */
 MnsStatus mns_daemon_endpoint(const char *daemon, char ret_endpoint[MNS_ENDPOINT_SIZE], MnsError *error);
@@ -318,7 +318,7 @@ MnsStatus mns_client_query_particles(MnsClient *client, const MnsParticleQuery *
 /** Return at the first of: one of the states, a simulated time, a step.
  *  @param states  bit s set: wait for state s (1u << MNS_STATE_DONE); 0: for no state
  *  @param time    [s]; NAN: for no time
- *  @param step    0: for no step */
+ *  @param step    MNS_NO_STEP: for no step */
 MnsStatus mns_client_wait(MnsClient *client, unsigned states, double time, uint64_t step, MnsReply **ret_reply,
                           MnsError *error);
 

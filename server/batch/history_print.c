@@ -122,9 +122,9 @@ static json_t *changes_json(const Record *record)
 {
     json_t *list = json_array();
     for (size_t k = 0; k < record->n_changes; k++)
-        json_array_append_new(list,
-                              json_pack("{ss ss ss}", "path", text(record->changes[k]->path), "before",
-                                        text(record->changes[k]->before), "after", text(record->changes[k]->after)));
+        json_array_append_new(list, json_pack("{so so so}", "path", outcome_text(text(record->changes[k]->path)),
+                                              "before", outcome_text(text(record->changes[k]->before)), "after",
+                                              outcome_text(text(record->changes[k]->after))));
     return list;
 }
 
@@ -140,8 +140,8 @@ static json_t *reply_json(const Meniscus__Reply *reply)
 {
     if (!reply) return json_null();
     const ProtobufCEnumValue *code = protobuf_c_enum_descriptor_get_value(&meniscus__code__descriptor, reply->code);
-    return json_pack("{ss ss? ss sI}", "code", code ? code->name : "UNKNOWN", "message", reply->message, "state",
-                     run_state_name((RunState)reply->state), "effect_step", (json_int_t)reply->effect_step);
+    return json_pack("{ss so ss sI}", "code", code ? code->name : "UNKNOWN", "message", outcome_text(reply->message),
+                     "state", run_state_name((RunState)reply->state), "effect_step", (json_int_t)reply->effect_step);
 }
 
 /* Of a record that says whether somebody was told. */
@@ -156,11 +156,11 @@ static json_t *record_json(const HistoryRecord *at)
     char moment[40], hash[24];
     when(record, moment);
     snprintf(hash, sizeof hash, "%016" PRIx64, record->state_hash);
-    return json_pack("{sI sI ss ss ss? sI so ss? so so so ss? so}", "number", (json_int_t)at->number, "offset",
+    return json_pack("{sI sI ss ss so sI so so so so so ss? so}", "number", (json_int_t)at->number, "offset",
                      (json_int_t)at->offset, "kind", kind_name(record), "when", moment, "who",
-                     record->who ? record->who->name : NULL, "step", (json_int_t)record->step, "time",
+                     outcome_text(record->who ? record->who->name : NULL), "step", (json_int_t)record->step, "time",
                      record->has_time ? json_real(record->time) : json_null(), "command",
-                     record->request ? history_command(record) : NULL, "id", id_json(record), "changes",
+                     outcome_text(record->request ? history_command(record) : NULL), "id", id_json(record), "changes",
                      changes_json(record), "reply", reply_json(record->reply), "state_hash",
                      record->has_state_hash ? hash : NULL, "undone", undone_json(record));
 }
@@ -169,10 +169,10 @@ static void print_json(const char *directory, const History *history, bool verif
 {
     json_t *list = json_array();
     for (size_t k = 0; !verify && k < history->n; k++) json_array_append_new(list, record_json(&history->records[k]));
-    json_t *all =
-        json_pack("{ss sI sI sI sb so so}", "directory", directory, "n_records", (json_int_t)history->report.records,
-                  "bytes", (json_int_t)history->report.size, "torn_bytes", (json_int_t)history->report.torn, "whole",
-                  !error->status, "error", outcome_failure(error, code), "records", list);
+    json_t *all = json_pack("{so sI sI sI sb so so}", "directory", outcome_text(directory), "n_records",
+                            (json_int_t)history->report.records, "bytes", (json_int_t)history->report.size,
+                            "torn_bytes", (json_int_t)history->report.torn, "whole", !error->status, "error",
+                            outcome_failure(error, code), "records", list);
     json_dumpf(all, stdout, JSON_COMPACT);
     putchar('\n');
     json_decref(all);

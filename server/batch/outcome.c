@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What came of a run, as one JSON object with a number wherever there is one and null where there is none. */
 #include "batch/outcome.h"
+#include "proto/text.h"
 
 #include <inttypes.h>
 #include <jansson.h>
@@ -27,6 +28,14 @@ static json_t *integer(uint64_t value)
     return json_integer((json_int_t)value);
 }
 
+json_t *outcome_text(const char *text)
+{
+    char *valid = text ? text_valid(text) : NULL;
+    json_t *string = valid ? json_string(valid) : text ? NULL : json_null();
+    free(valid);
+    return string;
+}
+
 static json_t *probes_of(const Outcome *outcome)
 {
     json_t *probes = json_object();
@@ -47,7 +56,7 @@ static json_t *outputs_of(const Outcome *outcome)
     for (size_t k = 0; k < n; k++) {
         char path[4096 + 256];
         snprintf(path, sizeof path, "%s/%s", outcome->directory, names[k]);
-        json_array_append_new(outputs, json_string(path));
+        json_array_append_new(outputs, outcome_text(path));
         free(names[k]);
     }
     free(names);
@@ -69,8 +78,8 @@ static json_t *hash_of(const RunStatus *status)
 
 static json_t *failure(MnsStatus status, const char *message, const char *path, const char *hint, int code)
 {
-    return json_pack("{ss ss ss ss si}", "status", mns_status_name(status), "message", message, "path", path, "hint",
-                     hint, "exit_code", code);
+    return json_pack("{ss so so ss si}", "status", mns_status_name(status), "message", outcome_text(message), "path",
+                     outcome_text(path), "hint", hint, "exit_code", code);
 }
 
 /* Whoever stops a run from outside can have it go on. */
@@ -102,8 +111,8 @@ static json_t *as_json(const Outcome *outcome)
     const MnsProgress *at = &status->progress;
     json_t *object = json_object();
     json_object_set_new(object, "state", json_string(state_name(status)));
-    json_object_set_new(object, "case", json_string(status->case_name));
-    json_object_set_new(object, "run_directory", json_string(outcome->directory));
+    json_object_set_new(object, "case", outcome_text(status->case_name));
+    json_object_set_new(object, "run_directory", outcome_text(outcome->directory));
     json_object_set_new(object, "t", number(at->t));
     json_object_set_new(object, "end_time", number(status->end_time));
     json_object_set_new(object, "steps", integer(at->step));
@@ -120,7 +129,7 @@ static json_t *as_json(const Outcome *outcome)
     json_object_set_new(object, "probes", probes_of(outcome));
     json_object_set_new(object, "outputs", outputs_of(outcome));
     json_object_set_new(object, "timers", timers_of(status));
-    json_object_set_new(object, "fault", status->fault.status ? json_string(status->fault.text) : json_null());
+    json_object_set_new(object, "fault", outcome_text(status->fault.status ? status->fault.text : NULL));
     json_object_set_new(object, "error", error_of(outcome));
     json_object_set_new(object, "exit_code", json_integer(outcome->code));
     return object;

@@ -21,6 +21,9 @@ MnsStatus outcome_print(const Outcome *outcome, bool json, MnsError *error);
 /* Print as JSON that the command line is wrong: no run, but one object all the same. */
 void outcome_print_misuse(int code);
 
+/* A text that comes from outside, as a name of a file, which need not be UTF-8; null for NULL. */
+json_t *outcome_text(const char *text);
+
 /* A failure as every command of `meniscus` says it; null if there is none. */
 json_t *outcome_failure(const MnsError *error, int code);
 

@@ -329,9 +329,9 @@ static MnsStatus replay_all(Replay *replay, const History *history, MnsError *er
 static void print(const Replay *replay, const MnsError *error, int code, bool json)
 {
     if (json) {
-        json_t *all = json_pack("{ss sI sI sb so}", "directory", replay->directory, "steps", (json_int_t)replay->steps,
-                                "compared", (json_int_t)replay->compared, "agrees", !error->status, "error",
-                                outcome_failure(error, code));
+        json_t *all = json_pack("{so sI sI sb so}", "directory", outcome_text(replay->directory), "steps",
+                                (json_int_t)replay->steps, "compared", (json_int_t)replay->compared, "agrees",
+                                !error->status, "error", outcome_failure(error, code));
         json_dumpf(all, stdout, JSON_COMPACT);
         putchar('\n');
         json_decref(all);

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Is the daemon well? */
 #include "http/health.h"
+#include "proto/text.h"
 
 #include <jansson.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Takes over the object. */
@@ -44,7 +46,9 @@ char *health_ready(const View *view, bool *ret_ready)
     *ret_ready = !*reason;
     json_t *object = json_pack("{s:b, s:s}", "ready", *ret_ready, "state", run_state_name(run->state));
     if (run->document) json_object_set_new(object, "case", json_string(run->document->name));
-    if (*reason) json_object_set_new(object, "reason", json_string(reason));
+    char *valid = text_valid(reason); /* there may be names of files in it */
+    if (*reason && valid) json_object_set_new(object, "reason", json_string(valid));
+    free(valid);
     if (run->state == RUN_FAULT)
         json_object_set_new(object, "fault_reason", json_string(mns_status_name(run->fault.status)));
     return print(object);

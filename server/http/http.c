@@ -24,7 +24,7 @@
 enum { CONNECTIONS = GUESTS + 32, REQUEST_BYTES = 8192, IDLE_SECONDS = 10 };
 enum { POLITE = 19 }; /* niceness: the least a thread can ask for */
 
-const unsigned http_codes[HTTP_CODES] = {200, 400, 401, 404, 405, 503};
+const unsigned http_codes[HTTP_CODES] = {200, 400, 401, 403, 404, 405, 503};
 
 struct Http {
     int fd; /* that listens; -1: it is libmicrohttpd's to close, or closed */
@@ -102,6 +102,7 @@ static enum MHD_Result answer(void *arg, struct MHD_Connection *connection, cons
     Answer answer;
     const Question question = {.method = method,
                                .path = url,
+                               .host = header(connection, MHD_HTTP_HEADER_HOST),
                                .accept = header(connection, MHD_HTTP_HEADER_ACCEPT),
                                .authorization = header(connection, MHD_HTTP_HEADER_AUTHORIZATION),
                                .body = has_body(connection)};

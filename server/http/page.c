@@ -4,6 +4,7 @@
 
 #include "http/health.h"
 #include "http/metrics.h"
+#include "proto/guard.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -55,10 +56,22 @@ static void refuse(Answer *answer, unsigned code, const char *text)
     take_text(answer, code, "text/plain; charset=utf-8", strdup(text));
 }
 
+/* A page of another site can have its name point here, and then its browser asks us (DNS rebinding). It does not know the token; where none is
+ * asked for, the name gives it away, which browsers always say. */
+static bool is_rebound(const Question *question, const Token *token)
+{
+    static const Guard nobody = {.n = 0};
+    return !token->text[0] && question->host && !guard_host(&nobody, question->host);
+}
+
 bool page_refuse(const Question *question, const Token *token, Answer *ret)
 {
     if (!token_shown(token, question->authorization))
         refuse(ret, 401, "who asks must send the token of --http-token: Authorization: Bearer TOKEN\n");
+    else if (is_rebound(question, token))
+        refuse(ret, 403,
+               "without --http-token, this machine is to be called localhost or by its address in digits: see the Host "
+               "header\n");
     else if (strcmp(question->method, "GET") != 0 && strcmp(question->method, "HEAD") != 0)
         refuse(ret, 405, "this is only to be looked at, with GET or HEAD; commands go over the control socket\n");
     else if (question->body) refuse(ret, 400, "nothing can be sent here: leave out the body\n");

@@ -8,8 +8,8 @@
 
 typedef struct Question {
     const char *method, *path;
-    const char *accept, *authorization; /* headers; NULL: not there */
-    bool body;                          /* one comes with it */
+    const char *host, *accept, *authorization; /* headers; NULL: not there */
+    bool body;                                 /* one comes with it */
 } Question;
 
 typedef struct Answer {

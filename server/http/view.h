@@ -7,7 +7,7 @@
 #include "http/machine.h"
 #include "run/watch.h"
 
-enum { HTTP_CODES = 6 }; /* those that pages are answered with */
+enum { HTTP_CODES = 7 }; /* those that pages are answered with */
 
 /* Of this server, by its own thread. */
 typedef struct HttpCounts {

@@ -49,13 +49,13 @@ static MnsStatus choose(const char *name, char ret[static 256], bool *ret_own, M
 /* A directory for us alone. One that belongs to somebody else is a trap: they could put their socket in our place. */
 static MnsStatus make_private(const char *path, MnsError *error)
 {
-    struct stat info;
     if (mkdir(path, 0700) && errno != EEXIST)
         return mns_fail(error, MNS_E_IO, "cannot make the directory %s: %s; %s", path, strerror(errno),
                         mns_refusal_hint(errno));
-    if (lstat(path, &info) || !S_ISDIR(info.st_mode) || info.st_uid != geteuid())
+    const Place place = places_look(path);
+    if (place == PLACE_STRANGE)
         return mns_fail(error, MNS_E_IO, "%s is not a directory of this user; remove it or set XDG_RUNTIME_DIR", path);
-    if (info.st_mode & 077 && chmod(path, 0700))
+    if (place != PLACE_PRIVATE && chmod(path, 0700))
         return mns_fail(error, MNS_E_IO, "cannot make %s private: %s; %s", path, strerror(errno),
                         mns_refusal_hint(errno));
     return MNS_OK;

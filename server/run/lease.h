@@ -5,11 +5,12 @@
 #ifndef RUN_LEASE_H
 #define RUN_LEASE_H
 
+#include "proto/lease.h"
 #include <meniscus/status.h>
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { LEASE_HOLDER = 64, LEASE_MS_MIN = 100, LEASE_MS_MAX = 86400000 };
+enum { LEASE_HOLDER = 64 };
 
 typedef struct Lease {
     uint64_t epoch;            /* of the last one that was given; 0: none yet                     */

@@ -245,7 +245,7 @@ static void a_wait_is_given_to_every_daemon_that_comes(void **state)
     for (int k = 0; k < 3; k++) fixture->manners[k] = FAKE_DISCONNECT;
     fixture->restart = true;
     settle(fixture);
-    assert_int_equal(mns_client_wait(fixture->client, 1u << MNS_STATE_DONE, NAN, 0, NULL, NULL), MNS_OK);
+    assert_int_equal(mns_client_wait(fixture->client, 1u << MNS_STATE_DONE, NAN, MNS_NO_STEP, NULL, NULL), MNS_OK);
     assert_int_equal(atomic_load(&fixture->n), 4);
 }
 

@@ -9,10 +9,12 @@ import re
 import signal
 import subprocess
 import sys
+import tempfile
 import termios
 import time
 import unittest
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
@@ -162,7 +164,7 @@ class Commands(DaemonTest):
             self.assertNotIn("pause it first", refused)
         self.assertIn("cannot run-until while RUNNING", self.meniscus("run-until", "1", code=1).stderr)
         self.assertIn("`meniscus query probes front`", self.meniscus("query", "front", code=2).stderr)
-        self.assertIn("time to wait for is 0 s or more", self.meniscus("wait", "--for", "time=-1", code=1).stderr)
+        self.assertIn("--for time=-1: a time to wait for is 0 s or more", self.meniscus("wait", "--for", "time=-1", code=2).stderr)
 
     def test_capabilities_are_named_where_they_know_the_name(self) -> None:
         self.load()
@@ -234,6 +236,35 @@ class Commands(DaemonTest):
         self.assertEqual(self.ask("wait", "--for", "state=DONE", "--timeout", "50")["state"], "DONE")
         self.meniscus("wait", "--for", "step=1000000000", "--timeout", "5", code=1)
 
+    def test_a_step_that_is_past_need_not_be_waited_for(self) -> None:
+        self.load()
+        self.assertEqual(self.ask("wait", "--for", "step=0", "--timeout", "5")["step"], 0)
+        self.meniscus("step", "3")
+        for step in ("0", "3"):
+            self.assertEqual(self.ask("wait", "--for", f"step={step}", "--timeout", "5")["step"], 3)
+
+    def test_watch_gives_up_in_time(self) -> None:
+        """Even while it waits for an answer, and for as long as the machine's clock says."""
+        self.load()
+        words = [BUILD / "meniscus", "watch", "--timeout"]
+        with subprocess.Popen([*words, "2"], env=self.environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as watch:
+            time.sleep(0.5)
+            watch.send_signal(signal.SIGSTOP)
+            time.sleep(2)
+            watch.send_signal(signal.SIGCONT)
+            began = time.monotonic()
+            self.assertEqual(watch.wait(timeout=20), 124)
+            self.assertLess(time.monotonic() - began, 0.5)
+        with subprocess.Popen([*words, "3"], env=self.environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as watch:
+            began = time.monotonic()
+            time.sleep(0.5)
+            self.daemon.send_signal(signal.SIGSTOP)
+            try:
+                self.assertEqual(watch.wait(timeout=20), 124)
+                self.assertLess(time.monotonic() - began, 3 + 2 + 0.7)  # a request has two seconds of grace
+            finally:
+                self.daemon.send_signal(signal.SIGCONT)
+
     def test_a_step_that_a_stop_ends_is_not_to_be_repeated_blindly(self) -> None:
         self.load()
         words = [BUILD / "meniscus", "step", "1000000", "-o", "json"]
@@ -271,6 +302,26 @@ class Commands(DaemonTest):
         self.assertEqual(len(self.ask("status")["breakpoints"]), 1)
         self.meniscus("breakpoint", "b", "--remove")
         self.assertEqual(self.ask("status")["breakpoints"], [])
+
+    def test_there_is_one_object_whatever_the_bytes_of_a_name(self) -> None:
+        """Names of files are bytes, and JSON is UTF-8."""
+        with tempfile.TemporaryDirectory(prefix="mns-") as scratch:
+            bad = os.fsencode(scratch) + b"/caf\xe9."
+            shown = f"{scratch}/caf\ufffd."
+
+            def said(code: int, *words: "str | bytes") -> Any:
+                done = subprocess.run([BUILD / "meniscus", *words, "-o", "json"], env=self.environment, capture_output=True, timeout=60)
+                self.assertEqual(done.returncode, code, done.stderr)
+                return json.loads(done.stdout)
+
+            self.assertIn("caf\ufffd", said(65, "load", bad + b"yaml")["error"]["message"])
+            self.assertIn("caf\ufffd", said(74, "export", bad + b"h5", "--out", bad + b"csv")["error"]["message"])
+            self.assertIn("caf\ufffd", said(65, "run", bad + b"yaml")["error"]["message"])
+            written = said(0, "init", bad + b"yaml")
+            self.assertEqual(written["file"], f"{shown}yaml")
+            self.assertEqual(written["next"][0], f"meniscus run {shown}yaml")
+            ran = said(0, "run", bad + b"yaml", "--out", bad + b"run", "--set", "end_time=0")
+            self.assertEqual((ran["error"], ran["run_directory"]), (None, f"{shown}run"))
 
     def test_output_that_nobody_gets_is_a_failure(self) -> None:
         self.meniscus("load", *SMALL)
@@ -370,7 +421,8 @@ class Commands(DaemonTest):
         self.assertIsNone(self.ask("status")["lease_holder"])
         for words in (["lease", "give"], ["lease", "renew"], ["lease", "--ttl", "soon"], ["lease", "--lease", "x"]):
             self.meniscus(*words, code=2)
-        self.meniscus("lease", "--ttl", "0.05", code=1)
+        for ttl in ("0.05", "-5", "86401", "1e300"):
+            self.assertIn(f"--ttl {ttl}: a lease lives from 0.1 to 86400 s", self.meniscus("lease", "--ttl", ttl, code=2).stderr)
 
     def test_a_name_that_would_upset_a_terminal_is_refused(self) -> None:
         self.load()

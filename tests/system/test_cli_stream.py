@@ -28,8 +28,8 @@ class Stream(DaemonTest):
     def test_particles_of_a_box_are_rows(self) -> None:
         rows = list(csv.DictReader(self.stream("fields", "position", "phase", "--first", "--count", "1", "--csv",
                                                "--box", "0,0,0.3,0.2").splitlines()))
-        self.assertEqual(list(rows[0]), ["step", "time", "position_x", "position_y", "phase"])
-        self.assertTrue(rows and all(0 <= float(r["position_x"]) <= 0.3 and float(r["position_y"]) <= 0.2 for r in rows))
+        self.assertEqual(list(rows[0]), ["step", "time [s]", "position_x [m]", "position_y [m]", "phase"])
+        self.assertTrue(rows and all(0 <= float(r["position_x [m]"]) <= 0.3 and float(r["position_y [m]"]) <= 0.2 for r in rows))
 
     def test_arrays_for_numpy_are_within_the_bound(self) -> None:
         exact, near = self.home / "exact", self.home / "near"
@@ -46,11 +46,22 @@ class Stream(DaemonTest):
         self.ask("run-until", "0.02")
         self.ask("checkpoint")
         rows = list(csv.DictReader(self.stream("series", "front", "h1", "--csv", "--timeout", "1", code=124).splitlines()))
-        self.assertEqual(list(rows[0]), ["step", "time", "front", "h1"])
-        self.assertEqual(float(rows[0]["time"]), 0)
+        self.assertEqual(list(rows[0]), ["step", "time [s]", "front [m]", "h1 [m]"])
+        self.assertEqual(float(rows[0]["time [s]"]), 0)
         item = json.loads(self.stream("probes", "front", "--first", "--count", "1", "-o", "json"))
         self.assertEqual([column["name"] for column in item["columns"]], ["front"])
-        self.assertEqual(item["arrays"]["values"]["values"][0], float(rows[-1]["front"]))
+        self.assertEqual(item["arrays"]["values"]["values"][0], float(rows[-1]["front [m]"]))
+
+    def test_a_series_has_the_same_columns_however_it_is_had(self) -> None:
+        """Also where there is no number, as of a front where no water is."""
+        nowhere = ["--set", "probes[6].front.within.min=[4, 1]", "--set", "probes[6].front.within.max=[5, 1.5]"]
+        run = Path(self.meniscus("load", *SMALL, *nowhere).stdout.strip().rsplit(": ", 1)[1])
+        self.ask("run-until", "0.02")
+        self.ask("checkpoint")
+        streamed = self.stream("series", "--csv", "--timeout", "1", code=124)
+        exported = self.meniscus("export", str(run / "probes.hdf")).stdout
+        self.assertEqual(list(csv.DictReader(exported.splitlines())), list(csv.DictReader(streamed.splitlines())))
+        self.assertIn(",,", streamed)
 
     def test_snapshots_come_byte_for_byte(self) -> None:
         written = Path(self.ask("snapshot")["path"])

@@ -45,10 +45,10 @@ class Completion(unittest.TestCase):
         self.assertEqual(done.returncode, code, done.stderr)
         return done.stdout
 
-    def offers(self, *words: str) -> set[str]:
+    def offers(self, *words: str, program: Path = BUILD / "meniscus") -> set[str]:
         """What bash offers for the last word, of words as bash takes them apart."""
         done = subprocess.run(
-            ["bash", "-c", SPLIT, "bash", self.script, BUILD / "meniscus", *words], env=self.environment, cwd=self.home,
+            ["bash", "-c", SPLIT, "bash", self.script, program, *words], env=self.environment, cwd=self.home,
             capture_output=True, text=True, timeout=20,
         )  # fmt: skip
         self.assertEqual((done.returncode, done.stderr), (0, ""))
@@ -95,6 +95,25 @@ class Completion(unittest.TestCase):
         self.assertEqual(self.offers("log", "a"), {"a", "directory"})
         self.assertEqual(self.offers("log", "d"), set())
         self.assertEqual(self.offers("-d", "la"), {"lab"})
+
+    def test_names_are_never_run(self) -> None:
+        """They may be somebody else's, as of a directory in /tmp."""
+        evil = "$(touch ran)"
+        place, cases, program = self.home / "meniscus" / evil, self.home / "cases", self.home / "program"
+        place.mkdir(mode=0o700, parents=True)
+        cases.mkdir()
+        (place / "control.ipc").touch()
+        for name in (evil, "two words", "tank"):
+            (cases / f"{name}.yaml").touch()
+        program.write_text(f"#!/bin/sh\nprintf '%s\\n' '{evil}' '`touch ran`' tank '*'\n")
+        program.chmod(0o755)
+        self.environment["MENISCUS_CASES"] = str(cases)
+        self.assertEqual(self.offers("-d", ""), set())
+        self.assertEqual(self.meniscus("completion", "cases"), "tank\n")
+        self.assertEqual(self.meniscus("completion", "daemons"), "")
+        self.assertEqual(self.offers("-d", "ta", program=program), {"tank"})
+        self.assertEqual(self.offers("-d", "$(t", program=program), {"$(touch", "ran)"})
+        self.assertFalse((self.home / "ran").exists())
 
     def test_both_scripts_parse_and_name_every_command(self) -> None:
         commands = json.loads(self.meniscus("help", "-o", "json"))["commands"]

@@ -67,6 +67,14 @@ class HttpTest(DaemonTest):
 
 
 class Metrics(HttpTest):
+    def test_a_page_of_another_site_learns_nothing(self) -> None:
+        """Its browser calls us by the site's name, which has been pointed here."""
+        before = self.scrape()["meniscus_http_answers_total"].value(code="403")
+        code, _, text = fetch(self.port, "/metrics", Host=f"evil.example:{self.port}")
+        self.assertEqual(code, 403)
+        self.assertNotIn("meniscus_", text)
+        self.assertEqual(self.scrape()["meniscus_http_answers_total"].value(code="403"), before + 1)
+
     def test_names_types_and_units_are_as_the_conventions_have_them(self) -> None:
         self.meniscus("load", *SMALL)
         self.meniscus("step", "5")
@@ -340,7 +348,7 @@ class Crowd(HttpTest):
 
     def test_a_thousand_silent_clients_do_not_stop_the_next_one(self) -> None:
         fds = self.scrape()["process_open_fds"].value()
-        for words in (b"", b"GET /metrics HTTP/1.1\r\nHost: x\r\nX-Slow: "):
+        for words in (b"", b"GET /metrics HTTP/1.1\r\nHost: localhost\r\nX-Slow: "):
             self.connect(1000, words)
             began = time.monotonic()
             metrics = self.scrape()
@@ -353,7 +361,7 @@ class Crowd(HttpTest):
         self.meniscus("load", *SMALL)
         before = self.scrape()["process_resident_memory_bytes"].value()
         for _ in range(4):
-            self.connect(64, b"GET /metrics HTTP/1.1\r\nHost: x\r\n\r\n" * 200)
+            self.connect(64, b"GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n" * 200)
         after = self.scrape()["process_resident_memory_bytes"].value()
         self.assertLess(after - before, 16 << 20)
         self.assertEqual(self.ask("status")["state"], "READY")

@@ -22,7 +22,7 @@ from daemon import BUILD, ROOT, DaemonTest  # noqa: E402
 
 sys.path.insert(0, str(BUILD / "python"))
 import meniscus  # noqa: E402
-from meniscus import case, dialogue, errors, meniscus_pb2, values  # noqa: E402
+from meniscus import case, dialogue, endpoint, errors, meniscus_pb2, values  # noqa: E402
 
 SMALL = {"resolution": 20}
 
@@ -64,6 +64,28 @@ class WithDaemon(DaemonTest):
                 meniscus.Client("nobody")
         finally:
             os.seteuid(0)
+
+    def test_a_socket_where_others_may_write_is_not_asked(self) -> None:
+        place = self.home / "theirs" / "meniscus" / "tank"
+        place.mkdir(mode=0o700, parents=True)
+        (place / "control.ipc").touch()
+        with mock.patch.dict(os.environ, XDG_RUNTIME_DIR=str(self.home / "theirs")):
+            self.assertEqual(endpoint.control_endpoint("tank"), f"ipc://{place}/control.ipc")
+            for directory in (place, place.parent):
+                directory.chmod(0o777)
+                with self.assertRaisesRegex(meniscus.UnavailableError, "not asked, as others may write"):
+                    endpoint.control_endpoint("tank")
+                directory.chmod(0o755)
+            place.rename(self.home / "moved")
+            place.symlink_to(self.home / "moved")
+            with self.assertRaises(meniscus.UnavailableError):
+                endpoint.control_endpoint("tank")
+            if os.getuid() == 0:
+                place.unlink()
+                (self.home / "moved").rename(place)
+                os.chown(place, 65534, 65534)
+                with self.assertRaises(meniscus.UnavailableError):
+                    endpoint.control_endpoint("tank")
 
     def test_the_run_directory_is_the_path_of_a_load(self) -> None:
         loaded = self.client.load("dambreak2d", SMALL, start=True)

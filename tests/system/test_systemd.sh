@@ -31,6 +31,10 @@ for word in "Type=notify" "NotifyAccess=main" "TimeoutStopSec=300" "StateDirecto
     "MemoryMax=80%" "Restart=on-failure"; do
     expect "the unit says $word" grep -qx "$word" "$unit"
 done
+uncommented_at_once() { # of two lines for a variable only the last counts
+    [ -z "$(grep -o '^#[A-Z_]*=' systemd/meniscus.conf | sort | uniq -d)" ]
+}
+expect "all that the example has can be uncommented" uncommented_at_once
 directories() {
     # In a directory that plays the root of a machine, with the user just made.
     mkdir -p "$stage/root/etc"

@@ -77,6 +77,28 @@ class Top(DaemonTest):
         self.daemon.send_signal(signal.SIGCONT)
         self.assertTrue(self.daemons()["default"]["alive"])
 
+    def test_one_that_is_stopped_and_has_a_full_queue_holds_nobody_up(self) -> None:
+        place = self.home / "run" / "meniscus" / "full"
+        place.mkdir(mode=0o700)
+        path = str(place / "control.ipc")
+        listener = socket.socket(socket.AF_UNIX)
+        listener.bind(path)
+        listener.listen(0)
+        queue = []
+        self.addCleanup((place / "control.ipc").unlink)
+        self.addCleanup(listener.close)
+        with self.assertRaises(BlockingIOError):
+            while True:
+                queue.append(socket.socket(socket.AF_UNIX))
+                self.addCleanup(queue[-1].close)
+                queue[-1].setblocking(False)
+                queue[-1].connect(path)
+        began = time.monotonic()
+        self.assertTrue(self.daemons()["full"]["silent"])
+        self.assertRegex(self.meniscus("ls").stdout, "(?m)^full +silent +- ")
+        self.assertRegex(self.meniscus("doctor", "--daemon", "full", code=1).stdout, "(?m)^problem +daemon ")
+        self.assertLess(time.monotonic() - began, 15)
+
     def test_no_more_daemons_are_shown_than_the_terminal_has_lines(self) -> None:
         for k in range(9):
             place = self.home / "run" / "meniscus" / f"gone{k}"

@@ -174,6 +174,43 @@ static void daemons_of_this_host_are_listed(void **state)
     assert_string_equal(found.endpoint + 6, f->socket);
 }
 
+/* Whoever may write where a socket is can put another in its place. */
+static void what_others_may_write_is_not_asked_and_not_listed(void **state)
+{
+    const Fixture *f = *state;
+    static const mode_t open_to_write[] = {0770, 0707, 01777};
+    char endpoint[MNS_ENDPOINT_SIZE], base[128];
+    snprintf(base, sizeof base, "%s/meniscus", f->runtime);
+    const char *const places[] = {base, f->directory};
+    for (size_t k = 0; k < 6; k++) {
+        MnsError error = {0};
+        Found found = {0};
+        chmod(places[k % 2], open_to_write[k / 2]);
+        assert_int_equal(mns_daemon_endpoint("tank", endpoint, &error), MNS_E_UNAVAILABLE);
+        if (!strstr(error.text, "others may write")) fail_msg("%s", error.text);
+        mns_daemon_list(note, &found);
+        assert_int_equal(found.n, 0);
+        chmod(places[k % 2], 0755);
+        assert_int_equal(mns_daemon_endpoint("tank", endpoint, &error), MNS_OK);
+    }
+}
+
+static void what_is_not_ours_or_leads_elsewhere_is_not_asked(void **state)
+{
+    const Fixture *f = *state;
+    char endpoint[MNS_ENDPOINT_SIZE], base[128], moved[140];
+    snprintf(base, sizeof base, "%s/meniscus", f->runtime);
+    snprintf(moved, sizeof moved, "%s/moved", f->runtime);
+    assert_int_equal(rename(base, moved) | symlink(moved, base), 0);
+    const MnsStatus by_link = mns_daemon_endpoint("tank", endpoint, NULL);
+    assert_int_equal(unlink(base) | rename(moved, base), 0);
+    assert_int_equal(by_link, MNS_E_UNAVAILABLE);
+    if (chown(f->directory, 65534, 65534)) skip(); /* only root gives things away */
+    assert_int_equal(mns_daemon_endpoint("tank", endpoint, NULL), MNS_E_UNAVAILABLE);
+    assert_int_equal(chown(f->directory, geteuid(), getegid()) | chown(base, 65534, 65534), 0);
+    assert_int_equal(mns_daemon_endpoint("tank", endpoint, NULL), MNS_E_UNAVAILABLE);
+}
+
 static void a_dead_socket_is_unavailable_at_once(void **state)
 {
     MnsClient *client = NULL;
@@ -208,6 +245,8 @@ int main(void)
         TEST(a_path_longer_than_a_unix_socket_may_have_is_invalid),
         TEST(telemetry_is_beside_the_control_socket),
         TEST(daemons_of_this_host_are_listed),
+        TEST(what_others_may_write_is_not_asked_and_not_listed),
+        TEST(what_is_not_ours_or_leads_elsewhere_is_not_asked),
         TEST(a_dead_socket_is_unavailable_at_once),
         TEST(states_have_names_and_names_have_states),
     };

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the dashboard's gateway believes of browsers, what it keeps for them, and what it gives up when they are slow. */
 #include "client/dashboard/ask.h"
-#include "client/dashboard/guard.h"
 #include "client/dashboard/history.h"
 #include "client/dashboard/session.h"
 #include "client/dashboard/watcher.h"
+#include "proto/guard.h"
 #include "tests/support/check.h"
 #include "tests/support/memory.h"
 #include <stdio.h>

@@ -206,6 +206,27 @@ static void refusals_say_what_to_do(void **state)
     assert_int_equal(refusal(question, token, ""), 0);
 }
 
+/* A browser says the name by which a page of another site has found us. */
+static void a_name_that_somebody_else_can_point_here_is_refused_where_no_token_is_asked_for(void **state)
+{
+    (void)state;
+    static const char *const good[] = {"localhost", "localhost:9464", "127.0.0.1:9464", "[::1]:9464"};
+    static const char *const bad[] = {"", "evil.example", "evil.example:9464", "127.0.0.1.evil.example",
+                                      "localhost.evil.example"};
+    Question question = {.method = "GET", .path = "/metrics"};
+    for (size_t k = 0; k < sizeof good / sizeof *good; k++) {
+        question.host = good[k];
+        assert_int_equal(refusal(question, "", ""), 0);
+    }
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        question.host = bad[k];
+        assert_int_equal(refusal(question, "", "localhost"), 403);
+    }
+    question.authorization = "Bearer 0123456789abcdef";
+    question.host = "machine.example:9464";
+    assert_int_equal(refusal(question, "0123456789abcdef", ""), 0);
+}
+
 /* --- guests ------------------------------------------------------------------------------------------------------------ */
 
 /* A socket whose other side tells whether it was shut down. */
@@ -259,6 +280,7 @@ int main(void)
         cmocka_unit_test(a_token_is_one_line_that_only_its_owner_reads),
         cmocka_unit_test(only_the_whole_token_opens),
         cmocka_unit_test(refusals_say_what_to_do),
+        cmocka_unit_test(a_name_that_somebody_else_can_point_here_is_refused_where_no_token_is_asked_for),
         cmocka_unit_test(who_has_been_there_longest_goes_when_too_many_come),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

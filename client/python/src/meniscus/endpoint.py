@@ -6,6 +6,7 @@ from __future__ import annotations
 import asyncio
 import os
 import re
+import stat
 import time
 from pathlib import Path
 from typing import List, Optional
@@ -14,12 +15,22 @@ from .errors import RefusedError, UnavailableError
 
 STARTING_S = 0.3
 LOOK_S = 0.02
+SYSTEM = Path("/run/meniscus")
 
 
 def _directories() -> List[Path]:
     runtime = os.environ.get("XDG_RUNTIME_DIR")
     first = [Path(runtime) / "meniscus"] if runtime else []
-    return first + [Path("/run/meniscus"), Path(f"/tmp/meniscus-{os.getuid()}")]
+    return first + [SYSTEM, Path(f"/tmp/meniscus-{os.getuid()}")]
+
+
+def _is_safe(base: Path, name: str) -> bool:
+    """Could nobody but this user have put a socket there? Whose systemd's places are is up to root. As places_is_safe() of proto/places.c."""
+    for directory in (base, base / name):
+        info = directory.lstat()
+        if not stat.S_ISDIR(info.st_mode) or info.st_mode & 0o022 or (base != SYSTEM and info.st_uid != os.geteuid()):
+            return False
+    return True
 
 
 def control_endpoint(daemon: Optional[str] = None) -> str:
@@ -35,19 +46,21 @@ def control_endpoint(daemon: Optional[str] = None) -> str:
         return chosen
     if "/" in chosen or ":" in chosen or chosen.startswith("."):
         raise RefusedError("INVALID_ARGUMENT", f'"{chosen}" is neither a name nor ipc://PATH nor tcp://HOST:PORT')
-    closed = ""
+    but = ""
     for directory in _directories():
         socket = directory / chosen / "control.ipc"
         try:
             socket.stat()
-            return f"ipc://{socket}"
+            if _is_safe(directory, chosen):
+                return f"ipc://{socket}"
+            but = but or f" ({directory} has one that is not asked, as others may write there)"
         except PermissionError:
-            closed = closed or f" ({directory} is closed to this user; `sudo -u meniscus` reaches daemons that systemd started)"
+            but = but or f" ({directory} is closed to this user; `sudo -u meniscus` reaches daemons that systemd started)"
         except OSError:
             pass  # it is elsewhere
     looked = ", ".join(str(directory) for directory in _directories())
     raise UnavailableError(
-        "UNAVAILABLE", f'no daemon "{chosen}" in {looked}{closed}; start one with `meniscusd --name {chosen}`'
+        "UNAVAILABLE", f'no daemon "{chosen}" in {looked}{but}; start one with `meniscusd --name {chosen}`'
     )
 
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Whose browser is let in: pages of other sites are not, though the browser that shows them can reach us. */
-#ifndef DASHBOARD_GUARD_H
-#define DASHBOARD_GUARD_H
+#ifndef PROTO_GUARD_H
+#define PROTO_GUARD_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Whose browser is let in. */
-#include "client/dashboard/guard.h"
+#include "proto/guard.h"
 #include <arpa/inet.h>
 #include <string.h>
 #include <strings.h>
