@@ -5,6 +5,7 @@
 #include "client/dashboard/history.h"
 #include "client/dashboard/session.h"
 #include "client/dashboard/watcher.h"
+#include "proto/case_name.h"
 #include "tests/support/check.h"
 #include "tests/support/memory.h"
 #include <stdio.h>
@@ -247,6 +248,24 @@ static void a_new_time_line_takes_the_place_of_the_old(void **state)
     json = history_json(&history, 0);
     assert_true(json_is_null(json_array_get(json_object_get(json_array_get(json, 0), "v"), 0)));
     json_decref(json);
+    history_clear(&history);
+}
+
+static void names_as_long_as_names_may_be_are_not_mixed_up(void **state)
+{
+    (void)state;
+    static History history;
+    char one[CASE_NAME_SIZE], other[CASE_NAME_SIZE];
+    memset(one, 'p', sizeof one - 1);
+    one[sizeof one - 1] = 0;
+    memcpy(other, one, sizeof one);
+    other[sizeof other - 2] = 'q';
+    history_init(&history);
+    for (int k = 0; k < 3; k++)
+        history_add(&history, k, 2, (const MnsValue[]){{.name = one, .unit = "Pa"}, {.name = other, .unit = "m"}});
+    assert_int_equal(history.n, 2);
+    assert_int_equal(history.series[1].n, 3);
+    assert_string_equal(history.series[1].name, other);
     history_clear(&history);
 }
 
@@ -579,6 +598,7 @@ int main(void)
         cmocka_unit_test(a_history_of_any_length_is_bounded_and_keeps_its_peaks),
         cmocka_unit_test(values_that_are_none_do_not_hide_those_that_are),
         cmocka_unit_test(a_new_time_line_takes_the_place_of_the_old),
+        cmocka_unit_test(names_as_long_as_names_may_be_are_not_mixed_up),
         cmocka_unit_test(the_past_goes_before_what_was_heard),
         cmocka_unit_test(a_picture_is_laid_out_as_the_manual_says),
         cmocka_unit_test(an_answer_without_what_was_asked_is_no_picture),
