@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 /* --- who is let in ----------------------------------------------------------------------------------------------------- */
 
@@ -585,6 +586,37 @@ static void why_a_command_cannot_begin_is_told(void **state)
     assert_non_null(strstr(error.text, "16 commands are under way"));
 }
 
+/* What one browser is answered, when it comes. */
+static json_t *answer_of(Hub *hub)
+{
+    Text *text = NULL;
+    uint64_t browser;
+    for (int k = 0; k < 2000 && !(text = hub_take_text(hub, &browser)); k++)
+        nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
+    assert_non_null(text);
+    json_t *answer = json_loadb((const char *)text->bytes + FRAME_HEADROOM, text->size, 0, NULL);
+    text->users++;
+    text_release(text);
+    assert_non_null(answer);
+    return answer;
+}
+
+static void the_journal_of_another_machine_is_not_looked_for_on_this_one(void **state)
+{
+    (void)state;
+    static Hub *hub; /* lives as long as the process */
+    hub = hub_new("tcp://192.0.2.7:5555");
+    hub_set_wake(hub, nobody_wakes, NULL);
+    hub_set_directory(hub, "/tmp"); /* which is here too */
+    assert_int_equal(worker_start(hub, 1, &(Ask){.kind = ASK_JOURNAL, .id = 7}, NULL), MNS_OK);
+    json_t *answer = answer_of(hub);
+    const char *message = json_string_value(json_object_get(json_object_get(answer, "error"), "message"));
+    assert_non_null(message);
+    assert_non_null(strstr(message, "the machine of the daemon"));
+    assert_non_null(strstr(message, "meniscus log /tmp"));
+    json_decref(answer);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -609,6 +641,7 @@ int main(void)
         cmocka_unit_test(a_history_of_any_size_reaches_a_browser_piece_by_piece),
         cmocka_unit_test(another_run_on_the_way_begins_the_history_again),
         cmocka_unit_test(why_a_command_cannot_begin_is_told),
+        cmocka_unit_test(the_journal_of_another_machine_is_not_looked_for_on_this_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
