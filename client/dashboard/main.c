@@ -99,20 +99,19 @@ typedef struct Start {
     const Options *options;
 } Start;
 
-static void started(void *arg, int port)
+static MnsStatus started(void *arg, int port, MnsError *error)
 {
     const Start *start = arg;
     char where[64];
-    MnsError error = {0};
     address_print(&start->options->server.address, port, where);
-    MnsStatus status = watcher_start(start->hub, &error);
-    if (!status) status = painter_start(start->hub, start->options->frames, &error);
-    if (status) fprintf(stderr, "meniscus-dashboard: %s\n", error.text);
-    else fprintf(stderr, "meniscus-dashboard: %s is at http://%s/\n", hub_daemon(start->hub), where);
+    MnsStatus status = watcher_start(start->hub, error);
+    if (!status) status = painter_start(start->hub, start->options->frames, error);
+    if (status) return status;
+    fprintf(stderr, "meniscus-dashboard: %s is at http://%s/\n", hub_daemon(start->hub), where);
     if (!start->options->server.address.loopback)
         fprintf(stderr,
                 "meniscus-dashboard: HTTP is not encrypted: between machines use a tunnel or a proxy with TLS\n");
-    if (status) server_stop();
+    return MNS_OK;
 }
 
 int main(int argc, char **argv)
@@ -131,5 +130,5 @@ int main(int argc, char **argv)
     if (!status && !hub) status = mns_fail(&error, MNS_E_MEMORY, "no memory");
     if (!status) return MNS_EXIT_DONE;
     fprintf(stderr, "meniscus-dashboard: %s\n", error.text);
-    return status == MNS_E_IO ? MNS_EXIT_IO : status == MNS_E_MEMORY ? MNS_EXIT_FAILED : MNS_EXIT_USAGE;
+    return status == MNS_E_IO ? MNS_EXIT_IO : status == MNS_E_INVALID ? MNS_EXIT_USAGE : MNS_EXIT_FAILED;
 }

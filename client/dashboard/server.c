@@ -410,23 +410,25 @@ static MnsStatus listen_at(Server *server, char *where, size_t size, MnsError *e
     return MNS_OK;
 }
 
-MnsStatus server_run(Hub *hub, const ServerOptions *options, void (*started)(void *arg, int port), void *arg,
-                     MnsError *error)
+MnsStatus server_run(Hub *hub, const ServerOptions *options, MnsStatus (*started)(void *arg, int port, MnsError *error),
+                     void *arg, MnsError *error)
 {
     char where[INET6_ADDRSTRLEN];
     Server *server = calloc(1, sizeof *server);
     if (!server) return mns_fail(error, MNS_E_MEMORY, "no memory for a server");
     server->hub = hub;
     server->options = options;
-    const MnsStatus status = listen_at(server, where, sizeof where, error);
+    MnsStatus status = listen_at(server, where, sizeof where, error);
     if (status) {
         free(server);
         return status;
     }
     to_wake = server->context;
     hub_set_wake(hub, wake, server->context);
-    started(arg, lws_get_vhost_listen_port(server->vhost));
-    while (!stopped && lws_service(server->context, 0) >= 0) {}
+    status = started(arg, lws_get_vhost_listen_port(server->vhost), error);
+    while (!status && !stopped)
+        if (lws_service(server->context, 0) < 0 && !stopped)
+            status = mns_fail(error, MNS_E_INTERNAL, "browsers can no longer be served");
     /* The other threads may still wake it: what is left ends with the process. */
-    return MNS_OK;
+    return status;
 }

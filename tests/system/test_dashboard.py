@@ -8,6 +8,7 @@ import http.client
 import json
 import os
 import re
+import resource
 import socket
 import struct
 import subprocess
@@ -240,6 +241,16 @@ class Strangers(DashboardTest):
             done = subprocess.run([BUILD / "meniscus-dashboard", *options], env=self.environment, capture_output=True, text=True, timeout=20)
             self.assertEqual(done.returncode, 2, done.stderr)
             self.assertIn(words, done.stderr)
+
+    def test_what_cannot_begin_ends_with_a_failure(self) -> None:
+        def no_room_for_a_stack() -> None:
+            resource.setrlimit(resource.RLIMIT_STACK, (2 << 30, resource.getrlimit(resource.RLIMIT_STACK)[1]))
+            resource.setrlimit(resource.RLIMIT_AS, (1 << 30, resource.getrlimit(resource.RLIMIT_AS)[1]))
+
+        done = subprocess.run([BUILD / "meniscus-dashboard", "--http", "0"], env=self.environment, capture_output=True, text=True, timeout=20,
+                              preexec_fn=no_room_for_a_stack)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertEqual(done.stderr, "meniscus-dashboard: the system gives no thread\n")
 
 
 class Misbehaviour(DashboardTest):
