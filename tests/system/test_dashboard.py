@@ -334,6 +334,17 @@ class Misbehaviour(DashboardTest):
                 return
         self.fail("nobody is let in when there is room again")
 
+    def test_those_who_say_nothing_keep_nobody_out(self) -> None:
+        greeted = self.browser()
+        silent = [self.browser(greet=False) for _ in range(70)]
+        late = self.browser()
+        self.assertEqual(silent[0].socket.recv(1), b"")
+        silent[-1].say(do="hello")
+        silent[-1].until("hello")
+        for browser in (greeted, late):
+            browser.say(do="history")
+            browser.until("history")
+
 
 class Steering(DashboardTest):
     def test_commands_take_effect_and_all_see_it(self) -> None:
