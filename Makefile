@@ -76,6 +76,8 @@ FUZZ      := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/fuzz))
 TORTURE   := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/torture))
 BENCH     := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/bench))
 DASHBOARD_ALL := $(addprefix $(BUILD)/,meniscus-dashboard man/meniscus-dashboard.8)
+# With the dashboard where that was built once, lest it is one of other sources.
+INSTALLED := all $(if $(wildcard $(BUILD)/meniscus-dashboard),$(DASHBOARD_ALL))
 MANUALS   := $(addprefix $(BUILD)/man/,meniscus.1 meniscusd.8 meniscus-case.5)
 SUPPORT   := $(call objects,$(call sources,tests/support))
 
@@ -183,7 +185,7 @@ pictures: ## draw those of the README again: some minutes
 format: ## lay out the sources
 	clang-format -i $$(git ls-files '*.c' '*.h')
 
-install: all ## install below $(DESTDIR)$(PREFIX)
+install: $(INSTALLED) ## install below $(DESTDIR)$(PREFIX)
 	DESTDIR=$(DESTDIR) PREFIX=$(PREFIX) BUILD=$(BUILD) VERSION=$(VERSION) tests/support/install.sh install
 
 uninstall: ## remove what install put there
@@ -191,7 +193,7 @@ uninstall: ## remove what install put there
 
 deb: ## a Debian package, with the dashboard where that was built; DEBFULLNAME and DEBEMAIL say whose
 	@tests/support/packages.sh deb
-	@$(MAKE) --no-print-directory -s $(PARALLEL) all
+	@$(MAKE) --no-print-directory -s $(PARALLEL) $(INSTALLED)
 	@BUILD=$(BUILD) VERSION=$(VERSION) tests/support/deb.sh
 
 clean: ## remove the build

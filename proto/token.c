@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -56,6 +57,20 @@ MnsStatus token_read(const char *path, Token *ret, MnsError *error)
     status = check_text(path, text, error);
     if (!status) memcpy(ret->text, text, size + 1);
     return status;
+}
+
+MnsStatus token_make(Token *ret, MnsError *error)
+{
+    static const char digits[] = "0123456789abcdef";
+    unsigned char bytes[16];
+    if (getrandom(bytes, sizeof bytes, 0) != (ssize_t)sizeof bytes)
+        return mns_fail(error, MNS_E_IO, "cannot make a token: %s", strerror(errno));
+    for (size_t k = 0; k < sizeof bytes; k++) {
+        ret->text[2 * k] = digits[bytes[k] >> 4];
+        ret->text[2 * k + 1] = digits[bytes[k] & 15];
+    }
+    ret->text[2 * sizeof bytes] = 0;
+    return MNS_OK;
 }
 
 bool token_is(const Token *token, const char *word)

@@ -15,6 +15,9 @@ typedef struct Token {
 /* Read the one line of a file that only its owner can read. MNS_E_IO; MNS_E_INVALID if others can, or it is no such word. */
 MnsStatus token_read(const char *path, Token *ret, MnsError *error);
 
+/* Make one that nobody can guess. MNS_E_IO: the system has nothing to make it of. */
+MnsStatus token_make(Token *ret, MnsError *error);
+
 /* Is this the token? Takes as long for any wrong word of a length. */
 bool token_is(const Token *token, const char *word);
 

@@ -3,6 +3,7 @@
 #include "client/dashboard/about.h"
 #include "client/cli/output.h"
 #include "client/cli/render_colour.h"
+#include "proto/case_name.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -32,7 +33,7 @@ static json_t *maps_json(void)
 }
 
 /* Names of the fluids, or the walls, one by one until there are no more. */
-static size_t ask_names(MnsClient *client, const char *list, char names[MOST_PHASES][64])
+static size_t ask_names(MnsClient *client, const char *list, char names[MOST_PHASES][CASE_NAME_SIZE])
 {
     size_t n = 0;
     while (n < MOST_PHASES) {
@@ -41,7 +42,7 @@ static size_t ask_names(MnsClient *client, const char *list, char names[MOST_PHA
         snprintf(path, sizeof path, "%s[%zu].name", list, n);
         if (mns_client_get(client, 1, (const char *const[]){path}, &reply, NULL) != MNS_OK) break;
         const char *name = reply->n_values == 1 && reply->values[0].text ? reply->values[0].text : list;
-        snprintf(names[n++], 64, "%s", name);
+        snprintf(names[n++], CASE_NAME_SIZE, "%s", name);
         mns_reply_free(reply);
     }
     return n;
@@ -49,7 +50,7 @@ static size_t ask_names(MnsClient *client, const char *list, char names[MOST_PHA
 
 static json_t *fluids_json(MnsClient *client)
 {
-    char names[MOST_PHASES][64];
+    char names[MOST_PHASES][CASE_NAME_SIZE];
     const char *list[MOST_PHASES];
     Colour colours[MOST_PHASES];
     json_t *fluids = json_array();
@@ -63,7 +64,7 @@ static json_t *fluids_json(MnsClient *client)
 
 static json_t *walls_json(MnsClient *client)
 {
-    char names[MOST_PHASES][64];
+    char names[MOST_PHASES][CASE_NAME_SIZE];
     json_t *walls = json_array();
     const size_t n = ask_names(client, "walls", names);
     for (size_t k = 0; k < n; k++) json_array_append_new(walls, json_string(names[k]));

@@ -4,13 +4,14 @@
 #ifndef DASHBOARD_HISTORY_H
 #define DASHBOARD_HISTORY_H
 
+#include "proto/case_name.h"
 #include <jansson.h>
 #include <meniscus/client.h>
 
 enum { HISTORY_PROBES = 256, HISTORY_POINTS = 4000 };
 
 typedef struct Series {
-    char name[64], unit[32];
+    char name[CASE_NAME_SIZE], unit[32];
     size_t n;         /* points */
     uint64_t thinned; /* how often half of them were given up */
     double *t, *v;    /* [HISTORY_POINTS] */

@@ -18,9 +18,11 @@ static const char usage[] =
     "\n"
     "  -d, --daemon NAME|ENDPOINT  which daemon; default $MENISCUS_DAEMON, or the one named default\n"
     "      --http [ADDRESS:]PORT   where to serve browsers; default 127.0.0.1:9465; port 0 is any free one\n"
-    "      --http-token FILE       ask browsers for the word in this file, which only its owner can read; must be "
-    "given\n"
-    "                              where other machines reach the address\n"
+    "      --http-token FILE       ask browsers for the word in this file, which only its owner can read; without it "
+    "one "
+    "is\n"
+    "                              made, and is in the address that is printed\n"
+    "      --no-token              ask for none: whoever has an account on this machine can steer the run\n"
     "      --allow-host NAME       a name by which browsers call this machine, besides its own; may be repeated\n"
     "      --frames N              at most N pictures a second, for all browsers together; default 30\n"
     "  -h, --help                  print this\n"
@@ -31,7 +33,7 @@ typedef struct Options {
     double frames;
     ServerOptions server;
     char host[256]; /* of this machine */
-    bool has_token;
+    bool has_token, no_token;
 } Options;
 
 static MnsStatus read_frames(const char *text, double *ret, MnsError *error)
@@ -58,19 +60,36 @@ static MnsStatus take(int letter, Options *options, MnsError *error)
     case 'd': options->daemon = optarg; return MNS_OK;
     case 'p': return address_parse(optarg, &options->server.address, error);
     case 't': options->has_token = true; return token_read(optarg, &options->server.token, error);
+    case 'n': options->no_token = true; return MNS_OK;
     case 'a': return add_host(&options->server.guard, optarg, error);
     case 'f': return read_frames(optarg, &options->frames, error);
     default: return mns_fail(error, MNS_E_INVALID, "`meniscus-dashboard --help` lists the options");
     }
 }
 
+static MnsStatus settle_token(Options *options, MnsError *error)
+{
+    if (options->has_token && options->no_token)
+        return mns_fail(error, MNS_E_INVALID, "--http-token and --no-token exclude each other");
+    if (options->no_token && !options->server.address.loopback)
+        return mns_fail_at(
+            error, MNS_E_INVALID, "http",
+            "other machines reach that address, so whoever knows it could steer the run: do without --no-token");
+    return options->has_token || options->no_token ? MNS_OK : token_make(&options->server.token, error);
+}
+
 static MnsStatus read_options(int argc, char **argv, Options *options, MnsError *error)
 {
     static const struct option longs[] = {
-        {"daemon", required_argument, NULL, 'd'},     {"http", required_argument, NULL, 'p'},
-        {"http-token", required_argument, NULL, 't'}, {"allow-host", required_argument, NULL, 'a'},
-        {"frames", required_argument, NULL, 'f'},     {"help", no_argument, NULL, 'h'},
-        {"version", no_argument, NULL, 'V'},          {0},
+        {"daemon", required_argument, NULL, 'd'},
+        {"http", required_argument, NULL, 'p'},
+        {"http-token", required_argument, NULL, 't'},
+        {"no-token", no_argument, NULL, 'n'},
+        {"allow-host", required_argument, NULL, 'a'},
+        {"frames", required_argument, NULL, 'f'},
+        {"help", no_argument, NULL, 'h'},
+        {"version", no_argument, NULL, 'V'},
+        {0},
     };
     MnsStatus status = address_parse("9465", &options->server.address, error);
     if (!gethostname(options->host, sizeof options->host - 1)) add_host(&options->server.guard, options->host, NULL);
@@ -81,11 +100,7 @@ static MnsStatus read_options(int argc, char **argv, Options *options, MnsError 
     }
     if (status) return status;
     if (optind < argc) return mns_fail(error, MNS_E_INVALID, "there is no use for \"%.200s\"", argv[optind]);
-    if (options->server.address.loopback || options->has_token) return MNS_OK;
-    return mns_fail_at(
-        error, MNS_E_INVALID, "http",
-        "other machines reach that address, so whoever knows it could steer the run: give a token too, with "
-        "--http-token FILE");
+    return settle_token(options, error);
 }
 
 static void end(int signal)
@@ -99,20 +114,22 @@ typedef struct Start {
     const Options *options;
 } Start;
 
-static void started(void *arg, int port)
+static MnsStatus started(void *arg, int port, MnsError *error)
 {
     const Start *start = arg;
     char where[64];
-    MnsError error = {0};
     address_print(&start->options->server.address, port, where);
-    MnsStatus status = watcher_start(start->hub, &error);
-    if (!status) status = painter_start(start->hub, start->options->frames, &error);
-    if (status) fprintf(stderr, "meniscus-dashboard: %s\n", error.text);
-    else fprintf(stderr, "meniscus-dashboard: %s is at http://%s/\n", hub_daemon(start->hub), where);
+    MnsStatus status = watcher_start(start->hub, error);
+    if (!status) status = painter_start(start->hub, start->options->frames, error);
+    if (status) return status;
+    /* A word that somebody keeps in a file stays there. */
+    const char *word = start->options->has_token ? "" : start->options->server.token.text;
+    fprintf(stderr, "meniscus-dashboard: %s is at http://%s/%s%s\n", hub_daemon(start->hub), where,
+            *word ? "#token=" : "", word);
     if (!start->options->server.address.loopback)
         fprintf(stderr,
                 "meniscus-dashboard: HTTP is not encrypted: between machines use a tunnel or a proxy with TLS\n");
-    if (status) server_stop();
+    return MNS_OK;
 }
 
 int main(int argc, char **argv)
@@ -131,5 +148,5 @@ int main(int argc, char **argv)
     if (!status && !hub) status = mns_fail(&error, MNS_E_MEMORY, "no memory");
     if (!status) return MNS_EXIT_DONE;
     fprintf(stderr, "meniscus-dashboard: %s\n", error.text);
-    return status == MNS_E_IO ? MNS_EXIT_IO : status == MNS_E_MEMORY ? MNS_EXIT_FAILED : MNS_EXIT_USAGE;
+    return status == MNS_E_IO ? MNS_EXIT_IO : status == MNS_E_INVALID ? MNS_EXIT_USAGE : MNS_EXIT_FAILED;
 }

@@ -16,7 +16,7 @@ _Static_assert(LWS_PRE <= FRAME_HEADROOM, "the library writes its header before 
 /* One connection: a file being sent, or a browser. */
 typedef struct Visit {
     const File *file; /* whose body is due */
-    bool is_browser;
+    bool is_browser;  /* until it has parted, which may be before its connection is closed */
     struct lws *wsi;
     Session session;
     char *heard; /* [ASK_BYTES] the message so far */
@@ -168,17 +168,6 @@ static int close_for(struct lws *wsi, enum lws_close_status why, const char *wor
     return -1;
 }
 
-static bool admit(Server *server, Visit *visit, struct lws *wsi)
-{
-    if (server->n_browsers == HUB_BROWSERS) return false;
-    *visit = (Visit){.is_browser = true, .wsi = wsi, .heard = malloc(ASK_BYTES)};
-    if (!visit->heard) return false;
-    session_init(&visit->session, ++server->next_id);
-    server->browsers[server->n_browsers++] = visit;
-    lws_set_timer_usecs(wsi, (lws_usec_t)GREETING_S * LWS_USEC_PER_SEC);
-    return true;
-}
-
 static void part(Server *server, Visit *visit)
 {
     size_t k = 0;
@@ -190,6 +179,32 @@ static void part(Server *server, Visit *visit)
     *visit = (Visit){0};
     forget_unwanted(server);
     demand(server);
+}
+
+/* Of those that have not said who they are the one that has been here longest goes, lest they keep out who does: each of them may say
+ * nothing for GREETING_S. */
+static void show_out_silent(Server *server)
+{
+    Visit *oldest = NULL;
+    for (size_t k = 0; k < server->n_browsers; k++) {
+        Visit *visit = server->browsers[k];
+        if (!visit->session.welcome && (!oldest || visit->session.id < oldest->session.id)) oldest = visit;
+    }
+    if (!oldest) return;
+    hang_up(oldest);
+    part(server, oldest);
+}
+
+static bool admit(Server *server, Visit *visit, struct lws *wsi)
+{
+    if (server->n_browsers == HUB_BROWSERS) show_out_silent(server);
+    if (server->n_browsers == HUB_BROWSERS) return false;
+    *visit = (Visit){.is_browser = true, .wsi = wsi, .heard = malloc(ASK_BYTES)};
+    if (!visit->heard) return false;
+    session_init(&visit->session, ++server->next_id);
+    server->browsers[server->n_browsers++] = visit;
+    lws_set_timer_usecs(wsi, (lws_usec_t)GREETING_S * LWS_USEC_PER_SEC);
+    return true;
 }
 
 static int welcome(Server *server, Visit *visit, const Ask *ask)
@@ -348,8 +363,8 @@ static int serve(struct lws *wsi, enum lws_callback_reasons reason, void *user, 
     case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION: return filter(server, wsi);
     case LWS_CALLBACK_ESTABLISHED:
         return admit(server, visit, wsi) ? 0 : close_for(wsi, LWS_CLOSE_STATUS_NO_STATUS, "");
-    case LWS_CALLBACK_RECEIVE: return hear(server, visit, in, len);
-    case LWS_CALLBACK_SERVER_WRITEABLE: return write_next(server, visit);
+    case LWS_CALLBACK_RECEIVE: return visit->is_browser ? hear(server, visit, in, len) : -1;
+    case LWS_CALLBACK_SERVER_WRITEABLE: return visit->is_browser ? write_next(server, visit) : -1;
     case LWS_CALLBACK_TIMER:
         return visit->session.welcome ? 0 : close_for(wsi, LWS_CLOSE_STATUS_POLICY_VIOLATION, "hello");
     case LWS_CALLBACK_CLOSED: part(server, visit); return 0;
@@ -410,23 +425,25 @@ static MnsStatus listen_at(Server *server, char *where, size_t size, MnsError *e
     return MNS_OK;
 }
 
-MnsStatus server_run(Hub *hub, const ServerOptions *options, void (*started)(void *arg, int port), void *arg,
-                     MnsError *error)
+MnsStatus server_run(Hub *hub, const ServerOptions *options, MnsStatus (*started)(void *arg, int port, MnsError *error),
+                     void *arg, MnsError *error)
 {
     char where[INET6_ADDRSTRLEN];
     Server *server = calloc(1, sizeof *server);
     if (!server) return mns_fail(error, MNS_E_MEMORY, "no memory for a server");
     server->hub = hub;
     server->options = options;
-    const MnsStatus status = listen_at(server, where, sizeof where, error);
+    MnsStatus status = listen_at(server, where, sizeof where, error);
     if (status) {
         free(server);
         return status;
     }
     to_wake = server->context;
     hub_set_wake(hub, wake, server->context);
-    started(arg, lws_get_vhost_listen_port(server->vhost));
-    while (!stopped && lws_service(server->context, 0) >= 0) {}
+    status = started(arg, lws_get_vhost_listen_port(server->vhost), error);
+    while (!status && !stopped)
+        if (lws_service(server->context, 0) < 0 && !stopped)
+            status = mns_fail(error, MNS_E_INTERNAL, "browsers can no longer be served");
     /* The other threads may still wake it: what is left ends with the process. */
-    return MNS_OK;
+    return status;
 }

@@ -14,9 +14,10 @@ typedef struct ServerOptions {
     Guard guard;
 } ServerOptions;
 
-/* Listen, then call started(arg, port); serve until *stop. MNS_E_IO: nobody can listen there. */
-MnsStatus server_run(Hub *hub, const ServerOptions *options, void (*started)(void *arg, int port), void *arg,
-                     MnsError *error);
+/* Listen, then call started(arg, port, error), and unless that fails serve until server_stop(). MNS_E_IO: nobody can listen there;
+ * MNS_E_INTERNAL: the library has given up. */
+MnsStatus server_run(Hub *hub, const ServerOptions *options, MnsStatus (*started)(void *arg, int port, MnsError *error),
+                     void *arg, MnsError *error);
 
 /* End server_run(); safe in a signal handler. */
 void server_stop(void);

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # install.sh install|uninstall: put what was built below $DESTDIR$PREFIX, or take the same files away again. One list serves
-# both, so uninstall leaves nothing behind. $LIBDIR is for distributions that keep libraries elsewhere than in $PREFIX/lib.
+# both, so uninstall leaves nothing behind; it needs no build for that. $LIBDIR is for distributions that keep libraries elsewhere than in
+# $PREFIX/lib.
 set -eu
 cd "$(dirname "$0")/../.."
 BUILD=${BUILD:-build} PREFIX=${PREFIX:-/usr/local} DESTDIR=${DESTDIR:-} VERSION=${VERSION:?}
@@ -14,7 +15,9 @@ install | uninstall) action=$1 ;;
 esac
 
 bin=$PREFIX/bin lib=${LIBDIR:-$PREFIX/lib} share=$PREFIX/share/meniscus doc=$PREFIX/share/doc/meniscus
-python=$PREFIX/lib/python3/dist-packages/meniscus
+# Where python3 looks, which is called otherwise in /usr/local than in /usr; below any other prefix it has to be told.
+places=$(/usr/bin/python3 -I -c 'import site; print(*site.getsitepackages(), sep="\n")' 2>/dev/null || true)
+python=$(grep -m 1 "^$PREFIX/lib/" <<<"$places" || echo "$PREFIX/lib/python3/dist-packages")/meniscus
 units=$PREFIX/lib/systemd/system sysusers=$PREFIX/lib/sysusers.d tmpfiles=$PREFIX/lib/tmpfiles.d
 if [ "$PREFIX" = /usr ]; then
     # The distribution says where its own packages put these.
@@ -104,16 +107,29 @@ document server/sim/schemes/README.md schemes.md
 put 644 "$BUILD/case-reference.md" "$doc/case-reference.md"
 for file in client/pictures/*.png; do put 644 "$file" "$doc/pictures/${file##*/}"; done
 for file in client/python/examples/*.ipynb; do put 644 "$file" "$share/notebooks/${file##*/}"; done
-for file in "$BUILD"/python/meniscus/*.py*; do put 644 "$file" "$python/${file##*/}"; done
-put 644 "$BUILD/python/meniscus/py.typed" "$python/py.typed"
+if [ "$action" = install ]; then
+    for file in "$BUILD"/python/meniscus/*.py* "$BUILD/python/meniscus/py.typed"; do put 644 "$file" "$python/${file##*/}"; done
+else
+    rm -rf "$DESTDIR${python:?}" # what modules there are only a build knows
+fi
 fill systemd/meniscusd@.service "$units/meniscusd@.service"
 put 644 systemd/meniscus.sysusers "$sysusers/meniscus.conf"
 put 644 systemd/meniscus.tmpfiles "$tmpfiles/meniscus.conf"
 
 if [ "$action" = uninstall ]; then
     # Directories of our own go too, once they are empty; those that others share stay.
-    for directory in "$PREFIX/include/meniscus" "$share/cases" "$share/monitoring" "$share/proto" "$share/workflows/__pycache__" "$share/workflows" "$share/notebooks" "$share" "$doc/pictures" "$doc" "$python/__pycache__" "$python"; do
-        case $directory in */__pycache__) rm -rf "${DESTDIR:?}$directory" ;; esac
+    for directory in "$PREFIX/include/meniscus" "$share/cases" "$share/monitoring" "$share/proto" "$share/workflows/__pycache__" "$share/workflows" "$share/notebooks" "$share" "$doc/pictures" "$doc"; do
+        case $directory in */__pycache__) rm -rf "$DESTDIR${directory:?}" ;; esac
         if [ -d "$DESTDIR$directory" ]; then rmdir --ignore-fail-on-non-empty "$DESTDIR$directory"; fi
+    done
+fi
+
+# What a package's scripts do otherwise: the user, the directories, and that libraries and units are found. Of other prefixes systemd knows nothing.
+if [ "$action$DESTDIR" = install ] && { [ "$PREFIX" = /usr ] || [ "$PREFIX" = /usr/local ]; }; then
+    after=("systemd-sysusers $sysusers/meniscus.conf" "systemd-tmpfiles --create $tmpfiles/meniscus.conf" ldconfig)
+    if [ -d /run/systemd/system ]; then after+=("systemctl daemon-reload"); fi
+    for command in "${after[@]}"; do
+        # shellcheck disable=SC2086 # words
+        if [ "$(id -u)" != 0 ] || ! $command; then echo "still to be done by root: $command" >&2; fi
     done
 fi

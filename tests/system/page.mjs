@@ -4,6 +4,7 @@
 import { spawn } from "node:child_process";
 import { createRequire } from "node:module";
 import { once } from "node:events";
+import { writeFileSync } from "node:fs";
 import path from "node:path";
 
 const [build, pictures] = process.argv.slice(2).map((word) => path.resolve(word));
@@ -11,13 +12,19 @@ const { default: puppeteer } = await import(createRequire(path.join(build, "web-
 export const PATIENCE_MS = 20000;
 /** What went wrong in the pages, and what they asked others for. */
 export const complaints = [], elsewhere = [];
-let port = "0", gateway;
+let port = "0", address = "", gateway;
 
+/** As it comes; once more at the same address, with the same word. */
 export async function startGateway() {
-  gateway = spawn(path.join(build, "meniscus-dashboard"), ["--http", port], { stdio: ["ignore", "ignore", "pipe"] });
+  const word = path.join(pictures, "token"), again = address ? ["--http-token", word] : [];
+  if (address) writeFileSync(word, new URL(address).hash.slice("#token=".length), { mode: 0o600 });
+  gateway = spawn(path.join(build, "meniscus-dashboard"), ["--http", port, ...again], { stdio: ["ignore", "ignore", "pipe"] });
   for await (const line of gateway.stderr) {
-    const found = /127\.0\.0\.1:(\d+)/.exec(String(line));
-    if (found) return void (port = found[1]);
+    const found = /http:\/\/127\.0\.0\.1:(\d+)\/\S*/.exec(String(line));
+    if (!found) continue;
+    port = found[1];
+    address ||= found[0];
+    return;
   }
   throw new Error("the gateway did not start");
 }
@@ -59,7 +66,7 @@ export async function open(chromium, scheme, prepare = async () => {}) {
   page.on("console", (message) => message.type() === "error" && complaints.push(message.text()));
   page.on("request", (request) => request.url().startsWith(`http://127.0.0.1:${port}/`) || request.url().startsWith("data:") || elsewhere.push(request.url()));
   await prepare(page);
-  await page.goto(`http://127.0.0.1:${port}/`);
+  await page.goto(address);
   return page;
 }
 

@@ -8,6 +8,7 @@ import http.client
 import json
 import os
 import re
+import resource
 import socket
 import struct
 import subprocess
@@ -151,7 +152,7 @@ class DashboardTest(DaemonTest):
     @classmethod
     def setUpClass(cls) -> None:
         super().setUpClass()
-        cls.gateway, cls.port = cls.start_gateway("gateway")
+        cls.gateway, cls.port = cls.start_gateway("gateway", "--no-token")
 
     @classmethod
     def start_gateway(cls, name: str, *options: str) -> "tuple[subprocess.Popen[bytes], int]":
@@ -166,7 +167,7 @@ class DashboardTest(DaemonTest):
         cls.addClassCleanup(end)
         until = time.monotonic() + 20
         while time.monotonic() < until:
-            found = re.search(r"is at http://127\.0\.0\.1:(\d+)/", log.read_text())
+            found = re.search(r"is at http://[0-9.]+:(\d+)/", log.read_text())
             if found:
                 return gateway, int(found[1])
             time.sleep(0.02)
@@ -190,6 +191,12 @@ class DashboardTest(DaemonTest):
 
 
 class Strangers(DashboardTest):
+    @classmethod
+    def setUpClass(cls) -> None:
+        super().setUpClass()
+        (cls.home / "token-of-two").write_text("0123456789abcdef\n")
+        (cls.home / "token-of-two").chmod(0o600)
+
     def fetch(self, path: str, method: str = "GET", **headers: str) -> "tuple[int, http.client.HTTPMessage, bytes]":
         with contextlib.closing(http.client.HTTPConnection("127.0.0.1", self.port, timeout=20)) as connection:
             connection.request(method, path, headers=headers)
@@ -234,12 +241,50 @@ class Strangers(DashboardTest):
         browser.say(do="hello", token="0123456789abcdef")
         browser.until("status")
 
+    def test_who_was_not_told_the_address_is_kept_out_by_default(self) -> None:
+        tokens = set()
+        for name in ("one", "two"):
+            _, port = self.start_gateway(name)
+            found = re.search(r"is at (http://127\.0\.0\.1:(\d+)/#token=([0-9a-f]{32}))\n", (self.home / f"{name}.log").read_text())
+            assert found, "no address to open"
+            self.assertEqual(int(found[2]), port)
+            tokens.add(found[3])
+            stranger = self.browser(greet=False, port=port)
+            stranger.say(do="hello")
+            self.assertEqual(stranger.closed(), (1008, b"token"))
+            browser = self.browser(greet=False, port=port)
+            browser.say(do="hello", token=found[3])
+            browser.until("status")
+        self.assertEqual(len(tokens), 2)
+
+    def test_a_token_of_a_file_is_not_printed(self) -> None:
+        token = self.home / "secret"
+        token.write_text("fedcba9876543210\n")
+        token.chmod(0o600)
+        self.start_gateway("secret", "--http-token", str(token))
+        self.assertNotIn("fedcba", (self.home / "secret.log").read_text())
+
     def test_other_machines_are_served_for_a_token_only(self) -> None:
-        for options, words in ((("--http", "0.0.0.0:0"), "--http-token"), (("--http", "x"), "takes a port"), (("--frames", "0"), "--frames takes"),
+        _, port = self.start_gateway("everywhere", "--http", "0.0.0.0:0")
+        stranger = self.browser(greet=False, port=port)
+        stranger.say(do="hello")
+        self.assertEqual(stranger.closed(), (1008, b"token"))
+        for options, words in ((("--http", "0.0.0.0:0", "--no-token"), "without --no-token"),
+                               (("--http-token", str(self.home / "token-of-two"), "--no-token"), "exclude each other"), (("--http", "x"), "takes a port"), (("--frames", "0"), "--frames takes"),
                                (("sloshing2d",), "no use"), (("--nonsense",), "--help")):
             done = subprocess.run([BUILD / "meniscus-dashboard", *options], env=self.environment, capture_output=True, text=True, timeout=20)
             self.assertEqual(done.returncode, 2, done.stderr)
             self.assertIn(words, done.stderr)
+
+    def test_what_cannot_begin_ends_with_a_failure(self) -> None:
+        def no_room_for_a_stack() -> None:
+            resource.setrlimit(resource.RLIMIT_STACK, (2 << 30, resource.getrlimit(resource.RLIMIT_STACK)[1]))
+            resource.setrlimit(resource.RLIMIT_AS, (1 << 30, resource.getrlimit(resource.RLIMIT_AS)[1]))
+
+        done = subprocess.run([BUILD / "meniscus-dashboard", "--http", "0"], env=self.environment, capture_output=True, text=True, timeout=20,
+                              preexec_fn=no_room_for_a_stack)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertEqual(done.stderr, "meniscus-dashboard: the system gives no thread\n")
 
 
 class Misbehaviour(DashboardTest):
@@ -322,6 +367,17 @@ class Misbehaviour(DashboardTest):
                 late.until("hello")
                 return
         self.fail("nobody is let in when there is room again")
+
+    def test_those_who_say_nothing_keep_nobody_out(self) -> None:
+        greeted = self.browser()
+        silent = [self.browser(greet=False) for _ in range(70)]
+        late = self.browser()
+        self.assertEqual(silent[0].socket.recv(1), b"")
+        silent[-1].say(do="hello")
+        silent[-1].until("hello")
+        for browser in (greeted, late):
+            browser.say(do="history")
+            browser.until("history")
 
 
 class Steering(DashboardTest):
@@ -409,7 +465,7 @@ class Steering(DashboardTest):
     def test_a_gateway_that_comes_late_has_the_past_from_the_beginning(self) -> None:
         self.meniscus("load", *SMALL, "--set", "output.probe_interval=1e-6")
         self.meniscus("step", "30")
-        _, port = self.start_gateway("late")
+        _, port = self.start_gateway("late", "--no-token")
         browser = self.browser(port=port)
         times: "list[float]" = []
         while len(times) < 31:  # it comes without being asked for, and may begin with nothing
@@ -425,7 +481,7 @@ class Steering(DashboardTest):
         told = browser.until_all("event", "log")
         while told["event"]["what"] != "ready":
             told["event"] = browser.until("event")
-        _, port = self.start_gateway("second")  # to which the daemon repeats the last of each
+        _, port = self.start_gateway("second", "--no-token")  # to which the daemon repeats the last of each
         second = self.browser(port=port)
         before = second.until_all("event", "log")
         for topic, message in told.items():

@@ -50,7 +50,7 @@ expect "it runs" env LD_LIBRARY_PATH="$root/opt/lib" "$stage/client"
 expect "the installed command line runs" "$root/opt/bin/meniscus" --help
 expect "the installed daemon runs" "$root/opt/bin/meniscusd" --help
 expect "the installed dashboard runs" "$root/opt/bin/meniscus-dashboard" --help
-expect "the Python client can be imported" env PYTHONPATH="$root/opt/lib/python3/dist-packages" \
+expect "the Python client can be imported where python3 is told of it" env PYTHONPATH="$root/opt/lib/python3/dist-packages" \
     /usr/bin/python3 -c "import meniscus"
 expect "bash finds its completion" bash -n "$root/opt/share/bash-completion/completions/meniscus"
 expect "zsh finds its completion" grep -q '^#compdef meniscus$' "$root/opt/share/zsh/site-functions/_meniscus"
@@ -74,12 +74,56 @@ expect "the installed example of a sweep runs" env MENISCUS="$root/opt/bin/menis
 expect "its unit names it" grep -q ' -f /opt/share/meniscus/workflows/Makefile ' "$root/opt/share/meniscus/workflows/meniscus-sweep.service"
 expect "the unit names the installed daemon" grep -q '^ExecStart=/opt/bin/meniscusd ' "$root/opt/lib/systemd/system/meniscusd@.service"
 
-expect "make uninstall works" make -s BUILD="$BUILD" DESTDIR="$root" PREFIX=/opt uninstall
+# As after `make clean`, and by whoever has the sources anew.
+expect "make uninstall works without a build" make -s BUILD="$stage/none" DESTDIR="$root" PREFIX=/opt uninstall
 nothing_left() {
     local left
-    left=$(find "$root" \( -type f -o -type l -o -name '*meniscus*' \))
+    left=$(find "${1:-$root}" \( -type f -o -type l -o -name '*meniscus*' \))
     echo "$left"
     [ -z "$left" ]
 }
 expect "uninstall leaves nothing" nothing_left
+
+built_too() { make -s -p BUILD="$1" help 2>/dev/null | grep "^INSTALLED :\?= .*meniscus-dashboard"; }
+mkdir "$stage/with"
+touch "$stage/with/meniscus-dashboard"
+expect "a dashboard that was built once is brought up to date before it is installed" built_too "$stage/with"
+left_alone() { ! built_too "$1"; }
+expect "none is made where there was none" left_alone "$stage/none"
+
+# In /usr/local itself, or rather in an empty one that nobody else sees, by who is root there; what systemd does then is only noted down.
+mkdir "$stage/noted"
+for command in systemd-sysusers systemd-tmpfiles ldconfig; do
+    # shellcheck disable=SC2016 # the command expands
+    printf '#!/bin/sh\necho "${0##*/} $*" >>"%s/noted/commands"\n' "$stage" >"$stage/noted/$command"
+    chmod +x "$stage/noted/$command"
+done
+cat >"$stage/local.sh" <<'SH'
+set -eu
+mount -t tmpfs none /usr/local
+PATH=$stage/noted:$PATH make -s BUILD="$BUILD" install
+cd /
+env -u PYTHONPATH /usr/bin/python3 -c 'import meniscus; print(meniscus.__file__)'
+env -u PYTHONPATH -u MENISCUS_CASES /usr/bin/python3 -c 'from meniscus import case; print(case.find("dambreak2d"))' | grep '^/usr/local/share/meniscus/cases/'
+cd - >/dev/null
+grep -x 'systemd-sysusers /usr/local/lib/sysusers.d/meniscus.conf' "$stage/noted/commands"
+grep -x 'systemd-tmpfiles --create /usr/local/lib/tmpfiles.d/meniscus.conf' "$stage/noted/commands"
+grep -x 'ldconfig ' "$stage/noted/commands"
+make -s BUILD="$stage/none" uninstall
+left=$(find /usr/local \( -type f -o -type l -o -name '*meniscus*' \))
+echo "$left"
+[ -z "$left" ]
+SH
+export stage BUILD
+for how in "-m" "-rm"; do
+    # shellcheck disable=SC2086 # words
+    if unshare $how mount -t tmpfs none /usr/local 2>/dev/null; then break; fi
+    how=
+done
+if [ -n "$how" ]; then
+    # shellcheck disable=SC2086
+    expect "by default Python finds it, services have their user and directories, and it goes away again" unshare $how bash "$stage/local.sh"
+else
+    echo "ok - by default Python finds it # SKIP this user may not mount a file system of its own"
+fi
 exit "$failed"

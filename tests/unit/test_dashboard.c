@@ -4,12 +4,14 @@
 #include "client/dashboard/history.h"
 #include "client/dashboard/session.h"
 #include "client/dashboard/watcher.h"
+#include "proto/case_name.h"
 #include "proto/guard.h"
 #include "tests/support/check.h"
 #include "tests/support/memory.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 /* --- who is let in ----------------------------------------------------------------------------------------------------- */
 
@@ -247,6 +249,24 @@ static void a_new_time_line_takes_the_place_of_the_old(void **state)
     json = history_json(&history, 0);
     assert_true(json_is_null(json_array_get(json_object_get(json_array_get(json, 0), "v"), 0)));
     json_decref(json);
+    history_clear(&history);
+}
+
+static void names_as_long_as_names_may_be_are_not_mixed_up(void **state)
+{
+    (void)state;
+    static History history;
+    char one[CASE_NAME_SIZE], other[CASE_NAME_SIZE];
+    memset(one, 'p', sizeof one - 1);
+    one[sizeof one - 1] = 0;
+    memcpy(other, one, sizeof one);
+    other[sizeof other - 2] = 'q';
+    history_init(&history);
+    for (int k = 0; k < 3; k++)
+        history_add(&history, k, 2, (const MnsValue[]){{.name = one, .unit = "Pa"}, {.name = other, .unit = "m"}});
+    assert_int_equal(history.n, 2);
+    assert_int_equal(history.series[1].n, 3);
+    assert_string_equal(history.series[1].name, other);
     history_clear(&history);
 }
 
@@ -566,6 +586,37 @@ static void why_a_command_cannot_begin_is_told(void **state)
     assert_non_null(strstr(error.text, "16 commands are under way"));
 }
 
+/* What one browser is answered, when it comes. */
+static json_t *answer_of(Hub *hub)
+{
+    Text *text = NULL;
+    uint64_t browser;
+    for (int k = 0; k < 2000 && !(text = hub_take_text(hub, &browser)); k++)
+        nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
+    assert_non_null(text);
+    json_t *answer = json_loadb((const char *)text->bytes + FRAME_HEADROOM, text->size, 0, NULL);
+    text->users++;
+    text_release(text);
+    assert_non_null(answer);
+    return answer;
+}
+
+static void the_journal_of_another_machine_is_not_looked_for_on_this_one(void **state)
+{
+    (void)state;
+    static Hub *hub; /* lives as long as the process */
+    hub = hub_new("tcp://192.0.2.7:5555");
+    hub_set_wake(hub, nobody_wakes, NULL);
+    hub_set_directory(hub, "/tmp"); /* which is here too */
+    assert_int_equal(worker_start(hub, 1, &(Ask){.kind = ASK_JOURNAL, .id = 7}, NULL), MNS_OK);
+    json_t *answer = answer_of(hub);
+    const char *message = json_string_value(json_object_get(json_object_get(answer, "error"), "message"));
+    assert_non_null(message);
+    assert_non_null(strstr(message, "the machine of the daemon"));
+    assert_non_null(strstr(message, "meniscus log /tmp"));
+    json_decref(answer);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -579,6 +630,7 @@ int main(void)
         cmocka_unit_test(a_history_of_any_length_is_bounded_and_keeps_its_peaks),
         cmocka_unit_test(values_that_are_none_do_not_hide_those_that_are),
         cmocka_unit_test(a_new_time_line_takes_the_place_of_the_old),
+        cmocka_unit_test(names_as_long_as_names_may_be_are_not_mixed_up),
         cmocka_unit_test(the_past_goes_before_what_was_heard),
         cmocka_unit_test(a_picture_is_laid_out_as_the_manual_says),
         cmocka_unit_test(an_answer_without_what_was_asked_is_no_picture),
@@ -589,6 +641,7 @@ int main(void)
         cmocka_unit_test(a_history_of_any_size_reaches_a_browser_piece_by_piece),
         cmocka_unit_test(another_run_on_the_way_begins_the_history_again),
         cmocka_unit_test(why_a_command_cannot_begin_is_told),
+        cmocka_unit_test(the_journal_of_another_machine_is_not_looked_for_on_this_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -116,6 +116,18 @@ static MnsStatus read_of(const char *text, mode_t mode, Token *ret, MnsError *er
     return status;
 }
 
+static void a_token_that_is_made_is_another_each_time(void **state)
+{
+    (void)state;
+    Token one, other, read;
+    assert_int_equal(token_make(&one, NULL), MNS_OK);
+    assert_int_equal(token_make(&other, NULL), MNS_OK);
+    assert_string_not_equal(one.text, other.text);
+    assert_int_equal(strspn(one.text, "0123456789abcdef"), 32);
+    assert_int_equal(read_of(one.text, 0600, &read, NULL), MNS_OK);
+    assert_true(token_is(&one, read.text) && !token_is(&one, other.text));
+}
+
 static void a_token_is_one_line_that_only_its_owner_reads(void **state)
 {
     (void)state;
@@ -277,6 +289,7 @@ int main(void)
         cmocka_unit_test(addresses_are_of_this_machine_unless_they_say_otherwise),
         cmocka_unit_test(what_is_no_address_is_refused_with_what_is_allowed),
         cmocka_unit_test(a_port_that_is_taken_is_not_taken_away),
+        cmocka_unit_test(a_token_that_is_made_is_another_each_time),
         cmocka_unit_test(a_token_is_one_line_that_only_its_owner_reads),
         cmocka_unit_test(only_the_whole_token_opens),
         cmocka_unit_test(refusals_say_what_to_do),

@@ -43,11 +43,16 @@ function kept(key, value) {
 
 /** The word that opens, from the address (…/#token=WORD), or as it was typed. */
 let token = sessionStorage.getItem("meniscus.token") ?? "";
-if (location.hash.startsWith("#token=")) {
+function takeToken() {
+  if (!location.hash.startsWith("#token=")) return false;
   token = decodeURIComponent(location.hash.slice(7));
   sessionStorage.setItem("meniscus.token", token);
   history.replaceState(null, "", location.pathname);
+  return true;
 }
+takeToken();
+// The address of a gateway that was started anew, where the page of the one before is open.
+addEventListener("hashchange", () => takeToken() && location.reload());
 
 const link = new Link(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/`, {
   message: take, frame: takeFrame, token: () => token,
@@ -61,7 +66,7 @@ const link = new Link(`${location.protocol === "https:" ? "wss" : "ws"}://${loca
 
 async function askToken() {
   const input = element("input", { type: "password", name: "token", autocomplete: "off", required: true, ariaLabel: "Token" });
-  const form = await confirmed($("ask"), "This dashboard asks for a token", "It is the word in the file that was given with --http-token.", "Open", input);
+  const form = await confirmed($("ask"), "This dashboard asks for a token", "It is in the address that meniscus-dashboard printed when it was started, or in the file that was given with --http-token.", "Open", input);
   token = String(form?.get("token") ?? "");
   sessionStorage.setItem("meniscus.token", token);
   link.open();

@@ -49,6 +49,14 @@ export function bounds(text) {
   return { lo: end(found[2]), hi: end(found[3]), openLo: found[1] === "(", openHi: found[4] === ")" };
 }
 
+/** The same in words; "" where there are none. @param {string} text */
+export function limits(text) {
+  const { lo, hi, openLo, openHi } = bounds(text);
+  if (lo === null) return hi === null ? "" : `${openHi ? "below" : "up to"} ${number(hi)}`;
+  if (hi === null) return openLo ? `above ${number(lo)}` : `${number(lo)} or more`;
+  return openLo ? `above ${number(lo)}, ${openHi ? "below" : "up to"} ${number(hi)}` : `${number(lo)} to ${openHi ? "below " : ""}${number(hi)}`;
+}
+
 /** A vector as the case writes it: "[0, -1]"; numbers only. @param {string} text @returns {number[]} */
 export function vector(text) {
   const inside = /^\[(.+)\]$/.exec(text ?? "")?.[1];

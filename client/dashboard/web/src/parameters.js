@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What can be set while the run goes on: a slider where there are bounds, a list where there are words. Changes are collected and set
 // together, all or none.
-import { bounds, number } from "./format.js";
+import { bounds, limits } from "./format.js";
 
 const DECADES = 3; // from so many on between its bounds, a slider is logarithmic
 
@@ -22,7 +22,7 @@ export function relevant(list, scheme) {
  * @returns {{to: (value: number) => number, from: (place: number) => number}|null}
  */
 export function slide(parameter) {
-  const { lo, hi } = bounds(parameter.range), whole = parameter.type === "whole number";
+  const { lo, hi, openLo, openHi } = bounds(parameter.range), whole = parameter.type === "whole number";
   if (lo === null || hi === null || !/number/.test(parameter.type)) return null;
   const logarithmic = lo > 0 && hi / lo >= 10 ** DECADES;
   const shape = logarithmic ? Math.log10 : (/** @type {number} */ x) => x, back = logarithmic ? (/** @type {number} */ x) => 10 ** x : (/** @type {number} */ x) => x;
@@ -30,10 +30,12 @@ export function slide(parameter) {
   return {
     to: (value) => Math.round(1000 * (shape(Math.min(Math.max(value, lo), hi)) - a) / (b - a)),
     from: (place) => {
-      const value = back(a + place / 1000 * (b - a));
-      if (place <= 0) return lo;
-      if (place >= 1000) return hi;
-      return whole ? Math.round(value) : Number(value.toPrecision(3));
+      const at = Math.min(Math.max(place, openLo ? 1 : 0), openHi ? 999 : 1000), value = back(a + at / 1000 * (b - a));
+      if (at === 0) return lo;
+      if (at === 1000) return hi;
+      if (whole) return Math.min(Math.max(Math.round(value), openLo ? lo + 1 : lo), openHi ? hi - 1 : hi);
+      const round = Number(value.toPrecision(3));
+      return round > lo && round < hi ? round : value;
     },
   };
 }
@@ -133,8 +135,8 @@ export class Parameters {
     }
     input.addEventListener("input", () => this.change(parameter, row, input.value));
     edit.append(input, element("span", { className: "unit" }, unit));
-    const limits = lo !== null && hi !== null ? `${number(lo)} to ${number(hi)}. ` : lo !== null ? `${number(lo)} or more. ` : "";
-    row.append(label, edit, element("p", { className: "muted" }, limits + meaning));
+    const allowed = limits(range);
+    row.append(label, edit, element("p", { className: "muted" }, (allowed && `${allowed[0].toUpperCase()}${allowed.slice(1)}. `) + meaning));
     row.classList.toggle("changed", this.changed.has(name));
     return row;
   }

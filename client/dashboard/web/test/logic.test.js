@@ -2,7 +2,7 @@
 // What needs no browser: numbers, ranges, pictures as they come, the past of the probes.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { bounds, count, duration, number, ticks, vector } from "../src/format.js";
+import { bounds, count, duration, limits, number, ticks, vector } from "../src/format.js";
 import { decode } from "../src/frame.js";
 import { appointment, told } from "../src/later.js";
 import { patience } from "../src/link.js";
@@ -65,6 +65,22 @@ test("ticks are round, within, and about as many as wanted", () => {
   }
   assert.deepEqual(ticks(1, 1, 5), []);
   assert.deepEqual(ticks(NaN, 1, 5), []);
+});
+
+test("what is allowed is said in words, which tell a bound that is from one that is not", () => {
+  const said = ["[0, 1]", "(0, 1]", "[0, 1)", "(0, 1)", "[2, inf)", "(0, inf)", "(-inf, 3]", "(-inf, 3)", ""].map(limits);
+  assert.deepEqual(said, ["0 to 1", "above 0, up to 1", "0 to below 1", "above 0, below 1", "2 or more", "above 0", "up to 3", "below 3", ""]);
+});
+
+test("a slider stays within bounds that are open", () => {
+  for (const [range, type, lo, hi] of /** @type {[string, string, number, number][]} */ ([
+    ["(0, 1]", "number", 0.001, 1], ["[0, 1)", "number", 0, 0.999], ["(1, 2)", "number", 1.001, 1.999], ["(0, 8]", "whole number", 1, 8],
+    ["[0, 8)", "whole number", 0, 7], ["(1e-6, 1)", "number", 1.01e-6, 0.986],
+  ])) {
+    const slider = slide({ name: "a", type, unit: "", range, value: "1", meaning: "", takes_effect: "" });
+    assert.equal(slider?.from(0), lo, range);
+    assert.equal(slider?.from(1000), hi, range);
+  }
 });
 
 test("bounds are read as capabilities write them", () => {

@@ -16,7 +16,7 @@ from typing import Any, Dict, Iterable, Mapping, Optional, Union
 
 import numpy as np
 import yaml
-from google.protobuf.descriptor import FieldDescriptor
+from google.protobuf.descriptor import Descriptor, FieldDescriptor
 from google.protobuf.message import Message
 
 from . import case_pb2
@@ -24,22 +24,27 @@ from .errors import CaseError
 
 OVERRIDE = "override "
 CaseSource = Union[str, Path, Mapping[str, Any]]
-_INTEGERS = {FieldDescriptor.CPPTYPE_INT32, FieldDescriptor.CPPTYPE_UINT32, FieldDescriptor.CPPTYPE_INT64,
-             FieldDescriptor.CPPTYPE_UINT64}
+# What proto/case_words.c and case_scalar.c take: Python's own int() and float() read 1_0 and Arabic digits too.
+_WHOLE = re.compile(r"0*[0-9]{1,10}")
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+_INFINITE = re.compile(r"[+-]?\.?inf")
+_PATH = re.compile(r"[^.\[\]]+(?:\.[^.\[\]]+|\[[0-9]{1,9}\])*")
 
 
 def find(case: Union[str, Path]) -> Path:
-    """A case file by path, or by name in $MENISCUS_CASES, beside the build this package is in, or where cases are installed."""
+    """A case file by path, or by name where proto/case_find.c looks: in $MENISCUS_CASES, and in the folders above this package, which
+    is in a build inside the checkout, or installed. One that pip has installed elsewhere has the usual places left."""
     path = Path(case)
     if path.is_file():
         return path
-    here = Path(__file__).resolve().parents  # BUILD/python/meniscus/case.py, with BUILD inside the checkout
-    folders = [Path(os.environ.get("MENISCUS_CASES", ".")), here[3] / "server/cases",
-               Path("/usr/local/share/meniscus/cases"), Path("/usr/share/meniscus/cases")]
+    asked = os.environ.get("MENISCUS_CASES")
+    above = [parent / cases for parent in Path(__file__).resolve().parents for cases in ("server/cases", "share/meniscus/cases")]
+    usual = [Path("/usr/local/share/meniscus/cases"), Path("/usr/share/meniscus/cases")]
+    folders = ([Path(asked)] if asked else []) + [folder for folder in above + usual if folder.is_dir()]
     for folder in folders:
         if (folder / f"{case}.yaml").is_file():
             return folder / f"{case}.yaml"
-    looked = ", ".join(str(folder) for folder in folders)
+    looked = ", ".join(str(folder) for folder in dict.fromkeys(folders)) or "$MENISCUS_CASES or above the package"
     raise CaseError("NOT_FOUND", f'there is no file "{case}" and no case of that name in {looked}')
 
 
@@ -77,44 +82,55 @@ class CaseText:
         """case: a path, a name, or a mapping that has the shape of a case file."""
         if isinstance(case, Mapping):
             self.name, self.file = "case", "case"
-            text = as_yaml(case)
+            text = as_yaml(case).encode("utf-8", "surrogatepass")
         else:
             path = find(case)
             self.name, self.file = name_of(path), str(path)
-            text = path.read_text(encoding="utf-8")
+            text = path.read_bytes()
         self._root = self._compose(text, self.file)
         self._places: Dict[str, str] = {}
         self.settings: Dict[str, str] = {}  # what was overridden, as YAML
 
-    def _compose(self, text: str, name: str) -> yaml.Node:
+    def _compose(self, text: bytes, name: str) -> yaml.Node:
         """Read YAML; the name goes into the marks of its nodes."""
-        stream = io.StringIO(text)
-        stream.name = name
-        compose: Any = yaml.compose  # which has types on some machines, untyped there, and none on others
+        library: Any = yaml  # which has types on some machines, untyped functions there, and none on others
         try:
-            node: Optional[yaml.Node] = compose(stream, Loader=yaml.BaseLoader)
+            for event in library.parse(_named(text, name), Loader=yaml.BaseLoader):
+                # The nodes do not tell.
+                if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None) or getattr(event, "tag", None):
+                    raise CaseError("INVALID_ARGUMENT", f"{_place(event.start_mark)}: anchors (&), aliases (*) and tags (!) are not used "
+                                    "in case files: write the value itself")
+            node: Optional[yaml.Node] = library.compose(_named(text, name), Loader=yaml.BaseLoader)
         except yaml.MarkedYAMLError as error:
             where = _place(error.problem_mark) if error.problem_mark else name
-            raise CaseError("INVALID_ARGUMENT", f"{where}: {error.problem}") from None
+            problem = "a second document begins here: a case is one document" if error.context == _SECOND else error.problem
+            raise CaseError("INVALID_ARGUMENT", f"{where}: {problem}") from None
+        except yaml.reader.ReaderError as error:
+            raise CaseError("INVALID_ARGUMENT", f"{_place_in(text, error, name)}: this is not YAML: {error.reason}") from None
+        except RecursionError:
+            raise CaseError("INVALID_ARGUMENT", f"{name}: entries are nested deeper than those of any case") from None
         if node is None:
-            raise CaseError("INVALID_ARGUMENT", f"{name}: there is nothing in it")
+            raise CaseError("INVALID_ARGUMENT", f"{_place(event.start_mark)}: there is nothing here")
         return node
 
     def set(self, path: str, value: Any) -> None:
         """Override an entry: set("fluids[1].density", 2). Text is read as YAML."""
         text = as_yaml(value)
-        new = self._compose(text, OVERRIDE + path)
-        node = self._root
-        words = re.findall(r"[^.\[\]]+", path)
-        for k, word in enumerate(words):
-            last = k == len(words) - 1
-            node = _descend(node, word, new, last, path)
+        if not _PATH.fullmatch(path):
+            raise CaseError("NOT_FOUND", f'"{path}" is not a path: write names joined by dots and indices in brackets, as in '
+                            "fluids[1].density", path)
+        new = self._compose(text.encode("utf-8", "surrogatepass"), OVERRIDE + path)
+        node, descriptor = self._root, case_pb2.Case.DESCRIPTOR
+        words = re.findall(r"[^.\[\]]+|\[[0-9]+", path)
+        for word, after in zip(words, words[1:] + [None]):
+            node = _descend(node, word, new, after, path, descriptor)
+            descriptor = _inner(descriptor, word)
         self.settings[path] = text
 
     def message(self) -> case_pb2.Case:
         """The case as a message. CaseError names what does not belong there."""
         message = case_pb2.Case()
-        self._places = {}
+        self._places = {"": _place(self._root.start_mark)}
         self._read_message(self._root, message, "")
         return message
 
@@ -125,9 +141,9 @@ class CaseText:
 
     def locate(self, path: str) -> str:
         """FILE:LINE:COLUMN of an entry, or of the nearest entry around it."""
-        while path and path not in self._places:
-            path = re.sub(r"(^|\.?)[^.\[]+$|\[\d+\]$", "", path)
-        return self._places.get(path, self.file)
+        while path not in self._places:
+            path = re.sub(r"[.\[]?[^.\[]*$", "", path)
+        return self._places[path]
 
     def _fail(self, node: yaml.Node, path: str, text: str) -> CaseError:
         place = _place(node.start_mark)
@@ -136,13 +152,26 @@ class CaseText:
     def _read_message(self, node: yaml.Node, message: Message, path: str) -> None:
         if not isinstance(node, yaml.MappingNode):
             raise self._fail(node, path, "entries with names are expected here")
+        given: Dict[str, FieldDescriptor] = {}
         for key, value in node.value:
+            if not isinstance(key, yaml.ScalarNode):
+                raise self._fail(key, path, "the name of an entry is expected here")
             field = message.DESCRIPTOR.fields_by_name.get(key.value)
             inner = f"{path}.{key.value}" if path else key.value
             if field is None:
                 raise self._fail(key, inner, f'unknown entry "{key.value}", ' + _suggest(key.value, message.DESCRIPTOR.fields_by_name))
+            self._check_given(key, field, given, path)
             self._places[inner] = _place(value.start_mark)
             self._read_field(value, message, field, inner)
+
+    def _check_given(self, key: yaml.Node, field: FieldDescriptor, given: Dict[str, FieldDescriptor], path: str) -> None:
+        """An entry may be given once, and of a choice only one member; `given` is what was."""
+        if field.name in given:
+            raise self._fail(key, path, f'the entry "{field.name}" is there twice: remove one')
+        for other in given.values():
+            if field.containing_oneof and field.containing_oneof == other.containing_oneof:
+                raise self._fail(key, path, f'"{other.name}" and "{field.name}" exclude each other: remove one')
+        given[field.name] = field
 
     def _read_field(self, node: yaml.Node, message: Message, field: FieldDescriptor, path: str) -> None:
         if field.label == FieldDescriptor.LABEL_REPEATED:
@@ -163,9 +192,14 @@ class CaseText:
     def _read_scalar(self, node: yaml.Node, field: FieldDescriptor, path: str) -> Any:
         if not isinstance(node, yaml.ScalarNode):
             raise self._fail(node, path, "a single value is expected here")
-        value = _scalar(node.value, field)
+        is_plain = node.style is None
+        if is_plain and not node.value:
+            raise self._fail(node, path, f"there is nothing here, wanted is {_wanted(field)}")
+        if "\0" in node.value:
+            raise self._fail(node, path, "the text has a zero byte in it: remove it")
+        value = _scalar(node.value, is_plain, field)
         if value is None:
-            raise self._fail(node, path, f'"{node.value}" is not {_wanted(field)}')
+            raise self._fail(node, path, f'"{node.value}"{"" if is_plain else " in quotes"} is not {_wanted(field)}')
         return value
 
 
@@ -174,54 +208,94 @@ def _suggest(wrong: str, names: Iterable[str]) -> str:
     return (f'did you mean "{near[0]}"? Allowed: ' if near else "allowed: ") + ", ".join(names)
 
 
+_SECOND = "expected a single document in the stream"  # PyYAML's words
+
+
+def _named(text: bytes, name: str) -> Any:
+    stream: Any = io.BytesIO(text)
+    stream.name = name  # where the marks look for it
+    return stream
+
+
 def _place(mark: yaml.Mark) -> str:
     """FILE:LINE:COLUMN; an override has no lines worth naming."""
     return str(mark.name) if mark.name.startswith(OVERRIDE) else f"{mark.name}:{mark.line + 1}:{mark.column + 1}"
 
 
-def _descend(node: yaml.Node, word: str, new: yaml.Node, last: bool, path: str) -> yaml.Node:
-    """The entry `word` of a node, replaced by `new` if it is the last word, or made there if it is not."""
-    made = new if last else yaml.MappingNode("tag:yaml.org,2002:map", [], new.start_mark, new.end_mark)
+def _place_in(text: bytes, error: yaml.reader.ReaderError, name: str) -> str:
+    """The same of bytes that are no text, or not one of YAML's: then they are counted in characters."""
+    before = text[:error.position]
+    if error.encoding == "unicode":
+        before = text.decode("utf-8", "replace")[:error.position].encode()
+    line = before.split(b"\n")
+    return name if name.startswith(OVERRIDE) else f"{name}:{len(line)}:{len(line[-1]) + 1}"
+
+
+def _inner(descriptor: Optional[Descriptor], word: str) -> Optional[Descriptor]:
+    """What the entries within an entry, or within an item of a list, are of."""
+    field = descriptor.fields_by_name.get(word) if descriptor and not word.startswith("[") else None
+    return descriptor if word.startswith("[") else field.message_type if field else None
+
+
+def _descend(node: yaml.Node, word: str, new: yaml.Node, after: Optional[str], path: str, descriptor: Optional[Descriptor]) -> yaml.Node:
+    """The entry `word` of a node, replaced by `new` if no word comes after it, or made there if it is missing."""
+    last = after is None
+    kind: Any = yaml.SequenceNode if after and after.startswith("[") else yaml.MappingNode
+    made = new if last else kind("tag:yaml.org,2002:" + kind.id[:3], [], new.start_mark, new.end_mark)
     if isinstance(node, yaml.SequenceNode):
-        if not word.isdigit() or int(word) > len(node.value):
-            raise CaseError("NOT_FOUND", f'"{path}": there is no item [{word}]', path)
-        if int(word) == len(node.value):
+        if not word.startswith("["):
+            raise CaseError("NOT_FOUND", f'"{path}": "{word}" follows a list: name one of its items, as in [0]', path)
+        if int(word[1:]) > len(node.value):
+            raise CaseError("NOT_FOUND", f'"{path}": there is no item {word}]', path)
+        index = int(word[1:])
+        if index == len(node.value):
             node.value.append(made)
         elif last:
-            node.value[int(word)] = new
-        item: yaml.Node = node.value[int(word)]
+            node.value[index] = new
+        item: yaml.Node = node.value[index]
         return item
-    if not isinstance(node, yaml.MappingNode):
-        raise CaseError("NOT_FOUND", f'"{path}": "{word}" is not an entry of a single value', path)
+    if not isinstance(node, yaml.MappingNode) or word.startswith("["):
+        raise CaseError("NOT_FOUND", f'"{path}": "{word.lstrip("[")}" is not an entry of a single value', path)
     for k, (key, value) in enumerate(node.value):
         if key.value == word:
             entry: yaml.Node = new if last else value
             node.value[k] = (key, entry)
             return entry
+    if last and descriptor and word in descriptor.fields_by_name:
+        # Set as a whole, a member of a choice takes the place of the one that was chosen.
+        choice = descriptor.fields_by_name[word].containing_oneof
+        members = [field.name for field in choice.fields] if choice else []
+        node.value = [(key, value) for key, value in node.value if key.value not in members]
     key = yaml.ScalarNode("tag:yaml.org,2002:str", word, new.start_mark, new.end_mark)
     node.value.append((key, made))
     return made
 
 
-def _scalar(text: str, field: FieldDescriptor) -> Any:
-    """A value of the field's type; None if the text is none."""
-    try:
-        if field.enum_type:
-            return field.enum_type.values_by_name[text.upper().replace("-", "_")].number
-        if field.cpp_type == FieldDescriptor.CPPTYPE_BOOL:
-            return {"true": True, "false": False}[text]
-        if field.cpp_type == FieldDescriptor.CPPTYPE_STRING:
-            return text
-        if field.cpp_type in _INTEGERS:
-            return int(text)
-        return float(text)
-    except (KeyError, ValueError):
+def _words(field: FieldDescriptor) -> Dict[str, int]:
+    """The values of an enumeration, called as in a file."""
+    return {name.lower().replace("_", "-"): value.number for name, value in field.enum_type.values_by_name.items()}
+
+
+def _scalar(text: str, is_plain: bool, field: FieldDescriptor) -> Any:
+    """A value of the field's type; None if the text is none. What is in quotes is a text, and no number."""
+    if field.enum_type:
+        return _words(field).get(text)
+    if field.cpp_type == FieldDescriptor.CPPTYPE_STRING:
+        return text
+    if not is_plain:
         return None
+    if field.cpp_type == FieldDescriptor.CPPTYPE_BOOL:
+        return {"true": True, "false": False}.get(text)
+    if field.cpp_type == FieldDescriptor.CPPTYPE_UINT32:
+        return int(text[-10:]) if _WHOLE.fullmatch(text) and int(text[-10:]) < 1 << 32 else None
+    return float(text.replace(".inf", "inf")) if _NUMBER.fullmatch(text) or _INFINITE.fullmatch(text) else None
 
 
 def _wanted(field: FieldDescriptor) -> str:
     if field.enum_type:
-        return "one of " + ", ".join(name.lower().replace("_", "-") for name in field.enum_type.values_by_name)
+        return "one of " + ", ".join(_words(field))
     if field.cpp_type == FieldDescriptor.CPPTYPE_BOOL:
         return "true or false"
-    return "a whole number" if field.cpp_type in _INTEGERS else "a number"
+    if field.cpp_type == FieldDescriptor.CPPTYPE_STRING:
+        return "a text"
+    return "a whole number" if field.cpp_type == FieldDescriptor.CPPTYPE_UINT32 else "a number"
