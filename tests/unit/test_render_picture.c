@@ -272,7 +272,7 @@ static void a_picture_that_cannot_be_written_leaves_nothing(void **state)
     Frame frame = tank_frame(2, 20);
     refuses(&frame, options_for(lost), MNS_E_IO, "No such file or directory");
     limit_files(1000);
-    refuses(&frame, options_for(full), MNS_E_IO, "full.png");
+    refuses(&frame, options_for(full), MNS_E_NO_SPACE, "full.png");
     limit_files(SIZE_MAX);
     assert_false(holds(*state, ".part"));
     frame_done(&frame);
