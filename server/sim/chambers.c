@@ -87,16 +87,15 @@ static void join_neighbours(Chambers *c, uint32_t i)
 static MnsStatus tell_apart(Chambers *c, size_t *ret_spaces, MnsError *error)
 {
     MnsStatus status = MNS_OK;
-    const int threads = c->sim->threads;
-#pragma omp parallel for schedule(static) num_threads(threads)
+#pragma omp parallel for schedule(static) num_threads(c->sim->threads)
     for (size_t i = 0; i < c->n; i++) atomic_init(&c->of[i], (uint32_t)i);
     for (size_t from = 0; from < c->n && !status; from += MAKING_ASKED) {
         const size_t end = from + MAKING_ASKED < c->n ? from + MAKING_ASKED : c->n;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(threads)
+#pragma omp parallel for schedule(dynamic, 256) num_threads(c->sim->threads)
         for (size_t i = from; i < end; i++) join_neighbours(c, (uint32_t)i);
         status = making_goes_on(&c->sim->making, error);
     }
-#pragma omp parallel for schedule(static) num_threads(threads)
+#pragma omp parallel for schedule(static) num_threads(c->sim->threads)
     for (size_t i = 0; i < c->n; i++)
         atomic_store_explicit(&c->of[i], first_of(c->of, (uint32_t)i), memory_order_relaxed);
     *ret_spaces = 0;
