@@ -68,7 +68,7 @@ const char *mns_refusal_hint(int number)
     case ENOSPC:
     case EDQUOT:
     case EFBIG: return "make room and try again";
-    case EISDIR: return "it is a directory; name a file";
+    case EISDIR: return "name a file in it";
     case EEXIST: return "choose another name";
     case EMFILE:
     case ENFILE: return "allow more open files, as with `ulimit -n`";
