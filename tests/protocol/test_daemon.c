@@ -99,7 +99,6 @@ static void run_until_is_exact_and_survives_other_commands(void **state)
         assert_non_null(reply);
         meniscus__reply__free_unpacked(reply, NULL);
     }
-    zmq_close(other);
     Meniscus__Reply *reply = dialogue_receive(dialogue->control, NULL);
     assert_non_null(reply);
     assert_memory_equal(reply->id.data, id, 16);
@@ -152,7 +151,6 @@ static void a_cancel_is_answered_after_what_it_ends(void **state)
     steer_say_until(dialogue->control, 900, id);
     steer_say_wait_for(watcher, MENISCUS__STATE__RUNNING, cancel_id);
     steer_accepted(dialogue_receive(watcher, NULL)); /* it is under way, and no longer in the queue */
-    zmq_close(watcher);
     say_cancel(dialogue->control, id, cancel_id);
     check_cancelled(dialogue->control, id);
 }
@@ -221,7 +219,6 @@ static void each_who_asks_under_the_same_id_is_answered(void **state)
         assert_int_equal(reply->code, heard ? MENISCUS__CODE__OK : MENISCUS__CODE__RESOURCE_EXHAUSTED);
         if (heard) assert_int_equal(reply->effect_step, 3);
         meniscus__reply__free_unpacked(reply, NULL);
-        zmq_close(clients[k]);
     }
 }
 
@@ -397,7 +394,6 @@ static void a_subscriber_hears_the_last_event_at_once(void **state)
     assert_int_equal(message->event->state, MENISCUS__STATE__READY);
     assert_true(message->sequence > 0);
     meniscus__telemetry__free_unpacked(message, NULL);
-    zmq_close(socket);
 }
 
 static bool has_text(size_t n, char *const *list, const char *text)

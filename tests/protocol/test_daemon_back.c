@@ -84,7 +84,6 @@ static void a_resumed_run_is_as_it_was_steered_but_for_what_is_set_by_hand(void 
     steer_hear_of(log, "gravity = [0.5, -3], as set on resuming; the checkpoint has [0.5, -2]");
     steer_hear_of(log, "gravity = [0.5, -3], as the checkpoint has it, not [0, -3] as the case says");
     steer_hear_of(log, "end_time = 7, as the checkpoint has it, not 1000 as the case says");
-    zmq_close(log);
     Meniscus__Reply *reply = load_again(dialogue, other);
     assert_string_equal(reply->path, "resolution");
     steer_refused(reply, MENISCUS__CODE__INVALID_ARGUMENT, "can go on with no other");
@@ -133,7 +132,6 @@ static void a_damaged_checkpoint_is_passed_over_with_a_note(void **state)
     steer_accepted(steer_restore(dialogue, NULL));
     assert_true(steer_hash(dialogue) == before);
     steer_hear_of(log, strrchr(newer, '/') + 1);
-    zmq_close(log);
 }
 
 enum { ROWS = 64 };
@@ -185,7 +183,6 @@ static void a_series_that_was_taken_away_is_missed_aloud(void **state)
     void *log = steer_subscribe(dialogue, "log");
     steer_accepted(steer_restore(dialogue, NULL));
     steer_hear_of(log, "probes.hdf");
-    zmq_close(log);
 }
 
 /* --- directories --------------------------------------------------------------------------------------------------------- */

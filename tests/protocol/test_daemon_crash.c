@@ -117,7 +117,6 @@ static void changes_wait_until_the_run_is_back_or_their_deadline_passes(void **s
     assert_int_equal(reply->effect_step, steps);
     assert_string_equal(reply->values->values[0]->text, "[0, -2]");
     meniscus__reply__free_unpacked(reply, NULL);
-    zmq_close(patient);
 }
 
 static void a_stop_on_the_way_back_is_for_good(void **state)

@@ -60,7 +60,6 @@ static void a_message_of_many_parts_is_refused_with_their_number(void **state)
     assert_int_equal(reply->code, MENISCUS__CODE__INVALID_ARGUMENT);
     assert_non_null(strstr(reply->message, "100000"));
     meniscus__reply__free_unpacked(reply, NULL);
-    zmq_close(other);
     assert_alive(dialogue);
 }
 
@@ -124,7 +123,6 @@ static void an_oversized_frame_costs_its_sender_the_connection_only(void **state
     zmq_send(other, frame, size, 0);
     free(frame);
     assert_alive(dialogue);
-    zmq_close(other);
 }
 
 /* Every command with nothing in it: refused or harmless, never a crash. */
@@ -176,7 +174,6 @@ static void requests_with_flipped_bytes_do_no_harm(void **state)
         zmq_send(other, packed, size, ZMQ_DONTWAIT);
     }
     assert_alive(dialogue);
-    zmq_close(other);
 }
 
 static void random_frames_do_no_harm(void **state)
@@ -191,7 +188,6 @@ static void random_frames_do_no_harm(void **state)
         zmq_send(other, frame, size, ZMQ_DONTWAIT | (rand() % 4 ? 0 : ZMQ_SNDMORE));
     }
     assert_alive(dialogue);
-    zmq_close(other);
 }
 
 static void a_client_that_vanishes_leaves_its_command_running(void **state)
@@ -208,7 +204,6 @@ static void a_client_that_vanishes_leaves_its_command_running(void **state)
     void *other = dialogue_connect(dialogue);
     dialogue_say(other, &request, id);
     nanosleep(&(struct timespec){.tv_nsec = 50000000}, NULL);
-    zmq_close(other);
     dialogue_send(dialogue->control, &request); /* the same id, from elsewhere */
     Meniscus__Reply *reply = dialogue_receive(dialogue->control, NULL);
     assert_non_null(reply);
@@ -220,13 +215,12 @@ static void rubbish_on_the_telemetry_socket_does_no_harm(void **state)
 {
     Dialogue *dialogue = *state;
     char endpoint[160];
-    void *socket = zmq_socket(dialogue->context, ZMQ_XSUB);
+    void *socket = dialogue_socket(dialogue, ZMQ_XSUB);
     snprintf(endpoint, sizeof endpoint, "ipc://%s/meniscus/t/telemetry.ipc", dialogue->home);
     assert_int_equal(zmq_connect(socket, endpoint), 0);
     for (int k = 0; k < 200; k++) zmq_send(socket, "\x01progress\xff\xfe and more", 20, ZMQ_DONTWAIT);
     for (int k = 0; k < 200; k++) zmq_send(socket, "\x07\x00\x01", 3, ZMQ_DONTWAIT);
     assert_alive(dialogue);
-    zmq_close(socket);
 }
 
 /* Else a machine that is switched off would be a listener for good: where nothing is published, nothing is sent to it that could fail. */

@@ -41,7 +41,6 @@ static void an_end_that_comes_before_the_goal_is_no_success(void **state)
     assert_non_null(reply);
     assert_int_equal(reply->state, MENISCUS__STATE__DONE);
     steer_refused(reply, MENISCUS__CODE__ABORTED, "end time");
-    zmq_close(other);
 }
 
 /* A command that is meant for one step only. */
@@ -101,7 +100,6 @@ static void a_pause_for_another_step_calls_nothing_off(void **state)
     const uint64_t step = reply->step;
     steer_accepted(reply);
     steer_accepted(only_at(dialogue, dialogue_pause(), step));
-    zmq_close(other);
 }
 
 static void a_wait_takes_effect_when_what_it_waits_for_came_about(void **state)
@@ -120,7 +118,6 @@ static void a_wait_takes_effect_when_what_it_waits_for_came_about(void **state)
     assert_int_equal(reply->code, MENISCUS__CODE__OK);
     assert_int_equal(reply->effect_step, 40);
     meniscus__reply__free_unpacked(reply, NULL);
-    zmq_close(other);
     reply = steer_status(dialogue);
     assert_false(reply->has_effect_step); /* looking has no effect */
     meniscus__reply__free_unpacked(reply, NULL);

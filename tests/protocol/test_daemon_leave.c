@@ -8,12 +8,11 @@
 #include <zmq.h>
 
 /* A connection such as clients make to notice a lost daemon: with it ZeroMQ drops what was received and not yet read. */
-static void *connect_impatiently(const Dialogue *dialogue)
+static void *connect_impatiently(Dialogue *dialogue)
 {
-    const int yes = 1, none = 0, patience = 5000;
-    void *socket = zmq_socket(dialogue->context, ZMQ_DEALER);
+    const int yes = 1, patience = 5000;
+    void *socket = dialogue_socket(dialogue, ZMQ_DEALER);
     zmq_setsockopt(socket, ZMQ_IMMEDIATE, &yes, sizeof yes);
-    zmq_setsockopt(socket, ZMQ_LINGER, &none, sizeof none);
     zmq_setsockopt(socket, ZMQ_RCVTIMEO, &patience, sizeof patience);
     assert_int_equal(zmq_connect(socket, dialogue->endpoint), 0);
     return socket;
@@ -40,8 +39,7 @@ static void assert_shutdown_right_after_stop_is_answered(Dialogue *dialogue, lon
     dialogue_load(dialogue, NULL);
     assert_int_equal(dialogue_code(dialogue, &start), MENISCUS__CODE__OK);
     assert_int_equal(dialogue_code(dialogue, &end_run), MENISCUS__CODE__OK);
-    zmq_close(dialogue->control);
-    dialogue->control = NULL;
+    dialogue_hang_up(dialogue);
     void *socket = connect_impatiently(dialogue);
     send_shutdown(socket);
     look_away(socket, slowness_ms);
@@ -49,7 +47,6 @@ static void assert_shutdown_right_after_stop_is_answered(Dialogue *dialogue, lon
     assert_non_null(reply);
     assert_int_equal(reply->code, MENISCUS__CODE__OK);
     meniscus__reply__free_unpacked(reply, NULL);
-    zmq_close(socket);
     assert_int_equal(dialogue_join(dialogue), 0);
 }
 
@@ -81,22 +78,18 @@ static void who_waits_is_told_before_the_daemon_leaves(void **state)
     assert_memory_equal(reply->id.data, id, sizeof id);
     assert_int_equal(reply->code, MENISCUS__CODE__UNAVAILABLE);
     meniscus__reply__free_unpacked(reply, NULL);
-    zmq_close(waiting);
-    zmq_close(other);
 }
 
 static void nobody_keeps_a_daemon_by_not_hanging_up(void **state)
 {
     Dialogue *dialogue = *state;
-    void *deaf[20];
-    for (size_t k = 0; k < 20; k++) deaf[k] = dialogue_connect(dialogue);
+    for (size_t k = 0; k < 20; k++) dialogue_connect(dialogue);
     Meniscus__Request request = dialogue_status();
     assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__OK);
     const double asked = steer_now();
     send_shutdown(dialogue->control);
     assert_int_equal(dialogue_join(dialogue), 0);
     assert_true(steer_now() - asked < 3);
-    for (size_t k = 0; k < 20; k++) zmq_close(deaf[k]);
 }
 
 /* Also while the first writes its checkpoint: what is answered to the second is no fault of the daemon's. */

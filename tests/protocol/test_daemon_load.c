@@ -63,7 +63,6 @@ static void a_stop_ends_a_load_that_takes_long(void **state)
     assert_ended(other, id, MENISCUS__CODE__ABORTED, "called off");
     steer_stands_at(dialogue, MENISCUS__STATE__EMPTY, 0);
     assert_nothing_is_left(dialogue);
-    zmq_close(other);
 }
 
 /* Who stops wants no run: not the next one, and not that before. */
@@ -79,7 +78,6 @@ static void a_stop_ends_the_run_before_the_load_too(void **state)
     Meniscus__Reply *reply = steer_status(dialogue);
     assert_int_equal(reply->status->state, MENISCUS__STATE__EMPTY);
     meniscus__reply__free_unpacked(reply, NULL);
-    zmq_close(other);
 }
 
 /* A request to cancel the command of this id, in room of the caller's. */
@@ -114,7 +112,6 @@ static void a_load_that_is_cancelled_leaves_the_run_before_it(void **state)
     assert_less(steer_now() - asked, SOON);
     assert_ended(other, id, MENISCUS__CODE__ABORTED, "called off");
     steer_stands_at(dialogue, MENISCUS__STATE__PAUSED, 2);
-    zmq_close(other);
 }
 
 /* An id that nobody has, and one that is none. */
@@ -140,8 +137,6 @@ static void cancelling_something_else_does_not_end_a_load(void **state)
     assert_int_equal(steer_code(dialogue, dialogue_stop()), MENISCUS__CODE__OK);
     assert_ended(third, cancel_id, MENISCUS__CODE__NOT_FOUND, "");
     assert_ended(third, zeros_id, MENISCUS__CODE__INVALID_ARGUMENT, "not all zero");
-    zmq_close(other);
-    zmq_close(third);
 }
 
 static void a_load_ends_at_its_deadline(void **state)
@@ -154,7 +149,6 @@ static void a_load_ends_at_its_deadline(void **state)
     assert_ended(other, id, MENISCUS__CODE__DEADLINE_EXCEEDED, "deadline");
     assert_less(steer_now() - asked, 1 + SOON);
     steer_stands_at(dialogue, MENISCUS__STATE__EMPTY, 0);
-    zmq_close(other);
 }
 
 static void shutdown_does_not_wait_for_a_load(void **state)
@@ -167,9 +161,7 @@ static void shutdown_does_not_wait_for_a_load(void **state)
     assert_int_equal(steer_code(dialogue, dialogue_shutdown()), MENISCUS__CODE__OK);
     assert_less(steer_now() - asked, SOON);
     assert_ended(other, id, MENISCUS__CODE__ABORTED, "called off");
-    zmq_close(other);
-    zmq_close(dialogue->control);
-    dialogue->control = NULL;
+    dialogue_hang_up(dialogue);
     assert_int_equal(dialogue_join(dialogue), 0);
 }
 
@@ -182,9 +174,7 @@ static void a_signal_does_not_wait_for_a_load(void **state)
     const double asked = steer_now();
     assert_int_equal(kill(dialogue->daemon, SIGTERM), 0);
     assert_ended(other, id, MENISCUS__CODE__ABORTED, "called off");
-    zmq_close(other);
-    zmq_close(dialogue->control);
-    dialogue->control = NULL;
+    dialogue_hang_up(dialogue);
     assert_int_equal(dialogue_join(dialogue), 0);
     assert_less(steer_now() - asked, 1 + SOON); /* with the time that clients get to read */
 }

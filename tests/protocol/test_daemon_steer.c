@@ -353,25 +353,20 @@ static void status_is_answered_while_particles_are_placed(void **state)
 {
     Dialogue *dialogue = *state;
     void *loader = dialogue_connect(dialogue);
-    const double patience = getenv("MENISCUS_SANITIZED") ? 1 : 0.05; /* [s] */
-    bool seen = false, ready = false;
-    int slow = 0;
+    int loading = 0;
+    bool ready = false;
     send_large_load(loader, "resolution=60");
     for (const double until = steer_now() + 60; !ready && steer_now() < until;) {
-        const double asked = steer_now();
         Meniscus__Reply *reply = steer_status(dialogue);
-        slow += steer_now() - asked > patience;
-        seen = seen || reply->status->state == MENISCUS__STATE__LOADING;
+        loading += reply->status->state == MENISCUS__STATE__LOADING;
         ready = reply->status->state == MENISCUS__STATE__READY;
         meniscus__reply__free_unpacked(reply, NULL);
         nanosleep(&(struct timespec){.tv_nsec = 2000000}, NULL);
     }
-    assert_true(seen);
     assert_true(ready);
-    assert_int_equal(slow, 0);
+    assert_true(loading >= 10); /* one at most if they waited for the particles */
     Meniscus__Reply *reply = dialogue_receive(loader, NULL);
     steer_accepted(reply);
-    zmq_close(loader);
 }
 
 int main(void)

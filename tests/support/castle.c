@@ -82,7 +82,6 @@ int castle_end(void **state)
 {
     Castle *castle = *state;
     char command[96];
-    while (castle->n_sockets) zmq_close(castle->sockets[--castle->n_sockets]);
     const int code = dialogue_end(&castle->dialogue);
     snprintf(command, sizeof command, "rm -rf %s", castle->keys);
     assert_int_equal(system(command), 0);
@@ -92,12 +91,9 @@ int castle_end(void **state)
 
 void *castle_connect(Castle *castle, int type, const KeyPair *pair)
 {
-    const int none = 0, patience = 20000;
+    const int patience = 20000;
     char address[64];
-    void *socket = zmq_socket(castle->dialogue.context, type);
-    assert_true(castle->n_sockets < sizeof castle->sockets / sizeof *castle->sockets);
-    castle->sockets[castle->n_sockets++] = socket;
-    zmq_setsockopt(socket, ZMQ_LINGER, &none, sizeof none);
+    void *socket = dialogue_socket(&castle->dialogue, type);
     zmq_setsockopt(socket, ZMQ_RCVTIMEO, &patience, sizeof patience);
     if (pair) {
         assert_int_equal(zmq_setsockopt(socket, ZMQ_CURVE_SERVERKEY, pair->server_key, KEY_TEXT), 0);

@@ -12,8 +12,6 @@ typedef struct Castle {
     char keys[64];
     int port;
     KeyPair viewer, operator, admin, stranger;
-    void *sockets[16]; /* closed in the end, also of a test that fails */
-    size_t n_sockets;
 } Castle;
 
 /* For cmocka: one of its own for each test, which must end well. */

@@ -74,6 +74,17 @@ void dialogue_begin(Dialogue *dialogue, const char *const *options)
     start(dialogue, options);
 }
 
+/* One of several; the last takes its place. */
+static void leave(Dialogue *dialogue, void *socket)
+{
+    for (size_t k = 0; k < dialogue->n_sockets; k++) {
+        if (dialogue->sockets[k] != socket) continue;
+        zmq_close(socket);
+        dialogue->sockets[k] = dialogue->sockets[--dialogue->n_sockets];
+        return;
+    }
+}
+
 int dialogue_join(Dialogue *dialogue)
 {
     int how = 0;
@@ -85,7 +96,7 @@ int dialogue_join(Dialogue *dialogue)
 void dialogue_again(Dialogue *dialogue)
 {
     unlink(dialogue->endpoint + strlen("ipc://")); /* which start() waits for */
-    zmq_close(dialogue->control);
+    leave(dialogue, dialogue->control);
     start(dialogue, NULL);
 }
 
@@ -106,8 +117,7 @@ void dialogue_crash(Dialogue *dialogue)
 int dialogue_end(Dialogue *dialogue)
 {
     char command[128];
-    if (dialogue->control)
-        zmq_close(dialogue->control); /* first, or the daemon would wait for us to read its latest reply */
+    dialogue_hang_up(dialogue); /* first, or the daemon would wait for us to read its latest reply */
     if (dialogue->daemon > 0) kill(dialogue->daemon, SIGTERM);
     const int code = dialogue_join(dialogue);
     zmq_ctx_term(dialogue->context);
@@ -116,12 +126,28 @@ int dialogue_end(Dialogue *dialogue)
     return code;
 }
 
-void *dialogue_connect(const Dialogue *dialogue)
+void *dialogue_socket(Dialogue *dialogue, int type)
 {
-    const int patience = 20000, none = 0;
-    void *socket = zmq_socket(dialogue->context, ZMQ_DEALER);
-    zmq_setsockopt(socket, ZMQ_RCVTIMEO, &patience, sizeof patience);
+    const int none = 0;
+    assert_true(dialogue->n_sockets < sizeof dialogue->sockets / sizeof *dialogue->sockets);
+    void *socket = zmq_socket(dialogue->context, type);
+    assert_non_null(socket);
+    dialogue->sockets[dialogue->n_sockets++] = socket;
     zmq_setsockopt(socket, ZMQ_LINGER, &none, sizeof none);
+    return socket;
+}
+
+void dialogue_hang_up(Dialogue *dialogue)
+{
+    while (dialogue->n_sockets) zmq_close(dialogue->sockets[--dialogue->n_sockets]);
+    dialogue->control = NULL;
+}
+
+void *dialogue_connect(Dialogue *dialogue)
+{
+    const int patience = 20000;
+    void *socket = dialogue_socket(dialogue, ZMQ_DEALER);
+    zmq_setsockopt(socket, ZMQ_RCVTIMEO, &patience, sizeof patience);
     assert_int_equal(zmq_connect(socket, dialogue->endpoint), 0);
     return socket;
 }

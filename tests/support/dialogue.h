@@ -13,6 +13,8 @@ typedef struct Dialogue {
     char home[64]; /* everything the daemon writes is below */
     pid_t daemon;
     void *context, *control;
+    void *sockets[32]; /* closed in the end, also of a test that fails */
+    size_t n_sockets;
     char endpoint[128];
 } Dialogue;
 
@@ -32,8 +34,14 @@ int dialogue_end(Dialogue *dialogue);
 /* Wait for the daemon to end by itself; as above, but nothing is removed. */
 int dialogue_join(Dialogue *dialogue);
 
-/* Another connection; close it with zmq_close(). */
-void *dialogue_connect(const Dialogue *dialogue);
+/* Another connection. */
+void *dialogue_connect(Dialogue *dialogue);
+
+/* A socket that is not connected yet, and does not linger. */
+void *dialogue_socket(Dialogue *dialogue, int type);
+
+/* Close all of them, as a client that leaves; dialogue_end() does so. */
+void dialogue_hang_up(Dialogue *dialogue);
 
 /* A connection without libzmq, at ipc://: past the handshake, in which the client says what it is, "DEALER" or "SUB", and these properties
  * of itself after that. A file descriptor whose reads wait ten seconds at most. */

@@ -317,11 +317,11 @@ void steer_write_checkpoint(Dialogue *dialogue, char path[static 256])
     meniscus__reply__free_unpacked(reply, NULL);
 }
 
-void *steer_subscribe(const Dialogue *dialogue, const char *topic)
+void *steer_subscribe(Dialogue *dialogue, const char *topic)
 {
     char endpoint[160];
     const int patience = 5000;
-    void *socket = zmq_socket(dialogue->context, ZMQ_SUB);
+    void *socket = dialogue_socket(dialogue, ZMQ_SUB);
     zmq_setsockopt(socket, ZMQ_RCVTIMEO, &patience, sizeof patience);
     zmq_setsockopt(socket, ZMQ_SUBSCRIBE, topic, strlen(topic));
     snprintf(endpoint, sizeof endpoint, "ipc://%s/meniscus/t/telemetry.ipc", dialogue->home);

@@ -74,7 +74,7 @@ double steer_get(Dialogue *dialogue, const char *path);
 void steer_write_checkpoint(Dialogue *dialogue, char path[static 256]);
 
 /* Telemetry of a topic; close it with zmq_close(). */
-void *steer_subscribe(const Dialogue *dialogue, const char *topic);
+void *steer_subscribe(Dialogue *dialogue, const char *topic);
 
 /* The next message within five seconds; freed with meniscus__telemetry__free_unpacked(). */
 Meniscus__Telemetry *steer_hear(void *socket);
