@@ -210,7 +210,7 @@ $(BUILD)/meniscus-dashboard: $(patsubst %,$(BUILD)/obj/client/dashboard/%.o,main
     $(BUILD)/libmeniscus-cli.a $(BUILD)/libmeniscus-client.a
 	$(call say,LINK,$@)$(link) $^ $(pkg_libs) $(shell pkg-config --libs libwebsockets) -lm -lpthread $(LDLIBS)
 $(BUILD)/obj/web.o: $(BUILD)/web/app.js
-	$(call say,LD,$@)cd $(BUILD)/web && ld -r -b binary -z noexecstack -o ../obj/web.o index.html app.js app.css icon.svg
+	$(call say,LD,$@)cd $(BUILD)/web && $(shell $(CC) -print-prog-name=ld) -r -b binary -z noexecstack -o ../obj/web.o index.html app.js app.css icon.svg
 $(BUILD)/web/app.js: $(wildcard $(WEB)/src/*) $(BUILD)/web/node_modules/.package-lock.json
 	$(call say,BUNDLE,$@)cp $(WEB)/src/index.html $(WEB)/src/icon.svg $(BUILD)/web && NODE_PATH=$(BUILD)/web/node_modules \
 	    node $(BUILD)/web/node_modules/esbuild/bin/esbuild $(WEB)/src/app.js --bundle --minify --format=esm --target=es2022 \

@@ -71,9 +71,9 @@ double mns_sim_spacing(const MnsSim *sim);         /* dx [m] */
 double mns_sim_mean_neighbours(const MnsSim *sim); /* of a fluid particle, within the kernel's support */
 size_t mns_sim_bytes(const MnsSim *sim); /* of particles, lists and pressure system; not what multigrid keeps */
 
-/** Instruction set of the loops over pairs, as compilers name it: the best that the machine has ("x86-64-v4"), or the one asked
- *  for. All with the same arithmetic give the same bits: "fused", where products and the sums they are added to are rounded once, as
- *  machines with AVX2 and FMA can (most since 2013), or "separate".
+/** Instruction set of the loops over pairs, as compilers name it: the best that the machine has ("x86-64-v4", "aarch64"), or the one
+ *  asked for. All with the same arithmetic give the same bits: "fused", where products and the sums they are added to are rounded once, as
+ *  machines with AVX2 and FMA can (most since 2013) and all of aarch64, or "separate".
  *  @return mns_level_force(): MNS_OK; MNS_E_INVALID if there is no such level, or not on this machine. For runs made later. */
 const char *mns_level(void);
 const char *mns_arithmetic(void);

@@ -88,10 +88,11 @@ static MnsStatus adopt(Candidate *candidate, Document *document, MnsError *error
 static void tell_arithmetic(Run *run, const char *path)
 {
     char text[4400];
+    const bool older = strncmp(mns_level(), "x86-64-", 7) == 0; /* can be asked for */
     snprintf(text, sizeof text,
              "%s was computed on a machine that rounds in another way, or by an older version: what follows differs in "
              "the last bits from a run without interruption%s",
-             path, strcmp(mns_arithmetic(), "fused") == 0 ? "; MENISCUS_LEVEL=x86-64 computes as old machines do" : "");
+             path, older ? "; MENISCUS_LEVEL=x86-64 computes as old machines do" : "");
     run_tell(run, NOTE_LOG, LOG_WARNING, "checkpoint", text);
 }
 

@@ -7,8 +7,10 @@ static const char *const NAMES[] = {
     [LEVEL_BASE] = "x86-64",
     [LEVEL_V3] = "x86-64-v3",
     [LEVEL_V4] = "x86-64-v4",
+#elif defined __aarch64__
+    [LEVEL_BASE] = "aarch64",
 #else
-    [LEVEL_BASE] = "base",
+    [LEVEL_BASE] = "base", /* for one machine */
 #endif
 };
 

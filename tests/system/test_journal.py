@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from daemon import BUILD, DaemonTest  # noqa: E402
+from daemon import BUILD, DaemonTest, old_machine  # noqa: E402
 
 sys.path.insert(0, str(BUILD / "python"))
 from meniscus import journal_pb2  # noqa: E402
@@ -129,8 +129,7 @@ class Journal(DaemonTest):
         words = [BUILD / "meniscus", "replay", run, "--verify"]
         plain = subprocess.run(words, env=self.environment, capture_output=True, text=True, timeout=60)
         self.assertEqual(plain.returncode, 0)
-        old = subprocess.run(words, env=self.environment | {"MENISCUS_LEVEL": "x86-64"}, capture_output=True, text=True,
-                             timeout=60)
+        old = subprocess.run(words, env=self.environment | old_machine(), capture_output=True, text=True, timeout=60)
         self.assertEqual(old.returncode, 1)
         self.assertIn("the last that agreed was that of step 0", old.stderr)
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import h5py
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from daemon import BUILD, ROOT  # noqa: E402
+from daemon import BUILD, ROOT, old_machine  # noqa: E402
 
 CASE = ["dambreak2d", "--set", "resolution=10", "--set", "threads=1", "--resume", "auto"]
 WARNING = "rounds in another way"
@@ -26,10 +26,10 @@ class Levels(unittest.TestCase):
         self.addCleanup(scratch.cleanup)
         self.out = Path(scratch.name) / "run"
 
-    def run_until(self, end: float, level: str | None = None) -> str:
+    def run_until(self, end: float, level: dict[str, str] | None = None) -> str:
         """What it says on standard error."""
         environment = {key: value for key, value in os.environ.items() if key != "MENISCUS_LEVEL"}
-        environment |= {"MENISCUS_CASES": str(ROOT / "server" / "cases")} | ({"MENISCUS_LEVEL": level} if level else {})
+        environment |= {"MENISCUS_CASES": str(ROOT / "server" / "cases")} | (level or {})
         words = [BUILD / "meniscusd", "--batch", *CASE, "--out", self.out, "--set", f"end_time={end}"]
         done = subprocess.run(words, env=environment, capture_output=True, text=True, timeout=60)
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -43,7 +43,7 @@ class Levels(unittest.TestCase):
     def test_who_goes_on_with_another_arithmetic_is_told(self) -> None:
         self.assertNotIn(WARNING, self.run_until(0.1))
         usual = self.arithmetic()
-        self.assertEqual(WARNING in self.run_until(0.2, "x86-64"), usual == "fused")
+        self.assertEqual(WARNING in self.run_until(0.2, old_machine()), usual == "fused")
         self.assertEqual(self.arithmetic(), "separate")
         self.assertEqual(WARNING in self.run_until(0.3), usual == "fused")
 
@@ -73,7 +73,7 @@ class Processors(unittest.TestCase):
     """The C library chooses its mathematics by the processor, and can be told that this one has less than it has."""
 
     def state_of(self, case: str, settings: tuple[str, ...], less: bool) -> str:
-        environment = os.environ | {"MENISCUS_CASES": str(ROOT / "server" / "cases"), "MENISCUS_LEVEL": "x86-64"}
+        environment = os.environ | {"MENISCUS_CASES": str(ROOT / "server" / "cases")} | old_machine()
         if less:
             environment["GLIBC_TUNABLES"] = "glibc.cpu.hwcaps=-AVX,-AVX2,-FMA,-FMA4"
         with tempfile.TemporaryDirectory(prefix="mns-processors-") as scratch:
