@@ -69,6 +69,13 @@ class OneCorpus(DaemonTest):
                 self.client.load(self.file)
                 self.assertEqual(self.client.status().state_hash, theirs)
 
+    def test_what_is_longer_than_a_case_may_be_is_refused(self) -> None:
+        self.file.write_bytes(HEAD + FLUIDS + b"#" * (16 << 20))
+        theirs = self.place_in(self.meniscus("load", str(self.file), code=65).stderr)
+        with self.assertRaisesRegex(meniscus.CaseError, "allowed") as caught:
+            self.client.load(self.file)
+        self.assertEqual(self.place_in(caught.exception.message), theirs)
+
     def test_what_is_nested_without_end_is_refused(self) -> None:
         self.file.write_bytes(b"domain: " + b"[" * 5000)
         self.meniscus("load", str(self.file), code=65)

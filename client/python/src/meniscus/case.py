@@ -23,6 +23,7 @@ from . import case_pb2
 from .errors import CaseError
 
 OVERRIDE = "override "
+LIMIT = 16 << 20  # bytes of a case file, as in proto/case_reader.h
 CaseSource = Union[str, Path, Mapping[str, Any]]
 # What proto/case_words.c and case_scalar.c take: Python's own int() and float() read 1_0 and Arabic digits too.
 _WHOLE = re.compile(r"0*[0-9]{1,10}")
@@ -86,7 +87,10 @@ class CaseText:
         else:
             path = find(case)
             self.name, self.file = name_of(path), str(path)
-            text = path.read_bytes()
+            with path.open("rb") as file:
+                text = file.read(LIMIT + 1)
+        if len(text) > LIMIT:
+            raise CaseError("INVALID_ARGUMENT", f"{self.file}:1:1: the text is longer than {LIMIT} bytes, which are allowed")
         self._root = self._compose(text, self.file)
         self._places: Dict[str, str] = {}
         self.settings: Dict[str, str] = {}  # what was overridden, as YAML
