@@ -7,6 +7,7 @@
 #include "batch/outcome.h"
 #include "proto/case_file.h"
 #include "run/document.h"
+#include "run/environment.h"
 #include "run/history.h"
 #include <inttypes.h>
 #include <jansson.h>
@@ -32,6 +33,7 @@ typedef struct Pending {
 
 typedef struct Replay {
     const char *directory;
+    const char *level; /* that this machine computes with by itself */
     int threads;
     MnsSim *sim;
     Document *document;
@@ -237,17 +239,22 @@ static MnsStatus advance(Replay *replay, const HistoryRecord *at, MnsError *erro
 static MnsStatus compare(Replay *replay, const HistoryRecord *at, MnsError *error)
 {
     const Record *record = at->message;
-    char text[200];
+    char text[400], why[160] = "";
     replay->compared++;
     const uint64_t hash = mns_sim_hash(replay->sim);
     if (hash == record->state_hash) {
         replay->agreed_step = record->step;
         return MNS_OK;
     }
+    const Record *origin = replay->origin;
+    if (origin->arithmetic && strcmp(origin->arithmetic, mns_arithmetic()) != 0)
+        snprintf(why, sizeof why,
+                 "; it was computed with %.40s products and sums (%.40s), this replay with %s ones (%s)",
+                 origin->arithmetic, origin->level ? origin->level : "?", mns_arithmetic(), mns_level());
     snprintf(text, sizeof text,
              "the state differs: its hash is %016" PRIx64 ", and was %016" PRIx64
-             "; the last that agreed was that of step %" PRIu64,
-             hash, record->state_hash, replay->agreed_step);
+             "; the last that agreed was that of step %" PRIu64 "%s",
+             hash, record->state_hash, replay->agreed_step, why);
     return differs(at, error, text);
 }
 
@@ -263,6 +270,14 @@ static MnsStatus command_again(Replay *replay, const Record *record, MnsError *e
     }
 }
 
+/* Compute as the run was computed, unless the user says how, and as far as this machine can: states tell if it cannot. */
+static void take_arithmetic(const Replay *replay, const Record *record)
+{
+    if (!record->arithmetic || environment_has_level()) return;
+    if (strcmp(record->arithmetic, mns_arithmetic()) == 0) return;
+    if (!record->level || mns_level_force(record->level, NULL)) (void)mns_level_force(replay->level, NULL);
+}
+
 /* Begin where the record does. The run may have got beyond the last record before, and have written a checkpoint there. */
 static MnsStatus begin_again(Replay *replay, const HistoryRecord *at, MnsError *error)
 {
@@ -272,6 +287,7 @@ static MnsStatus begin_again(Replay *replay, const HistoryRecord *at, MnsError *
     MnsStatus status = MNS_OK;
     if (back && replay->sim && record->step > mns_sim_progress(replay->sim).step) status = advance(replay, at, error);
     if (back && !status) status = state_of(replay, record->step, &state, error);
+    take_arithmetic(replay, record);
     if (!status) status = begin(replay, record->case_, state, error);
     replay->origin = record;
     replay->again = replay->n_pending = 0;
@@ -344,7 +360,7 @@ int replay_run(const char *directory, int threads, bool json)
 {
     MnsError error = {.status = MNS_OK};
     History history;
-    Replay replay = {.directory = directory, .threads = threads, .limit = INFINITY};
+    Replay replay = {.directory = directory, .level = mns_level(), .threads = threads, .limit = INFINITY};
     MnsStatus status = history_read(directory, &history, &error);
     if (!status) status = replay_all(&replay, &history, &error);
     const bool files = status == MNS_E_CORRUPT || status == MNS_E_IO;

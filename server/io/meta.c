@@ -20,6 +20,7 @@ void meta_put_run(H5 *h, const FileMeta *meta)
     h5_mark_text(h, group, "case", meta->case_name);
     h5_mark_text(h, group, "scheme", meta->c->scheme.name);
     h5_mark_text(h, group, "version", MENISCUS_VERSION);
+    h5_mark_text(h, group, "level", mns_level());
     h5_mark_text(h, group, "arithmetic", mns_arithmetic());
     h5_mark_text(h, group, "units", "SI");
     h5_mark(h, group, "dim", H5T_NATIVE_INT, 0, &meta->c->dim);

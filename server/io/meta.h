@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The group /meniscus of every output file: which run, which moment.
  *
- *  /meniscus            attributes title, case, scheme, version, arithmetic (as mns_arithmetic() names it), units, dim; of a moment
- *                       also spacing [m], particles, fluid_particles, step, time [s], dt [s]; where pressures were solved
+ *  /meniscus            attributes title, case, scheme, version, level and arithmetic (as mns_level() and mns_arithmetic() name them),
+ *                       units, dim; of a moment also spacing [m], particles, fluid_particles, step, time [s], dt [s]; where pressures were solved
  *                       for also solver, the method by which they were last: others have other last bits
  *  /meniscus/case_text  [1] the whole case as YAML
  *  /meniscus/fluids     [fluids] their names; phase k is fluid k

@@ -279,6 +279,10 @@ static void note_done(Run *run, Order *order)
     const bool anew = begins_anew(order), comeback = anew && order->lineage;
     if (anew || order->request->command_case == MENISCUS__REQUEST__COMMAND_ROLLBACK)
         record.case_ = run->document->message;
+    if (record.case_) {
+        record.level = (char *)mns_level();
+        record.arithmetic = (char *)mns_arithmetic();
+    }
     record.has_case_version = run->versions.number > 0;
     record.case_version = run->versions.number;
     record.has_comeback = record.comeback = comeback || leaves_on_the_way(run, order);

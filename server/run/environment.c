@@ -37,10 +37,21 @@ void environment_waiting(char **argv)
     if (readlink("/proc/self/exe", path, sizeof path - 1) > 0) execv(path, argv);
 }
 
-MnsStatus environment_level(MnsError *error)
+static const char *level_asked_for(void)
 {
     const char *name = getenv("MENISCUS_LEVEL");
+    return name && *name ? name : NULL;
+}
+
+bool environment_has_level(void)
+{
+    return level_asked_for() != NULL;
+}
+
+MnsStatus environment_level(MnsError *error)
+{
+    const char *name = level_asked_for();
     MnsError why;
-    if (!name || !*name || !mns_level_force(name, &why)) return MNS_OK;
+    if (!name || !mns_level_force(name, &why)) return MNS_OK;
     return mns_fail(error, why.status, "MENISCUS_LEVEL: %s", why.text);
 }

@@ -132,6 +132,15 @@ class Journal(DaemonTest):
         old = subprocess.run(words, env=self.environment | old_machine(), capture_output=True, text=True, timeout=60)
         self.assertEqual(old.returncode, 1)
         self.assertIn("the last that agreed was that of step 0", old.stderr)
+        self.assertIn("computed with fused products and sums", old.stderr)
+
+    def test_a_replay_computes_with_the_arithmetic_of_the_run(self) -> None:
+        run = self.home / "of-an-old-machine"
+        words = [BUILD / "meniscusd", "--batch", *CASE, "--set", "end_time=0.2", "--out", run]
+        subprocess.run(words, env=self.environment | old_machine(), check=True, capture_output=True, timeout=60)
+        begun = self.log(run)[0]
+        self.assertEqual((begun["level"], begun["arithmetic"]), ("x86-64", "separate"))
+        self.assertTrue(self.replay(run)["agrees"])
 
     def test_a_changed_byte_is_found_and_named(self) -> None:
         run = self.run_of("changed")
