@@ -136,8 +136,10 @@ def dambreak2d_interfacial(paper: bool) -> Iterator[Metric]:
     end = [] if paper else ["end_time=0.612"]  # t* = 3.5
     runs = [in_depths(run(case, f"resolution={n}", *end)) for n in sizes]
     yield from score_interfacial(case, runs[-1], sizes[-1], full=paper)
-    for n, r in zip(sizes, runs, strict=True):
-        yield Metric(case, f"largest toe error at H/{n}", largest_toe_error(r))
+    error = [largest_toe_error(r) for r in runs]
+    for n, e in zip(sizes, error, strict=True):
+        yield Metric(case, f"largest toe error at H/{n}", e)
+    yield Metric(case, "toe error, the finer over the coarser", error[1] / error[0], high=1)
     for shifting in ("off", "original"):
         other = attempt(case, f"resolution={sizes[-1]}", *end, f"scheme.interfacial.shifting={shifting}")
         other = other and in_depths(other)
