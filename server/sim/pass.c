@@ -6,22 +6,16 @@
 
 enum { CHUNK_ROWS = 64, CHUNK_LOCAL = 4096 };
 
-/* Of a few particles every thread gets as many, by whole lines of the cache. */
-static size_t local_chunk(size_t n, int threads)
-{
-    const size_t share = (n / (size_t)threads + CHUNK_ROWS) / CHUNK_ROWS * CHUNK_ROWS;
-    return share < CHUNK_LOCAL ? share : CHUNK_LOCAL;
-}
-
 void local_run(const Local *local, Particles *s, const Model *model, int threads)
 {
     if (local->needed && !local->needed(model)) return;
     if (local->whole) local->whole(s, model, threads);
     for (int g = 0; g < GROUPS && local->apply; g++) {
         if (!(local->on & 1u << g)) continue;
-        const size_t first = s->begin[g], last = s->begin[g + 1], chunk = local_chunk(last - first, threads);
+        const size_t first = s->begin[g], last = s->begin[g + 1];
 #pragma omp parallel for schedule(static) num_threads(threads)
-        for (size_t k = first; k < last; k += chunk) local->apply(s, model, k, k + chunk < last ? k + chunk : last);
+        for (size_t k = first; k < last; k += CHUNK_LOCAL)
+            local->apply(s, model, k, k + CHUNK_LOCAL < last ? k + CHUNK_LOCAL : last);
     }
     particles_changed(s, local->on, local->writes);
 }
