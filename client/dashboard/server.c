@@ -21,6 +21,8 @@ typedef struct Visit {
     Session session;
     char *heard; /* [ASK_BYTES] the message so far */
     size_t n_heard;
+    enum lws_close_status why; /* it is to be closed for, once what has begun to be sent is gone; 0: it is not */
+    const char *words;
 } Visit;
 
 typedef struct Server {
@@ -162,9 +164,17 @@ static void say(Visit *visit, json_t *object)
     lws_callback_on_writable(visit->wsi);
 }
 
-static int close_for(struct lws *wsi, enum lws_close_status why, const char *words)
+/* The library says why only while it keeps nothing of a message: with half a picture to send it would close without a word. */
+static int close_for(Visit *visit, enum lws_close_status why, const char *words)
 {
-    lws_close_reason(wsi, why, (unsigned char *)words, strlen(words));
+    if (lws_partial_buffered(visit->wsi)) {
+        visit->why = why;
+        visit->words = words;
+        lws_set_timeout(visit->wsi, PENDING_TIMEOUT_USER_OK, GREETING_S);
+        lws_callback_on_writable(visit->wsi);
+        return 0;
+    }
+    lws_close_reason(visit->wsi, why, (unsigned char *)words, strlen(words));
     return -1;
 }
 
@@ -211,7 +221,7 @@ static int welcome(Server *server, Visit *visit, const Ask *ask)
 {
     const Token *token = &server->options->token;
     if (token->text[0] && !token_is(token, ask->token ? ask->token : ""))
-        return close_for(visit->wsi, LWS_CLOSE_STATUS_POLICY_VIOLATION, "token");
+        return close_for(visit, LWS_CLOSE_STATUS_POLICY_VIOLATION, "token");
     if (visit->session.welcome) return 0;
     visit->session.welcome = true;
     say(visit,
@@ -240,7 +250,7 @@ static int obey(Server *server, Visit *visit, Ask *ask)
     int result = 0;
     if (ask->kind != ASK_HELLO && !visit->session.welcome) {
         ask_done(ask);
-        return close_for(visit->wsi, LWS_CLOSE_STATUS_POLICY_VIOLATION, "hello");
+        return close_for(visit, LWS_CLOSE_STATUS_POLICY_VIOLATION, "hello");
     }
     switch (ask->kind) {
     case ASK_HELLO: result = welcome(server, visit, ask); break;
@@ -264,16 +274,17 @@ static int hear(Server *server, Visit *visit, const void *data, size_t size)
     struct lws *wsi = visit->wsi;
     MnsError error = {0};
     Ask ask;
-    if (lws_frame_is_binary(wsi)) return close_for(wsi, LWS_CLOSE_STATUS_UNACCEPTABLE_OPCODE, "text only");
+    if (visit->why) return 0;
+    if (lws_frame_is_binary(wsi)) return close_for(visit, LWS_CLOSE_STATUS_UNACCEPTABLE_OPCODE, "text only");
     if (lws_is_first_fragment(wsi)) visit->n_heard = 0;
-    if (size > ASK_BYTES - visit->n_heard) return close_for(wsi, LWS_CLOSE_STATUS_MESSAGE_TOO_LARGE, "too long");
+    if (size > ASK_BYTES - visit->n_heard) return close_for(visit, LWS_CLOSE_STATUS_MESSAGE_TOO_LARGE, "too long");
     memcpy(visit->heard + visit->n_heard, data, size);
     visit->n_heard += size;
     if (!lws_is_final_fragment(wsi) || lws_remaining_packet_payload(wsi)) return 0;
     const MnsStatus status = ask_parse(visit->heard, visit->n_heard, &ask, &error);
     visit->n_heard = 0;
     if (!status) return obey(server, visit, &ask);
-    if (!visit->session.welcome) return close_for(wsi, LWS_CLOSE_STATUS_POLICY_VIOLATION, "hello");
+    if (!visit->session.welcome) return close_for(visit, LWS_CLOSE_STATUS_POLICY_VIOLATION, "hello");
     say(visit, worker_refusal(ask.id, &error));
     return 0;
 }
@@ -284,6 +295,7 @@ static int write_next(Server *server, Visit *visit)
     Text *text;
     Frame *frame;
     int written = 0;
+    if (visit->why) return close_for(visit, visit->why, visit->words);
     session_next(&visit->session, &text, &frame);
     if (text) {
         written = lws_write(visit->wsi, text->bytes + FRAME_HEADROOM, text->size, LWS_WRITE_TEXT);
@@ -361,12 +373,11 @@ static int serve(struct lws *wsi, enum lws_callback_reasons reason, void *user, 
     case LWS_CALLBACK_HTTP: return begin_file(server, visit, wsi, in);
     case LWS_CALLBACK_HTTP_WRITEABLE: return send_file(visit);
     case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION: return filter(server, wsi);
-    case LWS_CALLBACK_ESTABLISHED:
-        return admit(server, visit, wsi) ? 0 : close_for(wsi, LWS_CLOSE_STATUS_NO_STATUS, "");
+    case LWS_CALLBACK_ESTABLISHED: return admit(server, visit, wsi) ? 0 : -1;
     case LWS_CALLBACK_RECEIVE: return visit->is_browser ? hear(server, visit, in, len) : -1;
     case LWS_CALLBACK_SERVER_WRITEABLE: return visit->is_browser ? write_next(server, visit) : -1;
     case LWS_CALLBACK_TIMER:
-        return visit->session.welcome ? 0 : close_for(wsi, LWS_CLOSE_STATUS_POLICY_VIOLATION, "hello");
+        return visit->session.welcome ? 0 : close_for(visit, LWS_CLOSE_STATUS_POLICY_VIOLATION, "hello");
     case LWS_CALLBACK_CLOSED: part(server, visit); return 0;
     case LWS_CALLBACK_EVENT_WAIT_CANCELLED: take_post(server); return 0;
     default: return 0;
@@ -393,7 +404,8 @@ static MnsStatus listen_at(Server *server, char *where, size_t size, MnsError *e
         {.name = "meniscus-dashboard",
          .callback = serve,
          .per_session_data_size = sizeof(Visit),
-         .rx_buffer_size = 4096},
+         .rx_buffer_size = 4096,
+         .tx_packet_size = 256 << 10},
         {0},
     };
     const Address *address = &server->options->address;

@@ -28,9 +28,13 @@ TEXT, BINARY, CLOSE, PING, PONG = 1, 2, 8, 9, 10
 class Browser:
     """As much of a WebSocket as a test needs; nothing is hidden, so that it can misbehave."""
 
-    def __init__(self, port: int, host: Optional[str] = None, origin: Optional[str] = "same") -> None:
+    def __init__(self, port: int, host: Optional[str] = None, origin: Optional[str] = "same", receive: int = 0) -> None:
         host = host or f"127.0.0.1:{port}"
-        self.socket = socket.create_connection(("127.0.0.1", port), timeout=20)
+        self.socket = socket.socket()
+        if receive:
+            self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive)
+        self.socket.settimeout(20)
+        self.socket.connect(("127.0.0.1", port))
         lines = [
             "GET / HTTP/1.1", f"Host: {host}", "Upgrade: websocket", "Connection: Upgrade", "Sec-WebSocket-Version: 13",
             f"Sec-WebSocket-Key: {base64.b64encode(os.urandom(16)).decode()}", "Sec-WebSocket-Protocol: meniscus-dashboard",
@@ -312,6 +316,17 @@ class Misbehaviour(DashboardTest):
                 send(browser)
             self.assertIn(browser.closed()[0], codes)
             self.still_serves()
+
+    def test_who_is_in_the_midst_of_a_picture_learns_why_all_the_same(self) -> None:
+        self.meniscus("load", *SMALL, "--set", "resolution=200")
+        browser = self.browser(receive=4096)
+        for _ in range(20):  # several times what the system takes of one connection
+            browser.say(do="show", field="velocity", limit=100000)
+            time.sleep(0.1)
+            browser.say(do="drawn", count=1)
+        browser.frame(b'{"do":"history"}', kind=BINARY)
+        time.sleep(0.5)
+        self.assertEqual(browser.closed(), (1003, b"text only"))
 
     def test_a_message_may_come_in_pieces(self) -> None:
         browser = self.browser()
