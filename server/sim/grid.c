@@ -1,10 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A grid of cells. In two dimensions a cell is as wide as the neighbour distance; in three half as wide, so that fewer
- * particles out of reach are looked at. */
+ * particles out of reach are looked at.
+ * In two dimensions cells are stored line by line. In three they are stored column by column, and within a column layer by layer:
+ * what the particles of a few layers of one column have around them fits into a processor's own cache, whatever the size of the
+ * domain, where layers of the whole domain do not. */
 #include "sim/grid.h"
 #include <math.h>
 
-enum { CELLS_FEW = 1 << 12, CELLS_PER_PARTICLE = 8 };
+enum { CELLS_FEW = 1 << 12, CELLS_PER_PARTICLE = 8, COLUMN_X = 24, COLUMN_Y = 16 };
+enum { REACH_MAX = 2, LINES_MAX = 2 * REACH_MAX + 1, PIECES_MAX = 3 };
+_Static_assert(GRID_RUNS_MAX == PIECES_MAX * LINES_MAX * LINES_MAX, "runs of a cell");
 /* Keys of the sort (sort.c) are of a group and a cell, in 32 bits. */
 static const double CELLS_MAX = UINT32_MAX / GROUPS;
 
@@ -35,10 +40,32 @@ static void extent(const Particles *s, const Model *model, int d, int threads, d
     *high = most;
 }
 
+/* Columns of about the same width over all cells, of which the last may be larger than what is left for it. Along z there is one. */
+static void cut_into_columns(Grid *grid)
+{
+    static const int widest[] = {COLUMN_X, COLUMN_Y};
+    for (int d = 0; d < 3; d++) {
+        const int columns = grid->dim == 3 && d < 2 ? (grid->n[d] - 1) / widest[d] + 1 : 1;
+        grid->width[d] = (grid->n[d] - 1) / columns + 1;
+        grid->columns[d] = columns;
+    }
+    size_t cells = 1;
+    for (int d = 0; d < 3; d++) {
+        grid->step[d] = cells;
+        cells *= (size_t)grid->width[d];
+    }
+    for (int d = 0; d < 3; d++) {
+        grid->stride[d] = cells;
+        cells *= (size_t)grid->columns[d];
+    }
+}
+
 /* As a product of sides it may be more than any integer. */
 static double cells_of(const Grid *grid)
 {
-    return (double)grid->n[0] * grid->n[1] * grid->n[2];
+    double cells = 1;
+    for (int d = 0; d < 3; d++) cells *= (double)grid->width[d] * grid->columns[d];
+    return cells;
 }
 
 static double cells_for(size_t n)
@@ -71,7 +98,11 @@ Grid grid_make(const Particles *s, const Model *model, double distance, int thre
         grid.per_length[d] = count / (high - low);
         grid.wraps[d] = model->period[d] > 0 || is_passed(s, d, low, high, threads);
     }
-    while (cells_of(&grid) > cells_for(s->n)) halve(&grid, model);
+    cut_into_columns(&grid);
+    while (cells_of(&grid) > cells_for(s->n)) {
+        halve(&grid, model);
+        cut_into_columns(&grid);
+    }
     grid.cells = (size_t)cells_of(&grid);
     for (int d = 0; d < model->dim; d++) grid.ratio = fmax(grid.ratio, distance * grid.per_length[d]);
     return grid;
@@ -81,20 +112,41 @@ size_t grid_cells_most(const Model *model, double distance, size_t n)
 {
     const double edge = distance / (model->dim == 3 ? 2 : 1);
     double cells = 1;
-    for (int d = 0; d < model->dim; d++) cells *= ceil((model->max[d] - model->min[d] + 2 * distance) / edge);
+    for (int d = 0; d < model->dim; d++) {
+        const double count = ceil((model->max[d] - model->min[d] + 2 * distance) / edge);
+        cells *= model->dim == 3 ? count + ceil(count / COLUMN_Y) : count;
+    }
     return (size_t)fmin(cells, cells_for(n));
+}
+
+/* What number k along d adds to the place of a cell in the order of storage. */
+static size_t along(const Grid *grid, int d, int k)
+{
+    const unsigned width = (unsigned)grid->width[d], column = (unsigned)k / width;
+    return column * grid->stride[d] + ((unsigned)k - column * width) * grid->step[d];
+}
+
+/* The numbers of a cell; false for what is only there to make the last columns as wide as the others. */
+static bool numbers(const Grid *grid, size_t cell, int k[3])
+{
+    bool is_cell = true;
+    for (int d = 0; d < 3; d++) {
+        const size_t column = cell / grid->stride[d] % (size_t)grid->columns[d];
+        k[d] = (int)(column * (size_t)grid->width[d] + cell / grid->step[d] % (size_t)grid->width[d]);
+        is_cell &= k[d] < grid->n[d];
+    }
+    return is_cell;
 }
 
 size_t grid_cell(const Grid *grid, const double x[3])
 {
     size_t cell = 0;
-    for (int d = grid->dim - 1; d >= 0; d--) {
+    for (int d = 0; d < grid->dim; d++) {
         const double n = grid->n[d];
         double position = floor((x[d] - grid->min[d]) * grid->per_length[d]);
         if (grid->wraps[d]) position -= n * floor(position / n);
         /* NaN goes to cell 0: the run is about to be stopped for it. */
-        const int k = position >= 0 ? (position < n ? (int)position : grid->n[d] - 1) : 0;
-        cell = cell * (size_t)grid->n[d] + (size_t)k;
+        cell += along(grid, d, position >= 0 ? (position < n ? (int)position : grid->n[d] - 1) : 0);
     }
     return cell;
 }
@@ -140,24 +192,55 @@ static int reach_along_x(const Grid *grid, double across2)
     return reach < grid->reach ? reach : grid->reach;
 }
 
+/* Numbers along y or z that are in reach: what each adds to the place of a cell, and how far it is [cells^2]. */
+typedef struct Lines {
+    int n;
+    size_t at[LINES_MAX];
+    double gap2[LINES_MAX];
+} Lines;
+
+static Lines lines_around(const Grid *grid, int d, int k)
+{
+    Lines lines = {0};
+    int low[2] = {0, 0}, high[2] = {0, 0};
+    const int n = d < grid->dim ? intervals(grid, d, k, grid->reach, low, high) : 1;
+    for (int a = 0; a < n; a++)
+        for (int m = low[a]; m <= high[a]; m++) {
+            const double apart = gap(grid, d, m - k);
+            lines.at[lines.n] = along(grid, d, m);
+            lines.gap2[lines.n++] = apart * apart;
+        }
+    return lines;
+}
+
+/* Cells up to `reach` from number k along x, in pieces that lie in one column; returns how many. */
+static int pieces_around(const Grid *grid, int k, int reach, Run pieces[static PIECES_MAX])
+{
+    int low[2], high[2], count = 0;
+    const int n = intervals(grid, 0, k, reach, low, high), width = grid->width[0];
+    for (int a = 0; a < n; a++)
+        for (int x = low[a], to; x <= high[a]; x = to + 1) {
+            const int end = (x / width + 1) * width - 1;
+            to = end < high[a] ? end : high[a];
+            pieces[count++] = (Run){along(grid, 0, x), along(grid, 0, to)};
+        }
+    return count;
+}
+
 int grid_runs(const Grid *grid, size_t cell, Run runs[static GRID_RUNS_MAX])
 {
-    const int nx = grid->n[0], ny = grid->n[1];
-    const int cx = (int)(cell % (size_t)nx), cy = (int)(cell / (size_t)nx % (size_t)ny),
-              cz = (int)(cell / (size_t)nx / (size_t)ny);
-    int zl[2] = {0, 0}, zh[2] = {0, 0}, yl[2], yh[2], xl[2], xh[2], count = 0;
-    const int nz = grid->dim == 3 ? intervals(grid, 2, cz, grid->reach, zl, zh) : 1;
-    const int nyi = intervals(grid, 1, cy, grid->reach, yl, yh);
-    for (int a = 0; a < nz; a++)
-        for (int z = zl[a]; z <= zh[a]; z++)
-            for (int b = 0; b < nyi; b++)
-                for (int y = yl[b]; y <= yh[b]; y++) {
-                    const double gy = gap(grid, 1, y - cy), gz = grid->dim == 3 ? gap(grid, 2, z - cz) : 0;
-                    const int reach = reach_along_x(grid, gy * gy + gz * gz);
-                    if (reach < 0) continue;
-                    const int nxi = intervals(grid, 0, cx, reach, xl, xh);
-                    const size_t line = ((size_t)z * (size_t)ny + (size_t)y) * (size_t)nx;
-                    for (int c = 0; c < nxi; c++) runs[count++] = (Run){line + (size_t)xl[c], line + (size_t)xh[c]};
-                }
+    Run pieces[REACH_MAX + 1][PIECES_MAX];
+    int n_pieces[REACH_MAX + 1], at[3], count = 0;
+    if (!numbers(grid, cell, at)) return 0;
+    for (int reach = 0; reach <= grid->reach; reach++)
+        n_pieces[reach] = pieces_around(grid, at[0], reach, pieces[reach]);
+    const Lines ys = lines_around(grid, 1, at[1]), zs = lines_around(grid, 2, at[2]);
+    for (int z = 0; z < zs.n; z++)
+        for (int y = 0; y < ys.n; y++) {
+            const int reach = reach_along_x(grid, ys.gap2[y] + zs.gap2[z]);
+            const size_t line = ys.at[y] + zs.at[z];
+            for (int k = 0; reach >= 0 && k < n_pieces[reach]; k++)
+                runs[count++] = (Run){line + pieces[reach][k].first, line + pieces[reach][k].last};
+        }
     return count;
 }

@@ -6,16 +6,17 @@
 #include "sim/model.h"
 #include "sim/particles.h"
 
-enum { GRID_RUNS_MAX = 2 * 25 + 2 };
+enum { GRID_RUNS_MAX = 3 * 25 };
 
 typedef struct Grid {
     int dim, n[3];
-    size_t cells;
+    int width[3], columns[3];     /* of the columns of storage: cells along each direction, and how many columns */
+    size_t step[3], stride[3];    /* in the order of storage, to the next cell of a column and to the next column */
+    size_t cells;                 /* with those that make all columns as wide */
     double min[3], per_length[3]; /* lower corner [m], cells per metre */
-    bool wraps
-        [3]; /* the last cell is beside the first: periodic, some particles are outside, or the domain is almost empty */
-    int reach;    /* cells on each side that can hold neighbours */
-    double ratio; /* largest distance of neighbours, in cells */
+    bool wraps[3];                /* is the last cell beside the first? */
+    int reach;                    /* cells on each side that can hold neighbours */
+    double ratio;                 /* largest distance of neighbours, in cells */
 } Grid;
 
 /* Consecutive cells [first, last] in the order of storage. */

@@ -4,88 +4,10 @@
 #ifndef SIM_PAIRS_H
 #define SIM_PAIRS_H
 
+#include "sim/intrinsics.h"
 #include "sim/row.h"
 #include <math.h>
 #include <string.h>
-#if HAS_LEVELS
-#include <immintrin.h>
-#endif
-
-typedef double Quad __attribute__((vector_size(32), may_alias));
-
-/* Four bundles, transposed. */
-typedef struct Quads {
-    Quad a, b, c, d;
-} Quads;
-
-INLINE Quads transposed(double (*restrict bundle)[4], const uint32_t *restrict j)
-{
-    const Quad k0 = *(const Quad *)bundle[j[0]], k1 = *(const Quad *)bundle[j[1]], k2 = *(const Quad *)bundle[j[2]],
-               k3 = *(const Quad *)bundle[j[3]];
-    const Quad even01 = __builtin_shufflevector(k0, k1, 0, 4, 2, 6),
-               odd01 = __builtin_shufflevector(k0, k1, 1, 5, 3, 7);
-    const Quad even23 = __builtin_shufflevector(k2, k3, 0, 4, 2, 6),
-               odd23 = __builtin_shufflevector(k2, k3, 1, 5, 3, 7);
-    return (Quads){
-        __builtin_shufflevector(even01, even23, 0, 1, 4, 5), __builtin_shufflevector(odd01, odd23, 0, 1, 4, 5),
-        __builtin_shufflevector(even01, even23, 2, 3, 6, 7), __builtin_shufflevector(odd01, odd23, 2, 3, 6, 7)};
-}
-
-/* Bundles of eight particles, transposed: a gets the first quantity of all, b the second ... */
-INLINE void fetch_quads(double (*restrict bundle)[4], const uint32_t *restrict j, double *restrict a,
-                        double *restrict b, double *restrict c, double *restrict d)
-{
-    for (int l = 0; l < LANES; l += 4) {
-        const Quads quads = transposed(bundle, j + l);
-        *(Quad *)(a + l) = quads.a;
-        *(Quad *)(b + l) = quads.b;
-        if (c) *(Quad *)(c + l) = quads.c;
-        if (d) *(Quad *)(d + l) = quads.d;
-    }
-}
-
-#if HAS_LEVELS
-/* Halves k of two bundles. gcc makes one instruction of it only if it is told so. */
-#define HALVES(k, first, second)                                                                                       \
-    _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_load_pd(bundle[first] + (k))), _mm_load_pd(bundle[second] + (k)), 1)
-
-/* The same bits, put together as they are loaded: to exchange halves of registers afterwards is what machines with AVX2 are slow at. */
-FOR_V3 INLINE void fetch_halves(double (*restrict bundle)[4], const uint32_t *restrict j, double *restrict a,
-                                double *restrict b, double *restrict c, double *restrict d)
-{
-    for (int l = 0; l < LANES; l += 4) {
-        const Quad first02 = HALVES(0, j[l], j[l + 2]), first13 = HALVES(0, j[l + 1], j[l + 3]),
-                   last02 = HALVES(2, j[l], j[l + 2]), last13 = HALVES(2, j[l + 1], j[l + 3]);
-        *(Quad *)(a + l) = __builtin_shufflevector(first02, first13, 0, 4, 2, 6);
-        *(Quad *)(b + l) = __builtin_shufflevector(first02, first13, 1, 5, 3, 7);
-        if (c) *(Quad *)(c + l) = __builtin_shufflevector(last02, last13, 0, 4, 2, 6);
-        if (d) *(Quad *)(d + l) = __builtin_shufflevector(last02, last13, 1, 5, 3, 7);
-    }
-}
-
-typedef double Oct __attribute__((vector_size(64), may_alias));
-
-/* One load and one that is put beside it: the exchange of halves that gcc makes of a shuffle has but one unit, which all that follows
- * waits for. A macro, as no function may return a vector that its instruction set does not have. */
-#define BOTH(first, second)                                                                                            \
-    _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(bundle[first])), _mm256_load_pd(bundle[second]), 1)
-
-/* The same where registers hold eight doubles, with a third of the shuffles. What is stored is loaded again as eight, which could
- * not be forwarded from two stores of four. */
-FOR_V4 INLINE void fetch_octs(double (*restrict bundle)[4], const uint32_t *restrict j, double *restrict a,
-                              double *restrict b, double *restrict c, double *restrict d)
-{
-    const Oct k04 = BOTH(j[0], j[4]), k15 = BOTH(j[1], j[5]), k26 = BOTH(j[2], j[6]), k37 = BOTH(j[3], j[7]);
-    const Oct even01 = __builtin_shufflevector(k04, k15, 0, 8, 2, 10, 4, 12, 6, 14),
-              odd01 = __builtin_shufflevector(k04, k15, 1, 9, 3, 11, 5, 13, 7, 15),
-              even23 = __builtin_shufflevector(k26, k37, 0, 8, 2, 10, 4, 12, 6, 14),
-              odd23 = __builtin_shufflevector(k26, k37, 1, 9, 3, 11, 5, 13, 7, 15);
-    *(Oct *)a = __builtin_shufflevector(even01, even23, 0, 1, 8, 9, 4, 5, 12, 13);
-    *(Oct *)b = __builtin_shufflevector(odd01, odd23, 0, 1, 8, 9, 4, 5, 12, 13);
-    if (c) *(Oct *)c = __builtin_shufflevector(even01, even23, 2, 3, 10, 11, 6, 7, 14, 15);
-    if (d) *(Oct *)d = __builtin_shufflevector(odd01, odd23, 2, 3, 10, 11, 6, 7, 14, 15);
-}
-#endif
 
 /* Where a quantity of the neighbours goes; NULL for nothing. */
 INLINE double *place(Block *block, int what)

@@ -5,11 +5,11 @@
 #ifndef SIM_ROW_H
 #define SIM_ROW_H
 
+#include "sim/intrinsics.h"
 #include "sim/kernel_shape.h"
 #include "sim/neighbours.h"
-#include "sim/select.h"
 
-enum { LANES = 8, ROW_BLOCKS = ROW_MAX / LANES + 2, PICKED_MAX = ROW_BLOCKS * LANES + 2 * SELECT_SLACK };
+enum { ROW_BLOCKS = ROW_MAX / LANES + 2, PICKED_MAX = ROW_BLOCKS * LANES + 2 * SELECT_SLACK };
 
 /* Eight pairs. What was not needed (bundle.h) has no meaning. */
 typedef struct Block {

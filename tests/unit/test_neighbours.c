@@ -85,6 +85,26 @@ static void lists_are_complete_in_three_dimensions_periodic_or_not(void **state)
                                              .owner = three_kinds});
 }
 
+/* Borders of columns along both directions, the last columns with room to spare. */
+static void lists_go_on_from_column_to_column(void **state)
+{
+    (void)state;
+    for (int periodic = 0; periodic < 2; periodic++) {
+        Cloud *cloud = cloud_new(&(CloudSetup){.dim = 3,
+                                               .dx = 0.1,
+                                               .n = {42, 34, 2},
+                                               .periodic = {periodic, !periodic, false},
+                                               .jitter = 0.7,
+                                               .skin = 0.1,
+                                               .owner = three_kinds});
+        const Grid *grid = &cloud->nb.grid;
+        for (int d = 0; d < 2; d++) assert_in_range(grid->columns[d], 2, 3);
+        assert_true(grid->columns[0] * grid->width[0] > grid->n[0] || grid->columns[1] * grid->width[1] > grid->n[1]);
+        assert_complete(cloud);
+        cloud_free(cloud);
+    }
+}
+
 static void particles_outside_the_domain_have_neighbours_too(void **state)
 {
     (void)state;
@@ -364,6 +384,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lists_are_complete_in_two_dimensions_periodic_or_not),
         cmocka_unit_test(lists_are_complete_in_three_dimensions_periodic_or_not),
+        cmocka_unit_test(lists_go_on_from_column_to_column),
         cmocka_unit_test(particles_outside_the_domain_have_neighbours_too),
         cmocka_unit_test(a_wide_kernel_and_a_wide_skin_are_no_problem),
         cmocka_unit_test(a_domain_smaller_than_the_reach_is_searched_whole),
