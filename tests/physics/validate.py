@@ -49,6 +49,8 @@ CASES = {
     "sloshing2d-single": Case(sloshing.sloshing2d_single, 75, 0.25),
     "sloshing3d-single": Case(sloshing.sloshing3d_single, None, 19),
     "sloshing2d-three-layers": Case(sloshing.sloshing2d_three_layers, 120, 0.04),
+    "sloshing2d-three-layers-free": Case(sloshing.sloshing2d_three_layers_free, 40, 0.07),
+    "sloshing2d-three-layers-resonance": Case(sloshing.sloshing2d_three_layers_resonance, 40, 0.07),
     "sloshing3d-three-layers": Case(sloshing.sloshing3d_three_layers, None, 13),
     "bubble2d-single": Case(bubbles.bubble2d_single, 95, 0.2),
     "bubble3d-single": Case(bubbles.bubble3d_single, 1800, 13),

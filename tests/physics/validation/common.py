@@ -56,3 +56,22 @@ def grain(s: Snapshot, phase: int) -> float:
     places = np.concatenate([np.ones((*near.shape, 1)), x[near] - x[own, None]], axis=2)
     at_own = np.linalg.pinv(places)[:, 0]  # the constant of the linear field, as weights of the neighbours
     return float(np.sqrt(np.mean((p[own] - np.sum(at_own * p[near], axis=1)) ** 2)))
+
+
+def roughness(s: Snapshot, phase: int) -> float:
+    """Of an interface in a plane: rms distance of the outermost particles of a fluid from the parabola through those of them within
+    four spacings, in spacings. Outermost are those with another fluid within one and a half."""
+    from scipy.spatial import cKDTree  # python3-scipy
+
+    own, others = (s.x[m, :2] / s.spacing for m in (s.phase == phase, s.phase != phase))
+    rim = own[np.isfinite(cKDTree(others).query(own, distance_upper_bound=1.5)[0])]
+    squares = []
+    for at, near in zip(rim, cKDTree(rim).query_ball_point(rim, 4), strict=True):
+        points = rim[near] - rim[near].mean(0)
+        if len(points) < 5:  # of a crumb
+            continue
+        axes = np.linalg.svd(points, full_matrices=False)[2]  # along the interface, and across
+        fit = np.polyfit(*(points @ axes.T).T, 2)
+        along, across = axes @ (at - rim[near].mean(0))
+        squares.append((across - np.polyval(fit, along)) ** 2)
+    return float(np.sqrt(np.mean(squares)))

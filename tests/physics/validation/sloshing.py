@@ -128,6 +128,88 @@ def sloshing2d_three_layers(paper: bool) -> Iterator[Metric]:
     yield from hygiene(case, runs[-1], void=False)
 
 
+MODE = {"omega": 4.0883311, "cw": 0.5589286, "wd": 0.23827605}  # P1/three_layer_natural_frequencies.csv, along x, the third of n = 1
+
+
+def swing(r: Run, level: str) -> np.ndarray:
+    """Of the two ends against each other: what is even along the tank drops out [m]."""
+    return 0.5 * (r.probes[f"{level}_xm"] - r.probes[f"{level}_xp"])
+
+
+def period(r: Run) -> float:
+    """From where the surface passes its rest, a straight line through all times of it [s]."""
+    zeros = crossings(r.t, smooth(r.t, swing(r, "fs"), 0.04), 0)
+    zeros = zeros[zeros > 0.3]
+    return 2 * float(np.polyfit(np.arange(len(zeros)), zeros, 1)[0])
+
+
+def share(r: Run, level: str) -> float:
+    """How much an interface swings for each metre of the surface, by least squares."""
+    surface = swing(r, "fs")
+    return float(np.sum(swing(r, level) * surface) / np.sum(surface**2))
+
+
+def sloshing2d_three_layers_free(paper: bool) -> Iterator[Metric]:
+    """The first mode of the surface left alone: its period and shape, at two resolutions."""
+    case, sizes = "sloshing2d-three-layers-free", (10, 20) if paper else (5, 10)
+    runs = [run(case, f"resolution={n}") for n in sizes]
+    r, exact = runs[-1], 2 * np.pi / MODE["omega"]
+    yield Metric(case, "period of the surface [s]", period(r), exact, 0.03 if paper else 0.05)
+    for level in ("cw", "wd"):
+        yield Metric(case, f"swing of {level} over that of the surface", share(r, level), MODE[level], 0.08 if paper else 0.12, relative=True)
+    for n, one in zip(sizes, runs, strict=True):
+        yield Metric(case, f"period at {n} per layer, from the theory's [s]", period(one) - exact)
+    yield Metric(case, "period of one liquid 0.6 m deep, which the paper takes, from the theory's [s]", 2 * np.pi / 4.179 - exact)
+    yield from hygiene(case, runs[-1], void=False)
+
+
+def forced(omega: float, amplitude: float, times: np.ndarray) -> np.ndarray:
+    """Surface 20 mm before the left wall of three layers in a tank moved along x, by linear theory [m].
+
+    Each odd mode of the tank by itself, M eta'' + K eta = f(t) for its three interfaces, M and K as in the head of
+    P1/three_layer_natural_frequencies.csv. Against an acceleration a of the tank the levels strive for -(a/g) (x - L/2), of which cos(k x) has
+    -4 L / (n pi)^2.
+    """
+    from scipy.linalg import eigh  # python3-scipy
+
+    length, depth, g, rho = 1.5, 0.2, 9.81, np.array([1300.0, 1000.0, 780.0, 0.0])
+    dt = 1e-3
+    t = np.arange(0, times[-1] + dt, dt)
+    total = np.zeros_like(t)
+    for n in range(1, 40, 2):
+        k = n * np.pi / length
+        coth, csch = 1 / np.tanh(k * depth), 1 / np.sinh(k * depth)
+        mass = np.diag((rho[:3] * coth + rho[1:] * coth) / k)
+        for a in range(2):
+            mass[a, a + 1] = mass[a + 1, a] = -rho[a + 1] * csch / k
+        stiffness = g * (rho[:3] - rho[1:])
+        square, shape = eigh(np.diag(stiffness), mass)
+        # In gravity (-B w^2 cos w t, -g) levels strive for -(B w^2 / g) cos w t times (x - L/2).
+        push = shape.T @ stiffness * (4 * length / (n * np.pi) ** 2) * amplitude * omega**2 / g
+        for m in range(3):
+            w = np.sqrt(square[m])
+            # q'' + w^2 q = push cos(omega t), at rest at first.
+            q = push[m] * (t * np.sin(w * t) / (2 * w) if abs(w - omega) < 1e-6 else (np.cos(omega * t) - np.cos(w * t)) / (w**2 - omega**2))
+            total += shape[2, m] * q * np.cos(k * 0.02)
+    return np.interp(times, t, total)
+
+
+def sloshing2d_three_layers_resonance(paper: bool) -> Iterator[Metric]:
+    """Driven at the frequency of its first mode: crests and troughs against linear theory, at two resolutions."""
+    case, sizes = "sloshing2d-three-layers-resonance", (10, 20) if paper else (5, 10)
+    runs = [run(case, f"resolution={n}") for n in sizes]
+    r = runs[-1]
+    theory, amplitude, phase = forced(MODE["omega"], 0.00425, r.t), 0.08 if paper else 0.12, 0.03 if paper else 0.05
+    for t, sign in ((1.92, 1), (2.69, -1), (3.46, 1)):
+        eta = smooth(r.t, r.probes["fs_xm"] - REST["fs"], 0.04)
+        kind = "crest" if sign > 0 else "trough"
+        yield from extreme(case, f"{kind} of fs_xm near {t} s", extremum(r.t, eta, t, 0.25, sign), extremum(r.t, theory, t, 0.25, sign), amplitude, phase)
+    crests = [extremum(one.t, one.probes["fs_xm"] - REST["fs"], 3.46, 0.25, 1)[1] for one in runs]
+    for n, crest in zip(sizes, crests, strict=True):
+        yield Metric(case, f"crest of fs_xm near 3.46 s at {n} per layer [m]", crest)
+    yield from hygiene(case, runs[-1], void=False)
+
+
 CORNERS = {"mm": "x-y-", "mp": "x-y+", "pm": "x+y-", "pp": "x+y+"}
 
 
