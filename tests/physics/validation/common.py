@@ -58,7 +58,7 @@ def grain(s: Snapshot, phase: int) -> float:
     return float(np.sqrt(np.mean((p[own] - np.sum(at_own * p[near], axis=1)) ** 2)))
 
 
-def roughness(s: Snapshot, phase: int) -> float:
+def interface_roughness(s: Snapshot, phase: int) -> float:
     """Of an interface in a plane: rms distance of the outermost particles of a fluid from the parabola through those of them within
     four spacings, in spacings. Outermost are those with another fluid within one and a half."""
     from scipy.spatial import cKDTree  # python3-scipy

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from validation.common import hygiene, sharpness
+from validation.common import converges, hygiene, sharpness
 from validation.metrics import Metric
 from validation.runs import Run, attempt, run
 from validation.series import crossings, median, smooth, table
@@ -167,8 +167,13 @@ def score_square(case: str, r: Run, full: bool) -> Iterator[Metric]:
 
 
 def dambreak2d_interfacial_square(paper: bool) -> Iterator[Metric]:
-    """P2 4.1, the column H x H."""
-    case = "dambreak2d-interfacial-square"
-    r = in_depths(run(case, f"resolution={60 if paper else 30}"))
-    yield from score_square(case, r, paper)
-    yield from hygiene(case, r)
+    """P2 4.1, the column H x H, at two resolutions."""
+    case, sizes = "dambreak2d-interfacial-square", (30, 60) if paper else (15, 30)
+    runs = [in_depths(run(case, f"resolution={n}")) for n in sizes]
+    yield from score_square(case, runs[-1], paper)
+    ref = table("P3/dam_break_vof_WH1_H95.csv")
+    toes = [r.at("front", 2) - 1 for r in runs]
+    for n, toe in zip(sizes, toes, strict=True):
+        yield Metric(case, f"toe / H at t* = 2 at H/{n}", toe)
+    yield converges(case, "toe at t* = 2", *toes, float(np.interp(2, ref["t"], ref["toe_from_dam"])))
+    yield from hygiene(case, runs[-1])
