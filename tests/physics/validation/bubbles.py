@@ -212,7 +212,7 @@ def bubble2d_sussman(paper: bool) -> Iterator[Metric]:
         one = run(case, f"resolution={sizes[0]}", ends, *setting)
         film = one.at("film", t * np.sqrt(RADIUS / G)) / RADIUS
         yield Metric(case, f"{what}: thickness on the axis / R at {t}, R/{sizes[0]}", film, thickness(ref, t), note="not scored")
-    # What the original shifting does to the interface (P2 figures 19 and 20). At a density ratio of a thousand it ends in a fault within ten
+    # What the original shifting does to the interface (P2 figures 19 and 20). At a density ratio of a thousand it ends in a fault within twenty
     # steps, so that lower ones are what there is to compare at.
     original = "scheme.interfacial.shifting=original"
     for ratio in (1000, 10, 2):
