@@ -11,6 +11,8 @@
 #include <string.h>
 
 enum { GREETING_S = 10, PING_S = 10, HANGUP_S = 30, HEADERS = 2048, PATH = 256 };
+/* At once; the rest of a longer message is kept by the library. */
+enum { HEAR_BYTES = 4096, SEND_BYTES = 256 << 10 };
 _Static_assert(LWS_PRE <= FRAME_HEADROOM, "the library writes its header before each message");
 
 /* One connection: a file being sent, or a browser. */
@@ -21,6 +23,7 @@ typedef struct Visit {
     Session session;
     char *heard; /* [ASK_BYTES] the message so far */
     size_t n_heard;
+    bool hung_up;
     enum lws_close_status why; /* it is to be closed for, once what has begun to be sent is gone; 0: it is not */
     const char *words;
 } Visit;
@@ -118,8 +121,9 @@ static void take_frame(Server *server, Frame *frame)
 
 /* --- what comes from other threads ------------------------------------------------------------------------------------- */
 
-static void hang_up(const Visit *visit)
+static void hang_up(Visit *visit)
 {
+    visit->hung_up = true;
     lws_set_timeout(visit->wsi, PENDING_TIMEOUT_USER_OK, LWS_TO_KILL_ASYNC);
 }
 
@@ -170,7 +174,8 @@ static int close_for(Visit *visit, enum lws_close_status why, const char *words)
     if (lws_partial_buffered(visit->wsi)) {
         visit->why = why;
         visit->words = words;
-        lws_set_timeout(visit->wsi, PENDING_TIMEOUT_USER_OK, GREETING_S);
+        visit->session.shows = false;
+        if (!visit->hung_up) lws_set_timeout(visit->wsi, PENDING_TIMEOUT_USER_OK, GREETING_S);
         lws_callback_on_writable(visit->wsi);
         return 0;
     }
@@ -377,6 +382,7 @@ static int serve(struct lws *wsi, enum lws_callback_reasons reason, void *user, 
     case LWS_CALLBACK_RECEIVE: return visit->is_browser ? hear(server, visit, in, len) : -1;
     case LWS_CALLBACK_SERVER_WRITEABLE: return visit->is_browser ? write_next(server, visit) : -1;
     case LWS_CALLBACK_TIMER:
+        if (!visit->is_browser) return -1;
         return visit->session.welcome ? 0 : close_for(visit, LWS_CLOSE_STATUS_POLICY_VIOLATION, "hello");
     case LWS_CALLBACK_CLOSED: part(server, visit); return 0;
     case LWS_CALLBACK_EVENT_WAIT_CANCELLED: take_post(server); return 0;
@@ -404,8 +410,8 @@ static MnsStatus listen_at(Server *server, char *where, size_t size, MnsError *e
         {.name = "meniscus-dashboard",
          .callback = serve,
          .per_session_data_size = sizeof(Visit),
-         .rx_buffer_size = 4096,
-         .tx_packet_size = 256 << 10},
+         .rx_buffer_size = HEAR_BYTES,
+         .tx_packet_size = SEND_BYTES},
         {0},
     };
     const Address *address = &server->options->address;

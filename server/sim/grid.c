@@ -229,10 +229,10 @@ static int pieces_around(const Grid *grid, int k, int reach, Run pieces[static P
 
 int grid_runs(const Grid *grid, size_t cell, Run runs[static GRID_RUNS_MAX])
 {
-    Run pieces[REACH_MAX + 1][PIECES_MAX];
+    Run pieces[REACH_MAX + 1][PIECES_MAX]; /* [reach], from 1 on */
     int n_pieces[REACH_MAX + 1], at[3], count = 0;
     if (!numbers(grid, cell, at)) return 0;
-    for (int reach = 0; reach <= grid->reach; reach++)
+    for (int reach = 1; reach <= grid->reach; reach++)
         n_pieces[reach] = pieces_around(grid, at[0], reach, pieces[reach]);
     const Lines ys = lines_around(grid, 1, at[1]), zs = lines_around(grid, 2, at[2]);
     for (int z = 0; z < zs.n; z++)

@@ -14,7 +14,7 @@ typedef struct Grid {
     size_t step[3], stride[3];    /* in the order of storage, to the next cell of a column and to the next column */
     size_t cells;                 /* with those that make all columns as wide */
     double min[3], per_length[3]; /* lower corner [m], cells per metre */
-    bool wraps[3];                /* is the last cell beside the first? */
+    bool wraps[3];                /* the last cell is beside the first: periodic, fluid outside, or halved (halve()) */
     int reach;                    /* cells on each side that can hold neighbours */
     double ratio;                 /* largest distance of neighbours, in cells */
 } Grid;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* All that is written for one instruction set, and its twins for any machine, which give the same bits: what compilers do not make of
+/* All intrinsics of instruction sets, and their twins for any machine, which give the same bits: what compilers do not make of
  * plain loops. Marks and picks are offered by select.h, fetches are part of pairs.h. */
 #ifndef SIM_INTRINSICS_H
 #define SIM_INTRINSICS_H
@@ -8,8 +8,6 @@
 #if HAS_LEVELS
 #include <immintrin.h>
 #endif
-
-enum { LANES = 8 }; /* pairs of a block */
 
 /* --- any machine ------------------------------------------------------------------------------------------------------- */
 
@@ -56,6 +54,7 @@ INLINE size_t plain_near(const Points *points, uint32_t first, uint32_t last, co
     }
     return count;
 }
+
 typedef double Quad __attribute__((vector_size(32), may_alias));
 
 /* Four bundles, transposed. */

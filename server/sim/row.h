@@ -5,9 +5,9 @@
 #ifndef SIM_ROW_H
 #define SIM_ROW_H
 
-#include "sim/intrinsics.h"
 #include "sim/kernel_shape.h"
 #include "sim/neighbours.h"
+#include "sim/select.h"
 
 enum { ROW_BLOCKS = ROW_MAX / LANES + 2, PICKED_MAX = ROW_BLOCKS * LANES + 2 * SELECT_SLACK };
 

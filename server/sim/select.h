@@ -7,6 +7,7 @@
 #include "sim/level.h"
 #include <stdbool.h>
 
+enum { LANES = 8 };        /* pairs of a block */
 enum { SELECT_SLACK = 8 }; /* entries behind the last that may be read, or written with rubbish */
 
 /* Bit l of marks[b] is whether r[b * stride + l] < reach, l < 8, b < blocks. */

@@ -105,6 +105,45 @@ static void lists_go_on_from_column_to_column(void **state)
     }
 }
 
+/* Of a grid that repeats itself, whose last column along x is one cell wide: two borders among five cells. */
+static void runs_go_round_over_a_narrow_last_column(void **state)
+{
+    (void)state;
+    Cloud *cloud = cloud_new(&(CloudSetup){.dim = 3, .dx = 0.1, .n = {12, 11, 10}, .owner = NULL});
+    const double distance = cloud->model.kernel.support, edge = distance / 2;
+    static const int n[] = {553, 6, 4};
+    for (int d = 0; d < 3; d++) {
+        cloud->model.min[d] = 0;
+        cloud->model.max[d] = cloud->model.period[d] = (n[d] + 1e-6) * edge;
+    }
+    const Grid grid = grid_make(&cloud->s, &cloud->model, distance, 1);
+    assert_int_equal(grid.n[0], n[0]);
+    assert_int_equal((grid.columns[0] - 1) * grid.width[0], n[0] - 1);
+    uint8_t *seen = malloc(grid.cells);
+    assert_non_null(seen);
+    for (int x = 0; x < n[0]; x++) {
+        Run runs[GRID_RUNS_MAX];
+        const double at[] = {(x + 0.5) / grid.per_length[0], 0.5 * edge, 1.5 * edge};
+        const int count = grid_runs(&grid, grid_cell(&grid, at), runs);
+        memset(seen, 0, grid.cells);
+        for (int k = 0; k < count; k++)
+            for (size_t cell = runs[k].first; cell <= runs[k].last; cell++) seen[cell]++;
+        for (int k = 0; k < 125; k++) {
+            const int apart[] = {k % 5 - 2, k / 5 % 5 - 2, k / 25 - 2};
+            double beside[3], gap2 = 0;
+            for (int d = 0; d < 3; d++) {
+                const double gap = fmax(0, abs(apart[d]) - 1);
+                beside[d] = at[d] + apart[d] * edge;
+                gap2 += gap * gap;
+            }
+            const int times = seen[grid_cell(&grid, beside)];
+            assert_in_range(times, gap2 < grid.ratio * grid.ratio, 1);
+        }
+    }
+    free(seen);
+    cloud_free(cloud);
+}
+
 static void particles_outside_the_domain_have_neighbours_too(void **state)
 {
     (void)state;
@@ -385,6 +424,7 @@ int main(void)
         cmocka_unit_test(lists_are_complete_in_two_dimensions_periodic_or_not),
         cmocka_unit_test(lists_are_complete_in_three_dimensions_periodic_or_not),
         cmocka_unit_test(lists_go_on_from_column_to_column),
+        cmocka_unit_test(runs_go_round_over_a_narrow_last_column),
         cmocka_unit_test(particles_outside_the_domain_have_neighbours_too),
         cmocka_unit_test(a_wide_kernel_and_a_wide_skin_are_no_problem),
         cmocka_unit_test(a_domain_smaller_than_the_reach_is_searched_whole),
