@@ -118,6 +118,16 @@ class Table(unittest.TestCase):
         self.assertAlmostEqual(value, 3)
 
 
+class Interfaces(unittest.TestCase):
+    def test_a_rough_interface_is_told_from_a_curved_one(self):
+        x, y = (a.ravel() for a in np.meshgrid(np.arange(40) + 0.5, np.arange(20) + 0.5))
+        rows = np.column_stack([x, y + 0.002 * (x - 20) ** 2, 0 * x])
+        for rough in (0, 0.2):
+            shaken = rows + rough * np.column_stack([0 * x, np.where(x % 2 < 1, 1, -1), 0 * x]) * (np.abs(y - 10) < 1)[:, None]
+            found = common.interface_roughness(Snapshot(0, 1, shaken, (y > 10).astype(int), np.zeros(len(x))), 1)
+            self.assertAlmostEqual(found, rough, delta=0.03)
+
+
 class Sloshing(Scored):
     def test_one_layer(self):
         ref = series.table("P1/sloshing_single_vof2d.csv")
@@ -134,6 +144,27 @@ class Sloshing(Scored):
         for full in (False, True):
             self.check(good, lambda r, full=full: sloshing.score_layers_slice("c", r, full),
                        *(change for n in ("fs_xp", "fs_xm", "cw_xm") for change in (scaled(n, 0.8, sloshing.REST[n[:2]]), late(n, 0.07))))
+
+    def test_three_layers_left_to_swing(self):
+        t, mode = samples(3.9, 0.01), sloshing.MODE
+        swing = 0.02 * np.sin(mode["omega"] * t)
+        good = made(t, **{f"{level}_x{end}": sloshing.REST[level] + sign * mode.get(level, 1) * swing
+                          for level in ("fs", "cw", "wd") for end, sign in (("m", 1), ("p", -1))})
+        for full in (False, True):
+            self.check(good, lambda r, full=full: sloshing.score_layers_free("c", r, full),
+                       changed("fs_xm", lambda t, v: np.interp(1.02 * t, t, v)), scaled("cw_xm", 0.7, 0.4), scaled("wd_xp", 0.7, 0.2))
+
+    def test_three_layers_in_resonance(self):
+        t = samples(4, 0.01)
+        good = made(t, fs_xm=0.6 + sloshing.forced(sloshing.MODE["omega"], 0.00425, t))
+        for full in (False, True):
+            self.check(good, lambda r, full=full: sloshing.score_layers_resonance("c", r, full), scaled("fs_xm", 0.8, 0.6), late("fs_xm", 0.07))
+
+    def test_linear_theory_is_that_of_the_reference(self):
+        ref = series.table("P1/three_layer_forced_linear.csv")
+        early = ref["t_s"] < 0.8
+        mine = sloshing.forced(4.18, 0.0425, ref["t_s"])[early]
+        self.assertLess(np.abs(mine - ref["fs_xm"][early]).max(), 0.02 * np.abs(mine).max())
 
     def test_three_layers_in_the_corners(self):
         ref = series.table("P1/three_layer_forced_linear.csv")
@@ -245,7 +276,7 @@ class Bubbles(Scored):
                     film=of("y_axis_high") - of("y_axis_low"))
         for full in (False, True):
             self.check(good, lambda r, full=full: bubbles.score_sussman("c", r, full),
-                       moved("centre", 0.1 * 0.025), moved("right", 0.2 * 0.025))
+                       moved("centre", 0.1 * 0.025), moved("right", 0.2 * 0.025), moved("film", 0.1 * 0.025))
 
     def test_hysing(self):
         t = samples(3, 0.01)
