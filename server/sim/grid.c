@@ -2,8 +2,8 @@
 /* A grid of cells. In two dimensions a cell is as wide as the neighbour distance; in three half as wide, so that fewer
  * particles out of reach are looked at.
  * In two dimensions cells are stored line by line. In three they are stored column by column, and within a column layer by layer:
- * what the particles of a few layers of one column have around them fits into a processor's own cache, whatever the size of the
- * domain, where layers of the whole domain do not. */
+ * a few layers of one column and of its rim are about what a processor's own cache holds, whatever the size of the domain, and
+ * layers of the whole domain are not. */
 #include "sim/grid.h"
 #include <math.h>
 
