@@ -33,7 +33,6 @@ typedef struct Pending {
 
 typedef struct Replay {
     const char *directory;
-    const char *level; /* that this machine computes with by itself */
     int threads;
     MnsSim *sim;
     Document *document;
@@ -270,14 +269,6 @@ static MnsStatus command_again(Replay *replay, const Record *record, MnsError *e
     }
 }
 
-/* Compute as the run was computed, unless the user says how, and as far as this machine can: states tell if it cannot. */
-static void take_arithmetic(const Replay *replay, const Record *record)
-{
-    if (!record->arithmetic || environment_has_level()) return;
-    if (strcmp(record->arithmetic, mns_arithmetic()) == 0) return;
-    if (!record->level || mns_level_force(record->level, NULL)) (void)mns_level_force(replay->level, NULL);
-}
-
 /* Begin where the record does. The run may have got beyond the last record before, and have written a checkpoint there. */
 static MnsStatus begin_again(Replay *replay, const HistoryRecord *at, MnsError *error)
 {
@@ -287,7 +278,7 @@ static MnsStatus begin_again(Replay *replay, const HistoryRecord *at, MnsError *
     MnsStatus status = MNS_OK;
     if (back && replay->sim && record->step > mns_sim_progress(replay->sim).step) status = advance(replay, at, error);
     if (back && !status) status = state_of(replay, record->step, &state, error);
-    take_arithmetic(replay, record);
+    (void)environment_compute_as(record->arithmetic); /* states tell if that is not to be had */
     if (!status) status = begin(replay, record->case_, state, error);
     replay->origin = record;
     replay->again = replay->n_pending = 0;
@@ -360,7 +351,7 @@ int replay_run(const char *directory, int threads, bool json)
 {
     MnsError error = {.status = MNS_OK};
     History history;
-    Replay replay = {.directory = directory, .level = mns_level(), .threads = threads, .limit = INFINITY};
+    Replay replay = {.directory = directory, .threads = threads, .limit = INFINITY};
     MnsStatus status = history_read(directory, &history, &error);
     if (!status) status = replay_all(&replay, &history, &error);
     const bool files = status == MNS_E_CORRUPT || status == MNS_E_IO;

@@ -137,7 +137,7 @@ static void read_all(H5 *h, void *into)
 {
     Checkpoint *c = into;
     c->state = state_get(h);
-    c->other_arithmetic = !meta_same_arithmetic(h);
+    c->arithmetic = meta_arithmetic(h);
     get_case(h, c);
 }
 

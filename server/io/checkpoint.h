@@ -18,7 +18,7 @@ typedef struct Checkpoint {
     void *case_blob; /* the packed Case message of the run, as it was when this was written */
     size_t case_size;
     char path[4096];
-    bool other_arithmetic; /* than that in use: from here on bits are not those of a run that was never interrupted */
+    const char *arithmetic; /* it was computed in, as mns_arithmetic() names it; NULL: by a version that did not say */
 } Checkpoint;
 
 /* Read one file. MNS_E_NOT_FOUND, MNS_E_IO; MNS_E_CORRUPT if a checksum does not match; MNS_E_VERSION; MNS_E_MEMORY:

@@ -20,17 +20,24 @@ void meta_put_run(H5 *h, const FileMeta *meta)
     h5_mark_text(h, group, "case", meta->case_name);
     h5_mark_text(h, group, "scheme", meta->c->scheme.name);
     h5_mark_text(h, group, "version", MENISCUS_VERSION);
-    h5_mark_text(h, group, "level", mns_level());
-    h5_mark_text(h, group, "arithmetic", mns_arithmetic());
     h5_mark_text(h, group, "units", "SI");
     h5_mark(h, group, "dim", H5T_NATIVE_INT, 0, &meta->c->dim);
     h5_put_texts(h, "/meniscus/case_text", 1, &meta->case_text);
     put_names(h, meta->c);
 }
 
-bool meta_same_arithmetic(H5 *h)
+void meta_put_level(H5 *h, const char *level, const char *arithmetic)
 {
-    return h5_has_mark(h, group, "arithmetic") && h5_mark_is(h, group, "arithmetic", mns_arithmetic());
+    h5_mark_text(h, group, "level", level);
+    h5_mark_text(h, group, "arithmetic", arithmetic);
+}
+
+const char *meta_arithmetic(H5 *h)
+{
+    static const char *const known[] = {"fused", "separate"};
+    for (size_t k = 0; k < sizeof known / sizeof *known; k++)
+        if (h5_has_mark(h, group, "arithmetic") && h5_mark_is(h, group, "arithmetic", known[k])) return known[k];
+    return NULL;
 }
 
 void meta_put_moment(H5 *h, const MnsCapture *capture, size_t n)
@@ -42,6 +49,7 @@ void meta_put_moment(H5 *h, const MnsCapture *capture, size_t n)
     h5_mark(h, group, "step", H5T_NATIVE_UINT64, 0, &capture->progress.step);
     h5_mark(h, group, "time", H5T_NATIVE_DOUBLE, 0, &capture->progress.t);
     h5_mark(h, group, "dt", H5T_NATIVE_DOUBLE, 0, &capture->progress.dt);
+    if (capture->level && capture->arithmetic) meta_put_level(h, capture->level, capture->arithmetic);
     if (capture->solver) h5_mark_text(h, group, "solver", capture->solver);
 }
 

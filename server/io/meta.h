@@ -15,8 +15,11 @@
 
 void meta_put_run(H5 *h, const FileMeta *meta);
 
-/* Was it computed with the arithmetic that is in use? Files of versions that did not say were not. */
-bool meta_same_arithmetic(H5 *h);
+/* With which instructions, and in which arithmetic. */
+void meta_put_level(H5 *h, const char *level, const char *arithmetic);
+
+/* In which arithmetic: "fused" or "separate", for good; NULL of versions that did not say. */
+const char *meta_arithmetic(H5 *h);
 
 /* @param n  particles in the file */
 void meta_put_moment(H5 *h, const MnsCapture *capture, size_t n);

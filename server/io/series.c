@@ -222,6 +222,7 @@ static void fill(H5 *h, const void *what)
     const Series *s = what;
     char name[256];
     meta_put_run(h, &s->meta);
+    meta_put_level(h, mns_level(), mns_arithmetic());
     h5_put(h, "/step", H5T_NATIVE_UINT64, s->n, s->step);
     h5_put(h, "/time", H5T_NATIVE_DOUBLE, s->n, s->time);
     h5_mark_text(h, "/time", "unit", "s");

@@ -4,6 +4,7 @@
 #include <omp.h>
 #include <sched.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 /* Where threads are bound to processors (OMP_PROC_BIND, OMP_PLACES), the runtime has bound this one before main(), and a program that is
@@ -43,15 +44,33 @@ static const char *level_asked_for(void)
     return name && *name ? name : NULL;
 }
 
-bool environment_has_level(void)
+static const char *own_level(void)
 {
-    return level_asked_for() != NULL;
+    static const char *own;
+    if (!own) own = mns_level();
+    return own;
 }
 
 MnsStatus environment_level(MnsError *error)
 {
     const char *name = level_asked_for();
     MnsError why;
-    if (!name || !mns_level_force(name, &why)) return MNS_OK;
-    return mns_fail(error, why.status, "MENISCUS_LEVEL: %s", why.text);
+    if (name && mns_level_force(name, &why)) return mns_fail(error, why.status, "MENISCUS_LEVEL: %s", why.text);
+    (void)own_level();
+    return MNS_OK;
+}
+
+void environment_compute_anew(void)
+{
+    (void)mns_level_force(own_level(), NULL);
+}
+
+bool environment_compute_as(const char *arithmetic)
+{
+    environment_compute_anew();
+    if (!arithmetic) return false;
+    if (!strcmp(arithmetic, mns_arithmetic())) return true;
+    if (!level_asked_for() && !mns_level_force("x86-64", NULL) && !strcmp(arithmetic, mns_arithmetic())) return true;
+    environment_compute_anew();
+    return false;
 }

@@ -14,7 +14,13 @@ void environment_waiting(char **argv);
  * slow instructions. Returns what mns_level_force() does. */
 MnsStatus environment_level(MnsError *error);
 
-/* Is it set? */
-bool environment_has_level(void);
+/* From here on, compute as what is gone on with was computed, unless $MENISCUS_LEVEL says how: with the instruction set that the program began
+ * with, or if that has another arithmetic, with the plainest.
+ *  arithmetic  as mns_arithmetic() names it; NULL: not known
+ * False if that is not to be had: then it is the one that the program began with. */
+bool environment_compute_as(const char *arithmetic);
+
+/* As the program began. */
+void environment_compute_anew(void);
 
 #endif

@@ -48,7 +48,8 @@ struct Run {
     bool leaving;
     bool output_failed; /* why it is in FAULT, if it is not the solver */
     MnsError fault;
-    MnsSim *sim; /* NULL without a case, as are the two documents */
+    MnsSim *sim;       /* NULL without a case, as are the two documents */
+    const char *level; /* it is computed with; for good */
     Document *document;
     Versions versions;
     Lease lease, lease_before; /* lease_before: as it was before one that is not on the disk yet, */

@@ -8,6 +8,7 @@
 #include "io/names.h"
 #include "proto/case_file.h"
 #include "proto/case_name.h"
+#include "run/environment.h"
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
@@ -71,6 +72,7 @@ void run_tell_file(void *run, const char *text)
 
 static MnsStatus build(Run *run, Candidate *candidate, Document *document, const MnsCapture *state, MnsError *error)
 {
+    if (!state) environment_compute_anew();
     candidate->document = document;
     candidate->goes_on = state != NULL;
     return run_make(run, candidate->order, document->c, state, &candidate->sim, error);
@@ -85,14 +87,24 @@ static MnsStatus adopt(Candidate *candidate, Document *document, MnsError *error
     return status;
 }
 
-static void tell_arithmetic(Run *run, const char *path)
+/* Compute as it was computed, and say so where that is not what this machine does by itself. */
+static void take_arithmetic(Run *run, const Checkpoint *checkpoint)
 {
     char text[4400];
-    const bool older = strncmp(mns_level(), "x86-64-", 7) == 0; /* can be asked for */
-    snprintf(text, sizeof text,
-             "%s was computed on a machine that rounds in another way, or by an older version: what follows differs in "
-             "the last bits from a run without interruption%s",
-             path, older ? "; MENISCUS_LEVEL=x86-64 computes as old machines do" : "");
+    environment_compute_anew();
+    const char *own = mns_level();
+    const bool taken = environment_compute_as(checkpoint->arithmetic);
+    if (taken && !strcmp(mns_level(), own)) return;
+    if (taken)
+        snprintf(text, sizeof text,
+                 "%s was computed on a machine that rounds in another way: so does what follows, with the instructions "
+                 "of %s, which take longer; MENISCUS_LEVEL=%s goes on faster, with other last bits",
+                 checkpoint->path, mns_level(), own);
+    else
+        snprintf(text, sizeof text,
+                 "%s was computed on a machine that rounds in another way, or by an older version: what follows "
+                 "differs in the last bits from a run without interruption",
+                 checkpoint->path);
     run_tell(run, NOTE_LOG, LOG_WARNING, "checkpoint", text);
 }
 
@@ -104,8 +116,8 @@ static MnsStatus build_from(Run *run, Candidate *candidate, const Checkpoint *ch
     MnsStatus status = document_unpack(checkpoint->case_blob, checkpoint->case_size, name, &stored, error);
     if (status) return status;
     if (load) status = resumed_case(stored, checkpoint->path, given, load, &wanted, error);
-    if (!status && checkpoint->other_arithmetic) tell_arithmetic(run, checkpoint->path);
     if (!status) {
+        take_arithmetic(run, checkpoint);
         candidate->stored = document_share(stored);
         status = build(run, candidate, document_share(stored), checkpoint->state, error);
     }
@@ -190,6 +202,7 @@ static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
     run->astray = false;
     run->noted = run->noted_here = 0;
     run->sim = candidate->sim;
+    run->level = mns_level();
     run->document = candidate->document;
     tap_place(run->tap, run->sim, run->document, !candidate->original);
     if (candidate->original) {
@@ -250,6 +263,7 @@ static void replace(Run *run, Order *order, Candidate *candidate, MnsStatus stat
     if (!status) status = install(run, candidate, error);
     if (status) {
         candidate_drop(candidate);
+        if (run->sim) (void)mns_level_force(run->level, NULL); /* as before */
         run_enter(run, previous, error->text);
     } else {
         snprintf(order->path, sizeof order->path, "%s", run->outputs.directory);

@@ -87,6 +87,8 @@ static void copy_out(const MnsSim *sim, MnsCapture *capture)
 {
     capture->spacing = sim->model.dx;
     capture->progress = sim->progress;
+    capture->level = mns_level();
+    capture->arithmetic = mns_arithmetic();
     capture->solver = sim->solver;
     copy_all(sim, capture, true);
 }

@@ -14,7 +14,7 @@ static const char *const NAMES[] = {
 #endif
 };
 
-static int forced = -1;
+static _Atomic int forced = -1; /* set where runs are made, and asked by whoever tells of them */
 
 static Level best(void)
 {
@@ -34,7 +34,8 @@ static Level best(void)
 
 Level level_in_use(void)
 {
-    return forced < 0 ? best() : (Level)forced;
+    const int level = forced;
+    return level < 0 ? best() : (Level)level;
 }
 
 const char *mns_level(void)
