@@ -39,7 +39,7 @@ OPT       := $(if $(SANITIZE),-O1,-O2) -ftree-vectorize
 # of such blocks by string instructions, which take as long as a quarter of a particle's pairs.
 X86       := $(filter x86_64%,$(shell $(CC) -dumpmachine))
 CLEAR     := $(if $(X86),$(if $(findstring clang,$(CC)),,-mmemset-strategy=vector_loop:1024:noalign$(comma)libcall:-1:noalign))
-HOT       := $(if $(SANITIZE),-O1,-O3) $(if $(X86),-mprefer-vector-width=512) $(CLEAR)
+HOT       := $(if $(SANITIZE),-O1,-O3) $(if $(X86),-mprefer-vector-width=512) $(CLEAR) $(if $(findstring clang,$(CC)),,-fno-loop-unroll-and-jam)
 PKGS      := libzmq libprotobuf-c hdf5-serial yaml-0.1 jansson cairo libsystemd libxxhash liblz4 libzstd lua5.4 mpfr libmicrohttpd
 CLIENT_PKGS := libzmq libprotobuf-c yaml-0.1 libxxhash liblz4 libzstd
 # Asked once; a package that is missing is reported by the recipe of the stamps, so that `make packages` can be run.
@@ -127,7 +127,7 @@ torture: ## the control plane against its promises: 15 minutes [ROW=name] [SIZE=
 	@$(MAKE) --no-print-directory -s $(PARALLEL) all torture-programs
 	@BUILD=$(BUILD) $(PYTHON) tests/torture/torture.py $(ROW) $(if $(SIZE),--size $(SIZE))
 
-.PHONY: tests raced bench-programs torture-programs fuzz-programs flags solver-flags solver-libs
+.PHONY: tests raced bench-programs states states-objects torture-programs fuzz-programs flags solver-flags solver-libs
 # All programs there are run, so there are none whose source is gone.
 others = $(filter-out $1,$(wildcard $(BUILD)/tests/unit/* $(BUILD)/tests/protocol/*))
 tests: $(UNIT)
@@ -138,6 +138,9 @@ RACED := $(filter $(BUILD)/tests/protocol/% $(addprefix $(BUILD)/tests/unit/test
 raced: all $(RACED) $(patsubst $(BUILD)/tests/%,$(BUILD)/obj/tests/%.o,$(UNIT))
 	@rm -f $(call others,$(RACED))
 bench-programs: all $(BENCH)
+# What all machines compute, and for machines whose libraries are not here (tests/portable/aarch64.sh).
+states: $(BUILD)/tests/portable/states
+states-objects: $(filter-out %/formula.o,$(SOLVER)) $(call objects,tests/support/bench_cases.c tests/support/cases.c $(wildcard tests/portable/*.c))
 # What is fed rubbish is built with sanitizers.
 torture-programs: $(TORTURE) $(BUILD)/tests/protocol/test_daemon_fuzz
 	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/fuzz CC=clang SANITIZE=address,undefined,fuzzer-no-link fuzz-programs
@@ -271,7 +274,7 @@ $(BUILD)/python/meniscus/meniscus_pb2.py: client/python/generate.py $(PY_FILES) 
 	$(call say,GEN,$(@D))$(PYTHON) client/python/generate.py proto $(@D) && cp $(PY_FILES) $(@D)
 
 # --- stamps: written only when what they hold has changed, and then all that depends on it is made again ------------------
-$(BUILD)/stamp/flags: export STAMP = $(compile) $(hypre_cflags) $(WARN) $(CFLAGS) $(link) $(pkg_libs) $(hypre_libs) $(client_libs) $(LDLIBS)
+$(BUILD)/stamp/flags: export STAMP = $(compile) $(HOT) $(hypre_cflags) $(WARN) $(CFLAGS) $(link) $(pkg_libs) $(hypre_libs) $(client_libs) $(LDLIBS)
 $(BUILD)/stamp/commit: export STAMP = $(COMMIT)
 $(BUILD)/stamp/sources: export STAMP = $(SOLVER) $(PROTO) $(DAEMON) $(CLIENT) $(CLI) $(DASHBOARD)
 $(BUILD)/stamp/%: FORCE

@@ -1,26 +1,26 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# vectorised.sh: every loop that says `omp simd` is one the compiler did vectorise. A store it cannot prove apart, or a call
-# in the loop, makes a pass several times slower without any other sign. Prints TAP.
+# vectorised.sh: every loop that says `omp simd` is one the compiler did vectorise, for AVX2 and for AVX-512 as for each alone, and in
+# the objects that are shipped, which have functions for each, as much. A store it cannot prove apart, or a call in the loop, makes a pass several
+# times slower without any other sign. Prints TAP.
 set -eu
 cd "$(dirname "$0")/../.."
 BUILD=${BUILD:-build}
 flags=()
-# The words are quoted for a shell. For the instruction set that most machines have had for a decade, so that the answer does not depend
-# on this one.
+# The words are quoted for a shell.
 for of in flags solver-flags; do
     eval "flags+=($(MAKEFLAGS='' make -s --no-print-directory BUILD="$BUILD" CC=gcc SANITIZE= "$of"))"
 done
-flags+=(-march=x86-64-v3 -g0) # with -g it names other lines
+flags+=(-g0) # with -g it names other lines
 remarks=$(mktemp) told=$(mktemp -d)
 trap 'rm -rf "$remarks" "$told"' EXIT
 failed=0
 
-verdict() {
+verdict() { # verdict STATUS WHAT
     if [ "$1" = 0 ]; then
-        echo "ok - $2 is vectorised"
+        echo "ok - $2 is vectorised${set:+ ($set)}"
     else
-        echo "not ok - $2 is vectorised"
+        echo "not ok - $2 is vectorised${set:+ ($set)}"
         failed=1
     fi
 }
@@ -49,23 +49,31 @@ fused="fused\.h:($(lines server/sim/fused.h with_rest)|$(lines server/sim/fused.
 fused="$fused|$(lines server/sim/fused.h approach)|$(lines server/sim/fused.h near_pair))"
 fused="($fused|pairs\.h:($(lines server/sim/pairs.h nearest)))"
 
-# given_up REMARKS: how many fused loops were.
+# given_up REMARKS: how many fused loops were, and loops over rows.
 given_up() {
-    grep -cE "$fused:.*couldn't vectorize loop" "$1" || true
+    grep -cE "($fused|row\.h:($in_block_pair)):.*couldn't vectorize loop" "$1" || true
+}
+
+# in_headers REMARKS...: the loops whose bodies are inlined and that are done for AVX2 or AVX-512, with the size of the vectors.
+in_headers() {
+    sed -nE 's|^([^:]*\.h:[0-9]+):[0-9]+: optimized: .*using (32\|64) byte.*|\1 \2|p' "$@" | sort
 }
 
 mapfile -t files < <(grep -rlE '^[[:space:]]*#pragma omp.*simd' server/sim --include='*.c' | sort)
-# What gcc says of each file, as many at a time as there are processors.
+# What gcc says of each file: for one instruction set, whatever this machine has, and as it is shipped. As many at a time as there are processors.
 # shellcheck disable=SC2016 # the inner shell expands
-printf '%s\0' "${files[@]}" | xargs -0 -P "$(nproc)" -I{} bash -c '
-    told=$1 file=$2
-    shift 2
-    gcc "$@" -fopt-info-vec-optimized-missed -c -o /dev/null "$file" 2>&1 |
-        grep -E "loop vectorized|couldn.t vectorize loop" >"$told/${file//\//_}" || true' \
-    bash "$told" {} "${flags[@]}"
-for file in "${files[@]}"; do
-    all=$told/${file//\//_}
-    grep -E 'loop vectorized' "$all" | sed -E 's|^([^:]*:[0-9]+):.*|\1|' >"$remarks" || true
+for file in "${files[@]}"; do printf '%s\0' "$file" v3 "$file" v4 "$file" shipped; done | xargs -0 -P "$(nproc)" -n 2 bash -c '
+    told=$1 n=$2
+    flags=("${@:3:n}") file=${*: -2:1} set=${*: -1}
+    [ "$set" = shipped ] || flags+=("-march=x86-64-$set")
+    gcc "${flags[@]}" -fopt-info-vec-optimized-missed -c -o /dev/null "$file" 2>&1 |
+        grep -E "loop vectorized|couldn.t vectorize loop" >"$told/$set.${file//\//_}" || true' \
+    bash "$told" "${#flags[@]}" "${flags[@]}"
+
+# judge FILE SET: the loops of one file.
+judge() {
+    local file=$1 set=$2 all=$told/$2.${1//\//_} line body rows found
+    sed -nE 's|^([^:]*:[0-9]+):.*loop vectorized.*|\1|p' "$all" >"$remarks"
     while IFS=: read -r line _; do
         body=$(sed -n "$((line + 2))p" "$file")
         [[ $body == *"const Pair pair = "* ]] || verdict "$(named_here "$file" "$line" && echo 0 || echo 1)" "$file:$line"
@@ -73,11 +81,18 @@ for file in "${files[@]}"; do
     rows=$(rows_of "$file")
     if [ "$rows" -gt 0 ]; then
         found=$(grep -cE "row\.h:($in_block_pair)$" "$remarks" || true)
-        verdict "$((found < 2 * rows))" "each of $rows loops over rows in $file"
+        verdict "$(($(given_up "$all") > 0 || found < 2 * rows))" "each of $rows loops over rows in $file"
     fi
     if grep -qE '(FUSED|BESIDE)_TABLE' "$file"; then
         found=$(grep -cE "$fused$" "$remarks" || true)
         verdict "$(($(given_up "$all") > 0 || found == 0))" "what is fused in $file"
     fi
+}
+
+for file in "${files[@]}"; do
+    for set in v3 v4; do judge "$file" "$set"; done
+    name=${file//\//_} found=0 set=
+    diff <(in_headers "$told/shipped.$name") <(in_headers "$told/v3.$name" "$told/v4.$name") | sed 's/^/# /' || found=1
+    verdict "$found" "for each instruction set, as if for it alone, $file"
 done
 exit $failed

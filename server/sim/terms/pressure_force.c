@@ -7,20 +7,27 @@
 #include "sim/terms/push.h"
 #include "sim/terms/terms.h"
 
+/* mixed: there may be other fluids. Two loops, as the compiler gives up one that asks. */
+INLINE void push_fluid(const Row *row, const Pushed *a, const Model *model, bool mixed, How how, Weights weights,
+                       Lanes sum[3])
+{
+    for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = block_pair(b, l, how);
+            pressure_pair(a, model, &pair, mixed, model->repulsion * pair.other, how, l, sum, weights);
+        }
+}
+
 INLINE void push(const Row *row, Particles *s, const Model *model, How how, Weights weights)
 {
     const size_t i = row->i;
     const Block *const walls = row->block + row->n_fluid, *const end = row->block + row->n;
     const Pushed a = pushed_of(s, i);
     const WallPressure shown = wall_pressure_of(s, i);
-    const double beta = row->mixed ? model->repulsion : 0;
     Lanes sum[3] = {0};
-    for (const Block *b = row->block; b < walls; b++)
-#pragma omp simd
-        for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, how);
-            pressure_pair(&a, model, &pair, true, row->mixed ? beta * pair.other : 0, how, l, sum, weights);
-        }
+    if (row->mixed) push_fluid(row, &a, model, true, how, weights, sum);
+    else push_fluid(row, &a, model, false, how, weights, sum);
     for (const Block *b = walls; b < end; b++) {
         const uint32_t *j = row_j(row, b);
 #pragma omp simd

@@ -60,22 +60,31 @@ INLINE void correct_shift(const Row *row, Shifted *a, How how)
     shifted_corrected(a, &moments, how);
 }
 
-INLINE void shifting_row(const Row *row, Particles *s, const Model *model, How how)
+/* same_only: others of the same fluid count alone. Two loops, as the compiler gives up one that asks. */
+INLINE void shifting_sums(const Row *row, const Particles *s, const Shifted *a, const double *like, bool same_only,
+                          How how, Lanes sum[4])
 {
-    Shifted a = shifted_of(s, model, row->i);
-    const bool same_only = row->mixed && model->shifts_along_interfaces;
-    if (same_only) correct_shift(row, &a, how);
-    double like[MNS_MAX_FLUIDS], alike[LANES];
-    likenesses(model, s->phase[row->i], like);
-    Lanes sum[4] = {0};
+    double alike[LANES];
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++) {
         by_fluid(s, row_j(row, b), like, alike);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
-            shifting_pair(&a, &pair, same_only ? 1 - pair.other : 1, alike[l], how, l, sum);
+            shifting_pair(a, &pair, same_only ? 1 - pair.other : 1, alike[l], how, l, sum);
         }
     }
+}
+
+INLINE void shifting_row(const Row *row, Particles *s, const Model *model, How how)
+{
+    Shifted a = shifted_of(s, model, row->i);
+    const bool same_only = row->mixed && model->shifts_along_interfaces;
+    if (same_only) correct_shift(row, &a, how);
+    double like[MNS_MAX_FLUIDS];
+    likenesses(model, s->phase[row->i], like);
+    Lanes sum[4] = {0};
+    if (same_only) shifting_sums(row, s, &a, like, true, how, sum);
+    else shifting_sums(row, s, &a, like, false, how, sum);
     shifting_end(&a, s, model, row->i, sum, how);
 }
 ROW_FUNCTIONS(shifting_row)
