@@ -114,6 +114,8 @@ style() {
     run tests "lint" 800 tests/support/lint.sh
 }
 
+portability() { run tests "aarch64" 300 tests/portable/aarch64.sh; }
+
 # The thread sanitizer's build is clang's too: what clang warns of breaks it.
 sanitizers() {
     run step "build with address sanitizer" 600 make -s -j"$jobs" BUILD="$BUILD/asan" SANITIZE=address,undefined all tests
@@ -132,6 +134,7 @@ group "system tests" scripts
 group "the house: layers, headers, manual" house
 if [ "${1:-}" = everything ]; then
     group "style" style
+    group "another processor" portability
     group "sanitizers" sanitizers
     group "fuzzing" fuzzing
 fi

@@ -135,6 +135,35 @@ static void levels_give_the_same_bits(void **state)
     }
 }
 
+/* Without instructions to fuse, weights are rounded otherwise; what is only fetched is what it is. */
+static void what_is_fetched_is_the_same_at_every_level(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        Cloud *cloud = drifted(dim, 3);
+        cloud_stir(cloud, 8);
+        const Level best = cloud->model.level;
+        for (size_t i = 0; i < cloud->s.n; i++) {
+            static Row a, b;
+            memset(&a, 0, sizeof a);
+            memset(&b, 0, sizeof b);
+            cloud->model.level = LEVEL_BASE;
+            row_of(cloud, i, &a, ROW_LISTED);
+            cloud->model.level = best;
+            row_of(cloud, i, &b, ROW_LISTED);
+            assert_true(a.n == b.n && a.n > 0);
+            assert_memory_equal(a.j, b.j, a.n * LANES * sizeof *a.j);
+            for (size_t k = 0; k < a.n; k++) {
+                const Block *const of_a = &a.block[k], *const of_b = &b.block[k];
+                assert_memory_equal(of_a->p, of_b->p, sizeof of_a->p);
+                assert_memory_equal(of_a->V, of_b->V, sizeof of_a->V);
+                for (int d = 0; d < dim; d++) assert_memory_equal(of_a->v[d], of_b->v[d], sizeof of_a->v[d]);
+            }
+        }
+        cloud_free(cloud);
+    }
+}
+
 /* sum_j (f_j - f_i) grad_i W V_j */
 static double gradient(Cloud *cloud, size_t i, int d, const double *f)
 {
@@ -287,6 +316,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_pair_in_reach_is_there_once_and_right),
         cmocka_unit_test(levels_give_the_same_bits),
+        cmocka_unit_test(what_is_fetched_is_the_same_at_every_level),
         cmocka_unit_test(lanes_have_an_order),
         cmocka_unit_test(weights_cancel_on_a_lattice),
         cmocka_unit_test(gradient_and_divergence_of_linear_fields_are_constant_and_nearly_one),
