@@ -103,6 +103,15 @@ static void permute_u8(uint8_t *restrict to, const uint8_t *restrict from, const
     for (size_t k = 0; k < n; k++) to[k] = from[order[k]];
 }
 
+/* memcpy() by all threads. */
+static void copy(void *restrict to, const void *restrict from, size_t bytes, int threads)
+{
+    enum { PIECE = 1 << 16 };
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (size_t k = 0; k < bytes; k += PIECE)
+        memcpy((char *)to + k, (const char *)from + k, bytes - k < PIECE ? bytes - k : PIECE);
+}
+
 /* Fill the work space and let it change places with the field. */
 static void permute_field(Particles *s, int f, int d, const uint32_t *order, int threads)
 {
@@ -115,11 +124,11 @@ static void permute_field(Particles *s, int f, int d, const uint32_t *order, int
         break;
     case MNS_U32:
         permute_u32(to, from, order, s->n, threads);
-        memcpy(from, to, s->n * sizeof(uint32_t));
+        copy(from, to, s->n * sizeof(uint32_t), threads);
         break;
     case MNS_U8:
         permute_u8(to, from, order, s->n, threads);
-        memcpy(from, to, s->n);
+        copy(from, to, s->n, threads);
         break;
     }
 }

@@ -137,7 +137,7 @@ static double timed(const MnsSim *sim)
     return seconds;
 }
 
-/* What of a step no other timer has: what one thread does while the others wait. */
+/* What of a step no other timer has: its length, guards, walls that move, and what lies between passes. */
 static void clock_rest(MnsSim *sim, double start, double before)
 {
     sim->timers[TIMER_REST].seconds += omp_get_wtime() - start - (timed(sim) - before);
