@@ -199,7 +199,11 @@ MnsStatus wire_send(Wire *wire, const void *data, size_t size, MnsError *error)
     const double deadline = wire_clock() + RECONNECT_S;
     for (;;) {
         note_events(wire);
-        if (zmq_send(wire->dealer, data, size, ZMQ_DONTWAIT) >= 0) return MNS_OK;
+        if (zmq_send(wire->dealer, data, size, ZMQ_DONTWAIT) >= 0) {
+            /* A connection took it, which we shall hear of: the one that was lost may have been so for long. */
+            if (!wire->connected) wire->lost_since = wire_clock();
+            return MNS_OK;
+        }
         if (errno != EAGAIN && errno != EINTR)
             return mns_fail(error, MNS_E_UNAVAILABLE, "cannot send to %s: %s", wire->endpoint, zmq_strerror(errno));
         if (is_denied(wire)) return deny(wire, error);

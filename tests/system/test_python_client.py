@@ -104,6 +104,15 @@ class WithDaemon(DaemonTest):
             self.start_daemon()
         self.client.wait(["READY"], timeout=20)
 
+    def test_a_daemon_may_have_been_gone_for_long(self) -> None:
+        """A connection to the new one takes the request, and we have not heard of it yet: how long the old one is lost is nothing to it."""
+        talk = dialogue.Dialogue(self.endpoint)
+        talk._lost_since -= 60
+        steps = talk.call(meniscus_pb2.Request(status=meniscus_pb2.GetStatus()))
+        self.assertIsInstance(next(steps), dialogue.Wait)
+        self.assertIsInstance(steps.send(True), dialogue.Send)
+        self.assertIsInstance(steps.send(True), dialogue.Wait)
+
     def test_a_client_that_was_closed_says_so(self) -> None:
         client = meniscus.Client(self.endpoint, timeout=50)
         client.close()

@@ -181,6 +181,8 @@ class Dialogue:
         while True:
             connections = self._connections
             if (yield Send(packed)):
+                if not self._connected:  # a connection took it, which we shall hear of: the one that was lost may have been so for long
+                    self._lost_since = time.monotonic()
                 return connections
             self._check_denied()
             if time.monotonic() > deadline:
