@@ -114,7 +114,7 @@ typedef struct MnsCapture {
     size_t n, n_fluid; /* fluid particles first */
     double spacing;    /* dx [m] */
     MnsProgress progress;
-    const char *level, *arithmetic; /* for good: mns_level() and mns_arithmetic() when it was taken; NULL: not known */
+    const char *level, *arithmetic; /* for good: as mns_level() and mns_arithmetic() name them; NULL: not known */
     const char *solver; /* name, for good, of the method by which pressures were solved for last; NULL: none were */
     uint64_t fields;    /* bit k set: field k of mns_fields() is here */
     void *data[MNS_MAX_FIELDS][3]; /* [n] values each */

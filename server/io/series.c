@@ -18,6 +18,7 @@ typedef struct Lines {
 
 struct Series {
     FileMeta meta;
+    const char *level, *arithmetic; /* of the run that it was made for */
     char path[IO_PATH_MAX];
     size_t n, room; /* rows */
     uint64_t *step; /* [room] */
@@ -134,6 +135,8 @@ MnsStatus series_new(const char *dir, const FileMeta *meta, bool resume, uint64_
         return mns_fail(error, MNS_E_MEMORY, "no memory for the series of %zu probes", meta->c->n_probes);
     }
     s->meta = *meta;
+    s->level = mns_level();
+    s->arithmetic = mns_arithmetic();
     s->last_step = last_step;
     MnsStatus status = directory_path(s->path, dir, "probes.hdf", error);
     if (!status && resume) status = take_over(s, error);
@@ -222,7 +225,7 @@ static void fill(H5 *h, const void *what)
     const Series *s = what;
     char name[256];
     meta_put_run(h, &s->meta);
-    meta_put_level(h, mns_level(), mns_arithmetic());
+    meta_put_level(h, s->level, s->arithmetic);
     h5_put(h, "/step", H5T_NATIVE_UINT64, s->n, s->step);
     h5_put(h, "/time", H5T_NATIVE_DOUBLE, s->n, s->time);
     h5_mark_text(h, "/time", "unit", "s");

@@ -44,11 +44,21 @@ static const char *level_asked_for(void)
     return name && *name ? name : NULL;
 }
 
-static const char *own_level(void)
+/* What the program began with. */
+typedef struct Own {
+    const char *level, *arithmetic;
+} Own;
+
+static const Own *own(void)
 {
-    static const char *own;
-    if (!own) own = mns_level();
-    return own;
+    static Own began;
+    if (!began.level) began = (Own){mns_level(), mns_arithmetic()};
+    return &began;
+}
+
+const char *environment_own_level(void)
+{
+    return own()->level;
 }
 
 MnsStatus environment_level(MnsError *error)
@@ -56,21 +66,21 @@ MnsStatus environment_level(MnsError *error)
     const char *name = level_asked_for();
     MnsError why;
     if (name && mns_level_force(name, &why)) return mns_fail(error, why.status, "MENISCUS_LEVEL: %s", why.text);
-    (void)own_level();
+    (void)own();
     return MNS_OK;
 }
 
 void environment_compute_anew(void)
 {
-    (void)mns_level_force(own_level(), NULL);
+    (void)mns_level_force(own()->level, NULL);
 }
 
 bool environment_compute_as(const char *arithmetic)
 {
+    const bool mine = arithmetic && !strcmp(arithmetic, own()->arithmetic);
+    if (!mine && arithmetic && !level_asked_for() && !mns_level_force("x86-64", NULL)) {
+        if (!strcmp(arithmetic, mns_arithmetic())) return true;
+    }
     environment_compute_anew();
-    if (!arithmetic) return false;
-    if (!strcmp(arithmetic, mns_arithmetic())) return true;
-    if (!level_asked_for() && !mns_level_force("x86-64", NULL) && !strcmp(arithmetic, mns_arithmetic())) return true;
-    environment_compute_anew();
-    return false;
+    return mine;
 }

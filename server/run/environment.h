@@ -14,10 +14,13 @@ void environment_waiting(char **argv);
  * slow instructions. Returns what mns_level_force() does. */
 MnsStatus environment_level(MnsError *error);
 
-/* From here on, compute as what is gone on with was computed, unless $MENISCUS_LEVEL says how: with the instruction set that the program began
- * with, or if that has another arithmetic, with the plainest.
+/* The instruction set the program began with: that one, or this machine's best. */
+const char *environment_own_level(void);
+
+/* From here on, compute as what is gone on with was computed, unless $MENISCUS_LEVEL says how: by the program's own instruction set, or if that has
+ * another arithmetic, by the plainest.
  *  arithmetic  as mns_arithmetic() names it; NULL: not known
- * False if that is not to be had: then it is the one that the program began with. */
+ * False if that is not to be had: then it is the program's own. */
 bool environment_compute_as(const char *arithmetic);
 
 /* As the program began. */

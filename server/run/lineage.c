@@ -69,6 +69,7 @@ static MnsStatus begin_anew(Lineage *lineage, const Record *record, MnsError *er
     const bool back = history_goes_back(record);
     cut(lineage, back ? record->step : 0);
     if (!back) lineage->first_version = record->case_version;
+    lineage->arithmetic = record->arithmetic;
     if (!back && record->request->command_case == MENISCUS__REQUEST__COMMAND_LOAD) {
         lineage->name = record->request->load->name;
         lineage->original = record->case_;

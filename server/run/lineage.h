@@ -33,6 +33,7 @@ typedef struct Lineage {
     const char *name;               /* of the case                                                        */
     const Meniscus__Case *original; /* as it was loaded                                                   */
     uint64_t first_version;         /* of the original                                                    */
+    const char *arithmetic; /* in which it was computed since its last beginning; NULL: the journal does not say */
     size_t n;
     LineageEntry *entries; /* [n] of [room], by rising steps                                     */
     size_t room, n_waiting, n_timed;

@@ -23,6 +23,7 @@ typedef struct Candidate {
     Document *original; /* what a reset leads back to, if it is another one than now */
     bool goes_on;       /* from a checkpoint                                         */
     bool asked_to;      /* go on, if there is one                                    */
+    bool other;         /* the arithmetic of what it goes on from is not to be had   */
     size_t made;        /* of the directory, by rundir_make()                      */
     int lock;           /* of the directory; -1 if the present run has it            */
     Journal *journal;   /* the same; NULL                                            */
@@ -70,9 +71,24 @@ void run_tell_file(void *run, const char *text)
 
 /* --- building ---------------------------------------------------------------------------------------------------------- */
 
+/* Compute as this was computed. A run that comes back after a crash is computed as its journal says: it need not be as its checkpoint was. */
+static void take_arithmetic(Candidate *candidate, const char *arithmetic)
+{
+    const Lineage *lineage = candidate->order->lineage;
+    candidate->other = !environment_compute_as(lineage && lineage->arithmetic ? lineage->arithmetic : arithmetic);
+}
+
+/* A beginning has no arithmetic but the program's own, unless a crash has led back to it. */
+static void begin_arithmetic(Candidate *candidate)
+{
+    const Lineage *lineage = candidate->order->lineage;
+    if (lineage && lineage->arithmetic) take_arithmetic(candidate, NULL);
+    else environment_compute_anew();
+}
+
 static MnsStatus build(Run *run, Candidate *candidate, Document *document, const MnsCapture *state, MnsError *error)
 {
-    if (!state) environment_compute_anew();
+    if (!state) begin_arithmetic(candidate);
     candidate->document = document;
     candidate->goes_on = state != NULL;
     return run_make(run, candidate->order, document->c, state, &candidate->sim, error);
@@ -87,27 +103,6 @@ static MnsStatus adopt(Candidate *candidate, Document *document, MnsError *error
     return status;
 }
 
-/* Compute as it was computed, and say so where that is not what this machine does by itself. */
-static void take_arithmetic(Run *run, const Checkpoint *checkpoint)
-{
-    char text[4400];
-    environment_compute_anew();
-    const char *own = mns_level();
-    const bool taken = environment_compute_as(checkpoint->arithmetic);
-    if (taken && !strcmp(mns_level(), own)) return;
-    if (taken)
-        snprintf(text, sizeof text,
-                 "%s was computed on a machine that rounds in another way: so does what follows, with the instructions "
-                 "of %s, which take longer; MENISCUS_LEVEL=%s goes on faster, with other last bits",
-                 checkpoint->path, mns_level(), own);
-    else
-        snprintf(text, sizeof text,
-                 "%s was computed on a machine that rounds in another way, or by an older version: what follows "
-                 "differs in the last bits from a run without interruption",
-                 checkpoint->path);
-    run_tell(run, NOTE_LOG, LOG_WARNING, "checkpoint", text);
-}
-
 /* From a checkpoint that has been read. load: what is wanted, with its document, or NULL to go on as it was. */
 static MnsStatus build_from(Run *run, Candidate *candidate, const Checkpoint *checkpoint, const char *name,
                             const RunLoad *load, Document *given, MnsError *error)
@@ -117,7 +112,7 @@ static MnsStatus build_from(Run *run, Candidate *candidate, const Checkpoint *ch
     if (status) return status;
     if (load) status = resumed_case(stored, checkpoint->path, given, load, &wanted, error);
     if (!status) {
-        take_arithmetic(run, checkpoint);
+        take_arithmetic(candidate, checkpoint->arithmetic);
         candidate->stored = document_share(stored);
         status = build(run, candidate, document_share(stored), checkpoint->state, error);
     }
@@ -256,14 +251,35 @@ static void tell_files(Run *run, const Candidate *candidate)
     run_tell(run, NOTE_LOG, LOG_WARNING, "probes", text);
 }
 
+/* What people would not expect of the last bits, or of the pace. before: the level of the run until now; NULL: there was none. */
+static void tell_arithmetic(Run *run, const Candidate *candidate, const char *before)
+{
+    char text[768];
+    if (candidate->other)
+        snprintf(
+            text, sizeof text,
+            "the run in %.400s was computed in another arithmetic, or by an older version: what follows differs in "
+            "the last bits from a run without interruption",
+            candidate->directory);
+    else if (strcmp(run->level, environment_own_level()) != 0 && (!before || strcmp(run->level, before) != 0))
+        snprintf(text, sizeof text,
+                 "the run in %.400s was computed in another arithmetic than this machine's: so is what follows, with "
+                 "the instructions of %s, which takes longer; MENISCUS_LEVEL=%s goes on faster, with other last bits",
+                 candidate->directory, run->level, environment_own_level());
+    else return;
+    run_tell(run, NOTE_LOG, LOG_WARNING, "checkpoint", text);
+}
+
 /* Install it and answer; status: whether it could be built. previous: the state to fall back to. */
 static void replace(Run *run, Order *order, Candidate *candidate, MnsStatus status, RunState previous, const char *text,
                     MnsError *error)
 {
+    const char *before = run->sim ? run->level : NULL;
     if (!status) status = install(run, candidate, error);
     if (status) {
         candidate_drop(candidate);
         if (run->sim) (void)mns_level_force(run->level, NULL); /* as before */
+        else environment_compute_anew();
         run_enter(run, previous, error->text);
     } else {
         snprintf(order->path, sizeof order->path, "%s", run->outputs.directory);
@@ -272,6 +288,7 @@ static void replace(Run *run, Order *order, Candidate *candidate, MnsStatus stat
         run->hashed = true;
         run_enter(run, order->lineage ? RUN_RECOVERING : RUN_READY, text);
         tell_files(run, candidate);
+        tell_arithmetic(run, candidate, before);
         run_tell_warnings(run);
         if (candidate->stored && candidate->original) run_tell_resumed(run, candidate->stored, candidate->original);
         document_leave(candidate->stored);
@@ -436,6 +453,7 @@ void run_stop(Run *run, Order *order, bool checkpoint)
     end_recovery(run);
     if (run->sim) run_tell(run, NOTE_LOG, LOG_INFORMATION, "stopped", "on request"); /* the last word of its log */
     if (close_run(run, &error)) run_tell(run, NOTE_LOG, LOG_WARNING, "lost", error.text);
+    environment_compute_anew();
     run_enter(run, RUN_EMPTY, "stopped on request");
     answer_last(run, order, MNS_OK, NULL);
 }

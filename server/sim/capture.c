@@ -2,6 +2,7 @@
 /* Copy fields out of a simulation and a state back in, and fingerprint it. */
 #include "base/array.h"
 #include "sim/integrator.h"
+#include "sim/level.h"
 #include <stdlib.h>
 #include <string.h>
 #define XXH_INLINE_ALL
@@ -87,8 +88,8 @@ static void copy_out(const MnsSim *sim, MnsCapture *capture)
 {
     capture->spacing = sim->model.dx;
     capture->progress = sim->progress;
-    capture->level = mns_level();
-    capture->arithmetic = mns_arithmetic();
+    capture->level = level_name(sim->model.level);
+    capture->arithmetic = level_arithmetic(sim->model.level);
     capture->solver = sim->solver;
     copy_all(sim, capture, true);
 }

@@ -38,18 +38,24 @@ Level level_in_use(void)
     return level < 0 ? best() : (Level)level;
 }
 
+const char *level_name(Level level)
+{
+    return NAMES[level];
+}
+
+const char *level_arithmetic(Level level)
+{
+    return level > LEVEL_BASE || BASE_FUSES ? "fused" : "separate";
+}
+
 const char *mns_level(void)
 {
-    return NAMES[level_in_use()];
+    return level_name(level_in_use());
 }
 
 const char *mns_arithmetic(void)
 {
-#if HAS_LEVELS
-    return level_in_use() > LEVEL_BASE || BASE_FUSES ? "fused" : "separate";
-#else
-    return BASE_FUSES ? "fused" : "separate";
-#endif
+    return level_arithmetic(level_in_use());
 }
 
 MnsStatus mns_level_force(const char *name, MnsError *error)

@@ -39,4 +39,8 @@ typedef enum Level { LEVEL_BASE, LEVELS } Level;
 /* The best of this machine, or the one that was asked for with mns_level_force(). */
 Level level_in_use(void);
 
+/* As mns_level() and mns_arithmetic() name them. */
+const char *level_name(Level level);
+const char *level_arithmetic(Level level);
+
 #endif

@@ -14,11 +14,17 @@ from pathlib import Path
 import h5py
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from daemon import BUILD, ROOT, old_machine  # noqa: E402
+from daemon import BUILD, ROOT, DaemonTest, old_machine  # noqa: E402
 
 CASE = ["dambreak2d", "--set", "resolution=10", "--set", "threads=1", "--resume", "auto"]
 WARNING = "differs in the last bits"
-NOTICE = "so does what follows, with the instructions of x86-64"
+NOTICE = "so is what follows, with the instructions of x86-64"
+
+
+def named(path: Path) -> str:
+    """The arithmetic that a file says it is of."""
+    with h5py.File(path) as file:
+        return str(file["meniscus"].attrs["arithmetic"].decode())
 
 
 class Levels(unittest.TestCase):
@@ -38,9 +44,7 @@ class Levels(unittest.TestCase):
         return done.stderr
 
     def arithmetic(self) -> str:
-        newest = max(self.out.glob("checkpoint-*.hdf"), key=lambda path: int(path.stem.split("-")[1]))
-        with h5py.File(newest) as file:
-            return str(file["meniscus"].attrs["arithmetic"].decode())
+        return named(max(self.out.glob("checkpoint-*.hdf"), key=lambda path: int(path.stem.split("-")[1])))
 
     def test_who_goes_on_with_another_arithmetic_is_told(self) -> None:
         self.assertNotIn(WARNING, self.run_until(0.1))
@@ -64,6 +68,66 @@ class Levels(unittest.TestCase):
     def test_who_goes_on_with_the_same_is_not(self) -> None:
         self.run_until(0.1)
         self.assertNotIn(WARNING, self.run_until(0.2))
+
+
+class Runs(DaemonTest):
+    """What was computed as old machines do, in a daemon that does not by itself."""
+
+    SMALL = ["dambreak2d", "--set", "resolution=10", "--set", "end_time=9", "--set", "threads=1"]
+
+    def tearDown(self) -> None:
+        self.meniscus("stop")
+
+    def arithmetic(self) -> str:
+        """That a checkpoint is computed in."""
+        return named(Path(self.ask("checkpoint")["path"]))
+
+    def usual(self) -> str:
+        self.meniscus("load", *self.SMALL, "--name", "usual")
+        usual = self.arithmetic()
+        self.meniscus("stop")
+        return usual
+
+    def compute_old(self) -> None:
+        words = [BUILD / "meniscusd", "--batch", *self.SMALL, "--set", "end_time=0.05", "--out", self.home / "state" / "old"]
+        subprocess.run(words, env=self.environment | old_machine(), check=True, capture_output=True, timeout=60)
+
+    def test_it_is_kept_until_a_beginning(self) -> None:
+        usual = self.usual()
+        self.compute_old()
+        self.meniscus("load", *self.SMALL, "--name", "old", "--resume")
+        self.meniscus("step", "5")
+        self.assertEqual(self.arithmetic(), "separate")
+        self.meniscus("restore")
+        self.assertEqual(self.arithmetic(), "separate")
+        self.meniscus("load", *self.SMALL, "--set", "resolution=1e5", "--name", "huge", code=1)
+        self.assertEqual(self.arithmetic(), "separate")
+        self.assertRegex(self.ask("capabilities")["build"], r"\bx86-64(,|$)")
+        self.kill_daemon()
+        self.assertEqual(self.arithmetic(), "separate")
+        self.meniscus("step", "60")
+        self.meniscus("load", *self.SMALL, "--name", "after")
+        self.assertEqual(self.arithmetic(), usual)
+        self.assertEqual(named(self.home / "state" / "old" / "probes.hdf"), "separate")
+        self.meniscus("load", *self.SMALL, "--name", "old", "--resume")
+        self.assertEqual(self.arithmetic(), "separate")
+        self.meniscus("reset")
+        self.assertEqual(self.arithmetic(), usual)
+
+    def test_a_crash_does_not_change_it(self) -> None:
+        usual = self.usual()
+        environment = self.environment
+        self.daemon.terminate()
+        self.daemon.wait()
+        type(self).environment = environment | old_machine()
+        self.start_daemon()
+        self.meniscus("load", *self.SMALL, "--name", "early")
+        self.meniscus("step", "5")
+        type(self).environment = environment
+        self.kill_daemon()
+        self.assertEqual(self.arithmetic(), "separate")
+        self.meniscus("reset")
+        self.assertEqual(self.arithmetic(), usual)
 
 
 class Solvers(unittest.TestCase):
