@@ -101,7 +101,7 @@ dashboard: ## build the dashboard for browsers: needs libwebsockets, and npm wit
 	@tests/support/packages.sh dashboard
 	@$(MAKE) --no-print-directory -s $(PARALLEL) $(DASHBOARD_ALL)
 
-check: ## build and run every test; last line: N passed, N failed [ALL=1: linters, clang, sanitizers and fuzz targets too, as CI]
+check: ## build and run every test; last line: N passed, N failed [ALL=1: linters, clang, aarch64, sanitizers and fuzz targets too, as CI]
 	@tests/support/packages.sh check
 	@$(MAKE) --no-print-directory -s $(PARALLEL) all tests bench-programs $(TORTURE) $(DASHBOARD_ALL) $(BUILD)/web-check/node_modules/.package-lock.json
 	@BUILD=$(BUILD) CC=$(CC) tests/support/check.sh $(if $(ALL),everything)

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Formulas that are plain numbers, where there is no Lua: in place of server/sim/formula.c. */
+/* What there is where there are no libraries. In place of server/sim/formula.c, formulas that are plain numbers, without Lua. MPFR, which is asked
+ * where a function cannot be rounded by less, is not there either: who asks it ends the program. */
 #include "sim/formula.h"
+#include <stdio.h>
 #include <stdlib.h>
 
 struct Formula {
@@ -82,3 +84,26 @@ void formula_team_forget(FormulaTeam *team)
 {
     (void)team;
 }
+
+#define NO_MPFR(name)                                                                                                  \
+    void mpfr_##name(void);                                                                                            \
+    void mpfr_##name(void)                                                                                             \
+    {                                                                                                                  \
+        fputs("there is no mpfr_" #name "() here\n", stderr);                                                          \
+        abort();                                                                                                       \
+    }
+NO_MPFR(set_d)
+NO_MPFR(get_d)
+NO_MPFR(sin)
+NO_MPFR(cos)
+NO_MPFR(tan)
+NO_MPFR(asin)
+NO_MPFR(acos)
+NO_MPFR(atan)
+NO_MPFR(atan2)
+NO_MPFR(exp)
+NO_MPFR(log)
+NO_MPFR(log2)
+NO_MPFR(log10)
+NO_MPFR(cbrt)
+NO_MPFR(pow)

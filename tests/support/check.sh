@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# check.sh [everything]: run every test, after the build; with `everything` also the linters, another compiler, the sanitizers and the
-# fuzz targets, which take longer than the tests. Prints a line for each group, all output of what failed, and at the end one line: N
+# check.sh [everything]: run every test, after the build; with `everything` also the linters, another compiler, another processor, the sanitizers
+# and the fuzz targets, which take longer than the tests. Prints a line for each group, all output of what failed, and at the end one line: N
 # passed, N failed. Single tests are counted where a program tells of them (TAP, unittest).
 set -eu
 cd "$(dirname "$0")/../.."
@@ -110,7 +110,7 @@ house() {
 }
 
 style() {
-    run tests "vector loops" 300 tests/support/vectorised.sh
+    run tests "vector loops" 400 tests/support/vectorised.sh
     run tests "lint" 800 tests/support/lint.sh
 }
 
