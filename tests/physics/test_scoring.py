@@ -235,12 +235,12 @@ class Bubbles(Scored):
         def missed(with_, without):
             return [m.name for m in scored(with_, without) if not m.passed]
 
-        all_four, but_three = "delta 0.125, 0.5, 1, 3, with", "delta 0.125, 0.5, 1, with"
+        all_four = "with the volume correction, delta 0.125, 0.5, 1, 3: spread of the speed"
         ratio, ends = "spread of the curves, with over without", "with the volume correction: runs that came to their end, with delta "
         self.assertEqual(missed(near, far), [])
         self.assertEqual(missed(near, [*far[:3], None]), [])
-        self.assertEqual(missed(far, near), [f"{all_four} the volume correction: spread of the speed", ratio])
-        self.assertEqual(missed(far, [*near[:3], None]), [f"{but_three} the volume correction: spread of the speed", ratio])
+        self.assertEqual(missed(far, near), [all_four, ratio])
+        self.assertEqual(missed(far, [*near[:3], None]), [all_four, ratio])
         self.assertEqual(missed([*near[:3], None], far), [f"{ends}0.125, 0.5, 1"])
         self.assertEqual(missed(near, [None, None, None, far[3]]), ["deltas with which both forms come to their end"])
 

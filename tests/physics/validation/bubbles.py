@@ -89,18 +89,23 @@ def spread(done: Sequence[Run], first: float, last: float) -> tuple[float, float
 
 
 def score_correction(case: str, runs: Mapping[str, Sequence[Run | None]], window: tuple[float, float], full: bool) -> Iterator[Metric]:
-    """Compared over the deltas with which both come to their ends."""
+    """The form with the factor over all deltas that it comes to its end with, as P1.c asks; both compared over those with which both do."""
     both = [k for k in range(len(DELTAS)) if all(runs[name][k] for name in FORMS)]
     for name, of in runs.items():
         ended = ", ".join(f"{delta:g}" for delta, r in zip(DELTAS, of, strict=True) if r)
         yield Metric(case, f"{name} the volume correction: runs that came to their end, with delta {ended or 'none'}",
                      sum(r is not None for r in of), low=len(DELTAS) if name == "with" else -np.inf)
+    alone = [r for r in runs["with"] if r]
+    if len(alone) > 1:
+        over = ", ".join(f"{delta:g}" for delta, r in zip(DELTAS, runs["with"], strict=True) if r)
+        name = f"with the volume correction, delta {over}: spread of the speed"
+        yield Metric(case, name, spread(alone, *window)[0], high=0.03 if full else np.inf)
     if len(both) < 2:
         yield Metric(case, "deltas with which both forms come to their end", len(both), low=2)
         return
     deltas = f"delta {', '.join(f'{DELTAS[k]:g}' for k in both)}"
     found = {name: spread([runs[name][k] for k in both], *window) for name in FORMS}
-    yield Metric(case, f"{deltas}, with the volume correction: spread of the speed", found["with"][0], high=0.03 if full else np.inf)
+    yield Metric(case, f"{deltas}, with the volume correction: spread of the speed", found["with"][0])
     yield Metric(case, "the same without it", found["without"][0])
     yield Metric(case, f"{deltas}, with the volume correction: spread of the curves", found["with"][1])
     yield Metric(case, "the same without it, curves", found["without"][1])
