@@ -60,8 +60,14 @@ class Metric:
 
 
 def commit() -> str:
-    command = ["git", "-C", str(ROOT), "rev-parse", "--short", "HEAD"]
-    return subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip() or "unknown"
+    """With a + where what decides a result is not as it was committed."""
+
+    def git(*words: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(["git", "-C", str(ROOT), *words], capture_output=True, text=True, check=False)
+
+    name = git("rev-parse", "--short", "HEAD").stdout.strip()
+    changed = git("diff", "--quiet", "HEAD", "--", "include", "server", "tests/physics/validation").returncode != 0
+    return f"{name}{'+' if changed else ''}" if name else "unknown"
 
 
 @dataclass
