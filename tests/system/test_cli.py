@@ -86,12 +86,14 @@ class Commands(DaemonTest):
             ["status"], ["capabilities"], ["schemes"], ["ls"], ["top", "--once"], ["breakpoint", "b", "--step", "99"], ["help"],
             ["export", str(directory / "probes.hdf"), "--out", str(self.home / "probes.csv")],
             ["render", "--field", "pressure", "--out", str(self.home / "p.png")],
-            ["lease", "--ttl", "0.1"],  # the last, as others would have to wait for its end
         ):
             command = " ".join(words[:2]) if words[0] == "query" else words[0]
             answer = self.ask(*words)
             for row in [answer, *answer.get("daemons", [])]:
                 self.assertLessEqual(set(row), documented(command), words)
+        lease = self.ask("lease")
+        for answer in (lease, self.ask("lease", "release", "--lease", str(lease["lease_epoch"]))):
+            self.assertLessEqual(set(answer), documented("lease"))
 
     def test_every_command_has_its_row_of_keys(self) -> None:
         for command in self.ask("help")["commands"]:
