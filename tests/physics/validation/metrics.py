@@ -78,21 +78,24 @@ class Report:
     directory: Path
     order: list[str]  # of the cases
     metrics: list[Metric] = field(default_factory=list)
+    commit: str = field(default_factory=commit)  # as it was when this began
+
+    @property
+    def path(self) -> Path:
+        return self.directory / ("RESULTS-paper.md" if self.paper else "RESULTS.md")
 
     def add(self, metric: Metric) -> None:
         self.metrics.append(metric)
         print("\t".join(metric.columns()), flush=True)
 
-    def rows(self, path: Path) -> list[str]:
+    def rows(self) -> list[str]:
         fresh = {m.case for m in self.metrics}
-        old = [line for line in path.read_text().splitlines() if line.startswith("| ")] if path.exists() else []
+        old = [line for line in self.path.read_text().splitlines() if line.startswith("| ")] if self.path.exists() else []
         kept = [line for line in old if line != HEAD and line.split(" | ")[0][2:] not in fresh]
-        rows = kept + ["| " + " | ".join([*m.columns(), commit()]) + " |" for m in self.metrics]
+        rows = kept + ["| " + " | ".join([*m.columns(), self.commit]) + " |" for m in self.metrics]
         return sorted(rows, key=lambda row: self.order.index(row.split(" | ")[0][2:]))
 
-    def write(self) -> Path:
-        path = self.directory / ("RESULTS-paper.md" if self.paper else "RESULTS.md")
+    def write(self) -> None:
         command = "make validate SIZE=paper" if self.paper else "make validate"
         lines = ["# Validation" + (" at the papers' sizes" if self.paper else ""), "", f"Written by `{command}`.", "", HEAD]
-        path.write_text("\n".join([*lines, "|---" * 7 + "|", *self.rows(path)]) + "\n")
-        return path
+        self.path.write_text("\n".join([*lines, "|---" * 7 + "|", *self.rows()]) + "\n")
