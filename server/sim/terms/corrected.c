@@ -69,26 +69,54 @@ INLINE void corrected_continuity_row(const Row *row, Particles *s, const Model *
 }
 ROW_FUNCTIONS(corrected_continuity_row)
 
-/* xx, yy, zz and xy, xz, yz of a particle's M. */
+/* M of one particle; two dimensions leave the last three alone. */
 typedef struct Symmetric {
-    double on[3], off[3];
+    double xx, yy, xy, zz, xz, yz;
 } Symmetric;
+
+/* M of eight. */
+typedef struct Corrections {
+    double xx[LANES], yy[LANES], xy[LANES], zz[LANES], xz[LANES], yz[LANES];
+} Corrections;
+
+static const Symmetric PLAIN = {1, 1, 0, 1, 0, 0};
 
 INLINE Symmetric correction_of(const Particles *s, size_t i, How how)
 {
-    Symmetric M = {{0}, {0}};
-    for (int d = 0; d < how.dim; d++) M.on[d] = s->correction[d][i];
-    for (int d = 0; d < (how.dim == 3 ? 3 : 1); d++) M.off[d] = s->correction_off[d][i];
+    Symmetric M = {s->correction[0][i], s->correction[1][i], s->correction_off[0][i], 1, 0, 0};
+    if (how.dim == 3) {
+        M.zz = s->correction[2][i];
+        M.xz = s->correction_off[1][i];
+        M.yz = s->correction_off[2][i];
+    }
     return M;
 }
 
-/* Of eight neighbours; before a loop, as compilers do not vectorise what is fetched from here and there. */
-INLINE void gather_corrections(const Particles *s, const uint32_t *j, How how, double ret[6][LANES])
+/* Before a loop, as compilers do not vectorise what is fetched from here and there. */
+INLINE void gather_corrections(const Particles *s, const uint32_t *j, How how, Corrections *ret)
 {
     for (int l = 0; l < LANES; l++) {
-        for (int d = 0; d < how.dim; d++) ret[d][l] = s->correction[d][j[l]];
-        for (int d = 0; d < (how.dim == 3 ? 3 : 1); d++) ret[3 + d][l] = s->correction_off[d][j[l]];
+        const Symmetric M = correction_of(s, j[l], how);
+        ret->xx[l] = M.xx;
+        ret->yy[l] = M.yy;
+        ret->xy[l] = M.xy;
+        if (how.dim == 3) {
+            ret->zz[l] = M.zz;
+            ret->xz[l] = M.xz;
+            ret->yz[l] = M.yz;
+        }
     }
+}
+
+INLINE Symmetric lane_correction(const Corrections *M, int l, How how)
+{
+    Symmetric ret = {M->xx[l], M->yy[l], M->xy[l], 1, 0, 0};
+    if (how.dim == 3) {
+        ret.zz = M->zz[l];
+        ret.xz = M->xz[l];
+        ret.yz = M->yz[l];
+    }
+    return ret;
 }
 
 /* mine: of p_i, times M_j x; its: of p_j, times M_i x. Sums of the two are not fused: forces are opposite to the last bit. */
@@ -97,51 +125,55 @@ INLINE double crosswise(double mine, double M_j, double its, double M_i)
     return mine * M_j + its * M_i;
 }
 
-INLINE void corrected_push(Symmetric M_i, Symmetric M_j, const Pair *pair, double mine, double its, double V, How how,
-                           int l, Lanes sum[3])
+INLINE void corrected_push(const Symmetric *M_i, const Symmetric *M_j, const Pair *pair, double mine, double its,
+                           double V, How how, int l, Lanes sum[3])
 {
-    const double c = V * pair->V * pair->F, x = pair->x[0], y = pair->x[1], z = how.dim == 3 ? pair->x[2] : 0;
-    const double xx = crosswise(mine, M_j.on[0], its, M_i.on[0]), yy = crosswise(mine, M_j.on[1], its, M_i.on[1]),
-                 xy = crosswise(mine, M_j.off[0], its, M_i.off[0]);
+    const double c = V * pair->V * pair->F, x = pair->x[0], y = pair->x[1];
+    const double xx = crosswise(mine, M_j->xx, its, M_i->xx), yy = crosswise(mine, M_j->yy, its, M_i->yy),
+                 xy = crosswise(mine, M_j->xy, its, M_i->xy);
     if (how.dim == 2) {
         add_product(&sum[0], l, c, xx * x + xy * y, how);
         add_product(&sum[1], l, c, xy * x + yy * y, how);
-        return;
+    } else {
+        const double zz = crosswise(mine, M_j->zz, its, M_i->zz), xz = crosswise(mine, M_j->xz, its, M_i->xz),
+                     yz = crosswise(mine, M_j->yz, its, M_i->yz), z = pair->x[2];
+        add_product(&sum[0], l, c, xx * x + xy * y + xz * z, how);
+        add_product(&sum[1], l, c, xy * x + yy * y + yz * z, how);
+        add_product(&sum[2], l, c, xz * x + yz * y + zz * z, how);
     }
-    const double zz = crosswise(mine, M_j.on[2], its, M_i.on[2]), xz = crosswise(mine, M_j.off[1], its, M_i.off[1]),
-                 yz = crosswise(mine, M_j.off[2], its, M_i.off[2]);
-    add_product(&sum[0], l, c, xx * x + xy * y + xz * z, how);
-    add_product(&sum[1], l, c, xy * x + yy * y + yz * z, how);
-    add_product(&sum[2], l, c, xz * x + yz * y + zz * z, how);
 }
 
-/* Not `omp simd`: gcc 12 does not vectorise these two loops. */
 INLINE void corrected_pressure_row(const Row *row, Particles *s, const Model *model, How how)
 {
-    static const Symmetric plain = {{1, 1, 1}, {0}};
-    const size_t i = row->i, first_wall = particles_fluid(s);
+    const size_t i = row->i;
     const Block *const walls = row->block + row->n_fluid, *const end = row->block + row->n;
     const Symmetric M_i = correction_of(s, i, how);
-    const double *const p_wall = s->p_wall[s->phase[i]];
+    const WallPressure shown = wall_pressure_of(s, i);
     const double p = s->p[i], z = s->z[i], V = s->vol[i], beta = row->mixed ? model->repulsion : 0;
     Lanes sum[3] = {0};
     for (const Block *b = row->block; b < walls; b++) {
-        double M[6][LANES] = {{0}};
-        gather_corrections(s, row_j(row, b), how, M);
+        Corrections M;
+        gather_corrections(s, row_j(row, b), how, &M);
+        double repulsion[LANES] = {0};
+        if (row->mixed)
+            for (int l = 0; l < LANES; l++) repulsion[l] = beta * b->other[l];
+#pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair near = block_pair(b, l, how);
-            const Symmetric M_j = {{M[0][l], M[1][l], M[2][l]}, {M[3][l], M[4][l], M[5][l]}};
-            const double t = average_tilt(model, z, &near, 1 / (z + near.z));
-            const double repulsion = row->mixed ? beta * near.other : 0;
-            corrected_push(M_i, M_j, &near, (1 + t) * p + repulsion * fabs(p),
-                           (1 - t) * near.p + repulsion * fabs(near.p), V, how, l, sum);
+            const Pair pair = block_pair(b, l, how);
+            const Symmetric M_j = lane_correction(&M, l, how);
+            const double t = average_tilt(model, z, &pair, 1 / (z + pair.z));
+            corrected_push(&M_i, &M_j, &pair, (1 + t) * p + repulsion[l] * fabs(p),
+                           (1 - t) * pair.p + repulsion[l] * fabs(pair.p), V, how, l, sum);
         }
     }
     for (const Block *b = walls; b < end; b++) {
         const uint32_t *j = row_j(row, b);
+        double p_wall[LANES];
+        for (int l = 0; l < LANES; l++) p_wall[l] = shown_by(&shown, j[l]);
+#pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair near = block_pair(b, l, how);
-            corrected_push(M_i, plain, &near, p, p_wall[j[l] - first_wall], V, how, l, sum);
+            const Pair pair = block_pair(b, l, how);
+            corrected_push(&M_i, &PLAIN, &pair, p, p_wall[l], V, how, l, sum);
         }
     }
     pressure_end(s, i, sum, how);
