@@ -3,8 +3,8 @@
  *   A_ij = (V_i^2 + V_j^2) F,  V = 1 / sum W;  densities are those of reference
  *   c_ij = -A_ij / (rho_i + rho_j),  (L P)_i = sum_j c_ij (P_i - P_j)
  *   velocity   L P = -1/2 sum_j A_ij (v_j - v_i)/2 . x_ij,     v_i -= 1/m_i sum_j A_ij P_ij x_ij,            p = P/dt
- *   density    L P = -1/2 (V_i - V_0),                         x_i -= 1/m_i sum_j A_ij (P_ij - min(P_i, 0) + P_ref) x_ij
- *   P_ij = (rho_i P_j + rho_j P_i) / (rho_i + rho_j)
+ *   density    L P = -1/2 (V_i - V_0),                         x_i -= 1/m_i sum_j A_ij (P_ij - P_i + P_0 + P_ref) x_ij
+ *   P_ij = (rho_i P_j + rho_j P_i) / (rho_i + rho_j);  P_0: P_i, but from 0 to 0.2 rho h^2
  * A wall particle is an unknown of its own towards each fluid, of that fluid's density, through which nothing flows:
  *   sum_i c_iw (P_w - P_i - rho_i dt (g - a_w) . (x_w - x_i)) = 0
  * so L stays symmetric, a layer at rest is exact, and no fluid feels the pressure of another through a wall. */
@@ -20,6 +20,11 @@ static const double MOVE_MOST = 0.1;
 /* The Laplacian has a narrower stencil than the divergence of a gradient, so that for waves of a few spacings its solution is too small:
  * to go farther saves a quarter of the corrections, and from 3 on they diverge. */
 static const double FARTHER = 1.5;
+
+/* Of rho h^2, of a correction's pressure that which spreads particles; of what is beyond it, and below 0, the differences alone are used. That
+ * of a wave of densities goes with the square of its length: below 0 it draws neighbours together until they meet, and far above it throws them
+ * about, more at each correction (a million particles in disorder; with P_ref, 0.6 is too much). */
+static const double SPREAD_MOST = 0.2;
 
 /* Unknown of a wall particle towards a fluid. */
 INLINE size_t node_of(const Particles *s, size_t wall_particle, unsigned fluid)
@@ -224,9 +229,8 @@ INLINE void density_correction_row(const Row *row, Particles *s, const Model *mo
 {
     const double h = model->kernel.h, rho = model->projection.unit_mobility ? 1 : model->rho_min;
     double change[3], keep = 1;
-    /* A pressure below 0 draws neighbours together until they meet, and is the larger the more particles a wave of densities has: of it
-     * the differences alone are used. */
-    const double base = FARTHER * fmax(s->system->x[row->i], 0) + model->projection.offset * rho * h * h;
+    const double unit = rho * h * h, P = FARTHER * s->system->x[row->i];
+    const double base = fmin(fmax(P, 0), SPREAD_MOST * unit) + model->projection.offset * unit;
     push(row, s, model, model->projection.unit_mobility, FARTHER, base, how, change);
     const double size = sqrt(DOT(change, change, how)), most = MOVE_MOST * model->dx;
     if (size > most) keep = most / size;
@@ -256,7 +260,7 @@ const Term density_correction = {
     .name = "density correction",
     .source = "P4 eq. 22, 35",
     .equation =
-        "x_i -= 1/m_i sum_j A_ij (P_ij - min(P_i, 0) + P_ref) x_ij,  P_ij = (rho_i P_j + rho_j P_i)/(rho_i + rho_j)",
+        "x_i -= 1/m_i sum_j A_ij (P_ij - P_i + P_0 + P_ref) x_ij,  P_ij = (rho_i P_j + rho_j P_i)/(rho_i + rho_j)",
     .on = ON_FLUID,
     .needs = NEED_F | NEED_STATE,
     .writes = FIELD(X),
