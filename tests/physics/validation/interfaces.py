@@ -76,10 +76,22 @@ def lock_exchange2d(paper: bool) -> Iterator[Metric]:
     yield from hygiene(case, runs[-1])
 
 
-def lock_exchange3d(_: bool) -> Iterator[Metric]:
-    """P1 4.4."""
-    case, r = "lock-exchange3d", run("lock-exchange3d", "resolution=80")
-    yield from score_fronts(case, r, True)
+NARROW = ("domain.min=[0, -0.025, 0]", "domain.max=[1.81, 0.025, 0.2]", "fluids[0].shape[0].box.min=[0, -0.025, 0]",
+          "fluids[0].shape[0].box.max=[0.905, 0.025, 0.2]", "walls[0].shape[0].box.min=[0, -0.025, 0]",
+          "walls[0].shape[0].box.max=[1.81, 0.025, 0.2]")
+
+
+def lock_exchange3d(paper: bool) -> Iterator[Metric]:
+    """P1 4.4; reduced, a quarter of the width, so coarse that the fronts are late as those of the slice are with H/20."""
+    case = "lock-exchange3d"
+    r = run(case, *(("resolution=80",) if paper else ("resolution=20", *NARROW)))
+    if paper:
+        yield from score_fronts(case, r, True)
+    else:
+        light, heavy = front_speeds(r)
+        for name, speed, reference in (("light", light, 0.490), ("heavy", heavy, 0.576)):
+            yield Metric(case, f"speed of the {name} front at H/20", speed, reference, note="not scored: too coarse")
+        yield Metric(case, "heavy over light", heavy / light, 1.18, 0.05)
     yield from hygiene(case, r)
 
 
