@@ -21,8 +21,9 @@ def begin_again_with_display() -> None:
     xvfb, python = shutil.which("xvfb-run"), shutil.which("pvpython")
     if not xvfb or not python:
         sys.exit("there is no display, and this ParaView cannot draw without one: install xvfb-run (Debian: xvfb), or set DISPLAY")
-    # Not in place of this process: xvfb-run takes the end of what MPI has started here for the sign that its display is there.
-    sys.exit(subprocess.call([xvfb, "-a", python, *sys.argv]))
+    # Not in place of this process: xvfb-run takes the end of what MPI has started here for the sign that its display is there. And a display
+    # that begins anew when nobody is connected may not be there when ParaView connects for the second time.
+    sys.exit(subprocess.call([xvfb, "-a", "-s", "-screen 0 1280x1024x24 -noreset", python, *sys.argv]))
 
 
 if len(sys.argv) < 3:

@@ -60,6 +60,7 @@ scale = GetColorTransferFunction("pressure").RGBPoints
 print(json.dumps({"time": GetActiveView().ViewTime, "sources": sorted(k[0] for k in GetSources()), "range": [scale[0], scale[-4]],
                   "colour": list(GetDisplayProperties(FindSource("run")).ColorArrayName)}))
 """
+HIDDEN = ["xvfb-run", "-a", "-s", "-screen 0 1280x1024x24 -noreset"]  # as the documentation has it
 WORKFLOWS = os.path.abspath(os.path.join(os.path.dirname(__file__), "../../client/workflows"))
 
 
@@ -68,11 +69,7 @@ def paraview(picture, paths):
     with tempfile.NamedTemporaryFile("w", suffix=".py") as script:
         script.write(LOOK)
         script.flush()
-        command = ["xvfb-run", "-a", "pvbatch", script.name, picture, *paths]
-        for _ in range(3):  # `xvfb-run -a` may pick a display that another one is about to take
-            done = subprocess.run(command, capture_output=True, text=True, timeout=180, check=False)
-            if "bad X server connection" not in done.stdout + done.stderr:
-                break
+        done = subprocess.run([*HIDDEN, "pvbatch", script.name, picture, *paths], capture_output=True, text=True, timeout=180, check=False)
     if done.returncode != 0 or "ERR" in done.stdout + done.stderr:
         raise AssertionError(f"pvbatch ended with {done.returncode}:\n{done.stdout}\n{done.stderr}")
     return json.loads(done.stdout.strip().splitlines()[-1])
@@ -130,11 +127,8 @@ class SnapshotsInParaView(unittest.TestCase):
 
     def pvpython(self, *words):
         """What a script prints, in the run directory."""
-        command = ["xvfb-run", "-a", "pvpython", *words]
-        for _ in range(3):
-            done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False, cwd=os.path.dirname(self.series_file()))
-            if "bad X server connection" not in done.stdout + done.stderr:
-                break
+        done = subprocess.run([*HIDDEN, "pvpython", *words], capture_output=True, text=True, timeout=120, check=False,
+                              cwd=os.path.dirname(self.series_file()))
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return done.stdout
 
@@ -165,12 +159,18 @@ class SnapshotsInParaView(unittest.TestCase):
 
     def test_the_lines_of_the_documentation_draw(self):
         with open(os.path.join(WORKFLOWS, "README.md")) as readme:
-            lines = re.search(r"```python\n(from paraview.*?)```", readme.read(), re.DOTALL)[1]
+            text = readme.read()
+        self.assertIn("`" + " ".join(f'"{w}"' if " " in w else w for w in HIDDEN) + " pvpython`", text)
+        lines = re.search(r"```python\n(from paraview.*?)```", text, re.DOTALL)[1]
         self.assertEqual(len(lines.splitlines()), 5)
         script = f"{self.dir.name}/lines.py"
         with open(script, "w") as file:
-            file.write(lines.replace("DIR/", ""))
-        self.pvpython(script)
+            file.write(lines.replace("DIR/", "") + 'import json\nscale = GetColorTransferFunction("pressure").RGBPoints\n'
+                       'print(json.dumps([view.ViewTime, scale[0], scale[-4]]))\n')
+        time, low, high = json.loads(self.pvpython(script).splitlines()[-1])
+        self.assertEqual(time, self.series["times"][-1])
+        pressures = self.last["VTKHDF/PointData/pressure"][:]
+        numpy.testing.assert_allclose([low, high], [pressures.min(), pressures.max()], rtol=1e-6)
         self.assert_drawn(os.path.join(os.path.dirname(self.series_file()), "pressure.png"))
 
     def test_the_example_writes_the_particles_of_the_last_time_as_csv(self):
@@ -193,10 +193,7 @@ class SnapshotsInParaView(unittest.TestCase):
 
     def test_the_example_draws_where_there_is_no_display(self):
         path = f"{self.dir.name}/hidden.png"
-        for _ in range(3):
-            done = self.without_display(os.environ["PATH"], path)
-            if "bad X server connection" not in done.stdout + done.stderr:
-                break
+        done = self.without_display(os.environ["PATH"], path)
         self.assertEqual(done.returncode, 0, done.stderr[-2000:])
         self.assert_drawn(path)
 

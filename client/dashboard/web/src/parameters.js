@@ -7,12 +7,11 @@ const DECADES = 3; // from so many on between its bounds, a slider is logarithmi
 
 /** @typedef {{name: string, type: string, unit: string, range: string, value: string, meaning: string, takes_effect: string}} Parameter */
 
-/** Those of this scheme. @param {Parameter[]} list @param {string} scheme  as the case has it: "{riemann: {...}}" */
+/** Those of this scheme. @param {Parameter[]} list @param {string} scheme  as the case has it: "{cfl: 0.2, riemann: {...}}" */
 export function relevant(list, scheme) {
-  const own = /^\{?\s*([a-z_]+)/.exec(scheme ?? "")?.[1] ?? "";
   return list.filter(({ name }) => {
     const part = /^scheme\.([a-z_]+)\./.exec(name);
-    return !part || part[1] === own;
+    return !part || new RegExp(`(^|[{,\\s])${part[1]}\\s*:`).test(scheme ?? "");
   });
 }
 

@@ -110,7 +110,8 @@ test("words to choose from, and the parameters of one's own scheme", () => {
   assert.deepEqual(choices({ ...parameter, type: "by-size, cg, amg" }), ["by-size", "cg", "amg"]);
   assert.equal(choices(parameter), null);
   const names = ["gravity", "scheme.cfl", "scheme.riemann.guard", "scheme.differences.guard"].map((name) => ({ ...parameter, name }));
-  assert.deepEqual(relevant(names, "{riemann: {}}").map((p) => p.name), ["gravity", "scheme.cfl", "scheme.riemann.guard"]);
+  for (const scheme of ["{riemann: {}}", "riemann: {}", "{kernel: wendland-c2, smoothing: 1.3, riemann: {transport_stress: true}}", "{cfl: 0.2,riemann: {}}"])
+    assert.deepEqual(relevant(names, scheme).map((p) => p.name), ["gravity", "scheme.cfl", "scheme.riemann.guard"]);
 });
 
 test("a spray particle does not stretch the colour bar", () => {
