@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Build the package: the only step that pyproject.toml cannot say is the generation of the protocol's modules."""
+"""Build the package: what pyproject.toml cannot say is that the protocol's modules are generated, and where the cases are."""
 
 import pathlib
+import shutil
 import sys
 
 from setuptools import setup
@@ -13,11 +14,15 @@ from generate import generate  # noqa: E402
 
 
 class BuildWithProtocol(build_py):
-    """Copy the modules, then add the generated ones."""
+    """Copy the modules, then add the generated ones and the cases that come with Meniscus."""
 
     def run(self) -> None:
         super().run()
-        generate(HERE.parent.parent / "proto", pathlib.Path(self.build_lib) / "meniscus")
+        root, package = HERE.parent.parent, pathlib.Path(self.build_lib) / "meniscus"
+        generate(root / "proto", package)
+        (package / "cases").mkdir(exist_ok=True)
+        for case in (root / "server/cases").glob("*.yaml"):
+            shutil.copy(case, package / "cases")
 
 
 setup(cmdclass={"build_py": BuildWithProtocol})

@@ -460,6 +460,12 @@ class WithoutDaemon(unittest.TestCase):
             self.assertRegex(caught.exception.message, r"^case:\d+:\d+: ")
             self.assertIn(hint, caught.exception.message)
 
+    def test_a_case_that_is_not_there_is_guessed_at(self) -> None:
+        for wrong, hint in ("dambrek2d", 'did you mean "dambreak2d"?'), ("xyz", "there are bubble2d-hysing1, "):
+            with self.assertRaises(meniscus.CaseError) as caught:
+                case.find(wrong)
+            self.assertIn(hint, caught.exception.message)
+
     def test_a_wrong_override_is_its_own_place_and_is_guessed_at(self) -> None:
         for path, hint in (("resolutio", "resolution"), ("fluids[0].densty", "density"), ("outputs.walls", "output")):
             text = case.CaseText("dambreak2d")
@@ -477,9 +483,9 @@ class WithoutDaemon(unittest.TestCase):
                 ["/usr/bin/python3", "setup.py", "-q", "egg_info", "-e", scratch, "build", "-b", f"{scratch}/b",
                  "--build-lib", f"{scratch}/lib"], cwd=ROOT / "client/python", check=True, capture_output=True)
             done = subprocess.run(
-                ["/usr/bin/python3", "-c", "import meniscus; print(meniscus.__version__)"],
-                capture_output=True, text=True, env=os.environ | {"PYTHONPATH": f"{scratch}/lib"}, cwd=scratch)
-            self.assertEqual(done.stdout.strip(), meniscus.__version__, done.stderr)
+                ["/usr/bin/python3", "-c", "import meniscus; print(meniscus.__version__, meniscus.case.find('dambreak2d'))"],
+                capture_output=True, text=True, env=os.environ | {"PYTHONPATH": f"{scratch}/lib", "MENISCUS_CASES": ""}, cwd=scratch)
+            self.assertEqual(done.stdout.split(), [meniscus.__version__, f"{scratch}/lib/meniscus/cases/dambreak2d.yaml"], done.stderr)
 
 
 if __name__ == "__main__":

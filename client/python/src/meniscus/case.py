@@ -34,19 +34,22 @@ _PATH = re.compile(r"[^.\[\]]+(?:\.[^.\[\]]+|\[[0-9]{1,9}\])*")
 
 def find(case: Union[str, Path]) -> Path:
     """A case file by path, or by name where proto/case_find.c looks: in $MENISCUS_CASES, and in the folders above this package, which
-    is in a build inside the checkout, or installed. One that pip has installed elsewhere has the usual places left."""
+    is in a build inside the checkout, or installed. One that pip has installed elsewhere has cases of its own."""
     path = Path(case)
     if path.is_file():
         return path
-    asked = os.environ.get("MENISCUS_CASES")
-    above = [parent / cases for parent in Path(__file__).resolve().parents for cases in ("server/cases", "share/meniscus/cases")]
-    usual = [Path("/usr/local/share/meniscus/cases"), Path("/usr/share/meniscus/cases")]
+    asked, here = os.environ.get("MENISCUS_CASES"), Path(__file__).resolve()
+    above = [parent / cases for parent in here.parents for cases in ("server/cases", "share/meniscus/cases")]
+    usual = [here.parent / "cases", Path("/usr/local/share/meniscus/cases"), Path("/usr/share/meniscus/cases")]
     folders = ([Path(asked)] if asked else []) + [folder for folder in above + usual if folder.is_dir()]
     for folder in folders:
         if (folder / f"{case}.yaml").is_file():
             return folder / f"{case}.yaml"
+    there = sorted({file.stem for folder in folders for file in folder.glob("*.yaml")})
+    close = difflib.get_close_matches(str(case), there, 1)
     looked = ", ".join(str(folder) for folder in dict.fromkeys(folders)) or "$MENISCUS_CASES or above the package"
-    raise CaseError("NOT_FOUND", f'there is no file "{case}" and no case of that name in {looked}')
+    meant = f'; did you mean "{close[0]}"?' if close else f"; there are {', '.join(there)}" if there else "; set MENISCUS_CASES to their folder"
+    raise CaseError("NOT_FOUND", f'there is no file "{case}" and no case of that name in {looked}{meant}')
 
 
 def name_of(path: Path) -> str:

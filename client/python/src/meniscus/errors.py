@@ -25,7 +25,7 @@ _STATUS: dict[str, str] = {
 
 _HINTS: dict[str, str] = {
     "invalid": "mend what the message names and try again",
-    "not found": "check the name; capabilities() and the message say what there is",
+    "not found": "check the name; the message says what there is, and capabilities() of fields, probes and parameters",
     "wrong state": "see status().state, and wait() for a state in which it is possible",
     "limit reached": "ask for less, or raise the limit if the message names an entry for it",
     "out of memory": "compute with fewer particles, or on a machine with more memory",
