@@ -65,11 +65,14 @@ static json_t *look(void)
 
 /* --- the table ------------------------------------------------------------------------------------------------------------ */
 
+enum { NAME = 16, CASE = 20, OTHERS = 52, SHORT = 10, WIDE = OTHERS + NAME + CASE + SHORT };
+
 typedef struct Table {
     bool is_terminal, has_colour;
-    int width;   /* no line of a terminal may be wider, as it would be two */
-    size_t room; /* for daemons: what is above the terminal cannot be drawn again */
-    int drawn;   /* lines that are ours */
+    int width;       /* no line of a terminal may be wider, as it would be two */
+    int name, case_; /* columns; the others have OTHERS, and a fault the rest, or a line of its own if that is SHORT */
+    size_t room;     /* lines for daemons: what is above the terminal cannot be drawn again */
+    int drawn;       /* lines that are ours */
 } Table;
 
 static double number(const json_t *row, const char *name)
@@ -124,15 +127,41 @@ static void print_line(const Table *table, const char *colour, const char *line)
                table->has_colour && *colour ? "\033[0m" : "");
 }
 
+static bool is_narrow(const Table *table)
+{
+    return table->is_terminal && table->width < WIDE;
+}
+
+static size_t lines_of(const Table *table, const json_t *row)
+{
+    return is_narrow(table) && *text(row, "fault", "") ? 2 : 1;
+}
+
+/* One line of cells, the last of which is the fault. */
+static void print_cells(const Table *table, const char *colour, const char *const cells[9])
+{
+    char line[900];
+    snprintf(line, sizeof line, "%-*.*s %-8s %-*.*s %5s %7s %8s %7s %8s  %.500s", table->name, table->name, cells[0],
+             cells[1], table->case_, table->case_, cells[2], cells[3], cells[4], cells[5], cells[6], cells[7],
+             is_narrow(table) ? "" : cells[8]);
+    for (size_t n = strlen(line); n && line[n - 1] == ' '; n--) line[n - 1] = 0;
+    print_line(table, colour, line);
+}
+
 static void print_row(const Table *table, const json_t *row)
 {
-    char done[32], speed[32], eta[32], clients[32], memory[32], line[900];
+    char done[32], speed[32], eta[32], clients[32], memory[32], line[600];
     const char *state = text(row, "state", json_is_true(json_object_get(row, "silent")) ? "silent" : "dead");
-    snprintf(line, sizeof line, "%-16.60s %-10s %-20.60s %6s %8s %9s %7s %9s  %.500s", text(row, "name", ""), state,
-             text(row, "case", "-"), cell(done, 100 * number(row, "time") / number(row, "end_time"), "%"),
-             cell(speed, number(row, "steps_per_second"), ""), duration(eta, number(row, "eta_s")),
-             cell(clients, number(row, "clients"), ""), cell(memory, number(row, "memory_bytes") / (1 << 20), " MiB"),
-             text(row, "fault", ""));
+    const char *fault = text(row, "fault", "");
+    print_cells(
+        table, colour_of(state),
+        (const char *const[9]){text(row, "name", ""), state, text(row, "case", "-"),
+                               cell(done, round(1000 * number(row, "time") / number(row, "end_time")) / 10, "%"),
+                               cell(speed, number(row, "steps_per_second"), ""), duration(eta, number(row, "eta_s")),
+                               cell(clients, number(row, "clients"), ""),
+                               cell(memory, number(row, "memory_bytes") / (1 << 20), " MiB"), fault});
+    if (lines_of(table, row) == 1) return;
+    snprintf(line, sizeof line, "  %.500s", fault);
     print_line(table, colour_of(state), line);
 }
 
@@ -143,6 +172,24 @@ static void measure(Table *table)
     const bool known = table->is_terminal && !ioctl(STDOUT_FILENO, TIOCGWINSZ, &size);
     table->width = known && size.ws_col >= 20 ? size.ws_col - 1 : 80;
     table->room = !table->is_terminal ? SIZE_MAX : known && size.ws_row >= 4 ? size.ws_row - 2u : 22;
+    table->name = NAME;
+    table->case_ = CASE;
+    if (!is_narrow(table)) return;
+    const int both = table->width - OTHERS < NAME + CASE ? table->width - OTHERS : NAME + CASE;
+    table->name = both / 2 > SHORT ? both / 2 < NAME ? both / 2 : NAME : SHORT;
+    table->case_ = both - table->name > SHORT ? both - table->name : SHORT;
+}
+
+/* How many of the first fit, with a line that tells of the others. */
+static size_t fitting(const Table *table, const json_t *daemons)
+{
+    const size_t n = json_array_size(daemons);
+    size_t lines = 0, fit = 0;
+    for (size_t k = 0; k < n; k++) {
+        lines += lines_of(table, json_array_get(daemons, k));
+        if (lines <= table->room - (k + 1 < n)) fit = k + 1;
+    }
+    return fit;
 }
 
 static void draw(Table *table, const json_t *daemons)
@@ -151,16 +198,21 @@ static void draw(Table *table, const json_t *daemons)
     const size_t n = json_array_size(daemons);
     const int before = table->drawn;
     measure(table);
-    const size_t shown = n <= table->room ? n : table->room - 1;
+    const size_t shown = fitting(table, daemons);
     if (before) printf("\033[%dA\r", before);
-    snprintf(line, sizeof line, "%-16s %-10s %-20s %6s %8s %9s %7s %9s  %s", "NAME", "STATE", "CASE", "DONE", "STEPS/S",
-             "ETA", "CLIENTS", "MEMORY", "FAULT");
-    print_line(table, "\033[1m", n ? line : "no daemon on this host; start one with `meniscusd`");
-    for (size_t k = 0; k < shown; k++) print_row(table, json_array_get(daemons, k));
+    table->drawn = 1 + (shown < n);
+    if (n)
+        print_cells(
+            table, "\033[1m",
+            (const char *const[9]){"NAME", "STATE", "CASE", "DONE", "STEPS/S", "ETA", "CLIENTS", "MEMORY", "FAULT"});
+    else print_line(table, "\033[1m", "no daemon on this host; start one with `meniscusd`");
+    for (size_t k = 0; k < shown; k++) {
+        print_row(table, json_array_get(daemons, k));
+        table->drawn += (int)lines_of(table, json_array_get(daemons, k));
+    }
     snprintf(line, sizeof line, "... %zu more", n - shown);
     if (shown < n) print_line(table, "", line);
     if (table->is_terminal) fputs("\033[J", stdout);
-    table->drawn = 1 + (int)shown + (shown < n);
     fflush(stdout);
 }
 

@@ -5,6 +5,7 @@
 import json
 import os
 import pty
+import re
 import signal
 import socket
 import subprocess
@@ -98,6 +99,32 @@ class Top(DaemonTest):
         self.assertRegex(self.meniscus("ls").stdout, "(?m)^full +silent +- ")
         self.assertRegex(self.meniscus("doctor", "--daemon", "full", code=1).stdout, "(?m)^problem +daemon ")
         self.assertLess(time.monotonic() - began, 15)
+
+    def on_terminal(self, columns: int) -> "list[str]":
+        """The first table on a terminal of so many columns."""
+        ours, theirs = pty.openpty()
+        self.addCleanup(os.close, ours)
+        termios.tcsetwinsize(theirs, (24, columns))
+        top = subprocess.Popen([BUILD / "meniscus", "top"], env=self.environment, stdout=theirs)
+        os.close(theirs)
+        shown = b""
+        while not shown.endswith(b"\033[J"):
+            shown += os.read(ours, 4096)
+        top.terminate()
+        top.wait(timeout=10)
+        return [re.sub("\033\\[[0-9;]*[mKJ]", "", line) for line in shown.decode().splitlines()][:-1]
+
+    def test_a_narrow_terminal_shows_all_of_it(self) -> None:
+        self.meniscus("load", *SMALL, "--set", "limits.density_max=1.0000001", "--start")
+        self.meniscus("wait", code=70)
+        head, row, fault = self.on_terminal(80)
+        self.assertEqual(head.split(), "NAME STATE CASE DONE STEPS/S ETA CLIENTS MEMORY".split())
+        self.assertRegex(row, r"^default +FAULT +dambreak2d .* [0-9.]+ MiB$")
+        self.assertRegex(fault, "^  .*density")
+        self.assertLess(max(map(len, (head, row, fault))), 80)
+        head, row = self.on_terminal(140)
+        self.assertTrue(head.endswith("  FAULT"))
+        self.assertIn("density", row)
 
     def test_no_more_daemons_are_shown_than_the_terminal_has_lines(self) -> None:
         for k in range(9):
