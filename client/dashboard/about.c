@@ -3,6 +3,7 @@
 #include "client/dashboard/about.h"
 #include "client/cli/output.h"
 #include "client/cli/render_colour.h"
+#include "proto/case_find.h"
 #include "proto/case_name.h"
 #include <math.h>
 #include <stdio.h>
@@ -85,6 +86,20 @@ static MnsStatus ask_case(MnsClient *client, json_t *about, MnsError *error)
     return MNS_OK;
 }
 
+static void append_case(void *arg, const char *name, const char *folder)
+{
+    (void)folder;
+    json_array_append_new(arg, json_string(name));
+}
+
+/* Those that a name is enough for, where this program is. */
+static json_t *cases_json(void)
+{
+    json_t *cases = json_array();
+    if (cases) case_list(append_case, cases);
+    return cases;
+}
+
 MnsStatus about_ask(MnsClient *client, const MnsReply *status, json_t **ret, MnsError *error)
 {
     MnsReply *reply = NULL;
@@ -94,8 +109,8 @@ MnsStatus about_ask(MnsClient *client, const MnsReply *status, json_t **ret, Mns
         mns_reply_free(reply);
         return failed;
     }
-    json_t *about = json_pack("{ss so so}", "topic", "about", "capabilities", output_capabilities(reply->capabilities),
-                              "colour_maps", maps_json());
+    json_t *about = json_pack("{ss so so so}", "topic", "about", "capabilities", output_capabilities(reply->capabilities),
+                              "colour_maps", maps_json(), "cases", cases_json());
     mns_reply_free(reply);
     const MnsState state = status->state;
     /* While a case is being loaded there is none to ask about: it is asked when the state changes. */

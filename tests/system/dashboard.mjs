@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A person at the dashboard, for test_dashboard.py: clicks and keys against a real daemon, in two browsers at once.
-import { PATIENCE_MS, complaints, dropGateway, elsewhere, endGateway, hold, holdSoon, launch, open, picture, pixels, see, startGateway, state, step, text } from "./page.mjs";
+import { PATIENCE_MS, complaints, dropGateway, elsewhere, endGateway, hold, holdSoon, launch, open, picture, pixels, see, startGateway, state, step, text, token } from "./page.mjs";
 
 await startGateway();
 const chromium = await launch();
@@ -13,6 +13,24 @@ try {
   hold(await other.$eval(":root", (root) => root.dataset.theme === "dark"), "who likes it dark gets it dark");
   await picture(page, "empty");
 
+  const stranger = await open(chromium, "light", undefined, false);
+  await see(stranger, "This dashboard asks for a token", "who has no token is asked for it", "#ask");
+  await see(stranger, "closed to who has not its token", "and is not told of a server that is away", "#banner");
+  await stranger.type("#ask input", "wrong");
+  await stranger.keyboard.press("Enter");
+  await see(stranger, "That is not the token", "a wrong one is called wrong", "#ask");
+  await stranger.keyboard.press("Escape");
+  await stranger.waitForSelector("#ask:not([open])");
+  await picture(stranger, "closed");
+  await stranger.reload();
+  await see(stranger, "That is not the token", "it is asked for again", "#ask");
+  await stranger.type("#ask input", token());
+  await stranger.keyboard.press("Enter");
+  await see(stranger, "No case is loaded", "the right one opens");
+  await stranger.close();
+
+  await page.focus("#load-name");
+  hold(await page.$$eval("#load-names option", (options) => options.some((option) => option.value === "dambreak2d")), "names of cases are offered");
   await page.type("#load-name", "no-such-case");
   await page.keyboard.press("Enter");
   await see(page, "there is no case \"no-such-case\"", "a case that is not there is refused in the daemon's words", "#notes");

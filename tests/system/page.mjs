@@ -17,7 +17,7 @@ let port = "0", address = "", gateway;
 /** As it comes; once more at the same address, with the same word. */
 export async function startGateway() {
   const word = path.join(pictures, "token"), again = address ? ["--http-token", word] : [];
-  if (address) writeFileSync(word, new URL(address).hash.slice("#token=".length), { mode: 0o600 });
+  if (address) writeFileSync(word, token(), { mode: 0o600 });
   gateway = spawn(path.join(build, "meniscus-dashboard"), ["--http", port, ...again], { stdio: ["ignore", "ignore", "pipe"] });
   for await (const line of gateway.stderr) {
     const found = /http:\/\/127\.0\.0\.1:(\d+)\/\S*/.exec(String(line));
@@ -57,8 +57,10 @@ export function launch(...more) {
   return puppeteer.launch({ executablePath: "/usr/bin/chromium", args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", ...more] });
 }
 
-/** The page in a browser of its own, as it were. */
-export async function open(chromium, scheme, prepare = async () => {}) {
+export const token = () => new URL(address).hash.slice("#token=".length);
+
+/** The page in a browser of its own, as it were. @param {boolean} known  whether it knows the token */
+export async function open(chromium, scheme, prepare = async () => {}, known = true) {
   const context = await chromium.createBrowserContext(), page = await context.newPage();
   await page.setViewport({ width: 1280, height: 800 });
   await page.emulateMediaFeatures([{ name: "prefers-color-scheme", value: scheme }]);
@@ -66,7 +68,7 @@ export async function open(chromium, scheme, prepare = async () => {}) {
   page.on("console", (message) => message.type() === "error" && complaints.push(message.text()));
   page.on("request", (request) => request.url().startsWith(`http://127.0.0.1:${port}/`) || request.url().startsWith("data:") || elsewhere.push(request.url()));
   await prepare(page);
-  await page.goto(address);
+  await page.goto(known ? address : new URL("/", address).href);
   return page;
 }
 

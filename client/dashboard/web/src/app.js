@@ -22,7 +22,7 @@ const THIN = /(^|[^a-z])(air|gas|vapou?r|steam)([^a-z]|$)/i;
 /** What is known. */
 const known = {
   /** @type {any} */ about: null, /** @type {any} */ status: null, /** @type {any} */ progress: null, /** @type {any} */ daemon: null,
-  linked: false, lost: 0, lease: 0, renewed: 0, drawn: 0,
+  linked: false, /** Closed for want of the token. */ locked: false, lost: 0, lease: 0, renewed: 0, drawn: 0,
   /** @type {import("./frame.js").Frame|null} */ frame: null,
   /** Which pictures are wanted, and why they cannot be had. @type {any} */ wish: null, /** @type {any} */ refused: null,
   /** @type {{colour: string, visible: boolean, name: string, wall: boolean}[]} */ phases: [],
@@ -59,15 +59,18 @@ const link = new Link(`${location.protocol === "https:" ? "wss" : "ws"}://${loca
   change(open, reason) {
     known.linked = open;
     if (open) wish();
-    if (reason === "token") askToken();
+    known.locked = reason === "token";
     showState();
+    if (known.locked) askToken();
   },
 });
 
+/** Who does not want to say it may look at the banner, which says where it is. */
 async function askToken() {
   const input = element("input", { type: "password", name: "token", autocomplete: "off", required: true, ariaLabel: "Token" });
-  const form = await confirmed($("ask"), "This dashboard asks for a token", "It is in the address that meniscus-dashboard printed when it was started, or in the file that was given with --http-token.", "Open", input);
-  token = String(form?.get("token") ?? "");
+  const form = await confirmed($("ask"), token ? "That is not the token of this dashboard" : "This dashboard asks for a token", "It is in the address that meniscus-dashboard printed when it was started, or in the file that was given with --http-token.", "Open", input);
+  if (!form) return;
+  token = String(form.get("token"));
   sessionStorage.setItem("meniscus.token", token);
   link.open();
 }
@@ -327,7 +330,8 @@ function showLease(status) {
 /** @param {string} state @param {any} status */
 function showBanner(state, status) {
   let words = ["", "", ""];
-  if (!known.linked) words = ["The dashboard's server does not answer.", "It is tried again by itself.", ""];
+  if (known.locked) words = ["This dashboard is closed to who has not its token.", "", "open the address that meniscus-dashboard printed, or reload this page and enter it"];
+  else if (!known.linked) words = ["The dashboard's server does not answer.", "It is tried again by itself.", ""];
   else if (known.daemon && !known.daemon.alive && known.daemon.error?.status === "unavailable")
     words = ["The daemon does not answer.", "It is asked again by itself.", "if it has ended, start it with the same --name and --state-dir: it comes back to its run"];
   else if (known.daemon && !known.daemon.alive) words = ["The daemon does not answer.", known.daemon.error?.message ?? "", known.daemon.error?.hint ?? ""];
@@ -348,16 +352,19 @@ function showEmpty(state) {
   empty.hidden = !kind;
   const says = { LOADING: ["The case is being loaded", "Particles are placed; large cases take a while."], RECOVERING: ["The run is coming back", "After a crash, what came after the newest checkpoint is done again."],
     STOPPING: ["The daemon is leaving", ""], BLIND: ["This browser cannot draw the particles", "It has no WebGL, or was told to do without. Probes, parameters and all commands work as ever."],
-    AWAY: ["Not connected", "As soon as the daemon answers, its particles are here."] };
+    AWAY: ["Not connected", known.locked ? "" : "As soon as the daemon answers, its particles are here."] };
   const [title, text] = says[/** @type {keyof typeof says} */ (kind)] ?? ["Waiting for the first picture", ""];
   if (kind !== "load") {
     empty.replaceChildren(element("h2", {}, title), element("p", {}, text));
     return;
   }
   const name = element("input", { placeholder: "dambreak2d", ariaLabel: "Name of the case", id: "load-name", required: true });
+  const names = element("datalist", { id: "load-names" });
+  name.setAttribute("list", names.id);
+  name.onfocus = () => names.replaceChildren(...(known.about?.cases ?? []).map((/** @type {string} */ value) => element("option", { value })));
   const resolution = element("input", { type: "number", min: "1", step: "any", placeholder: "as in the case", ariaLabel: "Resolution" });
   resolution.style.width = "130px";
-  const form = element("form", {}, name, element("label", { className: "muted" }, "resolution ", resolution), element("button", { className: "primary", id: "load" }, "Load"));
+  const form = element("form", {}, name, names, element("label", { className: "muted" }, "resolution ", resolution), element("button", { className: "primary", id: "load" }, "Load"));
   form.onsubmit = (event) => {
     event.preventDefault();
     const settings = resolution.value ? { settings: [`resolution=${resolution.value}`] } : {};
