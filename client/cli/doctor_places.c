@@ -59,6 +59,10 @@ void doctor_check_sockets(Doctor *doctor)
     if (strlen(path) + strlen("/telemetry.ipc") > longest)
         doctor_say(doctor, PROBLEM, "sockets", "set XDG_RUNTIME_DIR to a shorter one, or take a shorter --name",
                    "%.300s is too long for a socket's path, which has %zu bytes at most", path, longest);
+    else if (!there && strlen(above) < (size_t)(strrchr(base, '/') - base)) /* daemons make the last directory alone */
+        doctor_say(
+            doctor, PROBLEM, "sockets", "unset XDG_RUNTIME_DIR, or set it to a directory of your own that is there",
+            "daemons have their sockets in %.300s, and there is no %.*s", base, (int)(strrchr(base, '/') - base), base);
     else if (access(above, W_OK | X_OK))
         doctor_say(doctor, PROBLEM, "sockets", "set XDG_RUNTIME_DIR to a directory of your own, or unset it",
                    "daemons have their sockets in %.300s, and %.300s cannot be written: %s", base, above,

@@ -109,8 +109,9 @@ MnsStatus about_ask(MnsClient *client, const MnsReply *status, json_t **ret, Mns
         mns_reply_free(reply);
         return failed;
     }
-    json_t *about = json_pack("{ss so so so}", "topic", "about", "capabilities", output_capabilities(reply->capabilities),
-                              "colour_maps", maps_json(), "cases", cases_json());
+    json_t *about =
+        json_pack("{ss so so so}", "topic", "about", "capabilities", output_capabilities(reply->capabilities),
+                  "colour_maps", maps_json(), "cases", cases_json());
     mns_reply_free(reply);
     const MnsState state = status->state;
     /* While a case is being loaded there is none to ask about: it is asked when the state changes. */

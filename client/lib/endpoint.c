@@ -71,6 +71,34 @@ bool endpoint_is_far(const char *endpoint)
     return true;
 }
 
+/* The first daemon that there is, for who asked for another. */
+typedef struct Another {
+    char name[CASE_NAME_SIZE];
+} Another;
+
+static bool note_another(void *arg, const char *name, const char *endpoint)
+{
+    Another *another = arg;
+    (void)endpoint;
+    snprintf(another->name, sizeof another->name, "%s", name);
+    return false;
+}
+
+static MnsStatus fail_name(const char *name, char base[DIRECTORY_COUNT][DIRECTORY_SIZE], const char *but,
+                           const char *why, MnsError *error)
+{
+    Another another = {""};
+    char there[CASE_NAME_SIZE + 64] = "";
+    mns_daemon_list(note_another, &another);
+    if (*another.name)
+        snprintf(there, sizeof there, "; there is \"%s\", as in MENISCUS_DAEMON=%s", another.name, another.name);
+    return mns_fail(error, MNS_E_UNAVAILABLE,
+                    "no daemon \"%s\": there is no %s/control.ipc in %s%s%s or %s%s%s%s%s; start one "
+                    "with `meniscusd --name %s`",
+                    name, name, base[0], *base[0] ? ", " : "", base[1], base[2], *but ? " (" : "", but, why, there,
+                    name);
+}
+
 static MnsStatus named_endpoint(const char *name, char ret[MNS_ENDPOINT_SIZE], MnsError *error)
 {
     if (!*name || *name == '.' || strpbrk(name, "/:"))
@@ -92,10 +120,7 @@ static MnsStatus named_endpoint(const char *name, char ret[MNS_ENDPOINT_SIZE], M
         why = there ? " has one that is not asked, as others may write there)"
                     : " is closed to this user; `sudo -u meniscus` reaches daemons that systemd started)";
     }
-    return mns_fail(error, MNS_E_UNAVAILABLE,
-                    "no daemon \"%s\": there is no %s/control.ipc in %s%s%s or %s%s%s%s; start one "
-                    "with `meniscusd --name %s`",
-                    name, name, base[0], *base[0] ? ", " : "", base[1], base[2], *but ? " (" : "", but, why, name);
+    return fail_name(name, base, but, why, error);
 }
 
 MnsStatus mns_daemon_endpoint(const char *daemon, char ret_endpoint[MNS_ENDPOINT_SIZE], MnsError *error)

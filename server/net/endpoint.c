@@ -51,7 +51,8 @@ static MnsStatus make_private(const char *path, MnsError *error)
 {
     if (mkdir(path, 0700) && errno != EEXIST)
         return mns_fail(error, MNS_E_IO, "cannot make the directory %s: %s; %s", path, strerror(errno),
-                        mns_refusal_hint(errno));
+                        errno == ENOENT ? "unset XDG_RUNTIME_DIR, or set it to a directory of your own that is there"
+                                        : mns_refusal_hint(errno));
     const Place place = places_look(path);
     if (place == PLACE_STRANGE)
         return mns_fail(error, MNS_E_IO, "%s is not a directory of this user; remove it or set XDG_RUNTIME_DIR", path);

@@ -4,6 +4,7 @@
 
 import socket
 import importlib.util
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -102,6 +103,16 @@ class Doctor(DaemonTest):
         place.chmod(0o755)
         sockets = self.examine(code=1)["sockets"]
         self.assertEqual((sockets["status"], sockets["remedy"]), ("problem", f"chmod 700 {place}"))
+
+    def test_a_runtime_directory_that_is_not_there_is_a_problem_as_it_is_to_the_daemon(self) -> None:
+        self.elsewhere()
+        self.environment["XDG_RUNTIME_DIR"] = missing = str(self.scratch / "not" / "there")
+        sockets = self.examine(code=1)["sockets"]
+        self.assertIn(f"there is no {missing}", sockets["text"])
+        self.assertIn("unset XDG_RUNTIME_DIR", sockets["remedy"])
+        done = subprocess.run([BUILD / "meniscusd"], env=self.environment, capture_output=True, text=True, timeout=30)
+        self.assertEqual(done.returncode, 74)
+        self.assertIn("unset XDG_RUNTIME_DIR", done.stderr)
 
     def test_a_path_too_long_for_a_socket_is_a_problem(self) -> None:
         self.elsewhere()

@@ -324,6 +324,12 @@ class WithDaemon(DaemonTest):
             self.client.wait(["DONE"], timeout=20, request_id=request)
         timer.join()
 
+    def test_a_daemon_that_is_there_is_named_to_who_asks_for_another(self) -> None:
+        there = 'no daemon "other"[^;]*; there is "default", as in MENISCUS_DAEMON=default; start one with `meniscusd --name other`'
+        with mock.patch.dict(os.environ, XDG_RUNTIME_DIR=str(self.home / "run")), self.assertRaisesRegex(meniscus.UnavailableError, there):
+            meniscus.Client("other")
+        self.assertRegex(self.meniscus("-d", "other", "status", code=69).stderr, there)
+
 
 class WithoutDaemon(unittest.TestCase):
     def setUp(self) -> None:

@@ -345,14 +345,14 @@ function showBanner(state, status) {
 
 /** @param {string} state */
 function showEmpty(state) {
-  const kind = state === "EMPTY" ? "load" : ["LOADING", "RECOVERING", "STOPPING"].includes(state) ? state : !view && LOADED.includes(state) ? "BLIND" : known.frame ? "" : state;
+  const kind = state === "EMPTY" ? "load" : ["LOADING", "RECOVERING", "STOPPING"].includes(state) ? state : !view && LOADED.includes(state) ? "BLIND" : known.frame ? "" : known.locked ? "CLOSED" : state;
   const empty = $("empty");
   if (empty.dataset.kind === kind) return;
   empty.dataset.kind = kind;
   empty.hidden = !kind;
   const says = { LOADING: ["The case is being loaded", "Particles are placed; large cases take a while."], RECOVERING: ["The run is coming back", "After a crash, what came after the newest checkpoint is done again."],
     STOPPING: ["The daemon is leaving", ""], BLIND: ["This browser cannot draw the particles", "It has no WebGL, or was told to do without. Probes, parameters and all commands work as ever."],
-    AWAY: ["Not connected", known.locked ? "" : "As soon as the daemon answers, its particles are here."] };
+    CLOSED: ["Not connected", ""], AWAY: ["Not connected", "As soon as the daemon answers, its particles are here."] };
   const [title, text] = says[/** @type {keyof typeof says} */ (kind)] ?? ["Waiting for the first picture", ""];
   if (kind !== "load") {
     empty.replaceChildren(element("h2", {}, title), element("p", {}, text));

@@ -59,6 +59,8 @@ def control_endpoint(daemon: Optional[str] = None) -> str:
         except OSError:
             pass  # it is elsewhere
     looked = ", ".join(str(directory) for directory in _directories())
+    there = sorted(socket.parent.name for directory in _directories() for socket in directory.glob("*/control.ipc"))
+    but += f'; there is "{there[0]}", as in MENISCUS_DAEMON={there[0]}' if there else ""
     raise UnavailableError(
         "UNAVAILABLE", f'no daemon "{chosen}" in {looked}{but}; start one with `meniscusd --name {chosen}`'
     )
