@@ -52,6 +52,9 @@ char *case_message_print(const Meniscus__Case *message);
  * difference. */
 MnsStatus case_message_steerable(const Meniscus__Case *a, const Meniscus__Case *b, MnsError *error);
 
+/* MNS_E_INVALID if an entry is of what this case has something else for, as of another scheme. */
+MnsStatus case_message_steers(const Meniscus__Case *c, const char *path, MnsError *error);
+
 /* Tell of each steerable entry that differs between a and b: its path and both values as YAML. */
 void case_message_differences(const Meniscus__Case *a, const Meniscus__Case *b,
                               void (*tell)(void *arg, const char *path, const char *in_a, const char *in_b), void *arg);

@@ -88,6 +88,28 @@ MnsStatus case_message_steerable(const Meniscus__Case *a, const Meniscus__Case *
     return compare(a->base.descriptor, &a->base, &b->base, &path, error);
 }
 
+MnsStatus case_message_steers(const Meniscus__Case *c, const char *path, MnsError *error)
+{
+    MessageType *type = c->base.descriptor;
+    const ProtobufCMessage *message = &c->base;
+    for (const char *name = path; type && message;) {
+        const size_t n = strcspn(name, ".[");
+        Field *field = case_field_named(type, name, n);
+        if (!field) return MNS_OK; /* who sets it will say so */
+        const bool is_member = field->flags & PROTOBUF_C_FIELD_FLAG_ONEOF;
+        Field *chosen = is_member ? case_chosen_member(type, message, field) : NULL;
+        if (chosen && chosen != field)
+            return case_fail(error, MNS_E_INVALID, path,
+                             "the run has \"%s\" instead of \"%s\", and keeps it: load a case that has \"%s\"",
+                             chosen->name, field->name, field->name);
+        if (name[n] != '.' || field->type != PROTOBUF_C_TYPE_MESSAGE) return MNS_OK;
+        message = case_child(message, field, 0);
+        type = field->descriptor;
+        name += n + 1;
+    }
+    return MNS_OK;
+}
+
 static void tell_difference(const Meniscus__Case *a, const Meniscus__Case *b, const char *path,
                             void (*tell)(void *arg, const char *path, const char *in_a, const char *in_b), void *arg)
 {

@@ -74,8 +74,8 @@ static json_t *walls_json(MnsClient *client)
 
 static MnsStatus ask_case(MnsClient *client, json_t *about, MnsError *error)
 {
-    static const char *const paths[] = {"dimensions", "reference_length", "resolution", "domain.min",
-                                        "domain.max", "gravity",          "scheme"};
+    static const char *const paths[] = {"dimensions", "reference_length", "resolution",
+                                        "domain.min", "domain.max",       "gravity"};
     MnsReply *reply = NULL;
     const MnsStatus status = mns_client_get(client, sizeof paths / sizeof *paths, paths, &reply, error);
     if (status) return status;

@@ -180,14 +180,16 @@ static void add_texts(char ***to, size_t *ret_n, const char *const *list)
     for (size_t k = 0; *to && k < n; k++) add_text(*to, ret_n, list[k]);
 }
 
+/* Of a case that is loaded, those that it could have; without one, all. */
 static void add_parameters(Meniscus__Capabilities *message, const Document *document)
 {
     size_t n;
     const CaseParameter *table = case_parameters(&n);
     message->parameters = pointers(n);
     for (size_t k = 0; message->parameters && k < n; k++) {
-        Meniscus__Parameter *parameter = malloc(sizeof *parameter);
         const char *unit;
+        if (document && case_message_steers(document->message, table[k].path, NULL)) continue;
+        Meniscus__Parameter *parameter = malloc(sizeof *parameter);
         if (!parameter) return;
         meniscus__parameter__init(parameter);
         parameter->path = strdup(table[k].path);

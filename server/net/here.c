@@ -88,11 +88,22 @@ static void answer_get(Run *run, Exchange *x, size_t n, const char *const *paths
     document_leave(document);
 }
 
+/* Everything that this case could have. */
+static size_t all_paths(const Document *document, const char *ret_paths[ENTRIES_MAX])
+{
+    size_t n, found = 0;
+    const CaseParameter *table = case_parameters(&n);
+    assert(n <= ENTRIES_MAX);
+    for (size_t k = 0; k < n; k++)
+        if (!document || !case_message_steers(document->message, table[k].path, NULL))
+            ret_paths[found++] = table[k].path;
+    return found;
+}
+
 /* Of an empty list: everything that can be set. */
 void here_get(Run *run, Exchange *x)
 {
     const Meniscus__Get *get = x->request->get;
-    const CaseParameter *table;
     const char *paths[ENTRIES_MAX];
     MnsError error;
     size_t n = get->n_paths;
@@ -109,8 +120,8 @@ void here_get(Run *run, Exchange *x)
         answer_get(run, x, n, (const char *const *)get->paths);
         return;
     }
-    table = case_parameters(&n);
-    assert(n <= ENTRIES_MAX);
-    for (size_t k = 0; k < n; k++) paths[k] = table[k].path;
-    answer_get(run, x, n, paths);
+    Document *document = run_document(run);
+    n = all_paths(document, paths);
+    answer_now(run, x, here_entries(document, x, n, paths, &error), &error);
+    document_leave(document);
 }

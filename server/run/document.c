@@ -94,7 +94,10 @@ MnsStatus document_assign(const Meniscus__Case *old, const Meniscus__Set *set, M
 MnsStatus document_set(const Document *old, const Meniscus__Set *set, Document **ret, MnsError *error)
 {
     Meniscus__Case *message;
-    MnsStatus status = document_assign(old->message, set, &message, error);
+    MnsStatus status = MNS_OK;
+    for (size_t k = 0; k < set->n_assignments && !status; k++)
+        if (set->assignments[k]->path) status = case_message_steers(old->message, set->assignments[k]->path, error);
+    if (!status) status = document_assign(old->message, set, &message, error);
     if (status) return status;
     status = case_message_steerable(old->message, message, error);
     if (!status) status = document_new(message, old->name, ret, error);

@@ -95,6 +95,18 @@ class Commands(DaemonTest):
         for answer in (lease, self.ask("lease", "release", "--lease", str(lease["lease_epoch"]))):
             self.assertLessEqual(set(answer), documented("lease"))
 
+    def test_what_another_scheme_has_cannot_be_set_and_is_not_listed(self) -> None:
+        self.load()
+        for words, key in (("get", "values"), ("capabilities", "parameters")):
+            listed = {entry.get("name") or entry["path"] for entry in self.ask(words)[key]} if key == "parameters" else set(self.ask(words)[key])
+            self.assertIn("scheme.riemann.limiter", listed)
+            self.assertEqual({name for name in listed if re.match(r"scheme\.(dissipation|interfacial|incompressible|differences)\.", name)}, set())
+        for wrong in ("scheme.dissipation.delta=0.1", "scheme.dissipation={}"):
+            said = self.meniscus("set", wrong, code=1).stderr
+            self.assertIn('the run has "riemann" instead of "dissipation", and keeps it: load a case that has "dissipation"', said)
+        self.meniscus("stop")
+        self.assertIn("scheme.dissipation.delta", {entry["name"] for entry in self.ask("capabilities")["parameters"]})
+
     def test_every_command_has_its_row_of_keys(self) -> None:
         for command in self.ask("help")["commands"]:
             if command["name"] not in ("keys", "query"):  # whose words have rows

@@ -9,7 +9,7 @@ import { appointment, askLater, showLater, told } from "./later.js";
 import { Link } from "./link.js";
 import { Events, Journal } from "./logs.js";
 import { complain, confirmed, tell } from "./notes.js";
-import { Parameters, element, relevant } from "./parameters.js";
+import { Parameters, element } from "./parameters.js";
 import { Range, spread } from "./range.js";
 import { Series } from "./series.js";
 import { View } from "./view.js";
@@ -134,7 +134,7 @@ function takeAbout(about) {
   const { capabilities } = about, fields = capabilities.fields.map((/** @type {any} */ f) => f.name).filter((/** @type {string} */ n) => n !== "id");
   fill($("field"), [...LOOKS.filter((n) => fields.includes(n)), ...fields.filter((/** @type {string} */ n) => !LOOKS.includes(n))], kept("field") || "phase");
   fill($("map"), about.colour_maps.map((/** @type {any} */ m) => m.name), kept("map") || "viridis");
-  parameters.show(about.case ? relevant(capabilities.parameters, about.case.scheme?.value) : []);
+  parameters.show(about.case ? capabilities.parameters : []);
   if (!about.case) {
     known.space = "";
     known.frame = null;

@@ -7,14 +7,6 @@ const DECADES = 3; // from so many on between its bounds, a slider is logarithmi
 
 /** @typedef {{name: string, type: string, unit: string, range: string, value: string, meaning: string, takes_effect: string}} Parameter */
 
-/** Those of this scheme. @param {Parameter[]} list @param {string} scheme  as the case has it: "{cfl: 0.2, riemann: {...}}" */
-export function relevant(list, scheme) {
-  return list.filter(({ name }) => {
-    const part = /^scheme\.([a-z_]+)\./.exec(name);
-    return !part || new RegExp(`(^|[{,\\s])${part[1]}\\s*:`).test(scheme ?? "");
-  });
-}
-
 /**
  * How a slider of 1000 places stands for a number; null: no slider.
  * @param {Parameter} parameter

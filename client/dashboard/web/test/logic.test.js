@@ -7,7 +7,7 @@ import { decode } from "../src/frame.js";
 import { appointment, told } from "../src/later.js";
 import { patience } from "../src/link.js";
 import { deed } from "../src/logs.js";
-import { choices, relevant, slide } from "../src/parameters.js";
+import { choices, slide } from "../src/parameters.js";
 import { Range, spread } from "../src/range.js";
 import { MOST, Series } from "../src/series.js";
 
@@ -105,13 +105,10 @@ test("a slider goes from bound to bound, by decades where there are many", () =>
   assert.equal(slide({ ...parameter, type: "list of formula", range: "" }), null);
 });
 
-test("words to choose from, and the parameters of one's own scheme", () => {
+test("words to choose from", () => {
   assert.deepEqual(choices({ ...parameter, type: "true or false" }), ["true", "false"]);
   assert.deepEqual(choices({ ...parameter, type: "by-size, cg, amg" }), ["by-size", "cg", "amg"]);
   assert.equal(choices(parameter), null);
-  const names = ["gravity", "scheme.cfl", "scheme.riemann.guard", "scheme.differences.guard"].map((name) => ({ ...parameter, name }));
-  for (const scheme of ["{riemann: {}}", "riemann: {}", "{kernel: wendland-c2, smoothing: 1.3, riemann: {transport_stress: true}}", "{cfl: 0.2,riemann: {}}"])
-    assert.deepEqual(relevant(names, scheme).map((p) => p.name), ["gravity", "scheme.cfl", "scheme.riemann.guard"]);
 });
 
 test("a spray particle does not stretch the colour bar", () => {
