@@ -268,7 +268,7 @@ const Command command_table[] = {
      .is_long = true,
      .run = command_watch},
     {.name = "stream",
-     .arguments = "[probes [NAME...] | fields NAME... | events | series [NAME...] | snapshots]",
+     .arguments = "[probes [PROBE...] | fields FIELD... | events | series [PROBE...] | snapshots]",
      .help = "take data of a run at your own pace",
      .details =
          "    meniscus stream --max-hz 10              the newest values of all probes\n"
@@ -292,7 +292,7 @@ const Command command_table[] = {
      .is_long = true,
      .run = command_stream},
     {.name = "query",
-     .arguments = "[probes [NAME...] | at FIELD X,Y[,Z]... | box [MIN MAX]]",
+     .arguments = "[probes [PROBE...] | at FIELD X,Y[,Z]... | box [MIN MAX]]",
      .help = "print probes, a field at points, or the particles of a box",
      .details =
          "    meniscus query                           all probes\n"

@@ -26,6 +26,25 @@ static void append(char *ret, size_t size, const char *text, size_t length)
     snprintf(ret + n, size - n, "%s%.*s", n ? " " : "", (int)length, text);
 }
 
+static bool has_word(const char *list, const char *word)
+{
+    const size_t n = strlen(word);
+    for (const char *at = list; (at = strstr(at, word)); at += n)
+        if ((at == list || at[-1] == ' ') && (!at[n] || at[n] == ' ')) return true;
+    return false;
+}
+
+/* Names that follow the first word of one alternative, as in "at FIELD X,Y": which one was given, scripts do not look at. */
+static void append_names(char *ret, size_t size, const char *text, size_t length)
+{
+    static const char *const names[][2] = {{"FIELD", "@fields"}, {"PROBE", "@probes"}};
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+        const char *found = strstr(text, names[k][0]);
+        if (found && found < text + length && !has_word(ret, names[k][1]))
+            append(ret, size, names[k][1], strlen(names[k][1]));
+    }
+}
+
 /* The first word of one alternative, as in "at FIELD X,Y". */
 static void append_word(char *ret, size_t size, const char *word)
 {
@@ -47,6 +66,7 @@ void completion_kinds(const char *text, char *ret, size_t size)
     while (text && *text) {
         text += strspn(text, " [|");
         append_word(ret, size, text);
+        append_names(ret, size, text, strcspn(text, "|"));
         text += strcspn(text, "|");
     }
 }
@@ -321,6 +341,35 @@ static void print_parameters(FILE *out)
     for (size_t k = 0; k < n; k++) fprintf(out, "%s\n", parameters[k].path);
 }
 
+/* What the daemon has of that kind, if there is one that answers at once: $MENISCUS_DAEMON, or the default. */
+static MnsReply *capabilities(void)
+{
+    char endpoint[MNS_ENDPOINT_SIZE];
+    MnsClient *client;
+    MnsReply *reply = NULL;
+    if (mns_daemon_endpoint(NULL, endpoint, NULL) || mns_client_open(endpoint, &client, NULL)) return NULL;
+    mns_client_set_timeout(client, 1);
+    mns_client_capabilities(client, &reply, NULL);
+    mns_client_close(client);
+    return reply;
+}
+
+static void print_fields(FILE *out)
+{
+    MnsReply *reply = capabilities();
+    const MnsCapabilities *of = reply ? reply->capabilities : NULL;
+    for (size_t k = 0; of && k < of->n_fields; k++) tell(out, of->fields[k].name);
+    mns_reply_free(reply);
+}
+
+static void print_probes(FILE *out)
+{
+    MnsReply *reply = capabilities();
+    const MnsCapabilities *of = reply ? reply->capabilities : NULL;
+    for (size_t k = 0; of && k < of->n_probes; k++) tell(out, of->probes[k]);
+    mns_reply_free(reply);
+}
+
 static void print_states(FILE *out)
 {
     for (int k = 0; k < MNS_STATE_COUNT; k++) fprintf(out, "%s\n", mns_state_name((MnsState)k));
@@ -329,9 +378,9 @@ static void print_states(FILE *out)
 static const struct {
     const char *name;
     void (*print)(FILE *out);
-} texts[] = {{"bash", print_bash},    {"zsh", print_zsh},         {"commands", print_commands},
-             {"cases", print_cases},  {"daemons", print_daemons}, {"parameters", print_parameters},
-             {"states", print_states}};
+} texts[] = {{"bash", print_bash},     {"zsh", print_zsh},         {"commands", print_commands},
+             {"cases", print_cases},   {"daemons", print_daemons}, {"parameters", print_parameters},
+             {"states", print_states}, {"fields", print_fields},   {"probes", print_probes}};
 
 MnsStatus command_completion(Invocation *in, MnsError *error)
 {
@@ -343,7 +392,7 @@ MnsStatus command_completion(Invocation *in, MnsError *error)
         return command_usage(in,
                              mns_fail(error, MNS_E_INVALID,
                                       "completion bash or completion zsh; for their scripts commands, cases, daemons, "
-                                      "parameters or states; found \"%.80s\"",
+                                      "parameters, states, fields or probes; found \"%.80s\"",
                                       word));
     FILE *out = open_memstream(&text, &size);
     if (out) texts[k].print(out);

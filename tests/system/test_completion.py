@@ -12,7 +12,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from daemon import BUILD, ROOT  # noqa: E402
+from daemon import BUILD, ROOT, SMALL, DaemonTest  # noqa: E402
 
 CASES = ROOT / "server" / "cases"
 SPLIT = r"""
@@ -77,6 +77,7 @@ class Completion(unittest.TestCase):
         self.assertEqual(self.offers("keys", ""), {"new", "list", "remove"})
         self.assertEqual(self.offers("lease", ""), {"take", "renew", "release"})
         self.assertEqual(self.offers("query", ""), {"probes", "at", "box"})
+        self.assertEqual(self.offers("render", "--colours", "c"), {"cividis", "coolwarm"})
         self.assertEqual(self.offers("wait", "--for", ""), {"state=", "time=", "step="})
         self.assertEqual(self.offers("wait", "--for", "state", "=", "R"), {"READY", "RUNNING", "RECOVERING"})
         self.assertIn("DONE", self.offers("wait", "--for", "state", "="))
@@ -145,6 +146,19 @@ class Completion(unittest.TestCase):
     def test_the_bash_script_is_clean(self) -> None:
         done = subprocess.run(["shellcheck", "-s", "bash", self.script], capture_output=True, text=True, timeout=20)
         self.assertEqual(done.returncode, 0, done.stdout)
+
+
+class WithDaemon(DaemonTest):
+    def test_fields_and_probes_are_those_of_the_daemon(self) -> None:
+        self.meniscus("load", *SMALL)
+        with tempfile.NamedTemporaryFile("w", suffix=".bash") as script:
+            script.write(self.meniscus("completion", "bash").stdout)
+            script.flush()
+            for words, offered in ((("query", "probes", "fro"), {"front"}), (("stream", "fields", "press"), {"pressure", "pressure_gradient"}),
+                                   (("query", "at", "press"), {"pressure", "pressure_gradient"}), (("render", "--field", "vel"), {"velocity", "velocity_before"})):  # fmt: skip
+                done = subprocess.run(["bash", "-c", SPLIT, "bash", script.name, BUILD / "meniscus", *words],
+                                      env=self.environment, capture_output=True, text=True, timeout=20)
+                self.assertEqual(set(done.stdout.split()), offered, done.stderr)
 
 
 if __name__ == "__main__":
