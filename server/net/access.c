@@ -162,7 +162,7 @@ static bool take_news(const Access *access)
 static void tell_keys(const Access *access, const Keys *keys, const char *path)
 {
     if (same_keys(&access->keys, keys) && keys->n) return;
-    if (keys->n) log_line(LOG_INFORMATION, "%zu keys are let in from afar", keys->n);
+    if (keys->n) log_line(LOG_INFORMATION, "%zu key%s let in from afar", keys->n, keys->n == 1 ? " is" : "s are");
     else
         log_line(LOG_WARNING, "nobody is let in from afar: there are no keys in %s; `meniscus keys new` makes one",
                  path);

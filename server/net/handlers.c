@@ -272,7 +272,7 @@ const char *handler_way_out(const Handler *handler, RunState state)
 {
     const bool goes = handler->serve == serve_go; /* start and resume: what they are for is there already */
     switch (state) {
-    case RUN_EMPTY: return "load a case first";
+    case RUN_EMPTY: return "load a case first, as in `meniscus load dambreak2d`";
     case RUN_READY: return "start it first";
     case RUN_RUNNING: return goes ? "it runs already" : "pause it first";
     case RUN_PAUSED: return "resume goes on, reset begins anew";
