@@ -4,6 +4,7 @@
 #include "client/dashboard/files.h"
 #include "client/dashboard/watcher.h"
 #include <arpa/inet.h>
+#include <errno.h>
 #include <libwebsockets.h>
 #include <netinet/in.h>
 #include <signal.h>
@@ -434,11 +435,14 @@ static MnsStatus listen_at(Server *server, char *where, size_t size, MnsError *e
         .timeout_secs = GREETING_S,
         .keepalive_timeout = GREETING_S,
     };
-    lws_set_log_level(LLL_ERR, NULL);
+    lws_set_log_level(0, NULL); /* what is wrong is said below, once */
+    errno = 0;
     server->context = lws_create_context(&info);
     if (!server->context)
-        return mns_fail_at(error, MNS_E_IO, "http", "cannot listen at %s port %d; choose another port for --http",
-                           where, info.port);
+        return mns_fail_at(error, MNS_E_IO, "http", "cannot listen at %s port %d%s; choose another port for --http",
+                           where, info.port,
+                           errno == EADDRINUSE ? ", which another program has, maybe another dashboard" : "");
+    lws_set_log_level(LLL_ERR, NULL);
     server->vhost = lws_get_vhost_by_name(server->context, "default");
     return MNS_OK;
 }

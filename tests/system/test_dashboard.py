@@ -280,6 +280,10 @@ class Strangers(DashboardTest):
             self.assertEqual(done.returncode, 2, done.stderr)
             self.assertIn(words, done.stderr)
 
+    def test_a_port_that_is_taken_is_one_plain_sentence(self) -> None:
+        done = subprocess.run([BUILD / "meniscus-dashboard", "--http", str(self.port)], env=self.environment, capture_output=True, text=True, timeout=20)
+        self.assertRegex(done.stderr, rf"\A.*cannot listen at 127\.0\.0\.1 port {self.port}, which another program has, [^\n]*\n\Z")
+
     def test_what_cannot_begin_ends_with_a_failure(self) -> None:
         def no_room_for_a_stack() -> None:
             resource.setrlimit(resource.RLIMIT_STACK, (2 << 30, resource.getrlimit(resource.RLIMIT_STACK)[1]))
