@@ -95,6 +95,7 @@ class WithDaemon(DaemonTest):
                 snapshot.select("oil")
         snapshots = self.simulation.snapshots
         self.assertEqual(list(snapshots.times), [0, 0.05])
+        self.assertTrue(all(len(kept["pressure"][:]) for kept in list(snapshots)))
         with snapshots[-1] as last:
             self.assertEqual(last.step, file.step)
 

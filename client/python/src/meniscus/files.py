@@ -151,7 +151,7 @@ class Snapshot(Mapping[str, Field]):
 
 
 class Snapshots(Sequence[Snapshot]):
-    """The snapshots of a run directory in the order of their steps, each opened when it is asked for."""
+    """The snapshots of a run directory in the order of their steps, each opened when it is asked for, and open as long as it is kept."""
 
     def __init__(self, directory: PathLike) -> None:
         self.directory = Path(directory)
@@ -166,12 +166,6 @@ class Snapshots(Sequence[Snapshot]):
 
     def __getitem__(self, k: Any) -> Any:
         return [Snapshot(path) for path in self.paths[k]] if isinstance(k, slice) else Snapshot(self.paths[k])
-
-    def __iter__(self) -> Iterator[Snapshot]:
-        """Each is closed when the next is asked for."""
-        for path in self.paths:
-            with Snapshot(path) as snapshot:
-                yield snapshot
 
     @property
     def times(self) -> np.ndarray:
