@@ -26,7 +26,7 @@ libcmocka-dev
 check='
 chromium
 clang clang-format clang-tidy libclang-rt-14-dev libomp-dev
-cppcheck shellcheck mypy g++ git procps
+cppcheck shellcheck mypy g++ git procps zsh
 systemd util-linux valgrind prometheus
 paraview python3-paraview xvfb xauth
 python3-scipy man-db lintian python3-nbclient python3-ipykernel python3-jsonschema snakemake

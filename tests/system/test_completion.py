@@ -4,10 +4,14 @@
 
 import json
 import os
+import pty
+import select
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
@@ -142,6 +146,36 @@ class Completion(unittest.TestCase):
                     env=self.environment | {"PATH": f"{BUILD}:{os.environ['PATH']}"}, text=True, timeout=20,
                 )  # fmt: skip
                 self.assertEqual(set(done.stdout.split()), expected, done.stderr)
+
+    @unittest.skipUnless(shutil.which("zsh"), "needs zsh")
+    def test_zsh_finishes_what_is_typed(self) -> None:
+        """In one that is used as people do, at a terminal."""
+        script = self.home / "_meniscus"
+        script.write_text(self.meniscus("completion", "zsh"))
+        pid, terminal = pty.fork()
+        if pid == 0:
+            os.execvpe("zsh", ["zsh", "-f", "-i"], self.environment | {"PATH": f"{BUILD}:{os.environ['PATH']}", "PS1": "> ", "TERM": "vt100"})
+        self.addCleanup(os.waitpid, pid, 0)
+        self.addCleanup(os.kill, pid, signal.SIGKILL)
+        self.addCleanup(os.close, terminal)
+        shown = b""
+
+        def see(words: bytes) -> None:
+            nonlocal shown
+            until = time.monotonic() + 20
+            while words not in shown and time.monotonic() < until:
+                if select.select([terminal], [], [], 0.2)[0]:
+                    shown += os.read(terminal, 4096)
+            self.assertIn(words, shown)
+            shown = b""
+
+        os.write(terminal, f"autoload -Uz compinit; compinit -u -D; source {script}; print rea''dy\n".encode())
+        see(b"ready")
+        # What is there already need not be drawn again.
+        for typed, finished in ((b"meniscus run-u\t", b"ntil"), (b"\x15meniscus run sloshing2d-si\t", b"ngle"),
+                                (b"\x15meniscus status -o js\t", b"on"), (b"\x15meniscus render --colours vir\t", b"idis")):  # fmt: skip
+            os.write(terminal, typed)
+            see(finished)
 
     def test_the_bash_script_is_clean(self) -> None:
         done = subprocess.run(["shellcheck", "-s", "bash", self.script], capture_output=True, text=True, timeout=20)
