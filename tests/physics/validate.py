@@ -55,7 +55,7 @@ CASES = {
     "bubble3d-single": Case(bubbles.bubble3d_single, 1060, 13),
     "bubble3d-single-printed": Case(bubbles.bubble3d_single_printed, 190, 0.5),
     "bubble3d-double": Case(bubbles.bubble3d_double, 1230, 13),
-    "rayleigh-taylor3d": Case(interfaces.rayleigh_taylor3d, 860, 400),
+    "rayleigh-taylor3d": Case(interfaces.rayleigh_taylor3d, 1620, 400),
     "lock-exchange2d": Case(interfaces.lock_exchange2d, 190, 0.2),
     "lock-exchange3d": Case(interfaces.lock_exchange3d, 550, 56),
     # Zhu and Zou 2020.
@@ -63,11 +63,11 @@ CASES = {
     "dambreak2d-interfacial-square": Case(dam_breaks.dambreak2d_interfacial_square, 75, 0.1),
     "square-drop2d": Case(drops.square_drop2d, 140, 3.1),
     "cube-drop3d": Case(drops.cube_drop3d, 380, 0.4),
-    "rayleigh-taylor2d": Case(interfaces.rayleigh_taylor2d, 250, 0.6),
-    "rayleigh-taylor2d-linear": Case(interfaces.rayleigh_taylor2d_linear, 55, 0.1),
+    "rayleigh-taylor2d": Case(interfaces.rayleigh_taylor2d, 290, 0.6),
+    "rayleigh-taylor2d-linear": Case(interfaces.rayleigh_taylor2d_linear, 65, 0.1),
     "bubble2d-sussman": Case(bubbles.bubble2d_sussman, 570, 4.5),
     "bubble2d-sussman-printed": Case(bubbles.bubble2d_sussman_printed, 30, 0.3),
-    "bubble2d-hysing1": Case(bubbles.bubble2d_hysing1, 115, 0.2),
+    "bubble2d-hysing1": Case(bubbles.bubble2d_hysing1, 90, 0.2),
     # Hu and Adams 2007; a step takes ten times as long as without a pressure to solve for.
     "hydrostatic-isph": Case(incompressible.hydrostatic_isph, 2, 0.01),
     "taylor-green2d": Case(incompressible.taylor_green2d, 90, 0.2),
