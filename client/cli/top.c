@@ -140,10 +140,12 @@ static size_t lines_of(const Table *table, const json_t *row)
 /* One line of cells, the last of which is the fault. */
 static void print_cells(const Table *table, const char *colour, const char *const cells[9])
 {
+    enum { LONGEST = 60 };
     char line[900];
-    snprintf(line, sizeof line, "%-*.*s %-8s %-*.*s %5s %7s %8s %7s %8s  %.500s", table->name, table->name, cells[0],
-             cells[1], table->case_, table->case_, cells[2], cells[3], cells[4], cells[5], cells[6], cells[7],
-             is_narrow(table) ? "" : cells[8]);
+    const bool narrow = is_narrow(table);
+    snprintf(line, sizeof line, "%-*.*s %-8s %-*.*s %5s %7s %8s %7s %8s  %.500s", table->name,
+             narrow ? table->name : LONGEST, cells[0], cells[1], table->case_, narrow ? table->case_ : LONGEST,
+             cells[2], cells[3], cells[4], cells[5], cells[6], cells[7], narrow ? "" : cells[8]);
     for (size_t n = strlen(line); n && line[n - 1] == ' '; n--) line[n - 1] = 0;
     print_line(table, colour, line);
 }

@@ -80,14 +80,6 @@ MnsStatus here_entries(const Document *document, Exchange *x, size_t n, const ch
     return status;
 }
 
-static void answer_get(Run *run, Exchange *x, size_t n, const char *const *paths)
-{
-    MnsError error;
-    Document *document = run_document(run);
-    answer_now(run, x, here_entries(document, x, n, paths, &error), &error);
-    document_leave(document);
-}
-
 /* Everything that this case could have. */
 static size_t all_paths(const Document *document, const char *ret_paths[ENTRIES_MAX])
 {
@@ -100,13 +92,25 @@ static size_t all_paths(const Document *document, const char *ret_paths[ENTRIES_
     return found;
 }
 
+static void answer_get(Run *run, Exchange *x, size_t n, const char *const *paths)
+{
+    const char *all[ENTRIES_MAX];
+    MnsError error;
+    Document *document = run_document(run);
+    if (!n) {
+        n = all_paths(document, all);
+        paths = all;
+    }
+    answer_now(run, x, here_entries(document, x, n, paths, &error), &error);
+    document_leave(document);
+}
+
 /* Of an empty list: everything that can be set. */
 void here_get(Run *run, Exchange *x)
 {
     const Meniscus__Get *get = x->request->get;
-    const char *paths[ENTRIES_MAX];
     MnsError error;
-    size_t n = get->n_paths;
+    const size_t n = get->n_paths;
     if (n > ENTRIES_MAX) {
         answer_now(run, x,
                    mns_fail_at(&error, MNS_E_LIMIT, "paths",
@@ -116,12 +120,5 @@ void here_get(Run *run, Exchange *x)
                    &error);
         return;
     }
-    if (n) {
-        answer_get(run, x, n, (const char *const *)get->paths);
-        return;
-    }
-    Document *document = run_document(run);
-    n = all_paths(document, paths);
-    answer_now(run, x, here_entries(document, x, n, paths, &error), &error);
-    document_leave(document);
+    answer_get(run, x, n, (const char *const *)get->paths);
 }

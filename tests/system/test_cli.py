@@ -97,8 +97,7 @@ class Commands(DaemonTest):
 
     def test_what_another_scheme_has_cannot_be_set_and_is_not_listed(self) -> None:
         self.load()
-        for words, key in (("get", "values"), ("capabilities", "parameters")):
-            listed = {entry.get("name") or entry["path"] for entry in self.ask(words)[key]} if key == "parameters" else set(self.ask(words)[key])
+        for listed in (set(self.ask("get")["values"]), {entry["name"] for entry in self.ask("capabilities")["parameters"]}):
             self.assertIn("scheme.riemann.limiter", listed)
             self.assertEqual({name for name in listed if re.match(r"scheme\.(dissipation|interfacial|incompressible|differences)\.", name)}, set())
         for wrong in ("scheme.dissipation.delta=0.1", "scheme.dissipation={}"):

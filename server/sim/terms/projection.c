@@ -21,9 +21,9 @@ static const double MOVE_MOST = 0.1;
  * to go farther saves a quarter of the corrections, and from 3 on they diverge. */
 static const double FARTHER = 1.5;
 
-/* Of rho h^2, of a correction's pressure that which spreads particles; of what is beyond it, and below 0, the differences alone are used. That
- * of a wave of densities goes with the square of its length: below 0 it draws neighbours together until they meet, and far above it throws them
- * about, more at each correction (a million particles in disorder; with P_ref, 0.6 is too much). */
+/* How much of a correction's pressure spreads particles, FARTHER included, over rho h^2; of what is beyond, and below 0, the differences
+ * alone are used. The pressure of a wave of densities goes with the square of its length: below 0 it draws neighbours together until they
+ * meet, and far above it throws them about, more at each correction (a million particles in disorder). */
 static const double SPREAD_MOST = 0.2;
 
 /* Unknown of a wall particle towards a fluid. */

@@ -85,9 +85,10 @@ def read_snapshot(path: Path, fluids: int) -> Snapshot:
 def program() -> bytes:
     """Of what the solver's program is linked from, but for the one object that has the name of the commit in it."""
     digest = hashlib.sha256()
-    for path in sorted((BUILD / "obj").glob("server/**/*.o")):
-        if path.name != "describe.o":
-            digest.update(path.read_bytes())
+    for part in ("server", "proto", "gen"):
+        for path in sorted((BUILD / "obj" / part).glob("**/*.o")):
+            if path.name != "describe.o":
+                digest.update(path.read_bytes())
     return digest.digest()
 
 
