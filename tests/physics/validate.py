@@ -80,7 +80,8 @@ CASES = {
     "franke-operators": Case(differences.franke_operators, 3, 0.01),
     "poiseuille-two-phase-operators": Case(differences.poiseuille_operators, 5, 0.01),
     "poiseuille-two-phase": Case(differences.poiseuille, 150, 0.6),
-    "bubble3d-cylinder": Case(differences.bubble3d_cylinder, 200, 300),
+    "bubble3d-cylinder": Case(differences.bubble3d_cylinder, 500, 8),
+    "bubble3d-cylinder-fine": Case(differences.bubble3d_cylinder_fine, 0, 300),
 }
 
 

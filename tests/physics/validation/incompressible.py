@@ -9,6 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import breadth_first_order, connected_components
+from scipy.spatial import cKDTree
 from validation.metrics import Metric
 from validation.runs import Run, Snapshot, run
 from validation.series import at, extremum, row, table
@@ -158,9 +161,9 @@ def deformation(s: Snapshot) -> float:
     return float((axes[1] - axes[0]) / (axes[1] + axes[0]))
 
 
-def shear_settings(ca: float, ratio: float) -> tuple[str, ...]:
-    """In units of tension, radius and shear rate, Re = 0.1 by the liquid around."""
-    density = 0.1 * ca
+def shear_settings(ca: float, ratio: float, re: float = 0.1) -> tuple[str, ...]:
+    """In units of tension, radius and shear rate, by the liquid around."""
+    density = re * ca
     return (f"fluids[0].viscosity={ca * ratio:g}", f"fluids[1].viscosity={ca:g}", f"fluids[0].density={density:g}", f"fluids[1].density={density:g}")
 
 
@@ -170,12 +173,59 @@ def score_shear(case: str, ca: float, ratio: float, r: Run, paper: bool) -> Iter
     yield Metric(case, f"Ca {ca:g}, viscosities {ratio:g}: deformation", deformation(r.last()), ref, 0.05 if paper else 0.1, relative=True)
 
 
+def links(x: np.ndarray, width: float, reach: float) -> csr_array:
+    """Which particles are no farther apart than that, across the sides of a periodic x too."""
+    turned = np.column_stack((x[:, 0] % width, x[:, 1] - x[:, 1].min()))
+    pairs = cKDTree(turned, boxsize=[width, 2 * np.ptp(x[:, 1]) + 4 * reach]).query_pairs(reach, output_type="ndarray")
+    ones = np.ones(len(pairs), dtype=int)
+    half = csr_array((ones, (pairs[:, 0], pairs[:, 1])), shape=(len(x), len(x)))
+    return half + half.T
+
+
+def unrolled(x: np.ndarray, width: float, links_of: csr_array) -> np.ndarray:
+    """x along a strip that goes round the domain, from its centre; of the piece that the first particle is in, NAN of the others."""
+    order, before = breadth_first_order(links_of, 0, directed=False)
+    along = np.full(len(x), np.nan)
+    along[0] = x[0, 0]
+    for i in order[1:]:
+        step = x[i, 0] - x[before[i], 0]
+        along[i] = along[before[i]] + step - width * np.round(step / width)
+    return along - np.nanmean(along)
+
+
+STRETCHED = 16.0  # [R], twice the width of the domain
+
+
+def score_strip(case: str, r: Run) -> Iterator[Metric]:
+    """P4 Fig. 9b: when the drop is as long as twice the domain is wide it is in one piece, thicker in the middle and at its ends than
+    between. At 12 particles to the radius the necks are as thin as a spacing soon after, and break."""
+    width = 8.0
+    for s in r.snapshots():
+        x = s.x[s.phase == 0][:, :2]
+        near = links(x, width, 1.5 * s.spacing)
+        along = unrolled(x, width, near)
+        length = float(np.nanmax(along) - np.nanmin(along))
+        if length >= STRETCHED:
+            break
+    count, edges = np.histogram(along[np.isfinite(along)], bins=int(2 * length))
+    thickness = np.convolve(count * s.spacing**2 / (edges[1] - edges[0]), np.ones(3) / 3, "valid")
+    half = len(thickness) // 2
+    necks = [int(np.argmin(thickness[:half])), half + int(np.argmin(thickness[half:]))]
+    neck, name = float(np.max(thickness[necks])), f"Ca 1.5, Re 3, at t = {s.t:.0f}"
+    ends = min(thickness[: necks[0] + 1].max(), thickness[necks[1] :].max())
+    yield Metric(case, f"{name}: length [domain widths]", length / width, low=STRETCHED / width)
+    yield Metric(case, f"{name}: pieces", connected_components(near, directed=False)[0], high=1)
+    yield Metric(case, f"{name}: thickness of the middle / necks", float(thickness[necks[0] : necks[1] + 1].max()) / neck, low=1.1)
+    yield Metric(case, f"{name}: thickness of the ends / necks", float(ends) / neck, low=1.1)
+
+
 def drop_shear2d(paper: bool) -> Iterator[Metric]:
-    """P4 3.3: capillary numbers and ratios of viscosity."""
+    """P4 3.3: capillary numbers and ratios of viscosity, and a drop that is drawn to a strip."""
     case, n = "drop-shear2d", 12 if paper else 6
     points = ((0.05, 1), (0.1, 1), (0.15, 1), (0.2, 1), (0.15, 0.1), (0.15, 10)) if paper else ((0.15, 1), (0.15, 0.1))
     for ca, ratio in points:
         yield from score_shear(case, ca, ratio, run(case, f"resolution={n}", *shear_settings(ca, ratio)), paper)
+    yield from score_strip(case, run(case, "resolution=12", "end_time=12", *shear_settings(1.5, 1, re=3)))
 
 
 # --- P4 3.4: Rayleigh-Taylor -----------------------------------------------------------------------------------------------
