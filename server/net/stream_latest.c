@@ -87,7 +87,6 @@ StreamSent stream_begin_latest(Streams *streams, Stream *stream)
         stream->at_once = number ? 0 : item->step + 1;
         if (!number) stream_item_leave(stream->head);
         if (!number) stream->head = NULL;
-        streams->options.traffic->skipped[stream->spec.kind] += stream->skipped;
         return sent;
     }
     subscription_put_back(&stream->books, stream->skipped);

@@ -41,6 +41,9 @@ void streams_drop(Streams *streams, Stream *stream, const MnsError *why)
     if (why && !stream->gone)
         stream_post_end(&streams->post, stream, true, why->status, mns_status_name(why->status), why->text);
     stream_close_item(stream);
+    if (stream->channel) /* the newest, too */
+        streams->options.traffic->skipped[stream->spec.kind] +=
+            subscription_skips(&stream->books, 0, stream->channel->due);
     stream_item_leave(stream->head);
     free(stream->abandoned);
     if (stream->first) tap_close(tap, stream->first);
@@ -50,6 +53,15 @@ void streams_drop(Streams *streams, Stream *stream, const MnsError *why)
 }
 
 /* --- what is new -------------------------------------------------------------------------------------------------------- */
+
+/* What has given way to newer items is counted then, as who takes none may never hear of it. */
+static void count_skips(Streams *streams, const Channel *channel)
+{
+    const uint64_t newest = channel->newest ? channel->newest->number : 0;
+    for (Stream *stream = channel->users; stream; stream = stream->beside)
+        streams->options.traffic->skipped[stream->spec.kind] +=
+            subscription_skips(&stream->books, newest, channel->due);
+}
 
 static void refresh_events(Streams *streams, Channel *channel)
 {
@@ -82,6 +94,7 @@ static void refresh_channels(Streams *streams)
             if (!c->feed && !turn) refresh_events(streams, c);
             if (c->feed && (turn == 2 || ((turn || c->starved) && channel_is_lively(c)))) refresh_feed(streams, c);
         }
+    for (const Channel *c = streams->channels; c; c = c->next) count_skips(streams, c);
 }
 
 /* Streams of a case that is gone have nothing more to say. Those who left without a word are forgotten after a while. */

@@ -4,7 +4,7 @@
 
 void subscription_begin(Subscription *s, size_t chunk, uint64_t credit, uint64_t taken)
 {
-    *s = (Subscription){.chunk = chunk, .taken = taken};
+    *s = (Subscription){.chunk = chunk, .taken = taken, .counted = taken};
     subscription_grant(s, credit);
 }
 
@@ -37,6 +37,15 @@ void subscription_put_back(Subscription *s, uint64_t skipped)
     s->taken = s->before;
     s->sequence -= 1 + skipped;
     s->under_way = false;
+}
+
+uint64_t subscription_skips(Subscription *s, uint64_t newest, uint64_t due)
+{
+    const uint64_t known = s->taken > s->counted ? s->taken : s->counted;
+    const uint64_t lost = newest > s->taken ? newest - 1 : due;
+    if (lost <= known) return 0;
+    s->counted = lost;
+    return lost - known;
 }
 
 size_t subscription_next(const Subscription *s)

@@ -18,6 +18,7 @@ typedef struct Subscription {
     bool under_way;        /* the rest of it is still to be sent                            */
     bool opened;           /* the first message of it is, which tells what it is            */
     uint64_t before;       /* `taken` as it was before                                      */
+    uint64_t counted;      /* up to here, those skipped are counted: subscription_skips()   */
 } Subscription;
 
 /* taken: how many have been due in the feed so far: they are none of its business. */
@@ -33,6 +34,11 @@ uint64_t subscription_take(Subscription *s, uint64_t number, uint64_t size);
 
 /* None of it is sent yet, and a newer one may come: as if it had not been begun. skipped: what taking it returned. */
 void subscription_put_back(Subscription *s, uint64_t skipped);
+
+/* How many more will never be sent than when this was last asked, whether or not this stream ever gets to hear of it.
+ *  newest  number of the one that may still be sent; 0: there is none
+ *  due     of the last that was due in the feed */
+uint64_t subscription_skips(Subscription *s, uint64_t newest, uint64_t due);
 
 /* Bytes of the item in the next message. */
 size_t subscription_next(const Subscription *s);

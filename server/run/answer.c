@@ -12,30 +12,76 @@ void run_hand_back(Run *run, Order *order)
     outbox_put(&run->outbox, &order->note);
 }
 
-static void fill(Run *run, Order *order, MnsStatus status, const MnsError *error)
+static void fill(Order *order, MnsStatus status, const MnsError *error)
 {
     order->status = status;
     if (status) order->error = *error;
+}
+
+/* On any thread, which knows of the run what is published. */
+void run_answer_now(Run *run, Order *order, MnsStatus status, const MnsError *error)
+{
+    fill(order, status, error);
     pthread_mutex_lock(&run->lock);
     order->state = run->status.state;
     order->step = run->status.progress.step;
     order->version = run->status.version;
     order->t = run->status.progress.t;
     pthread_mutex_unlock(&run->lock);
-}
-
-void run_answer_now(Run *run, Order *order, MnsStatus status, const MnsError *error)
-{
-    fill(run, order, status, error);
     run_hand_back(run, order);
 }
 
 void run_answer(Run *run, Order *order, MnsStatus status, const MnsError *error)
 {
-    fill(run, order, status, error);
+    const MnsProgress now = run->sim ? mns_sim_progress(run->sim) : (MnsProgress){.t = 0};
+    fill(order, status, error);
+    order->state = run->state;
+    order->step = now.step;
+    order->version = run_version(run);
+    order->t = now.t;
     if (order->request) run_note_done(run, order);
     if (order->appointed && status) run_tell_undone(run, order, error);
     if (!run_keep(run, order)) run_hand_back(run, order);
+}
+
+/* What the journal tells of is answered by the runner, which waits for the files of scheduled ones. */
+void run_filed(Run *run, Order *order, MnsStatus status, const MnsError *error)
+{
+    if (!order->request) {
+        run_answer_now(run, order, status, error);
+        return;
+    }
+    order->status = status;
+    if (status) order->error = *error;
+    order->filed = true;
+    if (order->appointed) return;
+    pthread_mutex_lock(&run->lock);
+    order->next = run->filed;
+    run->filed = order;
+    pthread_mutex_unlock(&run->lock);
+    mailbox_wake(&run->mailbox);
+}
+
+static Order *take_filed(Run *run)
+{
+    Order *first = NULL;
+    pthread_mutex_lock(&run->lock);
+    for (Order *order = run->filed, *next; order; order = next) { /* in the order in which they were written */
+        next = order->next;
+        order->next = first;
+        first = order;
+    }
+    run->filed = NULL;
+    pthread_mutex_unlock(&run->lock);
+    return first;
+}
+
+void run_answer_filed(Run *run)
+{
+    for (Order *order = take_filed(run), *next; order; order = next) {
+        next = order->next;
+        run_answer(run, order, order->status, &order->error);
+    }
 }
 
 /* Of a command that had set out before a crash the journal tells where it ended. */

@@ -270,7 +270,7 @@ static void note_done(Run *run, Order *order)
     Record record = MENISCUS__JOURNAL_RECORD__INIT;
     Meniscus__LeaseGrant lease;
     char boot[HISTORY_BOOT] = "";
-    record.step = order->effect_step;
+    record.step = order->filed ? mns_sim_progress(run->sim).step : order->effect_step; /* files take their time */
     set_time(run, &record);
     if (tell_lease(run, order, &lease)) record.lease = &lease;
     if (run->before) case_message_differences(run->before->message, run->document->message, add_change, &changes);
@@ -315,10 +315,22 @@ MnsStatus run_bound_way_back(Run *run, MnsError *error)
 
 bool run_keep(Run *run, Order *order)
 {
-    if (!run->uncommitted && !run->unsaid) return false;
+    if (!run->uncommitted && !run->unsaid && !run->withheld) return false;
     order->next = run->unsaid;
     run->unsaid = order;
     return true;
+}
+
+void run_withhold(Run *run, const Order *order)
+{
+    if (run->journal && !begins_anew(order)) run->withheld = true;
+}
+
+void run_close_books(Run *run)
+{
+    writer_drain(run->outputs.writer, NULL);
+    run_answer_filed(run);
+    run_commit(run);
 }
 
 /* --- before and after a command ---------------------------------------------------------------------------------------- */
@@ -326,9 +338,12 @@ bool run_keep(Run *run, Order *order)
 MnsStatus run_journal_ready(Run *run, const Order *order, MnsError *error)
 {
     if (begins_anew(order)) run_commit(run); /* it takes long, and may lead to another journal */
-    const bool elsewhere = order->request->command_case == MENISCUS__REQUEST__COMMAND_LOAD;
-    const bool halts = order->appointed && order->request->command_case == MENISCUS__REQUEST__COMMAND_PAUSE;
-    if (!run->journal || order->urgent || halts || elsewhere) return MNS_OK; /* what halts a run is always possible */
+    const Meniscus__Request__CommandCase command = order->request->command_case;
+    const bool elsewhere = command == MENISCUS__REQUEST__COMMAND_LOAD;
+    const bool halts = order->appointed && command == MENISCUS__REQUEST__COMMAND_PAUSE;
+    const bool rescues = run->state == RUN_FAULT && command == MENISCUS__REQUEST__COMMAND_CHECKPOINT;
+    /* What halts a run is always possible, and so is what saves it. */
+    if (!run->journal || order->urgent || halts || rescues || elsewhere) return MNS_OK;
     const size_t size =
         3 * meniscus__request__get_packed_size(order->request); /* itself, what it changed, what is replied */
     if (!order->motion && !begins_anew(order) && run->noted_here + size > NOTED_HERE_MAX)
@@ -420,6 +435,7 @@ void run_release(Run *run)
 void run_commit(Run *run)
 {
     run_sync(run);
+    run_reveal(run);
     if (run_announces(run)) run_announce(run);
     run_release(run);
 }

@@ -71,7 +71,12 @@ struct Run {
     double progress;  /* clock_now() of the last progress note    */
     FILE *log;        /* of the run directory; NULL if there is none */
     Journal *journal; /* the same                                    */
-    Order *unsaid; /* answered, and not on the disk yet, or after such: nobody hears of it before. The latest first */
+    Order *unsaid;   /* answered, and not on the disk yet, or after such: nobody hears of it before. The latest first */
+    bool withheld;   /* what others see of the run is as it was before the orders that are not on the disk yet; */
+    bool to_publish; /* then: something has changed,                                                            */
+    Note *unsent, *last_unsent; /* and what is to be told of it */
+    Order *
+        filed; /* the latest first: their files are written, or could not be; under the lock, as the writer adds them */
     Document *before;   /* the case before the order that is being answered changed it; NULL if it did not */
     bool current_due;   /* this run is to be noted as the current one, once its journal is on the disk     */
     bool uncommitted;   /* the journal has something that is to be on the disk before the run goes on */
@@ -92,8 +97,10 @@ struct Run {
 
 /* publish.c: what others see. */
 void run_beat(void *run);
-void run_publish_step(Run *run); /* the numbers that change with every step           */
-void run_publish(Run *run);      /* all                                               */
+void run_publish_step(Run *run);      /* the numbers that change with every step           */
+void run_publish(Run *run);           /* all                                               */
+void run_reveal(Run *run);            /* what was withheld                                 */
+uint64_t run_version(const Run *run); /* of the case; 0: none, or it is not known before all is done again */
 
 /* The hash of the state takes all particles. Where it stops by itself it is known at once; whoever makes it stop is answered
  * first, and then it is settled, before the next order. */
@@ -119,6 +126,13 @@ void run_note_hash(Run *run);
 
 /* After a step: a checkpoint, if a way back would otherwise have too much to tell. */
 MnsStatus run_bound_way_back(Run *run, MnsError *error);
+
+/* From here on nobody sees what an order does before the journal has it on the disk: neither in the status nor as an event, nor by an
+ * answer to who waits for it. A load, reset or restore takes long, and shows that it does. */
+void run_withhold(Run *run, const Order *order);
+
+/* Before a run goes: write what waits to be written, and run_commit(). */
+void run_close_books(Run *run);
 
 /* Have it all on the disk, then let the answers go. If that fails, they tell so and the run is in FAULT. */
 void run_commit(Run *run);
@@ -150,6 +164,8 @@ void run_tell_resumed(Run *run, const Document *stored, const Document *given);
 void run_tell_file(void *run, const char *text);
 
 /* answer.c: those who wait; run_answer() and run_wait() are there too. */
+void run_filed(Run *run, Order *order, MnsStatus status, const MnsError *error); /* on the writer's thread */
+void run_answer_filed(Run *run);            /* all whose files are written, or could not be     */
 void run_hand_back(Run *run, Order *order); /* an answer, to whoever gave the order */
 void run_answer_unserved(Run *run, Order *order, MnsStatus status,
                          const MnsError *error); /* that was taken out of the queue */

@@ -171,6 +171,7 @@ static void answer_last(Run *run, Order *order, MnsStatus status, const MnsError
     run_answer(run, order, status, error);
     run_sync(run);
     forget_run(run);
+    run_reveal(run);
     run_release(run);
 }
 
@@ -189,10 +190,9 @@ static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
                                           candidate->goes_on, candidate->order->lineage != NULL, &lost, error);
     if (status) return status;
     if (lost.status) run_tell(run, NOTE_LOG, LOG_WARNING, "lost", lost.text);
-    if (run->agenda.n) {
-        run_drop_appointments(run, "called off by a load, reset or restore");
-        run_commit(run); /* they belong to the journal of the run that goes */
-    }
+    run_answer_filed(run);
+    run_drop_appointments(run, "called off by a load, reset or restore");
+    run_commit(run); /* they belong to the journal of the run that goes */
     give_up(run);
     run->astray = false;
     run->noted = run->noted_here = 0;
@@ -438,7 +438,7 @@ void run_stop(Run *run, Order *order, bool checkpoint)
 {
     MnsError error;
     MnsError ended;
-    run_commit(run); /* of what goes before nothing is left to be written when the simulation is gone */
+    run_close_books(run); /* of what goes before nothing is left to be written when the simulation is gone */
     run_call_off(run, order);
     const MnsStatus status = secure(run, checkpoint, &error);
     mns_fail(&ended, MNS_E_INTERRUPTED, "stopped on request");
@@ -472,7 +472,7 @@ static void tell_lost(Run *run, const MnsError *why)
 void run_leave(Run *run, Order *order, bool checkpoint)
 {
     MnsError error, ended;
-    run_commit(run);                               /* as in run_stop() */
+    run_close_books(run);                          /* as in run_stop() */
     if (run->recovery.lineage) checkpoint = false; /* whoever went on from it would miss what comes after it */
     mns_fail(&ended, MNS_E_INTERRUPTED, "the program is stopping");
     run_enter(run, RUN_STOPPING, checkpoint ? "stopping, with a checkpoint" : "stopping");

@@ -39,7 +39,7 @@ typedef struct Order {
     Moment at;
     bool durable;              /* what the journal says of its answer is on the disk                     */
     bool appointed, announced; /* the journal has it; and whoever listens has been told                   */
-    bool written;              /* its file is, or could not be: status and error tell                     */
+    bool filed;                /* its file is written, or could not be: status and error tell             */
     Note notice;               /* that it is scheduled: comes through the outbox before its answer        */
 
     /* Could it take effect now, but for the moment? As serve() would find, without doing it. */

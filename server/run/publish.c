@@ -44,6 +44,11 @@ Document *run_document(Run *run)
     return document;
 }
 
+uint64_t run_version(const Run *run)
+{
+    return run->sim && run->state != RUN_RECOVERING ? run->versions.number : 0;
+}
+
 static void add_timer(RunStatus *status, MnsTimer timer)
 {
     if (status->n_timers < RUN_TIMERS) status->timers[status->n_timers++] = timer;
@@ -105,8 +110,7 @@ static void fill_case(const Run *run, RunStatus *status)
     snprintf(status->title, sizeof status->title, "%s", c->title);
     memcpy(status->directory, run->outputs.directory, sizeof status->directory);
     status->end_time = c->end_time;
-    status->version =
-        run->state == RUN_RECOVERING ? 0 : run->versions.number; /* it is not known before all is done again */
+    status->version = run_version(run);
     status->threads = (unsigned)mns_sim_threads(run->sim);
     status->particles = mns_sim_particles(run->sim);
     status->fluid_particles = mns_sim_fluid_particles(run->sim);
@@ -116,13 +120,22 @@ static void fill_case(const Run *run, RunStatus *status)
     fill_numbers(run, status);
 }
 
+static bool stands_still(const Run *run)
+{
+    const bool moving = run->state == RUN_RUNNING || run->state == RUN_LOADING || run->state == RUN_RECOVERING;
+    return run->sim && !moving;
+}
+
+static bool is_hash_due(const Run *run)
+{
+    return stands_still(run) && !run->hashed && run->state != RUN_STOPPING;
+}
+
 /* With the lock held. */
 static void fill_hash(const Run *run, RunStatus *status)
 {
-    const bool moving = run->state == RUN_RUNNING || run->state == RUN_LOADING || run->state == RUN_RECOVERING;
-    const bool still = run->sim && !moving;
-    status->hash = still && run->hashed ? run->hash : 0;
-    status->hash_due = still && !run->hashed && run->state != RUN_STOPPING;
+    status->hash = stands_still(run) && run->hashed ? run->hash : 0;
+    status->hash_due = is_hash_due(run);
 }
 
 void run_hash(Run *run)
@@ -135,7 +148,7 @@ void run_hash(Run *run)
 
 void run_settle(Run *run)
 {
-    if (!run->status.hash_due) return; /* this thread alone writes it */
+    if (!is_hash_due(run)) return;
     run_commit(run);
     run_hash(run);
     pthread_mutex_lock(&run->lock);
@@ -145,6 +158,8 @@ void run_settle(Run *run)
 
 void run_publish(Run *run)
 {
+    run->to_publish = run->withheld;
+    if (run->withheld) return;
     pthread_mutex_lock(&run->lock);
     RunStatus *status = &run->status;
     memset(status, 0, sizeof *status);
@@ -158,6 +173,29 @@ void run_publish(Run *run)
     run->published = document_share(run->document);
     pthread_mutex_unlock(&run->lock);
     run_show(run);
+}
+
+static void send(Run *run, Note *note)
+{
+    if (!run->withheld) {
+        outbox_put(&run->outbox, note);
+        return;
+    }
+    note->next = NULL;
+    if (run->last_unsent) run->last_unsent->next = note;
+    else run->unsent = note;
+    run->last_unsent = note;
+}
+
+void run_reveal(Run *run)
+{
+    run->withheld = false;
+    if (run->to_publish) run_publish(run);
+    for (Note *note = run->unsent, *next; note; note = next) {
+        next = note->next;
+        outbox_put(&run->outbox, note);
+    }
+    run->unsent = run->last_unsent = NULL;
 }
 
 static Note *note_now(const Run *run, NoteKind kind)
@@ -193,7 +231,7 @@ void run_tell(Run *run, NoteKind kind, int level, const char *word, const char *
     note->level = level;
     snprintf(note->word, sizeof note->word, "%s", word);
     snprintf(note->text, sizeof note->text, "%s", text);
-    outbox_put(&run->outbox, note);
+    send(run, note);
 }
 
 void run_tell_warnings(Run *run)
@@ -212,7 +250,7 @@ void run_tell_progress(Run *run)
     note->dt = mns_sim_progress(run->sim).dt;
     note->eta = meter_eta(&run->meter, note->t, note->end_time);
     note->steps_per_second = meter_rate(&run->meter);
-    outbox_put(&run->outbox, note);
+    send(run, note);
 }
 
 void run_tell_progress_at_times(Run *run)

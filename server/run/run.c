@@ -56,7 +56,8 @@ static void serve(Run *run, Order *order)
     }
     MnsStatus status = run_check_moment(run, order, &error);
     if (!status && order->request) status = run_journal_ready(run, order, &error);
-    if (!order->request) run_commit(run); /* what it sees or writes is not undone by a crash */
+    if (!order->request) run_commit(run); /* what it sees is not undone by a crash */
+    else run_withhold(run, order);
     if (status) run_answer(run, order, status, &error);
     else order->serve(run, order);
 }
@@ -86,11 +87,17 @@ static void keep_appointments(Run *run)
     run_answer_waiters(run);
 }
 
+/* Does somebody wait to hear of what has been served? */
+static bool has_to_tell(const Run *run)
+{
+    return run->unsaid || run->withheld || run_announces(run);
+}
+
 /* Until when to sleep if nobody wants anything: a paused run uses no processor. The OpenMP team does not either: both
  * runtimes put their threads to sleep after a short spin. */
 static double wake_time(const Run *run)
 {
-    if (run->state == RUN_RUNNING || run->unsaid || run_announces(run)) return 0;
+    if (run->state == RUN_RUNNING || has_to_tell(run)) return 0;
     const double beat = run->options.beat_interval > 0 ? clock_now() + run->options.beat_interval : INFINITY;
     return fmin(beat, run_next_deadline(run));
 }
@@ -116,9 +123,10 @@ static void serve_some(Run *run)
     double looked = 0;
     keep_appointments(run);
     for (int k = 0; k < SERVED_AT_ONCE && !run->leaving; k++) {
+        run_answer_filed(run);
         run_settle(run);
         Order *order = next_order(run, looked);
-        if (!order && (run->unsaid || run_announces(run))) { /* nobody else to write down with it */
+        if (!order && has_to_tell(run)) { /* nobody else to write down with it */
             run_commit(run);
             continue;
         }
@@ -139,6 +147,7 @@ static void answer_all(Run *run)
 {
     MnsError error;
     mns_fail(&error, MNS_E_UNAVAILABLE, "the daemon is leaving");
+    run_answer_filed(run);
     run_goal_end(run, MNS_E_UNAVAILABLE, &error);
     run_answer_all_waiters(run, &error);
     for (Order *order; (order = mailbox_take(&run->mailbox, 0));)
@@ -170,16 +179,9 @@ static void *run_thread(void *arg)
     return NULL;
 }
 
-/* On the writer's thread, or this one. */
 static void answer_output(void *run, Order *order, MnsStatus status, const MnsError *error)
 {
-    if (!order->appointed) {
-        run_answer_now(run, order, status, error);
-        return;
-    }
-    order->status = status; /* the runner waits for it, as the journal must tell */
-    if (status) order->error = *error;
-    order->written = true;
+    run_filed(run, order, status, error);
 }
 
 static void destroy(Run *run)

@@ -258,7 +258,7 @@ static void after_scheduled_output(Run *run, Order *order)
 {
     MnsError failed;
     const MnsStatus status = writer_drain(run->outputs.writer, &failed);
-    assert(order->written);
+    assert(order->filed);
     run_answer(run, order, order->status, &order->error);
     if (status) run_fault(run, &failed, true);
 }
@@ -280,7 +280,8 @@ void run_checkpoint(Run *run, Order *order)
     MnsError error;
     MnsStatus status;
     if (run->state == RUN_FAULT &&
-        run->output_failed) { /* a file of its own: it need not wait for the one that failed */
+        run->output_failed) { /* a file of its own: it need not wait for the one that failed, nor for the journal */
+        order->request = NULL;
         status = outputs_rescue(&run->outputs, run->sim, run->document, order->path, &error);
         run_answer(run, order, status, &error);
         return;

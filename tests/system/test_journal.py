@@ -53,6 +53,31 @@ class Journal(DaemonTest):
         self.assertEqual(change["who"], "local")
         self.assertIn("gravity = [0, -2] (was [0, -1])", self.meniscus("log", str(run)).stdout)
 
+    def test_it_tells_who_had_files_written_and_what_was_cancelled(self) -> None:
+        run = self.run_of("files")
+        step, until, file = "00" * 15 + "01", "00" * 15 + "02", "00" * 15 + "03"
+        self.meniscus("step", "3", "--id", step)
+        written = self.ask("checkpoint", "--id", file)
+        self.meniscus("snapshot")
+        with subprocess.Popen([BUILD / "meniscus", "run-until", "30", "--id", until], env=self.environment, stderr=subprocess.PIPE) as waits:
+            self.meniscus("wait", "--for", "step=10")
+            self.meniscus("checkpoint")  # while it runs
+            self.meniscus("cancel", until)
+            self.assertNotEqual(waits.wait(timeout=60), 0)
+        told = [(r["command"], r["kind"]) for r in self.log(run) if r["kind"] != "hash"]
+        self.assertEqual(told, [("load", "command"), ("step", "begun"), ("step", "command"), ("checkpoint", "command"), ("snapshot", "command"),
+                                ("run_until", "begun"), ("checkpoint", "command"), ("run_until", "command"), ("cancel", "command")])
+        self.assertTrue(all(r["who"] == "local" for r in self.log(run) if r["command"]))
+        self.assertTrue(self.replay(run)["agrees"])
+        before = self.ask("status")
+        self.kill_daemon()
+        self.meniscus("wait", "--for", "state=PAUSED")
+        self.assertEqual(self.ask("status")["step"], before["step"])
+        Path(written["path"]).unlink()
+        again = self.ask("checkpoint", "--id", file)
+        self.assertEqual((again["path"], again["effect_step"]), (written["path"], 3))
+        self.assertFalse(Path(written["path"]).exists())  # it was not written a second time
+
     def test_programs_can_read_it_with_the_messages_of_the_python_package(self) -> None:
         run = self.run_of("read")
         self.meniscus("set", "gravity=[0, -2]")
@@ -108,7 +133,7 @@ class Journal(DaemonTest):
             ["step", str(chance.randint(1, 40))], ["run-until", f"{time + chance.uniform(0.001, 0.03):.5f}"],
             ["run-until", f"{time + 0.01:.5f}", "--whole-steps"], ["set", f"gravity=[{chance.uniform(-1, 1):.3f}, -1]"],
             ["set", f"scheme.cfl={chance.uniform(0.1, 0.3):.3f}"], ["set", f"threads={chance.randint(1, 2)}"],
-            ["checkpoint"], ["restore"], ["reset"], ["rollback", str(self.ask("status")["case_version"] - 1)], ["breakpoint", "b", "--time", f"{time + 0.004:.5f}"], ["pause"],
+            ["checkpoint"], ["snapshot"], ["restore"], ["reset"], ["rollback", str(self.ask("status")["case_version"] - 1)], ["breakpoint", "b", "--time", f"{time + 0.004:.5f}"], ["pause"],
         ])
         self.whatever(*words)
 

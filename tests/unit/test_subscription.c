@@ -21,6 +21,36 @@ static void what_was_due_before_it_came_is_not_skipped(void **state)
     assert_int_equal(s.sequence, 1);
 }
 
+static void what_is_skipped_is_counted_once_and_as_it_happens(void **state)
+{
+    (void)state;
+    Subscription s;
+    subscription_begin(&s, 100, 1000, 5);
+    assert_int_equal(subscription_skips(&s, 0, 5), 0);
+    assert_int_equal(subscription_skips(&s, 6, 6), 0); /* it may still be sent */
+    assert_int_equal(subscription_skips(&s, 7, 7), 1);
+    assert_int_equal(subscription_skips(&s, 7, 7), 0);
+    assert_int_equal(subscription_skips(&s, 7, 8), 0); /* of 8 none was made, and 7 is there yet */
+    assert_int_equal(subscription_take(&s, 7, 0), 1);
+    subscription_sent(&s, 0);
+    assert_int_equal(subscription_skips(&s, 7, 8), 1);
+    assert_int_equal(subscription_skips(&s, 12, 12), 3);
+    assert_int_equal(subscription_skips(&s, 0, 12), 1); /* it leaves */
+}
+
+static void one_that_is_put_back_is_counted_once(void **state)
+{
+    (void)state;
+    Subscription s;
+    subscription_begin(&s, 100, 1000, 0);
+    assert_int_equal(subscription_skips(&s, 4, 4), 3);
+    const uint64_t skipped = subscription_take(&s, 4, 10);
+    subscription_put_back(&s, skipped);
+    assert_int_equal(subscription_skips(&s, 6, 6), 2);
+    assert_int_equal(subscription_take(&s, 6, 10), 5);
+    assert_int_equal(subscription_skips(&s, 6, 6), 0);
+}
+
 static void those_in_between_are_skipped_and_counted(void **state)
 {
     (void)state;
@@ -183,6 +213,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_was_due_before_it_came_is_not_skipped),
         cmocka_unit_test(those_in_between_are_skipped_and_counted),
+        cmocka_unit_test(what_is_skipped_is_counted_once_and_as_it_happens),
+        cmocka_unit_test(one_that_is_put_back_is_counted_once),
         cmocka_unit_test(one_that_was_not_begun_gives_way_to_a_newer_one_and_is_counted_once),
         cmocka_unit_test(while_one_is_under_way_no_other_is_begun),
         cmocka_unit_test(an_item_outside_the_feed_skips_nothing_and_does_not_count_there),
