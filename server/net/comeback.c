@@ -32,7 +32,7 @@ static void recall(Desk *desk, const Meniscus__JournalRecord *record)
 static void recall_last(Desk *desk, const History *history, const char *boot)
 {
     size_t k = history->n;
-    for (size_t n = 0; k > 0 && n < LEDGER_ENTRIES; k--) n += has_reply(history, k - 1, boot);
+    for (size_t n = 0; k > 0 && n < LEDGER_DEEDS; k--) n += has_reply(history, k - 1, boot);
     for (; k < history->n; k++)
         if (has_reply(history, k, boot)) recall(desk, history->records[k].message);
 }

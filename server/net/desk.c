@@ -46,7 +46,7 @@ struct Desk {
     Access *access;
     Far far[FARS];
     Run *run;
-    Ledger *deeds, *questions; /* of what changes or writes something, and of all else */
+    Ledger *deeds, *questions; /* of what changed or wrote something, or is about to, and of all else */
     Publisher *publisher;
     Streams *streams;             /* the third socket, which has a thread of its own */
     Visitors visitors, listeners; /* of control, of telemetry */
@@ -139,8 +139,8 @@ MnsStatus desk_new(const Endpoint *endpoint, Run *run, Desk **ret, MnsError *err
                                     .traffic = &desk->traffic.streams};
     if (!status) status = streams_new(&options, &desk->streams, error);
     if (!status) {
-        desk->deeds = ledger_new();
-        desk->questions = ledger_new();
+        desk->deeds = ledger_new(LEDGER_DEEDS, LEDGER_DEEDS_BYTES);
+        desk->questions = ledger_new(LEDGER_QUESTIONS, LEDGER_QUESTIONS_BYTES);
         desk->publisher = publisher_new(desk->telemetry, desk->epoch, desk->traffic.topics);
         if (!desk->deeds || !desk->questions || !desk->publisher)
             status = mns_fail(error, MNS_E_MEMORY, "no memory for the desk");
@@ -273,6 +273,15 @@ static Ledger *ledger_of(const Desk *desk, const Handler *handler)
     return handler && handler->traits & LOOKS ? desk->questions : desk->deeds;
 }
 
+/* packed: NULL: not to be remembered. */
+static void note_reply(Desk *desk, const Exchange *exchange, const uint8_t *packed, size_t size)
+{
+    Ledger *ledger = ledger_of(desk, exchange->handler);
+    const bool refused = ledger == desk->deeds && exchange->order.status && !exchange->order.begun;
+    ledger_end(ledger, exchange, refused ? NULL : packed, size);
+    if (refused && packed) ledger_recall(desk->questions, exchange->order.id, packed, size);
+}
+
 void desk_reply(Desk *desk, Exchange *exchange)
 {
     if (!exchange->sealed) exchange_seal(exchange);
@@ -282,7 +291,7 @@ void desk_reply(Desk *desk, Exchange *exchange)
     const size_t size = whole ? meniscus__reply__get_packed_size(reply) : 0;
     uint8_t *packed = whole ? malloc(size + 1) : NULL;
     if (packed) meniscus__reply__pack(reply, packed);
-    ledger_end(ledger_of(desk, exchange->handler), exchange, packed && !reply->n_arrays ? packed : NULL, size);
+    note_reply(desk, exchange, packed && !reply->n_arrays ? packed : NULL, size);
     send_exchange(desk, exchange, packed, size);
     exchange_free(exchange);
 }

@@ -1,112 +1,129 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Which requests were made, and what was replied. */
+/* Which requests were made, and what was replied: a tree by id, and a queue of those replied to, the oldest first. */
 #include "net/ledger.h"
 
+#include <search.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/queue.h>
 
-enum { ENTRIES = LEDGER_ENTRIES, BYTES = 8 << 20 };
+enum { UNDER_WAY = 4096 };
 
-typedef struct Slot {
-    uint8_t id[ORDER_ID];
-    uint64_t age; /* 0: free; else the larger, the younger */
+typedef struct Line {
+    uint8_t id[ORDER_ID]; /* first: it is what lines are compared by */
+    TAILQ_ENTRY(Line) beside;
     LedgerEntry entry;
-} Slot;
+} Line;
 
 struct Ledger {
-    Slot slots[ENTRIES];
-    uint64_t age;
-    size_t bytes;
+    void *by_id; /* of tsearch() */
+    TAILQ_HEAD(, Line) replied;
+    size_t n_replied, n_under_way, bytes, most, most_bytes;
 };
 
-Ledger *ledger_new(void)
+Ledger *ledger_new(size_t most, size_t most_bytes)
 {
-    return calloc(1, sizeof(Ledger));
+    Ledger *ledger = calloc(1, sizeof *ledger);
+    if (!ledger) return NULL;
+    ledger->most = most;
+    ledger->most_bytes = most_bytes;
+    TAILQ_INIT(&ledger->replied);
+    return ledger;
 }
 
-static void forget(Ledger *ledger, Slot *slot)
+static int compare(const void *a, const void *b)
 {
-    ledger->bytes -= slot->entry.size;
-    free((void *)slot->entry.reply);
-    memset(slot, 0, sizeof *slot);
+    return memcmp(a, b, ORDER_ID);
+}
+
+static Line *find(const Ledger *ledger, const uint8_t *id)
+{
+    Line *const *found = tfind(id, &ledger->by_id, compare);
+    return found ? *found : NULL;
+}
+
+static void erase(Ledger *ledger, Line *line)
+{
+    tdelete(line, &ledger->by_id, compare);
+    free((void *)line->entry.reply);
+    free(line);
+}
+
+static void forget_oldest(Ledger *ledger)
+{
+    Line *line = TAILQ_FIRST(&ledger->replied);
+    TAILQ_REMOVE(&ledger->replied, line, beside);
+    ledger->n_replied--;
+    ledger->bytes -= line->entry.size;
+    erase(ledger, line);
+}
+
+static void free_line(void *line)
+{
+    free((void *)((Line *)line)->entry.reply);
+    free(line);
 }
 
 void ledger_free(Ledger *ledger)
 {
-    for (size_t k = 0; ledger && k < ENTRIES; k++) forget(ledger, &ledger->slots[k]);
+    if (!ledger) return;
+    tdestroy(ledger->by_id, free_line);
     free(ledger);
-}
-
-static const Slot *find(const Ledger *ledger, const uint8_t *id)
-{
-    for (size_t k = 0; k < ENTRIES; k++)
-        if (ledger->slots[k].age && !memcmp(ledger->slots[k].id, id, ORDER_ID)) return &ledger->slots[k];
-    return NULL;
 }
 
 bool ledger_find(const Ledger *ledger, const uint8_t id[static ORDER_ID], LedgerEntry *ret)
 {
-    const Slot *slot = find(ledger, id);
-    if (slot) *ret = slot->entry;
-    return slot != NULL;
+    const Line *line = find(ledger, id);
+    if (line) *ret = line->entry;
+    return line != NULL;
 }
 
-/* The oldest that has been replied to; NULL if there is none. */
-static Slot *oldest(Ledger *ledger)
+/* NULL if there is no memory. */
+static Line *add(Ledger *ledger, const uint8_t *id)
 {
-    Slot *found = NULL;
-    for (size_t k = 0; k < ENTRIES; k++) {
-        Slot *slot = &ledger->slots[k];
-        if (slot->age && !slot->entry.under_way && (!found || slot->age < found->age)) found = slot;
-    }
-    return found;
+    Line *line = calloc(1, sizeof *line);
+    if (!line) return NULL;
+    memcpy(line->id, id, ORDER_ID);
+    if (tsearch(line, &ledger->by_id, compare)) return line;
+    free(line);
+    return NULL;
 }
 
-static Slot *free_slot(Ledger *ledger)
+/* False if there is no memory for it. */
+static bool keep(Ledger *ledger, Line *line, const uint8_t *reply, size_t size)
 {
-    for (size_t k = 0; k < ENTRIES; k++)
-        if (!ledger->slots[k].age) return &ledger->slots[k];
-    Slot *slot = oldest(ledger);
-    if (slot) forget(ledger, slot);
-    return slot;
-}
-
-static void keep(Ledger *ledger, Slot *slot, const uint8_t *reply, size_t size)
-{
-    uint8_t *copy = reply ? malloc(size + 1) : NULL;
-    slot->entry.under_way = NULL;
-    if (!copy) {
-        forget(ledger, slot);
-        return;
-    }
+    uint8_t *copy = malloc(size + 1);
+    if (!copy) return false;
     memcpy(copy, reply, size);
-    slot->entry.reply = copy;
-    slot->entry.size = size;
+    line->entry = (LedgerEntry){.reply = copy, .size = size};
+    TAILQ_INSERT_TAIL(&ledger->replied, line, beside);
+    ledger->n_replied++;
     ledger->bytes += size;
-    while (ledger->bytes > BYTES) forget(ledger, oldest(ledger));
+    while (ledger->n_replied > ledger->most || ledger->bytes > ledger->most_bytes) forget_oldest(ledger);
+    return true;
 }
 
 void ledger_recall(Ledger *ledger, const uint8_t id[static ORDER_ID], const uint8_t *reply, size_t size)
 {
-    Slot *slot = find(ledger, id) ? NULL : free_slot(ledger);
-    if (!slot) return;
-    memcpy(slot->id, id, ORDER_ID);
-    slot->age = ++ledger->age;
-    keep(ledger, slot, reply, size);
+    Line *line = find(ledger, id) ? NULL : add(ledger, id);
+    if (line && !keep(ledger, line, reply, size)) erase(ledger, line);
 }
 
 MnsStatus ledger_begin(Ledger *ledger, Exchange *exchange, MnsError *error)
 {
-    Slot *slot = free_slot(ledger);
-    if (!slot) return mns_fail(error, MNS_E_LIMIT, "%d commands are under way; wait for one, or cancel it", ENTRIES);
-    memcpy(slot->id, exchange->order.id, ORDER_ID);
-    slot->age = ++ledger->age;
-    slot->entry.under_way = exchange;
+    if (ledger->n_under_way == UNDER_WAY)
+        return mns_fail(error, MNS_E_LIMIT, "%d commands are under way; wait for one, or cancel it", UNDER_WAY);
+    Line *line = add(ledger, exchange->order.id);
+    if (!line) return mns_fail(error, MNS_E_MEMORY, "no memory for the command; nothing was done");
+    line->entry.under_way = exchange;
+    ledger->n_under_way++;
     return MNS_OK;
 }
 
 void ledger_end(Ledger *ledger, const Exchange *exchange, const uint8_t *reply, size_t size)
 {
-    Slot *slot = (Slot *)find(ledger, exchange->order.id);
-    if (slot) keep(ledger, slot, reply, size);
+    Line *line = find(ledger, exchange->order.id);
+    if (!line || line->entry.under_way != exchange) return;
+    ledger->n_under_way--;
+    if (!reply || !keep(ledger, line, reply, size)) erase(ledger, line);
 }

@@ -1,18 +1,24 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which requests were made, and what was replied: a request that comes again gets the same reply and does nothing. Memory
- * is bounded; the oldest replies are forgotten first. What changes or writes something has a ledger of its own, so that nobody who
- * only asks can have it forgotten. */
+ * is bounded; the oldest replies are forgotten first. What changed or wrote something has a ledger of its own, so that nobody who
+ * only asks, or is refused, can have it forgotten. */
 #ifndef NET_LEDGER_H
 #define NET_LEDGER_H
 
 #include "net/exchange.h"
 
-enum { LEDGER_ENTRIES = 4096 }; /* that are remembered */
+/* How many replies are remembered, and of how many bytes: of deeds, and of questions and refusals. */
+enum {
+    LEDGER_DEEDS = 1 << 16,
+    LEDGER_DEEDS_BYTES = 32 << 20,
+    LEDGER_QUESTIONS = 4096,
+    LEDGER_QUESTIONS_BYTES = 8 << 20
+};
 
 typedef struct Ledger Ledger;
 
-/* NULL if there is no memory. */
-Ledger *ledger_new(void);
+/* For so many replies, of so many bytes. NULL if there is no memory. */
+Ledger *ledger_new(size_t most, size_t most_bytes);
 void ledger_free(Ledger *ledger);
 
 /* What is known of a request id. */
@@ -25,7 +31,7 @@ typedef struct LedgerEntry {
 /* False if nothing is known of it. */
 bool ledger_find(const Ledger *ledger, const uint8_t id[static ORDER_ID], LedgerEntry *ret);
 
-/* Note that an exchange is under way. MNS_E_LIMIT: too many are. */
+/* Note that an exchange is under way, whose id is not in the ledger. MNS_E_LIMIT: too many are; MNS_E_MEMORY. */
 MnsStatus ledger_begin(Ledger *ledger, Exchange *exchange, MnsError *error);
 
 /* Note a request of before this program was started, and its reply. */

@@ -170,6 +170,16 @@ static void a_deadline_ends_what_takes_too_long(void **state)
     assert_int_equal(dialogue_code(dialogue, &request), MENISCUS__CODE__DEADLINE_EXCEEDED);
 }
 
+/* A single step, under an id that it had before. */
+static void check_step_again(Dialogue *dialogue, const Meniscus__Request *request)
+{
+    dialogue_send(dialogue->control, request);
+    Meniscus__Reply *reply = dialogue_receive(dialogue->control, NULL);
+    assert_non_null(reply);
+    assert_int_equal(reply->effect_step, 1);
+    meniscus__reply__free_unpacked(reply, NULL);
+}
+
 static void the_same_request_again_changes_nothing(void **state)
 {
     Dialogue *dialogue = *state;
@@ -180,13 +190,27 @@ static void the_same_request_again_changes_nothing(void **state)
     request.command_case = MENISCUS__REQUEST__COMMAND_STEP;
     request.step = &command;
     dialogue_seal(&request, id);
-    for (int k = 0; k < 3; k++) {
-        dialogue_send(dialogue->control, &request);
-        Meniscus__Reply *reply = dialogue_receive(dialogue->control, NULL);
-        assert_non_null(reply);
-        assert_int_equal(reply->effect_step, 1);
-        meniscus__reply__free_unpacked(reply, NULL);
+    for (int k = 0; k < 3; k++) check_step_again(dialogue, &request);
+    steer_stands_at(dialogue, MENISCUS__STATE__PAUSED, 1);
+}
+
+static void nobody_who_is_refused_has_a_reply_forgotten(void **state)
+{
+    enum { REFUSED = 5000 }; /* more than are remembered of these */
+    Dialogue *dialogue = *state;
+    uint8_t id[16];
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__Step command = MENISCUS__STEP__INIT;
+    dialogue_load(dialogue, NULL);
+    request.command_case = MENISCUS__REQUEST__COMMAND_STEP;
+    request.step = &command;
+    dialogue_seal(&request, id);
+    check_step_again(dialogue, &request);
+    for (int k = 0; k < REFUSED; k++) {
+        Meniscus__Request start = dialogue_start(); /* it stands at its first step, and is to be resumed */
+        assert_int_equal(dialogue_code(dialogue, &start), MENISCUS__CODE__FAILED_PRECONDITION);
     }
+    check_step_again(dialogue, &request);
     steer_stands_at(dialogue, MENISCUS__STATE__PAUSED, 1);
 }
 
@@ -451,6 +475,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_deadline_ends_what_takes_too_long, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(each_who_asks_under_the_same_id_is_answered, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(the_same_request_again_changes_nothing, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(nobody_who_is_refused_has_a_reply_forgotten, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_set_of_several_is_all_or_nothing, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(particles_of_a_box_come_as_raw_frames_within_a_limit, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(one_particle_in_so_many_is_always_the_same, steer_begin, steer_end),

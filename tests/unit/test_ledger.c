@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ENTRIES = 4096 }; /* as proto/README.md promises */
+enum { ENTRIES = 4096, BYTES = 8 << 20 };
 
 static void set_id(Exchange *exchange, unsigned k)
 {
@@ -16,7 +16,7 @@ static void set_id(Exchange *exchange, unsigned k)
 static void a_request_is_under_way_until_its_reply_is_kept(void **state)
 {
     (void)state;
-    Ledger *ledger = ledger_new();
+    Ledger *ledger = ledger_new(ENTRIES, BYTES);
     LedgerEntry entry;
     MnsError error;
     Exchange exchange = {.sizes = {0}};
@@ -36,7 +36,7 @@ static void a_request_is_under_way_until_its_reply_is_kept(void **state)
 static void without_a_reply_it_may_be_asked_anew(void **state)
 {
     (void)state;
-    Ledger *ledger = ledger_new();
+    Ledger *ledger = ledger_new(ENTRIES, BYTES);
     LedgerEntry entry;
     MnsError error;
     Exchange exchange = {.sizes = {0}};
@@ -50,7 +50,7 @@ static void without_a_reply_it_may_be_asked_anew(void **state)
 static void replies_of_before_a_restart_are_recalled_and_changed_by_nobody(void **state)
 {
     (void)state;
-    Ledger *ledger = ledger_new();
+    Ledger *ledger = ledger_new(ENTRIES, BYTES);
     LedgerEntry entry;
     Exchange exchange = {.sizes = {0}};
     set_id(&exchange, 3);
@@ -72,13 +72,13 @@ static void replies_of_before_a_restart_are_recalled_and_changed_by_nobody(void 
 static void the_oldest_reply_gives_way_and_what_is_under_way_never(void **state)
 {
     (void)state;
-    Ledger *ledger = ledger_new();
+    Ledger *ledger = ledger_new(ENTRIES, BYTES);
     LedgerEntry entry;
     MnsError error;
     Exchange first = {.sizes = {0}}, exchange = {.sizes = {0}};
     set_id(&first, 0);
     assert_int_equal(ledger_begin(ledger, &first, &error), MNS_OK);
-    for (unsigned k = 1; k <= ENTRIES; k++) {
+    for (unsigned k = 1; k <= ENTRIES + 1; k++) {
         set_id(&exchange, k);
         assert_int_equal(ledger_begin(ledger, &exchange, &error), MNS_OK);
         ledger_end(ledger, &exchange, (const uint8_t *)"r", 1);
@@ -94,7 +94,7 @@ static void the_oldest_reply_gives_way_and_what_is_under_way_never(void **state)
 static void a_full_ledger_of_commands_under_way_refuses(void **state)
 {
     (void)state;
-    Ledger *ledger = ledger_new();
+    Ledger *ledger = ledger_new(ENTRIES, BYTES);
     MnsError error;
     Exchange exchange = {.sizes = {0}};
     for (unsigned k = 0; k < ENTRIES; k++) {
@@ -110,7 +110,7 @@ static void replies_are_kept_up_to_so_many_bytes(void **state)
 {
     (void)state;
     enum { LARGE = 1 << 20 };
-    Ledger *ledger = ledger_new();
+    Ledger *ledger = ledger_new(ENTRIES, BYTES);
     LedgerEntry entry;
     MnsError error;
     Exchange exchange = {.sizes = {0}};
