@@ -26,7 +26,10 @@ static void find_reason(const View *view, char *text, size_t size)
 {
     *text = 0;
     switch (view->run->state) {
-    case RUN_EMPTY: snprintf(text, size, "there is no run; load one: meniscus load CASE"); return;
+    case RUN_EMPTY:
+        snprintf(text, size, "%s",
+                 view->run->fault.status ? view->run->fault.text : "there is no run; load one: meniscus load CASE");
+        return;
     case RUN_LOADING: snprintf(text, size, "a case is being loaded; ask again"); return;
     case RUN_RECOVERING: snprintf(text, size, "the run is being brought back to where it was; ask again"); return;
     case RUN_STOPPING: snprintf(text, size, "the daemon is leaving"); return;
@@ -49,7 +52,6 @@ char *health_ready(const View *view, bool *ret_ready)
     char *valid = text_valid(reason); /* there may be names of files in it */
     if (*reason && valid) json_object_set_new(object, "reason", json_string(valid));
     free(valid);
-    if (run->state == RUN_FAULT)
-        json_object_set_new(object, "fault_reason", json_string(mns_status_name(run->fault.status)));
+    if (run->fault.status) json_object_set_new(object, "fault_reason", json_string(mns_status_name(run->fault.status)));
     return print(object);
 }

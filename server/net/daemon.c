@@ -36,6 +36,7 @@ typedef struct Daemon {
     MnsError bad_case;    /* why it cannot be read              */
     const Exchange *load; /* under way                         */
     Comeback comeback;
+    Order unread;             /* that there was a run, which cannot be read */
     const Exchange *recovery; /* under way */
     Signals signals;
     bool leaving; /* the run has come to its end       */
@@ -184,6 +185,24 @@ static void give_up(Daemon *daemon, const MnsError *why, int code)
     post_shutdown(daemon, false);
 }
 
+static void serve_unread(Run *run, Order *order)
+{
+    run_unread(run, order, &order->error);
+}
+
+/* Who has come for one case gets an exit code. A service stays, so that people far away can see what is wrong: started again and again it would
+ * say it to nobody, and be given up. */
+static void tell_unread(Daemon *daemon, const MnsError *why)
+{
+    if (daemon->options->load) {
+        give_up(daemon, why, MNS_EXIT_IO);
+        return;
+    }
+    log_line(LOG_ERROR, "%s", why->text);
+    daemon->unread = (Order){.serve = serve_unread, .deadline = INFINITY, .error = *why};
+    run_post(daemon->run, &daemon->unread, NULL);
+}
+
 static void refuse_case(Daemon *daemon)
 {
     give_up(daemon, &daemon->bad_case, MNS_EXIT_BAD_CASE);
@@ -229,6 +248,7 @@ static void take_signal(Daemon *daemon)
 
 static void take_answer(Daemon *daemon, Order *order)
 {
+    if (order == &daemon->unread) return;
     Exchange *exchange = (Exchange *)order;
     /* A shutdown that was too late, or for another step, has done nothing: the run goes on, and so do we. */
     const bool last = exchange->handler && exchange->handler->traits & LAST && order->state == RUN_STOPPING;
@@ -392,7 +412,7 @@ static int serve_locked(Daemon *daemon)
     if (status == MNS_E_STATE && daemon->held < 0) return refused(&error, MNS_EXIT_AGAIN);
     if (status) return refused(&error, disk ? MNS_EXIT_IO : MNS_EXIT_FAILED);
     status = comeback_begin(&daemon->comeback, daemon->parent, daemon->asked, daemon->desk, &error);
-    if (status) give_up(daemon, &error, MNS_EXIT_IO);
+    if (status) tell_unread(daemon, &error);
     else post_first(daemon);
     const Endpoint *at = &daemon->endpoint;
     log_line(LOG_INFORMATION, "listening at %s%s%s%s%s", at->control, at->tcp_control[0] ? " and " : "",

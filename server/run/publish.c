@@ -166,7 +166,7 @@ void run_publish(Run *run)
     status->steps_per_second = status->ns_per_particle_step = status->eta = status->end_time = NAN;
     status->state = run->state;
     fill_hash(run, status);
-    if (run->state == RUN_FAULT) status->fault = run->fault;
+    if (run->state == RUN_FAULT || run->state == RUN_EMPTY) status->fault = run->fault;
     if (run->sim) fill_case(run, status);
     status->lease = run->lease;
     document_leave(run->published);

@@ -137,3 +137,10 @@ void run_recover(Run *run, Order *order)
         run->astray = true;
     }
 }
+
+void run_unread(Run *run, Order *order, const MnsError *why)
+{
+    run->fault = *why;
+    run_publish(run);
+    run_answer(run, order, MNS_OK, NULL);
+}

@@ -117,6 +117,10 @@ void run_load(Run *run, Order *order, const RunLoad *load);
  * The state is RECOVERING meanwhile, and only orders that may be served then are; the run stands in the end where the last command left it,
  * READY or PAUSED. The order has its lineage, which is borrowed until the run is left. */
 void run_recover(Run *run, Order *order);
+
+/* There was a run, which cannot be read: EMPTY, and the status says why, until another one is there. */
+void run_unread(Run *run, Order *order, const MnsError *why);
+
 void run_reset(Run *run, Order *order);                     /* to t = 0 of the same case                              */
 void run_restore(Run *run, Order *order, const char *name); /* of a file in the run directory; NULL: the newest whole */
 void run_stop(Run *run, Order *order, bool checkpoint);     /* to EMPTY, files kept                                   */

@@ -182,6 +182,18 @@ static void damage(const char *path)
     fclose(file);
 }
 
+/* It is there, and says what is wrong with which file. */
+static void check_unread(Dialogue *dialogue, const char *journal)
+{
+    Meniscus__Request request = dialogue_status();
+    Meniscus__Reply *reply = dialogue_ask(dialogue, &request);
+    assert_non_null(reply);
+    assert_int_equal(reply->state, MENISCUS__STATE__EMPTY);
+    assert_non_null(strstr(reply->status->fault, "cannot be gone on with"));
+    assert_non_null(strstr(reply->status->fault, journal));
+    meniscus__reply__free_unpacked(reply, NULL);
+}
+
 /* Whoever began anew would have forgotten the run by the next crash. */
 static void a_run_whose_journal_cannot_be_read_is_not_forgotten(void **state)
 {
@@ -195,8 +207,11 @@ static void a_run_whose_journal_cannot_be_read_is_not_forgotten(void **state)
     assert_int_equal(dialogue_join(dialogue), -1);
     damage(journal);
     for (int k = 0; k < 2; k++) {
-        assert_int_equal(dialogue_in_vain(dialogue), MNS_EXIT_IO);
+        dialogue_again(dialogue);
+        check_unread(dialogue, journal);
         assert_int_equal(access(current, F_OK), 0);
+        kill(dialogue->daemon, SIGKILL);
+        assert_int_equal(dialogue_join(dialogue), -1);
     }
     damage(journal); /* as it was */
     dialogue_again(dialogue);

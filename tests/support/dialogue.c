@@ -100,13 +100,6 @@ void dialogue_again(Dialogue *dialogue)
     start(dialogue, NULL);
 }
 
-int dialogue_in_vain(Dialogue *dialogue)
-{
-    dialogue->daemon = fork();
-    if (dialogue->daemon == 0) run_daemon(dialogue, NULL);
-    return dialogue_join(dialogue);
-}
-
 void dialogue_crash(Dialogue *dialogue)
 {
     kill(dialogue->daemon, SIGKILL);

@@ -269,6 +269,22 @@ class WithACase(DaemonTest):
         self.meniscus("wait", "--for", "step=10", "--timeout", "20")
         self.assertEqual(self.runs(), ["another", "dambreak2d", "dambreak2d.2"])
 
+    def test_who_came_for_one_case_is_told_by_an_exit_code_that_its_journal_is_damaged(self) -> None:
+        self.kill_daemon()  # it has no run, and loads another one
+        self.meniscus("wait", "--for", "step=50", "--timeout", "20")
+        journal = Path(self.ask("status")["run_directory"]) / "journal"
+        self.daemon.kill()
+        self.daemon.wait()
+        whole = journal.read_bytes()
+        journal.write_bytes(whole[:60] + bytes([whole[60] ^ 1]) + whole[61:])
+        done = subprocess.run([BUILD / "meniscusd", "--name", "default", "--state-dir", self.home / "state", *self.options],
+                              env=self.environment, capture_output=True, text=True, timeout=20)
+        self.assertEqual(done.returncode, 74, done.stderr)
+        self.assertIn(f"'{journal}' is damaged: record 1", done.stderr)
+        journal.write_bytes(whole)
+        type(self).start_daemon()
+        self.meniscus("wait", "--for", "step=50", "--timeout", "20")
+
 
 if __name__ == "__main__":
     unittest.main()
