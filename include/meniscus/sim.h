@@ -46,6 +46,9 @@ MnsStatus mns_sim_step(MnsSim *sim, double t_max, MnsError *error);
  *          an option needs: the simulation unchanged. */
 MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error);
 
+/** Would it be adopted now? As mns_sim_steer(), but for memory, and nothing is changed. */
+MnsStatus mns_sim_check_steer(MnsSim *sim, const MnsCase *c, MnsError *error);
+
 const MnsCase *mns_sim_case(const MnsSim *sim);
 
 /** What has happened so far. All of it is part of the state: a restored run counts on. */

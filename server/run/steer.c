@@ -76,12 +76,19 @@ void run_set(Run *run, Order *order, const Meniscus__Set *set)
     answer_change(run, order, status, &error);
 }
 
+/* Could the run go over to it, if it were now? */
+static MnsStatus check_document(const Run *run, const Document *document, MnsError *error)
+{
+    const MnsStatus status = check_end(run, document, error);
+    return status ? status : mns_sim_check_steer(run->sim, document->c, error);
+}
+
 MnsStatus run_check_set(const Run *run, const Meniscus__Set *set, MnsError *error)
 {
     Document *document;
     MnsStatus status = document_set(run->document, set, &document, error);
     if (status) return status;
-    status = check_end(run, document, error);
+    status = check_document(run, document, error);
     document_leave(document);
     return status;
 }
@@ -89,7 +96,8 @@ MnsStatus run_check_set(const Run *run, const Meniscus__Set *set, MnsError *erro
 MnsStatus run_check_rollback(const Run *run, uint64_t version, MnsError *error)
 {
     Document *document;
-    return versions_find(&run->versions, version, &document, error);
+    const MnsStatus status = versions_find(&run->versions, version, &document, error);
+    return status ? status : check_document(run, document, error);
 }
 
 void run_rollback(Run *run, Order *order, uint64_t version)

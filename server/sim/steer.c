@@ -173,24 +173,42 @@ static MnsStatus refuse(MnsSim *sim, MnsStatus status, Fields fields, bool sorte
     return status;
 }
 
-MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
+static void free_gravity(Formula *gravity[3])
+{
+    for (int d = 0; d < 3; d++) formula_free(gravity[d]);
+}
+
+/* Everything that is asked of a case but memory. gravity: as it will be, for the caller to free, also after a failure. */
+static MnsStatus check_change(MnsSim *sim, const MnsCase *c, Formula *gravity[3], MnsError *error)
 {
     MnsStatus status = mns_case_check(c, error);
     if (status) return status;
     const char *entry = changed(sim->c, c);
     if (entry) return mns_fail_at(error, MNS_E_INVALID, entry, "cannot change in a run: load the case anew");
+    status = compile_gravity(c, sim->progress.t, gravity, error);
+    return status ? status : affordable(sim, c, gravity, error);
+}
 
+MnsStatus mns_sim_check_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
+{
+    Formula *gravity[3] = {0};
+    const MnsStatus status = check_change(sim, c, gravity, error);
+    free_gravity(gravity);
+    return status;
+}
+
+MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
+{
     const int threads = sim_threads_for(c);
     const Fields fields = sim->s.fields;
     Neighbours lists = {0};
     Formula *gravity[3] = {0};
-    status = compile_gravity(c, sim->progress.t, gravity, error);
-    if (!status) status = affordable(sim, c, gravity, error);
+    MnsStatus status = check_change(sim, c, gravity, error);
     if (!status) status = add_fields(sim, c, error);
     const bool sorts = !status && threads != sim->threads;
     if (sorts) status = build_lists(sim, threads, &lists, error);
     if (status) {
-        for (int d = 0; d < 3; d++) formula_free(gravity[d]);
+        free_gravity(gravity);
         neighbours_done(&lists);
         return refuse(sim, status, fields, sorts);
     }

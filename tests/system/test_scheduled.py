@@ -170,6 +170,8 @@ class Scheduled(DaemonTest):
         for command in (dict(step=pb.Step()), dict(status=pb.GetStatus()), dict(breakpoint=pb.SetBreakpoint())):
             self.refused(invalid, "at_step", "cannot be scheduled", at_step=9, **command)
         self.refused(invalid, "gravity", "a list of 3", set=set_gravity("[0, 0, 1]"), at_step=9)
+        self.refused(invalid, "resolution", "", set=pb.Set(assignments=[pb.Assignment(path="resolution", value="20")]), at_step=9)
+        self.refused(invalid, "gravity[1]", "no finite number", set=set_gravity("[0, 1/(t - t)]"), at_step=9)
         self.refused(pb.NOT_FOUND, "version", "no version 7", rollback=pb.Rollback(version=7), at_step=9)
         self.refused(pb.NOT_FOUND, "fields", "no field", snapshot=pb.SnapshotNow(fields=["x"]), at_step=9)
         self.assertEqual(self.pending(), [])
