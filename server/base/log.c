@@ -2,12 +2,14 @@
 /* One line per event on standard error; with the priority in front where the journal reads it. */
 #include "base/log.h"
 
+#include <poll.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static _Atomic int log_level = LOG_INFORMATION;
 static bool to_journal;
@@ -46,6 +48,35 @@ int log_level_find(const char *word)
     return -1;
 }
 
+/* A pipe or a socket that nobody reads must not make a thread wait, least of all the solver's. What is ready takes a whole line. */
+static bool takes_a_line(void)
+{
+    struct pollfd out = {.fd = STDERR_FILENO, .events = POLLOUT};
+    return poll(&out, 1, 0) != 0;
+}
+
+static void write_line(LogLevel level, const char *line)
+{
+    if (to_journal) fprintf(stderr, "<%d>%s\n", (int)level, line);
+    else fprintf(stderr, "%s: %s\n", program, line);
+}
+
+static void write_if_read(LogLevel level, const char *line)
+{
+    static unsigned lost; /* lines, since one was written */
+    char text[80];
+    if (!takes_a_line()) {
+        lost++;
+        return;
+    }
+    if (lost) {
+        snprintf(text, sizeof text, "%u lines were lost, as nobody read them", lost);
+        write_line(LOG_WARNING, text);
+    }
+    lost = 0;
+    write_line(level, line);
+}
+
 void log_line(LogLevel level, const char *format, ...)
 {
     if ((int)level > log_level) return;
@@ -56,6 +87,7 @@ void log_line(LogLevel level, const char *format, ...)
     va_end(list);
     for (char *c = line; *c; c++)
         if ((unsigned char)*c < ' ' || *c == 127) *c = ' ';
-    if (to_journal) fprintf(stderr, "<%d>%s\n", (int)level, line);
-    else fprintf(stderr, "%s: %s\n", program, line);
+    flockfile(stderr);
+    write_if_read(level, line);
+    funlockfile(stderr);
 }

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-/* Room is taken in blocks, and what the system has got without a wait for the disk is kept up to here. */
+/* Room is taken in blocks. Of what the system has got and the disk perhaps not, so much is kept: then the disk is waited for. */
 enum { BLOCK = 1 << 16, KEPT = 1 << 20 };
 
 struct Journal {
@@ -134,22 +134,8 @@ static void forget_written(Journal *journal)
     journal->written = 0;
 }
 
-MnsStatus journal_write(Journal *journal, MnsError *error)
+static MnsStatus sync_written(Journal *journal, MnsError *error)
 {
-    const size_t from = journal->written;
-    if (from == journal->n) return MNS_OK;
-    const int failure =
-        file_write_at(journal->fd, journal->kept + from, journal->n - from, (size_t)journal->durable + from);
-    if (failure) return file_fail(error, failure, "write", journal->path);
-    journal->written = journal->n;
-    if (journal->n > KEPT) forget_written(journal);
-    return MNS_OK;
-}
-
-MnsStatus journal_commit(Journal *journal, MnsError *error)
-{
-    const MnsStatus status = journal_write(journal, error);
-    if (status) return status;
     int failure;
     do failure = fdatasync(journal->fd) ? errno : 0;
     while (failure == EINTR);
@@ -159,6 +145,23 @@ MnsStatus journal_commit(Journal *journal, MnsError *error)
     }
     forget_written(journal);
     return MNS_OK;
+}
+
+MnsStatus journal_write(Journal *journal, MnsError *error)
+{
+    const size_t from = journal->written;
+    if (from == journal->n) return MNS_OK;
+    const int failure =
+        file_write_at(journal->fd, journal->kept + from, journal->n - from, (size_t)journal->durable + from);
+    if (failure) return file_fail(error, failure, "write", journal->path);
+    journal->written = journal->n;
+    return journal->n > KEPT ? sync_written(journal, error) : MNS_OK;
+}
+
+MnsStatus journal_commit(Journal *journal, MnsError *error)
+{
+    const MnsStatus status = journal_write(journal, error);
+    return status ? status : sync_written(journal, error);
 }
 
 bool journal_behind(const Journal *journal)

@@ -20,7 +20,8 @@ typedef enum Trait {
     CHANGES = 1 << 5,   /* something: the journal has it before its reply leaves   */
     LEASED = 1 << 6,    /* refused while somebody else holds the lease             */
     AT_MOMENT = 1 << 7, /* may be scheduled, see scheduled.h                      */
-    LOOKS = 1 << 8      /* and does no more: it changes nothing, and writes nothing */
+    LOOKS = 1 << 8,     /* and does no more: it changes nothing, and writes nothing */
+    WRITES = 1 << 9     /* a file of the particles: not while others wait for the disk */
 } Trait;
 
 typedef struct Handler {

@@ -60,10 +60,12 @@ static Order *first(Mailbox *box)
     return order;
 }
 
-Order *mailbox_take_but_looks(Mailbox *box)
+Order *mailbox_take_but(Mailbox *box, bool looks, bool writes)
 {
     pthread_mutex_lock(&box->lock);
-    Order *order = box->urgent || (box->plain && !box->plain->looks) ? first(box) : NULL;
+    const Order *plain = box->plain;
+    const bool waits = plain && ((looks && plain->looks) || (writes && plain->writes));
+    Order *order = box->urgent || !waits ? first(box) : NULL;
     pthread_mutex_unlock(&box->lock);
     return order;
 }

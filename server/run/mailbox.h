@@ -30,8 +30,8 @@ MnsStatus mailbox_post(Mailbox *box, Order *order, MnsError *error);
 /* The next order, urgent ones first unless one leads; waits for one until the moment `until` (clock_now()). NULL if there is none. */
 Order *mailbox_take(Mailbox *box, double until);
 
-/* The next order at once, as above, but none that only looks: then, or if there is none, NULL. */
-Order *mailbox_take_but_looks(Mailbox *box);
+/* The next order at once, as above, but none that only looks, or that writes a file, or neither: then, or if there is none, NULL. */
+Order *mailbox_take_but(Mailbox *box, bool looks, bool writes);
 
 /* Whoever waits for an order, now or the next time, gets NULL at once: there is something else to see to. */
 void mailbox_wake(Mailbox *box);

@@ -54,6 +54,7 @@ typedef struct Order {
     bool urgent;     /* overtakes all that are not                                           */
     bool leads;      /* nothing overtakes it: what comes after the start is for the run that it brings  */
     bool looks;      /* changes nothing, writes nothing: may be kept waiting by what does, and by steps */
+    bool writes;     /* a file: while the run goes on, it waits until the writer has room for it        */
     bool meanwhile;  /* served also while the run comes back after a crash                   */
     bool motion;     /* sets the run in motion: called off by a later pause or stop           */
     bool ends;       /* what is being loaded is given up for it: the order of `ends_id`      */

@@ -109,12 +109,13 @@ static double patience(const Run *run)
     return fmax(LOOKS_LEAST, meter->steps ? LOOKS_SHARE * meter->stepping / (double)meter->steps : 0);
 }
 
-/* looked: the time that such orders have taken at this boundary; what is behind those that wait for the next one waits too, as orders keep
- * their order. While the run comes back after a crash, those that have no time for that; the others wait until it is there. */
+/* looked: the time that such orders have taken at this boundary. They wait for the next one then, and who has a file written waits for the disk,
+ * so that a run in motion need not; what is behind those that wait waits too, as orders keep their order. While the run comes back after a crash, those that have no time for that; the others wait until it is there. */
 static Order *next_order(Run *run, double looked)
 {
     if (run->state == RUN_RECOVERING) return mailbox_take_meanwhile(&run->mailbox);
-    if (run->state == RUN_RUNNING && looked > patience(run)) return mailbox_take_but_looks(&run->mailbox);
+    if (run->state == RUN_RUNNING)
+        return mailbox_take_but(&run->mailbox, looked > patience(run), writer_is_full(run->outputs.writer));
     return mailbox_take(&run->mailbox, wake_time(run));
 }
 

@@ -246,6 +246,11 @@ void writer_queue(const Writer *writer, unsigned *ret_heavy, unsigned *ret_light
     *ret_light = writer->light;
 }
 
+bool writer_is_full(const Writer *writer)
+{
+    return writer->heavy >= WRITER_HEAVY_MAX;
+}
+
 MnsStatus writer_failure(Writer *writer, MnsError *error)
 {
     pthread_mutex_lock(&writer->lock);

@@ -49,6 +49,9 @@ MnsStatus writer_call(Writer *writer, Job *job, MnsError *error);
 /* How many heavy jobs, and how many others, are queued or being done. Waits for nobody. */
 void writer_queue(const Writer *writer, unsigned *ret_heavy, unsigned *ret_light);
 
+/* Would it keep who posts a heavy job waiting? Waits for nobody. */
+bool writer_is_full(const Writer *writer);
+
 /* Has a job failed? MNS_OK or its failure. */
 MnsStatus writer_failure(Writer *writer, MnsError *error);
 

@@ -39,7 +39,7 @@ static void nothing_overtakes_an_order_that_leads(void **state)
     mailbox_post(*state, &leads, NULL);
     mailbox_post(*state, &plain, NULL);
     for (int k = 0; k < 2; k++) mailbox_post(*state, &urgent[k], NULL);
-    assert_ptr_equal(mailbox_take_but_looks(*state), &leads);
+    assert_ptr_equal(mailbox_take_but(*state, true, false), &leads);
     for (int k = 0; k < 2; k++) assert_ptr_equal(mailbox_take(*state, 0), &urgent[k]);
     assert_ptr_equal(mailbox_take(*state, 0), &plain);
     mailbox_post(*state, &urgent[0], NULL);
@@ -76,6 +76,19 @@ static void who_only_looks_leaves_room_for_who_does_something(void **state)
     assert_int_equal(mailbox_post(*state, &looks[0], &error), MNS_OK);
 }
 
+static void who_has_a_file_written_can_be_left_waiting_and_keeps_its_place(void **state)
+{
+    Order writes = {.writes = true}, looks = {.looks = true}, urgent = {.urgent = true};
+    mailbox_post(*state, &looks, NULL);
+    mailbox_post(*state, &writes, NULL);
+    mailbox_post(*state, &urgent, NULL);
+    assert_ptr_equal(mailbox_take_but(*state, false, true), &urgent);
+    assert_ptr_equal(mailbox_take_but(*state, false, true), &looks);
+    assert_null(mailbox_take_but(*state, false, true));
+    assert_null(mailbox_take_but(*state, true, true));
+    assert_ptr_equal(mailbox_take_but(*state, true, false), &writes);
+}
+
 static void who_only_looks_can_be_left_waiting_and_keeps_its_place(void **state)
 {
     Order looks = {.looks = true}, plain[2] = {{.urgent = false}}, urgent = {.urgent = true};
@@ -83,12 +96,12 @@ static void who_only_looks_can_be_left_waiting_and_keeps_its_place(void **state)
     mailbox_post(*state, &looks, NULL);
     mailbox_post(*state, &plain[1], NULL);
     mailbox_post(*state, &urgent, NULL);
-    assert_ptr_equal(mailbox_take_but_looks(*state), &urgent);
-    assert_ptr_equal(mailbox_take_but_looks(*state), &plain[0]);
-    assert_null(mailbox_take_but_looks(*state));
+    assert_ptr_equal(mailbox_take_but(*state, true, false), &urgent);
+    assert_ptr_equal(mailbox_take_but(*state, true, false), &plain[0]);
+    assert_null(mailbox_take_but(*state, true, false));
     assert_ptr_equal(mailbox_take(*state, 0), &looks);
-    assert_ptr_equal(mailbox_take_but_looks(*state), &plain[1]);
-    assert_null(mailbox_take_but_looks(*state));
+    assert_ptr_equal(mailbox_take_but(*state, true, false), &plain[1]);
+    assert_null(mailbox_take_but(*state, true, false));
 }
 
 static void an_order_can_be_taken_back_by_its_id(void **state)
@@ -186,6 +199,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_full_box_says_so_and_still_takes_urgent_orders, begin, end),
         cmocka_unit_test_setup_teardown(who_only_looks_leaves_room_for_who_does_something, begin, end),
         cmocka_unit_test_setup_teardown(who_only_looks_can_be_left_waiting_and_keeps_its_place, begin, end),
+        cmocka_unit_test_setup_teardown(who_has_a_file_written_can_be_left_waiting_and_keeps_its_place, begin, end),
         cmocka_unit_test_setup_teardown(an_order_may_end_what_is_under_way, begin, end),
         cmocka_unit_test_setup_teardown(an_order_can_be_taken_back_by_its_id, begin, end),
         cmocka_unit_test_setup_teardown(only_older_orders_that_set_in_motion_are_called_off, begin, end),
