@@ -73,6 +73,41 @@ void completion_kinds(const char *text, char *ret, size_t size)
 
 /* --- bash ----------------------------------------------------------------------------------------------------------------- */
 
+/* The daemon and the dashboard have tables of their own, which their help shows. */
+static const char bash_end[] =
+    "\n"
+    "# Of meniscusd and meniscus-dashboard, by what their help says.\n"
+    "_meniscus_service()\n"
+    "{\n"
+    "    local current=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} line words='' value=''\n"
+    "    local option='^ +(-(.), )?(--[a-z-]+)([= ]([^ ]+))?'\n"
+    "    COMPREPLY=()\n"
+    "    if [ \"$current\" = = ]; then\n"
+    "        current=''\n"
+    "    elif [ \"$before\" = = ]; then\n"
+    "        before=${COMP_WORDS[COMP_CWORD - 2]}\n"
+    "    fi\n"
+    "    while IFS= read -r line; do\n"
+    "        if ! [[ $line =~ $option ]]; then continue; fi\n"
+    "        words+=\" ${BASH_REMATCH[3]}\"\n"
+    "        case $before in \"-${BASH_REMATCH[2]}\" | \"${BASH_REMATCH[3]}\") value=${BASH_REMATCH[5]} ;; esac\n"
+    "    done <<<\"$(\"${COMP_WORDS[0]}\" --help 2>/dev/null)\"\n"
+    "    case $value in\n"
+    "    '') ;;\n"
+    "    CASE) words='@cases @files' ;;\n"
+    "    DIR) words=@directories ;;\n"
+    "    FILE) words=@files ;;\n"
+    "    PATH=VALUE) words=@assignments ;;\n"
+    "    *ENDPOINT) words=@daemons ;;\n"
+    "    LEVEL) words='error warning notice info debug' ;;\n"
+    "    auto | json) words=$value ;;\n"
+    "    *) words='' ;;\n"
+    "    esac\n"
+    "    # shellcheck disable=SC2086 # words\n"
+    "    _meniscus_offer \"$current\" $words\n"
+    "}\n"
+    "complete -F _meniscus_service meniscusd meniscus-dashboard\n";
+
 static const char bash_begin[] =
     "# Completion of meniscus for bash, written by `meniscus completion bash`.\n"
     "# Adds those of the lines read that begin with the first word. They are no -W of compgen, which runs what stands "
@@ -88,6 +123,7 @@ static const char bash_begin[] =
     "_meniscus_offer()\n"
     "{\n"
     "    local kind current=$1 program=${COMP_WORDS[0]} found=''\n"
+    "    case $program in *meniscusd | *meniscus-dashboard) program=${program%meniscus*}meniscus ;; esac\n"
     "    shift\n"
     "    for kind; do\n"
     "        case $kind in\n"
@@ -189,12 +225,13 @@ static void print_bash(FILE *out)
           "}\n"
           "complete -F _meniscus meniscus\n",
           out);
+    fputs(bash_end, out);
 }
 
 /* --- zsh ------------------------------------------------------------------------------------------------------------------ */
 
 static const char zsh_begin[] =
-    "#compdef meniscus\n"
+    "#compdef meniscus meniscusd meniscus-dashboard\n"
     "# Completion of meniscus for zsh, written by `meniscus completion zsh`.\n"
     "_meniscus_offer()\n"
     "{\n"
@@ -230,6 +267,10 @@ static const char zsh_begin[] =
     "    local curcontext=$curcontext state line\n"
     "    local -a commands\n"
     "    local -A opt_args\n"
+    "    if [[ ${service-meniscus} != meniscus ]]; then\n"
+    "        _gnu_generic\n"
+    "        return\n"
+    "    fi\n"
     "    commands=(\n";
 
 /* Within single quotes, for _arguments and _describe. */
@@ -294,7 +335,7 @@ static void print_zsh(FILE *out)
     }
     fputs("        esac\n        ;;\n    esac\n}\n\nif [ \"$funcstack[1]\" = _meniscus ]; then _meniscus \"$@\"; else "
           "compdef "
-          "_meniscus meniscus; fi\n",
+          "_meniscus meniscus meniscusd meniscus-dashboard; fi\n",
           out);
 }
 

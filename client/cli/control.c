@@ -172,7 +172,13 @@ static MnsStatus report_lease(const Invocation *in, MnsReply *reply, MnsError *e
                             reply->lease_epoch ? json_integer((json_int_t)reply->lease_epoch) : json_null());
         json_object_set_new(object, "lease_s", output_number(reply->lease_epoch ? reply->lease_s : NAN));
         status = output_json(object, error);
-    } else if (reply->lease_epoch) printf("%" PRIu64 "\n", reply->lease_epoch);
+    } else if (reply->lease_epoch) {
+        printf("%" PRIu64 "\n", reply->lease_epoch);
+        if (isatty(STDOUT_FILENO))
+            fprintf(stderr,
+                    "It is yours for %.0f s. Commands are sent under it with: export MENISCUS_LEASE=%" PRIu64 "\n",
+                    reply->lease_s, reply->lease_epoch);
+    }
     mns_reply_free(reply);
     return status;
 }

@@ -81,6 +81,7 @@ completion() {
     rm -f "$text"
 }
 completion bash "$PREFIX/share/bash-completion/completions/meniscus"
+for program in meniscusd meniscus-dashboard; do link meniscus "$PREFIX/share/bash-completion/completions/$program"; done
 completion zsh "$PREFIX/share/zsh/site-functions/_meniscus"
 for page in meniscus.1 meniscusd.8 meniscus-case.5; do put 644 "$BUILD/man/$page" "$PREFIX/share/man/man${page##*.}/$page"; done
 put 644 "$BUILD/libmeniscus.a" "$lib/libmeniscus.a"

@@ -22,7 +22,7 @@ CASES = ROOT / "server" / "cases"
 SPLIT = r"""
 . "$1"
 COMP_WORDS=("${@:2}") COMP_CWORD=$(($# - 2))
-_meniscus
+case $2 in *meniscusd | *dashboard) _meniscus_service ;; *) _meniscus ;; esac
 printf '%s\n' "${COMPREPLY[@]}"
 """
 
@@ -132,6 +132,24 @@ class Completion(unittest.TestCase):
         self.assertEqual(set(self.meniscus("completion", "cases").split()), {p.stem for p in CASES.glob("*.yaml")})
         self.meniscus("completion", "fish", code=2)
 
+    def test_the_daemon_and_the_dashboard_are_completed_by_their_help(self) -> None:
+        daemon, dashboard = BUILD / "meniscusd", BUILD / "meniscus-dashboard"
+        (self.home / "kept").mkdir()
+        for program, words, offered in (
+            (daemon, ("--l",), {"--listen", "--load", "--log", "--log-level"}),
+            (daemon, ("--load", "dambreak3"), {"dambreak3d"}),
+            (daemon, ("--load", "=", "dambreak3"), {"dambreak3d"}),
+            (daemon, ("--state-dir", "ke"), {"kept"}),
+            (daemon, ("--set", "end_t"), {"end_time="}),
+            (daemon, ("--log-level", "w"), {"warning"}),
+            (daemon, ("-o", ""), {"json"}),
+            (daemon, ("--threads", ""), set()),
+            (dashboard, ("--ht",), {"--http", "--http-token"}),
+            (dashboard, ("--http-token", "ke"), {"kept"}),
+            (dashboard, ("-d", ""), set()),
+        ):  # fmt: skip
+            self.assertEqual(self.offers(*words, program=program), offered, words)
+
     def test_zsh_offers_states_behind_state(self) -> None:
         script = self.meniscus("completion", "zsh")
         offer = script[: script.index("_meniscus()\n")]
@@ -173,7 +191,8 @@ class Completion(unittest.TestCase):
         see(b"ready")
         # What is there already need not be drawn again.
         for typed, finished in ((b"meniscus run-u\t", b"ntil"), (b"\x15meniscus run sloshing2d-si\t", b"ngle"),
-                                (b"\x15meniscus status -o js\t", b"on"), (b"\x15meniscus render --colours vir\t", b"idis")):  # fmt: skip
+                                (b"\x15meniscus status -o js\t", b"on"), (b"\x15meniscus render --colours vir\t", b"idis"),
+                                (b"\x15meniscusd --state\t", b"-dir")):  # fmt: skip
             os.write(terminal, typed)
             see(finished)
 

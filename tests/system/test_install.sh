@@ -52,8 +52,9 @@ expect "the installed daemon runs" "$root/opt/bin/meniscusd" --help
 expect "the installed dashboard runs" "$root/opt/bin/meniscus-dashboard" --help
 expect "the Python client can be imported where python3 is told of it" env PYTHONPATH="$root/opt/lib/python3/dist-packages" \
     /usr/bin/python3 -c "import meniscus"
+expect "bash finds the completion of the daemon" bash -n "$root/opt/share/bash-completion/completions/meniscusd"
 expect "bash finds its completion" bash -n "$root/opt/share/bash-completion/completions/meniscus"
-expect "zsh finds its completion" grep -q '^#compdef meniscus$' "$root/opt/share/zsh/site-functions/_meniscus"
+expect "zsh finds its completion" grep -q '^#compdef meniscus meniscusd' "$root/opt/share/zsh/site-functions/_meniscus"
 # shellcheck disable=SC2016 # the inner shell expands
 expect "man finds the manual pages" sh -c 'for page in meniscus meniscusd meniscus-case; do man -M "$1" -w "$page" || exit 1; done' \
     sh "$root/opt/share/man"

@@ -155,6 +155,7 @@ class WithDaemon(DaemonTest):
         times = plot.figure.axes[0].lines[0].get_xdata()
         self.assertGreater(len(times), 10)
         self.assertTrue((np.diff(times) > 0).all())
+        np.testing.assert_array_equal(times, self.simulation.series.time)  # from the first sample on, whenever it began to listen
         self.assertTrue((plot._repr_png_() or b"").startswith(b"\x89PNG"))
         plot.follow(timeout=20)  # nothing comes any more, and that is seen
 

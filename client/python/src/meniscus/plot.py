@@ -8,9 +8,10 @@ import time
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 from .client import Client
-from .errors import RefusedError
+from .errors import MeniscusError, RefusedError
 from .values import Telemetry
 
+FLUSHED = 2.0  # [s] after which a series that is followed is on the disk
 STILL = ("EMPTY", "READY", "PAUSED", "DONE", "FAULT", "STOPPING")
 
 
@@ -47,15 +48,32 @@ class LivePlot:
 
     def add(self, sample: Telemetry) -> None:
         """One more sample of the topic "probe". One that goes back in time begins anew: the run was reset or restored."""
-        for name, (times, values) in self._points.items():
-            if name not in sample.values:
-                continue
-            while times and times[-1] >= sample.time:
-                times.pop()
-                values.pop()
-            value = sample.values[name].value
-            times.append(sample.time)
-            values.append(float(value) if isinstance(value, (int, float)) else float("nan"))
+        for name in self._points:
+            if name in sample.values:
+                value = sample.values[name].value
+                self._put(name, sample.time, float(value) if isinstance(value, (int, float)) else float("nan"))
+
+    def _put(self, name: str, when: float, value: float) -> None:
+        times, values = self._points[name]
+        while times and times[-1] >= when:
+            times.pop()
+            values.pop()
+        times.append(when)
+        values.append(value)
+
+    def _complete(self) -> None:
+        """What came before we listened, and what was not read in time, is in the series, to the last sample that we have."""
+        last = max((times[-1] for times, _ in self._points.values() if times), default=0.0)
+        before, self._points = self._points, {name: ([], []) for name in self._points}
+        with self._client.stream("series", *self._points, timeout=FLUSHED) as stream:
+            for item in stream:
+                for name in self._points:
+                    for when, value in zip(item["time"], item[name]):
+                        self._put(name, float(when), float(value))
+                if float(item["time"][-1]) >= last:
+                    break
+        if not any(times for times, _ in self._points.values()):
+            self._points = before
 
     def draw(self) -> None:
         """Bring the picture up to date, in the place of the last one."""
@@ -83,6 +101,10 @@ class LivePlot:
             pass
         finally:
             messages.close()  # type: ignore[attr-defined]
+        try:
+            self._complete()
+        except MeniscusError:
+            pass  # the run is gone, or it has no series; what we have seen we have
         self.draw()
 
     def _show(self) -> None:
