@@ -11,7 +11,7 @@
 #include <endian.h>
 #include <xxhash.h>
 
-enum { CHANGES = 16, TEXT = 24 };
+enum { CHANGES = 16 };
 
 static MnsSim *sim;
 static uint8_t *whole; /* a checkpoint */
@@ -126,9 +126,9 @@ static const char *draw_name(Script *script)
     enum { OTHERS = sizeof others / sizeof *others };
     unsigned k = draw(script), fields = 0;
     while (mns_fields()[fields].name) fields++;
-    k %= fields + OTHERS;
-    snprintf(name, sizeof name, "/state/%s", k < fields ? mns_fields()[k].name : "");
-    return k < fields ? name : others[k - fields];
+    k %= OTHERS + fields;
+    snprintf(name, sizeof name, "/state/%s", k < OTHERS ? "" : mns_fields()[k - OTHERS].name);
+    return k < OTHERS ? others[k] : name;
 }
 
 static const char *draw_mark(Script *script)

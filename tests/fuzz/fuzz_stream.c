@@ -13,7 +13,7 @@
 #include <sys/eventfd.h>
 #include <zmq.h>
 
-enum { OPENED = 8, ROUNDS = 16, FRAMES = 64, MEMORY = 64 << 20, WAIT_MS = 2, STEPS = 200 };
+enum { OPENED = 8, ROUNDS = 16, FRAMES = 64, MEMORY = 64 << 20, WAIT_MS = 2, STEPS = 64 };
 
 static const char case_text[] =
     "{dimensions: 2, resolution: 4, domain: {min: [0, 0], max: [2, 1]}, gravity: [0, -1], end_time: 10, threads: 1, "

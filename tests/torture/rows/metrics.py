@@ -88,7 +88,7 @@ class Size:
     client_kills: int = 10
     daemon_kills: int = 2
     fuzz_seconds: float = 10.0  # for each target, again and again
-    inputs: int = 2_000_000  # until all targets together have had so many
+    inputs: int = 500_000  # until all targets together have had so many
     frames: int = 200_000  # in front of the handlers
     parameters: int = 20_000  # random sets
     sequences: int = 250  # of commands, compared with the model
