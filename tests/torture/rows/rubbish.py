@@ -62,7 +62,7 @@ def model(size: Size) -> Iterator[Metric]:
     began = time.monotonic()
     while not failed and done < size.sequences:
         n = min(SEQUENCES_AT_ONCE, size.sequences - done)
-        _, failed, said = test_program(["tests/system/test_model.py"], 120 + 5 * n, MENISCUS_SEQUENCES=str(n), MENISCUS_SEED=str(20261125 + runs))
+        _, failed, said = test_program([sys.executable, "tests/system/test_model.py"], 120 + 5 * n, MENISCUS_SEQUENCES=str(n), MENISCUS_SEED=str(20261125 + runs))
         found = re.search(r"^(\d+) sequences, (\d+) commands", said, re.MULTILINE)
         if failed or not found:
             sys.stderr.write(said[-3000:])
