@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Random sequences of commands, good and bad, of several clients: every reply is that of the reference model (tests/support/reference.py).
 
-MENISCUS_SEQUENCES says how many; 250 unless it is set. 10^5: `tests/torture/torture.py model --set sequences=100000`, or `make torture SIZE=full`. They are the same every time unless MENISCUS_SEED is set. What fails is made as
-short as it can be, and printed.
+MENISCUS_SEQUENCES says how many; 250 unless it is set, 10^5 with `make torture ROW=model SIZE=full`. They are the same every time unless
+MENISCUS_SEED is set. What fails is made as short as it can be, and printed.
 """
 
 import os
