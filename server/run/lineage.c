@@ -85,6 +85,7 @@ static MnsStatus begin_anew(Lineage *lineage, const Record *record, MnsError *er
     if (back && !status) status = add(lineage, adopted, error);
     for (size_t k = 0; !status && k < record->n_again; k++) {
         const Meniscus__Again *again = record->again[k];
+        if (again->scheduled && !again->request) continue; /* nothing waits */
         status = add(lineage,
                      (LineageEntry){.step = again->step,
                                     .request = again->request,

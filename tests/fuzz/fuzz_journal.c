@@ -114,7 +114,10 @@ static void come_back(Comeback *comeback)
     comeback_request(comeback, &request, &load);
     resume = comeback_resume(comeback);
     rest = comeback_rest(comeback);
-    for (size_t k = 0; k < lineage->n; k++) lineage_needs(lineage, k, lineage->step / 2);
+    for (size_t k = 0; k < lineage->n; k++) {
+        lineage_needs(lineage, k, lineage->step / 2);
+        PROMISE(lineage->entries[k].request || !lineage->entries[k].scheduled);
+    }
     lineage_limit(lineage, lineage->step, 0);
     do_again(lineage, &request);
     request_free(resume);

@@ -444,6 +444,21 @@ static void a_load_without_a_name_is_of_the_case_that_it_was_called_then(void **
     assert_string_equal(read(book, MNS_OK)->name, CASE_NAMELESS);
 }
 
+/* No daemon writes it, and none may be led astray by it. */
+static void what_is_scheduled_without_a_request_waits_for_nothing(void **state)
+{
+    Book *book = *state;
+    add_load(book);
+    Record *back = add_comeback(book, 0);
+    meniscus__again__init(&book->again);
+    book->again.scheduled = true;
+    book->all_again[0] = &book->again;
+    back->again = book->all_again;
+    back->n_again = 1;
+    const Lineage *lineage = read(book, MNS_OK);
+    for (size_t k = 0; k < lineage->n; k++) assert_false(lineage->entries[k].scheduled);
+}
+
 #define TEST(name) cmocka_unit_test_setup_teardown(name, begin, end)
 
 int main(void)
@@ -464,6 +479,7 @@ int main(void)
         TEST(a_lease_that_nobody_was_told_of_is_none),
         TEST(a_lease_is_kept_when_the_machine_itself_has_failed_or_it_is_of_an_older_daemon),
         TEST(a_lease_whose_reply_has_another_result_is_none),
+        TEST(what_is_scheduled_without_a_request_waits_for_nothing),
         TEST(a_load_without_a_name_is_of_the_case_that_it_was_called_then),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
