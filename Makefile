@@ -237,10 +237,9 @@ $(BUILD)/libmeniscus-client.so: $(CLIENT) $(PROTO) client/lib/exports.map $(BUIL
 $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT) $(BUILD)/libmeniscus-dashboard.a $(BUILD)/libmeniscus-cli.a $(BUILD)/libmeniscus-client.a $(BUILD)/libmeniscusd.a $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-proto.a
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)$(link) $< $(SUPPORT) -Wl,--start-group $(filter %.a,$^) -Wl,--end-group $(pkg_libs) $(hypre_libs) -lm -lpthread -lcmocka $(LDLIBS)
-# No more than they look at, as it is all built for them alone.
-$(BUILD)/tests/fuzz/%: $(BUILD)/obj/tests/fuzz/%.o $(call objects,$(call sources,server/cases) server/base/status.c server/sim/case.c server/sim/field.c) $(BUILD)/libmeniscus-proto.a
+$(BUILD)/tests/fuzz/%: $(BUILD)/obj/tests/fuzz/%.o $(BUILD)/obj/tests/support/cases.o $(BUILD)/libmeniscusd.a $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-proto.a
 	@mkdir -p $(@D)
-	$(call say,LINK,$@)$(link) -fsanitize=fuzzer $^ $(client_libs) -lm $(LDLIBS)
+	$(call say,LINK,$@)$(link) -fsanitize=fuzzer $(filter %.o,$^) -Wl,--start-group $(filter %.a,$^) -Wl,--end-group $(pkg_libs) $(hypre_libs) -lm -lpthread $(LDLIBS)
 
 # --- objects and generated sources --------------------------------------------------------------------------------------
 $(SOLVER): private cflags += $(HOT)

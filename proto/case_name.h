@@ -8,6 +8,9 @@
 
 enum { CASE_NAME_SIZE = 101 };
 
+/* Of a case that is loaded without one, also when a journal tells of that load. */
+#define CASE_NAMELESS "case"
+
 /* One to 100 letters, digits, dots, dashes and underscores, the first of them no dot: that would be hidden, or a way up. */
 bool is_name(const char *text);
 

@@ -70,7 +70,8 @@ static void print_outcome(const Record *record)
 {
     const Meniscus__Reply *reply = record->reply;
     if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__BEGUN) printf(": begun");
-    else if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__SCHEDULED) print_moment(record->request);
+    else if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__SCHEDULED && record->request)
+        print_moment(record->request);
     else if (record->undone) printf(": not done, as the journal could not be written");
     else if (reply && reply->code != MENISCUS__CODE__OK) printf(": %s", text(reply->message));
     else if (reply) printf(": %s", run_state_name((RunState)reply->state));
@@ -156,14 +157,14 @@ static json_t *record_json(const HistoryRecord *at)
     char moment[40], hash[24];
     when(record, moment);
     snprintf(hash, sizeof hash, "%016" PRIx64, record->state_hash);
-    return json_pack("{sI sI ss ss so sI so so so so so ss? so ss? ss?}", "number", (json_int_t)at->number, "offset",
+    return json_pack("{sI sI ss ss so sI so so so so so ss? so so so}", "number", (json_int_t)at->number, "offset",
                      (json_int_t)at->offset, "kind", kind_name(record), "when", moment, "who",
                      outcome_text(record->who ? record->who->name : NULL), "step", (json_int_t)record->step, "time",
                      record->has_time ? json_real(record->time) : json_null(), "command",
                      outcome_text(record->request ? history_command(record) : NULL), "id", id_json(record), "changes",
                      changes_json(record), "reply", reply_json(record->reply), "state_hash",
-                     record->has_state_hash ? hash : NULL, "undone", undone_json(record), "level", record->level,
-                     "arithmetic", record->arithmetic);
+                     record->has_state_hash ? hash : NULL, "undone", undone_json(record), "level",
+                     outcome_text(record->level), "arithmetic", outcome_text(record->arithmetic));
 }
 
 static void print_json(const char *directory, const History *history, bool verify, const MnsError *error, int code)

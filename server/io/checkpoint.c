@@ -125,9 +125,11 @@ static void get_case(H5 *h, Checkpoint *c)
 {
     uint64_t hash = 0;
     c->case_size = h5_rows(h, "/case");
+    h5_expect_bytes(h, c->case_size);
+    if (h->status) return;
     c->case_blob = malloc(c->case_size + 1);
     if (!c->case_blob) h5_raise(h, MNS_E_MEMORY, "no memory for the case in '%s'", h->path);
-    h5_get_rows(h, "/case", H5T_NATIVE_UINT8, 0, c->case_size, c->case_blob);
+    h5_get(h, "/case", H5T_NATIVE_UINT8, c->case_size, c->case_blob);
     h5_get_mark(h, "/case", "xxh64", H5T_NATIVE_UINT64, &hash);
     if (!h->status && hash != XXH64(c->case_blob, c->case_size, 0))
         h5_raise(h, MNS_E_CORRUPT, "'%s' is damaged: the checksum of its case does not match", h->path);

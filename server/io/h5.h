@@ -56,7 +56,12 @@ bool h5_has(H5 *h, const char *name);                                   /* a pat
 size_t h5_members(H5 *h, const char *group);                            /* how many it has */
 size_t h5_rows(H5 *h, const char *name);                                /* the first dimension of a dataset */
 void h5_expect(H5 *h, const char *name, int rank, const hsize_t *dims); /* raises MNS_E_CORRUPT if the shape differs */
+
+/* Raises MNS_E_CORRUPT if the whole file has fewer bytes, so that no memory is asked for on its word. */
+void h5_expect_bytes(H5 *h, uint64_t bytes);
+
 void h5_get_rows(H5 *h, const char *name, hid_t type, size_t first, size_t n, void *data); /* [n][all other dims] */
+void h5_get(H5 *h, const char *name, hid_t type, size_t n, void *data); /* all of [n]; or as h5_expect() */
 void h5_get_mark(H5 *h, const char *name, const char *attribute, hid_t type, void *value); /* a scalar */
 bool h5_has_mark(H5 *h, const char *name, const char *attribute);
 bool h5_mark_is(H5 *h, const char *name, const char *attribute, const char *text); /* what h5_mark_text() wrote */

@@ -3,6 +3,7 @@
 #include "io/h5_parts.h"
 
 #include <string.h>
+#include <sys/stat.h>
 
 /* H5Lexists() fails if a group on the way is missing, so the way is walked. */
 bool h5_has(H5 *h, const char *name)
@@ -55,6 +56,14 @@ void h5_expect(H5 *h, const char *name, int rank, const hsize_t *dims)
     if (!same) h5_raise(h, MNS_E_CORRUPT, "'%s' of '%s' does not have the shape it should have", name, h->path);
 }
 
+void h5_expect_bytes(H5 *h, uint64_t bytes)
+{
+    struct stat about;
+    if (h->status) return;
+    if (fstat(h->disk.fd, &about) == 0 && bytes <= (uint64_t)about.st_size) return;
+    h5_raise(h, MNS_E_CORRUPT, "'%s' is damaged: it says that it holds more bytes than it has", h->path);
+}
+
 void h5_get_rows(H5 *h, const char *name, hid_t type, size_t first, size_t n, void *data)
 {
     if (n == 0 || !h5_going(h, name)) return;
@@ -64,6 +73,12 @@ void h5_get_rows(H5 *h, const char *name, hid_t type, size_t first, size_t n, vo
     h5_close_id(memory);
     h5_close_id(space);
     h5_close_id(set);
+}
+
+void h5_get(H5 *h, const char *name, hid_t type, size_t n, void *data)
+{
+    h5_expect(h, name, 1, (hsize_t[]){n});
+    h5_get_rows(h, name, type, 0, n, data);
 }
 
 void h5_get_mark(H5 *h, const char *name, const char *attribute, hid_t type, void *value)

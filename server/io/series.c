@@ -88,10 +88,11 @@ static MnsStatus lines_room(Lines *lines, size_t n, MnsError *error)
 static void get_lines(H5 *h, Lines *lines)
 {
     const size_t n = h5_rows(h, "/lines/id");
+    h5_expect_bytes(h, n);
     if (!n || h->status) return;
     h->status = lines_room(lines, n, h->error);
-    h5_get_rows(h, "/lines/id", H5T_NATIVE_UINT64, 0, n, lines->id);
-    h5_get_rows(h, "/lines/row", H5T_NATIVE_UINT64, 0, n, lines->row);
+    h5_get(h, "/lines/id", H5T_NATIVE_UINT64, n, lines->id);
+    h5_get(h, "/lines/row", H5T_NATIVE_UINT64, n, lines->row);
     if (!h->status) lines->n = n;
 }
 
@@ -101,12 +102,13 @@ static void get_rows(H5 *h, void *into)
     char name[256];
     if (!same_probes(h, s)) return;
     const size_t n = h5_rows(h, "/step");
+    h5_expect_bytes(h, n);
     if (!h->status) h->status = make_room(s, n, h->error);
-    h5_get_rows(h, "/step", H5T_NATIVE_UINT64, 0, n, s->step);
-    h5_get_rows(h, "/time", H5T_NATIVE_DOUBLE, 0, n, s->time);
+    h5_get(h, "/step", H5T_NATIVE_UINT64, n, s->step);
+    h5_get(h, "/time", H5T_NATIVE_DOUBLE, n, s->time);
     for (size_t k = 0; k < probes(s) && !h->status; k++) {
         name_of(name, &s->meta.c->probes[k]);
-        h5_get_rows(h, name, H5T_NATIVE_DOUBLE, 0, n, s->value[k]);
+        h5_get(h, name, H5T_NATIVE_DOUBLE, n, s->value[k]);
     }
     while (!h->status && s->n < n && s->step[s->n] <= s->last_step) s->n++;
     s->saved = s->n;

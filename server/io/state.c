@@ -106,6 +106,15 @@ static uint64_t get_fields(H5 *h)
     return fields;
 }
 
+/* Fields are stored as they are in memory. */
+static uint64_t bytes_of(uint64_t fields, int dim, uint64_t n)
+{
+    uint64_t width = 0;
+    for (int k = 0; mns_fields()[k].name; k++)
+        if (fields >> k & 1) width += (uint64_t)components(&mns_fields()[k], dim) * h5_size(mns_fields()[k].type);
+    return width * n;
+}
+
 static void get_field(H5 *h, MnsCapture *state, int k)
 {
     const MnsFieldInfo *field = &mns_fields()[k];
@@ -124,6 +133,7 @@ MnsCapture *state_get(H5 *h)
 {
     const Scalars s = get_scalars(h);
     const uint64_t fields = get_fields(h);
+    h5_expect_bytes(h, bytes_of(fields, (int)s.whole[DIM], s.whole[N]));
     if (h->status) return NULL;
     MnsCapture *state = mns_capture_new((int)s.whole[DIM], s.whole[N], s.whole[N_FLUID], fields);
     if (!state) {

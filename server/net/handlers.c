@@ -6,6 +6,7 @@
 #include "net/here.h"
 #include "net/look.h"
 #include "net/scheduled.h"
+#include "proto/case_name.h"
 #include "proto/states.h"
 #include <math.h>
 #include <stdlib.h>
@@ -46,7 +47,7 @@ static void serve_load(Run *run, Exchange *x)
     MnsStatus status = read_settings(from, &settings, &error);
     if (!status && !from->case_) status = mns_fail_at(&error, MNS_E_INVALID, "case", "load needs a case");
     const RunLoad load = {.message = from->case_,
-                          .name = from->name ? from->name : "case",
+                          .name = from->name ? from->name : CASE_NAMELESS,
                           .resume = from->has_resume && from->resume,
                           .n_settings = from->n_settings,
                           .settings = settings};

@@ -233,37 +233,35 @@ static MnsStatus serve(Streams *streams, Asked *asked, const Meniscus__StreamReq
 
 /* --- frames ------------------------------------------------------------------------------------------------------------- */
 
-static void take(Streams *streams, Asked *asked, zmq_msg_t *frame, int parts)
+void streams_take(Streams *streams, const uint8_t *identity, size_t identity_size, const void *data, size_t size,
+                  int parts)
 {
     Meniscus__StreamRequest *request = NULL;
-    const void *data = zmq_msg_data(frame);
-    const size_t size = zmq_msg_size(frame);
-    const ProtobufCBinaryData id = request_id(data, size);
-    Who who;
-    if (!access_who(streams->options.access, frame, &who)) return;
-    meniscus__stream_reply__init(&asked->reply);
-    asked->reply.has_id = id.len > 0;
-    asked->reply.id = id;
+    Asked asked = {.size = identity_size, .reply = MENISCUS__STREAM_REPLY__INIT};
+    memcpy(asked.identity, identity, identity_size);
+    asked.reply.id = request_id(data, size);
+    asked.reply.has_id = asked.reply.id.len > 0;
     MnsStatus status = parts == 1
-                           ? stream_request_read(data, size, &request, &asked->error)
-                           : mns_fail(&asked->error, MNS_E_INVALID, "a request is one frame; these are %d", parts);
-    const bool heard = stream_post_is_heard(&streams->post, asked->identity, asked->size);
+                           ? stream_request_read(data, size, &request, &asked.error)
+                           : mns_fail(&asked.error, MNS_E_INVALID, "a request is one frame; these are %d", parts);
+    const bool heard = stream_post_is_heard(&streams->post, identity, identity_size);
     const bool credit = request && request->command_case == MENISCUS__STREAM_REQUEST__COMMAND_CREDIT;
-    if (!status && (heard || credit)) status = serve(streams, asked, request);
+    if (!status && (heard || credit)) status = serve(streams, &asked, request);
     if (!heard && (status || !credit)) streams->options.traffic->unheard++;
-    else if (status) answer(streams, asked, status);
+    else if (status) answer(streams, &asked, status);
     stream_request_free(request);
 }
 
 /* A message arrives whole: who it is from, and its parts, of which there should be one. */
 static bool receive_one(Streams *streams)
 {
-    Asked asked = {.size = 0};
+    uint8_t identity[STREAM_IDENTITY];
     zmq_msg_t first, rest;
+    Who who;
     int parts = 0;
-    const int size = zmq_recv(streams->socket, asked.identity, sizeof asked.identity, ZMQ_DONTWAIT);
+    int size = zmq_recv(streams->socket, identity, sizeof identity, ZMQ_DONTWAIT);
     if (size < 0) return false;
-    asked.size = (size_t)size < sizeof asked.identity ? (size_t)size : sizeof asked.identity;
+    if (size > STREAM_IDENTITY) size = STREAM_IDENTITY;
     zmq_msg_init(&first);
     for (bool more = true; more; parts++) {
         zmq_msg_t *to = parts ? &rest : &first;
@@ -272,7 +270,8 @@ static bool receive_one(Streams *streams)
         more = zmq_msg_more(to);
         if (parts) zmq_msg_close(&rest);
     }
-    if (parts) take(streams, &asked, &first, parts);
+    if (parts && access_who(streams->options.access, &first, &who))
+        streams_take(streams, identity, (size_t)size, zmq_msg_data(&first), zmq_msg_size(&first), parts);
     zmq_msg_close(&first);
     return true;
 }

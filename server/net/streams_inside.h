@@ -40,6 +40,10 @@ struct Streams {
 /* stream_requests.c: take what has come, at most a few; false if there was nothing. */
 bool streams_receive(Streams *streams);
 
+/* stream_requests.c: a message of so many parts, of which this is the first, from somebody who was let in; identity_size <= STREAM_IDENTITY. */
+void streams_take(Streams *streams, const uint8_t *identity, size_t identity_size, const void *data, size_t size,
+                  int parts);
+
 /* stream_pump.c: another case, new shots and events; then a message of each stream that may have one, false if there was none. */
 void streams_refresh(Streams *streams);
 bool streams_pump(Streams *streams);

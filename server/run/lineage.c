@@ -2,6 +2,7 @@
 /* The way to where a run was. */
 #include "run/lineage.h"
 
+#include "proto/case_name.h"
 #include "run/order.h"
 #include <math.h>
 #include <stdlib.h>
@@ -71,7 +72,8 @@ static MnsStatus begin_anew(Lineage *lineage, const Record *record, MnsError *er
     if (!back) lineage->first_version = record->case_version;
     lineage->arithmetic = record->arithmetic;
     if (!back && record->request->command_case == MENISCUS__REQUEST__COMMAND_LOAD) {
-        lineage->name = record->request->load->name;
+        const char *name = record->request->load->name;
+        lineage->name = name ? name : CASE_NAMELESS;
         lineage->original = record->case_;
     }
     /* A checkpoint that a crash has led back to is no version: what follows makes the case as it was. */
@@ -83,6 +85,7 @@ static MnsStatus begin_anew(Lineage *lineage, const Record *record, MnsError *er
     if (back && !status) status = add(lineage, adopted, error);
     for (size_t k = 0; !status && k < record->n_again; k++) {
         const Meniscus__Again *again = record->again[k];
+        if (again->scheduled && !again->request) continue; /* nothing waits */
         status = add(lineage,
                      (LineageEntry){.step = again->step,
                                     .request = again->request,
@@ -115,7 +118,8 @@ static void take_grant(Lineage *lineage, const Record *record, const Meniscus__L
 static void take_lease(Lineage *lineage, const Record *record)
 {
     if (record->request->lease->release) lineage->lease.until_us = 0;
-    take_grant(lineage, record, record->reply ? record->reply->lease : NULL);
+    const bool granted = record->reply && record->reply->result_case == MENISCUS__REPLY__RESULT_LEASE;
+    take_grant(lineage, record, granted ? record->reply->lease : NULL);
 }
 
 static bool same_id(const Meniscus__Request *a, const Meniscus__Request *b)

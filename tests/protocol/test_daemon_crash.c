@@ -46,6 +46,21 @@ static void what_was_paused_is_where_it_was(void **state)
     }
 }
 
+/* The journal has the load as it was sent: nothing in it says what the run is called. */
+static void a_run_that_was_loaded_without_a_name_comes_back(void **state)
+{
+    Dialogue *dialogue = *state;
+    LoadRequest load;
+    dialogue_load_init(&load, "dam", dialogue_case, NULL);
+    load.load.name = NULL;
+    assert_int_equal(dialogue_code(dialogue, &load.request), MENISCUS__CODE__OK);
+    dialogue_load_done(&load);
+    steer_go(dialogue, 3);
+    dialogue_crash(dialogue);
+    steer_accepted(steer_wait(dialogue, MENISCUS__STATE__PAUSED, 20000));
+    assert_int_equal(steer_step_now(dialogue), 3);
+}
+
 static void what_was_answered_is_answered_alike_and_done_once(void **state)
 {
     Dialogue *dialogue = *state;
@@ -249,6 +264,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         TEST(what_was_paused_is_where_it_was),
+        TEST(a_run_that_was_loaded_without_a_name_comes_back),
         TEST(what_was_answered_is_answered_alike_and_done_once),
         TEST(changes_wait_until_the_run_is_back_or_their_deadline_passes),
         TEST(a_stop_on_the_way_back_is_for_good),

@@ -64,12 +64,13 @@ def control_socket(home: Path) -> Path:
     return home / "run" / "meniscus" / "default" / "control.ipc"
 
 
-def start_in(home: Path, environment: dict[str, str], options: "Sequence[str | Path]") -> "subprocess.Popen[bytes]":
+def start_in(home: Path, environment: dict[str, str], options: "Sequence[str | Path]",
+             program: Path = BUILD / "meniscusd") -> "subprocess.Popen[bytes]":
     """Start a daemon there, and wait until clients can reach it. One that was killed has left a socket, which says nothing."""
     control_socket(home).unlink(missing_ok=True)
     with open(home / "log", "ab") as log:
         daemon = subprocess.Popen(
-            [BUILD / "meniscusd", "--name", "default", "--state-dir", home / "state", *options],
+            [program, "--name", "default", "--state-dir", home / "state", *options],
             env=environment, stdout=log, stderr=log,
         )
     until = time.monotonic() + 20

@@ -2,24 +2,33 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # fuzz.sh SECONDS: let libFuzzer look for inputs that break a promise, crash, leak or hang, so long for each target of $BUILD/tests/fuzz,
 # as many targets at a time as there are processors. Inputs to begin with are in tests/fuzz/corpus and, for cases, those that are
-# shipped; what is found on the way is kept in $BUILD/corpus, and what breaks something in $BUILD/finds. Prints TAP.
+# shipped; what is found on the way is kept in $BUILD/corpus, and what breaks something in $BUILD/finds. Prints TAP. A target that has looked at
+# next to nothing has failed.
 set -eu
 cd "$(dirname "$0")/../.."
 BUILD=${BUILD:-build/fuzz}
 seconds=${1:?how many seconds for each target}
 export ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
-export LSAN_OPTIONS=print_suppressions=0 BUILD seconds
+export LSAN_OPTIONS=print_suppressions=0:suppressions=$PWD/tests/support/leaks.supp OMP_WAIT_POLICY=passive BUILD seconds
+least=100
+export least
 
 fuzz_one() {
-    local program=$1 name log
+    local program=$1 name log inputs
     name=${program##*/fuzz_}
     log=$BUILD/fuzz_$name.log
     local corpus=(tests/fuzz/corpus/"$name")
     if [ "$name" = case ]; then corpus=(server/cases); fi
     mkdir -p "$BUILD/corpus/$name" "$BUILD/finds"
-    if "$program" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -max_len=16384 -print_final_stats=1 \
+    if "$program" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -max_len=32768 -print_final_stats=1 \
         -artifact_prefix="$BUILD/finds/$name-" "$BUILD/corpus/$name" "${corpus[@]}" >"$log" 2>&1; then
-        echo "ok - $name: $(sed -n 's/^stat::number_of_executed_units: *//p' "$log") inputs break nothing"
+        inputs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
+        if [ "${inputs:-0}" -ge "$least" ]; then
+            echo "ok - $name: $inputs inputs break nothing"
+        else
+            echo "not ok - $name: no more than ${inputs:-0} inputs in $seconds s"
+            return 1
+        fi
     else
         echo "not ok - $name: an input in $BUILD/finds breaks something"
         grep -aE '^(==|SUMMARY|.*(broken|runtime error):)|#[0-9] .* in ' "$log" | head -n 30 | sed 's/^/# /'

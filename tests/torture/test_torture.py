@@ -17,7 +17,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import torture  # noqa: E402
 from daemon import BUILD, free_ports  # noqa: E402
-from rows import live, metrics  # noqa: E402
+from rows import live, metrics, rubbish  # noqa: E402
 from rows.metrics import SIZES, Metric, Report, Size, resized  # noqa: E402
 
 
@@ -74,6 +74,21 @@ class Table(unittest.TestCase):
             late = list(torture.metrics_of("slow", SIZES["small"], 1))
         self.assertEqual([m.verdict for m in failed + late], ["PASS", "MISS", "MISS"])
         self.assertIn("ValueError: a / b", failed[1].note)
+
+    def test_inputs_and_sequences_are_counted_and_gone_on_with_until_there_are_as_many_as_were_asked_for(self) -> None:
+        fuzzed = [(2, 0, "ok - case: 300 inputs break nothing\nok - journal: 50 inputs break nothing\n")] * 3
+        with mock.patch.object(rubbish, "test_program", side_effect=[*fuzzed, (2, 0, "")]):
+            broken, inputs, _ = rubbish.frames(resized(SIZES["small"], ["inputs=1000"]))
+        self.assertEqual((broken.value, inputs.value, inputs.target, inputs.verdict), (2, 1050, ">= 1000", "PASS"))
+        with mock.patch.object(rubbish, "test_program", side_effect=[fuzzed[0], (1, 1, "ok - case: 300 inputs break nothing\n"), (2, 0, "")]), \
+                mock.patch.object(rubbish.sys, "stderr"):
+            broken, inputs, _ = rubbish.frames(resized(SIZES["small"], ["inputs=1000"]))
+        self.assertEqual((broken.verdict, inputs.value, inputs.verdict), ("MISS", 650, "MISS"))
+        with mock.patch.object(rubbish, "test_program", side_effect=lambda *_, **words: (1, 0, f"{words['MENISCUS_SEQUENCES']} sequences, 9 commands, ")):
+            _, sequences = rubbish.model(resized(SIZES["small"], ["sequences=2500"]))
+        self.assertEqual((sequences.value, sequences.target, sequences.note[:12]), (2500, ">= 2500", "27 commands;"))
+        with mock.patch.object(rubbish, "test_program", return_value=(0, 1, "FAILED")), mock.patch.object(rubbish.sys, "stderr"):
+            self.assertEqual([m.verdict for m in rubbish.model(SIZES["small"])], ["MISS", "MISS"])
 
     def test_tests_are_counted_and_what_was_skipped_has_failed(self) -> None:
         self.assertEqual(live._count("1..3\nok 1 - a\nnot ok 2 - b\nok 3 - c # SKIP\n"), (1, 2))

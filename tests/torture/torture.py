@@ -45,6 +45,7 @@ ROWS = {
     "replay": Row(crashes.replays, "restart, and replay of the journal, bit for bit", 240),
     "capture": Row(captures.captures, "capture stall of the solver"),
     "frames": Row(rubbish.frames, "malformed frames under sanitizers", 240),
+    "model": Row(rubbish.model, "random sequences of commands against the reference model", 600),
     "parameters": Row(rubbish.parameters, "fuzzed parameter sets", 240),
     "writers": Row(contention.writers, "64 contending writers with leases: never two at once"),
     "handshakes": Row(contention.handshakes, "10^4 half-open handshakes a second"),

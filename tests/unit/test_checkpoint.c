@@ -441,6 +441,17 @@ static void every_part_has_a_checksum_of_its_own(void **state)
     assert_change_is_noticed(*state, "/case");
 }
 
+static void set_scalar(hid_t file, const char *name, uint64_t value)
+{
+    const hid_t scalar = H5Screate(H5S_SCALAR);
+    assert_true(H5Adelete_by_name(file, "/state", name, H5P_DEFAULT) >= 0);
+    const hid_t mark =
+        H5Acreate_by_name(file, "/state", name, H5T_NATIVE_UINT64, scalar, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    assert_true(H5Awrite(mark, H5T_NATIVE_UINT64, &value) >= 0);
+    H5Aclose(mark);
+    H5Sclose(scalar);
+}
+
 static void a_changed_scalar_is_noticed(void **state)
 {
     static const char *const names[] = {"dim", "n",        "n_fluid", "spacing",  "t",
@@ -448,14 +459,8 @@ static void a_changed_scalar_is_noticed(void **state)
     for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
         char *path = write_step(*state, 5, 1000, 1);
         MnsError error;
-        const int other = 4;
-        const hid_t file = open_to_change(path), scalar = H5Screate(H5S_SCALAR);
-        assert_true(H5Adelete_by_name(file, "/state", names[k], H5P_DEFAULT) >= 0);
-        const hid_t mark =
-            H5Acreate_by_name(file, "/state", names[k], H5T_NATIVE_INT, scalar, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-        assert_true(H5Awrite(mark, H5T_NATIVE_INT, &other) >= 0);
-        H5Aclose(mark);
-        H5Sclose(scalar);
+        const hid_t file = open_to_change(path);
+        set_scalar(file, names[k], 4);
         close_changed(file, path);
         assert_refused(path, MNS_E_CORRUPT, &error);
         assert_non_null(strstr(error.text, "checksum of its scalars"));
@@ -489,6 +494,50 @@ static void a_field_of_another_length_is_refused(void **state)
         assert_non_null(strstr(error.text, "shape"));
         free(path);
     }
+}
+
+/* A dataset without a checksum, and without any bytes in the file. */
+static void assert_case_refused(const char *dir, int rank, const hsize_t *dims, const char *wanted)
+{
+    char *path = write_step(dir, 5, 1000, 1);
+    MnsError error;
+    const hid_t file = open_to_change(path), space = H5Screate_simple(rank, dims, NULL);
+    assert_true(H5Ldelete(file, "/case", H5P_DEFAULT) >= 0);
+    H5Dclose(H5Dcreate2(file, "/case", H5T_NATIVE_UINT8, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+    H5Sclose(space);
+    close_changed(file, path);
+    assert_refused(path, MNS_E_CORRUPT, &error);
+    assert_non_null(strstr(error.text, wanted));
+    free(path);
+}
+
+/* Its rows would be written past the end of the memory for it. */
+static void a_case_of_two_dimensions_is_refused(void **state)
+{
+    assert_case_refused(*state, 2, (hsize_t[]){16, 4096}, "shape");
+}
+
+/* Else a few bytes would ask for any amount of memory; and lack of memory passes no file over for an older one. */
+static void what_a_file_cannot_hold_is_damage_and_no_lack_of_memory(void **state)
+{
+    static const char *const whole[] = {"dim", "n", "n_fluid", "step", "rebuilds", "guarded"};
+    static const char *const real[] = {"spacing", "t", "dt", "dt_first"};
+    MnsError error;
+    assert_case_refused(*state, 1, (hsize_t[]){UINT64_C(1) << 40}, "more bytes");
+    char *path = write_step(*state, 5, 1000, 1);
+    const hid_t file = open_to_change(path);
+    uint64_t values[10];
+    for (int k = 0; k < 10; k++) {
+        const hid_t mark = H5Aopen_by_name(file, "/state", k < 6 ? whole[k] : real[k - 6], H5P_DEFAULT, H5P_DEFAULT);
+        assert_true(H5Aread(mark, k < 6 ? H5T_NATIVE_UINT64 : H5T_NATIVE_DOUBLE, &values[k]) >= 0);
+        H5Aclose(mark);
+    }
+    set_scalar(file, "n", values[1] = UINT32_MAX);
+    set_scalar(file, "xxh64", XXH64(values, sizeof values, 0));
+    close_changed(file, path);
+    assert_refused(path, MNS_E_CORRUPT, &error);
+    assert_non_null(strstr(error.text, "more bytes"));
+    free(path);
 }
 
 static void an_hdf5_file_without_a_state_is_refused(void **state)
@@ -532,6 +581,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_changed_scalar_is_noticed, scratch_begin, scratch_end),
         cmocka_unit_test_setup_teardown(unknown_fields_are_another_version, scratch_begin, scratch_end),
         cmocka_unit_test_setup_teardown(a_field_of_another_length_is_refused, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(a_case_of_two_dimensions_is_refused, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(what_a_file_cannot_hold_is_damage_and_no_lack_of_memory, scratch_begin,
+                                        scratch_end),
         cmocka_unit_test_setup_teardown(an_hdf5_file_without_a_state_is_refused, scratch_begin, scratch_end),
     };
     return cmocka_run_group_tests_name("checkpoint", tests, NULL, NULL);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A journal as it is printed: what people and programs are told of a lease that came to nothing. */
+/* A journal as it is printed: what people and programs are told of a lease that came to nothing, and of records that no daemon writes. */
 #include "batch/history_print.h"
 #include "io/journal.h"
 #include "io/names.h"
@@ -89,12 +89,37 @@ static void people_are_told_only_if_it_came_to_nothing(void **state)
     free(said);
 }
 
+/* With checksums that are right, as a later version or a tool may make them. */
+static void records_that_lack_what_they_should_have_are_printed_all_the_same(void **state)
+{
+    char *path = path_in(*state, JOURNAL_NAME);
+    Journal *journal = NULL;
+    Record bare = MENISCUS__JOURNAL_RECORD__INIT;
+    bare.kind = MENISCUS__JOURNAL_RECORD__KIND__SCHEDULED;
+    bare.level = (char *)"\xff";
+    assert_int_equal(journal_open(path, &journal, NULL, NULL), MNS_OK);
+    add(journal, &bare);
+    assert_int_equal(journal_commit(journal, NULL), MNS_OK);
+    journal_free(journal);
+    char *people = printed(*state, false), *programs = printed(*state, true);
+    assert_non_null(strstr(people, "scheduled"));
+    json_t *all = json_loads(programs, 0, NULL), *record = json_array_get(json_object_get(all, "records"), 0);
+    assert_string_equal(json_string_value(json_object_get(record, "kind")), "scheduled");
+    assert_string_equal(json_string_value(json_object_get(record, "level")), "\xef\xbf\xbd");
+    json_decref(all);
+    free(programs);
+    free(people);
+    free(path);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(programs_are_told_whether_a_lease_came_to_something, scratch_begin,
                                         scratch_end),
         cmocka_unit_test_setup_teardown(people_are_told_only_if_it_came_to_nothing, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(records_that_lack_what_they_should_have_are_printed_all_the_same, scratch_begin,
+                                        scratch_end),
     };
     return cmocka_run_group_tests_name("history_print", tests, NULL, NULL);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a journal says of where a run was, also when one crash follows another. */
+#include "proto/case_name.h"
 #include "run/lineage.h"
 #include "run/order.h"
 #include "tests/support/check.h"
@@ -319,6 +320,7 @@ static void a_lease_lives_by_the_wall_clock_but_no_longer_than_it_was_given_for(
     add_load(book);
     Record *record = add(book, MENISCUS__REQUEST__COMMAND_LEASE, 0, MENISCUS__STATE__READY);
     record->request->lease = &lease;
+    record->reply->result_case = MENISCUS__REPLY__RESULT_LEASE;
     record->reply->lease = &grant;
     record->wall_us = 1000000000;
     grant.epoch = 7;
@@ -341,6 +343,7 @@ static Record *add_lease(Book *book, Given *given, uint64_t epoch)
     Record *record = add(book, MENISCUS__REQUEST__COMMAND_LEASE, 0, MENISCUS__STATE__READY);
     *given = (Given){MENISCUS__LEASE__INIT, MENISCUS__LEASE_GRANT__INIT};
     record->request->lease = &given->lease;
+    record->reply->result_case = MENISCUS__REPLY__RESULT_LEASE;
     record->reply->lease = &given->grant;
     record->has_boot = true;
     record->boot = (ProtobufCBinaryData){4, (uint8_t *)"this"};
@@ -374,6 +377,7 @@ static void a_lease_that_nobody_was_told_of_is_none(void **state)
     add_told(book, true);
     assert_int_equal(read(book, MNS_OK)->lease.epoch, 7);
     Record *release = add_lease(book, &given[2], 7);
+    release->reply->result_case = MENISCUS__REPLY__RESULT__NOT_SET;
     release->reply->lease = NULL;
     given[2].lease.release = true;
     assert_true(read(book, MNS_OK)->lease.until_us > 0);
@@ -418,6 +422,43 @@ static void a_lease_that_was_none_once_stays_none(void **state)
     assert_false(history_untold(&book->history, 1, "next"));
 }
 
+/* All results of a reply are in one place: of another kind, or of a later version, none of it is a lease. */
+static void a_lease_whose_reply_has_another_result_is_none(void **state)
+{
+    Book *book = *state;
+    Given given;
+    Meniscus__WaitResult other = MENISCUS__WAIT_RESULT__INIT;
+    add_load(book);
+    Record *record = add_lease(book, &given, 7);
+    record->reply->result_case = MENISCUS__REPLY__RESULT_WAIT;
+    record->reply->wait = &other;
+    add_told(book, false);
+    assert_int_equal(read(book, MNS_OK)->lease.epoch, 0);
+}
+
+static void a_load_without_a_name_is_of_the_case_that_it_was_called_then(void **state)
+{
+    Book *book = *state;
+    add_load(book);
+    book->loads[0].name = NULL;
+    assert_string_equal(read(book, MNS_OK)->name, CASE_NAMELESS);
+}
+
+/* No daemon writes it, and none may be led astray by it. */
+static void what_is_scheduled_without_a_request_waits_for_nothing(void **state)
+{
+    Book *book = *state;
+    add_load(book);
+    Record *back = add_comeback(book, 0);
+    meniscus__again__init(&book->again);
+    book->again.scheduled = true;
+    book->all_again[0] = &book->again;
+    back->again = book->all_again;
+    back->n_again = 1;
+    const Lineage *lineage = read(book, MNS_OK);
+    for (size_t k = 0; k < lineage->n; k++) assert_false(lineage->entries[k].scheduled);
+}
+
 #define TEST(name) cmocka_unit_test_setup_teardown(name, begin, end)
 
 int main(void)
@@ -437,6 +478,9 @@ int main(void)
         TEST(a_lease_that_was_none_once_stays_none),
         TEST(a_lease_that_nobody_was_told_of_is_none),
         TEST(a_lease_is_kept_when_the_machine_itself_has_failed_or_it_is_of_an_older_daemon),
+        TEST(a_lease_whose_reply_has_another_result_is_none),
+        TEST(what_is_scheduled_without_a_request_waits_for_nothing),
+        TEST(a_load_without_a_name_is_of_the_case_that_it_was_called_then),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

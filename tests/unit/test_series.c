@@ -7,6 +7,7 @@
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -218,6 +219,36 @@ static void a_damaged_file_is_reported_and_left_as_it_is(void **state)
     free(path);
 }
 
+/* Three rows, of a time that has a thousand numbers in each. */
+static void fill_wide(H5 *h, const void *what)
+{
+    const MnsCase *c = what;
+    const uint64_t step[3] = {1, 2, 3};
+    const double values[3] = {1, 2, 3};
+    char name[64];
+    h5_put(h, "/step", H5T_NATIVE_UINT64, 3, step);
+    h5_make(h, "/time", H5T_NATIVE_DOUBLE, 2, (hsize_t[]){3, 1000});
+    h5_make_group(h, "/probes");
+    for (size_t k = 0; k < c->n_probes; k++) {
+        snprintf(name, sizeof name, "/probes/%s", c->probes[k].name);
+        h5_put(h, name, H5T_NATIVE_DOUBLE, 3, values);
+        h5_mark_text(h, name, "unit", mns_probe_unit(&c->probes[k]));
+    }
+}
+
+/* They would be written past the end of the memory for them. */
+static void columns_of_another_shape_are_refused(void **state)
+{
+    char *path = path_in(*state, "probes.hdf");
+    const FileMeta meta = noise_meta();
+    Series *series = NULL;
+    MnsError error;
+    assert_int_equal(h5_save(path, true, fill_wide, meta.c, &error), MNS_OK);
+    assert_int_equal(series_new(*state, &meta, true, 3, &series, &error), MNS_E_CORRUPT);
+    assert_non_null(strstr(error.text, "shape"));
+    free(path);
+}
+
 static void a_full_disk_loses_no_row(void **state)
 {
     const FileMeta meta = noise_meta();
@@ -247,6 +278,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_new_run_forgets_the_rows_of_the_one_before, scratch_begin, scratch_end),
         cmocka_unit_test_setup_teardown(other_probes_begin_anew, scratch_begin, scratch_end),
         cmocka_unit_test_setup_teardown(a_damaged_file_is_reported_and_left_as_it_is, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(columns_of_another_shape_are_refused, scratch_begin, scratch_end),
         cmocka_unit_test_setup_teardown(a_full_disk_loses_no_row, scratch_begin, scratch_end),
     };
     return cmocka_run_group_tests_name("series", tests, NULL, NULL);

@@ -20,27 +20,58 @@ from .metrics import Metric, Size, all_of, none_of
 
 from meniscus import meniscus_pb2 as pb  # isort: skip
 
-FRAMES, DAY_S = 10**8, 86_400  # malformed ones, in the promise; they take hours
+FRAMES = 10**8  # malformed ones, in the promise
 BATCH = 500  # sets under way at once
 STEPS = 3  # after each batch
 
 
-def frames(size: Size) -> Iterator[Metric]:
-    """libFuzzer's targets with address and undefined-behaviour sanitizers, and the handlers behind them without, in the process of the test."""
-    passed, failed, said = test_program(["tests/support/fuzz.sh", f"{size.fuzz_seconds:.0f}"], 120 + 10 * size.fuzz_seconds, BUILD=str(BUILD / "fuzz"))
+def fuzz(seconds: float) -> "tuple[int, int, dict[str, int]]":
+    """Each target for so long: how many broke nothing, how many something, and the inputs of each."""
+    passed, failed, said = test_program(["tests/support/fuzz.sh", f"{seconds:.0f}"], 120 + 10 * seconds, BUILD=str(BUILD / "fuzz"))
     if failed:
         sys.stderr.write(said[-3000:])
-    inputs = sum(map(int, re.findall(r"^ok - \w+: (\d+) inputs", said, re.MULTILINE)))
-    rate = inputs / size.fuzz_seconds / max(1, passed)
-    note = f"{rate:.0f}/s for each of {passed}: {FRAMES:.0e} take {FRAMES / rate / 3600:.0f} processor hours" if rate else ""
-    yield all_of("fuzz targets that no input breaks", passed, passed + failed)
-    yield Metric("inputs under sanitizers", inputs, low=FRAMES if size.fuzz_seconds > DAY_S / 8 else 1, note=note)
+    return passed, failed, {name: int(n) for name, n in re.findall(r"^ok - (\w+): (\d+) inputs", said, re.MULTILINE)}
+
+
+def frames(size: Size) -> Iterator[Metric]:
+    """libFuzzer's targets with address and undefined-behaviour sanitizers, and the handlers behind them without, in the process of the test."""
+    inputs: "dict[str, int]" = {}
+    failed, began = 0, time.monotonic()
+    while not failed and sum(inputs.values()) < size.inputs:
+        passed, failed, more = fuzz(size.fuzz_seconds)
+        inputs |= {name: inputs.get(name, 0) + n for name, n in more.items()}
+        if not more:
+            break
+    rate = sum(inputs.values()) / (time.monotonic() - began)
+    yield all_of("fuzz targets that no input breaks", passed, passed + failed, ", ".join(f"{name} {n}" for name, n in sorted(inputs.items())))
+    yield Metric("inputs under sanitizers", sum(inputs.values()), low=size.inputs, note=f"{rate:.0f}/s: {FRAMES:.0e} take {FRAMES / max(1, rate) / 3600:.1f} h")
     began = time.monotonic()
     passed, failed, said = test_program([BUILD / "tests/protocol/test_daemon_fuzz"], 120 + size.frames / 2000, FRAMES=str(size.frames))
     if failed:
         sys.stderr.write(said[-3000:])
     yield all_of("tests of frames before the handlers that passed", passed, passed + failed,
                  f"{size.frames} of each kind in {time.monotonic() - began:.0f} s")
+
+
+SEQUENCES, SEQUENCES_AT_ONCE = 10**5, 1000  # in the promise; of one run, as it remembers all it tried
+
+
+def model(size: Size) -> Iterator[Metric]:
+    """Random sequences of commands to a daemon and to the reference model, in runs of other seeds each."""
+    done = commands = failed = runs = 0
+    began = time.monotonic()
+    while not failed and done < size.sequences:
+        n = min(SEQUENCES_AT_ONCE, size.sequences - done)
+        _, failed, said = test_program([sys.executable, "tests/system/test_model.py"], 120 + 5 * n, MENISCUS_SEQUENCES=str(n), MENISCUS_SEED=str(20261125 + runs))
+        found = re.search(r"^(\d+) sequences, (\d+) commands", said, re.MULTILINE)
+        if failed or not found:
+            sys.stderr.write(said[-3000:])
+            break
+        done, commands, runs = done + int(found[1]), commands + int(found[2]), runs + 1
+    rate = done / (time.monotonic() - began)
+    yield none_of("runs in which a reply was not that of the model", failed)
+    yield Metric("random sequences of commands", done, low=size.sequences,
+                 note=f"{commands} commands; {rate:.1f}/s: {SEQUENCES:.0e} take {SEQUENCES / max(0.01, rate) / 3600:.1f} h")
 
 
 WORDS = ["", " ", "0", "-0", "1", "-1", "1e308", "-1e308", "1e-308", "1e999", "nan", ".inf", "-.inf", "true", "no", "null", "~", "[]", "{}",

@@ -19,7 +19,7 @@ from . import meniscus_pb2 as pb
 from .checksum import xxh64
 from .errors import CorruptError, DeniedError, MeniscusError, TimedOutError, UnavailableError, error_for
 from .keys import Keys
-from .values import Frame, Telemetry, read_telemetry
+from .values import Frame, Telemetry, code_of, read_telemetry
 
 CONNECT_S = 5.0  # to a daemon that should be there
 REFUSALS = 3  # a tenth of a second apart: where nobody listens then, nobody is about to, as a daemon started just now is
@@ -125,9 +125,8 @@ class Dialogue:
             reply, frames = yield from self._exchange(request, timeout)
         finally:
             del self._answers[request.id]
-        if reply.code != pb.OK:
-            known = reply.code in pb.Code.values()
-            code = pb.Code.Name(reply.code) if known else str(reply.code)
+        code = code_of(reply)
+        if code != "OK":
             allowed = [pb.State.Name(state) for state in reply.allowed]
             raise error_for(code, reply.message, reply.path, reply.reason, allowed)
         check(reply, frames)

@@ -21,7 +21,7 @@ from .dialogue import RECONNECT_S, Dialogue, Send, Wait
 from .errors import CorruptError, MeniscusError, StateError, UnavailableError, error_for
 from .keys import Keys
 from .packing import checked_size, unpack
-from .values import Frame
+from .values import Frame, code_of
 from .wishes import Column, Cursor, StreamItem, StreamStats
 
 MEMORY = 1 << 30  # bytes an item may have
@@ -193,13 +193,13 @@ class Flow(Dialogue):
             self._ask(self._resume() if self._number else self._subscribe())
         resumes = self._asked and self._asked.HasField("resume")
         reply = yield from self._answer(until)
-        if reply and resumes and reply.code != meniscus_pb2.OK:
+        if reply and resumes and code_of(reply) != "OK":
             self._ask(self._subscribe())
             reply = yield from self._answer(until)
         if not reply:
             return False
-        if reply.code != meniscus_pb2.OK:
-            error = error_for(meniscus_pb2.Code.Name(reply.code), reply.message, reply.path, reply.reason)
+        if code_of(reply) != "OK":
+            error = error_for(code_of(reply), reply.message, reply.path, reply.reason)
             if self._again and reply.code not in PASSING:
                 self._over = error
             raise error
@@ -265,9 +265,9 @@ class Flow(Dialogue):
         """Items may be right behind it, so what it says holds at once."""
         if self._asked and reply.id == self._asked.id:
             self._reply = reply
-            if reply.code == meniscus_pb2.OK and self._asked.HasField("resume"):
+            if code_of(reply) == "OK" and self._asked.HasField("resume"):
                 self._resumed(reply, self._asked)
-            elif reply.code == meniscus_pb2.OK:
+            elif code_of(reply) == "OK":
                 self._subscribed(reply)
         elif reply.code == meniscus_pb2.NOT_FOUND and not self._asked:
             self._start_over()  # forgotten, as nothing was taken for long
@@ -303,7 +303,7 @@ class Flow(Dialogue):
             self._behind = _cursor(item) or self._behind
             why = item.cancelled
             if self._lossless and why.reason != "cancelled":  # which leaves a gap
-                self._ready.append(error_for(meniscus_pb2.Code.Name(why.code), why.message, "", why.reason))
+                self._ready.append(error_for(code_of(why), why.message, "", why.reason))
         elif self._sequence is None or item.sequence > self._sequence or (same and not self._done):
             if not same:
                 self._offset = 0
@@ -319,7 +319,7 @@ class Flow(Dialogue):
     def _end(self, end: pb.StreamEnd) -> None:
         self._start_over()
         if end.code not in (meniscus_pb2.UNAVAILABLE, meniscus_pb2.RESOURCE_EXHAUSTED):  # it leaves, or we were slow
-            self._over = error_for(meniscus_pb2.Code.Name(end.code), end.message, "", end.reason)
+            self._over = error_for(code_of(end), end.message, "", end.reason)
 
     def _take_piece(self, item: pb.StreamItem, data: memoryview) -> None:
         if not item.offset:

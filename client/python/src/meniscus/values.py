@@ -210,6 +210,11 @@ def read_array(array: pb.Array, frame: Frame) -> np.ndarray:
         raise CorruptError("DATA_LOSS", text) from None
 
 
+def code_of(message: Any) -> str:
+    """Of a reply or an end. A code of a later version of the protocol is a failure, though protobuf reads it as absent, and that as OK."""
+    return str(pb.Code.Name(message.code)) if message.HasField("code") else "UNKNOWN"
+
+
 def read_telemetry(topic: str, message: pb.Telemetry, lost: int) -> Telemetry:
     """A message of a topic."""
     common = (topic, message.sequence, lost, message.step, message.time)
