@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static _Atomic int log_level = LOG_INFORMATION;
+static _Atomic int log_highest = LOG_INFORMATION;
 static bool to_journal;
 static const char *program = "meniscusd";
 
@@ -31,7 +31,7 @@ const char *log_program(void)
 
 void log_set_level(LogLevel level)
 {
-    log_level = (int)level;
+    log_highest = (int)level;
 }
 
 int log_level_find(const char *word)
@@ -46,9 +46,14 @@ int log_level_find(const char *word)
     return -1;
 }
 
+LogLevel log_level(void)
+{
+    return (LogLevel)log_highest;
+}
+
 void log_line(LogLevel level, const char *format, ...)
 {
-    if ((int)level > log_level) return;
+    if ((int)level > log_highest) return;
     char line[1024];
     va_list list;
     va_start(list, format);

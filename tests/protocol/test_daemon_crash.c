@@ -199,7 +199,7 @@ static void a_run_whose_journal_cannot_be_read_is_not_forgotten(void **state)
         assert_int_equal(access(current, F_OK), 0);
     }
     damage(journal); /* as it was */
-    dialogue_again(dialogue);
+    dialogue_again(dialogue, NULL);
     steer_accepted(steer_wait(dialogue, MENISCUS__STATE__PAUSED, 20000));
     assert_int_equal(steer_step_now(dialogue), 5);
 }

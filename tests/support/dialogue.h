@@ -24,8 +24,8 @@ void dialogue_begin(Dialogue *dialogue, const char *const *options);
 /* Kill the daemon as a crash would, start it again without further options, and connect. */
 void dialogue_crash(Dialogue *dialogue);
 
-/* Start it once more, after it has ended somehow, and connect; or where it is to end at once by itself, its exit code. */
-void dialogue_again(Dialogue *dialogue);
+/* Start it once more, after it has ended somehow, with these further options, and connect; or where it is to end at once by itself, its exit code. */
+void dialogue_again(Dialogue *dialogue, const char *const *options);
 int dialogue_in_vain(Dialogue *dialogue);
 
 /* End the daemon with SIGTERM if it runs; its exit code, or -1 if a signal ended it. Removes the directory. */
