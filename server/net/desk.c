@@ -120,8 +120,10 @@ static MnsStatus open_sockets(Desk *desk, const Endpoint *at, MnsError *error)
     zmq_setsockopt(desk->telemetry, ZMQ_MAXMSGSIZE, &largest_subscription, sizeof largest_subscription);
     access_guard_local(desk->access, desk->control);
     access_guard_local(desk->access, desk->telemetry);
-    status = visitors_init(&desk->listeners, desk->context, desk->telemetry, "inproc://listeners", at->gate_telemetry, error);
-    return status ? status : visitors_init(&desk->visitors, desk->context, desk->control, "inproc://visitors", NULL, error);
+    status = visitors_init(&desk->listeners, desk->context, desk->telemetry, "inproc://listeners", at->gate_telemetry,
+                           error);
+    return status ? status
+                  : visitors_init(&desk->visitors, desk->context, desk->control, "inproc://visitors", NULL, error);
 }
 
 MnsStatus desk_new(const Endpoint *endpoint, Run *run, Desk **ret, MnsError *error)

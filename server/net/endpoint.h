@@ -16,7 +16,7 @@ typedef struct Endpoint {
         far_data[ENDPOINT_SIZE]; /* "tcp://ADDRESS:...", with keys; or empty */
     char gate_control[ENDPOINT_SIZE], gate_telemetry[ENDPOINT_SIZE],
         gate_data[ENDPOINT_SIZE]; /* "ipc://...", where the gate brings those in */
-    char keys[KEYS_PATH];        /* their directory; or empty */
+    char keys[KEYS_PATH];         /* their directory; or empty */
     char directory[ENDPOINT_SIZE];
     int lock; /* file descriptor */
 } Endpoint;

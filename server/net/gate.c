@@ -20,7 +20,7 @@
 enum { FARS = 3, FAREWELL_MS = 1000 };
 
 /* One that ends soon after it began is started again after a while that doubles: [s]. */
-static const double SOON = 2, FIRST_WAIT = 0.1, LONGEST_WAIT = 5;
+static const double SOON = 2, FIRST_WAIT = 0.05, LONGEST_WAIT = 1;
 
 struct Gate {
     const Endpoint *at;
@@ -63,10 +63,9 @@ static int spawn(Gate *gate, int line)
 {
     const Endpoint *at = gate->at;
     char level[4] = {(char)('0' + log_level()), 0};
-    char *const words[GATE_WORDS + 1] = {(char *)log_program(), GATE_WORD,
-                                         level, (char *)at->keys,
-                                         (char *)at->gate_control, (char *)at->gate_telemetry,
-                                         (char *)at->gate_data};
+    char *const words[GATE_WORDS + 1] = {
+        (char *)log_program(), GATE_WORD, level, (char *)at->keys, (char *)at->gate_control, (char *)at->gate_telemetry,
+        (char *)at->gate_data};
     posix_spawn_file_actions_t actions;
     int fds[FARS + 1];
     const bool lifted = lift(gate, line, fds);
@@ -106,12 +105,14 @@ static void tell_end(const Gate *gate, int how)
     const double wait = fmax(gate->due - clock_now(), 0);
     if (WIFSIGNALED(how))
         log_line(LOG_WARNING,
-                 "the gate for those from afar was ended by signal %d (%s); the run goes on, and another one begins in %.1f s",
+                 "the gate for those from afar was ended by signal %d (%s); the run goes on, and another one begins in "
+                 "%.1f s",
                  WTERMSIG(how), strsignal(WTERMSIG(how)), wait);
     else
-        log_line(LOG_WARNING,
-                 "the gate for those from afar has ended with code %d; the run goes on, and another one begins in %.1f s",
-                 WEXITSTATUS(how), wait);
+        log_line(
+            LOG_WARNING,
+            "the gate for those from afar has ended with code %d; the run goes on, and another one begins in %.1f s",
+            WEXITSTATUS(how), wait);
 }
 
 /* It has let go of the line, and so has ended or will at once. */

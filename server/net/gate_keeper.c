@@ -151,7 +151,8 @@ static long patience(const Keeper *keeper, bool more)
     const bool anybody =
         relay_links(keeper->control)->n || relay_links(keeper->data)->n || keeper->links.n || keeper->leaving;
     if (more) return 0;
-    if (relay_is_busy(keeper->control) || relay_is_busy(keeper->data) || keeper->leaving || keeper->news) return SOON_MS;
+    if (relay_is_busy(keeper->control) || relay_is_busy(keeper->data) || keeper->leaving || keeper->news)
+        return SOON_MS;
     return anybody ? (long)(1e3 * WATCH) : NEVER;
 }
 

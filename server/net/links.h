@@ -19,9 +19,9 @@ typedef struct Link {
 
 typedef struct Links {
     void *socket, *monitor;
-    Link *links; /* [size], by descriptor */
-    int size, end; /* end: beyond the highest that was ever open */
-    long n;        /* that are open */
+    Link *links;                       /* [size], by descriptor */
+    int size, end;                     /* end: beyond the highest that was ever open */
+    long n;                            /* that are open */
     uint64_t failed[TRAFFIC_FAILURES]; /* handshakes, by why: see net/visitors.h */
     uint64_t shown_out;
     void (*gone)(void *user); /* called for whoever a connection was given to, when it has ended */

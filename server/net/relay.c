@@ -10,7 +10,7 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
-enum { IDENTITY = 256, AT_ONCE = 256, ROUNDS = 16, REQUESTS_WAITING = 100, FAREWELL_MS = 1000 };
+enum { IDENTITY = 256, AT_ONCE = 256, ROUNDS = 16, REQUESTS_WAITING = 100, FAREWELL_MS = 300 };
 
 /* Bytes of requests of one client that the daemon has not taken; and of all that is on its way out, beyond which each may have one message. */
 enum { UPWARD_MOST = 8 << 20, OUTWARD_MOST = 128 << 20 };
@@ -65,7 +65,7 @@ static void toll_leave(Toll *toll)
 typedef struct Parcel {
     zmq_msg_t frame; /* as it came, whose bytes go on without a copy */
     Toll *toll;
-    Relay *relay; /* NULL: it goes to the daemon */
+    Relay *relay;        /* NULL: it goes to the daemon */
     _Atomic size_t size; /* written last and read first, as ZeroMQ hands it over unseen by race detectors */
 } Parcel;
 
@@ -352,7 +352,8 @@ static MnsStatus open_socket(Relay *relay, MnsError *error)
     const RelayOptions *options = &relay->options;
     const int64_t largest = (int64_t)options->largest;
     void *socket = relay->socket = zmq_socket(options->context, ZMQ_ROUTER);
-    if (!socket || relay->wake < 0) return mns_fail(error, MNS_E_MEMORY, "cannot make a socket for those from afar: %m");
+    if (!socket || relay->wake < 0)
+        return mns_fail(error, MNS_E_MEMORY, "cannot make a socket for those from afar: %m");
     set(socket, ZMQ_LINGER, 0);
     set(socket, ZMQ_HEARTBEAT_IVL, 2000);
     set(socket, ZMQ_HEARTBEAT_TIMEOUT, 6000);

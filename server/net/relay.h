@@ -10,13 +10,13 @@
 typedef struct RelayOptions {
     void *context;
     const Access *access;
-    int fd;                /* that listens                                             */
-    const char *daemon;    /* "ipc://...", where it takes those whom the gate has let in */
-    const char *monitor;   /* "inproc://NAME"                                          */
-    size_t largest;        /* bytes of a request                                       */
-    size_t window;         /* bytes on their way to each, that are not taken           */
-    int ahead;             /* messages of each that are read before there is room      */
-    uint64_t threads;      /* of ZeroMQ, which may serve it: bits                      */
+    int fd;              /* that listens                                             */
+    const char *daemon;  /* "ipc://...", where it takes those whom the gate has let in */
+    const char *monitor; /* "inproc://NAME"                                          */
+    size_t largest;      /* bytes of a request                                       */
+    size_t window;       /* bytes on their way to each, that are not taken           */
+    int ahead;           /* messages of each that are read before there is room      */
+    uint64_t threads;    /* of ZeroMQ, which may serve it: bits                      */
 } RelayOptions;
 
 typedef struct Relay Relay;

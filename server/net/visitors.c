@@ -45,8 +45,8 @@ void visitors_note(Visitors *visitors)
     char data[6], where[256];
     while (zmq_recv(visitors->monitor, data, sizeof data, ZMQ_DONTWAIT) >= 0) {
         const int size = zmq_recv(visitors->monitor, where, sizeof where, 0);
-        const bool aside = visitors->aside && size == (int)strlen(visitors->aside) &&
-                           !memcmp(where, visitors->aside, (size_t)size);
+        const bool aside =
+            visitors->aside && size == (int)strlen(visitors->aside) && !memcmp(where, visitors->aside, (size_t)size);
         memcpy(&event, data, sizeof event);
         if (!aside) note(visitors, event);
     }

@@ -60,7 +60,7 @@ static void ten_thousand_half_open_handshakes_a_second_keep_nobody_from_steering
     waitpid(attacker, NULL, 0);
     print_message("%d rounds, %d descriptors before, %d at most\n", asked, before, most);
     assert_true(asked > 20);
-    assert_true(most > before + 20); /* it was an attack */
+    assert_true(most > before + 20);                                        /* it was an attack */
     assert_true(count_descriptors(castle->dialogue.daemon) <= daemon + 10); /* and not on the daemon */
     assert_quick(castle_connect(castle, ZMQ_DEALER, &castle->viewer), 15);
     for (int k = 0; k < 100 && count_descriptors(gate) > before + 10; k++) steer_sleep(100);

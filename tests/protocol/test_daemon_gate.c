@@ -12,7 +12,7 @@
 #include <unistd.h>
 #include <zmq.h>
 
-enum { KILLS = 10, PART = 1 << 20, PARTS = 200, GUESTS = 12 };
+enum { KILLS = 8, PART = 1 << 20, PARTS = 200, GUESTS = 12 };
 
 static int count_descriptors(pid_t process)
 {
@@ -116,15 +116,16 @@ static void a_gate_that_is_killed_costs_no_step_and_no_command(void **state)
         kill(gate, SIGKILL);
         Meniscus__Reply *reply = castle_ask(far, set_gravity(&set, &assignment, &list, value, k));
         assert_non_null(reply);
-        assert_int_equal(reply->code, MENISCUS__CODE__OK);
+        if (reply->code != MENISCUS__CODE__OK) fail_msg("%d: %s", k, reply->message);
         if (version) assert_int_equal(reply->case_version, version + 1);
         version = reply->case_version;
         meniscus__reply__free_unpacked(reply, NULL);
-        for (int look = 0; look < 5; look++) {
+        const uint64_t before = step;
+        for (int look = 0; look < 10 || step == before; look++) {
             const uint64_t now = step_of(castle, &longest);
-            assert_true(now > step);
+            assert_true(now >= step);
             step = now;
-            steer_sleep(20);
+            steer_sleep(10);
         }
         gate = castle_gate(castle, gate);
     }
@@ -152,7 +153,8 @@ static void who_listens_from_afar_hears_again_what_was_last(void **state)
     }
     Meniscus__Request step = dialogue_start();
     assert_int_equal(dialogue_code(&castle->dialogue, &step), MENISCUS__CODE__OK);
-    for (int heard = 0; heard < 4;) heard += zmq_recv(listener, topic, sizeof topic, 0) > 0 && !strncmp(topic, "prog", 4);
+    for (int heard = 0; heard < 4;)
+        heard += zmq_recv(listener, topic, sizeof topic, 0) > 0 && !strncmp(topic, "prog", 4);
 }
 
 /* Parts of a message, which this side sends when it has the last one: so many that whoever gets them must not keep them. */
