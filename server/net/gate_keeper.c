@@ -21,9 +21,6 @@
 
 enum { LEVEL = 2, KEYS, CONTROL, TELEMETRY, DATA };
 
-/* All it may have: ZeroMQ keeps what somebody sends without an end, and ends the process where there is no more. */
-static const rlim_t MEMORY = (rlim_t)1 << 30; /* [bytes] */
-
 enum { STREAM_REQUEST = 64 << 10, SUBSCRIPTION = 256, LINGER_MS = 200, SUBSCRIPTIONS_AT_ONCE = 256 };
 enum { NEAR_THREAD = 1, DATA_THREAD = 2 }; /* of ZeroMQ: so those who take data keep nobody from steering */
 
@@ -209,6 +206,16 @@ static void serve(Keeper *keeper)
 
 /* --- beginning and end ---------------------------------------------------------------------------------------------------- */
 
+/* All the memory it may have: ZeroMQ keeps what somebody sends without an end, and ends the process where there is no more. Sanitizers have
+ * shadows that take more. */
+static void limit_memory(void)
+{
+#ifndef MENISCUS_SANITIZED
+    const rlim_t most = (rlim_t)1 << 30;
+    setrlimit(RLIMIT_DATA, &(struct rlimit){most, most});
+#endif
+}
+
 /* The daemon ends it, and nobody else: service managers and terminals send their signals to both. What it holds in memory are keys, so there is
  * no picture of it on the disk. */
 static void settle(void)
@@ -218,9 +225,7 @@ static void settle(void)
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     prctl(PR_SET_NAME, "gate");
     setrlimit(RLIMIT_CORE, &(struct rlimit){0, 0});
-#ifndef MENISCUS_SANITIZED /* whose shadows take more */
-    setrlimit(RLIMIT_DATA, &(struct rlimit){MEMORY, MEMORY});
-#endif
+    limit_memory();
 }
 
 static MnsStatus begin(Keeper *keeper, char **argv, MnsError *error)
