@@ -22,6 +22,7 @@
 enum { LEVEL = 2, KEYS, CONTROL, TELEMETRY, DATA };
 
 enum { STREAM_REQUEST = 64 << 10, SUBSCRIPTION = 256, LINGER_MS = 200, SUBSCRIPTIONS_AT_ONCE = 256 };
+enum { TAKERS = 256 };                     /* of data: three MiB each, where they take nothing, fit into the memory */
 enum { NEAR_THREAD = 1, DATA_THREAD = 2 }; /* of ZeroMQ: so those who take data keep nobody from steering */
 
 static const double WATCH = 0.2;   /* [s] between two looks at what has no end */
@@ -241,14 +242,16 @@ static MnsStatus begin(Keeper *keeper, char **argv, MnsError *error)
                                   .daemon = argv[CONTROL],
                                   .monitor = "inproc://control",
                                   .largest = FRAME_MAX,
+                                  .most = RELAY_CLIENTS,
                                   .window = 4 << 20,
-                                  .ahead = 2,
+                                  .ahead = 1,
                                   .threads = NEAR_THREAD};
     RelayOptions data = control;
     data.fd = GATE_DATA;
     data.daemon = argv[DATA];
     data.monitor = "inproc://data";
     data.largest = STREAM_REQUEST;
+    data.most = TAKERS;
     data.threads = DATA_THREAD;
     if (!status) status = relay_new(&control, &keeper->control, error);
     if (!status) status = relay_new(&data, &keeper->data, error);

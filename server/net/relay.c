@@ -13,7 +13,7 @@
 enum { IDENTITY = 256, AT_ONCE = 256, ROUNDS = 16, REQUESTS_WAITING = 100, FAREWELL_MS = 300 };
 
 /* Bytes of requests of one client that the daemon has not taken; and of all that is on its way out, beyond which each may have one message. */
-enum { UPWARD_MOST = 8 << 20, OUTWARD_MOST = 128 << 20 };
+enum { UPWARD_MOST = 8 << 20, OUTWARD_MOST = 64 << 20 };
 
 /* What a client has sent may still come when it is known to have gone. */
 static const double LINGERING = 0.05; /* [s] */
@@ -169,7 +169,7 @@ static void *connect_daemon(const Relay *relay, const char *key)
 /* NULL if there are too many, or there is no memory. */
 static Client *new_client(Relay *relay, zmq_msg_t *identity, const char *key)
 {
-    if (relay->n == RELAY_CLIENTS || zmq_msg_size(identity) > IDENTITY) return NULL;
+    if (relay->n == relay->options.most || zmq_msg_size(identity) > IDENTITY) return NULL;
     Client *client = calloc(1, sizeof *client);
     if (!client) return NULL;
     *client = (Client){.relay = relay, .fd = -1, .in = toll_new(), .out = toll_new(), .size = zmq_msg_size(identity)};

@@ -14,6 +14,7 @@ typedef struct RelayOptions {
     const char *daemon;  /* "ipc://...", where it takes those whom the gate has let in */
     const char *monitor; /* "inproc://NAME"                                          */
     size_t largest;      /* bytes of a request                                       */
+    size_t most;         /* clients, at most RELAY_CLIENTS */
     size_t window;       /* bytes on their way to each, that are not taken           */
     int ahead;           /* messages of each that are read before there is room      */
     uint64_t threads;    /* of ZeroMQ, which may serve it: bits                      */

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <zmq.h>
 
@@ -271,6 +272,42 @@ static void who_ends_the_daemon_from_afar_is_told_so(void **state)
     assert_ends(gate);
 }
 
+/* It is not waited for: neither by the run, nor by those on this machine, nor when the daemon leaves. */
+static void a_gate_that_hangs_holds_up_nobody(void **state)
+{
+    Castle *castle = *state;
+    double longest = 0;
+    const Guest rest[] = {{"otto", ROLE_OPERATOR, &castle->operator} };
+    void *far = castle_connect(castle, ZMQ_DEALER, &castle->operator);
+    set_in_motion(castle);
+    assert_here(far);
+    const pid_t gate = castle_gate(castle, 0);
+    kill(gate, SIGSTOP);
+    const uint64_t step = step_of(castle, &longest);
+    for (int k = 0; k < 50; k++) {
+        step_of(castle, &longest);
+        steer_sleep(20);
+    }
+    assert_true(step_of(castle, &longest) > step);
+    assert_less(longest, 1);
+    castle_let_in(castle, 1, rest); /* whose connections end, hang as it may */
+    assert_here(far);
+    kill(castle_gate(castle, gate), SIGSTOP);
+}
+
+static void nobody_else_can_open_what_the_gate_brings_them_in_by(void **state)
+{
+    Castle *castle = *state;
+    struct stat info;
+    static const char *const names[] = {"gate-ctrl.ipc", "gate-news.ipc", "gate-data.ipc"};
+    char path[160];
+    for (int k = 0; k < 3; k++) {
+        snprintf(path, sizeof path, "%s/meniscus/t/%s", castle->dialogue.home, names[k]);
+        assert_int_equal(stat(path, &info), 0);
+        assert_int_equal(info.st_mode & 0777, 0600);
+    }
+}
+
 static void the_gate_of_a_daemon_that_is_killed_makes_way_for_the_next(void **state)
 {
     Castle *castle = *state;
@@ -304,6 +341,8 @@ int main(void)
         TEST(who_hangs_up_leaves_nothing_behind),
         TEST(a_command_of_who_does_not_wait_is_done),
         cmocka_unit_test_setup_teardown(who_ends_the_daemon_from_afar_is_told_so, castle_begin, end_somehow),
+        TEST(a_gate_that_hangs_holds_up_nobody),
+        TEST(nobody_else_can_open_what_the_gate_brings_them_in_by),
         TEST(the_gate_of_a_daemon_that_is_killed_makes_way_for_the_next),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
