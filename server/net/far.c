@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <time.h>
 #include <unistd.h>
@@ -68,6 +69,18 @@ MnsStatus far_listen(const char *address, int *ret_fd, MnsError *error)
     mns_fail(error, MNS_E_IO, "cannot listen at %s: %s", address, strerror(errno));
     if (fd >= 0) close(fd);
     return MNS_E_IO;
+}
+
+/* The soft limit is often 1024, and the hard one far beyond what can knock in the time that a handshake may take. */
+int far_descriptors(void)
+{
+    enum { ENOUGH = 65536, USUAL = 1024 };
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_NOFILE, &limit)) return USUAL;
+    if (limit.rlim_cur >= ENOUGH) return ENOUGH;
+    limit.rlim_cur = limit.rlim_max < ENOUGH ? limit.rlim_max : ENOUGH;
+    setrlimit(RLIMIT_NOFILE, &limit);
+    return (int)limit.rlim_cur;
 }
 
 /* What is encrypted is a little longer than what is in it, and frames of the handshake are longer than some sockets allow. */

@@ -10,6 +10,10 @@
  * moment longer than that. *ret_fd: closed by exec(). MNS_E_IO. */
 MnsStatus far_listen(const char *address, int *ret_fd, MnsError *error);
 
+/* Have as many descriptors as the operating system allows, up to 65536, as those from afar take some: each who knocks has one in the gate until the
+ * handshake is over, and each who is let in one in the daemon, which must not leave the run without any for its files. How many there may be. */
+int far_descriptors(void);
+
 /* Let a socket of ZeroMQ take what comes there, of those who are let in. False: zmq_errno() says why not. */
 bool far_take(const Access *access, void *socket, int fd);
 

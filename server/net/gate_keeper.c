@@ -29,6 +29,13 @@ static const double WATCH = 0.2;   /* [s] between two looks at what has no end *
 static const double TELL = 0.02;   /* [s] between two news */
 static const double LEAVING = 0.1; /* [s] in which nothing more has come: all is carried */
 
+/* Each has three descriptors here and one in the daemon, of as many, which needs some for its files. */
+static size_t fit(size_t clients)
+{
+    const size_t most = (size_t)far_descriptors() / 8;
+    return clients < most ? clients : most;
+}
+
 typedef struct Keeper {
     void *context, *listeners, *daemon; /* XPUB for those from afar, XSUB to the daemon */
     Access *access;
@@ -242,7 +249,7 @@ static MnsStatus begin(Keeper *keeper, char **argv, MnsError *error)
                                   .daemon = argv[CONTROL],
                                   .monitor = "inproc://control",
                                   .largest = FRAME_MAX,
-                                  .most = RELAY_CLIENTS,
+                                  .most = fit(RELAY_CLIENTS),
                                   .window = 4 << 20,
                                   .ahead = 1,
                                   .threads = NEAR_THREAD};
@@ -251,7 +258,7 @@ static MnsStatus begin(Keeper *keeper, char **argv, MnsError *error)
     data.daemon = argv[DATA];
     data.monitor = "inproc://data";
     data.largest = STREAM_REQUEST;
-    data.most = TAKERS;
+    data.most = fit(TAKERS);
     data.threads = DATA_THREAD;
     if (!status) status = relay_new(&control, &keeper->control, error);
     if (!status) status = relay_new(&data, &keeper->data, error);

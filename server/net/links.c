@@ -2,12 +2,12 @@
 /* The connections of a socket. A descriptor is told of as closed before it is, so it is never that of the next one by mistake. */
 #include "net/links.h"
 
+#include "net/far.h"
 #include "net/visitors.h"
 #include <linux/tcp.h>
 #include <netinet/in.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 #include <sys/socket.h>
 #include <zmq.h>
 
@@ -15,25 +15,12 @@
  * so some are forgiven as time goes by. */
 enum { ENDLESS = 4 << 20, FORGIVEN = 2048 /* [1/s] */ };
 
-/* Each who knocks has a descriptor until the handshake is over: the soft limit is often 1024, and the hard one far beyond what can
- * knock in the time that a handshake may take. */
-static int make_descriptors(void)
-{
-    struct rlimit limit;
-    const rlim_t enough = 65536;
-    if (getrlimit(RLIMIT_NOFILE, &limit)) return 1024;
-    if (limit.rlim_cur >= enough) return (int)enough;
-    limit.rlim_cur = limit.rlim_max < enough ? limit.rlim_max : enough;
-    setrlimit(RLIMIT_NOFILE, &limit);
-    return (int)limit.rlim_cur;
-}
-
 MnsStatus links_init(Links *links, void *context, void *socket, const char *address, void (*gone)(void *user),
                      MnsError *error)
 {
     const int none = 0, events = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH |
                                  ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL;
-    *links = (Links){.socket = socket, .size = make_descriptors(), .gone = gone};
+    *links = (Links){.socket = socket, .size = far_descriptors(), .gone = gone};
     links->links = calloc((size_t)links->size, sizeof *links->links);
     links->monitor = zmq_socket(context, ZMQ_PAIR);
     if (links->monitor) zmq_setsockopt(links->monitor, ZMQ_LINGER, &none, sizeof none);

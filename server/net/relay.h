@@ -30,7 +30,7 @@ void relay_close(Relay *relay, int linger);
 void relay_free(Relay *relay);
 
 /* What to wait for: returns how many, at most RELAY_ITEMS. */
-enum { RELAY_CLIENTS = 1000, RELAY_ITEMS = RELAY_CLIENTS + 3 };
+enum { RELAY_CLIENTS = 500, RELAY_ITEMS = RELAY_CLIENTS + 3 };
 size_t relay_items(Relay *relay, zmq_pollitem_t *ret);
 
 /* Carry what is there. True if there may be more at once. items: as relay_items() wrote them, and zmq_poll(). */
