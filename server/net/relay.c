@@ -28,8 +28,9 @@ typedef struct Client {
     Relay *relay;
     uint8_t identity[IDENTITY]; /* of its connection to us */
     size_t size;
-    int fd;       /* the same, of the operating system      */
-    void *daemon; /* its connection there: a DEALER         */
+    char key[KEY_TEXT]; /* public */
+    int fd;             /* the same, of the operating system      */
+    void *daemon;       /* its connection there: a DEALER         */
     Toll *in, *out;
     bool shut;   /* there is no room: it is not looked at   */
     double gone; /* clock_now() when it went; 0: it is here */
@@ -142,13 +143,12 @@ static void note_gone(void *user)
 {
     Client *client = user;
     client->gone = clock_now();
-    client->fd = -1;
     client->relay->departing = true;
 }
 
 static void show_out(Client *client)
 {
-    links_show_out(&client->relay->links, client->fd);
+    if (client->gone == 0) links_show_out(&client->relay->links, client->fd);
 }
 
 /* A connection to the daemon, as who has this key. It breaks only where one of the two ends, so nobody asks whether the other is there. */
@@ -169,11 +169,12 @@ static void *connect_daemon(const Relay *relay, const char *key)
 /* NULL if there are too many, or there is no memory. */
 static Client *new_client(Relay *relay, zmq_msg_t *identity, const char *key)
 {
-    if (relay->n == relay->options.most || zmq_msg_size(identity) > IDENTITY) return NULL;
+    if (relay->n == relay->options.most || zmq_msg_size(identity) > IDENTITY || strlen(key) >= KEY_TEXT) return NULL;
     Client *client = calloc(1, sizeof *client);
     if (!client) return NULL;
     *client = (Client){.relay = relay, .fd = -1, .in = toll_new(), .out = toll_new(), .size = zmq_msg_size(identity)};
     memcpy(client->identity, zmq_msg_data(identity), client->size);
+    memcpy(client->key, key, strlen(key) + 1);
     client->daemon = client->in && client->out ? connect_daemon(relay, key) : NULL;
     relay->clients[relay->n++] = client;
     if (client->daemon) return client;
@@ -184,34 +185,35 @@ static Client *new_client(Relay *relay, zmq_msg_t *identity, const char *key)
     return NULL;
 }
 
-static Client *find(const Relay *relay, zmq_msg_t *identity)
+/* A name is anybody's who takes it, and may be taken again when whoever had it has just gone: so the connection must be the same, and the key. */
+static bool is_from(const Client *client, zmq_msg_t *identity, int fd, const char *key)
 {
     const size_t size = zmq_msg_size(identity);
-    const void *data = zmq_msg_data(identity);
+    if (client->fd != fd || client->size != size || memcmp(client->identity, zmq_msg_data(identity), size))
+        return false;
+    return !strcmp(client->key, key) && (client->gone == 0 || !links_find(&client->relay->links, fd));
+}
+
+static Client *find(const Relay *relay, zmq_msg_t *identity, int fd, const char *key)
+{
     for (size_t k = 0; k < relay->n; k++)
-        if (relay->clients[k]->size == size && !memcmp(relay->clients[k]->identity, data, size))
-            return relay->clients[k];
+        if (is_from(relay->clients[k], identity, fd, key)) return relay->clients[k];
     return NULL;
 }
 
 /* Whose first message this is. All that was told before it came is noted first, as another may have had the same descriptor. */
-static Client *welcome(Relay *relay, zmq_msg_t *identity, zmq_msg_t *frame)
+static Client *welcome(Relay *relay, zmq_msg_t *identity, int fd, const char *key)
 {
-    const int fd = zmq_msg_get(frame, ZMQ_SRCFD);
-    const char *key = zmq_msg_gets(frame, "User-Id");
     links_note(&relay->links);
     Link *link = links_find(&relay->links, fd);
-    Client *client = key ? new_client(relay, identity, key) : NULL;
+    Client *client = new_client(relay, identity, key);
     if (!client) {
         links_show_out(&relay->links, fd);
         return NULL;
     }
-    if (!link || link->user) {
-        note_gone(client); /* it has gone already */
-        return client;
-    }
     client->fd = fd;
-    link->user = client;
+    if (link && !link->user) link->user = client;
+    else note_gone(client); /* it has gone already */
     return client;
 }
 
@@ -258,10 +260,12 @@ static bool take(Relay *relay)
         zmq_msg_init(&rest);
         more = zmq_msg_recv(&rest, relay->socket, ZMQ_DONTWAIT) >= 0 && zmq_msg_more(&rest);
     }
-    Client *client = any ? find(relay, &identity) : NULL;
-    if (any && !client) client = welcome(relay, &identity, &first);
+    const int fd = any ? zmq_msg_get(&first, ZMQ_SRCFD) : -1;
+    const char *key = any ? zmq_msg_gets(&first, "User-Id") : NULL;
+    Client *client = key ? find(relay, &identity, fd, key) : NULL;
+    if (key && !client) client = welcome(relay, &identity, fd, key);
     if (client) {
-        links_took(&relay->links, client->fd);
+        links_took(&relay->links, fd);
         bring(client, &first, parts);
     }
     zmq_msg_close(&first);
@@ -309,6 +313,7 @@ size_t relay_items(Relay *relay, zmq_pollitem_t *ret)
     relay->asked = 0;
     for (size_t k = 0; k < relay->n; k++) {
         Client *client = relay->clients[k];
+        if (client->gone != 0) continue;      /* another may have its name now */
         if (client->shut) relay->shut = true; /* from now on whoever makes room tells */
         if (client->shut && !has_room(client)) continue;
         relay->waited[relay->asked++] = client;
