@@ -74,8 +74,8 @@ static void let_go(void *data, void *hint)
 {
     (void)data;
     Parcel *parcel = hint;
-    Relay *relay = parcel->relay;
     const size_t size = parcel->size;
+    Relay *relay = parcel->relay;
     zmq_msg_close(&parcel->frame);
     parcel->toll->bytes -= size;
     toll_leave(parcel->toll);
