@@ -56,7 +56,7 @@ static void an_address_is_a_number_of_either_kind_or_all(void **state)
         assert_reached("[::1]", "::1");
         assert_reached("[::]", "127.0.0.1");
     }
-    close(six);
+    if (six >= 0) close(six);
 }
 
 static void one_that_somebody_has_is_told(void **state)
