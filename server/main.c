@@ -7,6 +7,7 @@
 #include "batch/replay.h"
 #include "batch/schemes.h"
 #include "net/daemon.h"
+#include "net/gate_keeper.h"
 #include "run/environment.h"
 #include <argp.h>
 #include <errno.h>
@@ -262,6 +263,7 @@ int main(int argc, char **argv)
                "way, 74 input/output error, 75 stopped by a signal, after a checkpoint if it had begun, or another "
                "run has the directory (run the same command again with --resume auto), or another daemon the state "
                "directory."};
+    if (gate_keeper_is(argc, argv)) return gate_keeper_run(argv);
     Options options = {.batch.until = NAN,
                        .level = -1,
                        .daemon.at.name = "default",

@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-static _Atomic int log_level = LOG_INFORMATION;
+static _Atomic int log_highest = LOG_INFORMATION;
 static bool to_journal;
 static const char *program = "meniscusd";
 
@@ -33,7 +33,7 @@ const char *log_program(void)
 
 void log_set_level(LogLevel level)
 {
-    log_level = (int)level;
+    log_highest = (int)level;
 }
 
 int log_level_find(const char *word)
@@ -46,6 +46,11 @@ int log_level_find(const char *word)
     for (int level = LOG_ERROR; level <= LOG_DETAIL; level++)
         if (!strcmp(word, words[level])) return level;
     return -1;
+}
+
+LogLevel log_level(void)
+{
+    return (LogLevel)log_highest;
 }
 
 /* A pipe or a socket that nobody reads must not make a thread wait, least of all the solver's. What is ready takes a whole line. */
@@ -79,7 +84,7 @@ static void write_if_read(LogLevel level, const char *line)
 
 void log_line(LogLevel level, const char *format, ...)
 {
-    if ((int)level > log_level) return;
+    if ((int)level > log_highest) return;
     char line[1024];
     va_list list;
     va_start(list, format);

@@ -180,6 +180,16 @@ static double denied(const View *view)
     return (double)view->from->traffic->denied;
 }
 
+static double gate_restarts(const View *view)
+{
+    return (double)view->from->traffic->gate_restarts;
+}
+
+static double shown_out(const View *view)
+{
+    return (double)view->from->traffic->shown_out;
+}
+
 static double lease(const View *view)
 {
     const double left = view->run->lease.until - clock_now();
@@ -407,7 +417,8 @@ static void handshakes_failed(Exposition *to, const Family *family, const View *
 {
     static const char *const reasons[TRAFFIC_FAILURES] = {"key", "protocol", "silence"};
     for (int k = 0; k < TRAFFIC_FAILURES; k++)
-        one(to, family, (double)view->from->traffic->failures[k], "reason", reasons[k]);
+        one(to, family, (double)(view->from->traffic->failures[k] + view->from->traffic->gate_failures[k]), "reason",
+            reasons[k]);
 }
 
 static void answers(Exposition *to, const Family *family, const View *view)
@@ -500,6 +511,11 @@ static const Metric metrics[] = {
      .print = handshakes_failed},
     {{"meniscus_access_denied", "", METRIC_COUNTER, "Requests that take a role which their key lacks"},
      .number = denied},
+    {{"meniscus_access_shown_out", "", METRIC_COUNTER,
+      "Connections from afar ended for sending without an end or faster than is taken"},
+     .number = shown_out},
+    {{"meniscus_gate_restarts", "", METRIC_COUNTER, "Times the process that those from afar go through has died"},
+     .number = gate_restarts},
     {{"meniscus_control_clients", "", METRIC_GAUGE, "Connections to the control socket"}, .number = clients},
     {{"meniscus_control_requests", "", METRIC_COUNTER, "Requests that came"}, .number = requests},
     {{"meniscus_control_failures", "", METRIC_COUNTER, "Those refused, and those that failed or were called off"},

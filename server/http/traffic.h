@@ -45,6 +45,9 @@ typedef struct Traffic {
     /* Connections to the control socket that ended before the handshake did: their key is not let in; they did not speak as they
      * must; they fell silent or hung up. */
     _Atomic uint64_t failures[TRAFFIC_FAILURES];
+    _Atomic uint64_t gate_failures[TRAFFIC_FAILURES]; /* those from afar           */
+    _Atomic uint64_t gate_restarts;                   /* of the gate, that it was not told to end */
+    _Atomic uint64_t shown_out;                       /* connections from afar that the gate has ended */
 } Traffic;
 
 #endif

@@ -17,7 +17,7 @@
 #include <unistd.h>
 
 /* Domains, of which ZeroMQ says on which kind of endpoint somebody knocks. */
-static const char LOCAL[] = "local", REMOTE[] = "remote";
+static const char LOCAL[] = "local", GATE[] = "gate", REMOTE[] = "remote";
 
 /* A handshake takes two round trips. Who has begun one and says no more holds a connection for that long. */
 enum { HANDSHAKE_MS = 3000 };
@@ -31,6 +31,7 @@ struct Access {
     size_t counts[ROLE_ADMIN + 1]; /* of them, by role */
     struct stat seen;              /* of the file that the keys are from        */
     int watch;                     /* inotify of the directory, or -1           */
+    bool tells;                    /* of the keys, in the log                   */
     double told;                   /* clock_now() when a refusal was last logged */
     unsigned long refused;
 };
@@ -60,11 +61,11 @@ static MnsStatus read_own(Access *access, MnsError *error)
                     access->directory);
 }
 
-MnsStatus access_new(void *context, const char *keys, Access **ret, MnsError *error)
+MnsStatus access_new(void *context, const char *keys, bool tells, Access **ret, MnsError *error)
 {
     Access *access = calloc(1, sizeof *access);
     if (!access) return mns_fail(error, MNS_E_MEMORY, "no memory for the access control");
-    *access = (Access){.watch = -1, .told = -INFINITY};
+    *access = (Access){.watch = -1, .tells = tells, .told = -INFINITY};
     pthread_mutex_init(&access->lock, NULL);
     const int none = 0;
     MnsStatus status = MNS_OK;
@@ -99,6 +100,26 @@ void access_guard_local(const Access *access, void *socket)
 {
     (void)access;
     zmq_setsockopt(socket, ZMQ_ZAP_DOMAIN, LOCAL, strlen(LOCAL));
+}
+
+/* Connections from the gate have a thread of ZeroMQ of their own, so that those from afar keep nobody on this machine waiting. They break only where one of
+ * the two ends, and so nobody asks whether the other is there. */
+void access_guard_gate(const Access *access, void *socket)
+{
+    (void)access;
+    const int server = 1, never = 0;
+    const uint64_t second_thread = 2;
+    zmq_setsockopt(socket, ZMQ_AFFINITY, &second_thread, sizeof second_thread);
+    zmq_setsockopt(socket, ZMQ_HEARTBEAT_IVL, &never, sizeof never);
+    zmq_setsockopt(socket, ZMQ_ZAP_DOMAIN, GATE, strlen(GATE));
+    zmq_setsockopt(socket, ZMQ_PLAIN_SERVER, &server, sizeof server);
+}
+
+/* There is no secret in it: the gate has made sure of the key, and nobody else can open the socket. */
+void access_introduce(void *socket, const char *public_key)
+{
+    zmq_setsockopt(socket, ZMQ_PLAIN_USERNAME, public_key, strlen(public_key));
+    zmq_setsockopt(socket, ZMQ_PLAIN_PASSWORD, GATE, strlen(GATE));
 }
 
 void access_guard_remote(const Access *access, void *socket)
@@ -161,7 +182,7 @@ static bool take_news(const Access *access)
 
 static void tell_keys(const Access *access, const Keys *keys, const char *path)
 {
-    if (same_keys(&access->keys, keys) && keys->n) return;
+    if (!access->tells || (same_keys(&access->keys, keys) && keys->n)) return;
     if (keys->n) log_line(LOG_INFORMATION, "%zu key%s let in from afar", keys->n, keys->n == 1 ? " is" : "s are");
     else
         log_line(LOG_WARNING, "nobody is let in from afar: there are no keys in %s; `meniscus keys new` makes one",
@@ -182,8 +203,8 @@ bool access_refresh(Access *access)
     if (stat(path, &info)) info = (struct stat){.st_size = -1};
     if (!news && same_file(&info, &access->seen)) return false;
     access->seen = info; /* looked at before it is read: a change in between is another one */
-    if (keys_read(access->directory, &keys, &error)) log_line(LOG_ERROR, "nobody is let in from afar: %s", error.text);
-    else tell_keys(access, &keys, path);
+    if (!keys_read(access->directory, &keys, &error)) tell_keys(access, &keys, path);
+    else if (access->tells) log_line(LOG_ERROR, "nobody is let in from afar: %s", error.text);
     const bool gone = is_one_gone(&access->keys, &keys);
     pthread_mutex_lock(&access->lock);
     keys_done(&access->keys);
@@ -204,7 +225,7 @@ size_t access_count(const Access *access, Role role)
 /* The frames of a question: RFC 27. What is longer than there is room for is nothing we could let in. */
 typedef struct Question {
     char version[8], id[256], domain[8], address[64], identity[8], mechanism[8];
-    uint8_t key[33];
+    char key[KEY_TEXT + 1]; /* 32 bytes of it, or its text */
     size_t id_size, key_size;
     int n;
 } Question;
@@ -220,7 +241,7 @@ static bool receive(void *socket, Question *ret)
                  {ret->address, sizeof ret->address - 1},
                  {ret->identity, sizeof ret->identity - 1},
                  {ret->mechanism, sizeof ret->mechanism - 1},
-                 {ret->key, sizeof ret->key}};
+                 {ret->key, sizeof ret->key - 1}};
     enum { PARTS = sizeof parts / sizeof *parts };
     char surplus[8];
     int more = 1;
@@ -244,9 +265,11 @@ static const char *judge(const Access *access, const Question *question)
     static char text[KEY_TEXT];
     if (strcmp(question->version, "1.0") != 0) return NULL;
     if (!strcmp(question->domain, LOCAL) && !strcmp(question->mechanism, "NULL")) return LOCAL;
-    if (strcmp(question->domain, REMOTE) != 0 || strcmp(question->mechanism, "CURVE") != 0) return NULL;
-    if (question->key_size != 32 || !zmq_z85_encode(text, question->key, 32)) return NULL;
-    const Key *key = keys_find(&access->keys, text);
+    const bool gate = !strcmp(question->domain, GATE) && !strcmp(question->mechanism, "PLAIN");
+    const bool remote = !strcmp(question->domain, REMOTE) && !strcmp(question->mechanism, "CURVE");
+    if (!gate && !remote) return NULL;
+    if (remote && (question->key_size != 32 || !zmq_z85_encode(text, (const uint8_t *)question->key, 32))) return NULL;
+    const Key *key = keys_find(&access->keys, gate ? question->key : text);
     return key ? key->public_key : NULL;
 }
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The desk: the sockets of commands and news, and what goes through them. A client that sends rubbish gets a sentence; one that vanishes, nothing; none
  * is waited for. Answers nobody reads are bounded in bytes, and what a frame may ask of this thread in its size or its number. Messages that
- * ZeroMQ has not received to their end cannot be: see DECISIONS.md. */
+ * ZeroMQ has not received to their end cannot be, and so those from afar come through a gate. */
 #include "net/desk.h"
 
 #include "base/clock.h"
 #include "base/log.h"
-#include "net/far.h"
+#include "net/gate.h"
 #include "net/handlers.h"
 #include "net/ledger.h"
 #include "net/outgoing.h"
@@ -39,12 +39,10 @@ typedef struct Reading {
     uint64_t frames; /* taken so far, that of the sender too */
 } Reading;
 
-enum { CONTROL, TELEMETRY, FARS };
-
 struct Desk {
     void *context, *control, *telemetry;
     Access *access;
-    Far far[FARS];
+    Gate *gate; /* NULL: nobody comes from afar */
     Run *run;
     Ledger *deeds, *questions; /* of what changed or wrote something, or is about to, and of all else */
     Publisher *publisher;
@@ -79,6 +77,15 @@ static MnsStatus bind_one(void *socket, const char *address, MnsError *error)
     return mns_fail(error, MNS_E_IO, "cannot listen at %s: %s", address, zmq_strerror(zmq_errno()));
 }
 
+/* Options hold for what is bound after them. */
+static MnsStatus bind_gate(Desk *desk, const Endpoint *at, MnsError *error)
+{
+    access_guard_gate(desk->access, desk->control);
+    MnsStatus status = bind_one(desk->control, at->gate_control, error);
+    if (!status) status = bind_one(desk->telemetry, at->gate_telemetry, error);
+    return status ? status : gate_new(at, &desk->gate, error);
+}
+
 /* Socket files get their mode from the umask, which is the whole process's; no other thread makes files before the first
  * request. */
 static MnsStatus bind_all(Desk *desk, const Endpoint *at, MnsError *error)
@@ -86,19 +93,18 @@ static MnsStatus bind_all(Desk *desk, const Endpoint *at, MnsError *error)
     const mode_t mask = umask(0177);
     MnsStatus status = bind_one(desk->control, at->control, error);
     if (!status) status = bind_one(desk->telemetry, at->telemetry, error);
-    umask(mask);
     if (!status) status = bind_one(desk->control, at->tcp_control, error);
     if (!status) status = bind_one(desk->telemetry, at->tcp_telemetry, error);
-    if (status || !at->far_control[0]) return status;
-    status = far_bind(&desk->far[CONTROL], desk->access, desk->control, at->far_control, error);
-    return status ? status : far_bind(&desk->far[TELEMETRY], desk->access, desk->telemetry, at->far_telemetry, error);
+    if (!status && at->far_control[0]) status = bind_gate(desk, at, error);
+    umask(mask);
+    return status;
 }
 
 static MnsStatus open_sockets(Desk *desk, const Endpoint *at, MnsError *error)
 {
     desk->context = zmq_ctx_new();
     if (desk->context && at->far_control[0]) zmq_ctx_set(desk->context, ZMQ_IO_THREADS, 2);
-    MnsStatus status = access_new(desk->context, at->keys, &desk->access, error);
+    MnsStatus status = access_new(desk->context, at->keys, true, &desk->access, error);
     if (status) return status;
     desk->control = desk->context ? zmq_socket(desk->context, ZMQ_ROUTER) : NULL;
     desk->telemetry = desk->control ? zmq_socket(desk->context, ZMQ_XPUB) : NULL;
@@ -114,8 +120,10 @@ static MnsStatus open_sockets(Desk *desk, const Endpoint *at, MnsError *error)
     zmq_setsockopt(desk->telemetry, ZMQ_MAXMSGSIZE, &largest_subscription, sizeof largest_subscription);
     access_guard_local(desk->access, desk->control);
     access_guard_local(desk->access, desk->telemetry);
-    status = visitors_init(&desk->listeners, desk->context, desk->telemetry, "inproc://listeners", error);
-    return status ? status : visitors_init(&desk->visitors, desk->context, desk->control, "inproc://visitors", error);
+    status = visitors_init(&desk->listeners, desk->context, desk->telemetry, "inproc://listeners", at->gate_telemetry,
+                           error);
+    return status ? status
+                  : visitors_init(&desk->visitors, desk->context, desk->control, "inproc://visitors", NULL, error);
 }
 
 MnsStatus desk_new(const Endpoint *endpoint, Run *run, Desk **ret, MnsError *error)
@@ -165,6 +173,7 @@ void desk_free(Desk *desk)
     if (desk->telemetry) zmq_close(desk->telemetry);
     access_free(desk->access);
     if (desk->context) zmq_ctx_term(desk->context);
+    gate_free(desk->gate); /* when it has all that was under way */
     streams_free(desk->streams);
     ledger_free(desk->deeds);
     ledger_free(desk->questions);
@@ -195,16 +204,12 @@ static void look_at_keys(Desk *desk)
 {
     if (!access_refresh(desk->access)) return;
     log_line(LOG_NOTICE, "a key is gone: connections from afar are made anew");
-    for (int k = 0; k < FARS; k++) far_cut(&desk->far[k]);
-    visitors_cut(&desk->visitors);
-    visitors_cut(&desk->listeners);
-    streams_cut(desk->streams);
+    gate_renew(desk->gate);
 }
 
 static void see_to_door(Desk *desk)
 {
     bool more = true;
-    for (int k = 0; k < FARS; k++) far_mend(&desk->far[k]);
     for (int k = 0; k < AT_ONCE && more; k++) {
         look_at_keys(desk);
         more = access_answer(desk->access);
@@ -221,12 +226,11 @@ unsigned desk_poll(Desk *desk, const int fds[2], long timeout)
                               {.socket = desk->visitors.monitor, .events = ZMQ_POLLIN},
                               {.socket = access_socket(desk->access), .events = ZMQ_POLLIN},
                               {.socket = desk->listeners.monitor, .events = ZMQ_POLLIN},
-                              {.fd = watch, .events = ZMQ_POLLIN}};
-    for (int k = 0; k < FARS; k++)
-        if (far_is_cut(&desk->far[k]) && timeout > FAR_RETRY_MS) timeout = FAR_RETRY_MS;
-    const double held = publisher_flush(desk->publisher) - clock_now();
+                              {.fd = watch, .events = ZMQ_POLLIN},
+                              {.fd = gate_line(desk->gate), .events = ZMQ_POLLIN}};
+    const double held = fmin(publisher_flush(desk->publisher), gate_look(desk->gate, &desk->traffic)) - clock_now();
     if (held < 1e-3 * (double)timeout) timeout = (long)(1e3 * fmax(held, 0)) + 1;
-    if (zmq_poll(items, watch >= 0 ? 8 : 7, timeout) <= 0) return 0;
+    if (zmq_poll(items, sizeof items / sizeof *items, timeout) <= 0) return 0;
     return (items[0].revents ? 1u : 0) | (items[1].revents ? 2u : 0);
 }
 
@@ -501,7 +505,7 @@ static bool receive_subscription(Desk *desk)
     char frame[256];
     const int got = zmq_recv(desk->telemetry, frame, sizeof frame, ZMQ_DONTWAIT);
     if (got < 0) return false;
-    if (got >= 1 && got <= (int)sizeof frame && frame[0] == 1)
+    if (got >= 1 && got <= (int)sizeof frame && (frame[0] == 1 || frame[0] == GATE_LISTENER))
         publisher_welcome(desk->publisher, frame + 1, (size_t)got - 1);
     return true;
 }
@@ -514,9 +518,9 @@ static void note_traffic(Desk *desk)
     Traffic *traffic = &desk->traffic;
     visitors_note(&desk->visitors);
     visitors_note(&desk->listeners);
-    publisher_crowd(desk->publisher, desk->listeners.n);
     traffic->clients = desk->visitors.n;
-    traffic->listeners = desk->listeners.n;
+    traffic->listeners = desk->listeners.n + gate_listeners(desk->gate);
+    publisher_crowd(desk->publisher, traffic->listeners);
     traffic->unread = desk->outgoing.unread;
     for (int k = 0; k < TRAFFIC_ROLES; k++) traffic->keys[k] = access_count(desk->access, (Role)(ROLE_VIEWER + k));
     for (int k = 0; k < TRAFFIC_FAILURES; k++) traffic->failures[k] = desk->visitors.failed[k];

@@ -164,6 +164,9 @@ static void remove_sockets(const Endpoint *endpoint)
     unlink(endpoint->control + strlen("ipc://"));
     unlink(endpoint->telemetry + strlen("ipc://"));
     unlink(endpoint->data + strlen("ipc://"));
+    unlink(endpoint->gate_control + strlen("ipc://"));
+    unlink(endpoint->gate_telemetry + strlen("ipc://"));
+    unlink(endpoint->gate_data + strlen("ipc://"));
 }
 
 MnsStatus endpoint_open(const EndpointOptions *options, Endpoint *ret, MnsError *error)
@@ -182,6 +185,9 @@ MnsStatus endpoint_open(const EndpointOptions *options, Endpoint *ret, MnsError 
     snprintf(endpoint.control, ENDPOINT_SIZE, "ipc://%.107s/control.ipc", directory);
     snprintf(endpoint.telemetry, ENDPOINT_SIZE, "ipc://%.107s/telemetry.ipc", directory);
     snprintf(endpoint.data, ENDPOINT_SIZE, "ipc://%.107s/data.ipc", directory);
+    snprintf(endpoint.gate_control, ENDPOINT_SIZE, "ipc://%.107s/gate-ctrl.ipc", directory);
+    snprintf(endpoint.gate_telemetry, ENDPOINT_SIZE, "ipc://%.107s/gate-news.ipc", directory);
+    snprintf(endpoint.gate_data, ENDPOINT_SIZE, "ipc://%.107s/gate-data.ipc", directory);
     status = lock(&endpoint, name, error);
     if (status) return status;
     remove_sockets(&endpoint);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Where a daemon listens: its own directory, locked, with three sockets that only its user can open; loopback TCP; and, for those who have
- * a key, any address. */
+/* Where a daemon listens: its own directory, locked, with three sockets that only its user can open, and three more for its gate; loopback TCP;
+ * and, for those who have a key, any address. */
 #ifndef NET_ENDPOINT_H
 #define NET_ENDPOINT_H
 
@@ -14,7 +14,9 @@ typedef struct Endpoint {
         tcp_data[ENDPOINT_SIZE]; /* "tcp://127.0.0.1:..."; or empty    */
     char far_control[ENDPOINT_SIZE], far_telemetry[ENDPOINT_SIZE],
         far_data[ENDPOINT_SIZE]; /* "tcp://ADDRESS:...", with keys; or empty */
-    char keys[KEYS_PATH];        /* their directory; or empty */
+    char gate_control[ENDPOINT_SIZE], gate_telemetry[ENDPOINT_SIZE],
+        gate_data[ENDPOINT_SIZE]; /* "ipc://...", where the gate brings those in */
+    char keys[KEYS_PATH];         /* their directory; or empty */
     char directory[ENDPOINT_SIZE];
     int lock; /* file descriptor */
 } Endpoint;

@@ -3,9 +3,85 @@
 #include "net/far.h"
 
 #include "base/clock.h"
-#include "base/log.h"
+#include <arpa/inet.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { BACKLOG = 100, RETRY_MS = 20 };
+
+static const double PATIENCE = 1; /* [s] */
+
+/* Room for an address of either kind. */
+typedef union Place {
+    struct sockaddr any;
+    struct sockaddr_in four;
+    struct sockaddr_in6 six;
+} Place;
+
+/* Of the text that endpoint_open() has checked: "tcp://192.0.2.7:5555", "tcp://[2001:db8::7]:5555" or "tcp://" and a star. */
+static socklen_t read_place(const char *address, Place *ret)
+{
+    const char *host = address + strlen("tcp://"), *colon = strrchr(host, ':');
+    const in_port_t port = htons((uint16_t)strtol(colon + 1, NULL, 10));
+    char text[INET6_ADDRSTRLEN] = "";
+    const bool six = *host == '[';
+    const size_t size = (size_t)(colon - host) - (six ? 2 : 0);
+    if (size < sizeof text) memcpy(text, host + six, size);
+    if (six) {
+        *ret = (Place){.six = {.sin6_family = AF_INET6, .sin6_port = port}};
+        inet_pton(AF_INET6, text, &ret->six.sin6_addr);
+        return sizeof ret->six;
+    }
+    *ret = (Place){.four = {.sin_family = AF_INET, .sin_port = port}};
+    if (*host != '*') inet_pton(AF_INET, text, &ret->four.sin_addr);
+    return sizeof ret->four;
+}
+
+static bool bind_patiently(int fd, const Place *place, socklen_t size)
+{
+    const double until = clock_now() + PATIENCE;
+    while (bind(fd, &place->any, size)) {
+        if (errno != EADDRINUSE || clock_now() > until) return false;
+        nanosleep(&(struct timespec){.tv_nsec = RETRY_MS * 1000000L}, NULL);
+    }
+    return true;
+}
+
+MnsStatus far_listen(const char *address, int *ret_fd, MnsError *error)
+{
+    Place place;
+    const int yes = 1, no = 0;
+    const socklen_t size = read_place(address, &place);
+    const int fd = socket(place.any.sa_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    bool done = fd >= 0 && !setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+    if (done && place.any.sa_family == AF_INET6) setsockopt(fd, IPPROTO_IPV6, IPV6_V6ONLY, &no, sizeof no);
+    done = done && bind_patiently(fd, &place, size) && !listen(fd, BACKLOG);
+    if (done) {
+        *ret_fd = fd;
+        return MNS_OK;
+    }
+    mns_fail(error, MNS_E_IO, "cannot listen at %s: %s", address, strerror(errno));
+    if (fd >= 0) close(fd);
+    return MNS_E_IO;
+}
+
+/* The soft limit is often 1024, and the hard one far beyond what can knock in the time that a handshake may take. */
+int far_descriptors(void)
+{
+    enum { ENOUGH = 65536, USUAL = 1024 };
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_NOFILE, &limit)) return USUAL;
+    if (limit.rlim_cur >= ENOUGH) return ENOUGH;
+    limit.rlim_cur = limit.rlim_max < ENOUGH ? limit.rlim_max : ENOUGH;
+    setrlimit(RLIMIT_NOFILE, &limit);
+    return (int)limit.rlim_cur;
+}
 
 /* What is encrypted is a little longer than what is in it, and frames of the handshake are longer than some sockets allow. */
 static void make_room(void *socket)
@@ -18,54 +94,11 @@ static void make_room(void *socket)
     zmq_setsockopt(socket, ZMQ_MAXMSGSIZE, &largest, sizeof largest);
 }
 
-/* Each who knocks has a descriptor until the handshake is over. Many must not leave the run without any for its files: the soft limit
- * is often 1024, and the hard one far beyond what can knock in the time that a handshake may take. */
-static void make_descriptors(void)
+/* ZeroMQ does not look at the address where it is given a socket that listens. */
+bool far_take(const Access *access, void *socket, int fd)
 {
-    struct rlimit limit;
-    const rlim_t enough = 65536;
-    if (getrlimit(RLIMIT_NOFILE, &limit) || limit.rlim_cur >= enough) return;
-    limit.rlim_cur = limit.rlim_max < enough ? limit.rlim_max : enough;
-    setrlimit(RLIMIT_NOFILE, &limit);
-}
-
-/* Those from afar have a thread of ZeroMQ of their own, so that many who knock keep nobody on this machine waiting. Options hold
- * for what is bound after them. */
-MnsStatus far_bind(Far *far, const Access *access, void *socket, const char *address, MnsError *error)
-{
-    const uint64_t second_thread = 2;
-    const int six = address[strlen("tcp://")] == '[';
-    zmq_setsockopt(socket, ZMQ_AFFINITY, &second_thread, sizeof second_thread);
-    zmq_setsockopt(socket, ZMQ_IPV6, &six, sizeof six);
-    make_descriptors();
     make_room(socket);
     access_guard_remote(access, socket);
-    if (zmq_bind(socket, address))
-        return mns_fail(error, MNS_E_IO, "cannot listen at %s: %s", address, zmq_strerror(zmq_errno()));
-    *far = (Far){.socket = socket, .bound = true};
-    size_t size = sizeof far->address; /* as ZeroMQ calls it, which lets go of it by no other name */
-    zmq_getsockopt(socket, ZMQ_LAST_ENDPOINT, far->address, &size);
-    return MNS_OK;
-}
-
-void far_cut(Far *far)
-{
-    if (!far->bound || zmq_unbind(far->socket, far->address)) return;
-    far->bound = far->told = false;
-    far->cut = clock_now();
-}
-
-bool far_is_cut(const Far *far)
-{
-    return far->socket && !far->bound;
-}
-
-/* The address is free again when a thread of ZeroMQ has let go of it, which takes milliseconds; somebody else may take it first. */
-void far_mend(Far *far)
-{
-    if (!far_is_cut(far)) return;
-    far->bound = !zmq_bind(far->socket, far->address);
-    if (far->bound || far->told || clock_now() < far->cut + 1) return;
-    log_line(LOG_ERROR, "cannot listen at %s again: %s; trying on", far->address, zmq_strerror(zmq_errno()));
-    far->told = true;
+    zmq_setsockopt(socket, ZMQ_USE_FD, &fd, sizeof fd);
+    return !zmq_bind(socket, "tcp://127.0.0.1:*");
 }

@@ -1,29 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* An address for those from afar. ZeroMQ ends no connection of a socket by itself, but those that came through an address end when
- * it is let go of. Who has a key then connects again by itself, and repeats what was not answered. */
+/* An address for those from afar: a socket of the operating system that listens. The daemon holds it, so that it is there whatever becomes of
+ * the gate, and so that an address that cannot be had is known at the start; the gate takes connections from it. */
 #ifndef NET_FAR_H
 #define NET_FAR_H
 
 #include "net/access.h"
-#include "net/endpoint.h"
 
-enum { FAR_RETRY_MS = 20 };
+/* Listen at "tcp://ADDRESS:PORT". One that another process has is tried again for a second, as the gate of a daemon that was killed lives a
+ * moment longer than that. *ret_fd: closed by exec(). MNS_E_IO. */
+MnsStatus far_listen(const char *address, int *ret_fd, MnsError *error);
 
-typedef struct Far {
-    void *socket; /* NULL: there is no such address */
-    char address[ENDPOINT_SIZE];
-    bool bound, told; /* whether it can be bound again, after it was let go */
-    double cut;       /* clock_now() of that */
-} Far;
+/* Have as many descriptors as the operating system allows, up to 65536, as those from afar take some: each who knocks has one in the gate until the
+ * handshake is over, and each who is let in one in the daemon, which must not leave the run without any for its files. How many there may be. */
+int far_descriptors(void);
 
-/* Bind the socket there, for those who are let in; whatever it binds later too. MNS_E_IO. */
-MnsStatus far_bind(Far *far, const Access *access, void *socket, const char *address, MnsError *error);
-
-/* End the connections that came through it. */
-void far_cut(Far *far);
-
-/* Is it let go of, and not bound again? Then call far_mend() every FAR_RETRY_MS. */
-bool far_is_cut(const Far *far);
-void far_mend(Far *far);
+/* Let a socket of ZeroMQ take what comes there, of those who are let in. False: zmq_errno() says why not. */
+bool far_take(const Access *access, void *socket, int fd);
 
 #endif

@@ -40,10 +40,13 @@ static MnsStatus open_socket(Streams *streams, MnsError *error)
     access_guard_local(options->access, socket);
     const mode_t mask = umask(0177);
     MnsStatus status = bind_one(socket, at->data, error);
-    umask(mask);
     if (!status) status = bind_one(socket, at->tcp_data, error);
-    if (status || !at->far_data[0]) return status;
-    return far_bind(&streams->far, options->access, socket, at->far_data, error);
+    if (!status && at->far_data[0]) {
+        access_guard_gate(options->access, socket);
+        status = bind_one(socket, at->gate_data, error);
+    }
+    umask(mask);
+    return status;
 }
 
 static void look_around(Streams *streams)
@@ -52,8 +55,6 @@ static void look_around(Streams *streams)
     eventfd_read(streams->wake, &count);
     eventfd_read(streams->post.wake, &count);
     tap_woken(run_tap(streams->options.run));
-    if (atomic_exchange(&streams->cut, false)) far_cut(&streams->far);
-    far_mend(&streams->far);
 }
 
 static void wait_for_news(Streams *streams, bool busy)
@@ -62,7 +63,7 @@ static void wait_for_news(Streams *streams, bool busy)
                               {.fd = streams->wake, .events = ZMQ_POLLIN},
                               {.fd = streams->post.wake, .events = ZMQ_POLLIN},
                               {.fd = tap_wake(run_tap(streams->options.run)), .events = ZMQ_POLLIN}};
-    zmq_poll(items, 4, busy ? 0 : far_is_cut(&streams->far) ? FAR_RETRY_MS : TICK_MS);
+    zmq_poll(items, 4, busy ? 0 : TICK_MS);
 }
 
 static void note_traffic(Streams *streams)
@@ -144,12 +145,6 @@ void streams_free(Streams *streams)
     if (streams->wake >= 0) close(streams->wake);
     if (streams->post.wake >= 0) close(streams->post.wake);
     free(streams);
-}
-
-void streams_cut(Streams *streams)
-{
-    streams->cut = true;
-    eventfd_write(streams->wake, 1);
 }
 
 void streams_tell(Streams *streams, const Note *note)

@@ -33,9 +33,6 @@ void streams_free(Streams *streams);
 
 /* --- for any thread ---------------------------------------------------------------------------------------------------- */
 
-/* A key is gone: connections from afar are to be made anew. */
-void streams_cut(Streams *streams);
-
 /* An event of the run. */
 void streams_tell(Streams *streams, const Note *note);
 

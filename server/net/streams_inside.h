@@ -5,7 +5,6 @@
 #define NET_STREAMS_INSIDE_H
 
 #include "net/channel.h"
-#include "net/far.h"
 #include "net/stream_post.h"
 #include "net/streams.h"
 #include "run/snapshots.h"
@@ -17,9 +16,8 @@ struct Streams {
     StreamsOptions options;
     pthread_t thread;
     void *socket;
-    Far far;
     int wake; /* eventfd: something below is to be looked at */
-    _Atomic bool leaving, cut;
+    _Atomic bool leaving;
 
     /* Of the thread alone: */
     Stream *first;

@@ -7,11 +7,12 @@
 #include <string.h>
 #include <zmq.h>
 
-MnsStatus visitors_init(Visitors *visitors, void *context, void *socket, const char *address, MnsError *error)
+MnsStatus visitors_init(Visitors *visitors, void *context, void *socket, const char *address, const char *aside,
+                        MnsError *error)
 {
     const int none = 0, events = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH |
                                  ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL;
-    *visitors = (Visitors){.socket = socket, .monitor = zmq_socket(context, ZMQ_PAIR)};
+    *visitors = (Visitors){.socket = socket, .monitor = zmq_socket(context, ZMQ_PAIR), .aside = aside};
     if (visitors->monitor) zmq_setsockopt(visitors->monitor, ZMQ_LINGER, &none, sizeof none);
     if (visitors->monitor && !zmq_socket_monitor(socket, address, events) && !zmq_connect(visitors->monitor, address))
         return MNS_OK;
@@ -26,28 +27,14 @@ void visitors_done(Visitors *visitors)
     *visitors = (Visitors){.n = 0};
 }
 
-void visitors_cut(Visitors *visitors)
-{
-    visitors_note(visitors);
-    visitors->n -= visitors->far;
-    visitors->far = 0;
-}
-
-/* far: of a connection over the network */
-static void note(Visitors *visitors, int event, bool far)
+static void note(Visitors *visitors, int event)
 {
     switch (event) {
-    case ZMQ_EVENT_ACCEPTED:
-        visitors->n++;
-        visitors->far += far;
-        break;
+    case ZMQ_EVENT_ACCEPTED: visitors->n++; break;
     case ZMQ_EVENT_HANDSHAKE_FAILED_AUTH: visitors->failed[FAILED_KEY]++; break;
     case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL: visitors->failed[FAILED_PROTOCOL]++; break;
     case ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL: visitors->failed[FAILED_SILENCE]++; break;
-    default:
-        if (far && !visitors->far) break; /* it was cut */
-        visitors->n -= visitors->n > 0;
-        visitors->far -= far;
+    default: visitors->n -= visitors->n > 0;
     }
 }
 
@@ -58,8 +45,10 @@ void visitors_note(Visitors *visitors)
     char data[6], where[256];
     while (zmq_recv(visitors->monitor, data, sizeof data, ZMQ_DONTWAIT) >= 0) {
         const int size = zmq_recv(visitors->monitor, where, sizeof where, 0);
+        const bool aside =
+            visitors->aside && size == (int)strlen(visitors->aside) && !memcmp(where, visitors->aside, (size_t)size);
         memcpy(&event, data, sizeof event);
-        note(visitors, event, size >= 4 && memcmp(where, "tcp:", 4) == 0);
+        if (!aside) note(visitors, event);
     }
 }
 

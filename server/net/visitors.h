@@ -11,21 +11,20 @@ typedef enum Failure { FAILED_KEY, FAILED_PROTOCOL, FAILED_SILENCE, FAILURES } F
 
 typedef struct Visitors {
     void *socket, *monitor;    /* both NULL before visitors_init() */
-    long n, far;               /* connections that are open, and those of them over TCP */
+    const char *aside;         /* an address whose connections are not counted; or NULL */
+    long n;                    /* connections that are open */
     uint64_t failed[FAILURES]; /* since the beginning              */
 } Visitors;
 
-/* Begin to count, before the socket is bound. address: "inproc://NAME", of its own in the context. MNS_E_MEMORY. */
-MnsStatus visitors_init(Visitors *visitors, void *context, void *socket, const char *address, MnsError *error);
+/* Begin to count, before the socket is bound. address: "inproc://NAME", of its own in the context. aside: borrowed, see above. MNS_E_MEMORY. */
+MnsStatus visitors_init(Visitors *visitors, void *context, void *socket, const char *address, const char *aside,
+                        MnsError *error);
 
 /* Before the socket is closed. */
 void visitors_done(Visitors *visitors);
 
 /* Take note of all who came and went; must be called whenever the monitor is readable, or it would stop the sockets. */
 void visitors_note(Visitors *visitors);
-
-/* Those over TCP have been cut, of which the monitor says nothing. */
-void visitors_cut(Visitors *visitors);
 
 /* Wait until all have hung up, but no longer than so many milliseconds. */
 void visitors_see_off(Visitors *visitors, long milliseconds);

@@ -222,14 +222,14 @@ static void a_run_whose_journal_cannot_be_read_is_not_forgotten(void **state)
     assert_int_equal(dialogue_join(dialogue), -1);
     damage(journal);
     for (int k = 0; k < 2; k++) {
-        dialogue_again(dialogue);
+        dialogue_again(dialogue, NULL);
         check_unread(dialogue, journal);
         assert_int_equal(access(current, F_OK), 0);
         kill(dialogue->daemon, SIGKILL);
         assert_int_equal(dialogue_join(dialogue), -1);
     }
     damage(journal); /* as it was */
-    dialogue_again(dialogue);
+    dialogue_again(dialogue, NULL);
     steer_accepted(steer_wait(dialogue, MENISCUS__STATE__PAUSED, 20000));
     assert_int_equal(steer_step_now(dialogue), 5);
 }

@@ -4,10 +4,12 @@
 
 #include "tests/support/check.h"
 #include <arpa/inet.h>
+#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <time.h>
 #include <unistd.h>
 #include <zmq.h>
 
@@ -87,6 +89,41 @@ int castle_end(void **state)
     assert_int_equal(system(command), 0);
     free(castle);
     return code;
+}
+
+static pid_t parent_of(const char *process)
+{
+    char path[64], text[256] = "";
+    int parent = 0;
+    snprintf(path, sizeof path, "/proc/%.16s/stat", process);
+    FILE *file = fopen(path, "r");
+    if (!file) return 0;
+    if (!fgets(text, sizeof text, file)) text[0] = 0;
+    fclose(file);
+    const char *end = strrchr(text, ')');
+    return end && sscanf(end, ") %*c %d", &parent) == 1 ? parent : 0;
+}
+
+static pid_t find_child(pid_t parent)
+{
+    pid_t child = 0;
+    DIR *processes = opendir("/proc");
+    assert_non_null(processes);
+    for (const struct dirent *entry; !child && (entry = readdir(processes));)
+        if (*entry->d_name >= '1' && *entry->d_name <= '9' && parent_of(entry->d_name) == parent)
+            child = atoi(entry->d_name);
+    closedir(processes);
+    return child;
+}
+
+pid_t castle_gate(const Castle *castle, pid_t but)
+{
+    for (int k = 0; k < 1000; k++) {
+        const pid_t gate = find_child(castle->dialogue.daemon);
+        if (gate && gate != but) return gate;
+        nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
+    }
+    return 0;
 }
 
 void *castle_connect(Castle *castle, int type, const KeyPair *pair)

@@ -27,6 +27,9 @@ typedef struct Guest {
 /* Let in these, and nobody else, from now on. */
 void castle_let_in(const Castle *castle, size_t n, const Guest *guests);
 
+/* The process that those from afar go through, within ten seconds; 0: there is none, or another than this one (0: any). */
+pid_t castle_gate(const Castle *castle, pid_t but);
+
 /* A DEALER at the control socket, or a SUB at the telemetry one; pair: NULL for plain text. Closed by castle_end(). */
 void *castle_connect(Castle *castle, int type, const KeyPair *pair);
 

@@ -93,18 +93,18 @@ int dialogue_join(Dialogue *dialogue)
     return WIFEXITED(how) ? WEXITSTATUS(how) : -1;
 }
 
-void dialogue_again(Dialogue *dialogue)
+void dialogue_again(Dialogue *dialogue, const char *const *options)
 {
     unlink(dialogue->endpoint + strlen("ipc://")); /* which start() waits for */
     leave(dialogue, dialogue->control);
-    start(dialogue, NULL);
+    start(dialogue, options);
 }
 
 void dialogue_crash(Dialogue *dialogue)
 {
     kill(dialogue->daemon, SIGKILL);
     assert_int_equal(dialogue_join(dialogue), -1);
-    dialogue_again(dialogue);
+    dialogue_again(dialogue, NULL);
 }
 
 int dialogue_end(Dialogue *dialogue)

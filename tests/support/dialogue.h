@@ -24,8 +24,8 @@ void dialogue_begin(Dialogue *dialogue, const char *const *options);
 /* Kill the daemon as a crash would, start it again without further options, and connect. */
 void dialogue_crash(Dialogue *dialogue);
 
-/* Start it once more, after it has ended somehow, and connect. */
-void dialogue_again(Dialogue *dialogue);
+/* Start it once more, after it has ended somehow, with these further options, and connect. */
+void dialogue_again(Dialogue *dialogue, const char *const *options);
 
 /* End the daemon with SIGTERM if it runs; its exit code, or -1 if a signal ended it. Removes the directory. */
 int dialogue_end(Dialogue *dialogue);

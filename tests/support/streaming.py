@@ -53,15 +53,15 @@ class Item:
 class Taker:
     """A connection to the data socket."""
 
-    def __init__(self, endpoint: str, keys: "dict[str, str] | None" = None) -> None:
-        """keys: public-key, secret-key and server-key, for those from afar."""
+    def __init__(self, endpoint: str, keys: "dict[str, str] | None" = None, ahead: int = 0) -> None:
+        """keys: public-key, secret-key and server-key, for those from afar. ahead: messages that ZeroMQ takes before we do; 0: any number."""
         self.socket = zmq.Context.instance().socket(zmq.DEALER)
         if keys:
             self.socket.curve_publickey = keys["public-key"].encode()
             self.socket.curve_secretkey = keys["secret-key"].encode()
             self.socket.curve_serverkey = keys["server-key"].encode()
         self.socket.setsockopt(zmq.LINGER, 0)
-        self.socket.setsockopt(zmq.RCVHWM, 0)
+        self.socket.setsockopt(zmq.RCVHWM, ahead)
         self.socket.connect(endpoint)
         self.received = 0  # bytes of items, both frames
         self.under_way: dict[int, Item] = {}

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Streams: what a client asks for is what it gets, as fast as it takes it, and nobody else notices."""
 
+import contextlib
+import os
 import subprocess
 import sys
 import time
@@ -19,6 +21,7 @@ from streaming import PLENTY, StreamTest, Taker, fields, sb  # noqa: E402
 sys.path.insert(0, str(BUILD / "python"))
 from meniscus import Client  # noqa: E402
 
+IDLE = 16  # who take nothing
 CASE = ["dambreak2d", "--set", "resolution=20", "--set", "threads=1", "--set", "end_time=1000"]
 
 
@@ -332,8 +335,8 @@ class Afar(DaemonTest):
     def meniscus_keys(cls, *words: str) -> None:
         subprocess.run([BUILD / "meniscus", "keys", *words], env=cls.environment, check=True, stdout=subprocess.DEVNULL)
 
-    def taker(self, keys: "dict[str, str] | None") -> Taker:
-        taker = Taker(f"tcp://127.0.0.1:{self.port + 2}", keys)
+    def taker(self, keys: "dict[str, str] | None", ahead: int = 0) -> Taker:
+        taker = Taker(f"tcp://127.0.0.1:{self.port + 2}", keys, ahead)
         self.addCleanup(taker.close)
         return taker
 
@@ -353,6 +356,37 @@ class Afar(DaemonTest):
         time.sleep(0.5)
         self.meniscus("step", "5")
         self.assertTrue(taker.quiet(1))
+
+    def memory_mib(self) -> "dict[str, int]":
+        """Of the daemon, and of the gate, which is its child."""
+        found = {}
+        for place in Path("/proc").glob("[0-9]*"):
+            with contextlib.suppress(OSError):
+                parent = int((place / "stat").read_text().rpartition(")")[2].split()[1])
+                name = {str(self.daemon.pid): "daemon"}.get(place.name, "gate" if parent == self.daemon.pid else "")
+                if name:
+                    found[name] = int((place / "statm").read_text().split()[1]) * os.sysconf("SC_PAGESIZE") >> 20
+        return found
+
+    def test_those_from_afar_who_take_nothing_cost_little_and_keep_nobody_waiting(self) -> None:
+        self.meniscus_keys("new", "sam", "--role", "viewer")
+        sam = dict(line.split() for line in (self.home / "keys" / "sam.key").read_text().splitlines() if line and not line.startswith("#"))
+        self.meniscus("load", "dambreak2d", "--set", "resolution=60", "--set", "end_time=1e4")
+        total = 0
+        for _ in range(8):
+            total += Path(self.ask("snapshot")["path"]).stat().st_size
+            self.meniscus("step", "1")
+        before = self.memory_mib()
+        idle = [self.taker(sam, ahead=1) for _ in range(IDLE)]
+        for taker in idle:
+            taker.subscribe(snapshots=sb.SnapshotStream(), credit=PLENTY, chunk_bytes=1 << 20)
+        lively = self.taker(sam)
+        lively.subscribe(snapshots=sb.SnapshotStream(), credit=PLENTY)
+        taken = sum(lively.item().head.size for _ in range(8))
+        self.assertEqual(taken, total)
+        after = self.memory_mib()
+        self.assertLess(after["gate"] - before["gate"], 12 * IDLE)
+        self.assertLess(after["daemon"] - before["daemon"], 64)
 
 
 class Counted(StreamTest):
