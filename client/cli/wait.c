@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
+#include <unistd.h>
 
 typedef struct Goal {
     unsigned states;
@@ -82,12 +83,25 @@ static MnsStatus report(const Invocation *in, const MnsReply *reply, MnsError *e
     return MNS_OK;
 }
 
+/* Somebody who looks at a terminal is told for how long. What cannot be told does not matter. */
+static void tell_how_long(Invocation *in)
+{
+    MnsReply *reply = NULL;
+    if (in->json || !isatty(STDERR_FILENO) || mns_client_status(in->client, &reply, NULL)) return;
+    const MnsRunInfo *info = reply->info;
+    if (info && isfinite(info->eta_s))
+        fprintf(stderr, "%s, t = %.4g s of %.4g s, some %.0f s to its end; `meniscus watch` shows it\n",
+                mns_state_name(info->state), info->time, info->end_time, info->eta_s);
+    mns_reply_free(reply);
+}
+
 MnsStatus command_wait(Invocation *in, MnsError *error)
 {
     Goal goal;
     MnsReply *reply = NULL;
     MnsStatus status = command_usage(in, read_goals(in, &goal, error));
     if (status == MNS_OK) status = command_connect(in, error);
+    if (status == MNS_OK) tell_how_long(in);
     if (status == MNS_OK)
         status = mns_client_wait(in->client, goal.states | dead_ends(&goal), goal.time, goal.step, &reply, error);
     if (status != MNS_OK) return status;

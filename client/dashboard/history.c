@@ -49,22 +49,48 @@ static Series *series_of(History *history, const MnsValue *value)
     return series;
 }
 
-/* Of each four points in a row the lowest and the highest, in their order: the line keeps its peaks, and no point is made up. */
+/* Of the points [from, end) the lowest and the highest, in their order, to where `to` is: the line keeps its peaks, and no point is made up.
+ * Returns where the next one goes. */
+static size_t keep_extremes(Series *series, size_t from, size_t end, size_t to)
+{
+    size_t low = from, high = from;
+    for (size_t k = from; k < end; k++) {
+        if (series->v[k] < series->v[low] || isnan(series->v[low])) low = k;
+        if (series->v[k] > series->v[high] || isnan(series->v[high])) high = k;
+    }
+    const size_t first = low < high ? low : high, second = low < high ? high : low;
+    for (size_t k = first; k <= second; k += second > first ? second - first : 1) {
+        series->t[to] = series->t[k];
+        series->v[to++] = series->v[k];
+    }
+    return to;
+}
+
+/* Which span a time is in, of those of which two points are kept each. */
+static double span_of(const Series *series, double t)
+{
+    return series->width > 0 ? floor(t / series->width) : t;
+}
+
+/* Where the points of the last one begin. */
+static size_t last_span(const Series *series)
+{
+    size_t from = series->n;
+    const double span = series->n ? span_of(series, series->t[series->n - 1]) : 0;
+    while (from > 0 && span_of(series, series->t[from - 1]) == span) from--;
+    return from;
+}
+
+/* Spans twice as wide, all of them alike: what is long ago is not thinned more often than what has just come. */
 static void thin(Series *series)
 {
+    const double all = series->t[series->n - 1] - series->t[0];
+    series->width = series->width > 0 ? 2 * series->width : 4 * all / HISTORY_POINTS;
     size_t to = 0;
-    for (size_t from = 0; from < series->n; from += 4) {
-        const size_t end = from + 4 < series->n ? from + 4 : series->n;
-        size_t low = from, high = from;
-        for (size_t k = from; k < end; k++) {
-            if (series->v[k] < series->v[low] || isnan(series->v[low])) low = k;
-            if (series->v[k] > series->v[high] || isnan(series->v[high])) high = k;
-        }
-        const size_t first = low < high ? low : high, second = low < high ? high : low;
-        for (size_t k = first; k <= second; k += second > first ? second - first : 1) {
-            series->t[to] = series->t[k];
-            series->v[to++] = series->v[k];
-        }
+    for (size_t from = 0, end; from < series->n; from = end) {
+        for (end = from + 1; end < series->n; end++)
+            if (span_of(series, series->t[end]) != span_of(series, series->t[from])) break;
+        to = keep_extremes(series, from, end, to);
     }
     series->n = to;
     series->thinned++;
@@ -74,12 +100,19 @@ static void thin(Series *series)
 static void cut(Series *series, double t)
 {
     while (series->n && series->t[series->n - 1] >= t) series->n--;
+    if (!series->n) series->width = 0;
 }
 
+/* The newest is always there; with the next one it has to be an extreme to stay. */
 static void append(Series *series, double t, double v)
 {
+    enum { IN_LAST = 3 };
     cut(series, t);
-    if (series->n == HISTORY_POINTS) thin(series);
+    const size_t from = last_span(series);
+    const bool over = series->n && span_of(series, t) != span_of(series, series->t[series->n - 1]);
+    if (series->width > 0 && (over || series->n - from >= IN_LAST))
+        series->n = keep_extremes(series, from, series->n, from);
+    while (series->n == HISTORY_POINTS) thin(series);
     series->t[series->n] = t;
     series->v[series->n++] = v;
 }
@@ -99,7 +132,7 @@ void history_precede(History *history, History *past)
         if (after) {
             cut(before, after->t[0]);
             for (size_t i = 0; i < after->n; i++) append(before, after->t[i], after->v[i]);
-            before->thinned += after->thinned;
+            before->thinned += after->thinned; /* either may have been */
             const Series whole = *before;
             *before = *after;
             *after = whole;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The past of the probes, for browsers that come later and for runs of any length: a bounded number of points for each, in which the
- * extremes survive. */
+/* The past of the probes, for browsers that come later and for runs of any length: a bounded number of points for each, evenly over all of
+ * its time, in which the extremes survive. */
 #ifndef DASHBOARD_HISTORY_H
 #define DASHBOARD_HISTORY_H
 
@@ -14,6 +14,7 @@ typedef struct Series {
     char name[CASE_NAME_SIZE], unit[32];
     size_t n;         /* points */
     uint64_t thinned; /* how often half of them were given up */
+    double width;     /* [s] of the spans of time of which two each are kept; 0: all are */
     double *t, *v;    /* [HISTORY_POINTS] */
 } Series;
 

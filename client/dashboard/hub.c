@@ -55,6 +55,11 @@ const char *hub_daemon(const Hub *hub)
     return hub->daemon;
 }
 
+bool hub_is_far(const Hub *hub)
+{
+    return !strncmp(hub->daemon, "tcp://", strlen("tcp://"));
+}
+
 void hub_set_wake(Hub *hub, void (*wake)(void *arg), void *arg)
 {
     hub->arg = arg;

@@ -26,6 +26,9 @@ typedef enum TellKind {
 Hub *hub_new(const char *daemon);
 const char *hub_daemon(const Hub *hub);
 
+/* Is the daemon on another machine, for all we know? The path of its run says nothing here, where another run may have the same. */
+bool hub_is_far(const Hub *hub);
+
 /* wake(arg) is called, on any thread, when there is something to take. */
 void hub_set_wake(Hub *hub, void (*wake)(void *arg), void *arg);
 

@@ -117,7 +117,8 @@ typedef struct Start {
 static MnsStatus started(void *arg, int port, MnsError *error)
 {
     const Start *start = arg;
-    char where[64];
+    char where[64], endpoint[MNS_ENDPOINT_SIZE];
+    MnsError missing;
     address_print(&start->options->server.address, port, where);
     MnsStatus status = watcher_start(start->hub, error);
     if (!status) status = painter_start(start->hub, start->options->frames, error);
@@ -126,6 +127,8 @@ static MnsStatus started(void *arg, int port, MnsError *error)
     const char *word = start->options->has_token ? "" : start->options->server.token.text;
     fprintf(stderr, "meniscus-dashboard: %s is at http://%s/%s%s\n", hub_daemon(start->hub), where,
             *word ? "#token=" : "", word);
+    if (mns_daemon_endpoint(hub_daemon(start->hub), endpoint, &missing))
+        fprintf(stderr, "meniscus-dashboard: %s; waiting for it\n", missing.text);
     if (!start->options->server.address.loopback)
         fprintf(stderr,
                 "meniscus-dashboard: HTTP is not encrypted: between machines use a tunnel or a proxy with TLS\n");

@@ -3,6 +3,7 @@
 #include "client/dashboard/watcher.h"
 #include "client/cli/output.h"
 #include "client/dashboard/about.h"
+#include "client/dashboard/diary.h"
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -27,8 +28,10 @@ typedef struct Watcher {
     uint64_t epoch, version; /* of what was told last */
     char directory[4096];    /* of the run            */
     MnsState state;
+    bool acquainted;  /* we have seen the daemon before */
     bool has_backlog; /* the run is new to us, and was under way before */
     Heard events, log;
+    json_t *diary; /* texts of what was told from the log of the run: news that are old tell the last of them again */
     double subscribed;
     json_t *names; /* of the samples of this tick; NULL: none */
     json_t *units, *rows;
@@ -156,6 +159,9 @@ static MnsStatus look(Watcher *watcher, MnsError *error)
     if (other) {
         flush(watcher);
         hub_forget(watcher->hub);
+        if (!watcher->acquainted && !hub_is_far(watcher->hub))
+            watcher->diary = diary_tell(watcher->hub, reply->info->run_directory);
+        watcher->acquainted = true; /* what comes from now on is heard */
     }
     watcher->epoch = reply->daemon_epoch;
     watcher->version = reply->case_version;
@@ -176,6 +182,14 @@ static MnsStatus look(Watcher *watcher, MnsError *error)
     return status;
 }
 
+static bool is_told(const json_t *texts, const char *text)
+{
+    size_t k;
+    json_t *told;
+    json_array_foreach(texts, k, told) if (text && !strcmp(json_string_value(told), text)) return true;
+    return false;
+}
+
 static MnsStatus take_news(Watcher *watcher, const MnsTelemetry *message, MnsError *error)
 {
     Heard *heard = message->topic == MNS_TOPIC_EVENT ? &watcher->events : &watcher->log;
@@ -186,6 +200,7 @@ static MnsStatus take_news(Watcher *watcher, const MnsTelemetry *message, MnsErr
     if (is_known) return MNS_OK;
     heard->epoch = message->daemon_epoch;
     heard->sequence = message->sequence;
+    if (is_old && is_told(watcher->diary, message->text)) return MNS_OK;
     json_t *told = output_telemetry(message);
     json_object_set_new(told, "when", is_old ? json_null() : wall_clock());
     hub_tell(watcher->hub, TELL_EVENT, told);

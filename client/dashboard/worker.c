@@ -48,18 +48,12 @@ static MnsStatus command(const Work *work, json_t **ret, MnsError *error)
     return status;
 }
 
-/* The path of a far daemon's run says nothing here, where another run may have the same. */
-static bool is_far(const Hub *hub)
-{
-    return !strncmp(hub_daemon(hub), "tcp://", strlen("tcp://"));
-}
-
 static MnsStatus journal(const Work *work, json_t **ret, MnsError *error)
 {
     char directory[4096];
     hub_directory(work->hub, directory);
     if (!*directory) return mns_fail(error, MNS_E_STATE, "there is no case, and so no journal");
-    if (is_far(work->hub))
+    if (hub_is_far(work->hub))
         return mns_fail(error, MNS_E_NOT_FOUND,
                         "the journal is a file on the machine of the daemon: `meniscus log %.300s` prints it there",
                         directory);

@@ -15,9 +15,11 @@ typedef struct Line {
     LedgerEntry entry;
 } Line;
 
+typedef TAILQ_HEAD(Lines, Line) Lines;
+
 struct Ledger {
     void *by_id; /* of tsearch() */
-    TAILQ_HEAD(, Line) replied;
+    Lines replied;
     size_t n_replied, n_under_way, bytes, most, most_bytes;
 };
 

@@ -77,7 +77,7 @@ try snapshot
 try checkpoint
 try status
 
-say "7. Now we wait for the end."
+say "7. Now we wait for the end: \`to go\` above says how long that is."
 try wait --for state=DONE --timeout 3600
 
 say "8. Pictures, drawn from the last snapshot, and the water front against theory."

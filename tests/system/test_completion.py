@@ -152,7 +152,7 @@ class Completion(unittest.TestCase):
 
     def test_zsh_offers_states_behind_state(self) -> None:
         script = self.meniscus("completion", "zsh")
-        offer = script[: script.index("_meniscus()\n")]
+        offer = script[: script.index("# Of meniscusd")]
         self.assertRegex(offer, r"(?s)state=\)\n *if compset -P state=; then\n *_meniscus_offer @states\n *return\n")
         self.assertRegex(script, r"--for=\[[^\n]*_meniscus_offer state= time= step='")
         if shutil.which("zsh"):
@@ -192,7 +192,8 @@ class Completion(unittest.TestCase):
         # What is there already need not be drawn again.
         for typed, finished in ((b"meniscus run-u\t", b"ntil"), (b"\x15meniscus run sloshing2d-si\t", b"ngle"),
                                 (b"\x15meniscus status -o js\t", b"on"), (b"\x15meniscus render --colours vir\t", b"idis"),
-                                (b"\x15meniscusd --state\t", b"-dir")):  # fmt: skip
+                                (b"\x15meniscusd --state\t", b"-dir"), (b"\x15meniscusd --load dambreak3\t", b"d "), (b"\x15meniscusd --load=sloshing2d-si\t", b"ngle"),
+                                (b"\x15meniscus-dashboard --http-t\t", b"oken"), (b"\x15meniscusd --log-level w\t", b"arning")):  # fmt: skip
             os.write(terminal, typed)
             see(finished)
 

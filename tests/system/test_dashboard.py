@@ -492,28 +492,33 @@ class Steering(DashboardTest):
         self.assertEqual((len(times), times[0], times[-1]), (31, 0, self.ask("status")["time"]))
         self.assertEqual(times, sorted(set(times)))
 
-    def test_what_happened_before_has_no_time_of_day_and_nothing_is_told_twice(self) -> None:
+    def heard_until(self, browser: Browser, what: str) -> "list[dict[str, Any]]":
+        """Events and lines of the log, to the first event of that name."""
+        heard: "list[dict[str, Any]]" = []
+        while not heard or heard[-1].get("what") != what:
+            kind, data = browser.hear()
+            heard += [m for m in [json.loads(data)] if m["topic"] in ("event", "log")] if kind == TEXT else []
+        return heard
+
+    def test_what_happened_before_is_told_once_and_with_its_time_of_day(self) -> None:
         browser = self.browser()
         browser.history()  # comes after what is remembered
         time.sleep(3)  # what comes soon after the gateway does may have been before
         self.meniscus("load", *SMALL, "--set", "threads=1000")  # which is warned of
-        told = browser.until_all("event", "log")
-        while told["event"]["what"] != "ready":
-            told["event"] = browser.until("event")
-        _, port = self.start_gateway("second", "--no-token")  # to which the daemon repeats the last of each
-        second = self.browser(port=port)
-        before = second.until_all("event", "log")
-        for topic, message in told.items():
-            self.assertRegex(message["when"], r"^\d{4}-\d\d-\d\dT")
-            self.assertEqual(before[topic], message | {"when": None})
-        time.sleep(3)
         self.meniscus("step", "1")
-        self.assertRegex(second.until("event", what="paused")["when"], r"^\d{4}-")
-        heard: "list[dict[str, Any]]" = []
-        while not heard or heard[-1].get("what") != "paused":
-            kind, data = browser.hear()
-            heard += [m for m in [json.loads(data)] if m["topic"] in ("event", "log")] if kind == TEXT else []
-        self.assertEqual([m["what"] for m in heard], ["running", "paused"])
+        told = self.heard_until(browser, "paused")
+        _, port = self.start_gateway("second", "--no-token")  # which reads the log, and to which the daemon repeats the last of each
+        time.sleep(3)
+        second = self.browser(port=port)
+        self.meniscus("set", "gravity=[0, -1]")
+        again = self.heard_until(second, "set")
+        texts = [m["text"] for m in again]
+        for message in told:
+            self.assertRegex(message["when"], r"^\d{4}-\d\d-\d\dT")
+            if message.get("what") != "loading":  # then the run had no log yet
+                self.assertEqual(texts.count(message["text"]), 1, (message, texts))
+        self.assertTrue(all(re.match(r"\d{4}-\d\d-\d\dT", m["when"]) for m in again))
+        self.assertEqual([m["what"] for m in self.heard_until(browser, "set")], ["set"])
 
     def test_a_picture_that_is_refused_is_told_and_asked_for_with_patience(self) -> None:
         self.meniscus("load", *SMALL, "--set", "end_time=1000")

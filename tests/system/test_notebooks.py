@@ -43,7 +43,8 @@ class Notebooks(DaemonTest):
         self.assertTrue(any("dam break" in output.get("data", {}).get("text/html", "") for output in outputs))
 
     def test_results(self) -> None:
-        self.execute("results.ipynb")
+        outputs = self.execute("results.ipynb")
+        self.assertEqual(sum("image/png" in output.get("data", {}) for output in outputs), 1)
 
     def test_asynchronous(self) -> None:
         texts = [output.get("text", "") for output in self.execute("asynchronous.ipynb")]

@@ -142,7 +142,10 @@ class SnapshotsInParaView(unittest.TestCase):
         return path
 
     def assert_drawn(self, path):
+        """All of it: nothing is cut off by an edge."""
         pixels = matplotlib.image.imread(path)[:, :, :3]
+        for edge in (pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1]):
+            self.assertEqual(len(numpy.unique(edge, axis=0)), 1)
         self.assertGreater(len(numpy.unique(pixels.reshape(-1, 3), axis=0)), 50)
 
     def test_the_state_shows_the_last_time_by_pressure(self):

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the dashboard's gateway believes of browsers, what it keeps for them, and what it gives up when they are slow. */
 #include "client/dashboard/ask.h"
+#include "client/dashboard/diary.h"
 #include "client/dashboard/history.h"
 #include "client/dashboard/session.h"
 #include "client/dashboard/watcher.h"
@@ -190,6 +191,27 @@ static void other_files_than_cases_cannot_be_loaded(void **state)
     }
 }
 
+/* --- what happened before ---------------------------------------------------------------------------------------------- */
+
+static void a_line_of_a_log_is_an_event_or_nothing(void **state)
+{
+    (void)state;
+    char line[] = "2026-11-25T23:14:07Z step 584 t 2.43 paused: at breakpoint b: reached\n";
+    json_t *event = diary_event(line);
+    assert_non_null(event);
+    assert_string_equal(json_string_value(json_object_get(event, "what")), "paused");
+    assert_string_equal(json_string_value(json_object_get(event, "text")), "at breakpoint b: reached");
+    assert_int_equal(json_integer_value(json_object_get(event, "step")), 584);
+    assert_close(json_number_value(json_object_get(event, "time")), 2.43, 0);
+    json_decref(event);
+    static const char *const none[] = {"", "\n", "2026-11-25T23:14:07Z", "step 1 t 2 a: b", "x step 1 t 2 no colon"};
+    for (size_t k = 0; k < sizeof none / sizeof *none; k++) {
+        char text[64];
+        snprintf(text, sizeof text, "%s", none[k]);
+        assert_null(diary_event(text));
+    }
+}
+
 /* --- the past of the probes -------------------------------------------------------------------------------------------- */
 
 static void add(History *history, double t, double value)
@@ -206,7 +228,7 @@ static void a_history_of_any_length_is_bounded_and_keeps_its_peaks(void **state)
     for (int k = 0; k < N; k++) add(&history, k, k == 12345 ? 1e6 : k == 54321 ? -1e6 : k % 7);
     const Series *series = &history.series[0];
     assert_int_equal(history.n, 1);
-    assert_true(series->n <= HISTORY_POINTS && series->n >= HISTORY_POINTS / 2);
+    assert_true(series->n <= HISTORY_POINTS && series->n >= HISTORY_POINTS / 4);
     assert_true(series->thinned > 0);
     bool high = false, low = false;
     for (size_t k = 0; k < series->n; k++) {
@@ -219,6 +241,24 @@ static void a_history_of_any_length_is_bounded_and_keeps_its_peaks(void **state)
     history_clear(&history);
 }
 
+/* However long it has been: else the past of a long run would become a straight line. */
+static void what_is_kept_lies_evenly_over_the_time(void **state)
+{
+    (void)state;
+    static const int counts[] = {5000, 20000, 50000, 100000, 1000000};
+    for (size_t c = 0; c < sizeof counts / sizeof *counts; c++) {
+        static History history;
+        size_t in[10] = {0};
+        history_init(&history);
+        for (int k = 0; k < counts[c]; k++) add(&history, 1e-3 * k, sin(0.37 * k));
+        const Series *series = &history.series[0];
+        for (size_t k = 0; k < series->n; k++) in[(size_t)(series->t[k] / (1e-3 * counts[c]) * 10)]++;
+        for (size_t k = 0; k < 9; k++) assert_in_range(in[k], series->n / 12, series->n / 8);
+        assert_close(series->t[series->n - 1], 1e-3 * (counts[c] - 1), 1e-9);
+        history_clear(&history);
+    }
+}
+
 static void values_that_are_none_do_not_hide_those_that_are(void **state)
 {
     (void)state;
@@ -228,7 +268,7 @@ static void values_that_are_none_do_not_hide_those_that_are(void **state)
     const Series *series = &history.series[0];
     size_t found = 0;
     for (size_t k = 0; k < series->n; k++) found += series->v[k] == 5;
-    assert_int_equal(found, HISTORY_POINTS / 4);
+    assert_in_range(found, HISTORY_POINTS / 4 - 2, HISTORY_POINTS / 4);
     history_clear(&history);
 }
 
@@ -628,6 +668,8 @@ int main(void)
         cmocka_unit_test(too_many_settings_are_refused),
         cmocka_unit_test(other_files_than_cases_cannot_be_loaded),
         cmocka_unit_test(a_history_of_any_length_is_bounded_and_keeps_its_peaks),
+        cmocka_unit_test(a_line_of_a_log_is_an_event_or_nothing),
+        cmocka_unit_test(what_is_kept_lies_evenly_over_the_time),
         cmocka_unit_test(values_that_are_none_do_not_hide_those_that_are),
         cmocka_unit_test(a_new_time_line_takes_the_place_of_the_old),
         cmocka_unit_test(names_as_long_as_names_may_be_are_not_mixed_up),
