@@ -4,6 +4,7 @@
 
 #include "base/clock.h"
 #include "net/far.h"
+#include "net/flight.h"
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,12 +19,6 @@ enum { UPWARD_MOST = 8 << 20, OUTWARD_MOST = 64 << 20 };
 /* What a client has sent may still come when it is known to have gone. */
 static const double LINGERING = 0.05; /* [s] */
 
-/* Bytes that ZeroMQ has not let go of; its thread counts them down, and may do so when the client is gone. */
-typedef struct Toll {
-    _Atomic unsigned users;
-    _Atomic size_t bytes;
-} Toll;
-
 typedef struct Client {
     Relay *relay;
     uint8_t identity[IDENTITY]; /* of its connection to us */
@@ -31,7 +26,7 @@ typedef struct Client {
     char key[KEY_TEXT]; /* public */
     int fd;             /* the same, of the operating system      */
     void *daemon;       /* its connection there: a DEALER         */
-    Toll *in, *out;
+    Flight *in, *out;
     bool shut;   /* there is no room: it is not looked at   */
     double gone; /* clock_now() when it went; 0: it is here */
 } Client;
@@ -48,24 +43,12 @@ struct Relay {
     bool departing;         /* somebody has gone                */
 };
 
-/* --- tolls ---------------------------------------------------------------------------------------------------------------- */
-
-static Toll *toll_new(void)
-{
-    Toll *toll = calloc(1, sizeof *toll);
-    if (toll) toll->users = 1;
-    return toll;
-}
-
-static void toll_leave(Toll *toll)
-{
-    if (toll && !--toll->users) free(toll);
-}
+/* --- parcels -------------------------------------------------------------------------------------------------------------- */
 
 /* A frame on its way. */
 typedef struct Parcel {
     zmq_msg_t frame; /* as it came, whose bytes go on without a copy */
-    Toll *toll;
+    Flight *flight;
     Relay *relay;        /* NULL: it goes to the daemon */
     _Atomic size_t size; /* written last and read first, as ZeroMQ hands it over unseen by race detectors */
 } Parcel;
@@ -77,8 +60,7 @@ static void let_go(void *data, void *hint)
     const size_t size = parcel->size;
     Relay *relay = parcel->relay;
     zmq_msg_close(&parcel->frame);
-    parcel->toll->bytes -= size;
-    toll_leave(parcel->toll);
+    flight_end(parcel->flight, size);
     if (relay) {
         relay->outward -= size;
         if (atomic_exchange(&relay->shut, false)) eventfd_write(relay->wake, 1);
@@ -87,7 +69,7 @@ static void let_go(void *data, void *hint)
 }
 
 /* The frame itself becomes the parcel's. False if there is no memory: then it goes uncounted. */
-static bool wrap(Toll *toll, Relay *relay, zmq_msg_t *frame)
+static bool wrap(Flight *flight, Relay *relay, zmq_msg_t *frame)
 {
     Parcel *parcel = malloc(sizeof *parcel);
     if (!parcel) return false;
@@ -101,19 +83,18 @@ static bool wrap(Toll *toll, Relay *relay, zmq_msg_t *frame)
         free(parcel);
         return false;
     }
-    parcel->toll = toll;
+    parcel->flight = flight;
     parcel->relay = relay;
-    toll->users++;
-    toll->bytes += size;
+    flight_begin(flight, size);
     if (relay) relay->outward += size;
     parcel->size = size;
     return true;
 }
 
 /* The frame is taken over, whatever becomes of it. */
-static bool send_on(void *socket, Toll *toll, Relay *relay, zmq_msg_t *frame, bool more)
+static bool send_on(void *socket, Flight *flight, Relay *relay, zmq_msg_t *frame, bool more)
 {
-    wrap(toll, relay, frame);
+    wrap(flight, relay, frame);
     const bool sent = zmq_msg_send(frame, socket, ZMQ_DONTWAIT | (more ? ZMQ_SNDMORE : 0)) >= 0;
     if (!sent) zmq_msg_close(frame);
     return sent;
@@ -133,8 +114,8 @@ static void leave(Client *client)
     while (relay->clients[k] != client) k++;
     relay->clients[k] = relay->clients[--relay->n];
     zmq_close(client->daemon);
-    toll_leave(client->in);
-    toll_leave(client->out);
+    flight_leave(client->in);
+    flight_leave(client->out);
     free(client);
 }
 
@@ -172,15 +153,16 @@ static Client *new_client(Relay *relay, zmq_msg_t *identity, const char *key)
     if (relay->n == relay->options.most || zmq_msg_size(identity) > IDENTITY || strlen(key) >= KEY_TEXT) return NULL;
     Client *client = calloc(1, sizeof *client);
     if (!client) return NULL;
-    *client = (Client){.relay = relay, .fd = -1, .in = toll_new(), .out = toll_new(), .size = zmq_msg_size(identity)};
+    *client =
+        (Client){.relay = relay, .fd = -1, .in = flight_new(), .out = flight_new(), .size = zmq_msg_size(identity)};
     memcpy(client->identity, zmq_msg_data(identity), client->size);
     memcpy(client->key, key, strlen(key) + 1);
     client->daemon = client->in && client->out ? connect_daemon(relay, key) : NULL;
     relay->clients[relay->n++] = client;
     if (client->daemon) return client;
     relay->n--;
-    toll_leave(client->in);
-    toll_leave(client->out);
+    flight_leave(client->in);
+    flight_leave(client->out);
     free(client);
     return NULL;
 }

@@ -4,18 +4,13 @@
 #ifndef NET_STREAM_H
 #define NET_STREAM_H
 
+#include "net/flight.h"
 #include "net/stream_item.h"
 #include "net/subscription.h"
 #include "run/run.h"
 #include <xxhash.h>
 
 enum { STREAM_IDENTITY = 256 };
-
-/* Bytes handed to ZeroMQ that it has not let go of; its thread counts them down, and may do so when the stream is gone. */
-typedef struct Flight {
-    _Atomic unsigned users;
-    _Atomic size_t bytes;
-} Flight;
 
 /* What falls due for all who asked for the same. */
 typedef struct Channel {

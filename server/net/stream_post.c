@@ -15,18 +15,6 @@
  * a part of a large item, not all of it. */
 enum { WINDOW_MOST = 4 << 20, SHARED_MOST = 1 << 20 };
 
-Flight *flight_new(void)
-{
-    Flight *flight = calloc(1, sizeof *flight);
-    if (flight) flight->users = 1;
-    return flight;
-}
-
-void flight_leave(Flight *flight)
-{
-    if (flight && !--flight->users) free(flight);
-}
-
 /* --- parcels ------------------------------------------------------------------------------------------------------------ */
 
 /* Bytes on their way: of an item, which is shared, or a buffer of their own. */
@@ -44,10 +32,9 @@ static void let_go(void *data, void *hint)
     Parcel *parcel = hint;
     const size_t size = parcel->size;
     StreamPost *post = parcel->post;
-    parcel->flight->bytes -= size;
     post->bytes -= size;
     if (parcel->buffer) *post->memory -= size;
-    flight_leave(parcel->flight);
+    flight_end(parcel->flight, size);
     stream_item_leave(parcel->item);
     free(parcel->buffer);
     free(parcel);
@@ -76,8 +63,7 @@ static bool wrap(StreamPost *post, Flight *flight, StreamItem *item, const void 
     parcel->flight = flight;
     parcel->item = buffer ? NULL : stream_item_share(item);
     parcel->buffer = buffer;
-    flight->users++;
-    flight->bytes += size + COST;
+    flight_begin(flight, size + COST);
     post->bytes += size + COST;
     if (buffer) *post->memory += size + COST;
     parcel->size = size + COST;

@@ -29,9 +29,6 @@ typedef enum StreamSent {
     STREAM_FAILED /* the file cannot be read, or there is no memory         */
 } StreamSent;
 
-Flight *flight_new(void);
-void flight_leave(Flight *flight);
-
 /* An answer to whoever asked. */
 void stream_post_reply(StreamPost *post, const uint8_t *identity, size_t size, const Meniscus__StreamReply *reply);
 
