@@ -190,14 +190,9 @@ static void serve_unread(Run *run, Order *order)
     run_unread(run, order, &order->error);
 }
 
-/* Who has come for one case gets an exit code. A service stays, so that people far away can see what is wrong: started again and again it would
- * say it to nobody, and be given up. */
-static void tell_unread(Daemon *daemon, const MnsError *why)
+/* So that people far away can see what is wrong: started again and again the daemon would say it to nobody, and be given up. */
+static void stay(Daemon *daemon, const MnsError *why)
 {
-    if (daemon->options->load) {
-        give_up(daemon, why, MNS_EXIT_IO);
-        return;
-    }
     log_line(LOG_ERROR, "%s", why->text);
     daemon->unread = (Order){.serve = serve_unread, .deadline = INFINITY, .error = *why};
     run_post(daemon->run, &daemon->unread, NULL);
@@ -208,14 +203,18 @@ static void refuse_case(Daemon *daemon)
     give_up(daemon, &daemon->bad_case, MNS_EXIT_BAD_CASE);
 }
 
+/* Whoever began anew would lose what the run has, and forget it by the next crash. A service says so and stays; who came for one case may give the
+ * same command again, if another has the directory. */
 static void after_recovery(Daemon *daemon, const Order *order)
 {
+    MnsError why;
     daemon->recovery = NULL;
     if (!order->status) return;
-    log_line(LOG_ERROR, "no run is gone on with: %s", order->error.text);
-    if (order->status == MNS_E_INTERRUPTED) return; /* somebody has called it off */
-    if (daemon->bad_case.status) refuse_case(daemon);
-    else if (daemon->file) post_load(daemon);
+    mns_fail(&why, order->status, "no run is gone on with: %.400s", order->error.text);
+    if (order->status == MNS_E_INTERRUPTED) log_line(LOG_ERROR, "%s", why.text); /* somebody has called it off */
+    else if (daemon->bad_case.status) refuse_case(daemon);
+    else if (daemon->options->load) give_up(daemon, &why, order->status == MNS_E_STATE ? MNS_EXIT_AGAIN : MNS_EXIT_IO);
+    else stay(daemon, &why);
 }
 
 /* The same command line goes on with the run that a crash has ended, whatever has become of the case file; another one is for another
@@ -412,7 +411,8 @@ static int serve_locked(Daemon *daemon)
     if (status == MNS_E_STATE && daemon->held < 0) return refused(&error, MNS_EXIT_AGAIN);
     if (status) return refused(&error, disk ? MNS_EXIT_IO : MNS_EXIT_FAILED);
     status = comeback_begin(&daemon->comeback, daemon->parent, daemon->asked, daemon->desk, &error);
-    if (status) tell_unread(daemon, &error);
+    if (status && daemon->options->load) give_up(daemon, &error, MNS_EXIT_IO);
+    else if (status) stay(daemon, &error);
     else post_first(daemon);
     const Endpoint *at = &daemon->endpoint;
     log_line(LOG_INFORMATION, "listening at %s%s%s%s%s", at->control, at->tcp_control[0] ? " and " : "",

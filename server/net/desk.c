@@ -44,7 +44,8 @@ struct Desk {
     Access *access;
     Gate *gate; /* NULL: nobody comes from afar */
     Run *run;
-    Ledger *deeds, *questions; /* of what changed or wrote something, or is about to, and of all else */
+    /* Of what changed or wrote something, or is about to; of what looked; of what was refused. */
+    Ledger *deeds, *questions, *refusals;
     Publisher *publisher;
     Streams *streams;             /* the third socket, which has a thread of its own */
     Visitors visitors, listeners; /* of control, of telemetry */
@@ -148,9 +149,10 @@ MnsStatus desk_new(const Endpoint *endpoint, Run *run, Desk **ret, MnsError *err
     if (!status) status = streams_new(&options, &desk->streams, error);
     if (!status) {
         desk->deeds = ledger_new(LEDGER_DEEDS, LEDGER_DEEDS_BYTES);
-        desk->questions = ledger_new(LEDGER_QUESTIONS, LEDGER_QUESTIONS_BYTES);
+        desk->questions = ledger_new(LEDGER_OTHERS, LEDGER_OTHERS_BYTES);
+        desk->refusals = ledger_new(LEDGER_OTHERS, LEDGER_OTHERS_BYTES);
         desk->publisher = publisher_new(desk->telemetry, desk->epoch, desk->traffic.topics);
-        if (!desk->deeds || !desk->questions || !desk->publisher)
+        if (!desk->deeds || !desk->questions || !desk->refusals || !desk->publisher)
             status = mns_fail(error, MNS_E_MEMORY, "no memory for the desk");
     }
     if (status) desk_free(desk);
@@ -177,6 +179,7 @@ void desk_free(Desk *desk)
     streams_free(desk->streams);
     ledger_free(desk->deeds);
     ledger_free(desk->questions);
+    ledger_free(desk->refusals);
     publisher_free(desk->publisher);
     free(desk);
 }
@@ -283,7 +286,7 @@ static void note_reply(Desk *desk, const Exchange *exchange, const uint8_t *pack
     Ledger *ledger = ledger_of(desk, exchange->handler);
     const bool refused = ledger == desk->deeds && exchange->order.status && !exchange->order.begun;
     ledger_end(ledger, exchange, refused ? NULL : packed, size);
-    if (refused && packed) ledger_recall(desk->questions, exchange->order.id, packed, size);
+    if (refused && packed) ledger_recall(desk->refusals, exchange->order.id, packed, size);
 }
 
 void desk_reply(Desk *desk, Exchange *exchange)
@@ -420,7 +423,8 @@ static void take_request(Desk *desk, const Sender *from, const Who *who, Protobu
     MnsError error;
     Sender sender = *from;
     sender.no_wait = request->has_no_wait && request->no_wait;
-    if (ledger_find(desk->deeds, request->id.data, &entry) || ledger_find(desk->questions, request->id.data, &entry)) {
+    if (ledger_find(desk->deeds, request->id.data, &entry) || ledger_find(desk->questions, request->id.data, &entry) ||
+        ledger_find(desk->refusals, request->id.data, &entry)) {
         repeat(desk, &sender, id, &entry);
         request_free(request);
         return;

@@ -12,6 +12,7 @@
 #include <errno.h>
 #include <meniscus/exit.h>
 #include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
@@ -24,6 +25,10 @@ enum { LEVEL = 2, KEYS, CONTROL, TELEMETRY, DATA };
 enum { STREAM_REQUEST = 64 << 10, SUBSCRIPTION = 256, LINGER_MS = 200, SUBSCRIPTIONS_AT_ONCE = 256 };
 enum { TAKERS = 256 };                     /* of data: three MiB each, where they take nothing, fit into the memory */
 enum { NEAR_THREAD = 1, DATA_THREAD = 2 }; /* of ZeroMQ: so those who take data keep nobody from steering */
+
+#ifndef MENISCUS_SANITIZED
+static const size_t RESIDENT_MOST = (size_t)1 << 30;
+#endif
 
 static const double WATCH = 0.2;   /* [s] between two looks at what has no end */
 static const double TELL = 0.02;   /* [s] between two news */
@@ -139,6 +144,30 @@ static void tell(Keeper *keeper, double now)
     if (!keeper->news) keeper->told = news;
 }
 
+#ifndef MENISCUS_SANITIZED
+/* Bytes of memory that it really has. */
+static size_t resident(void)
+{
+    unsigned long all, pages = 0;
+    FILE *file = fopen("/proc/self/statm", "re");
+    if (!file) return 0;
+    if (fscanf(file, "%lu %lu", &all, &pages) != 2) pages = 0;
+    fclose(file);
+    return (size_t)pages * (size_t)sysconf(_SC_PAGESIZE);
+}
+#endif
+
+/* Whatever fills it: another one begins with none, and everybody with a key comes back. */
+static void watch_memory(void)
+{
+#ifndef MENISCUS_SANITIZED
+    const size_t now = resident();
+    if (now <= RESIDENT_MOST) return;
+    log_line(LOG_ERROR, "the gate for those from afar holds %zu MiB, more than it may; it begins anew", now >> 20);
+    _exit(MNS_EXIT_FAILED);
+#endif
+}
+
 static void watch(Keeper *keeper, double now)
 {
     const double passed = now - keeper->watched;
@@ -147,6 +176,7 @@ static void watch(Keeper *keeper, double now)
     links_watch(relay_links(keeper->control), passed);
     links_watch(relay_links(keeper->data), passed);
     links_watch(&keeper->links, passed);
+    watch_memory();
 }
 
 /* Milliseconds for which there is nothing to do, whatever comes. */
@@ -214,14 +244,18 @@ static void serve(Keeper *keeper)
 
 /* --- beginning and end ---------------------------------------------------------------------------------------------------- */
 
-/* All the memory it may have: ZeroMQ keeps what somebody sends without an end, and ends the process where there is no more. Sanitizers have
- * shadows that take more. */
+/* Room for what it may hold, and for what is announced: ZeroMQ takes room for a frame of any size that is allowed, before it knows who sends it, and
+ * ends the process where there is none. What is never sent takes none of the machine's memory. Where that ends, the gate goes first. Sanitizers
+ * have shadows that take more. */
 static void limit_memory(void)
 {
 #ifndef MENISCUS_SANITIZED
-    const rlim_t most = (rlim_t)1 << 30;
+    const rlim_t most = RESIDENT_MOST + (rlim_t)far_descriptors() * (2 * FRAME_MAX);
     setrlimit(RLIMIT_DATA, &(struct rlimit){most, most});
 #endif
+    FILE *file = fopen("/proc/self/oom_score_adj", "we");
+    if (file) fputs("500", file);
+    if (file) fclose(file);
 }
 
 /* The daemon ends it, and nobody else: service managers and terminals send their signals to both. What it holds in memory are keys, so there is

@@ -1,19 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which requests were made, and what was replied: a request that comes again gets the same reply and does nothing. Memory
- * is bounded; the oldest replies are forgotten first. What changed or wrote something has a ledger of its own, so that nobody who
- * only asks, or is refused, can have it forgotten. */
+ * is bounded; the oldest replies are forgotten first. What changed or wrote something has a ledger of its own, and so have questions and
+ * refusals, so that nobody who only asks, or is refused, can have others forgotten. */
 #ifndef NET_LEDGER_H
 #define NET_LEDGER_H
 
 #include "net/exchange.h"
 
-/* How many replies are remembered, and of how many bytes: of deeds, and of questions and refusals. */
-enum {
-    LEDGER_DEEDS = 1 << 16,
-    LEDGER_DEEDS_BYTES = 32 << 20,
-    LEDGER_QUESTIONS = 4096,
-    LEDGER_QUESTIONS_BYTES = 8 << 20
-};
+/* How many replies are remembered, and of how many bytes: of deeds; of questions, and as many refusals. */
+enum { LEDGER_DEEDS = 1 << 16, LEDGER_DEEDS_BYTES = 32 << 20, LEDGER_OTHERS = 4096, LEDGER_OTHERS_BYTES = 8 << 20 };
 
 typedef struct Ledger Ledger;
 

@@ -25,6 +25,7 @@ typedef struct Client {
     size_t size;
     char key[KEY_TEXT]; /* public */
     int fd;             /* the same, of the operating system      */
+    bool looks;         /* and that is all it may                 */
     void *daemon;       /* its connection there: a DEALER         */
     Flight *in, *out;
     bool shut;   /* there is no room: it is not looked at   */
@@ -147,14 +148,28 @@ static void *connect_daemon(const Relay *relay, const char *key)
     return NULL;
 }
 
+/* A quarter of the places is for those who may steer: however many look on, the run can be stopped. */
+static bool has_place(const Relay *relay, bool looks)
+{
+    const size_t most = relay->options.most;
+    size_t lookers = 0;
+    for (size_t k = 0; k < relay->n; k++) lookers += relay->clients[k]->looks;
+    return relay->n < most && (!looks || lookers < most - most / 4);
+}
+
 /* NULL if there are too many, or there is no memory. */
 static Client *new_client(Relay *relay, zmq_msg_t *identity, const char *key)
 {
-    if (relay->n == relay->options.most || zmq_msg_size(identity) > IDENTITY || strlen(key) >= KEY_TEXT) return NULL;
+    const bool looks = access_only_looks(relay->options.access, key);
+    if (!has_place(relay, looks) || zmq_msg_size(identity) > IDENTITY || strlen(key) >= KEY_TEXT) return NULL;
     Client *client = calloc(1, sizeof *client);
     if (!client) return NULL;
-    *client =
-        (Client){.relay = relay, .fd = -1, .in = flight_new(), .out = flight_new(), .size = zmq_msg_size(identity)};
+    *client = (Client){.relay = relay,
+                       .fd = -1,
+                       .looks = looks,
+                       .in = flight_new(),
+                       .out = flight_new(),
+                       .size = zmq_msg_size(identity)};
     memcpy(client->identity, zmq_msg_data(identity), client->size);
     memcpy(client->key, key, strlen(key) + 1);
     client->daemon = client->in && client->out ? connect_daemon(relay, key) : NULL;

@@ -43,7 +43,7 @@ void streams_drop(Streams *streams, Stream *stream, const MnsError *why)
     stream_close_item(stream);
     if (stream->channel) /* the newest, too */
         streams->options.traffic->skipped[stream->spec.kind] +=
-            subscription_skips(&stream->books, 0, stream->channel->due);
+            subscription_skips(&stream->books, stream->channel->due + 1, stream->channel->due);
     stream_item_leave(stream->head);
     free(stream->abandoned);
     if (stream->first) tap_close(tap, stream->first);

@@ -42,8 +42,8 @@ void subscription_put_back(Subscription *s, uint64_t skipped)
 uint64_t subscription_skips(Subscription *s, uint64_t newest, uint64_t due)
 {
     const uint64_t known = s->taken > s->counted ? s->taken : s->counted;
-    const uint64_t lost = newest > s->taken ? newest - 1 : due;
-    if (lost <= known) return 0;
+    const uint64_t lost = (newest > s->taken ? newest : due) - 1;
+    if (!due || lost <= known) return 0;
     s->counted = lost;
     return lost - known;
 }

@@ -36,8 +36,8 @@ uint64_t subscription_take(Subscription *s, uint64_t number, uint64_t size);
 void subscription_put_back(Subscription *s, uint64_t skipped);
 
 /* How many more will never be sent than when this was last asked, whether or not this stream ever gets to hear of it.
- *  newest  number of the one that may still be sent; 0: there is none
- *  due     of the last that was due in the feed */
+ *  newest  number of the one that may still be sent; 0: there is none; one more than `due`: no other will be
+ *  due     of the last that was due in the feed: it may still be in the making */
 uint64_t subscription_skips(Subscription *s, uint64_t newest, uint64_t due);
 
 /* Bytes of the item in the next message. */

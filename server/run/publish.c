@@ -260,9 +260,12 @@ void run_tell_progress_at_times(Run *run)
 
 void run_enter(Run *run, RunState state, const char *text)
 {
+    const bool in_vain =
+        state == RUN_EMPTY && run->state == RUN_LOADING; /* a load: why there is no run is as true as before */
     run->state = state;
     if (state != RUN_RUNNING) meter_halt(&run->meter, clock_now());
-    if (state != RUN_FAULT && state != RUN_STOPPING && state != RUN_LOADING) run->fault = (MnsError){.status = MNS_OK};
+    if (state != RUN_FAULT && state != RUN_STOPPING && state != RUN_LOADING && !in_vain)
+        run->fault = (MnsError){.status = MNS_OK};
     run_publish(run);
     char word[24];
     snprintf(word, sizeof word, "%s", run_state_name(state));

@@ -140,7 +140,7 @@ void run_recover(Run *run, Order *order)
 
 void run_unread(Run *run, Order *order, const MnsError *why)
 {
-    run->fault = *why;
+    if (run->state == RUN_EMPTY) run->fault = *why;
     run_publish(run);
     run_answer(run, order, MNS_OK, NULL);
 }

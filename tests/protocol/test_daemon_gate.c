@@ -212,24 +212,49 @@ static void a_gate_without_memory_ends_by_itself_and_alone(void **state)
     assert_less(longest, 1);
 }
 
+/* A connection beyond those that a castle has. */
+static void *guest(const Castle *castle, void *context, const KeyPair *key)
+{
+    const int none = 0, patience = 20000;
+    char address[64];
+    void *socket = zmq_socket(context, ZMQ_DEALER);
+    snprintf(address, sizeof address, "tcp://127.0.0.1:%d", castle->port);
+    zmq_setsockopt(socket, ZMQ_LINGER, &none, sizeof none);
+    zmq_setsockopt(socket, ZMQ_RCVTIMEO, &patience, sizeof patience);
+    zmq_setsockopt(socket, ZMQ_CURVE_SERVERKEY, key->server_key, KEY_TEXT);
+    zmq_setsockopt(socket, ZMQ_CURVE_PUBLICKEY, key->public_key, KEY_TEXT);
+    zmq_setsockopt(socket, ZMQ_CURVE_SECRETKEY, key->secret_key, KEY_TEXT);
+    assert_int_equal(zmq_connect(socket, address), 0);
+    return socket;
+}
+
+/* However many look on. */
+static void who_may_steer_always_finds_a_place(void **state)
+{
+    enum { LOOKERS = 500 };
+    Castle *castle = *state;
+    void *context = zmq_ctx_new(), *lookers[LOOKERS];
+    uint8_t id[16];
+    for (int k = 0; k < LOOKERS; k++) {
+        Meniscus__Request status = dialogue_status();
+        lookers[k] = guest(castle, context, &castle->viewer);
+        dialogue_say(lookers[k], &status, id);
+    }
+    steer_sleep(3000); /* until all have come for whom there is a place */
+    assert_here(castle_connect(castle, ZMQ_DEALER, &castle->operator));
+    for (int k = 0; k < LOOKERS; k++) zmq_close(lookers[k]);
+    zmq_ctx_term(context);
+}
+
 static void who_hangs_up_leaves_nothing_behind(void **state)
 {
     Castle *castle = *state;
-    char address[64];
     assert_here(castle_connect(castle, ZMQ_DEALER, &castle->viewer));
     const pid_t daemon = castle->dialogue.daemon, gate = castle_gate(castle, 0);
     const int before = count_descriptors(daemon), at_gate = count_descriptors(gate);
     void *context = zmq_ctx_new(), *guests[GUESTS];
-    snprintf(address, sizeof address, "tcp://127.0.0.1:%d", castle->port);
     for (int k = 0; k < GUESTS; k++) {
-        const int none = 0, patience = 20000;
-        guests[k] = zmq_socket(context, ZMQ_DEALER);
-        zmq_setsockopt(guests[k], ZMQ_LINGER, &none, sizeof none);
-        zmq_setsockopt(guests[k], ZMQ_RCVTIMEO, &patience, sizeof patience);
-        zmq_setsockopt(guests[k], ZMQ_CURVE_SERVERKEY, castle->viewer.server_key, KEY_TEXT);
-        zmq_setsockopt(guests[k], ZMQ_CURVE_PUBLICKEY, castle->viewer.public_key, KEY_TEXT);
-        zmq_setsockopt(guests[k], ZMQ_CURVE_SECRETKEY, castle->viewer.secret_key, KEY_TEXT);
-        assert_int_equal(zmq_connect(guests[k], address), 0);
+        guests[k] = guest(castle, context, &castle->viewer);
         assert_here(guests[k]);
     }
     assert_true(count_descriptors(daemon) >= before + GUESTS);
@@ -387,6 +412,7 @@ int main(void)
         TEST(who_listens_from_afar_hears_again_what_was_last),
         TEST(a_message_of_endless_parts_is_ended_and_others_go_on),
         TEST(a_gate_without_memory_ends_by_itself_and_alone),
+        TEST(who_may_steer_always_finds_a_place),
         TEST(who_hangs_up_leaves_nothing_behind),
         TEST(a_command_of_who_does_not_wait_is_done),
         cmocka_unit_test_setup_teardown(who_ends_the_daemon_from_afar_is_told_so, castle_begin, end_somehow),

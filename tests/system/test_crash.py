@@ -5,6 +5,7 @@
 MENISCUS_KILLS says how often it is killed; 12 unless it is set.
 """
 
+import fcntl
 import json
 import os
 import random
@@ -21,7 +22,7 @@ import h5py
 import zmq
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from daemon import BUILD, DaemonTest  # noqa: E402
+from daemon import BUILD, DaemonTest, start_in  # noqa: E402
 
 sys.path.insert(0, str(BUILD / "python"))
 from meniscus import Client  # noqa: E402
@@ -268,6 +269,35 @@ class WithACase(DaemonTest):
         self.kill_daemon()
         self.meniscus("wait", "--for", "step=10", "--timeout", "20")
         self.assertEqual(self.runs(), ["another", "dambreak2d", "dambreak2d.2"])
+
+    def hold(self, run: str) -> None:
+        """Have the directory of a run, as another program would; to the end of the test."""
+        lock = open(Path(run) / "lock", "rb")
+        self.addCleanup(lock.close)
+        fcntl.flock(lock, fcntl.LOCK_EX)
+
+    def test_what_cannot_be_gone_on_with_is_not_begun_anew(self) -> None:
+        self.kill_daemon()  # it has no run, and loads another one
+        self.meniscus("wait", "--for", "step=50", "--timeout", "20")
+        self.meniscus("set", "gravity=[0.1, -1]")
+        runs, run = self.runs(), self.ask("status")["run_directory"]
+        self.daemon.kill()
+        self.daemon.wait()
+        command = [BUILD / "meniscusd", "--name", "default", "--state-dir", self.home / "state"]
+        self.hold(run)
+        done = subprocess.run([*command, *self.options], env=self.environment, capture_output=True, text=True, timeout=20)
+        self.assertEqual(done.returncode, 75, done.stderr)
+        type(self).daemon = start_in(self.home, self.environment, [])  # a service
+        for _ in range(2):
+            status = self.ask("status")
+            self.assertEqual(status["state"], "EMPTY")
+            self.assertIn("no run is gone on with", status["fault"])
+            self.meniscus("load", *CASE, "--name", Path(run).name, "--resume", code=1)  # which is refused, and changes nothing
+        self.doCleanups()
+        self.assertEqual(self.runs(), runs)
+        self.kill_daemon()
+        self.meniscus("wait", "--for", "step=51", "--timeout", "20")
+        self.assertEqual(self.ask("get", "gravity")["values"]["gravity"]["value"], "[0.1, -1]")
 
     def test_who_came_for_one_case_is_told_by_an_exit_code_that_its_journal_is_damaged(self) -> None:
         self.kill_daemon()  # it has no run, and loads another one
