@@ -250,7 +250,7 @@ static void serve(Keeper *keeper)
 static void limit_memory(void)
 {
 #ifndef MENISCUS_SANITIZED
-    const rlim_t most = RESIDENT_MOST + (rlim_t)far_descriptors() * (2 * FRAME_MAX);
+    const rlim_t most = RESIDENT_MOST + (rlim_t)far_descriptors() * 2 * (rlim_t)FRAME_MAX;
     setrlimit(RLIMIT_DATA, &(struct rlimit){most, most});
 #endif
     FILE *file = fopen("/proc/self/oom_score_adj", "we");
