@@ -33,11 +33,12 @@ void run_answer_now(Run *run, Order *order, MnsStatus status, const MnsError *er
 
 void run_answer(Run *run, Order *order, MnsStatus status, const MnsError *error)
 {
-    const MnsProgress now = run->sim ? mns_sim_progress(run->sim) : (MnsProgress){.t = 0};
+    /* Where there is no simulation any more, as it was when it went: this thread alone writes that. */
+    const MnsProgress now = run->sim ? mns_sim_progress(run->sim) : run->status.progress;
     fill(order, status, error);
     order->state = run->state;
     order->step = now.step;
-    order->version = run_version(run);
+    order->version = run->sim ? run_version(run) : run->status.version;
     order->t = now.t;
     if (order->request) run_note_done(run, order);
     if (order->appointed && status) run_tell_undone(run, order, error);
