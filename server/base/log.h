@@ -19,7 +19,8 @@ int log_level_find(const char *word);
 /* The one that is set. */
 LogLevel log_level(void);
 
-/* Write one line; any thread may, and none waits: what nobody reads is lost, and counted for who reads on. Control characters become blanks, so that no text from outside forges a line. */
+/* Write one line; any thread may, and none waits: what nobody reads is lost, and counted for who reads on. Control characters become
+ * blanks, so that no text from outside forges a line. */
 void log_line(LogLevel level, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 #endif
