@@ -92,6 +92,24 @@ static void nobody_keeps_a_daemon_by_not_hanging_up(void **state)
     assert_true(steer_now() - asked < 3);
 }
 
+/* Though the simulation is gone when it is answered. */
+static void the_answer_to_a_shutdown_says_where_the_run_was(void **state)
+{
+    (void)state;
+    Dialogue dialogue;
+    dialogue_begin(&dialogue, NULL);
+    dialogue_load(&dialogue, NULL);
+    steer_go(&dialogue, 3);
+    Meniscus__Request request = dialogue_shutdown();
+    Meniscus__Reply *reply = dialogue_ask(&dialogue, &request);
+    assert_non_null(reply);
+    assert_int_equal(reply->state, MENISCUS__STATE__STOPPING);
+    assert_int_equal(reply->step, 3);
+    assert_true(reply->time > 0);
+    meniscus__reply__free_unpacked(reply, NULL);
+    dialogue_end(&dialogue);
+}
+
 /* Also while the first writes its checkpoint: what is answered to the second is no fault of the daemon's. */
 static void who_sends_away_a_daemon_that_leaves_changes_nothing_of_how_it_ends(void **state)
 {
@@ -118,6 +136,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_reply_to_shutdown_reaches_clients_quick_and_slow),
+        cmocka_unit_test(the_answer_to_a_shutdown_says_where_the_run_was),
         cmocka_unit_test(who_sends_away_a_daemon_that_leaves_changes_nothing_of_how_it_ends),
         cmocka_unit_test_setup_teardown(who_waits_is_told_before_the_daemon_leaves, steer_begin, steer_end_somehow),
         cmocka_unit_test_setup_teardown(nobody_keeps_a_daemon_by_not_hanging_up, steer_begin, steer_end_somehow),
