@@ -97,7 +97,8 @@ demo: packages ## build, run a dam break in a daemon, stream, write HDF5, draw p
 	@$(MAKE) --no-print-directory -s $(PARALLEL) all
 	@BUILD=$(BUILD) tests/support/demo.sh
 
-dashboard: ## build the dashboard for browsers: needs libwebsockets, and npm with its registry
+# What else is asked for comes first: two makes at once would write the same files.
+dashboard: $(filter all tests bench-programs,$(MAKECMDGOALS)) ## build the dashboard for browsers: needs libwebsockets, and npm with its registry
 	@tests/support/packages.sh dashboard
 	@$(MAKE) --no-print-directory -s $(PARALLEL) $(DASHBOARD_ALL)
 

@@ -94,6 +94,14 @@ void address_print(const Address *address, int port, char ret[static 64])
     }
 }
 
+bool address_is_any(const Address *address)
+{
+    const struct sockaddr_in *v4 = (const struct sockaddr_in *)&address->where;
+    const struct sockaddr_in6 *v6 = (const struct sockaddr_in6 *)&address->where;
+    if (address->where.ss_family == AF_INET6) return IN6_IS_ADDR_UNSPECIFIED(&v6->sin6_addr);
+    return v4->sin_addr.s_addr == htonl(INADDR_ANY);
+}
+
 void address_of(int fd, char ret[static 64])
 {
     Address address = {.where.ss_family = AF_UNSPEC};

@@ -4,6 +4,7 @@
 #include <ctype.h>
 #include <locale.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -38,32 +39,44 @@ static size_t distance(const char *a, const char *b)
     return d[n][m];
 }
 
-static const char *likeliest(const char *const *names, size_t n, const char *wrong)
+/* How many letters are wrong in the likeliest of them; SIZE_MAX: none is like it. */
+static size_t least_wrong(const char *const *names, size_t n, const char *wrong)
 {
-    const char *best = NULL;
-    size_t least = strlen(wrong) < 6 ? 2 : strlen(wrong) / 3 + 1; /* one letter, or every third */
+    const size_t bound = strlen(wrong) < 6 ? 2 : strlen(wrong) / 3 + 1; /* one letter, or every third */
+    size_t least = SIZE_MAX;
     for (size_t k = 0; k < n; k++) {
         const size_t d = distance(wrong, names[k]);
-        if (d < least && d < strlen(names[k])) {
-            least = d;
-            best = names[k];
-        }
+        if (d < bound && d < least && d < strlen(names[k])) least = d;
     }
-    return best;
+    return least;
+}
+
+/* "did you mean "a" or "b"? Allowed: ", with all that are as like it as the likeliest, up to LIKE; how long it is. */
+static size_t suggest(const char *const *names, size_t n, const char *wrong, char *text, size_t size)
+{
+    enum { LIKE = 3 };
+    const size_t least = least_wrong(names, n, wrong);
+    size_t used = 0, found = 0;
+    for (size_t k = 0; k < n && found < LIKE && least < SIZE_MAX && used < size; k++) {
+        if (distance(wrong, names[k]) != least) continue;
+        used += (size_t)snprintf(text + used, size - used, "%s \"%s\"", found++ ? " or" : "did you mean", names[k]);
+    }
+    if (used < size) used += (size_t)snprintf(text + used, size - used, found ? "? Allowed: " : "allowed: ");
+    return used;
 }
 
 void words_suggest(const char *const *names, size_t n, const char *wrong, const char *all, char *text, size_t size)
 {
-    const char *best = likeliest(names, n, wrong), *open = all ? " (" : "", *close = all ? " lists all)" : "";
+    const char *open = all ? " (" : "", *close = all ? " lists all)" : "";
     const size_t more = sizeof ", and 999 more" + strlen(open) + strlen(all ? all : "") + strlen(close);
-    int used = best ? snprintf(text, size, "did you mean \"%s\"? Allowed: ", best) : snprintf(text, size, "allowed: ");
-    for (size_t k = 0; k < n && (size_t)used < size; k++) {
+    size_t used = suggest(names, n, wrong, text, size);
+    for (size_t k = 0; k < n && used < size; k++) {
         const size_t room = k + 1 < n ? more : 1;
-        if (k && (size_t)used + 2 + strlen(names[k]) + room > size) {
-            snprintf(text + used, size - (size_t)used, ", and %zu more%s%s%s", n - k, open, all ? all : "", close);
+        if (k && used + 2 + strlen(names[k]) + room > size) {
+            snprintf(text + used, size - used, ", and %zu more%s%s%s", n - k, open, all ? all : "", close);
             return;
         }
-        used += snprintf(text + used, size - (size_t)used, "%s%s", k ? ", " : "", names[k]);
+        used += (size_t)snprintf(text + used, size - used, "%s%s", k ? ", " : "", names[k]);
     }
 }
 

@@ -163,7 +163,7 @@ static void print_row(const Table *table, const json_t *row)
                                cell(clients, number(row, "clients"), ""),
                                cell(memory, number(row, "memory_bytes") / (1 << 20), " MiB"), fault});
     if (lines_of(table, row) == 1) return;
-    snprintf(line, sizeof line, "  %.500s", fault);
+    snprintf(line, sizeof line, "  FAULT: %.500s", fault);
     print_line(table, colour_of(state), line);
 }
 

@@ -41,7 +41,7 @@ static MnsStatus look(Watch *watch, bool first, MnsError *error)
     }
     if (status_reply->state != MNS_STATE_EMPTY &&
         mns_client_query_probes(watch->in->client, 0, NULL, &probes, NULL) == MNS_OK)
-        screen_take_values(&watch->screen, probes->n_values, probes->values);
+        screen_take_reply(&watch->screen, probes);
     mns_reply_free(probes);
     mns_reply_free(status_reply);
     watch->changed = true;

@@ -38,7 +38,7 @@ void screen_take_info(Screen *screen, const MnsRunInfo *info)
 }
 
 /* The same moment may be told again, as when the run stands still; one that lies before begins another time line. */
-void screen_take_values(Screen *screen, size_t n, const MnsValue *values)
+static void take_values(Screen *screen, size_t n, const MnsValue *values)
 {
     const bool is_new = screen->time != screen->sampled, is_back = screen->time < screen->sampled;
     screen->sampled = screen->time;
@@ -53,6 +53,14 @@ void screen_take_values(Screen *screen, size_t n, const MnsValue *values)
     }
 }
 
+/* They are of the moment of the reply, some steps after the status that was asked for before. */
+void screen_take_reply(Screen *screen, const MnsReply *probes)
+{
+    screen->step = probes->step;
+    screen->time = probes->time;
+    take_values(screen, probes->n_values, probes->values);
+}
+
 void screen_take(Screen *screen, const MnsTelemetry *telemetry)
 {
     screen->lost += telemetry->lost;
@@ -61,7 +69,7 @@ void screen_take(Screen *screen, const MnsTelemetry *telemetry)
         screen->time = telemetry->time;
     }
     switch (telemetry->topic) {
-    case MNS_TOPIC_PROBE: screen_take_values(screen, telemetry->n_values, telemetry->values); break;
+    case MNS_TOPIC_PROBE: take_values(screen, telemetry->n_values, telemetry->values); break;
     case MNS_TOPIC_EVENT:
         screen->state = telemetry->state;
         snprintf(screen->news, sizeof screen->news, "%s%s%s", telemetry->what,
@@ -158,13 +166,25 @@ static void print_probe(const Screen *screen, const Reading *probe, const Column
     fputs(CLEAR_LINE "\n", stdout);
 }
 
+/* What a low terminal has no line for; how many lines that takes. */
+static int draw_rest(const Screen *screen, int shown, int width)
+{
+    char line[80];
+    const size_t rest = screen->n - (size_t)shown;
+    if (!rest) return 0;
+    snprintf(line, sizeof line, "  and %zu more probe%s: no room for %s", rest, rest > 1 ? "s" : "",
+             rest > 1 ? "them" : "it");
+    printf("%.*s" CLEAR_LINE "\n", width, line);
+    return 1;
+}
+
 /* Back to our first line, then all of it again: each line cleared as it is written, so nothing flickers. A line that
  * wraps would be two lines, so none may be wider than the terminal. */
 static void draw_terminal(Screen *screen)
 {
     const int width = terminal_width() - 1;
     const int room = terminal_height() - 5;
-    int shown = (int)screen->n < room ? (int)screen->n : room;
+    const int shown = (int)screen->n <= room ? (int)screen->n : room - 1;
     if (screen->drawn) printf("\033[%dA\r", screen->drawn);
     printf("%.*s" CLEAR_LINE "\n", width, screen->title);
     draw_bar(screen);
@@ -177,8 +197,8 @@ static void draw_terminal(Screen *screen)
     printf("%.*s" CLEAR_LINE "\n", width, line);
     const Columns columns = lay_out(screen, shown, width);
     for (int k = 0; k < shown; k++) print_probe(screen, &screen->probes[k], &columns, width);
+    screen->drawn = 3 + shown + draw_rest(screen, shown, width);
     fputs(CLEAR_TO_END, stdout);
-    screen->drawn = 3 + shown;
     fflush(stdout);
 }
 

@@ -32,9 +32,9 @@ typedef struct Screen {
 /* Begin. On a terminal that may be drawn on, the cursor is hidden until screen_done(). */
 void screen_init(Screen *screen, bool may_redraw);
 
-/* Take over what a status, a list of probes, a message say. */
+/* Take over what a status, a reply with probes, a message say. */
 void screen_take_info(Screen *screen, const MnsRunInfo *info);
-void screen_take_values(Screen *screen, size_t n, const MnsValue *values);
+void screen_take_reply(Screen *screen, const MnsReply *probes);
 void screen_take(Screen *screen, const MnsTelemetry *telemetry);
 
 /* Terminal: redraw. Elsewhere: print one line. */

@@ -109,17 +109,27 @@ static void end(int signal)
     server_stop();
 }
 
+enum { PLACE_SIZE = 280 };
+
 typedef struct Start {
     Hub *hub;
     const Options *options;
 } Start;
 
+/* Where browsers find it: by the name of this machine, where all of its addresses are served. */
+static void find_place(const Options *options, int port, char ret[static PLACE_SIZE])
+{
+    const Address *address = &options->server.address;
+    if (address_is_any(address) && *options->host) snprintf(ret, PLACE_SIZE, "%s:%d", options->host, port);
+    else address_print(address, port, ret);
+}
+
 static MnsStatus started(void *arg, int port, MnsError *error)
 {
     const Start *start = arg;
-    char where[64], endpoint[MNS_ENDPOINT_SIZE];
+    char where[PLACE_SIZE], endpoint[MNS_ENDPOINT_SIZE];
     MnsError missing;
-    address_print(&start->options->server.address, port, where);
+    find_place(start->options, port, where);
     MnsStatus status = watcher_start(start->hub, error);
     if (!status) status = painter_start(start->hub, start->options->frames, error);
     if (status) return status;

@@ -88,6 +88,8 @@ try {
   await page.keyboard.up("Control");
   await page.keyboard.type("0.2");
   await see(page, "Apply 1 change", "changes are collected");
+  const heard = await page.$eval("[aria-label='scheme: cfl, slider']", (slider) => slider.ariaValueText);
+  if (heard !== "0.2") throw new Error(`a slider is heard as ${heard}`);
   await page.keyboard.press("Enter");
   await see(page, "scheme.cfl=0.2", "and set together", "#notes");
   await picture(page, "parameters");

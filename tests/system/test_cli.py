@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The command line against a real daemon: what scripts rely on."""
 
+import csv
 import json
 import os
 import pty
@@ -597,6 +598,16 @@ class Watching(DaemonTest):
             self.assertTrue(steps[0] == 0 or "started" not in text, text)
             self.meniscus("stop")
 
+    def test_the_first_line_shows_values_of_its_own_step(self) -> None:
+        self.start("1000", "--set", "output.probe_interval=1e-9", "--set", "resolution=10")
+        first = self.meniscus("watch", "--timeout", "0.3", code=124).stdout.splitlines()[0]
+        shown = re.search(r" t = (\S+) s .* front = (\S+) m", first)
+        assert shown, first
+        directory = self.ask("stop")["path"]
+        rows = csv.DictReader(self.meniscus("export", f"{directory}/probes.hdf").stdout.splitlines())
+        fronts = {float(f"{float(row['time [s]']):.6g}"): float(f"{float(row['front [m]']):.5g}") for row in rows}
+        self.assertEqual(fronts[float(shown[1])], float(shown[2]))
+
     def test_time_goes_back_where_the_run_does(self) -> None:
         self.meniscus("load", *SMALL)
         self.meniscus("step", "3")
@@ -613,11 +624,11 @@ class Watching(DaemonTest):
             self.assertEqual(json.loads(watching.stdout.readline())["step"], 3)
             self.meniscus("stop")
 
-    def watch_terminal(self, columns: int, locale: str) -> "list[str]":
+    def watch_terminal(self, columns: int, locale: str, rows: int = 24) -> "list[str]":
         """What is shown on a terminal as wide as that when the run is done: lines without what moves the cursor."""
         self.start("0.3", "--set", "output.probe_interval=0.002")
         master, slave = pty.openpty()
-        termios.tcsetwinsize(slave, (24, columns))
+        termios.tcsetwinsize(slave, (rows, columns))
         words = [BUILD / "meniscus", "watch"]
         client = subprocess.Popen(words, env=self.environment | {"LC_ALL": locale}, stdout=slave)
         os.close(slave)
@@ -641,6 +652,13 @@ class Watching(DaemonTest):
             if has_range:
                 self.assertLess(float(ends[0][0]), float(ends[0][1]))
                 self.assertAlmostEqual(float(ends[0][1]), value, delta=0.01)
+
+    def test_a_low_terminal_says_how_many_probes_it_has_no_line_for(self) -> None:
+        whole = self.watch_terminal(80, "C.UTF-8")
+        low = self.watch_terminal(80, "C.UTF-8", rows=10)
+        self.assertEqual(len(low), 3 + 5)
+        self.assertEqual(low[-1], f"  and {len(whole) - 3 - 4} more probes: no room for them")
+        self.assertNotIn(" more probe", "".join(whole))
 
     def test_a_chart_is_ascii_where_the_locale_has_no_blocks(self) -> None:
         fronts = [line for line in self.watch_terminal(80, "C") if line.startswith("  front ")]

@@ -171,7 +171,7 @@ class DashboardTest(DaemonTest):
         cls.addClassCleanup(end)
         until = time.monotonic() + 20
         while time.monotonic() < until:
-            found = re.search(r"is at http://[0-9.]+:(\d+)/", log.read_text())
+            found = re.search(r"is at http://[\w.-]+:(\d+)/", log.read_text())
             if found:
                 return gateway, int(found[1])
             time.sleep(0.02)
@@ -270,6 +270,7 @@ class Strangers(DashboardTest):
 
     def test_other_machines_are_served_for_a_token_only(self) -> None:
         _, port = self.start_gateway("everywhere", "--http", "0.0.0.0:0")
+        self.assertIn(f" is at http://{socket.gethostname()}:{port}/#token=", (self.home / "everywhere.log").read_text(), "an address to open")
         stranger = self.browser(greet=False, port=port)
         stranger.say(do="hello")
         self.assertEqual(stranger.closed(), (1008, b"token"))

@@ -120,7 +120,7 @@ class Top(DaemonTest):
         head, row, fault = self.on_terminal(80)
         self.assertEqual(head.split(), "NAME STATE CASE DONE STEPS/S ETA CLIENTS MEMORY".split())
         self.assertRegex(row, r"^default +FAULT +dambreak2d .* [0-9.]+ MiB$")
-        self.assertRegex(fault, "^  diverged in step 1 ")
+        self.assertRegex(fault, "^  FAULT: diverged in step 1 ")
         self.assertLess(max(map(len, (head, row, fault))), 80)
         self.meniscus("stop")
         self.meniscus("load", "dambreak2d-interfacial-square", "--set", "resolution=10")

@@ -209,8 +209,10 @@ static void an_unknown_command_suggests_the_nearest(void **state)
     MnsError error = {0};
     (void)state;
     assert_int_equal(command_find("run_until", &command, &error), MNS_E_INVALID);
-    assert_non_null(strstr(error.text, "did you mean \"run-until\""));
+    assert_non_null(strstr(error.text, "did you mean \"run-until\"?"));
     assert_null(command);
+    assert_int_equal(command_find("lod", &command, &error), MNS_E_INVALID);
+    assert_non_null(strstr(error.text, "did you mean \"log\" or \"load\"?"));
 }
 
 static void failures_have_the_documented_exit_codes(void **state)

@@ -103,7 +103,7 @@ export class Parameters {
     const now = this.changed.get(name) ?? parameter.value, { lo, hi } = bounds(range);
     const row = element("div", { className: "parameter" });
     const short = name.replace(/^scheme\.[a-z_]+\./, "");
-    const label = element("label", { htmlFor: id, title: name }, short.replaceAll("_", " ").replace(".", ": "));
+    const called = short.replaceAll("_", " ").replace(".", ": "), label = element("label", { htmlFor: id, title: name }, called);
     const words = choices(parameter), sliding = slide(parameter);
     let input;
     if (words) {
@@ -115,13 +115,16 @@ export class Parameters {
     } else input = element("input", { id, type: "text", value: now });
     const edit = element("div", { className: "edit" });
     if (sliding && !words) {
-      const slider = element("input", { type: "range", min: "0", max: "1000", value: String(sliding.to(Number(now))), tabIndex: -1, ariaLabel: `${short}, slider` });
+      const slider = element("input", { type: "range", min: "0", max: "1000", value: String(sliding.to(Number(now))), tabIndex: -1, ariaLabel: `${called}, slider` });
+      const tell = () => { slider.ariaValueText = `${input.value} ${unit}`.trim(); }; // a thousandth of the way says nothing to who hears it
       slider.tabIndex = 0;
       slider.oninput = () => {
         input.value = String(sliding.from(Number(slider.value)));
+        tell();
         this.change(parameter, row, input.value);
       };
-      input.addEventListener("input", () => { slider.value = String(sliding.to(Number(input.value))); });
+      input.addEventListener("input", () => { slider.value = String(sliding.to(Number(input.value))); tell(); });
+      tell();
       edit.append(slider);
     }
     input.addEventListener("input", () => this.change(parameter, row, input.value));
