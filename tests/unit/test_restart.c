@@ -199,6 +199,23 @@ static void restart_makes_the_multigrid_that_there_was(void **state)
     assert_restart_with(by_multigrid, "incompressible", 2, 33, 25, 1, 2);
     assert_restart_with(by_multigrid, "incompressible", 3, 5, 25, 2, 1);
     assert_restart_with(by_multigrid, "differences", 2, 21, 25, 1, 2);
+    assert_restart_with(by_multigrid, "differences", 3, 5, 25, 2, 1);
+}
+
+/* Particles hardly move from one step to the next, and so nor does the matrix. */
+static void multigrid_of_differences_is_made_when_the_lists_are(void **state)
+{
+    (void)state;
+    enum { STEPS = 20 };
+    if (!amg_exists() || is_slow()) skip();
+    MnsCase *c = case_shaken_by("differences", 2, 1);
+    by_multigrid(c);
+    MnsSim *sim = sim_of(c);
+    sim_steps(sim, STEPS);
+    const uint64_t made = sim->timers[sim->n_timers - 2].calls;
+    assert_in_range(made, 1, sim->progress.rebuilds + 1);
+    assert_in_range(sim->progress.rebuilds, 0, STEPS / 2);
+    sim_done(sim, c);
 }
 
 /* What is derived is restored too, so that pictures and probes do not change. */
@@ -299,6 +316,7 @@ int main(void)
         cmocka_unit_test(restart_goes_on_as_if_never_stopped),
         cmocka_unit_test(restart_goes_on_with_any_options),
         cmocka_unit_test(restart_makes_the_multigrid_that_there_was),
+        cmocka_unit_test(multigrid_of_differences_is_made_when_the_lists_are),
         cmocka_unit_test(restart_shows_the_same_fields),
         cmocka_unit_test(hash_does_not_know_the_order_of_storage_but_every_bit_else),
         cmocka_unit_test(captures_of_another_case_are_refused_and_change_nothing),

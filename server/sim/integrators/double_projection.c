@@ -58,17 +58,6 @@ static double density_error(const MnsSim *sim)
     return most;
 }
 
-/* Where particles are, and where they were when the lists were made. */
-static void exchange_positions(Particles *s)
-{
-    for (int d = 0; d < s->dim; d++) {
-        double *x = s->x[d];
-        s->x[d] = s->ref[d];
-        s->ref[d] = x;
-    }
-    particles_changed(s, ON_ALL, FIELD(X) | FIELD(REF));
-}
-
 static MnsStatus lay(MnsSim *sim, MnsError *error)
 {
     sim->system.threads = sim->threads;
@@ -81,18 +70,11 @@ static const SolveMethod *method_of(const MnsSim *sim)
     return solve_method(sim->model.projection.solver, &sim->system, true);
 }
 
-/* Of rows that are laid out. What a method makes of a matrix fits all solves of the same weights until the lists are made again, as
- * particles hardly move in between. It is made from where they were then, which a restart knows. */
 static void prepare(MnsSim *sim, int matrix, int pass)
 {
+    const int passes[] = {PASS_NUMBER, pass};
     system_keep(&sim->system, matrix);
-    if (!method_of(sim)->prepare || system_is_ready(&sim->system)) return;
-    exchange_positions(&sim->s);
-    integrator_pass(sim, PASS_NUMBER);
-    integrator_pass(sim, pass);
-    pressure_prepare(sim, method_of(sim));
-    exchange_positions(&sim->s);
-    integrator_pass(sim, PASS_NUMBER);
+    pressure_prepare(sim, method_of(sim), passes, 2);
 }
 
 static MnsStatus correct_density_once(MnsSim *sim, MnsError *error)

@@ -63,12 +63,32 @@ MnsStatus pressure_solve(MnsSim *sim, const SolveMethod *method, double toleranc
     return ret_report->converged ? MNS_OK : fail_solve(sim, method, ret_report, tolerance, what, error);
 }
 
-void pressure_prepare(MnsSim *sim, const SolveMethod *method)
+/* Where particles are, and where they were when the lists were made. */
+static void exchange_positions(Particles *s)
+{
+    for (int d = 0; d < s->dim; d++) {
+        double *x = s->x[d];
+        s->x[d] = s->ref[d];
+        s->ref[d] = x;
+    }
+    particles_changed(s, ON_ALL, FIELD(X) | FIELD(REF));
+}
+
+static void prepare(MnsSim *sim, const SolveMethod *method)
 {
     const double start = omp_get_wtime(), before = sim->system.setup_seconds;
-    if (!method->prepare) return;
     method->prepare(&sim->system);
     book(sim, start, before);
+}
+
+void pressure_prepare(MnsSim *sim, const SolveMethod *method, const int passes[], size_t n)
+{
+    if (!method->prepare || system_is_ready(&sim->system)) return;
+    exchange_positions(&sim->s);
+    for (size_t k = 0; k < n; k++) integrator_pass(sim, passes[k]);
+    prepare(sim, method);
+    exchange_positions(&sim->s);
+    integrator_pass(sim, passes[0]);
 }
 
 void pressure_guess(MnsSim *sim, double dt)

@@ -9,8 +9,10 @@
 MnsStatus pressure_solve(MnsSim *sim, const SolveMethod *method, double tolerance, const char *what,
                          SolveReport *ret_report, MnsError *error);
 
-/* Set up for the matrix of now what the method makes of it, if anything, unless that is there. */
-void pressure_prepare(MnsSim *sim, const SolveMethod *method);
+/* Make what the method keeps of a matrix, if anything, unless it is there: it fits all solves until the lists are made again, as particles
+ * hardly move in between. It is made from where they were then, which a restart knows. Of rows that are laid out.
+ *  passes  [n] that lead from positions to the matrix; the first is run again for where particles are */
+void pressure_prepare(MnsSim *sim, const SolveMethod *method, const int passes[], size_t n);
 
 /* Begin with the pressures of the step before, from the held one if there is one; in walls, with what solves their rows. */
 void pressure_guess(MnsSim *sim, double dt);

@@ -52,6 +52,7 @@ static bool is_nearer(const Particles *s, Candidate a, Candidate b)
     return a.r2 < b.r2 || (a.r2 == b.r2 && s->id[a.i] < s->id[b.i]);
 }
 
+/* When the lists were made, which a restart knows: the matrix has the same row held until they are made again. */
 static size_t nearest(const MnsSim *sim, const double at[3])
 {
     const Particles *s = &sim->s;
@@ -63,7 +64,7 @@ static size_t nearest(const MnsSim *sim, const double at[3])
         for (size_t i = 0; i < particles_fluid(s); i++) {
             Candidate one = {0, i};
             for (int d = 0; d < s->dim; d++) {
-                const double x = model_nearest(&sim->model, d, s->x[d][i] - at[d]);
+                const double x = model_nearest(&sim->model, d, s->ref[d][i] - at[d]);
                 one.r2 += x * x;
             }
             if (is_nearer(s, one, mine)) mine = one;
@@ -74,13 +75,17 @@ static size_t nearest(const MnsSim *sim, const double at[3])
     return best.i;
 }
 
+static const SolveMethod *method_of(const MnsSim *sim)
+{
+    return solve_method(sim->model.projection.solver, &sim->system, false);
+}
+
 static MnsStatus solve(MnsSim *sim, MnsError *error)
 {
-    const SolveMethod *method = solve_method(sim->model.projection.solver, &sim->system, false);
+    const SolveMethod *method = method_of(sim);
     SolveReport report;
     /* Of divergences, a millionth of the speed over h at each particle: on a lattice there may be none but rounding. */
     sim->system.least = 1e-6 * sim->v_max / sim->model.kernel.h * sqrt((double)particles_fluid(&sim->s));
-    system_forget(&sim->system); /* a restart would not have what was made of the matrix of an earlier step */
     const MnsStatus status = pressure_solve(sim, method, sim->model.projection.tolerance, "velocity", &report, error);
     sim->solved = (Solved){.iterations = report.iterations, .residual = report.residual};
     return status;
@@ -130,6 +135,7 @@ static MnsStatus project(MnsSim *sim, double dt, MnsError *error)
     y->held = options->holds_pressure ? nearest(sim, options->zero_pressure) : NOT_HELD;
     if (!differences_lay(&sim->s, &sim->nb))
         return mns_fail(error, MNS_E_MEMORY, "no memory for the pressure system of %zu particles", sim->s.n);
+    pressure_prepare(sim, method_of(sim), (const int[]){PASS_SHAPE, PASS_CONTINUED, PASS_SYSTEM}, 3);
     integrator_pass(sim, PASS_CONTINUED);
     integrator_pass(sim, PASS_SYSTEM);
     MnsStatus status = check_rows(sim, error);

@@ -128,8 +128,7 @@ static void make_vector(const struct Amg *amg, HYPRE_IJVector *ret, HYPRE_ParVec
 }
 
 /* One cycle, with the same relaxation before and after, so that it is symmetric; relaxed on the coarsest level too, where elimination
- * would meet the singular matrix. The first level is coarsened twice, which takes twice the iterations and half of the making: it is made for each
- * step. */
+ * would meet the singular matrix. The first level is coarsened twice, which takes twice the iterations and half of the making. */
 static void make_solver(struct Amg *amg)
 {
     enum { HMIS = 10, EXTENDED = 6, SYMMETRIC = 6, COARSEST = 3, NEIGHBOURS = 4 };
