@@ -3,6 +3,7 @@
 #include "net/complete.h"
 
 #include "net/here.h"
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -37,7 +38,7 @@ MnsStatus complete_file(Exchange *x, MnsError *error)
     meniscus__output_file__init(file);
     file->path = strdup(x->order.path);
     file->has_step = true;
-    file->step = x->order.effect_step;
+    file->step = order_effect(&x->order);
     file->has_time = true;
     file->time = x->order.effect_t;
     x->reply->result_case = MENISCUS__REPLY__RESULT_OUTPUT;
@@ -48,8 +49,14 @@ MnsStatus complete_file(Exchange *x, MnsError *error)
 /* Where the files of the run are, or were. */
 MnsStatus complete_directory(Exchange *x, MnsError *error)
 {
-    if (!x->order.path[0]) return MNS_OK; /* there was none */
-    x->reply->message = strdup(x->order.path);
+    const Order *order = &x->order;
+    char text[160];
+    if (!order->path[0]) return MNS_OK; /* there was none */
+    snprintf(text, sizeof text,
+             "on its way back after a crash, to step %" PRIu64
+             ", which it had not reached; what had been written since its checkpoint is in abandoned",
+             order->short_of);
+    x->reply->message = strdup(order->short_of ? text : order->path);
     return complete_file(x, error);
 }
 

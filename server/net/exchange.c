@@ -120,7 +120,7 @@ void exchange_seal(Exchange *exchange)
     reply->has_case_version = order->version > 0;
     reply->case_version = order->version;
     reply->has_effect_step = !order->status && exchange->at_step;
-    reply->effect_step = order->effect_step;
+    reply->effect_step = order_effect(order);
 }
 
 Meniscus__Value *exchange_value(const char *name, double number, const char *text, const char *unit)

@@ -428,9 +428,11 @@ static MnsStatus secure(Run *run, bool checkpoint, MnsError *error)
 }
 
 /* The journal tells that the run is ended, unless it was stopped before there was one: then it is not looked for any more. */
-static void end_recovery(Run *run)
+static void end_recovery(Run *run, Order *order)
 {
-    if (run->recovery.lineage && !run->sim) rundir_forget_current(run->options.parent);
+    const Lineage *lineage = run->recovery.lineage;
+    if (lineage && run->sim) order->short_of = lineage->step;
+    else if (lineage) rundir_forget_current(run->options.parent);
     run->recovery.lineage = NULL;
 }
 
@@ -450,7 +452,7 @@ void run_stop(Run *run, Order *order, bool checkpoint)
     }
     run_goal_end(run, MNS_E_INTERRUPTED, &ended);
     run_drop_appointments(run, ended.text);
-    end_recovery(run);
+    end_recovery(run, order);
     if (run->sim) run_tell(run, NOTE_LOG, LOG_INFORMATION, "stopped", "on request"); /* the last word of its log */
     if (close_run(run, &error)) run_tell(run, NOTE_LOG, LOG_WARNING, "lost", error.text);
     environment_compute_anew();
@@ -472,8 +474,11 @@ static void tell_lost(Run *run, const MnsError *why)
 void run_leave(Run *run, Order *order, bool checkpoint)
 {
     MnsError error, ended;
-    run_close_books(run);                          /* as in run_stop() */
-    if (run->recovery.lineage) checkpoint = false; /* whoever went on from it would miss what comes after it */
+    run_close_books(run); /* as in run_stop() */
+    if (run->recovery.lineage) {
+        checkpoint = false; /* whoever went on from it would miss what comes after it */
+        order->short_of = run->sim ? run->recovery.lineage->step : 0;
+    }
     mns_fail(&ended, MNS_E_INTERRUPTED, "the program is stopping");
     run_enter(run, RUN_STOPPING, checkpoint ? "stopping, with a checkpoint" : "stopping");
     run_goal_end(run, MNS_E_INTERRUPTED, &ended);

@@ -76,6 +76,7 @@ typedef struct Order {
     MnsError error; /* if status is not MNS_OK                                              */
     RunState state; /* after the effect                                                     */
     uint64_t step, effect_step;
+    uint64_t short_of;  /* given up on the way back after a crash, before this step was reached; 0: it was not */
     uint64_t version;   /* of the case; 0 without one */
     Lease lease;        /* that was given or renewed; none of epoch 0 */
     double t, effect_t; /* [s]                                                                  */
@@ -84,5 +85,12 @@ typedef struct Order {
     unsigned threads;   /* used then                                                            */
     Note note;          /* that carries it through the outbox: an answer needs no memory to get there */
 } Order;
+
+/* Where it took effect. On the way back after a crash the run is, for the journal and in effect_step, where it was; for people it is where it
+ * had come to. */
+static inline uint64_t order_effect(const Order *order)
+{
+    return order->short_of ? order->step : order->effect_step;
+}
 
 #endif

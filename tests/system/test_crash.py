@@ -211,6 +211,8 @@ class Crash(DaemonTest):
         reply = self.ask("stop")
         self.assertEqual(reply["state"], "EMPTY")
         self.assertLess(reply["step"], steps)
+        self.assertEqual(reply["effect_step"], reply["step"], "where it was stopped, not where it was to be")
+        self.assertIn(f"to step {steps}, which it had not reached", reply["message"])
         self.kill_daemon()
         self.assertEqual(self.ask("status")["state"], "EMPTY")
 
