@@ -201,7 +201,6 @@ MnsStatus command_export(Invocation *in, MnsError *error)
         status =
             mns_fail_at(error, MNS_E_INVALID, "--out", "a series of probes has no places for a .vtk file: use .csv");
     if (!status) status = write_table(in, table, error);
-    if (status == MNS_E_NOT_FOUND || status == MNS_E_CORRUPT) in->code = MNS_EXIT_IO;
     for (size_t c = 0; c < table->n; c++) free(table->column[c].values);
     free(table);
     return status;

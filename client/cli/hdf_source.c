@@ -30,11 +30,9 @@ static MnsStatus fail_directory(const char *path, MnsError *error)
 MnsStatus source_open(Source *s, const char *path, MnsError *error)
 {
     *s = (Source){.file = H5I_INVALID_HID, .path = path, .error = error};
-    if (access(path, R_OK)) {
-        const MnsStatus status = errno == ENOENT ? MNS_E_NOT_FOUND : MNS_E_IO;
-        return mns_fail_at(error, status, path, "cannot read %s: %s; %s", path, strerror(errno),
+    if (access(path, R_OK))
+        return mns_fail_at(error, MNS_E_IO, path, "cannot read %s: %s; %s", path, strerror(errno),
                            mns_refusal_hint(errno));
-    }
     struct stat info;
     if (!stat(path, &info) && S_ISDIR(info.st_mode)) return fail_directory(path, error);
     /* HDF5 would print a page about each failure; the sentence says enough. */

@@ -8,8 +8,9 @@
 #include <signal.h>
 #include <time.h>
 
-static const double tick_s = 0.1;  /* between looks at signals, and between redraws */
-static const double silence_s = 2; /* after which we ask whether the daemon is still there */
+static const double tick_s = 0.1;   /* between looks at signals, and between redraws */
+static const double silence_s = 2;  /* after which we ask whether the daemon is still there */
+static const double patience_s = 1; /* for probes that we ask for */
 
 typedef struct Watch {
     Invocation *in;
@@ -39,7 +40,10 @@ static MnsStatus look(Watch *watch, bool first, MnsError *error)
         json_object_update_new(object, output_info(status_reply->info));
         status = output_json(object, error);
     }
-    if (status_reply->state != MNS_STATE_EMPTY &&
+    /* Signals wait meanwhile, and while the run is loaded or comes back after a crash, so would this question: others come after silence. */
+    mns_client_set_timeout(watch->in->client,
+                           watch->deadline < command_clock() + patience_s ? time_left(watch) : patience_s);
+    if (status_reply->state != MNS_STATE_EMPTY && status_reply->state != MNS_STATE_RECOVERING &&
         mns_client_query_probes(watch->in->client, 0, NULL, &probes, NULL) == MNS_OK)
         screen_take_reply(&watch->screen, probes);
     mns_reply_free(probes);

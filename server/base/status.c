@@ -61,7 +61,7 @@ const char *mns_refusal_hint(int number)
 {
     switch (number) {
     case ENOENT:
-    case ENOTDIR: return "check the path; a directory that is to be there must be made first";
+    case ENOTDIR: return "check the path, each directory of which must be there";
     case EACCES:
     case EPERM: return "see whose it is, and choose a place that you may use";
     case EROFS: return "nothing can be written there; choose another place";

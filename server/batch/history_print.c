@@ -185,7 +185,7 @@ int history_print(const char *directory, bool verify, bool json)
     MnsError error = {.status = MNS_OK};
     History history;
     const MnsStatus status = history_read(directory, &history, &error);
-    const int code = !status ? MNS_EXIT_DONE : status == MNS_E_NOT_FOUND ? MNS_EXIT_FAILED : MNS_EXIT_IO;
+    const int code = status ? MNS_EXIT_IO : MNS_EXIT_DONE;
     if (status) fprintf(stderr, "%s: %s\n", log_program(), error.text);
     if (json) print_json(directory, &history, verify, &error, code);
     else if (!status || status == MNS_E_CORRUPT) {

@@ -92,7 +92,9 @@ static const char *hint_for(MnsStatus status)
 json_t *outcome_failure(const MnsError *error, int code)
 {
     if (!error->status) return json_null();
-    return failure(error->status, error->text, error->path, mns_status_hint(error->status), code);
+    /* A file that is not there is no name of a field or a probe. */
+    const MnsStatus kind = code == MNS_EXIT_IO && error->status == MNS_E_NOT_FOUND ? MNS_E_IO : error->status;
+    return failure(error->status, error->text, error->path, mns_status_hint(kind), code);
 }
 
 /* Why the run is not whole, as every command of `meniscus` says it; null if it is. */

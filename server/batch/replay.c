@@ -353,8 +353,9 @@ int replay_run(const char *directory, int threads, bool json)
     History history;
     Replay replay = {.directory = directory, .threads = threads, .limit = INFINITY};
     MnsStatus status = history_read(directory, &history, &error);
+    const bool unread = status != MNS_OK;
     if (!status) status = replay_all(&replay, &history, &error);
-    const bool files = status == MNS_E_CORRUPT || status == MNS_E_IO;
+    const bool files = unread || status == MNS_E_CORRUPT || status == MNS_E_IO;
     const int code = files ? MNS_EXIT_IO : status ? MNS_EXIT_FAILED : MNS_EXIT_DONE;
     if (status) fprintf(stderr, "%s: %s\n", log_program(), error.text);
     print(&replay, &error, code, json);

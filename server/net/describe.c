@@ -203,11 +203,13 @@ static void add_parameters(Meniscus__Capabilities *message, const Document *docu
     }
 }
 
-static void add_fields(Meniscus__Capabilities *message)
+/* Of those that there are in the case; 0: there is no case, and all are listed. */
+static void add_fields(Meniscus__Capabilities *message, uint64_t there)
 {
     const MnsFieldInfo *table = mns_fields();
     message->fields = pointers(MNS_MAX_FIELDS);
     for (size_t k = 0; message->fields && k < MNS_MAX_FIELDS && table[k].name; k++) {
+        if (there && !(there >> k & 1)) continue;
         Meniscus__Field *field = malloc(sizeof *field);
         if (!field) return;
         meniscus__field__init(field);
@@ -244,7 +246,7 @@ static void add_schemes(Meniscus__Capabilities *message)
     free(text);
 }
 
-Meniscus__Capabilities *describe_capabilities(const char *const *commands, const Document *document)
+Meniscus__Capabilities *describe_capabilities(const char *const *commands, const Document *document, uint64_t fields)
 {
     Meniscus__Capabilities *message = malloc(sizeof *message);
     if (!message) return NULL;
@@ -258,7 +260,7 @@ Meniscus__Capabilities *describe_capabilities(const char *const *commands, const
     if (*MENISCUS_COMMIT) message->commit = strdup(MENISCUS_COMMIT);
     add_texts(&message->commands, &message->n_commands, commands);
     add_parameters(message, document);
-    add_fields(message);
+    add_fields(message, fields);
     if (document) add_probes(message, document->c);
     add_schemes(message);
     add_texts(&message->topics, &message->n_topics, publisher_topics());

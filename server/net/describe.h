@@ -14,7 +14,7 @@ const char *describe_compiler(void);
 /* streams: may be NULL. NULL if there is no memory. */
 Meniscus__Status *describe_status(const RunStatus *status, const StreamTraffic *streams);
 
-/* commands: NULL-terminated; document: the present case, or NULL. NULL if there is no memory. */
-Meniscus__Capabilities *describe_capabilities(const char *const *commands, const Document *document);
+/* commands: NULL-terminated; document: the present case, or NULL; fields: that its simulation has, 0 without one. NULL if there is no memory. */
+Meniscus__Capabilities *describe_capabilities(const char *const *commands, const Document *document, uint64_t fields);
 
 #endif

@@ -48,8 +48,11 @@ void here_capabilities(Run *run, Exchange *x)
     MnsError error;
     const char *names[HANDLER_NAMES];
     Document *document = run_document(run);
+    RunStatus *status = malloc(sizeof *status);
+    if (status) run_status(run, status);
     handler_names(names);
-    x->reply->capabilities = describe_capabilities(names, document);
+    x->reply->capabilities = status ? describe_capabilities(names, document, status->fields) : NULL;
+    free(status);
     document_leave(document);
     if (x->reply->capabilities) x->reply->result_case = MENISCUS__REPLY__RESULT_CAPABILITIES;
     answer_now(run, x, x->reply->capabilities ? MNS_OK : mns_fail(&error, MNS_E_MEMORY, "no memory"), &error);

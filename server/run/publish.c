@@ -115,6 +115,7 @@ static void fill_case(const Run *run, RunStatus *status)
     status->particles = mns_sim_particles(run->sim);
     status->fluid_particles = mns_sim_fluid_particles(run->sim);
     status->bytes = mns_sim_bytes(run->sim);
+    status->fields = tap_fields_of(run->sim);
     breakpoints_list(run->breakpoints, status->breakpoints, &status->n_breakpoints);
     fill_scheduled(run, status);
     fill_numbers(run, status);

@@ -45,6 +45,7 @@ typedef struct RunStatus {
     MnsProgress progress;
     double end_time; /* [s] */
     size_t particles, fluid_particles, bytes;
+    uint64_t fields;                                    /* that a simulation of the case has, as in tap.h */
     uint64_t uncorrected;                               /* as mns_sim_uncorrected() */
     double steps_per_second, ns_per_particle_step, eta; /* [1/s], [ns], [s]; NAN: not known */
     double stepping, wall;                              /* wall-clock time in steps, and while RUNNING [s] */

@@ -68,11 +68,23 @@ types() {
     (cd "$BUILD/python" && mypy --config-file "$OLDPWD/client/python/pyproject.toml" --cache-dir .mypy_cache -p meniscus)
 }
 
+# What the manual shows is checked as its readers would.
+manual_types() {
+    rm -rf "$BUILD/python/shown" && mkdir -p "$BUILD/python/shown"
+    awk -v to="$BUILD/python/shown/block" \
+        '/^```python$/ { file = to (++n) ".py"; next } /^```$/ { file = "" } file { print > file }' client/python/README.md
+    (cd "$BUILD/python" && for block in shown/*.py; do
+        mypy --config-file "$OLDPWD/client/python/pyproject.toml" --allow-untyped-defs --allow-untyped-calls --check-untyped-defs \
+            --cache-dir .mypy_cache "$block" || exit 1
+    done)
+}
+
 check "every source names its licence" licensed
 check "layout of C (clang-format)" layout
 check "shell scripts (shellcheck)" shellcheck "${scripts[@]}"
 check "Python parses" python_compiles
 check "types of the Python client (mypy)" types
+check "types of what its manual shows (mypy)" manual_types
 # readdir is safe on a stream of its own, and readdir_r is deprecated. Uninitialised values are the compilers' to find:
 # cppcheck takes `c ? a : &b` for a use of b. That a condition reads an element before its limit is style, not an error.
 # It is kept from the tests, as it does not know that cmocka's skip() and fail() do not return.

@@ -188,6 +188,13 @@ class Commands(DaemonTest):
             done = self.meniscus(*words, code=74 if words[0] == "export" else 1)
             self.assertNotIn("capabilities", done.stderr, words)
 
+    def test_a_file_that_is_not_there_has_one_exit_code(self) -> None:
+        for words in (["export", "no.hdf", "--out", "x.csv"], ["render", "no.hdf", "--out", "x.png"], ["log", "no"], ["replay", "no", "--verify"]):
+            self.meniscus(*words, code=74)
+            object = json.loads(self.meniscus(*words, "-o", "json", code=74).stdout)
+            self.assertEqual(object["error"]["exit_code"], 74, words)
+            self.assertNotIn("capabilities", object["error"]["hint"], words)
+
     def test_a_name_that_is_not_there_is_answered_with_the_likeliest(self) -> None:
         self.load()
         for words in (["snapshot", "--fields", "presure"], ["query", "at", "presure", "0,0"], ["query", "box", "0,0", "1,1", "--fields", "presure"],
@@ -379,7 +386,7 @@ class Commands(DaemonTest):
         lost = str(self.home / "nowhere" / "x")
         for code, words in (
             (74, ["render", snapshot, "--field", "pressure", "--out", f"{lost}.png"]), (74, ["export", snapshot, "--out", f"{lost}.csv"]),
-            (74, ["init", f"{lost}.yaml"]), (74, ["stream", "snapshots", "--to", f"{lost}/y"]), (1, ["render", f"{lost}.hdf", "--out", "x.png"]),
+            (74, ["init", f"{lost}.yaml"]), (74, ["stream", "snapshots", "--to", f"{lost}/y"]), (74, ["render", f"{lost}.hdf", "--out", "x.png"]),
             (1, ["restore", "nosuch"]),
         ):  # fmt: skip
             error = self.meniscus(*words, code=code).stderr
@@ -505,7 +512,10 @@ class Commands(DaemonTest):
         self.load()
         capabilities = self.ask("capabilities")
         self.assertIn("gravity", [parameter["name"] for parameter in capabilities["parameters"]])
-        self.assertIn("pressure", [field["name"] for field in capabilities["fields"]])
+        fields = [field["name"] for field in capabilities["fields"]]
+        self.assertIn("pressure", fields)
+        refused = self.meniscus("stream", "fields", "nothing", "--count", "1", code=1).stderr
+        self.assertTrue(refused.strip().endswith("allowed: " + ", ".join(fields)), "what can be asked for is what is listed: " + refused)
         self.assertEqual(capabilities["topics"], ["event", "log", "progress", "probe"])
         self.assertTrue(all(parameter["takes_effect"] for parameter in capabilities["parameters"]))
         self.assertIn("riemann", [scheme["name"] for scheme in self.ask("schemes")["schemes"]])
@@ -725,7 +735,7 @@ class WithoutDaemon(unittest.TestCase):
     def test_whatever_fails_is_one_json_object_for_those_who_ask(self) -> None:
         self.assert_fails_as_json(69, "status", "-o", "json")
         self.assert_fails_as_json(69, "render", "--out", "x.png", "-o", "json")
-        self.assert_fails_as_json(1, "render", "nothing.hdf", "--out", "x.png", "-o", "json")
+        self.assert_fails_as_json(74, "render", "nothing.hdf", "--out", "x.png", "-o", "json")
         self.assert_fails_as_json(65, "run", "no-such-case", "-o", "json")
         self.assert_fails_as_json(65, "run", "dambreak2d", "--set", "foo=1", "-o", "json")
 
@@ -741,7 +751,7 @@ class WithoutDaemon(unittest.TestCase):
                 self.assert_fails_as_json(2, *words.split())
 
     def test_who_typed_meniscus_is_answered_by_it(self) -> None:
-        for words, code in ((["run", "nosuch"], 65), (["log", "/nonexistent"], 1), (["run", *SMALL, "--out", "/dev/null/x"], 74)):
+        for words, code in ((["run", "nosuch"], 65), (["log", "/nonexistent"], 74), (["run", *SMALL, "--out", "/dev/null/x"], 74)):
             done = self.run_cli(*words)
             self.assertEqual(done.returncode, code, done.stderr)
             self.assertTrue(done.stderr.startswith("meniscus: "), done.stderr)

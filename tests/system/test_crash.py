@@ -10,6 +10,7 @@ import json
 import os
 import random
 import secrets
+import signal
 import subprocess
 import sys
 import threading
@@ -205,6 +206,15 @@ class Crash(DaemonTest):
         status = self.ask("status")
         self.assertEqual((status["state"], status["step"]), ("PAUSED", steps))
         self.assertEqual(self.ask("get", "gravity")["values"]["gravity"]["value"], "[0, -2]")
+
+    def test_who_watches_on_the_way_back_is_told_and_can_leave(self) -> None:
+        self.come_back_slowly("watched")
+        with subprocess.Popen([BUILD / "meniscus", "watch"], env=self.environment, stdout=subprocess.PIPE, text=True) as watch:
+            assert watch.stdout
+            self.assertRegex(watch.stdout.readline(), r"^RECOVERING t = .* step \d+ ")
+            watch.send_signal(signal.SIGINT)
+            self.assertEqual(watch.wait(FAR_S / 2), -signal.SIGINT)
+        self.assertEqual(self.ask("status")["state"], "RECOVERING")
 
     def test_a_stop_on_the_way_back_is_done_at_once_and_for_good(self) -> None:
         steps = self.come_back_slowly("stopped-on-the-way")

@@ -195,7 +195,7 @@ class Journal(DaemonTest):
         self.assertTrue(self.replay(out)["agrees"])
 
     def test_a_directory_without_a_journal_is_said_so(self) -> None:
-        self.assertIn("no journal", self.meniscus("log", str(self.home), code=1).stderr)
+        self.assertIn("no journal", self.meniscus("log", str(self.home), code=74).stderr)
         self.assertIn("--verify", self.meniscus("replay", str(self.home), code=2).stderr)
 
 

@@ -199,6 +199,7 @@ class WithDaemon(DaemonTest):
 
     def test_one_particle_in_so_many_is_always_the_same(self) -> None:
         self.client.load("dambreak2d", {"resolution": 10})
+        self.assertEqual(set(self.client.particles("id")), {"id"}, "a name alone is a list of one")
         some = self.client.particles(["id"], every=4)["id"]
         self.assertTrue(180 < len(some) < 360, len(some))
         self.client.step(3)

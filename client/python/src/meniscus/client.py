@@ -25,6 +25,7 @@ from .values import Reply, Telemetry
 from .wishes import Cursor
 
 T = TypeVar("T")
+Itself = TypeVar("Itself", bound="Client")
 TOPICS = Listening.TOPICS
 
 
@@ -57,7 +58,7 @@ class Client:
         """Disconnect; what the daemon is doing goes on."""
         self._connection.close()
 
-    def __enter__(self) -> Client:
+    def __enter__(self: Itself) -> Itself:
         return self
 
     def __exit__(

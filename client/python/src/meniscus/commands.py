@@ -12,7 +12,7 @@ import getpass
 import inspect
 from dataclasses import dataclass
 from socket import gethostname
-from typing import TYPE_CHECKING, Any, Callable, Coroutine, Dict, Generic, List, Mapping, Optional, Sequence, TypeVar
+from typing import TYPE_CHECKING, Any, Callable, Coroutine, Dict, Generic, List, Mapping, Optional, Sequence, TypeVar, Union
 
 import numpy as np
 
@@ -156,7 +156,9 @@ def resume(if_step: Optional[int] = None) -> Command[Reply]:
 
 
 def step(count: int = 1, request_id: Optional[bytes] = None, if_step: Optional[int] = None) -> Command[Reply]:
-    """Do some time steps; returns when they are done, PAUSED. request_id: as for wait(), if_step: as for set()."""
+    """Do some time steps; returns when they are done, PAUSED. request_id: as for wait(), if_step: as for set(). ValueError: count is below 0."""
+    if count < 0:
+        raise ValueError(f"{count} steps: give how many are to be done, 0 or more")
     return Command(pb.Request(step=pb.Step(count=count), if_step=if_step), _reply, None, request_id)
 
 
@@ -196,11 +198,16 @@ def checkpoint(at_step: Optional[int] = None, at_time: Optional[float] = None) -
     return Command(pb.Request(checkpoint=pb.CheckpointNow(), at_step=at_step, at_time=at_time), _output)
 
 
+def _names(fields: Union[str, Sequence[str]]) -> Sequence[str]:
+    """A name alone is a list of one, not of letters."""
+    return [fields] if isinstance(fields, str) else fields
+
+
 def snapshot(
-    fields: Sequence[str] = (), at_step: Optional[int] = None, at_time: Optional[float] = None
+    fields: Union[str, Sequence[str]] = (), at_step: Optional[int] = None, at_time: Optional[float] = None
 ) -> Command[OutputFile]:
     """Write a snapshot now, with these fields or those of the case. at_step, at_time: as for checkpoint()."""
-    request = pb.Request(snapshot=pb.SnapshotNow(fields=fields), at_step=at_step, at_time=at_time)
+    request = pb.Request(snapshot=pb.SnapshotNow(fields=_names(fields)), at_step=at_step, at_time=at_time)
     return Command(request, _output)
 
 
@@ -328,7 +335,7 @@ def points(field: str, points: Any) -> Command[np.ndarray]:
 
 
 def particles(
-    fields: Sequence[str] = (),
+    fields: Union[str, Sequence[str]] = (),
     min: Optional[Sequence[float]] = None,
     max: Optional[Sequence[float]] = None,
     walls: bool = False,
@@ -337,10 +344,10 @@ def particles(
 ) -> Command[Dict[str, np.ndarray]]:
     """Particles of a box, or all: one array per field in SI units, the first index counts particles.
 
-    fields    names as in capabilities().fields; none: position
+    fields    names as in capabilities().fields, or one of them; none: position
     min, max  lower and upper corner of the box [m], as many coordinates as the case has dimensions
     limit     RESOURCE_EXHAUSTED if there are more; None: 100000
     every     about one in so many, by chance but always the same
     """
-    message = pb.ParticleQuery(min=min or (), max=max or (), fields=fields, walls=walls, limit=limit, every=every)
+    message = pb.ParticleQuery(min=min or (), max=max or (), fields=_names(fields), walls=walls, limit=limit, every=every)
     return Command(pb.Request(query=pb.Query(particles=message)), _arrays)

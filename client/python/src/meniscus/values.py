@@ -21,7 +21,7 @@ Frame = Union[bytes, memoryview]
 class Value:
     """A number or a text with its unit; None where there is nothing to measure."""
 
-    value: Union[float, str, None]
+    value: Any  # float, str or None: whoever names a probe knows that it is a number
     unit: str = ""
 
 
