@@ -23,7 +23,8 @@ const Command command_table[] = {
      .help = "run a case to its end without a daemon",
      .details =
          "CASE is a file, or the name of one of the cases that came along. Progress goes to standard error; at "
-         "the end the state, the probes and the files are listed. SIGTERM and Ctrl-C end the run with a "
+         "the end the state, the probes and the files are listed. SIGTERM, Ctrl-C and a terminal that closes end the "
+         "run with a "
          "checkpoint and exit code 75: the same command with --resume auto goes on from there to the last bit, "
          "with everything that was set: "
          "where the file says otherwise by then, only --set changes it. Without it a run in a directory that has "

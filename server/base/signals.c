@@ -9,6 +9,13 @@
 
 static const double INSISTENCE = 0.5; /* [s] after which a second signal is meant as one */
 
+/* nohup(1) has it ignored, so that the closing of the terminal changes nothing. */
+static bool is_ignored(int number)
+{
+    struct sigaction now;
+    return !sigaction(number, NULL, &now) && now.sa_handler == SIG_IGN;
+}
+
 void signals_catch(Signals *signals)
 {
     sigset_t set;
@@ -16,6 +23,7 @@ void signals_catch(Signals *signals)
     sigaddset(&set, SIGTERM);
     sigaddset(&set, SIGINT);
     sigaddset(&set, SIGUSR1);
+    if (!is_ignored(SIGHUP)) sigaddset(&set, SIGHUP);
     pthread_sigmask(SIG_BLOCK, &set, NULL);
     signal(SIGPIPE, SIG_IGN);
     *signals = (Signals){.fd = signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK)};

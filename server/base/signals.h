@@ -14,7 +14,7 @@ typedef struct Signals {
 typedef enum SignalWish {
     SIGNAL_NOTHING,    /* there was none, or the same again at once, as timeout(1) and others send each twice */
     SIGNAL_CHECKPOINT, /* SIGUSR1                                                                             */
-    SIGNAL_LEAVE,      /* SIGTERM or SIGINT                                                                   */
+    SIGNAL_LEAVE,      /* SIGTERM, SIGINT, or SIGHUP unless it is ignored                                     */
     SIGNAL_INSIST,     /* either again: whoever sent it will not wait for a checkpoint                        */
 } SignalWish;
 

@@ -6,7 +6,9 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <sys/wait.h>
 #include <time.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -55,6 +57,25 @@ static void later_it_is_meant(void **state)
     assert_int_equal(signals_take(*state), SIGNAL_INSIST);
 }
 
+static void a_terminal_that_closes_ends_it_unless_that_is_ignored(void **state)
+{
+    (void)state;
+    for (int ignored = 0; ignored < 2; ignored++) {
+        const pid_t child = fork();
+        if (child == 0) {
+            Signals signals;
+            signal(SIGHUP, ignored ? SIG_IGN : SIG_DFL);
+            signals_catch(&signals);
+            raise(SIGHUP);
+            _exit(signals_take(&signals) == (ignored ? SIGNAL_NOTHING : SIGNAL_LEAVE) ? 0 : 1);
+        }
+        int how = 1;
+        assert_true(child > 0);
+        assert_int_equal(waitpid(child, &how, 0), child);
+        assert_int_equal(how, 0);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -62,6 +83,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_checkpoint_can_be_asked_for_often, begin, end),
         cmocka_unit_test_setup_teardown(the_same_again_at_once_is_one_wish, begin, end),
         cmocka_unit_test_setup_teardown(later_it_is_meant, begin, end),
+        cmocka_unit_test(a_terminal_that_closes_ends_it_unless_that_is_ignored),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
