@@ -80,15 +80,35 @@ static void answer_subscribe(Streams *streams, Asked *asked, const Stream *strea
     answer(streams, asked, MNS_OK);
 }
 
+static bool is_from(const Stream *stream, const Asked *asked)
+{
+    return stream->identity_size == asked->size && !memcmp(stream->identity, asked->identity, asked->size);
+}
+
+/* One connection leaves room for others. */
+static MnsStatus check_share(const Streams *streams, Asked *asked)
+{
+    size_t n = 0;
+    for (const Stream *s = streams->first; s; s = s->next) n += is_from(s, asked);
+    if (n < STREAMS_EACH) return MNS_OK;
+    return mns_fail(
+        &asked->error, MNS_E_LIMIT,
+        "this connection has %d streams, and one has no more; end one, or take others over another connection",
+        STREAMS_EACH);
+}
+
 /* Who left without a word makes room for who comes. */
-static MnsStatus make_place(Streams *streams, MnsError *error)
+static MnsStatus make_place(Streams *streams, Asked *asked)
 {
     Stream *oldest = NULL;
+    const MnsStatus status = check_share(streams, asked);
+    if (status) return status;
     if (streams->n < STREAMS_MAX) return MNS_OK;
     for (Stream *s = streams->first; s; s = s->next)
         if (s->gone && (!oldest || s->moved < oldest->moved)) oldest = s;
     if (!oldest)
-        return mns_fail(error, MNS_E_LIMIT, "there are %d streams already; end one, or ask again later", STREAMS_MAX);
+        return mns_fail(&asked->error, MNS_E_LIMIT, "there are %d streams already; end one, or ask again later",
+                        STREAMS_MAX);
     streams_drop(streams, oldest, NULL);
     return MNS_OK;
 }
@@ -126,7 +146,7 @@ static MnsStatus subscribe(Streams *streams, Asked *asked, const Meniscus__Subsc
     streams_refresh(streams); /* who was just told of a load may ask before the news of it is here */
     MnsStatus status = subscribe_read(request, &streams->now, streams->limit, &stream->spec, error);
     stream->generation = streams->now.generation;
-    if (!status) status = make_place(streams, error);
+    if (!status) status = make_place(streams, asked);
     if (!status) status = join(streams, stream, request, error);
     if (status) {
         flight_leave(flight);
@@ -158,6 +178,8 @@ static MnsStatus resume(Streams *streams, Asked *asked, const Meniscus__ResumeSt
 {
     Stream *stream = streams_find(streams, request->stream, NULL, 0);
     if (!stream) return fail_unknown(asked);
+    const MnsStatus status = is_from(stream, asked) ? MNS_OK : check_share(streams, asked);
+    if (status) return status;
     const bool item = stream->item || stream->file.fd >= 0;
     const bool kept =
         item && request->has_sequence && subscription_resume(&stream->books, request->sequence, request->offset);

@@ -10,7 +10,8 @@
 #include "run/snapshots.h"
 #include <pthread.h>
 
-enum { STREAMS_MAX = 4096 };
+/* In all, and of one connection. */
+enum { STREAMS_MAX = 4096, STREAMS_EACH = 256 };
 
 struct Streams {
     StreamsOptions options;

@@ -258,6 +258,22 @@ class Streams(StreamTest):
         self.meniscus("step", "1")
         self.assertTrue(self.taker.quiet(0.3))
 
+    def test_one_connection_has_so_many_streams_and_others_find_room(self) -> None:
+        most = 256
+        self.addCleanup(self.taker.close)
+        for _ in range(most):
+            last = self.taker.subscribe(events=sb.EventStream()).stream
+        for _ in range(3):
+            refused = self.taker.ask(subscribe=sb.Subscribe(events=sb.EventStream()))
+            self.assertEqual((refused.code, refused.reason), (8, "limit reached"))
+            self.assertIn("this connection has 256 streams", refused.message)
+        other = self.new_taker()
+        moved = other.subscribe(events=sb.EventStream()).stream
+        self.assertEqual(self.taker.ask(resume=sb.ResumeStream(stream=moved)).code, 8)
+        self.assertEqual(self.taker.ask(resume=sb.ResumeStream(stream=last)).code, 0)
+        self.assertEqual(self.taker.ask(unsubscribe=sb.Unsubscribe(stream=last)).code, 0)
+        self.assertEqual(self.taker.ask(resume=sb.ResumeStream(stream=moved)).code, 0)
+
     def test_when_the_run_is_left_its_streams_are_over(self) -> None:
         self.taker.subscribe(fields=fields("position"), when=sb.When(every_steps=1), credit=PLENTY)
         self.meniscus("stop")
