@@ -16,6 +16,7 @@ enum { AT_ONCE = 256 };
 typedef struct Asked {
     uint8_t identity[STREAM_IDENTITY];
     size_t size;
+    int fd;
     Meniscus__StreamReply reply;
     MnsError error;
 } Asked;
@@ -157,6 +158,7 @@ static MnsStatus subscribe(Streams *streams, Asked *asked, const Meniscus__Subsc
     stream->flight = flight;
     memcpy(stream->identity, asked->identity, asked->size);
     stream->identity_size = asked->size;
+    stream->fd = asked->fd;
     stream->file.fd = -1;
     stream->window = stream_post_window(stream->spec.chunk);
     stream->cursor = stream->spec.from;
@@ -195,6 +197,7 @@ static MnsStatus resume(Streams *streams, Asked *asked, const Meniscus__ResumeSt
     }
     memcpy(stream->identity, asked->identity, asked->size);
     stream->identity_size = asked->size;
+    stream->fd = asked->fd;
     stream->gone = false;
     if (stream->first_due) streams_open_first(streams, stream);
     stream->first_due = false;
@@ -255,11 +258,11 @@ static MnsStatus serve(Streams *streams, Asked *asked, const Meniscus__StreamReq
 
 /* --- frames ------------------------------------------------------------------------------------------------------------- */
 
-void streams_take(Streams *streams, const uint8_t *identity, size_t identity_size, const void *data, size_t size,
-                  int parts)
+void streams_take(Streams *streams, const uint8_t *identity, size_t identity_size, int fd, const void *data,
+                  size_t size, int parts)
 {
     Meniscus__StreamRequest *request = NULL;
-    Asked asked = {.size = identity_size, .reply = MENISCUS__STREAM_REPLY__INIT};
+    Asked asked = {.size = identity_size, .fd = fd, .reply = MENISCUS__STREAM_REPLY__INIT};
     memcpy(asked.identity, identity, identity_size);
     asked.reply.id = request_id(data, size);
     asked.reply.has_id = asked.reply.id.len > 0;
@@ -292,8 +295,10 @@ static bool receive_one(Streams *streams)
         more = zmq_msg_more(to);
         if (parts) zmq_msg_close(&rest);
     }
+    streams_see_off(streams);
     if (parts && access_who(streams->options.access, &first, &who))
-        streams_take(streams, identity, (size_t)size, zmq_msg_data(&first), zmq_msg_size(&first), parts);
+        streams_take(streams, identity, (size_t)size, zmq_msg_get(&first, ZMQ_SRCFD), zmq_msg_data(&first),
+                     zmq_msg_size(&first), parts);
     zmq_msg_close(&first);
     return true;
 }

@@ -412,6 +412,21 @@ class Counted(StreamTest):
         counts: "dict[str, int]" = self.ask("status")["streams"]
         return counts
 
+    def test_who_is_not_there_has_nothing_skipped(self) -> None:
+        self.meniscus("load", *CASE)
+        gone = self.new_taker()
+        stream = gone.subscribe(fields=fields("position"), when=sb.When(every_steps=1)).stream
+        before = self.counts()["skipped"]
+        self.meniscus("step", "5")
+        self.assertEqual(self.counts()["skipped"], before + 4)
+        gone.close()
+        time.sleep(0.5)
+        self.meniscus("step", "20")
+        self.assertEqual(self.counts()["skipped"], before + 4)
+        self.assertEqual(self.taker.ask(resume=sb.ResumeStream(stream=stream, credit=PLENTY)).code, 0)
+        self.assertEqual(self.taker.item().head.skipped, 24)
+        self.assertEqual(self.counts()["skipped"], before + 24)  # it has come back
+
     def test_the_status_tells_how_many_there_are_and_what_they_cost(self) -> None:
         self.assertEqual(self.counts(), {"latest": 0, "lossless": 0, "memory_bytes": 0, "skipped": 0})
         self.assertNotIn("\nstreams ", self.meniscus("status").stdout)
