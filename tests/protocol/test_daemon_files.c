@@ -267,9 +267,31 @@ static void one_connection_wants_so_many_files_at_a_time(void **state)
     assert_int_equal(none, 0);
 }
 
+/* Whenever they come: a replay, and the way back after a crash, have them at other steps. */
+static void checkpoints_by_the_clock_come_and_change_no_bit(void **state)
+{
+    Dialogue *dialogue = *state;
+    static const char *const never[] = {"output.checkpoint_wall_interval=0", NULL},
+                             *const often[] = {"output.checkpoint_wall_interval=0.001", "output.checkpoints_kept=1000",
+                                               NULL};
+    char here[256];
+    steer_load_here(dialogue, never, here);
+    steer_accepted(steer_until(dialogue, 0.3));
+    const uint64_t hash = steer_hash(dialogue), step = steer_step_now(dialogue);
+    const int before = steer_count(here, "checkpoint-");
+    assert_int_equal(steer_code(dialogue, dialogue_stop()), MENISCUS__CODE__OK);
+    snprintf(here, sizeof here, "%s/state/dam.2", dialogue->home);
+    dialogue_load(dialogue, often);
+    steer_accepted(steer_until(dialogue, 0.3));
+    assert_true(steer_count(here, "checkpoint-") > before + 1);
+    steer_stands_at(dialogue, MENISCUS__STATE__PAUSED, step);
+    assert_true(steer_hash(dialogue) == hash);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(checkpoints_by_the_clock_come_and_change_no_bit, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(who_wants_many_files_keeps_nobody_else_waiting, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(one_connection_wants_so_many_files_at_a_time, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_diverged_state_becomes_no_checkpoint, steer_begin, steer_end),
