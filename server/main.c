@@ -34,6 +34,7 @@ enum {
     KEY_KEYS,
     KEY_HTTP,
     KEY_TOKEN,
+    KEY_PLAIN,
     KEY_STREAMS,
     KEY_LOAD,
     KEY_START,
@@ -55,6 +56,8 @@ static const struct argp_option arguments[] = {
      "Serve /metrics for Prometheus, /healthz and /readyz at this port of 127.0.0.1 or of another address", 1},
     {"http-token", KEY_TOKEN, "FILE", 0,
      "File with the word that requests of --http need; without it, this machine alone is served", 1},
+    {"http-plain", KEY_PLAIN, 0, 0,
+     "Let --http serve other machines: on the way there, all can be read, the word of --http-token too", 1},
     {"stream-memory", KEY_STREAMS, "MIB", 0, "Memory that streams of data may hold, in MiB (256)", 1},
     {"load", KEY_LOAD, "CASE", 0,
      "Load a case at the start: a file, or the name of one that came along; after a crash the same command line goes "
@@ -174,6 +177,7 @@ static void check(const Options *options, struct argp_state *state)
         argp_error(state, "--keys says where the keys of --listen are: give both");
     if (daemon->http.token_file && !daemon->http.address)
         argp_error(state, "--http-token is asked for by --http: give both");
+    if (daemon->http.plain && !daemon->http.address) argp_error(state, "--http-plain is for --http: give both");
     if (!batch->name && !daemon->load && (options->n_settings || options->resume || daemon->start))
         argp_error(state, "--set, --resume and --start need a case: --load or --batch");
 }
@@ -190,6 +194,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case KEY_HTTP: options->daemon.http.address = text; break;
     case KEY_STREAMS: options->daemon.stream_memory = memory_of(text, state); break;
     case KEY_TOKEN: options->daemon.http.token_file = text; break;
+    case KEY_PLAIN: options->daemon.http.plain = true; break;
     case KEY_LOAD: options->daemon.load = text; break;
     case KEY_START: options->daemon.start = true; break;
     case KEY_BATCH: options->batch.name = text; break;

@@ -22,6 +22,7 @@ static const char usage[] =
     "one "
     "is\n"
     "                              made, and is in the address that is printed\n"
+    "      --http-plain            serve other machines, though on the way there all can be read, the word too\n"
     "      --no-token              ask for none: whoever has an account on this machine can steer the run\n"
     "      --allow-host NAME       a name by which browsers call this machine, besides its own; may be repeated\n"
     "      --frames N              at most N pictures a second, for all browsers together; default 30\n"
@@ -33,7 +34,7 @@ typedef struct Options {
     double frames;
     ServerOptions server;
     char host[256]; /* of this machine */
-    bool has_token, no_token;
+    bool has_token, no_token, plain;
 } Options;
 
 static MnsStatus read_frames(const char *text, double *ret, MnsError *error)
@@ -61,6 +62,7 @@ static MnsStatus take(int letter, Options *options, MnsError *error)
     case 'p': return address_parse(optarg, &options->server.address, error);
     case 't': options->has_token = true; return token_read(optarg, &options->server.token, error);
     case 'n': options->no_token = true; return MNS_OK;
+    case 'c': options->plain = true; return MNS_OK;
     case 'a': return add_host(&options->server.guard, optarg, error);
     case 'f': return read_frames(optarg, &options->frames, error);
     default: return mns_fail(error, MNS_E_INVALID, "`meniscus-dashboard --help` lists the options");
@@ -75,21 +77,24 @@ static MnsStatus settle_token(Options *options, MnsError *error)
         return mns_fail_at(
             error, MNS_E_INVALID, "http",
             "other machines reach that address, so whoever knows it could steer the run: do without --no-token");
+    if (!options->plain && !options->server.address.loopback)
+        return mns_fail_at(error, MNS_E_INVALID, "http",
+                           "other machines reach that address, and HTTP is not encrypted: whoever reads the word on "
+                           "its way can steer the "
+                           "run. Use a port of 127.0.0.1 with a tunnel, or with a proxy that speaks TLS; or, where "
+                           "everybody on the network "
+                           "may, say --http-plain");
     return options->has_token || options->no_token ? MNS_OK : token_make(&options->server.token, error);
 }
 
 static MnsStatus read_options(int argc, char **argv, Options *options, MnsError *error)
 {
     static const struct option longs[] = {
-        {"daemon", required_argument, NULL, 'd'},
-        {"http", required_argument, NULL, 'p'},
-        {"http-token", required_argument, NULL, 't'},
-        {"no-token", no_argument, NULL, 'n'},
-        {"allow-host", required_argument, NULL, 'a'},
-        {"frames", required_argument, NULL, 'f'},
-        {"help", no_argument, NULL, 'h'},
-        {"version", no_argument, NULL, 'V'},
-        {0},
+        {"daemon", required_argument, NULL, 'd'},     {"http", required_argument, NULL, 'p'},
+        {"http-token", required_argument, NULL, 't'}, {"no-token", no_argument, NULL, 'n'},
+        {"http-plain", no_argument, NULL, 'c'},       {"allow-host", required_argument, NULL, 'a'},
+        {"frames", required_argument, NULL, 'f'},     {"help", no_argument, NULL, 'h'},
+        {"version", no_argument, NULL, 'V'},          {0},
     };
     MnsStatus status = address_parse("9465", &options->server.address, error);
     if (!gethostname(options->host, sizeof options->host - 1)) add_host(&options->server.guard, options->host, NULL);

@@ -139,6 +139,11 @@ MnsStatus call_status(Meniscus__Code code, const char *reason)
 
 static MnsStatus refusal(const Meniscus__Reply *reply, MnsError *error)
 {
+    if (!reply->has_code)
+        return mns_fail(
+            error, MNS_E_VERSION,
+            "the reply says neither that the command was done nor that it was refused; is it a meniscusd of "
+            "this version?");
     const MnsStatus status = call_status(reply->code, reply->reason);
     const char *message = reply->message && *reply->message ? reply->message : "the daemon refused without a reason";
     return mns_fail_at(error, status, reply->path ? reply->path : "", "%s", message);
@@ -167,8 +172,9 @@ static MnsStatus call_as(MnsClient *client, Meniscus__Request *request, uint8_t 
     seal(request, id, timeout);
     MnsStatus status = exchange(client, request, deadline, ret_reply, ret_frames, error);
     if (status != MNS_OK) return status;
-    status = (*ret_reply)->code == MENISCUS__CODE__OK ? check_arrays(*ret_reply, ret_frames, error)
-                                                      : refusal(*ret_reply, error);
+    const bool done =
+        (*ret_reply)->has_code && (*ret_reply)->code == MENISCUS__CODE__OK; /* OK is what is absent, too */
+    status = done ? check_arrays(*ret_reply, ret_frames, error) : refusal(*ret_reply, error);
     if (status == MNS_OK) return MNS_OK;
     meniscus__reply__free_unpacked(*ret_reply, NULL);
     frames_done(ret_frames);

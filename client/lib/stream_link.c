@@ -67,6 +67,12 @@ MnsStatus stream_grant(MnsStream *stream, uint64_t open, MnsError *error)
     return status;
 }
 
+/* A code that is absent reads as OK, and is none. */
+static bool accepts(const Meniscus__StreamReply *reply)
+{
+    return reply->has_code && reply->code == MENISCUS__CODE__OK;
+}
+
 /* Wait for the reply to a request of this id. *ret = NULL: the connection was made anew meanwhile. */
 static MnsStatus await(MnsStream *stream, const uint8_t id[MNS_REQUEST_ID_SIZE], double deadline,
                        Meniscus__StreamMessage **ret, MnsError *error)
@@ -86,8 +92,7 @@ static MnsStatus await(MnsStream *stream, const uint8_t id[MNS_REQUEST_ID_SIZE],
             return mns_fail(error, MNS_E_VERSION, "cannot read what %s sends; is it a meniscusd of this version?",
                             stream->wire.endpoint);
         /* Of a stream that is over, or an answer nobody waits for: what was begun for nobody is ended. */
-        if (reply && reply->code == MENISCUS__CODE__OK && reply->has_chunk_bytes)
-            stream_unsubscribe(stream, reply->stream);
+        if (reply && accepts(reply) && reply->has_chunk_bytes) stream_unsubscribe(stream, reply->stream);
         meniscus__stream_message__free_unpacked(*ret, NULL);
         if (wire_clock() > deadline)
             return mns_fail(error, MNS_E_TIMEOUT, "no answer from %s in time", stream->wire.endpoint);
@@ -116,6 +121,8 @@ static MnsStatus ask(MnsStream *stream, Meniscus__StreamRequest *request, double
 
 static MnsStatus refusal(const Meniscus__StreamReply *reply, MnsError *error)
 {
+    if (!reply->has_code)
+        return mns_fail(error, MNS_E_VERSION, "the reply says neither yes nor no; is it a meniscusd of this version?");
     const char *text = reply->message && *reply->message ? reply->message : "the daemon refused without a reason";
     return mns_fail_at(error, call_status(reply->code, reply->reason), reply->path ? reply->path : "", "%s", text);
 }
@@ -185,7 +192,7 @@ static MnsStatus subscribe(MnsStream *stream, double deadline, MnsError *error)
     stream->wish->from = NULL;
     if (status) return status;
     const Meniscus__StreamReply *reply = answer->reply;
-    if (reply->code != MENISCUS__CODE__OK) {
+    if (!accepts(reply)) {
         status = refusal(reply, error);
         meniscus__stream_message__free_unpacked(answer, NULL);
         const bool passes = status == MNS_E_UNAVAILABLE || status == MNS_E_LIMIT || status == MNS_E_STATE;
@@ -221,7 +228,7 @@ static MnsStatus resume(MnsStream *stream, double deadline, bool *ret, MnsError 
     const MnsStatus status = ask(stream, &request, deadline, &answer, error);
     if (status) return status;
     const Meniscus__StreamReply *reply = answer->reply;
-    *ret = reply->code == MENISCUS__CODE__OK;
+    *ret = accepts(reply);
     const bool same = reply->sequence == stream->sequence && reply->offset == stream->offset;
     if (*ret && !same) stream_drop_parts(stream);
     if (*ret) {
@@ -254,7 +261,7 @@ void stream_sign_off(MnsStream *stream, double deadline)
     uint64_t number = stream->attached || stream->asking ? stream->number : 0;
     if (stream->asking && !number) {
         await(stream, stream->asked, deadline, &answer, NULL);
-        if (answer && answer->reply->code == MENISCUS__CODE__OK) number = answer->reply->stream;
+        if (answer && accepts(answer->reply)) number = answer->reply->stream;
         if (answer) meniscus__stream_message__free_unpacked(answer, NULL);
     }
     if (number) stream_unsubscribe(stream, number);

@@ -12,6 +12,8 @@
 enum {
     REFUSALS =
         3, /* a tenth of a second apart: where nobody listens then, nobody is about to, as a daemon started just now is */
+    CUTS =
+        3, /* in a row: where handshakes end so often, it is for what we say, and not for who has just been started anew */
     RECONNECT_S = 5, /* to a daemon that was there: it may be restarted */
     HEARTBEAT_MS = 2000,
     HEARTBEAT_TIMEOUT_MS = 6000,
@@ -54,27 +56,44 @@ static bool watch_dealer(Wire *wire)
            zmq_connect(wire->monitor, address) == 0;
 }
 
-/* Take note of what the monitor has to say. @return the last event; 0 if there was none. */
-static int note_events(Wire *wire)
+/* Whoever cannot make sense of what we say ends the connection without a word, as does one that dies or is started anew at that moment: which it was is
+ * seen when ZeroMQ has tried again. */
+static void note_event(Wire *wire, int event)
+{
+    switch (event) {
+    case ZMQ_EVENT_HANDSHAKE_SUCCEEDED:
+        wire->connected = true;
+        wire->failed = wire->cut = wire->refusals = 0;
+        wire->was_cut = false;
+        wire->connections++;
+        break;
+    case ZMQ_EVENT_DISCONNECTED:
+        if (wire->connected) wire->lost_since = wire_clock();
+        wire->connected = false;
+        break;
+    case ZMQ_EVENT_CONNECT_RETRIED: /* also after a cut, which is no refusal */
+        wire->refusals += !wire->was_cut;
+        wire->was_cut = false;
+        break;
+    case ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL:
+        wire->was_cut = true;
+        if (++wire->cut >= CUTS && !wire->failed) wire->failed = event;
+        break;
+    default: /* refused */
+        if (wire->failed != ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) wire->failed = event;
+    }
+}
+
+/* Take note of what the monitor has to say. */
+static void note_events(Wire *wire)
 {
     uint16_t event = 0;
     char data[6], address[MNS_ENDPOINT_SIZE];
     while (zmq_recv(wire->monitor, data, sizeof data, ZMQ_DONTWAIT) >= 0) {
         zmq_recv(wire->monitor, address, sizeof address, 0);
         memcpy(&event, data, sizeof event);
-        if (event == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) {
-            wire->connected = true;
-            wire->failed = 0;
-            wire->connections++;
-        } else if (event == ZMQ_EVENT_DISCONNECTED && wire->connected) {
-            wire->connected = false;
-            wire->lost_since = wire_clock();
-        } else if (event & (ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
-                            ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL) &&
-                   wire->failed != ZMQ_EVENT_HANDSHAKE_FAILED_AUTH)
-            wire->failed = event;
+        note_event(wire, event);
     }
-    return event;
 }
 
 /* ZeroMQ does not try again after that. */
@@ -119,22 +138,30 @@ static void name_of(const char *endpoint, char ret[static 64])
     if (!strcmp(ret, "default")) *ret = 0;
 }
 
+static MnsStatus no_answer(const Wire *wire, MnsError *error)
+{
+    if (wire->cut)
+        return mns_fail(
+            error, MNS_E_UNAVAILABLE,
+            "the connection to %s was lost before it stood, and trying again did not help in time; who listens "
+            "there may be starting anew: try again",
+            wire->endpoint);
+    return mns_fail(error, MNS_E_UNAVAILABLE,
+                    "no answer from %s: who listens there hangs, or the network loses what is sent; see `meniscus ls` "
+                    "on its machine",
+                    wire->endpoint);
+}
+
 static MnsStatus await_connection(Wire *wire, double deadline, MnsError *error)
 {
     zmq_pollitem_t item = {.socket = wire->monitor, .events = ZMQ_POLLIN};
-    int refusals = 0;
-    while (!wire->connected && !wire->failed && refusals < REFUSALS && wire_clock() < deadline) {
+    while (!wire->connected && !wire->failed && wire->refusals < REFUSALS && wire_clock() < deadline) {
         zmq_poll(&item, 1, (long)fmax(1, 1e3 * (deadline - wire_clock())));
-        refusals += note_events(wire) == ZMQ_EVENT_CONNECT_RETRIED;
+        note_events(wire);
     }
     if (wire->connected) return MNS_OK;
     if (wire->failed) return is_denied(wire) ? deny(wire, error) : misunderstood(wire, error);
-    if (!refusals)
-        return mns_fail(
-            error, MNS_E_UNAVAILABLE,
-            "no answer from %s: who listens there hangs, or the network loses what is sent; see `meniscus ls` "
-            "on its machine",
-            wire->endpoint);
+    if (!wire->refusals || wire->cut) return no_answer(wire, error);
     char name[64];
     name_of(wire->endpoint, name);
     return mns_fail(error, MNS_E_UNAVAILABLE,

@@ -15,6 +15,9 @@ typedef struct Wire {
     bool connected;       /* the last the monitor said                                     */
     unsigned connections; /* how often a connection was made: more than before = reconnected */
     double lost_since;    /* monotonic time [s] at which it was lost                        */
+    int refusals;         /* how often nobody listened                                      */
+    int cut;              /* handshakes in a row that ended without a word                  */
+    bool was_cut;         /* the last attempt did                                           */
     int failed;           /* the event of a handshake that failed since; 0: none            */
     KeyPair keys;         /* empty: plain text                                              */
 } Wire;

@@ -162,12 +162,14 @@ static void *serve(void *arg)
 
 static MnsStatus check_reach(const Address *address, const HttpOptions *options, MnsError *error)
 {
-    if (address->loopback || options->token_file) return MNS_OK;
-    return mns_fail_at(
-        error, MNS_E_INVALID, "http",
-        "other machines reach %s, and so anybody there could look: use a port of 127.0.0.1 with a tunnel "
-        "or a proxy, or say with --http-token FILE what they must know",
-        options->address);
+    if (address->loopback || (options->token_file && options->plain)) return MNS_OK;
+    return mns_fail_at(error, MNS_E_INVALID, "http",
+                       "other machines reach %s, and HTTP is not encrypted: use a port of 127.0.0.1 with a tunnel, or "
+                       "with a proxy that "
+                       "speaks TLS; or, where everybody on the network may read it, say --http-plain, and with "
+                       "--http-token FILE what they "
+                       "must know",
+                       options->address);
 }
 
 static MnsStatus open_port(Http *http, const HttpOptions *options, MnsError *error)

@@ -20,6 +20,7 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
+#include <xxhash.h>
 #include <zmq.h>
 
 enum { AT_ONCE = 1024 }; /* frames taken before looking at anything else: a message may have any number */
@@ -439,6 +440,7 @@ static void take_request(Desk *desk, const Sender *from, const Who *who, Protobu
     exchange->streams = &desk->traffic.streams;
     exchange->order.lineage = lineage;
     exchange->order.begun = lineage != NULL;
+    exchange->order.from = sender.size ? XXH64(sender.identity, sender.size, 0) : 0;
     if (sender.size) exchange->senders[exchange->n_senders++] = sender;
     if (!begin(desk, exchange, &error)) return;
     refuse(desk, &sender, id, &error);

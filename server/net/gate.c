@@ -22,13 +22,20 @@ enum { FARS = 3, FAREWELL_MS = 1000 };
 /* One that ends soon after it began is started again after a while that doubles: [s]. */
 static const double SOON = 2, FIRST_WAIT = 0.05, LONGEST_WAIT = 1;
 
+/* One that is silent for so long hangs; it may take longer until the first word, as a program has to be loaded for that: [s]. */
+static const double SILENCE = 3, FIRST_SILENCE = 20;
+
 struct Gate {
     const Endpoint *at;
     int listening[FARS];
     pid_t pid; /* 0: there is none */
     int line;
     bool renewed; /* it was ended by us */
+    bool heard;   /* it has given a sign of life */
+    bool hangs;   /* it was ended for giving none */
     double began, due, wait;
+    double looked,
+        silence;         /* clock_now() at the last look; seconds without a sign, as far as we were there to hear one */
     GateNews news, past; /* of this one; of all before, in sums */
     uint64_t restarts;
 };
@@ -87,7 +94,9 @@ static void start(Gate *gate)
 {
     int line[2];
     int why = socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, line) ? errno : 0;
-    gate->began = clock_now();
+    gate->began = gate->looked = clock_now();
+    gate->heard = gate->hangs = false;
+    gate->silence = 0;
     if (!why) {
         why = spawn(gate, line[1]);
         close(line[1]);
@@ -144,10 +153,27 @@ static bool listen_to(Gate *gate)
     GateNews news;
     for (;;) {
         const ssize_t size = recv(gate->line, &news, sizeof news, 0);
-        if (size == sizeof news) gate->news = news;
-        else if (size == 0 || (size < 0 && errno != EAGAIN && errno != EINTR)) return false;
+        if (size == sizeof news) {
+            gate->news = news;
+            gate->heard = true;
+            gate->silence = 0;
+        } else if (size == 0 || (size < 0 && errno != EAGAIN && errno != EINTR)) return false;
         else if (size < 0) return true;
     }
+}
+
+/* Between two looks no more is counted than the time in which a sign is due: where the machine slept, or this process was stopped or got no processor,
+ * the gate may have been no better off. So one that hangs has let several looks pass. Its end is told by the line, as of any other, and waited for there. */
+static void mind_silence(Gate *gate)
+{
+    const double now = clock_now();
+    gate->silence += fmin(now - gate->looked, GATE_SIGN);
+    gate->looked = now;
+    if (gate->hangs || gate->silence < (gate->heard ? SILENCE : FIRST_SILENCE)) return;
+    gate->hangs = true;
+    log_line(LOG_WARNING, "the gate for those from afar hangs: it has given no sign of life for %.0f s, and is ended",
+             gate->silence);
+    kill(gate->pid, SIGKILL);
 }
 
 double gate_look(Gate *gate, Traffic *traffic)
@@ -155,11 +181,12 @@ double gate_look(Gate *gate, Traffic *traffic)
     if (!gate) return INFINITY;
     if (gate->pid && !listen_to(gate)) bury(gate);
     if (!gate->pid && clock_now() >= gate->due) start(gate);
+    if (gate->pid) mind_silence(gate);
     for (int k = 0; k < TRAFFIC_FAILURES; k++)
         traffic->gate_failures[k] = gate->past.failures[k] + gate->news.failures[k];
     traffic->shown_out = gate->past.shown_out + gate->news.shown_out;
     traffic->gate_restarts = gate->restarts;
-    return gate->due;
+    return gate->pid ? gate->looked + GATE_SIGN : gate->due;
 }
 
 int gate_line(const Gate *gate)

@@ -41,6 +41,9 @@ enum { GATE_LINE = 3, GATE_CONTROL, GATE_TELEMETRY, GATE_DATA, GATE_REST };
 /* Begins the word by which the daemon's telemetry socket learns that somebody subscribes from afar; the topic follows, as in a subscription. */
 enum { GATE_LISTENER = 2 };
 
+/* It says so this often at least, as a sign of life [s]. */
+#define GATE_SIGN 0.5
+
 /* What it says of itself, each time all of it. */
 typedef struct GateNews {
     uint64_t failures[TRAFFIC_FAILURES]; /* handshakes at the control socket, by why, since it began */

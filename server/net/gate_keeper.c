@@ -130,7 +130,8 @@ static bool turn_telemetry(Keeper *keeper)
 
 /* --- turns ---------------------------------------------------------------------------------------------------------------- */
 
-/* Not each by itself, as there may be thousands in a second. A line that is full will be empty, and the news are always of all. */
+/* Not each by itself, as there may be thousands in a second; without any, as a sign of life. A line that is full will be empty, and the news are always
+ * of all. */
 static void tell(Keeper *keeper, double now)
 {
     const Links *control = relay_links(keeper->control), *data = relay_links(keeper->data);
@@ -138,10 +139,11 @@ static void tell(Keeper *keeper, double now)
                      .shown_out = control->shown_out + data->shown_out + keeper->links.shown_out};
     memcpy(news.failures, control->failed, sizeof news.failures);
     keeper->news = memcmp(&news, &keeper->told, sizeof news) != 0;
-    if (!keeper->news || now < keeper->told_at + TELL) return;
+    if (now < keeper->told_at + (keeper->news ? TELL : GATE_SIGN)) return;
     keeper->told_at = now;
-    keeper->news = send(GATE_LINE, &news, sizeof news, MSG_DONTWAIT | MSG_NOSIGNAL) != sizeof news;
-    if (!keeper->news) keeper->told = news;
+    if (send(GATE_LINE, &news, sizeof news, MSG_DONTWAIT | MSG_NOSIGNAL) != sizeof news) return;
+    keeper->told = news;
+    keeper->news = false;
 }
 
 #ifndef MENISCUS_SANITIZED
@@ -182,13 +184,13 @@ static void watch(Keeper *keeper, double now)
 /* Milliseconds for which there is nothing to do, whatever comes. */
 static long patience(const Keeper *keeper, bool more)
 {
-    enum { SOON_MS = 20, NEVER = -1 };
+    enum { SOON_MS = 20 };
     const bool anybody =
         relay_links(keeper->control)->n || relay_links(keeper->data)->n || keeper->links.n || keeper->leaving;
     if (more) return 0;
     if (relay_is_busy(keeper->control) || relay_is_busy(keeper->data) || keeper->leaving || keeper->news)
         return SOON_MS;
-    return anybody ? (long)(1e3 * WATCH) : NEVER;
+    return (long)(1e3 * (anybody ? WATCH : GATE_SIGN));
 }
 
 /* Nothing is ever written to the line by the daemon: what can be read is its end. */

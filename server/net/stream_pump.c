@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#include <zmq.h>
 
 static const double GONE_FOR = 30;    /* [s] that a stream is kept for a resume when nobody is there */
 static const double PROBE_EVERY = 10; /* [s] without anything sent */
@@ -41,7 +42,7 @@ void streams_drop(Streams *streams, Stream *stream, const MnsError *why)
     if (why && !stream->gone)
         stream_post_end(&streams->post, stream, true, why->status, mns_status_name(why->status), why->text);
     stream_close_item(stream);
-    if (stream->channel) /* the newest, too */
+    if (stream->channel && !stream->gone) /* the newest, too */
         streams->options.traffic->skipped[stream->spec.kind] +=
             subscription_skips(&stream->books, stream->channel->due + 1, stream->channel->due);
     stream_item_leave(stream->head);
@@ -54,13 +55,14 @@ void streams_drop(Streams *streams, Stream *stream, const MnsError *why)
 
 /* --- what is new -------------------------------------------------------------------------------------------------------- */
 
-/* What has given way to newer items is counted then, as who takes none may never hear of it. */
+/* What has given way to newer items is counted then, as who takes none may never hear of it. Of who is not there nothing is, unless it comes back. */
 static void count_skips(Streams *streams, const Channel *channel)
 {
     const uint64_t newest = channel->newest ? channel->newest->number : 0;
     for (Stream *stream = channel->users; stream; stream = stream->beside)
-        streams->options.traffic->skipped[stream->spec.kind] +=
-            subscription_skips(&stream->books, newest, channel->due);
+        if (!stream->gone)
+            streams->options.traffic->skipped[stream->spec.kind] +=
+                subscription_skips(&stream->books, newest, channel->due);
 }
 
 static void refresh_events(Streams *streams, Channel *channel)
@@ -142,7 +144,7 @@ static void give_up(Streams *streams, Stream *stream)
     stream_close_item(stream);
 }
 
-/* Whoever left without a word is found out only by sending something, and without credit there is nothing to send. */
+/* Whoever left without a word, as a machine that is switched off, is found out only by sending something, and without credit there is nothing to send. */
 static StreamSent probe(Streams *streams, Stream *stream)
 {
     const double now = clock_now();
@@ -155,10 +157,24 @@ static StreamSent probe(Streams *streams, Stream *stream)
 static void leave_alone(Streams *streams, Stream *stream)
 {
     stream->gone = true;
+    stream->fd = -1;
     stream->moved = clock_now();
     stream->first_due = stream->first != NULL;
     if (stream->first) tap_close(run_tap(streams->options.run), stream->first);
     stream->first = NULL;
+}
+
+/* An event is two frames: its number and value, which is the descriptor, and the address. */
+void streams_see_off(Streams *streams)
+{
+    char data[sizeof(uint16_t) + sizeof(int32_t)], where[256];
+    int32_t fd;
+    while (streams->monitor && zmq_recv(streams->monitor, data, sizeof data, ZMQ_DONTWAIT) >= 0) {
+        zmq_recv(streams->monitor, where, sizeof where, 0);
+        memcpy(&fd, data + sizeof(uint16_t), sizeof fd);
+        for (Stream *s = streams->first; s; s = s->next)
+            if (!s->gone && s->fd == fd) leave_alone(streams, s);
+    }
 }
 
 static bool pump(Streams *streams, Stream *stream)

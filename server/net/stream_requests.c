@@ -16,6 +16,7 @@ enum { AT_ONCE = 256 };
 typedef struct Asked {
     uint8_t identity[STREAM_IDENTITY];
     size_t size;
+    int fd;
     Meniscus__StreamReply reply;
     MnsError error;
 } Asked;
@@ -80,15 +81,35 @@ static void answer_subscribe(Streams *streams, Asked *asked, const Stream *strea
     answer(streams, asked, MNS_OK);
 }
 
+static bool is_from(const Stream *stream, const Asked *asked)
+{
+    return stream->identity_size == asked->size && !memcmp(stream->identity, asked->identity, asked->size);
+}
+
+/* One connection leaves room for others. */
+static MnsStatus check_share(const Streams *streams, Asked *asked)
+{
+    size_t n = 0;
+    for (const Stream *s = streams->first; s; s = s->next) n += is_from(s, asked);
+    if (n < STREAMS_EACH) return MNS_OK;
+    return mns_fail(
+        &asked->error, MNS_E_LIMIT,
+        "this connection has %d streams, and one has no more; end one, or take others over another connection",
+        STREAMS_EACH);
+}
+
 /* Who left without a word makes room for who comes. */
-static MnsStatus make_place(Streams *streams, MnsError *error)
+static MnsStatus make_place(Streams *streams, Asked *asked)
 {
     Stream *oldest = NULL;
+    const MnsStatus status = check_share(streams, asked);
+    if (status) return status;
     if (streams->n < STREAMS_MAX) return MNS_OK;
     for (Stream *s = streams->first; s; s = s->next)
         if (s->gone && (!oldest || s->moved < oldest->moved)) oldest = s;
     if (!oldest)
-        return mns_fail(error, MNS_E_LIMIT, "there are %d streams already; end one, or ask again later", STREAMS_MAX);
+        return mns_fail(&asked->error, MNS_E_LIMIT, "there are %d streams already; end one, or ask again later",
+                        STREAMS_MAX);
     streams_drop(streams, oldest, NULL);
     return MNS_OK;
 }
@@ -126,7 +147,7 @@ static MnsStatus subscribe(Streams *streams, Asked *asked, const Meniscus__Subsc
     streams_refresh(streams); /* who was just told of a load may ask before the news of it is here */
     MnsStatus status = subscribe_read(request, &streams->now, streams->limit, &stream->spec, error);
     stream->generation = streams->now.generation;
-    if (!status) status = make_place(streams, error);
+    if (!status) status = make_place(streams, asked);
     if (!status) status = join(streams, stream, request, error);
     if (status) {
         flight_leave(flight);
@@ -137,6 +158,7 @@ static MnsStatus subscribe(Streams *streams, Asked *asked, const Meniscus__Subsc
     stream->flight = flight;
     memcpy(stream->identity, asked->identity, asked->size);
     stream->identity_size = asked->size;
+    stream->fd = asked->fd;
     stream->file.fd = -1;
     stream->window = stream_post_window(stream->spec.chunk);
     stream->cursor = stream->spec.from;
@@ -158,6 +180,8 @@ static MnsStatus resume(Streams *streams, Asked *asked, const Meniscus__ResumeSt
 {
     Stream *stream = streams_find(streams, request->stream, NULL, 0);
     if (!stream) return fail_unknown(asked);
+    const MnsStatus status = is_from(stream, asked) ? MNS_OK : check_share(streams, asked);
+    if (status) return status;
     const bool item = stream->item || stream->file.fd >= 0;
     const bool kept =
         item && request->has_sequence && subscription_resume(&stream->books, request->sequence, request->offset);
@@ -173,6 +197,7 @@ static MnsStatus resume(Streams *streams, Asked *asked, const Meniscus__ResumeSt
     }
     memcpy(stream->identity, asked->identity, asked->size);
     stream->identity_size = asked->size;
+    stream->fd = asked->fd;
     stream->gone = false;
     if (stream->first_due) streams_open_first(streams, stream);
     stream->first_due = false;
@@ -233,11 +258,11 @@ static MnsStatus serve(Streams *streams, Asked *asked, const Meniscus__StreamReq
 
 /* --- frames ------------------------------------------------------------------------------------------------------------- */
 
-void streams_take(Streams *streams, const uint8_t *identity, size_t identity_size, const void *data, size_t size,
-                  int parts)
+void streams_take(Streams *streams, const uint8_t *identity, size_t identity_size, int fd, const void *data,
+                  size_t size, int parts)
 {
     Meniscus__StreamRequest *request = NULL;
-    Asked asked = {.size = identity_size, .reply = MENISCUS__STREAM_REPLY__INIT};
+    Asked asked = {.size = identity_size, .fd = fd, .reply = MENISCUS__STREAM_REPLY__INIT};
     memcpy(asked.identity, identity, identity_size);
     asked.reply.id = request_id(data, size);
     asked.reply.has_id = asked.reply.id.len > 0;
@@ -270,8 +295,10 @@ static bool receive_one(Streams *streams)
         more = zmq_msg_more(to);
         if (parts) zmq_msg_close(&rest);
     }
+    streams_see_off(streams);
     if (parts && access_who(streams->options.access, &first, &who))
-        streams_take(streams, identity, (size_t)size, zmq_msg_data(&first), zmq_msg_size(&first), parts);
+        streams_take(streams, identity, (size_t)size, zmq_msg_get(&first, ZMQ_SRCFD), zmq_msg_data(&first),
+                     zmq_msg_size(&first), parts);
     zmq_msg_close(&first);
     return true;
 }

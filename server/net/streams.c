@@ -23,6 +23,28 @@ static MnsStatus bind_one(void *socket, const char *address, MnsError *error)
     return mns_fail(error, MNS_E_IO, "cannot listen at %s: %s", address, zmq_strerror(zmq_errno()));
 }
 
+/* Any number of ends may wait to be noted: none is told twice. */
+static MnsStatus watch_socket(Streams *streams, MnsError *error)
+{
+    static const char address[] = "inproc://takers";
+    void *monitor = streams->monitor = zmq_socket(streams->options.context, ZMQ_PAIR);
+    if (monitor) set(monitor, ZMQ_LINGER, 0);
+    if (monitor) set(monitor, ZMQ_RCVHWM, 0);
+    if (monitor && !zmq_socket_monitor(streams->socket, address, ZMQ_EVENT_DISCONNECTED) &&
+        !zmq_connect(monitor, address))
+        return MNS_OK;
+    return mns_fail(error, MNS_E_MEMORY, "cannot watch the data socket: %s", zmq_strerror(zmq_errno()));
+}
+
+static void close_sockets(Streams *streams, int linger)
+{
+    if (streams->monitor) zmq_socket_monitor(streams->socket, NULL, 0);
+    if (streams->monitor) zmq_close(streams->monitor);
+    if (!streams->socket) return;
+    set(streams->socket, ZMQ_LINGER, linger);
+    zmq_close(streams->socket);
+}
+
 /* The queues of ZeroMQ count messages; bytes are counted by stream_post.c, and so few messages are under way. */
 static MnsStatus open_socket(Streams *streams, MnsError *error)
 {
@@ -31,6 +53,8 @@ static MnsStatus open_socket(Streams *streams, MnsError *error)
     const int64_t largest = REQUEST_MOST;
     void *socket = streams->socket = zmq_socket(options->context, ZMQ_ROUTER);
     if (!socket) return mns_fail(error, MNS_E_MEMORY, "cannot make the data socket: %s", zmq_strerror(zmq_errno()));
+    const MnsStatus watched = watch_socket(streams, error);
+    if (watched) return watched;
     set(socket, ZMQ_LINGER, 0);
     set(socket, ZMQ_HEARTBEAT_IVL, 2000);
     set(socket, ZMQ_HEARTBEAT_TIMEOUT, 6000);
@@ -62,8 +86,9 @@ static void wait_for_news(Streams *streams, bool busy)
     zmq_pollitem_t items[] = {{.socket = streams->socket, .events = ZMQ_POLLIN},
                               {.fd = streams->wake, .events = ZMQ_POLLIN},
                               {.fd = streams->post.wake, .events = ZMQ_POLLIN},
-                              {.fd = tap_wake(run_tap(streams->options.run)), .events = ZMQ_POLLIN}};
-    zmq_poll(items, 4, busy ? 0 : TICK_MS);
+                              {.fd = tap_wake(run_tap(streams->options.run)), .events = ZMQ_POLLIN},
+                              {.socket = streams->monitor, .events = ZMQ_POLLIN}};
+    zmq_poll(items, 5, busy ? 0 : TICK_MS);
 }
 
 static void note_traffic(Streams *streams)
@@ -84,6 +109,7 @@ static void *streams_thread(void *arg)
     while (!streams->leaving) {
         wait_for_news(streams, busy);
         look_around(streams);
+        streams_see_off(streams);
         streams_receive(streams);
         streams_refresh(streams);
         busy = true;
@@ -119,7 +145,7 @@ MnsStatus streams_new(const StreamsOptions *options, Streams **ret, MnsError *er
         *ret = streams;
         return MNS_OK;
     }
-    if (streams->socket) zmq_close(streams->socket);
+    close_sockets(streams, 0);
     streams_free(streams);
     return status;
 }
@@ -130,8 +156,7 @@ void streams_stop(Streams *streams)
     streams->leaving = true;
     eventfd_write(streams->wake, 1);
     pthread_join(streams->thread, NULL);
-    set(streams->socket, ZMQ_LINGER, FAREWELL_MS);
-    zmq_close(streams->socket);
+    close_sockets(streams, FAREWELL_MS);
 }
 
 void streams_free(Streams *streams)

@@ -10,12 +10,13 @@
 #include "run/snapshots.h"
 #include <pthread.h>
 
-enum { STREAMS_MAX = 4096 };
+/* In all, and of one connection. */
+enum { STREAMS_MAX = 4096, STREAMS_EACH = 256 };
 
 struct Streams {
     StreamsOptions options;
     pthread_t thread;
-    void *socket;
+    void *socket, *monitor;
     int wake; /* eventfd: something below is to be looked at */
     _Atomic bool leaving;
 
@@ -38,9 +39,13 @@ struct Streams {
 /* stream_requests.c: take what has come, at most a few; false if there was nothing. */
 bool streams_receive(Streams *streams);
 
-/* stream_requests.c: a message of so many parts, of which this is the first, from somebody who was let in; identity_size <= STREAM_IDENTITY. */
-void streams_take(Streams *streams, const uint8_t *identity, size_t identity_size, const void *data, size_t size,
-                  int parts);
+/* stream_requests.c: a message of so many parts, of which this is the first, from somebody who was let in; identity_size <= STREAM_IDENTITY.
+ *  fd  of the connection; -1: not known */
+void streams_take(Streams *streams, const uint8_t *identity, size_t identity_size, int fd, const void *data,
+                  size_t size, int parts);
+
+/* stream_pump.c: take note of connections that have ended. Before a message is taken: its descriptor may have been another's. */
+void streams_see_off(Streams *streams);
 
 /* stream_pump.c: another case, new shots and events; then a message of each stream that may have one, false if there was none. */
 void streams_refresh(Streams *streams);

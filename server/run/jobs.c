@@ -75,6 +75,7 @@ static MnsStatus save_checkpoint(const FileJob *job, char ret_path[static 4096],
     const double began = clock_now();
     const MnsStatus status = checkpoint_write(job->directory, job->capture, &meta, document->blob, document->size,
                                               document->c->output.checkpoints_kept, ret_path, error);
+    job->outputs->checkpoint_seconds = clock_now() - began;
     return tally(&job->outputs->checkpoints, began, status);
 }
 

@@ -1,10 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Orders on their way to the runner: two lists, so that pause, stop and cancel overtake everything queued but the load that a daemon begins with. */
+/* Orders on their way to the runner: two lists, so that pause, stop and cancel overtake everything queued but the load that a daemon begins with. In the plain
+ * one connections take turns. */
 #include "run/mailbox.h"
 
 #include <math.h>
 #include <string.h>
 #include <time.h>
+
+/* A file takes a whole turn of its connection, as do so many other orders. */
+enum { TURN = 64 };
 
 void mailbox_init(Mailbox *box, size_t limit)
 {
@@ -30,42 +34,86 @@ static void append(Order **list, Order *order)
     *list = order;
 }
 
+/* Behind all whose turn is the same or earlier: whoever has nothing waiting has its turn now, and what a connection sends beyond that comes after what
+ * it takes to do the rest of it. So they stay in the order in which they came but where somebody wants many at once. */
+static void line_up(Mailbox *box, Order *order)
+{
+    Order **place = &box->plain;
+    order->turn = box->turn;
+    order->heads = true;
+    for (const Order *before = box->plain; before; before = before->next) {
+        const uint64_t after = before->turn + (before->writes ? TURN : 1);
+        if (before->from != order->from) continue;
+        order->heads = false;
+        if (order->turn < after) order->turn = after;
+    }
+    while (*place && (*place)->turn / TURN <= order->turn / TURN) place = &(*place)->next;
+    order->next = *place;
+    *place = order;
+}
+
+static bool wants_too_much(const Mailbox *box, const Order *order)
+{
+    size_t n = 0;
+    for (const Order *other = box->plain; order->writes && other; other = other->next)
+        n += other->writes && other->from == order->from;
+    return n >= MAILBOX_FILES;
+}
+
 MnsStatus mailbox_post(Mailbox *box, Order *order, MnsError *error)
 {
     pthread_mutex_lock(&box->lock);
+    const bool greedy = wants_too_much(box, order);
     const bool crowded = order->looks && !order->urgent && box->looking >= box->limit / 2;
-    const bool full = crowded || box->n >= (order->urgent ? 2 * box->limit : box->limit);
+    const bool full = crowded || greedy || box->n >= (order->urgent ? 2 * box->limit : box->limit);
     if (!full) {
         box->looking += order->looks;
         order->number = ++box->posted;
-        append(order->urgent ? &box->urgent : &box->plain, order);
+        if (order->urgent) append(&box->urgent, order);
+        else line_up(box, order);
         box->n++;
         pthread_cond_signal(&box->filled);
     }
     pthread_mutex_unlock(&box->lock);
     if (!full) return MNS_OK;
+    if (greedy)
+        return mns_fail(
+            error, MNS_E_LIMIT,
+            "%d commands of this connection that write a file are waiting already; wait for an answer, then "
+            "send this one again",
+            MAILBOX_FILES);
     return mns_fail(error, MNS_E_LIMIT, "%zu %s are waiting already; send this one again later",
                     crowded ? box->limit / 2 : box->limit, crowded ? "questions" : "commands");
 }
 
-/* With the lock held. */
-static Order *first(Mailbox *box)
+/* Out of its list, with the lock held. Of the plain ones the next of the same connection becomes its first, which is behind it. */
+static Order *take(Mailbox *box, Order **list)
 {
-    const bool led = box->plain && box->plain->leads;
-    Order **list = box->urgent && !led ? &box->urgent : &box->plain, *order = *list;
-    if (!order) return NULL;
-    *list = order->next;
+    Order *order = *list, *next = order->next;
+    *list = next;
     box->n--;
     box->looking -= order->looks;
+    while (order->heads && next && next->from != order->from) next = next->next;
+    if (order->heads && next) next->heads = true;
     return order;
+}
+
+/* With the lock held: the first, but none that must wait, and of its connection none then. NULL if there is none. */
+static Order *first(Mailbox *box, bool looks, bool writes)
+{
+    Order **list = &box->plain;
+    if (box->urgent && !(box->plain && box->plain->leads)) return take(box, &box->urgent);
+    while (*list && (!(*list)->heads || (looks && (*list)->looks) || (writes && (*list)->writes)))
+        list = &(*list)->next;
+    if (!*list) return NULL;
+    box->turn = (*list)->turn;
+    return take(box, list);
 }
 
 Order *mailbox_take_but(Mailbox *box, bool looks, bool writes)
 {
     pthread_mutex_lock(&box->lock);
-    const Order *plain = box->plain;
-    const bool waits = plain && ((looks && plain->looks) || (writes && plain->writes));
-    Order *order = box->urgent || !waits ? first(box) : NULL;
+    Order *order = first(box, looks, writes);
     pthread_mutex_unlock(&box->lock);
     return order;
 }
@@ -79,7 +127,7 @@ Order *mailbox_take(Mailbox *box, double until)
     while (!box->urgent && !box->plain && !box->woken && !waited && until > 0)
         waited = pthread_cond_timedwait(&box->filled, &box->lock, &moment);
     box->woken = false;
-    Order *order = first(box);
+    Order *order = first(box, false, false);
     pthread_mutex_unlock(&box->lock);
     return order;
 }
@@ -121,24 +169,17 @@ static bool is_motion(const Order *order, const void *arg)
     return order->motion && order->number < *(const uint64_t *)arg;
 }
 
-static Order *unlink_first(Order **list, bool (*is)(const Order *, const void *), const void *arg)
+static Order *take_first(Mailbox *box, Order **list, bool (*is)(const Order *, const void *), const void *arg)
 {
-    for (; *list; list = &(*list)->next) {
-        Order *order = *list;
-        if (!is(order, arg)) continue;
-        *list = order->next;
-        return order;
-    }
-    return NULL;
+    while (*list && !is(*list, arg)) list = &(*list)->next;
+    return *list ? take(box, list) : NULL;
 }
 
 static Order *remove_first(Mailbox *box, bool (*is)(const Order *, const void *), const void *arg)
 {
     pthread_mutex_lock(&box->lock);
-    Order *order = unlink_first(&box->plain, is, arg);
-    if (!order) order = unlink_first(&box->urgent, is, arg);
-    if (order) box->n--;
-    if (order) box->looking -= order->looks;
+    Order *order = take_first(box, &box->plain, is, arg);
+    if (!order) order = take_first(box, &box->urgent, is, arg);
     pthread_mutex_unlock(&box->lock);
     return order;
 }

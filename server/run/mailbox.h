@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Orders on their way to the runner: a bounded queue that says "full" rather than grow. Any thread may post, one takes. */
+/* Orders on their way to the runner: a bounded queue that says "full" rather than grow. Any thread may post, one takes. Those of one connection come
+ * out in the order in which they went in; connections take turns, so that nobody waits for all that another wants. */
 #ifndef RUN_MAILBOX_H
 #define RUN_MAILBOX_H
 
@@ -16,7 +17,11 @@ typedef struct Mailbox {
     size_t limit;
     bool woken; /* whoever waits for an order is to look around first */
     uint64_t posted;
+    uint64_t turn; /* of the order that was taken last */
 } Mailbox;
+
+/* Of orders that write a file, how many of one connection may wait. */
+enum { MAILBOX_FILES = 64 };
 
 /* limit: how many plain orders it holds, half of them such that only look; urgent ones always find room for as many again. */
 void mailbox_init(Mailbox *box, size_t limit);
@@ -24,13 +29,14 @@ void mailbox_init(Mailbox *box, size_t limit);
 /* Orders still inside are the caller's business: take them first. */
 void mailbox_done(Mailbox *box);
 
-/* MNS_OK; MNS_E_LIMIT if it is full, and the order stays the caller's. */
+/* MNS_OK; MNS_E_LIMIT if it is full, or has too many files for this connection, and the order stays the caller's. */
 MnsStatus mailbox_post(Mailbox *box, Order *order, MnsError *error);
 
 /* The next order, urgent ones first unless one leads; waits for one until the moment `until` (clock_now()). NULL if there is none. */
 Order *mailbox_take(Mailbox *box, double until);
 
-/* The next order at once, as above, but none that only looks, or that writes a file, or neither: then, or if there is none, NULL. */
+/* The next order at once, as above, but none that only looks, or that writes a file, or neither; what came after such a one over the same connection waits
+ * with it. NULL if there is none. */
 Order *mailbox_take_but(Mailbox *box, bool looks, bool writes);
 
 /* Whoever waits for an order, now or the next time, gets NULL at once: there is something else to see to. */

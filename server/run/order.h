@@ -50,7 +50,10 @@ typedef struct Order {
 
     uint8_t id[ORDER_ID];
     Who who;
+    uint64_t from;   /* the connection that it came over: those of one keep their order; 0: it is our own */
     uint64_t number; /* rises in the order of posting                                        */
+    uint64_t turn;   /* of its connection, see run/mailbox.c                                 */
+    bool heads;      /* it is the first of its connection that waits                         */
     bool urgent;     /* overtakes all that are not                                           */
     bool leads;      /* nothing overtakes it: what comes after the start is for the run that it brings  */
     bool looks;      /* changes nothing, writes nothing: may be kept waiting by what does, and by steps */

@@ -107,6 +107,8 @@ static void take_over(Outputs *outputs, const Opening *opening, Document *docume
     outputs->before = (OutputTimes){before, before, before};
     outputs->at_checkpoint = goes_on ? progress.step : UINT64_MAX;
     outputs->wall_checkpoint = outputs->wall_flush = clock_now();
+    outputs->capture_seconds = 0;
+    outputs->checkpoint_seconds = 0;
     outputs->rows_wait = true;
 }
 
@@ -278,8 +280,10 @@ MnsStatus outputs_settle(Outputs *outputs, MnsError *error)
 MnsStatus outputs_checkpoint(Outputs *outputs, const MnsSim *sim, Document *document, Order *order, MnsError *error)
 {
     MnsCapture *capture;
+    const double began = clock_now();
     MnsStatus status = capture_fields(outputs, sim, mns_sim_state_fields(sim), &capture, error);
     if (status) return status;
+    outputs->capture_seconds = clock_now() - began;
     const uint64_t step = capture->progress.step;
     if (outputs->rows_wait) /* a restart needs the samples up to the checkpoint */
         status = outputs_flush(outputs, error);
@@ -310,7 +314,8 @@ MnsStatus outputs_snapshot(Outputs *outputs, const MnsSim *sim, Document *docume
 
 static bool checkpoint_due(const Outputs *outputs, const MnsOutput *output, double t)
 {
-    const double wall = output->checkpoint_wall_interval;
+    const double wall =
+        schedule_checkpoint(output->checkpoint_wall_interval, outputs->capture_seconds + outputs->checkpoint_seconds);
     if (wall > 0 && clock_now() - outputs->wall_checkpoint >= wall) return true;
     return schedule_due(output->checkpoint_interval, outputs->before.checkpoint, t);
 }

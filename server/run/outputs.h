@@ -52,10 +52,12 @@ typedef struct Outputs {
     _Atomic(MnsCapture *) spare; /* the last one that was written, for its room; NULL: none */
     bool series_lost;            /* outputs_open() found no samples from before, and should have  */
     OutputTimes before;
-    double wall_checkpoint; /* clock_now() of the last one; of the beginning if there is none   */
-    double wall_flush;      /* the same for the series                                          */
-    bool rows_wait;         /* there are some since then, or it has changed otherwise */
-    uint64_t at_checkpoint; /* step of the last one; UINT64_MAX: none                           */
+    double wall_checkpoint;            /* clock_now() of the last one; of the beginning if there is none   */
+    double wall_flush;                 /* the same for the series                                          */
+    bool rows_wait;                    /* there are some since then, or it has changed otherwise */
+    uint64_t at_checkpoint;            /* step of the last one; UINT64_MAX: none                           */
+    double capture_seconds;            /* that copying the state for it took                               */
+    _Atomic double checkpoint_seconds; /* that writing it took; the writer's to set             */
 
     Sample sample;
     MnsTimer timers[OUTPUTS_TIMERS]; /* since outputs_open() */

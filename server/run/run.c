@@ -135,6 +135,8 @@ static void serve_some(Run *run)
         if (!order) break;
         const bool looks = order->looks;
         const double began = clock_now();
+        const bool waits = order->writes && run->state != RUN_RUNNING; /* for the file */
+        if (waits && has_to_tell(run)) run_commit(run);
         serve(run, order);
         if (looks) looked += clock_now() - began;
         keep_appointments(run);

@@ -5,6 +5,7 @@
 #include <math.h>
 
 static const double FLUSH_INTERVAL = 10, FOLLOWED_INTERVAL = 1, FLUSH_SHARE = 0.05;
+static const double CHECKPOINT_SHARE = 0.01, RARER = 10;
 
 /* Largest k with k * interval <= t, but for rounding: 0.3, as people write it, is less than 3 * 0.1, and counts as there. */
 static double ticks(double interval, double t)
@@ -27,4 +28,9 @@ bool schedule_due(double interval, double before, double t)
 double schedule_flush(double seconds, bool followed)
 {
     return fmax(followed ? FOLLOWED_INTERVAL : FLUSH_INTERVAL, seconds / FLUSH_SHARE);
+}
+
+double schedule_checkpoint(double interval, double seconds)
+{
+    return fmin(fmax(interval, seconds / CHECKPOINT_SHARE), RARER * interval);
 }

@@ -15,4 +15,8 @@ bool schedule_due(double interval, double before, double t);
  * then takes 5 % of its writer's time at most, however long the run. followed: somebody waits for what is new in it. */
 double schedule_flush(double seconds, bool followed);
 
+/* How long to wait at least [s] before a checkpoint by the clock, of this interval, where the last one took so many seconds: they take 1 % of the time at
+ * most, unless that would make them ten times rarer. */
+double schedule_checkpoint(double interval, double seconds);
+
 #endif

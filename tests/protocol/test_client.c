@@ -30,6 +30,7 @@ typedef struct Fixture {
     bool damage; /* the array's checksum is wrong */
     bool forget_array;
     uint64_t shape[2]; /* of the array */
+    bool no_code;      /* the reply has none */
     bool restart;      /* the daemon that comes back is another one */
 } Fixture;
 
@@ -73,6 +74,7 @@ static void handle(void *arg, const Meniscus__Request *request, FakeAnswer *answ
     }
     fixture->deadline_ms = request->deadline_ms;
     answer->reply->code = fixture->code;
+    answer->reply->has_code = !fixture->no_code;
     answer->reply->path = fixture->path;
     answer->reply->reason = fixture->reason;
     answer->reply->message = fixture->code == MENISCUS__CODE__OK ? "" : "no, because";
@@ -187,6 +189,20 @@ static void a_code_nobody_knows_is_a_failure(void **state)
     fixture->code = (Meniscus__Code)1;
     settle(fixture);
     assert_int_equal(mns_client_pause(fixture->client, NULL, NULL), MNS_E_INTERNAL);
+}
+
+/* Protobuf reads as OK what is not there. */
+static void a_reply_without_a_code_is_no_success(void **state)
+{
+    Fixture *fixture = *state;
+    MnsError error;
+    fixture->no_code = true;
+    fixture->manners[1] = FAKE_EMPTY;
+    settle(fixture);
+    assert_int_equal(mns_client_pause(fixture->client, NULL, &error), MNS_E_VERSION);
+    assert_non_null(strstr(error.text, "neither"));
+    mns_client_set_timeout(fixture->client, 0.25);
+    assert_int_equal(mns_client_pause(fixture->client, NULL, NULL), MNS_E_TIMEOUT);
 }
 
 static void the_reason_is_more_exact_than_the_code(void **state)
@@ -446,6 +462,7 @@ int main(void)
         TEST(a_condition_goes_with_one_command),
         TEST(codes_become_statuses_with_sentence_and_path),
         TEST(a_code_nobody_knows_is_a_failure),
+        TEST(a_reply_without_a_code_is_no_success),
         TEST(the_reason_is_more_exact_than_the_code),
         TEST(a_lost_connection_repeats_the_request_under_the_same_id),
         TEST(a_restarted_daemon_is_given_the_command_again_under_its_id),

@@ -214,6 +214,38 @@ static void nobody_who_is_refused_has_a_reply_forgotten(void **state)
     steer_stands_at(dialogue, MENISCUS__STATE__PAUSED, 1);
 }
 
+/* A wait for the state that it is in, and questions that are refused. */
+static void ask_in_vain(Dialogue *dialogue, int k)
+{
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__Wait wait = MENISCUS__WAIT__INIT;
+    Meniscus__State ready = MENISCUS__STATE__READY;
+    wait.n_states = k % 2 ? 1 : 0;
+    wait.states = &ready;
+    request.command_case = MENISCUS__REQUEST__COMMAND_WAIT;
+    request.wait = &wait;
+    if (k % 3 == 0) request = dialogue_status();
+    assert_int_equal(dialogue_code(dialogue, &request),
+                     k % 3 == 0 || k % 2 ? MENISCUS__CODE__OK : MENISCUS__CODE__INVALID_ARGUMENT);
+}
+
+/* A command that was refused is not done when it comes again, whatever has been asked since and could be done by then. */
+static void nobody_who_asks_has_a_refusal_forgotten(void **state)
+{
+    enum { QUESTIONS = 13000 }; /* twice as many, of each kind, as are remembered of any */
+    Dialogue *dialogue = *state;
+    uint8_t id[16];
+    Meniscus__Request start = dialogue_start();
+    dialogue_seal(&start, id);
+    dialogue_send(dialogue->control, &start);
+    steer_refused(dialogue_receive(dialogue->control, NULL), MENISCUS__CODE__FAILED_PRECONDITION, "EMPTY");
+    dialogue_load(dialogue, NULL);
+    for (int k = 0; k < QUESTIONS; k++) ask_in_vain(dialogue, k);
+    dialogue_send(dialogue->control, &start);
+    steer_refused(dialogue_receive(dialogue->control, NULL), MENISCUS__CODE__FAILED_PRECONDITION, "EMPTY");
+    steer_stands_at(dialogue, MENISCUS__STATE__READY, 0);
+}
+
 /* The second one does not take the reply away from the first, nor does a fifth leave anybody without one. */
 static void each_who_asks_under_the_same_id_is_answered(void **state)
 {
@@ -476,6 +508,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(each_who_asks_under_the_same_id_is_answered, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(the_same_request_again_changes_nothing, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(nobody_who_is_refused_has_a_reply_forgotten, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(nobody_who_asks_has_a_refusal_forgotten, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_set_of_several_is_all_or_nothing, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(particles_of_a_box_come_as_raw_frames_within_a_limit, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(one_particle_in_so_many_is_always_the_same, steer_begin, steer_end),

@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
+#include <zmq.h>
 
 static void a_failed_output_stops_the_run_and_is_written_after_resume(void **state)
 {
@@ -204,9 +205,95 @@ static void a_signal_for_a_checkpoint_does_not_stop_the_run(void **state)
     meniscus__reply__free_unpacked(reply, NULL);
 }
 
+/* How many replies are there, of these codes: OK, RESOURCE_EXHAUSTED; others fail. */
+static size_t count_replies(void *socket, long patience, size_t most, size_t *ret_refused)
+{
+    zmq_pollitem_t item = {.socket = socket, .events = ZMQ_POLLIN};
+    size_t n = 0;
+    while (n < most && zmq_poll(&item, 1, patience) > 0) {
+        Meniscus__Reply *reply = dialogue_receive(socket, NULL);
+        n++;
+        *ret_refused += reply->code == MENISCUS__CODE__RESOURCE_EXHAUSTED;
+        if (reply->code == MENISCUS__CODE__RESOURCE_EXHAUSTED) assert_non_null(strstr(reply->message, "write a file"));
+        else assert_int_equal(reply->code, MENISCUS__CODE__OK);
+        meniscus__reply__free_unpacked(reply, NULL);
+    }
+    return n;
+}
+
+static void ask_for_files(void *socket, int n)
+{
+    uint8_t id[16];
+    for (int k = 0; k < n; k++) {
+        Meniscus__Request checkpoint = dialogue_checkpoint();
+        dialogue_say(socket, &checkpoint, id);
+    }
+}
+
+/* Whether the run stands or is in motion. */
+static void who_wants_many_files_keeps_nobody_else_waiting(void **state)
+{
+    enum { FILES = 60 };
+    Dialogue *dialogue = *state;
+    void *greedy = dialogue_connect(dialogue);
+    dialogue_load(dialogue, NULL);
+    for (int moving = 0; moving < 2; moving++) {
+        size_t refused = 0;
+        if (moving) assert_int_equal(steer_code(dialogue, dialogue_start()), MENISCUS__CODE__OK);
+        ask_for_files(greedy, FILES);
+        assert_int_equal(count_replies(greedy, 20000, 1, &refused), 1);
+        steer_accepted(steer_set(dialogue, "end_time", moving ? "900" : "800"));
+        const size_t before = count_replies(greedy, 0, FILES, &refused);
+        print_message("%zu of %d files were written first\n", before, FILES);
+        assert_true(before < FILES / 2);
+        assert_int_equal(count_replies(greedy, 20000, FILES - 1 - before, &refused), FILES - 1 - before);
+        assert_int_equal(refused, 0);
+    }
+}
+
+static void one_connection_wants_so_many_files_at_a_time(void **state)
+{
+    enum { FILES = 400 };
+    Dialogue *dialogue = *state;
+    size_t refused = 0, none = 0;
+    void *greedy = dialogue_connect(dialogue), *modest = dialogue_connect(dialogue);
+    dialogue_load(dialogue, NULL);
+    ask_for_files(greedy, FILES);
+    ask_for_files(modest, 1);
+    assert_int_equal(count_replies(greedy, 20000, FILES, &refused), FILES);
+    assert_int_equal(count_replies(modest, 20000, 1, &none), 1);
+    print_message("%zu were refused\n", refused);
+    assert_true(refused > 0);
+    assert_int_equal(none, 0);
+}
+
+/* Whenever they come: a replay, and the way back after a crash, have them at other steps. */
+static void checkpoints_by_the_clock_come_and_change_no_bit(void **state)
+{
+    Dialogue *dialogue = *state;
+    static const char *const never[] = {"output.checkpoint_wall_interval=0", NULL},
+                             *const often[] = {"output.checkpoint_wall_interval=0.001", "output.checkpoints_kept=1000",
+                                               NULL};
+    char here[256];
+    steer_load_here(dialogue, never, here);
+    steer_accepted(steer_until(dialogue, 0.3));
+    const uint64_t hash = steer_hash(dialogue), step = steer_step_now(dialogue);
+    const int before = steer_count(here, "checkpoint-");
+    assert_int_equal(steer_code(dialogue, dialogue_stop()), MENISCUS__CODE__OK);
+    snprintf(here, sizeof here, "%s/state/dam.2", dialogue->home);
+    dialogue_load(dialogue, often);
+    steer_accepted(steer_until(dialogue, 0.3));
+    assert_true(steer_count(here, "checkpoint-") > before + 1);
+    steer_stands_at(dialogue, MENISCUS__STATE__PAUSED, step);
+    assert_true(steer_hash(dialogue) == hash);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(checkpoints_by_the_clock_come_and_change_no_bit, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(who_wants_many_files_keeps_nobody_else_waiting, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(one_connection_wants_so_many_files_at_a_time, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_diverged_state_becomes_no_checkpoint, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_failed_output_stops_the_run_and_is_written_after_resume, steer_begin,
                                         steer_end_somehow),

@@ -369,6 +369,48 @@ static void a_gate_that_hangs_holds_up_nobody(void **state)
     kill(castle_gate(castle, gate), SIGSTOP);
 }
 
+/* Once for one that was stopped; what it cost is an end like any other. */
+static void a_gate_that_hangs_is_followed_by_another(void **state)
+{
+    Castle *castle = *state;
+    double longest = 0;
+    void *far = castle_connect(castle, ZMQ_DEALER, &castle->operator);
+    set_in_motion(castle);
+    assert_here(far);
+    const pid_t gate = castle_gate(castle, 0);
+    const double began = steer_now();
+    kill(gate, SIGSTOP);
+    for (int k = 0; k < 400 && kill(gate, 0) == 0; k++) {
+        step_of(castle, &longest);
+        steer_sleep(20);
+    }
+    print_message("it was found out after %.1f s\n", steer_now() - began);
+    assert_ends(gate);
+    assert_true(steer_now() - began > 2);
+    assert_here(far);
+    assert_less(longest, 1);
+    castle_shows(castle, "meniscus_gate_restarts_total 1");
+}
+
+/* As when the machine sleeps, or a whole service is frozen: nobody has hung. */
+static void a_gate_that_was_stopped_with_the_daemon_goes_on_with_it(void **state)
+{
+    Castle *castle = *state;
+    void *far = castle_connect(castle, ZMQ_DEALER, &castle->operator);
+    assert_here(far);
+    const pid_t gate = castle_gate(castle, 0), daemon = castle->dialogue.daemon;
+    kill(daemon, SIGSTOP);
+    kill(gate, SIGSTOP);
+    steer_sleep(5000);
+    kill(daemon, SIGCONT);
+    steer_sleep(500); /* the daemon looks first */
+    kill(gate, SIGCONT);
+    steer_sleep(4000); /* and nobody says anything */
+    assert_here(far);
+    assert_int_equal(castle_gate(castle, 0), gate);
+    castle_shows(castle, "meniscus_gate_restarts_total 0");
+}
+
 static void nobody_else_can_open_what_the_gate_brings_them_in_by(void **state)
 {
     Castle *castle = *state;
@@ -419,6 +461,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(who_ends_the_daemon_from_afar_is_told_so, castle_begin, end_somehow),
         TEST(nobody_becomes_another_by_taking_the_name),
         TEST(a_gate_that_hangs_holds_up_nobody),
+        TEST(a_gate_that_hangs_is_followed_by_another),
+        TEST(a_gate_that_was_stopped_with_the_daemon_goes_on_with_it),
         TEST(nobody_else_can_open_what_the_gate_brings_them_in_by),
         TEST(the_gate_of_a_daemon_that_is_killed_makes_way_for_the_next),
     };

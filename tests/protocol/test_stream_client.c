@@ -24,7 +24,8 @@ typedef enum Manner {
     FORGOTTEN,      /* the same, and nobody remembers                        */
     NEVER_SENT,
     CANCELLED,
-    REFUSED
+    REFUSED,
+    NO_CODE
 } Manner;
 
 typedef struct Fixture {
@@ -119,6 +120,11 @@ static void reply_subscribe(Fixture *f, FakeStreams *streams, const Meniscus__St
         reply.message = (char *)"there is no such field";
         f->granted = 0;
         fake_streams_reply(streams, request, &reply);
+        return;
+    }
+    if (f->manner == NO_CODE) {
+        f->granted = 0;
+        fake_streams_reply_without_code(streams, request);
         return;
     }
     f->from_row = from ? from->row : 0;
@@ -360,6 +366,16 @@ static void a_refusal_names_the_entry(void **state)
     assert_null(stream);
 }
 
+static void a_reply_without_a_code_opens_no_stream(void **state)
+{
+    Fixture *f = *state;
+    MnsStream *stream = NULL;
+    const MnsStreamOptions options = {.kind = MNS_STREAM_FIELDS};
+    f->manner = NO_CODE;
+    assert_int_equal(mns_stream_open(f->stand.client, &options, &stream, NULL), MNS_E_VERSION);
+    assert_null(stream);
+}
+
 int main(void)
 {
 #define STREAM_TEST(test) cmocka_unit_test_setup_teardown(test, set_up, tear_down)
@@ -372,6 +388,7 @@ int main(void)
         STREAM_TEST(an_item_larger_than_there_is_memory_for_is_cancelled),
         STREAM_TEST(nothing_within_the_time_limit_is_told_as_that),
         STREAM_TEST(a_refusal_names_the_entry),
+        STREAM_TEST(a_reply_without_a_code_opens_no_stream),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -61,7 +61,8 @@ int castle_begin(void **state)
 {
     Castle *castle = calloc(1, sizeof *castle);
     KeyPair own = {.server_key = ""};
-    char path[KEYS_PATH], listen[64], keys[96];
+    char path[KEYS_PATH], listen[64], keys[96], http[32];
+    int fd;
     strcpy(castle->keys, "/tmp/mns-keys-XXXXXX");
     assert_non_null(mkdtemp(castle->keys));
     make_pair(&own, "");
@@ -75,7 +76,10 @@ int castle_begin(void **state)
     castle->port = free_ports();
     snprintf(listen, sizeof listen, "--listen=tcp://127.0.0.1:%d", castle->port);
     snprintf(keys, sizeof keys, "--keys=%s", castle->keys);
-    dialogue_begin(&castle->dialogue, (const char *const[]){listen, keys, NULL});
+    castle->http = bind_port(0, &fd);
+    close(fd);
+    snprintf(http, sizeof http, "--http=%d", castle->http);
+    dialogue_begin(&castle->dialogue, (const char *const[]){listen, keys, http, NULL});
     *state = castle;
     return 0;
 }
@@ -89,6 +93,23 @@ int castle_end(void **state)
     assert_int_equal(system(command), 0);
     free(castle);
     return code;
+}
+
+void castle_shows(const Castle *castle, const char *line)
+{
+    static const char request[] = "GET /metrics HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
+    static char text[1 << 17];
+    const struct sockaddr_in at = {
+        .sin_family = AF_INET, .sin_port = htons((uint16_t)castle->http), .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    size_t size = 0;
+    const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    assert_int_equal(connect(fd, (const struct sockaddr *)&at, sizeof at), 0);
+    assert_int_equal(send(fd, request, strlen(request), MSG_NOSIGNAL), strlen(request));
+    for (ssize_t n; (n = recv(fd, text + size, sizeof text - 1 - size, 0)) > 0;) size += (size_t)n;
+    close(fd);
+    text[size] = 0;
+    const char *found = strstr(text, line);
+    if (!found || found[strlen(line)] != '\n') fail_msg("no line \"%s\" in: %s", line, text);
 }
 
 static pid_t parent_of(const char *process)

@@ -10,7 +10,7 @@
 typedef struct Castle {
     Dialogue dialogue; /* local */
     char keys[64];
-    int port;
+    int port, http;
     KeyPair viewer, operator, admin, stranger;
 } Castle;
 
@@ -29,6 +29,9 @@ void castle_let_in(const Castle *castle, size_t n, const Guest *guests);
 
 /* The process that those from afar go through, within ten seconds; 0: there is none, or another than this one (0: any). */
 pid_t castle_gate(const Castle *castle, pid_t but);
+
+/* Its page of metrics has this line. */
+void castle_shows(const Castle *castle, const char *line);
 
 /* A DEALER at the control socket, or a SUB at the telemetry one; pair: NULL for plain text. Closed by castle_end(). */
 void *castle_connect(Castle *castle, int type, const KeyPair *pair);

@@ -172,7 +172,12 @@ int dialogue_by_hand(const char *endpoint, const char *kind, const void *propert
     const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
     setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
     snprintf(address.sun_path, sizeof address.sun_path, "%s", endpoint + strlen("ipc://"));
-    assert_int_equal(connect(fd, (const struct sockaddr *)&address, sizeof address), 0);
+    int refused = connect(fd, (const struct sockaddr *)&address, sizeof address);
+    for (int k = 0; refused && k < 100; k++) { /* the file is there a moment before anybody listens */
+        nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
+        refused = connect(fd, (const struct sockaddr *)&address, sizeof address);
+    }
+    assert_int_equal(refused, 0);
     assert_int_equal(send(fd, greeting, sizeof greeting, MSG_NOSIGNAL), sizeof greeting);
     assert_int_equal(recv(fd, answer, sizeof answer, MSG_WAITALL), sizeof answer);
     assert_int_equal(send(fd, ready, whole, MSG_NOSIGNAL), whole);

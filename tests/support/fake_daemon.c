@@ -64,9 +64,9 @@ static FakeManner serve(FakeDaemon *daemon, void *router, zmq_msg_t *peer, const
     reply.daemon_epoch = atomic_load(&daemon->epoch);
     if (request->command_case != MENISCUS__REQUEST__COMMAND_STATUS) daemon->handler(daemon->arg, request, &answer);
     if (answer.manner == FAKE_STALE_FIRST) send_stale(router, peer);
-    if (answer.manner == FAKE_GARBAGE) {
+    if (answer.manner == FAKE_GARBAGE || answer.manner == FAKE_EMPTY) {
         zmq_send(router, zmq_msg_data(peer), zmq_msg_size(peer), ZMQ_SNDMORE);
-        zmq_send(router, "\xff\xff\xff\xff", 4, 0);
+        zmq_send(router, "\xff\xff\xff\xff", answer.manner == FAKE_EMPTY ? 0 : 4, 0);
     }
     if (answer.manner == FAKE_ANSWER || answer.manner == FAKE_STALE_FIRST)
         send_reply(router, peer, answer.reply, &answer);

@@ -11,6 +11,7 @@ typedef struct FakeDaemon FakeDaemon;
 typedef enum FakeManner {
     FAKE_ANSWER,
     FAKE_GARBAGE,    /* bytes that are no reply                              */
+    FAKE_EMPTY,      /* a frame of no bytes, which reads as a reply          */
     FAKE_SILENCE,    /* no answer, ever                                      */
     FAKE_DISCONNECT, /* no answer; the sockets are closed and bound again    */
     FAKE_STALE_FIRST /* an answer to another request, then the right one     */

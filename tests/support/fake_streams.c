@@ -45,14 +45,25 @@ static void post(FakeStreams *streams, const Meniscus__StreamMessage *message, c
     free(packed);
 }
 
-void fake_streams_reply(FakeStreams *streams, const Meniscus__StreamRequest *request, Meniscus__StreamReply *reply)
+static void post_reply(FakeStreams *streams, const Meniscus__StreamRequest *request, Meniscus__StreamReply *reply)
 {
     Meniscus__StreamMessage message = MENISCUS__STREAM_MESSAGE__INIT;
-    reply->has_id = reply->has_code = true;
+    reply->has_id = true;
     reply->id = request->id;
     message.what_case = MENISCUS__STREAM_MESSAGE__WHAT_REPLY;
     message.reply = reply;
     post(streams, &message, NULL, 0);
+}
+
+void fake_streams_reply(FakeStreams *streams, const Meniscus__StreamRequest *request, Meniscus__StreamReply *reply)
+{
+    reply->has_code = true;
+    post_reply(streams, request, reply);
+}
+
+void fake_streams_reply_without_code(FakeStreams *streams, const Meniscus__StreamRequest *request)
+{
+    post_reply(streams, request, &(Meniscus__StreamReply)MENISCUS__STREAM_REPLY__INIT);
 }
 
 void fake_streams_send(FakeStreams *streams, Meniscus__StreamItem *item, const void *bytes, size_t size)

@@ -18,6 +18,7 @@ void fake_streams_free(FakeStreams *streams);
 
 /* To whoever sent the request last. From the handler. */
 void fake_streams_reply(FakeStreams *streams, const Meniscus__StreamRequest *request, Meniscus__StreamReply *reply);
+void fake_streams_reply_without_code(FakeStreams *streams, const Meniscus__StreamRequest *request);
 void fake_streams_send(FakeStreams *streams, Meniscus__StreamItem *item, const void *bytes, size_t size);
 
 /* Bytes that are no message. */

@@ -144,7 +144,7 @@ class Completion(unittest.TestCase):
             (daemon, ("--log-level", "w"), {"warning"}),
             (daemon, ("-o", ""), {"json"}),
             (daemon, ("--threads", ""), set()),
-            (dashboard, ("--ht",), {"--http", "--http-token"}),
+            (dashboard, ("--ht",), {"--http", "--http-plain", "--http-token"}),
             (dashboard, ("--http-token", "ke"), {"kept"}),
             (dashboard, ("-d", ""), set()),
         ):  # fmt: skip

@@ -268,13 +268,15 @@ class Strangers(DashboardTest):
         self.start_gateway("secret", "--http-token", str(token))
         self.assertNotIn("fedcba", (self.home / "secret.log").read_text())
 
-    def test_other_machines_are_served_for_a_token_only(self) -> None:
-        _, port = self.start_gateway("everywhere", "--http", "0.0.0.0:0")
+    def test_other_machines_are_served_for_a_token_and_a_word_of_consent_only(self) -> None:
+        _, port = self.start_gateway("everywhere", "--http", "0.0.0.0:0", "--http-plain")
         self.assertIn(f" is at http://{socket.gethostname()}:{port}/#token=", (self.home / "everywhere.log").read_text(), "an address to open")
         stranger = self.browser(greet=False, port=port)
         stranger.say(do="hello")
         self.assertEqual(stranger.closed(), (1008, b"token"))
         for options, words in ((("--http", "0.0.0.0:0", "--no-token"), "without --no-token"),
+                               (("--http", "0.0.0.0:0", "--no-token", "--http-plain"), "without --no-token"),
+                               (("--http", "0.0.0.0:0"), "not encrypted"),
                                (("--http-token", str(self.home / "token-of-two"), "--no-token"), "exclude each other"), (("--http", "x"), "takes a port"), (("--frames", "0"), "--frames takes"),
                                (("sloshing2d",), "no use"), (("--nonsense",), "--help")):
             done = subprocess.run([BUILD / "meniscus-dashboard", *options], env=self.environment, capture_output=True, text=True, timeout=20)

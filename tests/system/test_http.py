@@ -411,14 +411,17 @@ class Refused(unittest.TestCase):
         self.assertRegex((self.home / "log").read_text(), words)
         self.assertFalse((self.home / "run" / "meniscus" / "h" / "control.ipc").exists())
 
-    def test_other_machines_are_served_for_a_token_only(self) -> None:
+    def test_other_machines_are_served_for_a_token_and_a_word_of_consent_only(self) -> None:
+        """The token goes over the network for all to read, which whoever gives the address may not know."""
         for address in ("0.0.0.0:0", "[::]:0"):
-            self.refused(2, "other machines reach .*--http-token FILE", "--http", address)
+            for more in ([], ["--http-token", str(self.token)], ["--http-plain"]):
+                self.refused(2, "other machines reach .*not encrypted.*--http-plain.*--http-token FILE", "--http", address, *more)
 
     def test_what_cannot_be_meant_is_refused_with_what_can(self) -> None:
         for address in ("x", "70000", "127.0.0.1", "host:80", ""):
             self.refused(2, "--http takes a port .*127.0.0.1:9464", "--http", address)
         self.refused(2, "give both", "--http-token", str(self.token))
+        self.refused(2, "give both", "--http-plain")
         self.refused(2, "leave out .*--http", "--http", "0", "--batch", "dambreak2d")
 
     def test_a_token_that_others_can_read_is_refused(self) -> None:
@@ -452,7 +455,8 @@ class Refused(unittest.TestCase):
         log = open(other / "log", "w")
         self.addCleanup(log.close)
         daemon = subprocess.Popen(
-            [BUILD / "meniscusd", "--name", "far", "--state-dir", other / "state", "--http", "0.0.0.0:0", "--http-token", self.token],
+            [BUILD / "meniscusd", "--name", "far", "--state-dir", other / "state", "--http", "0.0.0.0:0", "--http-token", self.token,
+             "--http-plain"],
             env={"XDG_RUNTIME_DIR": str(self.home / "run")}, stderr=log,
         )
         self.addCleanup(daemon.wait)

@@ -2,14 +2,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Keys as people use them: made, listed and removed on the command line, used by it, by the C library and by Python."""
 
+import contextlib
+import math
 import os
+import socket
 import subprocess
 import sys
+import threading
 import time
 import unittest
 import urllib.request
 from pathlib import Path
-from typing import Tuple
+from typing import List, Tuple
 
 import zmq
 
@@ -21,6 +25,48 @@ sys.path.insert(0, str(BUILD / "python"))
 import meniscus  # noqa: E402
 
 CROWD = 210  # more than get each live message
+
+
+class Doorway:
+    """A way to the daemon that ends the first so many connections in the midst of their handshakes, as a process that dies does."""
+
+    def __init__(self, far: str, cuts: float, then_silent: bool = False) -> None:
+        host, port = far.rsplit(":", 1)
+        self._there = (host[len("tcp://"):], int(port))
+        self._cuts, self._silent = cuts, then_silent
+        self._listening = socket.create_server(("127.0.0.1", 0))
+        self._open: List[socket.socket] = [self._listening]
+        self.address = f"tcp://127.0.0.1:{self._listening.getsockname()[1]}"
+        threading.Thread(target=self._serve, daemon=True).start()
+
+    def __enter__(self) -> str:
+        return self.address
+
+    def __exit__(self, *_: object) -> None:
+        for each in self._open:
+            each.close()
+
+    def _serve(self) -> None:
+        with contextlib.suppress(OSError):
+            while True:
+                guest, _ = self._listening.accept()
+                self._open.append(guest)
+                if self._cuts > 0:
+                    guest.recv(10)
+                    guest.close()
+                elif not self._silent:
+                    there = socket.create_connection(self._there)
+                    self._open.append(there)
+                    for pair in ((guest, there), (there, guest)):
+                        threading.Thread(target=self._carry, args=pair, daemon=True).start()
+                self._cuts -= 1
+
+    @staticmethod
+    def _carry(source: socket.socket, sink: socket.socket) -> None:
+        with contextlib.suppress(OSError):
+            while data := source.recv(1 << 16):
+                sink.sendall(data)
+            sink.shutdown(socket.SHUT_WR)
 
 
 class Keys(DaemonTest):
@@ -141,6 +187,24 @@ class Keys(DaemonTest):
             meniscus.Client(self.far, timeout=20, key=str(self.keys / "vera.key"), server_key=other)
         with self.assertRaisesRegex(meniscus.DeniedError, "not on this machine"):
             meniscus.Client("tcp://192.0.2.7:5555", timeout=20)
+
+    def test_a_connection_that_is_lost_before_it_stands_is_made_again(self) -> None:
+        """Whoever is told that its key is wrong while the gate is started anew goes and makes another."""
+        key = str(self.keys / "vera.key")
+        with Doorway(self.far, 2) as far, meniscus.Client(far, timeout=20, key=key) as client:
+            self.assertEqual(client.status().state, "EMPTY")
+        with Doorway(self.far, 2) as far:
+            self.assertEqual(self.ask("status", "--daemon", far, "--key", key)["state"], "EMPTY")
+        with Doorway(self.far, 1, then_silent=True) as far:
+            with self.assertRaisesRegex(meniscus.UnavailableError, "lost before it stood, and trying again"):
+                meniscus.Client(far, timeout=20, key=key)
+        with Doorway(self.far, 1, then_silent=True) as far:
+            lost = self.meniscus("status", "--daemon", far, "--key", key, code=69).stderr
+            self.assertIn("lost before it stood, and trying again", lost)
+        with Doorway(self.far, math.inf) as far:
+            with self.assertRaisesRegex(meniscus.UnavailableError, "does not have the secret"):
+                meniscus.Client(far, timeout=20, key=key)
+            self.assertIn("does not have the secret", self.meniscus("status", "--daemon", far, "--key", key, code=69).stderr)
 
     def test_the_environment_names_the_key(self) -> None:
         self.environment["MENISCUS_KEY"] = str(self.keys / "vera.key")

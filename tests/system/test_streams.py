@@ -258,6 +258,22 @@ class Streams(StreamTest):
         self.meniscus("step", "1")
         self.assertTrue(self.taker.quiet(0.3))
 
+    def test_one_connection_has_so_many_streams_and_others_find_room(self) -> None:
+        most = 256
+        self.addCleanup(self.taker.close)
+        for _ in range(most):
+            last = self.taker.subscribe(events=sb.EventStream()).stream
+        for _ in range(3):
+            refused = self.taker.ask(subscribe=sb.Subscribe(events=sb.EventStream()))
+            self.assertEqual((refused.code, refused.reason), (8, "limit reached"))
+            self.assertIn("this connection has 256 streams", refused.message)
+        other = self.new_taker()
+        moved = other.subscribe(events=sb.EventStream()).stream
+        self.assertEqual(self.taker.ask(resume=sb.ResumeStream(stream=moved)).code, 8)
+        self.assertEqual(self.taker.ask(resume=sb.ResumeStream(stream=last)).code, 0)
+        self.assertEqual(self.taker.ask(unsubscribe=sb.Unsubscribe(stream=last)).code, 0)
+        self.assertEqual(self.taker.ask(resume=sb.ResumeStream(stream=moved)).code, 0)
+
     def test_when_the_run_is_left_its_streams_are_over(self) -> None:
         self.taker.subscribe(fields=fields("position"), when=sb.When(every_steps=1), credit=PLENTY)
         self.meniscus("stop")
@@ -395,6 +411,21 @@ class Counted(StreamTest):
     def counts(self) -> "dict[str, int]":
         counts: "dict[str, int]" = self.ask("status")["streams"]
         return counts
+
+    def test_who_is_not_there_has_nothing_skipped(self) -> None:
+        self.meniscus("load", *CASE)
+        gone = self.new_taker()
+        stream = gone.subscribe(fields=fields("position"), when=sb.When(every_steps=1)).stream
+        before = self.counts()["skipped"]
+        self.meniscus("step", "5")
+        self.assertEqual(self.counts()["skipped"], before + 4)
+        gone.close()
+        time.sleep(0.5)
+        self.meniscus("step", "20")
+        self.assertEqual(self.counts()["skipped"], before + 4)
+        self.assertEqual(self.taker.ask(resume=sb.ResumeStream(stream=stream, credit=PLENTY)).code, 0)
+        self.assertEqual(self.taker.item().head.skipped, 24)
+        self.assertEqual(self.counts()["skipped"], before + 24)  # it has come back
 
     def test_the_status_tells_how_many_there_are_and_what_they_cost(self) -> None:
         self.assertEqual(self.counts(), {"latest": 0, "lossless": 0, "memory_bytes": 0, "skipped": 0})

@@ -3,6 +3,7 @@
 #include "base/clock.h"
 #include "run/mailbox.h"
 #include "tests/support/check.h"
+#include <string.h>
 
 static int begin(void **state)
 {
@@ -104,6 +105,90 @@ static void who_only_looks_can_be_left_waiting_and_keeps_its_place(void **state)
     assert_null(mailbox_take_but(*state, true, false));
 }
 
+static void those_who_come_later_do_not_wait_for_all_files_that_another_wants(void **state)
+{
+    Mailbox *box = *state;
+    Order files[3] = {{.writes = true, .from = 1}, {.writes = true, .from = 1}, {.writes = true, .from = 1}},
+          after = {.from = 1}, set = {.from = 2}, file = {.writes = true, .from = 3};
+    box->limit = 10;
+    for (int k = 0; k < 3; k++) mailbox_post(box, &files[k], NULL);
+    mailbox_post(box, &after, NULL);
+    assert_ptr_equal(mailbox_take(box, 0), &files[0]);
+    mailbox_post(box, &set, NULL);
+    mailbox_post(box, &file, NULL);
+    assert_ptr_equal(mailbox_take(box, 0), &set);
+    assert_ptr_equal(mailbox_take(box, 0), &file);
+    assert_ptr_equal(mailbox_take(box, 0), &files[1]);
+    assert_ptr_equal(mailbox_take(box, 0), &files[2]);
+    assert_ptr_equal(mailbox_take(box, 0), &after);
+    assert_null(mailbox_take(box, 0));
+}
+
+/* Neither those who change something all the time keep files from being written, nor do few orders change places. */
+static void connections_take_turns(void **state)
+{
+    enum { SETS = 100 };
+    Mailbox *box = *state;
+    Order files[2] = {{.writes = true, .from = 1}, {.writes = true, .from = 1}}, sets[SETS] = {{.from = 2}},
+          last = {.from = 3};
+    int before = 0;
+    box->limit = 2 * SETS;
+    for (int k = 0; k < 2; k++) mailbox_post(box, &files[k], NULL);
+    for (int k = 0; k < SETS; k++) {
+        sets[k].from = 2;
+        mailbox_post(box, &sets[k], NULL);
+    }
+    mailbox_post(box, &last, NULL);
+    assert_ptr_equal(mailbox_take(box, 0), &files[0]);
+    for (int k = 0; k < 10; k++) assert_ptr_equal(mailbox_take(box, 0), &sets[k]);
+    for (const Order *order; (order = mailbox_take(box, 0)) != &files[1]; before++)
+        assert_ptr_equal(order, before < 54 ? &sets[10 + before] : &last);
+    assert_int_equal(before, 55);
+    for (int k = 64; k < SETS; k++) assert_ptr_equal(mailbox_take(box, 0), &sets[k]);
+    assert_null(mailbox_take(box, 0));
+}
+
+static void who_waits_for_the_disk_keeps_only_its_own_orders_waiting(void **state)
+{
+    Mailbox *box = *state;
+    Order writes = {.writes = true, .from = 1}, behind = {.from = 1}, other = {.from = 2};
+    mailbox_post(box, &writes, NULL);
+    mailbox_post(box, &behind, NULL);
+    mailbox_post(box, &other, NULL);
+    assert_ptr_equal(mailbox_take_but(box, false, true), &other);
+    assert_null(mailbox_take_but(box, false, true));
+    assert_ptr_equal(mailbox_take_but(box, false, false), &writes);
+    assert_ptr_equal(mailbox_take_but(box, false, true), &behind);
+}
+
+/* Also when the one before it is taken out of turn. */
+static void nobody_waits_behind_what_was_taken_back(void **state)
+{
+    Mailbox *box = *state;
+    Order writes = {.writes = true, .from = 1, .id = "file"}, behind = {.from = 1};
+    mailbox_post(box, &writes, NULL);
+    mailbox_post(box, &behind, NULL);
+    assert_ptr_equal(mailbox_remove(box, writes.id), &writes);
+    assert_ptr_equal(mailbox_take_but(box, false, true), &behind);
+}
+
+static void one_connection_wants_so_many_files_at_most(void **state)
+{
+    Mailbox *box = *state;
+    Order files[MAILBOX_FILES + 1] = {{.writes = true}}, set = {.from = 1}, other = {.writes = true, .from = 2};
+    MnsError error = {.text = ""};
+    box->limit = 2 * MAILBOX_FILES;
+    for (int k = 0; k <= MAILBOX_FILES; k++) {
+        files[k] = (Order){.writes = true, .from = 1};
+        assert_int_equal(mailbox_post(box, &files[k], &error), k < MAILBOX_FILES ? MNS_OK : MNS_E_LIMIT);
+    }
+    assert_non_null(strstr(error.text, "64 commands of this connection"));
+    assert_int_equal(mailbox_post(box, &set, &error), MNS_OK);
+    assert_int_equal(mailbox_post(box, &other, &error), MNS_OK);
+    assert_ptr_equal(mailbox_take(box, 0), &files[0]);
+    assert_int_equal(mailbox_post(box, &files[MAILBOX_FILES], &error), MNS_OK);
+}
+
 static void an_order_can_be_taken_back_by_its_id(void **state)
 {
     Order orders[2] = {{.id = "first"}, {.id = "second"}};
@@ -200,6 +285,11 @@ int main(void)
         cmocka_unit_test_setup_teardown(who_only_looks_leaves_room_for_who_does_something, begin, end),
         cmocka_unit_test_setup_teardown(who_only_looks_can_be_left_waiting_and_keeps_its_place, begin, end),
         cmocka_unit_test_setup_teardown(who_has_a_file_written_can_be_left_waiting_and_keeps_its_place, begin, end),
+        cmocka_unit_test_setup_teardown(those_who_come_later_do_not_wait_for_all_files_that_another_wants, begin, end),
+        cmocka_unit_test_setup_teardown(connections_take_turns, begin, end),
+        cmocka_unit_test_setup_teardown(who_waits_for_the_disk_keeps_only_its_own_orders_waiting, begin, end),
+        cmocka_unit_test_setup_teardown(nobody_waits_behind_what_was_taken_back, begin, end),
+        cmocka_unit_test_setup_teardown(one_connection_wants_so_many_files_at_most, begin, end),
         cmocka_unit_test_setup_teardown(an_order_may_end_what_is_under_way, begin, end),
         cmocka_unit_test_setup_teardown(an_order_can_be_taken_back_by_its_id, begin, end),
         cmocka_unit_test_setup_teardown(only_older_orders_that_set_in_motion_are_called_off, begin, end),

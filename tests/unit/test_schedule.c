@@ -2,6 +2,7 @@
 /* When outputs are due. */
 #include "run/schedule.h"
 #include "tests/support/check.h"
+#include <math.h>
 
 /* How often something of an interval is due in n steps of dt. */
 static int count(double interval, double dt, int n)
@@ -80,9 +81,20 @@ static void what_takes_long_to_write_is_written_seldom(void **state)
     assert_close(schedule_flush(3, true), 60, 1e-9);
 }
 
+static void checkpoints_take_a_hundredth_of_the_time_unless_they_get_too_rare(void **state)
+{
+    (void)state;
+    assert_true(schedule_checkpoint(60, 0) == 60);
+    assert_true(schedule_checkpoint(60, 0.5) == 60);
+    assert_true(fabs(schedule_checkpoint(60, 2) - 200) < 1e-9);
+    assert_true(schedule_checkpoint(60, 20) == 600);
+    assert_true(schedule_checkpoint(0, 20) == 0); /* never */
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(checkpoints_take_a_hundredth_of_the_time_unless_they_get_too_rare),
         cmocka_unit_test(an_interval_of_zero_is_never_due),
         cmocka_unit_test(the_beginning_counts),
         cmocka_unit_test(each_multiple_is_met_once_whatever_the_step),

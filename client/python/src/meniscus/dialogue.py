@@ -23,6 +23,7 @@ from .values import Frame, Telemetry, code_of, read_telemetry
 
 CONNECT_S = 5.0  # to a daemon that should be there
 REFUSALS = 3  # a tenth of a second apart: where nobody listens then, nobody is about to, as a daemon started just now is
+CUTS = 3  # handshakes in a row that end without a word: so often it is for what we say, and not for who has just been started anew
 RECONNECT_S = 5.0  # to a daemon that was there
 GREETING_S = 5.0  # a daemon answers greetings at once, whatever it computes
 GRACE_S = 2.0  # beyond the deadline that the daemon knows, for its answer to get here
@@ -61,6 +62,8 @@ class Dialogue:
         self.epoch = 0  # of the daemon
         self._failed = 0  # the event of a handshake that failed since
         self._refusals = 0
+        self._cut = 0  # handshakes in a row that ended without a word
+        self._was_cut = False  # the last attempt did
         self._connected = False
         self._connections = 0
         self._lost_since = time.monotonic()
@@ -69,15 +72,25 @@ class Dialogue:
     # --- what the transport reports -------------------------------------------------------------------------------------
 
     def note(self, event: int) -> None:
-        """Something happened to the connection: an event of ZeroMQ."""
-        self._refusals += event == zmq.EVENT_CONNECT_RETRIED
+        """Something happened to the connection: an event of ZeroMQ.
+
+        Whoever cannot make sense of what we say ends the connection without a word, as does one that dies or is started anew at
+        that moment: which it was is seen when ZeroMQ has tried again.
+        """
         if event == zmq.EVENT_HANDSHAKE_SUCCEEDED:
-            self._connected = True
-            self._failed = 0
+            self._connected, self._was_cut = True, False
+            self._failed = self._cut = self._refusals = 0
             self._connections += 1
         elif event == zmq.EVENT_DISCONNECTED and self._connected:
             self._connected = False
             self._lost_since = time.monotonic()
+        elif event == zmq.EVENT_CONNECT_RETRIED:  # also after a cut, which is no refusal
+            self._refusals += not self._was_cut
+            self._was_cut = False
+        elif event == zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL:
+            self._cut, self._was_cut = self._cut + 1, True
+            if self._cut >= CUTS:
+                self._failed = self._failed or event
         elif event in FAILURES and self._failed != zmq.EVENT_HANDSHAKE_FAILED_AUTH:
             self._failed = event
 
@@ -105,6 +118,9 @@ class Dialogue:
         if self._failed:
             what = f"does not have the secret of the server key {self.keys.server}" if self.keys else "takes no plain text"
             raise UnavailableError("UNAVAILABLE", f"whoever listens at {self.endpoint} {what}; see the keys of the daemon")
+        if not self._connected and self._cut:
+            why = "was lost before it stood, and trying again did not help in time; who listens there may be starting anew: try again"
+            raise UnavailableError("UNAVAILABLE", f"the connection to {self.endpoint} {why}")
         if not self._connected and not self._refusals:
             why = "who listens there hangs, or the network loses what is sent; see `meniscus ls` on its machine"
             raise UnavailableError("UNAVAILABLE", f"no answer from {self.endpoint}: {why}")
