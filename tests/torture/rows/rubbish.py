@@ -27,9 +27,10 @@ BATCH = 500  # sets under way at once
 STEPS = 3  # after each batch
 
 
-def fuzz(seconds: float) -> "tuple[int, int, dict[str, int]]":
-    """Each target for so long: how many broke nothing, how many something, and the inputs of each."""
-    passed, failed, said = test_program(["tests/support/fuzz.sh", f"{seconds:.0f}"], 120 + 10 * seconds, BUILD=str(BUILD / "fuzz"))
+def fuzz(inputs: int) -> "tuple[int, int, dict[str, int]]":
+    """So many, to each target its share: how many broke nothing, how many something, and the inputs of each."""
+    limit = 120 + inputs // 1000
+    passed, failed, said = test_program(["tests/support/fuzz.sh", str(limit), str(inputs)], 3 * limit, BUILD=str(BUILD / "fuzz"))
     if failed:
         sys.stderr.write(said[-3000:])
     return passed, failed, {name: int(n) for name, n in re.findall(r"^ok - (\w+): (\d+) inputs", said, re.MULTILINE)}
@@ -40,7 +41,7 @@ def frames(size: Size) -> Iterator[Metric]:
     inputs: "dict[str, int]" = {}
     failed, began = 0, time.monotonic()
     while not failed and sum(inputs.values()) < size.inputs:
-        passed, failed, more = fuzz(size.fuzz_seconds)
+        passed, failed, more = fuzz(min(size.fuzz_inputs, size.inputs))
         inputs |= {name: inputs.get(name, 0) + n for name, n in more.items()}
         if not more:
             break
