@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Random sequences of commands, good and bad, of several clients: every reply is that of the reference model (tests/support/reference.py).
 
-MENISCUS_SEQUENCES says how many; 250 unless it is set, 10^5 with `make torture ROW=model SIZE=full`. They are the same every time unless
+MENISCUS_SEQUENCES says how many; 500 unless it is set, 10^5 with `make torture ROW=model SIZE=full`. They are the same every time unless
 MENISCUS_SEED is set; sequence k of a seed can be had alone (MENISCUS_FIRST=k). What fails is made shorter while it fails, and printed.
 """
 
@@ -26,7 +26,7 @@ sys.path.insert(0, str(BUILD / "python"))
 from meniscus import meniscus_pb2 as pb  # noqa: E402
 from meniscus.case import CaseText  # noqa: E402
 
-SEQUENCES = int(os.environ.get("MENISCUS_SEQUENCES", "250"))
+SEQUENCES = int(os.environ.get("MENISCUS_SEQUENCES", "500"))
 SEED = int(os.environ.get("MENISCUS_SEED", "20261123"))
 FIRST = int(os.environ.get("MENISCUS_FIRST", "0"))
 LONGEST = 25  # commands of a sequence, besides those it begins and ends with; twelve in the mean

@@ -91,7 +91,7 @@ class Size:
     inputs: int = 500_000  # until there were so many
     frames: int = 200_000  # in front of the handlers
     parameters: int = 20_000  # random sets
-    sequences: int = 250  # of commands, compared with the model
+    sequences: int = 500  # of commands, compared with the model
     writers: int = 64
     captures: int = 30
 
