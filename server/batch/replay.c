@@ -175,7 +175,7 @@ static void end_pending(Replay *replay, const Meniscus__Request *request)
 {
     for (size_t k = 0; k < replay->n_pending; k++) {
         const ProtobufCBinaryData *id = &replay->pending[k].request->id;
-        if (replay->pending[k].until != UINT64_MAX || id->len != request->id.len ||
+        if (replay->pending[k].until != UINT64_MAX || !id->len || id->len != request->id.len ||
             memcmp(id->data, request->id.data, id->len) != 0)
             continue;
         replay->pending[k] = replay->pending[--replay->n_pending];
@@ -257,12 +257,15 @@ static MnsStatus compare(Replay *replay, const HistoryRecord *at, MnsError *erro
     return differs(at, error, text);
 }
 
-static MnsStatus command_again(Replay *replay, const Record *record, MnsError *error)
+static MnsStatus command_again(Replay *replay, const HistoryRecord *at, MnsError *error)
 {
+    const Record *record = at->message;
     const Meniscus__Request *request = record->request;
     switch (request->command_case) {
     case MENISCUS__REQUEST__COMMAND_SET: return set_again(replay, request->set, error);
-    case MENISCUS__REQUEST__COMMAND_ROLLBACK: return adopt(replay, record->case_, error);
+    case MENISCUS__REQUEST__COMMAND_ROLLBACK:
+        return record->case_ ? adopt(replay, record->case_, error)
+                             : differs(at, error, "a rollback without the case that it led to");
     case MENISCUS__REQUEST__COMMAND_STEP:
     case MENISCUS__REQUEST__COMMAND_RUN_UNTIL: replay->limit = INFINITY; return MNS_OK;
     default: return MNS_OK; /* what it did is where the next record begins */
@@ -308,7 +311,7 @@ static MnsStatus do_again(Replay *replay, const HistoryRecord *at, MnsError *err
     if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__COMMAND && record->request)
         end_pending(replay, record->request);
     if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__BEGUN && record->request) set_limit(replay, record->request);
-    if (history_done_well(record)) return command_again(replay, record, error);
+    if (history_done_well(record)) return command_again(replay, at, error);
     if (is_broken_off(record)) replay->limit = INFINITY;
     return MNS_OK;
 }
@@ -327,6 +330,7 @@ static size_t first_of(const History *history)
 
 static MnsStatus replay_all(Replay *replay, const History *history, MnsError *error)
 {
+    if (!history->n) return mns_fail(error, MNS_E_STATE, "the journal has no record, so there is nothing to replay");
     const size_t first = first_of(history);
     MnsStatus status = list_kept(replay, history->records + first, history->n - first, error);
     for (size_t k = first; !status && k < history->n; k++) status = do_again(replay, &history->records[k], error);

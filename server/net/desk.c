@@ -6,6 +6,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "net/bell.h"
 #include "net/gate.h"
 #include "net/handlers.h"
 #include "net/ledger.h"
@@ -15,6 +16,7 @@
 #include "proto/frame.h"
 #include <inttypes.h>
 #include <math.h>
+#include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,6 +42,8 @@ typedef struct Reading {
     uint64_t frames; /* taken so far, that of the sender too */
 } Reading;
 
+enum { DOOR, CONTROL, TELEMETRY, VISITORS, LISTENERS, BELLS };
+
 struct Desk {
     void *context, *control, *telemetry;
     Access *access;
@@ -50,6 +54,7 @@ struct Desk {
     Publisher *publisher;
     Streams *streams;             /* the third socket, which has a thread of its own */
     Visitors visitors, listeners; /* of control, of telemetry */
+    Bell bells[BELLS];
     Reading reading;
     Outgoing outgoing;
     Traffic traffic;
@@ -128,6 +133,15 @@ static MnsStatus open_sockets(Desk *desk, const Endpoint *at, MnsError *error)
                   : visitors_init(&desk->visitors, desk->context, desk->control, "inproc://visitors", NULL, error);
 }
 
+static void hang_bells(Desk *desk)
+{
+    bell_init(&desk->bells[DOOR], access_socket(desk->access));
+    bell_init(&desk->bells[CONTROL], desk->control);
+    bell_init(&desk->bells[TELEMETRY], desk->telemetry);
+    bell_init(&desk->bells[VISITORS], desk->visitors.monitor);
+    bell_init(&desk->bells[LISTENERS], desk->listeners.monitor);
+}
+
 MnsStatus desk_new(const Endpoint *endpoint, Run *run, Desk **ret, MnsError *error)
 {
     struct timespec now;
@@ -156,9 +170,13 @@ MnsStatus desk_new(const Endpoint *endpoint, Run *run, Desk **ret, MnsError *err
         if (!desk->deeds || !desk->questions || !desk->refusals || !desk->publisher)
             status = mns_fail(error, MNS_E_MEMORY, "no memory for the desk");
     }
-    if (status) desk_free(desk);
-    else *ret = desk;
-    return status;
+    if (status) {
+        desk_free(desk);
+        return status;
+    }
+    hang_bells(desk);
+    *ret = desk;
+    return MNS_OK;
 }
 
 void desk_free(Desk *desk)
@@ -211,30 +229,35 @@ static void look_at_keys(Desk *desk)
     gate_renew(desk->gate);
 }
 
-static void see_to_door(Desk *desk)
+/* Whether there may be more. */
+static bool see_to_door(Desk *desk)
 {
     bool more = true;
     for (int k = 0; k < AT_ONCE && more; k++) {
         look_at_keys(desk);
         more = access_answer(desk->access);
     }
+    return more;
 }
 
 unsigned desk_poll(Desk *desk, const int fds[2], long timeout)
 {
-    const int watch = access_watch(desk->access);
-    zmq_pollitem_t items[] = {{.fd = fds[0], .events = ZMQ_POLLIN},
-                              {.fd = fds[1], .events = ZMQ_POLLIN},
-                              {.socket = desk->control, .events = ZMQ_POLLIN},
-                              {.socket = desk->telemetry, .events = ZMQ_POLLIN},
-                              {.socket = desk->visitors.monitor, .events = ZMQ_POLLIN},
-                              {.socket = access_socket(desk->access), .events = ZMQ_POLLIN},
-                              {.socket = desk->listeners.monitor, .events = ZMQ_POLLIN},
-                              {.fd = watch, .events = ZMQ_POLLIN},
-                              {.fd = gate_line(desk->gate), .events = ZMQ_POLLIN}};
+    struct pollfd items[BELLS + 4] = {{.fd = fds[0], .events = POLLIN},
+                                      {.fd = fds[1], .events = POLLIN},
+                                      {.fd = access_watch(desk->access), .events = POLLIN},
+                                      {.fd = gate_line(desk->gate), .events = POLLIN}};
+    struct pollfd *of_bells = items + 4;
+    bool rings = false;
     const double held = fmin(publisher_flush(desk->publisher), gate_look(desk->gate, &desk->traffic)) - clock_now();
     if (held < 1e-3 * (double)timeout) timeout = (long)(1e3 * fmax(held, 0)) + 1;
-    if (zmq_poll(items, sizeof items / sizeof *items, timeout) <= 0) return 0;
+    bell_ask(&desk->bells[CONTROL]);
+    bell_ask(&desk->bells[TELEMETRY]);
+    for (int k = 0; k < BELLS; k++) {
+        of_bells[k] = (struct pollfd){.fd = desk->bells[k].fd, .events = POLLIN};
+        rings = rings || desk->bells[k].rings;
+    }
+    if (poll(items, BELLS + 4, rings ? 0 : (int)timeout) <= 0) return 0;
+    for (int k = 0; k < BELLS; k++) desk->bells[k].rings |= of_bells[k].revents != 0;
     return (items[0].revents ? 1u : 0) | (items[1].revents ? 2u : 0);
 }
 
@@ -522,8 +545,9 @@ _Static_assert((int)TRAFFIC_FAILURES == (int)FAILURES, "failures are counted by 
 static void note_traffic(Desk *desk)
 {
     Traffic *traffic = &desk->traffic;
-    visitors_note(&desk->visitors);
-    visitors_note(&desk->listeners);
+    if (desk->bells[VISITORS].rings) visitors_note(&desk->visitors);
+    if (desk->bells[LISTENERS].rings) visitors_note(&desk->listeners);
+    desk->bells[VISITORS].rings = desk->bells[LISTENERS].rings = false;
     traffic->clients = desk->visitors.n;
     traffic->listeners = desk->listeners.n + gate_listeners(desk->gate);
     publisher_crowd(desk->publisher, traffic->listeners);
@@ -532,11 +556,21 @@ static void note_traffic(Desk *desk)
     for (int k = 0; k < TRAFFIC_FAILURES; k++) traffic->failures[k] = desk->visitors.failed[k];
 }
 
+/* Whether there may be more, when so much was taken at once. */
+static bool take_all(Desk *desk, bool (*take)(Desk *))
+{
+    int k = 0;
+    while (k < AT_ONCE && take(desk)) k++;
+    return k == AT_ONCE;
+}
+
 void desk_receive(Desk *desk)
 {
+    Bell *bells = desk->bells;
     note_traffic(desk);
-    see_to_door(desk);
-    for (int k = 0; k < AT_ONCE && receive_frame(desk); k++) continue;
-    for (int k = 0; k < AT_ONCE && receive_subscription(desk); k++) continue;
+    look_at_keys(desk);
+    if (bells[DOOR].rings) bells[DOOR].rings = see_to_door(desk);
+    if (bells[CONTROL].rings) bells[CONTROL].rings = take_all(desk, receive_frame);
+    if (bells[TELEMETRY].rings) bells[TELEMETRY].rings = take_all(desk, receive_subscription);
     publisher_greet(desk->publisher);
 }

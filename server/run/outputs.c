@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <xxhash.h>
 
 /* --- from one directory to the next ------------------------------------------------------------------------------------- */
 
@@ -87,6 +88,17 @@ static void put_series(Outputs *outputs, Series *series, Document *document)
     pthread_mutex_unlock(&outputs->series_lock);
 }
 
+static uint64_t hash_of(const Document *document)
+{
+    return XXH64(document->blob, document->size, 0);
+}
+
+static void note_checkpoint(Outputs *outputs, uint64_t step, const Document *document)
+{
+    outputs->at_checkpoint = step;
+    outputs->checkpoint_of = hash_of(document);
+}
+
 /* Nothing here can fail. */
 static void take_over(Outputs *outputs, const Opening *opening, Document *document, MnsProgress progress)
 {
@@ -105,7 +117,7 @@ static void take_over(Outputs *outputs, const Opening *opening, Document *docume
     outputs->series_lost = goes_on && sampled && !series_rows(outputs->series);
     const double before = goes_on && progress.step > 0 ? progress.t : -INFINITY;
     outputs->before = (OutputTimes){before, before, before};
-    outputs->at_checkpoint = goes_on ? progress.step : UINT64_MAX;
+    note_checkpoint(outputs, goes_on ? progress.step : UINT64_MAX, document);
     outputs->wall_checkpoint = outputs->wall_flush = clock_now();
     outputs->capture_seconds = 0;
     outputs->checkpoint_seconds = 0;
@@ -291,7 +303,7 @@ MnsStatus outputs_checkpoint(Outputs *outputs, const MnsSim *sim, Document *docu
     else mns_capture_free(capture);
     if (status) return status;
     outputs->wall_checkpoint = clock_now();
-    outputs->at_checkpoint = step;
+    note_checkpoint(outputs, step, document);
     return MNS_OK;
 }
 
@@ -352,7 +364,8 @@ bool outputs_behind(const Outputs *outputs, double t)
 MnsStatus outputs_finish(Outputs *outputs, const MnsSim *sim, Document *document, MnsError *error)
 {
     MnsStatus status = MNS_OK;
-    if (outputs->at_checkpoint != mns_sim_progress(sim).step)
+    /* One of this step, but from before the case was changed, would undo the change of who goes on from it. */
+    if (outputs->at_checkpoint != mns_sim_progress(sim).step || outputs->checkpoint_of != hash_of(document))
         status = outputs_checkpoint(outputs, sim, document, NULL, error);
     writer_hurry(outputs->writer); /* the list of snapshots is whole when a run is done */
     return status ? status : outputs_settle(outputs, error);
@@ -364,7 +377,7 @@ MnsStatus outputs_rescue(Outputs *outputs, const MnsSim *sim, Document *document
     MnsStatus status = mns_sim_capture(sim, mns_sim_state_fields(sim), &capture, error);
     if (status) return status;
     status = job_rescue_checkpoint(outputs, capture, document, ret_path, error);
-    if (!status) outputs->at_checkpoint = capture->progress.step;
+    if (!status) note_checkpoint(outputs, capture->progress.step, document);
     mns_capture_free(capture);
     writer_salvage(outputs->writer, NULL);
     return status;

@@ -3,11 +3,13 @@
 #include "sim/neighbours.h"
 #include "base/array.h"
 #include "sim/select.h"
+#include "sim/shares.h"
 #include "sim/sort.h"
+#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { MARK_WORDS_MAX = ROW_MAX / 32 + 2 };
+enum { MARK_WORDS_MAX = ROW_MAX / 32 + 2, CHUNK_CELLS = 16 };
 
 MnsStatus neighbours_init(Neighbours *nb, size_t n, int dim, unsigned needs, int threads, MnsError *error)
 {
@@ -143,21 +145,25 @@ static Trouble search_all(Neighbours *nb, const Particles *s, const Model *model
 {
     bool no_memory = false;
     uint32_t crowded = UINT32_MAX;
+    Shares shares;
     slabs_clear(&nb->slabs);
+    shares_init(&shares, (grid->cells + CHUNK_CELLS - 1) / CHUNK_CELLS, nb->threads);
 #pragma omp parallel num_threads(nb->threads) reduction(|| : no_memory) reduction(min : crowded)
     {
         Cut cut = {NULL, 0};
         Run runs[GRID_RUNS_MAX];
         Trouble trouble = {false, UINT32_MAX};
-#pragma omp for schedule(guided)
-        for (size_t cell = 0; cell < grid->cells; cell++) {
-            const Search q = {.s = s,
-                              .near = select_near(model->level, s->dim, model->periodic),
-                              .points = {{s->ref[0], s->ref[1], s->ref[2]}, model->period, model->frequency},
-                              .distance2 = distance * distance,
-                              .runs = runs,
-                              .n_runs = grid_runs(grid, cell, runs)};
-            for (int g = 0; g < GROUPS; g++) search_cell(nb, &cut, q, (Group)g, cell, grid->cells, &trouble);
+        for (size_t chunk; shares_take(&shares, omp_get_thread_num(), &chunk);) {
+            const size_t end = (chunk + 1) * CHUNK_CELLS;
+            for (size_t cell = chunk * CHUNK_CELLS; cell < end && cell < grid->cells; cell++) {
+                const Search q = {.s = s,
+                                  .near = select_near(model->level, s->dim, model->periodic),
+                                  .points = {{s->ref[0], s->ref[1], s->ref[2]}, model->period, model->frequency},
+                                  .distance2 = distance * distance,
+                                  .runs = runs,
+                                  .n_runs = grid_runs(grid, cell, runs)};
+                for (int g = 0; g < GROUPS; g++) search_cell(nb, &cut, q, (Group)g, cell, grid->cells, &trouble);
+            }
         }
         no_memory = trouble.no_memory;
         crowded = trouble.crowded;

@@ -4,6 +4,9 @@
  * while these are in the cache, when other chunks have not begun. */
 #include "sim/pass.h"
 
+#include "sim/shares.h"
+#include <omp.h>
+
 enum { CHUNK_ROWS = 64, CHUNK_LOCAL = 4096 };
 
 void local_run(const Local *local, Particles *s, const Model *model, int threads)
@@ -135,16 +138,21 @@ static void sweep_chunk(const Sweep *sweep, Row *row, Particles *s, const Model 
 
 static void sweep_all(const Sweep sweeps[GROUPS], Particles *s, const Model *model, int threads)
 {
+    Shares shares[GROUPS]; /* that lie together: a thread has most neighbours in its cache */
+    for (int g = 0; g < GROUPS; g++) {
+        const Sweep *sweep = &sweeps[g];
+        const bool any = sweep->n_before + sweep->n_terms + sweep->n_after > 0;
+        shares_init(&shares[g], any ? (s->begin[g + 1] - s->begin[g] + CHUNK_ROWS - 1) / CHUNK_ROWS : 0, threads);
+    }
 #pragma omp parallel num_threads(threads)
     {
         Row row;
         for (int g = 0; g < GROUPS; g++) {
-            const Sweep *sweep = &sweeps[g];
-            const size_t last = sweep->n_before + sweep->n_terms + sweep->n_after ? s->begin[g + 1] : 0;
-/* Shares that lie together: a thread has most neighbours in its cache. */
-#pragma omp for schedule(guided) nowait
-            for (size_t k = s->begin[g]; k < last; k += CHUNK_ROWS)
-                sweep_chunk(sweep, &row, s, model, k, k + CHUNK_ROWS < last ? k + CHUNK_ROWS : last);
+            const size_t last = s->begin[g + 1];
+            for (size_t k; shares_take(&shares[g], omp_get_thread_num(), &k);) {
+                const size_t first = s->begin[g] + k * CHUNK_ROWS;
+                sweep_chunk(&sweeps[g], &row, s, model, first, first + CHUNK_ROWS < last ? first + CHUNK_ROWS : last);
+            }
         }
     }
 }

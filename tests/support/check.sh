@@ -126,7 +126,7 @@ sanitizers() {
 
 fuzzing() {
     run step "build with libFuzzer" 600 make -s -j"$jobs" BUILD="$BUILD/fuzz" CC=clang SANITIZE=address,undefined,fuzzer-no-link fuzz-programs
-    run tests "fuzz targets" 120 env BUILD="$BUILD/fuzz" tests/support/fuzz.sh 8
+    run tests "fuzz targets" 300 env BUILD="$BUILD/fuzz" tests/support/fuzz.sh 120 1000000 # a hundredth of the promise
 }
 
 group "unit and protocol tests" programs

@@ -11,11 +11,12 @@ import threading
 import time
 import unittest
 from pathlib import Path
-from typing import Any, Sequence
+from typing import Any, Optional, Sequence
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = Path(os.environ.get("BUILD", ROOT / "build")).resolve()
 CHOICES = ("MENISCUS_DAEMON", "MENISCUS_KEY", "MENISCUS_SERVER_KEY", "MENISCUS_KEYS")
+IN_MEMORY = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None  # a directory where nothing waits for a disk, or that of all
 SMALL = ["dambreak2d", "--set", "resolution=20"]
 
 
@@ -83,13 +84,14 @@ class DaemonTest(unittest.TestCase):
     """Tests that share one daemon, which each finds EMPTY. self.environment leads clients to it."""
 
     options: list[str] = []  # of the daemon, besides its name and directory
+    parent: Optional[str] = None  # of its directories
     home: Path
     environment: dict[str, str]
     daemon: "subprocess.Popen[bytes]"
 
     @classmethod
     def setUpClass(cls) -> None:
-        scratch = tempfile.TemporaryDirectory(prefix="mns-")
+        scratch = tempfile.TemporaryDirectory(prefix="mns-", dir=cls.parent)
         cls.addClassCleanup(scratch.cleanup)
         cls.home = Path(scratch.name)
         cls.environment = surroundings(cls.home)

@@ -30,7 +30,6 @@ cppcheck shellcheck mypy g++ git procps zsh
 systemd util-linux valgrind prometheus
 paraview python3-paraview xvfb xauth
 python3-scipy man-db lintian python3-nbclient python3-ipykernel python3-jsonschema snakemake
-python3-hypothesis
 munge slurm-client slurmctld slurmd
 '
 # For a processor that is not here (tests/portable).

@@ -35,21 +35,31 @@ def _seconds_of(pid: int) -> float:
     return sum(map(int, times)) / os.sysconf("SC_CLK_TCK")
 
 
+@contextmanager
+def _own_time(shares: "list[float]", *processes: Any) -> Iterator[None]:
+    """Of all processors, what the company itself takes while the block lasts."""
+    began, spent = time.monotonic(), sum(_seconds_of(process.pid) for process in processes)
+    yield
+    taken = sum(_seconds_of(process.pid) for process in processes) - spent
+    shares.append(taken / (time.monotonic() - began) / len(os.sched_getaffinity(0)))
+
+
 def few(size: Size) -> Iterator[Metric]:
     """Subscribers of probes and of fields, with a processor to themselves and without."""
     processors = len(os.sched_getaffinity(0))
     for threads, most, where in ((max(1, processors - 1), 0.01, "a processor to spare"), (processors, 0.03, "none to spare")):
         with Daemon() as daemon, daemon.client() as client:
             computing(client, size.resolution, threads=threads, **SAMPLES)
+            own: "list[float]" = []
 
             @contextmanager
             def company() -> Iterator[None]:
-                with subscribers(daemon, PROBES, "probe"), takers(daemon, FIELDS, HERTZ):
+                with subscribers(daemon, PROBES, "probe") as listening, takers(daemon, FIELDS, HERTZ) as taking, _own_time(own, listening, taking):
                     yield
 
             lost = loss(daemon, client, size.window, size.turns, company)
             yield Metric(f"steps/s lost to {PROBES} subscribers of probes and {FIELDS} of fields, {where}", 100 * lost.share, "%",
-                         high=100 * most, note=lost.note)
+                         high=100 * most, note=f"{lost.note}, they themselves {100 * statistics.fmean(own):.2g} %")
 
 
 def many(size: Size) -> Iterator[Metric]:
@@ -67,9 +77,8 @@ def _many(size: Size, stopped: bool, who: str) -> Iterator[Metric]:
         @contextmanager
         def company() -> Iterator[None]:
             with subscribers(daemon, size.subscribers, stopped=stopped) as process:
-                began, spent = time.monotonic(), _seconds_of(process.pid)
-                yield
-                own.append((_seconds_of(process.pid) - spent) / (time.monotonic() - began) / len(os.sched_getaffinity(0)))
+                with _own_time(own, process):
+                    yield
                 waits.append(told("round_trips", daemon.endpoint, size.window)["p99_ms"])
                 grown.append(daemon.memory_mib() - before)
 

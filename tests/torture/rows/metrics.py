@@ -87,11 +87,11 @@ class Size:
     samples: int = 20_000  # of a lossless stream
     client_kills: int = 10
     daemon_kills: int = 2
-    fuzz_seconds: float = 10.0  # for each target, again and again
-    inputs: int = 500_000  # until all targets together have had so many
+    fuzz_inputs: int = 500_000  # of all targets together, again and again
+    inputs: int = 500_000  # until there were so many
     frames: int = 200_000  # in front of the handlers
     parameters: int = 20_000  # random sets
-    sequences: int = 250  # of commands, compared with the model
+    sequences: int = 500  # of commands, compared with the model
     writers: int = 64
     captures: int = 30
 
@@ -99,7 +99,7 @@ class Size:
 SIZES = {
     "small": Size(),
     "full": Size(
-        seconds=60, turns=300, pauses=10_000, runs_until=10_000, kills=200, replays=20, fuzz_seconds=300, inputs=100_000_000,
+        seconds=60, turns=300, pauses=10_000, runs_until=10_000, kills=200, replays=20, fuzz_inputs=2_000_000, inputs=100_000_000,
         frames=10_000_000, samples=10_000_000, client_kills=100, daemon_kills=10, parameters=1_000_000, sequences=100_000, captures=500,
     ),
 }

@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 import math
+import os
 import random
 import re
 import sys
 import time
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from typing import Any, Iterator
 
 import numpy as np
@@ -25,9 +27,10 @@ BATCH = 500  # sets under way at once
 STEPS = 3  # after each batch
 
 
-def fuzz(seconds: float) -> "tuple[int, int, dict[str, int]]":
-    """Each target for so long: how many broke nothing, how many something, and the inputs of each."""
-    passed, failed, said = test_program(["tests/support/fuzz.sh", f"{seconds:.0f}"], 120 + 10 * seconds, BUILD=str(BUILD / "fuzz"))
+def fuzz(inputs: int) -> "tuple[int, int, dict[str, int]]":
+    """So many, to each target its share: how many broke nothing, how many something, and the inputs of each."""
+    limit = 120 + inputs // 1000
+    passed, failed, said = test_program(["tests/support/fuzz.sh", str(limit), str(inputs)], 3 * limit, BUILD=str(BUILD / "fuzz"))
     if failed:
         sys.stderr.write(said[-3000:])
     return passed, failed, {name: int(n) for name, n in re.findall(r"^ok - (\w+): (\d+) inputs", said, re.MULTILINE)}
@@ -38,7 +41,7 @@ def frames(size: Size) -> Iterator[Metric]:
     inputs: "dict[str, int]" = {}
     failed, began = 0, time.monotonic()
     while not failed and sum(inputs.values()) < size.inputs:
-        passed, failed, more = fuzz(size.fuzz_seconds)
+        passed, failed, more = fuzz(min(size.fuzz_inputs, size.inputs))
         inputs |= {name: inputs.get(name, 0) + n for name, n in more.items()}
         if not more:
             break
@@ -53,21 +56,35 @@ def frames(size: Size) -> Iterator[Metric]:
                  f"{size.frames} of each kind in {time.monotonic() - began:.0f} s")
 
 
-SEQUENCES, SEQUENCES_AT_ONCE = 10**5, 1000  # in the promise; of one run, as it remembers all it tried
+SEQUENCES = 10**5  # in the promise
+SEQUENCES_OF_RUN = 1000
+DAEMONS = 2 * len(os.sched_getaffinity(0))  # at once: each waits for its client, and that for it
+
+
+def sequences(seed: int, count: int) -> "tuple[int, int, int]":
+    """Of one daemon: how many there were, with how many commands, and how many tests failed."""
+    _, failed, said = test_program([sys.executable, "tests/system/test_model.py"], 120 + count, MENISCUS_SEQUENCES=str(count), MENISCUS_SEED=str(seed))
+    found = re.search(r"^(\d+) sequences, (\d+) commands", said, re.MULTILINE)
+    if failed or not found:
+        sys.stderr.write(said[-3000:])
+        return 0, 0, max(1, failed)
+    return int(found[1]), int(found[2]), 0
 
 
 def model(size: Size) -> Iterator[Metric]:
-    """Random sequences of commands to a daemon and to the reference model, in runs of other seeds each."""
-    done = commands = failed = runs = 0
+    """Random sequences of commands to daemons and to the reference model, in runs of other seeds each; none is begun after one that failed."""
+    done = commands = failed = begun = runs = 0
     began = time.monotonic()
-    while not failed and done < size.sequences:
-        n = min(SEQUENCES_AT_ONCE, size.sequences - done)
-        _, failed, said = test_program([sys.executable, "tests/system/test_model.py"], 120 + 5 * n, MENISCUS_SEQUENCES=str(n), MENISCUS_SEED=str(20261125 + runs))
-        found = re.search(r"^(\d+) sequences, (\d+) commands", said, re.MULTILINE)
-        if failed or not found:
-            sys.stderr.write(said[-3000:])
-            break
-        done, commands, runs = done + int(found[1]), commands + int(found[2]), runs + 1
+    with ThreadPoolExecutor(DAEMONS) as pool:
+        under_way: "set[Future[tuple[int, int, int]]]" = set()
+        while under_way or (not failed and begun < size.sequences):
+            while len(under_way) < DAEMONS and not failed and begun < size.sequences:
+                count = min(SEQUENCES_OF_RUN, math.ceil(size.sequences / DAEMONS), size.sequences - begun)
+                under_way.add(pool.submit(sequences, 20261125 + runs, count))
+                begun, runs = begun + count, runs + 1
+            ended, under_way = wait(under_way, return_when=FIRST_COMPLETED)
+            for more in (future.result() for future in ended):
+                done, commands, failed = done + more[0], commands + more[1], failed + more[2]
     rate = done / (time.monotonic() - began)
     yield none_of("runs in which a reply was not that of the model", failed)
     yield Metric("random sequences of commands", done, low=size.sequences,

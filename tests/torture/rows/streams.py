@@ -34,14 +34,14 @@ def data_endpoint(daemon: Daemon) -> str:
 
 
 @contextmanager
-def takers(daemon: Daemon, count: int, hertz: float) -> Iterator[None]:
+def takers(daemon: Daemon, count: int, hertz: float) -> "Iterator[subprocess.Popen[str]]":
     """Clients that take positions and pressures of all particles, so often; ready when each has had the first."""
     words = [sys.executable, "-m", "rows.takers", "fields", data_endpoint(daemon), str(count), str(hertz)]
     process = subprocess.Popen(words, cwd=Path(__file__).parents[1], env=os.environ | {"BUILD": str(BUILD)}, stdout=subprocess.PIPE, text=True)
     try:
         if process.stdout and process.stdout.readline() != "ready\n":
             raise RuntimeError("who takes fields did not get ready")
-        yield
+        yield process
     finally:
         process.kill()
         process.wait()
