@@ -24,37 +24,38 @@ enum {
 
 /* Quantities, each of a member of Block (row.h) and of a row of the table in bundle.c. */
 enum {
-    CARRIED_X,                       /* x_j, until x_i - x_j takes its place                */
-    CARRIED_V = CARRIED_X + 3,       /* v_j                                                 */
-    CARRIED_P = CARRIED_V + 3,       /* pressure                                            */
-    CARRIED_VOLUME,                  /* volume                                              */
-    CARRIED_Z,                       /* impedance rho c                                     */
-    CARRIED_Q,                       /* m_j w_j, w = dt/2 b; 0 where there is no stress     */
-    CARRIED_SHEPARD = CARRIED_Q + 3, /* 1 / sum of W V    */
-    CARRIED_GRADIENT,                /* pressure gradient */
-    CARRIED_NORMAL = CARRIED_GRADIENT + 3,
-    CARRIED_NOTHING = CARRIED_NORMAL + 3
+    CARRIED_X,                            /* x_j, until x_i - x_j takes its place                */
+    CARRIED_V = CARRIED_X + 3,            /* v_j                                                 */
+    CARRIED_P = CARRIED_V + 3,            /* pressure                                            */
+    CARRIED_VOLUME,                       /* volume                                              */
+    CARRIED_Z,                            /* impedance rho c                                     */
+    CARRIED_SHEPARD,                      /* 1 / sum of W V                                      */
+    CARRIED_GRADIENT,                     /* pressure gradient                                   */
+    CARRIED_ARROW = CARRIED_GRADIENT + 3, /* the interface normal, or in its place CARRIED_FLUX          */
+    CARRIED_NOTHING = CARRIED_ARROW + 3,
+    CARRIED_FLUX, /* m_j w_j, w = dt/2 b; 0 where there is no stress     */
+    CARRIED_END = CARRIED_FLUX + 3
 };
 
 /* THE layout, [dim - 2][bundle][quantity]: what changes together is together, where that takes no bundle more. Known when rows are
- * compiled, as looking up where to put each quantity would cost a tenth of a step. */
-enum { BUNDLES = 5 };
+ * compiled, as looking up where to put each quantity would cost a tenth of a step. Fluxes and normals have one place, as no scheme
+ * has both. */
+enum { BUNDLES = 4 };
 static const uint8_t BUNDLE_LAYOUT[2][BUNDLES][4] = {
     {{CARRIED_X, CARRIED_X + 1, CARRIED_V, CARRIED_V + 1},
      {CARRIED_P, CARRIED_VOLUME, CARRIED_Z, CARRIED_SHEPARD},
-     {CARRIED_Q, CARRIED_Q + 1, CARRIED_NOTHING, CARRIED_NOTHING},
-     {CARRIED_GRADIENT, CARRIED_GRADIENT + 1, CARRIED_NORMAL, CARRIED_NORMAL + 1},
+     {CARRIED_GRADIENT, CARRIED_GRADIENT + 1, CARRIED_ARROW, CARRIED_ARROW + 1},
      {CARRIED_NOTHING, CARRIED_NOTHING, CARRIED_NOTHING, CARRIED_NOTHING}},
     {{CARRIED_X, CARRIED_X + 1, CARRIED_X + 2, CARRIED_V},
-     {CARRIED_V + 1, CARRIED_V + 2, CARRIED_Q, CARRIED_Q + 1},
-     {CARRIED_P, CARRIED_VOLUME, CARRIED_Z, CARRIED_Q + 2},
-     {CARRIED_SHEPARD, CARRIED_GRADIENT, CARRIED_GRADIENT + 1, CARRIED_GRADIENT + 2},
-     {CARRIED_NORMAL, CARRIED_NORMAL + 1, CARRIED_NORMAL + 2, CARRIED_NOTHING}},
+     {CARRIED_V + 1, CARRIED_V + 2, CARRIED_ARROW, CARRIED_ARROW + 1},
+     {CARRIED_P, CARRIED_VOLUME, CARRIED_Z, CARRIED_ARROW + 2},
+     {CARRIED_SHEPARD, CARRIED_GRADIENT, CARRIED_GRADIENT + 1, CARRIED_GRADIENT + 2}},
 };
 
 /* The needs that bundle k has something for; all need positions. */
 static inline __attribute__((always_inline)) unsigned bundle_meets(int dim, int k)
 {
+    enum { NEED_ARROW = NEED_FLUX | NEED_NORMAL };
     static const uint16_t NEED_FOR[] = {[CARRIED_X] = NEED_ALL,
                                         NEED_ALL,
                                         NEED_ALL,
@@ -64,32 +65,24 @@ static inline __attribute__((always_inline)) unsigned bundle_meets(int dim, int 
                                         [CARRIED_P] = NEED_STATE,
                                         NEED_STATE,
                                         NEED_STATE,
-                                        [CARRIED_Q] = NEED_FLUX,
-                                        NEED_FLUX,
-                                        NEED_FLUX,
                                         [CARRIED_SHEPARD] = NEED_SHEPARD,
                                         [CARRIED_GRADIENT] = NEED_GRADIENT,
                                         NEED_GRADIENT,
                                         NEED_GRADIENT,
-                                        [CARRIED_NORMAL] = NEED_NORMAL,
-                                        NEED_NORMAL,
-                                        NEED_NORMAL,
+                                        [CARRIED_ARROW] = NEED_ARROW,
+                                        NEED_ARROW,
+                                        NEED_ARROW,
                                         [CARRIED_NOTHING] = 0};
     unsigned needs = 0;
     for (int q = 0; q < 4; q++) needs |= NEED_FOR[BUNDLE_LAYOUT[dim - 2][k][q]];
     return needs;
 }
 
-typedef struct Bundle {
-    double (*data)[4]; /* [n]; NULL: the scheme does not need it */
-    Fields of;         /* what it is made of */
-    bool summed;       /* it has only what particles of summed density alone have */
-    unsigned stale;    /* groups that have changed since, as bits */
-} Bundle;
-
 typedef struct Bundles {
     int dim;
-    Bundle bundle[BUNDLES];
+    double (*data[BUNDLES])[4];  /* [n]; NULL: the scheme does not need it */
+    bool fluxes, had_normals;    /* what is in the place of arrows; whether that ever was normals */
+    unsigned stale[CARRIED_END]; /* groups in which what a quantity is made of has changed since, as bits */
 } Bundles;
 
 /* Room for n particles, for terms with these needs. false: no memory, nothing is left behind. */

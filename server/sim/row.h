@@ -19,11 +19,13 @@ typedef struct Block {
     double F[LANES];                     /* (1/r) dW/dr: grad_i W = F x       m^-dim-2   */
     double v[3][LANES];                  /* v_j                               m/s        */
     double p[LANES], V[LANES], z[LANES]; /* of j             Pa, m^dim, kg/(m^2 s) */
-    double q[3][LANES];                  /* m_j w_j, 0 without a stress       kg m/s     */
-    double shepard[LANES];               /* 1 / sum of W V of j               1          */
-    double gradient[3][LANES];           /* pressure gradient of j            Pa/m       */
-    double normal[3][LANES];             /* interface normal of j, or 0       1          */
-    double other[LANES];                 /* 1 if j is of another fluid, else 0; of mixed rows */
+    union {
+        double q[3][LANES];      /* m_j w_j, 0 without a stress       kg m/s     */
+        double normal[3][LANES]; /* interface normal of j, or 0       1          */
+    };
+    double shepard[LANES];     /* 1 / sum of W V of j               1          */
+    double gradient[3][LANES]; /* pressure gradient of j            Pa/m       */
+    double other[LANES];       /* 1 if j is of another fluid, else 0; of mixed rows */
 } Block;
 
 typedef struct Row {

@@ -19,8 +19,9 @@ static int group_of(const Particles *s, size_t i)
 /* All that is listed, or what was marked as in reach when that was built; with all that terms may need. */
 static void row_of(Cloud *cloud, size_t i, Row *row, RowPairs pairs)
 {
-    neighbours_refresh(&cloud->nb, &cloud->s, &cloud->model, NEED_ALL);
-    const RowPlan plan = row_plan(&cloud->nb, &cloud->s, &cloud->model, NEED_ALL, pairs);
+    enum { NEEDS = NEED_ALL & ~NEED_NORMAL }; /* which are where fluxes are */
+    neighbours_refresh(&cloud->nb, &cloud->s, &cloud->model, NEEDS);
+    const RowPlan plan = row_plan(&cloud->nb, &cloud->s, &cloud->model, NEEDS, pairs);
     row_build(row, &plan, i);
 }
 
