@@ -26,21 +26,37 @@ static void inverse_shepard(const Particles *s, const Model *model, int d, size_
     for (size_t i = 0; i < n; i++) out[i] = shepard[i] > 0 ? 1 / shepard[i] : 0;
 }
 
+/* Volumes and impedances where nobody has stored them: particles of a range are all fluid, or all wall. */
+static void volume(const Particles *s, const Model *model, int d, size_t first, size_t n, double *restrict out)
+{
+    (void)d;
+    const double *restrict m = s->m + first, *restrict rho = s->rho + first;
+    const bool fluid = first < particles_fluid(s);
+    for (size_t i = 0; i < n; i++) out[i] = fluid ? m[i] / rho[i] : model->wall_volume;
+}
+
+static void impedance(const Particles *s, const Model *model, int d, size_t first, size_t n, double *restrict out)
+{
+    (void)d;
+    for (size_t i = 0; i < n; i++) out[i] = particles_impedance(s, model, first + i);
+}
+
 /* One number of each neighbour: component d of a field, or made of fields; 0 of a field that the scheme has not. */
 typedef struct Quantity {
     FieldId field;
     int d;
     void (*make)(const Particles *, const Model *, int d, size_t first, size_t n, double *out); /* NULL: the field */
     Fields of;
+    bool stored; /* made only of what has not stored it */
 } Quantity;
 
 #define IS(id, d)                                                                                                      \
     {                                                                                                                  \
-        F_##id, d, NULL, FIELD(id)                                                                                     \
+        F_##id, d, NULL, FIELD(id), true                                                                               \
     }
 #define FLUX(d)                                                                                                        \
     {                                                                                                                  \
-        F_B, d, flux, FIELD(B) | FIELD(M)                                                                              \
+        F_B, d, flux, FIELD(B) | FIELD(M), false                                                                       \
     }
 static const Quantity QUANTITIES[CARRIED_END] = {
     [CARRIED_X] = IS(X, 0),
@@ -50,9 +66,9 @@ static const Quantity QUANTITIES[CARRIED_END] = {
     IS(V, 1),
     IS(V, 2),
     [CARRIED_P] = IS(P, 0),
-    [CARRIED_VOLUME] = IS(VOL, 0),
-    [CARRIED_Z] = IS(Z, 0),
-    [CARRIED_SHEPARD] = {F_SHEPARD, 0, inverse_shepard, FIELD(SHEPARD)},
+    [CARRIED_VOLUME] = {F_VOL, 0, volume, FIELD(VOL) | FIELD(M) | FIELD(RHO), true},
+    [CARRIED_Z] = {F_Z, 0, impedance, FIELD(Z) | FIELD(RHO), true},
+    [CARRIED_SHEPARD] = {F_SHEPARD, 0, inverse_shepard, FIELD(SHEPARD), false},
     [CARRIED_GRADIENT] = IS(GRADIENT, 0),
     IS(GRADIENT, 1),
     IS(GRADIENT, 2),
@@ -72,23 +88,49 @@ static int quantity_at(const Bundles *b, int k, int c)
     return arrow && b->fluxes ? what - CARRIED_ARROW + CARRIED_FLUX : what;
 }
 
-bool bundles_init(Bundles *b, size_t n, int dim, unsigned needs, int threads)
+static void drop(Bundles *b, int k)
 {
-    *b = (Bundles){.dim = dim};
-    for (int q = 0; q < CARRIED_END; q++) b->stale[q] = ON_ALL;
+    free(b->data[k]);
+    b->data[k] = NULL;
+}
+
+static bool allocate(Bundles *b, size_t n, unsigned needs, int threads)
+{
     for (int k = 0; k < BUNDLES; k++) {
-        if (!(bundle_meets(dim, k) & needs)) continue;
-        if (!(b->data[k] = array_new_team(n, sizeof *b->data[k], threads))) {
-            bundles_done(b);
-            return false;
-        }
+        if (b->data[k] || !(bundle_meets(b->dim, k) & needs)) continue;
+        if (!(b->data[k] = array_new_team(n, sizeof *b->data[k], threads))) return false;
     }
     return true;
 }
 
+bool bundles_add(Bundles *b, size_t n, unsigned needs, int threads)
+{
+    unsigned before = 0;
+    for (int k = 0; k < BUNDLES; k++) before |= b->data[k] ? 1u << k : 0;
+    for (int q = 0; q < CARRIED_END; q++) b->stale[q] = ON_ALL;
+    if (allocate(b, n, needs, threads)) return true;
+    for (int k = 0; k < BUNDLES; k++)
+        if (!(before >> k & 1)) drop(b, k);
+    return false;
+}
+
+void bundles_keep(Bundles *b, unsigned needs)
+{
+    for (int k = 0; k < BUNDLES; k++)
+        if (!(bundle_meets(b->dim, k) & needs)) drop(b, k);
+}
+
+bool bundles_init(Bundles *b, size_t n, int dim, unsigned needs, int threads)
+{
+    *b = (Bundles){.dim = dim};
+    if (bundles_add(b, n, needs, threads)) return true;
+    bundles_done(b);
+    return false;
+}
+
 void bundles_done(Bundles *b)
 {
-    for (int k = 0; k < BUNDLES; k++) free(b->data[k]);
+    for (int k = 0; k < BUNDLES; k++) drop(b, k);
     *b = (Bundles){0};
 }
 
@@ -118,7 +160,8 @@ static void choose_arrows(Bundles *b, unsigned needs)
 static const double *column(const Particles *s, const Model *model, int what, size_t first, size_t n, double *room)
 {
     const Quantity *q = &QUANTITIES[what];
-    if (!q->make) return (const double *)particles_field(s, q->field, q->d) + first;
+    const double *field = particles_field(s, q->field, q->d);
+    if (field && q->stored) return field + first;
     q->make(s, model, q->d, first, n, room);
     return room;
 }
@@ -155,6 +198,11 @@ typedef struct Packing {
     int what[4];
 } Packing;
 
+static bool is_there(const Particles *s, const Quantity *q)
+{
+    return s->made >> q->field & 1 || particles_field(s, q->field, q->d);
+}
+
 static Packing packing_of(const Bundles *b, const Particles *s, int k, int g)
 {
     Packing packing = {0};
@@ -162,7 +210,7 @@ static Packing packing_of(const Bundles *b, const Particles *s, int k, int g)
     for (int c = 0; c < 4; c++) {
         const int what = quantity_at(b, k, c);
         const bool unmoved = what >= CARRIED_FLUX && g != GROUP_SUMMATION && !b->had_normals; /* 0 for ever */
-        const bool there = what != CARRIED_NOTHING && particles_field(s, QUANTITIES[what].field, QUANTITIES[what].d);
+        const bool there = what != CARRIED_NOTHING && is_there(s, &QUANTITIES[what]);
         packing.what[c] = there && !unmoved ? what : CARRIED_NOTHING;
         if (packing.what[c] == CARRIED_NOTHING) empty |= 1u << c;
         else if (b->stale[what] >> g & 1) packing.places |= 1u << c;

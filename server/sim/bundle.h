@@ -89,6 +89,10 @@ typedef struct Bundles {
 bool bundles_init(Bundles *b, size_t n, int dim, unsigned needs, int threads);
 void bundles_done(Bundles *b);
 
+/* Room for these needs too, as far as there is none; false: no memory, what there was is there. Give up what these needs have no use for. */
+bool bundles_add(Bundles *b, size_t n, unsigned needs, int threads);
+void bundles_keep(Bundles *b, unsigned needs);
+
 /* Fields of a group have changed. */
 void bundles_stale(Bundles *b, Group group, Fields fields);
 

@@ -3,6 +3,7 @@
 #include "base/array.h"
 #include "sim/integrator.h"
 #include "sim/level.h"
+#include "sim/shown.h"
 #include <stdlib.h>
 #include <string.h>
 #define XXH_INLINE_ALL
@@ -92,12 +93,14 @@ static void copy_out(const MnsSim *sim, MnsCapture *capture)
     capture->arithmetic = level_arithmetic(sim->model.level);
     capture->solver = sim->solver;
     copy_all(sim, capture, true);
+    for (int f = 0; f < FIELDS_END; f++)
+        if (capture->fields & sim->s.made & UINT64_C(1) << f) shown_make(sim, f, capture->data[f][0]);
 }
 
 MnsStatus mns_sim_capture(const MnsSim *sim, uint64_t fields, MnsCapture **ret_capture, MnsError *error)
 {
     const Particles *s = &sim->s;
-    MnsCapture *capture = mns_capture_new(s->dim, s->n, particles_fluid(s), fields & s->fields);
+    MnsCapture *capture = mns_capture_new(s->dim, s->n, particles_fluid(s), fields & shown_fields(sim));
     if (!capture) return mns_fail(error, MNS_E_MEMORY, "no memory to copy %zu particles", s->n);
     copy_out(sim, capture);
     *ret_capture = capture;
@@ -110,9 +113,9 @@ MnsStatus mns_sim_recapture(const MnsSim *sim, uint64_t fields, MnsCapture *capt
     if (capture->dim != s->dim || capture->n != s->n || capture->n_fluid != particles_fluid(s))
         return mns_fail(error, MNS_E_STATE, "the capture has room for %zu particles, and there are %zu", capture->n,
                         s->n);
-    if (!make_room(capture, fields & s->fields))
+    if (!make_room(capture, fields & shown_fields(sim)))
         return mns_fail(error, MNS_E_MEMORY, "no memory to copy %zu particles", s->n);
-    capture->fields = fields & s->fields;
+    capture->fields = fields & shown_fields(sim);
     copy_out(sim, capture);
     return MNS_OK;
 }
@@ -122,7 +125,7 @@ size_t mns_sim_capture_size(const MnsSim *sim, uint64_t fields)
     size_t size = 0;
     const MnsFieldInfo *info = mns_fields();
     for (int f = 0; info[f].name; f++)
-        if (fields & sim->s.fields & UINT64_C(1) << f)
+        if (fields & shown_fields(sim) & UINT64_C(1) << f)
             size += (size_t)(info[f].components == 1 ? 1 : sim->s.dim) * field_size(&info[f]);
     return size * sim->s.n;
 }

@@ -92,7 +92,7 @@ static const char *blame(MnsSim *sim, size_t i, bool density)
     const char *name = density ? "density" : projects && most == 0 ? "pressure" : "gravity";
     Row *row = array_new(1, sizeof *row); /* aligned */
     if (!row) return "unknown";
-    const unsigned needs = scheme_needs(sim->scheme);
+    const unsigned needs = scheme_needs(sim->scheme, model);
     neighbours_refresh(&sim->nb, &sim->s, model, needs);
     const RowPlan plan = row_plan(&sim->nb, &sim->s, model, needs, ROW_LISTED);
     row_build(row, &plan, i);

@@ -5,6 +5,7 @@
 #define SIM_PARTICLES_H
 
 #include "sim/field.h"
+#include "sim/model.h"
 
 /* Groups are contiguous. They differ in how the density is found, so that no loop over particles asks. */
 typedef enum Group { GROUP_CONTINUITY, GROUP_SUMMATION, GROUP_WALL, GROUPS } Group;
@@ -35,12 +36,30 @@ typedef struct Particles {
     double *rate;
     struct System
         *system; /* for the pressure, of schemes that project (solve/solve.h); NULL of others. Not theirs to free */
+    Fields made; /* that are made where they are asked for */
     Fields changed[GROUPS]; /* since the neighbours' copies were last made (bundle.h) */
 } Particles;
 
 static inline size_t particles_fluid(const Particles *s)
 {
     return s->begin[GROUP_WALL];
+}
+
+/* Volume and impedance are stored by nobody who can make them of density and mass; tests give particles arrays of them. Neighbours' are in
+ * bundles. */
+static const Fields MADE_FIELDS = FIELD(VOL) | FIELD(Z);
+
+static inline double particles_volume(const Particles *s, const Model *model, size_t i)
+{
+    if (s->vol) return s->vol[i];
+    return i < particles_fluid(s) ? s->m[i] / s->rho[i] : model->wall_volume;
+}
+
+/* Walls have none. */
+static inline double particles_impedance(const Particles *s, const Model *model, size_t i)
+{
+    if (s->z) return s->z[i];
+    return i < particles_fluid(s) ? s->rho[i] * model->phase[s->phase[i]].c : 0;
 }
 
 /* Whoever writes fields of these groups (ON_FLUID ...) says so. Passes do it for terms and local rules. */

@@ -136,19 +136,31 @@ static MnsStatus compile_gravity(const MnsCase *c, double t, Formula *fresh[3], 
     return status;
 }
 
-/* Lists for another number of threads, built from the same positions: no particle moves. */
-static MnsStatus build_lists(MnsSim *sim, int threads, Neighbours *fresh, MnsError *error)
-{
-    const MnsStatus status = neighbours_init(fresh, sim->s.n, sim->s.dim, scheme_needs(sim->scheme), threads, error);
-    return status ? status : neighbours_build(fresh, &sim->s, &sim->model, error);
-}
-
-/* Room for what terms write that were not needed before. */
-static MnsStatus add_fields(MnsSim *sim, const MnsCase *c, MnsError *error)
+/* With the options of c. */
+static Model model_of(const MnsSim *sim, const MnsCase *c)
 {
     Model model = sim->model;
     sim->scheme->options(&model, c);
-    return particles_add(&sim->s, scheme_fields(sim->scheme, &model), sim->threads, error);
+    return model;
+}
+
+/* Lists for another number of threads, built from the same positions: no particle moves. */
+static MnsStatus build_lists(MnsSim *sim, const MnsCase *c, int threads, Neighbours *fresh, MnsError *error)
+{
+    const Model model = model_of(sim, c);
+    const MnsStatus status =
+        neighbours_init(fresh, sim->s.n, sim->s.dim, scheme_needs(sim->scheme, &model), threads, error);
+    return status ? status : neighbours_build(fresh, &sim->s, &sim->model, error);
+}
+
+/* Room for what terms write and ask their neighbours for that were not needed before. */
+static MnsStatus add_fields(MnsSim *sim, const MnsCase *c, MnsError *error)
+{
+    const Model model = model_of(sim, c);
+    const MnsStatus status = particles_add(&sim->s, scheme_fields(sim->scheme, &model), sim->threads, error);
+    if (status || bundles_add(&sim->nb.bundles, sim->s.n, scheme_needs(sim->scheme, &model), sim->threads))
+        return status;
+    return mns_fail(error, MNS_E_MEMORY, "no memory for %zu particles", sim->s.n);
 }
 
 /* Can the rest of the run be done with the new options, the new gravity and the new end, and be measured? A probe that can go on by what
@@ -169,6 +181,7 @@ static MnsStatus affordable(MnsSim *sim, const MnsCase *c, Formula *const gravit
 static MnsStatus refuse(MnsSim *sim, MnsStatus status, Fields fields, bool sorted)
 {
     particles_keep(&sim->s, fields);
+    bundles_keep(&sim->nb.bundles, scheme_needs(sim->scheme, &sim->model));
     if (sorted) integrator_derive(sim);
     return status;
 }
@@ -206,7 +219,7 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
     MnsStatus status = check_change(sim, c, gravity, error);
     if (!status) status = add_fields(sim, c, error);
     const bool sorts = !status && threads != sim->threads;
-    if (sorts) status = build_lists(sim, threads, &lists, error);
+    if (sorts) status = build_lists(sim, c, threads, &lists, error);
     if (status) {
         free_gravity(gravity);
         neighbours_done(&lists);

@@ -11,7 +11,7 @@
 Shifted shifted_of(const Particles *s, const Model *model, size_t i)
 {
     const int dim = s->dim;
-    Shifted a = {.z = s->z[i]};
+    Shifted a = {.z = particles_impedance(s, model, i)};
     double v2 = 0, through = 0, size = 0;
     for (int d = 0; d < dim; d++) {
         a.v[d] = s->v[d][i];
