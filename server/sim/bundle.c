@@ -72,7 +72,7 @@ static const Quantity QUANTITIES[CARRIED_END] = {
     [CARRIED_GRADIENT] = IS(GRADIENT, 0),
     IS(GRADIENT, 1),
     IS(GRADIENT, 2),
-    [CARRIED_ARROW] = IS(NORMAL, 0),
+    [CARRIED_NORMAL] = IS(NORMAL, 0),
     IS(NORMAL, 1),
     IS(NORMAL, 2),
     [CARRIED_FLUX] = FLUX(0),
@@ -84,8 +84,9 @@ static const Quantity QUANTITIES[CARRIED_END] = {
 static int quantity_at(const Bundles *b, int k, int c)
 {
     const int what = BUNDLE_LAYOUT[b->dim - 2][k][c];
-    const bool arrow = what >= CARRIED_ARROW && what < CARRIED_ARROW + 3;
-    return arrow && b->fluxes ? what - CARRIED_ARROW + CARRIED_FLUX : what;
+    for (int d = 0; d < b->dim && b->fluxes; d++)
+        if (what == carried_flux(b->dim, d)) return CARRIED_FLUX + d;
+    return what;
 }
 
 static void drop(Bundles *b, int k)
@@ -148,13 +149,13 @@ Fields bundles_fields(const Bundles *b, unsigned needs)
     return fields;
 }
 
-/* Fluxes or normals, as these needs have it. */
-static void choose_arrows(Bundles *b, unsigned needs)
+/* Fluxes or what else is in their places, as these needs have it. */
+static void choose_fluxes(Bundles *b, unsigned needs)
 {
-    const bool fluxes = needs & NEED_FLUX || (b->fluxes && !(needs & NEED_NORMAL));
+    const bool fluxes = needs & NEED_FLUX || (b->fluxes && !(needs & (NEED_NORMAL | NEED_GRADIENT | NEED_SHEPARD)));
     if (fluxes == b->fluxes) return;
     b->fluxes = fluxes;
-    for (int d = 0; d < 3; d++) b->stale[(fluxes ? CARRIED_FLUX : CARRIED_ARROW) + d] = ON_ALL;
+    for (int d = 0; d < b->dim; d++) b->stale[fluxes ? CARRIED_FLUX + d : carried_flux(b->dim, d)] = ON_ALL;
 }
 
 static const double *column(const Particles *s, const Model *model, int what, size_t first, size_t n, double *room)
@@ -198,6 +199,12 @@ typedef struct Packing {
     int what[4];
 } Packing;
 
+/* Is it of a field that has no other place? */
+static bool lives_here(const Particles *s, int what)
+{
+    return what != CARRIED_NOTHING && s->housed >> QUANTITIES[what].field & 1;
+}
+
 static bool is_there(const Particles *s, const Quantity *q)
 {
     return s->made >> q->field & 1 || particles_field(s, q->field, q->d);
@@ -209,9 +216,10 @@ static Packing packing_of(const Bundles *b, const Particles *s, int k, int g)
     unsigned empty = 0;
     for (int c = 0; c < 4; c++) {
         const int what = quantity_at(b, k, c);
-        const bool unmoved = what >= CARRIED_FLUX && g != GROUP_SUMMATION && !b->had_normals; /* 0 for ever */
+        const bool unmoved = what >= CARRIED_FLUX && g != GROUP_SUMMATION && !b->had_others; /* 0 for ever */
         const bool there = what != CARRIED_NOTHING && is_there(s, &QUANTITIES[what]);
         packing.what[c] = there && !unmoved ? what : CARRIED_NOTHING;
+        if (lives_here(s, what)) continue;
         if (packing.what[c] == CARRIED_NOTHING) empty |= 1u << c;
         else if (b->stale[what] >> g & 1) packing.places |= 1u << c;
     }
@@ -229,28 +237,53 @@ static void pack_group(const Bundles *b, int k, const Particles *s, const Model 
         pack(b->data[k], packing.places, packing.what, s, model, first, last - first < CHUNK ? last - first : CHUNK);
 }
 
-static bool is_stale(const Bundles *b, int k)
+static bool is_stale(const Bundles *b, const Particles *s, int k)
 {
     unsigned groups = 0;
-    for (int c = 0; c < 4; c++) groups |= b->stale[quantity_at(b, k, c)];
+    for (int c = 0; c < 4; c++)
+        if (!lives_here(s, quantity_at(b, k, c))) groups |= b->stale[quantity_at(b, k, c)];
     return groups;
 }
 
 void bundles_refresh(Bundles *b, const Particles *s, const Model *model, unsigned needs, int threads)
 {
     bool wanted[BUNDLES], any = false;
-    choose_arrows(b, needs);
+    choose_fluxes(b, needs);
     for (int k = 0; k < BUNDLES; k++) {
-        wanted[k] = b->data[k] && bundle_meets(b->dim, k) & needs && is_stale(b, k);
+        wanted[k] = b->data[k] && bundle_meets(b->dim, k) & needs && is_stale(b, s, k);
         any = any || wanted[k];
     }
     if (!any) return;
-    b->had_normals = b->had_normals || (!b->fluxes && s->normal[0]);
+    b->had_others = b->had_others || (!b->fluxes && s->fields & (FIELD(NORMAL) | FIELD(GRADIENT) | FIELD(SHEPARD)));
 #pragma omp parallel num_threads(threads)
     for (int k = 0; k < BUNDLES; k++)
         for (int g = 0; g < GROUPS && wanted[k]; g++) pack_group(b, k, s, model, g);
     for (int k = 0; k < BUNDLES; k++)
         for (int c = 0; c < 4 && wanted[k]; c++) b->stale[quantity_at(b, k, c)] = 0;
+}
+
+double *bundles_place(const Bundles *b, int field, int d)
+{
+    for (int k = 0; k < BUNDLES; k++)
+        for (int c = 0; c < 4 && b->data[k]; c++) {
+            const int what = quantity_at(b, k, c);
+            if (what != CARRIED_NOTHING && (int)QUANTITIES[what].field == field && QUANTITIES[what].d == d &&
+                !QUANTITIES[what].make)
+                return &b->data[k][0][c];
+        }
+    return NULL;
+}
+
+unsigned bundles_with(int dim, int field)
+{
+    const Bundles any = {.dim = dim};
+    unsigned found = 0;
+    for (int k = 0; k < BUNDLES; k++)
+        for (int c = 0; c < 4; c++) {
+            const int what = quantity_at(&any, k, c);
+            if (what != CARRIED_NOTHING && (int)QUANTITIES[what].field == field) found |= 1u << k;
+        }
+    return found;
 }
 
 size_t bundles_bytes(const Bundles *b, size_t n)

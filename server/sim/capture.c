@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Copy fields out of a simulation and a state back in, and fingerprint it. */
 #include "base/array.h"
+#include "sim/home.h"
 #include "sim/integrator.h"
 #include "sim/level.h"
 #include "sim/shown.h"
@@ -94,7 +95,8 @@ static void copy_out(const MnsSim *sim, MnsCapture *capture)
     capture->solver = sim->solver;
     copy_all(sim, capture, true);
     for (int f = 0; f < FIELDS_END; f++)
-        if (capture->fields & sim->s.made & UINT64_C(1) << f) shown_make(sim, f, capture->data[f][0]);
+        for (int d = 0; d < 3 && capture->fields & shown_made(sim) & UINT64_C(1) << f; d++)
+            if (capture->data[f][d]) shown_make(sim, f, d, capture->data[f][d]);
 }
 
 MnsStatus mns_sim_capture(const MnsSim *sim, uint64_t fields, MnsCapture **ret_capture, MnsError *error)
@@ -164,11 +166,14 @@ MnsStatus mns_sim_restore(MnsSim *sim, const MnsCapture *capture, MnsError *erro
                         "the saved state, %zu particles of which %zu fluid, is not of this case, which "
                         "has %zu and %zu",
                         capture->n, capture->n_fluid, s->n, particles_fluid(s));
+    if (!home_leave(&sim->s, sim->threads)) return mns_fail(error, MNS_E_MEMORY, "no memory for %zu particles", s->n);
     copy_all(sim, capture, false);
     sim->progress = capture->progress;
     sim->fault = (MnsError){0};
     sim->uncorrected = 0;
-    return integrator_restart(sim, error);
+    const MnsStatus status = integrator_restart(sim, error);
+    home_enter(&sim->s, &sim->nb.bundles, sim->scheme, &sim->model, sim->threads);
+    return status;
 }
 
 static uint64_t hash_particle(const Particles *s, Fields state, size_t i)
@@ -179,8 +184,8 @@ static uint64_t hash_particle(const Particles *s, Fields state, size_t i)
         if (!(state >> f & 1)) continue;
         const size_t size = field_size(&mns_fields()[f]);
         for (int d = 0; d < 3; d++) {
-            const char *array = particles_field(s, f, d);
-            if (array) XXH64_update(&hash, array + i * size, size);
+            const char *element = particles_element(s, f, d, i);
+            if (element) XXH64_update(&hash, element, size);
         }
     }
     return XXH64_digest(&hash);

@@ -42,8 +42,7 @@ typedef struct Effect {
 /* Component d of a field of particle i, if there is one. */
 static double *value(const Particles *s, int field, int d, size_t i)
 {
-    double *array = mns_fields()[field].type == MNS_F64 ? particles_field(s, field, d) : NULL;
-    return array ? array + i : NULL;
+    return mns_fields()[field].type == MNS_F64 ? particles_element(s, field, d, i) : NULL;
 }
 
 /* The effect of a term on particle i; what the particle had is put back. */

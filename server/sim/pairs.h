@@ -26,9 +26,9 @@ INLINE double *place(Block *block, int what)
     case CARRIED_GRADIENT:
     case CARRIED_GRADIENT + 1:
     case CARRIED_GRADIENT + 2: return block->gradient[what - CARRIED_GRADIENT];
-    case CARRIED_ARROW:
-    case CARRIED_ARROW + 1:
-    case CARRIED_ARROW + 2: return block->normal[what - CARRIED_ARROW]; /* or q, which is the same place */
+    case CARRIED_NORMAL:
+    case CARRIED_NORMAL + 1:
+    case CARRIED_NORMAL + 2: return block->normal[what - CARRIED_NORMAL];
     default: return NULL;
     }
 }

@@ -11,7 +11,8 @@ Fields shown_fields(const MnsSim *sim);
 /* Component d of a field, [n] values until it is asked for again or the next step; NULL where there is none, or no memory to make it. */
 const void *shown_field(const MnsSim *sim, int field, int d);
 
-/* Make one of sim->s.made. out: [n] */
-void shown_make(const MnsSim *sim, int field, double *out);
+/* Those that are not stored one number after the other. Make component d of one of these. out: [n] */
+Fields shown_made(const MnsSim *sim);
+void shown_make(const MnsSim *sim, int field, int d, double *out);
 
 #endif

@@ -2,6 +2,7 @@
 /* A simulation from the outside: make it, step it, steer it, free it. Read this file first. */
 #include "base/array.h"
 #include "sim/chambers.h"
+#include "sim/home.h"
 #include "sim/integrator.h"
 #include "sim/limits.h"
 #include "sim/making.h"
@@ -59,6 +60,7 @@ static MnsStatus sim_init(MnsSim *sim, const MnsCapture *capture, MnsError *erro
     if (!status) status = making_goes_on(&sim->making, error);
     if (!status) status = capture ? mns_sim_restore(sim, capture, error) : integrator_start(sim, error);
     if (!status && !capture && sim->scheme->projects) status = chambers_check(sim, error);
+    if (!status) home_enter(&sim->s, &sim->nb.bundles, sim->scheme, &sim->model, sim->threads);
     if (!status) status = making_goes_on(&sim->making, error);
     if (!status) status = plan_check(sim, sim->c, error); /* again, now that speeds are known */
     if (!status) plan_look(sim);
@@ -109,7 +111,8 @@ void mns_sim_free(MnsSim *sim)
     }
     for (size_t k = 0; k < MNS_MAX_PROBES; k++) formula_team_done(&sim->probe_formula[k]);
     free(sim->face);
-    for (int f = 0; sim->shown && f < FIELDS_END; f++) free(sim->shown->of[f]);
+    for (int f = 0; sim->shown && f < FIELDS_END; f++)
+        for (int d = 0; d < 3; d++) free(sim->shown->of[f][d]);
     free(sim->shown);
     free(sim->partial);
     system_done(&sim->system);

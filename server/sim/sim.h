@@ -21,7 +21,7 @@ typedef struct Solved {
 
 /* Fields that somebody has asked for and that are not stored. */
 typedef struct Shown {
-    double *of[FIELDS_END]; /* [n]; NULL: not asked for yet */
+    double *of[FIELDS_END][3]; /* [n]; NULL: not asked for yet */
 } Shown;
 
 struct MnsSim {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Adopt the steerable entries of a case. All that particles, lists and formulas were made from must be as it was; what is new
  * is made first and taken into use last, so that a refused change changes nothing. */
+#include "sim/home.h"
 #include "sim/integrator.h"
 #include "sim/motion.h"
 #include <math.h>
@@ -180,6 +181,7 @@ static MnsStatus affordable(MnsSim *sim, const MnsCase *c, Formula *const gravit
  * follows from the state is found again. */
 static MnsStatus refuse(MnsSim *sim, MnsStatus status, Fields fields, bool sorted)
 {
+    home_enter(&sim->s, &sim->nb.bundles, sim->scheme, &sim->model, sim->threads);
     particles_keep(&sim->s, fields);
     bundles_keep(&sim->nb.bundles, scheme_needs(sim->scheme, &sim->model));
     if (sorted) integrator_derive(sim);
@@ -217,6 +219,8 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
     Neighbours lists = {0};
     Formula *gravity[3] = {0};
     MnsStatus status = check_change(sim, c, gravity, error);
+    if (!status && !home_leave(&sim->s, sim->threads))
+        status = mns_fail(error, MNS_E_MEMORY, "no memory for %zu particles", sim->s.n);
     if (!status) status = add_fields(sim, c, error);
     const bool sorts = !status && threads != sim->threads;
     if (sorts) status = build_lists(sim, c, threads, &lists, error);
@@ -240,5 +244,6 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
     setup_at(sim, sim->progress.t, sim->progress.dt, 0);
     /* Pressures at walls know of gravity, and a restart from here would find them by the new one. */
     integrator_derive(sim);
+    home_enter(&sim->s, &sim->nb.bundles, sim->scheme, &sim->model, sim->threads);
     return MNS_OK;
 }

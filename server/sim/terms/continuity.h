@@ -23,7 +23,7 @@ INLINE Flowing flowing_of(const Particles *s, const Model *model, size_t i)
     }
     for (int d = 0; d < s->dim; d++) {
         a.v[d] = s->v[d][i];
-        if (rest) a.descent[d] = -s->gradient[d][i];
+        if (rest) a.descent[d] = -s->gradient[d][i * s->gradient_step];
     }
     return a;
 }

@@ -119,7 +119,7 @@ static void append_images(Growing *to, const Row *row, const Particles *s, const
 {
     const int dim = to->dim;
     double x[3] = {0, 0, 0}, normal[3] = {0, 0, 0};
-    for (int d = 0; d < dim; d++) normal[d] = s->normal[d][row->i];
+    for (int d = 0; d < dim; d++) normal[d] = s->normal[d][row->i * s->normal_step];
     reflect(mirrors, n, these, dim, x, normal);
     append(to, x, normal, particles_volume(s, model, row->i), 0, (uint32_t)row->i); /* its own */
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
