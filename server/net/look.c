@@ -12,7 +12,7 @@
 static MnsStatus find_field(const MnsSim *sim, const char *name, int *ret, MnsError *error)
 {
     *ret = mns_field_find(name ? name : "");
-    if (*ret >= 0 && mns_sim_field(sim, *ret, 0)) return MNS_OK;
+    if (*ret >= 0 && mns_sim_fields(sim) >> *ret & 1) return MNS_OK;
     return unknown_field("field", name, tap_fields_of(sim), error);
 }
 
@@ -157,6 +157,10 @@ static MnsStatus add_field(const MnsSim *sim, int field, const uint32_t *chosen,
     if (!data) return mns_fail(error, MNS_E_MEMORY, "no memory for %zu particles", n);
     for (size_t d = 0; d < parts; d++) {
         const char *from = mns_sim_field(sim, field, (int)d);
+        if (!from) {
+            free(data);
+            return mns_fail(error, MNS_E_MEMORY, "no memory for %zu particles", n);
+        }
         for (size_t k = 0; k < n; k++) memcpy(data + (k * parts + d) * width, from + chosen[k] * width, width);
     }
     const uint64_t shape[2] = {n, parts};

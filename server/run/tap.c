@@ -160,10 +160,7 @@ void tap_leave(Tap *tap, const Shot *shot)
 
 uint64_t tap_fields_of(const MnsSim *sim)
 {
-    uint64_t fields = 0;
-    for (int f = 0; mns_fields()[f].name; f++)
-        if (mns_sim_field(sim, f, 0)) fields |= UINT64_C(1) << f;
-    return fields;
+    return mns_sim_fields(sim);
 }
 
 void tap_place(Tap *tap, const MnsSim *sim, Document *document, bool same)

@@ -128,7 +128,6 @@ static MnsStatus fill_row(const Filling *f, size_t r, MnsError *error)
             if ((size_t)run->owner < model->n_phases) disorder(f->sim, id, x);
             s->id[i] = id++;
             s->phase[i] = (uint8_t)run->owner;
-            s->vol[i] = model->wall_volume;
             for (int d = 0; d < s->dim; d++) s->x[d][i] = x[d];
             if ((size_t)run->owner < model->n_phases)
                 status = f->starts ? start_particle(f->starts, f->sim, i, x, error) : MNS_OK;
@@ -169,6 +168,7 @@ static MnsStatus populate(MnsSim *sim, Lattice *lattice, const Constants *consta
     if (!status)
         status = particles_init(&sim->s, c->dim, c->n_fluids, sizes, scheme_fields(sim->scheme, &sim->model),
                                 sim->model.viscous || sim->scheme->projects, sim->threads, &sim->making, error);
+    sim->s.made = scheme_made(sim->scheme, &sim->model);
     if (!status) number(lattice, sim);
     if (!status && !sim->resumed) status = start_init(starts, sim, lattice, constants, error);
     const Filling filling = {.sim = sim, .lattice = lattice, .starts = sim->resumed ? NULL : starts};

@@ -26,24 +26,39 @@ static void inverse_shepard(const Particles *s, const Model *model, int d, size_
     for (size_t i = 0; i < n; i++) out[i] = shepard[i] > 0 ? 1 / shepard[i] : 0;
 }
 
+/* Volumes and impedances where nobody has stored them: particles of a range are all fluid, or all wall. */
+static void volume(const Particles *s, const Model *model, int d, size_t first, size_t n, double *restrict out)
+{
+    (void)d;
+    const double *restrict m = s->m + first, *restrict rho = s->rho + first;
+    const bool fluid = first < particles_fluid(s);
+    for (size_t i = 0; i < n; i++) out[i] = fluid ? m[i] / rho[i] : model->wall_volume;
+}
+
+static void impedance(const Particles *s, const Model *model, int d, size_t first, size_t n, double *restrict out)
+{
+    (void)d;
+    for (size_t i = 0; i < n; i++) out[i] = particles_impedance(s, model, first + i);
+}
+
 /* One number of each neighbour: component d of a field, or made of fields; 0 of a field that the scheme has not. */
 typedef struct Quantity {
     FieldId field;
     int d;
     void (*make)(const Particles *, const Model *, int d, size_t first, size_t n, double *out); /* NULL: the field */
     Fields of;
-    bool summed; /* 0 where density is not summed */
+    bool stored; /* made only of what has not stored it */
 } Quantity;
 
 #define IS(id, d)                                                                                                      \
     {                                                                                                                  \
-        F_##id, d, NULL, FIELD(id), false                                                                              \
+        F_##id, d, NULL, FIELD(id), true                                                                               \
     }
 #define FLUX(d)                                                                                                        \
     {                                                                                                                  \
-        F_B, d, flux, FIELD(B) | FIELD(M), true                                                                        \
+        F_B, d, flux, FIELD(B) | FIELD(M), false                                                                       \
     }
-static const Quantity QUANTITIES[] = {
+static const Quantity QUANTITIES[CARRIED_END] = {
     [CARRIED_X] = IS(X, 0),
     IS(X, 1),
     IS(X, 2),
@@ -51,11 +66,8 @@ static const Quantity QUANTITIES[] = {
     IS(V, 1),
     IS(V, 2),
     [CARRIED_P] = IS(P, 0),
-    [CARRIED_VOLUME] = IS(VOL, 0),
-    [CARRIED_Z] = IS(Z, 0),
-    [CARRIED_Q] = FLUX(0),
-    FLUX(1),
-    FLUX(2),
+    [CARRIED_VOLUME] = {F_VOL, 0, volume, FIELD(VOL) | FIELD(M) | FIELD(RHO), true},
+    [CARRIED_Z] = {F_Z, 0, impedance, FIELD(Z) | FIELD(RHO), true},
     [CARRIED_SHEPARD] = {F_SHEPARD, 0, inverse_shepard, FIELD(SHEPARD), false},
     [CARRIED_GRADIENT] = IS(GRADIENT, 0),
     IS(GRADIENT, 1),
@@ -63,114 +75,221 @@ static const Quantity QUANTITIES[] = {
     [CARRIED_NORMAL] = IS(NORMAL, 0),
     IS(NORMAL, 1),
     IS(NORMAL, 2),
+    [CARRIED_FLUX] = FLUX(0),
+    FLUX(1),
+    FLUX(2),
 };
 
-static Bundle empty(int dim, int k)
+/* Which quantity is at a place of the layout; CARRIED_NOTHING if none is. */
+static int quantity_at(const Bundles *b, int k, int c)
 {
-    Bundle bundle = {.summed = true, .stale = ON_ALL};
-    for (int c = 0; c < 4; c++) {
-        const int what = BUNDLE_LAYOUT[dim - 2][k][c];
-        if (what == CARRIED_NOTHING) continue;
-        bundle.of |= QUANTITIES[what].of;
-        bundle.summed = bundle.summed && QUANTITIES[what].summed;
+    const int what = BUNDLE_LAYOUT[b->dim - 2][k][c];
+    for (int d = 0; d < b->dim && b->fluxes; d++)
+        if (what == carried_flux(b->dim, d)) return CARRIED_FLUX + d;
+    return what;
+}
+
+static void drop(Bundles *b, int k)
+{
+    free(b->data[k]);
+    b->data[k] = NULL;
+}
+
+static bool allocate(Bundles *b, size_t n, unsigned needs, int threads)
+{
+    for (int k = 0; k < BUNDLES; k++) {
+        if (b->data[k] || !(bundle_meets(b->dim, k) & needs)) continue;
+        if (!(b->data[k] = array_new_team(n, sizeof *b->data[k], threads))) return false;
     }
-    return bundle;
+    return true;
+}
+
+bool bundles_add(Bundles *b, size_t n, unsigned needs, int threads)
+{
+    unsigned before = 0;
+    for (int k = 0; k < BUNDLES; k++) before |= b->data[k] ? 1u << k : 0;
+    for (int q = 0; q < CARRIED_END; q++) b->stale[q] = ON_ALL;
+    if (allocate(b, n, needs, threads)) return true;
+    for (int k = 0; k < BUNDLES; k++)
+        if (!(before >> k & 1)) drop(b, k);
+    return false;
+}
+
+void bundles_keep(Bundles *b, unsigned needs)
+{
+    for (int k = 0; k < BUNDLES; k++)
+        if (!(bundle_meets(b->dim, k) & needs)) drop(b, k);
 }
 
 bool bundles_init(Bundles *b, size_t n, int dim, unsigned needs, int threads)
 {
     *b = (Bundles){.dim = dim};
-    for (int k = 0; k < BUNDLES; k++) {
-        b->bundle[k] = empty(dim, k);
-        if (!(bundle_meets(dim, k) & needs)) continue;
-        if (!(b->bundle[k].data = array_new_team(n, sizeof *b->bundle[k].data, threads))) {
-            bundles_done(b);
-            return false;
-        }
-    }
-    return true;
+    if (bundles_add(b, n, needs, threads)) return true;
+    bundles_done(b);
+    return false;
 }
 
 void bundles_done(Bundles *b)
 {
-    for (int k = 0; k < BUNDLES; k++) free(b->bundle[k].data);
+    for (int k = 0; k < BUNDLES; k++) drop(b, k);
     *b = (Bundles){0};
 }
 
 void bundles_stale(Bundles *b, Group group, Fields fields)
 {
-    for (int k = 0; k < BUNDLES; k++)
-        if (b->bundle[k].of & fields) b->bundle[k].stale |= 1u << group;
+    for (int q = 0; q < CARRIED_END; q++)
+        if (QUANTITIES[q].of & fields) b->stale[q] |= 1u << group;
 }
 
 Fields bundles_fields(const Bundles *b, unsigned needs)
 {
     Fields fields = 0;
     for (int k = 0; k < BUNDLES; k++)
-        if (bundle_meets(b->dim, k) & needs) fields |= b->bundle[k].of;
+        for (int c = 0; c < 4 && bundle_meets(b->dim, k) & needs; c++) fields |= QUANTITIES[quantity_at(b, k, c)].of;
     return fields;
+}
+
+/* Fluxes or what else is in their places, as these needs have it. */
+static void choose_fluxes(Bundles *b, unsigned needs)
+{
+    const bool fluxes = needs & NEED_FLUX || (b->fluxes && !(needs & (NEED_NORMAL | NEED_GRADIENT | NEED_SHEPARD)));
+    if (fluxes == b->fluxes) return;
+    b->fluxes = fluxes;
+    for (int d = 0; d < b->dim; d++) b->stale[fluxes ? CARRIED_FLUX + d : carried_flux(b->dim, d)] = ON_ALL;
 }
 
 static const double *column(const Particles *s, const Model *model, int what, size_t first, size_t n, double *room)
 {
-    const Quantity *q = what == CARRIED_NOTHING ? NULL : &QUANTITIES[what];
-    const double *field = q ? particles_field(s, q->field, q->d) : NULL;
-    if (!field) {
-        memset(room, 0, n * sizeof *room);
-        return room;
-    }
-    if (!q->make) return field + first;
+    const Quantity *q = &QUANTITIES[what];
+    const double *field = particles_field(s, q->field, q->d);
+    if (field && q->stored) return field + first;
     q->make(s, model, q->d, first, n, room);
     return room;
 }
 
-/* At most CHUNK of them. */
-static void pack(double (*data)[4], const uint8_t what[4], const Particles *s, const Model *model, size_t first,
-                 size_t n)
+enum { WHOLE = 15 }; /* all four places of a bundle */
+
+/* At most CHUNK of them. places: which, as bits; what a whole bundle has nothing for is 0. */
+static void pack(double (*data)[4], unsigned places, const int what[4], const Particles *s, const Model *model,
+                 size_t first, size_t n)
 {
+    static const double nothing[CHUNK];
     double room[4][CHUNK];
-    const double *from[4];
-    for (int c = 0; c < 4; c++) from[c] = column(s, model, what[c], first, n, room[c]);
-    const double *restrict a = from[0], *restrict b = from[1], *restrict c = from[2], *restrict d = from[3];
+    const double *from[4] = {nothing, nothing, nothing, nothing};
     double(*restrict to)[4] = data + first;
-    for (size_t i = 0; i < n; i++) {
-        to[i][0] = a[i];
-        to[i][1] = b[i];
-        to[i][2] = c[i];
-        to[i][3] = d[i];
+    for (int c = 0; c < 4; c++)
+        if (what[c] != CARRIED_NOTHING && places >> c & 1) from[c] = column(s, model, what[c], first, n, room[c]);
+    if (places == WHOLE) {
+        const double *restrict a = from[0], *restrict b = from[1], *restrict c = from[2], *restrict d = from[3];
+        for (size_t i = 0; i < n; i++) {
+            to[i][0] = a[i];
+            to[i][1] = b[i];
+            to[i][2] = c[i];
+            to[i][3] = d[i];
+        }
+        return;
     }
+    for (int c = 0; c < 4; c++)
+        for (size_t i = 0; i < n && places >> c & 1; i++) to[i][c] = from[c][i];
 }
 
-/* Called by all threads of a team, which need not wait for each other. What only summed particles have is 0 in others for ever. */
-static void pack_group(const Bundle *bundle, const uint8_t what[4], const Particles *s, const Model *model, int g)
+/* What of bundle k has changed in a group; what it has nothing for goes along where that makes it whole. */
+typedef struct Packing {
+    unsigned places;
+    int what[4];
+} Packing;
+
+/* Is it of a field that has no other place? */
+static bool lives_here(const Particles *s, int what)
 {
-    if (!(bundle->stale >> g & 1) || (bundle->summed && g != GROUP_SUMMATION)) return;
-    const size_t last = s->begin[g + 1];
+    return what != CARRIED_NOTHING && s->housed >> QUANTITIES[what].field & 1;
+}
+
+static bool is_there(const Particles *s, const Quantity *q)
+{
+    return s->made >> q->field & 1 || particles_field(s, q->field, q->d);
+}
+
+static Packing packing_of(const Bundles *b, const Particles *s, int k, int g)
+{
+    Packing packing = {0};
+    unsigned empty = 0;
+    for (int c = 0; c < 4; c++) {
+        const int what = quantity_at(b, k, c);
+        const bool unmoved = what >= CARRIED_FLUX && g != GROUP_SUMMATION && !b->had_others; /* 0 for ever */
+        const bool there = what != CARRIED_NOTHING && is_there(s, &QUANTITIES[what]);
+        packing.what[c] = there && !unmoved ? what : CARRIED_NOTHING;
+        if (lives_here(s, what)) continue;
+        if (packing.what[c] == CARRIED_NOTHING) empty |= 1u << c;
+        else if (b->stale[what] >> g & 1) packing.places |= 1u << c;
+    }
+    if (packing.places && (packing.places | empty) == WHOLE) packing.places = WHOLE;
+    return packing;
+}
+
+/* Called by all threads of a team, which need not wait for each other. */
+static void pack_group(const Bundles *b, int k, const Particles *s, const Model *model, int g)
+{
+    const Packing packing = packing_of(b, s, k, g);
+    const size_t last = packing.places ? s->begin[g + 1] : 0;
 #pragma omp for schedule(static) nowait
     for (size_t first = s->begin[g]; first < last; first += CHUNK)
-        pack(bundle->data, what, s, model, first, last - first < CHUNK ? last - first : CHUNK);
+        pack(b->data[k], packing.places, packing.what, s, model, first, last - first < CHUNK ? last - first : CHUNK);
+}
+
+static bool is_stale(const Bundles *b, const Particles *s, int k)
+{
+    unsigned groups = 0;
+    for (int c = 0; c < 4; c++)
+        if (!lives_here(s, quantity_at(b, k, c))) groups |= b->stale[quantity_at(b, k, c)];
+    return groups;
 }
 
 void bundles_refresh(Bundles *b, const Particles *s, const Model *model, unsigned needs, int threads)
 {
     bool wanted[BUNDLES], any = false;
+    choose_fluxes(b, needs);
     for (int k = 0; k < BUNDLES; k++) {
-        wanted[k] = b->bundle[k].data && bundle_meets(b->dim, k) & needs && b->bundle[k].stale;
+        wanted[k] = b->data[k] && bundle_meets(b->dim, k) & needs && is_stale(b, s, k);
         any = any || wanted[k];
     }
     if (!any) return;
+    b->had_others = b->had_others || (!b->fluxes && s->fields & (FIELD(NORMAL) | FIELD(GRADIENT) | FIELD(SHEPARD)));
 #pragma omp parallel num_threads(threads)
     for (int k = 0; k < BUNDLES; k++)
-        for (int g = 0; g < GROUPS && wanted[k]; g++)
-            pack_group(&b->bundle[k], BUNDLE_LAYOUT[b->dim - 2][k], s, model, g);
+        for (int g = 0; g < GROUPS && wanted[k]; g++) pack_group(b, k, s, model, g);
     for (int k = 0; k < BUNDLES; k++)
-        if (wanted[k]) b->bundle[k].stale = 0;
+        for (int c = 0; c < 4 && wanted[k]; c++) b->stale[quantity_at(b, k, c)] = 0;
+}
+
+double *bundles_place(const Bundles *b, int field, int d)
+{
+    for (int k = 0; k < BUNDLES; k++)
+        for (int c = 0; c < 4 && b->data[k]; c++) {
+            const int what = quantity_at(b, k, c);
+            if (what != CARRIED_NOTHING && (int)QUANTITIES[what].field == field && QUANTITIES[what].d == d &&
+                !QUANTITIES[what].make)
+                return &b->data[k][0][c];
+        }
+    return NULL;
+}
+
+unsigned bundles_with(int dim, int field)
+{
+    const Bundles any = {.dim = dim};
+    unsigned found = 0;
+    for (int k = 0; k < BUNDLES; k++)
+        for (int c = 0; c < 4; c++) {
+            const int what = quantity_at(&any, k, c);
+            if (what != CARRIED_NOTHING && (int)QUANTITIES[what].field == field) found |= 1u << k;
+        }
+    return found;
 }
 
 size_t bundles_bytes(const Bundles *b, size_t n)
 {
     size_t bytes = 0;
     for (int k = 0; k < BUNDLES; k++)
-        if (b->bundle[k].data) bytes += n * sizeof *b->bundle[k].data;
+        if (b->data[k]) bytes += n * sizeof *b->data[k];
     return bytes;
 }

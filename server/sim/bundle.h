@@ -24,33 +24,41 @@ enum {
 
 /* Quantities, each of a member of Block (row.h) and of a row of the table in bundle.c. */
 enum {
-    CARRIED_X,                       /* x_j, until x_i - x_j takes its place                */
-    CARRIED_V = CARRIED_X + 3,       /* v_j                                                 */
-    CARRIED_P = CARRIED_V + 3,       /* pressure                                            */
-    CARRIED_VOLUME,                  /* volume                                              */
-    CARRIED_Z,                       /* impedance rho c                                     */
-    CARRIED_Q,                       /* m_j w_j, w = dt/2 b; 0 where there is no stress     */
-    CARRIED_SHEPARD = CARRIED_Q + 3, /* 1 / sum of W V    */
-    CARRIED_GRADIENT,                /* pressure gradient */
-    CARRIED_NORMAL = CARRIED_GRADIENT + 3,
-    CARRIED_NOTHING = CARRIED_NORMAL + 3
+    CARRIED_X,                             /* x_j, until x_i - x_j takes its place                */
+    CARRIED_V = CARRIED_X + 3,             /* v_j                                                 */
+    CARRIED_P = CARRIED_V + 3,             /* pressure                                            */
+    CARRIED_VOLUME,                        /* volume                                              */
+    CARRIED_Z,                             /* impedance rho c                                     */
+    CARRIED_SHEPARD,                       /* 1 / sum of W V                                      */
+    CARRIED_GRADIENT,                      /* pressure gradient                                   */
+    CARRIED_NORMAL = CARRIED_GRADIENT + 3, /* interface normal                                    */
+    CARRIED_NOTHING = CARRIED_NORMAL + 3,
+    CARRIED_FLUX, /* m_j w_j, w = dt/2 b; 0 where there is no stress     */
+    CARRIED_END = CARRIED_FLUX + 3
 };
 
 /* THE layout, [dim - 2][bundle][quantity]: what changes together is together, where that takes no bundle more. Known when rows are
- * compiled, as looking up where to put each quantity would cost a tenth of a step. */
-enum { BUNDLES = 5 };
+ * compiled, as looking up where to put each quantity would cost a tenth of a step. Fluxes are where other schemes have
+ * something else: see carried_flux(). And normals and gradients are, as far as may be, where nothing is that is asked for while they are
+ * found, as then they need no other place (home.h). */
+enum { BUNDLES = 4 };
 static const uint8_t BUNDLE_LAYOUT[2][BUNDLES][4] = {
     {{CARRIED_X, CARRIED_X + 1, CARRIED_V, CARRIED_V + 1},
      {CARRIED_P, CARRIED_VOLUME, CARRIED_Z, CARRIED_SHEPARD},
-     {CARRIED_Q, CARRIED_Q + 1, CARRIED_NOTHING, CARRIED_NOTHING},
      {CARRIED_GRADIENT, CARRIED_GRADIENT + 1, CARRIED_NORMAL, CARRIED_NORMAL + 1},
      {CARRIED_NOTHING, CARRIED_NOTHING, CARRIED_NOTHING, CARRIED_NOTHING}},
     {{CARRIED_X, CARRIED_X + 1, CARRIED_X + 2, CARRIED_V},
-     {CARRIED_V + 1, CARRIED_V + 2, CARRIED_Q, CARRIED_Q + 1},
-     {CARRIED_P, CARRIED_VOLUME, CARRIED_Z, CARRIED_Q + 2},
-     {CARRIED_SHEPARD, CARRIED_GRADIENT, CARRIED_GRADIENT + 1, CARRIED_GRADIENT + 2},
-     {CARRIED_NORMAL, CARRIED_NORMAL + 1, CARRIED_NORMAL + 2, CARRIED_NOTHING}},
+     {CARRIED_V + 1, CARRIED_V + 2, CARRIED_GRADIENT + 1, CARRIED_GRADIENT + 2},
+     {CARRIED_P, CARRIED_VOLUME, CARRIED_Z, CARRIED_SHEPARD},
+     {CARRIED_GRADIENT, CARRIED_NORMAL, CARRIED_NORMAL + 1, CARRIED_NORMAL + 2}},
 };
+
+/* In whose place component d of a flux is, where fluxes are asked for: of what no scheme with fluxes has. */
+static inline __attribute__((always_inline)) int carried_flux(int dim, int d)
+{
+    if (dim == 2) return CARRIED_NORMAL + d;
+    return d < 2 ? CARRIED_GRADIENT + 1 + d : CARRIED_SHEPARD;
+}
 
 /* The needs that bundle k has something for; all need positions. */
 static inline __attribute__((always_inline)) unsigned bundle_meets(int dim, int k)
@@ -64,9 +72,6 @@ static inline __attribute__((always_inline)) unsigned bundle_meets(int dim, int 
                                         [CARRIED_P] = NEED_STATE,
                                         NEED_STATE,
                                         NEED_STATE,
-                                        [CARRIED_Q] = NEED_FLUX,
-                                        NEED_FLUX,
-                                        NEED_FLUX,
                                         [CARRIED_SHEPARD] = NEED_SHEPARD,
                                         [CARRIED_GRADIENT] = NEED_GRADIENT,
                                         NEED_GRADIENT,
@@ -76,25 +81,28 @@ static inline __attribute__((always_inline)) unsigned bundle_meets(int dim, int 
                                         NEED_NORMAL,
                                         [CARRIED_NOTHING] = 0};
     unsigned needs = 0;
-    for (int q = 0; q < 4; q++) needs |= NEED_FOR[BUNDLE_LAYOUT[dim - 2][k][q]];
+    for (int q = 0; q < 4; q++) {
+        const int what = BUNDLE_LAYOUT[dim - 2][k][q];
+        needs |= NEED_FOR[what];
+        for (int d = 0; d < dim; d++) needs |= what == carried_flux(dim, d) ? NEED_FLUX : 0;
+    }
     return needs;
 }
 
-typedef struct Bundle {
-    double (*data)[4]; /* [n]; NULL: the scheme does not need it */
-    Fields of;         /* what it is made of */
-    bool summed;       /* it has only what particles of summed density alone have */
-    unsigned stale;    /* groups that have changed since, as bits */
-} Bundle;
-
 typedef struct Bundles {
     int dim;
-    Bundle bundle[BUNDLES];
+    double (*data[BUNDLES])[4];  /* [n]; NULL: the scheme does not need it */
+    bool fluxes, had_others;     /* are there fluxes in their places? Was there ever something else? */
+    unsigned stale[CARRIED_END]; /* groups in which what a quantity is made of has changed since, as bits */
 } Bundles;
 
 /* Room for n particles, for terms with these needs. false: no memory, nothing is left behind. */
 bool bundles_init(Bundles *b, size_t n, int dim, unsigned needs, int threads);
 void bundles_done(Bundles *b);
+
+/* Room for these needs too, as far as there is none; false: no memory, what there was is there. Give up what these needs have no use for. */
+bool bundles_add(Bundles *b, size_t n, unsigned needs, int threads);
+void bundles_keep(Bundles *b, unsigned needs);
 
 /* Fields of a group have changed. */
 void bundles_stale(Bundles *b, Group group, Fields fields);
@@ -104,6 +112,13 @@ Fields bundles_fields(const Bundles *b, unsigned needs);
 
 /* Make the bundles that these needs are met from, where they are stale. */
 void bundles_refresh(Bundles *b, const Particles *s, const Model *model, unsigned needs, int threads);
+
+/* Where component d of a field is, of the first particle; the next one's is four further. NULL if nowhere, or not as it is. */
+double *bundles_place(const Bundles *b, int field, int d);
+enum { BUNDLE_STEP = 4 };
+
+/* The bundles in which a field is, as bits. */
+unsigned bundles_with(int dim, int field);
 
 size_t bundles_bytes(const Bundles *b, size_t n);
 

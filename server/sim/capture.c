@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Copy fields out of a simulation and a state back in, and fingerprint it. */
 #include "base/array.h"
+#include "sim/home.h"
 #include "sim/integrator.h"
 #include "sim/level.h"
+#include "sim/shown.h"
 #include <stdlib.h>
 #include <string.h>
 #define XXH_INLINE_ALL
@@ -92,12 +94,15 @@ static void copy_out(const MnsSim *sim, MnsCapture *capture)
     capture->arithmetic = level_arithmetic(sim->model.level);
     capture->solver = sim->solver;
     copy_all(sim, capture, true);
+    for (int f = 0; f < FIELDS_END; f++)
+        for (int d = 0; d < 3 && capture->fields & shown_made(sim) & UINT64_C(1) << f; d++)
+            if (capture->data[f][d]) shown_make(sim, f, d, capture->data[f][d]);
 }
 
 MnsStatus mns_sim_capture(const MnsSim *sim, uint64_t fields, MnsCapture **ret_capture, MnsError *error)
 {
     const Particles *s = &sim->s;
-    MnsCapture *capture = mns_capture_new(s->dim, s->n, particles_fluid(s), fields & s->fields);
+    MnsCapture *capture = mns_capture_new(s->dim, s->n, particles_fluid(s), fields & shown_fields(sim));
     if (!capture) return mns_fail(error, MNS_E_MEMORY, "no memory to copy %zu particles", s->n);
     copy_out(sim, capture);
     *ret_capture = capture;
@@ -110,9 +115,9 @@ MnsStatus mns_sim_recapture(const MnsSim *sim, uint64_t fields, MnsCapture *capt
     if (capture->dim != s->dim || capture->n != s->n || capture->n_fluid != particles_fluid(s))
         return mns_fail(error, MNS_E_STATE, "the capture has room for %zu particles, and there are %zu", capture->n,
                         s->n);
-    if (!make_room(capture, fields & s->fields))
+    if (!make_room(capture, fields & shown_fields(sim)))
         return mns_fail(error, MNS_E_MEMORY, "no memory to copy %zu particles", s->n);
-    capture->fields = fields & s->fields;
+    capture->fields = fields & shown_fields(sim);
     copy_out(sim, capture);
     return MNS_OK;
 }
@@ -122,7 +127,7 @@ size_t mns_sim_capture_size(const MnsSim *sim, uint64_t fields)
     size_t size = 0;
     const MnsFieldInfo *info = mns_fields();
     for (int f = 0; info[f].name; f++)
-        if (fields & sim->s.fields & UINT64_C(1) << f)
+        if (fields & shown_fields(sim) & UINT64_C(1) << f)
             size += (size_t)(info[f].components == 1 ? 1 : sim->s.dim) * field_size(&info[f]);
     return size * sim->s.n;
 }
@@ -161,11 +166,14 @@ MnsStatus mns_sim_restore(MnsSim *sim, const MnsCapture *capture, MnsError *erro
                         "the saved state, %zu particles of which %zu fluid, is not of this case, which "
                         "has %zu and %zu",
                         capture->n, capture->n_fluid, s->n, particles_fluid(s));
+    if (!home_leave(&sim->s, sim->threads)) return mns_fail(error, MNS_E_MEMORY, "no memory for %zu particles", s->n);
     copy_all(sim, capture, false);
     sim->progress = capture->progress;
     sim->fault = (MnsError){0};
     sim->uncorrected = 0;
-    return integrator_restart(sim, error);
+    const MnsStatus status = integrator_restart(sim, error);
+    home_enter(&sim->s, &sim->nb.bundles, sim->scheme, &sim->model, sim->threads);
+    return status;
 }
 
 static uint64_t hash_particle(const Particles *s, Fields state, size_t i)
@@ -176,8 +184,8 @@ static uint64_t hash_particle(const Particles *s, Fields state, size_t i)
         if (!(state >> f & 1)) continue;
         const size_t size = field_size(&mns_fields()[f]);
         for (int d = 0; d < 3; d++) {
-            const char *array = particles_field(s, f, d);
-            if (array) XXH64_update(&hash, array + i * size, size);
+            const char *element = particles_element(s, f, d, i);
+            if (element) XXH64_update(&hash, element, size);
         }
     }
     return XXH64_digest(&hash);

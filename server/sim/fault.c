@@ -42,8 +42,7 @@ typedef struct Effect {
 /* Component d of a field of particle i, if there is one. */
 static double *value(const Particles *s, int field, int d, size_t i)
 {
-    double *array = mns_fields()[field].type == MNS_F64 ? particles_field(s, field, d) : NULL;
-    return array ? array + i : NULL;
+    return mns_fields()[field].type == MNS_F64 ? particles_element(s, field, d, i) : NULL;
 }
 
 /* The effect of a term on particle i; what the particle had is put back. */
@@ -92,7 +91,7 @@ static const char *blame(MnsSim *sim, size_t i, bool density)
     const char *name = density ? "density" : projects && most == 0 ? "pressure" : "gravity";
     Row *row = array_new(1, sizeof *row); /* aligned */
     if (!row) return "unknown";
-    const unsigned needs = scheme_needs(sim->scheme);
+    const unsigned needs = scheme_needs(sim->scheme, model);
     neighbours_refresh(&sim->nb, &sim->s, model, needs);
     const RowPlan plan = row_plan(&sim->nb, &sim->s, model, needs, ROW_LISTED);
     row_build(row, &plan, i);

@@ -38,14 +38,32 @@ static size_t slot_of(int field, int d)
     return SLOTS[field] + (size_t)d * sizeof(void *);
 }
 
-void *particles_field(const Particles *s, int field, int d)
+static void *pointer_of(const Particles *s, int field, int d)
 {
     void *pointer = NULL;
     if (d < FIELDS[field].components) memcpy(&pointer, (const char *)s + slot_of(field, d), sizeof pointer);
     return pointer;
 }
 
+void *particles_field(const Particles *s, int field, int d)
+{
+    return s->housed >> field & 1 ? NULL : pointer_of(s, field, d);
+}
+
+void *particles_element(const Particles *s, int field, int d, size_t i)
+{
+    char *first = pointer_of(s, field, d);
+    const size_t step = field == F_NORMAL ? s->normal_step : field == F_GRADIENT ? s->gradient_step : 1;
+    return first ? first + i * step * field_size(&FIELDS[field]) : NULL;
+}
+
 void particles_set_field(Particles *s, int field, int d, void *array)
 {
     memcpy((char *)s + slot_of(field, d), &array, sizeof array);
+}
+
+void particles_set_step(Particles *s, int field, size_t step)
+{
+    if (field == F_NORMAL) s->normal_step = step;
+    if (field == F_GRADIENT) s->gradient_step = step;
 }

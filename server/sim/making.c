@@ -39,7 +39,7 @@ static double neighbours_need(const MnsSim *sim, size_t n)
 {
     Neighbours nb;
     const Model *model = &sim->model;
-    if (neighbours_init(&nb, 0, model->dim, scheme_needs(sim->scheme), sim->threads, NULL)) return INFINITY;
+    if (neighbours_init(&nb, 0, model->dim, scheme_needs(sim->scheme, model), sim->threads, NULL)) return INFINITY;
     nb.n = n;
     nb.start_capacity = GROUPS * grid_cells_most(model, model->kernel.support + model->skin, n);
     const double bytes = (double)neighbours_bytes(&nb);

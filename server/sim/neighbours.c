@@ -198,7 +198,7 @@ MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, Mns
     if (!reserve(nb, keys)) return mns_fail(error, MNS_E_MEMORY, "no memory for a grid of %zu cells", grid.cells);
     nb->grid = grid;
     /* The bundles are out of date afterwards; meanwhile there is room in them for the sort. */
-    void *room = nb->bundles.bundle[0].data;
+    void *room = nb->bundles.data[0];
     particles_permute(s, sort_by_cell(s, &grid, nb->start, nb->counts, room, nb->threads), nb->threads);
     clear_ends(nb);
     const Trouble trouble = search_all(nb, s, model, &grid, distance);

@@ -22,9 +22,6 @@ INLINE double *place(Block *block, int what)
     case CARRIED_P: return block->p;
     case CARRIED_VOLUME: return block->V;
     case CARRIED_Z: return block->z;
-    case CARRIED_Q:
-    case CARRIED_Q + 1:
-    case CARRIED_Q + 2: return block->q[what - CARRIED_Q];
     case CARRIED_SHEPARD: return block->shepard;
     case CARRIED_GRADIENT:
     case CARRIED_GRADIENT + 1:
@@ -46,7 +43,7 @@ INLINE bool bundle_has(int dim, int k, int what)
 INLINE void fetch_bundle(Block *block, const uint32_t *j, const Bundles *bundles, int k, How how)
 {
     const uint8_t *what = BUNDLE_LAYOUT[how.dim - 2][k];
-    how.fetch(bundles->bundle[k].data, j, place(block, what[0]), place(block, what[1]), place(block, what[2]),
+    how.fetch(bundles->data[k], j, place(block, what[0]), place(block, what[1]), place(block, what[2]),
               place(block, what[3]));
 }
 
@@ -56,7 +53,6 @@ INLINE void fetch_rest(Block *block, const uint32_t *j, const Bundles *bundles, 
     if (needs & bundle_meets(how.dim, 1)) fetch_bundle(block, j, bundles, 1, how);
     if (needs & bundle_meets(how.dim, 2)) fetch_bundle(block, j, bundles, 2, how);
     if (needs & bundle_meets(how.dim, 3)) fetch_bundle(block, j, bundles, 3, how);
-    if (needs & bundle_meets(how.dim, 4)) fetch_bundle(block, j, bundles, 4, how);
 }
 
 INLINE void fetch_block(Block *block, const uint32_t *j, const Bundles *bundles, unsigned needs, How how)

@@ -43,7 +43,7 @@ static MnsStatus allocate(Particles *s, bool mirrored, int threads, const MnsMak
 MnsStatus particles_init(Particles *s, int dim, size_t n_phases, const size_t sizes[GROUPS], Fields fields,
                          bool mirrored, int threads, const MnsMaking *making, MnsError *error)
 {
-    *s = (Particles){.dim = dim, .n_phases = n_phases, .fields = fields};
+    *s = (Particles){.dim = dim, .n_phases = n_phases, .fields = fields, .normal_step = 1, .gradient_step = 1};
     for (int g = 0; g < GROUPS; g++) s->begin[g + 1] = s->begin[g] + sizes[g];
     s->n = s->begin[GROUPS];
     const MnsStatus status = allocate(s, mirrored, threads, making, error);
@@ -133,10 +133,23 @@ static void permute_field(Particles *s, int f, int d, const uint32_t *order, int
     }
 }
 
+static void permute_housed(Particles *s, int f, int d, const uint32_t *order, int threads)
+{
+    double *restrict room = s->rate, *restrict first = particles_element(s, f, d, 0);
+    const size_t step = f == F_NORMAL ? s->normal_step : s->gradient_step, n = s->n;
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (size_t k = 0; k < n; k++) room[k] = first[order[k] * step];
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (size_t k = 0; k < n; k++) first[k * step] = room[k];
+}
+
 void particles_permute(Particles *s, const uint32_t *from, int threads)
 {
     for (int f = 0; mns_fields()[f].name; f++)
-        for (int d = 0; d < components(s, f); d++) permute_field(s, f, d, from, threads);
+        for (int d = 0; d < components(s, f); d++) {
+            if (s->housed >> f & 1) permute_housed(s, f, d, from, threads);
+            else permute_field(s, f, d, from, threads);
+        }
     const size_t first = particles_fluid(s), n_wall = s->n - first;
     for (size_t a = 0; a < s->n_phases; a++) {
         double *to = s->rate;
@@ -151,6 +164,7 @@ void particles_permute(Particles *s, const uint32_t *from, int threads)
 size_t particles_bytes(const Particles *s)
 {
     size_t each = sizeof *s->rate;
-    for (int f = 0; mns_fields()[f].name; f++) each += field_size(&mns_fields()[f]) * (size_t)components(s, f);
+    for (int f = 0; mns_fields()[f].name; f++)
+        if (!(s->housed >> f & 1)) each += field_size(&mns_fields()[f]) * (size_t)components(s, f);
     return each * s->n + (s->n - particles_fluid(s)) * sizeof(double) * (s->n_phases + (s->v_wall[0] ? 3 : 0));
 }

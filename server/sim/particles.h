@@ -5,6 +5,7 @@
 #define SIM_PARTICLES_H
 
 #include "sim/field.h"
+#include "sim/model.h"
 
 /* Groups are contiguous. They differ in how the density is found, so that no loop over particles asks. */
 typedef enum Group { GROUP_CONTINUITY, GROUP_SUMMATION, GROUP_WALL, GROUPS } Group;
@@ -34,13 +35,33 @@ typedef struct Particles {
     /* [n] within a step: of continuity d rho/dt, of summation the sum of W; between steps work space to permute */
     double *rate;
     struct System
-        *system; /* for the pressure, of schemes that project (solve/solve.h); NULL of others. Not theirs to free */
-    Fields changed[GROUPS]; /* since the neighbours' copies were last made (bundle.h) */
+        *system;   /* for the pressure, of schemes that project (solve/solve.h); NULL of others. Not theirs to free */
+    Fields housed; /* that are in bundles and nowhere else (home.h) */
+    size_t normal_step, gradient_step; /* from a particle's to the next one's */
+    Fields made;                       /* that are made where they are asked for */
+    Fields changed[GROUPS];            /* since the neighbours' copies were last made (bundle.h) */
 } Particles;
 
 static inline size_t particles_fluid(const Particles *s)
 {
     return s->begin[GROUP_WALL];
+}
+
+/* Volume and impedance are stored by nobody who can make them of density and mass; tests give particles arrays of them. Neighbours' are in
+ * bundles. */
+static const Fields MADE_FIELDS = FIELD(VOL) | FIELD(Z);
+
+static inline double particles_volume(const Particles *s, const Model *model, size_t i)
+{
+    if (s->vol) return s->vol[i];
+    return i < particles_fluid(s) ? s->m[i] / s->rho[i] : model->wall_volume;
+}
+
+/* Walls have none. */
+static inline double particles_impedance(const Particles *s, const Model *model, size_t i)
+{
+    if (s->z) return s->z[i];
+    return i < particles_fluid(s) ? s->rho[i] * model->phase[s->phase[i]].c : 0;
 }
 
 /* Whoever writes fields of these groups (ON_FLUID ...) says so. Passes do it for terms and local rules. */
@@ -63,9 +84,13 @@ MnsStatus particles_add(Particles *s, Fields fields, int threads, MnsError *erro
 /* Give up the fields that are not among these. */
 void particles_keep(Particles *s, Fields fields);
 
-/* Component d of a field of mns_fields(); NULL where there is none. */
+/* Component d of a field of mns_fields(), one number after the other; NULL where there is none, or none that is stored so. */
 void *particles_field(const Particles *s, int field, int d);
+
+/* That of particle i, wherever it is stored; NULL where there is none. */
+void *particles_element(const Particles *s, int field, int d, size_t i);
 void particles_set_field(Particles *s, int field, int d, void *array); /* one that there is */
+void particles_set_step(Particles *s, int field, size_t step);         /* of one that is housed */
 size_t field_size(const MnsFieldInfo *field);                          /* bytes of an element */
 
 /* New storage order: what was at from[k] comes to k. Groups must stay where they are. */

@@ -19,12 +19,15 @@ typedef struct Block {
     double F[LANES];                     /* (1/r) dW/dr: grad_i W = F x       m^-dim-2   */
     double v[3][LANES];                  /* v_j                               m/s        */
     double p[LANES], V[LANES], z[LANES]; /* of j             Pa, m^dim, kg/(m^2 s) */
-    double q[3][LANES];                  /* m_j w_j, 0 without a stress       kg m/s     */
     double shepard[LANES];               /* 1 / sum of W V of j               1          */
     double gradient[3][LANES];           /* pressure gradient of j            Pa/m       */
     double normal[3][LANES];             /* interface normal of j, or 0       1          */
     double other[LANES];                 /* 1 if j is of another fluid, else 0; of mixed rows */
 } Block;
+
+/* Component d of m_j w_j [kg m/s], 0 without a stress: it is in the place that carried_flux() says. */
+#define FLUX_OF(block, d, dim)                                                                                         \
+    ((dim) == 2 ? (block)->normal[d] : (d) < 2 ? (block)->gradient[(d) + 1] : (block)->shepard)
 
 typedef struct Row {
     size_t i;               /* the particle                                */
@@ -130,7 +133,7 @@ INLINE Pair block_pair(const Block *b, int l, How how)
     for (int d = 0; d < how.dim; d++) {
         pair.x[d] = b->x[d][l];
         pair.v[d] = b->v[d][l];
-        pair.q[d] = b->q[d][l];
+        pair.q[d] = FLUX_OF(b, d, how.dim)[l];
         pair.gradient[d] = b->gradient[d][l];
         pair.normal[d] = b->normal[d][l];
     }

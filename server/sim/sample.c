@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Kernel averages at points.                                                                                    P3 eq. 21 */
 #include "sim/sample.h"
+#include "sim/shown.h"
 #include <math.h>
 
 _Static_assert(EVERY_FLUID >> (MNS_MAX_FLUIDS - 1) == 1, "a bit for each fluid");
@@ -46,7 +47,7 @@ static void measure(const Sampler *q, size_t first, size_t n, double *restrict r
 static void add(Sampler *q, size_t j, double W)
 {
     const Particles *s = &q->sim->s;
-    const double weight = W * s->vol[j];
+    const double weight = W * particles_volume(s, &q->sim->model, j);
     q->sums.all += weight;
     if (j >= particles_fluid(s)) return;
     q->sums.fluid += weight;
@@ -119,7 +120,7 @@ void mns_sim_sample(const MnsSim *sim, int field, int d, size_t n, const double 
     const bool known = info->type == MNS_F64 && d < info->components;
     if (known)
         for (int k = 0; k < sim->s.dim && k < info->components; k++)
-            f[k] = particles_field(&sim->s, field, magnitude || info->components == 1 ? k : d);
+            f[k] = shown_field(sim, field, magnitude || info->components == 1 ? k : d);
     const int components = magnitude ? sim->s.dim : 1;
 #pragma omp parallel for schedule(dynamic, 16) num_threads(sim->threads)
     for (size_t k = 0; k < n; k++) {

@@ -24,7 +24,7 @@ static Fields written(const Local *const *locals, const Model *model)
     return fields;
 }
 
-Fields scheme_fields(const Scheme *scheme, const Model *model)
+static Fields all_fields(const Scheme *scheme, const Model *model)
 {
     Fields fields = scheme->state | scheme->derive->writes | scheme->integrator->works;
     for (int p = 0; p < SCHEME_PASSES_MAX && scheme->rates[p].name; p++) {
@@ -36,11 +36,24 @@ Fields scheme_fields(const Scheme *scheme, const Model *model)
     return fields;
 }
 
-unsigned scheme_needs(const Scheme *scheme)
+Fields scheme_fields(const Scheme *scheme, const Model *model)
+{
+    return all_fields(scheme, model) & ~MADE_FIELDS;
+}
+
+Fields scheme_made(const Scheme *scheme, const Model *model)
+{
+    return all_fields(scheme, model) & MADE_FIELDS;
+}
+
+unsigned scheme_needs(const Scheme *scheme, const Model *model)
 {
     unsigned needs = 0;
     for (int p = 0; p < SCHEME_PASSES_MAX && scheme->rates[p].name; p++)
-        for (int k = 0; k < PASS_TERMS_MAX && scheme->rates[p].terms[k]; k++) needs |= scheme->rates[p].terms[k]->needs;
+        for (int k = 0; k < PASS_TERMS_MAX && scheme->rates[p].terms[k]; k++) {
+            const Term *term = scheme->rates[p].terms[k];
+            if (!term->needed || term->needed(model)) needs |= term->needs;
+        }
     return needs;
 }
 

@@ -94,11 +94,13 @@ typedef struct Scheme {
 
 extern const Scheme scheme_riemann, scheme_dissipation, scheme_interfacial, scheme_incompressible, scheme_differences;
 
-/* All fields that its particles have with these options: a term or a rule that is not needed writes nothing. */
+/* All fields that its particles have with these options: a term or a rule that is not needed writes nothing. Those that are stored, and those
+ * that are made where they are asked for. */
 Fields scheme_fields(const Scheme *scheme, const Model *model);
+Fields scheme_made(const Scheme *scheme, const Model *model);
 
-/* All that its terms need of pairs. */
-unsigned scheme_needs(const Scheme *scheme);
+/* All that its terms need of pairs, with these options. */
+unsigned scheme_needs(const Scheme *scheme, const Model *model);
 
 /* By name; NULL if there is none. */
 const Scheme *scheme_find(const char *name);

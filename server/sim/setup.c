@@ -100,7 +100,7 @@ static const char *list_fields(Fields fields, size_t size, char text[])
 
 MnsStatus setup_probes(const MnsSim *sim, const MnsCase *c, MnsError *error)
 {
-    const Fields fields = scheme_fields(sim->scheme, &sim->model);
+    const Fields fields = scheme_fields(sim->scheme, &sim->model) | scheme_made(sim->scheme, &sim->model);
     for (size_t k = 0; k < c->n_probes; k++) {
         const MnsProbe *probe = &c->probes[k];
         const ProbeKind *kind = probe_kind(probe);

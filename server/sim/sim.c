@@ -2,9 +2,11 @@
 /* A simulation from the outside: make it, step it, steer it, free it. Read this file first. */
 #include "base/array.h"
 #include "sim/chambers.h"
+#include "sim/home.h"
 #include "sim/integrator.h"
 #include "sim/limits.h"
 #include "sim/making.h"
+#include "sim/shown.h"
 #include "sim/terms/terms.h"
 #include <omp.h>
 #include <stdlib.h>
@@ -47,14 +49,18 @@ static MnsStatus projection_init(MnsSim *sim, MnsError *error)
 static MnsStatus sim_init(MnsSim *sim, const MnsCapture *capture, MnsError *error)
 {
     MnsStatus status = setup_model(sim, error);
+    if (!status && !(sim->shown = calloc(1, sizeof *sim->shown)))
+        status = mns_fail(error, MNS_E_MEMORY, "no memory for a simulation");
     if (!status && !(sim->partial = array_new(sim_blocks(particles_fluid(&sim->s)), sizeof *sim->partial)))
         status = mns_fail(error, MNS_E_MEMORY, "no memory for a simulation");
     if (!status && sim->scheme->projects) status = projection_init(sim, error);
     if (!status)
-        status = neighbours_init(&sim->nb, sim->s.n, sim->s.dim, scheme_needs(sim->scheme), sim->threads, error);
+        status = neighbours_init(&sim->nb, sim->s.n, sim->s.dim, scheme_needs(sim->scheme, &sim->model), sim->threads,
+                                 error);
     if (!status) status = making_goes_on(&sim->making, error);
     if (!status) status = capture ? mns_sim_restore(sim, capture, error) : integrator_start(sim, error);
     if (!status && !capture && sim->scheme->projects) status = chambers_check(sim, error);
+    if (!status) home_enter(&sim->s, &sim->nb.bundles, sim->scheme, &sim->model, sim->threads);
     if (!status) status = making_goes_on(&sim->making, error);
     if (!status) status = plan_check(sim, sim->c, error); /* again, now that speeds are known */
     if (!status) plan_look(sim);
@@ -105,6 +111,9 @@ void mns_sim_free(MnsSim *sim)
     }
     for (size_t k = 0; k < MNS_MAX_PROBES; k++) formula_team_done(&sim->probe_formula[k]);
     free(sim->face);
+    for (int f = 0; sim->shown && f < FIELDS_END; f++)
+        for (int d = 0; d < 3; d++) free(sim->shown->of[f][d]);
+    free(sim->shown);
     free(sim->partial);
     system_done(&sim->system);
     neighbours_done(&sim->nb);
@@ -234,7 +243,12 @@ size_t mns_sim_bytes(const MnsSim *sim)
 
 const void *mns_sim_field(const MnsSim *sim, int field, int d)
 {
-    return particles_field(&sim->s, field, d);
+    return shown_field(sim, field, d);
+}
+
+uint64_t mns_sim_fields(const MnsSim *sim)
+{
+    return shown_fields(sim);
 }
 
 const MnsTimer *mns_sim_timers(const MnsSim *sim, size_t *ret_n)

@@ -19,6 +19,11 @@ typedef struct Solved {
     double residual, density_error;                       /* what is left, relative */
 } Solved;
 
+/* Fields that somebody has asked for and that are not stored. */
+typedef struct Shown {
+    double *of[FIELDS_END][3]; /* [n]; NULL: not asked for yet */
+} Shown;
+
 struct MnsSim {
     const MnsCase *c; /* borrowed */
     const Scheme *scheme;
@@ -39,8 +44,9 @@ struct MnsSim {
     struct {
         double largest, capillary; /* radius of the largest [m]; greatest sigma / R [Pa] */
     } drops[MNS_MAX_FLUIDS];       /* of each fluid, where it starts as drops or bubbles */
-    double *partial;               /* [sim_blocks(fluid)] work space of sums over the fluid */
-    System system;                 /* for the pressure, of schemes that project */
+    Shown *shown;
+    double *partial; /* [sim_blocks(fluid)] work space of sums over the fluid */
+    System system;   /* for the pressure, of schemes that project */
     Solved solved;
     const char *solver;   /* the method by which the last system was solved; NULL: none was yet */
     uint64_t uncorrected; /* steps after which a number density was off by more than its tolerance */

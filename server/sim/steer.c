@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Adopt the steerable entries of a case. All that particles, lists and formulas were made from must be as it was; what is new
  * is made first and taken into use last, so that a refused change changes nothing. */
+#include "sim/home.h"
 #include "sim/integrator.h"
 #include "sim/motion.h"
 #include <math.h>
@@ -136,19 +137,31 @@ static MnsStatus compile_gravity(const MnsCase *c, double t, Formula *fresh[3], 
     return status;
 }
 
-/* Lists for another number of threads, built from the same positions: no particle moves. */
-static MnsStatus build_lists(MnsSim *sim, int threads, Neighbours *fresh, MnsError *error)
-{
-    const MnsStatus status = neighbours_init(fresh, sim->s.n, sim->s.dim, scheme_needs(sim->scheme), threads, error);
-    return status ? status : neighbours_build(fresh, &sim->s, &sim->model, error);
-}
-
-/* Room for what terms write that were not needed before. */
-static MnsStatus add_fields(MnsSim *sim, const MnsCase *c, MnsError *error)
+/* With the options of c. */
+static Model model_of(const MnsSim *sim, const MnsCase *c)
 {
     Model model = sim->model;
     sim->scheme->options(&model, c);
-    return particles_add(&sim->s, scheme_fields(sim->scheme, &model), sim->threads, error);
+    return model;
+}
+
+/* Lists for another number of threads, built from the same positions: no particle moves. */
+static MnsStatus build_lists(MnsSim *sim, const MnsCase *c, int threads, Neighbours *fresh, MnsError *error)
+{
+    const Model model = model_of(sim, c);
+    const MnsStatus status =
+        neighbours_init(fresh, sim->s.n, sim->s.dim, scheme_needs(sim->scheme, &model), threads, error);
+    return status ? status : neighbours_build(fresh, &sim->s, &sim->model, error);
+}
+
+/* Room for what terms write and ask their neighbours for that were not needed before. */
+static MnsStatus add_fields(MnsSim *sim, const MnsCase *c, MnsError *error)
+{
+    const Model model = model_of(sim, c);
+    const MnsStatus status = particles_add(&sim->s, scheme_fields(sim->scheme, &model), sim->threads, error);
+    if (status || bundles_add(&sim->nb.bundles, sim->s.n, scheme_needs(sim->scheme, &model), sim->threads))
+        return status;
+    return mns_fail(error, MNS_E_MEMORY, "no memory for %zu particles", sim->s.n);
 }
 
 /* Can the rest of the run be done with the new options, the new gravity and the new end, and be measured? A probe that can go on by what
@@ -168,7 +181,9 @@ static MnsStatus affordable(MnsSim *sim, const MnsCase *c, Formula *const gravit
  * follows from the state is found again. */
 static MnsStatus refuse(MnsSim *sim, MnsStatus status, Fields fields, bool sorted)
 {
+    home_enter(&sim->s, &sim->nb.bundles, sim->scheme, &sim->model, sim->threads);
     particles_keep(&sim->s, fields);
+    bundles_keep(&sim->nb.bundles, scheme_needs(sim->scheme, &sim->model));
     if (sorted) integrator_derive(sim);
     return status;
 }
@@ -204,9 +219,11 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
     Neighbours lists = {0};
     Formula *gravity[3] = {0};
     MnsStatus status = check_change(sim, c, gravity, error);
+    if (!status && !home_leave(&sim->s, sim->threads))
+        status = mns_fail(error, MNS_E_MEMORY, "no memory for %zu particles", sim->s.n);
     if (!status) status = add_fields(sim, c, error);
     const bool sorts = !status && threads != sim->threads;
-    if (sorts) status = build_lists(sim, threads, &lists, error);
+    if (sorts) status = build_lists(sim, c, threads, &lists, error);
     if (status) {
         free_gravity(gravity);
         neighbours_done(&lists);
@@ -227,5 +244,6 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
     setup_at(sim, sim->progress.t, sim->progress.dt, 0);
     /* Pressures at walls know of gravity, and a restart from here would find them by the new one. */
     integrator_derive(sim);
+    home_enter(&sim->s, &sim->nb.bundles, sim->scheme, &sim->model, sim->threads);
     return MNS_OK;
 }

@@ -43,7 +43,8 @@ static void lattice_is_stretched_to_the_domain_and_continued_into_walls(void **s
                 assert_true(within || i >= inside);
             }
         for (size_t i = 0; i < inside; i++) assert_close(s->m[i], 5 * 1.012 * pow(0.1, dim), 1e-15);
-        for (size_t i = inside; i < s->n; i++) assert_close(s->vol[i], 1.012 * pow(0.1, dim), 1e-15);
+        for (size_t i = inside; i < s->n; i++)
+            assert_close(particles_volume(s, &sim->model, i), 1.012 * pow(0.1, dim), 1e-15);
         sim_done(sim, c);
     }
 }

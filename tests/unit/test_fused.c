@@ -287,7 +287,17 @@ static void assert_same_pair(Pair a, const Pair *b, bool beyond)
         if (!(x[k] == y[k])) fail_msg("%g and %g at %zu of a pair", x[k], y[k], k);
 }
 
-/* Pairs of a row, those that were fetched, and those of blocks that were approached; returns whether any carries a flux. */
+/* A pair of a row has what is in the place of arrows as both. */
+static Pair of_needs(Pair pair, unsigned needs)
+{
+    for (int d = 0; d < 3; d++) {
+        if (!(needs & NEED_FLUX)) pair.q[d] = 0;
+        if (!(needs & NEED_NORMAL)) pair.normal[d] = 0;
+    }
+    return pair;
+}
+
+/* Pairs of a row, those that were fetched, and those of blocks that were approached; returns whether any carries a flux or a normal. */
 static bool compare_pairs(const RowPlan *plan, const Row *row, How how)
 {
     uint32_t j[PICKED_MAX];
@@ -300,27 +310,27 @@ static bool compare_pairs(const RowPlan *plan, const Row *row, How how)
     for (size_t b = 0; b < picked.n; b++) {
         const double *beyond = beyond_reach(plan, &picked, b);
         approach(ahead, b + 1, plan, &picked, j, x, how);
-        fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEED_ALL, how);
-        fetch_rest(&rest, j + b * LANES, &plan->nb->bundles, NEED_ALL, how);
+        fetch_block(&block, j + b * LANES, &plan->nb->bundles, plan->needs, how);
+        fetch_rest(&rest, j + b * LANES, &plan->nb->bundles, plan->needs, how);
         for (int l = 0; l < LANES; l++) {
-            const Pair laid = block_pair(&row->block[b], l, how),
-                       fetched = fetched_pair(&block, l, beyond, x, plan, NEED_ALL, how),
-                       near = near_pair(&ahead[b % 2], &rest, l, plan, NEED_ALL, how);
+            const Pair laid = of_needs(block_pair(&row->block[b], l, how), plan->needs),
+                       fetched = fetched_pair(&block, l, beyond, x, plan, plan->needs, how),
+                       near = near_pair(&ahead[b % 2], &rest, l, plan, plan->needs, how);
             assert_same_pair(fetched, &laid, beyond[l] > 0);
             assert_same_pair(near, &laid, beyond[l] > 0);
-            carries |= fabs(near.q[0]) > 0;
+            carries |= fabs(near.q[0]) > 0 || fabs(near.normal[0]) > 0;
         }
     }
     return carries;
 }
 
-/* A row has fluxes only where some neighbour is of summed density. */
+/* With fluxes or with normals, which have one place. A row has fluxes only where some neighbour is of summed density. */
 static void pairs_are_the_same_however_they_are_come_by(void **state)
 {
     (void)state;
     static Row row;
+    static const unsigned forms[] = {NEED_ALL & ~NEED_NORMAL, NEED_ALL & ~NEED_FLUX, NEED_ALL & ~NEED_NORMAL};
     for (int dim = 2; dim <= 3; dim++) {
-        bool carries = false;
         Cloud *cloud = stirred(dim, MNS_QUINTIC_SPLINE, true);
         Particles *s = &cloud->s;
         uint64_t seed = 12;
@@ -332,16 +342,52 @@ static void pairs_are_the_same_however_they_are_come_by(void **state)
                 s->normal[d][i] = cloud_noise(&seed);
             }
         particles_changed(s, ON_ALL, ALL_FIELDS);
-        neighbours_refresh(&cloud->nb, s, &cloud->model, NEED_ALL);
-        const RowPlan plan = row_plan(&cloud->nb, s, &cloud->model, NEED_ALL, ROW_LISTED);
-        const How how = {dim, BASE_FUSES, fetch_quads, true, kernel_shape_of(cloud->model.kernel.type)};
-        for (size_t i = 0; i < particles_fluid(s); i++) {
-            row_build(&row, &plan, i);
-            if (row.summed) carries |= compare_pairs(&plan, &row, how);
+        for (size_t k = 0; k < sizeof forms / sizeof *forms; k++) {
+            bool carries = false;
+            neighbours_refresh(&cloud->nb, s, &cloud->model, forms[k]);
+            const RowPlan plan = row_plan(&cloud->nb, s, &cloud->model, forms[k], ROW_LISTED);
+            const How how = {dim, BASE_FUSES, fetch_quads, true, kernel_shape_of(cloud->model.kernel.type)};
+            for (size_t i = 0; i < particles_fluid(s); i++) {
+                row_build(&row, &plan, i);
+                if (row.summed) carries |= compare_pairs(&plan, &row, how);
+            }
+            assert_true(carries);
         }
-        assert_true(carries);
         cloud_free(cloud);
     }
+}
+
+/* Places of what has changed are made again and no others: what follows a change of each field alone is what is made of all. */
+static void bundles_are_what_fields_are_after_any_change(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int f = 0; f < FIELDS_END; f++)
+            for (unsigned without = NEED_FLUX; without != 0; without = without == NEED_FLUX ? NEED_NORMAL : 0) {
+                const unsigned needs = NEED_ALL & ~without;
+                Cloud *cloud = stirred(dim, MNS_QUINTIC_SPLINE, true);
+                Particles *s = &cloud->s;
+                uint64_t seed = 9;
+                Bundles fresh;
+                assert_true(bundles_init(&fresh, s->n, dim, NEED_ALL, 1));
+                neighbours_refresh(&cloud->nb, s, &cloud->model, NEED_ALL & ~(without ^ (NEED_FLUX | NEED_NORMAL)));
+                neighbours_refresh(&cloud->nb, s, &cloud->model, needs);
+                for (int d = 0; d < dim && mns_fields()[f].type == MNS_F64; d++) {
+                    double *array = particles_field(s, f, d);
+                    for (size_t i = s->begin[1]; array && i < s->begin[2]; i++) array[i] = 1 + cloud_noise(&seed);
+                }
+                particles_changed(s, ON_SUMMATION, UINT64_C(1) << f);
+                neighbours_refresh(&cloud->nb, s, &cloud->model, needs);
+                bundles_refresh(&fresh, s, &cloud->model, needs, 1);
+                for (int k = 0; k < (dim == 3 ? 4 : 3); k++)
+                    for (size_t i = 0; i < s->n; i++)
+                        for (int c = 0; c < 4; c++)
+                            if (!(fresh.data[k][i][c] == cloud->nb.bundles.data[k][i][c]))
+                                fail_msg("%s: %g, not %g, at %d of bundle %d", mns_fields()[f].name,
+                                         cloud->nb.bundles.data[k][i][c], fresh.data[k][i][c], c, k);
+                bundles_done(&fresh);
+                cloud_free(cloud);
+            }
 }
 
 /* --- marks ------------------------------------------------------------------------------------------------------------ */
@@ -397,6 +443,7 @@ int main(void)
         cmocka_unit_test(fused_terms_have_the_bits_of_single_ones),
         cmocka_unit_test(what_is_fused_for_some_particles_has_the_bits_of_rows),
         cmocka_unit_test(pairs_are_the_same_however_they_are_come_by),
+        cmocka_unit_test(bundles_are_what_fields_are_after_any_change),
         cmocka_unit_test(marks_are_used_only_where_they_were_noted),
     };
     return cmocka_run_group_tests_name("fused", tests, NULL, NULL);

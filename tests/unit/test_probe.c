@@ -230,9 +230,9 @@ static void coverage_of_a_lattice_is_its_sum_and_a_void_is_seen(void **state)
             double r2 = 0, W = 0, F = 0;
             for (int d = 0; d < dim; d++) r2 += (sim->s.x[d][i] - at) * (sim->s.x[d][i] - at);
             const double r = sqrt(r2);
-            if (r < 1.5 / 12) sim->s.vol[i] = 0;
+            if (r < 1.5 / 12) sim->s.m[i] = 0;
             kernel_eval(&sim->model.kernel, 1, &r, &W, &F);
-            left += W * sim->s.vol[i];
+            left += W * particles_volume(&sim->s, &sim->model, i);
         }
         assert_true(left < 0.5 * whole);
         assert_close(mns_sim_probe(sim, 0), left, 1e-12);
@@ -270,7 +270,7 @@ static void coverage_reaches_to_the_walls_of_a_filled_domain(void **state)
         assert_close(mns_sim_probe(sim, 0), 1, 0.001);
         const size_t corner = nth_of(sim, 0, 0);
         assert_true(sim->s.x[0][corner] < 0.05 && sim->s.x[1][corner] < 0.05);
-        sim->s.vol[corner] = 0;
+        sim->s.m[corner] = 0; /* it takes up none of the space */
         if (filled) assert_true(mns_sim_probe(sim, 0) < 0.7);
         else assert_close(mns_sim_probe(sim, 0), 1, 0.001); /* its sides may be open */
         sim_done(sim, c);
@@ -458,10 +458,11 @@ static PointSums sums_over_all(const MnsSim *sim, const double x[3], double radi
         const double r = sqrt(r2);
         if (!(r < kernel.support)) continue;
         kernel_eval(&kernel, 1, &r, &W, &F);
-        sums.all += W * s->vol[j];
+        const double weight = W * particles_volume(s, &sim->model, j);
+        sums.all += weight;
         if (j >= particles_fluid(s)) continue;
-        sums.fluid += W * s->vol[j];
-        sums.value += W * s->vol[j] * f[j];
+        sums.fluid += weight;
+        sums.value += weight * f[j];
     }
     return sums;
 }

@@ -48,11 +48,11 @@ static void push(MnsSim *sim, double dt, const double gravity[3])
 static double density_error(const MnsSim *sim)
 {
     const Particles *s = &sim->s;
-    const double *restrict V = s->vol, nominal = sim->model.wall_volume;
+    const double nominal = sim->model.wall_volume;
     double most = 0;
 #pragma omp parallel for schedule(static) reduction(max : most) num_threads(sim->threads)
     for (size_t i = 0; i < particles_fluid(s); i++) {
-        const double error = fabs(nominal / V[i] - 1);
+        const double error = fabs(nominal / particles_volume(s, &sim->model, i) - 1);
         most = error > most ? error : most;
     }
     return most;

@@ -11,20 +11,29 @@
 #include <omp.h>
 #include <string.h>
 
+/* Velocities of before are kept where accelerations were, which nobody asks for until there are new ones. */
 static void push(MnsSim *sim, double dt)
 {
     Particles *s = &sim->s;
     const size_t n = particles_fluid(s);
     for (int d = 0; d < s->dim; d++) {
-        double *restrict v = s->v[d], *restrict v0 = s->v0[d];
-        const double *restrict a = s->a[d];
+        double *restrict v = s->v[d], *restrict a = s->a[d];
 #pragma omp parallel for simd schedule(static) num_threads(sim->threads)
         for (size_t i = 0; i < n; i++) {
-            v0[i] = v[i];
+            const double before = v[i];
             v[i] += dt * a[i];
+            a[i] = before;
         }
     }
-    particles_changed(s, ON_FLUID, FIELD(V) | FIELD(V0));
+    particles_changed(s, ON_FLUID, FIELD(V) | FIELD(A));
+}
+
+/* Of a step that failed before there were new accelerations: what is shown are those of before once more. */
+static void show_accelerations(MnsSim *sim, double dt)
+{
+    Particles *s = &sim->s;
+    for (int d = 0; d < s->dim; d++)
+        for (size_t i = 0; i < particles_fluid(s); i++) s->a[d][i] = (s->v[d][i] - s->a[d][i]) / dt;
 }
 
 static void drift(MnsSim *sim, double dt)
@@ -33,7 +42,7 @@ static void drift(MnsSim *sim, double dt)
     const size_t n = particles_fluid(s);
     for (int d = 0; d < s->dim; d++) {
         double *restrict x = s->x[d];
-        const double *restrict v = s->v[d], *restrict v0 = s->v0[d];
+        const double *restrict v = s->v[d], *restrict v0 = s->a[d];
 #pragma omp parallel for simd schedule(static) num_threads(sim->threads)
         for (size_t i = 0; i < n; i++) x[i] += 0.5 * dt * (v0[i] + v[i]);
     }
@@ -148,23 +157,33 @@ static MnsStatus project(MnsSim *sim, double dt, MnsError *error)
     return status;
 }
 
-static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
+/* To where the rates are found. */
+static MnsStatus move(MnsSim *sim, double t, double dt, bool *ret_well, MnsError *error)
 {
-    sim->model.dt = dt;
-    push(sim, dt);
     MnsStatus status = project(sim, dt, error);
     if (status) return status;
     const double start = omp_get_wtime();
     drift(sim, dt);
-    bool well = integrator_look(sim);
+    *ret_well = integrator_look(sim);
     sim->progress.guarded += integrator_walls(sim, t, dt, 0);
     integrator_clock(sim, TIMER_DRIFT, start);
     status = integrator_lists(sim, error);
     if (status) return status;
     sim->model.v_max = sim->v_max;
     integrator_pass(sim, PASS_SPACING);
-    status = integrator_lists(sim, error);
-    if (status) return status;
+    return integrator_lists(sim, error);
+}
+
+static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
+{
+    bool well = true;
+    sim->model.dt = dt;
+    push(sim, dt);
+    const MnsStatus status = move(sim, t, dt, &well, error);
+    if (status) {
+        show_accelerations(sim, dt);
+        return status;
+    }
     integrator_rates(sim, PASS_SHAPE);
     well = integrator_look(sim) && well;
     return well ? MNS_OK : fault_particle(sim, error);
@@ -175,5 +194,4 @@ const Integrator single_projection = {
     .source = "P5 eq. 20-25",
     .equation = "u' = u + dt a - dt grad p/rho;  x += dt/2 (u + u');  shift;  rates",
     .step = step,
-    .works = FIELD(V0),
 };

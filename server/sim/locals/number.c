@@ -3,21 +3,19 @@
  * the equations use is that of reference. */
 #include "sim/locals/locals.h"
 
-static void number(Particles *s, const Model *model, size_t first, size_t last)
-{
-    (void)model;
-#pragma omp simd
-    for (size_t i = first; i < last; i++) {
-        s->rho[i] = s->m[i] * s->rate[i];
-        s->vol[i] = volume_of(s, i);
-    }
-}
-
 static void volumes(Particles *s, const Model *model, size_t first, size_t last)
 {
     (void)model;
+    if (!s->vol) return; /* made where it is asked for */
 #pragma omp simd
     for (size_t i = first; i < last; i++) s->vol[i] = volume_of(s, i);
+}
+
+static void number(Particles *s, const Model *model, size_t first, size_t last)
+{
+#pragma omp simd
+    for (size_t i = first; i < last; i++) s->rho[i] = s->m[i] * s->rate[i];
+    volumes(s, model, first, last);
 }
 
 const Local volume_of_number = {

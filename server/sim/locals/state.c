@@ -3,13 +3,19 @@
 #include "sim/state.h"
 #include "sim/locals/locals.h"
 
+/* Where there is room for it. */
+static void keep_made(Particles *s, const Model *model, size_t i)
+{
+    if (s->vol) s->vol[i] = volume_of(s, i);
+    if (s->z) s->z[i] = s->rho[i] * model->phase[s->phase[i]].c;
+}
+
 static void state(Particles *s, const Model *model, size_t first, size_t last)
 {
     for (size_t i = first; i < last; i++) {
         const Phase *phase = &model->phase[s->phase[i]];
         s->p[i] = state_pressure(phase, s->rho[i]);
-        s->vol[i] = volume_of(s, i);
-        s->z[i] = s->rho[i] * phase->c;
+        keep_made(s, model, i);
     }
 }
 
@@ -24,10 +30,7 @@ const Local linear_pressure = {
 
 static void volumes(Particles *s, const Model *model, size_t first, size_t last)
 {
-    for (size_t i = first; i < last; i++) {
-        s->vol[i] = volume_of(s, i);
-        s->z[i] = s->rho[i] * model->phase[s->phase[i]].c;
-    }
+    for (size_t i = first; i < last; i++) keep_made(s, model, i);
 }
 
 const Local volume_of_density = {

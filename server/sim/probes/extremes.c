@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Probes that are the largest or smallest of something over the particles of a fluid. */
 #include "sim/probes/probes.h"
+#include "sim/shown.h"
 #include <math.h>
 
 static double forward(const Measure *m, size_t i)
@@ -41,7 +42,7 @@ double probe_extremum(Measure *m)
 {
     const int field = mns_field_find(m->probe->field);
     m->field = &mns_fields()[field];
-    for (int d = 0; d < m->sim->s.dim; d++) m->array[d] = particles_field(&m->sim->s, field, d);
+    for (int d = 0; d < m->sim->s.dim; d++) m->array[d] = shown_field(m->sim, field, d);
     if (!m->array[0]) return NAN; /* setup.c refuses such probes; nobody shall die of one that got past it */
     const double value = measure_largest(m, field_value);
     return m->probe->least ? -value : value;

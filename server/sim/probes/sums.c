@@ -74,7 +74,7 @@ double probe_velocity(Measure *m)
 
 static double volume(const Measure *m, size_t i)
 {
-    return m->sim->s.vol[i];
+    return particles_volume(&m->sim->s, &m->sim->model, i);
 }
 
 double probe_volume(Measure *m)

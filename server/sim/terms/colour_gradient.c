@@ -28,7 +28,7 @@ INLINE void colour_gradient_row(const Row *row, Particles *s, const Model *model
     const double inverse = rho * size * model->kernel.h > model->differences.threshold ? 1 / size : 0;
     for (int d = 0; d < how.dim; d++) {
         s->colour_gradient[d][i] = N[d];
-        s->normal[d][i] = N[d] * inverse;
+        s->normal[d][i * s->normal_step] = N[d] * inverse;
     }
 }
 ROW_FUNCTIONS(colour_gradient_row)
@@ -68,7 +68,7 @@ INLINE void colour_tension_row(const Row *row, Particles *s, const Model *model,
 {
     const size_t i = row->i;
     double n[3];
-    for (int d = 0; d < how.dim; d++) n[d] = s->normal[d][i];
+    for (int d = 0; d < how.dim; d++) n[d] = s->normal[d][i * s->normal_step];
     if (!(DOT(n, n, how) > 0.5)) return;
     const double pull = model->tension[0][1] * curvature_of(row, n, model, how);
     for (int d = 0; d < how.dim; d++) s->a[d][i] += pull * s->colour_gradient[d][i];

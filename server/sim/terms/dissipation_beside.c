@@ -48,7 +48,7 @@ INLINE void shape_beside(const RowPlan *plan, Particles *s, size_t i, How how)
         }
     }
     note_reach(plan, i, &picked, r[0], LANES);
-    s->shepard[i] = plan->at_zero * s->vol[i] + lanes_sum(&shepard);
+    s->shepard[i] = plan->at_zero * particles_volume(s, plan->model, i) + lanes_sum(&shepard);
     gradient_end(s, i, &moments, slope, how);
     if (!finds_normals(plan->model)) return;
     if (mixed) normal_end(s, plan->model, i, &NO_CORRECTION, towards, how);
@@ -94,7 +94,7 @@ INLINE void rates_beside(const RowPlan *plan, Particles *s, size_t i, How how)
     const Picked picked = pick_neighbours(plan, i, j);
     const bool mixed = mark_others(plan, i, j, &picked, &other);
     const Flowing a = flowing_of(s, model, i);
-    const Pushed c = pushed_of(s, i);
+    const Pushed c = pushed_of(s, model, i);
     const WallPressure shown = wall_pressure_of(s, i);
     const double soft = viscosity_softening(&model->kernel), beta = model->repulsion;
     viscosities_of(model, s->phase[i], 4, mu);

@@ -16,7 +16,7 @@ INLINE void dissipation_rates_of(const RowPlan *plan, Particles *s, size_t i, Ho
     const Model *model = plan->model;
     const Picked picked = pick_neighbours(plan, i, j);
     const Flowing a = flowing_of(s, model, i);
-    const Pushed c = pushed_of(s, i);
+    const Pushed c = pushed_of(s, model, i);
     const double mu = viscosity_of(model, s->phase[i], s->phase[i], 4), soft = viscosity_softening(&model->kernel);
     position_of(s, i, how, x);
     approach(ahead, 0, plan, &picked, j, x, how);

@@ -31,7 +31,7 @@ INLINE void dissipation_shape_fused(const RowPlan *plan, Particles *s, size_t i,
         }
     }
     note_reach(plan, i, &picked, r[0], LANES);
-    s->shepard[i] = plan->at_zero * s->vol[i] + lanes_sum(&shepard);
+    s->shepard[i] = plan->at_zero * particles_volume(s, plan->model, i) + lanes_sum(&shepard);
     gradient_end(s, i, &moments, slope, how);
     if (finds_normals(plan->model)) normal_none(s, i, how);
 }

@@ -114,13 +114,14 @@ static void append(Growing *to, const double x[3], const double normal[3], doubl
     to->row->j[to->n++] = j;
 }
 
-static void append_images(Growing *to, const Row *row, const Particles *s, const Mirror *mirrors, int n, unsigned these)
+static void append_images(Growing *to, const Row *row, const Particles *s, const Model *model, const Mirror *mirrors,
+                          int n, unsigned these)
 {
     const int dim = to->dim;
     double x[3] = {0, 0, 0}, normal[3] = {0, 0, 0};
-    for (int d = 0; d < dim; d++) normal[d] = s->normal[d][row->i];
+    for (int d = 0; d < dim; d++) normal[d] = s->normal[d][row->i * s->normal_step];
     reflect(mirrors, n, these, dim, x, normal);
-    append(to, x, normal, s->vol[row->i], 0, (uint32_t)row->i); /* its own */
+    append(to, x, normal, particles_volume(s, model, row->i), 0, (uint32_t)row->i); /* its own */
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
         for (int l = 0; l < LANES; l++) {
             if (!(b->r[l] < to->support)) continue;
@@ -163,7 +164,7 @@ const Row *row_with_images(const Row *row, const Particles *s, const Model *mode
     memcpy(room->j, row->j, images.n * sizeof *row->j);
     memcpy(room->block, row->block, row->n_fluid * sizeof *row->block);
     for (unsigned these = 1; these < 1u << n; these++)
-        if (are_square(mirrors, n, these, s->dim)) append_images(&images, row, s, mirrors, n, these);
+        if (are_square(mirrors, n, these, s->dim)) append_images(&images, row, s, model, mirrors, n, these);
     finish(&images, model, row->n_fluid);
     return room;
 }

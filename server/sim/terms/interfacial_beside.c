@@ -85,7 +85,7 @@ INLINE void forces_beside(const RowPlan *plan, Particles *s, size_t i, How how)
     for (size_t b = 0; b < near.picked.n_fluid; b++)
         for (int l = 0; l < LANES; l++) near.counts.of[b][l] = 1 - own_only * near.other.of[b][l];
     moments_beside(plan, s, i, how, &near);
-    const Pushed a = pushed_of(s, i);
+    const Pushed a = pushed_of(s, model, i);
     const WallPressure shown = wall_pressure_of(s, i);
     Shifted c = shifted_of(s, model, i);
     if (own_only > 0) shifted_corrected(&c, &near.carrying, how);

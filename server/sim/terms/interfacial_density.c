@@ -33,7 +33,7 @@ INLINE void interfacial_density_fused(const RowPlan *plan, Particles *s, size_t 
         }
     }
     note_reach(plan, i, &picked, r[0], LANES);
-    s->shepard[i] = plan->at_zero * s->vol[i] + lanes_sum(&shepard);
+    s->shepard[i] = plan->at_zero * particles_volume(s, plan->model, i) + lanes_sum(&shepard);
     for (int d = 0; d < how.dim; d++) s->concentration[d][i] = lanes_sum(&crowd[d]);
     volume_continuity_end(s, i, &flow);
     dissipation_end(s, model, i, &dissipated);

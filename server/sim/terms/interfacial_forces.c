@@ -16,7 +16,7 @@ INLINE void interfacial_forces_of(const RowPlan *plan, Particles *s, size_t i, H
     Block block, ahead[2];
     const Model *model = plan->model;
     const Picked picked = pick_neighbours(plan, i, j);
-    const Pushed a = pushed_of(s, i);
+    const Pushed a = pushed_of(s, model, i);
     const Shifted c = shifted_of(s, model, i);
     const double mu = viscosity_of(model, s->phase[i], s->phase[i], 2), soft = viscosity_softening(&model->kernel);
     const double p = s->p[i];

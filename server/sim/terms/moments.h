@@ -88,7 +88,7 @@ INLINE void gradient_end(Particles *s, size_t i, const Moments *moments, const L
     const Correction M = moments_inverse(moments, how);
     double gradient[3];
     correct(&M, sum, how, gradient);
-    for (int d = 0; d < how.dim; d++) s->gradient[d][i] = gradient[d];
+    for (int d = 0; d < how.dim; d++) s->gradient[d][i * s->gradient_step] = gradient[d];
 }
 
 #endif

@@ -119,7 +119,7 @@ INLINE void sph_diffusion_row(const Row *row, Particles *s, const Model *model, 
 {
     const size_t i = row->i;
     const double printed = model->kernel.alpha / model->kernel.beta;
-    const double mu = s->mu_mixed[i], V = s->vol[i];
+    const double mu = s->mu_mixed[i], V = particles_volume(s, model, i);
     double u[3];
     Lanes sum[3] = {0};
     for (int d = 0; d < how.dim; d++) u[d] = s->v[d][i];

@@ -23,7 +23,7 @@ INLINE void push(const Row *row, Particles *s, const Model *model, How how, Weig
 {
     const size_t i = row->i;
     const Block *const walls = row->block + row->n_fluid, *const end = row->block + row->n;
-    const Pushed a = pushed_of(s, i);
+    const Pushed a = pushed_of(s, model, i);
     const WallPressure shown = wall_pressure_of(s, i);
     Lanes sum[3] = {0};
     if (row->mixed) push_fluid(row, &a, model, true, how, weights, sum);

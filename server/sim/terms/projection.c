@@ -80,7 +80,7 @@ INLINE void matrix_row(const Row *row, Particles *s, const Model *model, bool un
     const size_t i = row->i, first = s->system->matrix.start[i] * LANES;
     Matrix *m = &s->system->matrix;
     const unsigned mine = s->phase[i];
-    const double V = s->vol[i];
+    const double V = particles_volume(s, model, i);
     double inverse[MNS_MAX_FLUIDS];
     inverse_sums(model, mine, unit, inverse);
     uint32_t *column = m->column + first;
@@ -111,7 +111,7 @@ INLINE void density_matrix_row(const Row *row, Particles *s, const Model *model,
 {
     (void)how;
     matrix_row(row, s, model, model->projection.unit_mobility);
-    s->system->b[row->i] = -0.5 * (s->vol[row->i] - model->wall_volume);
+    s->system->b[row->i] = -0.5 * (particles_volume(s, model, row->i) - model->wall_volume);
 }
 ROW_FUNCTIONS(density_matrix_row)
 
@@ -122,7 +122,7 @@ INLINE void wall_row(const Row *row, Particles *s, const Model *model, unsigned 
     System *y = s->system;
     Matrix *m = &y->matrix;
     const size_t node = node_of(s, row->i, fluid), first = m->start[node] * LANES;
-    const double V = s->vol[row->i], rho = weight_of(model, fluid, unit), inverse = 1 / (rho + rho);
+    const double V = particles_volume(s, model, row->i), rho = weight_of(model, fluid, unit), inverse = 1 / (rho + rho);
     size_t n = 0;
     double flux = 0;
     for (const Block *b = row->block; b < row->block + row->n; b++) {
@@ -167,7 +167,7 @@ INLINE void divergence_row(const Row *row, Particles *s, const Model *model, How
 {
     (void)model;
     const size_t i = row->i, first_wall = particles_fluid(s);
-    const double V = s->vol[i];
+    const double V = particles_volume(s, model, i);
     double v[3];
     Lanes sum = {0};
     for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i];
@@ -194,7 +194,8 @@ INLINE void push(const Row *row, const Particles *s, const Model *model, bool un
 {
     const size_t i = row->i;
     const unsigned mine = s->phase[i];
-    const double V = s->vol[i], rho = weight_of(model, mine, unit), *P = s->system->x, P_i = times * P[i];
+    const double V = particles_volume(s, model, i), rho = weight_of(model, mine, unit), *P = s->system->x,
+                 P_i = times * P[i];
     double inverse[MNS_MAX_FLUIDS];
     Lanes sum[3] = {0};
     inverse_sums(model, mine, unit, inverse);

@@ -17,9 +17,10 @@ typedef struct Pushed {
     double z, V, P; /* P = p / Gamma */
 } Pushed;
 
-INLINE Pushed pushed_of(const Particles *s, size_t i)
+INLINE Pushed pushed_of(const Particles *s, const Model *model, size_t i)
 {
-    return (Pushed){s->z[i], s->vol[i], s->p[i] * (1 / s->shepard[i])}; /* as its neighbours have it, to the last bit */
+    return (Pushed){particles_impedance(s, model, i), particles_volume(s, model, i),
+                    s->p[i] * (1 / s->shepard[i])}; /* as its neighbours have it, to the last bit */
 }
 
 INLINE void add_along(const Pair *pair, double c, How how, int l, Lanes sum[3])

@@ -9,7 +9,7 @@
 INLINE void radial_viscosity_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i;
-    const double soft = viscosity_softening(&model->kernel), V = s->vol[i];
+    const double soft = viscosity_softening(&model->kernel), V = particles_volume(s, model, i);
     double mu[MNS_MAX_FLUIDS], v[3];
     viscosities_of(model, s->phase[i], 2, mu);
     for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i];
@@ -32,7 +32,7 @@ INLINE void radial_friction_row(const Row *row, Particles *s, const Model *model
 {
     const size_t i = row->i;
     const double mu = viscosity_of(model, s->phase[i], s->phase[i], 2), soft = viscosity_softening(&model->kernel),
-                 V = s->vol[i];
+                 V = particles_volume(s, model, i);
     if (mu == 0) return;
     double v[3];
     for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i];

@@ -23,7 +23,12 @@ typedef struct Side {
 INLINE Side side_of(const Particles *s, const Model *model, size_t i, How how)
 {
     const Phase *phase = &model->phase[s->phase[i]];
-    Side a = {.p = s->p[i], .z = s->z[i], .rho = s->rho[i], .c = phase->c, .rho0 = phase->rho0, .V = s->vol[i]};
+    Side a = {.p = s->p[i],
+              .z = particles_impedance(s, model, i),
+              .rho = s->rho[i],
+              .c = phase->c,
+              .rho0 = phase->rho0,
+              .V = particles_volume(s, model, i)};
     for (int d = 0; d < how.dim; d++) a.v[d] = s->v[d][i];
     a.inverse_c2 = 1 / (a.c * a.c);
     a.steepness = model->limiter / model->c_max;

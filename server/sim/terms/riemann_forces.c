@@ -39,7 +39,7 @@ INLINE void forces(const RowPlan *plan, Particles *s, size_t i, How how, const u
     }
     riemann_momentum_end(s, i, push, how);
     background_end(s, plan->model, i, spread, how);
-    if (stressed) transport_stress_end(s, i, stress, how);
+    if (stressed) transport_stress_end(s, plan->model, i, stress, how);
 }
 
 INLINE void riemann_forces_fused(const RowPlan *plan, Particles *s, size_t i, How how)

@@ -8,7 +8,7 @@ INLINE void shepard_row(const Row *row, Particles *s, const Model *model, How ho
     for (const Block *b = row->block; b < row->block + row->n; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) add_product(&sum, l, b->W[l], b->V[l], how);
-    s->shepard[row->i] = kernel_at_zero(&model->kernel) * s->vol[row->i] + lanes_sum(&sum);
+    s->shepard[row->i] = kernel_at_zero(&model->kernel) * particles_volume(s, model, row->i) + lanes_sum(&sum);
 }
 ROW_FUNCTIONS(shepard_row)
 

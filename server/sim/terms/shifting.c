@@ -11,7 +11,7 @@
 Shifted shifted_of(const Particles *s, const Model *model, size_t i)
 {
     const int dim = s->dim;
-    Shifted a = {.z = s->z[i]};
+    Shifted a = {.z = particles_impedance(s, model, i)};
     double v2 = 0, through = 0, size = 0;
     for (int d = 0; d < dim; d++) {
         a.v[d] = s->v[d][i];
@@ -25,10 +25,10 @@ Shifted shifted_of(const Particles *s, const Model *model, size_t i)
     const double most = 0.1 * model->dx, cut = size > most * most ? most / sqrt(size) : 1;
     for (int d = 0; d < dim; d++) {
         a.dx[d] *= cut;
-        through += model->shifts_along_interfaces ? a.dx[d] * s->normal[d][i] : 0;
+        through += model->shifts_along_interfaces ? a.dx[d] * s->normal[d][i * s->normal_step] : 0;
     }
     for (int d = 0; d < dim; d++) {
-        a.dx[d] -= model->shifts_along_interfaces ? through * s->normal[d][i] : 0;
+        a.dx[d] -= model->shifts_along_interfaces ? through * s->normal[d][i * s->normal_step] : 0;
         a.y[d] = a.dx[d];
     }
     return a;

@@ -60,7 +60,7 @@ INLINE void spacing_row(const Row *row, Particles *s, const Model *model, How ho
     const size_t i = row->i;
     double dx[3], du[3], n[3];
     crowding(row, how, dx);
-    for (int d = 0; d < how.dim; d++) n[d] = s->normal[d][i];
+    for (int d = 0; d < how.dim; d++) n[d] = s->normal[d][i * s->normal_step];
     const double through = DOT(dx, n, how);
     for (int d = 0; d < how.dim; d++) dx[d] -= through * n[d];
     const double scale = model->differences.shifting * model->v_max * model->dt;

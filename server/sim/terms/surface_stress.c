@@ -10,6 +10,7 @@ INLINE void surface_vector_row(const Row *row, Particles *s, const Model *model,
 {
     const size_t i = row->i;
     const double *tension = model->tension[s->phase[i]];
+    const double V = particles_volume(s, model, i);
     double g[3] = {0}, most = 0;
     for (size_t a = 0; a < model->n_phases; a++) most = fmax(most, tension[a]);
     if (row->mixed) {
@@ -24,10 +25,10 @@ INLINE void surface_vector_row(const Row *row, Particles *s, const Model *model,
                 for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, b->x[d][l], how);
             }
         }
-        for (int d = 0; d < how.dim; d++) g[d] = lanes_sum(&sum[d]) / s->vol[i];
+        for (int d = 0; d < how.dim; d++) g[d] = lanes_sum(&sum[d]) / V;
     }
     const double size = sqrt(DOT(g, g, how));
-    const double scale = size * model->kernel.h > 1e-8 * most ? s->vol[i] / sqrt(size) : 0;
+    const double scale = size * model->kernel.h > 1e-8 * most ? V / sqrt(size) : 0;
     for (int d = 0; d < how.dim; d++) s->surface[d][i] = scale * g[d];
 }
 ROW_FUNCTIONS(surface_vector_row)

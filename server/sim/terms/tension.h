@@ -28,12 +28,12 @@ INLINE void normal_end(Particles *s, const Model *model, size_t i, const Correct
     double q[3];
     correct(M, sum, how, q);
     const double size = magnitude(q, how), inverse = size * model->kernel.h > 0.01 ? 1 / size : 0;
-    for (int d = 0; d < how.dim; d++) s->normal[d][i] = q[d] * inverse;
+    for (int d = 0; d < how.dim; d++) s->normal[d][i * s->normal_step] = q[d] * inverse;
 }
 
 INLINE void normal_none(Particles *s, size_t i, How how)
 {
-    for (int d = 0; d < how.dim; d++) s->normal[d][i] = 0;
+    for (int d = 0; d < how.dim; d++) s->normal[d][i * s->normal_step] = 0;
 }
 
 /* What pulls a particle: nothing if it has no normal. */
@@ -48,7 +48,7 @@ INLINE Pulled pulled_of(const Particles *s, const Model *model, size_t i, bool m
     Pulled a;
     const unsigned mine = s->phase[i];
     const double rho0 = model->phase[mine].rho0;
-    for (int d = 0; d < how.dim; d++) a.n[d] = s->normal[d][i];
+    for (int d = 0; d < how.dim; d++) a.n[d] = s->normal[d][i * s->normal_step];
     for (size_t k = 0; k < model->n_phases; k++)
         a.weight[k] = k == mine ? 0 : model->tension[mine][k] * 2 * rho0 / (rho0 + model->phase[k].rho0);
     a.any = mixed && magnitude(a.n, how) > 0.5;

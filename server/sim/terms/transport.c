@@ -35,7 +35,7 @@ INLINE void transport_stress_row(const Row *row, Particles *s, const Model *mode
             const Pair pair = block_pair(b, l, how);
             transport_stress_pair(&pair, how, l, sum);
         }
-    transport_stress_end(s, row->i, sum, how);
+    transport_stress_end(s, model, row->i, sum, how);
 }
 ROW_FUNCTIONS(transport_stress_row)
 

@@ -30,7 +30,7 @@ INLINE void background_end(Particles *s, const Model *model, size_t i, const Lan
         s->b[d][i] = scale * sum;
     }
     if (!model->transport_stress || !phase->summation) return;
-    const double share = s->vol[i] * s->rho[i] / s->m[i];
+    const double share = particles_volume(s, model, i) * s->rho[i] / s->m[i];
     for (int d = 0; d < how.dim; d++) s->a[d][i] += share * s->v[d][i] * along_w;
 }
 
@@ -41,9 +41,9 @@ INLINE void transport_stress_pair(const Pair *pair, How how, int l, Lanes sum[3]
     for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, pair->v[d], how);
 }
 
-INLINE void transport_stress_end(Particles *s, size_t i, const Lanes sum[3], How how)
+INLINE void transport_stress_end(Particles *s, const Model *model, size_t i, const Lanes sum[3], How how)
 {
-    const double scale = s->vol[i] / s->m[i];
+    const double scale = particles_volume(s, model, i) / s->m[i];
     for (int d = 0; d < how.dim; d++) s->a[d][i] += scale * lanes_sum(&sum[d]);
 }
 

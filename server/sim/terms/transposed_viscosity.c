@@ -49,7 +49,7 @@ INLINE void transposed_viscosity_row(const Row *row, Particles *s, const Model *
         }
     }
     const Correction M = moments_inverse(&moments, how);
-    const double volume = s->vol[i] / s->m[i];
+    const double volume = particles_volume(s, model, i) / s->m[i];
     for (int e = 0; e < how.dim; e++) {
         double gradient[3];
         correct(&M, change[e], how, gradient);

@@ -25,7 +25,7 @@ double viscosity_scale(const Kernel *kernel, int dim, const double spacing[3])
 INLINE void viscosity_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i;
-    const double soft = viscosity_softening(&model->kernel), V = s->vol[i];
+    const double soft = viscosity_softening(&model->kernel), V = particles_volume(s, model, i);
     double mu[MNS_MAX_FLUIDS], v[3]; /* viscosity against each fluid, once for all pairs */
     viscosities_of(model, s->phase[i], 4, mu);
     for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i];
@@ -47,7 +47,8 @@ ROW_FUNCTIONS(viscosity_row)
 INLINE void wall_friction_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i;
-    const double mu = wall_viscosity_of(model, s->phase[i]), soft = viscosity_softening(&model->kernel), V = s->vol[i];
+    const double mu = wall_viscosity_of(model, s->phase[i]), soft = viscosity_softening(&model->kernel),
+                 V = particles_volume(s, model, i);
     if (mu == 0) return;
     double v[3];
     for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i];

@@ -1,0 +1,147 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Fields that live in bundles are those that no pass writes where it loads them, nothing depends on where they are, and what people see of
+ * them is the same. */
+#include "sim/home.h"
+#include "sim/shown.h"
+#include "tests/support/bench_cases.h"
+#include "tests/support/check.h"
+#include "tests/support/memory.h"
+#include "tests/support/sims.h"
+#include <stdlib.h>
+#include <string.h>
+
+typedef MnsCase *(*Make)(int dim, double resolution);
+
+static const Make MAKES[] = {bench_droplet, bench_tense_droplet, bench_drop_in_tank, bench_incompressible_droplet,
+                             bench_differenced_droplet};
+enum { N_MAKES = sizeof MAKES / sizeof *MAKES };
+
+static MnsCase *case_of(Make make, int dim, unsigned threads)
+{
+    MnsCase *c = make(dim, dim == 2 ? 16 : 8);
+    c->threads = threads;
+    c->scheme.skin *= 0.02; /* lists are made again soon */
+    return c;
+}
+
+static void a_pass_writes_no_bundle_that_it_loads(void **state)
+{
+    (void)state;
+    static const Fields expected[N_MAKES] = {0, FIELD(NORMAL), FIELD(NORMAL) | FIELD(GRADIENT), 0, FIELD(NORMAL)};
+    for (size_t k = 0; k < N_MAKES; k++)
+        for (int dim = 2; dim <= 3; dim++) {
+            MnsCase *c = case_of(MAKES[k], dim, 1);
+            MnsSim *sim = sim_of(c);
+            assert_true(sim->s.housed == expected[k]);
+            assert_true(home_fields(sim->scheme, &sim->model, dim) == expected[k]);
+            sim_done(sim, c);
+        }
+}
+
+/* With corrected gradients a pass of P1 loads velocities where it finds gradients: in space they lie together. */
+static void options_decide_too(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = case_of(bench_drop_in_tank, dim, 1);
+        MnsSim *sim = sim_of(c);
+        Model corrected = sim->model;
+        corrected.corrects_gradients = true;
+        const Fields fields = home_fields(sim->scheme, &corrected, dim);
+        assert_true(fields == (dim == 2 ? FIELD(NORMAL) | FIELD(GRADIENT) : FIELD(NORMAL)));
+        sim_done(sim, c);
+    }
+}
+
+/* All that can be seen, by id. */
+static void assert_same(const MnsSim *a, const MnsSim *b)
+{
+    const size_t n = mns_sim_particles(a);
+    assert_true(mns_sim_hash(a) == mns_sim_hash(b));
+    assert_true(mns_sim_fields(a) == mns_sim_fields(b));
+    MnsCapture *capture = NULL;
+    assert_int_equal(mns_sim_capture(b, ALL_FIELDS, &capture, NULL), MNS_OK);
+    for (int f = 0; mns_fields()[f].name; f++)
+        for (int d = 0; d < mns_fields()[f].components; d++) {
+            const void *x = mns_sim_field(a, f, d), *y = mns_sim_field(b, f, d), *copied = capture->data[f][d];
+            const size_t bytes = n * field_size(&mns_fields()[f]);
+            assert_true(!x == !y && !x == !copied);
+            if (x && (memcmp(x, y, bytes) != 0 || memcmp(x, copied, bytes) != 0))
+                fail_msg("%s: another %s", a->scheme->name, mns_fields()[f].name);
+        }
+    mns_capture_free(capture);
+}
+
+/* In bundles, or in arrays; over rebuilt lists. */
+static void results_do_not_depend_on_where_fields_are(void **state)
+{
+    (void)state;
+    for (size_t k = 0; k < N_MAKES; k++)
+        for (int dim = 2; dim <= 3; dim++) {
+            MnsCase *c = case_of(MAKES[k], dim, 1), *other = case_of(MAKES[k], dim, 3);
+            MnsSim *sim = sim_of(c), *apart = sim_of(other);
+            assert_true(home_leave(&apart->s, 3));
+            assert_true(apart->s.housed == 0);
+            assert_same(sim, apart);
+            for (int step = 0; step < 4; step++) {
+                sim_steps(sim, dim == 2 ? 5 : 2);
+                sim_steps(apart, dim == 2 ? 5 : 2);
+                assert_same(sim, apart);
+            }
+            assert_true(sim->progress.rebuilds > 0);
+            home_enter(&apart->s, &apart->nb.bundles, apart->scheme, &apart->model, 3);
+            assert_same(sim, apart);
+            sim_done(apart, other);
+            sim_done(sim, c);
+        }
+}
+
+/* Whatever is shown at the end of a step has a place of its own. */
+static void fields_that_are_shown_share_nothing(void **state)
+{
+    (void)state;
+    for (size_t k = 0; k < N_MAKES; k++) {
+        MnsCase *c = case_of(MAKES[k], 2, 1);
+        MnsSim *sim = sim_of(c);
+        for (int f = 0; f < FIELDS_END; f++)
+            for (int g = 0; g < f; g++)
+                for (int d = 0; d < 2; d++)
+                    for (int e = 0; e < 2; e++) {
+                        const void *x = particles_element(&sim->s, f, d, 0), *y = particles_element(&sim->s, g, e, 0);
+                        assert_true(!x || x != y);
+                    }
+        sim_done(sim, c);
+    }
+}
+
+static void without_memory_fields_stay_where_they_are(void **state)
+{
+    (void)state;
+    if (!memory_can_fail) skip();
+    MnsCase *c = case_of(bench_drop_in_tank, 3, 1), *other = case_of(bench_drop_in_tank, 3, 1);
+    MnsSim *sim = sim_of(c), *same = sim_of(other);
+    for (long n = 0; n < 6; n++) { /* arrays of two fields */
+        memory_fails_after(n);
+        const bool left = home_leave(&sim->s, 1);
+        memory_fails_after(-1);
+        assert_false(left);
+        assert_true(sim->s.housed == (FIELD(NORMAL) | FIELD(GRADIENT)));
+    }
+    sim_steps(sim, 3);
+    sim_steps(same, 3);
+    assert_same(sim, same);
+    sim_done(same, other);
+    sim_done(sim, c);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_pass_writes_no_bundle_that_it_loads),
+        cmocka_unit_test(options_decide_too),
+        cmocka_unit_test(results_do_not_depend_on_where_fields_are),
+        cmocka_unit_test(fields_that_are_shown_share_nothing),
+        cmocka_unit_test(without_memory_fields_stay_where_they_are),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
