@@ -128,7 +128,7 @@ static void levels_give_the_same_bits(void **state)
                     assert_true(a.n == b.n && a.n_fluid == b.n_fluid && a.summed == b.summed);
                     assert_memory_equal(a.j, b.j, a.n * LANES * sizeof *a.j);
                     for (size_t k = 0; k < a.n; k++) {
-                        const size_t used = dim == 3 ? sizeof(Block) : offsetof(Block, q[2]);
+                        const size_t used = dim == 3 ? sizeof(Block) : offsetof(Block, normal[2]);
                         assert_memory_equal(&a.block[k], &b.block[k], used);
                     }
                 }
