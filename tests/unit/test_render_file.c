@@ -110,7 +110,7 @@ static void what_is_no_snapshot_is_refused(void **state)
 {
     char *missing = path_in(*state, "no.hdf"), *text = path_in(*state, "text.hdf");
     put_bytes(text, "hello", 5);
-    refuses(missing, "phase", MNS_E_NOT_FOUND, "No such file");
+    refuses(missing, "phase", MNS_E_IO, "No such file");
     refuses(text, "phase", MNS_E_CORRUPT, "text.hdf");
     refuses(*state, "phase", MNS_E_IO, "is a directory");
     free(missing);
