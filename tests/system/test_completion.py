@@ -208,8 +208,8 @@ class WithDaemon(DaemonTest):
         with tempfile.NamedTemporaryFile("w", suffix=".bash") as script:
             script.write(self.meniscus("completion", "bash").stdout)
             script.flush()
-            for words, offered in ((("query", "probes", "fro"), {"front"}), (("stream", "fields", "press"), {"pressure", "pressure_gradient"}),
-                                   (("query", "at", "press"), {"pressure", "pressure_gradient"}), (("render", "--field", "vel"), {"velocity", "velocity_before"})):  # fmt: skip
+            for words, offered in ((("query", "probes", "fro"), {"front"}), (("stream", "fields", "press"), {"pressure"}),
+                                   (("query", "at", "press"), {"pressure"}), (("render", "--field", "vel"), {"velocity"})):  # fmt: skip
                 done = subprocess.run(["bash", "-c", SPLIT, "bash", script.name, BUILD / "meniscus", *words],
                                       env=self.environment, capture_output=True, text=True, timeout=20)
                 self.assertEqual(set(done.stdout.split()), offered, done.stderr)
