@@ -110,6 +110,7 @@ typedef struct MnsRunInfo {
     double eta_s, wall_s;             /* [s], wall clock: to the end, since the start */
     double steps_per_second, ns_per_particle_step;
     uint64_t step, particles, fluid_particles, guarded, uncorrected, samples_dropped, memory_bytes;
+    uint64_t recovery_step;   /* in RECOVERING: at which it is back; else MNS_NO_STEP */
     uint64_t state_hash;      /* 0 while it runs */
     uint64_t case_version;    /* 1 when the case was loaded, one more with every change */
     const char *lease_holder; /* who may change the run; empty if everybody may         */
