@@ -186,6 +186,12 @@ void wire_close(Wire *wire)
     explicit_bzero(wire, sizeof *wire);
 }
 
+double wire_away(Wire *wire)
+{
+    note_events(wire);
+    return wire->connected ? 0 : wire_clock() - wire->lost_since;
+}
+
 static MnsStatus gone(const Wire *wire, MnsError *error)
 {
     return mns_fail(error, MNS_E_UNAVAILABLE,

@@ -37,6 +37,9 @@ bool wire_secure(const Wire *wire, void *socket);
 
 void wire_close(Wire *wire);
 
+/* For how long there has been no connection [s]; 0: there is one. */
+double wire_away(Wire *wire);
+
 /* Send one frame; waits for a connection as long as a daemon may take to be restarted. MNS_E_UNAVAILABLE. */
 MnsStatus wire_send(Wire *wire, const void *data, size_t size, MnsError *error);
 

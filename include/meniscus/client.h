@@ -208,6 +208,10 @@ MnsStatus mns_client_open(const char *daemon, MnsClient **ret_client, MnsError *
 /** Disconnect; NULL is fine. Commands that were accepted go on without the client. */
 void mns_client_close(MnsClient *client);
 
+/** For how long the connection has been lost, as by the end of the daemon [s]; 0 while there is one. It is made anew by itself. What has
+ *  come in since the last call is taken note of, so this is for the thread that gives the commands. Cost: no message. */
+double mns_client_away(MnsClient *client);
+
 /** Limit the time that each later command may take [s]; a negative one takes the limit away (the default). A daemon
  * that dies is noticed without it. */
 void mns_client_set_timeout(MnsClient *client, double seconds);
