@@ -2,9 +2,10 @@
 // The particles, drawn by three.js: a plane that can be moved and zoomed, or a space that can be turned.
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { distanceToFit } from "./fit.js";
 import { number, ticks } from "./format.js";
 
-const PHASES = 256, MARGIN = 1.06, FILL = { 2: 1.42, 3: 1.15 }; // discs that leave no gaps in a plane
+const PHASES = 256, MARGIN = 1.06, FIELD_OF_VIEW = 40, FILL = { 2: 1.42, 3: 1.15 }; // discs that leave no gaps in a plane
 const SCATTERED = 1.4; // larger yet where they are chosen by chance, which leaves holes
 
 const vertexShader = `
@@ -71,6 +72,7 @@ export class View {
     this.box.frustumCulled = false;
     this.scene.add(this.points, this.box);
     this.room = 0;
+    this.isHome = true;
     /** @type {Space|null} */
     this.space = null;
     this.stale = true;
@@ -92,7 +94,7 @@ export class View {
     this.box.geometry.dispose();
     this.box.geometry = new THREE.BufferGeometry().setAttribute("position", new THREE.Float32BufferAttribute(corners, 3));
     const plane = space.dimensions === 2;
-    this.camera = plane ? new THREE.OrthographicCamera() : new THREE.PerspectiveCamera(40);
+    this.camera = plane ? new THREE.OrthographicCamera() : new THREE.PerspectiveCamera(FIELD_OF_VIEW);
     if (!plane) this.camera.up.set(...space.up);
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
     this.controls.enableRotate = !plane;
@@ -101,6 +103,7 @@ export class View {
     if (plane) this.controls.mouseButtons.LEFT = THREE.MOUSE.PAN;
     if (plane) this.controls.touches.ONE = THREE.TOUCH.PAN;
     this.controls.addEventListener("change", () => { this.stale = true; });
+    this.controls.addEventListener("start", () => { this.isHome = false; });
     this.material.uniforms.perspective.value = !plane;
     this.box.material.depthTest = !plane;
     this.box.renderOrder = 1;
@@ -113,22 +116,29 @@ export class View {
     if (!this.space) return;
     const size = this.reach.length();
     this.controls.target.copy(this.centre);
+    this.isHome = true;
     if (this.space.dimensions === 2) {
       this.camera.position.set(this.centre.x, this.centre.y, size);
       this.camera.near = 0;
       this.camera.far = 2 * size;
       this.camera.zoom = 1;
     } else {
-      const up = new THREE.Vector3(...this.space.up).normalize();
-      const side = Math.abs(up.y) > 0.5 ? new THREE.Vector3(0, 0, 1) : new THREE.Vector3(0, -1, 0);
-      const right = new THREE.Vector3().crossVectors(up, side);
-      const from = side.clone().addScaledVector(right, 0.45).addScaledVector(up, 0.35).normalize();
-      this.camera.position.copy(this.centre).addScaledVector(from, 1.25 * size);
       this.camera.near = size / 100;
       this.camera.far = 20 * size;
     }
     this.resize();
     this.controls.update();
+  }
+
+  /** Of a space: as far away as shows all of it in a window of this size, with room for what is written at its corners. @param {number} width @param {number} height */
+  stepBack(width, height) {
+    const up = new THREE.Vector3(...this.space.up).normalize();
+    const side = Math.abs(up.y) > 0.5 ? new THREE.Vector3(0, 0, 1) : new THREE.Vector3(0, -1, 0);
+    const right = new THREE.Vector3().crossVectors(up, side);
+    const from = side.clone().addScaledVector(right, 0.45).addScaledVector(up, 0.35).normalize();
+    const pad = 8 + 0.05 * Math.min(width, height), tangent = Math.tan(FIELD_OF_VIEW * Math.PI / 360);
+    const wide = tangent * (width - 2 * pad) / height, high = tangent * (1 - 2 * pad / height);
+    this.camera.position.copy(this.centre).addScaledVector(from, distanceToFit(this.reach.toArray(), from.toArray(), up.toArray(), wide, high));
   }
 
   resize() {
@@ -148,7 +158,11 @@ export class View {
         left: -unit * (across / 2 + pads.left), right: unit * (across / 2 + pads.right),
         top: unit * (up / 2 + pads.top), bottom: -unit * (up / 2 + pads.bottom),
       });
-    } else if (this.camera) this.camera.aspect = width / height;
+    } else if (this.camera) {
+      this.camera.aspect = width / height;
+      if (this.isHome) this.stepBack(width, height);
+      this.controls.update();
+    }
     this.camera?.updateProjectionMatrix();
     this.stale = true;
   }
@@ -316,6 +330,7 @@ export class View {
       offset.applyAxisAngle(right, turn);
       this.camera.position.copy(this.controls.target).add(offset);
     } else return false;
+    if (event.key !== "Home") this.isHome = false;
     this.controls.update();
     this.stale = true;
     return true;

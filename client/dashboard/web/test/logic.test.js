@@ -2,6 +2,7 @@
 // What needs no browser: numbers, ranges, pictures as they come, the past of the probes.
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { distanceToFit } from "../src/fit.js";
 import { bounds, count, duration, limits, number, ticks, vector } from "../src/format.js";
 import { decode } from "../src/frame.js";
 import { appointment, told } from "../src/later.js";
@@ -186,4 +187,20 @@ test("what is to happen later is said as the gateway wants it", () => {
   assert.deepEqual(appointment(form({ what: "set", at: "0.5", unit: "time", settings: "gravity=[0, -2]\n\n end_time=3 " })),
     { do: "set", settings: ["gravity=[0, -2]", "end_time=3"], at_time: 0.5 });
   assert.equal(told({ id: "", at_step: 7, at_time: null, who: "local", what: "set" }), "set, at step 7");
+});
+
+test("an eye sees all corners of a box, and is no farther away than it must", () => {
+  for (const [reach, up] of /** @type {[number[], number[]][]} */ ([[[2, 2, 2], [0, 0, 1]], [[5, 1, 2], [0, 1, 0]], [[1, 1, 9], [0, 0, 1]]]))
+    for (const [wide, high] of [[0.364, 0.364], [0.1, 0.364], [0.8, 0.364]]) {
+      const from = [0.41, up[1] ? 0.32 : -0.85, up[1] ? 0.85 : 0.32], far = Math.hypot(...from), unit = from.map((x) => x / far);
+      const distance = distanceToFit(reach, from, up, wide, high), [a, b, c] = unit, [u, v, w] = up;
+      const across = [v * c - w * b, w * a - u * c, u * b - v * a], right = across.map((x) => x / Math.hypot(...across));
+      const top = [b * right[2] - c * right[1], c * right[0] - a * right[2], a * right[1] - b * right[0]];
+      let most = 0;
+      for (let k = 0; k < 8; k++) {
+        const corner = reach.map((length, d) => (k & 1 << d ? length : -length) / 2), dot = (/** @type {number[]} */ axis) => axis[0] * corner[0] + axis[1] * corner[1] + axis[2] * corner[2];
+        most = Math.max(most, Math.abs(dot(right)) / wide / (distance - dot(unit)), Math.abs(dot(top)) / high / (distance - dot(unit)));
+      }
+      assert.ok(Math.abs(most - 1) < 1e-9, `${reach} ${wide}: ${most}`);
+    }
 });
