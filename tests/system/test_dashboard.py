@@ -581,6 +581,11 @@ class Page(DaemonTest):
         self.browse("dashboard_view.mjs")
         self.meniscus("stop")
 
+    def test_many_particles_cover_the_fluid_and_few_of_them_too(self) -> None:
+        self.meniscus("load", "dambreak2d", "--set", "resolution=100")
+        self.browse("dashboard_many.mjs")
+        self.meniscus("stop")
+
 
 if __name__ == "__main__":
     unittest.main()

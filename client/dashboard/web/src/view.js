@@ -5,14 +5,21 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { distanceToFit } from "./fit.js";
 import { number, ticks } from "./format.js";
 
-const PHASES = 256, MARGIN = 1.06, FIELD_OF_VIEW = 40, FILL = { 2: 1.42, 3: 1.15 }; // discs that leave no gaps in a plane
-const SCATTERED = 1.4; // larger yet where they are chosen by chance, which leaves holes
+const PHASES = 256, MARGIN = 1.06, FIELD_OF_VIEW = 40;
+// Diameters, in distances between particles. In a plane discs leave no gaps, and who is nearest has a pixel, so that larger ones move no
+// interface; those that are chosen by chance leave holes, which are one in 10^5 of the plane from 3.8 on.
+const FILL = { 2: 1.7, 3: 1.15 }, SCATTERED = { 2: 3.8 / 1.7, 3: 1.4 };
+
+const SQUARE_PX = 4;
 
 const vertexShader = `
   attribute float value; attribute float phase;
-  uniform float size, scale, lo, hi, byPhase; uniform bool perspective;
+  uniform float size, scale, lo, hi, byPhase;
   uniform sampler2D map, palette;
-  varying vec3 colour;
+  varying vec3 colour; varying float across;
+  #ifdef PLANE
+  uniform vec4 domain; varying vec2 centre; varying float radius, clips;
+  #endif
   void main() {
     vec4 own = texture2D(palette, vec2((phase + 0.5) / ${PHASES}.0, 0.5));
     bool wall = own.a < 0.75;
@@ -20,16 +27,33 @@ const vertexShader = `
     if (byPhase < 0.5 && !wall) colour = texture2D(map, vec2(clamp((value - lo) / (hi - lo), 0.0, 1.0) * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb;
     vec4 seen = modelViewMatrix * vec4(position, 1.0);
     gl_Position = own.a > 0.25 ? projectionMatrix * seen : vec4(2.0, 2.0, 2.0, 1.0);
-    gl_PointSize = max(1.5, (perspective && wall ? 0.2 : 1.0) * size * scale / (perspective ? -seen.z : 1.0));
+    #ifdef PLANE
+    across = size * scale + 1.0; // a pixel belongs to whom its middle does, which may be beside it
+    centre = position.xy;
+    radius = 0.5 * across / scale;
+    clips = !wall && all(greaterThanEqual(centre, domain.xy)) && all(lessThanEqual(centre, domain.zw)) ? 1.0 : 0.0;
+    #else
+    across = max(1.5, (wall ? 0.2 : 1.0) * size * scale / -seen.z);
+    #endif
+    gl_PointSize = across;
   }`;
 const fragmentShader = `
-  uniform bool perspective; varying vec3 colour;
+  varying vec3 colour; varying float across;
+  #ifdef PLANE
+  uniform vec4 domain; varying vec2 centre; varying float radius, clips;
+  #endif
   void main() {
     vec2 at = 2.0 * gl_PointCoord - 1.0;
     float r = dot(at, at);
-    if (r > 1.0) discard;
-    float light = perspective ? 0.55 + 0.45 * sqrt(1.0 - r) : 1.0;
-    gl_FragColor = vec4(colour * light, 1.0);
+    if (r > 1.0 && across > ${SQUARE_PX}.0) discard; // of a few pixels a disc would be too few
+    #ifdef PLANE
+    vec2 here = centre + radius * vec2(at.x, -at.y);
+    if (clips > 0.5 && (any(lessThan(here, domain.xy)) || any(greaterThan(here, domain.zw)))) discard; // fluid is drawn within the domain
+    gl_FragDepth = 0.5 * r; // who is nearest is seen
+    gl_FragColor = vec4(colour, 1.0);
+    #else
+    gl_FragColor = vec4(colour * (0.55 + 0.45 * sqrt(max(0.0, 1.0 - r))), 1.0);
+    #endif
   }`;
 
 /** @param {number} width  of the texture */
@@ -61,7 +85,7 @@ export class View {
     this.material = new THREE.ShaderMaterial({
       vertexShader, fragmentShader,
       uniforms: {
-        size: { value: 1 }, scale: { value: 1 }, lo: { value: 0 }, hi: { value: 1 }, byPhase: { value: 1 }, perspective: { value: false },
+        size: { value: 1 }, scale: { value: 1 }, lo: { value: 0 }, hi: { value: 1 }, byPhase: { value: 1 }, domain: { value: new THREE.Vector4() },
         map: { value: strip(256) }, palette: { value: strip(PHASES) },
       },
     });
@@ -104,7 +128,9 @@ export class View {
     if (plane) this.controls.touches.ONE = THREE.TOUCH.PAN;
     this.controls.addEventListener("change", () => { this.stale = true; });
     this.controls.addEventListener("start", () => { this.isHome = false; });
-    this.material.uniforms.perspective.value = !plane;
+    this.material.defines = plane ? { PLANE: 1 } : {};
+    this.material.uniforms.domain.value.set(x0, y0, x1, y1);
+    this.material.needsUpdate = true;
     this.box.material.depthTest = !plane;
     this.box.renderOrder = 1;
     this.home();
@@ -222,7 +248,7 @@ export class View {
     geometry.setDrawRange(0, n);
     this.material.uniforms.byPhase.value = frame.value ? 0 : 1;
     // Fewer particles are drawn larger, so that together they fill what all would.
-    const larger = frame.every > 1 ? SCATTERED * frame.every ** (1 / frame.dimensions) : 1;
+    const larger = frame.every > 1 ? SCATTERED[frame.dimensions] * frame.every ** (1 / frame.dimensions) : 1;
     this.material.uniforms.size.value = FILL[frame.dimensions] * this.space.spacing * larger;
     this.points.visible = n > 0;
     this.stale = true;
