@@ -450,6 +450,18 @@ class Steering(DashboardTest):
         self.assertEqual(browser.ask(do="pause", id=2)["state"], "PAUSED")
         self.assertLess(time.monotonic() - began, 5)
 
+    def test_what_is_ended_on_request_tells_how_far_it_has_come(self) -> None:
+        self.meniscus("load", *SMALL, "--set", "end_time=1000")
+        browser = self.browser()
+        for words in ({"do": "step", "count": 99999999999}, {"do": "run_until", "time": 900}):
+            browser.say(id=1, **words)
+            self.meniscus("wait", "--for", "state=RUNNING", "--timeout", "20")
+            self.meniscus("pause")
+            reply = browser.until("reply", id=1)
+            self.assertEqual((reply["error"]["status"], reply["error"]["message"], reply["state"]), ("interrupted", "paused on request", "PAUSED"))
+            now = self.ask("status")
+            self.assertEqual((reply["step"], reply["time"]), (now["step"], now["time"]))
+
     def test_a_lease_is_honoured(self) -> None:
         self.meniscus("load", *SMALL)
         one, two = self.browser(), self.browser()

@@ -8,11 +8,12 @@ import { decode } from "./frame.js";
 import { appointment, askLater, showLater, told } from "./later.js";
 import { Link } from "./link.js";
 import { Events, Journal } from "./logs.js";
-import { complain, confirmed, tell } from "./notes.js";
+import { Notes, confirmed } from "./notes.js";
 import { Parameters, element } from "./parameters.js";
 import { Range, spread } from "./range.js";
 import { Series } from "./series.js";
 import { View } from "./view.js";
+import { brokenOff } from "./words.js";
 
 const $ = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
 const LIMITS = [20000, 100000, 300000, 1000000], USUAL_LIMIT = 100000, LEASE_S = 30, LOOKS = ["phase", "pressure", "velocity", "density"];
@@ -79,12 +80,14 @@ async function askToken() {
 function take(message) {
   switch (message.topic) {
     case "hello":
+      notes.settle("unsent");
       events.clear();
       series.coming = true; // without being asked for
       break;
     case "daemon": known.daemon = message; break;
     case "about": takeAbout(message); break;
     case "status":
+      if (known.status && known.status.daemon_epoch !== message.daemon_epoch) notes.begin();
       known.status = message;
       known.progress = null;
       renewLease();
@@ -117,12 +120,15 @@ function wish() {
 
 /**
  * Give a command and say what became of it.
- * @param {string} what  for people @param {object} message @param {(reply: any) => string} [done]  what to say; "" for nothing
+ * @param {string} what  for people @param {{do: string, time?: number}} message @param {(reply: any) => string} [done]  what to say; "" for nothing
  */
 async function command(what, message, done = () => "") {
+  const from = (known.progress ?? known.status)?.step ?? 0;
+  notes.settle(message.do); // what became of the one before says nothing now
   const reply = await link.ask({ ...message, ...(known.lease ? { lease: known.lease } : {}) });
-  if (reply.error) complain($("notes"), what, reply.error);
-  else tell($("notes"), done(reply));
+  if (reply.error?.status === "interrupted") notes.tell(brokenOff(reply.error, /** @type {any} */ (reply), from, message.time), message.do);
+  else if (reply.error) notes.complain(what, reply.error, message.do);
+  else notes.tell(done(reply), message.do);
   return reply;
 }
 
@@ -170,7 +176,7 @@ function fill(select, names, wanted) {
 
 // --- pictures -----------------------------------------------------------------------------------------------------------
 
-const view = begin(), range = new Range();
+const view = begin(), range = new Range(), notes = new Notes($("notes"));
 
 /** Without WebGL there are no pictures, and all else goes on. */
 function begin() {
@@ -318,6 +324,7 @@ function showState() {
 
 /** @param {any} status */
 function showLease(status) {
+  if (!status.lease_holder || known.lease) notes.settle("held");
   if (known.lease && !status.lease_holder && known.leaseSeen) known.lease = 0;
   known.leaseSeen = Boolean(known.lease && status.lease_holder);
   const holder = status.lease_holder;
@@ -453,6 +460,7 @@ $("lease-button").onclick = async () => {
 async function holdLease(holder) {
   const reply = await command("No lease", { do: "lease", seconds: LEASE_S, holder });
   known.lease = reply.lease_epoch ?? 0;
+  if (known.lease) notes.settle("expired");
   known.renewed = performance.now();
   showState();
 }
@@ -465,7 +473,7 @@ async function renewLease() {
   const reply = await link.ask({ do: "lease", seconds: LEASE_S, holder: kept("holder") || "dashboard", lease: known.lease });
   if (!reply.error || !known.lease) return;
   known.lease = 0;
-  complain($("notes"), "The lease is lost", reply.error);
+  notes.complain("The lease is lost", reply.error, "lease");
 }
 
 for (const limit of LIMITS) $("limit").append(element("option", { value: String(limit), selected: limit === USUAL_LIMIT }, `≈ ${count(limit)}`));

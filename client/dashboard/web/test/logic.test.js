@@ -11,6 +11,7 @@ import { deed } from "../src/logs.js";
 import { choices, slide } from "../src/parameters.js";
 import { Range, spread } from "../src/range.js";
 import { MOST, Series } from "../src/series.js";
+import { brokenOff, plain } from "../src/words.js";
 
 /** As the gateway makes them. */
 function picture(/** @type {object} */ header, /** @type {number[]} */ floats, /** @type {number[]} */ bytes, skipped = 0) {
@@ -203,4 +204,25 @@ test("an eye sees all corners of a box, and is no farther away than it must", ()
       }
       assert.ok(Math.abs(most - 1) < 1e-9, `${reach} ${wide}: ${most}`);
     }
+});
+
+test("a lease that somebody has is told without words of a shell", () => {
+  const held = plain({ status: "held", path: "lease_epoch", hint: "wait; `meniscus lease`",
+    message: "anna holds the lease for another 28.2 s; nothing was done. Who holds it names it, by --lease or $MENISCUS_LEASE; others wait" });
+  assert.deepEqual([held.message, held.path, held.lasting], ["anna holds the lease for another 28.2 s; nothing was done", "", false]);
+  assert.match(held.hint, /Pause, Stop/);
+  assert.doesNotMatch(held.hint, /meniscus|--/);
+  assert.doesNotMatch(plain({ status: "wrong state", message: "cannot start while PAUSED", hint: "see `meniscus status`" }).hint, /meniscus/);
+  const other = plain({ status: "invalid", message: "found never", path: "end_time", hint: "mend it" });
+  assert.deepEqual([other.path, other.hint, other.lasting], ["end_time", "mend it", false]);
+  assert.equal(plain({ status: "no space", message: "the disk is full" }).lasting, true);
+});
+
+test("what was ended on request says how far it came", () => {
+  const error = { status: "interrupted", message: "paused on request" };
+  assert.equal(brokenOff(error, { step: 1015, time: 0.5, state: "PAUSED" }, 1000), "Stopped after 15 steps: paused");
+  assert.equal(brokenOff(error, { step: 1001, time: 0.5, state: "PAUSED" }, 1000), "Stopped after 1 step: paused");
+  assert.equal(brokenOff(error, { step: 1001, time: 0.25, state: "PAUSED" }, 1000, 2), "Stopped at t = 0.25 s, before 2 s: paused");
+  assert.equal(brokenOff({ ...error, message: "stopped on request" }, { step: 0, time: null, state: "EMPTY" }, 1000), "Ended: stopped");
+  assert.equal(brokenOff(error, {}, 1000), "Ended: paused");
 });
