@@ -598,6 +598,29 @@ class Page(DaemonTest):
         self.browse("dashboard_many.mjs")
         self.meniscus("stop")
 
+    def test_a_run_on_its_way_back_is_shown_and_can_be_stopped(self) -> None:
+        self.meniscus("load", "dambreak2d", "--set", "resolution=8", "--set", "end_time=1000", "--set", "output.checkpoint_interval=1000")
+        began = time.monotonic()
+        while time.monotonic() < began + 15:
+            self.meniscus("step", "2000")
+        pictures = Path(os.environ.get("PICTURES", self.home))
+        script = subprocess.Popen(
+            ["node", ROOT / "tests" / "system" / "dashboard_back.mjs", BUILD, pictures], env=self.environment,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+        )
+        said = []
+        with script:
+            assert script.stdout
+            for line in script.stdout:  # what it wants done to the daemon
+                said.append(line)
+                if line == "do: kill\n":
+                    type(self).daemon.kill()
+                    type(self).daemon.wait()
+                elif line == "do: start\n":
+                    type(self).start_daemon()
+        self.assertEqual(script.returncode, 0, "".join(said))
+        self.assertEqual(self.ask("status")["state"], "EMPTY")
+
 
 if __name__ == "__main__":
     unittest.main()

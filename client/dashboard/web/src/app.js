@@ -13,6 +13,7 @@ import { Parameters, element } from "./parameters.js";
 import { Range, spread } from "./range.js";
 import { Series } from "./series.js";
 import { View } from "./view.js";
+import { Way } from "./way.js";
 import { brokenOff } from "./words.js";
 
 const $ = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
@@ -28,6 +29,7 @@ const known = {
   /** Which pictures are wanted, and why they cannot be had. @type {any} */ wish: null, /** @type {any} */ refused: null,
   /** @type {{colour: string, visible: boolean, name: string, wall: boolean}[]} */ phases: [],
   /** @type {string} */ space: "",
+  way: new Way(),
 };
 
 /** Something that is remembered in this browser. @param {string} key @param {string} [value] */
@@ -90,9 +92,13 @@ function take(message) {
       if (known.status && known.status.daemon_epoch !== message.daemon_epoch) notes.begin();
       known.status = message;
       known.progress = null;
+      noteWay(message);
       renewLease();
       break;
-    case "progress": known.progress = message; break;
+    case "progress":
+      known.progress = message;
+      noteWay(message);
+      break;
     case "history": series.recall(/** @type {any} */ (message)); charts.stale = true; break;
     case "samples":
       if (series.add(message.names, message.units, message.rows)) link.send({ do: "history" });
@@ -109,6 +115,12 @@ function take(message) {
     default:
   }
   showState();
+}
+
+/** @param {any} now  status or progress */
+function noteWay(now) {
+  if (now.state === "RECOVERING") known.way.note(performance.now() / 1000, now.step);
+  else known.way = new Way();
 }
 
 /** Say what is wanted in pictures. */
@@ -262,7 +274,7 @@ function showShown() {
     $("pace").textContent = "";
     return;
   }
-  if (!frame) {
+  if (!frame || stateNow() === "RECOVERING") { // what was drawn before the crash is not shown
     $("shown").textContent = $("pace").textContent = "";
     return;
   }
@@ -302,24 +314,35 @@ function showState() {
   const why = lockedBy ? `${lockedBy} holds the lease` : state === "AWAY" ? "not connected" : `not possible while ${state}`;
   /** @type {[string, boolean, boolean][]} button, possible in this state, needs the lease */
   const buttons = [["go", Boolean(go[1]), go[1] !== "pause"], ["step", MOVES.includes(state), true], ["until", MOVES.includes(state), true],
-    ["snapshot", has, false], ["checkpoint", has, false], ["later", has && state !== "FAULT", false], ["back", has && state !== "RUNNING", true], ["stop", has, false]];
+    ["snapshot", has, false], ["checkpoint", has, false], ["later", has && state !== "FAULT", false], ["back", has && state !== "RUNNING", true], ["stop", has || state === "RECOVERING", false]];
   for (const [id, possible, leased] of buttons) {
     const may = possible && !(leased && lockedBy);
     $(id).disabled = !may;
     $(id).dataset.title ??= $(id).title;
     $(id).title = may ? $(id).dataset.title : why;
   }
-  const time = progress.time ?? null, end = progress.end_time ?? null;
-  $("progress").value = has && end > 0 ? Math.min(1, time / end) : 0;
-  $("clock").textContent = has ? `t = ${number(time, 6)} s of ${number(end, 6)} s · step ${count(progress.step ?? 0)} · Δt ${number(progress.time_step, 3)} s` : "";
-  $("eta").textContent = state === "RUNNING"
-    ? `${number(progress.steps_per_second, 3)} steps/s · ${duration(progress.eta_s)} to go` : state === "DONE" ? "end time reached" : "";
+  const time = progress.time ?? null, end = progress.end_time ?? null, back = state === "RECOVERING" && status.recovery_step;
+  if (back) showWay(progress, back);
+  else {
+    $("progress").value = has && end > 0 ? Math.min(1, time / end) : 0;
+    $("clock").textContent = has ? `t = ${number(time, 6)} s of ${number(end, 6)} s · step ${count(progress.step ?? 0)} · Δt ${number(progress.time_step, 3)} s` : "";
+    $("eta").textContent = state === "RUNNING"
+      ? `${number(progress.steps_per_second, 3)} steps/s · ${duration(progress.eta_s)} to go` : state === "DONE" ? "end time reached" : "";
+  }
   if (!$("until-time").value && end) $("until-time").placeholder = number(end, 4);
   showLater($("scheduled"), has ? status.scheduled ?? [] : [], (one) => command("Not called off", { do: "cancel", request: one.id }, () => `Called off: ${told(one)}`));
   showLease(status);
   showBanner(state, status);
   showEmpty(state);
   showShown();
+}
+
+/** On the way back after a crash. @param {any} progress @param {number} goal  step */
+function showWay(progress, goal) {
+  const rate = known.way.rate(), step = progress.step ?? 0;
+  $("progress").value = Math.min(1, step / goal);
+  $("clock").textContent = `coming back: step ${count(step)} of ${count(goal)} · t = ${number(progress.time, 6)} s`;
+  $("eta").textContent = rate === null ? "" : `${number(rate, 3)} steps/s · back in ${duration(known.way.left(goal))}`;
 }
 
 /** @param {any} status */
@@ -357,7 +380,7 @@ function showEmpty(state) {
   if (empty.dataset.kind === kind) return;
   empty.dataset.kind = kind;
   empty.hidden = !kind;
-  const says = { LOADING: ["The case is being loaded", "Particles are placed; large cases take a while."], RECOVERING: ["The run is coming back", "After a crash, what came after the newest checkpoint is done again."],
+  const says = { LOADING: ["The case is being loaded", "Particles are placed; large cases take a while."], RECOVERING: ["The run is coming back", "After a crash, what came after the newest checkpoint is done again; how far it is stands below. Its particles are here when it is back."],
     STOPPING: ["The daemon is leaving", ""], BLIND: ["This browser cannot draw the particles", "It has no WebGL, or was told to do without. Probes, parameters and all commands work as ever."],
     CLOSED: ["Not connected", ""], AWAY: ["Not connected", "As soon as the daemon answers, its particles are here."] };
   const [title, text] = says[/** @type {keyof typeof says} */ (kind)] ?? ["Waiting for the first picture", ""];
@@ -441,6 +464,11 @@ $("back").onclick = async () => {
   if (form) command("Not gone back", { do: String(form.get("way")) }, (r) => `Back at t = ${number(r.time, 6)} s, step ${count(r.step)}`);
 };
 $("stop").onclick = async () => {
+  if (stateNow() === "RECOVERING") {
+    const sure = await confirmed($("ask"), "End the run on its way back?", "Its files stay as they are, and none is written of this moment: what came after the newest checkpoint is given up.", "Stop the run");
+    if (sure) command("Not stopped", { do: "stop", checkpoint: false }, (r) => `Ended; the files are in ${r.path}`);
+    return;
+  }
   const keep = element("input", { type: "checkbox", name: "checkpoint", checked: true });
   const form = await confirmed($("ask"), "End the run?", "Its files stay; the daemon can then load another case.", "Stop the run", element("label", {}, keep, " write a checkpoint first"));
   if (form) command("Not stopped", { do: "stop", checkpoint: form.has("checkpoint") }, (r) => `Ended; the files are in ${r.path}`);

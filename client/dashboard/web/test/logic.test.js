@@ -11,6 +11,7 @@ import { deed } from "../src/logs.js";
 import { choices, slide } from "../src/parameters.js";
 import { Range, spread } from "../src/range.js";
 import { MOST, Series } from "../src/series.js";
+import { Way } from "../src/way.js";
 import { brokenOff, plain } from "../src/words.js";
 
 /** As the gateway makes them. */
@@ -204,6 +205,19 @@ test("an eye sees all corners of a box, and is no farther away than it must", ()
       }
       assert.ok(Math.abs(most - 1) < 1e-9, `${reach} ${wide}: ${most}`);
     }
+});
+
+test("how fast a run comes back is known after a second, and anew after another crash", () => {
+  const way = new Way();
+  way.note(0, 100);
+  way.note(0.5, 200);
+  assert.deepEqual([way.rate(), way.left(1000)], [null, null]);
+  way.note(2, 500);
+  assert.deepEqual([way.rate(), way.left(900)], [200, 2]);
+  for (let k = 3; k < 40; k++) way.note(k, 500 + 10 * k);
+  assert.equal(way.rate(), 10);
+  way.note(41, 3);
+  assert.equal(way.rate(), null);
 });
 
 test("a lease that somebody has is told without words of a shell", () => {
