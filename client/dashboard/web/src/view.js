@@ -10,7 +10,7 @@ const PHASES = 256, MARGIN = 1.06, FIELD_OF_VIEW = 40;
 // interface; those that are chosen by chance leave holes, which are one in 10^5 of the plane from 3.8 on.
 const FILL = { 2: 1.7, 3: 1.15 }, SCATTERED = { 2: 3.8 / 1.7, 3: 1.4 };
 
-const SQUARE_PX = 4;
+const SQUARE_PX = { plane: "4.0", space: "2.0" }; // of a few pixels a disc would be too few
 
 const vertexShader = `
   attribute float value; attribute float phase;
@@ -41,11 +41,14 @@ const fragmentShader = `
   varying vec3 colour; varying float across;
   #ifdef PLANE
   uniform vec4 domain; varying vec2 centre; varying float radius, clips;
+  const float square = ${SQUARE_PX.plane};
+  #else
+  const float square = ${SQUARE_PX.space};
   #endif
   void main() {
     vec2 at = 2.0 * gl_PointCoord - 1.0;
     float r = dot(at, at);
-    if (r > 1.0 && across > ${SQUARE_PX}.0) discard; // of a few pixels a disc would be too few
+    if (r > 1.0 && across > square) discard;
     #ifdef PLANE
     vec2 here = centre + radius * vec2(at.x, -at.y);
     if (clips > 0.5 && (any(lessThan(here, domain.xy)) || any(greaterThan(here, domain.zw)))) discard; // fluid is drawn within the domain
