@@ -220,12 +220,6 @@ static MnsStatus take(Watcher *watcher, const MnsTelemetry *message, MnsError *e
     }
 }
 
-/* Who has gone away would be waited for. */
-static bool is_time_to_look(const Watcher *watcher)
-{
-    return now_s() - watcher->looked > status_s && mns_client_away(watcher->client) <= 0;
-}
-
 /* Messages of one tick, then what is due. */
 static MnsStatus tick(Watcher *watcher, MnsError *error)
 {
@@ -241,7 +235,7 @@ static MnsStatus tick(Watcher *watcher, MnsError *error)
     flush(watcher);
     if (!status && mns_client_away(watcher->client) > away_s)
         status = mns_fail(error, MNS_E_UNAVAILABLE, "the daemon went away");
-    if (!status && is_time_to_look(watcher)) status = look(watcher, error);
+    if (!status && now_s() - watcher->looked > status_s) status = look(watcher, error);
     return status;
 }
 
@@ -251,6 +245,7 @@ static void attend(Watcher *watcher, MnsError *error)
     MnsStatus status = mns_client_open(hub_daemon(watcher->hub), &watcher->client, error);
     if (status) return;
     mns_client_set_timeout(watcher->client, patience_s);
+    mns_client_set_reconnect(watcher->client, away_s);
     status = mns_client_subscribe(watcher->client, MNS_TOPIC_ALL, error);
     watcher->events.since = watcher->log.since = false;
     watcher->subscribed = now_s();

@@ -15,6 +15,7 @@ typedef struct Wire {
     bool connected;       /* the last the monitor said                                     */
     unsigned connections; /* how often a connection was made: more than before = reconnected */
     double lost_since;    /* monotonic time [s] at which it was lost                        */
+    double reconnect_s;   /* for so long it is waited for after that                        */
     int failed;           /* the event of a handshake that failed since; 0: none            */
     KeyPair keys;         /* empty: plain text                                              */
 } Wire;

@@ -212,6 +212,9 @@ void mns_client_close(MnsClient *client);
  *  come in since the last call is taken note of, so this is for the thread that gives the commands. Cost: no message. */
 double mns_client_away(MnsClient *client);
 
+/** For how long a command waits for a connection that was lost while it was under way [s]: a daemon may be restarted. 5 unless it is said. */
+void mns_client_set_reconnect(MnsClient *client, double seconds);
+
 /** Limit the time that each later command may take [s]; a negative one takes the limit away (the default). A daemon
  * that dies is noticed without it. */
 void mns_client_set_timeout(MnsClient *client, double seconds);
