@@ -162,6 +162,9 @@ json_t *output_info(const MnsRunInfo *info)
     json_object_update_new(object, counts);
     json_object_set_new(object, "case_version",
                         info->case_version ? json_integer((json_int_t)info->case_version) : json_null());
+    json_object_set_new(object, "recovery_step",
+                        info->recovery_step == MNS_NO_STEP ? json_null()
+                                                           : json_integer((json_int_t)info->recovery_step));
     json_object_set_new(object, "lease_holder", output_text(*info->lease_holder ? info->lease_holder : NULL));
     json_object_set_new(object, "lease_s", output_number(info->lease_s));
     json_object_set_new(object, "timers", timers(info));

@@ -13,6 +13,7 @@
 static const double tick_s = 0.05;  /* samples go to browsers at least this far apart */
 static const double status_s = 1;   /* between looks at the status                     */
 static const double patience_s = 5; /* for an answer that a daemon gives at once       */
+static const double away_s = 0.4;   /* without a connection, after which the daemon is missed */
 static const double repeat_s = 2;   /* after subscribing the last message comes again  */
 enum { BATCH = 200 };               /* samples of one tick; more are in the history    */
 
@@ -170,6 +171,7 @@ static MnsStatus look(Watcher *watcher, MnsError *error)
     hub_set_directory(watcher->hub, watcher->directory);
     json_t *told = output_info(reply->info);
     json_object_set_new(told, "topic", json_string("status"));
+    json_object_set_new(told, "daemon_epoch", json_integer((json_int_t)reply->daemon_epoch));
     if (news) status = tell_about(watcher, reply, error);
     watcher->has_backlog = watcher->has_backlog || other;
     if (!status && watcher->has_backlog && watcher_is_settled(reply->state)) {
@@ -231,6 +233,8 @@ static MnsStatus tick(Watcher *watcher, MnsError *error)
         if (status == MNS_E_TIMEOUT || status == MNS_E_INTERRUPTED || status == MNS_E_CORRUPT) status = MNS_OK;
     }
     flush(watcher);
+    if (!status && mns_client_away(watcher->client) > away_s)
+        status = mns_fail(error, MNS_E_UNAVAILABLE, "the daemon went away");
     if (!status && now_s() - watcher->looked > status_s) status = look(watcher, error);
     return status;
 }
@@ -241,6 +245,7 @@ static void attend(Watcher *watcher, MnsError *error)
     MnsStatus status = mns_client_open(hub_daemon(watcher->hub), &watcher->client, error);
     if (status) return;
     mns_client_set_timeout(watcher->client, patience_s);
+    mns_client_set_reconnect(watcher->client, away_s);
     status = mns_client_subscribe(watcher->client, MNS_TOPIC_ALL, error);
     watcher->events.since = watcher->log.since = false;
     watcher->subscribed = now_s();

@@ -33,16 +33,34 @@ static json_t *success(const Ask *ask, const MnsReply *reply)
     return answer;
 }
 
+/* How far what was ended on request has come. */
+static json_t *broken_off(const Ask *ask, MnsClient *client, const MnsError *error)
+{
+    MnsReply *now = NULL;
+    json_t *answer = worker_refusal(ask->id, error);
+    mns_client_set_timeout(client, quick_s);
+    if (mns_client_status(client, &now, NULL)) return answer;
+    json_object_update_new(answer, json_pack("{ss sI so}", "state", mns_state_name(now->state), "step",
+                                             (json_int_t)now->step, "time", output_number(now->time)));
+    mns_reply_free(now);
+    return answer;
+}
+
 static MnsStatus command(const Work *work, json_t **ret, MnsError *error)
 {
     MnsClient *client = NULL;
     MnsReply *reply = NULL;
     MnsStatus status = mns_client_open(hub_daemon(work->hub), &client, error);
-    const bool is_long = work->ask.kind == ASK_STEP || work->ask.kind == ASK_RUN_UNTIL || work->ask.kind == ASK_LOAD;
+    const bool is_motion = work->ask.kind == ASK_STEP || work->ask.kind == ASK_RUN_UNTIL;
+    const bool is_long = is_motion || work->ask.kind == ASK_LOAD;
     if (!status && !is_long) mns_client_set_timeout(client, quick_s);
     if (!status) mns_client_set_lease(client, work->ask.lease);
     if (!status) status = ask_call(&work->ask, client, &reply, error);
     if (!status) *ret = success(&work->ask, reply);
+    if (status == MNS_E_INTERRUPTED && is_motion) {
+        *ret = broken_off(&work->ask, client, error);
+        status = MNS_OK;
+    }
     mns_reply_free(reply);
     mns_client_close(client);
     return status;

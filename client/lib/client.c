@@ -91,6 +91,16 @@ void mns_client_close(MnsClient *client)
     free(client);
 }
 
+double mns_client_away(MnsClient *client)
+{
+    return wire_away(&client->wire);
+}
+
+void mns_client_set_reconnect(MnsClient *client, double seconds)
+{
+    client->wire.reconnect_s = seconds;
+}
+
 void mns_client_set_timeout(MnsClient *client, double seconds)
 {
     client->timeout = seconds;

@@ -173,6 +173,7 @@ static MnsRunInfo *read_info(Arena *arena, const Meniscus__Status *m)
         .guarded = m->guarded,
         .uncorrected = m->uncorrected,
         .samples_dropped = m->samples_dropped,
+        .recovery_step = m->has_recovery_step ? m->recovery_step : MNS_NO_STEP,
         .memory_bytes = m->memory_bytes,
         .state_hash = m->state_hash,
         .case_version = m->case_version,

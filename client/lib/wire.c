@@ -179,7 +179,7 @@ bool wire_secure(const Wire *wire, void *socket)
 
 MnsStatus wire_open(Wire *wire, const char *endpoint, const KeyPair *keys, double deadline, MnsError *error)
 {
-    *wire = (Wire){0};
+    *wire = (Wire){.reconnect_s = RECONNECT_S};
     if (keys) wire->keys = *keys;
     snprintf(wire->endpoint, sizeof wire->endpoint, "%s", endpoint);
     const bool is_ipc = strncmp(endpoint, "ipc://", 6) == 0;
@@ -213,6 +213,12 @@ void wire_close(Wire *wire)
     explicit_bzero(wire, sizeof *wire);
 }
 
+double wire_away(Wire *wire)
+{
+    note_events(wire);
+    return wire->connected ? 0 : wire_clock() - wire->lost_since;
+}
+
 static MnsStatus gone(const Wire *wire, MnsError *error)
 {
     return mns_fail(error, MNS_E_UNAVAILABLE,
@@ -223,7 +229,7 @@ static MnsStatus gone(const Wire *wire, MnsError *error)
 
 MnsStatus wire_send(Wire *wire, const void *data, size_t size, MnsError *error)
 {
-    const double deadline = wire_clock() + RECONNECT_S;
+    const double deadline = wire_clock() + wire->reconnect_s;
     for (;;) {
         note_events(wire);
         if (zmq_send(wire->dealer, data, size, ZMQ_DONTWAIT) >= 0) {
@@ -244,7 +250,7 @@ MnsStatus wire_send(Wire *wire, const void *data, size_t size, MnsError *error)
 static long patience_ms(const Wire *wire, double deadline)
 {
     double until = deadline;
-    if (!wire->connected) until = fmin(until, wire->lost_since + RECONNECT_S);
+    if (!wire->connected) until = fmin(until, wire->lost_since + wire->reconnect_s);
     return (long)fmin(POLL_MAX_MS, fmax(0, 1 + 1e3 * (until - wire_clock())));
 }
 
@@ -261,7 +267,7 @@ MnsStatus wire_receive(Wire *wire, double deadline, Frames *ret, MnsError *error
         if (wire->connections > connections) return MNS_OK;
         if (is_denied(wire)) return deny(wire, error);
         const double now = wire_clock();
-        if (!wire->connected && now > wire->lost_since + RECONNECT_S) return gone(wire, error);
+        if (!wire->connected && now > wire->lost_since + wire->reconnect_s) return gone(wire, error);
         if (now > deadline) return mns_fail(error, MNS_E_TIMEOUT, "no answer from %s in time", wire->endpoint);
     }
 }

@@ -18,6 +18,7 @@ typedef struct Wire {
     int refusals;         /* how often nobody listened                                      */
     int cut;              /* handshakes in a row that ended without a word                  */
     bool was_cut;         /* the last attempt did                                           */
+    double reconnect_s;   /* for so long it is waited for after that                        */
     int failed;           /* the event of a handshake that failed since; 0: none            */
     KeyPair keys;         /* empty: plain text                                              */
 } Wire;
@@ -39,6 +40,9 @@ MnsStatus wire_open(Wire *wire, const char *endpoint, const KeyPair *keys, doubl
 bool wire_secure(const Wire *wire, void *socket);
 
 void wire_close(Wire *wire);
+
+/* For how long there has been no connection [s]; 0: there is one. */
+double wire_away(Wire *wire);
 
 /* Send one frame; waits for a connection as long as a daemon may take to be restarted. MNS_E_UNAVAILABLE. */
 MnsStatus wire_send(Wire *wire, const void *data, size_t size, MnsError *error);

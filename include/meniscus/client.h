@@ -110,6 +110,7 @@ typedef struct MnsRunInfo {
     double eta_s, wall_s;             /* [s], wall clock: to the end, since the start */
     double steps_per_second, ns_per_particle_step;
     uint64_t step, particles, fluid_particles, guarded, uncorrected, samples_dropped, memory_bytes;
+    uint64_t recovery_step;   /* in RECOVERING: at which it is back; else MNS_NO_STEP */
     uint64_t state_hash;      /* 0 while it runs */
     uint64_t case_version;    /* 1 when the case was loaded, one more with every change */
     const char *lease_holder; /* who may change the run; empty if everybody may         */
@@ -206,6 +207,13 @@ MnsStatus mns_client_open(const char *daemon, MnsClient **ret_client, MnsError *
 
 /** Disconnect; NULL is fine. Commands that were accepted go on without the client. */
 void mns_client_close(MnsClient *client);
+
+/** For how long the connection has been lost, as by the end of the daemon [s]; 0 while there is one. It is made anew by itself. What has
+ *  come in since the last call is taken note of, so this is for the thread that gives the commands. Cost: no message. */
+double mns_client_away(MnsClient *client);
+
+/** For how long a command waits for a connection that was lost while it was under way [s]: a daemon may be restarted. 5 unless it is said. */
+void mns_client_set_reconnect(MnsClient *client, double seconds);
 
 /** Limit the time that each later command may take [s]; a negative one takes the limit away (the default). A daemon
  * that dies is noticed without it. */

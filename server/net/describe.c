@@ -107,6 +107,8 @@ static void add_numbers(Meniscus__Status *message, const RunStatus *status)
     message->guarded = status->progress.guarded;
     message->uncorrected = status->uncorrected;
     message->samples_dropped = status->samples_dropped;
+    message->has_recovery_step = status->state == RUN_RECOVERING;
+    message->recovery_step = status->recovery_step;
     message->threads = status->threads;
     message->memory_bytes = status->bytes;
     message->has_state_hash = status->hash != 0;

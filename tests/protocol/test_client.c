@@ -310,6 +310,29 @@ static void a_daemon_that_dies_is_noticed_without_a_time_limit(void **state)
     fixture->daemon = fake_daemon_new(handle, fixture);
 }
 
+static void a_daemon_that_dies_is_waited_for_no_longer_than_wanted(void **state)
+{
+    Fixture *fixture = *state;
+    MnsError error = {0};
+    mns_client_set_reconnect(fixture->client, 0.1);
+    fake_daemon_free(fixture->daemon);
+    const double begin = seconds();
+    assert_int_equal(mns_client_pause(fixture->client, NULL, &error), MNS_E_UNAVAILABLE);
+    assert_true(seconds() - begin < 3);
+    fixture->daemon = fake_daemon_new(handle, fixture);
+}
+
+static void it_can_be_told_for_how_long_a_daemon_is_away(void **state)
+{
+    Fixture *fixture = *state;
+    assert_true(mns_client_away(fixture->client) <= 0);
+    fake_daemon_free(fixture->daemon);
+    const double begin = seconds();
+    while (mns_client_away(fixture->client) < 0.1) assert_true(seconds() - begin < 10);
+    assert_true(mns_client_away(fixture->client) < seconds() - begin + 0.1);
+    fixture->daemon = fake_daemon_new(handle, fixture);
+}
+
 static void arrays_come_whole_and_aligned(void **state)
 {
     Fixture *fixture = *state;
@@ -472,6 +495,8 @@ int main(void)
         TEST(answers_to_other_requests_are_passed_over),
         TEST(silence_ends_with_the_time_limit),
         TEST(a_daemon_that_dies_is_noticed_without_a_time_limit),
+        TEST(a_daemon_that_dies_is_waited_for_no_longer_than_wanted),
+        TEST(it_can_be_told_for_how_long_a_daemon_is_away),
         TEST(arrays_come_whole_and_aligned),
         TEST(a_damaged_array_is_refused),
         TEST(a_missing_array_is_refused),

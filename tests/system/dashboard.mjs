@@ -5,6 +5,7 @@ import { PATIENCE_MS, complaints, dropGateway, elsewhere, endGateway, hold, hold
 await startGateway();
 const chromium = await launch();
 
+const count = (n) => String(n).replace(/\B(?=(\d{3})+(?!\d))/g, "\u202f");
 const WATER = [0x1f, 0x78, 0xb4];
 
 try {
@@ -69,6 +70,18 @@ try {
   await page.keyboard.press("Enter");
   await see(page, `Reached t = ${Number(goal)} s`, "it runs to a time, exactly", "#notes");
 
+  await page.$eval("#step-count", (input) => { input.value = "99999999999"; });
+  const begun = await step(page);
+  await page.click("#step");
+  await state(page, "RUNNING");
+  await page.click("#go");
+  await see(page, "Stopped after", "what was ended on request is told as such", "#notes");
+  await state(page, "PAUSED");
+  const note = await text(page, "#notes");
+  hold(note.startsWith(`Stopped after ${count(await step(page) - begun)} steps: paused`) && !note.includes("meniscus"), `with how far it came, and as no failure: ${note}`);
+  hold(await page.$("#notes .bad") === null, "in no red box");
+  await page.$eval("#step-count", (input) => { input.value = "5"; });
+
   await page.click("#later");
   await page.waitForSelector("#ask[open]");
   await page.select("#ask [name=what]", "set");
@@ -127,6 +140,12 @@ try {
   await see(page, "You hold the lease", "the lease can be had", "#lease");
   await see(other, "dashboard holds the lease", "others see who has it", "#lease");
   hold(await other.$eval("#go", (button) => button.disabled && button.title.includes("holds the lease")), "and why they cannot go on");
+  await other.click("#tab-parameters");
+  await other.$eval("[id='set-scheme.cfl']", (input) => { input.value = "0.21"; input.dispatchEvent(new Event("input")); });
+  await other.click("#parameters .primary");
+  await see(other, "dashboard holds the lease for another", "who is refused for it learns who has it, and for how long", "#notes");
+  const refusal = await text(other, "#notes");
+  hold(!/--lease|MENISCUS_LEASE|lease_epoch/.test(refusal), `in words of the page: ${refusal}`);
   await page.focus("#go");
   await page.keyboard.press("Enter");
   await state(other, "RUNNING");
@@ -134,6 +153,7 @@ try {
   await state(page, "PAUSED");
   await page.click("#lease-button");
   await other.waitForFunction(() => !document.querySelector("#go").disabled, { timeout: PATIENCE_MS });
+  hold(!(await text(other, "#notes")).includes("holds the lease"), "when it is given back, nothing says that it is held");
 
   await other.$eval("#limit", (select) => { select.options[0].value = "1000"; select.selectedIndex = 0; select.dispatchEvent(new Event("change")); });
   await see(other, "Thinned:", "a picture of fewer particles than there are says so", "#shown");

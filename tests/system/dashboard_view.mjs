@@ -68,6 +68,26 @@ try {
   for (const key of ["ArrowLeft", "ArrowUp", "+"]) await changed(() => page.keyboard.press(key), `and by ${key}`);
   await home();
 
+  /** Is nothing drawn at the edge of the picture? All lines of the box end within it then. */
+  const isWhole = () => page.$eval("#canvas canvas", (from) => {
+    const to = document.createElement("canvas");
+    [to.width, to.height] = [from.width, from.height];
+    const pen = to.getContext("2d");
+    pen.drawImage(from, 0, 0);
+    const { data } = pen.getImageData(0, 0, to.width, to.height), paper = data.slice(0, 3);
+    const differs = (x, y) => paper.some((c, d) => data[4 * (y * to.width + x) + d] !== c);
+    let drawn = 0, cut = 0;
+    for (let y = 0; y < to.height; y++)
+      for (let x = 0; x < to.width; x++) if (differs(x, y)) x && y && x < to.width - 1 && y < to.height - 1 ? drawn++ : cut++;
+    return drawn > 500 && cut === 0;
+  });
+  for (const [wide, high] of [[1280, 800], [1536, 864], [375, 740], [1280, 560]]) {
+    await page.setViewport({ width: wide, height: high });
+    await holdSoon(async () => await page.screenshot() && await isWhole(), `all of the space is seen in a window of ${wide} by ${high}`);
+    await picture(page, `space-${wide}`);
+  }
+  await page.setViewport({ width: 1280, height: 800 });
+
   const focus = () => page.evaluate(() => document.activeElement.id);
   for (const panel of ["probes", "events", "journal"]) {
     await page.focus(`#tab-${panel}`);

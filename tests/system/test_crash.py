@@ -190,6 +190,8 @@ class Crash(DaemonTest):
         while not (status := self.ask("status")).get("step") and time.monotonic() < until:
             pass  # there is no run yet, or its particles are placed
         self.assertEqual(status["state"], "RECOVERING")
+        if not under_way:
+            self.assertEqual(status["recovery_step"], steps)
         return steps
 
     def test_whoever_asks_meanwhile_is_answered_and_who_changes_something_waits(self) -> None:
@@ -204,7 +206,7 @@ class Crash(DaemonTest):
         self.assertLess(time.monotonic() - began, FAR_S / 2)
         self.assertEqual(setting.wait(PATIENCE_S), 0)
         status = self.ask("status")
-        self.assertEqual((status["state"], status["step"]), ("PAUSED", steps))
+        self.assertEqual((status["state"], status["step"], status["recovery_step"]), ("PAUSED", steps, None))
         self.assertEqual(self.ask("get", "gravity")["values"]["gravity"]["value"], "[0, -2]")
 
     def test_who_watches_on_the_way_back_is_told_and_can_leave(self) -> None:

@@ -452,6 +452,18 @@ class Steering(DashboardTest):
         self.assertEqual(browser.ask(do="pause", id=2)["state"], "PAUSED")
         self.assertLess(time.monotonic() - began, 5)
 
+    def test_what_is_ended_on_request_tells_how_far_it_has_come(self) -> None:
+        self.meniscus("load", *SMALL, "--set", "end_time=1000")
+        browser = self.browser()
+        for words in ({"do": "step", "count": 99999999999}, {"do": "run_until", "time": 900}):
+            browser.say(id=1, **words)
+            self.meniscus("wait", "--for", "state=RUNNING", "--timeout", "20")
+            self.meniscus("pause")
+            reply = browser.until("reply", id=1)
+            self.assertEqual((reply["error"]["status"], reply["error"]["message"], reply["state"]), ("interrupted", "paused on request", "PAUSED"))
+            now = self.ask("status")
+            self.assertEqual((reply["step"], reply["time"]), (now["step"], now["time"]))
+
     def test_a_lease_is_honoured(self) -> None:
         self.meniscus("load", *SMALL)
         one, two = self.browser(), self.browser()
@@ -543,15 +555,19 @@ class Steering(DashboardTest):
     def test_a_daemon_that_dies_is_missed_and_found_again(self) -> None:
         browser = self.browser()
         browser.until("daemon", alive=True)
-        self.kill_daemon_for(browser)
-        browser.until("daemon", alive=True)
+        for _ in range(4):  # also while a status is under way
+            self.kill_daemon_for(browser)
+            browser.until("daemon", alive=True)
+            browser.until("status")
         self.assertEqual(browser.ask(do="load", id=1, name="dambreak2d", settings=["resolution=20"])["state"], "READY")
 
     def kill_daemon_for(self, browser: Browser) -> None:
         cls = type(self)
         cls.daemon.kill()
         cls.daemon.wait()
+        began = time.monotonic()
         error = browser.until("daemon", alive=False)["error"]
+        self.assertLess(time.monotonic() - began, 2)  # half a second, where processors are free
         self.assertEqual(error["status"], "unavailable")
         self.assertTrue(error["hint"])
         self.assertIn("error", browser.ask(do="start", id=9))
@@ -580,6 +596,34 @@ class Page(DaemonTest):
         self.meniscus("load", "dambreak3d", "--set", "resolution=10")
         self.browse("dashboard_view.mjs")
         self.meniscus("stop")
+
+    def test_many_particles_cover_the_fluid_and_few_of_them_too(self) -> None:
+        self.meniscus("load", "dambreak2d", "--set", "resolution=100")
+        self.browse("dashboard_many.mjs")
+        self.meniscus("stop")
+
+    def test_a_run_on_its_way_back_is_shown_and_can_be_stopped(self) -> None:
+        self.meniscus("load", "dambreak2d", "--set", "resolution=8", "--set", "end_time=1000", "--set", "output.checkpoint_interval=1000")
+        began = time.monotonic()
+        while time.monotonic() < began + 15:
+            self.meniscus("step", "2000")
+        pictures = Path(os.environ.get("PICTURES", self.home))
+        script = subprocess.Popen(
+            ["node", ROOT / "tests" / "system" / "dashboard_back.mjs", BUILD, pictures], env=self.environment,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+        )
+        said = []
+        with script:
+            assert script.stdout
+            for line in script.stdout:  # what it wants done to the daemon
+                said.append(line)
+                if line == "do: kill\n":
+                    type(self).daemon.kill()
+                    type(self).daemon.wait()
+                elif line == "do: start\n":
+                    type(self).start_daemon()
+        self.assertEqual(script.returncode, 0, "".join(said))
+        self.assertEqual(self.ask("status")["state"], "EMPTY")
 
 
 if __name__ == "__main__":

@@ -8,11 +8,13 @@ import { decode } from "./frame.js";
 import { appointment, askLater, showLater, told } from "./later.js";
 import { Link } from "./link.js";
 import { Events, Journal } from "./logs.js";
-import { complain, confirmed, tell } from "./notes.js";
+import { Notes, confirmed } from "./notes.js";
 import { Parameters, element } from "./parameters.js";
 import { Range, spread } from "./range.js";
 import { Series } from "./series.js";
 import { View } from "./view.js";
+import { Way } from "./way.js";
+import { brokenOff } from "./words.js";
 
 const $ = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
 const LIMITS = [20000, 100000, 300000, 1000000], USUAL_LIMIT = 100000, LEASE_S = 30, LOOKS = ["phase", "pressure", "velocity", "density"];
@@ -27,6 +29,7 @@ const known = {
   /** Which pictures are wanted, and why they cannot be had. @type {any} */ wish: null, /** @type {any} */ refused: null,
   /** @type {{colour: string, visible: boolean, name: string, wall: boolean}[]} */ phases: [],
   /** @type {string} */ space: "",
+  way: new Way(),
 };
 
 /** Something that is remembered in this browser. @param {string} key @param {string} [value] */
@@ -79,17 +82,23 @@ async function askToken() {
 function take(message) {
   switch (message.topic) {
     case "hello":
+      notes.settle("unsent");
       events.clear();
       series.coming = true; // without being asked for
       break;
     case "daemon": known.daemon = message; break;
     case "about": takeAbout(message); break;
     case "status":
+      if (known.status && known.status.daemon_epoch !== message.daemon_epoch) notes.begin();
       known.status = message;
       known.progress = null;
+      noteWay(message);
       renewLease();
       break;
-    case "progress": known.progress = message; break;
+    case "progress":
+      known.progress = message;
+      noteWay(message);
+      break;
     case "history": series.recall(/** @type {any} */ (message)); charts.stale = true; break;
     case "samples":
       if (series.add(message.names, message.units, message.rows)) link.send({ do: "history" });
@@ -108,6 +117,12 @@ function take(message) {
   showState();
 }
 
+/** @param {any} now  status or progress */
+function noteWay(now) {
+  if (now.state === "RECOVERING") known.way.note(performance.now() / 1000, now.step);
+  else known.way = new Way();
+}
+
 /** Say what is wanted in pictures. */
 function wish() {
   known.wish = { field: $("field").value || "phase", limit: view ? Number($("limit").value) : 0, walls: $("walls").checked };
@@ -117,12 +132,15 @@ function wish() {
 
 /**
  * Give a command and say what became of it.
- * @param {string} what  for people @param {object} message @param {(reply: any) => string} [done]  what to say; "" for nothing
+ * @param {string} what  for people @param {{do: string, time?: number}} message @param {(reply: any) => string} [done]  what to say; "" for nothing
  */
 async function command(what, message, done = () => "") {
+  const from = (known.progress ?? known.status)?.step ?? 0;
+  notes.settle(message.do); // what became of the one before says nothing now
   const reply = await link.ask({ ...message, ...(known.lease ? { lease: known.lease } : {}) });
-  if (reply.error) complain($("notes"), what, reply.error);
-  else tell($("notes"), done(reply));
+  if (reply.error?.status === "interrupted") notes.tell(brokenOff(reply.error, /** @type {any} */ (reply), from, message.time), message.do);
+  else if (reply.error) notes.complain(what, reply.error, message.do);
+  else notes.tell(done(reply), message.do);
   return reply;
 }
 
@@ -170,7 +188,7 @@ function fill(select, names, wanted) {
 
 // --- pictures -----------------------------------------------------------------------------------------------------------
 
-const view = begin(), range = new Range();
+const view = begin(), range = new Range(), notes = new Notes($("notes"));
 
 /** Without WebGL there are no pictures, and all else goes on. */
 function begin() {
@@ -256,7 +274,7 @@ function showShown() {
     $("pace").textContent = "";
     return;
   }
-  if (!frame) {
+  if (!frame || stateNow() === "RECOVERING") { // what was drawn before the crash is not shown
     $("shown").textContent = $("pace").textContent = "";
     return;
   }
@@ -296,18 +314,21 @@ function showState() {
   const why = lockedBy ? `${lockedBy} holds the lease` : state === "AWAY" ? "not connected" : `not possible while ${state}`;
   /** @type {[string, boolean, boolean][]} button, possible in this state, needs the lease */
   const buttons = [["go", Boolean(go[1]), go[1] !== "pause"], ["step", MOVES.includes(state), true], ["until", MOVES.includes(state), true],
-    ["snapshot", has, false], ["checkpoint", has, false], ["later", has && state !== "FAULT", false], ["back", has && state !== "RUNNING", true], ["stop", has, false]];
+    ["snapshot", has, false], ["checkpoint", has, false], ["later", has && state !== "FAULT", false], ["back", has && state !== "RUNNING", true], ["stop", has || state === "RECOVERING", false]];
   for (const [id, possible, leased] of buttons) {
     const may = possible && !(leased && lockedBy);
     $(id).disabled = !may;
     $(id).dataset.title ??= $(id).title;
     $(id).title = may ? $(id).dataset.title : why;
   }
-  const time = progress.time ?? null, end = progress.end_time ?? null;
-  $("progress").value = has && end > 0 ? Math.min(1, time / end) : 0;
-  $("clock").textContent = has ? `t = ${number(time, 6)} s of ${number(end, 6)} s · step ${count(progress.step ?? 0)} · Δt ${number(progress.time_step, 3)} s` : "";
-  $("eta").textContent = state === "RUNNING"
-    ? `${number(progress.steps_per_second, 3)} steps/s · ${duration(progress.eta_s)} to go` : state === "DONE" ? "end time reached" : "";
+  const time = progress.time ?? null, end = progress.end_time ?? null, back = state === "RECOVERING" && status.recovery_step;
+  if (back) showWay(progress, back);
+  else {
+    $("progress").value = has && end > 0 ? Math.min(1, time / end) : 0;
+    $("clock").textContent = has ? `t = ${number(time, 6)} s of ${number(end, 6)} s · step ${count(progress.step ?? 0)} · Δt ${number(progress.time_step, 3)} s` : "";
+    $("eta").textContent = state === "RUNNING"
+      ? `${number(progress.steps_per_second, 3)} steps/s · ${duration(progress.eta_s)} to go` : state === "DONE" ? "end time reached" : "";
+  }
   if (!$("until-time").value && end) $("until-time").placeholder = number(end, 4);
   showLater($("scheduled"), has ? status.scheduled ?? [] : [], (one) => command("Not called off", { do: "cancel", request: one.id }, () => `Called off: ${told(one)}`));
   showLease(status);
@@ -316,8 +337,17 @@ function showState() {
   showShown();
 }
 
+/** On the way back after a crash. @param {any} progress @param {number} goal  step */
+function showWay(progress, goal) {
+  const rate = known.way.rate(), step = progress.step ?? 0;
+  $("progress").value = Math.min(1, step / goal);
+  $("clock").textContent = `coming back: step ${count(step)} of ${count(goal)} · t = ${number(progress.time, 6)} s`;
+  $("eta").textContent = rate === null ? "" : `${number(rate, 3)} steps/s · back in ${duration(known.way.left(goal))}`;
+}
+
 /** @param {any} status */
 function showLease(status) {
+  if (!status.lease_holder || known.lease) notes.settle("held");
   if (known.lease && !status.lease_holder && known.leaseSeen) known.lease = 0;
   known.leaseSeen = Boolean(known.lease && status.lease_holder);
   const holder = status.lease_holder;
@@ -350,7 +380,7 @@ function showEmpty(state) {
   if (empty.dataset.kind === kind) return;
   empty.dataset.kind = kind;
   empty.hidden = !kind;
-  const says = { LOADING: ["The case is being loaded", "Particles are placed; large cases take a while."], RECOVERING: ["The run is coming back", "After a crash, what came after the newest checkpoint is done again."],
+  const says = { LOADING: ["The case is being loaded", "Particles are placed; large cases take a while."], RECOVERING: ["The run is coming back", "After a crash, what came after the newest checkpoint is done again; how far it is stands below. Its particles are here when it is back."],
     STOPPING: ["The daemon is leaving", ""], BLIND: ["This browser cannot draw the particles", "It has no WebGL, or was told to do without. Probes, parameters and all commands work as ever."],
     CLOSED: ["Not connected", ""], AWAY: ["Not connected", "As soon as the daemon answers, its particles are here."] };
   const [title, text] = says[/** @type {keyof typeof says} */ (kind)] ?? ["Waiting for the first picture", ""];
@@ -434,6 +464,11 @@ $("back").onclick = async () => {
   if (form) command("Not gone back", { do: String(form.get("way")) }, (r) => `Back at t = ${number(r.time, 6)} s, step ${count(r.step)}`);
 };
 $("stop").onclick = async () => {
+  if (stateNow() === "RECOVERING") {
+    const sure = await confirmed($("ask"), "End the run on its way back?", "Its files stay as they are, and none is written of this moment: what came after the newest checkpoint is given up.", "Stop the run");
+    if (sure) command("Not stopped", { do: "stop", checkpoint: false }, (r) => `Ended; the files are in ${r.path}`);
+    return;
+  }
   const keep = element("input", { type: "checkbox", name: "checkpoint", checked: true });
   const form = await confirmed($("ask"), "End the run?", "Its files stay; the daemon can then load another case.", "Stop the run", element("label", {}, keep, " write a checkpoint first"));
   if (form) command("Not stopped", { do: "stop", checkpoint: form.has("checkpoint") }, (r) => `Ended; the files are in ${r.path}`);
@@ -453,6 +488,7 @@ $("lease-button").onclick = async () => {
 async function holdLease(holder) {
   const reply = await command("No lease", { do: "lease", seconds: LEASE_S, holder });
   known.lease = reply.lease_epoch ?? 0;
+  if (known.lease) notes.settle("expired");
   known.renewed = performance.now();
   showState();
 }
@@ -465,7 +501,7 @@ async function renewLease() {
   const reply = await link.ask({ do: "lease", seconds: LEASE_S, holder: kept("holder") || "dashboard", lease: known.lease });
   if (!reply.error || !known.lease) return;
   known.lease = 0;
-  complain($("notes"), "The lease is lost", reply.error);
+  notes.complain("The lease is lost", reply.error, "lease");
 }
 
 for (const limit of LIMITS) $("limit").append(element("option", { value: String(limit), selected: limit === USUAL_LIMIT }, `≈ ${count(limit)}`));

@@ -75,7 +75,7 @@ export class Link {
       this.waiting.set(id, resolve);
       if (this.send({ ...message, id })) return;
       this.waiting.delete(id);
-      resolve({ topic: "reply", error: { status: "unavailable", message: "the dashboard's server does not answer", path: "", hint: "it is tried again by itself" } });
+      resolve({ topic: "reply", error: { status: "unsent", message: "the dashboard's server does not answer", path: "", hint: "it is tried again by itself" } });
     });
   }
 }

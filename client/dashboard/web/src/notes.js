@@ -1,31 +1,54 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What happened to a command: failures stay until they are read, with what to do; successes go away by themselves.
+// What happened to a command, with what to do where it failed. A note goes when it is no longer so, and by itself unless somebody has to do
+// something.
 import { element } from "./parameters.js";
+import { plain } from "./words.js";
 
-const MOST = 4, GOOD_MS = 6000;
+const MOST = 4, GOOD_MS = 6000, BAD_MS = 30000;
 
-/** @param {HTMLElement} place @param {HTMLElement} note @param {boolean} bad */
-function put(place, note, bad) {
-  const close = element("button", { className: "quiet", ariaLabel: "Close" }, "×");
-  close.onclick = () => note.remove();
-  note.append(close);
-  while (place.children.length >= MOST) place.firstElementChild?.remove();
-  place.append(note);
-  if (!bad) setTimeout(() => note.remove(), GOOD_MS);
-}
+export class Notes {
+  /** @param {HTMLElement} place */
+  constructor(place) {
+    this.place = place;
+  }
 
-/** @param {HTMLElement} place @param {string} text  "": it is plain to see */
-export function tell(place, text) {
-  place.replaceChildren(); // what was before is over
-  if (text) put(place, element("div", { className: "note", role: "status" }, element("div", {}, text)), false);
-}
+  /** @param {HTMLElement} note @param {string[]} about @param {number} patience  [ms], Infinity: until it is closed */
+  put(note, about, patience) {
+    const close = element("button", { className: "quiet", ariaLabel: "Close" }, "×");
+    close.onclick = () => note.remove();
+    note.append(close);
+    note.dataset.about = about.join(" ");
+    while (this.place.children.length >= MOST) this.place.firstElementChild?.remove();
+    this.place.append(note);
+    const go = () => (note.matches(":hover, :focus-within") ? setTimeout(go, GOOD_MS) : note.remove()); // it is being read
+    if (patience < Infinity) setTimeout(go, patience);
+  }
 
-/** @param {HTMLElement} place @param {string} what @param {{message: string, hint?: string, path?: string}} error */
-export function complain(place, what, error) {
-  const words = element("div", {}, element("b", {}, `${what}: `), error.message);
-  if (error.path && !error.message.includes(error.path)) words.append(element("p", {}, `Entry: ${error.path}`));
-  if (error.hint) words.append(element("p", {}, `What to do: ${error.hint}`));
-  put(place, element("div", { className: "note bad", role: "alert" }, words), true);
+  /** @param {string} text @param {string} about  which command */
+  tell(text, about) {
+    this.place.querySelectorAll(".note:not(.bad)").forEach((note) => note.remove()); // what was before is over
+    this.settle(about);
+    if (text) this.put(element("div", { className: "note", role: "status" }, element("div", {}, text)), [about], GOOD_MS);
+  }
+
+  /** @param {string} what @param {import("./words.js").Failure} error @param {string} about  which command */
+  complain(what, error, about) {
+    const { message, hint, path, lasting } = plain(error), words = element("div", {}, element("b", {}, `${what}: `), message);
+    if (path) words.append(element("p", {}, `Entry: ${path}`));
+    if (hint) words.append(element("p", {}, `What to do: ${hint}`));
+    this.settle(about);
+    this.put(element("div", { className: "note bad", role: "alert" }, words), [about, error.status ?? ""], lasting ? Infinity : BAD_MS);
+  }
+
+  /** What was said of this, a command or the status of a failure, is no longer so. @param {string} about */
+  settle(about) {
+    for (const note of /** @type {NodeListOf<HTMLElement>} */ (this.place.querySelectorAll(".note"))) if (note.dataset.about?.split(" ").includes(about)) note.remove();
+  }
+
+  /** Of a daemon that is gone only that stays which nobody knows: whether it did what it was told last. */
+  begin() {
+    for (const note of /** @type {NodeListOf<HTMLElement>} */ (this.place.querySelectorAll(".note"))) if (!note.dataset.about?.includes("unavailable")) note.remove();
+  }
 }
 
 /** Ask before something that cannot be taken back. @returns {Promise<FormData|null>} null: better not */

@@ -2,16 +2,24 @@
 // The particles, drawn by three.js: a plane that can be moved and zoomed, or a space that can be turned.
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { distanceToFit } from "./fit.js";
 import { number, ticks } from "./format.js";
 
-const PHASES = 256, MARGIN = 1.06, FILL = { 2: 1.42, 3: 1.15 }; // discs that leave no gaps in a plane
-const SCATTERED = 1.4; // larger yet where they are chosen by chance, which leaves holes
+const PHASES = 256, MARGIN = 1.06, FIELD_OF_VIEW = 40;
+// Diameters, in distances between particles. In a plane discs leave no gaps, and who is nearest has a pixel, so that larger ones move no
+// interface; those that are chosen by chance leave holes, which are one in 10^5 of the plane from 3.8 on.
+const FILL = { 2: 1.7, 3: 1.15 }, SCATTERED = { 2: 3.8 / 1.7, 3: 1.4 };
+
+const SQUARE_PX = { plane: "4.0", space: "2.0" }; // of a few pixels a disc would be too few
 
 const vertexShader = `
   attribute float value; attribute float phase;
-  uniform float size, scale, lo, hi, byPhase; uniform bool perspective;
+  uniform float size, scale, lo, hi, byPhase;
   uniform sampler2D map, palette;
-  varying vec3 colour;
+  varying vec3 colour; varying float across;
+  #ifdef PLANE
+  uniform vec4 domain; varying vec2 centre; varying float radius, clips;
+  #endif
   void main() {
     vec4 own = texture2D(palette, vec2((phase + 0.5) / ${PHASES}.0, 0.5));
     bool wall = own.a < 0.75;
@@ -19,16 +27,36 @@ const vertexShader = `
     if (byPhase < 0.5 && !wall) colour = texture2D(map, vec2(clamp((value - lo) / (hi - lo), 0.0, 1.0) * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb;
     vec4 seen = modelViewMatrix * vec4(position, 1.0);
     gl_Position = own.a > 0.25 ? projectionMatrix * seen : vec4(2.0, 2.0, 2.0, 1.0);
-    gl_PointSize = max(1.5, (perspective && wall ? 0.2 : 1.0) * size * scale / (perspective ? -seen.z : 1.0));
+    #ifdef PLANE
+    across = size * scale + 1.0; // a pixel belongs to whom its middle does, which may be beside it
+    centre = position.xy;
+    radius = 0.5 * across / scale;
+    clips = !wall && all(greaterThanEqual(centre, domain.xy)) && all(lessThanEqual(centre, domain.zw)) ? 1.0 : 0.0;
+    #else
+    across = max(1.5, (wall ? 0.2 : 1.0) * size * scale / -seen.z);
+    #endif
+    gl_PointSize = across;
   }`;
 const fragmentShader = `
-  uniform bool perspective; varying vec3 colour;
+  varying vec3 colour; varying float across;
+  #ifdef PLANE
+  uniform vec4 domain; varying vec2 centre; varying float radius, clips;
+  const float square = ${SQUARE_PX.plane};
+  #else
+  const float square = ${SQUARE_PX.space};
+  #endif
   void main() {
     vec2 at = 2.0 * gl_PointCoord - 1.0;
     float r = dot(at, at);
-    if (r > 1.0) discard;
-    float light = perspective ? 0.55 + 0.45 * sqrt(1.0 - r) : 1.0;
-    gl_FragColor = vec4(colour * light, 1.0);
+    if (r > 1.0 && across > square) discard;
+    #ifdef PLANE
+    vec2 here = centre + radius * vec2(at.x, -at.y);
+    if (clips > 0.5 && (any(lessThan(here, domain.xy)) || any(greaterThan(here, domain.zw)))) discard; // fluid is drawn within the domain
+    gl_FragDepth = 0.5 * r; // who is nearest is seen
+    gl_FragColor = vec4(colour, 1.0);
+    #else
+    gl_FragColor = vec4(colour * (0.55 + 0.45 * sqrt(max(0.0, 1.0 - r))), 1.0);
+    #endif
   }`;
 
 /** @param {number} width  of the texture */
@@ -60,7 +88,7 @@ export class View {
     this.material = new THREE.ShaderMaterial({
       vertexShader, fragmentShader,
       uniforms: {
-        size: { value: 1 }, scale: { value: 1 }, lo: { value: 0 }, hi: { value: 1 }, byPhase: { value: 1 }, perspective: { value: false },
+        size: { value: 1 }, scale: { value: 1 }, lo: { value: 0 }, hi: { value: 1 }, byPhase: { value: 1 }, domain: { value: new THREE.Vector4() },
         map: { value: strip(256) }, palette: { value: strip(PHASES) },
       },
     });
@@ -71,6 +99,7 @@ export class View {
     this.box.frustumCulled = false;
     this.scene.add(this.points, this.box);
     this.room = 0;
+    this.isHome = true;
     /** @type {Space|null} */
     this.space = null;
     this.stale = true;
@@ -92,7 +121,7 @@ export class View {
     this.box.geometry.dispose();
     this.box.geometry = new THREE.BufferGeometry().setAttribute("position", new THREE.Float32BufferAttribute(corners, 3));
     const plane = space.dimensions === 2;
-    this.camera = plane ? new THREE.OrthographicCamera() : new THREE.PerspectiveCamera(40);
+    this.camera = plane ? new THREE.OrthographicCamera() : new THREE.PerspectiveCamera(FIELD_OF_VIEW);
     if (!plane) this.camera.up.set(...space.up);
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
     this.controls.enableRotate = !plane;
@@ -101,7 +130,10 @@ export class View {
     if (plane) this.controls.mouseButtons.LEFT = THREE.MOUSE.PAN;
     if (plane) this.controls.touches.ONE = THREE.TOUCH.PAN;
     this.controls.addEventListener("change", () => { this.stale = true; });
-    this.material.uniforms.perspective.value = !plane;
+    this.controls.addEventListener("start", () => { this.isHome = false; });
+    this.material.defines = plane ? { PLANE: 1 } : {};
+    this.material.uniforms.domain.value.set(x0, y0, x1, y1);
+    this.material.needsUpdate = true;
     this.box.material.depthTest = !plane;
     this.box.renderOrder = 1;
     this.home();
@@ -113,22 +145,29 @@ export class View {
     if (!this.space) return;
     const size = this.reach.length();
     this.controls.target.copy(this.centre);
+    this.isHome = true;
     if (this.space.dimensions === 2) {
       this.camera.position.set(this.centre.x, this.centre.y, size);
       this.camera.near = 0;
       this.camera.far = 2 * size;
       this.camera.zoom = 1;
     } else {
-      const up = new THREE.Vector3(...this.space.up).normalize();
-      const side = Math.abs(up.y) > 0.5 ? new THREE.Vector3(0, 0, 1) : new THREE.Vector3(0, -1, 0);
-      const right = new THREE.Vector3().crossVectors(up, side);
-      const from = side.clone().addScaledVector(right, 0.45).addScaledVector(up, 0.35).normalize();
-      this.camera.position.copy(this.centre).addScaledVector(from, 1.25 * size);
       this.camera.near = size / 100;
       this.camera.far = 20 * size;
     }
     this.resize();
     this.controls.update();
+  }
+
+  /** Of a space: as far away as shows all of it in a window of this size, with room for what is written at its corners. @param {number} width @param {number} height */
+  stepBack(width, height) {
+    const up = new THREE.Vector3(...this.space.up).normalize();
+    const side = Math.abs(up.y) > 0.5 ? new THREE.Vector3(0, 0, 1) : new THREE.Vector3(0, -1, 0);
+    const right = new THREE.Vector3().crossVectors(up, side);
+    const from = side.clone().addScaledVector(right, 0.45).addScaledVector(up, 0.35).normalize();
+    const pad = 8 + 0.05 * Math.min(width, height), tangent = Math.tan(FIELD_OF_VIEW * Math.PI / 360);
+    const wide = tangent * (width - 2 * pad) / height, high = tangent * (1 - 2 * pad / height);
+    this.camera.position.copy(this.centre).addScaledVector(from, distanceToFit(this.reach.toArray(), from.toArray(), up.toArray(), wide, high));
   }
 
   resize() {
@@ -148,7 +187,11 @@ export class View {
         left: -unit * (across / 2 + pads.left), right: unit * (across / 2 + pads.right),
         top: unit * (up / 2 + pads.top), bottom: -unit * (up / 2 + pads.bottom),
       });
-    } else if (this.camera) this.camera.aspect = width / height;
+    } else if (this.camera) {
+      this.camera.aspect = width / height;
+      if (this.isHome) this.stepBack(width, height);
+      this.controls.update();
+    }
     this.camera?.updateProjectionMatrix();
     this.stale = true;
   }
@@ -208,7 +251,7 @@ export class View {
     geometry.setDrawRange(0, n);
     this.material.uniforms.byPhase.value = frame.value ? 0 : 1;
     // Fewer particles are drawn larger, so that together they fill what all would.
-    const larger = frame.every > 1 ? SCATTERED * frame.every ** (1 / frame.dimensions) : 1;
+    const larger = frame.every > 1 ? SCATTERED[frame.dimensions] * frame.every ** (1 / frame.dimensions) : 1;
     this.material.uniforms.size.value = FILL[frame.dimensions] * this.space.spacing * larger;
     this.points.visible = n > 0;
     this.stale = true;
@@ -316,6 +359,7 @@ export class View {
       offset.applyAxisAngle(right, turn);
       this.camera.position.copy(this.controls.target).add(offset);
     } else return false;
+    if (event.key !== "Home") this.isHome = false;
     this.controls.update();
     this.stale = true;
     return true;

@@ -2,6 +2,7 @@
 // What needs no browser: numbers, ranges, pictures as they come, the past of the probes.
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { distanceToFit } from "../src/fit.js";
 import { bounds, count, duration, limits, number, ticks, vector } from "../src/format.js";
 import { decode } from "../src/frame.js";
 import { appointment, told } from "../src/later.js";
@@ -10,6 +11,8 @@ import { deed } from "../src/logs.js";
 import { choices, slide } from "../src/parameters.js";
 import { Range, spread } from "../src/range.js";
 import { MOST, Series } from "../src/series.js";
+import { Way } from "../src/way.js";
+import { brokenOff, plain } from "../src/words.js";
 
 /** As the gateway makes them. */
 function picture(/** @type {object} */ header, /** @type {number[]} */ floats, /** @type {number[]} */ bytes, skipped = 0) {
@@ -186,4 +189,54 @@ test("what is to happen later is said as the gateway wants it", () => {
   assert.deepEqual(appointment(form({ what: "set", at: "0.5", unit: "time", settings: "gravity=[0, -2]\n\n end_time=3 " })),
     { do: "set", settings: ["gravity=[0, -2]", "end_time=3"], at_time: 0.5 });
   assert.equal(told({ id: "", at_step: 7, at_time: null, who: "local", what: "set" }), "set, at step 7");
+});
+
+test("an eye sees all corners of a box, and is no farther away than it must", () => {
+  for (const [reach, up] of /** @type {[number[], number[]][]} */ ([[[2, 2, 2], [0, 0, 1]], [[5, 1, 2], [0, 1, 0]], [[1, 1, 9], [0, 0, 1]]]))
+    for (const [wide, high] of [[0.364, 0.364], [0.1, 0.364], [0.8, 0.364]]) {
+      const from = [0.41, up[1] ? 0.32 : -0.85, up[1] ? 0.85 : 0.32], far = Math.hypot(...from), unit = from.map((x) => x / far);
+      const distance = distanceToFit(reach, from, up, wide, high), [a, b, c] = unit, [u, v, w] = up;
+      const across = [v * c - w * b, w * a - u * c, u * b - v * a], right = across.map((x) => x / Math.hypot(...across));
+      const top = [b * right[2] - c * right[1], c * right[0] - a * right[2], a * right[1] - b * right[0]];
+      let most = 0;
+      for (let k = 0; k < 8; k++) {
+        const corner = reach.map((length, d) => (k & 1 << d ? length : -length) / 2), dot = (/** @type {number[]} */ axis) => axis[0] * corner[0] + axis[1] * corner[1] + axis[2] * corner[2];
+        most = Math.max(most, Math.abs(dot(right)) / wide / (distance - dot(unit)), Math.abs(dot(top)) / high / (distance - dot(unit)));
+      }
+      assert.ok(Math.abs(most - 1) < 1e-9, `${reach} ${wide}: ${most}`);
+    }
+});
+
+test("how fast a run comes back is known after a second, and anew after another crash", () => {
+  const way = new Way();
+  way.note(0, 100);
+  way.note(0.5, 200);
+  assert.deepEqual([way.rate(), way.left(1000)], [null, null]);
+  way.note(2, 500);
+  assert.deepEqual([way.rate(), way.left(900)], [200, 2]);
+  for (let k = 3; k < 40; k++) way.note(k, 500 + 10 * k);
+  assert.equal(way.rate(), 10);
+  way.note(41, 3);
+  assert.equal(way.rate(), null);
+});
+
+test("a lease that somebody has is told without words of a shell", () => {
+  const held = plain({ status: "held", path: "lease_epoch", hint: "wait; `meniscus lease`",
+    message: "anna holds the lease for another 28.2 s; nothing was done. Who holds it names it, by --lease or $MENISCUS_LEASE; others wait" });
+  assert.deepEqual([held.message, held.path, held.lasting], ["anna holds the lease for another 28.2 s; nothing was done", "", false]);
+  assert.match(held.hint, /Pause, Stop/);
+  assert.doesNotMatch(held.hint, /meniscus|--/);
+  assert.doesNotMatch(plain({ status: "wrong state", message: "cannot start while PAUSED", hint: "see `meniscus status`" }).hint, /meniscus/);
+  const other = plain({ status: "invalid", message: "found never", path: "end_time", hint: "mend it" });
+  assert.deepEqual([other.path, other.hint, other.lasting], ["end_time", "mend it", false]);
+  assert.equal(plain({ status: "no space", message: "the disk is full" }).lasting, true);
+});
+
+test("what was ended on request says how far it came", () => {
+  const error = { status: "interrupted", message: "paused on request" };
+  assert.equal(brokenOff(error, { step: 1015, time: 0.5, state: "PAUSED" }, 1000), "Stopped after 15 steps: paused");
+  assert.equal(brokenOff(error, { step: 1001, time: 0.5, state: "PAUSED" }, 1000), "Stopped after 1 step: paused");
+  assert.equal(brokenOff(error, { step: 1001, time: 0.25, state: "PAUSED" }, 1000, 2), "Stopped at t = 0.25 s, before 2 s: paused");
+  assert.equal(brokenOff({ ...error, message: "stopped on request" }, { step: 0, time: null, state: "EMPTY" }, 1000), "Ended: stopped");
+  assert.equal(brokenOff(error, {}, 1000), "Ended: paused");
 });

@@ -116,6 +116,7 @@ class Status:
     version: Optional[str] = None
     state_hash: Optional[int] = None  # only when not RUNNING
     case_version: Optional[int] = None  # 1 when the case was loaded, one more with every change
+    recovery_step: Optional[int] = None  # in RECOVERING: the step at which it is back where it was
     lease_holder: Optional[str] = None  # who alone may change the run
     lease_s: Optional[float] = None  # for how long yet [s]
     timers: Tuple[Timer, ...] = ()
