@@ -38,7 +38,7 @@ _HINTS: dict[str, str] = {
     "unavailable": "see which daemons there are with `meniscus ls`, or start one with `meniscusd`",
     "timed out": "allow more time, or see with status() how far it is",
     "interrupted": "another client ended the command: give it again if it is still wanted",
-    "held": "wait until it is given back, or only watch; pause(), stop() and shutdown() are always possible",
+    "held": "wait until it is given back, or only watch; pause(), stop() and shutdown() need no lease",
     "expired": "see status().lease_holder for who holds it now, and take a new one with lease()",
     "denied": "ask whoever keeps the daemon's keys: `meniscus keys` makes one of the role that is needed",
     "internal error": "please report this with the daemon's log",
