@@ -263,10 +263,9 @@ static void a_missing_file_and_a_folder_are_named(void **state)
     MnsError error = {0};
     CaseFile *file = NULL;
     assert_int_equal(case_file_read("/nowhere/a.yaml", &file, &error), MNS_E_NOT_FOUND);
-    assert_string_equal(
-        error.text,
-        "/nowhere/a.yaml: cannot open the case file: No such file or directory; check the path, each "
-        "directory of which must be there");
+    assert_string_equal(error.text,
+                        "/nowhere/a.yaml: cannot open the case file: No such file or directory; check the path, each "
+                        "directory of which must be there");
     assert_int_equal(case_file_read("/", &file, &error), MNS_E_INVALID);
     assert_string_equal(error.text, "/: a case is a file, and this is a directory");
     char pipe[64];
