@@ -11,7 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <xxhash.h>
 
 /* --- from one directory to the next ------------------------------------------------------------------------------------- */
 
@@ -88,15 +87,19 @@ static void put_series(Outputs *outputs, Series *series, Document *document)
     pthread_mutex_unlock(&outputs->series_lock);
 }
 
-static uint64_t hash_of(const Document *document)
+static void note_checkpoint(Outputs *outputs, uint64_t step, Document *document)
 {
-    return XXH64(document->blob, document->size, 0);
+    document_leave(outputs->checkpoint_of);
+    outputs->at_checkpoint = step;
+    outputs->checkpoint_of = document_share(document);
 }
 
-static void note_checkpoint(Outputs *outputs, uint64_t step, const Document *document)
+/* One of this step, but from before the case was changed, would undo the change for who goes on from it. */
+static bool is_checkpointed(const Outputs *outputs, uint64_t step, const Document *document)
 {
-    outputs->at_checkpoint = step;
-    outputs->checkpoint_of = hash_of(document);
+    const Document *of = outputs->checkpoint_of;
+    return outputs->at_checkpoint == step && of && of->size == document->size &&
+           !memcmp(of->blob, document->blob, of->size);
 }
 
 /* Nothing here can fail. */
@@ -166,6 +169,8 @@ MnsStatus outputs_close(Outputs *outputs, MnsError *error)
     put_series(outputs, NULL, NULL);
     series_free(series);
     document_leave(document);
+    document_leave(outputs->checkpoint_of);
+    outputs->checkpoint_of = NULL;
     reserve_release(&outputs->reserve);
     outputs->directory[0] = 0;
     return status;
@@ -364,8 +369,7 @@ bool outputs_behind(const Outputs *outputs, double t)
 MnsStatus outputs_finish(Outputs *outputs, const MnsSim *sim, Document *document, MnsError *error)
 {
     MnsStatus status = MNS_OK;
-    /* One of this step, but from before the case was changed, would undo the change of who goes on from it. */
-    if (outputs->at_checkpoint != mns_sim_progress(sim).step || outputs->checkpoint_of != hash_of(document))
+    if (!is_checkpointed(outputs, mns_sim_progress(sim).step, document))
         status = outputs_checkpoint(outputs, sim, document, NULL, error);
     writer_hurry(outputs->writer); /* the list of snapshots is whole when a run is done */
     return status ? status : outputs_settle(outputs, error);
