@@ -14,6 +14,8 @@
 #define CLEAR_TO_END "\033[J"
 #define CLEAR_LINE   "\033[K"
 
+enum { STEP_SIZE = 48 };
+
 void screen_init(Screen *screen, bool may_redraw)
 {
     *screen = (Screen){.is_terminal = may_redraw && isatty(STDOUT_FILENO),
@@ -35,6 +37,7 @@ void screen_take_info(Screen *screen, const MnsRunInfo *info)
     screen->eta_s = info->eta_s;
     screen->steps_per_second = info->steps_per_second;
     screen->step = info->step;
+    screen->recovery_step = info->recovery_step;
 }
 
 /* The same moment may be told again, as when the run stands still; one that lies before begins another time line. */
@@ -86,10 +89,26 @@ void screen_take(Screen *screen, const MnsTelemetry *telemetry)
     }
 }
 
+/* On its way back after a crash, and to which step is known. */
+static bool comes_back(const Screen *screen)
+{
+    return screen->state == MNS_STATE_RECOVERING && screen->recovery_step != MNS_NO_STEP;
+}
+
+/* Of the run, or of its way back. */
 static double fraction(const Screen *screen)
 {
-    const double done = screen->time / screen->end_time;
+    const double done =
+        comes_back(screen) ? (double)screen->step / (double)screen->recovery_step : screen->time / screen->end_time;
     return isfinite(done) ? fmin(1, fmax(0, done)) : 0;
+}
+
+/* "214", or "214 of 1256". */
+static const char *step_text(const Screen *screen, char ret[static STEP_SIZE])
+{
+    const int n = snprintf(ret, STEP_SIZE, "%" PRIu64, screen->step);
+    if (comes_back(screen)) snprintf(ret + n, STEP_SIZE - (size_t)n, " of %" PRIu64, screen->recovery_step);
+    return ret;
 }
 
 static void print_eta(const Screen *screen)
@@ -188,12 +207,12 @@ static void draw_terminal(Screen *screen)
     if (screen->drawn) printf("\033[%dA\r", screen->drawn);
     printf("%.*s" CLEAR_LINE "\n", width, screen->title);
     draw_bar(screen);
-    char line[160], speed[40] = "";
+    char line[160], step[STEP_SIZE], speed[40] = "";
     if (isfinite(screen->steps_per_second)) snprintf(speed, sizeof speed, "   %.4g steps/s", screen->steps_per_second);
     if (screen->state == MNS_STATE_EMPTY) snprintf(line, sizeof line, "no case");
     else
-        snprintf(line, sizeof line, "t = %.6g s of %.6g s   step %" PRIu64 "%s   lost %" PRIu64, screen->time,
-                 screen->end_time, screen->step, speed, screen->lost);
+        snprintf(line, sizeof line, "t = %.6g s of %.6g s   step %s%s   lost %" PRIu64, screen->time, screen->end_time,
+                 step_text(screen, step), speed, screen->lost);
     printf("%.*s" CLEAR_LINE "\n", width, line);
     const Columns columns = lay_out(screen, shown, width);
     for (int k = 0; k < shown; k++) print_probe(screen, &screen->probes[k], &columns, width);
@@ -209,7 +228,8 @@ static void draw_line(const Screen *screen)
         fflush(stdout);
         return;
     }
-    printf("%-8s t = %.6g s  step %" PRIu64 "  %5.1f %%", mns_state_name(screen->state), screen->time, screen->step,
+    char step[STEP_SIZE];
+    printf("%-8s t = %.6g s  step %s  %5.1f %%", mns_state_name(screen->state), screen->time, step_text(screen, step),
            100 * fraction(screen));
     print_eta(screen);
     for (size_t k = 0; k < screen->n; k++)

@@ -24,8 +24,9 @@ typedef struct Screen {
     double time, end_time; /* simulated [s] */
     double eta_s, steps_per_second;
     uint64_t step, lost;
-    double sampled; /* time of the newest values [s] */
-    size_t n;       /* probes */
+    uint64_t recovery_step; /* that the run is on its way back to; MNS_NO_STEP: it is not */
+    double sampled;         /* time of the newest values [s] */
+    size_t n;               /* probes */
     Reading probes[SCREEN_MAX_PROBES];
 } Screen;
 

@@ -210,10 +210,10 @@ class Crash(DaemonTest):
         self.assertEqual(self.ask("get", "gravity")["values"]["gravity"]["value"], "[0, -2]")
 
     def test_who_watches_on_the_way_back_is_told_and_can_leave(self) -> None:
-        self.come_back_slowly("watched")
+        steps = self.come_back_slowly("watched")
         with subprocess.Popen([BUILD / "meniscus", "watch"], env=self.environment, stdout=subprocess.PIPE, text=True) as watch:
             assert watch.stdout
-            self.assertRegex(watch.stdout.readline(), r"^RECOVERING t = .* step \d+ ")
+            self.assertRegex(watch.stdout.readline(), rf"^RECOVERING t = .* step \d+ of {steps} ")
             watch.send_signal(signal.SIGINT)
             self.assertEqual(watch.wait(FAR_S / 2), -signal.SIGINT)
         self.assertEqual(self.ask("status")["state"], "RECOVERING")
