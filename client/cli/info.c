@@ -67,6 +67,8 @@ static void print_info(const MnsRunInfo *info)
         if (info->case_version > 1) printf("version     %" PRIu64 " of the case\n", info->case_version);
         printf("time        %.6g of %.6g s, step %" PRIu64 ", last dt %.3g s\n", info->time, info->end_time, info->step,
                info->time_step);
+        if (info->recovery_step != MNS_NO_STEP)
+            printf("coming back to step %" PRIu64 ", where the run was before the crash\n", info->recovery_step);
         printf("particles   %" PRIu64 ", %" PRIu64 " of fluid; kept from walls %" PRIu64 " times\n", info->particles,
                info->fluid_particles, info->guarded);
         if (info->uncorrected)
@@ -196,8 +198,8 @@ static void list_one(Listing *listing, const char *name, const char *endpoint, c
         json_array_append_new(listing->json, daemon);
         return;
     }
-    if (listing->n == 0) printf("%-16s %-9s %-18s %s\n", "NAME", "STATE", "CASE", "TIME");
-    printf("%-16s %-9s %-18s ", name, glance_state(glance), has_case ? info->case_name : "-");
+    if (listing->n == 0) printf("%-16s %-10s %-18s %s\n", "NAME", "STATE", "CASE", "TIME");
+    printf("%-16s %-10s %-18s ", name, glance_state(glance), has_case ? info->case_name : "-");
     if (has_case) printf("%.4g of %.4g s\n", info->time, info->end_time);
     else printf("-\n");
 }

@@ -65,7 +65,7 @@ static json_t *look(void)
 
 /* --- the table ------------------------------------------------------------------------------------------------------------ */
 
-enum { NAME = 16, CASE = 20, OTHERS = 52, SHORT = 10, WIDE = OTHERS + NAME + CASE + SHORT };
+enum { NAME = 16, CASE = 20, OTHERS = 54, SHORT = 10, INDENT = 2, WIDE = OTHERS + NAME + CASE + SHORT };
 
 typedef struct Table {
     bool is_terminal, has_colour;
@@ -132,9 +132,17 @@ static bool is_narrow(const Table *table)
     return table->is_terminal && table->width < WIDE;
 }
 
+/* Lines that a text takes beside an indentation. */
+static size_t lines_for(const Table *table, size_t length)
+{
+    const size_t each = (size_t)(table->width - INDENT);
+    return (length + each - 1) / each;
+}
+
 static size_t lines_of(const Table *table, const json_t *row)
 {
-    return is_narrow(table) && *text(row, "fault", "") ? 2 : 1;
+    const char *fault = text(row, "fault", "");
+    return is_narrow(table) && *fault ? 1 + lines_for(table, strlen("FAULT: ") + strlen(fault)) : 1;
 }
 
 /* One line of cells, the last of which is the fault. */
@@ -143,16 +151,27 @@ static void print_cells(const Table *table, const char *colour, const char *cons
     enum { LONGEST = 60 };
     char line[900];
     const bool narrow = is_narrow(table);
-    snprintf(line, sizeof line, "%-*.*s %-8s %-*.*s %5s %7s %8s %7s %8s  %.500s", table->name,
+    snprintf(line, sizeof line, "%-*.*s %-10s %-*.*s %5s %7s %8s %7s %8s  %.500s", table->name,
              narrow ? table->name : LONGEST, cells[0], cells[1], table->case_, narrow ? table->case_ : LONGEST,
              cells[2], cells[3], cells[4], cells[5], cells[6], cells[7], narrow ? "" : cells[8]);
     for (size_t n = strlen(line); n && line[n - 1] == ' '; n--) line[n - 1] = 0;
     print_line(table, colour, line);
 }
 
+/* As many letters in each line as there is room for: whoever has a narrow terminal is told as much as others. */
+static void print_wrapped(const Table *table, const char *colour, const char *fault)
+{
+    char all[600], line[600];
+    const int n = snprintf(all, sizeof all, "FAULT: %.500s", fault), each = table->width - INDENT;
+    for (int k = 0; k < n; k += each) {
+        snprintf(line, sizeof line, "%*s%.*s", INDENT, "", each, all + k);
+        print_line(table, colour, line);
+    }
+}
+
 static void print_row(const Table *table, const json_t *row)
 {
-    char done[32], speed[32], eta[32], clients[32], memory[32], line[600];
+    char done[32], speed[32], eta[32], clients[32], memory[32];
     const char *state = text(row, "state", json_is_true(json_object_get(row, "silent")) ? "silent" : "dead");
     const char *fault = text(row, "fault", "");
     print_cells(
@@ -163,8 +182,7 @@ static void print_row(const Table *table, const json_t *row)
                                cell(clients, number(row, "clients"), ""),
                                cell(memory, number(row, "memory_bytes") / (1 << 20), " MiB"), fault});
     if (lines_of(table, row) == 1) return;
-    snprintf(line, sizeof line, "  FAULT: %.500s", fault);
-    print_line(table, colour_of(state), line);
+    print_wrapped(table, colour_of(state), fault);
 }
 
 /* The head of the table, and the line that the cursor is left in, have theirs too. */

@@ -129,7 +129,7 @@ static int terminal_width(void)
 static int terminal_height(void)
 {
     struct winsize size;
-    return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row >= 6 ? size.ws_row : 24;
+    return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 0 ? size.ws_row : 24;
 }
 
 /* The bar has the width that the text beside it leaves. */
@@ -202,7 +202,7 @@ static int draw_rest(const Screen *screen, int shown, int width)
 static void draw_terminal(Screen *screen)
 {
     const int width = terminal_width() - 1;
-    const int room = terminal_height() - 5;
+    const int room = (int)fmax(1, terminal_height() - 5);
     const int shown = (int)screen->n <= room ? (int)screen->n : room - 1;
     if (screen->drawn) printf("\033[%dA\r", screen->drawn);
     printf("%.*s" CLEAR_LINE "\n", width, screen->title);

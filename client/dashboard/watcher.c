@@ -108,6 +108,12 @@ static void take_sample(Watcher *watcher, const MnsTelemetry *message)
 
 /* --- the run ----------------------------------------------------------------------------------------------------------- */
 
+bool watcher_is_settled(MnsState state)
+{
+    return state == MNS_STATE_READY || state == MNS_STATE_RUNNING || state == MNS_STATE_PAUSED ||
+           state == MNS_STATE_DONE || state == MNS_STATE_FAULT;
+}
+
 /* What the daemon can do and what the case is, and the probes as they are now: telemetry tells of the next sample. */
 static MnsStatus tell_about(Watcher *watcher, const MnsReply *status, MnsError *error)
 {
@@ -118,19 +124,14 @@ static MnsStatus tell_about(Watcher *watcher, const MnsReply *status, MnsError *
     json_object_set_new(about, "generation", json_integer((json_int_t)hub_generation(watcher->hub)));
     hub_tell(watcher->hub, TELL_ABOUT, about);
     MnsReply *probes = NULL;
-    if (status->state != MNS_STATE_EMPTY &&
+    /* Of a run that is loaded or comes back after a crash the answer would have to be waited for; it is news again when it is there. */
+    if (watcher_is_settled(status->state) &&
         mns_client_query_probes(watcher->client, 0, NULL, &probes, NULL) == MNS_OK) {
         const MnsTelemetry sample = {.time = probes->time, .n_values = probes->n_values, .values = probes->values};
         take_sample(watcher, &sample);
     }
     mns_reply_free(probes);
     return MNS_OK;
-}
-
-bool watcher_is_settled(MnsState state)
-{
-    return state == MNS_STATE_READY || state == MNS_STATE_RUNNING || state == MNS_STATE_PAUSED ||
-           state == MNS_STATE_DONE || state == MNS_STATE_FAULT;
 }
 
 /* Is it another run, or one that is new to us, rather than the same with something set? */

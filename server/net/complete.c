@@ -52,10 +52,11 @@ MnsStatus complete_directory(Exchange *x, MnsError *error)
     const Order *order = &x->order;
     char text[160];
     if (!order->path[0]) return MNS_OK; /* there was none */
-    snprintf(text, sizeof text,
-             "on its way back after a crash, to step %" PRIu64
-             ", which it had not reached; what had been written since its checkpoint is in abandoned",
-             order->short_of);
+    snprintf(
+        text, sizeof text,
+        "on its way back after a crash, to step %" PRIu64
+        ", which it had not reached; what had been written since its checkpoint is in the newest `abandoned` there",
+        order->short_of);
     x->reply->message = strdup(order->short_of ? text : order->path);
     return complete_file(x, error);
 }

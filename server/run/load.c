@@ -427,12 +427,18 @@ static MnsStatus secure(Run *run, bool checkpoint, MnsError *error)
     return outputs_rescue(outputs, run->sim, run->document, path, error);
 }
 
+static void note_short(const Run *run, Order *order)
+{
+    if (!run->recovery.lineage || !run->sim) return;
+    order->short_of = run->recovery.lineage->step;
+    order->reached = mns_sim_progress(run->sim).step;
+}
+
 /* The journal tells that the run is ended, unless it was stopped before there was one: then it is not looked for any more. */
 static void end_recovery(Run *run, Order *order)
 {
-    const Lineage *lineage = run->recovery.lineage;
-    if (lineage && run->sim) order->short_of = lineage->step;
-    else if (lineage) rundir_forget_current(run->options.parent);
+    if (run->recovery.lineage && !run->sim) rundir_forget_current(run->options.parent);
+    note_short(run, order);
     run->recovery.lineage = NULL;
 }
 
@@ -474,11 +480,9 @@ static void tell_lost(Run *run, const MnsError *why)
 void run_leave(Run *run, Order *order, bool checkpoint)
 {
     MnsError error, ended;
-    run_close_books(run); /* as in run_stop() */
-    if (run->recovery.lineage) {
-        checkpoint = false; /* whoever went on from it would miss what comes after it */
-        order->short_of = run->sim ? run->recovery.lineage->step : 0;
-    }
+    run_close_books(run);                          /* as in run_stop() */
+    if (run->recovery.lineage) checkpoint = false; /* whoever went on from it would miss what comes after it */
+    note_short(run, order);
     mns_fail(&ended, MNS_E_INTERRUPTED, "the program is stopping");
     run_enter(run, RUN_STOPPING, checkpoint ? "stopping, with a checkpoint" : "stopping");
     run_goal_end(run, MNS_E_INTERRUPTED, &ended);

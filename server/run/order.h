@@ -80,6 +80,7 @@ typedef struct Order {
     RunState state; /* after the effect                                                     */
     uint64_t step, effect_step;
     uint64_t short_of;  /* given up on the way back after a crash, before this step was reached; 0: it was not */
+    uint64_t reached;   /* and at this one */
     uint64_t version;   /* of the case; 0 without one */
     Lease lease;        /* that was given or renewed; none of epoch 0 */
     double t, effect_t; /* [s]                                                                  */
@@ -93,7 +94,7 @@ typedef struct Order {
  * had come to. */
 static inline uint64_t order_effect(const Order *order)
 {
-    return order->short_of ? order->step : order->effect_step;
+    return order->short_of ? order->reached : order->effect_step;
 }
 
 #endif
