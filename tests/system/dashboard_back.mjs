@@ -3,6 +3,7 @@
 import { PATIENCE_MS, complaints, dropGateway, endGateway, hold, launch, open, picture, see, startGateway, state, step, text } from "./page.mjs";
 
 const NOTICED_MS = 2000; // half a second where processors are free
+const FOUND_MS = 4000; // the daemon's start, and the same
 
 await startGateway();
 const chromium = await launch();
@@ -22,8 +23,11 @@ try {
   const missed = Date.now() - killed;
   hold(missed < NOTICED_MS, `a daemon that is killed is missed at once: ${missed} ms`);
   hold(await page.$eval("#go", (button) => button.disabled), "and nothing can be pressed meanwhile");
+  const started = Date.now();
   console.log("do: start");
   await state(page, "RECOVERING");
+  const found = Date.now() - started;
+  hold(found < FOUND_MS, `one that comes back is found at once: ${found} ms`);
   await see(page, `of ${shown} ·`, "on its way back it says how far it goes", "#clock");
   await see(page, "back in", "and how long that takes yet", "#eta");
   const part = await page.$eval("#progress", (bar) => bar.value);
