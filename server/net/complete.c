@@ -50,7 +50,7 @@ MnsStatus complete_file(Exchange *x, MnsError *error)
 MnsStatus complete_directory(Exchange *x, MnsError *error)
 {
     const Order *order = &x->order;
-    char text[160];
+    char text[240];
     if (!order->path[0]) return MNS_OK; /* there was none */
     snprintf(
         text, sizeof text,
