@@ -51,14 +51,14 @@ static inline size_t particles_fluid(const Particles *s)
  * bundles. */
 static const Fields MADE_FIELDS = FIELD(VOL) | FIELD(Z);
 
-static inline double particles_volume(const Particles *s, const Model *model, size_t i)
+INLINE double particles_volume(const Particles *s, const Model *model, size_t i)
 {
     if (s->vol) return s->vol[i];
     return i < particles_fluid(s) ? s->m[i] / s->rho[i] : model->wall_volume;
 }
 
 /* Walls have none. */
-static inline double particles_impedance(const Particles *s, const Model *model, size_t i)
+INLINE double particles_impedance(const Particles *s, const Model *model, size_t i)
 {
     if (s->z) return s->z[i];
     return i < particles_fluid(s) ? s->rho[i] * model->phase[s->phase[i]].c : 0;

@@ -63,7 +63,7 @@ INLINE void hide(Block *last, size_t n, double far)
 }
 
 /* Say which pairs are with another fluid; returns whether any is. */
-static bool mark_others(Row *row, const uint8_t *phase)
+INLINE bool mark_others(Row *row, const uint8_t *phase)
 {
     bool any = false;
     for (Block *b = row->block; b < row->block + row->n_fluid; b++)

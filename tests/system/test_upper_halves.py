@@ -1,0 +1,95 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Functions for AVX2 and AVX-512 leave the upper halves of the vector registers clean wherever they return to, or call, what is compiled
+for any machine: that takes thrice as long otherwise, as each of its instructions waits for the one that wrote the register before, and
+nothing else shows it. gcc sees to it, but not where such a function calls one of the same file that is not part of it (INLINE)."""
+
+import os
+import re
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+BUILD = Path(os.environ.get("BUILD", Path(__file__).resolve().parents[2] / "build"))
+HEAD = re.compile(r"^([0-9a-f]+) <(.+)>:$")
+INSTRUCTION = re.compile(r"^ +([0-9a-f]+):\t(\S+) *(.*)$")
+WIDE = re.compile(r"%[yz]mm\d")
+COPY = re.compile(r"vmov\w+ %[yz]mm\d+,%[yz]mm\d+$")  # as dirty as what it is of, and that is known
+WIDENED = "_ZGV"  # functions of vectors, which take them
+
+Line = tuple[int, str, str]  # address, mnemonic, operands
+
+
+def functions(program: Path) -> dict[str, list[Line]]:
+    """Those of a program that use wide registers."""
+    command = ["objdump", "-d", "--no-show-raw-insn", str(program)]
+    found: dict[str, list[Line]] = {}
+    body: list[Line] = []
+    for line in subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines():
+        if head := HEAD.match(line):
+            body = found[head[2]] = []
+        elif part := INSTRUCTION.match(line):
+            body.append((int(part[1], 16), part[2], part[3]))
+    return {name: lines for name, lines in found.items() if any(WIDE.search(rest) for _, _, rest in lines)}
+
+
+def target(rest: str) -> int | None:
+    """The address a jump names."""
+    named = re.match(r"([0-9a-f]+) <", rest)
+    return int(named[1], 16) if named else None
+
+
+def left_dirty(body: list[Line]) -> list[str]:
+    """Where the function is left, or calls another, with upper halves that it may have written: along every path of jumps."""
+    place = {address: k for k, (address, _, _) in enumerate(body)}
+    seen: set[tuple[int, bool]] = set()
+    paths = [(0, False)]
+    found = set()
+    while paths:
+        k, dirty = paths.pop()
+        if k >= len(body) or (k, dirty) in seen:
+            continue
+        seen.add((k, dirty))
+        address, name, rest = body[k]
+        if name in ("vzeroupper", "vzeroall"):
+            dirty = False
+        elif WIDE.search(rest) and not COPY.match(f"{name} {rest}"):
+            dirty = True
+        if name.startswith("j"):
+            to = place.get(target(rest) or -1)
+            if to is not None:
+                paths.append((to, dirty))
+            elif dirty:
+                found.add(f"{address:x}: {name} {rest}")
+            if name == "jmp":
+                continue
+        elif name.startswith("ret"):
+            if dirty:
+                found.add(f"{address:x}: {name}")
+            continue
+        elif name.startswith("call") and dirty and WIDENED not in rest:
+            found.add(f"{address:x}: {name} {rest}")
+        paths.append((k + 1, dirty))
+    return sorted(found)
+
+
+class UpperHalves(unittest.TestCase):
+    def test_are_clean_where_functions_are_left(self) -> None:
+        wide = functions(BUILD / "meniscusd")
+        self.assertGreater(len(wide), 100, "there are functions for AVX2 and AVX-512")
+        dirty = {name: places for name, body in wide.items() if (places := left_dirty(body))}
+        self.assertEqual(dirty, {}, f"{len(dirty)} of {len(wide)} functions leave upper halves dirty")
+
+    def test_would_be_seen(self) -> None:
+        call = (2, "call", "1234 <scalar>")
+        self.assertEqual(left_dirty([(1, "vmulpd", "%zmm1,%zmm2,%zmm3"), call, (3, "vzeroupper", ""), (4, "ret", "")]), ["2: call 1234 <scalar>"])
+        self.assertEqual(left_dirty([(1, "je", "4 <f+3>"), (2, "vmulpd", "%ymm1,%ymm2,%ymm3"), (3, "nop", ""), (4, "ret", "")]), ["4: ret"])
+        self.assertEqual(left_dirty([(1, "vmulpd", "%ymm1,%ymm2,%ymm3"), (2, "vzeroupper", ""), (3, "jmp", "99 <other>")]), [])
+
+
+if __name__ == "__main__":
+    if os.uname().machine != "x86_64":
+        print("1..0 # SKIP only x86-64 has upper halves")
+        sys.exit(0)
+    unittest.main(verbosity=2)
