@@ -7,6 +7,7 @@
 #include "proto/lease.h"
 #include <inttypes.h>
 #include <math.h>
+#include <pwd.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -193,12 +194,15 @@ static int name_bytes(const char *name)
     return (int)n;
 }
 
-/* ret: [256], user@host */
+/* ret: [256], user@host. $USER, which cron and services have not, or whose the process is; by number where no name is known for it. */
 static void name_holder(char *ret)
 {
-    char host[128] = "somewhere";
+    char host[128] = "somewhere", number[16];
     const char *user = getenv("USER");
-    if (!user) user = "somebody";
+    const struct passwd *entry = user && *user ? NULL : getpwuid(geteuid());
+    snprintf(number, sizeof number, "%u", (unsigned)geteuid());
+    if (entry) user = entry->pw_name;
+    else if (!user || !*user) user = number;
     gethostname(host, sizeof host - 1);
     snprintf(ret, 256, "%.*s@%.*s", name_bytes(user), user, name_bytes(host), host);
 }

@@ -8,8 +8,9 @@ arguments and the same words of explanation. A new command is a function here an
 from __future__ import annotations
 
 import functools
-import getpass
 import inspect
+import os
+import pwd
 from dataclasses import dataclass
 from socket import gethostname
 from typing import TYPE_CHECKING, Any, Callable, Coroutine, Dict, Generic, List, Mapping, Optional, Sequence, TypeVar, Union
@@ -250,9 +251,17 @@ def _short(name: str) -> str:
     return name.encode(errors="ignore")[:30].decode(errors="ignore")
 
 
+def _user() -> str:
+    """$USER, which cron and services have not, or whose the process is; by number where no name is known for it."""
+    try:
+        return os.environ.get("USER") or pwd.getpwuid(os.geteuid()).pw_name
+    except KeyError:
+        return str(os.geteuid())
+
+
 def take_lease(seconds: float, holder: Optional[str]) -> Command[int]:
     """A new lease, with its epoch. holder: what others are told; None: user@host."""
-    name = holder or f"{_short(getpass.getuser())}@{_short(gethostname())}"
+    name = holder or f"{_short(_user())}@{_short(gethostname())}"
     return Command(pb.Request(lease=pb.Lease(ttl_ms=round(1000 * seconds), holder=name)), _epoch)
 
 
