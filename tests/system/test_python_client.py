@@ -236,6 +236,13 @@ class WithDaemon(DaemonTest):
         with self.assertRaises(meniscus.TimedOutError):
             self.client.wait(["DONE"], timeout=0.2)
 
+    def test_a_state_alone_is_a_list_of_one_and_one_there_is_not_is_refused(self) -> None:
+        self.load()
+        self.assertEqual(self.client.wait("READY", timeout=5).state, "READY")
+        with self.assertRaisesRegex(meniscus.RefusedError, 'no state "REDY"; there are EMPTY, .*RECOVERING$') as caught:
+            self.client.wait(["REDY"])
+        self.assertEqual(caught.exception.path, "states")
+
     def test_a_wrong_state_is_an_exception_of_its_own(self) -> None:
         with self.assertRaises(meniscus.StateError) as caught:
             self.client.pause()
