@@ -424,6 +424,12 @@ class Steering(DashboardTest):
         records = two.ask(do="journal", id=7)["records"]
         self.assertEqual([r["command"] for r in records if r["kind"] == "command"][:3], ["load", "step", "set"])
         self.assertNotIn("hash", [r["kind"] for r in records])
+        self.assertEqual([r["arguments"] for r in records if r["kind"] == "command"][:3], ["dambreak2d", "10", None])
+        before = two.until("status")["journal_bytes"]
+        self.meniscus("snapshot")  # of which there is no event
+        size = (self.home / "state" / "dambreak2d" / "journal").stat().st_size
+        self.assertGreater(size, before)
+        two.until("status", journal_bytes=size)
 
     def test_what_is_scheduled_is_listed_and_done_or_called_off(self) -> None:
         self.meniscus("load", *SMALL)
