@@ -174,6 +174,7 @@ class WithDaemon(DaemonTest):
                 self.assertEqual((caught.exception.status, caught.exception.path), ("held", "lease_epoch"))
                 with self.assertRaisesRegex(meniscus.LeaseError, "^anna holds the lease") as caught:
                     other.load("dambreak2d", SMALL)
+                self.assertNotIn("--lease", str(caught.exception), "which is for a command line")
                 self.assertEqual((caught.exception.status, caught.exception.path), ("held", "lease_epoch"))
                 self.assertEqual(other.status().lease_holder, "anna")
                 other.pause()
