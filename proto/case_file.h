@@ -65,4 +65,7 @@ typedef struct CaseParameter {
 } CaseParameter;
 const CaseParameter *case_parameters(size_t *ret_n);
 
+/* Tell of each entry that a case may have, by its path; of what is a list, or in one, of the list alone. */
+void case_entries(void (*tell)(void *arg, const char *path), void *arg);
+
 #endif

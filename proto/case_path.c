@@ -203,3 +203,21 @@ MnsStatus case_message_set(const Meniscus__Case *message, const char *path, cons
     else *ret = (Meniscus__Case *)changed;
     return status;
 }
+
+static void tell_entries(MessageType *type, CasePath *path, void (*tell)(void *arg, const char *path), void *arg)
+{
+    for (unsigned k = 0; k < type->n_fields; k++) {
+        Field *field = &type->fields[k];
+        const bool is_inner = field->type == PROTOBUF_C_TYPE_MESSAGE && field->label != PROTOBUF_C_LABEL_REPEATED;
+        const size_t before = case_path_name(path, field->name, strlen(field->name));
+        if (is_inner) tell_entries(field->descriptor, path, tell, arg);
+        else tell(arg, path->text);
+        case_path_cut(path, before);
+    }
+}
+
+void case_entries(void (*tell)(void *arg, const char *path), void *arg)
+{
+    CasePath path = {0};
+    tell_entries(&meniscus__case__descriptor, &path, tell, arg);
+}

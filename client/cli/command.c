@@ -127,7 +127,8 @@ const Command command_table[] = {
      .details = "`make install` puts it where shells look for it. Elsewhere:\n"
                 "    source <(meniscus completion bash)       in ~/.bashrc\n"
                 "    source <(meniscus completion zsh)        in ~/.zshrc, after compinit\n"
-                "It offers commands, options, cases, daemons and entries that can be set.",
+                "It offers commands, options, cases and their entries, daemons, what of a run can be set, and its "
+                "checkpoints.",
      .is_alone = true,
      .min_words = 1,
      .max_words = 1,
@@ -382,9 +383,9 @@ const Command command_table[] = {
      .is_long = true,
      .run = command_checkpoint},
     {.name = "restore",
-     .arguments = "[FILE]",
+     .arguments = "[CHECKPOINT]",
      .help = "put a checkpoint of the run back; default: the newest",
-     .details = "FILE is a name in the run directory, as in checkpoint-0000000100.hdf. The state is READY then; "
+     .details = "CHECKPOINT is a name in the run directory, as in checkpoint-0000000100.hdf. The state is READY then; "
                 "files of later steps move to abandoned/ there. Not possible while RUNNING: pause first.",
      .request = "restore",
      .options = OPTION(OPT_IF_STEP) | OPTION(OPT_IF_VERSION),

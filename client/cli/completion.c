@@ -7,6 +7,8 @@
 #include "proto/case_file.h"
 #include "proto/case_find.h"
 #include "proto/case_name.h"
+#include <dirent.h>
+#include <fnmatch.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,8 +18,11 @@
 static const struct {
     const char *begins, *kinds;
 } meanings[] = {
-    {"CASE", "@cases @files"}, {"COMMAND", "@commands"},       {"DIR", "@directories"}, {"ENDPOINT", "@daemons"},
-    {"FILE", "@files"},        {"PATH=VALUE", "@assignments"}, {"PATH", "@parameters"}, {"SNAPSHOT", "@files"},
+    {"CASE", "@cases @files"},         {"CHECKPOINT", "@checkpoints"}, {"COMMAND", "@commands"},
+    {"DIR", "@directories"},           {"ENDPOINT", "@daemons"},       {"FILE", "@files"},
+    {"PATH=VALUE...", "@assignments"}, /* of `set`, while it runs */
+    {"PATH=VALUE", "@overrides"},      /* of a case that is loaded */
+    {"PATH", "@parameters"},           {"SNAPSHOT", "@files"},
 };
 
 static void append(char *ret, size_t size, const char *text, size_t length)
@@ -97,7 +102,7 @@ static const char bash_end[] =
     "    CASE) words='@cases @files' ;;\n"
     "    DIR) words=@directories ;;\n"
     "    FILE) words=@files ;;\n"
-    "    PATH=VALUE) words=@assignments ;;\n"
+    "    PATH=VALUE) words=@overrides ;;\n"
     "    *ENDPOINT) words=@daemons ;;\n"
     "    LEVEL) words='error warning notice info debug' ;;\n"
     "    auto | json) words=$value ;;\n"
@@ -130,6 +135,7 @@ static const char bash_begin[] =
     "        @files) found=$(compgen -f -- \"$current\") ;;\n"
     "        @directories) found=$(compgen -d -- \"$current\") ;;\n"
     "        @assignments) _meniscus_match \"$current\" = <<<\"$(\"$program\" completion parameters 2>/dev/null)\" ;;\n"
+    "        @overrides) _meniscus_match \"$current\" = <<<\"$(\"$program\" completion entries 2>/dev/null)\" ;;\n"
     "        @*) _meniscus_match \"$current\" <<<\"$(\"$program\" completion \"${kind#@}\" 2>/dev/null)\" ;;\n"
     "        *) _meniscus_match \"$current\" <<<\"$kind\" ;;\n"
     "        esac\n"
@@ -143,8 +149,11 @@ static const char bash_begin[] =
     "{\n"
     "    local current=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} command='' options='' words='' "
     "value='' k\n"
-    "    local of_state='--for state =( ([^ ]*))?$'\n"
+    "    local of_state='--for state =( ([^ ]*))?$' of_daemon=' (-d|--daemon)( =)? ([^ ]+) '\n"
     "    COMPREPLY=()\n"
+    "    # Whose names are asked for.\n"
+    "    if [[ \"${COMP_WORDS[*]:0:COMP_CWORD} \" =~ $of_daemon ]]; then local -x MENISCUS_DAEMON=${BASH_REMATCH[3]}; "
+    "fi\n"
     "    if [[ \"${COMP_WORDS[*]:1:COMP_CWORD}\" =~ $of_state ]]; then\n"
     "        _meniscus_offer \"${BASH_REMATCH[2]}\" @states\n"
     "        return\n"
@@ -241,8 +250,9 @@ static const char zsh_begin[] =
     "        case $kind in\n"
     "        @files) _files ;;\n"
     "        @directories) _files -/ ;;\n"
-    "        @assignments)\n"
-    "            found=(${(f)\"$(_call_program names meniscus completion parameters 2>/dev/null)\"})\n"
+    "        @assignments | @overrides)\n"
+    "            [[ $kind = @overrides ]] && kind=@entries || kind=@parameters\n"
+    "            found=(${(f)\"$(_call_program names meniscus completion ${kind#@} 2>/dev/null)\"})\n"
     "            compadd -q -S = -a found\n"
     "            ;;\n"
     "        @*)\n"
@@ -273,7 +283,7 @@ static const char zsh_begin[] =
     "        CASE) kinds='@cases @files' ;;\n"
     "        DIR) kinds=@directories ;;\n"
     "        FILE) kinds=@files ;;\n"
-    "        PATH=VALUE) kinds=@assignments ;;\n"
+    "        PATH=VALUE) kinds=@overrides ;;\n"
     "        *ENDPOINT) kinds=@daemons ;;\n"
     "        LEVEL) kinds='error warning notice info debug' ;;\n"
     "        auto | json) kinds=$match[5] ;;\n"
@@ -291,7 +301,7 @@ static const char zsh_begin[] =
     "\n"
     "_meniscus()\n"
     "{\n"
-    "    local curcontext=$curcontext state line\n"
+    "    local curcontext=$curcontext state line daemon\n"
     "    local -a commands\n"
     "    local -A opt_args\n"
     "    if [[ ${service-meniscus} != meniscus ]]; then\n"
@@ -348,6 +358,9 @@ static void print_zsh(FILE *out)
     fputs("    )\n    _arguments -C \\\n", out);
     print_specs(out, OPTIONS_GLOBAL);
     fputs("            '1:command:->command' '*::argument:->argument'\n"
+          "    # Whose names are asked for.\n"
+          "    daemon=${opt_args[-d]:-${opt_args[--daemon]}}\n"
+          "    if [[ -n $daemon ]]; then local -x MENISCUS_DAEMON=$daemon; fi\n"
           "    case $state in\n"
           "    command) _describe -t commands command commands ;;\n"
           "    argument)\n"
@@ -409,22 +422,32 @@ static void print_parameters(FILE *out)
     for (size_t k = 0; k < n; k++) fprintf(out, "%s\n", parameters[k].path);
 }
 
-/* What the daemon has of that kind, if there is one that answers at once: $MENISCUS_DAEMON, or the default. */
-static MnsReply *capabilities(void)
+static void tell_entry(void *arg, const char *path)
+{
+    fprintf(arg, "%s\n", path);
+}
+
+static void print_entries(FILE *out)
+{
+    case_entries(tell_entry, out);
+}
+
+/* What the daemon says, if there is one that answers at once: $MENISCUS_DAEMON, or the default. */
+static MnsReply *ask(MnsStatus (*what)(MnsClient *client, MnsReply **ret_reply, MnsError *error))
 {
     char endpoint[MNS_ENDPOINT_SIZE];
     MnsClient *client;
     MnsReply *reply = NULL;
     if (mns_daemon_endpoint(NULL, endpoint, NULL) || mns_client_open(endpoint, &client, NULL)) return NULL;
     mns_client_set_timeout(client, 1);
-    mns_client_capabilities(client, &reply, NULL);
+    what(client, &reply, NULL);
     mns_client_close(client);
     return reply;
 }
 
 static void print_fields(FILE *out)
 {
-    MnsReply *reply = capabilities();
+    MnsReply *reply = ask(mns_client_capabilities);
     const MnsCapabilities *of = reply ? reply->capabilities : NULL;
     for (size_t k = 0; of && k < of->n_fields; k++) tell(out, of->fields[k].name);
     mns_reply_free(reply);
@@ -432,9 +455,28 @@ static void print_fields(FILE *out)
 
 static void print_probes(FILE *out)
 {
-    MnsReply *reply = capabilities();
+    MnsReply *reply = ask(mns_client_capabilities);
     const MnsCapabilities *of = reply ? reply->capabilities : NULL;
     for (size_t k = 0; of && k < of->n_probes; k++) tell(out, of->probes[k]);
+    mns_reply_free(reply);
+}
+
+static int is_checkpoint(const struct dirent *entry)
+{
+    return fnmatch("checkpoint-*.hdf", entry->d_name, 0) == 0;
+}
+
+/* Those of the run, if they are on this machine, the oldest first. */
+static void print_checkpoints(FILE *out)
+{
+    struct dirent **entries;
+    MnsReply *reply = ask(mns_client_status);
+    const int n = reply && reply->info ? scandir(reply->info->run_directory, &entries, is_checkpoint, alphasort) : -1;
+    for (int k = 0; k < n; k++) {
+        tell(out, entries[k]->d_name);
+        free(entries[k]);
+    }
+    if (n >= 0) free(entries);
     mns_reply_free(reply);
 }
 
@@ -446,9 +488,12 @@ static void print_states(FILE *out)
 static const struct {
     const char *name;
     void (*print)(FILE *out);
-} texts[] = {{"bash", print_bash},     {"zsh", print_zsh},         {"commands", print_commands},
-             {"cases", print_cases},   {"daemons", print_daemons}, {"parameters", print_parameters},
-             {"states", print_states}, {"fields", print_fields},   {"probes", print_probes}};
+} texts[] = {{"bash", print_bash},         {"zsh", print_zsh},
+             {"commands", print_commands}, {"cases", print_cases},
+             {"daemons", print_daemons},   {"parameters", print_parameters},
+             {"entries", print_entries},   {"checkpoints", print_checkpoints},
+             {"states", print_states},     {"fields", print_fields},
+             {"probes", print_probes}};
 
 MnsStatus command_completion(Invocation *in, MnsError *error)
 {
@@ -460,7 +505,7 @@ MnsStatus command_completion(Invocation *in, MnsError *error)
         return command_usage(in,
                              mns_fail(error, MNS_E_INVALID,
                                       "completion bash or completion zsh; for their scripts commands, cases, daemons, "
-                                      "parameters, states, fields or probes; found \"%.80s\"",
+                                      "parameters, entries, states, fields, probes or checkpoints; found \"%.80s\"",
                                       word));
     FILE *out = open_memstream(&text, &size);
     if (out) texts[k].print(out);

@@ -7,6 +7,7 @@
 #include "proto/lease.h"
 #include <inttypes.h>
 #include <math.h>
+#include <pwd.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -193,12 +194,22 @@ static int name_bytes(const char *name)
     return (int)n;
 }
 
+/* $USER, which cron and services have not, or whose the process is; by number where no name is known for it. */
+static const char *user_name(char ret[static 1024])
+{
+    const char *user = getenv("USER");
+    struct passwd entry, *found = NULL;
+    if (user && *user) return user;
+    if (!getpwuid_r(geteuid(), &entry, ret, 1024, &found) && found) return entry.pw_name;
+    snprintf(ret, 1024, "%u", (unsigned)geteuid());
+    return ret;
+}
+
 /* ret: [256], user@host */
 static void name_holder(char *ret)
 {
-    char host[128] = "somewhere";
-    const char *user = getenv("USER");
-    if (!user) user = "somebody";
+    char host[128] = "somewhere", buffer[1024];
+    const char *user = user_name(buffer);
     gethostname(host, sizeof host - 1);
     snprintf(ret, 256, "%.*s@%.*s", name_bytes(user), user, name_bytes(host), host);
 }

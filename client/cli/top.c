@@ -19,7 +19,8 @@ static const long every_s = 1;
 /* A daemon that does not answer has no status. */
 static json_t *describe(const char *name, const char *endpoint, const Glance *glance)
 {
-    static const MnsRunInfo none = {.state = MNS_STATE_EMPTY, .case_name = "", .fault = ""};
+    static const MnsRunInfo none = {
+        .state = MNS_STATE_EMPTY, .case_name = "", .fault = "", .recovery_step = MNS_NO_STEP};
     const bool alive = glance->info;
     const MnsRunInfo *at = alive ? glance->info : &none;
     const bool loaded = at->state != MNS_STATE_EMPTY;
@@ -30,6 +31,9 @@ static json_t *describe(const char *name, const char *endpoint, const Glance *gl
     json_object_set_new(row, "time", output_number(loaded ? at->time : (double)NAN));
     json_object_set_new(row, "end_time", output_number(loaded ? at->end_time : (double)NAN));
     json_object_set_new(row, "step", loaded ? json_integer((json_int_t)at->step) : json_null());
+    json_object_set_new(row, "recovery_step",
+                        loaded && at->recovery_step != MNS_NO_STEP ? json_integer((json_int_t)at->recovery_step)
+                                                                   : json_null());
     json_object_set_new(row, "steps_per_second", output_number(loaded ? at->steps_per_second : (double)NAN));
     json_object_set_new(row, "eta_s", output_number(loaded ? at->eta_s : (double)NAN));
     json_object_set_new(row, "memory_bytes", alive ? json_integer((json_int_t)at->memory_bytes) : json_null());
@@ -169,18 +173,25 @@ static void print_wrapped(const Table *table, const char *colour, const char *fa
     }
 }
 
+/* [%] Of the run, or of its way back after a crash, as `meniscus watch` has it. */
+static double share(const json_t *row)
+{
+    const double goal = number(row, "recovery_step");
+    const double done =
+        isfinite(goal) ? fmin(1, number(row, "step") / goal) : number(row, "time") / number(row, "end_time");
+    return round(1000 * done) / 10;
+}
+
 static void print_row(const Table *table, const json_t *row)
 {
     char done[32], speed[32], eta[32], clients[32], memory[32];
     const char *state = text(row, "state", json_is_true(json_object_get(row, "silent")) ? "silent" : "dead");
     const char *fault = text(row, "fault", "");
-    print_cells(
-        table, colour_of(state),
-        (const char *const[9]){text(row, "name", ""), state, text(row, "case", "-"),
-                               cell(done, round(1000 * number(row, "time") / number(row, "end_time")) / 10, "%"),
-                               cell(speed, number(row, "steps_per_second"), ""), duration(eta, number(row, "eta_s")),
-                               cell(clients, number(row, "clients"), ""),
-                               cell(memory, number(row, "memory_bytes") / (1 << 20), " MiB"), fault});
+    print_cells(table, colour_of(state),
+                (const char *const[9]){text(row, "name", ""), state, text(row, "case", "-"),
+                                       cell(done, share(row), "%"), cell(speed, number(row, "steps_per_second"), ""),
+                                       duration(eta, number(row, "eta_s")), cell(clients, number(row, "clients"), ""),
+                                       cell(memory, number(row, "memory_bytes") / (1 << 20), " MiB"), fault});
     if (lines_of(table, row) == 1) return;
     print_wrapped(table, colour_of(state), fault);
 }

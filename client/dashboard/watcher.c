@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <time.h>
 
 static const double tick_s = 0.05;  /* samples go to browsers at least this far apart */
@@ -146,6 +147,16 @@ static bool has_case(MnsState state)
     return state != MNS_STATE_EMPTY && state != MNS_STATE_LOADING && state != MNS_STATE_STOPPING;
 }
 
+/* By its size a browser knows whether there is more in the journal than it has read. */
+static json_t *journal_bytes(const Watcher *watcher)
+{
+    char path[4200];
+    struct stat info;
+    snprintf(path, sizeof path, "%s/journal", watcher->directory);
+    const bool known = *watcher->directory && !hub_is_far(watcher->hub) && stat(path, &info) == 0;
+    return known ? json_integer((json_int_t)info.st_size) : json_null();
+}
+
 static MnsStatus look(Watcher *watcher, MnsError *error)
 {
     MnsReply *reply = NULL;
@@ -173,6 +184,7 @@ static MnsStatus look(Watcher *watcher, MnsError *error)
     json_t *told = output_info(reply->info);
     json_object_set_new(told, "topic", json_string("status"));
     json_object_set_new(told, "daemon_epoch", json_integer((json_int_t)reply->daemon_epoch));
+    json_object_set_new(told, "journal_bytes", journal_bytes(watcher));
     if (news) status = tell_about(watcher, reply, error);
     watcher->has_backlog = watcher->has_backlog || other;
     if (!status && watcher->has_backlog && watcher_is_settled(reply->state)) {

@@ -10,6 +10,7 @@
 #include <jansson.h>
 #include <meniscus/exit.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
@@ -43,21 +44,45 @@ static const char *text(const char *string)
 
 /* --- for people -------------------------------------------------------------------------------------------------------- */
 
-/* What was asked for, in words as short as those of the command line. */
-static void print_arguments(const Meniscus__Request *request)
+/* Of what came to nothing, or has yet to come, no change tells what it was. */
+static void print_assignments(FILE *out, const Meniscus__Set *set)
 {
+    for (size_t k = 0; k < set->n_assignments; k++)
+        fprintf(out, "%s%s = %s", k ? ", " : "", text(set->assignments[k]->path), text(set->assignments[k]->value));
+}
+
+/* What was asked for, in words as short as those of the command line. */
+static void print_arguments(FILE *out, const Record *record)
+{
+    const Meniscus__Request *request = record->request;
     switch (request->command_case) {
-    case MENISCUS__REQUEST__COMMAND_LOAD: printf(" %s", text(request->load->name)); break;
-    case MENISCUS__REQUEST__COMMAND_STEP: printf(" %" PRIu64, request->step->count); break;
-    case MENISCUS__REQUEST__COMMAND_RUN_UNTIL: printf(" %.9g", request->run_until->time); break;
+    case MENISCUS__REQUEST__COMMAND_LOAD: fputs(text(request->load->name), out); break;
+    case MENISCUS__REQUEST__COMMAND_STEP: fprintf(out, "%" PRIu64, request->step->count); break;
+    case MENISCUS__REQUEST__COMMAND_RUN_UNTIL: fprintf(out, "%.9g", request->run_until->time); break;
     case MENISCUS__REQUEST__COMMAND_RESTORE:
-        printf(" %s", request->restore->checkpoint ? request->restore->checkpoint : "the newest checkpoint");
+        fputs(request->restore->checkpoint ? request->restore->checkpoint : "the newest checkpoint", out);
         break;
     case MENISCUS__REQUEST__COMMAND_BREAKPOINT:
-        printf("%s %s", request->breakpoint->remove ? " remove" : "", text(request->breakpoint->name));
+        fprintf(out, "%s%s", request->breakpoint->remove ? "remove " : "", text(request->breakpoint->name));
+        break;
+    case MENISCUS__REQUEST__COMMAND_SET:
+        if (!record->n_changes) print_assignments(out, request->set);
         break;
     default: break;
     }
+}
+
+/* NULL if there are none; to be freed. */
+static char *arguments_of(const Record *record)
+{
+    char *words = NULL;
+    size_t size;
+    FILE *out = record->request ? open_memstream(&words, &size) : NULL;
+    if (!out) return NULL;
+    print_arguments(out, record);
+    if (!fclose(out) && *words) return words;
+    free(words);
+    return NULL;
 }
 
 static void print_moment(const Meniscus__Request *request)
@@ -86,7 +111,9 @@ static void print_line(const HistoryRecord *at)
     printf("%6" PRIu64 "  %s  %8" PRIu64 "  %12s  %-22s  ", at->number, moment, record->step, t,
            record->who ? text(record->who->name) : "");
     printf("%s", record->request ? history_command(record) : kind_name(record));
-    if (record->request) print_arguments(record->request);
+    char *arguments = arguments_of(record);
+    if (arguments) printf(" %s", arguments);
+    free(arguments);
     for (size_t k = 0; k < record->n_changes; k++)
         printf("%s %s = %s (was %s)", k ? "," : "", text(record->changes[k]->path), text(record->changes[k]->after),
                text(record->changes[k]->before));
@@ -154,15 +181,20 @@ static json_t *undone_json(const Record *record)
 static json_t *record_json(const HistoryRecord *at)
 {
     const Record *record = at->message;
-    char moment[40], hash[24];
+    const Meniscus__Request *request = record->request;
+    char moment[40], hash[24], *arguments = arguments_of(record);
     when(record, moment);
     snprintf(hash, sizeof hash, "%016" PRIx64, record->state_hash);
-    return json_pack("{sI sI ss ss so sI so so so so so ss? so so so}", "number", (json_int_t)at->number, "offset",
-                     (json_int_t)at->offset, "kind", kind_name(record), "when", moment, "who",
+    json_t *said = outcome_text(arguments);
+    free(arguments);
+    return json_pack("{sI sI ss ss so sI so so so so so so so so ss? so so so}", "number", (json_int_t)at->number,
+                     "offset", (json_int_t)at->offset, "kind", kind_name(record), "when", moment, "who",
                      outcome_text(record->who ? record->who->name : NULL), "step", (json_int_t)record->step, "time",
                      record->has_time ? json_real(record->time) : json_null(), "command",
-                     outcome_text(record->request ? history_command(record) : NULL), "id", id_json(record), "changes",
-                     changes_json(record), "reply", reply_json(record->reply), "state_hash",
+                     outcome_text(request ? history_command(record) : NULL), "arguments", said, "at_step",
+                     request && request->has_at_step ? json_integer((json_int_t)request->at_step) : json_null(),
+                     "at_time", request && request->has_at_time ? json_real(request->at_time) : json_null(), "id",
+                     id_json(record), "changes", changes_json(record), "reply", reply_json(record->reply), "state_hash",
                      record->has_state_hash ? hash : NULL, "undone", undone_json(record), "level",
                      outcome_text(record->level), "arithmetic", outcome_text(record->arithmetic));
 }

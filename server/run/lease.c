@@ -12,9 +12,7 @@ bool lease_live(const Lease *lease, double now)
 
 static MnsStatus held(const Lease *lease, double now, MnsError *error)
 {
-    return mns_fail_at(error, MNS_E_HELD, "lease_epoch",
-                       "%s holds the lease for another %.1f s; nothing was done. Who holds it names it, by --lease or "
-                       "$MENISCUS_LEASE; others wait, or watch: that needs none",
+    return mns_fail_at(error, MNS_E_HELD, "lease_epoch", "%s holds the lease for another %.1f s; nothing was done",
                        lease->holder, lease->until - now);
 }
 

@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # deb.sh: a Debian package of what was built, in $BUILD. What is in it is what install.sh puts there; debhelper strips,
-# compresses, finds out on which packages it depends, and writes the scripts that make the user and the directories. Who packages it is in
-# DEBFULLNAME and DEBEMAIL, as Debian's own tools have it.
+# compresses, finds out on which packages it depends, and writes the scripts that make the user and the directories. Who maintains it is in
+# DEBFULLNAME and DEBEMAIL, as Debian's own tools have it; else who made the last commit, so that it is the same on any machine.
 set -eu
 cd "$(dirname "$0")/../.."
 BUILD=${BUILD:-build} VERSION=${VERSION:?}
-who=${DEBFULLNAME:-$(id -un)}
-mail=${DEBEMAIL:-$(id -un)@$(hostname -f 2>/dev/null || hostname)}
+author() { git log -1 --format="$1" 2>/dev/null | grep . || echo "$2"; }
+who=${DEBFULLNAME:-$(author %an "The Meniscus authors")}
+mail=${DEBEMAIL:-$(author %ae authors@meniscus.invalid)}
 # The same sources make the same bytes.
 SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/null || date +%s)}
 export SOURCE_DATE_EPOCH DH_QUIET=1 LC_ALL=C.UTF-8

@@ -68,6 +68,11 @@ types() {
     (cd "$BUILD/python" && mypy --config-file "$OLDPWD/client/python/pyproject.toml" --cache-dir .mypy_cache -p meniscus)
 }
 
+# Of those who use it, too.
+mistakes() {
+    (cd "$BUILD/python" && mypy --config-file "$OLDPWD/client/python/pyproject.toml" --cache-dir .mypy_cache "$OLDPWD/tests/support/mistakes.py")
+}
+
 # What the manual shows is checked as its readers would.
 manual_types() {
     rm -rf "$BUILD/python/shown" && mkdir -p "$BUILD/python/shown"
@@ -84,6 +89,7 @@ check "layout of C (clang-format)" layout
 check "shell scripts (shellcheck)" shellcheck "${scripts[@]}"
 check "Python parses" python_compiles
 check "types of the Python client (mypy)" types
+check "types that refuse mistakes of its users (mypy)" mistakes
 check "types of what its manual shows (mypy)" manual_types
 # readdir is safe on a stream of its own, and readdir_r is deprecated. Uninitialised values are the compilers' to find:
 # cppcheck takes `c ? a : &b` for a use of b. That a condition reads an element before its limit is style, not an error.

@@ -128,11 +128,31 @@ try {
   await state(page, "READY");
 
   await page.click("#tab-events");
-  await see(page, "paused", "events are listed", "#events");
+  await see(page, "Paused", "events are listed", "#events");
+  await see(page, "Ready: restored from checkpoint-", "with the names of files", "#events");
+  hold(!/Paused: paused|\/checkpoint-/.test(await page.$eval("#events", (panel) => panel.innerText)), "and nothing twice");
   await picture(page, "events");
   await page.click("#tab-journal");
   await see(page, "scheme.cfl: 0.25 → 0.2", "the journal has what was set, from what to what", "#journal");
+  await see(page, "set output.snapshot_interval = 0.7", "what was scheduled is told", "#journal");
+  await see(page, "scheduled for t = 6.5 s", "with its time", "#journal");
   await picture(page, "journal");
+  const rows = (wanted) => page.$$eval("#journal tbody tr", (all, word) => all.filter((row) => row.cells[2].innerText === word).length, wanted);
+  const snapshots = await rows("snapshot"), checkpoints = await rows("checkpoint");
+  await page.click("#snapshot"); // of which there is no event
+  await holdSoon(async () => await rows("snapshot") === snapshots + 1, "it is read again when there is more in it");
+  hold(await page.$eval("#journal", (panel) => panel.scrollTop === 0 && panel.querySelector("tbody tr").innerText.includes("snapshot")), "the newest is seen by who looks at the newest");
+  await page.setViewport({ width: 1280, height: 500 });
+  await page.$eval("#journal", (panel) => { panel.scrollTop = 90; });
+  const seen = () => page.$eval("#journal", (panel) => {
+    const row = [...panel.querySelectorAll("tbody tr")].find((each) => each.innerText.includes("scheme.cfl"));
+    return Math.round(row.getBoundingClientRect().top);
+  });
+  const lay = await seen();
+  await page.click("#checkpoint");
+  await holdSoon(async () => await rows("checkpoint") === checkpoints + 1, "and by who reads farther down");
+  hold(Math.abs(await seen() - lay) <= 1, "whose lines stay where they are");
+  await page.setViewport({ width: 1280, height: 800 });
 
   await page.click("#lease-button");
   await page.waitForSelector("#ask[open]");

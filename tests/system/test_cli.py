@@ -6,6 +6,7 @@ import csv
 import json
 import os
 import pty
+import pwd
 import re
 import signal
 import subprocess
@@ -15,6 +16,7 @@ import termios
 import time
 import unittest
 from pathlib import Path
+from socket import gethostname
 from typing import Any
 from unittest import mock
 
@@ -429,7 +431,7 @@ class Commands(DaemonTest):
         self.load()
         epoch = self.meniscus("lease", "--ttl", "60", "--holder", "anna").stdout.strip()
         done = self.meniscus("set", "end_time=3", code=1)
-        self.assertIn("lease_epoch: anna holds the lease for another", done.stderr)
+        self.assertRegex(done.stderr, "lease_epoch: anna holds the lease for another (?s:.*)What to do: .*--lease")
         done = self.meniscus("load", *SMALL, code=1)
         self.assertIn(" lease_epoch: anna holds the lease for another", done.stderr)
         self.assertNotIn("yaml", done.stderr, "the file is not to blame")
@@ -464,6 +466,16 @@ class Commands(DaemonTest):
             epoch = self.meniscus("lease").stdout.strip()
         self.assertRegex(self.ask("status")["lease_holder"], "^x" + 14 * "é" + "@")
         self.meniscus("lease", "release", "--lease", epoch)
+
+    def test_the_holder_of_a_lease_has_a_name_without_the_variable_too(self) -> None:
+        self.load()
+        mine = pwd.getpwuid(os.geteuid()).pw_name
+        for user, name in (({}, mine), ({"USER": ""}, mine), ({"USER": "anna"}, "anna")):
+            environment = {key: value for key, value in self.environment.items() if key != "USER"} | user
+            with mock.patch.dict(self.environment, environment, clear=True):
+                epoch = self.meniscus("lease").stdout.strip()
+            self.assertEqual(self.ask("status")["lease_holder"], f"{name}@{gethostname()[:30]}", user)
+            self.meniscus("lease", "release", "--lease", epoch)
 
     def test_a_breakpoint_that_was_passed_is_refused(self) -> None:
         self.load()

@@ -27,6 +27,34 @@ printf '%s\n' "${COMPREPLY[@]}"
 """
 
 
+def finish_in_zsh(test: unittest.TestCase, environment: "dict[str, str]", home: Path, typed: "tuple[tuple[bytes, bytes], ...]") -> None:
+    """In one that is used as people do, at a terminal. What is there already need not be drawn again."""
+    script = home / "_meniscus"
+    script.write_text(subprocess.run([BUILD / "meniscus", "completion", "zsh"], stdout=subprocess.PIPE, text=True, check=True, timeout=20).stdout)
+    pid, terminal = pty.fork()
+    if pid == 0:
+        os.execvpe("zsh", ["zsh", "-f", "-i"], environment | {"PATH": f"{BUILD}:{os.environ['PATH']}", "PS1": "> ", "TERM": "vt100"})
+    test.addCleanup(os.waitpid, pid, 0)
+    test.addCleanup(os.kill, pid, signal.SIGKILL)
+    test.addCleanup(os.close, terminal)
+    shown = b""
+
+    def see(words: bytes) -> None:
+        nonlocal shown
+        until = time.monotonic() + 20
+        while words not in shown and time.monotonic() < until:
+            if select.select([terminal], [], [], 0.2)[0]:
+                shown += os.read(terminal, 4096)
+        test.assertIn(words, shown)
+        shown = b""
+
+    os.write(terminal, f"autoload -Uz compinit; compinit -u -D; source {script}; print rea''dy\n".encode())
+    see(b"ready")
+    for keys, finished in typed:
+        os.write(terminal, keys)
+        see(finished)
+
+
 class Completion(unittest.TestCase):
     script: Path
 
@@ -87,6 +115,9 @@ class Completion(unittest.TestCase):
         self.assertIn("DONE", self.offers("wait", "--for", "state", "="))
         self.assertEqual(self.offers("set", "scheme.c"), {"scheme.cfl="})
         self.assertEqual(self.offers("load", "x", "--set", "grav"), {"gravity="})
+        self.assertEqual(self.offers("run", "x", "--set", "res"), {"resolution="}, "which no run can be set to, and each case")
+        self.assertEqual(self.offers("set", "res"), set())
+        self.assertEqual(self.offers("load", "x", "--set", "domain.m"), {"domain.min=", "domain.max="})
         self.assertEqual(self.offers("set", "gravity", "=", ""), set())
         self.assertEqual(self.offers("get", "end_"), {"end_time"})
         self.assertEqual(self.offers("watch", "--timeout", ""), set())
@@ -141,6 +172,7 @@ class Completion(unittest.TestCase):
             (daemon, ("--load", "=", "dambreak3"), {"dambreak3d"}),
             (daemon, ("--state-dir", "ke"), {"kept"}),
             (daemon, ("--set", "end_t"), {"end_time="}),
+            (daemon, ("--set", "resol"), {"resolution="}),
             (daemon, ("--log-level", "w"), {"warning"}),
             (daemon, ("-o", ""), {"json"}),
             (daemon, ("--threads", ""), set()),
@@ -167,35 +199,10 @@ class Completion(unittest.TestCase):
 
     @unittest.skipUnless(shutil.which("zsh"), "needs zsh")
     def test_zsh_finishes_what_is_typed(self) -> None:
-        """In one that is used as people do, at a terminal."""
-        script = self.home / "_meniscus"
-        script.write_text(self.meniscus("completion", "zsh"))
-        pid, terminal = pty.fork()
-        if pid == 0:
-            os.execvpe("zsh", ["zsh", "-f", "-i"], self.environment | {"PATH": f"{BUILD}:{os.environ['PATH']}", "PS1": "> ", "TERM": "vt100"})
-        self.addCleanup(os.waitpid, pid, 0)
-        self.addCleanup(os.kill, pid, signal.SIGKILL)
-        self.addCleanup(os.close, terminal)
-        shown = b""
-
-        def see(words: bytes) -> None:
-            nonlocal shown
-            until = time.monotonic() + 20
-            while words not in shown and time.monotonic() < until:
-                if select.select([terminal], [], [], 0.2)[0]:
-                    shown += os.read(terminal, 4096)
-            self.assertIn(words, shown)
-            shown = b""
-
-        os.write(terminal, f"autoload -Uz compinit; compinit -u -D; source {script}; print rea''dy\n".encode())
-        see(b"ready")
-        # What is there already need not be drawn again.
-        for typed, finished in ((b"meniscus run-u\t", b"ntil"), (b"\x15meniscus run sloshing2d-si\t", b"ngle"),
-                                (b"\x15meniscus status -o js\t", b"on"), (b"\x15meniscus render --colours vir\t", b"idis"),
+        finish_in_zsh(self, self.environment, self.home, ((b"meniscus run-u\t", b"ntil"), (b"\x15meniscus run sloshing2d-si\t", b"ngle"),
+                                (b"\x15meniscus status -o js\t", b"on"), (b"\x15meniscus load x --set resol\t", b"resolution"), (b"\x15meniscus render --colours vir\t", b"idis"),
                                 (b"\x15meniscusd --state\t", b"-dir"), (b"\x15meniscusd --load dambreak3\t", b"d "), (b"\x15meniscusd --load=sloshing2d-si\t", b"ngle"),
-                                (b"\x15meniscus-dashboard --http-t\t", b"oken"), (b"\x15meniscusd --log-level w\t", b"arning")):  # fmt: skip
-            os.write(terminal, typed)
-            see(finished)
+                                (b"\x15meniscus-dashboard --http-t\t", b"oken"), (b"\x15meniscusd --log-level w\t", b"arning")))  # fmt: skip
 
     def test_the_bash_script_is_clean(self) -> None:
         done = subprocess.run(["shellcheck", "-s", "bash", self.script], capture_output=True, text=True, timeout=20)
@@ -203,16 +210,26 @@ class Completion(unittest.TestCase):
 
 
 class WithDaemon(DaemonTest):
-    def test_fields_and_probes_are_those_of_the_daemon(self) -> None:
+    def test_names_are_those_of_the_daemon(self) -> None:
         self.meniscus("load", *SMALL)
+        self.meniscus("step", "3")
+        checkpoints = {Path(self.ask("checkpoint")["path"]).name}
+        self.assertEqual(checkpoints, {path.name for path in (self.home / "state" / "dambreak2d").glob("checkpoint-*")})
         with tempfile.NamedTemporaryFile("w", suffix=".bash") as script:
             script.write(self.meniscus("completion", "bash").stdout)
             script.flush()
             for words, offered in ((("query", "probes", "fro"), {"front"}), (("stream", "fields", "press"), {"pressure"}),
-                                   (("query", "at", "press"), {"pressure"}), (("render", "--field", "vel"), {"velocity"})):  # fmt: skip
+                                   (("query", "at", "press"), {"pressure"}), (("render", "--field", "vel"), {"velocity"}),
+                                   (("restore", ""), checkpoints), (("-d", "default", "restore", "check"), checkpoints),
+                                   (("--daemon", "=", "default", "query", "fro"), {"front"}),
+                                   (("-d", "another", "restore", ""), set()), (("restore", "-d", "another", ""), set())):  # fmt: skip
                 done = subprocess.run(["bash", "-c", SPLIT, "bash", script.name, BUILD / "meniscus", *words],
                                       env=self.environment, capture_output=True, text=True, timeout=20)
-                self.assertEqual(set(done.stdout.split()), offered, done.stderr)
+                self.assertEqual(set(done.stdout.split()), offered, (words, done.stderr))
+        if shutil.which("zsh"):
+            name = checkpoints.pop().encode()
+            elsewhere = {"MENISCUS_DAEMON": "another"}
+            finish_in_zsh(self, self.environment | elsewhere, self.home, ((b"meniscus -d default restore check\t", name[len("check"):]),))
 
 
 if __name__ == "__main__":

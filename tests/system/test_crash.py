@@ -9,6 +9,7 @@ import fcntl
 import json
 import os
 import random
+import re
 import secrets
 import signal
 import subprocess
@@ -217,7 +218,13 @@ class Crash(DaemonTest):
             self.assertRegex(watch.stdout.readline(), rf"^RECOVERING t = .* step \d+ of {steps} ")
             watch.send_signal(signal.SIGINT)
             self.assertEqual(watch.wait(FAR_S / 2), -signal.SIGINT)
-        self.assertEqual(self.ask("status")["state"], "RECOVERING")
+        before, shown = self.ask("top", "--once")["daemons"][0], self.meniscus("top", "--once").stdout
+        after = self.ask("status")
+        self.assertEqual((after["state"], before["recovery_step"]), ("RECOVERING", steps))
+        share = re.search(r"(?m)^default +RECOVERING +\S+ +([\d.]+)%", shown)
+        assert share, shown
+        self.assertTrue(before["step"] / steps - 1e-3 <= float(share[1]) / 100 <= after["step"] / steps + 1e-2, (before, shown, after))
+        self.assertLess(after["time"] / after["end_time"], before["step"] / steps - 1e-3, "which is not the share of the run")
 
     def test_a_stop_on_the_way_back_is_done_at_once_and_for_good(self) -> None:
         steps = self.come_back_slowly("stopped-on-the-way")

@@ -424,6 +424,12 @@ class Steering(DashboardTest):
         records = two.ask(do="journal", id=7)["records"]
         self.assertEqual([r["command"] for r in records if r["kind"] == "command"][:3], ["load", "step", "set"])
         self.assertNotIn("hash", [r["kind"] for r in records])
+        self.assertEqual([r["arguments"] for r in records if r["kind"] == "command"][:3], ["dambreak2d", "10", None])
+        journal = Path(self.ask("status")["run_directory"]) / "journal"
+        before = journal.stat().st_size
+        self.meniscus("snapshot")  # of which there is no event
+        self.assertGreater(journal.stat().st_size, before)
+        two.until("status", journal_bytes=journal.stat().st_size)
 
     def test_what_is_scheduled_is_listed_and_done_or_called_off(self) -> None:
         self.meniscus("load", *SMALL)

@@ -26,8 +26,10 @@ fi
 machine=$2
 . tests/support/expect.sh
 
-expect "make deb works" env DEBFULLNAME="Meniscus Tests" DEBEMAIL=tests@meniscus.test make -s BUILD="$BUILD" deb
+expect "make deb works" env -u DEBFULLNAME -u DEBEMAIL make -s BUILD="$BUILD" deb
 deb=$(echo "$BUILD"/meniscus_*.deb)
+maintainer() { dpkg-deb -f "$deb" Maintainer; }
+expect "nobody of this machine is its maintainer" eval "! maintainer | grep -qi -e '^root' -e '@$(hostname)>'"
 dpkg-deb -c "$deb" >"$stage/list"
 for file in usr/bin/meniscusd usr/bin/meniscus usr/bin/meniscus-dashboard lib/systemd/system/meniscusd@.service usr/lib/sysusers.d/meniscus.conf \
     usr/lib/tmpfiles.d/meniscus.conf usr/share/bash-completion/completions/meniscus usr/share/zsh/site-functions/_meniscus \

@@ -4,6 +4,7 @@
 
 import ctypes
 import os
+import pwd
 import re
 import signal
 import subprocess
@@ -12,6 +13,7 @@ import threading
 import time
 import unittest
 from pathlib import Path
+from socket import gethostname
 from unittest import mock
 
 import numpy as np
@@ -96,13 +98,14 @@ class WithDaemon(DaemonTest):
     def test_what_went_wrong_under_a_lease_is_seen_though_the_daemon_is_gone(self) -> None:
         self.load()
         try:
-            with self.assertRaisesRegex(ValueError, "the cause"), self.client.lease(60):
+            with self.assertRaisesRegex(ValueError, "the cause"), self.client.lease(60) as epoch:
                 self.daemon.kill()
                 self.daemon.wait()
                 raise ValueError("the cause")
         finally:
             self.start_daemon()
         self.client.wait(["READY"], timeout=20)
+        self.ask("lease", "release", "--lease", str(epoch))  # it came back with the daemon
 
     def test_a_daemon_may_have_been_gone_for_long(self) -> None:
         """A connection to the new one takes the request, and we have not heard of it yet: how long the old one is lost is nothing to it."""
@@ -171,6 +174,7 @@ class WithDaemon(DaemonTest):
                 self.assertEqual((caught.exception.status, caught.exception.path), ("held", "lease_epoch"))
                 with self.assertRaisesRegex(meniscus.LeaseError, "^anna holds the lease") as caught:
                     other.load("dambreak2d", SMALL)
+                self.assertNotIn("--lease", str(caught.exception), "which is for a command line")
                 self.assertEqual((caught.exception.status, caught.exception.path), ("held", "lease_epoch"))
                 self.assertEqual(other.status().lease_holder, "anna")
                 other.pause()
@@ -184,6 +188,14 @@ class WithDaemon(DaemonTest):
                     other.set({"end_time": 5})
                 self.assertEqual(caught.exception.status, "expired")
             other.set({"end_time": 5})
+
+    def test_who_holds_a_lease_has_the_name_of_the_user_without_the_variable_too(self) -> None:
+        self.load()
+        for words, name in (({"USER": "anna"}, "anna"), ({"LOGNAME": "of a cron job"}, pwd.getpwuid(os.geteuid()).pw_name)):
+            with mock.patch.dict(os.environ, words, clear=True), self.client.lease(60):
+                self.assertEqual(self.client.status().lease_holder, f"{name}@{gethostname()[:30]}")
+        with mock.patch.dict(os.environ, clear=True), mock.patch("pwd.getpwuid", side_effect=KeyError), self.client.lease(60):
+            self.assertEqual(self.client.status().lease_holder, f"{os.geteuid()}@{gethostname()[:30]}")
 
     def test_fields_come_as_arrays(self) -> None:
         self.load()
@@ -224,6 +236,13 @@ class WithDaemon(DaemonTest):
         self.load()
         with self.assertRaises(meniscus.TimedOutError):
             self.client.wait(["DONE"], timeout=0.2)
+
+    def test_a_state_alone_is_a_list_of_one_and_one_there_is_not_is_refused(self) -> None:
+        self.load()
+        self.assertEqual(self.client.wait("READY", timeout=5).state, "READY")
+        with self.assertRaisesRegex(meniscus.RefusedError, 'no state "REDY"; there are EMPTY, .*RECOVERING$') as caught:
+            self.client.wait(["REDY"])
+        self.assertEqual(caught.exception.path, "states")
 
     def test_a_wrong_state_is_an_exception_of_its_own(self) -> None:
         with self.assertRaises(meniscus.StateError) as caught:

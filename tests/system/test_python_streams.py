@@ -24,6 +24,7 @@ from meniscus import meniscus_pb2, stream_pb2 as pb  # noqa: E402
 from meniscus.asynchronous import AsyncStream  # noqa: E402
 from meniscus.checksum import Xxh64, xxh64  # noqa: E402
 from meniscus.streams import Stream  # noqa: E402
+from meniscus.wishes import subscription  # noqa: E402
 
 SMALL = {"resolution": 20}
 
@@ -128,6 +129,18 @@ class WithDaemon(DaemonTest):
         self.client.load("dambreak2d", {"resolution": 10, "end_time": 100}, start=True)
         printed = self.run_python(program, self.home)
         self.assertRegex(printed, r"^[\d.e-]+ \d+ [-\d.e]+ Pa\n\[0\.[^\]]*\] \[[^\]]*\]\n$")
+
+    def test_the_documentation_shows_how_a_run_that_stands_still_is_seen(self) -> None:
+        shown = readme_lines("Streams").partition("cursor = None")[0]
+        program, loops = re.subn(r"(?m)^    for item in stream:.*\n(?:        .*\n)+", r"\g<0>        break\n", shown)
+        self.assertEqual(loops, 1)
+        self.client.step(1)
+        self.assertRegex(self.run_python(program, self.home), r"^[\d.e-]+ 0 [-\d.e]+ Pa\n$")
+
+    def test_a_word_that_stream_does_not_know_is_refused_by_its_name(self) -> None:
+        for stream in (self.client.stream, meniscus.AsyncClient().stream):
+            with self.assertRaisesRegex(TypeError, r"^(\w+\.)?stream\(\) got an unexpected keyword argument 'max_herz'$"):
+                stream("fields", "pressure", max_herz=10)  # type: ignore[call-arg]
 
     def test_asyncio_has_the_same(self) -> None:
         async def take() -> meniscus.StreamItem:
@@ -251,7 +264,8 @@ class WithoutDaemon(unittest.TestCase):
         daemon.start()
         self.addCleanup(daemon.join)
         self.addCleanup(daemon.end.set)
-        stream = Stream(f"ipc://{scratch.name}/control.ipc", None, what, ("x",) if what == "fields" else (), None, 10, memory, {})
+        wish = subscription(what, ("x",) if what == "fields" else ())
+        stream = Stream(f"ipc://{scratch.name}/control.ipc", None, what, wish, None, 10, memory)
         self.addCleanup(stream.close)
         return daemon, stream
 
@@ -307,7 +321,7 @@ class WithoutDaemon(unittest.TestCase):
             return len([item async for item in stream])
 
         async def close_in_the_midst() -> None:
-            stream = AsyncStream(endpoint, None, "series", (), None, None, 1 << 20, {})
+            stream = AsyncStream(endpoint, None, "series", subscription("series"), None, None, 1 << 20)
             waiting = [asyncio.ensure_future(iterate(stream)), asyncio.ensure_future(stream.next())]
             await asyncio.sleep(0.3)
             await stream.aclose()

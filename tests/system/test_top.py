@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from daemon import BUILD, SMALL, DaemonTest  # noqa: E402
 
 KEYS = set(
-    "name endpoint alive silent state case fault time end_time step steps_per_second eta_s memory_bytes clients streams".split()
+    "name endpoint alive silent state case fault time end_time step recovery_step steps_per_second eta_s memory_bytes clients streams".split()
 )
 
 

@@ -89,6 +89,41 @@ static void people_are_told_only_if_it_came_to_nothing(void **state)
     free(said);
 }
 
+/* What was scheduled has changed nothing yet, and is told by what was asked for. */
+static void what_is_scheduled_is_told_with_its_moment(void **state)
+{
+    char *path = path_in(*state, JOURNAL_NAME);
+    Journal *journal = NULL;
+    Meniscus__Assignment end = MENISCUS__ASSIGNMENT__INIT, *assignments[] = {&end};
+    Meniscus__Set set = MENISCUS__SET__INIT;
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Record record = MENISCUS__JOURNAL_RECORD__INIT;
+    end.path = (char *)"end_time";
+    end.value = (char *)"3";
+    set.n_assignments = 1;
+    set.assignments = assignments;
+    request.command_case = MENISCUS__REQUEST__COMMAND_SET;
+    request.set = &set;
+    request.has_at_step = true;
+    request.at_step = 30;
+    record.kind = MENISCUS__JOURNAL_RECORD__KIND__SCHEDULED;
+    record.request = &request;
+    assert_int_equal(journal_open(path, &journal, NULL, NULL), MNS_OK);
+    add(journal, &record);
+    assert_int_equal(journal_commit(journal, NULL), MNS_OK);
+    journal_free(journal);
+    char *people = printed(*state, false), *programs = printed(*state, true);
+    assert_non_null(strstr(people, "set end_time = 3: scheduled for step 30\n"));
+    json_t *all = json_loads(programs, 0, NULL), *told = json_array_get(json_object_get(all, "records"), 0);
+    assert_string_equal(json_string_value(json_object_get(told, "arguments")), "end_time = 3");
+    assert_int_equal(json_integer_value(json_object_get(told, "at_step")), 30);
+    assert_true(json_is_null(json_object_get(told, "at_time")));
+    json_decref(all);
+    free(programs);
+    free(people);
+    free(path);
+}
+
 /* With checksums that are right, as a later version or a tool may make them. */
 static void records_that_lack_what_they_should_have_are_printed_all_the_same(void **state)
 {
@@ -118,6 +153,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(programs_are_told_whether_a_lease_came_to_something, scratch_begin,
                                         scratch_end),
         cmocka_unit_test_setup_teardown(people_are_told_only_if_it_came_to_nothing, scratch_begin, scratch_end),
+        cmocka_unit_test_setup_teardown(what_is_scheduled_is_told_with_its_moment, scratch_begin, scratch_end),
         cmocka_unit_test_setup_teardown(records_that_lack_what_they_should_have_are_printed_all_the_same, scratch_begin,
                                         scratch_end),
     };

@@ -26,9 +26,7 @@ static void while_it_lives_only_its_holder_may(void **state)
     assert_int_equal(lease.epoch, 1);
     assert_int_equal(lease_admits(&lease, 1, 11.9, &error), MNS_OK);
     assert_int_equal(lease_admits(&lease, 0, 11.5, &error), MNS_E_HELD);
-    assert_string_equal(
-        error.text, "anna holds the lease for another 0.5 s; nothing was done. Who holds it names it, by --lease or "
-                    "$MENISCUS_LEASE; others wait, or watch: that needs none");
+    assert_string_equal(error.text, "anna holds the lease for another 0.5 s; nothing was done");
     assert_string_equal(error.path, "lease_epoch");
     assert_int_equal(take(&lease, 11, &error), MNS_E_HELD);
     assert_int_equal(lease.epoch, 1);

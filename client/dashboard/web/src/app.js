@@ -94,6 +94,7 @@ function take(message) {
       known.progress = null;
       noteWay(message);
       renewLease();
+      journal.follow(message.journal_bytes);
       break;
     case "progress":
       known.progress = message;
@@ -106,7 +107,6 @@ function take(message) {
       break;
     case "event": case "log":
       events.add(message);
-      if (!$("journal").hidden) journal.read();
       break;
     case "refused":
       if (["field", "limit", "walls"].every((key) => message[key] === known.wish?.[key])) known.refused = message.error;
@@ -407,7 +407,7 @@ function showEmpty(state) {
 // --- panels -------------------------------------------------------------------------------------------------------------
 
 const series = new Series(), charts = new Charts($("probes"), series);
-const events = new Events($("events"));
+const events = new Events($("events"), () => known.status?.run_directory);
 const journal = new Journal($("journal"), () => link.ask({ do: "journal" }));
 const parameters = new Parameters($("parameters"), async (settings) => {
   const reply = await command("Not set", { do: "set", settings }, (r) => `In effect from step ${count(r.effect_step)}: ${settings.join(", ")}`);
@@ -423,7 +423,7 @@ function openTab(chosen) {
     $(tab.getAttribute("aria-controls")).hidden = tab !== chosen;
   }
   kept("tab", chosen.id);
-  if (chosen.id === "tab-journal") journal.read();
+  if (chosen.id === "tab-journal") journal.open(known.status?.journal_bytes);
   charts.fit();
   charts.stale = true;
 }

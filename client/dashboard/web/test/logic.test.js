@@ -7,7 +7,7 @@ import { bounds, count, duration, limits, number, ticks, vector } from "../src/f
 import { decode } from "../src/frame.js";
 import { appointment, told } from "../src/later.js";
 import { patience } from "../src/link.js";
-import { deed } from "../src/logs.js";
+import { deed, order, story } from "../src/logs.js";
 import { choices, slide } from "../src/parameters.js";
 import { Range, spread } from "../src/range.js";
 import { MOST, Series } from "../src/series.js";
@@ -178,9 +178,22 @@ test("a lost connection is tried again, ever more patiently but never for long",
 
 test("records of the journal in words", () => {
   assert.equal(deed({ changes: [{ path: "gravity", before: "[0, -1]", after: "[0, -5]" }], reply: { code: "OK" } }), "gravity: [0, -1] → [0, -5]");
-  assert.equal(deed({ kind: "begun" }), "set out");
-  assert.equal(deed({ changes: [], reply: { code: "ABORTED", message: "ended" } }), "ABORTED: ended");
+  assert.equal(deed({ kind: "begun" }), "begun");
+  assert.equal(deed({ kind: "scheduled", at_step: 30, at_time: null, reply: null }), "scheduled for step 30");
+  assert.equal(deed({ kind: "scheduled", at_step: null, at_time: 6.5, reply: null }), "scheduled for t = 6.5 s");
+  assert.equal(deed({ changes: [], reply: { code: "ABORTED", message: "ended" } }), "ended");
+  assert.equal(deed({ changes: [], reply: { code: "ABORTED", message: null } }), "ABORTED");
+  assert.equal(order({ command: "run_until", arguments: "0.17" }), "run until 0.17");
+  assert.equal(order({ command: "pause", arguments: null }), "pause");
   assert.equal(deed({ reply: { code: "OK", state: "PAUSED" } }), "PAUSED");
+});
+
+test("what happened is told once, and without the directory of the run", () => {
+  assert.equal(story({ topic: "event", what: "paused", text: "paused on request" }), "Paused on request");
+  assert.equal(story({ topic: "event", what: "paused", text: "what was asked for is done" }, "/runs/a"), "Paused: what was asked for is done");
+  assert.equal(story({ topic: "event", what: "ready", text: "restored from /runs/a/checkpoint-1.hdf" }, "/runs/a"), "Ready: restored from checkpoint-1.hdf");
+  assert.equal(story({ topic: "event", what: "done", text: null }), "Done");
+  assert.equal(story({ topic: "log", what: null, text: "fluids[1]: /runs/a/log is full" }, "/runs/a"), "fluids[1]: log is full");
 });
 
 test("what is to happen later is said as the gateway wants it", () => {

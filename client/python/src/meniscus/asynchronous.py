@@ -8,7 +8,7 @@ import os
 from contextlib import asynccontextmanager
 from dataclasses import replace
 from types import TracebackType
-from typing import Any, AsyncIterator, Generator, List, Mapping, Optional, Tuple, Type, TypeVar, Union
+from typing import Any, AsyncIterator, Generator, Iterable, List, Mapping, Optional, Tuple, Type, TypeVar, Union
 
 import zmq
 import zmq.asyncio
@@ -23,8 +23,9 @@ from .endpoint import async_await_endpoint, data_endpoint, telemetry_endpoint
 from .errors import LeaseError, MeniscusError, UnavailableError
 from .flow import MEMORY, Flow, StreamFacts
 from .keys import Keys, choose_keys
+from .stream_pb2 import Subscribe
 from .values import Reply, Telemetry
-from .wishes import Cursor, StreamItem, subscription
+from .wishes import Box, Cursor, Exactness, Sphere, StreamItem, subscription
 
 T = TypeVar("T")
 CANCELLED = ("load", "step", "run_until", "wait")  # what lasts: nobody wants it any more when its task is cancelled
@@ -274,11 +275,24 @@ class AsyncClient:
         since: Optional[Cursor] = None,
         timeout: Optional[float] = None,
         memory: int = MEMORY,
-        **wishes: Any,
+        exact: Exactness = None,
+        pack: str = "none",
+        every_steps: Optional[int] = None,
+        interval: Optional[float] = None,
+        max_hz: Optional[float] = None,
+        first: bool = False,
+        box: Optional[Box] = None,
+        sphere: Optional[Sphere] = None,
+        phases: Iterable[int] = (),
+        walls: bool = False,
+        every: Optional[int] = None,
     ) -> AsyncStream:
         """Data at your own pace, as Client.stream(): `async with client.stream(...) as stream: async for item in stream`."""
         connection = self._connected()
-        return AsyncStream(connection.endpoint, connection.keys, what, names, since, timeout, memory, wishes)
+        wish = subscription(
+            what, names, exact, pack, every_steps, interval, max_hz, first, box, sphere, phases, walls, every
+        )
+        return AsyncStream(connection.endpoint, connection.keys, what, wish, since, timeout, memory)
 
     # --- under the hood ---------------------------------------------------------------------------------------------
 
@@ -307,13 +321,12 @@ class AsyncStream(StreamFacts):
         endpoint: str,
         keys: Optional[Keys],
         what: str,
-        names: Tuple[str, ...],
+        wish: Subscribe,
         since: Optional[Cursor],
         timeout: Optional[float],
         memory: int,
-        wishes: Mapping[str, Any],
     ) -> None:
-        self._flow = Flow(data_endpoint(endpoint), keys, what, subscription(what, names, **wishes), since, memory)
+        self._flow = Flow(data_endpoint(endpoint), keys, what, wish, since, memory)
         self._timeout = timeout
         self._connection: Optional[AsyncConnection] = None
         self._opening = asyncio.Lock()

@@ -7,7 +7,7 @@ import time as clock
 from contextlib import contextmanager
 from dataclasses import replace
 from types import TracebackType
-from typing import Any, Iterator, Mapping, Optional, Type, TypeVar
+from typing import Any, Iterable, Iterator, Mapping, Optional, Type, TypeVar
 
 import zmq
 
@@ -22,7 +22,7 @@ from .flow import MEMORY
 from .keys import choose_keys
 from .streams import Stream
 from .values import Reply, Telemetry
-from .wishes import Cursor
+from .wishes import Box, Cursor, Exactness, Sphere, subscription
 
 T = TypeVar("T")
 Itself = TypeVar("Itself", bound="Client")
@@ -169,7 +169,17 @@ class Client:
         since: Optional[Cursor] = None,
         timeout: Optional[float] = None,
         memory: int = MEMORY,
-        **wishes: Any,
+        exact: Exactness = None,
+        pack: str = "none",
+        every_steps: Optional[int] = None,
+        interval: Optional[float] = None,
+        max_hz: Optional[float] = None,
+        first: bool = False,
+        box: Optional[Box] = None,
+        sphere: Optional[Sphere] = None,
+        phases: Iterable[int] = (),
+        walls: bool = False,
+        every: Optional[int] = None,
     ) -> Stream:
         """Data at your own pace: `with client.stream("fields", "position", "pressure", max_hz=10) as stream: for item in stream`.
 
@@ -182,15 +192,18 @@ class Client:
         memory  bytes that an item may have, packed or unpacked
         exact   "f64", "f32", or a bound: no value is off by as much, in its own unit; of fields also {name: any of these}
         pack    "none", "lz4" or "zstd"
-        every_steps, interval [s, simulated], max_hz, first     when: at multiples of these, at most so often; `first`: one at once
+        every_steps, interval [s, simulated], max_hz     when: at multiples of these, at most so often
+        first   one item at once, of this moment; without it the first comes with the next step, for which a run that stands still keeps you waiting
         box=(min, max), sphere=(centre, radius) [m], phases, walls, every     which particles; `every`: about one in so many
 
         item["pressure"] is an array of numpy: [particles] or [particles][components] of fields, a number of probes, [rows] of series.
         RefusedError: a name or bound is wrong, error.path says which. While it is iterated: CorruptError if an item came damaged,
         UnavailableError if the daemon is away for more than five seconds; the stream may be asked again after both, and goes on.
         """
-        connection = self._connection
-        return Stream(connection.endpoint, connection.keys, what, names, since, timeout, memory, wishes)
+        wish = subscription(
+            what, names, exact, pack, every_steps, interval, max_hz, first, box, sphere, phases, walls, every
+        )
+        return Stream(self._connection.endpoint, self._connection.keys, what, wish, since, timeout, memory)
 
     # --- under the hood ---------------------------------------------------------------------------------------------
 

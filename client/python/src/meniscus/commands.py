@@ -8,17 +8,19 @@ arguments and the same words of explanation. A new command is a function here an
 from __future__ import annotations
 
 import functools
-import getpass
 import inspect
+import os
+import pwd
 from dataclasses import dataclass
 from socket import gethostname
 from typing import TYPE_CHECKING, Any, Callable, Coroutine, Dict, Generic, List, Mapping, Optional, Sequence, TypeVar, Union
 
 import numpy as np
+import numpy.typing as npt
 
 from . import meniscus_pb2 as pb
 from .case import CaseSource, CaseText, as_yaml
-from .errors import CaseError, MeniscusError
+from .errors import CaseError, MeniscusError, RefusedError
 from .values import Frame, OutputFile, Reply, Status, Value, read_array, read_reply, read_status, read_values
 
 if TYPE_CHECKING:
@@ -198,9 +200,16 @@ def checkpoint(at_step: Optional[int] = None, at_time: Optional[float] = None) -
     return Command(pb.Request(checkpoint=pb.CheckpointNow(), at_step=at_step, at_time=at_time), _output)
 
 
-def _names(fields: Union[str, Sequence[str]]) -> Sequence[str]:
+def _names(names: Union[str, Sequence[str]]) -> Sequence[str]:
     """A name alone is a list of one, not of letters."""
-    return [fields] if isinstance(fields, str) else fields
+    return [names] if isinstance(names, str) else names
+
+
+def _state(name: str) -> pb.State:
+    if name not in pb.State.keys():
+        raise RefusedError("INVALID_ARGUMENT", f'there is no state "{name}"; there are {", ".join(pb.State.keys())}', "states")
+    state: pb.State = pb.State.Value(name)
+    return state
 
 
 def snapshot(
@@ -212,7 +221,7 @@ def snapshot(
 
 
 def wait(
-    states: Sequence[str] = ("DONE", "FAULT"),
+    states: Union[str, Sequence[str]] = ("DONE", "FAULT"),
     time: Optional[float] = None,
     step: Optional[int] = None,
     timeout: Optional[float] = None,
@@ -220,11 +229,11 @@ def wait(
 ) -> Command[Reply]:
     """Return at the first of: one of the states, a simulated time [s], a step. TimedOutError after timeout [s].
 
-    states      of "EMPTY", "LOADING", "READY", "RUNNING", "PAUSED", "DONE", "FAULT", "STOPPING", "RECOVERING"; the
+    states      of "EMPTY", "LOADING", "READY", "RUNNING", "PAUSED", "DONE", "FAULT", "STOPPING", "RECOVERING", or one of them; the
                 reply says in which state it is, so a run that went wrong is seen by reply.state == "FAULT" and status().fault
     request_id  16 bytes by which cancel() can name this request
     """
-    message = pb.Wait(states=[pb.State.Value(state) for state in states], time=time, step=step)
+    message = pb.Wait(states=[_state(name) for name in _names(states)], time=time, step=step)
     return Command(pb.Request(wait=message), _reply, timeout, request_id)
 
 
@@ -250,9 +259,17 @@ def _short(name: str) -> str:
     return name.encode(errors="ignore")[:30].decode(errors="ignore")
 
 
+def _user() -> str:
+    """$USER, which cron and services have not, or whose the process is; by number where no name is known for it."""
+    try:
+        return os.environ.get("USER") or pwd.getpwuid(os.geteuid()).pw_name
+    except KeyError:
+        return str(os.geteuid())
+
+
 def take_lease(seconds: float, holder: Optional[str]) -> Command[int]:
     """A new lease, with its epoch. holder: what others are told; None: user@host."""
-    name = holder or f"{_short(getpass.getuser())}@{_short(gethostname())}"
+    name = holder or f"{_short(_user())}@{_short(gethostname())}"
     return Command(pb.Request(lease=pb.Lease(ttl_ms=round(1000 * seconds), holder=name)), _epoch)
 
 
@@ -328,7 +345,7 @@ def query(*probes: str) -> Command[Dict[str, Value]]:
     return Command(pb.Request(query=pb.Query(probes=pb.ProbeQuery(names=probes))), _values)
 
 
-def points(field: str, points: Any) -> Command[np.ndarray]:
+def points(field: str, points: npt.ArrayLike) -> Command[np.ndarray]:
     """A field at points [n][dim], m: kernel average over the fluid; nan where no fluid is near."""
     flat = np.atleast_2d(np.asarray(points, dtype=float)).ravel()
     return Command(pb.Request(query=pb.Query(points=pb.PointQuery(field=field, points=flat.tolist()))), _first_array)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Type, Union
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Type, Union, overload
 
 import numpy as np
 
@@ -164,7 +164,13 @@ class Snapshots(Sequence[Snapshot]):
     def __len__(self) -> int:
         return len(self.paths)
 
-    def __getitem__(self, k: Any) -> Any:
+    @overload
+    def __getitem__(self, k: int) -> Snapshot: ...
+
+    @overload
+    def __getitem__(self, k: slice) -> List[Snapshot]: ...
+
+    def __getitem__(self, k: Union[int, slice]) -> Union[Snapshot, List[Snapshot]]:
         return [Snapshot(path) for path in self.paths[k]] if isinstance(k, slice) else Snapshot(self.paths[k])
 
     @property

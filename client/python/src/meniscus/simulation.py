@@ -10,7 +10,7 @@ import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Mapping, MutableMapping, Optional, Tuple, Union
+from typing import Any, Dict, Iterable, Iterator, List, Mapping, MutableMapping, Optional, Tuple, Union, cast
 
 import numpy as np
 import yaml
@@ -24,6 +24,7 @@ from .plot import LivePlot
 from .values import Value
 
 Setting = Union[float, int, bool, str, List[Any], None]
+Changes = Union[Mapping[str, Any], Iterable[Tuple[str, Any]]]
 
 
 @dataclass(frozen=True)
@@ -114,9 +115,9 @@ class Parameters(MutableMapping[str, Any]):
     def __delitem__(self, path: str) -> None:
         raise TypeError("parameters cannot be removed, but changed: see rollback()")
 
-    def update(self, *others: Any, **words: Any) -> None:
+    def update(self, changes: Changes = (), /, **words: Setting) -> None:  # type: ignore[override] # one that has keys() alone is not read
         """Change several at the same step, all or none."""
-        changes = dict(*others, **words)
+        changes = dict(changes, **words)
         self._client.set({self._prefix + path: value for path, value in changes.items()})
 
     def __iter__(self) -> Iterator[str]:
@@ -180,13 +181,13 @@ class Probes(Mapping[str, float]):
         """By name."""
         return {name: value.unit for name, value in self._client.query().items()}
 
-    def now(self, *names: str) -> Any:
+    def now(self, *names: str) -> np.void:
         """These probes, or all, of one step, as a record (np.void) whose fields have their names."""
         values = self._client.query(*names)
         record = np.zeros((), dtype=[(name, np.float64) for name in values])
         for name, value in values.items():
             record[name] = _number(value)
-        return record[()]
+        return cast(np.void, record[()])
 
     def _ipython_key_completions_(self) -> List[str]:
         return list(self)

@@ -4,14 +4,15 @@
 from __future__ import annotations
 
 from types import TracebackType
-from typing import Any, Iterator, Mapping, Optional, Tuple, Type
+from typing import Iterator, Optional, Type
 
 from .connection import Connection
 from .endpoint import data_endpoint
 from .errors import MeniscusError
 from .flow import Flow, StreamFacts
 from .keys import Keys
-from .wishes import Cursor, StreamItem, subscription
+from .stream_pb2 import Subscribe
+from .wishes import Cursor, StreamItem
 
 LINGER_MS = 200  # for the last word
 
@@ -24,13 +25,12 @@ class Stream(StreamFacts):
         endpoint: str,
         keys: Optional[Keys],
         what: str,
-        names: Tuple[str, ...],
+        wish: Subscribe,
         since: Optional[Cursor],
         timeout: Optional[float],
         memory: int,
-        wishes: Mapping[str, Any],
     ) -> None:
-        self._flow = Flow(data_endpoint(endpoint), keys, what, subscription(what, names, **wishes), since, memory)
+        self._flow = Flow(data_endpoint(endpoint), keys, what, wish, since, memory)
         self._timeout = timeout
         self._connection: Optional[Connection] = Connection(self._flow.endpoint, keys, self._flow)
 

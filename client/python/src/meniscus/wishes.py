@@ -16,6 +16,9 @@ from .packing import codec_module
 KINDS = ("probes", "fields", "events", "series", "snapshots")
 CODECS = {"none": packing_pb2.CODEC_NONE, "lz4": packing_pb2.CODEC_LZ4, "zstd": packing_pb2.CODEC_ZSTD}
 Exactness = Union[None, str, float, Mapping[str, Union[str, float]]]
+Point = Union[Sequence[float], np.ndarray]
+Box = Tuple[Point, Point]  # lower and upper corner [m]
+Sphere = Tuple[Point, float]  # centre and radius [m]
 
 
 @dataclass(frozen=True)
@@ -96,8 +99,8 @@ def subscription(
     interval: Optional[float] = None,
     max_hz: Optional[float] = None,
     first: bool = False,
-    box: Optional[Tuple[Sequence[float], Sequence[float]]] = None,
-    sphere: Optional[Tuple[Sequence[float], float]] = None,
+    box: Optional[Box] = None,
+    sphere: Optional[Sphere] = None,
     phases: Iterable[int] = (),
     walls: bool = False,
     every: Optional[int] = None,
