@@ -48,6 +48,11 @@ void neighbours_refresh(Neighbours *nb, Particles *s, const Model *model, unsign
     bundles_refresh(&nb->bundles, s, model, needs, nb->threads);
 }
 
+const uint32_t *neighbours_start(const Neighbours *nb, const Particles *s, int group)
+{
+    return s->begin[group + 1] > s->begin[group] ? nb->start + sort_group(s, group) * nb->grid.cells : NULL;
+}
+
 static bool reserve(Neighbours *nb, size_t keys)
 {
     if (keys < nb->start_capacity) return true;
@@ -64,7 +69,8 @@ typedef struct Search {
     SelectNear near;
     Points points;
     double distance2;
-    const uint32_t *start; /* of the group that is searched */
+    const uint32_t *begin[GROUPS]; /* neighbours_start() */
+    const uint32_t *start;         /* of the group that is searched */
     const Run *runs;
     int n_runs;
 } Search;
@@ -107,15 +113,15 @@ typedef struct Trouble {
 } Trouble;
 
 /* Lists of all particles of one group in one cell. A list that is too long is cut, so that what can be read is safe. */
-static void search_cell(Neighbours *nb, Cut *cut, Search q, Group group, size_t cell, size_t cells, Trouble *trouble)
+static void search_cell(Neighbours *nb, Cut *cut, Search q, Group group, size_t cell, Trouble *trouble)
 {
     const int targets = group == GROUP_WALL ? GROUP_WALL : GROUPS;
     size_t room = MARK_WORDS_MAX + SELECT_SLACK;
     for (int target = 0; target < targets; target++) {
-        q.start = nb->start + (size_t)target * cells;
-        room += candidates(&q);
+        q.start = q.begin[target];
+        if (q.start) room += candidates(&q);
     }
-    const uint32_t *own = nb->start + (size_t)group * cells;
+    const uint32_t *own = q.begin[group];
     for (size_t i = own[cell]; i < own[cell + 1]; i++) {
         if (!slabs_reserve(&nb->slabs, cut, room)) {
             trouble->no_memory = true;
@@ -124,10 +130,8 @@ static void search_cell(Neighbours *nb, Cut *cut, Search q, Group group, size_t 
         size_t n = 0;
         bool images = false;
         for (int target = 0; target < GROUPS; target++) {
-            if (target < targets) {
-                q.start = nb->start + (size_t)target * cells;
-                n += search_group(&q, i, cut->at + n, &images);
-            }
+            q.start = q.begin[target];
+            if (target < targets && q.start) n += search_group(&q, i, cut->at + n, &images);
             if (n > ROW_MAX) {
                 if (q.s->id[i] < trouble->crowded) trouble->crowded = q.s->id[i];
                 n = ROW_MAX;
@@ -156,13 +160,15 @@ static Trouble search_all(Neighbours *nb, const Particles *s, const Model *model
         for (size_t chunk; shares_take(&shares, omp_get_thread_num(), &chunk);) {
             const size_t end = (chunk + 1) * CHUNK_CELLS;
             for (size_t cell = chunk * CHUNK_CELLS; cell < end && cell < grid->cells; cell++) {
-                const Search q = {.s = s,
-                                  .near = select_near(model->level, s->dim, model->periodic),
-                                  .points = {{s->ref[0], s->ref[1], s->ref[2]}, model->period, model->frequency},
-                                  .distance2 = distance * distance,
-                                  .runs = runs,
-                                  .n_runs = grid_runs(grid, cell, runs)};
-                for (int g = 0; g < GROUPS; g++) search_cell(nb, &cut, q, (Group)g, cell, grid->cells, &trouble);
+                Search q = {.s = s,
+                            .near = select_near(model->level, s->dim, model->periodic),
+                            .points = {{s->ref[0], s->ref[1], s->ref[2]}, model->period, model->frequency},
+                            .distance2 = distance * distance,
+                            .runs = runs,
+                            .n_runs = grid_runs(grid, cell, runs)};
+                for (int g = 0; g < GROUPS; g++) q.begin[g] = neighbours_start(nb, s, g);
+                for (int g = 0; g < GROUPS; g++)
+                    if (q.begin[g]) search_cell(nb, &cut, q, (Group)g, cell, &trouble);
             }
         }
         no_memory = trouble.no_memory;
@@ -194,7 +200,7 @@ MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, Mns
 {
     const double distance = model->kernel.support + model->skin;
     const Grid grid = grid_make(s, model, distance, nb->threads);
-    const size_t keys = (size_t)GROUPS * grid.cells;
+    const size_t keys = sort_groups(s) * grid.cells;
     if (!reserve(nb, keys)) return mns_fail(error, MNS_E_MEMORY, "no memory for a grid of %zu cells", grid.cells);
     nb->grid = grid;
     /* The bundles are out of date afterwards; meanwhile there is room in them for the sort. */

@@ -26,7 +26,7 @@ typedef struct Neighbours {
     uint16_t (*end)[GROUPS]; /* [n] entries [0, end[i][g]) of the list of i are of groups up to g */
     uint8_t *has;            /* [n] LIST_...: what kinds of neighbours the list of i has */
     bool tells_others;
-    uint32_t *start; /* [GROUPS * cells + 1] first particle of each cell, by group */
+    uint32_t *start; /* [sort_groups() * cells + 1] first particle of each cell, by group */
     size_t start_capacity;
     uint32_t *counts; /* work space to sort */
     Slabs slabs;
@@ -45,6 +45,9 @@ void neighbours_refresh(Neighbours *nb, Particles *s, const Model *model, unsign
  * building again from the same `ref` changes nothing: what a bitwise restart rests on.
  * MNS_OK; MNS_E_MEMORY; MNS_E_LIMIT if a particle has more than ROW_MAX neighbours, with its id and place. */
 MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, MnsError *error);
+
+/* Where the particles of a group begin, [cells + 1]; NULL if it has none. */
+const uint32_t *neighbours_start(const Neighbours *nb, const Particles *s, int group);
 
 /* [end[i][GROUP_WALL]] indices of the neighbours of i, without i. */
 static inline const uint32_t *neighbours_of(const Neighbours *nb, size_t i)

@@ -80,8 +80,8 @@ static void visit_cells(Sampler *q)
     Run runs[GRID_RUNS_MAX];
     const int n = grid_runs(&nb->grid, grid_cell(&nb->grid, q->x), runs);
     for (size_t g = 0; g < GROUPS; g++) {
-        const uint32_t *start = nb->start + g * nb->grid.cells;
-        for (int k = 0; k < n; k++) visit(q, start[runs[k].first], start[runs[k].last + 1]);
+        const uint32_t *start = neighbours_start(nb, &q->sim->s, (int)g);
+        for (int k = 0; start && k < n; k++) visit(q, start[runs[k].first], start[runs[k].last + 1]);
     }
 }
 
