@@ -98,12 +98,13 @@ static size_t candidates(const Search *q)
 static uint8_t kinds(const Neighbours *nb, const Particles *s, size_t i, bool images)
 {
     const uint32_t *list = nb->list[i];
-    const size_t fluid = nb->end[i][GROUP_SUMMATION];
+    const size_t fluid = nb->end[i][END_FLUID];
     unsigned others = 0;
     if (nb->tells_others && i < particles_fluid(s))
         for (size_t k = 0; k < fluid; k++) others |= (unsigned)(s->phase[list[k]] ^ s->phase[i]);
-    return (uint8_t)((nb->end[i][GROUP_WALL] > fluid ? LIST_WALLS : 0) | (others ? LIST_OTHERS : 0) |
-                     (images ? LIST_IMAGES : 0));
+    const bool summed = fluid > 0 && list[fluid - 1] >= s->begin[GROUP_SUMMATION];
+    return (uint8_t)((nb->end[i][END_WALLS] > fluid ? LIST_WALLS : 0) | (others ? LIST_OTHERS : 0) |
+                     (images ? LIST_IMAGES : 0) | (summed ? LIST_SUMMED : 0));
 }
 
 /* What went wrong in a search: no memory, or the smallest id of the particles with too many neighbours. */
@@ -136,11 +137,11 @@ static void search_cell(Neighbours *nb, Cut *cut, Search q, Group group, size_t 
                 if (q.s->id[i] < trouble->crowded) trouble->crowded = q.s->id[i];
                 n = ROW_MAX;
             }
-            nb->end[i][target] = (uint16_t)n;
+            nb->end[i][target == GROUP_WALL ? END_WALLS : END_FLUID] = (uint16_t)n;
         }
         nb->list[i] = cut->at;
         nb->has[i] = kinds(nb, q.s, i, images);
-        const size_t fluid = nb->end[i][GROUP_SUMMATION];
+        const size_t fluid = nb->end[i][END_FLUID];
         cut_advance(cut, n + (neighbours_mark_bytes(fluid) + neighbours_mark_bytes(n - fluid) + 3) / 4);
     }
 }
@@ -216,7 +217,7 @@ size_t neighbours_pairs(const Neighbours *nb)
 {
     size_t pairs = 0;
 #pragma omp parallel for simd reduction(+ : pairs) num_threads(nb->threads)
-    for (size_t i = 0; i < nb->n; i++) pairs += nb->end[i][GROUP_WALL];
+    for (size_t i = 0; i < nb->n; i++) pairs += nb->end[i][END_WALLS];
     return pairs;
 }
 

@@ -399,7 +399,7 @@ static void check_marks(Cloud *cloud, const Pass *pass)
     Neighbours *nb = &cloud->nb;
     const Pass next = {"next", .terms = {&shepard_sum}};
     for (size_t i = 0; i < s->n; i++) {
-        const size_t fluid = nb->end[i][GROUP_SUMMATION], walls = nb->end[i][GROUP_WALL] - fluid;
+        const size_t fluid = nb->end[i][END_FLUID], walls = nb->end[i][END_WALLS] - fluid;
         memset(neighbours_marks(nb, i), 0, neighbours_mark_bytes(fluid) + neighbours_mark_bytes(walls));
     }
     change(cloud, false);

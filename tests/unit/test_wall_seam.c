@@ -105,8 +105,8 @@ static void particle_between_two_walls_is_kept_once(void **state)
     sim->s.x[1][0] = 0.01;
     for (size_t i = 1; i < particles_fluid(&sim->s); i++) sim->s.x[1][i] = 1.5; /* far from all walls */
     for (size_t i = 0; i < particles_fluid(&sim->s); i++) {                     /* and none is passed over */
-        sim->nb.end[i][GROUP_SUMMATION] = 0;
-        sim->nb.end[i][GROUP_WALL] = 1;
+        sim->nb.end[i][END_FLUID] = 0;
+        sim->nb.end[i][END_WALLS] = 1;
     }
     assert_int_equal(guard_walls(sim), 1);
     assert_close(sim->s.x[0][0], 3 - 0.025, 1e-12);

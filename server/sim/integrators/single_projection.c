@@ -112,7 +112,7 @@ static void keep_pressure(MnsSim *sim, double dt)
 /* Neighbours, but no diagonal to divide by. */
 static bool is_silent(const MnsSim *sim, size_t i)
 {
-    return sim->system.matrix.blocks[i] == 0 && i != sim->system.held && sim->nb.end[i][GROUP_WALL] > 0;
+    return sim->system.matrix.blocks[i] == 0 && i != sim->system.held && sim->nb.end[i][END_WALLS] > 0;
 }
 
 /* Of a particle whose neighbours lie so that its row has no diagonal to divide by, the pressure would stay what it was, and the fluid around

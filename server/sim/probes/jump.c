@@ -13,7 +13,7 @@ static bool is_near_surface(const Measure *m, size_t i)
     const double margin = m->probe->radius > 0 ? m->probe->radius : sim->model.kernel.support;
     const uint32_t *list = neighbours_of(&sim->nb, i);
     const bool inside = s->phase[i] == m->probe->fluid;
-    for (size_t k = 0; k < sim->nb.end[i][GROUP_SUMMATION]; k++) {
+    for (size_t k = 0; k < sim->nb.end[i][END_FLUID]; k++) {
         const uint32_t j = list[k];
         if ((s->phase[j] == m->probe->fluid) == inside) continue;
         double r2 = 0;

@@ -27,8 +27,8 @@ bool differences_lay(Particles *s, const Neighbours *nb)
     Matrix *m = &s->system->matrix;
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t i = 0; i < m->n; i++) {
-        const size_t fluid = i < s->n ? nb->end[i][GROUP_SUMMATION] : 0;
-        const size_t walls = i < n ? nb->end[i][GROUP_WALL] - fluid : 0;
+        const size_t fluid = i < s->n ? nb->end[i][END_FLUID] : 0;
+        const size_t walls = i < n ? nb->end[i][END_WALLS] - fluid : 0;
         m->blocks[i] = (uint32_t)(blocks_for(fluid) + blocks_for(walls));
     }
     return matrix_lay(m, threads);

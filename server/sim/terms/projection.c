@@ -45,13 +45,13 @@ bool projection_lay(Particles *s, const Neighbours *nb)
     uint32_t *blocks = s->system->matrix.blocks;
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t i = 0; i < n; i++) {
-        const size_t fluid = nb->end[i][GROUP_SUMMATION], walls = nb->end[i][GROUP_WALL] - fluid;
+        const size_t fluid = nb->end[i][END_FLUID], walls = nb->end[i][END_WALLS] - fluid;
         blocks[i] = (uint32_t)((fluid + LANES - 1) / LANES + (walls + LANES - 1) / LANES);
     }
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t i = n; i < s->n; i++)
         for (unsigned a = 0; a < s->n_phases; a++)
-            blocks[node_of(s, i, a)] = ((uint32_t)nb->end[i][GROUP_WALL] + LANES - 1) / LANES;
+            blocks[node_of(s, i, a)] = ((uint32_t)nb->end[i][END_WALLS] + LANES - 1) / LANES;
     return matrix_lay(&s->system->matrix, threads);
 }
 
