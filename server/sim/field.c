@@ -53,8 +53,7 @@ void *particles_field(const Particles *s, int field, int d)
 void *particles_element(const Particles *s, int field, int d, size_t i)
 {
     char *first = pointer_of(s, field, d);
-    const size_t step = field == F_NORMAL ? s->normal_step : field == F_GRADIENT ? s->gradient_step : 1;
-    return first ? first + i * step * field_size(&FIELDS[field]) : NULL;
+    return first ? first + i * particles_step(s, field) * field_size(&FIELDS[field]) : NULL;
 }
 
 void particles_set_field(Particles *s, int field, int d, void *array)
@@ -62,8 +61,26 @@ void particles_set_field(Particles *s, int field, int d, void *array)
     memcpy((char *)s + slot_of(field, d), &array, sizeof array);
 }
 
+/* Of the fields that may be in bundles; NULL of others. */
+static size_t *step_of(Particles *s, int field)
+{
+    switch (field) {
+    case F_X: return &s->x_step;
+    case F_V: return &s->v_step;
+    case F_P: return &s->p_step;
+    case F_NORMAL: return &s->normal_step;
+    case F_GRADIENT: return &s->gradient_step;
+    default: return NULL;
+    }
+}
+
+size_t particles_step(const Particles *s, int field)
+{
+    const size_t *step = step_of((Particles *)s, field);
+    return step ? *step : 1;
+}
+
 void particles_set_step(Particles *s, int field, size_t step)
 {
-    if (field == F_NORMAL) s->normal_step = step;
-    if (field == F_GRADIENT) s->gradient_step = step;
+    *step_of(s, field) = step;
 }

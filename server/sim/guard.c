@@ -10,15 +10,15 @@ static bool guard_one(MnsSim *sim, size_t i, size_t k)
     Particles *s = &sim->s;
     const WallState *wall = &sim->model.wall[k];
     double x[3] = {0, 0, 0}, normal[3];
-    for (int d = 0; d < s->dim; d++) x[d] = s->x[d][i] - wall->x[d];
+    for (int d = 0; d < s->dim; d++) x[d] = s->x[d][i * s->x_step] - wall->x[d];
     const double depth = sim->model.guard - shape_distance(&sim->solid[k], x);
     if (!(depth > 0)) return false;
     shape_normal(&sim->solid[k], x, 1e-3 * sim->model.dx, normal);
     double into = 0;
-    for (int d = 0; d < s->dim; d++) into += (s->v[d][i] - wall->v[d]) * normal[d];
+    for (int d = 0; d < s->dim; d++) into += (s->v[d][i * s->v_step] - wall->v[d]) * normal[d];
     for (int d = 0; d < s->dim; d++) {
-        s->x[d][i] += depth * normal[d];
-        if (into < 0) s->v[d][i] -= into * normal[d];
+        s->x[d][i * s->x_step] += depth * normal[d];
+        if (into < 0) s->v[d][i * s->v_step] -= into * normal[d];
     }
     return true;
 }

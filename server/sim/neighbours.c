@@ -187,14 +187,17 @@ static MnsStatus complain(const Trouble *trouble, const Particles *s, MnsError *
         error, MNS_E_LIMIT,
         "particle %u at (%g, %g, %g) m has more than %d neighbours: particles have piled up there, or the kernel is "
         "too wide for this spacing",
-        s->id[i], s->x[0][i], s->x[1][i], s->dim == 3 ? s->x[2][i] : 0, ROW_MAX);
+        s->id[i], s->x[0][i * s->x_step], s->x[1][i * s->x_step], s->dim == 3 ? s->x[2][i * s->x_step] : 0, ROW_MAX);
 }
 
 /* Lists that a search without memory does not come to are empty. */
-static void clear_ends(Neighbours *nb)
+static void clear_lists(Neighbours *nb)
 {
 #pragma omp parallel for schedule(static) num_threads(nb->threads)
-    for (size_t i = 0; i < nb->n; i++) memset(nb->end[i], 0, sizeof nb->end[i]);
+    for (size_t i = 0; i < nb->n; i++) {
+        nb->list[i] = NULL;
+        memset(nb->end[i], 0, sizeof nb->end[i]);
+    }
 }
 
 MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, MnsError *error)
@@ -204,10 +207,10 @@ MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, Mns
     const size_t keys = sort_groups(s) * grid.cells;
     if (!reserve(nb, keys)) return mns_fail(error, MNS_E_MEMORY, "no memory for a grid of %zu cells", grid.cells);
     nb->grid = grid;
-    /* The bundles are out of date afterwards; meanwhile there is room in them for the sort. */
-    void *room = nb->bundles.data[0];
-    particles_permute(s, sort_by_cell(s, &grid, nb->start, nb->counts, room, nb->threads), nb->threads);
-    clear_ends(nb);
+    /* Lists are made anew, and rates are spare when particles have moved: there is room in both for the sort. */
+    uint32_t *order = sort_by_cell(s, &grid, nb->start, nb->counts, nb->list, s->rate, nb->threads);
+    particles_permute(s, order, nb->threads);
+    clear_lists(nb);
     const Trouble trouble = search_all(nb, s, model, &grid, distance);
     if (trouble.no_memory || trouble.crowded != UINT32_MAX) return complain(&trouble, s, error);
     return MNS_OK;

@@ -37,9 +37,9 @@ typedef struct Particles {
     struct System
         *system;   /* for the pressure, of schemes that project (solve/solve.h); NULL of others. Not theirs to free */
     Fields housed; /* that are in bundles and nowhere else (home.h) */
-    size_t normal_step, gradient_step; /* from a particle's to the next one's */
-    Fields made;                       /* that are made where they are asked for */
-    Fields changed[GROUPS];            /* since the neighbours' copies were last made (bundle.h) */
+    size_t x_step, v_step, p_step, normal_step, gradient_step; /* from a particle's to the next one's */
+    Fields made;                                               /* that are made where they are asked for */
+    Fields changed[GROUPS]; /* since the neighbours' copies were last made (bundle.h) */
 } Particles;
 
 static inline size_t particles_fluid(const Particles *s)
@@ -84,12 +84,16 @@ MnsStatus particles_add(Particles *s, Fields fields, int threads, MnsError *erro
 /* Give up the fields that are not among these. */
 void particles_keep(Particles *s, Fields fields);
 
+/* How many components of a field there are; 0 of one that is not stored. */
+int particles_components(const Particles *s, int field);
+
 /* Component d of a field of mns_fields(), one number after the other; NULL where there is none, or none that is stored so. */
 void *particles_field(const Particles *s, int field, int d);
 
 /* That of particle i, wherever it is stored; NULL where there is none. */
 void *particles_element(const Particles *s, int field, int d, size_t i);
 void particles_set_field(Particles *s, int field, int d, void *array); /* one that there is */
+size_t particles_step(const Particles *s, int field);                  /* from one to the next */
 void particles_set_step(Particles *s, int field, size_t step);         /* of one that is housed */
 size_t field_size(const MnsFieldInfo *field);                          /* bytes of an element */
 

@@ -14,18 +14,21 @@ Fields shown_made(const MnsSim *sim)
     return sim->s.made | sim->s.housed;
 }
 
-static double value_of(const MnsSim *sim, int field, int d, size_t i)
+/* Of what is in a bundle. */
+static ShownView view_of(const Particles *s, int field, int d)
 {
-    const Particles *s = &sim->s;
-    if (field == F_VOL) return particles_volume(s, &sim->model, i);
-    if (field == F_Z) return particles_impedance(s, &sim->model, i);
-    return *(const double *)particles_element(s, field, d, i);
+    return (ShownView){particles_element(s, field, d, 0), particles_step(s, field)};
 }
 
 void shown_make(const MnsSim *sim, int field, int d, double *out)
 {
+    const Particles *s = &sim->s;
+    const ShownView view = view_of(s, field, d);
 #pragma omp parallel for schedule(static) num_threads(sim->threads)
-    for (size_t i = 0; i < sim->s.n; i++) out[i] = value_of(sim, field, d, i);
+    for (size_t i = 0; i < s->n; i++) {
+        if (view.first) out[i] = shown_number(&view, i);
+        else out[i] = field == F_VOL ? particles_volume(s, &sim->model, i) : particles_impedance(s, &sim->model, i);
+    }
 }
 
 const void *shown_field(const MnsSim *sim, int field, int d)
@@ -36,4 +39,10 @@ const void *shown_field(const MnsSim *sim, int field, int d)
     if (!*room) *room = array_room(sim->s.n, sizeof **room);
     if (*room) shown_make(sim, field, d, *room);
     return *room;
+}
+
+ShownView shown_view(const MnsSim *sim, int field, int d)
+{
+    if (sim->s.housed >> field & 1) return view_of(&sim->s, field, d);
+    return (ShownView){shown_field(sim, field, d), 1};
 }

@@ -226,7 +226,7 @@ double mns_sim_mean_neighbours(const MnsSim *sim)
         for (size_t k = 0; k < sim->nb.end[i][END_WALLS]; k++) {
             double r2 = 0;
             for (int d = 0; d < s->dim; d++) {
-                const double x = model_nearest(&sim->model, d, s->x[d][i] - s->x[d][j[k]]);
+                const double x = model_nearest(&sim->model, d, s->x[d][i * s->x_step] - s->x[d][j[k] * s->x_step]);
                 r2 += x * x;
             }
             pairs += r2 < reach * reach;

@@ -11,7 +11,7 @@ typedef struct Place {
     uint32_t key, index;
 } Place;
 
-_Static_assert(sizeof(Place) + 2 * sizeof(uint32_t) == SORT_BYTES_PER_PARTICLE, "room of a sort");
+_Static_assert(sizeof(Place) == SORT_BYTES_PER_PARTICLE && 2 * sizeof(uint32_t) == SORT_BYTES_PER_PARTICLE, "rooms");
 
 typedef struct Sort {
     const Particles *s;
@@ -103,12 +103,13 @@ static void sort_bucket(const Sort *q, size_t b)
     start[first_key] = first;
 }
 
-uint32_t *sort_by_cell(const Particles *s, const Grid *grid, uint32_t *start, uint32_t *counts, void *room, int threads)
+uint32_t *sort_by_cell(const Particles *s, const Grid *grid, uint32_t *start, uint32_t *counts, void *room, void *other,
+                       int threads)
 {
     Sort q = {
-        .s = s, .grid = grid, .keys = sort_groups(s) * grid->cells, .start = start, .counts = counts, .place = room};
+        .s = s, .grid = grid, .keys = sort_groups(s) * grid->cells, .start = start, .counts = counts, .place = other};
     for (int g = 0; g < GROUPS; g++) q.number[g] = sort_group(s, g);
-    q.key = (uint32_t *)(q.place + s->n);
+    q.key = room;
     q.order = q.key + s->n;
     assert(q.keys <= UINT32_MAX); /* grid_make() makes no more cells */
     while ((q.keys - 1) >> q.shift >= SORT_BUCKETS_MAX) q.shift++;

@@ -224,7 +224,7 @@ static void a_flow_along_a_tube_goes_on(void **state)
                           .b = {0.5, 0.5, 2},
                           .radius = 0.5,
                           .formula = part->formula};
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         sim_steps(sim, 5);
         const Particles *s = &sim->s;
         double slowest = 1, across = 0;

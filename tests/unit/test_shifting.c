@@ -11,6 +11,7 @@ static void cloud_shift(Cloud *cloud)
 {
     cloud_term(cloud, &concentration);
     cloud_term(cloud, &shifting);
+    local_run(&shifted_position, &cloud->s, &cloud->model, cloud->threads);
 }
 
 /* Is particle i listed beside one of another fluid? */

@@ -29,9 +29,9 @@ static void assert_sorted(const Cloud *cloud, double distance, int threads)
     const Grid grid = grid_make(s, &cloud->model, distance, 1);
     const size_t keys = (s->begin[2] > s->begin[1] ? 3 : 2) * grid.cells;
     uint32_t *start = calloc(keys + 1, sizeof *start), *counts = calloc(sort_counts(threads), sizeof *counts);
-    double *room = malloc(s->n * SORT_BYTES_PER_PARTICLE);
-    assert_true(start && counts && room);
-    const uint32_t *order = sort_by_cell(s, &grid, start, counts, room, threads);
+    double *room = malloc(s->n * SORT_BYTES_PER_PARTICLE), *other = malloc(s->n * SORT_BYTES_PER_PARTICLE);
+    assert_true(start && counts && room && other);
+    const uint32_t *order = sort_by_cell(s, &grid, start, counts, room, other, threads);
     uint8_t *seen = calloc(s->n, 1);
     assert_non_null(seen);
     for (size_t k = 0; k < s->n; k++) {
@@ -45,6 +45,7 @@ static void assert_sorted(const Cloud *cloud, double distance, int threads)
     assert_int_equal(start[0], 0);
     assert_int_equal(start[keys], s->n);
     free(seen);
+    free(other);
     free(room);
     free(counts);
     free(start);

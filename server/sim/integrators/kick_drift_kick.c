@@ -12,24 +12,14 @@ static void kick_and_drift(MnsSim *sim, double dt)
     Particles *s = &sim->s;
     const size_t n = particles_fluid(s);
     const double half = 0.5 * dt;
-#pragma omp parallel num_threads(sim->threads)
-    for (int d = 0; d < s->dim; d++) {
-        double *restrict x = s->x[d], *restrict v = s->v[d];
-        const double *restrict a = s->a[d], *restrict b = s->b[d];
-        if (!b) { /* no transport velocity in this scheme */
-#pragma omp for simd schedule(static) nowait
-            for (size_t i = 0; i < n; i++) {
-                v[i] += half * a[i];
-                x[i] += dt * v[i];
-            }
-            continue;
+    const bool transported = s->b[0]; /* with a velocity of its own */
+#pragma omp parallel for schedule(static) num_threads(sim->threads)
+    for (size_t i = 0; i < n; i++)
+        for (int d = 0; d < s->dim; d++) {
+            const double v = s->v[d][i * s->v_step] + half * s->a[d][i];
+            s->v[d][i * s->v_step] = v;
+            s->x[d][i * s->x_step] += dt * (transported ? v + half * s->b[d][i] : v);
         }
-#pragma omp for simd schedule(static) nowait
-        for (size_t i = 0; i < n; i++) {
-            v[i] += half * a[i];
-            x[i] += dt * (v[i] + half * b[i]);
-        }
-    }
     particles_changed(s, ON_FLUID, FIELD(X) | FIELD(V));
 }
 
@@ -46,8 +36,8 @@ static bool kick_and_look(MnsSim *sim, double dt)
     for (size_t i = 0; i < n; i++) {
         double v2 = 0;
         for (int d = 0; d < s->dim; d++) {
-            s->v[d][i] += half * s->a[d][i];
-            v2 += s->v[d][i] * s->v[d][i];
+            s->v[d][i * s->v_step] += half * s->a[d][i];
+            v2 += s->v[d][i * s->v_step] * s->v[d][i * s->v_step];
         }
         bad += !sim_is_well(s, model, i, v2);
         fastest = v2 > fastest ? v2 : fastest;

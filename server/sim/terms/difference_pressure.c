@@ -56,7 +56,7 @@ INLINE void difference_matrix_row(const Row *row, Particles *s, const Model *mod
     float *c = m->c + m->start[i] * LANES;
     Lanes sum[3][3] = {0};
     double u[3], flux = 0;
-    for (int d = 0; d < how.dim; d++) u[d] = s->v[d][i];
+    for (int d = 0; d < how.dim; d++) u[d] = s->v[d][i * s->v_step];
     for (size_t k = 0; k < row->n; k++) {
         const Block *b = &row->block[k];
         double its[LANES], v[3][LANES];
@@ -130,7 +130,7 @@ INLINE void difference_correction_row(const Row *row, Particles *s, const Model 
         }
     }
     gradient_of(s, i, model, sum, how, change);
-    for (int d = 0; d < how.dim; d++) s->v[d][i] -= change[d];
+    for (int d = 0; d < how.dim; d++) s->v[d][i * s->v_step] -= change[d];
 }
 ROW_FUNCTIONS(difference_correction_row)
 

@@ -170,7 +170,7 @@ INLINE void divergence_row(const Row *row, Particles *s, const Model *model, How
     const double V = particles_volume(s, model, i);
     double v[3];
     Lanes sum = {0};
-    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i];
+    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i * s->v_step];
     for (const Block *b = row->block; b < row->block + row->n; b++) {
         const uint32_t *j = row_j(row, b);
         double its[3][LANES];
@@ -222,7 +222,7 @@ INLINE void velocity_correction_row(const Row *row, Particles *s, const Model *m
 {
     double change[3];
     push(row, s, model, false, 1, s->system->x[row->i], how, change);
-    for (int d = 0; d < how.dim; d++) s->v[d][row->i] -= change[d];
+    for (int d = 0; d < how.dim; d++) s->v[d][row->i * s->v_step] -= change[d];
 }
 ROW_FUNCTIONS(velocity_correction_row)
 
@@ -235,7 +235,7 @@ INLINE void density_correction_row(const Row *row, Particles *s, const Model *mo
     push(row, s, model, model->projection.unit_mobility, FARTHER, base, how, change);
     const double size = sqrt(DOT(change, change, how)), most = MOVE_MOST * model->dx;
     if (size > most) keep = most / size;
-    for (int d = 0; d < how.dim; d++) s->x[d][row->i] -= keep * change[d];
+    for (int d = 0; d < how.dim; d++) s->x[d][row->i * s->x_step] -= keep * change[d];
 }
 ROW_FUNCTIONS(density_correction_row)
 
