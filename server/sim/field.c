@@ -32,6 +32,18 @@ size_t field_size(const MnsFieldInfo *field)
     return 0;
 }
 
+Owners particles_owners(const Particles *s, int field)
+{
+    if (WALL_FIELDS >> field & 1) return (Owners){particles_fluid(s), s->n};
+    return (Owners){0, s->of_fluid >> field & 1 ? particles_fluid(s) : s->n};
+}
+
+Fields particles_parted(const Particles *s)
+{
+    const size_t fluid = particles_fluid(s);
+    return s->fields & ((fluid < s->n ? s->of_fluid : 0) | (fluid > 0 ? WALL_FIELDS : 0));
+}
+
 /* Where the pointer to component d of a field is. */
 static size_t slot_of(int field, int d)
 {
@@ -52,8 +64,10 @@ void *particles_field(const Particles *s, int field, int d)
 
 void *particles_element(const Particles *s, int field, int d, size_t i)
 {
+    const Owners owners = particles_owners(s, field);
     char *first = pointer_of(s, field, d);
-    return first ? first + i * particles_step(s, field) * field_size(&FIELDS[field]) : NULL;
+    if (!first || i < owners.first || i >= owners.last) return NULL;
+    return first + (i - owners.first) * particles_step(s, field) * field_size(&FIELDS[field]);
 }
 
 void particles_set_field(Particles *s, int field, int d, void *array)

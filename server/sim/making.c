@@ -59,8 +59,10 @@ static double capture_bytes(int dim, Fields state)
 
 double making_bytes(const MnsSim *sim, const size_t sizes[GROUPS])
 {
-    Particles s = {
-        .dim = sim->model.dim, .n_phases = sim->model.n_phases, .fields = scheme_fields(sim->scheme, &sim->model)};
+    Particles s = {.dim = sim->model.dim,
+                   .n_phases = sim->model.n_phases,
+                   .fields = scheme_fields(sim->scheme, &sim->model),
+                   .of_fluid = FLUID_FIELDS};
     for (int g = 0; g < GROUPS; g++) s.begin[g + 1] = s.begin[g] + sizes[g];
     s.n = s.begin[GROUPS];
     double bytes =

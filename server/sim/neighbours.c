@@ -151,6 +151,8 @@ static Trouble search_all(Neighbours *nb, const Particles *s, const Model *model
     bool no_memory = false;
     uint32_t crowded = UINT32_MAX;
     Shares shares;
+    const uint32_t *begin[GROUPS];
+    for (int g = 0; g < GROUPS; g++) begin[g] = neighbours_start(nb, s, g);
     slabs_clear(&nb->slabs);
     shares_init(&shares, (grid->cells + CHUNK_CELLS - 1) / CHUNK_CELLS, nb->threads);
 #pragma omp parallel num_threads(nb->threads) reduction(|| : no_memory) reduction(min : crowded)
@@ -167,7 +169,7 @@ static Trouble search_all(Neighbours *nb, const Particles *s, const Model *model
                             .distance2 = distance * distance,
                             .runs = runs,
                             .n_runs = grid_runs(grid, cell, runs)};
-                for (int g = 0; g < GROUPS; g++) q.begin[g] = neighbours_start(nb, s, g);
+                memcpy(q.begin, begin, sizeof begin);
                 for (int g = 0; g < GROUPS; g++)
                     if (q.begin[g]) search_cell(nb, &cut, q, (Group)g, cell, &trouble);
             }

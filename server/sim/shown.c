@@ -11,22 +11,25 @@ Fields shown_fields(const MnsSim *sim)
 
 Fields shown_made(const MnsSim *sim)
 {
-    return sim->s.made | sim->s.housed;
+    return sim->s.made | sim->s.housed | particles_parted(&sim->s);
 }
 
-/* Of what is in a bundle. */
+/* Of what is stored; first is NULL of what is made. */
 static ShownView view_of(const Particles *s, int field, int d)
 {
-    return (ShownView){particles_element(s, field, d, 0), particles_step(s, field)};
+    const size_t first = particles_owners(s, field).first;
+    return (ShownView){first < s->n ? particles_element(s, field, d, first) : NULL, particles_step(s, field)};
 }
 
 void shown_make(const MnsSim *sim, int field, int d, double *out)
 {
     const Particles *s = &sim->s;
     const ShownView view = view_of(s, field, d);
+    const Owners owners = particles_owners(s, field);
 #pragma omp parallel for schedule(static) num_threads(sim->threads)
     for (size_t i = 0; i < s->n; i++) {
-        if (view.first) out[i] = shown_number(&view, i);
+        if (i < owners.first || i >= owners.last) out[i] = 0;
+        else if (view.first) out[i] = shown_number(&view, i - owners.first);
         else out[i] = field == F_VOL ? particles_volume(s, &sim->model, i) : particles_impedance(s, &sim->model, i);
     }
 }

@@ -131,7 +131,7 @@ static Cloud *filled_tube(int dim, size_t n, bool no_slip)
     cloud->model.wall[0].no_slip = no_slip;
     for (size_t w = particles_fluid(s); w < s->n; w++) {
         const double r = place_of(s, w, 2);
-        for (int d = 0; d < 2; d++) s->to_surface[d][w] = (RADIUS - r) / r * (s->x[d][w] - MIDDLE);
+        for (int d = 0; d < 2; d++) s->to_surface[d][w - particles_fluid(s)] = (RADIUS - r) / r * (s->x[d][w] - MIDDLE);
     }
     return cloud;
 }

@@ -137,6 +137,53 @@ static void without_memory_fields_stay_where_they_are(void **state)
     sim_done(sim, c);
 }
 
+/* Walls are no fluid and the other way round: there is room for neither's fields with the other, and they are shown as 0 there. */
+static void fields_of_fluid_alone_are_0_of_walls(void **state)
+{
+    (void)state;
+    static const Make makes[] = {bench_drop_in_tank, bench_differenced_tank};
+    static const int fields[] = {F_A, F_TO_SURFACE};
+    for (size_t k = 0; k < 2; k++) {
+        MnsCase *c = case_of(makes[k], 3, 2);
+        MnsSim *sim = sim_of(c);
+        sim_steps(sim, 2);
+        const size_t n = particles_fluid(&sim->s), owner = k == 0 ? 0 : n;
+        const double *shown = mns_sim_field(sim, fields[k], 1), *own = particles_field(&sim->s, fields[k], 1);
+        size_t some = 0;
+        for (size_t i = 0; i < sim->s.n; i++) {
+            const bool has = k == 0 ? i < n : i >= n;
+            some += has && shown[i] != 0;
+            assert_true(shown[i] == (has ? own[i - owner] : 0));
+            assert_true(!particles_element(&sim->s, fields[k], 1, i) == !has);
+        }
+        assert_true(n < sim->s.n && some > 20);
+        sim_done(sim, c);
+    }
+}
+
+static MnsCase *tense_drop_in_tank(int dim, double resolution)
+{
+    MnsCase *c = bench_drop_in_tank(dim, resolution);
+    c->scheme.name = "interfacial";
+    return c;
+}
+
+/* What is promised of each weakly compressible scheme, beside walls or not, where there are so many that what is not theirs does not count. */
+static void a_particle_in_space_takes_300_bytes_besides_its_list(void **state)
+{
+    (void)state;
+    static const Make makes[] = {bench_dam_break,     bench_droplet,      bench_narrow_droplet,
+                                 bench_tense_droplet, tense_drop_in_tank, bench_drop_in_tank};
+    for (size_t k = 0; k < sizeof makes / sizeof *makes; k++) {
+        MnsCase *c = makes[k](3, k == 0 ? 20 : 46);
+        MnsSim *sim = sim_of(c);
+        const double bytes = (double)(mns_sim_bytes(sim) - slabs_bytes(&sim->nb.slabs)) / (double)sim->s.n;
+        print_message("%s: %.1f bytes\n", sim->scheme->name, bytes);
+        assert_less(bytes, 300);
+        sim_done(sim, c);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -145,6 +192,8 @@ int main(void)
         cmocka_unit_test(results_do_not_depend_on_where_fields_are),
         cmocka_unit_test(fields_that_are_shown_share_nothing),
         cmocka_unit_test(without_memory_fields_stay_where_they_are),
+        cmocka_unit_test(fields_of_fluid_alone_are_0_of_walls),
+        cmocka_unit_test(a_particle_in_space_takes_300_bytes_besides_its_list),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -6,20 +6,37 @@
 #include <math.h>
 #include <omp.h>
 
+enum { CHUNK = 256 }; /* particles whose bundles stay in the first cache from one component to the next */
+
+/* Component d of particles [first, last). */
+static void kick_component(const Particles *s, int d, double dt, size_t first, size_t last)
+{
+    const size_t x_step = s->x_step, v_step = s->v_step;
+    double *restrict x = s->x[d], *restrict v = s->v[d];
+    const double *restrict a = s->a[d], *restrict b = s->b[d], half = 0.5 * dt;
+    if (!b) { /* no transport velocity in this scheme */
+        for (size_t i = first; i < last; i++) {
+            const double now = v[i * v_step] + half * a[i];
+            v[i * v_step] = now;
+            x[i * x_step] += dt * now;
+        }
+        return;
+    }
+    for (size_t i = first; i < last; i++) {
+        const double now = v[i * v_step] + half * a[i];
+        v[i * v_step] = now;
+        x[i * x_step] += dt * (now + half * b[i]);
+    }
+}
+
 /* Half a kick and the drift of the fluid. */
 static void kick_and_drift(MnsSim *sim, double dt)
 {
     Particles *s = &sim->s;
     const size_t n = particles_fluid(s);
-    const double half = 0.5 * dt;
-    const bool transported = s->b[0]; /* with a velocity of its own */
 #pragma omp parallel for schedule(static) num_threads(sim->threads)
-    for (size_t i = 0; i < n; i++)
-        for (int d = 0; d < s->dim; d++) {
-            const double v = s->v[d][i * s->v_step] + half * s->a[d][i];
-            s->v[d][i * s->v_step] = v;
-            s->x[d][i * s->x_step] += dt * (transported ? v + half * s->b[d][i] : v);
-        }
+    for (size_t first = 0; first < n; first += CHUNK)
+        for (int d = 0; d < s->dim; d++) kick_component(s, d, dt, first, first + CHUNK < n ? first + CHUNK : n);
     particles_changed(s, ON_FLUID, FIELD(X) | FIELD(V));
 }
 

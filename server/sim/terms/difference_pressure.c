@@ -94,7 +94,7 @@ INLINE void difference_wall_row(const Row *row, Particles *s, const Model *model
     float *c = m->c + m->start[i] * LANES;
     double n[3], depth2 = 0, pull = 0, flux = 0;
     for (int d = 0; d < how.dim; d++) {
-        n[d] = s->to_surface[d][i];
+        n[d] = s->to_surface[d][i - particles_fluid(s)];
         depth2 += n[d] * n[d];
         pull += n[d] * (body_force_of(model, rho, d) - wall->a[d]);
     }

@@ -18,7 +18,7 @@ INLINE void continue_velocity(const Row *row, Particles *s, const Model *model, 
     const double dt = moves == MOVES_UNFORCED ? model->dt : 0;
     double n[3], depth2 = 0;
     for (int d = 0; d < how.dim; d++) {
-        n[d] = s->to_surface[d][i];
+        n[d] = s->to_surface[d][wall];
         depth2 += n[d] * n[d];
     }
     Lanes weight = {0}, sum[3] = {0}, height2 = {0}, rise[3] = {0};
