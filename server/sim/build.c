@@ -81,7 +81,7 @@ static void find_surface(MnsSim *sim, size_t i, size_t k)
     for (int d = 0; d < s->dim; d++) x[d] = s->x[d][i];
     const double depth = -shape_distance(&sim->solid[k], x);
     shape_normal(&sim->solid[k], x, 1e-3 * sim->model.dx, normal);
-    for (int d = 0; d < s->dim; d++) s->to_surface[d][i] = depth * normal[d];
+    for (int d = 0; d < s->dim; d++) s->to_surface[d][i - particles_fluid(s)] = depth * normal[d];
 }
 
 /* A number in [-1, 1) for each key, as good as random: the finalizer of splitmix64. */
@@ -166,8 +166,9 @@ static MnsStatus populate(MnsSim *sim, Lattice *lattice, const Constants *consta
     MnsStatus status = count(lattice, sim, sizes, error);
     if (!status) status = making_fits(sim, sizes, false, error);
     if (!status)
-        status = particles_init(&sim->s, c->dim, c->n_fluids, sizes, scheme_fields(sim->scheme, &sim->model),
-                                sim->model.viscous || sim->scheme->projects, sim->threads, &sim->making, error);
+        status =
+            particles_init(&sim->s, c->dim, c->n_fluids, sizes, scheme_fields(sim->scheme, &sim->model), FLUID_FIELDS,
+                           sim->model.viscous || sim->scheme->projects, sim->threads, &sim->making, error);
     sim->s.made = scheme_made(sim->scheme, &sim->model);
     if (!status) number(lattice, sim);
     if (!status && !sim->resumed) status = start_init(starts, sim, lattice, constants, error);

@@ -75,10 +75,13 @@ static void copy_all(const MnsSim *sim, const MnsCapture *capture, bool out)
     size_t longest = 0;
     int n = 0;
     for (int f = 0; mns_fields()[f].name; f++) {
-        const size_t bytes = s->n * field_size(&mns_fields()[f]);
+        const Owners owners = particles_owners(s, f);
+        const size_t size = field_size(&mns_fields()[f]), bytes = (owners.last - owners.first) * size;
+        if (out && shown_made(sim) >> f & 1) continue;
         for (int d = 0; d < 3; d++) {
             char *copied = capture->data[f][d], *own = particles_field(s, f, d);
             if (!(capture->fields >> f & 1) || !copied || !own) continue;
+            copied += owners.first * size;
             stretches[n++] = out ? (Stretch){copied, own, bytes} : (Stretch){own, copied, bytes};
             longest = bytes > longest ? bytes : longest;
         }
@@ -179,13 +182,14 @@ MnsStatus mns_sim_restore(MnsSim *sim, const MnsCapture *capture, MnsError *erro
 static uint64_t hash_particle(const Particles *s, Fields state, size_t i)
 {
     XXH64_state_t hash;
+    const double none = 0; /* of who does not have a field */
     XXH64_reset(&hash, 0);
     for (int f = 0; mns_fields()[f].name; f++) {
         if (!(state >> f & 1)) continue;
         const size_t size = field_size(&mns_fields()[f]);
-        for (int d = 0; d < 3; d++) {
-            const char *element = particles_element(s, f, d, i);
-            if (element) XXH64_update(&hash, element, size);
+        for (int d = 0; d < particles_components(s, f); d++) {
+            const void *element = particles_element(s, f, d, i);
+            XXH64_update(&hash, element ? element : &none, size);
         }
     }
     return XXH64_digest(&hash);

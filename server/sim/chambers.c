@@ -76,7 +76,7 @@ static bool is_wall_between(const MnsSim *sim, size_t i, size_t j)
 static void join_neighbours(Chambers *c, uint32_t i)
 {
     const uint32_t *list = neighbours_of(&c->sim->nb, i);
-    for (size_t k = 0; k < c->sim->nb.end[i][GROUP_WALL]; k++) {
+    for (size_t k = 0; k < c->sim->nb.end[i][END_WALLS]; k++) {
         if (list[k] >= i) continue;
         if (first_of(c->of, i) != first_of(c->of, list[k]) && !is_wall_between(c->sim, i, list[k]))
             join(c->of, i, list[k]);
@@ -114,7 +114,7 @@ static bool joins(const Chambers *c, size_t i)
     double to[3];
     for (size_t k = 0; k < MNS_MAX_FLUIDS; k++) seen[k] = fluid ? peek(&c->of[i]) : none;
     if (fluid && c->count[seen[0]] < c->least) return false;
-    for (size_t k = 0; k < c->sim->nb.end[i][GROUP_WALL]; k++) {
+    for (size_t k = 0; k < c->sim->nb.end[i][END_WALLS]; k++) {
         const uint32_t j = list[k];
         const uint32_t its = j < c->n ? peek(&c->of[j]) : none;
         if (its == none || c->count[its] < c->least) continue;

@@ -9,7 +9,7 @@
 static double squared_speed(const Particles *s, size_t i)
 {
     double v2 = 0;
-    for (int d = 0; d < s->dim; d++) v2 += s->v[d][i] * s->v[d][i];
+    for (int d = 0; d < s->dim; d++) v2 += s->v[d][i * s->v_step] * s->v[d][i * s->v_step];
     return v2;
 }
 
@@ -124,14 +124,15 @@ MnsStatus fault_particle(MnsSim *sim, MnsError *error)
     if (i == particles_fluid(s)) return mns_fail(error, MNS_E_INTERNAL, "a particle was not well, then none was");
     const double rho0 = sim->model.phase[s->phase[i]].rho0, ratio = s->rho[i] / rho0;
     const bool dense = !(ratio > sim->model.density_min && ratio < sim->model.density_max);
-    const double z = s->dim == 3 ? s->x[2][i] : 0;
+    const double z = s->dim == 3 ? s->x[2][i * s->x_step] : 0;
     return mns_fail(
         error, MNS_E_DIVERGED,
         "diverged in step %llu at t = %g s: particle %u of %s at (%g, %g, %g) m has %s (density %g times its "
         "reference, allowed (%g, %g); speed %g m/s); most is due to \"%s\". Look at the snapshot, then try %s",
         (unsigned long long)sim->progress.step + 1, sim->model.t, s->id[i], sim->c->fluids[s->phase[i]].name,
-        s->x[0][i], s->x[1][i], z, dense ? "left the bounds of density" : "a velocity that is no number", ratio,
-        sim->model.density_min, sim->model.density_max, speed(s, i), blame(sim, i, dense), remedy(sim->scheme));
+        s->x[0][i * s->x_step], s->x[1][i * s->x_step], z,
+        dense ? "left the bounds of density" : "a velocity that is no number", ratio, sim->model.density_min,
+        sim->model.density_max, speed(s, i), blame(sim, i, dense), remedy(sim->scheme));
 }
 
 MnsStatus fault_time_step(MnsSim *sim, double dt, const Limit *limit, MnsError *error)
@@ -146,6 +147,7 @@ MnsStatus fault_time_step(MnsSim *sim, double dt, const Limit *limit, MnsError *
         "set by %s); "
         "fastest is particle %u of %s at (%g, %g, %g) m with %g m/s, most due to \"%s\"",
         (unsigned long long)sim->progress.step, sim->progress.t, dt, plan_floor(sim), limit->name, limit->source,
-        limit->entries, s->id[fast], sim->c->fluids[s->phase[fast]].name, s->x[0][fast], s->x[1][fast],
-        s->dim == 3 ? s->x[2][fast] : 0, speed(s, fast), blame(sim, fast, false));
+        limit->entries, s->id[fast], sim->c->fluids[s->phase[fast]].name, s->x[0][fast * s->x_step],
+        s->x[1][fast * s->x_step], s->dim == 3 ? s->x[2][fast * s->x_step] : 0, speed(s, fast),
+        blame(sim, fast, false));
 }

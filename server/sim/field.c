@@ -32,6 +32,18 @@ size_t field_size(const MnsFieldInfo *field)
     return 0;
 }
 
+Owners particles_owners(const Particles *s, int field)
+{
+    if (WALL_FIELDS >> field & 1) return (Owners){particles_fluid(s), s->n};
+    return (Owners){0, s->of_fluid >> field & 1 ? particles_fluid(s) : s->n};
+}
+
+Fields particles_parted(const Particles *s)
+{
+    const size_t fluid = particles_fluid(s);
+    return s->fields & ((fluid < s->n ? s->of_fluid : 0) | (fluid > 0 ? WALL_FIELDS : 0));
+}
+
 /* Where the pointer to component d of a field is. */
 static size_t slot_of(int field, int d)
 {
@@ -52,9 +64,10 @@ void *particles_field(const Particles *s, int field, int d)
 
 void *particles_element(const Particles *s, int field, int d, size_t i)
 {
+    const Owners owners = particles_owners(s, field);
     char *first = pointer_of(s, field, d);
-    const size_t step = field == F_NORMAL ? s->normal_step : field == F_GRADIENT ? s->gradient_step : 1;
-    return first ? first + i * step * field_size(&FIELDS[field]) : NULL;
+    if (!first || i < owners.first || i >= owners.last) return NULL;
+    return first + (i - owners.first) * particles_step(s, field) * field_size(&FIELDS[field]);
 }
 
 void particles_set_field(Particles *s, int field, int d, void *array)
@@ -62,8 +75,26 @@ void particles_set_field(Particles *s, int field, int d, void *array)
     memcpy((char *)s + slot_of(field, d), &array, sizeof array);
 }
 
+/* Of the fields that may be in bundles; NULL of others. */
+static size_t *step_of(Particles *s, int field)
+{
+    switch (field) {
+    case F_X: return &s->x_step;
+    case F_V: return &s->v_step;
+    case F_P: return &s->p_step;
+    case F_NORMAL: return &s->normal_step;
+    case F_GRADIENT: return &s->gradient_step;
+    default: return NULL;
+    }
+}
+
+size_t particles_step(const Particles *s, int field)
+{
+    const size_t *step = step_of((Particles *)s, field);
+    return step ? *step : 1;
+}
+
 void particles_set_step(Particles *s, int field, size_t step)
 {
-    if (field == F_NORMAL) s->normal_step = step;
-    if (field == F_GRADIENT) s->gradient_step = step;
+    *step_of(s, field) = step;
 }

@@ -12,7 +12,7 @@ typedef void (*FusedBody)(const RowPlan *plan, Particles *s, size_t i, How how);
 
 INLINE void position_of(const Particles *s, size_t i, How how, double ret[3])
 {
-    for (int d = 0; d < 3; d++) ret[d] = d < how.dim ? s->x[d][i] : 0;
+    for (int d = 0; d < 3; d++) ret[d] = d < how.dim ? s->x[d][i * s->x_step] : 0;
 }
 
 /* Lanes of all blocks of a particle. */

@@ -10,15 +10,15 @@ static bool guard_one(MnsSim *sim, size_t i, size_t k)
     Particles *s = &sim->s;
     const WallState *wall = &sim->model.wall[k];
     double x[3] = {0, 0, 0}, normal[3];
-    for (int d = 0; d < s->dim; d++) x[d] = s->x[d][i] - wall->x[d];
+    for (int d = 0; d < s->dim; d++) x[d] = s->x[d][i * s->x_step] - wall->x[d];
     const double depth = sim->model.guard - shape_distance(&sim->solid[k], x);
     if (!(depth > 0)) return false;
     shape_normal(&sim->solid[k], x, 1e-3 * sim->model.dx, normal);
     double into = 0;
-    for (int d = 0; d < s->dim; d++) into += (s->v[d][i] - wall->v[d]) * normal[d];
+    for (int d = 0; d < s->dim; d++) into += (s->v[d][i * s->v_step] - wall->v[d]) * normal[d];
     for (int d = 0; d < s->dim; d++) {
-        s->x[d][i] += depth * normal[d];
-        if (into < 0) s->v[d][i] -= into * normal[d];
+        s->x[d][i * s->x_step] += depth * normal[d];
+        if (into < 0) s->v[d][i * s->v_step] -= into * normal[d];
     }
     return true;
 }
@@ -30,7 +30,7 @@ uint64_t guard_walls(MnsSim *sim)
     if (!(sim->model.guard > 0) || sim->model.n_walls == 0) return 0;
 #pragma omp parallel for schedule(static) reduction(+ : guarded) num_threads(sim->threads)
     for (size_t i = 0; i < n; i++) {
-        if (sim->nb.end[i][GROUP_WALL] == sim->nb.end[i][GROUP_SUMMATION]) continue; /* no wall near */
+        if (sim->nb.end[i][END_WALLS] == sim->nb.end[i][END_FLUID]) continue; /* no wall near */
         bool kept = false; /* between two walls it is still one particle */
         for (size_t k = 0; k < sim->model.n_walls; k++) kept = guard_one(sim, i, k) || kept;
         guarded += kept;

@@ -1,33 +1,41 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which fields live in bundles follows from the table of passes, as what a compiler may keep in one register follows from where it is
- * written and read. A pass may write into a bundle that it does not load: all others are copies that its sums rest on. */
+ * written and read. Terms may write into a bundle that their pass does not load: all others are copies that its sums rest on. Integrators
+ * write between passes, where they like. */
 #include "sim/home.h"
 #include "base/array.h"
 #include <stdlib.h>
 
-static const Fields CANDIDATES = FIELD(NORMAL) | FIELD(GRADIENT);
+static const Fields CANDIDATES = FIELD(X) | FIELD(V) | FIELD(P) | FIELD(NORMAL) | FIELD(GRADIENT);
 
-static bool locals_write(const Local *const *locals, int field)
+static bool is_needed(const Term *term, const Model *model)
 {
-    for (int k = 0; k < PASS_LOCALS_MAX && locals[k]; k++)
-        if (locals[k]->writes >> field & 1) return true;
-    return false;
+    return !term->needed || term->needed(model);
 }
 
-/* Bundles that a pass loads, as bits; whether it writes a field. */
-static unsigned loads(const Pass *pass, const Model *model, int dim, int field, bool *ret_writes)
+/* Bundles that the rows of a group load, as bits. */
+static unsigned loaded(const Pass *pass, const Model *model, int dim, int group)
 {
-    unsigned needs = 0, loaded = 0;
-    *ret_writes = locals_write(pass->before, field) || locals_write(pass->after, field);
-    for (int k = 0; k < PASS_TERMS_MAX && pass->terms[k]; k++) {
-        const Term *term = pass->terms[k];
-        if (term->needed && !term->needed(model)) continue;
-        needs |= term->needs;
-        *ret_writes = *ret_writes || term->writes >> field & 1;
-    }
+    unsigned needs = 0, bundles = 0;
+    for (int k = 0; k < PASS_TERMS_MAX && pass->terms[k]; k++)
+        if (pass->terms[k]->on >> group & 1 && is_needed(pass->terms[k], model)) needs |= pass->terms[k]->needs;
     for (int k = 0; k < BUNDLES; k++)
-        if (bundle_meets(dim, k) & needs) loaded |= 1u << k;
-    return loaded;
+        if (bundle_meets(dim, k) & needs) bundles |= 1u << k;
+    return bundles;
+}
+
+/* Does a pass load these bundles where its terms write the field? Walls have fluid alone for neighbours. Local rules wait until rows have been
+ * read (pass.c). */
+static bool collides(const Pass *pass, const Model *model, int dim, int field, unsigned bundles)
+{
+    unsigned written = 0; /* groups, as bits */
+    for (int k = 0; k < PASS_TERMS_MAX && pass->terms[k]; k++)
+        if (pass->terms[k]->writes >> field & 1 && is_needed(pass->terms[k], model)) written |= pass->terms[k]->on;
+    for (int g = 0; g < GROUPS; g++) {
+        const unsigned read = g == GROUP_WALL ? ON_FLUID : ON_ALL;
+        if (written & read && loaded(pass, model, dim, g) & bundles) return true;
+    }
+    return false;
 }
 
 static bool can_live(const Scheme *scheme, const Model *model, int dim, int field)
@@ -35,12 +43,8 @@ static bool can_live(const Scheme *scheme, const Model *model, int dim, int fiel
     const unsigned in = bundles_with(dim, field), needs = scheme_needs(scheme, model);
     for (int k = 0; k < BUNDLES; k++)
         if (in >> k & 1 && !(bundle_meets(dim, k) & needs)) return false; /* there is no such bundle */
-    if (needs & NEED_FLUX) return false;
-    for (int p = 0; p < SCHEME_PASSES_MAX && scheme->rates[p].name; p++) {
-        bool writes = false;
-        const unsigned loaded = loads(&scheme->rates[p], model, dim, field, &writes);
-        if (writes && loaded & in) return false;
-    }
+    for (int p = 0; p < SCHEME_PASSES_MAX && scheme->rates[p].name; p++)
+        if (collides(&scheme->rates[p], model, dim, field, in)) return false;
     return true;
 }
 
@@ -63,7 +67,7 @@ void home_enter(Particles *s, const Bundles *b, const Scheme *scheme, const Mode
     const Fields fields = home_fields(scheme, model, s->dim) & s->fields & ~s->housed;
     for (int f = 0; f < FIELDS_END; f++) {
         if (!(fields >> f & 1)) continue;
-        for (int d = 0; d < s->dim; d++) {
+        for (int d = 0; d < particles_components(s, f); d++) {
             double *array = particles_field(s, f, d), *place = bundles_place(b, f, d);
             copy(place, BUNDLE_STEP, array, 1, s->n, threads);
             free(array);
@@ -74,12 +78,12 @@ void home_enter(Particles *s, const Bundles *b, const Scheme *scheme, const Mode
     }
 }
 
-/* Arrays for a field, all or none. */
-static bool arrays_for(const Particles *s, double *arrays[3], int threads)
+/* Arrays for n components, all or none. */
+static bool arrays_for(const Particles *s, int n, double *arrays[3], int threads)
 {
     bool well = true;
-    for (int d = 0; d < s->dim; d++) well = (arrays[d] = array_new_team(s->n, sizeof **arrays, threads)) && well;
-    for (int d = 0; d < s->dim && !well; d++) {
+    for (int d = 0; d < n; d++) well = (arrays[d] = array_new_team(s->n, sizeof **arrays, threads)) && well;
+    for (int d = 0; d < n && !well; d++) {
         free(arrays[d]);
         arrays[d] = NULL;
     }
@@ -91,10 +95,10 @@ bool home_leave(Particles *s, int threads)
     double *arrays[FIELDS_END][3] = {{NULL}};
     bool well = true;
     for (int f = 0; f < FIELDS_END; f++)
-        if (s->housed >> f & 1) well = well && arrays_for(s, arrays[f], threads);
+        if (s->housed >> f & 1) well = well && arrays_for(s, particles_components(s, f), arrays[f], threads);
     for (int f = 0; f < FIELDS_END; f++) {
         if (!(s->housed >> f & 1)) continue;
-        for (int d = 0; d < s->dim; d++) {
+        for (int d = 0; d < particles_components(s, f); d++) {
             if (!well) {
                 free(arrays[f][d]);
                 continue;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Where fields are that neighbours are asked for: normals and gradients, which are written by one pass and read by others, need no array
- * besides their places in bundles, if no pass that writes them loads these bundles. */
+/* Where fields are that neighbours are asked for: what is written by one pass and read by others, or written between passes, needs no array
+ * besides its places in bundles, if no pass whose terms write it loads these bundles. */
 #ifndef SIM_HOME_H
 #define SIM_HOME_H
 

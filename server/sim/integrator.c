@@ -26,8 +26,8 @@ static void move_walls(MnsSim *sim, const WallState *before)
     for (size_t i = s->begin[GROUP_WALL]; i < s->n; i++) {
         const size_t k = s->phase[i] - model->n_phases;
         for (int d = 0; d < s->dim; d++) {
-            s->x[d][i] += model->wall[k].x[d] - before[k].x[d];
-            s->v[d][i] = model->wall[k].v[d];
+            s->x[d][i * s->x_step] += model->wall[k].x[d] - before[k].x[d];
+            s->v[d][i * s->v_step] = model->wall[k].v[d];
         }
     }
 }
@@ -36,13 +36,14 @@ static void move_walls(MnsSim *sim, const WallState *before)
 static bool lists_are_stale(const MnsSim *sim)
 {
     const Particles *s = &sim->s;
+    const size_t step = s->x_step;
     const double *x = s->x[0], *y = s->x[1], *z = s->dim == 3 ? s->x[2] : s->x[0];
     const double *rx = s->ref[0], *ry = s->ref[1], *rz = s->dim == 3 ? s->ref[2] : s->ref[0];
     const double flat = s->dim == 3 ? 1 : 0, allowed = 0.25 * sim->model.skin * sim->model.skin;
     size_t strays = 0;
 #pragma omp parallel for simd schedule(static) reduction(+ : strays) num_threads(sim->threads)
     for (size_t i = 0; i < s->n; i++) {
-        const double dx = x[i] - rx[i], dy = y[i] - ry[i], dz = (z[i] - rz[i]) * flat;
+        const double dx = x[i * step] - rx[i], dy = y[i * step] - ry[i], dz = (z[i * step] - rz[i]) * flat;
         strays += dx * dx + dy * dy + dz * dz > allowed;
     }
     return strays > 0;
@@ -53,25 +54,26 @@ static void wrap_beginning(MnsSim *sim, int d)
 {
     const Particles *s = &sim->s;
     const double period = sim->model.period[d], low = sim->model.min[d], frequency = sim->model.frequency[d];
-    const size_t n = particles_fluid(s);
+    const size_t n = particles_fluid(s), step = s->x_step;
     const double *restrict x = s->x[d];
     double *restrict x0 = s->x0[d];
 #pragma omp parallel for simd schedule(static) num_threads(sim->threads)
-    for (size_t i = 0; i < n; i++) x0[i] -= period * floor((x[i] - low) * frequency);
+    for (size_t i = 0; i < n; i++) x0[i] -= period * floor((x[i * step] - low) * frequency);
 }
 
 /* Positions of periodic directions go back into the domain, and become those the lists are built from. */
 static void remember_positions(MnsSim *sim)
 {
     Particles *s = &sim->s;
+    const size_t step = s->x_step;
     for (int d = 0; d < s->dim; d++) {
         const double period = sim->model.period[d], low = sim->model.min[d], frequency = sim->model.frequency[d];
         double *restrict x = s->x[d], *restrict ref = s->ref[d];
         if (s->x0[d]) wrap_beginning(sim, d);
 #pragma omp parallel for simd schedule(static) num_threads(sim->threads)
         for (size_t i = 0; i < s->n; i++) {
-            x[i] -= period * floor((x[i] - low) * frequency);
-            ref[i] = x[i];
+            x[i * step] -= period * floor((x[i * step] - low) * frequency);
+            ref[i] = x[i * step];
         }
     }
     particles_changed(s, ON_ALL, FIELD(X) | FIELD(REF) | FIELD(X0));
@@ -116,7 +118,7 @@ bool integrator_look(MnsSim *sim)
 #pragma omp parallel for schedule(static) reduction(max : fastest) reduction(+ : bad) num_threads(sim->threads)
     for (size_t i = 0; i < n; i++) {
         double v2 = 0;
-        for (int d = 0; d < s->dim; d++) v2 += s->v[d][i] * s->v[d][i];
+        for (int d = 0; d < s->dim; d++) v2 += s->v[d][i * s->v_step] * s->v[d][i * s->v_step];
         bad += !sim_is_well(s, model, i, v2);
         fastest = v2 > fastest ? v2 : fastest;
     }
@@ -146,7 +148,7 @@ static double fastest(const MnsSim *sim)
     double most = 0;
     for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
         double v2 = 0;
-        for (int d = 0; d < sim->s.dim; d++) v2 += sim->s.v[d][i] * sim->s.v[d][i];
+        for (int d = 0; d < sim->s.dim; d++) v2 += sim->s.v[d][i * sim->s.v_step] * sim->s.v[d][i * sim->s.v_step];
         most = v2 > most ? v2 : most;
     }
     return sqrt(most);

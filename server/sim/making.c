@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a simulation will take, found out before it takes it. */
 #include "sim/making.h"
+#include "sim/sort.h"
 #include <math.h>
 
 /* Of a neighbour list: as many as the lattice has points in reach and a tenth more. */
@@ -35,16 +36,16 @@ static double system_need(const MnsSim *sim, const Particles *s)
 }
 
 /* Asked of lists for nobody, whose layout is that of any. */
-static double neighbours_need(const MnsSim *sim, size_t n)
+static double neighbours_need(const MnsSim *sim, const Particles *s)
 {
     Neighbours nb;
     const Model *model = &sim->model;
     if (neighbours_init(&nb, 0, model->dim, scheme_needs(sim->scheme, model), sim->threads, NULL)) return INFINITY;
-    nb.n = n;
-    nb.start_capacity = GROUPS * grid_cells_most(model, model->kernel.support + model->skin, n);
+    nb.n = s->n;
+    nb.start_capacity = sort_groups(s) * grid_cells_most(model, model->kernel.support + model->skin, s->n);
     const double bytes = (double)neighbours_bytes(&nb);
     neighbours_done(&nb);
-    return bytes + (double)n * list_bytes(model);
+    return bytes + (double)s->n * list_bytes(model);
 }
 
 static double capture_bytes(int dim, Fields state)
@@ -58,12 +59,14 @@ static double capture_bytes(int dim, Fields state)
 
 double making_bytes(const MnsSim *sim, const size_t sizes[GROUPS])
 {
-    Particles s = {
-        .dim = sim->model.dim, .n_phases = sim->model.n_phases, .fields = scheme_fields(sim->scheme, &sim->model)};
+    Particles s = {.dim = sim->model.dim,
+                   .n_phases = sim->model.n_phases,
+                   .fields = scheme_fields(sim->scheme, &sim->model),
+                   .of_fluid = FLUID_FIELDS};
     for (int g = 0; g < GROUPS; g++) s.begin[g + 1] = s.begin[g] + sizes[g];
     s.n = s.begin[GROUPS];
-    double bytes = (double)particles_bytes(&s) + neighbours_need(sim, s.n) +
-                   (double)s.n * capture_bytes(s.dim, sim->scheme->state);
+    double bytes =
+        (double)particles_bytes(&s) + neighbours_need(sim, &s) + (double)s.n * capture_bytes(s.dim, sim->scheme->state);
     if (sim->scheme->projects) bytes += system_need(sim, &s);
     if (sim->model.viscous || sim->scheme->projects) bytes += (double)sizes[GROUP_WALL] * sizeof(double) * s.dim;
     return bytes;

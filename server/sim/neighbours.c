@@ -48,6 +48,11 @@ void neighbours_refresh(Neighbours *nb, Particles *s, const Model *model, unsign
     bundles_refresh(&nb->bundles, s, model, needs, nb->threads);
 }
 
+const uint32_t *neighbours_start(const Neighbours *nb, const Particles *s, int group)
+{
+    return s->begin[group + 1] > s->begin[group] ? nb->start + sort_group(s, group) * nb->grid.cells : NULL;
+}
+
 static bool reserve(Neighbours *nb, size_t keys)
 {
     if (keys < nb->start_capacity) return true;
@@ -64,7 +69,8 @@ typedef struct Search {
     SelectNear near;
     Points points;
     double distance2;
-    const uint32_t *start; /* of the group that is searched */
+    const uint32_t *begin[GROUPS]; /* neighbours_start() */
+    const uint32_t *start;         /* of the group that is searched */
     const Run *runs;
     int n_runs;
 } Search;
@@ -92,12 +98,13 @@ static size_t candidates(const Search *q)
 static uint8_t kinds(const Neighbours *nb, const Particles *s, size_t i, bool images)
 {
     const uint32_t *list = nb->list[i];
-    const size_t fluid = nb->end[i][GROUP_SUMMATION];
+    const size_t fluid = nb->end[i][END_FLUID];
     unsigned others = 0;
     if (nb->tells_others && i < particles_fluid(s))
         for (size_t k = 0; k < fluid; k++) others |= (unsigned)(s->phase[list[k]] ^ s->phase[i]);
-    return (uint8_t)((nb->end[i][GROUP_WALL] > fluid ? LIST_WALLS : 0) | (others ? LIST_OTHERS : 0) |
-                     (images ? LIST_IMAGES : 0));
+    const bool summed = fluid > 0 && list[fluid - 1] >= s->begin[GROUP_SUMMATION];
+    return (uint8_t)((nb->end[i][END_WALLS] > fluid ? LIST_WALLS : 0) | (others ? LIST_OTHERS : 0) |
+                     (images ? LIST_IMAGES : 0) | (summed ? LIST_SUMMED : 0));
 }
 
 /* What went wrong in a search: no memory, or the smallest id of the particles with too many neighbours. */
@@ -107,15 +114,15 @@ typedef struct Trouble {
 } Trouble;
 
 /* Lists of all particles of one group in one cell. A list that is too long is cut, so that what can be read is safe. */
-static void search_cell(Neighbours *nb, Cut *cut, Search q, Group group, size_t cell, size_t cells, Trouble *trouble)
+static void search_cell(Neighbours *nb, Cut *cut, Search q, Group group, size_t cell, Trouble *trouble)
 {
     const int targets = group == GROUP_WALL ? GROUP_WALL : GROUPS;
     size_t room = MARK_WORDS_MAX + SELECT_SLACK;
     for (int target = 0; target < targets; target++) {
-        q.start = nb->start + (size_t)target * cells;
-        room += candidates(&q);
+        q.start = q.begin[target];
+        if (q.start) room += candidates(&q);
     }
-    const uint32_t *own = nb->start + (size_t)group * cells;
+    const uint32_t *own = q.begin[group];
     for (size_t i = own[cell]; i < own[cell + 1]; i++) {
         if (!slabs_reserve(&nb->slabs, cut, room)) {
             trouble->no_memory = true;
@@ -124,19 +131,17 @@ static void search_cell(Neighbours *nb, Cut *cut, Search q, Group group, size_t 
         size_t n = 0;
         bool images = false;
         for (int target = 0; target < GROUPS; target++) {
-            if (target < targets) {
-                q.start = nb->start + (size_t)target * cells;
-                n += search_group(&q, i, cut->at + n, &images);
-            }
+            q.start = q.begin[target];
+            if (target < targets && q.start) n += search_group(&q, i, cut->at + n, &images);
             if (n > ROW_MAX) {
                 if (q.s->id[i] < trouble->crowded) trouble->crowded = q.s->id[i];
                 n = ROW_MAX;
             }
-            nb->end[i][target] = (uint16_t)n;
+            nb->end[i][target == GROUP_WALL ? END_WALLS : END_FLUID] = (uint16_t)n;
         }
         nb->list[i] = cut->at;
         nb->has[i] = kinds(nb, q.s, i, images);
-        const size_t fluid = nb->end[i][GROUP_SUMMATION];
+        const size_t fluid = nb->end[i][END_FLUID];
         cut_advance(cut, n + (neighbours_mark_bytes(fluid) + neighbours_mark_bytes(n - fluid) + 3) / 4);
     }
 }
@@ -146,6 +151,8 @@ static Trouble search_all(Neighbours *nb, const Particles *s, const Model *model
     bool no_memory = false;
     uint32_t crowded = UINT32_MAX;
     Shares shares;
+    const uint32_t *begin[GROUPS];
+    for (int g = 0; g < GROUPS; g++) begin[g] = neighbours_start(nb, s, g);
     slabs_clear(&nb->slabs);
     shares_init(&shares, (grid->cells + CHUNK_CELLS - 1) / CHUNK_CELLS, nb->threads);
 #pragma omp parallel num_threads(nb->threads) reduction(|| : no_memory) reduction(min : crowded)
@@ -156,13 +163,15 @@ static Trouble search_all(Neighbours *nb, const Particles *s, const Model *model
         for (size_t chunk; shares_take(&shares, omp_get_thread_num(), &chunk);) {
             const size_t end = (chunk + 1) * CHUNK_CELLS;
             for (size_t cell = chunk * CHUNK_CELLS; cell < end && cell < grid->cells; cell++) {
-                const Search q = {.s = s,
-                                  .near = select_near(model->level, s->dim, model->periodic),
-                                  .points = {{s->ref[0], s->ref[1], s->ref[2]}, model->period, model->frequency},
-                                  .distance2 = distance * distance,
-                                  .runs = runs,
-                                  .n_runs = grid_runs(grid, cell, runs)};
-                for (int g = 0; g < GROUPS; g++) search_cell(nb, &cut, q, (Group)g, cell, grid->cells, &trouble);
+                Search q = {.s = s,
+                            .near = select_near(model->level, s->dim, model->periodic),
+                            .points = {{s->ref[0], s->ref[1], s->ref[2]}, model->period, model->frequency},
+                            .distance2 = distance * distance,
+                            .runs = runs,
+                            .n_runs = grid_runs(grid, cell, runs)};
+                memcpy(q.begin, begin, sizeof begin);
+                for (int g = 0; g < GROUPS; g++)
+                    if (q.begin[g]) search_cell(nb, &cut, q, (Group)g, cell, &trouble);
             }
         }
         no_memory = trouble.no_memory;
@@ -180,27 +189,30 @@ static MnsStatus complain(const Trouble *trouble, const Particles *s, MnsError *
         error, MNS_E_LIMIT,
         "particle %u at (%g, %g, %g) m has more than %d neighbours: particles have piled up there, or the kernel is "
         "too wide for this spacing",
-        s->id[i], s->x[0][i], s->x[1][i], s->dim == 3 ? s->x[2][i] : 0, ROW_MAX);
+        s->id[i], s->x[0][i * s->x_step], s->x[1][i * s->x_step], s->dim == 3 ? s->x[2][i * s->x_step] : 0, ROW_MAX);
 }
 
 /* Lists that a search without memory does not come to are empty. */
-static void clear_ends(Neighbours *nb)
+static void clear_lists(Neighbours *nb)
 {
 #pragma omp parallel for schedule(static) num_threads(nb->threads)
-    for (size_t i = 0; i < nb->n; i++) memset(nb->end[i], 0, sizeof nb->end[i]);
+    for (size_t i = 0; i < nb->n; i++) {
+        nb->list[i] = NULL;
+        memset(nb->end[i], 0, sizeof nb->end[i]);
+    }
 }
 
 MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, MnsError *error)
 {
     const double distance = model->kernel.support + model->skin;
     const Grid grid = grid_make(s, model, distance, nb->threads);
-    const size_t keys = (size_t)GROUPS * grid.cells;
+    const size_t keys = sort_groups(s) * grid.cells;
     if (!reserve(nb, keys)) return mns_fail(error, MNS_E_MEMORY, "no memory for a grid of %zu cells", grid.cells);
     nb->grid = grid;
-    /* The bundles are out of date afterwards; meanwhile there is room in them for the sort. */
-    void *room = nb->bundles.data[0];
-    particles_permute(s, sort_by_cell(s, &grid, nb->start, nb->counts, room, nb->threads), nb->threads);
-    clear_ends(nb);
+    /* Lists are made anew, and rates are spare when particles have moved: there is room in both for the sort. */
+    uint32_t *order = sort_by_cell(s, &grid, nb->start, nb->counts, nb->list, s->rate, nb->threads);
+    particles_permute(s, order, nb->threads);
+    clear_lists(nb);
     const Trouble trouble = search_all(nb, s, model, &grid, distance);
     if (trouble.no_memory || trouble.crowded != UINT32_MAX) return complain(&trouble, s, error);
     return MNS_OK;
@@ -210,7 +222,7 @@ size_t neighbours_pairs(const Neighbours *nb)
 {
     size_t pairs = 0;
 #pragma omp parallel for simd reduction(+ : pairs) num_threads(nb->threads)
-    for (size_t i = 0; i < nb->n; i++) pairs += nb->end[i][GROUP_WALL];
+    for (size_t i = 0; i < nb->n; i++) pairs += nb->end[i][END_WALLS];
     return pairs;
 }
 

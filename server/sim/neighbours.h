@@ -15,18 +15,22 @@ enum {
     LIST_WALLS = 1,
     LIST_OTHERS = 2, /* another fluid than the particle's own; not told of walls, and where no term asks */
     LIST_IMAGES = 4, /* the nearest is an image, across a periodic side */
+    LIST_SUMMED = 8, /* of summed density */
     LIST_KINDS = 3   /* what terms may differ for */
 };
+
+/* A list is of fluid and then of walls. */
+enum { END_FLUID, END_WALLS, LIST_ENDS };
 
 typedef struct Neighbours {
     size_t n; /* particles */
     int threads;
-    Grid grid;               /* the lists were built with */
-    uint32_t **list;         /* [n] neighbours of i, and behind them their marks, in slabs */
-    uint16_t (*end)[GROUPS]; /* [n] entries [0, end[i][g]) of the list of i are of groups up to g */
-    uint8_t *has;            /* [n] LIST_...: what kinds of neighbours the list of i has */
+    Grid grid;                  /* the lists were built with */
+    uint32_t **list;            /* [n] neighbours of i, and behind them their marks, in slabs */
+    uint16_t (*end)[LIST_ENDS]; /* [n] where fluid and walls end in the list of i */
+    uint8_t *has;               /* [n] LIST_...: what kinds of neighbours the list of i has */
     bool tells_others;
-    uint32_t *start; /* [GROUPS * cells + 1] first particle of each cell, by group */
+    uint32_t *start; /* [sort_groups() * cells + 1] first particle of each cell, by group */
     size_t start_capacity;
     uint32_t *counts; /* work space to sort */
     Slabs slabs;
@@ -46,7 +50,10 @@ void neighbours_refresh(Neighbours *nb, Particles *s, const Model *model, unsign
  * MNS_OK; MNS_E_MEMORY; MNS_E_LIMIT if a particle has more than ROW_MAX neighbours, with its id and place. */
 MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, MnsError *error);
 
-/* [end[i][GROUP_WALL]] indices of the neighbours of i, without i. */
+/* Where the particles of a group begin, [cells + 1]; NULL if it has none. */
+const uint32_t *neighbours_start(const Neighbours *nb, const Particles *s, int group);
+
+/* [end[i][END_WALLS]] indices of the neighbours of i, without i. */
 static inline const uint32_t *neighbours_of(const Neighbours *nb, size_t i)
 {
     return nb->list[i];
@@ -60,7 +67,7 @@ static inline size_t neighbours_mark_bytes(size_t entries)
 }
 static inline uint8_t *neighbours_marks(Neighbours *nb, size_t i)
 {
-    return (uint8_t *)(nb->list[i] + nb->end[i][GROUP_WALL]);
+    return (uint8_t *)(nb->list[i] + nb->end[i][END_WALLS]);
 }
 
 /* Number of listed pairs (i, j), each direction counted. */

@@ -92,8 +92,8 @@ INLINE Picked pick_neighbours(const RowPlan *plan, size_t i, uint32_t *j)
     const uint32_t *list = neighbours_of(plan->nb, i);
     const uint16_t *end = plan->nb->end[i];
     const uint8_t *marks = neighbours_marks(plan->nb, i);
-    const size_t fluid = end[GROUP_SUMMATION], walls = end[GROUP_WALL] - fluid;
-    Picked picked = {.summed = end[GROUP_CONTINUITY] < fluid};
+    const size_t fluid = end[END_FLUID], walls = end[END_WALLS] - fluid;
+    Picked picked = {.summed = plan->nb->has[i] & LIST_SUMMED};
     picked.fluid = pick(plan, list, fluid, marks, j);
     picked.n_fluid = fill_up(j, picked.fluid);
     j += picked.n_fluid * LANES;

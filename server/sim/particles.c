@@ -6,21 +6,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int components(const Particles *s, int field)
+int particles_components(const Particles *s, int field)
 {
     if (!(s->fields >> field & 1)) return 0;
     return mns_fields()[field].components == 1 ? 1 : s->dim;
+}
+
+static size_t owners_of(const Particles *s, int field)
+{
+    const Owners owners = particles_owners(s, field);
+    return owners.last - owners.first;
 }
 
 static MnsStatus allocate_fields(Particles *s, int threads, const MnsMaking *making, MnsError *error)
 {
     const MnsFieldInfo *fields = mns_fields();
     for (int f = 0; fields[f].name; f++)
-        for (int d = 0; d < components(s, f); d++) {
+        for (int d = 0; d < particles_components(s, f); d++) {
             if (particles_field(s, f, d)) continue;
             const MnsStatus status = making ? making_goes_on(making, error) : MNS_OK;
             if (status) return status;
-            void *array = array_new_team(s->n, field_size(&fields[f]), threads);
+            void *array = array_new_team(owners_of(s, f), field_size(&fields[f]), threads);
             if (!array) return mns_fail(error, MNS_E_MEMORY, "no memory for %zu particles", s->n);
             particles_set_field(s, f, d, array);
         }
@@ -41,9 +47,10 @@ static MnsStatus allocate(Particles *s, bool mirrored, int threads, const MnsMak
 }
 
 MnsStatus particles_init(Particles *s, int dim, size_t n_phases, const size_t sizes[GROUPS], Fields fields,
-                         bool mirrored, int threads, const MnsMaking *making, MnsError *error)
+                         Fields of_fluid, bool mirrored, int threads, const MnsMaking *making, MnsError *error)
 {
-    *s = (Particles){.dim = dim, .n_phases = n_phases, .fields = fields, .normal_step = 1, .gradient_step = 1};
+    *s = (Particles){.dim = dim, .n_phases = n_phases, .fields = fields, .of_fluid = of_fluid};
+    s->x_step = s->v_step = s->p_step = s->normal_step = s->gradient_step = 1;
     for (int g = 0; g < GROUPS; g++) s->begin[g + 1] = s->begin[g] + sizes[g];
     s->n = s->begin[GROUPS];
     const MnsStatus status = allocate(s, mirrored, threads, making, error);
@@ -64,7 +71,7 @@ MnsStatus particles_add(Particles *s, Fields fields, int threads, MnsError *erro
 void particles_keep(Particles *s, Fields fields)
 {
     for (int f = 0; mns_fields()[f].name; f++)
-        for (int d = 0; d < components(s, f) && !(fields >> f & 1); d++) {
+        for (int d = 0; d < particles_components(s, f) && !(fields >> f & 1); d++) {
             free(particles_field(s, f, d));
             particles_set_field(s, f, d, NULL);
         }
@@ -136,35 +143,44 @@ static void permute_field(Particles *s, int f, int d, const uint32_t *order, int
 static void permute_housed(Particles *s, int f, int d, const uint32_t *order, int threads)
 {
     double *restrict room = s->rate, *restrict first = particles_element(s, f, d, 0);
-    const size_t step = f == F_NORMAL ? s->normal_step : s->gradient_step, n = s->n;
+    const size_t step = particles_step(s, f), n = s->n;
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t k = 0; k < n; k++) room[k] = first[order[k] * step];
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t k = 0; k < n; k++) first[k * step] = room[k];
 }
 
+/* Numbers of the particles [first, first + n) alone: the work space is for all, and does not change places with them. */
+static void permute_part(Particles *s, double *restrict part, size_t first, size_t n, const uint32_t *order,
+                         int threads)
+{
+    double *restrict room = s->rate;
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (size_t k = 0; k < n; k++) room[k] = part[order[first + k] - first];
+    copy(part, room, n * sizeof *part, threads);
+}
+
 void particles_permute(Particles *s, const uint32_t *from, int threads)
 {
+    const Fields parted = particles_parted(s);
     for (int f = 0; mns_fields()[f].name; f++)
-        for (int d = 0; d < components(s, f); d++) {
+        for (int d = 0; d < particles_components(s, f); d++) {
             if (s->housed >> f & 1) permute_housed(s, f, d, from, threads);
+            else if (parted >> f & 1)
+                permute_part(s, particles_field(s, f, d), particles_owners(s, f).first, owners_of(s, f), from, threads);
             else permute_field(s, f, d, from, threads);
         }
     const size_t first = particles_fluid(s), n_wall = s->n - first;
-    for (size_t a = 0; a < s->n_phases; a++) {
-        double *to = s->rate;
-#pragma omp parallel for schedule(static) num_threads(threads)
-        for (size_t k = 0; k < n_wall; k++) to[k] = s->p_wall[a][from[first + k] - first];
-#pragma omp parallel for schedule(static) num_threads(threads)
-        for (size_t k = 0; k < n_wall; k++) s->p_wall[a][k] = to[k];
-    }
+    for (size_t a = 0; a < s->n_phases; a++) permute_part(s, s->p_wall[a], first, n_wall, from, threads);
     particles_changed(s, ON_ALL, ALL_FIELDS);
 }
 
 size_t particles_bytes(const Particles *s)
 {
-    size_t each = sizeof *s->rate;
+    size_t fields = 0;
     for (int f = 0; mns_fields()[f].name; f++)
-        if (!(s->housed >> f & 1)) each += field_size(&mns_fields()[f]) * (size_t)components(s, f);
-    return each * s->n + (s->n - particles_fluid(s)) * sizeof(double) * (s->n_phases + (s->v_wall[0] ? 3 : 0));
+        if (!(s->housed >> f & 1))
+            fields += owners_of(s, f) * field_size(&mns_fields()[f]) * (size_t)particles_components(s, f);
+    return fields + s->n * sizeof *s->rate +
+           (s->n - particles_fluid(s)) * sizeof(double) * (s->n_phases + (s->v_wall[0] ? 3 : 0));
 }

@@ -28,7 +28,7 @@ typedef struct Particles {
     double *correction[3], *correction_off[3]; /* of the kernel's gradient or of differences: xx, yy, zz; xy, xz, yz */
     double *offset[3], *laplacian;             /* of differences (terms/differences.h) */
     double *colour, *colour_gradient[3], *rho_mixed, *mu_mixed; /* of what is around: share of the first fluid */
-    double *to_surface[3];                                      /* of wall particles */
+    double *to_surface[3];                                      /* [n_wall] */
     double *x0[3], *v0[3], *rho0;   /* at the beginning of the step, for integrators of more than one evaluation */
     double *p_wall[MNS_MAX_FLUIDS]; /* [n_wall] pressure a wall shows to each fluid */
     double *v_wall[3];              /* [n_wall] fluid velocity extrapolated into a wall; NULL without viscosity */
@@ -37,9 +37,10 @@ typedef struct Particles {
     struct System
         *system;   /* for the pressure, of schemes that project (solve/solve.h); NULL of others. Not theirs to free */
     Fields housed; /* that are in bundles and nowhere else (home.h) */
-    size_t normal_step, gradient_step; /* from a particle's to the next one's */
-    Fields made;                       /* that are made where they are asked for */
-    Fields changed[GROUPS];            /* since the neighbours' copies were last made (bundle.h) */
+    size_t x_step, v_step, p_step, normal_step, gradient_step; /* from a particle's to the next one's */
+    Fields made;                                               /* that are made where they are asked for */
+    Fields of_fluid;                                           /* of which there is room for the fluid alone */
+    Fields changed[GROUPS]; /* since the neighbours' copies were last made (bundle.h) */
 } Particles;
 
 static inline size_t particles_fluid(const Particles *s)
@@ -50,6 +51,10 @@ static inline size_t particles_fluid(const Particles *s)
 /* Volume and impedance are stored by nobody who can make them of density and mass; tests give particles arrays of them. Neighbours' are in
  * bundles. */
 static const Fields MADE_FIELDS = FIELD(VOL) | FIELD(Z);
+
+/* What only fluid moves by, and what only walls have: no others need room for it. What they are shown with is 0. */
+static const Fields FLUID_FIELDS = FIELD(A) | FIELD(CONCENTRATION) | FIELD(X0) | FIELD(V0) | FIELD(RHO0);
+static const Fields WALL_FIELDS = FIELD(TO_SURFACE);
 
 INLINE double particles_volume(const Particles *s, const Model *model, size_t i)
 {
@@ -72,10 +77,11 @@ static inline void particles_changed(Particles *s, unsigned on, Fields fields)
 }
 
 /* Arrays of zeros for groups of these sizes, made by so many threads. MNS_E_MEMORY, MNS_E_INTERRUPTED: nothing is left behind.
+ *  of_fluid  those of which there is room for the fluid alone; tests give walls room for all
  *  mirrored  walls show the fluid a velocity
  *  making  asked before each array, as to fill one may take a second; NULL: nobody gives up */
 MnsStatus particles_init(Particles *s, int dim, size_t n_phases, const size_t sizes[GROUPS], Fields fields,
-                         bool mirrored, int threads, const MnsMaking *making, MnsError *error);
+                         Fields of_fluid, bool mirrored, int threads, const MnsMaking *making, MnsError *error);
 void particles_done(Particles *s);
 
 /* Arrays of zeros for fields that there are not yet. MNS_E_MEMORY: those that were there are. */
@@ -84,12 +90,25 @@ MnsStatus particles_add(Particles *s, Fields fields, int threads, MnsError *erro
 /* Give up the fields that are not among these. */
 void particles_keep(Particles *s, Fields fields);
 
-/* Component d of a field of mns_fields(), one number after the other; NULL where there is none, or none that is stored so. */
+/* How many components of a field there are; 0 of one that is not stored. */
+int particles_components(const Particles *s, int field);
+
+/* Particles [first, last), who have a field. */
+typedef struct Owners {
+    size_t first, last;
+} Owners;
+Owners particles_owners(const Particles *s, int field);
+
+/* Fields that some do not have. */
+Fields particles_parted(const Particles *s);
+
+/* Component d of a field of mns_fields(), one number after the other for its owners; NULL where there is none, or none that is stored so. */
 void *particles_field(const Particles *s, int field, int d);
 
-/* That of particle i, wherever it is stored; NULL where there is none. */
+/* That of particle i, wherever it is stored; NULL where there is none, and of who does not have it. */
 void *particles_element(const Particles *s, int field, int d, size_t i);
 void particles_set_field(Particles *s, int field, int d, void *array); /* one that there is */
+size_t particles_step(const Particles *s, int field);                  /* from one to the next */
 void particles_set_step(Particles *s, int field, size_t step);         /* of one that is housed */
 size_t field_size(const MnsFieldInfo *field);                          /* bytes of an element */
 

@@ -102,11 +102,12 @@ static int early(const Locals *before, Fields copied)
     return n;
 }
 
-/* How many of the rules after the terms can be done chunk by chunk: up to the first one that needs all particles at once. */
-static int prompt(const Locals *after)
+/* How many of the rules after the terms can be done chunk by chunk: up to the first one that needs all particles at once, or that writes
+ * what rows read where it is. */
+static int prompt(const Locals *after, Fields read)
 {
     int n = 0;
-    while (n < after->n && !after->of[n]->whole) n++;
+    while (n < after->n && !after->of[n]->whole && !(after->of[n]->writes & read)) n++;
     return n;
 }
 
@@ -190,7 +191,8 @@ void pass_run(const Pass *pass, Particles *s, Neighbours *nb, const Model *model
         all |= needs[g];
     }
     const Locals before = needed(pass->before, model), after = needed(pass->after, model);
-    const int first = early(&before, bundles_fields(&nb->bundles, all)), last = prompt(&after);
+    const Fields copied = bundles_fields(&nb->bundles, all);
+    const int first = early(&before, copied), last = prompt(&after, copied & s->housed);
     for (int k = 0; k < first; k++) local_run(before.of[k], s, model, threads);
     neighbours_refresh(nb, s, model, all);
     for (int g = 0; g < GROUPS; g++) {

@@ -79,7 +79,7 @@ static bool is_exposed(const MnsSim *sim, size_t i, int d, int side)
 {
     const Model *model = &sim->model;
     double x[3] = {0, 0, 0};
-    for (int e = 0; e < model->dim; e++) x[e] = sim->s.x[e][i];
+    for (int e = 0; e < model->dim; e++) x[e] = sim->s.x[e][i * sim->s.x_step];
     x[d] += side * model->cell[d];
     if (x[d] >= model->min[d] && x[d] <= model->max[d]) return false;
     for (size_t k = 0; k < model->n_walls; k++)
@@ -169,7 +169,7 @@ static void find_loads(const MnsSim *sim, double g, Loads *loads)
     for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
         const unsigned k = sim->s.phase[i];
         double depth = 0;
-        for (int d = 0; d < model->dim && g > 0; d++) depth += model->gravity[d] / g * sim->s.x[d][i];
+        for (int d = 0; d < model->dim && g > 0; d++) depth += model->gravity[d] / g * sim->s.x[d][i * sim->s.x_step];
         low[k] = fmin(low[k], sim->s.rho[i]);
         high[k] = fmax(high[k], sim->s.rho[i]);
         top[k] = fmin(top[k], depth);

@@ -32,7 +32,7 @@ INLINE void fill_blocks(Row *row, const RowPlan *plan, How how)
 {
     const unsigned needs = row->summed ? plan->needs : plan->needs & ~(unsigned)NEED_FLUX;
     double x[3] = {0, 0, 0};
-    for (int d = 0; d < how.dim; d++) x[d] = plan->s->x[d][row->i];
+    for (int d = 0; d < how.dim; d++) x[d] = plan->s->x[d][row->i * plan->s->x_step];
     for (size_t b = 0; b < row->n; b++) fill_block(&row->block[b], row->j + b * LANES, plan, needs, x, how);
 }
 

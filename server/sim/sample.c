@@ -12,16 +12,16 @@ typedef struct Sampler {
     Kernel kernel;
     unsigned fluids;
     int components;
-    const double *const *f;
+    const ShownView *f;
     PointSums sums;
 } Sampler;
 
 static double value_of(const Sampler *q, size_t j)
 {
     if (!q->f) return 0;
-    if (q->components == 1) return q->f[0][j];
+    if (q->components == 1) return shown_number(&q->f[0], j);
     double sum = 0;
-    for (int d = 0; d < q->components; d++) sum += q->f[d][j] * q->f[d][j];
+    for (int d = 0; d < q->components; d++) sum += shown_number(&q->f[d], j) * shown_number(&q->f[d], j);
     return sqrt(sum);
 }
 
@@ -33,14 +33,15 @@ static void measure(const Sampler *q, size_t first, size_t n, double *restrict r
     const Model *model = &q->sim->model;
     for (size_t k = 0; k < n; k++) r2[k] = 0;
     for (int d = 0; d < q->sim->s.dim; d++) {
-        const double at = q->x[d], *x = q->sim->s.x[d] + first;
+        const size_t step = q->sim->s.x_step;
+        const double at = q->x[d], *x = q->sim->s.x[d] + first * step;
         if (model->period[d] > 0)
             for (size_t k = 0; k < n; k++) {
-                const double dx = model_nearest(model, d, at - x[k]);
+                const double dx = model_nearest(model, d, at - x[k * step]);
                 r2[k] += dx * dx;
             }
         else
-            for (size_t k = 0; k < n; k++) r2[k] += (at - x[k]) * (at - x[k]);
+            for (size_t k = 0; k < n; k++) r2[k] += (at - x[k * step]) * (at - x[k * step]);
     }
 }
 
@@ -80,12 +81,12 @@ static void visit_cells(Sampler *q)
     Run runs[GRID_RUNS_MAX];
     const int n = grid_runs(&nb->grid, grid_cell(&nb->grid, q->x), runs);
     for (size_t g = 0; g < GROUPS; g++) {
-        const uint32_t *start = nb->start + g * nb->grid.cells;
-        for (int k = 0; k < n; k++) visit(q, start[runs[k].first], start[runs[k].last + 1]);
+        const uint32_t *start = neighbours_start(nb, &q->sim->s, (int)g);
+        for (int k = 0; start && k < n; k++) visit(q, start[runs[k].first], start[runs[k].last + 1]);
     }
 }
 
-PointSums sample_point(const MnsSim *sim, const double x[3], double radius, unsigned fluids, const double *const *f,
+PointSums sample_point(const MnsSim *sim, const double x[3], double radius, unsigned fluids, const ShownView *f,
                        int components)
 {
     const Model *model = &sim->model;
@@ -115,17 +116,17 @@ Share sample_share(const MnsSim *sim, const double x[3], unsigned fluids)
 void mns_sim_sample(const MnsSim *sim, int field, int d, size_t n, const double (*points)[3], double *values)
 {
     const MnsFieldInfo *info = &mns_fields()[field];
-    const double *f[3] = {NULL, NULL, NULL};
+    ShownView f[3] = {0};
     const bool magnitude = d < 0 && info->components > 1;
     const bool known = info->type == MNS_F64 && d < info->components;
     if (known)
         for (int k = 0; k < sim->s.dim && k < info->components; k++)
-            f[k] = shown_field(sim, field, magnitude || info->components == 1 ? k : d);
+            f[k] = shown_view(sim, field, magnitude || info->components == 1 ? k : d);
     const int components = magnitude ? sim->s.dim : 1;
 #pragma omp parallel for schedule(dynamic, 16) num_threads(sim->threads)
     for (size_t k = 0; k < n; k++) {
         values[k] = NAN;
-        if (!known || !f[0]) continue;
+        if (!known || !f[0].first) continue;
         const PointSums sums = sample_point(sim, points[k], 0, EVERY_FLUID, f, components);
         if (sums.fluid > 1e-12) values[k] = sums.value / sums.fluid;
     }

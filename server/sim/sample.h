@@ -3,7 +3,7 @@
 #ifndef SIM_SAMPLE_H
 #define SIM_SAMPLE_H
 
-#include "sim/sim.h"
+#include "sim/shown.h"
 
 /* Kernel-weighted sums at a point, over the particles around it. */
 typedef struct PointSums {
@@ -24,9 +24,9 @@ enum { EVERY_FLUID = 0xffff }; /* or a bit for each fluid; sample.c asserts that
 
 Share sample_share(const MnsSim *sim, const double x[3], unsigned fluids);
 
-/* f: [n] a field, or NULL; components: 1, or dim to take the magnitude of f[0..dim); fluids: those of `one`.
+/* f: components of a field, or NULL; components: 1, or dim to take the magnitude of f[0..dim); fluids: those of `one`.
  * radius: support of the kernel [m], 0 for the scheme's. */
-PointSums sample_point(const MnsSim *sim, const double x[3], double radius, unsigned fluids, const double *const *f,
+PointSums sample_point(const MnsSim *sim, const double x[3], double radius, unsigned fluids, const ShownView *f,
                        int components);
 
 #endif

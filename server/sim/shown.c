@@ -11,21 +11,27 @@ Fields shown_fields(const MnsSim *sim)
 
 Fields shown_made(const MnsSim *sim)
 {
-    return sim->s.made | sim->s.housed;
+    return sim->s.made | sim->s.housed | particles_parted(&sim->s);
 }
 
-static double value_of(const MnsSim *sim, int field, int d, size_t i)
+/* Of what is stored; first is NULL of what is made. */
+static ShownView view_of(const Particles *s, int field, int d)
 {
-    const Particles *s = &sim->s;
-    if (field == F_VOL) return particles_volume(s, &sim->model, i);
-    if (field == F_Z) return particles_impedance(s, &sim->model, i);
-    return *(const double *)particles_element(s, field, d, i);
+    const size_t first = particles_owners(s, field).first;
+    return (ShownView){first < s->n ? particles_element(s, field, d, first) : NULL, particles_step(s, field)};
 }
 
 void shown_make(const MnsSim *sim, int field, int d, double *out)
 {
+    const Particles *s = &sim->s;
+    const ShownView view = view_of(s, field, d);
+    const Owners owners = particles_owners(s, field);
 #pragma omp parallel for schedule(static) num_threads(sim->threads)
-    for (size_t i = 0; i < sim->s.n; i++) out[i] = value_of(sim, field, d, i);
+    for (size_t i = 0; i < s->n; i++) {
+        if (i < owners.first || i >= owners.last) out[i] = 0;
+        else if (view.first) out[i] = shown_number(&view, i - owners.first);
+        else out[i] = field == F_VOL ? particles_volume(s, &sim->model, i) : particles_impedance(s, &sim->model, i);
+    }
 }
 
 const void *shown_field(const MnsSim *sim, int field, int d)
@@ -36,4 +42,10 @@ const void *shown_field(const MnsSim *sim, int field, int d)
     if (!*room) *room = array_room(sim->s.n, sizeof **room);
     if (*room) shown_make(sim, field, d, *room);
     return *room;
+}
+
+ShownView shown_view(const MnsSim *sim, int field, int d)
+{
+    if (sim->s.housed >> field & 1) return view_of(&sim->s, field, d);
+    return (ShownView){shown_field(sim, field, d), 1};
 }

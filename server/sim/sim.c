@@ -223,10 +223,10 @@ double mns_sim_mean_neighbours(const MnsSim *sim)
 #pragma omp parallel for schedule(static) reduction(+ : pairs) num_threads(sim->threads)
     for (size_t i = 0; i < n; i++) {
         const uint32_t *j = neighbours_of(&sim->nb, i);
-        for (size_t k = 0; k < sim->nb.end[i][GROUP_WALL]; k++) {
+        for (size_t k = 0; k < sim->nb.end[i][END_WALLS]; k++) {
             double r2 = 0;
             for (int d = 0; d < s->dim; d++) {
-                const double x = model_nearest(&sim->model, d, s->x[d][i] - s->x[d][j[k]]);
+                const double x = model_nearest(&sim->model, d, s->x[d][i * s->x_step] - s->x[d][j[k] * s->x_step]);
                 r2 += x * x;
             }
             pairs += r2 < reach * reach;

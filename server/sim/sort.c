@@ -11,11 +11,12 @@ typedef struct Place {
     uint32_t key, index;
 } Place;
 
-_Static_assert(sizeof(Place) + 2 * sizeof(uint32_t) == SORT_BYTES_PER_PARTICLE, "room of a sort");
+_Static_assert(sizeof(Place) == SORT_BYTES_PER_PARTICLE && 2 * sizeof(uint32_t) == SORT_BYTES_PER_PARTICLE, "rooms");
 
 typedef struct Sort {
     const Particles *s;
     const Grid *grid;
+    size_t number[GROUPS]; /* of each group */
     size_t keys, buckets;
     unsigned shift;   /* bucket = key >> shift */
     uint32_t *start;  /* [keys + 1] */
@@ -30,7 +31,20 @@ size_t sort_counts(int threads)
     return ((size_t)threads + 1) * (SORT_BUCKETS_MAX + 1);
 }
 
-static size_t group_of(const Particles *s, size_t i)
+size_t sort_group(const Particles *s, int group)
+{
+    size_t number = 0;
+    for (int g = 0; g < group; g++) number += s->begin[g + 1] > s->begin[g];
+    return number;
+}
+
+size_t sort_groups(const Particles *s)
+{
+    const size_t n = sort_group(s, GROUPS);
+    return n > 0 ? n : 1; /* of nobody */
+}
+
+static int group_of(const Particles *s, size_t i)
 {
     return i < s->begin[1] ? GROUP_CONTINUITY : i < s->begin[2] ? GROUP_SUMMATION : GROUP_WALL;
 }
@@ -61,7 +75,7 @@ static void sort_into_buckets(const Sort *q)
     memset(mine, 0, (SORT_BUCKETS_MAX + 1) * sizeof *mine);
     for (size_t i = first; i < last; i++) {
         const double x[3] = {q->s->ref[0][i], q->s->ref[1][i], q->s->dim == 3 ? q->s->ref[2][i] : 0};
-        q->key[i] = (uint32_t)(group_of(q->s, i) * q->grid->cells + grid_cell(q->grid, x));
+        q->key[i] = (uint32_t)(q->number[group_of(q->s, i)] * q->grid->cells + grid_cell(q->grid, x));
         mine[q->key[i] >> q->shift]++;
     }
 #pragma omp barrier
@@ -89,10 +103,13 @@ static void sort_bucket(const Sort *q, size_t b)
     start[first_key] = first;
 }
 
-uint32_t *sort_by_cell(const Particles *s, const Grid *grid, uint32_t *start, uint32_t *counts, void *room, int threads)
+uint32_t *sort_by_cell(const Particles *s, const Grid *grid, uint32_t *start, uint32_t *counts, void *room, void *other,
+                       int threads)
 {
-    Sort q = {.s = s, .grid = grid, .keys = GROUPS * grid->cells, .start = start, .counts = counts, .place = room};
-    q.key = (uint32_t *)(q.place + s->n);
+    Sort q = {
+        .s = s, .grid = grid, .keys = sort_groups(s) * grid->cells, .start = start, .counts = counts, .place = other};
+    for (int g = 0; g < GROUPS; g++) q.number[g] = sort_group(s, g);
+    q.key = room;
     q.order = q.key + s->n;
     assert(q.keys <= UINT32_MAX); /* grid_make() makes no more cells */
     while ((q.keys - 1) >> q.shift >= SORT_BUCKETS_MAX) q.shift++;

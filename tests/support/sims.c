@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Simulations of cases made in C. */
 #include "tests/support/sims.h"
+#include "sim/home.h"
 #include "tests/support/check.h"
 
 MnsSim *sim_of(const MnsCase *c)
@@ -8,6 +9,13 @@ MnsSim *sim_of(const MnsCase *c)
     MnsSim *sim = NULL;
     MnsError error = {0};
     if (mns_sim_new(c, &sim, &error)) fail_msg("%s: %s", error.path, error.text);
+    return sim;
+}
+
+MnsSim *sim_in_arrays(const MnsCase *c)
+{
+    MnsSim *sim = sim_of(c);
+    assert_true(home_leave(&sim->s, sim->threads));
     return sim;
 }
 

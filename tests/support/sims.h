@@ -10,6 +10,9 @@
 MnsSim *sim_of(const MnsCase *c);
 void sim_done(MnsSim *sim, MnsCase *c);
 
+/* The same, with all fields in arrays and none in bundles, for tests that look at them and change them one by one. */
+MnsSim *sim_in_arrays(const MnsCase *c);
+
 /* So many steps, each as long as it may be. */
 void sim_steps(MnsSim *sim, int n);
 

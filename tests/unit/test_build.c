@@ -28,7 +28,7 @@ static void lattice_is_stretched_to_the_domain_and_continued_into_walls(void **s
         MnsCase *c = tank(dim);
         c->max[0] = c->walls[0].shape.parts[0].b[0] = 0.3 + 1.012; /* 10.12 spacings: ten, stretched */
         case_add_fluid(c, "water", 5, 10);
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         const Particles *s = &sim->s;
         const double cell[3] = {0.1012, 0.1, 0.1};
         assert_close(sim->model.kernel.h, 1.3 * 0.1, 1e-15); /* of the spacing asked for */
@@ -65,7 +65,7 @@ static void dummy_layers_fill_every_kernel_that_reaches_into_a_wall(void **state
         c->scheme.kernel = rows[k].kernel;
         c->scheme.smoothing = rows[k].smoothing;
         case_add_fluid(c, "water", 5, 10);
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         assert_close(mns_sim_mean_neighbours(sim), rows[k].neighbours, 1e-12);
         sim_done(sim, c);
     }
@@ -80,7 +80,7 @@ static void thick_walls_are_hollow_not_filled_with_fluid(void **state)
     MnsPart *block = case_add_part(&c->walls[0].shape, MNS_HALF_SPACE);
     block->a[0] = 0.9;
     block->b[0] = 1;
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     size_t deep = 0;
     for (size_t i = 0; i < sim->s.n; i++) {
         const double x = sim->s.x[0][i];
@@ -102,7 +102,7 @@ static void periodic_directions_have_no_layers(void **state)
     c->walls[0].shape.parts[0].a[0] = -9;
     c->walls[0].shape.parts[0].b[0] = 9;
     case_add_fluid(c, "water", 5, 10);
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     assert_int_equal(sim->s.n, 10 * 14 * 12);
     assert_int_equal(particles_fluid(&sim->s), 10 * 8 * 6);
     sim_done(sim, c);
@@ -134,7 +134,7 @@ static void particles_belong_to_the_shape_they_are_in_and_the_rest_to_the_rest(v
         step->b[1] = -0.38;
         step->a[2] = -1;
         step->b[2] = 2;
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         const Particles *s = &sim->s;
         size_t count[5] = {0};
         for (size_t i = 0; i < s->n; i++) {
@@ -168,7 +168,7 @@ static void density_method_is_that_of_the_case_or_by_the_ratio(void **state)
         MnsCase *c = case_periodic(2, 10);
         c->fluids[1].density = rows[k].density;
         c->fluids[1].density_method = rows[k].method;
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         assert_int_equal(sim->s.begin[GROUP_SUMMATION] < particles_fluid(&sim->s), rows[k].summed);
         /* p_b over rho c^2 of the fluid itself: 4, but a half beside a fluid that is summed. */
         assert_close(sim->model.phase[1].p_b, 4 * rows[k].density * 100, 1e-12);
@@ -195,7 +195,7 @@ static void heavy_fluids_are_spread_only_where_nothing_is_empty(void **state)
                 c = case_blank(dim, 10);
                 case_add_fluid(c, "water", 5, 10);
             }
-            MnsSim *sim = sim_of(c);
+            MnsSim *sim = sim_in_arrays(c);
             for (int again = 0; again < 2; again++) {
                 assert_close(sim->model.phase[0].p_b, empty ? 0 : 4 * 5 * 100, 1e-12);
                 setup_options(sim, c); /* as after a steered value */
@@ -213,7 +213,7 @@ static void masses_and_densities_give_the_pressure_asked_for(void **state)
         MnsCase *c = case_periodic(dim, 10);
         for (int k = 0; k < 2; k++) case_set_text(&c->fluids[k].pressure, k == 0 ? "3 + x" : "0.7 - 0.2*y");
         c->max[1] = 1.015; /* ten spacings */
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         const Particles *s = &sim->s;
         for (size_t i = 0; i < s->n; i++) {
             const int k = s->phase[i];
@@ -234,7 +234,7 @@ static void summed_densities_start_as_given_at_a_free_edge_too(void **state)
     case_add_fluid(c, "gas", 3, 10);
     c->fluids[0].density_method = MNS_DENSITY_SUMMATION;
     case_set_text(&c->fluids[0].pressure, "20");
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     assert_int_equal(sim->s.n, 100);
     for (size_t i = 0; i < sim->s.n; i++) {
         assert_close(sim->s.rho[i], 3.2, 1e-15);
@@ -247,7 +247,7 @@ static void velocities_are_those_of_the_formulas(void **state)
 {
     (void)state;
     MnsCase *c = case_periodic(3, 10);
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     const double pi2 = 2 * acos(-1);
     for (size_t i = 0; i < sim->s.n; i++) {
         const double x = sim->s.x[0][i], y = sim->s.x[1][i];
@@ -277,7 +277,7 @@ static void hydrostatic_pressure_is_the_weight_above(void **state)
         for (int d = 0; d < dim; d++) half->a[d] = 0.5 * (c->min[d] + c->max[d]);
         half->b[axis] = rows[k].g[0] == '-' ? 1 : -1;
         for (int f = 0; f < 2; f++) case_set_text(&c->fluids[f].pressure, "hydrostatic");
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         const double length = c->max[axis] - c->min[axis];
         for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
             const double low = sim->s.x[axis][i] - c->min[axis], depth = rows[k].g[0] == '-' ? length - low : low;
@@ -307,11 +307,11 @@ static void particles_are_the_same_for_any_number_of_threads(void **state)
 {
     (void)state;
     MnsCase *c = of_everything(1);
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     static const unsigned threads[] = {2, 3, 7};
     for (size_t k = 0; k < 3; k++) {
         MnsCase *other = of_everything(threads[k]);
-        MnsSim *twin = sim_of(other);
+        MnsSim *twin = sim_in_arrays(other);
         assert_int_equal(twin->s.n, sim->s.n);
         assert_memory_equal(twin->s.id, sim->s.id, sim->s.n * sizeof *sim->s.id);
         assert_memory_equal(twin->s.m, sim->s.m, sim->s.n * sizeof *sim->s.m);
@@ -392,7 +392,7 @@ static void empty_space_takes_no_memory(void **state)
     MnsPart *drop = case_add_part(&c->fluids[0].shape, MNS_BALL);
     drop->radius = 0.5;
     drop->a[0] = drop->a[1] = drop->a[2] = 3;
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     assert_in_range(sim->s.n, 500, 560);
     assert_less((double)mns_sim_bytes(sim), 3000.0 * (double)sim->s.n);
     sim_done(sim, c);

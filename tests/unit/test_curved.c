@@ -131,7 +131,7 @@ static Cloud *filled_tube(int dim, size_t n, bool no_slip)
     cloud->model.wall[0].no_slip = no_slip;
     for (size_t w = particles_fluid(s); w < s->n; w++) {
         const double r = place_of(s, w, 2);
-        for (int d = 0; d < 2; d++) s->to_surface[d][w] = (RADIUS - r) / r * (s->x[d][w] - MIDDLE);
+        for (int d = 0; d < 2; d++) s->to_surface[d][w - particles_fluid(s)] = (RADIUS - r) / r * (s->x[d][w] - MIDDLE);
     }
     return cloud;
 }
@@ -224,7 +224,7 @@ static void a_flow_along_a_tube_goes_on(void **state)
                           .b = {0.5, 0.5, 2},
                           .radius = 0.5,
                           .formula = part->formula};
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         sim_steps(sim, 5);
         const Particles *s = &sim->s;
         double slowest = 1, across = 0;

@@ -345,7 +345,7 @@ static Cloud *wall_below(int dim, double jitter, bool no_slip)
     cloud->model.wall[0].no_slip = no_slip;
     for (size_t w = particles_fluid(s); w < s->n; w++) {
         s->v[0][w] = 2;
-        s->to_surface[1][w] = 0.3 - s->x[1][w];
+        s->to_surface[1][w - particles_fluid(s)] = 0.3 - s->x[1][w];
     }
     find_shape(cloud);
     return cloud;
@@ -574,8 +574,8 @@ static void disorder_is_bounded_and_repeatable(void **state)
     assert_true(a->n == b->n && a->n == c->n);
     for (size_t w = particles_fluid(a); w < a->n; w++) {
         if (a->x[0][w] < 0.5 || a->x[0][w] > 4.5 || a->x[1][w] > 0) continue;
-        assert_close(a->to_surface[0][w], 0, 1e-9);
-        assert_close(a->to_surface[1][w], -a->x[1][w], 1e-9);
+        assert_close(a->to_surface[0][w - particles_fluid(a)], 0, 1e-9);
+        assert_close(a->to_surface[1][w - particles_fluid(a)], -a->x[1][w], 1e-9);
         other++;
     }
     assert_true(other > 10);

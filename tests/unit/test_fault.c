@@ -13,7 +13,7 @@ static void divergence_names_particle_place_and_term_and_stays(void **state)
         c->limits.density_max = 1.3;
         c->limits.time_step_floor = 1e-6;
         case_set_text(&c->fluids[0].velocity[0], "-400*(x - 0.2)"); /* all of it into one line */
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         MnsError error = {0}, again = {0};
         MnsStatus status = MNS_OK;
         for (int k = 0; k < 100 && !status; k++) status = mns_sim_step(sim, INFINITY, &error);
@@ -47,7 +47,7 @@ static void density_out_of_either_bound_is_a_divergence(void **state)
             MnsCase *c = case_still(2, 10, MNS_DENSITY_CONTINUITY);
             c->limits.density_min = 0.8;
             c->limits.density_max = 1.25;
-            MnsSim *sim = sim_of(c);
+            MnsSim *sim = sim_in_arrays(c);
             sim_steps(sim, 3);
             size_t i = 0;
             while (sim->s.phase[i] != fluid) i++;
@@ -69,7 +69,7 @@ static void gravity_is_weighed_against_the_terms(void **state)
     MnsCase *c = case_periodic(2, 10);
     c->limits.time_step_floor = 0.5;
     case_set_text(&c->gravity[0], "t < 0.05 and 0 or 1e4");
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     MnsError error = {0};
     MnsStatus status = MNS_OK;
     for (int k = 0; k < 100 && !status; k++) status = mns_sim_step(sim, INFINITY, &error);
@@ -82,7 +82,7 @@ static void velocity_that_is_no_number_is_found_at_once(void **state)
 {
     (void)state;
     MnsCase *c = case_shaken(2, 2);
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     sim_steps(sim, 3);
     const size_t i = 40;
     /* Alone in the air, so that it is the only one: no neighbour takes it over in one step. */
@@ -100,7 +100,7 @@ static void a_density_out_of_bounds_is_named_before_what_is_no_number(void **sta
     (void)state;
     MnsCase *c = case_shaken(2, 2);
     c->limits.density_max = 2;
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     sim_steps(sim, 3);
     const Particles *s = &sim->s;
     const size_t end = s->begin[GROUP_SUMMATION]; /* of those whose density follows continuity */
@@ -125,7 +125,7 @@ static void time_step_below_its_floor_is_a_divergence(void **state)
     (void)state;
     MnsCase *c = case_periodic(2, 10);
     c->limits.time_step_floor = 0.5;
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     sim_steps(sim, 1);
     for (size_t i = 0; i < sim->s.n; i++) sim->s.v[0][i] += 30; /* with c = 10 */
     sim_steps(sim, 1);
@@ -142,7 +142,7 @@ static void restore_takes_a_fault_away(void **state)
 {
     (void)state;
     MnsCase *c = case_shaken(2, 1);
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     MnsCapture *capture = NULL;
     sim_steps(sim, 3);
     assert_int_equal(mns_sim_capture(sim, mns_sim_state_fields(sim), &capture, NULL), MNS_OK);
@@ -166,7 +166,7 @@ static void every_scheme_names_who_is_to_blame_at_any_time(void **state)
             for (int steps = 0; steps < 3; steps += 2) {
                 MnsCase *c = case_shaken_by(scheme, dim, 2);
                 MnsError error = {0};
-                MnsSim *sim = sim_of(c);
+                MnsSim *sim = sim_in_arrays(c);
                 sim_steps(sim, steps);
                 for (size_t i = 0; i < sim->system.matrix.n; i++) sim->system.matrix.blocks[i] = 77;
                 sim->v_max = 1e12;
@@ -188,7 +188,7 @@ static void without_compression_the_number_density_is_to_blame(void **state)
         MnsError error = {0};
         c->limits.density_min = 0.9999;
         c->limits.density_max = 1.0001;
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         MnsStatus status = MNS_OK;
         for (int n = 0; n < 50 && !status; n++) status = mns_sim_step(sim, INFINITY, &error);
         assert_int_equal(status, MNS_E_DIVERGED);
@@ -204,7 +204,7 @@ static void a_particle_without_a_pressure_is_to_blame(void **state)
     (void)state;
     MnsCase *c = case_shaken_by("differences", 2, 1);
     MnsError error = {0};
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     sim_steps(sim, 2);
     sim->s.laplacian[40] = sim->s.laplacian[70] = 0;
     const size_t first = sim->s.id[40] < sim->s.id[70] ? 40 : 70;

@@ -10,7 +10,7 @@ static void momentum_and_mass_stay_in_a_periodic_box(void **state)
     (void)state;
     for (int dim = 2; dim <= 3; dim++) {
         MnsCase *c = case_periodic(dim, dim == 2 ? 20 : 9);
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         const Particles *s = &sim->s;
         double before[3] = {0}, after[3] = {0}, size = 0;
         double *mass = malloc(s->n * sizeof *mass);
@@ -66,7 +66,7 @@ static void moving_observers_see_the_same_flow(void **state)
         for (int k = 0; k < 2; k++) {
             cases[k] = case_periodic(dim, dim == 2 ? 16 : 8);
             cases[k]->scheme.riemann.transport_stress = false;
-            sims[k] = sim_of(cases[k]);
+            sims[k] = sim_in_arrays(cases[k]);
             for (int d = 0; k == 1 && d < dim; d++)
                 for (size_t i = 0; i < sims[k]->s.n; i++) sims[k]->s.v[d][i] += U[d];
         }
@@ -96,7 +96,7 @@ static void uniform_fluids_side_by_side_stay_as_they_are(void **state)
     for (int k = 0; k < 4; k++) {
         const int dim = 2 + k % 2;
         MnsCase *c = case_still(dim, 10, k < 2 ? MNS_DENSITY_CONTINUITY : MNS_DENSITY_SUMMATION);
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         sim_steps(sim, 20);
         for (size_t i = 0; i < sim->s.n; i++) {
             const double rho0 = c->fluids[sim->s.phase[i]].density;
@@ -123,7 +123,7 @@ static void water_at_rest_stays_at_rest(void **state)
         MnsPart *side = case_add_part(&c->walls[0].shape, MNS_BOX);
         side->outside = true;
         for (int d = 0; d < 3; d++) side->b[d] = c->max[d];
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         const double compression = 3 * 1 / (25.0 * 25), bound = 2 * compression * 3 * 1 / 25;
         double fastest = 0;
         for (int k = 0; k < (dim == 2 ? 400 : 150); k++) {
@@ -158,7 +158,7 @@ static void mean_pressure_of_a_full_tank_stays(void **state)
     MnsCase *c = full_tank(16);
     case_set_text(&c->fluids[0].velocity[0], "sin(pi*x)*cos(pi*y)");
     case_set_text(&c->fluids[0].velocity[1], "-cos(pi*x)*sin(pi*y)");
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     const Particles *s = &sim->s;
     double mean[2] = {0, 0};
     for (int k = 0; k < 2; k++) {
@@ -183,7 +183,7 @@ static void space_of_a_piston_is_not_closed(void **state)
         lid->b[0] = 2;
         lid->b[1] = c->walls[0].shape.parts[0].b[1] = 2; /* the tank leaves it room */
         if (moves) c->walls[1].motion = (MnsMotion){.kind = MNS_SINE, .amplitude = {0, 1e-3}, .frequency = 1};
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         assert_int_equal(sim->model.closed, !moves);
         sim_done(sim, c);
     }
@@ -197,7 +197,7 @@ static void fluids_are_spread_as_fast_as_their_own_sound_beside_a_stiffer_one(vo
     for (int stiff = 0; stiff < 2; stiff++) {
         MnsCase *c = case_periodic(2, 20);
         if (stiff) c->fluids[1].sound_speed = 35;
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         sim_steps(sim, 1);
         const Phase *water = &sim->model.phase[0];
         /* w over |sum V grad W|; gravity and viscosity do not limit the step here */
@@ -225,7 +225,7 @@ static double kept_momentum(int dim, bool no_slip, const char *belt)
     gap->b[1] = 1;
     c->walls[0].no_slip = no_slip;
     case_set_text(&c->walls[0].surface_velocity[0], belt);
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     double before = 0, after = 0;
     for (size_t i = 0; i < particles_fluid(&sim->s); i++) before += sim->s.m[i] * sim->s.v[0][i];
     sim_steps(sim, 50);
@@ -260,7 +260,7 @@ static void viscosity_damps_a_shear_wave(void **state)
         case_add_fluid(c, "oil", 2, 10);
         c->fluids[0].viscosity = 0.1;
         case_set_text(&c->fluids[0].velocity[0], "0.1*sin(2*pi*y)");
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         while (mns_sim_progress(sim).t < 0.2) assert_int_equal(mns_sim_step(sim, 0.2, NULL), MNS_OK);
         const double k = 2 * acos(-1);
         double amplitude = 0;

@@ -45,7 +45,7 @@ static void guard_keeps_what_is_thrown_at_a_wall_inside_and_counts(void **state)
             MnsCase *c = case_shaken(dim, 2);
             if (!guarded) c->scheme.riemann.guard = 0;
             c->limits.density_max = 100;
-            MnsSim *sim = sim_of(c);
+            MnsSim *sim = sim_in_arrays(c);
             throw_down(sim);
             double nearest = INFINITY;
             for (int k = 0; k < 8; k++) {
@@ -67,7 +67,7 @@ static void guard_counts_a_particle_once_a_step(void **state)
     for (int dim = 2; dim <= 3; dim++) {
         MnsCase *c = case_shaken_by("dissipation", dim, 2);
         c->limits.density_max = 100;
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         throw_down(sim);
         uint64_t before = 0;
         for (int k = 0; k < 8; k++) {
@@ -86,7 +86,7 @@ static void guard_takes_only_the_velocity_into_the_wall(void **state)
 {
     (void)state;
     MnsCase *c = case_shaken(3, 1);
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     sim->model.wall[0] = (WallState){.x = {0.01, 0.02, -0.01}, .v = {0.1, -0.5, 0.2}, .no_slip = true};
     size_t floor[2] = {0}, n = 0;
     for (size_t i = 0; i < particles_fluid(&sim->s) && n < 2; i++)

@@ -27,7 +27,9 @@ static MnsCase *case_of(Make make, int dim, unsigned threads)
 static void a_pass_writes_no_bundle_that_it_loads(void **state)
 {
     (void)state;
-    static const Fields expected[N_MAKES] = {0, FIELD(NORMAL), FIELD(NORMAL) | FIELD(GRADIENT), 0, FIELD(NORMAL)};
+    static const Fields moved = FIELD(X) | FIELD(V), shown = FIELD(NORMAL) | FIELD(GRADIENT);
+    static const Fields expected[N_MAKES] = {moved | FIELD(P), FIELD(X) | FIELD(P) | FIELD(NORMAL),
+                                             moved | FIELD(P) | shown, FIELD(P), FIELD(NORMAL)};
     for (size_t k = 0; k < N_MAKES; k++)
         for (int dim = 2; dim <= 3; dim++) {
             MnsCase *c = case_of(MAKES[k], dim, 1);
@@ -47,7 +49,7 @@ static void options_decide_too(void **state)
         MnsSim *sim = sim_of(c);
         Model corrected = sim->model;
         corrected.corrects_gradients = true;
-        const Fields fields = home_fields(sim->scheme, &corrected, dim);
+        const Fields fields = home_fields(sim->scheme, &corrected, dim) & (FIELD(NORMAL) | FIELD(GRADIENT));
         assert_true(fields == (dim == 2 ? FIELD(NORMAL) | FIELD(GRADIENT) : FIELD(NORMAL)));
         sim_done(sim, c);
     }
@@ -120,18 +122,66 @@ static void without_memory_fields_stay_where_they_are(void **state)
     if (!memory_can_fail) skip();
     MnsCase *c = case_of(bench_drop_in_tank, 3, 1), *other = case_of(bench_drop_in_tank, 3, 1);
     MnsSim *sim = sim_of(c), *same = sim_of(other);
-    for (long n = 0; n < 6; n++) { /* arrays of two fields */
+    const Fields housed = sim->s.housed;
+    for (long n = 0; n < 13; n++) { /* arrays of five fields */
         memory_fails_after(n);
         const bool left = home_leave(&sim->s, 1);
         memory_fails_after(-1);
         assert_false(left);
-        assert_true(sim->s.housed == (FIELD(NORMAL) | FIELD(GRADIENT)));
+        assert_true(sim->s.housed == housed);
     }
     sim_steps(sim, 3);
     sim_steps(same, 3);
     assert_same(sim, same);
     sim_done(same, other);
     sim_done(sim, c);
+}
+
+/* Walls are no fluid and the other way round: there is room for neither's fields with the other, and they are shown as 0 there. */
+static void fields_of_fluid_alone_are_0_of_walls(void **state)
+{
+    (void)state;
+    static const Make makes[] = {bench_drop_in_tank, bench_differenced_tank};
+    static const int fields[] = {F_A, F_TO_SURFACE};
+    for (size_t k = 0; k < 2; k++) {
+        MnsCase *c = case_of(makes[k], 3, 2);
+        MnsSim *sim = sim_of(c);
+        sim_steps(sim, 2);
+        const size_t n = particles_fluid(&sim->s), owner = k == 0 ? 0 : n;
+        const double *shown = mns_sim_field(sim, fields[k], 1), *own = particles_field(&sim->s, fields[k], 1);
+        size_t some = 0;
+        for (size_t i = 0; i < sim->s.n; i++) {
+            const bool has = k == 0 ? i < n : i >= n;
+            some += has && shown[i] != 0;
+            assert_true(shown[i] == (has ? own[i - owner] : 0));
+            assert_true(!particles_element(&sim->s, fields[k], 1, i) == !has);
+        }
+        assert_true(n < sim->s.n && some > 20);
+        sim_done(sim, c);
+    }
+}
+
+static MnsCase *tense_drop_in_tank(int dim, double resolution)
+{
+    MnsCase *c = bench_drop_in_tank(dim, resolution);
+    c->scheme.name = "interfacial";
+    return c;
+}
+
+/* What is promised of each weakly compressible scheme, beside walls or not, where there are so many that what is not theirs does not count. */
+static void a_particle_in_space_takes_300_bytes_besides_its_list(void **state)
+{
+    (void)state;
+    static const Make makes[] = {bench_dam_break,     bench_droplet,      bench_narrow_droplet,
+                                 bench_tense_droplet, tense_drop_in_tank, bench_drop_in_tank};
+    for (size_t k = 0; k < sizeof makes / sizeof *makes; k++) {
+        MnsCase *c = makes[k](3, k == 0 ? 20 : 46);
+        MnsSim *sim = sim_of(c);
+        const double bytes = (double)(mns_sim_bytes(sim) - slabs_bytes(&sim->nb.slabs)) / (double)sim->s.n;
+        print_message("%s: %.1f bytes\n", sim->scheme->name, bytes);
+        assert_less(bytes, 300);
+        sim_done(sim, c);
+    }
 }
 
 int main(void)
@@ -142,6 +192,8 @@ int main(void)
         cmocka_unit_test(results_do_not_depend_on_where_fields_are),
         cmocka_unit_test(fields_that_are_shown_share_nothing),
         cmocka_unit_test(without_memory_fields_stay_where_they_are),
+        cmocka_unit_test(fields_of_fluid_alone_are_0_of_walls),
+        cmocka_unit_test(a_particle_in_space_takes_300_bytes_besides_its_list),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

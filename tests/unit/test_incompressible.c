@@ -59,7 +59,7 @@ static void layers_at_rest_have_their_pressure_from_the_first_step_on(void **sta
     for (int dim = 2; dim <= 3; dim++)
         for (int k = 0; k < 3; k++) {
             MnsCase *c = layers(dim, dim == 2 ? 20 : 10, RATIOS[k]);
-            MnsSim *sim = sim_of(c);
+            MnsSim *sim = sim_in_arrays(c);
             for (int n = 0; n < (dim == 2 ? 30 : 5); n++) {
                 sim_steps(sim, 1);
                 assert_less(pressure_error(sim, RATIOS[k]),
@@ -78,7 +78,7 @@ static void a_step_that_is_cut_short_leaves_the_pressure(void **state)
     for (int k = 0; k < 2; k++) {
         MnsCase *c = layers(2, 20, 10);
         c->scheme.name = schemes[k];
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         sim_steps(sim, 5);
         const double before = pressure_error(sim, 10), whole = mns_sim_progress(sim).dt;
         for (int n = 0; n < 4; n++) {
@@ -99,7 +99,7 @@ static void momentum_and_number_densities_are_kept(void **state)
         choose(c);
         c->tension[0][1] = c->tension[1][0] = 0.05;
         c->fluids[0].viscosity = c->fluids[1].viscosity = 0.01;
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         double momentum[3] = {0}, size = 0;
         const Particles *s = &sim->s;
         for (size_t i = 0; i < s->n; i++)
@@ -143,7 +143,7 @@ static void four_fluids_keep_momentum_and_bits(void **state)
             for (int q = 0; q < 4; q++) c->tension[k][q] = k == q ? 0 : 0.01 * (1 + k + q);
         }
         for (int d = 0; d < 2; d++) c->periodic[d] = true;
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         const Particles *s = &sim->s;
         double momentum[2] = {0}, size = 0;
         size_t n[4] = {0};
@@ -176,7 +176,7 @@ static void a_pressure_that_is_not_found_is_a_fault_that_tells_its_residuals(voi
         c->scheme.incompressible.tolerance = k ? 0.1 : 1e-12;
         c->scheme.incompressible.density_tolerance = k ? 1e-4 : 0.5;
         c->scheme.incompressible.density_solver_tolerance = 1e-12;
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         MnsStatus status = MNS_OK;
         for (int n = 0; n < 20 && !status; n++) status = mns_sim_step(sim, INFINITY, &error);
         assert_int_equal(status, MNS_E_DIVERGED);
@@ -199,7 +199,7 @@ static void a_pressure_that_is_no_number_is_a_fault_of_its_own(void **state)
         MnsCase *c = layers(2, 20, 2);
         c->scheme.name = schemes[k];
         MnsError error = {0};
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         sim_steps(sim, 1);
         sim->s.p[9] = NAN; /* where the solve begins */
         assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_E_DIVERGED);
@@ -239,7 +239,7 @@ static void two_closed_spaces_are_stirred_in_one_case(void **state)
                 case_set_text(&c->fluids[f].velocity[0], "0.3*sin(5*x + 2*y)");
                 case_set_text(&c->fluids[f].velocity[1], "0.2*cos(3*x - 4*y)");
             }
-            MnsSim *sim = sim_of(c);
+            MnsSim *sim = sim_in_arrays(c);
             sim_steps(sim, 10);
             assert_int_equal(sim->system.parts, 2);
             double least[2] = {INFINITY, INFINITY}, mean[2] = {0}, n[2] = {0};
@@ -356,7 +356,7 @@ static void the_pressure_is_counted_from_a_point_or_its_mean(void **state)
         c->scheme.name = "differences";
         c->scheme.differences.holds_pressure = k < 2;
         for (int d = 0; d < 2 && k < 2; d++) c->scheme.differences.zero_pressure[d] = points[k][d];
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         sim_steps(sim, 3); /* the flow of the start has no divergence, and its pressure is 0 */
         for (int n = 0; n < 5; n++) {
             const Particles *s = &sim->s;
@@ -397,7 +397,7 @@ static void densities_that_stay_off_are_counted_and_told_once(void **state)
         choose(c);
         c->disorder = 0.1;
         c->scheme.incompressible.density_corrections = corrections;
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         uint64_t off = 0;
         const size_t before = sim->n_warnings;
         for (int n = 0; n < 20; n++) {

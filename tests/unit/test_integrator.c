@@ -11,7 +11,7 @@ static void a_step_is_kick_drift_kick(void **state)
     (void)state;
     MnsCase *c = case_periodic(3, 9);
     case_set_text(&c->gravity[1], "-3*t");
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     sim_steps(sim, 12); /* away from the lattice, where b = 0 */
     const Particles *s = &sim->s;
     MnsCapture *before = NULL;
@@ -58,7 +58,7 @@ static void every_pair_in_reach_is_listed_at_every_step(void **state)
     for (int dim = 2; dim <= 3; dim++) {
         MnsCase *c = case_periodic(dim, dim == 2 ? 12 : 7);
         for (int k = 0; k < 2; k++) case_set_text(&c->fluids[k].velocity[0], "y < 0.5 and 2 or -2");
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         const Particles *s = &sim->s;
         for (int k = 0; k < 50; k++) {
             sim_steps(sim, 1);
@@ -85,7 +85,7 @@ static void walls_go_where_their_motion_has_them(void **state)
 {
     (void)state;
     MnsCase *c = case_shaken(3, 1);
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     double *start = malloc(3 * sim->s.n * sizeof *start), *last = malloc(3 * sim->s.n * sizeof *last);
     assert_true(start && last);
     for (size_t i = particles_fluid(&sim->s); i < sim->s.n; i++)
@@ -111,7 +111,7 @@ static void walls_go_where_their_motion_has_them(void **state)
 /* A simulation of this case by predictor and corrector after so many equal steps to this time. */
 static MnsSim *predicted(const MnsCase *c, double to, int steps)
 {
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     MnsError error = {0};
     for (int k = 1; k <= steps; k++)
         if (mns_sim_step(sim, k == steps ? to : to * k / steps, &error)) fail_msg("%s", error.text);
@@ -133,7 +133,7 @@ static void falls_are_exact_or_of_second_order(void **state)
 {
     (void)state;
     MnsCase *c = falling("-3");
-    MnsSim *start = sim_of(c), *sim = predicted(c, 0.04, 20);
+    MnsSim *start = sim_in_arrays(c), *sim = predicted(c, 0.04, 20);
     for (size_t i = 0; i < sim->s.n; i++) {
         size_t k = 0;
         while (start->s.id[k] != sim->s.id[i]) k++;
@@ -193,7 +193,7 @@ static void lists_are_made_once_a_step_where_particles_cross_a_periodic_side(voi
         c->scheme.dissipation.pair_average = MNS_AVERAGE_DENSITY;
         for (int k = 0; k < 2; k++)
             for (int d = 0; d < dim; d++) case_set_text(&c->fluids[k].velocity[d], d == 1 ? "-3" : "5");
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         const Particles *s = &sim->s;
         uint64_t rebuilds = 0;
         for (int k = 0; k < 120; k++) {

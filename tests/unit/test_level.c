@@ -16,7 +16,7 @@ static MnsSim *run_at(const char *level, MnsCase *c, MnsKernel kernel, int steps
     assert_string_equal(mns_level(), level);
     c->scheme.kernel = kernel;
     c->scheme.smoothing = kernel == MNS_WENDLAND_C2 ? 1.3 : 1.0;
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     sim_steps(sim, steps);
     return sim;
 }

@@ -28,12 +28,16 @@ static void assert_complete(const Cloud *cloud)
     for (size_t i = 0; i < s->n; i++) {
         const uint32_t *list = neighbours_of(&cloud->nb, i);
         memset(listed, 0, s->n);
-        for (int g = 0; g < GROUPS; g++)
-            for (size_t k = g ? cloud->nb.end[i][g - 1] : 0; k < cloud->nb.end[i][g]; k++) {
-                assert_in_range(list[k], 0, s->n - 1);
-                assert_int_equal(group_of(s, list[k]), g);
-                listed[list[k]]++;
-            }
+        const size_t n = cloud->nb.end[i][END_WALLS], fluid = cloud->nb.end[i][END_FLUID];
+        bool summed = false;
+        for (size_t k = 0; k < n; k++) {
+            assert_in_range(list[k], 0, s->n - 1);
+            assert_true((group_of(s, list[k]) == GROUP_WALL) == (k >= fluid));
+            if (k > 0) assert_true(group_of(s, list[k]) >= group_of(s, list[k - 1]));
+            summed = summed || group_of(s, list[k]) == GROUP_SUMMATION;
+            listed[list[k]]++;
+        }
+        assert_int_equal(!!(cloud->nb.has[i] & LIST_SUMMED), summed);
         for (size_t j = 0; j < s->n; j++) {
             const double r = cloud_pair(cloud, i, j).r;
             const bool both_walls = group_of(s, i) == GROUP_WALL && group_of(s, j) == GROUP_WALL;
@@ -204,7 +208,7 @@ static void assert_same_lists(const Cloud *a, const Cloud *b)
     assert_memory_equal(a->nb.end, b->nb.end, a->s.n * sizeof *a->nb.end);
     for (size_t i = 0; i < a->s.n; i++)
         assert_memory_equal(neighbours_of(&a->nb, i), neighbours_of(&b->nb, i),
-                            a->nb.end[i][GROUP_WALL] * sizeof(uint32_t));
+                            a->nb.end[i][END_WALLS] * sizeof(uint32_t));
 }
 
 static void lists_are_the_same_for_any_number_of_threads(void **state)
@@ -323,7 +327,7 @@ static void a_position_that_is_no_number_does_no_harm(void **state)
         cloud->s.x[0][60] = -1e300;
         assert_int_equal(cloud_build(cloud), MNS_OK);
         for (size_t i = 0; i < cloud->s.n; i++)
-            if (!isfinite(cloud->s.x[0][i] + cloud->s.x[1][i])) assert_int_equal(cloud->nb.end[i][GROUP_WALL], 0);
+            if (!isfinite(cloud->s.x[0][i] + cloud->s.x[1][i])) assert_int_equal(cloud->nb.end[i][END_WALLS], 0);
         cloud_free(cloud);
     }
 }

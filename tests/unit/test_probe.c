@@ -62,7 +62,7 @@ static void pressure_of_a_linear_field_is_the_field(void **state)
             else put_point(probe->at, 0.4123, 0.3377, dim == 3 ? 0.2891 : 0);
             probe->radius = radii[k % 3];
         }
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         set_linear_pressure(sim);
         for (size_t k = 0; k < 6; k++)
             /* Symmetry makes the first exact. Elsewhere a narrow average is worst: it follows the nearest particles,
@@ -82,7 +82,7 @@ static void pressure_probe_moves_with_its_wall(void **state)
         put_point(probe->at, 0.3, 0.25, 0);
         probe->wall = k - 1;
     }
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     set_linear_pressure(sim);
     put_point(sim->model.wall[0].x, 0.1, 0.05, 0);
     assert_close(mns_sim_probe(sim, 0), linear((const double[]){0.3, 0.25, 0}), 1e-12);
@@ -95,7 +95,7 @@ static void pressure_where_no_fluid_is_is_no_number(void **state)
     (void)state;
     MnsCase *c = tank(2, false);
     put_point(case_add_probe(c, MNS_PROBE_PRESSURE)->at, 0.9, 0.7, 0);
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     assert_true(isnan(mns_sim_probe(sim, 0)));
     sim_done(sim, c);
 }
@@ -113,7 +113,7 @@ static void height_is_that_of_the_column(void **state)
                 probe->axis = 1;
                 put_point(probe->at, k == 1 ? 0.85 : 0.27, 7, 0.33); /* its height does not count */
             }
-            MnsSim *sim = sim_of(c);
+            MnsSim *sim = sim_in_arrays(c);
             /* With fluid above, the blur of the kernel cancels but for what the lattice leaves, some percent of dx; a
              * free surface ends where half of the kernel is filled: at the surface, to within dx/2. */
             const double allowed = oil ? 0.05 / 16 : 0.05 / 2;
@@ -134,7 +134,7 @@ static void height_may_be_along_any_axis(void **state)
         probe->axis = axis;
         put_point(probe->at, axis == 0 ? 0.2 : 0.3, axis == 2 ? 0.2 : 0.3, 0); /* the other two coordinates */
     }
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     const double expected[3] = {0.55, 0.45, 0.6};
     for (size_t k = 0; k < 3; k++) assert_close(mns_sim_probe(sim, k), expected[k], 0.05 / 4);
     sim_done(sim, c);
@@ -157,7 +157,7 @@ static void front_is_half_a_spacing_beyond_the_last_particle(void **state)
     nowhere->within = true;
     put_point(nowhere->min, 5, 5, 5);
     put_point(nowhere->max, 6, 6, 6);
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     assert_close(mns_sim_probe(sim, 0), 0.55, 1e-14);
     assert_close(mns_sim_probe(sim, 1), 0.45, 1e-14);
     assert_close(mns_sim_probe(sim, 2), 0.4, 1e-14);
@@ -191,7 +191,7 @@ static void bodies_have_the_mass_energy_and_momentum_of_their_density_and_speed(
                 probe->fluid = fluid;
                 probe->axis = k == 4 || k == 6;
             }
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         const double depth = dim == 3 ? 0.6 : 1, water = 2 * 0.55 * 0.45 * depth,
                      all = 0.5 * 0.8 * depth + 0.75 * water;
         const double masses[2] = {water, all};
@@ -220,7 +220,7 @@ static void coverage_of_a_lattice_is_its_sum_and_a_void_is_seen(void **state)
     for (int dim = 2; dim <= 3; dim++) {
         MnsCase *c = case_periodic(dim, 12);
         case_add_probe(c, MNS_PROBE_COVERAGE);
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         const double whole = 1; /* the kernel is calibrated */
         assert_close(mns_sim_probe(sim, 0), whole, 1e-12);
         /* Take away what is within 1.5 dx of one point of the lattice. */
@@ -250,7 +250,7 @@ static void coverage_may_be_of_a_part_of_the_domain(void **state)
         put_point(probe->min, k == 0 ? 0.1 : 0.8, k == 0 ? 0.1 : 0.5, 0);
         put_point(probe->max, k == 0 ? 0.4 : 0.85, k == 0 ? 0.3 : 0.6, 0);
     }
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     assert_close(mns_sim_probe(sim, 0), 1, 0.001); /* but for compression */
     assert_true(mns_sim_probe(sim, 1) == 0);       /* above the free surface, away from walls */
     sim_done(sim, c);
@@ -266,7 +266,7 @@ static void coverage_reaches_to_the_walls_of_a_filled_domain(void **state)
         probe->within = true; /* of the water */
         put_point(probe->min, 0, 0, 0);
         put_point(probe->max, 0.4, 0.3, 0);
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         assert_close(mns_sim_probe(sim, 0), 1, 0.001);
         const size_t corner = nth_of(sim, 0, 0);
         assert_true(sim->s.x[0][corner] < 0.05 && sim->s.x[1][corner] < 0.05);
@@ -283,7 +283,7 @@ static void escaped_particles_are_counted_in_the_tank_s_coordinates(void **state
     MnsCase *c = tank(2, true);
     for (int fluid = -1; fluid < 2; fluid++) case_add_probe(c, MNS_PROBE_ESCAPED)->fluid = fluid;
     c->probes[2].wall = 0;
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     assert_true(mns_sim_probe(sim, 0) == 0);
     sim->s.x[0][nth_of(sim, 1, 0)] = 1.001;
     sim->s.x[1][nth_of(sim, 1, 3)] = -0.02;
@@ -316,7 +316,7 @@ static void extremum_finds_the_one_particle(void **state)
         probe->fluid = rows[k].fluid;
         probe->least = rows[k].least;
     }
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     sim->s.v[0][nth_of(sim, 0, 4)] = 12;
     sim->s.v[2][nth_of(sim, 0, 4)] = -5;
     sim->s.p[nth_of(sim, 0, 4)] = -8;
@@ -363,7 +363,7 @@ static void extremum_of_a_field_that_is_not_there_is_no_number(void **state)
     MnsCase *c = tank(2, false);
     MnsProbe *probe = case_add_probe(c, MNS_PROBE_EXTREMUM);
     case_set_text(&probe->field, "density");
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     case_set_text(&probe->field, "shepard_sum");
     assert_true(isnan(mns_sim_probe(sim, 0)));
     sim_done(sim, c);
@@ -378,7 +378,7 @@ static void deviation_is_the_root_mean_square_from_a_formula(void **state)
         probe->fluid = fluid;
         case_set_text(&probe->formula, "40 - 30*y + 12*x + 7*z + 2*t");
     }
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     set_linear_pressure(sim);
     sim->progress.t = 1.5; /* the formula is 3 too high */
     assert_close(mns_sim_probe(sim, 0), 3, 1e-12);
@@ -408,7 +408,7 @@ static void probes_are_the_same_for_any_number_of_threads(void **state)
             put_point(probe->at, 0.43, 0.3, 0);
             case_set_text(&probe->field, "velocity");
         }
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         for (int k = 0; k < 3; k++) assert_int_equal(mns_sim_step(sim, INFINITY, NULL), MNS_OK);
         assert_int_equal(c->n_probes, sizeof values / sizeof *values);
         for (size_t k = 0; k < c->n_probes; k++) {
@@ -425,7 +425,7 @@ static void samples_are_averages_at_points(void **state)
 {
     (void)state;
     MnsCase *c = tank(3, false);
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     set_linear_pressure(sim);
     for (size_t i = 0; i < particles_fluid(&sim->s); i++)
         for (int d = 0; d < 3; d++) sim->s.v[d][i] = (const double[]){2, -3, 6}[d];
@@ -474,18 +474,19 @@ static void samples_miss_no_particle_whatever_their_radius(void **state)
     static const double skins[] = {-3, 0, 0.45, 0.75, 0.95, 1.5, 1.95, 4}; /* beyond the support of the scheme */
     for (int dim = 2; dim <= 3; dim++) {
         MnsCase *c = tank(dim, true);
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         const Model *model = &sim->model;
         Particles *s = &sim->s;
         for (size_t j = 0; j < s->n; j++) s->x[j / 2 % (size_t)dim][j] += (j % 2 ? 0.49 : -0.49) * model->skin;
         const double *const f = s->p;
+        const ShownView view = {f, 1};
         set_linear_pressure(sim);
         for (size_t k = 0; k < sizeof skins / sizeof *skins; k++)
             for (int q = 0; q < 300; q++) {
                 const double x[3] = {fmod(0.31 + 0.618034 * q, 1), fmod(0.17 + 0.414214 * q, 0.8),
                                      dim == 3 ? fmod(0.05 + 0.236068 * q, 0.6) : 0},
                              radius = model->kernel.support + skins[k] * model->skin;
-                const PointSums sums = sample_point(sim, x, radius, EVERY_FLUID, &f, 1),
+                const PointSums sums = sample_point(sim, x, radius, EVERY_FLUID, &view, 1),
                                 all = sums_over_all(sim, x, radius, f);
                 assert_close(sums.all, all.all, 1e-13); /* rounding, in another order */
                 assert_close(sums.fluid, all.fluid, 1e-13);
@@ -505,7 +506,7 @@ static void solves_are_told_of(void **state)
         c->scheme.name = k ? "riemann" : "incompressible";
         c->scheme.incompressible.density_tolerance = 1e-3; /* so that there is something to correct */
         for (int q = 0; q < 5; q++) case_add_probe(c, MNS_PROBE_SOLVER)->quantity = (MnsSolverQuantity)q;
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         for (int n = 0; n < 3; n++) assert_int_equal(mns_sim_step(sim, INFINITY, NULL), MNS_OK);
         for (size_t q = 0; q < 5; q++) value[q] = mns_sim_probe(sim, q);
         if (k) {

@@ -67,7 +67,7 @@ static void elevation_is_where_fluids_end_on_the_way_up(void **state)
         MnsCase *c = layers(dim);
         const size_t n = sizeof gauges / sizeof *gauges;
         for (size_t k = 0; k < n; k++) add_gauge(c, gauges[k].fluids, gauges[k].x, gauges[k].lowest);
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         for (size_t k = 0; k < n; k++) {
             const double value = mns_sim_probe(sim, k);
             /* Halfway between rows, but for compression and what the lattice leaves. */
@@ -91,7 +91,7 @@ static void elevation_of_what_fills_a_tank_is_no_number(void **state)
     c->fluids[1].shape.n = 0;
     add_gauge(c, 0, 0.4, true);
     add_gauge(c, 1, 0.4, true);
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     assert_true(isnan(mns_sim_probe(sim, 0)));
     assert_close(mns_sim_probe(sim, 1), 0.3, 0.02 * DX);
     c->fluids[1].shape.n = 2; /* to be freed */
@@ -106,7 +106,7 @@ static void elevation_may_be_along_any_axis_and_moves_with_its_wall(void **state
     sideways->axis = 0;
     put_point(sideways->at, 0, 0.8, 0);
     add_gauge(c, 0, 0.2 - 0.5, false)->wall = 0;
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     assert_close(mns_sim_probe(sim, 0), 0.3, 0.02 * DX); /* of the drop */
     sim->model.wall[0].x[0] = 0.5;
     assert_close(mns_sim_probe(sim, 1), 0.9, 0.02 * DX);
@@ -167,7 +167,7 @@ static void roundness_and_surface_are_those_of_known_bodies(void **state)
             MnsCase *c = body(rows[k].dim, rows[k].formula, rows[k].R, gas);
             add_of_body(c, MNS_PROBE_ROUNDNESS);
             add_of_body(c, MNS_PROBE_SURFACE_AREA);
-            MnsSim *sim = sim_of(c);
+            MnsSim *sim = sim_in_arrays(c);
             assert_close(mns_sim_probe(sim, 0), rows[k].roundness, rows[k].allowed);
             assert_close(mns_sim_probe(sim, 1) / rows[k].surface, 1, rows[k].surface_allowed);
             sim_done(sim, c);
@@ -181,7 +181,7 @@ static void both_sides_have_one_surface(void **state)
     for (int dim = 2; dim <= 3; dim++) {
         MnsCase *c = body(dim, dim == 2 ? ELLIPSE : SPINDLE, 8, true);
         for (int fluid = 0; fluid < 2; fluid++) add_of_body(c, MNS_PROBE_SURFACE_AREA)->fluid = fluid;
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         const double surface = mns_sim_probe(sim, 0);
         assert_true(surface > 0.3);
         assert_close(mns_sim_probe(sim, 1), surface, 1e-12); /* rounding */
@@ -197,7 +197,7 @@ static void a_body_across_a_seam_is_the_same_body(void **state)
         MnsCase *c = body(dim, dim == 2 ? ELLIPSE : SPINDLE, 5, true);
         add_of_body(c, MNS_PROBE_ROUNDNESS);
         add_of_body(c, MNS_PROBE_SURFACE_AREA);
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         const double roundness = mns_sim_probe(sim, 0), surface = mns_sim_probe(sim, 1);
         sim_done(sim, c);
         c = body(dim, dim == 2 ? ELLIPSE : SPINDLE, 5, true);
@@ -208,7 +208,7 @@ static void a_body_across_a_seam_is_the_same_body(void **state)
         case_set_text(&c->fluids[0].shape.parts[0].formula, moved);
         add_of_body(c, MNS_PROBE_ROUNDNESS);
         add_of_body(c, MNS_PROBE_SURFACE_AREA);
-        sim = sim_of(c);
+        sim = sim_in_arrays(c);
         assert_close(mns_sim_probe(sim, 0), roundness, 1e-10);
         assert_close(mns_sim_probe(sim, 1), surface, 1e-10);
         sim_done(sim, c);
@@ -223,7 +223,7 @@ static void a_surface_on_a_wall_is_not_free(void **state)
         MnsCase *c = layers(dim);
         c->fluids[1].shape.n--; /* without the drop */
         for (int fluid = 0; fluid < 2; fluid++) add_of_body(c, MNS_PROBE_SURFACE_AREA)->fluid = fluid;
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         const double width = dim == 2 ? 1 : 0.6;
         /* Where a surface meets walls it may end up to a cell beside them. */
         assert_close(mns_sim_probe(sim, 0), width, dim == 2 ? 2 * DX : 4 * DX);
@@ -240,7 +240,7 @@ static void a_fluid_that_is_not_there_has_no_roundness(void **state)
     add_of_body(c, MNS_PROBE_ROUNDNESS);
     add_of_body(c, MNS_PROBE_SURFACE_AREA);
     add_of_body(c, MNS_PROBE_EXTENT);
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     for (size_t i = 0; i < particles_fluid(&sim->s); i++) sim->s.phase[i] = 1;
     assert_true(isnan(mns_sim_probe(sim, 0)));
     assert_true(mns_sim_probe(sim, 1) == 0);
@@ -260,7 +260,7 @@ static void extent_is_where_a_body_ends(void **state)
                 probe->axis = k / 2;
                 probe->least = k % 2;
             }
-            MnsSim *sim = sim_of(c);
+            MnsSim *sim = sim_in_arrays(c);
             static const double ends[] = {0.65, 0.2, 0.7, 0.25};
             for (int step = 0; step < 4; step++) {
                 for (size_t k = 0; k < 4; k++)
@@ -280,7 +280,7 @@ static void extent_leaves_out_what_is_alone_or_outside_its_box(void **state)
     upper->within = true;
     put_point(upper->min, 0, 0.6, 0);
     put_point(upper->max, 1, 1, 1);
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     const Particles *s = &sim->s;
     for (size_t i = 0; i < particles_fluid(s); i++)
         if (fabs(s->x[0][i] - 0.925) < 1e-9 && fabs(s->x[1][i] - 0.425) < 1e-9) sim->s.phase[i] = 0;
@@ -300,7 +300,7 @@ static void extent_ends_at_walls(void **state)
         probe->axis = k / 2;
         probe->least = k % 2;
     }
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     static const double ends[] = {1, 0, 0.3, 0, 0.6, 0};
     for (size_t k = 0; k < 6; k++) assert_close(mns_sim_probe(sim, k), ends[k], 0.05 * DX);
     sim_done(sim, c);
@@ -317,7 +317,7 @@ static void velocity_is_the_mean_by_mass_and_volume_the_sum(void **state)
             velocity->axis = 1;
             case_add_probe(c, MNS_PROBE_VOLUME)->fluid = fluid;
         }
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         double mass[2] = {0}, momentum[2] = {0}, volume[2] = {0};
         for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
             const int fluid = sim->s.phase[i];
@@ -349,7 +349,7 @@ static void pressure_jump_is_that_between_what_is_away_from_the_surface(void **s
         for (int k = 0; k < 3; k++) add_of_body(c, MNS_PROBE_PRESSURE_JUMP);
         c->probes[1].fluid = 1;
         c->probes[2].radius = 1.5 / 24;
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         Particles *s = &sim->s;
         const double support = sim->model.kernel.support;
         for (size_t i = 0; i < s->n; i++) {
@@ -373,7 +373,7 @@ static void pressure_jump_of_a_body_that_is_all_surface_is_no_number(void **stat
     (void)state;
     MnsCase *c = body(2, "(x - a)^2 + (y - b)^2 < 0.01", 5, true);
     add_of_body(c, MNS_PROBE_PRESSURE_JUMP);
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     assert_true(isnan(mns_sim_probe(sim, 0)));
     sim_done(sim, c);
 }
@@ -388,7 +388,7 @@ static void bodies_are_the_same_for_any_number_of_threads(void **state)
         MnsCase *c = body(3, SPINDLE, 10, true);
         c->threads = threads;
         for (int k = 0; k < 4; k++) add_of_body(c, kinds[k]);
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         for (size_t i = 0; i < sim->s.n; i++) {
             sim->s.p[i] = sin(40 * sim->s.x[0][i]) + 3 * sim->s.x[1][i];
             sim->s.x[1][i] += 1e-3 * cos(50 * sim->s.x[0][i]);

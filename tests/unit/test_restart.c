@@ -257,9 +257,9 @@ static void hash_does_not_know_the_order_of_storage_but_every_bit_else(void **st
     particles_permute(&sim->s, order, 1);
     free(order);
     assert_true(mns_sim_hash(sim) == hash);
-    sim->s.v[1][5] = nextafter(sim->s.v[1][5], 100);
+    sim->s.v[1][5 * sim->s.v_step] = nextafter(sim->s.v[1][5 * sim->s.v_step], 100);
     assert_true(mns_sim_hash(sim) != hash);
-    sim->s.v[1][5] = nextafter(sim->s.v[1][5], -100);
+    sim->s.v[1][5 * sim->s.v_step] = nextafter(sim->s.v[1][5 * sim->s.v_step], -100);
     assert_true(mns_sim_hash(sim) == hash);
     MnsProgress *const p = &sim->progress;
     double *const times[] = {&p->t, &p->dt, &p->dt_first};

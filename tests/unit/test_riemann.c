@@ -163,7 +163,7 @@ static Cloud *two(int dim, int first, int second, const double a[3], const doubl
     for (int k = 0; k < 2; k++)
         for (int d = 0; d < dim; d++) cloud->s.x[d][k] = cloud->s.id[k] == 0 ? a[d] : b[d];
     assert_int_equal(cloud_build(cloud), MNS_OK);
-    assert_int_equal(cloud->nb.end[0][GROUP_WALL], 1);
+    assert_int_equal(cloud->nb.end[0][END_WALLS], 1);
     return cloud;
 }
 

@@ -44,7 +44,9 @@ static Cloud *stirred(int dim, bool closed)
             cloud->s.correction_off[d][i] = 0.2 * cloud_noise(&seed);
             cloud->s.offset[d][i] = cloud_noise(&seed);
             cloud->s.colour_gradient[d][i] = cloud_noise(&seed);
-            cloud->s.to_surface[d][i] = 0.1 * (1 + d + cloud_noise(&seed));
+            const double to_surface = 0.1 * (1 + d + cloud_noise(&seed));
+            const size_t n = particles_fluid(&cloud->s);
+            if (i >= n) cloud->s.to_surface[d][i - n] = to_surface;
         }
     }
     for (size_t k = 0; k < cloud->system.matrix.n; k++) cloud->system.x[k] = cloud_noise(&seed);
@@ -67,7 +69,8 @@ static char *copy_of(const Particles *s)
     for (int f = 0; mns_fields()[f].name; f++)
         for (int d = 0; d < 3; d++) {
             const char *array = particles_field(s, f, d);
-            const size_t bytes = s->n * field_size(&mns_fields()[f]);
+            const Owners owners = particles_owners(s, f);
+            const size_t bytes = (owners.last - owners.first) * field_size(&mns_fields()[f]);
             if (!array) continue;
             copy = realloc(copy, size + bytes);
             assert_non_null(copy);
@@ -84,16 +87,19 @@ static Fields changes(const Particles *s, const char *copy, const char *name, un
     for (int f = 0; mns_fields()[f].name; f++)
         for (int d = 0; d < 3; d++) {
             const char *array = particles_field(s, f, d);
+            const Owners owners = particles_owners(s, f);
             const size_t size = field_size(&mns_fields()[f]);
             if (!array) continue;
             for (int g = 0; g < GROUPS; g++) {
-                const size_t first = s->begin[g] * size, bytes = (s->begin[g + 1] - s->begin[g]) * size;
+                if (s->begin[g] < owners.first) continue;
+                const size_t first = (s->begin[g] - owners.first) * size,
+                             bytes = (s->begin[g + 1] - s->begin[g]) * size;
                 if (memcmp(array + first, copy + first, bytes) == 0) continue;
                 found |= UINT64_C(1) << f;
                 if (!(on >> g & 1) || !(writes >> f & 1))
                     fail_msg("%s writes %s of group %d without saying so", name, mns_fields()[f].name, g);
             }
-            copy += s->n * size;
+            copy += (owners.last - owners.first) * size;
         }
     return found;
 }

@@ -11,6 +11,7 @@ static void cloud_shift(Cloud *cloud)
 {
     cloud_term(cloud, &concentration);
     cloud_term(cloud, &shifting);
+    local_run(&shifted_position, &cloud->s, &cloud->model, cloud->threads);
 }
 
 /* Is particle i listed beside one of another fluid? */
@@ -18,7 +19,7 @@ static bool is_mixed(const Cloud *cloud, size_t i)
 {
     const Particles *s = &cloud->s;
     const uint32_t *list = neighbours_of(&cloud->nb, i);
-    for (size_t k = 0; k < cloud->nb.end[i][GROUP_SUMMATION]; k++)
+    for (size_t k = 0; k < cloud->nb.end[i][END_FLUID]; k++)
         if (s->phase[list[k]] != s->phase[i]) return true;
     return false;
 }

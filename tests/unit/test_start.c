@@ -77,7 +77,7 @@ static void layers_under_a_free_surface_bear_the_sum_of_those_above(void **state
         for (int k = 0; k < 2 * dim; k++) {
             MnsCase *c = tank(dim);
             add_layers(c, k / 2, k % 2);
-            MnsSim *sim = sim_of(c);
+            MnsSim *sim = sim_in_arrays(c);
             assert_layers(sim, k / 2, k % 2);
             sim_done(sim, c);
         }
@@ -116,7 +116,7 @@ static void fluid_under_a_block_has_the_pressure_of_its_height(void **state)
             a[other] = c->min[other] + 0.6;
             b[other] = a[other] + 0.2;
             add_box(&c->walls[1].shape, dim, a, b);
-            MnsSim *sim = sim_of(c);
+            MnsSim *sim = sim_in_arrays(c);
             assert_layers(sim, axis, down);
             sim_done(sim, c);
         }
@@ -138,7 +138,7 @@ static void closed_arm_of_a_siphon_is_under_the_pressure_of_the_other(void **sta
             case_add_fluid(c, "water", 5, 40);
             if (!lid) case_set_text(&case_add_part(&c->fluids[0].shape, MNS_FORMULA)->formula, "y < 0.3");
             case_set_text(&c->fluids[0].pressure, "hydrostatic");
-            MnsSim *sim = sim_of(c);
+            MnsSim *sim = sim_in_arrays(c);
             for (size_t i = 0; i < particles_fluid(&sim->s); i++)
                 assert_close(sim->s.p[i], 5 * 4 * ((lid ? 0.5 : 0.3) - sim->s.x[1][i]), 1e-11);
             sim_done(sim, c);
@@ -157,7 +157,7 @@ static void chambers_that_are_not_joined_begin_with_zero_each(void **state)
         case_set_text(&c->gravity[1], "-4");
         case_add_fluid(c, "water", 5, 40);
         case_set_text(&c->fluids[0].pressure, "hydrostatic");
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
             const double y = sim->s.x[1][i];
             assert_close(sim->s.p[i], 5 * 4 * ((y > 0 ? 0.5 : -0.3) - y), 1e-11);
@@ -176,7 +176,7 @@ static void what_is_not_joined_to_a_pool_is_not_weighed_by_it(void **state)
     case_set_text(&case_add_part(&c->fluids[0].shape, MNS_FORMULA)->formula,
                   "y < -0.3 or (y > 0.1 and y < 0.3 and x < 0.6)");
     case_set_text(&c->fluids[0].pressure, "hydrostatic");
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
         const double y = sim->s.x[1][i];
         assert_close(sim->s.p[i], 5 * 4 * ((y > 0 ? 0.3 : -0.3) - y), 1e-11);
@@ -264,7 +264,7 @@ static void drop_without_weight_is_under_the_tension_of_its_surface(void **state
         c->resolution = 20;
         if (dim == 2) add_bubble(c, 0.8, -0.1, 0, 0.26);
         else add_bubble(c, 0.8, -0.1, 0.65, 0.21);
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         const Ball ball = measure(sim, 0.8, -0.1, 0.65, 0.5);
         assert_int_equal(ball.n, dim == 2 ? 88 : 304);
         assert_close(ball.radius, dim == 2 ? sqrt(0.22 / acos(-1)) : cbrt(0.0285 / acos(-1)), 1e-14);
@@ -288,7 +288,7 @@ static void bubbles_are_under_the_pressure_of_their_height_and_water_does_not_fe
             case_set_text(&c->gravity[axis], down ? "-4" : "4");
             add_bubble(c, 0.6, -0.4, 0.5, 0.15);
             add_bubble(c, 1.02, 0.13, 0.8, 0.23);
-            MnsSim *sim = sim_of(c);
+            MnsSim *sim = sim_in_arrays(c);
             const Ball small = measure(sim, 0.6, -0.4, 0.5, 0.2), large = measure(sim, 1.02, 0.13, 0.8, 0.28);
             const double top = down ? c->max[axis] : c->min[axis];
             assert_true(small.radius < 0.17 && large.radius > 0.21);
@@ -329,7 +329,7 @@ static void bubble_across_periodic_seams_is_one(void **state)
             case_set_text(&c->gravity[0], "0.2");
             case_set_text(&c->gravity[1], "-0.3"); /* a drop has its own weight, wherever that acts */
             add_bubble(c, at[0], at[1], at[2], 0.2);
-            MnsSim *sim = sim_of(c);
+            MnsSim *sim = sim_in_arrays(c);
             const Ball ball = measure(sim, at[0], at[1], at[2], 0.25);
             assert_close(ball.radius, 0.2, 0.01);
             assert_ball(sim, &ball, 4);
@@ -354,7 +354,7 @@ static void drop_in_a_gas_over_a_pool_weighs_on_neither(void **state)
         c->scheme.name = "dissipation";           /* the Riemann scheme has no tension */
         c->tension[0][2] = c->tension[2][0] = 99; /* it does not touch */
         add_bubble(c, 0.77, 0.1, 0.6, 0.21);
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         const Ball ball = measure(sim, 0.77, 0.1, 0.6, 0.3);
         assert_ball(sim, &ball, 0.2 * G * (0.5 - ball.centre[1]));
         for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
@@ -377,7 +377,7 @@ static void bubbles_are_the_same_for_any_number_of_threads(void **state)
         case_set_text(&c->gravity[2], "-4");
         add_bubble(c, 0.6, -0.4, 0.5, 0.15);
         add_bubble(c, 1.02, 0.13, 0.8, 0.23);
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         if (threads == 1) hash = mns_sim_hash(sim);
         assert_true(mns_sim_hash(sim) == hash);
         sim_done(sim, c);

@@ -287,7 +287,7 @@ static Drop drop_of(int dim, MnsKernel kernel, double smoothing, const Form *for
     for (size_t i = 0; i < s->n; i++) {
         double q[3] = {0}, out[3] = {0}, along = 0, radial = 0;
         if (!has_normal(s, i)) continue;
-        for (size_t k = 0; k < nb->end[i][GROUP_WALL]; k++) { /* all fluids: M is the identity here */
+        for (size_t k = 0; k < nb->end[i][END_WALLS]; k++) { /* all fluids: M is the identity here */
             const size_t j = neighbours_of(nb, i)[k];
             const CloudPair pair = cloud_pair(cloud, i, j);
             for (int d = 0; d < dim && s->phase[j] != s->phase[i]; d++) q[d] += pair.F * pair.dx[d] * s->vol[j];

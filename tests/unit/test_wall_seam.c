@@ -54,7 +54,7 @@ static void flow_past_a_post_on_the_seam_is_that_past_one_in_the_middle(void **s
         size_t walls[2], guarded[2];
         for (int k = 0; k < 2; k++) {
             MnsCase *c = posts(dim, places[k]);
-            MnsSim *sim = sim_of(c);
+            MnsSim *sim = sim_in_arrays(c);
             walls[k] = sim->s.n - particles_fluid(&sim->s);
             for (int step = 0; step < 150; step++) {
                 assert_int_equal(mns_sim_step(sim, INFINITY, NULL), MNS_OK);
@@ -81,7 +81,7 @@ static void fluid_across_a_seam_is_whole_too(void **state)
                                               .a = {k ? 0.03125 : 0.53125, 0.96875, 0.53125},
                                               .radius = 0.31,
                                               .formula = c->fluids[0].shape.parts->formula};
-        MnsSim *sim = sim_of(c);
+        MnsSim *sim = sim_in_arrays(c);
         for (size_t i = 0; i < sim->s.n; i++) counts[k] += sim->s.phase[i] == 0;
         sim_done(sim, c);
     }
@@ -100,13 +100,13 @@ static void particle_between_two_walls_is_kept_once(void **state)
     step->a[0] = 3;
     step->b[0] = 4;
     step->b[1] = 1;
-    MnsSim *sim = sim_of(c);
+    MnsSim *sim = sim_in_arrays(c);
     sim->s.x[0][0] = 2.99;
     sim->s.x[1][0] = 0.01;
     for (size_t i = 1; i < particles_fluid(&sim->s); i++) sim->s.x[1][i] = 1.5; /* far from all walls */
     for (size_t i = 0; i < particles_fluid(&sim->s); i++) {                     /* and none is passed over */
-        sim->nb.end[i][GROUP_SUMMATION] = 0;
-        sim->nb.end[i][GROUP_WALL] = 1;
+        sim->nb.end[i][END_FLUID] = 0;
+        sim->nb.end[i][END_WALLS] = 1;
     }
     assert_int_equal(guard_walls(sim), 1);
     assert_close(sim->s.x[0][0], 3 - 0.025, 1e-12);

@@ -20,12 +20,12 @@ enum { MATRIX_VELOCITY, MATRIX_DENSITY };
 static void drift(MnsSim *sim, double dt)
 {
     Particles *s = &sim->s;
-    const size_t n = particles_fluid(s);
+    const size_t n = particles_fluid(s), step = s->x_step, v_step = s->v_step;
     for (int d = 0; d < s->dim; d++) {
         double *restrict x = s->x[d];
         const double *restrict v = s->v[d], *restrict a = s->a[d];
 #pragma omp parallel for simd schedule(static) num_threads(sim->threads)
-        for (size_t i = 0; i < n; i++) x[i] += dt * (v[i] + 0.5 * dt * a[i]);
+        for (size_t i = 0; i < n; i++) x[i * step] += dt * (v[i * v_step] + 0.5 * dt * a[i]);
     }
     particles_changed(s, ON_FLUID, FIELD(X));
 }
@@ -34,12 +34,12 @@ static void drift(MnsSim *sim, double dt)
 static void push(MnsSim *sim, double dt, const double gravity[3])
 {
     Particles *s = &sim->s;
-    const size_t n = particles_fluid(s);
+    const size_t n = particles_fluid(s), step = s->v_step;
     for (int d = 0; d < s->dim; d++) {
         double *restrict v = s->v[d];
         const double *restrict a = s->a[d], g = gravity[d];
 #pragma omp parallel for simd schedule(static) num_threads(sim->threads)
-        for (size_t i = 0; i < n; i++) v[i] += dt * (a[i] - g);
+        for (size_t i = 0; i < n; i++) v[i * step] += dt * (a[i] - g);
     }
     particles_changed(s, ON_FLUID, FIELD(V));
 }
@@ -187,7 +187,7 @@ static void show_walls(MnsSim *sim, double dt, double share)
             sum += y->matrix.diagonal[node] * y->x[node];
             weight += y->matrix.diagonal[node];
         }
-        s->p[n + w] += share * ((weight > 0 ? sum / (weight * dt) : 0) - s->p[n + w]);
+        s->p[(n + w) * s->p_step] += share * ((weight > 0 ? sum / (weight * dt) : 0) - s->p[(n + w) * s->p_step]);
     }
 }
 
@@ -195,16 +195,17 @@ static void finish(MnsSim *sim, double dt)
 {
     const double share = pressure_share(sim, dt);
     Particles *s = &sim->s;
-    const size_t n = particles_fluid(s);
+    const size_t n = particles_fluid(s), v_step = s->v_step, p_step = s->p_step;
     const double *restrict P = sim->system.x;
+    double *restrict p = s->p;
     for (int d = 0; d < s->dim; d++) {
         double *restrict v = s->v[d];
         const double change = dt * sim->model.gravity[d];
 #pragma omp parallel for simd schedule(static) num_threads(sim->threads)
-        for (size_t i = 0; i < n; i++) v[i] += change;
+        for (size_t i = 0; i < n; i++) v[i * v_step] += change;
     }
 #pragma omp parallel for simd schedule(static) num_threads(sim->threads)
-    for (size_t i = 0; i < n; i++) s->p[i] += share * (P[i] / dt - s->p[i]);
+    for (size_t i = 0; i < n; i++) p[i * p_step] += share * (P[i] / dt - p[i * p_step]);
     show_walls(sim, dt, share);
     particles_changed(s, ON_ALL, FIELD(V) | FIELD(P));
 }

@@ -6,30 +6,37 @@
 #include <math.h>
 #include <omp.h>
 
+enum { CHUNK = 256 }; /* particles whose bundles stay in the first cache from one component to the next */
+
+/* Component d of particles [first, last). */
+static void kick_component(const Particles *s, int d, double dt, size_t first, size_t last)
+{
+    const size_t x_step = s->x_step, v_step = s->v_step;
+    double *restrict x = s->x[d], *restrict v = s->v[d];
+    const double *restrict a = s->a[d], *restrict b = s->b[d], half = 0.5 * dt;
+    if (!b) { /* no transport velocity in this scheme */
+        for (size_t i = first; i < last; i++) {
+            const double now = v[i * v_step] + half * a[i];
+            v[i * v_step] = now;
+            x[i * x_step] += dt * now;
+        }
+        return;
+    }
+    for (size_t i = first; i < last; i++) {
+        const double now = v[i * v_step] + half * a[i];
+        v[i * v_step] = now;
+        x[i * x_step] += dt * (now + half * b[i]);
+    }
+}
+
 /* Half a kick and the drift of the fluid. */
 static void kick_and_drift(MnsSim *sim, double dt)
 {
     Particles *s = &sim->s;
     const size_t n = particles_fluid(s);
-    const double half = 0.5 * dt;
-#pragma omp parallel num_threads(sim->threads)
-    for (int d = 0; d < s->dim; d++) {
-        double *restrict x = s->x[d], *restrict v = s->v[d];
-        const double *restrict a = s->a[d], *restrict b = s->b[d];
-        if (!b) { /* no transport velocity in this scheme */
-#pragma omp for simd schedule(static) nowait
-            for (size_t i = 0; i < n; i++) {
-                v[i] += half * a[i];
-                x[i] += dt * v[i];
-            }
-            continue;
-        }
-#pragma omp for simd schedule(static) nowait
-        for (size_t i = 0; i < n; i++) {
-            v[i] += half * a[i];
-            x[i] += dt * (v[i] + half * b[i]);
-        }
-    }
+#pragma omp parallel for schedule(static) num_threads(sim->threads)
+    for (size_t first = 0; first < n; first += CHUNK)
+        for (int d = 0; d < s->dim; d++) kick_component(s, d, dt, first, first + CHUNK < n ? first + CHUNK : n);
     particles_changed(s, ON_FLUID, FIELD(X) | FIELD(V));
 }
 
@@ -46,8 +53,8 @@ static bool kick_and_look(MnsSim *sim, double dt)
     for (size_t i = 0; i < n; i++) {
         double v2 = 0;
         for (int d = 0; d < s->dim; d++) {
-            s->v[d][i] += half * s->a[d][i];
-            v2 += s->v[d][i] * s->v[d][i];
+            s->v[d][i * s->v_step] += half * s->a[d][i];
+            v2 += s->v[d][i * s->v_step] * s->v[d][i * s->v_step];
         }
         bad += !sim_is_well(s, model, i, v2);
         fastest = v2 > fastest ? v2 : fastest;

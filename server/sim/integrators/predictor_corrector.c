@@ -13,17 +13,15 @@ static void predict(MnsSim *sim, double dt)
     Particles *s = &sim->s;
     const size_t n = particles_fluid(s);
     const double half = 0.5 * dt;
-    for (int d = 0; d < s->dim; d++) {
-        double *restrict x = s->x[d], *restrict v = s->v[d], *restrict x0 = s->x0[d], *restrict v0 = s->v0[d];
-        const double *restrict a = s->a[d];
-#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
-        for (size_t i = 0; i < n; i++) {
-            x0[i] = x[i];
-            v0[i] = v[i];
-            x[i] += half * v[i];
-            v[i] += half * a[i];
+#pragma omp parallel for schedule(static) num_threads(sim->threads)
+    for (size_t i = 0; i < n; i++)
+        for (int d = 0; d < s->dim; d++) {
+            double *x = &s->x[d][i * s->x_step], *v = &s->v[d][i * s->v_step];
+            s->x0[d][i] = *x;
+            s->v0[d][i] = *v;
+            *x += half * *v;
+            *v += half * s->a[d][i];
         }
-    }
     double *restrict rho = s->rho, *restrict rho0 = s->rho0;
     const double *restrict rate = s->rate;
 #pragma omp parallel for simd schedule(static) num_threads(sim->threads)
@@ -38,15 +36,13 @@ static void correct(MnsSim *sim, double dt)
 {
     Particles *s = &sim->s;
     const size_t n = particles_fluid(s);
-    for (int d = 0; d < s->dim; d++) {
-        double *restrict x = s->x[d], *restrict v = s->v[d];
-        const double *restrict a = s->a[d], *restrict x0 = s->x0[d], *restrict v0 = s->v0[d];
-#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
-        for (size_t i = 0; i < n; i++) {
-            v[i] = v0[i] + dt * a[i];
-            x[i] = x0[i] + 0.5 * dt * (v0[i] + v[i]);
+#pragma omp parallel for schedule(static) num_threads(sim->threads)
+    for (size_t i = 0; i < n; i++)
+        for (int d = 0; d < s->dim; d++) {
+            const double v0 = s->v0[d][i], v = v0 + dt * s->a[d][i];
+            s->v[d][i * s->v_step] = v;
+            s->x[d][i * s->x_step] = s->x0[d][i] + 0.5 * dt * (v0 + v);
         }
-    }
     double *restrict rho = s->rho;
     const double *restrict rate = s->rate, *restrict rho0 = s->rho0;
 #pragma omp parallel for simd schedule(static) num_threads(sim->threads)

@@ -64,12 +64,17 @@ MnsStatus pressure_solve(MnsSim *sim, const SolveMethod *method, double toleranc
 }
 
 /* Where particles are, and where they were when the lists were made. */
-static void exchange_positions(Particles *s)
+static void exchange_positions(Particles *s, int threads)
 {
+    const size_t step = s->x_step;
     for (int d = 0; d < s->dim; d++) {
-        double *x = s->x[d];
-        s->x[d] = s->ref[d];
-        s->ref[d] = x;
+        double *restrict x = s->x[d], *restrict ref = s->ref[d];
+#pragma omp parallel for simd schedule(static) num_threads(threads)
+        for (size_t i = 0; i < s->n; i++) {
+            const double now = x[i * step];
+            x[i * step] = ref[i];
+            ref[i] = now;
+        }
     }
     particles_changed(s, ON_ALL, FIELD(X) | FIELD(REF));
 }
@@ -84,10 +89,10 @@ static void prepare(MnsSim *sim, const SolveMethod *method)
 void pressure_prepare(MnsSim *sim, const SolveMethod *method, const int passes[], size_t n)
 {
     if (!method->prepare || system_is_ready(&sim->system)) return;
-    exchange_positions(&sim->s);
+    exchange_positions(&sim->s, sim->threads);
     for (size_t k = 0; k < n; k++) integrator_pass(sim, passes[k]);
     prepare(sim, method);
-    exchange_positions(&sim->s);
+    exchange_positions(&sim->s, sim->threads);
     integrator_pass(sim, passes[0]);
 }
 
@@ -95,9 +100,10 @@ void pressure_guess(MnsSim *sim, double dt)
 {
     System *y = &sim->system;
     const size_t n = particles_fluid(&sim->s);
-    const double *restrict p = sim->s.p, from = y->held == NOT_HELD ? 0 : p[y->held];
+    const size_t step = sim->s.p_step;
+    const double *restrict p = sim->s.p, from = y->held == NOT_HELD ? 0 : p[y->held * step];
 #pragma omp parallel for simd schedule(static) num_threads(sim->threads)
-    for (size_t i = 0; i < n; i++) y->x[i] = (p[i] - from) * dt;
+    for (size_t i = 0; i < n; i++) y->x[i] = (p[i * step] - from) * dt;
     system_relax(y, n);
 }
 

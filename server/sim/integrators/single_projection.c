@@ -15,13 +15,13 @@
 static void push(MnsSim *sim, double dt)
 {
     Particles *s = &sim->s;
-    const size_t n = particles_fluid(s);
+    const size_t n = particles_fluid(s), step = s->v_step;
     for (int d = 0; d < s->dim; d++) {
         double *restrict v = s->v[d], *restrict a = s->a[d];
 #pragma omp parallel for simd schedule(static) num_threads(sim->threads)
         for (size_t i = 0; i < n; i++) {
-            const double before = v[i];
-            v[i] += dt * a[i];
+            const double before = v[i * step];
+            v[i * step] += dt * a[i];
             a[i] = before;
         }
     }
@@ -33,18 +33,18 @@ static void show_accelerations(MnsSim *sim, double dt)
 {
     Particles *s = &sim->s;
     for (int d = 0; d < s->dim; d++)
-        for (size_t i = 0; i < particles_fluid(s); i++) s->a[d][i] = (s->v[d][i] - s->a[d][i]) / dt;
+        for (size_t i = 0; i < particles_fluid(s); i++) s->a[d][i] = (s->v[d][i * s->v_step] - s->a[d][i]) / dt;
 }
 
 static void drift(MnsSim *sim, double dt)
 {
     Particles *s = &sim->s;
-    const size_t n = particles_fluid(s);
+    const size_t n = particles_fluid(s), step = s->x_step, v_step = s->v_step;
     for (int d = 0; d < s->dim; d++) {
         double *restrict x = s->x[d];
         const double *restrict v = s->v[d], *restrict v0 = s->a[d];
 #pragma omp parallel for simd schedule(static) num_threads(sim->threads)
-        for (size_t i = 0; i < n; i++) x[i] += 0.5 * dt * (v0[i] + v[i]);
+        for (size_t i = 0; i < n; i++) x[i * step] += 0.5 * dt * (v0[i] + v[i * v_step]);
     }
     particles_changed(s, ON_FLUID, FIELD(X));
 }
@@ -103,16 +103,18 @@ static MnsStatus solve(MnsSim *sim, MnsError *error)
 static void keep_pressure(MnsSim *sim, double dt)
 {
     Particles *s = &sim->s;
+    const size_t step = s->p_step;
     const double *restrict P = sim->system.x, share = pressure_share(sim, dt);
+    double *restrict p = s->p;
 #pragma omp parallel for simd schedule(static) num_threads(sim->threads)
-    for (size_t i = 0; i < s->n; i++) s->p[i] = share * (P[i] / dt) + (1 - share) * s->p[i];
+    for (size_t i = 0; i < s->n; i++) p[i * step] = share * (P[i] / dt) + (1 - share) * p[i * step];
     particles_changed(s, ON_ALL, FIELD(P));
 }
 
 /* Neighbours, but no diagonal to divide by. */
 static bool is_silent(const MnsSim *sim, size_t i)
 {
-    return sim->system.matrix.blocks[i] == 0 && i != sim->system.held && sim->nb.end[i][GROUP_WALL] > 0;
+    return sim->system.matrix.blocks[i] == 0 && i != sim->system.held && sim->nb.end[i][END_WALLS] > 0;
 }
 
 /* Of a particle whose neighbours lie so that its row has no diagonal to divide by, the pressure would stay what it was, and the fluid around
@@ -133,7 +135,8 @@ static MnsStatus check_rows(const MnsSim *sim, MnsError *error)
         "pressure to be solved for there, as of particle %u of %s at (%g, %g, %g) m. Look at the snapshot, "
         "then try a smaller cfl, a larger shifting_strength or a larger scheme.smoothing",
         (unsigned long long)sim->progress.step + 1, sim->model.t, silent, s->id[worst],
-        sim->c->fluids[s->phase[worst]].name, s->x[0][worst], s->x[1][worst], s->dim == 3 ? s->x[2][worst] : 0);
+        sim->c->fluids[s->phase[worst]].name, s->x[0][worst * s->x_step], s->x[1][worst * s->x_step],
+        s->dim == 3 ? s->x[2][worst * s->x_step] : 0);
 }
 
 static MnsStatus project(MnsSim *sim, double dt, MnsError *error)

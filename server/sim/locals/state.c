@@ -14,7 +14,7 @@ static void state(Particles *s, const Model *model, size_t first, size_t last)
 {
     for (size_t i = first; i < last; i++) {
         const Phase *phase = &model->phase[s->phase[i]];
-        s->p[i] = state_pressure(phase, s->rho[i]);
+        s->p[i * s->p_step] = state_pressure(phase, s->rho[i]);
         keep_made(s, model, i);
     }
 }

@@ -113,7 +113,7 @@ static void add_brick(const void *of, size_t index, double sums[static TALLIES])
 
 static double coordinate(const Measure *m, size_t i)
 {
-    const double x = m->sim->s.x[m->probe->axis][i];
+    const double x = m->sim->s.x[m->probe->axis][i * m->sim->s.x_step];
     return m->probe->least ? -x : x;
 }
 

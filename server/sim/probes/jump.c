@@ -13,11 +13,12 @@ static bool is_near_surface(const Measure *m, size_t i)
     const double margin = m->probe->radius > 0 ? m->probe->radius : sim->model.kernel.support;
     const uint32_t *list = neighbours_of(&sim->nb, i);
     const bool inside = s->phase[i] == m->probe->fluid;
-    for (size_t k = 0; k < sim->nb.end[i][GROUP_SUMMATION]; k++) {
+    for (size_t k = 0; k < sim->nb.end[i][END_FLUID]; k++) {
         const uint32_t j = list[k];
         if ((s->phase[j] == m->probe->fluid) == inside) continue;
         double r2 = 0;
-        for (int d = 0; d < s->dim; d++) r2 += pow(model_nearest(&sim->model, d, s->x[d][i] - s->x[d][j]), 2);
+        for (int d = 0; d < s->dim; d++)
+            r2 += pow(model_nearest(&sim->model, d, s->x[d][i * s->x_step] - s->x[d][j * s->x_step]), 2);
         if (r2 <= margin * margin) return true;
     }
     return false;
@@ -31,7 +32,7 @@ static void add_block(const void *of, size_t block, double sums[static TALLIES])
     for (size_t i = block * SIM_BLOCK; i < n && i < (block + 1) * SIM_BLOCK; i++) {
         if (is_near_surface(m, i)) continue;
         const bool inside = s->phase[i] == m->probe->fluid;
-        sums[inside ? PRESSURE_INSIDE : PRESSURE_OUTSIDE] += s->p[i];
+        sums[inside ? PRESSURE_INSIDE : PRESSURE_OUTSIDE] += s->p[i * s->p_step];
         sums[inside ? NUMBER_INSIDE : NUMBER_OUTSIDE] += 1;
     }
 }

@@ -9,7 +9,9 @@ bool measure_counts(const Measure *m, size_t i)
     const MnsProbe *probe = m->probe;
     if (probe->fluid >= 0 && m->sim->s.phase[i] != probe->fluid) return false;
     for (int d = 0; probe->within && d < m->sim->s.dim; d++)
-        if (m->sim->s.x[d][i] < probe->min[d] || m->sim->s.x[d][i] > probe->max[d]) return false;
+        if (m->sim->s.x[d][i * m->sim->s.x_step] < probe->min[d] ||
+            m->sim->s.x[d][i * m->sim->s.x_step] > probe->max[d])
+            return false;
     return true;
 }
 

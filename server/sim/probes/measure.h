@@ -11,7 +11,7 @@ typedef struct Measure {
     const MnsSim *sim;
     const MnsProbe *probe;
     const MnsFieldInfo *field;  /* of an extremum */
-    const void *array[3];       /* its components */
+    ShownView array[3];         /* its components */
     const FormulaTeam *formula; /* of a deviation */
     double limit;               /* of an extent: no particle farther out than this */
     int threads;

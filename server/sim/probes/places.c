@@ -8,9 +8,9 @@ double probe_pressure(Measure *m)
 {
     const MnsSim *sim = m->sim;
     double x[3] = {0, 0, 0};
-    const double *p[1] = {sim->s.p};
+    const ShownView p = shown_view(sim, F_P, 0);
     for (int d = 0; d < sim->s.dim; d++) x[d] = m->probe->at[d] + measure_shift(m, d);
-    const PointSums sums = sample_point(sim, x, m->probe->radius, EVERY_FLUID, p, 1);
+    const PointSums sums = sample_point(sim, x, m->probe->radius, EVERY_FLUID, &p, 1);
     return sums.fluid > 1e-12 ? sums.value / sums.fluid : NAN;
 }
 

@@ -24,7 +24,7 @@ static double kinetic(const Measure *m, size_t i)
 {
     const Particles *s = &m->sim->s;
     double v2 = 0;
-    for (int d = 0; d < s->dim; d++) v2 += s->v[d][i] * s->v[d][i];
+    for (int d = 0; d < s->dim; d++) v2 += s->v[d][i * s->v_step] * s->v[d][i * s->v_step];
     return 0.5 * s->m[i] * v2;
 }
 
@@ -37,7 +37,7 @@ static double potential(const Measure *m, size_t i)
 {
     const Particles *s = &m->sim->s;
     double gx = 0;
-    for (int d = 0; d < s->dim; d++) gx += m->sim->model.gravity[d] * s->x[d][i];
+    for (int d = 0; d < s->dim; d++) gx += m->sim->model.gravity[d] * s->x[d][i * s->x_step];
     return -s->m[i] * gx;
 }
 
@@ -48,7 +48,7 @@ double probe_potential_energy(Measure *m)
 
 static double mass_moment(const Measure *m, size_t i)
 {
-    return m->sim->s.m[i] * m->sim->s.x[m->probe->axis][i];
+    return m->sim->s.m[i] * m->sim->s.x[m->probe->axis][i * m->sim->s.x_step];
 }
 
 double probe_mass_centre(Measure *m)
@@ -58,7 +58,7 @@ double probe_mass_centre(Measure *m)
 
 static double momentum(const Measure *m, size_t i)
 {
-    return m->sim->s.m[i] * m->sim->s.v[m->probe->axis][i];
+    return m->sim->s.m[i] * m->sim->s.v[m->probe->axis][i * m->sim->s.v_step];
 }
 
 double probe_momentum(Measure *m)
@@ -86,7 +86,7 @@ static double outside(const Measure *m, size_t i)
 {
     const Model *model = &m->sim->model;
     for (int d = 0; d < model->dim; d++) {
-        const double x = m->sim->s.x[d][i] - measure_shift(m, d);
+        const double x = m->sim->s.x[d][i * m->sim->s.x_step] - measure_shift(m, d);
         if (model->period[d] == 0 && !(x >= model->min[d] && x <= model->max[d])) return 1;
     }
     return 0;
@@ -100,8 +100,9 @@ double probe_escaped(Measure *m)
 static double squared_deviation(const Measure *m, size_t i)
 {
     const Particles *s = &m->sim->s;
-    const double at[4] = {s->x[0][i], s->x[1][i], s->dim == 3 ? s->x[2][i] : 0, m->sim->progress.t};
-    const double error = s->p[i] - formula_eval(formula_of(m->formula, omp_get_thread_num()), at);
+    const double at[4] = {s->x[0][i * s->x_step], s->x[1][i * s->x_step], s->dim == 3 ? s->x[2][i * s->x_step] : 0,
+                          m->sim->progress.t};
+    const double error = s->p[i * s->p_step] - formula_eval(formula_of(m->formula, omp_get_thread_num()), at);
     return error * error;
 }
 

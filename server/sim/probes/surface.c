@@ -34,7 +34,7 @@ double probe_elevation(Measure *m)
 /* Coordinate of a particle, larger further out. */
 static double outward(const Measure *m, size_t i)
 {
-    const double x = m->sim->s.x[m->probe->axis][i];
+    const double x = m->sim->s.x[m->probe->axis][i * m->sim->s.x_step];
     return m->probe->least ? -x : x;
 }
 
@@ -60,7 +60,7 @@ static double end_of_fluid(const Measure *m, size_t i)
     const double start = outward(m, i), step = 0.25 * model->dx, sign = m->probe->least ? -1 : 1;
     if (!(start <= m->limit && start > m->limit - 2 * model->kernel.support)) return -INFINITY;
     double x[3] = {0, 0, 0};
-    for (int d = 0; d < model->dim; d++) x[d] = m->sim->s.x[d][i];
+    for (int d = 0; d < model->dim; d++) x[d] = m->sim->s.x[d][i * m->sim->s.x_step];
     double before = inside(m, x);
     for (int k = 1; before >= 0.5 && (k - 1) * step < model->kernel.support; k++) {
         x[axis] = sign * (start + k * step);

@@ -49,7 +49,7 @@ const Scheme scheme_interfacial = {
             {"forces", .before = {&body_force},
              .terms = {&volume_pressure_force, &corrected_pressure_force, &radial_viscosity, &radial_friction,
                        &corrected_tension, &pressure_gradient, &shifting},
-             .after = {&volume_of_density},
+             .after = {&shifted_position, &volume_of_density},
              .fusions = {&interfacial_viscous_forces, &interfacial_forces, &interfacial_forces_beside}},
             {"walls, shifted",
              .terms = {&shifted_wall_pressure}}, /* what they show, of the state that a run goes on from */

@@ -16,13 +16,13 @@ typedef struct Flowing {
 INLINE Flowing flowing_of(const Particles *s, const Model *model, size_t i)
 {
     const bool rest = model->delta > 0 && model->dissipates_rest;
-    Flowing a = {.p = s->p[i], .z = particles_impedance(s, model, i), .rest = rest ? 0.5 : 0, .keeps = 1};
+    Flowing a = {.p = s->p[i * s->p_step], .z = particles_impedance(s, model, i), .rest = rest ? 0.5 : 0, .keeps = 1};
     if (!model->keeps_pair_volume) { /* as if both were of this fluid */
         a.keeps = 0;
         a.own = 0.5 / a.z;
     }
     for (int d = 0; d < s->dim; d++) {
-        a.v[d] = s->v[d][i];
+        a.v[d] = s->v[d][i * s->v_step];
         if (rest) a.descent[d] = -s->gradient[d][i * s->gradient_step];
     }
     return a;

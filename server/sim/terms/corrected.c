@@ -149,7 +149,7 @@ INLINE void corrected_pressure_row(const Row *row, Particles *s, const Model *mo
     const Block *const walls = row->block + row->n_fluid, *const end = row->block + row->n;
     const Symmetric M_i = correction_of(s, i, how);
     const WallPressure shown = wall_pressure_of(s, i);
-    const double p = s->p[i], z = particles_impedance(s, model, i), V = particles_volume(s, model, i),
+    const double p = s->p[i * s->p_step], z = particles_impedance(s, model, i), V = particles_volume(s, model, i),
                  beta = row->mixed ? model->repulsion : 0;
     Lanes sum[3] = {0};
     for (const Block *b = row->block; b < walls; b++) {

@@ -27,8 +27,8 @@ bool differences_lay(Particles *s, const Neighbours *nb)
     Matrix *m = &s->system->matrix;
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t i = 0; i < m->n; i++) {
-        const size_t fluid = i < s->n ? nb->end[i][GROUP_SUMMATION] : 0;
-        const size_t walls = i < n ? nb->end[i][GROUP_WALL] - fluid : 0;
+        const size_t fluid = i < s->n ? nb->end[i][END_FLUID] : 0;
+        const size_t walls = i < n ? nb->end[i][END_WALLS] - fluid : 0;
         m->blocks[i] = (uint32_t)(blocks_for(fluid) + blocks_for(walls));
     }
     return matrix_lay(m, threads);
@@ -56,7 +56,7 @@ INLINE void difference_matrix_row(const Row *row, Particles *s, const Model *mod
     float *c = m->c + m->start[i] * LANES;
     Lanes sum[3][3] = {0};
     double u[3], flux = 0;
-    for (int d = 0; d < how.dim; d++) u[d] = s->v[d][i];
+    for (int d = 0; d < how.dim; d++) u[d] = s->v[d][i * s->v_step];
     for (size_t k = 0; k < row->n; k++) {
         const Block *b = &row->block[k];
         double its[LANES], v[3][LANES];
@@ -94,7 +94,7 @@ INLINE void difference_wall_row(const Row *row, Particles *s, const Model *model
     float *c = m->c + m->start[i] * LANES;
     double n[3], depth2 = 0, pull = 0, flux = 0;
     for (int d = 0; d < how.dim; d++) {
-        n[d] = s->to_surface[d][i];
+        n[d] = s->to_surface[d][i - particles_fluid(s)];
         depth2 += n[d] * n[d];
         pull += n[d] * (body_force_of(model, rho, d) - wall->a[d]);
     }
@@ -130,7 +130,7 @@ INLINE void difference_correction_row(const Row *row, Particles *s, const Model 
         }
     }
     gradient_of(s, i, model, sum, how, change);
-    for (int d = 0; d < how.dim; d++) s->v[d][i] -= change[d];
+    for (int d = 0; d < how.dim; d++) s->v[d][i * s->v_step] -= change[d];
 }
 ROW_FUNCTIONS(difference_correction_row)
 

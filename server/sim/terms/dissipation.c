@@ -24,7 +24,7 @@ static bool needs_gradient(const Model *model)
 INLINE void pressure_gradient_row(const Row *row, Particles *s, const Model *model, How how)
 {
     (void)model;
-    const double p = s->p[row->i];
+    const double p = s->p[row->i * s->p_step];
     Moments moments = {0};
     Lanes sum[3] = {0};
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++)

@@ -20,7 +20,7 @@ INLINE void shape_beside(const RowPlan *plan, Particles *s, size_t i, How how)
     Marks other;
     const Picked picked = pick_neighbours(plan, i, j);
     const bool mixed = mark_others(plan, i, j, &picked, &other);
-    const double p = s->p[i];
+    const double p = s->p[i * s->p_step];
     position_of(s, i, how, x);
     approach(ahead, 0, plan, &picked, j, x, how);
     for (size_t b = 0; b < picked.n_fluid; b++) {

@@ -15,7 +15,7 @@ INLINE void dissipation_shape_fused(const RowPlan *plan, Particles *s, size_t i,
     Moments moments = {0};
     Block block, ahead[2];
     const Picked picked = pick_neighbours(plan, i, j);
-    const double p = s->p[i];
+    const double p = s->p[i * s->p_step];
     position_of(s, i, how, x);
     approach(ahead, 0, plan, &picked, j, x, how);
     for (size_t b = 0; b < picked.n; b++) {

@@ -57,7 +57,7 @@ static int find_mirrors(const Row *row, const Particles *s, const Model *model, 
         const Face *face = &model->face[k];
         Mirror mirror = {.away = 0};
         for (int d = 0; d < dim; d++) {
-            const double x = s->x[d][row->i] - face->point[d] - model->wall[face->wall].x[d];
+            const double x = s->x[d][row->i * s->x_step] - face->point[d] - model->wall[face->wall].x[d];
             mirror.normal[d] = face->normal[d];
             mirror.away += face->normal[d] * model_nearest(model, d, x);
         }

@@ -89,7 +89,7 @@ INLINE void forces_beside(const RowPlan *plan, Particles *s, size_t i, How how)
     const WallPressure shown = wall_pressure_of(s, i);
     Shifted c = shifted_of(s, model, i);
     if (own_only > 0) shifted_corrected(&c, &near.carrying, how);
-    const double soft = viscosity_softening(&model->kernel), beta = model->repulsion, p = s->p[i];
+    const double soft = viscosity_softening(&model->kernel), beta = model->repulsion, p = s->p[i * s->p_step];
     viscosities_of(model, s->phase[i], 2, mu);
     likenesses(model, s->phase[i], like);
     position_of(s, i, how, x);

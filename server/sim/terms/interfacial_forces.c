@@ -19,7 +19,7 @@ INLINE void interfacial_forces_of(const RowPlan *plan, Particles *s, size_t i, H
     const Pushed a = pushed_of(s, model, i);
     const Shifted c = shifted_of(s, model, i);
     const double mu = viscosity_of(model, s->phase[i], s->phase[i], 2), soft = viscosity_softening(&model->kernel);
-    const double p = s->p[i];
+    const double p = s->p[i * s->p_step];
     position_of(s, i, how, x);
     approach(ahead, 0, plan, &picked, j, x, how);
     for (size_t b = 0; b < picked.n; b++) {

@@ -43,7 +43,7 @@ INLINE void spread(const Row *row, Particles *s, bool harmonic, double scale, Ho
     const double mu = s->mu_mixed[i];
     double u[3];
     Lanes sum[3] = {0};
-    for (int d = 0; d < how.dim; d++) u[d] = s->v[d][i];
+    for (int d = 0; d < how.dim; d++) u[d] = s->v[d][i * s->v_step];
     for (const Block *b = row->block; b < row->block + row->n; b++) {
         double its[LANES], v[3][LANES];
         gather(s->mu_mixed, row_j(row, b), its);
@@ -66,7 +66,7 @@ INLINE void velocity_gradient(const Row *row, const Particles *s, const Model *m
     const size_t i = row->i;
     Lanes sum[3][3] = {0};
     double u[3];
-    for (int d = 0; d < how.dim; d++) u[d] = s->v[d][i];
+    for (int d = 0; d < how.dim; d++) u[d] = s->v[d][i * s->v_step];
     for (const Block *b = row->block; b < row->block + row->n; b++) {
         double v[3][LANES];
         gather_velocities(row, b, s, how, v);
@@ -122,7 +122,7 @@ INLINE void sph_diffusion_row(const Row *row, Particles *s, const Model *model, 
     const double mu = s->mu_mixed[i], V = particles_volume(s, model, i);
     double u[3];
     Lanes sum[3] = {0};
-    for (int d = 0; d < how.dim; d++) u[d] = s->v[d][i];
+    for (int d = 0; d < how.dim; d++) u[d] = s->v[d][i * s->v_step];
     for (const Block *b = row->block; b < row->block + row->n; b++) {
         double its[LANES], v[3][LANES];
         gather(s->mu_mixed, row_j(row, b), its);

@@ -45,13 +45,13 @@ bool projection_lay(Particles *s, const Neighbours *nb)
     uint32_t *blocks = s->system->matrix.blocks;
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t i = 0; i < n; i++) {
-        const size_t fluid = nb->end[i][GROUP_SUMMATION], walls = nb->end[i][GROUP_WALL] - fluid;
+        const size_t fluid = nb->end[i][END_FLUID], walls = nb->end[i][END_WALLS] - fluid;
         blocks[i] = (uint32_t)((fluid + LANES - 1) / LANES + (walls + LANES - 1) / LANES);
     }
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t i = n; i < s->n; i++)
         for (unsigned a = 0; a < s->n_phases; a++)
-            blocks[node_of(s, i, a)] = ((uint32_t)nb->end[i][GROUP_WALL] + LANES - 1) / LANES;
+            blocks[node_of(s, i, a)] = ((uint32_t)nb->end[i][END_WALLS] + LANES - 1) / LANES;
     return matrix_lay(&s->system->matrix, threads);
 }
 
@@ -170,7 +170,7 @@ INLINE void divergence_row(const Row *row, Particles *s, const Model *model, How
     const double V = particles_volume(s, model, i);
     double v[3];
     Lanes sum = {0};
-    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i];
+    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i * s->v_step];
     for (const Block *b = row->block; b < row->block + row->n; b++) {
         const uint32_t *j = row_j(row, b);
         double its[3][LANES];
@@ -222,7 +222,7 @@ INLINE void velocity_correction_row(const Row *row, Particles *s, const Model *m
 {
     double change[3];
     push(row, s, model, false, 1, s->system->x[row->i], how, change);
-    for (int d = 0; d < how.dim; d++) s->v[d][row->i] -= change[d];
+    for (int d = 0; d < how.dim; d++) s->v[d][row->i * s->v_step] -= change[d];
 }
 ROW_FUNCTIONS(velocity_correction_row)
 
@@ -235,7 +235,7 @@ INLINE void density_correction_row(const Row *row, Particles *s, const Model *mo
     push(row, s, model, model->projection.unit_mobility, FARTHER, base, how, change);
     const double size = sqrt(DOT(change, change, how)), most = MOVE_MOST * model->dx;
     if (size > most) keep = most / size;
-    for (int d = 0; d < how.dim; d++) s->x[d][row->i] -= keep * change[d];
+    for (int d = 0; d < how.dim; d++) s->x[d][row->i * s->x_step] -= keep * change[d];
 }
 ROW_FUNCTIONS(density_correction_row)
 

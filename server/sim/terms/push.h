@@ -20,7 +20,7 @@ typedef struct Pushed {
 INLINE Pushed pushed_of(const Particles *s, const Model *model, size_t i)
 {
     return (Pushed){particles_impedance(s, model, i), particles_volume(s, model, i),
-                    s->p[i] * (1 / s->shepard[i])}; /* as its neighbours have it, to the last bit */
+                    s->p[i * s->p_step] * (1 / s->shepard[i])}; /* as its neighbours have it, to the last bit */
 }
 
 INLINE void add_along(const Pair *pair, double c, How how, int l, Lanes sum[3])
@@ -77,8 +77,8 @@ INLINE void pressure_end(Particles *s, size_t i, const Lanes sum[3], How how)
 
 /* A particle and where it is shifted. */
 typedef struct Shifted {
-    double dx[3], v[3], z;
-    double y[3]; /* dx, corrected where neighbours of its own fluid are missing */
+    double dx[3], v[3], v2, z; /* v2: |v|^2 */
+    double y[3];               /* dx, corrected where neighbours of its own fluid are missing */
 } Shifted;
 
 Shifted shifted_of(const Particles *s, const Model *model, size_t i);
@@ -110,10 +110,8 @@ INLINE void shifting_pair(const Shifted *a, const Pair *pair, double counts, dou
 
 INLINE void shifting_end(const Shifted *a, Particles *s, const Model *model, size_t i, const Lanes sum[4], How how)
 {
-    for (int d = 0; d < how.dim; d++) {
-        s->x[d][i] += a->dx[d];
-        s->v[d][i] += lanes_sum(&sum[d]);
-    }
+    s->rate[i] = a->v2; /* from which its way is found again, when all have been looked at where they were */
+    for (int d = 0; d < how.dim; d++) s->v[d][i * s->v_step] += lanes_sum(&sum[d]);
     s->rho[i] += lanes_sum(&sum[3]) / model->phase[s->phase[i]].c;
 }
 

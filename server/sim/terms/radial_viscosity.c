@@ -12,7 +12,7 @@ INLINE void radial_viscosity_row(const Row *row, Particles *s, const Model *mode
     const double soft = viscosity_softening(&model->kernel), V = particles_volume(s, model, i);
     double mu[MNS_MAX_FLUIDS], v[3];
     viscosities_of(model, s->phase[i], 2, mu);
-    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i];
+    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i * s->v_step];
     Lanes sum[3] = {0};
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++) {
         const uint32_t *j = row_j(row, b);
@@ -35,7 +35,7 @@ INLINE void radial_friction_row(const Row *row, Particles *s, const Model *model
                  V = particles_volume(s, model, i);
     if (mu == 0) return;
     double v[3];
-    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i];
+    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i * s->v_step];
     Lanes sum[3] = {0};
     for (const Block *b = row->block + row->n_fluid; b < row->block + row->n; b++) {
         Sticking wall;

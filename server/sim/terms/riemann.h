@@ -23,13 +23,13 @@ typedef struct Side {
 INLINE Side side_of(const Particles *s, const Model *model, size_t i, How how)
 {
     const Phase *phase = &model->phase[s->phase[i]];
-    Side a = {.p = s->p[i],
+    Side a = {.p = s->p[i * s->p_step],
               .z = particles_impedance(s, model, i),
               .rho = s->rho[i],
               .c = phase->c,
               .rho0 = phase->rho0,
               .V = particles_volume(s, model, i)};
-    for (int d = 0; d < how.dim; d++) a.v[d] = s->v[d][i];
+    for (int d = 0; d < how.dim; d++) a.v[d] = s->v[d][i * s->v_step];
     a.inverse_c2 = 1 / (a.c * a.c);
     a.steepness = model->limiter / model->c_max;
     a.tiny = 1e-12 * model->dx;

@@ -8,30 +8,44 @@
 #include "sim/terms/push.h"
 #include "sim/terms/terms.h"
 
-Shifted shifted_of(const Particles *s, const Model *model, size_t i)
+/* Where a particle goes, whose speed has this square. */
+static void find_way(const Particles *s, const Model *model, size_t i, double v2, double dx[3])
 {
     const int dim = s->dim;
-    Shifted a = {.z = particles_impedance(s, model, i)};
-    double v2 = 0, through = 0, size = 0;
-    for (int d = 0; d < dim; d++) {
-        a.v[d] = s->v[d][i];
-        v2 += a.v[d] * a.v[d];
-    }
+    double through = 0, size = 0;
     const double scale = -model->shifting * model->kernel.h * sqrt(v2) * model->dt;
     for (int d = 0; d < dim; d++) {
-        a.dx[d] = scale * s->concentration[d][i];
-        size += a.dx[d] * a.dx[d];
+        dx[d] = scale * s->concentration[d][i];
+        size += dx[d] * dx[d];
     }
     const double most = 0.1 * model->dx, cut = size > most * most ? most / sqrt(size) : 1;
     for (int d = 0; d < dim; d++) {
-        a.dx[d] *= cut;
-        through += model->shifts_along_interfaces ? a.dx[d] * s->normal[d][i * s->normal_step] : 0;
+        dx[d] *= cut;
+        through += model->shifts_along_interfaces ? dx[d] * s->normal[d][i * s->normal_step] : 0;
     }
-    for (int d = 0; d < dim; d++) {
-        a.dx[d] -= model->shifts_along_interfaces ? through * s->normal[d][i * s->normal_step] : 0;
-        a.y[d] = a.dx[d];
+    for (int d = 0; d < dim; d++)
+        dx[d] -= model->shifts_along_interfaces ? through * s->normal[d][i * s->normal_step] : 0;
+}
+
+Shifted shifted_of(const Particles *s, const Model *model, size_t i)
+{
+    Shifted a = {.z = particles_impedance(s, model, i)};
+    for (int d = 0; d < s->dim; d++) {
+        a.v[d] = s->v[d][i * s->v_step];
+        a.v2 += a.v[d] * a.v[d];
     }
+    find_way(s, model, i, a.v2, a.dx);
+    for (int d = 0; d < s->dim; d++) a.y[d] = a.dx[d];
     return a;
+}
+
+static void go(Particles *s, const Model *model, size_t first, size_t last)
+{
+    for (size_t i = first; i < last; i++) {
+        double dx[3];
+        find_way(s, model, i, s->rate[i], dx);
+        for (int d = 0; d < s->dim; d++) s->x[d][i * s->x_step] += dx[d];
+    }
 }
 
 INLINE void concentration_row(const Row *row, Particles *s, const Model *model, How how)
@@ -107,6 +121,16 @@ const Term shifting = {
     .on = ON_FLUID,
     .needed = is_shifted,
     .needs = NEED_F | NEED_V | NEED_STATE | NEED_OTHERS,
-    .writes = FIELD(X) | FIELD(V) | FIELD(RHO),
+    .writes = FIELD(V) | FIELD(RHO),
     .row = ROW_TABLE(shifting_row),
+};
+
+const Local shifted_position = {
+    .name = "shifted position",
+    .source = "P2 eq. 50-53",
+    .equation = "x_i += dx_i",
+    .on = ON_FLUID,
+    .needed = is_shifted,
+    .apply = go,
+    .writes = FIELD(X),
 };

@@ -35,7 +35,7 @@ INLINE void carried(const Row *row, const Particles *s, const Model *model, cons
     Moments moments = {0};
     Lanes sum[3][3] = {0};
     double u[3];
-    for (int d = 0; d < how.dim; d++) u[d] = s->v[d][row->i];
+    for (int d = 0; d < how.dim; d++) u[d] = s->v[d][row->i * s->v_step];
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
@@ -68,8 +68,8 @@ INLINE void spacing_row(const Row *row, Particles *s, const Model *model, How ho
     for (int d = 0; d < how.dim; d++) dx[d] *= scale * cut;
     carried(row, s, model, dx, how, du);
     for (int d = 0; d < how.dim; d++) {
-        s->x[d][i] += dx[d];
-        s->v[d][i] += du[d];
+        s->x[d][i * s->x_step] += dx[d];
+        s->v[d][i * s->v_step] += du[d];
     }
 }
 ROW_FUNCTIONS(spacing_row)

@@ -30,10 +30,11 @@ extern const Term interface_normal; /* tension.c        and with corrected gradi
 extern const Term corrected_normal;
 extern const Term surface_tension; /* tension.c        and with corrected gradients                */
 extern const Term corrected_tension;
-extern const Term radial_viscosity; /* radial_viscosity.c  along the line of a pair                 */
-extern const Term radial_friction;  /* radial_viscosity.c  on walls without slip                    */
-extern const Term concentration;    /* shifting.c       where there are fewer particles             */
-extern const Term shifting;         /* shifting.c       particles to where there are fewer          */
+extern const Term radial_viscosity;  /* radial_viscosity.c  along the line of a pair                 */
+extern const Term radial_friction;   /* radial_viscosity.c  on walls without slip                    */
+extern const Term concentration;     /* shifting.c       where there are fewer particles             */
+extern const Term shifting;          /* shifting.c       particles to where there are fewer          */
+extern const Local shifted_position; /* shifting.c      and there they go                           */
 
 extern const Term mirrored_start; /* wall.c           the same, about the wall's velocity a step ago */
 extern const Term density_matrix; /* projection.c     systems for the pressure                    */

@@ -31,7 +31,7 @@ INLINE void background_end(Particles *s, const Model *model, size_t i, const Lan
     }
     if (!model->transport_stress || !phase->summation) return;
     const double share = particles_volume(s, model, i) * s->rho[i] / s->m[i];
-    for (int d = 0; d < how.dim; d++) s->a[d][i] += share * s->v[d][i] * along_w;
+    for (int d = 0; d < how.dim; d++) s->a[d][i] += share * s->v[d][i * s->v_step] * along_w;
 }
 
 /* Of sum_j m_j v_j (w_j . grad_i W), over neighbours of summed density: of others q is 0. */

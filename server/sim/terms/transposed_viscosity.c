@@ -31,7 +31,7 @@ INLINE void transposed_viscosity_row(const Row *row, Particles *s, const Model *
     Moments moments = {0};
     Lanes rise[3] = {0}, change[3][3] = {0};
     for (unsigned k = 0; k < model->n_phases; k++) steps[k] = step_to(model, s->phase[i], k);
-    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i];
+    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i * s->v_step];
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++) {
         const uint32_t *j = row_j(row, b);
         double step[LANES];

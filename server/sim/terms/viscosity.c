@@ -28,7 +28,7 @@ INLINE void viscosity_row(const Row *row, Particles *s, const Model *model, How 
     const double soft = viscosity_softening(&model->kernel), V = particles_volume(s, model, i);
     double mu[MNS_MAX_FLUIDS], v[3]; /* viscosity against each fluid, once for all pairs */
     viscosities_of(model, s->phase[i], 4, mu);
-    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i];
+    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i * s->v_step];
     Lanes sum[3] = {0};
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++) {
         const uint32_t *j = row_j(row, b);
@@ -51,7 +51,7 @@ INLINE void wall_friction_row(const Row *row, Particles *s, const Model *model, 
                  V = particles_volume(s, model, i);
     if (mu == 0) return;
     double v[3];
-    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i];
+    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i * s->v_step];
     Lanes sum[3] = {0};
     for (const Block *b = row->block + row->n_fluid; b < row->block + row->n; b++) {
         Sticking wall;

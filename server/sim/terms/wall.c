@@ -57,7 +57,7 @@ INLINE void wall_pressure_row(const Row *row, Particles *s, const Model *model, 
         all_weight += shown.weight;
         all_pressure += shown.pressure;
     }
-    s->p[i] = all_weight > 1e-12 ? all_pressure / all_weight : 0; /* for pictures */
+    s->p[i * s->p_step] = all_weight > 1e-12 ? all_pressure / all_weight : 0; /* for pictures */
 }
 ROW_FUNCTIONS(wall_pressure_row)
 
@@ -74,7 +74,8 @@ INLINE void wall_velocity_row(const Row *row, Particles *s, const Model *model, 
             for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, w, b->v[d][l], how);
         }
     const double all = lanes_sum(&weight);
-    for (int d = 0; d < how.dim; d++) s->v_wall[d][wall] = all > 1e-12 ? lanes_sum(&sum[d]) / all : s->v[d][row->i];
+    for (int d = 0; d < how.dim; d++)
+        s->v_wall[d][wall] = all > 1e-12 ? lanes_sum(&sum[d]) / all : s->v[d][row->i * s->v_step];
 }
 ROW_FUNCTIONS(wall_velocity_row)
 
@@ -109,7 +110,7 @@ INLINE void mirror(const Row *row, Particles *s, const Model *model, const doubl
 INLINE void mirrored_velocity_row(const Row *row, Particles *s, const Model *model, How how)
 {
     double v[3] = {0};
-    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][row->i];
+    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][row->i * s->v_step];
     mirror(row, s, model, v, how);
 }
 ROW_FUNCTIONS(mirrored_velocity_row)
@@ -119,7 +120,7 @@ INLINE void mirrored_start_row(const Row *row, Particles *s, const Model *model,
 {
     const WallState *body = &model->wall[s->phase[row->i] - model->n_phases];
     double v[3] = {0};
-    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][row->i] - model->dt * body->a[d];
+    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][row->i * s->v_step] - model->dt * body->a[d];
     mirror(row, s, model, v, how);
 }
 ROW_FUNCTIONS(mirrored_start_row)

@@ -18,7 +18,7 @@ INLINE void continue_velocity(const Row *row, Particles *s, const Model *model, 
     const double dt = moves == MOVES_UNFORCED ? model->dt : 0;
     double n[3], depth2 = 0;
     for (int d = 0; d < how.dim; d++) {
-        n[d] = s->to_surface[d][i];
+        n[d] = s->to_surface[d][wall];
         depth2 += n[d] * n[d];
     }
     Lanes weight = {0}, sum[3] = {0}, height2 = {0}, rise[3] = {0};
@@ -33,7 +33,7 @@ INLINE void continue_velocity(const Row *row, Particles *s, const Model *model, 
             weight.of[l] += W;
             height2.of[l] += W * y * y;
             for (int d = 0; d < how.dim; d++) {
-                const double u = b->v[d][l] - forced * model->gravity[d] - s->v[d][i];
+                const double u = b->v[d][l] - forced * model->gravity[d] - s->v[d][i * s->v_step];
                 sum[d].of[l] += W * u;
                 rise[d].of[l] += W * y * u;
             }
@@ -48,7 +48,7 @@ INLINE void continue_velocity(const Row *row, Particles *s, const Model *model, 
     for (int d = 0; d < how.dim; d++) along += depth2 > 0 ? (held[d] - glides[d]) * n[d] / depth2 : 0;
     for (int d = 0; d < how.dim; d++) {
         const double u = body->no_slip ? held[d] : glides[d] + along * n[d];
-        s->v_wall[d][wall] = s->v[d][i] + u + dt * body_force_of(model, s->rho_mixed[i], d);
+        s->v_wall[d][wall] = s->v[d][i * s->v_step] + u + dt * body_force_of(model, s->rho_mixed[i], d);
     }
 }
 
