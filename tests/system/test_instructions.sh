@@ -49,16 +49,16 @@ if [ "$(uname -m)" != x86_64 ]; then
     echo "ok - instructions are counted on x86-64 only"
     exit 0
 fi
-within dambreak2d-p3 20 137 250
-within dambreak3d-p3 8 146 300
-within droplet2d-p3 40 132 225
-within droplet3d-p3 12 100 300
-within drop2d-p2 20 246 310
-within drop3d-p2-142 10 245 370
-within drop2d-p1 20 514 320
-within drop3d-p1 8 3182 400
-within drop2d-p4 20 475 690
+within dambreak2d-p3 20 137 195
+within dambreak3d-p3 8 146 215
+within droplet2d-p3 40 132 170
+within droplet3d-p3 12 100 228
+within drop2d-p2 20 246 275
+within drop3d-p2-142 10 245 323
+within drop2d-p1 20 514 239
+within drop3d-p1 8 3182 260
+within drop2d-p4 20 475 679
 within drop3d-p4 8 1152 1710
-within drop2d-p5 20 994 715
-within drop3d-p5 8 560 1440
+within drop2d-p5 20 994 690
+within drop3d-p5 8 560 1410
 exit $failed

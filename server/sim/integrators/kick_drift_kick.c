@@ -45,16 +45,18 @@ static bool kick_and_look(MnsSim *sim, double dt)
 {
     Particles *s = &sim->s;
     const Model *model = &sim->model;
-    const size_t n = particles_fluid(s);
-    const double half = 0.5 * dt;
+    const size_t n = particles_fluid(s), step = s->v_step;
+    double *const v[3] = {s->v[0], s->v[1], s->v[2]};
+    const double *const a[3] = {s->a[0], s->a[1], s->a[2]}, half = 0.5 * dt;
     double fastest = 0;
     size_t bad = 0;
 #pragma omp parallel for schedule(static) reduction(max : fastest) reduction(+ : bad) num_threads(sim->threads)
     for (size_t i = 0; i < n; i++) {
         double v2 = 0;
         for (int d = 0; d < s->dim; d++) {
-            s->v[d][i * s->v_step] += half * s->a[d][i];
-            v2 += s->v[d][i * s->v_step] * s->v[d][i * s->v_step];
+            const double now = v[d][i * step] + half * a[d][i];
+            v[d][i * step] = now;
+            v2 += now * now;
         }
         bad += !sim_is_well(s, model, i, v2);
         fastest = v2 > fastest ? v2 : fastest;
