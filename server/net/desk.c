@@ -42,6 +42,9 @@ typedef struct Reading {
     uint64_t frames; /* taken so far, that of the sender too */
 } Reading;
 
+/* How long [s] a refusal is kept: longer than clients take to ask again for an answer that was lost. */
+enum { REFUSED_S = 60 };
+
 enum { DOOR, CONTROL, TELEMETRY, VISITORS, LISTENERS, BELLS };
 
 struct Desk {
@@ -310,7 +313,7 @@ static void note_reply(Desk *desk, const Exchange *exchange, const uint8_t *pack
     Ledger *ledger = ledger_of(desk, exchange->handler);
     const bool refused = ledger == desk->deeds && exchange->order.status && !exchange->order.begun;
     ledger_end(ledger, exchange, refused ? NULL : packed, size);
-    if (refused && packed) ledger_recall(desk->refusals, exchange->order.id, packed, size);
+    if (refused && packed) ledger_recall(desk->refusals, exchange->order.id, exchange->command, packed, size);
 }
 
 void desk_reply(Desk *desk, Exchange *exchange)
@@ -439,6 +442,27 @@ static MnsStatus begin(Desk *desk, Exchange *exchange, MnsError *error)
     return status;
 }
 
+/* Of a request by its id. A refusal has done nothing: it is kept for who has not heard it and asks again at once, and then tried anew. */
+static bool find_answer(Desk *desk, ProtobufCBinaryData id, LedgerEntry *ret)
+{
+    ledger_forget(desk->refusals, clock_now() - REFUSED_S);
+    return ledger_find(desk->deeds, id.data, ret) || ledger_find(desk->questions, id.data, ret) ||
+           ledger_find(desk->refusals, id.data, ret);
+}
+
+static void repeat_or_refuse(Desk *desk, const Sender *sender, ProtobufCBinaryData id, const LedgerEntry *entry,
+                             const Meniscus__Request *request)
+{
+    MnsError error;
+    if (!entry->command || entry->command == exchange_command(request)) {
+        repeat(desk, sender, id, entry);
+        return;
+    }
+    mns_fail(&error, MNS_E_INVALID,
+             "the id is that of another request, which was answered or is under way; each needs an id of its own");
+    refuse(desk, sender, id, &error);
+}
+
 /* Takes over the request. */
 static void take_request(Desk *desk, const Sender *from, const Who *who, ProtobufCBinaryData id,
                          Meniscus__Request *request, const Lineage *lineage)
@@ -447,9 +471,8 @@ static void take_request(Desk *desk, const Sender *from, const Who *who, Protobu
     MnsError error;
     Sender sender = *from;
     sender.no_wait = request->has_no_wait && request->no_wait;
-    if (ledger_find(desk->deeds, request->id.data, &entry) || ledger_find(desk->questions, request->id.data, &entry) ||
-        ledger_find(desk->refusals, request->id.data, &entry)) {
-        repeat(desk, &sender, id, &entry);
+    if (find_answer(desk, request->id, &entry)) {
+        repeat_or_refuse(desk, &sender, id, &entry, request);
         request_free(request);
         return;
     }
@@ -472,7 +495,7 @@ static void take_request(Desk *desk, const Sender *from, const Who *who, Protobu
 
 void desk_recall(Desk *desk, const uint8_t id[static ORDER_ID], const uint8_t *reply, size_t size)
 {
-    ledger_recall(desk->deeds, id, reply, size);
+    ledger_recall(desk->deeds, id, 0, reply, size);
 }
 
 void desk_take(Desk *desk, const Who *who, Meniscus__Request *request, const Lineage *lineage)

@@ -9,6 +9,21 @@
 #include <string.h>
 #include <xxhash.h>
 
+uint64_t exchange_command(const Meniscus__Request *request)
+{
+    const ProtobufCFieldDescriptor *field =
+        protobuf_c_message_descriptor_get_field(&meniscus__request__descriptor, request->command_case);
+    if (!field) return 1; /* of none, which is refused */
+    const ProtobufCMessage *command = *(ProtobufCMessage *const *)((const char *)request + field->offset);
+    const size_t size = protobuf_c_message_get_packed_size(command);
+    uint8_t *packed = malloc(size + 1);
+    if (!packed) return 0;
+    protobuf_c_message_pack(command, packed);
+    const uint64_t hash = XXH64(packed, size, request->command_case);
+    free(packed);
+    return hash ? hash : 1;
+}
+
 Exchange *exchange_new(Meniscus__Request *request, const Who *who)
 {
     Exchange *exchange = calloc(1, sizeof *exchange);
@@ -23,6 +38,7 @@ Exchange *exchange_new(Meniscus__Request *request, const Who *who)
     exchange->order.who = *who;
     exchange->order.deadline = INFINITY;
     exchange->request = request;
+    exchange->command = exchange_command(request);
     exchange->reply = reply;
     if (request->has_id && request->id.len == ORDER_ID) memcpy(exchange->order.id, request->id.data, ORDER_ID);
     return exchange;

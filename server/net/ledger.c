@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which requests were made, and what was replied: a tree by id, and a queue of those replied to, the oldest first. */
 #include "net/ledger.h"
+#include "base/clock.h"
 
 #include <search.h>
 #include <stdlib.h>
@@ -97,7 +98,7 @@ static bool keep(Ledger *ledger, Line *line, const uint8_t *reply, size_t size)
     uint8_t *copy = malloc(size + 1);
     if (!copy) return false;
     memcpy(copy, reply, size);
-    line->entry = (LedgerEntry){.reply = copy, .size = size};
+    line->entry = (LedgerEntry){.reply = copy, .size = size, .command = line->entry.command, .noted = clock_now()};
     TAILQ_INSERT_TAIL(&ledger->replied, line, beside);
     ledger->n_replied++;
     ledger->bytes += size;
@@ -105,9 +106,16 @@ static bool keep(Ledger *ledger, Line *line, const uint8_t *reply, size_t size)
     return true;
 }
 
-void ledger_recall(Ledger *ledger, const uint8_t id[static ORDER_ID], const uint8_t *reply, size_t size)
+void ledger_forget(Ledger *ledger, double before)
+{
+    while (ledger->n_replied && TAILQ_FIRST(&ledger->replied)->entry.noted < before) forget_oldest(ledger);
+}
+
+void ledger_recall(Ledger *ledger, const uint8_t id[static ORDER_ID], uint64_t command, const uint8_t *reply,
+                   size_t size)
 {
     Line *line = find(ledger, id) ? NULL : add(ledger, id);
+    if (line) line->entry.command = command;
     if (line && !keep(ledger, line, reply, size)) erase(ledger, line);
 }
 
@@ -118,6 +126,7 @@ MnsStatus ledger_begin(Ledger *ledger, Exchange *exchange, MnsError *error)
     Line *line = add(ledger, exchange->order.id);
     if (!line) return mns_fail(error, MNS_E_MEMORY, "no memory for the command; nothing was done");
     line->entry.under_way = exchange;
+    line->entry.command = exchange->command;
     ledger->n_under_way++;
     return MNS_OK;
 }

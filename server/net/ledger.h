@@ -21,6 +21,8 @@ typedef struct LedgerEntry {
     Exchange *under_way;  /* not replied to yet, or NULL                     */
     const uint8_t *reply; /* the packed reply [size], borrowed; or NULL      */
     size_t size;
+    uint64_t command; /* hash of what was asked for (Exchange); 0: of before this program was started */
+    double noted;     /* clock_now() of the reply */
 } LedgerEntry;
 
 /* False if nothing is known of it. */
@@ -29,8 +31,12 @@ bool ledger_find(const Ledger *ledger, const uint8_t id[static ORDER_ID], Ledger
 /* Note that an exchange is under way, whose id is not in the ledger. MNS_E_LIMIT: too many are; MNS_E_MEMORY. */
 MnsStatus ledger_begin(Ledger *ledger, Exchange *exchange, MnsError *error);
 
-/* Note a request of before this program was started, and its reply. */
-void ledger_recall(Ledger *ledger, const uint8_t id[static ORDER_ID], const uint8_t *reply, size_t size);
+/* Note a request that is over, and its reply. */
+void ledger_recall(Ledger *ledger, const uint8_t id[static ORDER_ID], uint64_t command, const uint8_t *reply,
+                   size_t size);
+
+/* Forget what was replied to before then [clock_now()]. */
+void ledger_forget(Ledger *ledger, double before);
 
 /* Note its reply; reply NULL: do not remember that the request was made. */
 void ledger_end(Ledger *ledger, const Exchange *exchange, const uint8_t *reply, size_t size);

@@ -194,6 +194,33 @@ static void the_same_request_again_changes_nothing(void **state)
     steer_stands_at(dialogue, MENISCUS__STATE__PAUSED, 1);
 }
 
+/* Nor is it another request's: that is refused, and takes nothing from the first. */
+static void the_id_of_another_request_is_refused(void **state)
+{
+    Dialogue *dialogue = *state;
+    uint8_t id[16];
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__Step command = MENISCUS__STEP__INIT;
+    dialogue_load(dialogue, NULL);
+    request.command_case = MENISCUS__REQUEST__COMMAND_STEP;
+    request.step = &command;
+    dialogue_seal(&request, id);
+    check_step_again(dialogue, &request);
+    command.has_count = 1;
+    command.count = 5;
+    dialogue_send(dialogue->control, &request);
+    steer_refused(dialogue_receive(dialogue->control, NULL), MENISCUS__CODE__INVALID_ARGUMENT, "another request");
+    Meniscus__Request start = dialogue_start();
+    start.has_major = start.has_id = 1;
+    start.major = request.major;
+    start.id = request.id;
+    dialogue_send(dialogue->control, &start);
+    steer_refused(dialogue_receive(dialogue->control, NULL), MENISCUS__CODE__INVALID_ARGUMENT, "another request");
+    command.has_count = 0;
+    check_step_again(dialogue, &request);
+    steer_stands_at(dialogue, MENISCUS__STATE__PAUSED, 1);
+}
+
 static void nobody_who_is_refused_has_a_reply_forgotten(void **state)
 {
     enum { REFUSED = 5000 }; /* more than are remembered of these */
@@ -507,6 +534,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_deadline_ends_what_takes_too_long, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(each_who_asks_under_the_same_id_is_answered, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(the_same_request_again_changes_nothing, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(the_id_of_another_request_is_refused, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(nobody_who_is_refused_has_a_reply_forgotten, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(nobody_who_asks_has_a_refusal_forgotten, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_set_of_several_is_all_or_nothing, steer_begin, steer_end),

@@ -54,17 +54,34 @@ static void replies_of_before_a_restart_are_recalled_and_changed_by_nobody(void 
     LedgerEntry entry;
     Exchange exchange = {.sizes = {0}};
     set_id(&exchange, 3);
-    ledger_recall(ledger, exchange.order.id, (const uint8_t *)"first", 5);
-    ledger_recall(ledger, exchange.order.id, (const uint8_t *)"second", 6);
+    ledger_recall(ledger, exchange.order.id, 7, (const uint8_t *)"first", 5);
+    ledger_recall(ledger, exchange.order.id, 7, (const uint8_t *)"second", 6);
     assert_true(ledger_find(ledger, exchange.order.id, &entry));
     assert_null(entry.under_way);
     assert_int_equal(entry.size, 5);
     assert_memory_equal(entry.reply, "first", 5);
     for (unsigned k = 10; k < 10 + ENTRIES; k++) {
         set_id(&exchange, k);
-        ledger_recall(ledger, exchange.order.id, (const uint8_t *)"r", 1);
+        ledger_recall(ledger, exchange.order.id, 7, (const uint8_t *)"r", 1);
     }
     set_id(&exchange, 3);
+    assert_false(ledger_find(ledger, exchange.order.id, &entry));
+    ledger_free(ledger);
+}
+
+static void replies_of_before_a_time_are_forgotten(void **state)
+{
+    (void)state;
+    Ledger *ledger = ledger_new(ENTRIES, BYTES);
+    LedgerEntry entry;
+    Exchange exchange = {.sizes = {0}};
+    set_id(&exchange, 1);
+    ledger_recall(ledger, exchange.order.id, 7, (const uint8_t *)"early", 5);
+    assert_true(ledger_find(ledger, exchange.order.id, &entry));
+    assert_int_equal(entry.command, 7);
+    ledger_forget(ledger, entry.noted);
+    assert_true(ledger_find(ledger, exchange.order.id, &entry));
+    ledger_forget(ledger, entry.noted + 1);
     assert_false(ledger_find(ledger, exchange.order.id, &entry));
     ledger_free(ledger);
 }
@@ -134,6 +151,7 @@ int main(void)
         cmocka_unit_test(a_request_is_under_way_until_its_reply_is_kept),
         cmocka_unit_test(without_a_reply_it_may_be_asked_anew),
         cmocka_unit_test(replies_of_before_a_restart_are_recalled_and_changed_by_nobody),
+        cmocka_unit_test(replies_of_before_a_time_are_forgotten),
         cmocka_unit_test(the_oldest_reply_gives_way_and_what_is_under_way_never),
         cmocka_unit_test(a_full_ledger_of_commands_under_way_refuses),
         cmocka_unit_test(replies_are_kept_up_to_so_many_bytes),
