@@ -401,6 +401,35 @@ static void an_answer_without_what_was_asked_is_no_picture(void **state)
     assert_int_equal(frame_new(&(Wish){.field = "phase"}, (FrameKey){0}, 1, 3, &nothing, &frame, NULL), MNS_E_CORRUPT);
 }
 
+static void numbers_of_a_type_that_fields_have_not_are_no_picture(void **state)
+{
+    (void)state;
+    static const char *const good[] = {"<f8", "<u4", "|u1"}, *const bad[] = {"<f4", "<u8", "<i4", "|i1", ">f8", ""};
+    MnsArray arrays[] = {{.name = "position", .type = "<f8", .unit = "m", .n_dims = 2, .shape = {3, 2}, .data = places},
+                         {.name = "phase", .type = "|u1", .unit = "", .n_dims = 1, .shape = {3}, .data = phases},
+                         {.name = "pressure", .type = "<f8", .unit = "Pa", .n_dims = 1, .shape = {3}, .data = places}};
+    const MnsReply reply = {.n_arrays = 3, .arrays = arrays};
+    const Wish wish = {.field = "pressure"};
+    for (size_t k = 0; k < sizeof good / sizeof *good; k++) {
+        Frame *frame = NULL;
+        arrays[2].type = good[k];
+        assert_int_equal(frame_new(&wish, (FrameKey){0}, 1, 3, &reply, &frame, NULL), MNS_OK);
+        frame_free(frame);
+    }
+    arrays[2].type = "<f8";
+    for (size_t a = 0; a < 3; a++) {
+        const char *was = arrays[a].type;
+        for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+            Frame *frame = NULL;
+            MnsError error = {0};
+            arrays[a].type = bad[k];
+            assert_int_equal(frame_new(&wish, (FrameKey){0}, 1, 3, &reply, &frame, &error), MNS_E_CORRUPT);
+            assert_string_equal(error.path, arrays[a].name);
+        }
+        arrays[a].type = was;
+    }
+}
+
 static void one_in_so_many_that_about_the_limit_is_left(void **state)
 {
     (void)state;
@@ -676,6 +705,7 @@ int main(void)
         cmocka_unit_test(the_past_goes_before_what_was_heard),
         cmocka_unit_test(a_picture_is_laid_out_as_the_manual_says),
         cmocka_unit_test(an_answer_without_what_was_asked_is_no_picture),
+        cmocka_unit_test(numbers_of_a_type_that_fields_have_not_are_no_picture),
         cmocka_unit_test(one_in_so_many_that_about_the_limit_is_left),
         cmocka_unit_test(only_the_newest_picture_waits_and_the_others_are_counted),
         cmocka_unit_test(a_browser_that_does_not_draw_gets_no_more),
