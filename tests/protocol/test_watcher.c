@@ -10,7 +10,7 @@
 #include <string.h>
 #include <time.h>
 
-enum { FLUIDS = 3, MOST_PATHS = 8, PATIENCE_S = 20 };
+enum { FLUIDS = 3, MOST_PATHS = 8, PATIENCE_S = 60 };
 
 /* What the daemon's thread reads; the test writes it under the lock. */
 typedef struct Fixture {
@@ -158,6 +158,7 @@ static bool is_told(Hub *hub, const char *topic)
 {
     const time_t end = time(NULL) + PATIENCE_S;
     bool found = false;
+    char last[300] = "nothing";
     while (!found && time(NULL) < end) {
         uint64_t browser;
         Text *text = hub_take_text(hub, &browser);
@@ -169,8 +170,10 @@ static bool is_told(Hub *hub, const char *topic)
         const char *about = json_string_value(json_object_get(told, "topic"));
         found = about && !strcmp(about, topic);
         json_decref(told);
+        snprintf(last, sizeof last, "%s", (const char *)text->bytes + FRAME_HEADROOM);
         text_release(text);
     }
+    if (!found) print_error("nothing is told of %s; the last was %s\n", topic, last);
     return found;
 }
 
