@@ -13,7 +13,7 @@ static bool is_of_case(const char *path)
     return case_field_named(&meniscus__case__descriptor, path, strcspn(path, ".[")) != NULL;
 }
 
-static MnsStatus send_case(MnsClient *client, Meniscus__Request *request, const MnsLoad *from, const CaseFile *file,
+static MnsStatus send_case(MnsClient *client, Meniscus__Request request, const MnsLoad *from, const CaseFile *file,
                            MnsReply **ret_reply, MnsError *error)
 {
     char name[CASE_NAME_SIZE];
@@ -24,10 +24,10 @@ static MnsStatus send_case(MnsClient *client, Meniscus__Request *request, const 
     load.name = from->name ? (char *)from->name : name;
     load.has_resume = true;
     load.resume = from->resume;
-    request->command_case = MENISCUS__REQUEST__COMMAND_LOAD;
-    request->load = &load;
+    request.command_case = MENISCUS__REQUEST__COMMAND_LOAD;
+    request.load = &load;
     MnsError why = {0};
-    status = command_call(client, request, ret_reply, &why);
+    status = command_call(client, &request, ret_reply, &why);
     load_done(&load);
     if (status != MNS_OK && is_of_case(why.path)) case_file_locate(file, &why);
     if (status != MNS_OK && error) *error = why;
@@ -40,7 +40,7 @@ MnsStatus mns_client_load(MnsClient *client, const MnsLoad *load, MnsReply **ret
     CaseFile *file = NULL;
     MnsStatus status = case_file_read(load->file, &file, error);
     for (size_t k = 0; status == MNS_OK && k < load->n_sets; k++) status = case_file_set(file, load->sets[k], error);
-    if (status == MNS_OK) status = send_case(client, &request, load, file, ret_reply, error);
+    if (status == MNS_OK) status = send_case(client, request, load, file, ret_reply, error);
     case_file_free(file);
     return status;
 }
