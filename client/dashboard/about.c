@@ -33,57 +33,76 @@ static json_t *maps_json(void)
     return maps;
 }
 
-/* Names of the fluids, or the walls, one by one until there are no more. */
-static size_t ask_names(MnsClient *client, const char *list, char names[MOST_PHASES][CASE_NAME_SIZE])
+typedef char Names[MOST_PHASES][CASE_NAME_SIZE];
+
+/* Names of the fluids, or the walls, one by one until the daemon says that there are no more. */
+static MnsStatus ask_names(MnsClient *client, const char *list, Names names, size_t *ret_n, MnsError *error)
 {
+    MnsError why = {0};
+    MnsStatus status = MNS_OK;
     size_t n = 0;
     while (n < MOST_PHASES) {
         char path[64];
         MnsReply *reply = NULL;
         snprintf(path, sizeof path, "%s[%zu].name", list, n);
-        if (mns_client_get(client, 1, (const char *const[]){path}, &reply, NULL) != MNS_OK) break;
+        status = mns_client_get(client, 1, (const char *const[]){path}, &reply, &why);
+        if (status) break;
         const char *name = reply->n_values == 1 && reply->values[0].text ? reply->values[0].text : list;
         snprintf(names[n++], CASE_NAME_SIZE, "%s", name);
         mns_reply_free(reply);
     }
-    return n;
+    if (status && status != MNS_E_NOT_FOUND) {
+        if (error) *error = why;
+        return status;
+    }
+    *ret_n = n;
+    return MNS_OK;
 }
 
-static json_t *fluids_json(MnsClient *client)
+static MnsStatus ask_fluids(MnsClient *client, json_t *about, MnsError *error)
 {
-    char names[MOST_PHASES][CASE_NAME_SIZE];
+    Names names;
     const char *list[MOST_PHASES];
     Colour colours[MOST_PHASES];
+    size_t n;
+    const MnsStatus status = ask_names(client, "fluids", names, &n, error);
+    if (status) return status;
     json_t *fluids = json_array();
-    const size_t n = ask_names(client, "fluids", names);
     for (size_t k = 0; k < n; k++) list[k] = names[k];
     colour_fluids(n, list, colours);
     for (size_t k = 0; k < n; k++)
         json_array_append_new(fluids, json_pack("{ss so}", "name", names[k], "colour", colour_json(colours[k])));
-    return fluids;
+    json_object_set_new(about, "fluids", fluids);
+    return MNS_OK;
 }
 
-static json_t *walls_json(MnsClient *client)
+static MnsStatus ask_walls(MnsClient *client, json_t *about, MnsError *error)
 {
-    char names[MOST_PHASES][CASE_NAME_SIZE];
+    Names names;
+    size_t n;
+    const MnsStatus status = ask_names(client, "walls", names, &n, error);
+    if (status) return status;
     json_t *walls = json_array();
-    const size_t n = ask_names(client, "walls", names);
     for (size_t k = 0; k < n; k++) json_array_append_new(walls, json_string(names[k]));
-    return walls;
+    json_object_set_new(about, "walls", walls);
+    return MNS_OK;
 }
 
+/* All of the case or, where it goes away meanwhile, nothing. */
 static MnsStatus ask_case(MnsClient *client, json_t *about, MnsError *error)
 {
     static const char *const paths[] = {"dimensions", "reference_length", "resolution",
                                         "domain.min", "domain.max",       "gravity"};
     MnsReply *reply = NULL;
-    const MnsStatus status = mns_client_get(client, sizeof paths / sizeof *paths, paths, &reply, error);
+    MnsStatus status = mns_client_get(client, sizeof paths / sizeof *paths, paths, &reply, error);
     if (status) return status;
-    json_object_set_new(about, "case", output_values(reply->n_values, reply->values));
+    json_t *found = json_pack("{so}", "case", output_values(reply->n_values, reply->values));
     mns_reply_free(reply);
-    json_object_set_new(about, "fluids", fluids_json(client));
-    json_object_set_new(about, "walls", walls_json(client));
-    return MNS_OK;
+    status = ask_fluids(client, found, error);
+    if (!status) status = ask_walls(client, found, error);
+    if (!status) json_object_update(about, found);
+    json_decref(found);
+    return status;
 }
 
 static void append_case(void *arg, const char *name, const char *folder)

@@ -10,55 +10,59 @@
 
 typedef enum EntryType { A_WHOLE, A_NUMBER, A_SWITCH, A_TEXT, A_TEXTS } EntryType;
 
-/* Bits of AskInfo.entries, and rows of the table. */
+/* Rows of the table. */
 enum {
-    E_ID = 1 << 0,
-    E_LEASE = 1 << 1,
-    E_COUNT = 1 << 2,
-    E_LIMIT = 1 << 3,
-    E_VERSION = 1 << 4,
-    E_TIME = 1 << 5,
-    E_SECONDS = 1 << 6,
-    E_WALLS = 1 << 7,
-    E_CHECKPOINT = 1 << 8,
-    E_START = 1 << 9,
-    E_FIELD = 1 << 10,
-    E_HOLDER = 1 << 11,
-    E_TOKEN = 1 << 12,
-    E_NAME = 1 << 13,
-    E_SETTINGS = 1 << 14,
-    E_AT_STEP = 1 << 15,
-    E_AT_TIME = 1 << 16,
-    E_REQUEST = 1 << 17,
-    E_COMMAND = E_ID | E_LEASE,
-    E_LATER = E_AT_STEP | E_AT_TIME
+    ENTRY_ID,
+    ENTRY_LEASE,
+    ENTRY_COUNT,
+    ENTRY_LIMIT,
+    ENTRY_VERSION,
+    ENTRY_TIME,
+    ENTRY_SECONDS,
+    ENTRY_WALLS,
+    ENTRY_CHECKPOINT,
+    ENTRY_START,
+    ENTRY_FIELD,
+    ENTRY_HOLDER,
+    ENTRY_TOKEN,
+    ENTRY_NAME,
+    ENTRY_SETTINGS,
+    ENTRY_AT_STEP,
+    ENTRY_AT_TIME,
+    ENTRY_REQUEST,
+    ENTRIES
 };
+
+/* A set of entries has a bit for each. */
+#define E(entry)  (1u << ENTRY_##entry)
+#define E_COMMAND (E(ID) | E(LEASE))
+#define E_LATER   (E(AT_STEP) | E(AT_TIME))
+_Static_assert(ENTRIES <= 32, "a set of entries is an unsigned");
 
 static const struct {
     const char *name;
     EntryType type;
     size_t offset;
-} entries[] = {
-    {"id", A_WHOLE, offsetof(Ask, id)},
-    {"lease", A_WHOLE, offsetof(Ask, lease)},
-    {"count", A_WHOLE, offsetof(Ask, count)},
-    {"limit", A_WHOLE, offsetof(Ask, limit)},
-    {"version", A_WHOLE, offsetof(Ask, version)},
-    {"time", A_NUMBER, offsetof(Ask, time)},
-    {"seconds", A_NUMBER, offsetof(Ask, seconds)},
-    {"walls", A_SWITCH, offsetof(Ask, walls)},
-    {"checkpoint", A_SWITCH, offsetof(Ask, checkpoint)},
-    {"start", A_SWITCH, offsetof(Ask, start)},
-    {"field", A_TEXT, offsetof(Ask, field)},
-    {"holder", A_TEXT, offsetof(Ask, holder)},
-    {"token", A_TEXT, offsetof(Ask, token)},
-    {"name", A_TEXT, offsetof(Ask, name)},
-    {"settings", A_TEXTS, offsetof(Ask, settings)},
-    {"at_step", A_WHOLE, offsetof(Ask, at_step)},
-    {"at_time", A_NUMBER, offsetof(Ask, at_time)},
-    {"request", A_TEXT, offsetof(Ask, request)},
+} entries[ENTRIES] = {
+    [ENTRY_ID] = {"id", A_WHOLE, offsetof(Ask, id)},
+    [ENTRY_LEASE] = {"lease", A_WHOLE, offsetof(Ask, lease)},
+    [ENTRY_COUNT] = {"count", A_WHOLE, offsetof(Ask, count)},
+    [ENTRY_LIMIT] = {"limit", A_WHOLE, offsetof(Ask, limit)},
+    [ENTRY_VERSION] = {"version", A_WHOLE, offsetof(Ask, version)},
+    [ENTRY_TIME] = {"time", A_NUMBER, offsetof(Ask, time)},
+    [ENTRY_SECONDS] = {"seconds", A_NUMBER, offsetof(Ask, seconds)},
+    [ENTRY_WALLS] = {"walls", A_SWITCH, offsetof(Ask, walls)},
+    [ENTRY_CHECKPOINT] = {"checkpoint", A_SWITCH, offsetof(Ask, checkpoint)},
+    [ENTRY_START] = {"start", A_SWITCH, offsetof(Ask, start)},
+    [ENTRY_FIELD] = {"field", A_TEXT, offsetof(Ask, field)},
+    [ENTRY_HOLDER] = {"holder", A_TEXT, offsetof(Ask, holder)},
+    [ENTRY_TOKEN] = {"token", A_TEXT, offsetof(Ask, token)},
+    [ENTRY_NAME] = {"name", A_TEXT, offsetof(Ask, name)},
+    [ENTRY_SETTINGS] = {"settings", A_TEXTS, offsetof(Ask, settings)},
+    [ENTRY_AT_STEP] = {"at_step", A_WHOLE, offsetof(Ask, at_step)},
+    [ENTRY_AT_TIME] = {"at_time", A_NUMBER, offsetof(Ask, at_time)},
+    [ENTRY_REQUEST] = {"request", A_TEXT, offsetof(Ask, request)},
 };
-enum { ENTRIES = sizeof entries / sizeof *entries };
 
 /* --- what is asked ----------------------------------------------------------------------------------------------------- */
 
@@ -138,27 +142,27 @@ static const struct {
     MnsStatus (*plain)(MnsClient *client, MnsReply **ret_reply, MnsError *error);
     MnsStatus (*call)(const Ask *ask, MnsClient *client, MnsReply **ret_reply, MnsError *error);
 } asks[ASK_COUNT] = {
-    [ASK_HELLO] = {"hello", 0, E_TOKEN, NULL, NULL},
-    [ASK_SHOW] = {"show", E_FIELD | E_LIMIT, E_WALLS, NULL, NULL},
-    [ASK_DRAWN] = {"drawn", E_COUNT, 0, NULL, NULL},
+    [ASK_HELLO] = {"hello", 0, E(TOKEN), NULL, NULL},
+    [ASK_SHOW] = {"show", E(FIELD) | E(LIMIT), E(WALLS), NULL, NULL},
+    [ASK_DRAWN] = {"drawn", E(COUNT), 0, NULL, NULL},
     [ASK_HISTORY] = {"history", 0, 0, NULL, NULL},
-    [ASK_JOURNAL] = {"journal", E_ID, 0, NULL, NULL},
-    [ASK_START] = {"start", E_ID, E_COMMAND, mns_client_start, NULL},
-    [ASK_PAUSE] = {"pause", E_ID, E_COMMAND | E_LATER, mns_client_pause, NULL},
-    [ASK_RESUME] = {"resume", E_ID, E_COMMAND, mns_client_resume, NULL},
-    [ASK_STEP] = {"step", E_ID | E_COUNT, E_COMMAND, NULL, call_step},
-    [ASK_RUN_UNTIL] = {"run_until", E_ID | E_TIME, E_COMMAND, NULL, call_run_until},
-    [ASK_STOP] = {"stop", E_ID, E_COMMAND | E_CHECKPOINT, NULL, call_stop},
-    [ASK_RESET] = {"reset", E_ID, E_COMMAND, mns_client_reset, NULL},
-    [ASK_RESTORE] = {"restore", E_ID, E_COMMAND | E_NAME, NULL, call_restore},
-    [ASK_CHECKPOINT] = {"checkpoint", E_ID, E_COMMAND | E_LATER, mns_client_checkpoint, NULL},
-    [ASK_SNAPSHOT] = {"snapshot", E_ID, E_COMMAND | E_LATER, NULL, call_snapshot},
-    [ASK_LOAD] = {"load", E_ID | E_NAME, E_COMMAND | E_SETTINGS | E_START, NULL, call_load},
-    [ASK_SET] = {"set", E_ID | E_SETTINGS, E_COMMAND | E_LATER, NULL, call_set},
-    [ASK_ROLLBACK] = {"rollback", E_ID | E_VERSION, E_COMMAND, NULL, call_rollback},
-    [ASK_LEASE] = {"lease", E_ID | E_SECONDS | E_HOLDER, E_COMMAND, NULL, call_lease},
-    [ASK_RELEASE] = {"release", E_ID | E_LEASE, E_COMMAND, mns_client_release, NULL},
-    [ASK_CANCEL] = {"cancel", E_ID | E_REQUEST, E_COMMAND, NULL, call_cancel},
+    [ASK_JOURNAL] = {"journal", E(ID), 0, NULL, NULL},
+    [ASK_START] = {"start", E(ID), E_COMMAND, mns_client_start, NULL},
+    [ASK_PAUSE] = {"pause", E(ID), E_COMMAND | E_LATER, mns_client_pause, NULL},
+    [ASK_RESUME] = {"resume", E(ID), E_COMMAND, mns_client_resume, NULL},
+    [ASK_STEP] = {"step", E(ID) | E(COUNT), E_COMMAND, NULL, call_step},
+    [ASK_RUN_UNTIL] = {"run_until", E(ID) | E(TIME), E_COMMAND, NULL, call_run_until},
+    [ASK_STOP] = {"stop", E(ID), E_COMMAND | E(CHECKPOINT), NULL, call_stop},
+    [ASK_RESET] = {"reset", E(ID), E_COMMAND, mns_client_reset, NULL},
+    [ASK_RESTORE] = {"restore", E(ID), E_COMMAND | E(NAME), NULL, call_restore},
+    [ASK_CHECKPOINT] = {"checkpoint", E(ID), E_COMMAND | E_LATER, mns_client_checkpoint, NULL},
+    [ASK_SNAPSHOT] = {"snapshot", E(ID), E_COMMAND | E_LATER, NULL, call_snapshot},
+    [ASK_LOAD] = {"load", E(ID) | E(NAME), E_COMMAND | E(SETTINGS) | E(START), NULL, call_load},
+    [ASK_SET] = {"set", E(ID) | E(SETTINGS), E_COMMAND | E_LATER, NULL, call_set},
+    [ASK_ROLLBACK] = {"rollback", E(ID) | E(VERSION), E_COMMAND, NULL, call_rollback},
+    [ASK_LEASE] = {"lease", E(ID) | E(SECONDS) | E(HOLDER), E_COMMAND, NULL, call_lease},
+    [ASK_RELEASE] = {"release", E(ID) | E(LEASE), E_COMMAND, mns_client_release, NULL},
+    [ASK_CANCEL] = {"cancel", E(ID) | E(REQUEST), E_COMMAND, NULL, call_cancel},
 };
 
 MnsStatus ask_call(const Ask *ask, MnsClient *client, MnsReply **ret_reply, MnsError *error)
@@ -232,8 +236,8 @@ static MnsStatus take_all(json_t *object, Ask *ret, MnsError *error)
         if (status) return status;
         given |= 1u << k;
     }
-    ret->at_a_step = given & E_AT_STEP;
-    ret->at_a_time = given & E_AT_TIME;
+    ret->at_a_step = given & E(AT_STEP);
+    ret->at_a_time = given & E(AT_TIME);
     for (size_t k = 0; k < ENTRIES; k++)
         if (asks[ret->kind].must & ~given & 1u << k)
             return mns_fail_at(error, MNS_E_INVALID, entries[k].name, "%s needs \"%s\"", asks[ret->kind].name,

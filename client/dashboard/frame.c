@@ -26,28 +26,6 @@ static size_t columns(const MnsArray *array)
     return array->n_dims > 1 ? array->shape[1] : 1;
 }
 
-static MnsStatus find(const MnsReply *reply, const char *name, size_t rows, const MnsArray **ret, MnsError *error)
-{
-    *ret = mns_reply_array(reply, name);
-    if (*ret && (*ret)->n_dims && (*ret)->n_dims <= 2 && (*ret)->shape[0] == rows && columns(*ret) <= 3) return MNS_OK;
-    return mns_fail_at(error, MNS_E_CORRUPT, name, "the daemon's answer lacks a usable array \"%s\"", name);
-}
-
-/* Little-endian, as every browser has it. */
-static unsigned char *put_u32(unsigned char *to, uint32_t value)
-{
-    for (int k = 0; k < 4; k++) *to++ = (unsigned char)(value >> 8 * k);
-    return to;
-}
-
-static unsigned char *put_float(unsigned char *to, double value)
-{
-    const float narrow = (float)value;
-    uint32_t bits;
-    memcpy(&bits, &narrow, sizeof bits);
-    return put_u32(to, bits);
-}
-
 /* Element k of an array: one of the types that fields have. Chosen once for an array, as there are millions of elements a second. */
 typedef double Reader(const void *data, size_t k);
 
@@ -66,9 +44,39 @@ static double read_u8(const void *data, size_t k)
     return ((const uint8_t *)data)[k];
 }
 
+/* NULL: no field has this type. */
 static Reader *reader_of(const MnsArray *array)
 {
-    return !strcmp(array->type, "<f8") ? read_double : !strcmp(array->type, "<u4") ? read_u32 : read_u8;
+    static const struct {
+        const char *type;
+        Reader *read;
+    } readers[] = {{"<f8", read_double}, {"<u4", read_u32}, {"|u1", read_u8}};
+    for (size_t k = 0; k < sizeof readers / sizeof *readers; k++)
+        if (!strcmp(array->type, readers[k].type)) return readers[k].read;
+    return NULL;
+}
+
+static MnsStatus find(const MnsReply *reply, const char *name, size_t rows, const MnsArray **ret, MnsError *error)
+{
+    *ret = mns_reply_array(reply, name);
+    const bool fits = *ret && (*ret)->n_dims && (*ret)->n_dims <= 2 && (*ret)->shape[0] == rows && columns(*ret) <= 3;
+    if (fits && reader_of(*ret)) return MNS_OK;
+    return mns_fail_at(error, MNS_E_CORRUPT, name, "the daemon's answer lacks a usable array \"%s\"", name);
+}
+
+/* Little-endian, as every browser has it. */
+static unsigned char *put_u32(unsigned char *to, uint32_t value)
+{
+    for (int k = 0; k < 4; k++) *to++ = (unsigned char)(value >> 8 * k);
+    return to;
+}
+
+static unsigned char *put_float(unsigned char *to, double value)
+{
+    const float narrow = (float)value;
+    uint32_t bits;
+    memcpy(&bits, &narrow, sizeof bits);
+    return put_u32(to, bits);
 }
 
 static unsigned char *put_places(unsigned char *to, const MnsArray *places)

@@ -38,7 +38,7 @@ typedef struct Frame {
 uint64_t frame_every(uint64_t n, uint64_t limit);
 
 /* From the answer to a query of "position", "phase" and the field of the wish, for one in `every` of `all` particles. MNS_E_CORRUPT: it
- * lacks one of them; MNS_E_MEMORY. */
+ * lacks one of them, or has it in a type that fields have not; MNS_E_MEMORY. */
 MnsStatus frame_new(const Wish *wish, FrameKey key, uint64_t every, uint64_t all, const MnsReply *reply, Frame **ret,
                     MnsError *error);
 

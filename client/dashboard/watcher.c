@@ -30,6 +30,7 @@ typedef struct Watcher {
     uint64_t epoch, version; /* of what was told last */
     char directory[4096];    /* of the run            */
     MnsState state;
+    bool told;        /* all of what the daemon can do and what that case is, to the end */
     bool acquainted;  /* we have seen the daemon before */
     bool has_backlog; /* the run is new to us, and was under way before */
     Heard events, log;
@@ -167,8 +168,8 @@ static MnsStatus look(Watcher *watcher, MnsError *error)
         return status;
     }
     const bool other = is_other(watcher, reply);
-    const bool news =
-        other || reply->case_version != watcher->version || has_case(reply->state) != has_case(watcher->state);
+    const bool news = !watcher->told || other || reply->case_version != watcher->version ||
+                      has_case(reply->state) != has_case(watcher->state);
     if (other) {
         flush(watcher);
         hub_forget(watcher->hub);
@@ -186,6 +187,7 @@ static MnsStatus look(Watcher *watcher, MnsError *error)
     json_object_set_new(told, "daemon_epoch", json_integer((json_int_t)reply->daemon_epoch));
     json_object_set_new(told, "journal_bytes", journal_bytes(watcher));
     if (news) status = tell_about(watcher, reply, error);
+    watcher->told = !status; /* what could not be asked is asked again with the next look */
     watcher->has_backlog = watcher->has_backlog || other;
     if (!status && watcher->has_backlog && watcher_is_settled(reply->state)) {
         if (reply->step) backlog_start(watcher->hub, reply->time);

@@ -202,29 +202,20 @@ MnsStatus call_greet(MnsClient *client, double deadline, MnsError *error)
     return MNS_OK;
 }
 
+Meniscus__Request call_begin(MnsClient *client)
+{
+    Meniscus__Request request = client->next;
+    client->next = (Meniscus__Request)MENISCUS__REQUEST__INIT;
+    return request;
+}
+
 MnsStatus call_make(MnsClient *client, Meniscus__Request *request, Meniscus__Reply **ret_reply, Frames *ret_frames,
                     MnsError *error)
 {
     uint8_t id[MNS_REQUEST_ID_SIZE];
-    if (client->has_id) {
-        memcpy(id, client->next_id, sizeof id);
-        client->has_id = false;
-    } else {
-        const MnsStatus status = call_random(id, sizeof id, error);
-        if (status != MNS_OK) return status;
-    }
-    request->has_if_step = client->has_if_step;
-    request->if_step = client->if_step;
-    client->has_if_step = false;
-    request->has_if_version = client->if_version > 0;
-    request->if_version = client->if_version;
-    client->if_version = 0;
-    request->has_at_step = client->has_at_step;
-    request->at_step = client->at_step;
-    request->has_at_time = client->has_at_time;
-    request->at_time = client->at_time;
-    request->has_no_wait = request->no_wait = client->no_wait;
-    client->has_at_step = client->has_at_time = client->no_wait = false;
+    const MnsStatus status = request->has_id ? MNS_OK : call_random(id, sizeof id, error);
+    if (status != MNS_OK) return status;
+    if (request->has_id) memcpy(id, client->next_id, sizeof id);
     request->has_lease_epoch = client->lease_epoch > 0;
     request->lease_epoch = client->lease_epoch;
     return call_as(client, request, id, client->timeout, grace_s, ret_reply, ret_frames, error);

@@ -10,16 +10,10 @@ enum { CALL_MAX_REQUEST = 1 << 20 }; /* bytes; a daemon takes no more */
 
 struct MnsClient {
     Wire wire;
-    uint64_t epoch; /* of the daemon that was greeted       */
-    double timeout; /* [s]; negative: none                  */
-    bool has_id;    /* next_id is to be used                */
+    uint64_t epoch;         /* of the daemon that was greeted       */
+    double timeout;         /* [s]; negative: none                  */
+    Meniscus__Request next; /* what was said for the next command: its conditions and schedule, that it has next_id */
     uint8_t next_id[MNS_REQUEST_ID_SIZE];
-    bool has_if_step; /* the next command is conditional    */
-    uint64_t if_step;
-    uint64_t if_version;                    /* of the next command; 0: whichever */
-    bool has_at_step, has_at_time, no_wait; /* the next command is scheduled */
-    uint64_t at_step;
-    double at_time;       /* [s] */
     uint64_t lease_epoch; /* of all commands; 0: none          */
     void *telemetry;      /* SUB socket, or NULL                  */
     struct {
@@ -39,7 +33,11 @@ MnsStatus call_status(Meniscus__Code code, const char *reason);
 /* Ask the daemon who it is: sets client->epoch. MNS_E_UNAVAILABLE if it does not answer until the deadline (monotonic), MNS_E_VERSION. */
 MnsStatus call_greet(MnsClient *client, double deadline, MnsError *error);
 
-/* Send a request and wait for its reply. Version, id and deadline are filled in here. Each array of the reply
+/* The request of a command, with what was said for it, which is for no other, whether this one is sent or refused before: so every command
+ * begins with this. */
+Meniscus__Request call_begin(MnsClient *client);
+
+/* Send a request that began as above and wait for its reply. Version, id, lease and deadline are filled in here. Each array of the reply
  * has its frame, checked. On failure, when the daemon refused, error->path is the reply's.
  * MNS_OK: free *ret_reply with meniscus__reply__free_unpacked() and *ret_frames with frames_done(); all else: as
  * client.h says, nothing to free. */

@@ -61,6 +61,7 @@ MnsStatus mns_client_open_with(const MnsClientOptions *options, MnsClient **ret_
     if (status != MNS_OK) return status;
     MnsClient *client = calloc(1, sizeof *client);
     if (!client) return mns_fail(error, MNS_E_MEMORY, "no memory for a client");
+    client->next = (Meniscus__Request)MENISCUS__REQUEST__INIT;
     client->timeout = -1;
     const double deadline = wire_clock() + (options->timeout > 0 ? options->timeout : WIRE_OPENING_S);
     status = wire_open(&client->wire, endpoint, plain ? NULL : &keys, deadline, error);
@@ -109,35 +110,36 @@ void mns_client_set_timeout(MnsClient *client, double seconds)
 void mns_client_set_request_id(MnsClient *client, const uint8_t id[MNS_REQUEST_ID_SIZE])
 {
     memcpy(client->next_id, id, MNS_REQUEST_ID_SIZE);
-    client->has_id = true;
+    client->next.has_id = true;
 }
 
 void mns_client_set_if_step(MnsClient *client, uint64_t step)
 {
-    client->if_step = step;
-    client->has_if_step = true;
+    client->next.if_step = step;
+    client->next.has_if_step = true;
 }
 
 void mns_client_set_at_step(MnsClient *client, uint64_t step)
 {
-    client->at_step = step;
-    client->has_at_step = true;
+    client->next.at_step = step;
+    client->next.has_at_step = true;
 }
 
 void mns_client_set_at_time(MnsClient *client, double time)
 {
-    client->at_time = time;
-    client->has_at_time = true;
+    client->next.at_time = time;
+    client->next.has_at_time = true;
 }
 
 void mns_client_set_no_wait(MnsClient *client)
 {
-    client->no_wait = true;
+    client->next.has_no_wait = client->next.no_wait = true;
 }
 
 void mns_client_set_if_version(MnsClient *client, uint64_t version)
 {
-    client->if_version = version;
+    client->next.if_version = version;
+    client->next.has_if_version = version > 0;
 }
 
 void mns_client_set_lease(MnsClient *client, uint64_t epoch)

@@ -13,8 +13,8 @@ static bool is_of_case(const char *path)
     return case_field_named(&meniscus__case__descriptor, path, strcspn(path, ".[")) != NULL;
 }
 
-static MnsStatus send_case(MnsClient *client, const MnsLoad *from, const CaseFile *file, MnsReply **ret_reply,
-                           MnsError *error)
+static MnsStatus send_case(MnsClient *client, Meniscus__Request request, const MnsLoad *from, const CaseFile *file,
+                           MnsReply **ret_reply, MnsError *error)
 {
     char name[CASE_NAME_SIZE];
     case_name_from_path(from->file, name);
@@ -24,7 +24,6 @@ static MnsStatus send_case(MnsClient *client, const MnsLoad *from, const CaseFil
     load.name = from->name ? (char *)from->name : name;
     load.has_resume = true;
     load.resume = from->resume;
-    Meniscus__Request request = MENISCUS__REQUEST__INIT;
     request.command_case = MENISCUS__REQUEST__COMMAND_LOAD;
     request.load = &load;
     MnsError why = {0};
@@ -37,10 +36,11 @@ static MnsStatus send_case(MnsClient *client, const MnsLoad *from, const CaseFil
 
 MnsStatus mns_client_load(MnsClient *client, const MnsLoad *load, MnsReply **ret_reply, MnsError *error)
 {
+    Meniscus__Request request = call_begin(client);
     CaseFile *file = NULL;
     MnsStatus status = case_file_read(load->file, &file, error);
     for (size_t k = 0; status == MNS_OK && k < load->n_sets; k++) status = case_file_set(file, load->sets[k], error);
-    if (status == MNS_OK) status = send_case(client, load, file, ret_reply, error);
+    if (status == MNS_OK) status = send_case(client, request, load, file, ret_reply, error);
     case_file_free(file);
     return status;
 }

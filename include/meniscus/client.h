@@ -220,7 +220,8 @@ void mns_client_set_reconnect(MnsClient *client, double seconds);
 void mns_client_set_timeout(MnsClient *client, double seconds);
 
 /** Use this id for the next command, instead of a random one: the same id never happens twice, so a script may repeat a
- *  command of which it does not know whether it arrived, and mns_client_cancel() can name it. */
+ *  command of which it does not know whether it arrived, and mns_client_cancel() can name it. This and what else is said for
+ *  the next command is for that one alone, also if it is refused before it is sent, as a set without "=" is. */
 void mns_client_set_request_id(MnsClient *client, const uint8_t id[MNS_REQUEST_ID_SIZE]);
 
 /** Make the next command conditional: unless the run is at this step when the command would begin, it is refused with

@@ -23,6 +23,7 @@ typedef struct Fixture {
     atomic_int n;          /* requests heard                                         */
     uint8_t ids[4][16];
     bool conditional[4];
+    bool said[4]; /* any condition or schedule came with it */
     Meniscus__Request__CommandCase commands[4];
     uint64_t deadline_ms;
     Meniscus__Code code;
@@ -70,6 +71,8 @@ static void handle(void *arg, const Meniscus__Request *request, FakeAnswer *answ
         memcpy(fixture->ids[k], request->id.data, 16);
         fixture->commands[k] = request->command_case;
         fixture->conditional[k] = request->has_if_step;
+        fixture->said[k] = request->has_if_step || request->has_if_version || request->has_at_step ||
+                           request->has_at_time || request->has_no_wait;
         answer->manner = fixture->manners[k];
     }
     fixture->deadline_ms = request->deadline_ms;
@@ -401,6 +404,78 @@ static void an_assignment_without_equals_sign_is_not_sent(void **state)
     assert_int_equal(atomic_load(&fixture->n), 0);
 }
 
+static void say_all_that_can_be_said(MnsClient *client, const uint8_t id[16])
+{
+    mns_client_set_request_id(client, id);
+    mns_client_set_if_step(client, 40);
+    mns_client_set_if_version(client, 3);
+    mns_client_set_at_step(client, 100);
+    mns_client_set_at_time(client, 0.5);
+    mns_client_set_no_wait(client);
+}
+
+static MnsStatus set_without_equals_sign(MnsClient *client)
+{
+    return mns_client_set(client, 1, (const char *const[]){"gravity"}, NULL, NULL);
+}
+
+static MnsStatus take_a_lease_of_no_time(MnsClient *client)
+{
+    return mns_client_lease(client, 0, "me", NULL, NULL);
+}
+
+static MnsStatus ask_at_points_of_a_line(MnsClient *client)
+{
+    return mns_client_query_points(client, "pressure", 1, 1, (const double[]){0.5}, NULL, NULL);
+}
+
+static MnsStatus ask_in_a_box_of_a_line(MnsClient *client)
+{
+    return mns_client_query_particles(client, &(MnsParticleQuery){.dim = 1}, NULL, NULL);
+}
+
+static MnsStatus wait_for_a_time_before_all(MnsClient *client)
+{
+    return mns_client_wait(client, 0, -1, MNS_NO_STEP, NULL, NULL);
+}
+
+static MnsStatus load_no_file(MnsClient *client)
+{
+    return mns_client_load(client, &(MnsLoad){.file = "/nowhere/case.yaml"}, NULL, NULL);
+}
+
+static MnsStatus load_with_a_wrong_setting(MnsClient *client)
+{
+    return mns_client_load(
+        client, &(MnsLoad){.file = "/dev/null", .n_sets = 1, .sets = (const char *const[]){"gravity"}}, NULL, NULL);
+}
+
+static void what_is_said_for_a_command_that_is_not_sent_is_for_no_other(void **state)
+{
+    static MnsStatus (*const refused[])(MnsClient * client) = {set_without_equals_sign,    take_a_lease_of_no_time,
+                                                               ask_at_points_of_a_line,    ask_in_a_box_of_a_line,
+                                                               wait_for_a_time_before_all, load_no_file,
+                                                               load_with_a_wrong_setting};
+    const uint8_t id[16] = {9, 8, 7, 6, 5, 4, 3, 2, 1, 9, 8, 7, 6, 5, 4, 3};
+    Fixture *fixture = *state;
+    for (size_t k = 0; k < sizeof refused / sizeof *refused; k++) {
+        atomic_store(&fixture->n, 0);
+        say_all_that_can_be_said(fixture->client, id);
+        assert_int_not_equal(refused[k](fixture->client), MNS_OK);
+        assert_int_equal(atomic_load(&fixture->n), 0);
+        assert_int_equal(mns_client_pause(fixture->client, NULL, NULL), MNS_OK);
+        settle(fixture);
+        assert_false(fixture->said[0]);
+        assert_memory_not_equal(fixture->ids[0], id, 16);
+    }
+    atomic_store(&fixture->n, 0);
+    say_all_that_can_be_said(fixture->client, id);
+    assert_int_equal(mns_client_pause(fixture->client, NULL, NULL), MNS_OK);
+    settle(fixture);
+    assert_true(fixture->said[0]);
+    assert_memory_equal(fixture->ids[0], id, 16);
+}
+
 /* --- telemetry ---------------------------------------------------------------------------------------------------- */
 
 static void publish_progress(Fixture *fixture, uint64_t epoch, uint64_t sequence)
@@ -503,6 +578,7 @@ int main(void)
         TEST(a_shape_that_does_not_fit_its_frame_is_refused),
         TEST(a_reply_that_is_none_is_refused_and_the_next_is_read),
         TEST(an_assignment_without_equals_sign_is_not_sent),
+        TEST(what_is_said_for_a_command_that_is_not_sent_is_for_no_other),
         TEST(gaps_in_telemetry_are_counted),
         TEST(a_restarted_daemon_begins_to_count_anew),
         TEST(unreadable_telemetry_is_reported_and_the_next_is_read),

@@ -16,6 +16,7 @@ struct FakeDaemon {
     pthread_t thread;
     atomic_bool stop;
     atomic_ullong epoch;
+    _Atomic(Meniscus__Status *) status;
     FakeHandler *handler;
     void *arg;
 };
@@ -63,6 +64,13 @@ static FakeManner serve(FakeDaemon *daemon, void *router, zmq_msg_t *peer, const
     reply.id = request->id;
     reply.daemon_epoch = atomic_load(&daemon->epoch);
     if (request->command_case != MENISCUS__REQUEST__COMMAND_STATUS) daemon->handler(daemon->arg, request, &answer);
+    else if ((reply.status = atomic_load(&daemon->status))) {
+        reply.result_case = MENISCUS__REPLY__RESULT_STATUS;
+        reply.has_state = reply.status->has_state;
+        reply.state = reply.status->state;
+        reply.has_case_version = reply.status->has_case_version;
+        reply.case_version = reply.status->case_version;
+    }
     if (answer.manner == FAKE_STALE_FIRST) send_stale(router, peer);
     if (answer.manner == FAKE_GARBAGE || answer.manner == FAKE_EMPTY) {
         zmq_send(router, zmq_msg_data(peer), zmq_msg_size(peer), ZMQ_SNDMORE);
@@ -130,6 +138,11 @@ const char *fake_daemon_endpoint(const FakeDaemon *daemon)
 void fake_daemon_set_epoch(FakeDaemon *daemon, uint64_t epoch)
 {
     atomic_store(&daemon->epoch, epoch);
+}
+
+void fake_daemon_set_status(FakeDaemon *daemon, Meniscus__Status *status)
+{
+    atomic_store(&daemon->status, status);
 }
 
 void fake_daemon_publish_bytes(FakeDaemon *daemon, const char *topic, const void *data, size_t size)

@@ -26,7 +26,7 @@ typedef struct FakeAnswer {
 } FakeAnswer;
 
 /* Called on the daemon's thread for each request but `status`, which clients greet with and which is always
- * answered. */
+ * answered: see fake_daemon_set_status(). */
 typedef void FakeHandler(void *arg, const Meniscus__Request *request, FakeAnswer *answer);
 
 /* Listen at DIR/control.ipc and DIR/telemetry.ipc in a directory of its own; its name as for --daemon is ipc://..., see
@@ -37,6 +37,9 @@ const char *fake_daemon_endpoint(const FakeDaemon *daemon);
 
 /* From now on it is another process. */
 void fake_daemon_set_epoch(FakeDaemon *daemon, uint64_t epoch);
+
+/* What is answered to `status` from now on; borrowed. NULL, as at first: that there is somebody, and nothing else. */
+void fake_daemon_set_status(FakeDaemon *daemon, Meniscus__Status *status);
 
 /* Publish, from the thread that made the daemon. */
 void fake_daemon_publish(FakeDaemon *daemon, const char *topic, const Meniscus__Telemetry *message);

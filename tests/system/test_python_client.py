@@ -3,6 +3,7 @@
 """The Python client against a real daemon, and against none."""
 
 import ctypes
+import inspect
 import os
 import pwd
 import re
@@ -208,6 +209,10 @@ class WithDaemon(DaemonTest):
         with self.assertRaises(meniscus.MeniscusError) as caught:
             self.client.particles(limit=5)
         self.assertEqual(caught.exception.code, "RESOURCE_EXHAUSTED")
+        words = meniscus.Client.particles.__doc__ or ""
+        self.assertIn(f'{type(caught.exception).__name__}, whose status is "{caught.exception.status}"', words)
+        first, second, last = self.client.particles()
+        self.assertIn(f"none: {first}, {second} and {last}\n", words)
 
     def test_one_particle_in_so_many_is_always_the_same(self) -> None:
         self.client.load("dambreak2d", {"resolution": 10})
@@ -315,6 +320,11 @@ class WithDaemon(DaemonTest):
         methods = set(dir(self.client))
         missing = {field.name for field in meniscus_pb2.Request.DESCRIPTOR.oneofs_by_name["command"].fields} - methods
         self.assertEqual(missing, set())
+
+    def test_codes_of_the_protocol_are_not_explained_as_if_they_were_exceptions(self) -> None:
+        for name, command in inspect.getmembers(meniscus.Client, inspect.isfunction):
+            named = set(re.findall(r"[A-Z_]+", command.__doc__ or "")) & set(meniscus_pb2.Code.keys()) - {"OK"}
+            self.assertEqual(named, set(), name)
 
     def test_a_daemon_that_is_about_to_listen_is_waited_for(self) -> None:
         self.listen_late()

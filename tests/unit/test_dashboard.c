@@ -103,6 +103,70 @@ static void commands_are_read_with_their_entries(void **state)
     ask_done(&ask);
 }
 
+static void every_entry_is_asked_for_and_read_by_its_own_name(void **state)
+{
+    (void)state;
+    Ask ask;
+    MnsError error;
+    assert_int_equal(parse("{\"do\":\"step\",\"id\":1,\"lease\":2,\"count\":3}", &ask, &error), MNS_OK);
+    assert_true(ask.id == 1 && ask.lease == 2 && ask.count == 3);
+    ask_done(&ask);
+    assert_int_equal(parse("{\"do\":\"show\",\"field\":\"phase\",\"limit\":4,\"walls\":true}", &ask, &error), MNS_OK);
+    assert_true(ask.limit == 4 && ask.walls && !strcmp(ask.field, "phase"));
+    ask_done(&ask);
+    assert_int_equal(parse("{\"do\":\"rollback\",\"id\":1,\"version\":5}", &ask, &error), MNS_OK);
+    assert_true(ask.version == 5);
+    ask_done(&ask);
+    assert_int_equal(parse("{\"do\":\"run_until\",\"id\":1,\"time\":6}", &ask, &error), MNS_OK);
+    assert_close(ask.time, 6, 0);
+    ask_done(&ask);
+    assert_int_equal(parse("{\"do\":\"lease\",\"id\":1,\"seconds\":7,\"holder\":\"me\"}", &ask, &error), MNS_OK);
+    assert_close(ask.seconds, 7, 0);
+    assert_string_equal(ask.holder, "me");
+    ask_done(&ask);
+    assert_int_equal(parse("{\"do\":\"stop\",\"id\":1,\"checkpoint\":true}", &ask, &error), MNS_OK);
+    assert_true(ask.checkpoint && !ask.start && !ask.walls);
+    ask_done(&ask);
+    assert_int_equal(
+        parse("{\"do\":\"load\",\"id\":1,\"name\":\"dam\",\"start\":true,\"settings\":[\"a=b\"]}", &ask, &error),
+        MNS_OK);
+    assert_true(ask.start && !ask.checkpoint && !strcmp(ask.name, "dam") && ask.n_settings == 1);
+    ask_done(&ask);
+    assert_int_equal(parse("{\"do\":\"hello\",\"token\":\"abc\"}", &ask, &error), MNS_OK);
+    assert_string_equal(ask.token, "abc");
+    ask_done(&ask);
+    assert_int_equal(parse("{\"do\":\"pause\",\"id\":1,\"at_step\":8,\"at_time\":9}", &ask, &error), MNS_OK);
+    assert_true(ask.at_step == 8 && ask.at_a_step && ask.at_a_time);
+    assert_close(ask.at_time, 9, 0);
+    ask_done(&ask);
+    assert_int_equal(parse("{\"do\":\"cancel\",\"id\":1,\"request\":\"00\"}", &ask, &error), MNS_OK);
+    assert_string_equal(ask.request, "00");
+    ask_done(&ask);
+}
+
+static void what_a_message_lacks_is_named(void **state)
+{
+    (void)state;
+    Ask ask;
+    MnsError error;
+    static const struct {
+        const char *text, *path;
+    } missing[] = {{"{\"do\":\"step\",\"id\":1}", "count"},
+                   {"{\"do\":\"rollback\",\"id\":1}", "version"},
+                   {"{\"do\":\"lease\",\"id\":1,\"seconds\":7}", "holder"},
+                   {"{\"do\":\"lease\",\"id\":1,\"holder\":\"me\"}", "seconds"},
+                   {"{\"do\":\"release\",\"id\":1}", "lease"},
+                   {"{\"do\":\"cancel\",\"id\":1}", "request"},
+                   {"{\"do\":\"show\",\"field\":\"phase\"}", "limit"},
+                   {"{\"do\":\"show\",\"limit\":1}", "field"},
+                   {"{\"do\":\"load\",\"id\":1}", "name"},
+                   {"{\"do\":\"set\",\"id\":1}", "settings"}};
+    for (size_t k = 0; k < sizeof missing / sizeof *missing; k++) {
+        assert_int_equal(parse(missing[k].text, &ask, &error), MNS_E_INVALID);
+        assert_string_equal(error.path, missing[k].path);
+    }
+}
+
 static void nothing_that_browsers_say_is_believed(void **state)
 {
     (void)state;
@@ -401,6 +465,35 @@ static void an_answer_without_what_was_asked_is_no_picture(void **state)
     assert_int_equal(frame_new(&(Wish){.field = "phase"}, (FrameKey){0}, 1, 3, &nothing, &frame, NULL), MNS_E_CORRUPT);
 }
 
+static void numbers_of_a_type_that_fields_have_not_are_no_picture(void **state)
+{
+    (void)state;
+    static const char *const good[] = {"<f8", "<u4", "|u1"}, *const bad[] = {"<f4", "<u8", "<i4", "|i1", ">f8", ""};
+    MnsArray arrays[] = {{.name = "position", .type = "<f8", .unit = "m", .n_dims = 2, .shape = {3, 2}, .data = places},
+                         {.name = "phase", .type = "|u1", .unit = "", .n_dims = 1, .shape = {3}, .data = phases},
+                         {.name = "pressure", .type = "<f8", .unit = "Pa", .n_dims = 1, .shape = {3}, .data = places}};
+    const MnsReply reply = {.n_arrays = 3, .arrays = arrays};
+    const Wish wish = {.field = "pressure"};
+    for (size_t k = 0; k < sizeof good / sizeof *good; k++) {
+        Frame *frame = NULL;
+        arrays[2].type = good[k];
+        assert_int_equal(frame_new(&wish, (FrameKey){0}, 1, 3, &reply, &frame, NULL), MNS_OK);
+        frame_free(frame);
+    }
+    arrays[2].type = "<f8";
+    for (size_t a = 0; a < 3; a++) {
+        const char *was = arrays[a].type;
+        for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+            Frame *frame = NULL;
+            MnsError error = {0};
+            arrays[a].type = bad[k];
+            assert_int_equal(frame_new(&wish, (FrameKey){0}, 1, 3, &reply, &frame, &error), MNS_E_CORRUPT);
+            assert_string_equal(error.path, arrays[a].name);
+        }
+        arrays[a].type = was;
+    }
+}
+
 static void one_in_so_many_that_about_the_limit_is_left(void **state)
 {
     (void)state;
@@ -663,6 +756,8 @@ int main(void)
         cmocka_unit_test(a_host_is_this_machine_by_a_name_that_nobody_else_can_give_it),
         cmocka_unit_test(only_pages_of_this_origin_may_open_a_socket),
         cmocka_unit_test(commands_are_read_with_their_entries),
+        cmocka_unit_test(every_entry_is_asked_for_and_read_by_its_own_name),
+        cmocka_unit_test(what_a_message_lacks_is_named),
         cmocka_unit_test(nothing_that_browsers_say_is_believed),
         cmocka_unit_test(a_refusal_goes_back_under_the_id_that_was_said),
         cmocka_unit_test(too_many_settings_are_refused),
@@ -676,6 +771,7 @@ int main(void)
         cmocka_unit_test(the_past_goes_before_what_was_heard),
         cmocka_unit_test(a_picture_is_laid_out_as_the_manual_says),
         cmocka_unit_test(an_answer_without_what_was_asked_is_no_picture),
+        cmocka_unit_test(numbers_of_a_type_that_fields_have_not_are_no_picture),
         cmocka_unit_test(one_in_so_many_that_about_the_limit_is_left),
         cmocka_unit_test(only_the_newest_picture_waits_and_the_others_are_counted),
         cmocka_unit_test(a_browser_that_does_not_draw_gets_no_more),

@@ -361,9 +361,9 @@ def particles(
 ) -> Command[Dict[str, np.ndarray]]:
     """Particles of a box, or all: one array per field in SI units, the first index counts particles.
 
-    fields    names as in capabilities().fields, or one of them; none: position
+    fields    names as in capabilities().fields, or one of them; none: position, id and phase
     min, max  lower and upper corner of the box [m], as many coordinates as the case has dimensions
-    limit     RESOURCE_EXHAUSTED if there are more; None: 100000
+    limit     MeniscusError, whose status is "limit reached", if there are more; None: 100000
     every     about one in so many, by chance but always the same
     """
     message = pb.ParticleQuery(min=min or (), max=max or (), fields=_names(fields), walls=walls, limit=limit, every=every)
