@@ -60,7 +60,8 @@ static const struct argp_option arguments[] = {
      "Let --http serve other machines: on the way there, all can be read, the word of --http-token too", 1},
     {"stream-memory", KEY_STREAMS, "MIB", 0, "Memory that streams of data may hold, in MiB (256)", 1},
     {"load", KEY_LOAD, "CASE", 0,
-     "Load a case at the start: a file, or the name of one that came along; after a crash the same command line goes "
+     "Load a case at the start: a file, or the name of one that came along; after a crash or a signal the same command "
+     "line goes "
      "on with the run it had",
      1},
     {"start", KEY_START, 0, 0, "Set the case of --load in motion", 1},

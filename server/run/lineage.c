@@ -223,7 +223,7 @@ static MnsStatus take(Lineage *lineage, const Record *record, MnsError *error)
         return add(lineage, (LineageEntry){.step = record->step, .request = record->request}, error);
     }
     if (record->kind != MENISCUS__JOURNAL_RECORD__KIND__COMMAND || !record->request) return MNS_OK;
-    if (record->comeback && !record->case_) return MNS_OK; /* a shutdown on the way back */
+    if (record->comeback && !record->case_) return MNS_OK; /* a shutdown that ends no run */
     if (!history_begins(record)) return take_command(lineage, record, error);
     if (record->comeback) return take_comeback(lineage, record, error);
     take_grant(lineage, record, record->lease);

@@ -252,6 +252,33 @@ class Crash(DaemonTest):
         self.meniscus("wait", "--for", "state=PAUSED", "--timeout", str(PATIENCE_S))
         self.assertEqual(self.ask("status")["step"], steps)
 
+    def leave_and_come_back(self) -> None:
+        self.daemon.terminate()
+        self.assertEqual(self.daemon.wait(20), 0)
+        type(self).start_daemon()
+
+    def test_a_signal_ends_no_run(self) -> None:
+        """As systemd gives, when the machine or the service is started again."""
+        self.meniscus("load", *CASE, "--name", "signalled", "--start")
+        self.meniscus("wait", "--for", "step=50")
+        self.leave_and_come_back()
+        self.meniscus("wait", "--for", "step=100", "--timeout", "20")
+        self.assertEqual(self.ask("status")["state"], "RUNNING")
+        self.meniscus("pause")
+        self.meniscus("set", "gravity=[0.1, -1]")
+        before = self.ask("status")
+        self.leave_and_come_back()
+        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+        after = self.ask("status")
+        for key in ("step", "time", "state_hash", "case_version"):
+            self.assertEqual(after[key], before[key], key)
+        self.meniscus("step", "10")
+        self.meniscus("shutdown")
+        self.daemon.wait(20)
+        type(self).start_daemon()
+        self.assertEqual(self.ask("status")["state"], "EMPTY", "whoever asks for the end gets it")
+        self.assertTrue(self.ask("replay", str(self.home / "state" / "signalled"), "--verify")["agrees"])
+
     def test_what_was_stopped_stays_stopped(self) -> None:
         self.meniscus("load", *CASE, "--name", "stopped")
         self.meniscus("stop")
