@@ -121,6 +121,11 @@ void mns_sim_free(MnsSim *sim)
     free(sim);
 }
 
+void mns_sim_watch(MnsSim *sim, void (*going_on)(void *arg), void *arg)
+{
+    sim->watcher = sim->system.watcher = (Watcher){going_on, arg};
+}
+
 static MnsStatus remember(MnsSim *sim, MnsStatus status, const MnsError *why, MnsError *error)
 {
     sim->fault = *why;

@@ -32,6 +32,7 @@ struct MnsSim {
     Neighbours nb;
     int threads;
     MnsMaking making; /* while it is made */
+    Watcher watcher;  /* of its steps */
     MnsProgress progress;
     bool resumed; /* made from a saved state, which the initial fields of the case have no part in */
     double v_max; /* of the fluid, at the end of the last step [m/s] */

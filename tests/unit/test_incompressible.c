@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Runs of the incompressible scheme: layers stay at rest under the right pressure at any ratio of densities, momentum is kept, number
  * densities are, a pressure that is not found is a fault that tells why, and what the scheme cannot do is refused. */
+#include "sim/integrators/integrators.h"
 #include "tests/support/check.h"
 #include "tests/support/sims.h"
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -186,6 +188,48 @@ static void a_pressure_that_is_not_found_is_a_fault_that_tells_its_residuals(voi
         assert_non_null(strstr(error.text, " after 3. "));
         assert_int_equal(mns_sim_step(sim, INFINITY, &again), MNS_E_DIVERGED);
         assert_string_equal(again.text, error.text);
+        sim_done(sim, c);
+    }
+}
+
+typedef struct Heard {
+    int times;
+    pthread_t by;
+} Heard;
+
+static void hear(void *arg)
+{
+    Heard *heard = arg;
+    heard->times++;
+    heard->by = pthread_self();
+}
+
+/* Of every pass and every iteration, on the thread that steps, and not a bit is changed by it. */
+static void who_watches_is_told_of_all_that_is_done_within_a_step(void **state)
+{
+    (void)state;
+    static const MnsSolver solvers[] = {MNS_SOLVER_CG, MNS_SOLVER_BICGSTAB, MNS_SOLVER_AMG};
+    for (int k = 0; k < 3; k++) {
+        MnsCase *c = case_periodic(2, 20);
+        Heard heard = {0};
+        choose(c);
+        c->scheme.incompressible.solver = solvers[k];
+        c->scheme.incompressible.tolerance = 1e-10;
+        MnsSim *sim = sim_of(c), *alone = sim_of(c);
+        mns_sim_watch(sim, hear, &heard);
+        mns_sim_step(sim, INFINITY, NULL);
+        const Solved *solved = &sim->solved;
+        assert_true(solved->iterations > 3);
+        const unsigned passes = PASS_RATES + 1 + 3 * solved->corrections;
+        assert_true((unsigned)heard.times > passes + solved->iterations + solved->density_iterations);
+        assert_true(pthread_equal(heard.by, pthread_self()));
+        sim_steps(alone, 1);
+        assert_true(mns_sim_hash(sim) == mns_sim_hash(alone));
+        mns_sim_watch(sim, NULL, NULL);
+        heard.times = 0;
+        sim_steps(sim, 1);
+        assert_int_equal(heard.times, 0);
+        mns_sim_free(alone);
         sim_done(sim, c);
     }
 }
@@ -438,6 +482,7 @@ int main(void)
         cmocka_unit_test(momentum_and_number_densities_are_kept),
         cmocka_unit_test(four_fluids_keep_momentum_and_bits),
         cmocka_unit_test(a_pressure_that_is_not_found_is_a_fault_that_tells_its_residuals),
+        cmocka_unit_test(who_watches_is_told_of_all_that_is_done_within_a_step),
         cmocka_unit_test(a_pressure_that_is_no_number_is_a_fault_of_its_own),
         cmocka_unit_test(two_closed_spaces_are_stirred_in_one_case),
         cmocka_unit_test(a_wall_that_would_join_two_spaces_is_refused),
