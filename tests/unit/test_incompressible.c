@@ -234,6 +234,60 @@ static void who_watches_is_told_of_all_that_is_done_within_a_step(void **state)
     }
 }
 
+enum { KEPT = 7 }; /* v, a and p */
+
+/* Of the fluid, by id: [KEPT * n], yours. */
+static double *kept_of(const MnsSim *sim)
+{
+    const Particles *s = &sim->s;
+    double *all = calloc(KEPT * s->n, sizeof *all);
+    assert_non_null(all);
+    for (size_t i = 0; i < particles_fluid(s); i++) {
+        double *of = all + KEPT * s->id[i];
+        for (int d = 0; d < s->dim; d++) {
+            of[d] = s->v[d][i];
+            of[3 + d] = s->a[d][i];
+        }
+        of[6] = s->p[i];
+    }
+    return all;
+}
+
+/* Velocities are those of the forces alone, gravity apart in P4; accelerations and pressures are those of before. */
+static void what_was_not_found_corrects_nothing(void **state)
+{
+    (void)state;
+    static const char *const schemes[] = {"incompressible", "differences"};
+    for (int k = 0; k < 2; k++) {
+        MnsCase *c = layers(2, 20, 3);
+        c->scheme.name = schemes[k];
+        MnsSim *sim = sim_in_arrays(c);
+        sim_steps(sim, 3);
+        double *before = kept_of(sim), most = 0;
+        sim->model.projection.iterations = 1;
+        sim->model.projection.tolerance = 1e-12;
+        sim->model.projection.density_tolerance = 0.5;
+        assert_int_equal(mns_sim_step(sim, INFINITY, NULL), MNS_E_DIVERGED);
+        double *after = kept_of(sim);
+        const double dt = mns_sim_progress(sim).dt;
+        for (size_t id = 0; id < sim->s.n; id++) {
+            const double *was = before + KEPT * id, *is = after + KEPT * id;
+            for (int d = 0; d < 2; d++) {
+                const double g = k == 0 ? sim->model.gravity[d] : 0;
+                if (was[6] == 0 && was[3 + d] == 0) continue; /* no fluid */
+                assert_close(is[d], was[d] + dt * (was[3 + d] - g), 1e-14);
+                assert_close(is[3 + d], was[3 + d], k == 0 ? 0 : 1e-10);
+                most = fmax(most, fabs(is[d]));
+            }
+            assert_true(is[6] == was[6]);
+        }
+        assert_true(most > 0);
+        free(before);
+        free(after);
+        sim_done(sim, c);
+    }
+}
+
 /* It tells that, and not to iterate on. */
 static void a_pressure_that_is_no_number_is_a_fault_of_its_own(void **state)
 {
@@ -483,6 +537,7 @@ int main(void)
         cmocka_unit_test(four_fluids_keep_momentum_and_bits),
         cmocka_unit_test(a_pressure_that_is_not_found_is_a_fault_that_tells_its_residuals),
         cmocka_unit_test(who_watches_is_told_of_all_that_is_done_within_a_step),
+        cmocka_unit_test(what_was_not_found_corrects_nothing),
         cmocka_unit_test(a_pressure_that_is_no_number_is_a_fault_of_its_own),
         cmocka_unit_test(two_closed_spaces_are_stirred_in_one_case),
         cmocka_unit_test(a_wall_that_would_join_two_spaces_is_refused),

@@ -223,10 +223,11 @@ static MnsStatus correct_velocity(MnsSim *sim, double dt, const double gravity[3
     status = pressure_solve(sim, method_of(sim), sim->model.projection.tolerance, "velocity", &report, error);
     sim->solved.iterations = report.iterations;
     sim->solved.residual = report.residual;
+    if (status) return status; /* what was not found corrects nothing */
     gauge(sim);
     integrator_pass(sim, PASS_VELOCITY_CORRECTION);
     finish(sim, dt);
-    return status;
+    return MNS_OK;
 }
 
 static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
