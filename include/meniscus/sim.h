@@ -108,10 +108,10 @@ const MnsFieldInfo *mns_fields(void);
 /** Index in mns_fields(), or -1. */
 int mns_field_find(const char *name);
 
-/** Which fields there are: bit k for field k of mns_fields(). */
+/** Which fields there are: bit k for field k of mns_fields(). mns_sim_steer() brings and takes those of options. */
 uint64_t mns_sim_fields(const MnsSim *sim);
 
-/** Borrow component d of a field: [mns_sim_particles()] values of its type, until the next step. NULL if there is none,
+/** Borrow component d of a field: [mns_sim_particles()] values of its type, until the next step, steering or restoring. NULL if there is none,
  *  or if the scheme has no use for it. What can be made of others is not kept, but made at each call, in an array that is then kept; NULL
  *  if there is no memory for that. */
 const void *mns_sim_field(const MnsSim *sim, int field, int d);
