@@ -288,6 +288,31 @@ static void what_was_not_found_corrects_nothing(void **state)
     }
 }
 
+/* By the numbers that the simulation keeps of them, and the flags of the scheme: set-up and solve are timers of their own, and passes that make
+ * a matrix are those whose terms do; methods for symmetric matrices are taken for P4 alone. */
+static void what_a_pressure_takes_is_booked_where_it_says(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        MnsCase *c = layers(2, 20, 3);
+        c->scheme.name = k ? "differences" : "incompressible";
+        MnsSim *sim = sim_in_arrays(c);
+        sim_steps(sim, 2);
+        assert_string_equal(sim->timers[sim->timer_setup].name, "solver set-up");
+        assert_string_equal(sim->timers[sim->timer_solve].name, "solve");
+        assert_true(sim->timers[sim->timer_solve].calls > 0);
+        assert_int_equal(sim->scheme->symmetric, k == 0);
+        assert_string_equal(sim->solver, k ? "bicgstab" : "cg");
+        int assembling = 0;
+        for (const Pass *pass = sim->scheme->rates; pass->name; pass++) {
+            assembling += pass->assembles;
+            assert_int_equal(pass->assembles, strstr(pass->terms[0]->name, "system") != NULL);
+        }
+        assert_int_equal(assembling, k ? 1 : 2);
+        sim_done(sim, c);
+    }
+}
+
 /* It tells that, and not to iterate on. */
 static void a_pressure_that_is_no_number_is_a_fault_of_its_own(void **state)
 {
@@ -537,6 +562,7 @@ int main(void)
         cmocka_unit_test(four_fluids_keep_momentum_and_bits),
         cmocka_unit_test(a_pressure_that_is_not_found_is_a_fault_that_tells_its_residuals),
         cmocka_unit_test(who_watches_is_told_of_all_that_is_done_within_a_step),
+        cmocka_unit_test(what_a_pressure_takes_is_booked_where_it_says),
         cmocka_unit_test(what_was_not_found_corrects_nothing),
         cmocka_unit_test(a_pressure_that_is_no_number_is_a_fault_of_its_own),
         cmocka_unit_test(two_closed_spaces_are_stirred_in_one_case),

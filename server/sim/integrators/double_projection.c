@@ -67,7 +67,7 @@ static MnsStatus lay(MnsSim *sim, MnsError *error)
 
 static const SolveMethod *method_of(const MnsSim *sim)
 {
-    return solve_method(sim->model.projection.solver, &sim->system, true);
+    return solve_method(sim->model.projection.solver, &sim->system, sim->scheme->symmetric);
 }
 
 static void prepare(MnsSim *sim, int matrix, int pass)

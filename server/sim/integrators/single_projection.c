@@ -86,7 +86,7 @@ static size_t nearest(const MnsSim *sim, const double at[3])
 
 static const SolveMethod *method_of(const MnsSim *sim)
 {
-    return solve_method(sim->model.projection.solver, &sim->system, false);
+    return solve_method(sim->model.projection.solver, &sim->system, sim->scheme->symmetric);
 }
 
 static MnsStatus solve(MnsSim *sim, MnsError *error)
