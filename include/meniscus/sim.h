@@ -40,6 +40,11 @@ const char *mns_sim_warning(const MnsSim *sim, size_t k);
  *          fails at the end of the step, or a probe's has failed before: with its entry, and the same. */
 MnsStatus mns_sim_step(MnsSim *sim, double t_max, MnsError *error);
 
+/** Have it told that a step, or a steering, gets on: going_on(arg) is called after each pass over the particles, each making of lists and each iteration of a
+ *  solve, on the thread that steps. So a step that takes minutes can be told from one that hangs. It must be quick, and must not call the simulation.
+ *  @param going_on  NULL: nobody is told, as at first. */
+void mns_sim_watch(MnsSim *sim, void (*going_on)(void *arg), void *arg);
+
 /** Adopt the entries of c that proto/case.proto marks as steerable (gravity, end time, output, threads, scheme options);
  *  all others must be as they were. c takes the place of the case the simulation borrowed, which may then be freed.
  *  @return MNS_OK; MNS_E_INVALID, MNS_E_LIMIT as of mns_sim_new(); MNS_E_MEMORY if there is none for lists of other threads or for what
@@ -103,10 +108,10 @@ const MnsFieldInfo *mns_fields(void);
 /** Index in mns_fields(), or -1. */
 int mns_field_find(const char *name);
 
-/** Which fields there are: bit k for field k of mns_fields(). */
+/** Which fields there are: bit k for field k of mns_fields(). mns_sim_steer() brings and takes those of options. */
 uint64_t mns_sim_fields(const MnsSim *sim);
 
-/** Borrow component d of a field: [mns_sim_particles()] values of its type, until the next step. NULL if there is none,
+/** Borrow component d of a field: [mns_sim_particles()] values of its type, until the next step, steering or restoring. NULL if there is none,
  *  or if the scheme has no use for it. What can be made of others is not kept, but made at each call, in an array that is then kept; NULL
  *  if there is no memory for that. */
 const void *mns_sim_field(const MnsSim *sim, int field, int d);

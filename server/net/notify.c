@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the service manager hears. Signs of life come from the run's own heart: a helper thread that sent them by itself
- * would hide a solver that hangs. It beats with each step, on the way back and while particles are placed too. */
+ * would hide a solver that hangs. It beats with each pass of a step and each iteration of a solve, as a step can take longer than the
+ * watchdog has patience; on the way back and while particles are placed too. */
 #include "net/notify.h"
 
 #include "base/clock.h"

@@ -27,6 +27,7 @@ MnsStatus run_make(Run *run, const Order *order, const MnsCase *c, const MnsCapt
     MnsMaking making = {.given_up = given_up, .arg = &client};
     making.memory = memory_free("", &making.memory_is);
     const MnsStatus status = mns_sim_make(c, state, &making, ret, error);
+    if (!status) mns_sim_watch(*ret, run_beat, run);
     if (status != MNS_E_INTERRUPTED) return status;
     if (order->deadline < clock_now())
         return mns_fail(error, MNS_E_TIMEOUT, "the deadline passed before the particles were placed; nothing was done");

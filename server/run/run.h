@@ -93,7 +93,8 @@ void run_follow(Run *run,
 MnsStatus run_rows(Run *run, const Document *document, uint64_t line, uint64_t first, size_t most, size_t n_columns,
                    const int *columns, SeriesRows *ret, MnsError *error); /* as outputs_rows() */
 
-/* A number that rises with every step, and while the run has nothing to do; it stands still if the solver hangs. */
+/* A number that rises with every step and with all that is done within one (mns_sim_watch()), and while the run has nothing to do; it stands
+ * still if the solver hangs. */
 uint64_t run_heartbeat(Run *run);
 
 /* --- for Order.serve, on the runner's thread. Each of these answers the order, now or when done -------------------------- */

@@ -299,13 +299,21 @@ static void drop_rooms(Tap *tap)
         if (!tap->rooms[k].users) empty(tap, &tap->rooms[k]);
 }
 
-/* Each feed keeps the newest alone, of those whose wish it was taken for: somebody may have asked meanwhile. With the lock held. */
+/* Has it all that a feed is for? Fields of an option go with it, by a set or by a restore to before it was on. */
+static bool serves(const Shot *shot, const Wish *wish)
+{
+    return !wish->fields || !(wish->fields & ~shot->capture->fields);
+}
+
+/* Each feed keeps the newest alone, of those whose wish it was taken for: somebody may have asked meanwhile. Where fields are gone it counts
+ * as one for which there was no room. With the lock held. */
 static void hand_out(Tap *tap, Room *room)
 {
     for (Feed *feed = tap->feeds; feed; feed = feed->next) {
         if (!feed->wanted) continue;
         feed->count += !feed->is_due;
         feed->wanted = feed->is_due = feed->asked = false;
+        if (!serves(&room->shot, &feed->wish)) continue;
         leave(feed->newest);
         feed->newest = room;
         room->users++;

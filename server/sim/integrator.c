@@ -5,8 +5,16 @@
 #include <math.h>
 #include <omp.h>
 
+/* While it is made, who may give it up takes the question for a sign of life, and gives it up where that ends. */
+static void tell(const MnsSim *sim)
+{
+    if (sim->making.given_up) sim->making.given_up(sim->making.arg);
+    watcher_tell(&sim->watcher);
+}
+
 void integrator_clock(MnsSim *sim, size_t timer, double start)
 {
+    tell(sim);
     sim->timers[timer].seconds += omp_get_wtime() - start;
     sim->timers[timer].calls++;
 }
@@ -158,8 +166,10 @@ void integrator_derive(MnsSim *sim)
 {
     particles_changed(&sim->s, ON_ALL, ALL_FIELDS);
     local_run(sim->scheme->derive, &sim->s, &sim->model, sim->threads);
-    for (int k = sim->scheme->again[0]; k < sim->scheme->again[1]; k++)
+    for (int k = sim->scheme->again[0]; k < sim->scheme->again[1]; k++) {
         pass_run(&sim->scheme->rates[k], &sim->s, &sim->nb, &sim->model, sim->threads);
+        tell(sim);
+    }
 }
 
 MnsStatus integrator_restart(MnsSim *sim, MnsError *error)

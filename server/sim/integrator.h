@@ -19,7 +19,7 @@ void integrator_rates(MnsSim *sim, int first);
 /* The two questions about new velocities and densities: how fast, which is noted, and is all well? */
 bool integrator_look(MnsSim *sim);
 
-/* Book the time since start, by omp_get_wtime(), to one of the simulation's timers. */
+/* Something is done: book the time since start, by omp_get_wtime(), to one of the simulation's timers, and tell who watches. */
 void integrator_clock(MnsSim *sim, size_t timer, double start);
 
 /* A step of length dt that ends at t. */

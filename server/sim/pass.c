@@ -79,6 +79,13 @@ static const Fusion *fusion_for(const Pass *pass, int n, const Term *const *term
     return NULL;
 }
 
+const Fusion *pass_fusion(const Pass *pass, int group, unsigned kinds, const Model *model)
+{
+    const Term *terms[PASS_TERMS_MAX];
+    const int n = terms_for(pass, group, model, terms);
+    return fusion_for(pass, n, terms, kinds, model->level);
+}
+
 /* The local rules of a list that are needed. */
 typedef struct Locals {
     int n;

@@ -59,6 +59,7 @@ typedef struct Pass {
     const Term *terms[PASS_TERMS_MAX];
     const Local *after[PASS_LOCALS_MAX];
     const Fusion *fusions[PASS_FUSIONS_MAX];
+    bool assembles; /* the matrix of a pressure */
 } Pass;
 
 /* How a step is made of evaluations of the rates. */
@@ -86,6 +87,7 @@ typedef struct Scheme {
     int given;                              /* passes left out at the start, where the case gives their results */
     const Local *derive; /* what follows from the state without neighbours, after it was set or restored */
     bool projects;       /* solves for the pressure: particles have a system for it */
+    bool symmetric;      /* its matrices are */
     bool reads_density_method, reads_exponent; /* of a fluid */
     size_t (*unknowns)(const Particles *);     /* of that system */
     int again[2];                              /* and with neighbours: passes [again[0], again[1]) */

@@ -29,8 +29,10 @@ static void name_timers(MnsSim *sim)
     for (int k = 0; k < SCHEME_PASSES_MAX && sim->scheme->rates[k].name; k++)
         sim->timers[sim->n_timers++].name = sim->scheme->rates[k].name;
     if (!sim->scheme->projects) return;
-    sim->timers[sim->n_timers++].name = "solver set-up";
-    sim->timers[sim->n_timers++].name = "solve"; /* the last */
+    sim->timer_setup = sim->n_timers++;
+    sim->timer_solve = sim->n_timers++;
+    sim->timers[sim->timer_setup].name = "solver set-up";
+    sim->timers[sim->timer_solve].name = "solve";
 }
 
 static MnsStatus projection_init(MnsSim *sim, MnsError *error)
@@ -119,6 +121,11 @@ void mns_sim_free(MnsSim *sim)
     neighbours_done(&sim->nb);
     particles_done(&sim->s);
     free(sim);
+}
+
+void mns_sim_watch(MnsSim *sim, void (*going_on)(void *arg), void *arg)
+{
+    sim->watcher = sim->system.watcher = (Watcher){going_on, arg};
 }
 
 static MnsStatus remember(MnsSim *sim, MnsStatus status, const MnsError *why, MnsError *error)

@@ -32,6 +32,7 @@ struct MnsSim {
     Neighbours nb;
     int threads;
     MnsMaking making; /* while it is made */
+    Watcher watcher;  /* of its steps */
     MnsProgress progress;
     bool resumed; /* made from a saved state, which the initial fields of the case have no part in */
     double v_max; /* of the fluid, at the end of the last step [m/s] */
@@ -51,8 +52,8 @@ struct MnsSim {
     const char *solver;   /* the method by which the last system was solved; NULL: none was yet */
     uint64_t uncorrected; /* steps after which a number density was off by more than its tolerance */
     MnsTimer timers[SIM_TIMERS_MAX];
-    size_t n_timers;
-    MnsError fault; /* said again by every further step */
+    size_t n_timers, timer_setup, timer_solve; /* of what methods set up, and of the rest; of schemes that project */
+    MnsError fault;                            /* said again by every further step */
     size_t n_warnings;
     char warning[SIM_WARNINGS_MAX][256]; /* about the case, found when it was loaded or as it goes */
 };

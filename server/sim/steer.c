@@ -188,6 +188,13 @@ static MnsStatus refuse(MnsSim *sim, MnsStatus status, Fields fields, bool sorte
     return status;
 }
 
+/* Fields and bundles of an option that is off now go: nobody writes them any more, and a restart would not have them. */
+static void give_up_fields(MnsSim *sim)
+{
+    particles_keep(&sim->s, scheme_fields(sim->scheme, &sim->model));
+    bundles_keep(&sim->nb.bundles, scheme_needs(sim->scheme, &sim->model));
+}
+
 static void free_gravity(Formula *gravity[3])
 {
     for (int d = 0; d < 3; d++) formula_free(gravity[d]);
@@ -240,6 +247,7 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
     }
     sim->c = c;
     setup_options(sim, c);
+    give_up_fields(sim);
     for (size_t k = 0; k < c->n_walls; k++) sim->solid[k].shape = &c->walls[k].shape;
     setup_at(sim, sim->progress.t, sim->progress.dt, 0);
     /* Pressures at walls know of gravity, and a restart from here would find them by the new one. */

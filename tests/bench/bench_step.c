@@ -95,11 +95,9 @@ typedef struct Result {
     Solves solves;
 } Result;
 
-/* Passes that make a pressure's matrix are called systems. */
-static bool assembles(const char *pass)
+static double spent_on(const MnsSim *sim, const Result *result, size_t timer)
 {
-    const char *word = strrchr(pass, ' ');
-    return word && !strcmp(word, " system");
+    return sim->timers[timer].seconds - result->before[timer].seconds;
 }
 
 /* Per particle and step in nanoseconds, per step, and per particle in bytes: rows with their room, and vectors besides. */
@@ -110,21 +108,18 @@ static void print_pressure(const MnsSim *sim, const Result *result)
     const double rows = (double)(m->room * ENTRIES * (sizeof *m->column + sizeof *m->c) +
                                  m->n * (sizeof *m->start + sizeof *m->blocks + sizeof *m->diagonal));
     double assembly = 0;
-    for (size_t k = 0; k < sim->n_timers; k++)
-        if (assembles(sim->timers[k].name)) assembly += sim->timers[k].seconds - result->before[k].seconds;
-    const size_t last = sim->n_timers - 1; /* the solve; before it the set-up */
-    printf(
-        ", \"method\": \"%s\", \"pressure_assembly_ns\": %.1f, \"pressure_setup_ns\": %.1f, \"pressure_solve_ns\": "
-        "%.1f, "
-        "\"setups\": %llu, \"iterations\": %.1f, \"corrections\": %.1f, \"correction_iterations\": %.1f, "
-        "\"matrix_bytes_per_particle\": %.0f, \"pressure_bytes_per_particle\": %.0f",
-        solve_method(sim->model.projection.solver, &sim->system, strcmp(sim->scheme->name, "differences") != 0)->name,
-        assembly * 1e9 / (n * steps),
-        (sim->timers[last - 1].seconds - result->before[last - 1].seconds) * 1e9 / (n * steps),
-        (sim->timers[last].seconds - result->before[last].seconds) * 1e9 / (n * steps),
-        (unsigned long long)(sim->timers[last - 1].calls - result->before[last - 1].calls),
-        result->solves.iterations / steps, result->solves.corrections / steps,
-        result->solves.density_iterations / steps, rows / n, (double)system_bytes(&sim->system) / n);
+    for (size_t k = 0; k < SCHEME_PASSES_MAX && sim->scheme->rates[k].name; k++)
+        if (sim->scheme->rates[k].assembles) assembly += spent_on(sim, result, TIMER_PASSES + k);
+    printf(", \"method\": \"%s\", \"pressure_assembly_ns\": %.1f, \"pressure_setup_ns\": %.1f, \"pressure_solve_ns\": "
+           "%.1f, "
+           "\"setups\": %llu, \"iterations\": %.1f, \"corrections\": %.1f, \"correction_iterations\": %.1f, "
+           "\"matrix_bytes_per_particle\": %.0f, \"pressure_bytes_per_particle\": %.0f",
+           solve_method(sim->model.projection.solver, &sim->system, sim->scheme->symmetric)->name,
+           assembly * 1e9 / (n * steps), spent_on(sim, result, sim->timer_setup) * 1e9 / (n * steps),
+           spent_on(sim, result, sim->timer_solve) * 1e9 / (n * steps),
+           (unsigned long long)(sim->timers[sim->timer_setup].calls - result->before[sim->timer_setup].calls),
+           result->solves.iterations / steps, result->solves.corrections / steps,
+           result->solves.density_iterations / steps, rows / n, (double)system_bytes(&sim->system) / n);
 }
 
 static void print(const Bench *bench, const MnsSim *sim, const Result *result)

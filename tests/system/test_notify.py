@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What systemd hears from the daemon: a datagram socket plays systemd."""
 
+import ctypes
 import os
 import signal
 import socket
@@ -14,6 +15,13 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 DAEMON = Path(os.environ.get("BUILD", ROOT / "build")).resolve() / "meniscusd"
 WATCHDOG_S = 1.0
+# One step of it takes minutes: a solve of many iterations.
+LONG_STEP = [
+    "--load", "hydrostatic-isph", "--set", "resolution=400", "--set", "threads=1", "--start",
+    "--set", "scheme.incompressible.solver=bicgstab", "--set", "scheme.incompressible.tolerance=1e-12",
+    "--set", "scheme.incompressible.iterations=1000000",
+]
+PTRACE_ATTACH, PTRACE_DETACH, WAIT_ALL = 16, 17, 0x40000000
 RUN_FOR_EVER = ["--load", "dambreak2d", "--set", "resolution=20", "--set", "end_time=1000", "--start"]
 
 
@@ -92,6 +100,42 @@ class Notify(unittest.TestCase):
         told = {line for line in lines if line.startswith("STATUS=")}
         self.assertGreaterEqual(len(told), 2, "the status follows the run")
         self.assertTrue(any("step" in line for line in told), told)
+
+    def begin_long_step(self) -> subprocess.Popen[bytes]:
+        daemon = self.start(*LONG_STEP)
+        self.wait_for("READY=1")
+        self.wait_for("STATUS=RUNNING")
+        return daemon
+
+    def assert_no_step_has_ended(self) -> None:
+        told = [line for line in self.heard if line.startswith("STATUS=RUNNING")]
+        self.assertFalse([line for line in told if "step 0" not in line], "the step is too short for this test")
+
+    def test_watchdog_is_fed_within_a_step_that_takes_long(self) -> None:
+        self.begin_long_step()
+        for _ in range(6):
+            self.wait_for("WATCHDOG=1")
+        self.assert_no_step_has_ended()
+
+    def test_watchdog_misses_a_solver_that_hangs_within_a_step(self) -> None:
+        """One thread is stopped, the one that computes; the others go on."""
+        daemon = self.begin_long_step()
+        self.listen(2 * WATCHDOG_S)
+        ran: dict[int, int] = {}
+        for task in Path(f"/proc/{daemon.pid}/task").iterdir():
+            ran[int(task.name)] = int((task / "stat").read_text().rsplit(")", 1)[1].split()[11])
+        solver = max(ran, key=lambda thread: ran[thread])
+        libc = ctypes.CDLL(None, use_errno=True)
+        if libc.ptrace(PTRACE_ATTACH, solver, None, None) != 0:
+            self.skipTest("this machine lets nobody stop a thread")
+        os.waitpid(solver, WAIT_ALL)
+        try:
+            self.listen(0.5 * WATCHDOG_S)  # what it has done before
+            self.assertEqual(self.listen(4 * WATCHDOG_S).count("WATCHDOG=1"), 0)
+        finally:
+            libc.ptrace(PTRACE_DETACH, solver, None, None)
+        self.wait_for("WATCHDOG=1")
+        self.assert_no_step_has_ended()
 
     def test_sigterm_while_running_leaves_a_checkpoint_and_ends_cleanly(self) -> None:
         daemon = self.start(*RUN_FOR_EVER)

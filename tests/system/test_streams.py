@@ -274,6 +274,23 @@ class Streams(StreamTest):
         self.assertEqual(self.taker.ask(unsubscribe=sb.Unsubscribe(stream=last)).code, 0)
         self.assertEqual(self.taker.ask(resume=sb.ResumeStream(stream=moved)).code, 0)
 
+    def test_a_field_that_an_option_took_away_is_a_gap_and_comes_back_with_it(self) -> None:
+        option = "scheme.interfacial.gradient_correction"
+        self.meniscus("load", "rayleigh-taylor2d", "--set", "resolution=20", "--set", "threads=1")
+        self.taker.subscribe(fields=fields("position", "correction"), when=sb.When(every_steps=1), credit=PLENTY)
+        self.meniscus("step", "1")
+        self.assertEqual(self.taker.item().head.step, 1)
+        self.meniscus("set", f"{option}=false")
+        refused = self.meniscus("query", "at", "correction", "0.5,0.5", code=1)
+        self.assertIn("correction", refused.stderr)
+        self.meniscus("step", "3")
+        self.assertTrue(self.taker.quiet(0.3))
+        self.meniscus("set", f"{option}=true")
+        self.meniscus("step", "1")
+        item = self.taker.item()
+        self.assertEqual((item.head.step, item.head.skipped), (5, 3))
+        np.testing.assert_array_equal(item.array("correction"), self.query("correction")["correction"])
+
     def test_when_the_run_is_left_its_streams_are_over(self) -> None:
         self.taker.subscribe(fields=fields("position"), when=sb.When(every_steps=1), credit=PLENTY)
         self.meniscus("stop")

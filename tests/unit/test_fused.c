@@ -4,6 +4,7 @@
 #include "sim/terms/terms.h"
 #include "tests/support/check.h"
 #include "tests/support/cloud.h"
+#include "tests/support/sims.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -81,10 +82,11 @@ static Fusion watched(const Fusion *fusion, int dim, bool marked, Level level)
 }
 
 /* One pass over a new cloud: with pairs that were marked before, or with all that are listed. */
-static double *result_of(const Pass *pass, int dim, MnsKernel kernel, bool periodic, bool marked, Level level,
-                         size_t *ret_n)
+static double *result_of(const Pass *pass, int dim, MnsKernel kernel, bool periodic, bool marked, bool stressed,
+                         Level level, size_t *ret_n)
 {
     Cloud *cloud = stirred(dim, kernel, periodic);
+    cloud->model.transport_stress = stressed;
     const Pass first = {"marks", .terms = {&riemann_momentum}};
     cloud->model.level = level;
     if (marked) pass_run(&first, &cloud->s, &cloud->nb, &cloud->model, 1);
@@ -99,16 +101,19 @@ static double *result_of(const Pass *pass, int dim, MnsKernel kernel, bool perio
     return all;
 }
 
-static void check(const Fusion *fusion, int dim, MnsKernel kernel, bool periodic, bool marked, Level level)
+static void check(const Fusion *fusion, int dim, MnsKernel kernel, bool periodic, bool marked, bool stressed,
+                  Level level)
 {
     const Fusion counting = watched(fusion, dim, marked, level);
     Pass fused = {.name = "fused", .fusions = {&counting}}, apart = {.name = "one by one"};
     size_t n;
-    memcpy(fused.terms, fusion->terms, sizeof fused.terms);
-    memcpy(apart.terms, fusion->terms, sizeof apart.terms);
-    double *a = result_of(&fused, dim, kernel, periodic, marked, level, &n);
+    int last = 0;
+    for (int k = 0; fusion->terms[k]; k++) fused.terms[last++] = fusion->terms[k];
+    for (int k = 0; fusion->also[k]; k++) fused.terms[last++] = fusion->also[k];
+    memcpy(apart.terms, fused.terms, sizeof apart.terms);
+    double *a = result_of(&fused, dim, kernel, periodic, marked, stressed, level, &n);
     assert_true(counted.calls > 0);
-    double *b = result_of(&apart, dim, kernel, periodic, marked, level, &n);
+    double *b = result_of(&apart, dim, kernel, periodic, marked, stressed, level, &n);
     double most = 0;
     for (size_t k = 0; k < ROWS * n; k++) {
         most = fabs(a[k]) > most ? fabs(a[k]) : most;
@@ -128,9 +133,9 @@ static void fused_terms_have_the_bits_of_single_ones(void **state)
     static const MnsKernel kernels[] = {MNS_WENDLAND_C2, MNS_TRUNCATED_GAUSSIAN, MNS_QUINTIC_SPLINE};
     for (size_t f = 0; f < 3; f++)
         for (size_t k = 0; k < 3; k++)
-            for (int way = 0; way < 8; way++)
+            for (int way = 0; way < 16; way++)
                 for (int level = 0; level <= (int)level_in_use(); level++)
-                    check(fusions[f], way & 1 ? 3 : 2, kernels[k], way & 2, way & 4, (Level)level);
+                    check(fusions[f], way & 1 ? 3 : 2, kernels[k], way & 2, way & 4, way & 8, (Level)level);
 }
 
 /* --- what is fused for some kinds of particles -------------------------------------------------------------------------- */
@@ -392,6 +397,84 @@ static void bundles_are_what_fields_are_after_any_change(void **state)
             }
 }
 
+/* --- what is taken --------------------------------------------------------------------------------------------------- */
+
+enum { OF_ONE, OF_TWO, OF_GAS, MIXES };
+
+/* A pass of a scheme, and what it takes for fluid that has neighbours of these kinds, by what there is and whether it is viscous. */
+typedef struct Taken {
+    const char *scheme, *pass;
+    unsigned kinds;
+    const Fusion *of[MIXES][2];
+} Taken;
+
+/* Whatever fluids there are. */
+#define BY_VISCOSITY(plain, viscous)                                                                                   \
+    {                                                                                                                  \
+        {plain, viscous}, {plain, viscous},                                                                            \
+        {                                                                                                              \
+            plain, viscous                                                                                             \
+        }                                                                                                              \
+    }
+#define ALWAYS(fusion) BY_VISCOSITY(fusion, fusion)
+
+static const Taken TAKEN[] = {
+    {"riemann", "density", 0, ALWAYS(&riemann_density_alone)},
+    {"riemann", "forces", 0, BY_VISCOSITY(&riemann_forces, NULL)},
+    {"riemann", "forces", LIST_WALLS | LIST_OTHERS, BY_VISCOSITY(&riemann_forces, NULL)},
+    {"dissipation", "rates", 0, BY_VISCOSITY(&dissipation_rates, &dissipation_viscous_rates)},
+    {"dissipation", "rates", LIST_OTHERS, BY_VISCOSITY(NULL, &dissipation_rates_beside)},
+    {"interfacial", "forces", 0, BY_VISCOSITY(&interfacial_forces, &interfacial_viscous_forces)},
+    {"interfacial", "forces", LIST_OTHERS, BY_VISCOSITY(NULL, &interfacial_forces_beside)},
+    {"incompressible", "number density", 0, ALWAYS(&number_density_alone)},
+    {"incompressible", "number density", LIST_WALLS | LIST_OTHERS, ALWAYS(&number_density_alone)},
+    {"incompressible", "forces", 0, ALWAYS(NULL)},
+};
+
+static MnsCase *case_of(const char *scheme, int mix, bool viscous, bool stressed)
+{
+    MnsCase *c = case_periodic(2, 12);
+    c->scheme.name = scheme;
+    c->scheme.riemann.transport_stress = stressed;
+    if (strcmp(scheme, "incompressible") == 0) {
+        c->scheme.kernel = MNS_QUINTIC_SPLINE;
+        c->scheme.smoothing = 1;
+    }
+    for (size_t k = 0; k < c->n_fluids; k++) {
+        c->fluids[k].viscosity = viscous ? 0.01 : 0;
+        c->fluids[k].density = mix == OF_ONE || k == 0 ? 1 : mix == OF_TWO ? 0.5 : 0.01;
+        c->fluids[k].density_method = MNS_DENSITY_AUTOMATIC;
+    }
+    return c;
+}
+
+static const Pass *pass_of(const Scheme *scheme, const char *name)
+{
+    for (const Pass *pass = scheme->rates; pass->name; pass++)
+        if (strcmp(pass->name, name) == 0) return pass;
+    fail_msg("%s has no %s", scheme->name, name);
+    return NULL;
+}
+
+/* With a transport stress, which only a gas has, and without. */
+static void schemes_take_what_is_fused_for_their_fluids(void **state)
+{
+    (void)state;
+    if (level_in_use() == LEVEL_BASE) skip(); /* not all is fused there */
+    for (size_t k = 0; k < sizeof TAKEN / sizeof *TAKEN; k++)
+        for (int way = 0; way < 4 * MIXES; way++) {
+            const bool viscous = way & 1;
+            MnsCase *c = case_of(TAKEN[k].scheme, way / 4, viscous, way & 2);
+            MnsSim *sim = sim_of(c);
+            const Pass *pass = pass_of(sim->scheme, TAKEN[k].pass);
+            const int group = sim->s.begin[1] > 0 ? GROUP_CONTINUITY : GROUP_SUMMATION;
+            const Fusion *taken = pass_fusion(pass, group, TAKEN[k].kinds, &sim->model);
+            if (taken != TAKEN[k].of[way / 4][viscous])
+                fail_msg("%s of %s, kinds %u, way %d: another way", pass->name, TAKEN[k].scheme, TAKEN[k].kinds, way);
+            sim_done(sim, c);
+        }
+}
+
 /* --- marks ------------------------------------------------------------------------------------------------------------ */
 
 /* Marks that a pass leaves are those of a sum over all that are listed, or are not used: nobody was in reach when it began. */
@@ -446,6 +529,7 @@ int main(void)
         cmocka_unit_test(what_is_fused_for_some_particles_has_the_bits_of_rows),
         cmocka_unit_test(pairs_are_the_same_however_they_are_come_by),
         cmocka_unit_test(bundles_are_what_fields_are_after_any_change),
+        cmocka_unit_test(schemes_take_what_is_fused_for_their_fluids),
         cmocka_unit_test(marks_are_used_only_where_they_were_noted),
     };
     return cmocka_run_group_tests_name("fused", tests, NULL, NULL);

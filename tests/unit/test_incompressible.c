@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Runs of the incompressible scheme: layers stay at rest under the right pressure at any ratio of densities, momentum is kept, number
  * densities are, a pressure that is not found is a fault that tells why, and what the scheme cannot do is refused. */
+#include "sim/integrators/integrators.h"
 #include "tests/support/check.h"
 #include "tests/support/sims.h"
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -186,6 +188,127 @@ static void a_pressure_that_is_not_found_is_a_fault_that_tells_its_residuals(voi
         assert_non_null(strstr(error.text, " after 3. "));
         assert_int_equal(mns_sim_step(sim, INFINITY, &again), MNS_E_DIVERGED);
         assert_string_equal(again.text, error.text);
+        sim_done(sim, c);
+    }
+}
+
+typedef struct Heard {
+    int times;
+    pthread_t by;
+} Heard;
+
+static void hear(void *arg)
+{
+    Heard *heard = arg;
+    heard->times++;
+    heard->by = pthread_self();
+}
+
+/* Of every pass and every iteration, on the thread that steps, and not a bit is changed by it. */
+static void who_watches_is_told_of_all_that_is_done_within_a_step(void **state)
+{
+    (void)state;
+    static const MnsSolver solvers[] = {MNS_SOLVER_CG, MNS_SOLVER_BICGSTAB, MNS_SOLVER_AMG};
+    for (int k = 0; k < 3; k++) {
+        MnsCase *c = case_periodic(2, 20);
+        Heard heard = {0};
+        choose(c);
+        c->scheme.incompressible.solver = solvers[k];
+        c->scheme.incompressible.tolerance = 1e-10;
+        MnsSim *sim = sim_of(c), *alone = sim_of(c);
+        mns_sim_watch(sim, hear, &heard);
+        mns_sim_step(sim, INFINITY, NULL);
+        const Solved *solved = &sim->solved;
+        assert_true(solved->iterations > 3);
+        const unsigned passes = PASS_RATES + 1 + 3 * solved->corrections;
+        assert_true((unsigned)heard.times > passes + solved->iterations + solved->density_iterations);
+        assert_true(pthread_equal(heard.by, pthread_self()));
+        sim_steps(alone, 1);
+        assert_true(mns_sim_hash(sim) == mns_sim_hash(alone));
+        mns_sim_watch(sim, NULL, NULL);
+        heard.times = 0;
+        sim_steps(sim, 1);
+        assert_int_equal(heard.times, 0);
+        mns_sim_free(alone);
+        sim_done(sim, c);
+    }
+}
+
+enum { KEPT = 7 }; /* v, a and p */
+
+/* Of the fluid, by id: [KEPT * n], yours. */
+static double *kept_of(const MnsSim *sim)
+{
+    const Particles *s = &sim->s;
+    double *all = calloc(KEPT * s->n, sizeof *all);
+    assert_non_null(all);
+    for (size_t i = 0; i < particles_fluid(s); i++) {
+        double *of = all + KEPT * s->id[i];
+        for (int d = 0; d < s->dim; d++) {
+            of[d] = s->v[d][i];
+            of[3 + d] = s->a[d][i];
+        }
+        of[6] = s->p[i];
+    }
+    return all;
+}
+
+/* Velocities are those of the forces alone, gravity apart in P4; accelerations and pressures are those of before. */
+static void what_was_not_found_corrects_nothing(void **state)
+{
+    (void)state;
+    static const char *const schemes[] = {"incompressible", "differences"};
+    for (int k = 0; k < 2; k++) {
+        MnsCase *c = layers(2, 20, 3);
+        c->scheme.name = schemes[k];
+        MnsSim *sim = sim_in_arrays(c);
+        sim_steps(sim, 3);
+        double *before = kept_of(sim), most = 0;
+        sim->model.projection.iterations = 1;
+        sim->model.projection.tolerance = 1e-12;
+        sim->model.projection.density_tolerance = 0.5;
+        assert_int_equal(mns_sim_step(sim, INFINITY, NULL), MNS_E_DIVERGED);
+        double *after = kept_of(sim);
+        const double dt = mns_sim_progress(sim).dt;
+        for (size_t id = 0; id < sim->s.n; id++) {
+            const double *was = before + KEPT * id, *is = after + KEPT * id;
+            for (int d = 0; d < 2; d++) {
+                const double g = k == 0 ? sim->model.gravity[d] : 0;
+                if (was[6] == 0 && was[3 + d] == 0) continue; /* no fluid */
+                assert_close(is[d], was[d] + dt * (was[3 + d] - g), 1e-14);
+                assert_close(is[3 + d], was[3 + d], k == 0 ? 0 : 1e-10);
+                most = fmax(most, fabs(is[d]));
+            }
+            assert_true(is[6] == was[6]);
+        }
+        assert_true(most > 0);
+        free(before);
+        free(after);
+        sim_done(sim, c);
+    }
+}
+
+/* By the numbers that the simulation keeps of them, and the flags of the scheme: set-up and solve are timers of their own, and passes that make
+ * a matrix are those whose terms do; methods for symmetric matrices are taken for P4 alone. */
+static void what_a_pressure_takes_is_booked_where_it_says(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        MnsCase *c = layers(2, 20, 3);
+        c->scheme.name = k ? "differences" : "incompressible";
+        MnsSim *sim = sim_in_arrays(c);
+        sim_steps(sim, 2);
+        assert_string_equal(sim->timers[sim->timer_setup].name, "solver set-up");
+        assert_string_equal(sim->timers[sim->timer_solve].name, "solve");
+        assert_true(sim->timers[sim->timer_solve].calls > 0);
+        assert_int_equal(sim->scheme->symmetric, k == 0);
+        assert_string_equal(sim->solver, k ? "bicgstab" : "cg");
+        int assembling = 0;
+        for (const Pass *pass = sim->scheme->rates; pass->name; pass++) {
+            assembling += pass->assembles;
+            assert_int_equal(pass->assembles, strstr(pass->terms[0]->name, "system") != NULL);
+        }
+        assert_int_equal(assembling, k ? 1 : 2);
         sim_done(sim, c);
     }
 }
@@ -438,6 +561,9 @@ int main(void)
         cmocka_unit_test(momentum_and_number_densities_are_kept),
         cmocka_unit_test(four_fluids_keep_momentum_and_bits),
         cmocka_unit_test(a_pressure_that_is_not_found_is_a_fault_that_tells_its_residuals),
+        cmocka_unit_test(who_watches_is_told_of_all_that_is_done_within_a_step),
+        cmocka_unit_test(what_a_pressure_takes_is_booked_where_it_says),
+        cmocka_unit_test(what_was_not_found_corrects_nothing),
         cmocka_unit_test(a_pressure_that_is_no_number_is_a_fault_of_its_own),
         cmocka_unit_test(two_closed_spaces_are_stirred_in_one_case),
         cmocka_unit_test(a_wall_that_would_join_two_spaces_is_refused),

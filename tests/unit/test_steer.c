@@ -150,6 +150,43 @@ static void assert_fields_come(const char *scheme)
     sim_done(sim, steered);
 }
 
+/* As if it had been off from the beginning: fields, what is shown, bytes; and the run goes on to the bits of one that is resumed from here. */
+static void assert_fields_go(const char *scheme, unsigned threads)
+{
+    const int field = mns_field_find("correction");
+    MnsCase *c = case_shaken_by(scheme, 3, 1), *off = case_shaken_by(scheme, 3, threads);
+    c->scheme.interfacial.gradient_correction = c->scheme.dissipation.gradient_correction = true;
+    MnsSim *sim = sim_of(c), *resumed = NULL;
+    MnsCapture *capture = NULL;
+    sim_steps(sim, 3);
+    assert_true(mns_sim_fields(sim) >> field & 1);
+    assert_non_null(mns_sim_field(sim, field, 0));
+    assert_int_equal(mns_sim_steer(sim, off, NULL), MNS_OK);
+    mns_case_free(c);
+    assert_false(mns_sim_fields(sim) >> field & 1);
+    assert_null(mns_sim_field(sim, field, 0));
+    assert_int_equal(mns_sim_capture(sim, mns_sim_state_fields(sim) | UINT64_C(1) << field, &capture, NULL), MNS_OK);
+    assert_null(capture->data[field][0]);
+    assert_int_equal(mns_sim_resume(off, capture, &resumed, NULL), MNS_OK);
+    mns_capture_free(capture);
+    assert_true(mns_sim_fields(sim) == mns_sim_fields(resumed));
+    assert_int_equal(particles_bytes(&sim->s), particles_bytes(&resumed->s));
+    sim_steps(sim, 3);
+    sim_steps(resumed, 3);
+    assert_true(mns_sim_hash(sim) == mns_sim_hash(resumed));
+    mns_sim_free(resumed);
+    sim_done(sim, off);
+}
+
+static void fields_are_gone_once_no_option_needs_them(void **state)
+{
+    (void)state;
+    for (unsigned threads = 1; threads <= 2; threads++) {
+        assert_fields_go("interfacial", threads);
+        assert_fields_go("dissipation", threads);
+    }
+}
+
 static void fields_are_there_once_an_option_needs_them(void **state)
 {
     (void)state;
@@ -270,6 +307,7 @@ int main(void)
         cmocka_unit_test(steered_threads_and_limits_do_not_change_the_bits),
         cmocka_unit_test(steered_options_take_effect),
         cmocka_unit_test(fields_are_there_once_an_option_needs_them),
+        cmocka_unit_test(fields_are_gone_once_no_option_needs_them),
         cmocka_unit_test(options_that_a_probe_needs_cannot_be_turned_off),
         cmocka_unit_test(steering_without_memory_changes_nothing),
         cmocka_unit_test(steered_runs_resume_bit_for_bit),

@@ -175,12 +175,48 @@ static void who_asks_while_a_shot_is_taken_gets_none_without_what_it_wants(void 
     sim_done(sim, c);
 }
 
+/* A gap, and never what the field was: it is counted, and shots go on when the option is on again. */
+static void who_wants_a_field_that_an_option_took_away_gets_a_gap(void **state)
+{
+    (void)state;
+    MnsCase *c[2];
+    for (int k = 0; k < 2; k++) {
+        c[k] = case_shaken_by("interfacial", 2, 1);
+        c[k]->scheme.interfacial.gradient_correction = k == 0;
+    }
+    MnsSim *sim = sim_of(c[0]);
+    Tap *tap = tap_new((size_t)1 << 30);
+    const uint64_t generation = place(tap, sim);
+    Feed *gone = open_feed(tap, generation, bit("position") | bit("correction"));
+    Feed *rest = open_feed(tap, generation, bit("position"));
+    const Shot *shot = shot_of(tap, sim, gone);
+    assert_non_null(shot);
+    tap_leave(tap, shot);
+    for (int k = 1; k >= 0; k--) {
+        uint64_t before, due;
+        assert_null(tap_take(tap, gone, &before));
+        assert_int_equal(mns_sim_steer(sim, c[k], NULL), MNS_OK);
+        tap_ask(tap, gone);
+        shot = shot_of(tap, sim, rest);
+        assert_non_null(shot);
+        tap_leave(tap, shot);
+        shot = tap_take(tap, gone, &due);
+        assert_true(k == 1 ? !shot : shot && shot->capture->data[mns_field_find("correction")][0]);
+        if (shot) tap_leave(tap, shot);
+        assert_int_equal(due, before + 1);
+    }
+    tap_free(tap);
+    mns_case_free(c[1]);
+    sim_done(sim, c[0]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(wishes_that_have_nothing_in_common_stay_within_the_limit_together),
         cmocka_unit_test(room_beyond_the_first_gives_way_to_a_wish_that_is_larger),
         cmocka_unit_test(room_for_the_case_before_is_not_in_the_way_of_another),
+        cmocka_unit_test(who_wants_a_field_that_an_option_took_away_gets_a_gap),
         cmocka_unit_test(who_asks_while_a_shot_is_taken_gets_none_without_what_it_wants),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -67,7 +67,7 @@ static MnsStatus lay(MnsSim *sim, MnsError *error)
 
 static const SolveMethod *method_of(const MnsSim *sim)
 {
-    return solve_method(sim->model.projection.solver, &sim->system, true);
+    return solve_method(sim->model.projection.solver, &sim->system, sim->scheme->symmetric);
 }
 
 static void prepare(MnsSim *sim, int matrix, int pass)
@@ -223,10 +223,11 @@ static MnsStatus correct_velocity(MnsSim *sim, double dt, const double gravity[3
     status = pressure_solve(sim, method_of(sim), sim->model.projection.tolerance, "velocity", &report, error);
     sim->solved.iterations = report.iterations;
     sim->solved.residual = report.residual;
+    if (status) return status; /* what was not found corrects nothing */
     gauge(sim);
     integrator_pass(sim, PASS_VELOCITY_CORRECTION);
     finish(sim, dt);
-    return status;
+    return MNS_OK;
 }
 
 static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)

@@ -3,15 +3,13 @@
 #include <math.h>
 #include <omp.h>
 
-/* Timers: the last but one is of what methods set up, the last of the rest. */
 static void book(MnsSim *sim, double start, double setup_before)
 {
-    MnsTimer *timer = &sim->timers[sim->n_timers - 2];
     const double setup = sim->system.setup_seconds - setup_before;
-    integrator_clock(sim, sim->n_timers - 1, start);
-    timer[1].seconds -= setup;
-    timer[0].seconds += setup;
-    timer[0].calls += setup > 0;
+    integrator_clock(sim, sim->timer_solve, start);
+    sim->timers[sim->timer_solve].seconds -= setup;
+    sim->timers[sim->timer_setup].seconds += setup;
+    sim->timers[sim->timer_setup].calls += setup > 0;
 }
 
 /* More iterations make no number of what is none. */

@@ -86,7 +86,7 @@ static size_t nearest(const MnsSim *sim, const double at[3])
 
 static const SolveMethod *method_of(const MnsSim *sim)
 {
-    return solve_method(sim->model.projection.solver, &sim->system, false);
+    return solve_method(sim->model.projection.solver, &sim->system, sim->scheme->symmetric);
 }
 
 static MnsStatus solve(MnsSim *sim, MnsError *error)
@@ -154,10 +154,11 @@ static MnsStatus project(MnsSim *sim, double dt, MnsError *error)
     if (status) return status;
     pressure_guess(sim, dt);
     status = solve(sim, error);
+    if (status) return status; /* what was not found corrects nothing */
     system_centre(y);
     integrator_pass(sim, PASS_CORRECTION);
     keep_pressure(sim, dt);
-    return status;
+    return MNS_OK;
 }
 
 /* To where the rates are found. */

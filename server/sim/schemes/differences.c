@@ -36,7 +36,8 @@ const Scheme scheme_differences = {
     .rates =
         {
             [PASS_CONTINUED] = {"walls", .terms = {&continued_start}},
-            [PASS_SYSTEM] = {"pressure system", .terms = {&difference_matrix, &difference_wall_matrix}},
+            [PASS_SYSTEM] = {"pressure system", .terms = {&difference_matrix, &difference_wall_matrix},
+                             .assembles = true},
             [PASS_CORRECTION] = {"velocity correction", .terms = {&difference_correction}},
             [PASS_SPACING] = {"shifting", .terms = {&even_spacing}},
             [PASS_SHAPE] = {"neighbourhood", .terms = {&number_density, &truncation, &mixture},

@@ -46,11 +46,13 @@ const Scheme scheme_incompressible = {
         {
             [PASS_NUMBER] = {"number density", .terms = {&number_density}, .after = {&volume_of_number},
                              .fusions = {&number_density_alone}},
-            [PASS_DENSITY_SYSTEM] = {"density system", .terms = {&density_matrix, &density_wall_matrix}},
+            [PASS_DENSITY_SYSTEM] = {"density system", .terms = {&density_matrix, &density_wall_matrix},
+                                     .assembles = true},
             [PASS_DENSITY_CORRECTION] = {"density correction", .terms = {&density_correction}},
             [PASS_WALLS] = {"walls", .terms = {&mirrored_start}},
             [PASS_VELOCITY_SYSTEM] = {"velocity system",
-                                      .terms = {&velocity_matrix, &velocity_divergence, &velocity_wall_matrix}},
+                                      .terms = {&velocity_matrix, &velocity_divergence, &velocity_wall_matrix},
+                                      .assembles = true},
             [PASS_VELOCITY_CORRECTION] = {"velocity correction", .terms = {&velocity_correction}},
             [PASS_RATES] = {"surroundings", .terms = {&wall_velocity, &surface_vector}},
             {"forces", .before = {&body_force},
@@ -61,6 +63,7 @@ const Scheme scheme_incompressible = {
     .derive = &volume_alone,
     .again = {PASS_RATES, PASS_RATES + 1},
     .projects = true,
+    .symmetric = true,
     .unknowns = projection_unknowns,
     .options = incompressible_options,
 };

@@ -101,8 +101,10 @@ static bool set_row(HYPRE_IJMatrix matrix, const Matrix *m, size_t i)
     return true;
 }
 
-static MnsStatus fill_matrix(struct Amg *amg, const Matrix *m)
+static MnsStatus fill_matrix(struct Amg *amg, const System *y)
 {
+    enum { PIECE = 1 << 16 }; /* rows, after which who watches is told */
+    const Matrix *m = &y->matrix;
     HYPRE_Int *sizes = calloc(m->n, sizeof *sizes);
     if (!sizes) return MNS_E_MEMORY;
     for (size_t i = 0; i < m->n; i++) sizes[i] = (HYPRE_Int)(m->blocks[i] * ENTRIES + 1);
@@ -111,7 +113,10 @@ static MnsStatus fill_matrix(struct Amg *amg, const Matrix *m)
     HYPRE_IJMatrixSetRowSizes(amg->matrix, sizes);
     HYPRE_IJMatrixInitialize(amg->matrix);
     bool well = true;
-    for (size_t i = 0; i < m->n && well; i++) well = set_row(amg->matrix, m, i);
+    for (size_t i = 0; i < m->n && well; i++) {
+        well = set_row(amg->matrix, m, i);
+        if (i % PIECE == 0) watcher_tell(&y->watcher);
+    }
     HYPRE_IJMatrixAssemble(amg->matrix);
     HYPRE_IJMatrixGetObject(amg->matrix, (void **)&amg->A);
     free(sizes);
@@ -154,19 +159,21 @@ static MnsStatus noted(void)
     return code == 0 ? MNS_OK : code & HYPRE_ERROR_MEMORY ? MNS_E_MEMORY : MNS_E_INTERNAL;
 }
 
-static MnsStatus make(struct Amg *amg, const Matrix *m)
+static MnsStatus make(struct Amg *amg, const System *y)
 {
+    const Matrix *m = &y->matrix;
     amg->n = (int)m->n;
     if (!amg_holds((double)m->n, ENTRIES * (double)m->start[m->n] / (double)m->n)) return MNS_E_MEMORY;
     if (!(amg->rows = array_new(m->n, sizeof *amg->rows))) return MNS_E_MEMORY;
     for (int i = 0; i < amg->n; i++) amg->rows[i] = i;
     HYPRE_ClearAllErrors();
-    MnsStatus status = fill_matrix(amg, m);
+    MnsStatus status = fill_matrix(amg, y);
     if (status) return status;
     make_vector(amg, &amg->b, &amg->pb);
     make_vector(amg, &amg->x, &amg->px);
     status = noted();
     if (status) return status;
+    watcher_tell(&y->watcher); /* what follows is one piece */
     make_solver(amg);
     return noted();
 }
@@ -180,7 +187,7 @@ static MnsStatus prepare(System *y)
     const double start = omp_get_wtime();
     start_mpi();
     drop(amg);
-    const MnsStatus status = make(amg, &y->matrix);
+    const MnsStatus status = make(amg, y);
     if (status) drop(amg);
     else amg->ready = true;
     y->setup_seconds += omp_get_wtime() - start;
@@ -207,7 +214,7 @@ static void conjugate_gradients(System *y, const SolveGoal *goal, SolveReport *r
     do {
         double rz = 1;
         memset(p, 0, y->matrix.n * sizeof *p);
-        for (; !note(report, goal, k, sqrt(dot(y, r, r)) / size); k++) {
+        for (; !note(y, report, goal, k, sqrt(dot(y, r, r)) / size); k++) {
             const double before = rz;
             cycle(y, r, z);
             rz = dot(y, r, z);

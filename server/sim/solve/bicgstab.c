@@ -33,7 +33,7 @@ static unsigned iterate(System *y, const SolveGoal *goal, SolveReport *report, d
     memset(p, 0, bytes);
     memset(v, 0, bytes);
     double rho = 1, alpha = 1, omega = 1;
-    for (; !note(report, goal, k, sqrt(dot(y, r, r)) / size); k++) {
+    for (; !note(y, report, goal, k, sqrt(dot(y, r, r)) / size); k++) {
         const double before = rho;
         rho = dot(y, shadow, r);
         turn(y, rho / before * (alpha / omega), omega, r, v, p);

@@ -53,7 +53,7 @@ static void solve(System *y, const SolveGoal *goal, SolveReport *report)
         memset(q, 0, y->matrix.n * sizeof *q);
         Products now = update(y, 0, p, q, r, z);
         double beta = 0;
-        for (; !note(report, goal, k, sqrt(now.rr) / size); k++) {
+        for (; !note(y, report, goal, k, sqrt(now.rr) / size); k++) {
             add_to(y, p, beta, z);
             const double pq = advance(y, p, q), before = now.rz;
             now = update(y, now.rz / pq, p, q, r, z);

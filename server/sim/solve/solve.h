@@ -54,6 +54,17 @@ enum { PARTS_MAX = 64 }; /* that are told apart */
 
 struct Amg;
 
+/* Who is told that something has been got done, see mns_sim_watch(). */
+typedef struct Watcher {
+    void (*going_on)(void *arg); /* NULL: nobody */
+    void *arg;
+} Watcher;
+
+static inline void watcher_tell(const Watcher *watcher)
+{
+    if (watcher->going_on) watcher->going_on(watcher->arg);
+}
+
 /* L x = b. Of b the mean over the first `bulk` rows is taken away, as nothing else can be solved: constants are L's null space.
  * But a row can be held: it says nothing, and others refer to it, so that x stays as it is there and is known everywhere.
  * Spaces that a wall keeps apart are parts of a matrix, none of which refers to another: all this is so in each of them. */
@@ -72,6 +83,7 @@ typedef struct System {
         amg[MATRICES]; /* what the multigrid method keeps of each from one solve to the next; NULL before it was used */
     int kept;          /* of which of them the matrix is now */
     double setup_seconds; /* spent on making it, so far */
+    Watcher watcher;      /* of iterations */
 } System;
 
 typedef struct SolveGoal {

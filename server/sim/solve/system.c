@@ -318,8 +318,9 @@ static bool is_noted(unsigned iteration)
     return (iteration & (iteration - 1)) == 0; /* 0, 1, 2, 4 ... */
 }
 
-bool note(SolveReport *report, const SolveGoal *goal, unsigned iteration, double residual)
+bool note(const System *y, SolveReport *report, const SolveGoal *goal, unsigned iteration, double residual)
 {
+    watcher_tell(&y->watcher);
     const bool last = !(residual > goal->tolerance) || iteration >= goal->iterations;
     report->iterations = iteration;
     report->residual = residual;

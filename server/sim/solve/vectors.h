@@ -70,6 +70,6 @@ double begin(System *y, double *r);
 bool is_left(System *y, const SolveGoal *goal, SolveReport *report, double *r, double size);
 
 /* Note the residual of an iteration; true: it is small enough, and that is in the report. */
-bool note(SolveReport *report, const SolveGoal *goal, unsigned iteration, double residual);
+bool note(const System *y, SolveReport *report, const SolveGoal *goal, unsigned iteration, double residual);
 
 #endif

@@ -46,12 +46,13 @@ INLINE void riemann_forces_fused(const RowPlan *plan, Particles *s, size_t i, Ho
 {
     uint32_t j[PICKED_MAX];
     const Picked picked = pick_neighbours(plan, i, j);
-    if (picked.summed) forces(plan, s, i, how, j, &picked, true);
+    if (picked.summed && plan->model->transport_stress) forces(plan, s, i, how, j, &picked, true);
     else forces(plan, s, i, how, j, &picked, false);
 }
 INTERLEAVED_FUNCTIONS(riemann_forces_fused)
 
 const Fusion riemann_forces = {
-    .terms = {&riemann_momentum, &background, &transport_stress},
+    .terms = {&riemann_momentum, &background},
+    .also = {&transport_stress},
     .row = FUSED_TABLE(riemann_forces_fused),
 };
