@@ -46,6 +46,15 @@ class Levels(unittest.TestCase):
     def arithmetic(self) -> str:
         return named(max(self.out.glob("checkpoint-*.hdf"), key=lambda path: int(path.stem.split("-")[1])))
 
+    @unittest.skipIf(os.uname().machine != "x86_64", "there is one level")
+    def test_the_best_of_the_machine_is_chosen(self) -> None:
+        flags = set(Path("/proc/cpuinfo").read_text().split("flags", 1)[1].split("\n", 1)[0].split())
+        v3 = {"avx2", "fma", "bmi1", "bmi2"} <= flags
+        v4 = v3 and {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"} <= flags
+        environment = {key: value for key, value in os.environ.items() if key != "MENISCUS_LEVEL"}
+        told = subprocess.run([BUILD / "meniscusd", "--machine"], env=environment, capture_output=True, text=True, check=True).stdout
+        self.assertIn("x86-64-v4," if v4 else "x86-64-v3," if v3 else "x86-64,", told)
+
     def test_who_goes_on_with_another_arithmetic_is_told(self) -> None:
         self.assertNotIn(WARNING, self.run_until(0.1))
         usual = self.arithmetic()

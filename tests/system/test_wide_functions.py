@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Functions for AVX2 and AVX-512 leave the upper halves of the vector registers clean wherever they return to, or call, what is compiled
+"""Functions for AVX-512 use its registers, and those for AVX2 not. And both leave the upper halves of the vector registers clean wherever they return to, or call, what is compiled
 for any machine: that takes thrice as long otherwise, as each of its instructions waits for the one that wrote the register before, and
 nothing else shows it. gcc sees to it, but not where such a function calls one of the same file that is not part of it (INLINE)."""
 
@@ -74,14 +74,21 @@ def left_dirty(body: list[Line]) -> list[str]:
     return sorted(found)
 
 
-class UpperHalves(unittest.TestCase):
-    def test_are_clean_where_functions_are_left(self) -> None:
+class WideFunctions(unittest.TestCase):
+    def test_have_the_width_of_their_level(self) -> None:
+        widest = {name: any("%zmm" in rest for _, _, rest in body) for name, body in functions(BUILD / "meniscusd").items()}
+        for level, widest_of_level in (("v3", False), ("v4", True)):
+            of_level = {name: wide for name, wide in widest.items() if re.search(rf"_{level}(_|$)", name)}
+            self.assertGreater(len(of_level), 100, level)
+            self.assertEqual([name for name, wide in of_level.items() if wide != widest_of_level], [], level)
+
+    def test_leave_upper_halves_clean(self) -> None:
         wide = functions(BUILD / "meniscusd")
         self.assertGreater(len(wide), 100, "there are functions for AVX2 and AVX-512")
         dirty = {name: places for name, body in wide.items() if (places := left_dirty(body))}
         self.assertEqual(dirty, {}, f"{len(dirty)} of {len(wide)} functions leave upper halves dirty")
 
-    def test_would_be_seen(self) -> None:
+    def test_dirty_ones_would_be_seen(self) -> None:
         call = (2, "call", "1234 <scalar>")
         self.assertEqual(left_dirty([(1, "vmulpd", "%zmm1,%zmm2,%zmm3"), call, (3, "vzeroupper", ""), (4, "ret", "")]), ["2: call 1234 <scalar>"])
         self.assertEqual(left_dirty([(1, "je", "4 <f+3>"), (2, "vmulpd", "%ymm1,%ymm2,%ymm3"), (3, "nop", ""), (4, "ret", "")]), ["4: ret"])
