@@ -151,17 +151,6 @@ MnsStatus integrator_step(MnsSim *sim, double t, double dt, MnsError *error)
     return sim->scheme->integrator->step(sim, t, dt, error);
 }
 
-static double fastest(const MnsSim *sim)
-{
-    double most = 0;
-    for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
-        double v2 = 0;
-        for (int d = 0; d < sim->s.dim; d++) v2 += sim->s.v[d][i * sim->s.v_step] * sim->s.v[d][i * sim->s.v_step];
-        most = v2 > most ? v2 : most;
-    }
-    return sqrt(most);
-}
-
 void integrator_derive(MnsSim *sim)
 {
     particles_changed(&sim->s, ON_ALL, ALL_FIELDS);
@@ -179,7 +168,7 @@ MnsStatus integrator_restart(MnsSim *sim, MnsError *error)
     if (!status) status = making_goes_on(&sim->making, error);
     if (status) return status;
     integrator_derive(sim);
-    sim->v_max = fastest(sim);
+    integrator_look(sim); /* how fast; whether all is well the first step tells */
     return MNS_OK;
 }
 
