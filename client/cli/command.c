@@ -11,7 +11,8 @@ const Command command_table[] = {
      .help = "write a case file to begin with",
      .details = "    meniscus init                            case.yaml: water falls under air, each entry explained\n"
                 "    meniscus init my.yaml --from dambreak2d  a case that came along, or a file, with its comments\n"
-                "Without FILE it is case.yaml here, with --from the name of that case and .yaml. A file that is there "
+                "Without FILE it is case.yaml here, with --from the name of that case and .yaml; - is standard output. "
+                "A file that is there "
                 "already stays as it is: exit code 74.",
      .options = OPTION(OPT_FROM),
      .exits = EXIT_BAD_CASE | EXIT_IO,

@@ -94,8 +94,21 @@ static void describe(Doctor *doctor, const char *endpoint, const MnsRunInfo *inf
                    (int)FRAME_MAJOR);
 }
 
+/* Which key file is ours, and whether it is good; one line says what is wrong with it. */
+static const char *own_key(const Doctor *doctor, MnsError *error)
+{
+    const char *given = options_get(&doctor->in->options, OPT_KEY), *path = given ? given : getenv("MENISCUS_KEY");
+    KeyPair pair = {.public_key = ""};
+    *error = (MnsError){0};
+    if (!path || !*path) return NULL;
+    key_file_read(path, &pair, error);
+    explicit_bzero(pair.secret_key, sizeof pair.secret_key);
+    return path;
+}
+
 static void ask_daemon(Doctor *doctor, const char *endpoint)
 {
+    MnsError key;
     const Options *o = &doctor->in->options;
     const MnsClientOptions options = {
         .daemon = endpoint, .key_file = options_get(o, OPT_KEY), .server_key = options_get(o, OPT_SERVER_KEY)};
@@ -107,7 +120,10 @@ static void ask_daemon(Doctor *doctor, const char *endpoint)
         mns_client_set_timeout(client, 5);
         status = mns_client_status(client, &reply, &error);
     }
-    if (status) doctor_say(doctor, PROBLEM, "daemon", mns_status_hint(status), "%s", error.text);
+    if (status && own_key(doctor, &key) && key.status && strcmp(key.text, error.text) == 0)
+        doctor_say(doctor, WARNING, "daemon", "see to the key first: own key, below", "the one at %s was not asked",
+                   endpoint);
+    else if (status) doctor_say(doctor, PROBLEM, "daemon", mns_status_hint(status), "%s", error.text);
     else if (reply->info) describe(doctor, endpoint, reply->info);
     else doctor_say(doctor, PROBLEM, "daemon", mns_status_hint(MNS_E_VERSION), "its status is empty");
     mns_reply_free(reply);
@@ -208,14 +224,10 @@ static void check_ring(Doctor *doctor, const char *directory)
 /* Our own, for daemons elsewhere. */
 static void check_own(Doctor *doctor)
 {
-    const char *given = options_get(&doctor->in->options, OPT_KEY), *variable = getenv("MENISCUS_KEY");
-    const char *path = given ? given : variable;
-    KeyPair pair = {.public_key = ""};
-    MnsError error = {0};
-    if (!path || !*path) return;
-    const MnsStatus status = key_file_read(path, &pair, &error);
-    explicit_bzero(pair.secret_key, sizeof pair.secret_key);
-    if (status)
+    MnsError error;
+    const char *path = own_key(doctor, &error);
+    if (!path) return;
+    if (error.status)
         doctor_say(doctor, PROBLEM, "own key", "name a file that `meniscus keys new` wrote, of mode 0600", "%s",
                    error.text);
     else doctor_say(doctor, WELL, "own key", NULL, "%.300s", path);

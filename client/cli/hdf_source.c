@@ -12,6 +12,26 @@
 
 static const char about[] = "/meniscus";
 
+/* The list that ParaView opens as one. */
+static bool is_list(const char *path)
+{
+    const size_t n = strlen(path), m = strlen(".series");
+    return n > m && strcmp(path + n - m, ".series") == 0;
+}
+
+static MnsStatus fail_list(const char *path, MnsError *error)
+{
+    const char *slash = strrchr(path, '/');
+    char pattern[4096];
+    glob_t found;
+    snprintf(pattern, sizeof pattern, "%.*ssnapshot-*.hdf", slash ? (int)(slash + 1 - path) : 0, path);
+    const bool any = glob(pattern, 0, NULL, &found) == 0;
+    mns_fail_at(error, MNS_E_IO, path, "%s is a list of snapshots, which ParaView opens: give one of them, as %s", path,
+                any ? found.gl_pathv[found.gl_pathc - 1] : "snapshot-0000000000.hdf");
+    globfree(&found);
+    return MNS_E_IO;
+}
+
 /* Who names the directory of a run wants one of its files. */
 static MnsStatus fail_directory(const char *path, MnsError *error)
 {
@@ -35,6 +55,7 @@ MnsStatus source_open(Source *s, const char *path, MnsError *error)
                            mns_refusal_hint(errno));
     struct stat info;
     if (!stat(path, &info) && S_ISDIR(info.st_mode)) return fail_directory(path, error);
+    if (is_list(path)) return fail_list(path, error);
     /* HDF5 would print a page about each failure; the sentence says enough. */
     H5Eget_auto2(H5E_DEFAULT, &s->print, &s->print_arg);
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);

@@ -148,11 +148,23 @@ MnsStatus command_init(Invocation *in, MnsError *error)
     if (given && (!*given || strlen(given) >= sizeof path))
         return command_usage(in,
                              mns_fail(error, MNS_E_INVALID, "init needs the name of a file; found \"%.40s\"", given));
+    if (in->json && given && !strcmp(given, "-"))
+        return command_usage(in, mns_fail_at(error, MNS_E_INVALID, "--output",
+                                             "with -o json a file must be given: standard output is for the object"));
     if (from) status = copy_case(in, from, source, &copy, &size, error);
     if (status) return status;
     if (from) case_name_from_path(source, name);
     if (given) snprintf(path, sizeof path, "%s", given);
     else snprintf(path, sizeof path, "%s.yaml", name);
+    if (!strcmp(path, "-")) {
+        const char *text = copy ? copy : beginning;
+        const bool written = fwrite(text, 1, size, stdout) == size && !fflush(stdout);
+        if (!written)
+            status = mns_fail(error, disk_status(errno), "cannot write to standard output: %s; %s", strerror(errno),
+                              mns_refusal_hint(errno));
+        free(copy);
+        return status;
+    }
     status = write_new(path, copy ? copy : beginning, size, error);
     free(copy);
     return status ? status : tell(in, path, from ? source : NULL, error);

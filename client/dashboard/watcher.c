@@ -4,6 +4,8 @@
 #include "client/cli/output.h"
 #include "client/dashboard/about.h"
 #include "client/dashboard/diary.h"
+#include <dirent.h>
+#include <fnmatch.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -158,6 +160,18 @@ static json_t *journal_bytes(const Watcher *watcher)
     return known ? json_integer((json_int_t)info.st_size) : json_null();
 }
 
+/* Is there a checkpoint to go back to? null where its files are not seen from here. */
+static json_t *can_restore(const Watcher *watcher)
+{
+    DIR *dir = *watcher->directory && !hub_is_far(watcher->hub) ? opendir(watcher->directory) : NULL;
+    bool found = false;
+    if (!dir) return json_null();
+    for (const struct dirent *entry; !found && (entry = readdir(dir));)
+        found = fnmatch("checkpoint-*.hdf", entry->d_name, 0) == 0;
+    closedir(dir);
+    return json_boolean(found);
+}
+
 static MnsStatus look(Watcher *watcher, MnsError *error)
 {
     MnsReply *reply = NULL;
@@ -186,6 +200,7 @@ static MnsStatus look(Watcher *watcher, MnsError *error)
     json_object_set_new(told, "topic", json_string("status"));
     json_object_set_new(told, "daemon_epoch", json_integer((json_int_t)reply->daemon_epoch));
     json_object_set_new(told, "journal_bytes", journal_bytes(watcher));
+    json_object_set_new(told, "can_restore", can_restore(watcher));
     if (news) status = tell_about(watcher, reply, error);
     watcher->told = !status; /* what could not be asked is asked again with the next look */
     watcher->has_backlog = watcher->has_backlog || other;

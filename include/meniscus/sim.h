@@ -37,7 +37,8 @@ const char *mns_sim_warning(const MnsSim *sim, size_t k);
  *  @return MNS_OK; MNS_E_DIVERGED if a field is not finite, dt fell under its floor or a density left its bounds: the
  *          state is kept for inspection and further calls say the same; MNS_E_LIMIT if a particle has too many neighbours
  *          (the same). The sentence names the particle, the place and the term. MNS_E_INVALID if a formula of the case
- *          fails at the end of the step, or a probe's has failed before: with its entry, and the same. */
+ *          would fail in the step, or a probe's has failed before: with its entry, and the simulation unchanged, so that it can go on
+ *          after mns_sim_steer() to another gravity. */
 MnsStatus mns_sim_step(MnsSim *sim, double t_max, MnsError *error);
 
 /** Have it told that a step, or a steering, gets on: going_on(arg) is called after each pass over the particles, each making of lists and each iteration of a

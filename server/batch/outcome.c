@@ -82,9 +82,10 @@ static json_t *failure(MnsStatus status, const char *message, const char *path, 
                      outcome_text(path), "hint", hint, "exit_code", code);
 }
 
-/* Whoever stops a run from outside can have it go on. */
-static const char *hint_for(MnsStatus status)
+/* Whoever stops a run from outside can have it go on; no daemon can be asked about it. */
+static const char *hint_for(const Outcome *outcome, MnsStatus status)
 {
+    if (status == MNS_E_STATE && !outcome->document) return "wait until the other run has ended, or give another --out";
     if (status != MNS_E_INTERRUPTED) return mns_status_hint(status);
     return "give the same command again, with --resume auto to go on from the checkpoint if there is one";
 }
@@ -101,10 +102,11 @@ json_t *outcome_failure(const MnsError *error, int code)
 static json_t *error_of(const Outcome *outcome)
 {
     const MnsError *cause = outcome->status.fault.status ? &outcome->status.fault : &outcome->error;
-    if (cause->status) return failure(cause->status, cause->text, cause->path, hint_for(cause->status), outcome->code);
+    if (cause->status)
+        return failure(cause->status, cause->text, cause->path, hint_for(outcome, cause->status), outcome->code);
     if (outcome->code == MNS_EXIT_DONE) return json_null();
-    return failure(MNS_E_INTERRUPTED, "a signal stopped the run, after a checkpoint", "", hint_for(MNS_E_INTERRUPTED),
-                   outcome->code);
+    return failure(MNS_E_INTERRUPTED, "a signal stopped the run, after a checkpoint", "",
+                   hint_for(outcome, MNS_E_INTERRUPTED), outcome->code);
 }
 
 static json_t *as_json(const Outcome *outcome)
@@ -160,7 +162,7 @@ static void print_lines(const Outcome *outcome)
     if (status->uncorrected)
         printf("  densities off by more than the case allows after %" PRIu64 " steps\n", status->uncorrected);
     printf("  files in %s\n", outcome->directory);
-    if (outcome->code == MNS_EXIT_AGAIN) printf("  to go on: %s\n", hint_for(MNS_E_INTERRUPTED));
+    if (outcome->code == MNS_EXIT_AGAIN) printf("  to go on: %s\n", hint_for(outcome, MNS_E_INTERRUPTED));
     else if (!strcmp(state_name(status), run_state_name(RUN_PAUSED)))
         puts("  to go on: give the same command again, with --resume auto and without --until or with a later one");
 }

@@ -278,7 +278,7 @@ const char *handler_way_out(const Handler *handler, RunState state)
     case RUN_RUNNING: return goes ? "it runs already" : "pause it first";
     case RUN_PAUSED: return "resume goes on, reset begins anew";
     case RUN_DONE: return "a later end_time lets it go on, reset begins anew";
-    case RUN_FAULT: return "restore a checkpoint, or reset";
+    case RUN_FAULT: return "resume goes on if that is possible, and says what is if not";
     case RUN_STOPPING: return "start the daemon again";
     default: return "wait until it is ready"; /* it loads, or comes back after a crash */
     }

@@ -131,8 +131,8 @@ void run_note_scheduled(Run *run, Order *order)
 void run_note_hash(Run *run)
 {
     Record record = MENISCUS__JOURNAL_RECORD__INIT;
-    const bool diverged = run->fault.status && !run->output_failed; /* in the middle of a step */
-    if (!run->journal || diverged) return;
+    const bool broken = run_is_broken(run); /* in the middle of a step */
+    if (!run->journal || broken) return;
     record.step = mns_sim_progress(run->sim).step;
     set_time(run, &record);
     record.has_state_hash = true;

@@ -101,6 +101,26 @@ void run_pause(Run *run, Order *order)
     run_answer(run, order, MNS_OK, NULL);
 }
 
+bool run_is_broken(const Run *run)
+{
+    return run->fault.status && !run->output_failed && (run->fault.status != MNS_E_INVALID || run->astray);
+}
+
+const char *run_broken_why(const Run *run)
+{
+    return run->fault.status == MNS_E_DIVERGED ? "the simulation has diverged" : "a step was broken off half-way";
+}
+
+static MnsStatus refuse_broken(const Run *run, MnsError *error)
+{
+    char name[256];
+    if (!checkpoint_last(run->outputs.directory, name))
+        return mns_fail(error, MNS_E_STATE, "%s; there is no checkpoint, so reset: %.300s", run_broken_why(run),
+                        run->fault.text);
+    return mns_fail(error, MNS_E_STATE, "%s; restore a checkpoint, the last is %s, or reset: %.300s",
+                    run_broken_why(run), name, run->fault.text);
+}
+
 void run_go(Run *run, Order *order)
 {
     MnsError error;
@@ -112,10 +132,8 @@ void run_go(Run *run, Order *order)
             "the run did not come back to where it was before the crash, and what was commanded there would be "
             "lost; end the daemon and start it again, or restore or reset: %.300s",
             run->fault.text);
-    else if (run->state == RUN_FAULT && !run->output_failed)
-        status = mns_fail(&error, MNS_E_STATE, "the simulation has diverged; restore a checkpoint or reset: %.300s",
-                          run->fault.text);
-    else if (run->state == RUN_FAULT) status = writer_retry(run->outputs.writer, &error);
+    else if (run->state == RUN_FAULT && run_is_broken(run)) status = refuse_broken(run, &error);
+    else if (run->state == RUN_FAULT && run->output_failed) status = writer_retry(run->outputs.writer, &error);
     if (!status) begin(run, run->state == RUN_READY ? "started" : "resumed");
     if (!status && run->state == RUN_FAULT) { /* the very first output failed */
         error = run->fault;

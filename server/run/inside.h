@@ -198,7 +198,10 @@ void run_goal_end(Run *run, MnsStatus status, const MnsError *error); /* answers
 void run_expire(Run *run);                    /* waiters and goals whose deadline has passed        */
 void run_call_off(Run *run, const Order *by); /* orders that would set it in motion, older than this one */
 void run_fault(Run *run, const MnsError *error, bool output);
-void run_advance(Run *run); /* one step and all that hangs on it                  */
+bool run_is_broken(
+    const Run *run); /* its state is none to go on from: not whole, or astray; else a formula or a file is to blame */
+const char *run_broken_why(const Run *run); /* in words */
+void run_advance(Run *run);                 /* one step and all that hangs on it                  */
 
 /* One step, cut at the time `limit`, and the outputs that are due after it. *ret_output: it is one of them that failed, not the step. */
 MnsStatus run_step_once(Run *run, double limit, bool *ret_output, MnsError *error);

@@ -412,17 +412,17 @@ void run_restore(Run *run, Order *order, const char *name)
     replace(run, order, &candidate, status, previous, text, &error);
 }
 
-/* Leave a checkpoint of this very step and an up-to-date series behind, whatever becomes of an output that failed. A diverged
+/* Leave a checkpoint of this very step and an up-to-date series behind, whatever becomes of an output that failed. A broken
  * state is not worth going on from. */
 static MnsStatus secure(Run *run, bool checkpoint, MnsError *error)
 {
     char path[4096];
     Outputs *outputs = &run->outputs;
-    const bool diverged = run->fault.status && !run->output_failed;
+    const bool broken = run_is_broken(run);
     if (!run->sim) return MNS_OK;
     outputs_flush(outputs, NULL);
     const MnsStatus status = writer_salvage(outputs->writer, error);
-    if (!checkpoint || diverged) return status;
+    if (!checkpoint || broken) return status;
     if (!status && !outputs_finish(outputs, run->sim, run->document, error)) return MNS_OK;
     return outputs_rescue(outputs, run->sim, run->document, path, error);
 }
@@ -489,8 +489,8 @@ void run_leave(Run *run, Order *order, bool checkpoint)
     run_drop_appointments(run, ended.text);
     snprintf(order->path, sizeof order->path, "%s", run->outputs.directory);
     const MnsStatus status = secure(run, checkpoint, &error);
-    const bool diverged = run->fault.status && !run->output_failed;
-    if (status && checkpoint && !diverged) tell_lost(run, &error);
+    const bool broken = run_is_broken(run);
+    if (status && checkpoint && !broken) tell_lost(run, &error);
     else if (status && strcmp(error.text, run->fault.text) != 0) /* else it has been told */
         run_tell(run, NOTE_LOG, LOG_ERROR, "lost", error.text);
     MnsError lost;

@@ -169,7 +169,10 @@ void run_publish(Run *run)
     fill_hash(run, status);
     if (run->state == RUN_FAULT || run->state == RUN_EMPTY) status->fault = run->fault;
     if (run->sim) fill_case(run, status);
-    if (run->state == RUN_RECOVERING && run->recovery.lineage) status->recovery_step = run->recovery.lineage->step;
+    if (run->state == RUN_RECOVERING && run->recovery.lineage) {
+        const uint64_t known = run->recovery.lineage->step, checkpoint = run->recovery.checkpoint;
+        status->recovery_step = known > checkpoint ? known : checkpoint;
+    }
     status->lease = run->lease;
     document_leave(run->published);
     run->published = document_share(run->document);

@@ -115,7 +115,10 @@ static void set_out(Run *run, const Lineage *lineage)
     const MnsProgress now = mns_sim_progress(run->sim);
     char text[128];
     run->recovery.checkpoint = now.step;
-    snprintf(text, sizeof text, "doing again what came after the checkpoint, to step %" PRIu64, lineage->step);
+    /* The journal may end before the checkpoint, as nobody commanded anything since. */
+    if (lineage->step > now.step)
+        snprintf(text, sizeof text, "doing again what came after the checkpoint, to step %" PRIu64, lineage->step);
+    else snprintf(text, sizeof text, "nothing is known that came after the checkpoint of step %" PRIu64, now.step);
     run_tell(run, NOTE_LOG, LOG_NOTICE, "recovering", text);
     const bool due = outputs_behind(&run->outputs, now.t) && (lineage->n || lineage->step);
     if (due && outputs_take(&run->outputs, run->sim, run->document, &error)) fail(run, &error, true);

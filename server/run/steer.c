@@ -57,11 +57,22 @@ static MnsStatus change(Run *run, Order *order, Document *document, MnsError *er
     return MNS_OK;
 }
 
+/* Was it a formula of gravity that the run stands for, and is it another one now? */
+static bool mends(const Run *run)
+{
+    const MnsCase *old = run->before->c, *now = run->document->c;
+    bool changed = false;
+    if (run->state != RUN_FAULT || run->output_failed || run_is_broken(run)) return false;
+    for (int d = 0; d < now->dim; d++) changed = changed || strcmp(old->gravity[d], now->gravity[d]) != 0;
+    return changed && strncmp(run->fault.path, "gravity", 7) == 0;
+}
+
 /* Answer an order that was to change the case. */
 static void answer_change(Run *run, Order *order, MnsStatus status, const MnsError *error)
 {
     if (!status && run->state == RUN_DONE && mns_sim_progress(run->sim).t < run->document->c->end_time)
         run_enter(run, RUN_PAUSED, "the end time was moved");
+    if (!status && mends(run)) run_enter(run, RUN_PAUSED, "the formula that failed was changed");
     run_answer(run, order, status, error);
     document_leave(run->before);
     run->before = NULL;
@@ -295,11 +306,11 @@ void run_checkpoint(Run *run, Order *order)
         run_answer(run, order, status, &error);
         return;
     }
-    if (run->state == RUN_FAULT) /* it would be the newest, and whoever goes on from the newest would diverge again */
+    if (run->state == RUN_FAULT &&
+        run_is_broken(run)) /* it would be the newest, and whoever goes on from the newest would diverge again */
         status = mns_fail(&error, MNS_E_STATE,
-                          "the simulation has diverged, and a checkpoint is there to go on from; a snapshot shows the "
-                          "state: %.300s",
-                          run->fault.text);
+                          "%s, and nobody could go on from a checkpoint of that; a snapshot shows the state: %.300s",
+                          run_broken_why(run), run->fault.text);
     else status = outputs_checkpoint(&run->outputs, run->sim, run->document, order, &error);
     after_output(run, order, scheduled, status, &error);
 }

@@ -67,6 +67,7 @@ typedef struct Integrator {
     const char *name, *source, *equation;
     MnsStatus (*step)(MnsSim *, double t, double dt, MnsError *error); /* of length dt, to t */
     Fields works;                                                      /* room it needs within a step */
+    bool halfway;                                                      /* it asks for gravity and walls half-way too */
 } Integrator;
 
 /* A bound of the time step; INFINITY where it does not bind. */

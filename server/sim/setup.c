@@ -138,7 +138,7 @@ MnsStatus setup_model(MnsSim *sim, MnsError *error)
                                        constants.n, error);
     if (!status) {
         setup_at(sim, sim->progress.t, sim->progress.dt, 0);
-        status = setup_check(sim, error);
+        status = setup_check(sim, sim->progress.t, 0, error);
     }
     if (!status) status = plan_check(sim, c, error); /* before particles are placed in vain */
     if (!status) status = build_particles(sim, &constants, error);
@@ -170,24 +170,25 @@ void setup_at(MnsSim *sim, double t, double dt, double ahead)
     for (size_t k = 0; k < model->n_walls; k++) move_wall(sim, k, t, dt, ahead);
 }
 
-/* A formula at the present time, where it gave no finite number. */
-static MnsStatus fail_formula(const MnsSim *sim, const Formula *formula, const char *entry, const char *text,
-                              MnsError *error)
+/* A formula that gives no finite number at t, and what can be done: nothing has begun yet, or the run stands before that. */
+static MnsStatus fail_formula(const MnsSim *sim, const Formula *formula, const char *entry, const char *text, double t,
+                              const char *change, MnsError *error)
 {
     const char *why = formula_failure(formula);
-    return mns_fail_at(error, MNS_E_INVALID, entry, "%s: \"%.120s\" is of no use at t = %g s: %s. Change it", entry,
-                       text, sim->model.t, why ? why : "it is no finite number there");
+    return mns_fail_at(error, MNS_E_INVALID, entry, "%s: \"%.120s\" is of no use at t = %g s: %s. %s", entry, text, t,
+                       why ? why : "it is no finite number there", sim->progress.step ? change : "Change it");
 }
 
-static MnsStatus check_surface(const MnsSim *sim, size_t k, MnsError *error)
+static const char *const ANEW = "It cannot change in a run: load the case with another";
+
+static MnsStatus check_surface(const MnsSim *sim, size_t k, double t, MnsError *error)
 {
-    const double t = sim->model.t;
     for (int d = 0; d < sim->model.dim; d++) {
         const Formula *formula = sim->surface[k][d];
         char entry[64];
-        if (isfinite(sim->model.wall[k].v[d]) || isfinite(formula_eval(formula, &t))) continue;
+        if (isfinite(formula_eval(formula, &t))) continue;
         snprintf(entry, sizeof entry, "walls[%zu].surface_velocity[%d]", k, d);
-        return fail_formula(sim, formula, entry, sim->c->walls[k].surface_velocity[d], error);
+        return fail_formula(sim, formula, entry, sim->c->walls[k].surface_velocity[d], t, ANEW, error);
     }
     return MNS_OK;
 }
@@ -199,23 +200,31 @@ static MnsStatus check_probe(MnsSim *sim, size_t k, MnsError *error)
     const char *why = formula_team_failure(&sim->probe_formula[k]);
     if (!why) return MNS_OK;
     snprintf(entry, sizeof entry, "probes[%zu].pressure_deviation.from", k);
-    const MnsStatus status = mns_fail_at(error, MNS_E_INVALID, entry,
-                                         "%s: \"%.120s\" failed at some particle before t = %g s: %s. Change it", entry,
-                                         sim->c->probes[k].formula, sim->model.t, why);
+    const MnsStatus status =
+        mns_fail_at(error, MNS_E_INVALID, entry, "%s: \"%.120s\" failed at some particle at t = %g s: %s. %s", entry,
+                    sim->c->probes[k].formula, sim->progress.t, why, ANEW);
     formula_team_forget(&sim->probe_formula[k]);
     return status;
 }
 
-MnsStatus setup_check(MnsSim *sim, MnsError *error)
+static MnsStatus check_moment(const MnsSim *sim, double t, MnsError *error)
 {
     MnsStatus status = MNS_OK;
     for (int d = 0; d < sim->model.dim && !status; d++) {
         char entry[64];
         snprintf(entry, sizeof entry, "gravity[%d]", d);
-        if (!isfinite(sim->model.gravity[d]))
-            status = fail_formula(sim, sim->gravity[d], entry, sim->c->gravity[d], error);
+        if (!isfinite(formula_eval(sim->gravity[d], &t)))
+            status = fail_formula(sim, sim->gravity[d], entry, sim->c->gravity[d], t,
+                                  "Set another, and the run can go on", error);
     }
-    for (size_t k = 0; k < sim->model.n_walls && !status; k++) status = check_surface(sim, k, error);
-    for (size_t k = 0; k < sim->c->n_probes && !status; k++) status = check_probe(sim, k, error);
+    for (size_t k = 0; k < sim->model.n_walls && !status; k++) status = check_surface(sim, k, t, error);
     return status;
+}
+
+MnsStatus setup_check(MnsSim *sim, double t, double dt, MnsError *error)
+{
+    MnsStatus status = MNS_OK;
+    for (size_t k = 0; k < sim->c->n_probes && !status; k++) status = check_probe(sim, k, error);
+    if (!status && sim->scheme->integrator->halfway) status = check_moment(sim, t - 0.5 * dt, error);
+    return status ? status : check_moment(sim, t, error);
 }

@@ -174,11 +174,13 @@ MnsStatus mns_sim_step(MnsSim *sim, double t_max, MnsError *error)
     const Limit *limit = NULL;
     double dt = limits_dt(sim, &limit);
     if (!(dt >= plan_floor(sim)) || !(dt > 0)) return remember(sim, fault_time_step(sim, dt, limit, &why), &why, error);
-    if (progress->dt_first == 0) progress->dt_first = dt;
-    sim->whole = dt;
-    const double t = cut(progress->t, &dt, t_max);
-    MnsStatus status = integrator_step(sim, t, dt, &why);
-    if (setup_check(sim, &why)) status = why.status; /* what comes of it is not to be blamed */
+    const double whole = dt, t = cut(progress->t, &dt, t_max);
+    /* Before anything of the step is done: the state stays whole, and the run can go on with another formula. */
+    MnsStatus status = setup_check(sim, t, dt, error);
+    if (status) return status;
+    if (progress->dt_first == 0) progress->dt_first = whole;
+    sim->whole = whole;
+    status = integrator_step(sim, t, dt, &why);
     progress->t = t;
     progress->dt = dt;
     progress->step++;

@@ -85,8 +85,9 @@ void setup_at(MnsSim *sim, double t, double dt, double ahead);
 /* setup.c: MNS_E_INVALID if a probe of c asks for a field that the scheme does not have with the options of the model */
 MnsStatus setup_probes(const MnsSim *sim, const MnsCase *c, MnsError *error);
 
-/* setup.c: MNS_E_INVALID if a formula of gravity, of a wall or of a probe has failed, with its entry */
-MnsStatus setup_check(MnsSim *sim, MnsError *error);
+/* setup.c: MNS_E_INVALID if a formula of gravity or of a wall fails at a step's end t or, where it is asked for, half-way, or that of a probe has
+ * failed, with its entry; nothing is changed */
+MnsStatus setup_check(MnsSim *sim, double t, double dt, MnsError *error);
 
 static inline size_t sim_blocks(size_t n)
 {

@@ -260,6 +260,30 @@ static void a_run_that_did_not_come_back_is_not_gone_on_with(void **state)
     assert_int_equal(hash_of(dialogue), hash);
 }
 
+/* The journal knows of the start alone, the checkpoint is later. */
+static void a_checkpoint_that_is_newer_than_the_journal_is_no_goal_behind(void **state)
+{
+    Dialogue *dialogue = *state;
+    char here[256], log[300], line[512];
+    bool said = false;
+    steer_load_here(dialogue, (const char *const[]){"output.checkpoint_interval=0.02", NULL}, here);
+    assert_int_equal(steer_code(dialogue, dialogue_start()), MENISCUS__CODE__OK);
+    for (int k = 0; steer_count(here, "checkpoint-") < 1 && k < 500; k++) steer_sleep(10);
+    assert_true(steer_step_now(dialogue) < 100); /* before the journal has a hash */
+    dialogue_crash(dialogue);
+    steer_accepted(steer_wait(dialogue, MENISCUS__STATE__RUNNING, 20000));
+    assert_true(steer_step_now(dialogue) > 0);
+    snprintf(log, sizeof log, "%s/log", here);
+    FILE *file = fopen(log, "r");
+    assert_non_null(file);
+    while (fgets(line, sizeof line, file)) {
+        assert_null(strstr(line, "to step 0"));
+        said = said || strstr(line, "nothing is known that came after the checkpoint of step ");
+    }
+    fclose(file);
+    assert_true(said);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -270,6 +294,7 @@ int main(void)
         TEST(a_stop_on_the_way_back_is_for_good),
         TEST(a_stop_for_a_version_waits_until_the_run_is_back),
         TEST(a_pause_on_the_way_back_keeps_it_from_going_on),
+        TEST(a_checkpoint_that_is_newer_than_the_journal_is_no_goal_behind),
         TEST(a_run_that_did_not_come_back_is_not_gone_on_with),
         cmocka_unit_test_setup_teardown(a_run_whose_journal_cannot_be_read_is_not_forgotten, steer_begin, steer_end),
     };

@@ -61,6 +61,9 @@ static void a_diverged_state_becomes_no_checkpoint(void **state)
     steer_wait_for(dialogue, MENISCUS__STATE__FAULT);
     Meniscus__Reply *reply = dialogue_ask(dialogue, &checkpoint);
     steer_refused(reply, MENISCUS__CODE__FAILED_PRECONDITION, "a snapshot shows the state");
+    Meniscus__Request resume = dialogue_resume();
+    steer_refused(dialogue_ask(dialogue, &resume), MENISCUS__CODE__FAILED_PRECONDITION,
+                  "the simulation has diverged; restore a checkpoint, the last is checkpoint-");
     assert_int_equal(kill(dialogue->daemon, SIGUSR1), 0);
     steer_sleep(300);
     assert_int_equal(steer_count(here, "checkpoint-"), 1);
@@ -288,6 +291,30 @@ static void checkpoints_by_the_clock_come_and_change_no_bit(void **state)
     assert_true(steer_hash(dialogue) == hash);
 }
 
+/* Nothing of the step that would need the formula is done: the state is whole, and has not diverged. */
+static void a_run_whose_formula_failed_goes_on_with_another(void **state)
+{
+    static const char *const settings[] = {"gravity=[\"sqrt(0.1-t)\", -1]", "end_time=0.2", NULL};
+    Dialogue *dialogue = *state;
+    char here[256];
+    Meniscus__Request checkpoint = dialogue_checkpoint();
+    steer_load_here(dialogue, settings, here);
+    assert_int_equal(steer_code(dialogue, dialogue_start()), MENISCUS__CODE__OK);
+    steer_wait_for(dialogue, MENISCUS__STATE__FAULT);
+    Meniscus__Reply *reply = steer_status(dialogue);
+    assert_non_null(strstr(reply->status->fault, "Set another, and the run can go on"));
+    meniscus__reply__free_unpacked(reply, NULL);
+    assert_int_equal(dialogue_code(dialogue, &checkpoint), MENISCUS__CODE__OK);
+    steer_accepted(steer_set(dialogue, "end_time", "0.15")); /* changes nothing about it */
+    assert_int_equal(steer_code(dialogue, dialogue_resume()), MENISCUS__CODE__OK);
+    steer_wait_for(dialogue, MENISCUS__STATE__FAULT);
+    const uint64_t step = steer_step_now(dialogue);
+    steer_accepted(steer_set(dialogue, "gravity", "[0.1, -1]"));
+    steer_stands_at(dialogue, MENISCUS__STATE__PAUSED, step);
+    assert_int_equal(steer_code(dialogue, dialogue_resume()), MENISCUS__CODE__OK);
+    steer_wait_for(dialogue, MENISCUS__STATE__DONE);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -295,6 +322,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(who_wants_many_files_keeps_nobody_else_waiting, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(one_connection_wants_so_many_files_at_a_time, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_diverged_state_becomes_no_checkpoint, steer_begin, steer_end),
+        cmocka_unit_test_setup_teardown(a_run_whose_formula_failed_goes_on_with_another, steer_begin, steer_end),
         cmocka_unit_test_setup_teardown(a_failed_output_stops_the_run_and_is_written_after_resume, steer_begin,
                                         steer_end_somehow),
         cmocka_unit_test_setup_teardown(a_checkpoint_does_not_wait_for_another_output_that_failed, steer_begin,

@@ -90,6 +90,9 @@ try {
   await picture(page, "later");
   await page.click("#ask .primary");
   await see(other, "at t = 6.5 s", "what is to happen later is listed, for others too", "#scheduled");
+  const asked = "set output.snapshot_interval = 0.7, at t = 6.5 s";
+  hold((await text(other, "#scheduled span")).startsWith(asked) && (await text(other, "#scheduled")).split("6.5").length === 2, "its time once");
+  hold(await other.$eval("#scheduled button", (button) => button.ariaLabel) === `Call off: ${asked}`, "also for who hears it");
   await other.click("#scheduled button");
   await page.waitForFunction(() => document.querySelector("#scheduled").hidden, { timeout: PATIENCE_MS });
   console.log("so: and can be called off");

@@ -382,6 +382,19 @@ class Commands(DaemonTest):
         self.assertEqual(self.ask("status")["state"], "READY")
         self.meniscus("status", "--daemon", "second", code=69)
 
+    def test_a_run_whose_directory_another_has_is_told_what_helps(self) -> None:
+        words = [BUILD / "meniscus", "run", "dambreak2d", "--set", "end_time=1000", "--out", self.home / "taken", "-o", "json"]
+        with subprocess.Popen(words, env=self.environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as first:
+            try:
+                while not (self.home / "taken" / "log").exists():
+                    time.sleep(0.05)
+                done = subprocess.run(words, env=self.environment, capture_output=True, text=True, timeout=20)
+            finally:
+                first.kill()
+        self.assertEqual(done.returncode, 75)
+        self.assertIn("give another --out", json.loads(done.stdout)["error"]["hint"])
+        self.assertNotIn("status", json.loads(done.stdout)["error"]["hint"])
+
     def test_what_the_system_refuses_is_told_with_its_path_and_what_to_do(self) -> None:
         directory = Path(self.load()["path"])
         snapshot = self.ask("snapshot")["path"]

@@ -606,7 +606,9 @@ class Page(DaemonTest):
     def test_many_particles_cover_the_fluid_and_few_of_them_too(self) -> None:
         self.meniscus("load", "dambreak2d", "--set", "resolution=100")
         self.browse("dashboard_many.mjs")
-        self.meniscus("stop")
+
+    def test_a_run_that_has_stopped_by_itself_is_offered_only_what_is_possible(self) -> None:
+        self.browse("dashboard_fault.mjs")
 
     def test_a_run_on_its_way_back_is_shown_and_can_be_stopped(self) -> None:
         self.meniscus("load", "dambreak2d", "--set", "resolution=8", "--set", "end_time=1000", "--set", "output.checkpoint_interval=1000")

@@ -127,6 +127,14 @@ class Doctor(DaemonTest):
         self.assertEqual(keys["status"], "problem")
         self.assertIn("chmod 600", keys["text"])
 
+    def test_a_key_that_cannot_be_read_is_told_once(self) -> None:
+        words = ["--daemon", "tcp://192.0.2.1:9999"]
+        self.environment["MENISCUS_KEY"] = missing = str(self.scratch / "nonexistent")
+        checks = self.examine(*words, code=1)
+        self.assertEqual([name for name, check in checks.items() if missing in check["text"]], ["own key"])
+        self.assertIn("meniscus keys new", checks["own key"]["remedy"])
+        self.assertIn("own key", checks["daemon"]["remedy"])
+
     def test_files_that_cannot_be_written_are_a_problem(self) -> None:
         said = self.ask("doctor", "--state-dir", "/dev/null/x", code=1)
         state = next(check for check in said["checks"] if check["name"] == "state")

@@ -99,6 +99,8 @@ class Export(unittest.TestCase):
             ((str(self.directory / "run"),), 74, f"is a directory: give one of its files, as its newest snapshot, {self.snapshot}"),
             ((str(self.directory),), 74, "no snapshot is in it"),
             ((str(self.directory / "none.hdf"),), 74, "cannot read"),
+            ((str(self.directory / "run" / "snapshots.hdf.series"),), 74,
+             f"is a list of snapshots, which ParaView opens: give one of them, as {self.snapshot}"),
             ((str(nothing),), 74, "HDF5 cannot open it"),
             ((str(checkpoint),), 74, "neither a snapshot nor a series"),
             ((str(self.snapshot), "--out", "/nonexistent/a.csv"), 74, "cannot write the table"),

@@ -61,6 +61,12 @@ class Init(unittest.TestCase):
         self.meniscus("init", "link.yaml", code=74)
         self.assertFalse((self.home / "nowhere").exists())
 
+    def test_a_dash_is_standard_output(self) -> None:
+        self.assertIn("title: A column of water", self.meniscus("init", "-").stdout)
+        self.assertEqual(self.meniscus("init", "-", "--from", "dambreak2d").stdout, (CASES / "dambreak2d.yaml").read_text())
+        self.meniscus("init", "-", "-o", "json", code=2)
+        self.assertEqual(list(self.home.iterdir()), [])
+
     def test_a_case_that_is_none_is_refused_and_nothing_written(self) -> None:
         done = self.meniscus("init", "--from", "dambrake2d", code=65)
         self.assertIn('did you mean "dambreak2d"', done.stderr)

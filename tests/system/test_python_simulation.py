@@ -100,8 +100,14 @@ class WithDaemon(DaemonTest):
             self.assertEqual(last.step, file.step)
 
     def test_the_series_of_a_run_that_goes_on(self) -> None:
-        with meniscus.ProbeSeries(self.home / "nowhere" / "probes.hdf") as nothing:
+        with meniscus.ProbeSeries(self.home / "probes.hdf") as nothing:
             self.assertEqual((len(nothing), len(nothing.time), nothing.refresh()), (0, 0, False))
+        for none in (self.home / "nowhere", self.home / "nowhere" / "probes.hdf", self.home / "other.hdf"):
+            with self.assertRaisesRegex(FileNotFoundError, "no such directory"):
+                meniscus.ProbeSeries(none)
+        with self.assertRaisesRegex(FileNotFoundError, "no such directory"):
+            meniscus.Snapshots(self.home / "nowhere")
+        self.assertEqual(len(meniscus.Snapshots(self.home)), 0)
         self.simulation.parameters = {"end_time": 60, "output.probe_interval": 0.01}
         self.simulation.run_until(0.1)
         self.simulation.checkpoint()

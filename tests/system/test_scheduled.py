@@ -280,7 +280,9 @@ class Scheduled(DaemonTest):
             self.assertIsNone(client.pause(at_time=0.05, wait=False).effect_step)
             scheduled = client.status().scheduled
             self.assertEqual([(s.at_step, s.at_time, s.who) for s in scheduled], [(8, None, "local"), (None, 0.05, "local")])
-            client.cancel(scheduled[1].id)
+            with self.assertRaisesRegex(ValueError, "32 hexadecimal digits"):
+                client.cancel(scheduled[1].id.hex()[1:])
+            client.cancel(scheduled[1].id.hex())
             self.assertEqual(asyncio.run(self.snapshot_while_stepping()).step, 9)
             self.assertEqual(client.status().case_version, 2)
             self.assertEqual(client.status().scheduled, ())

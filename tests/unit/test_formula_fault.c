@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A formula that gives a number here and a truth value there, or no number at all, ends the run with its entry: it is not
- * taken for 1 or 0, and what comes of it is not blamed. */
+/* A formula that gives a number here and a truth value there, or no number at all, ends the run with its entry, before the step that would
+ * need it: it is not taken for 1 or 0, what comes of it is not blamed, and the run can go on with another. */
 #include "tests/support/check.h"
 #include "tests/support/sims.h"
 #include <string.h>
@@ -8,7 +8,7 @@
 /* A number where it is tried, at 0.5, and at 0; true between. */
 static const char SWITCHING[] = "t > 0.02 and (t < 0.3) or -1";
 
-/* Step beyond t = 0.02, where the first step that ends there must fail. */
+/* Step up to t, beyond which the first step must fail, and change nothing. */
 static void assert_fails_at(MnsSim *sim, double t, const char *path, const char *why)
 {
     MnsError error = {0};
@@ -18,9 +18,11 @@ static void assert_fails_at(MnsSim *sim, double t, const char *path, const char 
     assert_string_equal(error.path, path);
     if (!strstr(error.text, why) || strncmp(error.text, path, strlen(path)) != 0) fail_msg("\"%s\"", error.text);
     const MnsProgress progress = mns_sim_progress(sim);
-    assert_less(t, progress.t);
-    assert_less(progress.t - progress.dt, t + 1e-12);
+    const uint64_t hash = mns_sim_hash(sim);
+    assert_less(progress.t, t + 1e-12);
+    assert_less(t, progress.t + 2 * progress.dt);
     assert_int_equal(mns_sim_step(sim, INFINITY, NULL), MNS_E_INVALID); /* and so it stays */
+    assert_true(mns_sim_hash(sim) == hash && mns_sim_progress(sim).step == progress.step);
 }
 
 static void gravity_that_turns_into_a_truth_ends_the_run(void **state)
@@ -54,6 +56,34 @@ static void surface_that_turns_into_a_truth_ends_the_run(void **state)
     MnsSim *sim = sim_of(c);
     assert_fails_at(sim, 0.02, "walls[0].surface_velocity[0]", "true or false there");
     sim_done(sim, c);
+}
+
+/* The same bits as of a run that had the other formula from the beginning, as long as it gave the same. */
+static void run_goes_on_with_another_gravity(const char *scheme)
+{
+    MnsError error = {0};
+    MnsCase *c = case_periodic(2, 10), *other = case_periodic(2, 10), *all = case_periodic(2, 10);
+    c->scheme.name = other->scheme.name = all->scheme.name = scheme;
+    case_set_text(&c->gravity[1], "sqrt(0.02 - t)/0 > 1 and -1 or 0/0");
+    case_set_text(&other->gravity[1], "-1");
+    case_set_text(&all->gravity[1], "-1");
+    MnsSim *sim = sim_of(c), *whole = sim_of(all);
+    assert_fails_at(sim, 0.02, "gravity[1]", "no finite number there. Set another, and the run can go on");
+    assert_int_equal(mns_sim_steer(sim, other, &error), MNS_OK);
+    while (mns_sim_progress(sim).t < 0.04) assert_int_equal(mns_sim_step(sim, 0.04, &error), MNS_OK);
+    while (mns_sim_progress(whole).t < 0.04) assert_int_equal(mns_sim_step(whole, 0.04, &error), MNS_OK);
+    assert_true(mns_sim_progress(sim).step == mns_sim_progress(whole).step);
+    assert_true(mns_sim_hash(sim) == mns_sim_hash(whole));
+    sim_done(whole, all);
+    sim_done(sim, other);
+    mns_case_free(c);
+}
+
+static void run_goes_on_with_another_gravity_in_schemes_of_one_and_of_two_sets_of_rates(void **state)
+{
+    (void)state;
+    run_goes_on_with_another_gravity("riemann");
+    run_goes_on_with_another_gravity("dissipation");
 }
 
 /* A probe is read between steps: the next one says what was wrong. Set right again, the run goes on. */
@@ -97,6 +127,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(gravity_that_turns_into_a_truth_ends_the_run),
         cmocka_unit_test(surface_that_turns_into_a_truth_ends_the_run),
+        cmocka_unit_test(run_goes_on_with_another_gravity_in_schemes_of_one_and_of_two_sets_of_rates),
         cmocka_unit_test(probe_whose_formula_fails_is_said_by_the_next_step),
         cmocka_unit_test(gravity_of_no_number_is_not_steered_to),
     };

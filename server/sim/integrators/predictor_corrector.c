@@ -77,4 +77,5 @@ const Integrator predictor_corrector = {
     .equation = "rates at the middle of the step, from which all of it is done, and at its end",
     .step = step,
     .works = FIELD(X0) | FIELD(V0) | FIELD(RHO0),
+    .halfway = true,
 };

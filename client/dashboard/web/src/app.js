@@ -14,7 +14,7 @@ import { Range, spread } from "./range.js";
 import { Series } from "./series.js";
 import { View } from "./view.js";
 import { Way } from "./way.js";
-import { brokenOff } from "./words.js";
+import { brokenOff, sentence, trouble } from "./words.js";
 
 const $ = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
 const LIMITS = [20000, 100000, 300000, 1000000], USUAL_LIMIT = 100000, LEASE_S = 30, LOOKS = ["phase", "pressure", "velocity", "density"];
@@ -269,12 +269,12 @@ function showBar() {
 function showShown() {
   const frame = known.frame, now = performance.now();
   pace = pace.filter((t) => now - t < 2000);
-  if (known.refused) {
+  if (known.refused && stateNow() !== "EMPTY") { // that no case is loaded is said in the middle
     $("shown").replaceChildren(element("b", {}, `No picture: ${known.refused.message}`));
     $("pace").textContent = "";
     return;
   }
-  if (!frame || stateNow() === "RECOVERING") { // what was drawn before the crash is not shown
+  if (!frame || ["EMPTY", "RECOVERING"].includes(stateNow())) { // what was drawn before the crash is not shown
     $("shown").textContent = $("pace").textContent = "";
     return;
   }
@@ -304,7 +304,7 @@ function showState() {
   const state = stateNow(), status = known.status ?? {}, progress = known.progress ?? status, has = LOADED.includes(state);
   $("state").textContent = state === "AWAY" ? "NOT CONNECTED" : state;
   $("state").dataset.state = state;
-  $("title").textContent = status.title || status.case || "Meniscus";
+  $("title").textContent = $("title").title = status.title || status.case || "Meniscus"; // where it is cut, the tooltip has all of it
   $("subtitle").textContent = [known.daemon?.name && `daemon ${known.daemon.name}`, status.case].filter(Boolean).join(" · ");
   document.title = `${state === "AWAY" ? "?" : state} ${status.case || "Meniscus"}`;
   const go = GO[/** @type {keyof typeof GO} */ (state)] ?? ["Start", ""];
@@ -312,9 +312,10 @@ function showState() {
   $("go").dataset.do = go[1];
   const lockedBy = status.lease_holder && !known.lease ? status.lease_holder : "";
   const why = lockedBy ? `${lockedBy} holds the lease` : state === "AWAY" ? "not connected" : `not possible while ${state}`;
+  const broken = state === "FAULT" && trouble(status).broken; // Go back is the way on
   /** @type {[string, boolean, boolean][]} button, possible in this state, needs the lease */
-  const buttons = [["go", Boolean(go[1]), go[1] !== "pause"], ["step", MOVES.includes(state), true], ["until", MOVES.includes(state), true],
-    ["snapshot", has, false], ["checkpoint", has, false], ["later", has && state !== "FAULT", false], ["back", has && state !== "RUNNING", true], ["stop", has || state === "RECOVERING", false]];
+  const buttons = [["go", Boolean(go[1]) && !broken, go[1] !== "pause"], ["step", MOVES.includes(state), true], ["until", MOVES.includes(state), true],
+    ["snapshot", has, false], ["checkpoint", has && !broken, false], ["later", has && state !== "FAULT", false], ["back", has && state !== "RUNNING", true], ["stop", has || state === "RECOVERING", false]];
   for (const [id, possible, leased] of buttons) {
     const may = possible && !(leased && lockedBy);
     $(id).disabled = !may;
@@ -365,12 +366,12 @@ function showBanner(state, status) {
   else if (known.daemon && !known.daemon.alive && known.daemon.error?.status === "unavailable")
     words = ["The daemon does not answer.", "It is asked again by itself.", "if it has ended, start it with the same --name and --state-dir: it comes back to its run"];
   else if (known.daemon && !known.daemon.alive) words = ["The daemon does not answer.", known.daemon.error?.message ?? "", known.daemon.error?.hint ?? ""];
-  else if (state === "FAULT") words = ["The run has stopped.", status.fault ?? "", "look at it, write a snapshot; then reset, or restore a checkpoint"];
+  else if (state === "FAULT") words = ["The run has stopped.", status.fault ?? "", trouble(status).hint];
   const text = words.join("|");
   if ($("banner").dataset.text === text) return;
   $("banner").dataset.text = text;
   $("banner").hidden = !words[0];
-  $("banner").replaceChildren(element("b", {}, words[0]), ` ${words[1]}`, words[2] ? element("span", { className: "muted" }, ` What to do: ${words[2]}.`) : "");
+  $("banner").replaceChildren(element("b", {}, words[0]), ` ${sentence(words[1])}`, words[2] ? element("span", { className: "muted" }, ` What to do: ${words[2]}.`) : "");
 }
 
 /** @param {string} state */
@@ -458,7 +459,7 @@ $("later").onclick = async () => {
   if (form) command("Not scheduled", appointment(form), (r) => r.message);
 };
 $("back").onclick = async () => {
-  const ways = [["restore", "the newest checkpoint", "With the case as it was then."], ["reset", "the beginning", "What was set since the case was loaded is undone."]].map(([value, name, text], k) =>
+  const ways = [["restore", "the newest checkpoint", "With the case as it was then."], ["reset", "the beginning", "What was set since the case was loaded is undone."]].filter(([value]) => value !== "restore" || known.status?.can_restore !== false).map(([value, name, text], k) =>
     element("p", {}, element("label", {}, element("input", { type: "radio", name: "way", value, checked: k === 0 }), ` To ${name}. `, element("span", { className: "muted" }, text))));
   const form = await confirmed($("ask"), "Go back?", "Files of this time line, from there on, move to the folder abandoned.", "Go back", ...ways);
   if (form) command("Not gone back", { do: String(form.get("way")) }, (r) => `Back at t = ${number(r.time, 6)} s, step ${count(r.step)}`);

@@ -16,8 +16,9 @@ export function appointment(form) {
   return { do: what, ...(what === "set" ? { settings: lines } : {}), ...when };
 }
 
-/** @param {Scheduled} one */
+/** The daemon's words have the time in them, unless they are cut. @param {Scheduled} one */
 export function told(one) {
+  if (/, at (step \d+|t = \S+ s)$/.test(one.what)) return one.what;
   return `${one.what}, ${one.at_step === null ? `at t = ${number(one.at_time, 6)} s` : `at step ${count(one.at_step)}`}`;
 }
 

@@ -12,6 +12,7 @@ const HINTS = {
   "wrong state": "see above what the run does; buttons are grey where they are of no use, and say why",
   "timed out": "see below how far it is",
   interrupted: "",
+  diverged: "see above what is possible now",
 };
 /** Those that wait for somebody to do something; others say little after a while. */
 const LASTING = ["expired", "no space", "input/output error", "out of memory", "unavailable", "internal error"];
@@ -25,6 +26,22 @@ export function plain(error) {
     message: holder ? `${holder}; nothing was done` : message, hint: HINTS[status] ?? hint,
     path: isLease || !path || message.includes(path) ? "" : path, lasting: LASTING.includes(status),
   };
+}
+
+/**
+ * Of a run in FAULT: whether its state is none to go on from, and what to do. A formula or a file can be mended, and then it resumes.
+ * @param {{fault?: string|null, fault_reason?: string|null, can_restore?: boolean|null}} status @returns {{broken: boolean, hint: string}}
+ */
+export function trouble({ fault, fault_reason, can_restore }) {
+  if (["diverged", "limit reached", "out of memory"].includes(fault_reason ?? ""))
+    return { broken: true, hint: `look at it, write a snapshot; then press Go back${can_restore === false ? ", to the beginning, as there is no checkpoint" : ", to the newest checkpoint or to the beginning"}` };
+  if (fault_reason !== "invalid") return { broken: false, hint: "see to what is said, then press Resume" };
+  return { broken: false, hint: fault?.startsWith("gravity") ? "set another gravity under Parameters, then press Resume" : "write a checkpoint or a snapshot of what there is; then press Stop, and load a case with another formula" };
+}
+
+/** As a sentence, to which others can be added. @param {string} text */
+export function sentence(text) {
+  return !text || /[.!?]$/.test(text) ? text : `${text}.`;
 }
 
 /**

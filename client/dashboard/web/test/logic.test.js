@@ -12,7 +12,7 @@ import { choices, slide } from "../src/parameters.js";
 import { Range, spread } from "../src/range.js";
 import { MOST, Series } from "../src/series.js";
 import { Way } from "../src/way.js";
-import { brokenOff, plain } from "../src/words.js";
+import { brokenOff, plain, sentence, trouble } from "../src/words.js";
 
 /** As the gateway makes them. */
 function picture(/** @type {object} */ header, /** @type {number[]} */ floats, /** @type {number[]} */ bytes, skipped = 0) {
@@ -202,6 +202,8 @@ test("what is to happen later is said as the gateway wants it", () => {
   assert.deepEqual(appointment(form({ what: "set", at: "0.5", unit: "time", settings: "gravity=[0, -2]\n\n end_time=3 " })),
     { do: "set", settings: ["gravity=[0, -2]", "end_time=3"], at_time: 0.5 });
   assert.equal(told({ id: "", at_step: 7, at_time: null, who: "local", what: "set" }), "set, at step 7");
+  assert.equal(told({ id: "", at_step: null, at_time: 0.05, who: "local", what: "pause, at t = 0.05 s" }), "pause, at t = 0.05 s");
+  assert.equal(told({ id: "", at_step: 7, at_time: null, who: "local", what: "set a = 1, at step 7" }), "set a = 1, at step 7");
 });
 
 test("an eye sees all corners of a box, and is no farther away than it must", () => {
@@ -243,6 +245,18 @@ test("a lease that somebody has is told without words of a shell", () => {
   const other = plain({ status: "invalid", message: "found never", path: "end_time", hint: "mend it" });
   assert.deepEqual([other.path, other.hint, other.lasting], ["end_time", "mend it", false]);
   assert.equal(plain({ status: "no space", message: "the disk is full" }).lasting, true);
+});
+
+test("what a run in FAULT can do is said with the names of the buttons, and nothing that is refused", () => {
+  const diverged = { fault: "diverged in step 7", fault_reason: "diverged" };
+  assert.equal(trouble(diverged).broken, true);
+  assert.match(trouble({ ...diverged, can_restore: true }).hint, /press Go back, to the newest checkpoint/);
+  assert.match(trouble({ ...diverged, can_restore: false }).hint, /press Go back, to the beginning, as there is no checkpoint/);
+  const formula = trouble({ fault: 'gravity[0]: "sqrt(0.1-t)" is of no use', fault_reason: "invalid", can_restore: false });
+  assert.deepEqual([formula.broken, formula.hint.endsWith("press Resume")], [false, true]);
+  assert.match(trouble({ fault: "walls[0].surface_velocity[0]: no", fault_reason: "invalid" }).hint, /press Stop/);
+  assert.equal(trouble({ fault: "the disk is full", fault_reason: "no space" }).broken, false);
+  assert.deepEqual(["a", "a.", ""].map(sentence), ["a.", "a.", ""]);
 });
 
 test("what was ended on request says how far it came", () => {

@@ -11,6 +11,7 @@ import functools
 import inspect
 import os
 import pwd
+import re
 from dataclasses import dataclass
 from socket import gethostname
 from typing import TYPE_CHECKING, Any, Callable, Coroutine, Dict, Generic, List, Mapping, Optional, Sequence, TypeVar, Union
@@ -175,8 +176,13 @@ def run_until(
     return Command(request, _reply, None, request_id)
 
 
-def cancel(request_id: bytes) -> Command[Reply]:
-    """End a pending step, run_until or wait: it raises CancelledError where it was called."""
+def cancel(request_id: Union[bytes, str]) -> Command[Reply]:
+    """End a pending step, run_until or wait: it raises CancelledError where it was called. request_id: 16 bytes, or as 32 hexadecimal digits, as
+    `meniscus status` prints what is scheduled. ValueError: it is neither."""
+    if isinstance(request_id, str):
+        if not re.fullmatch("[0-9a-fA-F]{32}", request_id):
+            raise ValueError(f'"{request_id}" is no id of a request: it has 16 bytes, or 32 hexadecimal digits')
+        request_id = bytes.fromhex(request_id)
     return Command(pb.Request(cancel=pb.Cancel(id=request_id)), _reply)
 
 

@@ -7,6 +7,7 @@ opened stays as it was until refresh().
 
 from __future__ import annotations
 
+import errno
 import os
 from pathlib import Path
 from types import TracebackType
@@ -154,7 +155,10 @@ class Snapshots(Sequence[Snapshot]):
     """The snapshots of a run directory in the order of their steps, each opened when it is asked for, and open as long as it is kept."""
 
     def __init__(self, directory: PathLike) -> None:
+        """FileNotFoundError: there is no such directory."""
         self.directory = Path(directory)
+        if not self.directory.is_dir():
+            raise FileNotFoundError(errno.ENOENT, "there is no such directory of a run", str(directory))
         self.refresh()
 
     def refresh(self) -> None:
@@ -193,7 +197,9 @@ class ProbeSeries(Mapping[str, np.ndarray]):
     """
 
     def __init__(self, path: PathLike) -> None:
-        """path: a run directory, or the file."""
+        """path: a run directory, or the file, which may be there later if its directory is. FileNotFoundError: there is neither."""
+        if not Path(path).exists() and (Path(path).name != "probes.hdf" or not Path(path).parent.is_dir()):
+            raise FileNotFoundError(errno.ENOENT, "there is no such directory of a run, nor a file", str(path))
         self.path = Path(path) / "probes.hdf" if Path(path).is_dir() else Path(path)
         self._file: Any = None
         self._stamp: Optional[Tuple[int, int, int]] = None
