@@ -79,7 +79,8 @@ int steer_count(const char *directory, const char *like)
     DIR *stream = opendir(directory);
     int n = 0;
     assert_non_null(stream);
-    for (const struct dirent *entry; (entry = readdir(stream));) n += !strncmp(entry->d_name, like, strlen(like));
+    for (const struct dirent *entry; (entry = readdir(stream));)
+        n += !strncmp(entry->d_name, like, strlen(like)) && !strstr(entry->d_name, ".tmp");
     closedir(stream);
     return n;
 }

@@ -27,7 +27,7 @@ void steer_load_here(Dialogue *dialogue, const char *const *settings, char ret_h
 void steer_take_away(const Dialogue *dialogue);
 void steer_bring_back(const Dialogue *dialogue);
 
-/* How many entries of a directory begin like this. */
+/* How many entries of a directory begin like this, those that are being written aside. */
 int steer_count(const char *directory, const char *like);
 
 Meniscus__Code steer_code(Dialogue *dialogue, Meniscus__Request request);
