@@ -142,7 +142,11 @@ static void a_stop_on_the_way_back_is_for_good(void **state)
     Meniscus__Reply *reply = dialogue_ask(dialogue, &stop);
     assert_int_equal(reply->code, MENISCUS__CODE__OK);
     assert_int_equal(reply->state, MENISCUS__STATE__EMPTY);
-    assert_int_equal(reply->effect_step, steps); /* for the journal the run is where it was */
+    /* Before there are particles the run is where the journal has it, and then where it has come to, which is said. */
+    if (reply->effect_step != steps) {
+        assert_true(reply->effect_step < steps);
+        assert_non_null(strstr(reply->message, "which it had not reached"));
+    }
     meniscus__reply__free_unpacked(reply, NULL);
     dialogue_crash(dialogue);
     steer_sleep(200);
