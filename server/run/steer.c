@@ -40,8 +40,8 @@ static MnsStatus adopt(Run *run, Document *document, Document **ret_before, MnsE
     }
     if (ret_before) *ret_before = run->document;
     else document_leave(run->document);
-    run->document = document;                      /* the state is the same, and so is its hash */
-    tap_place(run->tap, run->sim, document, true); /* options bring and take fields */
+    run->document = document; /* the state is the same, and so is its hash */
+    tap_renew(run->tap, run->sim);
     if (run->state != RUN_RECOVERING) versions_add(&run->versions, document);
     run_publish(run);
     return MNS_OK;

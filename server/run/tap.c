@@ -177,6 +177,14 @@ void tap_place(Tap *tap, const MnsSim *sim, Document *document, bool same)
     eventfd_write(tap->wake, 1);
 }
 
+void tap_renew(Tap *tap, const MnsSim *sim)
+{
+    pthread_mutex_lock(&tap->lock);
+    tap->now.fields = tap_fields_of(sim);
+    pthread_mutex_unlock(&tap->lock);
+    eventfd_write(tap->wake, 1);
+}
+
 /* The feeds that are due, and all they want together. With the lock held. */
 static bool find_due(Tap *tap, MnsProgress now, bool stepped, Wish *ret)
 {

@@ -72,6 +72,9 @@ void tap_leave(Tap *tap, const Shot *shot);
 /* Another simulation, or none. document NULL: none; same: it is the same case, further on or further back. */
 void tap_place(Tap *tap, const MnsSim *sim, Document *document, bool same);
 
+/* The same simulation after a change of its case: options bring fields and take them away. The document stays that of its files. */
+void tap_renew(Tap *tap, const MnsSim *sim);
+
 /* A step boundary. stepped: a step led there; else only what is asked for is taken. known: the values of all probes there, or NULL. */
 void tap_look(Tap *tap, const MnsSim *sim, bool stepped, const double *known);
 
