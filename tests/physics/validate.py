@@ -57,7 +57,7 @@ CASES = {
     "bubble3d-double": Case(bubbles.bubble3d_double, 1230, 13),
     "rayleigh-taylor3d": Case(interfaces.rayleigh_taylor3d, 1620, 400),
     "lock-exchange2d": Case(interfaces.lock_exchange2d, 190, 0.2),
-    "lock-exchange3d": Case(interfaces.lock_exchange3d, 550, 56),
+    "lock-exchange3d": Case(interfaces.lock_exchange3d, 310, 56),
     # Zhu and Zou 2020.
     "dambreak2d-interfacial": Case(dam_breaks.dambreak2d_interfacial, 160, 0.6),
     "dambreak2d-interfacial-square": Case(dam_breaks.dambreak2d_interfacial_square, 75, 0.1),
@@ -80,7 +80,7 @@ CASES = {
     "franke-operators": Case(differences.franke_operators, 3, 0.01),
     "poiseuille-two-phase-operators": Case(differences.poiseuille_operators, 5, 0.01),
     "poiseuille-two-phase": Case(differences.poiseuille, 150, 0.6),
-    "bubble3d-cylinder": Case(differences.bubble3d_cylinder, 500, 8),
+    "bubble3d-cylinder": Case(differences.bubble3d_cylinder, 340, 8),
     "bubble3d-cylinder-fine": Case(differences.bubble3d_cylinder_fine, 0, 300),
 }
 
