@@ -32,7 +32,8 @@ typedef struct Particles {
     double *x0[3], *v0[3], *rho0;   /* at the beginning of the step, for integrators of more than one evaluation */
     double *p_wall[MNS_MAX_FLUIDS]; /* [n_wall] pressure a wall shows to each fluid */
     double *v_wall[3];              /* [n_wall] fluid velocity extrapolated into a wall; NULL without viscosity */
-    /* [n] within a step: of continuity d rho/dt, of summation the sum of W; between steps work space to permute */
+    /* [n] within a step: of continuity d rho/dt, of summation the sum of W, while particles are shifted |v|^2 from before; between steps
+     * work space to permute */
     double *rate;
     struct System
         *system;   /* for the pressure, of schemes that project (solve/solve.h); NULL of others. Not theirs to free */

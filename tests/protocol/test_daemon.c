@@ -180,16 +180,24 @@ static void check_step_again(Dialogue *dialogue, const Meniscus__Request *reques
     meniscus__reply__free_unpacked(reply, NULL);
 }
 
+/* A case, and the request for a step of it under an id. */
+static void prepare_step(Dialogue *dialogue, Meniscus__Request *ret, Meniscus__Step *command, uint8_t id[static 16])
+{
+    dialogue_load(dialogue, NULL);
+    meniscus__request__init(ret);
+    meniscus__step__init(command);
+    ret->command_case = MENISCUS__REQUEST__COMMAND_STEP;
+    ret->step = command;
+    dialogue_seal(ret, id);
+}
+
 static void the_same_request_again_changes_nothing(void **state)
 {
     Dialogue *dialogue = *state;
     uint8_t id[16];
-    Meniscus__Request request = MENISCUS__REQUEST__INIT;
-    Meniscus__Step command = MENISCUS__STEP__INIT;
-    dialogue_load(dialogue, NULL);
-    request.command_case = MENISCUS__REQUEST__COMMAND_STEP;
-    request.step = &command;
-    dialogue_seal(&request, id);
+    Meniscus__Request request;
+    Meniscus__Step command;
+    prepare_step(dialogue, &request, &command, id);
     for (int k = 0; k < 3; k++) check_step_again(dialogue, &request);
     steer_stands_at(dialogue, MENISCUS__STATE__PAUSED, 1);
 }
@@ -199,12 +207,9 @@ static void the_id_of_another_request_is_refused(void **state)
 {
     Dialogue *dialogue = *state;
     uint8_t id[16];
-    Meniscus__Request request = MENISCUS__REQUEST__INIT;
-    Meniscus__Step command = MENISCUS__STEP__INIT;
-    dialogue_load(dialogue, NULL);
-    request.command_case = MENISCUS__REQUEST__COMMAND_STEP;
-    request.step = &command;
-    dialogue_seal(&request, id);
+    Meniscus__Request request;
+    Meniscus__Step command;
+    prepare_step(dialogue, &request, &command, id);
     check_step_again(dialogue, &request);
     command.has_count = 1;
     command.count = 5;
@@ -226,12 +231,9 @@ static void nobody_who_is_refused_has_a_reply_forgotten(void **state)
     enum { REFUSED = 5000 }; /* more than are remembered of these */
     Dialogue *dialogue = *state;
     uint8_t id[16];
-    Meniscus__Request request = MENISCUS__REQUEST__INIT;
-    Meniscus__Step command = MENISCUS__STEP__INIT;
-    dialogue_load(dialogue, NULL);
-    request.command_case = MENISCUS__REQUEST__COMMAND_STEP;
-    request.step = &command;
-    dialogue_seal(&request, id);
+    Meniscus__Request request;
+    Meniscus__Step command;
+    prepare_step(dialogue, &request, &command, id);
     check_step_again(dialogue, &request);
     for (int k = 0; k < REFUSED; k++) {
         Meniscus__Request start = dialogue_start(); /* it stands at its first step, and is to be resumed */

@@ -39,6 +39,7 @@ Shifted shifted_of(const Particles *s, const Model *model, size_t i)
     return a;
 }
 
+/* By the speed before its velocity was carried along, which the row has left in rate. */
 static void go(Particles *s, const Model *model, size_t first, size_t last)
 {
     for (size_t i = first; i < last; i++) {
