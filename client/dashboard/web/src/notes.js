@@ -24,11 +24,12 @@ export class Notes {
     if (patience < Infinity) setTimeout(go, patience);
   }
 
-  /** @param {string} text @param {string} about  which command */
+  /** @param {string} text  "" for nothing: what is told of another command stays then, as its answer may have come just before @param {string} about  which command */
   tell(text, about) {
-    this.place.querySelectorAll(".note:not(.bad)").forEach((note) => note.remove()); // what was before is over
     this.settle(about);
-    if (text) this.put(element("div", { className: "note", role: "status" }, element("div", {}, text)), [about], GOOD_MS);
+    if (!text) return;
+    this.place.querySelectorAll(".note:not(.bad)").forEach((note) => note.remove()); // what was before is over
+    this.put(element("div", { className: "note", role: "status" }, element("div", {}, text)), [about], GOOD_MS);
   }
 
   /** @param {string} what @param {import("./words.js").Failure} error @param {string} about  which command */
