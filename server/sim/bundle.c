@@ -41,22 +41,28 @@ static void impedance(const Particles *s, const Model *model, int d, size_t firs
     for (size_t i = 0; i < n; i++) out[i] = particles_impedance(s, model, first + i);
 }
 
-/* One number of each neighbour: component d of a field, or made of fields; 0 of a field that the scheme has not. */
+/* One number of each neighbour: component d of a field, or made of fields; 0 of a field that the scheme has not, unless something that no
+ * neighbour asks for is at home there. */
 typedef struct Quantity {
     FieldId field;
     int d;
     void (*make)(const Particles *, const Model *, int d, size_t first, size_t n, double *out); /* NULL: the field */
     Fields of;
-    bool stored; /* made only of what has not stored it */
+    bool stored;   /* made only of what has not stored it */
+    Fields guests; /* fields of schemes that have not this one, component d of which may be at home in its place */
 } Quantity;
 
 #define IS(id, d)                                                                                                      \
     {                                                                                                                  \
-        F_##id, d, NULL, FIELD(id), true                                                                               \
+        F_##id, d, NULL, FIELD(id), true, 0                                                                            \
+    }
+#define IS_OR(id, d, guests)                                                                                           \
+    {                                                                                                                  \
+        F_##id, d, NULL, FIELD(id), true, guests                                                                       \
     }
 #define FLUX(d)                                                                                                        \
     {                                                                                                                  \
-        F_B, d, flux, FIELD(B) | FIELD(M), false                                                                       \
+        F_B, d, flux, FIELD(B) | FIELD(M), false, 0                                                                    \
     }
 static const Quantity QUANTITIES[CARRIED_END] = {
     [CARRIED_X] = IS(X, 0),
@@ -66,12 +72,12 @@ static const Quantity QUANTITIES[CARRIED_END] = {
     IS(V, 1),
     IS(V, 2),
     [CARRIED_P] = IS(P, 0),
-    [CARRIED_VOLUME] = {F_VOL, 0, volume, FIELD(VOL) | FIELD(M) | FIELD(RHO), true},
-    [CARRIED_Z] = {F_Z, 0, impedance, FIELD(Z) | FIELD(RHO), true},
-    [CARRIED_SHEPARD] = {F_SHEPARD, 0, inverse_shepard, FIELD(SHEPARD), false},
-    [CARRIED_GRADIENT] = IS(GRADIENT, 0),
-    IS(GRADIENT, 1),
-    IS(GRADIENT, 2),
+    [CARRIED_VOLUME] = {F_VOL, 0, volume, FIELD(VOL) | FIELD(M) | FIELD(RHO), true, 0},
+    [CARRIED_Z] = {F_Z, 0, impedance, FIELD(Z) | FIELD(RHO), true, 0},
+    [CARRIED_SHEPARD] = {F_SHEPARD, 0, inverse_shepard, FIELD(SHEPARD), false, 0},
+    [CARRIED_GRADIENT] = IS_OR(GRADIENT, 0, FIELD(OFFSET)),
+    IS_OR(GRADIENT, 1, FIELD(OFFSET)),
+    IS_OR(GRADIENT, 2, FIELD(OFFSET)),
     [CARRIED_NORMAL] = IS(NORMAL, 0),
     IS(NORMAL, 1),
     IS(NORMAL, 2),
@@ -199,10 +205,17 @@ typedef struct Packing {
     int what[4];
 } Packing;
 
+/* Fields whose component may be at home in the place of a quantity. */
+static Fields residents(int what)
+{
+    if (what == CARRIED_NOTHING || QUANTITIES[what].make) return 0;
+    return QUANTITIES[what].guests | UINT64_C(1) << QUANTITIES[what].field;
+}
+
 /* Is it of a field that has no other place? */
 static bool lives_here(const Particles *s, int what)
 {
-    return what != CARRIED_NOTHING && s->housed >> QUANTITIES[what].field & 1;
+    return s->housed & residents(what);
 }
 
 static bool is_there(const Particles *s, const Quantity *q)
@@ -267,9 +280,7 @@ double *bundles_place(const Bundles *b, int field, int d)
     for (int k = 0; k < BUNDLES; k++)
         for (int c = 0; c < 4 && b->data[k]; c++) {
             const int what = quantity_at(b, k, c);
-            if (what != CARRIED_NOTHING && (int)QUANTITIES[what].field == field && QUANTITIES[what].d == d &&
-                !QUANTITIES[what].make)
-                return &b->data[k][0][c];
+            if (residents(what) >> field & 1 && QUANTITIES[what].d == d) return &b->data[k][0][c];
         }
     return NULL;
 }
@@ -281,7 +292,7 @@ unsigned bundles_with(int dim, int field)
     for (int k = 0; k < BUNDLES; k++)
         for (int c = 0; c < 4; c++) {
             const int what = quantity_at(&any, k, c);
-            if (what != CARRIED_NOTHING && (int)QUANTITIES[what].field == field) found |= 1u << k;
+            if (residents(what) >> field & 1) found |= 1u << k;
         }
     return found;
 }

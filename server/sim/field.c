@@ -84,6 +84,7 @@ static size_t *step_of(Particles *s, int field)
     case F_P: return &s->p_step;
     case F_NORMAL: return &s->normal_step;
     case F_GRADIENT: return &s->gradient_step;
+    case F_OFFSET: return &s->offset_step;
     default: return NULL;
     }
 }

@@ -6,7 +6,7 @@
 #include "base/array.h"
 #include <stdlib.h>
 
-static const Fields CANDIDATES = FIELD(X) | FIELD(V) | FIELD(P) | FIELD(NORMAL) | FIELD(GRADIENT);
+static const Fields CANDIDATES = FIELD(X) | FIELD(V) | FIELD(P) | FIELD(NORMAL) | FIELD(GRADIENT) | FIELD(OFFSET);
 
 static bool is_needed(const Term *term, const Model *model)
 {

@@ -50,7 +50,7 @@ MnsStatus particles_init(Particles *s, int dim, size_t n_phases, const size_t si
                          Fields of_fluid, bool mirrored, int threads, const MnsMaking *making, MnsError *error)
 {
     *s = (Particles){.dim = dim, .n_phases = n_phases, .fields = fields, .of_fluid = of_fluid};
-    s->x_step = s->v_step = s->p_step = s->normal_step = s->gradient_step = 1;
+    s->x_step = s->v_step = s->p_step = s->normal_step = s->gradient_step = s->offset_step = 1;
     for (int g = 0; g < GROUPS; g++) s->begin[g + 1] = s->begin[g] + sizes[g];
     s->n = s->begin[GROUPS];
     const MnsStatus status = allocate(s, mirrored, threads, making, error);

@@ -27,8 +27,9 @@ typedef struct Particles {
     double *surface[3];                                 /* its stress is |q|^2 I/dim - q (x) q over V^2 */
     double *correction[3], *correction_off[3]; /* of the kernel's gradient or of differences: xx, yy, zz; xy, xz, yz */
     double *offset[3], *laplacian;             /* of differences (terms/differences.h) */
-    double *colour, *colour_gradient[3], *rho_mixed, *mu_mixed; /* of what is around: share of the first fluid */
-    double *to_surface[3];                                      /* [n_wall] */
+    double *colour, *colour_gradient[3];       /* of what is around: share of the first fluid */
+    double *rho_mixed, *mu_mixed;              /* made of that, and stored by nobody */
+    double *to_surface[3];                     /* [n_wall] */
     double *x0[3], *v0[3], *rho0;   /* at the beginning of the step, for integrators of more than one evaluation */
     double *p_wall[MNS_MAX_FLUIDS]; /* [n_wall] pressure a wall shows to each fluid */
     double *v_wall[3];              /* [n_wall] fluid velocity extrapolated into a wall; NULL without viscosity */
@@ -38,9 +39,9 @@ typedef struct Particles {
     struct System
         *system;   /* for the pressure, of schemes that project (solve/solve.h); NULL of others. Not theirs to free */
     Fields housed; /* that are in bundles and nowhere else (home.h) */
-    size_t x_step, v_step, p_step, normal_step, gradient_step; /* from a particle's to the next one's */
-    Fields made;                                               /* that are made where they are asked for */
-    Fields of_fluid;                                           /* of which there is room for the fluid alone */
+    size_t x_step, v_step, p_step, normal_step, gradient_step, offset_step; /* from a particle's to the next one's */
+    Fields made;                                                            /* that are made where they are asked for */
+    Fields of_fluid;        /* of which there is room for the fluid alone */
     Fields changed[GROUPS]; /* since the neighbours' copies were last made (bundle.h) */
 } Particles;
 
@@ -50,11 +51,13 @@ static inline size_t particles_fluid(const Particles *s)
 }
 
 /* Volume and impedance are stored by nobody who can make them of density and mass; tests give particles arrays of them. Neighbours' are in
- * bundles. */
-static const Fields MADE_FIELDS = FIELD(VOL) | FIELD(Z);
+ * bundles. What a mixture is like follows from its colour. */
+static const Fields MADE_FIELDS = FIELD(VOL) | FIELD(Z) | FIELD(RHO_MIXED) | FIELD(MU_MIXED);
 
-/* What only fluid moves by, and what only walls have: no others need room for it. What they are shown with is 0. */
-static const Fields FLUID_FIELDS = FIELD(A) | FIELD(CONCENTRATION) | FIELD(X0) | FIELD(V0) | FIELD(RHO0);
+/* What only fluid moves by or has differences with, and what only walls have: no others need room for it. What they are shown with is 0. */
+static const Fields FLUID_FIELDS = FIELD(A) | FIELD(CONCENTRATION) | FIELD(SURFACE) | FIELD(CORRECTION) |
+                                   FIELD(CORRECTION_OFF) | FIELD(LAPLACIAN) | FIELD(COLOUR_GRADIENT) | FIELD(X0) |
+                                   FIELD(V0) | FIELD(RHO0);
 static const Fields WALL_FIELDS = FIELD(TO_SURFACE);
 
 INLINE double particles_volume(const Particles *s, const Model *model, size_t i)
@@ -68,6 +71,28 @@ INLINE double particles_impedance(const Particles *s, const Model *model, size_t
 {
     if (s->z) return s->z[i];
     return i < particles_fluid(s) ? s->rho[i] * model->phase[s->phase[i]].c : 0;
+}
+
+/* What is linear in the share of the first fluid among neighbours.                                                      P5 eq. 6, 7 */
+typedef struct Mixture {
+    double one, jump; /* of the last fluid; from that to the first */
+} Mixture;
+
+INLINE Mixture mixture_of_densities(const Model *model)
+{
+    const double one = model->phase[model->n_phases - 1].rho0;
+    return (Mixture){one, model->phase[0].rho0 - one};
+}
+
+INLINE Mixture mixture_of_viscosities(const Model *model)
+{
+    const double one = model->phase[model->n_phases - 1].mu;
+    return (Mixture){one, model->phase[0].mu - one};
+}
+
+INLINE double mixed(Mixture mixture, double colour)
+{
+    return mixture.one + mixture.jump * colour;
 }
 
 /* Whoever writes fields of these groups (ON_FLUID ...) says so. Passes do it for terms and local rules. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What follows from density and mass is made for whoever looks, each time: to keep it would take 16 bytes of every particle. And what only
+/* What follows from density and mass, or from the colour, is made for whoever looks, each time: to keep it would take 16 bytes of every particle and more. And what only
  * bundles have is copied from there. */
 #include "sim/shown.h"
 #include "base/array.h"
@@ -21,6 +21,18 @@ static ShownView view_of(const Particles *s, int field, int d)
     return (ShownView){first < s->n ? particles_element(s, field, d, first) : NULL, particles_step(s, field)};
 }
 
+/* Of what nobody stores. */
+static double made_of(const MnsSim *sim, int field, size_t i)
+{
+    switch (field) {
+    case F_VOL: return particles_volume(&sim->s, &sim->model, i);
+    case F_Z: return particles_impedance(&sim->s, &sim->model, i);
+    case F_RHO_MIXED: return mixed(mixture_of_densities(&sim->model), sim->s.colour[i]);
+    case F_MU_MIXED: return mixed(mixture_of_viscosities(&sim->model), sim->s.colour[i]);
+    default: return 0;
+    }
+}
+
 void shown_make(const MnsSim *sim, int field, int d, double *out)
 {
     const Particles *s = &sim->s;
@@ -30,7 +42,7 @@ void shown_make(const MnsSim *sim, int field, int d, double *out)
     for (size_t i = 0; i < s->n; i++) {
         if (i < owners.first || i >= owners.last) out[i] = 0;
         else if (view.first) out[i] = shown_number(&view, i - owners.first);
-        else out[i] = field == F_VOL ? particles_volume(s, &sim->model, i) : particles_impedance(s, &sim->model, i);
+        else out[i] = made_of(sim, field, i);
     }
 }
 

@@ -158,7 +158,7 @@ typedef struct Way {
     Level level;
 } Way;
 
-static Cloud *mixed(const Way *way)
+static Cloud *mixed_cloud(const Way *way)
 {
     Cloud *cloud = cloud_new(&(CloudSetup){.dim = way->dim,
                                            .dx = 0.1,
@@ -240,7 +240,7 @@ static void check_kinds(const Pass *from, const Fusion *fusion, const Way *way)
 {
     Pass apart = terms_of(from, fusion), fused = apart;
     const Fusion counting = watched(fusion, way->dim, way->marked, way->level);
-    Cloud *a = mixed(way), *b = mixed(way);
+    Cloud *a = mixed_cloud(way), *b = mixed_cloud(way);
     size_t expected = 0;
     fused.fusions[0] = &counting;
     for (unsigned kinds = 0; kinds <= LIST_KINDS; kinds++) {
@@ -512,7 +512,7 @@ static void marks_are_used_only_where_they_were_noted(void **state)
                 for (int way = 0; way < 4; way++)
                     for (int level = 0; level <= (int)level_in_use(); level++) {
                         const Way of = {.dim = way & 1 ? 3 : 2, .walls = way & 2, .tense = true, .level = (Level)level};
-                        Cloud *cloud = k ? mixed(&of) : stirred(of.dim, of.kernel, way & 2);
+                        Cloud *cloud = k ? mixed_cloud(&of) : stirred(of.dim, of.kernel, way & 2);
                         Pass fused = terms_of(pass, pass->fusions[f]);
                         fused.name = pass->name;
                         fused.fusions[0] = pass->fusions[f];

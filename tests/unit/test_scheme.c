@@ -55,8 +55,6 @@ static Cloud *stirred(int dim, bool closed)
         cloud->s.rho[i] *= 1.01; /* what follows from it is out of date */
         cloud->s.laplacian[i] = 3 + cloud_noise(&seed);
         cloud->s.colour[i] = 0.5 + 0.5 * cloud_noise(&seed);
-        cloud->s.rho_mixed[i] = 500 + 400 * cloud_noise(&seed);
-        cloud->s.mu_mixed[i] = 2 + cloud_noise(&seed);
     }
     return cloud;
 }

@@ -36,6 +36,14 @@ static void show_accelerations(MnsSim *sim, double dt)
         for (size_t i = 0; i < particles_fluid(s); i++) s->a[d][i] = (s->v[d][i * s->v_step] - s->a[d][i]) / dt;
 }
 
+/* And in the places of differences and of the colour's gradient are changes of positions and velocities, which are none of those: 0. */
+static void show_no_differences(MnsSim *sim)
+{
+    Particles *s = &sim->s;
+    for (int d = 0; d < s->dim; d++)
+        for (size_t i = 0; i < particles_fluid(s); i++) s->correction[d][i] = s->colour_gradient[d][i] = 0;
+}
+
 static void drift(MnsSim *sim, double dt)
 {
     Particles *s = &sim->s;
@@ -164,18 +172,19 @@ static MnsStatus project(MnsSim *sim, double dt, MnsError *error)
 /* To where the rates are found. */
 static MnsStatus move(MnsSim *sim, double t, double dt, bool *ret_well, MnsError *error)
 {
-    MnsStatus status = project(sim, dt, error);
-    if (status) return status;
     const double start = omp_get_wtime();
     drift(sim, dt);
     *ret_well = integrator_look(sim);
     sim->progress.guarded += integrator_walls(sim, t, dt, 0);
     integrator_clock(sim, TIMER_DRIFT, start);
-    status = integrator_lists(sim, error);
-    if (status) return status;
-    sim->model.v_max = sim->v_max;
-    integrator_pass(sim, PASS_SPACING);
-    return integrator_lists(sim, error);
+    MnsStatus status = integrator_lists(sim, error);
+    if (!status) {
+        sim->model.v_max = sim->v_max;
+        integrator_pass(sim, PASS_SPACING);
+        status = integrator_lists(sim, error);
+    }
+    if (status) show_no_differences(sim);
+    return status;
 }
 
 static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
@@ -183,7 +192,8 @@ static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
     bool well = true;
     sim->model.dt = dt;
     push(sim, dt);
-    const MnsStatus status = move(sim, t, dt, &well, error);
+    MnsStatus status = project(sim, dt, error);
+    if (!status) status = move(sim, t, dt, &well, error);
     if (status) {
         show_accelerations(sim, dt);
         return status;

@@ -19,9 +19,10 @@ const Local body_force = {
 
 static void float_up(Particles *s, const Model *model, size_t first, size_t last)
 {
+    const Mixture density = mixture_of_densities(model);
     for (int d = 0; d < s->dim; d++)
         for (size_t i = first; i < last; i++)
-            s->a[d][i] = (1 - model->differences.buoyancy / s->rho_mixed[i]) * model->gravity[d];
+            s->a[d][i] = (1 - model->differences.buoyancy / mixed(density, s->colour[i])) * model->gravity[d];
 }
 
 const Local buoyancy = {

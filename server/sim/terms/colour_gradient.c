@@ -10,16 +10,16 @@
 INLINE void colour_gradient_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i;
-    const double C = s->colour[i], rho = s->rho_mixed[i];
+    const Mixture density = mixture_of_densities(model);
+    const double C = s->colour[i], rho = mixed(density, C);
     Lanes sum[3] = {0};
     double N[3];
     for (const Block *b = row->block; b < row->block + row->n; b++) {
-        double its[LANES], its_rho[LANES];
+        double its[LANES];
         gather(s->colour, row_j(row, b), its);
-        gather(s->rho_mixed, row_j(row, b), its_rho);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const double difference = 2 * b->W[l] * (C - its[l]) / (rho + its_rho[l]);
+            const double difference = 2 * b->W[l] * (C - its[l]) / (rho + mixed(density, its[l]));
             for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, difference, b->x[d][l], how);
         }
     }

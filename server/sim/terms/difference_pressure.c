@@ -51,7 +51,8 @@ INLINE void difference_matrix_row(const Row *row, Particles *s, const Model *mod
     const size_t i = row->i;
     Matrix *m = &s->system->matrix;
     const Stencil stencil = stencil_of(s, i, how);
-    const double rho = s->rho_mixed[i];
+    const Mixture density = mixture_of_densities(model);
+    const double rho = mixed(density, s->colour[i]);
     uint32_t *column = m->column + m->start[i] * LANES;
     float *c = m->c + m->start[i] * LANES;
     Lanes sum[3][3] = {0};
@@ -59,15 +60,16 @@ INLINE void difference_matrix_row(const Row *row, Particles *s, const Model *mod
     for (int d = 0; d < how.dim; d++) u[d] = s->v[d][i * s->v_step];
     for (size_t k = 0; k < row->n; k++) {
         const Block *b = &row->block[k];
-        double its[LANES], v[3][LANES];
-        gather(s->rho_mixed, row_j(row, b), its);
+        double colour[LANES], v[3][LANES];
+        gather(s->colour, row_j(row, b), colour);
         gather_velocities(row, b, s, how, v);
         for (size_t l = 0; l < LANES; l++) column[k * LANES + l] = row_j(row, b)[l];
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             double x[3];
+            const double its = mixed(density, colour[l]);
             for (int d = 0; d < how.dim; d++) x[d] = b->x[d][l];
-            c[k * LANES + (size_t)l] = (float)(2 * LAPLACIAN_WEIGHT(stencil, x, b->W[l], how) / (rho + its[l]));
+            c[k * LANES + (size_t)l] = (float)(2 * LAPLACIAN_WEIGHT(stencil, x, b->W[l], how) / (rho + its));
             for (int d = 0; d < how.dim; d++) {
                 const double du = b->W[l] * (u[d] - v[d][l]);
                 for (int e = 0; e < how.dim; e++) add_product(&sum[d][e], l, du, x[e], how);
@@ -89,7 +91,7 @@ INLINE void difference_wall_row(const Row *row, Particles *s, const Model *model
     const size_t i = row->i;
     const WallState *wall = &model->wall[s->phase[i] - model->n_phases];
     Matrix *m = &s->system->matrix;
-    const double h = model->kernel.h, rho = s->rho_mixed[i], scale = model->wall_volume / (rho * h * h);
+    const double h = model->kernel.h, rho = density_around(s, model, i), scale = model->wall_volume / (rho * h * h);
     uint32_t *column = m->column + m->start[i] * LANES;
     float *c = m->c + m->start[i] * LANES;
     double n[3], depth2 = 0, pull = 0, flux = 0;
@@ -116,23 +118,31 @@ ROW_FUNCTIONS(difference_wall_row)
 INLINE void difference_correction_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i;
-    const double *P = s->system->x, P_i = P[i], rho = s->rho_mixed[i];
+    const Mixture density = mixture_of_densities(model);
+    const double *P = s->system->x, P_i = P[i], rho = mixed(density, s->colour[i]);
     Lanes sum[3] = {0};
     double change[3];
     for (const Block *b = row->block; b < row->block + row->n; b++) {
-        double P_j[LANES], its[LANES];
+        double P_j[LANES], colour[LANES];
         gather(P, row_j(row, b), P_j);
-        gather(s->rho_mixed, row_j(row, b), its);
+        gather(s->colour, row_j(row, b), colour);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const double difference = 2 * b->W[l] * (P_i - P_j[l]) / (rho + its[l]);
+            const double difference = 2 * b->W[l] * (P_i - P_j[l]) / (rho + mixed(density, colour[l]));
             for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, difference, b->x[d][l], how);
         }
     }
     gradient_of(s, i, model, sum, how, change);
-    for (int d = 0; d < how.dim; d++) s->v[d][i * s->v_step] -= change[d];
+    for (int d = 0; d < how.dim; d++) s->colour_gradient[d][i] = change[d];
 }
 ROW_FUNCTIONS(difference_correction_row)
+
+static void correct_velocity(Particles *s, const Model *model, size_t first, size_t last)
+{
+    (void)model;
+    for (int d = 0; d < s->dim; d++)
+        for (size_t i = first; i < last; i++) s->v[d][i * s->v_step] -= s->colour_gradient[d][i];
+}
 
 const Term difference_matrix = {
     .name = "pressure system",
@@ -155,9 +165,18 @@ const Term difference_wall_matrix = {
 const Term difference_correction = {
     .name = "velocity correction",
     .source = "P5 eq. 21, 22",
-    .equation = "u_i -= B_i sum_j 2/(rho~_i + rho~_j) (P_i - P_j) W x",
+    .equation = "du_i = B_i sum_j 2/(rho~_i + rho~_j) (P_i - P_j) W x",
     .on = ON_FLUID,
     .needs = NEED_W,
-    .writes = FIELD(V),
+    .writes = FIELD(COLOUR_GRADIENT),
     .row = ROW_TABLE(difference_correction_row),
+};
+
+const Local corrected_velocity = {
+    .name = "corrected velocity",
+    .source = "P5 eq. 21, 22",
+    .equation = "u_i -= du_i",
+    .on = ON_FLUID,
+    .apply = correct_velocity,
+    .writes = FIELD(V),
 };

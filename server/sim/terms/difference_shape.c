@@ -32,7 +32,7 @@ INLINE void truncation_row(const Row *row, Particles *s, const Model *model, How
     double o[3], D = lanes_sum(&second);
     gradient_of(s, i, model, first, how, o);
     for (int d = 0; d < how.dim; d++) {
-        s->offset[d][i] = o[d];
+        s->offset[d][i * s->offset_step] = o[d];
         D -= o[d] * lanes_sum(&third[d]);
     }
     s->laplacian[i] = D > 0 ? 2 * how.dim / D : 0;
@@ -45,7 +45,6 @@ INLINE void mixture_row(const Row *row, Particles *s, const Model *model, How ho
     const size_t i = row->i;
     const bool fluid = i < particles_fluid(s);
     const double self = fluid ? kernel_at_zero(&model->kernel) : 0;
-    const Phase *zero = &model->phase[0], *one = &model->phase[model->n_phases - 1];
     Lanes all = {0}, first = {0};
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++) {
         const uint32_t *j = row_j(row, b);
@@ -58,10 +57,7 @@ INLINE void mixture_row(const Row *row, Particles *s, const Model *model, How ho
         }
     }
     const double sum = lanes_sum(&all) + self, mine = lanes_sum(&first) + (s->phase[i] == 0 ? self : 0);
-    const double C = sum > 0 ? mine / sum : 1;
-    s->colour[i] = C;
-    s->rho_mixed[i] = one->rho0 + (zero->rho0 - one->rho0) * C;
-    s->mu_mixed[i] = one->mu + (zero->mu - one->mu) * C;
+    s->colour[i] = sum > 0 ? mine / sum : 1;
 }
 ROW_FUNCTIONS(mixture_row)
 

@@ -17,7 +17,7 @@ typedef struct Stencil {
 INLINE Stencil stencil_of(const Particles *s, size_t i, How how)
 {
     Stencil stencil = {.laplacian = s->laplacian[i]};
-    for (int d = 0; d < how.dim; d++) stencil.offset[d] = s->offset[d][i];
+    for (int d = 0; d < how.dim; d++) stencil.offset[d] = s->offset[d][i * s->offset_step];
     return stencil;
 }
 
@@ -54,6 +54,12 @@ INLINE void gather_velocities(const Row *row, const Block *b, const Particles *s
     const size_t first_wall = particles_fluid(s);
     for (int d = 0; d < how.dim; d++)
         for (int l = 0; l < LANES; l++) ret[d][l] = wall ? s->v_wall[d][j[l] - first_wall] : b->v[d][l];
+}
+
+/* Density of what is around a particle. */
+INLINE double density_around(const Particles *s, const Model *model, size_t i)
+{
+    return mixed(mixture_of_densities(model), s->colour[i]);
 }
 
 /* Gravity on what is around a particle, less that on the fluid in which it floats. */

@@ -36,24 +36,25 @@ static bool is_sph(const Model *model)
 }
 
 /* Add scale * sum_j mu (u_j - u_i) 2 dim k_ij/D_i; mu: the harmonic mean, or 1. */
-INLINE void spread(const Row *row, Particles *s, bool harmonic, double scale, How how)
+INLINE void spread(const Row *row, Particles *s, const Model *model, bool harmonic, double scale, How how)
 {
     const size_t i = row->i;
     const Stencil stencil = stencil_of(s, i, how);
-    const double mu = s->mu_mixed[i];
+    const Mixture mixing = mixture_of_viscosities(model);
+    const double mu = mixed(mixing, s->colour[i]);
     double u[3];
     Lanes sum[3] = {0};
     for (int d = 0; d < how.dim; d++) u[d] = s->v[d][i * s->v_step];
     for (const Block *b = row->block; b < row->block + row->n; b++) {
-        double its[LANES], v[3][LANES];
-        gather(s->mu_mixed, row_j(row, b), its);
+        double colour[LANES], v[3][LANES];
+        gather(s->colour, row_j(row, b), colour);
         gather_velocities(row, b, s, how, v);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             double x[3];
             for (int d = 0; d < how.dim; d++) x[d] = b->x[d][l];
             const double k = LAPLACIAN_WEIGHT(stencil, x, b->W[l], how);
-            const double c = harmonic ? harmonic_mean(mu, its[l]) * k : k;
+            const double c = harmonic ? harmonic_mean(mu, mixed(mixing, colour[l])) * k : k;
             for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, v[d][l] - u[d], how);
         }
     }
@@ -95,21 +96,21 @@ INLINE void turn(const Row *row, Particles *s, const Model *model, bool both, Ho
 
 INLINE void harmonic_diffusion_row(const Row *row, Particles *s, const Model *model, How how)
 {
-    (void)model;
-    spread(row, s, true, 1 / s->rho_mixed[row->i], how);
+    spread(row, s, model, true, 1 / density_around(s, model, row->i), how);
 }
 ROW_FUNCTIONS(harmonic_diffusion_row)
 
 INLINE void divtau_diffusion_row(const Row *row, Particles *s, const Model *model, How how)
 {
-    spread(row, s, false, s->mu_mixed[row->i] / s->rho_mixed[row->i], how);
+    const double mu = mixed(mixture_of_viscosities(model), s->colour[row->i]);
+    spread(row, s, model, false, mu / density_around(s, model, row->i), how);
     turn(row, s, model, true, how);
 }
 ROW_FUNCTIONS(divtau_diffusion_row)
 
 INLINE void conservative_diffusion_row(const Row *row, Particles *s, const Model *model, How how)
 {
-    spread(row, s, true, 1 / s->rho_mixed[row->i], how);
+    spread(row, s, model, true, 1 / density_around(s, model, row->i), how);
     turn(row, s, model, false, how);
 }
 ROW_FUNCTIONS(conservative_diffusion_row)
@@ -119,21 +120,22 @@ INLINE void sph_diffusion_row(const Row *row, Particles *s, const Model *model, 
 {
     const size_t i = row->i;
     const double printed = model->kernel.alpha / model->kernel.beta;
-    const double mu = s->mu_mixed[i], V = particles_volume(s, model, i);
+    const Mixture mixing = mixture_of_viscosities(model);
+    const double mu = mixed(mixing, s->colour[i]), V = particles_volume(s, model, i);
     double u[3];
     Lanes sum[3] = {0};
     for (int d = 0; d < how.dim; d++) u[d] = s->v[d][i * s->v_step];
     for (const Block *b = row->block; b < row->block + row->n; b++) {
-        double its[LANES], v[3][LANES];
-        gather(s->mu_mixed, row_j(row, b), its);
+        double colour[LANES], v[3][LANES];
+        gather(s->colour, row_j(row, b), colour);
         gather_velocities(row, b, s, how, v);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const double c = harmonic_mean(mu, its[l]) * (V * V + b->V[l] * b->V[l]) * b->F[l];
+            const double c = harmonic_mean(mu, mixed(mixing, colour[l])) * (V * V + b->V[l] * b->V[l]) * b->F[l];
             for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, u[d] - v[d][l], how);
         }
     }
-    for (int d = 0; d < how.dim; d++) s->a[d][i] += printed * lanes_sum(&sum[d]) / (V * s->rho_mixed[i]);
+    for (int d = 0; d < how.dim; d++) s->a[d][i] += printed * lanes_sum(&sum[d]) / (V * density_around(s, model, i));
 }
 ROW_FUNCTIONS(sph_diffusion_row)
 

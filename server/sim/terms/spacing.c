@@ -2,6 +2,7 @@
 /* Particles go to where there are fewer, with velocities put right to first order.                     Xu, Stansby and Laurence 2009, P5 2.3
  *   dx_i = C |u|max dt R_i,  R_i = <r>^2 sum_j x/r^3, <r> the mean of r,   at most dx/20;   u_i += dx_i . <grad u>_i
  * Beside an interface only along it, dx_i -= (dx_i . n_i) n_i: else a bubble slips through the fluid that it rises in.
+ * Rows read positions and velocities, so both ways wait in the places of what is found anew where the particles have gone to.
  * Not capped, two that are close throw each other several spacings away, and the run blows up for nearly all C (schemes/README.md). The
  * gradient is of fluid alone, with the truncation tensor of that. */
 #include "sim/terms/differences.h"
@@ -68,19 +69,39 @@ INLINE void spacing_row(const Row *row, Particles *s, const Model *model, How ho
     for (int d = 0; d < how.dim; d++) dx[d] *= scale * cut;
     carried(row, s, model, dx, how, du);
     for (int d = 0; d < how.dim; d++) {
-        s->x[d][i * s->x_step] += dx[d];
-        s->v[d][i * s->v_step] += du[d];
+        s->correction[d][i] = dx[d];
+        s->colour_gradient[d][i] = du[d];
     }
 }
 ROW_FUNCTIONS(spacing_row)
 
+static void go(Particles *s, const Model *model, size_t first, size_t last)
+{
+    (void)model;
+    for (int d = 0; d < s->dim; d++)
+        for (size_t i = first; i < last; i++) {
+            s->x[d][i * s->x_step] += s->correction[d][i];
+            s->v[d][i * s->v_step] += s->colour_gradient[d][i];
+        }
+}
+
 const Term even_spacing = {
     .name = "particle shifting",
     .source = "Xu et al. 2009, P5 2.3",
-    .equation = "dx_i = C |u|max dt <r>^2 sum_j x/r^3, at most dx/20, along interfaces;  u_i += dx_i . <grad u>_i",
+    .equation = "dx_i = C |u|max dt <r>^2 sum_j x/r^3, at most dx/20, along interfaces;  du_i = dx_i . <grad u>_i",
     .on = ON_FLUID,
     .needed = shifts,
     .needs = NEED_W | NEED_V,
-    .writes = FIELD(X) | FIELD(V),
+    .writes = FIELD(CORRECTION) | FIELD(COLOUR_GRADIENT),
     .row = ROW_TABLE(spacing_row),
+};
+
+const Local even_position = {
+    .name = "shifted position",
+    .source = "P5 2.3",
+    .equation = "x_i += dx_i,  u_i += du_i",
+    .on = ON_FLUID,
+    .needed = shifts,
+    .apply = go,
+    .writes = FIELD(X) | FIELD(V),
 };

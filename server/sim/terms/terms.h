@@ -54,6 +54,7 @@ extern const Term mixture;           /* difference_shape.c    densities and visc
 extern const Term difference_matrix; /* difference_pressure.c system for the pressure, and divergence        */
 extern const Term difference_wall_matrix;
 extern const Term difference_correction; /* difference_pressure.c of velocities                              */
+extern const Local corrected_velocity;   /*                          and what is left of them                  */
 extern const Term continued_velocity;    /* wall_differences.c    of fluid into walls                            */
 extern const Term continued_start;       /* wall_differences.c    the same before the pressure is known              */
 extern const Term harmonic_diffusion;    /* momentum_diffusion.c                                              */
@@ -63,6 +64,7 @@ extern const Term sph_diffusion;
 extern const Term colour_gradient; /* colour_gradient.c     interfaces                                     */
 extern const Term colour_tension;  /* colour_gradient.c     their tension                                  */
 extern const Term even_spacing;    /* spacing.c             particles to where there are fewer             */
+extern const Local even_position;  /*                       and there they go                              */
 
 extern const Fusion dissipation_shape;         /* dissipation_shape.c     sums and gradients              */
 extern const Fusion dissipation_rates;         /* dissipation_rates.c     all rates                       */

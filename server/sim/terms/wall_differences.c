@@ -21,13 +21,14 @@ INLINE void continue_velocity(const Row *row, Particles *s, const Model *model, 
         n[d] = s->to_surface[d][wall];
         depth2 += n[d] * n[d];
     }
+    const Mixture density = mixture_of_densities(model);
     Lanes weight = {0}, sum[3] = {0}, height2 = {0}, rise[3] = {0};
     for (const Block *b = row->block; b < row->block + row->n; b++) {
-        double rho[LANES];
-        gather(s->rho_mixed, row_j(row, b), rho);
+        double colour[LANES];
+        gather(s->colour, row_j(row, b), colour);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const double W = b->W[l], forced = dt * (1 - model->differences.buoyancy / rho[l]);
+            const double W = b->W[l], forced = dt * (1 - model->differences.buoyancy / mixed(density, colour[l]));
             double y = -depth2; /* times the depth */
             for (int d = 0; d < how.dim; d++) y -= n[d] * b->x[d][l];
             weight.of[l] += W;
@@ -48,7 +49,7 @@ INLINE void continue_velocity(const Row *row, Particles *s, const Model *model, 
     for (int d = 0; d < how.dim; d++) along += depth2 > 0 ? (held[d] - glides[d]) * n[d] / depth2 : 0;
     for (int d = 0; d < how.dim; d++) {
         const double u = body->no_slip ? held[d] : glides[d] + along * n[d];
-        s->v_wall[d][wall] = s->v[d][i * s->v_step] + u + dt * body_force_of(model, s->rho_mixed[i], d);
+        s->v_wall[d][wall] = s->v[d][i * s->v_step] + u + dt * body_force_of(model, mixed(density, s->colour[i]), d);
     }
 }
 
