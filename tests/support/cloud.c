@@ -116,8 +116,8 @@ Cloud *cloud_new(const CloudSetup *setup)
         const int owner = owner_at(setup, k, x);
         sizes[owner == CLOUD_NOTHING ? GROUPS : group_of(setup, owner)]++;
     }
-    if (particles_init(&cloud->s, setup->dim, 2, sizes, ALL_FIELDS, 0, setup->viscous, cloud->threads, NULL, NULL))
-        abort();
+    static const Fields fields = ALL_FIELDS & ~(FIELD(RHO_MIXED) | FIELD(MU_MIXED)); /* nobody reads arrays of these */
+    if (particles_init(&cloud->s, setup->dim, 2, sizes, fields, 0, setup->viscous, cloud->threads, NULL, NULL)) abort();
     if (neighbours_init(&cloud->nb, cloud->s.n, cloud->s.dim, NEED_ALL, cloud->threads, NULL)) abort();
     if (!system_init(&cloud->system, projection_unknowns(&cloud->s), particles_fluid(&cloud->s), cloud->threads))
         abort();

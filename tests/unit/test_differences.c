@@ -581,7 +581,7 @@ static void disorder_is_bounded_and_repeatable(void **state)
         for (size_t j = 0; j < a->n; j++) { /* storage orders differ */
             if (a->id[j] != s->id[i]) continue;
             for (int d = 0; d < 2; d++) {
-                const double dx = fabs(a->x[d][j] - s->x[d][i]);
+                const double dx = fabs(a->x[d][j * a->x_step] - s->x[d][i * s->x_step]);
                 assert_true(dx <= most && (i < particles_fluid(s) || dx == 0));
                 moved = fmax(moved, dx);
             }
@@ -591,9 +591,10 @@ static void disorder_is_bounded_and_repeatable(void **state)
     assert_true(mns_sim_hash(sims[1]) != mns_sim_hash(sims[3]));
     assert_true(a->n == b->n && a->n == c->n);
     for (size_t w = particles_fluid(a); w < a->n; w++) {
-        if (a->x[0][w] < 0.5 || a->x[0][w] > 4.5 || a->x[1][w] > 0) continue;
+        const double x = a->x[0][w * a->x_step], y = a->x[1][w * a->x_step];
+        if (x < 0.5 || x > 4.5 || y > 0) continue;
         assert_close(a->to_surface[0][w - particles_fluid(a)], 0, 1e-9);
-        assert_close(a->to_surface[1][w - particles_fluid(a)], -a->x[1][w], 1e-9);
+        assert_close(a->to_surface[1][w - particles_fluid(a)], -y, 1e-9);
         other++;
     }
     assert_true(other > 10);

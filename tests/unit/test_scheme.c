@@ -107,9 +107,10 @@ static void assert_declared(const Term *term, const Local *local, int dim)
 {
     const char *name = term ? term->name : local->name;
     const Fields writes = term ? term->writes : local->writes;
-    Fields found = 0;
+    Fields found = 0, stored = 0;
     for (int k = 0; k < 8; k++) {
         Cloud *cloud = stirred(dim, k % 2);
+        stored = cloud->s.fields;
         cloud->model.differences.diffusion = (MnsDiffusion)(k / 2);
         char *before = copy_of(&cloud->s);
         const Pass pass = {"alone", .terms = {term}};
@@ -119,7 +120,7 @@ static void assert_declared(const Term *term, const Local *local, int dim)
         free(before);
         cloud_free(cloud);
     }
-    if (found != writes) fail_msg("%s does not write all that it declares", name);
+    if (found != (writes & stored)) fail_msg("%s does not write all that it declares", name);
 }
 
 static void terms_and_rules_write_what_they_declare_and_nothing_else(void **state)

@@ -141,7 +141,7 @@ static void assert_fields_come(const char *scheme)
     assert_int_equal(mns_sim_steer(sim, steered, NULL), MNS_OK);
     mns_case_free(c);
     sim_steps(sim, 2);
-    assert_true(particles_bytes(&sim->s) >= before + 6 * sizeof(double) * sim->s.n);
+    assert_true(particles_bytes(&sim->s) >= before + 6 * sizeof(double) * particles_fluid(&sim->s));
     for (int d = 0; d < 3; d++) {
         assert_non_null(sim->s.correction[d]);
         assert_non_null(sim->s.correction_off[d]);
