@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a few steps of each scheme end in: a line for each with its name, dimensions and the hash of its state. For machines that are
- * to compute the same bits (aarch64.sh). Its cases have numbers where others have formulas.
+ * to compute the same bits (aarch64.sh, x86_64.sh). Its cases have numbers where others have formulas.
  *
- * usage: states [THREADS] */
+ * usage: states [THREADS [LEVEL]]   with the instructions of a level, or the best of this machine */
 #include "sim/sim.h"
 #include "tests/support/bench_cases.h"
 #include "tests/support/cases.h"
@@ -51,8 +51,10 @@ static bool tell(Make *make, int dim, unsigned threads)
 int main(int argc, char **argv)
 {
     const unsigned threads = argc > 1 ? (unsigned)strtoul(argv[1], NULL, 10) : 1;
-    bool well = true;
-    for (size_t k = 0; k < sizeof MAKES / sizeof *MAKES; k++)
+    MnsError error;
+    bool well = argc < 3 || !mns_level_force(argv[2], &error);
+    if (!well) fprintf(stderr, "states: %s\n", error.text);
+    for (size_t k = 0; well && k < sizeof MAKES / sizeof *MAKES; k++)
         for (int dim = 2; dim <= 3; dim++) well = tell(MAKES[k], dim, threads) && well;
     return well ? 0 : 1;
 }

@@ -114,7 +114,10 @@ style() {
     run tests "lint" 800 tests/support/lint.sh
 }
 
-portability() { run tests "aarch64" 300 tests/portable/aarch64.sh; }
+portability() {
+    run tests "other x86-64" 300 tests/portable/x86_64.sh
+    run tests "aarch64" 300 tests/portable/aarch64.sh
+}
 
 # The thread sanitizer's build is clang's too: what clang warns of breaks it.
 sanitizers() {
