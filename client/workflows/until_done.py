@@ -110,6 +110,7 @@ def main() -> int:
     parser.add_argument("options", nargs=argparse.REMAINDER, metavar="OPTION OF meniscus run")
     o = parser.parse_args()
     if o.result.exists():
+        print(f"{o.result}: is there already, so nothing is run; remove it and {o.directory} for a new run", file=sys.stderr)
         return 0
     o.result.parent.mkdir(parents=True, exist_ok=True)
     job = Job([os.environ.get("MENISCUS", "meniscus"), "run", o.case, "--out", str(o.directory), *o.options,

@@ -163,6 +163,9 @@ try {
   await see(page, "You hold the lease", "the lease can be had", "#lease");
   await see(other, "dashboard holds the lease", "others see who has it", "#lease");
   hold(await other.$eval("#go", (button) => button.disabled && button.title.includes("holds the lease")), "and why they cannot go on");
+  await page.reload();
+  await see(page, "You hold the lease", "a page that is loaded again keeps it", "#lease");
+  hold(await page.$eval("#go", (button) => !button.disabled), "and may go on");
   await other.click("#tab-parameters");
   await other.$eval("[id='set-scheme.cfl']", (input) => { input.value = "0.21"; input.dispatchEvent(new Event("input")); });
   await other.click("#parameters .primary");

@@ -24,7 +24,7 @@ const THIN = /(^|[^a-z])(air|gas|vapou?r|steam)([^a-z]|$)/i;
 /** What is known. */
 const known = {
   /** @type {any} */ about: null, /** @type {any} */ status: null, /** @type {any} */ progress: null, /** @type {any} */ daemon: null,
-  linked: false, /** Closed for want of the token. */ locked: false, lost: 0, lease: 0, renewed: 0, drawn: 0,
+  linked: false, /** Closed for want of the token. */ locked: false, lost: 0, lease: 0, renewed: -Infinity, drawn: 0,
   /** @type {import("./frame.js").Frame|null} */ frame: null,
   /** Which pictures are wanted, and why they cannot be had. @type {any} */ wish: null, /** @type {any} */ refused: null,
   /** @type {{colour: string, visible: boolean, name: string, wall: boolean}[]} */ phases: [],
@@ -41,6 +41,14 @@ function kept(key, value) {
     return ""; // a browser may forbid it
   }
 }
+
+/** Hold the lease of this epoch, 0: none. It outlives a page that is loaded again, not one that is opened beside. @param {number} epoch */
+function hold(epoch) {
+  known.lease = epoch;
+  sessionStorage.setItem("meniscus.lease", String(epoch));
+}
+const arrival = /** @type {PerformanceNavigationTiming|undefined} */ (performance.getEntriesByType("navigation")[0]);
+hold(arrival?.type === "reload" ? Number(sessionStorage.getItem("meniscus.lease")) : 0);
 
 // --- connection ---------------------------------------------------------------------------------------------------------
 
@@ -349,7 +357,7 @@ function showWay(progress, goal) {
 /** @param {any} status */
 function showLease(status) {
   if (!status.lease_holder || known.lease) notes.settle("held");
-  if (known.lease && !status.lease_holder && known.leaseSeen) known.lease = 0;
+  if (known.lease && !status.lease_holder && known.leaseSeen) hold(0);
   known.leaseSeen = Boolean(known.lease && status.lease_holder);
   const holder = status.lease_holder;
   $("lease").textContent = known.lease ? "You hold the lease" : holder ? `${holder} holds the lease, ${number(status.lease_s, 2)} s` : "";
@@ -477,7 +485,7 @@ $("stop").onclick = async () => {
 $("lease-button").onclick = async () => {
   if (known.lease) {
     await command("Not given back", { do: "release", lease: known.lease });
-    known.lease = 0;
+    hold(0);
     return showState();
   }
   const name = element("input", { name: "holder", value: kept("holder") || "dashboard", maxLength: 60, required: true, ariaLabel: "Your name" });
@@ -488,7 +496,7 @@ $("lease-button").onclick = async () => {
 /** @param {string} holder */
 async function holdLease(holder) {
   const reply = await command("No lease", { do: "lease", seconds: LEASE_S, holder });
-  known.lease = reply.lease_epoch ?? 0;
+  hold(reply.lease_epoch ?? 0);
   if (known.lease) notes.settle("expired");
   known.renewed = performance.now();
   showState();
@@ -501,7 +509,7 @@ async function renewLease() {
   known.renewed = now;
   const reply = await link.ask({ do: "lease", seconds: LEASE_S, holder: kept("holder") || "dashboard", lease: known.lease });
   if (!reply.error || !known.lease) return;
-  known.lease = 0;
+  hold(0);
   notes.complain("The lease is lost", reply.error, "lease");
 }
 
