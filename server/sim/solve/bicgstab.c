@@ -13,12 +13,34 @@ static void turn(const System *y, double beta, double omega, const double *restr
     for (size_t i = 0; i < y->matrix.n; i++) p[i] = r[i] + beta * (p[i] - omega * v[i]);
 }
 
-/* ret = L z, without its mean, where z = M^-1 a. */
-static void advance(System *y, Precondition *precondition, const double *a, double *z, double *ret)
+/* ret = L z, z = M^-1 a. Without its mean it is multiplied by itself and by b. */
+static Products advance(System *y, Precondition *precondition, const double *a, double *z, double *ret, const double *b)
 {
     precondition(y, a, z);
-    matrix_multiply(&y->matrix, z, ret, y->threads);
-    remove_mean(y, ret);
+    const double mean = multiply(y, z, ret);
+    return level(y, ret, mean, b);
+}
+
+/* x += alpha z + omega zs;  r -= omega t. Returns r . r and r . shadow. */
+static Products finish(const System *y, double alpha, const double *restrict z, double omega, const double *restrict zs,
+                       const double *restrict t, double *restrict r, const double *restrict shadow)
+{
+    double *restrict x = y->x, *rr = partial_of(y, 0), *rs = partial_of(y, 1);
+#pragma omp parallel for schedule(static) num_threads(y->threads)
+    for (size_t chunk = 0; chunk < chunks_of(y); chunk++) {
+        Eight sum_rr = {0}, sum_rs = {0};
+        for (size_t i = chunk * ROWS; i < chunk_whole_end(y, chunk); i += ENTRIES)
+#pragma omp simd
+            for (size_t k = i; k < i + ENTRIES; k++) {
+                x[k] = x[k] + alpha * z[k] + omega * zs[k];
+                r[k] -= omega * t[k];
+                sum_rr.of[k - i] += r[k] * r[k];
+                sum_rs.of[k - i] += r[k] * shadow[k];
+            }
+        rr[chunk] = eight_sum(&sum_rr);
+        rs[chunk] = eight_sum(&sum_rs);
+    }
+    return (Products){partial_sum(y, 0), partial_sum(y, 1)};
 }
 
 /* From the residual r on, until the solution is found, or no direction is left that the shadow of the first residual sees. Returns the
@@ -32,21 +54,19 @@ static unsigned iterate(System *y, const SolveGoal *goal, SolveReport *report, d
     memcpy(shadow, r, bytes);
     memset(p, 0, bytes);
     memset(v, 0, bytes);
+    const double square = dot(y, r, r);
+    Products now = {square, square}; /* r is its own shadow */
     double rho = 1, alpha = 1, omega = 1;
-    for (; !note(y, report, goal, k, sqrt(dot(y, r, r)) / size); k++) {
+    for (; !note(y, report, goal, k, sqrt(now.aa) / size); k++) {
         const double before = rho;
-        rho = dot(y, shadow, r);
+        rho = now.ab;
         turn(y, rho / before * (alpha / omega), omega, r, v, p);
-        advance(y, precondition, p, z, v);
-        alpha = rho / dot(y, shadow, v);
+        alpha = rho / advance(y, precondition, p, z, v, shadow).ab;
         if (!isfinite(alpha)) return k;
         add(y, r, -alpha, v);
-        advance(y, precondition, r, zs, t);
-        const double tt = dot(y, t, t);
-        omega = tt > 0 ? dot(y, t, r) / tt : 0;
-        add(y, y->x, alpha, z);
-        add(y, y->x, omega, zs);
-        add(y, r, -omega, t);
+        const Products of_t = advance(y, precondition, r, zs, t, r);
+        omega = of_t.aa > 0 ? of_t.ab / of_t.aa : 0;
+        now = finish(y, alpha, z, omega, zs, t, r, shadow);
     }
     return k;
 }

@@ -12,28 +12,26 @@ static double advance(const System *y, const double *restrict p, double *restric
     return dot(y, p, q);
 }
 
-typedef struct Products {
-    double rr, rz;
-} Products;
-
-/* x += alpha p;  r -= alpha q;  z = r / diagonal. */
+/* x += alpha p;  r -= alpha q;  z = r / diagonal. Returns r . r and r . z. */
 static Products update(System *y, double alpha, const double *restrict p, const double *restrict q, double *restrict r,
                        double *restrict z)
 {
     const double *restrict diagonal = y->matrix.diagonal;
-    double *restrict x = y->x, *restrict rr = partial_of(y, 1), *restrict rz = partial_of(y, 2);
+    double *restrict x = y->x, *rr = partial_of(y, 1), *rz = partial_of(y, 2);
 #pragma omp parallel for schedule(static) num_threads(y->threads)
     for (size_t chunk = 0; chunk < chunks_of(y); chunk++) {
-        double sum_rr = 0, sum_rz = 0;
-        for (size_t i = chunk * ROWS; i < chunk_end(y, chunk); i++) {
-            x[i] += alpha * p[i];
-            r[i] -= alpha * q[i];
-            z[i] = diagonal[i] > 0 ? r[i] / diagonal[i] : 0;
-            sum_rr += r[i] * r[i];
-            sum_rz += r[i] * z[i];
-        }
-        rr[chunk] = sum_rr;
-        rz[chunk] = sum_rz;
+        Eight sum_rr = {0}, sum_rz = {0};
+        for (size_t i = chunk * ROWS; i < chunk_whole_end(y, chunk); i += ENTRIES)
+#pragma omp simd
+            for (size_t k = i; k < i + ENTRIES; k++) {
+                x[k] += alpha * p[k];
+                r[k] -= alpha * q[k];
+                z[k] = diagonal[k] > 0 ? r[k] / diagonal[k] : 0;
+                sum_rr.of[k - i] += r[k] * r[k];
+                sum_rz.of[k - i] += r[k] * z[k];
+            }
+        rr[chunk] = eight_sum(&sum_rr);
+        rz[chunk] = eight_sum(&sum_rz);
     }
     return (Products){partial_sum(y, 1), partial_sum(y, 2)};
 }
@@ -53,11 +51,11 @@ static void solve(System *y, const SolveGoal *goal, SolveReport *report)
         memset(q, 0, y->matrix.n * sizeof *q);
         Products now = update(y, 0, p, q, r, z);
         double beta = 0;
-        for (; !note(y, report, goal, k, sqrt(now.rr) / size); k++) {
+        for (; !note(y, report, goal, k, sqrt(now.aa) / size); k++) {
             add_to(y, p, beta, z);
-            const double pq = advance(y, p, q), before = now.rz;
-            now = update(y, now.rz / pq, p, q, r, z);
-            beta = now.rz / before;
+            const double pq = advance(y, p, q), before = now.ab;
+            now = update(y, now.ab / pq, p, q, r, z);
+            beta = now.ab / before;
         }
     } while (is_left(y, goal, report, r, size));
 }

@@ -11,6 +11,12 @@
 
 enum { ENTRIES = 8 }; /* of a row come in blocks of so many, the last filled up with zeros */
 
+/* And so do numbers of all rows in vectors: sums of them are of eight lanes, without a remainder. */
+static inline size_t whole_blocks(size_t n)
+{
+    return (n + ENTRIES - 1) / ENTRIES * ENTRIES;
+}
+
 /* (L x)_i = sum_k c_k (x_i - x_k): rows of differences, to which a constant is nothing, to the last bit. Symmetric where c_ij = c_ji. */
 typedef struct Matrix {
     size_t n, room;   /* rows; blocks there is room for */
@@ -28,7 +34,8 @@ void matrix_done(Matrix *m);
 /* Lay out the rows: blocks[i] says how many row i may take. false: no memory, the matrix as it was. */
 bool matrix_lay(Matrix *m, int threads);
 
-/* y = L x */
+/* y = L x; of the rows [first, last) alone */
+void matrix_rows(const Matrix *m, const double *x, double *y, size_t first, size_t last);
 void matrix_multiply(const Matrix *m, const double *x, double *y, int threads);
 
 enum { HISTORY_MAX = 24 };
@@ -72,10 +79,11 @@ typedef struct System {
     Matrix matrix;
     double *b, *x; /* [matrix.n] x: a guess, then the solution up to a constant */
     size_t bulk;
-    size_t held;    /* row; NOT_HELD: none */
-    size_t parts;   /* found by the last solve */
-    uint32_t *part; /* [matrix.n] of each row, [0, parts); 0 of one that says nothing and nobody refers to */
-    double least;   /* that the residual of x = 0 counts as, where there is only rounding */
+    size_t held;     /* row; NOT_HELD: none */
+    size_t speaking; /* rows that say something, and */
+    size_t parts;    /* found by the last solve */
+    uint32_t *part;  /* [matrix.n] of each row, [0, parts); 0 of one that says nothing and nobody refers to */
+    double least;    /* that the residual of x = 0 counts as, where there is only rounding */
     int threads;
     double *work[WORK_VECTORS]; /* [matrix.n] */
     double *partial;            /* sums of chunks */

@@ -10,8 +10,8 @@ bool matrix_init(Matrix *m, size_t n, int threads)
 {
     *m = (Matrix){.n = n};
     m->start = array_new_team(n + 1, sizeof *m->start, threads);
-    m->blocks = array_new_team(n, sizeof *m->blocks, threads);
-    m->diagonal = array_new_team(n, sizeof *m->diagonal, threads);
+    m->blocks = array_new_team(whole_blocks(n), sizeof *m->blocks, threads);
+    m->diagonal = array_new_team(whole_blocks(n), sizeof *m->diagonal, threads);
     if (m->start && m->blocks && m->diagonal) return true;
     matrix_done(m);
     return false;
@@ -97,22 +97,27 @@ static const Multiply MULTIPLIES[LEVELS] = {multiply_base, multiply_v3, multiply
 static const Multiply MULTIPLIES[LEVELS] = {multiply_base};
 #endif
 
+void matrix_rows(const Matrix *m, const double *x, double *y, size_t first, size_t last)
+{
+    MULTIPLIES[level_in_use()](m, x, y, first, last);
+}
+
 void matrix_multiply(const Matrix *m, const double *x, double *y, int threads)
 {
     enum { CHUNK = 256 };
-    const Multiply multiply = MULTIPLIES[level_in_use()];
 #pragma omp parallel for schedule(static) num_threads(threads)
-    for (size_t k = 0; k < m->n; k += CHUNK) multiply(m, x, y, k, k + CHUNK < m->n ? k + CHUNK : m->n);
+    for (size_t k = 0; k < m->n; k += CHUNK) matrix_rows(m, x, y, k, k + CHUNK < m->n ? k + CHUNK : m->n);
 }
 
 bool system_init(System *y, size_t n, size_t bulk, int threads)
 {
     *y = (System){.bulk = bulk, .held = NOT_HELD, .parts = 1, .threads = threads};
     bool well = matrix_init(&y->matrix, n, threads);
-    well = well && (y->b = array_new_team(n, sizeof(double), threads)) &&
-           (y->x = array_new_team(n, sizeof(double), threads)) &&
+    well = well && (y->b = array_new_team(whole_blocks(n), sizeof(double), threads)) &&
+           (y->x = array_new_team(whole_blocks(n), sizeof(double), threads)) &&
            (y->part = array_new_team(n, sizeof *y->part, threads));
-    for (int k = 0; well && k < WORK_VECTORS; k++) well = (y->work[k] = array_new_team(n, sizeof(double), threads));
+    for (int k = 0; well && k < WORK_VECTORS; k++)
+        well = (y->work[k] = array_new_team(whole_blocks(n), sizeof(double), threads));
     well = well && (y->partial = array_new((SUMS + SHARES) * chunks_of(y), sizeof(double)));
     if (!well) system_done(y);
     return well;
@@ -182,75 +187,6 @@ const SolveMethod *solve_method(MnsSolver solver, const System *y, bool symmetri
     return symmetric && solver != MNS_SOLVER_BICGSTAB ? &solve_cg : &solve_bicgstab;
 }
 
-double partial_sum(const System *y, int k)
-{
-    const double *partial = partial_of(y, k);
-    double sum = 0;
-    for (size_t chunk = 0; chunk < chunks_of(y); chunk++) sum += partial[chunk];
-    return sum;
-}
-
-double dot(const System *y, const double *a, const double *b)
-{
-    double *partial = partial_of(y, 0);
-#pragma omp parallel for schedule(static) num_threads(y->threads)
-    for (size_t chunk = 0; chunk < chunks_of(y); chunk++) {
-        double sum = 0;
-        for (size_t i = chunk * ROWS; i < chunk_end(y, chunk); i++) sum += a[i] * b[i];
-        partial[chunk] = sum;
-    }
-    return partial_sum(y, 0);
-}
-
-/* Partial sums of a over the rows that say something, and of how many they are; `only` of the first rows. */
-static void sum_rows(const System *y, const double *a, size_t only)
-{
-    double *sums = partial_of(y, 0), *counts = partial_of(y, 1);
-#pragma omp parallel for schedule(static) num_threads(y->threads)
-    for (size_t chunk = 0; chunk < chunks_of(y); chunk++) {
-        double sum = 0, count = 0;
-        for (size_t i = chunk * ROWS; i < chunk_end(y, chunk); i++) {
-            if (y->matrix.blocks[i] == 0) continue;
-            sum += a[i];
-            count += i < only;
-        }
-        sums[chunk] = sum;
-        counts[chunk] = count;
-    }
-}
-
-/* a less f, in the rows that say something, of the first n. */
-static void lower(const System *y, double *a, double f, size_t n)
-{
-#pragma omp parallel for schedule(static) num_threads(y->threads)
-    for (size_t i = 0; i < n; i++)
-        if (y->matrix.blocks[i]) a[i] -= f;
-}
-
-void remove_mean(const System *y, double *a)
-{
-    if (y->parts > 1) {
-        parts_level(y, a, PARTS_MEAN);
-        return;
-    }
-    if (y->held != NOT_HELD) return;
-    sum_rows(y, a, y->matrix.n);
-    const double count = partial_sum(y, 1);
-    if (count > 0) lower(y, a, partial_sum(y, 0) / count, y->matrix.n);
-}
-
-void add(const System *y, double *restrict a, double f, const double *restrict b)
-{
-#pragma omp parallel for simd schedule(static) num_threads(y->threads)
-    for (size_t i = 0; i < y->matrix.n; i++) a[i] += f * b[i];
-}
-
-void add_to(const System *y, double *restrict a, double f, const double *restrict b)
-{
-#pragma omp parallel for simd schedule(static) num_threads(y->threads)
-    for (size_t i = 0; i < y->matrix.n; i++) a[i] = b[i] + f * a[i];
-}
-
 void system_forget(System *y)
 {
     for (int k = 0; k < MATRICES; k++) amg_forget(y->amg[k]);
@@ -264,13 +200,6 @@ void system_keep(System *y, int matrix)
 bool system_is_ready(const System *y)
 {
     return amg_is_ready(y->amg[y->kept]);
-}
-
-void jacobi(System *y, const double *r, double *z)
-{
-    const double *restrict diagonal = y->matrix.diagonal;
-#pragma omp parallel for schedule(static) num_threads(y->threads)
-    for (size_t i = 0; i < y->matrix.n; i++) z[i] = diagonal[i] > 0 ? r[i] / diagonal[i] : 0;
 }
 
 /* r = b - L x */
@@ -293,19 +222,41 @@ bool is_left(System *y, const SolveGoal *goal, SolveReport *report, double *r, d
     return !report->converged;
 }
 
+/* Take away from b the mean over the bulk. */
+static void balance(const System *y)
+{
+    const uint32_t *restrict blocks = y->matrix.blocks;
+    double *sums = partial_of(y, 0), *counts = partial_of(y, 1), *restrict b = y->b;
+#pragma omp parallel for schedule(static) num_threads(y->threads)
+    for (size_t chunk = 0; chunk < chunks_of(y); chunk++) {
+        sums[chunk] = counts[chunk] = 0;
+        for (size_t i = chunk * ROWS; i < chunk_end(y, chunk) && i < y->bulk; i++) {
+            sums[chunk] += b[i]; /* 0 of a row that says nothing */
+            counts[chunk] += blocks[i] > 0;
+        }
+    }
+    const double count = partial_sum(y, 1), mean = count > 0 ? partial_sum(y, 0) / count : 0;
+#pragma omp parallel for schedule(static) num_threads(y->threads)
+    for (size_t i = 0; i < y->bulk; i++)
+        if (blocks[i]) b[i] -= mean;
+}
+
 double begin(System *y, double *r)
 {
     const size_t n = y->matrix.n;
     double *restrict b = y->b;
-#pragma omp parallel for schedule(static) num_threads(y->threads)
-    for (size_t i = 0; i < n; i++)
+    size_t speaking = 0;
+#pragma omp parallel for schedule(static) reduction(+ : speaking) num_threads(y->threads)
+    for (size_t i = 0; i < n; i++) {
         if (y->matrix.blocks[i] == 0) b[i] = 0;
+        else speaking++;
+    }
+    y->speaking = speaking;
     parts_find(y);
     if (y->parts > 1) {
         parts_level(y, b, PARTS_BALANCE);
     } else if (y->held == NOT_HELD) {
-        sum_rows(y, b, y->bulk);
-        lower(y, b, partial_sum(y, 0) / partial_sum(y, 1), y->bulk);
+        balance(y);
     }
     subtract_product(y, r);
     remove_mean(y, r);

@@ -5,7 +5,7 @@
 
 #include "sim/solve/solve.h"
 
-enum { ROWS = 1024 }; /* of a chunk, which is one thread's whatever the number of threads */
+enum { ROWS = 512 }; /* of a chunk, which is one thread's whatever the number of threads */
 
 /* Numbers for each chunk in the partial sums: of all rows, then of parts. */
 enum { SUMS = 3, SHARES = 2 * PARTS_MAX };
@@ -21,6 +21,23 @@ static inline size_t chunk_end(const System *y, size_t chunk)
     return end < y->matrix.n ? end : y->matrix.n;
 }
 
+/* With what fills up the last block. */
+static inline size_t chunk_whole_end(const System *y, size_t chunk)
+{
+    return whole_blocks(chunk_end(y, chunk));
+}
+
+/* Sums of eight lanes, each of every eighth row: one sum would wait for itself at each row. */
+typedef struct Eight {
+    double of[ENTRIES];
+} Eight;
+
+static inline double eight_sum(const Eight *sum)
+{
+    const double *of = sum->of;
+    return ((of[0] + of[4]) + (of[2] + of[6])) + ((of[1] + of[5]) + (of[3] + of[7]));
+}
+
 /* Sum k of the chunks' partial sums. */
 double partial_sum(const System *y, int k);
 
@@ -31,8 +48,17 @@ static inline double *partial_of(const System *y, int k)
 
 double dot(const System *y, const double *a, const double *b);
 
-/* Take away from a the mean over the rows that say something; from these rows. */
+/* Take away from a the mean over the rows that say something; from these rows. In each part its own, and nothing where a row is held. */
 void remove_mean(const System *y, double *a);
+
+/* ret = L x. Returns the mean that is to be taken away from it; 0 where a row is held, or of each part its own has been. */
+double multiply(const System *y, const double *x, double *ret);
+
+/* Take away this from the rows of a that say something. Returns a . a and a . b of what is left. */
+typedef struct Products {
+    double aa, ab;
+} Products;
+Products level(const System *y, double *a, double mean, const double *b);
 
 /* a += f b;  a = b + f a */
 void add(const System *y, double *a, double f, const double *b);
