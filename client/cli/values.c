@@ -3,6 +3,7 @@
 #include "client/cli/command.h"
 #include "client/cli/output.h"
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -80,8 +81,9 @@ static MnsStatus report_points(const Invocation *in, const MnsReply *reply, size
     for (size_t k = 0; k < n; k++) {
         printf("%s(", array->name);
         for (int d = 0; d < dim; d++) printf("%s%.6g", d ? ", " : "", points[k * (size_t)dim + (size_t)d]);
-        printf(") = %.6g%s%s\n", output_element(array, k), *output_unit(array->unit) ? " " : "",
-               output_unit(array->unit));
+        const double value = output_element(array, k);
+        if (isnan(value)) printf("): no particle is near\n");
+        else printf(") = %.6g%s%s\n", value, *output_unit(array->unit) ? " " : "", output_unit(array->unit));
     }
     return MNS_OK;
 }

@@ -82,6 +82,12 @@ def draw(path: Path, rows: "list[dict[str, Any]]", given: "list[str]", probe: st
             lines.setdefault(", ".join(row[name] for name in others), []).append((float(row[along]), row[probe]))
     for label, points in lines.items():
         axes.plot(*zip(*points), marker="o", label=label)
+    places = sorted({place for points in lines.values() for place, _ in points})
+    values = [value for points in lines.values() for _, value in points]
+    if len(places) <= 12:
+        axes.set_xticks(places)  # that were run, not what lies between
+    if values and min(values) > 0 and max(values) > 20 * min(values):
+        axes.set_yscale("log")
     axes.set_xlabel(along)
     axes.set_ylabel(probe)
     if any(lines):

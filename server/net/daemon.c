@@ -256,7 +256,10 @@ static void take_answer(Daemon *daemon, Order *order)
     else if (order->status && !exchange->n_senders) log_line(LOG_WARNING, "%s", order->error.text);
     if (last && !daemon->leaving && order->status)
         daemon->code = MNS_EXIT_IO; /* of others it is only told that we leave */
-    if (last) daemon->leaving = true;
+    if (last) {
+        daemon->leaving = true;
+        endpoint_leave(&daemon->endpoint); /* before anybody knows */
+    }
     desk_reply(daemon->desk, exchange);
 }
 

@@ -2,6 +2,7 @@
 /* Where a daemon listens. The lock comes first, because binding takes a socket's path from whoever has it. */
 #include "net/endpoint.h"
 
+#include "base/clock.h"
 #include "proto/case_name.h"
 #include "proto/places.h"
 #include "run/lock.h"
@@ -13,8 +14,10 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/un.h>
+#include <time.h>
 #include <unistd.h>
 
+static const double FAREWELL = 10; /* [s] that a daemon may take to leave */
 static const size_t PATH_LONGEST = sizeof((struct sockaddr_un *)NULL)->sun_path - 1;
 
 static MnsStatus check_name(const char *name, MnsError *error)
@@ -71,15 +74,25 @@ static MnsStatus make(char *path, MnsError *error)
     return status ? status : make_private(path, error);
 }
 
+/* One that was told to leave answers first, and takes leave of its visitors: who starts the next at once must not be refused for that. */
 static MnsStatus lock(Endpoint *endpoint, const char *name, MnsError *error)
 {
+    const double until = clock_now() + FAREWELL;
     char path[ENDPOINT_SIZE + 8], holder[LOCK_HOLDER];
     snprintf(path, sizeof path, "%s/lock", endpoint->directory);
-    const MnsStatus status = lock_take(path, &endpoint->lock, holder, error);
+    MnsStatus status = lock_take(path, &endpoint->lock, holder, error);
+    while (status == MNS_E_STATE && lock_is_leaving(holder) && clock_now() < until) {
+        nanosleep(&(struct timespec){.tv_nsec = 20000000}, NULL);
+        status = lock_take(path, &endpoint->lock, holder, error);
+    }
     if (status != MNS_E_STATE) return status;
-    return mns_fail(error, MNS_E_STATE,
-                    "a daemon \"%s\" is running already, as %s (%s is locked); give this one another --name", name,
-                    holder, path);
+    return mns_fail(error, MNS_E_STATE, "a daemon \"%s\" is running already, as %s (%s is locked); %s", name, holder,
+                    path, lock_is_leaving(holder) ? "wait until it is gone" : "give this one another --name");
+}
+
+void endpoint_leave(const Endpoint *endpoint)
+{
+    lock_leave(endpoint->lock);
 }
 
 /* A port with two after it, for telemetry and data; 0 if the text is none. */

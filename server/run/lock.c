@@ -19,13 +19,25 @@ static void read_holder(int fd, char ret[static LOCK_HOLDER])
     if (!ret[0]) snprintf(ret, LOCK_HOLDER, "another process");
 }
 
+static const char LEAVING[] = ", which is leaving";
+
 /* People read it; the lock does not depend on it, so that a full disk is no reason to refuse. */
-static void write_holder(int fd)
+static void write_holder(int fd, const char *does)
 {
     char host[65] = "", text[LOCK_HOLDER];
     gethostname(host, sizeof host - 1);
-    const int n = snprintf(text, sizeof text, "process %ld on %s\n", (long)getpid(), host);
+    const int n = snprintf(text, sizeof text, "process %ld on %s%s\n", (long)getpid(), host, does);
     if (ftruncate(fd, 0) || pwrite(fd, text, (size_t)n, 0) != n) return;
+}
+
+void lock_leave(int fd)
+{
+    write_holder(fd, LEAVING);
+}
+
+bool lock_is_leaving(const char *holder)
+{
+    return strstr(holder, LEAVING);
 }
 
 static MnsStatus fail(MnsError *error, int number, const char *verb, const char *path)
@@ -39,7 +51,7 @@ MnsStatus lock_take(const char *path, int *ret_fd, char ret_holder[static LOCK_H
     const int fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (fd < 0) return fail(error, errno, "open", path);
     if (!flock(fd, LOCK_EX | LOCK_NB)) {
-        write_holder(fd);
+        write_holder(fd, "");
         *ret_fd = fd;
         return MNS_OK;
     }

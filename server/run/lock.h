@@ -5,6 +5,7 @@
 #define RUN_LOCK_H
 
 #include <meniscus/status.h>
+#include <stdbool.h>
 
 enum { LOCK_HOLDER = 128 };
 
@@ -13,5 +14,9 @@ enum { LOCK_HOLDER = 128 };
  *  ret_holder  on MNS_E_STATE, who has it: "process 4711 on host"; else untouched
  * MNS_E_STATE: somebody has it, this process by another call included; MNS_E_NO_SPACE, MNS_E_IO: not possible. */
 MnsStatus lock_take(const char *path, int *ret_fd, char ret_holder[static LOCK_HOLDER], MnsError *error);
+
+/* Write that we are leaving, and will let go of the lock in a moment: who comes may wait for that. Is it what a holder says? */
+void lock_leave(int fd);
+bool lock_is_leaving(const char *holder);
 
 #endif

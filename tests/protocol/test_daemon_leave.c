@@ -3,6 +3,7 @@
 #include "tests/support/check.h"
 #include "tests/support/steer.h"
 #include <signal.h>
+#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 #include <zmq.h>
@@ -132,11 +133,33 @@ static void who_sends_away_a_daemon_that_leaves_changes_nothing_of_how_it_ends(v
     }
 }
 
+/* It answers before it is gone, as somebody may be slow to hear of it; who starts the next at once is not refused for that. */
+static void the_next_daemon_waits_for_one_that_leaves(void **state)
+{
+    (void)state;
+    Dialogue dialogue;
+    dialogue_begin(&dialogue, NULL);
+    for (size_t k = 0; k < 5; k++) {
+        dialogue_connect(&dialogue);
+        dialogue_load(&dialogue, NULL);
+        Meniscus__Request request = dialogue_shutdown();
+        assert_int_equal(dialogue_code(&dialogue, &request), MENISCUS__CODE__OK);
+        const pid_t first = dialogue.daemon;
+        dialogue_again(&dialogue, NULL);
+        request = dialogue_status();
+        assert_int_equal(dialogue_code(&dialogue, &request), MENISCUS__CODE__OK);
+        assert_int_equal(waitpid(dialogue.daemon, NULL, WNOHANG), 0);
+        assert_int_equal(waitpid(first, NULL, 0), first);
+    }
+    assert_int_equal(dialogue_end(&dialogue), 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_reply_to_shutdown_reaches_clients_quick_and_slow),
         cmocka_unit_test(the_answer_to_a_shutdown_says_where_the_run_was),
+        cmocka_unit_test(the_next_daemon_waits_for_one_that_leaves),
         cmocka_unit_test(who_sends_away_a_daemon_that_leaves_changes_nothing_of_how_it_ends),
         cmocka_unit_test_setup_teardown(who_waits_is_told_before_the_daemon_leaves, steer_begin, steer_end_somehow),
         cmocka_unit_test_setup_teardown(nobody_keeps_a_daemon_by_not_hanging_up, steer_begin, steer_end_somehow),

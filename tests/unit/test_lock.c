@@ -39,6 +39,11 @@ static void who_comes_second_hears_who_came_first(void **state)
     snprintf(who, sizeof who, "process %d on ", (int)getpid());
     assert_memory_equal(holder, who, strlen(who));
     assert_non_null(strstr(error.text, path));
+    assert_false(lock_is_leaving(holder));
+    lock_leave(fd);
+    assert_int_equal(lock_take(path, &other, holder, &error), MNS_E_STATE);
+    assert_memory_equal(holder, who, strlen(who));
+    assert_true(lock_is_leaving(holder));
     close(fd);
     assert_int_equal(lock_take(path, &fd, holder, &error), MNS_OK);
     close(fd);

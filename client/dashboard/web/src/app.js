@@ -17,7 +17,7 @@ import { Way } from "./way.js";
 import { brokenOff, sentence, trouble } from "./words.js";
 
 const $ = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
-const LIMITS = [20000, 100000, 300000, 1000000], USUAL_LIMIT = 100000, LEASE_S = 30, LOOKS = ["phase", "pressure", "velocity", "density"];
+const LIMITS = [20000, 100000, 300000, 1000000], USUAL_LIMIT = 100000, LEASE_S = 12, LOOKS = ["phase", "pressure", "velocity", "density"];
 /** Fluids that hide the others in a space. */
 const THIN = /(^|[^a-z])(air|gas|vapou?r|steam)([^a-z]|$)/i;
 
@@ -28,7 +28,7 @@ const known = {
   /** @type {import("./frame.js").Frame|null} */ frame: null,
   /** Which pictures are wanted, and why they cannot be had. @type {any} */ wish: null, /** @type {any} */ refused: null,
   /** @type {{colour: string, visible: boolean, name: string, wall: boolean}[]} */ phases: [],
-  /** @type {string} */ space: "",
+  /** The run and its space, and that which is looked at. @type {string} */ space: "", seen: "",
   way: new Way(),
 };
 
@@ -180,7 +180,8 @@ function takeAbout(about) {
     ...about.fluids.map((/** @type {any} */ f) => ({ ...f, visible: !(dimensions === 3 && several && THIN.test(f.name)), wall: false })),
     ...about.walls.map((/** @type {string} */ name) => ({ name, colour: "#8a8f98", visible: true, wall: true })),
   ];
-  view?.setSpace(/** @type {any} */ (space));
+  if (JSON.stringify(space) !== known.seen) view?.setSpace(/** @type {any} */ (space)); // else whoever looks from somewhere stays there
+  known.seen = JSON.stringify(space);
   view?.setPhases(known.phases);
   showMap();
   range.begin();
@@ -286,9 +287,10 @@ function showShown() {
     $("shown").textContent = $("pace").textContent = "";
     return;
   }
-  const whole = frame.every === 1;
-  $("shown").replaceChildren(...(whole ? [`All ${count(frame.all)} particles`]
-    : [element("b", {}, `Thinned: ${count(frame.particles)} of ${count(frame.all)} particles, about one in ${frame.every}, drawn larger`)]));
+  const whole = frame.every === 1, hidden = known.phases.filter((phase) => !phase.visible && !phase.wall).map((phase) => phase.name);
+  const without = hidden.length ? ` · ${hidden.join(", ")} hidden` : "";
+  $("shown").replaceChildren(...(whole ? [`All ${count(frame.all)} particles${without}`]
+    : [element("b", {}, `Thinned: ${count(frame.particles)} of ${count(frame.all)} particles, about one in ${frame.every}, drawn larger${without}`)]));
   const parts = [];
   if (known.status?.state === "RUNNING") parts.push(`${number(pace.length / 2, 2)} pictures/s`);
   if (frame.skipped) parts.push(`dropped pictures: ${count(frame.skipped)}`);
@@ -482,6 +484,7 @@ $("stop").onclick = async () => {
   const form = await confirmed($("ask"), "End the run?", "Its files stay; the daemon can then load another case.", "Stop the run", element("label", {}, keep, " write a checkpoint first"));
   if (form) command("Not stopped", { do: "stop", checkpoint: form.has("checkpoint") }, (r) => `Ended; the files are in ${r.path}`);
 };
+$("parameters").addEventListener("input", () => notes.settle("set")); // what was refused is being mended
 $("lease-button").onclick = async () => {
   if (known.lease) {
     await command("Not given back", { do: "release", lease: known.lease });
@@ -489,7 +492,7 @@ $("lease-button").onclick = async () => {
     return showState();
   }
   const name = element("input", { name: "holder", value: kept("holder") || "dashboard", maxLength: 60, required: true, ariaLabel: "Your name" });
-  const form = await confirmed($("ask"), "Take the lease", "While this page is open, nobody else can change the run; pausing and stopping stay possible. What shall others read?", "Take it", name);
+  const form = await confirmed($("ask"), "Take the lease", `While this page is open, and ${LEASE_S} s longer, nobody else can change the run; pausing and stopping stay possible. What shall others read?`, "Take it", name);
   if (form) holdLease(kept("holder", String(form.get("holder"))) || String(form.get("holder")));
 };
 

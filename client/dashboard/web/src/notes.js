@@ -34,7 +34,8 @@ export class Notes {
 
   /** @param {string} what @param {import("./words.js").Failure} error @param {string} about  which command */
   complain(what, error, about) {
-    const { message, hint, path, lasting } = plain(error), words = element("div", {}, element("b", {}, `${what}: `), message);
+    const { message, hint, path, lasting } = plain(error), twice = message.toLowerCase().startsWith(what.toLowerCase());
+    const words = twice ? element("div", {}, element("b", {}, what), message.slice(what.length)) : element("div", {}, element("b", {}, `${what}: `), message);
     if (path) words.append(element("p", {}, `Entry: ${path}`));
     if (hint) words.append(element("p", {}, `What to do: ${hint}`));
     this.settle(about);
@@ -61,6 +62,7 @@ export function confirmed(/** @type {HTMLDialogElement} */ dialog, /** @type {st
   dialog.replaceChildren(form);
   dialog.returnValue = "";
   dialog.showModal();
+  if (document.activeElement instanceof HTMLInputElement) document.activeElement.select(); // who types replaces what is there
   return new Promise((resolve) => {
     dialog.onclose = () => resolve(dialog.returnValue === "yes" ? new FormData(form) : null);
   });

@@ -14,17 +14,19 @@ const HINTS = {
   interrupted: "",
   diverged: "see above what is possible now",
 };
+/** Says no more than the message does. */
+const NOTHING_MORE = "mend what the message names and try again";
 /** Those that wait for somebody to do something; others say little after a while. */
 const LASTING = ["expired", "no space", "input/output error", "out of memory", "unavailable", "internal error"];
 
 /** @param {Failure} error @returns {{message: string, hint: string, path: string, lasting: boolean}} */
 export function plain(error) {
   const { status = "", message, hint = "", path = "" } = error;
-  const isLease = status === "held" || status === "expired";
+  const isWhen = path === "at_time" || path === "at_step", isLease = status === "held" || status === "expired";
   const holder = status === "held" && /^.* holds the lease for another [\d.]+ s/s.exec(message)?.[0];
   return {
-    message: holder ? `${holder}; nothing was done` : message, hint: HINTS[status] ?? hint,
-    path: isLease || !path || message.includes(path) ? "" : path, lasting: LASTING.includes(status),
+    message: holder ? `${holder}; nothing was done` : message, hint: HINTS[status] ?? (hint === NOTHING_MORE ? "" : hint),
+    path: isWhen || isLease || !path || message.includes(path) ? "" : path, lasting: LASTING.includes(status),
   };
 }
 

@@ -244,6 +244,8 @@ test("a lease that somebody has is told without words of a shell", () => {
   assert.doesNotMatch(plain({ status: "wrong state", message: "cannot start while PAUSED", hint: "see `meniscus status`" }).hint, /meniscus/);
   const other = plain({ status: "invalid", message: "found never", path: "end_time", hint: "mend it" });
   assert.deepEqual([other.path, other.hint, other.lasting], ["end_time", "mend it", false]);
+  const bare = plain({ status: "invalid", message: "found never", path: "at_time", hint: "mend what the message names and try again" });
+  assert.deepEqual([bare.path, bare.hint], ["", ""]);
   assert.equal(plain({ status: "no space", message: "the disk is full" }).lasting, true);
 });
 

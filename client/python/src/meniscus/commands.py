@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+import operator
 import os
 import pwd
 import re
@@ -160,6 +161,10 @@ def resume(if_step: Optional[int] = None) -> Command[Reply]:
 
 def step(count: int = 1, request_id: Optional[bytes] = None, if_step: Optional[int] = None) -> Command[Reply]:
     """Do some time steps; returns when they are done, PAUSED. request_id: as for wait(), if_step: as for set(). ValueError: count is below 0."""
+    try:
+        count = operator.index(count)
+    except TypeError:
+        raise TypeError(f"step() takes a whole number of steps; found {repr(count)[:60]}") from None
     if count < 0:
         raise ValueError(f"{count} steps: give how many are to be done, 0 or more")
     return Command(pb.Request(step=pb.Step(count=count), if_step=if_step), _reply, None, request_id)
@@ -304,6 +309,8 @@ def set(
     at_time     or at this simulated time [s], at which a step ends exactly
     wait        return when it has taken effect; False: when it is scheduled, with an effect_step of None. A timeout is for the effect
     """
+    if not isinstance(assignments, Mapping):
+        raise TypeError(f'set() takes entries with their values, as in set({{"gravity": [0, -1]}}); found {repr(assignments)[:60]}')
     items = [pb.Assignment(path=path, value=as_yaml(value)) for path, value in assignments.items()]
     return Command(
         pb.Request(
