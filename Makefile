@@ -47,6 +47,9 @@ pkg_cflags := $(shell pkg-config --cflags $(PKGS) 2>/dev/null | sed 's/-I/-isyst
 pkg_libs   := $(shell pkg-config --libs $(PKGS) 2>/dev/null)
 client_libs := $(shell pkg-config --libs $(CLIENT_PKGS) 2>/dev/null)
 # CPPFLAGS, CFLAGS, LDFLAGS and LDLIBS are the user's: they come last and win.
+ifneq ($(findstring -march,$(CPPFLAGS) $(CFLAGS)),)
+$(warning -march in CFLAGS: the solver is then without the loops for AVX2 and AVX-512 that it chooses from while it runs, and up to 60 % slower; leave it out)
+endif
 # hypre's algebraic multigrid, for large pressure systems, where it is installed; HYPRE= builds without it.
 HYPRE     ?= $(wildcard /usr/include/hypre/HYPRE.h)
 hypre_cflags := $(if $(HYPRE),-DHAVE_HYPRE=1 -isystem $(dir $(HYPRE)) $(shell pkg-config --cflags ompi-c 2>/dev/null | sed 's/-I/-isystem /g'))
