@@ -56,7 +56,8 @@ static int complain(const MnsError *error, bool json, int code)
 static int misuse(const MnsError *error, bool json, const Command *command)
 {
     char hint[64];
-    snprintf(hint, sizeof hint, "`meniscus help%s%s` explains", command ? " " : "", command ? command->name : "");
+    const bool one = command && command->run != command_help; /* which explains all */
+    snprintf(hint, sizeof hint, "`meniscus help%s%s` explains", one ? " " : "", one ? command->name : "");
     fprintf(stderr, "meniscus: %s\n%s.\n", error->text, hint);
     if (json) output_json(output_failure(error, hint, MNS_EXIT_USAGE), NULL);
     return MNS_EXIT_USAGE;
