@@ -74,11 +74,11 @@ INLINE double row_product(const Matrix *m, const double *restrict x, size_t i)
     const uint32_t *restrict column = m->column + m->start[i] * ENTRIES;
     const float *restrict c = m->c + m->start[i] * ENTRIES;
     const double x_i = x[i];
-    double sum[ENTRIES] = {0};
+    Eight sum = {0};
     for (size_t k = 0; k < m->blocks[i] * (size_t)ENTRIES; k += ENTRIES)
 #pragma omp simd
-        for (size_t l = 0; l < ENTRIES; l++) sum[l] += (double)c[k + l] * (x_i - x[column[k + l]]);
-    return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
+        for (size_t l = 0; l < ENTRIES; l++) sum.of[l] += (double)c[k + l] * (x_i - x[column[k + l]]);
+    return eight_sum(&sum);
 }
 
 /* Rows [first, last), for every level of instructions; nothing is fused, so all give the same bits. */

@@ -32,7 +32,7 @@ typedef struct Eight {
     double of[ENTRIES];
 } Eight;
 
-static inline double eight_sum(const Eight *sum)
+INLINE double eight_sum(const Eight *sum)
 {
     const double *of = sum->of;
     return ((of[0] + of[4]) + (of[2] + of[6])) + ((of[1] + of[5]) + (of[3] + of[7]));
