@@ -58,7 +58,7 @@ INLINE void wall_friction_row(const Row *row, Particles *s, const Model *model, 
         sticking_of(s, model, row_j(row, b), mu, how, &wall);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            Pair pair = block_pair(b, l, how);
+            const Pair pair = block_pair(b, l, how);
             friction_pair(v, V, &pair, &wall, soft, how, l, sum);
         }
     }
