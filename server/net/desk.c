@@ -17,6 +17,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <poll.h>
+#include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -42,6 +43,10 @@ typedef struct Reading {
     uint64_t frames; /* taken so far, that of the sender too */
 } Reading;
 
+/* To be woken takes as long as to be asked and to answer. So who has answered stays awake for a moment [s], if the next question comes at once;
+ * but not where a run computes, whose time that would be. */
+static const double AWAKE = 1e-4;
+
 /* How long [s] a refusal is kept: longer than clients take to ask again for an answer that was lost. */
 enum { REFUSED_S = 60 };
 
@@ -63,6 +68,7 @@ struct Desk {
     Traffic traffic;
     RunStatus status; /* looked at last: room that is there when there is no memory */
     double replied;   /* clock_now() of the latest reply */
+    bool computes;    /* a run did at that time */
     uint64_t epoch;
 };
 
@@ -243,6 +249,17 @@ static bool see_to_door(Desk *desk)
     return more;
 }
 
+/* As poll(). */
+static int wait_for(const Desk *desk, struct pollfd *items, nfds_t n, int timeout)
+{
+    while (timeout && !desk->computes && clock_now() < desk->replied + AWAKE) {
+        const int found = poll(items, n, 0);
+        if (found) return found;
+        sched_yield();
+    }
+    return poll(items, n, timeout);
+}
+
 unsigned desk_poll(Desk *desk, const int fds[2], long timeout)
 {
     struct pollfd items[BELLS + 4] = {{.fd = fds[0], .events = POLLIN},
@@ -259,7 +276,7 @@ unsigned desk_poll(Desk *desk, const int fds[2], long timeout)
         of_bells[k] = (struct pollfd){.fd = desk->bells[k].fd, .events = POLLIN};
         rings = rings || desk->bells[k].rings;
     }
-    if (poll(items, BELLS + 4, rings ? 0 : (int)timeout) <= 0) return 0;
+    if (wait_for(desk, items, BELLS + 4, rings ? 0 : (int)timeout) <= 0) return 0;
     for (int k = 0; k < BELLS; k++) desk->bells[k].rings |= of_bells[k].revents != 0;
     return (items[0].revents ? 1u : 0) | (items[1].revents ? 2u : 0);
 }
@@ -320,6 +337,7 @@ void desk_reply(Desk *desk, Exchange *exchange)
 {
     if (!exchange->sealed) exchange_seal(exchange);
     if (exchange->order.status) desk->traffic.refused++;
+    desk->computes = run_state_moves(exchange->order.state);
     const Meniscus__Reply *reply = exchange->reply;
     const bool whole = reply && reply->has_id; /* else there was no memory, and without its id nobody knows it */
     const size_t size = whole ? meniscus__reply__get_packed_size(reply) : 0;

@@ -11,6 +11,11 @@
 
 static const double PROGRESS_INTERVAL = 0.2; /* [s], of the notes for people */
 
+bool run_state_moves(RunState state)
+{
+    return state == RUN_RUNNING || state == RUN_LOADING || state == RUN_RECOVERING;
+}
+
 const char *run_state_name(RunState state)
 {
     static const char *const names[RUN_STATES] = {"EMPTY", "LOADING", "READY",    "RUNNING",   "PAUSED",
@@ -123,8 +128,7 @@ static void fill_case(const Run *run, RunStatus *status)
 
 static bool stands_still(const Run *run)
 {
-    const bool moving = run->state == RUN_RUNNING || run->state == RUN_LOADING || run->state == RUN_RECOVERING;
-    return run->sim && !moving;
+    return run->sim && !run_state_moves(run->state);
 }
 
 static bool is_hash_due(const Run *run)

@@ -3,6 +3,8 @@
 #ifndef RUN_STATE_H
 #define RUN_STATE_H
 
+#include <stdbool.h>
+
 /* Numbered as in the protocol. */
 typedef enum RunState {
     RUN_EMPTY,
@@ -16,6 +18,9 @@ typedef enum RunState {
     RUN_RECOVERING,
     RUN_STATES
 } RunState;
+
+/* Whether the runner computes in it, or makes or reads a state to go on from. */
+bool run_state_moves(RunState state);
 
 /* "RUNNING". */
 const char *run_state_name(RunState state);
