@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from validation import bubbles, dam_breaks, differences, drops, incompressible, interfaces, jobs, rest, sloshing
+from validation import bubbles, dam_breaks, differences, drops, incompressible, interfaces, jobs, multigrid, rest, sloshing
 from validation.metrics import Metric, Report
 from validation.runs import ROOT, told
 
@@ -82,6 +82,8 @@ CASES = {
     "poiseuille-two-phase": Case(differences.poiseuille, 150, 0.6),
     "bubble3d-cylinder": Case(differences.bubble3d_cylinder, 340, 8),
     "bubble3d-cylinder-fine": Case(differences.bubble3d_cylinder_fine, 0, 300),
+    # Both.
+    "multigrid": Case(multigrid.multigrid, 160, 0.5),
 }
 
 
