@@ -20,6 +20,7 @@ export class Notes {
     note.dataset.about = about.join(" ");
     while (this.place.children.length >= MOST) this.place.firstElementChild?.remove();
     this.place.append(note);
+    this.place.scrollTop = this.place.scrollHeight; // the newest is seen where there is no room for all
     const go = () => (note.matches(":hover, :focus-within") ? setTimeout(go, GOOD_MS) : note.remove()); // it is being read
     if (patience < Infinity) setTimeout(go, patience);
   }
