@@ -43,6 +43,7 @@ typedef struct Replay {
     Pending *pending;     /* [n_pending] */
     const Record *origin; /* the record it began with last                                                */
     size_t again;         /* of the commands there that are to be done again, the next one                */
+    bool fallen;          /* it has diverged, as the run had                                              */
     uint64_t steps, compared, agreed_step;
 } Replay;
 
@@ -149,6 +150,7 @@ static MnsStatus begin(Replay *replay, const Meniscus__Case *message, const MnsC
     replay->sim = sim;
     replay->document = document;
     replay->limit = INFINITY;
+    replay->fallen = false;
     return keep(replay, error);
 }
 
@@ -217,18 +219,53 @@ static MnsStatus catch_up(Replay *replay, MnsError *error)
     return status;
 }
 
+/* What was commanded then found the run in FAULT, or tells nothing of that. */
+static bool may_have_fallen(const Record *record)
+{
+    return !record->reply || !record->reply->has_state || record->reply->state == MENISCUS__STATE__FAULT;
+}
+
+static bool tells_of_fall(const Record *record)
+{
+    return record->reply && record->reply->reason && !strcmp(record->reply->reason, mns_status_name(MNS_E_DIVERGED));
+}
+
+static MnsStatus step_once(Replay *replay, MnsError *error)
+{
+    const double end = replay->document->c->end_time;
+    replay->steps++;
+    return mns_sim_step(replay->sim, fmin(fmin(replay->limit, pending_limit(replay)), end), error);
+}
+
+/* It diverged, as the run had. */
+static MnsStatus fall(Replay *replay, MnsError *error)
+{
+    replay->fallen = true;
+    *error = (MnsError){.status = MNS_OK};
+    return MNS_OK;
+}
+
+/* It diverged on the way to a record. Where the run had come no further, that is what was to be shown. */
+static MnsStatus fall_before(Replay *replay, const HistoryRecord *at, MnsError *error)
+{
+    char text[480];
+    if (mns_sim_progress(replay->sim).step == at->message->step && may_have_fallen(at->message))
+        return fall(replay, error);
+    snprintf(text, sizeof text, "the replay did not get there: %.400s", error->text);
+    return differs(at, error, text);
+}
+
 static MnsStatus advance(Replay *replay, const HistoryRecord *at, MnsError *error)
 {
     MnsStatus status = catch_up(replay, error);
     const uint64_t step = at->message->step;
     while (!status && mns_sim_progress(replay->sim).step < step) {
-        const double end = replay->document->c->end_time;
-        if (mns_sim_progress(replay->sim).t >= end)
+        if (mns_sim_progress(replay->sim).t >= replay->document->c->end_time)
             return differs(at, error, "the replay reached the end time before this step");
-        status = mns_sim_step(replay->sim, fmin(fmin(replay->limit, pending_limit(replay)), end), error);
+        status = step_once(replay, error);
+        if (status == MNS_E_DIVERGED) return fall_before(replay, at, error);
         if (!status) status = keep(replay, error);
         if (!status) status = catch_up(replay, error);
-        replay->steps++;
     }
     if (!status && mns_sim_progress(replay->sim).step > step)
         return differs(at, error, "the journal goes back without a restore");
@@ -288,6 +325,15 @@ static MnsStatus begin_again(Replay *replay, const HistoryRecord *at, MnsError *
     return status;
 }
 
+/* The run diverged there. A step that was too short to be taken leaves the state as it was, and is tried here. */
+static MnsStatus fall_here(Replay *replay, const HistoryRecord *at, MnsError *error)
+{
+    if (replay->fallen) return MNS_OK;
+    const MnsStatus status = step_once(replay, error);
+    if (status == MNS_E_DIVERGED) return fall(replay, error);
+    return status ? status : differs(at, error, "the run diverged here, and the replay goes on");
+}
+
 /* A step or run_until that ended before it was done; what was scheduled and refused changes no limit but its own. */
 static bool is_broken_off(const Record *record)
 {
@@ -313,7 +359,7 @@ static MnsStatus do_again(Replay *replay, const HistoryRecord *at, MnsError *err
     if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__BEGUN && record->request) set_limit(replay, record->request);
     if (history_done_well(record)) return command_again(replay, at, error);
     if (is_broken_off(record)) replay->limit = INFINITY;
-    return MNS_OK;
+    return tells_of_fall(record) ? fall_here(replay, at, error) : MNS_OK;
 }
 
 /* The last load that did not go on from a checkpoint. */

@@ -5,6 +5,7 @@
 #include "io/directory.h"
 #include "io/meta.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -146,6 +147,15 @@ MnsStatus series_new(const char *dir, const FileMeta *meta, bool resume, uint64_
     if (status) series_free(s);
     else *ret = s;
     return status;
+}
+
+MnsStatus series_set_aside(const char *dir, MnsError *error)
+{
+    char from[4096], to[4096];
+    MnsStatus status = directory_path(from, dir, "probes.hdf", error);
+    if (!status) status = directory_path(to, dir, "probes.hdf.damaged", error);
+    if (status) return status;
+    return rename(from, to) ? file_fail(error, errno, "move aside", from) : MNS_OK;
 }
 
 size_t series_rows(const Series *series)

@@ -21,6 +21,9 @@ typedef struct Series Series;
 MnsStatus series_new(const char *dir, const FileMeta *meta, bool resume, uint64_t last_step, Series **ret,
                      MnsError *error);
 
+/* Rename DIR/probes.hdf, which cannot be read, to probes.hdf.damaged, in the place of an earlier one. MNS_E_IO. */
+MnsStatus series_set_aside(const char *dir, MnsError *error);
+
 /* How many rows it has; how many of them are in the file, for any thread. */
 size_t series_rows(const Series *series);
 size_t series_saved(const Series *series);

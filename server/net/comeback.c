@@ -8,6 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* How much is read of the journals of runs before the one that was loaded last: a tenth of a second. */
+enum { FORMER_BYTES = 64 << 20 };
+
 /* A lease that nobody was told of is none: whoever asks for it again gets another. */
 static bool has_reply(const History *history, size_t k, const char *boot)
 {
@@ -37,6 +40,22 @@ static void recall_last(Desk *desk, const History *history, const char *boot)
         if (has_reply(history, k, boot)) recall(desk, history->records[k].message);
 }
 
+/* Of runs that were loaded before: one whose journal is damaged tells what stands before that. */
+static void recall_former(Desk *desk, const char *parent, const char *current, const char *boot)
+{
+    char **former;
+    size_t n;
+    if (rundir_former(parent, current, FORMER_BYTES, &former, &n, NULL)) return;
+    for (size_t k = 0; k < n; k++) {
+        History history;
+        (void)history_read(former[k], &history, NULL);
+        recall_last(desk, &history, boot);
+        history_done(&history);
+        free(former[k]);
+    }
+    free(former);
+}
+
 static MnsStatus fail_unread(const Comeback *comeback, const char *parent, const MnsError *why, MnsError *error)
 {
     return mns_fail(
@@ -53,6 +72,7 @@ MnsStatus comeback_begin(Comeback *comeback, const char *parent, const char *ask
     history_boot(boot);
     MnsStatus status = rundir_current(parent, asked, comeback->directory, &comeback->same, &why);
     const bool other = !status && asked && !comeback->same;
+    recall_former(desk, parent, comeback->directory, boot);
     if (!status) status = history_read(comeback->directory, &comeback->history, &why);
     if (!status) recall_last(desk, &comeback->history, boot);
     if (!status) status = lineage_of(&comeback->history, boot, &comeback->lineage, &why);

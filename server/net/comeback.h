@@ -15,7 +15,7 @@ typedef struct Comeback {
     char directory[RUNDIR_PATH];
 } Comeback;
 
-/* Look for the run that was loaded last below parent, and have the desk remember what was replied there. Not MNS_OK: it is the one that is
+/* Look for the run that was loaded last below parent, and have the desk remember what was replied there, and in those before it. Not MNS_OK: it is the one that is
  * asked for, and what its journal tells is not to be had; whoever began anew now would forget it.
  *  asked  as in RunOptions */
 MnsStatus comeback_begin(Comeback *comeback, const char *parent, const char *asked, Desk *desk, MnsError *error);

@@ -352,6 +352,9 @@ MnsStatus handle(Run *run, Exchange *exchange, MnsError *error)
                            "%s takes no %s: it is answered at whatever step the run is, and says at which",
                            handler->name, which);
     }
+    if (request->has_lease_epoch && !request->lease_epoch)
+        return mns_fail_at(error, MNS_E_INVALID, "lease_epoch",
+                           "no lease has the epoch 0; leave it away, or give that of the lease that was taken");
     const MnsStatus status = scheduled_read(handler, exchange, error);
     if (status) return status;
     exchange->handler = handler;

@@ -242,12 +242,12 @@ static void tell_files(Run *run, const Candidate *candidate)
         snprintf(text, sizeof text, "files of the time line that was left are in %.400s", outputs->aside);
         run_tell(run, NOTE_LOG, LOG_NOTICE, "files", text);
     }
-    if (!outputs->series_lost) return;
+    if (!outputs->series_lost && !outputs->series_damaged) return;
     snprintf(text, sizeof text,
-             "there are no samples of the probes from before step %" PRIu64
-             ": probes.hdf was taken away or is of other "
-             "probes; the series begins here",
-             mns_sim_progress(run->sim).step);
+             "there are no samples of the probes from before step %" PRIu64 ": probes.hdf %s; the series begins here",
+             mns_sim_progress(run->sim).step,
+             outputs->series_damaged ? "was damaged, and is probes.hdf.damaged now"
+                                     : "was taken away or is of other probes");
     run_tell(run, NOTE_LOG, LOG_WARNING, "probes", text);
 }
 

@@ -17,7 +17,7 @@
 /* A directory made ready for a run, while nothing of the present one has been given up. */
 typedef struct Opening {
     const char *directory;
-    bool goes_on, again;
+    bool goes_on, again, damaged;
     uint64_t step;
     size_t state_size;
     Series *series;
@@ -27,7 +27,8 @@ typedef struct Opening {
     AtomicFile text;        /* that file without its name */
 } Opening;
 
-/* After a crash, a run that is done again from its beginning is of the same time line, if its file can be read. */
+/* After a crash, a run that is done again from its beginning is of the same time line, if its file can be read. One that goes on does so without its
+ * samples rather than not at all: nobody may be there to move the file away. */
 static MnsStatus open_series(Opening *opening, Writer *writer, const Document *document, MnsError *error)
 {
     const char *directory = opening->directory;
@@ -35,7 +36,11 @@ static MnsStatus open_series(Opening *opening, Writer *writer, const Document *d
     if (opening->again && !opening->goes_on &&
         !job_open_series(writer, directory, document, true, opening->step, ret, NULL))
         return MNS_OK;
-    return job_open_series(writer, directory, document, opening->goes_on, opening->step, ret, error);
+    MnsStatus status = job_open_series(writer, directory, document, opening->goes_on, opening->step, ret, error);
+    opening->damaged = status == MNS_E_CORRUPT && opening->again;
+    if (!opening->damaged) return status;
+    status = series_set_aside(directory, error);
+    return status ? status : job_open_series(writer, directory, document, true, opening->step, ret, error);
 }
 
 /* What takes room or reads files. */
@@ -118,6 +123,7 @@ static void take_over(Outputs *outputs, const Opening *opening, Document *docume
     outputs->timers[OUTPUTS_CAPTURES] = (MnsTimer){.name = "captures"};
     const bool sampled = outputs->series && document->c->output.probe_interval > 0 && progress.step > 0;
     outputs->series_lost = goes_on && sampled && !series_rows(outputs->series);
+    outputs->series_damaged = opening->damaged;
     const double before = goes_on && progress.step > 0 ? progress.t : -INFINITY;
     outputs->before = (OutputTimes){before, before, before};
     note_checkpoint(outputs, goes_on ? progress.step : UINT64_MAX, document);

@@ -51,6 +51,7 @@ typedef struct Outputs {
     size_t state_size;           /* of a capture of the state [bytes]                              */
     _Atomic(MnsCapture *) spare; /* the last one that was written, for its room; NULL: none */
     bool series_lost;            /* outputs_open() found no samples from before, and should have  */
+    bool series_damaged;         /* they are in probes.hdf.damaged                                */
     OutputTimes before;
     double wall_checkpoint;            /* clock_now() of the last one; of the beginning if there is none   */
     double wall_flush;                 /* the same for the series                                          */

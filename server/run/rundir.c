@@ -151,6 +151,57 @@ MnsStatus rundir_current(const char *parent, const char *asked, char ret[static 
     return status;
 }
 
+/* A directory that had a run before. */
+typedef struct Former {
+    struct timespec written; /* its journal */
+    uint64_t size;
+    char *path;
+} Former;
+
+static int by_age(const void *a, const void *b)
+{
+    const struct timespec s = ((const Former *)a)->written, t = ((const Former *)b)->written;
+    if (s.tv_sec != t.tv_sec) return s.tv_sec < t.tv_sec ? -1 : 1;
+    return s.tv_nsec < t.tv_nsec ? -1 : s.tv_nsec > t.tv_nsec;
+}
+
+/* False if there is no memory for it. */
+static bool add_former(const char *parent, const char *name, const char *but, Former **formers, size_t *n)
+{
+    char dir[4096], path[4096];
+    struct stat info;
+    if (name[0] == '.' || directory_path(dir, parent, name, NULL) || !strcmp(dir, but)) return true;
+    if (strlen(dir) >= RUNDIR_PATH || directory_path(path, dir, JOURNAL_NAME, NULL)) return true;
+    if (stat(path, &info) || !S_ISREG(info.st_mode)) return true;
+    Former *more = reallocarray(*formers, *n + 1, sizeof *more);
+    if (!more) return false;
+    *formers = more;
+    more[*n] = (Former){info.st_mtim, (uint64_t)info.st_size, strdup(dir)};
+    return more[(*n)++].path != NULL;
+}
+
+MnsStatus rundir_former(const char *parent, const char *but, uint64_t most_bytes, char ***ret, size_t *ret_n,
+                        MnsError *error)
+{
+    Former *formers = NULL;
+    size_t n = 0, first = 0;
+    bool room = true;
+    DIR *all = opendir(parent);
+    for (const struct dirent *entry; all && room && (entry = readdir(all));)
+        room = add_former(parent, entry->d_name, but, &formers, &n);
+    if (all) closedir(all);
+    if (n) qsort(formers, n, sizeof *formers, by_age);
+    for (first = n; first > 0 && formers[first - 1].size <= most_bytes; first--) most_bytes -= formers[first - 1].size;
+    *ret = room ? calloc(n - first + 1, sizeof **ret) : NULL;
+    *ret_n = *ret ? n - first : 0;
+    for (size_t k = 0; k < n; k++) {
+        if (*ret && k >= first) (*ret)[k - first] = formers[k].path;
+        else free(formers[k].path);
+    }
+    free(formers);
+    return *ret ? MNS_OK : mns_fail(error, MNS_E_MEMORY, "no memory for the runs in '%.300s'", parent);
+}
+
 void rundir_forget_journal(const char *dir)
 {
     char path[4096];

@@ -211,7 +211,10 @@ void run_lease(Run *run, Order *order, const LeaseWish *wish)
 {
     MnsError error;
     char text[160];
-    const uint64_t least = (uint64_t)time(NULL); /* so that epochs rise where no journal has the last one */
+    struct timespec today;
+    clock_gettime(CLOCK_REALTIME, &today);
+    /* So that epochs rise where no journal has the last one, and a daemon may have begun within the same second: milliseconds. */
+    const uint64_t least = 1000 * (uint64_t)today.tv_sec + (uint64_t)today.tv_nsec / 1000000;
     const Lease before = run->lease;
     const MnsStatus status = lease_take(&run->lease, wish, least, clock_now(), &error);
     if (!status) {
