@@ -37,9 +37,9 @@ static MnsStatus take(const Reader *reader, void *data, size_t size, uint64_t of
     return failure ? file_fail(error, failure, "read", reader->path) : MNS_OK;
 }
 
-enum { PAGE = 4096 };
+enum { PAGE = 4096, SECTOR = 512 };
 
-/* A file system may have made room and never filled it, all of it or from the beginning of a page on: then there are only zeros from there
+/* A file system may have made room and never filled it, all of it or from the beginning of a sector on: then there are only zeros from there
  * to the end. */
 static MnsStatus only_zeros(const Reader *reader, uint64_t from, bool *ret, MnsError *error)
 {
@@ -65,12 +65,12 @@ static MnsStatus make_room(Reader *reader, size_t size, MnsError *error)
     return MNS_OK;
 }
 
-/* Was a record of so many bytes at the place reached, which is not as it must be, written up to the end of some page only? */
+/* Was a record of so many bytes at the place reached, which is not as it must be, written up to the end of some sector only? */
 static MnsStatus is_torn(const Reader *reader, uint64_t size, bool *ret, MnsError *error)
 {
     const uint64_t begin = reader->report.size,
-                   page = (begin + size - 1) / PAGE * PAGE; /* the last that it reaches into */
-    return only_zeros(reader, page > begin ? page : begin, ret, error);
+                   sector = (begin + size - 1) / SECTOR * SECTOR; /* the last that it reaches into */
+    return only_zeros(reader, sector > begin ? sector : begin, ret, error);
 }
 
 /* The frame at the place reached. *ret_torn: the file ends before the record does. */

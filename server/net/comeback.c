@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* How much is read of the journals of runs before the one that was loaded last: a tenth of a second. */
 enum { FORMER_BYTES = 64 << 20 };
@@ -56,6 +57,18 @@ static void recall_former(Desk *desk, const char *parent, const char *current, c
     free(former);
 }
 
+static bool is_directory(const char *path)
+{
+    struct stat info;
+    return path[0] && !stat(path, &info) && S_ISDIR(info.st_mode);
+}
+
+/* That the run was loaded stood there before it became the current one. */
+static MnsStatus fail_gone(const Comeback *comeback, const char *what, MnsError *error)
+{
+    return mns_fail(error, MNS_E_CORRUPT, "the journal of '%.300s' %s", comeback->directory, what);
+}
+
 static MnsStatus fail_unread(const Comeback *comeback, const char *parent, const MnsError *why, MnsError *error)
 {
     return mns_fail(
@@ -74,6 +87,8 @@ MnsStatus comeback_begin(Comeback *comeback, const char *parent, const char *ask
     const bool other = !status && asked && !comeback->same;
     recall_former(desk, parent, comeback->directory, boot);
     if (!status) status = history_read(comeback->directory, &comeback->history, &why);
+    if (!status && !comeback->history.n) status = fail_gone(comeback, "has no record", &why);
+    if (status == MNS_E_NOT_FOUND && is_directory(comeback->directory)) status = fail_gone(comeback, "is gone", &why);
     if (!status) recall_last(desk, &comeback->history, boot);
     if (!status) status = lineage_of(&comeback->history, boot, &comeback->lineage, &why);
     comeback->due = !status;

@@ -210,7 +210,8 @@ static void after_recovery(Daemon *daemon, const Order *order)
     MnsError why;
     daemon->recovery = NULL;
     if (!order->status) return;
-    mns_fail(&why, order->status, "no run is gone on with: %.400s", order->error.text);
+    mns_fail(&why, order->status, "no run is gone on with: %.400s%s", order->error.text,
+             order->status == MNS_E_NO_SPACE ? "; make room and start the daemon again, and nothing is lost" : "");
     if (order->status == MNS_E_INTERRUPTED) log_line(LOG_ERROR, "%s", why.text); /* somebody has called it off */
     else if (daemon->bad_case.status) refuse_case(daemon);
     else if (daemon->options->load) give_up(daemon, &why, order->status == MNS_E_STATE ? MNS_EXIT_AGAIN : MNS_EXIT_IO);

@@ -284,6 +284,14 @@ const char *handler_way_out(const Handler *handler, RunState state)
     }
 }
 
+static const char *way_out(const Run *run, const Handler *handler)
+{
+    if (!run_is_unread(run)) return handler_way_out(handler, run_state(run));
+    return "a run that a crash has ended is not gone on with, and `meniscus status` says why; mend that and start the "
+           "daemon "
+           "again, or load a case beside it";
+}
+
 static void serve_at_step(Run *run, Order *order)
 {
     Exchange *x = (Exchange *)order;
@@ -299,7 +307,7 @@ static void serve_at_step(Run *run, Order *order)
     const char *name = handler->typed ? handler->typed : handler->name;
     answer(run, x,
            mns_fail(&error, MNS_E_STATE, "cannot %s while %s; possible in %s: %s", name, run_state_name(run_state(run)),
-                    where, handler_way_out(handler, run_state(run))),
+                    where, way_out(run, handler)),
            &error);
 }
 

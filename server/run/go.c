@@ -75,8 +75,7 @@ void run_fault(Run *run, const MnsError *error, bool output)
     run_goal_end(run, error->status, error);
 }
 
-/* RUNNING, with the outputs of the first boundary. */
-static void begin(Run *run, const char *text)
+void run_begin(Run *run, const char *text)
 {
     meter_begin(&run->meter, mns_sim_progress(run->sim), clock_now());
     run_enter(run, RUN_RUNNING, text);
@@ -126,6 +125,10 @@ void run_go(Run *run, Order *order)
     MnsError error;
     MnsStatus status = MNS_OK;
     assert(run->sim);
+    if (run_is_held_up(run)) {
+        run_recover_again(run, order);
+        return;
+    }
     if (run->state == RUN_FAULT && run->astray)
         status = mns_fail(
             &error, MNS_E_STATE,
@@ -134,7 +137,7 @@ void run_go(Run *run, Order *order)
             run->fault.text);
     else if (run->state == RUN_FAULT && run_is_broken(run)) status = refuse_broken(run, &error);
     else if (run->state == RUN_FAULT && run->output_failed) status = writer_retry(run->outputs.writer, &error);
-    if (!status) begin(run, run->state == RUN_READY ? "started" : "resumed");
+    if (!status) run_begin(run, run->state == RUN_READY ? "started" : "resumed");
     if (!status && run->state == RUN_FAULT) { /* the very first output failed */
         error = run->fault;
         status = error.status;
@@ -148,7 +151,7 @@ static void go_for(Run *run, Order *order, Goal goal, const char *text)
     goal.on = true;
     goal.order = order;
     run->goal = goal;
-    begin(run, text);
+    run_begin(run, text);
 }
 
 void run_step(Run *run, Order *order, uint64_t n)

@@ -33,6 +33,7 @@ typedef struct Recovery {
     size_t next;            /* of its entries                                             */
     uint64_t checkpoint;    /* the step it goes on from                                   */
     double limit;           /* time to which a step is shortened [s]                      */
+    bool resumed;           /* somebody has said that the run goes on when it is back     */
 } Recovery;
 
 struct Run {
@@ -141,6 +142,9 @@ void run_release(Run *run);
 
 /* recover.c: RECOVERING. One step on the way back, and what was commanded at the boundary. */
 void run_recover_on(Run *run);
+bool run_is_held_up(const Run *run);                               /* on it, by a file that could not be written */
+MnsStatus run_refuse_held_up(const Order *order, MnsError *error); /* what would change the case meanwhile */
+void run_recover_again(Run *run, Order *order);                    /* resume */
 /* run.c: a step boundary, for streams. */
 void run_offer(Run *run, bool stepped);
 
@@ -201,6 +205,7 @@ void run_fault(Run *run, const MnsError *error, bool output);
 bool run_is_broken(
     const Run *run); /* its state is none to go on from: not whole, or astray; else a formula or a file is to blame */
 const char *run_broken_why(const Run *run); /* in words */
+void run_begin(Run *run, const char *text); /* RUNNING, with the outputs of the first boundary   */
 void run_advance(Run *run);                 /* one step and all that hangs on it                  */
 
 /* One step, cut at the time `limit`, and the outputs that are due after it. *ret_output: it is one of them that failed, not the step. */

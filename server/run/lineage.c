@@ -163,8 +163,8 @@ static MnsStatus take_command(Lineage *lineage, const Record *record, MnsError *
         return MNS_OK;
     }
     lineage->state = record->reply ? (RunState)record->reply->state : RUN_PAUSED;
-    if (lineage->state == RUN_RECOVERING)
-        lineage->state = RUN_PAUSED; /* what was under way was called off before the run was back */
+    if (lineage->state == RUN_RECOVERING) /* resumed on the way back; or what was under way was called off there */
+        lineage->state = request->command_case == MENISCUS__REQUEST__COMMAND_RESUME ? RUN_RUNNING : RUN_PAUSED;
     lineage->step = record->step;
     lineage->untouched = false;
     switch (request->command_case) {

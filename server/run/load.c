@@ -195,6 +195,7 @@ static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
     run_commit(run); /* they belong to the journal of the run that goes */
     give_up(run);
     run->astray = false;
+    if (!candidate->order->lineage) run->recovery.lineage = NULL;
     run->noted = run->noted_here = 0;
     run->sim = candidate->sim;
     run->level = mns_level();

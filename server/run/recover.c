@@ -60,12 +60,47 @@ static MnsStatus step_again(Run *run, bool *ret_output, MnsError *error)
                     run->recovery.lineage->step);
 }
 
+/* Of a file that cannot be written the rest of the way is kept, for when there is room. */
 static void fail(Run *run, const MnsError *error, bool output)
 {
-    run->recovery.lineage = NULL;
+    MnsError why = *error;
+    if (output)
+        mns_fail(&why, error->status, "%.400s. The run is not back where it was before the crash; resume goes on",
+                 error->text);
+    else run->recovery.lineage = NULL;
     run->astray = true;
     run_hash(run);
-    run_fault(run, error, output);
+    run_fault(run, &why, output);
+}
+
+bool run_is_held_up(const Run *run)
+{
+    return run->state == RUN_FAULT && run->recovery.lineage;
+}
+
+MnsStatus run_refuse_held_up(const Order *order, MnsError *error)
+{
+    switch (order->request->command_case) {
+    case MENISCUS__REQUEST__COMMAND_SET:
+    case MENISCUS__REQUEST__COMMAND_ROLLBACK:
+    case MENISCUS__REQUEST__COMMAND_BREAKPOINT:
+        return mns_fail(error, MNS_E_STATE,
+                        "the run is not back where it was before the crash, as a file could not be written; make room "
+                        "and resume, then ask again");
+    default: return MNS_OK;
+    }
+}
+
+void run_recover_again(Run *run, Order *order)
+{
+    MnsError error;
+    const MnsStatus status = writer_retry(run->outputs.writer, &error);
+    if (!status) {
+        run->astray = false;
+        run->recovery.resumed = true;
+        run_enter(run, RUN_RECOVERING, "going on with the way back");
+    }
+    run_answer(run, order, status, &error);
 }
 
 static void restore_lease(Run *run, const Lineage *lineage)
@@ -83,6 +118,7 @@ static void arrive(Run *run)
     MnsError error;
     const Lineage *lineage = run->recovery.lineage;
     const RunState state = lineage->state;
+    const bool resumed = run->recovery.resumed;
     /* Rows that came after this step before the crash may be others now, if something is commanded first. */
     if (run_remember(run, lineage, &error) || outputs_begin_line(&run->outputs, &error)) {
         fail(run, &error, false);
@@ -92,6 +128,7 @@ static void arrive(Run *run)
     outputs_flush(&run->outputs, NULL);
     run_hash(run);
     run_enter(run, state == RUN_READY ? RUN_READY : RUN_PAUSED, "back where it was");
+    if (resumed) run_begin(run, "resumed");
 }
 
 void run_recover_on(Run *run)
@@ -146,4 +183,9 @@ void run_unread(Run *run, Order *order, const MnsError *why)
     if (run->state == RUN_EMPTY) run->fault = *why;
     run_publish(run);
     run_answer(run, order, MNS_OK, NULL);
+}
+
+bool run_is_unread(const Run *run)
+{
+    return run->state == RUN_EMPTY && run->fault.status;
 }

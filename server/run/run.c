@@ -55,6 +55,7 @@ static void serve(Run *run, Order *order)
         return;
     }
     MnsStatus status = run_check_moment(run, order, &error);
+    if (!status && order->request && run_is_held_up(run)) status = run_refuse_held_up(order, &error);
     if (!status && order->request) status = run_journal_ready(run, order, &error);
     if (!order->request) run_commit(run); /* what it sees is not undone by a crash */
     else run_withhold(run, order);

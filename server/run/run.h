@@ -123,6 +123,7 @@ void run_recover(Run *run, Order *order);
 
 /* There was a run, which cannot be read: EMPTY, and the status says why, until another one is there. */
 void run_unread(Run *run, Order *order, const MnsError *why);
+bool run_is_unread(const Run *run); /* the runner's */
 
 void run_reset(Run *run, Order *order);                     /* to t = 0 of the same case                              */
 void run_restore(Run *run, Order *order, const char *name); /* of a file in the run directory; NULL: the newest whole */
