@@ -116,7 +116,6 @@ static MnsStatus check_positive(bool given, double value, const char *path, MnsE
 
 static MnsStatus read_when(const Meniscus__When *asked, StreamSpec *spec, MnsError *error)
 {
-    spec->first = spec->kind == STREAM_PROBES;
     if (!asked) return MNS_OK;
     if (!stream_is_latest(spec->kind))
         return mns_fail_at(error, MNS_E_INVALID, "when",
@@ -129,7 +128,7 @@ static MnsStatus read_when(const Meniscus__When *asked, StreamSpec *spec, MnsErr
     spec->wish.when = (When){.every_steps = asked->every_steps,
                              .interval = asked->has_interval ? asked->interval : 0,
                              .gap = asked->has_max_hz ? 1 / asked->max_hz : 0};
-    if (asked->has_first) spec->first = asked->first;
+    spec->first = asked->first;
     return MNS_OK;
 }
 

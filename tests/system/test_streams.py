@@ -77,17 +77,23 @@ class Streams(StreamTest):
         self.assertGreater(size, 0)
 
     def test_values_of_probes_are_those_of_a_query_and_come_at_once(self) -> None:
-        columns = self.taker.subscribe(probes=sb.ProbeStream(), credit=PLENTY).columns
+        columns = self.taker.subscribe(probes=sb.ProbeStream(), when=sb.When(first=True), credit=PLENTY).columns
         item = self.taker.item()
         with Client(f"ipc://{self.home}/run/meniscus/default/control.ipc") as client:
             asked = client.query()
         self.assertEqual([column.name for column in columns], list(asked))
         np.testing.assert_array_equal(item.array("values"), [asked[column.name].value for column in columns])
 
+    def test_probes_that_nobody_asked_for_at_once_come_when_they_are_due(self) -> None:
+        self.taker.subscribe(probes=sb.ProbeStream(), when=sb.When(every_steps=7), credit=PLENTY)
+        self.assertTrue(self.taker.quiet(0.5))
+        self.meniscus("step", "15")
+        self.assertEqual(self.taker.item().head.step % 7, 0)
+
     def test_probes_come_in_the_order_in_which_they_are_named(self) -> None:
         with Client(f"ipc://{self.home}/run/meniscus/default/control.ipc") as client:
             names = list(client.query())[8:5:-1]
-            self.taker.subscribe(probes=sb.ProbeStream(names=names), credit=PLENTY)
+            self.taker.subscribe(probes=sb.ProbeStream(names=names), when=sb.When(first=True), credit=PLENTY)
             values = self.taker.item().array("values")
             self.assertEqual(list(values), [client.query()[name].value for name in names])
 
@@ -383,7 +389,7 @@ class Afar(DaemonTest):
             taker.send(subscribe=sb.Subscribe(probes=sb.ProbeStream(), credit=PLENTY))
             self.assertTrue(taker.quiet(1))
         taker = self.taker(eve)
-        taker.subscribe(probes=sb.ProbeStream(), when=sb.When(every_steps=1), credit=PLENTY)
+        taker.subscribe(probes=sb.ProbeStream(), when=sb.When(every_steps=1, first=True), credit=PLENTY)
         self.assertEqual(taker.item().head.step, 0)
         self.meniscus_keys("remove", "eve")
         time.sleep(0.5)
