@@ -223,6 +223,14 @@ MnsStatus key_file_read(const char *path, KeyPair *ret, MnsError *error)
     return status;
 }
 
+MnsStatus key_file_check(const char *path, MnsError *error)
+{
+    FILE *file;
+    const MnsStatus status = open_private(path, &file, error);
+    if (file) fclose(file);
+    return status;
+}
+
 /* --- writing -------------------------------------------------------------------------------------------------------------- */
 
 /* The directory and those above it, for this user alone where they are new. */

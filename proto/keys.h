@@ -79,6 +79,8 @@ void key_path(const char *directory, const char *name, char ret[static KEYS_PATH
 
 /* MNS_E_NOT_FOUND, MNS_E_INVALID, MNS_E_STATE if others could read it, MNS_E_IO. */
 MnsStatus key_file_read(const char *path, KeyPair *ret, MnsError *error);
+/* That nobody else has access to it, where there is one; the same otherwise. */
+MnsStatus key_file_check(const char *path, MnsError *error);
 MnsStatus key_file_write(const char *path, const KeyPair *pair, MnsError *error);
 
 #endif

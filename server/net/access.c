@@ -189,6 +189,15 @@ static void tell_keys(const Access *access, const Keys *keys, const char *path)
                  path);
 }
 
+/* The keys that are let in: none while others have access to what they are told from, or to our own. */
+static MnsStatus read_keys(const Access *access, Keys *ret, MnsError *error)
+{
+    char own[KEYS_PATH];
+    key_path(access->directory, KEYS_DAEMON, own);
+    const MnsStatus status = key_file_check(own, error);
+    return status ? status : keys_read(access->directory, ret, error);
+}
+
 /* What is looked at is told by its times, and read again on news too: within a tick of the file system's clock it may change and look
  * the same. */
 bool access_refresh(Access *access)
@@ -203,7 +212,7 @@ bool access_refresh(Access *access)
     if (stat(path, &info)) info = (struct stat){.st_size = -1};
     if (!news && same_file(&info, &access->seen)) return false;
     access->seen = info; /* looked at before it is read: a change in between is another one */
-    if (!keys_read(access->directory, &keys, &error)) tell_keys(access, &keys, path);
+    if (!read_keys(access, &keys, &error)) tell_keys(access, &keys, path);
     else if (access->tells) log_line(LOG_ERROR, "nobody is let in from afar: %s", error.text);
     const bool gone = is_one_gone(&access->keys, &keys);
     pthread_mutex_lock(&access->lock);

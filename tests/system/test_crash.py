@@ -279,6 +279,58 @@ class Crash(DaemonTest):
         self.assertEqual(self.ask("status")["state"], "EMPTY", "whoever asks for the end gets it")
         self.assertTrue(self.ask("replay", str(self.home / "state" / "signalled"), "--verify")["agrees"])
 
+    def test_what_was_answered_in_a_run_before_the_last_is_not_done_again(self) -> None:
+        step = pb.Request(major=1, id=secrets.token_bytes(16), step=pb.Step(count=10))
+        gravity = pb.Request(major=1, id=secrets.token_bytes(16))
+        gravity.set.assignments.add(path="gravity", value="[0, -2]")
+        self.meniscus("load", *CASE, "--name", "before")
+        answers = [self.send(request) for request in (step, gravity)]
+        self.meniscus("load", *CASE, "--name", "last")
+        self.kill_daemon()
+        self.meniscus("wait", "--for", "state=READY", "--timeout", "20")
+        self.assertEqual([self.send(request) for request in (step, gravity)], answers)
+        status = self.ask("status")
+        self.assertEqual((status["state"], status["step"]), ("READY", 0))
+        self.assertEqual(self.ask("get", "gravity")["values"]["gravity"]["value"], "[0, -1]")
+
+    def test_samples_that_are_damaged_keep_no_run_from_coming_back(self) -> None:
+        self.meniscus("load", *CASE, "--name", "samples")
+        self.meniscus("step", "30")
+        self.meniscus("checkpoint")
+        self.meniscus("step", "20")
+        before = self.ask("status")
+        samples = self.home / "state" / "samples" / "probes.hdf"
+        self.daemon.kill()
+        self.daemon.wait()
+        whole = samples.read_bytes()
+        damaged = whole[: len(whole) // 2] + bytes([whole[len(whole) // 2] ^ 1]) + whole[len(whole) // 2 + 1 :]
+        samples.write_bytes(damaged)
+        type(self).start_daemon()
+        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+        after = self.ask("status")
+        self.assertEqual((after["step"], after["state_hash"]), (before["step"], before["state_hash"]))
+        self.assertEqual(samples.with_name("probes.hdf.damaged").read_bytes(), damaged)
+        self.assertIn("probes.hdf was damaged", (samples.parent / "log").read_text())
+
+    def test_a_journal_that_is_gone_is_told(self) -> None:
+        self.meniscus("load", *CASE, "--name", "untold")
+        self.meniscus("step", "10")
+        journal = self.home / "state" / "untold" / "journal"
+        whole = journal.read_bytes()
+        for spoil in (journal.unlink, lambda: journal.write_bytes(b""), lambda: journal.write_bytes(whole[:8])):
+            self.daemon.kill()
+            self.daemon.wait()
+            spoil()
+            type(self).start_daemon()
+            status = self.ask("status")
+            self.assertEqual(status["state"], "EMPTY")
+            self.assertIn(str(journal.parent), status["fault"])
+            self.assertIn("start the daemon again", self.meniscus("resume", code=1).stderr)
+            journal.write_bytes(whole)
+        self.kill_daemon()
+        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+        self.assertEqual(self.ask("status")["step"], 10)
+
     def test_what_was_stopped_stays_stopped(self) -> None:
         self.meniscus("load", *CASE, "--name", "stopped")
         self.meniscus("stop")

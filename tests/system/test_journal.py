@@ -147,6 +147,23 @@ class Journal(DaemonTest):
         self.assertEqual(change["changes"], [{"path": "gravity", "before": "[0, -2]", "after": "[0, -1]"}])
         self.assertTrue(self.replay(run)["agrees"])
 
+    def test_a_run_that_diverged_and_went_on_is_replayed_along_that(self) -> None:
+        for back in ("restore", "reset"):
+            with self.subTest(back=back):
+                run = self.run_of(f"fallen-{back}")
+                self.meniscus("step", "20")
+                self.meniscus("checkpoint")
+                self.meniscus("set", "gravity=[0, -1e6]")
+                self.meniscus("step", "300", code=70)
+                fallen = self.ask("status")["step"]
+                self.replay(run)
+                self.meniscus(back)
+                self.meniscus("set", "gravity=[0, -1]")
+                self.meniscus("step", "150")
+                again = self.replay(run)
+                self.assertEqual((again["agrees"], again["steps"]), (True, fallen + 150))
+                self.assertGreaterEqual(again["compared"], 4)
+
     def test_a_replay_that_computes_otherwise_is_found_at_the_first_state(self) -> None:
         run = self.run_of("otherwise")
         self.meniscus("step", str(HASH_STEPS + 5))

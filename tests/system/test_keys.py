@@ -225,6 +225,16 @@ class Keys(DaemonTest):
         with self.assertRaisesRegex(meniscus.StateError, "chmod 600"):
             meniscus.Client(self.far, key=str(copy))
 
+    def test_while_others_can_read_the_key_of_the_daemon_nobody_is_let_in(self) -> None:
+        own, vera = self.keys / "daemon.key", str(self.keys / "vera.key")
+        own.chmod(0o640)
+        self.addCleanup(own.chmod, 0o600)
+        words = [BUILD / "meniscus", "status", "--daemon", self.far, "--key", vera]
+        shut = subprocess.run(words, env=self.environment, capture_output=True, timeout=60)
+        self.assertIn(shut.returncode, (69, 77))  # no answer, or a refusal while the gate leaves
+        own.chmod(0o600)
+        self.assertEqual(self.ask("status", "--daemon", self.far, "--key", vera)["state"], "EMPTY")
+
     def test_a_daemon_without_keys_does_not_listen(self) -> None:
         environment = self.environment | {"MENISCUS_KEYS": str(self.home / "none")}
         words = [str(BUILD / "meniscusd"), "--name", "none", "--state-dir", str(self.home / "none-state")]
