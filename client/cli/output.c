@@ -254,6 +254,7 @@ void output_print_values(size_t n, const MnsValue *values)
     for (size_t k = 0; k < n; k++) {
         const char *unit = output_unit(values[k].unit), *gap = *unit ? " " : "";
         if (values[k].text) printf("%-*s = %s%s%s\n", width, values[k].name, values[k].text, gap, unit);
+        else if (isnan(values[k].number)) printf("%-*s = none\n", width, values[k].name); /* as a front of no fluid */
         else printf("%-*s = %.6g%s%s\n", width, values[k].name, values[k].number, gap, unit);
     }
 }
