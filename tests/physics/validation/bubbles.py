@@ -75,6 +75,7 @@ def bubble3d_single_printed(paper: bool) -> Iterator[Metric]:
 # --- P1 4.2.1, figure 9: the volume correction factor ----------------------------------------------------------------------
 
 DELTAS = (0.125, 0.5, 1, 3)
+DAMPED = 0.5  # with less the sound of the start is still there when the speed is measured, with the factor and without
 FORMS = {"with": "generalized", "without": "no-volume-factor"}
 
 
@@ -86,6 +87,28 @@ def spread(done: Sequence[Run], first: float, last: float) -> tuple[float, float
     curves = np.array([np.interp(t, r.t, smooth(r.t, r.probes["velocity"], 0.01)) for r in done])
     mean = float(np.mean(speeds))
     return (max(speeds) - min(speeds)) / mean, float((curves.max(0) - curves.min(0)).max()) / mean
+
+
+def departure(r: Run) -> float:
+    """Of the volume of the gas from that of the start, at its largest."""
+    volume = r.probes["volume"]
+    return float(np.max(np.abs(volume / volume[0] - 1)))
+
+
+def noise(r: Run, first: float, last: float) -> float:
+    """Of the speed about the parabola through it, over that of the rise: the sound that a coefficient leaves."""
+    inside = (r.t >= first) & (r.t <= last)
+    t, speed = r.t[inside], r.probes["velocity"][inside]
+    return float(np.std(speed - np.polyval(np.polyfit(t, speed, 2), t)) / r.slope("centre", first, last))
+
+
+def score_factor(case: str, delta: float, with_: Run, without: Run, window: tuple[float, float]) -> Iterator[Metric]:
+    """What the factor is for: that a gas between heavy neighbours keeps its volume. Where it is damped at all it rings less, too."""
+    kept, lost = departure(with_), departure(without)
+    yield Metric(case, f"delta {delta:g}, with the volume correction: largest departure of the gas's volume", kept)
+    yield Metric(case, f"delta {delta:g}: the same without it, over that", lost / kept, low=1)
+    yield Metric(case, f"delta {delta:g}, with the volume correction: noise of the speed", noise(with_, *window))
+    yield Metric(case, f"delta {delta:g}: the same without it, over that noise", noise(without, *window) / noise(with_, *window))
 
 
 def score_correction(case: str, runs: Mapping[str, Sequence[Run | None]], window: tuple[float, float], full: bool) -> Iterator[Metric]:
@@ -100,9 +123,15 @@ def score_correction(case: str, runs: Mapping[str, Sequence[Run | None]], window
         over = ", ".join(f"{delta:g}" for delta, r in zip(DELTAS, runs["with"], strict=True) if r)
         name = f"with the volume correction, delta {over}: spread of the speed"
         yield Metric(case, name, spread(alone, *window)[0], high=0.03 if full else np.inf)
+    damped = [r for delta, r in zip(DELTAS, runs["with"], strict=True) if r and delta >= DAMPED]
+    if len(damped) > 1:
+        over = ", ".join(f"{delta:g}" for delta, r in zip(DELTAS, runs["with"], strict=True) if r and delta >= DAMPED)
+        yield Metric(case, f"the same, delta {over}", spread(damped, *window)[0], high=0.03)
     if len(both) < 2:
         yield Metric(case, "deltas with which both forms come to their end", len(both), low=2)
         return
+    for k in both:
+        yield from score_factor(case, DELTAS[k], runs["with"][k], runs["without"][k], window)
     deltas = f"delta {', '.join(f'{DELTAS[k]:g}' for k in both)}"
     found = {name: spread([runs[name][k] for k in both], *window) for name in FORMS}
     yield Metric(case, f"{deltas}, with the volume correction: spread of the speed", found["with"][0])
