@@ -356,7 +356,7 @@ void run_load(Run *run, Order *order, const RunLoad *load)
         run_answer(run, order, status, &error);
         return;
     }
-    if (!order->lineage) run->recovery.lineage = NULL;
+    if (!order->lineage && !run->sim) run->recovery.lineage = NULL; /* of a way back that could not begin */
     run_enter(run, order->lineage ? RUN_RECOVERING : RUN_LOADING, load->name);
     candidate.original = document_share(document);
     status = choose_directory(run, load, candidate.directory, &error);

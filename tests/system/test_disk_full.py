@@ -185,6 +185,9 @@ class DiskFull(DaemonTest):
         self.assertIn("not back where it was", held["fault"])
         self.assertIn("make room and resume", self.meniscus("set", "gravity=[0, -3]", code=1).stderr)
         self.meniscus("resume", code=74)
+        self.meniscus("load", "nowhere.yaml", code=65)
+        self.meniscus("load", *CASE, "--name", "beside", code=74)  # for which there is no room either
+        self.assertEqual(self.ask("status")["fault"], held["fault"])
         filler.unlink()
         self.meniscus("resume")
         self.meniscus("wait", "--for", f"step={before['step'] + 1}", "--timeout", "60")
