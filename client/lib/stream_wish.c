@@ -68,9 +68,9 @@ static void want_when(Wish *wish, const MnsStreamOptions *o)
     when->interval = o->interval;
     when->has_max_hz = o->max_hz != 0;
     when->max_hz = o->max_hz;
-    when->has_first = o->first;
+    when->has_first = o->first || o->kind == MNS_STREAM_PROBES; /* which would have one where nothing is said */
     when->first = o->first;
-    if (when->has_every_steps || when->has_interval || when->has_max_hz || o->first) wish->subscribe.when = when;
+    if (when->has_every_steps || when->has_interval || when->has_max_hz || when->has_first) wish->subscribe.when = when;
 }
 
 static void want_where(Wish *wish, const MnsStreamOptions *o)

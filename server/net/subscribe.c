@@ -114,8 +114,16 @@ static MnsStatus check_positive(bool given, double value, const char *path, MnsE
     return mns_fail_at(error, MNS_E_INVALID, path, "%s must be above 0 and finite; found %g", path, value);
 }
 
+/* Probes of every boundary begin with the one that the run is at. */
+static bool is_first_due(const Meniscus__When *asked, StreamKind kind)
+{
+    if (asked && asked->has_first) return asked->first;
+    return kind == STREAM_PROBES && !(asked && (asked->has_every_steps || asked->has_interval));
+}
+
 static MnsStatus read_when(const Meniscus__When *asked, StreamSpec *spec, MnsError *error)
 {
+    spec->first = is_first_due(asked, spec->kind);
     if (!asked) return MNS_OK;
     if (!stream_is_latest(spec->kind))
         return mns_fail_at(error, MNS_E_INVALID, "when",
@@ -128,7 +136,6 @@ static MnsStatus read_when(const Meniscus__When *asked, StreamSpec *spec, MnsErr
     spec->wish.when = (When){.every_steps = asked->every_steps,
                              .interval = asked->has_interval ? asked->interval : 0,
                              .gap = asked->has_max_hz ? 1 / asked->max_hz : 0};
-    spec->first = asked->first;
     return MNS_OK;
 }
 

@@ -77,7 +77,7 @@ class Streams(StreamTest):
         self.assertGreater(size, 0)
 
     def test_values_of_probes_are_those_of_a_query_and_come_at_once(self) -> None:
-        columns = self.taker.subscribe(probes=sb.ProbeStream(), when=sb.When(first=True), credit=PLENTY).columns
+        columns = self.taker.subscribe(probes=sb.ProbeStream(), credit=PLENTY).columns
         item = self.taker.item()
         with Client(f"ipc://{self.home}/run/meniscus/default/control.ipc") as client:
             asked = client.query()
@@ -93,7 +93,7 @@ class Streams(StreamTest):
     def test_probes_come_in_the_order_in_which_they_are_named(self) -> None:
         with Client(f"ipc://{self.home}/run/meniscus/default/control.ipc") as client:
             names = list(client.query())[8:5:-1]
-            self.taker.subscribe(probes=sb.ProbeStream(names=names), when=sb.When(first=True), credit=PLENTY)
+            self.taker.subscribe(probes=sb.ProbeStream(names=names), credit=PLENTY)
             values = self.taker.item().array("values")
             self.assertEqual(list(values), [client.query()[name].value for name in names])
 

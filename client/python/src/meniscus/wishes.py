@@ -116,7 +116,7 @@ def subscription(
         wish.codec = CODECS[pack]
     names = [names] if isinstance(names, str) else list(names)
     _say_what(wish, what, names, exact)
-    _say_when(wish, every_steps, interval, max_hz, first)
+    _say_when(wish, every_steps, interval, max_hz, True if first else False if what == "probes" else None)
     where: Dict[str, Any] = {"phases": list(phases)}
     if box is not None:
         where.update(min=box[0], max=box[1])
@@ -159,9 +159,10 @@ def _exactness(how: Union[None, str, float]) -> Optional[pb.Exactness]:
 
 
 def _say_when(
-    wish: pb.Subscribe, every_steps: Optional[int], interval: Optional[float], max_hz: Optional[float], first: bool
+    wish: pb.Subscribe, every_steps: Optional[int], interval: Optional[float], max_hz: Optional[float], first: Optional[bool]
 ) -> None:
-    given = {"every_steps": every_steps, "interval": interval, "max_hz": max_hz, "first": first or None}
+    """first: None to say nothing of it, which for probes means yes."""
+    given = {"every_steps": every_steps, "interval": interval, "max_hz": max_hz, "first": first}
     when = {name: value for name, value in given.items() if value is not None}
     if when:
         wish.when.CopyFrom(pb.When(**when))  # type: ignore[arg-type]
