@@ -219,10 +219,17 @@ static MnsStatus catch_up(Replay *replay, MnsError *error)
     return status;
 }
 
-/* What was commanded then found the run in FAULT, or tells nothing of that. */
+/* What was commanded then found the run in FAULT or ended it, or tells nothing of that. */
 static bool may_have_fallen(const Record *record)
 {
-    return !record->reply || !record->reply->has_state || record->reply->state == MENISCUS__STATE__FAULT;
+    if (!record->reply || !record->reply->has_state) return true;
+    switch (record->reply->state) {
+    case MENISCUS__STATE__READY:
+    case MENISCUS__STATE__RUNNING:
+    case MENISCUS__STATE__PAUSED:
+    case MENISCUS__STATE__DONE: return false;
+    default: return true;
+    }
 }
 
 static bool tells_of_fall(const Record *record)

@@ -147,6 +147,7 @@ MnsStatus journal_scan(int fd, const char *path, JournalVisit *visit, void *arg,
     Reader reader = {.fd = fd, .path = path};
     bool begun = false;
     if (fstat(fd, &about)) return file_fail(error, errno, "look at", path);
+    if (!S_ISREG(about.st_mode)) return mns_fail(error, MNS_E_CORRUPT, "'%.300s' is no file, so no journal", path);
     reader.size = (uint64_t)about.st_size;
     MnsStatus status = read_head(&reader, &begun, error);
     if (!status && begun) {
@@ -163,7 +164,7 @@ MnsStatus journal_scan(int fd, const char *path, JournalVisit *visit, void *arg,
 MnsStatus journal_read(const char *path, JournalVisit *visit, void *arg, JournalReport *ret, MnsError *error)
 {
     uint8_t chain[JOURNAL_CHAIN];
-    const int fd = open(path, O_RDONLY | O_CLOEXEC);
+    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe in its place holds up nobody */
     if (fd < 0 && errno == ENOENT)
         return mns_fail(error, MNS_E_NOT_FOUND, "there is no journal '%.300s'; is it the directory of a run?", path);
     if (fd < 0) return file_fail(error, errno, "read", path);

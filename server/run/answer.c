@@ -88,7 +88,7 @@ void run_answer_filed(Run *run)
 /* Of a command that had set out before a crash the journal tells where it ended. */
 void run_answer_unserved(Run *run, Order *order, MnsStatus status, const MnsError *error)
 {
-    const Lineage *ahead = run->recovery.lineage;
+    const Lineage *ahead = run_is_held_up(run) ? NULL : run->recovery.lineage;
     if (ahead) order->effect_step = ahead->step;
     else if (run->sim) order->effect_step = mns_sim_progress(run->sim).step;
     run_answer(run, order, status, error);

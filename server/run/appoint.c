@@ -38,6 +38,10 @@ static MnsStatus check_new(Run *run, Order *order, MnsError *error)
 static MnsStatus check_old(const Run *run, MnsError *error)
 {
     if (run->state == RUN_READY || run->state == RUN_PAUSED) return MNS_OK;
+    if (run->state == RUN_EMPTY && run->recovery.lineage)
+        return mns_fail(error, MNS_E_STATE,
+                        "the run for which this is scheduled is not back; it stays scheduled for when the daemon is "
+                        "started again and comes back to it");
     return mns_fail(error, MNS_E_INTERRUPTED,
                     "the run for which this was scheduled has ended, or did not come back to where it was");
 }

@@ -54,6 +54,7 @@ void run_cancel(Run *run, Order *order, const uint8_t id[static ORDER_ID])
 {
     MnsError error;
     Order *queued = mailbox_remove(&run->mailbox, id);
+    if (!queued) queued = run_take_held(run, id);
     mns_fail(&error, MNS_E_INTERRUPTED, "cancelled");
     const bool is_goal = run->goal.order && !memcmp(run->goal.order->id, id, ORDER_ID);
     if (queued) run_answer_unserved(run, queued, MNS_E_INTERRUPTED, &error);
@@ -75,7 +76,8 @@ void run_fault(Run *run, const MnsError *error, bool output)
     run_goal_end(run, error->status, error);
 }
 
-void run_begin(Run *run, const char *text)
+/* RUNNING, with the outputs of the first boundary. */
+static void begin(Run *run, const char *text)
 {
     meter_begin(&run->meter, mns_sim_progress(run->sim), clock_now());
     run_enter(run, RUN_RUNNING, text);
@@ -137,7 +139,7 @@ void run_go(Run *run, Order *order)
             run->fault.text);
     else if (run->state == RUN_FAULT && run_is_broken(run)) status = refuse_broken(run, &error);
     else if (run->state == RUN_FAULT && run->output_failed) status = writer_retry(run->outputs.writer, &error);
-    if (!status) run_begin(run, run->state == RUN_READY ? "started" : "resumed");
+    if (!status) begin(run, run->state == RUN_READY ? "started" : "resumed");
     if (!status && run->state == RUN_FAULT) { /* the very first output failed */
         error = run->fault;
         status = error.status;
@@ -151,7 +153,7 @@ static void go_for(Run *run, Order *order, Goal goal, const char *text)
     goal.on = true;
     goal.order = order;
     run->goal = goal;
-    run_begin(run, text);
+    begin(run, text);
 }
 
 void run_step(Run *run, Order *order, uint64_t n)
@@ -254,6 +256,7 @@ void run_advance(Run *run)
     const double limit = fmin(run->goal.exact ? run->goal.t : INFINITY, agenda_limit(&run->agenda));
     MnsStatus status = run_step_once(run, fmin(limit, end), &output, &error);
     if (!status) status = run_bound_way_back(run, &error);
+    if (status == MNS_E_DIVERGED && !output) run_hash(run); /* a replay has to diverge to the same */
     if (status) run_fault(run, &error, output);
     if (status && !output) return;
     run_offer(run, true);

@@ -33,7 +33,7 @@ typedef struct Recovery {
     size_t next;            /* of its entries                                             */
     uint64_t checkpoint;    /* the step it goes on from                                   */
     double limit;           /* time to which a step is shortened [s]                      */
-    bool resumed;           /* somebody has said that the run goes on when it is back     */
+    Order *held;            /* what comes behind the way back, while that is held up      */
 } Recovery;
 
 struct Run {
@@ -143,6 +143,10 @@ void run_release(Run *run);
 /* recover.c: RECOVERING. One step on the way back, and what was commanded at the boundary. */
 void run_recover_on(Run *run);
 bool run_is_held_up(const Run *run);                               /* on it, by a file that could not be written */
+void run_hold(Run *run, Order *order);                             /* what is to be served when the run is back */
+Order *run_take_held(Run *run, const uint8_t id[static ORDER_ID]); /* NULL if it is not among that */
+void run_release_held(Run *run);                                   /* into the mailbox */
+void run_drop_held(Run *run, const char *why);                     /* it is called off */
 MnsStatus run_refuse_held_up(const Order *order, MnsError *error); /* what would change the case meanwhile */
 void run_recover_again(Run *run, Order *order);                    /* resume */
 /* run.c: a step boundary, for streams. */
@@ -205,7 +209,6 @@ void run_fault(Run *run, const MnsError *error, bool output);
 bool run_is_broken(
     const Run *run); /* its state is none to go on from: not whole, or astray; else a formula or a file is to blame */
 const char *run_broken_why(const Run *run); /* in words */
-void run_begin(Run *run, const char *text); /* RUNNING, with the outputs of the first boundary   */
 void run_advance(Run *run);                 /* one step and all that hangs on it                  */
 
 /* One step, cut at the time `limit`, and the outputs that are due after it. *ret_output: it is one of them that failed, not the step. */

@@ -152,6 +152,16 @@ static void halt(Lineage *lineage, RunState state)
     if (state == RUN_READY || state == RUN_PAUSED || state == RUN_DONE) lineage->state = state;
 }
 
+/* In FAULT only what was under way has ended; on the way back it was called off, or the run was to go on. */
+static RunState state_after(const Lineage *lineage, const Record *record)
+{
+    const Meniscus__Request *request = record->request;
+    const RunState state = record->reply ? (RunState)record->reply->state : RUN_PAUSED;
+    if (state == RUN_FAULT) return is_motion(request) ? RUN_PAUSED : lineage->state;
+    if (state != RUN_RECOVERING) return state;
+    return request->command_case == MENISCUS__REQUEST__COMMAND_RESUME ? RUN_RUNNING : RUN_PAUSED;
+}
+
 /* A command that was done, or a step or run_until that ended, well or not. */
 static MnsStatus take_command(Lineage *lineage, const Record *record, MnsError *error)
 {
@@ -162,10 +172,8 @@ static MnsStatus take_command(Lineage *lineage, const Record *record, MnsError *
         if (record->reply) halt(lineage, (RunState)record->reply->state);
         return MNS_OK;
     }
-    lineage->state = record->reply ? (RunState)record->reply->state : RUN_PAUSED;
-    if (lineage->state == RUN_RECOVERING) /* resumed on the way back; or what was under way was called off there */
-        lineage->state = request->command_case == MENISCUS__REQUEST__COMMAND_RESUME ? RUN_RUNNING : RUN_PAUSED;
-    lineage->step = record->step;
+    lineage->state = state_after(lineage, record);
+    come_to(lineage, record); /* it may have been commanded on the way back */
     lineage->untouched = false;
     switch (request->command_case) {
     case MENISCUS__REQUEST__COMMAND_STOP:

@@ -192,6 +192,7 @@ static MnsStatus install(Run *run, Candidate *candidate, MnsError *error)
     if (lost.status) run_tell(run, NOTE_LOG, LOG_WARNING, "lost", lost.text);
     run_answer_filed(run);
     run_drop_appointments(run, "called off by a load, reset or restore");
+    if (!candidate->order->lineage) run_drop_held(run, "called off by a load, reset or restore");
     run_commit(run); /* they belong to the journal of the run that goes */
     give_up(run);
     run->astray = false;
@@ -459,6 +460,7 @@ void run_stop(Run *run, Order *order, bool checkpoint)
     }
     run_goal_end(run, MNS_E_INTERRUPTED, &ended);
     run_drop_appointments(run, ended.text);
+    run_drop_held(run, ended.text);
     end_recovery(run, order);
     if (run->sim) run_tell(run, NOTE_LOG, LOG_INFORMATION, "stopped", "on request"); /* the last word of its log */
     if (close_run(run, &error)) run_tell(run, NOTE_LOG, LOG_WARNING, "lost", error.text);

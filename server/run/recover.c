@@ -8,6 +8,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 #include <time.h>
 
 static const double TURN = 0.05; /* [s] between two looks at who has no time for all this */
@@ -78,12 +79,55 @@ bool run_is_held_up(const Run *run)
     return run->state == RUN_FAULT && run->recovery.lineage;
 }
 
+void run_hold(Run *run, Order *order)
+{
+    Order **end = &run->recovery.held;
+    while (*end) end = &(*end)->next;
+    order->next = NULL;
+    *end = order;
+}
+
+static Order *take_held(Run *run, Order **at)
+{
+    Order *order = *at;
+    (void)run;
+    *at = order->next;
+    order->next = NULL;
+    return order;
+}
+
+Order *run_take_held(Run *run, const uint8_t id[static ORDER_ID])
+{
+    Order **at = &run->recovery.held;
+    while (*at && memcmp((*at)->id, id, ORDER_ID) != 0) at = &(*at)->next;
+    return *at ? take_held(run, at) : NULL;
+}
+
+void run_release_held(Run *run)
+{
+    MnsError error;
+    while (run->recovery.held) {
+        Order *order = take_held(run, &run->recovery.held);
+        const MnsStatus status = mailbox_post(&run->mailbox, order, &error);
+        if (status) run_answer_unserved(run, order, status, &error);
+    }
+}
+
+void run_drop_held(Run *run, const char *why)
+{
+    MnsError error;
+    mns_fail(&error, MNS_E_INTERRUPTED, "%s", why);
+    while (run->recovery.held) run_answer_unserved(run, take_held(run, &run->recovery.held), MNS_E_INTERRUPTED, &error);
+}
+
+/* What is scheduled or was under way comes with the lineage, and waits itself. */
 MnsStatus run_refuse_held_up(const Order *order, MnsError *error)
 {
     switch (order->request->command_case) {
     case MENISCUS__REQUEST__COMMAND_SET:
     case MENISCUS__REQUEST__COMMAND_ROLLBACK:
     case MENISCUS__REQUEST__COMMAND_BREAKPOINT:
+    case MENISCUS__REQUEST__COMMAND_CHECKPOINT:
         return mns_fail(error, MNS_E_STATE,
                         "the run is not back where it was before the crash, as a file could not be written; make room "
                         "and resume, then ask again");
@@ -94,11 +138,18 @@ MnsStatus run_refuse_held_up(const Order *order, MnsError *error)
 void run_recover_again(Run *run, Order *order)
 {
     MnsError error;
-    const MnsStatus status = writer_retry(run->outputs.writer, &error);
+    MnsStatus status = writer_retry(run->outputs.writer, &error);
     if (!status) {
+        const Lineage *lineage = run->recovery.lineage;
+        const bool rests = lineage->state == RUN_READY || lineage->state == RUN_PAUSED;
         run->astray = false;
-        run->recovery.resumed = true;
+        run_release_held(run);
         run_enter(run, RUN_RECOVERING, "going on with the way back");
+        /* What was under way, or a run that was RUNNING, has an order of its own that sets it in motion; else this one does, behind all that is scheduled. */
+        if (rests && !lineage->begun) {
+            status = mailbox_post(&run->mailbox, order, &error);
+            if (!status) return;
+        }
     }
     run_answer(run, order, status, &error);
 }
@@ -118,7 +169,6 @@ static void arrive(Run *run)
     MnsError error;
     const Lineage *lineage = run->recovery.lineage;
     const RunState state = lineage->state;
-    const bool resumed = run->recovery.resumed;
     /* Rows that came after this step before the crash may be others now, if something is commanded first. */
     if (run_remember(run, lineage, &error) || outputs_begin_line(&run->outputs, &error)) {
         fail(run, &error, false);
@@ -128,7 +178,6 @@ static void arrive(Run *run)
     outputs_flush(&run->outputs, NULL);
     run_hash(run);
     run_enter(run, state == RUN_READY ? RUN_READY : RUN_PAUSED, "back where it was");
-    if (resumed) run_begin(run, "resumed");
 }
 
 void run_recover_on(Run *run)

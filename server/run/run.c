@@ -47,7 +47,11 @@ static void serve(Run *run, Order *order)
 {
     MnsError error;
     const MnsProgress now = run->sim ? mns_sim_progress(run->sim) : (MnsProgress){.t = 0};
-    const Lineage *ahead = run->recovery.lineage;
+    const Lineage *ahead = run_is_held_up(run) ? NULL : run->recovery.lineage;
+    if (run_is_held_up(run) && order->lineage) {
+        run_hold(run, order);
+        return;
+    }
     order->effect_step = ahead ? ahead->step : now.step; /* on the way back the run is, for the journal, where it was */
     order->effect_t = now.t;
     if (order->scheduled && !order->appointed) {
@@ -152,6 +156,7 @@ static void answer_all(Run *run)
     MnsError error;
     mns_fail(&error, MNS_E_UNAVAILABLE, "the daemon is leaving");
     run_answer_filed(run);
+    run_release_held(run);
     run_goal_end(run, MNS_E_UNAVAILABLE, &error);
     run_answer_all_waiters(run, &error);
     for (Order *order; (order = mailbox_take(&run->mailbox, 0));)

@@ -243,6 +243,23 @@ static void a_run_whose_journal_cannot_be_read_is_not_forgotten(void **state)
     assert_int_equal(steer_step_now(dialogue), 5);
 }
 
+/* Set the end time at a later step; nobody waits for that. */
+static void schedule_end(Dialogue *dialogue, const char *value, uint64_t step)
+{
+    Meniscus__Request request = MENISCUS__REQUEST__INIT;
+    Meniscus__Set set = MENISCUS__SET__INIT;
+    Meniscus__Assignment item = MENISCUS__ASSIGNMENT__INIT, *items[] = {&item};
+    item.path = (char *)"end_time";
+    item.value = (char *)value;
+    set.n_assignments = 1;
+    set.assignments = items;
+    request.command_case = MENISCUS__REQUEST__COMMAND_SET;
+    request.set = &set;
+    request.has_at_step = request.has_no_wait = request.no_wait = true;
+    request.at_step = step;
+    steer_accepted(dialogue_ask(dialogue, &request));
+}
+
 /* What was commanded behind that place would be lost if it just went on; so would what is commanded meanwhile. */
 static void a_way_back_that_a_file_holds_up_goes_on_by_resume(void **state)
 {
@@ -253,6 +270,7 @@ static void a_way_back_that_a_file_holds_up_goes_on_by_resume(void **state)
     steer_load_here(dialogue, (const char *const[]){"output.snapshot_interval=1e-9", NULL}, here);
     steer_go(dialogue, there);
     steer_accepted(steer_set(dialogue, "gravity", "[0, -2]"));
+    schedule_end(dialogue, "77", there + 2);
     snprintf(in_the_way, sizeof in_the_way, "%s/snapshot-0000000003.hdf.tmp", here);
     assert_int_equal(mkdir(in_the_way, 0700), 0);
     for (int k = 0; k < 2; k++) { /* another crash there changes nothing */
@@ -266,8 +284,9 @@ static void a_way_back_that_a_file_holds_up_goes_on_by_resume(void **state)
     }
     assert_int_equal(rmdir(in_the_way), 0);
     assert_int_equal(steer_code(dialogue, dialogue_resume()), MENISCUS__CODE__OK);
-    steer_accepted(steer_wait_step(dialogue, there + 1));
+    steer_accepted(steer_wait_step(dialogue, there + 3));
     assert_int_equal(steer_code(dialogue, dialogue_pause()), MENISCUS__CODE__OK);
+    assert_true(steer_get(dialogue, "end_time") == 77);
     assert_int_equal(replay_run(here, -1, false), MNS_EXIT_DONE);
     dialogue_crash(dialogue);
     steer_accepted(steer_wait(dialogue, MENISCUS__STATE__PAUSED, 20000));

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The journal of a run: it tells who changed what, it can be replayed to the same bits, and no changed byte escapes it."""
 
+import itertools
+import os
 import random
 import struct
 import subprocess
@@ -148,13 +150,17 @@ class Journal(DaemonTest):
         self.assertTrue(self.replay(run)["agrees"])
 
     def test_a_run_that_diverged_and_went_on_is_replayed_along_that(self) -> None:
-        for back in ("restore", "reset"):
-            with self.subTest(back=back):
-                run = self.run_of(f"fallen-{back}")
+        for back, by_step in itertools.product(("restore", "reset"), (True, False)):
+            with self.subTest(back=back, by_step=by_step):
+                run = self.run_of(f"fallen-{back}-{by_step}")
                 self.meniscus("step", "20")
                 self.meniscus("checkpoint")
                 self.meniscus("set", "gravity=[0, -1e6]")
-                self.meniscus("step", "300", code=70)
+                if by_step:
+                    self.meniscus("step", "300", code=70)
+                else:
+                    self.meniscus("resume")
+                    self.meniscus("wait", "--for", "state=FAULT")
                 fallen = self.ask("status")["step"]
                 self.replay(run)
                 self.meniscus(back)
@@ -199,6 +205,19 @@ class Journal(DaemonTest):
             self.replay(run, code=74)
         (run / "journal").write_bytes(whole)
         self.assertIn("whole", self.meniscus("log", str(run), "--verify").stdout)
+
+    def test_a_journal_without_a_record_is_not_whole_and_what_is_no_file_is_none(self) -> None:
+        run = self.run_of("emptied")
+        journal = run / "journal"
+        self.meniscus("stop")
+        whole = journal.read_bytes()
+        for left in (0, 3, 8, 9):
+            journal.write_bytes(whole[:left])
+            self.assertIn("has no record", self.meniscus("log", str(run), "--verify", code=74).stderr)
+        journal.unlink()
+        os.mkfifo(journal)
+        self.assertIn("is no file", self.meniscus("log", str(run), code=74).stderr)
+        self.assertFalse(self.replay(run, code=74)["agrees"])
 
     def test_a_batch_run_has_a_journal_too(self) -> None:
         out = self.home / "batch"
