@@ -87,10 +87,9 @@ void run_hold(Run *run, Order *order)
     *end = order;
 }
 
-static Order *take_held(Run *run, Order **at)
+static Order *take_held(Order **at)
 {
     Order *order = *at;
-    (void)run;
     *at = order->next;
     order->next = NULL;
     return order;
@@ -100,14 +99,14 @@ Order *run_take_held(Run *run, const uint8_t id[static ORDER_ID])
 {
     Order **at = &run->recovery.held;
     while (*at && memcmp((*at)->id, id, ORDER_ID) != 0) at = &(*at)->next;
-    return *at ? take_held(run, at) : NULL;
+    return *at ? take_held(at) : NULL;
 }
 
 void run_release_held(Run *run)
 {
     MnsError error;
     while (run->recovery.held) {
-        Order *order = take_held(run, &run->recovery.held);
+        Order *order = take_held(&run->recovery.held);
         const MnsStatus status = mailbox_post(&run->mailbox, order, &error);
         if (status) run_answer_unserved(run, order, status, &error);
     }
@@ -117,7 +116,7 @@ void run_drop_held(Run *run, const char *why)
 {
     MnsError error;
     mns_fail(&error, MNS_E_INTERRUPTED, "%s", why);
-    while (run->recovery.held) run_answer_unserved(run, take_held(run, &run->recovery.held), MNS_E_INTERRUPTED, &error);
+    while (run->recovery.held) run_answer_unserved(run, take_held(&run->recovery.held), MNS_E_INTERRUPTED, &error);
 }
 
 /* What is scheduled or was under way comes with the lineage, and waits itself. */
