@@ -247,17 +247,9 @@ static void a_run_whose_journal_cannot_be_read_is_not_forgotten(void **state)
 static void schedule_end(Dialogue *dialogue, const char *value, uint64_t step)
 {
     Meniscus__Request request = MENISCUS__REQUEST__INIT;
-    Meniscus__Set set = MENISCUS__SET__INIT;
-    Meniscus__Assignment item = MENISCUS__ASSIGNMENT__INIT, *items[] = {&item};
-    item.path = (char *)"end_time";
-    item.value = (char *)value;
-    set.n_assignments = 1;
-    set.assignments = items;
-    request.command_case = MENISCUS__REQUEST__COMMAND_SET;
-    request.set = &set;
     request.has_at_step = request.has_no_wait = request.no_wait = true;
     request.at_step = step;
-    steer_accepted(dialogue_ask(dialogue, &request));
+    steer_accepted(steer_set_under(dialogue, &request, "end_time", value));
 }
 
 /* What was commanded behind that place would be lost if it just went on; so would what is commanded meanwhile. */

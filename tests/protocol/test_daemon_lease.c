@@ -50,19 +50,11 @@ static void give_back(Dialogue *dialogue, uint64_t epoch)
 static Meniscus__Reply *set_end(Dialogue *dialogue, const char *value, uint64_t epoch, uint64_t version)
 {
     Meniscus__Request request = MENISCUS__REQUEST__INIT;
-    Meniscus__Set set = MENISCUS__SET__INIT;
-    Meniscus__Assignment item = MENISCUS__ASSIGNMENT__INIT, *items[] = {&item};
-    item.path = (char *)"end_time";
-    item.value = (char *)value;
-    set.n_assignments = 1;
-    set.assignments = items;
-    request.command_case = MENISCUS__REQUEST__COMMAND_SET;
-    request.set = &set;
     request.has_lease_epoch = epoch > 0;
     request.lease_epoch = epoch;
     request.has_if_version = version > 0;
     request.if_version = version;
-    return dialogue_ask(dialogue, &request);
+    return steer_set_under(dialogue, &request, "end_time", value);
 }
 
 static Meniscus__Reply *rollback(Dialogue *dialogue, uint64_t version)
@@ -112,6 +104,10 @@ static void only_the_holder_changes_the_run(void **state)
     give_back(dialogue, epoch);
     steer_accepted(set_end(dialogue, "4", 0, 0));
     refused_as(set_end(dialogue, "5", epoch, 0), MENISCUS__CODE__ABORTED, "expired", "lease_epoch");
+    Meniscus__Request none = MENISCUS__REQUEST__INIT; /* says a lease, and is none */
+    none.has_lease_epoch = true;
+    refused_as(steer_set_under(dialogue, &none, "end_time", "5"), MENISCUS__CODE__INVALID_ARGUMENT, "invalid",
+               "lease_epoch");
     assert_true(take(dialogue, 60000, 0) > epoch);
 }
 

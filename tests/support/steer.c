@@ -174,6 +174,18 @@ Meniscus__Reply *steer_set(Dialogue *dialogue, const char *path, const char *val
     return dialogue_ask(dialogue, &request);
 }
 
+Meniscus__Reply *steer_set_under(Dialogue *dialogue, const Meniscus__Request *under, const char *path,
+                                 const char *value)
+{
+    Change change;
+    const char *const pair[1][2] = {{path, value}};
+    const Meniscus__Request set = set_request(&change, 1, pair);
+    Meniscus__Request request = *under;
+    request.command_case = set.command_case;
+    request.set = set.set;
+    return dialogue_ask(dialogue, &request);
+}
+
 Meniscus__Code steer_set_all(Dialogue *dialogue, size_t n, const char *const (*pairs)[2])
 {
     Change change;

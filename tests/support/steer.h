@@ -35,6 +35,9 @@ Meniscus__Reply *steer_status(Dialogue *dialogue);
 Meniscus__Reply *steer_step(Dialogue *dialogue, uint64_t n);
 Meniscus__Reply *steer_until(Dialogue *dialogue, double t);
 Meniscus__Reply *steer_set(Dialogue *dialogue, const char *path, const char *value);
+/* With all that `under` has but a command: a lease, a version, a step at which it is to be done. */
+Meniscus__Reply *steer_set_under(Dialogue *dialogue, const Meniscus__Request *under, const char *path,
+                                 const char *value);
 
 /* Ask for something long on a connection, under an id [16], and do not wait: to run to a time, to wait for a step or a state. */
 void steer_say_until(void *socket, double t, uint8_t *id);
