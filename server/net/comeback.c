@@ -28,7 +28,7 @@ static void recall(Desk *desk, const Meniscus__JournalRecord *record)
     uint8_t *packed = malloc(size + 1);
     if (!packed) return;
     meniscus__reply__pack(record->reply, packed);
-    desk_recall(desk, request->id.data, packed, size);
+    desk_recall(desk, request, packed, size);
     free(packed);
 }
 

@@ -468,16 +468,20 @@ static bool find_answer(Desk *desk, ProtobufCBinaryData id, LedgerEntry *ret)
            ledger_find(desk->refusals, id.data, ret);
 }
 
-static void repeat_or_refuse(Desk *desk, const Sender *sender, ProtobufCBinaryData id, const LedgerEntry *entry,
-                             const Meniscus__Request *request)
+/* Who may not give a command is not told what came of it either. */
+static void repeat_or_refuse(Desk *desk, const Sender *sender, const Who *who, ProtobufCBinaryData id,
+                             const LedgerEntry *entry, const Meniscus__Request *request)
 {
     MnsError error;
-    if (!entry->command || entry->command == exchange_command(request)) {
+    const bool same = !entry->command || entry->command == exchange_command(request);
+    const MnsStatus status = handler_check_role(handler_find(request->command_case), who, &error);
+    if (!status && same) {
         repeat(desk, sender, id, entry);
         return;
     }
-    mns_fail(&error, MNS_E_INVALID,
-             "the id is that of another request, which was answered or is under way; each needs an id of its own");
+    if (!status)
+        mns_fail(&error, MNS_E_INVALID,
+                 "the id is that of another request, which was answered or is under way; each needs an id of its own");
     refuse(desk, sender, id, &error);
 }
 
@@ -490,7 +494,7 @@ static void take_request(Desk *desk, const Sender *from, const Who *who, Protobu
     Sender sender = *from;
     sender.no_wait = request->has_no_wait && request->no_wait;
     if (find_answer(desk, request->id, &entry)) {
-        repeat_or_refuse(desk, &sender, id, &entry, request);
+        repeat_or_refuse(desk, &sender, who, id, &entry, request);
         request_free(request);
         return;
     }
@@ -511,9 +515,9 @@ static void take_request(Desk *desk, const Sender *from, const Who *who, Protobu
     exchange_free(exchange);
 }
 
-void desk_recall(Desk *desk, const uint8_t id[static ORDER_ID], const uint8_t *reply, size_t size)
+void desk_recall(Desk *desk, const Meniscus__Request *request, const uint8_t *reply, size_t size)
 {
-    ledger_recall(desk->deeds, id, 0, reply, size);
+    ledger_recall(desk->deeds, request->id.data, exchange_command(request), reply, size);
 }
 
 void desk_take(Desk *desk, const Who *who, Meniscus__Request *request, const Lineage *lineage)

@@ -28,8 +28,8 @@ void desk_reply(Desk *desk, Exchange *exchange);
 /* An exchange is scheduled, and would outlive a crash: tell those who do not wait for what comes of it. */
 void desk_scheduled(Desk *desk, Exchange *exchange);
 
-/* Remember what was replied to a request before this daemon was started. */
-void desk_recall(Desk *desk, const uint8_t id[static ORDER_ID], const uint8_t *reply, size_t size);
+/* Remember what was replied to a request, which has an id, before this daemon was started. */
+void desk_recall(Desk *desk, const Meniscus__Request *request, const uint8_t *reply, size_t size);
 
 /* Take a request as if somebody had sent it who is gone; whoever sends it again gets the reply. It is taken over.
  *  lineage  of the run in which it had set out; borrowed */

@@ -107,11 +107,25 @@ static void serve_snapshot(Run *run, Exchange *x)
     run_snapshot(run, &x->order, x->request->snapshot->n_fields, x->request->snapshot->fields);
 }
 
+/* Is one of those before it for the same entry? */
+static bool is_repeated(const Meniscus__Set *set, size_t k)
+{
+    const char *path = set->assignments[k]->path;
+    for (size_t i = 0; path && i < k; i++)
+        if (set->assignments[i]->path && !strcmp(set->assignments[i]->path, path)) return true;
+    return false;
+}
+
 MnsStatus handler_check_set(const Meniscus__Set *set, MnsError *error)
 {
-    if (set->n_assignments <= ENTRIES_MAX) return MNS_OK;
-    return mns_fail_at(error, MNS_E_LIMIT, "assignments", "at most %d entries can be set at a time, found %zu",
-                       ENTRIES_MAX, set->n_assignments);
+    if (set->n_assignments > ENTRIES_MAX)
+        return mns_fail_at(error, MNS_E_LIMIT, "assignments", "at most %d entries can be set at a time, found %zu",
+                           ENTRIES_MAX, set->n_assignments);
+    for (size_t k = 1; k < set->n_assignments; k++)
+        if (is_repeated(set, k))
+            return mns_fail_at(error, MNS_E_INVALID, set->assignments[k]->path,
+                               "the entry is there twice; they are set together, so give it one value");
+    return MNS_OK;
 }
 
 static void serve_set(Run *run, Exchange *x)
@@ -342,18 +356,20 @@ static bool waits_for_the_run(const Meniscus__Request *request)
     return is_conditional(request) || (stops && request->stop->has_checkpoint && request->stop->checkpoint);
 }
 
-static MnsStatus deny(const Handler *handler, const Who *who, MnsError *error)
+MnsStatus handler_check_role(const Handler *handler, const Who *who, MnsError *error)
 {
+    if (!handler) return mns_fail(error, MNS_E_VERSION, "this daemon does not know the command");
+    if (who->role >= handler->role) return MNS_OK;
     return mns_fail(error, MNS_E_DENIED, "%s takes the role %s, and \"%s\" is %s", handler->name,
                     role_name(handler->role), who->name, role_name(who->role));
 }
 
 MnsStatus handle(Run *run, Exchange *exchange, MnsError *error)
 {
-    const Handler *handler = handler_find(exchange->request->command_case);
-    if (!handler) return mns_fail(error, MNS_E_VERSION, "this daemon does not know the command");
-    if (exchange->order.who.role < handler->role) return deny(handler, &exchange->order.who, error);
     const Meniscus__Request *request = exchange->request;
+    const Handler *handler = handler_find(request->command_case);
+    MnsStatus status = handler_check_role(handler, &exchange->order.who, error);
+    if (status) return status;
     if (handler->where == HERE && (request->has_if_step || request->has_if_version)) {
         const char *which = request->has_if_step ? "if_step" : "if_version";
         return mns_fail_at(error, MNS_E_INVALID, which,
@@ -363,7 +379,7 @@ MnsStatus handle(Run *run, Exchange *exchange, MnsError *error)
     if (request->has_lease_epoch && !request->lease_epoch)
         return mns_fail_at(error, MNS_E_INVALID, "lease_epoch",
                            "no lease has the epoch 0; leave it away, or give that of the lease that was taken");
-    const MnsStatus status = scheduled_read(handler, exchange, error);
+    status = scheduled_read(handler, exchange, error);
     if (status) return status;
     exchange->handler = handler;
     exchange->order.conditional = exchange->request->has_if_step;

@@ -47,7 +47,10 @@ const Handler *handler_find(Meniscus__Request__CommandCase command);
 enum { HANDLER_NAMES = 64 };
 void handler_names(const char *ret[static HANDLER_NAMES]);
 
-/* Are these few enough? MNS_E_LIMIT. */
+/* Is the command known, MNS_E_VERSION, and may they give it? MNS_E_DENIED. handler: NULL: it is not known. */
+MnsStatus handler_check_role(const Handler *handler, const Who *who, MnsError *error);
+
+/* Are these few enough, MNS_E_LIMIT, and each there once? MNS_E_INVALID. */
 MnsStatus handler_check_set(const Meniscus__Set *set, MnsError *error);
 
 /* Names of states, with commas. */

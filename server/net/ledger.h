@@ -21,7 +21,7 @@ typedef struct LedgerEntry {
     Exchange *under_way;  /* not replied to yet, or NULL                     */
     const uint8_t *reply; /* the packed reply [size], borrowed; or NULL      */
     size_t size;
-    uint64_t command; /* hash of what was asked for (Exchange); 0: of before this program was started */
+    uint64_t command; /* hash of what was asked for (Exchange); 0: there was no memory to find it */
     double noted;     /* clock_now() of the reply */
 } LedgerEntry;
 

@@ -312,8 +312,10 @@ static void a_set_of_several_is_all_or_nothing(void **state)
     Dialogue *dialogue = *state;
     static const char *const bad[2][2] = {{"end_time", "3"}, {"scheme.cfl", "-1"}};
     static const char *const fixed[1][2] = {{"resolution", "20"}};
+    static const char *const twice[3][2] = {{"end_time", "-3"}, {"scheme.cfl", "0.2"}, {"end_time", "3"}};
     static const char *const good[2][2] = {{"end_time", "3"}, {"scheme.cfl", "0.2"}};
     dialogue_load(dialogue, NULL);
+    assert_int_equal(steer_set_all(dialogue, 3, twice), MENISCUS__CODE__INVALID_ARGUMENT);
     assert_int_equal(steer_set_all(dialogue, 2, bad), MENISCUS__CODE__INVALID_ARGUMENT);
     assert_true(steer_get(dialogue, "end_time") == 1000);
     assert_int_equal(steer_set_all(dialogue, 1, fixed), MENISCUS__CODE__INVALID_ARGUMENT);

@@ -156,6 +156,28 @@ static void a_role_may_do_so_much_and_is_told_which_one_may_more(void **state)
     assert_code(operator, dialogue_shutdown(), MENISCUS__CODE__PERMISSION_DENIED, "admin");
 }
 
+/* An id that somebody has overheard is no way to what was replied. */
+static void who_may_not_give_a_command_is_not_told_what_came_of_it(void **state)
+{
+    Castle *castle = *state;
+    LoadRequest load;
+    uint8_t id[16];
+    void *viewer = castle_connect(castle, ZMQ_DEALER, &castle->viewer),
+         *admin = castle_connect(castle, ZMQ_DEALER, &castle->admin);
+    dialogue_load_init(&load, "dam", dialogue_case, NULL);
+    dialogue_seal(&load.request, id);
+    void *const sockets[] = {admin, viewer, admin};
+    const Meniscus__Code codes[] = {MENISCUS__CODE__OK, MENISCUS__CODE__PERMISSION_DENIED, MENISCUS__CODE__OK};
+    for (int k = 0; k < 3; k++) {
+        dialogue_send(sockets[k], &load.request);
+        Meniscus__Reply *reply = dialogue_receive(sockets[k], NULL);
+        assert_non_null(reply);
+        assert_int_equal(reply->code, codes[k]);
+        meniscus__reply__free_unpacked(reply, NULL);
+    }
+    dialogue_load_done(&load);
+}
+
 /* Encryption makes frames longer: what is allowed is still the request. */
 static void a_request_may_be_as_long_as_on_this_machine(void **state)
 {
@@ -291,6 +313,7 @@ int main(void)
         TEST(who_is_not_let_in_gets_no_answer_and_hears_nothing),
         TEST(bytes_by_hand_get_the_greeting_and_the_door),
         TEST(a_role_may_do_so_much_and_is_told_which_one_may_more),
+        TEST(who_may_not_give_a_command_is_not_told_what_came_of_it),
         TEST(a_request_may_be_as_long_as_on_this_machine),
         TEST(a_new_key_is_let_in_and_a_role_changes_on_a_connection_that_is_open),
         TEST(a_change_in_place_is_noticed_however_small),

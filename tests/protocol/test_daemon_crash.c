@@ -86,8 +86,32 @@ static void what_was_answered_is_answered_alike_and_done_once(void **state)
     assert_int_equal(again->effect_step, 7);
     meniscus__reply__free_unpacked(first, NULL);
     meniscus__reply__free_unpacked(again, NULL);
+    step.count = 8; /* another command, under the id of that one */
+    dialogue_send(dialogue->control, &request);
+    steer_refused(dialogue_receive(dialogue->control, NULL), MENISCUS__CODE__INVALID_ARGUMENT, "another request");
     steer_accepted(steer_wait(dialogue, MENISCUS__STATE__PAUSED, 20000));
     assert_int_equal(steer_step_now(dialogue), 7);
+}
+
+/* Also when the case goes with it, of which the run makes its own. */
+static void a_load_is_answered_alike_after_a_crash(void **state)
+{
+    Dialogue *dialogue = *state;
+    LoadRequest load;
+    uint8_t id[16];
+    dialogue_load_init(&load, "dam", dialogue_case, (const char *const[]){"resolution=12", NULL});
+    dialogue_say(dialogue->control, &load.request, id);
+    steer_accepted(dialogue_receive(dialogue->control, NULL));
+    steer_go(dialogue, 3);
+    dialogue_crash(dialogue);
+    dialogue_send(dialogue->control, &load.request);
+    steer_accepted(dialogue_receive(dialogue->control, NULL));
+    steer_accepted(steer_wait(dialogue, MENISCUS__STATE__PAUSED, 20000));
+    assert_int_equal(steer_step_now(dialogue), 3);
+    load.load.name = "mad";
+    dialogue_send(dialogue->control, &load.request);
+    steer_refused(dialogue_receive(dialogue->control, NULL), MENISCUS__CODE__INVALID_ARGUMENT, "another request");
+    dialogue_load_done(&load);
 }
 
 /* A crash far from the only checkpoint, and the daemon on its way back; the step it was at. */
@@ -315,6 +339,7 @@ int main(void)
         TEST(what_was_paused_is_where_it_was),
         TEST(a_run_that_was_loaded_without_a_name_comes_back),
         TEST(what_was_answered_is_answered_alike_and_done_once),
+        TEST(a_load_is_answered_alike_after_a_crash),
         TEST(changes_wait_until_the_run_is_back_or_their_deadline_passes),
         TEST(a_stop_on_the_way_back_is_for_good),
         TEST(a_stop_for_a_version_waits_until_the_run_is_back),

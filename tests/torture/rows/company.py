@@ -17,6 +17,7 @@ from .streams import takers
 
 PROBES, FIELDS, HERTZ, MEMORY_MIB = 32, 4, 10.0, 256
 LISTEN_S = 600  # the longest that a generator lives by itself
+TURNS = 3  # times as many, for differences of a hundredth
 SAMPLES = {"output.probe_interval": 0.002}  # one for about ten steps
 
 
@@ -57,7 +58,7 @@ def few(size: Size) -> Iterator[Metric]:
                 with subscribers(daemon, PROBES, "probe") as listening, takers(daemon, FIELDS, HERTZ) as taking, _own_time(own, listening, taking):
                     yield
 
-            lost = loss(daemon, client, size.window, size.turns, company)
+            lost = loss(daemon, client, size.window, TURNS * size.turns, company)
             yield Metric(f"steps/s lost to {PROBES} subscribers of probes and {FIELDS} of fields, {where}", 100 * lost.share, "%",
                          high=100 * most, note=f"{lost.note}, they themselves {100 * statistics.fmean(own):.2g} %")
 
