@@ -99,7 +99,7 @@ class Size:
 SIZES = {
     "small": Size(),
     "full": Size(
-        seconds=60, turns=300, pauses=10_000, runs_until=10_000, kills=200, replays=20, fuzz_inputs=2_000_000, inputs=100_000_000,
+        seconds=60, turns=100, pauses=10_000, runs_until=10_000, kills=200, replays=20, fuzz_inputs=2_000_000, inputs=100_000_000,
         frames=10_000_000, samples=10_000_000, client_kills=100, daemon_kills=10, parameters=1_000_000, sequences=100_000, captures=500,
     ),
 }
