@@ -185,3 +185,9 @@ const Breakpoint *breakpoints_reached(Breakpoints *points, const MnsSim *sim, Mn
         if (reached(&points->watch[k], sim, before) && !first) first = &points->watch[k].is;
     return first;
 }
+
+void breakpoints_note(Breakpoints *points, const char *name, const MnsSim *sim)
+{
+    Watch *watch = find(points, name);
+    if (watch && watch->formula) watch->was_true = condition_holds(watch, sim);
+}

@@ -39,4 +39,7 @@ void breakpoints_list(const Breakpoints *points, Breakpoint ret[static BREAKPOIN
  * at the first boundary at or after it; a condition when it becomes true, so that the run can go on from there. */
 const Breakpoint *breakpoints_reached(Breakpoints *points, const MnsSim *sim, MnsProgress before);
 
+/* One that was there already when the run came to this boundary, before a crash: its condition pauses nothing as long as it stays true. */
+void breakpoints_note(Breakpoints *points, const char *name, const MnsSim *sim);
+
 #endif

@@ -13,7 +13,6 @@
 
 static const double TURN = 0.05; /* [s] between two looks at who has no time for all this */
 
-/* A breakpoint that has been passed, or was gone when it was removed, changes nothing now. */
 static MnsStatus do_again(Run *run, const LineageEntry *entry, double *limit, MnsError *error)
 {
     const Meniscus__Request *request = entry->request;
@@ -22,7 +21,7 @@ static MnsStatus do_again(Run *run, const LineageEntry *entry, double *limit, Mn
     if (request && request->command_case == MENISCUS__REQUEST__COMMAND_SET)
         return run_set_again(run, request->set, error);
     if (request && request->command_case == MENISCUS__REQUEST__COMMAND_BREAKPOINT) {
-        run_breakpoint_again(run, request->breakpoint, NULL);
+        run_breakpoint_again(run, request->breakpoint, entry->step);
         return MNS_OK;
     }
     const bool exact =
@@ -56,9 +55,12 @@ static MnsStatus step_again(Run *run, bool *ret_output, MnsError *error)
     const double end = run->document->c->end_time;
     const MnsProgress now = mns_sim_progress(run->sim);
     const double limit = fmin(run->recovery.limit, lineage_limit(run->recovery.lineage, now.step, now.t));
-    if (now.t < end) return run_step_once(run, fmin(limit, end), ret_output, error);
-    return mns_fail(error, MNS_E_INTERNAL, "the end time was reached before step %" PRIu64 " of the journal",
-                    run->recovery.lineage->step);
+    if (now.t >= end)
+        return mns_fail(error, MNS_E_INTERNAL, "the end time was reached before step %" PRIu64 " of the journal",
+                        run->recovery.lineage->step);
+    const MnsStatus status = run_step_once(run, fmin(limit, end), ret_output, error);
+    if (!status) (void)breakpoints_reached(run->breakpoints, run->sim, now); /* whom they halted has gone on */
+    return status;
 }
 
 /* Of a file that cannot be written the rest of the way is kept, for when there is room. */

@@ -255,23 +255,34 @@ static MnsStatus read_breakpoint(const Meniscus__SetBreakpoint *from, Breakpoint
     return MNS_OK;
 }
 
-MnsStatus run_breakpoint_again(Run *run, const Meniscus__SetBreakpoint *request, MnsError *error)
+static bool removes(const Meniscus__SetBreakpoint *request)
 {
-    Breakpoint point;
-    const bool remove = request->has_remove && request->remove;
-    MnsStatus status = read_breakpoint(request, &point, error);
-    if (!status && !remove) status = check_ahead(mns_sim_progress(run->sim), &point, error);
-    if (!status)
-        status = remove ? breakpoints_remove(run->breakpoints, point.name, error)
-                        : breakpoints_set(run->breakpoints, run->document->c, &point, error);
+    return request->has_remove && request->remove;
+}
+
+static MnsStatus set_breakpoint(Run *run, const Meniscus__SetBreakpoint *request, const Breakpoint *point,
+                                MnsError *error)
+{
+    const MnsStatus status = removes(request) ? breakpoints_remove(run->breakpoints, point->name, error)
+                                              : breakpoints_set(run->breakpoints, run->document->c, point, error);
     if (!status) run_publish(run);
     return status;
+}
+
+void run_breakpoint_again(Run *run, const Meniscus__SetBreakpoint *request, uint64_t step)
+{
+    Breakpoint point;
+    if (read_breakpoint(request, &point, NULL) || set_breakpoint(run, request, &point, NULL)) return;
+    if (step < mns_sim_progress(run->sim).step) breakpoints_note(run->breakpoints, point.name, run->sim);
 }
 
 void run_breakpoint(Run *run, Order *order, const Meniscus__SetBreakpoint *request)
 {
     MnsError error;
-    const MnsStatus status = run_breakpoint_again(run, request, &error);
+    Breakpoint point;
+    MnsStatus status = read_breakpoint(request, &point, &error);
+    if (!status && !removes(request)) status = check_ahead(mns_sim_progress(run->sim), &point, &error);
+    if (!status) status = set_breakpoint(run, request, &point, &error);
     run_answer(run, order, status, &error);
 }
 

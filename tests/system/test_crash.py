@@ -135,6 +135,30 @@ class Crash(DaemonTest):
         for key in ("state", "step", "time", "state_hash", "breakpoints"):
             self.assertEqual(after[key], before[key], key)
 
+    def test_breakpoints_that_were_passed_are_listed_and_halt_nothing_again(self) -> None:
+        """Set before the checkpoint that is gone back to, and behind it; a condition that is true still, and one that is not yet."""
+        self.meniscus("load", *CASE, "--name", "passed")
+        self.meniscus("breakpoint", "early", "--when", "step > 20")
+        self.meniscus("breakpoint", "fifth", "--step", "5")
+        for step in ("5", "21"):
+            self.meniscus("resume" if step != "5" else "start")
+            self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+            self.assertEqual(str(self.ask("status")["step"]), step)
+        self.meniscus("checkpoint")
+        self.meniscus("breakpoint", "late", "--when", "step > 30")
+        self.meniscus("breakpoint", "far", "--when", "step > 400")
+        self.meniscus("resume")
+        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+        self.meniscus("step", "5")
+        before = self.ask("status")
+        self.assertEqual((before["step"], len(before["breakpoints"])), (36, 4))
+        self.meniscus("resume")
+        self.meniscus("set", "gravity=[0.1, -1]")
+        self.kill_daemon()
+        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "30")
+        after = self.ask("status")
+        self.assertEqual((after["step"], after["breakpoints"]), (401, before["breakpoints"]))
+
     def test_what_was_running_goes_on(self) -> None:
         self.meniscus("load", *CASE, "--name", "running", "--start")
         self.meniscus("wait", "--for", "step=50")
