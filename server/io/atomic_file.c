@@ -132,7 +132,7 @@ static int copy_bytes(int from, int to)
 MnsStatus atomic_copy(const char *from, const char *to, MnsError *error)
 {
     AtomicFile file;
-    const int fd = open(from, O_RDONLY | O_CLOEXEC);
+    const int fd = open(from, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (fd < 0) return file_fail(error, errno, "read", from);
     const MnsStatus status = atomic_begin(&file, to, error);
     const int failure = status ? 0 : copy_bytes(fd, file.fd);

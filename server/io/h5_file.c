@@ -7,6 +7,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* HDF5 prints its errors to standard error unless told not to. The caller's choice comes back afterwards. */
@@ -91,13 +92,25 @@ MnsStatus h5_save(const char *path, bool sealed, H5Fill *fill, const void *what,
     return h.status;
 }
 
-MnsStatus h5_load(const char *path, bool sealed, H5Read *read, void *into, MnsError *error)
+/* A file to be read may be anybody's word: it may be missing, where one to be written may not, and a pipe in its place holds up nobody. */
+static MnsStatus open_file(const char *path, int *ret_fd, MnsError *error)
 {
-    const int fd = open(path, O_RDONLY | O_CLOEXEC);
-    if (fd < 0 && errno == ENOENT) /* a file to be read may be anybody's word; one to be written may not */
+    struct stat about;
+    const int fd = *ret_fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (fd < 0 && errno == ENOENT)
         return mns_fail(error, MNS_E_NOT_FOUND, "cannot open '%s': %s; %s", path, strerror(errno),
                         mns_refusal_hint(errno));
     if (fd < 0) return file_fail(error, errno, "open", path);
+    if (!fstat(fd, &about) && S_ISREG(about.st_mode)) return MNS_OK;
+    close(fd);
+    return mns_fail(error, MNS_E_CORRUPT, "'%s' is no file, so no HDF5 file", path);
+}
+
+MnsStatus h5_load(const char *path, bool sealed, H5Read *read, void *into, MnsError *error)
+{
+    int fd;
+    const MnsStatus opened = open_file(path, &fd, error);
+    if (opened) return opened;
     H5 h = {.path = path, .disk = {.fd = fd}, .file = -1, .error = error};
     const Printing printing = printing_off();
     if (sealed) h.status = seal_check(fd, path, error);

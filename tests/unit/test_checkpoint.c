@@ -290,6 +290,7 @@ static void what_is_no_file_is_passed_over_with_a_note(void **state)
     assert_string_equal(read.path, whole);
     assert_int_equal(notes, 3);
     checkpoint_done(&read);
+    assert_refused(pipe, MNS_E_CORRUPT, NULL); /* and nobody waits for one to write into it */
     free(pipe);
     free(link);
     free(folder);
