@@ -127,18 +127,18 @@ Meniscus__Request *comeback_resume(const Comeback *comeback)
     const Lineage *lineage = &comeback->lineage;
     Meniscus__Request request = MENISCUS__REQUEST__INIT;
     Meniscus__Resume resume = MENISCUS__RESUME__INIT;
-    if (lineage->begun || lineage->state == RUN_READY || lineage->state == RUN_PAUSED) return NULL;
-    request.command_case = MENISCUS__REQUEST__COMMAND_RESUME;
-    request.resume = &resume;
+    Meniscus__Step step = MENISCUS__STEP__INIT; /* one, which it did not survive */
+    const bool stands = lineage->state == RUN_READY || lineage->state == RUN_PAUSED;
+    if (lineage->begun || (stands && !lineage->broken)) return NULL;
+    request.command_case = stands ? MENISCUS__REQUEST__COMMAND_STEP : MENISCUS__REQUEST__COMMAND_RESUME;
+    if (stands) request.step = &step;
+    else request.resume = &resume;
     return copy_of(&request);
 }
 
 Meniscus__Request *comeback_rest(const Comeback *comeback)
 {
-    if (!comeback->lineage.begun) return NULL;
-    Meniscus__Request begun = *comeback->lineage.begun;
-    begun.has_if_step = begun.has_if_version = begun.has_lease_epoch = false; /* they were met when it set out */
-    return copy_of(&begun);
+    return comeback->lineage.begun ? copy_of(comeback->lineage.begun) : NULL;
 }
 
 void comeback_scheduled(const Comeback *comeback, Desk *desk)

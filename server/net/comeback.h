@@ -24,7 +24,7 @@ MnsStatus comeback_begin(Comeback *comeback, const char *parent, const char *ask
 void comeback_request(const Comeback *comeback, Meniscus__Request *ret, Meniscus__Load *load);
 
 /* Both the caller's; NULL if there is none, or no memory.
- *  resume  for a run that was going on by itself, to be served after the request above
+ *  resume  for a run that was going on by itself, or in FAULT by a step that it does not survive, to be served after the request above
  *  rest    the step or run_until that was under way, under its id */
 Meniscus__Request *comeback_resume(const Comeback *comeback);
 Meniscus__Request *comeback_rest(const Comeback *comeback);

@@ -11,15 +11,13 @@
 
 uint64_t exchange_command(const Meniscus__Request *request)
 {
-    const ProtobufCFieldDescriptor *field =
-        protobuf_c_message_descriptor_get_field(&meniscus__request__descriptor, request->command_case);
-    if (!field) return 1; /* of none, which is refused */
-    const ProtobufCMessage *command = *(ProtobufCMessage *const *)((const char *)request + field->offset);
-    const size_t size = protobuf_c_message_get_packed_size(command);
+    Meniscus__Request what = *request;
+    what.has_id = what.has_deadline_ms = what.has_no_wait = false;
+    const size_t size = meniscus__request__get_packed_size(&what);
     uint8_t *packed = malloc(size + 1);
     if (!packed) return 0;
-    protobuf_c_message_pack(command, packed);
-    const uint64_t hash = XXH64(packed, size, request->command_case);
+    meniscus__request__pack(&what, packed);
+    const uint64_t hash = XXH64(packed, size, 0);
     free(packed);
     return hash ? hash : 1;
 }

@@ -22,7 +22,7 @@ typedef struct Exchange {
     Order order; /* first, so that an order that comes back is an exchange */
     const struct Handler *handler;
     Meniscus__Request *request;
-    uint64_t command;                 /* hash of what the request asks for, whatever its id and deadline */
+    uint64_t command;                 /* hash of what the request asks for and when, whatever its id and deadline */
     Meniscus__Reply *reply;           /* the result goes here; all in it from malloc */
     void *arrays[EXCHANGE_ARRAYS];    /* [reply->n_arrays] raw frames, from malloc */
     size_t sizes[EXCHANGE_ARRAYS];    /* [bytes] */
@@ -36,7 +36,7 @@ typedef struct Exchange {
     size_t n_senders;                 /* 0: nobody wants it                                    */
 } Exchange;
 
-/* Hash of what a request asks for, whatever its id, its deadline and who asks; 0 if there is no memory to find it. */
+/* Hash of what a request asks for and when, whatever its id, its deadline, who asks and whether they wait; 0 if there is no memory to find it. */
 uint64_t exchange_command(const Meniscus__Request *request);
 
 /* Takes over the request. NULL if there is no memory; then the request is freed. */

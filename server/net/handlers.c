@@ -68,7 +68,7 @@ static void serve_step(Run *run, Exchange *x)
 {
     const Lineage *lineage = x->order.lineage; /* it had set out before a crash: what is left of it */
     const uint64_t now = mns_sim_progress(run_sim(run)).step, count = x->request->step->count;
-    const uint64_t done = lineage && now > lineage->begun_step ? now - lineage->begun_step : 0;
+    const uint64_t done = lineage && lineage->begun && now > lineage->begun_step ? now - lineage->begun_step : 0;
     if (done && done >= count) answer(run, x, MNS_OK, NULL);
     else run_step(run, &x->order, count - done);
 }
@@ -382,9 +382,10 @@ MnsStatus handle(Run *run, Exchange *exchange, MnsError *error)
     status = scheduled_read(handler, exchange, error);
     if (status) return status;
     exchange->handler = handler;
-    exchange->order.conditional = exchange->request->has_if_step;
-    exchange->order.if_step = exchange->request->if_step;
-    exchange->order.if_version = request->has_if_version ? request->if_version : 0;
+    const bool met = exchange->order.lineage && handler->traits & MOTION; /* when it set out, before a crash */
+    exchange->order.conditional = request->has_if_step && !met;
+    exchange->order.if_step = request->if_step;
+    exchange->order.if_version = request->has_if_version && !met ? request->if_version : 0;
     exchange->order.lease_epoch = request->has_lease_epoch ? request->lease_epoch : 0;
     exchange->order.leased = handler->traits & LEASED;
     /* What is scheduled keeps its place among the others, and after a crash comes behind the load that brings the run back. */

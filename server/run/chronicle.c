@@ -285,6 +285,7 @@ static void note_done(Run *run, Order *order)
         record.level = (char *)mns_level();
         record.arithmetic = (char *)mns_arithmetic();
     }
+    record.has_broken = record.broken = run->state == RUN_FAULT && !run->output_failed;
     record.has_case_version = run->versions.number > 0;
     record.case_version = run->versions.number;
     record.has_comeback = record.comeback = comeback || leaves_unended(run, order);
@@ -369,11 +370,11 @@ static MnsStatus sync_journal(Run *run, MnsError *error)
 /* What changed nothing is as it was answered. */
 static void tell_unwritten(Run *run, Order *order, const MnsError *why)
 {
-    if (order->status || !order->request || order->durable) return;
+    if (order->status || !order->request || order->durable || order->rescues) return;
     const bool lease = order->request->command_case == MENISCUS__REQUEST__COMMAND_LEASE;
-    order->status = mns_fail(&order->error, why->status, "%s; resume tries the journal again: %.300s",
+    order->status = mns_fail(&order->error, why->status, "%s; resume tries again: %.300s",
                              lease ? "the journal cannot be written, so the run is halted, and the lease as it was"
-                                   : "it was done, but the journal cannot be written, so the run is halted",
+                                   : "it was done, but is not on the disk, so the run is halted",
                              why->text);
     order->state = run->state;
     if (order->seal) order->seal(order);
@@ -388,17 +389,18 @@ static void take_lease_back(Run *run)
     run_publish(run);
 }
 
-/* So that a daemon that is started after a crash finds it. */
-static void note_current(Run *run)
+/* So that a daemon that is started after a crash finds it: without that nothing is told as done. It is tried again each time. */
+static MnsStatus note_current(Run *run, MnsError *error)
 {
-    MnsError error;
-    char text[700];
-    run->current_due = false;
-    if (!rundir_note_current(run->options.parent, run->outputs.directory, run->options.asked, &error)) return;
-    rundir_forget_current(run->options.parent); /* else a crash would lead back to the run before this one */
-    snprintf(text, sizeof text,
-             "after a crash the daemon will not find this run by itself, but by load --resume: %.400s", error.text);
-    run_tell(run, NOTE_LOG, LOG_WARNING, "journal", text);
+    MnsError why;
+    const char *parent = run->options.parent, *directory = run->outputs.directory;
+    bool same = false;
+    const bool named = rundir_is_current(parent, directory, run->options.asked, &same);
+    run->current_due = !same && rundir_note_current(parent, directory, run->options.asked, &why);
+    if (!run->current_due || named) return MNS_OK; /* it is found as it is */
+    rundir_forget_current(parent);                 /* else a crash would lead back to the run before this one */
+    return mns_fail(error, why.status, "a daemon that is started after a crash would not find the run: %.300s",
+                    why.text);
 }
 
 void run_sync(Run *run)
@@ -407,10 +409,10 @@ void run_sync(Run *run)
     if (!run->uncommitted) return;
     const double began = clock_now();
     MnsStatus status = sync_journal(run, &error);
+    if (!status && run->current_due) status = note_current(run, &error);
     if (!status && run->lease_unsettled) status = note_lease_told(run, false, &error);
     run->journal_tally.seconds += clock_now() - began;
     run->journal_tally.failures += status != MNS_OK;
-    if (!status && run->current_due) note_current(run);
     for (Order *order = run->unsaid; order && !status; order = order->next) order->durable = true;
     if (status && run->lease_unsettled) take_lease_back(run);
     run->lease_unsettled = false;

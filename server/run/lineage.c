@@ -63,6 +63,7 @@ static void cut(Lineage *lineage, uint64_t step)
     lineage->n = n;
     lineage->n_waiting = 0; /* all are dropped */
     lineage->begun = NULL;
+    lineage->broken = false;
 }
 
 static MnsStatus begin_anew(Lineage *lineage, const Record *record, MnsError *error)
@@ -173,6 +174,7 @@ static MnsStatus take_command(Lineage *lineage, const Record *record, MnsError *
         return MNS_OK;
     }
     lineage->state = state_after(lineage, record);
+    lineage->broken = lineage->state == RUN_PAUSED && record->has_broken && record->broken;
     come_to(lineage, record); /* it may have been commanded on the way back */
     lineage->untouched = false;
     switch (request->command_case) {
@@ -197,6 +199,7 @@ static MnsStatus take_comeback(Lineage *lineage, const Record *record, MnsError 
     const Lineage before = *lineage;
     const MnsStatus status = begin_anew(lineage, record, error);
     lineage->state = before.state;
+    lineage->broken = before.broken;
     lineage->step = before.step;
     lineage->begun = before.begun;
     lineage->begun_step = before.begun_step;

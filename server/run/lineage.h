@@ -43,6 +43,7 @@ typedef struct Lineage {
     bool untouched;                 /* the daemon has loaded it, and nothing was commanded since           */
     RunState state;                 /* after the last command                                             */
     uint64_t step;                  /* the same: it was there, or beyond if it was RUNNING                */
+    bool broken;                    /* it is PAUSED, before a step that it does not survive               */
     const Meniscus__Request *begun; /* a step or run_until that was under way; or NULL                     */
     uint64_t begun_step;
     LineageLease lease;

@@ -39,6 +39,7 @@ typedef struct Order {
     Moment at;
     bool durable;              /* what the journal says of its answer is on the disk                     */
     bool appointed, announced; /* the journal has it; and whoever listens has been told                   */
+    bool rescues;              /* it is answered whether the journal can be written or not                */
     bool filed;                /* its file is written, or could not be: status and error tell             */
     Note notice;               /* that it is scheduled: comes through the outbox before its answer        */
 

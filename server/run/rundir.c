@@ -102,13 +102,18 @@ MnsStatus rundir_hold(const char *parent, int *ret_fd, MnsError *error)
 
 static const char current_name[] = "current";
 
+static const char *name_of(const char *dir)
+{
+    const char *slash = strrchr(dir, '/');
+    return slash ? slash + 1 : dir;
+}
+
 MnsStatus rundir_note_current(const char *parent, const char *dir, const char *asked, MnsError *error)
 {
     char path[4096], *text;
-    const char *name = strrchr(dir, '/');
     MnsStatus status = directory_path(path, parent, current_name, error);
     if (status) return status;
-    const int size = asprintf(&text, "%s\n%s", name ? name + 1 : dir, asked ? asked : "");
+    const int size = asprintf(&text, "%s\n%s", name_of(dir), asked ? asked : "");
     if (size < 0) return mns_fail(error, MNS_E_MEMORY, "no memory for the name of the run");
     status = atomic_write(path, text, (size_t)size, error);
     free(text);
@@ -149,6 +154,14 @@ MnsStatus rundir_current(const char *parent, const char *asked, char ret[static 
         status = mns_fail(error, MNS_E_LIMIT, "the path of the run directory is too long: %.200s...", parent);
     if (!status) memcpy(ret, path, strlen(path) + 1);
     return status;
+}
+
+bool rundir_is_current(const char *parent, const char *dir, const char *asked, bool *ret_same)
+{
+    char named[RUNDIR_PATH];
+    const bool is = !rundir_current(parent, asked, named, ret_same, NULL) && !strcmp(name_of(named), name_of(dir));
+    *ret_same = *ret_same && is;
+    return is;
 }
 
 /* A directory that had a run before. */

@@ -41,6 +41,9 @@ MnsStatus rundir_current(const char *parent, const char *asked, char ret[static 
                          MnsError *error);
 void rundir_forget_current(const char *parent);
 
+/* Does it say so of this one? *ret_same: and with the same text. */
+bool rundir_is_current(const char *parent, const char *dir, const char *asked, bool *ret_same);
+
 /* The directories below parent, other than `but`, that have a journal: the one that was written last is the last, and before it as many as have at most so many
  * bytes of journals together. What cannot be looked at is left out. ret and its *ret_n strings are the caller's. MNS_E_MEMORY. */
 MnsStatus rundir_former(const char *parent, const char *but, uint64_t most_bytes, char ***ret, size_t *ret_n,

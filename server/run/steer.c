@@ -315,7 +315,7 @@ void run_checkpoint(Run *run, Order *order)
     MnsStatus status;
     if (run->state == RUN_FAULT &&
         run->output_failed) { /* a file of its own: it need not wait for the one that failed, nor for the journal */
-        order->request = NULL;
+        order->rescues = true;
         status = outputs_rescue(&run->outputs, run->sim, run->document, order->path, &error);
         run_answer(run, order, status, &error);
         return;

@@ -38,6 +38,13 @@ static void tell(Job *job, MnsStatus status, const MnsError *error)
     if (status && !job->once) job->told = NULL; /* kept; whoever asked has been told */
 }
 
+/* Those behind one that failed wait with it until somebody resumes; whoever asked for them does not. */
+static void tell_behind(Job *job, MnsStatus status, const MnsError *error)
+{
+    while ((job = job->next))
+        if (!job->once) tell(job, status, error);
+}
+
 static void drop(Writer *writer, Job *job)
 {
     Job **at = &writer->first;
@@ -62,6 +69,7 @@ static MnsStatus work(Writer *writer, Job *job)
         writer->status = status;
         writer->error = error;
     }
+    if (kept && !writer->salvaging) tell_behind(job, status, &error);
     if (!kept) drop(writer, job);
     pthread_cond_broadcast(&writer->changed);
     return kept ? status : MNS_OK;
@@ -184,6 +192,7 @@ void writer_post(Writer *writer, Job *job)
     while (!writer->status && (job->heavy ? writer->heavy >= WRITER_HEAVY_MAX : writer->light >= LIGHT_MAX))
         sleep_locked(writer);
     insert(writer, end_of(&writer->first), job);
+    if (writer->status && !writer->salvaging) tell(job, writer->status, &writer->error); /* it failed meanwhile */
     pthread_mutex_unlock(&writer->lock);
 }
 

@@ -38,17 +38,18 @@ static MnsStatus fail_boundless(const MnsCase *c, MnsError *error)
                        entry);
 }
 
-MnsStatus plan_check(const MnsSim *sim, const MnsCase *c, MnsError *error)
+MnsStatus plan_check(const MnsSim *sim, const MnsCase *c, bool under_way, MnsError *error)
 {
     const Limit *limit = NULL;
     const double dt = limits_dt(sim, &limit), left = c->end_time - sim->progress.t;
+    const double most = under_way ? STEPS_SLOWED : STEPS_MAX;
     if (isinf(dt) && sim->s.n > 0) return fail_boundless(c, error); /* without particles speeds are not known */
     if (!isfinite(left)) return MNS_OK;                             /* of a C program, which knows when to stop */
-    if (left > 0 && !(left / dt <= STEPS_MAX))
+    if (left > 0 && !(left / dt <= most))
         return mns_fail_at(error, MNS_E_LIMIT, "end_time",
                            "%g s more would take %.1e steps of %.1e s, allowed: %.0e; what limits the step is %s, "
                            "%s. End earlier, or change %s",
-                           left, left / dt, dt, STEPS_MAX, limit->name, limit->source, limit->entries);
+                           left, left / dt, dt, most, limit->name, limit->source, limit->entries);
     const double files = outputs(c->output.snapshot_interval, left, dt);
     if (files > FILES_MAX)
         return mns_fail_at(

@@ -140,7 +140,7 @@ MnsStatus setup_model(MnsSim *sim, MnsError *error)
         setup_at(sim, sim->progress.t, sim->progress.dt, 0);
         status = setup_check(sim, sim->progress.t, 0, error);
     }
-    if (!status) status = plan_check(sim, c, error); /* before particles are placed in vain */
+    if (!status) status = plan_check(sim, c, false, error); /* before particles are placed in vain */
     if (!status) status = build_particles(sim, &constants, error);
     constants_done(&constants);
     return status;

@@ -64,7 +64,7 @@ static MnsStatus sim_init(MnsSim *sim, const MnsCapture *capture, MnsError *erro
     if (!status && !capture && sim->scheme->projects) status = chambers_check(sim, error);
     if (!status) home_enter(&sim->s, &sim->nb.bundles, sim->scheme, &sim->model, sim->threads);
     if (!status) status = making_goes_on(&sim->making, error);
-    if (!status) status = plan_check(sim, sim->c, error); /* again, now that speeds are known */
+    if (!status) status = plan_check(sim, sim->c, capture != NULL, error); /* now that speeds are known */
     if (!status) plan_look(sim);
     return status;
 }

@@ -62,8 +62,9 @@ struct MnsSim {
 int sim_threads_for(const MnsCase *c);
 
 /* plan.c: refuse to go on to the end of c with steps as long as the present state allows, or to write its files, if that is
- * without end; the smallest step before a run counts as diverged; find what to warn of in a new simulation */
-MnsStatus plan_check(const MnsSim *sim, const MnsCase *c, MnsError *error);
+ * without end, one under way only where it would count as diverged soon; the smallest step before it does; find what to warn of in a new
+ * simulation */
+MnsStatus plan_check(const MnsSim *sim, const MnsCase *c, bool under_way, MnsError *error);
 double plan_floor(const MnsSim *sim);
 void plan_look(MnsSim *sim);
 

@@ -172,7 +172,7 @@ static MnsStatus affordable(MnsSim *sim, const MnsCase *c, Formula *const gravit
     setup_options(sim, c);
     for (int d = 0; d < c->dim; d++) sim->model.gravity[d] = formula_eval(gravity[d], &sim->progress.t);
     MnsStatus status = setup_probes(sim, c, error);
-    if (!status) status = plan_check(sim, c, error);
+    if (!status) status = plan_check(sim, c, false, error);
     sim->model = kept;
     return status;
 }

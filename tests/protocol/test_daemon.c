@@ -215,6 +215,11 @@ static void the_id_of_another_request_is_refused(void **state)
     command.count = 5;
     dialogue_send(dialogue->control, &request);
     steer_refused(dialogue_receive(dialogue->control, NULL), MENISCUS__CODE__INVALID_ARGUMENT, "another request");
+    command.has_count = 0;
+    request.has_if_step = 1; /* which is asking for something else, too */
+    dialogue_send(dialogue->control, &request);
+    steer_refused(dialogue_receive(dialogue->control, NULL), MENISCUS__CODE__INVALID_ARGUMENT, "another request");
+    request.has_if_step = 0;
     Meniscus__Request start = dialogue_start();
     start.has_major = start.has_id = 1;
     start.major = request.major;

@@ -114,6 +114,50 @@ static void a_load_is_answered_alike_after_a_crash(void **state)
     dialogue_load_done(&load);
 }
 
+/* A directory in the place of the file that is to become `current`. */
+static void block_current(const Dialogue *dialogue, char path[static 256])
+{
+    steer_path(dialogue, "current.tmp", path);
+    assert_int_equal(mkdir(path, 0700), 0);
+}
+
+static void a_way_back_needs_no_room_to_say_which_run_it_was(void **state)
+{
+    Dialogue *dialogue = *state;
+    char blocked[256];
+    dialogue_load(dialogue, NULL);
+    steer_go(dialogue, 30);
+    block_current(dialogue, blocked);
+    for (int k = 0; k < 2; k++) {
+        dialogue_crash(dialogue);
+        steer_accepted(steer_wait(dialogue, MENISCUS__STATE__PAUSED, 20000));
+        assert_int_equal(steer_step_now(dialogue), 30 + k);
+        steer_go(dialogue, 1);
+    }
+    assert_int_equal(rmdir(blocked), 0);
+}
+
+/* Nothing is told as done before a daemon that is started after a crash would find the run. */
+static void a_run_that_cannot_be_noted_is_told_and_halted(void **state)
+{
+    Dialogue *dialogue = *state;
+    LoadRequest load;
+    char blocked[256];
+    block_current(dialogue, blocked);
+    dialogue_load_init(&load, "dam", dialogue_case, NULL);
+    steer_refused(dialogue_ask(dialogue, &load.request), MENISCUS__CODE__INTERNAL, "would not find the run");
+    dialogue_load_done(&load);
+    steer_wait_for(dialogue, MENISCUS__STATE__FAULT);
+    steer_refused(steer_set(dialogue, "gravity", "[0, -3]"), MENISCUS__CODE__INTERNAL, "would not find the run");
+    assert_int_equal(rmdir(blocked), 0);
+    assert_int_equal(steer_code(dialogue, dialogue_resume()), MENISCUS__CODE__OK);
+    assert_int_equal(steer_code(dialogue, dialogue_pause()), MENISCUS__CODE__OK);
+    const uint64_t step = steer_step_now(dialogue);
+    dialogue_crash(dialogue);
+    steer_accepted(steer_wait(dialogue, MENISCUS__STATE__PAUSED, 20000));
+    assert_int_equal(steer_step_now(dialogue), step);
+}
+
 /* A crash far from the only checkpoint, and the daemon on its way back; the step it was at. */
 static uint64_t crash_far_out(Dialogue *dialogue)
 {
@@ -340,6 +384,8 @@ int main(void)
         TEST(a_run_that_was_loaded_without_a_name_comes_back),
         TEST(what_was_answered_is_answered_alike_and_done_once),
         TEST(a_load_is_answered_alike_after_a_crash),
+        TEST(a_way_back_needs_no_room_to_say_which_run_it_was),
+        TEST(a_run_that_cannot_be_noted_is_told_and_halted),
         TEST(changes_wait_until_the_run_is_back_or_their_deadline_passes),
         TEST(a_stop_on_the_way_back_is_for_good),
         TEST(a_stop_for_a_version_waits_until_the_run_is_back),

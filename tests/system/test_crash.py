@@ -159,6 +159,29 @@ class Crash(DaemonTest):
         after = self.ask("status")
         self.assertEqual((after["step"], after["breakpoints"]), (401, before["breakpoints"]))
 
+    def test_what_has_diverged_in_a_step_is_in_fault_again(self) -> None:
+        """Else somebody could have a checkpoint of that, from which nobody could go on."""
+        run = Path(self.ask("load", *CASE, "--name", "diverged")["message"])
+        self.meniscus("step", "30")
+        self.meniscus("checkpoint")
+        self.meniscus("set", "gravity=[0, 1e9]")
+        self.meniscus("step", "1000", code=70)
+        before = self.ask("status")
+        self.assertEqual(before["state"], "FAULT")
+        for end in (self.kill_daemon, self.leave_and_come_back, self.kill_daemon):
+            end()
+            self.meniscus("wait", "--for", "state=FAULT", "--timeout", "30")
+            after = self.ask("status")
+            for key in ("step", "time", "state_hash", "fault_reason"):
+                self.assertEqual(after[key], before[key], key)
+            self.meniscus("checkpoint", code=1)
+        self.assertEqual(max(path.name for path in run.glob("checkpoint-*")), "checkpoint-0000000030.hdf")
+        self.assertTrue(self.ask("replay", str(run), "--verify")["agrees"])
+        self.meniscus("restore")
+        self.assertEqual(self.ask("status")["step"], 30)
+        self.kill_daemon()
+        self.meniscus("wait", "--for", "state=READY", "--timeout", "30")
+
     def test_what_was_running_goes_on(self) -> None:
         self.meniscus("load", *CASE, "--name", "running", "--start")
         self.meniscus("wait", "--for", "step=50")

@@ -167,6 +167,27 @@ class DiskFull(DaemonTest):
             with self.subTest(free=free):
                 self.disturbed_run(free)
 
+    def test_files_are_answered_for_on_a_full_disk_and_are_in_the_journal(self) -> None:
+        """The rows of the series fail before the file that was asked for; the next checkpoint has room that was kept for it."""
+        self.resize(LARGE_BYTES)
+        directory = Path(self.ask("load", *CASE)["message"])
+        self.clear(directory)
+        self.meniscus("step", "30")
+        filler = self.fill(0)
+        self.meniscus("step", "20")
+        self.assertIn("No space left", self.meniscus("checkpoint", "--timeout", "20", code=74).stderr)
+        self.assertEqual(self.ask("status")["state"], "FAULT")
+        self.meniscus("snapshot", "--timeout", "20", code=1)
+        self.meniscus("checkpoint", "--timeout", "20")
+        self.assertTrue((directory / "checkpoint-0000000050.hdf").exists())
+        filler.unlink()
+        self.meniscus("resume")
+        self.meniscus("pause")
+        done = [record["command"] for record in self.ask("log", str(directory))["records"] if record["kind"] == "command"]
+        self.assertEqual(done, ["load", "step", "step", "checkpoint", "resume", "pause"])
+        self.assertTrue(self.ask("replay", str(directory), "--verify")["agrees"])
+        self.meniscus("stop")
+
     def test_a_way_back_that_the_disk_holds_up_goes_on_by_resume(self) -> None:
         self.resize(LARGE_BYTES)
         directory = Path(self.ask("load", *CASE)["message"])
