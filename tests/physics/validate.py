@@ -49,7 +49,7 @@ CASES = {
     "sloshing3d-single": Case(sloshing.sloshing3d_single, 320, 19),
     "sloshing2d-three-layers": Case(sloshing.sloshing2d_three_layers, 195, 0.04),
     "sloshing2d-three-layers-free": Case(sloshing.sloshing2d_three_layers_free, 50, 0.1),
-    "sloshing2d-three-layers-resonance": Case(sloshing.sloshing2d_three_layers_resonance, 50, 0.1),
+    "sloshing2d-three-layers-resonance": Case(sloshing.sloshing2d_three_layers_resonance, 90, 0.2),
     "sloshing3d-three-layers": Case(sloshing.sloshing3d_three_layers, 230, 13),
     "bubble2d-single": Case(bubbles.bubble2d_single, 180, 0.2),
     "bubble3d-single": Case(bubbles.bubble3d_single, 1060, 13),
