@@ -257,7 +257,7 @@ def score_layers(case: str, r: Run, full: bool) -> Iterator[Metric]:
 
 def sloshing3d_three_layers(paper: bool) -> Iterator[Metric]:
     """P1 4.1.2; reduced, as long as linear theory holds."""
-    case, settings = "sloshing3d-three-layers", ("resolution=20",) if paper else ("resolution=5", "end_time=1")
+    case, settings = "sloshing3d-three-layers", ("resolution=20",) if paper else ("resolution=5", "end_time=0.9")
     r = run(case, *settings)
     yield from score_layers(case, r, paper)
     yield from hygiene(case, r, void=False)
