@@ -38,7 +38,7 @@ ROWS = {
     "pause": Row(latency.pause, "pause at the first step boundary, with commands queued"),
     "run-until": Row(latency.run_until, "run_until to exactly the asked time, whatever else is commanded"),
     "subscribers": Row(company.few, "32 subscribers of probes and 4 of fields", 500),
-    "many-subscribers": Row(company.many, "1000 subscribers, and 1000 that were stopped", 240),
+    "many-subscribers": Row(company.many, "1000 subscribers, and 1000 that were stopped", 800),
     "lossless": Row(streams.lossless, "lossless stream over kills of clients and daemon: no gap, no duplicate", 240),
     "snapshot": Row(streams.snapshot, "snapshot to one loopback client, and its cancel"),
     "kills": Row(crashes.kills, "kill -9 at random moments", 240),

@@ -84,7 +84,7 @@ def _many(size: Size, stopped: bool, who: str) -> Iterator[Metric]:
                 grown.append(daemon.memory_mib() - before)
 
         many_subscribers: Callable[[], Any] = company
-        lost = loss(daemon, client, size.window, size.turns, many_subscribers)
+        lost = loss(daemon, client, size.window, TURNS * size.turns, many_subscribers)
     yield Metric(f"steps/s lost to {who}", 100 * lost.share, "%", high=2, note=f"{lost.note}, they themselves {100 * statistics.fmean(own):.2g} %")
     yield Metric(f"memory that the daemon takes for {who}", max(grown), "MiB", high=MEMORY_MIB)
     yield Metric(f"status of a healthy client among {who}, 99 %, as many times that alone", statistics.median(waits) / alone["p99_ms"], high=2,
