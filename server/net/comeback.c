@@ -111,6 +111,14 @@ void comeback_request(const Comeback *comeback, Meniscus__Request *ret, Meniscus
     ret->load = load;
 }
 
+/* The step that a run does not survive, as it was to be taken: to the time that shortens it, if there was one. */
+static void do_broken(const Meniscus__Request *broken, Meniscus__Request *ret, Meniscus__Step *step)
+{
+    ret->command_case = broken->command_case;
+    if (broken->command_case == MENISCUS__REQUEST__COMMAND_RUN_UNTIL) ret->run_until = broken->run_until;
+    else ret->step = step;
+}
+
 static Meniscus__Request *copy_of(const Meniscus__Request *request)
 {
     const size_t size = meniscus__request__get_packed_size(request);
@@ -127,11 +135,11 @@ Meniscus__Request *comeback_resume(const Comeback *comeback)
     const Lineage *lineage = &comeback->lineage;
     Meniscus__Request request = MENISCUS__REQUEST__INIT;
     Meniscus__Resume resume = MENISCUS__RESUME__INIT;
-    Meniscus__Step step = MENISCUS__STEP__INIT; /* one, which it did not survive */
+    Meniscus__Step step = MENISCUS__STEP__INIT; /* one */
     const bool stands = lineage->state == RUN_READY || lineage->state == RUN_PAUSED;
     if (lineage->begun || (stands && !lineage->broken)) return NULL;
-    request.command_case = stands ? MENISCUS__REQUEST__COMMAND_STEP : MENISCUS__REQUEST__COMMAND_RESUME;
-    if (stands) request.step = &step;
+    request.command_case = MENISCUS__REQUEST__COMMAND_RESUME;
+    if (stands) do_broken(lineage->broken, &request, &step);
     else request.resume = &resume;
     return copy_of(&request);
 }

@@ -206,7 +206,7 @@ static void fill_again(Meniscus__Again *item, const LineageEntry *entry, uint64_
 {
     meniscus__again__init(item);
     item->has_step = true;
-    item->step = entry->step > step ? entry->step : step;
+    item->step = entry->step > step || lineage_is_breakpoint(entry) ? entry->step : step;
     item->request = (Meniscus__Request *)entry->request;
     item->adopted = (Meniscus__Case *)entry->adopted;
     item->has_case_version = entry->version > 0;

@@ -112,7 +112,7 @@ const char *run_broken_why(const Run *run)
     return run->fault.status == MNS_E_DIVERGED ? "the simulation has diverged" : "a step was broken off half-way";
 }
 
-static MnsStatus refuse_broken(const Run *run, MnsError *error)
+MnsStatus run_refuse_broken(const Run *run, MnsError *error)
 {
     char name[256];
     if (!checkpoint_last(run->outputs.directory, name))
@@ -137,7 +137,7 @@ void run_go(Run *run, Order *order)
             "the run did not come back to where it was before the crash, and what was commanded there would be "
             "lost; end the daemon and start it again, or restore or reset: %.300s",
             run->fault.text);
-    else if (run->state == RUN_FAULT && run_is_broken(run)) status = refuse_broken(run, &error);
+    else if (run->state == RUN_FAULT && run_is_broken(run)) status = run_refuse_broken(run, &error);
     else if (run->state == RUN_FAULT && run->output_failed) status = writer_retry(run->outputs.writer, &error);
     if (!status) begin(run, run->state == RUN_READY ? "started" : "resumed");
     if (!status && run->state == RUN_FAULT) { /* the very first output failed */

@@ -214,6 +214,9 @@ void run_advance(Run *run);                 /* one step and all that hangs on it
 /* One step, cut at the time `limit`, and the outputs that are due after it. *ret_output: it is one of them that failed, not the step. */
 MnsStatus run_step_once(Run *run, double limit, bool *ret_output, MnsError *error);
 
+/* go.c: of a run that is broken, what leads on. */
+MnsStatus run_refuse_broken(const Run *run, MnsError *error);
+
 /* steer.c: what has been commanded before, without an answer. */
 MnsStatus run_set_again(Run *run, const Meniscus__Set *set, MnsError *error);
 MnsStatus run_adopt_again(Run *run, const Meniscus__Case *message, MnsError *error);

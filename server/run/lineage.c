@@ -63,7 +63,7 @@ static void cut(Lineage *lineage, uint64_t step)
     lineage->n = n;
     lineage->n_waiting = 0; /* all are dropped */
     lineage->begun = NULL;
-    lineage->broken = false;
+    lineage->broken = NULL;
 }
 
 static MnsStatus begin_anew(Lineage *lineage, const Record *record, MnsError *error)
@@ -153,12 +153,14 @@ static void halt(Lineage *lineage, RunState state)
     if (state == RUN_READY || state == RUN_PAUSED || state == RUN_DONE) lineage->state = state;
 }
 
-/* In FAULT only what was under way has ended; on the way back it was called off, or the run was to go on. */
+/* What was under way has ended, also where the program was leaving; in FAULT nothing else has; on the way back it was called off, or the
+ * run was to go on. */
 static RunState state_after(const Lineage *lineage, const Record *record)
 {
     const Meniscus__Request *request = record->request;
     const RunState state = record->reply ? (RunState)record->reply->state : RUN_PAUSED;
-    if (state == RUN_FAULT) return is_motion(request) ? RUN_PAUSED : lineage->state;
+    if (is_motion(request)) return state == RUN_DONE ? RUN_DONE : RUN_PAUSED;
+    if (state == RUN_FAULT) return lineage->state;
     if (state != RUN_RECOVERING) return state;
     return request->command_case == MENISCUS__REQUEST__COMMAND_RESUME ? RUN_RUNNING : RUN_PAUSED;
 }
@@ -174,7 +176,8 @@ static MnsStatus take_command(Lineage *lineage, const Record *record, MnsError *
         return MNS_OK;
     }
     lineage->state = state_after(lineage, record);
-    lineage->broken = lineage->state == RUN_PAUSED && record->has_broken && record->broken;
+    if (is_motion(request)) lineage->broken = record->has_broken && record->broken ? request : NULL;
+    else if (record->reply && (RunState)record->reply->state != RUN_FAULT) lineage->broken = NULL;
     come_to(lineage, record); /* it may have been commanded on the way back */
     lineage->untouched = false;
     switch (request->command_case) {
@@ -302,6 +305,11 @@ double lineage_limit(const Lineage *lineage, uint64_t step, double t)
         if (holds && entry->request->at_time > t) limit = fmin(limit, entry->request->at_time);
     }
     return limit;
+}
+
+bool lineage_is_breakpoint(const LineageEntry *entry)
+{
+    return is_command(entry, MENISCUS__REQUEST__COMMAND_BREAKPOINT);
 }
 
 bool lineage_needs(const Lineage *lineage, size_t k, uint64_t checkpoint)

@@ -37,13 +37,14 @@ typedef struct Lineage {
     size_t n;
     LineageEntry *entries; /* [n] of [room], by rising steps                                     */
     size_t room, n_waiting, n_timed;
-    size_t *waiting;                /* [n_waiting] entries that are scheduled and neither done nor dropped: few */
-    size_t *timed;                  /* [n_timed] those that have shortened steps                          */
-    bool ended;                     /* by a stop or a shutdown: there is nothing to come back to          */
-    bool untouched;                 /* the daemon has loaded it, and nothing was commanded since           */
-    RunState state;                 /* after the last command                                             */
-    uint64_t step;                  /* the same: it was there, or beyond if it was RUNNING                */
-    bool broken;                    /* it is PAUSED, before a step that it does not survive               */
+    size_t *waiting; /* [n_waiting] entries that are scheduled and neither done nor dropped: few */
+    size_t *timed;   /* [n_timed] those that have shortened steps                          */
+    bool ended;      /* by a stop or a shutdown: there is nothing to come back to          */
+    bool untouched;  /* the daemon has loaded it, and nothing was commanded since           */
+    RunState state;  /* after the last command                                             */
+    uint64_t step;   /* the same: it was there, or beyond if it was RUNNING                */
+    const Meniscus__Request
+        *broken; /* it is PAUSED before a step that it does not survive, and was told to take; or NULL */
     const Meniscus__Request *begun; /* a step or run_until that was under way; or NULL                     */
     uint64_t begun_step;
     LineageLease lease;
@@ -59,6 +60,9 @@ double lineage_lease_left(const Lineage *lineage, double wall);
 
 /* The time to which what was scheduled shortened the step that followed the boundary of this step [s]; INFINITY: to none. */
 double lineage_limit(const Lineage *lineage, uint64_t step, double t);
+
+/* One is there from the step on at which it was set, however far back: what was true by then has halted the run already. */
+bool lineage_is_breakpoint(const LineageEntry *entry);
 
 /* Must entry k be done again by a run that goes on from a checkpoint of this step? Checkpoints have what was set, and nothing else. */
 bool lineage_needs(const Lineage *lineage, size_t k, uint64_t checkpoint);

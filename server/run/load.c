@@ -52,6 +52,8 @@ static MnsStatus occupy(Run *run, Candidate *candidate, MnsError *error)
     MnsStatus status = rundir_make(candidate->directory, &candidate->made, error);
     if (!status) status = rundir_lock(candidate->directory, &candidate->lock, error);
     if (!status) rundir_clear(candidate->directory);
+    if (!status && run->options.parent && !candidate->order->lineage)
+        status = rundir_try_current(run->options.parent, error);
     if (!status)
         status = run_journal_open(run, candidate->directory, &candidate->journal, &candidate->journal_made, error);
     return status;

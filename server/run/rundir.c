@@ -9,6 +9,7 @@
 #include "run/lock.h"
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -140,8 +141,9 @@ MnsStatus rundir_current(const char *parent, const char *asked, char ret[static 
     char path[4096], name[256];
     MnsStatus status = directory_path(path, parent, current_name, error);
     if (status) return status;
-    FILE *file = fopen(path, "re");
-    if (!file && errno == ENOENT) return mns_fail(error, MNS_E_NOT_FOUND, "no run was loaded in '%.300s'", parent);
+    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe in its place holds up nobody */
+    if (fd < 0 && errno == ENOENT) return mns_fail(error, MNS_E_NOT_FOUND, "no run was loaded in '%.300s'", parent);
+    FILE *file = fd < 0 ? NULL : fdopen(fd, "r");
     if (!file) return file_fail(error, errno, "read", path);
     const bool read = fgets(name, sizeof name, file) != NULL;
     *ret_same = read && goes_on_with(file, asked ? asked : "");
@@ -153,6 +155,17 @@ MnsStatus rundir_current(const char *parent, const char *asked, char ret[static 
     if (!status && strlen(path) >= RUNDIR_PATH)
         status = mns_fail(error, MNS_E_LIMIT, "the path of the run directory is too long: %.200s...", parent);
     if (!status) memcpy(ret, path, strlen(path) + 1);
+    return status;
+}
+
+MnsStatus rundir_try_current(const char *parent, MnsError *error)
+{
+    static const char as_long[512] = "";
+    char path[4096];
+    AtomicFile file;
+    MnsStatus status = directory_path(path, parent, current_name, error);
+    if (!status) status = atomic_fill(&file, path, as_long, sizeof as_long, error);
+    if (!status) atomic_cancel(&file);
     return status;
 }
 

@@ -41,6 +41,9 @@ MnsStatus rundir_current(const char *parent, const char *asked, char ret[static 
                          MnsError *error);
 void rundir_forget_current(const char *parent);
 
+/* Could it be noted? Of a full disk that is known before the run that is there is given up. */
+MnsStatus rundir_try_current(const char *parent, MnsError *error);
+
 /* Does it say so of this one? *ret_same: and with the same text. */
 bool rundir_is_current(const char *parent, const char *dir, const char *asked, bool *ret_same);
 

@@ -78,11 +78,18 @@ static void answer_change(Run *run, Order *order, MnsStatus status, const MnsErr
     run->before = NULL;
 }
 
+/* What is changed in a run that cannot be gone on with would be of no use, and a way back to there would go another way. */
+static MnsStatus check_whole(const Run *run, MnsError *error)
+{
+    return run->state == RUN_FAULT && run_is_broken(run) ? run_refuse_broken(run, error) : MNS_OK;
+}
+
 void run_set(Run *run, Order *order, const Meniscus__Set *set)
 {
     MnsError error;
     Document *document;
-    MnsStatus status = document_set(run->document, set, &document, &error);
+    MnsStatus status = check_whole(run, &error);
+    if (!status) status = document_set(run->document, set, &document, &error);
     if (!status) status = change(run, order, document, &error);
     if (!status) tell_changes(run, set);
     answer_change(run, order, status, &error);
@@ -117,7 +124,8 @@ void run_rollback(Run *run, Order *order, uint64_t version)
     MnsError error;
     char text[64];
     Document *document;
-    MnsStatus status = versions_find(&run->versions, version, &document, &error);
+    MnsStatus status = check_whole(run, &error);
+    if (!status) status = versions_find(&run->versions, version, &document, &error);
     if (!status) status = change(run, order, document_share(document), &error);
     snprintf(text, sizeof text, "to version %" PRIu64, version);
     if (!status) run_tell(run, NOTE_EVENT, LOG_INFORMATION, "rollback", text);

@@ -114,11 +114,32 @@ static void a_load_is_answered_alike_after_a_crash(void **state)
     dialogue_load_done(&load);
 }
 
-/* A directory in the place of the file that is to become `current`. */
-static void block_current(const Dialogue *dialogue, char path[static 256])
+/* A directory in the place of the file `current`, or of that which is to become it. */
+static void block(const Dialogue *dialogue, const char *name, char path[static 256])
 {
-    steer_path(dialogue, "current.tmp", path);
+    steer_path(dialogue, name, path);
     assert_int_equal(mkdir(path, 0700), 0);
+}
+
+/* Nothing is given up for it. */
+static void what_could_not_be_noted_is_not_loaded(void **state)
+{
+    Dialogue *dialogue = *state;
+    LoadRequest load;
+    char blocked[256];
+    dialogue_load(dialogue, NULL);
+    steer_go(dialogue, 3);
+    block(dialogue, "current.tmp", blocked);
+    dialogue_load_init(&load, "mad", dialogue_case, NULL);
+    steer_refused(dialogue_ask(dialogue, &load.request), MENISCUS__CODE__INTERNAL, "current.tmp");
+    steer_stands_at(dialogue, MENISCUS__STATE__PAUSED, 3);
+    assert_int_equal(rmdir(blocked), 0);
+    assert_int_equal(dialogue_code(dialogue, &load.request), MENISCUS__CODE__OK);
+    dialogue_load_done(&load);
+    steer_go(dialogue, 5);
+    dialogue_crash(dialogue);
+    steer_accepted(steer_wait(dialogue, MENISCUS__STATE__PAUSED, 20000));
+    assert_int_equal(steer_step_now(dialogue), 5);
 }
 
 static void a_way_back_needs_no_room_to_say_which_run_it_was(void **state)
@@ -127,7 +148,7 @@ static void a_way_back_needs_no_room_to_say_which_run_it_was(void **state)
     char blocked[256];
     dialogue_load(dialogue, NULL);
     steer_go(dialogue, 30);
-    block_current(dialogue, blocked);
+    block(dialogue, "current.tmp", blocked);
     for (int k = 0; k < 2; k++) {
         dialogue_crash(dialogue);
         steer_accepted(steer_wait(dialogue, MENISCUS__STATE__PAUSED, 20000));
@@ -143,7 +164,7 @@ static void a_run_that_cannot_be_noted_is_told_and_halted(void **state)
     Dialogue *dialogue = *state;
     LoadRequest load;
     char blocked[256];
-    block_current(dialogue, blocked);
+    block(dialogue, "current", blocked);
     dialogue_load_init(&load, "dam", dialogue_case, NULL);
     steer_refused(dialogue_ask(dialogue, &load.request), MENISCUS__CODE__INTERNAL, "would not find the run");
     dialogue_load_done(&load);
@@ -384,6 +405,7 @@ int main(void)
         TEST(a_run_that_was_loaded_without_a_name_comes_back),
         TEST(what_was_answered_is_answered_alike_and_done_once),
         TEST(a_load_is_answered_alike_after_a_crash),
+        TEST(what_could_not_be_noted_is_not_loaded),
         TEST(a_way_back_needs_no_room_to_say_which_run_it_was),
         TEST(a_run_that_cannot_be_noted_is_told_and_halted),
         TEST(changes_wait_until_the_run_is_back_or_their_deadline_passes),

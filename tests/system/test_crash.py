@@ -154,7 +154,10 @@ class Crash(DaemonTest):
         self.assertEqual((before["step"], len(before["breakpoints"])), (36, 4))
         self.meniscus("resume")
         self.meniscus("set", "gravity=[0.1, -1]")
-        self.kill_daemon()
+        for _ in range(2):
+            self.kill_daemon()
+            while self.ask("status")["state"] == "RECOVERING":
+                time.sleep(0.01)
         self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "30")
         after = self.ask("status")
         self.assertEqual((after["step"], after["breakpoints"]), (401, before["breakpoints"]))
@@ -168,6 +171,7 @@ class Crash(DaemonTest):
         self.meniscus("step", "1000", code=70)
         before = self.ask("status")
         self.assertEqual(before["state"], "FAULT")
+        self.assertIn("diverged", self.meniscus("set", "gravity=[0, 0]", code=1).stderr)
         for end in (self.kill_daemon, self.leave_and_come_back, self.kill_daemon):
             end()
             self.meniscus("wait", "--for", "state=FAULT", "--timeout", "30")
@@ -303,6 +307,18 @@ class Crash(DaemonTest):
         self.daemon.terminate()
         self.assertEqual(self.daemon.wait(20), 0)
         type(self).start_daemon()
+
+    def test_what_a_signal_has_called_off_does_not_go_on(self) -> None:
+        self.meniscus("load", *CASE, "--name", "called-off")
+        stepping = subprocess.Popen([BUILD / "meniscus", "step", "100000"], env=self.environment, stderr=subprocess.PIPE)
+        self.meniscus("wait", "--for", "step=50", "--timeout", "20")
+        self.leave_and_come_back()
+        stepping.communicate(timeout=20)
+        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+        step = self.ask("status")["step"]
+        time.sleep(0.3)
+        self.assertEqual((self.ask("status")["state"], self.ask("status")["step"]), ("PAUSED", step))
+        self.assertGreaterEqual(step, 50)
 
     def test_a_signal_ends_no_run(self) -> None:
         """As systemd gives, when the machine or the service is started again."""
