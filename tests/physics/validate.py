@@ -53,7 +53,7 @@ CASES = {
     "sloshing3d-three-layers": Case(sloshing.sloshing3d_three_layers, 210, 13),
     "bubble2d-single": Case(bubbles.bubble2d_single, 180, 0.2),
     "bubble3d-single": Case(bubbles.bubble3d_single, 1060, 13),
-    "bubble3d-single-printed": Case(bubbles.bubble3d_single_printed, 60, 0.5),
+    "bubble3d-single-printed": Case(bubbles.bubble3d_single_printed, 190, 0.5),
     "bubble3d-double": Case(bubbles.bubble3d_double, 1230, 13),
     "rayleigh-taylor3d": Case(interfaces.rayleigh_taylor3d, 1100, 400),
     "lock-exchange2d": Case(interfaces.lock_exchange2d, 190, 0.2),
