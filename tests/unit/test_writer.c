@@ -97,6 +97,29 @@ static void who_asked_is_told_of_the_first_failure_once(void **state)
     assert_int_equal(probe.told_status, MNS_E_NO_SPACE);
 }
 
+static MnsStatus fail_slowly(Job *job, MnsError *error)
+{
+    (void)job;
+    nanosleep(&(struct timespec){.tv_nsec = 50000000}, NULL);
+    return mns_fail(error, MNS_E_NO_SPACE, "the disk is full");
+}
+
+static void who_waits_behind_a_failure_is_told_too(void **state)
+{
+    Probe probes[3];
+    make(probes, 3, true);
+    probes[0].job.write = fail_slowly;
+    writer_post(*state, &probes[0].job);
+    writer_post(*state, &probes[1].job); /* while the writer is busy */
+    assert_int_equal(writer_drain(*state, NULL), MNS_E_NO_SPACE);
+    writer_post(*state, &probes[2].job); /* when it has failed */
+    for (int k = 0; k < 3; k++) {
+        assert_int_equal(probes[k].told, 1);
+        assert_int_equal(probes[k].told_status, MNS_E_NO_SPACE);
+    }
+    assert_int_equal(writer_discard(*state), 3);
+}
+
 static void a_call_passes_a_failed_job_which_stays(void **state)
 {
     Probe probes[2];
@@ -193,6 +216,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(jobs_are_done_in_order, begin, end),
         cmocka_unit_test_setup_teardown(a_failed_job_is_kept_and_done_before_all_behind_it, begin, end),
         cmocka_unit_test_setup_teardown(who_asked_is_told_of_the_first_failure_once, begin, end),
+        cmocka_unit_test_setup_teardown(who_waits_behind_a_failure_is_told_too, begin, end),
         cmocka_unit_test_setup_teardown(a_call_passes_a_failed_job_which_stays, begin, end),
         cmocka_unit_test_setup_teardown(a_failed_call_is_not_kept, begin, end),
         cmocka_unit_test_setup_teardown(a_salvage_writes_all_but_what_fails_and_no_row_behind_a_missing_one, begin,
