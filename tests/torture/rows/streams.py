@@ -21,7 +21,10 @@ from streaming import Taker, sb
 from .live import Daemon
 from .metrics import Metric, Size, all_of, none_of
 
-SMALL = {"resolution": 6, "threads": 1, "end_time": 1e4, "output.probe_interval": 1e-6, "output.checkpoint_interval": 0.5}
+SMALL = {  # a row a step, thousands a second
+    "resolution": 3, "threads": 1, "end_time": 1e6,
+    "output.probe_interval": 1e-6, "output.checkpoint_interval": 5, "output.snapshot_interval": 100,
+}
 CHUNK, WINDOW = 1 << 20, 32 << 20  # bytes of a message, and that may be under way
 GRANT_AT = 4 << 20  # bytes taken after which there is more credit
 GB_S, CANCEL_MS, MEMORY_MIB = 1.4, 50, 256
@@ -144,17 +147,17 @@ class Cursor:
         self.times: "list[float]" = []
         self.place = b""
 
-    def take(self, daemon: Daemon, chance: random.Random, kill: bool, rows: int) -> None:
-        """By a process of its own, which is killed in the midst of it, or ends when there are so many rows."""
+    def take(self, daemon: Daemon, rows: int, killed_after: "float | None" = None) -> None:
+        """By a process of its own, which ends when there are so many rows, or is killed in the midst of it after so many seconds."""
         words = [sys.executable, "-m", "rows.takers", "samples", data_endpoint(daemon), self.place.hex() or "-", str(rows - len(self.times))]
         process = subprocess.Popen(words, cwd=Path(__file__).parents[1], env=os.environ | {"BUILD": str(BUILD)}, stdout=subprocess.PIPE)
-        if kill:
-            timer = threading.Timer(chance.uniform(0.2, 1), process.kill)
-            timer.start()
-        said, _ = process.communicate(timeout=LIMIT_S)
-        if kill:
-            timer.cancel()
+        timer = threading.Timer(killed_after or LIMIT_S, process.kill)
+        timer.start()
+        said, _ = process.communicate()
+        timer.cancel()
         self._read(said)
+        if len(self.times) < rows and killed_after is None:
+            raise TimeoutError(f"{len(self.times)} rows came, not {rows}")
 
     def _read(self, said: bytes) -> None:
         """Records of the process, up to the one that its end cut off: two lengths, a cursor, times; a cut-off is as if it never came."""
@@ -172,18 +175,19 @@ class Cursor:
 
 
 def lossless(size: Size) -> Iterator[Metric]:
-    """Clients are killed and go on from the cursor they had; the daemon is killed and comes back. At the end one has what the file has."""
-    chance, cursor, killed = random.Random(3), Cursor(), 0
+    """All along the series clients are killed and go on from the cursor they had, and the daemon is killed and comes back. At the end
+    one has what the file has."""
+    chance, cursor = random.Random(3), Cursor()
     with Daemon() as daemon:
         with daemon.client() as client:
             client.load("dambreak2d", SMALL, start=True)
             directory = Path(client.status().run_directory or "")
-        while len(cursor.times) < size.samples or killed < size.client_kills:
-            cursor.take(daemon, chance, killed < size.client_kills, size.samples)
-            killed += 1
-            if size.client_kills and killed % max(1, size.client_kills // size.daemon_kills) == 0 and killed <= size.client_kills:
+        for k in range(1, size.client_kills + 1):
+            cursor.take(daemon, size.samples, killed_after=chance.uniform(0.2, 1))
+            if k % max(1, size.client_kills // size.daemon_kills) == 0:
                 daemon.kill()
                 daemon.start()
+            cursor.take(daemon, size.samples * k // size.client_kills)
         with daemon.client() as client:
             client.pause()
             client.stop(checkpoint=True)
