@@ -368,8 +368,8 @@ const Command command_table[] = {
      .run = command_lease},
     {.name = "snapshot",
      .help = "write a snapshot now",
-     .details = "Fields for people and for ParaView; answers with the path when the file is whole. --fields: instead "
-                "of those that the case names.",
+     .details = "Fields for people and for ParaView; answers with the path when the file is whole. --fields: besides "
+                "those that the case names.",
      .request = "snapshot",
      .options = OPTION(OPT_IF_STEP) | OPTION(OPT_FIELDS) | OPTIONS_MOMENT,
      .exits = EXIT_IO,

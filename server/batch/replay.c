@@ -9,6 +9,7 @@
 #include "run/document.h"
 #include "run/environment.h"
 #include "run/history.h"
+#include "run/lineage.h"
 #include <inttypes.h>
 #include <jansson.h>
 #include <math.h>
@@ -214,7 +215,7 @@ static MnsStatus catch_up(Replay *replay, MnsError *error)
         else if (again->adopted) status = adopt(replay, again->adopted, error);
         else if (request && request->command_case == MENISCUS__REQUEST__COMMAND_SET)
             status = set_again(replay, request->set, error);
-        else if (!request || request->command_case != MENISCUS__REQUEST__COMMAND_BREAKPOINT) set_limit(replay, request);
+        else if (lineage_is_limit(request)) set_limit(replay, request);
     }
     return status;
 }

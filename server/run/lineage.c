@@ -43,11 +43,20 @@ static bool is_command(const LineageEntry *entry, Meniscus__Request__CommandCase
     return entry->request && entry->request->command_case == command;
 }
 
-/* A step or run_until, or its end: the time to which the last step is shortened. */
+static bool is_motion(const Meniscus__Request *request)
+{
+    return request->command_case == MENISCUS__REQUEST__COMMAND_STEP ||
+           request->command_case == MENISCUS__REQUEST__COMMAND_RUN_UNTIL;
+}
+
+bool lineage_is_limit(const Meniscus__Request *request)
+{
+    return !request || is_motion(request);
+}
+
 static bool is_limit(const LineageEntry *entry)
 {
-    return !entry->adopted && !entry->scheduled && !is_command(entry, MENISCUS__REQUEST__COMMAND_SET) &&
-           !is_command(entry, MENISCUS__REQUEST__COMMAND_BREAKPOINT);
+    return !entry->adopted && !entry->scheduled && lineage_is_limit(entry->request);
 }
 
 /* What was done from this step on belongs to another time line, and so does all that was under way or scheduled; breakpoints are gone. */
@@ -99,12 +108,6 @@ static MnsStatus begin_anew(Lineage *lineage, const Record *record, MnsError *er
                      error);
     }
     return status;
-}
-
-static bool is_motion(const Meniscus__Request *request)
-{
-    return request->command_case == MENISCUS__REQUEST__COMMAND_STEP ||
-           request->command_case == MENISCUS__REQUEST__COMMAND_RUN_UNTIL;
 }
 
 static void take_grant(Lineage *lineage, const Record *record, const Meniscus__LeaseGrant *grant)
@@ -165,6 +168,27 @@ static RunState state_after(const Lineage *lineage, const Record *record)
     return request->command_case == MENISCUS__REQUEST__COMMAND_RESUME ? RUN_RUNNING : RUN_PAUSED;
 }
 
+/* A file takes its time, and the record comes behind those of later steps. */
+static MnsStatus insert(Lineage *lineage, LineageEntry entry, MnsError *error)
+{
+    const MnsStatus status = add(lineage, entry, error);
+    if (status) return status;
+    size_t k = lineage->n - 1;
+    for (; k > 0 && lineage->entries[k - 1].step > entry.step; k--) lineage->entries[k] = lineage->entries[k - 1];
+    lineage->entries[k] = entry;
+    for (size_t w = 0; w < lineage->n_waiting; w++)
+        if (lineage->waiting[w] >= k) lineage->waiting[w]++;
+    return MNS_OK;
+}
+
+/* That of a run that has diverged shows what comes of it once more by itself. */
+static MnsStatus take_snapshot(Lineage *lineage, const Record *record, MnsError *error)
+{
+    const bool broken = record->has_broken && record->broken;
+    if (broken || !history_done_well(record) || !record->reply || !record->reply->has_effect_step) return MNS_OK;
+    return insert(lineage, (LineageEntry){.step = record->reply->effect_step, .request = record->request}, error);
+}
+
 /* A command that was done, or a step or run_until that ended, well or not. */
 static MnsStatus take_command(Lineage *lineage, const Record *record, MnsError *error)
 {
@@ -189,6 +213,7 @@ static MnsStatus take_command(Lineage *lineage, const Record *record, MnsError *
         entry = (LineageEntry){.step = record->step, .adopted = record->case_, .version = record->case_version};
         return add(lineage, entry, error);
     case MENISCUS__REQUEST__COMMAND_LEASE: take_lease(lineage, record); return MNS_OK;
+    case MENISCUS__REQUEST__COMMAND_SNAPSHOT: return take_snapshot(lineage, record, error);
     default: break;
     }
     if (!is_motion(request)) return MNS_OK;
@@ -317,6 +342,8 @@ bool lineage_needs(const Lineage *lineage, size_t k, uint64_t checkpoint)
     const LineageEntry *entry = &lineage->entries[k];
     if (entry->scheduled)
         return entry->until == UINT64_MAX || (entry->until > checkpoint && entry->request->has_at_time);
+    /* The file of the checkpoint's own step is there, if there is a checkpoint. */
+    if (is_command(entry, MENISCUS__REQUEST__COMMAND_SNAPSHOT)) return entry->step > checkpoint || !checkpoint;
     if (is_command(entry, MENISCUS__REQUEST__COMMAND_BREAKPOINT) || entry->step >= checkpoint) return true;
     return is_limit(entry) && !is_past(lineage, k, checkpoint);
 }

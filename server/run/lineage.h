@@ -61,6 +61,9 @@ double lineage_lease_left(const Lineage *lineage, double wall);
 /* The time to which what was scheduled shortened the step that followed the boundary of this step [s]; INFINITY: to none. */
 double lineage_limit(const Lineage *lineage, uint64_t step, double t);
 
+/* Is it a step or run_until, or its end (NULL): the time to which the last step is shortened? */
+bool lineage_is_limit(const Meniscus__Request *request);
+
 /* One is there from the step on at which it was set, however far back: what was true by then has halted the run already. */
 bool lineage_is_breakpoint(const LineageEntry *entry);
 

@@ -127,6 +127,7 @@ static void take_over(Outputs *outputs, const Opening *opening, Document *docume
     const double before = goes_on && progress.step > 0 ? progress.t : -INFINITY;
     outputs->before = (OutputTimes){before, before, before};
     note_checkpoint(outputs, goes_on ? progress.step : UINT64_MAX, document);
+    outputs->at_snapshot = UINT64_MAX;
     outputs->wall_checkpoint = outputs->wall_flush = clock_now();
     outputs->capture_seconds = 0;
     outputs->checkpoint_seconds = 0;
@@ -331,8 +332,12 @@ MnsStatus outputs_snapshot(Outputs *outputs, const MnsSim *sim, Document *docume
     MnsCapture *capture;
     fields |= field_bit("position") | field_bit("id") | field_bit("phase");
     for (size_t k = 0; k < output->n_fields; k++) fields |= field_bit(output->fields[k]);
-    const MnsStatus status = capture_fields(outputs, sim, fields, &capture, error);
-    return status ? status : job_post_snapshot(outputs, capture, document, order, error);
+    MnsStatus status = capture_fields(outputs, sim, fields, &capture, error);
+    if (status) return status;
+    const uint64_t step = capture->progress.step;
+    status = job_post_snapshot(outputs, capture, document, order, error);
+    if (!status) outputs->at_snapshot = step;
+    return status;
 }
 
 static bool checkpoint_due(const Outputs *outputs, const MnsOutput *output, double t)
@@ -354,7 +359,9 @@ MnsStatus outputs_take(Outputs *outputs, const MnsSim *sim, Document *document, 
         status = take_probes(outputs, sim, document, error);
     if (status) return status;
     before->probes = t;
-    if (schedule_due(output->snapshot_interval, before->snapshot, t))
+    /* One that somebody has asked for before the first step has more fields, if anything. */
+    const bool there = outputs->at_snapshot == mns_sim_progress(sim).step;
+    if (!there && schedule_due(output->snapshot_interval, before->snapshot, t))
         status = outputs_snapshot(outputs, sim, document, 0, NULL, error);
     if (status) return status;
     before->snapshot = t;

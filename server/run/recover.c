@@ -13,6 +13,11 @@
 
 static const double TURN = 0.05; /* [s] between two looks at who has no time for all this */
 
+static bool is_snapshot(const Meniscus__Request *request)
+{
+    return request && request->command_case == MENISCUS__REQUEST__COMMAND_SNAPSHOT;
+}
+
 static MnsStatus do_again(Run *run, const LineageEntry *entry, double *limit, MnsError *error)
 {
     const Meniscus__Request *request = entry->request;
@@ -24,6 +29,7 @@ static MnsStatus do_again(Run *run, const LineageEntry *entry, double *limit, Mn
         run_breakpoint_again(run, request->breakpoint, entry->step);
         return MNS_OK;
     }
+    if (is_snapshot(request)) return run_snapshot_again(run, request->snapshot, error);
     const bool exact =
         request && request->command_case == MENISCUS__REQUEST__COMMAND_RUN_UNTIL && request->run_until->exact;
     *limit = exact ? request->run_until->time : INFINITY;
@@ -31,8 +37,8 @@ static MnsStatus do_again(Run *run, const LineageEntry *entry, double *limit, Mn
 }
 
 /* What was commanded up to this step, as much of it as a turn has time for: there may be very much, and somebody who wants the run ended.
- * *ret_all: that is all of it. */
-static MnsStatus do_some_again(Run *run, uint64_t step, bool *ret_all, MnsError *error)
+ * *ret_all: that is all of it; *ret_output: what failed is a file, for which there is no memory now. */
+static MnsStatus do_some_again(Run *run, uint64_t step, bool *ret_all, bool *ret_output, MnsError *error)
 {
     Recovery *recovery = &run->recovery;
     const Lineage *lineage = recovery->lineage;
@@ -43,9 +49,11 @@ static MnsStatus do_some_again(Run *run, uint64_t step, bool *ret_all, MnsError 
         *ret_all = recovery->next == lineage->n || lineage->entries[recovery->next].step > step;
         if (*ret_all) break;
         run_beat(run);
+        const LineageEntry *entry = &lineage->entries[recovery->next];
         if (lineage_needs(lineage, recovery->next, recovery->checkpoint))
-            status = do_again(run, &lineage->entries[recovery->next], &recovery->limit, error);
-        recovery->next++;
+            status = do_again(run, entry, &recovery->limit, error);
+        *ret_output = is_snapshot(entry->request);
+        recovery->next += !status;
     }
     return status;
 }
@@ -186,7 +194,7 @@ void run_recover_on(Run *run)
     MnsError error;
     bool output = false, all;
     const uint64_t step = mns_sim_progress(run->sim).step;
-    MnsStatus status = do_some_again(run, step, &all, &error);
+    MnsStatus status = do_some_again(run, step, &all, &output, &error);
     const bool there = !status && all && step >= run->recovery.lineage->step;
     if (!status && all && !there) status = step_again(run, &output, &error);
     if (status) fail(run, &error, output);

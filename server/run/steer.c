@@ -353,6 +353,13 @@ MnsStatus run_check_fields(size_t n, char *const *fields, MnsError *error)
     return find_fields(n, fields, &mask, error);
 }
 
+MnsStatus run_snapshot_again(Run *run, const Meniscus__SnapshotNow *request, MnsError *error)
+{
+    uint64_t mask = 0;
+    const MnsStatus status = find_fields(request->n_fields, request->fields, &mask, error);
+    return status ? status : outputs_snapshot(&run->outputs, run->sim, run->document, mask, NULL, error);
+}
+
 void run_snapshot(Run *run, Order *order, size_t n, char *const *fields)
 {
     const bool scheduled = order->scheduled;

@@ -162,6 +162,32 @@ class Crash(DaemonTest):
         after = self.ask("status")
         self.assertEqual((after["step"], after["breakpoints"]), (401, before["breakpoints"]))
 
+    def test_snapshots_that_somebody_asked_for_are_there_again(self) -> None:
+        """After the checkpoint that is gone back to, then from the beginning; at once, scheduled, and one that another command overtook."""
+        run = Path(self.ask("load", *CASE, "--set", "output.checkpoint_interval=0", "--name", "shown")["message"])
+        asked = [self.ask("snapshot", "--fields", "density,acceleration")["path"]]
+        self.meniscus("step", "30")
+        self.meniscus("checkpoint")
+        self.meniscus("snapshot", "--at-step", "41", "--no-wait")
+        self.meniscus("run-until", "0.4")
+        asked += [self.ask("snapshot", "--fields", "acceleration")["path"], str(run / "snapshot-0000000041.hdf")]
+        self.meniscus("step", "7")
+        before, had = self.ask("status"), {path: self.contents(path) for path in asked}
+        self.assertTrue(all("acceleration" in had[path] for path in asked[:2]))
+        for end in range(3):
+            if end == 2:
+                (run / "checkpoint-0000000030.hdf").unlink()
+            self.kill_daemon()
+            self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+            self.assertEqual(self.ask("status")["state_hash"], before["state_hash"])
+            self.meniscus("snapshot")  # the writer has written all that it had
+            self.assertEqual({path: self.contents(path) for path in asked}, had)
+        self.assertTrue(self.ask("replay", str(run), "--verify")["agrees"])
+
+    def contents(self, path: str) -> "dict[str, bytes]":
+        with h5py.File(path) as file:
+            return {name: data[:].tobytes() for name, data in file["VTKHDF/PointData"].items()}
+
     def test_what_has_diverged_in_a_step_is_in_fault_again(self) -> None:
         """Else somebody could have a checkpoint of that, from which nobody could go on."""
         run = Path(self.ask("load", *CASE, "--name", "diverged")["message"])

@@ -459,6 +459,34 @@ static void what_is_scheduled_without_a_request_waits_for_nothing(void **state)
     for (size_t k = 0; k < lineage->n; k++) assert_false(lineage->entries[k].scheduled);
 }
 
+/* A record comes when the file is written: the run has gone on since, and something may have been scheduled. */
+static void a_snapshot_is_made_again_where_it_was_made(void **state)
+{
+    Book *book = *state;
+    uint8_t id[ORDER_ID] = {7};
+    Meniscus__SnapshotNow snapshot = MENISCUS__SNAPSHOT_NOW__INIT;
+    add_load(book);
+    add(book, MENISCUS__REQUEST__COMMAND_SET, 10, MENISCUS__STATE__RUNNING);
+    add_scheduled(book, 30, 5, id);
+    Record *record = add(book, MENISCUS__REQUEST__COMMAND_SNAPSHOT, 40, MENISCUS__STATE__RUNNING);
+    record->request->snapshot = &snapshot;
+    record->reply->has_effect_step = true;
+    record->reply->effect_step = 20;
+    const Lineage *lineage = read(book, MNS_OK);
+    assert_int_equal(lineage->n, 3);
+    for (size_t k = 1; k < lineage->n; k++) assert_true(lineage->entries[k - 1].step <= lineage->entries[k].step);
+    assert_ptr_equal(lineage->entries[1].request, record->request);
+    assert_int_equal(lineage->n_waiting, 1);
+    assert_true(lineage->entries[lineage->waiting[0]].scheduled);
+    assert_true(lineage_needs(lineage, 1, 0) && lineage_needs(lineage, 1, 19));
+    assert_false(lineage_needs(lineage, 1, 20)); /* it is there */
+    record->has_broken = record->broken = true;
+    assert_int_equal(read(book, MNS_OK)->n, 2);
+    record->has_broken = record->broken = false;
+    record->reply->code = MENISCUS__CODE__RESOURCE_EXHAUSTED;
+    assert_int_equal(read(book, MNS_OK)->n, 2);
+}
+
 #define TEST(name) cmocka_unit_test_setup_teardown(name, begin, end)
 
 int main(void)
@@ -480,6 +508,7 @@ int main(void)
         TEST(a_lease_is_kept_when_the_machine_itself_has_failed_or_it_is_of_an_older_daemon),
         TEST(a_lease_whose_reply_has_another_result_is_none),
         TEST(what_is_scheduled_without_a_request_waits_for_nothing),
+        TEST(a_snapshot_is_made_again_where_it_was_made),
         TEST(a_load_without_a_name_is_of_the_case_that_it_was_called_then),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
