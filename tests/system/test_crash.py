@@ -212,6 +212,39 @@ class Crash(DaemonTest):
         self.kill_daemon()
         self.meniscus("wait", "--for", "state=READY", "--timeout", "30")
 
+    def test_a_formula_that_fails_at_the_end_of_a_shortened_step_fails_there_again(self) -> None:
+        """It has no value at one time alone, which no other step meets."""
+        run = Path(self.ask("load", *CASE, "--name", "formula")["message"])
+        self.meniscus("step", "30")
+        self.meniscus("checkpoint")
+        self.meniscus("set", "gravity=[0, log(abs(t - 0.3))]")
+        self.meniscus("run-until", "0.3", code=1)
+        before = self.ask("status")
+        self.assertIn("gravity", before["fault"])
+        for _ in range(2):
+            self.kill_daemon()
+            self.meniscus("wait", "--for", "state=FAULT", "--timeout", "30")
+            after = self.ask("status")
+            for key in ("step", "time", "state_hash", "fault_reason"):
+                self.assertEqual(after[key], before[key], key)
+        self.assertTrue(self.ask("replay", str(run), "--verify")["agrees"])
+
+    def test_a_pipe_in_the_place_of_current_holds_nobody_up(self) -> None:
+        run = Path(self.ask("load", *CASE, "--name", "piped")["message"])
+        current = run.parent / "current"
+        noted = current.read_bytes()
+        for back in (False, True):
+            self.daemon.kill()
+            self.daemon.wait()
+            current.unlink()
+            if back:
+                current.write_bytes(noted)
+            else:
+                os.mkfifo(current)
+            type(self).start_daemon()
+            self.meniscus("wait", "--for", "state=READY" if back else "state=EMPTY", "--timeout", "20")
+            self.assertEqual("current" in str(self.ask("status")), not back)
+
     def test_what_was_running_goes_on(self) -> None:
         self.meniscus("load", *CASE, "--name", "running", "--start")
         self.meniscus("wait", "--for", "step=50")

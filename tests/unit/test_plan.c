@@ -127,6 +127,29 @@ static void run_is_not_steered_to_where_it_has_no_end(void **state)
     mns_case_free(c);
 }
 
+/* It was let in when its steps were longer, and may have slowed down since; but not without end. */
+static void run_whose_steps_have_become_short_goes_on_from_its_state(void **state)
+{
+    (void)state;
+    MnsCase *c = case_periodic(2, 10);
+    MnsSim *sim, *again = NULL;
+    MnsCapture *capture;
+    MnsError error = {0};
+    c->end_time = 1e6; /* 3e8 steps; the end is 1e9 away, and 1e11, with 10 and with 1000 times the speed of sound */
+    sim = sim_of(c);
+    assert_int_equal(mns_sim_capture(sim, mns_sim_state_fields(sim), &capture, NULL), MNS_OK);
+    double *speed = capture->data[mns_field_find("velocity")][0];
+    speed[0] = 100;
+    assert_int_equal(mns_sim_resume(c, capture, &again, &error), MNS_OK);
+    assert_true(mns_sim_progress(again).step == 0);
+    mns_sim_free(again);
+    speed[0] = 1e4;
+    assert_int_equal(mns_sim_resume(c, capture, &again, &error), MNS_E_LIMIT);
+    assert_string_equal(error.path, "end_time");
+    mns_capture_free(capture);
+    sim_done(sim, c);
+}
+
 /* By any option that bounds the step. */
 static void run_is_not_steered_to_a_speed_that_has_no_end(void **state)
 {
@@ -363,6 +386,7 @@ int main(void)
         cmocka_unit_test(long_run_of_long_steps_is_not_refused),
         cmocka_unit_test(more_snapshots_than_a_disk_holds_are_refused),
         cmocka_unit_test(run_is_not_steered_to_where_it_has_no_end),
+        cmocka_unit_test(run_whose_steps_have_become_short_goes_on_from_its_state),
         cmocka_unit_test(run_is_not_steered_to_a_speed_that_has_no_end),
         cmocka_unit_test(step_that_has_become_too_short_for_the_end_is_a_divergence),
         cmocka_unit_test(interval_shorter_than_a_step_is_said_to_be_one),
