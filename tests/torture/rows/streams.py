@@ -23,7 +23,8 @@ from .metrics import Metric, Size, all_of, none_of
 
 SMALL = {  # a row a step, thousands a second
     "resolution": 3, "threads": 1, "end_time": 1e6,
-    "output.probe_interval": 1e-6, "output.checkpoint_interval": 5, "output.snapshot_interval": 100,
+    "probes": "[{name: kinetic, kinetic_energy: {}}, {name: front, front: {fluid: water, axis: x}}]",
+    "output.probe_interval": 1e-6, "output.checkpoint_interval": 100, "output.snapshot_interval": 100,
 }
 CHUNK, WINDOW = 1 << 20, 32 << 20  # bytes of a message, and that may be under way
 GRANT_AT = 4 << 20  # bytes taken after which there is more credit
@@ -147,17 +148,23 @@ class Cursor:
         self.times: "list[float]" = []
         self.place = b""
 
-    def take(self, daemon: Daemon, rows: int, killed_after: "float | None" = None) -> None:
-        """By a process of its own, which ends when there are so many rows, or is killed in the midst of it after so many seconds."""
-        words = [sys.executable, "-m", "rows.takers", "samples", data_endpoint(daemon), self.place.hex() or "-", str(rows - len(self.times))]
+    def take_until(self, daemon: Daemon, rows: int) -> None:
+        """Until there are so many; a part of those that one had may be abandoned on the way."""
+        while len(self.times) < rows:
+            had = len(self.times)
+            self.take(daemon, rows - had, LIMIT_S)
+            if len(self.times) == had:
+                raise TimeoutError(f"no row came behind {had} in {LIMIT_S} s")
+
+    def take(self, daemon: Daemon, rows: int, seconds: float) -> None:
+        """By a process of its own, which ends when so many rows have come, or is killed in the midst of it after so many seconds."""
+        words = [sys.executable, "-m", "rows.takers", "samples", data_endpoint(daemon), self.place.hex() or "-", str(rows)]
         process = subprocess.Popen(words, cwd=Path(__file__).parents[1], env=os.environ | {"BUILD": str(BUILD)}, stdout=subprocess.PIPE)
-        timer = threading.Timer(killed_after or LIMIT_S, process.kill)
+        timer = threading.Timer(seconds, process.kill)
         timer.start()
         said, _ = process.communicate()
         timer.cancel()
         self._read(said)
-        if len(self.times) < rows and killed_after is None:
-            raise TimeoutError(f"{len(self.times)} rows came, not {rows}")
 
     def _read(self, said: bytes) -> None:
         """Records of the process, up to the one that its end cut off: two lengths, a cursor, times; a cut-off is as if it never came."""
@@ -183,11 +190,12 @@ def lossless(size: Size) -> Iterator[Metric]:
             client.load("dambreak2d", SMALL, start=True)
             directory = Path(client.status().run_directory or "")
         for k in range(1, size.client_kills + 1):
-            cursor.take(daemon, size.samples, killed_after=chance.uniform(0.2, 1))
+            cursor.take(daemon, size.samples, chance.uniform(0.2, 1))
             if k % max(1, size.client_kills // size.daemon_kills) == 0:
                 daemon.kill()
                 daemon.start()
-            cursor.take(daemon, size.samples * k // size.client_kills)
+            cursor.take_until(daemon, size.samples * k // size.client_kills)
+        cursor.take_until(daemon, len(cursor.times) + 1)  # on the way back after a kill the file has not yet what one had before
         with daemon.client() as client:
             client.pause()
             client.stop(checkpoint=True)

@@ -13,6 +13,7 @@ import zmq  # noqa: E402
 from streaming import Taker, sb  # noqa: E402
 
 LIVE_S = 600  # the longest, if nobody ends it
+WAY_BACK_S = 60  # in which nothing comes that one has not had
 CREDIT = 8 << 20
 
 
@@ -46,7 +47,7 @@ def take_samples(endpoint: str, place: str, rows: int) -> None:
     stream = reply.stream
     while rows > 0 and time.monotonic() < until:
         before = taker.received
-        item = taker.item()
+        item = taker.item(WAY_BACK_S)
         times = item.array("time") if item.head.arrays else np.empty(0)
         keep = item.head.abandoned.row if item.head.HasField("abandoned") else -1
         cursor = item.last.next.SerializeToString()
