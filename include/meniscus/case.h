@@ -128,8 +128,9 @@ typedef enum MnsDiffusion {
 typedef struct MnsDifferences {
     MnsDiffusion diffusion;
     double interface_threshold, shifting_strength, tolerance, guard;
-    double reference_speed;  /* [m/s]; below 0: by gravity and the height of the domain */
-    int buoyant_in;          /* fluid, or -1 */
+    double reference_speed; /* [m/s]; below 0: by gravity and the height of the domain */
+    int buoyant_in;         /* fluid, or -1 */
+    bool shift_across_interfaces;
     bool holds_pressure;     /* 0 at this point, else its mean */
     double zero_pressure[3]; /* [m] */
     unsigned iterations;

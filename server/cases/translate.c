@@ -290,6 +290,7 @@ static MnsStatus translate_differences(Translation *t, const Meniscus__Differenc
     ret->differences = (MnsDifferences){.diffusion = diffusions[m->diffusion],
                                         .interface_threshold = m->interface_threshold,
                                         .shifting_strength = m->shifting_strength,
+                                        .shift_across_interfaces = m->shift_across_interfaces,
                                         .buoyant_in = -1,
                                         .holds_pressure = m->n_zero_pressure > 0,
                                         .reference_speed = m->has_reference_speed ? m->reference_speed : -1,

@@ -45,6 +45,7 @@ typedef struct Differences {
     MnsDiffusion diffusion;
     double threshold; /* of the interface: gradient of the colour, times h */
     double shifting;  /* of particles to where there are fewer */
+    double along;     /* 1: beside interfaces only along them; 0: anywhere */
     double buoyancy;  /* density that gravity does not act on [kg/m^3] */
     double scale;     /* dx^2 / volume of a cell: kernel sums are over this */
 } Differences;

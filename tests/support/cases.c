@@ -54,6 +54,7 @@ MnsCase *case_blank(int dim, double resolution)
                                                       .guard = 0.25},
                                    .differences = {.interface_threshold = 0.01,
                                                    .shifting_strength = 0.2,
+                                                   .shift_across_interfaces = true,
                                                    .buoyant_in = -1,
                                                    .reference_speed = -1,
                                                    .tolerance = 1e-6,

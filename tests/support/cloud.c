@@ -37,7 +37,7 @@ static void set_model(Model *model, const CloudSetup *setup)
         .rho_max = 1000,
         .rho_min = 1,
         .projection = {.offset = 0.2},
-        .differences = {.threshold = 0.01, .shifting = 0.5, .scale = pow(setup->dx, 2 - setup->dim)},
+        .differences = {.threshold = 0.01, .shifting = 0.5, .along = 1, .scale = pow(setup->dx, 2 - setup->dim)},
         .v_max = 1,
         .viscous = setup->viscous,
         .dt = 1e-3,

@@ -72,6 +72,26 @@ static void layers_at_rest_have_their_pressure_from_the_first_step_on(void **sta
         }
 }
 
+/* In its corners, too, and where an interface meets a wall that glides; one liquid does not move at all, whatever its particles lie like. */
+static void a_tank_at_rest_stays_so_with_differences(void **state)
+{
+    (void)state;
+    static const double RATIOS[] = {1, 10, 1000}, FASTEST[] = {1e-7, 0.001, 0.007};
+    for (int dim = 2; dim <= 3; dim++)
+        for (int k = 0; k < 3; k++) {
+            MnsCase *c = layers(dim, dim == 2 ? 20 : 10, RATIOS[k]);
+            c->scheme.name = "differences";
+            c->scheme.smoothing = 0.9;
+            c->walls[0].no_slip = false;
+            c->disorder = k ? 0 : 0.1;
+            for (int f = 0; f < 2; f++) c->fluids[f].viscosity = 0;
+            MnsSim *sim = sim_in_arrays(c);
+            sim_steps(sim, dim == 2 ? 30 : 5);
+            assert_less(fastest(sim), FASTEST[k]);
+            sim_done(sim, c);
+        }
+}
+
 /* Nor do several of them, one after the other. */
 static void a_step_that_is_cut_short_leaves_the_pressure(void **state)
 {
@@ -557,6 +577,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(layers_at_rest_have_their_pressure_from_the_first_step_on),
+        cmocka_unit_test(a_tank_at_rest_stays_so_with_differences),
         cmocka_unit_test(a_step_that_is_cut_short_leaves_the_pressure),
         cmocka_unit_test(momentum_and_number_densities_are_kept),
         cmocka_unit_test(four_fluids_keep_momentum_and_bits),

@@ -99,9 +99,9 @@ void pressure_guess(MnsSim *sim, double dt)
     System *y = &sim->system;
     const size_t n = particles_fluid(&sim->s);
     const size_t step = sim->s.p_step;
-    const double *restrict p = sim->s.p, from = y->held == NOT_HELD ? 0 : p[y->held * step];
+    const double *restrict p = sim->s.p;
 #pragma omp parallel for simd schedule(static) num_threads(sim->threads)
-    for (size_t i = 0; i < n; i++) y->x[i] = (p[i * step] - from) * dt;
+    for (size_t i = 0; i < n; i++) y->x[i] = p[i * step] * dt;
     system_relax(y, n);
 }
 

@@ -14,7 +14,7 @@ MnsStatus pressure_solve(MnsSim *sim, const SolveMethod *method, double toleranc
  *  passes  [n] that lead from positions to the matrix; the first is run again for where particles are */
 void pressure_prepare(MnsSim *sim, const SolveMethod *method, const int passes[], size_t n);
 
-/* Begin with the pressures of the step before, from the held one if there is one; in walls, with what solves their rows. */
+/* Begin with the pressures of the step before; in walls, with what solves their rows. */
 void pressure_guess(MnsSim *sim, double dt);
 
 /* How much of it a step's pressure replaces of the one before: one that is cut short, to end when it is told to, has the divergence of a

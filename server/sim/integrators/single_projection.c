@@ -69,7 +69,7 @@ static bool is_nearer(const Particles *s, Candidate a, Candidate b)
     return a.r2 < b.r2 || (a.r2 == b.r2 && s->id[a.i] < s->id[b.i]);
 }
 
-/* When the lists were made, which a restart knows: the matrix has the same row held until they are made again. */
+/* When the lists were made, which a restart knows: it is the same one until they are made again. */
 static size_t nearest(const MnsSim *sim, const double at[3])
 {
     const Particles *s = &sim->s;
@@ -122,7 +122,7 @@ static void keep_pressure(MnsSim *sim, double dt)
 /* Neighbours, but no diagonal to divide by. */
 static bool is_silent(const MnsSim *sim, size_t i)
 {
-    return sim->system.matrix.blocks[i] == 0 && i != sim->system.held && sim->nb.end[i][END_WALLS] > 0;
+    return sim->system.matrix.blocks[i] == 0 && sim->nb.end[i][END_WALLS] > 0;
 }
 
 /* Of a particle whose neighbours lie so that its row has no diagonal to divide by, the pressure would stay what it was, and the fluid around
@@ -152,7 +152,7 @@ static MnsStatus project(MnsSim *sim, double dt, MnsError *error)
     const MnsDifferences *options = &sim->c->scheme.differences;
     System *y = &sim->system;
     y->threads = sim->threads;
-    y->held = options->holds_pressure ? nearest(sim, options->zero_pressure) : NOT_HELD;
+    y->zero = options->holds_pressure ? nearest(sim, options->zero_pressure) : NO_ROW;
     if (!differences_lay(&sim->s, &sim->nb))
         return mns_fail(error, MNS_E_MEMORY, "no memory for the pressure system of %zu particles", sim->s.n);
     pressure_prepare(sim, method_of(sim), (const int[]){PASS_SHAPE, PASS_CONTINUED, PASS_SYSTEM}, 3);

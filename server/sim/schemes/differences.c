@@ -23,6 +23,7 @@ static void differences_options(Model *model, const MnsCase *c)
     model->differences = (Differences){.diffusion = options->diffusion,
                                        .threshold = options->interface_threshold,
                                        .shifting = options->shifting_strength,
+                                       .along = options->shift_across_interfaces ? 0 : 1,
                                        .buoyancy = options->buoyant_in < 0 ? 0 : model->phase[options->buoyant_in].rho0,
                                        .scale = model->dx * model->dx / model->wall_volume};
 }

@@ -34,10 +34,10 @@ static void unite(uint32_t *up, uint32_t i, uint32_t j)
     }
 }
 
-/* Does row i count? One that says nothing determines nothing, unless it is held. */
+/* Does row i count? One that says nothing determines nothing. */
 static bool counts(const System *y, size_t i)
 {
-    return y->matrix.blocks[i] > 0 || i == y->held;
+    return y->matrix.blocks[i] > 0;
 }
 
 /* Join row i with those of one of its blocks. */
@@ -161,7 +161,6 @@ static void excess(const System *y, double *ret)
             rows[k] += shares_of(y)[chunk].rows[k];
         }
     for (size_t k = 0; k < y->parts; k++) ret[k] = rows[k] > 0 ? ret[k] / rows[k] : 0;
-    if (y->held != NOT_HELD) ret[y->part[y->held]] = 0;
 }
 
 void parts_level(const System *y, double *a, PartsHow how)

@@ -54,7 +54,7 @@ typedef struct SolveReport {
 /* Room for the vectors of the methods. */
 enum { WORK_VECTORS = 7 };
 
-#define NOT_HELD SIZE_MAX
+#define NO_ROW SIZE_MAX
 
 enum { MATRICES = 2 };   /* that take turns in a system */
 enum { PARTS_MAX = 64 }; /* that are told apart */
@@ -73,13 +73,12 @@ static inline void watcher_tell(const Watcher *watcher)
 }
 
 /* L x = b. Of b the mean over the first `bulk` rows is taken away, as nothing else can be solved: constants are L's null space.
- * But a row can be held: it says nothing, and others refer to it, so that x stays as it is there and is known everywhere.
  * Spaces that a wall keeps apart are parts of a matrix, none of which refers to another: all this is so in each of them. */
 typedef struct System {
     Matrix matrix;
     double *b, *x; /* [matrix.n] x: a guess, then the solution up to a constant */
     size_t bulk;
-    size_t held;     /* row; NOT_HELD: none */
+    size_t zero;     /* row at which x is 0 in the end; NO_ROW: its mean is */
     size_t speaking; /* rows that say something, and */
     size_t parts;    /* found by the last solve */
     uint32_t *part;  /* [matrix.n] of each row, [0, parts); 0 of one that says nothing and nobody refers to */
@@ -119,7 +118,7 @@ size_t system_bytes(const System *system);
 /* Solve the rows from `first` on, none of which refers to another of them, by x of the rows before. */
 void system_relax(System *system, size_t first);
 
-/* Take away the mean of x over the bulk, everywhere; of each part its own, but of one that is held. */
+/* Take away the mean of x over the bulk, everywhere; of each part its own, and of that with the row `zero` what x is there. */
 void system_centre(System *system);
 
 /* The matrix will be this one of those that take turns, [0, MATRICES). */

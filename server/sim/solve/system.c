@@ -111,7 +111,7 @@ void matrix_multiply(const Matrix *m, const double *x, double *y, int threads)
 
 bool system_init(System *y, size_t n, size_t bulk, int threads)
 {
-    *y = (System){.bulk = bulk, .held = NOT_HELD, .parts = 1, .threads = threads};
+    *y = (System){.bulk = bulk, .zero = NO_ROW, .parts = 1, .threads = threads};
     bool well = matrix_init(&y->matrix, n, threads);
     well = well && (y->b = array_new_team(whole_blocks(n), sizeof(double), threads)) &&
            (y->x = array_new_team(whole_blocks(n), sizeof(double), threads)) &&
@@ -147,28 +147,33 @@ void system_relax(System *y, size_t first)
     const Matrix *m = &y->matrix;
 #pragma omp parallel for schedule(static) num_threads(y->threads)
     for (size_t i = first; i < m->n; i++) {
-        if (i == y->held) continue;
         y->x[i] = 0;
         if (m->blocks[i]) y->x[i] = (y->b[i] - row_product(m, y->x, i)) / m->diagonal[i];
     }
 }
 
-void system_centre(System *y)
+static double mean_of_bulk(const System *y)
 {
-    if (y->parts > 1) {
-        parts_level(y, y->x, PARTS_CENTRE);
-        return;
-    }
-    if (y->held != NOT_HELD) return;
-    double *sums = partial_of(y, 0), *restrict x = y->x;
+    double *sums = partial_of(y, 0);
+    const double *restrict x = y->x;
 #pragma omp parallel for schedule(static) num_threads(y->threads)
     for (size_t chunk = 0; chunk < chunks_of(y); chunk++) {
         sums[chunk] = 0;
         for (size_t i = chunk * ROWS; i < chunk_end(y, chunk) && i < y->bulk; i++) sums[chunk] += x[i];
     }
-    const double mean = partial_sum(y, 0) / (double)y->bulk;
+    return partial_sum(y, 0) / (double)y->bulk;
+}
+
+void system_centre(System *y)
+{
+    double *restrict x = y->x;
+    const bool counted = y->zero != NO_ROW;
+    if (y->parts > 1) parts_level(y, x, PARTS_CENTRE);
+    if (y->parts > 1 && !counted) return;
+    const double from = counted ? x[y->zero] : mean_of_bulk(y);
+    const uint32_t part = counted && y->parts > 1 ? y->part[y->zero] : 0;
 #pragma omp parallel for simd schedule(static) num_threads(y->threads)
-    for (size_t i = 0; i < y->matrix.n; i++) x[i] -= mean;
+    for (size_t i = 0; i < y->matrix.n; i++) x[i] -= y->parts == 1 || y->part[i] == part ? from : 0;
 }
 
 bool solve_takes_amg(MnsSolver solver, double rows, double blocks)
@@ -253,11 +258,8 @@ double begin(System *y, double *r)
     }
     y->speaking = speaking;
     parts_find(y);
-    if (y->parts > 1) {
-        parts_level(y, b, PARTS_BALANCE);
-    } else if (y->held == NOT_HELD) {
-        balance(y);
-    }
+    if (y->parts > 1) parts_level(y, b, PARTS_BALANCE);
+    else balance(y);
     subtract_product(y, r);
     remove_mean(y, r);
     const double size = sqrt(dot(y, b, b));

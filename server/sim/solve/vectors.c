@@ -47,7 +47,7 @@ void jacobi(System *y, const double *r, double *z)
 
 static bool has_one_mean(const System *y)
 {
-    return y->parts == 1 && y->held == NOT_HELD && y->speaking > 0;
+    return y->parts == 1 && y->speaking > 0;
 }
 
 /* Over the rows of a chunk that say something. */

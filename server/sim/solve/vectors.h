@@ -48,10 +48,10 @@ static inline double *partial_of(const System *y, int k)
 
 double dot(const System *y, const double *a, const double *b);
 
-/* Take away from a the mean over the rows that say something; from these rows. In each part its own, and nothing where a row is held. */
+/* Take away from a the mean over the rows that say something; from these rows. In each part its own. */
 void remove_mean(const System *y, double *a);
 
-/* ret = L x. Returns the mean that is to be taken away from it; 0 where a row is held, or of each part its own has been. */
+/* ret = L x. Returns the mean that is to be taken away from it; 0 where of each part its own has been. */
 double multiply(const System *y, const double *x, double *ret);
 
 /* Take away this from the rows of a that say something. Returns a . a and a . b of what is left. */
@@ -67,7 +67,7 @@ void add_to(const System *y, double *a, double f, const double *b);
 /* parts.c: find the parts of the matrix of now */
 void parts_find(System *y);
 
-/* parts.c: in each part that is not held, of the rows that say something, take away from a the mean; from the bulk what makes the sum of all
+/* parts.c: in each part, of the rows that say something, take away from a the mean; from the bulk what makes the sum of all
  * of them 0; from all rows, whether they say something or not, the mean over the bulk. */
 typedef enum PartsHow { PARTS_MEAN, PARTS_BALANCE, PARTS_CENTRE } PartsHow;
 void parts_level(const System *y, double *a, PartsHow how);

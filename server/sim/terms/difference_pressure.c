@@ -2,8 +2,10 @@
 /* The pressure system of generalized finite differences, and what is done with its solution P = p dt.               P5 eq. 21-24
  *   2 dim/D_i sum_j 2 k_ij/(rho~_i + rho~_j) (P_j - P_i) = <div u>_i = sum_j W (u_i - u_j) . B_i x
  *   u_i -= B_i sum_j 2/(rho~_i + rho~_j) (P_i - P_j) W x
- * A wall particle is an unknown, through whose surface nothing flows: with n the normal of the surface, b body forces
- *   sum_f W (P_w - P_f - dt rho~_w (n . (b - a_w)) (n . x_wf)) = 0 */
+ * A wall particle is an unknown, that balances what body forces b do beside it, towards each fluid particle by itself:
+ *   sum_f W (2 (P_w - P_f)/(rho~_w + rho~_f) - dt (b - a_w) . x_wf) = 0
+ * By the normal of the surface alone it would not be at rest in corners and where an interface meets a wall: there the fluid in sight is
+ * not as much on one side as on the other. */
 #include "sim/solve/solve.h"
 #include "sim/terms/differences.h"
 #include "sim/terms/matrix_row.h"
@@ -34,13 +36,13 @@ bool differences_lay(Particles *s, const Neighbours *nb)
     return matrix_lay(m, threads);
 }
 
-/* The row of a particle, whose blocks of entries are those of its pairs; of a held one, nothing. */
+/* The row of a particle, whose blocks of entries are those of its pairs. */
 INLINE void end_row(System *y, const Row *row, double b)
 {
     Matrix *m = &y->matrix;
     const size_t i = row->i;
     const double diagonal = float_sum(m->c + m->start[i] * LANES, row->n * LANES);
-    const bool says = diagonal > 0 && i != y->held;
+    const bool says = diagonal > 0;
     m->diagonal[i] = says ? diagonal : 0;
     m->blocks[i] = says ? (uint32_t)row->n : 0;
     y->b[i] = says ? b : 0;
@@ -85,33 +87,32 @@ INLINE void difference_matrix_row(const Row *row, Particles *s, const Model *mod
 }
 ROW_FUNCTIONS(difference_matrix_row)
 
-/* Times 1 / (rho~ h^2) and the volume of a cell, so that it counts about as much as the row of a fluid particle. */
+/* Times 1/h^2 and the volume of a cell, so that it counts about as much as the row of a fluid particle. */
 INLINE void difference_wall_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i;
     const WallState *wall = &model->wall[s->phase[i] - model->n_phases];
     Matrix *m = &s->system->matrix;
-    const double h = model->kernel.h, rho = density_around(s, model, i), scale = model->wall_volume / (rho * h * h);
+    const double h = model->kernel.h, rho = density_around(s, model, i), scale = model->wall_volume / (h * h);
     uint32_t *column = m->column + m->start[i] * LANES;
     float *c = m->c + m->start[i] * LANES;
-    double n[3], depth2 = 0, pull = 0, flux = 0;
-    for (int d = 0; d < how.dim; d++) {
-        n[d] = s->to_surface[d][i - particles_fluid(s)];
-        depth2 += n[d] * n[d];
-        pull += n[d] * (body_force_of(model, rho, d) - wall->a[d]);
-    }
-    pull *= depth2 > 0 ? model->dt * rho / depth2 : 0;
+    const Mixture density = mixture_of_densities(model);
+    double flux = 0;
     for (size_t k = 0; k < row->n; k++) {
         const Block *b = &row->block[k];
+        double colour[LANES];
+        gather(s->colour, row_j(row, b), colour);
         for (size_t l = 0; l < LANES; l++) {
             double along = 0;
-            for (int d = 0; d < how.dim; d++) along += n[d] * b->x[d][l];
+            const double mean = 0.5 * (rho + mixed(density, colour[l]));
+            for (int d = 0; d < how.dim; d++)
+                along += model->dt * (body_force_of(model, mean, d) - wall->a[d]) * b->x[d][l];
             column[k * LANES + l] = row_j(row, b)[l];
-            c[k * LANES + l] = (float)(scale * b->W[l]);
-            flux += (double)c[k * LANES + l] * along;
+            c[k * LANES + l] = (float)(scale * b->W[l] / mean);
+            flux += scale * b->W[l] * along;
         }
     }
-    end_row(s->system, row, pull * flux);
+    end_row(s->system, row, flux);
 }
 ROW_FUNCTIONS(difference_wall_row)
 
@@ -156,7 +157,7 @@ const Term difference_matrix = {
 const Term difference_wall_matrix = {
     .name = "and at walls",
     .source = "schemes/README.md",
-    .equation = "sum_f W (P_w - P_f - dt rho~_w (n . (b - a_w)) (n . x_wf)) = 0",
+    .equation = "sum_f W (2 (P_w - P_f)/(rho~_w + rho~_f) - dt (b - a_w) . x_wf) = 0",
     .on = ON_WALL,
     .needs = NEED_W,
     .row = ROW_TABLE(difference_wall_row),

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Particles go to where there are fewer, with velocities put right to first order.                     Xu, Stansby and Laurence 2009, P5 2.3
  *   dx_i = C |u|max dt R_i,  R_i = <r>^2 sum_j x/r^3, <r> the mean of r,   at most dx/20;   u_i += dx_i . <grad u>_i
- * Beside an interface only along it, dx_i -= (dx_i . n_i) n_i: else a bubble slips through the fluid that it rises in.
+ * Where the case says so, beside an interface only along it, dx_i -= (dx_i . n_i) n_i: a bubble slips by the rest through the fluid that it
+ * rises in.
  * Rows read positions and velocities, so both ways wait in the places of what is found anew where the particles have gone to.
  * Not capped, two that are close throw each other several spacings away, and the run blows up for nearly all C (schemes/README.md). The
  * gradient is of fluid alone, with the truncation tensor of that. */
@@ -63,7 +64,7 @@ INLINE void spacing_row(const Row *row, Particles *s, const Model *model, How ho
     crowding(row, how, dx);
     for (int d = 0; d < how.dim; d++) n[d] = s->normal[d][i * s->normal_step];
     const double through = DOT(dx, n, how);
-    for (int d = 0; d < how.dim; d++) dx[d] -= through * n[d];
+    for (int d = 0; d < how.dim; d++) dx[d] -= model->differences.along * through * n[d];
     const double scale = model->differences.shifting * model->v_max * model->dt;
     const double size = scale * sqrt(DOT(dx, dx, how)), most = 0.05 * model->dx, cut = size > most ? most / size : 1;
     for (int d = 0; d < how.dim; d++) dx[d] *= scale * cut;
