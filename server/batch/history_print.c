@@ -24,6 +24,7 @@ static const char *kind_name(const Record *record)
     case MENISCUS__JOURNAL_RECORD__KIND__HASH: return "hash";
     case MENISCUS__JOURNAL_RECORD__KIND__SCHEDULED: return "scheduled";
     case MENISCUS__JOURNAL_RECORD__KIND__LEASE: return "lease";
+    case MENISCUS__JOURNAL_RECORD__KIND__HALTED: return "halted";
     default: return "unknown";
     }
 }
@@ -97,6 +98,8 @@ static void print_outcome(const Record *record)
     if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__BEGUN) printf(": begun");
     else if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__SCHEDULED && record->request)
         print_moment(record->request);
+    else if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__HALTED)
+        printf(": %s", run_state_name((RunState)record->state));
     else if (record->undone) printf(": not done, as the journal could not be written");
     else if (reply && reply->code != MENISCUS__CODE__OK) printf(": %s", text(reply->message));
     else if (reply) printf(": %s", run_state_name((RunState)reply->state));

@@ -127,6 +127,12 @@ static MnsStatus state_of(const Replay *replay, uint64_t step, const MnsCapture 
 {
     Kept *kept = find_kept(replay, step);
     MnsStatus status = MNS_OK;
+    MnsCapture *written;
+    /* What is set at the beginning changes the state there, and what was set before the checkpoint only its file knows. */
+    if (step == 0 && !history_checkpoint(replay->directory, step, &written, NULL)) {
+        mns_capture_free(kept->state);
+        kept->state = written;
+    }
     if (!kept->state) status = history_checkpoint(replay->directory, step, &kept->state, error);
     if (!status) *ret = kept->state;
     return status;
@@ -370,12 +376,12 @@ static MnsStatus do_again(Replay *replay, const HistoryRecord *at, MnsError *err
     return tells_of_fall(record) ? fall_here(replay, at, error) : MNS_OK;
 }
 
-/* The last load that did not go on from a checkpoint. */
+/* The last load that neither went on from a checkpoint nor came after a crash. */
 static size_t first_of(const History *history)
 {
     for (size_t k = history->n; k-- > 0;) {
         const Record *record = history->records[k].message;
-        if (history_begins(record) && !history_goes_back(record) &&
+        if (history_begins(record) && !history_goes_back(record) && !record->comeback &&
             record->request->command_case == MENISCUS__REQUEST__COMMAND_LOAD)
             return k;
     }

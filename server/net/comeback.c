@@ -136,7 +136,7 @@ Meniscus__Request *comeback_resume(const Comeback *comeback)
     Meniscus__Request request = MENISCUS__REQUEST__INIT;
     Meniscus__Resume resume = MENISCUS__RESUME__INIT;
     Meniscus__Step step = MENISCUS__STEP__INIT; /* one */
-    const bool stands = lineage->state == RUN_READY || lineage->state == RUN_PAUSED;
+    const bool stands = lineage->state == RUN_READY || lineage->state == RUN_PAUSED || lineage->state == RUN_DONE;
     if (lineage->begun || (stands && !lineage->broken)) return NULL;
     request.command_case = MENISCUS__REQUEST__COMMAND_RESUME;
     if (stands) do_broken(lineage->broken, &request, &step);

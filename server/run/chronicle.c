@@ -128,6 +128,18 @@ void run_note_scheduled(Run *run, Order *order)
     note_ahead(run, MENISCUS__JOURNAL_RECORD__KIND__SCHEDULED, order);
 }
 
+void run_note_halted(Run *run, RunState state)
+{
+    Record record = MENISCUS__JOURNAL_RECORD__INIT;
+    if (!run->journal) return;
+    record.step = mns_sim_progress(run->sim).step;
+    record.has_state = true;
+    record.state = (Meniscus__State)state;
+    set_time(run, &record);
+    add(run, MENISCUS__JOURNAL_RECORD__KIND__HALTED, &record);
+    journal_write(run->journal, NULL); /* as a hash: where the machine fails the run comes to stand there once more */
+}
+
 void run_note_hash(Run *run)
 {
     Record record = MENISCUS__JOURNAL_RECORD__INIT;
@@ -266,13 +278,20 @@ static bool leaves_unended(const Run *run, const Order *order)
     return order->request->command_case == MENISCUS__REQUEST__COMMAND_SHUTDOWN && (own || run->recovery.lineage);
 }
 
+/* The step that the run has come to: files take their time, and on the way back others have effect where the run was. */
+static uint64_t noted_at(const Run *run, const Order *order)
+{
+    const bool later = order->filed || (run->recovery.lineage && run->sim && !begins_anew(order));
+    return later ? mns_sim_progress(run->sim).step : order->effect_step;
+}
+
 static void note_done(Run *run, Order *order)
 {
     Changes changes = {.whole = true};
     Record record = MENISCUS__JOURNAL_RECORD__INIT;
     Meniscus__LeaseGrant lease;
     char boot[HISTORY_BOOT] = "";
-    record.step = order->filed ? mns_sim_progress(run->sim).step : order->effect_step; /* files take their time */
+    record.step = noted_at(run, order);
     set_time(run, &record);
     if (tell_lease(run, order, &lease)) record.lease = &lease;
     if (run->before) case_message_differences(run->before->message, run->document->message, add_change, &changes);
@@ -285,6 +304,8 @@ static void note_done(Run *run, Order *order)
         record.level = (char *)mns_level();
         record.arithmetic = (char *)mns_arithmetic();
     }
+    record.has_from_checkpoint = anew;
+    record.from_checkpoint = order->from_checkpoint;
     record.has_broken = record.broken = run->state == RUN_FAULT && !run->output_failed;
     record.has_case_version = run->versions.number > 0;
     record.case_version = run->versions.number;

@@ -30,6 +30,12 @@ static void break_off(Run *run, MnsStatus status, const char *text)
     run_goal_end(run, status, &error);
 }
 
+/* Whatever comes after a crash, it stands here. */
+static void note_halted(Run *run, RunState state)
+{
+    if (!run->goal.order) run_note_halted(run, state);
+}
+
 /* Of those that wait until the run is back. */
 static void expire_waiting(Run *run, double now)
 {
@@ -193,6 +199,7 @@ static void finish(Run *run)
     }
     const bool early = run->goal.on && mns_sim_progress(run->sim).t < run->goal.t && isfinite(run->goal.t);
     run_hash(run);
+    note_halted(run, RUN_DONE);
     run_enter(run, RUN_DONE, "the end time is reached");
     if (early) /* somebody moved the end meanwhile */
         mns_fail(&error, MNS_E_INTERRUPTED, "the end time, %.9g s, came before the time to run to, %.9g s",
@@ -219,6 +226,7 @@ static void arrive(Run *run, MnsProgress before)
     } else if (point) {
         char text[128];
         snprintf(text, sizeof text, "paused at breakpoint %s", point->name);
+        note_halted(run, RUN_PAUSED);
         break_off(run, MNS_E_INTERRUPTED, text);
     }
 }

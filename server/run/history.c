@@ -58,6 +58,7 @@ bool history_begins(const Meniscus__JournalRecord *record)
 bool history_goes_back(const Meniscus__JournalRecord *record)
 {
     if (!history_begins(record)) return false;
+    if (record->has_from_checkpoint) return record->from_checkpoint;
     if (record->request->command_case == MENISCUS__REQUEST__COMMAND_RESTORE) return true;
     return record->request->command_case == MENISCUS__REQUEST__COMMAND_LOAD && record->request->load->resume &&
            record->step > 0;

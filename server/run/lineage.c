@@ -54,6 +54,14 @@ bool lineage_is_limit(const Meniscus__Request *request)
     return !request || is_motion(request);
 }
 
+bool lineage_sets_out(const Meniscus__Request *request)
+{
+    if (!request) return false;
+    const Meniscus__Request__CommandCase command = request->command_case;
+    return is_motion(request) || command == MENISCUS__REQUEST__COMMAND_START ||
+           command == MENISCUS__REQUEST__COMMAND_RESUME;
+}
+
 static bool is_limit(const LineageEntry *entry)
 {
     return !entry->adopted && !entry->scheduled && lineage_is_limit(entry->request);
@@ -132,12 +140,12 @@ static bool same_id(const Meniscus__Request *a, const Meniscus__Request *b)
 }
 
 /* A scheduled command was done or dropped. False if it is none. */
-static bool end_scheduled(Lineage *lineage, const Record *record)
+static bool end_scheduled(Lineage *lineage, const Record *record, uint64_t step)
 {
     for (size_t k = 0; k < lineage->n_waiting; k++) {
         LineageEntry *entry = &lineage->entries[lineage->waiting[k]];
         if (!same_id(entry->request, record->request)) continue;
-        entry->until = record->step;
+        entry->until = step;
         lineage->n_waiting--;
         memmove(&lineage->waiting[k], &lineage->waiting[k + 1], (lineage->n_waiting - k) * sizeof *lineage->waiting);
         return true;
@@ -193,8 +201,10 @@ static MnsStatus take_snapshot(Lineage *lineage, const Record *record, MnsError 
 static MnsStatus take_command(Lineage *lineage, const Record *record, MnsError *error)
 {
     const Meniscus__Request *request = record->request;
-    LineageEntry entry = {.step = record->step, .request = request};
-    if (end_scheduled(lineage, record) && !history_done_well(record)) {
+    /* What came on the way back had effect where the run was. */
+    const uint64_t step = record->step > lineage->step ? record->step : lineage->step;
+    LineageEntry entry = {.step = step, .request = request};
+    if (end_scheduled(lineage, record, step) && !history_done_well(record)) {
         come_to(lineage, record); /* its time has shortened a step all the same */
         if (record->reply) halt(lineage, (RunState)record->reply->state);
         return MNS_OK;
@@ -208,9 +218,11 @@ static MnsStatus take_command(Lineage *lineage, const Record *record, MnsError *
     case MENISCUS__REQUEST__COMMAND_STOP:
     case MENISCUS__REQUEST__COMMAND_SHUTDOWN: lineage->ended = true; return MNS_OK;
     case MENISCUS__REQUEST__COMMAND_SET: entry.version = record->case_version; return add(lineage, entry, error);
+    case MENISCUS__REQUEST__COMMAND_START:
+    case MENISCUS__REQUEST__COMMAND_RESUME:
     case MENISCUS__REQUEST__COMMAND_BREAKPOINT: return add(lineage, entry, error);
     case MENISCUS__REQUEST__COMMAND_ROLLBACK:
-        entry = (LineageEntry){.step = record->step, .adopted = record->case_, .version = record->case_version};
+        entry = (LineageEntry){.step = step, .adopted = record->case_, .version = record->case_version};
         return add(lineage, entry, error);
     case MENISCUS__REQUEST__COMMAND_LEASE: take_lease(lineage, record); return MNS_OK;
     case MENISCUS__REQUEST__COMMAND_SNAPSHOT: return take_snapshot(lineage, record, error);
@@ -218,7 +230,7 @@ static MnsStatus take_command(Lineage *lineage, const Record *record, MnsError *
     }
     if (!is_motion(request)) return MNS_OK;
     lineage->begun = NULL;
-    return add(lineage, (LineageEntry){.step = record->step}, error); /* its limit is gone */
+    return add(lineage, (LineageEntry){.step = step}, error); /* its limit is gone */
 }
 
 /* A load after a crash: the run is where it was only when all is done again, and another crash may come before that. */
@@ -260,6 +272,11 @@ static MnsStatus take(Lineage *lineage, const Record *record, MnsError *error)
         lineage->step = record->step;
         lineage->untouched = false;
         return add(lineage, (LineageEntry){.step = record->step, .request = record->request}, error);
+    }
+    if (record->kind == MENISCUS__JOURNAL_RECORD__KIND__HALTED) {
+        come_to(lineage, record);
+        if (record->has_state) halt(lineage, (RunState)record->state);
+        return MNS_OK;
     }
     if (record->kind != MENISCUS__JOURNAL_RECORD__KIND__COMMAND || !record->request) return MNS_OK;
     if (record->comeback && !record->case_) return MNS_OK; /* a shutdown that ends no run */
@@ -308,7 +325,7 @@ void lineage_done(Lineage *lineage)
     *lineage = (Lineage){.n = 0};
 }
 
-/* Of what set out and ended before the checkpoint only the last says anything. */
+/* Of what set out and ended up to the checkpoint only the last says anything. */
 static bool is_past(const Lineage *lineage, size_t k, uint64_t checkpoint)
 {
     for (size_t next = k + 1; next < lineage->n && lineage->entries[next].step <= checkpoint; next++)
@@ -342,8 +359,8 @@ bool lineage_needs(const Lineage *lineage, size_t k, uint64_t checkpoint)
     const LineageEntry *entry = &lineage->entries[k];
     if (entry->scheduled)
         return entry->until == UINT64_MAX || (entry->until > checkpoint && entry->request->has_at_time);
-    /* The file of the checkpoint's own step is there, if there is a checkpoint. */
-    if (is_command(entry, MENISCUS__REQUEST__COMMAND_SNAPSHOT)) return entry->step > checkpoint || !checkpoint;
-    if (is_command(entry, MENISCUS__REQUEST__COMMAND_BREAKPOINT) || entry->step >= checkpoint) return true;
-    return is_limit(entry) && !is_past(lineage, k, checkpoint);
+    /* The case of a checkpoint that a crash had led back to: what is done again leads there too. */
+    if (entry->adopted && entry->anew && !entry->version) return false;
+    if (is_limit(entry) && entry->step <= checkpoint) return !is_past(lineage, k, checkpoint);
+    return is_command(entry, MENISCUS__REQUEST__COMMAND_BREAKPOINT) || entry->step >= checkpoint;
 }

@@ -64,6 +64,9 @@ double lineage_limit(const Lineage *lineage, uint64_t step, double t);
 /* Is it a step or run_until, or its end (NULL): the time to which the last step is shortened? */
 bool lineage_is_limit(const Meniscus__Request *request);
 
+/* Has it set the run in motion? */
+bool lineage_sets_out(const Meniscus__Request *request);
+
 /* One is there from the step on at which it was set, however far back: what was true by then has halted the run already. */
 bool lineage_is_breakpoint(const LineageEntry *entry);
 

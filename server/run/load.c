@@ -288,6 +288,7 @@ static void replace(Run *run, Order *order, Candidate *candidate, MnsStatus stat
     } else {
         snprintf(order->path, sizeof order->path, "%s", run->outputs.directory);
         order->effect_step = mns_sim_progress(run->sim).step;
+        order->from_checkpoint = candidate->goes_on;
         run->hash = mns_sim_hash(run->sim); /* the journal has it below, after the order */
         run->hashed = true;
         run_enter(run, order->lineage ? RUN_RECOVERING : RUN_READY, text);

@@ -76,6 +76,7 @@ typedef struct Order {
     void (*serve)(struct Run *run, struct Order *order);
 
     /* The answer: */
+    bool from_checkpoint; /* what was loaded or restored */
     MnsStatus status;
     MnsError error; /* if status is not MNS_OK                                              */
     RunState state; /* after the effect                                                     */

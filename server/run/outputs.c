@@ -28,15 +28,15 @@ typedef struct Opening {
 } Opening;
 
 /* After a crash, a run that is done again from its beginning is of the same time line, if its file can be read. One that goes on does so without its
- * samples rather than not at all: nobody may be there to move the file away. */
+ * samples rather than not at all: nobody may be there to move the file away. The sample of the beginning is taken anew. */
 static MnsStatus open_series(Opening *opening, Writer *writer, const Document *document, MnsError *error)
 {
     const char *directory = opening->directory;
     Series **ret = &opening->series;
-    if (opening->again && !opening->goes_on &&
-        !job_open_series(writer, directory, document, true, opening->step, ret, NULL))
+    const bool goes_on = opening->goes_on && opening->step > 0;
+    if (opening->again && !goes_on && !job_open_series(writer, directory, document, true, opening->step, ret, NULL))
         return MNS_OK;
-    MnsStatus status = job_open_series(writer, directory, document, opening->goes_on, opening->step, ret, error);
+    MnsStatus status = job_open_series(writer, directory, document, goes_on, opening->step, ret, error);
     opening->damaged = status == MNS_E_CORRUPT && opening->again;
     if (!opening->damaged) return status;
     status = series_set_aside(directory, error);
@@ -332,11 +332,16 @@ MnsStatus outputs_snapshot(Outputs *outputs, const MnsSim *sim, Document *docume
     MnsCapture *capture;
     fields |= field_bit("position") | field_bit("id") | field_bit("phase");
     for (size_t k = 0; k < output->n_fields; k++) fields |= field_bit(output->fields[k]);
+    /* It takes the place of one of this step, and what somebody wanted of that is there still. */
+    if (outputs->at_snapshot == mns_sim_progress(sim).step) fields |= outputs->snapshot_fields;
     MnsStatus status = capture_fields(outputs, sim, fields, &capture, error);
     if (status) return status;
     const uint64_t step = capture->progress.step;
     status = job_post_snapshot(outputs, capture, document, order, error);
-    if (!status) outputs->at_snapshot = step;
+    if (!status) {
+        outputs->at_snapshot = step;
+        outputs->snapshot_fields = fields;
+    }
     return status;
 }
 
@@ -359,9 +364,7 @@ MnsStatus outputs_take(Outputs *outputs, const MnsSim *sim, Document *document, 
         status = take_probes(outputs, sim, document, error);
     if (status) return status;
     before->probes = t;
-    /* One that somebody has asked for before the first step has more fields, if anything. */
-    const bool there = outputs->at_snapshot == mns_sim_progress(sim).step;
-    if (!there && schedule_due(output->snapshot_interval, before->snapshot, t))
+    if (schedule_due(output->snapshot_interval, before->snapshot, t))
         status = outputs_snapshot(outputs, sim, document, 0, NULL, error);
     if (status) return status;
     before->snapshot = t;

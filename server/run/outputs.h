@@ -58,6 +58,7 @@ typedef struct Outputs {
     bool rows_wait;                    /* there are some since then, or it has changed otherwise */
     uint64_t at_checkpoint;            /* step of the last one; UINT64_MAX: none                           */
     uint64_t at_snapshot;              /* step of the last snapshot; UINT64_MAX: none                      */
+    uint64_t snapshot_fields;          /* and what it has, as bits                                         */
     Document *checkpoint_of;           /* the case in it; NULL when closed                                 */
     double capture_seconds;            /* that copying the state for it took                               */
     _Atomic double checkpoint_seconds; /* that writing it took; the writer's to set             */

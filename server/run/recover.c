@@ -18,6 +18,19 @@ static bool is_snapshot(const Meniscus__Request *request)
     return request && request->command_case == MENISCUS__REQUEST__COMMAND_SNAPSHOT;
 }
 
+/* At the checkpoint's own step it is there, if there is a checkpoint. */
+static bool is_there(const Run *run, const LineageEntry *entry)
+{
+    return entry->step == run->recovery.checkpoint && entry->step > 0;
+}
+
+/* The outputs of a boundary at which the run set out, as of the first. */
+static MnsStatus set_out_again(Run *run, MnsError *error)
+{
+    if (!outputs_behind(&run->outputs, mns_sim_progress(run->sim).t)) return MNS_OK;
+    return outputs_take(&run->outputs, run->sim, run->document, error);
+}
+
 static MnsStatus do_again(Run *run, const LineageEntry *entry, double *limit, MnsError *error)
 {
     const Meniscus__Request *request = entry->request;
@@ -29,15 +42,15 @@ static MnsStatus do_again(Run *run, const LineageEntry *entry, double *limit, Mn
         run_breakpoint_again(run, request->breakpoint, entry->step);
         return MNS_OK;
     }
-    if (is_snapshot(request)) return run_snapshot_again(run, request->snapshot, error);
+    if (is_snapshot(request)) return is_there(run, entry) ? MNS_OK : run_snapshot_again(run, request->snapshot, error);
     const bool exact =
         request && request->command_case == MENISCUS__REQUEST__COMMAND_RUN_UNTIL && request->run_until->exact;
-    *limit = exact ? request->run_until->time : INFINITY;
-    return MNS_OK;
+    if (lineage_is_limit(request)) *limit = exact ? request->run_until->time : INFINITY;
+    return lineage_sets_out(request) ? set_out_again(run, error) : MNS_OK;
 }
 
 /* What was commanded up to this step, as much of it as a turn has time for: there may be very much, and somebody who wants the run ended.
- * *ret_all: that is all of it; *ret_output: what failed is a file, for which there is no memory now. */
+ * *ret_all: that is all of it; *ret_output: what failed is a file. */
 static MnsStatus do_some_again(Run *run, uint64_t step, bool *ret_all, bool *ret_output, MnsError *error)
 {
     Recovery *recovery = &run->recovery;
@@ -52,7 +65,7 @@ static MnsStatus do_some_again(Run *run, uint64_t step, bool *ret_all, bool *ret
         const LineageEntry *entry = &lineage->entries[recovery->next];
         if (lineage_needs(lineage, recovery->next, recovery->checkpoint))
             status = do_again(run, entry, &recovery->limit, error);
-        *ret_output = is_snapshot(entry->request);
+        *ret_output = is_snapshot(entry->request) || lineage_sets_out(entry->request);
         recovery->next += !status;
     }
     return status;
@@ -183,10 +196,14 @@ static void arrive(Run *run)
         fail(run, &error, false);
         return;
     }
+    if (outputs_settle(&run->outputs, &error)) { /* whoever is told that it is back finds its files */
+        fail(run, &error, true);
+        return;
+    }
     run->recovery.lineage = NULL;
     outputs_flush(&run->outputs, NULL);
     run_hash(run);
-    run_enter(run, state == RUN_READY ? RUN_READY : RUN_PAUSED, "back where it was");
+    run_enter(run, state == RUN_READY || state == RUN_DONE ? state : RUN_PAUSED, "back where it was");
 }
 
 void run_recover_on(Run *run)
@@ -203,10 +220,8 @@ void run_recover_on(Run *run)
     run_show(run);
 }
 
-/* The outputs of the checkpoint's own step come first, if it had begun at all. */
 static void set_out(Run *run, const Lineage *lineage)
 {
-    MnsError error;
     const MnsProgress now = mns_sim_progress(run->sim);
     char text[128];
     run->recovery.checkpoint = now.step;
@@ -215,8 +230,6 @@ static void set_out(Run *run, const Lineage *lineage)
         snprintf(text, sizeof text, "doing again what came after the checkpoint, to step %" PRIu64, lineage->step);
     else snprintf(text, sizeof text, "nothing is known that came after the checkpoint of step %" PRIu64, now.step);
     run_tell(run, NOTE_LOG, LOG_NOTICE, "recovering", text);
-    const bool due = outputs_behind(&run->outputs, now.t) && (lineage->n || lineage->step);
-    if (due && outputs_take(&run->outputs, run->sim, run->document, &error)) fail(run, &error, true);
 }
 
 void run_recover(Run *run, Order *order)
