@@ -45,6 +45,9 @@ static MnsStatus do_again(Run *run, const LineageEntry *entry, double *limit, Mn
     if (is_snapshot(request)) return is_there(run, entry) ? MNS_OK : run_snapshot_again(run, request->snapshot, error);
     const bool exact =
         request && request->command_case == MENISCUS__REQUEST__COMMAND_RUN_UNTIL && request->run_until->exact;
+    /* To the present time no step is taken, but conditions are looked at. */
+    const MnsProgress now = mns_sim_progress(run->sim);
+    if (exact && request->run_until->time <= now.t) (void)breakpoints_reached(run->breakpoints, run->sim, now);
     if (lineage_is_limit(request)) *limit = exact ? request->run_until->time : INFINITY;
     return lineage_sets_out(request) ? set_out_again(run, error) : MNS_OK;
 }

@@ -109,6 +109,12 @@ class DaemonTest(unittest.TestCase):
         cls.daemon.wait()
         cls.start_daemon()
 
+    def leave_and_come_back(self) -> None:
+        """As a service is started anew."""
+        self.daemon.terminate()
+        self.assertEqual(self.daemon.wait(20), 0)
+        type(self).start_daemon()
+
     @classmethod
     def end_daemon(cls) -> None:
         cls.daemon.terminate()

@@ -188,6 +188,80 @@ class Crash(DaemonTest):
         with h5py.File(path) as file:
             return {name: data[:].tobytes() for name, data in file["VTKHDF/PointData"].items()}
 
+    def test_snapshots_of_a_checkpoints_own_step_outlive_it(self) -> None:
+        """A second crash finds the checkpoint damaged, and goes back further."""
+        run = Path(self.ask("load", *CASE, "--set", "output.checkpoint_interval=0", "--name", "outlived")["message"])
+        for step in ("20", "10"):
+            self.meniscus("step", step)
+            self.meniscus("checkpoint")
+        path = self.ask("snapshot", "--fields", "acceleration")["path"]
+        self.meniscus("step", "5")
+        had = self.contents(path)
+        for _ in range(2):
+            self.kill_daemon()
+            self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+            self.assertEqual(self.contents(path), had)
+            (run / "checkpoint-0000000030.hdf").write_bytes(b"no checkpoint")
+
+    def test_what_is_set_before_the_first_step_is_in_the_outputs_of_the_start(self) -> None:
+        """Also after a crash, and where somebody has asked for a snapshot before."""
+        starts = []
+        for name, asks, dies in (("plain", False, False), ("shown-first", True, False), ("died", True, True)):
+            run = Path(self.ask("load", *CASE, "--set", "output.checkpoint_interval=0", "--name", name)["message"])
+            if asks:
+                self.meniscus("snapshot", "--fields", "acceleration")
+            self.meniscus("set", "gravity=[0, -3]")
+            self.meniscus("step", "3")
+            if dies:
+                self.kill_daemon()
+                self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+            self.meniscus("stop")
+            shown = self.contents(str(run / "snapshot-0000000000.hdf"))
+            self.assertEqual("acceleration" in shown, asks)
+            with h5py.File(run / "probes.hdf") as file:
+                starts.append((shown["pressure"], file["probes/potential"][:].tobytes()))
+        self.assertEqual(len(set(starts)), 1)
+
+    def test_what_a_breakpoint_or_the_end_has_halted_stands_there(self) -> None:
+        """Whatever ended the daemon, and what is commanded then is commanded there."""
+        run = self.home / "state" / "halted"
+        self.meniscus("load", *CASE, "--set", "end_time=0.9", "--name", run.name, "--start")
+        self.meniscus("breakpoint", "early", "--time", "0.5")
+        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+        for end in (self.kill_daemon, self.leave_and_come_back, self.kill_daemon):
+            before = self.ask("status")
+            end()
+            while self.ask("status")["state"] in ("EMPTY", "RECOVERING"):
+                time.sleep(0.01)
+            after = self.ask("status")
+            for key in ("state", "step", "time", "state_hash", "breakpoints"):
+                self.assertEqual(after[key], before[key], key)
+            self.assertEqual(self.ask("set", "gravity=[0.1, -1]")["effect_step"], before["step"])
+        self.meniscus("resume")
+        self.meniscus("wait", "--for", "state=DONE", "--timeout", "20")
+        before = self.ask("status")
+        self.kill_daemon()
+        self.meniscus("wait", "--for", "state=DONE", "--timeout", "20")
+        self.assertEqual(self.ask("status")["state_hash"], before["state_hash"])
+        told = [(r["step"], r["kind"]) for r in self.ask("log", str(run))["records"] if r["kind"] == "halted"]
+        self.assertEqual((len(told), told[-1]), (2, (before["step"], "halted")))
+        self.meniscus("restore")
+        self.assertTrue(self.ask("replay", str(run), "--verify")["agrees"])
+
+    def test_many_crashes_make_no_record_longer(self) -> None:
+        run = Path(self.ask("load", *CASE, "--set", "output.checkpoint_interval=0", "--name", "crashed-often")["message"])
+        self.meniscus("step", "10")
+        self.meniscus("checkpoint")
+        self.meniscus("set", "gravity=[0.1, -1]")
+        self.meniscus("step", "5")
+        sizes = [(run / "journal").stat().st_size]
+        for _ in range(5):
+            self.kill_daemon()
+            self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+            sizes.append((run / "journal").stat().st_size)
+        grown = [b - a for a, b in zip(sizes[1:], sizes[2:])]
+        self.assertLess(max(grown) - min(grown), 16, sizes)  # numbers may have a digit more
+
     def test_what_has_diverged_in_a_step_is_in_fault_again(self) -> None:
         """Else somebody could have a checkpoint of that, from which nobody could go on."""
         run = Path(self.ask("load", *CASE, "--name", "diverged")["message"])
@@ -361,11 +435,6 @@ class Crash(DaemonTest):
         type(self).start_daemon()
         self.meniscus("wait", "--for", "state=PAUSED", "--timeout", str(PATIENCE_S))
         self.assertEqual(self.ask("status")["step"], steps)
-
-    def leave_and_come_back(self) -> None:
-        self.daemon.terminate()
-        self.assertEqual(self.daemon.wait(20), 0)
-        type(self).start_daemon()
 
     def test_what_a_signal_has_called_off_does_not_go_on(self) -> None:
         self.meniscus("load", *CASE, "--name", "called-off")

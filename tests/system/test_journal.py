@@ -8,6 +8,7 @@ import random
 import struct
 import subprocess
 import sys
+import time
 import unittest
 from pathlib import Path
 from typing import Any
@@ -24,8 +25,8 @@ HASH_STEPS = 100
 
 
 class Journal(DaemonTest):
-    def run_of(self, name: str) -> Path:
-        self.meniscus("load", *CASE, "--name", name)
+    def run_of(self, name: str, *more: str) -> Path:
+        self.meniscus("load", *CASE, *more, "--name", name)
         return self.home / "state" / name
 
     def log(self, run: Path) -> list[dict[str, Any]]:
@@ -169,6 +170,46 @@ class Journal(DaemonTest):
                 again = self.replay(run)
                 self.assertEqual((again["agrees"], again["steps"]), (True, fallen + 150))
                 self.assertGreaterEqual(again["compared"], 4)
+
+    def test_a_run_that_goes_on_from_a_checkpoint_of_its_start_is_replayed(self) -> None:
+        """What was set before that is in it, and has changed the state of the start."""
+        for end in (self.kill_daemon, self.leave_and_come_back):
+            run = self.run_of(f"from-the-start-{end.__name__}")
+            self.meniscus("set", "gravity=[0, -4]")
+            if end == self.kill_daemon:
+                self.meniscus("checkpoint")
+            end()
+            self.meniscus("wait", "--for", "state=READY", "--timeout", "20")
+            self.meniscus("step", "10")
+            self.assertTrue(self.replay(run)["agrees"])
+            self.meniscus("stop")
+
+    def test_all_of_a_run_is_replayed_whose_crash_led_back_to_the_start(self) -> None:
+        run = self.run_of("led-back", "--set", "output.checkpoint_interval=0", "--set", "output.checkpoint_wall_interval=0")
+        self.meniscus("step", "350")
+        self.meniscus("reset")
+        self.kill_daemon()
+        self.meniscus("wait", "--for", "state=READY", "--timeout", "20")
+        self.meniscus("step", "10")
+        hashes = sum(r["kind"] == "hash" for r in self.log(run))
+        replayed = self.replay(run)
+        self.assertEqual((replayed["agrees"], replayed["compared"], replayed["steps"]), (True, hashes, 360))
+
+    def test_what_is_recorded_on_the_way_back_is_replayed(self) -> None:
+        """A command that is called off, and one whose deadline passes."""
+        run = self.run_of("on-the-way", "--set", "output.checkpoint_interval=0", "--set", "output.checkpoint_wall_interval=0", "--set", "end_time=1000")
+        ids = [f"{k:032x}" for k in (1, 2)]
+        self.meniscus("set", "gravity=[0.1, -1]", "--at-step", "900000", "--no-wait", "--id", ids[0])
+        self.meniscus("step", "3000")
+        self.kill_daemon()
+        while self.ask("status")["state"] != "RECOVERING":
+            time.sleep(0.001)
+        self.meniscus("cancel", ids[0])
+        self.meniscus("set", "gravity=[0.2, -1]", "--timeout", "0.05", code=124)
+        self.assertEqual(self.ask("status")["state"], "RECOVERING")
+        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "60")
+        self.meniscus("step", "5")
+        self.assertTrue(self.replay(run)["agrees"])
 
     def test_a_replay_that_computes_otherwise_is_found_at_the_first_state(self) -> None:
         run = self.run_of("otherwise")
