@@ -69,7 +69,7 @@ CASES = {
     "bubble2d-sussman-printed": Case(bubbles.bubble2d_sussman_printed, 30, 0.3),
     "bubble2d-hysing1": Case(bubbles.bubble2d_hysing1, 90, 0.2),
     # Hu and Adams 2007; a step takes ten times as long as without a pressure to solve for.
-    "hydrostatic-isph": Case(incompressible.hydrostatic_isph, 2, 0.01),
+    "hydrostatic-isph": Case(incompressible.hydrostatic_isph, 4, 0.01),
     "taylor-green2d": Case(incompressible.taylor_green2d, 90, 0.2),
     "droplet-oscillation2d": Case(incompressible.droplet_oscillation2d, 35, 0.1),
     "droplet-ellipse2d": Case(incompressible.droplet_ellipse2d, 400, 0.4),
