@@ -37,7 +37,7 @@ static MnsStatus check_new(Run *run, Order *order, MnsError *error)
 /* Accepted before a crash: the run must be where it was then. */
 static MnsStatus check_old(const Run *run, MnsError *error)
 {
-    if (run->state == RUN_READY || run->state == RUN_PAUSED) return MNS_OK;
+    if (run->state == RUN_READY || run->state == RUN_PAUSED || run->state == RUN_DONE) return MNS_OK;
     if (run->state == RUN_EMPTY && run->recovery.lineage)
         return mns_fail(error, MNS_E_STATE,
                         "the run for which this is scheduled is not back; it stays scheduled for when the daemon is "

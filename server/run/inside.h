@@ -221,7 +221,8 @@ MnsStatus run_refuse_broken(const Run *run, MnsError *error);
 /* steer.c: what has been commanded before, without an answer. */
 MnsStatus run_set_again(Run *run, const Meniscus__Set *set, MnsError *error);
 MnsStatus run_adopt_again(Run *run, const Meniscus__Case *message, MnsError *error);
-MnsStatus run_snapshot_again(Run *run, const Meniscus__SnapshotNow *request, MnsError *error);
+/* steer.c: on the way back. there: the file is, and is only known again */
+MnsStatus run_snapshot_again(Run *run, const Meniscus__SnapshotNow *request, bool there, MnsError *error);
 void run_breakpoint_again(Run *run, const Meniscus__SetBreakpoint *request, uint64_t step); /* that it was set at */
 
 /* All versions of the case that a lineage tells of. */

@@ -325,7 +325,7 @@ void lineage_done(Lineage *lineage)
     *lineage = (Lineage){.n = 0};
 }
 
-/* Of what set out and ended up to the checkpoint only the last says anything. */
+/* Of what ended up to the checkpoint only the last says anything; what set out there has outputs and conditions. */
 static bool is_past(const Lineage *lineage, size_t k, uint64_t checkpoint)
 {
     for (size_t next = k + 1; next < lineage->n && lineage->entries[next].step <= checkpoint; next++)
@@ -361,6 +361,7 @@ bool lineage_needs(const Lineage *lineage, size_t k, uint64_t checkpoint)
         return entry->until == UINT64_MAX || (entry->until > checkpoint && entry->request->has_at_time);
     /* The case of a checkpoint that a crash had led back to: what is done again leads there too. */
     if (entry->adopted && entry->anew && !entry->version) return false;
-    if (is_limit(entry) && entry->step <= checkpoint) return !is_past(lineage, k, checkpoint);
+    const bool before = entry->step < checkpoint || (entry->step == checkpoint && !entry->request);
+    if (is_limit(entry) && before) return !is_past(lineage, k, checkpoint);
     return is_command(entry, MENISCUS__REQUEST__COMMAND_BREAKPOINT) || entry->step >= checkpoint;
 }

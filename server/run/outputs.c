@@ -325,6 +325,12 @@ static uint64_t field_bit(const char *name)
     return k < 0 ? 0 : (uint64_t)1 << k;
 }
 
+void outputs_know_snapshot(Outputs *outputs, uint64_t step, uint64_t fields)
+{
+    outputs->snapshot_fields = fields | (outputs->at_snapshot == step ? outputs->snapshot_fields : 0);
+    outputs->at_snapshot = step;
+}
+
 MnsStatus outputs_snapshot(Outputs *outputs, const MnsSim *sim, Document *document, uint64_t fields, Order *order,
                            MnsError *error)
 {
@@ -338,10 +344,7 @@ MnsStatus outputs_snapshot(Outputs *outputs, const MnsSim *sim, Document *docume
     if (status) return status;
     const uint64_t step = capture->progress.step;
     status = job_post_snapshot(outputs, capture, document, order, error);
-    if (!status) {
-        outputs->at_snapshot = step;
-        outputs->snapshot_fields = fields;
-    }
+    if (!status) outputs_know_snapshot(outputs, step, fields);
     return status;
 }
 

@@ -103,6 +103,9 @@ MnsStatus outputs_checkpoint(Outputs *outputs, const MnsSim *sim, Document *docu
 MnsStatus outputs_snapshot(Outputs *outputs, const MnsSim *sim, Document *document, uint64_t fields, Order *order,
                            MnsError *error);
 
+/* There is a snapshot of this step with these fields besides those of the case. */
+void outputs_know_snapshot(Outputs *outputs, uint64_t step, uint64_t fields);
+
 /* Rows of the series that are on the disk. */
 typedef struct SeriesRows {
     uint64_t line;         /* the time line                                                              */

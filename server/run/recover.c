@@ -42,14 +42,16 @@ static MnsStatus do_again(Run *run, const LineageEntry *entry, double *limit, Mn
         run_breakpoint_again(run, request->breakpoint, entry->step);
         return MNS_OK;
     }
-    if (is_snapshot(request)) return is_there(run, entry) ? MNS_OK : run_snapshot_again(run, request->snapshot, error);
+    if (is_snapshot(request)) return run_snapshot_again(run, request->snapshot, is_there(run, entry), error);
     const bool exact =
         request && request->command_case == MENISCUS__REQUEST__COMMAND_RUN_UNTIL && request->run_until->exact;
+    if (lineage_is_limit(request)) *limit = exact ? request->run_until->time : INFINITY;
+    const MnsStatus status = lineage_sets_out(request) ? set_out_again(run, error) : MNS_OK;
     /* To the present time no step is taken, but conditions are looked at. */
     const MnsProgress now = mns_sim_progress(run->sim);
-    if (exact && request->run_until->time <= now.t) (void)breakpoints_reached(run->breakpoints, run->sim, now);
-    if (lineage_is_limit(request)) *limit = exact ? request->run_until->time : INFINITY;
-    return lineage_sets_out(request) ? set_out_again(run, error) : MNS_OK;
+    const bool until = request && request->command_case == MENISCUS__REQUEST__COMMAND_RUN_UNTIL;
+    if (until && request->run_until->time <= now.t) (void)breakpoints_reached(run->breakpoints, run->sim, now);
+    return status;
 }
 
 /* What was commanded up to this step, as much of it as a turn has time for: there may be very much, and somebody who wants the run ended.

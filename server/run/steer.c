@@ -353,11 +353,14 @@ MnsStatus run_check_fields(size_t n, char *const *fields, MnsError *error)
     return find_fields(n, fields, &mask, error);
 }
 
-MnsStatus run_snapshot_again(Run *run, const Meniscus__SnapshotNow *request, MnsError *error)
+MnsStatus run_snapshot_again(Run *run, const Meniscus__SnapshotNow *request, bool there, MnsError *error)
 {
     uint64_t mask = 0;
     const MnsStatus status = find_fields(request->n_fields, request->fields, &mask, error);
-    return status ? status : outputs_snapshot(&run->outputs, run->sim, run->document, mask, NULL, error);
+    if (status) return status;
+    if (!there) return outputs_snapshot(&run->outputs, run->sim, run->document, mask, NULL, error);
+    outputs_know_snapshot(&run->outputs, mns_sim_progress(run->sim).step, mask);
+    return MNS_OK;
 }
 
 void run_snapshot(Run *run, Order *order, size_t n, char *const *fields)
