@@ -190,7 +190,8 @@ static json_t *record_json(const HistoryRecord *at)
     snprintf(hash, sizeof hash, "%016" PRIx64, record->state_hash);
     json_t *said = outcome_text(arguments);
     free(arguments);
-    return json_pack("{sI sI ss ss so sI so so so so so so so so ss? so so so}", "number", (json_int_t)at->number,
+    const bool halted = record->kind == MENISCUS__JOURNAL_RECORD__KIND__HALTED;
+    return json_pack("{sI sI ss ss so sI so so so so so so so so ss? so so so ss?}", "number", (json_int_t)at->number,
                      "offset", (json_int_t)at->offset, "kind", kind_name(record), "when", moment, "who",
                      outcome_text(record->who ? record->who->name : NULL), "step", (json_int_t)record->step, "time",
                      record->has_time ? json_real(record->time) : json_null(), "command",
@@ -199,7 +200,8 @@ static json_t *record_json(const HistoryRecord *at)
                      "at_time", request && request->has_at_time ? json_real(request->at_time) : json_null(), "id",
                      id_json(record), "changes", changes_json(record), "reply", reply_json(record->reply), "state_hash",
                      record->has_state_hash ? hash : NULL, "undone", undone_json(record), "level",
-                     outcome_text(record->level), "arithmetic", outcome_text(record->arithmetic));
+                     outcome_text(record->level), "arithmetic", outcome_text(record->arithmetic), "state",
+                     halted ? run_state_name((RunState)record->state) : NULL);
 }
 
 static void print_json(const char *directory, const History *history, bool verify, const MnsError *error, int code)

@@ -63,6 +63,7 @@ export class Events {
 
 /** What a record asked for. @param {any} record */
 export function order(record) {
+  if (record.kind === "halted") return "came to stand by itself";
   return [(record.command ?? "").replaceAll("_", " "), record.arguments ?? ""].join(" ").trim();
 }
 
@@ -70,6 +71,7 @@ export function order(record) {
 export function deed(record) {
   const changes = (record.changes ?? []).map((/** @type {any} */ c) => `${c.path}: ${c.before} → ${c.after}`);
   if (record.kind === "begun") return "begun";
+  if (record.kind === "halted") return record.state;
   if (record.kind === "scheduled") return `scheduled for ${record.at_step !== null ? `step ${count(record.at_step)}` : `t = ${number(record.at_time, 6)} s`}`;
   if (changes.length) return changes.join("; ");
   const { code, message, state } = record.reply ?? {};
