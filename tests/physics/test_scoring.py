@@ -409,7 +409,7 @@ class Incompressible(Scored):
     def test_layers(self):
         t = samples(0.5, 0.01)
         good = made(t, error=5, speed=0.002, escaped=0)
-        self.check(good, lambda r: incompressible.score_layers("c", 1000, r), scaled("error", 3), scaled("speed", 10), moved("escaped", 1))
+        self.check(good, lambda r: incompressible.score_layers("c", "layers", 1000, r), scaled("error", 3), scaled("speed", 10), moved("escaped", 1))
 
     def test_drops(self):
         ref = series.table("P4/droplet_rho1_vof_noslip_256.csv")

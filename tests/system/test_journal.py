@@ -198,13 +198,13 @@ class Journal(DaemonTest):
     def test_what_is_recorded_on_the_way_back_is_replayed(self) -> None:
         """A command that is called off, and one whose deadline passes."""
         run = self.run_of("on-the-way", "--set", "output.checkpoint_interval=0", "--set", "output.checkpoint_wall_interval=0", "--set", "end_time=1000")
-        ids = [f"{k:032x}" for k in (1, 2)]
-        self.meniscus("set", "gravity=[0.1, -1]", "--at-step", "900000", "--no-wait", "--id", ids[0])
+        scheduled = f"{0xca11ed0ff:032x}"
+        self.meniscus("set", "gravity=[0.1, -1]", "--at-step", "900000", "--no-wait", "--id", scheduled)
         self.meniscus("step", "3000")
         self.kill_daemon()
         while self.ask("status")["state"] != "RECOVERING":
             time.sleep(0.001)
-        self.meniscus("cancel", ids[0])
+        self.meniscus("cancel", scheduled)
         self.meniscus("set", "gravity=[0.2, -1]", "--timeout", "0.05", code=124)
         self.assertEqual(self.ask("status")["state"], "RECOVERING")
         self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "60")
