@@ -221,6 +221,34 @@ class DiskFull(DaemonTest):
         self.assertTrue(self.ask("replay", str(directory), "--verify")["agrees"])
         self.meniscus("stop")
 
+    def test_a_snapshot_at_the_end_of_the_way_back_is_waited_for(self) -> None:
+        """It was asked for by hand, and nothing is computed or written behind it."""
+        self.resize(LARGE_BYTES)
+        quiet = ["--set", "probes=[]", "--set", "output.snapshot_interval=0", "--set", "output.checkpoint_wall_interval=0", "--set", "end_time=100"]
+        directory = Path(self.ask("load", *CASE, *quiet, "--name", "shown-last")["message"])
+        self.clear(directory)
+        self.meniscus("step", "10")
+        self.meniscus("checkpoint")
+        self.meniscus("step", "600", timeout=120)
+        shown = Path(self.ask("snapshot")["path"])
+        self.daemon.kill()
+        self.daemon.wait()
+        super().start_daemon()
+        while self.ask("status")["state"] != "RECOVERING":
+            pass
+        filler = self.fill(20_000)
+        self.meniscus("wait", "--for", "state=FAULT", "--timeout", "60")
+        self.assertFalse(shown.exists())
+        self.assertIn(shown.name, self.ask("status")["fault"])
+        self.meniscus("resume", code=74)
+        filler.unlink()
+        self.meniscus("resume")
+        self.meniscus("pause")
+        self.assertTrue(shown.exists())
+        self.assert_whole(directory)
+        self.assertTrue(self.ask("replay", str(directory), "--verify")["agrees"])
+        self.meniscus("stop")
+
     def test_a_scheduled_file_behind_one_that_failed_waits_and_the_journal_has_it(self) -> None:
         self.resize(LARGE_BYTES)
         directory = Path(self.ask("load", *CASE, "--set", "output.snapshot_interval=1e-9")["message"])
