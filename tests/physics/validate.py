@@ -55,7 +55,7 @@ CASES = {
     "bubble3d-single": Case(bubbles.bubble3d_single, 1060, 13),
     "bubble3d-single-printed": Case(bubbles.bubble3d_single_printed, 190, 0.5),
     "bubble3d-double": Case(bubbles.bubble3d_double, 1230, 13),
-    "rayleigh-taylor3d": Case(interfaces.rayleigh_taylor3d, 1100, 400),
+    "rayleigh-taylor3d": Case(interfaces.rayleigh_taylor3d, 1620, 400),
     "lock-exchange2d": Case(interfaces.lock_exchange2d, 190, 0.2),
     "lock-exchange3d": Case(interfaces.lock_exchange3d, 310, 56),
     # Zhu and Zou 2020.
