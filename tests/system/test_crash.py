@@ -273,6 +273,18 @@ class Crash(DaemonTest):
             self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
             self.assertEqual(self.ask("status")["step"], 30)
 
+    def test_a_restore_to_the_start_begins_the_series_at_its_first_row(self) -> None:
+        """Which what was set since has changed: whoever has that row is told."""
+        run = Path(self.ask("load", *CASE, "--name", "started-over")["message"])
+        self.meniscus("checkpoint")
+        self.meniscus("step", "30")
+        self.meniscus("restore", "checkpoint-0000000000.hdf")
+        self.meniscus("set", "gravity=[0, -3]")
+        self.meniscus("step", "30")
+        self.meniscus("stop")
+        with h5py.File(run / "probes.hdf") as file:
+            self.assertEqual((file["step"][0], file["lines/row"][-1]), (0, 0))
+
     def test_many_crashes_make_no_record_longer(self) -> None:
         run = Path(self.ask("load", *CASE, "--set", "output.checkpoint_interval=0", "--name", "crashed-often")["message"])
         self.meniscus("step", "10")
