@@ -20,7 +20,7 @@ from pathlib import Path
 
 from validation import bubbles, dam_breaks, differences, drops, incompressible, interfaces, jobs, multigrid, rest, sloshing
 from validation.metrics import Metric, Report
-from validation.runs import ROOT, told
+from validation.runs import ROOT, SPENT, told
 
 
 @dataclass
@@ -88,13 +88,15 @@ CASES = {
 
 
 def score(name: str, paper: bool) -> Iterator[Metric]:
-    """The metrics of a case. One whose run fails has one line, and the others go on."""
+    """The metrics of a case, and what its runs took, be it now or earlier. One whose run fails has one line, and the others go on."""
+    SPENT.runs.clear()
     try:
         yield from CASES[name].score(paper)
     except subprocess.CalledProcessError as error:
         why = told(error)["error"]["message"]
         sys.stderr.write(f"# {name}: `{' '.join(error.cmd[1:])}` ended with {error.returncode}: {why}\n")
         yield Metric(name, "runs that came to their end, of those needed", 0, low=1)
+    yield Metric(name, "processor time of its runs [s]", sum(SPENT.runs.values()))
 
 
 def estimates() -> None:

@@ -10,6 +10,7 @@ import os
 import re
 import subprocess
 import sys
+import threading
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -128,6 +129,16 @@ def call(command: list[str], log: Path) -> tuple[int, str]:
     return process.returncode, summary
 
 
+class Spent(threading.local):
+    """Processor time of the runs that this thread has asked for, by their directories [s]. A case is scored by one thread."""
+
+    def __init__(self) -> None:
+        self.runs: dict[Path, float] = {}
+
+
+SPENT = Spent()
+
+
 def run(case: str, *settings: str) -> Run:
     """Run a case to its end, or load it if this very run is there. What it says on the way is in a file beside its directory."""
     directory, mark = place(case, list(settings)), fingerprint(case, list(settings))
@@ -142,11 +153,14 @@ def run(case: str, *settings: str) -> Run:
         code, summary = call(command, Path(f"{directory}.log"))
         if code == INTERRUPTED:
             raise KeyboardInterrupt
+        SPENT.runs[directory] = json.loads(summary)["cpu_s"] if summary else 0.0
         if code:
             raise subprocess.CalledProcessError(code, command, summary)
         (directory / "summary.json").write_text(summary)
         stamp.write_text(mark)
-    return load(directory, json.loads((directory / "summary.json").read_text()))
+    summary = json.loads((directory / "summary.json").read_text())
+    SPENT.runs[directory] = summary["cpu_s"]
+    return load(directory, summary)
 
 
 def told(error: subprocess.CalledProcessError) -> dict:
