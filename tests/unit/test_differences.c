@@ -441,6 +441,42 @@ static void a_layer_at_rest_on_a_wall_stays(void **state)
     }
 }
 
+/* Walls balance gravity towards each particle of fluid by itself, by the density between the two: pressures that do so leave nothing of a
+ * wall's row, whatever fluids are in sight, and what gravity does there is no matter of how dense they are. */
+static void walls_balance_gravity_pair_by_pair(void **state)
+{
+    (void)state;
+    Cloud *cloud = wall_below(2, 0.2, false), *even = wall_below(2, 0.2, false);
+    Particles *s = &cloud->s;
+    System *y = &cloud->system;
+    const double g[2] = {3, -9.81}, dt = cloud->model.dt;
+    cloud->model.phase[1].rho0 = even->model.phase[1].rho0 / 1000;
+    size_t seen = 0;
+    for (Cloud *each = cloud; each; each = each == cloud ? even : NULL) {
+        for (int d = 0; d < 2; d++) each->model.gravity[d] = g[d];
+        for (size_t i = 0; i < each->s.n; i++) each->s.colour[i] = each->s.x[0][i] < 0.5 ? 1 : 0;
+        assert_true(differences_lay(&each->s, &each->nb));
+        cloud_term(each, &difference_wall_matrix);
+    }
+    for (size_t w = particles_fluid(s); w < s->n; w++) {
+        const Matrix *m = &y->matrix;
+        double made = 0, size = 0;
+        for (size_t k = m->start[w] * ENTRIES; k < (m->start[w] + m->blocks[w]) * ENTRIES; k++) {
+            const size_t f = m->column[k];
+            double along = 0;
+            for (int d = 0; d < 2; d++) along += g[d] * (s->x[d][w] - s->x[d][f]);
+            made += (double)m->c[k] * 0.5 * (density_of(cloud, w) + density_of(cloud, f)) * dt * along;
+            size += (double)m->c[k] * fabs(along) * density_of(cloud, w) * dt;
+        }
+        assert_close(made, y->b[w], 1e-6 * size + 1e-300);
+        assert_close(y->b[w], even->system.b[w], 1e-12 * fabs(y->b[w]));
+        seen += m->blocks[w] > 0 && fabs(s->x[0][w] - 0.5) < 0.2;
+    }
+    assert_true(seen > 5);
+    cloud_free(cloud);
+    cloud_free(even);
+}
+
 /* --- the pressure, and shifts -------------------------------------------------------------------------------------------- */
 
 static double divergence_left(Cloud *cloud)
@@ -612,6 +648,7 @@ int main(void)
         cmocka_unit_test(a_shear_over_a_wall_goes_on_in_it),
         cmocka_unit_test(with_slip_only_what_flows_into_a_wall_is_turned),
         cmocka_unit_test(a_layer_at_rest_on_a_wall_stays),
+        cmocka_unit_test(walls_balance_gravity_pair_by_pair),
         cmocka_unit_test(the_pressure_takes_divergence_away),
         cmocka_unit_test(shifts_are_capped_and_carry_velocity),
         cmocka_unit_test(shifts_are_along_interfaces),
