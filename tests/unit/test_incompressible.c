@@ -72,6 +72,46 @@ static void layers_at_rest_have_their_pressure_from_the_first_step_on(void **sta
         }
 }
 
+/* What is lightest has no pressure where it has least, wherever the least of all is: with gas under a liquid that is at the lid. By the
+ * mean, nothing has it. */
+static void a_gas_has_the_least_pressure_of_its_own(void **state)
+{
+    (void)state;
+    for (int of_mean = 0; of_mean < 2; of_mean++) {
+        MnsCase *c = layers(2, 20, 1000);
+        case_set_text(&c->gravity[1], "1");
+        c->scheme.incompressible.gauge = of_mean ? MNS_GAUGE_MEAN : MNS_GAUGE_MINIMUM;
+        MnsSim *sim = sim_in_arrays(c);
+        sim_steps(sim, 1);
+        const Particles *s = &sim->s;
+        double least[2] = {INFINITY, INFINITY}, mean = 0, most = 0;
+        for (size_t i = 0; i < particles_fluid(s); i++) {
+            least[s->phase[i]] = fmin(least[s->phase[i]], s->p[i]);
+            most = fmax(most, fabs(s->p[i]));
+            mean += s->p[i] / (double)particles_fluid(s);
+        }
+        assert_true(most > 300);
+        if (of_mean) assert_close(mean, 0, 1e-9 * most);
+        else assert_close(least[1], 0, 1e-9 * most);
+        assert_less(least[0], least[1] - 0.3 * most);
+        sim_done(sim, c);
+    }
+}
+
+/* A solve begins from the pressure of the step before: where that hardly changes, a half of the iterations is not needed. */
+static void a_pressure_that_stays_is_not_found_anew(void **state)
+{
+    (void)state;
+    MnsCase *c = layers(2, 20, 1);
+    MnsSim *sim = sim_in_arrays(c);
+    sim_steps(sim, 1);
+    const unsigned first = sim->solved.iterations;
+    sim_steps(sim, 7);
+    assert_true(first > 20);
+    assert_true(sim->solved.iterations < 0.6 * first);
+    sim_done(sim, c);
+}
+
 /* In its corners, too, and where an interface meets a wall that glides; one liquid does not move at all, whatever its particles lie like. */
 static void a_tank_at_rest_stays_so_with_differences(void **state)
 {
@@ -577,6 +617,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(layers_at_rest_have_their_pressure_from_the_first_step_on),
+        cmocka_unit_test(a_gas_has_the_least_pressure_of_its_own),
+        cmocka_unit_test(a_pressure_that_stays_is_not_found_anew),
         cmocka_unit_test(a_tank_at_rest_stays_so_with_differences),
         cmocka_unit_test(a_step_that_is_cut_short_leaves_the_pressure),
         cmocka_unit_test(momentum_and_number_densities_are_kept),
