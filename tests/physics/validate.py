@@ -115,8 +115,10 @@ def main() -> int:
     if options.list:
         estimates()
         return 0
-    report = Report(options.size == "paper", Path(__file__).parent, list(CASES))
-    tasks = {name: lambda name=name: list(score(name, report.paper)) for name in CASES if name in options.case}
+    paper = options.size == "paper"
+    takes = {name: 3600 * case.paper if paper else case.reduced for name, case in CASES.items()}
+    report = Report(paper, Path(__file__).parent, takes)
+    tasks = {name: lambda name=name: list(score(name, paper)) for name in CASES if name in options.case}
     for _, metrics in jobs.at_once(options.jobs, tasks):
         for metric in metrics:
             report.add(metric)

@@ -59,7 +59,7 @@ def bubble3d_single(paper: bool) -> Iterator[Metric]:
     yield converges(case, "rise speed", *speeds, single_speed(*window))
     yield from hygiene(case, runs[-1])
     if paper:
-        yield from correction(case, ["resolution=5", "end_time=0.14", *QUARTER], (0.08, 0.14), full=True)
+        yield from correction(case, ["resolution=5", "end_time=0.14", *QUARTER], (0.08, 0.14))
 
 
 def bubble3d_single_printed(paper: bool) -> Iterator[Metric]:
@@ -112,7 +112,7 @@ def score_factor(case: str, delta: float, with_: Run, without: Run, window: tupl
     yield Metric(case, f"delta {delta:g}: the same without it, over that noise", noise(without, *window) / noise(with_, *window))
 
 
-def score_correction(case: str, runs: Mapping[str, Sequence[Run | None]], window: tuple[float, float], full: bool) -> Iterator[Metric]:
+def score_correction(case: str, runs: Mapping[str, Sequence[Run | None]], window: tuple[float, float]) -> Iterator[Metric]:
     """The form with the factor over all deltas that it comes to its end with, as P1.c asks; both compared over those with which both do."""
     both = [k for k in range(len(DELTAS)) if all(runs[name][k] for name in FORMS)]
     for name, of in runs.items():
@@ -123,7 +123,7 @@ def score_correction(case: str, runs: Mapping[str, Sequence[Run | None]], window
     if len(alone) > 1:
         over = ", ".join(f"{delta:g}" for delta, r in zip(DELTAS, runs["with"], strict=True) if r)
         name = f"with the volume correction, delta {over}: spread of the speed"
-        yield Metric(case, name, spread(alone, *window)[0], high=0.03 if full else np.inf)
+        yield Metric(case, name, spread(alone, *window)[0], high=0.03)
     damped = [r for delta, r in zip(DELTAS, runs["with"], strict=True) if r and delta >= DAMPED]
     if len(damped) > 1:
         over = ", ".join(f"{delta:g}" for delta, r in zip(DELTAS, runs["with"], strict=True) if r and delta >= DAMPED)
@@ -142,17 +142,17 @@ def score_correction(case: str, runs: Mapping[str, Sequence[Run | None]], window
     yield Metric(case, "spread of the curves, with over without", found["with"][1] / found["without"][1], high=1)
 
 
-def correction(case: str, settings: Sequence[str], window: tuple[float, float], full: bool) -> Iterator[Metric]:
+def correction(case: str, settings: Sequence[str], window: tuple[float, float]) -> Iterator[Metric]:
     runs = {}
     for name, form in FORMS.items():
         options = [[f"scheme.dissipation.form={form}", f"scheme.dissipation.delta={delta}"] for delta in DELTAS]
         runs[name] = [attempt(case, *settings, *option) for option in options]
-    yield from score_correction(case, runs, window, full)
+    yield from score_correction(case, runs, window)
 
 
 def bubble2d_single(paper: bool) -> Iterator[Metric]:
     """The volume correction factor in a plane, at little cost."""
-    yield from correction("bubble2d-single", [f"resolution={10 if paper else 5}"], (0.05, 0.1), full=False)
+    yield from correction("bubble2d-single", [f"resolution={10 if paper else 5}"], (0.05, 0.1))
 
 
 # --- P1 4.2.2: two bubbles -------------------------------------------------------------------------------------------------

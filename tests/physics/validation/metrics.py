@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import subprocess
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -70,13 +71,17 @@ def commit() -> str:
     return f"{name}{'+' if changed else ''}" if name else "unknown"
 
 
+def duration(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 100 else f"{seconds / 3600:.2g} h"
+
+
 @dataclass
 class Report:
     """The table, on the screen and as Markdown. Cases that are not run now keep the rows they had, with their commit."""
 
     paper: bool
     directory: Path
-    order: list[str]  # of the cases
+    takes: Mapping[str, float]  # the cases in their order, and what their runs take on one processor [s]
     metrics: list[Metric] = field(default_factory=list)
     commit: str = field(default_factory=commit)  # as it was when this began
 
@@ -93,9 +98,17 @@ class Report:
         old = [line for line in self.path.read_text().splitlines() if line.startswith("| ")] if self.path.exists() else []
         kept = [line for line in old if line != HEAD and line.split(" | ")[0][2:] not in fresh]
         rows = kept + ["| " + " | ".join([*m.columns(), self.commit]) + " |" for m in self.metrics]
-        return sorted(rows, key=lambda row: self.order.index(row.split(" | ")[0][2:]))
+        order = list(self.takes)
+        return sorted(rows, key=lambda row: order.index(row.split(" | ")[0][2:]))
+
+    def missing(self, rows: list[str]) -> list[str]:
+        """A sentence on the cases that no row is of."""
+        there = {row.split(" | ")[0][2:] for row in rows}
+        away = [f"{case} ({duration(seconds)})" for case, seconds in self.takes.items() if case not in there and seconds > 0]
+        return ["", f"Not run at this size, with what they would take on one processor: {', '.join(away)}."] if away else []
 
     def write(self) -> None:
         command = "make validate SIZE=paper" if self.paper else "make validate"
         lines = ["# Validation" + (" at the papers' sizes" if self.paper else ""), "", f"Written by `{command}`.", "", HEAD]
-        self.path.write_text("\n".join([*lines, "|---" * 7 + "|", *self.rows()]) + "\n")
+        rows = self.rows()
+        self.path.write_text("\n".join([*lines, "|---" * 7 + "|", *rows, *self.missing(rows)]) + "\n")
