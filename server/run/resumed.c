@@ -31,8 +31,10 @@ MnsStatus resumed_case(Document *stored, const char *checkpoint, const Document 
     Meniscus__Case *message = NULL;
     MnsStatus status = case_message_steerable(stored->message, given->message, &why);
     if (status)
-        return mns_fail_at(error, status, why.path, "the case is not that of %s, which can go on with no other: %.300s",
-                           checkpoint, why.text);
+        return mns_fail_at(
+            error, status, why.path,
+            "the case is not that of %s, which can go on with no other (give again what it was begun with): %.300s",
+            checkpoint, why.text);
     status = assign(stored, load, &message, error);
     if (status || !message) {
         *ret = status ? NULL : document_share(stored);
