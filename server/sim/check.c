@@ -135,6 +135,11 @@ static MnsStatus check_differences(const MnsCase *c, MnsError *error)
         return mns_fail_at(error, MNS_E_INVALID, "scheme.differences.solver",
                            "found cg, which solves symmetric systems, and that of differences is none; write by-size, "
                            "bicgstab or amg");
+    for (int d = 0; d < c->dim && g->holds_pressure; d++)
+        if (!c->periodic[d] && !(g->zero_pressure[d] >= c->min[d] && g->zero_pressure[d] <= c->max[d]))
+            return mns_fail_at(error, MNS_E_INVALID, "scheme.differences.zero_pressure",
+                               "the pressure is to be 0 outside of the domain: %c = %g m, allowed %g to %g m", "xyz"[d],
+                               g -> zero_pressure[d], c -> min[d], c -> max[d]);
     const MnsStatus status = check_solver(g->solver, "scheme.differences.solver", error);
     return status ? status : CHECK_BOUNDS("scheme.differences", list, error);
 }

@@ -151,6 +151,13 @@ static void short_period(MnsCase *c)
     c->periodic[0] = true;
     c->max[0] = 0.5;
 }
+static void held_outside(MnsCase *c)
+{
+    c->scheme.name = "differences";
+    c->scheme.differences.holds_pressure = true;
+    c->scheme.differences.zero_pressure[0] = c->min[0];
+    c->scheme.differences.zero_pressure[1] = c->max[1] + 1e-3;
+}
 static void endless_half_space(MnsCase *c)
 {
     MnsPart *p = &c->walls[1].shape.parts[0];
@@ -375,6 +382,7 @@ static const Refusal REFUSALS[] = {
     {"domain", MNS_E_INVALID, nan_domain},
     {"resolution", MNS_E_INVALID, misfit},
     {"domain", MNS_E_INVALID, short_period},
+    {"scheme.differences.zero_pressure", MNS_E_INVALID, held_outside},
     {"resolution", MNS_E_LIMIT, too_fine},
     {"gravity[1]", MNS_E_INVALID, bad_gravity},
     {"gravity[0]", MNS_E_INVALID, gravity_of_place},
