@@ -120,10 +120,11 @@ compare: ## the schemes side by side on the same cases [CASE=name] [JOBS=n]
 	@$(MAKE) --no-print-directory -s $(PARALLEL) all
 	@BUILD=$(BUILD) $(PYTHON) tests/physics/compare.py $(if $(CASE),--case $(CASE)) $(if $(JOBS),--jobs $(JOBS))
 
-bench: ## benchmarks as JSON lines
+bench: ## benchmarks as JSON lines [SIZE=full: those of up to four million particles too]
 	@tests/support/packages.sh bench >&2
 	@$(MAKE) --no-print-directory -s $(PARALLEL) bench-programs >&2
 	@for b in $(BENCH); do $$b || exit 1; done
+	@$(if $(filter full,$(SIZE)),$(BUILD)/tests/bench/bench_step large)
 	@for b in $(wildcard tests/bench/*.py); do BUILD=$(BUILD) $(PYTHON) $$b || exit 1; done
 
 torture: ## the control plane against its promises: 15 minutes [ROW=name] [SIZE=full]

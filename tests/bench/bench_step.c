@@ -5,8 +5,8 @@
  * start, so that neighbour lists age as fast as in a developed flow. All steps count: search, walls, forces, integration; nothing is written.
  * Threads wait as in the daemon.
  *
- * usage: bench_step [NAME [THREADS [RESOLUTION [STEPS]]]]
- * Without arguments: every case but the large ones, with one thread and with all. With STEPS: that many, once, without a start to
+ * usage: bench_step [small | large | NAME [THREADS [RESOLUTION [STEPS]]]]
+ * Without arguments: the small cases, with one thread and with all. With STEPS: that many, once, without a start to
  * warm up, for those who count instructions (tests/system/test_instructions.sh). */
 #include "run/environment.h"
 #include "sim/sim.h"
@@ -25,7 +25,7 @@ typedef struct Bench {
     int dim;
     double resolution;
     int steps;
-    bool large; /* on request only */
+    bool large; /* of those that are asked for by that word or by name only */
 } Bench;
 
 static const Bench BENCHES[] = {
@@ -181,6 +181,12 @@ static int run(const Bench *bench, Wish wish)
     return well;
 }
 
+static int is_meant(const Bench *bench, const char *name)
+{
+    if (strcmp(name, "small") == 0) return !bench->large;
+    return strcmp(name, "large") == 0 ? bench->large : strcmp(name, bench->name) == 0;
+}
+
 int main(int argc, char **argv)
 {
     MnsError error;
@@ -194,7 +200,7 @@ int main(int argc, char **argv)
                  .resolution = argc > 3 ? atof(argv[3]) : 0,
                  .steps = argc > 4 ? atoi(argv[4]) : 0};
     for (size_t k = 0; k < sizeof BENCHES / sizeof *BENCHES && well; k++) {
-        if (argc > 1 ? strcmp(argv[1], BENCHES[k].name) != 0 : BENCHES[k].large) continue;
+        if (!is_meant(&BENCHES[k], argc > 1 ? argv[1] : "small")) continue;
         found = 1;
         if (wish.threads) well = run(&BENCHES[k], wish);
         else {
