@@ -56,11 +56,23 @@ tidy() {
         sh -c 'eval "clang-tidy --quiet \"\$@\" -- -std=c17 -fopenmp $FLAGS" 2>/dev/null' sh
 }
 
+# A name that a module or a class defines twice is one whose first meaning is lost, as a test that is never run.
 python_compiles() {
     find tests client proto -name '*.py' -print0 | xargs -0 -r /usr/bin/python3 -c '
 import ast, sys
+bad = 0
 for name in sys.argv[1:]:
-    ast.parse(open(name, encoding="utf-8").read(), name)'
+    tree = ast.parse(open(name, encoding="utf-8").read(), name)
+    for scope in (n for n in ast.walk(tree) if isinstance(n, (ast.Module, ast.ClassDef))):
+        seen = {}
+        for one in scope.body:
+            if not isinstance(one, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
+                continue
+            if one.name in seen and not one.decorator_list and not seen[one.name].decorator_list:
+                print(f"{name}:{one.lineno}: {one.name} is defined in line {seen[one.name].lineno} already")
+                bad = 1
+            seen[one.name] = one
+sys.exit(bad)'
 }
 
 # With what is generated, which is in the build.
@@ -87,7 +99,7 @@ manual_types() {
 check "every source names its licence" licensed
 check "layout of C (clang-format)" layout
 check "shell scripts (shellcheck)" shellcheck "${scripts[@]}"
-check "Python parses" python_compiles
+check "Python parses, and defines nothing twice" python_compiles
 check "types of the Python client (mypy)" types
 check "types that refuse mistakes of its users (mypy)" mistakes
 check "types of what its manual shows (mypy)" manual_types

@@ -78,7 +78,7 @@ def score_one_layer(case: str, r: Run, full: bool) -> Iterator[Metric]:
     yield Metric(case, "rms distance from linear theory / its amplitude, t < 1.2 s", float(error), high=0.05 if full else np.inf)
 
 
-def last_crest(r: Run) -> float:
+def third_crest(r: Run) -> float:
     return extremum(r.t, r.probes["left"] - STILL, 3.12, 0.2, 1)[1]
 
 
@@ -88,9 +88,9 @@ def sloshing2d_single(paper: bool) -> Iterator[Metric]:
     runs = [run(case, f"resolution={n}", f"end_time={5.3 if paper else 3.2}") for n in sizes]
     yield from score_one_layer(case, runs[-1], paper)
     for n, r in zip(sizes, runs, strict=True):
-        yield Metric(case, f"crest near 3.12 s at h/{n} [m]", last_crest(r))
+        yield Metric(case, f"crest near 3.12 s at h/{n} [m]", third_crest(r))
     ref = table("P1/sloshing_single_vof2d.csv")
-    yield converges(case, "crest near 3.12 s", *(last_crest(r) for r in runs), extremum(ref["t_s"], ref["left20mm"], 3.12, 0.2, 1)[1])
+    yield converges(case, "crest near 3.12 s", *(third_crest(r) for r in runs), extremum(ref["t_s"], ref["left20mm"], 3.12, 0.2, 1)[1])
     yield from hygiene(case, runs[-1], void=False)
 
 
@@ -211,7 +211,7 @@ def score_layers_resonance(case: str, r: Run, full: bool) -> Iterator[Metric]:
         yield from extreme(case, f"{kind} of fs_xm near {t} s", extremum(r.t, eta, t, 0.25, sign), extremum(r.t, theory, t, 0.25, sign), amplitude, phase)
 
 
-def last_crest(t: np.ndarray, eta: np.ndarray) -> float:
+def driven_crest(t: np.ndarray, eta: np.ndarray) -> float:
     return extremum(t, eta, 3.46, 0.25, 1)[1]
 
 
@@ -227,11 +227,11 @@ def sloshing2d_three_layers_resonance(paper: bool) -> Iterator[Metric]:
     small = []
     for n, one in zip(sizes, runs, strict=True):
         half = run(case, f"resolution={n}", f"constants[1].value={AMPLITUDE / 2}")
-        crest, twice = last_crest(one.t, one.probes["fs_xm"] - REST["fs"]), 2 * last_crest(half.t, half.probes["fs_xm"] - REST["fs"])
+        crest, twice = driven_crest(one.t, one.probes["fs_xm"] - REST["fs"]), 2 * driven_crest(half.t, half.probes["fs_xm"] - REST["fs"])
         small.append((4 * twice - crest) / 3)
         yield Metric(case, f"crest of fs_xm near 3.46 s at {n} per layer [m]", crest)
         yield Metric(case, f"the same of small amplitudes at {n} per layer [m]", small[-1])
-    theory = last_crest(runs[-1].t, forced(MODE["omega"], AMPLITUDE, runs[-1].t))
+    theory = driven_crest(runs[-1].t, forced(MODE["omega"], AMPLITUDE, runs[-1].t))
     yield converges(case, "crest of small amplitudes", *small, theory)
     yield from hygiene(case, runs[-1], void=False)
 
