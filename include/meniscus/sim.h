@@ -36,7 +36,8 @@ const char *mns_sim_warning(const MnsSim *sim, size_t k);
  *  @param t_max  [s], later than the current time; INFINITY for no cut.
  *  @return MNS_OK; MNS_E_DIVERGED if a field is not finite, dt fell under its floor or a density left its bounds: the
  *          state is kept for inspection and further calls say the same; MNS_E_LIMIT if a particle has too many neighbours
- *          (the same). The sentence names the particle, the place and the term. MNS_E_INVALID if a formula of the case
+ *          (the same). The sentence names the particle, the place and the term. MNS_E_MEMORY if there is none for lists or the pressure, MNS_E_INTERNAL
+ *          if a library that solves for it fails (the same). MNS_E_INVALID if t_max has passed or a formula of the case
  *          would fail in the step, or a probe's has failed before: with its entry, and the simulation unchanged, so that it can go on
  *          after mns_sim_steer() to another gravity. */
 MnsStatus mns_sim_step(MnsSim *sim, double t_max, MnsError *error);
@@ -155,7 +156,8 @@ uint64_t mns_sim_state_fields(const MnsSim *sim);
 /** Put a captured state back. The run goes on bit for bit as if it had never stopped.
  *  @param sim  made from the case the captured run had at that time.
  *  @return MNS_OK; MNS_E_INVALID if the capture does not fit the case, MNS_E_VERSION if it has not all fields
- *          that the scheme goes on from: sim unchanged. */
+ *          that the scheme goes on from, MNS_E_MEMORY before anything was done: sim unchanged. MNS_E_LIMIT if a particle has too many neighbours, MNS_E_MEMORY if
+ *          there is none for its lists: the state is there for inspection, and steps are refused until another one is put back. */
 MnsStatus mns_sim_restore(MnsSim *sim, const MnsCapture *capture, MnsError *error);
 
 /** A simulation that goes on from a captured state, bit for bit. Initial fields are not evaluated: what was steered since

@@ -174,9 +174,10 @@ MnsStatus mns_sim_restore(MnsSim *sim, const MnsCapture *capture, MnsError *erro
     sim->progress = capture->progress;
     sim->fault = (MnsError){0};
     sim->uncorrected = 0;
-    const MnsStatus status = integrator_restart(sim, error);
+    MnsError why = {0};
+    const MnsStatus status = integrator_restart(sim, &why);
     home_enter(&sim->s, &sim->nb.bundles, sim->scheme, &sim->model, sim->threads);
-    return status;
+    return status ? sim_remember(sim, status, &why, error) : MNS_OK; /* the state that was there is gone */
 }
 
 static uint64_t hash_particle(const Particles *s, Fields state, size_t i)

@@ -128,7 +128,7 @@ void mns_sim_watch(MnsSim *sim, void (*going_on)(void *arg), void *arg)
     sim->watcher = sim->system.watcher = (Watcher){going_on, arg};
 }
 
-static MnsStatus remember(MnsSim *sim, MnsStatus status, const MnsError *why, MnsError *error)
+MnsStatus sim_remember(MnsSim *sim, MnsStatus status, const MnsError *why, MnsError *error)
 {
     sim->fault = *why;
     sim->fault.status = status;
@@ -173,7 +173,8 @@ MnsStatus mns_sim_step(MnsSim *sim, double t_max, MnsError *error)
         return mns_fail(error, MNS_E_INVALID, "the step must end after t = %g s; found %g s", progress->t, t_max);
     const Limit *limit = NULL;
     double dt = limits_dt(sim, &limit);
-    if (!(dt >= plan_floor(sim)) || !(dt > 0)) return remember(sim, fault_time_step(sim, dt, limit, &why), &why, error);
+    if (!(dt >= plan_floor(sim)) || !(dt > 0))
+        return sim_remember(sim, fault_time_step(sim, dt, limit, &why), &why, error);
     const double whole = dt, t = cut(progress->t, &dt, t_max);
     /* Before anything of the step is done: the state stays whole, and the run can go on with another formula. */
     MnsStatus status = setup_check(sim, t, dt, error);
@@ -185,7 +186,7 @@ MnsStatus mns_sim_step(MnsSim *sim, double t_max, MnsError *error)
     progress->dt = dt;
     progress->step++;
     clock_rest(sim, start, before);
-    return status ? remember(sim, status, &why, error) : MNS_OK;
+    return status ? sim_remember(sim, status, &why, error) : MNS_OK;
 }
 
 const MnsCase *mns_sim_case(const MnsSim *sim)

@@ -58,6 +58,9 @@ struct MnsSim {
     char warning[SIM_WARNINGS_MAX][256]; /* about the case, found when it was loaded or as it goes */
 };
 
+/* sim.c: a fault that further steps are refused for; returns its status */
+MnsStatus sim_remember(MnsSim *sim, MnsStatus status, const MnsError *why, MnsError *error);
+
 /* sim.c: how many threads a case gets */
 int sim_threads_for(const MnsCase *c);
 

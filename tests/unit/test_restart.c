@@ -309,6 +309,29 @@ static void captures_of_another_case_are_refused_and_change_nothing(void **state
     sim_done(sim, c);
 }
 
+/* All in one place: there is no list of that, so nothing goes on from it, until another state is put back. */
+static void a_state_without_lists_is_not_gone_on_from(void **state)
+{
+    (void)state;
+    MnsCase *c = case_dam_break(2, 16);
+    MnsSim *sim = sim_of(c);
+    MnsCapture *well = NULL, *heap = NULL;
+    MnsError error;
+    assert_int_equal(mns_sim_capture(sim, mns_sim_state_fields(sim), &well, NULL), MNS_OK);
+    assert_int_equal(mns_sim_capture(sim, mns_sim_state_fields(sim), &heap, NULL), MNS_OK);
+    static const char *const places[] = {"position", "list_position"}; /* lists are of the second */
+    for (int k = 0; k < 2; k++)
+        for (int d = 0; d < 2; d++)
+            for (size_t i = 0; i < heap->n; i++) ((double *)(void *)heap->data[mns_field_find(places[k])][d])[i] = 0.5;
+    assert_int_equal(mns_sim_restore(sim, heap, &error), MNS_E_LIMIT);
+    assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_E_LIMIT);
+    assert_int_equal(mns_sim_restore(sim, well, &error), MNS_OK);
+    assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_OK);
+    mns_capture_free(well);
+    mns_capture_free(heap);
+    sim_done(sim, c);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -320,6 +343,7 @@ int main(void)
         cmocka_unit_test(restart_shows_the_same_fields),
         cmocka_unit_test(hash_does_not_know_the_order_of_storage_but_every_bit_else),
         cmocka_unit_test(captures_of_another_case_are_refused_and_change_nothing),
+        cmocka_unit_test(a_state_without_lists_is_not_gone_on_from),
     };
     return cmocka_run_group_tests_name("restart", tests, NULL, NULL);
 }
