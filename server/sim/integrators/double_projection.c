@@ -85,7 +85,7 @@ static MnsStatus correct_density_once(MnsSim *sim, MnsError *error)
     if (status) return status;
     prepare(sim, sim->model.projection.unit_mobility ? MATRIX_DENSITY : MATRIX_VELOCITY, PASS_DENSITY_SYSTEM);
     integrator_pass(sim, PASS_DENSITY_SYSTEM);
-    memset(y->x, 0, y->matrix.n * sizeof *y->x);
+    system_clear(y);
     status = pressure_solve(sim, method_of(sim), sim->model.projection.correction_tolerance, "density", &report, error);
     if (status) return status;
     sim->solved.density_iterations += report.iterations;

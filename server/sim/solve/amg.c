@@ -9,7 +9,6 @@
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #if HAVE_HYPRE
 #include <HYPRE.h>
@@ -212,7 +211,7 @@ static MnsStatus prepare_skew(System *y)
 static void cycle(System *y, const double *r, double *z)
 {
     struct Amg *amg = y->amg[y->kept];
-    memset(z, 0, y->matrix.n * sizeof *z);
+    clear(y, z);
     HYPRE_IJVectorSetValues(amg->b, amg->n, amg->rows, r);
     HYPRE_IJVectorSetValues(amg->x, amg->n, amg->rows, z);
     HYPRE_BoomerAMGSolve(amg->solver, amg->A, amg->pb, amg->px);
@@ -227,7 +226,7 @@ static void conjugate_gradients(System *y, const SolveGoal *goal, SolveReport *r
     unsigned k = 0;
     do {
         double rz = 1;
-        memset(p, 0, y->matrix.n * sizeof *p);
+        clear(y, p);
         for (; !note(y, report, goal, k, sqrt(dot(y, r, r)) / size); k++) {
             const double before = rz;
             cycle(y, r, z);
@@ -246,7 +245,7 @@ static void solve_with(System *y, const SolveGoal *goal, SolveReport *report, bo
 {
     const double size = begin(y, y->work[0]);
     *report = (SolveReport){.converged = size == 0};
-    if (size == 0) memset(y->x, 0, y->matrix.n * sizeof *y->x);
+    if (size == 0) clear(y, y->x);
     else report->status = symmetric ? prepare_symmetric(y) : prepare_skew(y);
     if (size == 0 || report->status) return;
     if (symmetric) conjugate_gradients(y, goal, report, size);

@@ -3,7 +3,6 @@
  * the constants that no x changes, so it is taken away. */
 #include "sim/solve/vectors.h"
 #include <math.h>
-#include <string.h>
 
 /* p = r + beta (p - omega v) */
 static void turn(const System *y, double beta, double omega, const double *restrict r, const double *restrict v,
@@ -50,10 +49,9 @@ static unsigned iterate(System *y, const SolveGoal *goal, SolveReport *report, d
 {
     double *r = y->work[0], *shadow = y->work[1], *p = y->work[2], *v = y->work[3], *t = y->work[4], *z = y->work[5],
            *zs = y->work[6];
-    const size_t bytes = y->matrix.n * sizeof(double);
-    memcpy(shadow, r, bytes);
-    memset(p, 0, bytes);
-    memset(v, 0, bytes);
+    copy(y, shadow, r);
+    clear(y, p);
+    clear(y, v);
     const double square = dot(y, r, r);
     Products now = {square, square}; /* r is its own shadow */
     double rho = 1, alpha = 1, omega = 1;
@@ -89,7 +87,7 @@ static void solve(System *y, const SolveGoal *goal, SolveReport *report)
 {
     const double size = begin(y, y->work[0]);
     *report = (SolveReport){.converged = size == 0};
-    if (size == 0) memset(y->x, 0, y->matrix.n * sizeof *y->x);
+    if (size == 0) clear(y, y->x);
     else stabilised_gradients(y, goal, report, size, jacobi);
 }
 

@@ -3,7 +3,6 @@
  * rounding. */
 #include "sim/solve/vectors.h"
 #include <math.h>
-#include <string.h>
 
 /* q = L p; returns p . q. */
 static double advance(const System *y, const double *restrict p, double *restrict q)
@@ -42,13 +41,13 @@ static void solve(System *y, const SolveGoal *goal, SolveReport *report)
     const double size = begin(y, r);
     *report = (SolveReport){.converged = size == 0};
     if (size == 0) {
-        memset(y->x, 0, y->matrix.n * sizeof *y->x);
+        clear(y, y->x);
         return;
     }
     unsigned k = 0;
     do {
-        memset(p, 0, y->matrix.n * sizeof *p);
-        memset(q, 0, y->matrix.n * sizeof *q);
+        clear(y, p);
+        clear(y, q);
         Products now = update(y, 0, p, q, r, z);
         double beta = 0;
         for (; !note(y, report, goal, k, sqrt(now.aa) / size); k++) {

@@ -121,6 +121,9 @@ void system_relax(System *system, size_t first);
 /* Take away the mean of x over the bulk, everywhere; of each part its own, and of that with the row `zero` what x is there. */
 void system_centre(System *system);
 
+/* Begin the next solve from x = 0. */
+void system_clear(System *system);
+
 /* The matrix will be this one of those that take turns, [0, MATRICES). */
 void system_keep(System *system, int matrix);
 

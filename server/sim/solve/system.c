@@ -164,6 +164,11 @@ static double mean_of_bulk(const System *y)
     return partial_sum(y, 0) / (double)y->bulk;
 }
 
+void system_clear(System *y)
+{
+    clear(y, y->x);
+}
+
 void system_centre(System *y)
 {
     double *restrict x = y->x;

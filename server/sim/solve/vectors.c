@@ -24,6 +24,18 @@ double dot(const System *y, const double *a, const double *b)
     return partial_sum(y, 0);
 }
 
+void clear(const System *y, double *restrict a)
+{
+#pragma omp parallel for simd schedule(static) num_threads(y->threads)
+    for (size_t i = 0; i < y->matrix.n; i++) a[i] = 0;
+}
+
+void copy(const System *y, double *restrict a, const double *restrict b)
+{
+#pragma omp parallel for simd schedule(static) num_threads(y->threads)
+    for (size_t i = 0; i < y->matrix.n; i++) a[i] = b[i];
+}
+
 void add(const System *y, double *restrict a, double f, const double *restrict b)
 {
 #pragma omp parallel for simd schedule(static) num_threads(y->threads)

@@ -60,6 +60,10 @@ typedef struct Products {
 } Products;
 Products level(const System *y, double *a, double mean, const double *b);
 
+/* a = 0;  a = b */
+void clear(const System *y, double *a);
+void copy(const System *y, double *a, const double *b);
+
 /* a += f b;  a = b + f a */
 void add(const System *y, double *a, double f, const double *b);
 void add_to(const System *y, double *a, double f, const double *b);
