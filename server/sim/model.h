@@ -48,6 +48,8 @@ typedef struct Differences {
     double along;     /* 1: beside interfaces only along them; 0: anywhere */
     double buoyancy;  /* density that gravity does not act on [kg/m^3] */
     double scale;     /* dx^2 / volume of a cell: kernel sums are over this */
+    bool holds;       /* the pressure is 0 at a point [m], and not in the mean */
+    double zero[3];
 } Differences;
 
 typedef struct Model {

@@ -58,35 +58,23 @@ static double density_error(const MnsSim *sim)
     return most;
 }
 
-static MnsStatus lay(MnsSim *sim, MnsError *error)
-{
-    sim->system.threads = sim->threads;
-    if (projection_lay(&sim->s, &sim->nb)) return MNS_OK;
-    return mns_fail(error, MNS_E_MEMORY, "no memory for the pressure system of %zu particles", sim->s.n);
-}
-
-static const SolveMethod *method_of(const MnsSim *sim)
-{
-    return solve_method(sim->model.projection.solver, &sim->system, sim->scheme->symmetric);
-}
-
 static void prepare(MnsSim *sim, int matrix, int pass)
 {
     const int passes[] = {PASS_NUMBER, pass};
     system_keep(&sim->system, matrix);
-    pressure_prepare(sim, method_of(sim), passes, 2);
+    pressure_prepare(sim, passes, 2);
 }
 
 static MnsStatus correct_density_once(MnsSim *sim, MnsError *error)
 {
     System *y = &sim->system;
     SolveReport report;
-    MnsStatus status = lay(sim, error);
+    MnsStatus status = pressure_lay(sim, error);
     if (status) return status;
     prepare(sim, sim->model.projection.unit_mobility ? MATRIX_DENSITY : MATRIX_VELOCITY, PASS_DENSITY_SYSTEM);
     integrator_pass(sim, PASS_DENSITY_SYSTEM);
     system_clear(y);
-    status = pressure_solve(sim, method_of(sim), sim->model.projection.correction_tolerance, "density", &report, error);
+    status = pressure_solve(sim, sim->model.projection.correction_tolerance, "density", &report, error);
     if (status) return status;
     sim->solved.density_iterations += report.iterations;
     sim->solved.corrections++;
@@ -215,12 +203,12 @@ static MnsStatus correct_velocity(MnsSim *sim, double dt, const double gravity[3
     SolveReport report;
     push(sim, dt, gravity);
     integrator_pass(sim, PASS_WALLS);
-    MnsStatus status = lay(sim, error);
+    MnsStatus status = pressure_lay(sim, error);
     if (status) return status;
     prepare(sim, MATRIX_VELOCITY, PASS_VELOCITY_SYSTEM);
     integrator_pass(sim, PASS_VELOCITY_SYSTEM);
     pressure_guess(sim, dt);
-    status = pressure_solve(sim, method_of(sim), sim->model.projection.tolerance, "velocity", &report, error);
+    status = pressure_solve(sim, sim->model.projection.tolerance, "velocity", &report, error);
     sim->solved.iterations = report.iterations;
     sim->solved.residual = report.residual;
     if (status) return status; /* what was not found corrects nothing */

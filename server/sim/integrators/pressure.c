@@ -49,9 +49,21 @@ static MnsStatus fail_solve(const MnsSim *sim, const SolveMethod *method, const 
                     tolerance, history, sim->scheme->name);
 }
 
-MnsStatus pressure_solve(MnsSim *sim, const SolveMethod *method, double tolerance, const char *what,
-                         SolveReport *ret_report, MnsError *error)
+MnsStatus pressure_lay(MnsSim *sim, MnsError *error)
 {
+    sim->system.threads = sim->threads;
+    if (sim->scheme->lay(&sim->s, &sim->nb)) return MNS_OK;
+    return mns_fail(error, MNS_E_MEMORY, "no memory for the pressure system of %zu particles", sim->s.n);
+}
+
+static const SolveMethod *method_of(const MnsSim *sim)
+{
+    return solve_method(sim->model.projection.solver, &sim->system, sim->scheme->symmetric);
+}
+
+MnsStatus pressure_solve(MnsSim *sim, double tolerance, const char *what, SolveReport *ret_report, MnsError *error)
+{
+    const SolveMethod *method = method_of(sim);
     const double start = omp_get_wtime(), before = sim->system.setup_seconds;
     const SolveGoal goal = {tolerance, sim->model.projection.iterations};
     method->solve(&sim->system, &goal, ret_report);
@@ -84,8 +96,9 @@ static void prepare(MnsSim *sim, const SolveMethod *method)
     book(sim, start, before);
 }
 
-void pressure_prepare(MnsSim *sim, const SolveMethod *method, const int passes[], size_t n)
+void pressure_prepare(MnsSim *sim, const int passes[], size_t n)
 {
+    const SolveMethod *method = method_of(sim);
     if (!method->prepare || system_is_ready(&sim->system)) return;
     exchange_positions(&sim->s, sim->threads);
     for (size_t k = 0; k < n; k++) integrator_pass(sim, passes[k]);

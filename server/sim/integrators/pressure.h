@@ -5,14 +5,16 @@
 
 #include "sim/integrator.h"
 
+/* Lay out the rows of the system. */
+MnsStatus pressure_lay(MnsSim *sim, MnsError *error);
+
 /* Solve the system for the pressure that corrects `what`; the set-up and the rest of it are timed. */
-MnsStatus pressure_solve(MnsSim *sim, const SolveMethod *method, double tolerance, const char *what,
-                         SolveReport *ret_report, MnsError *error);
+MnsStatus pressure_solve(MnsSim *sim, double tolerance, const char *what, SolveReport *ret_report, MnsError *error);
 
 /* Make what the method keeps of a matrix, if anything, unless it is there: it fits all solves until the lists are made again, as particles
  * hardly move in between. It is made from where they were then, which a restart knows. Of rows that are laid out.
  *  passes  [n] that lead from positions to the matrix; the first is run again for where particles are */
-void pressure_prepare(MnsSim *sim, const SolveMethod *method, const int passes[], size_t n);
+void pressure_prepare(MnsSim *sim, const int passes[], size_t n);
 
 /* Begin with the pressures of the step before; in walls, with what solves their rows. */
 void pressure_guess(MnsSim *sim, double dt);

@@ -92,18 +92,12 @@ static size_t nearest(const MnsSim *sim, const double at[3])
     return best.i;
 }
 
-static const SolveMethod *method_of(const MnsSim *sim)
-{
-    return solve_method(sim->model.projection.solver, &sim->system, sim->scheme->symmetric);
-}
-
 static MnsStatus solve(MnsSim *sim, MnsError *error)
 {
-    const SolveMethod *method = method_of(sim);
     SolveReport report;
     /* Of divergences, a millionth of the speed over h at each particle: on a lattice there may be none but rounding. */
     sim->system.least = 1e-6 * sim->v_max / sim->model.kernel.h * sqrt((double)particles_fluid(&sim->s));
-    const MnsStatus status = pressure_solve(sim, method, sim->model.projection.tolerance, "velocity", &report, error);
+    const MnsStatus status = pressure_solve(sim, sim->model.projection.tolerance, "velocity", &report, error);
     sim->solved = (Solved){.iterations = report.iterations, .residual = report.residual};
     return status;
 }
@@ -149,16 +143,15 @@ static MnsStatus check_rows(const MnsSim *sim, MnsError *error)
 
 static MnsStatus project(MnsSim *sim, double dt, MnsError *error)
 {
-    const MnsDifferences *options = &sim->c->scheme.differences;
+    const Differences *options = &sim->model.differences;
     System *y = &sim->system;
-    y->threads = sim->threads;
-    y->zero = options->holds_pressure ? nearest(sim, options->zero_pressure) : NO_ROW;
-    if (!differences_lay(&sim->s, &sim->nb))
-        return mns_fail(error, MNS_E_MEMORY, "no memory for the pressure system of %zu particles", sim->s.n);
-    pressure_prepare(sim, method_of(sim), (const int[]){PASS_SHAPE, PASS_CONTINUED, PASS_SYSTEM}, 3);
+    y->zero = options->holds ? nearest(sim, options->zero) : NO_ROW;
+    MnsStatus status = pressure_lay(sim, error);
+    if (status) return status;
+    pressure_prepare(sim, (const int[]){PASS_SHAPE, PASS_CONTINUED, PASS_SYSTEM}, 3);
     integrator_pass(sim, PASS_CONTINUED);
     integrator_pass(sim, PASS_SYSTEM);
-    MnsStatus status = check_rows(sim, error);
+    status = check_rows(sim, error);
     if (status) return status;
     pressure_guess(sim, dt);
     status = solve(sim, error);

@@ -65,5 +65,6 @@ const Scheme scheme_incompressible = {
     .projects = true,
     .symmetric = true,
     .unknowns = projection_unknowns,
+    .lay = projection_lay,
     .options = incompressible_options,
 };
