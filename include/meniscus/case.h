@@ -56,7 +56,7 @@ typedef struct MnsFluid {
 typedef enum MnsMotionKind { MNS_STILL, MNS_SINE, MNS_ONE_MINUS_COSINE, MNS_TABLE } MnsMotionKind;
 
 typedef struct MnsMotionPoint {
-    double t, x[3], v[3];
+    double t, x[3], v[3]; /* [s], displacement [m], velocity [m/s] */
 } MnsMotionPoint;
 
 typedef struct MnsMotion {
@@ -76,9 +76,12 @@ typedef struct MnsWall {
 
 typedef enum MnsKernel { MNS_WENDLAND_C2, MNS_TRUNCATED_GAUSSIAN, MNS_QUINTIC_SPLINE } MnsKernel;
 
+/* P3 */
 typedef struct MnsRiemann {
-    double limiter, background_pressure, heavy_background_pressure, guard;
-    bool transport_stress;
+    double limiter;                                        /* slope in beta = min(slope max(U_L - U_R, 0), c) */
+    double background_pressure, heavy_background_pressure; /* of the transport velocity, over rho c^2 */
+    double guard;                                          /* distance kept from walls, over dx; 0: none */
+    bool transport_stress;                                 /* eq. 12 */
 } MnsRiemann;
 
 typedef enum MnsPairAverage { MNS_AVERAGE_ARITHMETIC, MNS_AVERAGE_DENSITY } MnsPairAverage;
@@ -89,17 +92,24 @@ typedef enum MnsDissipationForm {
     MNS_DISSIPATION_PLAIN
 } MnsDissipationForm;
 
+/* P1 */
 typedef struct MnsDissipation {
-    double delta, repulsion, background_pressure, guard;
+    double delta;               /* eq. 49 */
+    double repulsion;           /* of unlike fluids, a part of their pressure forces */
+    double background_pressure; /* added to all pressures [Pa] */
+    double guard;               /* as in MnsRiemann */
     MnsDissipationForm form;
     MnsPairAverage pair_average;
-    bool gradient_correction;
+    bool gradient_correction; /* in continuity and pressure force */
 } MnsDissipation;
 
 typedef enum MnsShifting { MNS_SHIFTING_OFF, MNS_SHIFTING_INTERFACE, MNS_SHIFTING_ORIGINAL } MnsShifting;
 
+/* P2; what is not said is as in MnsDissipation. */
 typedef struct MnsInterfacial {
-    double delta, shifting_strength, repulsion, background_pressure, guard;
+    double delta;
+    double shifting_strength; /* A in A h |v| dt */
+    double repulsion, background_pressure, guard;
     MnsShifting shifting;
     MnsPairAverage pair_average;
     bool gradient_correction;
@@ -109,10 +119,16 @@ typedef enum MnsMobility { MNS_MOBILITY_BY_RATIO, MNS_MOBILITY_DENSITY, MNS_MOBI
 typedef enum MnsGauge { MNS_GAUGE_MINIMUM, MNS_GAUGE_MEAN } MnsGauge;
 typedef enum MnsSolver { MNS_SOLVER_BY_SIZE, MNS_SOLVER_CG, MNS_SOLVER_BICGSTAB, MNS_SOLVER_AMG } MnsSolver;
 
+/* P4 */
 typedef struct MnsIncompressible {
-    double density_tolerance, density_offset, tolerance, density_solver_tolerance, guard;
-    double reference_speed; /* [m/s]; below 0: by gravity and the height of the domain */
-    unsigned density_corrections, density_patience, iterations;
+    double density_tolerance;                   /* of a number density, over that of the lattice */
+    double density_offset;                      /* reference pressure of the density's correction, over rho h^2 */
+    double tolerance, density_solver_tolerance; /* residuals of the two pressures, over those of none */
+    double guard;                               /* as in MnsRiemann */
+    double reference_speed;                     /* [m/s]; below 0: by gravity and the height of the domain */
+    unsigned density_corrections;               /* in a step, at most */
+    unsigned density_patience;                  /* of those that hardly help, in a row */
+    unsigned iterations;                        /* of a solve, at most */
     MnsMobility mobility;
     MnsGauge gauge;
     MnsSolver solver;
@@ -125,11 +141,13 @@ typedef enum MnsDiffusion {
     MNS_DIFFUSION_SPH
 } MnsDiffusion;
 
+/* P5; what is not said is as in MnsIncompressible. */
 typedef struct MnsDifferences {
     MnsDiffusion diffusion;
-    double interface_threshold, shifting_strength, tolerance, guard;
-    double reference_speed; /* [m/s]; below 0: by gravity and the height of the domain */
-    int buoyant_in;         /* fluid, or -1 */
+    double interface_threshold; /* gradient of the colour at an interface, times h */
+    double shifting_strength;   /* C in C U dt */
+    double tolerance, guard, reference_speed;
+    int buoyant_in; /* fluid, or -1 */
     bool shift_across_interfaces;
     bool holds_pressure;     /* 0 at this point, else its mean */
     double zero_pressure[3]; /* [m] */
@@ -142,7 +160,8 @@ typedef struct MnsSchemeOptions {
     const char
         *name; /* of the scheme: "riemann", "dissipation", "interfacial", "incompressible", "differences"; a literal */
     MnsKernel kernel;
-    double smoothing, cfl, skin;
+    double smoothing, skin; /* h and what lists reach farther than the kernel, over dx */
+    double cfl;             /* dt <= cfl h / (c + |v|) */
     MnsRiemann riemann;
     MnsDissipation dissipation;
     MnsInterfacial interfacial;
@@ -207,7 +226,8 @@ typedef struct MnsOutput {
 } MnsOutput;
 
 typedef struct MnsLimits {
-    double time_step_floor, density_min, density_max;
+    double time_step_floor;          /* over the first step */
+    double density_min, density_max; /* over the reference density */
 } MnsLimits;
 
 typedef struct MnsCase {

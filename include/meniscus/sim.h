@@ -113,7 +113,7 @@ int mns_field_find(const char *name);
 /** Which fields there are: bit k for field k of mns_fields(). mns_sim_steer() brings and takes those of options. */
 uint64_t mns_sim_fields(const MnsSim *sim);
 
-/** Borrow component d of a field: [mns_sim_particles()] values of its type, until the next step, steering or restoring. NULL if there is none,
+/** Borrow component d of a field, of mns_fields() and of its components, others being undefined: [mns_sim_particles()] values of its type, until the next step, steering or restoring. NULL if there is none,
  *  or if the scheme has no use for it. What can be made of others is not kept, but made at each call, in an array that is then kept; NULL
  *  if there is no memory for that. */
 const void *mns_sim_field(const MnsSim *sim, int field, int d);
@@ -183,7 +183,7 @@ MnsStatus mns_sim_make(const MnsCase *c, const MnsCapture *capture, const MnsMak
 
 /* --- measuring --------------------------------------------------------------------------------------------------------- */
 
-/** Value of probe k of the case, now; NAN where there is nothing to measure, or where its formula fails, which the next step
+/** Value of probe k of the case, of its n_probes, now; NAN where there is nothing to measure, or where its formula fails, which the next step
  *  says. Cost: a loop over all fluid particles on all threads; of a height, an elevation or a pressure, of those around. A formula takes a
  *  tenth of a microsecond for each; roundness and surface area, in three dimensions, three for each particle of the box around
  *  the fluid. */
