@@ -80,7 +80,7 @@ CASES = {
     "franke-operators": Case(differences.franke_operators, 3, 0.01),
     "poiseuille-two-phase-operators": Case(differences.poiseuille_operators, 5, 0.01),
     "poiseuille-two-phase": Case(differences.poiseuille, 150, 0.6),
-    "bubble3d-cylinder": Case(differences.bubble3d_cylinder, 340, 8),
+    "bubble3d-cylinder": Case(differences.bubble3d_cylinder, 340, 1.8),
     "bubble3d-cylinder-fine": Case(differences.bubble3d_cylinder_fine, 0, 300),
     # Both.
     "multigrid": Case(multigrid.multigrid, 160, 0.5),
