@@ -72,7 +72,8 @@ def commit() -> str:
 
 
 def duration(seconds: float) -> str:
-    return f"{seconds:.0f} s" if seconds < 100 else f"{seconds / 3600:.2g} h"
+    hours = seconds / 3600
+    return f"{seconds:.0f} s" if seconds < 100 else f"{hours:.2g} h" if hours < 10 else f"{hours:.0f} h"
 
 
 @dataclass
