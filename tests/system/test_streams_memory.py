@@ -101,7 +101,7 @@ class ShortOfMemory(StreamTest):
 
     def test_who_keeps_rows_for_a_resume_keeps_nobody_from_catching_up(self) -> None:
         self.meniscus("load", *SMALL)
-        self.meniscus("step", "11000")
+        self.meniscus("step", "11000", timeout=240)
         self.taker.subscribe(probes=sb.ProbeStream(), delivery=sb.LOSSLESS, credit=PLENTY)
         while self.taker.item(5).last.next.row < 11001:  # all are on the disk
             pass

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Sweeps over the vectors of a system. What is found of a chunk is found while that is in the cache. */
 #include "sim/solve/vectors.h"
+#include <string.h>
 
 double partial_sum(const System *y, int k)
 {
@@ -24,10 +25,11 @@ double dot(const System *y, const double *a, const double *b)
     return partial_sum(y, 0);
 }
 
-void clear(const System *y, double *restrict a)
+void clear(const System *y, double *a)
 {
-#pragma omp parallel for simd schedule(static) num_threads(y->threads)
-    for (size_t i = 0; i < y->matrix.n; i++) a[i] = 0;
+#pragma omp parallel for schedule(static) num_threads(y->threads)
+    for (size_t chunk = 0; chunk < chunks_of(y); chunk++)
+        memset(a + chunk * ROWS, 0, (chunk_end(y, chunk) - chunk * ROWS) * sizeof *a);
 }
 
 void copy(const System *y, double *restrict a, const double *restrict b)
