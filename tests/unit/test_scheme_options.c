@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a case says of its scheme is what its run does: every option makes another run of a case in which it has something to do, and what
  * a fluid does not say is what schemes/README.md has for it. */
+#include "sim/solve/solve.h"
 #include "tests/support/check.h"
 #include "tests/support/sims.h"
 #include <stddef.h>
+#include <stdlib.h>
 #include <string.h>
 
 typedef enum Kind { NUMBER, COUNT, CHOICE, SWITCH } Kind;
@@ -97,7 +99,13 @@ static uint64_t hash_with(const char *scheme, const Option *option)
     return hash;
 }
 
-/* Another than without it, and than with another choice of the same. */
+static bool is_multigrid(const Option *option)
+{
+    return strcmp(option->name, "solver") == 0 && option->value == MNS_SOLVER_AMG;
+}
+
+/* Another than without it, and than with another choice of the same. Multigrid where it was built; under a sanitizer MPI's own leaks would be
+ * told of. */
 static void every_option_makes_another_run(void **state)
 {
     (void)state;
@@ -105,6 +113,8 @@ static void every_option_makes_another_run(void **state)
     for (size_t k = 0; k < N_OPTIONS; k++) {
         const Option *option = &OPTIONS[k];
         if (k == 0 || strcmp(option->scheme, option[-1].scheme) != 0) plain = hash_with(option->scheme, NULL);
+        hash[k] = ~plain;
+        if (is_multigrid(option) && (!amg_exists() || getenv("MENISCUS_SANITIZED"))) continue;
         hash[k] = hash_with(option->scheme, option);
         if (hash[k] == plain) fail_msg("scheme.%s.%s does nothing", option->scheme, option->name);
         for (size_t other = 0; other < k; other++)
