@@ -113,7 +113,8 @@ int mns_field_find(const char *name);
 /** Which fields there are: bit k for field k of mns_fields(). mns_sim_steer() brings and takes those of options. */
 uint64_t mns_sim_fields(const MnsSim *sim);
 
-/** Borrow component d of a field, of mns_fields() and of its components, others being undefined: [mns_sim_particles()] values of its type, until the next step, steering or restoring. NULL if there is none,
+/** Borrow component d of a field: [mns_sim_particles()] values of its type, until the next step, steering or restoring. Both indices are those
+ *  of mns_fields(); what lies beyond them is undefined. NULL if there is none,
  *  or if the scheme has no use for it. What can be made of others is not kept, but made at each call, in an array that is then kept; NULL
  *  if there is no memory for that. */
 const void *mns_sim_field(const MnsSim *sim, int field, int d);
@@ -156,8 +157,8 @@ uint64_t mns_sim_state_fields(const MnsSim *sim);
 /** Put a captured state back. The run goes on bit for bit as if it had never stopped.
  *  @param sim  made from the case the captured run had at that time.
  *  @return MNS_OK; MNS_E_INVALID if the capture does not fit the case, MNS_E_VERSION if it has not all fields
- *          that the scheme goes on from, MNS_E_MEMORY before anything was done: sim unchanged. MNS_E_LIMIT if a particle has too many neighbours, MNS_E_MEMORY if
- *          there is none for its lists: the state is there for inspection, and steps are refused until another one is put back. */
+ *          that the scheme goes on from: sim unchanged. MNS_E_LIMIT if a particle has too many neighbours, MNS_E_MEMORY: where
+ *          the state was put back but its lists could not be made, steps are refused with the same until another one is. */
 MnsStatus mns_sim_restore(MnsSim *sim, const MnsCapture *capture, MnsError *error);
 
 /** A simulation that goes on from a captured state, bit for bit. Initial fields are not evaluated: what was steered since

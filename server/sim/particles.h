@@ -32,8 +32,7 @@ typedef struct Particles {
     double *to_surface[3];                     /* [n_wall] */
     double *x0[3], *v0[3], *rho0;   /* at the beginning of the step, for integrators of more than one evaluation */
     double *p_wall[MNS_MAX_FLUIDS]; /* [n_wall] pressure a wall shows to each fluid */
-    double *v_wall
-        [3]; /* [n_wall] velocity that a wall shows to fluid, or the fluid's around it, as the scheme's term for it says; NULL where none asks */
+    double *v_wall[3]; /* [n_wall] velocity that a wall shows, as the scheme's term for it says; NULL where none asks */
     /* [n] within a step: of continuity d rho/dt, of summation the sum of W, while particles are shifted |v|^2 from before; between steps
      * work space to permute */
     double *rate;
