@@ -4,49 +4,22 @@
  * none may be joined by what rows refer to. */
 #include "sim/chambers.h"
 #include "base/array.h"
+#include "base/forest.h"
 #include "sim/making.h"
 #include <math.h>
-#include <stdatomic.h>
 #include <stdlib.h>
 
 static const double NEARER = 0.5; /* spacings that a fluid may come nearer to a wall than it is at the start */
 enum { MAKING_ASKED = 1 << 20 };  /* particles, after which it is asked whether to go on */
-
-typedef _Atomic uint32_t Shared;
 
 typedef struct Chambers {
     const MnsSim *sim;
     size_t n;        /* fluid particles */
     size_t least;    /* of a space: fewer are what a lattice leaves in a corner */
     bool by_fluid;   /* a wall particle has an unknown for each fluid, not one for all */
-    Shared *of;      /* [n] of each fluid particle the first of its space */
+    uint32_t *of;    /* [n] of each fluid particle the first of its space */
     uint32_t *count; /* [n] how many a space has, at its first particle */
 } Chambers;
-
-static uint32_t peek(const Shared *at)
-{
-    return atomic_load_explicit(at, memory_order_relaxed);
-}
-
-/* Chains are shortened on the way; what another thread has written there meanwhile leads to the same end. */
-static uint32_t first_of(Shared *of, uint32_t i)
-{
-    for (uint32_t next; (next = peek(&of[i])) != i; i = next)
-        atomic_store_explicit(&of[i], peek(&of[next]), memory_order_relaxed);
-    return i;
-}
-
-/* The later first follows the earlier, so that any order of joins ends in the same: the first particle of a space stands for it. */
-static void join(Shared *of, uint32_t a, uint32_t b)
-{
-    while ((a = first_of(of, a)) != (b = first_of(of, b))) {
-        const uint32_t early = a < b ? a : b, late = a < b ? b : a;
-        uint32_t still = late; /* unless another thread has had it follow somebody meanwhile */
-        if (atomic_compare_exchange_strong_explicit(&of[late], &still, early, memory_order_relaxed,
-                                                    memory_order_relaxed))
-            return;
-    }
-}
 
 /* ret: the way from i to the nearest image of j; returns its length. */
 static double way(const MnsSim *sim, size_t i, size_t j, double ret[3])
@@ -78,8 +51,8 @@ static void join_neighbours(Chambers *c, uint32_t i)
     const uint32_t *list = neighbours_of(&c->sim->nb, i);
     for (size_t k = 0; k < c->sim->nb.end[i][END_WALLS]; k++) {
         if (list[k] >= i) continue;
-        if (first_of(c->of, i) != first_of(c->of, list[k]) && !is_wall_between(c->sim, i, list[k]))
-            join(c->of, i, list[k]);
+        if (forest_root(c->of, i) != forest_root(c->of, list[k]) && !is_wall_between(c->sim, i, list[k]))
+            forest_join(c->of, i, list[k]);
     }
 }
 
@@ -88,7 +61,7 @@ static MnsStatus tell_apart(Chambers *c, size_t *ret_spaces, MnsError *error)
 {
     MnsStatus status = MNS_OK;
 #pragma omp parallel for schedule(static) num_threads(c->sim->threads)
-    for (size_t i = 0; i < c->n; i++) atomic_init(&c->of[i], (uint32_t)i);
+    for (size_t i = 0; i < c->n; i++) c->of[i] = (uint32_t)i;
     for (size_t from = 0; from < c->n && !status; from += MAKING_ASKED) {
         const size_t end = from + MAKING_ASKED < c->n ? from + MAKING_ASKED : c->n;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(c->sim->threads)
@@ -96,10 +69,9 @@ static MnsStatus tell_apart(Chambers *c, size_t *ret_spaces, MnsError *error)
         status = making_goes_on(&c->sim->making, error);
     }
 #pragma omp parallel for schedule(static) num_threads(c->sim->threads)
-    for (size_t i = 0; i < c->n; i++)
-        atomic_store_explicit(&c->of[i], first_of(c->of, (uint32_t)i), memory_order_relaxed);
+    for (size_t i = 0; i < c->n; i++) forest_settle(c->of, (uint32_t)i);
     *ret_spaces = 0;
-    for (size_t i = 0; i < c->n; i++) *ret_spaces += ++c->count[peek(&c->of[i])] == c->least;
+    for (size_t i = 0; i < c->n; i++) *ret_spaces += ++c->count[c->of[i]] == c->least;
     return status;
 }
 
@@ -112,11 +84,11 @@ static bool joins(const Chambers *c, size_t i)
     const double reach = (model->kernel.support + fmin(NEARER * model->dx, model->skin)) * (1 + 1e-9);
     uint32_t seen[MNS_MAX_FLUIDS];
     double to[3];
-    for (size_t k = 0; k < MNS_MAX_FLUIDS; k++) seen[k] = fluid ? peek(&c->of[i]) : none;
+    for (size_t k = 0; k < MNS_MAX_FLUIDS; k++) seen[k] = fluid ? c->of[i] : none;
     if (fluid && c->count[seen[0]] < c->least) return false;
     for (size_t k = 0; k < c->sim->nb.end[i][END_WALLS]; k++) {
         const uint32_t j = list[k];
-        const uint32_t its = j < c->n ? peek(&c->of[j]) : none;
+        const uint32_t its = j < c->n ? c->of[j] : none;
         if (its == none || c->count[its] < c->least) continue;
         uint32_t *space = &seen[c->by_fluid ? c->sim->s.phase[j] : 0];
         if (*space == its || way(c->sim, i, j, to) > reach) continue;

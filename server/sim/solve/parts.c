@@ -1,38 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parts of a matrix that do not refer to each other, as of spaces on both sides of a wall: each has a constant of its own that nothing
  * determines. They are found anew for each solve, which costs about as much as a product, so that a restart need know nothing of them. */
+#include "base/forest.h"
 #include "sim/solve/vectors.h"
 #include <string.h>
-
-/* Trees of rows, which all threads join at a time: who points elsewhere never points at itself again, and nobody points at a larger one.
- * So whatever their order, in the end the root of each is the least row of its part. */
-static uint32_t parent(const uint32_t *up, uint32_t i)
-{
-    return __atomic_load_n(&up[i], __ATOMIC_RELAXED);
-}
-
-/* Rows on the way are made to point there more directly. */
-static uint32_t root(uint32_t *up, uint32_t i)
-{
-    for (uint32_t above = parent(up, i); above != i; above = parent(up, i)) {
-        const uint32_t next = parent(up, above);
-        if (next != above) __atomic_store_n(&up[i], next, __ATOMIC_RELAXED);
-        i = next;
-    }
-    return i;
-}
-
-static void unite(uint32_t *up, uint32_t i, uint32_t j)
-{
-    for (;;) {
-        i = root(up, i);
-        j = root(up, j);
-        if (i == j) return;
-        uint32_t high = i > j ? i : j;
-        const uint32_t low = i > j ? j : i;
-        if (__atomic_compare_exchange_n(&up[high], &high, low, false, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) return;
-    }
-}
 
 /* Does row i count? One that says nothing determines nothing. */
 static bool counts(const System *y, size_t i)
@@ -47,7 +18,7 @@ static void join(const System *y, uint32_t *up, uint32_t i, size_t block)
     const size_t first = (m->start[i] + block) * ENTRIES;
     for (size_t k = first; k < first + ENTRIES; k++) {
         const uint32_t j = m->column[k];
-        if (m->c[k] != 0 && counts(y, j)) unite(up, i, j);
+        if (m->c[k] != 0 && counts(y, j)) forest_join(up, i, j);
     }
 }
 
@@ -89,7 +60,7 @@ static size_t number(const System *y)
 #pragma omp parallel num_threads(y->threads)
     {
 #pragma omp for schedule(static)
-        for (size_t i = 0; i < rows; i++) __atomic_store_n(&part[i], root(part, (uint32_t)i), __ATOMIC_RELAXED);
+        for (size_t i = 0; i < rows; i++) forest_settle(part, (uint32_t)i);
 #pragma omp for schedule(static)
         for (size_t i = 0; i < rows; i++) {
             size_t k = 0;
