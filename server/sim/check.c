@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Is a case physical, and can it be built? Each complaint names the entry, what was found and what is allowed. */
+#include "sim/check.h"
 #include "sim/case_bounds.h"
 #include "sim/probes/probes.h"
 #include "sim/solve/solve.h"
@@ -25,14 +26,7 @@ size_t case_fit(const MnsCase *c, int d, double *ret_spacing)
     return (size_t)count;
 }
 
-/* A number and what case.proto allows: a case made by a C program has not been through that. */
-typedef struct Bounded {
-    const char *entry; /* below `at` */
-    double value;
-    Bounds bounds;
-} Bounded;
-
-static MnsStatus check_bounds(const char *at, const Bounded *list, size_t n, MnsError *error)
+MnsStatus check_bounds(const char *at, const Bounded *list, size_t n, MnsError *error)
 {
     for (size_t k = 0; k < n; k++) {
         char entry[96];
@@ -43,34 +37,15 @@ static MnsStatus check_bounds(const char *at, const Bounded *list, size_t n, Mns
     return MNS_OK;
 }
 
-#define CHECK_BOUNDS(at, list, error) check_bounds((at), (list), sizeof(list) / sizeof *(list), (error))
-
 static MnsStatus check_options(const MnsCase *c, MnsError *error)
 {
     const MnsSchemeOptions *o = &c->scheme;
-    const MnsRiemann *r = &o->riemann;
-    const MnsDissipation *q = &o->dissipation;
-    const MnsInterfacial *f = &o->interfacial;
     const MnsLimits *l = &c->limits;
     const MnsOutput *w = &c->output;
     const Bounded list[] = {
         {"scheme.smoothing", o->smoothing, BOUNDS_Scheme_smoothing},
         {"scheme.cfl", o->cfl, BOUNDS_Scheme_cfl},
         {"scheme.skin", o->skin, BOUNDS_Scheme_skin},
-        {"scheme.riemann.limiter", r->limiter, BOUNDS_Riemann_limiter},
-        {"scheme.riemann.background_pressure", r->background_pressure, BOUNDS_Riemann_background_pressure},
-        {"scheme.riemann.heavy_background_pressure", r->heavy_background_pressure,
-         BOUNDS_Riemann_heavy_background_pressure},
-        {"scheme.riemann.guard", r->guard, BOUNDS_Riemann_guard},
-        {"scheme.dissipation.delta", q->delta, BOUNDS_Dissipation_delta},
-        {"scheme.dissipation.repulsion", q->repulsion, BOUNDS_Dissipation_repulsion},
-        {"scheme.dissipation.background_pressure", q->background_pressure, BOUNDS_Dissipation_background_pressure},
-        {"scheme.dissipation.guard", q->guard, BOUNDS_Dissipation_guard},
-        {"scheme.interfacial.delta", f->delta, BOUNDS_Interfacial_delta},
-        {"scheme.interfacial.shifting_strength", f->shifting_strength, BOUNDS_Interfacial_shifting_strength},
-        {"scheme.interfacial.repulsion", f->repulsion, BOUNDS_Interfacial_repulsion},
-        {"scheme.interfacial.background_pressure", f->background_pressure, BOUNDS_Interfacial_background_pressure},
-        {"scheme.interfacial.guard", f->guard, BOUNDS_Interfacial_guard},
         {"domain.disorder", c->disorder, BOUNDS_Domain_disorder},
         {"limits.time_step_floor", l->time_step_floor, BOUNDS_Limits_time_step_floor},
         {"limits.density_min", l->density_min, BOUNDS_Limits_density_min},
@@ -83,65 +58,12 @@ static MnsStatus check_options(const MnsCase *c, MnsError *error)
     return CHECK_BOUNDS("", list, error);
 }
 
-static bool is_incompressible(const MnsCase *c)
-{
-    return strcmp(c->scheme.name, "incompressible") == 0;
-}
-
-static MnsStatus check_solver(MnsSolver solver, const char *at, MnsError *error)
+MnsStatus check_solver(MnsSolver solver, const char *at, MnsError *error)
 {
     if (solver != MNS_SOLVER_AMG || amg_exists()) return MNS_OK;
     return mns_fail_at(error, MNS_E_INVALID, at,
                        "found amg, which this program was built without, as it needs the library hypre; write by-size "
                        "or bicgstab");
-}
-
-/* Numbers that have no sense where nobody has given them. */
-static MnsStatus check_incompressible(const MnsCase *c, MnsError *error)
-{
-    const MnsIncompressible *i = &c->scheme.incompressible;
-    const Bounded list[] = {
-        {"density_tolerance", i->density_tolerance, BOUNDS_Incompressible_density_tolerance},
-        {"density_corrections", i->density_corrections, BOUNDS_Incompressible_density_corrections},
-        {"density_patience", i->density_patience, BOUNDS_Incompressible_density_patience},
-        {"density_offset", i->density_offset, BOUNDS_Incompressible_density_offset},
-        {"reference_speed", fmax(i->reference_speed, 0), BOUNDS_Incompressible_reference_speed},
-        {"tolerance", i->tolerance, BOUNDS_Incompressible_tolerance},
-        {"density_solver_tolerance", i->density_solver_tolerance, BOUNDS_Incompressible_density_solver_tolerance},
-        {"iterations", i->iterations, BOUNDS_Incompressible_iterations},
-        {"guard", i->guard, BOUNDS_Incompressible_guard},
-    };
-    if (!is_incompressible(c)) return MNS_OK;
-    const MnsStatus status = check_solver(i->solver, "scheme.incompressible.solver", error);
-    return status ? status : CHECK_BOUNDS("scheme.incompressible", list, error);
-}
-
-static MnsStatus check_differences(const MnsCase *c, MnsError *error)
-{
-    const MnsDifferences *g = &c->scheme.differences;
-    const Bounded list[] = {
-        {"interface_threshold", g->interface_threshold, BOUNDS_Differences_interface_threshold},
-        {"shifting_strength", g->shifting_strength, BOUNDS_Differences_shifting_strength},
-        {"reference_speed", fmax(g->reference_speed, 0), BOUNDS_Differences_reference_speed},
-        {"tolerance", g->tolerance, BOUNDS_Differences_tolerance},
-        {"iterations", g->iterations, BOUNDS_Differences_iterations},
-        {"guard", g->guard, BOUNDS_Differences_guard},
-    };
-    if (strcmp(c->scheme.name, "differences") != 0) return MNS_OK;
-    if (c->n_fluids > 2)
-        return mns_fail_at(error, MNS_E_INVALID, "fluids", "found %zu fluids; the scheme differences is for one or two",
-                           c->n_fluids);
-    if (g->solver == MNS_SOLVER_CG)
-        return mns_fail_at(error, MNS_E_INVALID, "scheme.differences.solver",
-                           "found cg, which solves symmetric systems, and that of differences is none; write by-size, "
-                           "bicgstab or amg");
-    for (int d = 0; d < c->dim && g->holds_pressure; d++)
-        if (!c->periodic[d] && !(g->zero_pressure[d] >= c->min[d] && g->zero_pressure[d] <= c->max[d]))
-            return mns_fail_at(error, MNS_E_INVALID, "scheme.differences.zero_pressure",
-                               "the pressure is to be 0 outside of the domain: %c = %g m, allowed %g to %g m", "xyz"[d],
-                               g -> zero_pressure[d], c -> min[d], c -> max[d]);
-    const MnsStatus status = check_solver(g->solver, "scheme.differences.solver", error);
-    return status ? status : CHECK_BOUNDS("scheme.differences", list, error);
 }
 
 static MnsStatus check_domain(const MnsCase *c, MnsError *error)
@@ -435,9 +357,6 @@ static MnsStatus check_interfaces(const MnsCase *c, MnsError *error)
             if (!bounds_hold(BOUNDS_Interface_tension, sigma))
                 return mns_fail_at(error, MNS_E_INVALID, "interfaces", "found a tension of %g, allowed: %s", sigma,
                                    BOUNDS_Interface_tension.words);
-            if (sigma > 0 && strcmp(c->scheme.name, "riemann") == 0)
-                return mns_fail_at(error, MNS_E_INVALID, "interfaces",
-                                   "the scheme riemann has no surface tension; take another scheme, or no tension");
             if (sigma != c->tension[b][a] || (a == b && sigma != 0))
                 return mns_fail_at(error, MNS_E_INVALID, "interfaces",
                                    "a tension is between two fluids, and the same either way round");
@@ -460,8 +379,7 @@ MnsStatus mns_case_check(const MnsCase *c, MnsError *error)
 {
     MnsStatus status = check_scalars(c, error);
     if (!status) status = check_options(c, error);
-    if (!status) status = check_incompressible(c, error);
-    if (!status) status = check_differences(c, error);
+    if (!status) status = scheme_find(c->scheme.name)->check(c, error);
     if (!status) status = check_domain(c, error);
     if (!status) status = check_neighbours(c, error);
     if (status) return status;

@@ -89,11 +89,12 @@ typedef struct Scheme {
     const Local *derive; /* what follows from the state without neighbours, after it was set or restored */
     bool projects;       /* solves for the pressure: particles have a system for it */
     bool symmetric;      /* its matrices are */
-    bool reads_density_method, reads_exponent;    /* of a fluid */
-    size_t (*unknowns)(const Particles *);        /* of that system */
-    bool (*lay)(Particles *, const Neighbours *); /* out its rows for the lists of now; false: no memory */
-    int again[2];                                 /* and with neighbours: passes [again[0], again[1]) */
-    void (*options)(Model *, const MnsCase *);    /* from the case to the model */
+    bool reads_density_method, reads_exponent;       /* of a fluid */
+    size_t (*unknowns)(const Particles *);           /* of that system */
+    bool (*lay)(Particles *, const Neighbours *);    /* out its rows for the lists of now; false: no memory */
+    int again[2];                                    /* and with neighbours: passes [again[0], again[1]) */
+    MnsStatus (*check)(const MnsCase *, MnsError *); /* its options, and whether it is for such a case */
+    void (*options)(Model *, const MnsCase *);       /* from the case to the model */
 } Scheme;
 
 extern const Scheme scheme_riemann, scheme_dissipation, scheme_interfacial, scheme_incompressible, scheme_differences;

@@ -1,11 +1,42 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* P5: generalized finite differences for two incompressible fluids, with the whole divergence of the stress. J. C. Joubert, D. N. Wilke,
  * P. Pizette, On the momentum diffusion over multiphase surfaces with meshless methods. */
+#include "sim/case_bounds.h"
+#include "sim/check.h"
 #include "sim/integrators/integrators.h"
 #include "sim/limits.h"
 #include "sim/locals/locals.h"
 #include "sim/terms/terms.h"
 #include <math.h>
+
+static MnsStatus differences_check(const MnsCase *c, MnsError *error)
+{
+    const MnsDifferences *g = &c->scheme.differences;
+    const Bounded list[] = {
+        {"interface_threshold", g->interface_threshold, BOUNDS_Differences_interface_threshold},
+        {"shifting_strength", g->shifting_strength, BOUNDS_Differences_shifting_strength},
+        {"reference_speed", fmax(g->reference_speed, 0), BOUNDS_Differences_reference_speed},
+        {"tolerance", g->tolerance, BOUNDS_Differences_tolerance},
+        {"iterations", g->iterations, BOUNDS_Differences_iterations},
+        {"guard", g->guard, BOUNDS_Differences_guard},
+    };
+    if (c->n_fluids > 2)
+        return mns_fail_at(error, MNS_E_INVALID, "fluids", "found %zu fluids; the scheme differences is for one or two",
+                           c->n_fluids);
+    if (g->solver == MNS_SOLVER_CG)
+        return mns_fail_at(error, MNS_E_INVALID, "scheme.differences.solver",
+                           "found cg, which solves symmetric systems, and that of differences is none; write by-size, "
+                           "bicgstab or amg");
+    for (int d = 0; d < c->dim && g->holds_pressure; d++) {
+        const double zero = g->zero_pressure[d], min = c->min[d], max = c->max[d];
+        if (!c->periodic[d] && !(zero >= min && zero <= max))
+            return mns_fail_at(error, MNS_E_INVALID, "scheme.differences.zero_pressure",
+                               "the pressure is to be 0 outside of the domain: %c = %g m, allowed %g to %g m", "xyz"[d],
+                               zero, min, max);
+    }
+    const MnsStatus status = check_solver(g->solver, "scheme.differences.solver", error);
+    return status ? status : CHECK_BOUNDS("scheme.differences", list, error);
+}
 
 static void differences_options(Model *model, const MnsCase *c)
 {
@@ -59,5 +90,6 @@ const Scheme scheme_differences = {
     .unknowns = differences_unknowns,
     .lay = differences_lay,
     .again = {PASS_SHAPE, PASS_SHAPE + 2},
+    .check = differences_check,
     .options = differences_options,
 };

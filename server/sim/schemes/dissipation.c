@@ -1,10 +1,24 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* P1: weakly compressible SPH with generalized density dissipation, for free surfaces and interfaces of any number of fluids.
  * B. X. Zheng, Z. W. Cai, P. D. Zhao, X. Y. Xu, T. S. Chan, P. Yu, A generalized density dissipation for weakly-compressible SPH. */
+#include "sim/case_bounds.h"
+#include "sim/check.h"
 #include "sim/integrators/integrators.h"
 #include "sim/limits.h"
 #include "sim/locals/locals.h"
 #include "sim/terms/terms.h"
+
+static MnsStatus dissipation_check(const MnsCase *c, MnsError *error)
+{
+    const MnsDissipation *q = &c->scheme.dissipation;
+    const Bounded list[] = {
+        {"delta", q->delta, BOUNDS_Dissipation_delta},
+        {"repulsion", q->repulsion, BOUNDS_Dissipation_repulsion},
+        {"background_pressure", q->background_pressure, BOUNDS_Dissipation_background_pressure},
+        {"guard", q->guard, BOUNDS_Dissipation_guard},
+    };
+    return CHECK_BOUNDS("scheme.dissipation", list, error);
+}
 
 static void dissipation_options(Model *model, const MnsCase *c)
 {
@@ -39,5 +53,6 @@ const Scheme scheme_dissipation = {
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(M) | FIELD(REF),
     .derive = &linear_pressure,
     .again = {0, 3},
+    .check = dissipation_check,
     .options = dissipation_options,
 };

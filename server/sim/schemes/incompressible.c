@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* P4: incompressible SPH of many fluids, whose densities and velocities are both projected. X. Y. Hu, N. A. Adams,
  * Journal of Computational Physics 227 (2007). */
+#include "sim/case_bounds.h"
+#include "sim/check.h"
 #include "sim/integrators/integrators.h"
 #include "sim/limits.h"
 #include "sim/locals/locals.h"
@@ -12,6 +14,24 @@ static bool moves_alike(const Model *model, MnsMobility mobility)
 {
     if (mobility != MNS_MOBILITY_BY_RATIO) return mobility == MNS_MOBILITY_UNIT;
     return model->rho_max > 10 * model->rho_min;
+}
+
+static MnsStatus incompressible_check(const MnsCase *c, MnsError *error)
+{
+    const MnsIncompressible *i = &c->scheme.incompressible;
+    const Bounded list[] = {
+        {"density_tolerance", i->density_tolerance, BOUNDS_Incompressible_density_tolerance},
+        {"density_corrections", i->density_corrections, BOUNDS_Incompressible_density_corrections},
+        {"density_patience", i->density_patience, BOUNDS_Incompressible_density_patience},
+        {"density_offset", i->density_offset, BOUNDS_Incompressible_density_offset},
+        {"reference_speed", fmax(i->reference_speed, 0), BOUNDS_Incompressible_reference_speed},
+        {"tolerance", i->tolerance, BOUNDS_Incompressible_tolerance},
+        {"density_solver_tolerance", i->density_solver_tolerance, BOUNDS_Incompressible_density_solver_tolerance},
+        {"iterations", i->iterations, BOUNDS_Incompressible_iterations},
+        {"guard", i->guard, BOUNDS_Incompressible_guard},
+    };
+    const MnsStatus status = check_solver(i->solver, "scheme.incompressible.solver", error);
+    return status ? status : CHECK_BOUNDS("scheme.incompressible", list, error);
 }
 
 static void incompressible_options(Model *model, const MnsCase *c)
@@ -66,5 +86,6 @@ const Scheme scheme_incompressible = {
     .symmetric = true,
     .unknowns = projection_unknowns,
     .lay = projection_lay,
+    .check = incompressible_check,
     .options = incompressible_options,
 };

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* P2: interfacial SPH, with particles shifted along interfaces. G. X. Zhu, L. Zou,
  * International Journal for Numerical Methods in Fluids (2020), doi 10.1002/fld.4813. */
+#include "sim/case_bounds.h"
+#include "sim/check.h"
 #include "sim/integrators/integrators.h"
 #include "sim/limits.h"
 #include "sim/locals/locals.h"
@@ -11,6 +13,19 @@ static double exponent_of(const Model *model, const MnsFluid *fluid)
 {
     if (fluid->exponent > 0) return fluid->exponent;
     return fluid->density < 0.02 * model->rho_max ? 1.4 : 7;
+}
+
+static MnsStatus interfacial_check(const MnsCase *c, MnsError *error)
+{
+    const MnsInterfacial *f = &c->scheme.interfacial;
+    const Bounded list[] = {
+        {"delta", f->delta, BOUNDS_Interfacial_delta},
+        {"shifting_strength", f->shifting_strength, BOUNDS_Interfacial_shifting_strength},
+        {"repulsion", f->repulsion, BOUNDS_Interfacial_repulsion},
+        {"background_pressure", f->background_pressure, BOUNDS_Interfacial_background_pressure},
+        {"guard", f->guard, BOUNDS_Interfacial_guard},
+    };
+    return CHECK_BOUNDS("scheme.interfacial", list, error);
 }
 
 static void interfacial_options(Model *model, const MnsCase *c)
@@ -58,5 +73,6 @@ const Scheme scheme_interfacial = {
              FIELD(SHEPARD) | FIELD(GRADIENT) | FIELD(NORMAL) | FIELD(CONCENTRATION),
     .derive = &volume_of_density,
     .again = {1, 2},
+    .check = interfacial_check,
     .options = interfacial_options,
 };

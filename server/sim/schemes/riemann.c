@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* P3: weakly compressible SPH with a low-dissipation two-phase Riemann solver and transport velocity, here in heavy fluids too.
  * M. Rezavand, C. Zhang, X. Y. Hu, Journal of Computational Physics 402 (2020). */
+#include "sim/case_bounds.h"
+#include "sim/check.h"
 #include "sim/integrators/integrators.h"
 #include "sim/limits.h"
 #include "sim/locals/locals.h"
@@ -28,6 +30,22 @@ static double background_factor(const Model *model, const MnsRiemann *options, b
 {
     if (!summation && !model->filled) return 0;
     return !summation && any_summed(model) ? options->heavy_background_pressure : options->background_pressure;
+}
+
+static MnsStatus riemann_check(const MnsCase *c, MnsError *error)
+{
+    const MnsRiemann *r = &c->scheme.riemann;
+    const Bounded list[] = {
+        {"limiter", r->limiter, BOUNDS_Riemann_limiter},
+        {"background_pressure", r->background_pressure, BOUNDS_Riemann_background_pressure},
+        {"heavy_background_pressure", r->heavy_background_pressure, BOUNDS_Riemann_heavy_background_pressure},
+        {"guard", r->guard, BOUNDS_Riemann_guard},
+    };
+    for (size_t k = 0; k < c->n_fluids * c->n_fluids; k++)
+        if (c->tension[k / c->n_fluids][k % c->n_fluids] > 0)
+            return mns_fail_at(error, MNS_E_INVALID, "interfaces",
+                               "the scheme riemann has no surface tension; take another scheme, or no tension");
+    return CHECK_BOUNDS("scheme.riemann", list, error);
 }
 
 static void riemann_options(Model *model, const MnsCase *c)
@@ -64,5 +82,6 @@ const Scheme scheme_riemann = {
     .given = 1,
     .derive = &linear_pressure,
     .again = {1, 2},
+    .check = riemann_check,
     .options = riemann_options,
 };
