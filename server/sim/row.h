@@ -140,6 +140,22 @@ INLINE Pair block_pair(const Block *b, int l, How how)
     return pair;
 }
 
+/* 1 for a neighbour beside an interface. */
+INLINE double has_normal(const Pair *pair, How how)
+{
+    return DOT(pair->normal, pair->normal, how) > 0.5 ? 1 : 0;
+}
+
+/* Velocities of eight neighbours, or what a wall shows instead. */
+INLINE void gather_velocities(const Row *row, const Block *b, const Particles *s, How how, double ret[3][LANES])
+{
+    const bool wall = b >= row->block + row->n_fluid;
+    const uint32_t *j = row_j(row, b);
+    const size_t first_wall = particles_fluid(s);
+    for (int d = 0; d < how.dim; d++)
+        for (int l = 0; l < LANES; l++) ret[d][l] = wall ? s->v_wall[d][j[l] - first_wall] : b->v[d][l];
+}
+
 /* What a term does with a row. */
 typedef void (*RowFunction)(const Row *row, Particles *s, const Model *model);
 

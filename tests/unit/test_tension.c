@@ -79,7 +79,7 @@ static double strength(const Cloud *cloud, size_t i, bool corrected)
     return length(s);
 }
 
-static bool has_normal(const Particles *s, size_t i)
+static bool particle_has_normal(const Particles *s, size_t i)
 {
     double n2 = 0;
     for (int d = 0; d < s->dim; d++) n2 += s->normal[d][i] * s->normal[d][i];
@@ -92,7 +92,7 @@ static double curvature(const Cloud *cloud, size_t i, bool corrected, double M[3
     const Particles *s = &cloud->s;
     double above = 0, below = 0;
     for (size_t j = 0; j < particles_fluid(s); j++) {
-        if (!in_reach(cloud, i, j) || !has_normal(s, j)) continue;
+        if (!in_reach(cloud, i, j) || !particle_has_normal(s, j)) continue;
         const CloudPair pair = cloud_pair(cloud, i, j);
         for (int d = 0; d < s->dim; d++) {
             const double e = (s->phase[j] == s->phase[i] ? 1 : -1) * s->normal[d][j] - s->normal[d][i];
@@ -154,7 +154,7 @@ static void normals_and_forces_are_those_of_the_papers_among_three_fluids(void *
             for (size_t i = 0; i < particles_fluid(s); i++) {
                 double M[3][3];
                 correction(cloud, i, form->corrected, M);
-                const double kappa = has_normal(s, i) ? curvature(cloud, i, form->corrected, M) : 0;
+                const double kappa = particle_has_normal(s, i) ? curvature(cloud, i, form->corrected, M) : 0;
                 const double a = kappa * strength(cloud, i, form->corrected) / s->rho[i];
                 for (int d = 0; d < dim; d++) assert_close(s->a[d][i], -a * s->normal[d][i], 1e-10 * (fabs(a) + 1));
             }
@@ -209,14 +209,14 @@ static void flat_interfaces_have_their_normal_and_feel_nothing(void **state)
                 size_t found = 0;
                 cloud_term(cloud, form->normal);
                 for (size_t i = 0; i < s->n; i++) {
-                    if (!cloud_inner(cloud, i) || !has_normal(s, i)) continue;
+                    if (!cloud_inner(cloud, i) || !particle_has_normal(s, i)) continue;
                     const double sign = s->phase[i] == 0 ? 1 : -1; /* towards the other */
                     for (int d = 0; d < dim; d++) assert_close(s->normal[d][i], sign * normal_of[d], 1e-14);
                 }
                 cloud_term(cloud, form->tension);
                 for (size_t i = 0; i < s->n; i++) {
                     if (!deep(cloud, i)) continue;
-                    found += has_normal(s, i);
+                    found += particle_has_normal(s, i);
                     /* sigma |s| times what rounding leaves of kappa, 1e-14 / dx. */
                     for (int d = 0; d < dim; d++) assert_close(s->a[d][i] * s->rho[i], 0, 1e-11);
                 }
@@ -286,7 +286,7 @@ static Drop drop_of(int dim, MnsKernel kernel, double smoothing, const Form *for
     const Neighbours *nb = &cloud->nb;
     for (size_t i = 0; i < s->n; i++) {
         double q[3] = {0}, out[3] = {0}, along = 0, radial = 0;
-        if (!has_normal(s, i)) continue;
+        if (!particle_has_normal(s, i)) continue;
         for (size_t k = 0; k < nb->end[i][END_WALLS]; k++) { /* all fluids: M is the identity here */
             const size_t j = neighbours_of(nb, i)[k];
             const CloudPair pair = cloud_pair(cloud, i, j);
@@ -417,7 +417,7 @@ static size_t assert_like_the_whole(const Cloud *whole, const Cloud *part)
     for (size_t i = 0; i < t->n; i++) largest = fmax(largest, fabs(t->a[0][i]));
     for (size_t i = 0; i < particles_fluid(s); i++) {
         const size_t j = cloud_index(whole, s->id[i]);
-        beside += has_normal(s, i) && part->nb.has[i] & LIST_WALLS;
+        beside += particle_has_normal(s, i) && part->nb.has[i] & LIST_WALLS;
         for (int d = 0; d < s->dim; d++) {
             assert_close(s->normal[d][i], t->normal[d][j], 1e-9);
             assert_close(s->a[d][i], t->a[d][j], 1e-9 * largest);
@@ -461,7 +461,7 @@ static void interfaces_at_right_angles_to_walls_feel_nothing(void **state)
             cloud_term(cloud, FORMS[k].tension);
             for (size_t i = 0; i < particles_fluid(s); i++) {
                 if (!deep(cloud, i)) continue;
-                const double sign = has_normal(s, i) ? s->phase[i] == 0 ? 1 : -1 : 0;
+                const double sign = particle_has_normal(s, i) ? s->phase[i] == 0 ? 1 : -1 : 0;
                 found += sign != 0 && cloud->nb.has[i] & LIST_WALLS;
                 for (int d = 0; d < dim; d++) {
                     assert_close(s->normal[d][i], d == 0 ? sign : 0, 1e-13);
@@ -489,7 +489,7 @@ static void walls_mirror_no_farther_than_they_reach(void **state)
         const size_t j = cloud_index(without, with->s.id[i]);
         const bool same = with->s.normal[1][i] == without->s.normal[1][j];
         const double x = with->s.x[0][i], y = with->s.x[1][i];
-        if (!has_normal(&with->s, i) || !(with->nb.has[i] & LIST_WALLS) || y < middle) continue;
+        if (!particle_has_normal(&with->s, i) || !(with->nb.has[i] & LIST_WALLS) || y < middle) continue;
         if (x < middle - 0.1) assert_true(same);
         beyond += x < middle - 0.1;
         above += x > middle && !same;

@@ -33,11 +33,6 @@ INLINE void colour_gradient_row(const Row *row, Particles *s, const Model *model
 }
 ROW_FUNCTIONS(colour_gradient_row)
 
-INLINE double is_beside(const Pair *pair, How how)
-{
-    return DOT(pair->normal, pair->normal, how) > 0.5 ? 1 : 0;
-}
-
 /* The trace of B' times sum_j (n_j - n_i) (x) W x. */
 INLINE double curvature_of(const Row *row, const double n[3], const Model *model, How how)
 {
@@ -48,7 +43,7 @@ INLINE double curvature_of(const Row *row, const double n[3], const Model *model
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
-            const double W = is_beside(&pair, how) * pair.W;
+            const double W = has_normal(&pair, how) * pair.W;
             moments_add(&moments, &pair, W, how, l);
             for (int d = 0; d < how.dim; d++) {
                 const double turn = W * (pair.normal[d] - n[d]);

@@ -27,16 +27,6 @@ INLINE void strain_pair(const double v[3], const Pair *pair, double counts, How 
     }
 }
 
-INLINE void keep_correction(Particles *s, size_t i, const Correction *M, How how)
-{
-    for (int d = 0; d < how.dim; d++) s->correction[d][i] = M->of[d][d];
-    s->correction_off[0][i] = M->of[0][1];
-    if (how.dim == 3) {
-        s->correction_off[1][i] = M->of[0][2];
-        s->correction_off[2][i] = M->of[1][2];
-    }
-}
-
 INLINE void corrected_continuity_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i;

@@ -23,12 +23,7 @@ INLINE void truncation_row(const Row *row, Particles *s, const Model *model, How
             }
         }
     const Correction B = moments_inverse_of(&moments, 1 / model->differences.scale, how);
-    for (int d = 0; d < how.dim; d++) s->correction[d][i] = B.of[d][d];
-    s->correction_off[0][i] = B.of[0][1];
-    if (how.dim == 3) {
-        s->correction_off[1][i] = B.of[0][2];
-        s->correction_off[2][i] = B.of[1][2];
-    }
+    keep_correction(s, i, &B, how);
     double o[3], D = lanes_sum(&second);
     gradient_of(s, i, model, first, how, o);
     for (int d = 0; d < how.dim; d++) {

@@ -46,16 +46,6 @@ INLINE void gather(const double *f, const uint32_t *j, double ret[LANES])
     for (int l = 0; l < LANES; l++) ret[l] = f[j[l]];
 }
 
-/* Velocities of eight neighbours, or what a wall shows instead. */
-INLINE void gather_velocities(const Row *row, const Block *b, const Particles *s, How how, double ret[3][LANES])
-{
-    const bool wall = b >= row->block + row->n_fluid;
-    const uint32_t *j = row_j(row, b);
-    const size_t first_wall = particles_fluid(s);
-    for (int d = 0; d < how.dim; d++)
-        for (int l = 0; l < LANES; l++) ret[d][l] = wall ? s->v_wall[d][j[l] - first_wall] : b->v[d][l];
-}
-
 /* Density of what is around a particle. */
 INLINE double density_around(const Particles *s, const Model *model, size_t i)
 {

@@ -65,6 +65,16 @@ INLINE Correction moments_inverse(const Moments *m, How how)
     return moments_inverse_of(m, 1, how);
 }
 
+INLINE void keep_correction(Particles *s, size_t i, const Correction *M, How how)
+{
+    for (int d = 0; d < how.dim; d++) s->correction[d][i] = M->of[d][d];
+    s->correction_off[0][i] = M->of[0][1];
+    if (how.dim == 3) {
+        s->correction_off[1][i] = M->of[0][2];
+        s->correction_off[2][i] = M->of[1][2];
+    }
+}
+
 /* ret = M g */
 INLINE void correct(const Correction *M, const Lanes g[3], How how, double ret[3])
 {

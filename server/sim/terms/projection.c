@@ -166,17 +166,14 @@ ROW_FUNCTIONS(density_wall_row)
 INLINE void divergence_row(const Row *row, Particles *s, const Model *model, How how)
 {
     (void)model;
-    const size_t i = row->i, first_wall = particles_fluid(s);
+    const size_t i = row->i;
     const double V = particles_volume(s, model, i);
     double v[3];
     Lanes sum = {0};
     for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i * s->v_step];
     for (const Block *b = row->block; b < row->block + row->n; b++) {
-        const uint32_t *j = row_j(row, b);
         double its[3][LANES];
-        for (int d = 0; d < how.dim; d++)
-            for (int l = 0; l < LANES; l++)
-                its[d][l] = b < row->block + row->n_fluid ? b->v[d][l] : s->v_wall[d][j[l] - first_wall];
+        gather_velocities(row, b, s, how, its);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             double along = 0;

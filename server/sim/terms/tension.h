@@ -55,11 +55,6 @@ INLINE Pulled pulled_of(const Particles *s, const Model *model, size_t i, bool m
     return a;
 }
 
-INLINE double has_normal(const Pair *pair, How how)
-{
-    return DOT(pair->normal, pair->normal, how) > 0.5 ? 1 : 0;
-}
-
 /* n_j as seen from i, less n_i, along direction d; 0 where j has none. */
 INLINE double turned(const Pair *pair, double other, const double n[3], double valid, int d)
 {
