@@ -25,25 +25,35 @@ def score_spikes(case: str, atwood: float, r: Run, full: bool) -> Iterator[Metri
         yield Metric(case, f"At {atwood}: bubble at t = {t}", r.at("bubble", t), at(ref, "z_bubble", t), bubble)
 
 
+def score_atwood(case: str, atwood: float, full: bool) -> Iterator[Metric]:
+    """At two resolutions; unless in full, in a quarter of the box and for a shorter time. With 1/24 for 1/32 the bubble of At 0.2 is 0.01 too low at
+    t = 2, as it is with 1/16."""
+    part = ["end_time=3.05"] if full else ["end_time=2.55", *CORNER]
+    sizes = (64, 125) if full else (16, 32)
+    runs = [run("rayleigh-taylor3d", f"resolution={n}", *part, f"fluids[0].density={LIGHT[atwood]}") for n in sizes]
+    yield from score_spikes(case, atwood, runs[-1], full)
+    ref = table(f"P1/rt3d_vof_At{atwood}.csv")
+    for tip, t in ((tip, t) for t in (2, 3 if full else 2.5) for tip in ("spike", "bubble")):
+        places = [one.at(tip, t) for one in runs]
+        for n, place in zip(sizes, places, strict=True):
+            yield Metric(case, f"At {atwood}: {tip} at t = {t} at 1/{n}", place)
+        yield converges(case, f"At {atwood}: {tip} at t = {t}", *places, at(ref, f"z_{tip}", t))
+    hygienic = hygiene(case, runs[-1])
+    yield from (Metric(m.case, f"At {atwood}: {m.name}", m.value, low=m.low, high=m.high) for m in hygienic)
+
+
 def rayleigh_taylor3d(paper: bool) -> Iterator[Metric]:
-    """P1 4.3; reduced, a quarter of the box for the least and the largest Atwood number. At two resolutions: with 1/24 for 1/32 the bubble of
-    At 0.2 is 0.01 too low at t = 2, as it is with 1/16."""
-    case = "rayleigh-taylor3d"
-    part = ["end_time=3.05"] if paper else ["end_time=2.55", *CORNER]
-    for atwood, light in LIGHT.items():
-        if not paper and atwood not in (min(LIGHT), max(LIGHT)):
-            continue
-        sizes = (64, 125) if paper else (16, 32)
-        runs = [run(case, f"resolution={n}", *part, f"fluids[0].density={light}") for n in sizes]
-        r = runs[-1]
-        yield from score_spikes(case, atwood, r, paper)
-        ref = table(f"P1/rt3d_vof_At{atwood}.csv")
-        for tip, t in ((tip, t) for t in (2, 3 if paper else 2.5) for tip in ("spike", "bubble")):
-            places = [one.at(tip, t) for one in runs]
-            for n, place in zip(sizes, places, strict=True):
-                yield Metric(case, f"At {atwood}: {tip} at t = {t} at 1/{n}", place)
-            yield converges(case, f"At {atwood}: {tip} at t = {t}", *places, at(ref, f"z_{tip}", t))
-        yield from (Metric(m.case, f"At {atwood}: {m.name}", m.value, low=m.low, high=m.high) for m in hygiene(case, r))
+    """P1 4.3; reduced, for the least and the largest Atwood number."""
+    for atwood in LIGHT if paper else (min(LIGHT), max(LIGHT)):
+        yield from score_atwood("rayleigh-taylor3d", atwood, paper)
+
+
+def rayleigh_taylor3d_between(paper: bool) -> Iterator[Metric]:
+    """The Atwood numbers between those, in the same quarter of the box: for who asks, as an hour has no room for them."""
+    if not paper:
+        return
+    for atwood in sorted(LIGHT)[1:-1]:
+        yield from score_atwood("rayleigh-taylor3d-between", atwood, False)
 
 
 # --- P1 4.4: lock exchange -------------------------------------------------------------------------------------------------
