@@ -64,7 +64,7 @@ def bubble3d_single(paper: bool) -> Iterator[Metric]:
 
 def bubble3d_single_printed(paper: bool) -> Iterator[Metric]:
     """The printed box: what it makes of the speed, beside that in a tube of the same width."""
-    case, r = "bubble3d-single-printed", run("bubble3d-single-printed", f"resolution={10 if paper else 3}", "end_time=0.06")
+    case, r = "bubble3d-single-printed", run("bubble3d-single-printed", f"resolution={10 if paper else 4}", "end_time=0.06")
     ref = table("P1/bubble_single_vof_axi_tubeR10mm.csv")
     inside = (ref["t_s"] >= 0.03) & (ref["t_s"] <= 0.06)
     reference = float(np.polyfit(ref["t_s"][inside], ref["z_centroid"][inside], 1)[0])
