@@ -158,6 +158,40 @@ static void held_outside(MnsCase *c)
     c->scheme.differences.zero_pressure[0] = c->min[0];
     c->scheme.differences.zero_pressure[1] = c->max[1] + 1e-3;
 }
+static void tense_riemann(MnsCase *c)
+{
+    c->tension[0][1] = c->tension[1][0] = 0.07;
+}
+static void negative_delta(MnsCase *c)
+{
+    c->scheme.name = "dissipation";
+    c->scheme.dissipation.delta = -1;
+}
+static void negative_delta_of_volumes(MnsCase *c)
+{
+    c->scheme.name = "interfacial";
+    c->scheme.interfacial.delta = -1;
+}
+static void negative_tolerance(MnsCase *c)
+{
+    c->scheme.name = "incompressible";
+    c->scheme.incompressible.density_tolerance = -1;
+}
+static void negative_threshold(MnsCase *c)
+{
+    c->scheme.name = "differences";
+    c->scheme.differences.interface_threshold = -1;
+}
+static void three_mixed(MnsCase *c)
+{
+    c->scheme.name = "differences";
+    c->n_fluids = 3;
+}
+static void differences_by_cg(MnsCase *c)
+{
+    c->scheme.name = "differences";
+    c->scheme.differences.solver = MNS_SOLVER_CG;
+}
 static void endless_half_space(MnsCase *c)
 {
     MnsPart *p = &c->walls[1].shape.parts[0];
@@ -383,6 +417,13 @@ static const Refusal REFUSALS[] = {
     {"resolution", MNS_E_INVALID, misfit},
     {"domain", MNS_E_INVALID, short_period},
     {"scheme.differences.zero_pressure", MNS_E_INVALID, held_outside},
+    {"interfaces", MNS_E_INVALID, tense_riemann},
+    {"scheme.dissipation.delta", MNS_E_INVALID, negative_delta},
+    {"scheme.interfacial.delta", MNS_E_INVALID, negative_delta_of_volumes},
+    {"scheme.incompressible.density_tolerance", MNS_E_INVALID, negative_tolerance},
+    {"scheme.differences.interface_threshold", MNS_E_INVALID, negative_threshold},
+    {"fluids", MNS_E_INVALID, three_mixed},
+    {"scheme.differences.solver", MNS_E_INVALID, differences_by_cg},
     {"resolution", MNS_E_LIMIT, too_fine},
     {"gravity[1]", MNS_E_INVALID, bad_gravity},
     {"gravity[0]", MNS_E_INVALID, gravity_of_place},

@@ -65,6 +65,7 @@ INLINE Correction moments_inverse(const Moments *m, How how)
     return moments_inverse_of(m, 1, how);
 }
 
+/* As fields, for neighbours and later passes. */
 INLINE void keep_correction(Particles *s, size_t i, const Correction *M, How how)
 {
     for (int d = 0; d < how.dim; d++) s->correction[d][i] = M->of[d][d];
