@@ -88,7 +88,7 @@ static MnsStatus fail_name(const char *name, char base[DIRECTORY_COUNT][DIRECTOR
                            const char *why, MnsError *error)
 {
     Another another = {""};
-    char there[CASE_NAME_SIZE + 64] = "";
+    char there[2 * CASE_NAME_SIZE + 64] = "";
     mns_daemon_list(note_another, &another);
     if (*another.name)
         snprintf(there, sizeof there, "; there is \"%s\", as in MENISCUS_DAEMON=%s", another.name, another.name);

@@ -265,7 +265,7 @@ enum { MANY = 150 };
 static void a_formula_may_have_many_variables(void **state)
 {
     (void)state;
-    char names[MANY][8], text[MANY * 8] = "";
+    char names[MANY][16], text[MANY * 8] = "";
     const char *variables[MANY + 1] = {NULL};
     double values[MANY], sum = 0;
     for (int k = 0; k < MANY; k++) {
