@@ -56,21 +56,25 @@ static void add(Sampler *q, size_t j, double W)
     if (q->fluids >> s->phase[j] & 1) q->sums.one += weight;
 }
 
+/* Roots are taken of what is near alone: most of the cells is not. */
 static void visit(Sampler *q, size_t first, size_t last)
 {
+    const double about = q->kernel.support * q->kernel.support * (1 + 1e-9);
     for (; first < last; first += AT_ONCE) {
         const size_t n = last - first < AT_ONCE ? last - first : AT_ONCE;
         double r[AT_ONCE], W[AT_ONCE], F[AT_ONCE];
         size_t near[AT_ONCE], n_near = 0;
         measure(q, first, n, r);
         for (size_t k = 0; k < n; k++) {
-            const double distance = sqrt(r[k]);
-            r[n_near] = distance; /* what stood there has been looked at */
+            const double r2 = r[k];
+            r[n_near] = r2; /* what stood there has been looked at */
             near[n_near] = first + k;
-            n_near += distance < q->kernel.support;
+            n_near += r2 < about;
         }
+        for (size_t k = 0; k < n_near; k++) r[k] = sqrt(r[k]);
         kernel_eval(&q->kernel, n_near, r, W, F);
-        for (size_t k = 0; k < n_near; k++) add(q, near[k], W[k]);
+        for (size_t k = 0; k < n_near; k++)
+            if (r[k] < q->kernel.support) add(q, near[k], W[k]);
     }
 }
 

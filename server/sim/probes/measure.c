@@ -15,13 +15,14 @@ bool measure_counts(const Measure *m, size_t i)
     return true;
 }
 
-/* Combine f over the fluid particles that count: sum, or the largest value where `largest`; NAN where there is none. */
+/* Combine f over the fluid particles that count: sum, or the largest value where `largest`; NAN where there is none. Blocks take
+ * unequal time, as of an extent only a layer is looked at. */
 static double over_fluid(const Measure *m, Summand *f, bool largest)
 {
     const size_t n = particles_fluid(&m->sim->s), blocks = sim_blocks(n);
     const double none = largest ? -INFINITY : 0;
     double *partial = m->sim->partial, result = none;
-#pragma omp parallel for schedule(static) num_threads(m->threads)
+#pragma omp parallel for schedule(dynamic) num_threads(m->threads)
     for (size_t b = 0; b < blocks; b++) {
         double value = none;
         for (size_t i = b * SIM_BLOCK; i < n && i < (b + 1) * SIM_BLOCK; i++) {

@@ -13,7 +13,8 @@ typedef struct Measure {
     const MnsFieldInfo *field;  /* of an extremum */
     ShownView array[3];         /* its components */
     const FormulaTeam *formula; /* of a deviation */
-    double limit;               /* of an extent: no particle farther out than this */
+    double limit, layer;        /* of an extent: particles nearer than limit, not nearer than layer */
+    double known;               /* and how far out its fluid is known to go */
     int threads;
 } Measure;
 

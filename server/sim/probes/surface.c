@@ -41,7 +41,7 @@ static double outward(const Measure *m, size_t i)
 static double outward_to_limit(const Measure *m, size_t i)
 {
     const double x = outward(m, i);
-    return x <= m->limit ? x : -INFINITY;
+    return x < m->limit ? x : -INFINITY;
 }
 
 /* Half where the fluid ends, be it at a wall. */
@@ -51,16 +51,28 @@ static double inside(const Measure *m, const double x[3])
     return fmin(share.fluid, share.open);
 }
 
+/* How far out from a particle its fluid may end: a step beyond the support. */
+static double end_reach(const Model *model)
+{
+    return model->kernel.support + 0.25 * model->dx;
+}
+
 /* Where the fluid ends on the way out from a particle, if that is within a kernel's support: else it is not of the surface. Nor
- * is it within the fluid if it is alone. Only those up to twice the support below the limit are asked. */
+ * is it within the fluid if it is alone. Only those of the layer are asked, and of them only whose fluid may end farther out than
+ * one is known to: most are done with a look at that height. */
 static double end_of_fluid(const Measure *m, size_t i)
 {
     const Model *model = &m->sim->model;
     const int axis = m->probe->axis;
     const double start = outward(m, i), step = 0.25 * model->dx, sign = m->probe->least ? -1 : 1;
-    if (!(start <= m->limit && start > m->limit - 2 * model->kernel.support)) return -INFINITY;
+    if (!(start < m->limit && start >= m->layer && start + end_reach(model) > m->known)) return -INFINITY;
     double x[3] = {0, 0, 0};
     for (int d = 0; d < model->dim; d++) x[d] = m->sim->s.x[d][i * m->sim->s.x_step];
+    if (m->known - start >= step) {
+        x[axis] = sign * (start + floor((m->known - start) / step) * step);
+        if (inside(m, x) < 0.5) return -INFINITY;
+        x[axis] = sign * start;
+    }
     double before = inside(m, x);
     for (int k = 1; before >= 0.5 && (k - 1) * step < model->kernel.support; k++) {
         x[axis] = sign * (start + k * step);
@@ -71,18 +83,20 @@ static double end_of_fluid(const Measure *m, size_t i)
     return -INFINITY;
 }
 
-/* The ends above all particles of the outermost layer, two supports thick, that has any; one that comes of its lower half may
- * be outdone by what is just below. Particles that are alone make layers without. */
+/* The ends above all particles, layer by layer from the outermost, a spacing thick, until none that is left can be farther out.
+ * Particles that are alone make layers without. */
 double probe_extent(Measure *m)
 {
-    const double support = m->sim->model.kernel.support;
-    double end = NAN;
+    const Model *model = &m->sim->model;
     m->limit = INFINITY;
-    do {
-        m->limit = measure_largest(m, outward_to_limit);
-        if (m->limit != m->limit) break;
-        end = measure_largest(m, end_of_fluid);
-        m->limit -= support;
-    } while (!(end > m->limit));
+    m->known = -INFINITY;
+    for (;;) {
+        const double outermost = measure_largest(m, outward_to_limit);
+        if (!(outermost + end_reach(model) > m->known)) break; /* NAN: there is no particle left */
+        m->layer = outermost - model->dx;
+        m->known = fmax(m->known, measure_largest(m, end_of_fluid));
+        m->limit = m->layer;
+    }
+    const double end = m->known > -INFINITY ? m->known : NAN;
     return m->probe->least ? -end : end;
 }
