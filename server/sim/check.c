@@ -55,6 +55,8 @@ static MnsStatus check_options(const MnsCase *c, MnsError *error)
         {"output.checkpoint_interval", w->checkpoint_interval, BOUNDS_Output_checkpoint_interval},
         {"output.checkpoint_wall_interval", w->checkpoint_wall_interval, BOUNDS_Output_checkpoint_wall_interval},
     };
+    if (o->kernel > MNS_QUINTIC_SPLINE)
+        return mns_fail_at(error, MNS_E_INVALID, "scheme.kernel", "%u is not one of MnsKernel", (unsigned)o->kernel);
     return CHECK_BOUNDS("", list, error);
 }
 
@@ -72,10 +74,11 @@ static MnsStatus check_domain(const MnsCase *c, MnsError *error)
     const double reach = 2 * (kernel_support(c) + c->scheme.skin * dx);
     double particles = 1;
     for (int d = 0; d < c->dim; d++) {
+        const char axis = "xyz"[d];
         const double length = c->max[d] - c->min[d];
         if (!(length > 0))
-            return mns_fail_at(error, MNS_E_INVALID, "domain", "the domain is empty: %c runs from %g to %g m", "xyz"[d],
-                               c -> min[d], c -> max[d]);
+            return mns_fail_at(error, MNS_E_INVALID, "domain", "the domain is empty: %c runs from %g to %g m", axis,
+                               c->min[d], c->max[d]);
         particles *= length / dx;
         if (!(particles < PARTICLES_MAX))
             return mns_fail_at(error, MNS_E_LIMIT, "resolution", "that is %.3g particles or more; %.0e at most",
@@ -99,9 +102,9 @@ static MnsStatus check_domain(const MnsCase *c, MnsError *error)
 /* A row holds the neighbours of a particle in reach of the kernel and the skin, on a lattice and a tenth denser. */
 static MnsStatus check_neighbours(const MnsCase *c, MnsError *error)
 {
-    const double PI = 3.14159265358979323846, most = 0.9 * ROW_MAX;
+    const double most = 0.9 * ROW_MAX;
     const double dx = c->reference_length / c->resolution, reach = kernel_support(c) / (c->scheme.smoothing * dx);
-    const double ball = c->dim == 2 ? PI : 4 * PI / 3;
+    const double ball = c->dim == 2 ? M_PI : 4 * M_PI / 3;
     double cell = 1;
     for (int d = 0; d < c->dim; d++) {
         double spacing = 0;
@@ -142,10 +145,12 @@ static MnsStatus check_part(const MnsPart *p, const MnsCase *c, bool solid, cons
 {
     switch (p->primitive) {
     case MNS_BOX:
-        for (int d = 0; d < c->dim; d++)
+        for (int d = 0; d < c->dim; d++) {
+            const char axis = "xyz"[d];
             if (!(p->b[d] > p->a[d]))
-                return mns_fail_at(error, MNS_E_INVALID, at, "the box is empty: %c runs from %g to %g m", "xyz"[d],
-                                   p -> a[d], p -> b[d]);
+                return mns_fail_at(error, MNS_E_INVALID, at, "the box is empty: %c runs from %g to %g m", axis, p->a[d],
+                                   p->b[d]);
+        }
         return MNS_OK;
     case MNS_BALL:
         if (!(p->radius > 0)) return mns_fail_at(error, MNS_E_INVALID, at, "the radius must be above 0");

@@ -71,7 +71,7 @@ static Effect alone(MnsSim *sim, Row *row, const Term *term)
 /* Of accelerations, those that write them: others fill rows of a pressure system that may not be laid out. */
 static bool is_asked(const Term *term, bool density, unsigned group, const Model *model)
 {
-    return term->on & group && (density || term->writes & FIELD(A)) && (!term->needed || term->needed(model));
+    return term->on & group && (density || term->writes & FIELD(A)) && term_needed(term, model);
 }
 
 /* The term that has most to do with the density of i, or with its acceleration; one that gives no number counts as most. Where the

@@ -117,7 +117,7 @@ static bool call(lua_State *lua, const double *values, int n, double *ret, bool 
     else if (lua_type(lua, -1) == LUA_TNUMBER) *ret = lua_tonumber(lua, -1);
     else {
         lua_pop(lua, 1);
-        lua_pushliteral(lua, "it is neither a number nor true or false");
+        lua_pushnil(lua); /* as a text would ask for memory, where nobody catches its refusal */
         return false;
     }
     lua_pop(lua, 1);
@@ -127,8 +127,9 @@ static bool call(lua_State *lua, const double *values, int n, double *ret, bool 
 /* The message on top of the stack without the place Lua puts before it, which the user never sees. */
 static const char *message(lua_State *lua)
 {
+    if (lua_isnil(lua, -1)) return "it is neither a number nor true or false";
+    if (lua_type(lua, -1) != LUA_TSTRING) return "it fails";
     const char *text = lua_tostring(lua, -1);
-    if (!text) return "it fails";
     int length = 0; /* of the place: the name given to the chunk, a line, a colon */
     sscanf(text, "formula:%*d: %n", &length);
     return text + length;
@@ -265,13 +266,13 @@ MnsStatus formula_team_init(FormulaTeam *team, int threads, const char *text, co
 {
     *team = (FormulaTeam){.n = 0, .member = calloc((size_t)threads, sizeof *team->member)};
     if (!team->member) return mns_fail(error, MNS_E_MEMORY, "no memory for a formula");
-    while (team->n < threads) {
+    while (team->n < threads && !team->shared) {
         const MnsStatus status = formula_new(text, variables, constants, n, &team->member[team->n], error);
         if (status) {
             formula_team_done(team);
             return status;
         }
-        if (team->member[team->n++]->constant) break; /* which anybody may read */
+        team->shared = team->member[team->n++]->constant;
     }
     return MNS_OK;
 }

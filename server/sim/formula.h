@@ -33,6 +33,7 @@ void formula_free(Formula *formula);
 typedef struct FormulaTeam {
     int n;
     Formula **member; /* [n] */
+    bool shared;      /* the only one is a constant, which anybody may read */
 } FormulaTeam;
 
 MnsStatus formula_team_init(FormulaTeam *team, int threads, const char *text, const char *const *variables,
@@ -42,7 +43,7 @@ void formula_team_done(FormulaTeam *team);
 /* That of thread k, counted from 0. */
 static inline const Formula *formula_of(const FormulaTeam *team, int k)
 {
-    return team->member[team->n == 1 ? 0 : k];
+    return team->member[team->shared ? 0 : k];
 }
 
 /* As formula_failure(), of any of them. */

@@ -8,17 +8,12 @@
 
 static const Fields CANDIDATES = FIELD(X) | FIELD(V) | FIELD(P) | FIELD(NORMAL) | FIELD(GRADIENT) | FIELD(OFFSET);
 
-static bool is_needed(const Term *term, const Model *model)
-{
-    return !term->needed || term->needed(model);
-}
-
 /* Bundles that the rows of a group load, as bits. */
 static unsigned loaded(const Pass *pass, const Model *model, int dim, int group)
 {
     unsigned needs = 0, bundles = 0;
     for (int k = 0; k < PASS_TERMS_MAX && pass->terms[k]; k++)
-        if (pass->terms[k]->on >> group & 1 && is_needed(pass->terms[k], model)) needs |= pass->terms[k]->needs;
+        if (pass->terms[k]->on >> group & 1 && term_needed(pass->terms[k], model)) needs |= pass->terms[k]->needs;
     for (int k = 0; k < BUNDLES; k++)
         if (bundle_meets(dim, k) & needs) bundles |= 1u << k;
     return bundles;
@@ -30,7 +25,7 @@ static bool collides(const Pass *pass, const Model *model, int dim, int field, u
 {
     unsigned written = 0; /* groups, as bits */
     for (int k = 0; k < PASS_TERMS_MAX && pass->terms[k]; k++)
-        if (pass->terms[k]->writes >> field & 1 && is_needed(pass->terms[k], model)) written |= pass->terms[k]->on;
+        if (pass->terms[k]->writes >> field & 1 && term_needed(pass->terms[k], model)) written |= pass->terms[k]->on;
     for (int g = 0; g < GROUPS; g++) {
         const unsigned read = g == GROUP_WALL ? ON_FLUID : ON_ALL;
         if (written & read && loaded(pass, model, dim, g) & bundles) return true;

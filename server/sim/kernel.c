@@ -4,7 +4,6 @@
 #include "sim/kernel_shape.h"
 #include <math.h>
 
-#define PI      3.14159265358979323846
 #define SQRT_PI 1.77245385090551602730
 
 /* The other half of what a kernel is; its shape is in kernel_shape.h. */
@@ -13,9 +12,9 @@ static const struct {
     double steepness;          /* of F */
     double plane[2], space[2]; /* alpha h^dim in two and three dimensions: numerator, denominator */
 } KERNELS[] = {
-    [MNS_WENDLAND_C2] = {2, -5, {7, 4 * PI}, {21, 16 * PI}},
-    [MNS_TRUNCATED_GAUSSIAN] = {3, -2, {1, PI}, {1, PI *SQRT_PI}},
-    [MNS_QUINTIC_SPLINE] = {3, -5, {7, 478 * PI}, {1, 120 * PI}},
+    [MNS_WENDLAND_C2] = {2, -5, {7, 4 * M_PI}, {21, 16 * M_PI}},
+    [MNS_TRUNCATED_GAUSSIAN] = {3, -2, {1, M_PI}, {1, M_PI *SQRT_PI}},
+    [MNS_QUINTIC_SPLINE] = {3, -5, {7, 478 * M_PI}, {1, 120 * M_PI}},
 };
 
 Kernel kernel_make(MnsKernel type, int dim, double h)

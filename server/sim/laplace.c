@@ -13,8 +13,8 @@
 /* Radius of the disc or ball of the same volume. */
 static double radius_of(const Model *model, const Body *body)
 {
-    const double PI = 3.14159265358979323846, volume = (double)body->points * model->wall_volume;
-    return model->dim == 2 ? sqrt(volume / PI) : cbrt(0.75 * volume / PI);
+    const double volume = (double)body->points * model->wall_volume;
+    return model->dim == 2 ? sqrt(volume / M_PI) : cbrt(0.75 * volume / M_PI);
 }
 
 static MnsStatus fail_body(const MnsSim *sim, const Body *body, const char *why, MnsError *error)

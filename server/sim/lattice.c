@@ -191,7 +191,8 @@ static MnsStatus keep(const Surveyor *v, LatticeRow *row, MnsError *error)
     return MNS_OK;
 }
 
-/* Each row is done by somebody, unless one before it has failed: so the first failure is the same for any number of threads. */
+/* Each row is done by somebody, unless one before it has failed: so the first failure is the same for any number of threads,
+ * but for that of too many particles, which is told as soon as it is known. */
 static MnsStatus survey_all(Lattice *lattice, Surveyor *surveyors, int threads, MnsError *error)
 {
     size_t bad = SIZE_MAX;

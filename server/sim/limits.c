@@ -4,8 +4,6 @@
 #include "sim/terms/average.h"
 #include <math.h>
 
-static const double PI = 3.14159265358979323846;
-
 /* Largest speed of fluid or wall. */
 static double speed(const MnsSim *sim)
 {
@@ -87,7 +85,7 @@ static double tension_by(const MnsSim *sim, bool by_least)
             const double rho_a = model->phase[a].rho0, rho_b = model->phase[b].rho0, h = model->kernel.h;
             const double rho = by_least ? fmin(rho_a, rho_b) : 0.5 * (rho_a + rho_b);
             if (model->tension[a][b] > 0)
-                least = fmin(least, 0.25 * sqrt(rho * h * h * h / (2 * PI * model->tension[a][b])));
+                least = fmin(least, 0.25 * sqrt(rho * h * h * h / (2 * M_PI * model->tension[a][b])));
         }
     return least;
 }

@@ -7,9 +7,9 @@
 /* Of a neighbour list: as many as the lattice has points in reach and a tenth more. */
 static double list_entries(const Model *model)
 {
-    const double PI = 3.14159265358979323846, crowded = 1.1;
+    const double crowded = 1.1;
     const double reach = model->kernel.support + model->skin;
-    const double ball = model->dim == 2 ? PI * reach * reach : 4 * PI / 3 * reach * reach * reach;
+    const double ball = model->dim == 2 ? M_PI * reach * reach : 4 * M_PI / 3 * reach * reach * reach;
     return crowded * ball / model->wall_volume;
 }
 

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Prescribed rigid translation of a wall. */
 #include "sim/motion.h"
+#include "base/vector.h"
 #include <math.h>
 #include <string.h>
 
-static const double PI = 3.14159265358979323846;
-
 static void sine(const MnsMotion *m, double t, double x[3], double v[3], double a[3])
 {
-    const double w = 2 * PI * m->frequency, angle = w * t + m->phase;
+    const double w = 2 * M_PI * m->frequency, angle = w * t + m->phase;
     for (int d = 0; d < 3; d++) {
         x[d] = m->amplitude[d] * (sin(angle) - sin(m->phase));
         v[d] = m->amplitude[d] * w * cos(angle);
@@ -18,7 +17,7 @@ static void sine(const MnsMotion *m, double t, double x[3], double v[3], double 
 
 static void one_minus_cosine(const MnsMotion *m, double t, double x[3], double v[3], double a[3])
 {
-    const double w = 2 * PI * m->frequency;
+    const double w = 2 * M_PI * m->frequency;
     for (int d = 0; d < 3; d++) {
         x[d] = m->amplitude[d] * (1 - cos(w * t));
         v[d] = m->amplitude[d] * w * sin(w * t);
@@ -75,11 +74,6 @@ void motion_at(const MnsMotion *motion, double t, double x[3], double v[3], doub
     case MNS_ONE_MINUS_COSINE: one_minus_cosine(motion, t, x, v, a); break;
     case MNS_TABLE: table(motion, t, x, v, a); break;
     }
-}
-
-static bool same_vector(const double a[3], const double b[3])
-{
-    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
 
 bool motion_same(const MnsMotion *a, const MnsMotion *b)

@@ -182,5 +182,5 @@ size_t particles_bytes(const Particles *s)
         if (!(s->housed >> f & 1))
             fields += owners_of(s, f) * field_size(&mns_fields()[f]) * (size_t)particles_components(s, f);
     return fields + s->n * sizeof *s->rate +
-           (s->n - particles_fluid(s)) * sizeof(double) * (s->n_phases + (s->v_wall[0] ? 3 : 0));
+           (s->n - particles_fluid(s)) * sizeof(double) * (s->n_phases + (s->v_wall[0] ? (size_t)s->dim : 0));
 }

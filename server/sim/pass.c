@@ -11,7 +11,7 @@ enum { CHUNK_ROWS = 64, CHUNK_LOCAL = 4096 };
 
 void local_run(const Local *local, Particles *s, const Model *model, int threads)
 {
-    if (local->needed && !local->needed(model)) return;
+    if (!local_needed(local, model)) return;
     if (local->whole) local->whole(s, model, threads);
     for (int g = 0; g < GROUPS && local->apply; g++) {
         if (!(local->on & 1u << g)) continue;
@@ -47,7 +47,7 @@ static int terms_for(const Pass *pass, int group, const Model *model, const Term
     int n = 0;
     for (int k = 0; k < PASS_TERMS_MAX && pass->terms[k]; k++) {
         const Term *term = pass->terms[k];
-        if (term->on & 1u << group && (!term->needed || term->needed(model))) ret[n++] = term;
+        if (term->on & 1u << group && term_needed(term, model)) ret[n++] = term;
     }
     return n;
 }
@@ -96,7 +96,7 @@ static Locals needed(const Local *const *list, const Model *model)
 {
     Locals locals = {0};
     for (int k = 0; k < PASS_LOCALS_MAX && list[k]; k++)
-        if (!list[k]->needed || list[k]->needed(model)) locals.of[locals.n++] = list[k];
+        if (local_needed(list[k], model)) locals.of[locals.n++] = list[k];
     return locals;
 }
 

@@ -9,6 +9,7 @@
 #include <omp.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 static const double STEPS_MAX = 1e9; /* weeks, for the smallest of cases */
 static const double FILES_MAX = 1e6;
@@ -62,9 +63,15 @@ MnsStatus plan_check(const MnsSim *sim, const MnsCase *c, bool under_way, MnsErr
 void plan_warn(MnsSim *sim, const char *format, ...)
 {
     if (sim->n_warnings == SIM_WARNINGS_MAX) return;
+    char *warning = sim->warning[sim->n_warnings++];
+    if (sim->n_warnings == SIM_WARNINGS_MAX) {
+        snprintf(warning, sizeof *sim->warning, "there is more to warn of than these %d: mend what they say first",
+                 SIM_WARNINGS_MAX - 1);
+        return;
+    }
     va_list list;
     va_start(list, format);
-    vsnprintf(sim->warning[sim->n_warnings++], sizeof *sim->warning, format, list);
+    vsnprintf(warning, sizeof *sim->warning, format, list);
     va_end(list);
 }
 
@@ -137,11 +144,12 @@ static void warn_probes_outside(MnsSim *sim)
         for (int d = 0; placed && probe->wall < 0 && d < model->dim; d++) {
             if (model->period[d] > 0 || (uses & PROBE_ON_LINE && d == probe->axis)) continue;
             if (probe->at[d] >= model->min[d] - reach && probe->at[d] <= model->max[d] + reach) continue;
+            const char axis = "xyz"[d];
             plan_warn(
                 sim,
                 "probes[%zu]: %.60s is at %c = %g m, outside the domain, %g to %g m: where no fluid comes it has no "
                 "value",
-                k, probe->name, "xyz"[d], probe -> at[d], model -> min[d], model -> max[d]);
+                k, probe->name, axis, probe->at[d], model->min[d], model->max[d]);
             break;
         }
     }
@@ -156,17 +164,12 @@ typedef struct Loads {
 static void find_loads(const MnsSim *sim, double g, Loads *loads)
 {
     const Model *model = &sim->model;
-    double *low = loads->low, *high = loads->high, *top = loads->top, *bottom = loads->bottom;
+    double low[MNS_MAX_FLUIDS], high[MNS_MAX_FLUIDS], top[MNS_MAX_FLUIDS], bottom[MNS_MAX_FLUIDS];
     for (size_t k = 0; k < MNS_MAX_FLUIDS; k++) {
         low[k] = top[k] = INFINITY;
         high[k] = bottom[k] = -INFINITY;
     }
-#pragma omp parallel for schedule(static) num_threads(sim->threads) reduction(min                                      \
-                                                                              : low[:MNS_MAX_FLUIDS], top              \
-                                                                              [:MNS_MAX_FLUIDS])                       \
-    reduction(max                                                                                                      \
-              : high[:MNS_MAX_FLUIDS], bottom                                                                          \
-              [:MNS_MAX_FLUIDS])
+#pragma omp parallel for num_threads(sim->threads) reduction(min : low, top) reduction(max : high, bottom)
     for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
         const unsigned k = sim->s.phase[i];
         double depth = 0;
@@ -176,6 +179,10 @@ static void find_loads(const MnsSim *sim, double g, Loads *loads)
         top[k] = fmin(top[k], depth);
         bottom[k] = fmax(bottom[k], depth);
     }
+    memcpy(loads->low, low, sizeof low);
+    memcpy(loads->high, high, sizeof high);
+    memcpy(loads->top, top, sizeof top);
+    memcpy(loads->bottom, bottom, sizeof bottom);
 }
 
 /* The speed of sound with which the pressure that now belongs to rho would belong to a density `allowed` times that of reference:

@@ -20,7 +20,7 @@ static Fields written(const Local *const *locals, const Model *model)
 {
     Fields fields = 0;
     for (int k = 0; k < PASS_LOCALS_MAX && locals[k]; k++)
-        if (!locals[k]->needed || locals[k]->needed(model)) fields |= locals[k]->writes;
+        if (local_needed(locals[k], model)) fields |= locals[k]->writes;
     return fields;
 }
 
@@ -31,7 +31,7 @@ static Fields all_fields(const Scheme *scheme, const Model *model)
         const Pass *pass = &scheme->rates[p];
         fields |= written(pass->before, model) | written(pass->after, model);
         for (int k = 0; k < PASS_TERMS_MAX && pass->terms[k]; k++)
-            if (!pass->terms[k]->needed || pass->terms[k]->needed(model)) fields |= pass->terms[k]->writes;
+            if (term_needed(pass->terms[k], model)) fields |= pass->terms[k]->writes;
     }
     return fields;
 }
@@ -52,7 +52,7 @@ unsigned scheme_needs(const Scheme *scheme, const Model *model)
     for (int p = 0; p < SCHEME_PASSES_MAX && scheme->rates[p].name; p++)
         for (int k = 0; k < PASS_TERMS_MAX && scheme->rates[p].terms[k]; k++) {
             const Term *term = scheme->rates[p].terms[k];
-            if (!term->needed || term->needed(model)) needs |= term->needs;
+            if (term_needed(term, model)) needs |= term->needs;
         }
     return needs;
 }

@@ -18,6 +18,11 @@ typedef struct Term {
     RowFunction row[LEVELS][2]; /* ROW_TABLE() */
 } Term;
 
+static inline bool term_needed(const Term *term, const Model *model)
+{
+    return !term->needed || term->needed(model);
+}
+
 static inline void term_row(const Term *term, const Row *row, Particles *s, const Model *model)
 {
     term->row[model->level][s->dim - 2](row, s, model);
@@ -32,6 +37,11 @@ typedef struct Local {
     void (*whole)(Particles *, const Model *, int threads); /* instead, of one that needs all at once */
     Fields writes;
 } Local;
+
+static inline bool local_needed(const Local *local, const Model *model)
+{
+    return !local->needed || local->needed(model);
+}
 
 enum { PASS_TERMS_MAX = 8, PASS_LOCALS_MAX = 4, PASS_FUSIONS_MAX = 4 };
 
@@ -94,7 +104,8 @@ typedef struct Scheme {
     bool (*lay)(Particles *, const Neighbours *);    /* out its rows for the lists of now; false: no memory */
     int again[2];                                    /* and with neighbours: passes [again[0], again[1]) */
     MnsStatus (*check)(const MnsCase *, MnsError *); /* its options, and whether it is for such a case */
-    void (*options)(Model *, const MnsCase *);       /* from the case to the model */
+    bool (*same)(const MnsSchemeOptions *, const MnsSchemeOptions *); /* those that a run keeps; NULL: it keeps none */
+    void (*options)(Model *, const MnsCase *);                        /* from the case to the model */
 } Scheme;
 
 extern const Scheme scheme_riemann, scheme_dissipation, scheme_interfacial, scheme_incompressible, scheme_differences;

@@ -1,17 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Adopt the steerable entries of a case. All that particles, lists and formulas were made from must be as it was; what is new
  * is made first and taken into use last, so that a refused change changes nothing. */
+#include "base/vector.h"
 #include "sim/home.h"
 #include "sim/integrator.h"
 #include "sim/motion.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-static bool same_vector(const double a[3], const double b[3])
-{
-    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
-}
 
 /* NULL is a text too: of what has no formula. */
 static bool same_text(const char *a, const char *b)
@@ -52,13 +48,8 @@ static const char *domain_changed(const MnsCase *a, const MnsCase *b)
     if (o->kernel != p->kernel || o->smoothing != p->smoothing || o->skin != p->skin || strcmp(o->name, p->name) != 0)
         return "scheme";
     if (a->disorder != b->disorder || a->seed != b->seed) return "domain";
-    if (o->differences.buoyant_in != p->differences.buoyant_in ||
-        o->differences.holds_pressure != p->differences.holds_pressure ||
-        !same_vector(o->differences.zero_pressure, p->differences.zero_pressure))
-        return "scheme";
-    if (o->dissipation.background_pressure != p->dissipation.background_pressure ||
-        o->interfacial.background_pressure != p->interfacial.background_pressure)
-        return "scheme";
+    const Scheme *scheme = scheme_find(o->name);
+    if (scheme->same && !scheme->same(o, p)) return "scheme";
     if (a->limits.time_step_floor != b->limits.time_step_floor || a->limits.density_min != b->limits.density_min ||
         a->limits.density_max != b->limits.density_max)
         return "limits";

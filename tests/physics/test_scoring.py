@@ -514,7 +514,7 @@ class Differences(Scored):
             self.check(flow(5, of_a_lattice), lambda r, operator=operator: differences.score_profile("c", 5, operator, r),
                        lambda _, of=of_a_lattice: flow(5, 1.3 * of))
         for operator, most in (("harmonic", 0.01), ("divtau", 0.02)):
-            self.check(flow(5, 0.9 * most), lambda r, operator=operator: differences.score_square("c", operator, r),
+            self.check(flow(5, 0.9 * most), lambda r, operator=operator: differences.score_square("c", 5, operator, r),
                        lambda _, most=most: flow(5, 1.1 * most))
 
     def test_a_bubble_in_a_tube(self):

@@ -192,6 +192,15 @@ static void differences_by_cg(MnsCase *c)
     c->scheme.name = "differences";
     c->scheme.differences.solver = MNS_SOLVER_CG;
 }
+static void buoyant_in_nothing(MnsCase *c)
+{
+    c->scheme.name = "differences";
+    c->scheme.differences.buoyant_in = (int)c->n_fluids;
+}
+static void unknown_kernel(MnsCase *c)
+{
+    c->scheme.kernel = (MnsKernel)(MNS_QUINTIC_SPLINE + 1);
+}
 static void endless_half_space(MnsCase *c)
 {
     MnsPart *p = &c->walls[1].shape.parts[0];
@@ -424,6 +433,8 @@ static const Refusal REFUSALS[] = {
     {"scheme.differences.interface_threshold", MNS_E_INVALID, negative_threshold},
     {"fluids", MNS_E_INVALID, three_mixed},
     {"scheme.differences.solver", MNS_E_INVALID, differences_by_cg},
+    {"scheme.differences.buoyant_in", MNS_E_INVALID, buoyant_in_nothing},
+    {"scheme.kernel", MNS_E_INVALID, unknown_kernel},
     {"resolution", MNS_E_LIMIT, too_fine},
     {"gravity[1]", MNS_E_INVALID, bad_gravity},
     {"gravity[0]", MNS_E_INVALID, gravity_of_place},

@@ -157,6 +157,18 @@ static void evaluation_that_fails_gives_no_number_and_does_no_harm(void **state)
     }
 }
 
+/* What it keeps from one point to the next fills its memory, so that there is none left to say with what it gave. */
+static void evaluation_without_memory_gives_no_number(void **state)
+{
+    (void)state;
+    Formula *f = NULL;
+    MnsError error = {0};
+    const char *text = "(function() if x == 7 then u = {u} return nil end u = {} return 1 end)()";
+    if (formula_new(text, XYT, NULL, 0, &f, &error)) fail_msg("%s", error.text);
+    for (int k = 0; k < 40000; k++) assert_true(isnan(formula_eval(f, (const double[]){7, 0, 0})));
+    formula_free(f);
+}
+
 /* `a and b or c` goes to c where b is false, so that a slip of the pen gives now a number, now a truth. */
 static void number_that_turns_into_a_truth_is_a_failure_and_the_other_way_round(void **state)
 {
@@ -324,6 +336,7 @@ int main(void)
         cmocka_unit_test(text_cannot_leave_its_brackets_to_loop),
         cmocka_unit_test(bombs_end_with_an_error),
         cmocka_unit_test(evaluation_that_fails_gives_no_number_and_does_no_harm),
+        cmocka_unit_test(evaluation_without_memory_gives_no_number),
         cmocka_unit_test(number_that_turns_into_a_truth_is_a_failure_and_the_other_way_round),
         cmocka_unit_test(team_has_a_formula_for_each_thread),
         cmocka_unit_test(failing_often_does_not_exhaust_the_formula),

@@ -257,6 +257,19 @@ static void a_probe_where_no_fluid_comes_is_warned_of(void **state)
     sim_done(sim, c);
 }
 
+static void more_warnings_than_there_is_room_for_are_not_lost_without_a_word(void **state)
+{
+    (void)state;
+    MnsCase *c = case_dam_break(2, 10);
+    for (int k = 0; k < 2 * SIM_WARNINGS_MAX; k++) case_add_probe(c, MNS_PROBE_PRESSURE)->at[0] = 100 + k;
+    MnsSim *sim = sim_of(c);
+    for (size_t k = 0; k < SIM_WARNINGS_MAX - 1; k++)
+        assert_non_null(strstr(mns_sim_warning(sim, k), "outside the domain"));
+    assert_non_null(strstr(mns_sim_warning(sim, SIM_WARNINGS_MAX - 1), "more to warn of than these 15"));
+    assert_null(mns_sim_warning(sim, SIM_WARNINGS_MAX));
+    sim_done(sim, c);
+}
+
 static void fluid_at_an_open_side_is_warned_of_once(void **state)
 {
     (void)state;
@@ -392,6 +405,7 @@ int main(void)
         cmocka_unit_test(interval_shorter_than_a_step_is_said_to_be_one),
         cmocka_unit_test(an_entry_that_the_scheme_does_not_read_is_warned_of),
         cmocka_unit_test(a_probe_where_no_fluid_comes_is_warned_of),
+        cmocka_unit_test(more_warnings_than_there_is_room_for_are_not_lost_without_a_word),
         cmocka_unit_test(fluid_at_an_open_side_is_warned_of_once),
         cmocka_unit_test(threads_beyond_the_processors_are_said_and_bounded),
         cmocka_unit_test(pressure_that_the_speed_of_sound_cannot_carry_is_warned_of),

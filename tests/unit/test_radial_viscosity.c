@@ -256,6 +256,18 @@ static void walls_without_slip_show_the_mirrored_velocity(void **state)
     }
 }
 
+static void walls_with_slip_do_nothing(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        Cloud *cloud = stirred(dim, tank, true);
+        cloud_term(cloud, &radial_friction);
+        for (size_t i = 0; i < cloud->s.n; i++)
+            for (int d = 0; d < dim; d++) assert_true(cloud->s.a[d][i] == 0);
+        cloud_free(cloud);
+    }
+}
+
 /* Friction slows what moves past, and carries along what rests. */
 static void friction_is_against_the_motion_relative_to_the_wall(void **state)
 {
@@ -287,6 +299,7 @@ int main(void)
         cmocka_unit_test(a_body_that_moves_and_turns_is_left_alone),
         cmocka_unit_test(plane_flows_feel_the_laplacian_in_the_mean_over_directions),
         cmocka_unit_test(walls_without_slip_show_the_mirrored_velocity),
+        cmocka_unit_test(walls_with_slip_do_nothing),
         cmocka_unit_test(friction_is_against_the_motion_relative_to_the_wall),
     };
     return cmocka_run_group_tests_name("radial viscosity", tests, NULL, NULL);

@@ -80,6 +80,27 @@ static void steered_threads_and_limits_do_not_change_the_bits(void **state)
     sim_done(sim, steered);
 }
 
+/* There is one copy of a formula for each thread that there was at the start; one that is no constant is not for several at once. */
+static void a_run_that_gets_threads_shares_no_formula(void **state)
+{
+    (void)state;
+    MnsCase *cases[2];
+    for (unsigned k = 0; k < 2; k++) {
+        cases[k] = case_shaken(2, 1 + 3 * k);
+        cases[k]->resolution = 100; /* several blocks of particles */
+        case_set_text(&case_add_probe(cases[k], MNS_PROBE_PRESSURE_DEVIATION)->formula, "3*x + sin(y)*t");
+    }
+    MnsSim *sim = sim_of(cases[0]);
+    sim_steps(sim, 1);
+    const double before = mns_sim_probe(sim, 0);
+    assert_true(before > 0);
+    assert_int_equal(mns_sim_steer(sim, cases[1], NULL), MNS_OK);
+    mns_case_free(cases[0]);
+    assert_int_equal(mns_sim_threads(sim), 4);
+    for (int k = 0; k < 20; k++) assert_true(mns_sim_probe(sim, 0) == before);
+    sim_done(sim, cases[1]);
+}
+
 static void steered_options_take_effect(void **state)
 {
     (void)state;
@@ -272,10 +293,12 @@ static void projections_are_steered(void **state)
             const Limit *limit = NULL;
             const double before = flow_limit.of(sim);
             sim_steps(sim, 3);
-            other->scheme.differences.holds_pressure = true;
+            if (k == 0) other->scheme.incompressible.density_tolerance = -1; /* and of the other, what a run keeps */
+            else other->scheme.differences.holds_pressure = true;
             assert_int_equal(mns_sim_steer(sim, other, &error), MNS_E_INVALID);
             assert_ptr_equal(mns_sim_case(sim), c);
             other->scheme.differences.holds_pressure = false;
+            other->scheme.incompressible.density_tolerance = c->scheme.incompressible.density_tolerance;
             other->scheme.incompressible.tolerance = other->scheme.differences.tolerance = 1e-7;
             other->scheme.incompressible.reference_speed = other->scheme.differences.reference_speed = 1000;
             other->scheme.incompressible.iterations = other->scheme.differences.iterations = 777;
@@ -305,6 +328,7 @@ int main(void)
         cmocka_unit_test(steered_gravity_acts_from_the_next_rates_on),
         cmocka_unit_test(steering_refuses_what_cannot_change_and_changes_nothing_then),
         cmocka_unit_test(steered_threads_and_limits_do_not_change_the_bits),
+        cmocka_unit_test(a_run_that_gets_threads_shares_no_formula),
         cmocka_unit_test(steered_options_take_effect),
         cmocka_unit_test(fields_are_there_once_an_option_needs_them),
         cmocka_unit_test(fields_are_gone_once_no_option_needs_them),

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Accelerations begin with gravity. */
 #include "sim/locals/locals.h"
+#include "sim/terms/differences.h"
 
 static void gravity(Particles *s, const Model *model, size_t first, size_t last)
 {
@@ -19,10 +20,8 @@ const Local body_force = {
 
 static void float_up(Particles *s, const Model *model, size_t first, size_t last)
 {
-    const Mixture density = mixture_of_densities(model);
     for (int d = 0; d < s->dim; d++)
-        for (size_t i = first; i < last; i++)
-            s->a[d][i] = (1 - model->differences.buoyancy / mixed(density, s->colour[i])) * model->gravity[d];
+        for (size_t i = first; i < last; i++) s->a[d][i] = body_force_of(model, density_around(s, model, i), d);
 }
 
 const Local buoyancy = {

@@ -111,12 +111,6 @@ static void add_brick(const void *of, size_t index, double sums[static TALLIES])
     }
 }
 
-static double coordinate(const Measure *m, size_t i)
-{
-    const double x = m->sim->s.x[m->probe->axis][i * m->sim->s.x_step];
-    return m->probe->least ? -x : x;
-}
-
 /* Lowest and highest coordinate of the fluid, but no farther out than walls may have moved: what has left for good is not worth
  * the way. */
 static bool bounds_along(const Measure *of, int d, double ret[2])
@@ -132,9 +126,9 @@ static bool bounds_along(const Measure *of, int d, double ret[2])
     m.probe = &probe;
     probe.axis = d;
     probe.least = true;
-    ret[0] = fmax(low, -measure_largest(&m, coordinate));
+    ret[0] = fmax(low, -measure_largest(&m, measure_outward));
     probe.least = false;
-    const double end = measure_largest(&m, coordinate);
+    const double end = measure_largest(&m, measure_outward);
     ret[1] = fmin(high, end);
     return end == end && ret[0] <= ret[1];
 }
@@ -169,11 +163,11 @@ static void contour(Measure *m, double sums[static TALLIES])
 /* Circle of the same area over the perimeter, sphere of the same volume over the surface. */
 double probe_roundness(Measure *m)
 {
-    const double PI = 3.14159265358979323846;
     double sums[TALLIES];
     contour(m, sums);
     if (!(sums[VOLUME] > 0 && sums[SURFACE] > 0)) return NAN;
-    const double least = m->sim->s.dim == 2 ? 2 * sqrt(PI * sums[VOLUME]) : cbrt(36 * PI * sums[VOLUME] * sums[VOLUME]);
+    const double least =
+        m->sim->s.dim == 2 ? 2 * sqrt(M_PI * sums[VOLUME]) : cbrt(36 * M_PI * sums[VOLUME] * sums[VOLUME]);
     return least / sums[SURFACE];
 }
 

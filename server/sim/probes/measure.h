@@ -27,6 +27,13 @@ bool measure_counts(const Measure *m, size_t i);
 double measure_sum(const Measure *m, Summand *f);
 double measure_largest(const Measure *m, Summand *f);
 
+/* Coordinate of a particle along the probe's axis, larger farther out. */
+static inline double measure_outward(const Measure *m, size_t i)
+{
+    const double x = m->sim->s.x[m->probe->axis][i * m->sim->s.x_step];
+    return m->probe->least ? -x : x;
+}
+
 /* The fluids of the probe, a bit for each: sample_share(). */
 unsigned measure_fluids(const Measure *m);
 

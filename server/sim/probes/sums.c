@@ -109,7 +109,7 @@ static double squared_deviation(const Measure *m, size_t i)
 /* No more threads than there are copies of the formula: a run may have been steered to more. */
 double probe_pressure_deviation(Measure *m)
 {
-    if (m->formula->n > 1 && m->formula->n < m->threads) m->threads = m->formula->n;
+    if (!m->formula->shared && m->formula->n < m->threads) m->threads = m->formula->n;
     const double n = measure_sum(m, one);
     return n > 0 ? sqrt(measure_sum(m, squared_deviation) / n) : NAN;
 }

@@ -31,16 +31,9 @@ double probe_elevation(Measure *m)
     return found;
 }
 
-/* Coordinate of a particle, larger further out. */
-static double outward(const Measure *m, size_t i)
-{
-    const double x = m->sim->s.x[m->probe->axis][i * m->sim->s.x_step];
-    return m->probe->least ? -x : x;
-}
-
 static double outward_to_limit(const Measure *m, size_t i)
 {
-    const double x = outward(m, i);
+    const double x = measure_outward(m, i);
     return x < m->limit ? x : -INFINITY;
 }
 
@@ -64,7 +57,7 @@ static double end_of_fluid(const Measure *m, size_t i)
 {
     const Model *model = &m->sim->model;
     const int axis = m->probe->axis;
-    const double start = outward(m, i), step = 0.25 * model->dx, sign = m->probe->least ? -1 : 1;
+    const double start = measure_outward(m, i), step = 0.25 * model->dx, sign = m->probe->least ? -1 : 1;
     if (!(start < m->limit && start >= m->layer && start + end_reach(model) > m->known)) return -INFINITY;
     double x[3] = {0, 0, 0};
     for (int d = 0; d < model->dim; d++) x[d] = m->sim->s.x[d][i * m->sim->s.x_step];

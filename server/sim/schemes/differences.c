@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* P5: generalized finite differences for two incompressible fluids, with the whole divergence of the stress. J. C. Joubert, D. N. Wilke,
  * P. Pizette, On the momentum diffusion over multiphase surfaces with meshless methods. */
+#include "base/vector.h"
 #include "sim/case_bounds.h"
 #include "sim/check.h"
 #include "sim/integrators/integrators.h"
@@ -27,15 +28,27 @@ static MnsStatus differences_check(const MnsCase *c, MnsError *error)
         return mns_fail_at(error, MNS_E_INVALID, "scheme.differences.solver",
                            "found cg, which solves symmetric systems, and that of differences is none; write by-size, "
                            "bicgstab or amg");
+    if (g->buoyant_in >= (int)c->n_fluids)
+        return mns_fail_at(error, MNS_E_INVALID, "scheme.differences.buoyant_in",
+                           "found fluid %d, counted from 0, of %zu; write one of them, or -1 for none", g->buoyant_in,
+                           c->n_fluids);
     for (int d = 0; d < c->dim && g->holds_pressure; d++) {
+        const char axis = "xyz"[d];
         const double zero = g->zero_pressure[d], min = c->min[d], max = c->max[d];
         if (!c->periodic[d] && !(zero >= min && zero <= max))
             return mns_fail_at(error, MNS_E_INVALID, "scheme.differences.zero_pressure",
-                               "the pressure is to be 0 outside of the domain: %c = %g m, allowed %g to %g m", "xyz"[d],
+                               "the pressure is to be 0 outside of the domain: %c = %g m, allowed %g to %g m", axis,
                                zero, min, max);
     }
     const MnsStatus status = check_solver(g->solver, "scheme.differences.solver", error);
     return status ? status : CHECK_BOUNDS("scheme.differences", list, error);
+}
+
+static bool differences_same(const MnsSchemeOptions *a, const MnsSchemeOptions *b)
+{
+    const MnsDifferences *g = &a->differences, *h = &b->differences;
+    return g->buoyant_in == h->buoyant_in && g->holds_pressure == h->holds_pressure &&
+           same_vector(g->zero_pressure, h->zero_pressure);
 }
 
 static void differences_options(Model *model, const MnsCase *c)
@@ -91,5 +104,6 @@ const Scheme scheme_differences = {
     .lay = differences_lay,
     .again = {PASS_SHAPE, PASS_SHAPE + 2},
     .check = differences_check,
+    .same = differences_same,
     .options = differences_options,
 };

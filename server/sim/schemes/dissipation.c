@@ -20,6 +20,11 @@ static MnsStatus dissipation_check(const MnsCase *c, MnsError *error)
     return CHECK_BOUNDS("scheme.dissipation", list, error);
 }
 
+static bool dissipation_same(const MnsSchemeOptions *a, const MnsSchemeOptions *b)
+{
+    return a->dissipation.background_pressure == b->dissipation.background_pressure;
+}
+
 static void dissipation_options(Model *model, const MnsCase *c)
 {
     const MnsDissipation *options = &c->scheme.dissipation;
@@ -54,5 +59,6 @@ const Scheme scheme_dissipation = {
     .derive = &linear_pressure,
     .again = {0, 3},
     .check = dissipation_check,
+    .same = dissipation_same,
     .options = dissipation_options,
 };

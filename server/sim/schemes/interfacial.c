@@ -28,6 +28,11 @@ static MnsStatus interfacial_check(const MnsCase *c, MnsError *error)
     return CHECK_BOUNDS("scheme.interfacial", list, error);
 }
 
+static bool interfacial_same(const MnsSchemeOptions *a, const MnsSchemeOptions *b)
+{
+    return a->interfacial.background_pressure == b->interfacial.background_pressure;
+}
+
 static void interfacial_options(Model *model, const MnsCase *c)
 {
     const MnsInterfacial *options = &c->scheme.interfacial;
@@ -74,5 +79,6 @@ const Scheme scheme_interfacial = {
     .derive = &volume_of_density,
     .again = {1, 2},
     .check = interfacial_check,
+    .same = interfacial_same,
     .options = interfacial_options,
 };

@@ -4,6 +4,9 @@
 #define SIM_TERMS_MATRIX_ROW_H
 
 #include "sim/row.h"
+#include "sim/solve/solve.h"
+
+_Static_assert((int)LANES == (int)ENTRIES, "the pairs of a block are the entries of one");
 
 /* Entries are floats, and their sum is the diagonal of what is stored, not of what it stands for: so constants are nothing to a row. */
 INLINE double float_sum(const float *c, size_t n)

@@ -89,7 +89,8 @@ static void go(Particles *s, const Model *model, size_t first, size_t last)
 const Term even_spacing = {
     .name = "particle shifting",
     .source = "Xu et al. 2009, P5 2.3",
-    .equation = "dx_i = C |u|max dt <r>^2 sum_j x/r^3, at most dx/20, along interfaces;  du_i = dx_i . <grad u>_i",
+    .equation =
+        "dx_i = C |u|max dt <r>^2 sum_j x/r^3, at most dx/20, or along interfaces only;  du_i = dx_i . <grad u>_i",
     .on = ON_FLUID,
     .needed = shifts,
     .needs = NEED_W | NEED_V,

@@ -135,7 +135,7 @@ const Term interface_normal = {
 static void no_normal(const RowPlan *plan, Particles *s, size_t i)
 {
     (void)plan;
-    for (int d = 0; d < s->dim; d++) s->normal[d][i * s->normal_step] = 0;
+    normal_none(s, i, (How){.dim = s->dim});
 }
 
 const Fusion no_interface = {

@@ -35,7 +35,7 @@ INLINE void transposed_viscosity_row(const Row *row, Particles *s, const Model *
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++) {
         const uint32_t *j = row_j(row, b);
         double step[LANES];
-        for (int l = 0; l < LANES; l++) step[l] = steps[s->phase[j[l]]];
+        by_fluid(s, j, steps, step);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);

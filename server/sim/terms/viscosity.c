@@ -33,7 +33,7 @@ INLINE void viscosity_row(const Row *row, Particles *s, const Model *model, How 
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++) {
         const uint32_t *j = row_j(row, b);
         double mu_ij[LANES];
-        for (int l = 0; l < LANES; l++) mu_ij[l] = mu[s->phase[j[l]]];
+        by_fluid(s, j, mu, mu_ij);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);

@@ -28,13 +28,13 @@ INLINE void continue_velocity(const Row *row, Particles *s, const Model *model, 
         gather(s->colour, row_j(row, b), colour);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const double W = b->W[l], forced = dt * (1 - model->differences.buoyancy / mixed(density, colour[l]));
+            const double W = b->W[l], rho = mixed(density, colour[l]);
             double y = -depth2; /* times the depth */
             for (int d = 0; d < how.dim; d++) y -= n[d] * b->x[d][l];
             weight.of[l] += W;
             height2.of[l] += W * y * y;
             for (int d = 0; d < how.dim; d++) {
-                const double u = b->v[d][l] - forced * model->gravity[d] - s->v[d][i * s->v_step];
+                const double u = b->v[d][l] - dt * body_force_of(model, rho, d) - s->v[d][i * s->v_step];
                 sum[d].of[l] += W * u;
                 rise[d].of[l] += W * y * u;
             }

@@ -12,6 +12,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 from scipy.spatial import cKDTree
+from validation.common import converges
 from validation.metrics import Metric
 from validation.runs import Run, Snapshot, run
 from validation.series import at, extremum, row, table
@@ -143,16 +144,16 @@ def score_ellipse(case: str, n: int, r: Run, tolerance: float) -> Iterator[Metri
 
 def droplet_ellipse2d(paper: bool) -> Iterator[Metric]:
     """P4 3.2, the elliptic drop at rest: towards which period refinement leads, the paper's 7.38 or 6.71."""
-    case = "droplet-ellipse2d"
+    case, sizes = "droplet-ellipse2d", (48, 72, 96) if paper else (48, 72)
     errors = []
-    for n in (48, 72, 96) if paper else (48, 72):
+    for n in sizes:
         found = list(score_ellipse(case, n, run(case, f"resolution={n}"), 0.04 if paper else 0.1))
         errors.append(abs(found[0].value / PERIOD - 1))
         yield from found
         if n == 48:  # the same method at the same size: within 3 %
             yield Metric(case, f"period of the first two swings, {n} particles high, against the paper's", found[0].value, PRINTED, 0.03, relative=True)
-    for coarse, fine in zip(errors, errors[1:], strict=False):
-        yield Metric(case, "error of the period, of the finer drop over that of the coarser", fine / coarse, high=1)
+    for n, coarse, fine in zip(sizes[1:], errors, errors[1:], strict=False):
+        yield Metric(case, f"error of the period, {n} particles high, over that of the coarser drop", fine / coarse, high=1)
 
 
 # --- P4 3.3: a drop in shear -----------------------------------------------------------------------------------------------
@@ -173,9 +174,22 @@ def shear_settings(ca: float, ratio: float, re: float = 0.1) -> tuple[str, ...]:
 
 
 def score_shear(case: str, ca: float, ratio: float, r: Run, paper: bool) -> Iterator[Metric]:
-    """Against volume of fluid, at 12 particles to the radius as in the paper, or at 6."""
-    ref = float(row("P4/drop_in_shear_vof2d.csv", f"{ca:g}", **{"lambda": f"{ratio:g}", "Re": "0.1"})["D_I"])
-    yield Metric(case, f"Ca {ca:g}, viscosities {ratio:g}: deformation", deformation(r.last()), ref, 0.05 if paper else 0.1, relative=True)
+    """Against volume of fluid, at 12 particles to the radius as in the paper, or at 6; and beside the theory of small deformations in the plane."""
+    ref, name = shear_reference(ca, ratio), f"Ca {ca:g}, viscosities {ratio:g}: deformation"
+    yield Metric(case, name, deformation(r.last()), float(ref["D_I"]), 0.05 if paper else 0.1, relative=True)
+    yield Metric(case, f"{name} [by the theory of small ones in the plane]", deformation(r.last()), float(ref["D2D_rot"]), note="not scored")
+
+
+def shear_reference(ca: float, ratio: float) -> dict[str, str]:
+    return row("P4/drop_in_shear_vof2d.csv", f"{ca:g}", **{"lambda": f"{ratio:g}", "Re": "0.1"})
+
+
+def score_refined(case: str, coarse: Run, fine: Run) -> Iterator[Metric]:
+    """At Ca = 0.15, where the plane and the paper's formula, of a sphere, differ: the plane's 0.155 or 0.164?"""
+    found = [deformation(r.last()) for r in (coarse, fine)]
+    name = "Ca 0.15, viscosities 1: deformation, of 6 and 12 particles to the radius, extrapolated"
+    yield Metric(case, name, 2 * found[1] - found[0], 0.1641, note="not scored: a sphere's")
+    yield converges(case, "Ca 0.15, viscosities 1: deformation", *found, float(shear_reference(0.15, 1)["D_I"]))
 
 
 def links(x: np.ndarray, width: float, reach: float) -> csr_array:
@@ -229,6 +243,8 @@ def drop_shear2d(paper: bool) -> Iterator[Metric]:
     case, n = "drop-shear2d", 12 if paper else 6
     for ca, ratio in ((0.05, 1), (0.1, 1), (0.15, 1), (0.2, 1), (0.15, 0.1), (0.15, 10)):
         yield from score_shear(case, ca, ratio, run(case, f"resolution={n}", *shear_settings(ca, ratio)), paper)
+    if paper:
+        yield from score_refined(case, *(run(case, f"resolution={k}", *shear_settings(0.15, 1)) for k in (6, 12)))
     yield from score_strip(case, run(case, "resolution=12", "end_time=12", *shear_settings(1.5, 1, re=3)))
 
 

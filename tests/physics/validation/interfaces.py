@@ -96,7 +96,7 @@ NARROW = ("domain.min=[0, -0.025, 0]", "domain.max=[1.81, 0.025, 0.2]", "fluids[
 
 
 def lock_exchange3d(paper: bool) -> Iterator[Metric]:
-    """P1 4.4; reduced, a quarter of the width, so coarse that the fronts are late as those of the slice are with H/20."""
+    """P1 4.4; reduced, a quarter of the width, so coarse that the fronts are late, though less than those of the slice with H/20."""
     case, coarse = "lock-exchange3d", 16
     r = run(case, *(("resolution=80",) if paper else (f"resolution={coarse}", *NARROW)))
     if paper:

@@ -60,6 +60,9 @@ class Metric:
         return "PASS" if self.passed else "MISS"
 
 
+DECIDING = ("include", "proto", "server", "tests/physics/validate.py", "tests/physics/validation", "tests/reference")
+
+
 def commit() -> str:
     """With a + where what decides a result is not as it was committed."""
 
@@ -67,7 +70,7 @@ def commit() -> str:
         return subprocess.run(["git", "-C", str(ROOT), *words], capture_output=True, text=True, check=False)
 
     name = git("rev-parse", "--short", "HEAD").stdout.strip()
-    changed = git("diff", "--quiet", "HEAD", "--", "include", "server", "tests/physics/validation").returncode != 0
+    changed = git("diff", "--quiet", "HEAD", "--", *DECIDING).returncode != 0
     return f"{name}{'+' if changed else ''}" if name else "unknown"
 
 
