@@ -50,19 +50,16 @@ INLINE KernelValue quintic_spline(const KernelScale *k, double r, bool fused)
 }
 
 /* exp(-s), 0 <= s <= 9, to 1e-14 of itself: the polynomial in t = -s/32 that is nearest to exp(t), of those that begin with 1 + t (to 2e-18 of it,
- * by Remez's exchange), squared five times. The C library's has other bits on other machines, and no vectors. */
+ * by Remez's exchange), squared five times. Its terms are added in pairs, as a chain of sums would be waited for. The C library's has other bits on other machines, and no vectors. */
 INLINE double bell(double s, bool fused)
 {
     const double t = s * -0.03125;
-    double e = mul_add(t, 2.4049331318832298e-6, 2.4604216018658161e-5, fused);
-    e = mul_add(t, e, 1.9835115753482266e-4, fused);
-    e = mul_add(t, e, 1.3888774307591296e-3, fused);
-    e = mul_add(t, e, 8.3333320452138061e-3, fused);
-    e = mul_add(t, e, 4.1666666582539379e-2, fused);
-    e = mul_add(t, e, 0.16666666666380630, fused);
-    e = mul_add(t, e, 0.49999999999996236, fused);
-    e = mul_add(t, e, 1, fused);
-    e = mul_add(t, e, 1, fused);
+    const double t2 = t * t, t4 = t2 * t2;
+    const double low = mul_add(t2, mul_add(t, 0.16666666666380630, 0.49999999999996236, fused), 1 + t, fused);
+    const double middle = mul_add(t2, mul_add(t, 1.9835115753482266e-4, 1.3888774307591296e-3, fused),
+                                  mul_add(t, 8.3333320452138061e-3, 4.1666666582539379e-2, fused), fused);
+    const double high = mul_add(t, 2.4049331318832298e-6, 2.4604216018658161e-5, fused);
+    const double e = mul_add(t4 * t4, high, mul_add(t4, middle, low, fused), fused);
     const double e2 = e * e, e4 = e2 * e2, e8 = e4 * e4, e16 = e8 * e8;
     return e16 * e16;
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Each case that comes along runs in a daemon, loaded by its name; with half the particles along each side, as some have a hundred thousand."""
+"""Each case that comes along runs in a daemon, loaded by its name; in space with half the particles along each side, as some have a hundred thousand."""
 
 import re
 import sys
@@ -17,14 +17,17 @@ class Cases(DaemonTest):
         self.assertGreater(len(cases), 30)
         for case in cases:
             with self.subTest(case.stem):
-                written = re.search(r"^resolution: (\S+)", case.read_text(), re.MULTILINE)
-                assert written
-                self.meniscus("load", case.stem, "--set", f"resolution={float(written[1]) / 2:g}")
+                text = case.read_text()
+                coarser = []
+                if re.search(r"^dimensions: 3", text, re.MULTILINE):
+                    found = re.search(r"^resolution: (\S+)", text, re.MULTILINE)
+                    assert found
+                    coarser = ["--set", f"resolution={float(found[1]) / 2:g}"]
+                self.meniscus("load", case.stem, *coarser)
                 self.meniscus("step", "2")
-                self.meniscus("wait", "--for", "step=2")
-                status = self.ask("status")
-                self.assertEqual((status["state"], status["step"]), ("PAUSED", 2))
-                self.assertGreater(status["t"], 0)
+                ended = re.search(r"^end_time: 0$", text, re.MULTILINE)
+                self.meniscus("wait", "--for", "state=DONE" if ended else "step=2")
+                self.assertEqual(self.ask("status")["state"], "DONE" if ended else "PAUSED")
                 self.meniscus("stop")
 
 
