@@ -57,7 +57,7 @@ MnsStatus formula_team_init(FormulaTeam *team, int threads, const char *text, co
                             const MnsConstant *constants, size_t n, MnsError *error)
 {
     (void)threads;
-    *team = (FormulaTeam){.n = 1, .member = malloc(sizeof *team->member)};
+    *team = (FormulaTeam){.n = 1, .shared = true, .member = malloc(sizeof *team->member)};
     if (!team->member) return mns_fail(error, MNS_E_MEMORY, "no memory for a formula");
     const MnsStatus status = formula_new(text, variables, constants, n, team->member, error);
     if (status) {
