@@ -53,7 +53,7 @@ CASES = {
     "sloshing3d-three-layers": Case(sloshing.sloshing3d_three_layers, 130, 13),
     "bubble2d-single": Case(bubbles.bubble2d_single, 210, 0.2),
     "bubble3d-single": Case(bubbles.bubble3d_single, 1100, 13),
-    "bubble3d-single-printed": Case(bubbles.bubble3d_single_printed, 80, 3),
+    "bubble3d-single-printed": Case(bubbles.bubble3d_single_printed, 270, 3),
     "bubble3d-double": Case(bubbles.bubble3d_double, 1350, 13),
     "rayleigh-taylor3d": Case(interfaces.rayleigh_taylor3d, 1600, 400),
     "rayleigh-taylor3d-between": Case(interfaces.rayleigh_taylor3d_between, 0, 0.5),

@@ -122,9 +122,9 @@ portability() {
 # The thread sanitizer's build is clang's too: what clang warns of breaks it.
 sanitizers() {
     run step "build with address sanitizer" 600 make -s -j"$jobs" BUILD="$BUILD/asan" SANITIZE=address,undefined all tests
-    run tests "address and undefined-behaviour sanitizers" 600 env BUILD="$BUILD/asan" tests/support/sanitize.sh address
+    run tests "address and undefined-behaviour sanitizers" 1500 env BUILD="$BUILD/asan" tests/support/sanitize.sh address
     run step "build with clang and thread sanitizer" 600 make -s -j"$jobs" BUILD="$BUILD/tsan" CC=clang SANITIZE=thread raced
-    run tests "thread sanitizer" 600 env BUILD="$BUILD/tsan" tests/support/sanitize.sh thread
+    run tests "thread sanitizer" 1500 env BUILD="$BUILD/tsan" tests/support/sanitize.sh thread
 }
 
 fuzzing() {

@@ -17,12 +17,11 @@ from validation.series import at, smooth, table
 # middle, of the tension, 2 * 0.0606 / 0.005, and of its own weight.
 
 
-def gas(middle: float, top: float = 0.08) -> str:
-    return f"9800*({top} - {middle}) + 24.24 + 98*({middle} - z)"
+def gas(middle: float) -> str:
+    return f"9800*(0.08 - {middle}) + 24.24 + 98*({middle} - z)"
 
 
-QUARTER = ("domain.min=[0, 0, 0]", "walls[0].shape[0].box.min=[0, 0, -0.02]")
-WIDE, PRINTED = (*QUARTER, f"fluids[1].pressure={gas(0.025)}"), (*QUARTER, f"fluids[1].pressure={gas(0.025, top=0.04)}")
+QUARTER = ("domain.min=[0, 0, 0]", "walls[0].shape[0].box.min=[0, 0, -0.02]", f"fluids[1].pressure={gas(0.025)}")
 HALF = ("domain.min=[-0.02, 0, 0]", "walls[0].shape[0].box.min=[-0.02, 0, -0.02]",
         f"fluids[1].pressure=z > 0.0175 and {gas(0.025)} or {gas(0.01)}")
 
@@ -55,7 +54,7 @@ def bubble3d_single(paper: bool) -> Iterator[Metric]:
     """P1 4.2.1 in the box that holds it; reduced, a quarter of it. At two resolutions: not with R/3, whose speed, 0.2061 m/s, is that of R/5 by
     chance: that of R/4 is 0.2035."""
     case, sizes = "bubble3d-single", (5, 10) if paper else (4, 5)
-    part = ["end_time=0.16"] if paper else ["end_time=0.1", *WIDE]
+    part = ["end_time=0.16"] if paper else ["end_time=0.1", *QUARTER]
     runs = [run(case, f"resolution={n}", *part) for n in sizes]
     yield from score_single(case, runs[-1], paper)
     window = LATE if paper else EARLY
@@ -65,13 +64,12 @@ def bubble3d_single(paper: bool) -> Iterator[Metric]:
     yield converges(case, "rise speed", *speeds, single_speed(*window))
     yield from hygiene(case, runs[-1])
     if paper:
-        yield from correction(case, ["resolution=5", "end_time=0.14", *WIDE], (0.08, 0.14))
+        yield from correction(case, ["resolution=5", "end_time=0.14", *QUARTER], (0.08, 0.14))
 
 
 def bubble3d_single_printed(paper: bool) -> Iterator[Metric]:
-    """The printed box: what it makes of the speed, beside that in a tube of the same width; reduced, a quarter of it."""
-    case, part = "bubble3d-single-printed", [] if paper else PRINTED
-    r = run(case, f"resolution={10 if paper else 4}", "end_time=0.06", *part)
+    """The printed box: what it makes of the speed, beside that in a tube of the same width. All of it: a quarter has 0.151 m/s with R/4, for 0.172."""
+    case, r = "bubble3d-single-printed", run("bubble3d-single-printed", f"resolution={10 if paper else 4}", "end_time=0.06")
     ref = table("P1/bubble_single_vof_axi_tubeR10mm.csv")
     inside = (ref["t_s"] >= 0.03) & (ref["t_s"] <= 0.06)
     reference = float(np.polyfit(ref["t_s"][inside], ref["z_centroid"][inside], 1)[0])
