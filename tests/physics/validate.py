@@ -55,7 +55,7 @@ CASES = {
     "bubble3d-single": Case(bubbles.bubble3d_single, 1100, 13),
     "bubble3d-single-printed": Case(bubbles.bubble3d_single_printed, 270, 3),
     "bubble3d-double": Case(bubbles.bubble3d_double, 1350, 13),
-    "rayleigh-taylor3d": Case(interfaces.rayleigh_taylor3d, 1600, 400),
+    "rayleigh-taylor3d": Case(interfaces.rayleigh_taylor3d, 1800, 400),
     "rayleigh-taylor3d-between": Case(interfaces.rayleigh_taylor3d_between, 0, 0.5),
     "lock-exchange2d": Case(interfaces.lock_exchange2d, 190, 0.2),
     "lock-exchange3d": Case(interfaces.lock_exchange3d, 310, 56),

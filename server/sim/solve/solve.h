@@ -81,9 +81,8 @@ typedef struct System {
     size_t zero;     /* row at which x is 0 in the end; NO_ROW: its mean is */
     size_t speaking; /* rows that say something, and */
     size_t parts;    /* found by the last solve */
-    uint32_t *
-        part; /* [matrix.n] of each row, [0, parts) where there are several; 0 of one that says nothing and nobody refers to */
-    double least; /* that the residual of x = 0 counts as, where there is only rounding */
+    uint32_t *part;  /* [matrix.n] of each row, [0, parts) where there are several; 0 of one that says nothing */
+    double least;    /* that the residual of x = 0 counts as, where there is only rounding */
     int threads;
     double *work[WORK_VECTORS]; /* [matrix.n] */
     double *partial;            /* sums of chunks */
