@@ -44,7 +44,7 @@ INLINE Pair with_rest(Pair pair, const Block *first, const Block *rest, int l, c
         if (needs & NEED_NORMAL) pair.normal[d] = rest->normal[d][l];
     }
     if (needs & (NEED_W | NEED_F)) {
-        const KernelValue value = how.kernel(&plan->kernel, pair.r, how.fma);
+        const KernelValue value = how.kernel(&plan->kernel, pair.r, DOT(pair.x, pair.x, how), how.fma);
         pair.W = value.W;
         pair.F = value.F;
     }

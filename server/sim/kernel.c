@@ -34,7 +34,7 @@ INLINE void eval(const Kernel *kernel, size_t n, const double *restrict r, doubl
 {
     const KernelScale k = kernel_scale(kernel);
     for (size_t i = 0; i < n; i++) {
-        const KernelValue value = shape(&k, r[i], false);
+        const KernelValue value = shape(&k, r[i], r[i] * r[i], false);
         W[i] = value.W;
         F[i] = value.F;
     }

@@ -17,7 +17,8 @@ typedef struct KernelValue {
     double W, F;
 } KernelValue;
 
-typedef KernelValue (*KernelShape)(const KernelScale *, double r, bool fused);
+/* r2: r squared, for what needs no more and would wait for the root. */
+typedef KernelValue (*KernelShape)(const KernelScale *, double r, double r2, bool fused);
 
 INLINE KernelScale kernel_scale(const Kernel *kernel)
 {
@@ -33,15 +34,17 @@ INLINE double positive(double x)
 }
 
 /* W = alpha (1 - q/2)^4 (2q + 1),  F = -5 alpha (1 - q/2)^3 / h^2 */
-INLINE KernelValue wendland_c2(const KernelScale *k, double r, bool fused)
+INLINE KernelValue wendland_c2(const KernelScale *k, double r, double r2, bool fused)
 {
+    (void)r2;
     const double q = r * k->inverse_h, t = positive(mul_add(-0.5, q, 1, fused)), t2 = t * t;
     return (KernelValue){k->alpha * (t2 * t2) * mul_add(2, q, 1, fused), k->slope * (t2 * t)};
 }
 
 /* W = alpha [(3-q)^5 - 6 (2-q)^5 + 15 (1-q)^5],  F = -5 alpha/(h r) [(3-q)^4 - 6 (2-q)^4 + 15 (1-q)^4], each power cut at 0 */
-INLINE KernelValue quintic_spline(const KernelScale *k, double r, bool fused)
+INLINE KernelValue quintic_spline(const KernelScale *k, double r, double r2, bool fused)
 {
+    (void)r2;
     const double q = r * k->inverse_h, a = positive(3 - q), b = positive(2 - q), c = positive(1 - q);
     const double a2 = a * a, b2 = b * b, c2 = c * c;
     const double a4 = a2 * a2, b4 = b2 * b2, c4 = c2 * c2;
@@ -65,9 +68,9 @@ INLINE double bell(double s, bool fused)
 }
 
 /* W = alpha exp(-q^2) for q < 3, as P1 writes it: not renormalised; F = -2 W / h^2 */
-INLINE KernelValue truncated_gaussian(const KernelScale *k, double r, bool fused)
+INLINE KernelValue truncated_gaussian(const KernelScale *k, double r, double r2, bool fused)
 {
-    const double q = r * k->inverse_h, e = bell(q * q, fused), cut = q >= 3 ? 0 : e;
+    const double e = bell(r2 * (k->inverse_h * k->inverse_h), fused), cut = r * k->inverse_h >= 3 ? 0 : e;
     return (KernelValue){k->alpha * cut, k->slope * cut};
 }
 

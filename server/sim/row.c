@@ -7,25 +7,27 @@ INLINE void fill_block(Block *b, const uint32_t *j, const RowPlan *plan, unsigne
 {
     fetch_block(b, j, &plan->nb->bundles, needs, how);
     const Model *model = plan->model;
+    double r2[LANES];
 #pragma omp simd
     for (int l = 0; l < LANES; l++) {
         double x[3];
         for (int d = 0; d < how.dim; d++) x[d] = b->x[d][l] = nearest(model, x_i[d] - b->x[d][l], d, how);
-        b->r[l] = sqrt(DOT(x, x, how));
+        r2[l] = DOT(x, x, how);
+        b->r[l] = sqrt(r2[l]);
     }
     if ((plan->needs & NEED_W) && (plan->needs & NEED_F))
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const KernelValue value = how.kernel(&plan->kernel, b->r[l], how.fma);
+            const KernelValue value = how.kernel(&plan->kernel, b->r[l], r2[l], how.fma);
             b->W[l] = value.W;
             b->F[l] = value.F;
         }
     else if (plan->needs & NEED_W)
 #pragma omp simd
-        for (int l = 0; l < LANES; l++) b->W[l] = how.kernel(&plan->kernel, b->r[l], how.fma).W;
+        for (int l = 0; l < LANES; l++) b->W[l] = how.kernel(&plan->kernel, b->r[l], r2[l], how.fma).W;
     else
 #pragma omp simd
-        for (int l = 0; l < LANES; l++) b->F[l] = how.kernel(&plan->kernel, b->r[l], how.fma).F;
+        for (int l = 0; l < LANES; l++) b->F[l] = how.kernel(&plan->kernel, b->r[l], r2[l], how.fma).F;
 }
 
 INLINE void fill_blocks(Row *row, const RowPlan *plan, How how)
