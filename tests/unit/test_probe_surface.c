@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Probes of surfaces and bodies measure what is known: layers, discs, balls and boxes, in gas and in nothing, on walls and
  * across seams. */
+#include "sim/sample.h"
 #include "tests/support/check.h"
 #include "tests/support/sims.h"
 #include <stdio.h>
@@ -290,6 +291,63 @@ static void extent_leaves_out_what_is_alone_or_outside_its_box(void **state)
     sim_done(sim, c);
 }
 
+/* Where fluid 0 ends on the way out from particle i, by what is said of the probe in case.proto alone: where its share falls below a half within a
+ * support, between samples a quarter of a spacing apart. -INFINITY: nowhere. */
+static double end_from(const MnsSim *sim, size_t i, int axis, double sign)
+{
+    const Particles *s = &sim->s;
+    const double step = 0.25 * sim->model.dx;
+    double x[3] = {s->x[0][i], s->x[1][i], 0}, before = 0;
+    for (int k = 0; k == 0 || (before >= 0.5 && (k - 1) * step < sim->model.kernel.support); k++) {
+        x[axis] = s->x[axis][i] + sign * k * step;
+        const Share share = sample_share(sim, x, 1);
+        const double now = fmin(share.fluid, share.open);
+        if (k > 0 && now < 0.5) return sign * x[axis] - step + step * (before - 0.5) / (before - now);
+        before = now;
+    }
+    return -INFINITY;
+}
+
+/* Of all particles, where the probe leaves out those that cannot be farther out. A square frays towards its sides, where ever more of its particles are
+ * gas, so that some that lie deep end farther out than the outermost. */
+static void extent_is_the_farthest_end_above_all_particles(void **state)
+{
+    (void)state;
+    unsigned deep = 0;
+    for (int seed = 1; seed <= 24; seed++) {
+        MnsCase *c = body(2, "abs(x - a) < 0.3 and abs(y - b) < 0.3", 6, true);
+        c->disorder = 0.2;
+        c->seed = (uint32_t)seed;
+        for (int k = 0; k < 4; k++) {
+            MnsProbe *probe = add_of_body(c, MNS_PROBE_EXTENT);
+            probe->axis = k / 2;
+            probe->least = k % 2;
+        }
+        MnsSim *sim = sim_in_arrays(c);
+        const size_t n = particles_fluid(&sim->s);
+        for (size_t i = 0; i < n; i++) {
+            const double out = fmax(fabs(sim->s.x[0][i] - 0.51), fabs(sim->s.x[1][i] - 0.49)) / 0.3;
+            if (rand() / (double)RAND_MAX < 1.2 * out * out - 0.4) sim->s.phase[i] = 1;
+        }
+        for (size_t k = 0; k < 4; k++) {
+            const int axis = (int)k / 2;
+            const double sign = k % 2 ? -1 : 1;
+            double farthest = -INFINITY, top = -INFINITY, from = -INFINITY;
+            for (size_t i = 0; i < n; i++) {
+                if (sim->s.phase[i] != 0) continue;
+                const double start = sign * sim->s.x[axis][i], end = end_from(sim, i, axis, sign);
+                if (end > farthest) from = start;
+                farthest = fmax(farthest, end);
+                top = fmax(top, start);
+            }
+            deep += from < top - sim->model.dx;
+            assert_close(mns_sim_probe(sim, k), sign * farthest, 1e-12);
+        }
+        sim_done(sim, c);
+    }
+    assert_true(deep >= 8); /* else nothing was tried */
+}
+
 /* Layers end at the walls they lie against. */
 static void extent_ends_at_walls(void **state)
 {
@@ -416,6 +474,7 @@ int main(void)
         cmocka_unit_test(a_fluid_that_is_not_there_has_no_roundness),
         cmocka_unit_test(extent_is_where_a_body_ends),
         cmocka_unit_test(extent_leaves_out_what_is_alone_or_outside_its_box),
+        cmocka_unit_test(extent_is_the_farthest_end_above_all_particles),
         cmocka_unit_test(extent_ends_at_walls),
         cmocka_unit_test(velocity_is_the_mean_by_mass_and_volume_the_sum),
         cmocka_unit_test(pressure_jump_is_that_between_what_is_away_from_the_surface),
