@@ -126,10 +126,35 @@ static MnsStatus read_scalar(Reader *reader, MessageType *type, Field *field, vo
 
 static MnsStatus read_mapping(Reader *reader, ProtobufCMessage *message, uint32_t mark);
 
+/* The one of several entries that exclude each other that is named, where entries were expected; NULL for none. */
+static Field *choice_named(const Reader *reader, MessageType *type)
+{
+    if (reader->event.type != YAML_SCALAR_EVENT) return NULL;
+    Field *field =
+        case_field_named(type, (const char *)reader->event.data.scalar.value, reader->event.data.scalar.length);
+    const bool is_choice =
+        field && field->flags & PROTOBUF_C_FIELD_FLAG_ONEOF && field->type == PROTOBUF_C_TYPE_MESSAGE;
+    return is_choice ? field : NULL;
+}
+
+/* "scheme: riemann" is "scheme: {riemann: {}}". */
+static MnsStatus read_choice(Reader *reader, MessageType *type, Field *choice, void *item, uint32_t mark)
+{
+    ProtobufCMessage *parent = case_message_new(type);
+    if (!parent) return case_no_memory(reader->error);
+    *(ProtobufCMessage **)item = parent;
+    ProtobufCMessage **child = case_add(parent, choice);
+    if (child) *child = case_message_new(choice->descriptor);
+    return child && *child && add_mark(reader, mark, choice->name, 0) != MARK_NONE ? MNS_OK
+                                                                                   : case_no_memory(reader->error);
+}
+
 static MnsStatus read_item(Reader *reader, MessageType *type, Field *field, void *item, uint32_t mark)
 {
     char allowed[300];
     if (field->type != PROTOBUF_C_TYPE_MESSAGE) return read_scalar(reader, type, field, item);
+    Field *choice = choice_named(reader, field->descriptor);
+    if (choice) return read_choice(reader, field->descriptor, choice, item, mark);
     if (reader->event.type != YAML_MAPPING_START_EVENT) {
         case_names_for(field->descriptor, "", allowed, sizeof allowed);
         char sentence[400];

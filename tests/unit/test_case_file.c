@@ -67,6 +67,20 @@ static void a_small_case_is_read(void **state)
     case_file_free(file);
 }
 
+static void a_choice_by_its_name_alone_has_all_its_defaults(void **state)
+{
+    (void)state;
+    CaseFile *file = NULL;
+    static const char text[] = HEAD FLUIDS "scheme: interfacial\n";
+    assert_int_equal(case_file_parse("a.yaml", text, sizeof text - 1, &file, NULL), MNS_OK);
+    const Meniscus__Scheme *scheme = case_file_message(file)->scheme;
+    assert_int_equal(scheme->method_case, MENISCUS__SCHEME__METHOD_INTERFACIAL);
+    assert_false(scheme->has_kernel);
+    case_file_free(file);
+    complains_with(HEAD FLUIDS "scheme: kernel\n",
+                   "6:9: scheme: found \"kernel\", allowed: a mapping"); /* is no choice */
+}
+
 static void a_value_out_of_bounds_is_named_with_what_is_allowed(void **state)
 {
     (void)state;
@@ -302,6 +316,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_small_case_is_read),
+        cmocka_unit_test(a_choice_by_its_name_alone_has_all_its_defaults),
         cmocka_unit_test(a_value_out_of_bounds_is_named_with_what_is_allowed),
         cmocka_unit_test(an_infinite_number_is_out_of_bounds),
         cmocka_unit_test(what_is_not_a_number_is_refused_whole),
