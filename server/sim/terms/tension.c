@@ -8,9 +8,7 @@
  * with weights no particle of air ever has a normal. Reference densities weigh, so that sound does not shake the interface.
  *   P1 eq. 14:  kappa_i = dim sum_j e . grad_i W V_j / sum_j r |grad_i W| V_j,   e = +-n_j - n_i
  *   P2 eq. 36:  kappa_i = sum_j e . M_i grad_i W V_j,   and q and s with M_i too, of fluids and walls
- * Walls have no colour: where they are flat, what lies beside them is mirrored instead (images.c) in n, kappa and M. s is of fluids alone there, and
- * s . n stands for |s|: pressures of two fluids push each other across pairs of them only, as walls show each its own, so a tension of images too would
- * find half of a jump to hold it. */
+ * Walls have no colour: where they are flat, what lies beside them is mirrored instead (images.c). */
 #include "sim/terms/tension.h"
 #include "sim/terms/images.h"
 #include "sim/terms/terms.h"
@@ -106,15 +104,9 @@ INLINE void pull(const Row *row, Particles *s, const Model *model, How how, bool
     const Row *seen = row_with_images(row, s, model, &room);
     Lanes towards[3] = {0};
     const Correction M = corrected ? moments_of(seen, how) : NO_CORRECTION;
-    towards_others(row, s, a.weight, how, towards);
+    towards_others(seen, s, a.weight, how, towards);
     const double kappa = corrected ? corrected_curvature(seen, &a, &M, how) : curvature(seen, &a, how);
-    if (seen == row) {
-        pull_end(s, row->i, &a, kappa, &M, towards, how);
-        return;
-    }
-    double force[3];
-    correct(&M, towards, how, force);
-    pull_along(s, row->i, &a, kappa, positive(DOT(force, a.n, how)), how);
+    pull_end(s, row->i, &a, kappa, &M, towards, how);
 }
 
 INLINE void surface_tension_row(const Row *row, Particles *s, const Model *model, How how)

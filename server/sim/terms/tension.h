@@ -95,18 +95,13 @@ INLINE double corrected_curvature_end(const Correction *M, const Lanes sum[3][3]
     return trace;
 }
 
-INLINE void pull_along(Particles *s, size_t i, const Pulled *a, double kappa, double strength, How how)
-{
-    const double scale = -kappa * strength / s->rho[i];
-    for (int d = 0; d < how.dim; d++) s->a[d][i] += scale * a->n[d];
-}
-
 INLINE void pull_end(Particles *s, size_t i, const Pulled *a, double kappa, const Correction *M, const Lanes towards[3],
                      How how)
 {
     double force[3];
     correct(M, towards, how, force);
-    pull_along(s, i, a, kappa, magnitude(force, how), how);
+    const double scale = -kappa * magnitude(force, how) / s->rho[i];
+    for (int d = 0; d < how.dim; d++) s->a[d][i] += scale * a->n[d];
 }
 
 #endif
