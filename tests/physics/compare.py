@@ -79,7 +79,7 @@ def spikes(case: str, r: Run) -> Iterator[Metric]:
 
 
 def fronts(case: str, r: Run) -> Iterator[Metric]:
-    yield from interfaces.score_fronts(case, r, full=False)
+    yield from interfaces.score_fronts(case, interfaces.front_speeds(r), full=False)
 
 
 def flat(case: str, r: Run) -> Iterator[Metric]:

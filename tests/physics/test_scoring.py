@@ -386,7 +386,7 @@ class Interfaces(Scored):
         good = made(t, light=0.905 + 0.2 * np.interp(t, ref["t_s"], ref["light_front_over_H"]),
                     heavy=0.905 - 0.2 * np.interp(t, ref["t_s"], ref["heavy_front_over_H"]))
         for full in (False, True):
-            self.check(good, lambda r, full=full: interfaces.score_fronts("c", r, full),
+            self.check(good, lambda r, full=full: interfaces.score_fronts("c", interfaces.front_speeds(r), full),
                        scaled("light", 0.9, 0.905), scaled("heavy", 0.9, 0.905))
 
     def test_tips(self):

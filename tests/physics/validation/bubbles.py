@@ -35,8 +35,8 @@ def single_speed(first: float, last: float) -> float:
     return float(np.polyfit(ref["t_s"][inside], ref["z_centroid"][inside], 1)[0])
 
 
-def score_single(case: str, r: Run, full: bool) -> Iterator[Metric]:
-    """Speed as the slope of the centre's height; width and height of the bubble from its outermost points."""
+def score_single(case: str, r: Run, full: bool, symmetric: bool = False) -> Iterator[Metric]:
+    """Speed as the slope of the centre's height; width and height of the bubble from its outermost points, in a quarter from the axis."""
     first, last = LATE if full else EARLY
     reference = single_speed(first, last)
     speed = r.slope("centre", first, last)
@@ -44,7 +44,7 @@ def score_single(case: str, r: Run, full: bool) -> Iterator[Metric]:
     if not full:
         return
     height = r.at("top", 0.14) - r.at("bottom", 0.14)
-    width = r.at("right", 0.14) - r.at("left", 0.14)
+    width = 2 * r.at("right", 0.14) if symmetric else r.at("right", 0.14) - r.at("left", 0.14)
     yield Metric(case, "height / width at 0.14 s", height / width, 0.0048 / 0.0147, 0.08, relative=True)
     yield Metric(case, "height at 0.14 s [m]", height)
     yield Metric(case, "width at 0.14 s [m]", width)
@@ -65,6 +65,14 @@ def bubble3d_single(paper: bool) -> Iterator[Metric]:
     yield from hygiene(case, runs[-1])
     if paper:
         yield from correction(case, ["resolution=5", "end_time=0.14", *QUARTER], (0.08, 0.14))
+
+
+def bubble3d_single_quarter(paper: bool) -> Iterator[Metric]:
+    """As far as the bubble's shape is told, in a quarter of the box: for who asks, as an hour has no room for it and the whole box takes a day."""
+    if paper:
+        case, r = "bubble3d-single-quarter", run("bubble3d-single", "resolution=5", "end_time=0.142", *QUARTER)
+        yield from score_single(case, r, True, symmetric=True)
+        yield from hygiene(case, r)
 
 
 def bubble3d_single_printed(paper: bool) -> Iterator[Metric]:
@@ -204,6 +212,14 @@ def bubble3d_double(paper: bool) -> Iterator[Metric]:
         yield Metric(case, f"mean rise speed at 0.132 s at R/{n} [m/s]", mean_speed(r, 0.132), SPEEDS[2][1], note="not scored again")
     yield converges(case, "mean rise speed at 0.132 s", *(mean_speed(r, 0.132) for r in runs), SPEEDS[2][1])
     yield from hygiene(case, runs[-1])
+
+
+def bubble3d_double_half(paper: bool) -> Iterator[Metric]:
+    """Until they are one, with R/5 in half of the box: for who asks."""
+    if paper:
+        case, r = "bubble3d-double-half", run("bubble3d-double", "resolution=5", "end_time=0.182", *HALF)
+        yield from score_double(case, r, True)
+        yield from hygiene(case, r)
 
 
 # --- P2 4.4, case 1: Sussman's bubble --------------------------------------------------------------------------------------

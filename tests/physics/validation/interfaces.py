@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
-from validation.common import converges, hygiene
+from validation.common import LONG_STEPS, converges, hygiene
 from validation.metrics import Metric
 from validation.runs import Run, attempt, run, slope
 from validation.series import at, row, table
@@ -67,27 +67,34 @@ def front_speeds(r: Run) -> tuple[float, float]:
     return r.slope("light", 2.5 * unit, 5 * unit) / SPEED, -r.slope("heavy", 2.5 * unit, 5 * unit) / SPEED
 
 
-def score_fronts(case: str, r: Run, full: bool) -> Iterator[Metric]:
-    """Against finite volumes between walls that let the fluids glide: 0.490 and 0.576."""
-    light, heavy = front_speeds(r)
-    tolerance = 0.03 if full else 0.05
-    yield Metric(case, "speed of the light front", light, 0.490, tolerance, relative=True)
-    yield Metric(case, "speed of the heavy front", heavy, 0.576, tolerance, relative=True)
+FRONTS = (("light", 0.490), ("heavy", 0.576))  # finite volumes between walls that let the fluids glide
+
+
+def score_fronts(case: str, speeds: Sequence[float], full: bool) -> Iterator[Metric]:
+    light, heavy = speeds
+    for (name, reference), speed in zip(FRONTS, speeds, strict=True):
+        yield Metric(case, f"speed of the {name} front", speed, reference, 0.03 if full else 0.05, relative=True)
     if not full:
         yield Metric(case, "heavy over light", heavy / light, 1.18, 0.05)
 
 
 def lock_exchange2d(paper: bool) -> Iterator[Metric]:
-    """P1 4.4 in a slice, at two resolutions."""
-    case, sizes = "lock-exchange2d", (40, 80) if paper else (20, 40)
-    runs = [run(case, f"resolution={n}") for n in sizes]
-    yield from score_fronts(case, runs[-1], paper)
-    for n, r in zip(sizes, runs, strict=True):
-        for name, speed in zip(("light", "heavy"), front_speeds(r), strict=True):
-            yield Metric(case, f"speed of the {name} front at H/{n}", speed)
-    for k, (name, exact) in enumerate((("light", 0.490), ("heavy", 0.576))):
-        yield converges(case, f"speed of the {name} front", *(front_speeds(r)[k] for r in runs), exact)
-    yield from hygiene(case, runs[-1])
+    """P1 4.4 in a slice, at two resolutions. Where the fronts break up is chance, so speeds are means over starts that differ by a thousandth of a spacing."""
+    case, sizes, steps = "lock-exchange2d", (40, 80) if paper else (20, 40), () if paper else (LONG_STEPS,)
+    starts = {n: 1 if n == 80 else 3 for n in sizes}
+    runs = {n: [run(case, f"resolution={n}", "domain.disorder=0.001", f"domain.seed={seed + 1}", *steps) for seed in range(count)]
+            for n, count in starts.items()}
+    speeds = {n: np.array([front_speeds(r) for r in of]) for n, of in runs.items()}
+    mean = {n: of.mean(axis=0) for n, of in speeds.items()}
+    yield from score_fronts(case, mean[sizes[-1]], paper)
+    for n in sizes:
+        for k, (name, _) in enumerate(FRONTS):
+            yield Metric(case, f"speed of the {name} front at H/{n}, mean of {starts[n]}", mean[n][k])
+            yield Metric(case, f"speed of the {name} front at H/{n}, largest less smallest", np.ptp(speeds[n][:, k]))
+    for k, (name, exact) in enumerate(FRONTS):
+        yield converges(case, f"speed of the {name} front", *(mean[n][k] for n in sizes), exact)
+    for r in runs[sizes[-1]]:
+        yield from hygiene(case, r)
 
 
 NARROW = ("domain.min=[0, -0.025, 0]", "domain.max=[1.81, 0.025, 0.2]", "fluids[0].shape[0].box.min=[0, -0.025, 0]",
@@ -100,7 +107,7 @@ def lock_exchange3d(paper: bool) -> Iterator[Metric]:
     case, coarse = "lock-exchange3d", 16
     r = run(case, *(("resolution=80",) if paper else (f"resolution={coarse}", *NARROW)))
     if paper:
-        yield from score_fronts(case, r, True)
+        yield from score_fronts(case, front_speeds(r), True)
     else:
         light, heavy = front_speeds(r)
         for name, speed, reference in (("light", light, 0.490), ("heavy", heavy, 0.576)):

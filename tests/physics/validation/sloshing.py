@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from validation.common import converges, hygiene
+from validation.common import LONG_STEPS, converges, hygiene
 from validation.metrics import Metric
 from validation.runs import Run, run
 from validation.series import crossings, extremum, smooth, table
@@ -51,7 +51,6 @@ def sloshing2d(paper: bool) -> Iterator[Metric]:
 CRESTS = (1.10, 2.08, 3.12, 4.14, 5.18)  # [s], at the gauge 20 mm from the left wall
 TROUGHS = (1.58, 2.62, 3.66, 4.68)
 STILL = 0.15  # [m]
-LONG_STEPS = "scheme.cfl=0.4"
 
 
 Extremum = tuple[float, float]
