@@ -2,6 +2,7 @@
 /* Which runs of a fluid hang together: from one run to all that touch it, and on from those. */
 #include "sim/bodies.h"
 #include "sim/making.h"
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -189,4 +190,10 @@ void bodies_done(Bodies *bodies)
 {
     free(bodies->body);
     *bodies = (Bodies){0};
+}
+
+double bodies_radius(const Model *model, size_t points)
+{
+    const double volume = (double)points * model->wall_volume;
+    return model->dim == 2 ? sqrt(volume / M_PI) : cbrt(0.75 * volume / M_PI);
 }

@@ -22,4 +22,7 @@ typedef struct Bodies {
 MnsStatus bodies_find(Bodies *bodies, const MnsSim *sim, Lattice *lattice, size_t fluid, MnsError *error);
 void bodies_done(Bodies *bodies);
 
+/* Radius of the disc or ball of as many points [m]. */
+double bodies_radius(const Model *model, size_t points);
+
 #endif

@@ -10,13 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Radius of the disc or ball of the same volume. */
-static double radius_of(const Model *model, const Body *body)
-{
-    const double volume = (double)body->points * model->wall_volume;
-    return model->dim == 2 ? sqrt(volume / M_PI) : cbrt(0.75 * volume / M_PI);
-}
-
 static MnsStatus fail_body(const MnsSim *sim, const Body *body, const char *why, MnsError *error)
 {
     char at[64];
@@ -79,7 +72,8 @@ static double pressure_at(const Model *model, const Start *start, const double c
 static MnsStatus add_jump(MnsSim *sim, const Start starts[], const Body *body, double *p, MnsError *error)
 {
     const Start *around = &starts[body->around];
-    const double R = radius_of(&sim->model, body), capillary = sim->c->tension[body->fluid][body->around] / R;
+    const double R = bodies_radius(&sim->model, body->points),
+                 capillary = sim->c->tension[body->fluid][body->around] / R;
     if (around->laplace) return fail_body(sim, body, "is laplace too: give one of them another start", error);
     if (!around->at_rest) *p = pressure_at(&sim->model, around, body->centre);
     if (!isfinite(*p)) return fail_body(sim, body, "is not finite", error);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a run is going to take, by the length of its steps: what would never end, or fill any disk, is refused before it
  * begins, and what is allowed but hardly meant is said. */
+#include "sim/bodies.h"
 #include "sim/limits.h"
 #include "sim/probes/probes.h"
 #include "sim/sim.h"
@@ -159,17 +160,20 @@ static void warn_probes_outside(MnsSim *sim)
 typedef struct Loads {
     double low[MNS_MAX_FLUIDS], high[MNS_MAX_FLUIDS];   /* densities at the start [kg/m^3] */
     double top[MNS_MAX_FLUIDS], bottom[MNS_MAX_FLUIDS]; /* how far along gravity they reach [m] */
+    size_t count[MNS_MAX_FLUIDS];                       /* of their particles */
 } Loads;
 
 static void find_loads(const MnsSim *sim, double g, Loads *loads)
 {
     const Model *model = &sim->model;
     double low[MNS_MAX_FLUIDS], high[MNS_MAX_FLUIDS], top[MNS_MAX_FLUIDS], bottom[MNS_MAX_FLUIDS];
+    size_t count[MNS_MAX_FLUIDS] = {0};
     for (size_t k = 0; k < MNS_MAX_FLUIDS; k++) {
         low[k] = top[k] = INFINITY;
         high[k] = bottom[k] = -INFINITY;
     }
-#pragma omp parallel for num_threads(sim->threads) reduction(min : low, top) reduction(max : high, bottom)
+#pragma omp parallel for num_threads(sim->threads) reduction(min : low, top) reduction(max : high, bottom) \
+    reduction(+ : count)
     for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
         const unsigned k = sim->s.phase[i];
         double depth = 0;
@@ -178,11 +182,26 @@ static void find_loads(const MnsSim *sim, double g, Loads *loads)
         high[k] = fmax(high[k], sim->s.rho[i]);
         top[k] = fmin(top[k], depth);
         bottom[k] = fmax(bottom[k], depth);
+        count[k]++;
     }
     memcpy(loads->low, low, sizeof low);
     memcpy(loads->high, high, sizeof high);
     memcpy(loads->top, top, sizeof top);
     memcpy(loads->bottom, bottom, sizeof bottom);
+    memcpy(loads->count, count, sizeof count);
+}
+
+/* The greatest sigma / R that a fluid may come under [Pa], and the R of it [m]. What starts otherwise than as drops and bubbles at
+ * rest is thought of as a single one, within whatever there is more of: if it is several, they are smaller. */
+static double find_capillary(const MnsSim *sim, size_t k, const Loads *loads, double *R)
+{
+    *R = sim->drops[k].largest;
+    if (*R > 0) return sim->drops[k].capillary;
+    double tension = 0;
+    for (size_t m = 0; m < sim->model.n_phases; m++)
+        if (loads->count[m] > loads->count[k]) tension = fmax(tension, sim->model.tension[k][m]);
+    *R = bodies_radius(&sim->model, loads->count[k]);
+    return *R > 0 ? tension / *R : 0;
 }
 
 /* The speed of sound with which the pressure that now belongs to rho would belong to a density `allowed` times that of reference:
@@ -207,9 +226,12 @@ static const double DENSITY_DEVIATION = 0.1; /* at the start, beyond which it is
 static void warn_sound(MnsSim *sim, size_t k, double g, const Loads *loads)
 {
     const Phase *phase = &sim->model.phase[k];
-    const double radius = sim->drops[k].largest;
-    const double height = radius > 0 ? 2 * radius : loads->bottom[k] - loads->top[k] + sim->model.dx;
-    const double weight = 10 * sqrt(g * height), tension = 10 * sqrt(sim->drops[k].capillary / phase->rho0);
+    double R;
+    const double capillary = find_capillary(sim, k, loads, &R);
+    const bool drops = sim->drops[k].largest > 0;
+    const double height = drops ? 2 * R : loads->bottom[k] - loads->top[k] + sim->model.dx;
+    const double weight = 10 * sqrt(g * height), tension = 10 * sqrt(capillary / phase->rho0);
+    const bool heavy = weight > tension;
     const double most = loads->high[k] / phase->rho0 - 1, least = 1 - loads->low[k] / phase->rho0;
     double enough = fmax(weight, tension);
     if (most > DENSITY_DEVIATION) enough = fmax(enough, speed_for(phase, loads->high[k], 1 + DENSITY_DEVIATION));
@@ -227,8 +249,8 @@ static void warn_sound(MnsSim *sim, size_t k, double g, const Loads *loads)
             sim,
             "fluids[%zu].sound_speed: %g m/s is less than ten times sqrt(%s) of %.60s, %g m %s: it may be compressed; "
             "%g m/s would be enough",
-            k, phase->c, weight > tension ? "g H" : "sigma/(rho R)", sim->c->fluids[k].name, height,
-            radius > 0 ? "across" : "high", enough);
+            k, phase->c, heavy ? "g H" : "sigma/(rho R)", sim->c->fluids[k].name, heavy ? height : 2 * R,
+            heavy && !drops ? "high" : "across", enough);
 }
 
 static void warn_sounds(MnsSim *sim)
