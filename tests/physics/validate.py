@@ -59,7 +59,8 @@ CASES = {
     "bubble3d-double-half": Case(bubbles.bubble3d_double_half, 0, 0.8),
     "rayleigh-taylor3d": Case(interfaces.rayleigh_taylor3d, 1500, 1300),
     "rayleigh-taylor3d-between": Case(interfaces.rayleigh_taylor3d_between, 0, 0.5),
-    "lock-exchange2d": Case(interfaces.lock_exchange2d, 190, 0.2),
+    "rayleigh-taylor3d-fine": Case(interfaces.rayleigh_taylor3d_fine, 0, 0.9),
+    "lock-exchange2d": Case(interfaces.lock_exchange2d, 350, 0.5),
     "lock-exchange3d": Case(interfaces.lock_exchange3d, 310, 150),
     # Zhu and Zou 2020.
     "dambreak2d-interfacial": Case(dam_breaks.dambreak2d_interfacial, 160, 0.6),
@@ -77,6 +78,7 @@ CASES = {
     "droplet-oscillation2d": Case(incompressible.droplet_oscillation2d, 35, 0.1),
     "droplet-ellipse2d": Case(incompressible.droplet_ellipse2d, 220, 0.4),
     "drop-shear2d": Case(incompressible.drop_shear2d, 490, 9),
+    "drop-shear2d-one": Case(incompressible.drop_shear2d_one, 0, 0.4),
     "rayleigh-taylor2d-isph": Case(incompressible.rayleigh_taylor2d_isph, 200, 0.06),
     # Joubert, Wilke and Pizette.
     "taylor-green2d-differences": Case(differences.taylor_green2d, 10, 0.1),

@@ -56,6 +56,15 @@ def rayleigh_taylor3d_between(paper: bool) -> Iterator[Metric]:
         yield from score_atwood("rayleigh-taylor3d-between", atwood, False)
 
 
+def rayleigh_taylor3d_fine(paper: bool) -> Iterator[Metric]:
+    """Whether what is late at t = 2.5 with 1/32 is so by its resolution: the largest Atwood number in the same quarter with 1/44, by the same tolerances."""
+    if paper:
+        case, atwood = "rayleigh-taylor3d-fine", max(LIGHT)
+        r = run("rayleigh-taylor3d", "resolution=44", "end_time=2.55", *CORNER, f"fluids[0].density={LIGHT[atwood]}")
+        yield from score_spikes(case, atwood, r, False)
+        yield from hygiene(case, r)
+
+
 # --- P1 4.4: lock exchange -------------------------------------------------------------------------------------------------
 
 GATE, TANK, SPEED = 0.905, 0.2, np.sqrt(9.81 * 0.2 * (1 - 998.6 / 1466.3))  # [m], [m], [m/s]
