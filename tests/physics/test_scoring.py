@@ -139,6 +139,13 @@ class Sloshing(Scored):
             self.check(good, lambda r, full=full: sloshing.score_one_layer("c", r, full),
                        scaled("left", 0.8, 0.15), late("left", 0.05), scaled("left", -1, 0.15))
 
+    def test_record(self):
+        ref = series.table("P1/sloshing_single_vof2d.csv")
+        t = samples(3.2, 0.01)
+        for factor in (1, 1.1, 0.8):
+            r = made(t, left=0.15 + factor * np.interp(t, ref["t_s"], ref["left20mm"]))
+            self.assertAlmostEqual(sloshing.record_error(r), abs(factor - 1), delta=0.004)
+
     def test_three_layers_in_a_slice(self):
         ref = series.table("P1/three_layer_vof2d_xonly.csv")
         t = samples(2.1, 0.01)

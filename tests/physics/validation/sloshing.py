@@ -82,15 +82,23 @@ def third_crest(r: Run) -> float:
     return extremum(r.t, r.probes["left"] - STILL, 3.12, 0.2, 1)[1]
 
 
+def record_error(r: Run) -> float:
+    """Of all that the gauge writes, from finite volumes: rms over the reference's own [1]."""
+    ref = table("P1/sloshing_single_vof2d.csv")
+    mine, theirs = (smooth(r.t, eta, 0.04) for eta in (r.probes["left"] - STILL, np.interp(r.t, ref["t_s"], ref["left20mm"])))
+    return float(np.sqrt(np.mean((mine - theirs) ** 2) / np.mean(theirs**2)))
+
+
 def sloshing2d_single(paper: bool) -> Iterator[Metric]:
-    """P1 4.1.1 in a slice; two resolutions, the finer one scored."""
+    """P1 4.1.1 in a slice; two resolutions, the finer one scored. They are compared by all of the record: a single crest is nearer or farther by a
+    twentieth of a spacing, which is chance."""
     case, sizes = "sloshing2d-single", (30, 60) if paper else (15, 30)
     runs = [run(case, f"resolution={n}", f"end_time={5.3 if paper else 3.2}") for n in sizes]
     yield from score_one_layer(case, runs[-1], paper)
     for n, r in zip(sizes, runs, strict=True):
         yield Metric(case, f"crest near 3.12 s at h/{n} [m]", third_crest(r))
-    ref = table("P1/sloshing_single_vof2d.csv")
-    yield converges(case, "crest near 3.12 s", *(third_crest(r) for r in runs), extremum(ref["t_s"], ref["left20mm"], 3.12, 0.2, 1)[1])
+        yield Metric(case, f"rms distance of the record from the reference / its rms at h/{n}", record_error(r))
+    yield converges(case, "record", *(record_error(r) for r in runs))
     yield from hygiene(case, runs[-1], void=False)
 
 
