@@ -80,7 +80,8 @@ TORTURE   := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/torture))
 BENCH     := $(patsubst %.c,$(BUILD)/%,$(call sources,tests/bench))
 DASHBOARD_ALL := $(addprefix $(BUILD)/,meniscus-dashboard man/meniscus-dashboard.8)
 # With the dashboard where that was built once, lest it is one of other sources.
-INSTALLED := all $(if $(wildcard $(BUILD)/meniscus-dashboard),$(DASHBOARD_ALL))
+SHIPPED   := $(addprefix $(BUILD)/shipped/,libmeniscus.a libmeniscus-client.a)
+INSTALLED := all $(SHIPPED) $(if $(wildcard $(BUILD)/meniscus-dashboard),$(DASHBOARD_ALL))
 MANUALS   := $(addprefix $(BUILD)/man/,meniscus.1 meniscusd.8 meniscus-case.5)
 SUPPORT   := $(call objects,$(call sources,tests/support))
 
@@ -236,6 +237,13 @@ $(BUILD)/libmeniscusd.a: $(DAEMON)
 $(BUILD)/libmeniscus-cli.a: $(filter-out %/main.o,$(CLI))
 $(BUILD)/%.a: $(BUILD)/stamp/sources
 	$(call say,AR,$@)rm -f $@ && $(AR) rcs $@ $(filter %.o,$^)
+# For programs of others: one object, which shows what its headers tell of and keeps our own names from theirs. C's mathematics stay, as
+# formulas are to have them too.
+$(BUILD)/shipped/%.a: $(BUILD)/%.a
+	@mkdir -p $(@D)
+	$(call say,AR,$@)$(CC) -r -nostdlib -o $(@:.a=.o) -Wl,--whole-archive $< -Wl,--no-whole-archive && \
+	    objcopy --wildcard --keep-global-symbol='mns_*' $$(nm -g --defined-only $(BUILD)/obj/server/base/elementary.o | \
+	    sed -n 's/.* /--keep-global-symbol=/p') $(@:.a=.o) && rm -f $@ && $(AR) rcs $@ $(@:.a=.o)
 $(BUILD)/libmeniscus-client.so: $(CLIENT) $(PROTO) client/lib/exports.map $(BUILD)/stamp/sources
 	$(call say,LINK,$@)$(link) -shared -Wl,-soname,$(@F).$(firstword $(subst ., ,$(VERSION))) -Wl,--version-script=client/lib/exports.map \
 	    $(filter %.o,$^) $(client_libs) -lm $(LDLIBS)

@@ -277,6 +277,7 @@ int main(int argc, char **argv)
                        .daemon.stream_memory = (size_t)256 << 20};
     if (!strcmp(program_invocation_short_name, "meniscus")) log_set_program("meniscus"); /* it has become us */
     environment_waiting(argv);
+    mns_multigrid_environment();
     argp_err_exit_status = MNS_EXIT_USAGE;
     static Words words; /* outlives main() */
     words = (Words){argc, argv, false};

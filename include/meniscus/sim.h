@@ -5,7 +5,7 @@
  *  What the process shares with it: the instruction set of mns_level_force(). Who links libmeniscus.a has its sin, cos, exp, log, pow ...,
  *  which are rounded correctly and take 0.1 to 1 us, in place of the C library's, in all of the program; the shared C library's stay
  *  where the simulation is in a process of its own. The first pressure that multigrid solves for initialises MPI as one process, and with it
- *  changes the environment: no other thread may call getenv() meanwhile. */
+ *  changes the environment, if mns_multigrid_environment() has not: then no other thread may call getenv() meanwhile. */
 #ifndef MENISCUS_SIM_H
 #define MENISCUS_SIM_H
 
@@ -17,6 +17,9 @@ extern "C" {
 #endif
 
 typedef struct MnsSim MnsSim;
+
+/** Set what multigrid asks of the environment, where it is not set already (OMPI_MCA_...): for programs of several threads, before there are any. */
+void mns_multigrid_environment(void);
 
 /** Place the particles of a case and make it ready to step.
  *  @param c  borrowed until mns_sim_free(), or until mns_sim_steer() replaces it.

@@ -36,7 +36,8 @@ static size_t worst_particle(const MnsSim *sim)
 
 /* What one term alone does to a particle. */
 typedef struct Effect {
-    double acceleration, rate; /* magnitudes: [m/s^2]; of the density's rate or sum */
+    double acceleration,
+        rate; /* magnitudes: [m/s^2]; of the density's rate or sum, or of what it adds over a step's length */
 } Effect;
 
 /* Component d of a field of particle i, if there is one. */
@@ -60,7 +61,8 @@ static Effect alone(MnsSim *sim, Row *row, const Term *term)
     for (int d = 0; d < s->dim; d++) s->a[d][i] = 0;
     term_row(term, row, s, &sim->model);
     for (int d = 0; d < s->dim; d++) a2 += s->a[d][i] * s->a[d][i];
-    const Effect effect = {sqrt(a2), fabs(s->rate[i])};
+    const bool adds = term->writes & FIELD(RHO); /* and has the rate for what it keeps */
+    const Effect effect = {sqrt(a2), adds ? fabs(s->rho[i] - kept[F_RHO][0]) / sim->model.dt : fabs(s->rate[i])};
     for (int f = 0; f < FIELDS_END; f++)
         for (int d = 0; d < 3 && writes >> f & 1; d++)
             if (value(s, f, d, i)) *value(s, f, d, i) = kept[f][d];

@@ -155,7 +155,7 @@ void integrator_derive(MnsSim *sim)
 {
     particles_changed(&sim->s, ON_ALL, ALL_FIELDS);
     local_run(sim->scheme->derive, &sim->s, &sim->model, sim->threads);
-    for (int k = sim->scheme->again[0]; k < sim->scheme->again[1]; k++) {
+    for (int k = sim->scheme->derived_passes[0]; k < sim->scheme->derived_passes[1]; k++) {
         pass_run(&sim->scheme->rates[k], &sim->s, &sim->nb, &sim->model, sim->threads);
         tell(sim);
     }

@@ -262,8 +262,28 @@ static void warn_sounds(MnsSim *sim)
     for (size_t k = 0; k < sim->model.n_phases; k++) warn_sound(sim, k, sqrt(g2), &loads);
 }
 
+/* Of the tension between two fluids whose densities are so unlike that the scheme does not hold a drop at rest by it. */
+static void warn_tension(MnsSim *sim)
+{
+    const Model *model = &sim->model;
+    const double most = sim->scheme->tension_ratio;
+    for (size_t a = 0; a < model->n_phases && most > 0; a++)
+        for (size_t b = 0; b < a; b++) {
+            const double rho_a = model->phase[a].rho0, rho_b = model->phase[b].rho0;
+            const double ratio = fmax(rho_a, rho_b) / fmin(rho_a, rho_b);
+            if (model->tension[a][b] > 0 && ratio > most)
+                plan_warn(sim,
+                          "interfaces: %.60s is %.3g times as dense as %.60s, and the tension of the scheme %s holds "
+                          "no drop at rest "
+                          "above %g; take interfacial, dissipation or differences",
+                          sim->c->fluids[rho_a > rho_b ? a : b].name, ratio, sim->c->fluids[rho_a > rho_b ? b : a].name,
+                          sim->scheme->name, most);
+        }
+}
+
 void plan_look(MnsSim *sim)
 {
+    warn_tension(sim);
     warn_open_sides(sim);
     warn_probes_outside(sim);
     warn_ignored(sim);

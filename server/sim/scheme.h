@@ -93,19 +93,23 @@ typedef struct Scheme {
     const char *name, *title, *source;
     const Integrator *integrator;
     const Limit *limits[SCHEME_LIMITS_MAX]; /* ends with NULL */
-    Pass rates[SCHEME_PASSES_MAX];          /* every step, at the new positions; a nameless pass ends the list */
-    Fields state;                           /* what a run goes on from: in checkpoints and in the hash */
-    int given;                              /* passes left out at the start, where the case gives their results */
-    const Local *derive; /* what follows from the state without neighbours, after it was set or restored */
-    bool projects;       /* solves for the pressure: particles have a system for it */
-    bool symmetric;      /* its matrices are */
-    bool reads_density_method, reads_exponent;       /* of a fluid */
-    size_t (*unknowns)(const Particles *);           /* of that system */
-    bool (*lay)(Particles *, const Neighbours *);    /* out its rows for the lists of now; false: no memory */
-    int again[2];                                    /* and with neighbours: passes [again[0], again[1]) */
-    MnsStatus (*check)(const MnsCase *, MnsError *); /* its options, and whether it is for such a case */
-    bool (*same)(const MnsSchemeOptions *, const MnsSchemeOptions *); /* those that a run keeps; NULL: it keeps none */
-    void (*options)(Model *, const MnsCase *);                        /* from the case to the model */
+    Pass rates
+        [SCHEME_PASSES_MAX]; /* in the order in which the integrator goes through them; a nameless one ends the list */
+    Fields state;            /* what a run goes on from: in checkpoints and in the hash */
+    int given;               /* passes [0, given) are left out at the start: the case gives their results */
+    /* After a state was set or restored: what follows from it without neighbours, and the passes [first, end) for what follows with them. */
+    const Local *derive;
+    int derived_passes[2];
+    bool projects;                             /* solves for the pressure: particles have a system for it */
+    bool symmetric;                            /* its matrices are */
+    double tension_ratio;                      /* of densities, up to which its tension holds a drop at rest; 0: any */
+    bool reads_density_method, reads_exponent; /* of a fluid */
+    size_t (*unknowns)(const Particles *);     /* of that system */
+    bool (*lay_rows)(Particles *, const Neighbours *); /* of that system, for the lists of now; false: no memory */
+    MnsStatus (*check)(const MnsCase *, MnsError *);   /* its options, and whether it is for such a case */
+    /* Whether those options are alike that cannot change during a run; NULL: all can. */
+    bool (*keeps_options)(const MnsSchemeOptions *, const MnsSchemeOptions *);
+    void (*options)(Model *, const MnsCase *); /* from the case to the model */
 } Scheme;
 
 extern const Scheme scheme_riemann, scheme_dissipation, scheme_interfacial, scheme_incompressible, scheme_differences;

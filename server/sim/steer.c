@@ -49,7 +49,7 @@ static const char *domain_changed(const MnsCase *a, const MnsCase *b)
         return "scheme";
     if (a->disorder != b->disorder || a->seed != b->seed) return "domain";
     const Scheme *scheme = scheme_find(o->name);
-    if (scheme->same && !scheme->same(o, p)) return "scheme";
+    if (scheme->keeps_options && !scheme->keeps_options(o, p)) return "scheme";
     if (a->limits.time_step_floor != b->limits.time_step_floor || a->limits.density_min != b->limits.density_min ||
         a->limits.density_max != b->limits.density_max)
         return "limits";

@@ -84,8 +84,8 @@ completion bash "$PREFIX/share/bash-completion/completions/meniscus"
 for program in meniscusd meniscus-dashboard; do link meniscus "$PREFIX/share/bash-completion/completions/$program"; done
 completion zsh "$PREFIX/share/zsh/site-functions/_meniscus"
 for page in meniscus.1 meniscusd.8 meniscus-case.5; do put 644 "$BUILD/man/$page" "$PREFIX/share/man/man${page##*.}/$page"; done
-put 644 "$BUILD/libmeniscus.a" "$lib/libmeniscus.a"
-put 644 "$BUILD/libmeniscus-client.a" "$lib/libmeniscus-client.a"
+put 644 "$BUILD/shipped/libmeniscus.a" "$lib/libmeniscus.a"
+put 644 "$BUILD/shipped/libmeniscus-client.a" "$lib/libmeniscus-client.a"
 put 755 "$BUILD/libmeniscus-client.so" "$lib/libmeniscus-client.so.$VERSION"
 link "libmeniscus-client.so.$VERSION" "$lib/libmeniscus-client.so.${VERSION%%.*}"
 link "libmeniscus-client.so.${VERSION%%.*}" "$lib/libmeniscus-client.so"

@@ -44,6 +44,14 @@ build() {
     "$CC" -std=c17 -o "$stage/$1" "$stage/$1.c" $flags
 }
 expect "a program builds with the solver library" build solver meniscus
+# Beside C's mathematics, which formulas are to have too.
+foreign() {
+    local names
+    names=$(nm -g --defined-only "$root"/opt/lib/libmeniscus*.a | sed -n 's/.* [A-Z] //p' |
+        grep -vxE 'mns_.*|a?(sin|cos|tan)|atan2|cbrt|exp|log(2|10)?|pow|sincos')
+    [ -z "$names" ] || { echo "$names" && return 1; }
+}
+expect "its libraries keep their own names to themselves" foreign
 expect "it runs" "$stage/solver"
 expect "a program builds with the client library" build client meniscus-client
 expect "it runs" env LD_LIBRARY_PATH="$root/opt/lib" "$stage/client"

@@ -62,6 +62,26 @@ static void density_out_of_either_bound_is_a_divergence(void **state)
         }
 }
 
+/* The shift goes with the speed, and keeps its square; what it does to a density is but how that changes from place to place. */
+static void a_fast_particle_is_not_blamed_on_the_shift(void **state)
+{
+    (void)state;
+    MnsCase *c = case_still(2, 10, MNS_DENSITY_AUTOMATIC);
+    c->scheme.name = "interfacial";
+    c->limits.density_max = 1.25;
+    c->limits.time_step_floor = 1e-6;
+    MnsSim *sim = sim_in_arrays(c);
+    sim_steps(sim, 3);
+    sim->s.rho[0] = 1.6 * c->fluids[sim->s.phase[0]].density;
+    sim->s.v[0][0] = sim->v_max = 1000;
+    MnsError error = {0};
+    assert_int_equal(mns_sim_step(sim, INFINITY, &error), MNS_E_DIVERGED);
+    if (!strstr(error.text, "left the bounds of density") ||
+        !strstr(error.text, "most is due to \"continuity of volumes\""))
+        fail_msg("\"%s\"", error.text);
+    sim_done(sim, c);
+}
+
 /* Gravity is no term, but what a falling drop must be blamed on. */
 static void gravity_is_weighed_against_the_terms(void **state)
 {
@@ -222,6 +242,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(divergence_names_particle_place_and_term_and_stays),
         cmocka_unit_test(density_out_of_either_bound_is_a_divergence),
+        cmocka_unit_test(a_fast_particle_is_not_blamed_on_the_shift),
         cmocka_unit_test(gravity_is_weighed_against_the_terms),
         cmocka_unit_test(velocity_that_is_no_number_is_found_at_once),
         cmocka_unit_test(a_density_out_of_bounds_is_named_before_what_is_no_number),

@@ -68,13 +68,14 @@ static void prepare(MnsSim *sim, int matrix, int pass)
 static MnsStatus correct_density_once(MnsSim *sim, MnsError *error)
 {
     System *y = &sim->system;
+    const PressureGoal goal = {"density", "density_solver_tolerance", sim->model.projection.correction_tolerance};
     SolveReport report;
     MnsStatus status = pressure_lay(sim, error);
     if (status) return status;
     prepare(sim, sim->model.projection.unit_mobility ? MATRIX_DENSITY : MATRIX_VELOCITY, PASS_DENSITY_SYSTEM);
     integrator_pass(sim, PASS_DENSITY_SYSTEM);
     system_clear(y);
-    status = pressure_solve(sim, sim->model.projection.correction_tolerance, "density", &report, error);
+    status = pressure_solve(sim, &goal, &report, error);
     if (status) return status;
     sim->solved.density_iterations += report.iterations;
     sim->solved.corrections++;
@@ -200,6 +201,7 @@ static void finish(MnsSim *sim, double dt)
 
 static MnsStatus correct_velocity(MnsSim *sim, double dt, const double gravity[3], MnsError *error)
 {
+    const PressureGoal goal = {"velocity", "tolerance", sim->model.projection.tolerance};
     SolveReport report;
     push(sim, dt, gravity);
     integrator_pass(sim, PASS_WALLS);
@@ -208,7 +210,7 @@ static MnsStatus correct_velocity(MnsSim *sim, double dt, const double gravity[3
     prepare(sim, MATRIX_VELOCITY, PASS_VELOCITY_SYSTEM);
     integrator_pass(sim, PASS_VELOCITY_SYSTEM);
     pressure_guess(sim, dt);
-    status = pressure_solve(sim, sim->model.projection.tolerance, "velocity", &report, error);
+    status = pressure_solve(sim, &goal, &report, error);
     sim->solved.iterations = report.iterations;
     sim->solved.residual = report.residual;
     if (status) return status; /* what was not found corrects nothing */

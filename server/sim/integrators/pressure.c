@@ -25,34 +25,34 @@ static MnsStatus fail_numbers(const MnsSim *sim, const char *what, MnsError *err
 
 static MnsStatus fail_method(const MnsSim *sim, const SolveMethod *method, MnsStatus status, MnsError *error)
 {
+    const char *other = sim->scheme->symmetric ? "cg" : "bicgstab";
     if (status == MNS_E_MEMORY)
         return mns_fail(error, status,
                         "no memory for what %s keeps of the pressure system of %zu rows: write scheme.%s.solver: "
-                        "bicgstab, or lower the resolution",
-                        method->name, sim->system.matrix.n, sim->scheme->name);
-    return mns_fail(error, status,
-                    "%s could not be set up for the pressure system of %zu rows: write scheme.%s.solver: bicgstab",
-                    method->name, sim->system.matrix.n, sim->scheme->name);
+                        "%s, or lower the resolution",
+                        method->name, sim->system.matrix.n, sim->scheme->name, other);
+    return mns_fail(error, status, "%s failed on the pressure system of %zu rows: write scheme.%s.solver: %s",
+                    method->name, sim->system.matrix.n, sim->scheme->name, other);
 }
 
-static MnsStatus fail_solve(const MnsSim *sim, const SolveMethod *method, const SolveReport *report, double tolerance,
-                            const char *what, MnsError *error)
+static MnsStatus fail_solve(const MnsSim *sim, const SolveMethod *method, const SolveReport *report,
+                            const PressureGoal *goal, MnsError *error)
 {
     char history[512];
-    if (!isfinite(report->residual)) return fail_numbers(sim, what, error);
+    if (!isfinite(report->residual)) return fail_numbers(sim, goal->corrects, error);
     solve_history(report, history, sizeof history);
     return mns_fail(error, MNS_E_DIVERGED,
                     "diverged in step %llu at t = %g s: the pressure that corrects the %s was not found by %s in %u "
                     "iterations to a residual of %g; residuals: %s. Look at the snapshot, then allow more "
-                    "scheme.%s.iterations or a larger tolerance, or take smaller steps",
-                    (unsigned long long)sim->progress.step + 1, sim->model.t, what, method->name, report->iterations,
-                    tolerance, history, sim->scheme->name);
+                    "scheme.%s.iterations or a larger scheme.%s.%s, or take smaller steps",
+                    (unsigned long long)sim->progress.step + 1, sim->model.t, goal->corrects, method->name,
+                    report->iterations, goal->tolerance, history, sim->scheme->name, sim->scheme->name, goal->entry);
 }
 
 MnsStatus pressure_lay(MnsSim *sim, MnsError *error)
 {
     sim->system.threads = sim->threads;
-    if (sim->scheme->lay(&sim->s, &sim->nb)) return MNS_OK;
+    if (sim->scheme->lay_rows(&sim->s, &sim->nb)) return MNS_OK;
     return mns_fail(error, MNS_E_MEMORY, "no memory for the pressure system of %zu particles", sim->s.n);
 }
 
@@ -61,16 +61,16 @@ static const SolveMethod *method_of(const MnsSim *sim)
     return solve_method(sim->model.projection.solver, &sim->system, sim->scheme->symmetric);
 }
 
-MnsStatus pressure_solve(MnsSim *sim, double tolerance, const char *what, SolveReport *ret_report, MnsError *error)
+MnsStatus pressure_solve(MnsSim *sim, const PressureGoal *goal, SolveReport *ret_report, MnsError *error)
 {
     const SolveMethod *method = method_of(sim);
     const double start = omp_get_wtime(), before = sim->system.setup_seconds;
-    const SolveGoal goal = {tolerance, sim->model.projection.iterations};
-    method->solve(&sim->system, &goal, ret_report);
+    const SolveGoal within = {goal->tolerance, sim->model.projection.iterations};
+    method->solve(&sim->system, &within, ret_report);
     sim->solver = method->name;
     book(sim, start, before);
     if (ret_report->status) return fail_method(sim, method, ret_report->status, error);
-    return ret_report->converged ? MNS_OK : fail_solve(sim, method, ret_report, tolerance, what, error);
+    return ret_report->converged ? MNS_OK : fail_solve(sim, method, ret_report, goal, error);
 }
 
 /* Where particles are, and where they were when the lists were made. */

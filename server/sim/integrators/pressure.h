@@ -8,8 +8,14 @@
 /* Lay out the rows of the system. */
 MnsStatus pressure_lay(MnsSim *sim, MnsError *error);
 
-/* Solve the system for the pressure that corrects `what`; the set-up and the rest of it are timed. */
-MnsStatus pressure_solve(MnsSim *sim, double tolerance, const char *what, SolveReport *ret_report, MnsError *error);
+/* A pressure that is asked for. */
+typedef struct PressureGoal {
+    const char *corrects, *entry; /* what it is for, and the scheme's entry that has its tolerance */
+    double tolerance;
+} PressureGoal;
+
+/* Solve the system; the set-up and the rest of it are timed. */
+MnsStatus pressure_solve(MnsSim *sim, const PressureGoal *goal, SolveReport *ret_report, MnsError *error);
 
 /* Make what the method keeps of a matrix, if anything, unless it is there: it fits all solves until the lists are made again, as particles
  * hardly move in between. It is made from where they were then, which a restart knows. Of rows that are laid out.

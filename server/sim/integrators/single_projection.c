@@ -94,10 +94,11 @@ static size_t nearest(const MnsSim *sim, const double at[3])
 
 static MnsStatus solve(MnsSim *sim, MnsError *error)
 {
+    const PressureGoal goal = {"velocity", "tolerance", sim->model.projection.tolerance};
     SolveReport report;
     /* Of divergences, a millionth of the speed over h at each particle: on a lattice there may be none but rounding. */
     sim->system.least = 1e-6 * sim->v_max / sim->model.kernel.h * sqrt((double)particles_fluid(&sim->s));
-    const MnsStatus status = pressure_solve(sim, sim->model.projection.tolerance, "velocity", &report, error);
+    const MnsStatus status = pressure_solve(sim, &goal, &report, error);
     sim->solved = (Solved){.iterations = report.iterations, .residual = report.residual};
     return status;
 }

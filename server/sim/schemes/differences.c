@@ -44,7 +44,7 @@ static MnsStatus differences_check(const MnsCase *c, MnsError *error)
     return status ? status : CHECK_BOUNDS("scheme.differences", list, error);
 }
 
-static bool differences_same(const MnsSchemeOptions *a, const MnsSchemeOptions *b)
+static bool differences_keeps_options(const MnsSchemeOptions *a, const MnsSchemeOptions *b)
 {
     const MnsDifferences *g = &a->differences, *h = &b->differences;
     return g->buoyant_in == h->buoyant_in && g->holds_pressure == h->holds_pressure &&
@@ -101,9 +101,9 @@ const Scheme scheme_differences = {
     .derive = &volume_alone,
     .projects = true,
     .unknowns = differences_unknowns,
-    .lay = differences_lay,
-    .again = {PASS_SHAPE, PASS_SHAPE + 2},
+    .lay_rows = differences_lay,
+    .derived_passes = {PASS_SHAPE, PASS_SHAPE + 2},
     .check = differences_check,
-    .same = differences_same,
+    .keeps_options = differences_keeps_options,
     .options = differences_options,
 };

@@ -20,7 +20,7 @@ static MnsStatus dissipation_check(const MnsCase *c, MnsError *error)
     return CHECK_BOUNDS("scheme.dissipation", list, error);
 }
 
-static bool dissipation_same(const MnsSchemeOptions *a, const MnsSchemeOptions *b)
+static bool dissipation_keeps_options(const MnsSchemeOptions *a, const MnsSchemeOptions *b)
 {
     return a->dissipation.background_pressure == b->dissipation.background_pressure;
 }
@@ -57,8 +57,8 @@ const Scheme scheme_dissipation = {
         },
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(M) | FIELD(REF),
     .derive = &linear_pressure,
-    .again = {0, 3},
+    .derived_passes = {0, 3},
     .check = dissipation_check,
-    .same = dissipation_same,
+    .keeps_options = dissipation_keeps_options,
     .options = dissipation_options,
 };

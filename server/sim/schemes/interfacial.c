@@ -28,7 +28,7 @@ static MnsStatus interfacial_check(const MnsCase *c, MnsError *error)
     return CHECK_BOUNDS("scheme.interfacial", list, error);
 }
 
-static bool interfacial_same(const MnsSchemeOptions *a, const MnsSchemeOptions *b)
+static bool interfacial_keeps_options(const MnsSchemeOptions *a, const MnsSchemeOptions *b)
 {
     return a->interfacial.background_pressure == b->interfacial.background_pressure;
 }
@@ -77,8 +77,8 @@ const Scheme scheme_interfacial = {
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(P) | FIELD(M) | FIELD(A) | FIELD(REF) |
              FIELD(SHEPARD) | FIELD(GRADIENT) | FIELD(NORMAL) | FIELD(CONCENTRATION),
     .derive = &volume_of_density,
-    .again = {1, 2},
+    .derived_passes = {1, 2},
     .check = interfacial_check,
-    .same = interfacial_same,
+    .keeps_options = interfacial_keeps_options,
     .options = interfacial_options,
 };

@@ -81,7 +81,7 @@ const Scheme scheme_riemann = {
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(M) | FIELD(A) | FIELD(B) | FIELD(REF),
     .given = 1,
     .derive = &linear_pressure,
-    .again = {1, 2},
+    .derived_passes = {1, 2},
     .check = riemann_check,
     .options = riemann_options,
 };

@@ -25,7 +25,8 @@
 static const char symmetric_name[] = "amg", skew_name[] = "amg with bicgstab";
 
 struct Amg {
-    bool ready; /* made, and the matrix has not changed much since */
+    bool ready;       /* made, and the matrix has not changed much since */
+    MnsStatus failed; /* in a cycle */
     int n;
     HYPRE_Solver solver;
     HYPRE_IJMatrix matrix;
@@ -36,15 +37,20 @@ struct Amg {
 };
 
 /* One process, which talks to nobody: as it comes, Open MPI would start a helper and listen on the network. */
+void mns_multigrid_environment(void)
+{
+    setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
+    setenv("OMPI_MCA_btl", "self", 0);
+    setenv("OMPI_MCA_pml", "ob1", 0);
+    setenv("OMPI_MCA_opal_signal", "", 0); /* signals are ours */
+}
+
 static void start_mpi(void)
 {
     int started = 0;
     MPI_Initialized(&started);
     if (started) return;
-    setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
-    setenv("OMPI_MCA_btl", "self", 0);
-    setenv("OMPI_MCA_pml", "ob1", 0);
-    setenv("OMPI_MCA_opal_signal", "", 0); /* signals are ours */
+    mns_multigrid_environment();
     int provided = 0;
     MPI_Init_thread(NULL, NULL, MPI_THREAD_SERIALIZED, &provided);
     /* By default errors end the process; hypre's codes tell of them. */
@@ -154,10 +160,10 @@ static void make_solver(struct Amg *amg)
     HYPRE_BoomerAMGSetup(amg->solver, amg->A, amg->pb, amg->px);
 }
 
-/* What hypre has noted since it was last asked. */
-static MnsStatus noted(void)
+/* What hypre has noted since it was last asked, but for what is expected. */
+static MnsStatus noted(HYPRE_Int expected)
 {
-    const HYPRE_Int code = HYPRE_GetError();
+    const HYPRE_Int code = HYPRE_GetError() & ~expected;
     HYPRE_ClearAllErrors();
     return code == 0 ? MNS_OK : code & HYPRE_ERROR_MEMORY ? MNS_E_MEMORY : MNS_E_INTERNAL;
 }
@@ -174,11 +180,11 @@ static MnsStatus make(struct Amg *amg, const System *y, double shift)
     if (status) return status;
     make_vector(amg, &amg->b, &amg->pb);
     make_vector(amg, &amg->x, &amg->px);
-    status = noted();
+    status = noted(0);
     if (status) return status;
     watcher_tell(&y->watcher); /* what follows is one piece */
     make_solver(amg);
-    return noted();
+    return noted(0);
 }
 
 /* What was not made is not ready, and not kept. */
@@ -216,7 +222,8 @@ static void cycle(System *y, const double *r, double *z)
     HYPRE_IJVectorSetValues(amg->x, amg->n, amg->rows, z);
     HYPRE_BoomerAMGSolve(amg->solver, amg->A, amg->pb, amg->px);
     HYPRE_IJVectorGetValues(amg->x, amg->n, amg->rows, z);
-    HYPRE_ClearAllErrors(); /* one is that a single cycle did not converge */
+    const MnsStatus status = noted(HYPRE_ERROR_CONV); /* a single cycle does not */
+    if (status) amg->failed = status;
     remove_mean(y, z);
 }
 
@@ -248,8 +255,11 @@ static void solve_with(System *y, const SolveGoal *goal, SolveReport *report, bo
     if (size == 0) clear(y, y->x);
     else report->status = symmetric ? prepare_symmetric(y) : prepare_skew(y);
     if (size == 0 || report->status) return;
+    struct Amg *amg = y->amg[y->kept];
+    amg->failed = MNS_OK;
     if (symmetric) conjugate_gradients(y, goal, report, size);
     else stabilised_gradients(y, goal, report, size, cycle);
+    if (amg->failed) report->status = amg->failed;
 }
 
 static void solve_symmetric(System *y, const SolveGoal *goal, SolveReport *report)
@@ -267,6 +277,8 @@ bool amg_exists(void)
     return true;
 }
 #else
+void mns_multigrid_environment(void) {}
+
 static MnsStatus (*const prepare_symmetric)(System *) = NULL;
 static MnsStatus (*const prepare_skew)(System *) = NULL;
 

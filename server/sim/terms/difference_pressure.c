@@ -155,7 +155,7 @@ const Term difference_matrix = {
 };
 
 const Term difference_wall_matrix = {
-    .name = "and at walls",
+    .name = "pressure system at walls",
     .source = "schemes/README.md",
     .equation = "sum_f W (2 (P_w - P_f)/(rho~_w + rho~_f) - dt (b - a_w) . x_wf) = 0",
     .on = ON_WALL,

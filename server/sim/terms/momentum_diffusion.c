@@ -151,7 +151,7 @@ const Term harmonic_diffusion = {
 };
 
 const Term divtau_diffusion = {
-    .name = "or div tau",
+    .name = "div tau diffusion",
     .source = "P5 eq. 18, 19",
     .equation =
         "du_i/dt = (mu_0 - mu_1) <grad C/rho> . (grad u + grad u^T) + mu~_i/rho~_i 2 dim/D_i sum_j (u_j - u_i) k_ij",
@@ -163,7 +163,7 @@ const Term divtau_diffusion = {
 };
 
 const Term conservative_diffusion = {
-    .name = "or conservative",
+    .name = "conservative diffusion",
     .source = "schemes/README.md",
     .equation = "harmonic, and (mu_0 - mu_1) <grad C/rho> . grad u^T",
     .on = ON_FLUID,
@@ -174,7 +174,7 @@ const Term conservative_diffusion = {
 };
 
 const Term sph_diffusion = {
-    .name = "or smoothed particles",
+    .name = "smoothed-particle diffusion",
     .source = "P5 eq. 13",
     .equation = "rho~_i du_i/dt = 1/V_i sum_j mu_ij (V_i^2 + V_j^2) (u_i - u_j) F",
     .on = ON_FLUID,

@@ -246,7 +246,7 @@ const Term density_matrix = {
 };
 
 const Term density_wall_matrix = {
-    .name = "and at walls",
+    .name = "density system at walls",
     .source = "schemes/README.md",
     .equation = "sum_i c_iw (P_w - P_i) = 0,  for each fluid of its own",
     .on = ON_WALL,
@@ -275,7 +275,7 @@ const Term velocity_matrix = {
 };
 
 const Term velocity_wall_matrix = {
-    .name = "and at walls",
+    .name = "velocity system at walls",
     .source = "schemes/README.md",
     .equation = "sum_i c_iw (P_w - P_i - rho_i dt (g - a_w) . x_wi) = 0,  for each fluid of its own",
     .on = ON_WALL,

@@ -52,7 +52,7 @@ def score_single(case: str, r: Run, full: bool, symmetric: bool = False) -> Iter
 
 def bubble3d_single(paper: bool) -> Iterator[Metric]:
     """P1 4.2.1 in the box that holds it; reduced, a quarter of it. At two resolutions: not with R/3, whose speed, 0.2061 m/s, is that of R/5 by
-    chance: that of R/4 is 0.2035."""
+    chance: that of R/4 is less."""
     case, sizes = "bubble3d-single", (5, 10) if paper else (4, 5)
     part = ["end_time=0.16"] if paper else ["end_time=0.1", *QUARTER]
     runs = [run(case, f"resolution={n}", *part) for n in sizes]

@@ -19,7 +19,7 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[3]
 BUILD = Path(os.environ.get("BUILD", ROOT / "build")).resolve()
-INTERRUPTED = 75  # MNS_EXIT_AGAIN of <meniscus/exit.h>
+DIVERGED, INTERRUPTED = 70, 75  # MNS_EXIT_DIVERGED and MNS_EXIT_AGAIN of <meniscus/exit.h>
 
 
 @dataclass
@@ -169,8 +169,10 @@ def told(error: subprocess.CalledProcessError) -> dict:
 
 
 def attempt(case: str, *settings: str) -> Run | None:
-    """A run of which it is known that it may not come to its end."""
+    """A run of which it is known that it may diverge."""
     try:
         return run(case, *settings)
-    except subprocess.CalledProcessError:
+    except subprocess.CalledProcessError as error:
+        if error.returncode != DIVERGED:
+            raise
         return None
