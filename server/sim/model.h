@@ -37,6 +37,7 @@ typedef struct Projection {
     unsigned corrections, patience, iterations; /* at most, in a step; in vain; in a solve */
     bool unit_mobility;                         /* density correction as of fluids of one density */
     bool mean_gauge;                            /* pressure has no mean; else its least in the light fluids is 0 */
+    double faint; /* F of a pair of fluid and wall from which on it counts as none, below 0 [m^-(dim+2)] */
     MnsSolver solver;
 } Projection;
 

@@ -102,6 +102,7 @@ typedef struct Scheme {
     int derived_passes[2];
     bool projects;                             /* solves for the pressure: particles have a system for it */
     bool symmetric;                            /* its matrices are */
+    bool corrects_density;                     /* by a second pressure */
     double tension_ratio;                      /* of densities, up to which its tension holds a drop at rest; 0: any */
     bool reads_density_method, reads_exponent; /* of a fluid */
     size_t (*unknowns)(const Particles *);     /* of that system */

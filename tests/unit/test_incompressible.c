@@ -72,6 +72,26 @@ static void layers_at_rest_have_their_pressure_from_the_first_step_on(void **sta
         }
 }
 
+/* Off the lattice some particles of a wall are reached by the rim of a kernel alone. */
+static void multigrid_solves_between_walls_in_disorder(void **state)
+{
+    (void)state;
+    static const double RATIOS[] = {1, 1000};
+    if (!amg_exists()) skip();
+    for (int dim = 2; dim <= 3; dim++)
+        for (int k = 0; k < 2; k++) {
+            MnsCase *c = layers(dim, dim == 2 ? 30 : 12, RATIOS[k]);
+            c->disorder = 0.1;
+            c->scheme.incompressible.solver = MNS_SOLVER_AMG;
+            MnsSim *sim = sim_in_arrays(c);
+            for (int n = 0; n < (dim == 2 ? 30 : 6); n++) {
+                sim_steps(sim, 1);
+                assert_in_range(sim->solved.iterations, 1, 20);
+            }
+            sim_done(sim, c);
+        }
+}
+
 /* What is lightest has no pressure where it has least, wherever the least of all is: with gas under a liquid that is at the lid. By the
  * mean, nothing has it. */
 static void a_gas_has_the_least_pressure_of_its_own(void **state)
@@ -617,6 +637,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(layers_at_rest_have_their_pressure_from_the_first_step_on),
+        cmocka_unit_test(multigrid_solves_between_walls_in_disorder),
         cmocka_unit_test(a_gas_has_the_least_pressure_of_its_own),
         cmocka_unit_test(a_pressure_that_stays_is_not_found_anew),
         cmocka_unit_test(a_tank_at_rest_stays_so_with_differences),

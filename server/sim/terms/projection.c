@@ -7,7 +7,8 @@
  *   P_ij = (rho_i P_j + rho_j P_i) / (rho_i + rho_j);  P_0: P_i, but from 0 to 0.2 rho h^2
  * A wall particle is an unknown of its own towards each fluid, of that fluid's density, through which nothing flows:
  *   sum_i c_iw (P_w - P_i - rho_i dt (g - a_w) . (x_w - x_i)) = 0
- * so L stays symmetric, a layer at rest is exact, and no fluid feels the pressure of another through a wall. */
+ * so L stays symmetric, a layer at rest is exact, and no fluid feels the pressure of another through a wall. Pairs of fluid and wall at the rim
+ * of the kernel are left out of all sums with pressures. */
 #include "sim/solve/solve.h"
 #include "sim/terms/matrix_row.h"
 #include "sim/terms/terms.h"
@@ -88,13 +89,17 @@ INLINE void matrix_row(const Row *row, Particles *s, const Model *model, bool un
     for (size_t b = 0; b < row->n; b++) {
         const Block *block = &row->block[b];
         const uint32_t *j = row_j(row, block);
+        const double faint = b < row->n_fluid ? 0 : model->projection.faint;
         double by[LANES];
         for (size_t l = 0; l < LANES; l++) {
             column[b * LANES + l] = b < row->n_fluid ? j[l] : (uint32_t)node_of(s, j[l], mine);
             by[l] = inverse[b < row->n_fluid ? s->phase[j[l]] : mine];
         }
 #pragma omp simd
-        for (size_t l = 0; l < LANES; l++) c[b * LANES + l] = (float)(facing(V, block->V[l], block->F[l]) * by[l]);
+        for (size_t l = 0; l < LANES; l++) {
+            const double F = block->F[l] < faint ? block->F[l] : 0;
+            c[b * LANES + l] = (float)(facing(V, block->V[l], F) * by[l]);
+        }
     }
     m->diagonal[i] = float_sum(c, row->n * LANES);
     m->blocks[i] = m->diagonal[i] > 0 ? (uint32_t)row->n : 0;
@@ -128,7 +133,7 @@ INLINE void wall_row(const Row *row, Particles *s, const Model *model, unsigned 
     for (const Block *b = row->block; b < row->block + row->n; b++) {
         const uint32_t *j = row_j(row, b);
         for (int l = 0; l < LANES; l++) {
-            if (s->phase[j[l]] != fluid || !(b->F[l] < 0)) continue;
+            if (s->phase[j[l]] != fluid || !(b->F[l] < model->projection.faint)) continue;
             const float c = (float)(facing(V, b->V[l], b->F[l]) * inverse);
             double along = 0;
             for (int d = 0; d < how.dim; d++) along += pull[d] * b->x[d][l];
@@ -199,6 +204,7 @@ INLINE void push(const Row *row, const Particles *s, const Model *model, bool un
     for (const Block *b = row->block; b < row->block + row->n; b++) {
         const uint32_t *j = row_j(row, b);
         const bool wall = b >= row->block + row->n_fluid;
+        const double faint = wall ? model->projection.faint : 0;
         double P_ij[LANES];
         for (int l = 0; l < LANES; l++) {
             const unsigned fluid = wall ? mine : s->phase[j[l]];
@@ -207,7 +213,7 @@ INLINE void push(const Row *row, const Particles *s, const Model *model, bool un
         }
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const double c = facing(V, b->V[l], b->F[l]) * P_ij[l];
+            const double c = facing(V, b->V[l], b->F[l] < faint ? b->F[l] : 0) * P_ij[l];
             for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, b->x[d][l], how);
         }
     }

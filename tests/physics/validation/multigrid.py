@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What multigrid takes for a pressure of few and of many particles: vortices in a periodic box, in two dimensions and, as columns, in three.
+"""What multigrid takes for a pressure of few and of many particles: vortices in a periodic box, in two dimensions and, as columns, in three;
+and two liquids between walls, from a start in disorder.
 
 No paper has it. More than 1.5 times the iterations for a hundred times the particles, and the method would not be one for large cases."""
 
@@ -26,6 +27,14 @@ def iterations(scheme: str, dim: int, n: int) -> float:
     return float(np.mean(found.probes["iterations"][1 + BEGINNING:]))
 
 
+def walled_iterations(scheme: str, n: int) -> float:
+    """The same for 2 n^2 particles of two liquids that overturn in a closed box."""
+    found = run("rayleigh-taylor2d-isph", f"resolution={n}", f"scheme={{{scheme}: {{solver: amg, reference_speed: 0.5}}}}", "domain.disorder=0.1",
+                f"end_time={0.13 * STEPS / n:.6g}", "probes=[{name: iterations, solver: {}}]", "output.probe_interval=1e-7",
+                "output.snapshot_interval=1")
+    return float(np.mean(found.probes["iterations"][1 + BEGINNING:]))
+
+
 def multigrid(paper: bool) -> Iterator[Metric]:
     """10^4 and 10^5 particles; at the size of a paper 10^4 and 10^6."""
     for scheme in SCHEMES:
@@ -35,3 +44,8 @@ def multigrid(paper: bool) -> Iterator[Metric]:
             what = f"{scheme}, {dim} dimensions: iterations a step of"
             yield Metric("multigrid", f"{what} {sizes[0]} particles", first)
             yield Metric("multigrid", f"{what} {sizes[1]} particles, over those", last / first, high=1.5)
+        few, many = 71, 707 if paper else 224
+        first, last = walled_iterations(scheme, few), walled_iterations(scheme, many)
+        what = f"{scheme}, between walls: iterations a step of"
+        yield Metric("multigrid", f"{what} {2 * few**2} particles", first)
+        yield Metric("multigrid", f"{what} {2 * many**2} particles, over those", last / first, high=1.5)
