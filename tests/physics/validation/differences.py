@@ -180,6 +180,8 @@ def poiseuille(paper: bool) -> Iterator[Metric]:
     """Which operator gives the flow: relative error of the steady profile. Of rows on a lattice it is known (poiseuille_rows.py); rows of
     particles that glide along each other are uneven by a part of the spacing."""
     case = "poiseuille-two-phase"
+    for operator in ("harmonic", "sph"):  # of one fluid the others are the first
+        yield Metric(case, f"one fluid: error of the profile, {operator}", profile_error(1, run(case, *layers(1), by(operator)).last()))
     for ratio in (1.3, 2, 5, 10, 100) if paper else (2, 5):
         for operator in OPERATORS:
             r = run(case, *layers(ratio), by(operator))
