@@ -262,6 +262,16 @@ static void warn_sounds(MnsSim *sim)
     for (size_t k = 0; k < sim->model.n_phases; k++) warn_sound(sim, k, sqrt(g2), &loads);
 }
 
+void plan_look_at_gradients(MnsSim *sim)
+{
+    if (sim->model.corrects_gradients && !sim->model.filled)
+        plan_warn(sim,
+                  "scheme.%s.gradient_correction: the fluids leave a part of the domain empty, and at a free surface "
+                  "corrected "
+                  "gradients diverge sooner or later; set it to false, or fill the domain with a gas",
+                  sim->scheme->name);
+}
+
 /* Of the tension between two fluids whose densities are so unlike that the scheme does not hold a drop at rest by it. */
 static void warn_tension(MnsSim *sim)
 {
@@ -284,6 +294,7 @@ static void warn_tension(MnsSim *sim)
 void plan_look(MnsSim *sim)
 {
     warn_tension(sim);
+    plan_look_at_gradients(sim);
     warn_open_sides(sim);
     warn_probes_outside(sim);
     warn_ignored(sim);

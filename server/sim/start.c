@@ -76,6 +76,14 @@ static MnsStatus fail_particle(const Start starts[], const MnsSim *sim, size_t i
     if (why)
         return mns_fail_at(error, MNS_E_INVALID, at, "a formula of pressure or velocity fails at (%g, %g, %g) m: %s",
                            x[0], x[1], x[2], why);
+    if (!isfinite(ratio) && isfinite(p)) {
+        snprintf(at, sizeof at, "fluids[%u].pressure", phase);
+        return mns_fail_at(
+            error, MNS_E_INVALID, at,
+            "the pressure %g Pa at (%g, %g, %g) m is below any that the equation of state has: raise it, or "
+            "background_pressure or the sound speed",
+            p, x[0], x[1], x[2]);
+    }
     if (!isfinite(p) || in_bounds(&sim->model, ratio))
         return mns_fail_at(error, MNS_E_INVALID, at, "pressure or velocity is not finite at (%g, %g, %g) m", x[0], x[1],
                            x[2]);

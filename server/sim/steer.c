@@ -214,6 +214,7 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
 {
     const int threads = sim_threads_for(c);
     const Fields fields = sim->s.fields;
+    const bool corrected = sim->model.corrects_gradients;
     Neighbours lists = {0};
     Formula *gravity[3] = {0};
     MnsStatus status = check_change(sim, c, gravity, error);
@@ -244,5 +245,6 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
     /* Pressures at walls know of gravity, and a restart from here would find them by the new one. */
     integrator_derive(sim);
     home_enter(&sim->s, &sim->nb.bundles, sim->scheme, &sim->model, sim->threads);
+    if (!corrected) plan_look_at_gradients(sim);
     return MNS_OK;
 }

@@ -393,6 +393,41 @@ static void speed_of_sound_that_is_small_for_the_tension_of_a_drop_is_warned_of(
     }
 }
 
+/* Two fluids that fill a box, or water with nothing above. */
+static MnsCase *corrected_or_not(const char *scheme, bool full, bool corrected)
+{
+    MnsCase *c = full ? case_still(2, 10, MNS_DENSITY_AUTOMATIC) : case_dam_break(2, 6);
+    if (!full) { /* a heap of air beside the column */
+        MnsPart *heap = case_add_part(&c->fluids[1].shape, MNS_BOX);
+        heap->a[0] = 3;
+        heap->b[0] = 4;
+        heap->b[1] = heap->b[2] = 0.5;
+    }
+    c->scheme.name = scheme;
+    c->scheme.dissipation.gradient_correction = c->scheme.interfacial.gradient_correction = corrected;
+    return c;
+}
+
+/* Told when it is loaded so, and when a run is steered to it. */
+static void corrected_gradients_at_a_free_surface_are_warned_of(void **state)
+{
+    (void)state;
+    static const char *const schemes[] = {"dissipation", "interfacial"};
+    for (int k = 0; k < 8; k++) {
+        const bool full = k & 1, later = k & 2;
+        MnsCase *c = corrected_or_not(schemes[k / 4], full, !later),
+                *other = corrected_or_not(schemes[k / 4], full, true);
+        MnsSim *sim = sim_of(c);
+        char words[64];
+        snprintf(words, sizeof words, "scheme.%s.gradient_correction: ", schemes[k / 4]);
+        assert_int_equal(warns(sim, words), !full && !later);
+        assert_int_equal(mns_sim_steer(sim, other, NULL), MNS_OK);
+        assert_int_equal(warns(sim, words), !full);
+        mns_case_free(c);
+        sim_done(sim, other);
+    }
+}
+
 /* Water and oil, ten times as light, or a little more. */
 static void tension_that_a_scheme_cannot_hold_a_drop_by_is_warned_of(void **state)
 {
@@ -441,6 +476,7 @@ int main(void)
         cmocka_unit_test(pressure_that_the_speed_of_sound_cannot_carry_is_warned_of),
         cmocka_unit_test(speed_of_sound_that_is_small_for_the_height_of_a_fluid_is_warned_of),
         cmocka_unit_test(speed_of_sound_that_is_small_for_the_tension_of_a_drop_is_warned_of),
+        cmocka_unit_test(corrected_gradients_at_a_free_surface_are_warned_of),
         cmocka_unit_test(tension_that_a_scheme_cannot_hold_a_drop_by_is_warned_of),
     };
     return cmocka_run_group_tests_name("plan", tests, NULL, NULL);

@@ -272,6 +272,29 @@ static void extent_is_where_a_body_ends(void **state)
         }
 }
 
+/* What reaches across a periodic side has no end along that axis, unless a box says of which side. */
+static void extent_along_a_side_that_a_body_reaches_across_is_none(void **state)
+{
+    (void)state;
+    MnsCase *c = body(2, "(x > 0.7 or x < 0.2) and y > 0.25 and y < 0.7", 5, true);
+    c->periodic[0] = true;
+    for (int k = 0; k < 4; k++) {
+        MnsProbe *probe = add_of_body(c, MNS_PROBE_EXTENT);
+        probe->axis = k / 2;
+        probe->least = k % 2;
+    }
+    MnsProbe *left = add_of_body(c, MNS_PROBE_EXTENT);
+    left->within = true;
+    put_point(left->min, 0, 0, 0);
+    put_point(left->max, 0.5, 1, 1);
+    MnsSim *sim = sim_in_arrays(c);
+    assert_true(isnan(mns_sim_probe(sim, 0)) && isnan(mns_sim_probe(sim, 1)));
+    assert_close(mns_sim_probe(sim, 2), 0.7, 0.05 * DX);
+    assert_close(mns_sim_probe(sim, 3), 0.25, 0.05 * DX);
+    assert_close(mns_sim_probe(sim, 4), 0.2, 0.05 * DX);
+    sim_done(sim, c);
+}
+
 static void extent_leaves_out_what_is_alone_or_outside_its_box(void **state)
 {
     (void)state;
@@ -473,6 +496,7 @@ int main(void)
         cmocka_unit_test(a_surface_on_a_wall_is_not_free),
         cmocka_unit_test(a_fluid_that_is_not_there_has_no_roundness),
         cmocka_unit_test(extent_is_where_a_body_ends),
+        cmocka_unit_test(extent_along_a_side_that_a_body_reaches_across_is_none),
         cmocka_unit_test(extent_leaves_out_what_is_alone_or_outside_its_box),
         cmocka_unit_test(extent_is_the_farthest_end_above_all_particles),
         cmocka_unit_test(extent_ends_at_walls),

@@ -76,11 +76,32 @@ static double end_of_fluid(const Measure *m, size_t i)
     return -INFINITY;
 }
 
+static double at_upper_side(const Measure *m, size_t i)
+{
+    return m->sim->s.x[m->probe->axis][i * m->sim->s.x_step];
+}
+
+static double at_lower_side(const Measure *m, size_t i)
+{
+    return -m->sim->s.x[m->probe->axis][i * m->sim->s.x_step];
+}
+
+/* Whether the fluid reaches across the periodic side along the axis, so that particles on both sides of it are neighbours. */
+static bool goes_round(Measure *m)
+{
+    const Model *model = &m->sim->model;
+    const int axis = m->probe->axis;
+    if (model->period[axis] == 0) return false;
+    const double within = measure_largest(m, at_upper_side) + measure_largest(m, at_lower_side);
+    return model->period[axis] - within < 1.5 * model->dx;
+}
+
 /* The ends above all particles, layer by layer from the outermost, a spacing thick, until none that is left can be farther out.
  * Particles that are alone make layers without. */
 double probe_extent(Measure *m)
 {
     const Model *model = &m->sim->model;
+    if (goes_round(m)) return NAN;
     m->limit = INFINITY;
     m->known = -INFINITY;
     for (;;) {
