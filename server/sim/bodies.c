@@ -114,12 +114,15 @@ static void look_around(Search *s, Member member)
 static MnsStatus fail_body(const Search *s, const char *why, MnsError *error)
 {
     const Body *body = s->body;
+    const Model *model = &s->sim->model;
     char at[64];
+    double x[3];
+    for (int d = 0; d < 3; d++) /* its image in the domain */
+        x[d] = body->centre[d] - model->period[d] * floor((body->centre[d] - model->min[d]) * model->frequency[d]);
     snprintf(at, sizeof at, "fluids[%zu].pressure", body->fluid);
     return mns_fail_at(error, MNS_E_INVALID, at,
                        "a laplace start is for drops and bubbles, and the %s of %zu particles about (%g, %g, %g) m %s",
-                       s->sim->c->fluids[body->fluid].name, body->points, body->centre[0], body->centre[1],
-                       body->centre[2], why);
+                       s->sim->c->fluids[body->fluid].name, body->points, x[0], x[1], x[2], why);
 }
 
 /* The search has come to its end: what is it that was found? */
