@@ -103,8 +103,7 @@ def lock_exchange2d(paper: bool) -> Iterator[Metric]:
             yield Metric(case, f"speed of the {name} front at H/{n}, largest less smallest", np.ptp(speeds[n][:, k]))
     for k, (name, exact) in enumerate(FRONTS):
         yield converges(case, f"speed of the {name} front", *(mean[n][k] for n in sizes), exact)
-    for r in runs[sizes[-1]]:
-        yield from hygiene(case, r)
+    yield from hygiene(case, runs[sizes[-1]][0])
 
 
 NARROW = ("domain.min=[0, -0.025, 0]", "domain.max=[1.81, 0.025, 0.2]", "fluids[0].shape[0].box.min=[0, -0.025, 0]",
