@@ -262,12 +262,12 @@ class Bubbles(Scored):
 
         all_four = "with the volume correction, delta 0.125, 0.5, 1, 3: spread of the speed"
         factor = [f"delta {delta}: the same without it, over that" for delta in ("0.125", "0.5", "1", "3")]
-        ends = "with the volume correction: runs that came to their end, with delta "
+        ratio, ends = "spread of the curves, with over without", "with the volume correction: runs that came to their end, with delta "
         self.assertEqual(missed(near, far), [])
         self.assertEqual(missed(near, [*far[:3], None]), [])
         damped = "the same, delta 0.5, 1, 3"
-        self.assertEqual(missed(far, near), [all_four, damped, *factor])
-        self.assertEqual(missed(far, [*near[:3], None]), [all_four, damped, *factor[:3]])
+        self.assertEqual(missed(far, near), [all_four, damped, *factor, ratio])
+        self.assertEqual(missed(far, [*near[:3], None]), [all_four, damped, *factor[:3], ratio])
         self.assertEqual(missed([*near[:3], None], far), [f"{ends}0.125, 0.5, 1"])
         self.assertEqual(missed(near, [None, None, None, far[3]]), ["deltas with which both forms come to their end"])
 
