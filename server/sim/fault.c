@@ -36,8 +36,8 @@ static size_t worst_particle(const MnsSim *sim)
 
 /* What one term alone does to a particle. */
 typedef struct Effect {
-    double acceleration,
-        rate; /* magnitudes: [m/s^2]; of the density's rate or sum, or of what it adds over a step's length */
+    double acceleration; /* magnitude [m/s^2] */
+    double rate;         /* of the density: of its rate or sum, or of what is added to it over a step's length */
 } Effect;
 
 /* Component d of a field of particle i, if there is one. */

@@ -267,8 +267,7 @@ void plan_look_at_gradients(MnsSim *sim)
     if (sim->model.corrects_gradients && !sim->model.filled)
         plan_warn(sim,
                   "scheme.%s.gradient_correction: the fluids leave a part of the domain empty, and at a free surface "
-                  "corrected "
-                  "gradients diverge sooner or later; set it to false, or fill the domain with a gas",
+                  "corrected gradients diverge sooner or later; set it to false, or fill the domain with a gas",
                   sim->scheme->name);
 }
 
@@ -284,8 +283,7 @@ static void warn_tension(MnsSim *sim)
             if (model->tension[a][b] > 0 && ratio > most)
                 plan_warn(sim,
                           "interfaces: %.60s is %.3g times as dense as %.60s, and the tension of the scheme %s holds "
-                          "no drop at rest "
-                          "above %g; take interfacial, dissipation or differences",
+                          "no drop at rest above %g; take interfacial, dissipation or differences",
                           sim->c->fluids[rho_a > rho_b ? a : b].name, ratio, sim->c->fluids[rho_a > rho_b ? b : a].name,
                           sim->scheme->name, most);
         }

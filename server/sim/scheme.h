@@ -93,10 +93,10 @@ typedef struct Scheme {
     const char *name, *title, *source;
     const Integrator *integrator;
     const Limit *limits[SCHEME_LIMITS_MAX]; /* ends with NULL */
-    Pass rates
-        [SCHEME_PASSES_MAX]; /* in the order in which the integrator goes through them; a nameless one ends the list */
-    Fields state;            /* what a run goes on from: in checkpoints and in the hash */
-    int given;               /* passes [0, given) are left out at the start: the case gives their results */
+    /* In the order in which the integrator goes through them; a nameless one ends the list. */
+    Pass rates[SCHEME_PASSES_MAX];
+    Fields state; /* what a run goes on from: in checkpoints and in the hash */
+    int given;    /* passes [0, given) are left out at the start: the case gives their results */
     /* After a state was set or restored: what follows from it without neighbours, and the passes [first, end) for what follows with them. */
     const Local *derive;
     int derived_passes[2];

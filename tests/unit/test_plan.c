@@ -448,10 +448,10 @@ static void tension_that_a_scheme_cannot_hold_a_drop_by_is_warned_of(void **stat
         c->scheme.incompressible.reference_speed = c->scheme.differences.reference_speed = 1;
         c->tension[0][1] = c->tension[1][0] = 0.01;
         MnsSim *sim = sim_of(c);
-        assert_int_equal(warns(sim, "interfaces: water is 10.1 times as dense as oil, and the tension of the scheme "
-                                    "incompressible holds no "
-                                    "drop at rest above 10; take interfacial, dissipation or differences"),
-                         rows[k].said);
+        assert_int_equal(
+            warns(sim, "interfaces: water is 10.1 times as dense as oil, and the tension of the scheme "
+                       "incompressible holds no drop at rest above 10; take interfacial, dissipation or differences"),
+            rows[k].said);
         sim_done(sim, c);
     }
 }

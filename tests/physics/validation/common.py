@@ -10,7 +10,7 @@ from validation.metrics import Metric
 from validation.runs import Run, Snapshot
 
 
-LONG_STEPS = "scheme.cfl=0.4"  # 1.6 times as long as a case's, where that is seen to move nothing
+LONG_STEPS = "scheme.cfl=0.4"  # 1.6 times as long as a case's, where that moves nothing, or less than one start differs from another
 
 
 def hygiene(case: str, r: Run, void: bool = True) -> Iterator[Metric]:
