@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a wall's dummy particles show to the fluid, extrapolated from the fluid around them.            P3 eq. 14, Adami 2012
- *   p_w^a = [ sum_f w p_f + (g - a_w) . sum_f w rho_f (x_w - x_f) ] / sum_f w,   w = W V_f,   f of fluid a only
- * One pressure for each fluid: a common one lets air at a triple point feel the water's pressure and shoots it away, or
- * lets water leak (schemes/README.md). */
+ *   p_b   = [ sum_f w p_f + (g - a_w) . sum_f w rho_f (x_w - x_f) ] / s_b,   s_b = sum_f w,   w = W V_f,   f of fluid b only
+ *   p_w^a = sum_b q_ab p_b / sum_b q_ab,   q_ab = s_b^4 min(1, rho_a/rho_b)
+ * A wall particle is of the fluid it has most of, as one in the midst of fluids is of one: what rises or spreads along a wall feels the
+ * fluid ahead of it. If each fluid is shown its own p_a, nothing there tells it that the other is heavier or at rest, and it is held
+ * back. What a heavy fluid shows a light one counts for as much less as it would move it more: one pressure for both shoots air away
+ * where it meets water at a wall (schemes/README.md). */
 #include "sim/terms/terms.h"
 
 static unsigned phases_in(const Row *row, const Particles *s)
@@ -41,22 +44,42 @@ INLINE Shown weigh(const Row *row, const Particles *s, unsigned fluid, How how)
     return shown;
 }
 
+/* One fluid as a wall particle has it. */
+typedef struct Near {
+    double share, p; /* s^4; 0 where it is not */
+} Near;
+
+/* From its own on: exactly that where it is alone. */
+static double shown_to(unsigned a, const Near near[], const Model *model)
+{
+    double shares = 0, departure = 0;
+    for (unsigned b = 0; b < model->n_phases; b++) {
+        const double ratio = model->phase[a].rho0 / model->phase[b].rho0;
+        const double share = ratio < 1 ? near[b].share * ratio : near[b].share;
+        shares += share;
+        departure += share * (near[b].p - near[a].p);
+    }
+    return shares > 0 ? near[a].p + departure / shares : 0;
+}
+
 INLINE void wall_pressure_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i, wall = i - particles_fluid(s);
     const WallState *body = &model->wall[s->phase[i] - model->n_phases];
     const unsigned present = phases_in(row, s);
+    Near near[MNS_MAX_FLUIDS] = {0};
     double all_weight = 0, all_pressure = 0;
     for (unsigned a = 0; a < model->n_phases; a++) {
-        Shown shown = {0};
-        if (present & 1u << a) {
-            shown = weigh(row, s, a, how);
-            for (int d = 0; d < how.dim; d++) shown.pressure += (model->gravity[d] - body->a[d]) * shown.along[d];
-        }
-        s->p_wall[a][wall] = shown.weight > 1e-12 ? shown.pressure / shown.weight : 0;
+        if (!(present & 1u << a)) continue;
+        Shown shown = weigh(row, s, a, how);
+        for (int d = 0; d < how.dim; d++) shown.pressure += (model->gravity[d] - body->a[d]) * shown.along[d];
         all_weight += shown.weight;
         all_pressure += shown.pressure;
+        if (!(shown.weight > 1e-12)) continue;
+        const double square = shown.weight * shown.weight;
+        near[a] = (Near){square * square, shown.pressure / shown.weight};
     }
+    for (unsigned a = 0; a < model->n_phases; a++) s->p_wall[a][wall] = shown_to(a, near, model);
     s->p[i * s->p_step] = all_weight > 1e-12 ? all_pressure / all_weight : 0; /* for pictures */
 }
 ROW_FUNCTIONS(wall_pressure_row)
@@ -127,8 +150,9 @@ ROW_FUNCTIONS(mirrored_start_row)
 
 const Term wall_pressure = {
     .name = "wall pressure",
-    .source = "P3 eq. 14, for each fluid of its own",
-    .equation = "p_w = [sum_f w p_f + (g - a_w) . sum_f w rho_f x_wf] / sum_f w,  w = W V_f",
+    .source = "P3 eq. 14 of each fluid b, schemes/README.md",
+    .equation = "p_w^a = sum_b q_ab p_b / sum_b q_ab,  q_ab = s_b^4 min(1, rho_a/rho_b),  "
+                "p_b = [sum_f w p_f + (g - a_w) . sum_f w rho_f x_wf] / s_b,  s_b = sum_f w,  w = W V_f",
     .on = ON_WALL,
     .needs = NEED_W | NEED_STATE,
     .writes = FIELD(P),
@@ -138,7 +162,7 @@ const Term wall_pressure = {
 /* What has not moved shows the same. To find it again, by fewer pairs, would round otherwise than a restart, which finds it once. */
 const Term shifted_wall_pressure = {
     .name = "wall pressure",
-    .source = "P3 eq. 14, for each fluid of its own",
+    .source = "P3 eq. 14 of each fluid b, schemes/README.md",
     .equation = "the same, where the fluid has been shifted",
     .on = ON_WALL,
     .needed = is_shifted,
