@@ -238,6 +238,7 @@ typedef struct MnsCase {
     bool periodic[3];
     double disorder; /* of the particles at the start, in spacings */
     unsigned seed;
+    char *displacement[3]; /* of the lattice's points, formulas of x, y, z [m] */
     size_t n_constants;
     MnsConstant *constants;
     char *gravity[3]; /* formulas of t [m/s^2] */

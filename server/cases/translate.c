@@ -25,6 +25,7 @@ static MnsStatus translate_domain(Translation *t, const Meniscus__Domain *m)
         c->periodic[axis] = true;
         case_path_cut(&t->path, before);
     }
+    if (!status) status = take_formulas(t, "displacement", m->n_displacement, m->displacement, c->displacement);
     case_path_cut(&t->path, outer);
     c->disorder = m->disorder;
     c->seed = m->seed;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Put a particle on each point of the lattice that belongs to somebody. Rows are filled by all threads at once, each where a
- * count of those before it says, so that every bit is the same for any number. */
+/* Put a particle on each point of the lattice that belongs to somebody, or where that is moved to, and have fluids start. Rows are filled by
+ * all threads at once, each where a count of those before it says, so that every bit is the same for any number. */
+#include "sim/displacement.h"
 #include "sim/making.h"
 #include "sim/motion.h"
 #include "sim/start.h"
@@ -70,7 +71,8 @@ static void number(Lattice *lattice, const MnsSim *sim)
 typedef struct Filling {
     MnsSim *sim;
     const Lattice *lattice;
-    const Start *starts; /* [n_fluids]; NULL: what they are comes later */
+    const Displacement *displacement;
+    const Start *starts; /* [n_fluids]; while particles are placed, NULL */
 } Filling;
 
 /* By the case's shapes, which are where the walls are at first. */
@@ -112,28 +114,45 @@ static void disorder(const MnsSim *sim, uint32_t id, double x[3])
                 noise_of((uint64_t)sim->c->seed << 34 | (uint64_t)id << 2 | (unsigned)d);
 }
 
-static MnsStatus fill_row(const Filling *f, size_t r, MnsError *error)
+static bool is_fluid(const Filling *f, const LatticeRun *run)
+{
+    return (size_t)run->owner < f->sim->model.n_phases;
+}
+
+static MnsStatus place_row(const Filling *f, size_t r, MnsError *error)
 {
     const Model *model = &f->sim->model;
     Particles *s = &f->sim->s;
     const LatticeRow *row = &f->lattice->row[r];
     uint32_t id = row->id;
-    MnsStatus status = making_goes_on(&f->sim->making, error);
+    MnsStatus status = MNS_OK;
     for (size_t k = 0; k < row->n && !status; k++) {
         const LatticeRun *run = &row->runs[k];
         for (size_t q = 0; q < run->n && !status; q++) {
             const size_t i = run->at + q;
-            double x[3];
+            double x[3] = {0}, stretch = 1;
             lattice_place(f->lattice, r, run->first + q, x);
-            if ((size_t)run->owner < model->n_phases) disorder(f->sim, id, x);
+            if (is_fluid(f, run)) {
+                status = displace(f->displacement, f->sim, x, &stretch, error);
+                disorder(f->sim, id, x);
+                s->m[i] = stretch * model->wall_volume;
+            }
             s->id[i] = id++;
             s->phase[i] = (uint8_t)run->owner;
             for (int d = 0; d < s->dim; d++) s->x[d][i] = x[d];
-            if ((size_t)run->owner < model->n_phases)
-                status = f->starts ? start_particle(f->starts, f->sim, i, x, error) : MNS_OK;
-            else set_wall(f, i, (size_t)run->owner - model->n_phases);
+            if (!is_fluid(f, run)) set_wall(f, i, (size_t)run->owner - model->n_phases);
         }
     }
+    return status;
+}
+
+static MnsStatus start_row(const Filling *f, size_t r, MnsError *error)
+{
+    const LatticeRow *row = &f->lattice->row[r];
+    MnsStatus status = MNS_OK;
+    for (size_t k = 0; k < row->n; k++)
+        for (size_t q = 0; q < row->runs[k].n && is_fluid(f, &row->runs[k]) && !status; q++)
+            status = start_particle(f->starts, f->sim, row->runs[k].at + q, error);
     return status;
 }
 
@@ -145,7 +164,8 @@ static MnsStatus fill(const Filling *f, MnsError *error)
 #pragma omp parallel for schedule(dynamic, 8) num_threads(f->sim->threads)
     for (size_t row = 0; row < f->lattice->rows; row++) {
         MnsError why;
-        const MnsStatus failed = fill_row(f, row, &why);
+        MnsStatus failed = making_goes_on(&f->sim->making, &why);
+        if (!failed) failed = f->starts ? start_row(f, row, &why) : place_row(f, row, &why);
         if (!failed) continue;
 #pragma omp critical(build_failed)
         if (row < bad) {
@@ -163,6 +183,7 @@ static MnsStatus populate(MnsSim *sim, Lattice *lattice, const Constants *consta
     const MnsCase *c = sim->c;
     size_t sizes[GROUPS];
     Start starts[MNS_MAX_FLUIDS] = {0};
+    Displacement displacement = {0};
     MnsStatus status = count(lattice, sim, sizes, error);
     if (!status) status = making_fits(sim, sizes, false, error);
     if (!status)
@@ -171,9 +192,13 @@ static MnsStatus populate(MnsSim *sim, Lattice *lattice, const Constants *consta
                            sim->model.viscous || sim->scheme->projects, sim->threads, &sim->making, error);
     sim->s.made = scheme_made(sim->scheme, &sim->model);
     if (!status) number(lattice, sim);
-    if (!status && !sim->resumed) status = start_init(starts, sim, lattice, constants, error);
-    const Filling filling = {.sim = sim, .lattice = lattice, .starts = sim->resumed ? NULL : starts};
+    if (!status && !sim->resumed) status = displacement_init(&displacement, sim, constants, error);
+    Filling filling = {.sim = sim, .lattice = lattice, .displacement = &displacement};
     if (!status) status = fill(&filling, error);
+    if (!status && !sim->resumed) status = start_init(starts, sim, lattice, constants, error);
+    filling.starts = starts;
+    if (!status && !sim->resumed) status = fill(&filling, error); /* else they go on from elsewhere */
+    displacement_done(&displacement);
     start_done(starts, c->n_fluids);
     return status;
 }

@@ -58,6 +58,7 @@ void mns_case_free(MnsCase *c)
     free_constants(c);
     free_probes(c);
     free_three(c->gravity);
+    free_three(c->displacement);
     free(c->fluids);
     free(c->walls);
     free(c->output.fields);

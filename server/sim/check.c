@@ -373,6 +373,7 @@ static MnsStatus check_entries(const MnsCase *c, const Constants *constants, Mns
 {
     MnsStatus status = check_constants(constants, error);
     if (!status) status = check_formulas(c->gravity, c->dim, T, constants, "gravity", error);
+    if (!status) status = check_formulas(c->displacement, c->dim, XYZ, constants, "domain.displacement", error);
     for (size_t k = 0; !status && k < c->n_fluids; k++) status = check_fluid(c, k, constants, error);
     if (!status) status = check_interfaces(c, error);
     for (size_t k = 0; !status && k < c->n_walls; k++) status = check_wall(c, k, constants, error);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The pressure of fluids at rest. Columns of lattice points along gravity are laid from where gravity comes from, each point
- * below the weight of what is over it, and begin anew under a wall or where nothing is. */
+ * below the weight of what is over it (s.m: volumes yet), and begin anew under a wall or where nothing is. */
 #include "sim/hydrostatic.h"
 #include "base/array.h"
 #include "sim/making.h"
@@ -64,9 +64,10 @@ static double lay_point(Column *column, double weight, size_t level, Tops *tops)
     return p;
 }
 
-static double weight_of(const Laying *l, const LatticeRun *run)
+/* Of particle i, which stands for more or less than a cell where the lattice was moved. */
+static double weight_of(const Laying *l, const LatticeRun *run, size_t i)
 {
-    return l->sim->model.phase[run->weighs_as].rho0 * l->gdz;
+    return l->sim->model.phase[run->weighs_as].rho0 * l->gdz * (l->sim->s.m[i] / l->sim->model.wall_volume);
 }
 
 /* The points of a row, each of another column. */
@@ -76,11 +77,10 @@ static void lay_row(const Laying *l, const LatticeRow *row, size_t level, Column
     for (size_t k = 0; k < row->n; k++) {
         const LatticeRun *run = &row->runs[k];
         while (q < run->first) columns[q++] = (Column){0, OVER_NOTHING};
-        if (is_fluid(l, run)) {
-            const double weight = weight_of(l, run);
-            for (size_t j = 0; j < run->n; j++)
-                l->sim->s.p[run->at + j] = lay_point(&columns[q++], weight, level, tops);
-        } else
+        if (is_fluid(l, run))
+            for (size_t i = run->at; i < run->at + run->n; i++)
+                l->sim->s.p[i] = lay_point(&columns[q++], weight_of(l, run, i), level, tops);
+        else
             while (q < (size_t)run->first + run->n) columns[q++] = (Column){0, OVER_WALL};
     }
     while (q < l->lattice->n[0]) columns[q++] = (Column){0, OVER_NOTHING};
@@ -94,8 +94,8 @@ static void lay_along(const Laying *l, const LatticeRow *row, Tops *tops)
     for (size_t level = 0; level < n; level++) {
         const size_t q = l->down ? n - 1 - level : level;
         const LatticeRun *run = lattice_run(row, q);
-        if (is_fluid(l, run))
-            l->sim->s.p[run->at + q - run->first] = lay_point(&column, weight_of(l, run), level, tops);
+        const size_t i = run ? run->at + q - run->first : 0;
+        if (is_fluid(l, run)) l->sim->s.p[i] = lay_point(&column, weight_of(l, run, i), level, tops);
         else column = (Column){0, run ? OVER_WALL : OVER_NOTHING};
     }
 }

@@ -96,16 +96,18 @@ static MnsStatus fail_particle(const Start starts[], const MnsSim *sim, size_t i
 }
 
 /* A particle stands for a cell of the lattice; what is summed there is the density that the pressure asks for. */
-MnsStatus start_particle(const Start starts[], MnsSim *sim, size_t i, const double x[3], MnsError *error)
+MnsStatus start_particle(const Start starts[], MnsSim *sim, size_t i, MnsError *error)
 {
     const Model *model = &sim->model;
     Particles *s = &sim->s;
+    double x[3] = {0};
+    for (int d = 0; d < s->dim; d++) x[d] = s->x[d][i];
     const Phase *phase = &model->phase[s->phase[i]];
     const Start *start = &starts[s->phase[i]];
     const int me = omp_get_thread_num();
     const double p = start->pressure.n == 0 ? s->p[i] : formula_eval(formula_of(&start->pressure, me), x);
     s->rho[i] = state_density(phase, p);
-    s->m[i] = s->rho[i] * model->wall_volume;
+    s->m[i] *= s->rho[i];
     if (isinf(phase->c)) s->p[i] = p; /* no density says it */
     bool finite = isfinite(p) && in_bounds(model, s->rho[i] / phase->rho0);
     for (int d = 0; d < s->dim; d++) {

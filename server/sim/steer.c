@@ -47,7 +47,8 @@ static const char *domain_changed(const MnsCase *a, const MnsCase *b)
         if (a->min[d] != b->min[d] || a->max[d] != b->max[d] || a->periodic[d] != b->periodic[d]) return "domain";
     if (o->kernel != p->kernel || o->smoothing != p->smoothing || o->skin != p->skin || strcmp(o->name, p->name) != 0)
         return "scheme";
-    if (a->disorder != b->disorder || a->seed != b->seed) return "domain";
+    if (a->disorder != b->disorder || a->seed != b->seed || !same_texts(a->displacement, b->displacement, 3))
+        return "domain";
     const Scheme *scheme = scheme_find(o->name);
     if (scheme->keeps_options && !scheme->keeps_options(o, p)) return "scheme";
     if (a->limits.time_step_floor != b->limits.time_step_floor || a->limits.density_min != b->limits.density_min ||

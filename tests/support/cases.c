@@ -26,6 +26,7 @@ MnsCase *case_blank(int dim, double resolution)
     for (int d = 0; d < 3; d++) {
         c->max[d] = d < dim ? 1 : 0;
         case_set_text(&c->gravity[d], "0");
+        case_set_text(&c->displacement[d], "0");
     }
     c->scheme = (MnsSchemeOptions){.name = "riemann",
                                    .kernel = MNS_WENDLAND_C2,

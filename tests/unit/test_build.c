@@ -288,6 +288,92 @@ static void hydrostatic_pressure_is_the_weight_above(void **state)
     }
 }
 
+/* y = x + d: particles are at y, and stand for as much of the fluid as there is around it. */
+static void moved_particles_are_where_the_formulas_say_and_have_the_volume_there(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = tank(dim);
+        case_add_fluid(c, "water", 5, 10);
+        case_set_text(&c->displacement[0], "0.4*(x - 0.3)*(1.3 - x)*y");
+        case_set_text(&c->displacement[1], "0.5*x*(y + 0.7)*(0.1 - y)");
+        MnsCase *still = tank(dim);
+        case_add_fluid(still, "water", 5, 10);
+        MnsSim *sim = sim_in_arrays(c), *as_it_was = sim_in_arrays(still);
+        const double cell = pow(0.1, dim);
+        size_t by_id[16 * 14 * 12]; /* as many as the tank has with its walls */
+        double all = 0;
+        assert_true(as_it_was->s.n <= sizeof by_id / sizeof *by_id && sim->s.n == as_it_was->s.n);
+        for (size_t i = 0; i < as_it_was->s.n; i++) by_id[as_it_was->s.id[i]] = i;
+        for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
+            const size_t then = by_id[sim->s.id[i]];
+            const double x = as_it_was->s.x[0][then], y = as_it_was->s.x[1][then];
+            const double xx = 1 + 0.4 * (1.6 - 2 * x) * y, xy = 0.4 * (x - 0.3) * (1.3 - x),
+                         yx = 0.5 * (y + 0.7) * (0.1 - y), yy = 1 + 0.5 * x * (-0.6 - 2 * y);
+            assert_close(sim->s.x[0][i], x + xy * y, 1e-14); /* rounding */
+            assert_close(sim->s.x[1][i], y + yx * x, 1e-14);
+            if (dim == 3) assert_true(sim->s.x[2][i] == as_it_was->s.x[2][then]);
+            assert_close(sim->s.m[i], 5 * (xx * yy - xy * yx) * cell,
+                         1e-10 * cell); /* differences over 1e-4 of quadratics: rounding */
+            all += sim->s.m[i];
+        }
+        const double water = 5 * (dim == 2 ? 0.8 : 0.8 * 0.6);
+        assert_close(all, water, 0.002 * water); /* the sides stay: all of it, by the middles of cells */
+        for (size_t i = particles_fluid(&sim->s); i < sim->s.n; i++)
+            for (int d = 0; d < dim; d++) assert_true(sim->s.x[d][i] == as_it_was->s.x[d][by_id[sim->s.id[i]]]);
+        sim_done(sim, c);
+        sim_done(as_it_was, still);
+    }
+}
+
+/* Two layers whose interface and all within is moved along gravity: the same columns with other weights. */
+static void hydrostatic_pressure_is_the_weight_of_what_was_moved(void **state)
+{
+    (void)state;
+    MnsCase *c = tank(2);
+    case_set_text(&c->gravity[1], "-4");
+    case_add_fluid(c, "water", 5, 40);
+    case_add_fluid(c, "oil", 2, 40);
+    case_set_text(&case_add_part(&c->fluids[0].shape, MNS_FORMULA)->formula, "y < -0.3");
+    case_set_text(&c->displacement[1], "0.1*sin(3*x)*(0.4 - abs(y + 0.3))/0.4");
+    for (int f = 0; f < 2; f++) case_set_text(&c->fluids[f].pressure, "hydrostatic");
+    MnsSim *sim = sim_in_arrays(c);
+    for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
+        const double x = sim->s.x[0][i], y = sim->s.x[1][i], at = -0.3 + 0.1 * sin(3 * x);
+        const double p = 4 * (2 * (0.1 - fmax(y, at)) + 5 * fmax(at - y, 0));
+        assert_close(sim->s.p[i], p, 1e-9); /* displacements are linear along each layer: only rounding */
+    }
+    sim_done(sim, c);
+}
+
+static void displacements_that_tear_or_leave_are_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *formula, *told;
+    } rows[] = {{"-2*y", "-1 times what it is"},
+                {"0.06*(y + 0.7)*(0.1 - y)/0.16", "into a wall"},
+                {"0/0", "nan"},
+                {"-0.1", "out of the domain"}};
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        MnsCase *c = tank(2);
+        MnsError error = {0};
+        MnsSim *sim = NULL;
+        case_add_fluid(c, "water", 5, 10);
+        case_add_wall(c, "plate");
+        MnsPart *plate = case_add_part(&c->walls[1].shape, MNS_BOX);
+        plate->a[0] = 0.5;
+        plate->b[0] = 0.9;
+        plate->a[1] = -0.4;
+        plate->b[1] = -0.2;
+        case_set_text(&c->displacement[1], rows[k].formula);
+        assert_int_equal(mns_sim_new(c, &sim, &error), MNS_E_INVALID);
+        assert_string_equal(error.path, "domain.displacement");
+        if (!strstr(error.text, rows[k].told)) fail_msg("%s", error.text);
+        mns_case_free(c);
+    }
+}
+
 /* Two fluids, a wall, formulas everywhere. */
 static MnsCase *of_everything(unsigned threads)
 {
@@ -306,11 +392,14 @@ static MnsCase *of_everything(unsigned threads)
 static void particles_are_the_same_for_any_number_of_threads(void **state)
 {
     (void)state;
+    static const char moved[] = "0.01*sin(20*x)*cos(9*y)";
     MnsCase *c = of_everything(1);
+    case_set_text(&c->displacement[2], moved);
     MnsSim *sim = sim_in_arrays(c);
     static const unsigned threads[] = {2, 3, 7};
     for (size_t k = 0; k < 3; k++) {
         MnsCase *other = of_everything(threads[k]);
+        case_set_text(&other->displacement[2], moved);
         MnsSim *twin = sim_in_arrays(other);
         assert_int_equal(twin->s.n, sim->s.n);
         assert_memory_equal(twin->s.id, sim->s.id, sim->s.n * sizeof *sim->s.id);
@@ -415,6 +504,9 @@ int main(void)
         cmocka_unit_test(summed_densities_start_as_given_at_a_free_edge_too),
         cmocka_unit_test(velocities_are_those_of_the_formulas),
         cmocka_unit_test(hydrostatic_pressure_is_the_weight_above),
+        cmocka_unit_test(moved_particles_are_where_the_formulas_say_and_have_the_volume_there),
+        cmocka_unit_test(hydrostatic_pressure_is_the_weight_of_what_was_moved),
+        cmocka_unit_test(displacements_that_tear_or_leave_are_refused),
         cmocka_unit_test(particles_are_the_same_for_any_number_of_threads),
         cmocka_unit_test(a_pressure_that_no_density_gives_is_told_high_or_low),
         cmocka_unit_test(what_is_wrong_is_told_of_the_first_point_that_is),

@@ -134,6 +134,11 @@ static void many_probes(MnsCase *c)
 {
     c->n_probes = MNS_MAX_PROBES + 1;
 }
+static void bad_displacement(MnsCase *c)
+{
+    case_set_text(&c->displacement[1], "t");
+}
+
 static void empty_domain(MnsCase *c)
 {
     c->max[1] = c->min[1];
@@ -422,6 +427,7 @@ static const Refusal REFUSALS[] = {
     {"walls", MNS_E_LIMIT, many_walls},
     {"probes", MNS_E_LIMIT, many_probes},
     {"domain", MNS_E_INVALID, empty_domain},
+    {"domain.displacement[1]", MNS_E_INVALID, bad_displacement},
     {"domain", MNS_E_INVALID, nan_domain},
     {"resolution", MNS_E_INVALID, misfit},
     {"domain", MNS_E_INVALID, short_period},

@@ -34,7 +34,7 @@ static void steering_refuses_what_cannot_change_and_changes_nothing_then(void **
     MnsCase *c = case_shaken(2, 1);
     MnsSim *sim = sim_of(c);
     sim_steps(sim, 2);
-    for (int k = 0; k < 13; k++) {
+    for (int k = 0; k < 14; k++) {
         MnsCase *other = case_shaken(k == 1 ? 3 : 2, 1);
         if (k == 0) other->resolution = 24;
         if (k == 2) case_add_fluid(other, "oil", 1, 20);
@@ -49,6 +49,7 @@ static void steering_refuses_what_cannot_change_and_changes_nothing_then(void **
         if (k == 10) other->scheme.skin = 0.2;
         if (k == 11) other->max[1] = 2.5;
         if (k == 12) other->periodic[0] = true;
+        if (k == 13) case_set_text(&other->displacement[0], "0.1*x*(2 - x)");
         MnsError error = {0};
         assert_int_equal(mns_sim_steer(sim, other, &error), MNS_E_INVALID);
         assert_true(error.text[0] != 0);

@@ -57,6 +57,7 @@ static void what_is_absent_has_its_default(void **state)
     assert_true(c->reference_length == 1 && c->threads == 0);
     for (int d = 0; d < 3; d++) {
         assert_string_equal(c->gravity[d], "0");
+        assert_string_equal(c->displacement[d], "0");
         assert_string_equal(c->fluids[1].velocity[d], "0");
         assert_string_equal(c->walls[0].surface_velocity[d], "0");
     }
