@@ -289,9 +289,29 @@ static void warn_tension(MnsSim *sim)
         }
 }
 
+/* Of particles that stand for other volumes than a cell, where numbers of particles are evened out. */
+static void warn_displacement(MnsSim *sim)
+{
+    const Model *model = &sim->model;
+    const Particles *s = &sim->s;
+    double off = 0;
+#pragma omp parallel for reduction(max : off) num_threads(sim->threads)
+    for (size_t i = 0; i < particles_fluid(s); i++) {
+        const double change = fabs(s->m[i] / (s->rho[i] * model->wall_volume) - 1);
+        if (change > off) off = change;
+    }
+    if (off > model->projection.density_tolerance)
+        plan_warn(
+            sim,
+            "domain.displacement: particles stand for up to %.2g %% more or less than a cell, and the scheme %s evens "
+            "out how many there are, so that what was moved moves back; keep volumes, or take no displacement",
+            100 * off, sim->scheme->name);
+}
+
 void plan_look(MnsSim *sim)
 {
     warn_tension(sim);
+    if (sim->scheme->corrects_density && !sim->resumed) warn_displacement(sim);
     plan_look_at_gradients(sim);
     warn_open_sides(sim);
     warn_probes_outside(sim);

@@ -429,6 +429,28 @@ static void corrected_gradients_at_a_free_surface_are_warned_of(void **state)
 }
 
 /* Water and oil, ten times as light, or a little more. */
+static void volumes_that_a_scheme_evens_out_are_warned_of(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *scheme, *moved;
+        bool said;
+    } rows[] = {{"incompressible", "0.1*y*(1 - y)", true},
+                {"incompressible", "0", false},
+                {"interfacial", "0.1*y*(1 - y)", false}};
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        MnsCase *c = case_still(2, 10, MNS_DENSITY_AUTOMATIC);
+        c->scheme.name = rows[k].scheme;
+        c->fluids[1].sound_speed = 1000;
+        c->scheme.incompressible.reference_speed = 1;
+        case_set_text(&c->displacement[1], rows[k].moved);
+        MnsSim *sim = sim_of(c);
+        assert_int_equal(warns(sim, "domain.displacement: particles stand for up to 9 % more or less than a cell"),
+                         rows[k].said);
+        sim_done(sim, c);
+    }
+}
+
 static void tension_that_a_scheme_cannot_hold_a_drop_by_is_warned_of(void **state)
 {
     (void)state;
@@ -477,6 +499,7 @@ int main(void)
         cmocka_unit_test(speed_of_sound_that_is_small_for_the_height_of_a_fluid_is_warned_of),
         cmocka_unit_test(speed_of_sound_that_is_small_for_the_tension_of_a_drop_is_warned_of),
         cmocka_unit_test(corrected_gradients_at_a_free_surface_are_warned_of),
+        cmocka_unit_test(volumes_that_a_scheme_evens_out_are_warned_of),
         cmocka_unit_test(tension_that_a_scheme_cannot_hold_a_drop_by_is_warned_of),
     };
     return cmocka_run_group_tests_name("plan", tests, NULL, NULL);
