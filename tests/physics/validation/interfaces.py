@@ -57,8 +57,7 @@ def rayleigh_taylor3d_between(paper: bool) -> Iterator[Metric]:
 
 
 def rayleigh_taylor3d_fine(paper: bool) -> Iterator[Metric]:
-    """Whether what is late at t = 2.5 with 1/32 is so by its resolution, which it is not: the largest Atwood number in the same quarter with 1/44, by the
-    same tolerances."""
+    """The largest Atwood number in the same quarter with 1/44, by the same tolerances."""
     if paper:
         case, atwood = "rayleigh-taylor3d-fine", max(LIGHT)
         r = run("rayleigh-taylor3d", "resolution=44", "end_time=2.55", *CORNER, f"fluids[0].density={LIGHT[atwood]}")
