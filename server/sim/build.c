@@ -5,6 +5,7 @@
 #include "sim/making.h"
 #include "sim/motion.h"
 #include "sim/start.h"
+#include <math.h>
 #include <stdio.h>
 
 static MnsStatus check_counts(const size_t *counts, const MnsCase *c, MnsError *error)
@@ -124,18 +125,21 @@ static MnsStatus place_row(const Filling *f, size_t r, MnsError *error)
     const Model *model = &f->sim->model;
     Particles *s = &f->sim->s;
     const LatticeRow *row = &f->lattice->row[r];
+    const int axis = hydrostatic_axis(model);
     uint32_t id = row->id;
     MnsStatus status = MNS_OK;
     for (size_t k = 0; k < row->n && !status; k++) {
         const LatticeRun *run = &row->runs[k];
         for (size_t q = 0; q < run->n && !status; q++) {
             const size_t i = run->at + q;
-            double x[3] = {0}, stretch = 1;
+            double x[3] = {0};
+            Stretch stretch;
             lattice_place(f->lattice, r, run->first + q, x);
             if (is_fluid(f, run)) {
-                status = displace(f->displacement, f->sim, x, &stretch, error);
                 disorder(f->sim, id, x);
-                s->m[i] = stretch * model->wall_volume;
+                status = displace(f->displacement, f->sim, x, &stretch, error);
+                s->m[i] = stretch.volume * model->wall_volume;
+                s->rho[i] = axis < 0 ? 1 : stretch.along[axis];
             }
             s->id[i] = id++;
             s->phase[i] = (uint8_t)run->owner;
@@ -177,6 +181,26 @@ static MnsStatus fill(const Filling *f, MnsError *error)
     return status;
 }
 
+/* Fluids that fill the domain fill it after they were moved too: volumes by the middles of cells are off by some thousandths. */
+static MnsStatus keep_volume(MnsSim *sim, MnsError *error)
+{
+    Particles *s = &sim->s;
+    const size_t n = particles_fluid(s);
+    double all = 0;
+    if (!sim->model.filled) return MNS_OK;
+    for (size_t i = 0; i < n; i++) all += s->m[i];
+    const double grown = all / ((double)n * sim->model.wall_volume);
+    if (!(fabs(grown - 1) < 0.02))
+        return mns_fail_at(
+            error, MNS_E_INVALID, "domain.displacement",
+            "makes the fluids fill %.3g times the domain that they fill as the lattice is: the sides must "
+            "stay where they are, and nothing may be moved over another",
+            grown);
+#pragma omp parallel for schedule(static) num_threads(sim->threads)
+    for (size_t i = 0; i < n; i++) s->m[i] /= grown;
+    return MNS_OK;
+}
+
 /* Count, allocate, fill. */
 static MnsStatus populate(MnsSim *sim, Lattice *lattice, const Constants *constants, MnsError *error)
 {
@@ -195,6 +219,7 @@ static MnsStatus populate(MnsSim *sim, Lattice *lattice, const Constants *consta
     if (!status && !sim->resumed) status = displacement_init(&displacement, sim, constants, error);
     Filling filling = {.sim = sim, .lattice = lattice, .displacement = &displacement};
     if (!status) status = fill(&filling, error);
+    if (!status && displacement.moves) status = keep_volume(sim, error);
     if (!status && !sim->resumed) status = start_init(starts, sim, lattice, constants, error);
     filling.starts = starts;
     if (!status && !sim->resumed) status = fill(&filling, error); /* else they go on from elsewhere */

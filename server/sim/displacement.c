@@ -15,6 +15,13 @@ MnsStatus displacement_init(Displacement *displacement, const MnsSim *sim, const
         displacement->moves = displacement->moves || strcmp(text, "0") != 0;
         status = formula_team_init(&displacement->by[d], sim->threads, text, xyz, constants->list, constants->n, error);
     }
+    for (size_t k = 0; k < sim->c->n_fluids && !status && displacement->moves; k++)
+        if (strcmp(sim->c->fluids[k].pressure, "laplace") == 0)
+            return mns_fail_at(
+                error, MNS_E_INVALID, ENTRY,
+                "moves %.60s, whose pressure is that of a drop on the lattice as it is (laplace): give it a "
+                "formula, or move nothing",
+                sim->c->fluids[k].name);
     return status;
 }
 
@@ -36,8 +43,8 @@ static const char *failure(const Displacement *displacement, int dim)
     return why;
 }
 
-/* Determinant of the gradient of where points go, from differences over a thousandth of a spacing to both sides. */
-static double growth(const Displacement *displacement, const Model *model, const double x[3])
+/* From differences over a thousandth of a spacing to both sides; a volume grows as the determinant says. */
+static Stretch stretch_at(const Displacement *displacement, const Model *model, const double x[3])
 {
     double of[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     const double step = 1e-3 * model->dx;
@@ -49,9 +56,10 @@ static double growth(const Displacement *displacement, const Model *model, const
         move(displacement, model->dim, there, below);
         for (int d = 0; d < model->dim; d++) of[d][e] = (above[d] - below[d]) / (2 * step);
     }
-    return of[0][0] * (of[1][1] * of[2][2] - of[1][2] * of[2][1]) -
-           of[0][1] * (of[1][0] * of[2][2] - of[1][2] * of[2][0]) +
-           of[0][2] * (of[1][0] * of[2][1] - of[1][1] * of[2][0]);
+    return (Stretch){of[0][0] * (of[1][1] * of[2][2] - of[1][2] * of[2][1]) -
+                         of[0][1] * (of[1][0] * of[2][2] - of[1][2] * of[2][0]) +
+                         of[0][2] * (of[1][0] * of[2][1] - of[1][1] * of[2][0]),
+                     {of[0][0], of[1][1], of[2][2]}};
 }
 
 static MnsStatus fail(const double x[3], const double to[3], const char *what, MnsError *error)
@@ -70,18 +78,23 @@ static MnsStatus check_place(const MnsSim *sim, const double x[3], const double 
     return MNS_OK;
 }
 
-MnsStatus displace(const Displacement *displacement, const MnsSim *sim, double x[3], double *stretch, MnsError *error)
+MnsStatus displace(const Displacement *displacement, const MnsSim *sim, double x[3], Stretch *stretch, MnsError *error)
 {
     double to[3] = {0};
+    *stretch = (Stretch){1, {1, 1, 1}};
     if (!displacement->moves) return MNS_OK;
     move(displacement, sim->c->dim, x, to);
-    *stretch = growth(displacement, &sim->model, x);
+    *stretch = stretch_at(displacement, &sim->model, x);
     const char *why = failure(displacement, sim->c->dim);
     if (why) return mns_fail_at(error, MNS_E_INVALID, ENTRY, "fails at (%g, %g, %g) m: %s", x[0], x[1], x[2], why);
-    if (!(*stretch > 0.5 && *stretch < 2)) /* or no number */
+    if (!(stretch->volume > 0.5 && stretch->volume < 2)) /* or no number */
         return mns_fail_at(error, MNS_E_INVALID, ENTRY,
                            "makes a particle's volume %g times what it is, at (%g, %g, %g) m: allowed (0.5, 2)",
-                           *stretch, x[0], x[1], x[2]);
+                           stretch->volume, x[0], x[1], x[2]);
+    for (int d = 0; d < sim->c->dim; d++) {
+        const double period = sim->c->max[d] - sim->c->min[d];
+        if (sim->c->periodic[d]) to[d] -= period * floor((to[d] - sim->c->min[d]) / period);
+    }
     const MnsStatus status = check_place(sim, x, to, error);
     for (int d = 0; d < sim->c->dim; d++) x[d] = to[d];
     return status;

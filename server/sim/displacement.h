@@ -15,8 +15,13 @@ typedef struct Displacement {
 MnsStatus displacement_init(Displacement *displacement, const MnsSim *sim, const Constants *constants, MnsError *error);
 void displacement_done(Displacement *displacement);
 
-/* Move x; stretch: by how much the volume around it grows. MNS_E_INVALID where a formula fails, that is beyond (0.5, 2), or x leaves the
- * domain or enters a wall. Any thread. */
-MnsStatus displace(const Displacement *displacement, const MnsSim *sim, double x[3], double *stretch, MnsError *error);
+/* By how much what is around a point grows: its volume, and each direction along itself. */
+typedef struct Stretch {
+    double volume, along[3];
+} Stretch;
+
+/* Move x, to within the period of a domain that repeats itself. MNS_E_INVALID where a formula fails, a volume grows beyond (0.5, 2), or x
+ * leaves the domain or enters a wall. Any thread. */
+MnsStatus displace(const Displacement *displacement, const MnsSim *sim, double x[3], Stretch *stretch, MnsError *error);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The pressure of fluids at rest. Columns of lattice points along gravity are laid from where gravity comes from, each point
- * below the weight of what is over it (s.m: volumes yet), and begin anew under a wall or where nothing is. */
+ * below the weight of what is over it (s.rho: heights yet, over that of a cell), and begin anew under a wall or where nothing is. */
 #include "sim/hydrostatic.h"
 #include "base/array.h"
 #include "sim/making.h"
@@ -10,8 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* The axis gravity points along; -1 if it is zero or oblique. */
-static int axis_of(const Model *model)
+int hydrostatic_axis(const Model *model)
 {
     int axis = -1;
     for (int d = 0; d < model->dim; d++)
@@ -64,10 +63,10 @@ static double lay_point(Column *column, double weight, size_t level, Tops *tops)
     return p;
 }
 
-/* Of particle i, which stands for more or less than a cell where the lattice was moved. */
+/* Of particle i, which is higher or lower than a cell where the lattice was moved. */
 static double weight_of(const Laying *l, const LatticeRun *run, size_t i)
 {
-    return l->sim->model.phase[run->weighs_as].rho0 * l->gdz * (l->sim->s.m[i] / l->sim->model.wall_volume);
+    return l->sim->model.phase[run->weighs_as].rho0 * l->gdz * l->sim->s.rho[i];
 }
 
 /* The points of a row, each of another column. */
@@ -134,7 +133,7 @@ static MnsStatus lay(const Laying *l, Tops *tops, MnsError *error)
 MnsStatus hydrostatic(MnsSim *sim, const Lattice *lattice, size_t fluid, MnsError *error)
 {
     const Model *model = &sim->model;
-    const int axis = axis_of(model);
+    const int axis = hydrostatic_axis(model);
     char at[64];
     snprintf(at, sizeof at, "fluids[%zu].pressure", fluid);
     if (axis < 0)

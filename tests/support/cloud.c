@@ -44,6 +44,8 @@ static void set_model(Model *model, const CloudSetup *setup)
         .transport_stress = true,
         .viscous_scale = 1,
         .limiter = 3,
+        .density_min = 0.1,
+        .density_max = 10,
         .delta = 0.5,
         .dissipates_rest = true,
         .keeps_pair_volume = true,

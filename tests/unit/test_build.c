@@ -301,8 +301,9 @@ static void moved_particles_are_where_the_formulas_say_and_have_the_volume_there
         case_add_fluid(still, "water", 5, 10);
         MnsSim *sim = sim_in_arrays(c), *as_it_was = sim_in_arrays(still);
         const double cell = pow(0.1, dim);
-        size_t by_id[16 * 14 * 12]; /* as many as the tank has with its walls */
-        double all = 0;
+        double grown[10 * 8 * 6];
+        size_t by_id[16 * 14 * 12];  /* as many as the tank has with its walls */
+        double all = 0, sampled = 0; /* of the map: the determinant at the middles of cells, in the mean */
         assert_true(as_it_was->s.n <= sizeof by_id / sizeof *by_id && sim->s.n == as_it_was->s.n);
         for (size_t i = 0; i < as_it_was->s.n; i++) by_id[as_it_was->s.id[i]] = i;
         for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
@@ -313,12 +314,15 @@ static void moved_particles_are_where_the_formulas_say_and_have_the_volume_there
             assert_close(sim->s.x[0][i], x + xy * y, 1e-14); /* rounding */
             assert_close(sim->s.x[1][i], y + yx * x, 1e-14);
             if (dim == 3) assert_true(sim->s.x[2][i] == as_it_was->s.x[2][then]);
-            assert_close(sim->s.m[i], 5 * (xx * yy - xy * yx) * cell,
-                         1e-10 * cell); /* differences over 1e-4 of quadratics: rounding */
+            sampled += (xx * yy - xy * yx) / (double)particles_fluid(&sim->s);
+            grown[i] = xx * yy - xy * yx;
             all += sim->s.m[i];
         }
+        assert_close(sampled, 1, 0.002);                      /* the sides stay */
+        for (size_t i = 0; i < particles_fluid(&sim->s); i++) /* differences over 1e-4 of quadratics: rounding */
+            assert_close(sim->s.m[i], 5 * grown[i] / sampled * cell, 1e-10 * cell);
         const double water = 5 * (dim == 2 ? 0.8 : 0.8 * 0.6);
-        assert_close(all, water, 0.002 * water); /* the sides stay: all of it, by the middles of cells */
+        assert_close(all, water, 1e-12 * water); /* all of the tank */
         for (size_t i = particles_fluid(&sim->s); i < sim->s.n; i++)
             for (int d = 0; d < dim; d++) assert_true(sim->s.x[d][i] == as_it_was->s.x[d][by_id[sim->s.id[i]]]);
         sim_done(sim, c);
@@ -326,24 +330,28 @@ static void moved_particles_are_where_the_formulas_say_and_have_the_volume_there
     }
 }
 
-/* Two layers whose interface and all within is moved along gravity: the same columns with other weights. */
-static void hydrostatic_pressure_is_the_weight_of_what_was_moved(void **state)
+/* Two layers whose interface and all within is moved along gravity, or lifted and moved across it: the pressure is that of where it is. */
+static void hydrostatic_pressure_is_that_of_where_particles_are_moved(void **state)
 {
     (void)state;
-    MnsCase *c = tank(2);
-    case_set_text(&c->gravity[1], "-4");
-    case_add_fluid(c, "water", 5, 40);
-    case_add_fluid(c, "oil", 2, 40);
-    case_set_text(&case_add_part(&c->fluids[0].shape, MNS_FORMULA)->formula, "y < -0.3");
-    case_set_text(&c->displacement[1], "0.1*sin(3*x)*(0.4 - abs(y + 0.3))/0.4");
-    for (int f = 0; f < 2; f++) case_set_text(&c->fluids[f].pressure, "hydrostatic");
-    MnsSim *sim = sim_in_arrays(c);
-    for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
-        const double x = sim->s.x[0][i], y = sim->s.x[1][i], at = -0.3 + 0.1 * sin(3 * x);
-        const double p = 4 * (2 * (0.1 - fmax(y, at)) + 5 * fmax(at - y, 0));
-        assert_close(sim->s.p[i], p, 1e-9); /* displacements are linear along each layer: only rounding */
+    static const char *const moved[][2] = {{"0", "0.1*sin(3*x)*(0.4 - abs(y + 0.3))/0.4"},
+                                           {"0.05*sin(2*pi*(x - 0.3))", "0.05*(0.4 - abs(y + 0.3))/0.4"}};
+    for (int k = 0; k < 2; k++) {
+        MnsCase *c = tank(2);
+        case_set_text(&c->gravity[1], "-4");
+        case_add_fluid(c, "water", 5, 40);
+        case_add_fluid(c, "oil", 2, 40);
+        case_set_text(&case_add_part(&c->fluids[0].shape, MNS_FORMULA)->formula, "y < -0.3");
+        for (int d = 0; d < 2; d++) case_set_text(&c->displacement[d], moved[k][d]);
+        for (int f = 0; f < 2; f++) case_set_text(&c->fluids[f].pressure, "hydrostatic");
+        MnsSim *sim = sim_in_arrays(c);
+        for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
+            const double x = sim->s.x[0][i], y = sim->s.x[1][i], at = -0.3 + (k ? 0.05 : 0.1 * sin(3 * x));
+            const double p = 4 * (2 * (0.1 - fmax(y, at)) + 5 * fmax(at - y, 0));
+            assert_close(sim->s.p[i], p, 1e-9); /* heights are linear along each layer: only rounding */
+        }
+        sim_done(sim, c);
     }
-    sim_done(sim, c);
 }
 
 static void displacements_that_tear_or_leave_are_refused(void **state)
@@ -354,7 +362,9 @@ static void displacements_that_tear_or_leave_are_refused(void **state)
     } rows[] = {{"-2*y", "-1 times what it is"},
                 {"0.06*(y + 0.7)*(0.1 - y)/0.16", "into a wall"},
                 {"0/0", "nan"},
-                {"-0.1", "out of the domain"}};
+                {"-0.1", "out of the domain"},
+                {"x > 0.5 and (y < 0) or 0.001", "fails at"},
+                {"0.015*(2*y + 0.6)/0.8 + 0.01*(y + 0.3)", "times the domain that they fill"}};
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
         MnsCase *c = tank(2);
         MnsError error = {0};
@@ -370,6 +380,11 @@ static void displacements_that_tear_or_leave_are_refused(void **state)
         assert_int_equal(mns_sim_new(c, &sim, &error), MNS_E_INVALID);
         assert_string_equal(error.path, "domain.displacement");
         if (!strstr(error.text, rows[k].told)) fail_msg("%s", error.text);
+        case_set_text(&c->displacement[1], "0.001*y");
+        case_set_text(&c->fluids[0].pressure, "laplace");
+        assert_int_equal(mns_sim_new(c, &sim, &error), MNS_E_INVALID);
+        assert_string_equal(error.path, "domain.displacement");
+        assert_non_null(strstr(error.text, "moves water, whose pressure is that of a drop"));
         mns_case_free(c);
     }
 }
@@ -505,7 +520,7 @@ int main(void)
         cmocka_unit_test(velocities_are_those_of_the_formulas),
         cmocka_unit_test(hydrostatic_pressure_is_the_weight_above),
         cmocka_unit_test(moved_particles_are_where_the_formulas_say_and_have_the_volume_there),
-        cmocka_unit_test(hydrostatic_pressure_is_the_weight_of_what_was_moved),
+        cmocka_unit_test(hydrostatic_pressure_is_that_of_where_particles_are_moved),
         cmocka_unit_test(displacements_that_tear_or_leave_are_refused),
         cmocka_unit_test(particles_are_the_same_for_any_number_of_threads),
         cmocka_unit_test(a_pressure_that_no_density_gives_is_told_high_or_low),

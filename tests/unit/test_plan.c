@@ -428,7 +428,6 @@ static void corrected_gradients_at_a_free_surface_are_warned_of(void **state)
     }
 }
 
-/* Water and oil, ten times as light, or a little more. */
 static void volumes_that_a_scheme_evens_out_are_warned_of(void **state)
 {
     (void)state;
@@ -451,6 +450,7 @@ static void volumes_that_a_scheme_evens_out_are_warned_of(void **state)
     }
 }
 
+/* Water and oil, ten times as light, or a little more. */
 static void tension_that_a_scheme_cannot_hold_a_drop_by_is_warned_of(void **state)
 {
     (void)state;
