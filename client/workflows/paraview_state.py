@@ -26,7 +26,7 @@ Show(time, view)
 scene = GetAnimationScene()
 scene.UpdateAnimationUsingDataTimeSteps()
 scene.GoToLast()
-particles.RescaleTransferFunctionToDataRange(True)
+particles.RescaleTransferFunctionToDataRange(False)
 particles.SetScalarBarVisibility(view, True)
 GetScalarBar(GetColorTransferFunction("pressure"), view).Title = "pressure [Pa]"
 view.ResetCamera()

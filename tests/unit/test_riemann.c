@@ -38,8 +38,7 @@ static Cloud *stirred(int dim, int (*owner)(const double x[3]))
     for (size_t i = particles_fluid(s); i < s->n; i++) {
         for (int d = 0; d < dim; d++) s->v[d][i] = 0.7 * cloud_noise(&seed);
         s->p_wall[0][i - particles_fluid(s)] = 3e4 * cloud_noise(&seed);
-        s->p_wall[1][i - particles_fluid(s)] =
-            6000 * cloud_noise(&seed); /* water's, too much for air: rho c^2 is 400 */
+        s->p_wall[1][i - particles_fluid(s)] = 30 * cloud_noise(&seed);
     }
     return cloud;
 }
@@ -57,7 +56,7 @@ static State state_of(const Cloud *cloud, size_t i, size_t j)
     if (j >= particles_fluid(s)) {
         const Phase *fluid = &cloud->model.phase[s->phase[i]];
         state.p = s->p_wall[s->phase[i]][j - particles_fluid(s)];
-        state.rho = fmin(10 * fluid->rho0, fmax(0.1 * fluid->rho0, fluid->rho0 + state.p / (fluid->c * fluid->c)));
+        state.rho = fluid->rho0 + state.p / (fluid->c * fluid->c);
     }
     return state;
 }

@@ -15,7 +15,6 @@
 typedef struct Side {
     double v[3], p, z, rho, c, rho0, V;
     double inverse_c2;      /* for state_density() without a quotient for each pair */
-    double least, most;     /* densities that this fluid may have */
     double steepness, tiny; /* of p*: s / c, and what keeps 0/0 away [m] */
     const double *p_wall;   /* by index of wall particle */
     uint32_t first_wall;
@@ -32,8 +31,6 @@ INLINE Side side_of(const Particles *s, const Model *model, size_t i, How how)
               .V = particles_volume(s, model, i)};
     for (int d = 0; d < how.dim; d++) a.v[d] = s->v[d][i * s->v_step];
     a.inverse_c2 = 1 / (a.c * a.c);
-    a.least = model->density_min * a.rho0;
-    a.most = model->density_max * a.rho0;
     a.steepness = model->limiter / model->c_max;
     a.tiny = 1e-12 * model->dx;
     a.p_wall = s->p_wall[s->phase[i]];
@@ -45,13 +42,6 @@ INLINE Side side_of(const Particles *s, const Model *model, size_t i, How how)
 INLINE double side_wall_pressure(const Side *a, uint32_t j)
 {
     return a->p_wall[j - a->first_wall];
-}
-
-/* Of this fluid at the pressure of a wall, which may show it that of a fluid that bears much more. */
-INLINE double wall_density(const Side *a, double p_w, How how)
-{
-    const double rho = mul_add(p_w, a->inverse_c2, a->rho0, how.fma);
-    return rho < a->least ? a->least : rho > a->most ? a->most : rho;
 }
 
 /* (v_i - v_j) . (x_i - x_j) */
@@ -70,7 +60,7 @@ INLINE void riemann_density_fluid(const Side *a, const Pair *pair, How how, int 
 /* p_w: what the wall shows this fluid. */
 INLINE void riemann_density_wall(const Side *a, const Pair *pair, double p_w, How how, int l, Lanes *sum)
 {
-    const double zw = wall_density(a, p_w, how) * a->c;
+    const double zw = mul_add(p_w, a->inverse_c2, a->rho0, how.fma) * a->c;
     const double excess = mul_add(zw, opening(a, pair, how), (a->p - p_w) * pair->r, how.fma);
     add_product(sum, l, pair->V * pair->F, excess / (a->z + zw), how);
 }
@@ -99,7 +89,7 @@ INLINE void riemann_momentum_fluid(const Side *a, const Pair *pair, How how, int
 
 INLINE void riemann_momentum_wall(const Side *a, const Pair *pair, double p_w, How how, int l, Lanes sum[3])
 {
-    const double rho_w = wall_density(a, p_w, how);
+    const double rho_w = mul_add(p_w, a->inverse_c2, a->rho0, how.fma);
     add_push(a, pair, mul_add(a->rho, p_w, rho_w * a->p, how.fma) / (a->rho + rho_w), how, l, sum);
 }
 

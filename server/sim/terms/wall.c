@@ -7,6 +7,7 @@
  * back. What a heavy fluid shows a light one counts for as much less as it would move it more: one pressure for both shoots air away
  * where it meets water at a wall (schemes/README.md). */
 #include "sim/terms/terms.h"
+#include <math.h>
 
 static unsigned phases_in(const Row *row, const Particles *s)
 {
@@ -49,6 +50,14 @@ typedef struct Near {
     double share, p; /* s^4; 0 where it is not */
 } Near;
 
+/* What another fluid bears may be no pressure of this one: where a density is made of what is shown, it has none or less. */
+static double bearable(const Phase *phase, const Model *model, double p)
+{
+    if (phase->exponent != 1) return p;
+    const double unit = phase->rho0 * phase->c * phase->c;
+    return fmin(fmax(p, (model->density_min - 1) * unit), (model->density_max - 1) * unit);
+}
+
 /* From its own on: exactly that where it is alone. */
 static double shown_to(unsigned a, const Near near[], const Model *model)
 {
@@ -59,7 +68,7 @@ static double shown_to(unsigned a, const Near near[], const Model *model)
         shares += share;
         departure += share * (near[b].p - near[a].p);
     }
-    return shares > 0 ? near[a].p + departure / shares : 0;
+    return shares > 0 ? bearable(&model->phase[a], model, near[a].p + departure / shares) : 0;
 }
 
 INLINE void wall_pressure_row(const Row *row, Particles *s, const Model *model, How how)
