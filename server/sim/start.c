@@ -95,7 +95,8 @@ static MnsStatus fail_particle(const Start starts[], const MnsSim *sim, size_t i
                        sim->model.density_max);
 }
 
-/* A particle stands for a cell of the lattice, or what has become of it where it was moved; what is summed there is the density that the pressure asks for. */
+/* A particle stands for a cell of the lattice, or what has become of it where it was moved; what is summed there is the density that the
+ * pressure asks for. */
 MnsStatus start_particle(const Start starts[], MnsSim *sim, size_t i, MnsError *error)
 {
     const Model *model = &sim->model;

@@ -31,7 +31,8 @@ figure() {
 
 # within NAME RESOLUTION BOUND BYTES: what four more steps cost for each pair that is in reach, and what a particle takes besides its
 # list. New bounds are set by hand, with a reason; the last: up to 4 % over what is counted since blocks are not
-# unrolled and jammed; dambreak3d-p3, more of which are walls, has 150.0 since these show fluids each other (145.9), dambreak2d-p3 137.0, drop2d-p1 514.7 (512.4).
+# unrolled and jammed; since walls show fluids each other dambreak3d-p3, more of which is wall, has 150.0 (145.9), dambreak2d-p3
+# 137.0 and drop2d-p1 514.7 (512.4).
 within() {
     local name=$1 resolution=$2 bound=$3 bytes=$4 few many
     counted "$name" "$resolution" 4 >"$logs/few" &
