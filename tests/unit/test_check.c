@@ -499,6 +499,7 @@ static void assert_refused(int dim, const Refusal *refusal, size_t k, bool build
     MnsSim *sim = NULL;
     refusal->spoil(&spoilt);
     memcpy(c->gravity, spoilt.gravity, sizeof c->gravity);
+    memcpy(c->displacement, spoilt.displacement, sizeof c->displacement);
     const MnsStatus status = build ? mns_sim_new(&spoilt, &sim, &error) : mns_case_check(&spoilt, &error);
     if (status != refusal->status || strcmp(error.path, refusal->path) != 0)
         fail_msg("%d dimensions, refusal %zu, \"%s\": status %s, path \"%s\", \"%s\"", dim, k, refusal->path,
