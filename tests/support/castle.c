@@ -24,16 +24,17 @@ static int bind_port(int port, int *ret_fd)
     return ntohs(address.sin_port);
 }
 
-/* Three ports in a row that nobody has: not of those that the system gives to others, and other ones for each program. */
+/* Four ports in a row that nobody has, three for the daemon's sockets and one for HTTP: not of those that the system gives to
+ * others, and other ones for each program. */
 static int free_ports(void)
 {
     static int calls;
     for (int k = 0; k < 100; k++) {
-        const int port = 10000 + (getpid() % 333 * 20 + calls++ % 20) * 3;
-        int fds[3], n = 0;
-        while (n < 3 && bind_port(port + n, &fds[n])) n++;
-        for (int i = 0; i <= n && i < 3; i++) close(fds[i]);
-        if (n == 3) return port;
+        const int port = 10000 + (getpid() % 250 * 20 + calls++ % 20) * 4;
+        int fds[4], n = 0;
+        while (n < 4 && bind_port(port + n, &fds[n])) n++;
+        for (int i = 0; i <= n && i < 4; i++) close(fds[i]);
+        if (n == 4) return port;
     }
     fail_msg("there are no free ports");
     return 0;
@@ -76,7 +77,7 @@ int castle_begin(void **state)
     castle->port = free_ports();
     snprintf(listen, sizeof listen, "--listen=tcp://127.0.0.1:%d", castle->port);
     snprintf(keys, sizeof keys, "--keys=%s", castle->keys);
-    castle->http = castle->port + 2;
+    castle->http = castle->port + 3;
     snprintf(http, sizeof http, "--http=%d", castle->http);
     dialogue_begin(&castle->dialogue, (const char *const[]){listen, keys, http, NULL});
     *state = castle;
