@@ -60,8 +60,8 @@ CASES = {
     "rayleigh-taylor3d": Case(interfaces.rayleigh_taylor3d, 1500, 1300),
     "rayleigh-taylor3d-between": Case(interfaces.rayleigh_taylor3d_between, 0, 0.5),
     "rayleigh-taylor3d-fine": Case(interfaces.rayleigh_taylor3d_fine, 0, 0.9),
-    "lock-exchange2d": Case(interfaces.lock_exchange2d, 350, 0.5),
-    "lock-exchange3d": Case(interfaces.lock_exchange3d, 310, 150),
+    "lock-exchange2d": Case(interfaces.lock_exchange2d, 230, 0.4),
+    "lock-exchange3d": Case(interfaces.lock_exchange3d, 260, 150),
     # Zhu and Zou 2020.
     "dambreak2d-interfacial": Case(dam_breaks.dambreak2d_interfacial, 160, 0.6),
     "dambreak2d-interfacial-square": Case(dam_breaks.dambreak2d_interfacial_square, 75, 0.1),

@@ -101,8 +101,11 @@ def lock_exchange2d(paper: bool) -> Iterator[Metric]:
         for k, (name, _) in enumerate(FRONTS):
             yield Metric(case, f"speed of the {name} front at H/{n}, mean of {starts[n]}", mean[n][k])
             yield Metric(case, f"speed of the {name} front at H/{n}, largest less smallest", np.ptp(speeds[n][:, k]))
+    chance = 2 * speeds[40].std(axis=0, ddof=1) / np.sqrt(starts[40])  # of a mean, twice its standard error
     for k, (name, exact) in enumerate(FRONTS):
-        yield converges(case, f"speed of the {name} front", *(mean[n][k] for n in sizes), exact)
+        coarse, fine = (max(abs(mean[n][k] - exact), chance[k]) for n in sizes)
+        yield Metric(case, f"speed of the {name} front at H/40: twice the standard error of the mean", chance[k])
+        yield converges(case, f"speed of the {name} front, errors of no less than that", coarse, fine)
     yield from hygiene(case, runs[sizes[-1]][0])
 
 
@@ -112,7 +115,8 @@ NARROW = ("domain.min=[0, -0.025, 0]", "domain.max=[1.81, 0.025, 0.2]", "fluids[
 
 
 def lock_exchange3d(paper: bool) -> Iterator[Metric]:
-    """P1 4.4; reduced, a quarter of the width, so coarse that the fronts are late, though less than those of the slice with H/20."""
+    """P1 4.4; reduced, a quarter of the width. One start differs from another by a tenth with such particles, as those of the slice with
+    H/20 do, which is more than what is asked of either speed or of their ratio."""
     case, coarse = "lock-exchange3d", 16
     r = run(case, *(("resolution=80",) if paper else (f"resolution={coarse}", *NARROW)))
     if paper:
@@ -120,8 +124,8 @@ def lock_exchange3d(paper: bool) -> Iterator[Metric]:
     else:
         light, heavy = front_speeds(r)
         for name, speed, reference in (("light", light, 0.490), ("heavy", heavy, 0.576)):
-            yield Metric(case, f"speed of the {name} front at H/{coarse}", speed, reference, note="not scored: too coarse")
-        yield Metric(case, "heavy over light", heavy / light, 1.18, 0.05)
+            yield Metric(case, f"speed of the {name} front at H/{coarse}", speed, reference, note="not scored: one start, and coarse")
+        yield Metric(case, "heavy over light", heavy / light, 1.18, note="not scored: as those")
     yield from hygiene(case, r)
 
 
