@@ -16,7 +16,6 @@ typedef struct Chambers {
     const MnsSim *sim;
     size_t n;        /* fluid particles */
     size_t least;    /* of a space: fewer are what a lattice leaves in a corner */
-    bool by_fluid;   /* a wall particle has an unknown for each fluid, not one for all */
     uint32_t *of;    /* [n] of each fluid particle the first of its space */
     uint32_t *count; /* [n] how many a space has, at its first particle */
 } Chambers;
@@ -75,25 +74,22 @@ static MnsStatus tell_apart(Chambers *c, size_t *ret_spaces, MnsError *error)
     return status;
 }
 
-/* Does the row of a fluid particle, or of a wall particle towards a fluid, refer to two spaces? */
+/* Does the row of a particle refer to two spaces? */
 static bool joins(const Chambers *c, size_t i)
 {
     const uint32_t none = UINT32_MAX, *list = neighbours_of(&c->sim->nb, i);
-    const bool fluid = i < c->n;
     const Model *model = &c->sim->model;
     const double reach = (model->kernel.support + fmin(NEARER * model->dx, model->skin)) * (1 + 1e-9);
-    uint32_t seen[MNS_MAX_FLUIDS];
+    uint32_t space = i < c->n ? c->of[i] : none;
     double to[3];
-    for (size_t k = 0; k < MNS_MAX_FLUIDS; k++) seen[k] = fluid ? c->of[i] : none;
-    if (fluid && c->count[seen[0]] < c->least) return false;
+    if (space != none && c->count[space] < c->least) return false;
     for (size_t k = 0; k < c->sim->nb.end[i][END_WALLS]; k++) {
         const uint32_t j = list[k];
         const uint32_t its = j < c->n ? c->of[j] : none;
         if (its == none || c->count[its] < c->least) continue;
-        uint32_t *space = &seen[c->by_fluid ? c->sim->s.phase[j] : 0];
-        if (*space == its || way(c->sim, i, j, to) > reach) continue;
-        if (*space != none) return true;
-        *space = its;
+        if (space == its || way(c->sim, i, j, to) > reach) continue;
+        if (space != none) return true;
+        space = its;
     }
     return false;
 }
@@ -122,7 +118,6 @@ static MnsStatus refuse(const MnsSim *sim, size_t i, MnsError *error)
 MnsStatus chambers_check(const MnsSim *sim, MnsError *error)
 {
     Chambers c = {.sim = sim, .n = particles_fluid(&sim->s), .least = sim->s.dim == 2 ? 9 : 27};
-    c.by_fluid = sim->scheme->unknowns(&sim->s) > sim->s.n;
     c.of = array_new(c.n, sizeof *c.of);
     c.count = array_new(c.n, sizeof *c.count);
     MnsStatus status = MNS_OK;

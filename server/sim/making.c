@@ -25,7 +25,7 @@ static double list_bytes(const Model *model)
 static double system_need(const MnsSim *sim, const Particles *s)
 {
     const Model *model = &sim->model;
-    const double rows = (double)sim->scheme->unknowns(s), spare = 1.05;
+    const double rows = (double)s->n, spare = 1.05;
     const Projection *options = &model->projection;
     const System none = {.matrix.n = 1};
     double multigrid = 0;

@@ -105,9 +105,7 @@ typedef struct Scheme {
     bool corrects_density;                     /* by a second pressure */
     double tension_ratio;                      /* of densities, up to which its tension holds a drop at rest; 0: any */
     bool reads_density_method, reads_exponent; /* of a fluid */
-    size_t (*unknowns)(const Particles *);     /* of that system */
-    bool (*lay_rows)(Particles *, const Neighbours *); /* of that system, for the lists of now; false: no memory */
-    MnsStatus (*check)(const MnsCase *, MnsError *);   /* its options, and whether it is for such a case */
+    MnsStatus (*check)(const MnsCase *, MnsError *); /* its options, and whether it is for such a case */
     /* Whether those options are alike that cannot change during a run; NULL: all can. */
     bool (*keeps_options)(const MnsSchemeOptions *, const MnsSchemeOptions *);
     void (*options)(Model *, const MnsCase *); /* from the case to the model */

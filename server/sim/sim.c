@@ -42,7 +42,7 @@ static MnsStatus projection_init(MnsSim *sim, MnsError *error)
                            "the scheme %s needs fluids that fill the domain up to walls or periodic sides: there is an "
                            "empty place, or an open side",
                            sim->scheme->name);
-    if (!system_init(&sim->system, sim->scheme->unknowns(&sim->s), particles_fluid(&sim->s), sim->threads))
+    if (!system_init(&sim->system, sim->s.n, particles_fluid(&sim->s), sim->threads))
         return mns_fail(error, MNS_E_MEMORY, "no memory for the pressure system of %zu particles", sim->s.n);
     sim->s.system = &sim->system;
     return MNS_OK;

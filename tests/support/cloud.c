@@ -121,7 +121,7 @@ Cloud *cloud_new(const CloudSetup *setup)
     static const Fields fields = ALL_FIELDS & ~(FIELD(RHO_MIXED) | FIELD(MU_MIXED)); /* nobody reads arrays of these */
     if (particles_init(&cloud->s, setup->dim, 2, sizes, fields, 0, setup->viscous, cloud->threads, NULL, NULL)) abort();
     if (neighbours_init(&cloud->nb, cloud->s.n, cloud->s.dim, NEED_ALL, cloud->threads, NULL)) abort();
-    if (!system_init(&cloud->system, projection_unknowns(&cloud->s), particles_fluid(&cloud->s), cloud->threads))
+    if (!system_init(&cloud->system, cloud->s.n, particles_fluid(&cloud->s), cloud->threads))
         abort();
     cloud->s.system = &cloud->system;
     fill(cloud, setup, points);
@@ -144,7 +144,7 @@ MnsStatus cloud_build(Cloud *cloud)
     for (int d = 0; d < s->dim; d++)
         for (size_t i = 0; i < s->n; i++) s->ref[d][i] = s->x[d][i];
     const MnsStatus status = neighbours_build(&cloud->nb, s, &cloud->model, NULL);
-    if (!status && !projection_lay(s, &cloud->nb)) abort();
+    if (!status && !matrix_rows_lay(s, &cloud->nb)) abort();
     return status;
 }
 

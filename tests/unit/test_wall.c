@@ -86,6 +86,33 @@ static void pressure_is_exact_for_hydrostatic_fields(void **state)
         }
 }
 
+/* The density of what is there, between those of fluids that share it, by the fourth powers of how much there is. */
+static void density_is_that_of_the_fluids_around(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        Cloud *cloud = tank_cloud(dim);
+        Particles *s = &cloud->s;
+        size_t of_one[2] = {0}, of_both = 0, of_none = 0;
+        cloud_term(cloud, &wall_density);
+        for (size_t i = particles_fluid(s); i < s->n; i++) {
+            double share[2] = {0};
+            for (size_t j = 0; j < particles_fluid(s); j++) share[s->phase[j]] += cloud_pair(cloud, i, j).W;
+            const double q[2] = {pow(share[0], 4), pow(share[1], 4)};
+            const double rho =
+                q[0] + q[1] > 0
+                    ? (q[0] * cloud->model.phase[0].rho0 + q[1] * cloud->model.phase[1].rho0) / (q[0] + q[1])
+                    : cloud->model.rho_min;
+            assert_close(s->rho[i], rho, 1e-9 * rho); /* rounding, of fourth powers */
+            of_none += q[0] + q[1] == 0;
+            of_both += share[0] > 0 && share[1] > 0;
+            for (int a = 0; a < 2; a++) of_one[a] += share[a] > 0 && share[1 - a] == 0;
+        }
+        assert_true(of_one[0] > 10 && of_one[1] > 5 && of_both > 5 && of_none > 0);
+        cloud_free(cloud);
+    }
+}
+
 /* With densities that differ from particle to particle, the sums as written. */
 static void pressure_is_the_weighted_sum_of_adami_in_each_fluid(void **state)
 {
@@ -240,6 +267,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pressure_is_exact_for_hydrostatic_fields),
+        cmocka_unit_test(density_is_that_of_the_fluids_around),
         cmocka_unit_test(pressure_is_the_weighted_sum_of_adami_in_each_fluid),
         cmocka_unit_test(fluids_pressures_mix_in_a_wall_only_where_both_are),
         cmocka_unit_test(fluids_push_each_other_along_a_wall_as_they_do_without),

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "sim/integrators/pressure.h"
+#include "sim/terms/terms.h"
 #include <math.h>
 #include <omp.h>
 
@@ -52,7 +53,7 @@ static MnsStatus fail_solve(const MnsSim *sim, const SolveMethod *method, const 
 MnsStatus pressure_lay(MnsSim *sim, MnsError *error)
 {
     sim->system.threads = sim->threads;
-    if (sim->scheme->lay_rows(&sim->s, &sim->nb)) return MNS_OK;
+    if (matrix_rows_lay(&sim->s, &sim->nb)) return MNS_OK;
     return mns_fail(error, MNS_E_MEMORY, "no memory for the pressure system of %zu particles", sim->s.n);
 }
 

@@ -74,7 +74,7 @@ const Scheme scheme_incompressible = {
     .limits = {&flow_limit, &body_force_limit, &incompressible_viscous_limit, &incompressible_tension_limit},
     .rates =
         {
-            [PASS_NUMBER] = {"number density", .terms = {&number_density}, .after = {&volume_of_number},
+            [PASS_NUMBER] = {"number density", .terms = {&number_density, &wall_density}, .after = {&volume_of_number},
                              .fusions = {&number_density_alone}},
             [PASS_DENSITY_SYSTEM] = {"density system", .terms = {&density_matrix, &density_wall_matrix},
                                      .assembles = true},
@@ -96,8 +96,6 @@ const Scheme scheme_incompressible = {
     .symmetric = true,
     .corrects_density = true,
     .tension_ratio = 10,
-    .unknowns = projection_unknowns,
-    .lay_rows = projection_lay,
     .check = incompressible_check,
     .options = incompressible_options,
 };

@@ -12,30 +12,6 @@
 #include "sim/terms/terms.h"
 #include <math.h>
 
-size_t differences_unknowns(const Particles *s)
-{
-    return s->n;
-}
-
-static size_t blocks_for(size_t entries)
-{
-    return (entries + LANES - 1) / LANES;
-}
-
-bool differences_lay(Particles *s, const Neighbours *nb)
-{
-    const size_t n = particles_fluid(s);
-    const int threads = s->system->threads;
-    Matrix *m = &s->system->matrix;
-#pragma omp parallel for schedule(static) num_threads(threads)
-    for (size_t i = 0; i < m->n; i++) {
-        const size_t fluid = i < s->n ? nb->end[i][END_FLUID] : 0;
-        const size_t walls = i < n ? nb->end[i][END_WALLS] - fluid : 0;
-        m->blocks[i] = (uint32_t)(blocks_for(fluid) + blocks_for(walls));
-    }
-    return matrix_lay(m, threads);
-}
-
 /* The row of a particle, whose blocks of entries are those of its pairs. */
 INLINE void end_row(System *y, const Row *row, double b)
 {

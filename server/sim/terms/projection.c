@@ -5,10 +5,10 @@
  *   velocity   L P = -1/2 sum_j A_ij (v_j - v_i)/2 . x_ij,     v_i -= 1/m_i sum_j A_ij P_ij x_ij,            p = P/dt
  *   density    L P = -1/2 (V_i - V_0),                         x_i -= 1/m_i sum_j A_ij (P_ij - P_i + P_0 + P_ref) x_ij
  *   P_ij = (rho_i P_j + rho_j P_i) / (rho_i + rho_j);  P_0: P_i, but from 0 to 0.2 rho h^2
- * A wall particle is an unknown of its own towards each fluid, of that fluid's density, through which nothing flows:
- *   sum_i c_iw (P_w - P_i - rho_i dt (g - a_w) . (x_w - x_i)) = 0
- * so L stays symmetric, a layer at rest is exact, and no fluid feels the pressure of another through a wall. Pairs of fluid and wall at the rim
- * of the kernel are left out of all sums with pressures. */
+ * A wall particle is an unknown too, of the density of the fluids that are there (wall_density), through which nothing flows:
+ *   sum_i c_iw (P_w - P_i - (rho_i + rho_w)/2 dt (g - a_w) . (x_w - x_i)) = 0
+ * so L stays symmetric, and a layer at rest is exact. Pairs of fluid and wall at the rim of the kernel are left out of all sums with
+ * pressures. */
 #include "sim/solve/solve.h"
 #include "sim/terms/matrix_row.h"
 #include "sim/terms/terms.h"
@@ -27,35 +27,6 @@ static const double FARTHER = 1.5;
  * meet, and far above it throws them about, more at each correction (a million particles in disorder). */
 static const double SPREAD_MOST = 0.2;
 
-/* Unknown of a wall particle towards a fluid. */
-INLINE size_t node_of(const Particles *s, size_t wall_particle, unsigned fluid)
-{
-    const size_t n = particles_fluid(s);
-    return n + fluid * (s->n - n) + (wall_particle - n);
-}
-
-size_t projection_unknowns(const Particles *s)
-{
-    return particles_fluid(s) + s->n_phases * (s->n - particles_fluid(s));
-}
-
-bool projection_lay(Particles *s, const Neighbours *nb)
-{
-    const size_t n = particles_fluid(s);
-    const int threads = s->system->threads;
-    uint32_t *blocks = s->system->matrix.blocks;
-#pragma omp parallel for schedule(static) num_threads(threads)
-    for (size_t i = 0; i < n; i++) {
-        const size_t fluid = nb->end[i][END_FLUID], walls = nb->end[i][END_WALLS] - fluid;
-        blocks[i] = (uint32_t)((fluid + LANES - 1) / LANES + (walls + LANES - 1) / LANES);
-    }
-#pragma omp parallel for schedule(static) num_threads(threads)
-    for (size_t i = n; i < s->n; i++)
-        for (unsigned a = 0; a < s->n_phases; a++)
-            blocks[node_of(s, i, a)] = ((uint32_t)nb->end[i][END_WALLS] + LANES - 1) / LANES;
-    return matrix_lay(&s->system->matrix, threads);
-}
-
 /* -A_ij, the same for the two of a pair to the last bit. */
 INLINE double facing(double V_i, double V_j, double F)
 {
@@ -68,11 +39,10 @@ INLINE double weight_of(const Model *model, unsigned fluid, bool unit)
     return unit ? 1 : model->phase[fluid].rho0;
 }
 
-/* 1 / (rho_i + rho_j) by the fluid of j. */
-INLINE void inverse_sums(const Model *model, unsigned fluid, bool unit, double ret[MNS_MAX_FLUIDS])
+/* By the fluid of j, and of walls by what is there. */
+INLINE double density_of(const Particles *s, const Model *model, uint32_t j, bool wall, bool unit)
 {
-    for (unsigned a = 0; a < model->n_phases; a++)
-        ret[a] = 1 / (weight_of(model, fluid, unit) + weight_of(model, a, unit));
+    return wall && !unit ? s->rho[j] : weight_of(model, wall ? 0 : s->phase[j], unit);
 }
 
 /* Row of a fluid particle. */
@@ -80,25 +50,23 @@ INLINE void matrix_row(const Row *row, Particles *s, const Model *model, bool un
 {
     const size_t i = row->i, first = s->system->matrix.start[i] * LANES;
     Matrix *m = &s->system->matrix;
-    const unsigned mine = s->phase[i];
-    const double V = particles_volume(s, model, i);
-    double inverse[MNS_MAX_FLUIDS];
-    inverse_sums(model, mine, unit, inverse);
+    const double V = particles_volume(s, model, i), rho = weight_of(model, s->phase[i], unit);
     uint32_t *column = m->column + first;
     float *c = m->c + first;
     for (size_t b = 0; b < row->n; b++) {
         const Block *block = &row->block[b];
         const uint32_t *j = row_j(row, block);
-        const double faint = b < row->n_fluid ? 0 : model->projection.faint;
-        double by[LANES];
+        const bool wall = b >= row->n_fluid;
+        const double faint = wall ? model->projection.faint : 0;
+        double sum[LANES];
         for (size_t l = 0; l < LANES; l++) {
-            column[b * LANES + l] = b < row->n_fluid ? j[l] : (uint32_t)node_of(s, j[l], mine);
-            by[l] = inverse[b < row->n_fluid ? s->phase[j[l]] : mine];
+            column[b * LANES + l] = j[l];
+            sum[l] = rho + density_of(s, model, j[l], wall, unit);
         }
 #pragma omp simd
         for (size_t l = 0; l < LANES; l++) {
             const double F = block->F[l] < faint ? block->F[l] : 0;
-            c[b * LANES + l] = (float)(facing(V, block->V[l], F) * by[l]);
+            c[b * LANES + l] = (float)(facing(V, block->V[l], F) / sum[l]);
         }
     }
     m->diagonal[i] = float_sum(c, row->n * LANES);
@@ -120,35 +88,35 @@ INLINE void density_matrix_row(const Row *row, Particles *s, const Model *model,
 }
 ROW_FUNCTIONS(density_matrix_row)
 
-/* Row of a wall particle towards one fluid; pull: [dim] dt (g - a_w), or 0. */
-INLINE void wall_row(const Row *row, Particles *s, const Model *model, unsigned fluid, bool unit, const double pull[3],
-                     How how)
+/* Row of a wall particle; pull: [dim] dt (g - a_w), or 0. */
+INLINE void wall_row(const Row *row, Particles *s, const Model *model, bool unit, const double pull[3], How how)
 {
     System *y = s->system;
     Matrix *m = &y->matrix;
-    const size_t node = node_of(s, row->i, fluid), first = m->start[node] * LANES;
-    const double V = particles_volume(s, model, row->i), rho = weight_of(model, fluid, unit), inverse = 1 / (rho + rho);
+    const size_t i = row->i, first = m->start[i] * LANES;
+    const double V = particles_volume(s, model, i), rho = density_of(s, model, (uint32_t)i, true, unit);
     size_t n = 0;
     double flux = 0;
     for (const Block *b = row->block; b < row->block + row->n; b++) {
         const uint32_t *j = row_j(row, b);
         for (int l = 0; l < LANES; l++) {
-            if (s->phase[j[l]] != fluid || !(b->F[l] < model->projection.faint)) continue;
-            const float c = (float)(facing(V, b->V[l], b->F[l]) * inverse);
+            if (!(b->F[l] < model->projection.faint)) continue;
+            const double sum = weight_of(model, s->phase[j[l]], unit) + rho;
+            const float c = (float)(facing(V, b->V[l], b->F[l]) / sum);
             double along = 0;
             for (int d = 0; d < how.dim; d++) along += pull[d] * b->x[d][l];
             m->column[first + n] = j[l];
             m->c[first + n++] = c;
-            flux += (double)c * rho * along;
+            flux += 0.5 * (double)c * sum * along;
         }
     }
-    m->diagonal[node] = float_sum(m->c + first, n);
+    m->diagonal[i] = float_sum(m->c + first, n);
     for (; n % LANES; n++) {
-        m->column[first + n] = (uint32_t)node;
+        m->column[first + n] = (uint32_t)i;
         m->c[first + n] = 0;
     }
-    m->blocks[node] = m->diagonal[node] > 0 ? (uint32_t)(n / LANES) : 0;
-    y->b[node] = flux;
+    m->blocks[i] = m->diagonal[i] > 0 ? (uint32_t)(n / LANES) : 0;
+    y->b[i] = flux;
 }
 
 INLINE void velocity_wall_row(const Row *row, Particles *s, const Model *model, How how)
@@ -156,15 +124,14 @@ INLINE void velocity_wall_row(const Row *row, Particles *s, const Model *model, 
     const WallState *wall = &model->wall[s->phase[row->i] - model->n_phases];
     double pull[3] = {0};
     for (int d = 0; d < how.dim; d++) pull[d] = model->dt * (model->gravity[d] - wall->a[d]);
-    for (unsigned a = 0; a < model->n_phases; a++) wall_row(row, s, model, a, false, pull, how);
+    wall_row(row, s, model, false, pull, how);
 }
 ROW_FUNCTIONS(velocity_wall_row)
 
 INLINE void density_wall_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const double pull[3] = {0};
-    for (unsigned a = 0; a < model->n_phases; a++)
-        wall_row(row, s, model, a, model->projection.unit_mobility, pull, how);
+    wall_row(row, s, model, model->projection.unit_mobility, pull, how);
 }
 ROW_FUNCTIONS(density_wall_row)
 
@@ -195,22 +162,16 @@ INLINE void push(const Row *row, const Particles *s, const Model *model, bool un
                  double ret[3])
 {
     const size_t i = row->i;
-    const unsigned mine = s->phase[i];
-    const double V = particles_volume(s, model, i), rho = weight_of(model, mine, unit), *P = s->system->x,
+    const double V = particles_volume(s, model, i), rho = weight_of(model, s->phase[i], unit), *P = s->system->x,
                  P_i = times * P[i];
-    double inverse[MNS_MAX_FLUIDS];
     Lanes sum[3] = {0};
-    inverse_sums(model, mine, unit, inverse);
     for (const Block *b = row->block; b < row->block + row->n; b++) {
         const uint32_t *j = row_j(row, b);
         const bool wall = b >= row->block + row->n_fluid;
         const double faint = wall ? model->projection.faint : 0;
         double P_ij[LANES];
-        for (int l = 0; l < LANES; l++) {
-            const unsigned fluid = wall ? mine : s->phase[j[l]];
-            const double P_j = times * P[wall ? node_of(s, j[l], mine) : j[l]];
-            P_ij[l] = rho * inverse[fluid] * (P_j - P_i) + base;
-        }
+        for (int l = 0; l < LANES; l++)
+            P_ij[l] = rho / (rho + density_of(s, model, j[l], wall, unit)) * (times * P[j[l]] - P_i) + base;
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const double c = facing(V, b->V[l], b->F[l] < faint ? b->F[l] : 0) * P_ij[l];
@@ -254,7 +215,7 @@ const Term density_matrix = {
 const Term density_wall_matrix = {
     .name = "density system at walls",
     .source = "schemes/README.md",
-    .equation = "sum_i c_iw (P_w - P_i) = 0,  for each fluid of its own",
+    .equation = "sum_i c_iw (P_w - P_i) = 0",
     .on = ON_WALL,
     .needs = NEED_F | NEED_STATE,
     .row = ROW_TABLE(density_wall_row),
@@ -283,7 +244,7 @@ const Term velocity_matrix = {
 const Term velocity_wall_matrix = {
     .name = "velocity system at walls",
     .source = "schemes/README.md",
-    .equation = "sum_i c_iw (P_w - P_i - rho_i dt (g - a_w) . x_wi) = 0,  for each fluid of its own",
+    .equation = "sum_i c_iw (P_w - P_i - (rho_i + rho_w)/2 dt (g - a_w) . x_wi) = 0",
     .on = ON_WALL,
     .needs = NEED_F | NEED_STATE,
     .row = ROW_TABLE(velocity_wall_row),

@@ -44,6 +44,7 @@ extern const Term shifted_wall_pressure; /* wall.c: where the fluid was shifted 
 
 /* P4 */
 extern const Term mirrored_start; /* wall.c: mirrored velocity, about that of the wall before the step */
+extern const Term wall_density;   /* wall.c: of the fluids that are there */
 extern const Term density_matrix; /* projection.c: systems for the pressure */
 extern const Term density_wall_matrix;
 extern const Term velocity_matrix;
@@ -115,15 +116,8 @@ static inline bool is_viscous(const Model *model)
     return model->viscous;
 }
 
-/* Unknowns of a pressure system: the fluid's particles, and the walls' towards each fluid. */
-size_t projection_unknowns(const Particles *s);
-
-/* Lay out the rows of the system by how many neighbours there are. false: no memory. */
-bool projection_lay(Particles *s, const Neighbours *nb);
-
-/* The same for the scheme of differences, in which walls are unknowns once; of a system that may have room for more. */
-size_t differences_unknowns(const Particles *s);
-bool differences_lay(Particles *s, const Neighbours *nb);
+/* Lay out the rows of the pressure system, one for each particle, by how many neighbours there are. false: no memory. */
+bool matrix_rows_lay(Particles *s, const Neighbours *nb);
 
 /* 1 / K, K = sum_j V_j (-F) y^2 r^2/(r^2 + 0.01 h^2) over the lattice with these spacings, mean over directions: 1 for a
  * perfect kernel. */

@@ -93,6 +93,24 @@ INLINE void wall_pressure_row(const Row *row, Particles *s, const Model *model, 
 }
 ROW_FUNCTIONS(wall_pressure_row)
 
+/* What is shared by several fluids has a density between, by the fourth powers of what each has of the kernel. */
+INLINE void wall_density_row(const Row *row, Particles *s, const Model *model, How how)
+{
+    (void)how;
+    double near[MNS_MAX_FLUIDS] = {0}, shares = 0, sum = 0;
+    for (const Block *b = row->block; b < row->block + row->n; b++) {
+        const uint32_t *j = row_j(row, b);
+        for (int l = 0; l < LANES; l++) near[s->phase[j[l]]] += b->W[l];
+    }
+    for (unsigned a = 0; a < model->n_phases; a++) {
+        const double share = near[a] * near[a] * (near[a] * near[a]);
+        shares += share;
+        sum += share * model->phase[a].rho0;
+    }
+    s->rho[row->i] = shares > 0 ? sum / shares : model->rho_min;
+}
+ROW_FUNCTIONS(wall_density_row)
+
 INLINE void wall_velocity_row(const Row *row, Particles *s, const Model *model, How how)
 {
     (void)model;
@@ -178,6 +196,16 @@ const Term shifted_wall_pressure = {
     .needs = NEED_W | NEED_STATE,
     .writes = FIELD(P),
     .row = ROW_TABLE(wall_pressure_row),
+};
+
+const Term wall_density = {
+    .name = "wall density",
+    .source = "schemes/README.md",
+    .equation = "rho_w = sum_b s_b^4 rho_b / sum_b s_b^4,  s_b = sum_f W,  f of fluid b only",
+    .on = ON_WALL,
+    .needs = NEED_W,
+    .writes = FIELD(RHO),
+    .row = ROW_TABLE(wall_density_row),
 };
 
 const Term wall_velocity = {
