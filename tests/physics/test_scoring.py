@@ -481,7 +481,7 @@ class Incompressible(Scored):
         good = made(t, high=np.interp(t, ref["t"], ref["y_high"]), low=np.interp(t, ref["t"], ref["y_low"]), density_least=1,
                     density_greatest=1.8, coverage=0.9, escaped=0)
         good.summary["uncorrected"] = 0
-        self.check(good, lambda r: incompressible.score_tips("c", r), moved("high", -0.06), moved("low", 0.06), scaled("density_least", 0.98),
+        self.check(good, lambda r: incompressible.score_tips("c", [r]), moved("high", -0.06), moved("low", 0.06), scaled("density_least", 0.98),
                    scaled("coverage", 0.5), moved("escaped", 1), lambda r: replace(r, summary={"uncorrected": 1}))
 
 

@@ -79,7 +79,7 @@ CASES = {
     "droplet-ellipse2d": Case(incompressible.droplet_ellipse2d, 220, 0.4),
     "drop-shear2d": Case(incompressible.drop_shear2d, 490, 9),
     "drop-shear2d-one": Case(incompressible.drop_shear2d_one, 0, 0.4),
-    "rayleigh-taylor2d-isph": Case(incompressible.rayleigh_taylor2d_isph, 200, 0.06),
+    "rayleigh-taylor2d-isph": Case(incompressible.rayleigh_taylor2d_isph, 600, 0.2),
     # Joubert, Wilke and Pizette.
     "taylor-green2d-differences": Case(differences.taylor_green2d, 10, 0.1),
     "franke-operators": Case(differences.franke_operators, 3, 0.01),

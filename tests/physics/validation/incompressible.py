@@ -6,7 +6,7 @@ twice as much. Densities are corrected until they are within the tolerance of th
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -274,20 +274,26 @@ def drop_shear2d_one(paper: bool) -> Iterator[Metric]:
 # --- P4 3.4: Rayleigh-Taylor -----------------------------------------------------------------------------------------------
 
 
-def score_tips(case: str, r: Run) -> Iterator[Metric]:
-    """Against finite volumes of 1/256 with walls that hold the fluids."""
+def score_tips(case: str, runs: Sequence[Run]) -> Iterator[Metric]:
+    """Against finite volumes of 1/256 with walls that hold the fluids; means over starts, as one differs from another by a quarter of what is
+    allowed."""
     ref = table("P2/rt2d_vof_noslip_256.csv")
+    tips = (("highest point of the light fluid", "high", "y_high"), ("lowest point of the heavy fluid", "low", "y_low"))
     for t in (1, 2, 3):  # within a spacing of 1/60, nearly
-        yield Metric(case, f"highest point of the light fluid at t = {t}", r.at("high", t), at(ref, "y_high", t), 0.015)
-        yield Metric(case, f"lowest point of the heavy fluid at t = {t}", r.at("low", t), at(ref, "y_low", t), 0.015)
-    yield Metric(case, "highest point of the light fluid at t = 5", r.at("high", 5), at(ref, "y_high", 5), note="not scored")
-    light, heavy = r.probes["density_least"], r.probes["density_greatest"]
-    yield Metric(case, "largest density error", float(max(np.max(1 - light), np.max(heavy / 1.8 - 1))), high=0.005)  # density_tolerance of the case, and P4's
-    yield Metric(case, "steps that leave a density off by more", r.summary["uncorrected"], high=0)  # and not only where it is sampled
-    yield Metric(case, "escaped particles", float(np.nanmax(r.probes["escaped"])), high=0)
-    yield Metric(case, "smallest sum of W V", float(np.nanmin(r.probes["coverage"])), low=0.75)
+        for what, probe, column in tips:
+            places = [r.at(probe, t) for r in runs]
+            yield Metric(case, f"{what} at t = {t}", float(np.mean(places)), at(ref, column, t), 0.015)
+            yield Metric(case, f"{what} at t = {t}, largest less smallest of {len(runs)}", float(np.ptp(places)))
+    yield Metric(case, "highest point of the light fluid at t = 5", float(np.mean([r.at("high", 5) for r in runs])), at(ref, "y_high", 5),
+                 note="not scored")
+    errors = [max(np.max(1 - r.probes["density_least"]), np.max(r.probes["density_greatest"] / 1.8 - 1)) for r in runs]
+    yield Metric(case, "largest density error", float(max(errors)), high=0.005)  # density_tolerance of the case, and P4's
+    yield Metric(case, "steps that leave a density off by more", sum(r.summary["uncorrected"] for r in runs), high=0)  # and not only where it is sampled
+    yield Metric(case, "escaped particles", float(max(np.nanmax(r.probes["escaped"]) for r in runs)), high=0)
+    yield Metric(case, "smallest sum of W V", float(min(np.nanmin(r.probes["coverage"]) for r in runs)), low=0.75)
 
 
 def rayleigh_taylor2d_isph(_: bool) -> Iterator[Metric]:
-    """P4 3.4, at the paper's resolution."""
-    yield from score_tips("rayleigh-taylor2d-isph", run("rayleigh-taylor2d-isph"))
+    """P4 3.4, at the paper's resolution: three starts, off the lattice by a thousandth of a spacing."""
+    case = "rayleigh-taylor2d-isph"
+    yield from score_tips(case, [run(case, "domain.disorder=0.001", f"domain.seed={k + 1}") for k in range(3)])
