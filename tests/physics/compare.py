@@ -175,9 +175,9 @@ COMPARISONS = {
         (("riemann", ""), ("dissipation", "repulsion: 0"), ("interfacial", ""), ("incompressible", ""), ("differences", "")), layer),
     "A lock exchange, ratio 1.5": Comparison(
         "lock-exchange2d", ("resolution=20",),
-        (("riemann", ""), ("dissipation", "repulsion: 0, background_pressure: 3000"),
-         ("dissipation", "repulsion: 0, background_pressure: 3000, gradient_correction: true"), ("interfacial", "background_pressure: 3000"),
-         ("interfacial", "background_pressure: 3000, gradient_correction: true"), ("incompressible", ""), ("differences", "")), fronts),
+        (("riemann", ""), ("dissipation", "repulsion: 0, background_pressure: 500"),
+         ("dissipation", "repulsion: 0, background_pressure: 500, gradient_correction: true"), ("interfacial", "background_pressure: 500"),
+         ("interfacial", "background_pressure: 500, gradient_correction: true"), ("incompressible", ""), ("differences", "")), fronts),
     "Rayleigh-Taylor instability, ratio 1.8": Comparison(
         "rayleigh-taylor2d", ("resolution=50", *UNMOVED_2D),
         (("riemann", ""), ("dissipation", "background_pressure: 2"), ("dissipation", "background_pressure: 2, gradient_correction: true"),
