@@ -2,6 +2,7 @@
 /* Put a particle on each point of the lattice that belongs to somebody, or where that is moved to, and have fluids start. Rows are filled by
  * all threads at once, each where a count of those before it says, so that every bit is the same for any number. */
 #include "sim/displacement.h"
+#include "sim/fluid_sum.h"
 #include "sim/making.h"
 #include "sim/motion.h"
 #include "sim/start.h"
@@ -181,15 +182,20 @@ static MnsStatus fill(const Filling *f, MnsError *error)
     return status;
 }
 
+static double mass(const Particles *s, const Model *model, size_t i)
+{
+    (void)model;
+    return s->m[i];
+}
+
 /* Fluids that fill the domain fill it after they were moved too: volumes by the middles of cells are off by some thousandths. */
 static MnsStatus keep_volume(MnsSim *sim, MnsError *error)
 {
     Particles *s = &sim->s;
     const size_t n = particles_fluid(s);
-    double all = 0;
     if (!sim->model.filled) return MNS_OK;
-    for (size_t i = 0; i < n; i++) all += s->m[i];
-    const double grown = all / ((double)n * sim->model.wall_volume);
+    const double cells = (double)n * sim->model.wall_volume;
+    const double grown = fluid_sum(s, &sim->model, mass, sim->threads) / cells; /* masses are volumes as yet */
     if (!(fabs(grown - 1) < 0.02))
         return mns_fail_at(
             error, MNS_E_INVALID, "domain.displacement",

@@ -3,11 +3,8 @@
  * particles and not their density, so that the mean pressure of a full tank of 1 m climbs by 0.9 rho g H a second
  * (schemes/README.md). The same pressure everywhere, up or down, puts the volume right:
  *   rho_i += dp / c_i^2,   dp = (sum_i m_i/rho_i - n V_0) / sum_i m_i/(rho_i^2 c_i^2) */
+#include "sim/fluid_sum.h"
 #include "sim/locals/locals.h"
-
-enum { BLOCK = 4096 }; /* particles that one thread sums up, whatever the number of threads */
-
-typedef double (*Summand)(const Particles *, const Model *, size_t i);
 
 static double volume(const Particles *s, const Model *model, size_t i)
 {
@@ -21,21 +18,6 @@ static double compliance(const Particles *s, const Model *model, size_t i)
     return s->m[i] / (s->rho[i] * s->rho[i] * c * c);
 }
 
-/* Over the fluid; rates of density have been used by now and leave room for the sums of blocks. */
-static double sum(const Particles *s, const Model *model, Summand f, int threads)
-{
-    const size_t n = particles_fluid(s), blocks = (n + BLOCK - 1) / BLOCK;
-    double all = 0;
-#pragma omp parallel for schedule(static) num_threads(threads)
-    for (size_t b = 0; b < blocks; b++) {
-        double part = 0;
-        for (size_t i = b * BLOCK; i < n && i < (b + 1) * BLOCK; i++) part += f(s, model, i);
-        s->rate[b] = part;
-    }
-    for (size_t b = 0; b < blocks; b++) all += s->rate[b];
-    return all;
-}
-
 static bool is_full_of_liquids(const Model *model)
 {
     for (size_t k = 0; k < model->n_phases; k++)
@@ -46,8 +28,8 @@ static bool is_full_of_liquids(const Model *model)
 static void keep_volume(Particles *s, const Model *model, int threads)
 {
     const size_t n = particles_fluid(s);
-    const double excess = sum(s, model, volume, threads) - (double)n * model->wall_volume;
-    const double dp = excess / sum(s, model, compliance, threads);
+    const double excess = fluid_sum(s, model, volume, threads) - (double)n * model->wall_volume;
+    const double dp = excess / fluid_sum(s, model, compliance, threads);
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t i = 0; i < n; i++) {
         const double c = model->phase[s->phase[i]].c;
