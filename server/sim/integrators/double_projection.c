@@ -162,30 +162,13 @@ static void gauge(MnsSim *sim)
     for (size_t i = 0; i < n; i++) x[i] -= least;
 }
 
-/* What a wall shows of its pressures, for pictures: their mean, by how much they matter. */
-static void show_walls(MnsSim *sim, double dt, double share)
-{
-    const System *y = &sim->system;
-    Particles *s = &sim->s;
-    const size_t n = particles_fluid(s), walls = s->n - n;
-#pragma omp parallel for schedule(static) num_threads(sim->threads)
-    for (size_t w = 0; w < walls; w++) {
-        double sum = 0, weight = 0;
-        for (size_t node = n + w; node < y->matrix.n; node += walls) {
-            if (y->matrix.blocks[node] == 0) continue;
-            sum += y->matrix.diagonal[node] * y->x[node];
-            weight += y->matrix.diagonal[node];
-        }
-        s->p[(n + w) * s->p_step] += share * ((weight > 0 ? sum / (weight * dt) : 0) - s->p[(n + w) * s->p_step]);
-    }
-}
-
 static void finish(MnsSim *sim, double dt)
 {
     const double share = pressure_share(sim, dt);
     Particles *s = &sim->s;
     const size_t n = particles_fluid(s), v_step = s->v_step, p_step = s->p_step;
     const double *restrict P = sim->system.x;
+    const uint32_t *blocks = sim->system.matrix.blocks; /* none of walls that no fluid reaches */
     double *restrict p = s->p;
     for (int d = 0; d < s->dim; d++) {
         double *restrict v = s->v[d];
@@ -193,9 +176,8 @@ static void finish(MnsSim *sim, double dt)
 #pragma omp parallel for simd schedule(static) num_threads(sim->threads)
         for (size_t i = 0; i < n; i++) v[i * v_step] += change;
     }
-#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
-    for (size_t i = 0; i < n; i++) p[i * p_step] += share * (P[i] / dt - p[i * p_step]);
-    show_walls(sim, dt, share);
+#pragma omp parallel for schedule(static) num_threads(sim->threads)
+    for (size_t i = 0; i < s->n; i++) p[i * p_step] += share * ((blocks[i] ? P[i] / dt : 0) - p[i * p_step]);
     particles_changed(s, ON_ALL, FIELD(V) | FIELD(P));
 }
 
