@@ -121,8 +121,7 @@ Cloud *cloud_new(const CloudSetup *setup)
     static const Fields fields = ALL_FIELDS & ~(FIELD(RHO_MIXED) | FIELD(MU_MIXED)); /* nobody reads arrays of these */
     if (particles_init(&cloud->s, setup->dim, 2, sizes, fields, 0, setup->viscous, cloud->threads, NULL, NULL)) abort();
     if (neighbours_init(&cloud->nb, cloud->s.n, cloud->s.dim, NEED_ALL, cloud->threads, NULL)) abort();
-    if (!system_init(&cloud->system, cloud->s.n, particles_fluid(&cloud->s), cloud->threads))
-        abort();
+    if (!system_init(&cloud->system, cloud->s.n, particles_fluid(&cloud->s), cloud->threads)) abort();
     cloud->s.system = &cloud->system;
     fill(cloud, setup, points);
     if (cloud_build(cloud) != MNS_OK) abort();
