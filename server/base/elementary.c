@@ -17,7 +17,7 @@ static double settled(long double near)
 }
 
 /* MPFR keeps pi and scratch memory for the thread, and they would be lost with it. */
-static double kept_by_none(mpfr_t value)
+static double taken_from(mpfr_t value)
 {
     mpfr_free_cache2(MPFR_FREE_LOCAL_CACHE);
     return mpfr_get_d(value, MPFR_RNDN);
@@ -31,7 +31,7 @@ static double kept_by_none(mpfr_t value)
         MPFR_DECL_INIT(value, 53);                                                                                     \
         mpfr_set_d(value, x, MPFR_RNDN);                                                                               \
         mpfr_##name(value, value, MPFR_RNDN);                                                                          \
-        return kept_by_none(value);                                                                                    \
+        return taken_from(value);                                                                                      \
     }                                                                                                                  \
     double name(double x)                                                                                              \
     {                                                                                                                  \
@@ -48,7 +48,7 @@ static double kept_by_none(mpfr_t value)
         mpfr_set_d(value, x, MPFR_RNDN);                                                                               \
         mpfr_set_d(other, y, MPFR_RNDN);                                                                               \
         mpfr_##name(value, value, other, MPFR_RNDN);                                                                   \
-        return kept_by_none(value);                                                                                    \
+        return taken_from(value);                                                                                      \
     }
 
 OF_ONE(sin)

@@ -5,8 +5,8 @@
 
 #include "sim/sim.h"
 
-/* At the start: refuse a wall between two spaces that is so thin that both are in reach of each other, or of one unknown of a particle of it,
- * which has one for each fluid in P4 and one for all in P5. MNS_OK; MNS_E_INVALID with the place; MNS_E_MEMORY; or what the making says. */
+/* At the start: refuse a wall between two spaces that is so thin that both are in reach of each other, or of the unknown of a particle of it.
+ * MNS_OK; MNS_E_INVALID with the place; MNS_E_MEMORY; or what the making says. */
 MnsStatus chambers_check(const MnsSim *sim, MnsError *error);
 
 #endif

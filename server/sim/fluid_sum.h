@@ -6,9 +6,9 @@
 #include "sim/model.h"
 #include "sim/particles.h"
 
-typedef double (*Summand)(const Particles *, const Model *, size_t i);
+typedef double (*Addend)(const Particles *, const Model *, size_t i);
 
-/* Takes the rates of density as room for the sums of blocks. */
-double fluid_sum(Particles *s, const Model *model, Summand summand, int threads);
+/* The rates of density are room for the sums of blocks: none may be read by an addend, or later on. */
+double fluid_sum(Particles *s, const Model *model, Addend addend, int threads);
 
 #endif

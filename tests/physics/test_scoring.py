@@ -396,6 +396,15 @@ class Interfaces(Scored):
             self.check(good, lambda r, full=full: interfaces.score_fronts("c", interfaces.front_speeds(r), full),
                        scaled("light", 0.9, 0.905), scaled("heavy", 0.9, 0.905))
 
+    def test_means_converge_where_starts_tell(self):
+        def row(coarse: list[float], fine: list[float]) -> Metric:
+            return next(interfaces.converges_in_the_mean("c", "v", np.array(coarse), np.array(fine), 1))
+
+        for coarse, fine, scored, passed in (([0.8, 0.81, 0.82], [0.9, 0.91, 0.92], True, True), ([0.9, 0.91, 0.92], [0.8, 0.81, 0.82], True, False),
+                                             ([0.98, 1, 1.03], [0.99, 1.01, 1.02], False, True), ([0.98, 1, 1.03], [1.01], False, True),
+                                             ([0.98, 1, 1.03], [1.1], True, False)):
+            self.assertEqual((row(coarse, fine).scored, row(coarse, fine).passed), (scored, passed))
+
     def test_tips(self):
         ref = series.table("P2/rt2d_vof_noslip_256.csv")
         t = samples(5, 0.02)

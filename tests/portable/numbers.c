@@ -92,6 +92,7 @@ void formula_team_forget(FormulaTeam *team)
         fputs("there is no mpfr_" #name "() here\n", stderr);                                                          \
         abort();                                                                                                       \
     }
+NO_MPFR(free_cache2)
 NO_MPFR(set_d)
 NO_MPFR(get_d)
 NO_MPFR(sin)

@@ -25,7 +25,7 @@ static int bind_port(int port, int *ret_fd)
 }
 
 /* Four ports in a row that nobody has, three for the daemon's sockets and one for HTTP: not of those that the system gives to
- * others, and other ones for each program. */
+ * others, and other ones for programs side by side. */
 static int free_ports(void)
 {
     static int calls;

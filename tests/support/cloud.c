@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A handful of particles without a case. */
 #include "tests/support/cloud.h"
+#include "sim/terms/matrix_row.h"
 #include "sim/terms/terms.h"
 #include "tests/support/check.h"
 #include <stdlib.h>

@@ -3,6 +3,7 @@
  * the pressure takes divergence away. */
 #include "sim/locals/locals.h"
 #include "sim/solve/solve.h"
+#include "sim/terms/matrix_row.h"
 #include "sim/terms/terms.h"
 #include "tests/support/check.h"
 #include "tests/support/cloud.h"

@@ -94,6 +94,41 @@ static void the_system_is_that_of_the_paper_and_symmetric_to_the_last_bit(void *
         }
 }
 
+/* What walls balance of a body force is the flux that it makes in each pair, whatever densities the two have. */
+static void walls_balance_the_pull_on_each_pair(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        Cloud *cloud = disordered(dim);
+        const Particles *s = &cloud->s;
+        size_t of_both = 0;
+        for (int d = 0; d < dim; d++) {
+            cloud->model.gravity[d] = -9.81 + 4 * d;
+            cloud->model.wall[0].a[d] = 0.5 - d;
+        }
+        cloud_term(cloud, &wall_density);
+        cloud_term(cloud, &velocity_wall_matrix);
+        for (size_t w = particles_fluid(s); w < s->n; w++) {
+            double flux = 0, size = 0;
+            bool has[2] = {false, false};
+            for (size_t i = 0; i < particles_fluid(s); i++) {
+                const CloudPair pair = cloud_pair(cloud, w, i);
+                const double A = (square(s->vol[w]) + square(s->vol[i])) * pair.F;
+                double along = 0;
+                for (int d = 0; d < dim; d++)
+                    along += cloud->model.dt * (cloud->model.gravity[d] - cloud->model.wall[0].a[d]) * pair.dx[d];
+                flux -= 0.5 * A * along;
+                size += fabs(A * along);
+                has[s->phase[i]] |= pair.F < 0;
+            }
+            of_both += has[0] && has[1];
+            assert_close(cloud->system.b[w], flux, 1e-6 * size); /* entries are floats */
+        }
+        assert_true(of_both > 5 && cloud->model.dt > 0);
+        cloud_free(cloud);
+    }
+}
+
 /* One or two fluids on a lattice without sides. */
 static Cloud *lattice(int dim, bool two)
 {
@@ -427,6 +462,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_system_is_that_of_the_paper_and_symmetric_to_the_last_bit),
+        cmocka_unit_test(walls_balance_the_pull_on_each_pair),
         cmocka_unit_test(on_a_lattice_gradients_of_linear_fields_are_exact),
         cmocka_unit_test(on_a_lattice_the_laplacian_of_a_square_and_the_divergence_of_a_stretch_are_exact),
         cmocka_unit_test(even_flows_have_no_divergence),

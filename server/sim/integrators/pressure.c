@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "sim/integrators/pressure.h"
-#include "sim/terms/terms.h"
+#include "sim/terms/matrix_row.h"
 #include <math.h>
 #include <omp.h>
 

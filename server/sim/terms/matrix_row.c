@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "sim/terms/matrix_row.h"
-#include "sim/terms/terms.h"
 
 static size_t blocks_for(size_t entries)
 {

@@ -16,4 +16,7 @@ INLINE double float_sum(const float *c, size_t n)
     return sum;
 }
 
+/* Lay out the rows of the pressure system, one for each particle, by how many neighbours there are. false: no memory. */
+bool matrix_rows_lay(Particles *s, const Neighbours *nb);
+
 #endif

@@ -7,7 +7,7 @@
  *   P_ij = (rho_i P_j + rho_j P_i) / (rho_i + rho_j);  P_0: P_i, but from 0 to 0.2 rho h^2
  * A wall particle is an unknown too, of the density of the fluids that are there (wall_density), through which nothing flows:
  *   sum_i c_iw (P_w - P_i - (rho_i + rho_w)/2 dt (g - a_w) . (x_w - x_i)) = 0
- * so L stays symmetric, and a layer at rest is exact. Pairs of fluid and wall at the rim of the kernel are left out of all sums with
+ * so L stays symmetric, and one fluid at rest on a lattice is exact. Pairs of fluid and wall at the rim of the kernel are left out of all sums with
  * pressures. */
 #include "sim/solve/solve.h"
 #include "sim/terms/matrix_row.h"
@@ -42,7 +42,8 @@ INLINE double weight_of(const Model *model, unsigned fluid, bool unit)
 /* By the fluid of j, and of walls by what is there. */
 INLINE double density_of(const Particles *s, const Model *model, uint32_t j, bool wall, bool unit)
 {
-    return wall && !unit ? s->rho[j] : weight_of(model, wall ? 0 : s->phase[j], unit);
+    if (unit) return 1;
+    return wall ? s->rho[j] : model->phase[s->phase[j]].rho0;
 }
 
 /* Row of a fluid particle. */
@@ -169,12 +170,15 @@ INLINE void push(const Row *row, const Particles *s, const Model *model, bool un
         const uint32_t *j = row_j(row, b);
         const bool wall = b >= row->block + row->n_fluid;
         const double faint = wall ? model->projection.faint : 0;
-        double P_ij[LANES];
-        for (int l = 0; l < LANES; l++)
-            P_ij[l] = rho / (rho + density_of(s, model, j[l], wall, unit)) * (times * P[j[l]] - P_i) + base;
+        double its[LANES], difference[LANES];
+        for (int l = 0; l < LANES; l++) {
+            its[l] = density_of(s, model, j[l], wall, unit);
+            difference[l] = times * P[j[l]] - P_i;
+        }
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const double c = facing(V, b->V[l], b->F[l] < faint ? b->F[l] : 0) * P_ij[l];
+            const double P_ij = rho / (rho + its[l]) * difference[l] + base;
+            const double c = facing(V, b->V[l], b->F[l] < faint ? b->F[l] : 0) * P_ij;
             for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, b->x[d][l], how);
         }
     }

@@ -116,9 +116,6 @@ static inline bool is_viscous(const Model *model)
     return model->viscous;
 }
 
-/* Lay out the rows of the pressure system, one for each particle, by how many neighbours there are. false: no memory. */
-bool matrix_rows_lay(Particles *s, const Neighbours *nb);
-
 /* 1 / K, K = sum_j V_j (-F) y^2 r^2/(r^2 + 0.01 h^2) over the lattice with these spacings, mean over directions: 1 for a
  * perfect kernel. */
 double viscosity_scale(const Kernel *kernel, int dim, const double spacing[3]);
