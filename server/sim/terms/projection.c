@@ -84,7 +84,9 @@ ROW_FUNCTIONS(velocity_matrix_row)
 INLINE void density_matrix_row(const Row *row, Particles *s, const Model *model, How how)
 {
     (void)how;
-    matrix_row(row, s, model, model->projection.unit_mobility);
+    if (model->projection.unit_mobility)
+        matrix_row(row, s, model, true); /* each by itself, for vectors as wide as can be */
+    else matrix_row(row, s, model, false);
     s->system->b[row->i] = -0.5 * (particles_volume(s, model, row->i) - model->wall_volume);
 }
 ROW_FUNCTIONS(density_matrix_row)
