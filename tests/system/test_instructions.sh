@@ -59,7 +59,7 @@ within drop3d-p2-142 10 245 323
 within drop2d-p1 20 520 239
 within drop3d-p1 8 3182 260
 within drop2d-p4 20 475 679
-within drop3d-p4 8 1235 1710
+within drop3d-p4 8 1152 1710
 within drop2d-p5 20 994 690
 within drop3d-p5 8 560 1410
 exit $failed

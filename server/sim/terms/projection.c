@@ -39,11 +39,27 @@ INLINE double weight_of(const Model *model, unsigned fluid, bool unit)
     return unit ? 1 : model->phase[fluid].rho0;
 }
 
-/* By the fluid of j, and of walls by what is there. */
-INLINE double density_of(const Particles *s, const Model *model, uint32_t j, bool wall, bool unit)
+/* 1 / (rho_i + rho_j) by the fluid of j. */
+INLINE void inverse_sums(const Model *model, unsigned fluid, bool unit, double ret[MNS_MAX_FLUIDS])
 {
-    if (unit) return 1;
-    return wall ? s->rho[j] : model->phase[s->phase[j]].rho0;
+    for (unsigned a = 0; a < model->n_phases; a++)
+        ret[a] = 1 / (weight_of(model, fluid, unit) + weight_of(model, a, unit));
+}
+
+/* The same of a fluid and a wall particle. */
+INLINE double inverse_at_wall(const Particles *s, const Model *model, unsigned fluid, size_t wall_particle, bool unit)
+{
+    return unit ? 0.5 : 1 / (model->phase[fluid].rho0 + s->rho[wall_particle]);
+}
+
+/* Of a block, whose pairs are all with fluids or all with walls. */
+INLINE void inverses(const Particles *s, const Model *model, unsigned mine, const double inverse[MNS_MAX_FLUIDS],
+                     const uint32_t j[LANES], bool wall, bool unit, double ret[LANES])
+{
+    if (wall)
+        for (int l = 0; l < LANES; l++) ret[l] = inverse_at_wall(s, model, mine, j[l], unit);
+    else
+        for (int l = 0; l < LANES; l++) ret[l] = inverse[s->phase[j[l]]];
 }
 
 /* Row of a fluid particle. */
@@ -51,7 +67,10 @@ INLINE void matrix_row(const Row *row, Particles *s, const Model *model, bool un
 {
     const size_t i = row->i, first = s->system->matrix.start[i] * LANES;
     Matrix *m = &s->system->matrix;
-    const double V = particles_volume(s, model, i), rho = weight_of(model, s->phase[i], unit);
+    const unsigned mine = s->phase[i];
+    const double V = particles_volume(s, model, i);
+    double inverse[MNS_MAX_FLUIDS];
+    inverse_sums(model, mine, unit, inverse);
     uint32_t *column = m->column + first;
     float *c = m->c + first;
     for (size_t b = 0; b < row->n; b++) {
@@ -59,15 +78,13 @@ INLINE void matrix_row(const Row *row, Particles *s, const Model *model, bool un
         const uint32_t *j = row_j(row, block);
         const bool wall = b >= row->n_fluid;
         const double faint = wall ? model->projection.faint : 0;
-        double sum[LANES];
-        for (size_t l = 0; l < LANES; l++) {
-            column[b * LANES + l] = j[l];
-            sum[l] = rho + density_of(s, model, j[l], wall, unit);
-        }
+        double by[LANES];
+        inverses(s, model, mine, inverse, j, wall, unit, by);
+        for (size_t l = 0; l < LANES; l++) column[b * LANES + l] = j[l];
 #pragma omp simd
         for (size_t l = 0; l < LANES; l++) {
             const double F = block->F[l] < faint ? block->F[l] : 0;
-            c[b * LANES + l] = (float)(facing(V, block->V[l], F) / sum[l]);
+            c[b * LANES + l] = (float)(facing(V, block->V[l], F) * by[l]);
         }
     }
     m->diagonal[i] = float_sum(c, row->n * LANES);
@@ -84,9 +101,7 @@ ROW_FUNCTIONS(velocity_matrix_row)
 INLINE void density_matrix_row(const Row *row, Particles *s, const Model *model, How how)
 {
     (void)how;
-    if (model->projection.unit_mobility)
-        matrix_row(row, s, model, true); /* each by itself, for vectors as wide as can be */
-    else matrix_row(row, s, model, false);
+    matrix_row(row, s, model, model->projection.unit_mobility);
     s->system->b[row->i] = -0.5 * (particles_volume(s, model, row->i) - model->wall_volume);
 }
 ROW_FUNCTIONS(density_matrix_row)
@@ -97,20 +112,20 @@ INLINE void wall_row(const Row *row, Particles *s, const Model *model, bool unit
     System *y = s->system;
     Matrix *m = &y->matrix;
     const size_t i = row->i, first = m->start[i] * LANES;
-    const double V = particles_volume(s, model, i), rho = density_of(s, model, (uint32_t)i, true, unit);
+    const double V = particles_volume(s, model, i);
     size_t n = 0;
     double flux = 0;
     for (const Block *b = row->block; b < row->block + row->n; b++) {
         const uint32_t *j = row_j(row, b);
         for (int l = 0; l < LANES; l++) {
             if (!(b->F[l] < model->projection.faint)) continue;
-            const double sum = weight_of(model, s->phase[j[l]], unit) + rho;
-            const float c = (float)(facing(V, b->V[l], b->F[l]) / sum);
+            const double inverse = inverse_at_wall(s, model, s->phase[j[l]], i, unit);
+            const float c = (float)(facing(V, b->V[l], b->F[l]) * inverse);
             double along = 0;
             for (int d = 0; d < how.dim; d++) along += pull[d] * b->x[d][l];
             m->column[first + n] = j[l];
             m->c[first + n++] = c;
-            flux += 0.5 * (double)c * sum * along;
+            flux += 0.5 * (double)c / inverse * along;
         }
     }
     m->diagonal[i] = float_sum(m->c + first, n);
@@ -165,22 +180,22 @@ INLINE void push(const Row *row, const Particles *s, const Model *model, bool un
                  double ret[3])
 {
     const size_t i = row->i;
-    const double V = particles_volume(s, model, i), rho = weight_of(model, s->phase[i], unit), *P = s->system->x,
+    const unsigned mine = s->phase[i];
+    const double V = particles_volume(s, model, i), rho = weight_of(model, mine, unit), *P = s->system->x,
                  P_i = times * P[i];
+    double inverse[MNS_MAX_FLUIDS];
     Lanes sum[3] = {0};
+    inverse_sums(model, mine, unit, inverse);
     for (const Block *b = row->block; b < row->block + row->n; b++) {
         const uint32_t *j = row_j(row, b);
         const bool wall = b >= row->block + row->n_fluid;
         const double faint = wall ? model->projection.faint : 0;
-        double its[LANES], difference[LANES];
-        for (int l = 0; l < LANES; l++) {
-            its[l] = density_of(s, model, j[l], wall, unit);
-            difference[l] = times * P[j[l]] - P_i;
-        }
+        double by[LANES], P_ij[LANES];
+        inverses(s, model, mine, inverse, j, wall, unit, by);
+        for (int l = 0; l < LANES; l++) P_ij[l] = rho * by[l] * (times * P[j[l]] - P_i) + base;
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const double P_ij = rho / (rho + its[l]) * difference[l] + base;
-            const double c = facing(V, b->V[l], b->F[l] < faint ? b->F[l] : 0) * P_ij;
+            const double c = facing(V, b->V[l], b->F[l] < faint ? b->F[l] : 0) * P_ij[l];
             for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, b->x[d][l], how);
         }
     }

@@ -275,7 +275,7 @@ def drop_shear2d_one(paper: bool) -> Iterator[Metric]:
 
 
 def score_tips(case: str, runs: Sequence[Run]) -> Iterator[Metric]:
-    """Against finite volumes of 1/256 with walls that hold the fluids; means over starts, as one differs from another by a quarter of what is
+    """Against finite volumes of 1/256 with walls that hold the fluids; means over starts, as one differs from another by up to half of what is
     allowed."""
     ref = table("P2/rt2d_vof_noslip_256.csv")
     tips = (("highest point of the light fluid", "high", "y_high"), ("lowest point of the heavy fluid", "low", "y_low"))
