@@ -197,6 +197,6 @@ void bodies_done(Bodies *bodies)
 
 double bodies_radius(const Model *model, size_t points)
 {
-    const double volume = (double)points * model->wall_volume;
+    const double volume = (double)points * model->cell_volume;
     return model->dim == 2 ? sqrt(volume / M_PI) : cbrt(0.75 * volume / M_PI);
 }

@@ -102,7 +102,7 @@ static void set_wall(const Filling *f, size_t i, size_t k)
     const Model *model = &f->sim->model;
     Particles *s = &f->sim->s;
     s->rho[i] = model->rho_max;
-    s->m[i] = model->rho_max * model->wall_volume;
+    s->m[i] = model->rho_max * model->cell_volume;
     for (int d = 0; d < s->dim; d++) s->v[d][i] = model->wall[k].v[d];
     if (s->to_surface[0]) find_surface(f->sim, i, k);
 }
@@ -139,7 +139,7 @@ static MnsStatus place_row(const Filling *f, size_t r, MnsError *error)
             if (is_fluid(f, run)) {
                 disorder(f->sim, id, x);
                 status = displace(f->displacement, f->sim, x, &stretch, error);
-                s->m[i] = stretch.volume * model->wall_volume;
+                s->m[i] = stretch.volume * model->cell_volume;
                 s->rho[i] = axis < 0 ? 1 : stretch.along[axis];
             }
             s->id[i] = id++;
@@ -194,7 +194,7 @@ static MnsStatus keep_volume(MnsSim *sim, MnsError *error)
     Particles *s = &sim->s;
     const size_t n = particles_fluid(s);
     if (!sim->model.filled) return MNS_OK;
-    const double cells = (double)n * sim->model.wall_volume;
+    const double cells = (double)n * sim->model.cell_volume;
     const double grown = fluid_sum(s, &sim->model, mass, sim->threads) / cells; /* masses are volumes as yet */
     if (!(fabs(grown - 1) < 0.02))
         return mns_fail_at(

@@ -32,7 +32,7 @@ static void volume(const Particles *s, const Model *model, int d, size_t first, 
     (void)d;
     const double *restrict m = s->m + first, *restrict rho = s->rho + first;
     const bool fluid = first < particles_fluid(s);
-    for (size_t i = 0; i < n; i++) out[i] = fluid ? m[i] / rho[i] : model->wall_volume;
+    for (size_t i = 0; i < n; i++) out[i] = fluid ? m[i] / rho[i] : model->cell_volume;
 }
 
 static void impedance(const Particles *s, const Model *model, int d, size_t first, size_t n, double *restrict out)

@@ -131,7 +131,8 @@ static MnsStatus check_plate(const MnsPart *p, int dim, bool solid, double suppo
     if (dim == 3 && !(norm2(p->b) * norm2(p->c) - along * along > 1e-12 * norm2(p->b) * norm2(p->c)))
         return mns_fail_at(error, MNS_E_INVALID, at, "`normal` is missing or parallel to `along`");
     if (dim == 3 && !(p->width > 0))
-        return mns_fail_at(error, MNS_E_INVALID, at, "in three dimensions a plate needs a `width` above 0");
+        return mns_fail_at(error, MNS_E_INVALID, at, "in three dimensions a plate needs a `width` above 0, found %g m",
+                           p->width);
     if (solid && p->thickness < support * (1 - 1e-9))
         return mns_fail_at(
             error, MNS_E_INVALID, at,
@@ -153,12 +154,16 @@ static MnsStatus check_part(const MnsPart *p, const MnsCase *c, bool solid, cons
         }
         return MNS_OK;
     case MNS_BALL:
-        if (!(p->radius > 0)) return mns_fail_at(error, MNS_E_INVALID, at, "the radius must be above 0");
+        if (!(p->radius > 0))
+            return mns_fail_at(error, MNS_E_INVALID, at, "the radius must be above 0, found %g m", p->radius);
         return MNS_OK;
     case MNS_CYLINDER: {
         const double axis[3] = {p->b[0] - p->a[0], p->b[1] - p->a[1], p->b[2] - p->a[2]};
-        if (!(norm2(axis) > 0) || !(p->radius > 0))
-            return mns_fail_at(error, MNS_E_INVALID, at, "the cylinder is empty: its ends coincide or its radius is 0");
+        if (!(norm2(axis) > 0))
+            return mns_fail_at(error, MNS_E_INVALID, at, "the cylinder is empty: both ends are at (%g, %g, %g) m",
+                               p->a[0], p->a[1], p->a[2]);
+        if (!(p->radius > 0))
+            return mns_fail_at(error, MNS_E_INVALID, at, "the radius must be above 0, found %g m", p->radius);
         return MNS_OK;
     }
     case MNS_PLATE: return check_plate(p, c->dim, solid, kernel_support(c), at, error);
@@ -302,9 +307,16 @@ static MnsStatus check_probe(const MnsCase *c, size_t k, const Constants *consta
     char at[64], entry[96];
     snprintf(at, sizeof at, "probes[%zu]", k);
     if (!kind) return mns_fail_at(error, MNS_E_INVALID, at, "unknown kind of probe, %d", (int)probe->kind);
-    if (probe->fluid >= (int)c->n_fluids || probe->wall >= (int)c->n_walls || probe->axis < 0 ||
-        probe->axis >= c->dim || probe->fluids >> c->n_fluids)
-        return mns_fail_at(error, MNS_E_INVALID, at, "no such fluid, wall or axis");
+    if (probe->fluid >= (int)c->n_fluids)
+        return mns_fail_at(error, MNS_E_INVALID, at, "there is no fluid %d: allowed 0 to %zu, or -1 for all",
+                           probe->fluid, c->n_fluids - 1);
+    if (probe->fluids >> c->n_fluids)
+        return mns_fail_at(error, MNS_E_INVALID, at, "a set of fluids, %#x, has more than the case's %zu",
+                           probe->fluids, c->n_fluids);
+    if (probe->wall >= (int)c->n_walls)
+        return mns_fail_at(error, MNS_E_INVALID, at, "there is no wall %d: the case has %zu", probe->wall, c->n_walls);
+    if (probe->axis < 0 || probe->axis >= c->dim)
+        return mns_fail_at(error, MNS_E_INVALID, at, "there is no axis %d: allowed 0 to %d", probe->axis, c->dim - 1);
     if (kind->uses & PROBE_FIELD && mns_field_find(probe->field) < 0)
         return mns_fail_at(error, MNS_E_INVALID, at, "there is no field \"%s\"", probe->field);
     snprintf(entry, sizeof entry, "%s.%s.inside", at, kind->name);

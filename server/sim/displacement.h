@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Where the lattice's points are moved to, so that rows of particles follow an interface. On a lattice as it is, an interface that is not
- * along it starts as a staircase, and an unstable one grows each step of that as well (schemes/README.md). */
+ * along it starts as a staircase, and an unstable one grows each step of that as well (schemes/interfacial.md). */
 #ifndef SIM_DISPLACEMENT_H
 #define SIM_DISPLACEMENT_H
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The guard against penetration: a fluid particle that drifted closer to a wall's surface than the guard distance goes back
  * to that distance and loses its velocity into the wall, relative to the wall. No paper has it; violent impacts at low
- * resolution need it (schemes/README.md). */
+ * resolution need it (schemes/riemann.md). */
 #include "sim/sim.h"
 
 /* Guard one particle against one wall, whose shape stands where the case put it: so move the particle instead. */

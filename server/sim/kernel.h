@@ -14,6 +14,8 @@ typedef struct Kernel {
     double steepness; /* F is steepness beta / h^2 times a function of q (kernel_shape.h) */
 } Kernel;
 
+#define NOTHING_NEAR 1e-12 /* a sum of W V up to this is rounding: of points that no particle is in reach of */
+
 Kernel kernel_make(MnsKernel type, int dim, double h);
 
 /* W[k], F[k] for r[k] >= 0, k < n; both 0 beyond the support, up to a rounding error of r. W in m^-dim, F in m^-(dim+2). */

@@ -157,7 +157,7 @@ const Limit body_force_limit = {
 
 const Limit viscous_limit = {
     .name = "viscosity",
-    .source = "schemes/README.md",
+    .source = "schemes/riemann.md",
     .equation = "dt <= 0.125 h^2 rho / mu",
     .entries = "viscosity, density, resolution",
     .of = viscous,
@@ -165,7 +165,7 @@ const Limit viscous_limit = {
 
 const Limit radial_viscous_limit = {
     .name = "viscosity",
-    .source = "schemes/README.md",
+    .source = "schemes/interfacial.md",
     .equation = "dt <= 0.06 h^2 rho / mu",
     .entries = "viscosity, density, resolution",
     .of = radial_viscous,
@@ -189,7 +189,7 @@ const Limit incompressible_viscous_limit = {
 
 const Limit mixture_viscous_limit = {
     .name = "viscosity",
-    .source = "schemes/README.md",
+    .source = "schemes/differences.md",
     .equation = "dt <= 0.25 h^2 rho / mu,  of each fluid",
     .entries = "viscosity, density, resolution",
     .of = mixture_viscous,
@@ -213,7 +213,7 @@ const Limit tension_limit = {
 
 const Limit interface_limit = {
     .name = "stiffness across interfaces",
-    .source = "schemes/README.md",
+    .source = "schemes/dissipation.md",
     .equation = "dt <= h / (c_h sqrt(rho_h / rho_l)) (1 + min(4 delta, 1)); none with averages by density",
     .entries = "pair_average of the scheme, density, sound_speed, resolution",
     .of = stiff_interface,
@@ -221,7 +221,7 @@ const Limit interface_limit = {
 
 const Limit dissipation_limit = {
     .name = "dissipation",
-    .source = "schemes/README.md",
+    .source = "schemes/dissipation.md",
     .equation = "dt <= 0.55 h / (delta c)",
     .entries = "delta of the scheme, sound_speed, resolution",
     .of = dissipation,

@@ -10,7 +10,7 @@ static double list_entries(const Model *model)
     const double crowded = 1.1;
     const double reach = model->kernel.support + model->skin;
     const double ball = model->dim == 2 ? M_PI * reach * reach : 4 * M_PI / 3 * reach * reach * reach;
-    return crowded * ball / model->wall_volume;
+    return crowded * ball / model->cell_volume;
 }
 
 /* Entries and their marks. */

@@ -56,7 +56,7 @@ typedef struct Differences {
 typedef struct Model {
     Level level; /* of instructions */
     int dim;
-    double dx, cell[3], wall_volume; /* nominal and fitted spacing [m]; volume of a dummy particle [m^dim] */
+    double dx, cell[3], cell_volume; /* nominal and fitted spacing [m]; volume of a lattice cell, V_0 [m^dim] */
     double min[3], max[3];           /* domain [m] */
     double period[3], frequency[3];  /* length of a periodic direction and its inverse; 0 where not periodic */
     bool periodic;                   /* in any direction */
@@ -89,6 +89,12 @@ typedef struct Model {
     double tension[MNS_MAX_FLUIDS][MNS_MAX_FLUIDS]; /* [N/m] */
     double density_min, density_max, dt_floor;      /* limits, over the reference density and the first time step */
 } Model;
+
+/* A fluid lighter than a fiftieth of the heaviest is a gas to it. */
+static inline bool model_is_gas(const Model *model, double density)
+{
+    return density < 0.02 * model->rho_max;
+}
 
 /* x_i - x_j along direction d, to the nearest image. */
 static inline double model_nearest(const Model *model, int d, double difference)

@@ -34,7 +34,7 @@ typedef struct Particles {
     double *p_wall[MNS_MAX_FLUIDS]; /* [n_wall] pressure a wall shows to each fluid */
     double *v_wall[3]; /* [n_wall] velocity that a wall shows, as the scheme's term for it says; NULL where none asks */
     /* [n] within a step: of continuity d rho/dt, of summation the sum of W, while particles are shifted |v|^2 from before; between steps
-     * work space to permute */
+     * work space to permute, and of fluid_sum() */
     double *rate;
     struct System
         *system;   /* for the pressure, of schemes that project (solve/solve.h); NULL of others. Not theirs to free */
@@ -63,7 +63,7 @@ static const Fields WALL_FIELDS = FIELD(TO_SURFACE);
 INLINE double particles_volume(const Particles *s, const Model *model, size_t i)
 {
     if (s->vol) return s->vol[i];
-    return i < particles_fluid(s) ? s->m[i] / s->rho[i] : model->wall_volume;
+    return i < particles_fluid(s) ? s->m[i] / s->rho[i] : model->cell_volume;
 }
 
 /* Walls have none. */

@@ -297,7 +297,7 @@ static void warn_displacement(MnsSim *sim)
     double off = 0;
 #pragma omp parallel for reduction(max : off) num_threads(sim->threads)
     for (size_t i = 0; i < particles_fluid(s); i++) {
-        const double change = fabs(s->m[i] / (s->rho[i] * model->wall_volume) - 1);
+        const double change = fabs(s->m[i] / (s->rho[i] * model->cell_volume) - 1);
         if (change > off) off = change;
     }
     if (off > model->projection.density_tolerance)

@@ -140,6 +140,12 @@ INLINE Pair block_pair(const Block *b, int l, How how)
     return pair;
 }
 
+/* Lane l of sum_j c (x_i - x_j). */
+INLINE void add_along(const Pair *pair, double c, How how, int l, Lanes sum[3])
+{
+    for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, pair->x[d], how);
+}
+
 /* 1 for a neighbour beside an interface. */
 INLINE double has_normal(const Pair *pair, How how)
 {

@@ -90,6 +90,30 @@ static void visit_cells(Sampler *q)
     }
 }
 
+/* Of a kernel wider than cells are: all particles, in blocks that are added up in order whoever has worked them out. */
+static void visit_all(Sampler *q)
+{
+    enum { BATCH = 64 };
+    const size_t n = q->sim->s.n, blocks = sim_blocks(n);
+    Sampler part[BATCH];
+    for (size_t first = 0; first < blocks; first += BATCH) {
+        const size_t here = blocks - first < BATCH ? blocks - first : BATCH;
+#pragma omp parallel for schedule(dynamic) num_threads(q->sim->threads)
+        for (size_t k = 0; k < here; k++) {
+            const size_t from = (first + k) * SIM_BLOCK;
+            part[k] = *q;
+            part[k].sums = (PointSums){0};
+            visit(&part[k], from, n - from < SIM_BLOCK ? n : from + SIM_BLOCK);
+        }
+        for (size_t k = 0; k < here; k++) {
+            q->sums.fluid += part[k].sums.fluid;
+            q->sums.one += part[k].sums.one;
+            q->sums.all += part[k].sums.all;
+            q->sums.value += part[k].sums.value;
+        }
+    }
+}
+
 PointSums sample_point(const MnsSim *sim, const double x[3], double radius, unsigned fluids, const ShownView *f,
                        int components)
 {
@@ -103,7 +127,7 @@ PointSums sample_point(const MnsSim *sim, const double x[3], double radius, unsi
     if (radius > 0)
         q.kernel = kernel_make(model->kernel.type, model->dim, radius * model->kernel.h / model->kernel.support);
     if (q.kernel.support <= model->kernel.support + 0.5 * model->skin) visit_cells(&q);
-    else visit(&q, 0, sim->s.n);
+    else visit_all(&q);
     return q.sums;
 }
 
@@ -112,7 +136,7 @@ Share sample_share(const MnsSim *sim, const double x[3], unsigned fluids)
 {
     const PointSums sums = sample_point(sim, x, 0, fluids, NULL, 0);
     const double open = 1 - (sums.all - sums.fluid), filled = sums.fluid / fmax(sums.fluid, open);
-    if (!(sums.fluid > 1e-12)) return (Share){.fluid = 0, .open = open};
+    if (!(sums.fluid > NOTHING_NEAR)) return (Share){.fluid = 0, .open = open};
     const double full = fmin(1, fmax(0, 0.5 + 1.25 * (filled - 0.5)));
     return (Share){.fluid = full * sums.one / sums.fluid, .open = open};
 }
@@ -132,6 +156,6 @@ void mns_sim_sample(const MnsSim *sim, int field, int d, size_t n, const double 
         values[k] = NAN;
         if (!known || !f[0].first) continue;
         const PointSums sums = sample_point(sim, points[k], 0, EVERY_FLUID, f, components);
-        if (sums.fluid > 1e-12) values[k] = sums.value / sums.fluid;
+        if (sums.fluid > NOTHING_NEAR) values[k] = sums.value / sums.fluid;
     }
 }

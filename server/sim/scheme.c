@@ -75,7 +75,7 @@ static void add(Text *t, const char *format, ...)
 
 static void add_rule(Text *t, const char *name, const char *source, const char *equation)
 {
-    add(t, "    %-22s %-24s %s\n", name, source, equation);
+    add(t, "    %-22s %-25s %s\n", name, source, equation);
 }
 
 static void add_locals(Text *t, const Local *const *locals)

@@ -14,10 +14,10 @@ static void set_geometry(Model *model, const MnsCase *c)
     model->dim = c->dim;
     model->dx = c->reference_length / c->resolution;
     model->level = level_in_use();
-    model->wall_volume = 1;
+    model->cell_volume = 1;
     for (int d = 0; d < c->dim; d++) {
         case_fit(c, d, &model->cell[d]);
-        model->wall_volume *= model->cell[d];
+        model->cell_volume *= model->cell[d];
         model->min[d] = c->min[d];
         model->max[d] = c->max[d];
         if (c->periodic[d]) {

@@ -52,12 +52,26 @@ void start_done(Start starts[], size_t n)
     }
 }
 
-/* Why one of the formulas of thread `me` failed, if it did. */
-static const char *failure(const Start *start, int dim, int me)
+static const char *const VELOCITY[3] = {"velocity[0]", "velocity[1]", "velocity[2]"};
+
+/* Why one of the formulas of thread `me` failed, and which: NULL if none did. */
+static const char *failure(const Start *start, int dim, int me, const char **ret_which)
 {
     const char *why = start->pressure.n == 0 ? NULL : formula_failure(formula_of(&start->pressure, me));
-    for (int d = 0; d < dim && !why; d++) why = formula_failure(formula_of(&start->velocity[d], me));
+    *ret_which = "pressure";
+    for (int d = 0; d < dim && !why; d++) {
+        why = formula_failure(formula_of(&start->velocity[d], me));
+        *ret_which = VELOCITY[d];
+    }
     return why;
+}
+
+/* What of a particle is no number: the pressure, or else a component of the velocity. */
+static const char *not_finite(const Particles *s, size_t i, double p)
+{
+    for (int d = 0; isfinite(p) && d < s->dim; d++)
+        if (!isfinite(s->v[d][i])) return VELOCITY[d];
+    return "pressure";
 }
 
 static bool in_bounds(const Model *model, double ratio)
@@ -70,12 +84,12 @@ static MnsStatus fail_particle(const Start starts[], const MnsSim *sim, size_t i
 {
     const unsigned phase = sim->s.phase[i];
     const double ratio = sim->s.rho[i] / sim->model.phase[phase].rho0;
-    const char *why = failure(&starts[phase], sim->s.dim, omp_get_thread_num());
+    const char *which, *why = failure(&starts[phase], sim->s.dim, omp_get_thread_num(), &which);
     char at[64];
-    snprintf(at, sizeof at, "fluids[%u]", phase);
+    if (!why) which = not_finite(&sim->s, i, p);
+    snprintf(at, sizeof at, "fluids[%u].%s", phase, which);
     if (why)
-        return mns_fail_at(error, MNS_E_INVALID, at, "a formula of pressure or velocity fails at (%g, %g, %g) m: %s",
-                           x[0], x[1], x[2], why);
+        return mns_fail_at(error, MNS_E_INVALID, at, "the formula fails at (%g, %g, %g) m: %s", x[0], x[1], x[2], why);
     if (!isfinite(ratio) && isfinite(p)) {
         snprintf(at, sizeof at, "fluids[%u].pressure", phase);
         return mns_fail_at(
@@ -85,8 +99,7 @@ static MnsStatus fail_particle(const Start starts[], const MnsSim *sim, size_t i
             p, x[0], x[1], x[2]);
     }
     if (!isfinite(p) || in_bounds(&sim->model, ratio))
-        return mns_fail_at(error, MNS_E_INVALID, at, "pressure or velocity is not finite at (%g, %g, %g) m", x[0], x[1],
-                           x[2]);
+        return mns_fail_at(error, MNS_E_INVALID, at, "it is not finite at (%g, %g, %g) m", x[0], x[1], x[2]);
     snprintf(at, sizeof at, "fluids[%u].pressure", phase);
     return mns_fail_at(error, MNS_E_INVALID, at,
                        "the pressure %g Pa is too %s for the sound speed at (%g, %g, %g) m: the density would be %.3g "

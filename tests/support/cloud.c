@@ -27,7 +27,7 @@ static void set_model(Model *model, const CloudSetup *setup)
         .dim = setup->dim,
         .level = level_in_use(),
         .dx = setup->dx,
-        .wall_volume = pow(setup->dx, setup->dim),
+        .cell_volume = pow(setup->dx, setup->dim),
         .kernel = kernel_make(setup->kernel, setup->dim, setup->dx * (setup->smoothing > 0 ? setup->smoothing : 1.3)),
         .skin = setup->skin * setup->dx,
         .n_phases = 2,
@@ -95,7 +95,7 @@ static void fill(Cloud *cloud, const CloudSetup *setup, size_t points)
         const double rho0 = cloud->model.phase[owner == CLOUD_AIR ? 1 : 0].rho0;
         s->id[i] = (uint32_t)k;
         s->phase[i] = (uint8_t)owner;
-        s->vol[i] = cloud->model.wall_volume;
+        s->vol[i] = cloud->model.cell_volume;
         s->rho[i] = rho0;
         s->z[i] = rho0 * 20;
         s->m[i] = rho0 * s->vol[i];

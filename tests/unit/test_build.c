@@ -49,7 +49,7 @@ static void lattice_is_stretched_to_the_domain_and_continued_into_walls(void **s
     }
 }
 
-/* Full neighbourhoods everywhere, with the counts of server/sim/schemes/README.md: 20, 36, 36; 44 within 3.9 spacings. */
+/* Full neighbourhoods everywhere, as many as a lattice has points in reach: 20, 36, 36; 44 within 3.9 spacings. */
 static void dummy_layers_fill_every_kernel_that_reaches_into_a_wall(void **state)
 {
     (void)state;
@@ -481,7 +481,7 @@ static void failing_start_is_told_with_its_reason(void **state)
         MnsSim *sim = NULL;
         case_set_text(&c->fluids[0].velocity[0], "x > 0.7 and (y < 0) or 0.1");
         assert_int_equal(mns_sim_new(c, &sim, &error), MNS_E_INVALID);
-        assert_string_equal(error.path, "fluids[0]");
+        assert_string_equal(error.path, "fluids[0].velocity[0]");
         assert_non_null(strstr(error.text, "at (0.75, -0.65, 0.25) m: it is true or false there"));
         assert_null(sim);
         mns_case_free(c);

@@ -631,7 +631,7 @@ static void what_only_placing_particles_shows_is_refused_then(void **state)
         {"fluids[1].pressure", MNS_E_INVALID, oblique_gravity},
         {"fluids[0].pressure", MNS_E_INVALID, weightless_column},
         {"fluids[0].pressure", MNS_E_INVALID, vacuum},
-        {"fluids[1]", MNS_E_INVALID, infinite_pressure},
+        {"fluids[1].pressure", MNS_E_INVALID, infinite_pressure},
         {"fluids[0]", MNS_E_INVALID, nan_velocity},
     };
     for (int dim = 2; dim <= 3; dim++)

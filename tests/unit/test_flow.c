@@ -266,8 +266,8 @@ static void viscosity_damps_a_shear_wave(void **state)
         double amplitude = 0;
         for (size_t i = 0; i < sim->s.n; i++)
             amplitude += 2 * sim->s.v[0][i] * sin(k * sim->s.x[1][i]) / (double)sim->s.n;
-        /* The Laplacian on a lattice is some percent off (test_viscosity), of a decay of a third. */
-        assert_close(amplitude / 0.1, exp(-0.05 * k * k * 0.2), 0.03);
+        /* By steps, and by what of a sine is lost on 20 or 12 particles. */
+        assert_close(amplitude / 0.1, exp(-0.05 * k * k * 0.2), dim == 2 ? 0.004 : 0.01);
         sim_done(sim, c);
     }
 }

@@ -44,7 +44,7 @@ static void summed_density_is_mass_times_number_density(void **state)
     Cloud *cloud = stirred();
     Particles *s = &cloud->s;
     const double water = s->rho[0], wall = s->rho[s->n - 1];
-    local_run(&mass_over_volume, s, &cloud->model, 2);
+    local_run(&summed_density, s, &cloud->model, 2);
     for (size_t i = s->begin[GROUP_SUMMATION]; i < s->begin[GROUP_WALL]; i++)
         assert_true(s->rho[i] == s->m[i] * (100 + (double)i));
     assert_true(s->rho[0] == water && s->rho[s->n - 1] == wall);
@@ -92,12 +92,12 @@ static void liquids_in_a_closed_space_keep_its_volume(void **state)
             volume += s->m[i] / s->rho[i];
         }
         const double first = s->rho[0], last = s->rho[n - 1], wall = s->rho[n];
-        assert_true(fabs(volume / ((double)n * cloud->model.wall_volume) - 1) > 1e-3);
+        assert_true(fabs(volume / ((double)n * cloud->model.cell_volume) - 1) > 1e-3);
         local_run(&closed_volume, s, &cloud->model, 3);
         double after = 0;
         for (size_t i = 0; i < n; i++) after += s->m[i] / s->rho[i];
         /* One step of Newton's, of a change of up to 1 %. */
-        assert_close(after, closed ? (double)n * cloud->model.wall_volume : volume, closed ? 2e-4 * volume : 1e-12);
+        assert_close(after, closed ? (double)n * cloud->model.cell_volume : volume, closed ? 2e-4 * volume : 1e-12);
         const double dp = (s->rho[0] - first) * 20 * 20;
         assert_close((s->rho[n - 1] - last) * 40 * 40, dp, 1e-9 * 1000 * 400); /* rounding */
         assert_true(closed ? dp != 0 : dp == 0);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The two-phase Riemann terms are what server/sim/schemes/README.md write, pair by pair; they conserve momentum to the
+/* The two-phase Riemann terms are what server/sim/schemes/riemann.md write, pair by pair; they conserve momentum to the
  * last bit, dissipate only where particles approach, reduce to the single-phase solver, and look the same to a moving
  * observer. */
 #include "sim/terms/terms.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a case says of its scheme is what its run does: every option makes another run of a case in which it has something to do, and what
- * a fluid does not say is what schemes/README.md has for it. */
+ * a fluid does not say is what the page of its scheme has for it. */
 #include "sim/solve/solve.h"
 #include "tests/support/check.h"
 #include "tests/support/sims.h"

@@ -8,7 +8,7 @@
 static void sizes_are_as_counted(void **state)
 {
     (void)state;
-    static const double neighbours[2] = {20, 80}; /* server/sim/schemes/README.md */
+    static const double neighbours[2] = {20, 80}; /* points of a lattice within 2.6 spacings */
     for (int dim = 2; dim <= 3; dim++) {
         MnsCase *c = case_periodic(dim, 10);
         MnsSim *sim = sim_of(c);

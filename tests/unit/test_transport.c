@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The transport velocity spreads light fluid evenly, and its stress is that of server/sim/schemes/README.md, conserving
+/* The transport velocity spreads light fluid evenly, and its stress is that of server/sim/schemes/riemann.md, conserving
  * momentum. */
 #include "sim/terms/terms.h"
 #include "tests/support/check.h"
@@ -102,7 +102,7 @@ static void even_particles_are_not_pushed(void **state)
     (void)state;
     for (int dim = 2; dim <= 3; dim++) {
         Cloud *cloud = stirred(dim, all_air, 0);
-        for (size_t i = 0; i < cloud->s.n; i++) cloud->s.vol[i] = cloud->model.wall_volume;
+        for (size_t i = 0; i < cloud->s.n; i++) cloud->s.vol[i] = cloud->model.cell_volume;
         cloud_term(cloud, &background);
         /* Rounding of terms of up to 3200 * 10. */
         for (size_t i = 0; i < cloud->s.n; i++)

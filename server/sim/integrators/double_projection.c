@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A step of an incompressible flow: two projections, one that keeps the number density of the particles, one that keeps the velocity
- * free of divergence.                                                                P4 2.1, schemes/README.md
+ * free of divergence.                                                                P4 2.1, schemes/incompressible.md
  *   x += dt (v + dt/2 a)
  *   while a number density is off by more than its tolerance: solve for a pressure, and move particles by it
  *   v += dt a;  solve for the pressure;  v -= dt grad p / rho
@@ -48,7 +48,7 @@ static void push(MnsSim *sim, double dt, const double gravity[3])
 static double density_error(const MnsSim *sim)
 {
     const Particles *s = &sim->s;
-    const double nominal = sim->model.wall_volume;
+    const double nominal = sim->model.cell_volume;
     double most = 0;
 #pragma omp parallel for schedule(static) reduction(max : most) num_threads(sim->threads)
     for (size_t i = 0; i < particles_fluid(s); i++) {
@@ -123,62 +123,46 @@ static MnsStatus correct_density(MnsSim *sim, MnsError *error)
     return status;
 }
 
-/* The same in each of several parts; where there is no light fluid, the pressure keeps its mean of 0. */
-static void gauge_parts(System *y, const Particles *s, const bool light[])
-{
-    double least[PARTS_MAX], *restrict x = y->x;
-    const uint32_t *restrict part = y->part;
-    for (size_t k = 0; k < PARTS_MAX; k++) least[k] = INFINITY;
-#pragma omp parallel for schedule(static) reduction(min : least) num_threads(y->threads)
-    for (size_t i = 0; i < particles_fluid(s); i++)
-        if (light[s->phase[i]] && x[i] < least[part[i]]) least[part[i]] = x[i];
-#pragma omp parallel for schedule(static) num_threads(y->threads)
-    for (size_t i = 0; i < y->matrix.n; i++)
-        if (isfinite(least[part[i]])) x[i] -= least[part[i]];
-}
-
 /* The pressure has no mean, or is 0 where it is least in the light fluids: on a gas, a pressure that a liquid has no less of would act
- * through every fault of the arrangement, with the liquid's strength. */
+ * through every fault of the arrangement, with the liquid's strength. A closed space without a light fluid keeps its mean of 0. */
 static void gauge(MnsSim *sim)
 {
-    enum { LIGHT = 10 }; /* times as dense as the lightest at most */
+    enum { LIGHT = 10 }; /* times as dense as the lightest at most: gases, or liquids alike */
     System *y = &sim->system;
     const Model *model = &sim->model;
+    const Particles *s = &sim->s;
     system_centre(y);
     if (model->projection.mean_gauge) return;
-    double least = INFINITY;
     bool light[UINT8_MAX + 1] = {0};
     for (size_t a = 0; a < model->n_phases; a++) light[a] = model->phase[a].rho0 <= LIGHT * model->rho_min;
-    if (y->parts > 1) {
-        gauge_parts(y, &sim->s, light);
-        return;
-    }
+    const bool several = y->parts > 1; /* of one part `part` tells nothing */
+    const uint32_t *restrict part = y->part;
+    double least[PARTS_MAX], *restrict x = y->x;
+    for (size_t k = 0; k < PARTS_MAX; k++) least[k] = INFINITY;
 #pragma omp parallel for schedule(static) reduction(min : least) num_threads(sim->threads)
-    for (size_t i = 0; i < particles_fluid(&sim->s); i++)
-        if (light[sim->s.phase[i]] && y->x[i] < least) least = y->x[i];
-    const size_t n = y->matrix.n;
-    double *restrict x = y->x;
-#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
-    for (size_t i = 0; i < n; i++) x[i] -= least;
+    for (size_t i = 0; i < particles_fluid(s); i++) {
+        const uint32_t k = several ? part[i] : 0;
+        if (light[s->phase[i]] && x[i] < least[k]) least[k] = x[i];
+    }
+#pragma omp parallel for schedule(static) num_threads(sim->threads)
+    for (size_t i = 0; i < y->matrix.n; i++) {
+        const uint32_t k = several ? part[i] : 0;
+        if (isfinite(least[k])) x[i] -= least[k];
+    }
 }
 
 static void finish(MnsSim *sim, double dt)
 {
-    const double share = pressure_share(sim, dt);
     Particles *s = &sim->s;
-    const size_t n = particles_fluid(s), v_step = s->v_step, p_step = s->p_step;
-    const double *restrict P = sim->system.x;
-    const uint32_t *blocks = sim->system.matrix.blocks; /* none of walls that no fluid reaches */
-    double *restrict p = s->p;
+    const size_t n = particles_fluid(s), v_step = s->v_step;
     for (int d = 0; d < s->dim; d++) {
         double *restrict v = s->v[d];
         const double change = dt * sim->model.gravity[d];
 #pragma omp parallel for simd schedule(static) num_threads(sim->threads)
         for (size_t i = 0; i < n; i++) v[i * v_step] += change;
     }
-#pragma omp parallel for schedule(static) num_threads(sim->threads)
-    for (size_t i = 0; i < s->n; i++) p[i * p_step] += share * ((blocks[i] ? P[i] / dt : 0) - p[i * p_step]);
-    particles_changed(s, ON_ALL, FIELD(V) | FIELD(P));
+    particles_changed(s, ON_FLUID, FIELD(V));
+    pressure_keep(sim, dt);
 }
 
 static MnsStatus correct_velocity(MnsSim *sim, double dt, const double gravity[3], MnsError *error)

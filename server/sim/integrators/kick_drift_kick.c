@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* One evaluation of the rates a step.                                                       P3 eq. 15-18, schemes/README.md
+/* One evaluation of the rates a step.                                                       P3 eq. 15-18, schemes/riemann.md
  *   v += dt/2 a;  w = dt/2 b;  x += dt (v + w);  densities, pressures, walls, forces at the new positions;  v += dt/2 a */
 #include "sim/integrator.h"
 #include "sim/integrators/integrators.h"

@@ -119,7 +119,19 @@ void pressure_guess(MnsSim *sim, double dt)
     system_relax(y, n);
 }
 
-double pressure_share(const MnsSim *sim, double dt)
+/* One that is cut short, to end when it is told to, has the divergence of a whole one to take away in less time. */
+static double share_of(const MnsSim *sim, double dt)
 {
     return dt < sim->whole ? dt / sim->whole : 1;
+}
+
+void pressure_keep(MnsSim *sim, double dt)
+{
+    const double share = share_of(sim, dt), *restrict P = sim->system.x;
+    const uint32_t *restrict blocks = sim->system.matrix.blocks;
+    const size_t step = sim->s.p_step;
+    double *restrict p = sim->s.p;
+#pragma omp parallel for schedule(static) num_threads(sim->threads)
+    for (size_t i = 0; i < sim->s.n; i++) p[i * step] += share * ((blocks[i] ? P[i] / dt : 0) - p[i * step]);
+    particles_changed(&sim->s, ON_ALL, FIELD(P));
 }

@@ -25,8 +25,8 @@ void pressure_prepare(MnsSim *sim, const int passes[], size_t n);
 /* Begin with the pressures of the step before; in walls, with what solves their rows. */
 void pressure_guess(MnsSim *sim, double dt);
 
-/* How much of it a step's pressure replaces of the one before: one that is cut short, to end when it is told to, has the divergence of a
- * whole one to take away in less time. */
-double pressure_share(const MnsSim *sim, double dt);
+/* After a step: it replaces the pressure of the step before, or as much of it as a step cut short is of a whole one. Walls that no fluid
+ * reaches have none. */
+void pressure_keep(MnsSim *sim, double dt);
 
 #endif

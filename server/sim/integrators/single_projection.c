@@ -103,17 +103,6 @@ static MnsStatus solve(MnsSim *sim, MnsError *error)
     return status;
 }
 
-static void keep_pressure(MnsSim *sim, double dt)
-{
-    Particles *s = &sim->s;
-    const size_t step = s->p_step;
-    const double *restrict P = sim->system.x, share = pressure_share(sim, dt);
-    double *restrict p = s->p;
-#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
-    for (size_t i = 0; i < s->n; i++) p[i * step] = share * (P[i] / dt) + (1 - share) * p[i * step];
-    particles_changed(s, ON_ALL, FIELD(P));
-}
-
 /* Neighbours, but no diagonal to divide by. */
 static bool is_silent(const MnsSim *sim, size_t i)
 {
@@ -136,10 +125,10 @@ static MnsStatus check_rows(const MnsSim *sim, MnsError *error)
         error, MNS_E_DIVERGED,
         "diverged in step %llu at t = %g s: the neighbours of %zu particles lie too much to one side for the "
         "pressure to be solved for there, as of particle %u of %s at (%g, %g, %g) m. Look at the snapshot, "
-        "then try a smaller cfl, a larger shifting_strength or a larger scheme.smoothing",
+        "then try a smaller scheme.cfl, a larger scheme.%s.shifting_strength or a larger scheme.smoothing",
         (unsigned long long)sim->progress.step + 1, sim->model.t, silent, s->id[worst],
         sim->c->fluids[s->phase[worst]].name, s->x[0][worst * s->x_step], s->x[1][worst * s->x_step],
-        s->dim == 3 ? s->x[2][worst * s->x_step] : 0);
+        s->dim == 3 ? s->x[2][worst * s->x_step] : 0, sim->scheme->name);
 }
 
 static MnsStatus project(MnsSim *sim, double dt, MnsError *error)
@@ -159,7 +148,7 @@ static MnsStatus project(MnsSim *sim, double dt, MnsError *error)
     if (status) return status; /* what was not found corrects nothing */
     system_centre(y);
     integrator_pass(sim, PASS_CORRECTION);
-    keep_pressure(sim, dt);
+    pressure_keep(sim, dt);
     return MNS_OK;
 }
 

@@ -25,7 +25,7 @@ const Local advance_density = {
     .writes = FIELD(RHO),
 };
 
-const Local mass_over_volume = {
+const Local summed_density = {
     .name = "summed density",
     .source = "P3 eq. 4",
     .equation = "rho_i = m_i (W(0) + sum_j W_ij)",

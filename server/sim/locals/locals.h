@@ -6,7 +6,7 @@
 #include "sim/scheme.h"
 
 extern const Local advance_density;   /* density.c  continuity: one step of d rho/dt    */
-extern const Local mass_over_volume;  /* density.c  summation: mass times number density */
+extern const Local summed_density;    /* density.c  summation: mass times number density */
 extern const Local closed_volume;     /* closure.c  liquids that fill a space keep its volume */
 extern const Local linear_pressure;   /* state.c    p = c^2 (rho - rho0), V, z           */
 extern const Local volume_of_density; /* state.c   V = m / rho                          */

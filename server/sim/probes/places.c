@@ -11,7 +11,7 @@ double probe_pressure(Measure *m)
     const ShownView p = shown_view(sim, F_P, 0);
     for (int d = 0; d < sim->s.dim; d++) x[d] = m->probe->at[d] + measure_shift(m, d);
     const PointSums sums = sample_point(sim, x, m->probe->radius, EVERY_FLUID, &p, 1);
-    return sums.fluid > 1e-12 ? sums.value / sums.fluid : NAN;
+    return sums.fluid > NOTHING_NEAR ? sums.value / sums.fluid : NAN;
 }
 
 /* Share of the fluid at a point: 1 deep inside it, 0 outside. Beyond a free surface, where less than half of the kernel
@@ -19,7 +19,7 @@ double probe_pressure(Measure *m)
 static double share(const Measure *m, const double x[3])
 {
     const PointSums sums = sample_point(m->sim, x, 0, measure_fluids(m), NULL, 0);
-    return sums.all >= 0.5 && sums.fluid > 1e-12 ? sums.one / sums.fluid : 0;
+    return sums.all >= 0.5 && sums.fluid > NOTHING_NEAR ? sums.one / sums.fluid : 0;
 }
 
 /* Integral of the share along the line, by midpoints a quarter of a spacing apart: the blur of the kernel is symmetric, so it

@@ -69,7 +69,7 @@ static void differences_options(Model *model, const MnsCase *c)
                                        .shifting = options->shifting_strength,
                                        .along = options->shift_across_interfaces ? 0 : 1,
                                        .buoyancy = options->buoyant_in < 0 ? 0 : model->phase[options->buoyant_in].rho0,
-                                       .scale = model->dx * model->dx / model->wall_volume,
+                                       .scale = model->dx * model->dx / model->cell_volume,
                                        .holds = options->holds_pressure};
     for (int d = 0; d < 3; d++) model->differences.zero[d] = options->zero_pressure[d];
 }

@@ -8,11 +8,10 @@
 #include "sim/locals/locals.h"
 #include "sim/terms/terms.h"
 
-/* A fluid lighter than a fiftieth of the heaviest is a gas to it. */
 static double exponent_of(const Model *model, const MnsFluid *fluid)
 {
     if (fluid->exponent > 0) return fluid->exponent;
-    return fluid->density < 0.02 * model->rho_max ? 1.4 : 7;
+    return model_is_gas(model, fluid->density) ? 1.4 : 7;
 }
 
 static MnsStatus interfacial_check(const MnsCase *c, MnsError *error)

@@ -8,12 +8,12 @@
 #include "sim/locals/locals.h"
 #include "sim/terms/terms.h"
 
-/* A fluid lighter than a fiftieth of the heaviest is a gas to it: it gets the summed density that keeps it from opening
- * voids. Between liquids, even oil and mercury, continuity is ten times as accurate at rest. */
+/* A gas gets the summed density that keeps it from opening voids. Between liquids, even oil and mercury, continuity is ten times
+ * as accurate at rest. */
 static bool is_summed(const Model *model, const MnsFluid *fluid)
 {
     if (fluid->density_method != MNS_DENSITY_AUTOMATIC) return fluid->density_method == MNS_DENSITY_SUMMATION;
-    return fluid->density < 0.02 * model->rho_max;
+    return model_is_gas(model, fluid->density);
 }
 
 static bool any_summed(const Model *model)
@@ -71,7 +71,7 @@ const Scheme scheme_riemann = {
     .rates =
         {
             {"density", .terms = {&number_density, &riemann_density},
-             .after = {&advance_density, &mass_over_volume, &closed_volume, &linear_pressure},
+             .after = {&advance_density, &summed_density, &closed_volume, &linear_pressure},
              .fusions = {&number_density_alone, &riemann_density_alone}},
             {"walls", .terms = {&wall_pressure, &wall_velocity}},
             {"forces", .before = {&body_force},

@@ -2,7 +2,7 @@
 /* Interfaces as gradients of the colour, and their tension.                                                          P5 eq. 14-17
  *   N_i = B_i sum_j 2 (C_i - C_j)/(rho~_i + rho~_j) W x,   n_i = N_i/|N_i| where rho~_i |N_i| > threshold/h, else none
  *   kappa_i = sum_j (n_j - n_i) . B'_i W x over those that have a normal,   du_i/dt += sigma kappa_i N_i
- * B' is that of these neighbours alone: with P5's, of all, curvatures are up to a tenth too small (schemes/README.md). */
+ * B' is that of these neighbours alone: with P5's, of all, curvatures are up to a tenth too small (schemes/differences.md). */
 #include "sim/terms/differences.h"
 #include "sim/terms/terms.h"
 #include <math.h>
@@ -10,21 +10,9 @@
 INLINE void colour_gradient_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i;
-    const Mixture density = mixture_of_densities(model);
-    const double C = s->colour[i], rho = mixed(density, C);
-    Lanes sum[3] = {0};
     double N[3];
-    for (const Block *b = row->block; b < row->block + row->n; b++) {
-        double its[LANES];
-        gather(s->colour, row_j(row, b), its);
-#pragma omp simd
-        for (int l = 0; l < LANES; l++) {
-            const double difference = 2 * b->W[l] * (C - its[l]) / (rho + mixed(density, its[l]));
-            for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, difference, b->x[d][l], how);
-        }
-    }
-    gradient_of(s, i, model, sum, how, N);
-    const double size = sqrt(DOT(N, N, how));
+    gradient_over_density(row, s, model, s->colour, how, N);
+    const double size = sqrt(DOT(N, N, how)), rho = density_around(s, model, i);
     const double inverse = rho * size * model->kernel.h > model->differences.threshold ? 1 / size : 0;
     for (int d = 0; d < how.dim; d++) {
         s->colour_gradient[d][i] = N[d];
@@ -38,7 +26,6 @@ INLINE double curvature_of(const Row *row, const double n[3], const Model *model
 {
     Moments moments = {0};
     Lanes sum[3][3] = {0};
-    double kappa = 0;
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
@@ -51,12 +38,7 @@ INLINE double curvature_of(const Row *row, const double n[3], const Model *model
             }
         }
     const Correction B = moments_inverse_of(&moments, 1 / model->differences.scale, how);
-    for (int d = 0; d < how.dim; d++) {
-        double column[3];
-        correct(&B, sum[d], how, column);
-        kappa += column[d] / model->differences.scale;
-    }
-    return kappa;
+    return corrected_trace(&B, sum, how) / model->differences.scale;
 }
 
 INLINE void colour_tension_row(const Row *row, Particles *s, const Model *model, How how)

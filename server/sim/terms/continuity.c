@@ -46,7 +46,7 @@ ROW_FUNCTIONS(volume_continuity_row)
 const Term continuity = {
     .name = "continuity",
     .source = "P1 eq. 7",
-    .equation = "d rho_i/dt = rho_i sum_j V_j v_ij . grad_i W",
+    .equation = "d rho_i/dt = rho_i sum_j V_j (1 + t) v_ij . grad_i W",
     .on = ON_CONTINUITY,
     .needed = plain_gradients,
     .needs = NEED_F | NEED_V | NEED_STATE,
@@ -56,7 +56,7 @@ const Term continuity = {
 const Term volume_continuity = {
     .name = "continuity of volumes",
     .source = "P2 eq. 16",
-    .equation = "d rho_i/dt = m_i / Gamma_i sum_j v_ij . grad_i W",
+    .equation = "d rho_i/dt = m_i / Gamma_i sum_j (1 + t) v_ij . grad_i W",
     .on = ON_CONTINUITY,
     .needed = plain_gradients,
     .needs = NEED_F | NEED_V | NEED_STATE,

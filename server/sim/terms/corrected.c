@@ -50,12 +50,7 @@ INLINE void corrected_continuity_row(const Row *row, Particles *s, const Model *
         }
     const Correction M = moments_inverse(&moments, how);
     keep_correction(s, i, &M, how);
-    double rate = 0, column[3];
-    for (int d = 0; d < how.dim; d++) {
-        correct(&M, strain[d], how, column);
-        rate += column[d];
-    }
-    s->rate[i] = s->rho[i] * rate;
+    s->rate[i] = s->rho[i] * corrected_trace(&M, strain, how);
 }
 ROW_FUNCTIONS(corrected_continuity_row)
 
@@ -174,7 +169,7 @@ ROW_FUNCTIONS(corrected_pressure_row)
 const Term corrected_continuity = {
     .name = "corrected continuity",
     .source = "Bonet and Lok 1999",
-    .equation = "d rho_i/dt = rho_i sum_j V_j v_ij . M_i grad_i W",
+    .equation = "d rho_i/dt = rho_i sum_j V_j (1 + t) v_ij . M_i grad_i W",
     .on = ON_CONTINUITY,
     .needed = corrects,
     .needs = NEED_F | NEED_V | NEED_STATE,
@@ -185,7 +180,7 @@ const Term corrected_continuity = {
 const Term corrected_pressure_force = {
     .name = "corrected pressure force",
     .source = "Bonet and Lok 1999, crosswise as in SPHinXsys",
-    .equation = "m_i dv_i/dt -= sum_j V_i V_j (p_i M_j + p_j M_i) grad_i W, and a repulsion",
+    .equation = "m_i dv_i/dt -= sum_j V_i V_j ((1 + t) p_i M_j + (1 - t) p_j M_i) grad_i W, and a repulsion",
     .on = ON_FLUID,
     .needed = corrects,
     .needs = NEED_F | NEED_STATE | NEED_OTHERS,

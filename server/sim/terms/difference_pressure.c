@@ -69,7 +69,7 @@ INLINE void difference_wall_row(const Row *row, Particles *s, const Model *model
     const size_t i = row->i;
     const WallState *wall = &model->wall[s->phase[i] - model->n_phases];
     Matrix *m = &s->system->matrix;
-    const double h = model->kernel.h, rho = density_around(s, model, i), scale = model->wall_volume / (h * h);
+    const double h = model->kernel.h, rho = density_around(s, model, i), scale = model->cell_volume / (h * h);
     uint32_t *column = m->column + m->start[i] * LANES;
     float *c = m->c + m->start[i] * LANES;
     const Mixture density = mixture_of_densities(model);
@@ -95,21 +95,8 @@ ROW_FUNCTIONS(difference_wall_row)
 INLINE void difference_correction_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i;
-    const Mixture density = mixture_of_densities(model);
-    const double *P = s->system->x, P_i = P[i], rho = mixed(density, s->colour[i]);
-    Lanes sum[3] = {0};
     double change[3];
-    for (const Block *b = row->block; b < row->block + row->n; b++) {
-        double P_j[LANES], colour[LANES];
-        gather(P, row_j(row, b), P_j);
-        gather(s->colour, row_j(row, b), colour);
-#pragma omp simd
-        for (int l = 0; l < LANES; l++) {
-            const double difference = 2 * b->W[l] * (P_i - P_j[l]) / (rho + mixed(density, colour[l]));
-            for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, difference, b->x[d][l], how);
-        }
-    }
-    gradient_of(s, i, model, sum, how, change);
+    gradient_over_density(row, s, model, s->system->x, how, change);
     for (int d = 0; d < how.dim; d++) s->colour_gradient[d][i] = change[d];
 }
 ROW_FUNCTIONS(difference_correction_row)
@@ -132,7 +119,7 @@ const Term difference_matrix = {
 
 const Term difference_wall_matrix = {
     .name = "pressure system at walls",
-    .source = "schemes/README.md",
+    .source = "schemes/differences.md",
     .equation = "sum_f W (2 (P_w - P_f)/(rho~_w + rho~_f) - dt (b - a_w) . x_wf) = 0",
     .on = ON_WALL,
     .needs = NEED_W,

@@ -46,6 +46,27 @@ INLINE void gather(const double *f, const uint32_t *j, double ret[LANES])
     for (int l = 0; l < LANES; l++) ret[l] = f[j[l]];
 }
 
+/* ret = B_i sum_j 2 (f_i - f_j)/(rho~_i + rho~_j) W x: grad f over the density between the two of each pair.  f: [n] by particle */
+INLINE void gradient_over_density(const Row *row, const Particles *s, const Model *model, const double *f, How how,
+                                  double ret[3])
+{
+    const size_t i = row->i;
+    const Mixture density = mixture_of_densities(model);
+    const double f_i = f[i], rho = mixed(density, s->colour[i]);
+    Lanes sum[3] = {0};
+    for (const Block *b = row->block; b < row->block + row->n; b++) {
+        double f_j[LANES], colour[LANES];
+        gather(f, row_j(row, b), f_j);
+        gather(s->colour, row_j(row, b), colour);
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const double difference = 2 * b->W[l] * (f_i - f_j[l]) / (rho + mixed(density, colour[l]));
+            for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, difference, b->x[d][l], how);
+        }
+    }
+    gradient_of(s, i, model, sum, how, ret);
+}
+
 /* Density of what is around a particle. */
 INLINE double density_around(const Particles *s, const Model *model, size_t i)
 {

@@ -67,7 +67,7 @@ INLINE void corrected_pull_beside(const RowPlan *plan, Particles *s, size_t i, H
             corrected_curvature_pair(a, &pair, others[l], how, l, bend);
         }
     }
-    pull_end(s, i, a, corrected_curvature_end(&M, bend, how), &M, towards, how);
+    pull_end(s, i, a, corrected_trace(&M, bend, how), &M, towards, how);
 }
 
 INLINE void forces_beside(const RowPlan *plan, Particles *s, size_t i, How how)

@@ -87,11 +87,21 @@ INLINE void correct(const Correction *M, const Lanes g[3], How how, double ret[3
     }
 }
 
+/* sum_d (M g_d)_d: of g_d = sum_j (u_j - u_i)_d grad_i W V_j, the divergence of u. */
+INLINE double corrected_trace(const Correction *M, const Lanes g[3][3], How how)
+{
+    double trace = 0, column[3];
+    for (int d = 0; d < how.dim; d++) {
+        correct(M, g[d], how, column);
+        trace += column[d];
+    }
+    return trace;
+}
+
 /* Of sum_j (p_j - p_i) grad_i W V_j, and the gradient it makes. */
 INLINE void gradient_pair(double p, const Pair *pair, How how, int l, Lanes sum[3])
 {
-    const double c = pair->V * pair->F * (pair->p - p);
-    for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, pair->x[d], how);
+    add_along(pair, pair->V * pair->F * (pair->p - p), how, l, sum);
 }
 
 INLINE void gradient_end(Particles *s, size_t i, const Moments *moments, const Lanes sum[3], How how)

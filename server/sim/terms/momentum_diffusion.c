@@ -5,7 +5,7 @@
  *   conservative  harmonic, and rho <grad mu/rho> . <grad u>^T
  *   sph           rho du/dt = 1/V_i sum_j mu_ij (V_i^2 + V_j^2) (u_i - u_j) F
  * P5 prints u_i - u_j in the first, which makes momentum gather. It is not mu lap u but div(mu grad u); what it lacks of div tau is
- * grad mu . grad u^T, which is nothing in a parallel shear (schemes/README.md). */
+ * grad mu . grad u^T, which is nothing in a parallel shear (schemes/differences.md). */
 #include "sim/terms/average.h"
 #include "sim/terms/differences.h"
 #include "sim/terms/terms.h"
@@ -164,7 +164,7 @@ const Term divtau_diffusion = {
 
 const Term conservative_diffusion = {
     .name = "conservative diffusion",
-    .source = "schemes/README.md",
+    .source = "schemes/differences.md",
     .equation = "harmonic, and (mu_0 - mu_1) <grad C/rho> . grad u^T",
     .on = ON_FLUID,
     .needed = is_conservative,

@@ -43,7 +43,7 @@ FUSED_FUNCTIONS(number_density_fused)
 const Term number_density = {
     .name = "number density",
     .source = "P3 eq. 4",
-    .equation = "rho_i = m_i (W(0) + sum_j W_ij) ",
+    .equation = "sigma_i = W(0) + sum_j W_ij",
     .on = ON_SUMMATION,
     .needs = NEED_W,
     .row = ROW_TABLE(number_density_row),

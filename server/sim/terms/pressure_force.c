@@ -54,7 +54,8 @@ ROW_FUNCTIONS(volume_pressure_force_row)
 const Term pressure_force = {
     .name = "pressure force",
     .source = "P1 eq. 9",
-    .equation = "m_i dv_i/dt -= sum_j V_i V_j (p_i/Gamma_i + p_j/Gamma_j) grad_i W, and a repulsion of unlike fluids",
+    .equation = "m_i dv_i/dt -= sum_j V_i V_j ((1 + t) p_i/Gamma_i + (1 - t) p_j/Gamma_j) grad_i W, and a repulsion of "
+                "unlike fluids",
     .on = ON_FLUID,
     .needed = plain_gradients,
     .needs = NEED_F | NEED_STATE | NEED_SHEPARD | NEED_OTHERS,
@@ -65,7 +66,8 @@ const Term pressure_force = {
 const Term volume_pressure_force = {
     .name = "pressure force",
     .source = "P2 eq. 24, 65",
-    .equation = "m_i dv_i/dt -= sum_j (V_i^2 p_i/Gamma_i + V_j^2 p_j/Gamma_j) grad_i W, and a repulsion",
+    .equation =
+        "m_i dv_i/dt -= sum_j (V_i^2 (1 + t) p_i/Gamma_i + V_j^2 (1 - t) p_j/Gamma_j) grad_i W, and a repulsion",
     .on = ON_FLUID,
     .needed = plain_gradients,
     .needs = NEED_F | NEED_STATE | NEED_SHEPARD | NEED_OTHERS,

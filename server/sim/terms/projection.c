@@ -102,7 +102,7 @@ INLINE void density_matrix_row(const Row *row, Particles *s, const Model *model,
 {
     (void)how;
     matrix_row(row, s, model, model->projection.unit_mobility);
-    s->system->b[row->i] = -0.5 * (particles_volume(s, model, row->i) - model->wall_volume);
+    s->system->b[row->i] = -0.5 * (particles_volume(s, model, row->i) - model->cell_volume);
 }
 ROW_FUNCTIONS(density_matrix_row)
 
@@ -199,7 +199,7 @@ INLINE void push(const Row *row, const Particles *s, const Model *model, bool un
             for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, b->x[d][l], how);
         }
     }
-    const double m = unit ? model->wall_volume : s->m[i];
+    const double m = unit ? model->cell_volume : s->m[i];
     for (int d = 0; d < how.dim; d++) ret[d] = -lanes_sum(&sum[d]) / m;
 }
 
@@ -235,7 +235,7 @@ const Term density_matrix = {
 
 const Term density_wall_matrix = {
     .name = "density system at walls",
-    .source = "schemes/README.md",
+    .source = "schemes/incompressible.md",
     .equation = "sum_i c_iw (P_w - P_i) = 0",
     .on = ON_WALL,
     .needs = NEED_F | NEED_STATE,
@@ -264,7 +264,7 @@ const Term velocity_matrix = {
 
 const Term velocity_wall_matrix = {
     .name = "velocity system at walls",
-    .source = "schemes/README.md",
+    .source = "schemes/incompressible.md",
     .equation = "sum_i c_iw (P_w - P_i - (rho_i + rho_w)/2 dt (g - a_w) . x_wi) = 0",
     .on = ON_WALL,
     .needs = NEED_F | NEED_STATE,

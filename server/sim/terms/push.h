@@ -23,11 +23,6 @@ INLINE Pushed pushed_of(const Particles *s, const Model *model, size_t i)
                     s->p[i * s->p_step] * (1 / s->shepard[i])}; /* as its neighbours have it, to the last bit */
 }
 
-INLINE void add_along(const Pair *pair, double c, How how, int l, Lanes sum[3])
-{
-    for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, pair->x[d], how);
-}
-
 INLINE double weighted(const Pushed *a, const Pair *pair, double mine, double its, Weights weights)
 {
     return weights == WEIGHTS_PRODUCT ? a->V * pair->V * (mine + its) : a->V * a->V * mine + pair->V * pair->V * its;

@@ -2,9 +2,10 @@
 /* The two-phase Riemann problem along the line between two particles, with acoustic impedances z = rho c.   P3 eq. 6-10, 13
  *   p* = (z_i p_j + z_j p_i) / (z_i + z_j) + z_i z_j / (z_i + z_j) min(s dU+ / c, 1) dU,   dU = (v_i - v_j) . e,  e: i to j
  *   v* = (z_i v_i + z_j v_j) / (z_i + z_j) + (p_i - p_j) / (z_i + z_j) e
- * With one speed of sound for all fluids these are P3's equations; the light fluid feels the heavy one as a moving wall.
+ * With one speed of sound for all fluids these are P3's equations; the light fluid feels the heavy one as a moving wall. In the
+ * limiter c is the greatest of all fluids.
  * Against a wall the state behind it is that of the wall's pressure for this fluid, and p* has no dissipation: with it, a
- * dam break's front lags and a quarter of its energy is lost (schemes/README.md). */
+ * dam break's front lags and a quarter of its energy is lost (schemes/riemann.md). */
 #ifndef SIM_TERMS_RIEMANN_H
 #define SIM_TERMS_RIEMANN_H
 
@@ -74,8 +75,7 @@ INLINE void riemann_density_end(const Side *a, Particles *s, size_t i, const Lan
 /* V_i V_j p* F times x_i - x_j. */
 INLINE void add_push(const Side *a, const Pair *pair, double p_star, How how, int l, Lanes sum[3])
 {
-    const double c = a->V * pair->V * p_star * pair->F;
-    for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, pair->x[d], how);
+    add_along(pair, a->V * pair->V * p_star * pair->F, how, l, sum);
 }
 
 INLINE void riemann_momentum_fluid(const Side *a, const Pair *pair, How how, int l, Lanes sum[3])

@@ -8,6 +8,9 @@
 #include "sim/terms/push.h"
 #include "sim/terms/terms.h"
 
+static const double FARTHEST =
+    0.1; /* of a spacing that a shift takes a particle: what it carries is put right to first order only */
+
 /* Where a particle goes, whose speed has this square. */
 static void find_way(const Particles *s, const Model *model, size_t i, double v2, double dx[3])
 {
@@ -18,7 +21,7 @@ static void find_way(const Particles *s, const Model *model, size_t i, double v2
         dx[d] = scale * s->concentration[d][i];
         size += dx[d] * dx[d];
     }
-    const double most = 0.1 * model->dx, cut = size > most * most ? most / sqrt(size) : 1;
+    const double most = FARTHEST * model->dx, cut = size > most * most ? most / sqrt(size) : 1;
     for (int d = 0; d < dim; d++) {
         dx[d] *= cut;
         through += model->shifts_along_interfaces ? dx[d] * s->normal[d][i * s->normal_step] : 0;

@@ -4,7 +4,7 @@
  * Where the case says so, beside an interface only along it, dx_i -= (dx_i . n_i) n_i: a bubble slips by the rest through the fluid that it
  * rises in.
  * Rows read positions and velocities, so both ways wait in the places of what is found anew where the particles have gone to.
- * Not capped, two that are close throw each other several spacings away, and the run blows up for nearly all C (schemes/README.md). The
+ * Not capped, two that are close throw each other several spacings away, and the run blows up for nearly all C (schemes/differences.md). The
  * gradient is of fluid alone, with the truncation tensor of that. */
 #include "sim/terms/differences.h"
 #include "sim/terms/terms.h"

@@ -93,7 +93,7 @@ INLINE double corrected_curvature(const Row *row, const Pulled *a, const Correct
             const Pair pair = block_pair(b, l, how);
             corrected_curvature_pair(a, &pair, pair.other, how, l, sum);
         }
-    return corrected_curvature_end(M, sum, how);
+    return corrected_trace(M, sum, how);
 }
 
 INLINE void pull(const Row *row, Particles *s, const Model *model, How how, bool corrected)

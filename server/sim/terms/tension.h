@@ -18,8 +18,7 @@ INLINE double magnitude(const double a[3], How how)
 /* Of sum_j w_j grad_i W V_j over other fluids; weight: w_j, 0 for its own. */
 INLINE void towards_pair(const Pair *pair, double weight, How how, int l, Lanes sum[3])
 {
-    const double c = weight * pair->V * pair->F;
-    for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, pair->x[d], how);
+    add_along(pair, weight * pair->V * pair->F, how, l, sum);
 }
 
 /* Of unit length along q, corrected; none where that is too small. */
@@ -83,16 +82,6 @@ INLINE void corrected_curvature_pair(const Pulled *a, const Pair *pair, double o
         const double e = c * turned(pair, other, a->n, valid, k);
         for (int d = 0; d < how.dim; d++) add_product(&sum[k][d], l, e, pair->x[d], how);
     }
-}
-
-INLINE double corrected_curvature_end(const Correction *M, const Lanes sum[3][3], How how)
-{
-    double trace = 0, column[3];
-    for (int a = 0; a < how.dim; a++) {
-        correct(M, sum[a], how, column);
-        trace += column[a];
-    }
-    return trace;
 }
 
 INLINE void pull_end(Particles *s, size_t i, const Pulled *a, double kappa, const Correction *M, const Lanes towards[3],

@@ -5,7 +5,7 @@
  *   m_i dv_i/dt += sum_j V_i V_j (A_i + A_j) . grad_i W,   A = 0 where density is not summed, and in walls
  * A fluid of the other kind feels its neighbours' A too, so that the forces of a pair stay opposite. Fluids whose density
  * follows continuity are spread as well, without stress: nothing else closes the holes that open in a falling jet, as their
- * density does not know how far apart their particles are (schemes/README.md). */
+ * density does not know how far apart their particles are (schemes/riemann.md). */
 #ifndef SIM_TERMS_TRANSPORT_H
 #define SIM_TERMS_TRANSPORT_H
 
@@ -14,8 +14,7 @@
 /* Of sum_j V_j grad_i W, over fluid and walls. */
 INLINE void background_pair(const Pair *pair, How how, int l, Lanes sum[3])
 {
-    const double c = pair->V * pair->F;
-    for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, pair->x[d], how);
+    add_along(pair, pair->V * pair->F, how, l, sum);
 }
 
 /* b_i, and the part of the stress that is the particle's own: rho_i v_i (w_i . sum_j V_j grad_i W). */

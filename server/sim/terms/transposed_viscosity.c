@@ -60,7 +60,7 @@ ROW_FUNCTIONS(transposed_viscosity_row)
 
 const Term transposed_viscosity = {
     .name = "viscosity, transposed",
-    .source = "schemes/README.md",
+    .source = "schemes/incompressible.md",
     .equation = "rho_i dv_i/dt += grad mu . grad v^T,  grad mu_i = 2 sum_j V_j (mu_ij - mu_i) grad_i W",
     .on = ON_FLUID,
     .needed = is_unlike,

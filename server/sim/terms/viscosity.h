@@ -71,8 +71,7 @@ INLINE void drag_pair(const double v[3], double V, const Pair *pair, double mu, 
                       Lanes sum[3])
 {
     const double along = DOT_DIFFERENCE(v, pair->v, pair->x, how);
-    const double c = mu * (V * pair->V * pair->F * along / mul_add(pair->r, pair->r, soft, how.fma));
-    for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, pair->x[d], how);
+    add_along(pair, mu * (V * pair->V * pair->F * along / mul_add(pair->r, pair->r, soft, how.fma)), how, l, sum);
 }
 
 /* The velocity was mirrored before (wall.c). */

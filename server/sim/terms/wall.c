@@ -84,12 +84,12 @@ INLINE void wall_pressure_row(const Row *row, Particles *s, const Model *model, 
         for (int d = 0; d < how.dim; d++) shown.pressure += (model->gravity[d] - body->a[d]) * shown.along[d];
         all_weight += shown.weight;
         all_pressure += shown.pressure;
-        if (!(shown.weight > 1e-12)) continue;
+        if (!(shown.weight > NOTHING_NEAR)) continue;
         const double square = shown.weight * shown.weight;
         near[a] = (Near){square * square, shown.pressure / shown.weight};
     }
     for (unsigned a = 0; a < model->n_phases; a++) s->p_wall[a][wall] = shown_to(a, near, model);
-    s->p[i * s->p_step] = all_weight > 1e-12 ? all_pressure / all_weight : 0; /* for pictures */
+    s->p[i * s->p_step] = all_weight > NOTHING_NEAR ? all_pressure / all_weight : 0; /* for pictures */
 }
 ROW_FUNCTIONS(wall_pressure_row)
 
@@ -125,7 +125,7 @@ INLINE void wall_velocity_row(const Row *row, Particles *s, const Model *model, 
         }
     const double all = lanes_sum(&weight);
     for (int d = 0; d < how.dim; d++)
-        s->v_wall[d][wall] = all > 1e-12 ? lanes_sum(&sum[d]) / all : s->v[d][row->i * s->v_step];
+        s->v_wall[d][wall] = all > NOTHING_NEAR ? lanes_sum(&sum[d]) / all : s->v[d][row->i * s->v_step];
 }
 ROW_FUNCTIONS(wall_velocity_row)
 
@@ -149,7 +149,7 @@ INLINE void mirror(const Row *row, Particles *s, const Model *model, const doubl
     const double all = lanes_sum(&weight);
     double v[3], n[3], n2 = 0, into = 0;
     for (int d = 0; d < how.dim; d++) {
-        v[d] = all > 1e-12 ? lanes_sum(&sum[d]) / all : about[d];
+        v[d] = all > NOTHING_NEAR ? lanes_sum(&sum[d]) / all : about[d];
         n[d] = lanes_sum(&towards[d]);
         n2 += n[d] * n[d];
     }
@@ -200,7 +200,7 @@ const Term shifted_wall_pressure = {
 
 const Term wall_density = {
     .name = "wall density",
-    .source = "schemes/README.md",
+    .source = "schemes/incompressible.md",
     .equation = "rho_w = sum_b s_b^4 rho_b / sum_b s_b^4,  s_b = sum_f W,  f of fluid b only",
     .on = ON_WALL,
     .needs = NEED_W,
@@ -230,7 +230,7 @@ const Term mirrored_velocity = {
 
 const Term mirrored_start = {
     .name = "mirrored velocity",
-    .source = "P2 eq. 38-42, schemes/README.md",
+    .source = "P2 eq. 38-42, schemes/incompressible.md",
     .equation = "v_w' = 2 v - v~ without slip; v~ + 2 ((v - v~) . n) n with slip;  v = v_w - dt a_w",
     .on = ON_WALL,
     .needs = NEED_W | NEED_F | NEED_V | NEED_STATE,

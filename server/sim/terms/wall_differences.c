@@ -4,7 +4,7 @@
  *   what the wall holds    u_w = u_0 - d g,  g = sum_f W (u_f - u_0) y / sum_f W y^2     all of u without slip, with slip u . n
  *   what glides            u_w = sum_f W u_f / sum_f W
  * The first is exact for all linear fields that keep u_0 on the surface; a mean mirrored at it is not, as it is that of fluid nearer to the
- * surface the deeper the particle is (schemes/README.md). */
+ * surface the deeper the particle is (schemes/differences.md). */
 #include "sim/terms/differences.h"
 #include "sim/terms/terms.h"
 
@@ -67,7 +67,7 @@ ROW_FUNCTIONS(continued_start_row)
 
 const Term continued_velocity = {
     .name = "continued velocity",
-    .source = "schemes/README.md",
+    .source = "schemes/differences.md",
     .equation = "u_w = u_0 - d sum_f W (u_f - u_0) y / sum_f W y^2;  what glides, sum_f W u_f / sum_f W",
     .on = ON_WALL,
     .needs = NEED_W | NEED_V,
@@ -76,7 +76,7 @@ const Term continued_velocity = {
 
 const Term continued_start = {
     .name = "continued velocity",
-    .source = "schemes/README.md",
+    .source = "schemes/differences.md",
     .equation = "the same of u - dt b, and dt b, which the pressure of the wall balances",
     .on = ON_WALL,
     .needs = NEED_W | NEED_V,
