@@ -632,7 +632,7 @@ static void what_only_placing_particles_shows_is_refused_then(void **state)
         {"fluids[0].pressure", MNS_E_INVALID, weightless_column},
         {"fluids[0].pressure", MNS_E_INVALID, vacuum},
         {"fluids[1].pressure", MNS_E_INVALID, infinite_pressure},
-        {"fluids[0]", MNS_E_INVALID, nan_velocity},
+        {"fluids[0].velocity[1]", MNS_E_INVALID, nan_velocity},
     };
     for (int dim = 2; dim <= 3; dim++)
         for (size_t k = 0; k < sizeof refusals / sizeof *refusals; k++) assert_refused(dim, &refusals[k], k, true);
