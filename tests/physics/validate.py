@@ -85,7 +85,7 @@ CASES = {
     "franke-operators": Case(differences.franke_operators, 3, 0.01),
     "poiseuille-two-phase-operators": Case(differences.poiseuille_operators, 5, 0.01),
     "poiseuille-two-phase": Case(differences.poiseuille, 28, 0.1),
-    "bubble3d-cylinder": Case(differences.bubble3d_cylinder, 340, 1.8),
+    "bubble3d-cylinder": Case(differences.bubble3d_cylinder, 1400, 1.8),
     "bubble3d-cylinder-fine": Case(differences.bubble3d_cylinder_fine, 0, 300),
     # Both.
     "multigrid": Case(multigrid.multigrid, 160, 0.5),

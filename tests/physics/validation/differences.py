@@ -250,12 +250,12 @@ def score_operators(case: str, n: int, height: int, end: float) -> Iterator[Metr
 
 
 def bubble3d_cylinder(paper: bool) -> Iterator[Metric]:
+    """P5 4.3, at two resolutions each: reduced, D/8 in a shorter tube, where what the text can be read as is run as well, and D/12."""
     case = "bubble3d-cylinder"
     if not paper:
         yield from score_operators(case, 8, 5, 4.5)
         yield from score_readings(case, 8, 5, 4.5)
-        return
-    for n in (12, 16):
+    for n in (12, 16) if paper else (12,):
         yield from score_operators(case, n, 6, 6.0)
 
 
