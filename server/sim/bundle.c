@@ -26,7 +26,7 @@ static void inverse_shepard(const Particles *s, const Model *model, int d, size_
     for (size_t i = 0; i < n; i++) out[i] = shepard[i] > 0 ? 1 / shepard[i] : 0;
 }
 
-/* Volumes and impedances where nobody has stored them: particles of a range are all fluid, or all wall. */
+/* What is stored nowhere: particles of a range are all fluid, or all wall. */
 static void volume(const Particles *s, const Model *model, int d, size_t first, size_t n, double *restrict out)
 {
     (void)d;
@@ -48,21 +48,20 @@ typedef struct Quantity {
     int d;
     void (*make)(const Particles *, const Model *, int d, size_t first, size_t n, double *out); /* NULL: the field */
     Fields of;
-    bool stored;   /* made only of what has not stored it */
     Fields guests; /* fields of schemes that have not this one, component d of which may be at home in its place */
 } Quantity;
 
 #define IS(id, d)                                                                                                      \
     {                                                                                                                  \
-        F_##id, d, NULL, FIELD(id), true, 0                                                                            \
+        F_##id, d, NULL, FIELD(id), 0                                                                                  \
     }
 #define IS_OR(id, d, guests)                                                                                           \
     {                                                                                                                  \
-        F_##id, d, NULL, FIELD(id), true, guests                                                                       \
+        F_##id, d, NULL, FIELD(id), guests                                                                             \
     }
 #define FLUX(d)                                                                                                        \
     {                                                                                                                  \
-        F_B, d, flux, FIELD(B) | FIELD(M), false, 0                                                                    \
+        F_B, d, flux, FIELD(B) | FIELD(M), 0                                                                           \
     }
 static const Quantity QUANTITIES[CARRIED_END] = {
     [CARRIED_X] = IS(X, 0),
@@ -72,9 +71,9 @@ static const Quantity QUANTITIES[CARRIED_END] = {
     IS(V, 1),
     IS(V, 2),
     [CARRIED_P] = IS(P, 0),
-    [CARRIED_VOLUME] = {F_VOL, 0, volume, FIELD(VOL) | FIELD(M) | FIELD(RHO), true, 0},
-    [CARRIED_Z] = {F_Z, 0, impedance, FIELD(Z) | FIELD(RHO), true, 0},
-    [CARRIED_SHEPARD] = {F_SHEPARD, 0, inverse_shepard, FIELD(SHEPARD), false, 0},
+    [CARRIED_VOLUME] = {F_VOL, 0, volume, FIELD(M) | FIELD(RHO), 0},
+    [CARRIED_Z] = {F_Z, 0, impedance, FIELD(RHO), 0},
+    [CARRIED_SHEPARD] = {F_SHEPARD, 0, inverse_shepard, FIELD(SHEPARD), 0},
     [CARRIED_GRADIENT] = IS_OR(GRADIENT, 0, FIELD(OFFSET)),
     IS_OR(GRADIENT, 1, FIELD(OFFSET)),
     IS_OR(GRADIENT, 2, FIELD(OFFSET)),
@@ -167,8 +166,7 @@ static void choose_fluxes(Bundles *b, unsigned needs)
 static const double *column(const Particles *s, const Model *model, int what, size_t first, size_t n, double *room)
 {
     const Quantity *q = &QUANTITIES[what];
-    const double *field = particles_field(s, q->field, q->d);
-    if (field && q->stored) return field + first;
+    if (!q->make) return (const double *)particles_field(s, q->field, q->d) + first;
     q->make(s, model, q->d, first, n, room);
     return room;
 }

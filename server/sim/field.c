@@ -5,10 +5,12 @@
 #include <string.h>
 
 #define PUBLIC(id, name, unit, meaning, components, type, member) {name, unit, meaning, components, type},
+#define PUBLIC_MADE(id, name, unit, meaning)                      {name, unit, meaning, 1, MNS_F64},
 #define SLOT(id, name, unit, meaning, components, type, member)   offsetof(Particles, member),
+#define NO_SLOT(...)                                              SIZE_MAX,
 
-static const MnsFieldInfo FIELDS[] = {FIELD_ROWS(PUBLIC){0}};
-static const size_t SLOTS[] = {FIELD_ROWS(SLOT)}; /* where Particles has the pointer to the first component */
+static const MnsFieldInfo FIELDS[] = {FIELD_ROWS(PUBLIC, PUBLIC_MADE){0}};
+static const size_t SLOTS[] = {FIELD_ROWS(SLOT, NO_SLOT)}; /* where Particles has the pointer to the first component */
 
 const MnsFieldInfo *mns_fields(void)
 {
@@ -53,7 +55,8 @@ static size_t slot_of(int field, int d)
 static void *pointer_of(const Particles *s, int field, int d)
 {
     void *pointer = NULL;
-    if (d < FIELDS[field].components) memcpy(&pointer, (const char *)s + slot_of(field, d), sizeof pointer);
+    if (d < FIELDS[field].components && SLOTS[field] != SIZE_MAX)
+        memcpy(&pointer, (const char *)s + slot_of(field, d), sizeof pointer);
     return pointer;
 }
 

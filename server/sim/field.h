@@ -6,9 +6,10 @@
 
 #include <meniscus/sim.h>
 
-/* ROW(what code calls it, name, unit, meaning, components, type, member of Particles). Which of them there are, and which a run goes
- * on from, is the scheme's to say (scheme.h). */
-#define FIELD_ROWS(ROW)                                                                                                \
+/* ROW(what code calls it, name, unit, meaning, components, type, member of Particles). MADE(what code calls it, name, unit, meaning): a number
+ * that follows from others and is stored nowhere (shown.c). Which of them there are, and which a run goes on from, is the scheme's to say
+ * (scheme.h). */
+#define FIELD_ROWS(ROW, MADE)                                                                                          \
     ROW(ID, "id", "1", "identity, the same for the whole run", 1, MNS_U32, id)                                         \
     ROW(PHASE, "phase", "1", "index of the fluid; number of fluids + index of the wall for wall particles", 1, MNS_U8, \
         phase)                                                                                                         \
@@ -17,12 +18,12 @@
     ROW(RHO, "density", "kg/m^3", "density", 1, MNS_F64, rho)                                                          \
     ROW(P, "pressure", "Pa", "pressure", 1, MNS_F64, p)                                                                \
     ROW(M, "mass", "kg", "mass; per metre of depth in two dimensions", 1, MNS_F64, m)                                  \
-    ROW(VOL, "volume", "m^dim", "mass over density", 1, MNS_F64, vol)                                                  \
+    MADE(VOL, "volume", "m^dim", "mass over density")                                                                  \
     ROW(A, "acceleration", "m/s^2", "acceleration at the end of the step", 3, MNS_F64, a)                              \
     ROW(B, "background_acceleration", "m/s^2",                                                                         \
         "acceleration of the advection velocity by the background pressure (P3 eq. 11)", 3, MNS_F64, b)                \
     ROW(REF, "list_position", "m", "position when the neighbour lists were built", 3, MNS_F64, ref)                    \
-    ROW(Z, "impedance", "kg/(m^2 s)", "density times speed of sound", 1, MNS_F64, z)                                   \
+    MADE(Z, "impedance", "kg/(m^2 s)", "density times speed of sound")                                                 \
     ROW(SHEPARD, "shepard_sum", "1", "sum of W V over the particle and its neighbours", 1, MNS_F64, shepard)           \
     ROW(GRADIENT, "pressure_gradient", "Pa/m", "gradient of the pressure, exact for linear fields", 3, MNS_F64,        \
         gradient)                                                                                                      \
@@ -43,21 +44,26 @@
     ROW(COLOUR, "colour", "1", "share of the first fluid among neighbours", 1, MNS_F64, colour)                        \
     ROW(COLOUR_GRADIENT, "colour_gradient", "m^2/kg", "gradient of the colour, over density", 3, MNS_F64,              \
         colour_gradient)                                                                                               \
-    ROW(RHO_MIXED, "mixed_density", "kg/m^3", "density of the neighbours' mixture", 1, MNS_F64, rho_mixed)             \
-    ROW(MU_MIXED, "mixed_viscosity", "Pa s", "viscosity of the neighbours' mixture", 1, MNS_F64, mu_mixed)             \
+    MADE(RHO_MIXED, "mixed_density", "kg/m^3", "density of the neighbours' mixture")                                   \
+    MADE(MU_MIXED, "mixed_viscosity", "Pa s", "viscosity of the neighbours' mixture")                                  \
     ROW(TO_SURFACE, "to_surface", "m", "from a wall particle to the nearest point of its surface", 3, MNS_F64,         \
         to_surface)                                                                                                    \
     ROW(X0, "position_before", "m", "position at the beginning of the step", 3, MNS_F64, x0)                           \
     ROW(V0, "velocity_before", "m/s", "velocity at the beginning of the step", 3, MNS_F64, v0)                         \
     ROW(RHO0, "density_before", "kg/m^3", "density at the beginning of the step", 1, MNS_F64, rho0)
 
-#define FIELD_ID(id, name, unit, meaning, components, type, member) F_##id,
-typedef enum FieldId { FIELD_ROWS(FIELD_ID) FIELDS_END } FieldId;
+#define FIELD_ID(id, ...) F_##id,
+typedef enum FieldId { FIELD_ROWS(FIELD_ID, FIELD_ID) FIELDS_END } FieldId;
 
 /* A set of fields: FIELD(X) | FIELD(V). */
 typedef uint64_t Fields;
 #define FIELD(id) (UINT64_C(1) << F_##id)
 static const Fields ALL_FIELDS = ~UINT64_C(0);
+
+/* Those that are stored nowhere. */
+#define FIELD_STORED(id, ...)
+#define FIELD_MADE(id, ...) | FIELD(id)
+static const Fields MADE_FIELDS = 0 FIELD_ROWS(FIELD_STORED, FIELD_MADE);
 
 _Static_assert((int)FIELDS_END <= (int)MNS_MAX_FIELDS, "captures and sets of fields have room for all");
 

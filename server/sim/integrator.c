@@ -154,7 +154,7 @@ MnsStatus integrator_step(MnsSim *sim, double t, double dt, MnsError *error)
 void integrator_derive(MnsSim *sim)
 {
     particles_changed(&sim->s, ON_ALL, ALL_FIELDS);
-    local_run(sim->scheme->derive, &sim->s, &sim->model, sim->threads);
+    if (sim->scheme->derive) local_run(sim->scheme->derive, &sim->s, &sim->model, sim->threads);
     for (int k = sim->scheme->derived_passes[0]; k < sim->scheme->derived_passes[1]; k++) {
         pass_run(&sim->scheme->rates[k], &sim->s, &sim->nb, &sim->model, sim->threads);
         tell(sim);

@@ -21,14 +21,13 @@ typedef struct Particles {
     double *x[3], *v[3], *a[3];                         /* position, velocity, acceleration */
     double *b[3];                                       /* acceleration by the background pressure, a_b of P3 eq. 11 */
     double *ref[3];                                     /* position when the neighbour lists were built */
-    double *m, *rho, *p, *vol, *z;                      /* mass, density, pressure, volume, impedance rho c */
+    double *m, *rho, *p;                                /* mass, density, pressure */
     double *shepard;                                    /* sum of W V */
     double *gradient[3], *normal[3], *concentration[3]; /* of the pressure; of the interface, 0 away from it */
     double *surface[3];                                 /* its stress is |q|^2 I/dim - q (x) q over V^2 */
     double *correction[3], *correction_off[3]; /* of the kernel's gradient or of differences: xx, yy, zz; xy, xz, yz */
     double *offset[3], *laplacian;             /* of differences (terms/differences.h) */
     double *colour, *colour_gradient[3];       /* of what is around: share of the first fluid */
-    double *rho_mixed, *mu_mixed;              /* made of that, and stored by nobody */
     double *to_surface[3];                     /* [n_wall] */
     double *x0[3], *v0[3], *rho0;   /* at the beginning of the step, for integrators of more than one evaluation */
     double *p_wall[MNS_MAX_FLUIDS]; /* [n_wall] pressure a wall shows to each fluid */
@@ -50,26 +49,21 @@ static inline size_t particles_fluid(const Particles *s)
     return s->begin[GROUP_WALL];
 }
 
-/* Volume and impedance are stored by nobody who can make them of density and mass; tests give particles arrays of them. Neighbours' are in
- * bundles. What a mixture is like follows from its colour. */
-static const Fields MADE_FIELDS = FIELD(VOL) | FIELD(Z) | FIELD(RHO_MIXED) | FIELD(MU_MIXED);
-
 /* What only fluid moves by or has differences with, and what only walls have: no others need room for it. What they are shown with is 0. */
 static const Fields FLUID_FIELDS = FIELD(A) | FIELD(CONCENTRATION) | FIELD(SURFACE) | FIELD(CORRECTION) |
                                    FIELD(CORRECTION_OFF) | FIELD(LAPLACIAN) | FIELD(COLOUR_GRADIENT) | FIELD(X0) |
                                    FIELD(V0) | FIELD(RHO0);
 static const Fields WALL_FIELDS = FIELD(TO_SURFACE);
 
+/* Made of density and mass each time; neighbours' are in bundles. A wall particle takes up its cell of the lattice. */
 INLINE double particles_volume(const Particles *s, const Model *model, size_t i)
 {
-    if (s->vol) return s->vol[i];
     return i < particles_fluid(s) ? s->m[i] / s->rho[i] : model->cell_volume;
 }
 
 /* Walls have none. */
 INLINE double particles_impedance(const Particles *s, const Model *model, size_t i)
 {
-    if (s->z) return s->z[i];
     return i < particles_fluid(s) ? s->rho[i] * model->phase[s->phase[i]].c : 0;
 }
 

@@ -26,7 +26,8 @@ static Fields written(const Local *const *locals, const Model *model)
 
 static Fields all_fields(const Scheme *scheme, const Model *model)
 {
-    Fields fields = scheme->state | scheme->derive->writes | scheme->integrator->works;
+    Fields fields = scheme->state | scheme->integrator->works;
+    if (scheme->derive) fields |= scheme->derive->writes;
     for (int p = 0; p < SCHEME_PASSES_MAX && scheme->rates[p].name; p++) {
         const Pass *pass = &scheme->rates[p];
         fields |= written(pass->before, model) | written(pass->after, model);

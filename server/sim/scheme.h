@@ -35,7 +35,7 @@ typedef struct Local {
     bool (*needed)(const Model *); /* NULL: always */
     void (*apply)(Particles *, const Model *, size_t first, size_t last);
     void (*whole)(Particles *, const Model *, int threads); /* instead, of one that needs all at once */
-    Fields writes;
+    Fields writes;                                          /* and those made of these that it is to be shown with */
 } Local;
 
 static inline bool local_needed(const Local *local, const Model *model)
@@ -97,7 +97,8 @@ typedef struct Scheme {
     Pass rates[SCHEME_PASSES_MAX];
     Fields state; /* what a run goes on from: in checkpoints and in the hash */
     int given;    /* passes [0, given) are left out at the start: the case gives their results */
-    /* After a state was set or restored: what follows from it without neighbours, and the passes [first, end) for what follows with them. */
+    /* After a state was set or restored: what follows from it without neighbours, NULL if nothing does that is stored, and the passes
+     * [first, end) for what follows with them. */
     const Local *derive;
     int derived_passes[2];
     bool projects;                             /* solves for the pressure: particles have a system for it */

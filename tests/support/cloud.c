@@ -95,10 +95,8 @@ static void fill(Cloud *cloud, const CloudSetup *setup, size_t points)
         const double rho0 = cloud->model.phase[owner == CLOUD_AIR ? 1 : 0].rho0;
         s->id[i] = (uint32_t)k;
         s->phase[i] = (uint8_t)owner;
-        s->vol[i] = cloud->model.cell_volume;
         s->rho[i] = rho0;
-        s->z[i] = rho0 * 20;
-        s->m[i] = rho0 * s->vol[i];
+        s->m[i] = rho0 * cloud->model.cell_volume;
         s->shepard[i] = 1;
         for (int d = 0; d < s->dim; d++) {
             s->x[d][i] = x[d] + setup->jitter * setup->dx * cloud_noise(&seed);
@@ -119,11 +117,12 @@ Cloud *cloud_new(const CloudSetup *setup)
         const int owner = owner_at(setup, k, x);
         sizes[owner == CLOUD_NOTHING ? GROUPS : group_of(setup, owner)]++;
     }
-    static const Fields fields = ALL_FIELDS & ~(FIELD(RHO_MIXED) | FIELD(MU_MIXED)); /* nobody reads arrays of these */
+    const Fields fields = ALL_FIELDS & ~MADE_FIELDS;
     if (particles_init(&cloud->s, setup->dim, 2, sizes, fields, 0, setup->viscous, cloud->threads, NULL, NULL)) abort();
     if (neighbours_init(&cloud->nb, cloud->s.n, cloud->s.dim, NEED_ALL, cloud->threads, NULL)) abort();
     if (!system_init(&cloud->system, cloud->s.n, particles_fluid(&cloud->s), cloud->threads)) abort();
     cloud->s.system = &cloud->system;
+    cloud->s.made = FIELD(VOL) | FIELD(Z);
     fill(cloud, setup, points);
     if (cloud_build(cloud) != MNS_OK) abort();
     return cloud;
@@ -163,13 +162,11 @@ void cloud_term(Cloud *cloud, const Term *term)
 void cloud_weigh(Cloud *cloud, unsigned fluid, double density)
 {
     Particles *s = &cloud->s;
-    Phase *phase = &cloud->model.phase[fluid];
-    phase->rho0 = density;
+    cloud->model.phase[fluid].rho0 = density;
     for (size_t i = 0; i < particles_fluid(s); i++) {
         if (s->phase[i] != fluid) continue;
+        s->m[i] = density * cloud_volume(cloud, i);
         s->rho[i] = density;
-        s->m[i] = density * s->vol[i];
-        s->z[i] = density * phase->c;
     }
 }
 
@@ -201,8 +198,6 @@ void cloud_stir(Cloud *cloud, uint64_t seed)
         const Phase *phase = &cloud->model.phase[s->phase[i]];
         s->rho[i] = phase->rho0 * (1 + 0.1 * cloud_noise(&seed));
         s->p[i] = 0.1 * phase->rho0 * phase->c * phase->c * cloud_noise(&seed);
-        s->vol[i] = s->m[i] / s->rho[i];
-        s->z[i] = s->rho[i] * phase->c;
         for (int d = 0; d < s->dim; d++) s->v[d][i] = 0.1 * phase->c * cloud_noise(&seed);
     }
 }

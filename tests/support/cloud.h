@@ -49,11 +49,11 @@ MnsStatus cloud_build(Cloud *cloud);
 /* Sums of one term for all its particles, after a and rate were set to zero. */
 void cloud_term(Cloud *cloud, const Term *term);
 
-/* Have all masses and what follows from them so that fluid has this density; volumes stay. */
+/* Have all masses so that fluid has this density; volumes stay. */
 void cloud_weigh(Cloud *cloud, unsigned fluid, double density);
 
 /* Fluid pressures, velocities and densities without any symmetry; p below 10 % of rho c^2 and of either sign, so that
- * the pair p* has both, |v| below a tenth of c. m stays; V and z follow rho. */
+ * the pair p* has both, |v| below a tenth of c. m stays, and V follows rho. */
 void cloud_stir(Cloud *cloud, uint64_t seed);
 
 /* In [-1, 1), deterministic. */
@@ -64,6 +64,17 @@ typedef struct CloudPair {
     double dx[3], r, W, F;
 } CloudPair;
 CloudPair cloud_pair(const Cloud *cloud, size_t i, size_t j);
+
+/* What a particle takes up, and its rho c. */
+static inline double cloud_volume(const Cloud *cloud, size_t i)
+{
+    return particles_volume(&cloud->s, &cloud->model, i);
+}
+
+static inline double cloud_impedance(const Cloud *cloud, size_t i)
+{
+    return particles_impedance(&cloud->s, &cloud->model, i);
+}
 
 /* Storage index of a particle, by its id. */
 size_t cloud_index(const Cloud *cloud, uint32_t id);

@@ -70,7 +70,7 @@ static void correction(const Cloud *cloud, size_t i, double ret[3][3])
         if (j == i) continue;
         const CloudPair pair = cloud_pair(cloud, i, j);
         for (int d = 0; d < s->dim; d++)
-            for (int e = 0; e < s->dim; e++) moments[d][e] -= s->vol[j] * pair.F * pair.dx[d] * pair.dx[e];
+            for (int e = 0; e < s->dim; e++) moments[d][e] -= cloud_volume(cloud, j) * pair.F * pair.dx[d] * pair.dx[e];
     }
     cloud_invert(moments, s->dim, ret);
 }
@@ -84,12 +84,18 @@ static void push(const Cloud *cloud, size_t i, size_t j, double M[2][3][3], doub
     const double p_j = wall ? s->p_wall[s->phase[i]][j - particles_fluid(s)] : s->p[j];
     const double beta = !wall && s->phase[i] != s->phase[j] ? cloud->model.repulsion : 0;
     const bool weighted = !wall && cloud->model.density_average > 0;
-    const double mine = (weighted ? 2 * s->z[j] / (s->z[i] + s->z[j]) : 1) * s->p[i] + beta * fabs(s->p[i]);
-    const double its = (weighted ? 2 * s->z[i] / (s->z[i] + s->z[j]) : 1) * p_j + beta * fabs(p_j);
+    const double mine =
+        (weighted ? 2 * cloud_impedance(cloud, j) / (cloud_impedance(cloud, i) + cloud_impedance(cloud, j)) : 1) *
+            s->p[i] +
+        beta * fabs(s->p[i]);
+    const double its =
+        (weighted ? 2 * cloud_impedance(cloud, i) / (cloud_impedance(cloud, i) + cloud_impedance(cloud, j)) : 1) * p_j +
+        beta * fabs(p_j);
     for (int d = 0; d < s->dim; d++) {
         ret[d] = 0;
         for (int e = 0; e < s->dim; e++)
-            ret[d] -= s->vol[i] * s->vol[j] * pair.F * (mine * M[1][d][e] + its * M[0][d][e]) * pair.dx[e];
+            ret[d] -= cloud_volume(cloud, i) * cloud_volume(cloud, j) * pair.F *
+                      (mine * M[1][d][e] + its * M[0][d][e]) * pair.dx[e];
     }
 }
 
@@ -144,7 +150,7 @@ static double work(Cloud *cloud, const Term *term, double p)
     cloud_term(cloud, &corrected_continuity);
     cloud_term(cloud, term);
     for (size_t i = 0; i < s->n; i++) {
-        volume += s->vol[i];
+        volume += cloud_volume(cloud, i);
         for (int d = 0; d < s->dim; d++) all += s->m[i] * s->v[d][i] * s->a[d][i];
     }
     return all / (p * volume);

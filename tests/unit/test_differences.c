@@ -199,7 +199,7 @@ static void the_single_sums_are_those_of_the_paper(void **state)
         cloud->model.differences.diffusion = sph ? MNS_DIFFUSION_SPH : MNS_DIFFUSION_HARMONIC;
         find_shape(cloud);
         for (size_t i = 0; i < s->n; i++) {
-            s->vol[i] = 0.01 * (1 + 0.1 * cloud_noise(&seed));
+            s->m[i] = s->rho[i] * 0.01 * (1 + 0.1 * cloud_noise(&seed));
             for (int d = 0; d < 2; d++) s->v[d][i] = cloud_noise(&seed);
         }
         cloud_term(cloud, sph ? &sph_diffusion : &harmonic_diffusion);
@@ -210,13 +210,15 @@ static void the_single_sums_are_those_of_the_paper(void **state)
                 const CloudPair pair = cloud_pair(cloud, i, j);
                 const double a = viscosity_of(cloud, i), b = viscosity_of(cloud, j), mu = 2 * a * b / (a + b);
                 const double k = pair.W * (1 - pair.dx[0] * s->offset[0][i] - pair.dx[1] * s->offset[1][i]);
-                const double V2 = s->vol[i] * s->vol[i] + s->vol[j] * s->vol[j];
+                const double V2 =
+                    cloud_volume(cloud, i) * cloud_volume(cloud, i) + cloud_volume(cloud, j) * cloud_volume(cloud, j);
                 const double c = sph ? -mu * V2 * printed * pair.F : 4 * mu * k;
                 for (int d = 0; d < 2 && j != i; d++) above[d] += c * (s->v[d][j] - s->v[d][i]);
                 below += pair.r * pair.r * k;
             }
             for (int d = 0; d < 2; d++)
-                assert_close(s->a[d][i], above[d] / ((sph ? s->vol[i] : below) * density_of(cloud, i)), 1e-9);
+                assert_close(s->a[d][i], above[d] / ((sph ? cloud_volume(cloud, i) : below) * density_of(cloud, i)),
+                             1e-9);
         }
         cloud_free(cloud);
     }

@@ -272,8 +272,7 @@ static void particles_keep_their_own_values_when_sorted(void **state)
         s->m[i] = mark + 0.31;
         s->rho[i] = mark + 0.32;
         s->p[i] = mark + 0.33;
-        s->vol[i] = mark + 0.34;
-        s->z[i] = mark + 0.35;
+        s->shepard[i] = mark + 0.34;
         if (i >= first_wall)
             for (int a = 0; a < 2; a++) s->p_wall[a][i - first_wall] = mark + 0.4 * (a + 1);
     }
@@ -289,7 +288,7 @@ static void particles_keep_their_own_values_when_sorted(void **state)
             assert_true(s->b[d][i] == mark + 0.01 * (d + 1));
         }
         assert_true(s->m[i] == mark + 0.31 && s->rho[i] == mark + 0.32 && s->p[i] == mark + 0.33);
-        assert_true(s->vol[i] == mark + 0.34 && s->z[i] == mark + 0.35);
+        assert_true(s->shepard[i] == mark + 0.34);
         assert_int_equal(s->phase[i], group_of(s, i));
         if (i >= first_wall)
             for (int a = 0; a < 2; a++) assert_true(s->p_wall[a][i - first_wall] == mark + 0.4 * (a + 1));

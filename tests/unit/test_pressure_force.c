@@ -50,11 +50,13 @@ static double push(const Cloud *cloud, size_t i, size_t j, bool squares)
     const double beta = !wall && s->phase[i] != s->phase[j] ? model->repulsion : 0;
     const double repel_i = beta * fabs(P_i), repel_j = beta * fabs(P_j);
     if (!wall && model->density_average > 0) {
-        P_i *= 2 * s->z[j] / (s->z[i] + s->z[j]);
-        P_j *= 2 * s->z[i] / (s->z[i] + s->z[j]);
+        P_i *= 2 * cloud_impedance(cloud, j) / (cloud_impedance(cloud, i) + cloud_impedance(cloud, j));
+        P_j *= 2 * cloud_impedance(cloud, i) / (cloud_impedance(cloud, i) + cloud_impedance(cloud, j));
     }
-    if (squares) return -s->vol[i] * s->vol[i] * (P_i + repel_i) - s->vol[j] * s->vol[j] * (P_j + repel_j);
-    return -s->vol[i] * s->vol[j] * (P_i + repel_i + P_j + repel_j);
+    if (squares)
+        return -cloud_volume(cloud, i) * cloud_volume(cloud, i) * (P_i + repel_i) -
+               cloud_volume(cloud, j) * cloud_volume(cloud, j) * (P_j + repel_j);
+    return -cloud_volume(cloud, i) * cloud_volume(cloud, j) * (P_i + repel_i + P_j + repel_j);
 }
 
 static void forces_are_those_of_the_papers_among_fluids_and_walls(void **state)
@@ -156,7 +158,7 @@ static void unlike_fluids_repel_each_other_at_any_pressure(void **state)
         else {
             assert_true((a[1] - a[0]) * away > 0);
             const CloudPair pair = cloud_pair(cloud, 0, 1);
-            const double V = s->vol[0], expected = -V * V * 0.08 * 1300 * pair.F * pair.dx[0] / s->m[0];
+            const double V = cloud_volume(cloud, 0), expected = -V * V * 0.08 * 1300 * pair.F * pair.dx[0] / s->m[0];
             assert_close(a[1] - a[0], expected, 1e-12 * fabs(expected));
         }
         cloud_free(cloud);
@@ -218,7 +220,7 @@ static void work_of_pressure_is_what_continuity_of_volumes_stores(void **state)
                 size += s->m[i] * fabs(s->v[d][i] * s->a[d][i]);
             }
         cloud_term(cloud, &volume_continuity);
-        for (size_t i = 0; i < s->n; i++) stored += s->p[i] * s->vol[i] / s->rho[i] * s->rate[i];
+        for (size_t i = 0; i < s->n; i++) stored += s->p[i] * cloud_volume(cloud, i) / s->rho[i] * s->rate[i];
         assert_true(fabs(work) > 1e-3 * size);
         assert_close(work, -stored, 1e-13 * size);
         cloud_free(cloud);

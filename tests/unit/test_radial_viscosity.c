@@ -50,8 +50,8 @@ static double drag(const Cloud *cloud, size_t i, size_t j, double mu, const doub
         dx[d] = pair.dx[d];
         along += (s->v[d][i] - v[d]) * pair.dx[d];
     }
-    return 0.97 * s->vol[i] * s->vol[j] / s->m[i] * 2 * (s->dim + 2) * mu * along / (pair.r * pair.r + soft * soft) *
-           pair.F;
+    return 0.97 * cloud_volume(cloud, i) * cloud_volume(cloud, j) / s->m[i] * 2 * (s->dim + 2) * mu * along /
+           (pair.r * pair.r + soft * soft) * pair.F;
 }
 
 static void forces_between_fluids_are_those_of_the_paper(void **state)

@@ -54,7 +54,7 @@ static void check_pair(const Cloud *cloud, const Row *row, size_t k)
     assert_close(b->r[l], pair.r, 1e-15);
     assert_close(b->W[l], pair.W, 1e-11);
     assert_close(b->F[l], pair.F, 1e-9);
-    assert_true(b->V[l] == s->vol[j] && b->p[l] == s->p[j] && b->z[l] == s->z[j]);
+    assert_true(b->V[l] == cloud_volume(cloud, j) && b->p[l] == s->p[j] && b->z[l] == cloud_impedance(cloud, j));
     const bool carries = group_of(s, j) == GROUP_SUMMATION;
     for (int d = 0; d < s->dim; d++) {
         assert_true(b->v[d][l] == s->v[d][j]);
@@ -108,6 +108,30 @@ static void every_pair_in_reach_is_there_once_and_right(void **state)
         }
         cloud_free(cloud);
     }
+}
+
+/* Nobody says that these were written: they are made of density and mass, whose writers do. */
+static void volumes_and_impedances_of_neighbours_follow_density_and_mass(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int round = 0; round < 3; round++) {
+            Cloud *cloud = drifted(dim, 3, MNS_WENDLAND_C2);
+            Particles *s = &cloud->s;
+            static Row row;
+            row_of(cloud, 0, &row, ROW_LISTED);
+            for (size_t i = 0; i < s->n; i++) *(round == 0 ? &s->rho[i] : &s->m[i]) *= 1 + 0.01 * (double)(i % 7 + 1);
+            if (round < 2) particles_changed(s, ON_ALL, round == 0 ? FIELD(RHO) : FIELD(M));
+            row_of(cloud, 0, &row, ROW_LISTED);
+            assert_true(row.n_fluid > 0);
+            for (size_t k = 0; k < row.n_fluid * LANES; k++) {
+                const Block *b = &row.block[k / LANES];
+                const size_t j = row.j[k], l = k % LANES;
+                assert_true((b->V[l] == cloud_volume(cloud, j)) == (round < 2)); /* copies, if nobody said */
+                assert_true(b->z[l] == cloud_impedance(cloud, j));
+            }
+            cloud_free(cloud);
+        }
 }
 
 /* The same numbers, to the last bit, from the instructions of every level that this machine has and that fuses. */
@@ -319,6 +343,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_pair_in_reach_is_there_once_and_right),
+        cmocka_unit_test(volumes_and_impedances_of_neighbours_follow_density_and_mass),
         cmocka_unit_test(levels_give_the_same_bits),
         cmocka_unit_test(what_is_fetched_is_the_same_at_every_level),
         cmocka_unit_test(lanes_have_an_order),

@@ -84,7 +84,7 @@ static void correction_of(const Cloud *cloud, size_t i, bool along, double M[3][
         if (j == i || s->phase[j] != s->phase[i]) continue;
         const CloudPair pair = cloud_pair(cloud, i, j);
         for (int d = 0; d < s->dim; d++)
-            for (int e = 0; e < s->dim; e++) moments[d][e] -= pair.dx[d] * pair.F * pair.dx[e] * s->vol[j];
+            for (int e = 0; e < s->dim; e++) moments[d][e] -= pair.dx[d] * pair.F * pair.dx[e] * cloud_volume(cloud, j);
     }
     cloud_invert(moments, s->dim, M);
     for (int d = 0; d < 3 && !(along && is_mixed(cloud, i)); d++)
@@ -108,7 +108,7 @@ static void shifts_are_those_of_the_paper_in_both_forms(void **state)
             double dx[3] = {0}, speed = 0, size = 0, through = 0, dv[4] = {0};
             for (size_t j = 0; j < o->n; j++) {
                 const CloudPair pair = cloud_pair(old, i, j);
-                for (int d = 0; d < dim && j != i; d++) dx[d] += o->vol[j] * pair.F * pair.dx[d];
+                for (int d = 0; d < dim && j != i; d++) dx[d] += cloud_volume(old, j) * pair.F * pair.dx[d];
             }
             for (int d = 0; d < dim; d++) speed += o->v[d][i] * o->v[d][i];
             for (int d = 0; d < dim; d++) {
@@ -129,7 +129,7 @@ static void shifts_are_those_of_the_paper_in_both_forms(void **state)
                 const CloudPair pair = cloud_pair(old, i, j);
                 double c = 0;
                 for (int d = 0; d < dim; d++)
-                    for (int e = 0; e < dim; e++) c += dx[d] * M[d][e] * pair.F * pair.dx[e] * o->vol[j];
+                    for (int e = 0; e < dim; e++) c += dx[d] * M[d][e] * pair.F * pair.dx[e] * cloud_volume(old, j);
                 for (int d = 0; d < dim; d++) dv[d] += c * (o->v[d][j] - o->v[d][i]);
                 dv[3] += c * (o->rho[j] - o->rho[i]);
             }
@@ -266,7 +266,6 @@ static void a_linear_field_is_carried(void **state)
                 for (int e = 0; e < dim; e++) field[k] += slope[k][e] * s->x[e][i];
             for (int d = 0; d < dim; d++) s->v[d][i] = field[d];
             s->rho[i] = cloud->model.phase[s->phase[i]].rho0 * field[3];
-            s->z[i] = cloud->model.phase[s->phase[i]].c * s->rho[i];
         }
         Before before = before_of(s);
         cloud_shift(cloud);

@@ -38,7 +38,7 @@ static Cloud *three_fluids(int dim)
     cloud->model.tension[0][1] = cloud->model.tension[1][0] = 0.2;
     cloud->model.tension[1][2] = cloud->model.tension[2][1] = 0.7;
     for (size_t i = 0; i < s->n; i++) {
-        s->vol[i] *= 1 + 0.1 * cloud_noise(&seed);
+        s->m[i] *= 1 + 0.1 * cloud_noise(&seed);
         if (s->x[1][i] > 0.5) s->phase[i] = 2;
     }
     if (neighbours_build(&cloud->nb, s, &cloud->model, NULL)) abort(); /* lists know of whose fluid they are */
@@ -53,15 +53,17 @@ static void stress(const Cloud *cloud, size_t i, double ret[3][3])
     for (size_t j = 0; j < s->n; j++) {
         const CloudPair pair = cloud_pair(cloud, i, j);
         if (s->phase[j] == s->phase[i]) continue;
-        const double c = cloud->model.tension[s->phase[i]][s->phase[j]] * s->vol[j] * s->vol[j] / s->vol[i] * pair.F;
+        const double c = cloud->model.tension[s->phase[i]][s->phase[j]] * cloud_volume(cloud, j) *
+                         cloud_volume(cloud, j) / cloud_volume(cloud, i) * pair.F;
         for (int d = 0; d < s->dim; d++) g[d] += c * pair.dx[d];
     }
     for (int d = 0; d < s->dim; d++) size2 += g[d] * g[d];
     if (sqrt(size2) * cloud->model.kernel.h <= 1e-8 * 0.7) size2 = 0; /* so far away that it is none */
     for (int d = 0; d < 3; d++)
         for (int e = 0; e < 3; e++)
-            ret[d][e] =
-                size2 > 0 ? s->vol[i] * s->vol[i] * ((d == e ? size2 / s->dim : 0) - g[d] * g[e]) / sqrt(size2) : 0;
+            ret[d][e] = size2 > 0 ? cloud_volume(cloud, i) * cloud_volume(cloud, i) *
+                                        ((d == e ? size2 / s->dim : 0) - g[d] * g[e]) / sqrt(size2)
+                                  : 0;
 }
 
 static void forces_are_those_of_the_paper_among_three_fluids(void **state)

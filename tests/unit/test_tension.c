@@ -42,7 +42,7 @@ static void correction(const Cloud *cloud, size_t i, bool corrected, double M[3]
         if (!in_reach(cloud, i, j)) continue;
         const CloudPair pair = cloud_pair(cloud, i, j);
         for (int d = 0; d < s->dim; d++)
-            for (int e = 0; e < s->dim; e++) moments[d][e] -= pair.dx[d] * pair.F * pair.dx[e] * s->vol[j];
+            for (int e = 0; e < s->dim; e++) moments[d][e] -= pair.dx[d] * pair.F * pair.dx[e] * cloud_volume(cloud, j);
     }
     cloud_invert(moments, s->dim, M);
 }
@@ -57,7 +57,7 @@ static void towards_others(const Cloud *cloud, size_t i, bool tense, double M[3]
         const CloudPair pair = cloud_pair(cloud, i, j);
         const double mine = cloud->model.phase[s->phase[i]].rho0, its = cloud->model.phase[s->phase[j]].rho0;
         const double weight = tense ? cloud->model.tension[s->phase[i]][s->phase[j]] * 2 * mine / (mine + its) : 1;
-        for (int d = 0; d < s->dim; d++) sum[d] += weight * pair.F * pair.dx[d] * s->vol[j];
+        for (int d = 0; d < s->dim; d++) sum[d] += weight * pair.F * pair.dx[d] * cloud_volume(cloud, j);
     }
     for (int d = 0; d < 3; d++) {
         ret[d] = 0;
@@ -96,9 +96,9 @@ static double curvature(const Cloud *cloud, size_t i, bool corrected, double M[3
         const CloudPair pair = cloud_pair(cloud, i, j);
         for (int d = 0; d < s->dim; d++) {
             const double e = (s->phase[j] == s->phase[i] ? 1 : -1) * s->normal[d][j] - s->normal[d][i];
-            for (int k = 0; k < s->dim; k++) above += e * M[d][k] * pair.F * pair.dx[k] * s->vol[j];
+            for (int k = 0; k < s->dim; k++) above += e * M[d][k] * pair.F * pair.dx[k] * cloud_volume(cloud, j);
         }
-        below -= pair.F * pair.r * pair.r * s->vol[j];
+        below -= pair.F * pair.r * pair.r * cloud_volume(cloud, j);
     }
     return corrected ? above : s->dim * above / below;
 }
@@ -121,10 +121,12 @@ static Cloud *three_fluids(int dim)
     cloud->model.phase[2] = (Phase){.rho0 = 80, .c = 20};
     cloud->model.tension[0][2] = cloud->model.tension[2][0] = 0.2;
     for (size_t i = 0; i < particles_fluid(s); i++) {
-        s->vol[i] *= 1 + 0.1 * cloud_noise(&seed);
-        if (s->x[0][i] < 0.5) continue;
-        s->phase[i] = s->phase[i] == 0 && s->x[0][i] > 0.7 ? 2 : s->phase[i];
-        s->rho[i] = cloud->model.phase[s->phase[i]].rho0 * (1 + 0.05 * cloud_noise(&seed));
+        const double V = cloud_volume(cloud, i) * (1 + 0.1 * cloud_noise(&seed));
+        if (s->x[0][i] >= 0.5) {
+            s->phase[i] = s->phase[i] == 0 && s->x[0][i] > 0.7 ? 2 : s->phase[i];
+            s->rho[i] = cloud->model.phase[s->phase[i]].rho0 * (1 + 0.05 * cloud_noise(&seed));
+        }
+        s->m[i] = s->rho[i] * V;
     }
     if (neighbours_build(&cloud->nb, s, &cloud->model, NULL)) abort(); /* lists know of whose fluid they are */
     return cloud;
@@ -290,7 +292,8 @@ static Drop drop_of(int dim, MnsKernel kernel, double smoothing, const Form *for
         for (size_t k = 0; k < nb->end[i][END_WALLS]; k++) { /* all fluids: M is the identity here */
             const size_t j = neighbours_of(nb, i)[k];
             const CloudPair pair = cloud_pair(cloud, i, j);
-            for (int d = 0; d < dim && s->phase[j] != s->phase[i]; d++) q[d] += pair.F * pair.dx[d] * s->vol[j];
+            for (int d = 0; d < dim && s->phase[j] != s->phase[i]; d++)
+                q[d] += pair.F * pair.dx[d] * cloud_volume(cloud, j);
         }
         for (int d = 0; d < dim; d++) out[d] = s->x[d][i] - middle;
         for (int d = 0; d < dim; d++) {

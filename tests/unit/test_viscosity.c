@@ -48,7 +48,8 @@ static double weight(const Cloud *cloud, size_t i, size_t j, double mu)
     const Particles *s = &cloud->s;
     const CloudPair pair = cloud_pair(cloud, i, j);
     const double soft = 0.1 * cloud->model.kernel.h;
-    return s->vol[i] * s->vol[j] / s->m[i] * mu * pair.F * pair.r * pair.r / (pair.r * pair.r + soft * soft);
+    return cloud_volume(cloud, i) * cloud_volume(cloud, j) / s->m[i] * mu * pair.F * pair.r * pair.r /
+           (pair.r * pair.r + soft * soft);
 }
 
 static void forces_between_fluids_are_those_of_the_paper(void **state)

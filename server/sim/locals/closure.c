@@ -6,12 +6,6 @@
 #include "sim/fluid_sum.h"
 #include "sim/locals/locals.h"
 
-static double volume(const Particles *s, const Model *model, size_t i)
-{
-    (void)model;
-    return volume_of(s, i);
-}
-
 static double compliance(const Particles *s, const Model *model, size_t i)
 {
     const double c = model->phase[s->phase[i]].c;
@@ -28,7 +22,7 @@ static bool is_full_of_liquids(const Model *model)
 static void keep_volume(Particles *s, const Model *model, int threads)
 {
     const size_t n = particles_fluid(s);
-    const double excess = fluid_sum(s, model, volume, threads) - (double)n * model->cell_volume;
+    const double excess = fluid_sum(s, model, particles_volume, threads) - (double)n * model->cell_volume;
     const double dp = excess / fluid_sum(s, model, compliance, threads);
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t i = 0; i < n; i++) {

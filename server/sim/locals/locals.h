@@ -5,21 +5,13 @@
 
 #include "sim/scheme.h"
 
-extern const Local advance_density;   /* density.c  continuity: one step of d rho/dt    */
-extern const Local summed_density;    /* density.c  summation: mass times number density */
-extern const Local closed_volume;     /* closure.c  liquids that fill a space keep its volume */
-extern const Local linear_pressure;   /* state.c    p = c^2 (rho - rho0), V, z           */
-extern const Local volume_of_density; /* state.c   V = m / rho                          */
-extern const Local tait_pressure;     /* state.c    p = c^2 rho0/gamma ((rho/rho0)^gamma - 1) */
-extern const Local volume_of_number;  /* number.c   V = 1 / sum of W, rho = m / V          */
-extern const Local volume_alone;      /* number.c   V = m / rho                          */
-extern const Local body_force;        /* force.c    a = g                                */
-extern const Local buoyancy;          /* force.c    a = (1 - rho_0/rho~) g               */
-
-/* What a particle takes up. */
-static inline double volume_of(const Particles *s, size_t i)
-{
-    return s->m[i] / s->rho[i];
-}
+extern const Local advance_density;  /* density.c  continuity: one step of d rho/dt    */
+extern const Local summed_density;   /* density.c  summation: mass times number density */
+extern const Local closed_volume;    /* closure.c  liquids that fill a space keep its volume */
+extern const Local linear_pressure;  /* state.c    p = c^2 (rho - rho0), V, z           */
+extern const Local tait_pressure;    /* state.c    p = c^2 rho0/gamma ((rho/rho0)^gamma - 1) */
+extern const Local volume_of_number; /* number.c   V = 1 / sum of W, rho = m / V          */
+extern const Local body_force;       /* force.c    a = g                                */
+extern const Local buoyancy;         /* force.c    a = (1 - rho_0/rho~) g               */
 
 #endif

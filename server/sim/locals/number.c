@@ -3,19 +3,11 @@
  * the equations use is that of reference. */
 #include "sim/locals/locals.h"
 
-static void volumes(Particles *s, const Model *model, size_t first, size_t last)
-{
-    (void)model;
-    if (!s->vol) return; /* made where it is asked for */
-#pragma omp simd
-    for (size_t i = first; i < last; i++) s->vol[i] = volume_of(s, i);
-}
-
 static void number(Particles *s, const Model *model, size_t first, size_t last)
 {
+    (void)model;
 #pragma omp simd
     for (size_t i = first; i < last; i++) s->rho[i] = s->m[i] * s->rate[i];
-    volumes(s, model, first, last);
 }
 
 const Local volume_of_number = {
@@ -25,13 +17,4 @@ const Local volume_of_number = {
     .on = ON_SUMMATION,
     .apply = number,
     .writes = FIELD(RHO) | FIELD(VOL),
-};
-
-const Local volume_alone = {
-    .name = "volume",
-    .source = "P4 eq. 8",
-    .equation = "V_i = m_i / rho_i",
-    .on = ON_FLUID,
-    .apply = volumes,
-    .writes = FIELD(VOL),
 };

@@ -1,21 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The equation of state of each fluid, and what follows from density and pressure. */
+/* The equation of state of each fluid. Volumes and impedances, which follow from density too, are made where they are asked for. */
 #include "sim/state.h"
 #include "sim/locals/locals.h"
-
-/* Where there is room for it. */
-static void keep_made(Particles *s, const Model *model, size_t i)
-{
-    if (s->vol) s->vol[i] = volume_of(s, i);
-    if (s->z) s->z[i] = s->rho[i] * model->phase[s->phase[i]].c;
-}
 
 static void state(Particles *s, const Model *model, size_t first, size_t last)
 {
     for (size_t i = first; i < last; i++) {
         const Phase *phase = &model->phase[s->phase[i]];
         s->p[i * s->p_step] = state_pressure(phase, s->rho[i]);
-        keep_made(s, model, i);
     }
 }
 
@@ -26,20 +18,6 @@ const Local linear_pressure = {
     .on = ON_FLUID,
     .apply = state,
     .writes = FIELD(P) | FIELD(VOL) | FIELD(Z),
-};
-
-static void volumes(Particles *s, const Model *model, size_t first, size_t last)
-{
-    for (size_t i = first; i < last; i++) keep_made(s, model, i);
-}
-
-const Local volume_of_density = {
-    .name = "volume",
-    .source = "P2 eq. 13",
-    .equation = "V_i = m_i / rho_i",
-    .on = ON_FLUID,
-    .apply = volumes,
-    .writes = FIELD(VOL) | FIELD(Z),
 };
 
 const Local tait_pressure = {

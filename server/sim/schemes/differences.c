@@ -98,7 +98,6 @@ const Scheme scheme_differences = {
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(P) | FIELD(M) | FIELD(A) | FIELD(REF) |
              FIELD(TO_SURFACE),
     .given = PASS_SHAPE,
-    .derive = &volume_alone,
     .projects = true,
     .derived_passes = {PASS_SHAPE, PASS_SHAPE + 2},
     .check = differences_check,

@@ -90,7 +90,6 @@ const Scheme scheme_incompressible = {
         },
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(P) | FIELD(M) | FIELD(A) | FIELD(REF),
     .given = PASS_RATES,
-    .derive = &volume_alone,
     .derived_passes = {PASS_RATES, PASS_RATES + 1},
     .projects = true,
     .symmetric = true,

@@ -68,14 +68,13 @@ const Scheme scheme_interfacial = {
             {"forces", .before = {&body_force},
              .terms = {&volume_pressure_force, &corrected_pressure_force, &radial_viscosity, &radial_friction,
                        &corrected_tension, &pressure_gradient, &shifting},
-             .after = {&shifted_position, &volume_of_density},
+             .after = {&shifted_position},
              .fusions = {&interfacial_viscous_forces, &interfacial_forces, &interfacial_forces_beside}},
             {"walls, shifted",
              .terms = {&shifted_wall_pressure}}, /* what they show, of the state that a run goes on from */
         },
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(P) | FIELD(M) | FIELD(A) | FIELD(REF) |
              FIELD(SHEPARD) | FIELD(GRADIENT) | FIELD(NORMAL) | FIELD(CONCENTRATION),
-    .derive = &volume_of_density,
     .derived_passes = {1, 2},
     .check = interfacial_check,
     .keeps_options = interfacial_keeps_options,
