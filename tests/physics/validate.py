@@ -63,7 +63,7 @@ CASES = {
     "lock-exchange2d": Case(interfaces.lock_exchange2d, 180, 0.4),
     "lock-exchange3d": Case(interfaces.lock_exchange3d, 500, 150),
     # Zhu and Zou 2020.
-    "dambreak2d-interfacial": Case(dam_breaks.dambreak2d_interfacial, 230, 0.6),
+    "dambreak2d-interfacial": Case(dam_breaks.dambreak2d_interfacial, 270, 0.6),
     "dambreak2d-interfacial-square": Case(dam_breaks.dambreak2d_interfacial_square, 72, 0.1),
     "square-drop2d": Case(drops.square_drop2d, 130, 3.1),
     "cube-drop3d": Case(drops.cube_drop3d, 320, 0.6),
