@@ -174,6 +174,27 @@ static void a_step_that_is_cut_short_leaves_the_pressure(void **state)
     }
 }
 
+/* In the corners of a tank: not that by which the others' are counted from elsewhere. */
+static void walls_that_no_fluid_reaches_have_no_pressure(void **state)
+{
+    (void)state;
+    static const char *const schemes[] = {"incompressible", "differences"};
+    for (int k = 0; k < 2; k++) {
+        MnsCase *c = layers(2, 20, 10);
+        c->scheme.name = schemes[k];
+        MnsSim *sim = sim_in_arrays(c);
+        sim_steps(sim, 3);
+        size_t apart = 0;
+        for (size_t i = particles_fluid(&sim->s); i < sim->s.n; i++) {
+            if (sim->system.matrix.blocks[i] > 0) continue;
+            assert_true(sim->s.p[i] == 0);
+            apart++;
+        }
+        assert_true(apart > 0);
+        sim_done(sim, c);
+    }
+}
+
 static void momentum_and_number_densities_are_kept(void **state)
 {
     (void)state;
@@ -645,6 +666,7 @@ int main(void)
         cmocka_unit_test(a_pressure_that_stays_is_not_found_anew),
         cmocka_unit_test(a_tank_at_rest_stays_so_with_differences),
         cmocka_unit_test(a_step_that_is_cut_short_leaves_the_pressure),
+        cmocka_unit_test(walls_that_no_fluid_reaches_have_no_pressure),
         cmocka_unit_test(momentum_and_number_densities_are_kept),
         cmocka_unit_test(four_fluids_keep_momentum_and_bits),
         cmocka_unit_test(a_pressure_that_is_not_found_is_a_fault_that_tells_its_residuals),
