@@ -354,6 +354,16 @@ class Drops(Scored):
         self.check(good, lambda r: drops.score_swings("c", (50, 100), (swinging(0.1), r)), lambda _: slow)
         self.assertLess(ref["KE"][-1] / ref["KE"].max(), 1e-3)
 
+    def test_the_swing_of_a_cube(self):
+        ref = series.table("P2/cubic_droplet3d_vof.csv")
+        t = samples(0.3, 0.002)
+
+        def swinging(slower: float) -> Made:
+            half = np.interp(t / slower, ref["t_s"], ref["x_extent"])
+            return made(t, right=half, left=-half)
+
+        self.check(swinging(1.1), lambda r: drops.score_cube("c", (30, 50), (swinging(1.3), r)), lambda _: swinging(1.4))
+
     def test_a_round_drop(self):
         t = samples(0.5, 0.002)
         good = made(t, [self.shot(2, ripple=0.01)], speed=0.005, mass_drop=1.6, momentum_x=1e-6, momentum_y=-1e-6, jump=44.3)
