@@ -14,11 +14,11 @@ import re
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from validation import bubbles, dam_breaks, drops, incompressible, interfaces, jobs, rest, sloshing
+from validation import bubbles, dam_breaks, differences, drops, incompressible, interfaces, jobs, rest, sloshing
 from validation.common import NEAR, grain
 from validation.metrics import Metric, commit
 from validation.runs import ROOT, Run, Snapshot, load, run, told
@@ -94,6 +94,26 @@ def drift(case: str, r: Run) -> Iterator[Metric]:
     yield Metric(case, "grain of the drop's pressure [Pa]", grain(r.last(), 0))
 
 
+def three_layers(case: str, r: Run) -> Iterator[Metric]:
+    height, time = largest_errors(list(sloshing.score_layers_slice(case, r, full=False)))
+    yield Metric(case, "largest error of the height of a crest", height)
+    yield Metric(case, "largest error of its time [s]", time)
+    yield Metric(case, "grain of the water's pressure / (rho g h)", grain(r.last(3), 1) / (1000 * 9.81 * sloshing.REST["fs"]))
+
+
+def between_plates(case: str, r: Run) -> Iterator[Metric]:
+    s = r.last()
+    yield Metric(case, "error of the profile", differences.profile_error(5, s))
+    for k, name in enumerate(("thick", "thin")):
+        own = s.phase == k
+        yield Metric(case, f"the same in the {name} layer", differences.profile_error(5, replace(s, x=s.x[own], velocity=s.velocity[own])))
+
+
+def kicked(case: str, r: Run) -> Iterator[Metric]:
+    yield from incompressible.score_quarter(case, r, paper=False)
+    yield Metric(case, "grain of the drop's pressure / Laplace's jump", grain(r.last(), 0) / (1 / 0.1875))
+
+
 def vortices(case: str, r: Run) -> Iterator[Metric]:
     yield Metric(case, "L_inf error of the greatest speed", incompressible.decay_error(r))
     for t in (1, 2, 4):
@@ -127,6 +147,9 @@ class Ladder:
 # What all schemes can be asked for; the speed of sound is for those that have one, ten times the fastest.
 VORTICES = ("fluids[0].sound_speed=10", "probes=[{name: speed, extremum: {field: velocity}}, {name: kinetic, kinetic_energy: {}},"
             " {name: density_least, extremum: {field: density, which: min}}, {name: density_greatest, extremum: {field: density}}]")
+
+KICKED = ("probes=[{name: x_q, mass_centre: {fluid: drop, axis: x, within: {min: [0.5, 0.5], max: [1, 1]}}},"
+          " {name: kinetic, kinetic_energy: {}}, {name: speed, extremum: {field: velocity}}]")
 
 # The gauge of the other schemes: no pressure at the lid.
 AIR_IS_ZERO = "zero_pressure: [0.5, 1]"
@@ -173,6 +196,9 @@ COMPARISONS = {
     "Sloshing with a free surface": Comparison(
         "sloshing2d-single", ("resolution=20",),
         (("riemann", ""), ("dissipation", "repulsion: 0"), ("interfacial", ""), ("incompressible", ""), ("differences", "")), layer),
+    "Three layers that slosh, with a free surface": Comparison(
+        "sloshing2d-three-layers", ("end_time=2.1",),
+        (("riemann", ""), ("dissipation", "repulsion: 0"), ("interfacial", ""), ("incompressible", ""), ("differences", "")), three_layers),
     "A lock exchange, ratio 1.5": Comparison(
         "lock-exchange2d", ("resolution=20",),
         (("riemann", ""), ("dissipation", "repulsion: 0, background_pressure: 500"),
@@ -187,6 +213,17 @@ COMPARISONS = {
         "rayleigh-taylor3d", ("resolution=16", "end_time=2.55", *interfaces.CORNER, *UNMOVED_3D, f"fluids[0].density={interfaces.LIGHT[0.5]}"),
         (("riemann", ""), ("dissipation", f"repulsion: 0, {PRESSED}"), ("dissipation", f"repulsion: 0, {PRESSED}, gradient_correction: true"),
          ("interfacial", PRESSED), ("interfacial", f"{PRESSED}, gradient_correction: true"), ("incompressible", ""), ("differences", "")), spikes),
+    "Two layers between plates, viscosities 5 : 1": Comparison(
+        "poiseuille-two-phase", ("fluids[0].sound_speed=5", "fluids[1].sound_speed=5"),
+        (("riemann", ""), ("dissipation", "repulsion: 0, background_pressure: 0.5"),
+         ("dissipation", "repulsion: 0, background_pressure: 0.5, gradient_correction: true"), ("interfacial", "background_pressure: 0.5"),
+         ("interfacial", "background_pressure: 0.5, gradient_correction: true"), ("incompressible", "reference_speed: 0.5"),
+         *(("differences", f"reference_speed: 0.5, diffusion: {operator}") for operator in differences.OPERATORS)), between_plates),
+    "A drop that swings in a liquid like itself": Comparison(
+        "droplet-oscillation2d", ("fluids[0].sound_speed=20", "fluids[1].sound_speed=20", KICKED),
+        (("riemann", ""), ("dissipation", "background_pressure: 8"), ("dissipation", "background_pressure: 8, gradient_correction: true"),
+         ("interfacial", "background_pressure: 8"), ("interfacial", "background_pressure: 8, gradient_correction: true"),
+         ("incompressible", "reference_speed: 1"), ("differences", "reference_speed: 1")), kicked),
     "A bubble that rises, ratio 10": Comparison(
         "bubble2d-hysing1", ("resolution=25",),
         (("riemann", ""), ("dissipation", "background_pressure: 800"),
