@@ -181,7 +181,7 @@ class Sloshing(Scored):
         for level in ("fs", "cw"):
             for corner, name in sloshing.CORNERS.items():
                 probes[f"{level}_{corner}"] = sloshing.REST[level] + np.interp(t, ref["t_s"], ref[f"{level}_{name}"])
-        self.check(made(t, **probes), lambda r: sloshing.score_layers("c", r, True),
+        self.check(made(t, **probes), lambda r: sloshing.score_layers("c", r),
                    *(change for n in probes for change in (scaled(n, 1.15, sloshing.REST[n[:2]]), late(n, 0.06))))
 
 

@@ -51,6 +51,7 @@ CASES = {
     "sloshing2d-three-layers-free": Case(sloshing.sloshing2d_three_layers_free, 46, 0.1),
     "sloshing2d-three-layers-resonance": Case(sloshing.sloshing2d_three_layers_resonance, 95, 0.2),
     "sloshing3d-three-layers": Case(sloshing.sloshing3d_three_layers, 98, 36),
+    "sloshing3d-three-layers-linear": Case(sloshing.sloshing3d_three_layers_linear, 0, 0.5),
     "bubble2d-single": Case(bubbles.bubble2d_single, 180, 0.2),
     "bubble3d-single": Case(bubbles.bubble3d_single, 930, 31),
     "bubble3d-single-printed": Case(bubbles.bubble3d_single_printed, 240, 8),
