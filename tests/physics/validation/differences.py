@@ -9,7 +9,7 @@ import numpy as np
 from validation.incompressible import decay_error, density_error
 from validation.metrics import Metric
 from validation.runs import Run, Snapshot, run
-from validation.series import at, table
+from validation.series import table
 
 OPERATORS = ("harmonic", "divtau", "conservative", "sph")
 
@@ -210,19 +210,21 @@ LATE = 2  # [s], when the speed hardly changes any more
 AXISYMMETRIC = "bubble_vof_axi_W2D_diam_D64.csv"
 
 
-def expected_rise(name: str, end: float) -> float:
-    """Mean velocity of the bubble over the last seconds, by volume of fluid."""
+def expected(name: str, column: str, end: float) -> float:
+    """Mean over the last seconds, by volume of fluid."""
     ref = table(f"P5/{name}")
-    return float(np.mean(ref["v_c"][(ref["t"] >= end - LATE) & (ref["t"] <= end)]))
+    return float(np.mean(ref[column][(ref["t"] >= end - LATE) & (ref["t"] <= end)]))
 
 
 def score_rise(case: str, size: str, r: Run, end: float, tolerance: float) -> Iterator[Metric]:
-    ref, expected = table(f"P5/{AXISYMMETRIC}"), expected_rise(AXISYMMETRIC, end)
-    yield Metric(case, f"{size}: rise of the centre, the last {LATE} s", r.slope("centre", end - LATE, end), expected, tolerance, relative=True)
-    yield Metric(case, f"{size}: mean velocity, the last {LATE} s", r.mean("speed", end - LATE, end), expected, note="not scored: particles are shifted as well")
-    height, width = r.at("top", end) - r.at("bottom", end), r.at("right", end) - r.at("left", end)
-    yield Metric(case, f"{size}: height", height, at(ref, "height", end), tolerance, relative=True)
-    yield Metric(case, f"{size}: width", width, at(ref, "width", end), tolerance, relative=True)
+    """All of it over the last seconds. The one particle that is outermost goes to and fro: at D/12 with div tau the height is 1.049 at t = 5.75 and
+    1.066 at 6, where 1.064 is allowed."""
+    rise = expected(AXISYMMETRIC, "v_c", end)
+    yield Metric(case, f"{size}: rise of the centre, the last {LATE} s", r.slope("centre", end - LATE, end), rise, tolerance, relative=True)
+    yield Metric(case, f"{size}: mean velocity, the last {LATE} s", r.mean("speed", end - LATE, end), rise, note="not scored: particles are shifted as well")
+    for extent, far, near in (("height", "top", "bottom"), ("width", "right", "left")):
+        value = r.mean(far, end - LATE, end) - r.mean(near, end - LATE, end)
+        yield Metric(case, f"{size}: {extent}, the last {LATE} s", value, expected(AXISYMMETRIC, extent, end), tolerance, relative=True)
 
 
 def score_readings(case: str, n: int, height: int, end: float) -> Iterator[Metric]:
@@ -232,7 +234,7 @@ def score_readings(case: str, n: int, height: int, end: float) -> Iterator[Metri
     for name, ref, of in (("buoyancy as printed", "bubble_vof_axi_W2D_diam_literal_gravity.csv", ("gravity=[0, 0, -0.5]", *tube(height))),
                           ("tube twice as wide", "bubble_vof_axi_W2D_radius_D32.csv", wide_tube(height))):
         r = run(case, *settings, *of, by("divtau"))
-        yield Metric(case, f"D/{n}, {name}: rise of the centre, the last {LATE} s", r.slope("centre", end - LATE, end), expected_rise(ref, end), 0.12, relative=True)
+        yield Metric(case, f"D/{n}, {name}: rise of the centre, the last {LATE} s", r.slope("centre", end - LATE, end), expected(ref, "v_c", end), 0.12, relative=True)
 
 
 def score_operators(case: str, n: int, height: int, end: float) -> Iterator[Metric]:
