@@ -63,17 +63,22 @@ INLINE void difference_matrix_row(const Row *row, Particles *s, const Model *mod
 }
 ROW_FUNCTIONS(difference_matrix_row)
 
-/* Times 1/h^2 and the volume of a cell, so that it counts about as much as the row of a fluid particle. */
+/* Of the mean over the fluid in sight, however little of it there is, and over h^2, so that it counts about as much as the row of a fluid
+ * particle: by the sums themselves the rows of walls that only the rim of a kernel reaches would be 1e-19 of others, which no residual sees,
+ * and multigrid's cycles would make what rounding leaves there large. */
 INLINE void difference_wall_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i;
     const WallState *wall = &model->wall[s->phase[i] - model->n_phases];
     Matrix *m = &s->system->matrix;
-    const double h = model->kernel.h, rho = density_around(s, model, i), scale = model->cell_volume / (h * h);
+    const double h = model->kernel.h, rho = density_around(s, model, i);
     uint32_t *column = m->column + m->start[i] * LANES;
     float *c = m->c + m->start[i] * LANES;
     const Mixture density = mixture_of_densities(model);
-    double flux = 0;
+    double seen = 0, flux = 0;
+    for (size_t k = 0; k < row->n; k++)
+        for (int l = 0; l < LANES; l++) seen += row->block[k].W[l];
+    const double scale = seen > 0 ? 1 / (h * h * seen) : 0;
     for (size_t k = 0; k < row->n; k++) {
         const Block *b = &row->block[k];
         double colour[LANES];
