@@ -29,10 +29,11 @@ static double system_need(const MnsSim *sim, const Particles *s)
     const Projection *options = &model->projection;
     const System none = {.matrix.n = 1};
     double multigrid = 0;
-    if (amg_exists() && solve_takes_amg(options->solver, rows, list_entries(model) / ENTRIES))
-        multigrid = (options->unit_mobility ? 2 : 1) * amg_bytes(rows, list_entries(model));
+    const double entries = list_entries(model);
+    if (amg_exists() && solve_takes_amg(options->solver, rows, entries / ENTRIES, sim->scheme->symmetric))
+        multigrid = (options->unit_mobility ? 2 : 1) * amg_bytes(rows, entries);
     return multigrid + rows * (double)system_bytes(&none) +
-           spare * rows * (list_entries(model) + 0.5 * ENTRIES) * (sizeof(uint32_t) + sizeof(float));
+           spare * rows * (entries + 0.5 * ENTRIES) * (sizeof(uint32_t) + sizeof(float));
 }
 
 /* Asked of lists for nobody, whose layout is that of any. */

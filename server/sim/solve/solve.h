@@ -143,7 +143,7 @@ bool amg_holds(double rows, double entries);
 double amg_bytes(double rows, double entries);
 
 /* Would a system of so many rows, of so many blocks each, be solved with it? */
-bool solve_takes_amg(MnsSolver solver, double rows, double blocks);
+bool solve_takes_amg(MnsSolver solver, double rows, double blocks, bool symmetric);
 
 /* The method that was asked for, or the fastest for a system of this size; one for all matrices unless they are symmetric. */
 const SolveMethod *solve_method(MnsSolver solver, const System *system, bool symmetric);

@@ -181,10 +181,10 @@ void system_centre(System *y)
     for (size_t i = 0; i < y->matrix.n; i++) x[i] -= y->parts == 1 || y->part[i] == part ? from : 0;
 }
 
-bool solve_takes_amg(MnsSolver solver, double rows, double blocks)
+bool solve_takes_amg(MnsSolver solver, double rows, double blocks, bool symmetric)
 {
     /* Rows from which on it is faster, in two and three dimensions, by how long they are (DECISIONS.md). */
-    const double large = blocks <= 8 ? 50000 : 1000000;
+    const double in_space = symmetric ? 5e6 : 2e6, large = blocks <= 8 ? 5e4 : in_space;
     return solver == MNS_SOLVER_AMG ||
            (solver == MNS_SOLVER_BY_SIZE && rows >= large && amg_holds(rows, blocks * ENTRIES));
 }
@@ -192,7 +192,7 @@ bool solve_takes_amg(MnsSolver solver, double rows, double blocks)
 const SolveMethod *solve_method(MnsSolver solver, const System *y, bool symmetric)
 {
     const size_t n = y->matrix.n;
-    if (solve_takes_amg(solver, (double)n, (double)y->matrix.start[n] / (double)n))
+    if (solve_takes_amg(solver, (double)n, (double)y->matrix.start[n] / (double)n, symmetric))
         return symmetric ? &solve_amg : &solve_amg_bicgstab;
     return symmetric && solver != MNS_SOLVER_BICGSTAB ? &solve_cg : &solve_bicgstab;
 }
