@@ -181,8 +181,9 @@ class Sloshing(Scored):
         for level in ("fs", "cw"):
             for corner, name in sloshing.CORNERS.items():
                 probes[f"{level}_{corner}"] = sloshing.REST[level] + np.interp(t, ref["t_s"], ref[f"{level}_{name}"])
-        self.check(made(t, **probes), lambda r: sloshing.score_layers("c", r),
-                   *(change for n in probes for change in (scaled(n, 1.15, sloshing.REST[n[:2]]), late(n, 0.06))))
+        for full, larger, behind in ((False, 1.26, 0.12), (True, 1.18, 0.08)):
+            self.check(made(t, **probes), lambda r, full=full: sloshing.score_layers("c", r, full),
+                       *(change for n in probes for change in (scaled(n, larger, sloshing.REST[n[:2]]), late(n, behind))))
 
 
 class DamBreaks(Scored):
