@@ -142,14 +142,15 @@ static void make_vector(const struct Amg *amg, HYPRE_IJVector *ret, HYPRE_ParVec
 }
 
 /* One cycle, with the same relaxation before and after, so that it is symmetric; relaxed on the coarsest level too, where elimination
- * would meet the singular matrix. The first level is coarsened twice, which takes twice the iterations and half of the making. */
-static void make_solver(struct Amg *amg)
+ * would meet the singular matrix. In the plane the first level is coarsened twice, which takes twice the iterations and half of the making; in
+ * space iterations would grow with the system where a liquid is beside a gas. */
+static void make_solver(struct Amg *amg, bool in_space)
 {
     enum { HMIS = 10, EXTENDED = 6, SYMMETRIC = 6, COARSEST = 3, NEIGHBOURS = 4 };
     HYPRE_BoomerAMGCreate(&amg->solver);
     HYPRE_BoomerAMGSetPrintLevel(amg->solver, 0);
     HYPRE_BoomerAMGSetCoarsenType(amg->solver, HMIS);
-    HYPRE_BoomerAMGSetAggNumLevels(amg->solver, 1);
+    HYPRE_BoomerAMGSetAggNumLevels(amg->solver, in_space ? 0 : 1);
     HYPRE_BoomerAMGSetInterpType(amg->solver, EXTENDED);
     HYPRE_BoomerAMGSetPMaxElmts(amg->solver, NEIGHBOURS);
     HYPRE_BoomerAMGSetStrongThreshold(amg->solver, 0.25);
@@ -172,7 +173,8 @@ static MnsStatus make(struct Amg *amg, const System *y, double shift)
 {
     const Matrix *m = &y->matrix;
     amg->n = (int)m->n;
-    if (!amg_holds((double)m->n, ENTRIES * (double)m->start[m->n] / (double)m->n)) return MNS_E_MEMORY;
+    const double blocks = (double)m->start[m->n] / (double)m->n;
+    if (!amg_holds((double)m->n, ENTRIES * blocks)) return MNS_E_MEMORY;
     if (!(amg->rows = array_new(m->n, sizeof *amg->rows))) return MNS_E_MEMORY;
     for (int i = 0; i < amg->n; i++) amg->rows[i] = i;
     HYPRE_ClearAllErrors();
@@ -183,7 +185,7 @@ static MnsStatus make(struct Amg *amg, const System *y, double shift)
     status = noted(0);
     if (status) return status;
     watcher_tell(&y->watcher); /* what follows is one piece */
-    make_solver(amg);
+    make_solver(amg, rows_in_space(blocks));
     return noted(0);
 }
 

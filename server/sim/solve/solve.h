@@ -142,6 +142,12 @@ bool amg_holds(double rows, double entries);
 /* What it keeps of such a matrix, about. */
 double amg_bytes(double rows, double entries);
 
+/* Rows of so many blocks are of three dimensions, not of two. */
+static inline bool rows_in_space(double blocks)
+{
+    return blocks > 8;
+}
+
 /* Would a system of so many rows, of so many blocks each, be solved with it? */
 bool solve_takes_amg(MnsSolver solver, double rows, double blocks, bool symmetric);
 

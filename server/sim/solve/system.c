@@ -183,8 +183,8 @@ void system_centre(System *y)
 
 bool solve_takes_amg(MnsSolver solver, double rows, double blocks, bool symmetric)
 {
-    /* Rows from which on it is faster, in two and three dimensions, by how long they are (DECISIONS.md). */
-    const double in_space = symmetric ? 5e6 : 2e6, large = blocks <= 8 ? 5e4 : in_space;
+    /* Rows from which on it is faster (DECISIONS.md). */
+    const double in_space = symmetric ? 1e7 : 3e6, large = rows_in_space(blocks) ? in_space : 5e4;
     return solver == MNS_SOLVER_AMG ||
            (solver == MNS_SOLVER_BY_SIZE && rows >= large && amg_holds(rows, blocks * ENTRIES));
 }
