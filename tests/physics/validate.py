@@ -89,7 +89,7 @@ CASES = {
     "bubble3d-cylinder": Case(differences.bubble3d_cylinder, 1400, 1.8),
     "bubble3d-cylinder-fine": Case(differences.bubble3d_cylinder_fine, 0, 300),
     # Both.
-    "multigrid": Case(multigrid.multigrid, 300, 1),
+    "multigrid": Case(multigrid.multigrid, 410, 1),
 }
 
 
