@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Runs of the incompressible scheme: layers stay at rest under the right pressure at any ratio of densities, momentum is kept, number
+/* Runs of the schemes that solve for a pressure: layers stay at rest under the right pressure at any ratio of densities, momentum is kept, number
  * densities are, a pressure that is not found is a fault that tells why, and what the scheme cannot do is refused. */
 #include "sim/integrators/integrators.h"
 #include "tests/support/check.h"

@@ -143,7 +143,7 @@ static void make_vector(const struct Amg *amg, HYPRE_IJVector *ret, HYPRE_ParVec
 
 /* One cycle, with the same relaxation before and after, so that it is symmetric; relaxed on the coarsest level too, where elimination
  * would meet the singular matrix. In the plane the first level is coarsened twice, which takes twice the iterations and half of the making; in
- * space iterations would grow with the system where a liquid is beside a gas. */
+ * space that takes longer where a liquid rests under a gas (DECISIONS.md). */
 static void make_solver(struct Amg *amg, bool in_space)
 {
     enum { HMIS = 10, EXTENDED = 6, SYMMETRIC = 6, COARSEST = 3, NEIGHBOURS = 4 };
