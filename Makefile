@@ -58,6 +58,9 @@ cppflags  := -Iinclude -Iserver -I. -I$(BUILD)/gen -D_GNU_SOURCE -DMENISCUS_VERS
 sanitize  := $(if $(SANITIZE),-fsanitize=$(SANITIZE) -fno-omit-frame-pointer -DMENISCUS_SANITIZED)
 cflags    := -std=c17 -g $(OPT) $(FLOAT) -fopenmp -fPIC -ffile-prefix-map=$(CURDIR)=. $(sanitize)
 ldflags   := -fopenmp -Wl,--as-needed $(sanitize)
+# Where it is installed, what was compiled once is not compiled again, also from another clone: paths are relative. CCACHE= goes without.
+CCACHE    ?= $(shell command -v ccache)
+export CCACHE_BASEDIR ?= $(CURDIR)
 compile    = $(CC) $(cppflags) $(CPPFLAGS) $(cflags)
 link       = $(CC) $(ldflags) $(LDFLAGS) -o $@
 # One short line for each thing made; all of it with V=1, nothing with -s.
@@ -85,7 +88,7 @@ INSTALLED := all $(SHIPPED) $(if $(wildcard $(BUILD)/meniscus-dashboard),$(DASHB
 MANUALS   := $(addprefix $(BUILD)/man/,meniscus.1 meniscusd.8 meniscus-case.5)
 SUPPORT   := $(call objects,$(call sources,tests/support))
 
-.PHONY: all help packages demo dashboard check validate compare torture bench reference install uninstall deb pictures clean lint format asan tsan fuzz
+.PHONY: all help packages demo dashboard check nightly validate compare torture bench reference install uninstall deb pictures clean lint format asan tsan fuzz
 all: $(BUILD)/meniscusd $(BUILD)/meniscus $(BUILD)/libmeniscus.a $(BUILD)/libmeniscus-client.a $(BUILD)/libmeniscus-client.so $(BUILD)/case-reference.md $(BUILD)/python/meniscus/meniscus_pb2.py $(if $(SANITIZE),,$(MANUALS)) ## build everything
 
 help: ## list the targets
@@ -106,15 +109,24 @@ dashboard: $(filter all tests bench-programs,$(MAKECMDGOALS)) ## build the dashb
 	@tests/support/packages.sh dashboard
 	@$(MAKE) --no-print-directory -s $(PARALLEL) $(DASHBOARD_ALL)
 
-check: ## build and run every test; last line: N passed, N failed [ALL=1: linters, clang, aarch64, sanitizers and fuzz targets too, as CI]
-	@tests/support/packages.sh check
-	@$(MAKE) --no-print-directory -s $(PARALLEL) all tests bench-programs $(TORTURE) $(DASHBOARD_ALL) $(BUILD)/web-check/node_modules/.package-lock.json
-	@BUILD=$(BUILD) CC=$(CC) tests/support/check.sh $(if $(ALL),everything)
+# What the tests run, and for those of CI and of the night what they need besides.
+TESTED := all tests $(BUILD)/tests/bench/bench_step $(BUILD)/tests/portable/states $(TORTURE)
+TESTED_BROWSER := $(DASHBOARD_ALL) $(BUILD)/web-check/node_modules/.package-lock.json
+check: ## build and test; last line: N passed, N failed [CI=1: dashboard, linters, clang, address sanitizer and fuzz targets too] [TIMES=1]
+	@tests/support/packages.sh $(if $(CI),ci,check)
+	@$(MAKE) --no-print-directory -s $(PARALLEL) $(TESTED) $(if $(CI),$(TESTED_BROWSER))
+	@BUILD=$(BUILD) CC=$(CC) tests/support/check.sh $(if $(CI),ci,check)
 
-validate: ## the papers' cases against their references [CASE="name ..."] [SIZE=paper] [JOBS=n]
+nightly: ## all of that, and what takes longer: thread sanitizer, other processors, ParaView, Slurm, each test at its full size [TIMES=1]
+	@tests/support/packages.sh nightly
+	@$(MAKE) --no-print-directory -s $(PARALLEL) $(TESTED) $(TESTED_BROWSER)
+	@BUILD=$(BUILD) CC=$(CC) tests/support/check.sh nightly
+
+validate: ## the papers' cases against their references [CASE="name ..."] [SIZE=paper] [JOBS=n] [CHANGED=1: those that a change has touched]
 	@tests/support/packages.sh validate
-	@$(MAKE) --no-print-directory -s $(PARALLEL) all
-	@BUILD=$(BUILD) $(PYTHON) tests/physics/validate.py $(if $(CASE),--case $(CASE)) $(if $(SIZE),--size $(SIZE)) $(if $(JOBS),--jobs $(JOBS))
+	@$(MAKE) --no-print-directory -s $(PARALLEL) all $(BUILD)/tests/physics/state_after
+	@BUILD=$(BUILD) $(PYTHON) tests/physics/validate.py $(if $(CASE),--case $(CASE)) $(if $(SIZE),--size $(SIZE)) $(if $(JOBS),--jobs $(JOBS)) \
+	    $(if $(CHANGED),--changed)
 
 compare: ## the schemes side by side on the same cases [CASE=name] [JOBS=n]
 	@tests/support/packages.sh validate
@@ -129,7 +141,7 @@ bench: ## benchmarks as JSON lines [SIZE=full: those of up to four million parti
 	@for b in $(wildcard tests/bench/*.py); do BUILD=$(BUILD) $(PYTHON) $$b || exit 1; done
 
 torture: ## the control plane against its promises: 15 minutes [ROW=name] [SIZE=full]
-	@tests/support/packages.sh check
+	@tests/support/packages.sh ci
 	@$(MAKE) --no-print-directory -s $(PARALLEL) all torture-programs
 	@BUILD=$(BUILD) $(PYTHON) tests/torture/torture.py $(ROW) $(if $(SIZE),--size $(SIZE))
 
@@ -143,35 +155,37 @@ RACED := $(filter $(BUILD)/tests/protocol/% $(addprefix $(BUILD)/tests/unit/test
 # What clang warns of is looked for in all of the tests.
 raced: all $(RACED) $(patsubst $(BUILD)/tests/%,$(BUILD)/obj/tests/%.o,$(UNIT))
 	@rm -f $(call others,$(RACED))
-bench-programs: all $(BENCH)
+bench-programs: all $(BENCH) $(BUILD)/tests/physics/state_after
 # What all machines compute, and for machines whose libraries are not here (tests/portable/aarch64.sh).
 states: $(BUILD)/tests/portable/states
 states-objects: $(filter-out %/formula.o,$(SOLVER)) $(call objects,tests/support/bench_cases.c tests/support/cases.c $(wildcard tests/portable/*.c))
 # What is fed rubbish is built with sanitizers.
 torture-programs: $(TORTURE) $(BUILD)/tests/protocol/test_daemon_fuzz
-	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/fuzz CC=clang SANITIZE=address,undefined,fuzzer-no-link fuzz-programs
+	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/asan CC=clang SANITIZE=$(ADDRESSES) fuzz-programs
+# One build for the tests under the address sanitizer and for what libFuzzer runs.
+ADDRESSES := address,undefined,fuzzer-no-link
 fuzz-programs: $(FUZZ)
 
 reference: $(BUILD)/case-reference.md ## write the manual of the case format from its schema
 	cp $< server/cases/REFERENCE.md
 
-asan: ## unit and protocol tests under address and undefined-behaviour sanitizers
-	@tests/support/packages.sh check
-	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/asan SANITIZE=address,undefined all tests
+asan: ## unit and protocol tests under address and undefined-behaviour sanitizers (clang)
+	@tests/support/packages.sh ci
+	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/asan CC=clang SANITIZE=$(ADDRESSES) all tests
 	@BUILD=$(BUILD)/asan tests/support/sanitize.sh address
 
 tsan: ## the same under the thread sanitizer (clang, libomp)
-	@tests/support/packages.sh check
+	@tests/support/packages.sh ci
 	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/tsan CC=clang SANITIZE=thread raced
 	@BUILD=$(BUILD)/tsan tests/support/sanitize.sh thread
 
 fuzz: ## what comes from outside, under libFuzzer (clang) [FUZZ_SECONDS=600, for each target]
-	@tests/support/packages.sh check
-	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/fuzz CC=clang SANITIZE=address,undefined,fuzzer-no-link fuzz-programs
-	@BUILD=$(BUILD)/fuzz tests/support/fuzz.sh $(or $(FUZZ_SECONDS),600)
+	@tests/support/packages.sh ci
+	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/asan CC=clang SANITIZE=$(ADDRESSES) fuzz-programs
+	@BUILD=$(BUILD)/asan tests/support/fuzz.sh $(or $(FUZZ_SECONDS),600)
 
 lint: ## clang-format, clang-tidy, cppcheck, shellcheck, layers
-	@tests/support/packages.sh check
+	@tests/support/packages.sh ci
 	@$(MAKE) --no-print-directory -s $(PARALLEL) all
 	@BUILD=$(BUILD) tests/support/layers.sh
 	@BUILD=$(BUILD) tests/support/headers.sh
@@ -187,7 +201,7 @@ solver-libs: # that the solver needs besides those of its .pc file
 	$(info $(hypre_libs))@:
 
 pictures: ## draw those of the README again: some minutes
-	@tests/support/packages.sh check
+	@tests/support/packages.sh ci
 	@$(MAKE) --no-print-directory -s $(PARALLEL) all $(DASHBOARD_ALL) $(BUILD)/web-check/node_modules/.package-lock.json
 	@BUILD=$(BUILD) tests/support/pictures.sh
 
@@ -269,10 +283,10 @@ $(BUILD)/obj/server/net/describe.o: private cppflags += -DMENISCUS_COMMIT='"$(CO
 $(BUILD)/obj/server/net/describe.o: $(BUILD)/stamp/commit
 $(BUILD)/obj/%.o: %.c $(BUILD)/stamp/flags | $(GEN) $(BUILD)/gen/sim/case_bounds.h
 	@mkdir -p $(@D)
-	$(call say,CC,$<)$(compile) $(WARN) $(CFLAGS) -MMD -MP -c -o $@ $<
+	$(call say,CC,$<)$(CCACHE) $(compile) $(WARN) $(CFLAGS) -MMD -MP -c -o $@ $<
 $(BUILD)/obj/gen/%.o: $(BUILD)/gen/%.c $(BUILD)/stamp/flags | $(GEN)
 	@mkdir -p $(@D)
-	$(call say,CC,$<)$(compile) $(CFLAGS) -MMD -MP -c -o $@ $<
+	$(call say,CC,$<)$(CCACHE) $(compile) $(CFLAGS) -MMD -MP -c -o $@ $<
 $(BUILD)/gen/%.pb-c.c: proto/%.proto $(wildcard proto/*.proto) | $(BUILD)/stamp/flags
 	@mkdir -p $(@D)
 	$(call say,GEN,$@)protoc-c -Iproto --c_out=$(@D) $<

@@ -4,7 +4,8 @@
 
 One line per metric: case, metric, value, reference, tolerance, PASS or MISS; the same as Markdown in tests/physics/RESULTS.md
 (RESULTS-paper.md at the papers' sizes). A run that is already in the build directory, made by the same program from the same
-case, is not run again.
+case, is not run again: so what was interrupted goes on. With --changed only those cases are run of which a run's state after
+50 steps is another than recorded (states.txt): what a change of the program did not touch is not run.
 
 References: tests/reference (computed, see the head of each file); experiments are cited beside their numbers.
 """
@@ -18,7 +19,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from validation import bubbles, dam_breaks, differences, drops, incompressible, interfaces, jobs, multigrid, rest, sloshing
+from validation import bubbles, dam_breaks, differences, drops, incompressible, interfaces, jobs, multigrid, rest, sloshing, states
 from validation.metrics import Metric, Report
 from validation.runs import ROOT, SPENT, told
 
@@ -106,6 +107,12 @@ def score(name: str, paper: bool) -> Iterator[Metric]:
         yield Metric(name, "processor time of its runs [s]", sum(SPENT.runs.values()))
 
 
+def scored(name: str, paper: bool) -> tuple[list[Metric], states.Of]:
+    """The metrics, and of a reduced case the states of its runs after some steps."""
+    metrics = list(score(name, paper))
+    return metrics, {} if paper else {asked: states.state_after(asked) for asked in SPENT.runs}
+
+
 def estimates() -> None:
     for name, case in CASES.items():
         print(f"{name}\t{case.reduced:.0f} s\t{case.paper:g} h")
@@ -116,6 +123,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--case", choices=sorted(CASES), nargs="+", default=list(CASES), metavar="CASE", help="these only")
     parser.add_argument("--size", choices=("reduced", "paper"), default="reduced")
+    parser.add_argument("--changed", action="store_true", help="of those, the cases whose states after 50 steps are not the recorded ones")
     parser.add_argument("--list", action="store_true", help="print what the cases take on one processor, by estimate, and run none")
     jobs.add_option(parser)
     options = parser.parse_args()
@@ -125,12 +133,17 @@ def main() -> int:
     paper = options.size == "paper"
     takes = {name: 3600 * case.paper if paper else case.reduced for name, case in CASES.items()}
     report = Report(paper, Path(__file__).parent, takes)
-    longest_first = sorted(options.case, key=lambda name: -takes[name])  # so that none goes on alone for long
-    tasks = {name: lambda name=name: list(score(name, paper)) for name in longest_first}
-    for _, metrics in jobs.at_once(options.jobs, tasks):
+    chosen = states.changed(options.case, options.jobs, states.read()) if options.changed else options.case
+    if options.changed:
+        print(f"# {len(options.case) - len(chosen)} of {len(options.case)} cases are in the states that were recorded", file=sys.stderr)
+    longest_first = sorted(chosen, key=lambda name: -takes[name])  # so that none goes on alone for long
+    tasks = {name: lambda name=name: scored(name, paper) for name in longest_first}
+    for name, (metrics, reached) in jobs.at_once(options.jobs, tasks):
         for metric in metrics:
             report.add(metric)
         report.write()  # what there is so far is there if the rest is given up
+        if not paper:
+            states.note({name: reached}, list(CASES))
     print(f"# {report.path.relative_to(ROOT)}", file=sys.stderr)
     return 0 if all(m.passed for m in report.metrics) else 1
 

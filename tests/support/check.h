@@ -6,10 +6,20 @@
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
+
+/* Whether there is time for more of the same, as in `make nightly`. */
+static inline bool check_at_length(void)
+{
+    const char *level = getenv("MENISCUS_TESTS");
+    return level && !strcmp(level, "nightly");
+}
 
 static inline void check_close(double a, double b, double tolerance, const char *what, const char *file, int line)
 {

@@ -1,17 +1,26 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# check.sh [everything]: run every test, after the build; with `everything` also the linters, another compiler, another processor, the sanitizers
-# and the fuzz targets, which take longer than the tests. Prints a line for each group, all output of what failed, and at the end one line: N
-# passed, N failed. Single tests are counted where a program tells of them (TAP, unittest).
+# check.sh [check|ci|nightly]: run the tests, after the build. A test is of `check` unless its file says otherwise: a line "Run by: make check
+# CI=1", or "Run by: make nightly", among its first. Each level has what the ones before it have. Prints a line for each group, all output of what
+# failed, and at the end one line: N passed, N failed. Single tests are counted where a program tells of them (TAP, unittest). With TIMES=1 it
+# prints before that what each file took, and for how much of it it waited.
 set -eu
 cd "$(dirname "$0")/../.."
 BUILD=${BUILD:-build}
 CC=${CC:-gcc}
-PYTHON=/usr/bin/python3
+level=${1:-check}
+case $level in check | ci | nightly) ;; *)
+    echo "usage: check.sh [check|ci|nightly]" >&2
+    exit 64
+    ;;
+esac
 jobs=$(nproc) passed=0 failed=0 failures=()
-log=$(mktemp)
-trap 'rm -f "$log"' EXIT
+scratch=$(mktemp -d)
+log=$scratch/log
+trap 'rm -rf "$scratch"' EXIT
 export BUILD CC CMOCKA_MESSAGE_OUTPUT=TAP PYTHONDONTWRITEBYTECODE=1
+# Files that have more of the same for `make nightly` ask for this.
+export MENISCUS_TESTS=$level
 # Tests run a daemon and its clients at once: threads that spin while they wait would take the processors from each other.
 export OMP_WAIT_POLICY=passive
 unset MAKEFLAGS MFLAGS MAKELEVEL
@@ -55,11 +64,20 @@ note() {
     failures+=("$name")
 }
 
+# within SECONDS NAME LOG COMMAND...: run it, with what it says in the log, and note how long it took.
+within() {
+    local limit=$1 name=$2 said=$3 status=0 TIMEFORMAT='%R %U %S'
+    shift 3
+    { time timeout --kill-after=10 "$limit" "$@" >"$said" 2>&1 </dev/null; } 2>"$said.time" || status=$?
+    echo "$(tail -n 1 "$said.time") $name" >>"$scratch/times"
+    return "$status"
+}
+
 # run KIND NAME SECONDS COMMAND...: of KIND tests, which names its tests, or step.
 run() {
     local kind=$1 name=$2 limit=$3 status=0
     shift 3
-    timeout --kill-after=10 "$limit" "$@" >"$log" 2>&1 </dev/null || status=$?
+    within "$limit" "$name" "$log" "$@" || status=$?
     note "$name" "$status" "$limit" "$kind"
 }
 
@@ -72,35 +90,58 @@ group() {
     printf '   %d passed, %d failed, %d s\n' $((passed - p)) $((failed - f)) $((SECONDS - started))
 }
 
-# at_once SECONDS FILE...: as many at a time as there are processors; told in their order.
+# of_level FILE: whether it is run at this level.
+of_level() {
+    local by
+    by=$(sed -nE '1,12s/.*Run by: make (check CI=1|nightly).*/\1/p' "$1")
+    case $by in
+    nightly) [ "$level" = nightly ] ;;
+    'check CI=1') [ "$level" != check ] ;;
+    *) true ;;
+    esac
+}
+
+one() {
+    local file=$1 limit=$2 said=$3 status=0 with=()
+    if [[ $file == *.py ]]; then with=(/usr/bin/python3 -W ignore::ResourceWarning); fi
+    within "$limit" "$file" "$said" "${with[@]}" "$file" || status=$?
+    echo "$status" >"$said.status"
+}
+export -f one within
+export scratch
+
+# at_once SECONDS AT_A_TIME FILE...: told in their order.
 at_once() {
-    local limit=$1 file k=0 logs
-    shift
-    logs=$(mktemp -d)
+    local limit=$1 many=$2 file k=0
+    shift 2
     # shellcheck disable=SC2016 # the inner shell expands
-    for file; do printf '%s\0%s\0' "$file" "$logs/$((k++))"; done |
-        xargs -0 -P "$jobs" -n 2 sh -c '
-            case $1 in *.py) with="'"$PYTHON"' -W ignore::ResourceWarning" ;; *) with= ;; esac
-            timeout --kill-after=10 '"$limit"' $with "$1" >"$2" 2>&1 </dev/null; echo $? >"$2.status"' sh
+    for file; do printf '%s\0%s\0' "$file" "$scratch/$((k++))"; done |
+        xargs -0 -P "$many" -n 2 bash -c 'one "$1" '"$limit"' "$2"' bash
     k=0
     for file; do
-        mv "$logs/$k" "$log"
-        note "$file" "$(cat "$logs/$k.status")" "$limit"
+        mv "$scratch/$k" "$log"
+        note "$file" "$(cat "$scratch/$k.status")" "$limit"
         k=$((k + 1))
     done
-    rm -rf "$logs"
 }
 
+# Unit and protocol tests compute; scripts wait for daemons more than for processors.
 programs() {
-    local file files=()
-    for file in "$BUILD"/tests/unit/* "$BUILD"/tests/protocol/*; do
-        if [ -f "$file" ] && [ -x "$file" ]; then files+=("$file"); fi
+    local source file files=()
+    for source in tests/unit/*.c tests/protocol/*.c; do
+        file=$BUILD/${source%.c}
+        if of_level "$source"; then files+=("$file"); fi
     done
-    at_once 120 "${files[@]}"
+    at_once 300 "$jobs" "${files[@]}"
 }
 
-# They wait for daemons more than for processors.
-scripts() { at_once 300 tests/*/test_*.py tests/*/test_*.sh; }
+scripts() {
+    local file files=()
+    for file in tests/*/test_*.py tests/*/test_*.sh; do
+        if of_level "$file"; then files+=("$file"); fi
+    done
+    at_once 600 $((jobs + (jobs + 1) / 2)) "${files[@]}"
+}
 
 house() {
     run tests "layers" 60 tests/support/layers.sh
@@ -109,39 +150,61 @@ house() {
         diff -u server/cases/REFERENCE.md "$BUILD/case-reference.md"
 }
 
-style() {
-    run tests "vector loops" 400 tests/support/vectorised.sh
-    run tests "lint" 800 tests/support/lint.sh
-}
+style() { run tests "lint" 1500 tests/support/lint.sh; }
+
+vectors() { run tests "vector loops" 400 tests/support/vectorised.sh; }
 
 portability() {
     run tests "other x86-64" 300 tests/portable/x86_64.sh
     run tests "aarch64" 300 tests/portable/aarch64.sh
 }
 
-# The thread sanitizer's build is clang's too: what clang warns of breaks it.
-sanitizers() {
-    run step "build with address sanitizer" 600 make -s -j"$jobs" BUILD="$BUILD/asan" SANITIZE=address,undefined all tests
+# By clang: what it warns of breaks the build.
+build_with() { # build_with SANITIZERS FOLDER TARGET...
+    local sanitize=$1 folder=$2
+    shift 2
+    run step "build with clang and $sanitize" 1500 make -s -j"$jobs" BUILD="$BUILD/$folder" CC=clang SANITIZE="$sanitize" "$@"
+}
+
+addresses() {
+    build_with address,undefined,fuzzer-no-link asan all tests fuzz-programs
     run tests "address and undefined-behaviour sanitizers" 1500 env BUILD="$BUILD/asan" tests/support/sanitize.sh address
-    run step "build with clang and thread sanitizer" 600 make -s -j"$jobs" BUILD="$BUILD/tsan" CC=clang SANITIZE=thread raced
+}
+
+threads() {
+    build_with thread tsan raced
     run tests "thread sanitizer" 1500 env BUILD="$BUILD/tsan" tests/support/sanitize.sh thread
 }
 
-fuzzing() {
-    run step "build with libFuzzer" 600 make -s -j"$jobs" BUILD="$BUILD/fuzz" CC=clang SANITIZE=address,undefined,fuzzer-no-link fuzz-programs
-    run tests "fuzz targets" 300 env BUILD="$BUILD/fuzz" tests/support/fuzz.sh 120 1000000 # a hundredth of the promise
+# fuzzing INPUTS: of the 10^8 that are promised.
+fuzzing() { run tests "fuzz targets" 600 env BUILD="$BUILD/asan" tests/support/fuzz.sh 240 "$1"; }
+
+# What took longest first.
+told_times() {
+    echo "seconds  of them waited  file"
+    sort -rn "$scratch/times" | awk '{
+        name = $0
+        sub(/^[^ ]+ [^ ]+ [^ ]+ /, "", name)
+        waited = $1 - $2 - $3
+        printf "%7.1f  %14.1f  %s\n", $1, waited > 0 ? waited : 0, name
+    }'
 }
 
 group "unit and protocol tests" programs
 group "system tests" scripts
 group "the house: layers, headers, manual" house
-if [ "${1:-}" = everything ]; then
+if [ "$level" != check ]; then
     group "style" style
+    group "address sanitizer" addresses
+    group "fuzzing" fuzzing $([ "$level" = nightly ] && echo 1000000 || echo 100000)
+fi
+if [ "$level" = nightly ]; then
+    group "thread sanitizer" threads
+    group "vector loops" vectors
     group "another processor" portability
-    group "sanitizers" sanitizers
-    group "fuzzing" fuzzing
 fi
 
+[ -z "${TIMES:-}" ] || told_times
 [ ${#failures[@]} -eq 0 ] || printf 'failed: %s\n' "${failures[@]}"
 printf '%d seconds\n' $SECONDS
 printf '%d passed, %d failed\n' "$passed" "$failed"

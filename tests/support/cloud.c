@@ -202,18 +202,23 @@ void cloud_stir(Cloud *cloud, uint64_t seed)
     }
 }
 
-CloudPair cloud_pair(const Cloud *cloud, size_t i, size_t j)
+double cloud_distance(const Cloud *cloud, size_t i, size_t j, double ret_dx[3])
 {
-    CloudPair pair = {0};
     double r2 = 0;
     for (int d = 0; d < cloud->s.dim; d++) {
         const double period = cloud->model.period[d];
         double dx = cloud->s.x[d][i] - cloud->s.x[d][j];
         if (period > 0) dx = remainder(dx, period);
-        pair.dx[d] = dx;
+        ret_dx[d] = dx;
         r2 += dx * dx;
     }
-    pair.r = sqrt(r2);
+    return sqrt(r2);
+}
+
+CloudPair cloud_pair(const Cloud *cloud, size_t i, size_t j)
+{
+    CloudPair pair = {0};
+    pair.r = cloud_distance(cloud, i, j, pair.dx);
     kernel_eval(&cloud->model.kernel, 1, &pair.r, &pair.W, &pair.F);
     return pair;
 }

@@ -59,6 +59,9 @@ void cloud_stir(Cloud *cloud, uint64_t seed);
 /* In [-1, 1), deterministic. */
 double cloud_noise(uint64_t *seed);
 
+/* From j to i, the nearest of its images, and how far that is. */
+double cloud_distance(const Cloud *cloud, size_t i, size_t j, double ret_dx[3]);
+
 /* A pair, from nothing but positions: x_i - x_j to the nearest image, its length, W and F. */
 typedef struct CloudPair {
     double dx[3], r, W, F;

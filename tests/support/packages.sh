@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# packages.sh [build|dashboard|deb|bench|check|validate]: install the Debian packages that are missing. `build` (the default) is what building
+# packages.sh [build|dashboard|deb|bench|check|ci|nightly|validate]: install the Debian packages that are missing. `build` (the default) is what building
 # and `make demo` need; the others are that and what the target of this name needs besides. Costs one dpkg-query when nothing is missing.
 set -eu
 
@@ -24,16 +24,23 @@ bench='
 libcmocka-dev
 '
 check='
+g++ git procps zsh man-db util-linux ccache
+python3-scipy python3-jsonschema
+'
+ci='
 chromium
 clang clang-format clang-tidy libclang-rt-14-dev libomp-dev
-cppcheck shellcheck mypy g++ git procps zsh
-systemd util-linux valgrind prometheus
+cppcheck shellcheck mypy
+systemd
+'
+nightly='
+valgrind prometheus lintian
 paraview python3-paraview xvfb xauth
-python3-scipy man-db lintian python3-nbclient python3-ipykernel python3-jsonschema snakemake
+python3-nbclient python3-ipykernel snakemake
 munge slurm-client slurmctld slurmd
 '
 # For a processor that is not here (tests/portable).
-[ "$(dpkg --print-architecture 2>/dev/null)" != amd64 ] || check+='gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user-static'
+[ "$(dpkg --print-architecture 2>/dev/null)" != amd64 ] || nightly+='gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user-static'
 validate='
 python3-scipy
 '
@@ -44,10 +51,12 @@ build) wanted=$build ;;
 dashboard) wanted=$build$dashboard ;;
 deb) wanted=$build$deb ;;
 bench) wanted=$build$bench ;;
-check) wanted=$build$dashboard$deb$bench$check ;;
+check) wanted=$build$bench$check ;;
+ci) wanted=$build$bench$check$dashboard$ci ;;
+nightly) wanted=$build$bench$check$dashboard$ci$deb$nightly ;;
 validate) wanted=$build$validate ;;
 *)
-    echo "usage: packages.sh [build|dashboard|deb|bench|check|validate]" >&2
+    echo "usage: packages.sh [build|dashboard|deb|bench|check|ci|nightly|validate]" >&2
     exit 64
     ;;
 esac

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
+# Run by: make check CI=1
 """The dashboard: whom its gateway lets in, what it does with browsers that misbehave, and a person who clicks in real ones."""
 
 import contextlib

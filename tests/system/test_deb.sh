@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
+# Run by: make nightly
 # The Debian package has everything, Debian's own judge finds no error in it, and on a machine that is this one without what is built here it
 # can be installed, used as its user, and removed. That machine is a file system laid over this one's, which only this test sees. Prints TAP.
 # shellcheck disable=SC2317 # functions are called by expect()

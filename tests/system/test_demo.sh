@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
+# Run by: make check CI=1
 # The tour of `make demo` gets to its end, in small, and leaves the pictures it promises and nothing running. Prints TAP.
 set -eu
 cd "$(dirname "$0")/../.."

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
+# Run by: make nightly
 # test_instructions.sh: how many instructions a pair of particles costs in a time step, counted by valgrind, which gives the same
 # number on every machine, and how many bytes a particle. Times on a shared machine would say nothing. Prints TAP.
 set -eu

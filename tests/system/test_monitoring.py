@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
+# Run by: make nightly
 """What is shipped for Prometheus and Grafana: alerts that say what they should of made-up series, and no name of a metric that there is not."""
 
 import json

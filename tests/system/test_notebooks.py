@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
+# Run by: make nightly
 """The example notebooks of the Python client do what they say, cell by cell, with a real daemon."""
 
 import os

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
+# Run by: make nightly
 """Snapshots of a real run open in ParaView, by their names alone, with times, fields and values as they were written.
 
 ParaView runs headless (packages paraview python3-paraview xvfb xauth); without it these tests are skipped."""

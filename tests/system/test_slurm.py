@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
+# Run by: make nightly
 """The job array for Slurm in a real one: a cluster of this machine alone, with its three daemons, in a scratch directory.
 
 Where it is not installed (packages slurmctld, slurmd, slurm-client, munge) or whoever asks is not root, whom slurmd wants, it is skipped."""

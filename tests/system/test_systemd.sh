@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
+# Run by: make check CI=1
 # systemd accepts what we install for it: the unit without a word of complaint and well closed in, the user, the
 # directories. Nothing is started. Prints TAP.
 # shellcheck disable=SC2317 # functions are called by expect()

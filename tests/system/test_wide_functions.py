@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
+# Run by: make nightly
 """Functions for AVX-512 use its registers, and those for AVX2 not. And both leave the upper halves of the vector registers clean wherever they return to, or call, what is compiled
 for any machine: that takes thrice as long otherwise, as each of its instructions waits for the one that wrote the register before, and
 nothing else shows it. gcc sees to it, but not where such a function calls one of the same file that is not part of it (INLINE)."""

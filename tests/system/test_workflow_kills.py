@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
+# Run by: make nightly
 """A sweep of 50 runs, killed at random moments and started again by the same command, ends with each of them done once, and equal
 bit for bit to those that nobody disturbed."""
 

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
+# Run by: make nightly
 """What workflow managers rely on: exit codes, signals, one object as the schema says; and the examples for them do what they say.
 
 Snakemake runs its example (package snakemake); where it is not there that test is skipped."""

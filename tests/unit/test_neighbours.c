@@ -17,15 +17,15 @@ static int group_of(const Particles *s, size_t i)
     return i < s->begin[1] ? GROUP_CONTINUITY : i < s->begin[2] ? GROUP_SUMMATION : GROUP_WALL;
 }
 
-/* Every list against all other particles. */
-static void assert_complete(const Cloud *cloud)
+/* Every list, or one of so many, against all other particles. */
+static void assert_complete_of(const Cloud *cloud, size_t many)
 {
     const Particles *s = &cloud->s;
     const double reach = cloud->model.kernel.support + cloud->model.skin;
     uint8_t *listed = malloc(s->n);
     size_t pairs = 0;
     assert_non_null(listed);
-    for (size_t i = 0; i < s->n; i++) {
+    for (size_t i = 0; i < s->n; i += many) {
         const uint32_t *list = neighbours_of(&cloud->nb, i);
         memset(listed, 0, s->n);
         const size_t n = cloud->nb.end[i][END_WALLS], fluid = cloud->nb.end[i][END_FLUID];
@@ -39,15 +39,21 @@ static void assert_complete(const Cloud *cloud)
         }
         assert_int_equal(!!(cloud->nb.has[i] & LIST_SUMMED), summed);
         for (size_t j = 0; j < s->n; j++) {
-            const double r = cloud_pair(cloud, i, j).r;
+            double dx[3];
+            const double r = cloud_distance(cloud, i, j, dx);
             const bool both_walls = group_of(s, i) == GROUP_WALL && group_of(s, j) == GROUP_WALL;
             if (fabs(r - reach) < 1e-12) continue; /* on the rim either answer is right */
             assert_int_equal(listed[j], i != j && r < reach && !both_walls);
             pairs += listed[j];
         }
     }
-    assert_int_equal(neighbours_pairs(&cloud->nb), pairs);
+    if (many == 1) assert_int_equal(neighbours_pairs(&cloud->nb), pairs);
     free(listed);
+}
+
+static void assert_complete(const Cloud *cloud)
+{
+    assert_complete_of(cloud, 1);
 }
 
 static void assert_complete_for(CloudSetup setup)
@@ -370,7 +376,7 @@ static void cells_of_a_long_domain_are_as_wide_as_the_reach(void **state)
             const double reach = cloud->model.kernel.support + cloud->model.skin;
             assert_int_equal(cloud->nb.grid.n[along], (int)floor(600 / reach));
             assert_less(cloud->nb.grid.ratio, 1 + 1e-12);
-            assert_complete(cloud);
+            assert_complete_of(cloud, 37); /* of 18,000, whose pairs are many */
             cloud_free(cloud);
         }
 }

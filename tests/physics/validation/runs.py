@@ -130,10 +130,10 @@ def call(command: list[str], log: Path) -> tuple[int, str]:
 
 
 class Spent(threading.local):
-    """Processor time of the runs that this thread has asked for, by their directories [s]. A case is scored by one thread."""
+    """Processor time of the runs that this thread has asked for [s], by their cases with their settings. A case is scored by one thread."""
 
     def __init__(self) -> None:
-        self.runs: dict[Path, float] = {}
+        self.runs: dict[tuple[str, ...], float] = {}
 
 
 SPENT = Spent()
@@ -153,13 +153,13 @@ def run(case: str, *settings: str) -> Run:
         code, summary = call(command, Path(f"{directory}.log"))
         if code == INTERRUPTED:
             raise KeyboardInterrupt
-        SPENT.runs[directory] = json.loads(summary)["cpu_s"] if summary else 0.0
+        SPENT.runs[case, *settings] = json.loads(summary)["cpu_s"] if summary else 0.0
         if code:
             raise subprocess.CalledProcessError(code, command, summary)
         (directory / "summary.json").write_text(summary)
         stamp.write_text(mark)
     summary = json.loads((directory / "summary.json").read_text())
-    SPENT.runs[directory] = summary["cpu_s"]
+    SPENT.runs[case, *settings] = summary["cpu_s"]
     return load(directory, summary)
 
 

@@ -30,7 +30,7 @@ STEPS = 3  # after each batch
 def fuzz(inputs: int) -> "tuple[int, int, dict[str, int]]":
     """So many, to each target its share: how many broke nothing, how many something, and the inputs of each."""
     limit = 120 + inputs // 1000
-    passed, failed, said = test_program(["tests/support/fuzz.sh", str(limit), str(inputs)], 3 * limit, BUILD=str(BUILD / "fuzz"))
+    passed, failed, said = test_program(["tests/support/fuzz.sh", str(limit), str(inputs)], 3 * limit, BUILD=str(BUILD / "asan"))
     if failed:
         sys.stderr.write(said[-3000:])
     return passed, failed, {name: int(n) for name, n in re.findall(r"^ok - (\w+): (\d+) inputs", said, re.MULTILINE)}
