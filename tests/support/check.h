@@ -14,11 +14,11 @@
 
 #include <cmocka.h>
 
-/* Whether there is time for more of the same, as in `make nightly`. */
+/* Whether there is time for more of the same, as in `make nightly` and for who runs a program by hand. */
 static inline bool check_at_length(void)
 {
     const char *level = getenv("MENISCUS_TESTS");
-    return level && !strcmp(level, "nightly");
+    return !level || !strcmp(level, "nightly");
 }
 
 static inline void check_close(double a, double b, double tolerance, const char *what, const char *file, int line)

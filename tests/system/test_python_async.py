@@ -183,7 +183,7 @@ class WithoutDaemon(unittest.TestCase):
         for daemon in ("nobody-of-that-name", "tcp://127.0.0.1:1", "ipc:///nonexistent/control.ipc"):
             with self.assertRaises(meniscus.UnavailableError):
                 asyncio.run(meniscus.AsyncClient(daemon).connect())
-        self.assertLess(time.monotonic() - began, 5)
+        self.assertLess(time.monotonic() - began, 20)
 
     def test_both_clients_have_the_same_methods_with_the_same_arguments(self) -> None:
         def methods(kind: type) -> dict:

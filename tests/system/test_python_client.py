@@ -370,7 +370,7 @@ class WithoutDaemon(unittest.TestCase):
         for daemon in ("nobody-of-that-name", "tcp://127.0.0.1:1", "ipc:///nonexistent/control.ipc"):
             with self.assertRaises(meniscus.UnavailableError):
                 meniscus.Client(daemon)
-        self.assertLess(time.monotonic() - began, 5)
+        self.assertLess(time.monotonic() - began, 20)
 
     def test_every_failure_has_a_status_and_a_hint_whatever_its_source(self) -> None:
         for code in meniscus_pb2.Code.keys():

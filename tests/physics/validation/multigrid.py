@@ -12,7 +12,7 @@ import numpy as np
 from validation.metrics import Metric
 from validation.runs import run
 
-STEPS = 20
+STEPS = 12
 BEGINNING = 3  # steps from the start, which have no pressure to begin from
 SCHEMES = {"incompressible": "taylor-green2d", "differences": "taylor-green2d-differences"}
 IN_SPACE = ("dimensions=3", "domain={min: [0, 0, 0], max: [1, 1, 1], periodic: [x, y, z], disorder: 0.1}",
