@@ -110,14 +110,14 @@ dashboard: $(filter all tests bench-programs,$(MAKECMDGOALS)) ## build the dashb
 	@$(MAKE) --no-print-directory -s $(PARALLEL) $(DASHBOARD_ALL)
 
 # What the tests run, and for those of CI and of the night what they need besides.
-TESTED := all tests $(BUILD)/tests/bench/bench_step $(BUILD)/tests/portable/states $(TORTURE)
+TESTED := all tests $(addprefix $(BUILD)/tests/,bench/bench_step physics/state_after portable/states) $(TORTURE)
 TESTED_BROWSER := $(DASHBOARD_ALL) $(BUILD)/web-check/node_modules/.package-lock.json
-check: ## build and test; last line: N passed, N failed [CI=1: dashboard, linters, clang, address sanitizer and fuzz targets too] [TIMES=1]
+check: ## build and test; last line: N passed, N failed [CI=1: dashboard and linters too] [TIMES=1]
 	@tests/support/packages.sh $(if $(CI),ci,check)
 	@$(MAKE) --no-print-directory -s $(PARALLEL) $(TESTED) $(if $(CI),$(TESTED_BROWSER))
 	@BUILD=$(BUILD) CC=$(CC) tests/support/check.sh $(if $(CI),ci,check)
 
-nightly: ## all of that, and what takes longer: thread sanitizer, other processors, ParaView, Slurm, each test at its full size [TIMES=1]
+nightly: ## all of that, and what takes longer: sanitizers, fuzz targets, other processors, ParaView, Slurm, each test at its full size [TIMES=1]
 	@tests/support/packages.sh nightly
 	@$(MAKE) --no-print-directory -s $(PARALLEL) $(TESTED) $(TESTED_BROWSER)
 	@BUILD=$(BUILD) CC=$(CC) tests/support/check.sh nightly

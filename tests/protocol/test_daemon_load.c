@@ -18,7 +18,7 @@ static const char wide_case[] = "dimensions: 2\n"
                                 "end_time: 1\n"
                                 "threads: 1\n";
 
-static const double SOON = 15;  /* [s] */
+static const double SOON = 15; /* [s] */
 
 /* Ask for the wide case, and see it being loaded. */
 static void begin_loading(const Dialogue *dialogue, void *socket, uint8_t *id, uint64_t deadline_ms)

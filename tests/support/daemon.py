@@ -25,9 +25,9 @@ def at_length() -> bool:
     return os.environ.get("MENISCUS_TESTS", "nightly") == "nightly"
 
 
-def of_ci(test: Callable[..., None]) -> Optional[Callable[..., None]]:
-    """A test that is of `make check CI=1` in a file that is of `make check`."""
-    return None if os.environ.get("MENISCUS_TESTS") == "check" else test
+def of_nightly(test: Callable[..., None]) -> Optional[Callable[..., None]]:
+    """A test that is of `make nightly` in a file that is not."""
+    return test if at_length() else None
 
 
 def free_ports() -> int:

@@ -30,41 +30,52 @@ check() {
 }
 
 licensed() {
-    local file bad=0
-    while read -r file; do
-        head -n 3 "$file" | grep -q 'SPDX-License-Identifier: BSD-3-Clause' || {
-            echo "$file has no SPDX line at its top"
-            bad=1
-        }
-    done < <(find include server proto client tests systemd Makefile .ci/run -type f \( -name '*.[ch]' -o -name '*.proto' -o -name '*.py' \
-        -o -name '*.js' -o -name '*.mjs' -o -name '*.css' -o -name '*.sh' -o -name '*.yaml' -o -name Makefile -o -name run \) -not -path '*/__pycache__/*')
-    return "$bad"
+    find include server proto client tests systemd Makefile .ci/run -type f \( -name '*.[ch]' -o -name '*.proto' -o -name '*.py' \
+        -o -name '*.js' -o -name '*.mjs' -o -name '*.css' -o -name '*.sh' -o -name '*.yaml' -o -name Makefile -o -name run \) \
+        -not -path '*/__pycache__/*' -print0 | xargs -0 awk '
+        FNR == 1 { if (file != "" && !licensed) { print file " has no SPDX line at its top"; bad = 1 } file = FILENAME; licensed = 0 }
+        FNR <= 3 && /SPDX-License-Identifier: BSD-3-Clause/ { licensed = 1 }
+        END { if (!licensed) { print file " has no SPDX line at its top"; bad = 1 } exit bad }'
 }
 
+# Many files for each process of clang's tools, as to load one takes longer than to look at a file.
 layout() {
-    # shellcheck disable=SC2016 # the inner shell expands
-    printf '%s\n' "${sources[@]}" "${headers[@]}" | xargs -P "$(nproc)" -n 1 sh -c 'clang-format "$1" | cmp -s - "$1" || {
-        echo "$1 is laid out otherwise by \`make format\`"
-        exit 1
-    }' sh
+    printf '%s\n' "${sources[@]}" "${headers[@]}" | xargs -P "$(nproc)" -n 100 clang-format --dry-run -Werror
 }
 
 # What was found clean once is not looked at again: a file, as the compiler sees it, by this program with these checks.
-tidy_one() {
-    local known flags
-    eval "flags=($FLAGS)"
-    known=$cache/$({ clang -E -C -std=c17 -fopenmp "${flags[@]}" "$1" && cat .clang-tidy && clang-tidy --version; } 2>/dev/null | sha256sum | cut -c1-64)
-    if [ -e "$known" ]; then return; fi
+clang_warns='-Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Wstrict-prototypes -Wmissing-prototypes -Wvla -Wpointer-arith'
+known() {
+    local words=() file
+    eval "words=($FLAGS)"
+    for file; do
+        echo "$cache/$({ gcc -E -std=c17 -fopenmp "${words[@]}" "$file" && cat "$file" .clang-tidy "$cache/version"; } 2>/dev/null | sha256sum | cut -c1-64) $file"
+    done
+}
+
+look_at() {
+    local files=() stamps=() words=() file stamp
+    while read -r stamp file; do
+        if [ ! -e "$stamp" ]; then files+=("$file") stamps+=("$stamp"); fi
+    done < <(known "$@")
+    if [ ${#files[@]} -eq 0 ]; then return; fi
+    eval "words=($FLAGS)"
     # On standard error it only counts what it does not show.
-    clang-tidy --quiet "$1" -- -std=c17 -fopenmp "${flags[@]}" 2>/dev/null && : >"$known"
+    # shellcheck disable=SC2086 # several words
+    clang-tidy --quiet "${files[@]}" -- -std=c17 -fopenmp $clang_warns "${words[@]}" 2>/dev/null && touch "${stamps[@]}"
 }
 
 tidy() {
-    export FLAGS=$flags cache=${XDG_CACHE_HOME:-$HOME/.cache}/meniscus/tidy
-    export -f tidy_one
+    export clang_warns FLAGS=$flags cache=${XDG_CACHE_HOME:-$HOME/.cache}/meniscus/tidy
+    export -f known look_at
     mkdir -p "$cache" && find "$cache" -type f -mtime +30 -delete
+    clang-tidy --version >"$cache/version"
+    # In a second file of one process clang takes each va_list for one that was not begun.
+    mapfile -t alone < <(grep -l va_list "${sources[@]}")
+    mapfile -t together < <(grep -L va_list "${sources[@]}")
     # shellcheck disable=SC2016 # the inner shell expands
-    printf '%s\n' "${sources[@]}" | xargs -P "$(nproc)" -n 1 bash -c 'tidy_one "$1"' bash
+    { printf '%s\n' "${together[@]}" | xargs -P "$(nproc)" -n 25 bash -c 'look_at "$@"' bash; } &&
+        printf '%s\n' "${alone[@]}" | xargs -P "$(nproc)" -n 1 bash -c 'look_at "$@"' bash
 }
 
 # A name that a module or a class defines twice is one whose first meaning is lost, as a test that is never run.
@@ -101,10 +112,8 @@ manual_types() {
     rm -rf "$BUILD/python/shown" && mkdir -p "$BUILD/python/shown"
     awk -v to="$BUILD/python/shown/block" \
         '/^```python$/ { file = to (++n) ".py"; next } /^```$/ { file = "" } file { print > file }' client/python/README.md
-    (cd "$BUILD/python" && for block in shown/*.py; do
-        mypy --config-file "$OLDPWD/client/python/pyproject.toml" --allow-untyped-defs --allow-untyped-calls --check-untyped-defs \
-            --cache-dir .mypy_cache "$block" || exit 1
-    done)
+    (cd "$BUILD/python" && mypy --config-file "$OLDPWD/client/python/pyproject.toml" --allow-untyped-defs --allow-untyped-calls \
+        --check-untyped-defs --cache-dir .mypy_cache shown/*.py)
 }
 
 check "every source names its licence" licensed

@@ -24,19 +24,18 @@ bench='
 libcmocka-dev
 '
 check='
-g++ git procps zsh man-db util-linux ccache
-python3-scipy python3-jsonschema
+g++ git procps ccache
+python3-scipy
 '
 ci='
-chromium
 clang clang-format clang-tidy libclang-rt-14-dev libomp-dev
 cppcheck shellcheck mypy
-systemd
+systemd man-db
 '
 nightly='
-valgrind prometheus lintian
+chromium valgrind prometheus lintian zsh util-linux
 paraview python3-paraview xvfb xauth
-python3-nbclient python3-ipykernel snakemake
+python3-nbclient python3-ipykernel python3-jsonschema snakemake
 munge slurm-client slurmctld slurmd
 '
 # For a processor that is not here (tests/portable).

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-# Run by: make check CI=1
+# Run by: make nightly
 """Completion: a shell offers what the tables have, and what is there."""
 
 import json

@@ -24,7 +24,7 @@ import h5py
 import zmq
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from daemon import BUILD, DaemonTest, at_length, of_ci, start_in  # noqa: E402
+from daemon import BUILD, DaemonTest, at_length, of_nightly, start_in  # noqa: E402
 
 sys.path.insert(0, str(BUILD / "python"))
 from meniscus import Client  # noqa: E402
@@ -231,8 +231,9 @@ class Crash(DaemonTest):
     def test_what_a_breakpoint_or_the_end_has_halted_stands_there(self) -> None:
         """Whatever ended the daemon, and what is commanded then is commanded there."""
         run = self.home / "state" / "halted"
-        self.meniscus("load", *CASE, "--set", "end_time=0.9", "--name", run.name, "--start")
+        self.meniscus("load", *CASE, "--set", "end_time=0.9", "--name", run.name)
         self.meniscus("breakpoint", "early", "--time", "0.5")
+        self.meniscus("start")
         self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
         for end in (self.kill_daemon, self.leave_and_come_back, self.kill_daemon):
             before = self.ask("status")
@@ -416,7 +417,7 @@ class Crash(DaemonTest):
             self.assertEqual(status["recovery_step"], steps)
         return steps
 
-    @of_ci
+    @of_nightly
     def test_whoever_asks_meanwhile_is_answered_and_who_changes_something_waits(self) -> None:
         steps = self.come_back_slowly("meanwhile")
         setting = subprocess.Popen([BUILD / "meniscus", "set", "gravity=[0, -2]"], env=self.environment,
@@ -430,7 +431,7 @@ class Crash(DaemonTest):
         self.assertEqual((status["state"], status["step"], status["recovery_step"]), ("PAUSED", steps, None))
         self.assertEqual(self.ask("get", "gravity")["values"]["gravity"]["value"], "[0, -2]")
 
-    @of_ci
+    @of_nightly
     def test_who_watches_on_the_way_back_is_told_and_can_leave(self) -> None:
         steps = self.come_back_slowly("watched")
         self.assertIn(f"\ncoming back to step {steps}, ", self.meniscus("status").stdout)
@@ -448,7 +449,7 @@ class Crash(DaemonTest):
         self.assertTrue(before["step"] / steps - 6e-3 <= float(share[1]) / 100 <= after["step"] / steps + 1e-2, (before, shown, after))
         self.assertLess(after["time"] / after["end_time"], before["step"] / steps - 1e-3, "which is not the share of the run")
 
-    @of_ci
+    @of_nightly
     def test_a_stop_on_the_way_back_is_done_at_once_and_for_good(self) -> None:
         steps = self.come_back_slowly("stopped-on-the-way")
         before = self.ask("status")["step"]
@@ -460,7 +461,7 @@ class Crash(DaemonTest):
         self.kill_daemon()
         self.assertEqual(self.ask("status")["state"], "EMPTY")
 
-    @of_ci
+    @of_nightly
     def test_what_a_stop_on_the_way_back_calls_off_is_replayed(self) -> None:
         self.come_back_slowly("called-off", under_way=True)
         self.meniscus("stop")
@@ -468,7 +469,7 @@ class Crash(DaemonTest):
         self.assertEqual([r["command"] for r in self.ask("log", str(run))["records"] if r["command"]][-2:], ["step", "stop"])
         self.assertTrue(self.ask("replay", str(run), "--verify")["agrees"])
 
-    @of_ci
+    @of_nightly
     def test_who_leaves_on_the_way_back_comes_back_the_next_time(self) -> None:
         steps = self.come_back_slowly("left-on-the-way")
         self.daemon.terminate()

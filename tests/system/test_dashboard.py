@@ -20,7 +20,7 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from browser import BINARY, TEXT, Browser  # noqa: E402
-from daemon import BUILD, ROOT, SMALL, DaemonTest  # noqa: E402
+from daemon import BUILD, ROOT, SMALL, DaemonTest, of_nightly  # noqa: E402
 
 
 class DashboardTest(DaemonTest):
@@ -468,22 +468,27 @@ class Page(DaemonTest):
         )
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
+    @of_nightly
     def test_a_person_can_do_everything_in_a_browser(self) -> None:
         self.browse("dashboard.mjs")
         self.assertEqual(self.ask("status")["state"], "EMPTY")
 
+    @of_nightly
     def test_a_space_is_drawn_and_all_else_works_without(self) -> None:
         self.meniscus("load", "dambreak3d", "--set", "resolution=10")
         self.browse("dashboard_view.mjs")
         self.meniscus("stop")
 
+    @of_nightly
     def test_many_particles_cover_the_fluid_and_few_of_them_too(self) -> None:
         self.meniscus("load", "dambreak2d", "--set", "resolution=100")
         self.browse("dashboard_many.mjs")
 
+    @of_nightly
     def test_a_run_that_has_stopped_by_itself_is_offered_only_what_is_possible(self) -> None:
         self.browse("dashboard_fault.mjs")
 
+    @of_nightly
     def test_a_run_on_its_way_back_is_shown_and_can_be_stopped(self) -> None:
         self.meniscus("load", "dambreak2d", "--set", "resolution=8", "--set", "end_time=1000", "--set", "output.checkpoint_interval=1000")
         began = time.monotonic()

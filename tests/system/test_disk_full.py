@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-# Run by: make check CI=1
+# Run by: make nightly
 """A disk that is really full: a small tmpfs, which only this test sees, as it is mounted in a namespace of its own."""
 
 import contextlib

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-# Run by: make check CI=1
+# Run by: make nightly
 """meniscus export: tables with all that the files of a run have, to the last bit, for programs that do not read HDF5."""
 
 import csv

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Run by: make check CI=1
+# Run by: make nightly
 # test_hdf5.sh: nothing is read that has been freed, by HDF5 neither, which sanitizers do not look into. Needs the unit tests. Prints TAP.
 set -eu
 cd "$(dirname "$0")/../.."

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Run by: make check CI=1
+# Run by: make nightly
 # What is installed can be used by a stranger, through pkg-config alone, and goes away again without a trace. Prints TAP.
 # shellcheck disable=SC2317 # functions are called by expect()
 set -eu

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-# Run by: make check CI=1
+# Run by: make nightly
 """A run that goes on where products are rounded otherwise: it does, and says so. And where the level is the same, so are the bits,
 whatever the processor has besides. Threads that are to be bound to processors are bound to different ones."""
 

@@ -336,6 +336,9 @@ class Scheduled(DaemonTest):
             pending = self.pending()
             self.assertEqual(len(pending), 2)
             self.back()
+            until = time.monotonic() + PATIENCE_MS / 1000
+            while self.pending() != pending and time.monotonic() < until:
+                time.sleep(0.02)
             self.assertEqual(self.pending(), pending, "all of it, in the order of acceptance")
             self.give(**{"resume" if k else "start": pb.Resume() if k else pb.Start()})
             self.say(self.socket, wait=pb.Wait(states=[pb.PAUSED]))

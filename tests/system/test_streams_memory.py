@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-# Run by: make check CI=1
+# Run by: make nightly
 """Streams when memory is short: those who take what comes go on, and all that others lose by it is counted."""
 
 import sys

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-# Run by: make check CI=1
+# Run by: make nightly
 """The harness of `make torture`: verdicts, the table, sizes; rows run, one that fails is a miss, and what loads a machine ends by itself."""
 
 import json

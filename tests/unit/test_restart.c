@@ -184,7 +184,8 @@ static void restart_goes_on_with_any_options(void **state)
         assert_in_range(k, 0, sizeof rows / sizeof *rows - 1);
         assert_string_equal(scheme_of(k), rows[k].scheme);
         for (size_t q = 0; rows[k].options[q]; q++)
-            assert_restart_with(rows[k].options[q], rows[k].scheme, 2, is_slow() || !check_at_length() ? 11 : rows[k].before, 4, 1, 1);
+            assert_restart_with(rows[k].options[q], rows[k].scheme, 2,
+                                is_slow() || !check_at_length() ? 11 : rows[k].before, 4, 1, 1);
     }
 }
 
