@@ -141,7 +141,7 @@ static double norm2(const double a[3])
     return a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
 }
 
-static MnsStatus check_plate(const MnsPart *p, int dim, bool solid, double support, const char *at, MnsError *error)
+static MnsStatus check_plate(const MnsPart *p, int dim, const char *at, MnsError *error)
 {
     const double along = p->b[0] * p->c[0] + p->b[1] * p->c[1] + p->b[2] * p->c[2];
     if (!(norm2(p->b) > 0)) return mns_fail_at(error, MNS_E_INVALID, at, "`along` must not be zero");
@@ -150,12 +150,8 @@ static MnsStatus check_plate(const MnsPart *p, int dim, bool solid, double suppo
     if (dim == 3 && !(p->width > 0))
         return mns_fail_at(error, MNS_E_INVALID, at, "in three dimensions a plate needs a `width` above 0, found %g m",
                            p->width);
-    if (solid && p->thickness < support * (1 - 1e-9))
-        return mns_fail_at(
-            error, MNS_E_INVALID, at,
-            "the plate is %g m thick; it must be at least as thick as the kernel's support, %g m, or the "
-            "fluids on its sides feel each other",
-            p->thickness, support);
+    if (!(p->thickness > 0))
+        return mns_fail_at(error, MNS_E_INVALID, at, "the thickness must be above 0, found %g m", p->thickness);
     return MNS_OK;
 }
 
@@ -198,7 +194,7 @@ static MnsStatus check_primitive(const MnsPart *p, const MnsCase *c, bool solid,
             return mns_fail_at(error, MNS_E_INVALID, at, "the radius must be above 0, found %g m", p->radius);
         return MNS_OK;
     }
-    case MNS_PLATE: return check_plate(p, c->dim, solid, kernel_support(c), at, error);
+    case MNS_PLATE: return check_plate(p, c->dim, at, error);
     case MNS_HALF_SPACE:
         if (!(norm2(p->b) > 0)) return mns_fail_at(error, MNS_E_INVALID, at, "the normal must not be zero");
         for (int d = 0; d < c->dim; d++)

@@ -326,6 +326,10 @@ static void wall_by_formula(MnsCase *c)
 {
     c->walls[1].shape.parts[0].primitive = MNS_FORMULA;
 }
+static void flat_plate(MnsCase *c)
+{
+    c->walls[1].shape.parts[0].thickness = 0;
+}
 static void thin_plate(MnsCase *c)
 {
     c->walls[1].shape.parts[0].thickness = 0.2599;
@@ -489,7 +493,7 @@ static const Refusal REFUSALS[] = {
     {"fluids[1].pressure", MNS_E_INVALID, bad_pressure},
     {"walls[1].shape", MNS_E_INVALID, no_wall_shape},
     {"walls[1].shape[0]", MNS_E_INVALID, wall_by_formula},
-    {"walls[1].shape[0]", MNS_E_INVALID, thin_plate},
+    {"walls[1].shape[0]", MNS_E_INVALID, flat_plate},
     {"walls[1].shape[0]", MNS_E_INVALID, plate_along_nothing},
     {"walls[1].shape[0]", MNS_E_INVALID, endless_half_space},
     {"walls[1].motion", MNS_E_INVALID, still_sine},
@@ -683,6 +687,7 @@ static void what_only_placing_particles_shows_is_refused_then(void **state)
         {"fluids[1].shape", MNS_E_INVALID, overlap},
         {"fluids[0]", MNS_E_INVALID, sliver},
         {"walls[1].shape", MNS_E_INVALID, wall_far_away},
+        {"walls[1].shape", MNS_E_INVALID, thin_plate},
         {"fluids[1].pressure", MNS_E_INVALID, oblique_gravity},
         {"fluids[0].pressure", MNS_E_INVALID, weightless_column},
         {"fluids[0].pressure", MNS_E_INVALID, vacuum},
