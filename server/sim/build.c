@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Put a particle on each point of the lattice that belongs to somebody, or where that is moved to, and have fluids start. Rows are filled by
  * all threads at once, each where a count of those before it says, so that every bit is the same for any number. */
+#include "sim/belts.h"
 #include "sim/displacement.h"
 #include "sim/fluid_sum.h"
 #include "sim/making.h"
@@ -225,6 +226,7 @@ static MnsStatus populate(MnsSim *sim, Lattice *lattice, const Constants *consta
     if (!status && !sim->resumed) status = displacement_init(&displacement, sim, constants, error);
     Filling filling = {.sim = sim, .lattice = lattice, .displacement = &displacement};
     if (!status) status = fill(&filling, error);
+    if (!status) status = belts_init(sim, error);
     if (!status && displacement.moves) status = keep_volume(sim, error);
     if (!status && !sim->resumed) status = start_init(starts, sim, lattice, constants, error);
     filling.starts = starts;
