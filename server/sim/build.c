@@ -3,6 +3,7 @@
  * all threads at once, each where a count of those before it says, so that every bit is the same for any number. */
 #include "sim/belts.h"
 #include "sim/displacement.h"
+#include "sim/edges.h"
 #include "sim/fluid_sum.h"
 #include "sim/making.h"
 #include "sim/motion.h"
@@ -245,6 +246,7 @@ MnsStatus build_particles(MnsSim *sim, const Constants *constants, MnsError *err
         if (!motion_same(&sim->c->walls[k].motion, &sim->c->walls[0].motion)) sim->model.closed = false;
     sim->scheme->options(&sim->model, sim->c); /* again, now that this is known, and before particles are grouped */
     if (!status) status = populate(sim, &lattice, constants, error);
+    if (!status && !sim->resumed) edges_warn(sim, &lattice);
     lattice_done(&lattice);
     return status;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* To whom the points of the starting lattice belong: what a wall's shape holds, down to the kernel's reach, to the wall, the
  * rest to fluids. Rows are shared out among threads; the answer does not depend on who has which. */
-#include "sim/survey.h"
+#include "sim/edges.h"
 #include "sim/making.h"
 #include "sim/solid.h"
 #include <math.h>
@@ -275,6 +275,7 @@ MnsStatus lattice_init(Lattice *lattice, const MnsSim *sim, const Constants *con
     for (size_t k = 0; k < threads && !status; k++)
         status = surveyor_init(&surveyors[k], lattice, sim, constants, error);
     if (!status) status = survey_all(lattice, surveyors, sim->threads, error);
+    if (!status && !sim->resumed) edges_measure(lattice, surveyors, sim->threads);
     for (size_t k = 0; surveyors && k < threads; k++) {
         if (surveyors[k].gap) lattice->filled = false;
         surveyor_done(&surveyors[k]);
