@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Put a particle on each point of the lattice that belongs to somebody, or where that is moved to, and have fluids start. Rows are filled by
  * all threads at once, each where a count of those before it says, so that every bit is the same for any number. */
+#include "sim/belts.h"
 #include "sim/displacement.h"
+#include "sim/edges.h"
 #include "sim/fluid_sum.h"
 #include "sim/making.h"
 #include "sim/motion.h"
@@ -225,6 +227,7 @@ static MnsStatus populate(MnsSim *sim, Lattice *lattice, const Constants *consta
     if (!status && !sim->resumed) status = displacement_init(&displacement, sim, constants, error);
     Filling filling = {.sim = sim, .lattice = lattice, .displacement = &displacement};
     if (!status) status = fill(&filling, error);
+    if (!status) status = belts_init(sim, error);
     if (!status && displacement.moves) status = keep_volume(sim, error);
     if (!status && !sim->resumed) status = start_init(starts, sim, lattice, constants, error);
     filling.starts = starts;
@@ -243,6 +246,7 @@ MnsStatus build_particles(MnsSim *sim, const Constants *constants, MnsError *err
         if (!motion_same(&sim->c->walls[k].motion, &sim->c->walls[0].motion)) sim->model.closed = false;
     sim->scheme->options(&sim->model, sim->c); /* again, now that this is known, and before particles are grouped */
     if (!status) status = populate(sim, &lattice, constants, error);
+    if (!status && !sim->resumed) edges_warn(sim, &lattice);
     lattice_done(&lattice);
     return status;
 }

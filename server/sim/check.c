@@ -68,6 +68,21 @@ MnsStatus check_solver(MnsSolver solver, const char *at, MnsError *error)
                        "or bicgstab");
 }
 
+static const double ROUNDING_MAX =
+    1e-6; /* of a coordinate, in spacings: differences between neighbours are made of them */
+
+/* Numbers have 53 bits, of which a distant origin leaves few for what is around it. */
+static MnsStatus check_rounding(const MnsCase *c, double coordinate, const char *at, MnsError *error)
+{
+    const double dx = c->reference_length / c->resolution, size = fabs(coordinate);
+    const double rounding = nextafter(size, INFINITY) - size;
+    if (rounding <= ROUNDING_MAX * dx) return MNS_OK;
+    return mns_fail_at(error, MNS_E_INVALID, at,
+                       "a coordinate of %g m is rounded to %.2g m, and the spacing is %g m; allowed: up to %g m, with "
+                       "which rounding is %g of a spacing. Put the origin near the fluids",
+                       coordinate, rounding, dx, ldexp(1, ilogb(ROUNDING_MAX * dx) + 53), ROUNDING_MAX);
+}
+
 static MnsStatus check_domain(const MnsCase *c, MnsError *error)
 {
     const double dx = c->reference_length / c->resolution;
@@ -79,6 +94,8 @@ static MnsStatus check_domain(const MnsCase *c, MnsError *error)
         if (!(length > 0))
             return mns_fail_at(error, MNS_E_INVALID, "domain", "the domain is empty: %c runs from %g to %g m", axis,
                                c->min[d], c->max[d]);
+        const MnsStatus status = check_rounding(c, fmax(fabs(c->min[d]), fabs(c->max[d])), "domain", error);
+        if (status) return status;
         particles *= length / dx;
         if (!(particles < PARTICLES_MAX))
             return mns_fail_at(error, MNS_E_LIMIT, "resolution", "that is %.3g particles or more; %.0e at most",
@@ -124,7 +141,7 @@ static double norm2(const double a[3])
     return a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
 }
 
-static MnsStatus check_plate(const MnsPart *p, int dim, bool solid, double support, const char *at, MnsError *error)
+static MnsStatus check_plate(const MnsPart *p, int dim, const char *at, MnsError *error)
 {
     const double along = p->b[0] * p->c[0] + p->b[1] * p->c[1] + p->b[2] * p->c[2];
     if (!(norm2(p->b) > 0)) return mns_fail_at(error, MNS_E_INVALID, at, "`along` must not be zero");
@@ -133,16 +150,27 @@ static MnsStatus check_plate(const MnsPart *p, int dim, bool solid, double suppo
     if (dim == 3 && !(p->width > 0))
         return mns_fail_at(error, MNS_E_INVALID, at, "in three dimensions a plate needs a `width` above 0, found %g m",
                            p->width);
-    if (solid && p->thickness < support * (1 - 1e-9))
-        return mns_fail_at(
-            error, MNS_E_INVALID, at,
-            "the plate is %g m thick; it must be at least as thick as the kernel's support, %g m, or the "
-            "fluids on its sides feel each other",
-            p->thickness, support);
+    if (!(p->thickness > 0))
+        return mns_fail_at(error, MNS_E_INVALID, at, "the thickness must be above 0, found %g m", p->thickness);
     return MNS_OK;
 }
 
-static MnsStatus check_part(const MnsPart *p, const MnsCase *c, bool solid, const char *at, MnsError *error)
+/* The largest number that is rounded where a distance from the surface is found. Sides and ends that are far away are nowhere near, and
+ * the point of a plane may be far along it. */
+static double largest_coordinate(const MnsPart *p, int dim)
+{
+    const double length = sqrt(norm2(p->b));
+    const bool round = p->primitive == MNS_BALL || p->primitive == MNS_CYLINDER;
+    double largest = round ? p->radius : 0;
+    for (int d = 0; d < dim; d++) {
+        if (round || p->primitive == MNS_PLATE) largest = fmax(largest, fabs(p->a[d]));
+        if (p->primitive == MNS_CYLINDER) largest = fmax(largest, fabs(p->b[d]));
+        if (p->primitive == MNS_HALF_SPACE) largest = fmax(largest, fabs(p->a[d] * p->b[d] / length));
+    }
+    return largest;
+}
+
+static MnsStatus check_primitive(const MnsPart *p, const MnsCase *c, bool solid, const char *at, MnsError *error)
 {
     switch (p->primitive) {
     case MNS_BOX:
@@ -166,7 +194,7 @@ static MnsStatus check_part(const MnsPart *p, const MnsCase *c, bool solid, cons
             return mns_fail_at(error, MNS_E_INVALID, at, "the radius must be above 0, found %g m", p->radius);
         return MNS_OK;
     }
-    case MNS_PLATE: return check_plate(p, c->dim, solid, kernel_support(c), at, error);
+    case MNS_PLATE: return check_plate(p, c->dim, at, error);
     case MNS_HALF_SPACE:
         if (!(norm2(p->b) > 0)) return mns_fail_at(error, MNS_E_INVALID, at, "the normal must not be zero");
         for (int d = 0; d < c->dim; d++)
@@ -183,6 +211,12 @@ static MnsStatus check_part(const MnsPart *p, const MnsCase *c, bool solid, cons
         return MNS_OK;
     }
     return mns_fail_at(error, MNS_E_INVALID, at, "unknown primitive");
+}
+
+static MnsStatus check_part(const MnsPart *p, const MnsCase *c, bool solid, const char *at, MnsError *error)
+{
+    const MnsStatus status = check_primitive(p, c, solid, at, error);
+    return status ? status : check_rounding(c, largest_coordinate(p, c->dim), at, error);
 }
 
 static MnsStatus check_shape(const MnsShape *shape, const MnsCase *c, const Constants *constants, bool solid,
@@ -261,6 +295,19 @@ static MnsStatus check_table(const MnsMotion *motion, const char *at, MnsError *
     return MNS_OK;
 }
 
+/* By how much a wall is displaced at most, about. */
+static double largest_displacement(const MnsMotion *motion, int dim)
+{
+    double largest = 0;
+    for (int d = 0; d < dim; d++) {
+        if (motion->kind == MNS_SINE || motion->kind == MNS_ONE_MINUS_COSINE)
+            largest = fmax(largest, 2 * fabs(motion->amplitude[d]));
+        for (size_t k = 0; motion->kind == MNS_TABLE && k < motion->n; k++)
+            largest = fmax(largest, fabs(motion->points[k].x[d]));
+    }
+    return largest;
+}
+
 static MnsStatus check_motion(const MnsMotion *motion, const char *at, MnsError *error)
 {
     switch (motion->kind) { /* no default: the compiler tells of a kind that is missing */
@@ -285,6 +332,7 @@ static MnsStatus check_wall(const MnsCase *c, size_t k, const Constants *constan
     if (status) return status;
     snprintf(at, sizeof at, "walls[%zu].motion", k);
     status = check_motion(&wall->motion, at, error);
+    if (!status) status = check_rounding(c, largest_displacement(&wall->motion, c->dim), at, error);
     if (status) return status;
     snprintf(at, sizeof at, "walls[%zu].surface_velocity", k);
     return check_formulas(wall->surface_velocity, c->dim, T, constants, at, error);

@@ -87,7 +87,8 @@ static const char *blame(MnsSim *sim, size_t i, bool density)
         if (!isfinite(model->gravity[d])) return "gravity";
         if (!density) most = hypot(most, model->gravity[d]);
         for (size_t k = 0; k < model->n_walls; k++)
-            if (!isfinite(model->wall[k].x[d] + model->wall[k].v[d] + model->wall[k].a[d])) return "motion of a wall";
+            if (!isfinite(model->wall[k].x[d] + model->wall[k].v[d] + model->wall[k].a[d] + model->wall[k].belt[d]))
+                return "motion of a wall";
     }
     if (density && projects) return "number density";
     const char *name = density ? "density" : projects && most == 0 ? "pressure" : "gravity";

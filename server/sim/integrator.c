@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What all integrators share: walls and lists at a new time, the rates there, a start and a restart. */
 #include "sim/integrator.h"
+#include "sim/belts.h"
 #include "sim/making.h"
 #include <math.h>
 #include <omp.h>
@@ -27,7 +28,8 @@ static void move_walls(MnsSim *sim, const WallState *before)
     bool move = false;
     for (size_t k = 0; k < model->n_walls; k++)
         for (int d = 0; d < s->dim; d++)
-            move = move || model->wall[k].x[d] != before[k].x[d] || model->wall[k].v[d] != before[k].v[d];
+            move = move || model->wall[k].x[d] != before[k].x[d] || model->wall[k].v[d] != before[k].v[d] ||
+                   model->wall[k].belt[d] != before[k].belt[d];
     if (!move) return;
     particles_changed(s, ON_WALL, FIELD(X) | FIELD(V));
 #pragma omp parallel for schedule(static) num_threads(sim->threads)
@@ -38,6 +40,7 @@ static void move_walls(MnsSim *sim, const WallState *before)
             s->v[d][i * s->v_step] = model->wall[k].v[d];
         }
     }
+    belts_run(sim);
 }
 
 /* Has some particle moved half a skin since the lists were built? */

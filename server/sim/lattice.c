@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* To whom the points of the starting lattice belong: what a wall's shape holds, down to the kernel's reach, to the wall, the
  * rest to fluids. Rows are shared out among threads; the answer does not depend on who has which. */
-#include "sim/lattice.h"
+#include "sim/edges.h"
 #include "sim/making.h"
+#include "sim/solid.h"
 #include <math.h>
 #include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { NOTHING = -1 };
 
 void lattice_place(const Lattice *lattice, size_t row, size_t k, double x[3])
 {
@@ -45,28 +44,23 @@ static void fit(Lattice *lattice, const MnsSim *sim)
     lattice->rows = lattice->n[1] * lattice->n[2];
 }
 
-/* What one thread needs: formulas of its own, and room for the runs of a row. */
-typedef struct Surveyor {
-    const MnsSim *sim;
-    Shape shape[MNS_MAX_FLUIDS];
-    LatticeRun *runs; /* [n[0]] */
-    size_t n;
-    bool gap; /* a point of some row is nobody's, and not inside a wall */
-} Surveyor;
-
 static void surveyor_done(Surveyor *v)
 {
     for (size_t k = 0; k < MNS_MAX_FLUIDS; k++)
         if (v->shape[k].shape) shape_done(&v->shape[k]);
     free(v->runs);
+    free(v->edge);
 }
 
 static MnsStatus surveyor_init(Surveyor *v, const Lattice *lattice, const MnsSim *sim, const Constants *constants,
                                MnsError *error)
 {
     const MnsCase *c = sim->c;
-    *v = (Surveyor){.sim = sim, .runs = calloc(lattice->n[0], sizeof *v->runs)};
-    if (!v->runs) return mns_fail(error, MNS_E_MEMORY, "no memory for a row of %zu points", lattice->n[0]);
+    *v = (Surveyor){
+        .sim = sim, .runs = calloc(lattice->n[0], sizeof *v->runs), .edge = calloc(lattice->n[0], sizeof *v->edge)};
+    for (int d = 0; d < c->dim; d++) v->diagonal += 0.25 * sim->model.cell[d] * sim->model.cell[d];
+    v->diagonal = sqrt(v->diagonal);
+    if (!v->runs || !v->edge) return mns_fail(error, MNS_E_MEMORY, "no memory for a row of %zu points", lattice->n[0]);
     for (size_t k = 0; k < c->n_fluids; k++) {
         const MnsStatus status = shape_init(&v->shape[k], &c->fluids[k].shape, c->dim, constants->list, constants->n,
                                             "fluids", error); /* the check has been here */
@@ -83,20 +77,28 @@ static bool in_domain(const Model *model, const double x[3])
     return true;
 }
 
-/* The wall that holds a point; deeper than the kernel reaches, nobody would feel it. */
-static int wall_at(const MnsSim *sim, const double x[3], bool *ret_solid)
+/* What is around a place. */
+typedef struct Place {
+    int wall;       /* that holds it; deeper than the kernel reaches, nobody would feel it */
+    size_t nearest; /* wall */
+    double away;    /* from it, negative inside [m] */
+    double edge;    /* from the nearest surface of all that says how far it is [m] */
+} Place;
+
+static Place look_around(const MnsSim *sim, const double x[3])
 {
-    double depth = 0;
-    int owner = NOTHING;
+    Place place = {.wall = NOTHING, .away = INFINITY, .edge = INFINITY};
     for (size_t k = 0; k < sim->model.n_walls; k++) {
-        const double inside = -shape_distance(&sim->solid[k], x);
-        if (inside > 0 && owner == NOTHING) owner = (int)k;
-        depth = fmax(depth, inside);
+        const double distance = shape_distance(&sim->solid[k], x);
+        if (distance < 0 && place.wall == NOTHING) place.wall = (int)k;
+        if (distance < place.away) place.nearest = k;
+        place.away = fmin(place.away, distance);
+        place.edge = fmin(place.edge, fabs(distance));
     }
-    *ret_solid = owner != NOTHING;
     /* Corners of a box are farther from its surface than its sides are. */
     const double reach = sim->model.kernel.support * (sim->model.dim == 2 ? 1.5 : 1.8);
-    return depth < reach ? owner : NOTHING;
+    if (-place.away >= reach) place.wall = NOTHING;
+    return place;
 }
 
 static MnsStatus fail_overlap(const MnsCase *c, size_t one, size_t other, const double x[3], MnsError *error)
@@ -110,29 +112,49 @@ static MnsStatus fail_overlap(const MnsCase *c, size_t one, size_t other, const 
         c->fluids[one].name, c->fluids[other].name, x[0], x[1], x[2]);
 }
 
-static MnsStatus fluid_at(const Surveyor *v, const double x[3], int *ret, MnsError *error)
+static MnsStatus fluid_at(const Surveyor *v, const double x[3], Place *place, int *ret, MnsError *error)
 {
     const MnsCase *c = v->sim->c;
     int owner = NOTHING, rest = NOTHING;
     for (size_t k = 0; k < c->n_fluids; k++) {
-        if (c->fluids[k].shape.n == 0) rest = (int)k;
-        else if (shape_distance(&v->shape[k], x) < 0) {
-            if (owner != NOTHING) return fail_overlap(c, (size_t)owner, k, x, error);
-            owner = (int)k;
+        if (c->fluids[k].shape.n == 0) {
+            rest = (int)k;
+            continue;
         }
+        const double distance = shape_distance(&v->shape[k], x);
+        place->edge = fmin(place->edge, fabs(distance));
+        if (!(distance < 0)) continue;
+        if (owner != NOTHING) return fail_overlap(c, (size_t)owner, k, x, error);
+        owner = (int)k;
     }
     *ret = owner != NOTHING ? owner : rest;
     return MNS_OK;
 }
 
-static MnsStatus owner_of(Surveyor *v, const double x[3], int *ret, MnsError *error)
+int survey_fluid(const Surveyor *v, const double x[3])
+{
+    const MnsCase *c = v->sim->c;
+    int rest = NOTHING;
+    if (!in_domain(&v->sim->model, x)) return NOTHING;
+    for (size_t k = 0; k < v->sim->model.n_walls; k++)
+        if (shape_distance(&v->sim->solid[k], x) < 0) return NOTHING;
+    for (size_t k = 0; k < c->n_fluids; k++) {
+        if (c->fluids[k].shape.n == 0) rest = (int)k;
+        else if (shape_distance(&v->shape[k], x) < 0) return (int)k;
+    }
+    return rest;
+}
+
+static MnsStatus owner_of(Surveyor *v, const double x[3], bool *ret_edge, int *ret, MnsError *error)
 {
     const Model *model = &v->sim->model;
-    bool solid = false;
-    const int wall = wall_at(v->sim, x, &solid);
-    *ret = wall == NOTHING ? NOTHING : wall + (int)model->n_phases;
-    const MnsStatus status = solid || !in_domain(model, x) ? MNS_OK : fluid_at(v, x, ret, error);
+    Place place = look_around(v->sim, x);
+    const bool solid = place.away < 0, room = !solid && in_domain(model, x);
+    *ret = place.wall == NOTHING ? NOTHING : place.wall + (int)model->n_phases;
+    MnsStatus status = room ? fluid_at(v, x, &place, ret, error) : MNS_OK;
+    if (!status && room) status = solid_check(v->sim, x, place.away, place.nearest, error);
     if (!solid && *ret == NOTHING) v->gap = true;
+    *ret_edge = place.edge < v->diagonal;
     return status;
 }
 
@@ -161,7 +183,7 @@ static MnsStatus survey(Surveyor *v, const Lattice *lattice, size_t row, MnsErro
     for (size_t k = 0; k < lattice->n[0] && !status; k++) {
         int owner = NOTHING;
         lattice_place(lattice, row, k, x);
-        status = owner_of(v, x, &owner, error);
+        status = owner_of(v, x, &v->edge[k], &owner, error);
         if (owner == NOTHING) last = NOTHING;
         else if (owner == last) v->runs[v->n - 1].n++;
         else v->runs[v->n++] = (LatticeRun){.first = (uint32_t)k, .n = 1, .owner = last = owner, .weighs_as = owner};
@@ -191,6 +213,22 @@ static MnsStatus keep(const Surveyor *v, LatticeRow *row, MnsError *error)
     return MNS_OK;
 }
 
+/* And where surfaces go through its cells, as runs. */
+static MnsStatus keep_edges(const Surveyor *v, size_t n, LatticeRow *row, MnsError *error)
+{
+    size_t runs = 0;
+    for (size_t k = 0; k < n; k++) runs += v->edge[k] && !(k && v->edge[k - 1]);
+    if (!runs) return MNS_OK;
+    row->edges = malloc(runs * sizeof *row->edges);
+    if (!row->edges) return mns_fail(error, MNS_E_MEMORY, "no memory for the lattice");
+    for (size_t k = 0; k < n; k++) {
+        if (!v->edge[k]) continue;
+        if (!(k && v->edge[k - 1])) row->edges[row->n_edges++] = (LatticeEdge){.first = (uint32_t)k};
+        row->edges[row->n_edges - 1].n++;
+    }
+    return MNS_OK;
+}
+
 /* Each row is done by somebody, unless one before it has failed: so the first failure is the same for any number of threads,
  * but for that of too many particles, which is told as soon as it is known. */
 static MnsStatus survey_all(Lattice *lattice, Surveyor *surveyors, int threads, MnsError *error)
@@ -209,6 +247,7 @@ static MnsStatus survey_all(Lattice *lattice, Surveyor *surveyors, int threads, 
         if (!failed) failed = survey(mine, lattice, row, &why);
         if (!failed) failed = add_up(mine, lattice, &why);
         if (!failed) failed = keep(mine, &lattice->row[row], &why);
+        if (!failed) failed = keep_edges(mine, lattice->n[0], &lattice->row[row], &why);
         if (!failed) continue;
 #pragma omp critical(lattice_failed)
         if (row < bad) {
@@ -236,6 +275,7 @@ MnsStatus lattice_init(Lattice *lattice, const MnsSim *sim, const Constants *con
     for (size_t k = 0; k < threads && !status; k++)
         status = surveyor_init(&surveyors[k], lattice, sim, constants, error);
     if (!status) status = survey_all(lattice, surveyors, sim->threads, error);
+    if (!status && !sim->resumed) edges_measure(lattice, surveyors, sim->threads);
     for (size_t k = 0; surveyors && k < threads; k++) {
         if (surveyors[k].gap) lattice->filled = false;
         surveyor_done(&surveyors[k]);
@@ -246,7 +286,10 @@ MnsStatus lattice_init(Lattice *lattice, const MnsSim *sim, const Constants *con
 
 void lattice_done(Lattice *lattice)
 {
-    for (size_t k = 0; lattice->row && k < lattice->rows; k++) free(lattice->row[k].runs);
+    for (size_t k = 0; lattice->row && k < lattice->rows; k++) {
+        free(lattice->row[k].runs);
+        free(lattice->row[k].edges);
+    }
     free(lattice->row);
     lattice->row = NULL;
 }

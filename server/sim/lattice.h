@@ -16,24 +16,32 @@ typedef struct LatticeRun {
     short image[3]; /* periods by which it is beside the rest of its drop or bubble */
 } LatticeRun;
 
+/* Consecutive points along x through whose cells some surface goes. */
+typedef struct LatticeEdge {
+    uint32_t first, n;
+} LatticeEdge;
+
 /* All points of one y and z. */
 typedef struct LatticeRow {
     LatticeRun *runs; /* [n] */
     size_t n;
+    LatticeEdge *edges; /* [n_edges], but those of formulas */
+    size_t n_edges;
     uint32_t id; /* of its first particle */
 } LatticeRow;
 
 typedef struct Lattice {
-    size_t n[3], rows;         /* points along each direction; rows, y before z */
-    double low[3], spacing[3]; /* of point (0, 0, 0), between points [m] */
-    LatticeRow *row;           /* [rows] */
-    size_t points;             /* that belong to somebody */
-    double most;               /* that there is memory for */
-    bool filled;               /* no point is left to nobody but inside a wall, and no side is open */
+    size_t n[3], rows;           /* points along each direction; rows, y before z */
+    double low[3], spacing[3];   /* of point (0, 0, 0), between points [m] */
+    LatticeRow *row;             /* [rows] */
+    size_t points;               /* that belong to somebody */
+    double most;                 /* that there is memory for */
+    double held[MNS_MAX_FLUIDS]; /* cells that the shapes of fluids hold, with parts of cells; 0: not measured */
+    bool filled;                 /* no point is left to nobody but inside a wall, and no side is open */
 } Lattice;
 
-/* Find out to whom all points belong. MNS_E_INVALID if fluids overlap or a formula fails, at the first such point whatever the
- * number of threads; MNS_E_MEMORY. */
+/* Find out to whom all points belong. MNS_E_INVALID if fluids overlap or a formula fails, or a wall is too thin
+ * (solid_check), at the first such point whatever the number of threads; MNS_E_MEMORY. */
 MnsStatus lattice_init(Lattice *lattice, const MnsSim *sim, const Constants *constants, MnsError *error);
 void lattice_done(Lattice *lattice);
 

@@ -11,7 +11,10 @@ static double speed(const MnsSim *sim)
     double v2 = sim->v_max * sim->v_max;
     for (size_t k = 0; k < model->n_walls; k++) {
         double wall_v2 = 0;
-        for (int d = 0; d < model->dim; d++) wall_v2 += model->wall[k].v[d] * model->wall[k].v[d];
+        for (int d = 0; d < model->dim; d++) {
+            const double v = model->wall[k].v[d] + model->wall[k].belt[d];
+            wall_v2 += v * v;
+        }
         v2 = fmax(v2, wall_v2);
     }
     return sqrt(v2);

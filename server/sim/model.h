@@ -18,9 +18,11 @@ typedef struct Phase {
 /* A wall, moving as a rigid body. */
 typedef struct WallState {
     double x[3]; /* displacement [m] */
-    double v[3]; /* mean velocity over the step, with that of the surface [m/s] */
+    double v[3]; /* mean velocity over the step [m/s] */
     double a[3]; /* acceleration of the motion [m/s^2] */
-    bool no_slip;
+    double belt
+        [3]; /* velocity of the surface besides, as the case gives it: what is along the surface acts (belts.h) [m/s] */
+    bool no_slip, has_belt;
 } WallState;
 
 /* A flat face of a wall, where the case puts it. */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* From the case to the model: what is fixed, what can be steered, and what follows the time. */
+#include "sim/belts.h"
 #include "sim/motion.h"
 #include "sim/probes/probes.h"
 #include "sim/terms/terms.h"
@@ -58,7 +59,10 @@ void setup_options(MnsSim *sim, const MnsCase *c)
     model->density_min = c->limits.density_min;
     model->density_max = c->limits.density_max;
     model->dt_floor = c->limits.time_step_floor;
-    for (size_t k = 0; k < c->n_walls; k++) model->wall[k].no_slip = c->walls[k].no_slip;
+    for (size_t k = 0; k < c->n_walls; k++) {
+        model->wall[k].no_slip = c->walls[k].no_slip;
+        model->wall[k].has_belt = belts_are_on(&c->walls[k], c->dim);
+    }
     sim->scheme->options(model, c);
 }
 
@@ -157,7 +161,8 @@ static void move_wall(MnsSim *sim, size_t k, double t, double dt, double ahead)
     motion_at(motion, t, wall->x, v, wall->a);
     for (int d = 0; d < sim->model.dim; d++) {
         const double material = dt > 0 ? (after[d] - before[d]) / (dt + ahead) : v[d];
-        wall->v[d] = material + formula_eval(sim->surface[k][d], &t);
+        wall->v[d] = material;
+        wall->belt[d] = formula_eval(sim->surface[k][d], &t);
     }
 }
 

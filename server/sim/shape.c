@@ -173,6 +173,19 @@ double shape_distance(const Shape *s, const double x[3])
     return distance;
 }
 
+size_t shape_nearest_part(const Shape *s, const double x[3])
+{
+    double least = INFINITY;
+    size_t nearest = 0;
+    for (size_t k = 0; k < s->shape->n; k++) {
+        const double away = fabs(nearest_image(s, k, x));
+        if (!(away < least)) continue;
+        least = away;
+        nearest = k;
+    }
+    return nearest;
+}
+
 void shape_normal(const Shape *s, const double x[3], double step, double normal[3])
 {
     double length = 0;

@@ -28,6 +28,9 @@ double shape_distance(const Shape *s, const double x[3]);
 /* Unit vector along which the distance grows fastest: away from the solid. */
 void shape_normal(const Shape *s, const double x[3], double step, double normal[3]);
 
+/* The part whose surface is the nearest. */
+size_t shape_nearest_part(const Shape *s, const double x[3]);
+
 enum { FACES_MAX = 6 }; /* of a part */
 
 /* Flat faces of boxes, plates and half-spaces, their normals away from the solid if nothing else covers them; returns how many. ret: room for

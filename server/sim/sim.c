@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A simulation from the outside: make it, step it, steer it, free it. Read this file first. */
 #include "base/array.h"
+#include "sim/belts.h"
 #include "sim/chambers.h"
 #include "sim/home.h"
 #include "sim/integrator.h"
@@ -113,6 +114,7 @@ void mns_sim_free(MnsSim *sim)
     }
     for (size_t k = 0; k < MNS_MAX_PROBES; k++) formula_team_done(&sim->probe_formula[k]);
     free(sim->face);
+    belts_done(&sim->belts);
     for (int f = 0; sim->shown && f < FIELDS_END; f++)
         for (int d = 0; d < 3; d++) free(sim->shown->of[f][d]);
     free(sim->shown);

@@ -24,6 +24,13 @@ typedef struct Shown {
     double *of[FIELDS_END][3]; /* [n]; NULL: not asked for yet */
 } Shown;
 
+/* What of a velocity is along the surface at each particle of walls that have one: a symmetric matrix, xx, yy, zz, xy, xz, yz. */
+typedef struct Belts {
+    size_t n;
+    uint32_t *id;       /* [n] of the particle, rising */
+    double (*along)[6]; /* [n] */
+} Belts;
+
 struct MnsSim {
     const MnsCase *c; /* borrowed */
     const Scheme *scheme;
@@ -41,6 +48,7 @@ struct MnsSim {
     Formula *surface[MNS_MAX_WALLS][3]; /* velocity of a wall's surface */
     Shape solid[MNS_MAX_WALLS];         /* where the case puts the walls */
     Face *face;                         /* of all of them, as far as they are flat */
+    Belts belts;                        /* of walls whose surface has a velocity of its own */
     FormulaTeam probe_formula[MNS_MAX_PROBES];
     struct {
         double largest, capillary; /* radius of the largest [m]; greatest sigma / R [Pa] */

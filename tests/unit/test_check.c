@@ -147,6 +147,27 @@ static void nan_domain(MnsCase *c)
 {
     c->min[0] = NAN;
 }
+static void far_origin(MnsCase *c)
+{
+    c->min[0] = 1e13;
+    c->max[0] = 1e13 + 5.4;
+}
+static void far_ball(MnsCase *c)
+{
+    fluid_part(c, (MnsPart){.primitive = MNS_BALL, .a = {-1e12, 0, 0}, .radius = 1e12 + 1});
+}
+static void far_plane(MnsCase *c)
+{
+    fluid_part(c, (MnsPart){.primitive = MNS_HALF_SPACE, .a = {1e12, 1, 0}, .b = {1, 1, 0}});
+}
+static void far_plate(MnsCase *c)
+{
+    c->walls[1].shape.parts[0].a[1] = 1e12;
+}
+static void far_motion(MnsCase *c)
+{
+    c->walls[0].motion = (MnsMotion){.kind = MNS_SINE, .amplitude = {0, 1e12, 0}, .frequency = 1};
+}
 static void misfit(MnsCase *c)
 {
     c->max[0] = 0.43;
@@ -305,6 +326,10 @@ static void wall_by_formula(MnsCase *c)
 {
     c->walls[1].shape.parts[0].primitive = MNS_FORMULA;
 }
+static void flat_plate(MnsCase *c)
+{
+    c->walls[1].shape.parts[0].thickness = 0;
+}
 static void thin_plate(MnsCase *c)
 {
     c->walls[1].shape.parts[0].thickness = 0.2599;
@@ -429,6 +454,11 @@ static const Refusal REFUSALS[] = {
     {"domain", MNS_E_INVALID, empty_domain},
     {"domain.displacement[1]", MNS_E_INVALID, bad_displacement},
     {"domain", MNS_E_INVALID, nan_domain},
+    {"domain", MNS_E_INVALID, far_origin},
+    {"fluids[0].shape[0]", MNS_E_INVALID, far_ball},
+    {"fluids[0].shape[0]", MNS_E_INVALID, far_plane},
+    {"walls[1].shape[0]", MNS_E_INVALID, far_plate},
+    {"walls[0].motion", MNS_E_INVALID, far_motion},
     {"resolution", MNS_E_INVALID, misfit},
     {"domain", MNS_E_INVALID, short_period},
     {"scheme.differences.zero_pressure", MNS_E_INVALID, held_outside},
@@ -463,7 +493,7 @@ static const Refusal REFUSALS[] = {
     {"fluids[1].pressure", MNS_E_INVALID, bad_pressure},
     {"walls[1].shape", MNS_E_INVALID, no_wall_shape},
     {"walls[1].shape[0]", MNS_E_INVALID, wall_by_formula},
-    {"walls[1].shape[0]", MNS_E_INVALID, thin_plate},
+    {"walls[1].shape[0]", MNS_E_INVALID, flat_plate},
     {"walls[1].shape[0]", MNS_E_INVALID, plate_along_nothing},
     {"walls[1].shape[0]", MNS_E_INVALID, endless_half_space},
     {"walls[1].motion", MNS_E_INVALID, still_sine},
@@ -528,6 +558,35 @@ static void every_fault_is_refused_where_it_is(void **state)
     for (int dim = 2; dim <= 3; dim++)
         for (size_t k = 0; k < sizeof REFUSALS / sizeof *REFUSALS; k++) assert_refused(dim, &REFUSALS[k], k, false);
     for (size_t k = 0; k < sizeof ONLY_3D / sizeof *ONLY_3D; k++) assert_refused(3, &ONLY_3D[k], k, false);
+}
+
+/* Numbers near 2^k are 2^(k-52) apart. With dx = 0.1 m, 2^29 m = 5.4e8 m is where that becomes more than 1e-7 m. What is far away
+ * and decides nothing near is no matter: sides of a box, the point of a plane along it. */
+static void coordinates_are_refused_where_their_rounding_is_a_millionth_of_a_spacing(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int k = 0; k < dim; k++) {
+            MnsCase *c = case_blank(dim, 10);
+            MnsError error = {0};
+            case_add_fluid(c, "water", 1, 10);
+            MnsPart *box = case_add_part(&c->fluids[0].shape, MNS_BOX);
+            for (int d = 0; d < 3; d++) box->b[d] = -(box->a[d] = -1e30);
+            MnsPart *plane = case_add_part(&c->fluids[0].shape, MNS_HALF_SPACE);
+            plane->a[0] = 1e30;
+            plane->b[1] = 2;
+            for (int sign = -1; sign <= 1; sign += 2) {
+                c->min[k] = sign * (ldexp(1, 29) - 2);
+                c->max[k] = c->min[k] + 1;
+                if (mns_case_check(c, &error)) fail_msg("%s: %s", error.path, error.text);
+                c->min[k] = sign * (ldexp(1, 29) + 2);
+                c->max[k] = c->min[k] + 1;
+                assert_int_equal(mns_case_check(c, &error), MNS_E_INVALID);
+                assert_string_equal(error.path, "domain");
+                assert_non_null(strstr(error.text, "allowed: up to 5.36871e+08 m"));
+            }
+            mns_case_free(c);
+        }
 }
 
 /* The plate of two dimensions has no width, and its normal follows from its length. */
@@ -628,6 +687,7 @@ static void what_only_placing_particles_shows_is_refused_then(void **state)
         {"fluids[1].shape", MNS_E_INVALID, overlap},
         {"fluids[0]", MNS_E_INVALID, sliver},
         {"walls[1].shape", MNS_E_INVALID, wall_far_away},
+        {"walls[1].shape", MNS_E_INVALID, thin_plate},
         {"fluids[1].pressure", MNS_E_INVALID, oblique_gravity},
         {"fluids[0].pressure", MNS_E_INVALID, weightless_column},
         {"fluids[0].pressure", MNS_E_INVALID, vacuum},
@@ -643,6 +703,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_good_is_not_refused),
         cmocka_unit_test(every_fault_is_refused_where_it_is),
+        cmocka_unit_test(coordinates_are_refused_where_their_rounding_is_a_millionth_of_a_spacing),
         cmocka_unit_test(what_only_three_dimensions_need_is_not_asked_of_two),
         cmocka_unit_test(kernel_that_reaches_too_many_is_refused_with_what_is_allowed),
         cmocka_unit_test(new_simulation_refuses_what_the_check_refuses),

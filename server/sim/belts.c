@@ -1,0 +1,398 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A velocity across the surface of a wall that stays where it is would pump fluid through it. So from each particle of a belt the nearest places of
+ * the wall's surface with room before them are looked up, and what its velocity has along their normals is taken away:
+ *   u_t = (I - sum of n n^T) u,   n orthonormal, spanning the normals of the faces nearest to the particle
+ * Where two faces are equally near, as in a corner, what is along both is left. */
+#include "sim/belts.h"
+#include "base/array.h"
+#include "sim/solid.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double OFF = 1e-2, STEP = 1e-3; /* of places around a particle; to find normals by [dx] */
+static const double NEW_FACE = 0.1;          /* sine of the angle between normals from which on they are of two faces */
+static const double LOSS_MAX = 0.01;         /* of a face, beyond which it is said */
+static const double NONE = 1e-6;             /* what of a velocity along a surface is rounding */
+enum { MOMENTS = 65, FLAT_FACES_MAX = 64 };
+
+/* Orthonormal. */
+typedef struct Normals {
+    int n;
+    double of[3][3], sum[3]; /* of all that are nearly the first */
+} Normals;
+
+/* What a particle has to do with the surface. */
+typedef struct Touch {
+    bool room;        /* there is some before the surface that is nearest */
+    int n;            /* faces that are nearest */
+    double normal[3]; /* of the first */
+    double place[3];  /* on it [m] */
+} Touch;
+
+bool belts_are_on(const MnsWall *wall, int dim)
+{
+    for (int d = 0; d < dim; d++)
+        if (strcmp(wall->surface_velocity[d], "0") != 0) return true;
+    return false;
+}
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void add_normal(Normals *normals, const double normal[3])
+{
+    double rest[3] = {normal[0], normal[1], normal[2]};
+    for (int k = 0; k < normals->n; k++) {
+        const double along = dot(rest, normals->of[k]);
+        for (int d = 0; d < 3; d++) rest[d] -= along * normals->of[k][d];
+    }
+    const double length = sqrt(dot(rest, rest));
+    if (length > NEW_FACE && normals->n < 3) {
+        for (int d = 0; d < 3; d++) normals->of[normals->n][d] = normals->n == 0 ? normal[d] : rest[d] / length;
+        normals->n++;
+    }
+    const double sign = dot(normal, normals->of[0]) < 0 ? -1 : 1; /* midway in a plate, they are opposite */
+    for (int d = 0; d < 3; d++) normals->sum[d] += sign * normal[d];
+}
+
+/* The mean around a place is the normal there, where a single face is round. */
+static void settle(Normals *normals)
+{
+    const double length = sqrt(dot(normals->sum, normals->sum));
+    for (int d = 0; d < 3 && normals->n == 1; d++) normals->of[0][d] = normals->sum[d] / length;
+}
+
+/* The s-th of the places around x: off by OFF in all directions, so that none that matters is equally far from two faces. */
+static void place_around(const MnsSim *sim, const double x[3], int s, double ret[3])
+{
+    for (int d = 0; d < 3; d++) ret[d] = d < sim->model.dim ? x[d] + (s >> d & 1 ? OFF : -OFF) * sim->model.dx : 0;
+}
+
+/* What has been found for a particle of wall k: normals of faces that have room before them, and of those that have none. */
+typedef struct Search {
+    const MnsSim *sim;
+    size_t k;
+    Normals bare, covered;
+    Touch *touch;
+} Search;
+
+/* Take notice of the wall's normal at y before its surface. */
+static void take_notice(Search *search, const double y[3], double away)
+{
+    const MnsSim *sim = search->sim;
+    Touch *touch = search->touch;
+    double normal[3];
+    if (!(away > 0)) return;
+    shape_normal(&sim->solid[search->k], y, STEP * sim->model.dx, normal);
+    if (!(dot(normal, normal) > 0)) return;
+    const bool room = solid_leaves_room(sim, y);
+    add_normal(room ? &search->bare : &search->covered, normal);
+    if (!room || touch->room) return;
+    touch->room = true;
+    for (int d = 0; d < 3; d++) touch->place[d] = y[d] - away * normal[d];
+}
+
+/* Look from before the surface at a place on it, `out` being where a particle sees it. Where it is as far as it seems it is one face; else a corner,
+ * whose faces are nearest from here or from there. */
+static void look_at(Search *search, const double place[3], const double out[3])
+{
+    const int dim = search->sim->model.dim;
+    const double off = OFF * search->sim->model.dx;
+    double from[3], y[3] = {0, 0, 0};
+    for (int d = 0; d < 3; d++) from[d] = place[d] + 0.4 * off * out[d];
+    const double away = shape_distance(&search->sim->solid[search->k], from);
+    if (fabs(away - 0.4 * off) < 1e-3 * off) {
+        take_notice(search, from, away);
+        return;
+    }
+    for (int q = 0; q < (dim == 2 ? 9 : 27); q++) {
+        for (int d = 0, all = q; d < dim; d++, all /= 3) y[d] = from[d] + off * (all % 3 - 1);
+        take_notice(search, y, shape_distance(&search->sim->solid[search->k], y));
+    }
+}
+
+/* At what is nearest to x. */
+static void look_straight(Search *search, const double x[3])
+{
+    const MnsSim *sim = search->sim;
+    const Shape *solid = &sim->solid[search->k];
+    for (int s = 0; s < 1 << sim->model.dim; s++) {
+        double from[3], out[3], place[3];
+        place_around(sim, x, s, from);
+        shape_normal(solid, from, STEP * sim->model.dx, out);
+        const double away = shape_distance(solid, from);
+        for (int d = 0; d < 3; d++) place[d] = from[d] - away * out[d];
+        look_at(search, place, out);
+    }
+}
+
+/* How far it is out of the wall along a unit vector, and where that is; INFINITY: farther than anybody feels. */
+static double way_out(const MnsSim *sim, size_t k, const double x[3], const double to[3], double ret[3])
+{
+    const double dx = sim->model.dx, reach = 2 * sim->model.kernel.support;
+    double along = 0;
+    for (double depth = 1; depth > 0 && along < reach;) {
+        for (int d = 0; d < 3; d++) ret[d] = x[d] + along * to[d];
+        depth = -shape_distance(&sim->solid[k], ret);
+        along += depth > 0 ? fmax(depth, STEP * dx) : 2 * OFF * dx;
+    }
+    for (int d = 0; d < 3; d++) ret[d] = x[d] + (along - 2 * OFF * dx) * to[d];
+    return along < reach ? along : INFINITY;
+}
+
+/* Where what is nearest is covered by another wall or outside of the domain: along rows and diagonals, at the nearest that is not. */
+static void look_around(Search *search, const double x[3])
+{
+    const MnsSim *sim = search->sim;
+    double least = INFINITY, nearest[3] = {0, 0, 0}, out[3] = {0, 0, 0};
+    for (int q = 0; q < (sim->model.dim == 2 ? 9 : 27); q++) {
+        double to[3] = {q % 3 - 1, q / 3 % 3 - 1, sim->model.dim == 2 ? 0 : q / 9 - 1}, place[3], before[3];
+        const double length = sqrt(dot(to, to));
+        if (length == 0) continue;
+        for (int d = 0; d < 3; d++) to[d] /= length;
+        const double away = way_out(sim, search->k, x, to, place);
+        for (int d = 0; d < 3; d++) before[d] = place[d] + OFF * sim->model.dx * to[d];
+        if (!(away < least) || !solid_leaves_room(sim, before)) continue;
+        least = away;
+        memcpy(nearest, place, sizeof nearest);
+        memcpy(out, to, sizeof out);
+    }
+    if (isfinite(least)) look_at(search, nearest, out);
+}
+
+static void find_along(const MnsSim *sim, size_t i, double ret[6], Touch *touch)
+{
+    static const int row[6] = {0, 1, 2, 0, 0, 1}, column[6] = {0, 1, 2, 1, 2, 2};
+    const size_t k = sim->s.phase[i] - sim->model.n_phases;
+    Search search = {.sim = sim, .k = k, .touch = touch};
+    double x[3] = {0, 0, 0};
+    *touch = (Touch){0};
+    for (int d = 0; d < sim->model.dim; d++) x[d] = sim->s.x[d][i];
+    look_straight(&search, x);
+    if (!touch->room) look_around(&search, x);
+    Normals *faces = touch->room ? &search.bare : &search.covered;
+    settle(faces);
+    touch->n = faces->n;
+    if (touch->n == 1) {
+        double away = 0;
+        memcpy(touch->normal, faces->of[0], sizeof touch->normal);
+        for (int d = 0; d < 3; d++) away += (x[d] - touch->place[d]) * touch->normal[d];
+        for (int d = 0; d < 3; d++) touch->place[d] = x[d] - away * touch->normal[d];
+    }
+    for (int q = 0; q < 6; q++) {
+        ret[q] = row[q] == column[q];
+        for (int f = 0; f < faces->n; f++) ret[q] -= faces->of[f][row[q]] * faces->of[f][column[q]];
+    }
+}
+
+static void apply(const double along[6], const double u[3], double ret[3])
+{
+    ret[0] = along[0] * u[0] + along[3] * u[1] + along[4] * u[2];
+    ret[1] = along[3] * u[0] + along[1] * u[1] + along[5] * u[2];
+    ret[2] = along[4] * u[0] + along[5] * u[1] + along[2] * u[2];
+}
+
+/* The velocity that the case gives a surface, at moments of the run that no period has in common. */
+typedef struct Asked {
+    double u[MOMENTS][3], most; /* its greatest size [m/s] */
+} Asked;
+
+static Asked ask(const MnsSim *sim, size_t k)
+{
+    static const double golden = 0.61803398874989485;
+    const double end = isfinite(sim->c->end_time) ? sim->c->end_time : 1;
+    Asked asked = {.most = 0};
+    for (int q = 0; q < MOMENTS; q++) {
+        const double t = end * (q * golden - floor(q * golden));
+        for (int d = 0; d < sim->model.dim; d++) asked.u[q][d] = formula_eval(sim->surface[k][d], &t);
+        const double size = sqrt(dot(asked.u[q], asked.u[q]));
+        if (isfinite(size)) asked.most = fmax(asked.most, size);
+        else asked.u[q][0] = asked.u[q][1] = asked.u[q][2] = 0; /* which the run will say */
+    }
+    return asked;
+}
+
+/* A face of a wall: flat, or all of a part that is round. */
+typedef struct BeltFace {
+    size_t part, n; /* particles */
+    bool round;
+    double normal[3], sum[3]; /* of the first particle; of places */
+    double lost;              /* the most, of 1 */
+    double where[3];
+} BeltFace;
+
+static bool is_of(const BeltFace *face, size_t part, bool round, const Touch *touch)
+{
+    if (face->part != part || face->round != round) return false;
+    return round || dot(face->normal, touch->normal) > 0.99;
+}
+
+/* Is a particle of a cylinder beside one of its ends, which are flat? */
+static bool is_round(const MnsPart *part, const double normal[3], int dim)
+{
+    const double axis[3] = {part->b[0] - part->a[0], part->b[1] - part->a[1], part->b[2] - part->a[2]};
+    if (part->primitive == MNS_BALL) return true;
+    return part->primitive == MNS_CYLINDER && dim == 3 && fabs(dot(axis, normal)) < 0.99 * sqrt(dot(axis, axis));
+}
+
+static void count_face(const MnsSim *sim, size_t k, const Touch *touch, double lost, BeltFace *faces, size_t *n)
+{
+    const size_t part = shape_nearest_part(&sim->solid[k], touch->place);
+    const bool round = is_round(&sim->solid[k].shape->parts[part], touch->normal, sim->model.dim);
+    size_t f = 0;
+    while (f < *n && !is_of(&faces[f], part, round, touch)) f++;
+    if (f == FLAT_FACES_MAX) return;
+    if (f == *n) {
+        faces[(*n)++] = (BeltFace){.part = part, .round = round};
+        memcpy(faces[f].normal, touch->normal, sizeof faces[f].normal);
+    }
+    BeltFace *face = &faces[f];
+    face->n++;
+    for (int d = 0; d < 3; d++) face->sum[d] += touch->place[d];
+    if (lost > face->lost) {
+        face->lost = lost;
+        memcpy(face->where, touch->place, sizeof face->where);
+    }
+}
+
+/* The most that is left along the surface, and that is lost, at any moment, of the greatest velocity asked for. */
+static void compare(const double along[6], const Asked *asked, double *ret_left, double *ret_lost)
+{
+    *ret_left = *ret_lost = 0;
+    for (int q = 0; q < MOMENTS; q++) {
+        double left[3];
+        apply(along, asked->u[q], left);
+        const double size = sqrt(dot(left, left));
+        *ret_left = fmax(*ret_left, size / asked->most);
+        *ret_lost = fmax(*ret_lost, (sqrt(dot(asked->u[q], asked->u[q])) - size) / asked->most);
+    }
+}
+
+static void warn_faces(MnsSim *sim, size_t k, const BeltFace *faces, size_t n)
+{
+    for (size_t f = 0; f < n; f++) {
+        const BeltFace *face = &faces[f];
+        double at[3];
+        if (!(face->lost > LOSS_MAX)) continue;
+        for (int d = 0; d < 3; d++) at[d] = face->round ? face->where[d] : face->sum[d] / (double)face->n;
+        for (int d = 0; d < 3; d++) at[d] = fabs(at[d]) < 1e-9 * sim->model.dx ? 0 : at[d];
+        plan_warn(sim,
+                  "walls[%zu].surface_velocity: %.3g %% of it is lost on the %s face of shape[%zu] of %.60s around "
+                  "(%.4g, %.4g, %.4g) m, as only what is along a surface acts",
+                  k, 100 * face->lost, face->round ? "round" : "flat", face->part, sim->c->walls[k].name, at[0], at[1],
+                  at[2]);
+    }
+}
+
+static MnsStatus judge(MnsSim *sim, size_t k, const Touch *touches, MnsError *error)
+{
+    const size_t first = sim->s.begin[GROUP_WALL];
+    const Asked asked = ask(sim, k);
+    BeltFace faces[FLAT_FACES_MAX];
+    size_t n = 0, touched = 0;
+    double most = 0;
+    if (!(asked.most > 0)) return MNS_OK;
+    for (size_t b = 0, i = first; i < sim->s.n; i++) {
+        const size_t wall = sim->s.phase[i] - sim->model.n_phases;
+        if (!sim->model.wall[wall].has_belt) continue;
+        const Touch *touch = &touches[b];
+        double left, lost;
+        const double *along = sim->belts.along[b++];
+        if (wall != k || !touch->room) continue;
+        touched++;
+        compare(along, &asked, &left, &lost);
+        most = fmax(most, left);
+        if (touch->n == 1) count_face(sim, k, touch, lost, faces, &n);
+    }
+    char at[64];
+    snprintf(at, sizeof at, "walls[%zu].surface_velocity", k);
+    if (touched > 0 && most <= NONE)
+        return mns_fail_at(error, MNS_E_INVALID, at,
+                           "at no point of %.60s is any of it along the surface, and what is across it cannot act, as "
+                           "it would pump fluid through the wall: give a velocity along a face, or a `motion`",
+                           sim->c->walls[k].name);
+    if (!sim->model.wall[k].no_slip)
+        plan_warn(sim, "%s: nothing is moved by it, as fluids glide along %.60s; write slip: none", at,
+                  sim->c->walls[k].name);
+    warn_faces(sim, k, faces, n);
+    return MNS_OK;
+}
+
+static size_t count_belts(const MnsSim *sim)
+{
+    size_t n = 0;
+    for (size_t i = sim->s.begin[GROUP_WALL]; i < sim->s.n; i++)
+        n += sim->model.wall[sim->s.phase[i] - sim->model.n_phases].has_belt;
+    return n;
+}
+
+/* Fill in who they are; particles of walls are as yet in the order of their ids. */
+static void name_belts(MnsSim *sim, size_t *of)
+{
+    size_t n = 0;
+    for (size_t i = sim->s.begin[GROUP_WALL]; i < sim->s.n; i++)
+        if (sim->model.wall[sim->s.phase[i] - sim->model.n_phases].has_belt) {
+            sim->belts.id[n] = sim->s.id[i];
+            of[n++] = i;
+        }
+}
+
+MnsStatus belts_init(MnsSim *sim, MnsError *error)
+{
+    Belts *belts = &sim->belts;
+    MnsStatus status = MNS_OK;
+    const size_t n = count_belts(sim);
+    if (!n) return MNS_OK;
+    *belts = (Belts){.n = n, .id = array_room(n, sizeof *belts->id), .along = array_room(n, sizeof *belts->along)};
+    size_t *of = array_room(n, sizeof *of);
+    Touch *touches = array_room(n, sizeof *touches);
+    if (!belts->id || !belts->along || !of || !touches)
+        status = mns_fail(error, MNS_E_MEMORY, "no memory for the belts of %zu particles", n);
+    if (!status) {
+        name_belts(sim, of);
+#pragma omp parallel for schedule(dynamic, 64) num_threads(sim->threads)
+        for (size_t b = 0; b < n; b++) find_along(sim, of[b], belts->along[b], &touches[b]);
+        belts_run(sim);
+    }
+    for (size_t k = 0; k < sim->model.n_walls && !status; k++)
+        if (sim->model.wall[k].has_belt) status = judge(sim, k, touches, error);
+    free(of);
+    free(touches);
+    return status;
+}
+
+void belts_done(Belts *belts)
+{
+    free(belts->id);
+    free(belts->along);
+    *belts = (Belts){0};
+}
+
+static const double *find_belt(const Belts *belts, uint32_t id)
+{
+    size_t low = 0, high = belts->n - 1;
+    while (low < high) {
+        const size_t middle = (low + high) / 2;
+        if (belts->id[middle] < id) low = middle + 1;
+        else high = middle;
+    }
+    return belts->along[low];
+}
+
+void belts_run(MnsSim *sim)
+{
+    Particles *s = &sim->s;
+    if (!sim->belts.n) return;
+#pragma omp parallel for schedule(static) num_threads(sim->threads)
+    for (size_t i = s->begin[GROUP_WALL]; i < s->n; i++) {
+        const WallState *wall = &sim->model.wall[s->phase[i] - sim->model.n_phases];
+        double u[3];
+        if (!wall->has_belt) continue;
+        apply(find_belt(&sim->belts, s->id[i]), wall->belt, u);
+        for (int d = 0; d < s->dim; d++) s->v[d][i * s->v_step] += u[d];
+    }
+}

@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* All walls together as one solid, where the case puts them. */
+#ifndef SIM_SOLID_H
+#define SIM_SOLID_H
+
+#include "sim/sim.h"
+
+/* Distance from the nearest wall, negative inside of any [m], and which it is; INFINITY where there are no walls. */
+double solid_distance(const MnsSim *sim, const double x[3], size_t *ret_wall);
+
+/* Is x in the domain, beyond periodic sides too, and in no wall? */
+bool solid_leaves_room(const MnsSim *sim, const double x[3]);
+
+/* At a point of the lattice where there is room, `away` from `wall`, which is the nearest: refuse a solid that is thinner than the kernel's
+ * support there and has room for particles on its other side as well. Its edges and tips are no sides. MNS_E_INVALID with the place. */
+MnsStatus solid_check(const MnsSim *sim, const double x[3], double away, size_t wall, MnsError *error);
+
+#endif

@@ -1,0 +1,236 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A wall through which fluids on its two sides would push each other is refused, however it is told; edges, tips and walls with fluid on one side
+ * are not. The kernel's support is 0.26 m, the spacing 0.1 m. */
+#include "tests/support/check.h"
+#include "tests/support/sims.h"
+#include <string.h>
+
+/* A tank of 2 x 1 (x 1) m, full of water, and a wall in it that has no shape as yet. */
+static MnsCase *tank(int dim)
+{
+    MnsCase *c = case_blank(dim, 10);
+    c->max[0] = 2;
+    case_add_fluid(c, "water", 1, 10);
+    case_add_wall(c, "tank");
+    MnsPart *box = case_add_part(&c->walls[0].shape, MNS_BOX);
+    box->outside = true;
+    for (int d = 0; d < 3; d++) box->b[d] = c->max[d];
+    case_add_wall(c, "dam");
+    return c;
+}
+
+static MnsPart *add(int dim, MnsShape *shape, MnsPart part)
+{
+    MnsPart *p = case_add_part(shape, part.primitive);
+    part.formula = p->formula;
+    if (dim == 2) part.a[2] = part.b[2] = part.c[2] = 0;
+    *p = part;
+    return p;
+}
+
+/* A box from x = low to high across the tank. */
+static void add_box(MnsShape *shape, double low, double high)
+{
+    add(3, shape, (MnsPart){.primitive = MNS_BOX, .a = {low, -1, -1}, .b = {high, 2, 2}});
+}
+
+static void box(MnsCase *c, double thickness)
+{
+    add_box(&c->walls[1].shape, 1, 1 + thickness);
+}
+static void plate(MnsCase *c, double thickness)
+{
+    add(c->dim, &c->walls[1].shape,
+        (MnsPart){.primitive = MNS_PLATE,
+                  .a = {1, 0.5, 0.5},
+                  .b = {0.5, 1, 0},
+                  .c = {2, -1, 0},
+                  .length = 0.7,
+                  .width = 2,
+                  .thickness = thickness});
+}
+static void cylinder(MnsCase *c, double thickness) /* a slab in two dimensions, a post in three */
+{
+    add(c->dim, &c->walls[1].shape,
+        (MnsPart){.primitive = MNS_CYLINDER, .a = {1, -1, 0.5}, .b = {1, 2, 0.5}, .radius = 0.5 * thickness});
+}
+static void ball(MnsCase *c, double thickness)
+{
+    add(c->dim, &c->walls[1].shape,
+        (MnsPart){.primitive = MNS_BALL, .a = {1.02, 0.5, 0.51}, .radius = 0.5 * thickness});
+}
+static void ring(MnsCase *c, double thickness)
+{
+    add(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BALL, .a = {1, 0.5, 0.5}, .radius = 0.45});
+    add(c->dim, &c->walls[1].shape,
+        (MnsPart){.operation = MNS_SUBTRACT, .primitive = MNS_BALL, .a = {1, 0.5, 0.5}, .radius = 0.45 - thickness});
+}
+static void difference(MnsCase *c, double thickness)
+{
+    add_box(&c->walls[1].shape, 0.63, 1.5);
+    add_box(&c->walls[1].shape, 0.63 + thickness, 1.6);
+    c->walls[1].shape.parts[1].operation = MNS_SUBTRACT;
+}
+static void layers(MnsCase *c, double thickness) /* of three walls that touch or share what is between */
+{
+    add_box(&c->walls[1].shape, 1, 1 + 0.4 * thickness);
+    case_add_wall(c, "layer");
+    add_box(&c->walls[2].shape, 1 + 0.4 * thickness, 1 + 0.7 * thickness);
+    case_add_wall(c, "other layer");
+    add_box(&c->walls[3].shape, 1 + 0.5 * thickness, 1 + thickness);
+}
+static void periodic(MnsCase *c, double thickness) /* half of it on each side of the domain */
+{
+    c->periodic[0] = true;
+    c->walls[0].shape.parts[0].a[0] = -1;
+    c->walls[0].shape.parts[0].b[0] = 3;
+    add_box(&c->walls[1].shape, -0.4 * thickness, 0.6 * thickness);
+}
+
+static void walls_thinner_than_the_support_are_refused_whatever_they_are_made_of(void **state)
+{
+    (void)state;
+    static void (*const walls[])(MnsCase * c, double thickness) = {box,  plate,      cylinder, ball,
+                                                                   ring, difference, layers,   periodic};
+    for (int dim = 2; dim <= 3; dim++)
+        for (size_t k = 0; k < sizeof walls / sizeof *walls; k++)
+            for (int q = 0; q < 5; q++) {
+                static const double thickness[] = {0.06, 0.1, 0.2, 0.2595, 0.2605};
+                if (q == 0 && (walls[k] == ball || (walls[k] == cylinder && dim == 3))) continue; /* no particle */
+                MnsCase *c = tank(dim);
+                MnsSim *sim = NULL;
+                MnsError error = {0};
+                walls[k](c, thickness[q]);
+                const MnsStatus status = mns_sim_new(c, &sim, &error);
+                if (q == 4 && status) fail_msg("%d, wall %zu: %s", dim, k, error.text);
+                if (q < 4 && (status != MNS_E_INVALID || strncmp(error.path, "walls[", 6) != 0 ||
+                              !strstr(error.text, "m thick near (") || !strstr(error.text, "support, 0.26 m")))
+                    fail_msg("%d, wall %zu, %g: %s, %s, %s", dim, k, thickness[q], mns_status_name(status), error.path,
+                             error.text);
+                mns_sim_free(sim);
+                mns_case_free(c);
+            }
+}
+
+static void place_and_thickness_of_a_thin_wall_are_said(void **state)
+{
+    (void)state;
+    MnsCase *c = tank(2);
+    MnsSim *sim = NULL;
+    MnsError error = {0};
+    box(c, 0.13);
+    assert_int_equal(mns_sim_new(c, &sim, &error), MNS_E_INVALID);
+    assert_string_equal(error.path, "walls[1].shape");
+    if (!strstr(error.text, "dam is 0.13 m thick near (0.95, 0.05, 0) m")) fail_msg("%s", error.text);
+    mns_case_free(c);
+}
+
+/* Emptiness is room: what is there now may be elsewhere soon. */
+static void room_counts_as_fluid(void **state)
+{
+    (void)state;
+    MnsCase *c = tank(2);
+    MnsSim *sim = NULL;
+    box(c, 0.2);
+    add_box(&c->fluids[0].shape, 0, 1);
+    assert_int_equal(mns_sim_new(c, &sim, NULL), MNS_E_INVALID);
+    mns_case_free(c);
+}
+
+static void on_the_floor(MnsCase *c) /* what is below it is the tank's */
+{
+    add(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BOX, .a = {0.5, -0.1, -1}, .b = {1, 0.1, 2}});
+}
+static void floor_with_nothing_below(MnsCase *c)
+{
+    c->walls[0].shape.parts[0].a[1] = -1;
+    add(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BOX, .a = {-1, -0.2, -1}, .b = {3, 0, 2}});
+}
+static void plate_with_an_end(MnsCase *c)
+{
+    plate(c, 0.261);
+}
+static void step(MnsCase *c)
+{
+    add(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BOX, .a = {0.93, -1, -1}, .b = {3, 0.4, 2}});
+}
+static void block(MnsCase *c) /* with edges that are free */
+{
+    add(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BOX, .a = {0.8, 0.3, 0.3}, .b = {1.1, 0.61, 0.72}});
+}
+static void bow(MnsCase *c) /* 45 degrees, its edge in the water */
+{
+    add(c->dim, &c->walls[1].shape,
+        (MnsPart){.primitive = MNS_HALF_SPACE, .a = {0.7, 0.5, 0}, .b = {-1, 2.41421356, 0}});
+    add(c->dim, &c->walls[1].shape,
+        (MnsPart){
+            .operation = MNS_INTERSECT, .primitive = MNS_HALF_SPACE, .a = {0.7, 0.5, 0}, .b = {-1, -2.41421356, 0}});
+}
+static void lens(MnsCase *c)
+{
+    add(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BALL, .a = {1, 0.2, 0.5}, .radius = 0.5});
+    add(c->dim, &c->walls[1].shape,
+        (MnsPart){.operation = MNS_INTERSECT, .primitive = MNS_BALL, .a = {1, 0.8, 0.5}, .radius = 0.5});
+}
+static void gap(MnsCase *c) /* too narrow for particles, between two that are too thin only by themselves */
+{
+    add_box(&c->walls[1].shape, 1, 1.16);
+    case_add_wall(c, "other");
+    add_box(&c->walls[2].shape, 1.161, 1.3);
+}
+static void wall_of_a_channel_as_wide_as_a_particle(MnsCase *c)
+{
+    add_box(&c->walls[1].shape, 0.9, 1.2);
+    add_box(&c->walls[1].shape, 1.3, 1.6);
+}
+
+static void edges_tips_and_walls_with_fluid_on_one_side_are_not_refused(void **state)
+{
+    (void)state;
+    static void (*const walls[])(MnsCase * c) = {on_the_floor,
+                                                 floor_with_nothing_below,
+                                                 plate_with_an_end,
+                                                 step,
+                                                 block,
+                                                 bow,
+                                                 lens,
+                                                 gap,
+                                                 wall_of_a_channel_as_wide_as_a_particle};
+    for (int dim = 2; dim <= 3; dim++)
+        for (size_t k = 0; k < sizeof walls / sizeof *walls; k++) {
+            MnsCase *c = tank(dim);
+            MnsSim *sim = NULL;
+            MnsError error = {0};
+            walls[k](c);
+            if (mns_sim_new(c, &sim, &error)) fail_msg("%d, wall %zu: %s", dim, k, error.text);
+            mns_sim_free(sim);
+            mns_case_free(c);
+        }
+}
+
+/* A channel with room for one row: midway, no side is nearer than the other, and both are looked at. */
+static void thin_walls_of_a_narrow_channel_are_refused(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int right = 0; right < 2; right++) {
+            MnsCase *c = tank(dim);
+            MnsSim *sim = NULL;
+            add_box(&c->walls[1].shape, right ? 0.8 : 1, 1.2);
+            add_box(&c->walls[1].shape, 1.3, right ? 1.5 : 1.7);
+            assert_int_equal(mns_sim_new(c, &sim, NULL), MNS_E_INVALID);
+            mns_case_free(c);
+        }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(walls_thinner_than_the_support_are_refused_whatever_they_are_made_of),
+        cmocka_unit_test(place_and_thickness_of_a_thin_wall_are_said),
+        cmocka_unit_test(room_counts_as_fluid),
+        cmocka_unit_test(edges_tips_and_walls_with_fluid_on_one_side_are_not_refused),
+        cmocka_unit_test(thin_walls_of_a_narrow_channel_are_refused),
+    };
+    return cmocka_run_group_tests_name("solid", tests, NULL, NULL);
+}
