@@ -83,6 +83,12 @@ double kernel_quantity_slope(const Kernel *kernel, int dim, double r, double W, 
     return -F * r * r / dim;
 }
 
+double kernel_quantity_spread(const Kernel *kernel, int dim, double r, double W, double F)
+{
+    (void)kernel, (void)F;
+    return W * r * r / dim;
+}
+
 void kernel_calibrate(Kernel *kernel, int dim, const double spacing[3])
 {
     double volume = 1;

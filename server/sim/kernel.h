@@ -31,6 +31,9 @@ double kernel_lattice_sum(const Kernel *kernel, int dim, const double spacing[3]
 double kernel_quantity_number(const Kernel *kernel, int dim, double r, double W, double F);
 double kernel_quantity_slope(const Kernel *kernel, int dim, double r, double W, double F);
 
+/* W r^2/dim: times the volume of a cell, the mean of x^2 over the kernel [m^2]. */
+double kernel_quantity_spread(const Kernel *kernel, int dim, double r, double W, double F);
+
 /* Scale W and F, each by its own constant, so that the density of this lattice and the gradient of a linear field on it are
  * exact (the mean over the directions). Sums over particles never equal the integrals that the kernel's constant is made
  * for, and no refinement brings them there: 1.2 % and -2.4 % with Wendland C2 at h = 1.3 dx in two dimensions. */

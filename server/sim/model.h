@@ -63,7 +63,8 @@ typedef struct Model {
     double period[3], frequency[3];  /* length of a periodic direction and its inverse; 0 where not periodic */
     bool periodic;                   /* in any direction */
     Kernel kernel;
-    double skin; /* [m] */
+    double spread; /* of the kernel on the lattice, the mean of x^2 [m^2] */
+    double skin;   /* [m] */
     size_t n_phases, n_walls;
     Phase phase[MNS_MAX_FLUIDS];
     WallState wall[MNS_MAX_WALLS];

@@ -6,6 +6,13 @@
 
 _Static_assert(EVERY_FLUID >> (MNS_MAX_FLUIDS - 1) == 1, "a bit for each fluid");
 
+/* What shares are made of besides: moments about the point, of W V over particles. */
+typedef struct Around {
+    double wall[3], spread[3][3]; /* over walls: sum of W V r, of W V r r */
+    double fluid[3], one[3];      /* sum of W V r over all fluids, over those asked for */
+    double cell, point;           /* parts of a cell and of a point's surroundings that are in walls */
+} Around;
+
 typedef struct Sampler {
     const MnsSim *sim;
     double x[3];
@@ -13,6 +20,7 @@ typedef struct Sampler {
     unsigned fluids;
     int components;
     const ShownView *f;
+    Around *around; /* NULL: nobody asks for it */
     PointSums sums;
 } Sampler;
 
@@ -45,11 +53,43 @@ static void measure(const Sampler *q, size_t first, size_t n, double *restrict r
     }
 }
 
+enum { HARDLY = 100 }; /* so many times wider than what is looked at of a point are cells */
+
+/* Part of a box around the point, a part of a cell wide, that is in the cell around a particle: that is what a wall is made of. */
+static double overlap(const Model *model, const double r[3], double width)
+{
+    double all = 1;
+    for (int d = 0; d < model->dim; d++)
+        all *= fmin(1, fmax(0, (0.5 * (1 + width) - fabs(r[d]) / model->cell[d]) / width));
+    return all;
+}
+
+/* What a particle adds to the moments. */
+static void look_around(const Sampler *q, size_t j, double weight)
+{
+    const Particles *s = &q->sim->s;
+    const Model *model = &q->sim->model;
+    Around *around = q->around;
+    const bool wall = j >= particles_fluid(s), one = !wall && q->fluids >> s->phase[j] & 1;
+    double r[3] = {0, 0, 0};
+    for (int d = 0; d < s->dim; d++) {
+        r[d] = model_nearest(model, d, s->x[d][j * s->x_step] - q->x[d]);
+        (wall ? around->wall : around->fluid)[d] += weight * r[d];
+        if (one) around->one[d] += weight * r[d];
+    }
+    if (!wall) return;
+    around->cell += overlap(model, r, 1);
+    around->point += overlap(model, r, 1.0 / HARDLY);
+    for (int d = 0; d < s->dim; d++)
+        for (int e = 0; e <= d; e++) around->spread[d][e] += weight * r[d] * r[e];
+}
+
 static void add(Sampler *q, size_t j, double W)
 {
     const Particles *s = &q->sim->s;
     const double weight = W * particles_volume(s, &q->sim->model, j);
     q->sums.all += weight;
+    if (q->around) look_around(q, j, weight);
     if (j >= particles_fluid(s)) return;
     q->sums.fluid += weight;
     q->sums.value += weight * value_of(q, j);
@@ -131,14 +171,70 @@ PointSums sample_point(const MnsSim *sim, const double x[3], double radius, unsi
     return q.sums;
 }
 
+/* Solve A z = y, of which A's lower half is given and positive definite, by Cholesky's factors; false where it is not. */
+static bool solve(int n, double A[3][3], const double y[3], double z[3])
+{
+    for (int d = 0; d < n; d++) {
+        z[d] = y[d];
+        for (int e = 0; e <= d; e++) {
+            for (int k = 0; k < e; k++) A[d][e] -= A[d][k] * A[e][k];
+            if (e == d && !(A[d][d] > 0)) return false;
+            A[d][e] = e == d ? sqrt(A[d][d]) : A[d][e] / A[e][e];
+        }
+        for (int e = 0; e < d; e++) z[d] -= A[d][e] * z[e];
+        z[d] /= A[d][d];
+    }
+    for (int d = n - 1; d >= 0; d--) {
+        for (int e = d + 1; e < n; e++) z[d] -= A[e][d] * z[e];
+        z[d] /= A[d][d];
+    }
+    return true;
+}
+
+/* What to multiply W of a particle at r from the point by, a + b . r, so that sums over what is no wall are exact for what is linear there:
+ *
+ *     a M + b . M_r = 1,  a M_r + b . M_rr = 0,  where M = open, M_r and M_rr are the moments of the kernel less those of walls.
+ *
+ * With b = 0, the middle of what is no wall counts, a spacing away from the wall, where a surface that slopes is higher or lower. A
+ * tenth of the kernel's own spread is added to M_rr, so that what reaches into a wall is not extrapolated from hardly anything. */
+static void correct(const Sampler *q, double open, double *ret_a, double ret_b[3])
+{
+    const Model *model = &q->sim->model;
+    const int dim = model->dim;
+    double moment[3] = {0, 0, 0}, spread[3][3], z[3] = {0, 0, 0}, least = open;
+    for (int d = 0; d < dim; d++) {
+        moment[d] = -q->around->wall[d];
+        for (int e = 0; e <= d; e++) spread[d][e] = (d == e ? 1.1 * model->spread : 0) - q->around->spread[d][e];
+    }
+    const bool solved = solve(dim, spread, moment, z);
+    for (int d = 0; d < dim; d++) least -= moment[d] * z[d];
+    const bool good = solved && least > 0.05 * open;
+    *ret_a = good ? 1 / least : 1 / open;
+    for (int d = 0; d < dim; d++) ret_b[d] = good ? -z[d] / least : 0;
+}
+
 /* Nine tenths full is full, and one tenth empty: particles are never so even that their sum is 1 everywhere. */
 Share sample_share(const MnsSim *sim, const double x[3], unsigned fluids)
 {
-    const PointSums sums = sample_point(sim, x, 0, fluids, NULL, 0);
-    const double open = 1 - (sums.all - sums.fluid), filled = sums.fluid / fmax(sums.fluid, open);
-    if (!(sums.fluid > NOTHING_NEAR)) return (Share){.fluid = 0, .open = open};
-    const double full = fmin(1, fmax(0, 0.5 + 1.25 * (filled - 0.5)));
-    return (Share){.fluid = full * sums.one / sums.fluid, .open = open};
+    Around around = {0};
+    Sampler q = {.sim = sim, .x = {x[0], x[1], x[2]}, .kernel = sim->model.kernel, .fluids = fluids, .around = &around};
+    visit_cells(&q);
+    const PointSums sums = q.sums;
+    Share share = {.open = 1 - (sums.all - sums.fluid), .beside = 1 - around.cell, .solid = around.point > 1 - 1e-6};
+    if (!(sums.fluid > NOTHING_NEAR)) return share;
+    double a = 1, b[3] = {0, 0, 0}, fluid, one;
+    if (share.open < 1) correct(&q, fmax(share.open, sums.fluid), &a, b);
+    fluid = a * sums.fluid;
+    one = a * sums.one;
+    for (int d = 0; d < sim->s.dim; d++) {
+        fluid += b[d] * around.fluid[d];
+        one += b[d] * around.one[d];
+    }
+    if (!(fluid > NOTHING_NEAR)) return share;
+    share.among = fmin(1, fmax(0, one / fluid));
+    share.filled = fluid;
+    share.fluid = share.among * fmin(1, fmax(0, 0.5 + 1.25 * (fmin(1, fluid) - 0.5)));
+    return share;
 }
 
 void mns_sim_sample(const MnsSim *sim, int field, int d, size_t n, const double (*points)[3], double *values)

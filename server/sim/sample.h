@@ -14,10 +14,14 @@ typedef struct PointSums {
 } PointSums;
 
 /* How a point is filled. Emptiness counts as a fluid of its own, and what part of the kernel is in walls as if it were filled as
- * the rest: so both numbers are a half where there is a surface, and the share is that beside walls, too. */
+ * the rest goes on towards it: so both shares are a half where there is a surface, beside walls too, be it level or not. */
 typedef struct Share {
-    double fluid; /* of the fluids asked for in all that is no wall */
-    double open;  /* of all that is no wall */
+    double fluid;  /* of the fluids asked for in all that is no wall */
+    double among;  /* of them in all fluids; 0 where there is none */
+    double filled; /* of all fluids in what is no wall, as it comes: about 1 within them */
+    double open;   /* of all that is no wall */
+    double beside; /* of what is no wall in a cell of the lattice around the point: a half where a flat wall begins */
+    bool solid;    /* the point is inside a wall, as it was placed, and not where one begins */
 } Share;
 
 enum { EVERY_FLUID = 0xffff }; /* or a bit for each fluid; sample.c asserts that there is room for all */

@@ -29,6 +29,8 @@ static void set_geometry(Model *model, const MnsCase *c)
     }
     model->kernel = kernel_make(c->scheme.kernel, c->dim, c->scheme.smoothing * model->dx);
     kernel_calibrate(&model->kernel, model->dim, model->cell);
+    model->spread =
+        model->cell_volume * kernel_lattice_sum(&model->kernel, model->dim, model->cell, kernel_quantity_spread);
     model->skin = c->scheme.skin * model->dx;
     model->viscous_scale = viscosity_scale(&model->kernel, model->dim, model->cell);
 }

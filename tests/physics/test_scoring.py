@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
-from validation import bubbles, common, dam_breaks, differences, drops, incompressible, interfaces, rest, series, sloshing  # noqa: E402
+from validation import bubbles, common, dam_breaks, differences, drops, incompressible, interfaces, rest, series, sloshing, vortices  # noqa: E402
 from validation.metrics import Metric, Report  # noqa: E402
 from validation.runs import Run, Snapshot  # noqa: E402
 
@@ -558,6 +558,40 @@ class Differences(Scored):
         for tolerance in (0.06, 0.12):
             self.check(good, lambda r, tolerance=tolerance: differences.score_rise("c", "D/8", r, 4.5, tolerance),
                        scaled("centre", 1.15, 2), moved("top", 0.15), moved("left", -0.2))
+
+
+class Vortices(Scored):
+    def test_a_cavity(self):
+        """Speeds with the extremes of the reference, on places that are nowhere on the lines; snapshots from before and after are others."""
+        rng = np.random.default_rng(3)
+
+        def flow(factor: float, reynolds: int) -> Run:
+            least_u, greatest_v, least_v = vortices.GHIA[reynolds]
+            shots = []
+            for k in range(-2, vortices.SHOTS + 2):
+                places = rng.random((2500, 2))
+                x, y = places.T
+                u = factor * least_u * np.exp(-(((y - 0.42) / 0.2) ** 2)) + 0.1 * (x - 0.5)
+                v = factor * (greatest_v * np.exp(-(((x - 0.24) / 0.13) ** 2)) + least_v * np.exp(-(((x - 0.81) / 0.13) ** 2))) + 0.1 * (y - 0.5)
+                asked = 0 <= k < vortices.SHOTS
+                shots.append(Snapshot(vortices.STEADY[reynolds] + vortices.INTERVAL * k, 0.02, np.column_stack([places, 0 * x]), 0 * x, None,
+                                      velocity=np.column_stack([u, v, 0 * x]) + (0 if asked else 1)))
+            return made(samples(1, 1), shots)
+
+        for reynolds in vortices.GHIA:
+            for scheme in vortices.SCHEMES:
+                self.check(flow(1, reynolds), lambda r, re=reynolds, scheme=scheme: vortices.score_cavity("c", re, scheme, r),
+                           lambda _, re=reynolds: flow(1.12, re))
+
+    def test_damping(self):
+        t = samples(vortices.END, 0.01)
+        rate = 16 * np.pi**2 * vortices.VISCOSITY
+        good = made(t, kinetic=0.25 * np.exp(-rate * t) * np.where(t < 0.9 * vortices.BEGIN, 1.2, 1))
+        self.assertAlmostEqual(vortices.effective_viscosity(good), 1)
+        for scheme in vortices.DAMPED:
+            for factor in (0.8, 1.2):
+                self.check(good, lambda r, scheme=scheme: vortices.score_damping("c", scheme, 40, r),
+                           changed("kinetic", lambda t, v, factor=factor: v * np.exp((1 - factor) * rate * t)))
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from validation import bubbles, dam_breaks, differences, drops, incompressible, interfaces, jobs, multigrid, rest, sloshing, states
+from validation import bubbles, dam_breaks, differences, drops, incompressible, interfaces, jobs, multigrid, rest, sloshing, states, vortices
 from validation.metrics import Metric, Report
 from validation.runs import ROOT, SPENT, told
 
@@ -93,6 +93,9 @@ CASES = {
     "bubble3d-cylinder": Case(differences.bubble3d_cylinder, 280, 1.8),
     "bubble3d-cylinder-middle": Case(differences.bubble3d_cylinder_middle, 0, 0.3),
     "bubble3d-cylinder-fine": Case(differences.bubble3d_cylinder_fine, 0, 300),
+    # What schemes make of viscosity.
+    "cavity2d": Case(vortices.cavity2d, 190, 0.2),
+    "taylor-green2d-damping": Case(vortices.taylor_green2d_damping, 7, 0.03),
     # Both.
     "multigrid": Case(multigrid.multigrid, 250, 1),
 }

@@ -3,6 +3,7 @@
 #include "sim/sample.h"
 #include "tests/support/check.h"
 #include "tests/support/sims.h"
+#include <stdio.h>
 #include <string.h>
 
 /* A closed tank 1 x 0.8 (x 0.6) with water in a box of its lower left part; the rest is left empty, or is oil. */
@@ -122,6 +123,79 @@ static void height_is_that_of_the_column(void **state)
             if (oil) assert_close(mns_sim_probe(sim, 2), 0.35, allowed);
             sim_done(sim, c);
         }
+}
+
+/* A tank 1 x 1.2 (x 0.6) with water and, from 0.65 over its floor to 0.8 in the middle, oil, or water up to there, and nothing above. A step 0.2 high stands on the
+ * floor from x = 0.7 to 0.8. What is above 0.2 is drawn out upwards, so that the surface slopes along x, and half as much against z. */
+static MnsCase *sloping(MnsKernel kernel, double smoothing, int dim, bool oil, double slope)
+{
+    MnsCase *c = case_blank(dim, 20);
+    char up[160];
+    c->scheme.kernel = kernel;
+    c->scheme.smoothing = smoothing;
+    put_point(c->max, 1, 1.2, dim == 3 ? 0.6 : 0);
+    snprintf(up, sizeof up, "%g*(x - 0.5 - %s)*max(y - 0.2, 0)/0.6", slope, dim == 3 ? "0.5*(z - 0.3)" : "0");
+    case_set_text(&c->displacement[1], up);
+    for (int k = 0; k <= oil; k++) {
+        case_add_fluid(c, k ? "oil" : "water", 2 - k, 10);
+        MnsPart *layer = case_add_part(&c->fluids[k].shape, MNS_BOX);
+        put_point(layer->a, 0, k ? 0.65 : 0, 0);
+        put_point(layer->b, 1, oil && !k ? 0.65 : 0.8, 0.6);
+        if (k) continue;
+        layer = case_add_part(&c->fluids[k].shape, MNS_BOX);
+        layer->operation = MNS_SUBTRACT;
+        put_point(layer->a, 0.7, 0, 0);
+        put_point(layer->b, 0.8, 0.2, 0.6);
+    }
+    case_add_wall(c, "tank");
+    MnsPart *part = case_add_part(&c->walls[0].shape, MNS_BOX);
+    part->outside = true;
+    for (int d = 0; d < 3; d++) part->b[d] = c->max[d];
+    part = case_add_part(&c->walls[0].shape, MNS_BOX);
+    put_point(part->a, 0.7, 0, 0);
+    put_point(part->b, 0.8, 0.2, 0.6);
+    return c;
+}
+
+/* Depth of the lowest fluid, of the highest, and where all of them end, over each of these: in the open, on a wall and a part of a spacing beside it, on a step
+ * and beside one; and in corners of these with the third wall. */
+static const double LINES_X[] = {0.31, 0, 0.01, 0.025, 0.05, 0.68, 0.699, 0.75, 0.801, 0.93, 0.99, 1},
+                    LINES_Z[] = {0.3, 0.02, 0.6};
+enum { ALONG_X = sizeof LINES_X / sizeof *LINES_X, ALONG_Z = sizeof LINES_Z / sizeof *LINES_Z };
+
+static void check_lines(MnsCase *c, bool oil, double slope)
+{
+    for (int k = 0; k < 3 * ALONG_X * (c->dim == 3 ? ALONG_Z : 1); k++) {
+        MnsProbe *probe = case_add_probe(c, k % 3 < 2 ? MNS_PROBE_HEIGHT : MNS_PROBE_ELEVATION);
+        probe->fluid = k % 3 == 0 ? 0 : k % 3 == 1 ? oil : -1;
+        probe->axis = 1;
+        probe->least = true;
+        put_point(probe->at, LINES_X[k / 3 % ALONG_X], 7, c->dim == 3 ? LINES_Z[k / 3 / ALONG_X] : 0);
+    }
+    MnsSim *sim = sim_in_arrays(c);
+    for (size_t k = 0; k < c->n_probes; k++) {
+        const double *at = c->probes[k].at, rise = slope * (at[0] - 0.5 - (c->dim == 3 ? 0.5 * (at[2] - 0.3) : 0));
+        const double floor = at[0] > 0.7 && at[0] < 0.8 ? 0.2 : 0, end = 0.8 + rise, between = 0.65 + 0.75 * rise;
+        const double expected[3] = {(oil ? between : end) - floor, oil ? end - between : end - floor, end};
+        assert_close(mns_sim_probe(sim, k), expected[k % 3], 0.5 * 0.05);
+    }
+    sim_done(sim, c);
+}
+
+static void heights_and_elevations_are_right_beside_walls_and_in_corners(void **state)
+{
+    (void)state;
+    static const struct {
+        MnsKernel kernel;
+        double smoothing;
+    } kernels[] = {
+        {MNS_WENDLAND_C2, 1.3}, {MNS_TRUNCATED_GAUSSIAN, 1.1}, {MNS_QUINTIC_SPLINE, 1}, {MNS_WENDLAND_C2, 1.6}};
+    for (int k = 0; k < 4; k++)
+        for (int dim = 2; dim <= 3; dim++)
+            for (int oil = 0; oil < 2; oil++)
+                for (int steep = 0; steep < 3; steep++)
+                    check_lines(sloping(kernels[k].kernel, kernels[k].smoothing, dim, oil, 0.2 * steep), oil,
+                                0.2 * steep);
 }
 
 static void height_may_be_along_any_axis(void **state)
@@ -565,6 +639,7 @@ int main(void)
         cmocka_unit_test(pressure_probe_moves_with_its_wall),
         cmocka_unit_test(pressure_where_no_fluid_is_is_no_number),
         cmocka_unit_test(height_is_that_of_the_column),
+        cmocka_unit_test(heights_and_elevations_are_right_beside_walls_and_in_corners),
         cmocka_unit_test(height_may_be_along_any_axis),
         cmocka_unit_test(front_is_half_a_spacing_beyond_the_last_particle),
         cmocka_unit_test(bodies_have_the_mass_energy_and_momentum_of_their_density_and_speed),

@@ -175,6 +175,68 @@ static void roundness_and_surface_are_those_of_known_bodies(void **state)
         }
 }
 
+/* A formula of U, V and W, which go from -0.5 to 0.5, in the coordinates of a mirror image that may be turned. */
+static void write_image(const char *formula, int dim, int image, char ret[400])
+{
+    static const char *const plus[] = {"(x - 0.5)", "(y - 0.5)", "(z - 0.5)"}, *const minus[] = {"(0.5 - x)",
+                                                                                                 "(0.5 - y)",
+                                                                                                 "(0.5 - z)"};
+    static const int orders[6][3] = {{0, 1, 2}, {1, 0, 2}, {0, 2, 1}, {2, 1, 0}, {1, 2, 0}, {2, 0, 1}};
+    const int *order = orders[image >> dim];
+    size_t n = 0;
+    for (ret[0] = '\0'; *formula; formula++) {
+        const int d = *formula - 'U';
+        if (d >= 0 && d < 3) n += (size_t)snprintf(ret + n, 400 - n, "%s", (image >> d & 1 ? minus : plus)[order[d]]);
+        else n += (size_t)snprintf(ret + n, 400 - n, "%c", *formula);
+    }
+}
+
+/* Strips aslant, in gas in a periodic box, and a slope and a hump on the walls of a tank. */
+static void images_have_one_surface_and_one_roundness(void **state)
+{
+    (void)state;
+    static const struct {
+        int dim, n;
+        bool tank;
+        const char *formula;
+    } rows[] = {
+        {2, 20, false, "abs(V - 0.5*U + 0.0317) < 0.1937 and abs(U) < 0.3373"},
+        {2, 24, true, "V + 0.7*U < 0.1237"},
+        {2, 20, true, "V < -0.2137 + 0.3*exp(-40*(U - 0.1131)^2)"},
+        {3, 14, false, "abs(V - 0.5*U + 0.3*W + 0.0317) < 0.1937 and abs(U) < 0.3373 and abs(W - 0.0513) < 0.2831"},
+        {3, 12, true, "V + 0.7*U - 0.3*W < 0.0837"},
+    };
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        const int dim = rows[k].dim, images = dim == 2 ? 8 : check_at_length() ? 48 : 13;
+        double first[2] = {0, 0};
+        for (int image = 0; image < images; image++) {
+            char text[400];
+            MnsCase *c = case_blank(dim, rows[k].n);
+            write_image(rows[k].formula, dim, dim == 2 || check_at_length() ? image : (5 * image) % 48, text);
+            case_add_fluid(c, "liquid", 2, 10);
+            case_set_text(&case_add_part(&c->fluids[0].shape, MNS_FORMULA)->formula, text);
+            if (!rows[k].tank) case_add_fluid(c, "gas", 0.5, 10);
+            for (int d = 0; d < dim; d++) c->periodic[d] = !rows[k].tank;
+            if (rows[k].tank) case_add_wall(c, "tank");
+            if (rows[k].tank) {
+                MnsPart *side = case_add_part(&c->walls[0].shape, MNS_BOX);
+                side->outside = true;
+                put_point(side->b, 1, 1, 1);
+            }
+            add_of_body(c, MNS_PROBE_SURFACE_AREA);
+            add_of_body(c, MNS_PROBE_ROUNDNESS);
+            MnsSim *sim = sim_in_arrays(c);
+            for (size_t q = 0; q < 2; q++) {
+                const double value = mns_sim_probe(sim, q);
+                if (image == 0) first[q] = value;
+                assert_close(value, first[q], 1e-11); /* rounding */
+            }
+            assert_true(first[0] > 0.2);
+            sim_done(sim, c);
+        }
+    }
+}
+
 /* What is the other fluid's surface too, but for its own walls and seams. */
 static void both_sides_have_one_surface(void **state)
 {
@@ -226,9 +288,8 @@ static void a_surface_on_a_wall_is_not_free(void **state)
         for (int fluid = 0; fluid < 2; fluid++) add_of_body(c, MNS_PROBE_SURFACE_AREA)->fluid = fluid;
         MnsSim *sim = sim_in_arrays(c);
         const double width = dim == 2 ? 1 : 0.6;
-        /* Where a surface meets walls it may end up to a cell beside them. */
-        assert_close(mns_sim_probe(sim, 0), width, dim == 2 ? 2 * DX : 4 * DX);
-        assert_close(mns_sim_probe(sim, 1), 2 * width, dim == 2 ? 4 * DX : 8 * DX);
+        assert_close(mns_sim_probe(sim, 0), width, 0.5 * DX);
+        assert_close(mns_sim_probe(sim, 1), 2 * width, DX);
         c->fluids[1].shape.n++;
         sim_done(sim, c);
     }
@@ -387,6 +448,31 @@ static void extent_ends_at_walls(void **state)
     sim_done(sim, c);
 }
 
+/* A layer of one row on the floor, and a few particles in a corner. */
+static void extent_ends_at_walls_in_corners_too(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int lump = 0; lump < 2; lump++) {
+            MnsCase *c = layers(dim);
+            c->fluids[1].shape.n = 1;
+            put_point(c->fluids[0].shape.parts[0].b, lump ? 2 * DX : 1, lump ? 2 * DX : DX, lump ? 2 * DX : 0.6);
+            put_point(c->fluids[1].shape.parts[0].a, 0.8, 0.8, 0); /* away from it */
+            put_point(c->fluids[1].shape.parts[0].b, 0.9, 0.9, 0.1);
+            const double ends[3] = {lump ? 2 * DX : 1, lump ? 2 * DX : DX, lump ? 2 * DX : 0.6};
+            for (int k = 0; k < 2 * dim; k++) {
+                MnsProbe *probe = add_of_body(c, MNS_PROBE_EXTENT);
+                probe->axis = k / 2;
+                probe->least = k % 2;
+            }
+            MnsSim *sim = sim_in_arrays(c);
+            for (size_t k = 0; k < c->n_probes; k++)
+                assert_close(mns_sim_probe(sim, k), k % 2 ? 0 : ends[k / 2], 0.5 * DX);
+            c->fluids[1].shape.n = 2; /* to be freed */
+            sim_done(sim, c);
+        }
+}
+
 static void velocity_is_the_mean_by_mass_and_volume_the_sum(void **state)
 {
     (void)state;
@@ -491,6 +577,7 @@ int main(void)
         cmocka_unit_test(elevation_of_what_fills_a_tank_is_no_number),
         cmocka_unit_test(elevation_may_be_along_any_axis_and_moves_with_its_wall),
         cmocka_unit_test(roundness_and_surface_are_those_of_known_bodies),
+        cmocka_unit_test(images_have_one_surface_and_one_roundness),
         cmocka_unit_test(both_sides_have_one_surface),
         cmocka_unit_test(a_body_across_a_seam_is_the_same_body),
         cmocka_unit_test(a_surface_on_a_wall_is_not_free),
@@ -500,6 +587,7 @@ int main(void)
         cmocka_unit_test(extent_leaves_out_what_is_alone_or_outside_its_box),
         cmocka_unit_test(extent_is_the_farthest_end_above_all_particles),
         cmocka_unit_test(extent_ends_at_walls),
+        cmocka_unit_test(extent_ends_at_walls_in_corners_too),
         cmocka_unit_test(velocity_is_the_mean_by_mass_and_volume_the_sum),
         cmocka_unit_test(pressure_jump_is_that_between_what_is_away_from_the_surface),
         cmocka_unit_test(pressure_jump_of_a_body_that_is_all_surface_is_no_number),

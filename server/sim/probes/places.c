@@ -14,12 +14,12 @@ double probe_pressure(Measure *m)
     return sums.fluid > NOTHING_NEAR ? sums.value / sums.fluid : NAN;
 }
 
-/* Share of the fluid at a point: 1 deep inside it, 0 outside. Beyond a free surface, where less than half of the kernel
- * is filled, there is nothing; dummy particles fill their half. */
-static double share(const Measure *m, const double x[3])
+/* Share of the fluid at a point: 1 deep inside it, 0 outside. Beyond a free surface, where less than half of what is no wall
+ * is filled, there is nothing, nor within walls. */
+static double part(const Measure *m, const double x[3])
 {
-    const PointSums sums = sample_point(m->sim, x, 0, measure_fluids(m), NULL, 0);
-    return sums.all >= 0.5 && sums.fluid > NOTHING_NEAR ? sums.one / sums.fluid : 0;
+    const Share share = sample_share(m->sim, x, measure_fluids(m));
+    return !share.solid && share.filled >= 0.5 ? share.among : 0;
 }
 
 /* Integral of the share along the line, by midpoints a quarter of a spacing apart: the blur of the kernel is symmetric, so it
@@ -35,7 +35,7 @@ double probe_height(Measure *m)
     for (int d = 0; d < model->dim; d++) x[d] = m->probe->at[d] + measure_shift(m, d);
     for (int k = 0; k < n; k++) {
         x[up] = low + (k + 0.5) * step;
-        depth += step * share(m, x);
+        depth += step * part(m, x);
     }
     return depth;
 }

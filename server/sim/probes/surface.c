@@ -22,7 +22,7 @@ double probe_elevation(Measure *m)
     for (int k = 0; k <= n; k++) {
         x[up] = low + k * length / n;
         const Share share = sample_share(m->sim, x, measure_fluids(m));
-        if (share.open < 0.5) continue;
+        if (share.solid) continue;
         if (before >= 0.5 && share.fluid < 0.5) found = fallen(last, x[up] - last, before, share.fluid);
         if (found == found && m->probe->least) break;
         before = share.fluid;
@@ -37,11 +37,11 @@ static double outward_to_limit(const Measure *m, size_t i)
     return x < m->limit ? x : -INFINITY;
 }
 
-/* Half where the fluid ends, be it at a wall. */
+/* Half where the fluid ends, be it at a wall: of what is near, of a kernel more is in walls in a corner. */
 static double inside(const Measure *m, const double x[3])
 {
     const Share share = sample_share(m->sim, x, measure_fluids(m));
-    return fmin(share.fluid, share.open);
+    return fmin(share.fluid, share.beside);
 }
 
 /* How far out from a particle its fluid may end: a step beyond the support. */
