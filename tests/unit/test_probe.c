@@ -144,7 +144,7 @@ static MnsCase *sloping(MnsKernel kernel, double smoothing, int dim, bool oil, d
         if (k) continue;
         layer = case_add_part(&c->fluids[k].shape, MNS_BOX);
         layer->operation = MNS_SUBTRACT;
-        put_point(layer->a, 0.7, 0, 0);
+        put_point(layer->a, 0.6, 0, 0);
         put_point(layer->b, 0.8, 0.2, 0.6);
     }
     case_add_wall(c, "tank");
@@ -152,14 +152,14 @@ static MnsCase *sloping(MnsKernel kernel, double smoothing, int dim, bool oil, d
     part->outside = true;
     for (int d = 0; d < 3; d++) part->b[d] = c->max[d];
     part = case_add_part(&c->walls[0].shape, MNS_BOX);
-    put_point(part->a, 0.7, 0, 0);
+    put_point(part->a, 0.6, 0, 0);
     put_point(part->b, 0.8, 0.2, 0.6);
     return c;
 }
 
 /* Depth of the lowest fluid, of the highest, and where all of them end, over each of these: in the open, on a wall and a part of a spacing beside it, on a step
  * and beside one; and in corners of these with the third wall. */
-static const double LINES_X[] = {0.31, 0, 0.01, 0.025, 0.05, 0.68, 0.699, 0.75, 0.801, 0.93, 0.99, 1},
+static const double LINES_X[] = {0.31, 0, 0.01, 0.025, 0.05, 0.58, 0.599, 0.7, 0.801, 0.93, 0.99, 1},
                     LINES_Z[] = {0.3, 0.02, 0.6};
 enum { ALONG_X = sizeof LINES_X / sizeof *LINES_X, ALONG_Z = sizeof LINES_Z / sizeof *LINES_Z };
 
@@ -175,7 +175,7 @@ static void check_lines(MnsCase *c, bool oil, double slope)
     MnsSim *sim = sim_in_arrays(c);
     for (size_t k = 0; k < c->n_probes; k++) {
         const double *at = c->probes[k].at, rise = slope * (at[0] - 0.5 - (c->dim == 3 ? 0.5 * (at[2] - 0.3) : 0));
-        const double floor = at[0] > 0.7 && at[0] < 0.8 ? 0.2 : 0, end = 0.8 + rise, between = 0.65 + 0.75 * rise;
+        const double floor = at[0] > 0.6 && at[0] < 0.8 ? 0.2 : 0, end = 0.8 + rise, between = 0.65 + 0.75 * rise;
         const double expected[3] = {(oil ? between : end) - floor, oil ? end - between : end - floor, end};
         assert_close(mns_sim_probe(sim, k), expected[k % 3], 0.5 * 0.05);
     }
