@@ -79,7 +79,7 @@ static bool in_domain(const Model *model, const double x[3])
 
 /* What is around a place. */
 typedef struct Place {
-    int wall;       /* that holds it; deeper than the kernel reaches, nobody would feel it */
+    int wall;       /* that holds it; deeper than the kernel reaches it would have no effect */
     size_t nearest; /* wall */
     double away;    /* from it, negative inside [m] */
     double edge;    /* from the nearest surface of all that says how far it is [m] */

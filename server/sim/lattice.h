@@ -34,7 +34,7 @@ typedef struct Lattice {
     size_t n[3], rows;           /* points along each direction; rows, y before z */
     double low[3], spacing[3];   /* of point (0, 0, 0), between points [m] */
     LatticeRow *row;             /* [rows] */
-    size_t points;               /* that belong to somebody */
+    size_t points;               /* that belong to a fluid or a wall */
     double most;                 /* that there is memory for */
     double held[MNS_MAX_FLUIDS]; /* cells that the shapes of fluids hold, with parts of cells; 0: not measured */
     bool filled;                 /* no point is left to nobody but inside a wall, and no side is open */

@@ -174,3 +174,12 @@ MnsCase *case_still(int dim, double resolution, MnsDensityMethod method)
     }
     return c;
 }
+
+MnsPart *case_put_part(int dim, MnsShape *shape, MnsPart part)
+{
+    MnsPart *p = case_add_part(shape, part.primitive);
+    part.formula = p->formula;
+    if (dim == 2) part.a[2] = part.b[2] = part.c[2] = 0;
+    *p = part;
+    return p;
+}

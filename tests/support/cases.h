@@ -28,4 +28,7 @@ MnsProbe *case_add_probe(MnsCase *c, MnsProbeKind kind); /* of all fluids, along
 MnsPart *case_add_part(MnsShape *shape, MnsPrimitive primitive);
 void case_set_text(char **entry, const char *text);
 
+/* Add this part; in the plane without its third coordinates. */
+MnsPart *case_put_part(int dim, MnsShape *shape, MnsPart part);
+
 #endif

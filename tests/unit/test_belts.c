@@ -33,15 +33,6 @@ static MnsCase *tank(int dim, double resolution)
     return c;
 }
 
-static MnsPart *add(int dim, MnsShape *shape, MnsPart part)
-{
-    MnsPart *p = case_add_part(shape, part.primitive);
-    part.formula = p->formula;
-    if (dim == 2) part.a[2] = part.b[2] = part.c[2] = 0;
-    *p = part;
-    return p;
-}
-
 /* Make sure that particle i of a wall has u less its part along these normals. */
 static void assert_along(const MnsSim *sim, size_t i, int n, double (*normal)[3])
 {
@@ -85,7 +76,7 @@ static void round_walls_move_along_themselves(void **state)
             const double middle[3] = {1.01, 0.52, dim == 3 ? 0.49 : 0};
             MnsCase *c = tank(dim, 10);
             case_add_wall(c, "ball");
-            MnsPart *ball = add(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BALL, .radius = 0.3});
+            MnsPart *ball = case_put_part(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BALL, .radius = 0.3});
             memcpy(ball->a, middle, sizeof middle);
             ball->outside = hollow;
             set_belt(&c->walls[1], dim);
@@ -111,8 +102,8 @@ static void oblique_and_combined_walls_move_along_themselves(void **state)
     (void)state;
     MnsCase *c = tank(3, 10);
     case_add_wall(c, "drum");
-    add(c->dim, &c->walls[1].shape,
-        (MnsPart){.primitive = MNS_CYLINDER, .a = {1, 0.5, 0.2}, .b = {1, 0.5, 0.8}, .radius = 0.3});
+    case_put_part(c->dim, &c->walls[1].shape,
+                  (MnsPart){.primitive = MNS_CYLINDER, .a = {1, 0.5, 0.2}, .b = {1, 0.5, 0.8}, .radius = 0.3});
     set_belt(&c->walls[1], 3);
     MnsSim *sim = sim_in_arrays(c);
     size_t ends = 0, sides = 0;
@@ -130,14 +121,14 @@ static void oblique_and_combined_walls_move_along_themselves(void **state)
     for (int dim = 2; dim <= 3; dim++) {
         c = tank(dim, 10);
         case_add_wall(c, "ramp");
-        add(c->dim, &c->walls[1].shape,
-            (MnsPart){.primitive = MNS_PLATE,
-                      .a = {1, 0.5, 0.5},
-                      .b = {2, 1, 0},
-                      .c = {-1, 2, 0},
-                      .length = 0.8,
-                      .width = 0.8,
-                      .thickness = 0.3});
+        case_put_part(c->dim, &c->walls[1].shape,
+                      (MnsPart){.primitive = MNS_PLATE,
+                                .a = {1, 0.5, 0.5},
+                                .b = {2, 1, 0},
+                                .c = {-1, 2, 0},
+                                .length = 0.8,
+                                .width = 0.8,
+                                .thickness = 0.3});
         set_belt(&c->walls[1], dim);
         sim = sim_in_arrays(c);
         for (size_t i = particles_fluid(&sim->s); i < sim->s.n; i++) {
@@ -150,9 +141,9 @@ static void oblique_and_combined_walls_move_along_themselves(void **state)
 
         c = tank(dim, 10);
         case_add_wall(c, "bowl");
-        add(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BOX, .a = {0, 0, 0}, .b = {2, 0.6, 1}});
-        add(c->dim, &c->walls[1].shape,
-            (MnsPart){.operation = MNS_SUBTRACT, .primitive = MNS_BALL, .a = {1, 0.7, 0.5}, .radius = 0.35});
+        case_put_part(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BOX, .a = {0, 0, 0}, .b = {2, 0.6, 1}});
+        case_put_part(c->dim, &c->walls[1].shape,
+                      (MnsPart){.operation = MNS_SUBTRACT, .primitive = MNS_BALL, .a = {1, 0.7, 0.5}, .radius = 0.35});
         set_belt(&c->walls[1], dim);
         sim = sim_in_arrays(c);
         for (size_t i = particles_fluid(&sim->s); i < sim->s.n; i++) {
@@ -174,7 +165,7 @@ static void lid_moves_as_a_whole_where_its_ends_are_covered(void **state)
         MnsCase *c = tank(dim, 10);
         c->walls[0].shape.parts[0].b[1] = 2;
         case_add_wall(c, "lid");
-        add(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BOX, .a = {0, 1, 0}, .b = {2, 1.3, 1}});
+        case_put_part(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BOX, .a = {0, 1, 0}, .b = {2, 1.3, 1}});
         case_set_text(&c->walls[1].surface_velocity[0], "0.5");
         c->walls[1].no_slip = true;
         MnsSim *sim = sim_in_arrays(c);
@@ -217,9 +208,11 @@ static void velocity_that_is_nowhere_along_the_wall_is_refused(void **state)
             MnsError error = {0};
             case_add_wall(c, "lid");
             if (k == 0)
-                add(c->dim, &c->walls[1].shape,
-                    (MnsPart){.primitive = MNS_HALF_SPACE, .a = {0, 0.8, 0}, .b = {0, -1, 0}});
-            else add(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BOX, .a = {-1, 0.7, -1}, .b = {3, 2, 2}});
+                case_put_part(c->dim, &c->walls[1].shape,
+                              (MnsPart){.primitive = MNS_HALF_SPACE, .a = {0, 0.8, 0}, .b = {0, -1, 0}});
+            else
+                case_put_part(c->dim, &c->walls[1].shape,
+                              (MnsPart){.primitive = MNS_BOX, .a = {-1, 0.7, -1}, .b = {3, 2, 2}});
             case_set_text(&c->walls[1].surface_velocity[1], k == 1 ? "sin(t)" : "0.1");
             assert_int_equal(mns_sim_new(c, &sim, &error), MNS_E_INVALID);
             assert_string_equal(error.path, "walls[1].surface_velocity");
@@ -265,7 +258,7 @@ static void faces_that_lose_more_than_a_hundredth_are_warned_of(void **state)
 
         c = tank(dim, 10);
         case_add_wall(c, "ball");
-        add(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BALL, .a = {1, 0.5, 0.5}, .radius = 0.3});
+        case_put_part(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BALL, .a = {1, 0.5, 0.5}, .radius = 0.3});
         set_belt(&c->walls[1], dim);
         sim = sim_of(c);
         assert_int_equal(count_warnings(sim, "is lost on the round face of shape[0] of ball"), 1);
@@ -278,7 +271,7 @@ static void belt_on_a_wall_that_fluids_glide_along_is_warned_of(void **state)
     (void)state;
     MnsCase *c = tank(2, 10);
     case_add_wall(c, "lid");
-    add(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BOX, .a = {-1, 0.7, -1}, .b = {3, 2, 2}});
+    case_put_part(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BOX, .a = {-1, 0.7, -1}, .b = {3, 2, 2}});
     case_set_text(&c->walls[1].surface_velocity[0], "1");
     MnsSim *sim = sim_of(c);
     assert_int_equal(count_warnings(sim, "walls[1].surface_velocity: nothing is moved by it"), 1);
@@ -317,8 +310,8 @@ static void belt_pumps_nothing_through_the_sides_of_a_tank(void **state)
                 sides->a[1] = -1;
                 sides->b[1] = 2;
                 case_add_wall(c, "ends");
-                add(c->dim, &c->walls[1].shape,
-                    (MnsPart){.outside = true, .primitive = MNS_BOX, .a = {-9, 0, 0}, .b = {9, 1, 1}});
+                case_put_part(c->dim, &c->walls[1].shape,
+                              (MnsPart){.outside = true, .primitive = MNS_BOX, .a = {-9, 0, 0}, .b = {9, 1, 1}});
                 c->walls[1].no_slip = true;
             }
             case_set_text(&c->walls[apart].surface_velocity[0], "0.5");

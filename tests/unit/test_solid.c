@@ -19,19 +19,10 @@ static MnsCase *tank(int dim)
     return c;
 }
 
-static MnsPart *add(int dim, MnsShape *shape, MnsPart part)
-{
-    MnsPart *p = case_add_part(shape, part.primitive);
-    part.formula = p->formula;
-    if (dim == 2) part.a[2] = part.b[2] = part.c[2] = 0;
-    *p = part;
-    return p;
-}
-
 /* A box from x = low to high across the tank. */
 static void add_box(MnsShape *shape, double low, double high)
 {
-    add(3, shape, (MnsPart){.primitive = MNS_BOX, .a = {low, -1, -1}, .b = {high, 2, 2}});
+    case_put_part(3, shape, (MnsPart){.primitive = MNS_BOX, .a = {low, -1, -1}, .b = {high, 2, 2}});
 }
 
 static void box(MnsCase *c, double thickness)
@@ -40,29 +31,30 @@ static void box(MnsCase *c, double thickness)
 }
 static void plate(MnsCase *c, double thickness)
 {
-    add(c->dim, &c->walls[1].shape,
-        (MnsPart){.primitive = MNS_PLATE,
-                  .a = {1, 0.5, 0.5},
-                  .b = {0.5, 1, 0},
-                  .c = {2, -1, 0},
-                  .length = 0.7,
-                  .width = 2,
-                  .thickness = thickness});
+    case_put_part(c->dim, &c->walls[1].shape,
+                  (MnsPart){.primitive = MNS_PLATE,
+                            .a = {1, 0.5, 0.5},
+                            .b = {0.5, 1, 0},
+                            .c = {2, -1, 0},
+                            .length = 0.7,
+                            .width = 2,
+                            .thickness = thickness});
 }
 static void cylinder(MnsCase *c, double thickness) /* a slab in two dimensions, a post in three */
 {
-    add(c->dim, &c->walls[1].shape,
-        (MnsPart){.primitive = MNS_CYLINDER, .a = {1, -1, 0.5}, .b = {1, 2, 0.5}, .radius = 0.5 * thickness});
+    case_put_part(c->dim, &c->walls[1].shape,
+                  (MnsPart){.primitive = MNS_CYLINDER, .a = {1, -1, 0.5}, .b = {1, 2, 0.5}, .radius = 0.5 * thickness});
 }
 static void ball(MnsCase *c, double thickness)
 {
-    add(c->dim, &c->walls[1].shape,
-        (MnsPart){.primitive = MNS_BALL, .a = {1.02, 0.5, 0.51}, .radius = 0.5 * thickness});
+    case_put_part(c->dim, &c->walls[1].shape,
+                  (MnsPart){.primitive = MNS_BALL, .a = {1.02, 0.5, 0.51}, .radius = 0.5 * thickness});
 }
 static void ring(MnsCase *c, double thickness)
 {
-    add(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BALL, .a = {1, 0.5, 0.5}, .radius = 0.45});
-    add(c->dim, &c->walls[1].shape,
+    case_put_part(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BALL, .a = {1, 0.5, 0.5}, .radius = 0.45});
+    case_put_part(
+        c->dim, &c->walls[1].shape,
         (MnsPart){.operation = MNS_SUBTRACT, .primitive = MNS_BALL, .a = {1, 0.5, 0.5}, .radius = 0.45 - thickness});
 }
 static void difference(MnsCase *c, double thickness)
@@ -139,12 +131,12 @@ static void room_counts_as_fluid(void **state)
 
 static void on_the_floor(MnsCase *c) /* what is below it is the tank's */
 {
-    add(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BOX, .a = {0.5, -0.1, -1}, .b = {1, 0.1, 2}});
+    case_put_part(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BOX, .a = {0.5, -0.1, -1}, .b = {1, 0.1, 2}});
 }
 static void floor_with_nothing_below(MnsCase *c)
 {
     c->walls[0].shape.parts[0].a[1] = -1;
-    add(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BOX, .a = {-1, -0.2, -1}, .b = {3, 0, 2}});
+    case_put_part(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BOX, .a = {-1, -0.2, -1}, .b = {3, 0, 2}});
 }
 static void plate_with_an_end(MnsCase *c)
 {
@@ -152,25 +144,27 @@ static void plate_with_an_end(MnsCase *c)
 }
 static void step(MnsCase *c)
 {
-    add(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BOX, .a = {0.93, -1, -1}, .b = {3, 0.4, 2}});
+    case_put_part(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BOX, .a = {0.93, -1, -1}, .b = {3, 0.4, 2}});
 }
 static void block(MnsCase *c) /* with edges that are free */
 {
-    add(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BOX, .a = {0.8, 0.3, 0.3}, .b = {1.1, 0.61, 0.72}});
+    case_put_part(c->dim, &c->walls[1].shape,
+                  (MnsPart){.primitive = MNS_BOX, .a = {0.8, 0.3, 0.3}, .b = {1.1, 0.61, 0.72}});
 }
 static void bow(MnsCase *c) /* 45 degrees, its edge in the water */
 {
-    add(c->dim, &c->walls[1].shape,
-        (MnsPart){.primitive = MNS_HALF_SPACE, .a = {0.7, 0.5, 0}, .b = {-1, 2.41421356, 0}});
-    add(c->dim, &c->walls[1].shape,
+    case_put_part(c->dim, &c->walls[1].shape,
+                  (MnsPart){.primitive = MNS_HALF_SPACE, .a = {0.7, 0.5, 0}, .b = {-1, 2.41421356, 0}});
+    case_put_part(
+        c->dim, &c->walls[1].shape,
         (MnsPart){
             .operation = MNS_INTERSECT, .primitive = MNS_HALF_SPACE, .a = {0.7, 0.5, 0}, .b = {-1, -2.41421356, 0}});
 }
 static void lens(MnsCase *c)
 {
-    add(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BALL, .a = {1, 0.2, 0.5}, .radius = 0.5});
-    add(c->dim, &c->walls[1].shape,
-        (MnsPart){.operation = MNS_INTERSECT, .primitive = MNS_BALL, .a = {1, 0.8, 0.5}, .radius = 0.5});
+    case_put_part(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BALL, .a = {1, 0.2, 0.5}, .radius = 0.5});
+    case_put_part(c->dim, &c->walls[1].shape,
+                  (MnsPart){.operation = MNS_INTERSECT, .primitive = MNS_BALL, .a = {1, 0.8, 0.5}, .radius = 0.5});
 }
 static void gap(MnsCase *c) /* too narrow for particles, between two that are too thin only by themselves */
 {
