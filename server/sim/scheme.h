@@ -78,6 +78,7 @@ typedef struct Integrator {
     MnsStatus (*step)(MnsSim *, double t, double dt, MnsError *error); /* of length dt, to t */
     Fields works;                                                      /* room it needs within a step */
     bool halfway;                                                      /* it asks for gravity and walls half-way too */
+    bool staggered; /* its rates are of velocities of half a step before the positions */
 } Integrator;
 
 /* A bound of the time step; INFINITY where it does not bind. */

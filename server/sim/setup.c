@@ -166,6 +166,7 @@ void setup_at(MnsSim *sim, double t, double dt, double ahead)
     Model *model = &sim->model;
     model->t = t;
     model->dt = dt;
+    model->lag = sim->scheme->integrator->staggered ? 0.5 * dt : 0;
     for (int d = 0; d < model->dim; d++) model->gravity[d] = formula_eval(sim->gravity[d], &t);
     for (size_t k = 0; k < model->n_walls; k++) move_wall(sim, k, t, dt, ahead);
 }

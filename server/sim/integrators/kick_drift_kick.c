@@ -88,4 +88,5 @@ const Integrator kick_drift_kick = {
     .source = "P3 eq. 15-18",
     .equation = "v += dt/2 a;  x += dt (v + dt/2 b);  rates;  v += dt/2 a",
     .step = step,
+    .staggered = true,
 };
