@@ -28,6 +28,9 @@ MnsStatus integrator_step(MnsSim *sim, double t, double dt, MnsError *error);
 /* What follows from the state without a step: pressures, volumes, walls. */
 void integrator_derive(MnsSim *sim);
 
+/* The rates of a state that goes on under another gravity or other options: those that the next step begins with. Nothing moves. */
+void integrator_renew(MnsSim *sim);
+
 /* The rates of a new state; what follows from a restored one. */
 MnsStatus integrator_start(MnsSim *sim, MnsError *error);
 MnsStatus integrator_restart(MnsSim *sim, MnsError *error);
