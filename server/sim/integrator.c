@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What all integrators share: walls and lists at a new time, the rates there, a start and a restart. */
 #include "sim/integrator.h"
+#include "sim/gravity.h"
 #include "sim/making.h"
+#include "sim/terms/differences.h"
 #include <math.h>
 #include <omp.h>
 
@@ -94,6 +96,24 @@ static MnsStatus build_lists(MnsSim *sim, MnsError *error)
     const MnsStatus status = neighbours_build(&sim->nb, &sim->s, &sim->model, error);
     integrator_clock(sim, TIMER_NEIGHBOURS, start);
     return status;
+}
+
+void integrator_gravity(MnsSim *sim, double t, double dt)
+{
+    Particles *s = &sim->s;
+    Model *model = &sim->model;
+    double coming[3], change[3] = {0, 0, 0};
+    gravity_mean(sim, t - dt, t, coming);
+    for (int d = 0; d < s->dim; d++) change[d] = coming[d] - model->gravity[d];
+    if (change[0] == 0 && change[1] == 0 && change[2] == 0) return;
+    const double buoyancy = model->differences.buoyancy;
+#pragma omp parallel for schedule(static) num_threads(sim->threads)
+    for (size_t i = 0; i < particles_fluid(s); i++) {
+        const double share = buoyancy > 0 ? 1 - buoyancy / density_around(s, model, i) : 1;
+        for (int d = 0; d < s->dim; d++) s->a[d][i] += share * change[d];
+    }
+    for (int d = 0; d < s->dim; d++) model->gravity[d] = coming[d];
+    particles_changed(s, ON_FLUID, FIELD(A));
 }
 
 MnsStatus integrator_lists(MnsSim *sim, MnsError *error)

@@ -2,6 +2,7 @@
 /* Adopt the steerable entries of a case, for all of the next step: rates that were found under the old ones push nobody any more. All that particles, lists and formulas were made from must be as it was; what is new
  * is made first and taken into use last, so that a refused change changes nothing. */
 #include "base/vector.h"
+#include "sim/gravity.h"
 #include "sim/home.h"
 #include "sim/integrator.h"
 #include "sim/motion.h"
@@ -161,10 +162,16 @@ static MnsStatus add_fields(MnsSim *sim, const MnsCase *c, MnsError *error)
 static MnsStatus affordable(MnsSim *sim, const MnsCase *c, Formula *const gravity[3], MnsError *error)
 {
     const Model kept = sim->model;
+    Formula *old[3];
     setup_options(sim, c);
-    for (int d = 0; d < c->dim; d++) sim->model.gravity[d] = formula_eval(gravity[d], &sim->progress.t);
+    for (int d = 0; d < c->dim; d++) {
+        old[d] = sim->gravity[d];
+        sim->gravity[d] = gravity[d];
+        sim->model.gravity[d] = formula_eval(gravity[d], &sim->progress.t);
+    }
     MnsStatus status = setup_probes(sim, c, error);
     if (!status) status = plan_check(sim, c, false, error);
+    for (int d = 0; d < c->dim; d++) sim->gravity[d] = old[d];
     sim->model = kept;
     return status;
 }
@@ -249,6 +256,7 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
         formula_free(sim->gravity[d]);
         sim->gravity[d] = gravity[d];
     }
+    gravity_forget(sim);
     if (sorts) {
         neighbours_done(&sim->nb);
         sim->nb = lists;
