@@ -23,7 +23,9 @@ typedef Meniscus__JournalRecord Record;
 /* A state that is gone back to. */
 typedef struct Kept {
     uint64_t step;
-    MnsCapture *state; /* NULL: not come by yet */
+    MnsCapture *state;  /* NULL: not come by yet */
+    Document *document; /* of the case that it is a state of; NULL as well */
+    bool changed;       /* something was set there that changed it */
 } Kept;
 
 /* A scheduled command, which shortens the steps before its time. */
@@ -70,15 +72,26 @@ static MnsStatus document_of(const Replay *replay, const Meniscus__Case *message
     return status;
 }
 
+static Kept *find_kept(const Replay *replay, uint64_t step)
+{
+    for (size_t k = 0; k < replay->n_kept; k++)
+        if (replay->kept[k].step == step) return &replay->kept[k];
+    return NULL;
+}
+
 static MnsStatus adopt(Replay *replay, const Meniscus__Case *message, MnsError *error)
 {
     Document *document;
     MnsStatus status = document_of(replay, message, &document, error);
     if (status) return status;
+    Kept *kept = find_kept(replay, mns_sim_progress(replay->sim).step);
+    const uint64_t before = kept ? mns_sim_hash(replay->sim) : 0;
     status = mns_sim_steer(replay->sim, document->c, error);
     document_leave(status ? document : replay->document);
-    if (!status) replay->document = document;
-    return status;
+    if (status) return status;
+    replay->document = document;
+    if (kept) kept->changed = kept->changed || mns_sim_hash(replay->sim) != before;
+    return MNS_OK;
 }
 
 static MnsStatus set_again(Replay *replay, const Meniscus__Set *set, MnsError *error)
@@ -93,13 +106,6 @@ static MnsStatus set_again(Replay *replay, const Meniscus__Set *set, MnsError *e
 
 /* --- states that are gone back to -------------------------------------------------------------------------------------- */
 
-static Kept *find_kept(const Replay *replay, uint64_t step)
-{
-    for (size_t k = 0; k < replay->n_kept; k++)
-        if (replay->kept[k].step == step) return &replay->kept[k];
-    return NULL;
-}
-
 static MnsStatus list_kept(Replay *replay, const HistoryRecord *records, size_t n, MnsError *error)
 {
     replay->kept = calloc(n + 1, sizeof *replay->kept);
@@ -110,6 +116,14 @@ static MnsStatus list_kept(Replay *replay, const HistoryRecord *records, size_t 
     return MNS_OK;
 }
 
+static void keep_this(Kept *kept, Document *document, MnsCapture *state)
+{
+    document_leave(kept->document);
+    mns_capture_free(kept->state);
+    kept->document = document;
+    kept->state = state;
+}
+
 /* The latest state of that step is the one that the checkpoint of its name had. */
 static MnsStatus keep(const Replay *replay, MnsError *error)
 {
@@ -118,36 +132,36 @@ static MnsStatus keep(const Replay *replay, MnsError *error)
     if (!kept) return MNS_OK;
     const MnsStatus status = mns_sim_capture(replay->sim, mns_sim_state_fields(replay->sim), &state, error);
     if (status) return status;
-    mns_capture_free(kept->state);
-    kept->state = state;
+    keep_this(kept, document_share(replay->document), state);
     return MNS_OK;
 }
 
-static MnsStatus state_of(const Replay *replay, uint64_t step, const MnsCapture **ret, MnsError *error)
+static MnsStatus state_of(const Replay *replay, uint64_t step, const Kept **ret, MnsError *error)
 {
     Kept *kept = find_kept(replay, step);
     MnsStatus status = MNS_OK;
+    Document *document;
     MnsCapture *written;
-    /* What is set at the beginning changes the state there, and what was set before the checkpoint only its file knows. */
-    if (step == 0 && !history_checkpoint(replay->directory, step, &written, NULL)) {
-        mns_capture_free(kept->state);
-        kept->state = written;
+    /* What is set changes the state there, and what was set before the checkpoint only its file knows. */
+    if (step == 0 || kept->changed || !kept->state) {
+        status = history_checkpoint(replay->directory, step, &document, &written, kept->state ? NULL : error);
+        if (!status) keep_this(kept, document, written);
     }
-    if (!kept->state) status = history_checkpoint(replay->directory, step, &kept->state, error);
-    if (!status) *ret = kept->state;
-    return status;
+    if (kept->state) *ret = kept;
+    return kept->state ? MNS_OK : status;
 }
 
 /* --- what was commanded ------------------------------------------------------------------------------------------------ */
 
-/* A simulation of the record's case: from a state, or from the beginning with NULL. */
-static MnsStatus begin(Replay *replay, const Meniscus__Case *message, const MnsCapture *state, MnsError *error)
+/* A simulation of the record's case: from a state, by way of the case that it is of, as what is set then changes it; or from the beginning
+ * with NULL. */
+static MnsStatus begin(Replay *replay, const Meniscus__Case *message, const Kept *kept, MnsError *error)
 {
     Document *document;
     MnsSim *sim;
-    MnsStatus status = document_of(replay, message, &document, error);
+    MnsStatus status = document_of(replay, kept ? kept->document->message : message, &document, error);
     if (status) return status;
-    status = state ? mns_sim_resume(document->c, state, &sim, error) : mns_sim_new(document->c, &sim, error);
+    status = kept ? mns_sim_resume(document->c, kept->state, &sim, error) : mns_sim_new(document->c, &sim, error);
     if (status) {
         document_leave(document);
         return status;
@@ -158,7 +172,8 @@ static MnsStatus begin(Replay *replay, const Meniscus__Case *message, const MnsC
     replay->document = document;
     replay->limit = INFINITY;
     replay->fallen = false;
-    return keep(replay, error);
+    if (kept) status = adopt(replay, message, error);
+    return status ? status : keep(replay, error);
 }
 
 static void set_limit(Replay *replay, const Meniscus__Request *request)
@@ -269,17 +284,19 @@ static MnsStatus fall_before(Replay *replay, const HistoryRecord *at, MnsError *
     return differs(at, error, text);
 }
 
+/* Up to the step of a record, with what is to be done again there: but a hash may be of the state before that (compare()). */
 static MnsStatus advance(Replay *replay, const HistoryRecord *at, MnsError *error)
 {
-    MnsStatus status = catch_up(replay, error);
-    const uint64_t step = at->message->step;
+    const uint64_t step = at->message->step, now = mns_sim_progress(replay->sim).step;
+    const bool hash = at->message->has_state_hash;
+    MnsStatus status = hash && now == step ? MNS_OK : catch_up(replay, error);
     while (!status && mns_sim_progress(replay->sim).step < step) {
         if (mns_sim_progress(replay->sim).t >= replay->document->c->end_time)
             return differs(at, error, "the replay reached the end time before this step");
         status = step_once(replay, error);
         if (status == MNS_E_DIVERGED) return fall_before(replay, at, error);
         if (!status) status = keep(replay, error);
-        if (!status) status = catch_up(replay, error);
+        if (!status && !(hash && mns_sim_progress(replay->sim).step == step)) status = catch_up(replay, error);
     }
     if (!status && mns_sim_progress(replay->sim).step > step)
         return differs(at, error, "the journal goes back without a restore");
@@ -291,7 +308,12 @@ static MnsStatus compare(Replay *replay, const HistoryRecord *at, MnsError *erro
     const Record *record = at->message;
     char text[400], why[160] = "";
     replay->compared++;
-    const uint64_t hash = mns_sim_hash(replay->sim);
+    uint64_t hash = mns_sim_hash(replay->sim);
+    if (hash != record->state_hash) {
+        const MnsStatus status = catch_up(replay, error);
+        if (status) return status;
+        hash = mns_sim_hash(replay->sim);
+    }
     if (hash == record->state_hash) {
         replay->agreed_step = record->step;
         return MNS_OK;
@@ -327,13 +349,13 @@ static MnsStatus command_again(Replay *replay, const HistoryRecord *at, MnsError
 static MnsStatus begin_again(Replay *replay, const HistoryRecord *at, MnsError *error)
 {
     const Record *record = at->message;
-    const MnsCapture *state = NULL;
+    const Kept *kept = NULL;
     const bool back = history_goes_back(record);
     MnsStatus status = MNS_OK;
     if (back && replay->sim && record->step > mns_sim_progress(replay->sim).step) status = advance(replay, at, error);
-    if (back && !status) status = state_of(replay, record->step, &state, error);
+    if (back && !status) status = state_of(replay, record->step, &kept, error);
     (void)environment_compute_as(record->arithmetic); /* states tell if that is not to be had */
-    if (!status) status = begin(replay, record->case_, state, error);
+    if (!status) status = begin(replay, record->case_, kept, error);
     replay->origin = record;
     replay->again = replay->n_pending = 0;
     return status;
@@ -423,7 +445,7 @@ int replay_run(const char *directory, int threads, bool json)
     const int code = files ? MNS_EXIT_IO : status ? MNS_EXIT_FAILED : MNS_EXIT_DONE;
     if (status) fprintf(stderr, "%s: %s\n", log_program(), error.text);
     print(&replay, &error, code, json);
-    for (size_t k = 0; k < replay.n_kept; k++) mns_capture_free(replay.kept[k].state);
+    for (size_t k = 0; k < replay.n_kept; k++) keep_this(&replay.kept[k], NULL, NULL);
     free(replay.kept);
     free(replay.pending);
     mns_sim_free(replay.sim);

@@ -104,7 +104,8 @@ const char *history_command(const Meniscus__JournalRecord *record)
     return record->request ? history_request(record->request) : "";
 }
 
-MnsStatus history_checkpoint(const char *directory, uint64_t step, MnsCapture **ret, MnsError *error)
+MnsStatus history_checkpoint(const char *directory, uint64_t step, Document **ret_document, MnsCapture **ret_state,
+                             MnsError *error)
 {
     char name[NUMBERED_NAME], path[4096];
     Checkpoint checkpoint;
@@ -112,8 +113,11 @@ MnsStatus history_checkpoint(const char *directory, uint64_t step, MnsCapture **
     MnsStatus status = directory_path(path, directory, name, error);
     if (!status) status = checkpoint_read(path, &checkpoint, error);
     if (status) return status;
-    *ret = checkpoint.state;
-    checkpoint.state = NULL;
+    status = document_unpack(checkpoint.case_blob, checkpoint.case_size, name, ret_document, error);
+    if (!status) {
+        *ret_state = checkpoint.state;
+        checkpoint.state = NULL;
+    }
     checkpoint_done(&checkpoint);
-    return MNS_OK;
+    return status;
 }

@@ -5,6 +5,7 @@
 
 #include "io/journal.h"
 #include "journal.pb-c.h"
+#include "run/document.h"
 #include <meniscus/sim.h>
 
 typedef struct HistoryRecord {
@@ -44,7 +45,8 @@ bool history_untold(const History *history, size_t k, const char *boot);
 const char *history_command(const Meniscus__JournalRecord *record);
 const char *history_request(const Meniscus__Request *request);
 
-/* The state of a checkpoint in the directory; what checkpoint_read() returns. */
-MnsStatus history_checkpoint(const char *directory, uint64_t step, MnsCapture **ret, MnsError *error);
+/* The state of a checkpoint in the directory and the case that it is of, both yours; what checkpoint_read() returns. */
+MnsStatus history_checkpoint(const char *directory, uint64_t step, Document **ret_document, MnsCapture **ret_state,
+                             MnsError *error);
 
 #endif

@@ -40,7 +40,9 @@ static MnsStatus adopt(Run *run, Document *document, Document **ret_before, MnsE
     }
     if (ret_before) *ret_before = run->document;
     else document_leave(run->document);
-    run->document = document; /* the state is the same, and so is its hash */
+    run->document = document;
+    /* Rates may be those of the new case, and the rest of the state is the same. */
+    if (run->hashed && mns_sim_hash(run->sim) != run->hash) run->hashed = false;
     tap_renew(run->tap, run->sim);
     if (run->state != RUN_RECOVERING) versions_add(&run->versions, document);
     run_publish(run);

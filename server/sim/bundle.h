@@ -19,7 +19,8 @@ enum {
     NEED_GRADIENT = 64, /* its pressure gradient     */
     NEED_NORMAL = 128,  /* its interface normal      */
     NEED_OTHERS = 256,  /* whether it is of another fluid */
-    NEED_ALL = 511
+    NEED_BEND = 512,    /* how the kernel's slope changes */
+    NEED_ALL = 1023
 };
 
 /* Quantities, each of a member of Block (row.h) and of a row of the table in bundle.c. */

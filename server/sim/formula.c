@@ -243,6 +243,11 @@ const char *formula_failure(const Formula *formula)
     return *formula->failure ? formula->failure : NULL;
 }
 
+bool formula_is_constant(const Formula *formula)
+{
+    return formula->constant;
+}
+
 void formula_mix(Formula *formula)
 {
     formula->mixed = true;

@@ -21,6 +21,9 @@ double formula_eval(const Formula *formula, const double *values);
 /* Why formula_eval() failed for the first time; NULL if it never did. Borrowed. */
 const char *formula_failure(const Formula *formula);
 
+/* Does it use no variable, so that its value is the same anywhere? */
+bool formula_is_constant(const Formula *formula);
+
 /* Let it be a number here, and true or false there. */
 void formula_mix(Formula *formula);
 

@@ -43,10 +43,11 @@ INLINE Pair with_rest(Pair pair, const Block *first, const Block *rest, int l, c
         if (needs & NEED_GRADIENT) pair.gradient[d] = rest->gradient[d][l];
         if (needs & NEED_NORMAL) pair.normal[d] = rest->normal[d][l];
     }
-    if (needs & (NEED_W | NEED_F)) {
+    if (needs & (NEED_W | NEED_F | NEED_BEND)) {
         const KernelValue value = how.kernel(&plan->kernel, pair.r, DOT(pair.x, pair.x, how), how.fma);
         pair.W = value.W;
         pair.F = value.F;
+        pair.bend = value.bend;
     }
     if (needs & NEED_SHEPARD) pair.shepard = rest->shepard[l];
     if (needs & NEED_STATE) {

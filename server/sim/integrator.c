@@ -2,7 +2,9 @@
 /* What all integrators share: walls and lists at a new time, the rates there, a start and a restart. */
 #include "sim/integrator.h"
 #include "sim/belts.h"
+#include "sim/gravity.h"
 #include "sim/making.h"
+#include "sim/terms/differences.h"
 #include <math.h>
 #include <omp.h>
 
@@ -99,6 +101,24 @@ static MnsStatus build_lists(MnsSim *sim, MnsError *error)
     return status;
 }
 
+void integrator_gravity(MnsSim *sim, double t, double dt)
+{
+    Particles *s = &sim->s;
+    Model *model = &sim->model;
+    double coming[3], change[3] = {0, 0, 0};
+    gravity_mean(sim, t - dt, t, coming);
+    for (int d = 0; d < s->dim; d++) change[d] = coming[d] - model->gravity[d];
+    if (change[0] == 0 && change[1] == 0 && change[2] == 0) return;
+    const double buoyancy = model->differences.buoyancy;
+#pragma omp parallel for schedule(static) num_threads(sim->threads)
+    for (size_t i = 0; i < particles_fluid(s); i++) {
+        const double share = buoyancy > 0 ? 1 - buoyancy / density_around(s, model, i) : 1;
+        for (int d = 0; d < s->dim; d++) s->a[d][i] += share * change[d];
+    }
+    for (int d = 0; d < s->dim; d++) model->gravity[d] = coming[d];
+    particles_changed(s, ON_FLUID, FIELD(A));
+}
+
 MnsStatus integrator_lists(MnsSim *sim, MnsError *error)
 {
     if (!lists_are_stale(sim)) return MNS_OK;
@@ -162,6 +182,20 @@ void integrator_derive(MnsSim *sim)
         pass_run(&sim->scheme->rates[k], &sim->s, &sim->nb, &sim->model, sim->threads);
         tell(sim);
     }
+}
+
+/* Of the velocities of now at the positions of now, as at a start: densities and shifts go on by no time, so that to do it twice is to do it once.
+ * Accelerations that are no part of the state are derived from it. */
+void integrator_renew(MnsSim *sim)
+{
+    Model *model = &sim->model;
+    const double dt = model->dt, lag = model->lag;
+    if (!(sim->scheme->state & FIELD(A))) return;
+    model->dt = model->lag = 0;
+    particles_changed(&sim->s, ON_ALL, ALL_FIELDS); /* with the rounding that is the same after a restart */
+    integrator_rates(sim, sim->scheme->given);
+    model->dt = dt;
+    model->lag = lag;
 }
 
 MnsStatus integrator_restart(MnsSim *sim, MnsError *error)

@@ -9,6 +9,10 @@
  * then until `ahead` after t. Returns how many it kept out, which the step counts once. */
 uint64_t integrator_walls(MnsSim *sim, double t, double dt, double ahead);
 
+/* Accelerations begin with the mean of gravity over the step before. From here on, of a step of length dt that ends at t, with its own: so that
+ * all kicks of a step together give its impulse, wherever it begins and ends. Nothing is done where gravity does not change. */
+void integrator_gravity(MnsSim *sim, double t, double dt);
+
 /* Neighbour lists for the positions of now, made again if a particle has left its skin. */
 MnsStatus integrator_lists(MnsSim *sim, MnsError *error);
 
@@ -27,6 +31,9 @@ MnsStatus integrator_step(MnsSim *sim, double t, double dt, MnsError *error);
 
 /* What follows from the state without a step: pressures, volumes, walls. */
 void integrator_derive(MnsSim *sim);
+
+/* The rates of a state that goes on under another gravity or other options: those that the next step begins with. Nothing moves. */
+void integrator_renew(MnsSim *sim);
 
 /* The rates of a new state; what follows from a restored one. */
 MnsStatus integrator_start(MnsSim *sim, MnsError *error);

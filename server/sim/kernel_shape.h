@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* W(r) and F(r) of the kernels, as vector units can compute them. Outside the support they are 0. */
+/* W(r), F(r) and how F changes, of the kernels, as vector units can compute them. Outside the support they are 0. */
 #ifndef SIM_KERNEL_SHAPE_H
 #define SIM_KERNEL_SHAPE_H
 
@@ -12,9 +12,9 @@ typedef struct KernelScale {
     double tiny;                    /* [m] keeps 0/0 away */
 } KernelScale;
 
-/* Both at once: what is not used costs nothing, and what they have in common is there once. */
+/* All at once: what is not used costs nothing, and what they have in common is there once. bend: (1/r) dF/dr, so that grad F = bend x. */
 typedef struct KernelValue {
-    double W, F;
+    double W, F, bend;
 } KernelValue;
 
 /* r2: r squared, for what needs no more and would wait for the root. */
@@ -33,23 +33,28 @@ INLINE double positive(double x)
     return x < 0 ? 0 : x;
 }
 
-/* W = alpha (1 - q/2)^4 (2q + 1),  F = -5 alpha (1 - q/2)^3 / h^2 */
+/* W = alpha (1 - q/2)^4 (2q + 1),  F = -5 alpha (1 - q/2)^3 / h^2,  bend = 15/2 alpha (1 - q/2)^2 / (h^3 r) */
 INLINE KernelValue wendland_c2(const KernelScale *k, double r, double r2, bool fused)
 {
     (void)r2;
     const double q = r * k->inverse_h, t = positive(mul_add(-0.5, q, 1, fused)), t2 = t * t;
-    return (KernelValue){k->alpha * (t2 * t2) * mul_add(2, q, 1, fused), k->slope * (t2 * t)};
+    return (KernelValue){k->alpha * (t2 * t2) * mul_add(2, q, 1, fused), k->slope * (t2 * t),
+                         -1.5 * k->inverse_h * k->slope * t2 / (r + k->tiny)};
 }
 
-/* W = alpha [(3-q)^5 - 6 (2-q)^5 + 15 (1-q)^5],  F = -5 alpha/(h r) [(3-q)^4 - 6 (2-q)^4 + 15 (1-q)^4], each power cut at 0 */
+/* W = alpha [(3-q)^5 - 6 (2-q)^5 + 15 (1-q)^5],  F = -5 alpha/(h r) [(3-q)^4 - 6 (2-q)^4 + 15 (1-q)^4], each power cut at 0;
+ * bend = (-5 alpha/(h r) (-4/h) [(3-q)^3 - 6 (2-q)^3 + 15 (1-q)^3] - F/r) / r */
 INLINE KernelValue quintic_spline(const KernelScale *k, double r, double r2, bool fused)
 {
     (void)r2;
     const double q = r * k->inverse_h, a = positive(3 - q), b = positive(2 - q), c = positive(1 - q);
     const double a2 = a * a, b2 = b * b, c2 = c * c;
     const double a4 = a2 * a2, b4 = b2 * b2, c4 = c2 * c2;
-    return (KernelValue){k->alpha * mul_add(15, c4 * c, mul_add(-6, b4 * b, a4 * a, fused), fused),
-                         k->slope / (q + k->tiny * k->inverse_h) * mul_add(15, c4, mul_add(-6, b4, a4, fused), fused)};
+    const double along = k->slope / (q + k->tiny * k->inverse_h), per_r = 1 / (r + k->tiny);
+    const double F = along * mul_add(15, c4, mul_add(-6, b4, a4, fused), fused);
+    const double cubes = mul_add(15, c2 * c, mul_add(-6, b2 * b, a2 * a, fused), fused);
+    return (KernelValue){k->alpha * mul_add(15, c4 * c, mul_add(-6, b4 * b, a4 * a, fused), fused), F,
+                         mul_add(-4 * k->inverse_h * along, cubes, -(F * per_r), fused) * per_r};
 }
 
 /* exp(-s), 0 <= s <= 9, to 1e-14 of itself: the polynomial in t = -s/32 that is nearest to exp(t), of those that begin with 1 + t (to 2e-18 of it,
@@ -67,11 +72,11 @@ INLINE double bell(double s, bool fused)
     return e16 * e16;
 }
 
-/* W = alpha exp(-q^2) for q < 3, as P1 writes it: not renormalised; F = -2 W / h^2 */
+/* W = alpha exp(-q^2) for q < 3, as P1 writes it: not renormalised; F = -2 W / h^2,  bend = -2 F / h^2 */
 INLINE KernelValue truncated_gaussian(const KernelScale *k, double r, double r2, bool fused)
 {
     const double e = bell(r2 * (k->inverse_h * k->inverse_h), fused), cut = r * k->inverse_h >= 3 ? 0 : e;
-    return (KernelValue){k->alpha * cut, k->slope * cut};
+    return (KernelValue){k->alpha * cut, k->slope * cut, -2 * (k->inverse_h * k->inverse_h) * (k->slope * cut)};
 }
 
 /* DO(type, shape, ...) for each kernel. The one list of them, as a loop is compiled for each. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "sim/limits.h"
-#include "sim/sim.h"
+#include "sim/gravity.h"
 #include "sim/terms/average.h"
 #include <math.h>
 
@@ -51,6 +51,14 @@ static double body_force(const MnsSim *sim)
         g2 = fmax(g2, felt2);
     }
     return g2 > 0 ? 0.25 * sqrt(model->kernel.h / sqrt(g2)) : INFINITY;
+}
+
+/* What gravity would change by in the step that all else allows, if it went on as fast as it ever changes in it, bounds it as gravity itself does:
+ * so a pulse gets several steps, and none steps over one that it could see. */
+static double change(const MnsSim *sim, double dt)
+{
+    const double by = isfinite(dt) ? gravity_change(sim, sim->progress.t, dt) * dt : 0;
+    return by > 0 ? 0.25 * sqrt(sim->model.kernel.h / by) : INFINITY;
 }
 
 /* The harmonic mean of two viscosities moves the lighter fluid. */
@@ -158,6 +166,14 @@ const Limit body_force_limit = {
     .of = body_force,
 };
 
+const Limit change_limit = {
+    .name = "change of the body force",
+    .source = "schemes/README.md",
+    .equation = "dt <= 0.25 sqrt(h / (dt_0 |dg/dt|max)),  dt_0 what the others allow, |dg/dt|max within it",
+    .entries = "gravity, resolution",
+    .within = change,
+};
+
 const Limit viscous_limit = {
     .name = "viscosity",
     .source = "schemes/riemann.md",
@@ -236,7 +252,7 @@ double limits_dt(const MnsSim *sim, const Limit **ret_limit)
     const Limit *const *limits = sim->scheme->limits;
     if (ret_limit) *ret_limit = limits[0];
     for (int k = 0; k < SCHEME_LIMITS_MAX && limits[k]; k++) {
-        const double dt = limits[k]->of(sim);
+        const double dt = limits[k]->within ? limits[k]->within(sim, least) : limits[k]->of(sim);
         if (dt >= least) continue;
         least = dt;
         if (ret_limit) *ret_limit = limits[k];

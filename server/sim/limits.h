@@ -5,7 +5,7 @@
 
 #include "sim/scheme.h"
 
-extern const Limit acoustic_limit, body_force_limit, viscous_limit, radial_viscous_limit, tension_limit,
+extern const Limit acoustic_limit, body_force_limit, change_limit, viscous_limit, radial_viscous_limit, tension_limit,
     interface_limit, flow_limit, incompressible_viscous_limit, incompressible_tension_limit, mixture_viscous_limit,
     dissipation_limit;
 

@@ -78,7 +78,8 @@ typedef struct Model {
     bool transport_stress;             /* option of the scheme */
     double v_max;                      /* of the fluid, as last looked at [m/s]; of schemes that shift by it */
     double t, dt;                      /* end of the current step [s], its length [s] */
-    double gravity[3];                 /* at t [m/s^2] */
+    double lag;                        /* of velocities behind positions, where rates are found [s] */
+    double gravity[3], gravity_now[3]; /* mean over the step, by which fluid is pushed; at t [m/s^2] */
     double cfl, limiter, guard;        /* options of the scheme; guard in [m] */
     double density_average;            /* 1: pairs are averaged by density; 0: arithmetically */
     double delta, repulsion, shifting; /* of density dissipation, between unlike fluids, of particle shifting */

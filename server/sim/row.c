@@ -15,7 +15,15 @@ INLINE void fill_block(Block *b, const uint32_t *j, const RowPlan *plan, unsigne
         r2[l] = DOT(x, x, how);
         b->r[l] = sqrt(r2[l]);
     }
-    if ((plan->needs & NEED_W) && (plan->needs & NEED_F))
+    if (plan->needs & NEED_BEND)
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const KernelValue value = how.kernel(&plan->kernel, b->r[l], r2[l], how.fma);
+            b->W[l] = value.W;
+            b->F[l] = value.F;
+            b->bend[l] = value.bend;
+        }
+    else if ((plan->needs & NEED_W) && (plan->needs & NEED_F))
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const KernelValue value = how.kernel(&plan->kernel, b->r[l], r2[l], how.fma);
@@ -61,6 +69,7 @@ INLINE void hide(Block *last, size_t n, double far)
         last->r[l] = l > used ? far : last->r[l];
         last->W[l] = l > used ? 0 : last->W[l];
         last->F[l] = l > used ? 0 : last->F[l];
+        last->bend[l] = l > used ? 0 : last->bend[l];
     }
 }
 

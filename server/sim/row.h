@@ -17,6 +17,7 @@ typedef struct Block {
     double r[LANES];                     /* its length                        m          */
     double W[LANES];                     /* W(r, h)                           m^-dim     */
     double F[LANES];                     /* (1/r) dW/dr: grad_i W = F x       m^-dim-2   */
+    double bend[LANES];                  /* (1/r) dF/dr                       m^-dim-4   */
     double v[3][LANES];                  /* v_j                               m/s        */
     double p[LANES], V[LANES], z[LANES]; /* of j             Pa, m^dim, kg/(m^2 s) */
     double shepard[LANES];               /* 1 / sum of W V of j               1          */
@@ -99,7 +100,7 @@ typedef struct How {
     KernelShape kernel;
 } How;
 
-/* a . b, and (a - b) . x, of arrays [dim]. Written out, as gcc unrolls no small loop with a call in it before it looks for what to
+/* a . b, (a - b) . x and (a - b) . (a - b), of arrays [dim]. Written out, as gcc unrolls no small loop with a call in it before it looks for what to
  * vectorise; and macros, as it loses sight of a pair of which parts are passed on as pointers. */
 #define DOT(a, b, how)                                                                                                 \
     ((how).dim == 3 ? mul_add((a)[2], (b)[2], mul_add((a)[1], (b)[1], (a)[0] * (b)[0], (how).fma), (how).fma)          \
@@ -108,6 +109,12 @@ typedef struct How {
     ((how).dim == 3 ? mul_add((a)[2] - (b)[2], (x)[2],                                                                 \
                               mul_add((a)[1] - (b)[1], (x)[1], ((a)[0] - (b)[0]) * (x)[0], (how).fma), (how).fma)      \
                     : mul_add((a)[1] - (b)[1], (x)[1], ((a)[0] - (b)[0]) * (x)[0], (how).fma))
+#define DIFFERENCE_SQUARED(a, b, how)                                                                                  \
+    ((how).dim == 3                                                                                                    \
+         ? mul_add((a)[2] - (b)[2], (a)[2] - (b)[2],                                                                   \
+                   mul_add((a)[1] - (b)[1], (a)[1] - (b)[1], ((a)[0] - (b)[0]) * ((a)[0] - (b)[0]), (how).fma),        \
+                   (how).fma)                                                                                          \
+         : mul_add((a)[1] - (b)[1], (a)[1] - (b)[1], ((a)[0] - (b)[0]) * ((a)[0] - (b)[0]), (how).fma))
 
 /* Lane l of a sum of products. */
 INLINE void add_product(Lanes *sum, int l, double a, double b, How how)
@@ -117,7 +124,7 @@ INLINE void add_product(Lanes *sum, int l, double a, double b, How how)
 
 /* One pair. What a loop does not use costs it nothing. */
 typedef struct Pair {
-    double x[3], r, W, F, v[3], p, V, z, q[3], shepard, gradient[3], normal[3], other; /* as in Block */
+    double x[3], r, W, F, bend, v[3], p, V, z, q[3], shepard, gradient[3], normal[3], other; /* as in Block */
 } Pair;
 
 INLINE Pair block_pair(const Block *b, int l, How how)
@@ -125,6 +132,7 @@ INLINE Pair block_pair(const Block *b, int l, How how)
     Pair pair = {.r = b->r[l],
                  .W = b->W[l],
                  .F = b->F[l],
+                 .bend = b->bend[l],
                  .p = b->p[l],
                  .V = b->V[l],
                  .z = b->z[l],

@@ -77,14 +77,16 @@ typedef struct Integrator {
     const char *name, *source, *equation;
     MnsStatus (*step)(MnsSim *, double t, double dt, MnsError *error); /* of length dt, to t */
     Fields works;                                                      /* room it needs within a step */
-    bool halfway;                                                      /* it asks for gravity and walls half-way too */
+    bool halfway;                                                      /* it asks for walls half-way too */
+    bool staggered; /* its rates are of velocities of half a step before the positions */
 } Integrator;
 
 /* A bound of the time step; INFINITY where it does not bind. */
 typedef struct Limit {
     const char *name, *source, *equation;
-    const char *entries;          /* of the case, that would change it */
-    double (*of)(const MnsSim *); /* [s] */
+    const char *entries;                         /* of the case, that would change it */
+    double (*of)(const MnsSim *);                /* [s] */
+    double (*within)(const MnsSim *, double dt); /* instead, of one that looks ahead as far as those before it allow */
 } Limit;
 
 enum { SCHEME_PASSES_MAX = 10, SCHEME_LIMITS_MAX = 8 };

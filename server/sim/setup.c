@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* From the case to the model: what is fixed, what can be steered, and what follows the time. */
 #include "sim/belts.h"
+#include "sim/gravity.h"
 #include "sim/motion.h"
 #include "sim/probes/probes.h"
 #include "sim/terms/terms.h"
@@ -173,7 +174,9 @@ void setup_at(MnsSim *sim, double t, double dt, double ahead)
     Model *model = &sim->model;
     model->t = t;
     model->dt = dt;
-    for (int d = 0; d < model->dim; d++) model->gravity[d] = formula_eval(sim->gravity[d], &t);
+    model->lag = sim->scheme->integrator->staggered ? 0.5 * dt : 0;
+    gravity_mean(sim, t - dt, t + ahead, model->gravity);
+    for (int d = 0; d < model->dim; d++) model->gravity_now[d] = formula_eval(sim->gravity[d], &t);
     for (size_t k = 0; k < model->n_walls; k++) move_wall(sim, k, t, dt, ahead);
 }
 
@@ -214,16 +217,20 @@ static MnsStatus check_probe(MnsSim *sim, size_t k, MnsError *error)
     return status;
 }
 
-static MnsStatus check_moment(const MnsSim *sim, double t, MnsError *error)
+static MnsStatus check_gravity(MnsSim *sim, double t, double dt, MnsError *error)
+{
+    int d;
+    double when;
+    char entry[64];
+    if (!gravity_failure(sim, t - dt, t, &d, &when)) return MNS_OK;
+    snprintf(entry, sizeof entry, "gravity[%d]", d);
+    return fail_formula(sim, sim->gravity[d], entry, sim->c->gravity[d], when, "Set another, and the run can go on",
+                        error);
+}
+
+static MnsStatus check_surfaces(const MnsSim *sim, double t, MnsError *error)
 {
     MnsStatus status = MNS_OK;
-    for (int d = 0; d < sim->model.dim && !status; d++) {
-        char entry[64];
-        snprintf(entry, sizeof entry, "gravity[%d]", d);
-        if (!isfinite(formula_eval(sim->gravity[d], &t)))
-            status = fail_formula(sim, sim->gravity[d], entry, sim->c->gravity[d], t,
-                                  "Set another, and the run can go on", error);
-    }
     for (size_t k = 0; k < sim->model.n_walls && !status; k++) status = check_surface(sim, k, t, error);
     return status;
 }
@@ -232,6 +239,7 @@ MnsStatus setup_check(MnsSim *sim, double t, double dt, MnsError *error)
 {
     MnsStatus status = MNS_OK;
     for (size_t k = 0; k < sim->c->n_probes && !status; k++) status = check_probe(sim, k, error);
-    if (!status && sim->scheme->integrator->halfway) status = check_moment(sim, t - 0.5 * dt, error);
-    return status ? status : check_moment(sim, t, error);
+    if (!status) status = check_gravity(sim, t, dt, error);
+    if (!status && sim->scheme->integrator->halfway) status = check_surfaces(sim, t - 0.5 * dt, error);
+    return status ? status : check_surfaces(sim, t, error);
 }

@@ -31,6 +31,12 @@ typedef struct Belts {
     double (*along)[6]; /* [n] */
 } Belts;
 
+/* Gravity's mean over a time, as last found. */
+typedef struct PullMean {
+    bool known;
+    double from, to, of[3];
+} PullMean;
+
 struct MnsSim {
     const MnsCase *c; /* borrowed */
     const Scheme *scheme;
@@ -45,6 +51,7 @@ struct MnsSim {
     double v_max; /* of the fluid, at the end of the last step [m/s] */
     double whole; /* length that the present step would have if it were not cut short [s] */
     Formula *gravity[3];
+    PullMean pull;
     Formula *surface[MNS_MAX_WALLS][3]; /* velocity of a wall's surface */
     Shape solid[MNS_MAX_WALLS];         /* where the case puts the walls */
     Face *face;                         /* of all of them, as far as they are flat */
@@ -91,8 +98,8 @@ size_t case_fit(const MnsCase *c, int d, double *ret_spacing);
 /* build.c: lattice, particles, initial fields */
 MnsStatus build_particles(MnsSim *sim, const Constants *constants, MnsError *error);
 
-/* setup.c: from the case to the model; gravity and walls at t, dt after they were last set, with velocities that are means from then until
- * `ahead` after t */
+/* setup.c: from the case to the model; gravity and walls at t, dt after they were last set, with a gravity and velocities that are means from
+ * then until `ahead` after t */
 MnsStatus setup_model(MnsSim *sim, MnsError *error);
 void setup_options(MnsSim *sim, const MnsCase *c);
 void setup_at(MnsSim *sim, double t, double dt, double ahead);
@@ -100,8 +107,8 @@ void setup_at(MnsSim *sim, double t, double dt, double ahead);
 /* setup.c: MNS_E_INVALID if a probe of c asks for a field that the scheme does not have with the options of the model */
 MnsStatus setup_probes(const MnsSim *sim, const MnsCase *c, MnsError *error);
 
-/* setup.c: MNS_E_INVALID if a formula of gravity or of a wall fails at a step's end t or, where it is asked for, half-way, or that of a probe has
- * failed, with its entry; nothing is changed */
+/* setup.c: MNS_E_INVALID if a formula of gravity fails within a step or at its end t, or one of a wall there or, where it is asked for, half-way,
+ * or that of a probe has failed, with its entry; nothing is changed */
 MnsStatus setup_check(MnsSim *sim, double t, double dt, MnsError *error);
 
 static inline size_t sim_blocks(size_t n)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Adopt the steerable entries of a case. All that particles, lists and formulas were made from must be as it was; what is new
+/* Adopt the steerable entries of a case, for all of the next step: rates that were found under the old ones push nobody any more. All that particles, lists and formulas were made from must be as it was; what is new
  * is made first and taken into use last, so that a refused change changes nothing. */
 #include "base/vector.h"
+#include "sim/gravity.h"
 #include "sim/home.h"
 #include "sim/integrator.h"
 #include "sim/motion.h"
@@ -161,10 +162,16 @@ static MnsStatus add_fields(MnsSim *sim, const MnsCase *c, MnsError *error)
 static MnsStatus affordable(MnsSim *sim, const MnsCase *c, Formula *const gravity[3], MnsError *error)
 {
     const Model kept = sim->model;
+    Formula *old[3];
     setup_options(sim, c);
-    for (int d = 0; d < c->dim; d++) sim->model.gravity[d] = formula_eval(gravity[d], &sim->progress.t);
+    for (int d = 0; d < c->dim; d++) {
+        old[d] = sim->gravity[d];
+        sim->gravity[d] = gravity[d];
+        sim->model.gravity[d] = formula_eval(gravity[d], &sim->progress.t);
+    }
     MnsStatus status = setup_probes(sim, c, error);
     if (!status) status = plan_check(sim, c, false, error);
+    for (int d = 0; d < c->dim; d++) sim->gravity[d] = old[d];
     sim->model = kept;
     return status;
 }
@@ -211,11 +218,27 @@ MnsStatus mns_sim_check_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
     return status;
 }
 
+/* Do these push alike? All that rates are made from and that can be steered, whatever the scheme: what only bounds steps, solves, or keeps
+ * particles from walls is not among it, so that to set that changes no bit of the flow. */
+static bool same_push(const Model *a, const Model *b)
+{
+    const Differences *p = &a->differences, *q = &b->differences;
+    if (!same_vector(a->gravity, b->gravity)) return false;
+    for (size_t k = 0; k < a->n_phases; k++)
+        if (a->phase[k].p_b != b->phase[k].p_b || a->phase[k].summation != b->phase[k].summation) return false;
+    return a->limiter == b->limiter && a->transport_stress == b->transport_stress &&
+           a->density_average == b->density_average && a->delta == b->delta && a->repulsion == b->repulsion &&
+           a->shifting == b->shifting && a->dissipates_rest == b->dissipates_rest &&
+           a->keeps_pair_volume == b->keeps_pair_volume && a->shifts_along_interfaces == b->shifts_along_interfaces &&
+           a->corrects_gradients == b->corrects_gradients && p->diffusion == q->diffusion &&
+           p->threshold == q->threshold && p->along == q->along && p->buoyancy == q->buoyancy;
+}
+
 MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
 {
     const int threads = sim_threads_for(c);
     const Fields fields = sim->s.fields;
-    const bool corrected = sim->model.corrects_gradients;
+    const Model before = sim->model;
     Neighbours lists = {0};
     Formula *gravity[3] = {0};
     MnsStatus status = check_change(sim, c, gravity, error);
@@ -233,6 +256,7 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
         formula_free(sim->gravity[d]);
         sim->gravity[d] = gravity[d];
     }
+    gravity_forget(sim);
     if (sorts) {
         neighbours_done(&sim->nb);
         sim->nb = lists;
@@ -245,7 +269,8 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
     setup_at(sim, sim->progress.t, sim->progress.dt, 0);
     /* Pressures at walls know of gravity, and a restart from here would find them by the new one. */
     integrator_derive(sim);
+    if (!same_push(&before, &sim->model)) integrator_renew(sim);
     home_enter(&sim->s, &sim->nb.bundles, sim->scheme, &sim->model, sim->threads);
-    if (!corrected) plan_look_at_gradients(sim);
+    if (!before.corrects_gradients) plan_look_at_gradients(sim);
     return MNS_OK;
 }

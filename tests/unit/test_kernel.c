@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The kernels have the values, sums, normalisation and slope that server/sim/schemes/README.md gives them. */
-#include "sim/kernel.h"
+#include "sim/kernel_shape.h"
 #include "tests/support/check.h"
 
 static const double PI = 3.14159265358979323846;
@@ -19,6 +19,27 @@ static double F_at(const Kernel *kernel, double r)
     double W = -1, F = -1;
     kernel_eval(kernel, 1, &r, &W, &F);
     return F;
+}
+
+/* By differences, as far as they go; all 0 from the support on, and finite where particles meet. */
+static void bend_is_the_slope_of_F_over_the_distance(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 3; k++)
+        for (int dim = 2; dim <= 3; dim++) {
+            const Kernel kernel = kernel_make(ALL[k], dim, H);
+            const KernelScale scale = kernel_scale(&kernel);
+            const KernelShape shape = kernel_shape_of(ALL[k]);
+            for (double q = 0.05; q < kernel.support / H - 0.01; q += 0.07) {
+                const double r = q * H, step = 1e-6 * H;
+                const double expected = (F_at(&kernel, r + step) - F_at(&kernel, r - step)) / (2 * step * r);
+                for (int fused = 0; fused < 2; fused++)
+                    assert_close(shape(&scale, r, r * r, fused).bend, expected, 2e-6 * fabs(expected) + 1e-6);
+            }
+            const double out = kernel.support * (1 + 1e-12);
+            assert_true(shape(&scale, out, out * out, false).bend == 0);
+            assert_true(isfinite(shape(&scale, 0, 0, false).bend));
+        }
 }
 
 static int neighbours(const Kernel *kernel, int dim)
@@ -272,6 +293,7 @@ int main(void)
         cmocka_unit_test(sums_over_lattices_are_not_the_integrals),
         cmocka_unit_test(kernels_hold_unit_mass_and_the_truncated_one_what_is_known),
         cmocka_unit_test(F_is_the_slope_over_the_distance),
+        cmocka_unit_test(bend_is_the_slope_of_F_over_the_distance),
         cmocka_unit_test(the_gaussian_is_that_of_the_c_library),
         cmocka_unit_test(nothing_is_left_from_the_support_on),
         cmocka_unit_test(value_at_zero_is_known),

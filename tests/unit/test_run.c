@@ -327,14 +327,31 @@ static void a_pause_is_answered_before_the_state_is_hashed(void **state)
     assert_true(sight.is_hash && !sight.status.hash_due);
 }
 
-static void a_change_leaves_the_hash_as_it_is(void **state)
+static void set_the_end_and_look(Run *run, Order *order)
+{
+    Meniscus__Assignment end = MENISCUS__ASSIGNMENT__INIT;
+    Meniscus__Set set = MENISCUS__SET__INIT;
+    end.path = "end_time", end.value = "60";
+    set.n_assignments = 1;
+    set.assignments = (Meniscus__Assignment *[]){&end};
+    run_set(run, order, &set);
+    look(run);
+}
+
+/* Rates are of the state: what pushes otherwise from now on has another. */
+static void a_change_of_what_pushes_has_a_hash_of_its_own(void **state)
 {
     Bench *bench = *state;
     assert_int_equal(perform(bench, load), MNS_OK);
     assert_int_equal(perform(bench, step), MNS_OK);
-    assert_int_equal(perform(bench, set_and_look), MNS_OK);
+    assert_int_equal(perform(bench, set_the_end_and_look), MNS_OK);
     assert_int_equal(perform(bench, write_checkpoint), MNS_OK);
     assert_true(sight.is_hash && !sight.status.hash_due);
+    const uint64_t before = sight.status.hash;
+    assert_int_equal(perform(bench, set_and_look), MNS_OK);
+    assert_int_equal(perform(bench, only_look), MNS_OK);
+    assert_int_equal(perform(bench, write_checkpoint), MNS_OK);
+    assert_true(sight.is_hash && !sight.status.hash_due && sight.status.hash != before);
 }
 
 /* As OpenMP may be told to use fewer than there are processors. */
@@ -579,7 +596,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_damaged_series_refuses_a_restore_and_the_run_stays, begin, end),
         cmocka_unit_test_setup_teardown(a_full_disk_refuses_a_load_and_the_run_stays, begin, end),
         cmocka_unit_test_setup_teardown(a_pause_is_answered_before_the_state_is_hashed, begin, end),
-        cmocka_unit_test_setup_teardown(a_change_leaves_the_hash_as_it_is, begin, end),
+        cmocka_unit_test_setup_teardown(a_change_of_what_pushes_has_a_hash_of_its_own, begin, end),
         cmocka_unit_test_setup_teardown(threads_are_counted_as_the_solver_does, begin, end),
         cmocka_unit_test_setup_teardown(who_only_looks_does_not_hold_up_a_run_in_motion, begin, end),
         cmocka_unit_test_setup_teardown(of_too_many_who_wait_the_first_is_let_go, begin, end),

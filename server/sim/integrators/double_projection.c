@@ -5,7 +5,7 @@
  *   while a number density is off by more than its tolerance: solve for a pressure, and move particles by it
  *   v += dt a;  solve for the pressure;  v -= dt grad p / rho
  *   a = forces but pressure, at the new positions and velocities
- * Gravity is that of the end of the step, and walls know of it, so that a layer at rest is exact. */
+ * Gravity is its mean over the step, and walls know of it, so that a layer at rest is exact. */
 #include "sim/integrator.h"
 #include "sim/integrators/integrators.h"
 #include "sim/integrators/pressure.h"
@@ -190,6 +190,7 @@ static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
 {
     const double start = omp_get_wtime();
     double gravity[3]; /* that is in the accelerations */
+    integrator_gravity(sim, t, dt);
     memcpy(gravity, sim->model.gravity, sizeof gravity);
     sim->solved = (Solved){0};
     drift(sim, dt);

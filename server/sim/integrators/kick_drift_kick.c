@@ -69,6 +69,7 @@ static bool kick_and_look(MnsSim *sim, double dt)
 static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
 {
     const double start = omp_get_wtime();
+    integrator_gravity(sim, t, dt);
     kick_and_drift(sim, dt);
     sim->progress.guarded += integrator_walls(sim, t, dt, 0);
     integrator_clock(sim, TIMER_DRIFT, start);
@@ -88,4 +89,5 @@ const Integrator kick_drift_kick = {
     .source = "P3 eq. 15-18",
     .equation = "v += dt/2 a;  x += dt (v + dt/2 b);  rates;  v += dt/2 a",
     .step = step,
+    .staggered = true,
 };

@@ -53,6 +53,7 @@ static void correct(MnsSim *sim, double dt)
 static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
 {
     double start = omp_get_wtime();
+    integrator_gravity(sim, t, dt);
     predict(sim, dt);
     integrator_walls(sim, t - 0.5 * dt, 0.5 * dt, 0.5 * dt); /* all of the step is done with these rates */
     integrator_clock(sim, TIMER_DRIFT, start);

@@ -174,6 +174,7 @@ static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
 {
     bool well = true;
     sim->model.dt = dt;
+    integrator_gravity(sim, t, dt);
     push(sim, dt);
     MnsStatus status = project(sim, dt, error);
     if (!status) status = move(sim, t, dt, &well, error);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Accelerations begin with gravity. */
+/* Accelerations begin with gravity: its mean over the step that ends here, which the next one puts right (integrator_gravity()). */
 #include "sim/locals/locals.h"
 #include "sim/terms/differences.h"
 

@@ -37,7 +37,7 @@ static double potential(const Measure *m, size_t i)
 {
     const Particles *s = &m->sim->s;
     double gx = 0;
-    for (int d = 0; d < s->dim; d++) gx += m->sim->model.gravity[d] * s->x[d][i * s->x_step];
+    for (int d = 0; d < s->dim; d++) gx += m->sim->model.gravity_now[d] * s->x[d][i * s->x_step];
     return -s->m[i] * gx;
 }
 

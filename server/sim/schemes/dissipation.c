@@ -43,8 +43,8 @@ const Scheme scheme_dissipation = {
     .title = "SPH with generalized density dissipation",
     .source = "P1: Zheng and others",
     .integrator = &predictor_corrector,
-    .limits = {&acoustic_limit, &interface_limit, &tension_limit, &body_force_limit, &viscous_limit,
-               &dissipation_limit},
+    .limits = {&acoustic_limit, &interface_limit, &tension_limit, &body_force_limit, &viscous_limit, &dissipation_limit,
+               &change_limit},
     .rates =
         {
             {"walls", .before = {&linear_pressure}, .terms = {&wall_pressure, &wall_velocity}},

@@ -56,7 +56,7 @@ const Scheme scheme_interfacial = {
     .reads_exponent = true,
     .integrator = &kick_drift_kick,
     .limits = {&acoustic_limit, &interface_limit, &tension_limit, &body_force_limit, &radial_viscous_limit,
-               &dissipation_limit},
+               &dissipation_limit, &change_limit},
     .rates =
         {
             {"density",

@@ -67,7 +67,7 @@ const Scheme scheme_riemann = {
     .source = "P3: Rezavand, Zhang and Hu 2020",
     .reads_density_method = true,
     .integrator = &kick_drift_kick,
-    .limits = {&acoustic_limit, &body_force_limit, &viscous_limit},
+    .limits = {&acoustic_limit, &body_force_limit, &viscous_limit, &change_limit},
     .rates =
         {
             {"density", .terms = {&number_density, &riemann_density},

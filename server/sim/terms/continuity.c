@@ -2,7 +2,7 @@
 /* Density by what flows together. Walls count as the fluid that meets them, and move as they are told to: with P2's mirrored
  * velocities (eq. 38) air at the foot of a dam is compressed by the water's image, and its density leaves all bounds in 40 steps.
  *   P1 eq. 7:   d rho_i/dt = rho_i sum_j V_j v_ij . grad_i W
- *   P2 eq. 16:  d rho_i/dt = m_i / Gamma_i sum_j v_ij . grad_i W */
+ *   P2 eq. 16:  d rho_i/dt = m_i / Gamma_i sum_j v_ij . grad_i W,   midway (midway.h) */
 #include "sim/terms/continuity.h"
 #include "sim/terms/terms.h"
 
@@ -56,9 +56,9 @@ const Term continuity = {
 const Term volume_continuity = {
     .name = "continuity of volumes",
     .source = "P2 eq. 16",
-    .equation = "d rho_i/dt = m_i / Gamma_i sum_j (1 + t) v_ij . grad_i W",
+    .equation = "d rho_i/dt = m_i / Gamma_i sum_j (1 + t) v_ij . grad_i W,  at x_ij - dt/2 v_ij",
     .on = ON_CONTINUITY,
     .needed = plain_gradients,
-    .needs = NEED_F | NEED_V | NEED_STATE,
+    .needs = NEED_F | NEED_V | NEED_STATE | NEED_BEND,
     .row = ROW_TABLE(volume_continuity_row),
 };

@@ -4,10 +4,11 @@
 #define SIM_TERMS_CONTINUITY_H
 
 #include "sim/terms/average.h"
+#include "sim/terms/midway.h"
 
 /* What is fixed in the pairs of one particle. */
 typedef struct Flowing {
-    double v[3], p, z;
+    double v[3], p, z, lag;
     double descent[3]; /* minus its pressure gradient */
     double rest;       /* 1/2 if only what is left beside a linear field is dissipated, else 0         */
     double keeps, own; /* 1 and 0 where dissipation keeps the volume of a pair, else 0 and 1 / (2 z_i) */
@@ -16,7 +17,11 @@ typedef struct Flowing {
 INLINE Flowing flowing_of(const Particles *s, const Model *model, size_t i)
 {
     const bool rest = model->delta > 0 && model->dissipates_rest;
-    Flowing a = {.p = s->p[i * s->p_step], .z = particles_impedance(s, model, i), .rest = rest ? 0.5 : 0, .keeps = 1};
+    Flowing a = {.p = s->p[i * s->p_step],
+                 .z = particles_impedance(s, model, i),
+                 .lag = model->lag,
+                 .rest = rest ? 0.5 : 0,
+                 .keeps = 1};
     if (!model->keeps_pair_volume) { /* as if both were of this fluid */
         a.keeps = 0;
         a.own = 0.5 / a.z;
@@ -40,7 +45,7 @@ INLINE double flowing_inverse(const Flowing *a, const Pair *pair)
     return 1 / (a->z + pair->z);
 }
 
-/* Of sum_j V_j v_ij . grad_i W, and of the same without V_j. */
+/* Of sum_j V_j v_ij . grad_i W, and, midway, of the same without V_j. */
 INLINE void continuity_pair(const Flowing *a, const Model *model, const Pair *pair, double inverse, How how, int l,
                             Lanes *sum)
 {
@@ -50,7 +55,7 @@ INLINE void continuity_pair(const Flowing *a, const Model *model, const Pair *pa
 INLINE void volume_continuity_pair(const Flowing *a, const Model *model, const Pair *pair, double inverse, How how,
                                    int l, Lanes *sum)
 {
-    add_product(sum, l, 1 + average_tilt(model, a->z, pair, inverse), compression(a, pair, how), how);
+    add_product(sum, l, 1 + average_tilt(model, a->z, pair, inverse), compression_midway(a->v, pair, a->lag, how), how);
 }
 
 /* The same with walls, which count as the fluid that meets them. */
@@ -61,7 +66,7 @@ INLINE void continuity_wall(const Flowing *a, const Pair *pair, How how, int l, 
 
 INLINE void volume_continuity_wall(const Flowing *a, const Pair *pair, How how, int l, Lanes *sum)
 {
-    add_product(sum, l, 1, compression(a, pair, how), how);
+    add_product(sum, l, 1, compression_midway(a->v, pair, a->lag, how), how);
 }
 
 INLINE void continuity_end(Particles *s, size_t i, const Lanes *sum)

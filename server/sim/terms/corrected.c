@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Continuity and pressure force with corrected gradients, so that a sheared arrangement of particles is not elastic.
  *   d rho_i/dt = rho_i sum_j V_j (1 + t) v_ij . M_i grad_i W
+ *                minus, of schemes whose velocities are of dt/2 before, rho_i dt/2 tr E^2, of E = sum_j V_j (1 + t) v_ij (x) M_i grad_i W
  *   m_i dv_i/dt = -sum_j V_i V_j ((1 + t) p_i M_j + (1 - t) p_j M_i) grad_i W,   t of average.h, M of moments.h, 1 of walls
  * What compresses a particle is then exact where velocities are linear, and a uniform pressure does no other work on them, however
  * particles lie. P2 eq. 16 and 24 find a compression in the shear of a lattice: it resists like an elastic body, with a modulus
@@ -27,6 +28,16 @@ INLINE void strain_pair(const double v[3], const Pair *pair, double counts, How 
     }
 }
 
+/* What the divergence has changed by since velocities were these (midway.h): of a gradient that is exact, exactly its square's. */
+INLINE double divergence_since(const Correction *M, const Lanes strain[3][3], double lag, How how)
+{
+    double E[3][3] = {{0}}, square = 0;
+    for (int d = 0; d < how.dim; d++) correct(M, strain[d], how, E[d]);
+    for (int d = 0; d < how.dim; d++)
+        for (int e = 0; e < how.dim; e++) square += E[d][e] * E[e][d];
+    return lag * square;
+}
+
 INLINE void corrected_continuity_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i;
@@ -51,6 +62,7 @@ INLINE void corrected_continuity_row(const Row *row, Particles *s, const Model *
     const Correction M = moments_inverse(&moments, how);
     keep_correction(s, i, &M, how);
     s->rate[i] = s->rho[i] * corrected_trace(&M, strain, how);
+    if (a.lag > 0) s->rate[i] -= s->rho[i] * divergence_since(&M, strain, a.lag, how);
 }
 ROW_FUNCTIONS(corrected_continuity_row)
 

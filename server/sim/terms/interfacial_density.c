@@ -7,7 +7,7 @@
 
 INLINE void interfacial_density_fused(const RowPlan *plan, Particles *s, size_t i, How how)
 {
-    enum { NEEDS = NEED_W | NEED_F | NEED_V | NEED_STATE | NEED_GRADIENT };
+    enum { NEEDS = NEED_W | NEED_F | NEED_BEND | NEED_V | NEED_STATE | NEED_GRADIENT };
     uint32_t j[PICKED_MAX];
     _Alignas(64) double r[ROW_BLOCKS][LANES];
     double x[3];

@@ -8,7 +8,7 @@
 
 INLINE void density_beside(const RowPlan *plan, Particles *s, size_t i, How how)
 {
-    enum { WALL_NEEDS = NEED_W | NEED_F | NEED_V | NEED_STATE, NEEDS = WALL_NEEDS | NEED_GRADIENT };
+    enum { WALL_NEEDS = NEED_W | NEED_F | NEED_BEND | NEED_V | NEED_STATE, NEEDS = WALL_NEEDS | NEED_GRADIENT };
     uint32_t j[PICKED_MAX];
     _Alignas(64) double r[ROW_BLOCKS][LANES];
     double x[3];

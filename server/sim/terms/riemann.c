@@ -29,7 +29,7 @@ ROW_FUNCTIONS(riemann_density_row)
 
 INLINE void riemann_density_fused(const RowPlan *plan, Particles *s, size_t i, How how)
 {
-    enum { NEEDS = NEED_F | NEED_V | NEED_STATE };
+    enum { NEEDS = NEED_F | NEED_BEND | NEED_V | NEED_STATE };
     uint32_t j[PICKED_MAX];
     _Alignas(64) double r[ROW_BLOCKS][LANES];
     double x[3];
@@ -90,9 +90,9 @@ ROW_FUNCTIONS(riemann_momentum_row)
 const Term riemann_density = {
     .name = "Riemann continuity",
     .source = "P3 eq. 5, 8, 17",
-    .equation = "d rho_i/dt = 2 rho_i sum_j V_j (v_i - v*) . grad_i W",
+    .equation = "d rho_i/dt = 2 rho_i sum_j V_j (v_i - v*) . grad_i W,  v_ij at x_ij - dt/2 v_ij",
     .on = ON_CONTINUITY,
-    .needs = NEED_F | NEED_V | NEED_STATE,
+    .needs = NEED_F | NEED_BEND | NEED_V | NEED_STATE,
     .row = ROW_TABLE(riemann_density_row),
 };
 

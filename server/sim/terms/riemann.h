@@ -10,11 +10,12 @@
 #define SIM_TERMS_RIEMANN_H
 
 #include "sim/kernel_shape.h"
-#include "sim/row.h"
+#include "sim/terms/midway.h"
 
 /* What is fixed in the pairs of one particle. */
 typedef struct Side {
     double v[3], p, z, rho, c, rho0, V;
+    double lag;             /* of velocities behind positions [s] */
     double inverse_c2;      /* for state_density() without a quotient for each pair */
     double steepness, tiny; /* of p*: s / c, and what keeps 0/0 away [m] */
     const double *p_wall;   /* by index of wall particle */
@@ -31,6 +32,7 @@ INLINE Side side_of(const Particles *s, const Model *model, size_t i, How how)
               .rho0 = phase->rho0,
               .V = particles_volume(s, model, i)};
     for (int d = 0; d < how.dim; d++) a.v[d] = s->v[d][i * s->v_step];
+    a.lag = model->lag;
     a.inverse_c2 = 1 / (a.c * a.c);
     a.steepness = model->limiter / model->c_max;
     a.tiny = 1e-12 * model->dx;
@@ -51,19 +53,21 @@ INLINE double opening(const Side *a, const Pair *pair, How how)
     return DOT_DIFFERENCE(a->v, pair->v, pair->x, how);
 }
 
-/* Of sum_j V_j (v_i - v*) . grad_i W. */
+/* Of sum_j V_j (v_i - v*) . grad_i W, velocities midway. */
 INLINE void riemann_density_fluid(const Side *a, const Pair *pair, How how, int l, Lanes *sum)
 {
-    const double excess = mul_add(pair->z, opening(a, pair, how), (a->p - pair->p) * pair->r, how.fma);
-    add_product(sum, l, pair->V * pair->F, excess / (a->z + pair->z), how);
+    const double across = pair->F * ((a->p - pair->p) * pair->r);
+    const double excess = mul_add(pair->z, compression_midway(a->v, pair, a->lag, how), across, how.fma);
+    add_product(sum, l, pair->V, excess / (a->z + pair->z), how);
 }
 
 /* p_w: what the wall shows this fluid. */
 INLINE void riemann_density_wall(const Side *a, const Pair *pair, double p_w, How how, int l, Lanes *sum)
 {
     const double zw = mul_add(p_w, a->inverse_c2, a->rho0, how.fma) * a->c;
-    const double excess = mul_add(zw, opening(a, pair, how), (a->p - p_w) * pair->r, how.fma);
-    add_product(sum, l, pair->V * pair->F, excess / (a->z + zw), how);
+    const double across = pair->F * ((a->p - p_w) * pair->r);
+    const double excess = mul_add(zw, compression_midway(a->v, pair, a->lag, how), across, how.fma);
+    add_product(sum, l, pair->V, excess / (a->z + zw), how);
 }
 
 /* d rho_i/dt = 2 rho_i sum_j V_j (v_i - v*) . grad_i W */
