@@ -161,17 +161,16 @@ states: $(BUILD)/tests/portable/states
 states-objects: $(filter-out %/formula.o,$(SOLVER)) $(call objects,tests/support/bench_cases.c tests/support/cases.c $(wildcard tests/portable/*.c))
 # What is fed rubbish is built with sanitizers.
 torture-programs: $(TORTURE) $(BUILD)/tests/protocol/test_daemon_fuzz
-	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/asan CC=clang SANITIZE=$(ADDRESSES) fuzz-programs
-# One build for the tests under the address sanitizer and for what libFuzzer runs.
-ADDRESSES := address,undefined,fuzzer-no-link
+	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/fuzz CC=clang SANITIZE=$(FUZZED) fuzz-programs
+FUZZED    := address,undefined,fuzzer-no-link
 fuzz-programs: $(FUZZ)
 
 reference: $(BUILD)/case-reference.md ## write the manual of the case format from its schema
 	cp $< server/cases/REFERENCE.md
 
-asan: ## unit and protocol tests under address and undefined-behaviour sanitizers (clang)
+asan: ## unit and protocol tests under address and undefined-behaviour sanitizers
 	@tests/support/packages.sh ci
-	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/asan CC=clang SANITIZE=$(ADDRESSES) all tests
+	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/asan SANITIZE=address,undefined all tests
 	@BUILD=$(BUILD)/asan tests/support/sanitize.sh address
 
 tsan: ## the same under the thread sanitizer (clang, libomp)
@@ -181,8 +180,8 @@ tsan: ## the same under the thread sanitizer (clang, libomp)
 
 fuzz: ## what comes from outside, under libFuzzer (clang) [FUZZ_SECONDS=600, for each target]
 	@tests/support/packages.sh ci
-	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/asan CC=clang SANITIZE=$(ADDRESSES) fuzz-programs
-	@BUILD=$(BUILD)/asan tests/support/fuzz.sh $(or $(FUZZ_SECONDS),600)
+	@$(MAKE) --no-print-directory -s $(PARALLEL) BUILD=$(BUILD)/fuzz CC=clang SANITIZE=$(FUZZED) fuzz-programs
+	@BUILD=$(BUILD)/fuzz tests/support/fuzz.sh $(or $(FUZZ_SECONDS),600)
 
 lint: ## clang-format, clang-tidy, cppcheck, shellcheck, layers
 	@tests/support/packages.sh ci

@@ -162,25 +162,28 @@ portability() {
     run tests "aarch64" 300 tests/portable/aarch64.sh
 }
 
-# By clang: what it warns of breaks the build.
-build_with() { # build_with SANITIZERS FOLDER TARGET...
-    local sanitize=$1 folder=$2
-    shift 2
-    run step "build with clang and $sanitize" 1500 make -s -j"$jobs" BUILD="$BUILD/$folder" CC=clang SANITIZE="$sanitize" "$@"
+build_with() { # build_with COMPILER SANITIZERS FOLDER TARGET...
+    local compiler=$1 sanitize=$2 folder=$3
+    shift 3
+    run step "build with $compiler and $sanitize" 1500 make -s -j"$jobs" BUILD="$BUILD/$folder" CC="$compiler" SANITIZE="$sanitize" "$@"
 }
 
 addresses() {
-    build_with address,undefined,fuzzer-no-link asan all tests fuzz-programs
+    # Not by clang, whose OpenMP runtime loses what it keeps for threads, so that leaks of our own would not be seen.
+    build_with "$CC" address,undefined asan all tests
     run tests "address and undefined-behaviour sanitizers" 1500 env BUILD="$BUILD/asan" tests/support/sanitize.sh address
 }
 
 threads() {
-    build_with thread tsan raced
+    build_with clang thread tsan raced # what clang warns of breaks it
     run tests "thread sanitizer" 1500 env BUILD="$BUILD/tsan" tests/support/sanitize.sh thread
 }
 
 # A hundredth of the inputs that are promised.
-fuzzing() { run tests "fuzz targets" 600 env BUILD="$BUILD/asan" tests/support/fuzz.sh 240 1000000; }
+fuzzing() {
+    build_with clang address,undefined,fuzzer-no-link fuzz fuzz-programs
+    run tests "fuzz targets" 600 env BUILD="$BUILD/fuzz" tests/support/fuzz.sh 240 1000000
+}
 
 # What took longest first.
 told_times() {
