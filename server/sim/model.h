@@ -76,7 +76,6 @@ typedef struct Model {
     bool filled;                       /* at the start, no place was without fluid or wall, and no side open */
     bool closed;                       /* and never will be, as all walls move as one */
     bool transport_stress;             /* option of the scheme */
-    double v_max;                      /* of the fluid, as last looked at [m/s]; of schemes that shift by it */
     double t, dt;                      /* end of the current step [s], its length [s] */
     double lag;                        /* of velocities behind positions, where rates are found [s] */
     double gravity[3], gravity_now[3]; /* mean over the step, by which fluid is pushed; at t [m/s^2] */

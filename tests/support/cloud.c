@@ -39,7 +39,6 @@ static void set_model(Model *model, const CloudSetup *setup)
         .rho_min = 1,
         .projection = {.offset = 0.2},
         .differences = {.threshold = 0.01, .shifting = 0.5, .along = 1, .scale = pow(setup->dx, 2 - setup->dim)},
-        .v_max = 1,
         .viscous = setup->viscous,
         .dt = 1e-3,
         .transport_stress = true,

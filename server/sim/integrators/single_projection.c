@@ -162,7 +162,6 @@ static MnsStatus move(MnsSim *sim, double t, double dt, bool *ret_well, MnsError
     integrator_clock(sim, TIMER_DRIFT, start);
     MnsStatus status = integrator_lists(sim, error);
     if (!status) {
-        sim->model.v_max = sim->v_max;
         integrator_pass(sim, PASS_SPACING);
         status = integrator_lists(sim, error);
     }

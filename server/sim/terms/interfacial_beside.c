@@ -74,7 +74,8 @@ INLINE void forces_beside(const RowPlan *plan, Particles *s, size_t i, How how)
 {
     enum { WALL_NEEDS = NEED_F | NEED_V | NEED_STATE, NEEDS = WALL_NEEDS | NEED_SHEPARD };
     double x[3], mu[MNS_MAX_FLUIDS], like[MNS_MAX_FLUIDS];
-    Lanes push[3] = {0}, drag[3] = {0}, friction[3] = {0}, slope[3] = {0}, carried[4] = {0};
+    ShiftingSums carried = {0};
+    Lanes push[3] = {0}, drag[3] = {0}, friction[3] = {0}, slope[3] = {0};
     Block block, ahead[2];
     Beside near;
     const Model *model = plan->model;
@@ -107,7 +108,7 @@ INLINE void forces_beside(const RowPlan *plan, Particles *s, size_t i, How how)
             pressure_pair(&a, model, &pair, true, beta * others[l], how, l, push, WEIGHTS_SQUARES);
             drag_pair(c.v, a.V, &pair, against[l], soft, how, l, drag);
             gradient_pair(p, &pair, how, l, slope);
-            shifting_pair(&c, &pair, counts[l], alike[l], how, l, carried);
+            shifting_pair(&c, &pair, counts[l], alike[l], how, l, &carried);
         }
     }
     for (size_t b = near.picked.n_fluid; b < near.picked.n; b++) {
@@ -131,7 +132,7 @@ INLINE void forces_beside(const RowPlan *plan, Particles *s, size_t i, How how)
         if (pulled.any) corrected_pull_beside(plan, s, i, how, &near, &pulled);
     }
     gradient_end(s, i, &near.moments, slope, how);
-    shifting_end(&c, s, model, i, carried, how);
+    shifting_end(&c, s, model, i, &carried, how);
 }
 BESIDE_FUNCTIONS(forces_beside)
 

@@ -11,7 +11,8 @@ INLINE void interfacial_forces_of(const RowPlan *plan, Particles *s, size_t i, H
     enum { NEEDS = NEED_F | NEED_V | NEED_STATE | NEED_SHEPARD };
     uint32_t j[PICKED_MAX];
     double x[3];
-    Lanes push[3] = {0}, drag[3] = {0}, slope[3] = {0}, carried[4] = {0};
+    ShiftingSums carried = {0};
+    Lanes push[3] = {0}, drag[3] = {0}, slope[3] = {0};
     Moments moments = {0};
     Block block, ahead[2];
     const Model *model = plan->model;
@@ -32,13 +33,13 @@ INLINE void interfacial_forces_of(const RowPlan *plan, Particles *s, size_t i, H
             if (viscous) drag_pair(c.v, a.V, &pair, mu, soft, how, l, drag);
             gradient_pair(p, &pair, how, l, slope);
             moments_pair(&moments, &pair, 1, how, l);
-            shifting_pair(&c, &pair, 1, 1, how, l, carried);
+            shifting_pair(&c, &pair, 1, 1, how, l, &carried);
         }
     }
     pressure_end(s, i, push, how);
     if (viscous) drag_end(s, i, drag, how);
     gradient_end(s, i, &moments, slope, how);
-    shifting_end(&c, s, model, i, carried, how);
+    shifting_end(&c, s, model, i, &carried, how);
 }
 
 INLINE void viscous_fused(const RowPlan *plan, Particles *s, size_t i, How how)

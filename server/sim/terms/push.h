@@ -70,13 +70,21 @@ INLINE void pressure_end(Particles *s, size_t i, const Lanes sum[3], How how)
 
 /* --- shifting ---------------------------------------------------------------------------------------------------------- */
 
-/* A particle and where it is shifted. */
+/* A particle and where it is shifted, for each m/s by which neighbours move past it. */
 typedef struct Shifted {
-    double dx[3], v[3], v2, z; /* v2: |v|^2 */
-    double y[3];               /* dx, corrected where neighbours of its own fluid are missing */
+    double dx[3], far, v[3], z; /* far: how far that would be through interfaces too */
+    double y[3];                /* dx, corrected where neighbours of its own fluid are missing */
 } Shifted;
 
 Shifted shifted_of(const Particles *s, const Model *model, size_t i);
+
+/* By how much of that, where the largest difference of velocity has the square U2. */
+double shifting_scale(const Model *model, double far, double U2);
+
+/* Of y . sum_j (f_j - f_i) grad_i W V_j for what particles carry: velocity, and in of[3] rho c_i; and the largest |v_j - v_i|^2. */
+typedef struct ShiftingSums {
+    Lanes of[4], fastest;
+} ShiftingSums;
 
 /* y = M dx with M of those who count: beside an interface half of them are missing, and with them would be half of each difference.
  * In the midst of a fluid differences are as P2 has them, a tenth off where particles are disordered. */
@@ -95,19 +103,30 @@ INLINE void likenesses(const Model *model, unsigned fluid, double ret[MNS_MAX_FL
     for (size_t k = 0; k < model->n_phases; k++) ret[k] = model->phase[fluid].c / model->phase[k].c;
 }
 
-/* Of y . sum_j (f_j - f_i) grad_i W V_j for what particles carry: velocity, and in sum[3] rho c_i. like: c_i / c_j. */
-INLINE void shifting_pair(const Shifted *a, const Pair *pair, double counts, double like, How how, int l, Lanes sum[4])
+/* counts: 1 or 0; like: c_i / c_j. Pairs out of reach have no slope of the kernel. */
+INLINE void shifting_pair(const Shifted *a, const Pair *pair, double counts, double like, How how, int l,
+                          ShiftingSums *sum)
 {
     const double c = counts * (pair->V * pair->F * DOT(a->y, pair->x, how));
-    for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, pair->v[d] - a->v[d], how);
-    add_product(&sum[3], l, c, pair->z * like - a->z, how);
+    double v2 = 0;
+    for (int d = 0; d < how.dim; d++) {
+        const double dv = pair->v[d] - a->v[d];
+        add_product(&sum->of[d], l, c, dv, how);
+        v2 += dv * dv;
+    }
+    add_product(&sum->of[3], l, c, pair->z * like - a->z, how);
+    v2 = pair->F != 0 ? counts * v2 : 0;
+    sum->fastest.of[l] = v2 > sum->fastest.of[l] ? v2 : sum->fastest.of[l];
 }
 
-INLINE void shifting_end(const Shifted *a, Particles *s, const Model *model, size_t i, const Lanes sum[4], How how)
+INLINE void shifting_end(const Shifted *a, Particles *s, const Model *model, size_t i, const ShiftingSums *sum, How how)
 {
-    s->rate[i] = a->v2; /* from which its way is found again, when all have been looked at where they were */
-    for (int d = 0; d < how.dim; d++) s->v[d][i * s->v_step] += lanes_sum(&sum[d]);
-    s->rho[i] += lanes_sum(&sum[3]) / model->phase[s->phase[i]].c;
+    double fastest = 0;
+    for (int l = 0; l < LANES; l++) fastest = sum->fastest.of[l] > fastest ? sum->fastest.of[l] : fastest;
+    const double scale = shifting_scale(model, a->far, fastest);
+    s->rate[i] = fastest; /* from which its way is found again, when all have been looked at where they were */
+    for (int d = 0; d < how.dim; d++) s->v[d][i * s->v_step] += scale * lanes_sum(&sum->of[d]);
+    s->rho[i] += scale * lanes_sum(&sum->of[3]) / model->phase[s->phase[i]].c;
 }
 
 #endif

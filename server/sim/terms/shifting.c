@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Particles are shifted to where there are fewer, once a step, with what they carry put right to first order.   P2 eq. 50-53
- *   dx_i = -A h |v_i| dt sum_j V_j grad_i W,   at most dx/10;   beside an interface only along it: dx_i -= (dx_i . n_i) n_i
+ *   dx_i = -A h U_i dt sum_j V_j grad_i W,   at most dx/10;   beside an interface only along it: dx_i -= (dx_i . n_i) n_i
+ *   U_i = max_j |v_j - v_i| over particles of the same fluid within the support: P2 prints |v_i|, which is another in each frame of reference,
+ * so that what only drifts would be stirred; what disorders particles is how their neighbours move past them
  *   v_i += dx_i . sum_j (v_j - v_i) grad_i W V_j, density alike, over particles of the same fluid, beside an interface with M_i of
  * these, which P2 leaves out
- * P2's original shifts through interfaces too and corrects from all fluids without M, which mixes densities of water and air. */
+ * P2's original shifts through interfaces too and corrects from all fluids without M, which mixes densities of water and air.
+ * A free surface is no place with room: where the kernel is not full there is no shift, in a domain that is not filled. */
 #include "sim/terms/moments.h"
 #include "sim/terms/push.h"
 #include "sim/terms/terms.h"
@@ -11,44 +14,49 @@
 static const double FARTHEST =
     0.1; /* of a spacing that a shift takes a particle: what it carries is put right to first order only */
 
-/* Where a particle goes, whose speed has this square. */
-static void find_way(const Particles *s, const Model *model, size_t i, double v2, double dx[3])
+static const double FULL = 0.95; /* of the sum of W V: what has less is near a free surface, where there is one */
+
+/* Where a particle goes, for each m/s of U; returns how far that is before what leads through an interface is left out. */
+static double find_way(const Particles *s, const Model *model, size_t i, double dx[3])
 {
     const int dim = s->dim;
+    const bool surface = !model->filled && s->shepard[i] < FULL;
+    const double scale = surface ? 0 : -model->shifting * model->kernel.h * model->dt;
     double through = 0, size = 0;
-    const double scale = -model->shifting * model->kernel.h * sqrt(v2) * model->dt;
     for (int d = 0; d < dim; d++) {
         dx[d] = scale * s->concentration[d][i];
         size += dx[d] * dx[d];
-    }
-    const double most = FARTHEST * model->dx, cut = size > most * most ? most / sqrt(size) : 1;
-    for (int d = 0; d < dim; d++) {
-        dx[d] *= cut;
         through += model->shifts_along_interfaces ? dx[d] * s->normal[d][i * s->normal_step] : 0;
     }
     for (int d = 0; d < dim; d++)
         dx[d] -= model->shifts_along_interfaces ? through * s->normal[d][i * s->normal_step] : 0;
+    return sqrt(size);
+}
+
+double shifting_scale(const Model *model, double far, double U2)
+{
+    const double U = sqrt(U2), most = FARTHEST * model->dx;
+    return U * far > most ? most / far : U;
 }
 
 Shifted shifted_of(const Particles *s, const Model *model, size_t i)
 {
     Shifted a = {.z = particles_impedance(s, model, i)};
+    a.far = find_way(s, model, i, a.dx);
     for (int d = 0; d < s->dim; d++) {
         a.v[d] = s->v[d][i * s->v_step];
-        a.v2 += a.v[d] * a.v[d];
+        a.y[d] = a.dx[d];
     }
-    find_way(s, model, i, a.v2, a.dx);
-    for (int d = 0; d < s->dim; d++) a.y[d] = a.dx[d];
     return a;
 }
 
-/* By the speed before its velocity was carried along, which the row has left in rate. */
+/* By the differences of velocity before any was carried along, which the row has left in rate. */
 static void go(Particles *s, const Model *model, size_t first, size_t last)
 {
     for (size_t i = first; i < last; i++) {
         double dx[3];
-        find_way(s, model, i, s->rate[i], dx);
-        for (int d = 0; d < s->dim; d++) s->x[d][i * s->x_step] += dx[d];
+        const double far = find_way(s, model, i, dx), scale = shifting_scale(model, far, s->rate[i]);
+        for (int d = 0; d < s->dim; d++) s->x[d][i * s->x_step] += scale * dx[d];
     }
 }
 
@@ -80,7 +88,7 @@ INLINE void correct_shift(const Row *row, Shifted *a, How how)
 
 /* same_only: others of the same fluid count alone. Two loops, as the compiler gives up one that asks. */
 INLINE void shifting_sums(const Row *row, const Particles *s, const Shifted *a, const double *like, bool same_only,
-                          How how, Lanes sum[4])
+                          How how, ShiftingSums *sum)
 {
     double alike[LANES];
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++) {
@@ -100,10 +108,10 @@ INLINE void shifting_row(const Row *row, Particles *s, const Model *model, How h
     if (same_only) correct_shift(row, &a, how);
     double like[MNS_MAX_FLUIDS];
     likenesses(model, s->phase[row->i], like);
-    Lanes sum[4] = {0};
-    if (same_only) shifting_sums(row, s, &a, like, true, how, sum);
-    else shifting_sums(row, s, &a, like, false, how, sum);
-    shifting_end(&a, s, model, row->i, sum, how);
+    ShiftingSums sum = {0};
+    if (same_only) shifting_sums(row, s, &a, like, true, how, &sum);
+    else shifting_sums(row, s, &a, like, false, how, &sum);
+    shifting_end(&a, s, model, row->i, &sum, how);
 }
 ROW_FUNCTIONS(shifting_row)
 
@@ -121,7 +129,8 @@ const Term concentration = {
 const Term shifting = {
     .name = "particle shifting",
     .source = "P2 eq. 50-53",
-    .equation = "dx_i = -A h |v_i| dt sum_j V_j grad_i W, along interfaces;  v, rho += dx_i . grad of the same fluid",
+    .equation =
+        "dx_i = -A h max|v_ij| dt sum_j V_j grad_i W, along interfaces;  v, rho += dx_i . grad of the same fluid",
     .on = ON_FLUID,
     .needed = is_shifted,
     .needs = NEED_F | NEED_V | NEED_STATE | NEED_OTHERS,
