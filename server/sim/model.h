@@ -13,6 +13,7 @@ typedef struct Phase {
     double exponent;    /* of Tait's equation of state; 1: the linear one */
     double background;  /* in all pressures [Pa] */
     bool summation;     /* density by summation, and the stress of the transport velocity; else continuity */
+    bool fills;         /* it goes wherever there is room, as a gas does: by shifting, and with pairs that dissipate (gas.c) */
 } Phase;
 
 /* A wall, moving as a rigid body. */
@@ -81,6 +82,8 @@ typedef struct Model {
     double gravity[3], gravity_now[3]; /* mean over the step, by which fluid is pushed; at t [m/s^2] */
     double cfl, limiter, guard;        /* options of the scheme; guard in [m] */
     double density_average;            /* 1: pairs are averaged by density; 0: arithmetically */
+    double own_gradients;              /* 1: pressure gradients are found within a fluid; 0: across interfaces too */
+    bool has_gas;                      /* a fluid fills */
     double delta, repulsion, shifting; /* of density dissipation, between unlike fluids, of particle shifting */
     bool dissipates_rest,
         keeps_pair_volume;        /* of the dissipation: only what is left beside a linear field; the factor */

@@ -43,7 +43,7 @@ static inline bool local_needed(const Local *local, const Model *model)
     return !local->needed || local->needed(model);
 }
 
-enum { PASS_TERMS_MAX = 8, PASS_LOCALS_MAX = 4, PASS_FUSIONS_MAX = 4 };
+enum { PASS_TERMS_MAX = 8, PASS_LOCALS_MAX = 4, PASS_FUSIONS_MAX = 6 };
 
 /* Several terms in one function (fused.h), used for particles that need just these. */
 typedef struct Fusion {

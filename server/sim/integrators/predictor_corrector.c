@@ -59,7 +59,7 @@ static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
     integrator_clock(sim, TIMER_DRIFT, start);
     MnsStatus status = integrator_lists(sim, error);
     if (status) return status;
-    integrator_rates(sim, 0);
+    integrator_rates(sim, sim->scheme->given);
 
     start = omp_get_wtime();
     correct(sim, dt);
@@ -67,8 +67,14 @@ static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
     integrator_clock(sim, TIMER_KICK, start);
     status = integrator_lists(sim, error);
     if (status) return status;
+    if (sim->scheme->given > 0 &&
+        sim->model.shifting > 0) { /* once a step, and before the rates that it goes on with */
+        for (int k = 0; k < sim->scheme->given; k++) integrator_pass(sim, k);
+        status = integrator_lists(sim, error);
+        if (status) return status;
+    }
     const bool well = integrator_look(sim);
-    integrator_rates(sim, 0);
+    integrator_rates(sim, sim->scheme->given);
     return well ? MNS_OK : fault_particle(sim, error);
 }
 

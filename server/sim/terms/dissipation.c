@@ -3,6 +3,8 @@
  *   G_i = sum_j (p_j - p_i) M_i grad_i W V_j
  *   d rho_i/dt += -delta sum_j 2 rho_i / (z_i + z_j) psi_ij (x_ij . grad_i W)/r V_j,   z = rho c
  *   psi_ij = p_j - p_i + (G_i + G_j)/2 . x_ij,   0 in a linear field
+ * Beside a gas that fills what room there is, G and its M are of one's own fluid: the gradient has a kink at its surface, over which a mean
+ * would drive mass through it.
  * Eq. 49 lacks 1/r, which its dimension asks for, and eq. 46 has the sign of G_j wrong: as printed a layer of water sinks through
  * its floor. The factor 2 rho_i/(rho_i + rho_j) keeps the volume of a pair; it and 1/c are one here, so that fluids may differ in their
  * speeds of sound, and it is what a Riemann problem dissipates (P3 eq. 10). Pairs with walls dissipate nothing: their pressures are
@@ -23,18 +25,18 @@ static bool needs_gradient(const Model *model)
 
 INLINE void pressure_gradient_row(const Row *row, Particles *s, const Model *model, How how)
 {
-    (void)model;
-    const double p = s->p[row->i * s->p_step];
+    const double p = s->p[row->i * s->p_step], own = row->mixed ? model->own_gradients : 0;
     Moments moments = {0};
     Lanes sum[3] = {0};
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
-            gradient_pair(p, &pair, how, l, sum);
-            moments_pair(&moments, &pair, 1, how, l);
+            const double counts = own > 0 ? 1 - own * pair.other : 1;
+            gradient_pair(p, &pair, counts, how, l, sum);
+            moments_pair(&moments, &pair, counts, how, l);
         }
-    gradient_end(s, row->i, &moments, sum, how);
+    gradient_end(s, row->i, &moments, sum, model->own_gradients > 0 ? least_moments(how) : 0, how);
 }
 ROW_FUNCTIONS(pressure_gradient_row)
 
@@ -58,7 +60,7 @@ const Term pressure_gradient = {
     .equation = "G_i = sum_j (p_j - p_i) M_i grad_i W V_j",
     .on = ON_CONTINUITY,
     .needed = needs_gradient,
-    .needs = NEED_F | NEED_STATE,
+    .needs = NEED_F | NEED_STATE | NEED_OTHERS,
     .writes = FIELD(GRADIENT),
     .row = ROW_TABLE(pressure_gradient_row),
 };

@@ -2,8 +2,8 @@
 /* The sums of P1 for viscous particles beside walls or another fluid: how they lie, and all rates. */
 #include "sim/fused.h"
 #include "sim/terms/continuity.h"
+#include "sim/terms/gas.h"
 #include "sim/terms/moments.h"
-#include "sim/terms/push.h"
 #include "sim/terms/tension.h"
 #include "sim/terms/terms.h"
 #include "sim/terms/viscosity.h"
@@ -20,7 +20,7 @@ INLINE void shape_beside(const RowPlan *plan, Particles *s, size_t i, How how)
     Marks other;
     const Picked picked = pick_neighbours(plan, i, j);
     const bool mixed = mark_others(plan, i, j, &picked, &other);
-    const double p = s->p[i * s->p_step];
+    const double p = s->p[i * s->p_step], own = plan->model->own_gradients;
     position_of(s, i, how, x);
     approach(ahead, 0, plan, &picked, j, x, how);
     for (size_t b = 0; b < picked.n_fluid; b++) {
@@ -32,8 +32,9 @@ INLINE void shape_beside(const RowPlan *plan, Particles *s, size_t i, How how)
             const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, NEEDS, how);
             r[b][l] = pair.r;
             add_product(&shepard, l, pair.W, pair.V, how);
-            gradient_pair(p, &pair, how, l, slope);
-            moments_pair(&moments, &pair, 1, how, l);
+            const double counts = 1 - own * others[l];
+            gradient_pair(p, &pair, counts, how, l, slope);
+            moments_pair(&moments, &pair, counts, how, l);
             towards_pair(&pair, others[l], how, l, towards);
         }
     }
@@ -49,7 +50,7 @@ INLINE void shape_beside(const RowPlan *plan, Particles *s, size_t i, How how)
     }
     note_reach(plan, i, &picked, r[0], LANES);
     s->shepard[i] = plan->at_zero * particles_volume(s, plan->model, i) + lanes_sum(&shepard);
-    gradient_end(s, i, &moments, slope, how);
+    gradient_end(s, i, &moments, slope, own > 0 ? least_moments(how) : 0, how);
     if (!finds_normals(plan->model)) return;
     if (mixed) normal_end(s, plan->model, i, &NO_CORRECTION, towards, how);
     else normal_none(s, i, how);
@@ -82,12 +83,12 @@ INLINE void pull_beside(const RowPlan *plan, Particles *s, size_t i, How how, co
     pull_end(s, i, a, curvature_end(&above, &below, how), &NO_CORRECTION, towards, how);
 }
 
-INLINE void rates_beside(const RowPlan *plan, Particles *s, size_t i, How how)
+INLINE void rates_beside_of(const RowPlan *plan, Particles *s, size_t i, How how, bool viscous, bool gas)
 {
     enum { WALL_NEEDS = NEED_F | NEED_V | NEED_STATE, NEEDS = WALL_NEEDS | NEED_SHEPARD | NEED_GRADIENT };
     uint32_t j[PICKED_MAX];
-    double x[3], mu[MNS_MAX_FLUIDS];
-    Lanes flow = {0}, dissipated = {0}, push[3] = {0}, drag[3] = {0}, friction[3] = {0};
+    double x[3], mu[MNS_MAX_FLUIDS], gases[MNS_MAX_FLUIDS];
+    Lanes flow = {0}, dissipated = {0}, push[3] = {0}, drag[3] = {0}, friction[3] = {0}, damping[3] = {0};
     Block block, ahead[2];
     Marks other;
     const Model *model = plan->model;
@@ -96,15 +97,17 @@ INLINE void rates_beside(const RowPlan *plan, Particles *s, size_t i, How how)
     const Flowing a = flowing_of(s, model, i);
     const Pushed c = pushed_of(s, model, i);
     const WallPressure shown = wall_pressure_of(s, i);
-    const double soft = viscosity_softening(&model->kernel), beta = model->repulsion;
+    const double soft = viscosity_softening(&model->kernel), beta = model->repulsion, tiny = gas_tiny(model);
     viscosities_of(model, s->phase[i], 4, mu);
+    gases_beside(model, s->phase[i], gases);
     position_of(s, i, how, x);
     approach(ahead, 0, plan, &picked, j, x, how);
     for (size_t b = 0; b < picked.n_fluid; b++) {
         approach(ahead, b + 1, plan, &picked, j, x, how);
         const double *others = other.of[b];
-        double against[LANES];
+        double against[LANES], counts[LANES];
         by_fluid(s, j + b * LANES, mu, against);
+        if (gas) by_fluid(s, j + b * LANES, gases, counts);
         fetch_rest(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
@@ -113,33 +116,47 @@ INLINE void rates_beside(const RowPlan *plan, Particles *s, size_t i, How how)
             continuity_pair(&a, model, &pair, inverse, how, l, &flow);
             dissipation_pair(&a, &pair, inverse, how, l, &dissipated);
             pressure_pair(&c, model, &pair, true, beta * others[l], how, l, push, WEIGHTS_PRODUCT);
-            viscosity_pair(a.v, c.V, &pair, against[l], soft, how, l, drag);
+            if (viscous) viscosity_pair(a.v, c.V, &pair, against[l], soft, how, l, drag);
+            if (gas) gas_pair(&c, a.v, &pair, counts[l], tiny, how, l, damping);
         }
     }
     for (size_t b = picked.n_fluid; b < picked.n; b++) {
         const uint32_t *wall = j + b * LANES;
         approach(ahead, b + 1, plan, &picked, j, x, how);
         Sticking sticking;
-        sticking_of(s, model, wall, wall_viscosity_of(model, s->phase[i]), how, &sticking);
+        if (viscous) sticking_of(s, model, wall, wall_viscosity_of(model, s->phase[i]), how, &sticking);
         fetch_rest(&block, wall, &plan->nb->bundles, WALL_NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, WALL_NEEDS, how);
             continuity_wall(&a, &pair, how, l, &flow);
             pressure_wall(&c, &pair, shown_by(&shown, wall[l]), how, l, push, WEIGHTS_PRODUCT);
-            friction_pair(a.v, c.V, &pair, &sticking, soft, how, l, friction);
+            if (viscous) friction_pair(a.v, c.V, &pair, &sticking, soft, how, l, friction);
         }
     }
     continuity_end(s, i, &flow);
     dissipation_end(s, model, i, &dissipated);
     pressure_end(s, i, push, how);
-    viscosity_end(s, i, drag, how);
-    if (picked.walls) viscosity_end(s, i, friction, how);
+    if (viscous) viscosity_end(s, i, drag, how);
+    if (gas) pressure_end(s, i, damping, how);
+    if (viscous && picked.walls) viscosity_end(s, i, friction, how);
     if (!mixed || !model->tense) return;
     const Pulled pulled = pulled_of(s, model, i, mixed, how);
     if (pulled.any) pull_beside(plan, s, i, how, j, &picked, &other, &pulled);
 }
+
+INLINE void rates_beside(const RowPlan *plan, Particles *s, size_t i, How how)
+{
+    rates_beside_of(plan, s, i, how, true, false);
+}
 BESIDE_FUNCTIONS(rates_beside)
+
+INLINE void gas_rates_beside(const RowPlan *plan, Particles *s, size_t i, How how)
+{
+    if (plan->model->viscous) rates_beside_of(plan, s, i, how, true, true);
+    else rates_beside_of(plan, s, i, how, false, true);
+}
+BESIDE_FUNCTIONS(gas_rates_beside)
 
 const Fusion dissipation_shape_beside = {
     .terms = {&shepard_sum, &pressure_gradient},
@@ -154,4 +171,11 @@ const Fusion dissipation_rates_beside = {
     .also = {&wall_friction, &surface_tension},
     .not_together = LIST_WALLS | LIST_OTHERS, /* where walls mirror interfaces (images.c) */
     .row = BESIDE_TABLE(rates_beside),
+};
+
+const Fusion dissipation_gas_rates_beside = {
+    .terms = {&continuity, &density_dissipation, &pressure_force, &gas_dissipation},
+    .also = {&viscosity, &wall_friction, &surface_tension},
+    .not_together = LIST_WALLS | LIST_OTHERS, /* where walls mirror interfaces (images.c) */
+    .row = BESIDE_TABLE(gas_rates_beside),
 };

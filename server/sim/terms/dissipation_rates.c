@@ -2,22 +2,24 @@
 /* All rates of P1 in one function, for particles among their own. */
 #include "sim/fused.h"
 #include "sim/terms/continuity.h"
-#include "sim/terms/push.h"
+#include "sim/terms/gas.h"
 #include "sim/terms/terms.h"
 #include "sim/terms/viscosity.h"
 
-INLINE void dissipation_rates_of(const RowPlan *plan, Particles *s, size_t i, How how, bool viscous)
+/* gas: all pairs dissipate, as they do of a gas. */
+INLINE void dissipation_rates_of(const RowPlan *plan, Particles *s, size_t i, How how, bool viscous, bool gas)
 {
     enum { NEEDS = NEED_F | NEED_V | NEED_STATE | NEED_SHEPARD | NEED_GRADIENT };
     uint32_t j[PICKED_MAX];
     double x[3];
-    Lanes flow = {0}, dissipated = {0}, push[3] = {0}, drag[3] = {0};
+    Lanes flow = {0}, dissipated = {0}, push[3] = {0}, drag[3] = {0}, damping[3] = {0};
     Block block, ahead[2];
     const Model *model = plan->model;
     const Picked picked = pick_neighbours(plan, i, j);
     const Flowing a = flowing_of(s, model, i);
     const Pushed c = pushed_of(s, model, i);
-    const double mu = viscosity_of(model, s->phase[i], s->phase[i], 4), soft = viscosity_softening(&model->kernel);
+    const double mu = viscosity_of(model, s->phase[i], s->phase[i], 4), soft = viscosity_softening(&model->kernel),
+                 tiny = gas_tiny(model);
     position_of(s, i, how, x);
     approach(ahead, 0, plan, &picked, j, x, how);
     for (size_t b = 0; b < picked.n; b++) {
@@ -31,25 +33,35 @@ INLINE void dissipation_rates_of(const RowPlan *plan, Particles *s, size_t i, Ho
             dissipation_pair(&a, &pair, inverse, how, l, &dissipated);
             pressure_pair(&c, model, &pair, false, 0, how, l, push, WEIGHTS_PRODUCT);
             if (viscous) viscosity_pair(a.v, c.V, &pair, mu, soft, how, l, drag);
+            if (gas) gas_pair(&c, a.v, &pair, 1, tiny, how, l, damping);
         }
     }
     continuity_end(s, i, &flow);
     dissipation_end(s, model, i, &dissipated);
     pressure_end(s, i, push, how);
     if (viscous) viscosity_end(s, i, drag, how);
+    if (gas) pressure_end(s, i, damping, how);
 }
 
 INLINE void viscous_rates_fused(const RowPlan *plan, Particles *s, size_t i, How how)
 {
-    dissipation_rates_of(plan, s, i, how, true);
+    dissipation_rates_of(plan, s, i, how, true, false);
 }
 FUSED_FUNCTIONS(viscous_rates_fused)
 
 INLINE void inviscid_rates_fused(const RowPlan *plan, Particles *s, size_t i, How how)
 {
-    dissipation_rates_of(plan, s, i, how, false);
+    dissipation_rates_of(plan, s, i, how, false, false);
 }
 FUSED_FUNCTIONS(inviscid_rates_fused)
+
+/* Of a case with a gas: most of its particles. */
+INLINE void gas_rates_fused(const RowPlan *plan, Particles *s, size_t i, How how)
+{
+    if (plan->model->phase[s->phase[i]].fills) dissipation_rates_of(plan, s, i, how, true, true);
+    else dissipation_rates_of(plan, s, i, how, true, false);
+}
+FUSED_FUNCTIONS(gas_rates_fused)
 
 const Fusion dissipation_viscous_rates = {
     .terms = {&continuity, &density_dissipation, &pressure_force, &viscosity},
@@ -61,4 +73,11 @@ const Fusion dissipation_rates = {
     .terms = {&continuity, &density_dissipation, &pressure_force},
     .not_for = LIST_WALLS | LIST_OTHERS,
     .row = FUSED_TABLE(inviscid_rates_fused),
+};
+
+const Fusion dissipation_gas_rates = {
+    .terms = {&continuity, &density_dissipation, &pressure_force, &gas_dissipation},
+    .also = {&viscosity},
+    .not_for = LIST_WALLS | LIST_OTHERS,
+    .row = FUSED_TABLE(gas_rates_fused),
 };

@@ -26,13 +26,13 @@ INLINE void dissipation_shape_fused(const RowPlan *plan, Particles *s, size_t i,
             const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, NEEDS, how);
             r[b][l] = pair.r;
             add_product(&shepard, l, pair.W, pair.V, how);
-            gradient_pair(p, &pair, how, l, slope);
+            gradient_pair(p, &pair, 1, how, l, slope);
             moments_pair(&moments, &pair, 1, how, l);
         }
     }
     note_reach(plan, i, &picked, r[0], LANES);
     s->shepard[i] = plan->at_zero * particles_volume(s, plan->model, i) + lanes_sum(&shepard);
-    gradient_end(s, i, &moments, slope, how);
+    gradient_end(s, i, &moments, slope, plan->model->own_gradients > 0 ? least_moments(how) : 0, how);
     if (finds_normals(plan->model)) normal_none(s, i, how);
 }
 FUSED_FUNCTIONS(dissipation_shape_fused)

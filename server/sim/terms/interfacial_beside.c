@@ -107,7 +107,7 @@ INLINE void forces_beside(const RowPlan *plan, Particles *s, size_t i, How how)
             const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, NEEDS, how);
             pressure_pair(&a, model, &pair, true, beta * others[l], how, l, push, WEIGHTS_SQUARES);
             drag_pair(c.v, a.V, &pair, against[l], soft, how, l, drag);
-            gradient_pair(p, &pair, how, l, slope);
+            gradient_pair(p, &pair, 1, how, l, slope);
             shifting_pair(&c, &pair, counts[l], alike[l], how, l, &carried);
         }
     }
@@ -131,7 +131,7 @@ INLINE void forces_beside(const RowPlan *plan, Particles *s, size_t i, How how)
         const Pulled pulled = pulled_of(s, model, i, mixed, how);
         if (pulled.any) corrected_pull_beside(plan, s, i, how, &near, &pulled);
     }
-    gradient_end(s, i, &near.moments, slope, how);
+    gradient_end(s, i, &near.moments, slope, 0, how);
     shifting_end(&c, s, model, i, &carried, how);
 }
 BESIDE_FUNCTIONS(forces_beside)

@@ -31,14 +31,14 @@ INLINE void interfacial_forces_of(const RowPlan *plan, Particles *s, size_t i, H
             const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, NEEDS, how);
             pressure_pair(&a, model, &pair, false, 0, how, l, push, WEIGHTS_SQUARES);
             if (viscous) drag_pair(c.v, a.V, &pair, mu, soft, how, l, drag);
-            gradient_pair(p, &pair, how, l, slope);
+            gradient_pair(p, &pair, 1, how, l, slope);
             moments_pair(&moments, &pair, 1, how, l);
             shifting_pair(&c, &pair, 1, 1, how, l, &carried);
         }
     }
     pressure_end(s, i, push, how);
     if (viscous) drag_end(s, i, drag, how);
-    gradient_end(s, i, &moments, slope, how);
+    gradient_end(s, i, &moments, slope, 0, how);
     shifting_end(&c, s, model, i, &carried, how);
 }
 

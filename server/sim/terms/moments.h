@@ -99,17 +99,27 @@ INLINE double corrected_trace(const Correction *M, const Lanes g[3][3], How how)
 }
 
 /* Of sum_j (p_j - p_i) grad_i W V_j, and the gradient it makes. */
-INLINE void gradient_pair(double p, const Pair *pair, How how, int l, Lanes sum[3])
+INLINE void gradient_pair(double p, const Pair *pair, double counts, How how, int l, Lanes sum[3])
 {
-    add_along(pair, pair->V * pair->F * (pair->p - p), how, l, sum);
+    add_along(pair, counts * (pair->V * pair->F) * (pair->p - p), how, l, sum);
 }
 
-INLINE void gradient_end(Particles *s, size_t i, const Moments *moments, const Lanes sum[3], How how)
+/* A little less than what is in a corner: a quarter in the plane, an eighth in space. */
+INLINE double least_moments(How how)
+{
+    return how.dim == 3 ? 0.1 : 0.2;
+}
+
+/* least: of the mean moment, which is 1 inside a fluid; with less there is no gradient. That of a spray's two or three neighbours is exact
+ * whatever their pressures are, so that nothing would be left to be dissipated. */
+INLINE void gradient_end(Particles *s, size_t i, const Moments *moments, const Lanes sum[3], double least, How how)
 {
     const Correction M = moments_inverse(moments, how);
-    double gradient[3];
+    double gradient[3], trace = 0;
+    for (int k = 0; k < how.dim; k++) trace += lanes_sum(&moments->of[k == 2 ? 3 : k]);
+    const double kept = trace < least * how.dim ? 0 : 1;
     correct(&M, sum, how, gradient);
-    for (int d = 0; d < how.dim; d++) s->gradient[d][i * s->gradient_step] = gradient[d];
+    for (int d = 0; d < how.dim; d++) s->gradient[d][i * s->gradient_step] = kept * gradient[d];
 }
 
 #endif

@@ -26,6 +26,7 @@ extern const Term background;       /* transport.c: advection acceleration and i
 extern const Term transport_stress; /* transport.c: of the neighbours' advection velocity */
 
 /* P1 */
+extern const Term gas_dissipation;  /* gas.c */
 extern const Term pressure_force;   /* pressure_force.c: weighted by the product of volumes */
 extern const Term interface_normal; /* tension.c */
 extern const Term surface_tension;  /* tension.c */
@@ -78,8 +79,10 @@ extern const Local even_position;  /* spacing.c */
 extern const Fusion dissipation_shape; /* dissipation_shape.c */
 extern const Fusion dissipation_rates; /* dissipation_rates.c */
 extern const Fusion dissipation_viscous_rates;
+extern const Fusion dissipation_gas_rates;
 extern const Fusion dissipation_shape_beside; /* dissipation_beside.c */
 extern const Fusion dissipation_rates_beside;
+extern const Fusion dissipation_gas_rates_beside;
 extern const Fusion interfacial_density; /* interfacial_density.c */
 extern const Fusion no_interface;        /* tension.c: no normal inside a fluid */
 extern const Fusion interfacial_forces;  /* interfacial_forces.c */

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What pairs dissipate of which one at least is of a gas that fills what room there is, pair by pair (gas.c). */
+#ifndef SIM_TERMS_GAS_H
+#define SIM_TERMS_GAS_H
+
+#include "sim/terms/push.h"
+
+/* Which fluids a particle of this one has such pairs with: 1 or 0. */
+INLINE void gases_beside(const Model *model, unsigned fluid, double ret[MNS_MAX_FLUIDS])
+{
+    for (size_t k = 0; k < model->n_phases; k++) ret[k] = model->phase[k].fills || model->phase[fluid].fills ? 1 : 0;
+}
+
+/* Of sum_j V_i V_j 2 z_i z_j/(z_i + z_j) dU grad_i W; counts: 1 or 0. Symmetric in the two, so that forces are opposite to the last bit. */
+INLINE void gas_pair(const Pushed *a, const double v[3], const Pair *pair, double counts, double tiny, How how, int l,
+                     Lanes sum[3])
+{
+    const double closing = positive(-DOT_DIFFERENCE(v, pair->v, pair->x, how)) / (pair->r + tiny);
+    const double z = a->z * pair->z / (a->z + pair->z);
+    add_along(pair, counts * (a->V * pair->V * (2 * z * closing)) * pair->F, how, l, sum);
+}
+
+/* What keeps 0/0 away [m]. */
+INLINE double gas_tiny(const Model *model)
+{
+    return 1e-12 * model->dx;
+}
+
+#endif
