@@ -271,6 +271,18 @@ void plan_look_at_gradients(MnsSim *sim)
                   sim->scheme->name);
 }
 
+/* A light fluid feels the heavy one's stiffness then, and beyond some ratio it is thrown about at rest. */
+void plan_look_at_averages(MnsSim *sim)
+{
+    const Model *model = &sim->model;
+    const double most = sim->scheme->arithmetic_ratio, ratio = model->rho_max / model->rho_min;
+    if (most > 0 && model->density_average == 0 && ratio > most)
+        plan_warn(sim,
+                  "scheme.%s.pair_average: the heaviest fluid is %.3g times as dense as the lightest, and arithmetic "
+                  "averages burst a gas above %g, even at rest; take density",
+                  sim->scheme->name, ratio, most);
+}
+
 /* Of the tension between two fluids whose densities are so unlike that the scheme does not hold a drop at rest by it. */
 static void warn_tension(MnsSim *sim)
 {
@@ -313,6 +325,7 @@ void plan_look(MnsSim *sim)
     warn_tension(sim);
     if (sim->scheme->corrects_density && !sim->resumed) warn_displacement(sim);
     plan_look_at_gradients(sim);
+    plan_look_at_averages(sim);
     warn_open_sides(sim);
     warn_probes_outside(sim);
     warn_ignored(sim);

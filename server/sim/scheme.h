@@ -106,6 +106,7 @@ typedef struct Scheme {
     bool projects;                             /* solves for the pressure: particles have a system for it */
     bool symmetric;                            /* its matrices are */
     bool corrects_density;                     /* by a second pressure */
+    double arithmetic_ratio;                   /* of densities, up to which arithmetic averages hold; 0: any */
     double tension_ratio;                      /* of densities, up to which its tension holds a drop at rest; 0: any */
     bool reads_density_method, reads_exponent; /* of a fluid */
     MnsStatus (*check)(const MnsCase *, MnsError *); /* its options, and whether it is for such a case */

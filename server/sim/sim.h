@@ -86,8 +86,9 @@ MnsStatus plan_check(const MnsSim *sim, const MnsCase *c, bool under_way, MnsErr
 double plan_floor(const MnsSim *sim);
 void plan_look(MnsSim *sim);
 
-/* plan.c: warn of gradients that are corrected where neighbours are missing */
+/* plan.c: warn of gradients that are corrected where neighbours are missing, and of arithmetic averages beside a gas */
 void plan_look_at_gradients(MnsSim *sim);
+void plan_look_at_averages(MnsSim *sim);
 
 /* plan.c: one more warning, the entry of the case first; where there are too many, the last says so */
 void plan_warn(MnsSim *sim, const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -272,5 +272,6 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
     if (!same_push(&before, &sim->model)) integrator_renew(sim);
     home_enter(&sim->s, &sim->nb.bundles, sim->scheme, &sim->model, sim->threads);
     if (!before.corrects_gradients) plan_look_at_gradients(sim);
+    if (before.density_average > 0) plan_look_at_averages(sim);
     return MNS_OK;
 }

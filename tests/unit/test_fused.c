@@ -154,7 +154,7 @@ static int two_fluids_and_a_wall(const double x[3])
 typedef struct Way {
     int dim;
     MnsKernel kernel;
-    bool periodic, walls, tense, marked;
+    bool periodic, walls, tense, marked, gas;
     Level level;
 } Way;
 
@@ -177,6 +177,9 @@ static Cloud *mixed_cloud(const Way *way)
     cloud->model.level = way->level;
     cloud->model.density_average = 0.7;
     cloud->model.tense = way->tense;
+    cloud->model.has_gas = cloud->model.phase[1].fills = way->gas;
+    cloud->model.own_gradients = way->walls ? 1 : 0;
+    cloud->model.viscous = !way->gas || way->tense; /* the others are for viscous fluids alone */
     cloud->model.wall[0].no_slip = true;
     const Pass first = {"marks", .terms = {&shepard_sum}};
     if (way->marked) pass_run(&first, s, &cloud->nb, &cloud->model, 1);
@@ -268,6 +271,7 @@ static void check_ways(const Pass *from, const Fusion *fusion)
                                  .walls = bits & 4,
                                  .tense = bits & 8,
                                  .marked = bits & 16,
+                                 .gas = has_term(fusion->terms, &gas_dissipation),
                                  .level = (Level)level};
                 check_kinds(from, fusion, &way);
             }
@@ -418,14 +422,22 @@ typedef struct Taken {
             plain, viscous                                                                                             \
         }                                                                                                              \
     }
+/* gas: where the lighter one is a gas. */
+#define BESIDE_GAS(plain, viscous, gas)                                                                                \
+    {                                                                                                                  \
+        {plain, viscous}, {plain, viscous},                                                                            \
+        {                                                                                                              \
+            gas, gas                                                                                                   \
+        }                                                                                                              \
+    }
 #define ALWAYS(fusion) BY_VISCOSITY(fusion, fusion)
 
 static const Taken TAKEN[] = {
     {"riemann", "density", 0, ALWAYS(&riemann_density_alone)},
     {"riemann", "forces", 0, BY_VISCOSITY(&riemann_forces, NULL)},
     {"riemann", "forces", LIST_WALLS | LIST_OTHERS, BY_VISCOSITY(&riemann_forces, NULL)},
-    {"dissipation", "rates", 0, BY_VISCOSITY(&dissipation_rates, &dissipation_viscous_rates)},
-    {"dissipation", "rates", LIST_OTHERS, BY_VISCOSITY(NULL, &dissipation_rates_beside)},
+    {"dissipation", "rates", 0, BESIDE_GAS(&dissipation_rates, &dissipation_viscous_rates, &dissipation_gas_rates)},
+    {"dissipation", "rates", LIST_OTHERS, BESIDE_GAS(NULL, &dissipation_rates_beside, &dissipation_gas_rates_beside)},
     {"interfacial", "forces", 0, BY_VISCOSITY(&interfacial_forces, &interfacial_viscous_forces)},
     {"interfacial", "forces", LIST_OTHERS, BY_VISCOSITY(NULL, &interfacial_forces_beside)},
     {"incompressible", "number density", 0, ALWAYS(&number_density_alone)},
@@ -438,6 +450,7 @@ static MnsCase *case_of(const char *scheme, int mix, bool viscous, bool stressed
     MnsCase *c = case_periodic(2, 12);
     c->scheme.name = scheme;
     c->scheme.riemann.transport_stress = stressed;
+    c->scheme.dissipation.pair_average = MNS_AVERAGE_DENSITY;
     if (strcmp(scheme, "incompressible") == 0) {
         c->scheme.kernel = MNS_QUINTIC_SPLINE;
         c->scheme.smoothing = 1;

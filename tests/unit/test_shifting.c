@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Shifting goes where fewer particles are and nowhere on a lattice, not through interfaces, no farther than a tenth of a spacing, and
- * takes along what a linear field has at the new place. */
+/* Shifting goes where fewer particles are and nowhere on a lattice, not through interfaces nor out of a free surface, no farther than a tenth of a
+ * spacing, as fast as neighbours move past each other, and takes along what a linear field has at the new place. */
 #include "sim/terms/terms.h"
 #include "tests/support/check.h"
 #include "tests/support/cloud.h"
@@ -105,14 +105,19 @@ static void shifts_are_those_of_the_paper_in_both_forms(void **state)
         cloud_shift(cloud);
         size_t cut = 0;
         for (size_t i = 0; i < particles_fluid(s); i++) {
-            double dx[3] = {0}, speed = 0, size = 0, through = 0, dv[4] = {0};
+            double dx[3] = {0}, fastest = 0, size = 0, through = 0, dv[4] = {0};
             for (size_t j = 0; j < o->n; j++) {
                 const CloudPair pair = cloud_pair(old, i, j);
-                for (int d = 0; d < dim && j != i; d++) dx[d] += cloud_volume(old, j) * pair.F * pair.dx[d];
+                double v2 = 0;
+                for (int d = 0; d < dim && j != i; d++) {
+                    dx[d] += cloud_volume(old, j) * pair.F * pair.dx[d];
+                    v2 += (o->v[d][j] - o->v[d][i]) * (o->v[d][j] - o->v[d][i]);
+                }
+                const bool counts = j < particles_fluid(o) && (!along || o->phase[j] == o->phase[i]);
+                if (counts && pair.F < 0) fastest = fmax(fastest, v2);
             }
-            for (int d = 0; d < dim; d++) speed += o->v[d][i] * o->v[d][i];
             for (int d = 0; d < dim; d++) {
-                dx[d] *= -2 * cloud->model.kernel.h * sqrt(speed) * cloud->model.dt;
+                dx[d] *= -2 * cloud->model.kernel.h * sqrt(fastest) * cloud->model.dt;
                 size += dx[d] * dx[d];
             }
             size = sqrt(size);
@@ -169,7 +174,7 @@ static void even_particles_and_particles_at_rest_stay(void **state)
         cloud = stirred(dim, tank);
         s = &cloud->s;
         for (int d = 0; d < dim; d++)
-            for (size_t i = 0; i < s->n; i++) s->v[d][i] = 0;
+            for (size_t i = 0; i < s->n; i++) s->v[d][i] = d == 0 ? 7 : 0; /* at rest, as seen by who drifts */
         before = before_of(s);
         cloud_shift(cloud);
         for (int d = 0; d < dim; d++)
@@ -197,7 +202,7 @@ static void particles_beside_a_void_move_into_it(void **state)
                                                .flowing = true,
                                                .owner = with_a_hole});
         Particles *s = &cloud->s;
-        for (size_t i = 0; i < s->n; i++) s->v[dim - 1][i] = -2; /* whichever way they go */
+        for (size_t i = 0; i < s->n; i++) s->v[dim - 1][i] = i % 2 ? -2 : -3; /* whichever way they go */
         Before before = before_of(s);
         cloud_shift(cloud);
         size_t around = 0;
@@ -248,6 +253,62 @@ static void nothing_moves_through_an_interface(void **state)
         }
 }
 
+/* A gas that fills what room there is moves through the interface, and keeps what it has. */
+static void a_gas_that_fills_goes_where_there_is_room(void **state)
+{
+    (void)state;
+    Cloud *cloud = stirred(2, both);
+    Particles *s = &cloud->s;
+    cloud->model.shifts_along_interfaces = cloud->model.phase[CLOUD_AIR].fills = true;
+    Before before = before_of(s);
+    cloud_shift(cloud);
+    size_t crossing[2] = {0}, beside[2] = {0};
+    for (size_t i = 0; i < s->n; i++) {
+        double through = 0, n2 = 0;
+        for (int d = 0; d < 2; d++) {
+            through += (s->x[d][i] - before.of[d][i]) * s->normal[d][i];
+            n2 += s->normal[d][i] * s->normal[d][i];
+            if (s->phase[i] == CLOUD_AIR) assert_true(s->v[d][i] == before.of[3 + d][i]);
+        }
+        beside[s->phase[i]] += n2 > 0.5;
+        crossing[s->phase[i]] += n2 > 0.5 && fabs(through) > 1e-15;
+        if (s->phase[i] == CLOUD_AIR) assert_true(s->rho[i] == before.of[6][i]);
+    }
+    assert_int_equal(crossing[CLOUD_WATER], 0);
+    assert_true(beside[CLOUD_AIR] > 5 && crossing[CLOUD_AIR] > beside[CLOUD_AIR] / 2);
+    before_free(&before);
+    cloud_free(cloud);
+}
+
+static int half_full(const double x[3])
+{
+    return x[1] < 0.5 ? CLOUD_WATER : CLOUD_NOTHING;
+}
+
+/* Where the kernel is not full, of a domain that is not; in one that fluids fill there is no free surface. */
+static void nothing_moves_out_of_a_free_surface(void **state)
+{
+    (void)state;
+    for (int filled = 0; filled < 2; filled++) {
+        Cloud *cloud = stirred(2, half_full);
+        Particles *s = &cloud->s;
+        cloud->model.filled = filled;
+        cloud_term(cloud, &shepard_sum);
+        Before before = before_of(s);
+        cloud_shift(cloud);
+        size_t surface = 0, inside = 0;
+        for (size_t i = 0; i < s->n; i++) {
+            const bool moved = s->x[0][i] != before.of[0][i] || s->x[1][i] != before.of[1][i];
+            if (s->shepard[i] < 0.95 && !filled) assert_false(moved);
+            surface += s->shepard[i] < 0.95 && moved;
+            inside += s->shepard[i] >= 0.95 && moved;
+        }
+        assert_true(filled ? surface > 20 : inside > 10);
+        before_free(&before);
+        cloud_free(cloud);
+    }
+}
+
 /* Beside interfaces to rounding, for velocities and for the densities of each fluid. */
 static void a_linear_field_is_carried(void **state)
 {
@@ -295,6 +356,8 @@ int main(void)
         cmocka_unit_test(even_particles_and_particles_at_rest_stay),
         cmocka_unit_test(particles_beside_a_void_move_into_it),
         cmocka_unit_test(nothing_moves_through_an_interface),
+        cmocka_unit_test(a_gas_that_fills_goes_where_there_is_room),
+        cmocka_unit_test(nothing_moves_out_of_a_free_surface),
         cmocka_unit_test(a_linear_field_is_carried),
     };
     return cmocka_run_group_tests_name("shifting", tests, NULL, NULL);

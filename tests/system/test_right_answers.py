@@ -1,0 +1,122 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Flows whose right answer is known, and that once had another without a word: each is run to its end from the command line, as anyone would."""
+
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from daemon import BUILD, IN_MEMORY, ROOT, at_length, of_nightly  # noqa: E402
+
+# Still water with a free surface that drifts along a periodic channel.
+SWELL = """
+dimensions: 2
+resolution: 16
+domain: {min: [0, 0], max: [2, 1], periodic: [x]}
+gravity: [0, -1]
+fluids: [{name: water, density: 1000, sound_speed: 20, pressure: hydrostatic, velocity: [SPEED, 0], shape: [{box: {min: [0, 0], max: [2, 0.5]}}]}]
+walls: [{name: floor, shape: [{half_space: {point: [0, 0], normal: [0, 1]}}]}]
+scheme: SCHEME
+end_time: 1
+probes: [{name: height, mass_centre: {axis: y}}, {name: potential, potential_energy: {}}]
+output: {probe_interval: 0.05}
+"""
+# The same, as a lump that drifts along a slope of its own: water in a corner that flies with it.
+LUMP = """
+dimensions: 2
+resolution: 20
+domain: {min: [-1, -1], max: [1, 1], periodic: [x, y]}
+fluids: [{name: water, density: 1000, sound_speed: 20, velocity: [SPEED, SPEED], shape: [{ball: {centre: [0, 0], radius: 0.5}}]}]
+scheme: SCHEME
+end_time: 1
+probes: [{name: kinetic, kinetic_energy: {}}, {name: most, extremum: {field: density, which: max}}, {name: across, extent: {fluid: water, axis: y, which: max}}]
+output: {probe_interval: 0.05}
+"""
+# At rest: water under air, both hydrostatic; and the same by other probes.
+PROBES = ("probes[0]={name: coverage, coverage: {}}", "probes[1]={name: air, extremum: {field: velocity, fluid: air, which: max}}")
+
+
+class RightAnswer(unittest.TestCase):
+    def setUp(self) -> None:
+        scratch = tempfile.TemporaryDirectory(prefix="mns-right-", dir=IN_MEMORY)
+        self.addCleanup(scratch.cleanup)
+        self.home = Path(scratch.name)
+
+    def probes(self, case: str, *settings: str) -> "dict[str, np.ndarray]":
+        """Of a run to its end, all values; the case by name, or its text."""
+        if "\n" in case:
+            (self.home / "case.yaml").write_text(case)
+            case = str(self.home / "case.yaml")
+        out = Path(tempfile.mkdtemp(dir=self.home))
+        words = [BUILD / "meniscus", "run", case, "--threads", "1", "--out", out / "run", *(w for s in settings for w in ("--set", s))]
+        environment = {**os.environ, "MENISCUS_CASES": str(ROOT / "server" / "cases")}
+        done = subprocess.run([str(w) for w in words], env=environment, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr[-2000:])
+        with h5py.File(out / "run" / "probes.hdf") as f:
+            return {name: values[:] for name, values in f["probes"].items()}
+
+
+class Shifting(RightAnswer):
+    """It is made of differences of velocity, and stops at a free surface."""
+
+    def test_water_that_drifts_stays_as_deep_as_it_is(self) -> None:
+        for speed in (0, 0.1, 1, 4) if at_length() else (0, 4):
+            p = self.probes(SWELL.replace("SPEED", str(speed)).replace("SCHEME", "interfacial"))
+            self.assertLess(abs(p["height"] - 0.25).max(), 0.002, speed)
+            self.assertLess(abs(p["potential"] - 250).max(), 2.5, speed)
+
+    def test_a_drop_that_flies_stays_the_drop_that_it_is(self) -> None:
+        for speed in (0, 3):
+            p = self.probes(LUMP.replace("SPEED", str(speed)).replace("SCHEME", "interfacial"))
+            self.assertLess(abs(p["most"] - 1000).max(), 1, speed)
+            self.assertLess(abs(p["kinetic"] - p["kinetic"][0]).max(), 1e-6 * max(p["kinetic"][0], 1), speed)
+
+    @of_nightly
+    def test_water_that_sloshes_does_so_under_both_schemes(self) -> None:
+        one, other = (self.probes("sloshing2d-single", f"scheme={s}", "end_time=3.2") for s in ("dissipation", "interfacial"))
+        for gauge in ("left", "right"):
+            self.assertLess(np.abs(one[gauge] - other[gauge]).max(), 0.002, gauge)
+
+
+class GasBesideLiquid(RightAnswer):
+    """Under `dissipation` as it is without any option."""
+
+    def test_both_stay_at_rest_at_any_ratio_of_densities(self) -> None:
+        for ratio in (1, 10, 100, 300, 1000) if at_length() else (10, 1000):
+            air = 1000 / ratio
+            p = self.probes("hydrostatic", "scheme=dissipation", "resolution=20", "end_time=0.6", f"fluids[1].density={air}",
+                            f"constants[3].value={air}", *PROBES)  # fmt: skip
+            self.assertLess(p["error"].max(), 0.03 * 1000 * 9.81 * 0.5, ratio)
+            self.assertLess(p["air"].max(), 1, ratio)
+            self.assertGreater(p["coverage"].min(), 0.75, ratio)
+
+    def column(self, ratio: float, scheme: str) -> "dict[str, np.ndarray]":
+        return self.probes("dambreak2d", f"scheme={scheme}", f"fluids[1].density={1 / ratio}", "end_time=2")
+
+    @of_nightly
+    def test_a_column_that_breaks_makes_no_energy_and_leaves_no_voids(self) -> None:
+        for ratio in (100, 300, 1000):
+            p, other = self.column(ratio, "dissipation"), self.column(ratio, "riemann")
+            energy, freed = p["kinetic"] + p["potential"], p["potential"][0] - p["potential"].min()
+            self.assertLess(p["speed_air"].max(), 4, ratio)
+            self.assertLess(energy.max() - energy[0], 0.001 * freed, ratio)
+            self.assertEqual(p["escaped"].max(), 0, ratio)
+            self.assertGreaterEqual(p["coverage"].min(), other["coverage"].min(), ratio)
+
+    def test_arithmetic_averages_are_warned_of(self) -> None:
+        words = ["run", "hydrostatic", "--set", "scheme={dissipation: {pair_average: arithmetic}}", "--set", "end_time=0.001", "--out", str(self.home / "run")]
+        environment = {**os.environ, "MENISCUS_CASES": str(ROOT / "server" / "cases")}
+        done = subprocess.run([str(BUILD / "meniscus"), *words], env=environment, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("scheme.dissipation.pair_average: the heaviest fluid is 1e+03 times as dense", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
