@@ -81,9 +81,10 @@ Shifted shifted_of(const Particles *s, const Model *model, size_t i);
 /* By how much of that, where the largest difference of velocity has the square U2. */
 double shifting_scale(const Model *model, double far, double U2);
 
-/* Of y . sum_j (f_j - f_i) grad_i W V_j for what particles carry: velocity, and in of[3] rho c_i; and the largest |v_j - v_i|^2. */
+/* Of y . sum_j (f_j - f_i) grad_i W V_j for what particles carry: velocity, and in of[3] rho c_i; the largest |v_j - v_i|^2, and the largest
+ * 1/Gamma_j. */
 typedef struct ShiftingSums {
-    Lanes of[4], fastest;
+    Lanes of[4], fastest, thinnest;
 } ShiftingSums;
 
 /* y = M dx with M of those who count: beside an interface half of them are missing, and with them would be half of each difference.
@@ -103,6 +104,10 @@ INLINE void likenesses(const Model *model, unsigned fluid, double ret[MNS_MAX_FL
     for (size_t k = 0; k < model->n_phases; k++) ret[k] = model->phase[fluid].c / model->phase[k].c;
 }
 
+/* 1/Gamma of particles at a free surface. Who has one in reach is not shifted: what is missing there looks like room, and to go to it would lift
+ * the whole surface. */
+static const double MOST_THIN = 1 / 0.85;
+
 /* counts: 1 or 0; like: c_i / c_j. Pairs out of reach have no slope of the kernel. */
 INLINE void shifting_pair(const Shifted *a, const Pair *pair, double counts, double like, How how, int l,
                           ShiftingSums *sum)
@@ -116,13 +121,19 @@ INLINE void shifting_pair(const Shifted *a, const Pair *pair, double counts, dou
     }
     add_product(&sum->of[3], l, c, pair->z * like - a->z, how);
     v2 = pair->F != 0 ? counts * v2 : 0;
+    const double thin = pair->F != 0 ? pair->shepard : 0;
     sum->fastest.of[l] = v2 > sum->fastest.of[l] ? v2 : sum->fastest.of[l];
+    sum->thinnest.of[l] = thin > sum->thinnest.of[l] ? thin : sum->thinnest.of[l];
 }
 
 INLINE void shifting_end(const Shifted *a, Particles *s, const Model *model, size_t i, const ShiftingSums *sum, How how)
 {
-    double fastest = 0;
-    for (int l = 0; l < LANES; l++) fastest = sum->fastest.of[l] > fastest ? sum->fastest.of[l] : fastest;
+    double fastest = 0, thinnest = 1 / s->shepard[i];
+    for (int l = 0; l < LANES; l++) {
+        fastest = sum->fastest.of[l] > fastest ? sum->fastest.of[l] : fastest;
+        thinnest = sum->thinnest.of[l] > thinnest ? sum->thinnest.of[l] : thinnest;
+    }
+    if (thinnest > MOST_THIN && !model->filled) fastest = 0;
     const double scale = shifting_scale(model, a->far, fastest);
     s->rate[i] = fastest; /* from which its way is found again, when all have been looked at where they were */
     for (int d = 0; d < how.dim; d++) s->v[d][i * s->v_step] += scale * lanes_sum(&sum->of[d]);

@@ -7,7 +7,7 @@
  * these, which P2 leaves out
  * A gas that fills goes through the interface too, more strongly, and carries nothing: of few neighbours of its own little is known.
  * P2's original shifts through interfaces too and corrects from all fluids without M, which mixes densities of water and air.
- * A free surface is no place with room: where the kernel is not full there is no shift, in a domain that is not filled. */
+ * Within reach of a free surface there is no shift, in a domain that fluids do not fill. */
 #include "sim/terms/moments.h"
 #include "sim/terms/push.h"
 #include "sim/terms/terms.h"
@@ -18,16 +18,13 @@ static const double FARTHEST =
 /* Times as strongly is a gas that fills shifted: at 5 a dam break's bubbles have voids, at 20 a gas at rest is stirred. */
 static const double FILLING = 10;
 
-static const double FULL = 0.95; /* of the sum of W V: what has less is near a free surface, where there is one */
-
 /* Where a particle goes, for each m/s of U; returns how far that is before what leads through an interface is left out. */
 static double find_way(const Particles *s, const Model *model, size_t i, double dx[3])
 {
     const int dim = s->dim;
-    const bool fills = model->phase[s->phase[i]].fills, surface = !model->filled && s->shepard[i] < FULL,
-               along = model->shifts_along_interfaces && !fills;
+    const bool fills = model->phase[s->phase[i]].fills, along = model->shifts_along_interfaces && !fills;
     const double strength = fills ? FILLING * model->shifting : model->shifting,
-                 scale = surface ? 0 : -strength * model->kernel.h * model->dt;
+                 scale = -strength * model->kernel.h * model->dt;
     double through = 0, size = 0;
     for (int d = 0; d < dim; d++) {
         dx[d] = scale * s->concentration[d][i];
@@ -138,7 +135,7 @@ const Term shifting = {
         "dx_i = -A h max|v_ij| dt sum_j V_j grad_i W, along interfaces;  v, rho += dx_i . grad of the same fluid",
     .on = ON_FLUID,
     .needed = is_shifted,
-    .needs = NEED_F | NEED_V | NEED_STATE | NEED_OTHERS,
+    .needs = NEED_F | NEED_V | NEED_STATE | NEED_SHEPARD | NEED_OTHERS,
     .writes = FIELD(V) | FIELD(RHO),
     .row = ROW_TABLE(shifting_row),
 };
