@@ -286,7 +286,8 @@ $(BUILD)/obj/%.o: %.c $(BUILD)/stamp/flags | $(GEN) $(BUILD)/gen/sim/case_bounds
 $(BUILD)/obj/gen/%.o: $(BUILD)/gen/%.c $(BUILD)/stamp/flags | $(GEN)
 	@mkdir -p $(@D)
 	$(call say,CC,$<)$(CCACHE) $(compile) $(CFLAGS) -MMD -MP -c -o $@ $<
-$(BUILD)/gen/%.pb-c.c: proto/%.proto $(wildcard proto/*.proto) | $(BUILD)/stamp/flags
+# The headers too, as who includes one is stale with it.
+$(BUILD)/gen/%.pb-c.c $(BUILD)/gen/%.pb-c.h: proto/%.proto $(wildcard proto/*.proto) | $(BUILD)/stamp/flags
 	@mkdir -p $(@D)
 	$(call say,GEN,$@)protoc-c -Iproto --c_out=$(@D) $<
 $(BUILD)/gen/case_schema.c $(BUILD)/gen/sim/case_bounds.h $(BUILD)/case-reference.md &: proto/case.proto proto/schema.py proto/manual.md | $(BUILD)/stamp/flags

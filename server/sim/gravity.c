@@ -13,7 +13,8 @@ enum { LOOKS = 32 };               /* ahead */
 static double moment(double from, double to, size_t k, size_t n)
 {
     static const double OFF = 0.28867513459481287; /* 1/(2 sqrt(3)), of a part's length from its middle */
-    const double parts = 0.5 * (double)n, middle = (double)(k / 2) + 0.5;
+    const size_t part = k / 2;
+    const double parts = 0.5 * (double)n, middle = (double)part + 0.5;
     return from + (to - from) * ((k % 2 ? middle + OFF : middle - OFF) / parts);
 }
 
@@ -44,7 +45,7 @@ static double mean(const Formula *gravity, double from, double to)
     if (formula_is_constant(gravity) || !(to > from)) return formula_eval(gravity, &to);
     Departure departure;
     double coarse = mean_of(gravity, from, to, FEWEST, &departure);
-    for (size_t n = 2 * FEWEST; n <= MOST; n *= 2) {
+    for (size_t n = 2 * (size_t)FEWEST; n <= MOST; n *= 2) {
         const double fine = mean_of(gravity, from, to, n, &departure);
         if (departure.most <= SMALL * fabs(fine)) return fine;
         const bool agree = !(fabs(fine - coarse) > ENOUGH * departure.most);

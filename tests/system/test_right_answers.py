@@ -110,6 +110,13 @@ class GasBesideLiquid(RightAnswer):
             self.assertEqual(p["escaped"].max(), 0, ratio)
             self.assertGreaterEqual(p["coverage"].min(), other["coverage"].min(), ratio)
 
+    def test_more_than_it_holds_is_refused(self) -> None:
+        words = ["run", "hydrostatic", "--set", "scheme=dissipation", "--set", "fluids[1].density=0.5", "--out", str(self.home / "run")]
+        environment = {**os.environ, "MENISCUS_CASES": str(ROOT / "server" / "cases")}
+        done = subprocess.run([str(BUILD / "meniscus"), *words], env=environment, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 65, done.stderr)
+        self.assertIn("fluids: water is 2000 times as dense as air, and the scheme dissipation holds a gas up to 1000", done.stderr)
+
     def test_arithmetic_averages_are_warned_of(self) -> None:
         words = ["run", "hydrostatic", "--set", "scheme={dissipation: {pair_average: arithmetic}}", "--set", "end_time=0.001", "--out", str(self.home / "run")]
         environment = {**os.environ, "MENISCUS_CASES": str(ROOT / "server" / "cases")}

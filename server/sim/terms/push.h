@@ -73,7 +73,8 @@ INLINE void pressure_end(Particles *s, size_t i, const Lanes sum[3], How how)
 /* A particle and where it is shifted, for each m/s by which neighbours move past it. */
 typedef struct Shifted {
     double dx[3], far, v[3], z; /* far: how far that would be through interfaces too */
-    double y[3];                /* dx, corrected where neighbours of its own fluid are missing */
+    double carries;             /* 0 of a gas that fills, else 1 */
+    double y[3]; /* dx, corrected where neighbours of its own fluid are missing; 0 of what carries nothing */
 } Shifted;
 
 Shifted shifted_of(const Particles *s, const Model *model, size_t i);
@@ -94,7 +95,7 @@ INLINE void shifted_corrected(Shifted *a, const Moments *moments, How how)
     const Correction M = moments_inverse(moments, how);
     for (int d = 0; d < how.dim; d++) {
         a->y[d] = 0;
-        for (int e = 0; e < how.dim; e++) a->y[d] += M.of[d][e] * a->dx[e];
+        for (int e = 0; e < how.dim; e++) a->y[d] += a->carries * M.of[d][e] * a->dx[e];
     }
 }
 

@@ -43,11 +43,11 @@ double shifting_scale(const Model *model, double far, double U2)
 
 Shifted shifted_of(const Particles *s, const Model *model, size_t i)
 {
-    Shifted a = {.z = particles_impedance(s, model, i)};
+    Shifted a = {.z = particles_impedance(s, model, i), .carries = model->phase[s->phase[i]].fills ? 0 : 1};
     a.far = find_way(s, model, i, a.dx);
     for (int d = 0; d < s->dim; d++) {
         a.v[d] = s->v[d][i * s->v_step];
-        a.y[d] = model->phase[s->phase[i]].fills ? 0 : a.dx[d];
+        a.y[d] = a.carries * a.dx[d];
     }
     return a;
 }
