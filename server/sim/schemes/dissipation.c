@@ -16,11 +16,11 @@ static MnsStatus check_ratio(const MnsCase *c, MnsError *error)
     for (size_t a = 0; a < c->n_fluids; a++)
         for (size_t b = 0; b < c->n_fluids; b++)
             if (c->fluids[a].density > MOST_RATIO * (1 + 1e-9) * c->fluids[b].density)
-                return mns_fail_at(error, MNS_E_INVALID, "fluids",
-                                   "%.60s is %.4g times as dense as %.60s, and the scheme dissipation holds a gas up to "
-                                   "%g; take a denser one, which moves a liquid as little, or incompressible",
-                                   c->fluids[a].name, c->fluids[a].density / c->fluids[b].density, c->fluids[b].name,
-                                   MOST_RATIO);
+                return mns_fail_at(
+                    error, MNS_E_INVALID, "fluids",
+                    "%.60s is %.4g times as dense as %.60s, and the scheme dissipation holds a gas up to "
+                    "%g; take a denser one, which moves a liquid as little, or incompressible",
+                    c->fluids[a].name, c->fluids[a].density / c->fluids[b].density, c->fluids[b].name, MOST_RATIO);
     return MNS_OK;
 }
 
