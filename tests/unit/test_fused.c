@@ -154,7 +154,7 @@ static int two_fluids_and_a_wall(const double x[3])
 typedef struct Way {
     int dim;
     MnsKernel kernel;
-    bool periodic, walls, tense, marked, gas;
+    bool periodic, walls, tense, marked, gas, own;
     Level level;
 } Way;
 
@@ -178,7 +178,7 @@ static Cloud *mixed_cloud(const Way *way)
     cloud->model.density_average = 0.7;
     cloud->model.tense = way->tense;
     cloud->model.has_gas = cloud->model.phase[1].fills = way->gas;
-    cloud->model.own_gradients = way->walls ? 1 : 0;
+    cloud->model.own_gradients = way->own && way->walls ? 1 : 0;
     cloud->model.viscous = !way->gas || way->tense; /* the others are for viscous fluids alone */
     for (size_t k = 0; k < 2; k++) cloud->model.phase[k].mu *= cloud->model.viscous ? 1 : 0;
     cloud->model.wall[0].no_slip = true;
@@ -273,6 +273,7 @@ static void check_ways(const Pass *from, const Fusion *fusion)
                                  .tense = bits & 8,
                                  .marked = bits & 16,
                                  .gas = has_term(fusion->terms, &gas_dissipation),
+                                 .own = has_term(fusion->terms, &shepard_sum), /* of P1 */
                                  .level = (Level)level};
                 check_kinds(from, fusion, &way);
             }
