@@ -13,7 +13,7 @@ typedef struct Phase {
     double exponent;    /* of Tait's equation of state; 1: the linear one */
     double background;  /* in all pressures [Pa] */
     bool summation;     /* density by summation, and the stress of the transport velocity; else continuity */
-    bool fills;         /* it goes wherever there is room, as a gas does: by shifting, and with pairs that dissipate (gas.c) */
+    bool fills; /* it goes wherever there is room, as a gas does: by shifting, and with pairs that dissipate (gas.c) */
 } Phase;
 
 /* A wall, moving as a rigid body. */

@@ -563,6 +563,7 @@ static void shifts_are_along_interfaces(void **state)
         for (size_t i = 0; i < s->n; i++)
             for (int d = 0; d < 2; d++) {
                 before[d][i] = s->x[d][i];
+                s->v[d][i] = i % 2 ? 1 : 0; /* past each other */
                 s->normal[d][i] = d == 0 ? 0.6 : 0.8;
             }
         cloud->model.dt = 0.01;
