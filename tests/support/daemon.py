@@ -141,6 +141,13 @@ class DaemonTest(unittest.TestCase):
         self.assertEqual(done.returncode, code, f"meniscus {' '.join(words)}: {done.stdout}{done.stderr}")
         return done
 
+    def wait_until(self, what: Callable[[], bool], seconds: float = 60) -> None:
+        """Look again and again, as no machine is too slow; seconds: of patience."""
+        until = time.monotonic() + seconds
+        while not what():
+            self.assertLess(time.monotonic(), until, "it did not come")
+            time.sleep(0.02)
+
     def ask(self, *words: str, code: int = 0, timeout: float = 60) -> Any:
         """The same with -o json: what it printed, as one object."""
         lines = self.meniscus(*words, "-o", "json", code=code, timeout=timeout).stdout.splitlines()

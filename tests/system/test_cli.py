@@ -511,7 +511,7 @@ class Commands(DaemonTest):
         self.load()
         for name in ("SIGKILL", "SIGTERM"):
             client = subprocess.Popen([BUILD / "meniscus", "run-until", "7"], env=self.environment)
-            time.sleep(0.3)
+            self.wait_until(lambda: self.ask("status")["state"] == "RUNNING")
             client.send_signal(getattr(signal, name))
             client.wait(timeout=10)
             self.assertEqual(self.ask("pause")["state"], "PAUSED")
@@ -523,9 +523,9 @@ class Commands(DaemonTest):
             [BUILD / "meniscus", "wait", "--for", "state=DONE", "--id", request], env=self.environment,
             stderr=subprocess.DEVNULL,
         )
-        time.sleep(0.5)
-        self.meniscus("cancel", request)
-        self.assertEqual(client.wait(timeout=10), 75)
+        cancel = [BUILD / "meniscus", "cancel", request]  # refused until there is such a command
+        self.wait_until(lambda: subprocess.run(cancel, env=self.environment, capture_output=True).returncode == 0)
+        self.assertEqual(client.wait(timeout=60), 75)
 
     def test_a_wrong_state_is_refused_with_what_is_possible(self) -> None:
         done = self.meniscus("pause", code=1)
