@@ -171,12 +171,12 @@ build_with() { # build_with COMPILER SANITIZERS FOLDER TARGET...
 addresses() {
     # Not by clang, whose OpenMP runtime loses what it keeps for threads, so that leaks of our own would not be seen.
     build_with "$CC" address,undefined asan all tests
-    run tests "address and undefined-behaviour sanitizers" 1500 env BUILD="$BUILD/asan" tests/support/sanitize.sh address
+    run tests "address and undefined-behaviour sanitizers" 3000 env BUILD="$BUILD/asan" tests/support/sanitize.sh address
 }
 
 threads() {
     build_with clang thread tsan raced # what clang warns of breaks it
-    run tests "thread sanitizer" 1500 env BUILD="$BUILD/tsan" tests/support/sanitize.sh thread
+    run tests "thread sanitizer" 3000 env BUILD="$BUILD/tsan" tests/support/sanitize.sh thread
 }
 
 # A hundredth of the inputs that are promised.
