@@ -6,13 +6,13 @@
 
 #include "sim/sim.h"
 
-/* Its mean from one time to another: NaN where it is no number at some time between. Of one that does not change, what it is, to the bit. */
+/* Mean gravity from one time to another [m/s^2]; NaN if it is not finite at a time between them. A constant gravity is returned bit for bit. */
 void gravity_mean(MnsSim *sim, double from, double to, double ret[3]);
 
-/* What gravity_mean() failed by: the direction, and when it is no number; false if all is well. */
+/* Why gravity_mean() is NaN: the direction, and a time at which that component is not finite; false if all are finite. */
 bool gravity_failure(MnsSim *sim, double from, double to, int *ret_direction, double *ret_time);
 
-/* How fast it changes from t on for so long, at most [m/s^3]; 0 if it does not. Times at which it is no number do not count. */
+/* The largest rate of change of gravity between t and t + ahead [m/s^3]; 0 if it is constant. Times at which it is not finite are left out. */
 double gravity_change(const MnsSim *sim, double t, double ahead);
 
 /* Forget the means of a formula that is no more. */

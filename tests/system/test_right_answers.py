@@ -28,7 +28,7 @@ end_time: 1
 probes: [{name: height, mass_centre: {axis: y}}, {name: potential, potential_energy: {}}]
 output: {probe_interval: 0.05}
 """
-# The same, as a lump that drifts along a slope of its own: water in a corner that flies with it.
+# A round drop that flies diagonally through a periodic box, without gravity.
 LUMP = """
 dimensions: 2
 resolution: 20
@@ -39,7 +39,7 @@ end_time: 1
 probes: [{name: kinetic, kinetic_energy: {}}, {name: most, extremum: {field: density, which: max}}, {name: across, extent: {fluid: water, axis: y, which: max}}]
 output: {probe_interval: 0.05}
 """
-# At rest: water under air, both hydrostatic; and the same by other probes.
+# For `hydrostatic`, in place of its first two.
 PROBES = ("probes[0]={name: coverage, coverage: {}}", "probes[1]={name: air, extremum: {field: velocity, fluid: air, which: max}}")
 
 
