@@ -30,6 +30,12 @@ def complaints(page: str) -> "tuple[int, str]":
     return done.returncode, done.stderr
 
 
+def options_of(program: str) -> "set[str]":
+    """All that its help names."""
+    text = subprocess.run([BUILD / program, "--help"], capture_output=True, text=True, check=True).stdout
+    return set(re.findall(r"--[a-z-]+", text))
+
+
 class Manual(unittest.TestCase):
     def test_roff_has_nothing_to_complain_about(self) -> None:
         for page in PAGES:
@@ -51,8 +57,7 @@ class Manual(unittest.TestCase):
 
     def test_the_page_of_the_daemon_has_every_option(self) -> None:
         page = shown("meniscusd.8")
-        text = subprocess.run([BUILD / "meniscusd", "--help"], capture_output=True, text=True, check=True).stdout
-        options = set(re.findall(r"--[a-z-]+", text))
+        options = options_of("meniscusd")
         self.assertGreater(len(options), 20)
         for option in options:
             self.assertIn(option, page)

@@ -3,16 +3,12 @@
 # Run by: make check CI=1
 """The manual page of the dashboard, which is built with it alone."""
 
-import re
-import subprocess
 import sys
 import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from daemon import BUILD  # noqa: E402
-from test_manual import complaints, shown  # noqa: E402
+from test_manual import complaints, options_of, shown  # noqa: E402
 
 
 class DashboardManual(unittest.TestCase):
@@ -21,8 +17,7 @@ class DashboardManual(unittest.TestCase):
 
     def test_the_page_of_the_dashboard_has_every_option(self) -> None:
         page = shown("meniscus-dashboard.8")
-        text = subprocess.run([BUILD / "meniscus-dashboard", "--help"], capture_output=True, text=True, check=True).stdout
-        options = set(re.findall(r"--[a-z-]+", text))
+        options = options_of("meniscus-dashboard")
         self.assertGreater(len(options), 5)
         for option in options:
             self.assertIn(option, page)

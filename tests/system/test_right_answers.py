@@ -49,16 +49,21 @@ class RightAnswer(unittest.TestCase):
         self.addCleanup(scratch.cleanup)
         self.home = Path(scratch.name)
 
+    def complaints(self, case: str, *settings: str, out: "Path | None" = None, code: int = 0) -> str:
+        """What a run says on standard error."""
+        words = [BUILD / "meniscus", "run", case, "--threads", "1", "--out", (out or self.home) / "run", *(w for s in settings for w in ("--set", s))]
+        environment = {**os.environ, "MENISCUS_CASES": str(ROOT / "server" / "cases")}
+        done = subprocess.run([str(w) for w in words], env=environment, capture_output=True, text=True)
+        self.assertEqual(done.returncode, code, done.stderr[-2000:])
+        return done.stderr
+
     def probes(self, case: str, *settings: str) -> "dict[str, np.ndarray]":
         """Of a run to its end, all values; the case by name, or its text."""
         if "\n" in case:
             (self.home / "case.yaml").write_text(case)
             case = str(self.home / "case.yaml")
         out = Path(tempfile.mkdtemp(dir=self.home))
-        words = [BUILD / "meniscus", "run", case, "--threads", "1", "--out", out / "run", *(w for s in settings for w in ("--set", s))]
-        environment = {**os.environ, "MENISCUS_CASES": str(ROOT / "server" / "cases")}
-        done = subprocess.run([str(w) for w in words], env=environment, capture_output=True, text=True)
-        self.assertEqual(done.returncode, 0, done.stderr[-2000:])
+        self.complaints(case, *settings, out=out)
         with h5py.File(out / "run" / "probes.hdf") as f:
             return {name: values[:] for name, values in f["probes"].items()}
 
@@ -111,18 +116,12 @@ class GasBesideLiquid(RightAnswer):
             self.assertGreaterEqual(p["coverage"].min(), other["coverage"].min(), ratio)
 
     def test_more_than_it_holds_is_refused(self) -> None:
-        words = ["run", "hydrostatic", "--set", "scheme=dissipation", "--set", "fluids[1].density=0.5", "--out", str(self.home / "run")]
-        environment = {**os.environ, "MENISCUS_CASES": str(ROOT / "server" / "cases")}
-        done = subprocess.run([str(BUILD / "meniscus"), *words], env=environment, capture_output=True, text=True)
-        self.assertEqual(done.returncode, 65, done.stderr)
-        self.assertIn("fluids: water is 2000 times as dense as air, and the scheme dissipation holds a gas up to 1000", done.stderr)
+        said = self.complaints("hydrostatic", "scheme=dissipation", "fluids[1].density=0.5", code=65)
+        self.assertIn("fluids: water is 2000 times as dense as air, and the scheme dissipation holds a gas up to 1000", said)
 
     def test_arithmetic_averages_are_warned_of(self) -> None:
-        words = ["run", "hydrostatic", "--set", "scheme={dissipation: {pair_average: arithmetic}}", "--set", "end_time=0.001", "--out", str(self.home / "run")]
-        environment = {**os.environ, "MENISCUS_CASES": str(ROOT / "server" / "cases")}
-        done = subprocess.run([str(BUILD / "meniscus"), *words], env=environment, capture_output=True, text=True)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn("scheme.dissipation.pair_average: the heaviest fluid is 1e+03 times as dense", done.stderr)
+        said = self.complaints("hydrostatic", "scheme={dissipation: {pair_average: arithmetic}}", "end_time=0.001")
+        self.assertIn("scheme.dissipation.pair_average: the heaviest fluid is 1e+03 times as dense", said)
 
 
 if __name__ == "__main__":
