@@ -10,8 +10,8 @@
 typedef struct Beside {
     uint32_t j[PICKED_MAX];
     Picked picked;
-    Marks other, counts;            /* of each neighbour: of another fluid?  1 if what it carries counts, else 0 */
-    Moments moments, carrying, all; /* of fluids; of those that count; of fluids and walls */
+    Marks other, counts;  /* of each neighbour: of another fluid?  1 if what it carries counts, else 0 */
+    Moments moments, all; /* of fluids; of fluids and walls */
 } Beside;
 
 INLINE void moments_beside(const RowPlan *plan, const Particles *s, size_t i, How how, Beside *near)
@@ -23,13 +23,11 @@ INLINE void moments_beside(const RowPlan *plan, const Particles *s, size_t i, Ho
     approach(ahead, 0, plan, &near->picked, near->j, x, how);
     for (size_t b = 0; b < near->picked.n_fluid; b++) {
         approach(ahead, b + 1, plan, &near->picked, near->j, x, how);
-        const double *counts = near->counts.of[b];
         fetch_rest(&block, near->j + b * LANES, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, NEEDS, how);
             moments_pair(&near->moments, &pair, 1, how, l);
-            moments_pair(&near->carrying, &pair, counts[l], how, l);
         }
     }
     near->all = near->moments;
@@ -79,7 +77,7 @@ INLINE void forces_beside(const RowPlan *plan, Particles *s, size_t i, How how)
     Block block, ahead[2];
     Beside near;
     const Model *model = plan->model;
-    near.moments = near.carrying = (Moments){0};
+    near.moments = (Moments){0};
     near.picked = pick_neighbours(plan, i, near.j);
     const bool mixed = mark_others(plan, i, near.j, &near.picked, &near.other);
     const double own_only = mixed && model->shifts_along_interfaces ? 1 : 0;
@@ -88,8 +86,7 @@ INLINE void forces_beside(const RowPlan *plan, Particles *s, size_t i, How how)
     moments_beside(plan, s, i, how, &near);
     const Pushed a = pushed_of(s, model, i);
     const WallPressure shown = wall_pressure_of(s, i);
-    Shifted c = shifted_of(s, model, i);
-    if (own_only > 0) shifted_corrected(&c, &near.carrying, how);
+    const Shifted c = shifted_of(s, model, i);
     const double soft = viscosity_softening(&model->kernel), beta = model->repulsion, p = s->p[i * s->p_step];
     viscosities_of(model, s->phase[i], 2, mu);
     likenesses(model, s->phase[i], like);

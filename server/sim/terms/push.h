@@ -4,7 +4,6 @@
 #define SIM_TERMS_PUSH_H
 
 #include "sim/terms/average.h"
-#include "sim/terms/moments.h"
 #include <math.h>
 
 /* --- pressure ---------------------------------------------------------------------------------------------------------- */
@@ -74,7 +73,6 @@ INLINE void pressure_end(Particles *s, size_t i, const Lanes sum[3], How how)
 typedef struct Shifted {
     double dx[3], far, v[3], z; /* far: how far that would be through interfaces too */
     double carries;             /* 0 of a gas that fills, else 1 */
-    double y[3]; /* dx, corrected where neighbours of its own fluid are missing; 0 of what carries nothing */
 } Shifted;
 
 Shifted shifted_of(const Particles *s, const Model *model, size_t i);
@@ -82,22 +80,11 @@ Shifted shifted_of(const Particles *s, const Model *model, size_t i);
 /* By how much of that, where the largest difference of velocity has the square U2. */
 double shifting_scale(const Model *model, double far, double U2);
 
-/* Of y . sum_j (f_j - f_i) grad_i W V_j for what particles carry: velocity, and in of[3] rho c_i; the largest |v_j - v_i|^2, and the largest
+/* Of dx . sum_j (f_j - f_i) grad_i W V_j for what particles carry: velocity, and in of[3] rho c_i; the largest |v_j - v_i|^2, and the largest
  * 1/Gamma_j. */
 typedef struct ShiftingSums {
     Lanes of[4], fastest, thinnest;
 } ShiftingSums;
-
-/* y = M dx with M of those who count: beside an interface half of them are missing, and with them would be half of each difference.
- * In the midst of a fluid differences are as P2 has them, a tenth off where particles are disordered. */
-INLINE void shifted_corrected(Shifted *a, const Moments *moments, How how)
-{
-    const Correction M = moments_inverse(moments, how);
-    for (int d = 0; d < how.dim; d++) {
-        a->y[d] = 0;
-        for (int e = 0; e < how.dim; e++) a->y[d] += a->carries * M.of[d][e] * a->dx[e];
-    }
-}
 
 /* c_i / c_j for each fluid: what z = rho c of its particles would be in a fluid of ours. */
 INLINE void likenesses(const Model *model, unsigned fluid, double ret[MNS_MAX_FLUIDS])
@@ -113,7 +100,7 @@ static const double MOST_THIN = 1 / 0.85;
 INLINE void shifting_pair(const Shifted *a, const Pair *pair, double counts, double like, How how, int l,
                           ShiftingSums *sum)
 {
-    const double c = counts * (pair->V * pair->F * DOT(a->y, pair->x, how));
+    const double c = counts * (pair->V * pair->F * DOT(a->dx, pair->x, how));
     double v2 = 0;
     for (int d = 0; d < how.dim; d++) {
         const double dv = pair->v[d] - a->v[d];
@@ -137,8 +124,9 @@ INLINE void shifting_end(const Shifted *a, Particles *s, const Model *model, siz
     if (thinnest > MOST_THIN && !model->filled) fastest = 0;
     const double scale = shifting_scale(model, a->far, fastest);
     s->rate[i] = fastest; /* from which its way is found again, when all have been looked at where they were */
-    for (int d = 0; d < how.dim; d++) s->v[d][i * s->v_step] += scale * lanes_sum(&sum->of[d]);
-    s->rho[i] += scale * lanes_sum(&sum->of[3]) / model->phase[s->phase[i]].c;
+    const double carried = a->carries * scale;
+    for (int d = 0; d < how.dim; d++) s->v[d][i * s->v_step] += carried * lanes_sum(&sum->of[d]);
+    s->rho[i] += carried * lanes_sum(&sum->of[3]) / model->phase[s->phase[i]].c;
 }
 
 #endif

@@ -3,12 +3,11 @@
  *   dx_i = -A h U_i dt sum_j V_j grad_i W,   at most dx/10;   beside an interface only along it: dx_i -= (dx_i . n_i) n_i
  *   U_i = max_j |v_j - v_i| over particles of the same fluid within the support: P2 prints |v_i|, which is another in each frame of reference,
  * so that what only drifts would be stirred; what disorders particles is how their neighbours move past them
- *   v_i += dx_i . sum_j (v_j - v_i) grad_i W V_j, density alike, over particles of the same fluid, beside an interface with M_i of
- * these, which P2 leaves out
+ *   v_i += dx_i . sum_j (v_j - v_i) grad_i W V_j, density alike, over particles of the same fluid. With M_i of these differences would be
+ * right beside an interface too, and what is drawn from a spray's few neighbours grows from step to step
  * A gas that fills goes through the interface too, more strongly, and carries nothing: of few neighbours of its own little is known.
- * P2's original shifts through interfaces too and corrects from all fluids without M, which mixes densities of water and air.
+ * P2's original shifts through interfaces too and corrects from all fluids, which mixes densities of water and air.
  * Within reach of a free surface there is no shift, in a domain that fluids do not fill. */
-#include "sim/terms/moments.h"
 #include "sim/terms/push.h"
 #include "sim/terms/terms.h"
 
@@ -45,10 +44,7 @@ Shifted shifted_of(const Particles *s, const Model *model, size_t i)
 {
     Shifted a = {.z = particles_impedance(s, model, i), .carries = model->phase[s->phase[i]].fills ? 0 : 1};
     a.far = find_way(s, model, i, a.dx);
-    for (int d = 0; d < s->dim; d++) {
-        a.v[d] = s->v[d][i * s->v_step];
-        a.y[d] = a.carries * a.dx[d];
-    }
+    for (int d = 0; d < s->dim; d++) a.v[d] = s->v[d][i * s->v_step];
     return a;
 }
 
@@ -76,18 +72,6 @@ INLINE void concentration_row(const Row *row, Particles *s, const Model *model, 
 }
 ROW_FUNCTIONS(concentration_row)
 
-INLINE void correct_shift(const Row *row, Shifted *a, How how)
-{
-    Moments moments = {0};
-    for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
-#pragma omp simd
-        for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, how);
-            moments_pair(&moments, &pair, 1 - pair.other, how, l);
-        }
-    shifted_corrected(a, &moments, how);
-}
-
 /* same_only: others of the same fluid count alone. Two loops, as the compiler gives up one that asks. */
 INLINE void shifting_sums(const Row *row, const Particles *s, const Shifted *a, const double *like, bool same_only,
                           How how, ShiftingSums *sum)
@@ -105,9 +89,8 @@ INLINE void shifting_sums(const Row *row, const Particles *s, const Shifted *a, 
 
 INLINE void shifting_row(const Row *row, Particles *s, const Model *model, How how)
 {
-    Shifted a = shifted_of(s, model, row->i);
+    const Shifted a = shifted_of(s, model, row->i);
     const bool same_only = row->mixed && model->shifts_along_interfaces;
-    if (same_only) correct_shift(row, &a, how);
     double like[MNS_MAX_FLUIDS];
     likenesses(model, s->phase[row->i], like);
     ShiftingSums sum = {0};
