@@ -60,17 +60,21 @@ INLINE void fill_row(Row *row, const RowPlan *plan, How how, bool periodic)
 #endif
 }
 
+/* One array at a time: gcc gives up all four together. */
+INLINE void replace_after(double of[LANES], size_t used, double by)
+{
+#pragma omp simd
+    for (size_t l = 0; l < LANES; l++) of[l] = l > used ? by : of[l];
+}
+
 /* Put what the last block was filled up with out of reach. */
 INLINE void hide(Block *last, size_t n, double far)
 {
     const size_t used = (n - 1) % LANES;
-#pragma omp simd
-    for (size_t l = 0; l < LANES; l++) {
-        last->r[l] = l > used ? far : last->r[l];
-        last->W[l] = l > used ? 0 : last->W[l];
-        last->F[l] = l > used ? 0 : last->F[l];
-        last->bend[l] = l > used ? 0 : last->bend[l];
-    }
+    replace_after(last->r, used, far);
+    replace_after(last->W, used, 0);
+    replace_after(last->F, used, 0);
+    replace_after(last->bend, used, 0);
 }
 
 /* Say which pairs are with another fluid; returns whether any is. */
