@@ -68,6 +68,7 @@ typedef struct MnsEnergy {
     double start, work; /* kinetic, potential, elastic and surface energy at the start; done on the fluid since [J] */
     double excess;      /* the largest of energy - start - work so far [J]; 0: none that could be told from noise   */
     double scale;       /* the largest of kinetic energy and |change of potential energy| so far [J]                */
+    double power;       /* of walls, at the end of the last step [W] */
     double potential;   /* potential energy at the start, by the gravity of now [J]                                 */
     double gravity[3];  /* that the potential energy is by [m/s^2]                                                  */
 } MnsEnergy;

@@ -22,9 +22,9 @@ static const char *const real_names[REAL] = {"spacing", "t", "dt", "dt_first"};
 
 /* The account of energy, in the order in which it is hashed. */
 static const char account_group[] = "/energy";
-enum { ACCOUNT = 8 };
-static const char *const account_names[ACCOUNT] = {"start",     "work",      "excess",    "scale",
-                                                   "potential", "gravity_x", "gravity_y", "gravity_z"};
+enum { ACCOUNT = 9 };
+static const char *const account_names[ACCOUNT] = {"start", "work",      "excess",    "scale",    "potential",
+                                                   "power", "gravity_x", "gravity_y", "gravity_z"};
 
 static int components(const MnsFieldInfo *field, int dim)
 {
@@ -58,8 +58,8 @@ static void put_scalars(H5 *h, const MnsCapture *state)
 
 static void put_account(H5 *h, const MnsEnergy *e)
 {
-    const double of[ACCOUNT] = {e->start,     e->work,       e->excess,     e->scale,
-                                e->potential, e->gravity[0], e->gravity[1], e->gravity[2]};
+    const double of[ACCOUNT] = {e->start, e->work,       e->excess,     e->scale,     e->potential,
+                                e->power, e->gravity[0], e->gravity[1], e->gravity[2]};
     const uint64_t hash = XXH64(of, sizeof of, 0);
     h5_make_group(h, account_group);
     for (int k = 0; k < ACCOUNT; k++) h5_mark(h, account_group, account_names[k], H5T_NATIVE_DOUBLE, 0, &of[k]);
@@ -119,7 +119,8 @@ static MnsEnergy get_account(H5 *h)
                        .excess = of[2],
                        .scale = of[3],
                        .potential = of[4],
-                       .gravity = {of[5], of[6], of[7]}};
+                       .power = of[5],
+                       .gravity = {of[6], of[7], of[8]}};
 }
 
 /* Which fields the file holds: none that this program does not know. Whether they are what the scheme goes on from is for those to

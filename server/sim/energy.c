@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "sim/energy.h"
+#include "base/array.h"
 #include "sim/motion.h"
 #include <math.h>
 #include <string.h>
@@ -15,13 +16,14 @@ static const double AREA = 0.01;
 /* What is allowed, over the largest of kinetic energy and change of potential energy; of P5, whose differences are no forces of pairs, more. */
 static const double MOST = 0.01, MOST_DIFFERENCES = 0.05;
 
-/* Sums over the fluid: energies [J] and sum rho c^2 V [J]; momentum [kg m/s]; of what gravity acts on its mass [kg], and that times position and
+/* Sums over the fluid: energies [J] and sum rho c^2 V [J]; power of walls [W]; momentum [kg m/s]; of what gravity acts on its mass [kg], and that times position and
  * velocity. */
 enum {
     KINETIC,
     ELASTIC,
     SURFACE,
     STIFFNESS,
+    BY_WALLS,
     WEIGHT,
     MOMENTUM,
     FALL = MOMENTUM + 3,
@@ -88,6 +90,7 @@ static void add_particle(const MnsSim *sim, size_t i, bool whole, double sums[st
         v2 += v * v;
     }
     sums[WEIGHT] += weight;
+    if (s->power) sums[BY_WALLS] += s->power[i];
     sums[KINETIC] += 0.5 * m * v2;
     if (!whole) return;
     const double c = sim->scheme->projects ? sim->model.projection.speed : phase->c;
@@ -96,9 +99,34 @@ static void add_particle(const MnsSim *sim, size_t i, bool whole, double sums[st
     if (sim->model.tense && (!sim->nb.tells_others || sim->nb.has[i] & LIST_OTHERS)) add_surface(sim, i, sums);
 }
 
+/* Of each particle, by the forces that the scheme has between it and walls. */
+static void find_power(MnsSim *sim)
+{
+    Particles *s = &sim->s;
+    const Term *const *terms = sim->scheme->power;
+    unsigned needs = 0;
+    for (int k = 0; terms[k]; k++)
+        if (term_needed(terms[k], &sim->model)) needs |= terms[k]->needs;
+    neighbours_refresh(&sim->nb, s, &sim->model, needs);
+    const RowPlan plan = row_plan(&sim->nb, s, &sim->model, needs, ROW_LISTED);
+#pragma omp parallel num_threads(sim->threads)
+    {
+        Row row;
+#pragma omp for schedule(dynamic, 64)
+        for (size_t i = 0; i < particles_fluid(s); i++) {
+            s->power[i] = 0;
+            if (!(sim->nb.has[i] & LIST_WALLS)) continue;
+            row_build(&row, &plan, i);
+            for (int k = 0; terms[k]; k++)
+                if (term_needed(terms[k], &sim->model)) term_row(terms[k], &row, s, &sim->model);
+        }
+    }
+}
+
 /* Block by block, so that the number of threads changes no bit. whole: elastic and surface energy too. */
 static void find_sums(MnsSim *sim, bool whole, double ret[static SUMS])
 {
+    if (sim->s.power) find_power(sim);
     const size_t n = particles_fluid(&sim->s), blocks = sim_blocks(n);
     double(*partial)[SUMS] = (double(*)[SUMS])sim->partial;
 #pragma omp parallel for schedule(static) num_threads(sim->threads)
@@ -126,13 +154,20 @@ static double whole_energy(const MnsSim *sim, const double sums[static SUMS])
     return sums[KINETIC] + sums[ELASTIC] + sums[SURFACE] + potential(sim, sums);
 }
 
-/* Walls that all move alike, without surfaces that move: then what pushes the fluid is what its momentum changes by. */
-static bool can_account(const MnsSim *sim)
+/* Do all walls move alike, without surfaces that move? Then what pushes the fluid is what its momentum changes by. */
+static bool move_as_one(const MnsSim *sim)
 {
     const MnsCase *c = sim->c;
     for (size_t k = 0; k < c->n_walls; k++)
         if (sim->model.wall[k].has_belt || !motion_same(&c->walls[k].motion, &c->walls[0].motion)) return false;
     return true;
+}
+
+/* Room for the power of walls, where that has to be found by their forces; false where it is not known. */
+static bool make_room(MnsSim *sim)
+{
+    if (move_as_one(sim) || sim->s.power) return true;
+    return sim->scheme->power[0] && (sim->s.power = array_new(particles_fluid(&sim->s), sizeof *sim->s.power));
 }
 
 /* Does anything put energy in, so that each step has to be looked at? */
@@ -142,7 +177,7 @@ static bool is_driven(const MnsSim *sim)
     for (int d = 0; d < sim->model.dim; d++)
         if (!formula_is_constant(sim->gravity[d]) || (sim->model.period[d] > 0 && sim->model.gravity[d] != 0))
             return true;
-    return sim->c->n_walls > 0 && !motion_same(&sim->c->walls[0].motion, &none);
+    return sim->s.power || (sim->c->n_walls > 0 && !motion_same(&sim->c->walls[0].motion, &none));
 }
 
 /* What the next step is compared with. */
@@ -160,7 +195,7 @@ void energy_begin(MnsSim *sim)
     MnsEnergy *account = &sim->progress.energy;
     const bool goes_on = account->known;
     double sums[SUMS];
-    if (!can_account(sim)) {
+    if (!make_room(sim)) {
         account->known = false;
         return;
     }
@@ -169,6 +204,7 @@ void energy_begin(MnsSim *sim)
     keep(sim, sums);
     if (goes_on) return;
     account->known = true;
+    account->power = sums[BY_WALLS];
     account->start = whole_energy(sim, sums);
     account->potential = potential(sim, sums);
 }
@@ -187,10 +223,12 @@ static void add_work(MnsSim *sim, const double sums[static SUMS])
             account->potential -= lift;
         }
         account->gravity[d] = g;
-        if (!model->n_walls) continue;
+        if (!model->n_walls || sim->s.power) continue;
         const double push = sums[MOMENTUM + d] - sim->before.momentum[d] - dt * g * sums[WEIGHT];
         account->work += push * model->wall[0].v[d];
     }
+    account->work += 0.5 * dt * (account->power + sums[BY_WALLS]);
+    account->power = sums[BY_WALLS];
 }
 
 static void look(MnsSim *sim, const double sums[static SUMS])

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The energy account of a run: what the fluid has, what was put into it, and so what its scheme has made of nothing.
  *   E = kinetic + potential + elastic + surface,   E - E_0 = W - dissipated
- *   W: of gravity that changes, of gravity along periodic directions, and of walls that move as one
- * What is dissipated is the difference, and never less than nothing: E - E_0 - W above 0 is an error of the scheme. Walls that move otherwise than
- * others, and surfaces that do, put energy in that is not known here: there is no account of these runs. */
+ *   W: of gravity that changes, of gravity along periodic directions, of walls that move and of surfaces that do
+ * What is dissipated is the difference, and never less than nothing: E - E_0 - W above 0 is an error of the scheme. Of walls that all move alike W is
+ * what the momentum of the fluid changes by, times their velocity; of others it is found by the forces of pairs, which P5 has none of: there is no
+ * account of such runs of it. */
 #ifndef SIM_ENERGY_H
 #define SIM_ENERGY_H
 
