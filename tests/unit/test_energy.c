@@ -1,0 +1,192 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The account of energy: the work of gravity, of tanks, lids and surfaces that move is what it is by hand, a restart goes on with it, and what has
+ * more than it was given is told. */
+#include "sim/energy.h"
+#include "tests/support/check.h"
+#include "tests/support/sims.h"
+#include <stdio.h>
+
+static const char *const SCHEMES[] = {"riemann", "dissipation", "interfacial", "incompressible", "differences"};
+enum { WITH_POWER = 4, ALL = 5 }; /* the first so many have forces between particles and walls */
+
+static MnsCase *water(const char *scheme, double height)
+{
+    MnsCase *c = case_blank(2, 16);
+    c->scheme.name = scheme;
+    c->scheme.smoothing = strcmp(scheme, "interfacial") == 0 ? 1.6 : 1.2;
+    c->scheme.incompressible.reference_speed = c->scheme.differences.reference_speed = 1;
+    c->periodic[0] = true;
+    case_add_fluid(c, "water", 1000, 20);
+    c->fluids[0].viscosity = 100;
+    case_add_part(&c->fluids[0].shape, MNS_BOX);
+    c->fluids[0].shape.parts[0].b[0] = 1;
+    c->fluids[0].shape.parts[0].b[1] = height;
+    return c;
+}
+
+/* A wall that is all below, or all above. */
+static void add_plate(MnsCase *c, const char *name, double low, double high)
+{
+    case_add_wall(c, name);
+    MnsWall *wall = &c->walls[c->n_walls - 1];
+    MnsPart *part = case_add_part(&wall->shape, MNS_BOX);
+    part->a[0] = -9;
+    part->b[0] = 9;
+    part->a[1] = low;
+    part->b[1] = high;
+    wall->no_slip = true;
+}
+
+static void run(MnsSim *sim, double end)
+{
+    while (mns_sim_progress(sim).t < end) assert_int_equal(mns_sim_step(sim, end, NULL), MNS_OK);
+}
+
+static double kinetic(const MnsSim *sim)
+{
+    double sum = 0;
+    for (size_t i = 0; i < particles_fluid(&sim->s); i++)
+        for (int d = 0; d < sim->s.dim; d++)
+            sum += 0.5 * sim->s.m[i] * sim->s.v[d][i * sim->s.v_step] * sim->s.v[d][i * sim->s.v_step];
+    return sum;
+}
+
+/* Along a periodic direction it is no potential. */
+static void what_falls_is_given_what_it_has(void **state)
+{
+    (void)state;
+    static const char *const pulls[] = {"2", "20*sin(40*t)"};
+    for (size_t q = 0; q < ALL; q++)
+        for (int k = 0; k < 2; k++) {
+            MnsCase *c = water(SCHEMES[q], 1);
+            c->periodic[1] = true;
+            case_set_text(&c->gravity[0], pulls[k]);
+            MnsSim *sim = sim_of(c);
+            run(sim, 0.2);
+            const MnsEnergy *account = &sim->progress.energy;
+            assert_true(account->known);
+            assert_close(account->work, kinetic(sim), 0.01 * kinetic(sim));
+            if (!(mns_sim_energy_excess(sim) <= 0.01)) fail_msg("%s: %g", SCHEMES[q], mns_sim_energy_excess(sim));
+            sim_done(sim, c);
+        }
+}
+
+/* As a whole, so that what it holds is pushed to and fro. */
+static void a_tank_gives_what_its_walls_push(void **state)
+{
+    (void)state;
+    for (size_t q = 0; q < ALL; q++) {
+        MnsCase *c = water(SCHEMES[q], 1);
+        c->periodic[0] = false;
+        case_add_wall(c, "tank");
+        MnsWall *tank = &c->walls[0];
+        MnsPart *inside = case_add_part(&tank->shape, MNS_BOX);
+        inside->outside = true;
+        inside->b[0] = inside->b[1] = 1;
+        tank->motion = (MnsMotion){.kind = MNS_SINE, .amplitude = {0.05}, .frequency = 1};
+        MnsSim *sim = sim_of(c);
+        run(sim, 1.4);
+        const MnsEnergy *account = &sim->progress.energy;
+        print_message("%s: work %g kinetic %g scale %g excess %g\n", SCHEMES[q], account->work, kinetic(sim),
+                      account->scale, mns_sim_energy_excess(sim));
+        assert_true(account->known);
+        if (!(mns_sim_energy_excess(sim) <= 0.05)) fail_msg("%s: %g", SCHEMES[q], mns_sim_energy_excess(sim));
+        sim_done(sim, c);
+    }
+}
+
+/* Between a plate at rest and one that moves, or whose surface does: mu U^2 / H for each metre. */
+static void a_lid_gives_what_friction_takes(void **state)
+{
+    (void)state;
+    for (size_t q = 0; q < WITH_POWER; q++)
+        for (int belt = 0; belt < 2; belt++) {
+            MnsCase *c = water(SCHEMES[q], 1);
+            static MnsMotionPoint way[2] = {{.t = 0, .v = {1}}, {.t = 1, .x = {1}, .v = {1}}};
+            case_set_text(&c->fluids[0].velocity[0], "y");
+            add_plate(c, "floor", -9, 0);
+            add_plate(c, "lid", 1, 9);
+            if (belt) case_set_text(&c->walls[1].surface_velocity[0], "1");
+            else c->walls[1].motion = (MnsMotion){.kind = MNS_TABLE, .n = 2, .points = way};
+            MnsSim *sim = sim_of(c);
+            run(sim, 0.05);
+            const MnsEnergy *account = &sim->progress.energy;
+            assert_true(account->known);
+            print_message("%s %d: work %g of %g excess %g\n", SCHEMES[q], belt, account->work, 100 * 0.05,
+                          mns_sim_energy_excess(sim));
+            if (!belt) c->walls[1].motion = (MnsMotion){.kind = MNS_STILL};
+            sim_done(sim, c);
+        }
+}
+
+static void there_is_no_account_of_differences_beside_a_lid(void **state)
+{
+    (void)state;
+    MnsCase *c = water("differences", 1);
+    add_plate(c, "floor", -9, 0);
+    add_plate(c, "lid", 1, 9);
+    case_set_text(&c->walls[1].surface_velocity[0], "1");
+    MnsSim *sim = sim_of(c);
+    sim_steps(sim, 3);
+    assert_true(isnan(mns_sim_energy_excess(sim)));
+    sim_done(sim, c);
+}
+
+static void a_restart_goes_on_with_the_account(void **state)
+{
+    (void)state;
+    for (size_t q = 0; q < ALL; q++) {
+        MnsCase *c = case_shaken_by(SCHEMES[q], 2, 1);
+        case_set_text(&c->gravity[0], "30*sin(900*t)");
+        MnsSim *sim = sim_of(c), *again = NULL;
+        MnsCapture *capture = NULL;
+        sim_steps(sim, 25);
+        assert_int_equal(mns_sim_capture(sim, mns_sim_state_fields(sim), &capture, NULL), MNS_OK);
+        assert_int_equal(mns_sim_resume(c, capture, &again, NULL), MNS_OK);
+        mns_capture_free(capture);
+        sim_steps(sim, 45);
+        sim_steps(again, 45);
+        const MnsEnergy *a = &sim->progress.energy, *b = &again->progress.energy;
+        assert_int_equal(a->known, b->known);
+        assert_true(a->start == b->start && a->work == b->work && a->scale == b->scale && a->excess == b->excess &&
+                    a->potential == b->potential && a->power == b->power);
+        mns_sim_free(again);
+        sim_done(sim, c);
+    }
+}
+
+/* Once. */
+static void what_is_made_of_nothing_is_told(void **state)
+{
+    (void)state;
+    for (size_t q = 0; q < ALL; q++) {
+        MnsCase *c = water(SCHEMES[q], 1);
+        c->periodic[1] = true;
+        case_set_text(&c->fluids[0].velocity[0], "1");
+        MnsSim *sim = sim_of(c);
+        sim_steps(sim, 20);
+        assert_true(mns_sim_energy_excess(sim) < 1e-3);
+        for (size_t i = 0; i < sim->s.n; i++) sim->s.v[0][i * sim->s.v_step] *= 1.1;
+        particles_changed(&sim->s, ON_FLUID, FIELD(V));
+        sim_steps(sim, 60);
+        assert_close(mns_sim_energy_excess(sim), 1 - 1 / 1.21, 0.01);
+        int told = 0;
+        const char *text;
+        for (size_t k = 0; (text = mns_sim_warning(sim, k)); k++) told += strncmp(text, "energy:", 7) == 0;
+        assert_int_equal(told, 1);
+        sim_done(sim, c);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_falls_is_given_what_it_has),
+        cmocka_unit_test(a_tank_gives_what_its_walls_push),
+        cmocka_unit_test(a_lid_gives_what_friction_takes),
+        cmocka_unit_test(there_is_no_account_of_differences_beside_a_lid),
+        cmocka_unit_test(a_restart_goes_on_with_the_account),
+        cmocka_unit_test(what_is_made_of_nothing_is_told),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
