@@ -2,6 +2,7 @@
 /* The account of energy: the work of gravity, of tanks, lids and surfaces that move is what it is by hand, a restart goes on with it, and what has
  * more than it was given is told. */
 #include "sim/energy.h"
+#include "sim/terms/terms.h"
 #include "tests/support/check.h"
 #include "tests/support/sims.h"
 #include <stdio.h>
@@ -178,6 +179,63 @@ static void what_is_made_of_nothing_is_told(void **state)
     }
 }
 
+/* P2's shift as it was: by each particle's own speed, towards where fewer are, be that beyond the free surface. */
+static void go_as_before(Particles *s, const Model *model, size_t first, size_t last)
+{
+    for (size_t i = first; i < last; i++) {
+        double v2 = 0, C2 = 0;
+        for (int d = 0; d < s->dim; d++) {
+            v2 += s->v[d][i * s->v_step] * s->v[d][i * s->v_step];
+            C2 += s->concentration[d][i] * s->concentration[d][i];
+        }
+        const double scale = model->shifting * model->kernel.h * model->dt * sqrt(v2), far = scale * sqrt(C2),
+                     most = 0.1 * model->dx;
+        for (int d = 0; d < s->dim; d++)
+            s->x[d][i * s->x_step] -= (far > most ? scale * most / far : scale) * s->concentration[d][i];
+    }
+}
+
+static const Local shift_as_before = {.name = "shift", .on = ON_FLUID, .apply = go_as_before, .writes = FIELD(X)};
+
+/* P2 with that. */
+static Scheme scheme_as_before(void)
+{
+    Scheme scheme = scheme_interfacial;
+    for (int k = 0; k < SCHEME_PASSES_MAX && scheme.rates[k].name; k++) {
+        Pass *pass = &scheme.rates[k];
+        if (pass->after[0] != &shifted_position) continue;
+        int n = 0;
+        for (int q = 0; q < PASS_TERMS_MAX && pass->terms[q]; q++)
+            if (pass->terms[q] != &shifting) pass->terms[n++] = pass->terms[q];
+        pass->terms[n] = NULL;
+        pass->after[0] = &shift_as_before;
+        pass->fusions[0] = NULL;
+    }
+    return scheme;
+}
+
+/* Still water that drifts: it rises by that shift, and rests with the one that there is. */
+static void a_shift_out_of_the_free_surface_is_told(void **state)
+{
+    (void)state;
+    const Scheme old = scheme_as_before();
+    for (int before = 0; before < 2; before++) {
+        MnsCase *c = water("interfacial", 0.5);
+        c->fluids[0].viscosity = 0;
+        case_set_text(&c->fluids[0].pressure, "hydrostatic");
+        case_set_text(&c->fluids[0].velocity[0], "1");
+        case_set_text(&c->gravity[1], "-1");
+        add_plate(c, "floor", -9, 0);
+        MnsSim *sim = sim_of(c);
+        if (before) sim->scheme = &old;
+        run(sim, 0.3);
+        print_message("%d: excess %g\n", before, mns_sim_energy_excess(sim));
+        if (before) assert_less(0.01, mns_sim_energy_excess(sim));
+        else assert_less(mns_sim_energy_excess(sim), 0.001);
+        sim_done(sim, c);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -187,6 +245,7 @@ int main(void)
         cmocka_unit_test(there_is_no_account_of_differences_beside_a_lid),
         cmocka_unit_test(a_restart_goes_on_with_the_account),
         cmocka_unit_test(what_is_made_of_nothing_is_told),
+        cmocka_unit_test(a_shift_out_of_the_free_surface_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
