@@ -64,7 +64,7 @@ const MnsCase *mns_sim_case(const MnsSim *sim);
 /** What has happened so far. All of it is part of the state: a restored run counts on. */
 /** What a run's fluid had at its start and was given since, and what it has beyond that: the scheme's own. */
 typedef struct MnsEnergy {
-    bool known;         /* false: walls put energy in that is not known                                             */
+    bool known;         /* false: there is no account                                             */
     double start, work; /* kinetic, potential, elastic and surface energy at the start; done on the fluid since [J] */
     double excess;      /* the largest of energy - start - work so far [J]; 0: none that could be told from noise   */
     double scale;       /* the largest of kinetic energy and |change of potential energy| so far [J]                */
@@ -85,8 +85,8 @@ typedef struct MnsProgress {
 
 MnsProgress mns_sim_progress(const MnsSim *sim);
 
-/** Energy that the scheme has made of nothing, over the largest of kinetic energy and change of potential energy so far; NAN where walls move
- *  otherwise than others or have surfaces that do, so that what they put in is not known. Above 0.01, of the scheme differences 0.05, a warning has
+/** Energy that the scheme has made of nothing, over the largest of kinetic energy and change of potential energy so far; NAN where there
+ *  was no memory for its account. Above 0.01, of the scheme differences 0.05, a warning has
  *  told it. */
 double mns_sim_energy_excess(const MnsSim *sim);
 

@@ -163,11 +163,11 @@ static bool move_as_one(const MnsSim *sim)
     return true;
 }
 
-/* Room for the power of walls, where that has to be found by their forces; false where it is not known. */
+/* Room for the power of walls, where that has to be found by their forces; false: no memory, and no account. */
 static bool make_room(MnsSim *sim)
 {
     if (move_as_one(sim) || sim->s.power) return true;
-    return sim->scheme->power[0] && (sim->s.power = array_new(particles_fluid(&sim->s), sizeof *sim->s.power));
+    return (sim->s.power = array_new(particles_fluid(&sim->s), sizeof *sim->s.power)) != NULL;
 }
 
 /* Does anything put energy in, so that each step has to be looked at? */

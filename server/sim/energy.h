@@ -3,8 +3,7 @@
  *   E = kinetic + potential + elastic + surface,   E - E_0 = W - dissipated
  *   W: of gravity that changes, of gravity along periodic directions, of walls that move and of surfaces that do
  * What is dissipated is the difference, and never less than nothing: E - E_0 - W above 0 is an error of the scheme. Of walls that all move alike W is
- * what the momentum of the fluid changes by, times their velocity; of others it is found by the forces of pairs, which P5 has none of: there is no
- * account of such runs of it. */
+ * what the momentum of the fluid changes by, times their velocity; of others it is found by the scheme's forces between particles and walls. */
 #ifndef SIM_ENERGY_H
 #define SIM_ENERGY_H
 

@@ -97,10 +97,9 @@ typedef struct Scheme {
     const Limit *limits[SCHEME_LIMITS_MAX]; /* ends with NULL */
     /* In the order in which the integrator goes through them; a nameless one ends the list. */
     Pass rates[SCHEME_PASSES_MAX];
-    const Term *power[POWER_TERMS_MAX +
-                      1]; /* of walls that move, on the fluid; ends with NULL, at once where it is not known */
-    Fields state;         /* what a run goes on from: in checkpoints and in the hash */
-    int given;            /* passes [0, given) are left out at the start: the case gives their results */
+    const Term *power[POWER_TERMS_MAX + 1]; /* of walls that move, on the fluid; ends with NULL */
+    Fields state;                           /* what a run goes on from: in checkpoints and in the hash */
+    int given; /* passes [0, given) are left out at the start: the case gives their results */
     /* After a state was set or restored: what follows from it without neighbours, NULL if nothing does that is stored, and the passes
      * [first, end) for what follows with them. */
     const Local *derive;

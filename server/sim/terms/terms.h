@@ -80,6 +80,8 @@ extern const Term product_power, squares_power,
     riemann_power;                                       /* wall_power.c: of P1, P2 and P3, by the pressure force */
 extern const Term friction_power, radial_friction_power; /* wall_power.c: by the wall friction */
 extern const Term corrected_power;                       /* corrected.c */
+extern const Term surface_power;                         /* wall_power.c: of P5 */
+extern const Term diffusion_power;                       /* momentum_diffusion.c: of P5 */
 extern const Term projected_power;                       /* projection.c: of P4 */
 
 /* Several terms in one go: of particles among their own kind, and beside walls or other fluids. */

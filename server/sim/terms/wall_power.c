@@ -39,6 +39,26 @@ INLINE void squares_power_row(const Row *row, Particles *s, const Model *model, 
 }
 ROW_FUNCTIONS(squares_power_row)
 
+/* P5's differences of pressures have no share of a wall: what it pushes with is the pressure on its surface, by the sum that has both. */
+INLINE void surface_power_row(const Row *row, Particles *s, const Model *model, How how)
+{
+    const size_t i = row->i;
+    const double V = particles_volume(s, model, i), p = s->p[i * s->p_step];
+    Lanes power = {0};
+    for (const Block *b = row->block + row->n_fluid; b < row->block + row->n; b++) {
+        double v[3][LANES];
+        Lanes force[3] = {0};
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = block_pair(b, l, how);
+            add_along(&pair, V * pair.V * (p + pair.p) * pair.F, how, l, force);
+        }
+        wall_velocities(s, model, row_j(row, b), how, v);
+        add_power(force, v, how, &power);
+    }
+    s->power[i] -= lanes_sum(&power);
+}
+ROW_FUNCTIONS(surface_power_row)
+
 INLINE void riemann_power_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const Side a = side_of(s, model, row->i, how);
@@ -98,6 +118,8 @@ ROW_FUNCTIONS(radial_friction_power_row)
 POWER(product_power, "power of walls", "P1 eq. 9", "sum_w f_iw . v_w, f of the pressure force", plain_gradients,
       NEED_F | NEED_STATE);
 POWER(squares_power, "power of walls", "P2 eq. 24", "sum_w f_iw . v_w, f of the pressure force", plain_gradients,
+      NEED_F | NEED_STATE);
+POWER(surface_power, "power of walls", "schemes/differences.md", "-sum_w V_i V_w (p_i + p_w) grad_i W . v_w", NULL,
       NEED_F | NEED_STATE);
 POWER(riemann_power, "power of walls", "P3 eq. 9", "sum_w f_iw . v_w, f of the Riemann momentum", NULL,
       NEED_F | NEED_STATE);
