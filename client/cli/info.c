@@ -73,6 +73,8 @@ static void print_info(const MnsRunInfo *info)
                info->fluid_particles, info->guarded);
         if (info->uncorrected)
             printf("densities   off by more than the case allows after %" PRIu64 " steps\n", info->uncorrected);
+        if (info->energy_excess > 0)
+            printf("energy      made of nothing: %.2g %% of what moves\n", 100 * info->energy_excess);
         print_speed(info);
         if (isfinite(info->eta_s)) printf("to go       %.0f s\n", info->eta_s);
         if (info->state_hash) printf("state hash  %016" PRIx64 "\n", info->state_hash);

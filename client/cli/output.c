@@ -147,11 +147,11 @@ json_t *output_info(const MnsRunInfo *info)
                   "title", output_text(info->title), "run_directory", output_text(info->run_directory), "fault",
                   output_text(*info->fault ? info->fault : NULL), "fault_reason",
                   info->fault_status ? mns_status_name(info->fault_status) : NULL, "version", info->version);
-    json_t *times = json_pack("{so so so so so so so}", "time", output_number(info->time), "end_time",
-                              output_number(info->end_time), "time_step", output_number(info->time_step), "eta_s",
-                              output_number(info->eta_s), "wall_s", output_number(info->wall_s), "steps_per_second",
-                              output_number(info->steps_per_second), "ns_per_particle_step",
-                              output_number(info->ns_per_particle_step));
+    json_t *times = json_pack(
+        "{so so so so so so so so}", "time", output_number(info->time), "end_time", output_number(info->end_time),
+        "time_step", output_number(info->time_step), "eta_s", output_number(info->eta_s), "wall_s",
+        output_number(info->wall_s), "steps_per_second", output_number(info->steps_per_second), "ns_per_particle_step",
+        output_number(info->ns_per_particle_step), "energy_excess", output_number(info->energy_excess));
     json_t *counts =
         json_pack("{sI sI sI sI sI sI sI sI so}", "step", (json_int_t)info->step, "particles",
                   (json_int_t)info->particles, "fluid_particles", (json_int_t)info->fluid_particles, "guarded",

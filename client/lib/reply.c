@@ -167,6 +167,7 @@ static MnsRunInfo *read_info(Arena *arena, const Meniscus__Status *m)
         .wall_s = number(m->has_wall_s, m->wall_s),
         .steps_per_second = number(m->has_steps_per_second, m->steps_per_second),
         .ns_per_particle_step = number(m->has_ns_per_particle_step, m->ns_per_particle_step),
+        .energy_excess = number(m->has_energy_excess, m->energy_excess),
         .step = m->step,
         .particles = m->particles,
         .fluid_particles = m->fluid_particles,

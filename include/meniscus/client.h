@@ -109,6 +109,8 @@ typedef struct MnsRunInfo {
     double time, end_time, time_step; /* [s], simulated */
     double eta_s, wall_s;             /* [s], wall clock: to the end, since the start */
     double steps_per_second, ns_per_particle_step;
+    double
+        energy_excess; /* that the scheme has made of nothing, over the largest of kinetic energy and change of potential energy */
     uint64_t step, particles, fluid_particles, guarded, uncorrected, samples_dropped, memory_bytes;
     uint64_t recovery_step;   /* in RECOVERING: at which it is back; else MNS_NO_STEP */
     uint64_t state_hash;      /* 0 while it runs */

@@ -62,6 +62,17 @@ MnsStatus mns_sim_check_steer(MnsSim *sim, const MnsCase *c, MnsError *error);
 const MnsCase *mns_sim_case(const MnsSim *sim);
 
 /** What has happened so far. All of it is part of the state: a restored run counts on. */
+/** What a run's fluid had at its start and was given since, and what it has beyond that: the scheme's own. */
+typedef struct MnsEnergy {
+    bool known;         /* false: there is no account                                             */
+    double start, work; /* kinetic, potential, elastic and surface energy at the start; done on the fluid since [J] */
+    double excess;      /* the largest of energy - start - work so far [J]; 0: none that could be told from noise   */
+    double scale;       /* the largest of kinetic energy and |change of potential energy| so far [J]                */
+    double power;       /* of walls, at the end of the last step [W] */
+    double potential;   /* potential energy at the start, by the gravity of now [J]                                 */
+    double gravity[3];  /* that the potential energy is by [m/s^2]                                                  */
+} MnsEnergy;
+
 typedef struct MnsProgress {
     double t;          /* [s]                                                                        */
     double dt;         /* last time step [s]; 0 before the first                                     */
@@ -69,9 +80,15 @@ typedef struct MnsProgress {
     uint64_t step;     /* time steps done                                                            */
     uint64_t rebuilds; /* neighbour lists built                                                      */
     uint64_t guarded;  /* times a particle was kept from entering a wall                             */
+    MnsEnergy energy;
 } MnsProgress;
 
 MnsProgress mns_sim_progress(const MnsSim *sim);
+
+/** Energy that the scheme has made of nothing, over the largest of kinetic energy and change of potential energy so far; NAN where there
+ *  was no memory for its account. Above 0.01, of the scheme differences 0.05, a warning has
+ *  told it. */
+double mns_sim_energy_excess(const MnsSim *sim);
 
 /** Steps since the simulation was made or restored after which a number density was still off by more than the case allows, of schemes that
  *  correct it. The first of them is told by a warning as well. */

@@ -128,6 +128,7 @@ static json_t *as_json(const Outcome *outcome)
     json_object_set_new(object, "ns_per_particle_step", number(status->ns_per_particle_step));
     json_object_set_new(object, "guarded", integer(at->guarded));
     json_object_set_new(object, "uncorrected", integer(status->uncorrected));
+    json_object_set_new(object, "energy_excess", number(status->energy_excess));
     json_object_set_new(object, "rebuilds", integer(at->rebuilds));
     json_object_set_new(object, "state_hash", hash_of(status));
     json_object_set_new(object, "probes", probes_of(outcome));
@@ -161,6 +162,9 @@ static void print_lines(const Outcome *outcome)
     if (status->progress.guarded) printf("  kept from walls %" PRIu64 " times\n", status->progress.guarded);
     if (status->uncorrected)
         printf("  densities off by more than the case allows after %" PRIu64 " steps\n", status->uncorrected);
+    if (status->energy_excess > 0)
+        printf("  energy made of nothing: %.2g %% of the largest of kinetic energy and change of potential energy\n",
+               100 * status->energy_excess);
     printf("  files in %s\n", outcome->directory);
     if (outcome->code == MNS_EXIT_AGAIN) printf("  to go on: %s\n", hint_for(outcome, MNS_E_INTERRUPTED));
     else if (!strcmp(state_name(status), run_state_name(RUN_PAUSED)))

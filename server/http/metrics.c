@@ -70,6 +70,11 @@ static double uncorrected(const View *view)
     return (double)view->run->uncorrected;
 }
 
+static double energy_excess(const View *view)
+{
+    return view->run->energy_excess;
+}
+
 static double probe_time(const View *view)
 {
     return view->run->sampled ? view->run->sampled_at : NAN;
@@ -480,6 +485,10 @@ static const Metric metrics[] = {
       "Steps since the case was loaded after which a number density was off by more than the case allows"},
      true,
      .number = uncorrected},
+    {{"meniscus_solver_energy_excess", "ratio", METRIC_GAUGE,
+      "Energy that the scheme has made of nothing, over the largest of kinetic energy and change of potential energy"},
+     true,
+     .number = energy_excess},
     {{"meniscus_probe_value", "", METRIC_GAUGE, "Latest sample of each probe, in the unit that its label says"},
      true,
      .print = probes},

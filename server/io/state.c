@@ -20,6 +20,12 @@ typedef struct Scalars {
 static const char *const whole_names[WHOLE] = {"dim", "n", "n_fluid", "step", "rebuilds", "guarded"};
 static const char *const real_names[REAL] = {"spacing", "t", "dt", "dt_first"};
 
+/* The account of energy, in the order in which it is hashed. */
+static const char account_group[] = "/energy";
+enum { ACCOUNT = 9 };
+static const char *const account_names[ACCOUNT] = {"start", "work",      "excess",    "scale",    "potential",
+                                                   "power", "gravity_x", "gravity_y", "gravity_z"};
+
 static int components(const MnsFieldInfo *field, int dim)
 {
     return field->components > 1 ? dim : 1;
@@ -50,6 +56,16 @@ static void put_scalars(H5 *h, const MnsCapture *state)
     h5_mark(h, group, "xxh64", H5T_NATIVE_UINT64, 0, &hash);
 }
 
+static void put_account(H5 *h, const MnsEnergy *e)
+{
+    const double of[ACCOUNT] = {e->start, e->work,       e->excess,     e->scale,     e->potential,
+                                e->power, e->gravity[0], e->gravity[1], e->gravity[2]};
+    const uint64_t hash = XXH64(of, sizeof of, 0);
+    h5_make_group(h, account_group);
+    for (int k = 0; k < ACCOUNT; k++) h5_mark(h, account_group, account_names[k], H5T_NATIVE_DOUBLE, 0, &of[k]);
+    h5_mark(h, account_group, "xxh64", H5T_NATIVE_UINT64, 0, &hash);
+}
+
 static void put_field(H5 *h, const MnsCapture *state, int k)
 {
     const MnsFieldInfo *field = &mns_fields()[k];
@@ -67,6 +83,7 @@ void state_put(H5 *h, const MnsCapture *state)
 {
     h5_make_group(h, group);
     put_scalars(h, state);
+    if (state->progress.energy.known) put_account(h, &state->progress.energy);
     for (int k = 0; mns_fields()[k].name; k++)
         if (state->fields >> k & 1) put_field(h, state, k);
 }
@@ -85,6 +102,25 @@ static Scalars get_scalars(H5 *h)
     if (s.whole[DIM] < 2 || s.whole[DIM] > 3 || s.whole[N] > UINT32_MAX || s.whole[N_FLUID] > s.whole[N])
         h5_raise(h, MNS_E_CORRUPT, "'%s' is damaged: its numbers of dimensions and particles make no sense", h->path);
     return s;
+}
+
+static MnsEnergy get_account(H5 *h)
+{
+    double of[ACCOUNT] = {0};
+    uint64_t hash = 0;
+    if (!h5_has(h, account_group)) return (MnsEnergy){.known = false};
+    for (int k = 0; k < ACCOUNT; k++) h5_get_mark(h, account_group, account_names[k], H5T_NATIVE_DOUBLE, &of[k]);
+    h5_get_mark(h, account_group, "xxh64", H5T_NATIVE_UINT64, &hash);
+    if (hash != XXH64(of, sizeof of, 0))
+        h5_raise(h, MNS_E_CORRUPT, "'%s' is damaged: the checksum of its account of energy does not match", h->path);
+    return (MnsEnergy){.known = true,
+                       .start = of[0],
+                       .work = of[1],
+                       .excess = of[2],
+                       .scale = of[3],
+                       .potential = of[4],
+                       .power = of[5],
+                       .gravity = {of[6], of[7], of[8]}};
 }
 
 /* Which fields the file holds: none that this program does not know. Whether they are what the scheme goes on from is for those to
@@ -133,6 +169,7 @@ MnsCapture *state_get(H5 *h)
 {
     const Scalars s = get_scalars(h);
     const uint64_t fields = get_fields(h);
+    const MnsEnergy energy = get_account(h);
     h5_expect_bytes(h, bytes_of(fields, (int)s.whole[DIM], s.whole[N]));
     if (h->status) return NULL;
     MnsCapture *state = mns_capture_new((int)s.whole[DIM], s.whole[N], s.whole[N_FLUID], fields);
@@ -146,7 +183,8 @@ MnsCapture *state_get(H5 *h)
                                     .dt_first = s.real[DT_FIRST],
                                     .step = s.whole[STEP],
                                     .rebuilds = s.whole[REBUILDS],
-                                    .guarded = s.whole[GUARDED]};
+                                    .guarded = s.whole[GUARDED],
+                                    .energy = energy};
     for (int k = 0; mns_fields()[k].name; k++)
         if (fields >> k & 1) get_field(h, state, k);
     if (!h->status) return state;

@@ -118,6 +118,7 @@ static void add_numbers(Meniscus__Status *message, const RunStatus *status)
     set_number(status->progress.dt, &message->has_time_step, &message->time_step);
     set_number(status->steps_per_second, &message->has_steps_per_second, &message->steps_per_second);
     set_number(status->ns_per_particle_step, &message->has_ns_per_particle_step, &message->ns_per_particle_step);
+    set_number(status->energy_excess, &message->has_energy_excess, &message->energy_excess);
     set_number(status->eta, &message->has_eta_s, &message->eta_s);
     set_number(status->wall, &message->has_wall_s, &message->wall_s);
     set_number(status->age, &message->has_age_s, &message->age_s);

@@ -28,6 +28,7 @@ typedef struct RunFigures {
     unsigned threads;
     size_t bytes;                                     /* of particles and neighbour lists */
     uint64_t uncorrected;                             /* as mns_sim_uncorrected()         */
+    double energy_excess;                             /* as mns_sim_energy_excess()       */
     size_t particles[MNS_MAX_FLUIDS + MNS_MAX_WALLS]; /* by phase: fluids, then walls */
     size_t n_timers;
     MnsTimer timers[FIGURES_TIMERS];

@@ -31,6 +31,7 @@ static void fill_run(const RunStatus *status, RunFigures *figures)
     figures->threads = status->threads;
     figures->bytes = status->bytes;
     figures->uncorrected = status->uncorrected;
+    figures->energy_excess = status->energy_excess;
     figures->n_timers = status->n_timers;
     memcpy(figures->timers, status->timers, figures->n_timers * sizeof *figures->timers);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Copy fields out of a simulation and a state back in, and fingerprint it. */
 #include "base/array.h"
+#include "sim/energy.h"
 #include "sim/home.h"
 #include "sim/integrator.h"
 #include "sim/level.h"
@@ -177,6 +178,7 @@ MnsStatus mns_sim_restore(MnsSim *sim, const MnsCapture *capture, MnsError *erro
     MnsError why = {0};
     const MnsStatus status = integrator_restart(sim, &why);
     home_enter(&sim->s, &sim->nb.bundles, sim->scheme, &sim->model, sim->threads);
+    if (!status) energy_begin(sim);
     return status ? sim_remember(sim, status, &why, error) : MNS_OK; /* the state that was there is gone */
 }
 

@@ -86,6 +86,7 @@ void particles_done(Particles *s)
     for (size_t k = 0; k < MNS_MAX_FLUIDS; k++) free(s->p_wall[k]);
     for (int d = 0; d < 3; d++) free(s->v_wall[d]);
     free(s->rate);
+    free(s->power);
     *s = (Particles){0};
 }
 
@@ -181,6 +182,6 @@ size_t particles_bytes(const Particles *s)
     for (int f = 0; mns_fields()[f].name; f++)
         if (!(s->housed >> f & 1))
             fields += owners_of(s, f) * field_size(&mns_fields()[f]) * (size_t)particles_components(s, f);
-    return fields + s->n * sizeof *s->rate +
+    return fields + s->n * sizeof *s->rate + (s->power ? particles_fluid(s) * sizeof *s->power : 0) +
            (s->n - particles_fluid(s)) * sizeof(double) * (s->n_phases + (s->v_wall[0] ? (size_t)s->dim : 0));
 }

@@ -35,6 +35,7 @@ typedef struct Particles {
     /* [n] within a step: of continuity d rho/dt, of summation the sum of W, while particles are shifted |v|^2 from before; between steps
      * work space to permute, and of fluid_sum() */
     double *rate;
+    double *power; /* [n_fluid] of walls, within the account of energy; NULL where none asks [W] */
     struct System
         *system;   /* for the pressure, of schemes that project (solve/solve.h); NULL of others. Not theirs to free */
     Fields housed; /* that are in bundles and nowhere else (home.h) */

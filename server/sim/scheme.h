@@ -89,7 +89,7 @@ typedef struct Limit {
     double (*within)(const MnsSim *, double dt); /* instead, of one that looks ahead as far as those before it allow */
 } Limit;
 
-enum { SCHEME_PASSES_MAX = 10, SCHEME_LIMITS_MAX = 8 };
+enum { SCHEME_PASSES_MAX = 10, SCHEME_LIMITS_MAX = 8, POWER_TERMS_MAX = 3 };
 
 typedef struct Scheme {
     const char *name, *title, *source;
@@ -97,8 +97,9 @@ typedef struct Scheme {
     const Limit *limits[SCHEME_LIMITS_MAX]; /* ends with NULL */
     /* In the order in which the integrator goes through them; a nameless one ends the list. */
     Pass rates[SCHEME_PASSES_MAX];
-    Fields state; /* what a run goes on from: in checkpoints and in the hash */
-    int given;    /* passes [0, given) are left out at the start: the case gives their results */
+    const Term *power[POWER_TERMS_MAX + 1]; /* of walls that move, on the fluid; ends with NULL */
+    Fields state;                           /* what a run goes on from: in checkpoints and in the hash */
+    int given; /* passes [0, given) are left out at the start: the case gives their results */
     /* After a state was set or restored: what follows from it without neighbours, NULL if nothing does that is stored, and the passes
      * [first, end) for what follows with them. */
     const Local *derive;

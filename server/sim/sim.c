@@ -3,9 +3,11 @@
 #include "base/array.h"
 #include "sim/belts.h"
 #include "sim/chambers.h"
+#include "sim/energy.h"
 #include "sim/home.h"
 #include "sim/integrator.h"
 #include "sim/limits.h"
+#include "sim/losses.h"
 #include "sim/making.h"
 #include "sim/shown.h"
 #include "sim/terms/terms.h"
@@ -54,7 +56,7 @@ static MnsStatus sim_init(MnsSim *sim, const MnsCapture *capture, MnsError *erro
     MnsStatus status = setup_model(sim, error);
     if (!status && !(sim->shown = calloc(1, sizeof *sim->shown)))
         status = mns_fail(error, MNS_E_MEMORY, "no memory for a simulation");
-    if (!status && !(sim->partial = array_new(sim_blocks(particles_fluid(&sim->s)), sizeof *sim->partial)))
+    if (!status && !(sim->partial = array_new(sim_blocks(particles_fluid(&sim->s)) * SIM_SUMS, sizeof *sim->partial)))
         status = mns_fail(error, MNS_E_MEMORY, "no memory for a simulation");
     if (!status && sim->scheme->projects) status = projection_init(sim, error);
     if (!status)
@@ -67,6 +69,7 @@ static MnsStatus sim_init(MnsSim *sim, const MnsCapture *capture, MnsError *erro
     if (!status) status = making_goes_on(&sim->making, error);
     if (!status) status = plan_check(sim, sim->c, capture != NULL, error); /* now that speeds are known */
     if (!status) plan_look(sim);
+    if (!status) energy_begin(sim);
     return status;
 }
 
@@ -187,6 +190,10 @@ MnsStatus mns_sim_step(MnsSim *sim, double t_max, MnsError *error)
     progress->t = t;
     progress->dt = dt;
     progress->step++;
+    if (!status) {
+        energy_step(sim);
+        losses_step(sim);
+    }
     clock_rest(sim, start, before);
     return status ? sim_remember(sim, status, &why, error) : MNS_OK;
 }

@@ -11,6 +11,7 @@
 
 enum { SIM_TIMERS_MAX = SCHEME_PASSES_MAX + 6, SIM_WARNINGS_MAX = 16 };
 enum { SIM_BLOCK = 4096 }; /* particles that are summed up by one thread */
+enum { SIM_SUMS = 15 };    /* at most at once */
 enum { TIMER_NEIGHBOURS, TIMER_DRIFT, TIMER_KICK, TIMER_REST, TIMER_PASSES };
 
 /* How the projections of the last step went. */
@@ -30,6 +31,11 @@ typedef struct Belts {
     uint32_t *id;       /* [n] of the particle, rising */
     double (*along)[6]; /* [n] */
 } Belts;
+
+/* What the energy account compares the next step with: sums of the fluid's mass, and of what gravity acts on of it, times position and velocity. */
+typedef struct Before {
+    double moment[3], momentum[3], fall[3];
+} Before;
 
 /* Gravity's mean over a time, as last found. */
 typedef struct PullMean {
@@ -61,8 +67,12 @@ struct MnsSim {
         double largest, capillary; /* radius of the largest [m]; greatest sigma / R [Pa] */
     } drops[MNS_MAX_FLUIDS];       /* of each fluid, where it starts as drops or bubbles */
     Shown *shown;
-    double *partial; /* [sim_blocks(fluid)] work space of sums over the fluid */
-    System system;   /* for the pressure, of schemes that project */
+    double *partial; /* [sim_blocks(fluid) * SIM_SUMS] work space of sums over the fluid */
+    Before before;
+    struct {
+        bool energy, escaped, bare; /* too much; too many; places without fluid */
+    } told;                         /* by warnings as it goes */
+    System system;                  /* for the pressure, of schemes that project */
     Solved solved;
     const char *solver;   /* the method by which the last system was solved; NULL: none was yet */
     uint64_t uncorrected; /* steps after which a number density was off by more than its tolerance */

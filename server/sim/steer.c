@@ -2,6 +2,7 @@
 /* Adopt the steerable entries of a case, for all of the next step: rates that were found under the old ones push nobody any more. All that particles, lists and formulas were made from must be as it was; what is new
  * is made first and taken into use last, so that a refused change changes nothing. */
 #include "base/vector.h"
+#include "sim/energy.h"
 #include "sim/gravity.h"
 #include "sim/home.h"
 #include "sim/integrator.h"
@@ -239,6 +240,7 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
     const int threads = sim_threads_for(c);
     const Fields fields = sim->s.fields;
     const Model before = sim->model;
+    const double energy = energy_of(sim);
     Neighbours lists = {0};
     Formula *gravity[3] = {0};
     MnsStatus status = check_change(sim, c, gravity, error);
@@ -271,6 +273,7 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
     integrator_derive(sim);
     if (!same_push(&before, &sim->model)) integrator_renew(sim);
     home_enter(&sim->s, &sim->nb.bundles, sim->scheme, &sim->model, sim->threads);
+    energy_steered(sim, energy);
     if (!before.corrects_gradients) plan_look_at_gradients(sim);
     if (before.density_average > 0) plan_look_at_averages(sim);
     return MNS_OK;

@@ -51,17 +51,22 @@ static void run_daemon(const Dialogue *dialogue, const char *const *options)
     _exit(127);
 }
 
-static void await_socket(const char *path)
+/* However slow the machine is: what ends the wait is the socket, or the end of the daemon. */
+static void await_socket(const char *path, pid_t daemon)
 {
-    for (int k = 0; k < 1000 && access(path, F_OK); k++) nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
-    if (access(path, F_OK)) fail_msg("the daemon has made no socket %s", path);
+    enum { PATIENCE = 6000 }; /* hundredths of a second */
+    for (int k = 0; access(path, F_OK); k++) {
+        if (waitpid(daemon, NULL, WNOHANG) != 0) fail_msg("the daemon ended before it made the socket %s", path);
+        if (k == PATIENCE) fail_msg("the daemon has made no socket %s", path);
+        nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
+    }
 }
 
 static void start(Dialogue *dialogue, const char *const *options)
 {
     dialogue->daemon = fork();
     if (dialogue->daemon == 0) run_daemon(dialogue, options);
-    await_socket(dialogue->endpoint + strlen("ipc://"));
+    await_socket(dialogue->endpoint + strlen("ipc://"), dialogue->daemon);
     dialogue->control = dialogue_connect(dialogue);
 }
 

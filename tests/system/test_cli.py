@@ -38,7 +38,7 @@ def documented(command: str) -> "set[str]":
 REPLY = {"state", "step", "time", "effect_step", "daemon_epoch", "message", "case_version"}
 STATUS = set(
     "state case title run_directory fault fault_reason version time end_time time_step eta_s wall_s steps_per_second "
-    "ns_per_particle_step step particles fluid_particles guarded uncorrected samples_dropped memory_bytes threads state_hash timers "
+    "ns_per_particle_step step particles fluid_particles guarded uncorrected energy_excess samples_dropped memory_bytes threads state_hash timers "
     "breakpoints scheduled case_version recovery_step lease_holder lease_s streams".split()
 )
 

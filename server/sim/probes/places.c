@@ -14,12 +14,18 @@ double probe_pressure(Measure *m)
     return sums.fluid > NOTHING_NEAR ? sums.value / sums.fluid : NAN;
 }
 
-/* Share of the fluid at a point: 1 deep inside it, 0 outside. Beyond a free surface, where less than half of what is no wall
- * is filled, there is nothing, nor within walls. */
-static double part(const Measure *m, const double x[3])
+/* Is there fluid at a point? Beyond a free surface, where less than half of what is no wall is filled, there is nothing, nor within walls. */
+static bool is_filled(const Share *share)
 {
-    const Share share = sample_share(m->sim, x, measure_fluids(m));
-    return !share.solid && share.filled >= 0.5 ? share.among : 0;
+    return !share->solid && share->filled >= 0.5;
+}
+
+/* What the surface between two samples adds to the depth, over a step, where it is not midway. */
+static double beyond_midway(const Share *before, const Share *after)
+{
+    if (before->solid || after->solid || is_filled(before) == is_filled(after)) return 0;
+    const double at = (before->filled - 0.5) / (before->filled - after->filled);
+    return is_filled(before) ? (at - 0.5) * before->among : (0.5 - at) * after->among;
 }
 
 /* Integral of the share along the line, by midpoints a quarter of a spacing apart: the blur of the kernel is symmetric, so it
@@ -32,10 +38,13 @@ double probe_height(Measure *m)
     const int n = (int)ceil(4 * length / model->dx);
     const double step = length / n;
     double x[3] = {0, 0, 0}, depth = 0;
+    Share before = {.solid = true};
     for (int d = 0; d < model->dim; d++) x[d] = m->probe->at[d] + measure_shift(m, d);
     for (int k = 0; k < n; k++) {
         x[up] = low + (k + 0.5) * step;
-        depth += step * part(m, x);
+        const Share share = sample_share(m->sim, x, measure_fluids(m));
+        depth += step * ((is_filled(&share) ? share.among : 0) + beyond_midway(&before, &share));
+        before = share;
     }
     return depth;
 }

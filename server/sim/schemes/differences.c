@@ -95,6 +95,7 @@ const Scheme scheme_differences = {
              .terms = {&harmonic_diffusion, &divtau_diffusion, &conservative_diffusion, &sph_diffusion,
                        &colour_tension}},
         },
+    .power = {&surface_power, &diffusion_power},
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(P) | FIELD(M) | FIELD(A) | FIELD(REF) |
              FIELD(TO_SURFACE),
     .given = PASS_SHAPE,

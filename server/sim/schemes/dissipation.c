@@ -95,6 +95,7 @@ const Scheme scheme_dissipation = {
              .fusions = {&dissipation_gas_rates, &dissipation_gas_rates_beside, &dissipation_viscous_rates,
                          &dissipation_rates, &dissipation_rates_beside}},
         },
+    .power = {&product_power, &corrected_power, &friction_power},
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(M) | FIELD(REF),
     .derive = &linear_pressure,
     .given = 1,

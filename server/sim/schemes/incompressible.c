@@ -89,6 +89,7 @@ const Scheme scheme_incompressible = {
             {"forces", .before = {&body_force},
              .terms = {&viscosity, &transposed_viscosity, &wall_friction, &surface_stress}},
         },
+    .power = {&projected_power, &friction_power},
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(P) | FIELD(M) | FIELD(A) | FIELD(REF),
     .given = PASS_RATES,
     .derived_passes = {PASS_RATES, PASS_RATES + 1},

@@ -73,6 +73,7 @@ const Scheme scheme_interfacial = {
             {"walls, shifted",
              .terms = {&shifted_wall_pressure}}, /* what they show, of the state that a run goes on from */
         },
+    .power = {&squares_power, &corrected_power, &radial_friction_power},
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(P) | FIELD(M) | FIELD(A) | FIELD(REF) |
              FIELD(SHEPARD) | FIELD(GRADIENT) | FIELD(NORMAL) | FIELD(CONCENTRATION),
     .derived_passes = {1, 2},

@@ -12,6 +12,7 @@
 #include "sim/terms/moments.h"
 #include "sim/terms/push.h"
 #include "sim/terms/terms.h"
+#include "sim/terms/wall_power.h"
 
 static bool corrects(const Model *model)
 {
@@ -177,6 +178,31 @@ INLINE void corrected_pressure_row(const Row *row, Particles *s, const Model *mo
     pressure_end(s, i, sum, how);
 }
 ROW_FUNCTIONS(corrected_pressure_row)
+
+INLINE void corrected_power_row(const Row *row, Particles *s, const Model *model, How how)
+{
+    const size_t i = row->i;
+    const Symmetric M_i = correction_of(s, i, how);
+    const WallPressure shown = wall_pressure_of(s, i);
+    const double p = s->p[i * s->p_step], V = particles_volume(s, model, i);
+    Lanes power = {0};
+    for (const Block *b = row->block + row->n_fluid; b < row->block + row->n; b++) {
+        const uint32_t *j = row_j(row, b);
+        double v[3][LANES];
+        Lanes force[3] = {0};
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = block_pair(b, l, how);
+            corrected_push(&M_i, &PLAIN, &pair, p, shown_by(&shown, j[l]), V, how, l, force);
+        }
+        wall_velocities(s, model, j, how, v);
+        add_power(force, v, how, &power);
+    }
+    s->power[i] -= lanes_sum(&power);
+}
+ROW_FUNCTIONS(corrected_power_row)
+
+POWER(corrected_power, "power of walls", "Bonet and Lok 1999", "sum_w f_iw . v_w, f of the corrected pressure force",
+      corrects, NEED_F | NEED_STATE);
 
 const Term corrected_continuity = {
     .name = "corrected continuity",

@@ -9,6 +9,7 @@
 #include "sim/terms/average.h"
 #include "sim/terms/differences.h"
 #include "sim/terms/terms.h"
+#include "sim/terms/wall_power.h"
 
 static bool spreads(const Model *model, MnsDiffusion diffusion)
 {
@@ -138,6 +139,40 @@ INLINE void sph_diffusion_row(const Row *row, Particles *s, const Model *model, 
     for (int d = 0; d < how.dim; d++) s->a[d][i] += printed * lanes_sum(&sum[d]) / (V * density_around(s, model, i));
 }
 ROW_FUNCTIONS(sph_diffusion_row)
+
+/* Of the same differences as the diffusion's, to wall particles: on a particle they are no forces that walls have the opposite of, but their sum is
+ * that of the stress along a wall. */
+INLINE void diffusion_power_row(const Row *row, Particles *s, const Model *model, How how)
+{
+    const size_t i = row->i;
+    const bool paired = is_sph(model), harmonic = !is_divtau(model);
+    const Stencil stencil = stencil_of(s, i, how);
+    const Mixture mixing = mixture_of_viscosities(model);
+    const double mu = mixed(mixing, s->colour[i]), V = particles_volume(s, model, i),
+                 printed = model->kernel.alpha / model->kernel.beta;
+    double u[3];
+    Lanes power = {0};
+    for (int d = 0; d < how.dim; d++) u[d] = s->v[d][i * s->v_step];
+    for (const Block *b = row->block + row->n_fluid; b < row->block + row->n; b++) {
+        double colour[LANES], v[3][LANES];
+        Lanes force[3] = {0};
+        gather(s->colour, row_j(row, b), colour);
+        gather_velocities(row, b, s, how, v);
+        for (int l = 0; l < LANES; l++) {
+            const double x[3] = {b->x[0][l], b->x[1][l], how.dim == 3 ? b->x[2][l] : 0};
+            const double between = harmonic ? harmonic_mean(mu, mixed(mixing, colour[l])) : mu;
+            const double c = paired ? -printed * (V * V + b->V[l] * b->V[l]) / V * b->F[l]
+                                    : LAPLACIAN_WEIGHT(stencil, x, b->W[l], how);
+            for (int d = 0; d < how.dim; d++) add_product(&force[d], l, between * c, v[d][l] - u[d], how);
+        }
+        add_power(force, b->v, how, &power);
+    }
+    s->power[i] += s->m[i] / density_around(s, model, i) * lanes_sum(&power);
+}
+ROW_FUNCTIONS(diffusion_power_row)
+
+POWER(diffusion_power, "power of friction", "P5 eq. 12, 13, 18", "sum_w f_iw . v_w, f of the diffusion", is_viscous,
+      NEED_W | NEED_F | NEED_V | NEED_STATE);
 
 const Term harmonic_diffusion = {
     .name = "harmonic diffusion",

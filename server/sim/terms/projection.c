@@ -12,6 +12,7 @@
 #include "sim/solve/solve.h"
 #include "sim/terms/matrix_row.h"
 #include "sim/terms/terms.h"
+#include "sim/terms/wall_power.h"
 #include <math.h>
 
 /* Of a spacing, by which one density correction may move a particle. They are a hundredth of one as a rule; without a bound single
@@ -223,6 +224,33 @@ INLINE void density_correction_row(const Row *row, Particles *s, const Model *mo
     for (int d = 0; d < how.dim; d++) s->x[d][row->i * s->x_step] -= keep * change[d];
 }
 ROW_FUNCTIONS(density_correction_row)
+
+/* Of the pressures that the last step ended with: m_i dv_i/dt = sum_j A_ij p_ij x_ij. */
+INLINE void projected_power_row(const Row *row, Particles *s, const Model *model, How how)
+{
+    const size_t i = row->i;
+    const unsigned mine = s->phase[i];
+    const double V = particles_volume(s, model, i), p = s->p[i * s->p_step];
+    Lanes power = {0};
+    for (const Block *b = row->block + row->n_fluid; b < row->block + row->n; b++) {
+        const uint32_t *j = row_j(row, b);
+        double v[3][LANES];
+        Lanes force[3] = {0};
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = block_pair(b, l, how);
+            const double share = model->phase[mine].rho0 * inverse_at_wall(s, model, mine, j[l], false);
+            const double F = pair.F < model->projection.faint ? pair.F : 0;
+            add_along(&pair, facing(V, pair.V, F) * (share * (pair.p - p) + p), how, l, force);
+        }
+        wall_velocities(s, model, j, how, v);
+        add_power(force, v, how, &power);
+    }
+    s->power[i] += lanes_sum(&power);
+}
+ROW_FUNCTIONS(projected_power_row)
+
+POWER(projected_power, "power of walls", "P4 eq. 24", "sum_w f_iw . v_w, f of the velocity correction", NULL,
+      NEED_F | NEED_STATE);
 
 const Term density_matrix = {
     .name = "density system",

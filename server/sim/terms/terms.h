@@ -75,6 +75,15 @@ extern const Term colour_tension;  /* colour_gradient.c */
 extern const Term even_spacing;    /* spacing.c: shift, and what the shifted carry */
 extern const Local even_position;  /* spacing.c */
 
+/* What walls that move put into the fluid: no part of a step, but of the account of energy (energy.h). */
+extern const Term product_power, squares_power,
+    riemann_power;                                       /* wall_power.c: of P1, P2 and P3, by the pressure force */
+extern const Term friction_power, radial_friction_power; /* wall_power.c: by the wall friction */
+extern const Term corrected_power;                       /* corrected.c */
+extern const Term surface_power;                         /* wall_power.c: of P5 */
+extern const Term diffusion_power;                       /* momentum_diffusion.c: of P5 */
+extern const Term projected_power;                       /* projection.c: of P4 */
+
 /* Several terms in one go: of particles among their own kind, and beside walls or other fluids. */
 extern const Fusion dissipation_shape; /* dissipation_shape.c */
 extern const Fusion dissipation_rates; /* dissipation_rates.c */

@@ -14,12 +14,14 @@ LONG_STEPS = "scheme.cfl=0.4"  # 1.6 times as long as a case's, where that moves
 
 
 def hygiene(case: str, r: Run, void: bool = True) -> Iterator[Metric]:
-    """No particle outside, mass exact, no void."""
+    """No particle outside, mass exact, no energy of nothing, no void."""
     yield Metric(case, "escaped particles", float(np.nanmax(r.probes["escaped"])), high=0)
     for name in sorted(r.probes, reverse=True):
         if name.startswith("mass_"):
             m = r.probes[name]
             yield Metric(case, f"{name}: largest change", float(np.max(np.abs(m - m[0])) / m[0]), high=1e-13)
+    if (excess := r.summary.get("energy_excess")) is not None:  # null where nobody knows what walls put in
+        yield Metric(case, "energy made of nothing, over the largest of kinetic energy and change of potential energy", excess, high=0.01)
     if void:
         yield Metric(case, "smallest sum of W V", float(np.nanmin(r.probes["coverage"])), low=0.75)
 

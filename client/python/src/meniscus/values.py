@@ -107,6 +107,7 @@ class Status:
     eta_s: Optional[float] = None  # wall-clock time to the end [s]
     guarded: Optional[int] = None  # times that a particle was kept from a wall
     uncorrected: Optional[int] = None  # steps after which a number density was off by more than the case allows
+    energy_excess: Optional[float] = None  # made of nothing, over the largest of kinetic energy and change of potential energy
     samples_dropped: Optional[int] = None  # live samples that nobody fetched in time; files have them all
     fault: Optional[str] = None  # the sentence, in FAULT
     fault_reason: Optional[str] = None  # as MeniscusError.status

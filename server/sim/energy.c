@@ -1,0 +1,294 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "sim/energy.h"
+#include "base/array.h"
+#include "sim/motion.h"
+#include <math.h>
+#include <string.h>
+
+enum { EVERY = 20 }; /* steps the energy is found: elastic energies and surfaces take as long as a tenth of one */
+
+/* Below this part of sum rho c^2 V nothing is said: at rest a scheme's noise is all the energy there is. */
+static const double SILENT = 1e-6;
+
+/* To which the area of an interface is known: particles that only change places change it by as much. */
+static const double AREA = 0.01;
+
+/* What is allowed, over the largest of kinetic energy and change of potential energy; of P5, whose differences are no forces of pairs, more. */
+static const double MOST = 0.01, MOST_DIFFERENCES = 0.05;
+
+/* Sums over the fluid: energies [J] and sum rho c^2 V [J]; power of walls [W]; momentum [kg m/s]; of what gravity acts on its mass [kg], and that times position and
+ * velocity. */
+enum {
+    KINETIC,
+    ELASTIC,
+    SURFACE,
+    STIFFNESS,
+    BY_WALLS,
+    WEIGHT,
+    MOMENTUM,
+    FALL = MOMENTUM + 3,
+    MOMENT = FALL + 3,
+    SUMS = MOMENT + 3
+};
+
+_Static_assert((int)SUMS <= (int)SIM_SUMS, "room for partial sums");
+
+/* Of a mass, from the volume it has at rest to that at a density [J/kg]: the integral of p / rho^2. With rho^gamma from the pressure, which is
+ * there. */
+static double elastic(const Phase *phase, double rho, double p)
+{
+    const double r = rho / phase->rho0, c2 = phase->c * phase->c, gamma = phase->exponent;
+    const double background = phase->background / phase->rho0 * (1 - 1 / r);
+    if (gamma == 1) { /* ln r as a series: it is 2 atanh u */
+        const double u = (r - 1) / (r + 1), u2 = u * u;
+        const double log = 2 * u * (1 + u2 * (1. / 3 + u2 * (1. / 5 + u2 * (1. / 7 + u2 / 9))));
+        return c2 * (log + 1 / r - 1) + background;
+    }
+    const double power = (1 + gamma * (p - phase->background) / (phase->rho0 * c2)) / r;
+    return c2 / gamma * ((power - 1) / (gamma - 1) + 1 / r - 1) + background;
+}
+
+/* sigma V |grad C| for each other fluid, of which the sum over particles is sigma times the area. */
+static void add_surface(const MnsSim *sim, size_t i, double sums[static SUMS])
+{
+    const Particles *s = &sim->s;
+    const Model *model = &sim->model;
+    const uint32_t *list = neighbours_of(&sim->nb, i);
+    const unsigned mine = s->phase[i];
+    double slope[MNS_MAX_FLUIDS][3] = {{0}};
+    for (size_t k = 0; k < sim->nb.end[i][END_FLUID]; k++) {
+        const size_t j = list[k];
+        if (s->phase[j] == mine) continue;
+        double x[3] = {0}, r2 = 0, W, F;
+        for (int d = 0; d < s->dim; d++) {
+            x[d] = model_nearest(model, d, s->x[d][i * s->x_step] - s->x[d][j * s->x_step]);
+            r2 += x[d] * x[d];
+        }
+        const double r = sqrt(r2), V = particles_volume(s, model, j);
+        if (!(r < model->kernel.support)) continue;
+        kernel_eval(&model->kernel, 1, &r, &W, &F);
+        for (int d = 0; d < s->dim; d++) slope[s->phase[j]][d] += V * F * x[d];
+    }
+    const double V = particles_volume(s, model, i);
+    for (size_t b = 0; b < model->n_phases; b++) {
+        const double *g = slope[b], size = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+        sums[SURFACE] += model->tension[mine][b] * V * size;
+    }
+}
+
+static void add_particle(const MnsSim *sim, size_t i, bool whole, double sums[static SUMS])
+{
+    const Particles *s = &sim->s;
+    const Phase *phase = &sim->model.phase[s->phase[i]];
+    const double m = s->m[i], weight = m * (1 - sim->model.differences.buoyancy / phase->rho0);
+    double v2 = 0;
+    for (int d = 0; d < s->dim; d++) {
+        const double v = s->v[d][i * s->v_step];
+        sums[MOMENT + d] += weight * s->x[d][i * s->x_step];
+        sums[FALL + d] += weight * v;
+        sums[MOMENTUM + d] += m * v;
+        v2 += v * v;
+    }
+    sums[WEIGHT] += weight;
+    if (s->power) sums[BY_WALLS] += s->power[i];
+    sums[KINETIC] += 0.5 * m * v2;
+    if (!whole) return;
+    const double c = sim->scheme->projects ? sim->model.projection.speed : phase->c;
+    sums[STIFFNESS] += m * c * c;
+    if (!sim->scheme->projects) sums[ELASTIC] += m * elastic(phase, s->rho[i], s->p[i * s->p_step]);
+    if (sim->model.tense && (!sim->nb.tells_others || sim->nb.has[i] & LIST_OTHERS)) add_surface(sim, i, sums);
+}
+
+/* Of each particle, by the forces that the scheme has between it and walls. */
+static void find_power(MnsSim *sim)
+{
+    Particles *s = &sim->s;
+    const Term *const *terms = sim->scheme->power;
+    unsigned needs = 0;
+    for (int k = 0; terms[k]; k++)
+        if (term_needed(terms[k], &sim->model)) needs |= terms[k]->needs;
+    neighbours_refresh(&sim->nb, s, &sim->model, needs);
+    const RowPlan plan = row_plan(&sim->nb, s, &sim->model, needs, ROW_LISTED);
+#pragma omp parallel num_threads(sim->threads)
+    {
+        Row row;
+#pragma omp for schedule(dynamic, 64)
+        for (size_t i = 0; i < particles_fluid(s); i++) {
+            s->power[i] = 0;
+            if (!(sim->nb.has[i] & LIST_WALLS)) continue;
+            row_build(&row, &plan, i);
+            for (int k = 0; terms[k]; k++)
+                if (term_needed(terms[k], &sim->model)) term_row(terms[k], &row, s, &sim->model);
+        }
+    }
+}
+
+/* Block by block, so that the number of threads changes no bit. whole: elastic and surface energy too. */
+static void find_sums(MnsSim *sim, bool whole, double ret[static SUMS])
+{
+    if (sim->s.power) find_power(sim);
+    const size_t n = particles_fluid(&sim->s), blocks = sim_blocks(n);
+    double(*partial)[SUMS] = (double(*)[SUMS])sim->partial;
+#pragma omp parallel for schedule(static) num_threads(sim->threads)
+    for (size_t b = 0; b < blocks; b++) {
+        double sums[SUMS] = {0};
+        for (size_t i = b * SIM_BLOCK; i < n && i < (b + 1) * SIM_BLOCK; i++) add_particle(sim, i, whole, sums);
+        memcpy(partial[b], sums, sizeof sums);
+    }
+    memset(ret, 0, SUMS * sizeof *ret);
+    for (size_t b = 0; b < blocks; b++)
+        for (int k = 0; k < SUMS; k++) ret[k] += partial[b][k];
+}
+
+/* Where a direction is periodic there is no potential: what gravity does along it is work. */
+static double potential(const MnsSim *sim, const double sums[static SUMS])
+{
+    double gx = 0;
+    for (int d = 0; d < sim->model.dim; d++)
+        if (sim->model.period[d] == 0) gx += sim->progress.energy.gravity[d] * sums[MOMENT + d];
+    return -gx;
+}
+
+static double whole_energy(const MnsSim *sim, const double sums[static SUMS])
+{
+    return sums[KINETIC] + sums[ELASTIC] + sums[SURFACE] + potential(sim, sums);
+}
+
+/* Do all walls move alike, without surfaces that move? Then what pushes the fluid is what its momentum changes by. */
+static bool move_as_one(const MnsSim *sim)
+{
+    const MnsCase *c = sim->c;
+    for (size_t k = 0; k < c->n_walls; k++)
+        if (sim->model.wall[k].has_belt || !motion_same(&c->walls[k].motion, &c->walls[0].motion)) return false;
+    return true;
+}
+
+/* Room for the power of walls, where that has to be found by their forces; false: no memory, and no account. */
+static bool make_room(MnsSim *sim)
+{
+    if (move_as_one(sim) || sim->s.power) return true;
+    return (sim->s.power = array_new(particles_fluid(&sim->s), sizeof *sim->s.power)) != NULL;
+}
+
+/* Does anything put energy in, so that each step has to be looked at? */
+static bool is_driven(const MnsSim *sim)
+{
+    static const MnsMotion none = {0};
+    for (int d = 0; d < sim->model.dim; d++)
+        if (!formula_is_constant(sim->gravity[d]) || (sim->model.period[d] > 0 && sim->model.gravity[d] != 0))
+            return true;
+    return sim->s.power || (sim->c->n_walls > 0 && !motion_same(&sim->c->walls[0].motion, &none));
+}
+
+/* What the next step is compared with. */
+static void keep(MnsSim *sim, const double sums[static SUMS])
+{
+    for (int d = 0; d < 3; d++) {
+        sim->before.moment[d] = sums[MOMENT + d];
+        sim->before.momentum[d] = sums[MOMENTUM + d];
+        sim->before.fall[d] = sums[FALL + d];
+    }
+}
+
+void energy_begin(MnsSim *sim)
+{
+    MnsEnergy *account = &sim->progress.energy;
+    const bool goes_on = account->known;
+    double sums[SUMS];
+    if (!make_room(sim)) {
+        account->known = false;
+        return;
+    }
+    if (!goes_on) memcpy(account->gravity, sim->model.gravity, sizeof account->gravity);
+    find_sums(sim, true, sums);
+    keep(sim, sums);
+    if (goes_on) return;
+    account->known = true;
+    account->power = sums[BY_WALLS];
+    account->start = whole_energy(sim, sums);
+    account->potential = potential(sim, sums);
+}
+
+/* Of the step that has ended. Gravity is one for all of it, and where it changes from one to the next, it does at the positions between them. */
+static void add_work(MnsSim *sim, const double sums[static SUMS])
+{
+    const Model *model = &sim->model;
+    const double dt = sim->progress.dt;
+    MnsEnergy *account = &sim->progress.energy;
+    for (int d = 0; d < model->dim; d++) {
+        const double g = model->gravity[d], lift = (g - account->gravity[d]) * sim->before.moment[d];
+        if (model->period[d] > 0) account->work += 0.5 * dt * g * (sim->before.fall[d] + sums[FALL + d]);
+        else {
+            account->work -= lift;
+            account->potential -= lift;
+        }
+        account->gravity[d] = g;
+        if (!model->n_walls || sim->s.power) continue;
+        const double push = sums[MOMENTUM + d] - sim->before.momentum[d] - dt * g * sums[WEIGHT];
+        account->work += push * model->wall[0].v[d];
+    }
+    account->work += 0.5 * dt * (account->power + sums[BY_WALLS]);
+    account->power = sums[BY_WALLS];
+}
+
+static void look(MnsSim *sim, const double sums[static SUMS])
+{
+    MnsEnergy *account = &sim->progress.energy;
+    const double made = whole_energy(sim, sums) - account->start - account->work,
+                 change = fabs(potential(sim, sums) - account->potential);
+    account->scale = fmax(account->scale, fmax(sums[KINETIC], change));
+    if (made > SILENT * sums[STIFFNESS] + AREA * sums[SURFACE]) account->excess = fmax(account->excess, made);
+    const double most = sim->model.differences.scale > 0 ? MOST_DIFFERENCES : MOST, excess = mns_sim_energy_excess(sim);
+    if (!(excess > most) || sim->told.energy) return;
+    sim->told.energy = true;
+    plan_warn(
+        sim,
+        "energy: after step %llu the fluid has %.3g J more than it had and was given, %.2g %% of the largest of its "
+        "kinetic "
+        "energy and the change of its potential energy, allowed: %g %%. What follows is not to be trusted: a smaller "
+        "scheme.cfl, a finer resolution or the scheme's defaults may mend it",
+        (unsigned long long)sim->progress.step, account->excess, 100 * excess, 100 * most);
+}
+
+void energy_step(MnsSim *sim)
+{
+    MnsEnergy *account = &sim->progress.energy;
+    const bool whole = sim->progress.step % EVERY == 0;
+    if (!account->known) return;
+    bool driven = is_driven(sim);
+    for (int d = 0; d < sim->model.dim; d++) driven = driven || sim->model.gravity[d] != account->gravity[d];
+    if (!whole && !driven) return;
+    double sums[SUMS];
+    find_sums(sim, whole, sums);
+    if (driven) add_work(sim, sums);
+    keep(sim, sums);
+    if (whole) look(sim, sums);
+}
+
+double energy_of(MnsSim *sim)
+{
+    double sums[SUMS];
+    if (!sim->progress.energy.known) return 0;
+    find_sums(sim, true, sums);
+    return whole_energy(sim, sums);
+}
+
+void energy_steered(MnsSim *sim, double before)
+{
+    MnsEnergy *account = &sim->progress.energy;
+    double sums[SUMS];
+    if (!account->known) return;
+    find_sums(sim, true, sums);
+    const double held = potential(sim, sums);
+    memcpy(account->gravity, sim->model.gravity, sizeof account->gravity);
+    keep(sim, sums);
+    account->potential += potential(sim, sums) - held;
+    account->work += whole_energy(sim, sums) - before;
+}
+
+double mns_sim_energy_excess(const MnsSim *sim)
+{
+    const MnsEnergy *account = &sim->progress.energy;
+    if (!account->known) return NAN;
+    return account->excess > 0 ? account->excess / account->scale : 0;
+}

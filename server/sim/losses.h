@@ -1,0 +1,11 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Particles that leave the domain, and places in it that particles leave, are told as soon as there are too many. */
+#ifndef SIM_LOSSES_H
+#define SIM_LOSSES_H
+
+#include "sim/sim.h"
+
+/* After a step, now and then. Warns once of each. */
+void losses_step(MnsSim *sim);
+
+#endif

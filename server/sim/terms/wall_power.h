@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The power of walls, pair by pair (wall_power.c). */
+#ifndef SIM_TERMS_WALL_POWER_H
+#define SIM_TERMS_WALL_POWER_H
+
+#include "sim/terms/terms.h"
+
+/* Velocities of the walls that a block's particles are of, without that of their surfaces. */
+INLINE void wall_velocities(const Particles *s, const Model *model, const uint32_t *j, How how, double ret[3][LANES])
+{
+    for (int l = 0; l < LANES; l++) {
+        const WallState *wall = &model->wall[s->phase[j[l]] - model->n_phases];
+        for (int d = 0; d < how.dim; d++) ret[d][l] = wall->v[d];
+    }
+}
+
+INLINE void add_power(const Lanes force[3], const double v[3][LANES], How how, Lanes *power)
+{
+    for (int d = 0; d < how.dim; d++)
+        for (int l = 0; l < LANES; l++) add_product(power, l, force[d].of[l], v[d][l], how);
+}
+
+/* A term of it. */
+#define POWER(term, what, of, eq, when, pairs)                                                                         \
+    const Term term = {.name = what,                                                                                   \
+                       .source = of,                                                                                   \
+                       .equation = eq,                                                                                 \
+                       .on = ON_FLUID,                                                                                 \
+                       .needed = when,                                                                                 \
+                       .needs = pairs,                                                                                 \
+                       .beside = LIST_WALLS,                                                                           \
+                       .row = ROW_TABLE(term##_row)}
+
+#endif

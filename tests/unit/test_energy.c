@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The account of energy: the work of gravity, of tanks, lids and surfaces that move is what it is by hand, a restart goes on with it, and what has
+ * more than it was given is told. */
+#include "sim/energy.h"
+#include "sim/terms/terms.h"
+#include "tests/support/check.h"
+#include "tests/support/sims.h"
+#include <stdio.h>
+
+static const char *const SCHEMES[] = {"riemann", "dissipation", "interfacial", "incompressible", "differences"};
+enum { ALL = 5 };
+
+static MnsCase *water(const char *scheme, double height)
+{
+    MnsCase *c = case_blank(2, 16);
+    c->scheme.name = scheme;
+    c->scheme.smoothing = strcmp(scheme, "interfacial") == 0 ? 1.6 : 1.2;
+    c->scheme.incompressible.reference_speed = c->scheme.differences.reference_speed = 1;
+    c->periodic[0] = true;
+    case_add_fluid(c, "water", 1000, 20);
+    c->fluids[0].viscosity = 100;
+    case_add_part(&c->fluids[0].shape, MNS_BOX);
+    c->fluids[0].shape.parts[0].b[0] = 1;
+    c->fluids[0].shape.parts[0].b[1] = height;
+    return c;
+}
+
+/* A wall that is all below, or all above. */
+static void add_plate(MnsCase *c, const char *name, double low, double high)
+{
+    case_add_wall(c, name);
+    MnsWall *wall = &c->walls[c->n_walls - 1];
+    MnsPart *part = case_add_part(&wall->shape, MNS_BOX);
+    part->a[0] = -9;
+    part->b[0] = 9;
+    part->a[1] = low;
+    part->b[1] = high;
+    wall->no_slip = true;
+}
+
+static void run(MnsSim *sim, double end)
+{
+    while (mns_sim_progress(sim).t < end) assert_int_equal(mns_sim_step(sim, end, NULL), MNS_OK);
+}
+
+static double kinetic(const MnsSim *sim)
+{
+    double sum = 0;
+    for (size_t i = 0; i < particles_fluid(&sim->s); i++)
+        for (int d = 0; d < sim->s.dim; d++)
+            sum += 0.5 * sim->s.m[i] * sim->s.v[d][i * sim->s.v_step] * sim->s.v[d][i * sim->s.v_step];
+    return sum;
+}
+
+/* Along a periodic direction it is no potential. */
+static void what_falls_is_given_what_it_has(void **state)
+{
+    (void)state;
+    static const char *const pulls[] = {"2", "20*sin(40*t)"};
+    for (size_t q = 0; q < ALL; q++)
+        for (int k = 0; k < 2; k++) {
+            MnsCase *c = water(SCHEMES[q], 1);
+            c->periodic[1] = true;
+            case_set_text(&c->gravity[0], pulls[k]);
+            MnsSim *sim = sim_of(c);
+            run(sim, 0.2);
+            const MnsEnergy *account = &sim->progress.energy;
+            assert_true(account->known);
+            assert_close(account->work, kinetic(sim), 0.01 * kinetic(sim));
+            if (!(mns_sim_energy_excess(sim) <= 0.01)) fail_msg("%s: %g", SCHEMES[q], mns_sim_energy_excess(sim));
+            sim_done(sim, c);
+        }
+}
+
+/* As a whole, so that what it holds is pushed to and fro. */
+static void a_tank_gives_what_its_walls_push(void **state)
+{
+    (void)state;
+    for (size_t q = 0; q < ALL; q++) {
+        MnsCase *c = water(SCHEMES[q], 1);
+        c->periodic[0] = false;
+        case_add_wall(c, "tank");
+        MnsWall *tank = &c->walls[0];
+        MnsPart *inside = case_add_part(&tank->shape, MNS_BOX);
+        inside->outside = true;
+        inside->b[0] = inside->b[1] = 1;
+        tank->motion = (MnsMotion){.kind = MNS_SINE, .amplitude = {0.05}, .frequency = 1};
+        MnsSim *sim = sim_of(c);
+        run(sim, 1.4);
+        const MnsEnergy *account = &sim->progress.energy;
+        print_message("%s: work %g kinetic %g scale %g excess %g\n", SCHEMES[q], account->work, kinetic(sim),
+                      account->scale, mns_sim_energy_excess(sim));
+        assert_true(account->known);
+        if (!(mns_sim_energy_excess(sim) <= 0.05)) fail_msg("%s: %g", SCHEMES[q], mns_sim_energy_excess(sim));
+        sim_done(sim, c);
+    }
+}
+
+/* Between a plate at rest and one that moves, or whose surface does: mu U^2 / H for each metre. */
+static void a_lid_gives_what_friction_takes(void **state)
+{
+    (void)state;
+    for (size_t q = 0; q < ALL; q++)
+        for (int belt = 0; belt < 2; belt++) {
+            MnsCase *c = water(SCHEMES[q], 1);
+            static MnsMotionPoint way[2] = {{.t = 0, .v = {1}}, {.t = 1, .x = {1}, .v = {1}}};
+            case_set_text(&c->fluids[0].velocity[0], "y");
+            add_plate(c, "floor", -9, 0);
+            add_plate(c, "lid", 1, 9);
+            if (belt) case_set_text(&c->walls[1].surface_velocity[0], "1");
+            else c->walls[1].motion = (MnsMotion){.kind = MNS_TABLE, .n = 2, .points = way};
+            MnsSim *sim = sim_of(c);
+            run(sim, 0.05);
+            const MnsEnergy *account = &sim->progress.energy;
+            assert_true(account->known);
+            print_message("%s %d: work %g of %g excess %g\n", SCHEMES[q], belt, account->work, 100 * 0.05,
+                          mns_sim_energy_excess(sim));
+            if (!belt) c->walls[1].motion = (MnsMotion){.kind = MNS_STILL};
+            sim_done(sim, c);
+        }
+}
+
+static void a_restart_goes_on_with_the_account(void **state)
+{
+    (void)state;
+    for (size_t q = 0; q < ALL; q++) {
+        MnsCase *c = case_shaken_by(SCHEMES[q], 2, 1);
+        case_set_text(&c->gravity[0], "30*sin(900*t)");
+        MnsSim *sim = sim_of(c), *again = NULL;
+        MnsCapture *capture = NULL;
+        sim_steps(sim, 25);
+        assert_int_equal(mns_sim_capture(sim, mns_sim_state_fields(sim), &capture, NULL), MNS_OK);
+        assert_int_equal(mns_sim_resume(c, capture, &again, NULL), MNS_OK);
+        mns_capture_free(capture);
+        sim_steps(sim, 45);
+        sim_steps(again, 45);
+        const MnsEnergy *a = &sim->progress.energy, *b = &again->progress.energy;
+        assert_int_equal(a->known, b->known);
+        assert_true(a->start == b->start && a->work == b->work && a->scale == b->scale && a->excess == b->excess &&
+                    a->potential == b->potential && a->power == b->power);
+        mns_sim_free(again);
+        sim_done(sim, c);
+    }
+}
+
+/* Once. */
+static void what_is_made_of_nothing_is_told(void **state)
+{
+    (void)state;
+    for (size_t q = 0; q < ALL; q++) {
+        MnsCase *c = water(SCHEMES[q], 1);
+        c->periodic[1] = true;
+        case_set_text(&c->fluids[0].velocity[0], "1");
+        MnsSim *sim = sim_of(c);
+        sim_steps(sim, 20);
+        assert_true(mns_sim_energy_excess(sim) < 1e-3);
+        for (size_t i = 0; i < sim->s.n; i++) sim->s.v[0][i * sim->s.v_step] *= 1.1;
+        particles_changed(&sim->s, ON_FLUID, FIELD(V));
+        sim_steps(sim, 60);
+        assert_close(mns_sim_energy_excess(sim), 1 - 1 / 1.21, 0.01);
+        int told = 0;
+        const char *text;
+        for (size_t k = 0; (text = mns_sim_warning(sim, k)); k++) told += strncmp(text, "energy:", 7) == 0;
+        assert_int_equal(told, 1);
+        sim_done(sim, c);
+    }
+}
+
+/* P2's shift as it was: by each particle's own speed, towards where fewer are, be that beyond the free surface. */
+static void go_as_before(Particles *s, const Model *model, size_t first, size_t last)
+{
+    for (size_t i = first; i < last; i++) {
+        double v2 = 0, C2 = 0;
+        for (int d = 0; d < s->dim; d++) {
+            v2 += s->v[d][i * s->v_step] * s->v[d][i * s->v_step];
+            C2 += s->concentration[d][i] * s->concentration[d][i];
+        }
+        const double scale = model->shifting * model->kernel.h * model->dt * sqrt(v2), far = scale * sqrt(C2),
+                     most = 0.1 * model->dx;
+        for (int d = 0; d < s->dim; d++)
+            s->x[d][i * s->x_step] -= (far > most ? scale * most / far : scale) * s->concentration[d][i];
+    }
+}
+
+static const Local shift_as_before = {.name = "shift", .on = ON_FLUID, .apply = go_as_before, .writes = FIELD(X)};
+
+/* P2 with that. */
+static Scheme scheme_as_before(void)
+{
+    Scheme scheme = scheme_interfacial;
+    for (int k = 0; k < SCHEME_PASSES_MAX && scheme.rates[k].name; k++) {
+        Pass *pass = &scheme.rates[k];
+        if (pass->after[0] != &shifted_position) continue;
+        int n = 0;
+        for (int q = 0; q < PASS_TERMS_MAX && pass->terms[q]; q++)
+            if (pass->terms[q] != &shifting) pass->terms[n++] = pass->terms[q];
+        pass->terms[n] = NULL;
+        pass->after[0] = &shift_as_before;
+        pass->fusions[0] = NULL;
+    }
+    return scheme;
+}
+
+/* Still water that drifts: it rises by that shift, and rests with the one that there is. */
+static void a_shift_out_of_the_free_surface_is_told(void **state)
+{
+    (void)state;
+    const Scheme old = scheme_as_before();
+    for (int before = 0; before < 2; before++) {
+        MnsCase *c = water("interfacial", 0.5);
+        c->fluids[0].viscosity = 0;
+        case_set_text(&c->fluids[0].pressure, "hydrostatic");
+        case_set_text(&c->fluids[0].velocity[0], "1");
+        case_set_text(&c->gravity[1], "-1");
+        add_plate(c, "floor", -9, 0);
+        MnsSim *sim = sim_of(c);
+        if (before) sim->scheme = &old;
+        run(sim, 0.3);
+        print_message("%d: excess %g\n", before, mns_sim_energy_excess(sim));
+        if (before) assert_less(0.01, mns_sim_energy_excess(sim));
+        else assert_less(mns_sim_energy_excess(sim), 0.001);
+        sim_done(sim, c);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_falls_is_given_what_it_has), cmocka_unit_test(a_tank_gives_what_its_walls_push),
+        cmocka_unit_test(a_lid_gives_what_friction_takes), cmocka_unit_test(a_restart_goes_on_with_the_account),
+        cmocka_unit_test(what_is_made_of_nothing_is_told), cmocka_unit_test(a_shift_out_of_the_free_surface_is_told),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
