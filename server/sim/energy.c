@@ -187,6 +187,7 @@ static void keep(MnsSim *sim, const double sums[static SUMS])
         sim->before.moment[d] = sums[MOMENT + d];
         sim->before.momentum[d] = sums[MOMENTUM + d];
         sim->before.fall[d] = sums[FALL + d];
+        sim->before.wall[d] = sim->model.n_walls ? sim->model.wall[0].v[d] : 0;
     }
 }
 
@@ -225,7 +226,9 @@ static void add_work(MnsSim *sim, const double sums[static SUMS])
         account->gravity[d] = g;
         if (!model->n_walls || sim->s.power) continue;
         const double push = sums[MOMENTUM + d] - sim->before.momentum[d] - dt * g * sums[WEIGHT];
-        account->work += push * model->wall[0].v[d];
+        /* What projects gives the fluid the velocity of its walls, from that of the step before; forces act at both ends of a step. */
+        const double v = model->wall[0].v[d], of = sim->scheme->projects ? 0.5 * (sim->before.wall[d] + v) : v;
+        account->work += push * of;
     }
     account->work += 0.5 * dt * (account->power + sums[BY_WALLS]);
     account->power = sums[BY_WALLS];

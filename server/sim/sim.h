@@ -32,9 +32,10 @@ typedef struct Belts {
     double (*along)[6]; /* [n] */
 } Belts;
 
-/* What the energy account compares the next step with: sums of the fluid's mass, and of what gravity acts on of it, times position and velocity. */
+/* What the energy account compares the next step with: sums of the fluid's mass, and of what gravity acts on of it, times position and velocity; velocity of the first
+ * wall. */
 typedef struct Before {
-    double moment[3], momentum[3], fall[3];
+    double moment[3], momentum[3], fall[3], wall[3];
 } Before;
 
 /* Gravity's mean over a time, as last found. */

@@ -84,14 +84,14 @@ static void a_tank_gives_what_its_walls_push(void **state)
         MnsPart *inside = case_add_part(&tank->shape, MNS_BOX);
         inside->outside = true;
         inside->b[0] = inside->b[1] = 1;
-        tank->motion = (MnsMotion){.kind = MNS_SINE, .amplitude = {0.05}, .frequency = 1};
+        tank->motion = (MnsMotion){.kind = MNS_ONE_MINUS_COSINE, .amplitude = {0.05}, .frequency = 1};
         MnsSim *sim = sim_of(c);
         run(sim, 1.4);
         const MnsEnergy *account = &sim->progress.energy;
-        print_message("%s: work %g kinetic %g scale %g excess %g\n", SCHEMES[q], account->work, kinetic(sim),
-                      account->scale, mns_sim_energy_excess(sim));
+        if (!(fabs(account->work - kinetic(sim)) <= 0.05 * account->scale))
+            fail_msg("%s: %g J for %g", SCHEMES[q], account->work, kinetic(sim));
         assert_true(account->known);
-        if (!(mns_sim_energy_excess(sim) <= 0.05)) fail_msg("%s: %g", SCHEMES[q], mns_sim_energy_excess(sim));
+        if (!(mns_sim_energy_excess(sim) <= 0.01)) fail_msg("%s: %g", SCHEMES[q], mns_sim_energy_excess(sim));
         sim_done(sim, c);
     }
 }
@@ -103,18 +103,20 @@ static void a_lid_gives_what_friction_takes(void **state)
     for (size_t q = 0; q < ALL; q++)
         for (int belt = 0; belt < 2; belt++) {
             MnsCase *c = water(SCHEMES[q], 1);
-            static MnsMotionPoint way[2] = {{.t = 0, .v = {1}}, {.t = 1, .x = {1}, .v = {1}}};
+            static MnsMotionPoint way[2] = {{.t = -1, .x = {-1}, .v = {1}}, {.t = 1, .x = {1}, .v = {1}}};
             case_set_text(&c->fluids[0].velocity[0], "y");
             add_plate(c, "floor", -9, 0);
             add_plate(c, "lid", 1, 9);
             if (belt) case_set_text(&c->walls[1].surface_velocity[0], "1");
             else c->walls[1].motion = (MnsMotion){.kind = MNS_TABLE, .n = 2, .points = way};
             MnsSim *sim = sim_of(c);
-            run(sim, 0.05);
+            run(sim, 0.125);
             const MnsEnergy *account = &sim->progress.energy;
             assert_true(account->known);
-            print_message("%s %d: work %g of %g excess %g\n", SCHEMES[q], belt, account->work, 100 * 0.05,
-                          mns_sim_energy_excess(sim));
+            /* along the rows of a lattice P2 is 8 % less viscous */
+            const double off = strcmp(SCHEMES[q], "interfacial") == 0 ? 0.08 : 0.01;
+            if (!(fabs(account->work - 12.5) <= off * 12.5)) fail_msg("%s, %d: %g J", SCHEMES[q], belt, account->work);
+            assert_true(mns_sim_energy_excess(sim) == 0);
             if (!belt) c->walls[1].motion = (MnsMotion){.kind = MNS_STILL};
             sim_done(sim, c);
         }
@@ -216,7 +218,6 @@ static void a_shift_out_of_the_free_surface_is_told(void **state)
         MnsSim *sim = sim_of(c);
         if (before) sim->scheme = &old;
         run(sim, 0.3);
-        print_message("%d: excess %g\n", before, mns_sim_energy_excess(sim));
         if (before) assert_less(0.01, mns_sim_energy_excess(sim));
         else assert_less(mns_sim_energy_excess(sim), 0.001);
         sim_done(sim, c);

@@ -161,7 +161,7 @@ INLINE void diffusion_power_row(const Row *row, Particles *s, const Model *model
         for (int l = 0; l < LANES; l++) {
             const double x[3] = {b->x[0][l], b->x[1][l], how.dim == 3 ? b->x[2][l] : 0};
             const double between = harmonic ? harmonic_mean(mu, mixed(mixing, colour[l])) : mu;
-            const double c = paired ? -printed * (V * V + b->V[l] * b->V[l]) / V * b->F[l]
+            const double c = paired ? -printed * (V * V + model->cell_volume * model->cell_volume) / V * b->F[l]
                                     : LAPLACIAN_WEIGHT(stencil, x, b->W[l], how);
             for (int d = 0; d < how.dim; d++) add_product(&force[d], l, between * c, v[d][l] - u[d], how);
         }
@@ -172,7 +172,7 @@ INLINE void diffusion_power_row(const Row *row, Particles *s, const Model *model
 ROW_FUNCTIONS(diffusion_power_row)
 
 POWER(diffusion_power, "power of friction", "P5 eq. 12, 13, 18", "sum_w f_iw . v_w, f of the diffusion", is_viscous,
-      NEED_W | NEED_F | NEED_V | NEED_STATE);
+      NEED_W | NEED_F | NEED_V);
 
 const Term harmonic_diffusion = {
     .name = "harmonic diffusion",

@@ -225,14 +225,15 @@ INLINE void density_correction_row(const Row *row, Particles *s, const Model *mo
 }
 ROW_FUNCTIONS(density_correction_row)
 
-/* Of the pressures that the last step ended with: m_i dv_i/dt = sum_j A_ij p_ij x_ij. */
+/* Of the solution that the last step ended with, and not of the pressures that are shown, which are means over some time: m_i dv_i = sum_j A_ij P_ij
+ * x_ij within dt. */
 INLINE void projected_power_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i;
     const unsigned mine = s->phase[i];
-    const double V = particles_volume(s, model, i), p = s->p[i * s->p_step];
+    const double V = particles_volume(s, model, i), *P = s->system->x;
     Lanes power = {0};
-    for (const Block *b = row->block + row->n_fluid; b < row->block + row->n; b++) {
+    for (const Block *b = row->block + row->n_fluid; b < row->block + row->n && model->dt > 0; b++) {
         const uint32_t *j = row_j(row, b);
         double v[3][LANES];
         Lanes force[3] = {0};
@@ -240,12 +241,12 @@ INLINE void projected_power_row(const Row *row, Particles *s, const Model *model
             const Pair pair = block_pair(b, l, how);
             const double share = model->phase[mine].rho0 * inverse_at_wall(s, model, mine, j[l], false);
             const double F = pair.F < model->projection.faint ? pair.F : 0;
-            add_along(&pair, facing(V, pair.V, F) * (share * (pair.p - p) + p), how, l, force);
+            add_along(&pair, facing(V, pair.V, F) * (share * (P[j[l]] - P[i]) + P[i]), how, l, force);
         }
         wall_velocities(s, model, j, how, v);
         add_power(force, v, how, &power);
     }
-    s->power[i] += lanes_sum(&power);
+    if (model->dt > 0) s->power[i] += lanes_sum(&power) / model->dt;
 }
 ROW_FUNCTIONS(projected_power_row)
 

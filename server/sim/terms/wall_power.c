@@ -3,6 +3,7 @@
  *   power_i += sum_w f_iw . v_w,   f_iw the pair's force on i as the scheme's terms have it
  * Pressures act along the normal, so that a surface that moves along itself does no work by them: v_w is there that of the wall alone. */
 #include "sim/terms/wall_power.h"
+#include "sim/solve/solve.h"
 #include "sim/terms/push.h"
 #include "sim/terms/riemann.h"
 #include "sim/terms/terms.h"
@@ -43,19 +44,20 @@ ROW_FUNCTIONS(squares_power_row)
 INLINE void surface_power_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i;
-    const double V = particles_volume(s, model, i), p = s->p[i * s->p_step];
+    const double V = particles_volume(s, model, i), *P = s->system->x;
     Lanes power = {0};
-    for (const Block *b = row->block + row->n_fluid; b < row->block + row->n; b++) {
+    for (const Block *b = row->block + row->n_fluid; b < row->block + row->n && model->dt > 0; b++) {
+        const uint32_t *j = row_j(row, b);
         double v[3][LANES];
         Lanes force[3] = {0};
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
-            add_along(&pair, V * pair.V * (p + pair.p) * pair.F, how, l, force);
+            add_along(&pair, V * model->cell_volume * (P[i] + P[j[l]]) * pair.F, how, l, force);
         }
-        wall_velocities(s, model, row_j(row, b), how, v);
+        wall_velocities(s, model, j, how, v);
         add_power(force, v, how, &power);
     }
-    s->power[i] -= lanes_sum(&power);
+    if (model->dt > 0) s->power[i] -= lanes_sum(&power) / model->dt;
 }
 ROW_FUNCTIONS(surface_power_row)
 
@@ -120,7 +122,7 @@ POWER(product_power, "power of walls", "P1 eq. 9", "sum_w f_iw . v_w, f of the p
 POWER(squares_power, "power of walls", "P2 eq. 24", "sum_w f_iw . v_w, f of the pressure force", plain_gradients,
       NEED_F | NEED_STATE);
 POWER(surface_power, "power of walls", "schemes/differences.md", "-sum_w V_i V_w (p_i + p_w) grad_i W . v_w", NULL,
-      NEED_F | NEED_STATE);
+      NEED_F);
 POWER(riemann_power, "power of walls", "P3 eq. 9", "sum_w f_iw . v_w, f of the Riemann momentum", NULL,
       NEED_F | NEED_STATE);
 POWER(friction_power, "power of friction", "P1 eq. 10", "sum_w f_iw . v_w, f of the wall friction", is_viscous,
