@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { EVERY = 20 }; /* steps the energy is found: elastic energies and surfaces take as long as a tenth of one */
+enum { EVERY = 40 }; /* steps the energy is found: elastic energies and surfaces take as long as a tenth of one */
 
 /* Below this part of sum rho c^2 V nothing is said: at rest a scheme's noise is all the energy there is. */
 static const double SILENT = 1e-6;
@@ -99,6 +99,17 @@ static void add_particle(const MnsSim *sim, size_t i, bool whole, double sums[st
     if (sim->model.tense && (!sim->nb.tells_others || sim->nb.has[i] & LIST_OTHERS)) add_surface(sim, i, sums);
 }
 
+/* Is a wall that moves, or whose surface does, listed for i? */
+static bool is_beside_moving(const MnsSim *sim, size_t i)
+{
+    const uint32_t *list = neighbours_of(&sim->nb, i);
+    for (size_t k = sim->nb.end[i][END_FLUID]; k < sim->nb.end[i][END_WALLS]; k++) {
+        const WallState *wall = &sim->model.wall[sim->s.phase[list[k]] - sim->model.n_phases];
+        if (wall->has_belt || wall->v[0] != 0 || wall->v[1] != 0 || wall->v[2] != 0) return true;
+    }
+    return false;
+}
+
 /* Of each particle, by the forces that the scheme has between it and walls. */
 static void find_power(MnsSim *sim)
 {
@@ -108,14 +119,14 @@ static void find_power(MnsSim *sim)
     for (int k = 0; terms[k]; k++)
         if (term_needed(terms[k], &sim->model)) needs |= terms[k]->needs;
     neighbours_refresh(&sim->nb, s, &sim->model, needs);
-    const RowPlan plan = row_plan(&sim->nb, s, &sim->model, needs, ROW_LISTED);
+    const RowPlan plan = row_plan(&sim->nb, s, &sim->model, needs, ROW_WALLS);
 #pragma omp parallel num_threads(sim->threads)
     {
         Row row;
 #pragma omp for schedule(dynamic, 64)
         for (size_t i = 0; i < particles_fluid(s); i++) {
             s->power[i] = 0;
-            if (!(sim->nb.has[i] & LIST_WALLS)) continue;
+            if (!(sim->nb.has[i] & LIST_WALLS) || !is_beside_moving(sim, i)) continue;
             row_build(&row, &plan, i);
             for (int k = 0; terms[k]; k++)
                 if (term_needed(terms[k], &sim->model)) term_row(terms[k], &row, s, &sim->model);

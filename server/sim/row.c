@@ -86,10 +86,19 @@ INLINE bool mark_others(Row *row, const uint8_t *phase)
     return any;
 }
 
+/* All that are listed. */
+INLINE Picked pick_walls(const RowPlan *plan, size_t i, uint32_t *j)
+{
+    const uint16_t *end = plan->nb->end[i];
+    const size_t fluid = end[END_FLUID], walls = end[END_WALLS] - fluid;
+    memcpy(j, neighbours_of(plan->nb, i) + fluid, walls * sizeof *j);
+    return (Picked){.walls = walls, .n = fill_up(j, walls)};
+}
+
 INLINE void build(Row *row, const RowPlan *plan, size_t i, How how)
 {
     const Model *model = plan->model;
-    const Picked picked = pick_neighbours(plan, i, row->j);
+    const Picked picked = plan->pairs == ROW_WALLS ? pick_walls(plan, i, row->j) : pick_neighbours(plan, i, row->j);
     row->i = i;
     row->summed = picked.summed;
     row->n_fluid = picked.n_fluid;

@@ -52,8 +52,8 @@ INLINE void by_fluid(const Particles *s, const uint32_t *j, const double *of, do
 }
 
 /* Pairs of a particle: all that are listed, which are marked as in reach or not, or only those that were marked since anything
- * moved. */
-typedef enum RowPairs { ROW_LISTED, ROW_MARKED } RowPairs;
+ * moved; or those with walls alone, which leave marks as they are. */
+typedef enum RowPairs { ROW_LISTED, ROW_MARKED, ROW_WALLS } RowPairs;
 
 /* What the rows of one loop have in common. */
 typedef struct RowPlan {

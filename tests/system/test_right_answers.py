@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Flows whose right answer is known, and that once had another without a word: each is run to its end from the command line, as anyone would."""
 
+import json
 import os
 import subprocess
 import sys
@@ -122,6 +123,29 @@ class GasBesideLiquid(RightAnswer):
     def test_arithmetic_averages_are_warned_of(self) -> None:
         said = self.complaints("hydrostatic", "scheme={dissipation: {pair_average: arithmetic}}", "end_time=0.001")
         self.assertIn("scheme.dissipation.pair_average: the heaviest fluid is 1e+03 times as dense", said)
+
+
+class Energy(RightAnswer):
+    """What a scheme makes of nothing is in the result, and told."""
+
+    def excess(self, *settings: str) -> "tuple[float, str]":
+        """Of `hydrostatic`, with what is said on standard error."""
+        words = ["run", "hydrostatic", "--threads", "1", "--out", self.home / "run", "-o", "json", *(w for s in settings for w in ("--set", s))]
+        environment = {**os.environ, "MENISCUS_CASES": str(ROOT / "server" / "cases")}
+        done = subprocess.run([str(w) for w in (BUILD / "meniscus", *words)], env=environment, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr[-2000:])
+        return json.loads(done.stdout)["energy_excess"], done.stderr
+
+    def test_air_that_bursts_makes_some(self) -> None:
+        excess, said = self.excess("scheme={dissipation: {pair_average: arithmetic}}", "resolution=20", "end_time=0.05")
+        self.assertGreater(excess, 0.01)
+        self.assertIn("energy: after step", said)
+
+    def test_what_rests_makes_none(self) -> None:
+        for scheme in ("riemann", "dissipation"):
+            excess, said = self.excess(f"scheme={scheme}", "resolution=20", "end_time=0.05")
+            self.assertEqual(excess, 0, scheme)
+            self.assertNotIn("energy:", said)
 
 
 if __name__ == "__main__":

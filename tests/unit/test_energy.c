@@ -130,7 +130,7 @@ static void a_restart_goes_on_with_the_account(void **state)
         case_set_text(&c->gravity[0], "30*sin(900*t)");
         MnsSim *sim = sim_of(c), *again = NULL;
         MnsCapture *capture = NULL;
-        sim_steps(sim, 25);
+        sim_steps(sim, 45);
         assert_int_equal(mns_sim_capture(sim, mns_sim_state_fields(sim), &capture, NULL), MNS_OK);
         assert_int_equal(mns_sim_resume(c, capture, &again, NULL), MNS_OK);
         mns_capture_free(capture);
@@ -154,11 +154,11 @@ static void what_is_made_of_nothing_is_told(void **state)
         c->periodic[1] = true;
         case_set_text(&c->fluids[0].velocity[0], "1");
         MnsSim *sim = sim_of(c);
-        sim_steps(sim, 20);
+        sim_steps(sim, 40);
         assert_true(mns_sim_energy_excess(sim) < 1e-3);
         for (size_t i = 0; i < sim->s.n; i++) sim->s.v[0][i * sim->s.v_step] *= 1.1;
         particles_changed(&sim->s, ON_FLUID, FIELD(V));
-        sim_steps(sim, 60);
+        sim_steps(sim, 80);
         assert_close(mns_sim_energy_excess(sim), 1 - 1 / 1.21, 0.01);
         int told = 0;
         const char *text;
