@@ -77,6 +77,13 @@ class Scheduled(DaemonTest):
     def pending(self) -> "list[pb.Scheduled]":
         return list(self.give(status=pb.GetStatus()).status.scheduled)
 
+    def accepted(self, n: int) -> "list[pb.Scheduled]":
+        """What waits, once so many do: who is silent has been heard at some time only."""
+        until = time.monotonic() + PATIENCE_MS / 1000
+        while len(self.pending()) < n and time.monotonic() < until:
+            time.sleep(0.01)
+        return self.pending()
+
     def gravity(self) -> str:
         return str(self.ask("get", "gravity")["values"]["gravity"]["value"])
 
@@ -97,7 +104,7 @@ class Scheduled(DaemonTest):
         waiting = self.connect()
         self.say(waiting, set=set_gravity("[0, -2]"), at_step=30)
         self.silent(waiting)
-        self.assertEqual([(s.at_step, s.who, s.what) for s in self.pending()],
+        self.assertEqual([(s.at_step, s.who, s.what) for s in self.accepted(1)],
                          [(30, "local", "set gravity = [0, -2], at step 30")])
         self.assertEqual(self.give(step=pb.Step(count=29)).case_version, 1)
         self.silent(waiting)
@@ -111,6 +118,7 @@ class Scheduled(DaemonTest):
         waiting = self.connect()
         self.say(waiting, pause=pb.Pause(), at_time=0.123)
         self.silent(waiting)
+        self.accepted(1)
         self.assertEqual(self.give(pb.ABORTED, step=pb.Step(count=5000)).time, 0.123)
         self.assertEqual(self.hear(waiting).time, 0.123)
         self.assertEqual(self.give(status=pb.GetStatus()).state, pb.PAUSED)
@@ -143,6 +151,7 @@ class Scheduled(DaemonTest):
         self.say(sockets[1], snapshot=pb.SnapshotNow(fields=["velocity"]), at_step=13)
         self.say(sockets[2], rollback=pb.Rollback(version=1), at_step=14)
         self.silent(sockets[0])
+        self.accepted(3)
         self.give(step=pb.Step(count=40))
         for socket, step in zip(sockets, (12, 13)):
             reply = self.hear(socket)
@@ -193,6 +202,7 @@ class Scheduled(DaemonTest):
         self.say(late, set=set_gravity("[0, -2]"), at_step=10, lease_epoch=epoch)
         self.say(other, set=set_gravity("[0, -3]"), at_step=10, if_version=1, lease_epoch=epoch)
         self.silent(late)
+        self.accepted(2)
         time.sleep(0.3)
         self.give(set=set_gravity("[0, -9]"))
         self.give(step=pb.Step(count=20))
@@ -200,6 +210,7 @@ class Scheduled(DaemonTest):
         self.hear(other, pb.ABORTED)
         self.say(other, set=set_gravity("[0, -3]"), at_step=30, if_version=2)
         self.silent(other)
+        self.accepted(1)
         self.give(set=set_gravity("[0, -8]"))
         self.give(step=pb.Step(count=20))
         self.assertEqual(self.hear(other, pb.FAILED_PRECONDITION).path, "if_version")
@@ -213,6 +224,7 @@ class Scheduled(DaemonTest):
         request = self.say(waiting, set=set_gravity("[0, -2]"), at_step=10)
         self.say(late, set=set_gravity("[0, -3]"), at_step=10, deadline_ms=200)
         self.silent(waiting)
+        self.accepted(1)
         self.give(cancel=pb.Cancel(id=request.id))
         self.assertEqual(self.hear(waiting, pb.ABORTED).message, "cancelled")
         self.hear(late, pb.DEADLINE_EXCEEDED)
@@ -228,6 +240,7 @@ class Scheduled(DaemonTest):
             waiting = self.connect()
             self.say(waiting, pause=pb.Pause(), at_step=10)
             self.silent(waiting)
+            self.accepted(1)
             self.give(**command)
             if "checkpoint" in command:
                 self.assertEqual(len(self.pending()), 1)
@@ -247,6 +260,7 @@ class Scheduled(DaemonTest):
         waiting = self.connect()
         self.say(waiting, **words)
         self.silent(waiting)
+        self.accepted(1)
         self.give(step=pb.Step(count=12))
         self.assertEqual(self.hear(waiting).effect_step, 10)
         self.assertEqual(self.give(no_wait=True, **words).effect_step, 10)
