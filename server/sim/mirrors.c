@@ -103,7 +103,7 @@ bool mirrors_are_near(const Model *model, const Particles *s, size_t i, double d
     double x[3] = {0, 0, 0};
     if (!model->mirrors) return false;
     for (int d = 0; d < s->dim; d++) x[d] = s->ref[d][i];
-    return near_to(model, x, distance) != 0;
+    return near_to(model, x, distance) && (i < particles_fluid(s) || !near_to(model, x, 0));
 }
 
 /* Are these sides of `near` some by which there is an image? One of each direction: behind both there are only images that are out of reach. */
@@ -199,7 +199,8 @@ static Block *next(const Growing *g, size_t *ret_lane)
     return g->row->block + g->n / LANES;
 }
 
-/* The image by these sides of a pair of the row, or of the particle itself; nothing where it is out of reach. */
+/* The image by these sides of a pair of the row, or of the particle itself; nothing where it is out of reach. Positions are those of the
+ * bundles, as the pass may move particles. */
 static void append_image(Growing *g, unsigned these, const Block *from, size_t k, uint32_t j, size_t source)
 {
     const Particles *s = g->plan->s;
@@ -207,7 +208,7 @@ static void append_image(Growing *g, unsigned these, const Block *from, size_t k
     double x[3] = {0, 0, 0}, r2 = 0;
     for (int d = 0; d < s->dim; d++) {
         x[d] = from ? from->x[d][k] : 0;
-        if (these >> 2 * d & 3) x[d] = apart(model, these, d, g->x[d], s->x[d][j * s->x_step]);
+        if (these >> 2 * d & 3) x[d] = apart(model, these, d, g->x[d], g->plan->nb->bundles.data[0][j][d]);
         r2 += x[d] * x[d];
     }
     const double r = sqrt(r2);

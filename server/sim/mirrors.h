@@ -20,7 +20,7 @@ unsigned mirrors_find(const MnsSim *sim);
 /* Is i a wall particle behind a mirror? */
 bool mirrors_hide(const Model *model, const Particles *s, size_t i);
 
-/* Is a mirror nearer than this to where i was when lists were made, or is i behind one? */
+/* Is a mirror nearer than this to where i was when lists were made? Fluid may be behind it; what is hidden has none. */
 bool mirrors_are_near(const Model *model, const Particles *s, size_t i, double distance);
 
 /* Does a row have room for the n listed neighbours of i, the first `fluid` of which are fluid, and all their images that may come into reach while the

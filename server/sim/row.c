@@ -140,7 +140,6 @@ static __attribute__((noinline)) void build_mirrored(Row *row, const RowPlan *pl
 
 void row_build(Row *row, const RowPlan *plan, size_t i)
 {
-    const bool mirrored = plan->nb->has[i] & LIST_MIRRORS && !mirrors_hide(plan->model, plan->s, i);
-    if (mirrored) build_mirrored(row, plan, i);
+    if (plan->nb->has[i] & LIST_MIRRORS) build_mirrored(row, plan, i);
     else BUILDS[plan->model->level][plan->s->dim - 2](row, plan, i);
 }
