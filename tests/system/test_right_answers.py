@@ -117,7 +117,7 @@ class PlaneOfSymmetry(RightAnswer):
         ends = [f"{{half_space: {{point: {point}, normal: {normal}}}}}"
                 for point, normal in ((box[0], up), (box[1], [-v for v in up]))]  # fmt: skip
         sides = [f"{{outside: true, box: {{min: {[*box[0][:last], -2]}, max: {[*box[1][:last], 6]}}}}}"]
-        sides += [f"{{operation: subtract, {end[1:]}" for end in ends]
+        sides += [f"{{operation: subtract, {one[1:]}" for one in ends]
         case = BUBBLE.format(dimensions=dimensions, low=box[0], high=box[1], gravity=[-v for v in up], centre=[0] * last + [1.2],
                              sides=", ".join(sides), ends=", ".join(ends), axis="xyz"[last], scheme=scheme)  # fmt: skip
         return self.probes(case, f"resolution={resolution}", f"end_time={end}")["velocity"].max()
