@@ -261,7 +261,8 @@ static void append_walls(Growing *g, const Row *from)
         const Block *b = from->block + k / LANES;
         size_t l;
         if (!(b->r[k % LANES] < model->kernel.support) || mirrors_hide(model, s, from->j[k])) continue;
-        copy_pair(next(g, &l), l, b, k % LANES);
+        Block *to = next(g, &l);
+        copy_pair(to, l, b, k % LANES);
         g->row->j[g->n++] = from->j[k];
     }
 }
