@@ -53,6 +53,7 @@ walls:
   - {{name: sides, shape: [{sides}]}}
   - {{name: ends, slip: none, shape: [{ends}]}}
 scheme: {{{scheme}: {{}}}}
+end_time: 1
 probes: [{{name: velocity, velocity: {{fluid: gas, axis: {axis}}}}}]
 output: {{probe_interval: 0.02}}
 """
