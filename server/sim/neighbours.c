@@ -2,6 +2,7 @@
 /* Neighbour lists: particles sorted by group and cell, then a search of the cells around each cell. */
 #include "sim/neighbours.h"
 #include "base/array.h"
+#include "sim/mirrors.h"
 #include "sim/select.h"
 #include "sim/shares.h"
 #include "sim/sort.h"
@@ -66,9 +67,10 @@ static bool reserve(Neighbours *nb, size_t keys)
 /* What the search of one cell needs. */
 typedef struct Search {
     const Particles *s;
+    const Model *model;
     SelectNear near;
     Points points;
-    double distance2;
+    double distance, distance2;
     const uint32_t *begin[GROUPS]; /* neighbours_start() */
     const uint32_t *start;         /* of the group that is searched */
     const Run *runs;
@@ -95,7 +97,7 @@ static size_t candidates(const Search *q)
 }
 
 /* LIST_... of the list of i. */
-static uint8_t kinds(const Neighbours *nb, const Particles *s, size_t i, bool images)
+static uint8_t kinds(const Neighbours *nb, const Particles *s, size_t i, bool images, bool mirrored)
 {
     const uint32_t *list = nb->list[i];
     const size_t fluid = nb->end[i][END_FLUID];
@@ -104,7 +106,7 @@ static uint8_t kinds(const Neighbours *nb, const Particles *s, size_t i, bool im
         for (size_t k = 0; k < fluid; k++) others |= (unsigned)(s->phase[list[k]] ^ s->phase[i]);
     const bool summed = fluid > 0 && list[fluid - 1] >= s->begin[GROUP_SUMMATION];
     return (uint8_t)((nb->end[i][END_WALLS] > fluid ? LIST_WALLS : 0) | (others ? LIST_OTHERS : 0) |
-                     (images ? LIST_IMAGES : 0) | (summed ? LIST_SUMMED : 0));
+                     (images ? LIST_IMAGES : 0) | (summed ? LIST_SUMMED : 0) | (mirrored ? LIST_MIRRORS : 0));
 }
 
 /* What went wrong in a search: no memory, or the smallest id of the particles with too many neighbours. */
@@ -140,8 +142,11 @@ static void search_cell(Neighbours *nb, Cut *cut, Search q, Group group, size_t 
             nb->end[i][target == GROUP_WALL ? END_WALLS : END_FLUID] = (uint16_t)n;
         }
         nb->list[i] = cut->at;
-        nb->has[i] = kinds(nb, q.s, i, images);
+        const bool mirrored = mirrors_are_near(q.model, q.s, i, q.distance);
+        nb->has[i] = kinds(nb, q.s, i, images, mirrored);
         const size_t fluid = nb->end[i][END_FLUID];
+        if (mirrored && !mirrors_have_room(q.model, q.s, i, cut->at, fluid, n, q.distance))
+            trouble->crowded = q.s->id[i] < trouble->crowded ? q.s->id[i] : trouble->crowded;
         cut_advance(cut, n + (neighbours_mark_bytes(fluid) + neighbours_mark_bytes(n - fluid) + 3) / 4);
     }
 }
@@ -164,8 +169,10 @@ static Trouble search_all(Neighbours *nb, const Particles *s, const Model *model
             const size_t end = (chunk + 1) * CHUNK_CELLS;
             for (size_t cell = chunk * CHUNK_CELLS; cell < end && cell < grid->cells; cell++) {
                 Search q = {.s = s,
+                            .model = model,
                             .near = select_near(model->level, s->dim, model->periodic),
                             .points = {{s->ref[0], s->ref[1], s->ref[2]}, model->period, model->frequency},
+                            .distance = distance,
                             .distance2 = distance * distance,
                             .runs = runs,
                             .n_runs = grid_runs(grid, cell, runs)};
@@ -180,16 +187,17 @@ static Trouble search_all(Neighbours *nb, const Particles *s, const Model *model
     return (Trouble){no_memory, crowded};
 }
 
-static MnsStatus complain(const Trouble *trouble, const Particles *s, MnsError *error)
+static MnsStatus complain(const Trouble *trouble, const Particles *s, const Model *model, MnsError *error)
 {
     if (trouble->no_memory) return mns_fail(error, MNS_E_MEMORY, "no memory for the neighbour lists");
     size_t i = 0;
     while (s->id[i] != trouble->crowded) i++;
     return mns_fail(
         error, MNS_E_LIMIT,
-        "particle %u at (%g, %g, %g) m has more than %d neighbours: particles have piled up there, or the kernel is "
+        "particle %u at (%g, %g, %g) m has more than %d neighbours%s: particles have piled up there, or the kernel is "
         "too wide for this spacing",
-        s->id[i], s->x[0][i * s->x_step], s->x[1][i * s->x_step], s->dim == 3 ? s->x[2][i * s->x_step] : 0, ROW_MAX);
+        s->id[i], s->x[0][i * s->x_step], s->x[1][i * s->x_step], s->dim == 3 ? s->x[2][i * s->x_step] : 0, ROW_MAX,
+        model->mirrors ? ", with their images in walls that mirror the fluid" : "");
 }
 
 /* Lists that a search without memory does not come to are empty. */
@@ -214,7 +222,7 @@ MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, Mns
     particles_permute(s, order, nb->threads);
     clear_lists(nb);
     const Trouble trouble = search_all(nb, s, model, &grid, distance);
-    if (trouble.no_memory || trouble.crowded != UINT32_MAX) return complain(&trouble, s, error);
+    if (trouble.no_memory || trouble.crowded != UINT32_MAX) return complain(&trouble, s, model, error);
     return MNS_OK;
 }
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+#include "sim/mirrors.h"
 #include "sim/pairs.h"
 
 /* One block: neighbours, differences, distances, kernel. One after the other, so that the root of one block is taken while the
@@ -103,6 +104,8 @@ INLINE void build(Row *row, const RowPlan *plan, size_t i, How how)
     row->summed = picked.summed;
     row->n_fluid = picked.n_fluid;
     row->n = picked.n;
+    row->n_own = row->n_fluid;
+    row->n_walls = row->n;
     row->mixed = plan->needs & NEED_OTHERS && plan->nb->has[i] & LIST_OTHERS && mark_others(row, plan->s->phase);
     if (plan->nb->has[i] & LIST_IMAGES) fill_row(row, plan, how, true);
     else fill_row(row, plan, how, false);
@@ -141,7 +144,15 @@ RowPlan row_plan(Neighbours *nb, const Particles *s, const Model *model, unsigne
     return plan;
 }
 
+static __attribute__((noinline)) void build_mirrored(Row *row, const RowPlan *plan, size_t i)
+{
+    Row plain;
+    BUILDS[plan->model->level][plan->s->dim - 2](&plain, plan, i);
+    mirrors_add(row, &plain, plan);
+}
+
 void row_build(Row *row, const RowPlan *plan, size_t i)
 {
-    BUILDS[plan->model->level][plan->s->dim - 2](row, plan, i);
+    if (plan->nb->has[i] & LIST_MIRRORS) build_mirrored(row, plan, i);
+    else BUILDS[plan->model->level][plan->s->dim - 2](row, plan, i);
 }

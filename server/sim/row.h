@@ -10,6 +10,7 @@
 #include "sim/select.h"
 
 enum { ROW_BLOCKS = ROW_MAX / LANES + 2, PICKED_MAX = ROW_BLOCKS * LANES + 2 * SELECT_SLACK };
+enum { OWN_IMAGE = PICKED_MAX }; /* the source of an image that is the particle's own */
 
 /* Eight pairs. What was not needed (bundle.h) has no meaning. */
 typedef struct Block {
@@ -31,11 +32,15 @@ typedef struct Block {
     ((dim) == 2 ? (block)->normal[d] : (d) < 2 ? (block)->gradient[(d) + 1] : (block)->shepard)
 
 typedef struct Row {
-    size_t i;               /* the particle                                */
-    size_t n_fluid, n;      /* blocks [0, n_fluid) are fluid, [n_fluid, n) walls */
-    bool summed;            /* is any of them of summed density?           */
-    bool mixed;             /* is any of another fluid? With NEED_OTHERS */
-    uint32_t j[PICKED_MAX]; /* neighbours, eight to a block */
+    size_t i;          /* the particle                                */
+    size_t n_fluid, n; /* blocks [0, n_fluid) are fluid, [n_fluid, n) walls */
+    bool summed;       /* is any of them of summed density?           */
+    bool mixed;        /* is any of another fluid? With NEED_OTHERS */
+    size_t n_own,
+        n_walls; /* blocks [n_own, n_fluid) and [n_walls, n) are images in mirrors of those before them (mirrors.h) */
+    uint32_t j[PICKED_MAX];      /* neighbours, eight to a block; of an image, whose it is */
+    uint16_t source[PICKED_MAX]; /* of an image: the pair of this row that it is of, or OWN_IMAGE */
+    uint8_t turned[PICKED_MAX];  /* of an image: by which sides it is mirrored, a bit each */
     Block block[ROW_BLOCKS];
 } Row;
 
@@ -43,6 +48,30 @@ typedef struct Row {
 static inline const uint32_t *row_j(const Row *row, const Block *block)
 {
     return row->j + (size_t)(block - row->block) * LANES;
+}
+
+/* Are the pairs of a block with images? */
+INLINE bool are_images(const Row *row, const Block *block)
+{
+    const size_t k = (size_t)(block - row->block);
+    return (k >= row->n_own && k < row->n_fluid) || k >= row->n_walls;
+}
+
+/* Component d of a vector of the neighbours of a block of images, as these have it. */
+INLINE void turn_component(const Row *row, const Block *block, int d, double of[LANES])
+{
+    const uint8_t *turned = row->turned + (size_t)(block - row->block) * LANES;
+    for (int l = 0; l < LANES; l++) of[l] = turned[l] >> 2 * d & 3 ? -of[l] : of[l];
+}
+
+/* x_j' - x_j along d of the image in lane l of a block [m]. */
+INLINE double image_moved(const Row *row, const Block *block, int l, const Particles *s, const Model *model, int d)
+{
+    const size_t pair = (size_t)(block - row->block) * LANES + (size_t)l;
+    const unsigned sides = row->turned[pair] >> 2 * d & 3;
+    const double x = s->x[d][row->j[pair] * s->x_step];
+    if (!sides) return 0;
+    return sides & 1 ? -2 * model_inside(model, 2 * d, x) : 2 * model_inside(model, 2 * d + 1, x);
 }
 
 /* Of eight neighbours: what is given for each fluid. */
@@ -168,6 +197,7 @@ INLINE void gather_velocities(const Row *row, const Block *b, const Particles *s
     const size_t first_wall = particles_fluid(s);
     for (int d = 0; d < how.dim; d++)
         for (int l = 0; l < LANES; l++) ret[d][l] = wall ? s->v_wall[d][j[l] - first_wall] : b->v[d][l];
+    for (int d = 0; d < how.dim && wall && are_images(row, b); d++) turn_component(row, b, d, ret[d]);
 }
 
 /* What a term does with a row. */

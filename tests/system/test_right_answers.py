@@ -40,6 +40,24 @@ end_time: 1
 probes: [{name: kinetic, kinetic_energy: {}}, {name: most, extremum: {field: density, which: max}}, {name: across, extent: {fluid: water, axis: y, which: max}}]
 output: {probe_interval: 0.05}
 """
+# A bubble in a liquid ten times as dense between sides with slip; lengths in diameters, gravity of 1.
+BUBBLE = """
+dimensions: {dimensions}
+resolution: 8
+domain: {{min: {low}, max: {high}}}
+gravity: {gravity}
+fluids:
+  - {{name: liquid, density: 10, viscosity: 0.3, pressure: 0}}
+  - {{name: gas, density: 1, viscosity: 0.03, pressure: 0, shape: [{{ball: {{centre: {centre}, radius: 0.5}}}}]}}
+interfaces: [{{between: [liquid, gas], tension: 0.5}}]
+walls:
+  - {{name: sides, shape: [{sides}]}}
+  - {{name: ends, slip: none, shape: [{ends}]}}
+scheme: {{{scheme}: {{}}}}
+end_time: 1
+probes: [{{name: velocity, velocity: {{fluid: gas, axis: {axis}}}}}]
+output: {{probe_interval: 0.02}}
+"""
 # For `hydrostatic`, in place of its first two.
 PROBES = ("probes[0]={name: coverage, coverage: {}}", "probes[1]={name: air, extremum: {field: velocity, fluid: air, which: max}}")
 
@@ -89,6 +107,36 @@ class Shifting(RightAnswer):
         one, other = (self.probes("sloshing2d-single", f"scheme={s}", "end_time=3.2") for s in ("dissipation", "interfacial"))
         for gauge in ("left", "right"):
             self.assertLess(np.abs(one[gauge] - other[gauge]).max(), 0.002, gauge)
+
+
+class PlaneOfSymmetry(RightAnswer):
+    """Half of a bubble beside a cut with slip, and a quarter, rise as the whole does under schemes that solve for a pressure."""
+
+    def rise(self, scheme: str, dimensions: int, resolution: int, end: float, part: bool) -> float:
+        low, last = 0 if part else -1, dimensions - 1
+        box = [[low, *([low] if dimensions == 3 else []), 0], [1, *([1] if dimensions == 3 else []), 4]]
+        up = [0] * last + [1]
+        ends = [f"{{half_space: {{point: {point}, normal: {normal}}}}}"
+                for point, normal in ((box[0], up), (box[1], [-v for v in up]))]  # fmt: skip
+        sides = [f"{{outside: true, box: {{min: {[*box[0][:last], -2]}, max: {[*box[1][:last], 6]}}}}}"]
+        sides += [f"{{operation: subtract, {one[1:]}" for one in ends]
+        case = BUBBLE.format(dimensions=dimensions, low=box[0], high=box[1], gravity=[-v for v in up], centre=[0] * last + [1.2],
+                             sides=", ".join(sides), ends=", ".join(ends), axis="xyz"[last], scheme=scheme)  # fmt: skip
+        return self.probes(case, f"resolution={resolution}", f"end_time={end}")["velocity"].max()
+
+    def check(self, scheme: str, dimensions: int, resolution: int, end: float) -> None:
+        whole, part = (self.rise(scheme, dimensions, resolution, end, part) for part in (False, True))
+        self.assertGreater(whole, 0.1)
+        self.assertLess(abs(part / whole - 1), 0.01, (scheme, dimensions, whole, part))
+
+    def test_half_of_a_bubble_rises_as_the_whole(self) -> None:
+        for scheme in ("incompressible", "differences"):
+            self.check(scheme, 2, 8, 1.5)
+
+    @of_nightly
+    def test_a_quarter_of_a_bubble_rises_as_the_whole(self) -> None:
+        for scheme in ("incompressible", "differences"):
+            self.check(scheme, 3, 5, 1)
 
 
 class GasBesideLiquid(RightAnswer):

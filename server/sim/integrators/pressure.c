@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "sim/integrators/pressure.h"
+#include "sim/mirrors.h"
 #include "sim/terms/matrix_row.h"
 #include <math.h>
 #include <omp.h>
@@ -132,6 +133,9 @@ void pressure_keep(MnsSim *sim, double dt)
     const size_t step = sim->s.p_step;
     double *restrict p = sim->s.p;
 #pragma omp parallel for schedule(static) num_threads(sim->threads)
-    for (size_t i = 0; i < sim->s.n; i++) p[i * step] += share * ((blocks[i] ? P[i] / dt : 0) - p[i * step]);
+    for (size_t i = 0; i < sim->s.n; i++) {
+        const bool known = blocks[i] || mirrors_hide(&sim->model, &sim->s, i);
+        p[i * step] += share * ((known ? P[i] / dt : 0) - p[i * step]);
+    }
     particles_changed(&sim->s, ON_ALL, FIELD(P));
 }

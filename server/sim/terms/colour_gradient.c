@@ -11,7 +11,7 @@ INLINE void colour_gradient_row(const Row *row, Particles *s, const Model *model
 {
     const size_t i = row->i;
     double N[3];
-    gradient_over_density(row, s, model, s->colour, how, N);
+    gradient_over_density(row, s, model, s->colour, false, how, N);
     const double size = sqrt(DOT(N, N, how)), rho = density_around(s, model, i);
     const double inverse = rho * size * model->kernel.h > model->differences.threshold ? 1 / size : 0;
     for (int d = 0; d < how.dim; d++) {

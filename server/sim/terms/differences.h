@@ -46,9 +46,42 @@ INLINE void gather(const double *f, const uint32_t *j, double ret[LANES])
     for (int l = 0; l < LANES; l++) ret[l] = f[j[l]];
 }
 
-/* ret = B_i sum_j 2 (f_i - f_j)/(rho~_i + rho~_j) W x: grad f over the density between the two of each pair.  f: [n] by particle */
-INLINE void gradient_over_density(const Row *row, const Particles *s, const Model *model, const double *f, How how,
-                                  double ret[3])
+/* Gravity on what is around a particle, less that on the fluid in which it floats. */
+INLINE double body_force_of(const Model *model, double rho, int d)
+{
+    return (1 - model->differences.buoyancy / rho) * model->gravity[d];
+}
+
+/* P_j' - P_j = dt rho~_j b_j . (x_j' - x_j) of a block of images (mirrors.h): body forces b go on behind a mirror. */
+INLINE void image_rises(const Row *row, const Block *b, const Particles *s, const Model *model, How how,
+                        double ret[LANES])
+{
+    const uint32_t *j = row_j(row, b);
+    for (int l = 0; l < LANES; l++) {
+        const double rho = mixed(mixture_of_densities(model), s->colour[j[l]]);
+        double along = 0;
+        for (int d = 0; d < how.dim; d++) along += body_force_of(model, rho, d) * image_moved(row, b, l, s, model, d);
+        ret[l] = model->dt * rho * along;
+    }
+}
+
+/* What is added to the mirrored velocities of a block of images, as what body forces gave to velocities is not turned round; times: 2 dt. */
+INLINE void add_body_force(const Row *row, const Block *b, const Particles *s, const Model *model, double times,
+                           How how, double v[3][LANES])
+{
+    const uint32_t *j = row_j(row, b);
+    const uint8_t *turned = row->turned + (size_t)(b - row->block) * LANES;
+    for (int d = 0; d < how.dim; d++)
+        for (int l = 0; l < LANES; l++) {
+            const double rho = mixed(mixture_of_densities(model), s->colour[j[l]]);
+            v[d][l] += turned[l] >> 2 * d & 3 ? times * body_force_of(model, rho, d) : 0;
+        }
+}
+
+/* ret = B_i sum_j 2 (f_i - f_j)/(rho~_i + rho~_j) W x: grad f over the density between the two of each pair.  f: [n] by particle; rises: is it
+ * a pressure, which is another at images? */
+INLINE void gradient_over_density(const Row *row, const Particles *s, const Model *model, const double *f, bool rises,
+                                  How how, double ret[3])
 {
     const size_t i = row->i;
     const Mixture density = mixture_of_densities(model);
@@ -58,6 +91,11 @@ INLINE void gradient_over_density(const Row *row, const Particles *s, const Mode
         double f_j[LANES], colour[LANES];
         gather(f, row_j(row, b), f_j);
         gather(s->colour, row_j(row, b), colour);
+        if (rises && are_images(row, b)) {
+            double rise[LANES];
+            image_rises(row, b, s, model, how, rise);
+            for (int l = 0; l < LANES; l++) f_j[l] += rise[l];
+        }
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const double difference = 2 * b->W[l] * (f_i - f_j[l]) / (rho + mixed(density, colour[l]));
@@ -71,12 +109,6 @@ INLINE void gradient_over_density(const Row *row, const Particles *s, const Mode
 INLINE double density_around(const Particles *s, const Model *model, size_t i)
 {
     return mixed(mixture_of_densities(model), s->colour[i]);
-}
-
-/* Gravity on what is around a particle, less that on the fluid in which it floats. */
-INLINE double body_force_of(const Model *model, double rho, int d)
-{
-    return (1 - model->differences.buoyancy / rho) * model->gravity[d];
 }
 
 #endif

@@ -138,7 +138,7 @@ static void append_images(Growing *to, const Row *row, const Particles *s, const
 static void finish(const Growing *g, const Model *model, size_t first)
 {
     Row *row = g->row;
-    row->n_fluid = row->n = (g->n + LANES - 1) / LANES;
+    row->n_fluid = row->n = row->n_own = row->n_walls = (g->n + LANES - 1) / LANES;
     for (size_t k = g->n; k < row->n * LANES; k++) {
         Block *b = row->block + k / LANES;
         const size_t l = k % LANES;

@@ -8,12 +8,16 @@
  * A wall particle is an unknown too, of the density of the fluids that are there (wall_density), through which nothing flows:
  *   sum_i c_iw (P_w - P_i - (rho_i + rho_w)/2 dt (g - a_w) . (x_w - x_i)) = 0
  * so L stays symmetric, and one fluid at rest on a lattice is exact. Pairs of fluid and wall at the rim of the kernel are left out of all sums with
- * pressures. */
+ * pressures. Images in mirrors (mirrors.h) have the pressure of the particle that they are of and, as gravity goes on behind a mirror,
+ *   P_j' = P_j + rho_j dt g . (x_j' - x_j)
+ * of the velocity's correction. */
+#include "sim/mirrors.h"
 #include "sim/solve/solve.h"
 #include "sim/terms/matrix_row.h"
 #include "sim/terms/terms.h"
 #include "sim/terms/wall_power.h"
 #include <math.h>
+#include <string.h>
 
 /* Of a spacing, by which one density correction may move a particle. They are a hundredth of one as a rule; without a bound single
  * particles beside an interface or in a corner are thrown out of their neighbours' reach. */
@@ -63,6 +67,19 @@ INLINE void inverses(const Particles *s, const Model *model, unsigned mine, cons
         for (int l = 0; l < LANES; l++) ret[l] = inverse[s->phase[j[l]]];
 }
 
+/* P_j' - P_j of a block of images, in the velocity's correction. */
+INLINE void image_rises(const Row *row, const Block *b, const Particles *s, const Model *model, How how,
+                        double ret[LANES])
+{
+    const uint32_t *j = row_j(row, b);
+    for (int l = 0; l < LANES; l++) {
+        const bool wall = j[l] >= particles_fluid(s);
+        double along = 0;
+        for (int d = 0; d < how.dim; d++) along += model->gravity[d] * image_moved(row, b, l, s, model, d);
+        ret[l] = model->dt * (wall ? s->rho[j[l]] : model->phase[s->phase[j[l]]].rho0) * along;
+    }
+}
+
 /* Row of a fluid particle. */
 INLINE void matrix_row(const Row *row, Particles *s, const Model *model, bool unit)
 {
@@ -80,16 +97,23 @@ INLINE void matrix_row(const Row *row, Particles *s, const Model *model, bool un
         const bool wall = b >= row->n_fluid;
         const double faint = wall ? model->projection.faint : 0;
         double by[LANES];
+        float of[LANES];
         inverses(s, model, mine, inverse, j, wall, unit, by);
-        for (size_t l = 0; l < LANES; l++) column[b * LANES + l] = j[l];
 #pragma omp simd
         for (size_t l = 0; l < LANES; l++) {
             const double F = block->F[l] < faint ? block->F[l] : 0;
-            c[b * LANES + l] = (float)(facing(V, block->V[l], F) * by[l]);
+            of[l] = (float)(facing(V, block->V[l], F) * by[l]);
         }
+        if (are_images(row, block)) {
+            add_to_sources(row, block, of, c);
+            continue;
+        }
+        const size_t at = entry_of(row, b * LANES);
+        memcpy(column + at, j, LANES * sizeof *column);
+        memcpy(c + at, of, sizeof of);
     }
-    m->diagonal[i] = float_sum(c, row->n * LANES);
-    m->blocks[i] = m->diagonal[i] > 0 ? (uint32_t)row->n : 0;
+    m->diagonal[i] = float_sum(c, entry_blocks(row) * LANES);
+    m->blocks[i] = m->diagonal[i] > 0 ? (uint32_t)entry_blocks(row) : 0;
 }
 
 INLINE void velocity_matrix_row(const Row *row, Particles *s, const Model *model, How how)
@@ -107,26 +131,41 @@ INLINE void density_matrix_row(const Row *row, Particles *s, const Model *model,
 }
 ROW_FUNCTIONS(density_matrix_row)
 
-/* Row of a wall particle; pull: [dim] dt (g - a_w), or 0. */
-INLINE void wall_row(const Row *row, Particles *s, const Model *model, bool unit, const double pull[3], How how)
+/* The entry with j among the n of a row; n if there is none. */
+INLINE size_t find_entry(const uint32_t *column, size_t n, uint32_t j)
+{
+    size_t k = 0;
+    while (k < n && column[k] != j) k++;
+    return k;
+}
+
+/* Row of a wall particle; pull: [dim] dt (g - a_w), or 0; rises: do images have another pressure? One that is hidden says nothing. */
+INLINE void wall_row(const Row *row, Particles *s, const Model *model, bool unit, const double pull[3], bool rises,
+                     How how)
 {
     System *y = s->system;
     Matrix *m = &y->matrix;
     const size_t i = row->i, first = m->start[i] * LANES;
     const double V = particles_volume(s, model, i);
+    const bool hidden = mirrors_hide(model, s, i);
     size_t n = 0;
     double flux = 0;
-    for (const Block *b = row->block; b < row->block + row->n; b++) {
+    for (const Block *b = row->block; b < row->block + row->n && !hidden; b++) {
         const uint32_t *j = row_j(row, b);
+        const bool images = are_images(row, b);
+        double rise[LANES] = {0};
+        if (images && rises) image_rises(row, b, s, model, how, rise);
         for (int l = 0; l < LANES; l++) {
             if (!(b->F[l] < model->projection.faint)) continue;
             const double inverse = inverse_at_wall(s, model, s->phase[j[l]], i, unit);
             const float c = (float)(facing(V, b->V[l], b->F[l]) * inverse);
             double along = 0;
             for (int d = 0; d < how.dim; d++) along += pull[d] * b->x[d][l];
-            m->column[first + n] = j[l];
-            m->c[first + n++] = c;
-            flux += 0.5 * (double)c / inverse * along;
+            const size_t at = images ? find_entry(m->column + first, n, j[l]) : n;
+            if (at == n) m->c[first + n++] = 0;
+            m->column[first + at] = j[l];
+            m->c[first + at] += c;
+            flux += 0.5 * (double)c / inverse * along + (double)c * rise[l];
         }
     }
     m->diagonal[i] = float_sum(m->c + first, n);
@@ -143,21 +182,38 @@ INLINE void velocity_wall_row(const Row *row, Particles *s, const Model *model, 
     const WallState *wall = &model->wall[s->phase[row->i] - model->n_phases];
     double pull[3] = {0};
     for (int d = 0; d < how.dim; d++) pull[d] = model->dt * (model->gravity[d] - wall->a[d]);
-    wall_row(row, s, model, false, pull, how);
+    wall_row(row, s, model, false, pull, true, how);
 }
 ROW_FUNCTIONS(velocity_wall_row)
 
 INLINE void density_wall_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const double pull[3] = {0};
-    wall_row(row, s, model, model->projection.unit_mobility, pull, how);
+    wall_row(row, s, model, model->projection.unit_mobility, pull, false, how);
 }
 ROW_FUNCTIONS(density_wall_row)
 
+/* sum_j' c_ij' (P_j' - P_j) over images, by the entries that are in the matrix. */
+INLINE double risen(const Row *row, const Block *b, const Particles *s, const Model *model, How how)
+{
+    const unsigned mine = s->phase[row->i];
+    const double V = particles_volume(s, model, row->i);
+    const bool wall = b >= row->block + row->n_fluid;
+    double inverse[MNS_MAX_FLUIDS], by[LANES], rise[LANES], sum = 0;
+    inverse_sums(model, mine, false, inverse);
+    inverses(s, model, mine, inverse, row_j(row, b), wall, false, by);
+    image_rises(row, b, s, model, how, rise);
+    for (int l = 0; l < LANES; l++) {
+        const double F = b->F[l] < (wall ? model->projection.faint : 0) ? b->F[l] : 0;
+        sum += (double)(float)(facing(V, b->V[l], F) * by[l]) * rise[l];
+    }
+    return sum;
+}
+
 INLINE void divergence_row(const Row *row, Particles *s, const Model *model, How how)
 {
-    (void)model;
     const size_t i = row->i;
+    double above = 0;
     const double V = particles_volume(s, model, i);
     double v[3];
     Lanes sum = {0};
@@ -165,6 +221,7 @@ INLINE void divergence_row(const Row *row, Particles *s, const Model *model, How
     for (const Block *b = row->block; b < row->block + row->n; b++) {
         double its[3][LANES];
         gather_velocities(row, b, s, how, its);
+        if (are_images(row, b)) above += risen(row, b, s, model, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             double along = 0;
@@ -172,13 +229,14 @@ INLINE void divergence_row(const Row *row, Particles *s, const Model *model, How
             sum.of[l] += facing(V, b->V[l], b->F[l]) * along;
         }
     }
-    s->system->b[i] = 0.25 * lanes_sum(&sum);
+    s->system->b[i] = 0.25 * lanes_sum(&sum) + above;
 }
 ROW_FUNCTIONS(divergence_row)
 
-/* 1/m_i sum_j A_ij (times (P_ij - P_i) + base) x_ij: with times P_i as the base it is opposite for the two of a pair. */
-INLINE void push(const Row *row, const Particles *s, const Model *model, bool unit, double times, double base, How how,
-                 double ret[3])
+/* 1/m_i sum_j A_ij (times (P_ij - P_i) + base) x_ij: with times P_i as the base it is opposite for the two of a pair. rises: do images have
+ * another pressure? */
+INLINE void push(const Row *row, const Particles *s, const Model *model, bool unit, bool rises, double times,
+                 double base, How how, double ret[3])
 {
     const size_t i = row->i;
     const unsigned mine = s->phase[i];
@@ -191,9 +249,15 @@ INLINE void push(const Row *row, const Particles *s, const Model *model, bool un
         const uint32_t *j = row_j(row, b);
         const bool wall = b >= row->block + row->n_fluid;
         const double faint = wall ? model->projection.faint : 0;
-        double by[LANES], P_ij[LANES];
+        double by[LANES], P_ij[LANES], its[LANES];
         inverses(s, model, mine, inverse, j, wall, unit, by);
-        for (int l = 0; l < LANES; l++) P_ij[l] = rho * by[l] * (times * P[j[l]] - P_i) + base;
+        for (int l = 0; l < LANES; l++) its[l] = times * P[j[l]];
+        if (rises && are_images(row, b)) {
+            double rise[LANES];
+            image_rises(row, b, s, model, how, rise);
+            for (int l = 0; l < LANES; l++) its[l] += rise[l];
+        }
+        for (int l = 0; l < LANES; l++) P_ij[l] = rho * by[l] * (its[l] - P_i) + base;
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const double c = facing(V, b->V[l], b->F[l] < faint ? b->F[l] : 0) * P_ij[l];
@@ -207,7 +271,7 @@ INLINE void push(const Row *row, const Particles *s, const Model *model, bool un
 INLINE void velocity_correction_row(const Row *row, Particles *s, const Model *model, How how)
 {
     double change[3];
-    push(row, s, model, false, 1, s->system->x[row->i], how, change);
+    push(row, s, model, false, true, 1, s->system->x[row->i], how, change);
     for (int d = 0; d < how.dim; d++) s->v[d][row->i * s->v_step] -= change[d];
 }
 ROW_FUNCTIONS(velocity_correction_row)
@@ -218,7 +282,7 @@ INLINE void density_correction_row(const Row *row, Particles *s, const Model *mo
     double change[3], keep = 1;
     const double unit = rho * h * h, P = FARTHER * s->system->x[row->i];
     const double base = fmin(fmax(P, 0), SPREAD_MOST * unit) + model->projection.offset * unit;
-    push(row, s, model, model->projection.unit_mobility, FARTHER, base, how, change);
+    push(row, s, model, model->projection.unit_mobility, false, FARTHER, base, how, change);
     const double size = sqrt(DOT(change, change, how)), most = MOVE_MOST * model->dx;
     if (size > most) keep = most / size;
     for (int d = 0; d < how.dim; d++) s->x[d][row->i * s->x_step] -= keep * change[d];

@@ -46,6 +46,7 @@ INLINE void surface_stress_row(const Row *row, Particles *s, const Model *model,
         double of_j[3][LANES];
         for (int d = 0; d < how.dim; d++)
             for (int l = 0; l < LANES; l++) of_j[d][l] = s->surface[d][j[l]];
+        for (int d = 0; d < how.dim && are_images(row, b); d++) turn_component(row, b, d, of_j[d]);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             double x[3], its[3];

@@ -84,6 +84,10 @@ extern const Term surface_power;                         /* wall_power.c: of P5 
 extern const Term diffusion_power;                       /* momentum_diffusion.c: of P5 */
 extern const Term projected_power;                       /* projection.c: of P4 */
 
+/* P4 and P5: what walls behind mirrors are shown with (hidden_pressure.c) */
+extern const Term hidden_pressure;
+extern const Term hidden_mixed_pressure; /* of mixtures */
+
 /* Several terms in one go: of particles among their own kind, and beside walls or other fluids. */
 extern const Fusion dissipation_shape; /* dissipation_shape.c */
 extern const Fusion dissipation_rates; /* dissipation_rates.c */
@@ -121,6 +125,11 @@ static inline bool is_tense(const Model *model)
 static inline bool is_shifted(const Model *model)
 {
     return model->shifting > 0;
+}
+
+static inline bool has_mirrors(const Model *model)
+{
+    return model->mirrors != 0;
 }
 
 static inline bool is_viscous(const Model *model)

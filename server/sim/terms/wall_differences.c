@@ -24,8 +24,10 @@ INLINE void continue_velocity(const Row *row, Particles *s, const Model *model, 
     const Mixture density = mixture_of_densities(model);
     Lanes weight = {0}, sum[3] = {0}, height2 = {0}, rise[3] = {0};
     for (const Block *b = row->block; b < row->block + row->n; b++) {
-        double colour[LANES];
+        double colour[LANES], its[3][LANES];
         gather(s->colour, row_j(row, b), colour);
+        gather_velocities(row, b, s, how, its);
+        if (dt > 0 && are_images(row, b)) add_body_force(row, b, s, model, 2 * dt, how, its);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const double W = b->W[l], rho = mixed(density, colour[l]);
@@ -34,7 +36,7 @@ INLINE void continue_velocity(const Row *row, Particles *s, const Model *model, 
             weight.of[l] += W;
             height2.of[l] += W * y * y;
             for (int d = 0; d < how.dim; d++) {
-                const double u = b->v[d][l] - dt * body_force_of(model, rho, d) - s->v[d][i * s->v_step];
+                const double u = its[d][l] - dt * body_force_of(model, rho, d) - s->v[d][i * s->v_step];
                 sum[d].of[l] += W * u;
                 rise[d].of[l] += W * y * u;
             }

@@ -1,0 +1,313 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Sides of the domain that mirror the fluid: which they are, and images in them. */
+#include "sim/mirrors.h"
+#include "sim/pairs.h"
+#include "sim/sim.h"
+#include <assert.h>
+
+enum { SIDES = 6, ALL_SIDES = (1 << SIDES) - 1, LOWER_SIDES = 0x15 };
+
+/* Of a spacing: how near to a side of the domain the surface of a wall has to be. */
+static const double FLUSH = 1e-3;
+
+/* --- which sides are mirrors ------------------------------------------------------------------------------------------------ */
+
+static bool slips_and_stays(const MnsSim *sim, size_t wall)
+{
+    const WallState *state = &sim->model.wall[wall];
+    return !state->no_slip && !state->has_belt && sim->c->walls[wall].motion.kind == MNS_STILL;
+}
+
+/* Is a place inside of a wall, and of none that is no mirror? */
+static bool is_backed(const MnsSim *sim, const double x[3])
+{
+    bool any = false;
+    for (size_t k = 0; k < sim->model.n_walls; k++) {
+        if (!(shape_distance(&sim->solid[k], x) < 0)) continue;
+        if (!slips_and_stays(sim, k)) return false;
+        any = true;
+    }
+    return any;
+}
+
+static bool is_open(const MnsSim *sim, const double x[3])
+{
+    for (size_t k = 0; k < sim->model.n_walls; k++)
+        if (shape_distance(&sim->solid[k], x) < 0) return false;
+    return true;
+}
+
+/* By what lies just behind each cell of the lattice that is beside it; and somewhere there is fluid before it. */
+static bool is_mirror(const MnsSim *sim, int side)
+{
+    const Model *model = &sim->model;
+    const int d = side / 2, e = (d + 1) % model->dim, f = model->dim == 3 ? (d + 2) % 3 : e;
+    const double at = side % 2 ? model->max[d] : model->min[d], behind = (side % 2 ? 1 : -1) * FLUSH * model->dx;
+    size_t n[3] = {1, 1, 1};
+    for (int k = 0; k < model->dim; k++) n[k] = (size_t)lround((model->max[k] - model->min[k]) / model->cell[k]);
+    bool open = false;
+    if (model->period[d] > 0) return false;
+    for (size_t b = 0; b < (f == e ? 1 : n[f]); b++)
+        for (size_t a = 0; a < n[e]; a++) {
+            double x[3] = {0, 0, 0};
+            x[f] = model->min[f] + ((double)b + 0.5) * model->cell[f];
+            x[e] = model->min[e] + ((double)a + 0.5) * model->cell[e];
+            x[d] = at + behind;
+            if (!is_backed(sim, x)) return false;
+            x[d] = at - behind;
+            open = open || is_open(sim, x);
+        }
+    return open;
+}
+
+static bool any_slips(const MnsSim *sim)
+{
+    for (size_t k = 0; k < sim->model.n_walls; k++)
+        if (slips_and_stays(sim, k)) return true;
+    return false;
+}
+
+unsigned mirrors_find(const MnsSim *sim)
+{
+    const Model *model = &sim->model;
+    unsigned mirrors = 0;
+    for (int side = 0; side < 2 * model->dim && any_slips(sim); side++)
+        if (is_mirror(sim, side)) mirrors |= 1u << side;
+    for (int d = 0; d < model->dim; d++)
+        if ((mirrors >> 2 * d & 3) == 3 && model->max[d] - model->min[d] < model->kernel.support)
+            mirrors &= ~(3u << 2 * d);
+    return mirrors;
+}
+
+/* --- who is near them ------------------------------------------------------------------------------------------------------- */
+
+bool mirrors_hide(const Model *model, const Particles *s, size_t i)
+{
+    if (!model->mirrors || i < particles_fluid(s)) return false;
+    for (int side = 0; side < SIDES; side++)
+        if (model->mirrors >> side & 1 && model_inside(model, side, s->x[side / 2][i * s->x_step]) < 0) return true;
+    return false;
+}
+
+/* Mirrors nearer than this to a place, a bit each. */
+static unsigned near_to(const Model *model, const double x[3], double distance)
+{
+    unsigned near = 0;
+    for (int side = 0; side < SIDES; side++)
+        if (model->mirrors >> side & 1 && model_inside(model, side, x[side / 2]) < distance) near |= 1u << side;
+    return near;
+}
+
+bool mirrors_are_near(const Model *model, const Particles *s, size_t i, double distance)
+{
+    double x[3] = {0, 0, 0};
+    if (!model->mirrors) return false;
+    for (int d = 0; d < s->dim; d++) x[d] = s->ref[d][i];
+    return near_to(model, x, distance) && (i < particles_fluid(s) || !near_to(model, x, 0));
+}
+
+/* Are these sides of `near` some by which there is an image? One of each direction: behind both there are only images that are out of reach. */
+static bool is_image(unsigned these, unsigned near)
+{
+    return these && !(these & ~near) && !(these & these >> 1 & LOWER_SIDES);
+}
+
+/* x_i - x_j' along d, the same for (i, j') as for (j, i') to the last bit. */
+static double apart(const Model *model, unsigned these, int d, double x_i, double x_j)
+{
+    const int side = these >> 2 * d & 1 ? 2 * d : 2 * d + 1;
+    const double sum = model_inside(model, side, x_i) + model_inside(model, side, x_j);
+    return side % 2 ? -sum : sum;
+}
+
+/* Neighbours [first, last) of a list that have an image by these sides within a distance of i, by where they were when lists were made. */
+static size_t count_images(const Model *model, const Particles *s, size_t i, const uint32_t *list, size_t first,
+                           size_t last, unsigned these, double distance)
+{
+    size_t n = 0;
+    for (size_t k = first; k < last; k++) {
+        double r2 = 0;
+        for (int d = 0; d < s->dim; d++) {
+            const double x_i = s->ref[d][i], x_j = s->ref[d][list[k]];
+            const double x = these >> 2 * d & 3 ? apart(model, these, d, x_i, x_j) : model_nearest(model, d, x_i - x_j);
+            r2 += x * x;
+        }
+        n += r2 < distance * distance;
+    }
+    return n;
+}
+
+static size_t blocks_of(size_t pairs)
+{
+    return (pairs + LANES - 1) / LANES;
+}
+
+bool mirrors_have_room(const Model *model, const Particles *s, size_t i, const uint32_t *list, size_t fluid, size_t n,
+                       double distance)
+{
+    double x[3] = {0, 0, 0};
+    size_t images = 0, wall_images = 0;
+    for (int d = 0; d < s->dim; d++) x[d] = s->ref[d][i];
+    const unsigned near = near_to(model, x, distance);
+    for (unsigned these = 1; these <= ALL_SIDES; these++) {
+        if (!is_image(these, near)) continue;
+        images += 1 + count_images(model, s, i, list, 0, fluid, these, distance);
+        wall_images += count_images(model, s, i, list, fluid, n, these, distance);
+    }
+    return blocks_of(fluid) + blocks_of(images) + blocks_of(n - fluid) + blocks_of(wall_images) <= ROW_BLOCKS;
+}
+
+/* --- their rows ------------------------------------------------------------------------------------------------------------- */
+
+/* A row that grows, pair by pair. */
+typedef struct Growing {
+    Row *row;
+    const RowPlan *plan;
+    double x[3]; /* of the particle */
+    size_t n;    /* pairs so far */
+} Growing;
+
+enum { ARRAYS = sizeof(Block) / (LANES * sizeof(double)) };
+_Static_assert(sizeof(Block) == ARRAYS * LANES * sizeof(double), "a block is all of arrays of eight numbers");
+
+static void copy_pair(Block *to, size_t l, const Block *from, size_t k)
+{
+    double(*its)[LANES] = (double(*)[LANES])to;
+    const double(*mine)[LANES] = (const double(*)[LANES])from;
+    for (size_t q = 0; q < ARRAYS; q++) its[q][l] = mine[q][k];
+}
+
+/* What a particle would fetch of itself. */
+static void copy_own(Block *to, size_t l, const RowPlan *plan, size_t i)
+{
+    const int dim = plan->s->dim;
+    for (int k = 0; k < BUNDLES; k++) {
+        if (k > 0 && !(plan->needs & bundle_meets(dim, k))) continue;
+        for (int q = 0; q < 4; q++) {
+            double *at = place(to, BUNDLE_LAYOUT[dim - 2][k][q]);
+            if (at) at[l] = plan->nb->bundles.data[k][i][q];
+        }
+    }
+    to->other[l] = 0;
+}
+
+/* The place of the next pair. */
+static Block *next(const Growing *g, size_t *ret_lane)
+{
+    assert(g->n < (size_t)ROW_BLOCKS * LANES);
+    *ret_lane = g->n % LANES;
+    return g->row->block + g->n / LANES;
+}
+
+/* The image by these sides of a pair of the row, or of the particle itself; nothing where it is out of reach. Positions are those of the
+ * bundles, as the pass may move particles. */
+static void append_image(Growing *g, unsigned these, const Block *from, size_t k, uint32_t j, size_t source)
+{
+    const Particles *s = g->plan->s;
+    const Model *model = g->plan->model;
+    double x[3] = {0, 0, 0}, r2 = 0;
+    for (int d = 0; d < s->dim; d++) {
+        x[d] = from ? from->x[d][k] : 0;
+        if (these >> 2 * d & 3) x[d] = apart(model, these, d, g->x[d], g->plan->nb->bundles.data[0][j][d]);
+        r2 += x[d] * x[d];
+    }
+    const double r = sqrt(r2);
+    if (!(r < model->kernel.support)) return;
+    size_t l;
+    Block *b = next(g, &l);
+    if (from) copy_pair(b, l, from, k);
+    else copy_own(b, l, g->plan, j);
+    for (int d = 0; d < s->dim; d++) {
+        b->x[d][l] = x[d];
+        if (!(these >> 2 * d & 3)) continue;
+        b->v[d][l] = -b->v[d][l];
+        b->gradient[d][l] = -b->gradient[d][l];
+        b->normal[d][l] = -b->normal[d][l];
+    }
+    b->r[l] = r;
+    g->row->j[g->n] = j;
+    g->row->source[g->n] = (uint16_t)source;
+    g->row->turned[g->n++] = (uint8_t)these;
+}
+
+/* A particle that has got behind a mirror has no image of its own, which would push it on. */
+static bool is_inside(const Model *model, unsigned these, const double x[3])
+{
+    for (int side = 0; side < SIDES; side++)
+        if (these >> side & 1 && !(model_inside(model, side, x[side / 2]) > 0)) return false;
+    return true;
+}
+
+/* Of the pairs of blocks [first, last). */
+static void append_images(Growing *g, unsigned near, size_t first, size_t last, bool own)
+{
+    Row *row = g->row;
+    const Model *model = g->plan->model;
+    for (unsigned these = 1; these <= ALL_SIDES; these++) {
+        if (!is_image(these, near)) continue;
+        if (own && is_inside(model, these, g->x)) append_image(g, these, NULL, 0, (uint32_t)row->i, OWN_IMAGE);
+        for (size_t k = first * LANES; k < last * LANES; k++) {
+            const Block *b = row->block + k / LANES;
+            if (b->r[k % LANES] < model->kernel.support) append_image(g, these, b, k % LANES, row->j[k], k);
+        }
+    }
+}
+
+static void append_walls(Growing *g, const Row *from)
+{
+    const Particles *s = g->plan->s;
+    const Model *model = g->plan->model;
+    for (size_t k = from->n_fluid * LANES; k < from->n * LANES; k++) {
+        const Block *b = from->block + k / LANES;
+        size_t l;
+        if (!(b->r[k % LANES] < model->kernel.support) || mirrors_hide(model, s, from->j[k])) continue;
+        Block *to = next(g, &l);
+        copy_pair(to, l, b, k % LANES);
+        g->row->j[g->n++] = from->j[k];
+    }
+}
+
+/* Fill up the last block with what is out of reach; returns how many blocks there are. */
+static size_t fill_block_up(Growing *g)
+{
+    static const Block nothing;
+    while (g->n % LANES) {
+        size_t l;
+        Block *b = next(g, &l);
+        copy_pair(b, l, &nothing, 0);
+        b->r[l] = 2 * g->plan->model->kernel.support;
+        g->row->j[g->n] = g->row->j[g->n - 1];
+        g->row->source[g->n] = OWN_IMAGE;
+        g->row->turned[g->n++] = 0;
+    }
+    return g->n / LANES;
+}
+
+static void find_kernels(const Growing *g, size_t first, size_t last)
+{
+    for (Block *b = g->row->block + first; b < g->row->block + last; b++)
+        kernel_eval(&g->plan->model->kernel, LANES, b->r, b->W, b->F);
+}
+
+void mirrors_add(Row *ret, const Row *row, const RowPlan *plan)
+{
+    const Particles *s = plan->s;
+    Growing g = {.row = ret, .plan = plan, .n = row->n_fluid * LANES};
+    assert(!(plan->needs & (NEED_BEND | NEED_FLUX))); /* no scheme with mirrors has them */
+    for (int d = 0; d < s->dim; d++) g.x[d] = s->x[d][row->i * s->x_step];
+    const unsigned near = near_to(plan->model, g.x, plan->model->kernel.support);
+    ret->i = row->i;
+    ret->summed = row->summed;
+    ret->mixed = row->mixed;
+    ret->n_own = row->n_fluid;
+    memcpy(ret->j, row->j, row->n_fluid * LANES * sizeof *row->j);
+    memcpy(ret->block, row->block, row->n_fluid * sizeof *row->block);
+    append_images(&g, near, 0, row->n_fluid, row->i < particles_fluid(s));
+    ret->n_fluid = fill_block_up(&g);
+    find_kernels(&g, ret->n_own, ret->n_fluid);
+    append_walls(&g, row);
+    ret->n_walls = fill_block_up(&g);
+    append_images(&g, near, ret->n_fluid, ret->n_walls, false);
+    ret->n = fill_block_up(&g);
+    find_kernels(&g, ret->n_walls, ret->n);
+}

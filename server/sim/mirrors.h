@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Sides of the domain that mirror the fluid, as planes of symmetry do. A side is one if a still wall along which fluid slips covers all of it.
+ * In the rows of schemes with mirrors, images of the fluid, of the particle itself and of other walls stand for the particles behind
+ * such sides:
+ *   x_j' = x_j + 2 (x_side - x_j),   v_j' = -v_j   across the side; all else as of j
+ * where both the pair and its image are in reach, so that i has an image of j if and only if j has one of i. In edges and corners there are images of
+ * images. Images are fluid to a term, or walls. Particles behind a mirror are hidden: no row has them, but they have rows of fluid as other walls
+ * do. */
+#ifndef SIM_MIRRORS_H
+#define SIM_MIRRORS_H
+
+#include "sim/row.h"
+#include <meniscus/sim.h>
+
+/* Sides of the domain of a simulation whose walls have their shapes, a bit each: bit 2 d of the lower one in direction d, 2 d + 1 of
+ * the upper one. Walls that move, have a surface velocity, are not flat, or cover a part of a side are none; nor are two sides that are nearer to each
+ * other than the kernel's support, as there would be images of images without end. */
+unsigned mirrors_find(const MnsSim *sim);
+
+/* Is i a wall particle behind a mirror? */
+bool mirrors_hide(const Model *model, const Particles *s, size_t i);
+
+/* Is a mirror nearer than this to where i was when lists were made? Fluid may be behind it; what is hidden has none. */
+bool mirrors_are_near(const Model *model, const Particles *s, size_t i, double distance);
+
+/* Does a row have room for the n listed neighbours of i, the first `fluid` of which are fluid, and all their images that may come into reach while the
+ * list is in use? */
+bool mirrors_have_room(const Model *model, const Particles *s, size_t i, const uint32_t *list, size_t fluid, size_t n,
+                       double distance);
+
+/* ret: the pairs of a row without hidden walls, and images. */
+void mirrors_add(Row *ret, const Row *row, const RowPlan *plan);
+
+#endif

@@ -1,0 +1,620 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Mirrors are planes of symmetry: all terms of the schemes that have them find beside one what they find in the whole of which it cuts half
+ * off, in corners and beside other walls too. Systems stay symmetric to the last bit, a fluid at rest over a mirror has the pressure of its
+ * depth, and which sides of a domain are mirrors is told by what covers them. */
+#include "sim/locals/locals.h"
+#include "sim/mirrors.h"
+#include "sim/terms/differences.h"
+#include "sim/terms/terms.h"
+#include "tests/support/check.h"
+#include "tests/support/cloud.h"
+#include "tests/support/sims.h"
+
+static const double DX = 0.1;
+enum { WIDE = 7, HIGH = 8, DEEP = 9, BEHIND = 4 }; /* points before the mirrors, and in the walls behind them */
+
+/* Folded back at the planes x = WIDE dx and y = HIGH dx, if there is one: over a floor, a drop of air in the corner. */
+static bool in_corner, in_half;
+
+static double folded(double x, int points)
+{
+    return x < points * DX ? x : 2 * points * DX - x;
+}
+
+static int half_or_whole(const double x[3])
+{
+    const double X = WIDE * DX, Y = HIGH * DX;
+    if (in_half && (x[0] > X || (in_corner && x[1] > Y))) return CLOUD_WALL;
+    const double a = folded(x[0], WIDE), b = in_corner ? folded(x[1], HIGH) : x[1];
+    if (b < 0.3) return CLOUD_WALL;
+    return hypot(hypot(a - X, b - Y), x[2] - 0.4) < 0.42 ? CLOUD_AIR : CLOUD_WATER;
+}
+
+static size_t wide(bool half)
+{
+    return half ? WIDE + BEHIND : 2 * WIDE;
+}
+
+static size_t high(bool half, bool corner)
+{
+    return half || !corner ? HIGH + BEHIND : 2 * HIGH;
+}
+
+static Cloud *lay(int dim, bool half, bool corner, double smoothing)
+{
+    in_corner = corner;
+    in_half = half;
+    return cloud_new(&(CloudSetup){.dim = dim,
+                                   .dx = DX,
+                                   .n = {wide(half), high(half, corner), DEEP},
+                                   .skin = 0.3,
+                                   .smoothing = smoothing,
+                                   .kernel = MNS_QUINTIC_SPLINE,
+                                   .periodic = {false, false, true},
+                                   .viscous = true,
+                                   .calibrated = true,
+                                   .owner = half_or_whole});
+}
+
+/* The point of the lattice that a particle began at. */
+typedef struct Point {
+    size_t of[3];
+} Point;
+
+static Point point_of(const Cloud *cloud, size_t i, bool half, bool corner)
+{
+    const size_t id = cloud->s.id[i], a = wide(half), b = high(half, corner);
+    return (Point){{id % a, id / a % b, id / a / b}};
+}
+
+/* The particle of the whole that is that of the half, or its image. */
+static size_t in_whole(const Cloud *whole, Point p, bool corner)
+{
+    return cloud_index(whole, (uint32_t)(p.of[0] + 2 * WIDE * (p.of[1] + high(false, corner) * p.of[2])));
+}
+
+/* Everything that a particle may start with, without symmetry in the half; as a mirror has it in the other. */
+static void set_fields(Cloud *cloud, bool half, bool corner)
+{
+    Particles *s = &cloud->s;
+    for (size_t i = 0; i < s->n; i++) {
+        Point p = point_of(cloud, i, half, corner);
+        const bool turned[3] = {!half && p.of[0] >= WIDE, !half && corner && p.of[1] >= HIGH, false};
+        if (turned[0]) p.of[0] = 2 * WIDE - 1 - p.of[0];
+        if (turned[1]) p.of[1] = 2 * HIGH - 1 - p.of[1];
+        uint64_t seed = 1 + p.of[0] + 100 * p.of[1] + 10000 * p.of[2];
+        const double size[3] = {2 * WIDE * DX, 2 * HIGH * DX, 0};
+        for (int d = 0; d < s->dim; d++) {
+            const double x = ((double)p.of[d] + 0.5 + 0.2 * cloud_noise(&seed)) * DX, v = cloud_noise(&seed);
+            s->x[d][i] = turned[d] ? size[d] - x : x;
+            s->v[d][i] = turned[d] ? -v : v;
+        }
+        s->m[i] *= 1 + 0.1 * cloud_noise(&seed);
+        s->p[i] = 100 * cloud_noise(&seed);
+    }
+}
+
+/* Two clouds that hold the same: all of it, and half or a quarter before mirrors. */
+typedef struct Both {
+    Cloud *whole, *part;
+    bool corner;
+} Both;
+
+static Both both_of(int dim, bool corner, double smoothing)
+{
+    Both both = {lay(dim, false, corner, smoothing), lay(dim, true, corner, smoothing), corner};
+    for (int k = 0; k < 2; k++) {
+        Cloud *cloud = k ? both.part : both.whole;
+        Model *model = &cloud->model;
+        cloud->model.wall[0].no_slip = true;
+        model->projection.unit_mobility = false;
+        cloud_weigh(cloud, 1, 200);
+        model->gravity[2] = dim == 3 ? -9.81 : 0;
+        if (!corner) model->gravity[1] = -9.81;
+        if (k) {
+            model->max[0] = WIDE * DX;
+            model->mirrors = 2;
+            if (corner) model->max[1] = HIGH * DX;
+            if (corner) model->mirrors |= 8;
+        }
+        set_fields(cloud, k, corner);
+        assert_int_equal(cloud_build(cloud), MNS_OK);
+        cloud_term(cloud, &wall_density);
+        cloud_term(cloud, &mixture);
+        for (size_t i = 0; i < cloud->s.n; i++) {
+            Point p = point_of(cloud, i, k, corner);
+            if (!k && p.of[0] >= WIDE) p.of[0] = 2 * WIDE - 1 - p.of[0];
+            if (!k && corner && p.of[1] >= HIGH) p.of[1] = 2 * HIGH - 1 - p.of[1];
+            uint64_t seed = 7 + p.of[0] + 100 * p.of[1] + 10000 * p.of[2];
+            cloud->system.x[i] = cloud_noise(&seed);
+        }
+    }
+    return both;
+}
+
+static void both_done(Both *both)
+{
+    cloud_free(both->whole);
+    cloud_free(both->part);
+}
+
+/* What terms write. */
+enum { RESULTS = 13, FLOATS = 11 }; /* right-hand sides at walls are of entries, which are floats */
+static double *const *result(Cloud *cloud, int k, int *ret_components, bool *ret_walls)
+{
+    Particles *s = &cloud->s;
+    static double *one[1];
+    static const struct {
+        int components; /* 0: as many as dimensions */
+        bool walls;
+    } table[RESULTS] = {{0, false}, {0, false}, {0, false}, {0, false}, {0, false}, {0, false}, {0, false},
+                        {0, false}, {1, false}, {1, true},  {1, true},  {1, true},  {1, true}};
+    *ret_components = table[k].components ? table[k].components : s->dim;
+    *ret_walls = table[k].walls;
+    switch (k) {
+    case 0: return s->a;
+    case 1: return s->v;
+    case 2: return s->x;
+    case 3: return s->surface;
+    case 4: return s->normal;
+    case 5: return s->colour_gradient;
+    case 6: return s->correction;
+    case 7: return s->offset;
+    case 8: one[0] = s->laplacian; return one;
+    case 9: one[0] = s->colour; return one;
+    case 10: one[0] = s->rho; return one;
+    case 11: one[0] = cloud->system.b; return one;
+    default: one[0] = s->rate; return one;
+    }
+}
+
+static double largest(Cloud *cloud, int k)
+{
+    double most = 0;
+    int n;
+    bool walls;
+    double *const *of = result(cloud, k, &n, &walls);
+    for (int d = 0; d < n; d++)
+        for (size_t i = 0; i < (walls ? cloud->s.n : particles_fluid(&cloud->s)); i++)
+            most = fmax(most, fabs(of[d][i]));
+    return most;
+}
+
+static void assert_same_results(Both *both, const char *what, double rounding)
+{
+    Cloud *part = both->part, *whole = both->whole;
+    for (int k = 0; k < RESULTS; k++) {
+        const double most = largest(whole, k), allowed = (k == FLOATS ? fmax(rounding, 1e-6) : rounding) * most;
+        int n;
+        bool walls;
+        for (size_t i = 0; i < part->s.n; i++) {
+            if (mirrors_hide(&part->model, &part->s, i)) continue;
+            const size_t j = in_whole(whole, point_of(part, i, true, both->corner), both->corner);
+            (void)result(part, k, &n, &walls);
+            for (int d = 0; d < n && (walls || i < particles_fluid(&part->s)); d++) {
+                const double here = result(part, k, &n, &walls)[d][i], there = result(whole, k, &n, &walls)[d][j];
+                if (!(fabs(here - there) <= allowed))
+                    fail_msg("%s: result %d has component %d %.17g in the half, %.17g in the whole, of %.3g at most",
+                             what, k, d, here, there, most);
+            }
+        }
+    }
+}
+
+static void assert_same_velocities_in_walls(Both *both, const char *what)
+{
+    const Particles *s = &both->part->s, *t = &both->whole->s;
+    size_t walls = 0;
+    for (size_t i = particles_fluid(s); i < s->n; i++) {
+        if (mirrors_hide(&both->part->model, s, i)) continue;
+        const size_t j = in_whole(both->whole, point_of(both->part, i, true, both->corner), both->corner);
+        for (int d = 0; d < s->dim; d++) {
+            const double here = s->v_wall[d][i - particles_fluid(s)], there = t->v_wall[d][j - particles_fluid(t)];
+            if (!(fabs(here - there) < 1e-10)) fail_msg("%s: %.17g and %.17g in a wall", what, here, there);
+        }
+        walls++;
+    }
+    assert_true(walls > 10);
+}
+
+/* Run a term in both. */
+static void check(Both *both, const Term *term, double rounding)
+{
+    cloud_term(both->whole, term);
+    cloud_term(both->part, term);
+    assert_same_results(both, term->name, rounding);
+}
+
+/* And what the matrix makes of the pressure, where entries are floats. */
+static void check_matrix(Both *both, const Term *fluid, const Term *walls)
+{
+    double most = 0;
+    check(both, fluid, 1e-5);
+    cloud_term(both->whole, walls);
+    cloud_term(both->part, walls);
+    for (int k = 0; k < 2; k++) {
+        System *y = k ? &both->part->system : &both->whole->system;
+        matrix_multiply(&y->matrix, y->x, y->work[0], 1);
+    }
+    const Particles *s = &both->part->s;
+    System *y = &both->part->system, *z = &both->whole->system;
+    for (size_t i = 0; i < z->matrix.n; i++) most = fmax(most, fabs(z->work[0][i]));
+    for (size_t i = 0; i < s->n; i++) {
+        const size_t j = in_whole(both->whole, point_of(both->part, i, true, both->corner), both->corner);
+        if (mirrors_hide(&both->part->model, s, i)) {
+            assert_int_equal(y->matrix.blocks[i], 0);
+            continue;
+        }
+        assert_close(y->work[0][i], z->work[0][j], 1e-6 * most);
+        assert_close(y->b[i], z->b[j], 1e-6 * (1 + fabs(z->b[j])));
+    }
+}
+
+/* Accelerations along x, yours. */
+static double *accelerations(Cloud *cloud)
+{
+    double *a = calloc(cloud->s.n, sizeof *a);
+    assert_non_null(a);
+    cloud_term(cloud, &viscosity);
+    for (size_t i = 0; i < cloud->s.n; i++) a[cloud->s.id[i] % cloud->s.n] = cloud->s.a[0][i];
+    return a;
+}
+
+/* Without mirrors, particles beside them find something else. */
+static void assert_mirrors_matter(Both *both)
+{
+    Cloud *part = both->part;
+    const unsigned mirrors = part->model.mirrors;
+    size_t others = 0;
+    double *with = accelerations(part);
+    part->model.mirrors = 0;
+    assert_int_equal(cloud_build(part), MNS_OK);
+    double *without = accelerations(part);
+    for (size_t i = 0; i < part->s.n; i++) others += fabs(with[i] - without[i]) > 1e-6 * fabs(with[i]);
+    assert_true(others > 8 && others < particles_fluid(&part->s));
+    part->model.mirrors = mirrors;
+    assert_int_equal(cloud_build(part), MNS_OK);
+    free(with);
+    free(without);
+}
+
+static void terms_of_incompressible_find_half_of_the_whole(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int corner = 0; corner < 2; corner++) {
+            Both both = both_of(dim, corner, 1);
+            assert_mirrors_matter(&both);
+            check(&both, &number_density, 1e-12);
+            check(&both, &wall_density, 1e-12);
+            check_matrix(&both, &density_matrix, &density_wall_matrix);
+            check(&both, &mirrored_start, 1e-12);
+            assert_same_velocities_in_walls(&both, "mirrored start");
+            check_matrix(&both, &velocity_matrix, &velocity_wall_matrix);
+            check(&both, &velocity_divergence, 1e-10);
+            check(&both, &velocity_correction, 1e-10);
+            check(&both, &wall_velocity, 1e-12);
+            assert_same_velocities_in_walls(&both, "wall velocity");
+            check(&both, &surface_vector, 1e-10);
+            check(&both, &viscosity, 1e-10);
+            check(&both, &transposed_viscosity, 1e-10);
+            check(&both, &wall_friction, 1e-10);
+            check(&both, &surface_stress, 1e-10);
+            check(&both, &density_correction, 1e-10);
+            both_done(&both);
+        }
+}
+
+static void terms_of_differences_find_half_of_the_whole(void **state)
+{
+    (void)state;
+    static const Term *const rates[] = {&harmonic_diffusion, &divtau_diffusion, &conservative_diffusion, &sph_diffusion,
+                                        &colour_tension};
+    static const MnsDiffusion diffusions[] = {MNS_DIFFUSION_HARMONIC, MNS_DIFFUSION_DIVTAU, MNS_DIFFUSION_CONSERVATIVE,
+                                              MNS_DIFFUSION_SPH};
+    for (int dim = 2; dim <= 3; dim++)
+        for (int corner = 0; corner < 2; corner++) {
+            Both both = both_of(dim, corner, 0.9);
+            check(&both, &truncation, 1e-10);
+            check(&both, &mixture, 1e-12);
+            check(&both, &continued_start, 1e-12);
+            assert_same_velocities_in_walls(&both, "continued start");
+            check_matrix(&both, &difference_matrix, &difference_wall_matrix);
+            check(&both, &difference_correction, 1e-10);
+            check(&both, &continued_velocity, 1e-12);
+            assert_same_velocities_in_walls(&both, "continued velocity");
+            check(&both, &colour_gradient, 1e-10);
+            for (int k = 0; k < 5; k++) {
+                both.whole->model.differences.diffusion = both.part->model.differences.diffusion = diffusions[k % 4];
+                check(&both, rates[k], 1e-9);
+            }
+            check(&both, &even_spacing, 1e-9);
+            both_done(&both);
+        }
+}
+
+/* --- systems -------------------------------------------------------------------------------------------------------------- */
+
+static double entry(const Matrix *m, size_t row, size_t column)
+{
+    double sum = 0;
+    for (size_t k = m->start[row] * ENTRIES; k < (m->start[row] + m->blocks[row]) * ENTRIES; k++)
+        if (m->column[k] == column) sum += (double)m->c[k];
+    return sum;
+}
+
+static void systems_beside_mirrors_are_symmetric_to_the_last_bit(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        Both both = both_of(dim, true, 1);
+        const Particles *s = &both.part->s;
+        const Matrix *m = &both.part->system.matrix;
+        cloud_term(both.part, &velocity_matrix);
+        cloud_term(both.part, &velocity_wall_matrix);
+        size_t pairs = 0;
+        for (size_t i = 0; i < s->n; i++) {
+            assert_true(entry(m, i, i) == 0);
+            for (size_t j = 0; j < i; j++) {
+                assert_true(entry(m, i, j) == entry(m, j, i));
+                pairs += entry(m, i, j) > 0;
+            }
+        }
+        assert_true(pairs > 100);
+        both_done(&both);
+    }
+}
+
+static int over_nothing(const double x[3])
+{
+    (void)x;
+    return CLOUD_WATER;
+}
+
+/* On a lattice, in a corner of mirrors, under a gravity across all of them: the pressure of the depth solves the system to the digits of floats, and takes
+ * away what gravity gives. */
+static void a_fluid_at_rest_in_a_corner_of_mirrors_has_the_pressure_of_its_depth(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int scheme = 0; scheme < 2; scheme++) {
+            Cloud *cloud = cloud_new(&(CloudSetup){.dim = dim,
+                                                   .dx = DX,
+                                                   .n = {10, 9, 8},
+                                                   .smoothing = 1,
+                                                   .kernel = MNS_QUINTIC_SPLINE,
+                                                   .calibrated = true,
+                                                   .owner = over_nothing});
+            Particles *s = &cloud->s;
+            System *y = &cloud->system;
+            Model *model = &cloud->model;
+            const double g[3] = {3, -9.81, 2}, dt = model->dt;
+            model->mirrors = dim == 2 ? 15 : 63;
+            for (int d = 0; d < dim; d++) model->gravity[d] = g[d];
+            assert_int_equal(cloud_build(cloud), MNS_OK);
+            for (size_t i = 0; i < s->n; i++) {
+                y->x[i] = 5;
+                for (int d = 0; d < dim; d++) y->x[i] += dt * 1000 * g[d] * s->x[d][i];
+                for (int d = 0; d < dim; d++) s->v[d][i] = scheme ? dt * g[d] : 0;
+            }
+            if (scheme) {
+                cloud_term(cloud, &truncation);
+                cloud_term(cloud, &mixture);
+                cloud_term(cloud, &difference_matrix);
+            } else {
+                cloud_term(cloud, &velocity_matrix);
+                cloud_term(cloud, &velocity_divergence);
+            }
+            matrix_multiply(&y->matrix, y->x, y->work[0], 1);
+            for (size_t i = 0; i < s->n; i++)
+                assert_close(y->work[0][i], y->b[i], 1e-6 * y->matrix.diagonal[i] * dt * 1000 * 10 * DX);
+            if (scheme) {
+                cloud_term(cloud, &difference_correction);
+                local_run(&corrected_velocity, s, model, 1);
+            } else cloud_term(cloud, &velocity_correction);
+            for (size_t i = 0; i < s->n; i++)
+                for (int d = 0; d < dim; d++) assert_close(s->v[d][i], scheme ? 0 : -dt * g[d], 1e-12);
+            cloud_free(cloud);
+        }
+}
+
+static void more_images_than_a_row_has_room_for_are_refused(void **state)
+{
+    (void)state;
+    Cloud *cloud = cloud_new(&(CloudSetup){.dim = 2, .dx = DX, .n = {30, 20}, .smoothing = 1, .owner = over_nothing});
+    Particles *s = &cloud->s;
+    for (size_t i = 0; i < s->n; i++) {
+        s->x[0][i] = 0.05 + 1e-4 * (double)(s->id[i] % 30);
+        s->x[1][i] = 1 + 1e-4 * (double)(s->id[i] / 30);
+    }
+    assert_int_equal(cloud_build(cloud), MNS_OK);
+    cloud->model.mirrors = 1;
+    assert_int_equal(cloud_build(cloud), MNS_E_LIMIT);
+    cloud_free(cloud);
+}
+
+/* --- which sides are mirrors ---------------------------------------------------------------------------------------------- */
+
+static MnsCase *tank(int dim, const char *scheme)
+{
+    MnsCase *c = case_blank(dim, dim == 2 ? 20 : 12);
+    c->scheme.name = scheme;
+    c->scheme.kernel = MNS_QUINTIC_SPLINE;
+    c->scheme.smoothing = 0.9;
+    case_set_text(&c->gravity[0], "0.3");
+    case_set_text(&c->gravity[1], "-1");
+    case_add_fluid(c, "water", 1, 10);
+    c->fluids[0].viscosity = 0.01;
+    case_add_wall(c, "tank");
+    MnsPart *box = case_add_part(&c->walls[0].shape, MNS_BOX);
+    box->outside = true;
+    for (int d = 0; d < 3; d++) box->b[d] = c->max[d];
+    return c;
+}
+
+typedef void Change(MnsCase *c);
+
+static void as_it_is(MnsCase *c)
+{
+    (void)c;
+}
+
+static void sticky(MnsCase *c)
+{
+    c->walls[0].no_slip = true;
+}
+
+static void moving(MnsCase *c)
+{
+    c->walls[0].motion = (MnsMotion){.kind = MNS_SINE, .amplitude = {0.01, 0, 0}, .frequency = 1};
+}
+
+static void cut_off(MnsCase *c, bool no_slip)
+{
+    MnsPart *half = case_add_part(&c->walls[0].shape, MNS_HALF_SPACE);
+    half->operation = MNS_SUBTRACT;
+    half->b[1] = 1;
+    case_add_wall(c, "floor");
+    c->walls[1].no_slip = no_slip;
+    case_add_part(&c->walls[1].shape, MNS_HALF_SPACE)->b[1] = 1;
+}
+
+static void on_a_sticky_floor(MnsCase *c)
+{
+    cut_off(c, true);
+}
+
+static void on_another_floor(MnsCase *c)
+{
+    cut_off(c, false);
+}
+
+/* Half of a side is sticky. */
+static void on_two_floors(MnsCase *c)
+{
+    cut_off(c, true);
+    MnsPart *half = case_add_part(&c->walls[1].shape, MNS_HALF_SPACE);
+    half->operation = MNS_INTERSECT;
+    half->a[0] = 0.5;
+    half->b[0] = 1;
+    case_add_wall(c, "other floor");
+    case_add_part(&c->walls[2].shape, MNS_HALF_SPACE)->b[1] = 1;
+    half = case_add_part(&c->walls[2].shape, MNS_HALF_SPACE);
+    half->operation = MNS_SUBTRACT;
+    half->a[0] = 0.5;
+    half->b[0] = 1;
+}
+
+static void with_a_post(MnsCase *c)
+{
+    MnsPart *post = case_add_part(&c->walls[0].shape, MNS_BALL);
+    post->a[0] = 0.5;
+    post->a[1] = post->a[2] = 0;
+    post->radius = 0.2;
+}
+
+static void shrunk(MnsCase *c)
+{
+    c->walls[0].shape.parts[0].a[0] = 0.1;
+}
+
+static void endless(MnsCase *c)
+{
+    c->periodic[0] = true;
+}
+
+static void sides_that_a_still_wall_covers_and_along_which_fluid_slips_are_mirrors(void **state)
+{
+    (void)state;
+    static const struct {
+        Change *change;
+        unsigned mirrors;
+    } rows[] = {{as_it_is, 15},         {sticky, 0},         {moving, 0},       {on_a_sticky_floor, 11},
+                {on_another_floor, 15}, {on_two_floors, 11}, {with_a_post, 15}, {shrunk, 14},
+                {endless, 12}};
+    static const char *const schemes[] = {"incompressible", "differences", "interfacial"};
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++)
+        for (int scheme = 0; scheme < 3; scheme++) {
+            MnsCase *c = tank(2, schemes[scheme]);
+            rows[k].change(c);
+            MnsSim *sim = sim_of(c);
+            if (sim->model.mirrors != (scheme < 2 ? rows[k].mirrors : 0))
+                fail_msg("row %zu, %s: mirrors are %u", k, schemes[scheme], sim->model.mirrors);
+            sim_done(sim, c);
+        }
+}
+
+/* --- runs ----------------------------------------------------------------------------------------------------------------- */
+
+static double fastest(const MnsSim *sim)
+{
+    double most = 0;
+    for (size_t i = 0; i < particles_fluid(&sim->s); i++)
+        for (int d = 0; d < sim->s.dim; d++) most = fmax(most, fabs(sim->s.v[d][i]));
+    return most;
+}
+
+/* Under a gravity that is along no side; and hidden walls show the pressure that there would be. P4 moves particles before it finds what holds them. */
+static void a_tank_of_mirrors_stays_at_rest(void **state)
+{
+    (void)state;
+    static const char *const schemes[] = {"incompressible", "differences"};
+    for (int dim = 2; dim <= 3; dim++)
+        for (int k = 0; k < 2; k++) {
+            MnsCase *c = tank(dim, schemes[k]);
+            c->scheme.incompressible.tolerance = c->scheme.differences.tolerance = 1e-9;
+            c->scheme.smoothing = k ? 0.9 : 1;
+            MnsSim *sim = sim_in_arrays(c);
+            sim_steps(sim, dim == 2 ? 30 : 5);
+            assert_less(fastest(sim), k ? 1e-7 : 0.006);
+            const Particles *s = &sim->s;
+            size_t shown = 0;
+            double offset = 0;
+            for (size_t i = 0; i < s->n; i++) {
+                const double p = 0.3 * s->x[0][i] - s->x[1][i];
+                if (i == 0) offset = s->p[i] - p;
+                if (i >= particles_fluid(s) && s->p[i] == 0) continue; /* nothing near */
+                shown += i >= particles_fluid(s);
+                assert_close(s->p[i] - offset, p, k ? 1e-5 : 0.02);
+            }
+            assert_true(shown > 50);
+            sim_done(sim, c);
+        }
+}
+
+static void bits_beside_mirrors_are_the_same_for_any_number_of_threads(void **state)
+{
+    (void)state;
+    static const char *const schemes[] = {"incompressible", "differences"};
+    for (int dim = 2; dim <= 3; dim++)
+        for (int k = 0; k < 2; k++) {
+            uint64_t hash[2];
+            for (int many = 0; many < 2; many++) {
+                MnsCase *c = tank(dim, schemes[k]);
+                case_set_text(&c->fluids[0].velocity[0], "sin(pi*x)*cos(pi*y)");
+                case_set_text(&c->fluids[0].velocity[1], "-cos(pi*x)*sin(pi*y)");
+                c->scheme.skin = 0.1; /* lists are built again soon */
+                c->threads = many ? 3 : 1;
+                MnsSim *sim = sim_of(c);
+                sim_steps(sim, dim == 2 ? 20 : 6);
+                hash[many] = mns_sim_hash(sim);
+                sim_done(sim, c);
+            }
+            assert_true(hash[0] == hash[1]);
+        }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(terms_of_incompressible_find_half_of_the_whole),
+        cmocka_unit_test(terms_of_differences_find_half_of_the_whole),
+        cmocka_unit_test(systems_beside_mirrors_are_symmetric_to_the_last_bit),
+        cmocka_unit_test(a_fluid_at_rest_in_a_corner_of_mirrors_has_the_pressure_of_its_depth),
+        cmocka_unit_test(more_images_than_a_row_has_room_for_are_refused),
+        cmocka_unit_test(sides_that_a_still_wall_covers_and_along_which_fluid_slips_are_mirrors),
+        cmocka_unit_test(a_tank_of_mirrors_stays_at_rest),
+        cmocka_unit_test(bits_beside_mirrors_are_the_same_for_any_number_of_threads),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
