@@ -168,7 +168,7 @@ typedef struct Growing {
 } Growing;
 
 enum { ARRAYS = sizeof(Block) / (LANES * sizeof(double)) };
-_Static_assert(sizeof(Block) == ARRAYS * LANES * sizeof(double), "a block is all of arrays of eight numbers");
+_Static_assert(sizeof(Block) == sizeof(double) * ARRAYS * LANES, "a block is all of arrays of eight numbers");
 
 static void copy_pair(Block *to, size_t l, const Block *from, size_t k)
 {
