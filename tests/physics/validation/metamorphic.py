@@ -201,9 +201,8 @@ def balls(told: Told, offsets: Sequence[tuple[float, float]]) -> None:
             fluid["shape"] = [{"ball": {"centre": [x + dx, y + dy], "radius": radius}} for dx, dy in offsets]
 
 
-def view(s: Snapshot, keep: np.ndarray | None = None, x: Sequence[float] = (0, 0), v: Sequence[float] = (0, 0)) -> Snapshot:
-    """Some of the particles, as seen from elsewhere by who moves."""
-    keep = np.ones(len(s.x), bool) if keep is None else keep
+def view(s: Snapshot, keep: np.ndarray | slice = slice(None), x: Sequence[float] = (0, 0), v: Sequence[float] = (0, 0)) -> Snapshot:
+    """Some of the particles, in a frame whose origin is at x and moves at v."""
     return Snapshot(s.t, s.spacing, s.x[keep] - [*x, 0], s.phase[keep], s.pressure[keep], None, s.velocity[keep] - [*v, 0])
 
 
@@ -318,7 +317,7 @@ def last(told: Told) -> Snapshot:
 
 
 def apart(a: Snapshot, b: Snapshot, names_a: Sequence[str], names_b: Sequence[str], period: float = 0) -> float:
-    """The largest difference, infinite where particles have no partner of their own. period: of both directions, 0 where there is none."""
+    """The largest difference, infinite where particles have no partner of their own. period: of both directions; 0: not periodic."""
     from scipy.spatial import cKDTree  # python3-scipy
 
     worst = 0.0

@@ -141,10 +141,11 @@ SPENT = Spent()
 
 
 def run_file(path: Path, name: str) -> Run:
-    """A case of our own making, told in this file. No state of it is recorded: it is gone with the build directory."""
-    r = made(BUILD / "validate" / name, hashlib.sha256(program() + path.read_bytes()).hexdigest(), str(path))
-    SPENT.own += SPENT.runs.pop((str(path),))
-    return r
+    """A case that a script wrote to this file. No state of it is recorded, whether it ends well or not: the file goes with the build directory."""
+    try:
+        return made(BUILD / "validate" / name, hashlib.sha256(program() + path.read_bytes()).hexdigest(), str(path))
+    finally:
+        SPENT.own += SPENT.runs.pop((str(path),), 0.0)
 
 
 def run(case: str, *settings: str) -> Run:
