@@ -13,8 +13,8 @@ static const double SILENT = 1e-6;
 /* To which the area of an interface is known: particles that only change places change it by as much. */
 static const double AREA = 0.01;
 
-/* What is allowed, over the largest of kinetic energy and change of potential energy; of P5, whose differences are no forces of pairs, more. */
-static const double MOST = 0.01, MOST_DIFFERENCES = 0.05;
+/* What is allowed unless a scheme says otherwise, over the largest of kinetic energy and change of potential energy. */
+static const double MOST = 0.01;
 
 /* Sums over the fluid: energies [J] and sum rho c^2 V [J]; power of walls [W]; momentum [kg m/s]; of what gravity acts on its mass [kg], and that times position and
  * velocity. */
@@ -238,8 +238,8 @@ static void add_work(MnsSim *sim, const double sums[static SUMS])
         if (!model->n_walls || sim->s.power) continue;
         const double push = sums[MOMENTUM + d] - sim->before.momentum[d] - dt * g * sums[WEIGHT];
         /* What projects gives the fluid the velocity of its walls, from that of the step before; forces act at both ends of a step. */
-        const double v = model->wall[0].v[d], of = sim->scheme->projects ? 0.5 * (sim->before.wall[d] + v) : v;
-        account->work += push * of;
+        const double v = model->wall[0].v[d], mean = sim->scheme->projects ? 0.5 * (sim->before.wall[d] + v) : v;
+        account->work += push * mean;
     }
     account->work += 0.5 * dt * (account->power + sums[BY_WALLS]);
     account->power = sums[BY_WALLS];
@@ -252,15 +252,15 @@ static void look(MnsSim *sim, const double sums[static SUMS])
                  change = fabs(potential(sim, sums) - account->potential);
     account->scale = fmax(account->scale, fmax(sums[KINETIC], change));
     if (made > SILENT * sums[STIFFNESS] + AREA * sums[SURFACE]) account->excess = fmax(account->excess, made);
-    const double most = sim->model.differences.scale > 0 ? MOST_DIFFERENCES : MOST, excess = mns_sim_energy_excess(sim);
+    const double most = sim->scheme->energy_excess > 0 ? sim->scheme->energy_excess : MOST,
+                 excess = mns_sim_energy_excess(sim);
     if (!(excess > most) || sim->told.energy) return;
     sim->told.energy = true;
     plan_warn(
         sim,
         "energy: after step %llu the fluid has %.3g J more than it had and was given, %.2g %% of the largest of its "
-        "kinetic "
-        "energy and the change of its potential energy, allowed: %g %%. What follows is not to be trusted: a smaller "
-        "scheme.cfl, a finer resolution or the scheme's defaults may mend it",
+        "kinetic energy and the change of its potential energy, allowed: %g %%. What follows is not to be trusted: a "
+        "smaller scheme.cfl, a finer resolution or the scheme's defaults may mend it",
         (unsigned long long)sim->progress.step, account->excess, 100 * excess, 100 * most);
 }
 

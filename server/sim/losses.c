@@ -26,7 +26,6 @@ void losses_step(MnsSim *sim)
     sim->told.bare = true;
     plan_warn(sim,
               "coverage: after step %llu a place has only %.2g of the fluid that would fill it, allowed: %g: particles "
-              "have left a "
-              "void. Shifting, a higher background pressure or a finer resolution may close it",
+              "have left a void. Shifting, a higher background pressure or a finer resolution may close it",
               (unsigned long long)sim->progress.step, covered, LEAST_COVERED);
 }

@@ -36,8 +36,8 @@ typedef struct Row {
     size_t n_fluid, n; /* blocks [0, n_fluid) are fluid, [n_fluid, n) walls */
     bool summed;       /* is any of them of summed density?           */
     bool mixed;        /* is any of another fluid? With NEED_OTHERS */
-    size_t n_own,
-        n_walls; /* blocks [n_own, n_fluid) and [n_walls, n) are images in mirrors of those before them (mirrors.h) */
+    /* Blocks [n_own, n_fluid) and [n_walls, n) are images in mirrors of those before them (mirrors.h). */
+    size_t n_own, n_walls;
     uint32_t j[PICKED_MAX];      /* neighbours, eight to a block; of an image, whose it is */
     uint16_t source[PICKED_MAX]; /* of an image: the pair of this row that it is of, or OWN_IMAGE */
     uint8_t turned[PICKED_MAX];  /* of an image: by which sides it is mirrored, a bit each */

@@ -108,6 +108,7 @@ typedef struct Scheme {
     bool symmetric;          /* its matrices are */
     bool corrects_density;   /* by a second pressure */
     bool mirrors;            /* sides of the domain along which fluid slips are mirrors to all its terms */
+    double energy_excess;    /* that is not warned of (energy.c); 0: 0.01 */
     double arithmetic_ratio; /* of densities, up to which arithmetic averages hold; 0: any */
     double tension_ratio;    /* of densities, up to which its tension holds a drop at rest; 0: any */
     bool reads_density_method, reads_exponent;       /* of a fluid */

@@ -99,6 +99,7 @@ const Scheme scheme_differences = {
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(P) | FIELD(M) | FIELD(A) | FIELD(REF) |
              FIELD(TO_SURFACE),
     .given = PASS_SHAPE,
+    .energy_excess = 0.05, /* its differences are no forces of pairs, and keep no energy */
     .projects = true,
     .mirrors = true,
     .derived_passes = {PASS_SHAPE, PASS_SHAPE + 2},

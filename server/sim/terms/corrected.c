@@ -188,14 +188,12 @@ INLINE void corrected_power_row(const Row *row, Particles *s, const Model *model
     Lanes power = {0};
     for (const Block *b = row->block + row->n_fluid; b < row->block + row->n; b++) {
         const uint32_t *j = row_j(row, b);
-        double v[3][LANES];
         Lanes force[3] = {0};
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
             corrected_push(&M_i, &PLAIN, &pair, p, shown_by(&shown, j[l]), V, how, l, force);
         }
-        wall_velocities(s, model, j, how, v);
-        add_power(force, v, how, &power);
+        add_wall_power(force, s, model, j, how, &power);
     }
     s->power[i] -= lanes_sum(&power);
 }

@@ -131,7 +131,7 @@ INLINE void density_matrix_row(const Row *row, Particles *s, const Model *model,
 }
 ROW_FUNCTIONS(density_matrix_row)
 
-/* The entry with j among the n of a row; n if there is none. */
+/* Index of the entry of column j among the first n of a row; n if no entry has it. */
 INLINE size_t find_entry(const uint32_t *column, size_t n, uint32_t j)
 {
     size_t k = 0;
@@ -299,7 +299,6 @@ INLINE void projected_power_row(const Row *row, Particles *s, const Model *model
     Lanes power = {0};
     for (const Block *b = row->block + row->n_fluid; b < row->block + row->n && model->dt > 0; b++) {
         const uint32_t *j = row_j(row, b);
-        double v[3][LANES];
         Lanes force[3] = {0};
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
@@ -307,8 +306,7 @@ INLINE void projected_power_row(const Row *row, Particles *s, const Model *model
             const double F = pair.F < model->projection.faint ? pair.F : 0;
             add_along(&pair, facing(V, pair.V, F) * (share * (P[j[l]] - P[i]) + P[i]), how, l, force);
         }
-        wall_velocities(s, model, j, how, v);
-        add_power(force, v, how, &power);
+        add_wall_power(force, s, model, j, how, &power);
     }
     if (model->dt > 0) s->power[i] += lanes_sum(&power) / model->dt;
 }

@@ -3,8 +3,8 @@
  *   dx_i = -A h U_i dt sum_j V_j grad_i W,   at most dx/10;   beside an interface only along it: dx_i -= (dx_i . n_i) n_i
  *   U_i = max_j |v_j - v_i| over particles of the same fluid within the support: P2 prints |v_i|, which is another in each frame of reference,
  * so that what only drifts would be stirred; what disorders particles is how their neighbours move past them
- *   v_i += dx_i . sum_j (v_j - v_i) grad_i W V_j, density alike, over particles of the same fluid. With M_i of these differences would be
- * right beside an interface too, and what is drawn from a spray's few neighbours grows from step to step
+ *   v_i += dx_i . sum_j (v_j - v_i) grad_i W V_j, density alike, over particles of the same fluid. With M_i of
+ * these particles linear fields would be exact beside an interface too, but in a spray of two or three neighbours the extrapolation grows at every step
  * A gas that fills goes through the interface too, more strongly, and carries nothing: of few neighbours of its own little is known.
  * P2's original shifts through interfaces too and corrects from all fluids, which mixes densities of water and air.
  * Within reach of a free surface there is no shift, in a domain that fluids do not fill. */

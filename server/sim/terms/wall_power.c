@@ -16,14 +16,12 @@ INLINE void pressure_power(const Row *row, Particles *s, const Model *model, How
     Lanes power = {0};
     for (const Block *b = row->block + row->n_fluid; b < row->block + row->n; b++) {
         const uint32_t *j = row_j(row, b);
-        double v[3][LANES];
         Lanes force[3] = {0};
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
             pressure_wall(&a, &pair, shown_by(&shown, j[l]), how, l, force, weights);
         }
-        wall_velocities(s, model, j, how, v);
-        add_power(force, v, how, &power);
+        add_wall_power(force, s, model, j, how, &power);
     }
     s->power[row->i] -= lanes_sum(&power);
 }
@@ -48,14 +46,12 @@ INLINE void surface_power_row(const Row *row, Particles *s, const Model *model, 
     Lanes power = {0};
     for (const Block *b = row->block + row->n_fluid; b < row->block + row->n && model->dt > 0; b++) {
         const uint32_t *j = row_j(row, b);
-        double v[3][LANES];
         Lanes force[3] = {0};
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
             add_along(&pair, V * model->cell_volume * (P[i] + P[j[l]]) * pair.F, how, l, force);
         }
-        wall_velocities(s, model, j, how, v);
-        add_power(force, v, how, &power);
+        add_wall_power(force, s, model, j, how, &power);
     }
     if (model->dt > 0) s->power[i] -= lanes_sum(&power) / model->dt;
 }
@@ -67,14 +63,12 @@ INLINE void riemann_power_row(const Row *row, Particles *s, const Model *model, 
     Lanes power = {0};
     for (const Block *b = row->block + row->n_fluid; b < row->block + row->n; b++) {
         const uint32_t *j = row_j(row, b);
-        double v[3][LANES];
         Lanes force[3] = {0};
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
             riemann_momentum_wall(&a, &pair, side_wall_pressure(&a, j[l]), how, l, force);
         }
-        wall_velocities(s, model, j, how, v);
-        add_power(force, v, how, &power);
+        add_wall_power(force, s, model, j, how, &power);
     }
     s->power[row->i] -= 2 * lanes_sum(&power);
 }

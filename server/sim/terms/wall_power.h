@@ -5,19 +5,21 @@
 
 #include "sim/terms/terms.h"
 
-/* Velocities of the walls that a block's particles are of, without that of their surfaces. */
-INLINE void wall_velocities(const Particles *s, const Model *model, const uint32_t *j, How how, double ret[3][LANES])
-{
-    for (int l = 0; l < LANES; l++) {
-        const WallState *wall = &model->wall[s->phase[j[l]] - model->n_phases];
-        for (int d = 0; d < how.dim; d++) ret[d][l] = wall->v[d];
-    }
-}
-
+/* force . v of eight pairs. */
 INLINE void add_power(const Lanes force[3], const double v[3][LANES], How how, Lanes *power)
 {
     for (int d = 0; d < how.dim; d++)
         for (int l = 0; l < LANES; l++) add_product(power, l, force[d].of[l], v[d][l], how);
+}
+
+/* By the velocities of the walls that wall particles j are of, without those of their surfaces. */
+INLINE void add_wall_power(const Lanes force[3], const Particles *s, const Model *model, const uint32_t *j, How how,
+                           Lanes *power)
+{
+    double v[3][LANES];
+    for (int l = 0; l < LANES; l++)
+        for (int d = 0; d < how.dim; d++) v[d][l] = model->wall[s->phase[j[l]] - model->n_phases].v[d];
+    add_power(force, v, how, power);
 }
 
 /* A term of it. */
