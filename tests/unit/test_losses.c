@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Particles that have left the domain, and a void in a domain that fluids filled, are each told once. */
+#include "sim/integrator.h"
+#include "sim/losses.h"
+#include "tests/support/check.h"
+#include "tests/support/sims.h"
+
+static MnsSim *water(MnsCase **ret_case, bool periodic)
+{
+    MnsCase *c = case_blank(2, 16);
+    c->scheme.name = "riemann";
+    c->periodic[0] = c->periodic[1] = periodic;
+    case_add_fluid(c, "water", 1000, 20);
+    case_add_part(&c->fluids[0].shape, MNS_BOX);
+    c->fluids[0].shape.parts[0].b[0] = c->fluids[0].shape.parts[0].b[1] = 1;
+    *ret_case = c;
+    return sim_in_arrays(c);
+}
+
+static int warnings(const MnsSim *sim, const char *entry)
+{
+    int n = 0;
+    const char *text;
+    for (size_t k = 0; (text = mns_sim_warning(sim, k)); k++) n += strncmp(text, entry, strlen(entry)) == 0;
+    return n;
+}
+
+/* Twice, at steps at which it looks. */
+static void look(MnsSim *sim)
+{
+    sim->progress.step = 500;
+    losses_step(sim);
+    sim->progress.step = 1000;
+    losses_step(sim);
+}
+
+static void more_than_one_in_a_hundred_outside_is_told(void **state)
+{
+    (void)state;
+    for (size_t out = 2; out <= 3; out++) { /* of 256 */
+        MnsCase *c;
+        MnsSim *sim = water(&c, false);
+        for (size_t i = 0; i < out; i++) sim->s.x[0][i] = 1.5;
+        look(sim);
+        assert_int_equal(warnings(sim, "domain: after"), out > 2 ? 1 : 0);
+        sim_done(sim, c);
+    }
+}
+
+static void a_void_is_told(void **state)
+{
+    (void)state;
+    for (int bare = 0; bare < 2; bare++) {
+        MnsCase *c;
+        MnsSim *sim = water(&c, true);
+        for (size_t i = 0; i < sim->s.n && bare; i++)
+            if (hypot(sim->s.x[0][i] - 0.5, sim->s.x[1][i] - 0.5) < 0.2) sim->s.x[0][i] += 0.4;
+        particles_changed(&sim->s, ON_FLUID, FIELD(X));
+        assert_int_equal(integrator_lists(sim, NULL), MNS_OK);
+        look(sim);
+        assert_int_equal(warnings(sim, "coverage:"), bare);
+        assert_int_equal(warnings(sim, "domain: after"), 0);
+        sim_done(sim, c);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(more_than_one_in_a_hundred_outside_is_told),
+        cmocka_unit_test(a_void_is_told),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
