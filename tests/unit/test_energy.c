@@ -123,6 +123,41 @@ static void a_lid_gives_what_friction_takes(void **state)
         }
 }
 
+/* rho c^2 e^2 / 2 of a layer of water that a lid makes lower by the part e. */
+static void a_lid_that_comes_down_gives_what_is_elastic(void **state)
+{
+    (void)state;
+    for (size_t q = 0; q < 3; q++) { /* what can be compressed */
+        MnsCase *c = water(SCHEMES[q], 1);
+        add_plate(c, "floor", -9, 0);
+        add_plate(c, "lid", 1, 9);
+        c->walls[1].motion = (MnsMotion){.kind = MNS_ONE_MINUS_COSINE, .amplitude = {0, -0.005}, .frequency = 1};
+        MnsSim *sim = sim_of(c);
+        run(sim, 0.5);
+        const double work = sim->progress.energy.work, due = 0.5 * 1000 * 400 * 0.01 * 0.01;
+        if (!(fabs(work - due) <= 0.1 * due)) fail_msg("%s: %g J for %g", SCHEMES[q], work, due);
+        sim_done(sim, c);
+    }
+}
+
+/* In a tank that is full, where nothing moves. */
+static void gravity_that_grows_gives_what_potential_energy_loses(void **state)
+{
+    (void)state;
+    for (size_t q = 0; q < ALL; q++) {
+        MnsCase *c = water(SCHEMES[q], 1);
+        add_plate(c, "floor", -9, 0);
+        add_plate(c, "roof", 1, 9);
+        case_set_text(&c->gravity[1], "-0.1*t");
+        MnsSim *sim = sim_of(c);
+        run(sim, 1);
+        const MnsEnergy *account = &sim->progress.energy;
+        assert_close(account->work, 50, 1); /* m g times half of the height */
+        assert_close(energy_of(sim) - account->start, account->work, 1);
+        sim_done(sim, c);
+    }
+}
+
 static void a_restart_goes_on_with_the_account(void **state)
 {
     (void)state;
@@ -228,9 +263,14 @@ static void a_shift_out_of_the_free_surface_is_told(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_falls_is_given_what_it_has), cmocka_unit_test(a_tank_gives_what_its_walls_push),
-        cmocka_unit_test(a_lid_gives_what_friction_takes), cmocka_unit_test(a_restart_goes_on_with_the_account),
-        cmocka_unit_test(what_is_made_of_nothing_is_told), cmocka_unit_test(a_shift_out_of_the_free_surface_is_told),
+        cmocka_unit_test(what_falls_is_given_what_it_has),
+        cmocka_unit_test(a_tank_gives_what_its_walls_push),
+        cmocka_unit_test(a_lid_gives_what_friction_takes),
+        cmocka_unit_test(a_lid_that_comes_down_gives_what_is_elastic),
+        cmocka_unit_test(gravity_that_grows_gives_what_potential_energy_loses),
+        cmocka_unit_test(a_restart_goes_on_with_the_account),
+        cmocka_unit_test(what_is_made_of_nothing_is_told),
+        cmocka_unit_test(a_shift_out_of_the_free_surface_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
