@@ -5,12 +5,14 @@
 
 #include "sim/terms/average.h"
 #include "sim/terms/midway.h"
+#include <math.h>
 
 /* What is fixed in the pairs of one particle. */
 typedef struct Flowing {
     double v[3], p, z, lag;
     double descent[3]; /* minus its pressure gradient */
     double rest;       /* 1/2 if only what is left beside a linear field is dissipated, else 0         */
+    double least;      /* of psi_ij (p_j - p_i): 0 where a difference may not grow, else any            */
     double keeps, own; /* 1 and 0 where dissipation keeps the volume of a pair, else 0 and 1 / (2 z_i) */
 } Flowing;
 
@@ -21,6 +23,7 @@ INLINE Flowing flowing_of(const Particles *s, const Model *model, size_t i)
                  .z = particles_impedance(s, model, i),
                  .lag = model->lag,
                  .rest = rest ? 0.5 : 0,
+                 .least = model->own_gradients > 0 ? 0 : -HUGE_VAL,
                  .keeps = 1};
     if (!model->keeps_pair_volume) { /* as if both were of this fluid */
         a.keeps = 0;
@@ -83,7 +86,8 @@ INLINE void volume_continuity_end(Particles *s, size_t i, const Lanes *sum)
 INLINE void dissipation_pair(const Flowing *a, const Pair *pair, double inverse, How how, int l, Lanes *sum)
 {
     const double linear = DOT_DIFFERENCE(pair->gradient, a->descent, pair->x, how);
-    const double psi = mul_add(a->rest, linear, pair->p - a->p, how.fma);
+    const double dp = pair->p - a->p, left = mul_add(a->rest, linear, dp, how.fma);
+    const double psi = left * dp < a->least ? 0 : left;
     add_product(sum, l, pair->V * pair->F * pair->r * psi, mul_add(a->keeps, inverse, a->own, how.fma), how);
 }
 
