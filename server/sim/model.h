@@ -47,6 +47,7 @@ typedef struct Projection {
 /* Options of the scheme of differences. */
 typedef struct Differences {
     MnsDiffusion diffusion;
+    double share;     /* of the divergence that a step finds, which it takes away: 1 but for one cut short */
     double threshold; /* of the interface: gradient of the colour, times h */
     double shifting;  /* of particles to where there are fewer */
     double along;     /* 1: beside interfaces only along them; 0: anywhere */

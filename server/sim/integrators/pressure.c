@@ -120,15 +120,14 @@ void pressure_guess(MnsSim *sim, double dt)
     system_relax(y, n);
 }
 
-/* One that is cut short, to end when it is told to, has the divergence of a whole one to take away in less time. */
-static double share_of(const MnsSim *sim, double dt)
+double pressure_share(const MnsSim *sim, double dt)
 {
     return dt < sim->whole ? dt / sim->whole : 1;
 }
 
-void pressure_keep(MnsSim *sim, double dt)
+void pressure_keep(MnsSim *sim, double dt, double share)
 {
-    const double share = share_of(sim, dt), *restrict P = sim->system.x;
+    const double *restrict P = sim->system.x;
     const uint32_t *restrict blocks = sim->system.matrix.blocks;
     const size_t step = sim->s.p_step;
     double *restrict p = sim->s.p;

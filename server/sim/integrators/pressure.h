@@ -25,8 +25,10 @@ void pressure_prepare(MnsSim *sim, const int passes[], size_t n);
 /* Begin with the pressures of the step before; in walls, with what solves their rows. */
 void pressure_guess(MnsSim *sim, double dt);
 
-/* After a step: it replaces the pressure of the step before, or as much of it as a step cut short is of a whole one. Walls that no fluid
- * reaches have none. */
-void pressure_keep(MnsSim *sim, double dt);
+/* Of a whole step, what one is that is cut short to end when it is told to: 1 for a whole one. */
+double pressure_share(const MnsSim *sim, double dt);
+
+/* After a step: it replaces a share of the pressure of the step before. Walls that no fluid reaches have none. */
+void pressure_keep(MnsSim *sim, double dt, double share);
 
 #endif

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A step of an incompressible flow with one projection, where the particles are at its beginning.               P5 eq. 20-25
  *   u* = u + dt a,   solve for the pressure,   u' = u* - dt grad p / rho
+ *   Of a step cut short, u* = dt/dt_0 u + dt a, dt_0 of a whole one, and the rest of u joins u': the divergence of u is what the step before has left, and all of
+ *   it in less time would be a pressure of dt_0/dt times what it is.
  *   x += dt/2 (u + u'),   particles are shifted to where there are fewer
  *   a = forces but pressure, at the new positions and velocities */
 #include "sim/integrator.h"
@@ -26,6 +28,21 @@ static void push(MnsSim *sim, double dt)
         }
     }
     particles_changed(s, ON_FLUID, FIELD(V) | FIELD(A));
+}
+
+/* Keep a part of the velocities before out of the projection, or bring it back: where this is, div u counts for a share of it. */
+static void add_before(MnsSim *sim, double part)
+{
+    Particles *s = &sim->s;
+    const size_t n = particles_fluid(s), step = s->v_step;
+    if (part == 0) return;
+    for (int d = 0; d < s->dim; d++) {
+        double *restrict v = s->v[d];
+        const double *restrict before = s->a[d];
+#pragma omp parallel for simd schedule(static) num_threads(sim->threads)
+        for (size_t i = 0; i < n; i++) v[i * step] += part * before[i];
+    }
+    particles_changed(s, ON_FLUID, FIELD(V));
 }
 
 /* Of a step that failed before there were new accelerations: what is shown are those of before once more. */
@@ -131,7 +148,7 @@ static MnsStatus check_rows(const MnsSim *sim, MnsError *error)
         s->dim == 3 ? s->x[2][worst * s->x_step] : 0, sim->scheme->name);
 }
 
-static MnsStatus project(MnsSim *sim, double dt, MnsError *error)
+static MnsStatus correct(MnsSim *sim, double dt, MnsError *error)
 {
     const Differences *options = &sim->model.differences;
     System *y = &sim->system;
@@ -148,8 +165,18 @@ static MnsStatus project(MnsSim *sim, double dt, MnsError *error)
     if (status) return status; /* what was not found corrects nothing */
     system_centre(y);
     integrator_pass(sim, PASS_CORRECTION);
-    pressure_keep(sim, dt);
+    pressure_keep(sim, dt, 1);
     return MNS_OK;
+}
+
+static MnsStatus project(MnsSim *sim, double dt, MnsError *error)
+{
+    const double share = pressure_share(sim, dt);
+    sim->model.differences.share = share;
+    add_before(sim, share - 1);
+    const MnsStatus status = correct(sim, dt, error);
+    add_before(sim, 1 - share);
+    return status;
 }
 
 /* To where the rates are found. */

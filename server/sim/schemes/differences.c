@@ -64,7 +64,8 @@ static void differences_options(Model *model, const MnsCase *c)
                                      .speed = options->reference_speed,
                                      .iterations = options->iterations,
                                      .solver = options->solver};
-    model->differences = (Differences){.diffusion = options->diffusion,
+    model->differences = (Differences){.share = 1,
+                                       .diffusion = options->diffusion,
                                        .threshold = options->interface_threshold,
                                        .shifting = options->shifting_strength,
                                        .along = options->shift_across_interfaces ? 0 : 1,

@@ -8,16 +8,18 @@
 #include "sim/terms/differences.h"
 #include "sim/terms/terms.h"
 
-/* How fluid moves: as it is, or without what body forces gave it in the step. */
+/* How fluid moves: as it is, or without what body forces gave it in the step, and as much of it, as of walls, as the projection sees. */
 typedef enum Moves { MOVES_AS_IT_IS, MOVES_UNFORCED } Moves;
 
 INLINE void continue_velocity(const Row *row, Particles *s, const Model *model, Moves moves, How how)
 {
     const size_t i = row->i, wall = i - particles_fluid(s);
     const WallState *body = &model->wall[s->phase[i] - model->n_phases];
-    const double dt = moves == MOVES_UNFORCED ? model->dt : 0;
-    double n[3], depth2 = 0;
+    const double dt = moves == MOVES_UNFORCED ? model->dt : 0,
+                 share = moves == MOVES_UNFORCED ? model->differences.share : 1;
+    double n[3], u_0[3], depth2 = 0;
     for (int d = 0; d < how.dim; d++) {
+        u_0[d] = share * s->v[d][i * s->v_step];
         n[d] = s->to_surface[d][wall];
         depth2 += n[d] * n[d];
     }
@@ -36,7 +38,7 @@ INLINE void continue_velocity(const Row *row, Particles *s, const Model *model, 
             weight.of[l] += W;
             height2.of[l] += W * y * y;
             for (int d = 0; d < how.dim; d++) {
-                const double u = its[d][l] - dt * body_force_of(model, rho, d) - s->v[d][i * s->v_step];
+                const double u = its[d][l] - dt * body_force_of(model, rho, d) - u_0[d];
                 sum[d].of[l] += W * u;
                 rise[d].of[l] += W * y * u;
             }
@@ -51,7 +53,7 @@ INLINE void continue_velocity(const Row *row, Particles *s, const Model *model, 
     for (int d = 0; d < how.dim; d++) along += depth2 > 0 ? (held[d] - glides[d]) * n[d] / depth2 : 0;
     for (int d = 0; d < how.dim; d++) {
         const double u = body->no_slip ? held[d] : glides[d] + along * n[d];
-        s->v_wall[d][wall] = s->v[d][i * s->v_step] + u + dt * body_force_of(model, mixed(density, s->colour[i]), d);
+        s->v_wall[d][wall] = u_0[d] + u + dt * body_force_of(model, mixed(density, s->colour[i]), d);
     }
 }
 
