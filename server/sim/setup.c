@@ -155,7 +155,8 @@ MnsStatus setup_model(MnsSim *sim, MnsError *error)
     return status;
 }
 
-/* Mean velocity of the wall from t - dt to t + ahead, so that velocity and displacement agree. */
+/* Velocity of the wall: its mean from t - dt to t + ahead, so that velocity and displacement agree. Schemes that project take it as it is at t, and go on
+ * from there with its acceleration: by the mean a shaken tank's fluid is half a step late. */
 static void move_wall(MnsSim *sim, size_t k, double t, double dt, double ahead)
 {
     WallState *wall = &sim->model.wall[k];
@@ -165,7 +166,7 @@ static void move_wall(MnsSim *sim, size_t k, double t, double dt, double ahead)
     motion_at(motion, t + ahead, after, v, a);
     motion_at(motion, t, wall->x, v, wall->a);
     for (int d = 0; d < sim->model.dim; d++) {
-        const double material = dt > 0 ? (after[d] - before[d]) / (dt + ahead) : v[d];
+        const double material = dt > 0 && !sim->scheme->projects ? (after[d] - before[d]) / (dt + ahead) : v[d];
         wall->v[d] = material;
         wall->belt[d] = formula_eval(sim->surface[k][d], &t);
     }
