@@ -9,28 +9,28 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from validation import metamorphic  # noqa: E402
+from validation import metamorphic, retelling  # noqa: E402
 
 
 class Metamorphic(unittest.TestCase):
     def setUp(self) -> None:
-        self.addCleanup(setattr, metamorphic, "SIZE", metamorphic.SIZE)
-        metamorphic.SIZE = 12
+        self.addCleanup(setattr, retelling, "SIZE", retelling.SIZE)
+        retelling.SIZE = 12
 
     def check(self, relation: str, scheme: str) -> None:
-        told = {**metamorphic.full(scheme), "end_time": 0.02}
-        change = metamorphic.CHANGES[relation][0]
+        told = {**retelling.full(scheme), "end_time": 0.02}
+        change = retelling.CHANGES[relation][0]
         here, there = metamorphic.last(told), change.back(metamorphic.last(change(told)))
-        names = metamorphic.names(told)
+        names = retelling.names(told)
         self.assertLessEqual(metamorphic.apart(here, there, names, names), metamorphic.bound(relation, scheme), (relation, scheme))
 
     def test_a_quarter_turn_and_other_units_are_the_same_flow(self) -> None:
-        for scheme in metamorphic.SCHEMES:
+        for scheme in retelling.SCHEMES:
             for relation in ("units scaled by powers of two", "quarter turns"):
                 self.check(relation, scheme)
 
     def test_another_flow_is_seen_as_another(self) -> None:
-        told = {**metamorphic.plain("riemann"), "end_time": 0.02}
+        told = {**retelling.plain("riemann"), "end_time": 0.02}
         here, other = metamorphic.last(told), metamorphic.last({**told, "gravity": ["0", "-1.001"]})
         self.assertGreater(metamorphic.apart(here, other, ["water"], ["water"]), 1e-6)
         other.x = here.x + np.array([0.0, 1e-3, 0.0])
