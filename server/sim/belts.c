@@ -365,6 +365,12 @@ MnsStatus belts_init(MnsSim *sim, MnsError *error)
     return status;
 }
 
+size_t belts_bytes(size_t n)
+{
+    const Belts none = {0};
+    return n * (sizeof *none.id + sizeof *none.along);
+}
+
 void belts_done(Belts *belts)
 {
     free(belts->id);

@@ -165,19 +165,19 @@ static double whole_energy(const MnsSim *sim, const double sums[static SUMS])
     return sums[KINETIC] + sums[ELASTIC] + sums[SURFACE] + potential(sim, sums);
 }
 
-/* Do all walls move alike, without surfaces that move? Then what pushes the fluid is what its momentum changes by. */
-static bool move_as_one(const MnsSim *sim)
+/* Where all walls move alike, without surfaces that move, what pushes the fluid is what its momentum changes by. */
+bool energy_needs_power(const MnsSim *sim)
 {
     const MnsCase *c = sim->c;
     for (size_t k = 0; k < c->n_walls; k++)
-        if (sim->model.wall[k].has_belt || !motion_same(&c->walls[k].motion, &c->walls[0].motion)) return false;
-    return true;
+        if (sim->model.wall[k].has_belt || !motion_same(&c->walls[k].motion, &c->walls[0].motion)) return true;
+    return false;
 }
 
 /* Room for the power of walls, where that has to be found by their forces; false: no memory, and no account. */
 static bool make_room(MnsSim *sim)
 {
-    if (move_as_one(sim) || sim->s.power) return true;
+    if (!energy_needs_power(sim) || sim->s.power) return true;
     return (sim->s.power = array_new(particles_fluid(&sim->s), sizeof *sim->s.power)) != NULL;
 }
 

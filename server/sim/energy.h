@@ -9,6 +9,9 @@
 
 #include "sim/sim.h"
 
+/* Does the account take room for the power of walls on each particle of fluid? */
+bool energy_needs_power(const MnsSim *sim);
+
 /* Begin the account of a new run, or find what the next step needs of one that goes on. */
 void energy_begin(MnsSim *sim);
 

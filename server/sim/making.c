@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a simulation will take, found out before it takes it. */
 #include "sim/making.h"
+#include "sim/belts.h"
+#include "sim/energy.h"
 #include "sim/sort.h"
 #include <math.h>
 
@@ -58,6 +60,14 @@ static double capture_bytes(int dim, Fields state)
     return each;
 }
 
+/* Which of the particles of walls are of them is not known before they are placed. */
+static bool has_belts(const MnsSim *sim)
+{
+    for (size_t k = 0; k < sim->model.n_walls; k++)
+        if (sim->model.wall[k].has_belt) return true;
+    return false;
+}
+
 double making_bytes(const MnsSim *sim, const size_t sizes[GROUPS])
 {
     Particles s = {.dim = sim->model.dim,
@@ -69,6 +79,8 @@ double making_bytes(const MnsSim *sim, const size_t sizes[GROUPS])
     double bytes =
         (double)particles_bytes(&s) + neighbours_need(sim, &s) + (double)s.n * capture_bytes(s.dim, sim->scheme->state);
     if (sim->scheme->projects) bytes += system_need(sim, &s);
+    if (energy_needs_power(sim)) bytes += (double)particles_fluid(&s) * sizeof *s.power;
+    if (has_belts(sim)) bytes += (double)belts_bytes(sizes[GROUP_WALL]);
     if (sim->model.viscous || sim->scheme->projects) bytes += (double)sizes[GROUP_WALL] * sizeof(double) * s.dim;
     return bytes;
 }

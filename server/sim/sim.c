@@ -256,7 +256,7 @@ double mns_sim_mean_neighbours(const MnsSim *sim)
 
 size_t mns_sim_bytes(const MnsSim *sim)
 {
-    return particles_bytes(&sim->s) + neighbours_bytes(&sim->nb) +
+    return particles_bytes(&sim->s) + neighbours_bytes(&sim->nb) + belts_bytes(sim->belts.n) +
            (sim->scheme->projects ? system_bytes(&sim->system) : 0);
 }
 

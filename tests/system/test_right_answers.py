@@ -58,6 +58,67 @@ end_time: 1
 probes: [{{name: velocity, velocity: {{fluid: gas, axis: {axis}}}}}]
 output: {{probe_interval: 0.02}}
 """
+# A full tank whose only wall has a belt's speed along x: its sides have it across themselves.
+BELT = """
+dimensions: 2
+resolution: 16
+domain: {min: [0, 0], max: [2, 1]}
+fluids: [{name: water, density: 1000, viscosity: 10, sound_speed: 20}]
+walls: [{name: tank, slip: none, surface_velocity: [0.5, 0], shape: [SHAPE]}]
+scheme: SCHEME
+end_time: 0.5
+probes: [{name: kinetic, kinetic_energy: {}}]
+"""
+# Water of unlike depth on two sides of a dam.
+DAM = """
+dimensions: 2
+resolution: 16
+domain: {min: [0, 0], max: [2, 1]}
+gravity: [0, -1]
+fluids:
+  - {name: low, density: 1000, sound_speed: 20, pressure: hydrostatic, shape: [{box: {min: [0, 0], max: [1, 0.25]}}]}
+  - {name: high, density: 1000, sound_speed: 20, pressure: hydrostatic, shape: [{half_space: {point: [FAR, 0], normal: [-1, 0]}}, {operation: intersect, box: {min: [0, 0], max: [2, 0.75]}}]}
+walls: [{name: tank, shape: [{outside: true, box: {min: [0, 0], max: [2, 1]}}]}, {name: dam, shape: [SHAPE]}]
+scheme: riemann
+end_time: 0.3
+probes: [{name: kinetic, kinetic_energy: {fluid: low}}]
+"""
+# An impulse of 1 m/s on all of a periodic box.
+PULSE = """
+dimensions: 2
+resolution: 8
+domain: {min: [0, 0], max: [1, 1], periodic: [x, y]}
+gravity: ["exp(-((t - 0.1)/WIDTH)^2)/WIDTH/sqrt(pi)", 0]
+fluids: [{name: water, density: 1000, viscosity: 1, sound_speed: 20}]
+scheme: SCHEME
+end_time: 0.2
+probes: [{name: velocity, velocity: {axis: x}}]
+"""
+# Still water in a tank that is at X.
+STILL = """
+dimensions: 2
+resolution: 20
+domain: {min: [X, 0], max: ["X + 2", 1]}
+gravity: [0, -1]
+fluids: [{name: water, density: 1000, sound_speed: 20, pressure: hydrostatic, shape: [{box: {min: [X, 0], max: ["X + 2", DEPTH]}}]}]
+walls: [{name: tank, shape: [{outside: true, box: {min: [X, 0], max: ["X + 2", 1]}}]}]
+scheme: SCHEME
+end_time: 0.01
+probes: [{name: wall, height: {fluid: water, at: [X]}}, {name: open, height: {fluid: water, at: ["X + 1"]}}]
+"""
+# A strip that leans, as its mirror image does.
+STRIP = """
+dimensions: 2
+resolution: 20
+domain: {min: [-1, 0], max: [1, 1]}
+fluids:
+  - {name: a, density: 1000, sound_speed: 20, shape: [{formula: "abs(y - 0.5 - SLOPE*x) < 0.2 and abs(x) < 0.5"}]}
+  - {name: b, density: 1000, sound_speed: 20}
+walls: [{name: tank, shape: [{outside: true, box: {min: [-1, 0], max: [1, 1]}}]}]
+scheme: riemann
+end_time: 0.01
+probes: [{name: area, surface_area: {fluid: a}}, {name: round, roundness: {fluid: a}}]
+"""
 # For `hydrostatic`, in place of its first two.
 PROBES = ("probes[0]={name: coverage, coverage: {}}", "probes[1]={name: air, extremum: {field: velocity, fluid: air, which: max}}")
 
@@ -68,23 +129,88 @@ class RightAnswer(unittest.TestCase):
         self.addCleanup(scratch.cleanup)
         self.home = Path(scratch.name)
 
+    def told(self, case: str) -> str:
+        """A case by its name, or where its text is now."""
+        if "\n" not in case:
+            return case
+        (self.home / "case.yaml").write_text(case)
+        return str(self.home / "case.yaml")
+
     def complaints(self, case: str, *settings: str, out: "Path | None" = None, code: int = 0) -> str:
-        """What a run says on standard error."""
-        words = [BUILD / "meniscus", "run", case, "--threads", "1", "--out", (out or self.home) / "run", *(w for s in settings for w in ("--set", s))]
+        """What a run says on standard error; the case by name, or its text."""
+        words = [BUILD / "meniscus", "run", self.told(case), "--threads", "1", "--out", (out or Path(tempfile.mkdtemp(dir=self.home))) / "run"]
+        words += [w for s in settings for w in ("--set", s)]
         environment = {**os.environ, "MENISCUS_CASES": str(ROOT / "server" / "cases")}
         done = subprocess.run([str(w) for w in words], env=environment, capture_output=True, text=True)
         self.assertEqual(done.returncode, code, done.stderr[-2000:])
         return done.stderr
 
     def probes(self, case: str, *settings: str) -> "dict[str, np.ndarray]":
-        """Of a run to its end, all values; the case by name, or its text."""
-        if "\n" in case:
-            (self.home / "case.yaml").write_text(case)
-            case = str(self.home / "case.yaml")
+        """Of a run to its end, all values."""
         out = Path(tempfile.mkdtemp(dir=self.home))
         self.complaints(case, *settings, out=out)
         with h5py.File(out / "run" / "probes.hdf") as f:
             return {name: values[:] for name, values in f["probes"].items()}
+
+
+class Walls(RightAnswer):
+    """Surfaces that move pump nothing, and what is on one side of a wall does not push what is on the other."""
+
+    def test_what_is_across_a_surface_moves_nothing(self) -> None:
+        for scheme in ("riemann", "{incompressible: {reference_speed: 1}}") if at_length() else ("{incompressible: {reference_speed: 1}}",):
+            case = BELT.replace("SCHEME", scheme).replace("SHAPE", "{outside: true, box: {min: [0, 0], max: [2, 1]}}")
+            self.assertLess(self.probes(case)["kinetic"][-1], 20, scheme)  # 250 J where the sides pump
+        self.assertIn("walls[0].surface_velocity: 100 % of it is lost on the flat face", self.complaints(case))
+
+    def test_a_thin_wall_is_refused_however_it_is_told(self) -> None:
+        for shape in ("{box: {min: [1, 0], max: [1.0625, 1]}}", "{cylinder: {start: [1.03125, 0.5], axis: z, radius: 0.6}}, {operation: intersect, box: {min: [1, 0], max: [1.0625, 1]}}",
+                      "{plate: {centre: [1.03125, 0.5], along: [0, 1], length: 1, thickness: 0.0625}}"):  # fmt: skip
+            self.assertIn("walls[1].shape", self.complaints(DAM.replace("FAR", "1.0625").replace("SHAPE", shape), code=65), shape)
+
+    def test_a_thick_one_holds(self) -> None:
+        kinetic = self.probes(DAM.replace("FAR", "1.1875").replace("SHAPE", "{box: {min: [1, 0], max: [1.1875, 1]}}"))["kinetic"]
+        self.assertLess(kinetic.max(), 0.05)
+
+
+class Pulses(RightAnswer):
+    def test_a_pulse_has_its_impulse(self) -> None:
+        schemes = ["{incompressible: {reference_speed: 1}}", "{differences: {reference_speed: 1}}", "riemann", "interfacial", "dissipation"]
+        for scheme in schemes if at_length() else schemes[:3]:
+            for width in (0.02, 0.001):
+                v = self.probes(PULSE.replace("SCHEME", scheme).replace("WIDTH", str(width)))["velocity"][-1]
+                self.assertLess(abs(v - 1), 1e-3, (scheme, width))
+
+
+class Places(RightAnswer):
+    """Coordinates, edges and measures."""
+
+    def still(self, x: float, depth: float, scheme: str = "riemann") -> str:
+        text = STILL.replace('"X + 2"', f"{x + 2!r}").replace('"X + 1"', f"{x + 1!r}").replace("X", f"{x!r}")
+        return text.replace("DEPTH", str(depth)).replace("SCHEME", scheme)
+
+    def test_what_would_be_rounded_away_is_refused(self) -> None:
+        self.assertIn("domain: a coordinate of", self.complaints(self.still(1e14, 0.5), code=65))
+        self.assertIn("domain: a coordinate of", self.complaints(self.still(-1e12, 0.5), code=65))
+        self.complaints(self.still(1e6, 0.5))
+
+    def test_mass_that_the_lattice_does_not_hold_is_told(self) -> None:
+        for depth, said in ((0.474, "water starts with 5.0 % less mass"), (0.476, "water starts with 5.0 % more mass"), (0.5, None)):
+            complaints = self.complaints(self.still(0, depth))
+            if said:
+                self.assertIn(said, complaints)
+            else:
+                self.assertNotIn("mass", complaints)
+
+    def test_mirror_images_have_one_surface(self) -> None:
+        one, other = (self.probes(STRIP.replace("SLOPE", slope)) for slope in ("0.5", "(-0.5)"))
+        for name in ("area", "round"):
+            self.assertLess(abs(one[name][0] / other[name][0] - 1), 1e-3, name)
+
+    def test_water_is_as_high_at_a_wall_as_it_is(self) -> None:
+        for scheme in ("riemann", "dissipation"):
+            p = self.probes(self.still(0, 0.5, scheme))
+            for name in ("wall", "open"):
+                self.assertLess(abs(p[name] - 0.5).max(), 0.5 * 0.05, (scheme, name))
 
 
 class Shifting(RightAnswer):

@@ -34,6 +34,15 @@ static void what_a_simulation_takes_is_foreseen_and_not_much_more(void **state)
     assert_foreseen(case_periodic(3, 30));
 }
 
+/* A lid has a matrix for each of its particles, and its power for each of the fluid. */
+static void lids_are_foreseen(void **state)
+{
+    (void)state;
+    MnsCase *c = case_dam_break(2, 80);
+    case_set_text(&c->walls[0].surface_velocity[0], "1");
+    assert_foreseen(c);
+}
+
 static MnsCase *filled(const char *scheme, int dim, double resolution, MnsSolver solver)
 {
     MnsCase *c = case_periodic(dim, resolution);
@@ -138,6 +147,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_a_simulation_takes_is_foreseen_and_not_much_more),
         cmocka_unit_test(systems_are_foreseen_with_what_multigrid_keeps),
+        cmocka_unit_test(lids_are_foreseen),
         cmocka_unit_test(what_does_not_fit_is_refused_with_what_is_needed_and_what_there_is),
         cmocka_unit_test(what_is_far_too_big_is_refused_before_it_is_counted),
         cmocka_unit_test(it_can_be_given_up_at_any_time_until_it_is_ready),
