@@ -11,9 +11,10 @@ bool belts_are_on(const MnsWall *wall, int dim);
 /* When the particles are where the case puts them: find what faces are beside those of belts, give these their velocity, and warn of faces that lose
  * some of it. MNS_E_INVALID where a wall has no point along which any of it is, with the entry; MNS_E_MEMORY. */
 MnsStatus belts_init(MnsSim *sim, MnsError *error);
-/* What those of n particles take. */
-size_t belts_bytes(size_t n);
 void belts_done(Belts *belts);
+
+/* Memory for the belts of n particles. */
+size_t belts_bytes(size_t n);
 
 /* Add to the particles' velocities, which are those of the walls, what their surfaces have at present. */
 void belts_run(MnsSim *sim);

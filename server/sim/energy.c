@@ -165,7 +165,7 @@ static double whole_energy(const MnsSim *sim, const double sums[static SUMS])
     return sums[KINETIC] + sums[ELASTIC] + sums[SURFACE] + potential(sim, sums);
 }
 
-/* Where all walls move alike, without surfaces that move, what pushes the fluid is what its momentum changes by. */
+/* If all walls move alike and there is no belt, their force is the rate at which the momentum of the fluid changes, and no sum over pairs is needed. */
 bool energy_needs_power(const MnsSim *sim)
 {
     const MnsCase *c = sim->c;

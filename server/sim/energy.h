@@ -9,7 +9,7 @@
 
 #include "sim/sim.h"
 
-/* Does the account take room for the power of walls on each particle of fluid? */
+/* Must the power of walls be found and stored for each fluid particle? */
 bool energy_needs_power(const MnsSim *sim);
 
 /* Begin the account of a new run, or find what the next step needs of one that goes on. */

@@ -60,7 +60,7 @@ static double capture_bytes(int dim, Fields state)
     return each;
 }
 
-/* Which of the particles of walls are of them is not known before they are placed. */
+/* How many wall particles belong to belts is known only once they are placed: all of them are counted. */
 static bool has_belts(const MnsSim *sim)
 {
     for (size_t k = 0; k < sim->model.n_walls; k++)

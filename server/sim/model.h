@@ -47,7 +47,7 @@ typedef struct Projection {
 /* Options of the scheme of differences. */
 typedef struct Differences {
     MnsDiffusion diffusion;
-    double share;     /* of the divergence that a step finds, which it takes away: 1 but for one cut short */
+    double share;     /* of the divergence at the start of a step, which the step removes; below 1 if it is cut short */
     double threshold; /* of the interface: gradient of the colour, times h */
     double shifting;  /* of particles to where there are fewer */
     double along;     /* 1: beside interfaces only along them; 0: anywhere */

@@ -155,8 +155,8 @@ MnsStatus setup_model(MnsSim *sim, MnsError *error)
     return status;
 }
 
-/* Velocity of the wall: its mean from t - dt to t + ahead, so that velocity and displacement agree. Schemes that project take it as it is at t, and go on
- * from there with its acceleration: by the mean a shaken tank's fluid is half a step late. */
+/* The velocity of a wall is its mean from t - dt to t + ahead, so that velocity and displacement agree. Schemes that project take the velocity at t, as they
+ * add the wall's acceleration: with the mean, the fluid in a shaken tank is half a step late. */
 static void move_wall(MnsSim *sim, size_t k, double t, double dt, double ahead)
 {
     WallState *wall = &sim->model.wall[k];

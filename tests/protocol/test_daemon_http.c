@@ -248,7 +248,7 @@ static void a_crowd_is_in_nobodys_way(void **state)
     }
     const double steps = metric("meniscus_steps_total");
     steer_step_now(dialogue);
-    /* They went because others came, and not after the idle limit: how long that takes is the machine's affair, as this thread has what others leave. */
+    /* Connections were dropped for newer ones, not after the idle limit. There is no bound on the time: the HTTP thread has the lowest priority. */
     assert_true(metric("meniscus_http_crowded_out_total") > 0);
     assert_true(metric("meniscus_http_connections") <= 64);
     for (int k = 0; k < CROWD; k++) close(fds[k]);

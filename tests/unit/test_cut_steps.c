@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Steps of schemes that project, cut short to end when they are told to: what they show is of the flow and not of the cut. And walls that move carry
- * the fluid along as they are, not as they were half a step before. */
+/* Time steps that are cut short, in the schemes that project: the pressure does not depend on the cut. And a moving tank carries its fluid without a
+ * delay of half a step. */
 #include "tests/support/check.h"
 #include "tests/support/sims.h"
 #include <math.h>
@@ -58,8 +58,8 @@ static void step_until(MnsSim *sim, double t)
     assert_int_equal(mns_sim_step(sim, t, NULL), MNS_OK);
 }
 
-/* And so is that of the whole one after it, within what the flow itself changes in that time. Under incompressible a projection leaves some of the divergence
- * to the next step, and one cut short has less of it to leave: the pressure of the one after it is low by that. */
+/* The next step is a whole one, and its pressure must fit too, within what the flow itself changes. In `incompressible` each projection leaves part of the
+ * divergence to the next step. A short step leaves less, so the pressure after it is too low. */
 static void the_pressure_of_a_step_cut_short_is_that_of_the_flow(void **state)
 {
     (void)state;
@@ -69,7 +69,7 @@ static void the_pressure_of_a_step_cut_short_is_that_of_the_flow(void **state)
                 MnsCase *c = stirred(SCHEMES[q], (Place)place);
                 MnsSim *sim = sim_of(c);
                 sim_steps(sim, 5);
-                const double *before = pressures(sim);
+                double *before = pressures(sim);
                 const double whole = mns_sim_progress(sim).dt;
                 step_until(sim, mns_sim_progress(sim).t + share * whole);
                 const double cut = change_since(sim, before);
@@ -79,7 +79,7 @@ static void the_pressure_of_a_step_cut_short_is_that_of_the_flow(void **state)
                     fail_msg(
                         "%s, place %d, a step of %g of a whole one: the pressure changes by %g, and by %g at the next",
                         SCHEMES[q], place, share, cut, after);
-                free((void *)before);
+                free(before);
                 sim_done(sim, c);
             }
 }

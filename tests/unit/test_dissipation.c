@@ -240,6 +240,36 @@ static void pairs_keep_their_volume(void **state)
         }
 }
 
+static int two_of_water(const double x[3])
+{
+    return x[0] < 0.2 ? CLOUD_WATER : CLOUD_NOTHING;
+}
+
+/* Gradients that are steeper than the difference of two pressures would make it grow: beside a gas, the pair then dissipates nothing. */
+static void beside_a_gas_no_difference_grows(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int gas = 0; gas < 2; gas++)
+            for (int steep = 0; steep < 2; steep++) {
+                Cloud *cloud = cloud_new(
+                    &(CloudSetup){.dim = dim, .dx = 0.1, .n = {3, 1, 1}, .flowing = true, .owner = two_of_water});
+                Particles *s = &cloud->s;
+                cloud->model.own_gradients = gas;
+                s->p[0] = 0;
+                s->p[1] = 100;
+                for (int i = 0; i < 2; i++) s->gradient[0][i] = (steep ? 2 : 0.5) * 100 / (s->x[0][1] - s->x[0][0]);
+                cloud_term(cloud, &density_dissipation);
+                for (int i = 0; i < 2; i++) {
+                    const double towards = i == 0 ? s->rate[i] : -s->rate[i]; /* the other's pressure */
+                    if (!steep) assert_true(towards > 0);
+                    else if (gas) assert_true(towards == 0);
+                    else assert_true(towards < 0);
+                }
+                cloud_free(cloud);
+            }
+}
+
 /* Pressures of either sign from one particle to the next, which no gradient sees, are evened out in every form and fluid. */
 static void checkerboards_are_damped(void **state)
 {
@@ -333,6 +363,7 @@ int main(void)
         cmocka_unit_test(rates_are_those_of_the_paper_in_all_three_forms),
         cmocka_unit_test(a_linear_pressure_dissipates_nothing),
         cmocka_unit_test(pairs_keep_their_volume),
+        cmocka_unit_test(beside_a_gas_no_difference_grows),
         cmocka_unit_test(checkerboards_are_damped),
         cmocka_unit_test(without_gradients_it_is_what_a_riemann_problem_dissipates),
         cmocka_unit_test(riemann_continuity_is_the_average_by_density_and_dissipation),

@@ -162,8 +162,8 @@ static void finish(MnsSim *sim, double dt)
         for (size_t i = 0; i < n; i++) v[i * v_step] += change;
     }
     particles_changed(s, ON_FLUID, FIELD(V));
-    /* A step cut short takes away in less time what the one before and density corrections have left of divergence: 1/share of what is of a whole step. By the
-     * square of its share that counts the less, the shorter the step is, and the pressure before is of nearly the same time. */
+    /* The step before and density corrections leave some divergence. A short step removes it in less time, so its pressure is too high by 1/share. Weighted
+     * by share^2 that error vanishes with the step, and the pressure before is of nearly the same time. */
     const double share = pressure_share(sim, dt);
     pressure_keep(sim, dt, share * share);
 }

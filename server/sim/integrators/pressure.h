@@ -25,7 +25,7 @@ void pressure_prepare(MnsSim *sim, const int passes[], size_t n);
 /* Begin with the pressures of the step before; in walls, with what solves their rows. */
 void pressure_guess(MnsSim *sim, double dt);
 
-/* Of a whole step, what one is that is cut short to end when it is told to: 1 for a whole one. */
+/* Length of this step over that of a step that is not cut short: at most 1. */
 double pressure_share(const MnsSim *sim, double dt);
 
 /* After a step: it replaces a share of the pressure of the step before. Walls that no fluid reaches have none. */

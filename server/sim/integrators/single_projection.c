@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A step of an incompressible flow with one projection, where the particles are at its beginning.               P5 eq. 20-25
  *   u* = u + dt a,   solve for the pressure,   u' = u* - dt grad p / rho
- *   Of a step cut short, u* = dt/dt_0 u + dt a, dt_0 of a whole one, and the rest of u joins u': the divergence of u is what the step before has left, and all of
- *   it in less time would be a pressure of dt_0/dt times what it is.
+ * The step before leaves the divergence of u. In a step cut short from dt_0 to dt, u* = dt/dt_0 u + dt a, and the rest of u is added to u' afterwards: to
+ * remove all of it in less time would raise the pressure by up to dt_0/dt.
  *   x += dt/2 (u + u'),   particles are shifted to where there are fewer
  *   a = forces but pressure, at the new positions and velocities */
 #include "sim/integrator.h"
@@ -30,7 +30,7 @@ static void push(MnsSim *sim, double dt)
     particles_changed(s, ON_FLUID, FIELD(V) | FIELD(A));
 }
 
-/* Keep a part of the velocities before out of the projection, or bring it back: where this is, div u counts for a share of it. */
+/* Add part times the velocities before the step: below 0 to keep them out of the projection, above 0 to bring them back. */
 static void add_before(MnsSim *sim, double part)
 {
     Particles *s = &sim->s;

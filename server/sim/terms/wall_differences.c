@@ -8,7 +8,7 @@
 #include "sim/terms/differences.h"
 #include "sim/terms/terms.h"
 
-/* How fluid moves: as it is, or without what body forces gave it in the step, and as much of it, as of walls, as the projection sees. */
+/* Which velocities are continued: those of the fluid, or those that the projection sees, without the step's body forces and with its share of the walls'. */
 typedef enum Moves { MOVES_AS_IT_IS, MOVES_UNFORCED } Moves;
 
 INLINE void continue_velocity(const Row *row, Particles *s, const Model *model, Moves moves, How how)

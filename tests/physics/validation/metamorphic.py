@@ -63,7 +63,7 @@ def two_periods(scheme: str, drop: bool) -> float:
 
 
 def with_short_steps(told: Told) -> Told:
-    """Of schemes that project: their steps go by the speed of the flow, which is another in another frame, and what they do is of first order in it."""
+    """Schemes that project are of first order in the time step, and their step depends on the speed, which differs between frames."""
     for scheme, options in told["scheme"].items():
         if "reference_speed" in options:
             told["scheme"] = {scheme: options, "cfl": 0.05}
@@ -196,7 +196,7 @@ def bound(relation: str, scheme: str) -> float:
 
 
 SOUND = ("riemann", "dissipation", "interfacial")
-KERNEL = "a kernel of space summed along a line is none of the plane"
+KERNEL = "the 3D kernel integrated along a line is not the 2D kernel"
 WIDER: dict[str, tuple[tuple[tuple[str, ...], float, str], ...]] = {
     "the plane in space, endless along z": (
         (SOUND, 0.02, f"{KERNEL}: 0.010 to 0.014 with 20 particles along a side, 0.009 to 0.010 with 40"),
@@ -204,7 +204,7 @@ WIDER: dict[str, tuple[tuple[tuple[str, ...], float, str], ...]] = {
         (("differences",), 0.006, f"{KERNEL}, presumably: 0.0045 with 20, 0.0021 with 40"),
     ),
     "half of it beside a slip wall": (
-        (SOUND, 0.2, "dummy particles are no mirror image, of first order: pressures in corners differ by 0.12 to 0.17 with 20 particles along a side and by "
+        (SOUND, 0.2, "dummy particles do not mirror the fluid, an error of first order: pressures in corners differ by 0.12 to 0.17 with 20 particles along a side and by "
                      "0.084 to 0.096 with 40, velocities by 0.024 and 0.014"),
     ),
     "seen from a moving frame": (
