@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, Callable
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from daemon import BUILD, ROOT, SMALL, DaemonTest, free_ports  # noqa: E402
+from daemon import BUILD, ROOT, SMALL, DaemonTest, free_ports, of_nightly  # noqa: E402
 from exposition import Family, parse  # noqa: E402
 
 OPEN_METRICS = "application/openmetrics-text;version=1.0.0,text/plain;version=0.0.4;q=0.5"
@@ -90,6 +90,7 @@ class Metrics(HttpTest):
         for name in plain:
             self.assertRegex(name, r"^(meniscus|process)_[a-z_]+$")
 
+    @of_nightly
     def test_promtool_has_nothing_to_say(self) -> None:
         if not PROMTOOL:
             self.skipTest("promtool is missing: it is in the package prometheus")
