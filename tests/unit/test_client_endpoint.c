@@ -205,7 +205,8 @@ static void what_is_not_ours_or_leads_elsewhere_is_not_asked(void **state)
     const MnsStatus by_link = mns_daemon_endpoint("tank", endpoint, NULL);
     assert_int_equal(unlink(base) | rename(moved, base), 0);
     assert_int_equal(by_link, MNS_E_UNAVAILABLE);
-    if (chown(f->directory, 65534, 65534)) skip(); /* only root gives things away */
+    if (geteuid() != 0) return; /* only root gives things away, as CI does */
+    assert_int_equal(chown(f->directory, 65534, 65534), 0);
     assert_int_equal(mns_daemon_endpoint("tank", endpoint, NULL), MNS_E_UNAVAILABLE);
     assert_int_equal(chown(f->directory, geteuid(), getegid()) | chown(base, 65534, 65534), 0);
     assert_int_equal(mns_daemon_endpoint("tank", endpoint, NULL), MNS_E_UNAVAILABLE);
