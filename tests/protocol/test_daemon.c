@@ -35,7 +35,7 @@ static void pause_is_answered_when_the_solver_stands(void **state)
     Dialogue *dialogue = *state;
     dialogue_load(dialogue, NULL);
     assert_int_equal(steer_code(dialogue, dialogue_start()), MENISCUS__CODE__OK);
-    steer_sleep(100);
+    steer_accepted(steer_wait_step(dialogue, 1));
     Meniscus__Request request = dialogue_pause();
     Meniscus__Reply *reply = dialogue_ask(dialogue, &request);
     assert_int_equal(reply->code, MENISCUS__CODE__OK);
@@ -280,6 +280,18 @@ static void nobody_who_asks_has_a_refusal_forgotten(void **state)
     steer_stands_at(dialogue, MENISCUS__STATE__READY, 0);
 }
 
+/* The daemon has read all that was said on this connection before. */
+static void assert_heard(void *socket)
+{
+    uint8_t id[16];
+    Meniscus__Request status = dialogue_status();
+    dialogue_say(socket, &status, id);
+    Meniscus__Reply *reply = dialogue_receive(socket, NULL);
+    assert_non_null(reply);
+    assert_memory_equal(reply->id.data, id, sizeof id);
+    meniscus__reply__free_unpacked(reply, NULL);
+}
+
 /* The second one does not take the reply away from the first, nor does a fifth leave anybody without one. */
 static void each_who_asks_under_the_same_id_is_answered(void **state)
 {
@@ -298,7 +310,7 @@ static void each_who_asks_under_the_same_id_is_answered(void **state)
     for (int k = 0; k < CLIENTS; k++) {
         clients[k] = dialogue_connect(dialogue);
         dialogue_send(clients[k], &request);
-        steer_sleep(100); /* so that they come in this order */
+        assert_heard(clients[k]); /* so that they come in this order */
     }
     steer_go(dialogue, 3);
     for (int k = 0; k < CLIENTS; k++) {

@@ -65,7 +65,7 @@ static void a_diverged_state_becomes_no_checkpoint(void **state)
     steer_refused(dialogue_ask(dialogue, &resume), MENISCUS__CODE__FAILED_PRECONDITION,
                   "the simulation has diverged; restore a checkpoint, the last is checkpoint-");
     assert_int_equal(kill(dialogue->daemon, SIGUSR1), 0);
-    steer_sleep(300);
+    for (int k = 0; steer_count(here, "snapshot-") < 1 && k < 600; k++) steer_sleep(100);
     assert_int_equal(steer_count(here, "checkpoint-"), 1);
     assert_int_equal(steer_count(here, "snapshot-"), 1); /* what there is to be seen */
     steer_accepted(steer_restore(dialogue, NULL));

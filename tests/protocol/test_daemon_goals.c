@@ -131,8 +131,8 @@ static void pauses_count_as_age_and_not_as_computing(void **state)
     steer_sleep(600);
     steer_go(dialogue, 2);
     Meniscus__Reply *reply = steer_status(dialogue);
-    assert_true(reply->status->wall_s > 0 && reply->status->wall_s < 0.5);
-    assert_true(reply->status->age_s >= 0.6);
+    assert_true(reply->status->wall_s > 0);
+    assert_true(reply->status->age_s >= reply->status->wall_s + 0.6);
     assert_false(reply->status->has_steps_per_second);
     meniscus__reply__free_unpacked(reply, NULL);
 }

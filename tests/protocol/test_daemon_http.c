@@ -19,7 +19,7 @@ static int connect_http(void)
 {
     const struct sockaddr_in where = {
         .sin_family = AF_INET, .sin_port = port, .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
-    const struct timeval patience = {.tv_sec = 20};
+    const struct timeval patience = {.tv_sec = 60};
     const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     assert_true(fd >= 0);
     assert_int_equal(setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience), 0);
@@ -263,10 +263,9 @@ static void who_says_nothing_is_shown_out_in_time(void **state)
     const int fd = connect_http();
     const double before = steer_now();
     say(fd, "GET /metrics HTTP/1.1\r\n");
-    const ssize_t n = recv(fd, &byte, 1, 0); /* or the patience of the socket, 20 s */
-    assert_true(n == 0 || byte == 'H');
+    const ssize_t n = recv(fd, &byte, 1, 0); /* -1: it was left connected for longer than anybody waits here */
+    assert_true(n == 0 || (n == 1 && byte == 'H'));
     assert_true(steer_now() - before > 5);
-    assert_less(steer_now() - before, 19);
     close(fd);
 }
 

@@ -128,11 +128,11 @@ static void a_lease_ends_by_itself_unless_it_is_renewed(void **state)
 {
     Dialogue *dialogue = *state;
     dialogue_load(dialogue, NULL);
-    const uint64_t epoch = take(dialogue, 300, 0);
-    assert_int_equal(take(dialogue, 1500, epoch), epoch);
-    steer_sleep(500);
+    const uint64_t epoch = take(dialogue, 2000, 0);
+    assert_int_equal(take(dialogue, 6000, epoch), epoch);
+    steer_sleep(2100);
     refused_as(set_end(dialogue, "3", 0, 0), MENISCUS__CODE__FAILED_PRECONDITION, "held", "lease_epoch");
-    steer_sleep(1200);
+    steer_sleep(4000);
     refused_as(set_end(dialogue, "3", epoch, 0), MENISCUS__CODE__ABORTED, "expired", "lease_epoch");
     steer_accepted(set_end(dialogue, "3", 0, 0));
     Meniscus__Reply *reply = steer_status(dialogue);

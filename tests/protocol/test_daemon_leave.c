@@ -90,7 +90,7 @@ static void nobody_keeps_a_daemon_by_not_hanging_up(void **state)
     const double asked = steer_now();
     send_shutdown(dialogue->control);
     assert_int_equal(dialogue_join(dialogue), 0);
-    assert_true(steer_now() - asked < 3);
+    assert_less(steer_now() - asked, 30); /* half a second is given to who has not read the answer */
 }
 
 /* Though the simulation is gone when it is answered. */

@@ -20,6 +20,18 @@ static const char wide_case[] = "dimensions: 2\n"
 
 static const double SOON = 15; /* [s] */
 
+static void wait_for_loading(Dialogue *dialogue)
+{
+    bool loading = false;
+    for (const double until = steer_now() + 60; !loading;) {
+        Meniscus__Reply *reply = steer_status(dialogue);
+        loading = reply->status->state == MENISCUS__STATE__LOADING;
+        meniscus__reply__free_unpacked(reply, NULL);
+        assert_less(steer_now(), until);
+        steer_sleep(10);
+    }
+}
+
 /* Ask for the wide case, and see it being loaded. */
 static void begin_loading(const Dialogue *dialogue, void *socket, uint8_t *id, uint64_t deadline_ms)
 {
@@ -30,10 +42,7 @@ static void begin_loading(const Dialogue *dialogue, void *socket, uint8_t *id, u
     dialogue_seal(&load.request, id);
     dialogue_send(socket, &load.request);
     dialogue_load_done(&load);
-    steer_sleep(300);
-    Meniscus__Reply *reply = steer_status((Dialogue *)dialogue);
-    assert_int_equal(reply->status->state, MENISCUS__STATE__LOADING);
-    meniscus__reply__free_unpacked(reply, NULL);
+    wait_for_loading((Dialogue *)dialogue);
 }
 
 static void assert_ended(void *socket, const uint8_t *id, Meniscus__Code code, const char *part)

@@ -316,7 +316,7 @@ static void options_of_the_scheme_out_of_bounds_are_refused_with_the_bounds(void
 /* --- clients that die, and loads that take long -------------------------------------------------------------------------- */
 
 /* A process of its own that asks for something long and is killed in the middle of it. */
-static void die_in_the_middle(const Dialogue *dialogue)
+static void die_in_the_middle(Dialogue *dialogue)
 {
     const pid_t child = fork();
     if (child == 0) {
@@ -328,7 +328,7 @@ static void die_in_the_middle(const Dialogue *dialogue)
         dialogue_receive(own.control, NULL);
         _exit(1);
     }
-    nanosleep(&(struct timespec){.tv_nsec = 300000000}, NULL);
+    steer_wait_for(dialogue, MENISCUS__STATE__RUNNING);
     kill(child, SIGKILL);
     int how;
     waitpid(child, &how, 0);

@@ -143,7 +143,7 @@ void dialogue_hang_up(Dialogue *dialogue)
 
 void *dialogue_connect(Dialogue *dialogue)
 {
-    const int patience = 20000;
+    const int patience = 90000;
     void *socket = dialogue_socket(dialogue, ZMQ_DEALER);
     zmq_setsockopt(socket, ZMQ_RCVTIMEO, &patience, sizeof patience);
     assert_int_equal(zmq_connect(socket, dialogue->endpoint), 0);

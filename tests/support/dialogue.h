@@ -54,7 +54,7 @@ void dialogue_send(void *socket, const Meniscus__Request *request);
 /* Seal and send; the reply is waited for elsewhere. */
 void dialogue_say(void *socket, Meniscus__Request *request, uint8_t *id);
 
-/* The next reply within ten seconds, or NULL; raw frames behind it are counted. Free with meniscus__reply__free_unpacked(). */
+/* The next reply within 90 seconds, or NULL; raw frames behind it are counted. Free with meniscus__reply__free_unpacked(). */
 Meniscus__Reply *dialogue_receive(void *socket, size_t *ret_frames);
 
 /* Seal, send, receive. */

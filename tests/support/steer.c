@@ -293,7 +293,7 @@ void steer_stands_at(Dialogue *dialogue, Meniscus__State state, uint64_t step)
 
 void steer_wait_for(Dialogue *dialogue, Meniscus__State state)
 {
-    steer_accepted(steer_wait(dialogue, state, 15000));
+    steer_accepted(steer_wait(dialogue, state, 60000));
 }
 
 uint64_t steer_hash(Dialogue *dialogue)
@@ -333,13 +333,22 @@ void steer_write_checkpoint(Dialogue *dialogue, char path[static 256])
 void *steer_subscribe(Dialogue *dialogue, const char *topic)
 {
     char endpoint[160];
-    const int patience = 5000;
+    const int patience = 60000;
+    const bool other = strcmp(topic, "event") != 0;
     void *socket = dialogue_socket(dialogue, ZMQ_SUB);
     zmq_setsockopt(socket, ZMQ_RCVTIMEO, &patience, sizeof patience);
     zmq_setsockopt(socket, ZMQ_SUBSCRIBE, topic, strlen(topic));
     snprintf(endpoint, sizeof endpoint, "ipc://%s/meniscus/t/telemetry.ipc", dialogue->home);
     assert_int_equal(zmq_connect(socket, endpoint), 0);
-    steer_sleep(200); /* nobody tells when a subscription has arrived */
+    if (!other) return socket;
+    /* Nobody tells when a subscription has arrived. But the last event is repeated to who subscribes to events after it. */
+    bool arrived = false;
+    for (zmq_setsockopt(socket, ZMQ_SUBSCRIBE, "event", 5); !arrived;) {
+        Meniscus__Telemetry *message = steer_hear(socket);
+        arrived = message->item_case == MENISCUS__TELEMETRY__ITEM_EVENT;
+        meniscus__telemetry__free_unpacked(message, NULL);
+    }
+    zmq_setsockopt(socket, ZMQ_UNSUBSCRIBE, "event", 5);
     return socket;
 }
 

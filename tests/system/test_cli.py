@@ -705,10 +705,12 @@ class Watching(DaemonTest):
         master, slave = pty.openpty()
         client = subprocess.Popen([BUILD / "meniscus", "watch"], env=self.environment, stdout=slave)
         os.close(slave)
-        time.sleep(0.7)
+        text = b""
+        while b"%" not in text:
+            text += os.read(master, 65536)
         client.send_signal(signal.SIGINT)
-        client.wait(timeout=10)
-        text = read_to_the_end(master)
+        text += read_to_the_end(master)
+        client.wait(timeout=60)
         self.assertEqual(client.returncode, -signal.SIGINT)
         self.assertIn(b"\033[?25l", text)
         self.assertIn(b"%", text)
@@ -800,9 +802,11 @@ class WithoutDaemon(unittest.TestCase):
             run = subprocess.Popen(
                 words, env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
             )
-            time.sleep(1)
+            until = time.monotonic() + 60
+            while not list(Path(scratch).glob("stopped/snapshot-*")) and time.monotonic() < until:
+                time.sleep(0.02)
             run.terminate()
-            done = json.loads(run.communicate(timeout=30)[0])
+            done = json.loads(run.communicate(timeout=60)[0])
             self.assertEqual((done["exit_code"], done["error"]["status"], done["state"]), (75, "interrupted", "PAUSED"))
 
     def test_help_lists_every_command_with_the_request_it_sends(self) -> None:

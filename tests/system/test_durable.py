@@ -71,11 +71,12 @@ class Durable(DaemonTest):
         answered = time.monotonic()
         thread.join(timeout=30)
         self.assertGreater(seen[0] - began, DELAY)
-        self.assertLess(seen[0] - answered, 2)
+        self.assertLess(seen[0] - answered, 20)
 
     def test_nobody_who_asks_sees_a_new_value_before(self) -> None:
+        version = self.client().status().case_version
+
         def see(client: Client) -> None:
-            version = client.status().case_version
             while client.status().case_version == version and client.get("end_time")["end_time"].value == 30:
                 time.sleep(0.002)
 

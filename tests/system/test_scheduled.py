@@ -197,13 +197,13 @@ class Scheduled(DaemonTest):
         self.refused(pb.RESOURCE_EXHAUSTED, "", "64 commands are scheduled", pause=pb.Pause(), at_step=9)
 
     def test_it_is_checked_again_when_it_takes_effect(self) -> None:
-        epoch = self.give(lease=pb.Lease(ttl_ms=300, holder="anna")).lease.epoch
+        epoch = self.give(lease=pb.Lease(ttl_ms=3000, holder="anna")).lease.epoch
         late, other = self.connect(), self.connect()
         self.say(late, set=set_gravity("[0, -2]"), at_step=10, lease_epoch=epoch)
         self.say(other, set=set_gravity("[0, -3]"), at_step=10, if_version=1, lease_epoch=epoch)
         self.silent(late)
         self.accepted(2)
-        time.sleep(0.3)
+        time.sleep(3)
         self.give(set=set_gravity("[0, -9]"))
         self.give(step=pb.Step(count=20))
         self.assertEqual(self.hear(late, pb.ABORTED).path, "lease_epoch")
