@@ -142,7 +142,7 @@ programs() {
         done | longest_first
     )
     [ ${#files[@]} -gt 100 ] || exit 1 # the list itself has failed
-    at_once 600 $((2 * jobs)) "${files[@]}"
+    at_once "$([ "$level" = nightly ] && echo 2400 || echo 1200)" $((2 * jobs)) "${files[@]}"
     sort -rn "$scratch/times" >"$BUILD/times"
 }
 

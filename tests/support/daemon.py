@@ -122,7 +122,7 @@ class DaemonTest(unittest.TestCase):
     def leave_and_come_back(self) -> None:
         """As a service is started anew."""
         self.daemon.terminate()
-        self.assertEqual(self.daemon.wait(20), 0)
+        self.assertEqual(self.daemon.wait(60), 0)
         type(self).start_daemon()
 
     @classmethod
@@ -133,7 +133,7 @@ class DaemonTest(unittest.TestCase):
             print((cls.home / "log").read_text()[-4000:])
             raise AssertionError(f"the daemon ended with {status}")
 
-    def meniscus(self, *words: str, code: int = 0, timeout: float = 60) -> "subprocess.CompletedProcess[str]":
+    def meniscus(self, *words: str, code: int = 0, timeout: float = 90) -> "subprocess.CompletedProcess[str]":
         """Run the command line; its exit code must be `code`."""
         done = subprocess.run(
             [BUILD / "meniscus", *words], env=self.environment, capture_output=True, text=True, timeout=timeout
@@ -148,7 +148,7 @@ class DaemonTest(unittest.TestCase):
             self.assertLess(time.monotonic(), until, "it did not come")
             time.sleep(0.02)
 
-    def ask(self, *words: str, code: int = 0, timeout: float = 60) -> Any:
+    def ask(self, *words: str, code: int = 0, timeout: float = 90) -> Any:
         """The same with -o json: what it printed, as one object."""
         lines = self.meniscus(*words, "-o", "json", code=code, timeout=timeout).stdout.splitlines()
         self.assertEqual(len(lines), 1, lines)

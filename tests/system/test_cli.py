@@ -257,7 +257,7 @@ class Commands(DaemonTest):
 
     def test_wait_comes_back_when_the_run_is_done(self) -> None:
         self.load("--set", "end_time=0.1", "--start")
-        self.assertEqual(self.ask("wait", "--for", "state=DONE", "--timeout", "50")["state"], "DONE")
+        self.assertEqual(self.ask("wait", "--for", "state=DONE", "--timeout", "60")["state"], "DONE")
         self.meniscus("wait", "--for", "step=1000000000", "--timeout", "5", code=1)
 
     def test_a_step_that_is_past_need_not_be_waited_for(self) -> None:
@@ -297,9 +297,9 @@ class Commands(DaemonTest):
         with subprocess.Popen(
             words, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, env=self.environment
         ) as stepping:
-            self.meniscus("wait", "--for", "step=3", "--timeout", "20")
+            self.meniscus("wait", "--for", "step=3", "--timeout", "60")
             self.meniscus("stop")
-            error = json.loads(stepping.communicate(timeout=20)[0])["error"]
+            error = json.loads(stepping.communicate(timeout=60)[0])["error"]
         self.assertEqual((stepping.returncode, error["status"]), (75, "interrupted"))
         self.assertIn("if it is still wanted", error["hint"])
 
@@ -312,7 +312,7 @@ class Commands(DaemonTest):
 
     def test_a_diverged_run_has_an_exit_code_of_its_own(self) -> None:
         self.load("--set", "limits.density_max=1.0000001", "--start")
-        done = self.meniscus("wait", "--timeout", "50", code=70)
+        done = self.meniscus("wait", "--timeout", "60", code=70)
         self.assertIn("FAULT", done.stderr)
         self.meniscus("watch", code=70)
         self.assertEqual(self.ask("status")["fault_reason"], "diverged")
@@ -323,7 +323,7 @@ class Commands(DaemonTest):
         self.load()
         self.meniscus("breakpoint", "b", "--step", "7")
         self.meniscus("start")
-        self.assertEqual(self.ask("wait", "--for", "state=PAUSED", "--timeout", "50")["step"], 7)
+        self.assertEqual(self.ask("wait", "--for", "state=PAUSED", "--timeout", "60")["step"], 7)
         self.assertIn("--step 0", self.meniscus("breakpoint", "b", "--step", "0", code=2).stderr)
         self.assertEqual(len(self.ask("status")["breakpoints"]), 1)
         self.meniscus("breakpoint", "b", "--remove")
@@ -367,14 +367,14 @@ class Commands(DaemonTest):
         away.rename(here)
         self.meniscus("stop")
         done = subprocess.run([BUILD / "meniscusd", "--name", "proc", "--state-dir", "/proc/x"],
-                              env=self.environment, capture_output=True, text=True, timeout=20)
+                              env=self.environment, capture_output=True, text=True, timeout=60)
         self.assertEqual(done.returncode, 74, done.stderr)
 
     def test_a_second_daemon_does_not_take_the_runs_of_the_first(self) -> None:
         self.load()
         for name, code, words in (("second", 75, (f"process {self.daemon.pid} on ", str(self.home / "state"), "--state-dir")), ("default", 1, ("--name",))):
             done = subprocess.run([BUILD / "meniscusd", "--name", name, "--state-dir", self.home / "state"],
-                                  env=self.environment, capture_output=True, text=True, timeout=20)
+                                  env=self.environment, capture_output=True, text=True, timeout=60)
             self.assertEqual(done.returncode, code, done.stderr)
             self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
             for word in words:
@@ -388,7 +388,7 @@ class Commands(DaemonTest):
             try:
                 while not (self.home / "taken" / "log").exists():
                     time.sleep(0.05)
-                done = subprocess.run(words, env=self.environment, capture_output=True, text=True, timeout=20)
+                done = subprocess.run(words, env=self.environment, capture_output=True, text=True, timeout=60)
             finally:
                 first.kill()
         self.assertEqual(done.returncode, 75)
@@ -513,7 +513,7 @@ class Commands(DaemonTest):
             client = subprocess.Popen([BUILD / "meniscus", "run-until", "7"], env=self.environment)
             self.wait_until(lambda: self.ask("status")["state"] == "RUNNING")
             client.send_signal(getattr(signal, name))
-            client.wait(timeout=10)
+            client.wait(timeout=60)
             self.assertEqual(self.ask("pause")["state"], "PAUSED")
 
     def test_cancel_ends_a_pending_command(self) -> None:
@@ -548,7 +548,7 @@ class Commands(DaemonTest):
     def test_schemes_are_told_alike_with_and_without_a_daemon(self) -> None:
         alone = self.environment | {"MENISCUS_DAEMON": "nobody-of-that-name"}
         for words in (["schemes"], ["schemes", "-o", "json"]):
-            done = subprocess.run([BUILD / "meniscus", *words], env=alone, capture_output=True, text=True, timeout=20)
+            done = subprocess.run([BUILD / "meniscus", *words], env=alone, capture_output=True, text=True, timeout=60)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertEqual(done.stdout, self.meniscus(*words).stdout)
 
@@ -722,7 +722,7 @@ class WithoutDaemon(unittest.TestCase):
         environment = os.environ | {
             "XDG_RUNTIME_DIR": "/nonexistent", "MENISCUS_DAEMON": "nobody-of-that-name", "MENISCUS_CASES": str(CASES)
         }
-        return subprocess.run([BUILD / "meniscus", *words], env=environment, capture_output=True, text=True, timeout=20)
+        return subprocess.run([BUILD / "meniscus", *words], env=environment, capture_output=True, text=True, timeout=60)
 
     def test_an_unreachable_daemon_is_said_quickly_and_with_its_code(self) -> None:
         began = time.monotonic()
@@ -786,7 +786,7 @@ class WithoutDaemon(unittest.TestCase):
 
     def test_the_daemon_s_own_command_line_is_as_good(self) -> None:
         for words in (["--batch", "dambreak2d", "--bogus", "-o", "json"], ["--batch", "dambreak2d", "-o", "json", "x"]):
-            done = subprocess.run([BUILD / "meniscusd", *words], capture_output=True, text=True, timeout=20)
+            done = subprocess.run([BUILD / "meniscusd", *words], capture_output=True, text=True, timeout=60)
             self.assertEqual(done.returncode, 2)
             self.assertEqual(json.loads(done.stdout)["error"]["exit_code"], 2)
 

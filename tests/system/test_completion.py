@@ -74,7 +74,7 @@ class Completion(unittest.TestCase):
         self.environment = os.environ | {"MENISCUS_CASES": str(CASES), "XDG_RUNTIME_DIR": scratch.name}
 
     def meniscus(self, *words: str, code: int = 0) -> str:
-        done = subprocess.run([BUILD / "meniscus", *words], env=self.environment, capture_output=True, text=True, timeout=20)
+        done = subprocess.run([BUILD / "meniscus", *words], env=self.environment, capture_output=True, text=True, timeout=60)
         self.assertEqual(done.returncode, code, done.stderr)
         return done.stdout
 
@@ -206,7 +206,7 @@ class Completion(unittest.TestCase):
                                 (b"\x15meniscus-dashboard --http-t\t", b"oken"), (b"\x15meniscusd --log-level w\t", b"arning")))  # fmt: skip
 
     def test_the_bash_script_is_clean(self) -> None:
-        done = subprocess.run(["shellcheck", "-s", "bash", self.script], capture_output=True, text=True, timeout=20)
+        done = subprocess.run(["shellcheck", "-s", "bash", self.script], capture_output=True, text=True, timeout=60)
         self.assertEqual(done.returncode, 0, done.stdout)
 
 
@@ -225,7 +225,7 @@ class WithDaemon(DaemonTest):
                                    (("--daemon", "=", "default", "query", "fro"), {"front"}),
                                    (("-d", "another", "restore", ""), set()), (("restore", "-d", "another", ""), set())):  # fmt: skip
                 done = subprocess.run(["bash", "-c", SPLIT, "bash", script.name, BUILD / "meniscus", *words],
-                                      env=self.environment, capture_output=True, text=True, timeout=20)
+                                      env=self.environment, capture_output=True, text=True, timeout=60)
                 self.assertEqual(set(done.stdout.split()), offered, (words, done.stderr))
         if shutil.which("zsh"):
             name = checkpoints.pop().encode()

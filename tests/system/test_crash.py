@@ -130,7 +130,7 @@ class Crash(DaemonTest):
         self.meniscus("breakpoint", "later", "--time", "0.9")
         before = self.ask("status")
         self.kill_daemon()
-        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "60")
         after = self.ask("status")
         for key in ("state", "step", "time", "state_hash", "breakpoints"):
             self.assertEqual(after[key], before[key], key)
@@ -142,13 +142,13 @@ class Crash(DaemonTest):
         self.meniscus("breakpoint", "fifth", "--step", "5")
         for step in ("5", "21"):
             self.meniscus("resume" if step != "5" else "start")
-            self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+            self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "60")
             self.assertEqual(str(self.ask("status")["step"]), step)
         self.meniscus("checkpoint")
         self.meniscus("breakpoint", "late", "--when", "step > 30")
         self.meniscus("breakpoint", "far", "--when", "step > 400")
         self.meniscus("resume")
-        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "60")
         self.meniscus("step", "5")
         before = self.ask("status")
         self.assertEqual((before["step"], len(before["breakpoints"])), (36, 4))
@@ -158,7 +158,7 @@ class Crash(DaemonTest):
             self.kill_daemon()
             while self.ask("status")["state"] == "RECOVERING":
                 time.sleep(0.01)
-        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "30")
+        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "60")
         after = self.ask("status")
         self.assertEqual((after["step"], after["breakpoints"]), (401, before["breakpoints"]))
 
@@ -178,7 +178,7 @@ class Crash(DaemonTest):
             if end == 2:
                 (run / "checkpoint-0000000030.hdf").unlink()
             self.kill_daemon()
-            self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+            self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "60")
             self.assertEqual(self.ask("status")["state_hash"], before["state_hash"])
             self.meniscus("snapshot")  # the writer has written all that it had
             self.assertEqual({path: self.contents(path) for path in asked}, had)
@@ -197,13 +197,13 @@ class Crash(DaemonTest):
         path = self.ask("snapshot", "--fields", "acceleration")["path"]
         had = self.contents(path)
         self.leave_and_come_back()
-        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "60")
         self.meniscus("snapshot")  # of the same step: it has no less
         self.assertEqual(self.contents(path), had)
         self.meniscus("step", "5")
         for _ in range(2):
             self.kill_daemon()
-            self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+            self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "60")
             self.assertEqual(self.contents(path), had)
             (run / "checkpoint-0000000030.hdf").write_bytes(b"no checkpoint")
 
@@ -220,7 +220,7 @@ class Crash(DaemonTest):
                 self.meniscus("set", "gravity=[0, -1]")
             if dies:
                 self.kill_daemon()
-                self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+                self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "60")
             self.meniscus("stop")
             shown = self.contents(str(run / "snapshot-0000000000.hdf"))
             self.assertEqual("acceleration" in shown, asks)
@@ -234,7 +234,7 @@ class Crash(DaemonTest):
         self.meniscus("load", *CASE, "--set", "end_time=0.9", "--name", run.name)
         self.meniscus("breakpoint", "early", "--time", "0.5")
         self.meniscus("start")
-        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "60")
         for end in (self.kill_daemon, self.leave_and_come_back, self.kill_daemon):
             before = self.ask("status")
             end()
@@ -245,11 +245,11 @@ class Crash(DaemonTest):
                 self.assertEqual(after[key], before[key], key)
             self.assertEqual(self.ask("set", "gravity=[0.1, -1]")["effect_step"], before["step"])
         self.meniscus("resume")
-        self.meniscus("wait", "--for", "state=DONE", "--timeout", "20")
+        self.meniscus("wait", "--for", "state=DONE", "--timeout", "60")
         self.meniscus("set", "gravity=[0.4, -1]", "--at-step", "100000", "--no-wait")
         before = self.ask("status")
         self.kill_daemon()
-        self.meniscus("wait", "--for", "state=DONE", "--timeout", "20")
+        self.meniscus("wait", "--for", "state=DONE", "--timeout", "60")
         after = self.ask("status")
         for key in ("state_hash", "scheduled"):
             self.assertEqual(after[key], before[key], key)
@@ -269,9 +269,9 @@ class Crash(DaemonTest):
             self.meniscus("run-until", repr(self.ask("status")["time"]))
             self.meniscus("breakpoint", "later", "--step", "30")
             self.kill_daemon()
-            self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+            self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "60")
             self.meniscus("resume")
-            self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+            self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "60")
             self.assertEqual(self.ask("status")["step"], 30)
 
     def test_a_restore_to_the_start_begins_the_series_at_its_first_row(self) -> None:
@@ -295,7 +295,7 @@ class Crash(DaemonTest):
         sizes = [(run / "journal").stat().st_size]
         for _ in range(5):
             self.kill_daemon()
-            self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+            self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "60")
             sizes.append((run / "journal").stat().st_size)
         grown = [b - a for a, b in zip(sizes[1:], sizes[2:])]
         self.assertLess(max(grown) - min(grown), 16, sizes)  # numbers may have a digit more
@@ -312,7 +312,7 @@ class Crash(DaemonTest):
         self.assertIn("diverged", self.meniscus("set", "gravity=[0, 0]", code=1).stderr)
         for end in (self.kill_daemon, self.leave_and_come_back, self.kill_daemon):
             end()
-            self.meniscus("wait", "--for", "state=FAULT", "--timeout", "30")
+            self.meniscus("wait", "--for", "state=FAULT", "--timeout", "60")
             after = self.ask("status")
             for key in ("step", "time", "state_hash", "fault_reason"):
                 self.assertEqual(after[key], before[key], key)
@@ -322,7 +322,7 @@ class Crash(DaemonTest):
         self.meniscus("restore")
         self.assertEqual(self.ask("status")["step"], 30)
         self.kill_daemon()
-        self.meniscus("wait", "--for", "state=READY", "--timeout", "30")
+        self.meniscus("wait", "--for", "state=READY", "--timeout", "60")
 
     def test_a_formula_that_fails_at_the_end_of_a_shortened_step_fails_there_again(self) -> None:
         """It has no value at one time alone, which no other step meets."""
@@ -335,7 +335,7 @@ class Crash(DaemonTest):
         self.assertIn("gravity", before["fault"])
         for _ in range(2):
             self.kill_daemon()
-            self.meniscus("wait", "--for", "state=FAULT", "--timeout", "30")
+            self.meniscus("wait", "--for", "state=FAULT", "--timeout", "60")
             after = self.ask("status")
             for key in ("step", "time", "state_hash", "fault_reason"):
                 self.assertEqual(after[key], before[key], key)
@@ -354,14 +354,14 @@ class Crash(DaemonTest):
             else:
                 os.mkfifo(current)
             type(self).start_daemon()
-            self.meniscus("wait", "--for", "state=READY" if back else "state=EMPTY", "--timeout", "20")
+            self.meniscus("wait", "--for", "state=READY" if back else "state=EMPTY", "--timeout", "60")
             self.assertEqual("current" in str(self.ask("status")), not back)
 
     def test_what_was_running_goes_on(self) -> None:
         self.meniscus("load", *CASE, "--name", "running", "--start")
         self.meniscus("wait", "--for", "step=50")
         self.kill_daemon()
-        self.meniscus("wait", "--for", "step=100", "--timeout", "20")
+        self.meniscus("wait", "--for", "step=100", "--timeout", "60")
         self.assertEqual(self.ask("status")["state"], "RUNNING")
 
     def test_a_step_under_way_ends_where_it_was_to_end(self) -> None:
@@ -473,7 +473,7 @@ class Crash(DaemonTest):
     def test_who_leaves_on_the_way_back_comes_back_the_next_time(self) -> None:
         steps = self.come_back_slowly("left-on-the-way")
         self.daemon.terminate()
-        self.assertEqual(self.daemon.wait(20), 0)
+        self.assertEqual(self.daemon.wait(60), 0)
         type(self).start_daemon()
         self.meniscus("wait", "--for", "state=PAUSED", "--timeout", str(PATIENCE_S))
         self.assertEqual(self.ask("status")["step"], steps)
@@ -481,10 +481,10 @@ class Crash(DaemonTest):
     def test_what_a_signal_has_called_off_does_not_go_on(self) -> None:
         self.meniscus("load", *CASE, "--name", "called-off")
         stepping = subprocess.Popen([BUILD / "meniscus", "step", "100000"], env=self.environment, stderr=subprocess.PIPE)
-        self.meniscus("wait", "--for", "step=50", "--timeout", "20")
+        self.meniscus("wait", "--for", "step=50", "--timeout", "60")
         self.leave_and_come_back()
-        stepping.communicate(timeout=20)
-        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+        stepping.communicate(timeout=60)
+        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "60")
         step = self.ask("status")["step"]
         time.sleep(0.3)
         self.assertEqual((self.ask("status")["state"], self.ask("status")["step"]), ("PAUSED", step))
@@ -495,19 +495,19 @@ class Crash(DaemonTest):
         self.meniscus("load", *CASE, "--name", "signalled", "--start")
         self.meniscus("wait", "--for", "step=50")
         self.leave_and_come_back()
-        self.meniscus("wait", "--for", "step=100", "--timeout", "20")
+        self.meniscus("wait", "--for", "step=100", "--timeout", "60")
         self.assertEqual(self.ask("status")["state"], "RUNNING")
         self.meniscus("pause")
         self.meniscus("set", "gravity=[0.1, -1]")
         before = self.ask("status")
         self.leave_and_come_back()
-        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "60")
         after = self.ask("status")
         for key in ("step", "time", "state_hash", "case_version"):
             self.assertEqual(after[key], before[key], key)
         self.meniscus("step", "10")
         self.meniscus("shutdown")
-        self.daemon.wait(20)
+        self.daemon.wait(60)
         type(self).start_daemon()
         self.assertEqual(self.ask("status")["state"], "EMPTY", "whoever asks for the end gets it")
         self.assertTrue(self.ask("replay", str(self.home / "state" / "signalled"), "--verify")["agrees"])
@@ -520,7 +520,7 @@ class Crash(DaemonTest):
         answers = [self.send(request) for request in (step, gravity)]
         self.meniscus("load", *CASE, "--name", "last")
         self.kill_daemon()
-        self.meniscus("wait", "--for", "state=READY", "--timeout", "20")
+        self.meniscus("wait", "--for", "state=READY", "--timeout", "60")
         self.assertEqual([self.send(request) for request in (step, gravity)], answers)
         status = self.ask("status")
         self.assertEqual((status["state"], status["step"]), ("READY", 0))
@@ -539,7 +539,7 @@ class Crash(DaemonTest):
         damaged = whole[: len(whole) // 2] + bytes([whole[len(whole) // 2] ^ 1]) + whole[len(whole) // 2 + 1 :]
         samples.write_bytes(damaged)
         type(self).start_daemon()
-        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "60")
         after = self.ask("status")
         self.assertEqual((after["step"], after["state_hash"]), (before["step"], before["state_hash"]))
         self.assertEqual(samples.with_name("probes.hdf.damaged").read_bytes(), damaged)
@@ -555,13 +555,14 @@ class Crash(DaemonTest):
             self.daemon.wait()
             spoil()
             type(self).start_daemon()
+            self.wait_until(lambda: self.ask("status")["fault"])
             status = self.ask("status")
             self.assertEqual(status["state"], "EMPTY")
             self.assertIn(str(journal.parent), status["fault"])
             self.assertIn("start the daemon again", self.meniscus("resume", code=1).stderr)
             journal.write_bytes(whole)
         self.kill_daemon()
-        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "60")
         self.assertEqual(self.ask("status")["step"], 10)
 
     def test_what_was_stopped_stays_stopped(self) -> None:
@@ -582,13 +583,13 @@ class WithACase(DaemonTest):
     def test_the_same_command_line_goes_on_with_the_run_it_had(self) -> None:
         self.meniscus("wait", "--for", "step=50")
         self.kill_daemon()
-        self.meniscus("wait", "--for", "step=100", "--timeout", "20")
+        self.meniscus("wait", "--for", "step=100", "--timeout", "60")
         self.assertEqual((self.ask("status")["state"], self.runs()), ("RUNNING", ["dambreak2d"]))
         self.meniscus("pause")
         self.meniscus("set", "gravity=[0.1, -1]")
         before = self.ask("status")
         self.kill_daemon()
-        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "60")
         after = self.ask("status")
         for key in ("step", "state_hash"):
             self.assertEqual(after[key], before[key], key)
@@ -596,13 +597,13 @@ class WithACase(DaemonTest):
         self.meniscus("stop")
         self.meniscus("load", *CASE, "--name", "another")
         self.kill_daemon()
-        self.meniscus("wait", "--for", "state=READY", "--timeout", "20")
+        self.meniscus("wait", "--for", "state=READY", "--timeout", "60")
         self.assertEqual(self.runs(), ["another", "dambreak2d"])
 
         type(self).options = [*self.options, "--set", "gravity=[0, -2]"]
         self.addCleanup(setattr, type(self), "options", self.options[:-2])
         self.kill_daemon()
-        self.meniscus("wait", "--for", "step=10", "--timeout", "20")
+        self.meniscus("wait", "--for", "step=10", "--timeout", "60")
         self.assertEqual(self.runs(), ["another", "dambreak2d", "dambreak2d.2"])
 
     def hold(self, run: str) -> None:
@@ -613,16 +614,17 @@ class WithACase(DaemonTest):
 
     def test_what_cannot_be_gone_on_with_is_not_begun_anew(self) -> None:
         self.kill_daemon()  # it has no run, and loads another one
-        self.meniscus("wait", "--for", "step=50", "--timeout", "20")
+        self.meniscus("wait", "--for", "step=50", "--timeout", "60")
         self.meniscus("set", "gravity=[0.1, -1]")
         runs, run = self.runs(), self.ask("status")["run_directory"]
         self.daemon.kill()
         self.daemon.wait()
         command = [BUILD / "meniscusd", "--name", "default", "--state-dir", self.home / "state"]
         self.hold(run)
-        done = subprocess.run([*command, *self.options], env=self.environment, capture_output=True, text=True, timeout=20)
+        done = subprocess.run([*command, *self.options], env=self.environment, capture_output=True, text=True, timeout=60)
         self.assertEqual(done.returncode, 75, done.stderr)
         type(self).daemon = start_in(self.home, self.environment, [])  # a service
+        self.wait_until(lambda: self.ask("status")["fault"])
         for _ in range(2):
             status = self.ask("status")
             self.assertEqual(status["state"], "EMPTY")
@@ -631,24 +633,24 @@ class WithACase(DaemonTest):
         self.doCleanups()
         self.assertEqual(self.runs(), runs)
         self.kill_daemon()
-        self.meniscus("wait", "--for", "step=51", "--timeout", "20")
+        self.meniscus("wait", "--for", "step=51", "--timeout", "60")
         self.assertEqual(self.ask("get", "gravity")["values"]["gravity"]["value"], "[0.1, -1]")
 
     def test_who_came_for_one_case_is_told_by_an_exit_code_that_its_journal_is_damaged(self) -> None:
         self.kill_daemon()  # it has no run, and loads another one
-        self.meniscus("wait", "--for", "step=50", "--timeout", "20")
+        self.meniscus("wait", "--for", "step=50", "--timeout", "60")
         journal = Path(self.ask("status")["run_directory"]) / "journal"
         self.daemon.kill()
         self.daemon.wait()
         whole = journal.read_bytes()
         journal.write_bytes(whole[:60] + bytes([whole[60] ^ 1]) + whole[61:])
         done = subprocess.run([BUILD / "meniscusd", "--name", "default", "--state-dir", self.home / "state", *self.options],
-                              env=self.environment, capture_output=True, text=True, timeout=20)
+                              env=self.environment, capture_output=True, text=True, timeout=60)
         self.assertEqual(done.returncode, 74, done.stderr)
         self.assertIn(f"'{journal}' is damaged: record 1", done.stderr)
         journal.write_bytes(whole)
         type(self).start_daemon()
-        self.meniscus("wait", "--for", "step=50", "--timeout", "20")
+        self.meniscus("wait", "--for", "step=50", "--timeout", "60")
 
 
 if __name__ == "__main__":

@@ -40,7 +40,7 @@ class DashboardTest(DaemonTest):
 
         def end() -> None:
             gateway.terminate()
-            assert gateway.wait(timeout=20) == 0, log.read_text()
+            assert gateway.wait(timeout=60) == 0, log.read_text()
 
         cls.addClassCleanup(end)
         until = time.monotonic() + 20
@@ -153,12 +153,12 @@ class Strangers(DashboardTest):
                                (("--http", "0.0.0.0:0"), "not encrypted"),
                                (("--http-token", str(self.home / "token-of-two"), "--no-token"), "exclude each other"), (("--http", "x"), "takes a port"), (("--frames", "0"), "--frames takes"),
                                (("sloshing2d",), "no use"), (("--nonsense",), "--help")):
-            done = subprocess.run([BUILD / "meniscus-dashboard", *options], env=self.environment, capture_output=True, text=True, timeout=20)
+            done = subprocess.run([BUILD / "meniscus-dashboard", *options], env=self.environment, capture_output=True, text=True, timeout=60)
             self.assertEqual(done.returncode, 2, done.stderr)
             self.assertIn(words, done.stderr)
 
     def test_a_port_that_is_taken_is_one_plain_sentence(self) -> None:
-        done = subprocess.run([BUILD / "meniscus-dashboard", "--http", str(self.port)], env=self.environment, capture_output=True, text=True, timeout=20)
+        done = subprocess.run([BUILD / "meniscus-dashboard", "--http", str(self.port)], env=self.environment, capture_output=True, text=True, timeout=60)
         self.assertRegex(done.stderr, rf"\A.*cannot listen at 127\.0\.0\.1 port {self.port}, which another program has, [^\n]*\n\Z")
 
     def test_what_cannot_begin_ends_with_a_failure(self) -> None:
@@ -327,7 +327,7 @@ class Steering(DashboardTest):
         self.meniscus("load", *SMALL, "--set", "end_time=1000")
         browser = self.browser()
         browser.say(do="run_until", id=1, time=900)
-        self.meniscus("wait", "--for", "state=RUNNING", "--timeout", "20")
+        self.meniscus("wait", "--for", "state=RUNNING", "--timeout", "60")
         began = time.monotonic()
         self.assertEqual(browser.ask(do="pause", id=2)["state"], "PAUSED")
         self.assertLess(time.monotonic() - began, 30)
@@ -337,7 +337,7 @@ class Steering(DashboardTest):
         browser = self.browser()
         for words in ({"do": "step", "count": 99999999999}, {"do": "run_until", "time": 900}):
             browser.say(id=1, **words)
-            self.meniscus("wait", "--for", "state=RUNNING", "--timeout", "20")
+            self.meniscus("wait", "--for", "state=RUNNING", "--timeout", "60")
             self.meniscus("pause")
             reply = browser.until("reply", id=1)
             self.assertEqual((reply["error"]["status"], reply["error"]["message"], reply["state"]), ("interrupted", "paused on request", "PAUSED"))

@@ -110,7 +110,7 @@ class Doctor(DaemonTest):
         sockets = self.examine(code=1)["sockets"]
         self.assertIn(f"there is no {missing}", sockets["text"])
         self.assertIn("unset XDG_RUNTIME_DIR", sockets["remedy"])
-        done = subprocess.run([BUILD / "meniscusd"], env=self.environment, capture_output=True, text=True, timeout=30)
+        done = subprocess.run([BUILD / "meniscusd"], env=self.environment, capture_output=True, text=True, timeout=60)
         self.assertEqual(done.returncode, 74)
         self.assertIn("unset XDG_RUNTIME_DIR", done.stderr)
 

@@ -412,7 +412,7 @@ class Refused(unittest.TestCase):
 
     def refused(self, code: int, words: str, *options: str) -> None:
         daemon = self.daemon(*options)
-        self.assertEqual(daemon.wait(timeout=30), code, (self.home / "log").read_text())
+        self.assertEqual(daemon.wait(timeout=60), code, (self.home / "log").read_text())
         self.assertRegex((self.home / "log").read_text(), words)
         self.assertFalse((self.home / "run" / "meniscus" / "h" / "control.ipc").exists())
 

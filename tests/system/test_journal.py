@@ -179,7 +179,7 @@ class Journal(DaemonTest):
             if end == self.kill_daemon:
                 self.meniscus("checkpoint")
             end()
-            self.meniscus("wait", "--for", "state=READY", "--timeout", "20")
+            self.meniscus("wait", "--for", "state=READY", "--timeout", "60")
             self.meniscus("step", "10")
             self.assertTrue(self.replay(run)["agrees"])
             self.meniscus("stop")
@@ -189,7 +189,7 @@ class Journal(DaemonTest):
         self.meniscus("step", "350")
         self.meniscus("reset")
         self.kill_daemon()
-        self.meniscus("wait", "--for", "state=READY", "--timeout", "20")
+        self.meniscus("wait", "--for", "state=READY", "--timeout", "60")
         self.meniscus("step", "10")
         hashes = sum(r["kind"] == "hash" for r in self.log(run))
         replayed = self.replay(run)

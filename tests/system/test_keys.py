@@ -241,7 +241,7 @@ class Keys(DaemonTest):
         for more, code, part in ((["--listen", f"tcp://127.0.0.1:{free_ports()}"], 1, "meniscus keys new"),
                                  (["--tcp", "0.0.0.0:5555"], 2, "meniscus keys new"),
                                  (["--keys", "x"], 2, "--listen")):
-            done = subprocess.run(words + more, env=environment, capture_output=True, text=True, timeout=30)
+            done = subprocess.run(words + more, env=environment, capture_output=True, text=True, timeout=60)
             self.assertEqual(done.returncode, code, done.stderr)
             self.assertIn(part, done.stderr)
 

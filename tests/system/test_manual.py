@@ -26,7 +26,7 @@ def shown(page: str) -> str:
 def complaints(page: str) -> "tuple[int, str]":
     """Of roff: the exit status, and what it says."""
     words = ["man", "--warnings=w", "-E", "UTF-8", "-l", "-Tutf8", "-Z", str(BUILD / "man" / page)]
-    done = subprocess.run(words, env={"LC_ALL": "C.UTF-8", "MANWIDTH": "100", "PATH": "/usr/bin:/bin"}, capture_output=True, text=True, timeout=30)
+    done = subprocess.run(words, env={"LC_ALL": "C.UTF-8", "MANWIDTH": "100", "PATH": "/usr/bin:/bin"}, capture_output=True, text=True, timeout=60)
     return done.returncode, done.stderr
 
 

@@ -247,7 +247,7 @@ class Clients(unittest.TestCase):
             with meniscus.Client(endpoint, timeout=20) as client, self.assertRaises(meniscus.MeniscusError) as refusal:
                 client.step()
             self.assertEqual(refusal.exception.code, "UNKNOWN")
-            done = subprocess.run([BUILD / "meniscus", "--daemon", endpoint, "step"], capture_output=True, text=True, timeout=30)
+            done = subprocess.run([BUILD / "meniscus", "--daemon", endpoint, "step"], capture_output=True, text=True, timeout=60)
             self.assertNotEqual(done.returncode, 0)
 
         self.with_daemon(VERSIONS[-1], False, talk, later)
@@ -256,7 +256,7 @@ class Clients(unittest.TestCase):
         def talk(endpoint: str) -> None:
             for words, wanted in ((["status"], "RUNNING"), (["get", "gravity"], "[0, -1]"), (["step", "3"], "PAUSED"), (["checkpoint"], ".hdf"),
                                   (["pause"], "PAUSED"), (["query", "probes", "energy"], "energy")):
-                done = subprocess.run([BUILD / "meniscus", "--daemon", endpoint, *words], capture_output=True, text=True, timeout=30)
+                done = subprocess.run([BUILD / "meniscus", "--daemon", endpoint, *words], capture_output=True, text=True, timeout=60)
                 self.assertEqual(done.returncode, 0, done.stderr)
                 self.assertIn(wanted, done.stdout + done.stderr)
 

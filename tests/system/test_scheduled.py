@@ -282,7 +282,7 @@ class Scheduled(DaemonTest):
         time.sleep(0.2)
         self.assertIsNone(again.poll())
         self.meniscus("step", "10")
-        self.assertIn("in effect from step 8", again.communicate(timeout=20)[0])
+        self.assertIn("in effect from step 8", again.communicate(timeout=60)[0])
         for words in (["--at-step", "9", "--at-time", "1"], ["--no-wait"], ["--at-step", "-1"]):
             self.meniscus("pause", *words, code=2)
         self.assertIn("is past", self.meniscus("pause", "--at-step", "1", code=1).stderr)

@@ -70,7 +70,7 @@ class Slurm(Workflow):
     def end(process: "subprocess.Popen[bytes]") -> None:
         process.terminate()
         try:
-            process.wait(10)
+            process.wait(60)
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()

@@ -226,7 +226,7 @@ class Snapshots(DaemonTest):
         self.take(taker, 1)
         line = self.take(taker, 1) and self.cursor.line
         self.kill_daemon()
-        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "20")
+        self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "60")
         taker = self.subscribe(sb.Cursor(line=line, file=name, offset=1000))
         rest = b""
         while len(rest) < len(data) - 1000:

@@ -48,7 +48,7 @@ class Top(DaemonTest):
             time.sleep(0.05)
         self.assertEqual(self.daemons()["default"]["clients"], 1)
         self.meniscus("start")
-        self.assertEqual(waiting.wait(timeout=30), 70)
+        self.assertEqual(waiting.wait(timeout=60), 70)
         waiting.communicate()
         self.assertTrue(self.daemons()["default"]["fault"])
         self.assertRegex(self.meniscus("top").stdout, "(?m)^default +FAULT +dambreak2d ")
@@ -111,7 +111,7 @@ class Top(DaemonTest):
         while not shown.endswith(b"\033[J"):
             shown += os.read(ours, 4096)
         top.terminate()
-        top.wait(timeout=10)
+        top.wait(timeout=60)
         return [re.sub("\033\\[[0-9;]*[mKJ]", "", line) for line in shown.decode().splitlines()][:-1]
 
     def test_a_narrow_terminal_shows_all_of_it(self) -> None:
@@ -149,7 +149,7 @@ class Top(DaemonTest):
         while shown.count(b"STEPS/S") < 2 or not shown.endswith(b"\033[J"):
             shown += os.read(ours, 4096)
         top.terminate()
-        top.wait(timeout=10)
+        top.wait(timeout=60)
         first = shown.split(b"\033[J")[0].decode().splitlines()
         self.assertEqual(len(first), 7, "and the last line is the cursor's")
         self.assertTrue(first[-1].startswith("... 5 more"), first)
@@ -172,7 +172,7 @@ class Top(DaemonTest):
         time.sleep(0.7)
         began = time.monotonic()
         top.send_signal(signal.SIGINT)
-        self.assertEqual(top.wait(timeout=20), -signal.SIGINT)
+        self.assertEqual(top.wait(timeout=60), -signal.SIGINT)
         self.assertLess(time.monotonic() - began, 15)
 
     def test_on_a_terminal_it_is_made_anew_until_it_is_interrupted(self) -> None:
@@ -185,7 +185,7 @@ class Top(DaemonTest):
         while shown.count(b"STEPS/S") < 2:
             shown += os.read(ours, 4096)
         top.send_signal(signal.SIGINT)
-        self.assertEqual(top.wait(timeout=10), -signal.SIGINT)
+        self.assertEqual(top.wait(timeout=60), -signal.SIGINT)
         self.assertIn(b"\033[1m", shown)
         self.assertIn(b"\033[2A", shown)
 
@@ -196,7 +196,7 @@ class Top(DaemonTest):
         for _ in range(2):
             self.assertEqual(json.loads(top.stdout.readline())["daemons"][0]["name"], "default")
         top.terminate()
-        self.assertEqual(top.wait(timeout=10), -signal.SIGTERM)
+        self.assertEqual(top.wait(timeout=60), -signal.SIGTERM)
         top.stdout.close()
 
 
