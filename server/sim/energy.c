@@ -76,9 +76,14 @@ static void add_surface(const MnsSim *sim, size_t i, double sums[static SUMS])
     }
 }
 
-static void add_particle(const MnsSim *sim, size_t i, bool whole, double sums[static SUMS])
+/* What of the sums is found: the power of walls; also kinetic energy and what gravity acts on; also elastic energies and those of surfaces. */
+typedef enum Extent { OF_WALLS, OF_MOTION, OF_ALL } Extent;
+
+static void add_particle(const MnsSim *sim, size_t i, Extent extent, double sums[static SUMS])
 {
     const Particles *s = &sim->s;
+    if (s->power) sums[BY_WALLS] += s->power[i];
+    if (extent == OF_WALLS) return;
     const Phase *phase = &sim->model.phase[s->phase[i]];
     const double m = s->m[i], weight = m * (1 - sim->model.differences.buoyancy / phase->rho0);
     double v2 = 0;
@@ -90,23 +95,21 @@ static void add_particle(const MnsSim *sim, size_t i, bool whole, double sums[st
         v2 += v * v;
     }
     sums[WEIGHT] += weight;
-    if (s->power) sums[BY_WALLS] += s->power[i];
     sums[KINETIC] += 0.5 * m * v2;
-    if (!whole) return;
+    if (extent == OF_MOTION) return;
     const double c = sim->scheme->projects ? sim->model.projection.speed : phase->c;
     sums[STIFFNESS] += m * c * c;
     if (!sim->scheme->projects) sums[ELASTIC] += m * elastic(phase, s->rho[i], s->p[i * s->p_step]);
     if (sim->model.tense && (!sim->nb.tells_others || sim->nb.has[i] & LIST_OTHERS)) add_surface(sim, i, sums);
 }
 
-/* Is a wall that moves, or whose surface does, listed for i? */
-static bool is_beside_moving(const MnsSim *sim, size_t i)
+/* Is a wall listed for i that moves, or whose surface does? moves: [walls] */
+static bool is_beside_moving(const MnsSim *sim, const bool *moves, size_t i)
 {
     const uint32_t *list = neighbours_of(&sim->nb, i);
-    for (size_t k = sim->nb.end[i][END_FLUID]; k < sim->nb.end[i][END_WALLS]; k++) {
-        const WallState *wall = &sim->model.wall[sim->s.phase[list[k]] - sim->model.n_phases];
-        if (wall->has_belt || wall->v[0] != 0 || wall->v[1] != 0 || wall->v[2] != 0) return true;
-    }
+    const uint8_t *phase = sim->s.phase;
+    for (size_t k = sim->nb.end[i][END_FLUID]; k < sim->nb.end[i][END_WALLS]; k++)
+        if (moves[phase[list[k]] - sim->model.n_phases]) return true;
     return false;
 }
 
@@ -119,6 +122,11 @@ static void find_power(MnsSim *sim)
     for (int k = 0; terms[k]; k++)
         if (term_needed(terms[k], &sim->model)) needs |= terms[k]->needs;
     neighbours_refresh(&sim->nb, s, &sim->model, needs);
+    bool moves[MNS_MAX_WALLS];
+    for (size_t w = 0; w < sim->model.n_walls; w++) {
+        const WallState *wall = &sim->model.wall[w];
+        moves[w] = wall->has_belt || wall->v[0] != 0 || wall->v[1] != 0 || wall->v[2] != 0;
+    }
     const RowPlan plan = row_plan(&sim->nb, s, &sim->model, needs, ROW_WALLS);
 #pragma omp parallel num_threads(sim->threads)
     {
@@ -126,7 +134,7 @@ static void find_power(MnsSim *sim)
 #pragma omp for schedule(dynamic, 64)
         for (size_t i = 0; i < particles_fluid(s); i++) {
             s->power[i] = 0;
-            if (!(sim->nb.has[i] & LIST_WALLS) || !is_beside_moving(sim, i)) continue;
+            if (!(sim->nb.has[i] & LIST_WALLS) || !is_beside_moving(sim, moves, i)) continue;
             row_build(&row, &plan, i);
             for (int k = 0; terms[k]; k++)
                 if (term_needed(terms[k], &sim->model)) term_row(terms[k], &row, s, &sim->model);
@@ -134,8 +142,8 @@ static void find_power(MnsSim *sim)
     }
 }
 
-/* Block by block, so that the number of threads changes no bit. whole: elastic and surface energy too. */
-static void find_sums(MnsSim *sim, bool whole, double ret[static SUMS])
+/* Block by block, so that the number of threads changes no bit. */
+static void find_sums(MnsSim *sim, Extent extent, double ret[static SUMS])
 {
     if (sim->s.power) find_power(sim);
     const size_t n = particles_fluid(&sim->s), blocks = sim_blocks(n);
@@ -143,7 +151,7 @@ static void find_sums(MnsSim *sim, bool whole, double ret[static SUMS])
 #pragma omp parallel for schedule(static) num_threads(sim->threads)
     for (size_t b = 0; b < blocks; b++) {
         double sums[SUMS] = {0};
-        for (size_t i = b * SIM_BLOCK; i < n && i < (b + 1) * SIM_BLOCK; i++) add_particle(sim, i, whole, sums);
+        for (size_t i = b * SIM_BLOCK; i < n && i < (b + 1) * SIM_BLOCK; i++) add_particle(sim, i, extent, sums);
         memcpy(partial[b], sums, sizeof sums);
     }
     memset(ret, 0, SUMS * sizeof *ret);
@@ -181,14 +189,15 @@ static bool make_room(MnsSim *sim)
     return (sim->s.power = array_new(particles_fluid(&sim->s), sizeof *sim->s.power)) != NULL;
 }
 
-/* Does anything put energy in, so that each step has to be looked at? */
+/* Does anything put energy in whose work is found by how the fluid moves: gravity that changes or that acts along a periodic direction, or walls that all move alike? */
 static bool is_driven(const MnsSim *sim)
 {
     static const MnsMotion none = {0};
     for (int d = 0; d < sim->model.dim; d++)
-        if (!formula_is_constant(sim->gravity[d]) || (sim->model.period[d] > 0 && sim->model.gravity[d] != 0))
+        if (!formula_is_constant(sim->gravity[d]) || sim->model.gravity[d] != sim->progress.energy.gravity[d] ||
+            (sim->model.period[d] > 0 && sim->model.gravity[d] != 0))
             return true;
-    return sim->s.power || (sim->c->n_walls > 0 && !motion_same(&sim->c->walls[0].motion, &none));
+    return !sim->s.power && sim->c->n_walls > 0 && !motion_same(&sim->c->walls[0].motion, &none);
 }
 
 /* What the next step is compared with. */
@@ -212,7 +221,7 @@ void energy_begin(MnsSim *sim)
         return;
     }
     if (!goes_on) memcpy(account->gravity, sim->model.gravity, sizeof account->gravity);
-    find_sums(sim, true, sums);
+    find_sums(sim, OF_ALL, sums);
     keep(sim, sums);
     if (goes_on) return;
     account->known = true;
@@ -269,13 +278,12 @@ void energy_step(MnsSim *sim)
     MnsEnergy *account = &sim->progress.energy;
     const bool whole = sim->progress.step % EVERY == 0;
     if (!account->known) return;
-    bool driven = is_driven(sim);
-    for (int d = 0; d < sim->model.dim; d++) driven = driven || sim->model.gravity[d] != account->gravity[d];
-    if (!whole && !driven) return;
+    const bool driven = is_driven(sim);
+    if (!whole && !driven && !sim->s.power) return;
     double sums[SUMS];
-    find_sums(sim, whole, sums);
-    if (driven) add_work(sim, sums);
-    keep(sim, sums);
+    find_sums(sim, whole ? OF_ALL : driven ? OF_MOTION : OF_WALLS, sums);
+    if (driven || sim->s.power) add_work(sim, sums);
+    if (whole || driven) keep(sim, sums);
     if (whole) look(sim, sums);
 }
 
@@ -283,7 +291,7 @@ double energy_of(MnsSim *sim)
 {
     double sums[SUMS];
     if (!sim->progress.energy.known) return 0;
-    find_sums(sim, true, sums);
+    find_sums(sim, OF_ALL, sums);
     return whole_energy(sim, sums);
 }
 
@@ -292,7 +300,7 @@ void energy_steered(MnsSim *sim, double before)
     MnsEnergy *account = &sim->progress.energy;
     double sums[SUMS];
     if (!account->known) return;
-    find_sums(sim, true, sums);
+    find_sums(sim, OF_ALL, sums);
     const double held = potential(sim, sums);
     memcpy(account->gravity, sim->model.gravity, sizeof account->gravity);
     keep(sim, sums);

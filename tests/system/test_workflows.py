@@ -44,6 +44,13 @@ def wait_for(what: Any, seconds: float = 60) -> Any:
     return found
 
 
+def end(process: "subprocess.Popen[str]") -> None:
+    """What a failed test has left at work."""
+    if process.poll() is None:
+        process.terminate()
+        process.communicate()
+
+
 class Workflow(unittest.TestCase):
     """In a directory of its own, with the programs that were built."""
 
@@ -59,8 +66,10 @@ class Workflow(unittest.TestCase):
     def start(self, *words: "str | Path") -> "subprocess.Popen[str]":
         # Into a file, as a pipe that nobody reads could fill up.
         with open(self.home / "errors", "w") as errors:
-            return subprocess.Popen([str(w) for w in words], env=self.environment, cwd=self.home, text=True,
-                                    stdout=subprocess.PIPE, stderr=errors)
+            process = subprocess.Popen([str(w) for w in words], env=self.environment, cwd=self.home, text=True,
+                                       stdout=subprocess.PIPE, stderr=errors)
+        self.addCleanup(end, process)
+        return process
 
     def finish(self, process: "subprocess.Popen[str]", code: int) -> str:
         words, _ = process.communicate(timeout=60)
@@ -226,7 +235,7 @@ class Sweeps(Workflow):
 
         for _ in range(2):
             stopped = self.start(*command)
-            newest = wait_for(went_on)
+            newest = wait_for(went_on, 400)
             stopped.terminate()  # and with it all whom it started
             self.finish(stopped, -signal.SIGTERM)
         self.assertEqual(list(self.home.glob("*/*.run/abandoned")), [], "none began anew")
