@@ -6,6 +6,7 @@
 #include "tests/support/check.h"
 #include "tests/support/sims.h"
 #include <stdio.h>
+#include <string.h>
 
 static const char *const SCHEMES[] = {"riemann", "dissipation", "interfacial", "incompressible", "differences"};
 enum { ALL = 5 };
@@ -260,6 +261,30 @@ static void a_shift_out_of_the_free_surface_is_told(void **state)
     }
 }
 
+/* Of more particles than one thread adds up. */
+static void an_account_is_the_same_for_any_number_of_threads(void **state)
+{
+    (void)state;
+    double first[2] = {0};
+    for (unsigned threads = 1; threads <= 3; threads++) {
+        MnsCase *c = water("riemann", 1);
+        c->resolution = 100;
+        c->threads = threads;
+        case_set_text(&c->gravity[0], "sin(40*t)");
+        case_set_text(&c->fluids[0].velocity[0], "y + 0.1*sin(6*x)");
+        add_plate(c, "floor", -9, 0);
+        add_plate(c, "lid", 1, 9);
+        case_set_text(&c->walls[1].surface_velocity[0], "1");
+        MnsSim *sim = sim_of(c);
+        sim_steps(sim, 3);
+        assert_true(particles_fluid(&sim->s) > 2 * SIM_BLOCK);
+        const double found[] = {sim->progress.energy.work, energy_of(sim)};
+        if (threads == 1) memcpy(first, found, sizeof first);
+        assert_memory_equal(found, first, sizeof first);
+        sim_done(sim, c);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -271,6 +296,7 @@ int main(void)
         cmocka_unit_test(a_restart_goes_on_with_the_account),
         cmocka_unit_test(what_is_made_of_nothing_is_told),
         cmocka_unit_test(a_shift_out_of_the_free_surface_is_told),
+        cmocka_unit_test(an_account_is_the_same_for_any_number_of_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
