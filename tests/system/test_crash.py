@@ -231,8 +231,8 @@ class Crash(DaemonTest):
     def test_what_a_breakpoint_or_the_end_has_halted_stands_there(self) -> None:
         """Whatever ended the daemon, and what is commanded then is commanded there."""
         run = self.home / "state" / "halted"
-        self.meniscus("load", *CASE, "--set", "end_time=0.9", "--name", run.name)
-        self.meniscus("breakpoint", "early", "--time", "0.5")
+        self.meniscus("load", *CASE, "--set", "end_time=0.93", "--name", run.name)
+        self.meniscus("breakpoint", "early", "--time", "0.53")  # where there is no checkpoint
         self.meniscus("start")
         self.meniscus("wait", "--for", "state=PAUSED", "--timeout", "60")
         for end in (self.kill_daemon, self.leave_and_come_back, self.kill_daemon):

@@ -107,7 +107,7 @@ class Journal(DaemonTest):
         self.assertEqual([r for r in self.log(run) if r["changes"]][-1]["changes"][0]["after"], "24")
 
     def test_a_random_time_line_replays_to_the_same_bits_with_any_number_of_threads(self) -> None:
-        chance = random.Random(20261122)
+        chance = random.Random(20267709)  # which begins with all that changes a run, and goes back twice
         run = self.run_of("random")
         for _ in range(COMMANDS):
             self.do_something(chance)

@@ -6,7 +6,6 @@ import asyncio
 import inspect
 import os
 import sys
-import time
 import unittest
 from pathlib import Path
 from unittest import mock
@@ -179,11 +178,10 @@ class WithDaemon(DaemonTest):
 
 class WithoutDaemon(unittest.TestCase):
     def test_an_unreachable_daemon_is_said_quickly(self) -> None:
-        began = time.monotonic()
         for daemon in ("nobody-of-that-name", "tcp://127.0.0.1:1", "ipc:///nonexistent/control.ipc"):
-            with self.assertRaises(meniscus.UnavailableError):
+            with self.assertRaises(meniscus.UnavailableError) as caught:
                 asyncio.run(meniscus.AsyncClient(daemon).connect())
-        self.assertLess(time.monotonic() - began, 20)
+            self.assertNotIn("no answer", str(caught.exception))  # which is said only after all of the patience
 
     def test_both_clients_have_the_same_methods_with_the_same_arguments(self) -> None:
         def methods(kind: type) -> dict:

@@ -367,11 +367,10 @@ class WithoutDaemon(unittest.TestCase):
         os.environ["MENISCUS_CASES"] = str(ROOT / "server" / "cases")
 
     def test_an_unreachable_daemon_is_said_quickly(self) -> None:
-        began = time.monotonic()
         for daemon in ("nobody-of-that-name", "tcp://127.0.0.1:1", "ipc:///nonexistent/control.ipc"):
-            with self.assertRaises(meniscus.UnavailableError):
+            with self.assertRaises(meniscus.UnavailableError) as caught:
                 meniscus.Client(daemon)
-        self.assertLess(time.monotonic() - began, 20)
+            self.assertNotIn("no answer", str(caught.exception))  # which is said only after all of the patience
 
     def test_every_failure_has_a_status_and_a_hint_whatever_its_source(self) -> None:
         for code in meniscus_pb2.Code.keys():

@@ -314,7 +314,7 @@ class Scheduled(DaemonTest):
         wanted: list[tuple[int, "pb.Request"]] = []
         for k in range(KILLS):
             for _ in range(2):
-                at = step + chance.randint(1, 90)
+                at = step + chance.randint(1, 240)  # so that some wait over two crashes
                 words: dict[str, Any] = dict(set=set_gravity(f"[{1e-3 * (len(wanted) + 1):.3f}, -1]"))
                 words |= dict(at_step=at) if chance.random() < 0.6 else dict(at_time=self.time_now() + chance.uniform(0.001, 0.15))
                 request = self.say(self.socket, no_wait=True, **words)

@@ -51,6 +51,19 @@ static void assert_complete_of(const Cloud *cloud, size_t many)
     free(listed);
 }
 
+/* Whoever has a fluid particle in its list is in that one's. */
+static void assert_mutual(const Cloud *cloud)
+{
+    const Particles *s = &cloud->s;
+    for (size_t i = 0; i < particles_fluid(s); i++)
+        for (size_t k = 0; k < cloud->nb.end[i][END_FLUID]; k++) {
+            const uint32_t j = neighbours_of(&cloud->nb, i)[k], *its = neighbours_of(&cloud->nb, j);
+            size_t q = 0;
+            while (q < cloud->nb.end[j][END_FLUID] && its[q] != i) q++;
+            assert_true(q < cloud->nb.end[j][END_FLUID]);
+        }
+}
+
 static void assert_complete(const Cloud *cloud)
 {
     assert_complete_of(cloud, 1);
@@ -376,6 +389,7 @@ static void cells_of_a_long_domain_are_as_wide_as_the_reach(void **state)
             const double reach = cloud->model.kernel.support + cloud->model.skin;
             assert_int_equal(cloud->nb.grid.n[along], (int)floor(600 / reach));
             assert_less(cloud->nb.grid.ratio, 1 + 1e-12);
+            assert_mutual(cloud);
             assert_complete_of(cloud, 37); /* of 18,000, whose pairs are many */
             cloud_free(cloud);
         }

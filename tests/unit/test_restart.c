@@ -89,6 +89,7 @@ static void restart_goes_on_as_if_never_stopped(void **state)
     (void)state;
     for (size_t k = 0; scheme_of(k); k++) {
         assert_restart(scheme_of(k), 2, is_slow() ? 11 : check_at_length() ? 61 : 31, 1, 3);
+        assert_restart_with(NULL, scheme_of(k), 2, 0, 4, 1, 1);
         if (is_slow()) continue;
         assert_restart(scheme_of(k), 3, check_at_length() ? 40 : 5, 3, 2);
         if (!check_at_length()) continue;
