@@ -183,3 +183,23 @@ MnsPart *case_put_part(int dim, MnsShape *shape, MnsPart part)
     *p = part;
     return p;
 }
+
+MnsCase *case_layers(int dim, double resolution, double heavy)
+{
+    MnsCase *c = case_blank(dim, resolution);
+    c->scheme.name = "incompressible";
+    c->scheme.kernel = MNS_QUINTIC_SPLINE;
+    c->scheme.smoothing = 1;
+    case_set_text(&c->gravity[1], "-1");
+    case_add_fluid(c, "heavy", heavy, 10);
+    case_add_fluid(c, "light", 1, 10);
+    case_add_part(&c->fluids[0].shape, MNS_BOX)->b[1] = 0.5;
+    c->fluids[0].shape.parts[0].b[0] = c->fluids[0].shape.parts[0].b[2] = 1;
+    for (int k = 0; k < 2; k++) c->fluids[k].viscosity = 0.01 * c->fluids[k].density;
+    case_add_wall(c, "tank");
+    c->walls[0].no_slip = true;
+    MnsPart *tank = case_add_part(&c->walls[0].shape, MNS_BOX);
+    tank->outside = true;
+    for (int d = 0; d < 3; d++) tank->b[d] = c->max[d];
+    return c;
+}

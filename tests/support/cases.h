@@ -20,6 +20,9 @@ MnsCase *case_shaken(int dim, unsigned threads);
 /* The same by another scheme, with surface tension if it has any. The name is borrowed. */
 MnsCase *case_shaken_by(const char *scheme, int dim, unsigned threads);
 
+/* A full tank under `incompressible`: a liquid this dense under one of density 1, each half a metre high, gravity 1. */
+MnsCase *case_layers(int dim, double resolution, double heavy);
+
 /* A case like any other but empty of parts, to be filled by the test. */
 MnsCase *case_blank(int dim, double resolution);
 void case_add_fluid(MnsCase *c, const char *name, double density, double sound_speed);
