@@ -119,7 +119,7 @@ check: ## build and test; last line: N passed, N failed [CI=1: dashboard and lin
 
 nightly: ## all of that, and what takes longer: sanitizers, fuzz targets, other processors, ParaView, Slurm, each test at its full size [TIMES=1]
 	@tests/support/packages.sh nightly
-	@$(MAKE) --no-print-directory -s $(PARALLEL) $(TESTED) $(TESTED_BROWSER)
+	@$(MAKE) --no-print-directory -s $(PARALLEL) $(TESTED) $(TESTED_BROWSER) bench-programs
 	@BUILD=$(BUILD) CC=$(CC) tests/support/check.sh nightly
 
 validate: ## the papers' cases against their references [CASE="name ..."] [SIZE=paper] [JOBS=n] [CHANGED=1: those that a change has touched]
@@ -200,7 +200,7 @@ solver-libs: # that the solver needs besides those of its .pc file
 	$(info $(hypre_libs))@:
 
 pictures: ## draw those of the README again: some minutes
-	@tests/support/packages.sh ci
+	@tests/support/packages.sh pictures
 	@$(MAKE) --no-print-directory -s $(PARALLEL) all $(DASHBOARD_ALL) $(BUILD)/web-check/node_modules/.package-lock.json
 	@BUILD=$(BUILD) tests/support/pictures.sh
 

@@ -382,7 +382,7 @@ static void a_checkpoint_that_is_newer_than_the_journal_is_no_goal_behind(void *
     bool said = false;
     steer_load_here(dialogue, (const char *const[]){"output.checkpoint_interval=0.02", NULL}, here);
     assert_int_equal(steer_code(dialogue, dialogue_start()), MENISCUS__CODE__OK);
-    for (int k = 0; steer_count(here, "checkpoint-") < 2 && k < 500; k++) steer_sleep(1); /* the first is of step 0 */
+    for (int k = 0; steer_count(here, "checkpoint-") < 2 && k < 60000; k++) steer_sleep(1); /* the first is of step 0 */
     assert_true(steer_step_now(dialogue) < 100); /* before the journal has a hash */
     dialogue_crash(dialogue);
     steer_accepted(steer_wait(dialogue, MENISCUS__STATE__RUNNING, 20000));

@@ -40,7 +40,7 @@ static void assert_ends(pid_t process)
 {
     char path[64], state = 'R';
     snprintf(path, sizeof path, "/proc/%d/stat", (int)process);
-    for (int k = 0; k < 100 && state != 'Z'; k++) {
+    for (int k = 0; k < 3000 && state != 'Z'; k++) {
         FILE *file = fopen(path, "r");
         if (!file) return;
         if (fscanf(file, "%*d %*s %c", &state) != 1) state = 'Z';

@@ -161,7 +161,7 @@ static MnsStream *open_stream(Fixture *f, MnsStreamKind kind, size_t memory)
 /* Until the daemon was told of the end of so many. */
 static void check_ended(const Fixture *f, unsigned n)
 {
-    for (int k = 0; k < 1000 && f->ended < n; k++) usleep(1000);
+    for (int k = 0; k < 60000 && f->ended < n; k++) usleep(1000);
     assert_int_equal(f->ended, n);
 }
 

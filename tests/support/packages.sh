@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# packages.sh [build|dashboard|deb|bench|check|ci|nightly|validate]: install the Debian packages that are missing. `build` (the default) is what building
+# packages.sh [build|dashboard|deb|bench|check|ci|pictures|nightly|validate]: install the Debian packages that are missing. `build` (the default) is what building
 # and `make demo` need; the others are that and what the target of this name needs besides. Costs one dpkg-query when nothing is missing.
 set -eu
 
 build='
-gcc make pkgconf
+gcc make pkgconf ccache
 protobuf-compiler protobuf-c-compiler python3 python3-protobuf
 libzmq3-dev libprotobuf-c-dev libhdf5-dev libyaml-dev libjansson-dev
 libcairo2-dev libsystemd-dev libxxhash-dev liblz4-dev libzstd-dev liblua5.4-dev libmpfr-dev libhypre-dev libmicrohttpd-dev
@@ -24,13 +24,13 @@ bench='
 libcmocka-dev
 '
 check='
-g++ git procps ccache
+g++ git procps man-db
 python3-scipy
 '
 ci='
 clang clang-format clang-tidy libclang-rt-14-dev libomp-dev
 cppcheck shellcheck mypy
-systemd man-db
+systemd
 '
 nightly='
 chromium valgrind prometheus lintian zsh util-linux
@@ -52,10 +52,11 @@ deb) wanted=$build$deb ;;
 bench) wanted=$build$bench ;;
 check) wanted=$build$bench$check ;;
 ci) wanted=$build$bench$check$dashboard$ci ;;
+pictures) wanted=$build$bench$check$dashboard$ci" chromium" ;;
 nightly) wanted=$build$bench$check$dashboard$ci$deb$nightly ;;
 validate) wanted=$build$validate ;;
 *)
-    echo "usage: packages.sh [build|dashboard|deb|bench|check|ci|nightly|validate]" >&2
+    echo "usage: packages.sh [build|dashboard|deb|bench|check|ci|pictures|nightly|validate]" >&2
     exit 64
     ;;
 esac

@@ -80,17 +80,23 @@ class WithDaemon(DaemonTest):
     async def test_the_daemon_ends_what_is_cancelled(self, client: meniscus.AsyncClient) -> None:
         await client.load("dambreak2d", SMALL | {"end_time": 50})
         for command in (lambda: client.run_until(40), lambda: client.step(10**6)):
-            with self.assertRaises(asyncio.TimeoutError):
-                await asyncio.wait_for(command(), 0.3)
-            self.assertEqual((await client.wait(["PAUSED"], timeout=10)).state, "PAUSED")
+            under_way = asyncio.ensure_future(command())
+            await client.wait(["RUNNING"], timeout=60)
+            under_way.cancel()
+            with self.assertRaises(asyncio.CancelledError):
+                await under_way
+            self.assertEqual((await client.wait(["PAUSED"], timeout=60)).state, "PAUSED")
 
     def test_a_cancel_is_sent_before_the_client_goes(self) -> None:
         async def main() -> None:
             async with meniscus.AsyncClient(self.endpoint) as client:
                 await client.load("dambreak2d", SMALL | {"end_time": 50})
-                await asyncio.wait_for(client.run_until(40), 0.3)
+                under_way = asyncio.ensure_future(client.run_until(40))
+                await client.wait(["RUNNING"], timeout=60)
+                under_way.cancel()
+                await under_way
 
-        with self.assertRaises(asyncio.TimeoutError):
+        with self.assertRaises(asyncio.CancelledError):
             asyncio.run(main())
         with meniscus.Client(self.endpoint) as client:
             self.assertEqual(client.wait(["PAUSED"], timeout=10).state, "PAUSED")

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The Python client against a real daemon, and against none."""
 
+import contextlib
 import ctypes
 import inspect
 import os
@@ -349,11 +350,19 @@ class WithDaemon(DaemonTest):
         request = bytes(range(16))
         other = meniscus.Client(f"ipc://{self.home}/run/meniscus/default/control.ipc")
         self.addCleanup(other.close)
-        timer = threading.Timer(0.3, lambda: other.cancel(request))
-        timer.start()
+
+        def cancel() -> None:
+            for _ in range(600):  # refused until there is such a command
+                with contextlib.suppress(meniscus.MeniscusError):
+                    other.cancel(request)
+                    return
+                time.sleep(0.1)
+
+        canceller = threading.Thread(target=cancel)
+        canceller.start()
         with self.assertRaises(meniscus.CancelledError):
-            self.client.wait(["DONE"], timeout=20, request_id=request)
-        timer.join()
+            self.client.wait(["DONE"], timeout=60, request_id=request)
+        canceller.join()
 
     def test_a_daemon_that_is_there_is_named_to_who_asks_for_another(self) -> None:
         there = 'no daemon "other"[^;]*; there is "default", as in MENISCUS_DAEMON=default; start one with `meniscusd --name other`'
