@@ -241,9 +241,8 @@ MnsStatus build_particles(MnsSim *sim, const Constants *constants, MnsError *err
 {
     Lattice lattice;
     MnsStatus status = lattice_init(&lattice, sim, constants, error);
-    sim->model.filled = sim->model.closed = lattice.filled;
-    for (size_t k = 1; k < sim->c->n_walls; k++)
-        if (!motion_same(&sim->c->walls[k].motion, &sim->c->walls[0].motion)) sim->model.closed = false;
+    sim->model.filled = lattice.filled;
+    sim->model.closed = lattice.filled && motion_of_all(sim->c);
     sim->scheme->options(&sim->model, sim->c); /* again, now that this is known, and before particles are grouped */
     if (!status) status = populate(sim, &lattice, constants, error);
     if (!status && !sim->resumed) edges_warn(sim, &lattice);

@@ -5,7 +5,9 @@
 #include <math.h>
 #include <string.h>
 
-enum { EVERY = 40 }; /* steps the energy is found: elastic energies and surfaces take as long as a tenth of one */
+enum {
+    EVERY = 40
+}; /* steps the energy is found, and at the end: elastic energies and surfaces take as long as a tenth of one */
 
 /* Below this part of sum rho c^2 V nothing is said: at rest a scheme's noise is all the energy there is. */
 static const double SILENT = 1e-6;
@@ -178,8 +180,8 @@ bool energy_needs_power(const MnsSim *sim)
 {
     const MnsCase *c = sim->c;
     for (size_t k = 0; k < c->n_walls; k++)
-        if (sim->model.wall[k].has_belt || !motion_same(&c->walls[k].motion, &c->walls[0].motion)) return true;
-    return false;
+        if (sim->model.wall[k].has_belt) return true;
+    return !motion_of_all(c);
 }
 
 /* Room for the power of walls, where that has to be found by their forces; false: no memory, and no account. */
@@ -276,7 +278,7 @@ static void look(MnsSim *sim, const double sums[static SUMS])
 void energy_step(MnsSim *sim)
 {
     MnsEnergy *account = &sim->progress.energy;
-    const bool whole = sim->progress.step % EVERY == 0;
+    const bool whole = sim->progress.step % EVERY == 0 || sim->progress.t >= sim->c->end_time;
     if (!account->known) return;
     const bool driven = is_driven(sim);
     if (!whole && !driven && !sim->s.power) return;

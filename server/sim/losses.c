@@ -1,17 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "sim/losses.h"
+#include "sim/motion.h"
 #include "sim/probes/probes.h"
 
-enum { EVERY = 500 }; /* steps it is looked at: the coverage takes as long as one */
+enum { EVERY = 500 }; /* steps it is looked at, and at the end: the coverage takes as long as one */
 
 static const double LEAST_COVERED = 0.3; /* sum of W V; of a domain that fluids fill */
 static const double MOST_ESCAPED = 0.01; /* of all fluid particles */
 
 void losses_step(MnsSim *sim)
 {
-    const MnsProbe all = {.fluid = -1, .wall = sim->model.closed && sim->model.n_walls > 0 ? 0 : -1};
+    /* A tank takes the domain along. */
+    const MnsProbe all = {.fluid = -1, .wall = sim->model.n_walls > 0 && motion_of_all(sim->c) ? 0 : -1};
     Measure m = {.sim = sim, .probe = &all, .threads = sim->threads};
-    if (sim->progress.step % EVERY) return;
+    if (sim->progress.step % EVERY && !(sim->progress.t >= sim->c->end_time)) return;
     const double escaped = sim->told.escaped ? 0 : probe_escaped(&m), n = (double)particles_fluid(&sim->s);
     if (escaped > MOST_ESCAPED * n) {
         sim->told.escaped = true;

@@ -87,3 +87,10 @@ bool motion_same(const MnsMotion *a, const MnsMotion *b)
     }
     return true;
 }
+
+bool motion_of_all(const MnsCase *c)
+{
+    for (size_t k = 1; k < c->n_walls; k++)
+        if (!motion_same(&c->walls[k].motion, &c->walls[0].motion)) return false;
+    return true;
+}

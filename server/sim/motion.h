@@ -11,4 +11,7 @@ void motion_at(const MnsMotion *motion, double t, double x[3], double v[3], doub
 /* Are they the same at all times? */
 bool motion_same(const MnsMotion *a, const MnsMotion *b);
 
+/* Do all walls move as one, or not at all? */
+bool motion_of_all(const MnsCase *c);
+
 #endif

@@ -205,6 +205,27 @@ static void what_is_made_of_nothing_is_told(void **state)
     }
 }
 
+/* Which is looked at in the end, however few steps there are. */
+static void what_is_made_in_a_short_run_is_told(void **state)
+{
+    (void)state;
+    for (size_t q = 0; q < ALL; q++) {
+        MnsCase *c = water(SCHEMES[q], 1);
+        c->periodic[1] = true;
+        case_set_text(&c->fluids[0].velocity[0], "1");
+        MnsSim *sim = sim_of(c);
+        sim_steps(sim, 3);
+        for (size_t i = 0; i < sim->s.n; i++) sim->s.v[0][i * sim->s.v_step] *= 1.1;
+        particles_changed(&sim->s, ON_FLUID, FIELD(V));
+        c->end_time = mns_sim_progress(sim).t + 2 * mns_sim_progress(sim).dt;
+        run(sim, c->end_time);
+        assert_true(mns_sim_progress(sim).step < 20);
+        assert_close(mns_sim_energy_excess(sim), 1 - 1 / 1.21, 0.01);
+        assert_int_equal(strncmp(mns_sim_warning(sim, sim->n_warnings - 1), "energy:", 7), 0);
+        sim_done(sim, c);
+    }
+}
+
 /* P2's shift as it was: by each particle's own speed, towards where fewer are, be that beyond the free surface. */
 static void go_as_before(Particles *s, const Model *model, size_t first, size_t last)
 {
@@ -295,6 +316,7 @@ int main(void)
         cmocka_unit_test(gravity_that_grows_gives_what_potential_energy_loses),
         cmocka_unit_test(a_restart_goes_on_with_the_account),
         cmocka_unit_test(what_is_made_of_nothing_is_told),
+        cmocka_unit_test(what_is_made_in_a_short_run_is_told),
         cmocka_unit_test(a_shift_out_of_the_free_surface_is_told),
         cmocka_unit_test(an_account_is_the_same_for_any_number_of_threads),
     };

@@ -47,6 +47,51 @@ static void more_than_one_in_a_hundred_outside_is_told(void **state)
     }
 }
 
+/* However few steps there are. */
+static void what_is_outside_at_the_end_is_told(void **state)
+{
+    (void)state;
+    for (int last = 0; last < 2; last++) {
+        MnsCase *c;
+        MnsSim *sim = water(&c, false);
+        c->end_time = 0.1;
+        for (size_t i = 0; i < 3; i++) sim->s.x[0][i] = 1.5;
+        sim->progress.step = 7;
+        sim->progress.t = last ? 0.1 : 0.09;
+        losses_step(sim);
+        assert_int_equal(warnings(sim, "domain: after"), last);
+        sim_done(sim, c);
+    }
+}
+
+/* Its fluid is in the tank, which is not where the domain is. */
+static void a_tank_that_moves_loses_nothing(void **state)
+{
+    (void)state;
+    for (int lost = 0; lost < 2; lost++) {
+        static MnsMotionPoint way[2] = {{.t = 0, .v = {1}}, {.t = 1, .x = {1}, .v = {1}}};
+        MnsCase *c = case_blank(2, 16);
+        c->scheme.name = "riemann";
+        case_add_fluid(c, "water", 1000, 20);
+        case_set_text(&c->fluids[0].velocity[0], "1");
+        MnsPart *pool = case_add_part(&c->fluids[0].shape, MNS_BOX);
+        pool->b[0] = 1;
+        pool->b[1] = 0.5;
+        case_add_wall(c, "tank");
+        MnsPart *inside = case_add_part(&c->walls[0].shape, MNS_BOX);
+        inside->outside = true;
+        inside->b[0] = inside->b[1] = 1;
+        c->walls[0].motion = (MnsMotion){.kind = MNS_TABLE, .n = 2, .points = way};
+        MnsSim *sim = sim_in_arrays(c);
+        while (mns_sim_progress(sim).t < 0.2) assert_int_equal(mns_sim_step(sim, 0.2, NULL), MNS_OK);
+        for (size_t i = 0; i < 8 && lost; i++) sim->s.x[1][i] = -0.5;
+        look(sim);
+        assert_int_equal(warnings(sim, "domain: after"), lost);
+        c->walls[0].motion = (MnsMotion){.kind = MNS_STILL};
+        sim_done(sim, c);
+    }
+}
+
 static void a_void_is_told(void **state)
 {
     (void)state;
@@ -68,6 +113,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(more_than_one_in_a_hundred_outside_is_told),
+        cmocka_unit_test(what_is_outside_at_the_end_is_told),
+        cmocka_unit_test(a_tank_that_moves_loses_nothing),
         cmocka_unit_test(a_void_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
