@@ -19,13 +19,13 @@ static MnsCase *stirred(const char *scheme, Place place)
     c->scheme.incompressible.reference_speed = c->scheme.differences.reference_speed = 1;
     case_add_fluid(c, "water", 1000, 20);
     c->fluids[0].viscosity = 1;
-    *case_add_part(&c->fluids[0].shape, MNS_BOX) = (MnsPart){.primitive = MNS_BOX, .b = {1, 1}};
+    case_put_part(2, &c->fluids[0].shape, (MnsPart){.primitive = MNS_BOX, .b = {1, 1}});
     case_set_text(&c->fluids[0].velocity[0], "0.5*sin(2*pi*x)*cos(2*pi*y)");
     case_set_text(&c->fluids[0].velocity[1], "-0.5*cos(2*pi*x)*sin(2*pi*y)");
     c->periodic[0] = c->periodic[1] = place == PLACE_ENDLESS;
     if (place == PLACE_ENDLESS) return c;
     case_add_wall(c, "tank");
-    *case_add_part(&c->walls[0].shape, MNS_BOX) = (MnsPart){.primitive = MNS_BOX, .outside = true, .b = {1, 1}};
+    case_put_part(2, &c->walls[0].shape, (MnsPart){.primitive = MNS_BOX, .outside = true, .b = {1, 1}});
     if (place == PLACE_GLIDING_TANK) { /* at 0.1 pi m/s, hardly any slower by the end */
         c->walls[0].motion = (MnsMotion){.kind = MNS_SINE, .amplitude = {0.5}, .frequency = 0.1};
         case_set_text(&c->fluids[0].velocity[0], "0.1*pi + 0.5*sin(2*pi*x)*cos(2*pi*y)");
