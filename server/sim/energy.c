@@ -5,9 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-enum {
-    EVERY = 40
-}; /* steps the energy is found, and at the end: elastic energies and surfaces take as long as a tenth of one */
+/* The energy is found after so many steps, and at the end: elastic energies and surfaces take as long as a tenth of a step. */
+enum { EVERY = 40 };
 
 /* Below this part of sum rho c^2 V nothing is said: at rest a scheme's noise is all the energy there is. */
 static const double SILENT = 1e-6;
@@ -191,7 +190,8 @@ static bool make_room(MnsSim *sim)
     return (sim->s.power = array_new(particles_fluid(&sim->s), sizeof *sim->s.power)) != NULL;
 }
 
-/* Does anything put energy in whose work is found by how the fluid moves: gravity that changes or that acts along a periodic direction, or walls that all move alike? */
+/* Does gravity change or act along a periodic direction, or do all walls move alike? The work of these is found from sums over the fluid in each
+ * step. */
 static bool is_driven(const MnsSim *sim)
 {
     static const MnsMotion none = {0};

@@ -341,7 +341,7 @@ void *steer_subscribe(Dialogue *dialogue, const char *topic)
     snprintf(endpoint, sizeof endpoint, "ipc://%s/meniscus/t/telemetry.ipc", dialogue->home);
     assert_int_equal(zmq_connect(socket, endpoint), 0);
     if (!other) return socket;
-    /* Nobody tells when a subscription has arrived. But the last event is repeated to who subscribes to events after it. */
+    /* The daemon reads subscriptions in order, and answers one to events with the last event: then the topic has arrived too. */
     bool arrived = false;
     for (zmq_setsockopt(socket, ZMQ_SUBSCRIBE, "event", 5); !arrived;) {
         Meniscus__Telemetry *message = steer_hear(socket);

@@ -366,7 +366,7 @@ class Crowd(HttpTest):
             metrics = self.scrape()
             self.assertLessEqual(metrics["meniscus_http_connections"].value(), 64)
             self.assertLess(metrics["process_open_fds"].value(), before["process_open_fds"].value() + 100)
-            # It was let in because others were shut out for it, and not after the idle limit.
+            # Older connections were closed for this one; it did not wait for the idle limit.
             crowded_out = metrics["meniscus_http_crowded_out_total"].value()
             self.assertGreater(crowded_out, before["meniscus_http_crowded_out_total"].value())
             before = metrics

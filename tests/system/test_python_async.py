@@ -109,7 +109,7 @@ class WithDaemon(DaemonTest):
             for _ in range(10):
                 await asyncio.sleep(0.01)
             if away.exists():
-                away.rename(here)  # which nobody does unless they go on
+                away.rename(here)  # only if this task runs while the client waits
 
         async def main(daemon: str) -> None:
             task = asyncio.ensure_future(others())

@@ -157,7 +157,7 @@ class Top(DaemonTest):
         self.assertEqual(len(self.meniscus("top").stdout.splitlines()), 11)
 
     def test_an_interrupt_waits_for_no_more_than_one_daemon(self) -> None:
-        for k in range(60):  # somebody listens, and never says a word
+        for k in range(60):  # sockets that never answer
             place = self.home / "run" / "meniscus" / f"hung{k}"
             place.mkdir(mode=0o700)
             listener = socket.socket(socket.AF_UNIX)

@@ -182,19 +182,32 @@ static void a_restart_goes_on_with_the_account(void **state)
     }
 }
 
+/* Water that moves at 1 m/s in an endless box. */
+static MnsCase *drifting(const char *scheme)
+{
+    MnsCase *c = water(scheme, 1);
+    c->periodic[1] = true;
+    case_set_text(&c->fluids[0].velocity[0], "1");
+    return c;
+}
+
+/* Energy that no wall and no force has given. */
+static void hasten(MnsSim *sim)
+{
+    for (size_t i = 0; i < sim->s.n; i++) sim->s.v[0][i * sim->s.v_step] *= 1.1;
+    particles_changed(&sim->s, ON_FLUID, FIELD(V));
+}
+
 /* Once. */
 static void what_is_made_of_nothing_is_told(void **state)
 {
     (void)state;
     for (size_t q = 0; q < ALL; q++) {
-        MnsCase *c = water(SCHEMES[q], 1);
-        c->periodic[1] = true;
-        case_set_text(&c->fluids[0].velocity[0], "1");
+        MnsCase *c = drifting(SCHEMES[q]);
         MnsSim *sim = sim_of(c);
         sim_steps(sim, 40);
         assert_true(mns_sim_energy_excess(sim) < 1e-3);
-        for (size_t i = 0; i < sim->s.n; i++) sim->s.v[0][i * sim->s.v_step] *= 1.1;
-        particles_changed(&sim->s, ON_FLUID, FIELD(V));
+        hasten(sim);
         sim_steps(sim, 80);
         assert_close(mns_sim_energy_excess(sim), 1 - 1 / 1.21, 0.01);
         int told = 0;
@@ -205,18 +218,15 @@ static void what_is_made_of_nothing_is_told(void **state)
     }
 }
 
-/* Which is looked at in the end, however few steps there are. */
+/* The account is looked at in the end, however few steps there are. */
 static void what_is_made_in_a_short_run_is_told(void **state)
 {
     (void)state;
     for (size_t q = 0; q < ALL; q++) {
-        MnsCase *c = water(SCHEMES[q], 1);
-        c->periodic[1] = true;
-        case_set_text(&c->fluids[0].velocity[0], "1");
+        MnsCase *c = drifting(SCHEMES[q]);
         MnsSim *sim = sim_of(c);
         sim_steps(sim, 3);
-        for (size_t i = 0; i < sim->s.n; i++) sim->s.v[0][i * sim->s.v_step] *= 1.1;
-        particles_changed(&sim->s, ON_FLUID, FIELD(V));
+        hasten(sim);
         c->end_time = mns_sim_progress(sim).t + 2 * mns_sim_progress(sim).dt;
         run(sim, c->end_time);
         assert_true(mns_sim_progress(sim).step < 20);

@@ -51,7 +51,7 @@ static void assert_complete_of(const Cloud *cloud, size_t many)
     free(listed);
 }
 
-/* Whoever has a fluid particle in its list is in that one's. */
+/* If j is in the list of i, then i is in the list of j. */
 static void assert_mutual(const Cloud *cloud)
 {
     const Particles *s = &cloud->s;
