@@ -2,7 +2,8 @@
 /* A velocity across the surface of a wall that stays where it is would pump fluid through it. So from each particle of a belt the nearest places of
  * the wall's surface with room before them are looked up, and what its velocity has along their normals is taken away:
  *   u_t = (I - sum of n n^T) u,   n orthonormal, spanning the normals of the faces nearest to the particle
- * Where two faces are equally near, as in a corner, what is along both is left. */
+ * Where two faces are equally near, as in a corner, what is along both is left. Only friction knows of it: fluid beside an edge has particles of both
+ * faces in reach, and would be compressed by those of the other one. */
 #include "sim/belts.h"
 #include "base/array.h"
 #include "sim/solid.h"
@@ -399,6 +400,6 @@ void belts_run(MnsSim *sim)
         double u[3];
         if (!wall->has_belt) continue;
         apply(find_belt(&sim->belts, s->id[i]), wall->belt, u);
-        for (int d = 0; d < s->dim; d++) s->v[d][i * s->v_step] += u[d];
+        for (int d = 0; d < s->dim; d++) s->belt[d][i - particles_fluid(s)] = u[d];
     }
 }

@@ -16,7 +16,7 @@ void belts_done(Belts *belts);
 /* Memory for the belts of n particles. */
 size_t belts_bytes(size_t n);
 
-/* Add to the particles' velocities, which are those of the walls, what their surfaces have at present. */
+/* Give the particles what their surfaces have at present besides the velocity of their walls. */
 void belts_run(MnsSim *sim);
 
 #endif

@@ -48,6 +48,7 @@
     MADE(MU_MIXED, "mixed_viscosity", "Pa s", "viscosity of the neighbours' mixture")                                  \
     ROW(TO_SURFACE, "to_surface", "m", "from a wall particle to the nearest point of its surface", 3, MNS_F64,         \
         to_surface)                                                                                                    \
+    ROW(BELT, "surface_velocity", "m/s", "of a wall's surface, besides that of the wall", 3, MNS_F64, belt)            \
     ROW(X0, "position_before", "m", "position at the beginning of the step", 3, MNS_F64, x0)                           \
     ROW(V0, "velocity_before", "m/s", "velocity at the beginning of the step", 3, MNS_F64, v0)                         \
     ROW(RHO0, "density_before", "kg/m^3", "density at the beginning of the step", 1, MNS_F64, rho0)

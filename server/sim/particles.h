@@ -29,6 +29,7 @@ typedef struct Particles {
     double *offset[3], *laplacian;             /* of differences (terms/differences.h) */
     double *colour, *colour_gradient[3];       /* of what is around: share of the first fluid */
     double *to_surface[3];                     /* [n_wall] */
+    double *belt[3];                /* [n_wall] what friction adds to the velocity of a wall; NULL: nothing */
     double *x0[3], *v0[3], *rho0;   /* at the beginning of the step, for integrators of more than one evaluation */
     double *p_wall[MNS_MAX_FLUIDS]; /* [n_wall] pressure a wall shows to each fluid */
     double *v_wall[3]; /* [n_wall] velocity that a wall shows, as the scheme's term for it says; NULL where none asks */
@@ -54,12 +55,19 @@ static inline size_t particles_fluid(const Particles *s)
 static const Fields FLUID_FIELDS = FIELD(A) | FIELD(CONCENTRATION) | FIELD(SURFACE) | FIELD(CORRECTION) |
                                    FIELD(CORRECTION_OFF) | FIELD(LAPLACIAN) | FIELD(COLOUR_GRADIENT) | FIELD(X0) |
                                    FIELD(V0) | FIELD(RHO0);
-static const Fields WALL_FIELDS = FIELD(TO_SURFACE);
+static const Fields WALL_FIELDS = FIELD(TO_SURFACE) | FIELD(BELT);
 
 /* Made of density and mass each time; neighbours' are in bundles. A wall particle takes up its cell of the lattice. */
 INLINE double particles_volume(const Particles *s, const Model *model, size_t i)
 {
     return i < particles_fluid(s) ? s->m[i] / s->rho[i] : model->cell_volume;
+}
+
+/* Of the surface of wall particle i, as what sticks to it feels it. What flows together and what pushes has v alone: a surface moves along itself. */
+INLINE double particles_surface_velocity(const Particles *s, int d, size_t i)
+{
+    const double v = s->v[d][i * s->v_step];
+    return s->belt[d] ? v + s->belt[d][i - particles_fluid(s)] : v;
 }
 
 /* Walls have none. */

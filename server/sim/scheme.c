@@ -27,6 +27,8 @@ static Fields written(const Local *const *locals, const Model *model)
 static Fields all_fields(const Scheme *scheme, const Model *model)
 {
     Fields fields = scheme->state | scheme->integrator->works;
+    for (size_t k = 0; k < model->n_walls; k++)
+        if (model->wall[k].has_belt) fields |= FIELD(BELT);
     if (scheme->derive) fields |= scheme->derive->writes;
     for (int p = 0; p < SCHEME_PASSES_MAX && scheme->rates[p].name; p++) {
         const Pass *pass = &scheme->rates[p];

@@ -165,7 +165,7 @@ INLINE void diffusion_power_row(const Row *row, Particles *s, const Model *model
                                     : LAPLACIAN_WEIGHT(stencil, x, b->W[l], how);
             for (int d = 0; d < how.dim; d++) add_product(&force[d], l, between * c, v[d][l] - u[d], how);
         }
-        add_power(force, b->v, how, &power);
+        add_surface_power(force, s, row, b, how, &power);
     }
     s->power[i] += s->m[i] / density_around(s, model, i) * lanes_sum(&power);
 }

@@ -37,7 +37,7 @@ INLINE double wall_viscosity_of(const Model *model, unsigned mine)
     return 2 * model->phase[mine].mu * model->viscous_scale;
 }
 
-/* Eight wall particles as a viscous fluid sees them: what is extrapolated into them, and mu where they are without slip, else 0. */
+/* Eight wall particles as a viscous fluid sees them: the velocity mirrored at their surface (wall.c), and mu where they are without slip, else 0. */
 typedef struct Sticking {
     double v[3][LANES], mu[LANES];
 } Sticking;
@@ -51,12 +51,11 @@ INLINE void sticking_of(const Particles *s, const Model *model, const uint32_t *
     }
 }
 
-/* With the velocity that makes the mean on the wall that of the wall. */
 INLINE void friction_pair(const double v[3], double V, const Pair *pair, const Sticking *wall, double soft, How how,
                           int l, Lanes sum[3])
 {
     Pair mirrored = *pair;
-    for (int d = 0; d < how.dim; d++) mirrored.v[d] = 2 * pair->v[d] - wall->v[d][l];
+    for (int d = 0; d < how.dim; d++) mirrored.v[d] = wall->v[d][l];
     viscosity_pair(v, V, &mirrored, wall->mu[l], soft, how, l, sum);
 }
 
@@ -74,7 +73,6 @@ INLINE void drag_pair(const double v[3], double V, const Pair *pair, double mu, 
     add_along(pair, mu * (V * pair->V * pair->F * along / mul_add(pair->r, pair->r, soft, how.fma)), how, l, sum);
 }
 
-/* The velocity was mirrored before (wall.c). */
 INLINE void radial_friction_pair(const double v[3], double V, const Pair *pair, const Sticking *wall, double soft,
                                  How how, int l, Lanes sum[3])
 {

@@ -124,16 +124,17 @@ INLINE void wall_velocity_row(const Row *row, Particles *s, const Model *model, 
             for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, w, b->v[d][l], how);
         }
     const double all = lanes_sum(&weight);
-    for (int d = 0; d < how.dim; d++)
-        s->v_wall[d][wall] = all > NOTHING_NEAR ? lanes_sum(&sum[d]) / all : s->v[d][row->i * s->v_step];
+    for (int d = 0; d < how.dim; d++) {
+        const double v = particles_surface_velocity(s, d, row->i);
+        s->v_wall[d][wall] = all > NOTHING_NEAR ? 2 * v - lanes_sum(&sum[d]) / all : v;
+    }
 }
 ROW_FUNCTIONS(wall_velocity_row)
 
 /* Along the normal of the wall's surface, from sum_f grad_w W V_f, always turned round; along the surface only where fluids stick. */
-INLINE void mirror(const Row *row, Particles *s, const Model *model, const double about[3], How how)
+INLINE void mirror(const Row *row, Particles *s, const double about[3], bool sticks, How how)
 {
     const size_t i = row->i, wall = i - particles_fluid(s);
-    const WallState *body = &model->wall[s->phase[i] - model->n_phases];
     Lanes weight = {0}, sum[3] = {0}, towards[3] = {0};
     for (const Block *b = row->block; b < row->block + row->n; b++)
 #pragma omp simd
@@ -154,24 +155,25 @@ INLINE void mirror(const Row *row, Particles *s, const Model *model, const doubl
         n2 += n[d] * n[d];
     }
     for (int d = 0; d < how.dim; d++) into += n2 > 0 ? (about[d] - v[d]) * n[d] / n2 : 0;
-    for (int d = 0; d < how.dim; d++) s->v_wall[d][wall] = body->no_slip ? 2 * about[d] - v[d] : v[d] + 2 * into * n[d];
+    for (int d = 0; d < how.dim; d++) s->v_wall[d][wall] = sticks ? 2 * about[d] - v[d] : v[d] + 2 * into * n[d];
 }
 
 INLINE void mirrored_velocity_row(const Row *row, Particles *s, const Model *model, How how)
 {
     double v[3] = {0};
-    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][row->i * s->v_step];
-    mirror(row, s, model, v, how);
+    for (int d = 0; d < how.dim; d++) v[d] = particles_surface_velocity(s, d, row->i);
+    mirror(row, s, v, model->wall[s->phase[row->i] - model->n_phases].no_slip, how);
 }
 ROW_FUNCTIONS(mirrored_velocity_row)
 
-/* Of a fluid that a wall has not yet pushed: what it has gained on it within the step, a flow at rest on the wall has not. */
+/* Of a fluid that a wall has not yet pushed: what it has gained on it within the step, a flow at rest on the wall has not. A belt neither pushes nor
+ * holds what the divergence is of: the fluid's own velocity goes on along it. */
 INLINE void mirrored_start_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const WallState *body = &model->wall[s->phase[row->i] - model->n_phases];
     double v[3] = {0};
     for (int d = 0; d < how.dim; d++) v[d] = s->v[d][row->i * s->v_step] - model->dt * body->a[d];
-    mirror(row, s, model, v, how);
+    mirror(row, s, v, body->no_slip && !body->has_belt, how);
 }
 ROW_FUNCTIONS(mirrored_start_row)
 
@@ -210,8 +212,8 @@ const Term wall_density = {
 
 const Term wall_velocity = {
     .name = "wall velocity",
-    .source = "Adami 2012 eq. 22",
-    .equation = "v~_w = sum_f W V_f v_f / sum_f W V_f",
+    .source = "Adami 2012 eq. 22, 23",
+    .equation = "v_w' = 2 v_w - v~, v~ = sum_f W V_f v_f / sum_f W V_f",
     .on = ON_WALL,
     .needed = is_viscous,
     .needs = NEED_W | NEED_V | NEED_STATE,

@@ -8,18 +8,19 @@
 #include "sim/terms/differences.h"
 #include "sim/terms/terms.h"
 
-/* Which velocities are continued: those of the fluid, or those that the projection sees, without the step's body forces and with its share of the walls'. */
+/* Which velocities are continued: those of the fluid, or those that the projection sees, without the step's body forces and with its share of the walls'.
+ * To these a belt is a wall along which they glide: it neither pushes nor holds what the divergence is of. */
 typedef enum Moves { MOVES_AS_IT_IS, MOVES_UNFORCED } Moves;
 
 INLINE void continue_velocity(const Row *row, Particles *s, const Model *model, Moves moves, How how)
 {
     const size_t i = row->i, wall = i - particles_fluid(s);
     const WallState *body = &model->wall[s->phase[i] - model->n_phases];
-    const double dt = moves == MOVES_UNFORCED ? model->dt : 0,
-                 share = moves == MOVES_UNFORCED ? model->differences.share : 1;
+    const bool unforced = moves == MOVES_UNFORCED, sticks = body->no_slip && !(unforced && body->has_belt);
+    const double dt = unforced ? model->dt : 0, share = unforced ? model->differences.share : 1;
     double n[3], u_0[3], depth2 = 0;
     for (int d = 0; d < how.dim; d++) {
-        u_0[d] = share * s->v[d][i * s->v_step];
+        u_0[d] = unforced ? share * s->v[d][i * s->v_step] : particles_surface_velocity(s, d, i);
         n[d] = s->to_surface[d][wall];
         depth2 += n[d] * n[d];
     }
@@ -52,7 +53,7 @@ INLINE void continue_velocity(const Row *row, Particles *s, const Model *model, 
     }
     for (int d = 0; d < how.dim; d++) along += depth2 > 0 ? (held[d] - glides[d]) * n[d] / depth2 : 0;
     for (int d = 0; d < how.dim; d++) {
-        const double u = body->no_slip ? held[d] : glides[d] + along * n[d];
+        const double u = sticks ? held[d] : glides[d] + along * n[d];
         s->v_wall[d][wall] = u_0[d] + u + dt * body_force_of(model, mixed(density, s->colour[i]), d);
     }
 }

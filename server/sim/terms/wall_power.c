@@ -94,7 +94,7 @@ INLINE void work_of_friction(const Row *row, Particles *s, const Model *model, H
             if (radial) radial_friction_pair(v, V, &pair, &wall, soft, how, l, force);
             else friction_pair(v, V, &pair, &wall, soft, how, l, force);
         }
-        add_power(force, b->v, how, &power);
+        add_surface_power(force, s, row, b, how, &power);
     }
     s->power[i] += (radial ? 2 * (how.dim + 2) : 1) * lanes_sum(&power);
 }

@@ -22,6 +22,19 @@ INLINE void add_wall_power(const Lanes force[3], const Particles *s, const Model
     add_power(force, v, how, power);
 }
 
+/* By those of the surfaces of a block of walls, which friction acts on. */
+INLINE void add_surface_power(const Lanes force[3], const Particles *s, const Row *row, const Block *b, How how,
+                              Lanes *power)
+{
+    const uint32_t *j = row_j(row, b);
+    double v[3][LANES];
+    for (int d = 0; d < how.dim; d++) {
+        for (int l = 0; l < LANES; l++) v[d][l] = particles_surface_velocity(s, d, j[l]);
+        if (are_images(row, b)) turn_component(row, b, d, v[d]);
+    }
+    add_power(force, v, how, power);
+}
+
 /* A term of it. */
 #define POWER(term, what, of, eq, when, pairs)                                                                         \
     const Term term = {.name = what,                                                                                   \
