@@ -3,7 +3,7 @@
 #include "sim/motion.h"
 #include "sim/probes/probes.h"
 
-enum { EVERY = 500 }; /* steps it is looked at, and at the end: the coverage takes as long as one */
+enum { EVERY = 300 }; /* steps it is looked at, and at the end: the coverage takes as long as one */
 
 static const double LEAST_COVERED = 0.3; /* sum of W V; of a domain that fluids fill */
 static const double MOST_ESCAPED = 0.01; /* of all fluid particles */

@@ -185,9 +185,11 @@ class Walls(RightAnswer):
                     self.assertLess(self.probes(case)["kinetic"].max(), most, (shape, slip, scheme))
 
     def test_a_thin_wall_is_refused_however_it_is_told(self) -> None:
-        for shape in ("{box: {min: [1, 0], max: [1.0625, 1]}}", "{cylinder: {start: [1.03125, 0.5], axis: z, radius: 0.6}}, {operation: intersect, box: {min: [1, 0], max: [1.0625, 1]}}",
+        for shape in ("{box: {min: [1, 0], max: [1.0625, 1]}}", "{cylinder: {from: [1, 0.5], to: [1.0625, 0.5], radius: 0.5}}",
+                      "{ball: {centre: [1.03125, 0.5], radius: 0.6}}, {operation: intersect, box: {min: [1, 0], max: [1.0625, 1]}}",
                       "{plate: {centre: [1.03125, 0.5], along: [0, 1], length: 1, thickness: 0.0625}}"):  # fmt: skip
-            self.assertIn("walls[1].shape", self.complaints(DAM.replace("FAR", "1.0625").replace("SHAPE", shape), code=65), shape)
+            said = self.complaints(DAM.replace("FAR", "1.0625").replace("SHAPE", shape), code=65)
+            self.assertRegex(said, r"walls\[1\]\.shape: dam is 0\.0[0-9]* m thick", shape)
 
     def test_a_thick_one_holds(self) -> None:
         kinetic = self.probes(DAM.replace("FAR", "1.1875").replace("SHAPE", "{box: {min: [1, 0], max: [1.1875, 1]}}"))["kinetic"]

@@ -28,9 +28,9 @@ static int warnings(const MnsSim *sim, const char *entry)
 /* Twice, at steps at which it looks. */
 static void look(MnsSim *sim)
 {
-    sim->progress.step = 500;
+    sim->progress.step = 300;
     losses_step(sim);
-    sim->progress.step = 1000;
+    sim->progress.step = 600;
     losses_step(sim);
 }
 
