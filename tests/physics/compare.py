@@ -372,6 +372,7 @@ def main() -> int:
     parser.add_argument("--case", choices=sorted({c.case for c in COMPARISONS.values()}), help="this one only")
     jobs.add_option(parser)
     options = parser.parse_args()
+    jobs.heed_signals()
     chosen = {title: c for title, c in COMPARISONS.items() if options.case in (None, c.case)}
     tasks = {(title, k): lambda c=c, scheme=scheme: row(c, *scheme)
              for title, c in chosen.items() for k, scheme in enumerate(c.schemes)}

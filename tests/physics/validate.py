@@ -5,7 +5,7 @@
 One line per metric: case, metric, value, reference, tolerance, PASS or MISS; the same as Markdown in tests/physics/RESULTS.md
 (RESULTS-paper.md at the papers' sizes). A run that is already in the build directory, made by the same program from the same
 case, is not run again: so what was interrupted goes on. With --changed only those cases are run of which a run's state after
-50 steps is another than recorded (states.txt): what a change of the program did not touch is not run.
+50 steps, or what scores it, is another than recorded (states.txt): what a change did not touch is not run.
 
 References: tests/reference (computed, see the head of each file); experiments are cited beside their numbers.
 """
@@ -16,6 +16,7 @@ import argparse
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -118,9 +119,11 @@ def score(name: str, paper: bool) -> Iterator[Metric]:
 
 
 def scored(name: str, paper: bool) -> tuple[list[Metric], states.Of]:
-    """The metrics, and of a reduced case the states of its runs after some steps."""
+    """The metrics, and of a reduced case what states.txt has of it."""
     metrics = list(score(name, paper))
-    return metrics, {} if paper else {asked: states.state_after(asked) for asked in SPENT.runs}
+    if paper or SPENT.own:
+        return metrics, {}
+    return metrics, {states.SCORING: states.scoring(CASES[name].score, SPENT.runs)} | {asked: states.state_after(asked) for asked in SPENT.runs}
 
 
 def estimates() -> None:
@@ -133,7 +136,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--case", choices=sorted(CASES), nargs="+", default=list(CASES), metavar="CASE", help="these only")
     parser.add_argument("--size", choices=("reduced", "paper"), default="reduced")
-    parser.add_argument("--changed", action="store_true", help="of those, the cases whose states after 50 steps are not the recorded ones")
+    parser.add_argument("--changed", action="store_true", help="of those, the cases whose states after 50 steps, or what scores them, are not as recorded")
     parser.add_argument("--list", action="store_true", help="print what the cases take on one processor, by estimate, and run none")
     jobs.add_option(parser)
     options = parser.parse_args()
@@ -141,22 +144,28 @@ def main() -> int:
         estimates()
         return 0
     paper = options.size == "paper"
+    jobs.heed_signals()
     takes = {name: 3600 * case.paper if paper else case.reduced for name, case in CASES.items()}
     report = Report(paper, Path(__file__).parent, takes)
-    chosen = states.changed(options.case, options.jobs, states.read()) if options.changed else options.case
+    scores = {name: case.score for name, case in CASES.items()}
+    chosen = states.changed(options.case, options.jobs, states.read(), scores) if options.changed else options.case
     if options.changed:
         print(f"# {len(options.case) - len(chosen)} of {len(options.case)} cases are in the states that were recorded", file=sys.stderr)
     longest_first = sorted(chosen, key=lambda name: -takes[name])  # so that none goes on alone for long
     tasks = {name: lambda name=name: scored(name, paper) for name in longest_first}
-    for name, (metrics, reached) in jobs.at_once(options.jobs, tasks):
-        for metric in metrics:
-            report.add(metric)
-        report.write()  # what there is so far is there if the rest is given up
-        if not paper:
-            states.note({name: reached}, list(CASES))
+    with closing(jobs.at_once(options.jobs, tasks)) as results:
+        for name, (metrics, reached) in results:
+            for metric in metrics:
+                report.add(metric)
+            report.write()  # what there is so far is there if the rest is given up
+            if not paper:
+                states.note({name: reached}, list(CASES))
     print(f"# {report.path.relative_to(ROOT)}", file=sys.stderr)
     return 0 if all(m.passed for m in report.metrics) else 1
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except KeyboardInterrupt:
+        sys.exit("# interrupted: the same command goes on, without the runs that are done")

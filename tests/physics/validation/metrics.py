@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from validation.runs import ROOT
+from validation.runs import ROOT, replace
 
 HEAD = "| case | metric | value | reference | tolerance | verdict | commit |"
 
@@ -115,4 +115,4 @@ class Report:
         command = "make validate SIZE=paper" if self.paper else "make validate"
         lines = ["# Validation" + (" at the papers' sizes" if self.paper else ""), "", f"Written by `{command}`.", "", HEAD]
         rows = self.rows()
-        self.path.write_text("\n".join([*lines, "|---" * 7 + "|", *rows, *self.missing(rows)]) + "\n")
+        replace(self.path, "\n".join([*lines, "|---" * 7 + "|", *rows, *self.missing(rows)]) + "\n")

@@ -16,10 +16,11 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+from validation import jobs
 
 ROOT = Path(__file__).resolve().parents[3]
 BUILD = Path(os.environ.get("BUILD", ROOT / "build")).resolve()
-DIVERGED, INTERRUPTED = 70, 75  # MNS_EXIT_DIVERGED and MNS_EXIT_AGAIN of <meniscus/exit.h>
+DIVERGED = 70  # MNS_EXIT_DIVERGED of <meniscus/exit.h>
 
 
 @dataclass
@@ -82,6 +83,13 @@ def read_snapshot(path: Path, fluids: int) -> Snapshot:
             file["VTKHDF/Points"][:][fluid], phase[fluid], **({"pressure": None} | fields))
 
 
+def replace(path: Path, text: str) -> None:
+    """Write a file, or leave it as it was."""
+    fresh = path.with_name(f".{path.name}.fresh")
+    fresh.write_text(text, encoding="utf-8")
+    fresh.replace(path)
+
+
 @functools.cache
 def program() -> bytes:
     """Of what the solver's program is linked from, but for the one object that has the name of the commit in it."""
@@ -116,16 +124,16 @@ def place(case: str, settings: list[str]) -> Path:
 
 
 def call(command: list[str], log: Path) -> tuple[int, str]:
-    """Exit code and summary of the batch program. The summary has the processor time as well, cpu_s: other programs lengthen it
-    less than the time on the wall."""
+    """Exit code and summary of the batch program. The summary has the exit code and the processor time as well, cpu_s: other programs
+    lengthen it less than the time on the wall."""
     environment = os.environ | {"MENISCUS_CASES": str(ROOT / "server/cases")}  # wherever BUILD is
     with open(log, "w", encoding="utf-8") as errors, \
-            subprocess.Popen(command, stdout=subprocess.PIPE, stderr=errors, text=True, env=environment) as process:
+            jobs.program(command, stdout=subprocess.PIPE, stderr=errors, text=True, env=environment) as process:
         summary = process.stdout.read()
         _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
     if summary:
-        summary = json.dumps(json.loads(summary) | {"cpu_s": usage.ru_utime + usage.ru_stime})
+        summary = json.dumps(json.loads(summary) | {"exit": process.returncode, "cpu_s": usage.ru_utime + usage.ru_stime})
     return process.returncode, summary
 
 
@@ -154,25 +162,25 @@ def run(case: str, *settings: str) -> Run:
 
 
 def made(directory: Path, mark: str, case: str, *settings: str) -> Run:
-    """In this directory, if what decides it has this mark."""
-    stamp = directory / "fingerprint"
+    """In this directory, if what decides it has this mark. A run that diverges does so again, so it is not made twice either."""
+    stamp, told_in = directory / "fingerprint", directory / "summary.json"
+    command = [str(BUILD / "meniscus"), "run", case, "--out", str(directory), "-o", "json"]
+    for setting in settings:
+        command += ["--set", setting]
     if not (stamp.exists() and stamp.read_text() == mark):
-        command = [str(BUILD / "meniscus"), "run", case, "--out", str(directory), "-o", "json"]
-        for setting in settings:
-            command += ["--set", setting]
         sys.stderr.write(f"# {' '.join(command[1:])}\n")
         subprocess.run(["rm", "-rf", str(directory)], check=True)
         directory.parent.mkdir(parents=True, exist_ok=True)
-        code, summary = call(command, Path(f"{directory}.log"))
-        if code == INTERRUPTED:
-            raise KeyboardInterrupt
-        SPENT.runs[case, *settings] = json.loads(summary)["cpu_s"] if summary else 0.0
-        if code:
-            raise subprocess.CalledProcessError(code, command, summary)
-        (directory / "summary.json").write_text(summary)
+        code, text = call(command, Path(f"{directory}.log"))
+        SPENT.runs[case, *settings] = json.loads(text)["cpu_s"] if text else 0.0
+        if not text or code not in (0, DIVERGED):
+            raise subprocess.CalledProcessError(code, command, text)
+        told_in.write_text(text)
         stamp.write_text(mark)
-    summary = json.loads((directory / "summary.json").read_text())
+    summary = json.loads(text := told_in.read_text())
     SPENT.runs[case, *settings] = summary["cpu_s"]
+    if summary.get("exit"):
+        raise subprocess.CalledProcessError(summary["exit"], command, text)
     return load(directory, summary)
 
 

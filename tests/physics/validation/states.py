@@ -1,25 +1,29 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which cases a change of the program has changed: each run's state after a few steps, by its hash, against the recorded one.
+"""Which cases a change has changed: each run's state after a few steps, by its hash, and what scores them, by the hash of its source, against
+the recorded ones.
 
-The record is states.txt beside the results: a line for each run of each case at reduced size, with the hash, the run's case and its settings.
+The record is states.txt beside the results. A case has a line with the hash of what scores it, and one for each of its runs at reduced size, with
+the hash, the run's case and its settings. A case that makes runs of its own, from files that it writes, has none, and is always run.
 """
 
 from __future__ import annotations
 
+import hashlib
 import os
 import subprocess
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
-from validation import jobs
-from validation.runs import BUILD, ROOT
+from validation import jobs, sources
+from validation.runs import BUILD, ROOT, replace
 
 STEPS = 50
 RECORD = Path(__file__).parents[1] / "states.txt"
 NONE = "none"  # for a hash, of a case that is refused
 
 Asked = tuple[str, ...]  # the run's case, and its settings
-Of = dict[Asked, str]  # the hash of each run
+SCORING: Asked = ()  # in place of a run: what scores them
+Of = dict[Asked, str]  # the hash of each
 Record = dict[str, Of]  # by the case that is scored
 
 
@@ -27,8 +31,16 @@ def state_after(asked: Asked) -> str:
     """The hash after STEPS steps."""
     command = [str(BUILD / "tests/physics/state_after"), asked[0], str(STEPS), *asked[1:]]
     environment = os.environ | {"MENISCUS_CASES": str(ROOT / "server/cases")}
-    done = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
-    return done.stdout.strip() or NONE
+    with jobs.program(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, env=environment) as process:
+        return process.communicate()[0].strip() or NONE
+
+
+def scoring(score: Callable, runs: Iterable[Asked]) -> str:
+    """The hash of what scores these runs, and of their cases, which say what is measured and until when: both may change without a state."""
+    sha = hashlib.sha256(sources.digest(score).encode())
+    for case in sorted({asked[0] for asked in runs}):
+        sha.update((ROOT / f"server/cases/{case}.yaml").read_bytes())
+    return sha.hexdigest()[:16]
 
 
 def read(path: Path = RECORD) -> Record:
@@ -43,12 +55,17 @@ def note(fresh: Record, order: Sequence[str], path: Path = RECORD) -> None:
     """Take over what these cases have asked for now; the others keep their lines."""
     record = read(path) | fresh
     lines = ["\t".join((name, state, *asked)) for name in order for asked, state in record.get(name, {}).items()]
-    path.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
+    replace(path, "".join(f"{line}\n" for line in lines))
 
 
-def changed(names: Iterable[str], processes: int, record: Mapping[str, Of]) -> list[str]:
-    """Those of the cases of which a run's state is another than recorded, or of which nothing is recorded."""
-    known = {asked: state for name in names for asked, state in record.get(name, {}).items()}
+def changed(names: Iterable[str], processes: int, record: Mapping[str, Of], scores: Mapping[str, Callable]) -> list[str]:
+    """Those of the cases of which a run's state, or what scores it, is not the recorded one, or of which nothing is recorded."""
+    known = {asked: state for name in names for asked, state in record.get(name, {}).items() if asked != SCORING}
     tasks = {asked: lambda asked=asked: state_after(asked) for asked in known}
     differs = {asked for asked, state in jobs.at_once(processes, tasks) if state != known[asked]}
-    return [name for name in names if name not in record or differs & set(record[name])]
+
+    def as_recorded(name: str) -> bool:
+        runs = record.get(name, {}).keys() - {SCORING}
+        return record.get(name, {}).get(SCORING) == scoring(scores[name], runs) and not differs & runs
+
+    return [name for name in names if not as_recorded(name)]
