@@ -12,6 +12,10 @@ endif
 ifneq ($(or $(filter /,$(abspath $(BUILD))),$(filter $(abspath $(BUILD))/%,$(CURDIR)/)),)
 $(error BUILD is $(BUILD), where the sources are, or above them: name a folder of its own, such as build)
 endif
+# What asked for all of the tests would be silently the short check.
+ifeq ($(origin ALL),command line)
+$(error ALL is gone: run make check CI=1 for what CI runs, or make nightly for all of the tests)
+endif
 # make comes with a CC of its own, so ?= would have no effect.
 ifeq ($(origin CC),default)
 CC        := gcc

@@ -32,8 +32,7 @@ static void wait_for_loading(Dialogue *dialogue)
     }
 }
 
-/* Ask for the wide case, and see it being loaded. */
-static void begin_loading(const Dialogue *dialogue, void *socket, uint8_t *id, uint64_t deadline_ms)
+static void ask_to_load(void *socket, uint8_t *id, uint64_t deadline_ms)
 {
     LoadRequest load;
     dialogue_load_init(&load, "wide", wide_case, NULL);
@@ -42,7 +41,13 @@ static void begin_loading(const Dialogue *dialogue, void *socket, uint8_t *id, u
     dialogue_seal(&load.request, id);
     dialogue_send(socket, &load.request);
     dialogue_load_done(&load);
-    wait_for_loading((Dialogue *)dialogue);
+}
+
+/* Ask for the wide case, and see it being loaded. */
+static void begin_loading(Dialogue *dialogue, void *socket, uint8_t *id)
+{
+    ask_to_load(socket, id, 0);
+    wait_for_loading(dialogue);
 }
 
 static void assert_ended(void *socket, const uint8_t *id, Meniscus__Code code, const char *part)
@@ -65,7 +70,7 @@ static void a_stop_ends_a_load_that_takes_long(void **state)
     Dialogue *dialogue = *state;
     uint8_t id[16];
     void *other = dialogue_connect(dialogue);
-    begin_loading(dialogue, other, id, 0);
+    begin_loading(dialogue, other, id);
     const double asked = steer_now();
     assert_int_equal(steer_code(dialogue, dialogue_stop()), MENISCUS__CODE__OK);
     assert_less(steer_now() - asked, SOON);
@@ -81,7 +86,7 @@ static void a_stop_ends_the_run_before_the_load_too(void **state)
     uint8_t id[16];
     void *other = dialogue_connect(dialogue);
     dialogue_load(dialogue, NULL);
-    begin_loading(dialogue, other, id, 0);
+    begin_loading(dialogue, other, id);
     assert_int_equal(steer_code(dialogue, dialogue_stop()), MENISCUS__CODE__OK);
     assert_ended(other, id, MENISCUS__CODE__ABORTED, "called off");
     Meniscus__Reply *reply = steer_status(dialogue);
@@ -115,7 +120,7 @@ static void a_load_that_is_cancelled_leaves_the_run_before_it(void **state)
     void *other = dialogue_connect(dialogue);
     dialogue_load(dialogue, NULL);
     steer_go(dialogue, 2);
-    begin_loading(dialogue, other, id, 0);
+    begin_loading(dialogue, other, id);
     const double asked = steer_now();
     assert_int_equal(cancel(dialogue, id), MENISCUS__CODE__OK);
     assert_less(steer_now() - asked, SOON);
@@ -132,7 +137,7 @@ static void cancelling_something_else_does_not_end_a_load(void **state)
     Meniscus__Request request;
     Meniscus__Cancel command;
     uint8_t cancel_id[16];
-    begin_loading(dialogue, other, id, 0);
+    begin_loading(dialogue, other, id);
     make_cancel(&request, &command, unknown);
     dialogue_seal(&request, cancel_id);
     dialogue_send(third, &request);
@@ -154,7 +159,7 @@ static void a_load_ends_at_its_deadline(void **state)
     uint8_t id[16];
     void *other = dialogue_connect(dialogue);
     const double asked = steer_now();
-    begin_loading(dialogue, other, id, 1000);
+    ask_to_load(other, id, 1000);
     assert_ended(other, id, MENISCUS__CODE__DEADLINE_EXCEEDED, "deadline");
     assert_less(steer_now() - asked, 1 + SOON);
     steer_stands_at(dialogue, MENISCUS__STATE__EMPTY, 0);
@@ -165,7 +170,7 @@ static void shutdown_does_not_wait_for_a_load(void **state)
     Dialogue *dialogue = *state;
     uint8_t id[16];
     void *other = dialogue_connect(dialogue);
-    begin_loading(dialogue, other, id, 0);
+    begin_loading(dialogue, other, id);
     const double asked = steer_now();
     assert_int_equal(steer_code(dialogue, dialogue_shutdown()), MENISCUS__CODE__OK);
     assert_less(steer_now() - asked, SOON);
@@ -179,7 +184,7 @@ static void a_signal_does_not_wait_for_a_load(void **state)
     Dialogue *dialogue = *state;
     uint8_t id[16];
     void *other = dialogue_connect(dialogue);
-    begin_loading(dialogue, other, id, 0);
+    begin_loading(dialogue, other, id);
     const double asked = steer_now();
     assert_int_equal(kill(dialogue->daemon, SIGTERM), 0);
     assert_ended(other, id, MENISCUS__CODE__ABORTED, "called off");

@@ -12,6 +12,7 @@ import unittest
 from pathlib import Path
 from typing import Any, Optional
 
+import h5py
 import numpy as np
 import zmq
 
@@ -97,10 +98,12 @@ class WithDaemon(DaemonTest):
     def test_snapshot_files_come_byte_for_byte(self) -> None:
         self.client.step(3)
         path = Path(self.client.snapshot().path)
-        with self.client.stream("snapshots", timeout=2) as stream:
+        whole = path.stat().st_size
+        with self.client.stream("snapshots") as stream:
             files: dict[str, bytes] = {}
-            for item in stream:
-                assert item.file
+            while len(files.get(path.name, b"")) < whole:
+                item = stream.next(60)
+                assert item and item.file
                 self.assertEqual(len(files.get(item.file, b"")), item.offset)
                 files[item.file] = files.get(item.file, b"") + bytes(item.data)
         self.assertEqual(files[path.name], path.read_bytes())
@@ -109,12 +112,20 @@ class WithDaemon(DaemonTest):
 
     def test_a_series_goes_on_behind_what_was_taken(self) -> None:
         def rows(since: Optional[meniscus.Cursor] = None) -> tuple[list[int], Optional[meniscus.Cursor]]:
-            with self.client.stream("series", since=since, timeout=1) as stream:
-                return [int(step) for item in stream for step in item["step"]], stream.cursor
+            """All that are in the file: the last of them ends it."""
+            with h5py.File(directory / "probes.hdf") as file:
+                last = int(file["step"][-1])
+            found: list[int] = []
+            with self.client.stream("series", since=since) as stream:
+                while last not in found:
+                    item = stream.next(60)
+                    assert item
+                    found += [int(step) for step in item["step"]]
+                return found, stream.cursor
 
         self.client.set({"output.probe_interval": 1e-3})
         self.client.run_until(0.02)
-        self.client.checkpoint()
+        directory = Path(self.client.checkpoint().path).parent
         first, cursor = rows()
         self.client.run_until(0.04)
         self.client.checkpoint()
@@ -168,7 +179,7 @@ class Misbehaving(threading.Thread):
         self.subscribed = self.resumed = self.cancelled = self.unsubscribed = 0
         self.granted = self.sent = self.sequence = self.offset = 0
         self.starts: list[pb.Cursor] = []
-        self.end = threading.Event()
+        self.end, self.waited_for = threading.Event(), threading.Event()
         self.context = zmq.Context()
         self.bind()
 
@@ -211,7 +222,8 @@ class Misbehaving(threading.Thread):
         self.sent = 0
         if request.HasField("resume"):
             self.resumed += 1
-            time.sleep(0.4 if self.manner == "slow" else 0)
+            if self.manner == "slow":
+                self.waited_for.wait(60)
             if self.manner == "forgotten":
                 reply.code = meniscus_pb2.NOT_FOUND
             self.sequence, self.offset = request.resume.sequence, request.resume.offset
@@ -304,12 +316,15 @@ class WithoutDaemon(unittest.TestCase):
 
     def test_an_answer_later_than_anybody_waits_is_that_to_the_one_request(self) -> None:
         daemon, stream = self.begin("slow")
-        came, in_vain = 0, 0
+        came, in_vain = 0, 0  # while there was no answer
         while came < 10:
+            asked = daemon.resumed == 1
             item = stream.next(0.05)
             if item:
                 self.check(item, came + 1)
-            came, in_vain = came + bool(item), in_vain + (item is None)
+            came, in_vain = came + bool(item), in_vain + (asked and item is None)
+            if in_vain > 2:
+                daemon.waited_for.set()
         self.assertGreater(in_vain, 2)
         self.assertEqual((daemon.subscribed, daemon.resumed), (1, 1))
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What is asked for by signals, and when twice means twice. */
+#include "base/clock.h"
 #include "base/signals.h"
 #include <setjmp.h>
 #include <signal.h>
@@ -40,12 +41,22 @@ static void a_checkpoint_can_be_asked_for_often(void **state)
     assert_false(((Signals *)*state)->leaving);
 }
 
+/* At once is within half a second: where the machine took longer between the two, it is tried again. */
 static void the_same_again_at_once_is_one_wish(void **state)
 {
-    raise(SIGTERM);
-    assert_int_equal(signals_take(*state), SIGNAL_LEAVE);
-    raise(SIGINT);
-    assert_int_equal(signals_take(*state), SIGNAL_NOTHING);
+    SignalWish again = SIGNAL_INSIST;
+    double took = 1;
+    for (int k = 0; k < 100 && took > 0.5; k++) {
+        assert_int_equal(end(state), 0);
+        assert_int_equal(begin(state), 0);
+        const double began = clock_now();
+        raise(SIGTERM);
+        assert_int_equal(signals_take(*state), SIGNAL_LEAVE);
+        raise(SIGINT);
+        again = signals_take(*state);
+        took = clock_now() - began;
+    }
+    assert_int_equal(again, SIGNAL_NOTHING);
 }
 
 static void later_it_is_meant(void **state)
