@@ -36,7 +36,7 @@ class Kept(unittest.TestCase):
         with h5py.File(directory / "probes.hdf", "w") as file:
             file["time"] = [0.0, 1.0]
             file["probes/front"] = [2.0, 3.0]
-        return self.code, json.dumps(self.summary | {"exit": self.code, "cpu_s": 1.5}) if self.summary else ""
+        return self.code, json.dumps(self.summary | {"exit_code": self.code, "cpu_s": 1.5}) if self.summary else ""
 
     def test_a_run_that_came_to_its_end(self) -> None:
         for _ in range(2):

@@ -124,7 +124,7 @@ def place(case: str, settings: list[str]) -> Path:
 
 
 def call(command: list[str], log: Path) -> tuple[int, str]:
-    """Exit code and summary of the batch program. The summary has the exit code and the processor time as well, cpu_s: other programs
+    """Exit code and summary of the batch program. The summary has the processor time as well, cpu_s: other programs
     lengthen it less than the time on the wall."""
     environment = os.environ | {"MENISCUS_CASES": str(ROOT / "server/cases")}  # wherever BUILD is
     with open(log, "w", encoding="utf-8") as errors, \
@@ -133,7 +133,7 @@ def call(command: list[str], log: Path) -> tuple[int, str]:
         _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
     if summary:
-        summary = json.dumps(json.loads(summary) | {"exit": process.returncode, "cpu_s": usage.ru_utime + usage.ru_stime})
+        summary = json.dumps(json.loads(summary) | {"exit_code": process.returncode, "cpu_s": usage.ru_utime + usage.ru_stime})
     return process.returncode, summary
 
 
@@ -179,8 +179,8 @@ def made(directory: Path, mark: str, case: str, *settings: str) -> Run:
         stamp.write_text(mark)
     summary = json.loads(text := told_in.read_text())
     SPENT.runs[case, *settings] = summary["cpu_s"]
-    if summary.get("exit"):
-        raise subprocess.CalledProcessError(summary["exit"], command, text)
+    if summary.get("exit_code"):
+        raise subprocess.CalledProcessError(summary["exit_code"], command, text)
     return load(directory, summary)
 
 
