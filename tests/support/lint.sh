@@ -43,33 +43,44 @@ layout() {
     printf '%s\n' "${sources[@]}" "${headers[@]}" | xargs -P "$(nproc)" -n 100 clang-format --dry-run -Werror
 }
 
-# What was found clean once is not looked at again: a file, as the compiler sees it, by this program with these checks.
+# What was found clean once is not looked at again: a file as clang sees it, with the comments of its headers (NOLINT), by this program and this
+# script, with the checks of all folders. A file that cannot be read so is looked at each time.
 clang_warns='-Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Wstrict-prototypes -Wmissing-prototypes -Wvla -Wpointer-arith'
 known() {
-    local words=() file
+    local words=() file seen stamp
     eval "words=($FLAGS)"
     for file; do
-        echo "$cache/$({ gcc -E -std=c17 -fopenmp "${words[@]}" "$file" && cat "$file" .clang-tidy "$cache/version"; } 2>/dev/null | sha256sum | cut -c1-64) $file"
+        stamp=none
+        if seen=$(set -o pipefail; clang -E -CC -std=c17 -fopenmp "${words[@]}" "$file" 2>/dev/null | sha256sum); then
+            stamp=$({ echo "$seen $file $checks" && cat "$file"; } | sha256sum | cut -c1-64)
+        fi
+        echo "$stamp $file"
     done
 }
 
 look_at() {
     local files=() stamps=() words=() file stamp
     while read -r stamp file; do
-        if [ ! -e "$stamp" ]; then files+=("$file") stamps+=("$stamp"); fi
+        if [ "$stamp" = none ]; then
+            files+=("$file")
+        elif [ ! -e "$cache/$stamp" ]; then
+            files+=("$file") stamps+=("$cache/$stamp")
+        fi
     done < <(known "$@")
     if [ ${#files[@]} -eq 0 ]; then return; fi
     eval "words=($FLAGS)"
     # On standard error it only counts what it does not show.
     # shellcheck disable=SC2086 # several words
-    clang-tidy --quiet "${files[@]}" -- -std=c17 -fopenmp $clang_warns "${words[@]}" 2>/dev/null && touch "${stamps[@]}"
+    clang-tidy --quiet "${files[@]}" -- -std=c17 -fopenmp $clang_warns "${words[@]}" 2>/dev/null &&
+        { [ ${#stamps[@]} -eq 0 ] || touch "${stamps[@]}"; }
 }
 
 tidy() {
     export clang_warns FLAGS=$flags cache=${XDG_CACHE_HOME:-$HOME/.cache}/meniscus/tidy
     export -f known look_at
     mkdir -p "$cache" && find "$cache" -type f -mtime +30 -delete
-    clang-tidy --version >"$cache/version"
+    checks=$({ find . -name .clang-tidy -not -path './build*' | sort | xargs cat && clang-tidy --version && echo "$flags" && cat tests/support/lint.sh; } | sha256sum)
+    export checks
     # In a second file of one process clang takes each va_list for one that was not begun.
     mapfile -t alone < <(grep -l va_list "${sources[@]}")
     mapfile -t together < <(grep -L va_list "${sources[@]}")
