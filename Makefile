@@ -155,7 +155,7 @@ others = $(filter-out $1,$(wildcard $(BUILD)/tests/unit/* $(BUILD)/tests/protoco
 tests: $(UNIT)
 	@rm -f $(call others,$(UNIT))
 # Where there can be races: the team of the solver, and the threads of the daemon.
-RACED := $(filter $(BUILD)/tests/protocol/% $(addprefix $(BUILD)/tests/unit/test_,build energy fault figures guard mailbox mirrors neighbours probe restart steer wall writer),$(UNIT))
+RACED := $(filter $(BUILD)/tests/protocol/% $(addprefix $(BUILD)/tests/unit/test_,belts build edges energy fault figures guard mailbox mirrors neighbours probe restart steer wall writer),$(UNIT))
 # What clang warns of is looked for in all of the tests.
 raced: all $(RACED) $(patsubst $(BUILD)/tests/%,$(BUILD)/obj/tests/%.o,$(UNIT))
 	@rm -f $(call others,$(RACED))

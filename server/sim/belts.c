@@ -16,7 +16,7 @@ static const double OFF = 1e-2, STEP = 1e-3; /* of places around a particle; to 
 static const double NEW_FACE = 0.1;          /* sine of the angle between normals from which on they are of two faces */
 static const double LOSS_MAX = 0.01;         /* of a face, beyond which it is said */
 static const double NONE = 1e-6;             /* what of a velocity along a surface is rounding */
-enum { MOMENTS = 65, FLAT_FACES_MAX = 64 };
+enum { MOMENTS = 65, BELT_FACES_MAX = 64 };
 
 /* Orthonormal. */
 typedef struct Normals {
@@ -131,7 +131,7 @@ static void look_straight(Search *search, const double x[3])
     }
 }
 
-/* How far it is out of the wall along a unit vector, and where that is; INFINITY: farther than anybody feels. */
+/* How far it is out of the wall along a unit vector, and where that is; INFINITY: beyond the reach of any fluid. */
 static double way_out(const MnsSim *sim, size_t k, const double x[3], const double to[3], double ret[3])
 {
     const double dx = sim->model.dx, reach = 2 * sim->model.kernel.support;
@@ -217,7 +217,7 @@ static Asked ask(const MnsSim *sim, size_t k)
     return asked;
 }
 
-/* A face of a wall: flat, or all of a part that is round. */
+/* A face of a wall that loses some of its velocity: flat, or all of a part that is round. */
 typedef struct BeltFace {
     size_t part, n; /* particles */
     bool round;
@@ -246,7 +246,7 @@ static void count_face(const MnsSim *sim, size_t k, const Touch *touch, double l
     const bool round = is_round(&sim->solid[k].shape->parts[part], touch->normal, sim->model.dim);
     size_t f = 0;
     while (f < *n && !is_of(&faces[f], part, round, touch)) f++;
-    if (f == FLAT_FACES_MAX) return;
+    if (f == BELT_FACES_MAX) return; /* there are not as many warnings */
     if (f == *n) {
         faces[(*n)++] = (BeltFace){.part = part, .round = round};
         memcpy(faces[f].normal, touch->normal, sizeof faces[f].normal);
@@ -278,7 +278,6 @@ static void warn_faces(MnsSim *sim, size_t k, const BeltFace *faces, size_t n)
     for (size_t f = 0; f < n; f++) {
         const BeltFace *face = &faces[f];
         double at[3];
-        if (!(face->lost > LOSS_MAX)) continue;
         for (int d = 0; d < 3; d++) at[d] = face->round ? face->where[d] : face->sum[d] / (double)face->n;
         for (int d = 0; d < 3; d++) at[d] = fabs(at[d]) < 1e-9 * sim->model.dx ? 0 : at[d];
         plan_warn(sim,
@@ -293,7 +292,7 @@ static MnsStatus judge(MnsSim *sim, size_t k, const Touch *touches, MnsError *er
 {
     const size_t first = sim->s.begin[GROUP_WALL];
     const Asked asked = ask(sim, k);
-    BeltFace faces[FLAT_FACES_MAX];
+    BeltFace faces[BELT_FACES_MAX];
     size_t n = 0, touched = 0;
     double most = 0;
     if (!(asked.most > 0)) return MNS_OK;
@@ -307,7 +306,7 @@ static MnsStatus judge(MnsSim *sim, size_t k, const Touch *touches, MnsError *er
         touched++;
         compare(along, &asked, &left, &lost);
         most = fmax(most, left);
-        if (touch->n == 1) count_face(sim, k, touch, lost, faces, &n);
+        if (touch->n == 1 && lost > LOSS_MAX) count_face(sim, k, touch, lost, faces, &n);
     }
     char at[64];
     snprintf(at, sizeof at, "walls[%zu].surface_velocity", k);
@@ -331,7 +330,7 @@ static size_t count_belts(const MnsSim *sim)
     return n;
 }
 
-/* Fill in who they are; particles of walls are as yet in the order of their ids. */
+/* Store their ids and indices; particles of walls are as yet in the order of their ids. */
 static void name_belts(MnsSim *sim, size_t *of)
 {
     size_t n = 0;

@@ -220,6 +220,7 @@ void energy_begin(MnsSim *sim)
     double sums[SUMS];
     if (!make_room(sim)) {
         account->known = false;
+        plan_tell(sim, "energy: no memory for its account: what a scheme makes of nothing would not be noticed");
         return;
     }
     if (!goes_on) memcpy(account->gravity, sim->model.gravity, sizeof account->gravity);
@@ -267,7 +268,7 @@ static void look(MnsSim *sim, const double sums[static SUMS])
                  excess = mns_sim_energy_excess(sim);
     if (!(excess > most) || sim->told.energy) return;
     sim->told.energy = true;
-    plan_warn(
+    plan_tell(
         sim,
         "energy: after step %llu the fluid has %.3g J more than it had and was given, %.2g %% of the largest of its "
         "kinetic energy and the change of its potential energy, allowed: %g %%. What follows is not to be trusted: a "
@@ -308,6 +309,7 @@ void energy_steered(MnsSim *sim, double before)
     keep(sim, sums);
     account->potential += potential(sim, sums) - held;
     account->work += whole_energy(sim, sums) - before;
+    account->power = sums[BY_WALLS];
 }
 
 double mns_sim_energy_excess(const MnsSim *sim)

@@ -17,7 +17,7 @@ void losses_step(MnsSim *sim)
     const double escaped = sim->told.escaped ? 0 : probe_escaped(&m), n = (double)particles_fluid(&sim->s);
     if (escaped > MOST_ESCAPED * n) {
         sim->told.escaped = true;
-        plan_warn(sim,
+        plan_tell(sim,
                   "domain: after step %llu %.0f of %.0f fluid particles are outside of it. Close its sides by walls, "
                   "or widen it",
                   (unsigned long long)sim->progress.step, escaped, n);
@@ -26,7 +26,7 @@ void losses_step(MnsSim *sim)
     const double covered = probe_coverage(&m);
     if (!(covered < LEAST_COVERED)) return;
     sim->told.bare = true;
-    plan_warn(sim,
+    plan_tell(sim,
               "coverage: after step %llu a place has only %.2g of the fluid that would fill it, allowed: %g: particles "
               "have left a void. Shifting, a higher background pressure or a finer resolution may close it",
               (unsigned long long)sim->progress.step, covered, LEAST_COVERED);

@@ -61,18 +61,33 @@ MnsStatus plan_check(const MnsSim *sim, const MnsCase *c, bool under_way, MnsErr
     return MNS_OK;
 }
 
+static void add_warning(MnsSim *sim, const char *format, va_list list)
+{
+    vsnprintf(sim->warning[sim->n_warnings++], sizeof *sim->warning, format, list);
+}
+
 void plan_warn(MnsSim *sim, const char *format, ...)
 {
-    if (sim->n_warnings == SIM_WARNINGS_MAX) return;
-    char *warning = sim->warning[sim->n_warnings++];
-    if (sim->n_warnings == SIM_WARNINGS_MAX) {
-        snprintf(warning, sizeof *sim->warning, "there is more to warn of than these %d: mend what they say first",
-                 SIM_WARNINGS_MAX - 1);
+    const size_t of_case = sim->n_warnings - sim->n_told;
+    if (of_case == SIM_WARNINGS_MAX) return;
+    if (of_case == SIM_WARNINGS_MAX - 1) {
+        snprintf(sim->warning[sim->n_warnings++], sizeof *sim->warning,
+                 "there is more to warn of than these %d: mend what they say first", SIM_WARNINGS_MAX - 1);
         return;
     }
     va_list list;
     va_start(list, format);
-    vsnprintf(warning, sizeof *sim->warning, format, list);
+    add_warning(sim, format, list);
+    va_end(list);
+}
+
+void plan_tell(MnsSim *sim, const char *format, ...)
+{
+    if (sim->n_told == SIM_TOLD_MAX) return; /* each is told once, and again only after a way back */
+    sim->n_told++;
+    va_list list;
+    va_start(list, format);
+    add_warning(sim, format, list);
     va_end(list);
 }
 

@@ -9,7 +9,7 @@
 #include "sim/solve/solve.h"
 #include <math.h>
 
-enum { SIM_TIMERS_MAX = SCHEME_PASSES_MAX + 6, SIM_WARNINGS_MAX = 16 };
+enum { SIM_TIMERS_MAX = SCHEME_PASSES_MAX + 6, SIM_WARNINGS_MAX = 16, SIM_TOLD_MAX = 8 };
 enum { SIM_BLOCK = 4096 }; /* particles that are summed up by one thread */
 enum { SIM_SUMS = 15 };    /* at most at once */
 enum { TIMER_NEIGHBOURS, TIMER_DRIFT, TIMER_KICK, TIMER_REST, TIMER_PASSES };
@@ -80,8 +80,8 @@ struct MnsSim {
     MnsTimer timers[SIM_TIMERS_MAX];
     size_t n_timers, timer_setup, timer_solve; /* of what methods set up, and of the rest; of schemes that project */
     MnsError fault;                            /* said again by every further step */
-    size_t n_warnings;
-    char warning[SIM_WARNINGS_MAX][256]; /* about the case, found when it was loaded or as it goes */
+    size_t n_warnings, n_told;                 /* all of them; of those, told as it goes */
+    char warning[SIM_WARNINGS_MAX + SIM_TOLD_MAX][512]; /* about the case, found when it was loaded or as it goes */
 };
 
 /* sim.c: a fault that further steps are refused for; returns its status */
@@ -101,8 +101,10 @@ void plan_look(MnsSim *sim);
 void plan_look_at_gradients(MnsSim *sim);
 void plan_look_at_averages(MnsSim *sim);
 
-/* plan.c: one more warning, the entry of the case first; where there are too many, the last says so */
+/* plan.c: one more warning of the case, the entry first; where there are too many, the last says so. And one of what has happened, for which there is room of
+ * its own */
 void plan_warn(MnsSim *sim, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void plan_tell(MnsSim *sim, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* check.c: number of particles along d, and the spacing stretched to fit */
 size_t case_fit(const MnsCase *c, int d, double *ret_spacing);

@@ -24,7 +24,7 @@ thread)
 esac
 export OMP_WAIT_POLICY=passive OMP_NUM_THREADS=${OMP_NUM_THREADS:-2} MENISCUS_SANITIZED=$1 CMOCKA_MESSAGE_OUTPUT=STDOUT
 
-# Those that take longest come first.
+# Those of the protocol wait for daemons, and come first.
 programs() {
     local program name
     for program in "$BUILD"/tests/protocol/* "$BUILD"/tests/unit/*; do

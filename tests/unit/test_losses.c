@@ -109,6 +109,24 @@ static void a_void_is_told(void **state)
     }
 }
 
+/* Though the case has left no room for more to warn of. */
+static void it_is_told_after_all_that_there_was_to_warn_of(void **state)
+{
+    (void)state;
+    MnsCase *c = case_blank(2, 16);
+    c->scheme.name = "riemann";
+    case_add_fluid(c, "water", 1000, 20);
+    case_add_part(&c->fluids[0].shape, MNS_BOX);
+    c->fluids[0].shape.parts[0].b[0] = c->fluids[0].shape.parts[0].b[1] = 1;
+    for (int k = 0; k < 2 * SIM_WARNINGS_MAX; k++) case_add_probe(c, MNS_PROBE_PRESSURE)->at[0] = 100 + k;
+    MnsSim *sim = sim_in_arrays(c);
+    for (size_t i = 0; i < 3; i++) sim->s.x[0][i] = 1.5;
+    look(sim);
+    assert_int_equal(warnings(sim, "there is more"), 1);
+    assert_int_equal(warnings(sim, "domain: after"), 1);
+    sim_done(sim, c);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -116,6 +134,7 @@ int main(void)
         cmocka_unit_test(what_is_outside_at_the_end_is_told),
         cmocka_unit_test(a_tank_that_moves_loses_nothing),
         cmocka_unit_test(a_void_is_told),
+        cmocka_unit_test(it_is_told_after_all_that_there_was_to_warn_of),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -95,7 +95,7 @@ static void look_at_density(MnsSim *sim)
     const Solved *solved = &sim->solved;
     const double allowed = sim->model.projection.density_tolerance;
     if (!(solved->density_error > allowed) || sim->uncorrected++) return;
-    plan_warn(
+    plan_tell(
         sim,
         "scheme.%s.density_tolerance: step %llu leaves densities off by %.3g, not %.3g, after %u corrections; status "
         "counts such steps. Raise density_corrections or density_patience, or, where walls do not fit, the resolution",

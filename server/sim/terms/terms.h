@@ -9,7 +9,7 @@
 extern const Term viscosity;            /* viscosity.c: between fluids, by the velocity of a pair */
 extern const Term wall_friction;        /* viscosity.c: of walls without slip */
 extern const Term wall_pressure;        /* wall.c: what a wall shows to each fluid */
-extern const Term wall_velocity;        /* wall.c: of the fluid, extrapolated into a wall */
+extern const Term wall_velocity;        /* wall.c: mirrored at a wall without slip */
 extern const Term mirrored_velocity;    /* wall.c: of the fluid's image in a wall */
 extern const Term shepard_sum;          /* shepard.c: of W V */
 extern const Term continuity;           /* continuity.c: of densities */
