@@ -60,6 +60,13 @@ static bool is_mirror(const MnsSim *sim, int side)
     return open;
 }
 
+/* Has gravity no part along d, ever? */
+static bool is_weightless(const Formula *gravity)
+{
+    const double t = 0;
+    return formula_is_constant(gravity) && formula_eval(gravity, &t) == 0;
+}
+
 static bool any_slips(const MnsSim *sim)
 {
     for (size_t k = 0; k < sim->model.n_walls; k++)
@@ -67,16 +74,28 @@ static bool any_slips(const MnsSim *sim)
     return false;
 }
 
-unsigned mirrors_find(const MnsSim *sim)
+unsigned mirrors_find(const MnsSim *sim, Formula *const gravity[3])
 {
     const Model *model = &sim->model;
     unsigned mirrors = 0;
     for (int side = 0; side < 2 * model->dim && any_slips(sim); side++)
-        if (is_mirror(sim, side)) mirrors |= 1u << side;
+        if ((sim->scheme->floors_mirror || is_weightless(gravity[side / 2])) && is_mirror(sim, side))
+            mirrors |= 1u << side;
     for (int d = 0; d < model->dim; d++)
         if ((mirrors >> 2 * d & 3) == 3 && model->max[d] - model->min[d] < model->kernel.support)
             mirrors &= ~(3u << 2 * d);
     return mirrors;
+}
+
+bool mirrors_have(const Model *model, const Face *face)
+{
+    for (int d = 0; d < model->dim; d++) {
+        const int side = face->normal[d] > 0 ? 2 * d : 2 * d + 1;
+        const double at = face->point[d] + model->wall[face->wall].x[d];
+        if (!(model->mirrors >> side & 1) || !(fabs(face->normal[d]) > 1 - 1e-9)) continue;
+        if (fabs(model_inside(model, side, at)) < FLUSH * model->dx) return true;
+    }
+    return false;
 }
 
 /* --- who is near them ------------------------------------------------------------------------------------------------------- */
@@ -199,6 +218,19 @@ static Block *next(const Growing *g, size_t *ret_lane)
     return g->row->block + g->n / LANES;
 }
 
+/* Component d of all vectors of a pair. */
+static void turn(Block *b, size_t l, int d, const RowPlan *plan)
+{
+    b->v[d][l] = -b->v[d][l];
+    if (plan->needs & NEED_FLUX) { /* which is where others have gradients and normals */
+        double *flux = FLUX_OF(b, d, plan->s->dim);
+        flux[l] = -flux[l];
+        return;
+    }
+    b->gradient[d][l] = -b->gradient[d][l];
+    b->normal[d][l] = -b->normal[d][l];
+}
+
 /* The image by these sides of a pair of the row, or of the particle itself; nothing where it is out of reach. Positions are those of the
  * bundles, as the pass may move particles. */
 static void append_image(Growing *g, unsigned these, const Block *from, size_t k, uint32_t j, size_t source)
@@ -219,10 +251,7 @@ static void append_image(Growing *g, unsigned these, const Block *from, size_t k
     else copy_own(b, l, g->plan, j);
     for (int d = 0; d < s->dim; d++) {
         b->x[d][l] = x[d];
-        if (!(these >> 2 * d & 3)) continue;
-        b->v[d][l] = -b->v[d][l];
-        b->gradient[d][l] = -b->gradient[d][l];
-        b->normal[d][l] = -b->normal[d][l];
+        if (these >> 2 * d & 3) turn(b, l, d, g->plan);
     }
     b->r[l] = r;
     g->row->j[g->n] = j;
@@ -285,15 +314,17 @@ static size_t fill_block_up(Growing *g)
 
 static void find_kernels(const Growing *g, size_t first, size_t last)
 {
-    for (Block *b = g->row->block + first; b < g->row->block + last; b++)
-        kernel_eval(&g->plan->model->kernel, LANES, b->r, b->W, b->F);
+    const Kernel *kernel = &g->plan->model->kernel;
+    for (Block *b = g->row->block + first; b < g->row->block + last; b++) {
+        kernel_eval(kernel, LANES, b->r, b->W, b->F);
+        if (g->plan->needs & NEED_BEND) kernel_bend(kernel, LANES, b->r, b->bend);
+    }
 }
 
 void mirrors_add(Row *ret, const Row *row, const RowPlan *plan)
 {
     const Particles *s = plan->s;
     Growing g = {.row = ret, .plan = plan, .n = row->n_fluid * LANES};
-    assert(!(plan->needs & (NEED_BEND | NEED_FLUX))); /* no scheme with mirrors has them */
     for (int d = 0; d < s->dim; d++) g.x[d] = s->x[d][row->i * s->x_step];
     const unsigned near = near_to(plan->model, g.x, plan->model->kernel.support);
     ret->i = row->i;

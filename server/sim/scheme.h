@@ -107,7 +107,7 @@ typedef struct Scheme {
     bool projects;           /* solves for the pressure: particles have a system for it */
     bool symmetric;          /* its matrices are */
     bool corrects_density;   /* by a second pressure */
-    bool mirrors;            /* sides of the domain along which fluid slips are mirrors to all its terms */
+    bool floors_mirror;      /* images have the pressure of their depth: sides across gravity are mirrors too (mirrors.h) */
     double energy_excess;    /* that is not warned of (energy.c); 0: 0.01 */
     double arithmetic_ratio; /* of densities, up to which arithmetic averages hold; 0: any */
     double tension_ratio;    /* of densities, up to which its tension holds a drop at rest; 0: any */

@@ -140,7 +140,7 @@ MnsStatus setup_model(MnsSim *sim, MnsError *error)
         if (!status) shape_repeat(&sim->solid[k], sim->model.period);
     }
     if (!status) status = find_faces(sim, error);
-    if (!status && sim->scheme->mirrors) sim->model.mirrors = mirrors_find(sim);
+    if (!status) sim->model.mirrors = mirrors_find(sim, sim->gravity);
     for (size_t k = 0; k < c->n_probes && !status; k++)
         if (probe_kind(&c->probes[k])->uses & PROBE_FORMULA)
             status = formula_team_init(&sim->probe_formula[k], sim->threads, c->probes[k].formula, XYZT, constants.list,

@@ -6,6 +6,7 @@
 #include "sim/gravity.h"
 #include "sim/home.h"
 #include "sim/integrator.h"
+#include "sim/mirrors.h"
 #include "sim/motion.h"
 #include <math.h>
 #include <stdio.h>
@@ -139,13 +140,15 @@ static Model model_of(const MnsSim *sim, const MnsCase *c)
     return model;
 }
 
-/* Lists for another number of threads, built from the same positions: no particle moves. */
-static MnsStatus build_lists(MnsSim *sim, const MnsCase *c, int threads, Neighbours *fresh, MnsError *error)
+/* Lists for another number of threads or other mirrors, built from the same positions: no particle moves. */
+static MnsStatus build_lists(MnsSim *sim, const MnsCase *c, int threads, unsigned mirrors, Neighbours *fresh,
+                             MnsError *error)
 {
-    const Model model = model_of(sim, c);
+    Model model = model_of(sim, c);
+    model.mirrors = mirrors;
     const MnsStatus status =
         neighbours_init(fresh, sim->s.n, sim->s.dim, scheme_needs(sim->scheme, &model), threads, error);
-    return status ? status : neighbours_build(fresh, &sim->s, &sim->model, error);
+    return status ? status : neighbours_build(fresh, &sim->s, &model, error);
 }
 
 /* Room for what terms write and ask their neighbours for that were not needed before. */
@@ -224,7 +227,7 @@ MnsStatus mns_sim_check_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
 static bool same_push(const Model *a, const Model *b)
 {
     const Differences *p = &a->differences, *q = &b->differences;
-    if (!same_vector(a->gravity, b->gravity)) return false;
+    if (!same_vector(a->gravity, b->gravity) || a->mirrors != b->mirrors) return false;
     for (size_t k = 0; k < a->n_phases; k++)
         if (a->phase[k].p_b != b->phase[k].p_b || a->phase[k].summation != b->phase[k].summation) return false;
     return a->limiter == b->limiter && a->transport_stress == b->transport_stress &&
@@ -247,8 +250,9 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
     if (!status && !home_leave(&sim->s, sim->threads))
         status = mns_fail(error, MNS_E_MEMORY, "no memory for %zu particles", sim->s.n);
     if (!status) status = add_fields(sim, c, error);
-    const bool sorts = !status && threads != sim->threads;
-    if (sorts) status = build_lists(sim, c, threads, &lists, error);
+    const unsigned mirrors = status ? before.mirrors : mirrors_find(sim, gravity);
+    const bool sorts = !status && (threads != sim->threads || mirrors != before.mirrors);
+    if (sorts) status = build_lists(sim, c, threads, mirrors, &lists, error);
     if (status) {
         free_gravity(gravity);
         neighbours_done(&lists);
@@ -265,6 +269,7 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
         sim->threads = threads;
     }
     sim->c = c;
+    sim->model.mirrors = mirrors;
     setup_options(sim, c);
     give_up_fields(sim);
     for (size_t k = 0; k < c->n_walls; k++) sim->solid[k].shape = &c->walls[k].shape;

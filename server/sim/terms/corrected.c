@@ -106,6 +106,18 @@ INLINE void gather_corrections(const Particles *s, const uint32_t *j, How how, C
     }
 }
 
+/* As images have them: an element between two directions changes its sign if one of them is turned. */
+INLINE void turn_corrections(const Row *row, const Block *b, How how, Corrections *M)
+{
+    turn_component(row, b, 0, M->xy);
+    turn_component(row, b, 1, M->xy);
+    if (how.dim == 2) return;
+    turn_component(row, b, 0, M->xz);
+    turn_component(row, b, 2, M->xz);
+    turn_component(row, b, 1, M->yz);
+    turn_component(row, b, 2, M->yz);
+}
+
 INLINE Symmetric lane_correction(const Corrections *M, int l, How how)
 {
     Symmetric ret = {M->xx[l], M->yy[l], M->xy[l], 1, 0, 0};
@@ -153,6 +165,7 @@ INLINE void corrected_pressure_row(const Row *row, Particles *s, const Model *mo
     for (const Block *b = row->block; b < walls; b++) {
         Corrections M;
         gather_corrections(s, row_j(row, b), how, &M);
+        if (are_images(row, b)) turn_corrections(row, b, how, &M);
         double repulsion[LANES] = {0};
         if (row->mixed)
             for (int l = 0; l < LANES; l++) repulsion[l] = beta * b->other[l];
@@ -193,7 +206,7 @@ INLINE void corrected_power_row(const Row *row, Particles *s, const Model *model
             const Pair pair = block_pair(b, l, how);
             corrected_push(&M_i, &PLAIN, &pair, p, shown_by(&shown, j[l]), V, how, l, force);
         }
-        add_wall_power(force, s, model, j, how, &power);
+        add_wall_power(force, row, b, s, model, how, &power);
     }
     s->power[i] -= lanes_sum(&power);
 }

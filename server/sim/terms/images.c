@@ -5,6 +5,7 @@
  *   x_i - x_j' = x_ij + 2 (a - e . x_ij) e,   n_j' = n_j - 2 (e . n_j) e,   e normal of the wall, a = e . (x_i - x_wall)
  * An interface that meets a wall then does so at 90 degrees. Walls that are not flat have no images. */
 #include "sim/terms/images.h"
+#include "sim/mirrors.h"
 #include <math.h>
 #include <string.h>
 
@@ -55,6 +56,7 @@ static int find_mirrors(const Row *row, const Particles *s, const Model *model, 
     int n = 0;
     for (size_t k = 0; k < model->n_faces; k++) {
         const Face *face = &model->face[k];
+        if (mirrors_have(model, face)) continue; /* its images are in the row */
         Mirror mirror = {.away = 0};
         for (int d = 0; d < dim; d++) {
             const double x = s->x[d][row->i * s->x_step] - face->point[d] - model->wall[face->wall].x[d];

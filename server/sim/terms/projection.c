@@ -306,7 +306,7 @@ INLINE void projected_power_row(const Row *row, Particles *s, const Model *model
             const double F = pair.F < model->projection.faint ? pair.F : 0;
             add_along(&pair, facing(V, pair.V, F) * (share * (P[j[l]] - P[i]) + P[i]), how, l, force);
         }
-        add_wall_power(force, s, model, j, how, &power);
+        add_wall_power(force, row, b, s, model, how, &power);
     }
     if (model->dt > 0) s->power[i] += lanes_sum(&power) / model->dt;
 }

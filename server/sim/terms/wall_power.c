@@ -21,7 +21,7 @@ INLINE void pressure_power(const Row *row, Particles *s, const Model *model, How
             const Pair pair = block_pair(b, l, how);
             pressure_wall(&a, &pair, shown_by(&shown, j[l]), how, l, force, weights);
         }
-        add_wall_power(force, s, model, j, how, &power);
+        add_wall_power(force, row, b, s, model, how, &power);
     }
     s->power[row->i] -= lanes_sum(&power);
 }
@@ -51,7 +51,7 @@ INLINE void surface_power_row(const Row *row, Particles *s, const Model *model, 
             const Pair pair = block_pair(b, l, how);
             add_along(&pair, V * model->cell_volume * (P[i] + P[j[l]]) * pair.F, how, l, force);
         }
-        add_wall_power(force, s, model, j, how, &power);
+        add_wall_power(force, row, b, s, model, how, &power);
     }
     if (model->dt > 0) s->power[i] -= lanes_sum(&power) / model->dt;
 }
@@ -68,7 +68,7 @@ INLINE void riemann_power_row(const Row *row, Particles *s, const Model *model, 
             const Pair pair = block_pair(b, l, how);
             riemann_momentum_wall(&a, &pair, side_wall_pressure(&a, j[l]), how, l, force);
         }
-        add_wall_power(force, s, model, j, how, &power);
+        add_wall_power(force, row, b, s, model, how, &power);
     }
     s->power[row->i] -= 2 * lanes_sum(&power);
 }
@@ -89,6 +89,7 @@ INLINE void work_of_friction(const Row *row, Particles *s, const Model *model, H
         Sticking wall;
         Lanes force[3] = {0};
         sticking_of(s, model, row_j(row, b), mu, how, &wall);
+        for (int d = 0; d < how.dim && are_images(row, b); d++) turn_component(row, b, d, wall.v[d]);
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
             if (radial) radial_friction_pair(v, V, &pair, &wall, soft, how, l, force);

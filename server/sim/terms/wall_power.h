@@ -12,13 +12,15 @@ INLINE void add_power(const Lanes force[3], const double v[3][LANES], How how, L
         for (int l = 0; l < LANES; l++) add_product(power, l, force[d].of[l], v[d][l], how);
 }
 
-/* By the velocities of the walls that wall particles j are of, without those of their surfaces. */
-INLINE void add_wall_power(const Lanes force[3], const Particles *s, const Model *model, const uint32_t *j, How how,
-                           Lanes *power)
+/* By the velocities of the walls that the wall particles of a block are of, without those of their surfaces. */
+INLINE void add_wall_power(const Lanes force[3], const Row *row, const Block *b, const Particles *s, const Model *model,
+                           How how, Lanes *power)
 {
+    const uint32_t *j = row_j(row, b);
     double v[3][LANES];
     for (int l = 0; l < LANES; l++)
         for (int d = 0; d < how.dim; d++) v[d][l] = model->wall[s->phase[j[l]] - model->n_phases].v[d];
+    for (int d = 0; d < how.dim && are_images(row, b); d++) turn_component(row, b, d, v[d]);
     add_power(force, v, how, power);
 }
 
