@@ -196,18 +196,25 @@ static void copy_pair(Block *to, size_t l, const Block *from, size_t k)
     for (size_t q = 0; q < ARRAYS; q++) its[q][l] = mine[q][k];
 }
 
-/* What a particle would fetch of itself. */
-static void copy_own(Block *to, size_t l, const RowPlan *plan, size_t i)
+/* What bundle k has of j, in lane l. */
+INLINE void fetch_one(Block *to, size_t l, const double (*bundle)[4], uint32_t j, int dim, int k)
 {
-    const int dim = plan->s->dim;
-    for (int k = 0; k < BUNDLES; k++) {
-        if (k > 0 && !(plan->needs & bundle_meets(dim, k))) continue;
-        for (int q = 0; q < 4; q++) {
-            double *at = place(to, BUNDLE_LAYOUT[dim - 2][k][q]);
-            if (at) at[l] = plan->nb->bundles.data[k][i][q];
-        }
-    }
-    to->other[l] = 0;
+    const uint8_t *what = BUNDLE_LAYOUT[dim - 2][k];
+    double *const at[4] = {place(to, what[0]), place(to, what[1]), place(to, what[2]), place(to, what[3])};
+    if (at[0]) at[0][l] = bundle[j][0];
+    if (at[1]) at[1][l] = bundle[j][1];
+    if (at[2]) at[2][l] = bundle[j][2];
+    if (at[3]) at[3][l] = bundle[j][3];
+}
+
+/* All that is needed of j, as rows have it. */
+INLINE void fetch(Block *to, size_t l, const RowPlan *plan, uint32_t j, int dim)
+{
+    const Bundles *bundles = &plan->nb->bundles;
+    fetch_one(to, l, bundles->data[0], j, dim, 0);
+    if (plan->needs & bundle_meets(dim, 1)) fetch_one(to, l, bundles->data[1], j, dim, 1);
+    if (plan->needs & bundle_meets(dim, 2)) fetch_one(to, l, bundles->data[2], j, dim, 2);
+    if (plan->needs & bundle_meets(dim, 3)) fetch_one(to, l, bundles->data[3], j, dim, 3);
 }
 
 /* The place of the next pair. */
@@ -231,31 +238,32 @@ static void turn(Block *b, size_t l, int d, const RowPlan *plan)
     b->normal[d][l] = -b->normal[d][l];
 }
 
-/* The image by these sides of a pair of the row, or of the particle itself; nothing where it is out of reach. Positions are those of the
- * bundles, as the pass may move particles. */
-static void append_image(Growing *g, unsigned these, const Block *from, size_t k, uint32_t j, size_t source)
+/* The image by these sides of j, of which `from` is the pair k of the row, NULL for the particle itself; nothing where it is out of reach.
+ * Positions are those of the bundles, as the pass may move particles. */
+static void append_image(Growing *g, unsigned these, const Block *from, size_t k, uint32_t j)
 {
-    const Particles *s = g->plan->s;
-    const Model *model = g->plan->model;
+    const RowPlan *plan = g->plan;
+    const int dim = plan->s->dim;
     double x[3] = {0, 0, 0}, r2 = 0;
-    for (int d = 0; d < s->dim; d++) {
-        x[d] = from ? from->x[d][k] : 0;
-        if (these >> 2 * d & 3) x[d] = apart(model, these, d, g->x[d], g->plan->nb->bundles.data[0][j][d]);
+    for (int d = 0; d < dim; d++) {
+        x[d] = from ? from->x[d][k % LANES] : 0;
+        if (these >> 2 * d & 3) x[d] = apart(plan->model, these, d, g->x[d], plan->nb->bundles.data[0][j][d]);
         r2 += x[d] * x[d];
     }
     const double r = sqrt(r2);
-    if (!(r < model->kernel.support)) return;
+    if (!(r < plan->model->kernel.support)) return;
     size_t l;
     Block *b = next(g, &l);
-    if (from) copy_pair(b, l, from, k);
-    else copy_own(b, l, g->plan, j);
-    for (int d = 0; d < s->dim; d++) {
+    if (dim == 2) fetch(b, l, plan, j, 2);
+    else fetch(b, l, plan, j, 3);
+    for (int d = 0; d < dim; d++) {
         b->x[d][l] = x[d];
-        if (these >> 2 * d & 3) turn(b, l, d, g->plan);
+        if (these >> 2 * d & 3) turn(b, l, d, plan);
     }
     b->r[l] = r;
+    b->other[l] = from ? from->other[k % LANES] : 0;
     g->row->j[g->n] = j;
-    g->row->source[g->n] = (uint16_t)source;
+    g->row->source[g->n] = (uint16_t)(from ? k : OWN_IMAGE);
     g->row->turned[g->n++] = (uint8_t)these;
 }
 
@@ -267,6 +275,38 @@ static bool is_inside(const Model *model, unsigned these, const double x[3])
     return true;
 }
 
+/* An image by these sides, from where a particle is: x_ij' = by + keeps x_ij along each direction. */
+typedef struct Way {
+    double by[3], keeps[3];
+} Way;
+
+static Way way_of(const Model *model, unsigned these, const double x[3])
+{
+    Way way = {{0, 0, 0}, {1, 1, 1}};
+    for (int side = 0; side < SIDES; side++) {
+        if (!(these >> side & 1)) continue;
+        const double away = 2 * model_inside(model, side, x[side / 2]);
+        way.by[side / 2] = side % 2 ? -away : away;
+        way.keeps[side / 2] = -1;
+    }
+    return way;
+}
+
+/* Which pairs of a block are in reach and have an image that is, but for rounding; a bit each. */
+static unsigned within(const Block *b, const Way *way, int dim, double support)
+{
+    double r2[LANES] = {0};
+    for (int d = 0; d < dim; d++)
+        for (int l = 0; l < LANES; l++) {
+            const double x = way->by[d] + way->keeps[d] * b->x[d][l];
+            r2[l] += x * x;
+        }
+    unsigned ret = 0;
+    for (int l = 0; l < LANES; l++)
+        ret |= (unsigned)(b->r[l] < support && r2[l] < 1.0001 * support * support) << l;
+    return ret;
+}
+
 /* Of the pairs of blocks [first, last). */
 static void append_images(Growing *g, unsigned near, size_t first, size_t last, bool own)
 {
@@ -274,25 +314,42 @@ static void append_images(Growing *g, unsigned near, size_t first, size_t last, 
     const Model *model = g->plan->model;
     for (unsigned these = 1; these <= ALL_SIDES; these++) {
         if (!is_image(these, near)) continue;
-        if (own && is_inside(model, these, g->x)) append_image(g, these, NULL, 0, (uint32_t)row->i, OWN_IMAGE);
-        for (size_t k = first * LANES; k < last * LANES; k++) {
-            const Block *b = row->block + k / LANES;
-            if (b->r[k % LANES] < model->kernel.support) append_image(g, these, b, k % LANES, row->j[k], k);
-        }
+        const Way way = way_of(model, these, g->x);
+        if (own && is_inside(model, these, g->x)) append_image(g, these, NULL, 0, (uint32_t)row->i);
+        for (size_t b = first; b < last; b++)
+            for (unsigned left = within(row->block + b, &way, model->dim, model->kernel.support); left;
+                 left &= left - 1) {
+                const size_t k = b * LANES + (size_t)__builtin_ctz(left);
+                append_image(g, these, row->block + b, k, row->j[k]);
+            }
     }
 }
 
-static void append_walls(Growing *g, const Row *from)
+/* Walls that are not behind a mirror, put by: images of fluid go where they are. */
+typedef struct Walls {
+    size_t n;
+    uint32_t j[PICKED_MAX];
+    Block block[ROW_BLOCKS];
+} Walls;
+
+static void put_by(Walls *walls, const Row *row, const RowPlan *plan)
 {
-    const Particles *s = g->plan->s;
-    const Model *model = g->plan->model;
-    for (size_t k = from->n_fluid * LANES; k < from->n * LANES; k++) {
-        const Block *b = from->block + k / LANES;
+    walls->n = 0;
+    for (size_t k = row->n_fluid * LANES; k < row->n * LANES; k++) {
+        const Block *b = row->block + k / LANES;
+        if (!(b->r[k % LANES] < plan->model->kernel.support) || mirrors_hide(plan->model, plan->s, row->j[k])) continue;
+        copy_pair(walls->block + walls->n / LANES, walls->n % LANES, b, k % LANES);
+        walls->j[walls->n++] = row->j[k];
+    }
+}
+
+static void append_walls(Growing *g, const Walls *walls)
+{
+    for (size_t k = 0; k < walls->n; k++) {
         size_t l;
-        if (!(b->r[k % LANES] < model->kernel.support) || mirrors_hide(model, s, from->j[k])) continue;
-        Block *to = next(g, &l);
-        copy_pair(to, l, b, k % LANES);
-        g->row->j[g->n++] = from->j[k];
+        Block *b = next(g, &l);
+        copy_pair(b, l, walls->block + k / LANES, k % LANES);
+        g->row->j[g->n++] = walls->j[k];
     }
 }
 
@@ -321,24 +378,21 @@ static void find_kernels(const Growing *g, size_t first, size_t last)
     }
 }
 
-void mirrors_add(Row *ret, const Row *row, const RowPlan *plan)
+void mirrors_add(Row *row, const RowPlan *plan)
 {
     const Particles *s = plan->s;
-    Growing g = {.row = ret, .plan = plan, .n = row->n_fluid * LANES};
+    Walls walls;
+    Growing g = {.row = row, .plan = plan, .n = row->n_fluid * LANES};
     for (int d = 0; d < s->dim; d++) g.x[d] = s->x[d][row->i * s->x_step];
     const unsigned near = near_to(plan->model, g.x, plan->model->kernel.support);
-    ret->i = row->i;
-    ret->summed = row->summed;
-    ret->mixed = row->mixed;
-    ret->n_own = row->n_fluid;
-    memcpy(ret->j, row->j, row->n_fluid * LANES * sizeof *row->j);
-    memcpy(ret->block, row->block, row->n_fluid * sizeof *row->block);
-    append_images(&g, near, 0, row->n_fluid, row->i < particles_fluid(s));
-    ret->n_fluid = fill_block_up(&g);
-    find_kernels(&g, ret->n_own, ret->n_fluid);
-    append_walls(&g, row);
-    ret->n_walls = fill_block_up(&g);
-    append_images(&g, near, ret->n_fluid, ret->n_walls, false);
-    ret->n = fill_block_up(&g);
-    find_kernels(&g, ret->n_walls, ret->n);
+    put_by(&walls, row, plan);
+    row->n_own = row->n_fluid;
+    append_images(&g, near, 0, row->n_own, row->i < particles_fluid(s));
+    row->n_fluid = fill_block_up(&g);
+    find_kernels(&g, row->n_own, row->n_fluid);
+    append_walls(&g, &walls);
+    row->n_walls = fill_block_up(&g);
+    append_images(&g, near, row->n_fluid, row->n_walls, false);
+    row->n = fill_block_up(&g);
+    find_kernels(&g, row->n_walls, row->n);
 }

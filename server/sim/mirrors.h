@@ -33,7 +33,7 @@ bool mirrors_are_near(const Model *model, const Particles *s, size_t i, double d
 bool mirrors_have_room(const Model *model, const Particles *s, size_t i, const uint32_t *list, size_t fluid, size_t n,
                        double distance);
 
-/* ret: the pairs of a row without hidden walls, and images. */
-void mirrors_add(Row *ret, const Row *row, const RowPlan *plan);
+/* Take hidden walls out of a row, and put images in. */
+void mirrors_add(Row *row, const RowPlan *plan);
 
 #endif

@@ -144,15 +144,8 @@ RowPlan row_plan(Neighbours *nb, const Particles *s, const Model *model, unsigne
     return plan;
 }
 
-static __attribute__((noinline)) void build_mirrored(Row *row, const RowPlan *plan, size_t i)
-{
-    Row plain;
-    BUILDS[plan->model->level][plan->s->dim - 2](&plain, plan, i);
-    mirrors_add(row, &plain, plan);
-}
-
 void row_build(Row *row, const RowPlan *plan, size_t i)
 {
-    if (plan->nb->has[i] & LIST_MIRRORS) build_mirrored(row, plan, i);
-    else BUILDS[plan->model->level][plan->s->dim - 2](row, plan, i);
+    BUILDS[plan->model->level][plan->s->dim - 2](row, plan, i);
+    if (plan->nb->has[i] & LIST_MIRRORS) mirrors_add(row, plan);
 }
