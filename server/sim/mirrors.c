@@ -302,8 +302,7 @@ static unsigned within(const Block *b, const Way *way, int dim, double support)
             r2[l] += x * x;
         }
     unsigned ret = 0;
-    for (int l = 0; l < LANES; l++)
-        ret |= (unsigned)(b->r[l] < support && r2[l] < 1.0001 * support * support) << l;
+    for (int l = 0; l < LANES; l++) ret |= (unsigned)(b->r[l] < support && r2[l] < 1.0001 * support * support) << l;
     return ret;
 }
 

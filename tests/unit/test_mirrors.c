@@ -40,14 +40,14 @@ static size_t high(bool half, bool corner)
     return half || !corner ? HIGH + BEHIND : 2 * HIGH;
 }
 
-static Cloud *lay(int dim, bool half, bool corner, double smoothing)
+static Cloud *lay(int dim, bool half, bool corner, double smoothing, double skin)
 {
     in_corner = corner;
     in_half = half;
     return cloud_new(&(CloudSetup){.dim = dim,
                                    .dx = DX,
                                    .n = {wide(half), high(half, corner), DEEP},
-                                   .skin = 0.3,
+                                   .skin = skin,
                                    .smoothing = smoothing,
                                    .kernel = MNS_QUINTIC_SPLINE,
                                    .periodic = {false, false, true},
@@ -91,6 +91,10 @@ static void set_fields(Cloud *cloud, bool half, bool corner)
         }
         s->m[i] *= 1 + 0.1 * cloud_noise(&seed);
         s->p[i] = 100 * cloud_noise(&seed);
+        for (int d = 0; d < s->dim; d++) {
+            const double b = 100 * cloud_noise(&seed);
+            s->b[d][i] = turned[d] ? -b : b;
+        }
     }
 }
 
@@ -100,9 +104,9 @@ typedef struct Both {
     bool corner;
 } Both;
 
-static Both both_of(int dim, bool corner, double smoothing)
+static Both both_of(int dim, bool corner, double smoothing, double skin)
 {
-    Both both = {lay(dim, false, corner, smoothing), lay(dim, true, corner, smoothing), corner};
+    Both both = {lay(dim, false, corner, smoothing, skin), lay(dim, true, corner, smoothing, skin), corner};
     for (int k = 0; k < 2; k++) {
         Cloud *cloud = k ? both.part : both.whole;
         Model *model = &cloud->model;
@@ -139,7 +143,7 @@ static void both_done(Both *both)
 }
 
 /* What terms write. */
-enum { RESULTS = 13, FLOATS = 11 }; /* right-hand sides at walls are of entries, which are floats */
+enum { RESULTS = 19, FLOATS = 11 }; /* right-hand sides at walls are of entries, which are floats */
 static double *const *result(Cloud *cloud, int k, int *ret_components, bool *ret_walls)
 {
     Particles *s = &cloud->s;
@@ -148,8 +152,10 @@ static double *const *result(Cloud *cloud, int k, int *ret_components, bool *ret
         int components; /* 0: as many as dimensions */
         bool walls;
     } table[RESULTS] = {{0, false}, {0, false}, {0, false}, {0, false}, {0, false}, {0, false}, {0, false},
-                        {0, false}, {1, false}, {1, true},  {1, true},  {1, true},  {1, true}};
+                        {0, false}, {1, false}, {1, true},  {1, true},  {1, true},  {1, true},  {0, false},
+                        {0, false}, {0, false}, {0, false}, {1, false}, {1, true}};
     *ret_components = table[k].components ? table[k].components : s->dim;
+    if (k == 16 && s->dim == 2) *ret_components = 1;
     *ret_walls = table[k].walls;
     switch (k) {
     case 0: return s->a;
@@ -164,7 +170,13 @@ static double *const *result(Cloud *cloud, int k, int *ret_components, bool *ret
     case 9: one[0] = s->colour; return one;
     case 10: one[0] = s->rho; return one;
     case 11: one[0] = cloud->system.b; return one;
-    default: one[0] = s->rate; return one;
+    case 12: one[0] = s->rate; return one;
+    case 13: return s->gradient;
+    case 14: return s->concentration;
+    case 15: return s->b;
+    case 16: return s->correction_off;
+    case 17: one[0] = s->shepard; return one;
+    default: one[0] = s->p; return one;
     }
 }
 
@@ -283,7 +295,7 @@ static void terms_of_incompressible_find_half_of_the_whole(void **state)
     (void)state;
     for (int dim = 2; dim <= 3; dim++)
         for (int corner = 0; corner < 2; corner++) {
-            Both both = both_of(dim, corner, 1);
+            Both both = both_of(dim, corner, 1, 0.3);
             assert_mirrors_matter(&both);
             check(&both, &number_density, 1e-12);
             check(&both, &wall_density, 1e-12);
@@ -314,7 +326,7 @@ static void terms_of_differences_find_half_of_the_whole(void **state)
                                               MNS_DIFFUSION_SPH};
     for (int dim = 2; dim <= 3; dim++)
         for (int corner = 0; corner < 2; corner++) {
-            Both both = both_of(dim, corner, 0.9);
+            Both both = both_of(dim, corner, 0.9, 0.3);
             check(&both, &truncation, 1e-10);
             check(&both, &mixture, 1e-12);
             check(&both, &continued_start, 1e-12);
@@ -333,6 +345,65 @@ static void terms_of_differences_find_half_of_the_whole(void **state)
         }
 }
 
+static void assert_same_pressures_in_walls(Both *both)
+{
+    const Particles *s = &both->part->s, *t = &both->whole->s;
+    size_t walls = 0;
+    for (size_t i = particles_fluid(s); i < s->n; i++) {
+        if (mirrors_hide(&both->part->model, s, i)) continue;
+        const size_t j = in_whole(both->whole, point_of(both->part, i, true, both->corner), both->corner);
+        for (int a = 0; a < 2; a++)
+            assert_close(s->p_wall[a][i - particles_fluid(s)], t->p_wall[a][j - particles_fluid(t)], 1e-9);
+        walls++;
+    }
+    assert_true(walls > 10);
+}
+
+/* What the schemes with sound have of a mirror: one is a flat face of a wall too, which interfaces must not see twice. */
+static void add_faces(Both *both)
+{
+    static Face faces[3] = {
+        {{0, 0.3, 0}, {0, 1, 0}, 0}, {{WIDE * 0.1, 0, 0}, {-1, 0, 0}, 0}, {{0, HIGH * 0.1, 0}, {0, -1, 0}, 0}};
+    both->whole->model.face = both->part->model.face = faces;
+    both->whole->model.n_faces = 1;
+    both->part->model.n_faces = both->corner ? 3 : 2;
+    for (int k = 0; k < 2; k++) {
+        Model *model = &(k ? both->part : both->whole)->model;
+        model->lag = 0.5 * model->dt;
+        model->has_gas = model->phase[1].fills = true;
+        model->filled = true;
+    }
+}
+
+static void terms_with_sound_find_half_of_the_whole(void **state)
+{
+    (void)state;
+    static const Term *const terms[] = {
+        &shepard_sum,         &concentration,  &pressure_gradient,     &continuity,       &volume_continuity,
+        &density_dissipation, &pressure_force, &volume_pressure_force, &gas_dissipation,  &viscosity,
+        &radial_viscosity,    &wall_friction,  &interface_normal,      &surface_tension,  &corrected_normal,
+        &corrected_tension,   &number_density, &riemann_density,       &riemann_momentum, &background,
+        &transport_stress};
+    for (int dim = 2; dim <= 3; dim++)
+        for (int corner = 0; corner < 2; corner++) {
+            Both both = both_of(dim, corner, 1, 0);
+            add_faces(&both);
+            check(&both, &wall_pressure, 1e-10);
+            assert_same_pressures_in_walls(&both);
+            check(&both, &wall_velocity, 1e-12);
+            assert_same_velocities_in_walls(&both, "wall velocity");
+            for (size_t k = 0; k < sizeof terms / sizeof *terms; k++) check(&both, terms[k], 1e-9);
+            check(&both, &mirrored_velocity, 1e-12);
+            assert_same_velocities_in_walls(&both, "mirrored velocity");
+            check(&both, &radial_friction, 1e-10);
+            both.whole->model.corrects_gradients = both.part->model.corrects_gradients = true;
+            check(&both, &corrected_continuity, 1e-9);
+            check(&both, &corrected_pressure_force, 1e-9);
+            check(&both, &shifting, 1e-10);
+            both_done(&both);
+        }
+}
+
 /* --- systems -------------------------------------------------------------------------------------------------------------- */
 
 static double entry(const Matrix *m, size_t row, size_t column)
@@ -347,7 +418,7 @@ static void systems_beside_mirrors_are_symmetric_to_the_last_bit(void **state)
 {
     (void)state;
     for (int dim = 2; dim <= 3; dim++) {
-        Both both = both_of(dim, true, 1);
+        Both both = both_of(dim, true, 1, 0.3);
         const Particles *s = &both.part->s;
         const Matrix *m = &both.part->system.matrix;
         cloud_term(both.part, &velocity_matrix);
@@ -622,6 +693,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(terms_of_incompressible_find_half_of_the_whole),
         cmocka_unit_test(terms_of_differences_find_half_of_the_whole),
+        cmocka_unit_test(terms_with_sound_find_half_of_the_whole),
         cmocka_unit_test(systems_beside_mirrors_are_symmetric_to_the_last_bit),
         cmocka_unit_test(a_fluid_at_rest_in_a_corner_of_mirrors_has_the_pressure_of_its_depth),
         cmocka_unit_test(more_images_than_a_row_has_room_for_are_refused),
