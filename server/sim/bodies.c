@@ -33,6 +33,18 @@ typedef struct View {
     ptrdiff_t from, to;
 } View;
 
+/* x: of its first point. */
+static void note_mirrors(Search *s, const LatticeRun *run, const double x[3])
+{
+    const Model *model = &s->sim->model;
+    const double *spacing = s->lattice->spacing;
+    for (int side = 0; side < 2 * model->dim; side++) {
+        const int d = side / 2;
+        const double at = side == 1 ? x[0] + (run->n - 1) * spacing[0] : x[d];
+        if (model->mirrors >> side & 1 && model_inside(model, side, at) < spacing[d]) s->body->mirrors |= 1u << side;
+    }
+}
+
 static void join(Search *s, size_t row, size_t k, const int image[3])
 {
     LatticeRun *run = &s->lattice->row[row].runs[k];
@@ -42,6 +54,7 @@ static void join(Search *s, size_t row, size_t k, const int image[3])
     s->members[s->n++] = (Member){row, k};
     s->body->points += run->n;
     lattice_place(s->lattice, row, run->first, x);
+    note_mirrors(s, run, x);
     x[0] += 0.5 * (run->n - 1) * s->lattice->spacing[0];
     for (int d = 0; d < 3; d++) s->body->centre[d] += run->n * (x[d] + image[d] * s->sim->model.period[d]);
 }
@@ -193,6 +206,17 @@ void bodies_done(Bodies *bodies)
 {
     free(bodies->body);
     *bodies = (Bodies){0};
+}
+
+/* Between two mirrors there is no end of it. */
+size_t bodies_whole(const Body *body)
+{
+    size_t points = body->points;
+    for (int d = 0; d < 3; d++) {
+        const unsigned both = body->mirrors >> 2 * d & 3;
+        if (both == 1 || both == 2) points *= 2;
+    }
+    return points;
 }
 
 double bodies_radius(const Model *model, size_t points)

@@ -8,6 +8,7 @@
 typedef struct Body {
     size_t fluid, around; /* the fluid it is of; the one that most of the points beside it belong to */
     size_t points;
+    unsigned mirrors; /* that it touches, a bit each (mirrors.h) */
     double centre[3]; /* of its points, beyond the domain perhaps where it reaches across a seam [m] */
 } Body;
 
@@ -21,6 +22,9 @@ typedef struct Bodies {
  * MNS_E_INTERRUPTED. */
 MnsStatus bodies_find(Bodies *bodies, const MnsSim *sim, Lattice *lattice, size_t fluid, MnsError *error);
 void bodies_done(Bodies *bodies);
+
+/* Its points with those behind the mirrors that cut it. */
+size_t bodies_whole(const Body *body);
 
 /* Radius of the disc or ball of as many points [m]. */
 double bodies_radius(const Model *model, size_t points);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Drops and bubbles at rest: each under the pressure that the fluid around would have in the middle of it, that of surface
  * tension, and its own weight.
- *   p_i = p_around(x_c) + sigma (dim - 1) / R + rho0 g . (x_i - x_c),   R of the disc or ball of equal volume
+ *   p_i = p_around(x_c) + sigma (dim - 1) / R + rho0 g . (x_i - x_c),   R of the disc or ball of equal volume, with what is behind mirrors
  *
  * To start with the profile of the fluid around makes bubbles swing up and down. */
 #include "sim/making.h"
@@ -72,7 +72,7 @@ static double pressure_at(const Model *model, const Start *start, const double c
 static MnsStatus add_jump(MnsSim *sim, const Start starts[], const Body *body, double *p, MnsError *error)
 {
     const Start *around = &starts[body->around];
-    const double R = bodies_radius(&sim->model, body->points),
+    const double R = bodies_radius(&sim->model, bodies_whole(body)),
                  capillary = sim->c->tension[body->fluid][body->around] / R;
     if (around->laplace) return fail_body(sim, body, "is laplace too: give one of them another start", error);
     if (!around->at_rest) *p = pressure_at(&sim->model, around, body->centre);

@@ -203,10 +203,6 @@ WIDER: dict[str, tuple[tuple[tuple[str, ...], float, str], ...]] = {
         (("incompressible",), 0.002, f"{KERNEL}, presumably: 0.0009 with 20 particles along a side, 0.0017 with 40"),
         (("differences",), 0.006, f"{KERNEL}, presumably: 0.0045 with 20, 0.0021 with 40"),
     ),
-    "half of it beside a slip wall": (
-        (SOUND, 0.2, "dummy particles do not mirror the fluid, an error of first order: pressures in corners differ by 0.12 to 0.17 with 20 particles along a side and by "
-                     "0.084 to 0.096 with 40, velocities by 0.024 and 0.014"),
-    ),
     "seen from a moving frame": (
         (("incompressible",), 0.05, "a projection leaves some of the divergence to the next: velocities differ by 0.004 at most, pressures of single particles by 0.042"),
     ),
