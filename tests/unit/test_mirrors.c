@@ -628,6 +628,34 @@ static void sides_that_a_still_wall_covers_and_along_which_fluid_slips_are_mirro
         }
 }
 
+/* With sound an image has the pressure of whose it is: only what gravity never acts across is a mirror, also of a gravity that is set later. */
+static void sides_across_gravity_are_no_mirrors_with_sound(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *gravity[2];
+        unsigned mirrors;
+    } rows[] = {{{"0", "-1"}, 3}, {{"0", "0"}, 15}, {{"2", "1 - 1"}, 12}, {{"0.3", "-1"}, 0}, {{"0*t", "-1"}, 0}};
+    static const char *const schemes[] = {"riemann", "dissipation", "interfacial"};
+    enum { ROWS = sizeof rows / sizeof *rows };
+    for (int k = 0; k < 3; k++) {
+        MnsCase *c[ROWS];
+        for (size_t q = 0; q < ROWS; q++) {
+            c[q] = tank(2, schemes[k]);
+            for (int d = 0; d < 2; d++) case_set_text(&c[q]->gravity[d], rows[q].gravity[d]);
+        }
+        MnsSim *sim = sim_of(c[0]);
+        assert_int_equal(sim->model.mirrors, rows[0].mirrors);
+        for (size_t q = 1; q < ROWS; q++) {
+            assert_int_equal(mns_sim_steer(sim, c[q], NULL), MNS_OK);
+            assert_int_equal(sim->model.mirrors, rows[q].mirrors);
+            sim_steps(sim, 2);
+        }
+        mns_sim_free(sim);
+        for (size_t q = 0; q < ROWS; q++) mns_case_free(c[q]);
+    }
+}
+
 /* --- runs ----------------------------------------------------------------------------------------------------------------- */
 
 static double fastest(const MnsSim *sim)
@@ -669,12 +697,13 @@ static void a_tank_of_mirrors_stays_at_rest(void **state)
 static void bits_beside_mirrors_are_the_same_for_any_number_of_threads(void **state)
 {
     (void)state;
-    static const char *const schemes[] = {"incompressible", "differences"};
+    static const char *const schemes[] = {"incompressible", "differences", "riemann", "dissipation", "interfacial"};
     for (int dim = 2; dim <= 3; dim++)
-        for (int k = 0; k < 2; k++) {
+        for (int k = 0; k < 5; k++) {
             uint64_t hash[2];
             for (int many = 0; many < 2; many++) {
                 MnsCase *c = tank(dim, schemes[k]);
+                if (k >= 2) case_set_text(&c->gravity[0], "0");
                 case_set_text(&c->fluids[0].velocity[0], "sin(pi*x)*cos(pi*y)");
                 case_set_text(&c->fluids[0].velocity[1], "-cos(pi*x)*sin(pi*y)");
                 c->scheme.skin = 0.1; /* lists are built again soon */
@@ -698,6 +727,7 @@ int main(void)
         cmocka_unit_test(a_fluid_at_rest_in_a_corner_of_mirrors_has_the_pressure_of_its_depth),
         cmocka_unit_test(more_images_than_a_row_has_room_for_are_refused),
         cmocka_unit_test(sides_that_a_still_wall_covers_and_along_which_fluid_slips_are_mirrors),
+        cmocka_unit_test(sides_across_gravity_are_no_mirrors_with_sound),
         cmocka_unit_test(a_tank_of_mirrors_stays_at_rest),
         cmocka_unit_test(bits_beside_mirrors_are_the_same_for_any_number_of_threads),
     };
