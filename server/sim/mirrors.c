@@ -217,6 +217,12 @@ INLINE void fetch(Block *to, size_t l, const RowPlan *plan, uint32_t j, int dim)
     if (plan->needs & bundle_meets(dim, 3)) fetch_one(to, l, bundles->data[3], j, dim, 3);
 }
 
+static void fetch_pair(Block *to, size_t l, const RowPlan *plan, uint32_t j)
+{
+    if (plan->s->dim == 2) fetch(to, l, plan, j, 2);
+    else fetch(to, l, plan, j, 3);
+}
+
 /* The place of the next pair. */
 static Block *next(const Growing *g, size_t *ret_lane)
 {
@@ -254,8 +260,7 @@ static void append_image(Growing *g, unsigned these, const Block *from, size_t k
     if (!(r < plan->model->kernel.support)) return;
     size_t l;
     Block *b = next(g, &l);
-    if (dim == 2) fetch(b, l, plan, j, 2);
-    else fetch(b, l, plan, j, 3);
+    fetch_pair(b, l, plan, j);
     for (int d = 0; d < dim; d++) {
         b->x[d][l] = x[d];
         if (these >> 2 * d & 3) turn(b, l, d, plan);
@@ -331,15 +336,33 @@ typedef struct Walls {
     Block block[ROW_BLOCKS];
 } Walls;
 
-static void put_by(Walls *walls, const Row *row, const RowPlan *plan)
+/* Which pairs of a block are in reach and before all of these mirrors, of the particle at x; a bit each. What is in reach and behind a mirror is
+ * behind one within reach of the particle. */
+static unsigned before(const Block *b, const Model *model, unsigned near, const double x[3])
+{
+    double least[LANES] = {0};
+    for (unsigned left = near; left; left &= left - 1) {
+        const int side = __builtin_ctz(left), d = side / 2;
+        const double inside = model_inside(model, side, x[d]), sign = side % 2 ? 1 : -1;
+        for (int l = 0; l < LANES; l++) {
+            const double its = inside + sign * b->x[d][l];
+            least[l] = its < least[l] ? its : least[l];
+        }
+    }
+    unsigned ret = 0;
+    for (int l = 0; l < LANES; l++) ret |= (unsigned)(b->r[l] < model->kernel.support && !(least[l] < 0)) << l;
+    return ret;
+}
+
+static void put_by(Walls *walls, const Row *row, const RowPlan *plan, unsigned near, const double x[3])
 {
     walls->n = 0;
-    for (size_t k = row->n_fluid * LANES; k < row->n * LANES; k++) {
-        const Block *b = row->block + k / LANES;
-        if (!(b->r[k % LANES] < plan->model->kernel.support) || mirrors_hide(plan->model, plan->s, row->j[k])) continue;
-        copy_pair(walls->block + walls->n / LANES, walls->n % LANES, b, k % LANES);
-        walls->j[walls->n++] = row->j[k];
-    }
+    for (size_t b = row->n_fluid; b < row->n; b++)
+        for (unsigned left = before(row->block + b, plan->model, near, x); left; left &= left - 1) {
+            const size_t l = (size_t)__builtin_ctz(left);
+            copy_pair(walls->block + walls->n / LANES, walls->n % LANES, row->block + b, l);
+            walls->j[walls->n++] = row->j[b * LANES + l];
+        }
 }
 
 static void append_walls(Growing *g, const Walls *walls)
@@ -352,16 +375,17 @@ static void append_walls(Growing *g, const Walls *walls)
     }
 }
 
-/* Fill up the last block with what is out of reach; returns how many blocks there are. */
+/* Fill up the last block with its last pair, out of reach; returns how many blocks there are. */
 static size_t fill_block_up(Growing *g)
 {
-    static const Block nothing;
     while (g->n % LANES) {
         size_t l;
         Block *b = next(g, &l);
-        copy_pair(b, l, &nothing, 0);
+        const uint32_t j = g->row->j[g->n - 1];
+        fetch_pair(b, l, g->plan, j);
         b->r[l] = 2 * g->plan->model->kernel.support;
-        g->row->j[g->n] = g->row->j[g->n - 1];
+        b->W[l] = b->F[l] = b->bend[l] = b->other[l] = 0;
+        g->row->j[g->n] = j;
         g->row->source[g->n] = OWN_IMAGE;
         g->row->turned[g->n++] = 0;
     }
@@ -384,7 +408,7 @@ void mirrors_add(Row *row, const RowPlan *plan)
     Growing g = {.row = row, .plan = plan, .n = row->n_fluid * LANES};
     for (int d = 0; d < s->dim; d++) g.x[d] = s->x[d][row->i * s->x_step];
     const unsigned near = near_to(plan->model, g.x, plan->model->kernel.support);
-    put_by(&walls, row, plan);
+    put_by(&walls, row, plan, near, g.x);
     row->n_own = row->n_fluid;
     append_images(&g, near, 0, row->n_own, row->i < particles_fluid(s));
     row->n_fluid = fill_block_up(&g);
