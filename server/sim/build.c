@@ -7,6 +7,7 @@
 #include "sim/fluid_sum.h"
 #include "sim/making.h"
 #include "sim/motion.h"
+#include "sim/solid.h"
 #include "sim/start.h"
 #include <math.h>
 #include <stdio.h>
@@ -83,11 +84,10 @@ typedef struct Filling {
 static void find_surface(MnsSim *sim, size_t i, size_t k)
 {
     Particles *s = &sim->s;
-    double x[3] = {0}, normal[3];
+    double x[3] = {0}, to[3];
     for (int d = 0; d < s->dim; d++) x[d] = s->x[d][i];
-    const double depth = -shape_distance(&sim->solid[k], x);
-    shape_normal(&sim->solid[k], x, 1e-3 * sim->model.dx, normal);
-    for (int d = 0; d < s->dim; d++) s->to_surface[d][i - particles_fluid(s)] = depth * normal[d];
+    solid_to_surface(sim, x, k, to);
+    for (int d = 0; d < s->dim; d++) s->to_surface[d][i - particles_fluid(s)] = to[d];
 }
 
 /* A number in [-1, 1) for each key, as good as random: the finalizer of splitmix64. */

@@ -35,6 +35,63 @@ bool solid_leaves_room(const MnsSim *sim, const double x[3])
     return solid_distance(sim, x, &wall) >= 0;
 }
 
+/* How far it is along a unit vector to where there is room, and where that is, to 1e-6 dx; INFINITY: not within `most`. */
+static double way_out(const MnsSim *sim, const double x[3], const double to[3], double most, double ret[3])
+{
+    const double step = 0.1 * sim->model.dx;
+    double solid = 0, room = step;
+    while (room < most) {
+        for (int d = 0; d < 3; d++) ret[d] = x[d] + room * to[d];
+        if (solid_leaves_room(sim, ret)) break;
+        solid = room;
+        room += step;
+    }
+    if (!(room < most)) return INFINITY;
+    while (room - solid > 1e-6 * sim->model.dx) {
+        const double middle = 0.5 * (solid + room);
+        for (int d = 0; d < 3; d++) ret[d] = x[d] + middle * to[d];
+        if (solid_leaves_room(sim, ret)) room = middle;
+        else solid = middle;
+    }
+    for (int d = 0; d < 3; d++) ret[d] = x[d] + room * to[d];
+    return room;
+}
+
+/* To the plane that touches the surface at y, unless a ray comes out there askew: at an edge it is chance whose face is found. */
+static bool to_plane(const MnsSim *sim, const double x[3], const double y[3], const double ray[3], double ret[3])
+{
+    static const double STRAIGHT = 0.85; /* cosine; along rows and diagonals some ray is, whatever the normal */
+    size_t wall;
+    double normal[3], depth = -solid_distance(sim, y, &wall), along = 0;
+    shape_normal(&sim->solid[wall], y, 1e-3 * sim->model.dx, normal);
+    for (int d = 0; d < 3; d++) along += ray[d] * normal[d];
+    for (int d = 0; d < 3; d++) depth += (y[d] - x[d]) * normal[d];
+    if (!(along > STRAIGHT)) return false;
+    for (int d = 0; d < 3; d++) ret[d] = depth * normal[d];
+    return true;
+}
+
+void solid_to_surface(const MnsSim *sim, const double x[3], size_t wall, double ret[3])
+{
+    const Model *model = &sim->model;
+    double normal[3], y[3], least = 2 * model->kernel.support;
+    const double depth = -shape_distance(&sim->solid[wall], x);
+    shape_normal(&sim->solid[wall], x, 1e-3 * model->dx, normal);
+    for (int d = 0; d < 3; d++) {
+        ret[d] = depth * normal[d];
+        y[d] = x[d] + (depth + 1e-2 * model->dx) * normal[d];
+    }
+    if (solid_leaves_room(sim, y)) return;
+    for (int q = 0; q < (model->dim == 2 ? 9 : 27); q++) {
+        double to[3] = {q % 3 - 1, q / 3 % 3 - 1, q / 9 - (model->dim == 2 ? 0 : 1)};
+        const double length = sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]);
+        if (!(length > 0)) continue;
+        for (int d = 0; d < 3; d++) to[d] /= length;
+        const double away = way_out(sim, x, to, least, y);
+        if (away < least && to_plane(sim, x, y, to, ret)) least = away;
+    }
+}
+
 /* Is there room at the point of the lattice that is nearest to x? */
 static bool is_room(const MnsSim *sim, const double x[3])
 {

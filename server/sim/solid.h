@@ -11,6 +11,10 @@ double solid_distance(const MnsSim *sim, const double x[3], size_t *ret_wall);
 /* Is x in the domain, beyond periodic sides too, and in no wall? */
 bool solid_leaves_room(const MnsSim *sim, const double x[3]);
 
+/* From x within a wall to the nearest point of the plane that touches its surface there [m]. Where another wall covers what is nearest, it is the
+ * surface of all walls that counts, the nearest along rows and diagonals. */
+void solid_to_surface(const MnsSim *sim, const double x[3], size_t wall, double ret[3]);
+
 /* At a point of the lattice where there is room, `away` from `wall`, which is the nearest: refuse a solid that is thinner than the kernel's
  * support there and has room for particles on its other side as well. Its edges and tips are no sides. MNS_E_INVALID with the place. */
 MnsStatus solid_check(const MnsSim *sim, const double x[3], double away, size_t wall, MnsError *error);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A wall through which fluids on its two sides would push each other is refused, however it is told; edges, tips and walls with fluid on one side
  * are not. The kernel's support is 0.26 m, the spacing 0.1 m. */
+#include "sim/solid.h"
 #include "tests/support/check.h"
 #include "tests/support/sims.h"
 #include <string.h>
@@ -217,6 +218,30 @@ static void thin_walls_of_a_narrow_channel_are_refused(void **state)
         }
 }
 
+/* A floor of two walls side by side, which meet at x = 1: one of the tank itself, so that the seam is nearer than the water. */
+static void seam_between_two_walls_is_no_surface(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = tank(dim);
+        double to[3];
+        const MnsPart left = {.operation = MNS_SUBTRACT, .primitive = MNS_BOX, .a = {1, -9, -9}, .b = {9, 9, 9}},
+                      right = {.operation = MNS_SUBTRACT, .primitive = MNS_BOX, .a = {-9, -9, -9}, .b = {1, 9, 9}};
+        case_put_part(3, &c->walls[1].shape, c->walls[0].shape.parts[0]);
+        case_put_part(3, &c->walls[1].shape, right);
+        case_put_part(3, &c->walls[0].shape, left);
+        MnsSim *sim = sim_in_arrays(c);
+        for (size_t wall = 0; wall < 2; wall++) {
+            const double x[3] = {wall == 0 ? 0.98 : 1.02, -0.05, dim == 3 ? 0.5 : 0};
+            solid_to_surface(sim, x, wall, to);
+            assert_close(to[0], 0, 1e-6);
+            assert_close(to[1], 0.05, 1e-6);
+            assert_close(to[2], 0, 1e-6);
+        }
+        sim_done(sim, c);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -225,6 +250,7 @@ int main(void)
         cmocka_unit_test(room_counts_as_fluid),
         cmocka_unit_test(edges_tips_and_walls_with_fluid_on_one_side_are_not_refused),
         cmocka_unit_test(thin_walls_of_a_narrow_channel_are_refused),
+        cmocka_unit_test(seam_between_two_walls_is_no_surface),
     };
     return cmocka_run_group_tests_name("solid", tests, NULL, NULL);
 }
