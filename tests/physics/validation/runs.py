@@ -35,6 +35,7 @@ class Snapshot:
     density: np.ndarray | None = None  # [n]
     velocity: np.ndarray | None = None  # [n, 3]
     acceleration: np.ndarray | None = None  # [n, 3]
+    volume: np.ndarray | None = None  # [n]
 
 
 @dataclass
@@ -76,7 +77,7 @@ def read_snapshot(path: Path, fluids: int) -> Snapshot:
         fluid = phase < fluids
         attributes = file["meniscus"].attrs
         data = file["VTKHDF/PointData"]
-        names = ("pressure", "density", "velocity", "acceleration")
+        names = ("pressure", "density", "velocity", "acceleration", "volume")
         fields = {name: data[name][:][fluid] for name in names if name in data}
         return Snapshot(
             float(np.ravel(attributes["time"])[0]), float(np.ravel(attributes["spacing"])[0]),
