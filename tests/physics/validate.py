@@ -98,7 +98,7 @@ CASES = {
     "cavity2d": Case(vortices.cavity2d, 190, 0.2),
     "taylor-green2d-damping": Case(vortices.taylor_green2d_damping, 7, 0.03),
     # What must not matter.
-    "metamorphic": Case(metamorphic.metamorphic, 60, 0.02),
+    "metamorphic": Case(metamorphic.metamorphic, 130, 0.04),
     # Both.
     "multigrid": Case(multigrid.multigrid, 250, 1),
 }
