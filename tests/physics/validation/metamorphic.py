@@ -428,7 +428,7 @@ class Wider:
     cause: str
 
 
-SPACE, HALF = "the plane in space, endless along z", "half of it beside a slip wall"
+SPACE = "the plane in space, endless along z"
 KERNEL = """a kernel of space, summed along z, is not that of the plane. A Gaussian is, if cut at 5 h instead of 3: without viscosity the plain flow is then
 the same within""".replace("\n", " ")
 RIEMANN = """what a Riemann problem dissipates goes with r F, which is 1.09 times as strong in space as in the plane, by sums over a lattice; a Gaussian cut at
