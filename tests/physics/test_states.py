@@ -118,6 +118,7 @@ class Sources(unittest.TestCase):
     def test_comments_layout_and_order_are_nothing(self) -> None:
         self.assertEqual(self.changes("validation/interfaces.py", "GATE, TANK, SPEED = 0.905, 0.2,", "# As printed\nGATE,TANK, SPEED = 0.905,  0.2,"), set())
         self.assertEqual(self.changes("validation/interfaces.py", '"""P1 4.4 in a slice, at', '"""In a slice, at'), set())
+        self.assertEqual(self.changes("validation/interfaces.py", "from validation.common import LONG_STEPS,", "from validation.common import grain, LONG_STEPS,"), set())
         self.assertEqual(self.changes("validation/jobs.py", "self.over = True", "self.over = 1"), set())
 
 

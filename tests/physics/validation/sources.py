@@ -41,14 +41,15 @@ def top(module: str) -> dict[str, list[ast.stmt]]:
     return about
 
 
-def elsewhere(statement: ast.ImportFrom, name: str) -> set[Place]:
-    """What a name means that a statement imports, if it is of this package: all that is in it, if it is a module."""
-    meant = next(alias.name for alias in statement.names if name in (alias.asname, alias.name))
-    if statement.module == "validation" and meant not in APART:
-        return {(meant, one) for one in top(meant)}
-    if (statement.module or "").startswith("validation."):
-        return {(statement.module.removeprefix("validation."), meant)}
-    return set()
+def imported(statement: ast.Import | ast.ImportFrom, name: str) -> tuple[str, set[Place]]:
+    """What a name is that a statement imports, in a word; and where it is told, if that is in this package: in all of it, if it is a module."""
+    meant = next(alias.name for alias in statement.names if name == (alias.asname or alias.name).split(".")[0])
+    module = statement.module or "" if isinstance(statement, ast.ImportFrom) else ""
+    if module == "validation":
+        return f"{name} is {meant}", set() if meant in APART else {(meant, one) for one in top(meant)}
+    if module.startswith("validation."):
+        return f"{name} is {module}.{meant}", {(module.removeprefix("validation."), meant)}
+    return f"{name} is {module}.{meant}", set()
 
 
 def told(node: object) -> object:
@@ -80,25 +81,30 @@ def piece(statement: ast.stmt) -> tuple[str, frozenset[str], frozenset[Path]]:
     return repr(told(statement)), frozenset(node.id for node in nodes if isinstance(node, ast.Name)), frozenset(references)
 
 
-def reached(start: Place) -> list[ast.stmt]:
-    """The statements that a name needs, each once."""
-    found: dict[ast.stmt, None] = {}
+def reached(start: Place) -> tuple[set[str], set[Path]]:
+    """What decides a name: what is said of it and of all that it needs, and the references that are named there."""
+    said: set[str] = set()
+    references: set[Path] = set()
     seen, ahead = {start}, [start]
     while ahead:
         module, name = ahead.pop()
         for statement in top(module).get(name, []):
-            found[statement] = None
-            imported = isinstance(statement, ast.ImportFrom)
-            places = elsewhere(statement, name) if imported else {(module, one) for one in piece(statement)[1]}
+            if isinstance(statement, (ast.Import, ast.ImportFrom)):
+                words, places = imported(statement, name)
+            else:
+                words, names, paths = piece(statement)
+                places = {(module, one) for one in names}
+                references |= paths
+            said.add(f"{module}: {words}")
             ahead += (fresh := places - seen)
             seen |= fresh
-    return list(found)
+    return said, references
 
 
 def digest(function: Callable) -> str:
     """Of the source of all that a function of this package needs, and of the references named there."""
-    pieces = [piece(statement) for statement in reached((function.__module__.removeprefix("validation."), function.__name__))]
-    sha = hashlib.sha256("\n".join(sorted(said for said, _, _ in pieces)).encode())
-    for path in sorted(set().union(*(references for _, _, references in pieces))):
+    said, references = reached((function.__module__.removeprefix("validation."), function.__name__))
+    sha = hashlib.sha256("\n".join(sorted(said)).encode())
+    for path in sorted(references):
         sha.update(path.read_bytes())
     return sha.hexdigest()
