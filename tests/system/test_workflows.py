@@ -173,6 +173,7 @@ class Contract(Workflow):
         job.terminate()
         self.finish(job, 75)
         self.assertTrue(set(self.home.glob("late.run/checkpoint-*.hdf")) - kept)
+        self.assertFalse((self.home / "late.run/abandoned").exists(), "it went on")
         self.assertEqual(list(self.home.glob("*.json*")), [])
 
     def test_a_run_whose_job_is_killed_leaves_too_and_the_next_one_goes_on(self) -> None:
@@ -181,6 +182,7 @@ class Contract(Workflow):
         job.kill()
         self.finish(job, -signal.SIGKILL)
         self.do(*self.job("killed", *LONG, options=("--deadline", "1.2")), code=75)
+        self.assertFalse((self.home / "killed.run/abandoned").exists())
 
 
 class RequestId(DaemonTest):
@@ -229,15 +231,15 @@ class Sweeps(Workflow):
                    "SETTINGS=end_time=1000 output.checkpoint_interval=0.02"]  # fmt: skip
         newest = ["", ""]
 
-        def went_on() -> "list[str]":
-            found = [max((p.name for p in self.home.glob(f"scheme~{s}/*.run/checkpoint-*")), default="") for s in ("riemann", "dissipation")]
-            return found if all(now > before for now, before in zip(found, newest)) else []
+        def found() -> "list[str]":
+            return [max((p.name for p in self.home.glob(f"scheme~{s}/*.run/checkpoint-*")), default="") for s in ("riemann", "dissipation")]
 
         for _ in range(2):
             stopped = self.start(*command)
-            newest = wait_for(went_on, 400)
+            wait_for(lambda: all(now > before for now, before in zip(found(), newest)), 400)
             stopped.terminate()  # and with it all whom it started
             self.finish(stopped, -signal.SIGTERM)
+            newest = found()  # with those that were written on leaving
         self.assertEqual(list(self.home.glob("*/*.run/abandoned")), [], "none began anew")
         self.assertEqual(list(self.home.glob("*/*.json")), [])
 

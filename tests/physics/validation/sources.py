@@ -66,7 +66,7 @@ def told(node: object) -> object:
 
 def files(node: ast.AST) -> Iterator[Path]:
     """References that a string names; one that is put together names all that it could be."""
-    parts = node.values if isinstance(node, ast.JoinedStr) else [node]
+    parts: list[ast.AST] = [*node.values] if isinstance(node, ast.JoinedStr) else [node]
     pattern = "".join(part.value if isinstance(part, ast.Constant) else "*" for part in parts if isinstance(getattr(part, "value", None), (str, ast.AST)))
     folder, slash, _ = pattern.partition("/")
     if slash and folder.isalnum() and (REFERENCE / folder).is_dir():
