@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Through a wall that is thinner than the kernel's support, the fluids on its two sides push each other: the pressure of its particles is a mean of
  * both, and the rows of the one see the other. So from each point of the lattice beside a wall a ray goes straight into it, and what it meets until it
- * comes out, of whatever walls that is made, must be a support in all, or there must be no room behind it. */
+ * comes out, of whatever walls that is made, must be a support in all, or there must be no room behind it. A neck between two corners has no side that is
+ * normal to it: necks.c looks for those. */
 #include "sim/solid.h"
+#include "sim/necks.h"
 #include <math.h>
 #include <stdio.h>
 
@@ -141,7 +143,7 @@ static bool is_thin(Ray *ray)
     return false;
 }
 
-static MnsStatus refuse(const MnsSim *sim, const Ray *ray, size_t wall, MnsError *error)
+static MnsStatus refuse(const MnsSim *sim, double thickness, const double x[3], size_t wall, MnsError *error)
 {
     char at[64];
     snprintf(at, sizeof at, "walls[%zu].shape", wall);
@@ -149,8 +151,7 @@ static MnsStatus refuse(const MnsSim *sim, const Ray *ray, size_t wall, MnsError
                        "%.60s is %.3g m thick near (%g, %g, %g) m, with room for fluid on both sides, which would push "
                        "each other through it: make it at least as thick as the kernel's support, %.6g m, or leave no "
                        "room on one side",
-                       sim->c->walls[wall].name, ray->solid, ray->from[0], ray->from[1], ray->from[2],
-                       sim->model.kernel.support);
+                       sim->c->walls[wall].name, thickness, x[0], x[1], x[2], sim->model.kernel.support);
 }
 
 /* Midway between two sides of a wall both are the nearest, and no normal says where to: a little off, one is. */
@@ -174,7 +175,12 @@ MnsStatus solid_check(const MnsSim *sim, const double x[3], double away, size_t 
     for (int side = both ? -1 : 1; side <= 1; side += 2) {
         Ray ray = {.sim = sim, .from = x, .to = to};
         if (both && !find_way(sim, x, wall, side, to)) continue;
-        if (is_thin(&ray)) return refuse(sim, &ray, wall, error);
+        if (is_thin(&ray)) return refuse(sim, ray.solid, x, wall, error);
     }
-    return MNS_OK;
+    bool found;
+    double thickness, place[3];
+    const MnsStatus status = necks_find(sim, x, away, &found, &thickness, place, error);
+    if (status || !found) return status;
+    solid_distance(sim, place, &wall);
+    return refuse(sim, thickness, place, wall, error);
 }

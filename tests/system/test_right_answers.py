@@ -191,6 +191,11 @@ class Walls(RightAnswer):
             said = self.complaints(DAM.replace("FAR", "1.0625").replace("SHAPE", shape), code=65)
             self.assertRegex(said, r"walls\[1\]\.shape: dam is 0\.0[0-9]* m thick", shape)
 
+    def test_a_neck_between_corners_is_refused(self) -> None:
+        for over, where in ((0, "0 m thick near (1, 0.1875, 0) m"), (0.02, "0.0283 m thick near (1.01, 0.1775, 0) m")):
+            shape = f"{{box: {{min: [0.8125, 0], max: [{1 + over}, 0.1875]}}}}, {{box: {{min: [1, {0.1875 - over}], max: [1.1875, 1]}}}}"
+            self.assertIn(f"walls[1].shape: dam is {where}", self.complaints(DAM.replace("FAR", "1").replace("SHAPE", shape), code=65))
+
     def test_a_thick_one_holds(self) -> None:
         kinetic = self.probes(DAM.replace("FAR", "1.1875").replace("SHAPE", "{box: {min: [1, 0], max: [1.1875, 1]}}"))["kinetic"]
         self.assertLess(kinetic.max(), 0.05)

@@ -114,7 +114,7 @@ static void place_and_thickness_of_a_thin_wall_are_said(void **state)
     box(c, 0.13);
     assert_int_equal(mns_sim_new(c, &sim, &error), MNS_E_INVALID);
     assert_string_equal(error.path, "walls[1].shape");
-    if (!strstr(error.text, "dam is 0.13 m thick near (0.95, 0.05, 0) m")) fail_msg("%s", error.text);
+    if (!strstr(error.text, "dam is 0.13 m thick near (1.065, 0.05, 0) m")) fail_msg("%s", error.text);
     mns_case_free(c);
 }
 
@@ -203,6 +203,183 @@ static void edges_tips_and_walls_with_fluid_on_one_side_are_not_refused(void **s
         }
 }
 
+/* Two corners at (1, 0.5), as far apart as is said, or over each other by as much where that is negative. */
+static void corners(MnsCase *c, double apart)
+{
+    const MnsPart left = {.primitive = MNS_BOX, .a = {0.3, -1, -1}, .b = {1 - apart, 0.5, 2}};
+    const MnsPart right = {.primitive = MNS_BOX, .a = {1, 0.5, -1}, .b = {1.7, 2, 2}};
+    case_put_part(c->dim, &c->walls[1].shape, left);
+    case_put_part(c->dim, &c->walls[1].shape, right);
+}
+static void corners_of_two_walls_off_the_lattice(MnsCase *c, double apart)
+{
+    const MnsPart left = {.primitive = MNS_BOX, .a = {0.3, -1, -1}, .b = {1.033 - apart, 0.527, 2}};
+    const MnsPart right = {.primitive = MNS_BOX, .a = {1.033, 0.527, -1}, .b = {1.7, 2, 2}};
+    case_put_part(c->dim, &c->walls[1].shape, left);
+    case_add_wall(c, "other");
+    case_put_part(c->dim, &c->walls[2].shape, right);
+}
+static void corners_at_a_point_of_the_lattice(MnsCase *c, double apart)
+{
+    const MnsPart left = {.primitive = MNS_BOX, .a = {0.3, -1, -1}, .b = {1.05 - apart, 0.55, 2}};
+    const MnsPart right = {.primitive = MNS_BOX, .a = {1.05, 0.55, -1}, .b = {1.7, 2, 2}};
+    case_put_part(c->dim, &c->walls[1].shape, left);
+    case_put_part(c->dim, &c->walls[1].shape, right);
+}
+static void corner_on_the_floor(MnsCase *c, double apart) /* of a square that stands on it */
+{
+    case_put_part(c->dim, &c->walls[1].shape,
+                  (MnsPart){.primitive = MNS_PLATE,
+                            .a = {1, 0.5 + apart, 0.5},
+                            .b = {1, 1, 0},
+                            .c = {1, -1, 0},
+                            .length = 0.70710678,
+                            .width = 5,
+                            .thickness = 0.70710678});
+}
+static void rooms_that_meet(MnsCase *c, double apart) /* at their corners, in a solid */
+{
+    add_box(&c->walls[1].shape, -1, 3);
+    const MnsPart left = {
+        .operation = MNS_SUBTRACT, .primitive = MNS_BOX, .a = {0.3, 0.2, -1}, .b = {1 + apart, 0.5, 2}};
+    const MnsPart right = {.operation = MNS_SUBTRACT, .primitive = MNS_BOX, .a = {1, 0.5, -1}, .b = {1.7, 0.8, 2}};
+    case_put_part(c->dim, &c->walls[1].shape, left);
+    case_put_part(c->dim, &c->walls[1].shape, right);
+}
+
+static void necks_between_corners_are_refused(void **state)
+{
+    (void)state;
+    static void (*const necks[])(MnsCase * c, double apart) = {corners, corners_of_two_walls_off_the_lattice,
+                                                               corners_at_a_point_of_the_lattice, corner_on_the_floor,
+                                                               rooms_that_meet};
+    for (int dim = 2; dim <= 3; dim++)
+        for (size_t k = 0; k < sizeof necks / sizeof *necks; k++)
+            for (int q = 0; q < 5; q++) {
+                static const double apart[] = {-0.05, -0.01, 0, 1e-6, 0.3};
+                if (dim == 3 && q % 2 && !check_at_length()) continue;
+                MnsCase *c = tank(dim);
+                MnsSim *sim = NULL;
+                MnsError error = {0};
+                necks[k](c, apart[q]);
+                const MnsStatus status = mns_sim_new(c, &sim, &error);
+                if (q == 4 && status) fail_msg("%d, neck %zu: %s", dim, k, error.text);
+                if (q < 4 && (status != MNS_E_INVALID || strncmp(error.path, "walls[", 6) != 0 ||
+                              !strstr(error.text, "m thick near (") || !strstr(error.text, "support, 0.26 m")))
+                    fail_msg("%d, neck %zu, %g: %s, %s, %s", dim, k, apart[q], mns_status_name(status), error.path,
+                             error.text);
+                mns_sim_free(sim);
+                mns_case_free(c);
+            }
+}
+
+static void place_and_thickness_of_a_neck_are_said(void **state)
+{
+    (void)state;
+    MnsCase *c = tank(2);
+    MnsError error = {0};
+    MnsSim *sim = NULL;
+    corners(c, 0);
+    assert_int_equal(mns_sim_new(c, &sim, &error), MNS_E_INVALID);
+    assert_string_equal(error.path, "walls[1].shape");
+    if (!strstr(error.text, "dam is 0 m thick near (1, 0.5, 0) m")) fail_msg("%s", error.text);
+    mns_case_free(c);
+}
+
+static void letter_l(MnsCase *c)
+{
+    case_put_part(c->dim, &c->walls[1].shape,
+                  (MnsPart){.primitive = MNS_BOX, .a = {0.6, 0.31, -1}, .b = {0.87, 0.8, 2}});
+    case_put_part(c->dim, &c->walls[1].shape,
+                  (MnsPart){.primitive = MNS_BOX, .a = {0.6, 0.31, -1}, .b = {1.4, 0.58, 2}});
+}
+static void letter_t_that_leans(MnsCase *c)
+{
+    const MnsPart bar = {.primitive = MNS_PLATE, .b = {2, 1, 0}, .c = {1, -2, 0}, .width = 5, .thickness = 0.27};
+    MnsPart top = bar, foot = bar;
+    for (int d = 0; d < 2; d++) {
+        top.a[d] = d ? 0.6 : 1.2;
+        foot.a[d] = d ? 0.4 : 1.3;
+        foot.b[d] = bar.c[d];
+        foot.c[d] = bar.b[d];
+    }
+    top.length = 0.6;
+    foot.length = 0.4;
+    case_put_part(c->dim, &c->walls[1].shape, top);
+    case_put_part(c->dim, &c->walls[1].shape, foot);
+}
+static void cross(MnsCase *c) /* of four rooms */
+{
+    add_box(&c->walls[1].shape, 0.9, 1.1601);
+    case_put_part(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BOX, .a = {-1, 0.4, -1}, .b = {3, 0.6601, 2}});
+}
+static void fin(MnsCase *c) /* less than a support high, its tip in the water */
+{
+    case_put_part(c->dim, &c->walls[1].shape,
+                  (MnsPart){.primitive = MNS_HALF_SPACE, .a = {1, 0.3, 0}, .b = {2.41421356, 1, 0}});
+    case_put_part(
+        c->dim, &c->walls[1].shape,
+        (MnsPart){.operation = MNS_INTERSECT, .primitive = MNS_HALF_SPACE, .a = {1, 0.3, 0}, .b = {-2.41421356, 1, 0}});
+}
+static void roller(MnsCase *c) /* on the floor */
+{
+    if (c->dim == 2)
+        case_put_part(2, &c->walls[1].shape, (MnsPart){.primitive = MNS_BALL, .a = {1, 0.4}, .radius = 0.4});
+    else
+        case_put_part(3, &c->walls[1].shape,
+                      (MnsPart){.primitive = MNS_CYLINDER, .a = {1, 0.4, -1}, .b = {1, 0.4, 2}, .radius = 0.4});
+}
+static void neck_with_room_on_one_side(MnsCase *c)
+{
+    corners(c, 0);
+    add_box(&c->walls[1].shape, 1, 3);
+}
+static void channel_that_leans(MnsCase *c) /* and has a bend, as wide as a particle */
+{
+    add_box(&c->walls[1].shape, -1, 3);
+    for (int k = 0; k < 2; k++)
+        case_put_part(c->dim, &c->walls[1].shape,
+                      (MnsPart){.operation = MNS_SUBTRACT,
+                                .primitive = MNS_PLATE,
+                                .a = {k ? 1.24 : 0.76, 0.5, 0.5},
+                                .b = {1, k ? -1 : 1, 0},
+                                .c = {k ? 1 : -1, 1, 0},
+                                .length = 0.8,
+                                .width = 0.6,
+                                .thickness = 0.11});
+}
+
+static void walls_that_meet_without_a_neck_are_not_refused(void **state)
+{
+    (void)state;
+    static void (*const walls[])(MnsCase * c) = {
+        letter_l, letter_t_that_leans, cross, fin, roller, neck_with_room_on_one_side, channel_that_leans};
+    for (int dim = 2; dim <= 3; dim++)
+        for (size_t k = 0; k < sizeof walls / sizeof *walls; k++) {
+            MnsCase *c = tank(dim);
+            MnsSim *sim = NULL;
+            MnsError error = {0};
+            walls[k](c);
+            if (mns_sim_new(c, &sim, &error)) fail_msg("%d, wall %zu: %s", dim, k, error.text);
+            mns_sim_free(sim);
+            mns_case_free(c);
+        }
+}
+
+/* In space the fluid goes around a corner that touches another one at a point alone. */
+static void corners_that_touch_at_a_point_in_space_are_not_refused(void **state)
+{
+    (void)state;
+    MnsCase *c = tank(3);
+    MnsSim *sim = NULL;
+    MnsError error = {0};
+    case_put_part(3, &c->walls[1].shape, (MnsPart){.primitive = MNS_BOX, .a = {0.3, -1, -1}, .b = {1, 0.5, 0.5}});
+    case_put_part(3, &c->walls[1].shape, (MnsPart){.primitive = MNS_BOX, .a = {1, 0.5, 0.5}, .b = {1.7, 2, 2}});
+    if (mns_sim_new(c, &sim, &error)) fail_msg("%s", error.text);
+    mns_sim_free(sim);
+    mns_case_free(c);
+}
+
 /* A channel with room for one row: midway, no side is nearer than the other, and both are looked at. */
 static void thin_walls_of_a_narrow_channel_are_refused(void **state)
 {
@@ -249,6 +426,10 @@ int main(void)
         cmocka_unit_test(place_and_thickness_of_a_thin_wall_are_said),
         cmocka_unit_test(room_counts_as_fluid),
         cmocka_unit_test(edges_tips_and_walls_with_fluid_on_one_side_are_not_refused),
+        cmocka_unit_test(necks_between_corners_are_refused),
+        cmocka_unit_test(place_and_thickness_of_a_neck_are_said),
+        cmocka_unit_test(walls_that_meet_without_a_neck_are_not_refused),
+        cmocka_unit_test(corners_that_touch_at_a_point_in_space_are_not_refused),
         cmocka_unit_test(thin_walls_of_a_narrow_channel_are_refused),
         cmocka_unit_test(seam_between_two_walls_is_no_surface),
     };
