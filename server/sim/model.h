@@ -99,9 +99,11 @@ typedef struct Model {
 } Model;
 
 /* A fluid lighter than a fiftieth of the heaviest is a gas to it. */
+static const double GAS_DENSITY = 0.02;
+
 static inline bool model_is_gas(const Model *model, double density)
 {
-    return density < 0.02 * model->rho_max;
+    return density < GAS_DENSITY * model->rho_max;
 }
 
 /* How far a coordinate is on the inner side of a side of the domain [m]: sides 2 d and 2 d + 1 are the lower and the upper one in direction d. */

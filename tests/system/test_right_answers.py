@@ -327,6 +327,20 @@ class GasBesideLiquid(RightAnswer):
         said = self.complaints("hydrostatic", "scheme=dissipation", "fluids[1].density=0.5", code=65)
         self.assertIn("fluids: water is 2000 times as dense as air, and the scheme dissipation holds a gas up to 1000", said)
 
+    def test_sounds_that_are_not_alike_are_right_or_refused(self) -> None:
+        for ratio, sound in ((1000, 0.84), (1000, 1.2), (100, 0.5), (10, 0.25), (10, 1.2)) if at_length() else ((1000, 1.2),):
+            air = 1000 / ratio
+            p = self.probes("hydrostatic", "scheme=dissipation", "resolution=20", "end_time=0.6", f"fluids[1].density={air}",
+                            f"fluids[1].sound_speed={44.3 * sound}", f"constants[3].value={air}", *PROBES)  # fmt: skip
+            self.assertLess(p["error"].max(), 0.03 * 1000 * 9.81 * 0.5, (ratio, sound))
+            self.assertLess(p["air"].max(), 1, (ratio, sound))
+            self.assertGreater(p["coverage"].min(), 0.75, (ratio, sound))
+        for ratio, sound, held in ((1000, 3, "from 36.92 to 53.16 m/s"), (1000, 0.5, "from 36.92 to 53.16 m/s"), (10, 3, "up to 53.16 m/s")):
+            said = self.complaints("hydrostatic", "scheme=dissipation", f"fluids[1].density={1000 / ratio}", f"fluids[1].sound_speed={44.3 * sound}",
+                                   code=65)  # fmt: skip
+            self.assertIn("air has a sound of", said)
+            self.assertIn(f"the scheme dissipation holds {held} there", said)
+
     def test_arithmetic_averages_are_warned_of(self) -> None:
         said = self.complaints("hydrostatic", "scheme={dissipation: {pair_average: arithmetic}}", "end_time=0.001")
         self.assertIn("scheme.dissipation.pair_average: the heaviest fluid is 1e+03 times as dense", said)

@@ -193,6 +193,12 @@ static void negative_delta(MnsCase *c)
     c->scheme.name = "dissipation";
     c->scheme.dissipation.delta = -1;
 }
+static void fast_gas(MnsCase *c)
+{
+    c->scheme.name = "dissipation";
+    c->fluids[1].density = 0.001 * c->fluids[0].density;
+    c->fluids[1].sound_speed = 1.3 * c->fluids[0].sound_speed;
+}
 static void negative_delta_of_volumes(MnsCase *c)
 {
     c->scheme.name = "interfacial";
@@ -464,6 +470,7 @@ static const Refusal REFUSALS[] = {
     {"scheme.differences.zero_pressure", MNS_E_INVALID, held_outside},
     {"interfaces", MNS_E_INVALID, tense_riemann},
     {"scheme.dissipation.delta", MNS_E_INVALID, negative_delta},
+    {"fluids[1].sound_speed", MNS_E_INVALID, fast_gas},
     {"scheme.interfacial.delta", MNS_E_INVALID, negative_delta_of_volumes},
     {"scheme.incompressible.density_tolerance", MNS_E_INVALID, negative_tolerance},
     {"scheme.differences.interface_threshold", MNS_E_INVALID, negative_threshold},

@@ -7,6 +7,9 @@
 #include "sim/limits.h"
 #include "sim/locals/locals.h"
 #include "sim/terms/terms.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 
 /* Of densities, beyond which a gas at rest is stirred by what the pressure of the liquid is off. */
 static const double MOST_RATIO = 1000;
@@ -24,9 +27,62 @@ static MnsStatus check_ratio(const MnsCase *c, MnsError *error)
     return MNS_OK;
 }
 
+/* Of sounds, as the lighter fluid's over the heavier's, by what holds in dissipation.md: beyond, what volumes are off becomes a pressure, as the lighter
+ * is stiff too, and drops that fall make energy; and what the pressure of a liquid at rest is off by moves a gas as much as it yields. */
+static const double FASTEST = 1.2, FASTEST_ALIKE = 1.5, ALIKE = 1.5; /* sound; of densities that are alike */
+static const double FASTEST_TENSE = 2, STIFFEST_TENSE = 0.04;        /* sound, rho c^2 of a gas with tension */
+static const double MOST_YIELDING = 1200; /* rho c of a liquid under gravity over the gas's */
+
+static bool is_heavy(const MnsCase *c)
+{
+    for (int d = 0; d < c->dim; d++) {
+        char *end;
+        if (c->gravity[d] && (strtod(c->gravity[d], &end) != 0 || *end)) return true;
+    }
+    return false;
+}
+
+static void bound_sound(const MnsCase *c, size_t light, size_t heavy, double *low, double *high)
+{
+    const double ratio = c->fluids[heavy].density / c->fluids[light].density;
+    const bool gas = ratio > 1 / GAS_DENSITY;
+    *low = gas && is_heavy(c) ? ratio / MOST_YIELDING : 0;
+    *high = ratio < ALIKE ? FASTEST_ALIKE : FASTEST;
+    if (gas && c->tension[light][heavy] > 0) *high = fmin(sqrt(STIFFEST_TENSE * ratio), FASTEST_TENSE);
+}
+
+/* Sounds of a fluid beside a denser one. */
+static MnsStatus check_sound(const MnsCase *c, size_t light, size_t heavy, MnsError *error)
+{
+    const MnsFluid *a = &c->fluids[light], *b = &c->fluids[heavy];
+    char at[64], range[64];
+    double low, high;
+    bound_sound(c, light, heavy, &low, &high);
+    const double quotient = a->sound_speed / b->sound_speed;
+    if (quotient >= low * (1 - 1e-9) && quotient <= high * (1 + 1e-9)) return MNS_OK;
+    if (low > 0) snprintf(range, sizeof range, "from %.4g to %.4g m/s", low * b->sound_speed, high * b->sound_speed);
+    else snprintf(range, sizeof range, "up to %.4g m/s", high * b->sound_speed);
+    snprintf(at, sizeof at, "fluids[%zu].sound_speed", light);
+    return mns_fail_at(
+        error, MNS_E_INVALID, at,
+        "%.60s has a sound of %.4g m/s beside %.60s of %.4g m/s, which is %.4g times as dense, and the scheme "
+        "dissipation holds %s there; give both fluids one sound_speed, or take the scheme riemann",
+        a->name, a->sound_speed, b->name, b->sound_speed, b->density / a->density, range);
+}
+
+static MnsStatus check_sounds(const MnsCase *c, MnsError *error)
+{
+    MnsStatus status = MNS_OK;
+    for (size_t a = 0; a < c->n_fluids && !status; a++)
+        for (size_t b = 0; b < c->n_fluids && !status; b++)
+            if (a != b && c->fluids[a].density <= c->fluids[b].density) status = check_sound(c, a, b, error);
+    return status;
+}
+
 static MnsStatus dissipation_check(const MnsCase *c, MnsError *error)
 {
-    const MnsStatus status = check_ratio(c, error);
+    MnsStatus status = check_ratio(c, error);
+    if (!status) status = check_sounds(c, error);
     if (status) return status;
     const MnsDissipation *q = &c->scheme.dissipation;
     const Bounded list[] = {

@@ -97,7 +97,8 @@ INLINE void rates_beside_of(const RowPlan *plan, Particles *s, size_t i, How how
     const Flowing a = flowing_of(s, model, i);
     const Pushed c = pushed_of(s, model, i);
     const WallPressure shown = wall_pressure_of(s, i);
-    const double soft = viscosity_softening(&model->kernel), beta = model->repulsion, tiny = gas_tiny(model);
+    const double soft = viscosity_softening(&model->kernel), beta = model->repulsion, tiny = gas_tiny(model),
+                 lift = gas ? gas_lift(model, s->phase[i], &c) : 0;
     viscosities_of(model, s->phase[i], 4, mu);
     gases_beside(model, s->phase[i], gases);
     position_of(s, i, how, x);
@@ -117,7 +118,7 @@ INLINE void rates_beside_of(const RowPlan *plan, Particles *s, size_t i, How how
             dissipation_pair(&a, &pair, inverse, how, l, &dissipated);
             pressure_pair(&c, model, &pair, true, beta * others[l], how, l, push, WEIGHTS_PRODUCT);
             if (viscous) viscosity_pair(a.v, c.V, &pair, against[l], soft, how, l, drag);
-            if (gas) gas_pair(&c, a.v, &pair, counts[l], tiny, how, l, damping);
+            if (gas) gas_pair(&c, a.v, lift, &pair, counts[l], tiny, how, l, damping);
         }
     }
     for (size_t b = picked.n_fluid; b < picked.n; b++) {
@@ -131,6 +132,7 @@ INLINE void rates_beside_of(const RowPlan *plan, Particles *s, size_t i, How how
             const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, WALL_NEEDS, how);
             continuity_wall(&a, &pair, how, l, &flow);
             pressure_wall(&c, &pair, shown_by(&shown, wall[l]), how, l, push, WEIGHTS_PRODUCT);
+            if (gas) gas_wall(&c, lift, &pair, how, l, damping);
             if (viscous) friction_pair(a.v, c.V, &pair, &sticking, soft, how, l, friction);
         }
     }
