@@ -13,7 +13,7 @@
 static const double APART = 1.5;  /* two distances that tell whether a surface bends towards the point between them */
 static const double BEND = 0.25;  /* their mean is less than its own by this, twice */
 static const double NARROW = 0.1; /* what is nearer than this to solid on both sides is no way */
-static const double ASIDE = 0.25; /* a way that grazes a surface goes around there */
+static const double ASIDE = 0.3;  /* a way that grazes a surface goes around there */
 static const double ON_IT = 0.01; /* a point so near to a surface is part of no way, though a particle may be there */
 static const double LEAST = 1e-4; /* step through solid */
 static const double EXACT = 1e-3; /* what is said of a place */
@@ -104,14 +104,20 @@ static bool is_free(const MnsSim *sim, const double a[3], const double b[3], dou
     return true;
 }
 
-/* Away from the solid that is nearest to x. */
-static void step_aside(const MnsSim *sim, double x[3], double by)
+/* A way around what a straight one meets at x, on one of its sides. */
+static bool is_free_aside(const MnsSim *sim, const double a[3], const double b[3], const double x[3], double from,
+                          double to, double least)
 {
-    size_t wall;
-    double normal[3];
-    solid_distance(sim, x, &wall);
-    shape_normal(&sim->solid[wall], x, 0.1 * by, normal);
-    for (int d = 0; d < 3; d++) x[d] += by * normal[d];
+    for (int side = 0; side < 2 * sim->model.dim; side++) {
+        double way[3] = {x[0], x[1], x[2]}, where[3];
+        size_t wall;
+        way[side / 2] += (side % 2 ? ASIDE : -ASIDE) * sim->model.dx;
+        const double middle = solid_distance(sim, way, &wall);
+        if (middle > least && is_free(sim, a, way, from, middle, least, where) &&
+            is_free(sim, way, b, middle, to, least, where))
+            return true;
+    }
+    return false;
 }
 
 /* Does a way lead from one point to the other, straight or around what it grazes? It may be as near to a surface as the ends are. */
@@ -119,17 +125,11 @@ static bool is_clear(const Window *w, size_t from, size_t to)
 {
     const double dx = w->sim->model.dx, start = w->away[from], end = w->away[to];
     const double least = fmin(NARROW * dx, fmax(0.5 * fmin(start, end), ON_IT * dx));
-    double a[3], b[3], way[3];
+    double a[3], b[3], x[3];
     place_of(w, from, a);
     place_of(w, to, b);
     if (start + end - sqrt(squared_distance(a, b)) > 2 * least) return true;
-    if (is_free(w->sim, a, b, start, end, least, way)) return true;
-    size_t wall;
-    step_aside(w->sim, way, ASIDE * dx);
-    const double middle = solid_distance(w->sim, way, &wall);
-    double where[3];
-    return middle > NARROW * dx && is_free(w->sim, a, way, start, middle, least, where) &&
-           is_free(w->sim, way, b, middle, end, least, where);
+    return is_free(w->sim, a, b, start, end, least, x) || is_free_aside(w->sim, a, b, x, start, end, least);
 }
 
 /* How much solid is between two points [m], or at least `enough`; and where the middle of it is. */
@@ -156,20 +156,20 @@ static double solid_between(const Window *w, size_t from, size_t to, double enou
     return solid;
 }
 
-/* Fill the points next to one. */
-static size_t fill_around(Window *w, size_t from, size_t queued)
+/* Fill the points around one, up to `far` of them away in each direction. */
+static size_t fill_around(Window *w, size_t from, size_t queued, int far)
 {
-    int offset[3], at[3];
+    const int side = 2 * far + 1, flat = w->sim->model.dim == 2, layer = side * side;
+    int offset[3];
     offset_of(w, from, offset);
-    const int flat = w->sim->model.dim == 2;
-    for (int k = flat ? 9 : 0; k < (flat ? 18 : 27); k++) {
-        const int step[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
+    for (int k = flat ? far * layer : 0; k < (flat ? (far + 1) * layer : side * layer); k++) {
+        const int step[3] = {k % side - far, k / side % side - far, k / layer - far};
         size_t to = 0;
         bool inside = true;
         for (int d = 2; d >= 0; d--) {
-            at[d] = offset[d] + step[d];
-            inside = inside && abs(at[d]) <= w->reach[d];
-            to = to * (2 * (size_t)w->reach[d] + 1) + (size_t)(at[d] + w->reach[d]);
+            const int at = offset[d] + step[d];
+            inside = inside && abs(at) <= w->reach[d];
+            to = to * (2 * (size_t)w->reach[d] + 1) + (size_t)(at + w->reach[d]);
         }
         if (!inside || w->filled[to] || w->away[to] < 0 || !is_clear(w, from, to)) continue;
         w->filled[to] = true;
@@ -178,20 +178,21 @@ static size_t fill_around(Window *w, size_t from, size_t queued)
     return queued;
 }
 
-/* Fill from the centre and, where asked for, from whatever is in its sight. */
-static void fill(Window *w, bool from_sight)
+/* Fill from the centre; with care, from whatever is in its sight, and through gaps that have no point in them. */
+static void fill(Window *w, bool with_care)
 {
     const size_t centre = w->n / 2;
     size_t queued = 0;
     w->filled[centre] = true;
     w->queue[queued++] = centre;
-    for (size_t k = 0; from_sight && k < w->n; k++) {
+    for (size_t k = 0; with_care && k < w->n; k++) {
         if (w->filled[k] || w->away[k] < 0 || !is_clear(w, centre, k)) continue;
         w->filled[k] = true;
         w->queue[queued++] = k;
     }
     for (size_t k = 0; k < queued; k++)
-        if (k == 0 || w->away[w->queue[k]] >= ON_IT * w->sim->model.dx) queued = fill_around(w, w->queue[k], queued);
+        if (k == 0 || w->away[w->queue[k]] >= ON_IT * w->sim->model.dx)
+            queued = fill_around(w, w->queue[k], queued, with_care ? 2 : 1);
 }
 
 /* How near both ends of a neck are. */
