@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Pressure forces are those of P1 eq. 9 and P2 eq. 24, opposite for the two of a pair to the last bit, minus the gradient over the
  * density where pressure is linear, and repel unlike fluids whatever the sign of the pressure. P2's does the work that its continuity
- * stores. */
+ * stores. A gas under P1 is not pulled by what is the same everywhere. */
 #include "sim/terms/terms.h"
 #include "tests/support/check.h"
 #include "tests/support/cloud.h"
+#include <stdlib.h>
 
 static const Term *const TERMS[] = {&pressure_force, &volume_pressure_force};
 
@@ -227,6 +228,58 @@ static void work_of_pressure_is_what_continuity_of_volumes_stores(void **state)
     }
 }
 
+/* All at one pressure over Gamma, walls too, and at rest. */
+static void press(Cloud *cloud, double P)
+{
+    Particles *s = &cloud->s;
+    for (size_t i = 0; i < particles_fluid(s); i++) {
+        s->p[i] = P * s->shepard[i];
+        for (int d = 0; d < s->dim; d++) s->v[d][i] = 0;
+    }
+    for (size_t i = particles_fluid(s); i < s->n; i++)
+        for (int a = 0; a < 2; a++) s->p_wall[a][i - particles_fluid(s)] = P;
+}
+
+/* However its particles lie: the liquid beside it is pulled as before. */
+static void gas_feels_nothing_of_a_pressure_below_zero_that_is_even(void **state)
+{
+    (void)state;
+    for (int way = 0; way < 8; way++) {
+        const int dim = way & 1 ? 3 : 2;
+        const bool below = way >> 1 & 1;
+        Cloud *cloud = stirred(dim, tank), *other = stirred(dim, tank);
+        Cloud *const clouds[2] = {cloud, other};
+        for (int k = 0; k < 2; k++) {
+            Model *model = &clouds[k]->model;
+            model->density_average = way >> 2 & 1;
+            model->repulsion = 0;
+            model->has_gas = model->phase[CLOUD_AIR].fills = k == 0;
+            press(clouds[k], below ? -40 : 40);
+        }
+        cloud_term(cloud, &pressure_force);
+        cloud_term(other, &pressure_force);
+        const Particles *s = &cloud->s;
+        double plain[3], most = 0;
+        double *const a[3] = {calloc(s->n, sizeof(double)), calloc(s->n, sizeof(double)), calloc(s->n, sizeof(double))};
+        for (size_t i = 0; i < particles_fluid(s); i++)
+            for (int d = 0; d < dim; d++) a[d][i] = s->a[d][i];
+        cloud_term(cloud, &gas_dissipation);
+        for (size_t i = 0; i < particles_fluid(s); i++) {
+            const bool gas = s->phase[i] == CLOUD_AIR;
+            for (int d = 0; d < dim; d++) {
+                plain[d] = other->s.a[d][i];
+                most = fmax(most, gas ? fabs(plain[d]) : 0);
+                if (gas && below) assert_close(a[d][i] + s->a[d][i], 0, 1e-9 * 40 / (s->rho[i] * cloud->model.dx));
+                else assert_true(s->a[d][i] == 0 && a[d][i] == plain[d]);
+            }
+        }
+        assert_true(most > 0.01 * 40 / (cloud->model.phase[CLOUD_AIR].rho0 * cloud->model.dx));
+        for (int d = 0; d < 3; d++) free(a[d]);
+        cloud_free(cloud);
+        cloud_free(other);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -235,6 +288,7 @@ int main(void)
         cmocka_unit_test(total_force_is_zero_to_rounding),
         cmocka_unit_test(unlike_fluids_repel_each_other_at_any_pressure),
         cmocka_unit_test(linear_pressures_push_along_their_gradient),
+        cmocka_unit_test(gas_feels_nothing_of_a_pressure_below_zero_that_is_even),
         cmocka_unit_test(work_of_pressure_is_what_continuity_of_volumes_stores),
     };
     return cmocka_run_group_tests_name("pressure force", tests, NULL, NULL);
