@@ -4,6 +4,7 @@
 #include "sim/pairs.h"
 #include "sim/sim.h"
 #include <assert.h>
+#include <math.h>
 
 enum { SIDES = 6, ALL_SIDES = (1 << SIDES) - 1, LOWER_SIDES = 0x15 };
 
@@ -74,6 +75,17 @@ static bool any_slips(const MnsSim *sim)
     return false;
 }
 
+/* Does a row have room for all listed neighbours on a lattice and a tenth denser, where these mirrors meet: fluid, images of the rest of the ball, and
+ * the wall particles that these stand for? */
+static bool have_room_in_corners(const Model *model, unsigned mirrors)
+{
+    const double reach = model->kernel.support + model->skin, pi = acos(-1),
+                 ball = model->dim == 2 ? pi * reach * reach : 4 * pi / 3 * reach * reach * reach;
+    double fluid = 1;
+    for (int d = 0; d < model->dim; d++) fluid *= mirrors >> 2 * d & 3 ? 0.5 : 1;
+    return 1.1 * (2 - fluid) * ball / model->cell_volume <= ROW_MAX;
+}
+
 unsigned mirrors_find(const MnsSim *sim, Formula *const gravity[3])
 {
     const Model *model = &sim->model;
@@ -84,7 +96,7 @@ unsigned mirrors_find(const MnsSim *sim, Formula *const gravity[3])
     for (int d = 0; d < model->dim; d++)
         if ((mirrors >> 2 * d & 3) == 3 && model->max[d] - model->min[d] < model->kernel.support)
             mirrors &= ~(3u << 2 * d);
-    return mirrors;
+    return have_room_in_corners(model, mirrors) ? mirrors : 0;
 }
 
 bool mirrors_have(const Model *model, const Face *face)

@@ -16,7 +16,8 @@
 
 /* Sides of the domain of a simulation whose walls have their shapes, under a gravity, a bit each: bit 2 d of the lower one in direction d, 2 d + 1 of
  * the upper one. Walls that move, have a surface velocity, are not flat, or cover a part of a side are none; nor are two sides that are nearer to each
- * other than the kernel's support, as there would be images of images without end. */
+ * other than the kernel's support, as there would be images of images without end. None are where a kernel is so wide that rows have no room for images
+ * in a corner: more than some 500 neighbours. */
 unsigned mirrors_find(const MnsSim *sim, Formula *const gravity[3]);
 
 /* Is a flat face of a wall a side that mirrors all? */

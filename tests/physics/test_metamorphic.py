@@ -62,6 +62,10 @@ class Metamorphic(unittest.TestCase):
             self.assertEqual(metamorphic.apart(here, nothing, told)[name], np.inf)
         moved = metamorphic.view(here.snapshot, x=(0, -1e-3))
         self.assertGreater(metamorphic.apart(here, Seen(moved, here.probes), told)["places of oil"], 0.9e-3)
+        broken = metamorphic.view(here.snapshot, here.snapshot.phase >= 0)
+        assert broken.pressure is not None
+        broken.pressure[0] = np.nan
+        self.assertEqual(max(metamorphic.apart(here, Seen(broken, here.probes), told).values()), np.inf)
         fewer = metamorphic.view(here.snapshot, slice(1, None))
         self.assertEqual(max(metamorphic.apart(here, Seen(fewer, here.probes), told).values()), np.inf)
 
