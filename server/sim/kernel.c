@@ -40,12 +40,14 @@ INLINE void eval(const Kernel *kernel, size_t n, const double *restrict r, doubl
     }
 }
 
-void kernel_eval(const Kernel *kernel, size_t n, const double *r, double *W, double *F){
+void kernel_eval(const Kernel *kernel, size_t n, const double *r, double *W, double *F)
+{
 #define EVAL(shape) eval(kernel, n, r, W, F, shape)
-    WITH_KERNEL(kernel->type, EVAL)}
+    WITH_KERNEL(kernel->type, EVAL);
+}
 
-INLINE
-    void eval_bend(const Kernel *kernel, size_t n, const double *restrict r, double *restrict bend, KernelShape shape)
+INLINE void eval_bend(const Kernel *kernel, size_t n, const double *restrict r, double *restrict bend,
+                      KernelShape shape)
 {
     const KernelScale k = kernel_scale(kernel);
     for (size_t i = 0; i < n; i++) bend[i] = shape(&k, r[i], r[i] * r[i], false).bend;
@@ -54,7 +56,7 @@ INLINE
 void kernel_bend(const Kernel *kernel, size_t n, const double *r, double *bend)
 {
 #define EVAL_BEND(shape) eval_bend(kernel, n, r, bend, shape)
-    WITH_KERNEL(kernel->type, EVAL_BEND)
+    WITH_KERNEL(kernel->type, EVAL_BEND);
 }
 
 double kernel_at_zero(const Kernel *kernel)

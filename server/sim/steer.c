@@ -251,19 +251,19 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
         status = mns_fail(error, MNS_E_MEMORY, "no memory for %zu particles", sim->s.n);
     if (!status) status = add_fields(sim, c, error);
     const unsigned mirrors = status ? before.mirrors : mirrors_find(sim, gravity);
-    const bool sorts = !status && (threads != sim->threads || mirrors != before.mirrors);
-    if (sorts) status = build_lists(sim, c, threads, mirrors, &lists, error);
+    const bool rebuilds = !status && (threads != sim->threads || mirrors != before.mirrors);
+    if (rebuilds) status = build_lists(sim, c, threads, mirrors, &lists, error);
     if (status) {
         free_gravity(gravity);
         neighbours_done(&lists);
-        return refuse(sim, status, fields, sorts);
+        return refuse(sim, status, fields, rebuilds);
     }
     for (int d = 0; d < 3; d++) {
         formula_free(sim->gravity[d]);
         sim->gravity[d] = gravity[d];
     }
     gravity_forget(sim);
-    if (sorts) {
+    if (rebuilds) {
         neighbours_done(&sim->nb);
         sim->nb = lists;
         sim->threads = threads;

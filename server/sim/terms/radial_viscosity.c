@@ -39,8 +39,7 @@ INLINE void radial_friction_row(const Row *row, Particles *s, const Model *model
     Lanes sum[3] = {0};
     for (const Block *b = row->block + row->n_fluid; b < row->block + row->n; b++) {
         Sticking wall;
-        sticking_of(s, model, row_j(row, b), mu, how, &wall); /* no simd: gcc takes the mirrored pair for memory */
-        for (int d = 0; d < how.dim && are_images(row, b); d++) turn_component(row, b, d, wall.v[d]);
+        sticking_of_block(row, b, s, model, mu, how, &wall); /* no simd: gcc takes the mirrored pair for memory */
         for (int l = 0; l < LANES; l++) {
             Pair pair = block_pair(b, l, how);
             radial_friction_pair(v, V, &pair, &wall, soft, how, l, sum);

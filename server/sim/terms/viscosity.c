@@ -55,8 +55,7 @@ INLINE void wall_friction_row(const Row *row, Particles *s, const Model *model, 
     Lanes sum[3] = {0};
     for (const Block *b = row->block + row->n_fluid; b < row->block + row->n; b++) {
         Sticking wall;
-        sticking_of(s, model, row_j(row, b), mu, how, &wall);
-        for (int d = 0; d < how.dim && are_images(row, b); d++) turn_component(row, b, d, wall.v[d]);
+        sticking_of_block(row, b, s, model, mu, how, &wall);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);

@@ -51,6 +51,14 @@ INLINE void sticking_of(const Particles *s, const Model *model, const uint32_t *
     }
 }
 
+/* Of a block of a row, whose images are turned. */
+INLINE void sticking_of_block(const Row *row, const Block *b, const Particles *s, const Model *model, double mu,
+                              How how, Sticking *ret)
+{
+    sticking_of(s, model, row_j(row, b), mu, how, ret);
+    for (int d = 0; d < how.dim && are_images(row, b); d++) turn_component(row, b, d, ret->v[d]);
+}
+
 INLINE void friction_pair(const double v[3], double V, const Pair *pair, const Sticking *wall, double soft, How how,
                           int l, Lanes sum[3])
 {

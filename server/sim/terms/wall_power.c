@@ -88,8 +88,7 @@ INLINE void work_of_friction(const Row *row, Particles *s, const Model *model, H
     for (const Block *b = row->block + row->n_fluid; b < row->block + row->n; b++) {
         Sticking wall;
         Lanes force[3] = {0};
-        sticking_of(s, model, row_j(row, b), mu, how, &wall);
-        for (int d = 0; d < how.dim && are_images(row, b); d++) turn_component(row, b, d, wall.v[d]);
+        sticking_of_block(row, b, s, model, mu, how, &wall);
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
             if (radial) radial_friction_pair(v, V, &pair, &wall, soft, how, l, force);

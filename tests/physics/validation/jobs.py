@@ -10,7 +10,7 @@ import subprocess
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any, TypeVar
 
 Name = TypeVar("Name")
@@ -58,7 +58,8 @@ class Programs:
             self.over = True
             for program in self.running:
                 if program.returncode is None:  # terminate() would ask for it, and take it from the thread that waits for it
-                    os.kill(program.pid, signal.SIGTERM)
+                    with suppress(ProcessLookupError):  # it has ended, and nobody has said so yet
+                        os.kill(program.pid, signal.SIGTERM)
 
 
 PROGRAMS = Programs()

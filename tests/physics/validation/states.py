@@ -20,6 +20,7 @@ from validation.runs import BUILD, ROOT, replace
 STEPS = 50
 RECORD = Path(__file__).parents[1] / "states.txt"
 NONE = "none"  # for a hash, of a case that is refused
+REFUSED = 65  # the exit code then
 
 Asked = tuple[str, ...]  # the run's case, and its settings
 SCORING: Asked = ()  # in place of a run: what scores them
@@ -32,7 +33,10 @@ def state_after(asked: Asked) -> str:
     command = [str(BUILD / "tests/physics/state_after"), asked[0], str(STEPS), *asked[1:]]
     environment = os.environ | {"MENISCUS_CASES": str(ROOT / "server/cases")}
     with jobs.program(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, env=environment) as process:
-        return process.communicate()[0].strip() or NONE
+        state = process.communicate()[0].strip()
+    if process.returncode not in (0, REFUSED):
+        raise subprocess.CalledProcessError(process.returncode, command)
+    return state or NONE
 
 
 def scoring(score: Callable, runs: Iterable[Asked]) -> str:
