@@ -190,98 +190,49 @@ bool mirrors_have_room(const Model *model, const Particles *s, size_t i, const u
 
 /* --- their rows ------------------------------------------------------------------------------------------------------------- */
 
-/* A row that grows, pair by pair. */
+/* A row that grows: the particle's place, mirrors within reach of it, and how many pairs there are so far. */
 typedef struct Growing {
     Row *row;
     const RowPlan *plan;
-    double x[3]; /* of the particle */
-    size_t n;    /* pairs so far */
+    double x[3];
+    unsigned near;
+    size_t n;
 } Growing;
 
-enum { ARRAYS = sizeof(Block) / (LANES * sizeof(double)) };
-_Static_assert(sizeof(Block) == sizeof(double) * ARRAYS * LANES, "a block is all of arrays of eight numbers");
+/* Lanes of all blocks of a row. */
+typedef struct Lengths {
+    _Alignas(64) double of[ROW_BLOCKS][LANES];
+    uint8_t marks[ROW_BLOCKS]; /* which of them are less than a limit, a bit each */
+} Lengths;
 
-static void copy_pair(Block *to, size_t l, const Block *from, size_t k)
+static void mark(Lengths *lengths, size_t first, size_t last, double limit, const Model *model)
 {
-    double(*its)[LANES] = (double(*)[LANES])to;
-    const double(*mine)[LANES] = (const double(*)[LANES])from;
-    for (size_t q = 0; q < ARRAYS; q++) its[q][l] = mine[q][k];
+    select_marks(model->level, lengths->of[first], LANES, last - first, limit, lengths->marks + first);
 }
 
-/* What bundle k has of j, in lane l. */
-INLINE void fetch_one(Block *to, size_t l, const double (*bundle)[4], uint32_t j, int dim, int k)
-{
-    const uint8_t *what = BUNDLE_LAYOUT[dim - 2][k];
-    double *const at[4] = {place(to, what[0]), place(to, what[1]), place(to, what[2]), place(to, what[3])};
-    if (at[0]) at[0][l] = bundle[j][0];
-    if (at[1]) at[1][l] = bundle[j][1];
-    if (at[2]) at[2][l] = bundle[j][2];
-    if (at[3]) at[3][l] = bundle[j][3];
-}
+/* --- which images there are --- */
 
-/* All that is needed of j, as rows have it. */
-INLINE void fetch(Block *to, size_t l, const RowPlan *plan, uint32_t j, int dim)
-{
-    const Bundles *bundles = &plan->nb->bundles;
-    fetch_one(to, l, bundles->data[0], j, dim, 0);
-    if (plan->needs & bundle_meets(dim, 1)) fetch_one(to, l, bundles->data[1], j, dim, 1);
-    if (plan->needs & bundle_meets(dim, 2)) fetch_one(to, l, bundles->data[2], j, dim, 2);
-    if (plan->needs & bundle_meets(dim, 3)) fetch_one(to, l, bundles->data[3], j, dim, 3);
-}
-
-static void fetch_pair(Block *to, size_t l, const RowPlan *plan, uint32_t j)
-{
-    if (plan->s->dim == 2) fetch(to, l, plan, j, 2);
-    else fetch(to, l, plan, j, 3);
-}
-
-/* The place of the next pair. */
-static Block *next(const Growing *g, size_t *ret_lane)
+/* An image is noted by its source, the pair k of the row or OWN_IMAGE, and is made with those of its block. */
+static void note(Growing *g, unsigned these, size_t source, uint32_t j)
 {
     assert(g->n < (size_t)ROW_BLOCKS * LANES);
-    *ret_lane = g->n % LANES;
-    return g->row->block + g->n / LANES;
+    g->row->j[g->n] = j;
+    g->row->source[g->n] = (uint16_t)source;
+    g->row->turned[g->n++] = (uint8_t)these;
 }
 
-/* Component d of all vectors of a pair. */
-static void turn(Block *b, size_t l, int d, const RowPlan *plan)
-{
-    b->v[d][l] = -b->v[d][l];
-    if (plan->needs & NEED_FLUX) { /* which is where others have gradients and normals */
-        double *flux = FLUX_OF(b, d, plan->s->dim);
-        flux[l] = -flux[l];
-        return;
-    }
-    b->gradient[d][l] = -b->gradient[d][l];
-    b->normal[d][l] = -b->normal[d][l];
-}
-
-/* The image by these sides of j, of which `from` is the pair k of the row, NULL for the particle itself; nothing where it is out of reach.
- * Positions are those of the bundles, as the pass may move particles. */
-static void append_image(Growing *g, unsigned these, const Block *from, size_t k, uint32_t j)
+/* Is the image by these sides of j in reach? Positions are those of the bundles, as the pass may move particles. from: the block in which j is in
+ * lane l; NULL for the particle itself. */
+static bool reaches(const Growing *g, unsigned these, const Block *from, size_t l, uint32_t j)
 {
     const RowPlan *plan = g->plan;
-    const int dim = plan->s->dim;
-    double x[3] = {0, 0, 0}, r2 = 0;
-    for (int d = 0; d < dim; d++) {
-        x[d] = from ? from->x[d][k % LANES] : 0;
-        if (these >> 2 * d & 3) x[d] = apart(plan->model, these, d, g->x[d], plan->nb->bundles.data[0][j][d]);
-        r2 += x[d] * x[d];
+    double r2 = 0;
+    for (int d = 0; d < plan->s->dim; d++) {
+        double x = from ? from->x[d][l] : 0;
+        if (these >> 2 * d & 3) x = apart(plan->model, these, d, g->x[d], plan->nb->bundles.data[0][j][d]);
+        r2 += x * x;
     }
-    const double r = sqrt(r2);
-    if (!(r < plan->model->kernel.support)) return;
-    size_t l;
-    Block *b = next(g, &l);
-    fetch_pair(b, l, plan, j);
-    for (int d = 0; d < dim; d++) {
-        b->x[d][l] = x[d];
-        if (these >> 2 * d & 3) turn(b, l, d, plan);
-    }
-    b->r[l] = r;
-    b->other[l] = from ? from->other[k % LANES] : 0;
-    g->row->j[g->n] = j;
-    g->row->source[g->n] = (uint16_t)(from ? k : OWN_IMAGE);
-    g->row->turned[g->n++] = (uint8_t)these;
+    return sqrt(r2) < plan->model->kernel.support;
 }
 
 /* A particle that has got behind a mirror has no image of its own, which would push it on. */
@@ -300,8 +251,8 @@ typedef struct Way {
 static Way way_of(const Model *model, unsigned these, const double x[3])
 {
     Way way = {{0, 0, 0}, {1, 1, 1}};
-    for (int side = 0; side < SIDES; side++) {
-        if (!(these >> side & 1)) continue;
+    for (unsigned left = these; left; left &= left - 1) {
+        const int side = __builtin_ctz(left);
         const double away = 2 * model_inside(model, side, x[side / 2]);
         way.by[side / 2] = side % 2 ? -away : away;
         way.keeps[side / 2] = -1;
@@ -309,125 +260,191 @@ static Way way_of(const Model *model, unsigned these, const double x[3])
     return way;
 }
 
-/* Which pairs of a block are in reach and have an image that is, but for rounding; a bit each. */
-static unsigned within(const Block *b, const Way *way, int dim, double support)
+/* The squares of distances to images, but for rounding; of pairs that are not in reach themselves, too much. */
+INLINE void measure(Lengths *r2, const Block *b, size_t k, const Way *way, double support, How how)
 {
-    double r2[LANES] = {0};
-    for (int d = 0; d < dim; d++)
-        for (int l = 0; l < LANES; l++) {
+#pragma omp simd
+    for (int l = 0; l < LANES; l++) {
+        double sum = 0;
+        for (int d = 0; d < how.dim; d++) {
             const double x = way->by[d] + way->keeps[d] * b->x[d][l];
-            r2[l] += x * x;
+            sum += x * x;
         }
-    unsigned ret = 0;
-    for (int l = 0; l < LANES; l++) ret |= (unsigned)(b->r[l] < support && r2[l] < 1.0001 * support * support) << l;
-    return ret;
+        r2->of[k][l] = b->r[l] < support ? sum : 2 * support * support;
+    }
 }
 
-/* Of the pairs of blocks [first, last). */
-static void append_images(Growing *g, unsigned near, size_t first, size_t last, bool own)
+/* Of the pairs of blocks [first, last). What is so near to the limit that rounding may decide is looked at once more. */
+INLINE void note_images(Growing *g, size_t first, size_t last, bool own, How how)
 {
-    Row *row = g->row;
+    const Row *row = g->row;
     const Model *model = g->plan->model;
-    for (unsigned these = 1; these <= ALL_SIDES; these++) {
-        if (!is_image(these, near)) continue;
+    const double support = model->kernel.support, sure = 0.9999 * support * support, most = 1.0001 * support * support;
+    Lengths r2;
+    for (unsigned these = g->near & -g->near; these; these = (these - g->near) & g->near) {
+        if (!is_image(these, g->near)) continue;
         const Way way = way_of(model, these, g->x);
-        if (own && is_inside(model, these, g->x)) append_image(g, these, NULL, 0, (uint32_t)row->i);
+        if (own && is_inside(model, these, g->x) && reaches(g, these, NULL, 0, (uint32_t)row->i))
+            note(g, these, OWN_IMAGE, (uint32_t)row->i);
+        for (size_t b = first; b < last; b++) measure(&r2, row->block + b, b, &way, support, how);
+        mark(&r2, first, last, most, model);
         for (size_t b = first; b < last; b++)
-            for (unsigned left = within(row->block + b, &way, model->dim, model->kernel.support); left;
-                 left &= left - 1) {
-                const size_t k = b * LANES + (size_t)__builtin_ctz(left);
-                append_image(g, these, row->block + b, k, row->j[k]);
+            for (unsigned left = r2.marks[b]; left; left &= left - 1) {
+                const size_t l = (size_t)__builtin_ctz(left), k = b * LANES + l;
+                if (r2.of[b][l] < sure || reaches(g, these, row->block + b, l, row->j[k])) note(g, these, k, row->j[k]);
             }
     }
 }
 
-/* Walls that are not behind a mirror, put by: images of fluid go where they are. */
-typedef struct Walls {
-    size_t n;
-    uint32_t j[PICKED_MAX];
-    Block block[ROW_BLOCKS];
-} Walls;
+/* --- what they are like --- */
 
-/* Which pairs of a block are in reach and before all of these mirrors, of the particle at x; a bit each. What is in reach and behind a mirror is
- * behind one within reach of the particle. */
-static unsigned before(const Block *b, const Model *model, unsigned near, const double x[3])
+/* Turn component d of what is needed of the neighbours. */
+INLINE void turn(Block *b, int d, const double keeps[LANES], unsigned needs, How how)
 {
-    double least[LANES] = {0};
-    for (unsigned left = near; left; left &= left - 1) {
-        const int side = __builtin_ctz(left), d = side / 2;
-        const double inside = model_inside(model, side, x[d]), sign = side % 2 ? 1 : -1;
-        for (int l = 0; l < LANES; l++) {
-            const double its = inside + sign * b->x[d][l];
-            least[l] = its < least[l] ? its : least[l];
-        }
-    }
-    unsigned ret = 0;
-    for (int l = 0; l < LANES; l++) ret |= (unsigned)(b->r[l] < model->kernel.support && !(least[l] < 0)) << l;
-    return ret;
+    double *flux = FLUX_OF(b, d, how.dim); /* where others have gradients and normals */
+#pragma omp simd
+    for (int l = 0; l < LANES; l++) b->v[d][l] *= keeps[l];
+    if (needs & NEED_FLUX)
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) flux[l] *= keeps[l];
+    if (needs & NEED_GRADIENT)
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) b->gradient[d][l] *= keeps[l];
+    if (needs & NEED_NORMAL)
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) b->normal[d][l] *= keeps[l];
 }
 
-static void put_by(Walls *walls, const Row *row, const RowPlan *plan, unsigned near, const double x[3])
+/* From positions in direction d to differences to them, as apart() and rows have them. */
+INLINE void reflect(Block *b, int d, const uint8_t turned[LANES], const Growing *g, unsigned needs, How how)
 {
-    walls->n = 0;
-    for (size_t b = row->n_fluid; b < row->n; b++)
-        for (unsigned left = before(row->block + b, plan->model, near, x); left; left &= left - 1) {
-            const size_t l = (size_t)__builtin_ctz(left);
-            copy_pair(walls->block + walls->n / LANES, walls->n % LANES, row->block + b, l);
-            walls->j[walls->n++] = row->j[b * LANES + l];
-        }
+    const Model *model = g->plan->model;
+    const double x = g->x[d], lower = model->min[d], upper = model->max[d];
+    double keeps[LANES];
+#pragma omp simd
+    for (int l = 0; l < LANES; l++) {
+        const int sides = turned[l] >> 2 * d & 3;
+        const double at = sides == 0 ? 0 : sides == 1 ? lower : upper;
+        keeps[l] = sides == 0 ? 1 : -1;
+        b->x[d][l] = (x - at) - keeps[l] * (b->x[d][l] - at);
+    }
+    turn(b, d, keeps, needs, how);
 }
 
-static void append_walls(Growing *g, const Walls *walls)
+INLINE void fill_image_block(Block *b, const Growing *g, unsigned needs, How how)
 {
-    for (size_t k = 0; k < walls->n; k++) {
-        size_t l;
-        Block *b = next(g, &l);
-        copy_pair(b, l, walls->block + k / LANES, k % LANES);
-        g->row->j[g->n++] = walls->j[k];
+    const RowPlan *plan = g->plan;
+    const size_t first = (size_t)(b - g->row->block) * LANES;
+    double r2[LANES];
+    fetch_block(b, g->row->j + first, &plan->nb->bundles, needs, how);
+    for (int d = 0; d < how.dim; d++)
+        if (g->near >> 2 * d & 3) reflect(b, d, g->row->turned + first, g, needs, how);
+        else
+#pragma omp simd
+            for (int l = 0; l < LANES; l++) b->x[d][l] = nearest(plan->model, g->x[d] - b->x[d][l], d, how);
+#pragma omp simd
+    for (int l = 0; l < LANES; l++) {
+        double sum = 0;
+        for (int d = 0; d < how.dim; d++) sum += b->x[d][l] * b->x[d][l];
+        b->r[l] = sqrt(sum);
+        r2[l] = b->r[l] * b->r[l];
     }
+    how.fma = false;
+    fill_kernel(b, r2, plan, how);
 }
 
-/* Fill up the last block with its last pair, out of reach; returns how many blocks there are. */
-static size_t fill_block_up(Growing *g)
+/* Make what has been noted from a block on, and fill up the last block with its last pair, out of reach; returns how many blocks there are. */
+INLINE size_t fill_images(Growing *g, size_t first, How how)
 {
-    while (g->n % LANES) {
-        size_t l;
-        Block *b = next(g, &l);
-        const uint32_t j = g->row->j[g->n - 1];
-        fetch_pair(b, l, g->plan, j);
-        b->r[l] = 2 * g->plan->model->kernel.support;
-        b->W[l] = b->F[l] = b->bend[l] = b->other[l] = 0;
-        g->row->j[g->n] = j;
-        g->row->source[g->n] = OWN_IMAGE;
-        g->row->turned[g->n++] = 0;
+    Row *row = g->row;
+    const RowPlan *plan = g->plan;
+    const size_t used = g->n;
+    while (g->n % LANES) note(g, 0, OWN_IMAGE, row->j[g->n - 1]);
+    Block *const end = row->block + g->n / LANES;
+    for (Block *b = row->block + first; b < end; b++) {
+        fill_image_block(b, g, row_needs(row, plan), how);
+        if (row->mixed) find_others(plan->s->phase, plan->s->phase[row->i], row_j(row, b), b->other);
     }
+    if (used % LANES) hide(end - 1, used, 2 * plan->model->kernel.support);
     return g->n / LANES;
 }
 
-static void find_kernels(const Growing *g, size_t first, size_t last)
+/* --- walls --- */
+
+/* How far pairs are, and too far what is behind a mirror. What is in reach and behind one is behind one within reach of the particle. */
+INLINE void measure_before(double r[LANES], const Block *b, const Growing *g)
 {
-    const Kernel *kernel = &g->plan->model->kernel;
-    for (Block *b = g->row->block + first; b < g->row->block + last; b++) {
-        kernel_eval(kernel, LANES, b->r, b->W, b->F);
-        if (g->plan->needs & NEED_BEND) kernel_bend(kernel, LANES, b->r, b->bend);
+    const Model *model = g->plan->model;
+    memcpy(r, b->r, sizeof b->r);
+    for (unsigned left = g->near; left; left &= left - 1) {
+        const int side = __builtin_ctz(left), d = side / 2;
+        const double inside = model_inside(model, side, g->x[d]), sign = side % 2 ? 1 : -1;
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) r[l] = inside + sign * b->x[d][l] < 0 ? 2 * model->kernel.support : r[l];
     }
 }
 
-void mirrors_add(Row *row, const RowPlan *plan)
+/* Walls in reach that are not behind a mirror; returns how many. Images of fluid go where they are. j: [PICKED_MAX] */
+INLINE size_t shown_walls(const Growing *g, uint32_t *j)
+{
+    const Row *row = g->row;
+    const Model *model = g->plan->model;
+    Lengths r;
+    for (size_t b = row->n_fluid; b < row->n; b++) measure_before(r.of[b], row->block + b, g);
+    mark(&r, row->n_fluid, row->n, model->kernel.support, model);
+    const size_t listed = (row->n - row->n_fluid) * LANES;
+    return select_marked(model->level, row->j + row->n_fluid * LANES, listed, r.marks + row->n_fluid, j);
+}
+
+/* After the images of fluid; returns how many blocks there are. */
+INLINE size_t append_walls(Growing *g, const uint32_t *j, size_t n, How how)
+{
+    Row *row = g->row;
+    if (!n) return row->n_fluid;
+    memcpy(row->j + g->n, j, n * sizeof *j);
+    const size_t end = row->n_fluid + fill_up(row->j + g->n, n);
+    assert(end <= ROW_BLOCKS);
+    for (size_t b = row->n_fluid; b < end; b++)
+        fill_block(row->block + b, row->j + b * LANES, g->plan, row_needs(row, g->plan), g->x, how);
+    hide(row->block + end - 1, n, 2 * g->plan->model->kernel.support);
+    g->n = end * LANES;
+    return end;
+}
+
+INLINE void add_images(Row *row, const RowPlan *plan, How how)
 {
     const Particles *s = plan->s;
-    Walls walls;
+    uint32_t walls[PICKED_MAX];
     Growing g = {.row = row, .plan = plan, .n = row->n_fluid * LANES};
-    for (int d = 0; d < s->dim; d++) g.x[d] = s->x[d][row->i * s->x_step];
-    const unsigned near = near_to(plan->model, g.x, plan->model->kernel.support);
-    put_by(&walls, row, plan, near, g.x);
+    for (int d = 0; d < how.dim; d++) g.x[d] = s->x[d][row->i * s->x_step];
+    g.near = near_to(plan->model, g.x, plan->model->kernel.support);
+    const size_t n_walls = shown_walls(&g, walls);
     row->n_own = row->n_fluid;
-    append_images(&g, near, 0, row->n_own, row->i < particles_fluid(s));
-    row->n_fluid = fill_block_up(&g);
-    find_kernels(&g, row->n_own, row->n_fluid);
-    append_walls(&g, &walls);
-    row->n_walls = fill_block_up(&g);
-    append_images(&g, near, row->n_fluid, row->n_walls, false);
-    row->n = fill_block_up(&g);
-    find_kernels(&g, row->n_walls, row->n);
+    note_images(&g, 0, row->n_own, row->i < particles_fluid(s), how);
+    row->n_fluid = fill_images(&g, row->n_own, how);
+    row->n_walls = append_walls(&g, walls, n_walls, how);
+    note_images(&g, row->n_fluid, row->n_walls, false, how);
+    row->n = fill_images(&g, row->n_walls, how);
+}
+
+INLINE void add(Row *row, const RowPlan *plan, size_t i, How how)
+{
+    (void)i;
+    how.periodic = true;
+#ifndef MENISCUS_SANITIZED
+#define ADD(shape)                                                                                                     \
+    how.kernel = shape;                                                                                                \
+    add_images(row, plan, how)
+    WITH_KERNEL(plan->model->kernel.type, ADD)
+#else
+    how.kernel = kernel_shape_of(plan->model->kernel.type);
+    add_images(row, plan, how);
+#endif
+}
+ROW_BUILDERS(add)
+
+void mirrors_add(Row *row, const RowPlan *plan)
+{
+    static const RowBuilder builders[LEVELS][2] = ROW_TABLE(add);
+    builders[plan->model->level][plan->s->dim - 2](row, plan, row->i);
 }

@@ -136,4 +136,92 @@ INLINE double nearest(const Model *model, double x, int d, How how)
     return how.periodic ? x - model->period[d] * __builtin_rint(x * model->frequency[d]) : x;
 }
 
+/* What is needed of a row's pairs: no flux where none is summed. */
+INLINE unsigned row_needs(const Row *row, const RowPlan *plan)
+{
+    return row->summed ? plan->needs : plan->needs & ~(unsigned)NEED_FLUX;
+}
+
+/* r2: squares of the block's distances. */
+INLINE void fill_kernel(Block *b, const double r2[LANES], const RowPlan *plan, How how)
+{
+    if (plan->needs & NEED_BEND)
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const KernelValue value = how.kernel(&plan->kernel, b->r[l], r2[l], how.fma);
+            b->W[l] = value.W;
+            b->F[l] = value.F;
+            b->bend[l] = value.bend;
+        }
+    else if ((plan->needs & NEED_W) && (plan->needs & NEED_F))
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const KernelValue value = how.kernel(&plan->kernel, b->r[l], r2[l], how.fma);
+            b->W[l] = value.W;
+            b->F[l] = value.F;
+        }
+    else if (plan->needs & NEED_W)
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) b->W[l] = how.kernel(&plan->kernel, b->r[l], r2[l], how.fma).W;
+    else
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) b->F[l] = how.kernel(&plan->kernel, b->r[l], r2[l], how.fma).F;
+}
+
+/* One block: neighbours, differences, distances, kernel. One after the other, so that the root of one block is taken while the
+ * next is loaded. */
+INLINE void fill_block(Block *b, const uint32_t *j, const RowPlan *plan, unsigned needs, const double x_i[3], How how)
+{
+    fetch_block(b, j, &plan->nb->bundles, needs, how);
+    const Model *model = plan->model;
+    double r2[LANES];
+#pragma omp simd
+    for (int l = 0; l < LANES; l++) {
+        double x[3];
+        for (int d = 0; d < how.dim; d++) x[d] = b->x[d][l] = nearest(model, x_i[d] - b->x[d][l], d, how);
+        r2[l] = DOT(x, x, how);
+        b->r[l] = sqrt(r2[l]);
+    }
+    fill_kernel(b, r2, plan, how);
+}
+
+/* One array at a time: gcc gives up all four together. */
+INLINE void replace_after(double of[LANES], size_t used, double by)
+{
+#pragma omp simd
+    for (size_t l = 0; l < LANES; l++) of[l] = l > used ? by : of[l];
+}
+
+/* Put what the last block was filled up with out of reach. */
+INLINE void hide(Block *last, size_t n, double far)
+{
+    const size_t used = (n - 1) % LANES;
+    replace_after(last->r, used, far);
+    replace_after(last->W, used, 0);
+    replace_after(last->F, used, 0);
+    replace_after(last->bend, used, 0);
+}
+
+/* Functions of every level, in two and three dimensions, from one that builds a part of the row of i and is told How by its last argument;
+ * ROW_TABLE(body) is the table of them. */
+typedef void (*RowBuilder)(Row *row, const RowPlan *plan, size_t i);
+#define ROW_BUILDER(body, level, target, dimensions, fused, how_to_fetch)                                              \
+    target static void body##_##level##_##dimensions(Row *row, const RowPlan *plan, size_t i)                          \
+    {                                                                                                                  \
+        body(row, plan, i, (How){.dim = dimensions, .fma = fused, .fetch = how_to_fetch});                             \
+    }
+#if HAS_LEVELS
+#define ROW_BUILDERS(body)                                                                                             \
+    ROW_BUILDER(body, base, , 2, BASE_FUSES, fetch_quads)                                                              \
+    ROW_BUILDER(body, base, , 3, BASE_FUSES, fetch_quads)                                                              \
+    ROW_BUILDER(body, v3, FOR_V3, 2, true, fetch_halves)                                                               \
+    ROW_BUILDER(body, v3, FOR_V3, 3, true, fetch_halves)                                                               \
+    ROW_BUILDER(body, v4, FOR_V4, 2, true, fetch_octs)                                                                 \
+    ROW_BUILDER(body, v4, FOR_V4, 3, true, fetch_octs)
+#else
+#define ROW_BUILDERS(body)                                                                                             \
+    ROW_BUILDER(body, base, , 2, BASE_FUSES, fetch_quads)                                                              \
+    ROW_BUILDER(body, base, , 3, BASE_FUSES, fetch_quads)
+#endif
+
 #endif
