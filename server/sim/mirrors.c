@@ -384,7 +384,7 @@ INLINE void measure_before(double r[LANES], const Block *b, const Growing *g)
     }
 }
 
-/* Walls in reach that are not behind a mirror; returns how many. Images of fluid go where they are. j: [PICKED_MAX] */
+/* Walls in reach that are not behind a mirror, and are marked alone; returns how many. Images of fluid go where they are. j: [PICKED_MAX] */
 INLINE size_t shown_walls(const Growing *g, uint32_t *j)
 {
     const Row *row = g->row;
@@ -392,8 +392,10 @@ INLINE size_t shown_walls(const Growing *g, uint32_t *j)
     Lengths r;
     for (size_t b = row->n_fluid; b < row->n; b++) measure_before(r.of[b], row->block + b, g);
     mark(&r, row->n_fluid, row->n, model->kernel.support, model);
-    const size_t listed = (row->n - row->n_fluid) * LANES;
-    return select_marked(model->level, row->j + row->n_fluid * LANES, listed, r.marks + row->n_fluid, j);
+    const size_t blocks = row->n - row->n_fluid;
+    if (g->plan->pairs == ROW_LISTED)
+        memcpy(neighbours_marks(g->plan->nb, row->i) + row->n_fluid, r.marks + row->n_fluid, blocks);
+    return select_marked(model->level, row->j + row->n_fluid * LANES, blocks * LANES, r.marks + row->n_fluid, j);
 }
 
 /* After the images of fluid; returns how many blocks there are. */

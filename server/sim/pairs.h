@@ -168,21 +168,34 @@ INLINE void fill_kernel(Block *b, const double r2[LANES], const RowPlan *plan, H
         for (int l = 0; l < LANES; l++) b->F[l] = how.kernel(&plan->kernel, b->r[l], r2[l], how.fma).F;
 }
 
+/* Differences of positions, of which a block has those of neighbours, and distances; r2: their squares. */
+INLINE void fill_distances(Block *b, const RowPlan *plan, const double x_i[3], double r2[LANES], How how)
+{
+#pragma omp simd
+    for (int l = 0; l < LANES; l++) {
+        double x[3];
+        for (int d = 0; d < how.dim; d++) x[d] = b->x[d][l] = nearest(plan->model, x_i[d] - b->x[d][l], d, how);
+        r2[l] = DOT(x, x, how);
+        b->r[l] = sqrt(r2[l]);
+    }
+}
+
 /* One block: neighbours, differences, distances, kernel. One after the other, so that the root of one block is taken while the
  * next is loaded. */
 INLINE void fill_block(Block *b, const uint32_t *j, const RowPlan *plan, unsigned needs, const double x_i[3], How how)
 {
-    fetch_block(b, j, &plan->nb->bundles, needs, how);
-    const Model *model = plan->model;
     double r2[LANES];
-#pragma omp simd
-    for (int l = 0; l < LANES; l++) {
-        double x[3];
-        for (int d = 0; d < how.dim; d++) x[d] = b->x[d][l] = nearest(model, x_i[d] - b->x[d][l], d, how);
-        r2[l] = DOT(x, x, how);
-        b->r[l] = sqrt(r2[l]);
-    }
+    fetch_block(b, j, &plan->nb->bundles, needs, how);
+    fill_distances(b, plan, x_i, r2, how);
     fill_kernel(b, r2, plan, how);
+}
+
+/* Of which no more is asked than where the neighbours are. */
+INLINE void approach_block(Block *b, const uint32_t *j, const RowPlan *plan, const double x_i[3], How how)
+{
+    double r2[LANES];
+    fetch_bundle(b, j, &plan->nb->bundles, 0, how);
+    fill_distances(b, plan, x_i, r2, how);
 }
 
 /* One array at a time: gcc gives up all four together. */

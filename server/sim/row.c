@@ -2,12 +2,15 @@
 #include "sim/mirrors.h"
 #include "sim/pairs.h"
 
+/* Of walls beside mirrors, just where they are: those that are not behind one are filled where they come to (mirrors.c). */
 INLINE void fill_blocks(Row *row, const RowPlan *plan, How how)
 {
+    const size_t filled = plan->nb->has[row->i] & LIST_MIRRORS ? row->n_fluid : row->n;
     double x[3] = {0, 0, 0};
     for (int d = 0; d < how.dim; d++) x[d] = plan->s->x[d][row->i * plan->s->x_step];
-    for (size_t b = 0; b < row->n; b++)
+    for (size_t b = 0; b < filled; b++)
         fill_block(&row->block[b], row->j + b * LANES, plan, row_needs(row, plan), x, how);
+    for (size_t b = filled; b < row->n; b++) approach_block(&row->block[b], row->j + b * LANES, plan, x, how);
 }
 
 INLINE void fill_row(Row *row, const RowPlan *plan, How how, bool periodic)
