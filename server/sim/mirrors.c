@@ -129,14 +129,6 @@ static unsigned near_to(const Model *model, const double x[3], double distance)
     return near;
 }
 
-bool mirrors_are_near(const Model *model, const Particles *s, size_t i, double distance)
-{
-    double x[3] = {0, 0, 0};
-    if (!model->mirrors) return false;
-    for (int d = 0; d < s->dim; d++) x[d] = s->ref[d][i];
-    return near_to(model, x, distance) && (i < particles_fluid(s) || !near_to(model, x, 0));
-}
-
 /* Are these sides of `near` some by which there is an image? One of each direction: behind both there are only images that are out of reach. */
 static bool is_image(unsigned these, unsigned near)
 {
@@ -173,19 +165,25 @@ static size_t blocks_of(size_t pairs)
     return (pairs + LANES - 1) / LANES;
 }
 
-bool mirrors_have_room(const Model *model, const Particles *s, size_t i, const uint32_t *list, size_t fluid, size_t n,
-                       double distance)
+Mirrored mirrors_of_list(const Model *model, const Particles *s, size_t i, const uint32_t *list, size_t fluid, size_t n,
+                         double distance)
 {
     double x[3] = {0, 0, 0};
     size_t images = 0, wall_images = 0;
+    if (!model->mirrors) return MIRRORED_NOT;
     for (int d = 0; d < s->dim; d++) x[d] = s->ref[d][i];
     const unsigned near = near_to(model, x, distance);
+    if (!near || (i >= particles_fluid(s) && near_to(model, x, 0))) return MIRRORED_NOT;
+    const uint32_t own = (uint32_t)i;
     for (unsigned these = 1; these <= ALL_SIDES; these++) {
         if (!is_image(these, near)) continue;
-        images += 1 + count_images(model, s, i, list, 0, fluid, these, distance);
+        images += count_images(model, s, i, &own, 0, 1, these, distance);
+        images += count_images(model, s, i, list, 0, fluid, these, distance);
         wall_images += count_images(model, s, i, list, fluid, n, these, distance);
     }
-    return blocks_of(fluid) + blocks_of(images) + blocks_of(n - fluid) + blocks_of(wall_images) <= ROW_BLOCKS;
+    if (!images && n == fluid) return MIRRORED_NOT;
+    const size_t blocks = blocks_of(fluid) + blocks_of(images) + blocks_of(n - fluid) + blocks_of(wall_images);
+    return blocks <= ROW_BLOCKS ? MIRRORED : MIRRORED_TOO_OFTEN;
 }
 
 /* --- their rows ------------------------------------------------------------------------------------------------------------- */

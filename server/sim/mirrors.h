@@ -26,13 +26,11 @@ bool mirrors_have(const Model *model, const Face *face);
 /* Is i a wall particle behind a mirror? */
 bool mirrors_hide(const Model *model, const Particles *s, size_t i);
 
-/* Is a mirror nearer than this to where i was when lists were made? Fluid may be behind it; what is hidden has none. */
-bool mirrors_are_near(const Model *model, const Particles *s, size_t i, double distance);
-
-/* Does a row have room for the n listed neighbours of i, the first `fluid` of which are fluid, and all their images that may come into reach while the
- * list is in use? */
-bool mirrors_have_room(const Model *model, const Particles *s, size_t i, const uint32_t *list, size_t fluid, size_t n,
-                       double distance);
+/* May images of the n listed neighbours of i, the first `fluid` of which are fluid, or of i come into reach while the list is in use, or walls that
+ * a mirror hides? By where all were when lists were made. What is hidden has no images. Too often: a row has no room for so many. */
+typedef enum Mirrored { MIRRORED_NOT, MIRRORED, MIRRORED_TOO_OFTEN } Mirrored;
+Mirrored mirrors_of_list(const Model *model, const Particles *s, size_t i, const uint32_t *list, size_t fluid, size_t n,
+                         double distance);
 
 /* Take hidden walls out of a row, and put images in. */
 void mirrors_add(Row *row, const RowPlan *plan);

@@ -143,11 +143,10 @@ static void search_cell(Neighbours *nb, Cut *cut, Search q, Group group, size_t 
             nb->end[i][target == GROUP_WALL ? END_WALLS : END_FLUID] = (uint16_t)n;
         }
         nb->list[i] = cut->at;
-        const bool mirrored = mirrors_are_near(q.model, q.s, i, q.distance);
-        nb->has[i] = kinds(nb, q.s, i, images, mirrored);
         const size_t fluid = nb->end[i][END_FLUID];
-        if (mirrored && !mirrors_have_room(q.model, q.s, i, cut->at, fluid, n, q.distance))
-            trouble->crowded = q.s->id[i] < trouble->crowded ? q.s->id[i] : trouble->crowded;
+        const Mirrored mirrored = mirrors_of_list(q.model, q.s, i, cut->at, fluid, n, q.distance);
+        nb->has[i] = kinds(nb, q.s, i, images, mirrored);
+        if (mirrored == MIRRORED_TOO_OFTEN && q.s->id[i] < trouble->crowded) trouble->crowded = q.s->id[i];
         cut_advance(cut, n + (neighbours_mark_bytes(fluid) + neighbours_mark_bytes(n - fluid) + 3) / 4);
     }
 }
