@@ -6,7 +6,7 @@
 #include <assert.h>
 #include <math.h>
 
-enum { SIDES = 6, ALL_SIDES = (1 << SIDES) - 1, LOWER_SIDES = 0x15 };
+enum { SIDES = 6, LOWER_SIDES = 0x15 };
 
 /* Of a spacing: how near to a side of the domain the surface of a wall has to be. */
 static const double FLUSH = 1e-3;
@@ -129,10 +129,10 @@ static unsigned near_to(const Model *model, const double x[3], double distance)
     return near;
 }
 
-/* Are these sides of `near` some by which there is an image? One of each direction: behind both there are only images that are out of reach. */
-static bool is_image(unsigned these, unsigned near)
+/* Are these sides some by which there is an image? One of each direction: behind both there are only images that are out of reach. */
+static bool is_image(unsigned these)
 {
-    return these && !(these & ~near) && !(these & these >> 1 & LOWER_SIDES);
+    return !(these & these >> 1 & LOWER_SIDES);
 }
 
 /* x_i - x_j' along d, the same for (i, j') as for (j, i') to the last bit. */
@@ -175,8 +175,8 @@ Mirrored mirrors_of_list(const Model *model, const Particles *s, size_t i, const
     const unsigned near = near_to(model, x, distance);
     if (!near || (i >= particles_fluid(s) && near_to(model, x, 0))) return MIRRORED_NOT;
     const uint32_t own = (uint32_t)i;
-    for (unsigned these = 1; these <= ALL_SIDES; these++) {
-        if (!is_image(these, near)) continue;
+    for (unsigned these = near & -near; these; these = (these - near) & near) { /* all that are part of it */
+        if (!is_image(these)) continue;
         images += count_images(model, s, i, &own, 0, 1, these, distance);
         images += count_images(model, s, i, list, 0, fluid, these, distance);
         wall_images += count_images(model, s, i, list, fluid, n, these, distance);
@@ -209,15 +209,6 @@ static void mark(Lengths *lengths, size_t first, size_t last, double limit, cons
 }
 
 /* --- which images there are --- */
-
-/* An image is noted by its source, the pair k of the row or OWN_IMAGE, and is made with those of its block. */
-static void note(Growing *g, unsigned these, size_t source, uint32_t j)
-{
-    assert(g->n < (size_t)ROW_BLOCKS * LANES);
-    g->row->j[g->n] = j;
-    g->row->source[g->n] = (uint16_t)source;
-    g->row->turned[g->n++] = (uint8_t)these;
-}
 
 /* Is the image by these sides of j in reach? Positions are those of the bundles, as the pass may move particles. from: the block in which j is in
  * lane l; NULL for the particle itself. */
@@ -272,25 +263,56 @@ INLINE void measure(Lengths *r2, const Block *b, size_t k, const Way *way, doubl
     }
 }
 
-/* Of the pairs of blocks [first, last). What is so near to the limit that rounding may decide is looked at once more. */
+/* An image is noted by its source, the pair of the row or OWN_IMAGE, and is made with those of its block. */
+INLINE size_t note(Row *row, size_t n, unsigned these, size_t source, uint32_t j)
+{
+    row->j[n] = j;
+    row->source[n] = (uint16_t)source;
+    row->turned[n] = (uint8_t)these;
+    return n + 1;
+}
+
+/* Limits to a square of a distance that rounding may have moved: what is less than the first is in reach, what is not less than the second is not. */
+typedef struct Limits {
+    double sure, most;
+} Limits;
+
+INLINE void note_own(Growing *g, unsigned these, const Way *way, const Limits *limits, How how)
+{
+    const uint32_t i = (uint32_t)g->row->i;
+    const double r2 = DOT(way->by, way->by, how);
+    if (!(r2 < limits->most) || !is_inside(g->plan->model, these, g->x)) return;
+    if (r2 < limits->sure || reaches(g, these, NULL, 0, i)) g->n = note(g->row, g->n, these, OWN_IMAGE, i);
+}
+
+INLINE void note_block(Growing *g, unsigned these, size_t b, const Lengths *r2, const Limits *limits)
+{
+    Row *row = g->row;
+    size_t n = g->n;
+    for (unsigned left = r2->marks[b]; left; left &= left - 1) {
+        const size_t l = (size_t)__builtin_ctz(left), k = b * LANES + l;
+        if (r2->of[b][l] < limits->sure || reaches(g, these, row->block + b, l, row->j[k]))
+            n = note(row, n, these, k, row->j[k]);
+    }
+    assert(n <= (size_t)ROW_BLOCKS * LANES);
+    g->n = n;
+}
+
+/* Of the pairs of blocks [first, last). */
 INLINE void note_images(Growing *g, size_t first, size_t last, bool own, How how)
 {
     const Row *row = g->row;
     const Model *model = g->plan->model;
-    const double support = model->kernel.support, sure = 0.9999 * support * support, most = 1.0001 * support * support;
+    const double support = model->kernel.support, square = support * support;
+    const Limits limits = {0.9999 * square, 1.0001 * square};
     Lengths r2;
     for (unsigned these = g->near & -g->near; these; these = (these - g->near) & g->near) {
-        if (!is_image(these, g->near)) continue;
+        if (!is_image(these)) continue;
         const Way way = way_of(model, these, g->x);
-        if (own && is_inside(model, these, g->x) && reaches(g, these, NULL, 0, (uint32_t)row->i))
-            note(g, these, OWN_IMAGE, (uint32_t)row->i);
+        if (own) note_own(g, these, &way, &limits, how);
         for (size_t b = first; b < last; b++) measure(&r2, row->block + b, b, &way, support, how);
-        mark(&r2, first, last, most, model);
-        for (size_t b = first; b < last; b++)
-            for (unsigned left = r2.marks[b]; left; left &= left - 1) {
-                const size_t l = (size_t)__builtin_ctz(left), k = b * LANES + l;
-                if (r2.of[b][l] < sure || reaches(g, these, row->block + b, l, row->j[k])) note(g, these, k, row->j[k]);
-            }
+        mark(&r2, first, last, limits.most, model);
+        for (size_t b = first; b < last; b++) note_block(g, these, b, &r2, &limits);
     }
 }
 
@@ -319,9 +341,11 @@ INLINE void reflect(Block *b, int d, const uint8_t turned[LANES], const Growing 
     const Model *model = g->plan->model;
     const double x = g->x[d], lower = model->min[d], upper = model->max[d];
     double keeps[LANES];
+    uint64_t all; /* a byte each */
+    memcpy(&all, turned, sizeof all);
 #pragma omp simd
     for (int l = 0; l < LANES; l++) {
-        const int sides = turned[l] >> 2 * d & 3;
+        const uint64_t sides = all >> (8 * l + 2 * d) & 3;
         const double at = sides == 0 ? 0 : sides == 1 ? lower : upper;
         keeps[l] = sides == 0 ? 1 : -1;
         b->x[d][l] = (x - at) - keeps[l] * (b->x[d][l] - at);
@@ -357,7 +381,7 @@ INLINE size_t fill_images(Growing *g, size_t first, How how)
     Row *row = g->row;
     const RowPlan *plan = g->plan;
     const size_t used = g->n;
-    while (g->n % LANES) note(g, 0, OWN_IMAGE, row->j[g->n - 1]);
+    while (g->n % LANES) g->n = note(row, g->n, 0, OWN_IMAGE, row->j[g->n - 1]);
     Block *const end = row->block + g->n / LANES;
     for (Block *b = row->block + first; b < end; b++) {
         fill_image_block(b, g, row_needs(row, plan), how);
@@ -373,12 +397,13 @@ INLINE size_t fill_images(Growing *g, size_t first, How how)
 INLINE void measure_before(double r[LANES], const Block *b, const Growing *g)
 {
     const Model *model = g->plan->model;
+    const double far = 2 * model->kernel.support;
     memcpy(r, b->r, sizeof b->r);
     for (unsigned left = g->near; left; left &= left - 1) {
         const int side = __builtin_ctz(left), d = side / 2;
         const double inside = model_inside(model, side, g->x[d]), sign = side % 2 ? 1 : -1;
 #pragma omp simd
-        for (int l = 0; l < LANES; l++) r[l] = inside + sign * b->x[d][l] < 0 ? 2 * model->kernel.support : r[l];
+        for (int l = 0; l < LANES; l++) r[l] = inside + sign * b->x[d][l] < 0 ? far : r[l];
     }
 }
 
@@ -400,7 +425,6 @@ INLINE size_t shown_walls(const Growing *g, uint32_t *j)
 INLINE size_t append_walls(Growing *g, const uint32_t *j, size_t n, How how)
 {
     Row *row = g->row;
-    if (!n) return row->n_fluid;
     memcpy(row->j + g->n, j, n * sizeof *j);
     const size_t end = row->n_fluid + fill_up(row->j + g->n, n);
     assert(end <= ROW_BLOCKS);
@@ -418,10 +442,11 @@ INLINE void add_images(Row *row, const RowPlan *plan, How how)
     Growing g = {.row = row, .plan = plan, .n = row->n_fluid * LANES};
     for (int d = 0; d < how.dim; d++) g.x[d] = s->x[d][row->i * s->x_step];
     g.near = near_to(plan->model, g.x, plan->model->kernel.support);
-    const size_t n_walls = shown_walls(&g, walls);
+    const size_t n_walls = row->n > row->n_fluid ? shown_walls(&g, walls) : 0;
     row->n_own = row->n_fluid;
     note_images(&g, 0, row->n_own, row->i < particles_fluid(s), how);
-    row->n_fluid = fill_images(&g, row->n_own, how);
+    row->n = row->n_walls = row->n_fluid = fill_images(&g, row->n_own, how);
+    if (!n_walls) return;
     row->n_walls = append_walls(&g, walls, n_walls, how);
     note_images(&g, row->n_fluid, row->n_walls, false, how);
     row->n = fill_images(&g, row->n_walls, how);
