@@ -143,15 +143,18 @@ static double apart(const Model *model, unsigned these, int d, double x_i, doubl
     return side % 2 ? -sum : sum;
 }
 
-/* Neighbours [first, last) of a list that have an image by these sides within a distance of i, by where they were when lists were made. */
+/* Neighbours [first, last) of a list that have an image by these sides within a distance of i, by where they were when lists were made. What a mirror
+ * hides has none. */
 static size_t count_images(const Model *model, const Particles *s, size_t i, const uint32_t *list, size_t first,
                            size_t last, unsigned these, double distance)
 {
     size_t n = 0;
     for (size_t k = first; k < last; k++) {
-        double r2 = 0;
+        double r2 = 0, at[3] = {0, 0, 0};
+        for (int d = 0; d < s->dim; d++) at[d] = s->ref[d][list[k]];
+        if (list[k] >= particles_fluid(s) && near_to(model, at, 0)) continue;
         for (int d = 0; d < s->dim; d++) {
-            const double x_i = s->ref[d][i], x_j = s->ref[d][list[k]];
+            const double x_i = s->ref[d][i], x_j = at[d];
             const double x = these >> 2 * d & 3 ? apart(model, these, d, x_i, x_j) : model_nearest(model, d, x_i - x_j);
             r2 += x * x;
         }
