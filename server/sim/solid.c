@@ -85,7 +85,7 @@ void solid_to_surface(const MnsSim *sim, const double x[3], size_t wall, double 
     }
     if (solid_leaves_room(sim, y)) return;
     for (int q = 0; q < (model->dim == 2 ? 9 : 27); q++) {
-        double to[3] = {q % 3 - 1, q / 3 % 3 - 1, q / 9 - (model->dim == 2 ? 0 : 1)};
+        double to[3] = {q % 3 - 1, q / 3 % 3 - 1, model->dim == 2 ? 0 : q / 9 - 1};
         const double length = sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]);
         if (!(length > 0)) continue;
         for (int d = 0; d < 3; d++) to[d] /= length;
