@@ -46,19 +46,6 @@ void kernel_eval(const Kernel *kernel, size_t n, const double *r, double *W, dou
     WITH_KERNEL(kernel->type, EVAL);
 }
 
-INLINE void eval_bend(const Kernel *kernel, size_t n, const double *restrict r, double *restrict bend,
-                      KernelShape shape)
-{
-    const KernelScale k = kernel_scale(kernel);
-    for (size_t i = 0; i < n; i++) bend[i] = shape(&k, r[i], r[i] * r[i], false).bend;
-}
-
-void kernel_bend(const Kernel *kernel, size_t n, const double *r, double *bend)
-{
-#define EVAL_BEND(shape) eval_bend(kernel, n, r, bend, shape)
-    WITH_KERNEL(kernel->type, EVAL_BEND);
-}
-
 double kernel_at_zero(const Kernel *kernel)
 {
     const double r = 0;

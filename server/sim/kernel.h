@@ -21,9 +21,6 @@ Kernel kernel_make(MnsKernel type, int dim, double h);
 /* W[k], F[k] for r[k] >= 0, k < n; both 0 beyond the support, up to a rounding error of r. W in m^-dim, F in m^-(dim+2). */
 void kernel_eval(const Kernel *kernel, size_t n, const double *r, double *W, double *F);
 
-/* bend[k], (1/r) dF/dr [m^-(dim+4)], alike. */
-void kernel_bend(const Kernel *kernel, size_t n, const double *r, double *bend);
-
 double kernel_at_zero(const Kernel *kernel);
 
 /* Sum of a quantity of pairs over a lattice with this spacing in each direction, the particle itself included. */

@@ -83,7 +83,7 @@ void plan_warn(MnsSim *sim, const char *format, ...)
 
 void plan_tell(MnsSim *sim, const char *format, ...)
 {
-    if (sim->n_told == SIM_TOLD_MAX) return; /* each is told once, and again only after a way back */
+    if (sim->n_told == SIM_TOLD_MAX) return; /* one of each kind, and as many again after a restore */
     sim->n_told++;
     va_list list;
     va_start(list, format);

@@ -316,16 +316,16 @@ class WithoutDaemon(unittest.TestCase):
 
     def test_an_answer_later_than_anybody_waits_is_that_to_the_one_request(self) -> None:
         daemon, stream = self.begin("slow")
-        came, in_vain = 0, 0  # while there was no answer
-        while came < 10:
+        received, empty = 0, 0  # items; requests for one that ended without
+        while received < 10:
             asked = daemon.resumed == 1
             item = stream.next(0.05)
             if item:
-                self.check(item, came + 1)
-            came, in_vain = came + bool(item), in_vain + (asked and item is None)
-            if in_vain > 2:
+                self.check(item, received + 1)
+            received, empty = received + bool(item), empty + (asked and item is None)
+            if empty > 2:
                 daemon.waited_for.set()
-        self.assertGreater(in_vain, 2)
+        self.assertGreater(empty, 2)
         self.assertEqual((daemon.subscribed, daemon.resumed), (1, 1))
 
     def test_asyncio_ends_whoever_waits_when_it_is_closed(self) -> None:

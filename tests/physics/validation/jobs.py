@@ -57,8 +57,8 @@ class Programs:
         with self.lock:
             self.over = True
             for program in self.running:
-                if program.returncode is None:  # terminate() would ask for it, and take it from the thread that waits for it
-                    with suppress(ProcessLookupError):  # it has ended, and nobody has said so yet
+                if program.returncode is None:  # terminate() would reap it, and the thread that waits for it could not
+                    with suppress(ProcessLookupError):  # it has just been reaped
                         os.kill(program.pid, signal.SIGTERM)
 
 

@@ -372,7 +372,7 @@ def last(told: Told) -> Seen:
 
 
 def apart(a: Seen, b: Seen, told: Told, names_b: Sequence[str] = (), periodic: Sequence[float] = (0, 0), fields: Sequence[str] = FIELDS) -> Apart:
-    """Of all that is compared. names_b: fluids of b, where they are in another order; periodic: lengths of periods, 0 where there is none."""
+    """Differences of all fields and probes. names_b: the fluids of b, if their order is another; periodic: the length of each period, 0 for none."""
     return fields_apart(a.snapshot, b.snapshot, names(told), names_b or names(told), periodic, fields) | probes_apart(a, b, told)
 
 
