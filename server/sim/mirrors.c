@@ -101,6 +101,7 @@ unsigned mirrors_find(const MnsSim *sim, Formula *const gravity[3])
 
 bool mirrors_have(const Model *model, const Face *face)
 {
+    if (!model->mirrors) return false;
     for (int d = 0; d < model->dim; d++) {
         const int side = face->normal[d] > 0 ? 2 * d : 2 * d + 1;
         const double at = face->point[d] + model->wall[face->wall].x[d];
@@ -143,24 +144,55 @@ static double apart(const Model *model, unsigned these, int d, double x_i, doubl
     return side % 2 ? -sum : sum;
 }
 
-/* Neighbours [first, last) of a list that have an image by these sides within a distance of i, by where they were when lists were made. What a mirror
- * hides has none. */
-static size_t count_images(const Model *model, const Particles *s, size_t i, const uint32_t *list, size_t first,
-                           size_t last, unsigned these, double distance)
+static void place_of(const Particles *s, size_t i, MirroredWhen when, double ret[3])
 {
-    size_t n = 0;
-    for (size_t k = first; k < last; k++) {
-        double r2 = 0, at[3] = {0, 0, 0};
-        for (int d = 0; d < s->dim; d++) at[d] = s->ref[d][list[k]];
-        if (list[k] >= particles_fluid(s) && near_to(model, at, 0)) continue;
-        for (int d = 0; d < s->dim; d++) {
-            const double x_i = s->ref[d][i], x_j = at[d];
-            const double x = these >> 2 * d & 3 ? apart(model, these, d, x_i, x_j) : model_nearest(model, d, x_i - x_j);
-            r2 += x * x;
-        }
-        n += r2 < distance * distance;
+    for (int d = 0; d < 3; d++)
+        ret[d] = d >= s->dim ? 0 : when == MIRRORED_AS_LISTED ? s->ref[d][i] : s->x[d][i * s->x_step];
+}
+
+/* Has j an image by these sides within a distance of x_i? What a mirror hides has none. */
+static bool has_image(const Model *model, const Particles *s, const double x_i[3], size_t j, unsigned these,
+                      double distance, MirroredWhen when)
+{
+    double r2 = 0, x_j[3];
+    place_of(s, j, when, x_j);
+    if (j >= particles_fluid(s) && near_to(model, x_j, 0)) return false;
+    for (int d = 0; d < s->dim; d++) {
+        const double x =
+            these >> 2 * d & 3 ? apart(model, these, d, x_i[d], x_j[d]) : model_nearest(model, d, x_i[d] - x_j[d]);
+        r2 += x * x;
     }
-    return n;
+    return r2 < distance * distance;
+}
+
+size_t mirrors_count(const Model *model, const Particles *s, size_t i, const uint32_t *list, size_t n, double distance,
+                     size_t most, MirroredWhen when)
+{
+    const bool own = i < particles_fluid(s);
+    size_t images = 0;
+    double x[3];
+    place_of(s, i, when, x);
+    const unsigned near = near_to(model, x, distance);
+    for (unsigned these = near & -near; these; these = (these - near) & near) { /* all that are part of it */
+        if (!is_image(these)) continue;
+        images += own && images < most && has_image(model, s, x, i, these, distance, when);
+        for (size_t k = 0; k < n && images < most; k++)
+            images += has_image(model, s, x, list[k], these, distance, when);
+    }
+    return images;
+}
+
+size_t mirrors_thin(const Model *model, const Particles *s, uint32_t *list, size_t n)
+{
+    size_t left = 0;
+    if (!model->mirrors) return n;
+    for (size_t k = 0; k < n; k++) {
+        double x[3];
+        place_of(s, list[k], MIRRORED_AS_LISTED, x);
+        list[left] = list[k];
+        left += !near_to(model, x, -0.5 * model->skin);
+    }
+    return left;
 }
 
 static size_t blocks_of(size_t pairs)
@@ -168,25 +200,28 @@ static size_t blocks_of(size_t pairs)
     return (pairs + LANES - 1) / LANES;
 }
 
+/* Is there room in a row for all images that there may be, if those in reach are counted? */
+static bool have_room(const Model *model, const Particles *s, size_t i, const uint32_t *list, size_t fluid, size_t n,
+                      double distance)
+{
+    const size_t own = blocks_of(fluid) + blocks_of(n - fluid),
+                 images = mirrors_count(model, s, i, list, fluid, distance, SIZE_MAX, MIRRORED_AS_LISTED),
+                 all = mirrors_count(model, s, i, list, n, distance, SIZE_MAX, MIRRORED_AS_LISTED);
+    return own + blocks_of(images) + blocks_of(all - images) <= ROW_BLOCKS;
+}
+
 Mirrored mirrors_of_list(const Model *model, const Particles *s, size_t i, const uint32_t *list, size_t fluid, size_t n,
                          double distance)
 {
-    double x[3] = {0, 0, 0};
-    size_t images = 0, wall_images = 0;
+    double x[3];
     if (!model->mirrors) return MIRRORED_NOT;
-    for (int d = 0; d < s->dim; d++) x[d] = s->ref[d][i];
+    place_of(s, i, MIRRORED_AS_LISTED, x);
     const unsigned near = near_to(model, x, distance);
     if (!near || (i >= particles_fluid(s) && near_to(model, x, 0))) return MIRRORED_NOT;
-    const uint32_t own = (uint32_t)i;
-    for (unsigned these = near & -near; these; these = (these - near) & near) { /* all that are part of it */
-        if (!is_image(these)) continue;
-        images += count_images(model, s, i, &own, 0, 1, these, distance);
-        images += count_images(model, s, i, list, 0, fluid, these, distance);
-        wall_images += count_images(model, s, i, list, fluid, n, these, distance);
-    }
-    if (!images && n == fluid) return MIRRORED_NOT;
-    const size_t blocks = blocks_of(fluid) + blocks_of(images) + blocks_of(n - fluid) + blocks_of(wall_images);
-    return blocks <= ROW_BLOCKS ? MIRRORED : MIRRORED_TOO_OFTEN;
+    if (n == fluid && !mirrors_count(model, s, i, list, n, distance, 1, MIRRORED_AS_LISTED)) return MIRRORED_NOT;
+    const size_t most = (n + 1) << __builtin_popcount(near); /* with images by all sides */
+    return blocks_of(most) + 4 <= ROW_BLOCKS || have_room(model, s, i, list, fluid, n, distance) ? MIRRORED
+                                                                                                 : MIRRORED_TOO_OFTEN;
 }
 
 /* --- their rows ------------------------------------------------------------------------------------------------------------- */
@@ -386,8 +421,9 @@ INLINE size_t fill_images(Growing *g, size_t first, How how)
     const size_t used = g->n;
     while (g->n % LANES) g->n = note(row, g->n, 0, OWN_IMAGE, row->j[g->n - 1]);
     Block *const end = row->block + g->n / LANES;
+    const unsigned needs = row_needs(row, plan);
     for (Block *b = row->block + first; b < end; b++) {
-        fill_image_block(b, g, row_needs(row, plan), how);
+        fill_image_block(b, g, needs, how);
         if (row->mixed) find_others(plan->s->phase, plan->s->phase[row->i], row_j(row, b), b->other);
     }
     if (used % LANES) hide(end - 1, used, 2 * plan->model->kernel.support);
@@ -431,8 +467,9 @@ INLINE size_t append_walls(Growing *g, const uint32_t *j, size_t n, How how)
     memcpy(row->j + g->n, j, n * sizeof *j);
     const size_t end = row->n_fluid + fill_up(row->j + g->n, n);
     assert(end <= ROW_BLOCKS);
+    const unsigned needs = row_needs(row, g->plan);
     for (size_t b = row->n_fluid; b < end; b++)
-        fill_block(row->block + b, row->j + b * LANES, g->plan, row_needs(row, g->plan), g->x, how);
+        fill_block(row->block + b, row->j + b * LANES, g->plan, needs, g->x, how);
     hide(row->block + end - 1, n, 2 * g->plan->model->kernel.support);
     g->n = end * LANES;
     return end;

@@ -26,8 +26,18 @@ bool mirrors_have(const Model *model, const Face *face);
 /* Is i a wall particle behind a mirror? */
 bool mirrors_hide(const Model *model, const Particles *s, size_t i);
 
+/* Of which positions: those that lists were made for, or those of now. */
+typedef enum MirroredWhen { MIRRORED_AS_LISTED, MIRRORED_NOW } MirroredWhen;
+
+/* How many images of n neighbours of i, and of i if it is fluid, are within a distance of it; counted no further than `most`. What is hidden has none. */
+size_t mirrors_count(const Model *model, const Particles *s, size_t i, const uint32_t *list, size_t n, double distance,
+                     size_t most, MirroredWhen when);
+
+/* Take walls out of a list that stay behind a mirror while it is in use; returns how many are left. */
+size_t mirrors_thin(const Model *model, const Particles *s, uint32_t *list, size_t n);
+
 /* May images of the n listed neighbours of i, the first `fluid` of which are fluid, or of i come into reach while the list is in use, or walls that
- * a mirror hides? By where all were when lists were made. What is hidden has no images. Too often: a row has no room for so many. */
+ * a mirror hides? By where all were when lists were made. Too often: a row has no room for so many. */
 typedef enum Mirrored { MIRRORED_NOT, MIRRORED, MIRRORED_TOO_OFTEN } Mirrored;
 Mirrored mirrors_of_list(const Model *model, const Particles *s, size_t i, const uint32_t *list, size_t fluid, size_t n,
                          double distance);

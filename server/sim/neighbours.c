@@ -144,6 +144,8 @@ static void search_cell(Neighbours *nb, Cut *cut, Search q, Group group, size_t 
         }
         nb->list[i] = cut->at;
         const size_t fluid = nb->end[i][END_FLUID];
+        n = fluid + mirrors_thin(q.model, q.s, cut->at + fluid, n - fluid);
+        nb->end[i][END_WALLS] = (uint16_t)n;
         const Mirrored mirrored = mirrors_of_list(q.model, q.s, i, cut->at, fluid, n, q.distance);
         nb->has[i] = kinds(nb, q.s, i, images, mirrored);
         if (mirrored == MIRRORED_TOO_OFTEN && q.s->id[i] < trouble->crowded) trouble->crowded = q.s->id[i];

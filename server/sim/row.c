@@ -6,10 +6,10 @@
 INLINE void fill_blocks(Row *row, const RowPlan *plan, How how)
 {
     const size_t filled = plan->nb->has[row->i] & LIST_MIRRORS ? row->n_fluid : row->n;
+    const unsigned needs = row_needs(row, plan);
     double x[3] = {0, 0, 0};
     for (int d = 0; d < how.dim; d++) x[d] = plan->s->x[d][row->i * plan->s->x_step];
-    for (size_t b = 0; b < filled; b++)
-        fill_block(&row->block[b], row->j + b * LANES, plan, row_needs(row, plan), x, how);
+    for (size_t b = 0; b < filled; b++) fill_block(&row->block[b], row->j + b * LANES, plan, needs, x, how);
     for (size_t b = filled; b < row->n; b++) approach_block(&row->block[b], row->j + b * LANES, plan, x, how);
 }
 

@@ -9,6 +9,7 @@
 #include "sim/limits.h"
 #include "sim/losses.h"
 #include "sim/making.h"
+#include "sim/mirrors.h"
 #include "sim/shown.h"
 #include "sim/terms/terms.h"
 #include <omp.h>
@@ -250,6 +251,8 @@ double mns_sim_mean_neighbours(const MnsSim *sim)
             }
             pairs += r2 < reach * reach;
         }
+        if (sim->nb.has[i] & LIST_MIRRORS)
+            pairs += mirrors_count(&sim->model, s, i, j, sim->nb.end[i][END_WALLS], reach, SIZE_MAX, MIRRORED_NOW);
     }
     return (double)pairs / (double)n;
 }

@@ -56,15 +56,15 @@ static int find_mirrors(const Row *row, const Particles *s, const Model *model, 
     int n = 0;
     for (size_t k = 0; k < model->n_faces; k++) {
         const Face *face = &model->face[k];
-        if (mirrors_have(model, face)) continue; /* its images are in the row */
         Mirror mirror = {.away = 0};
         for (int d = 0; d < dim; d++) {
             const double x = s->x[d][row->i * s->x_step] - face->point[d] - model->wall[face->wall].x[d];
             mirror.normal[d] = face->normal[d];
             mirror.away += face->normal[d] * model_nearest(model, d, x);
         }
-        if (mirror.away < 0 || mirror.away > model->kernel.support || !is_wall(row, &mirror, dim, model->dx)) continue;
-        n = add_mirror(ret, n, &mirror, dim);
+        if (mirror.away < 0 || mirror.away > model->kernel.support) continue;
+        if (mirrors_have(model, face)) continue; /* its images are in the row */
+        if (is_wall(row, &mirror, dim, model->dx)) n = add_mirror(ret, n, &mirror, dim);
     }
     return n;
 }
