@@ -15,6 +15,10 @@ static double list_entries(const Model *model)
     return crowded * ball / model->cell_volume;
 }
 
+/* Of what is in reach of a wall particle, which lists fluid alone: of a cube as thick as the support and with the skin around it, the least that
+ * walls are. */
+static const double SEEN_BY_WALLS = 0.85;
+
 /* Entries and their marks. */
 static double list_bytes(const Model *model)
 {
@@ -48,7 +52,8 @@ static double neighbours_need(const MnsSim *sim, const Particles *s)
     nb.start_capacity = sort_groups(s) * grid_cells_most(model, model->kernel.support + model->skin, s->n);
     const double bytes = (double)neighbours_bytes(&nb);
     neighbours_done(&nb);
-    return bytes + (double)s->n * list_bytes(model);
+    const double fluid = (double)particles_fluid(s), walls = (double)s->n - fluid;
+    return bytes + (fluid + SEEN_BY_WALLS * walls) * list_bytes(model);
 }
 
 static double capture_bytes(int dim, Fields state)

@@ -219,7 +219,8 @@ Mirrored mirrors_of_list(const Model *model, const Particles *s, size_t i, const
     const unsigned near = near_to(model, x, distance);
     if (!near || (i >= particles_fluid(s) && near_to(model, x, 0))) return MIRRORED_NOT;
     if (n == fluid && !mirrors_count(model, s, i, list, n, distance, 1, MIRRORED_AS_LISTED)) return MIRRORED_NOT;
-    const size_t most = (n + 1) << __builtin_popcount(near); /* with images by all sides */
+    size_t most = n + 1; /* with images by all sides */
+    for (int d = 0; d < s->dim; d++) most *= 1 + (near >> 2 * d & 1) + (near >> (2 * d + 1) & 1);
     return blocks_of(most) + 4 <= ROW_BLOCKS || have_room(model, s, i, list, fluid, n, distance) ? MIRRORED
                                                                                                  : MIRRORED_TOO_OFTEN;
 }
