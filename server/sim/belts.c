@@ -139,11 +139,9 @@ static void look_around(Search *search, const double x[3])
 {
     const MnsSim *sim = search->sim;
     double least = INFINITY, nearest[3] = {0, 0, 0}, out[3] = {0, 0, 0};
-    for (int q = 0; q < (sim->model.dim == 2 ? 9 : 27); q++) {
-        double to[3] = {q % 3 - 1, q / 3 % 3 - 1, sim->model.dim == 2 ? 0 : q / 9 - 1}, place[3], before[3];
-        const double length = sqrt(dot(to, to));
-        if (length == 0) continue;
-        for (int d = 0; d < 3; d++) to[d] /= length;
+    for (int k = 0; k < solid_ways(sim->model.dim); k++) {
+        double to[3], place[3], before[3];
+        solid_way(sim->model.dim, k, to);
         const double away = way_out(sim, search->k, x, to, place);
         for (int d = 0; d < 3; d++) before[d] = place[d] + OFF * sim->model.dx * to[d];
         if (!(away < least) || !solid_leaves_room(sim, before)) continue;

@@ -37,6 +37,21 @@ bool solid_leaves_room(const MnsSim *sim, const double x[3])
     return solid_distance(sim, x, &wall) >= 0;
 }
 
+int solid_ways(int dim)
+{
+    return dim == 2 ? 8 : 26;
+}
+
+void solid_way(int dim, int k, double ret[3])
+{
+    const int q = k < solid_ways(dim) / 2 ? k : k + 1; /* the one in the middle leads nowhere */
+    ret[0] = q % 3 - 1;
+    ret[1] = q / 3 % 3 - 1;
+    ret[2] = dim == 2 ? 0 : q / 9 - 1;
+    const double length = sqrt(ret[0] * ret[0] + ret[1] * ret[1] + ret[2] * ret[2]);
+    for (int d = 0; d < 3; d++) ret[d] /= length;
+}
+
 /* How far it is along a unit vector to where there is room, and where that is, to 1e-6 dx; INFINITY: not within `most`. */
 static double way_out(const MnsSim *sim, const double x[3], const double to[3], double most, double ret[3])
 {
@@ -84,11 +99,9 @@ void solid_to_surface(const MnsSim *sim, const double x[3], size_t wall, double 
         y[d] = x[d] + (depth + 1e-2 * model->dx) * normal[d];
     }
     if (solid_leaves_room(sim, y)) return;
-    for (int q = 0; q < (model->dim == 2 ? 9 : 27); q++) {
-        double to[3] = {q % 3 - 1, q / 3 % 3 - 1, model->dim == 2 ? 0 : q / 9 - 1};
-        const double length = sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]);
-        if (!(length > 0)) continue;
-        for (int d = 0; d < 3; d++) to[d] /= length;
+    for (int k = 0; k < solid_ways(model->dim); k++) {
+        double to[3];
+        solid_way(model->dim, k, to);
         const double away = way_out(sim, x, to, least, y);
         if (away < least && to_plane(sim, x, y, to, ret)) least = away;
     }

@@ -15,6 +15,10 @@ bool solid_leaves_room(const MnsSim *sim, const double x[3]);
  * surface of all walls that counts, the nearest along rows and diagonals. */
 void solid_to_surface(const MnsSim *sim, const double x[3], size_t wall, double ret[3]);
 
+/* Unit vectors along rows and diagonals of the lattice, 8 in the plane and 26 in space. */
+int solid_ways(int dim);
+void solid_way(int dim, int k, double ret[3]);
+
 /* At a point of the lattice where there is room, `away` from `wall`, which is the nearest: refuse a solid that is thinner than the kernel's
  * support there and has room for particles on its other side as well. Its edges and tips are no sides. MNS_E_INVALID with the place. */
 MnsStatus solid_check(const MnsSim *sim, const double x[3], double away, size_t wall, MnsError *error);
