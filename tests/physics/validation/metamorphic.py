@@ -227,6 +227,10 @@ def split(scheme: str, flow: str) -> Apart:
 def shaken(scheme: str, flow: str) -> Apart:
     """The tank goes to and fro; or gravity does, and with it the acceleration and the potential energy."""
     told = without(with_short_steps(FLOWS[flow](scheme)), "potential_energy")
+    return worst(shaken_apart(told, fields) for told, fields in ways_to_compare(told))
+
+
+def shaken_apart(told: Told, fields: Sequence[str]) -> Apart:
     for options in told["scheme"].values():
         if isinstance(options, dict):
             options.pop("buoyant_in", None)  # what gravity is told as buoyancy does not shake the fluid it is told in
@@ -243,7 +247,7 @@ def shaken(scheme: str, flow: str) -> Apart:
     other = with_walls(other, "tank")
     told["gravity"] = [f"{told['gravity'][0]} - {far * turn**2:.17g}*cos({turn:.17g}*t)", told["gravity"][1]]
     (x, v) = path(END)
-    return apart(last(told), framed(last(other), told, x.tolist(), v.tolist()), told, fields=STATE)
+    return apart(last(told), framed(last(other), told, x.tolist(), v.tolist()), told, fields=fields)
 
 
 def symmetric(scheme: str, flow: str) -> Told:
@@ -448,6 +452,8 @@ RIEMANN = """what a Riemann problem dissipates goes with r F, which is 1.09 time
 GAS = "the kernel, as in the plain flow, and a gas, whose speeds are by its density: without the gas"
 CORNERS = """half spaces together have four more particles of walls, in the corners where no fluid sees them: sums over all unknowns are of other blocks, and
 round otherwise""".replace("\n", " ")
+SAMPLES = """samples at walls see wall particles where rows see images, so that a contour bends over the last spacing: the area of half a drop is 0.14 spacings
+off; fields and all other probes are the same within 5e-5""".replace("\n", " ")
 WIDER = (
     Wider(SPACE, "plain", ("riemann",), 0.02, RIEMANN),
     Wider(SPACE, "plain", ("dissipation", "interfacial"), 0.02, f"{KERNEL} 6e-9 without dissipation and 0.002 with it, whose 1/r is not separable"),
@@ -456,6 +462,7 @@ WIDER = (
     Wider(SPACE, "full", SOUND, 0.15, f"{GAS}, 0.012 to 0.038"),
     Wider(SPACE, "full", ("incompressible",), 0.06, f"{GAS}, 0.017"),
     Wider(SPACE, "full", ("differences",), 0.04, "kernel and shifting, as in the plain flow"),
+    Wider("half of it beside a slip wall", "full", ("riemann",), 0.02, SAMPLES),
     Wider("the tank told in four ways", "full", ("incompressible",), 1e-13, CORNERS),
 )
 
