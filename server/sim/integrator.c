@@ -201,6 +201,7 @@ void integrator_renew(MnsSim *sim)
 MnsStatus integrator_restart(MnsSim *sim, MnsError *error)
 {
     setup_at(sim, sim->progress.t, sim->progress.dt, 0);
+    belts_run(sim); /* particles may lie in another order than before */
     MnsStatus status = build_lists(sim, error);
     if (!status) status = making_goes_on(&sim->making, error);
     if (status) return status;
