@@ -85,12 +85,12 @@ static MnsStatus window_init(Window *w, const MnsSim *sim, const double centre[3
     return MNS_OK;
 }
 
-/* A way from one place to another that keeps `least` from all solid. Else where it comes nearer. */
+/* Does a way from one place to another keep `least` from all solid, but for what is `from` and `to` of its ends? Else where it comes nearer. */
 static bool is_free(const MnsSim *sim, const double a[3], const double b[3], double from, double to, double least,
                     double ret_where[3])
 {
     const double length = sqrt(squared_distance(a, b));
-    for (double along = fmax(from, 3 * least); along < length - fmax(to, 3 * least);) {
+    for (double along = from; along < length - to;) {
         double x[3];
         size_t wall;
         for (int d = 0; d < 3; d++) x[d] = a[d] + along / length * (b[d] - a[d]);
@@ -104,7 +104,7 @@ static bool is_free(const MnsSim *sim, const double a[3], const double b[3], dou
     return true;
 }
 
-/* A way around what a straight one meets at x, on one of its sides. */
+/* A way around what a straight one meets at x, on one of its sides. It is looked at all along: a neck may begin right where it turns. */
 static bool is_free_aside(const MnsSim *sim, const double a[3], const double b[3], const double x[3], double from,
                           double to, double least)
 {
@@ -112,9 +112,8 @@ static bool is_free_aside(const MnsSim *sim, const double a[3], const double b[3
         double way[3] = {x[0], x[1], x[2]}, where[3];
         size_t wall;
         way[side / 2] += (side % 2 ? ASIDE : -ASIDE) * sim->model.dx;
-        const double middle = solid_distance(sim, way, &wall);
-        if (middle > least && is_free(sim, a, way, from, middle, least, where) &&
-            is_free(sim, way, b, middle, to, least, where))
+        const double room = solid_distance(sim, way, &wall) - least;
+        if (room > 0 && is_free(sim, a, way, from, room, least, where) && is_free(sim, way, b, room, to, least, where))
             return true;
     }
     return false;
@@ -129,7 +128,8 @@ static bool is_clear(const Window *w, size_t from, size_t to)
     place_of(w, from, a);
     place_of(w, to, b);
     if (start + end - sqrt(squared_distance(a, b)) > 2 * least) return true;
-    return is_free(w->sim, a, b, start, end, least, x) || is_free_aside(w->sim, a, b, x, start, end, least);
+    const double from_a = fmax(start, 3 * least), to_b = fmax(end, 3 * least);
+    return is_free(w->sim, a, b, from_a, to_b, least, x) || is_free_aside(w->sim, a, b, x, from_a, to_b, least);
 }
 
 /* How much solid is between two points [m], or at least `enough`; and where the middle of it is. */
