@@ -12,9 +12,16 @@
 
 static const double DX = 0.1;
 enum { WIDE = 7, HIGH = 8, DEEP = 9, BEHIND = 4 }; /* points before the mirrors, and in the walls behind them */
+enum { NARROW = 4 };                               /* between two mirrors, both in reach of what is midway */
 
-/* Folded back at the planes x = WIDE dx and y = HIGH dx, if there is one: over a floor, a drop of air in the corner. */
-static bool in_corner, in_half;
+/* Folded back at the planes x = WIDE dx and y = HIGH dx, if there is one: over a floor, a drop of air in the corner. Between two mirrors, x = 0 is one
+ * and x = NARROW dx the other, and the whole is a period. */
+static bool in_corner, in_half, in_channel;
+
+static int before(void)
+{
+    return in_channel ? NARROW : WIDE;
+}
 
 static double folded(double x, int points)
 {
@@ -23,16 +30,17 @@ static double folded(double x, int points)
 
 static int half_or_whole(const double x[3])
 {
-    const double X = WIDE * DX, Y = HIGH * DX;
+    const double X = before() * DX, Y = HIGH * DX;
     if (in_half && (x[0] > X || (in_corner && x[1] > Y))) return CLOUD_WALL;
-    const double a = folded(x[0], WIDE), b = in_corner ? folded(x[1], HIGH) : x[1];
+    const double a = folded(x[0], before()), b = in_corner ? folded(x[1], HIGH) : x[1];
     if (b < 0.3) return CLOUD_WALL;
     return hypot(hypot(a - X, b - Y), x[2] - 0.4) < 0.42 ? CLOUD_AIR : CLOUD_WATER;
 }
 
 static size_t wide(bool half)
 {
-    return half ? WIDE + BEHIND : 2 * WIDE;
+    const int behind = in_channel ? 0 : BEHIND;
+    return (size_t)(half ? before() + behind : 2 * before());
 }
 
 static size_t high(bool half, bool corner)
@@ -50,7 +58,7 @@ static Cloud *lay(int dim, bool half, bool corner, double smoothing, double skin
                                    .skin = skin,
                                    .smoothing = smoothing,
                                    .kernel = MNS_QUINTIC_SPLINE,
-                                   .periodic = {false, false, true},
+                                   .periodic = {in_channel && !half, false, true},
                                    .viscous = true,
                                    .calibrated = true,
                                    .owner = half_or_whole});
@@ -70,7 +78,7 @@ static Point point_of(const Cloud *cloud, size_t i, bool half, bool corner)
 /* The particle of the whole that is that of the half, or its image. */
 static size_t in_whole(const Cloud *whole, Point p, bool corner)
 {
-    return cloud_index(whole, (uint32_t)(p.of[0] + 2 * WIDE * (p.of[1] + high(false, corner) * p.of[2])));
+    return cloud_index(whole, (uint32_t)(p.of[0] + wide(false) * (p.of[1] + high(false, corner) * p.of[2])));
 }
 
 /* Everything that a particle may start with, without symmetry in the half; as a mirror has it in the other. */
@@ -79,11 +87,11 @@ static void set_fields(Cloud *cloud, bool half, bool corner)
     Particles *s = &cloud->s;
     for (size_t i = 0; i < s->n; i++) {
         Point p = point_of(cloud, i, half, corner);
-        const bool turned[3] = {!half && p.of[0] >= WIDE, !half && corner && p.of[1] >= HIGH, false};
-        if (turned[0]) p.of[0] = 2 * WIDE - 1 - p.of[0];
+        const bool turned[3] = {!half && 2 * p.of[0] >= wide(false), !half && corner && p.of[1] >= HIGH, false};
+        if (turned[0]) p.of[0] = wide(false) - 1 - p.of[0];
         if (turned[1]) p.of[1] = 2 * HIGH - 1 - p.of[1];
         uint64_t seed = 1 + p.of[0] + 100 * p.of[1] + 10000 * p.of[2];
-        const double size[3] = {2 * WIDE * DX, 2 * HIGH * DX, 0};
+        const double size[3] = {2 * before() * DX, 2 * HIGH * DX, 0};
         for (int d = 0; d < s->dim; d++) {
             const double x = ((double)p.of[d] + 0.5 + 0.2 * cloud_noise(&seed)) * DX, v = cloud_noise(&seed);
             s->x[d][i] = turned[d] ? size[d] - x : x;
@@ -116,8 +124,8 @@ static Both both_of(int dim, bool corner, double smoothing, double skin)
         model->gravity[2] = dim == 3 ? -9.81 : 0;
         if (!corner) model->gravity[1] = -9.81;
         if (k) {
-            model->max[0] = WIDE * DX;
-            model->mirrors = 2;
+            model->max[0] = before() * DX;
+            model->mirrors = in_channel ? 3 : 2;
             if (corner) model->max[1] = HIGH * DX;
             if (corner) model->mirrors |= 8;
         }
@@ -127,7 +135,7 @@ static Both both_of(int dim, bool corner, double smoothing, double skin)
         cloud_term(cloud, &mixture);
         for (size_t i = 0; i < cloud->s.n; i++) {
             Point p = point_of(cloud, i, k, corner);
-            if (!k && p.of[0] >= WIDE) p.of[0] = 2 * WIDE - 1 - p.of[0];
+            if (!k && 2 * p.of[0] >= wide(false)) p.of[0] = wide(false) - 1 - p.of[0];
             if (!k && corner && p.of[1] >= HIGH) p.of[1] = 2 * HIGH - 1 - p.of[1];
             uint64_t seed = 7 + p.of[0] + 100 * p.of[1] + 10000 * p.of[2];
             cloud->system.x[i] = cloud_noise(&seed);
@@ -404,6 +412,25 @@ static void terms_with_sound_find_half_of_the_whole(void **state)
         }
 }
 
+/* Particles midway have images by either mirror, and none by both. */
+static void terms_between_two_mirrors_find_half_of_a_period(void **state)
+{
+    (void)state;
+    in_channel = true;
+    for (int dim = 2; dim <= 3; dim++) {
+        Both both = both_of(dim, false, 1, 0.3);
+        check(&both, &number_density, 1e-12);
+        check(&both, &shepard_sum, 1e-12);
+        check_matrix(&both, &velocity_matrix, &velocity_wall_matrix);
+        check(&both, &pressure_gradient, 1e-9);
+        check(&both, &viscosity, 1e-10);
+        check(&both, &wall_velocity, 1e-12);
+        assert_same_velocities_in_walls(&both, "wall velocity");
+        both_done(&both);
+    }
+    in_channel = false;
+}
+
 /* --- systems -------------------------------------------------------------------------------------------------------------- */
 
 static double entry(const Matrix *m, size_t row, size_t column)
@@ -517,6 +544,38 @@ static void more_images_than_a_row_has_room_for_are_refused(void **state)
     cloud_free(cloud);
 }
 
+/* Walls of (0.05, 0.15, 0.25) m, and the side of the domain somewhere among them: what is up to half a skin behind it may be before it when lists are
+ * built again. */
+static void walls_that_may_come_from_behind_a_mirror_stay_in_lists(void **state)
+{
+    (void)state;
+    static const struct {
+        double side;
+        size_t columns;
+    } rows[] = {{0.01, 3}, {0.24, 1}, {0.26, 1}, {0.27, 0}};
+    Cloud *cloud = cloud_new(&(CloudSetup){
+        .dim = 2, .dx = DX, .n = {10, 9}, .smoothing = 1, .skin = 0.3, .calibrated = true, .owner = beside_a_wall});
+    const Particles *s = &cloud->s;
+    const size_t fluid = particles_fluid(s), walls = s->n - fluid;
+    assert_int_equal(walls, 27);
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++)
+        for (int mirrored = 0; mirrored < 2; mirrored++) {
+            uint32_t list[27];
+            size_t kept = 0;
+            for (size_t q = 0; q < walls; q++) list[q] = (uint32_t)(fluid + q);
+            cloud->model.min[0] = rows[k].side;
+            cloud->model.mirrors = mirrored ? 1 : 0;
+            const size_t n = mirrors_thin(&cloud->model, s, list, walls);
+            assert_int_equal(n, mirrored ? 9 * rows[k].columns : walls);
+            for (size_t i = fluid; i < s->n; i++) {
+                if (mirrored && s->ref[0][i] < 0.3 - 0.1 * (double)rows[k].columns) continue;
+                assert_int_equal(list[kept++], i);
+            }
+            assert_int_equal(kept, n);
+        }
+    cloud_free(cloud);
+}
+
 /* --- which sides are mirrors ---------------------------------------------------------------------------------------------- */
 
 static MnsCase *tank(int dim, const char *scheme)
@@ -573,6 +632,14 @@ static void on_another_floor(MnsCase *c)
     cut_off(c, false);
 }
 
+/* It goes on behind the side, within the tank's own wall. */
+static void with_a_sticky_step(MnsCase *c)
+{
+    case_add_wall(c, "step");
+    c->walls[1].no_slip = true;
+    case_put_part(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BOX, .a = {0.3, -1, 0}, .b = {0.6, 0.3, 1}});
+}
+
 /* Half of a side is sticky. */
 static void on_two_floors(MnsCase *c)
 {
@@ -613,8 +680,15 @@ static void sides_that_a_still_wall_covers_and_along_which_fluid_slips_are_mirro
     static const struct {
         Change *change;
         unsigned mirrors;
-    } rows[] = {{as_it_is, 15},         {sticky, 0},         {moving, 0},       {on_a_sticky_floor, 11},
-                {on_another_floor, 15}, {on_two_floors, 11}, {with_a_post, 15}, {shrunk, 14},
+    } rows[] = {{as_it_is, 15},
+                {sticky, 0},
+                {moving, 0},
+                {on_a_sticky_floor, 11},
+                {with_a_sticky_step, 11},
+                {on_another_floor, 15},
+                {on_two_floors, 11},
+                {with_a_post, 15},
+                {shrunk, 14},
                 {endless, 12}};
     static const char *const schemes[] = {"incompressible", "differences", "interfacial"};
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++)
@@ -656,6 +730,33 @@ static void sides_across_gravity_are_no_mirrors_with_sound(void **state)
     }
 }
 
+/* What interfaces see in it is in the rows. A wall that has moved has its faces elsewhere. */
+static void faces_that_lie_in_a_mirror_are_told_from_others(void **state)
+{
+    (void)state;
+    static const struct {
+        Face face;
+        double moved;
+        bool mirrors;
+    } rows[] = {
+        {{{0, 0.5, 0}, {1, 0, 0}, 0}, 0, true},          {{{2, 0.5, 0}, {-1, 0, 0}, 0}, 0, false},
+        {{{0.7, 1, 0}, {0, -1, 0}, 0}, 0, true},         {{{0.7, 0, 0}, {0, 1, 0}, 0}, 0, false},
+        {{{0.3, 0.5, 0}, {1, 0, 0}, 0}, 0, false},       {{{-0.3, 0.5, 0}, {1, 0, 0}, 0}, 0.3, true},
+        {{{0, 0.5, 0}, {1, 0, 0}, 0}, 0.3, false},       {{{0, 0.5, 0}, {-1, 0, 0}, 0}, 0, false},
+        {{{0, 0.5, 0}, {0.9998, 0.02, 0}, 0}, 0, false}, {{{0, 1, 0}, {0.8, -0.6, 0}, 0}, 0, false},
+    };
+    Cloud *cloud = cloud_new(&(CloudSetup){.dim = 2, .dx = DX, .n = {20, 10}, .smoothing = 1, .owner = over_nothing});
+    Model *model = &cloud->model;
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        model->wall[0].x[0] = rows[k].moved;
+        model->mirrors = 1 | 8; /* the lower side along x, the upper one along y */
+        if (mirrors_have(model, &rows[k].face) != rows[k].mirrors) fail_msg("face %zu", k);
+        model->mirrors = 0;
+        assert_false(mirrors_have(model, &rows[k].face));
+    }
+    cloud_free(cloud);
+}
+
 /* --- runs ----------------------------------------------------------------------------------------------------------------- */
 
 static double fastest(const MnsSim *sim)
@@ -664,6 +765,25 @@ static double fastest(const MnsSim *sim)
     for (size_t i = 0; i < particles_fluid(&sim->s); i++)
         for (int d = 0; d < sim->s.dim; d++) most = fmax(most, fabs(sim->s.v[d][i]));
     return most;
+}
+
+/* On a lattice, which images continue. */
+static void each_particle_between_mirrors_has_the_neighbours_of_an_endless_lattice(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = tank(dim, "incompressible");
+        MnsSim *sim = sim_of(c);
+        const double reach = sim->model.kernel.support / sim->model.dx;
+        int pairs = 0;
+        for (int x = -3; x <= 3; x++)
+            for (int y = -3; y <= 3; y++)
+                for (int z = dim == 3 ? -3 : 0; z <= (dim == 3 ? 3 : 0); z++)
+                    pairs += (x || y || z) && x * x + y * y + z * z < reach * reach;
+        assert_int_equal(sim->model.mirrors, dim == 2 ? 15 : 63);
+        assert_true(mns_sim_mean_neighbours(sim) == pairs);
+        sim_done(sim, c);
+    }
 }
 
 /* Under a gravity that is along no side; and hidden walls show the pressure that there would be. P4 moves particles before it finds what holds them. */
@@ -723,11 +843,15 @@ int main(void)
         cmocka_unit_test(terms_of_incompressible_find_half_of_the_whole),
         cmocka_unit_test(terms_of_differences_find_half_of_the_whole),
         cmocka_unit_test(terms_with_sound_find_half_of_the_whole),
+        cmocka_unit_test(terms_between_two_mirrors_find_half_of_a_period),
         cmocka_unit_test(systems_beside_mirrors_are_symmetric_to_the_last_bit),
         cmocka_unit_test(a_fluid_at_rest_in_a_corner_of_mirrors_has_the_pressure_of_its_depth),
         cmocka_unit_test(more_images_than_a_row_has_room_for_are_refused),
+        cmocka_unit_test(walls_that_may_come_from_behind_a_mirror_stay_in_lists),
         cmocka_unit_test(sides_that_a_still_wall_covers_and_along_which_fluid_slips_are_mirrors),
         cmocka_unit_test(sides_across_gravity_are_no_mirrors_with_sound),
+        cmocka_unit_test(faces_that_lie_in_a_mirror_are_told_from_others),
+        cmocka_unit_test(each_particle_between_mirrors_has_the_neighbours_of_an_endless_lattice),
         cmocka_unit_test(a_tank_of_mirrors_stays_at_rest),
         cmocka_unit_test(bits_beside_mirrors_are_the_same_for_any_number_of_threads),
     };
