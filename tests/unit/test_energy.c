@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The account of energy: the work of gravity, of tanks, lids and surfaces that move is what it is by hand, a restart goes on with it, and what has
- * more than it was given is told. */
+/* The account of energy: the work of gravity, of tanks, lids and surfaces that move is what it is by hand, and so is the energy of surfaces and what gravity
+ * gives when it is set; a restart goes on with it, and what has more than it was given is told. */
 #include "sim/energy.h"
 #include "sim/terms/terms.h"
 #include "tests/support/check.h"
@@ -156,6 +156,56 @@ static void gravity_that_grows_gives_what_potential_energy_loses(void **state)
         assert_close(account->work, 50, 1); /* m g times half of the height */
         assert_close(energy_of(sim) - account->start, account->work, 1);
         sim_done(sim, c);
+    }
+}
+
+/* In a tank that is full, too: what is set lifts all that there is at once, and nothing after. */
+static void gravity_that_is_set_gives_what_potential_energy_gains(void **state)
+{
+    (void)state;
+    for (size_t q = 0; q < ALL; q++) {
+        MnsCase *c[2];
+        for (int k = 0; k < 2; k++) {
+            c[k] = water(SCHEMES[q], 1);
+            add_plate(c[k], "floor", -9, 0);
+            add_plate(c[k], "roof", 1, 9);
+            case_set_text(&c[k]->gravity[1], k ? "-0.3" : "-0.1");
+        }
+        MnsSim *sim = sim_of(c[0]);
+        const MnsEnergy *account = &sim->progress.energy;
+        sim_steps(sim, 3);
+        const double energy = energy_of(sim), potential = account->potential;
+        assert_true(account->work == 0);
+        assert_int_equal(mns_sim_steer(sim, c[1], NULL), MNS_OK);
+        const double gained = energy_of(sim) - energy;
+        assert_close(gained, 0.2 * 1000 * 0.5, 0.1);
+        assert_close(account->work, gained, 1e-9);
+        assert_close(account->potential - potential, gained, 0.1); /* but for what pressures know of gravity */
+        assert_true(account->gravity[1] == -0.3);
+        sim_steps(sim, 80);
+        assert_close(account->work, gained, 1e-9);
+        if (!(mns_sim_energy_excess(sim) == 0)) fail_msg("%s: %g", SCHEMES[q], mns_sim_energy_excess(sim));
+        mns_sim_free(sim);
+        for (int k = 0; k < 2; k++) mns_case_free(c[k]);
+    }
+}
+
+/* Two flat ones in a periodic box of 1 m. */
+static void an_interface_has_its_tension_for_each_area(void **state)
+{
+    (void)state;
+    for (size_t q = 1; q < ALL; q++) { /* riemann has none */
+        double energy[2];
+        for (int tense = 0; tense < 2; tense++) {
+            MnsCase *c = water(SCHEMES[q], 0.5);
+            c->periodic[1] = true;
+            case_add_fluid(c, "oil", 900, 20);
+            c->tension[0][1] = c->tension[1][0] = tense ? 3 : 0;
+            MnsSim *sim = sim_of(c);
+            energy[tense] = energy_of(sim);
+            sim_done(sim, c);
+        }
+        if (!(fabs(energy[1] - energy[0] - 2 * 3) <= 0.02 * 6)) fail_msg("%s: %g J", SCHEMES[q], energy[1] - energy[0]);
     }
 }
 
@@ -326,6 +376,8 @@ int main(void)
         cmocka_unit_test(a_lid_gives_what_friction_takes),
         cmocka_unit_test(a_lid_that_comes_down_gives_what_is_elastic),
         cmocka_unit_test(gravity_that_grows_gives_what_potential_energy_loses),
+        cmocka_unit_test(gravity_that_is_set_gives_what_potential_energy_gains),
+        cmocka_unit_test(an_interface_has_its_tension_for_each_area),
         cmocka_unit_test(a_restart_goes_on_with_the_account),
         cmocka_unit_test(what_is_made_of_nothing_is_told),
         cmocka_unit_test(what_is_made_in_a_short_run_is_told),
