@@ -60,6 +60,29 @@ static void guard_keeps_what_is_thrown_at_a_wall_inside_and_counts(void **state)
         }
 }
 
+/* Of such a wall the lists of particles have nothing (mirrors.h). */
+static void guard_keeps_what_is_thrown_at_a_mirror_inside(void **state)
+{
+    (void)state;
+    static const char *const schemes[] = {"riemann", "dissipation"};
+    for (int k = 0; k < 4; k++) {
+        MnsCase *c = case_shaken_by(schemes[k % 2], 2 + k / 2, 2);
+        c->walls[0].motion = (MnsMotion){.kind = MNS_STILL};
+        c->walls[0].no_slip = false;
+        case_set_text(&c->gravity[0], "0");
+        c->limits.density_max = 100;
+        MnsSim *sim = sim_in_arrays(c);
+        assert_true(sim->model.mirrors & 1);
+        for (size_t i = 0; i < particles_fluid(&sim->s); i++)
+            if (sim->s.x[0][i] < 1.5 * sim->model.dx) sim->s.v[0][i] = -8;
+        for (int step = 0; step < 8; step++) assert_int_equal(mns_sim_step(sim, INFINITY, NULL), MNS_OK);
+        assert_true(mns_sim_progress(sim).guarded > 0);
+        assert_true(nearest_to_wall(sim) >
+                    0.2 * sim->model.dx); /* the last half of a step may go on from the guard's distance */
+        sim_done(sim, c);
+    }
+}
+
 /* By a scheme that looks at the walls in the middle of its steps as well: each that ends as far from the wall as the guard puts it. */
 static void guard_counts_a_particle_once_a_step(void **state)
 {
@@ -114,6 +137,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(guard_keeps_what_is_thrown_at_a_wall_inside_and_counts),
+        cmocka_unit_test(guard_keeps_what_is_thrown_at_a_mirror_inside),
         cmocka_unit_test(guard_counts_a_particle_once_a_step),
         cmocka_unit_test(guard_takes_only_the_velocity_into_the_wall),
     };

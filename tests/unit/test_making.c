@@ -74,7 +74,7 @@ static void lids_are_foreseen(void **state)
         sim_done(sim, c);
     }
     assert_true(taken[1] > taken[0]);
-    assert_true(need[1] - need[0] >= taken[1] - taken[0]);
+    assert_less(taken[1] - taken[0] - 1, need[1] - need[0]); /* rounding of a part of a byte */
     assert_less(need[1] - need[0], 1.5 * (taken[1] - taken[0]));
 }
 
