@@ -228,6 +228,32 @@ static void belt_of_a_wall_that_moves_follows_time(void **state)
     sim_done(sim, c);
 }
 
+/* Of particles that are put into another order, and of a belt that does not change. */
+static void belt_is_the_same_when_a_run_goes_on(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        MnsCase *c = tank(dim, 10);
+        MnsCapture *capture = NULL;
+        set_belt(&c->walls[0], dim);
+        MnsSim *sim = sim_of(c), *again = NULL;
+        sim_steps(sim, 20);
+        assert_int_equal(mns_sim_capture(sim, mns_sim_state_fields(sim), &capture, NULL), MNS_OK);
+        assert_int_equal(mns_sim_resume(c, capture, &again, NULL), MNS_OK);
+        mns_capture_free(capture);
+        assert_int_equal(again->s.n, sim->s.n);
+        for (size_t i = particles_fluid(&sim->s); i < sim->s.n; i++) {
+            assert_int_equal(again->s.id[i], sim->s.id[i]);
+            for (int d = 0; d < dim; d++) assert_true(belt_at(again, d, i) == belt_at(sim, d, i));
+        }
+        sim_steps(sim, 20);
+        sim_steps(again, 20);
+        assert_true(mns_sim_hash(again) == mns_sim_hash(sim));
+        mns_sim_free(again);
+        sim_done(sim, c);
+    }
+}
+
 static void velocity_that_is_nowhere_along_the_wall_is_refused(void **state)
 {
     (void)state;
@@ -363,6 +389,7 @@ int main(void)
         cmocka_unit_test(combined_walls_move_along_themselves),
         cmocka_unit_test(lid_moves_as_a_whole_where_its_ends_are_covered),
         cmocka_unit_test(belt_of_a_wall_that_moves_follows_time),
+        cmocka_unit_test(belt_is_the_same_when_a_run_goes_on),
         cmocka_unit_test(velocity_that_is_nowhere_along_the_wall_is_refused),
         cmocka_unit_test(faces_that_lose_more_than_a_hundredth_are_warned_of),
         cmocka_unit_test(belt_on_a_wall_that_fluids_glide_along_is_warned_of),
