@@ -66,6 +66,11 @@ class Jobs(unittest.TestCase):
         self.assertLessEqual(over_after.count(True), 1, "one was under way, and others came after it")
 
     def test_a_program_that_is_interrupted_by_itself_ends_the_tasks(self):
+        for signal_name in ("INT", "TERM", "KILL"):
+            with self.subTest(signal_name):
+                self.interrupted_by(signal_name)
+
+    def interrupted_by(self, signal_name: str) -> None:
         begun = []
 
         def runs(k: int, *words: str) -> None:
@@ -73,7 +78,7 @@ class Jobs(unittest.TestCase):
             with jobs.program(words) as process:
                 process.wait()
 
-        ends = {0: lambda: runs(0, "sleep", "600"), 1: lambda: runs(1, "sh", "-c", "kill -INT $$"), 2: lambda: runs(2, "true")}
+        ends = {0: lambda: runs(0, "sleep", "600"), 1: lambda: runs(1, "sh", "-c", f"kill -{signal_name} $$"), 2: lambda: runs(2, "true")}
         with self.assertRaises(KeyboardInterrupt):
             list(jobs.at_once(2, ends))
         self.assertEqual(sorted(begun)[:2], [0, 1])

@@ -33,9 +33,8 @@ licensed() {
     find include server proto client tests systemd Makefile .ci/run -type f \( -name '*.[ch]' -o -name '*.proto' -o -name '*.py' \
         -o -name '*.js' -o -name '*.mjs' -o -name '*.css' -o -name '*.sh' -o -name '*.yaml' -o -name Makefile -o -name run \) \
         -not -path '*/__pycache__/*' -print0 | xargs -0 awk '
-        FNR == 1 { if (file != "" && !licensed) { print file " has no SPDX line at its top"; bad = 1 } file = FILENAME; licensed = 0 }
-        FNR <= 3 && /SPDX-License-Identifier: BSD-3-Clause/ { licensed = 1 }
-        END { if (!licensed) { print file " has no SPDX line at its top"; bad = 1 } exit bad }'
+        FNR <= 3 && /SPDX-License-Identifier: BSD-3-Clause/ { licensed[FILENAME] = 1 }
+        END { for (k = 1; k < ARGC; k++) if (!(ARGV[k] in licensed)) { print ARGV[k] " has no SPDX line at its top"; bad = 1 } exit bad }'
 }
 
 # Many files for each process of clang's tools, as to load one takes longer than to look at a file.

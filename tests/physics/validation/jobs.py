@@ -63,7 +63,8 @@ class Programs:
 
 
 PROGRAMS = Programs()
-INTERRUPTED = (75, -signal.SIGINT, -signal.SIGTERM)  # exit codes: MNS_EXIT_AGAIN of <meniscus/exit.h>, and what Popen makes of signals
+# Exit codes: MNS_EXIT_AGAIN of <meniscus/exit.h>, and what Popen makes of signals. A program kills itself by no fault of its own, as where memory is short.
+INTERRUPTED = (75, -signal.SIGINT, -signal.SIGTERM, -signal.SIGKILL)
 
 
 @contextmanager

@@ -19,6 +19,7 @@ from validation.runs import BUILD, ROOT, replace
 
 STEPS = 50
 RECORD = Path(__file__).parents[1] / "states.txt"
+MEASURED = ("probes/*.[ch]", "sample.[ch]", "energy.[ch]", "losses.c", "fluid_sum.[ch]")  # of server/sim: what a run measures besides its state
 NONE = "none"  # for a hash, of a case that is refused
 REFUSED = 65  # the exit code then
 
@@ -40,10 +41,12 @@ def state_after(asked: Asked) -> str:
 
 
 def scoring(score: Callable, runs: Iterable[Asked]) -> str:
-    """The hash of what scores these runs, and of their cases, which say what is measured and until when: both may change without a state."""
+    """The hash of what scores these runs, of what measures them, and of their cases, which say what is measured and until when: all may change without
+    a state."""
     sha = hashlib.sha256(sources.digest(score).encode())
-    for case in sorted({asked[0] for asked in runs}):
-        sha.update((ROOT / f"server/cases/{case}.yaml").read_bytes())
+    measuring = sorted(path for pattern in MEASURED for path in (ROOT / "server/sim").glob(pattern))
+    for path in (*measuring, *(ROOT / f"server/cases/{case}.yaml" for case in sorted({asked[0] for asked in runs}))):
+        sha.update(path.read_bytes())
     return sha.hexdigest()[:16]
 
 
