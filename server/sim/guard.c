@@ -31,7 +31,7 @@ uint64_t guard_walls(MnsSim *sim)
 #pragma omp parallel for schedule(static) reduction(+ : guarded) num_threads(sim->threads)
     for (size_t i = 0; i < n; i++) {
         if (!(sim->nb.has[i] & (LIST_WALLS | LIST_MIRRORS))) continue; /* no wall near */
-        bool kept = false; /* between two walls it is still one particle */
+        bool kept = false;                                             /* between two walls it is still one particle */
         for (size_t k = 0; k < sim->model.n_walls; k++) kept = guard_one(sim, i, k) || kept;
         guarded += kept;
     }

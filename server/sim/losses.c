@@ -1,21 +1,34 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "sim/losses.h"
-#include "sim/motion.h"
 #include "sim/probes/probes.h"
+#include <math.h>
 
 enum { EVERY = 300 }; /* steps it is looked at, and at the end: the coverage takes as long as one */
 
 static const double LEAST_COVERED = 0.3; /* sum of W V; of a domain that fluids fill */
 static const double MOST_ESCAPED = 0.01; /* of all fluid particles */
 
+/* The domain at rest, or taken along by a wall, the tank: where fewest have escaped. */
+static double fewest_escaped(const MnsSim *sim, MnsProbe *ret_frame)
+{
+    double fewest = INFINITY;
+    const int n = (int)sim->model.n_walls;
+    for (int k = 0; k <= n && fewest > 0; k++) {
+        const MnsProbe frame = {.fluid = -1, .wall = k < n ? k : -1};
+        Measure m = {.sim = sim, .probe = &frame, .threads = sim->threads};
+        const double escaped = probe_escaped(&m);
+        if (escaped < fewest) *ret_frame = frame;
+        fewest = fmin(fewest, escaped);
+    }
+    return fewest;
+}
+
 void losses_step(MnsSim *sim)
 {
-    /* A tank takes the domain along. */
-    const MnsProbe all = {.fluid = -1, .wall = sim->model.n_walls > 0 && motion_of_all(sim->c) ? 0 : -1};
-    Measure m = {.sim = sim, .probe = &all, .threads = sim->threads};
+    MnsProbe frame = {.fluid = -1, .wall = -1};
     if (sim->progress.step % EVERY && !(sim->progress.t >= sim->c->end_time)) return;
-    const double escaped = sim->told.escaped ? 0 : probe_escaped(&m), n = (double)particles_fluid(&sim->s);
-    if (escaped > MOST_ESCAPED * n) {
+    const double escaped = fewest_escaped(sim, &frame), n = (double)particles_fluid(&sim->s);
+    if (escaped > MOST_ESCAPED * n && !sim->told.escaped) {
         sim->told.escaped = true;
         plan_tell(sim,
                   "domain: after step %llu %.0f of %.0f fluid particles are outside of it. Close its sides by walls, "
@@ -23,6 +36,7 @@ void losses_step(MnsSim *sim)
                   (unsigned long long)sim->progress.step, escaped, n);
     }
     if (!sim->model.filled || sim->told.bare) return;
+    Measure m = {.sim = sim, .probe = &frame, .threads = sim->threads};
     const double covered = probe_coverage(&m);
     if (!(covered < LEAST_COVERED)) return;
     sim->told.bare = true;

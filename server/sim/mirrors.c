@@ -38,7 +38,7 @@ static bool is_open(const MnsSim *sim, const double x[3])
     return true;
 }
 
-/* By what lies just behind each cell of the lattice that is beside it; and somewhere there is fluid before it. */
+/* By what lies just behind each cell of the lattice that is beside it; and somewhere there is room before it. */
 static bool is_mirror(const MnsSim *sim, int side)
 {
     const Model *model = &sim->model;

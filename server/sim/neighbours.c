@@ -219,6 +219,7 @@ MnsStatus neighbours_build(Neighbours *nb, Particles *s, const Model *model, Mns
     const size_t keys = sort_groups(s) * grid.cells;
     if (!reserve(nb, keys)) return mns_fail(error, MNS_E_MEMORY, "no memory for a grid of %zu cells", grid.cells);
     nb->grid = grid;
+    nb->marked = 0;
     /* Lists are made anew, and rates are spare when particles have moved: there is room in both for the sort. */
     uint32_t *order = sort_by_cell(s, &grid, nb->start, nb->counts, nb->list, s->rate, nb->threads);
     particles_permute(s, order, nb->threads);

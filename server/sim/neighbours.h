@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Who is near whom: for each particle the indices of its neighbours within the kernel's support plus a skin, group by group.
- * Lists stay valid until some particle has moved half a skin. A wall particle lists fluid only, and walls behind a mirror are in no list. */
+ * Lists stay valid until some particle has moved half a skin. A wall particle lists fluid only, and walls that stay behind a mirror are in no list. */
 #ifndef SIM_NEIGHBOURS_H
 #define SIM_NEIGHBOURS_H
 

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Rows of RESULTS.md whose value or verdict is another than at a commit, with both: `since.py COMMIT` prints a table. What is not scored, what runs took, and
-what is rounding in both is left out."""
+what is rounding in both is left out, and rows that are in only one of the two."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def rows(text: str) -> Rows:
 def is_of_interest(before: list[str], now: list[str]) -> bool:
     if before[3] == now[3] == "-" or (before[0], before[3]) == (now[0], now[3]):
         return False
-    return max(abs(float(before[0])), abs(float(now[0]))) > ROUNDING
+    return not (abs(float(before[0])) <= ROUNDING and abs(float(now[0])) <= ROUNDING)
 
 
 def main() -> None:

@@ -78,7 +78,7 @@ const Scheme scheme_riemann = {
              .terms = {&riemann_momentum, &background, &transport_stress, &viscosity, &wall_friction},
              .fusions = {&riemann_forces}},
         },
-    .power = {&riemann_power, &friction_power},
+    .power = {&riemann_power, &transport_power, &friction_power},
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(M) | FIELD(A) | FIELD(B) | FIELD(REF),
     .given = 1,
     .derive = &linear_pressure,

@@ -103,7 +103,7 @@ typedef struct Growing {
 static void append(Growing *to, const double x[3], const double normal[3], double V, double other, uint32_t j)
 {
     const double r = sqrt(dot(x, x, to->dim));
-    if (!(r < to->support) || to->n == ROW_MAX) return;
+    if (!(r < to->support) || to->n >= ROW_MAX) return;
     Block *b = to->row->block + to->n / LANES;
     const size_t l = to->n % LANES;
     for (int d = 0; d < to->dim; d++) {

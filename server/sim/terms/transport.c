@@ -3,14 +3,6 @@
 #include "sim/terms/transport.h"
 #include "sim/terms/terms.h"
 
-static bool transports(const Model *model)
-{
-    if (!model->transport_stress) return false;
-    for (size_t k = 0; k < model->n_phases; k++)
-        if (model->phase[k].summation) return true;
-    return false;
-}
-
 INLINE void background_row(const Row *row, Particles *s, const Model *model, How how)
 {
     Lanes sums[3] = {0};
@@ -54,7 +46,7 @@ const Term transport_stress = {
     .source = "P3 eq. 12",
     .equation = "m_i dv_i/dt += sum_j V_i V_j A_j . grad_i W,  A = rho v (x) w",
     .on = ON_FLUID,
-    .needed = transports,
+    .needed = is_transported,
     .needs = NEED_F | NEED_V | NEED_FLUX,
     .writes = FIELD(A),
     .row = ROW_TABLE(transport_stress_row),

@@ -4,6 +4,7 @@
  * Pressures act along the normal, so that a surface that moves along itself does no work by them: v_w is there that of the wall alone. */
 #include "sim/terms/wall_power.h"
 #include "sim/solve/solve.h"
+#include "sim/terms/gas.h"
 #include "sim/terms/push.h"
 #include "sim/terms/riemann.h"
 #include "sim/terms/terms.h"
@@ -13,6 +14,7 @@ INLINE void pressure_power(const Row *row, Particles *s, const Model *model, How
 {
     const Pushed a = pushed_of(s, model, row->i);
     const WallPressure shown = wall_pressure_of(s, row->i);
+    const double lift = weights == WEIGHTS_PRODUCT ? gas_lift(model, s->phase[row->i], &a) : 0;
     Lanes power = {0};
     for (const Block *b = row->block + row->n_fluid; b < row->block + row->n; b++) {
         const uint32_t *j = row_j(row, b);
@@ -20,6 +22,7 @@ INLINE void pressure_power(const Row *row, Particles *s, const Model *model, How
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
             pressure_wall(&a, &pair, shown_by(&shown, j[l]), how, l, force, weights);
+            gas_wall(&a, lift, &pair, how, l, force);
         }
         add_wall_power(force, row, b, s, model, how, &power);
     }
@@ -74,6 +77,27 @@ INLINE void riemann_power_row(const Row *row, Particles *s, const Model *model, 
 }
 ROW_FUNCTIONS(riemann_power_row)
 
+/* Of V_i V_j A_i . grad_i W, as walls have no stress of their own. */
+INLINE void transport_power_row(const Row *row, Particles *s, const Model *model, How how)
+{
+    const size_t i = row->i;
+    if (!model->phase[s->phase[i]].summation) return;
+    const double c = particles_volume(s, model, i) * s->rho[i] * 0.5 * model->dt;
+    Lanes power = {0};
+    for (const Block *b = row->block + row->n_fluid; b < row->block + row->n; b++) {
+        Lanes force[3] = {0};
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = block_pair(b, l, how);
+            double along_w = 0;
+            for (int d = 0; d < how.dim; d++) along_w += s->b[d][i] * pair.x[d];
+            for (int d = 0; d < how.dim; d++) force[d].of[l] = c * pair.V * pair.F * along_w * s->v[d][i * s->v_step];
+        }
+        add_wall_power(force, row, b, s, model, how, &power);
+    }
+    s->power[i] += lanes_sum(&power);
+}
+ROW_FUNCTIONS(transport_power_row)
+
 /* radial: the viscosity acts along the line of the pair. */
 INLINE void work_of_friction(const Row *row, Particles *s, const Model *model, How how, bool radial)
 {
@@ -119,6 +143,8 @@ POWER(surface_power, "power of walls", "schemes/differences.md", "-sum_w V_i V_w
       NEED_F);
 POWER(riemann_power, "power of walls", "P3 eq. 9", "sum_w f_iw . v_w, f of the Riemann momentum", NULL,
       NEED_F | NEED_STATE);
+POWER(transport_power, "power of the transport stress", "P3 eq. 12", "sum_w V_i V_w A_i . grad_i W . v_w",
+      is_transported, NEED_F | NEED_STATE);
 POWER(friction_power, "power of friction", "P1 eq. 10", "sum_w f_iw . v_w, f of the wall friction", is_viscous,
       NEED_F | NEED_V | NEED_STATE);
 POWER(radial_friction_power, "power of friction", "P2 eq. 25", "sum_w f_iw . v_w, f of the wall friction", is_viscous,

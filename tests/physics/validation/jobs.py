@@ -63,7 +63,7 @@ class Programs:
 
 
 PROGRAMS = Programs()
-# Exit codes: MNS_EXIT_AGAIN of <meniscus/exit.h>, and what Popen makes of signals. A program kills itself by no fault of its own, as where memory is short.
+# Exit codes: MNS_EXIT_AGAIN of <meniscus/exit.h>, and what Popen makes of signals. One that is killed is at no fault of its own, as where memory is short.
 INTERRUPTED = (75, -signal.SIGINT, -signal.SIGTERM, -signal.SIGKILL)
 
 

@@ -19,7 +19,8 @@ from validation.runs import BUILD, ROOT, replace
 
 STEPS = 50
 RECORD = Path(__file__).parents[1] / "states.txt"
-MEASURED = ("probes/*.[ch]", "sample.[ch]", "energy.[ch]", "losses.c", "fluid_sum.[ch]")  # of server/sim: what a run measures besides its state
+# Of server/sim: what a run measures besides its state. Other terms with a share of the power of walls push by it, too, and change states.
+MEASURED = ("probes/*.[ch]", "sample.[ch]", "shown.[ch]", "energy.[ch]", "losses.c", "fluid_sum.[ch]", "terms/wall_power.[ch]")
 NONE = "none"  # for a hash, of a case that is refused
 REFUSED = 65  # the exit code then
 
