@@ -309,7 +309,8 @@ void energy_steered(MnsSim *sim, double before)
     keep(sim, sums);
     account->potential += potential(sim, sums) - held;
     account->work += whole_energy(sim, sums) - before;
-    account->power = sums[BY_WALLS];
+    /* What projects pushes with the pressure of its last step, which steering does not undo, and a run that goes on from here does not have. */
+    if (!sim->scheme->projects) account->power = sums[BY_WALLS];
 }
 
 double mns_sim_energy_excess(const MnsSim *sim)
