@@ -2,6 +2,7 @@
 #include "sim/energy.h"
 #include "base/array.h"
 #include "sim/motion.h"
+#include "sim/terms/images.h"
 #include <math.h>
 #include <string.h>
 
@@ -49,38 +50,41 @@ static double elastic(const Phase *phase, double rho, double p)
     return c2 / gamma * ((power - 1) / (gamma - 1) + 1 / r - 1) + background;
 }
 
-/* sigma V |grad C| for each other fluid, of which the sum over particles is sigma times the area. */
-static void add_surface(const MnsSim *sim, size_t i, double sums[static SUMS])
+/* What a thread that looks at surfaces has. */
+typedef struct Surroundings {
+    RowPlan plan;
+    Row row, with_images;
+} Surroundings;
+
+/* sigma V |grad C| for each other fluid, of which the sum over particles is sigma times the area. Beside mirrors rows have images; flat walls at which fluids
+ * stick mirror interfaces under P1 and P2 (terms/images.h), and under the others an area that ends there is a little short. */
+static void add_surface(const MnsSim *sim, Surroundings *around, size_t i, double sums[static SUMS])
 {
     const Particles *s = &sim->s;
     const Model *model = &sim->model;
-    const uint32_t *list = neighbours_of(&sim->nb, i);
     const unsigned mine = s->phase[i];
     double slope[MNS_MAX_FLUIDS][3] = {{0}};
-    for (size_t k = 0; k < sim->nb.end[i][END_FLUID]; k++) {
-        const size_t j = list[k];
-        if (s->phase[j] == mine) continue;
-        double x[3] = {0}, r2 = 0, W, F;
-        for (int d = 0; d < s->dim; d++) {
-            x[d] = model_nearest(model, d, s->x[d][i * s->x_step] - s->x[d][j * s->x_step]);
-            r2 += x[d] * x[d];
+    row_build(&around->row, &around->plan, i);
+    const Row *seen =
+        sim->scheme->projects ? &around->row : row_with_images(&around->row, s, model, &around->with_images);
+    for (const Block *b = seen->block; b < seen->block + seen->n_fluid; b++)
+        for (int l = 0; l < LANES; l++) {
+            const size_t j = row_j(seen, b)[l];
+            const unsigned its = s->phase[j];
+            const double c = its != mine ? particles_volume(s, model, j) * b->F[l] : 0;
+            for (int d = 0; d < s->dim; d++) slope[its][d] += c * b->x[d][l];
         }
-        const double r = sqrt(r2), V = particles_volume(s, model, j);
-        if (!(r < model->kernel.support)) continue;
-        kernel_eval(&model->kernel, 1, &r, &W, &F);
-        for (int d = 0; d < s->dim; d++) slope[s->phase[j]][d] += V * F * x[d];
-    }
     const double V = particles_volume(s, model, i);
-    for (size_t b = 0; b < model->n_phases; b++) {
-        const double *g = slope[b], size = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-        sums[SURFACE] += model->tension[mine][b] * V * size;
+    for (size_t k = 0; k < model->n_phases; k++) {
+        const double *g = slope[k], size = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+        sums[SURFACE] += model->tension[mine][k] * V * size;
     }
 }
 
 /* What of the sums is found: the power of walls; also kinetic energy and what gravity acts on; also elastic energies and those of surfaces. */
 typedef enum Extent { OF_WALLS, OF_MOTION, OF_ALL } Extent;
 
-static void add_particle(const MnsSim *sim, size_t i, Extent extent, double sums[static SUMS])
+static void add_particle(const MnsSim *sim, Surroundings *around, size_t i, Extent extent, double sums[static SUMS])
 {
     const Particles *s = &sim->s;
     if (s->power) sums[BY_WALLS] += s->power[i];
@@ -101,7 +105,7 @@ static void add_particle(const MnsSim *sim, size_t i, Extent extent, double sums
     const double c = sim->scheme->projects ? sim->model.projection.speed : phase->c;
     sums[STIFFNESS] += m * c * c;
     if (!sim->scheme->projects) sums[ELASTIC] += m * elastic(phase, s->rho[i], s->p[i * s->p_step]);
-    if (sim->model.tense && (!sim->nb.tells_others || sim->nb.has[i] & LIST_OTHERS)) add_surface(sim, i, sums);
+    if (sim->model.tense && (!sim->nb.tells_others || sim->nb.has[i] & LIST_OTHERS)) add_surface(sim, around, i, sums);
 }
 
 /* Is a wall listed for i that moves, or whose surface does? moves: [walls] */
@@ -146,14 +150,21 @@ static void find_power(MnsSim *sim)
 /* Block by block, so that the number of threads changes no bit. */
 static void find_sums(MnsSim *sim, Extent extent, double ret[static SUMS])
 {
+    const unsigned needs = NEED_F | (sim->scheme->projects ? 0 : NEED_STATE | NEED_OTHERS); /* of surfaces */
     if (sim->s.power) find_power(sim);
+    if (extent == OF_ALL && sim->model.tense) neighbours_refresh(&sim->nb, &sim->s, &sim->model, needs);
     const size_t n = particles_fluid(&sim->s), blocks = sim_blocks(n);
     double(*partial)[SUMS] = (double(*)[SUMS])sim->partial;
-#pragma omp parallel for schedule(static) num_threads(sim->threads)
-    for (size_t b = 0; b < blocks; b++) {
-        double sums[SUMS] = {0};
-        for (size_t i = b * SIM_BLOCK; i < n && i < (b + 1) * SIM_BLOCK; i++) add_particle(sim, i, extent, sums);
-        memcpy(partial[b], sums, sizeof sums);
+#pragma omp parallel num_threads(sim->threads)
+    {
+        Surroundings around = {.plan = row_plan(&sim->nb, &sim->s, &sim->model, needs, ROW_LISTED)};
+#pragma omp for schedule(static)
+        for (size_t b = 0; b < blocks; b++) {
+            double sums[SUMS] = {0};
+            for (size_t i = b * SIM_BLOCK; i < n && i < (b + 1) * SIM_BLOCK; i++)
+                add_particle(sim, &around, i, extent, sums);
+            memcpy(partial[b], sums, sizeof sums);
+        }
     }
     memset(ret, 0, SUMS * sizeof *ret);
     for (size_t b = 0; b < blocks; b++)
