@@ -12,6 +12,13 @@
 /* Part of each function it is called from, and so compiled for that one's level. */
 #define INLINE static inline __attribute__((always_inline))
 
+/* Before a call of which gcc knows what it clobbers it leaves the upper halves of vectors dirty: of such a function it knows nothing. */
+#ifdef __clang__
+#define UNKNOWN
+#else
+#define UNKNOWN __attribute__((noipa))
+#endif
+
 /* a b + c; fused: rounded once. Only where what it is part of stays the same, or the opposite, if the two of a pair are exchanged. */
 INLINE double mul_add(double a, double b, double c, bool fused)
 {

@@ -251,7 +251,7 @@ static void mark(Lengths *lengths, size_t first, size_t last, double limit, cons
 
 /* Is the image by these sides of j in reach? Positions are those of the bundles, as the pass may move particles. from: the block in which j is in
  * lane l; NULL for the particle itself. */
-static bool reaches(const Growing *g, unsigned these, const Block *from, size_t l, uint32_t j)
+INLINE bool reaches(const Growing *g, unsigned these, const Block *from, size_t l, uint32_t j)
 {
     const RowPlan *plan = g->plan;
     double r2 = 0;
@@ -264,7 +264,7 @@ static bool reaches(const Growing *g, unsigned these, const Block *from, size_t 
 }
 
 /* A particle that has got behind a mirror has no image of its own, which would push it on. */
-static bool is_inside(const Model *model, unsigned these, const double x[3])
+INLINE bool is_inside(const Model *model, unsigned these, const double x[3])
 {
     for (int side = 0; side < SIDES; side++)
         if (these >> side & 1 && !(model_inside(model, side, x[side / 2]) > 0)) return false;
@@ -276,7 +276,7 @@ typedef struct Way {
     double by[3], keeps[3];
 } Way;
 
-static Way way_of(const Model *model, unsigned these, const double x[3])
+INLINE Way way_of(const Model *model, unsigned these, const double x[3])
 {
     Way way = {{0, 0, 0}, {1, 1, 1}};
     for (unsigned left = these; left; left &= left - 1) {

@@ -278,9 +278,9 @@ static void who_hangs_up_leaves_nothing_behind(void **state)
     assert_true(count_descriptors(daemon) >= before + GUESTS);
     for (int k = 0; k < GUESTS; k++) zmq_close(guests[k]);
     zmq_ctx_term(context);
-    for (int k = 0; k < 100 && count_descriptors(daemon) > before; k++) steer_sleep(100);
+    for (int k = 0; k < 600 && count_descriptors(daemon) > before; k++) steer_sleep(100);
     assert_true(count_descriptors(daemon) <= before);
-    for (int k = 0; k < 100 && count_descriptors(gate) > at_gate; k++) steer_sleep(100);
+    for (int k = 0; k < 600 && count_descriptors(gate) > at_gate; k++) steer_sleep(100);
     assert_true(count_descriptors(gate) <= at_gate);
 }
 

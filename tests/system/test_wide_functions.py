@@ -28,7 +28,7 @@ LOOPS = {
     "density_beside": ((791, 41), (907, 51)),
     "dissipation_shape_fused": ((536, 38), (668, 63)),
     "forces_beside": ((3277, 271), (3800, 380)),
-    "gas_rates_beside": ((4968, 431), (5515, 537)),
+    "gas_rates_beside": ((4956, 462), (5349, 591)),
     "gas_rates_fused": ((1436, 88), (1572, 108)),
     "interfacial_density_fused": ((700, 39), (753, 44)),
     "inviscid_fused": ((712, 50), (897, 84)),
