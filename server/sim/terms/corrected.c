@@ -202,9 +202,12 @@ INLINE void corrected_power_row(const Row *row, Particles *s, const Model *model
     for (const Block *b = row->block + row->n_fluid; b < row->block + row->n; b++) {
         const uint32_t *j = row_j(row, b);
         Lanes force[3] = {0};
+        double p_wall[LANES];
+        for (int l = 0; l < LANES; l++) p_wall[l] = shown_by(&shown, j[l]);
+#pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
-            corrected_push(&M_i, &PLAIN, &pair, p, shown_by(&shown, j[l]), V, how, l, force);
+            corrected_push(&M_i, &PLAIN, &pair, p, p_wall[l], V, how, l, force);
         }
         add_wall_power(force, row, b, s, model, how, &power);
     }

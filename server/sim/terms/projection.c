@@ -300,11 +300,16 @@ INLINE void projected_power_row(const Row *row, Particles *s, const Model *model
     for (const Block *b = row->block + row->n_fluid; b < row->block + row->n && model->dt > 0; b++) {
         const uint32_t *j = row_j(row, b);
         Lanes force[3] = {0};
+        double P_ij[LANES];
+        for (int l = 0; l < LANES; l++) {
+            const double share = model->phase[mine].rho0 * inverse_at_wall(s, model, mine, j[l], false);
+            P_ij[l] = share * (P[j[l]] - P[i]) + P[i];
+        }
+#pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
-            const double share = model->phase[mine].rho0 * inverse_at_wall(s, model, mine, j[l], false);
             const double F = pair.F < model->projection.faint ? pair.F : 0;
-            add_along(&pair, facing(V, pair.V, F) * (share * (P[j[l]] - P[i]) + P[i]), how, l, force);
+            add_along(&pair, facing(V, pair.V, F) * P_ij[l], how, l, force);
         }
         add_wall_power(force, row, b, s, model, how, &power);
     }
