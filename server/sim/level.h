@@ -14,9 +14,9 @@
 
 /* Before a call of which gcc knows what it clobbers it leaves the upper halves of vectors dirty: of such a function it knows nothing. */
 #ifdef __clang__
-#define UNKNOWN
+#define OPAQUE
 #else
-#define UNKNOWN __attribute__((noipa))
+#define OPAQUE __attribute__((noipa))
 #endif
 
 /* a b + c; fused: rounded once. Only where what it is part of stays the same, or the opposite, if the two of a pair are exchanged. */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "sim/losses.h"
+#include "sim/motion.h"
 #include "sim/probes/probes.h"
 #include <math.h>
 
@@ -8,13 +9,21 @@ enum { EVERY = 300 }; /* steps it is looked at, and at the end: the coverage tak
 static const double LEAST_COVERED = 0.3; /* sum of W V; of a domain that fluids fill */
 static const double MOST_ESCAPED = 0.01; /* of all fluid particles */
 
-/* The domain at rest, or taken along by a wall, the tank: where fewest have escaped. */
+/* Does a wall take the domain along, as a tank does? A plate that carries fluid out does not. */
+static bool is_tank(const MnsSim *sim, int wall)
+{
+    const MnsShape *shape = &sim->c->walls[wall].shape;
+    return motion_of_all(sim->c) || (shape->n > 0 && shape->parts[0].outside);
+}
+
+/* The domain at rest, or taken along by a tank: where fewest have escaped. */
 static double fewest_escaped(const MnsSim *sim, MnsProbe *ret_frame)
 {
     double fewest = INFINITY;
     const int n = (int)sim->model.n_walls;
     for (int k = 0; k <= n && fewest > 0; k++) {
         const MnsProbe frame = {.fluid = -1, .wall = k < n ? k : -1};
+        if (k < n && !is_tank(sim, k)) continue;
         Measure m = {.sim = sim, .probe = &frame, .threads = sim->threads};
         const double escaped = probe_escaped(&m);
         if (escaped < fewest) *ret_frame = frame;

@@ -28,7 +28,7 @@ NEAR_FUNCTIONS(near_3, FOR_V3)
 NEAR_FUNCTIONS(near_4, FOR_V4)
 #endif
 
-UNKNOWN void select_marks(Level level, const double *r, size_t stride, size_t blocks, double reach, uint8_t *marks)
+OPAQUE void select_marks(Level level, const double *r, size_t stride, size_t blocks, double reach, uint8_t *marks)
 {
     (void)level;
 #if HAS_LEVELS

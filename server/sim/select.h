@@ -11,7 +11,7 @@ enum { LANES = 8 };        /* pairs of a block */
 enum { SELECT_SLACK = 8 }; /* entries behind the last that may be read, or written with rubbish */
 
 /* Bit l of marks[b] is whether r[b * stride + l] < reach, l < 8, b < blocks. */
-UNKNOWN void select_marks(Level level, const double *r, size_t stride, size_t blocks, double reach, uint8_t *marks);
+OPAQUE void select_marks(Level level, const double *r, size_t stride, size_t blocks, double reach, uint8_t *marks);
 
 /* Entries of list[n] whose bit is set, bit l of bits[b] that of entry 8 b + l; bits from n on are 0. Returns how many;
  * out: [n + SELECT_SLACK]. */

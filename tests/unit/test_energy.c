@@ -103,6 +103,8 @@ static void a_tank_gives_what_its_walls_push(void **state)
 static void walls_give_by_their_forces_what_a_tank_gives_by_momentum(void **state)
 {
     (void)state;
+    static const double allowed[2] = {
+        0.02, 0.05}; /* without the transport stress P3 is 0.0235 off, without the lift P1 0.39 */
     for (size_t q = 0; q < 2; q++) {
         double work[2];
         for (int alike = 0; alike < 2; alike++) {
@@ -129,7 +131,7 @@ static void walls_give_by_their_forces_what_a_tank_gives_by_momentum(void **stat
             work[alike] = sim->progress.energy.work;
             sim_done(sim, c);
         }
-        if (!(fabs(work[0] - work[1]) <= 0.05 * fabs(work[1])))
+        if (!(fabs(work[0] - work[1]) <= allowed[q] * fabs(work[1])))
             fail_msg("%s: by forces %.9g J, by momentum %.9g", SCHEMES[q], work[0], work[1]);
     }
 }

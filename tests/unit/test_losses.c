@@ -99,6 +99,36 @@ static void a_tank_that_moves_loses_nothing(void **state)
     }
 }
 
+/* Though all of it is where the domain would be if the plate took it along. */
+static void what_a_plate_carries_out_is_told(void **state)
+{
+    (void)state;
+    MnsCase *c = case_blank(2, 16);
+    c->scheme.name = "riemann";
+    case_add_fluid(c, "water", 1000, 20);
+    MnsPart *pool = case_add_part(&c->fluids[0].shape, MNS_BOX);
+    pool->a[0] = 0.5;
+    pool->b[0] = 1;
+    pool->b[1] = 0.5;
+    for (int k = 0; k < 2; k++) {
+        static MnsMotionPoint way[2] = {{.t = 0, .v = {1}}, {.t = 1, .x = {1}, .v = {1}}};
+        case_add_wall(c, k ? "plate" : "floor");
+        MnsPart *box = case_add_part(&c->walls[k].shape, MNS_BOX);
+        box->a[0] = k ? 0.25 : -1;
+        box->b[0] = k ? 0.5 : 3;
+        box->a[1] = k ? 0 : -1;
+        box->b[1] = k ? 1 : 0;
+        if (k) c->walls[k].motion = (MnsMotion){.kind = MNS_TABLE, .n = 2, .points = way};
+    }
+    MnsSim *sim = sim_in_arrays(c);
+    sim->model.wall[1].x[0] = 0.5;
+    for (size_t i = 0; i < particles_fluid(&sim->s); i++) sim->s.x[0][i] += 0.5;
+    look(sim);
+    assert_int_equal(warnings(sim, "domain: after"), 1);
+    c->walls[1].motion = (MnsMotion){.kind = MNS_STILL};
+    sim_done(sim, c);
+}
+
 static void a_void_is_told(void **state)
 {
     (void)state;
@@ -140,6 +170,7 @@ int main(void)
         cmocka_unit_test(more_than_one_in_a_hundred_outside_is_told),
         cmocka_unit_test(what_is_outside_at_the_end_is_told),
         cmocka_unit_test(a_tank_that_moves_loses_nothing),
+        cmocka_unit_test(what_a_plate_carries_out_is_told),
         cmocka_unit_test(a_void_is_told),
         cmocka_unit_test(it_is_told_after_all_that_there_was_to_warn_of),
     };

@@ -57,13 +57,13 @@ class Programs:
         with self.lock:
             self.over = True
             for program in self.running:
-                if program.returncode is None:  # terminate() would reap it, and the thread that waits for it could not
+                if program.returncode is None:  # terminate() would reap it before the thread that waits for it
                     with suppress(ProcessLookupError):  # it has just been reaped
                         os.kill(program.pid, signal.SIGTERM)
 
 
 PROGRAMS = Programs()
-# Exit codes: MNS_EXIT_AGAIN of <meniscus/exit.h>, and what Popen makes of signals. One that is killed is at no fault of its own, as where memory is short.
+# Exit codes: MNS_EXIT_AGAIN of <meniscus/exit.h>, and what Popen makes of signals. A program that is killed, as where memory is short, has no verdict.
 INTERRUPTED = (75, -signal.SIGINT, -signal.SIGTERM, -signal.SIGKILL)
 
 
