@@ -84,11 +84,16 @@ static void add_surface(const MnsSim *sim, Surroundings *around, size_t i, doubl
 /* What of the sums is found: the power of walls; also kinetic energy and what gravity acts on; also elastic energies and those of surfaces. */
 typedef enum Extent { OF_WALLS, OF_MOTION, OF_ALL } Extent;
 
+static double sum_of(const double *values, size_t first, size_t last)
+{
+    double sum = 0;
+    for (size_t i = first; i < last; i++) sum += values[i];
+    return sum;
+}
+
 static void add_particle(const MnsSim *sim, Surroundings *around, size_t i, Extent extent, double sums[static SUMS])
 {
     const Particles *s = &sim->s;
-    if (s->power) sums[BY_WALLS] += s->power[i];
-    if (extent == OF_WALLS) return;
     const Phase *phase = &sim->model.phase[s->phase[i]];
     const double m = s->m[i], weight = m * (1 - sim->model.differences.buoyancy / phase->rho0);
     double v2 = 0;
@@ -108,30 +113,45 @@ static void add_particle(const MnsSim *sim, Surroundings *around, size_t i, Exte
     if (sim->model.tense && (!sim->nb.tells_others || sim->nb.has[i] & LIST_OTHERS)) add_surface(sim, around, i, sums);
 }
 
-/* Is a wall listed for i that moves, or whose surface does? moves: [walls] */
-static bool is_beside_moving(const MnsSim *sim, const bool *moves, size_t i)
+/* Is one of these walls listed for i? these: [walls] */
+static bool is_beside(const MnsSim *sim, const bool *these, size_t i)
 {
     const uint32_t *list = neighbours_of(&sim->nb, i);
     const uint8_t *phase = sim->s.phase;
     for (size_t k = sim->nb.end[i][END_FLUID]; k < sim->nb.end[i][END_WALLS]; k++)
-        if (moves[phase[list[k]] - sim->model.n_phases]) return true;
+        if (these[phase[list[k]] - sim->model.n_phases]) return true;
     return false;
+}
+
+/* Of the scheme's powers those that are not zero; returns what they need. */
+static unsigned find_acting(const MnsSim *sim, const bool *moves, const Term *acting[static PASS_TERMS_MAX])
+{
+    const Model *model = &sim->model;
+    bool motion = false;
+    unsigned needs = 0;
+    for (size_t w = 0; w < model->n_walls; w++) motion |= moves[w];
+    for (const Term *const *term = sim->scheme->power; *term; term++) {
+        if (!term_needed(*term, model) || ((*term)->takes_motion && !motion)) continue;
+        *acting++ = *term;
+        needs |= (*term)->needs;
+    }
+    *acting = NULL;
+    return needs;
 }
 
 /* Of each particle, by the forces that the scheme has between it and walls. */
 static void find_power(MnsSim *sim)
 {
     Particles *s = &sim->s;
-    const Term *const *terms = sim->scheme->power;
-    unsigned needs = 0;
-    for (int k = 0; terms[k]; k++)
-        if (term_needed(terms[k], &sim->model)) needs |= terms[k]->needs;
-    neighbours_refresh(&sim->nb, s, &sim->model, needs);
-    bool moves[MNS_MAX_WALLS];
+    bool moves[MNS_MAX_WALLS], acts[MNS_MAX_WALLS];
     for (size_t w = 0; w < sim->model.n_walls; w++) {
         const WallState *wall = &sim->model.wall[w];
-        moves[w] = wall->has_belt || wall->v[0] != 0 || wall->v[1] != 0 || wall->v[2] != 0;
+        moves[w] = wall->v[0] != 0 || wall->v[1] != 0 || wall->v[2] != 0;
+        acts[w] = moves[w] || wall->has_belt;
     }
+    const Term *acting[PASS_TERMS_MAX];
+    const unsigned needs = find_acting(sim, moves, acting);
+    neighbours_refresh(&sim->nb, s, &sim->model, needs);
     const RowPlan plan = row_plan(&sim->nb, s, &sim->model, needs, ROW_WALLS);
 #pragma omp parallel num_threads(sim->threads)
     {
@@ -139,10 +159,9 @@ static void find_power(MnsSim *sim)
 #pragma omp for schedule(dynamic, 64)
         for (size_t i = 0; i < particles_fluid(s); i++) {
             s->power[i] = 0;
-            if (!(sim->nb.has[i] & LIST_WALLS) || !is_beside_moving(sim, moves, i)) continue;
+            if (!(sim->nb.has[i] & LIST_WALLS) || !is_beside(sim, acts, i)) continue;
             row_build(&row, &plan, i);
-            for (int k = 0; terms[k]; k++)
-                if (term_needed(terms[k], &sim->model)) term_row(terms[k], &row, s, &sim->model);
+            for (const Term *const *term = acting; *term; term++) term_row(*term, &row, s, &sim->model);
         }
     }
 }
@@ -157,12 +176,14 @@ static void find_sums(MnsSim *sim, Extent extent, double ret[static SUMS])
     double(*partial)[SUMS] = (double(*)[SUMS])sim->partial;
 #pragma omp parallel num_threads(sim->threads)
     {
-        Surroundings around = {.plan = row_plan(&sim->nb, &sim->s, &sim->model, needs, ROW_LISTED)};
+        Surroundings around; /* no zeros: its rows are larger than what there is to do where only walls are asked for */
+        around.plan = row_plan(&sim->nb, &sim->s, &sim->model, needs, ROW_LISTED);
 #pragma omp for schedule(static)
         for (size_t b = 0; b < blocks; b++) {
             double sums[SUMS] = {0};
-            for (size_t i = b * SIM_BLOCK; i < n && i < (b + 1) * SIM_BLOCK; i++)
-                add_particle(sim, &around, i, extent, sums);
+            const size_t first = b * SIM_BLOCK, last = first + SIM_BLOCK < n ? first + SIM_BLOCK : n;
+            if (sim->s.power) sums[BY_WALLS] = sum_of(sim->s.power, first, last);
+            for (size_t i = first; extent != OF_WALLS && i < last; i++) add_particle(sim, &around, i, extent, sums);
             memcpy(partial[b], sums, sizeof sums);
         }
     }

@@ -14,7 +14,8 @@ typedef struct Term {
     bool (*needed)(const Model *); /* NULL: always */
     unsigned needs;                /* of each pair: NEED_F | NEED_V ... */
     Fields writes;
-    unsigned beside; /* nothing to do for particles whose lists have no such neighbours: LIST_...; 0: for all */
+    unsigned beside;   /* nothing to do for particles whose lists have no such neighbours: LIST_...; 0: for all */
+    bool takes_motion; /* a power, of walls that move: zero where only their surfaces do */
     RowFunction row[LEVELS][2]; /* ROW_TABLE() */
 } Term;
 

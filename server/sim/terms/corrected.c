@@ -215,8 +215,8 @@ INLINE void corrected_power_row(const Row *row, Particles *s, const Model *model
 }
 ROW_FUNCTIONS(corrected_power_row)
 
-POWER(corrected_power, "power of walls", "Bonet and Lok 1999", "sum_w f_iw . v_w, f of the corrected pressure force",
-      corrects, NEED_F | NEED_STATE);
+NORMAL_POWER(corrected_power, "power of walls", "Bonet and Lok 1999",
+             "sum_w f_iw . v_w, f of the corrected pressure force", corrects, NEED_F | NEED_STATE);
 
 const Term corrected_continuity = {
     .name = "corrected continuity",

@@ -171,8 +171,8 @@ INLINE void diffusion_power_row(const Row *row, Particles *s, const Model *model
 }
 ROW_FUNCTIONS(diffusion_power_row)
 
-POWER(diffusion_power, "power of friction", "P5 eq. 12, 13, 18", "sum_w f_iw . v_w, f of the diffusion", is_viscous,
-      NEED_W | NEED_F | NEED_V);
+SURFACE_POWER(diffusion_power, "power of friction", "P5 eq. 12, 13, 18", "sum_w f_iw . v_w, f of the diffusion",
+              is_viscous, NEED_W | NEED_F | NEED_V);
 
 const Term harmonic_diffusion = {
     .name = "harmonic diffusion",

@@ -317,8 +317,8 @@ INLINE void projected_power_row(const Row *row, Particles *s, const Model *model
 }
 ROW_FUNCTIONS(projected_power_row)
 
-POWER(projected_power, "power of walls", "P4 eq. 24", "sum_w f_iw . v_w, f of the velocity correction", NULL,
-      NEED_F | NEED_STATE);
+NORMAL_POWER(projected_power, "power of walls", "P4 eq. 24", "sum_w f_iw . v_w, f of the velocity correction", NULL,
+             NEED_F | NEED_STATE);
 
 const Term density_matrix = {
     .name = "density system",

@@ -135,17 +135,17 @@ INLINE void radial_friction_power_row(const Row *row, Particles *s, const Model 
 }
 ROW_FUNCTIONS(radial_friction_power_row)
 
-POWER(product_power, "power of walls", "P1 eq. 9", "sum_w f_iw . v_w, f of the pressure force", plain_gradients,
-      NEED_F | NEED_STATE);
-POWER(squares_power, "power of walls", "P2 eq. 24", "sum_w f_iw . v_w, f of the pressure force", plain_gradients,
-      NEED_F | NEED_STATE);
-POWER(surface_power, "power of walls", "schemes/differences.md", "-sum_w V_i V_w (p_i + p_w) grad_i W . v_w", NULL,
-      NEED_F);
-POWER(riemann_power, "power of walls", "P3 eq. 9", "sum_w f_iw . v_w, f of the Riemann momentum", NULL,
-      NEED_F | NEED_STATE);
-POWER(transport_power, "power of the transport stress", "P3 eq. 12", "sum_w V_i V_w A_i . grad_i W . v_w",
-      is_transported, NEED_F | NEED_STATE);
-POWER(friction_power, "power of friction", "P1 eq. 10", "sum_w f_iw . v_w, f of the wall friction", is_viscous,
-      NEED_F | NEED_V | NEED_STATE);
-POWER(radial_friction_power, "power of friction", "P2 eq. 25", "sum_w f_iw . v_w, f of the wall friction", is_viscous,
-      NEED_F | NEED_V | NEED_STATE);
+NORMAL_POWER(product_power, "power of walls", "P1 eq. 9", "sum_w f_iw . v_w, f of the pressure force", plain_gradients,
+             NEED_F | NEED_STATE);
+NORMAL_POWER(squares_power, "power of walls", "P2 eq. 24", "sum_w f_iw . v_w, f of the pressure force", plain_gradients,
+             NEED_F | NEED_STATE);
+NORMAL_POWER(surface_power, "power of walls", "schemes/differences.md", "-sum_w V_i V_w (p_i + p_w) grad_i W . v_w",
+             NULL, NEED_F);
+NORMAL_POWER(riemann_power, "power of walls", "P3 eq. 9", "sum_w f_iw . v_w, f of the Riemann momentum", NULL,
+             NEED_F | NEED_STATE);
+NORMAL_POWER(transport_power, "power of the transport stress", "P3 eq. 12", "sum_w V_i V_w A_i . grad_i W . v_w",
+             is_transported, NEED_F | NEED_STATE);
+SURFACE_POWER(friction_power, "power of friction", "P1 eq. 10", "sum_w f_iw . v_w, f of the wall friction", is_viscous,
+              NEED_F | NEED_V | NEED_STATE);
+SURFACE_POWER(radial_friction_power, "power of friction", "P2 eq. 25", "sum_w f_iw . v_w, f of the wall friction",
+              is_viscous, NEED_F | NEED_V | NEED_STATE);

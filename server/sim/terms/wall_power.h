@@ -37,8 +37,10 @@ INLINE void add_surface_power(const Lanes force[3], const Particles *s, const Ro
     add_power(force, v, how, power);
 }
 
-/* A term of it. */
-#define POWER(term, what, of, eq, when, pairs)                                                                         \
+/* A term of it: of forces along the normal, which take walls that move, or along surfaces, which may move by themselves. */
+#define NORMAL_POWER(term, what, of, eq, when, pairs)  POWER(term, what, of, eq, when, pairs, true)
+#define SURFACE_POWER(term, what, of, eq, when, pairs) POWER(term, what, of, eq, when, pairs, false)
+#define POWER(term, what, of, eq, when, pairs, normal)                                                                 \
     const Term term = {.name = what,                                                                                   \
                        .source = of,                                                                                   \
                        .equation = eq,                                                                                 \
@@ -46,6 +48,7 @@ INLINE void add_surface_power(const Lanes force[3], const Particles *s, const Ro
                        .needed = when,                                                                                 \
                        .needs = pairs,                                                                                 \
                        .beside = LIST_WALLS,                                                                           \
+                       .takes_motion = normal,                                                                         \
                        .row = ROW_TABLE(term##_row)}
 
 #endif
