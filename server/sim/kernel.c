@@ -62,30 +62,30 @@ double kernel_lattice_sum(const Kernel *kernel, int dim, const double spacing[3]
     for (int z = -reach[2]; z <= reach[2]; z++)
         for (int y = -reach[1]; y <= reach[1]; y++)
             for (int x = -reach[0]; x <= reach[0]; x++) {
-                const double a = x * spacing[0], b = y * spacing[1], c = dim == 3 ? z * spacing[2] : 0;
-                const double r = sqrt(a * a + b * b + c * c);
+                const double at[3] = {x * spacing[0], y * spacing[1], dim == 3 ? z * spacing[2] : 0};
+                const double r = sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2]);
                 double W = 0, F = 0;
                 kernel_eval(kernel, 1, &r, &W, &F);
-                sum += quantity(kernel, dim, r, W, F);
+                sum += quantity(kernel, dim, at, r, W, F);
             }
     return sum;
 }
 
-double kernel_quantity_number(const Kernel *kernel, int dim, double r, double W, double F)
+double kernel_quantity_number(const Kernel *kernel, int dim, const double x[3], double r, double W, double F)
 {
-    (void)kernel, (void)dim, (void)r, (void)F;
+    (void)kernel, (void)dim, (void)x, (void)r, (void)F;
     return W;
 }
 
-double kernel_quantity_slope(const Kernel *kernel, int dim, double r, double W, double F)
+double kernel_quantity_slope(const Kernel *kernel, int dim, const double x[3], double r, double W, double F)
 {
-    (void)kernel, (void)W;
+    (void)kernel, (void)x, (void)W;
     return -F * r * r / dim;
 }
 
-double kernel_quantity_spread(const Kernel *kernel, int dim, double r, double W, double F)
+double kernel_quantity_spread(const Kernel *kernel, int dim, const double x[3], double r, double W, double F)
 {
-    (void)kernel, (void)F;
+    (void)kernel, (void)x, (void)F;
     return W * r * r / dim;
 }
 

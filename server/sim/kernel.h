@@ -24,15 +24,15 @@ void kernel_eval(const Kernel *kernel, size_t n, const double *r, double *W, dou
 double kernel_at_zero(const Kernel *kernel);
 
 /* Sum of a quantity of pairs over a lattice with this spacing in each direction, the particle itself included. */
-typedef double (*KernelQuantity)(const Kernel *kernel, int dim, double r, double W, double F);
+typedef double (*KernelQuantity)(const Kernel *kernel, int dim, const double x[3], double r, double W, double F);
 double kernel_lattice_sum(const Kernel *kernel, int dim, const double spacing[3], KernelQuantity quantity);
 
 /* W: the number density of the lattice [m^-dim]. -F r^2/dim: times the volume of a cell, the gradient of u = x; 1 is right. */
-double kernel_quantity_number(const Kernel *kernel, int dim, double r, double W, double F);
-double kernel_quantity_slope(const Kernel *kernel, int dim, double r, double W, double F);
+double kernel_quantity_number(const Kernel *kernel, int dim, const double x[3], double r, double W, double F);
+double kernel_quantity_slope(const Kernel *kernel, int dim, const double x[3], double r, double W, double F);
 
 /* W r^2/dim: times the volume of a cell, the mean of x^2 over the kernel [m^2]. */
-double kernel_quantity_spread(const Kernel *kernel, int dim, double r, double W, double F);
+double kernel_quantity_spread(const Kernel *kernel, int dim, const double x[3], double r, double W, double F);
 
 /* Scale W and F, each by its own constant, so that the density of this lattice and the gradient of a linear field on it are
  * exact (the mean over the directions). Sums over particles never equal the integrals that the kernel's constant is made

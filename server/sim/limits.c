@@ -78,12 +78,12 @@ static double viscous_by(const MnsSim *sim, double factor)
 
 static double viscous(const MnsSim *sim)
 {
-    return viscous_by(sim, 0.125);
+    return viscous_by(sim, sim->model.radial ? 0.065 : 0.125);
 }
 
 static double radial_viscous(const MnsSim *sim)
 {
-    return viscous_by(sim, 0.06);
+    return viscous_by(sim, 0.085);
 }
 
 /* By the mean density of two fluids or the least. */
@@ -177,7 +177,7 @@ const Limit change_limit = {
 const Limit viscous_limit = {
     .name = "viscosity",
     .source = "schemes/riemann.md",
-    .equation = "dt <= 0.125 h^2 rho / mu",
+    .equation = "dt <= 0.125 h^2 rho / mu,  0.065 along the line of a pair",
     .entries = "viscosity, density, resolution",
     .of = viscous,
 };
@@ -185,7 +185,7 @@ const Limit viscous_limit = {
 const Limit radial_viscous_limit = {
     .name = "viscosity",
     .source = "schemes/interfacial.md",
-    .equation = "dt <= 0.06 h^2 rho / mu",
+    .equation = "dt <= 0.085 h^2 rho / mu",
     .entries = "viscosity, density, resolution",
     .of = radial_viscous,
 };

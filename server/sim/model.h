@@ -75,7 +75,9 @@ typedef struct Model {
     const Face *face;                  /* [n_faces] of all walls, as far as they are flat; borrowed */
     double c_max, rho_max, rho_min;    /* of the fluids */
     bool viscous;                      /* any fluid */
+    bool radial;                       /* viscosity acts along the line of a pair */
     double viscous_scale;              /* of the viscous sum, so that it is exact on the lattice */
+    double radial_scale;               /* of that along the line of a pair [m^-2] */
     bool filled;                       /* at the start, no place was without fluid or wall, and no side open */
     bool closed;                       /* and never will be, as all walls move as one */
     bool transport_stress;             /* option of the scheme */

@@ -35,6 +35,7 @@ static void set_geometry(Model *model, const MnsCase *c)
         model->cell_volume * kernel_lattice_sum(&model->kernel, model->dim, model->cell, kernel_quantity_spread);
     model->skin = c->scheme.skin * model->dx;
     model->viscous_scale = viscosity_scale(&model->kernel, model->dim, model->cell);
+    model->radial_scale = radial_viscosity_scale(&model->kernel, model->dim, model->cell);
 }
 
 void setup_options(MnsSim *sim, const MnsCase *c)

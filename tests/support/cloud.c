@@ -43,6 +43,7 @@ static void set_model(Model *model, const CloudSetup *setup)
         .dt = 1e-3,
         .transport_stress = true,
         .viscous_scale = 1,
+        .radial_scale = 100,
         .limiter = 3,
         .density_min = 0.1,
         .density_max = 10,

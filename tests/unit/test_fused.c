@@ -181,6 +181,7 @@ static Cloud *mixed_cloud(const Way *way)
     cloud->model.own_gradients = way->own && way->walls ? 1 : 0;
     cloud->model.viscous = !way->gas || way->tense; /* the others are for viscous fluids alone */
     for (size_t k = 0; k < 2; k++) cloud->model.phase[k].mu *= cloud->model.viscous ? 1 : 0;
+    cloud->model.radial = true;
     cloud->model.wall[0].no_slip = true;
     const Pass first = {"marks", .terms = {&shepard_sum}};
     if (way->marked) pass_run(&first, s, &cloud->nb, &cloud->model, 1);

@@ -120,6 +120,7 @@ static void tend_gases(Model *model)
 static void dissipation_options(Model *model, const MnsCase *c)
 {
     const MnsDissipation *options = &c->scheme.dissipation;
+    model->radial = true;
     model->delta = options->delta;
     model->dissipates_rest = options->form != MNS_DISSIPATION_PLAIN;
     model->keeps_pair_volume = options->form == MNS_DISSIPATION_GENERALIZED;
@@ -146,12 +147,12 @@ const Scheme scheme_dissipation = {
             {"shape", .terms = {&shepard_sum, &pressure_gradient, &interface_normal, &corrected_continuity},
              .fusions = {&dissipation_shape, &dissipation_shape_beside}},
             {"rates", .before = {&body_force},
-             .terms = {&continuity, &density_dissipation, &pressure_force, &corrected_pressure_force, &viscosity,
-                       &gas_dissipation, &wall_friction, &surface_tension},
+             .terms = {&continuity, &density_dissipation, &pressure_force, &corrected_pressure_force, &radial_viscosity,
+                       &gas_dissipation, &radial_friction, &surface_tension},
              .fusions = {&dissipation_gas_rates, &dissipation_gas_rates_beside, &dissipation_viscous_rates,
                          &dissipation_rates, &dissipation_rates_beside}},
         },
-    .power = {&product_power, &corrected_power, &friction_power},
+    .power = {&product_power, &corrected_power, &radial_friction_power},
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(M) | FIELD(REF),
     .derive = &linear_pressure,
     .given = 1,

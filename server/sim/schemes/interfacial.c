@@ -35,6 +35,7 @@ static bool interfacial_keeps_options(const MnsSchemeOptions *a, const MnsScheme
 static void interfacial_options(Model *model, const MnsCase *c)
 {
     const MnsInterfacial *options = &c->scheme.interfacial;
+    model->radial = true;
     model->delta = options->delta;
     model->dissipates_rest = model->keeps_pair_volume = true;
     model->repulsion = options->repulsion;

@@ -32,6 +32,16 @@ static double background_factor(const Model *model, const MnsRiemann *options, b
     return !summation && any_summed(model) ? options->heavy_background_pressure : options->background_pressure;
 }
 
+/* A Laplacian is wrong at a free surface, and where viscosities differ; what acts along the line of a pair needs three rows of neighbours for a flow along
+ * them, and lets 2 % less through a channel with two. */
+static bool acts_along_pairs(const Model *model)
+{
+    const bool wide = model->kernel.h > 1.6 * model->dx * (1 - 1e-9);
+    for (size_t k = 1; k < model->n_phases; k++)
+        if (wide && model->phase[k].mu != model->phase[0].mu) return true;
+    return !model->filled;
+}
+
 static MnsStatus riemann_check(const MnsCase *c, MnsError *error)
 {
     const MnsRiemann *r = &c->scheme.riemann;
@@ -51,6 +61,7 @@ static MnsStatus riemann_check(const MnsCase *c, MnsError *error)
 static void riemann_options(Model *model, const MnsCase *c)
 {
     model->limiter = c->scheme.riemann.limiter;
+    model->radial = acts_along_pairs(model);
     model->transport_stress = c->scheme.riemann.transport_stress;
     model->guard = c->scheme.riemann.guard * model->dx;
     for (size_t k = 0; k < model->n_phases; k++) model->phase[k].summation = is_summed(model, &c->fluids[k]);
@@ -75,10 +86,11 @@ const Scheme scheme_riemann = {
              .fusions = {&number_density_alone, &riemann_density_alone}},
             {"walls", .terms = {&wall_pressure, &wall_velocity}},
             {"forces", .before = {&body_force},
-             .terms = {&riemann_momentum, &background, &transport_stress, &viscosity, &wall_friction},
+             .terms = {&riemann_momentum, &background, &transport_stress, &viscosity, &wall_friction, &radial_viscosity,
+                       &radial_friction},
              .fusions = {&riemann_forces}},
         },
-    .power = {&riemann_power, &transport_power, &friction_power},
+    .power = {&riemann_power, &transport_power, &friction_power, &radial_friction_power},
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(M) | FIELD(A) | FIELD(B) | FIELD(REF),
     .given = 1,
     .derive = &linear_pressure,

@@ -97,9 +97,8 @@ INLINE void rates_beside_of(const RowPlan *plan, Particles *s, size_t i, How how
     const Flowing a = flowing_of(s, model, i);
     const Pushed c = pushed_of(s, model, i);
     const WallPressure shown = wall_pressure_of(s, i);
-    const double soft = viscosity_softening(&model->kernel), beta = model->repulsion, tiny = gas_tiny(model),
-                 lift = gas ? gas_lift(model, s->phase[i], &c) : 0;
-    viscosities_of(model, s->phase[i], 4, mu);
+    const double beta = model->repulsion, tiny = gas_tiny(model), lift = gas ? gas_lift(model, s->phase[i], &c) : 0;
+    radial_viscosities_of(model, s->phase[i], mu);
     gases_beside(model, s->phase[i], gases);
     position_of(s, i, how, x);
     approach(ahead, 0, plan, &picked, j, x, how);
@@ -117,7 +116,7 @@ INLINE void rates_beside_of(const RowPlan *plan, Particles *s, size_t i, How how
             continuity_pair(&a, model, &pair, inverse, how, l, &flow);
             dissipation_pair(&a, &pair, inverse, how, l, &dissipated);
             pressure_pair(&c, model, &pair, true, beta * others[l], how, l, push, WEIGHTS_PRODUCT);
-            if (viscous) viscosity_pair(a.v, c.V, &pair, against[l], soft, how, l, drag);
+            if (viscous) drag_pair(a.v, c.V, &pair, against[l], how, l, drag);
             if (gas) gas_pair(&c, a.v, lift, &pair, counts[l], tiny, how, l, damping);
         }
     }
@@ -125,7 +124,7 @@ INLINE void rates_beside_of(const RowPlan *plan, Particles *s, size_t i, How how
         const uint32_t *wall = j + b * LANES;
         approach(ahead, b + 1, plan, &picked, j, x, how);
         Sticking sticking;
-        if (viscous) sticking_of(s, model, wall, wall_viscosity_of(model, s->phase[i]), how, &sticking);
+        if (viscous) sticking_of(s, model, wall, mu[s->phase[i]], how, &sticking);
         fetch_rest(&block, wall, &plan->nb->bundles, WALL_NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
@@ -133,7 +132,7 @@ INLINE void rates_beside_of(const RowPlan *plan, Particles *s, size_t i, How how
             continuity_wall(&a, &pair, how, l, &flow);
             pressure_wall(&c, &pair, shown_by(&shown, wall[l]), how, l, push, WEIGHTS_PRODUCT);
             if (gas) gas_wall(&c, lift, &pair, how, l, damping);
-            if (viscous) friction_pair(a.v, c.V, &pair, &sticking, soft, how, l, friction);
+            if (viscous) radial_friction_pair(a.v, c.V, &pair, &sticking, how, l, friction);
         }
     }
     continuity_end(s, i, &flow);
@@ -169,15 +168,15 @@ const Fusion dissipation_shape_beside = {
 };
 
 const Fusion dissipation_rates_beside = {
-    .terms = {&continuity, &density_dissipation, &pressure_force, &viscosity},
-    .also = {&wall_friction, &surface_tension},
+    .terms = {&continuity, &density_dissipation, &pressure_force, &radial_viscosity},
+    .also = {&radial_friction, &surface_tension},
     .not_together = LIST_WALLS | LIST_OTHERS, /* where walls mirror interfaces (images.c) */
     .row = BESIDE_TABLE(rates_beside),
 };
 
 const Fusion dissipation_gas_rates_beside = {
     .terms = {&continuity, &density_dissipation, &pressure_force, &gas_dissipation},
-    .also = {&viscosity, &wall_friction, &surface_tension},
+    .also = {&radial_viscosity, &radial_friction, &surface_tension},
     .not_together = LIST_WALLS | LIST_OTHERS, /* where walls mirror interfaces (images.c) */
     .row = BESIDE_TABLE(gas_rates_beside),
 };

@@ -18,8 +18,8 @@ INLINE void dissipation_rates_of(const RowPlan *plan, Particles *s, size_t i, Ho
     const Picked picked = pick_neighbours(plan, i, j);
     const Flowing a = flowing_of(s, model, i);
     const Pushed c = pushed_of(s, model, i);
-    const double mu = viscosity_of(model, s->phase[i], s->phase[i], 4), soft = viscosity_softening(&model->kernel),
-                 tiny = gas_tiny(model), lift = gas ? gas_lift(model, s->phase[i], &c) : 0;
+    const double mu = radial_viscosity_of(model, s->phase[i], s->phase[i]), tiny = gas_tiny(model),
+                 lift = gas ? gas_lift(model, s->phase[i], &c) : 0;
     position_of(s, i, how, x);
     approach(ahead, 0, plan, &picked, j, x, how);
     for (size_t b = 0; b < picked.n; b++) {
@@ -32,7 +32,7 @@ INLINE void dissipation_rates_of(const RowPlan *plan, Particles *s, size_t i, Ho
             continuity_pair(&a, model, &pair, inverse, how, l, &flow);
             dissipation_pair(&a, &pair, inverse, how, l, &dissipated);
             pressure_pair(&c, model, &pair, false, 0, how, l, push, WEIGHTS_PRODUCT);
-            if (viscous) viscosity_pair(a.v, c.V, &pair, mu, soft, how, l, drag);
+            if (viscous) drag_pair(a.v, c.V, &pair, mu, how, l, drag);
             if (gas) gas_pair(&c, a.v, lift, &pair, 1, tiny, how, l, damping);
         }
     }
@@ -64,7 +64,7 @@ INLINE void gas_rates_fused(const RowPlan *plan, Particles *s, size_t i, How how
 FUSED_FUNCTIONS(gas_rates_fused)
 
 const Fusion dissipation_viscous_rates = {
-    .terms = {&continuity, &density_dissipation, &pressure_force, &viscosity},
+    .terms = {&continuity, &density_dissipation, &pressure_force, &radial_viscosity},
     .not_for = LIST_WALLS | LIST_OTHERS,
     .row = FUSED_TABLE(viscous_rates_fused),
 };
@@ -77,7 +77,7 @@ const Fusion dissipation_rates = {
 
 const Fusion dissipation_gas_rates = {
     .terms = {&continuity, &density_dissipation, &pressure_force, &gas_dissipation},
-    .also = {&viscosity},
+    .also = {&radial_viscosity},
     .not_for = LIST_WALLS | LIST_OTHERS,
     .row = FUSED_TABLE(gas_rates_fused),
 };

@@ -87,8 +87,8 @@ INLINE void forces_beside(const RowPlan *plan, Particles *s, size_t i, How how)
     const Pushed a = pushed_of(s, model, i);
     const WallPressure shown = wall_pressure_of(s, i);
     const Shifted c = shifted_of(s, model, i);
-    const double soft = viscosity_softening(&model->kernel), beta = model->repulsion, p = s->p[i * s->p_step];
-    viscosities_of(model, s->phase[i], 2, mu);
+    const double beta = model->repulsion, p = s->p[i * s->p_step];
+    radial_viscosities_of(model, s->phase[i], mu);
     likenesses(model, s->phase[i], like);
     position_of(s, i, how, x);
     approach(ahead, 0, plan, &near.picked, near.j, x, how);
@@ -103,7 +103,7 @@ INLINE void forces_beside(const RowPlan *plan, Particles *s, size_t i, How how)
         for (int l = 0; l < LANES; l++) {
             const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, NEEDS, how);
             pressure_pair(&a, model, &pair, true, beta * others[l], how, l, push, WEIGHTS_SQUARES);
-            drag_pair(c.v, a.V, &pair, against[l], soft, how, l, drag);
+            drag_pair(c.v, a.V, &pair, against[l], how, l, drag);
             gradient_pair(p, &pair, 1, how, l, slope);
             shifting_pair(&c, &pair, counts[l], alike[l], how, l, &carried);
         }
@@ -118,12 +118,12 @@ INLINE void forces_beside(const RowPlan *plan, Particles *s, size_t i, How how)
         for (int l = 0; l < LANES; l++) {
             const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, WALL_NEEDS, how);
             pressure_wall(&a, &pair, shown_by(&shown, wall[l]), how, l, push, WEIGHTS_SQUARES);
-            radial_friction_pair(c.v, a.V, &pair, &sticking, soft, how, l, friction);
+            radial_friction_pair(c.v, a.V, &pair, &sticking, how, l, friction);
         }
     }
     pressure_end(s, i, push, how);
-    drag_end(s, i, drag, how);
-    if (near.picked.walls) drag_end(s, i, friction, how);
+    viscosity_end(s, i, drag, how);
+    if (near.picked.walls) viscosity_end(s, i, friction, how);
     if (mixed && model->tense) {
         const Pulled pulled = pulled_of(s, model, i, mixed, how);
         if (pulled.any) corrected_pull_beside(plan, s, i, how, &near, &pulled);

@@ -19,7 +19,7 @@ INLINE void interfacial_forces_of(const RowPlan *plan, Particles *s, size_t i, H
     const Picked picked = pick_neighbours(plan, i, j);
     const Pushed a = pushed_of(s, model, i);
     const Shifted c = shifted_of(s, model, i);
-    const double mu = viscosity_of(model, s->phase[i], s->phase[i], 2), soft = viscosity_softening(&model->kernel);
+    const double mu = radial_viscosity_of(model, s->phase[i], s->phase[i]);
     const double p = s->p[i * s->p_step];
     position_of(s, i, how, x);
     approach(ahead, 0, plan, &picked, j, x, how);
@@ -30,14 +30,14 @@ INLINE void interfacial_forces_of(const RowPlan *plan, Particles *s, size_t i, H
         for (int l = 0; l < LANES; l++) {
             const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, NEEDS, how);
             pressure_pair(&a, model, &pair, false, 0, how, l, push, WEIGHTS_SQUARES);
-            if (viscous) drag_pair(c.v, a.V, &pair, mu, soft, how, l, drag);
+            if (viscous) drag_pair(c.v, a.V, &pair, mu, how, l, drag);
             gradient_pair(p, &pair, 1, how, l, slope);
             moments_pair(&moments, &pair, 1, how, l);
             shifting_pair(&c, &pair, 1, 1, how, l, &carried);
         }
     }
     pressure_end(s, i, push, how);
-    if (viscous) drag_end(s, i, drag, how);
+    if (viscous) viscosity_end(s, i, drag, how);
     gradient_end(s, i, &moments, slope, 0, how);
     shifting_end(&c, s, model, i, &carried, how);
 }

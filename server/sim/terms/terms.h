@@ -147,8 +147,22 @@ static inline bool is_viscous(const Model *model)
     return model->viscous;
 }
 
+/* By forces along the line of a pair, or by those that oppose its velocity. */
+static inline bool is_viscous_along(const Model *model)
+{
+    return model->viscous && model->radial;
+}
+
+static inline bool is_viscous_between(const Model *model)
+{
+    return model->viscous && !model->radial;
+}
+
 /* 1 / K, K = sum_j V_j (-F) y^2 r^2/(r^2 + 0.01 h^2) over the lattice with these spacings, mean over directions: 1 for a
  * perfect kernel. */
 double viscosity_scale(const Kernel *kernel, int dim, const double spacing[3]);
+
+/* S of radial_viscosity.c [m^-2]. */
+double radial_viscosity_scale(const Kernel *kernel, int dim, const double spacing[3]);
 
 #endif

@@ -9,10 +9,10 @@
 #include "sim/terms/terms.h"
 
 /* What a pair adds to the Laplacian of u = y^2 / 2, per volume. */
-static double curvature(const Kernel *kernel, int dim, double r, double W, double F)
+static double curvature(const Kernel *kernel, int dim, const double x[3], double r, double W, double F)
 {
     const double r2 = r * r;
-    return kernel_quantity_slope(kernel, dim, r, W, F) * r2 / (r2 + viscosity_softening(kernel));
+    return kernel_quantity_slope(kernel, dim, x, r, W, F) * r2 / (r2 + viscosity_softening(kernel));
 }
 
 double viscosity_scale(const Kernel *kernel, int dim, const double spacing[3])
@@ -71,7 +71,7 @@ const Term viscosity = {
     .source = "P1 eq. 10",
     .equation = "m_i dv_i/dt += sum_j V_i V_j 4 mu_i mu_j/(mu_i + mu_j) (x_ij . grad_i W)/(r^2 + 0.01 h^2) v_ij",
     .on = ON_FLUID,
-    .needed = is_viscous,
+    .needed = is_viscous_between,
     .needs = NEED_F | NEED_V | NEED_STATE,
     .writes = FIELD(A),
     .row = ROW_TABLE(viscosity_row),
@@ -82,7 +82,7 @@ const Term wall_friction = {
     .source = "P1 eq. 10, Adami 2012 eq. 23",
     .equation = "the same against v_j = 2 v_w - v~_w, mu_j = mu_i, for walls without slip",
     .on = ON_FLUID,
-    .needed = is_viscous,
+    .needed = is_viscous_between,
     .needs = NEED_F | NEED_V | NEED_STATE,
     .writes = FIELD(A),
     .beside = LIST_WALLS,

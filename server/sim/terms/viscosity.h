@@ -73,26 +73,33 @@ INLINE void viscosity_end(Particles *s, size_t i, const Lanes sum[3], How how)
     for (int d = 0; d < how.dim; d++) s->a[d][i] += scale * lanes_sum(&sum[d]);
 }
 
-/* Of sum_j V_i V_j mu (v_ij . x_ij)/(r^2 + 0.01 h^2) grad_i W, opposite as well; mu: 2 mu_i mu_j/(mu_i + mu_j). */
-INLINE void drag_pair(const double v[3], double V, const Pair *pair, double mu, double soft, How how, int l,
-                      Lanes sum[3])
+/* --- along the line of a pair --- */
+
+/* Twice the harmonic mean of two fluids' viscosities, times the constant S of the lattice [Pa s m^-2]. */
+INLINE double radial_viscosity_of(const Model *model, unsigned a, unsigned b)
 {
-    const double along = DOT_DIFFERENCE(v, pair->v, pair->x, how);
-    add_along(pair, mu * (V * pair->V * pair->F * along / mul_add(pair->r, pair->r, soft, how.fma)), how, l, sum);
+    return model->radial_scale * (2 * harmonic_mean(model->phase[a].mu, model->phase[b].mu));
 }
 
-INLINE void radial_friction_pair(const double v[3], double V, const Pair *pair, const Sticking *wall, double soft,
-                                 How how, int l, Lanes sum[3])
+/* Of each fluid against that of a particle. */
+INLINE void radial_viscosities_of(const Model *model, unsigned mine, double ret[MNS_MAX_FLUIDS])
+{
+    for (unsigned k = 0; k < model->n_phases; k++) ret[k] = radial_viscosity_of(model, mine, k);
+}
+
+/* Of sum_j V_i V_j mu (v_ij . x_ij) grad_i W, opposite as well. */
+INLINE void drag_pair(const double v[3], double V, const Pair *pair, double mu, How how, int l, Lanes sum[3])
+{
+    const double along = DOT_DIFFERENCE(v, pair->v, pair->x, how);
+    add_along(pair, mu * (V * pair->V * pair->F * along), how, l, sum);
+}
+
+INLINE void radial_friction_pair(const double v[3], double V, const Pair *pair, const Sticking *wall, How how, int l,
+                                 Lanes sum[3])
 {
     Pair mirrored = *pair;
     for (int d = 0; d < how.dim; d++) mirrored.v[d] = wall->v[d][l];
-    drag_pair(v, V, &mirrored, wall->mu[l], soft, how, l, sum);
-}
-
-INLINE void drag_end(Particles *s, size_t i, const Lanes sum[3], How how)
-{
-    const double scale = 2 * (how.dim + 2) / s->m[i];
-    for (int d = 0; d < how.dim; d++) s->a[d][i] += scale * lanes_sum(&sum[d]);
+    drag_pair(v, V, &mirrored, wall->mu[l], how, l, sum);
 }
 
 #endif

@@ -103,7 +103,7 @@ INLINE void work_of_friction(const Row *row, Particles *s, const Model *model, H
 {
     const size_t i = row->i;
     const unsigned mine = s->phase[i];
-    const double mu = radial ? viscosity_of(model, mine, mine, 2) : wall_viscosity_of(model, mine),
+    const double mu = radial ? radial_viscosity_of(model, mine, mine) : wall_viscosity_of(model, mine),
                  soft = viscosity_softening(&model->kernel), V = particles_volume(s, model, i);
     double v[3];
     Lanes power = {0};
@@ -115,12 +115,12 @@ INLINE void work_of_friction(const Row *row, Particles *s, const Model *model, H
         sticking_of_block(row, b, s, model, mu, how, &wall);
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
-            if (radial) radial_friction_pair(v, V, &pair, &wall, soft, how, l, force);
+            if (radial) radial_friction_pair(v, V, &pair, &wall, how, l, force);
             else friction_pair(v, V, &pair, &wall, soft, how, l, force);
         }
         add_surface_power(force, s, row, b, how, &power);
     }
-    s->power[i] += (radial ? 2 * (how.dim + 2) : 1) * lanes_sum(&power);
+    s->power[i] += lanes_sum(&power);
 }
 
 INLINE void friction_power_row(const Row *row, Particles *s, const Model *model, How how)
@@ -145,7 +145,7 @@ NORMAL_POWER(riemann_power, "power of walls", "P3 eq. 9", "sum_w f_iw . v_w, f o
              NEED_F | NEED_STATE);
 NORMAL_POWER(transport_power, "power of the transport stress", "P3 eq. 12", "sum_w V_i V_w A_i . grad_i W . v_w",
              is_transported, NEED_F | NEED_STATE);
-SURFACE_POWER(friction_power, "power of friction", "P1 eq. 10", "sum_w f_iw . v_w, f of the wall friction", is_viscous,
-              NEED_F | NEED_V | NEED_STATE);
-SURFACE_POWER(radial_friction_power, "power of friction", "P2 eq. 25", "sum_w f_iw . v_w, f of the wall friction",
-              is_viscous, NEED_F | NEED_V | NEED_STATE);
+SURFACE_POWER(friction_power, "power of friction", "P1 eq. 10", "sum_w f_iw . v_w, f of the wall friction",
+              is_viscous_between, NEED_F | NEED_V | NEED_STATE);
+SURFACE_POWER(radial_friction_power, "power of friction", "P2 eq. 25, without 1/r^2",
+              "sum_w f_iw . v_w, f of the wall friction", is_viscous_along, NEED_F | NEED_V | NEED_STATE);
