@@ -95,9 +95,10 @@ typedef struct Model {
     bool corrects_gradients;      /* in continuity and pressure force */
     Projection projection;
     Differences differences;
-    bool tense;                                     /* is there any surface tension? */
-    double tension[MNS_MAX_FLUIDS][MNS_MAX_FLUIDS]; /* [N/m] */
-    double density_min, density_max, dt_floor;      /* limits, over the reference density and the first time step */
+    bool tense;                                           /* is there any surface tension? */
+    double tension[MNS_MAX_FLUIDS][MNS_MAX_FLUIDS];       /* [N/m] */
+    double tension_share[MNS_MAX_FLUIDS][MNS_MAX_FLUIDS]; /* of the first one of the two (terms/jump.h) [N/m] */
+    double density_min, density_max, dt_floor; /* limits, over the reference density and the first time step */
 } Model;
 
 /* A fluid lighter than a fiftieth of the heaviest is a gas to it. */

@@ -154,6 +154,7 @@ INLINE void add_product(Lanes *sum, int l, double a, double b, How how)
 /* One pair. What a loop does not use costs it nothing. */
 typedef struct Pair {
     double x[3], r, W, F, bend, v[3], p, V, z, q[3], shepard, gradient[3], normal[3], other; /* as in Block */
+    double jump; /* what its pressure lacks as seen across an interface (terms/jump.h) [Pa] */
 } Pair;
 
 INLINE Pair block_pair(const Block *b, int l, How how)

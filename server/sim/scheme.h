@@ -90,7 +90,7 @@ typedef struct Limit {
     double (*within)(const MnsSim *, double dt); /* instead, of one that looks ahead as far as those before it allow */
 } Limit;
 
-enum { SCHEME_PASSES_MAX = 10, SCHEME_LIMITS_MAX = 8, POWER_TERMS_MAX = 3 };
+enum { SCHEME_PASSES_MAX = 12, SCHEME_LIMITS_MAX = 8, POWER_TERMS_MAX = 3 };
 
 typedef struct Scheme {
     const char *name, *title, *source;

@@ -92,9 +92,10 @@ const Scheme scheme_differences = {
             [PASS_SHAPE] = {"neighbourhood", .terms = {&number_density, &truncation, &mixture},
                             .after = {&volume_of_number}},
             {"surroundings", .terms = {&continued_velocity, &colour_gradient}},
+            {"curvature", .terms = {&colour_curvature}},
+            {"mean curvature", .terms = {&mean_colour_curvature}},
             {"forces", .before = {&buoyancy},
-             .terms = {&harmonic_diffusion, &divtau_diffusion, &conservative_diffusion, &sph_diffusion,
-                       &colour_tension}},
+             .terms = {&harmonic_diffusion, &divtau_diffusion, &conservative_diffusion, &sph_diffusion}},
         },
     .power = {&surface_power, &diffusion_power},
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(P) | FIELD(M) | FIELD(A) | FIELD(REF) |
@@ -103,7 +104,7 @@ const Scheme scheme_differences = {
     .energy_excess = 0.05, /* its differences are no forces of pairs, and keep no energy */
     .projects = true,
     .floors_mirror = true,
-    .derived_passes = {PASS_SHAPE, PASS_SHAPE + 2},
+    .derived_passes = {PASS_SHAPE, PASS_SHAPE + 4},
     .check = differences_check,
     .keeps_options = differences_keeps_options,
     .options = differences_options,

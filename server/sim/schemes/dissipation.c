@@ -113,8 +113,7 @@ static void tend_gases(Model *model)
     }
     model->shifting = model->has_gas ? BESIDE_GAS : 0;
     model->shifts_along_interfaces = model->has_gas;
-    model->own_gradients =
-        model->has_gas && !model->tense ? 1 : 0; /* with tension they have its jump, and psi has not */
+    model->own_gradients = model->has_gas || model->tense ? 1 : 0; /* a jump of the pressure is no slope */
 }
 
 static void dissipation_options(Model *model, const MnsCase *c)
@@ -146,9 +145,13 @@ const Scheme scheme_dissipation = {
             {"walls", .before = {&linear_pressure}, .terms = {&wall_pressure, &wall_velocity}},
             {"shape", .terms = {&shepard_sum, &pressure_gradient, &interface_normal, &corrected_continuity},
              .fusions = {&dissipation_shape, &dissipation_shape_beside}},
+            {"curvature", .terms = {&raw_curvature}, .fusions = {&no_raw_curvature}},
+            {"mean curvature", .terms = {&mean_curvature}, .fusions = {&no_mean_curvature}},
+            {"mean of it", .terms = {&next_mean}, .fusions = {&no_next_mean}},
+            {"sharp curvature", .terms = {&sharp_curvature}, .fusions = {&no_sharp_curvature}},
             {"rates", .before = {&body_force},
              .terms = {&continuity, &density_dissipation, &pressure_force, &corrected_pressure_force, &radial_viscosity,
-                       &gas_dissipation, &radial_friction, &surface_tension},
+                       &gas_dissipation, &radial_friction},
              .fusions = {&dissipation_gas_rates, &dissipation_gas_rates_beside, &dissipation_viscous_rates,
                          &dissipation_rates, &dissipation_rates_beside}},
         },
@@ -156,7 +159,7 @@ const Scheme scheme_dissipation = {
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(M) | FIELD(REF),
     .derive = &linear_pressure,
     .given = 1,
-    .derived_passes = {1, 4},
+    .derived_passes = {1, 8},
     .check = dissipation_check,
     .keeps_options = dissipation_keeps_options,
     .options = dissipation_options,

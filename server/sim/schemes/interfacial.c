@@ -38,6 +38,7 @@ static void interfacial_options(Model *model, const MnsCase *c)
     model->radial = true;
     model->delta = options->delta;
     model->dissipates_rest = model->keeps_pair_volume = true;
+    model->own_gradients = model->tense ? 1 : 0; /* a jump of the pressure is no slope */
     model->repulsion = options->repulsion;
     model->shifting = options->shifting == MNS_SHIFTING_OFF ? 0 : options->shifting_strength;
     model->shifts_along_interfaces = options->shifting == MNS_SHIFTING_INTERFACE;
@@ -66,9 +67,13 @@ const Scheme scheme_interfacial = {
              .fusions = {&interfacial_density, &interfacial_density_beside}},
             {"walls", .terms = {&wall_pressure, &mirrored_velocity}},
             {"interfaces", .terms = {&corrected_normal}, .fusions = {&no_interface, &interfacial_normal}},
+            {"curvature", .terms = {&raw_curvature}, .fusions = {&no_raw_curvature}},
+            {"mean curvature", .terms = {&mean_curvature}, .fusions = {&no_mean_curvature}},
+            {"mean of it", .terms = {&next_mean}, .fusions = {&no_next_mean}},
+            {"sharp curvature", .terms = {&sharp_curvature}, .fusions = {&no_sharp_curvature}},
             {"forces", .before = {&body_force},
              .terms = {&volume_pressure_force, &corrected_pressure_force, &radial_viscosity, &radial_friction,
-                       &corrected_tension, &pressure_gradient, &shifting},
+                       &pressure_gradient, &shifting},
              .after = {&shifted_position},
              .fusions = {&interfacial_viscous_forces, &interfacial_forces, &interfacial_forces_beside}},
             {"walls, shifted",
@@ -76,7 +81,7 @@ const Scheme scheme_interfacial = {
         },
     .power = {&squares_power, &corrected_power, &radial_friction_power},
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(P) | FIELD(M) | FIELD(A) | FIELD(REF) |
-             FIELD(SHEPARD) | FIELD(GRADIENT) | FIELD(NORMAL) | FIELD(CONCENTRATION),
+             FIELD(SHEPARD) | FIELD(CURVATURE) | FIELD(GRADIENT) | FIELD(NORMAL) | FIELD(CONCENTRATION),
     .derived_passes = {1, 2},
     .check = interfacial_check,
     .keeps_options = interfacial_keeps_options,

@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Interfaces as gradients of the colour, and their tension.                                                          P5 eq. 14-17
+/* Interfaces as gradients of the colour, and their curvature, positive where the first fluid is inside.                P5 eq. 14-16
  *   N_i = B_i sum_j 2 (C_i - C_j)/(rho~_i + rho~_j) W x,   n_i = N_i/|N_i| where rho~_i |N_i| > threshold/h, else none
- *   kappa_i = sum_j (n_j - n_i) . B'_i W x over those that have a normal,   du_i/dt += sigma kappa_i N_i
- * B' is that of these neighbours alone: with P5's, of all, curvatures are up to a tenth too small (schemes/differences.md). */
+ *   raw    kappa_i = sum_j (n_j - n_i) . B'_i W x over those that have a normal
+ *   mean   kappa_i = sum_j w_j W kappa_j / sum_j w_j W,   w_j = (rho~_j |N_j| dx)^4,   i itself included
+ * B' is that of these neighbours alone: with P5's, of all, curvatures are up to a tenth too small (schemes/differences.md). What the colour's own
+ * kernel and the mean round off of waves is not given back as in curvature.c: it is too noisy here. */
+#include "sim/terms/curvature.h"
 #include "sim/terms/differences.h"
 #include "sim/terms/terms.h"
 #include <math.h>
@@ -41,16 +44,39 @@ INLINE double curvature_of(const Row *row, const double n[3], const Model *model
     return corrected_trace(&B, sum, how) / model->differences.scale;
 }
 
-INLINE void colour_tension_row(const Row *row, Particles *s, const Model *model, How how)
+INLINE void colour_curvature_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i;
-    double n[3];
-    for (int d = 0; d < how.dim; d++) n[d] = s->normal[d][i * s->normal_step];
+    const double rho = density_around(s, model, i);
+    double n[3], q[3];
+    s->curvature_step[i] = s->interface[i] = 0;
+    for (int d = 0; d < how.dim; d++) {
+        n[d] = s->normal[d][i * s->normal_step];
+        q[d] = rho * s->colour_gradient[d][i];
+    }
     if (!(DOT(n, n, how) > 0.5)) return;
-    const double pull = model->tension[0][1] * curvature_of(row, n, model, how);
-    for (int d = 0; d < how.dim; d++) s->a[d][i] += pull * s->colour_gradient[d][i];
+    s->interface[i] = weight_of_interface(model, q, how);
+    s->curvature_step[i] = curvature_of(row, n, model, how);
 }
-ROW_FUNCTIONS(colour_tension_row)
+ROW_FUNCTIONS(colour_curvature_row)
+
+INLINE void mean_colour_curvature_row(const Row *row, Particles *s, const Model *model, How how)
+{
+    (void)how;
+    const size_t i = row->i;
+    const double *kappa = s->curvature_step;
+    double below = kernel_at_zero(&model->kernel) * s->interface[i], above = below * kappa[i];
+    for (const Block *b = row->block; b < row->block + row->n_fluid; b++) {
+        const uint32_t *j = row_j(row, b);
+        for (int l = 0; l < LANES; l++) {
+            const double c = b->W[l] * s->interface[j[l]];
+            below += c;
+            above += c * kappa[j[l]];
+        }
+    }
+    s->curvature[i] = below > 0 ? above / below : 0;
+}
+ROW_FUNCTIONS(mean_colour_curvature_row)
 
 const Term colour_gradient = {
     .name = "colour gradient",
@@ -63,13 +89,24 @@ const Term colour_gradient = {
     .row = ROW_TABLE(colour_gradient_row),
 };
 
-const Term colour_tension = {
-    .name = "surface tension",
-    .source = "P5 eq. 16, 17",
-    .equation = "du_i/dt += sigma kappa_i N_i,  kappa_i = sum_j (n_j - n_i) . B'_i W x over those with a normal",
+const Term colour_curvature = {
+    .name = "curvature",
+    .source = "P5 eq. 16",
+    .equation = "k_i = sum_j (n_j - n_i) . B'_i W x over those with a normal",
     .on = ON_FLUID,
     .needed = is_tense,
     .needs = NEED_W | NEED_NORMAL,
-    .writes = FIELD(A),
-    .row = ROW_TABLE(colour_tension_row),
+    .writes = FIELD(CURVATURE_STEP) | FIELD(INTERFACE),
+    .row = ROW_TABLE(colour_curvature_row),
+};
+
+const Term mean_colour_curvature = {
+    .name = "mean curvature",
+    .source = "schemes/differences.md",
+    .equation = "kappa_i = sum_j w_j W k_j / sum_j w_j W,  w_j = (rho~_j |N_j| dx)^4",
+    .on = ON_FLUID,
+    .needed = is_tense,
+    .needs = NEED_W,
+    .writes = FIELD(CURVATURE),
+    .row = ROW_TABLE(mean_colour_curvature_row),
 };

@@ -23,7 +23,7 @@ INLINE Flowing flowing_of(const Particles *s, const Model *model, size_t i)
                  .z = particles_impedance(s, model, i),
                  .lag = model->lag,
                  .rest = rest ? 0.5 : 0,
-                 .least = model->own_gradients > 0 ? 0 : -HUGE_VAL,
+                 .least = model->has_gas ? 0 : -HUGE_VAL,
                  .keeps = 1};
     if (!model->keeps_pair_volume) { /* as if both were of this fluid */
         a.keeps = 0;
@@ -86,7 +86,7 @@ INLINE void volume_continuity_end(Particles *s, size_t i, const Lanes *sum)
 INLINE void dissipation_pair(const Flowing *a, const Pair *pair, double inverse, How how, int l, Lanes *sum)
 {
     const double linear = DOT_DIFFERENCE(pair->gradient, a->descent, pair->x, how);
-    const double dp = pair->p - a->p, left = mul_add(a->rest, linear, dp, how.fma);
+    const double dp = pair->p + pair->jump - a->p, left = mul_add(a->rest, linear, dp, how.fma);
     const double psi = left * dp < a->least ? 0 : left;
     add_product(sum, l, pair->V * pair->F * pair->r * psi, mul_add(a->keeps, inverse, a->own, how.fma), how);
 }

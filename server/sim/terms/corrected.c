@@ -9,6 +9,7 @@
  * doi 10.1016/S0045-7825(99)00051-1; M crosswise is of SPHinXsys: forces of a pair are opposite to the last bit, and the gradient
  * of a linear pressure is exact but for what a uniform one leaves. M has what Gamma is for. Repulsion as in pressure_force.c. */
 #include "sim/terms/continuity.h"
+#include "sim/terms/jump.h"
 #include "sim/terms/moments.h"
 #include "sim/terms/push.h"
 #include "sim/terms/terms.h"
@@ -161,12 +162,15 @@ INLINE void corrected_pressure_row(const Row *row, Particles *s, const Model *mo
     const WallPressure shown = wall_pressure_of(s, i);
     const double p = s->p[i * s->p_step], z = particles_impedance(s, model, i), V = particles_volume(s, model, i),
                  beta = row->mixed ? model->repulsion : 0;
+    const bool jumps = row->mixed && model->tense;
+    const Jump jump = jumps ? jump_of(s, model, i, 1) : NO_JUMP;
     Lanes sum[3] = {0};
     for (const Block *b = row->block; b < walls; b++) {
         Corrections M;
         gather_corrections(s, row_j(row, b), how, &M);
         if (are_images(row, b)) turn_corrections(row, b, how, &M);
-        double repulsion[LANES] = {0};
+        double repulsion[LANES] = {0}, lacks[LANES] = {0};
+        if (jumps) jumps_of(&jump, s, row_j(row, b), lacks);
         if (row->mixed)
             for (int l = 0; l < LANES; l++) repulsion[l] = beta * b->other[l];
 #pragma omp simd
@@ -175,7 +179,7 @@ INLINE void corrected_pressure_row(const Row *row, Particles *s, const Model *mo
             const Symmetric M_j = lane_correction(&M, l, how);
             const double t = average_tilt(model, z, &pair, 1 / (z + pair.z));
             corrected_push(&M_i, &M_j, &pair, (1 + t) * p + repulsion[l] * fabs(p),
-                           (1 - t) * pair.p + repulsion[l] * fabs(pair.p), V, how, l, sum);
+                           (1 - t) * (pair.p + lacks[l]) + repulsion[l] * fabs(pair.p), V, how, l, sum);
         }
     }
     for (const Block *b = walls; b < end; b++) {

@@ -2,6 +2,7 @@
 /* The pressure system of generalized finite differences, and what is done with its solution P = p dt.               P5 eq. 21-24
  *   2 dim/D_i sum_j 2 k_ij/(rho~_i + rho~_j) (P_j - P_i) = <div u>_i = sum_j W (u_i - u_j) . B_i x
  *   u_i -= B_i sum_j 2/(rho~_i + rho~_j) (P_i - P_j) W x
+ * with P_j + dt sigma kappa_ij (C_i - C_j) for P_j where there is tension, kappa_ij the mean of the two (colour_gradient.c).
  * A wall particle is an unknown, that balances what body forces b do beside it, towards each fluid particle by itself:
  *   sum_f W (2 (P_w - P_f)/(rho~_w + rho~_f) - dt (b - a_w) . x_wf) = 0
  * By the normal of the surface alone it would not be at rest in corners and where an interface meets a wall: there the fluid in sight is
@@ -33,6 +34,16 @@ INLINE double risen(const Row *row, const Block *b, const Particles *s, const Mo
 {
     double rise[LANES], sum = 0;
     image_rises(row, b, s, model, how, rise);
+    for (int l = 0; l < LANES; l++) sum += (double)of[l] * rise[l];
+    return sum;
+}
+
+/* The same over a block of any pairs, across which tension makes a difference. */
+INLINE double risen_by_tension(const Row *row, const Block *b, const Particles *s, const Model *model,
+                               const double colour[LANES], const float of[LANES])
+{
+    double rise[LANES], sum = 0;
+    tension_rises(row, b, s, model, colour, rise);
     for (int l = 0; l < LANES; l++) sum += (double)of[l] * rise[l];
     return sum;
 }
@@ -80,6 +91,7 @@ INLINE void difference_matrix_row(const Row *row, Particles *s, const Model *mod
         }
         keep_entries(m, row, b, c);
         if (images) above += risen(row, b, s, model, c, how);
+        if (model->tense) above += risen_by_tension(row, b, s, model, colour, c);
     }
     for (int d = 0; d < how.dim; d++) {
         double gradient[3];
@@ -124,6 +136,7 @@ INLINE void difference_wall_row(const Row *row, Particles *s, const Model *model
         }
         keep_entries(m, row, b, c);
         if (are_images(row, b)) flux += risen(row, b, s, model, c, how);
+        if (model->tense) flux += risen_by_tension(row, b, s, model, colour, c);
     }
     end_row(s->system, row, flux);
 }

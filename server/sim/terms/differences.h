@@ -78,8 +78,21 @@ INLINE void add_body_force(const Row *row, const Block *b, const Particles *s, c
         }
 }
 
+/* dt sigma kappa_ij (C_i - C_j) of a block of pairs: what tension makes of P_i - P_j, with the mean curvature of the two, or of the one that is fluid. */
+INLINE void tension_rises(const Row *row, const Block *b, const Particles *s, const Model *model,
+                          const double colour[LANES], double ret[LANES])
+{
+    const size_t i = row->i, n = particles_fluid(s);
+    const uint32_t *j = row_j(row, b);
+    const double scale = 0.5 * model->dt * model->tension[0][1], C = s->colour[i];
+    for (int l = 0; l < LANES; l++) {
+        const double its = s->curvature[j[l] < n ? j[l] : i], mine = i < n ? s->curvature[i] : its;
+        ret[l] = scale * (mine + its) * (C - colour[l]);
+    }
+}
+
 /* ret = B_i sum_j 2 (f_i - f_j)/(rho~_i + rho~_j) W x: grad f over the density between the two of each pair.  f: [n] by particle; rises: is it
- * a pressure, which is another at images? */
+ * a pressure, which jumps by the tension and is another at images? */
 INLINE void gradient_over_density(const Row *row, const Particles *s, const Model *model, const double *f, bool rises,
                                   How how, double ret[3])
 {
@@ -91,6 +104,11 @@ INLINE void gradient_over_density(const Row *row, const Particles *s, const Mode
         double f_j[LANES], colour[LANES];
         gather(f, row_j(row, b), f_j);
         gather(s->colour, row_j(row, b), colour);
+        if (rises && model->tense) {
+            double rise[LANES];
+            tension_rises(row, b, s, model, colour, rise);
+            for (int l = 0; l < LANES; l++) f_j[l] += rise[l];
+        }
         if (rises && are_images(row, b)) {
             double rise[LANES];
             image_rises(row, b, s, model, how, rise);

@@ -2,15 +2,16 @@
 /* Dissipation of density increments across interfaces.                                                     P1 eq. 45-49
  *   G_i = sum_j (p_j - p_i) M_i grad_i W V_j
  *   d rho_i/dt += -delta sum_j 2 rho_i / (z_i + z_j) psi_ij (x_ij . grad_i W)/r V_j,   z = rho c
- *   psi_ij = p_j - p_i + (G_i + G_j)/2 . x_ij,   0 in a linear field
- * Beside a gas that fills what room there is, G and its M are of one's own fluid: the gradient has a kink at its surface, over which a mean
- * would drive mass through it. In a spray G has few neighbours, and psi can get the opposite sign of p_j - p_i: the term would then add
+ *   psi_ij = p_j + J_ij - p_i + (G_i + G_j)/2 . x_ij,   0 in a linear field that jumps by the tension (jump.h)
+ * Beside a gas that fills what room there is, and where there is tension, G and its M are of one's own fluid: the gradient has a kink at its surface,
+ * over which a mean would drive mass through it. In a spray G has few neighbours, and psi can get the opposite sign of p_j - p_i: the term would then add
  * energy. Such a pair dissipates nothing (dambreak2d made 17 % of its energy where a drop left the far wall).
  * Eq. 49 lacks 1/r, which its dimension asks for, and eq. 46 has the sign of G_j wrong: as printed a layer of water sinks through
  * its floor. The factor 2 rho_i/(rho_i + rho_j) keeps the volume of a pair; it and 1/c are one here, so that fluids may differ in their
  * speeds of sound, and it is what a Riemann problem dissipates (P3 eq. 10). Pairs with walls dissipate nothing: their pressures are
  * extrapolated. */
 #include "sim/terms/continuity.h"
+#include "sim/terms/jump.h"
 #include "sim/terms/moments.h"
 #include "sim/terms/terms.h"
 
@@ -44,13 +45,18 @@ ROW_FUNCTIONS(pressure_gradient_row)
 INLINE void density_dissipation_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const Flowing a = flowing_of(s, model, row->i);
+    const Jump jump = model->tense ? jump_of(s, model, row->i, 1) : NO_JUMP;
     Lanes sum = {0};
-    for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
+    for (const Block *b = row->block; b < row->block + row->n_fluid; b++) {
+        double lacks[LANES] = {0};
+        if (row->mixed && model->tense) jumps_of(&jump, s, row_j(row, b), lacks);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, how);
+            Pair pair = block_pair(b, l, how);
+            pair.jump = lacks[l];
             dissipation_pair(&a, &pair, flowing_inverse(&a, &pair), how, l, &sum);
         }
+    }
     dissipation_end(s, model, row->i, &sum);
 }
 ROW_FUNCTIONS(density_dissipation_row)
@@ -72,6 +78,6 @@ const Term density_dissipation = {
     .equation = "d rho_i/dt -= delta sum_j 2 rho_i/(z_i + z_j) psi_ij (x_ij . grad_i W)/r V_j",
     .on = ON_CONTINUITY,
     .needed = dissipates,
-    .needs = NEED_F | NEED_STATE | NEED_GRADIENT,
+    .needs = NEED_F | NEED_STATE | NEED_GRADIENT | NEED_OTHERS,
     .row = ROW_TABLE(density_dissipation_row),
 };

@@ -3,8 +3,9 @@
 #include "sim/fused.h"
 #include "sim/terms/continuity.h"
 #include "sim/terms/gas.h"
+#include "sim/terms/interface_normal.h"
+#include "sim/terms/jump.h"
 #include "sim/terms/moments.h"
-#include "sim/terms/tension.h"
 #include "sim/terms/terms.h"
 #include "sim/terms/viscosity.h"
 
@@ -57,32 +58,6 @@ INLINE void shape_beside(const RowPlan *plan, Particles *s, size_t i, How how)
 }
 BESIDE_FUNCTIONS(shape_beside)
 
-/* The tension of a particle that has a normal. */
-INLINE void pull_beside(const RowPlan *plan, Particles *s, size_t i, How how, const uint32_t *j, const Picked *picked,
-                        const Marks *other, const Pulled *a)
-{
-    enum { NEEDS = NEED_F | NEED_STATE | NEED_NORMAL };
-    double x[3];
-    Lanes towards[3] = {0}, above = {0}, below = {0};
-    Block block, ahead[2];
-    position_of(s, i, how, x);
-    approach(ahead, 0, plan, picked, j, x, how);
-    for (size_t b = 0; b < picked->n_fluid; b++) {
-        approach(ahead, b + 1, plan, picked, j, x, how);
-        const double *others = other->of[b];
-        double weight[LANES];
-        by_fluid(s, j + b * LANES, a->weight, weight);
-        fetch_rest(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
-#pragma omp simd
-        for (int l = 0; l < LANES; l++) {
-            const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, NEEDS, how);
-            towards_pair(&pair, weight[l], how, l, towards);
-            curvature_pair(a, &pair, others[l], how, l, &above, &below);
-        }
-    }
-    pull_end(s, i, a, curvature_end(&above, &below, how), &NO_CORRECTION, towards, how);
-}
-
 INLINE void rates_beside_of(const RowPlan *plan, Particles *s, size_t i, How how, bool viscous, bool gas)
 {
     enum { WALL_NEEDS = NEED_F | NEED_V | NEED_STATE, NEEDS = WALL_NEEDS | NEED_SHEPARD | NEED_GRADIENT };
@@ -93,7 +68,8 @@ INLINE void rates_beside_of(const RowPlan *plan, Particles *s, size_t i, How how
     Marks other;
     const Model *model = plan->model;
     const Picked picked = pick_neighbours(plan, i, j);
-    const bool mixed = mark_others(plan, i, j, &picked, &other);
+    const bool jumps = mark_others(plan, i, j, &picked, &other) && model->tense;
+    const Jump jump = jumps ? jump_of(s, model, i, 1) : NO_JUMP;
     const Flowing a = flowing_of(s, model, i);
     const Pushed c = pushed_of(s, model, i);
     const WallPressure shown = wall_pressure_of(s, i);
@@ -105,14 +81,16 @@ INLINE void rates_beside_of(const RowPlan *plan, Particles *s, size_t i, How how
     for (size_t b = 0; b < picked.n_fluid; b++) {
         approach(ahead, b + 1, plan, &picked, j, x, how);
         const double *others = other.of[b];
-        double against[LANES], counts[LANES];
+        double against[LANES], counts[LANES], lacks[LANES] = {0};
         by_fluid(s, j + b * LANES, mu, against);
+        if (jumps) jumps_of(&jump, s, j + b * LANES, lacks);
         if (gas) by_fluid(s, j + b * LANES, gases, counts);
         fetch_rest(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, NEEDS, how);
+            Pair pair = near_pair(&ahead[b % 2], &block, l, plan, NEEDS, how);
             const double inverse = flowing_inverse(&a, &pair);
+            pair.jump = lacks[l];
             continuity_pair(&a, model, &pair, inverse, how, l, &flow);
             dissipation_pair(&a, &pair, inverse, how, l, &dissipated);
             pressure_pair(&c, model, &pair, true, beta * others[l], how, l, push, WEIGHTS_PRODUCT);
@@ -141,9 +119,6 @@ INLINE void rates_beside_of(const RowPlan *plan, Particles *s, size_t i, How how
     if (viscous) viscosity_end(s, i, drag, how);
     if (gas) pressure_end(s, i, damping, how);
     if (viscous && picked.walls) viscosity_end(s, i, friction, how);
-    if (!mixed || !model->tense) return;
-    const Pulled pulled = pulled_of(s, model, i, mixed, how);
-    if (pulled.any) pull_beside(plan, s, i, how, j, &picked, &other, &pulled);
 }
 
 INLINE void rates_beside(const RowPlan *plan, Particles *s, size_t i, How how)
@@ -169,14 +144,12 @@ const Fusion dissipation_shape_beside = {
 
 const Fusion dissipation_rates_beside = {
     .terms = {&continuity, &density_dissipation, &pressure_force, &radial_viscosity},
-    .also = {&radial_friction, &surface_tension},
-    .not_together = LIST_WALLS | LIST_OTHERS, /* where walls mirror interfaces (images.c) */
+    .also = {&radial_friction},
     .row = BESIDE_TABLE(rates_beside),
 };
 
 const Fusion dissipation_gas_rates_beside = {
     .terms = {&continuity, &density_dissipation, &pressure_force, &gas_dissipation},
-    .also = {&radial_viscosity, &radial_friction, &surface_tension},
-    .not_together = LIST_WALLS | LIST_OTHERS, /* where walls mirror interfaces (images.c) */
+    .also = {&radial_viscosity, &radial_friction},
     .row = BESIDE_TABLE(gas_rates_beside),
 };

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* How the particles of P1 lie, in one function, for particles among their own: these have no interface normal. */
 #include "sim/fused.h"
+#include "sim/terms/interface_normal.h"
 #include "sim/terms/moments.h"
-#include "sim/terms/tension.h"
 #include "sim/terms/terms.h"
 
 INLINE void dissipation_shape_fused(const RowPlan *plan, Particles *s, size_t i, How how)

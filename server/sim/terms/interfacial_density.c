@@ -2,10 +2,12 @@
 /* Density of P2, and how particles lie, in one function, for particles among their own. */
 #include "sim/fused.h"
 #include "sim/terms/continuity.h"
+#include "sim/terms/jump.h"
 #include "sim/terms/push.h"
 #include "sim/terms/terms.h"
 
-INLINE void interfacial_density_fused(const RowPlan *plan, Particles *s, size_t i, How how)
+/* jumps: beside another fluid, with tension. */
+INLINE void density_of(const RowPlan *plan, Particles *s, size_t i, How how, bool jumps)
 {
     enum { NEEDS = NEED_W | NEED_F | NEED_BEND | NEED_V | NEED_STATE | NEED_GRADIENT };
     uint32_t j[PICKED_MAX];
@@ -16,14 +18,18 @@ INLINE void interfacial_density_fused(const RowPlan *plan, Particles *s, size_t 
     const Model *model = plan->model;
     const Picked picked = pick_neighbours(plan, i, j);
     const Flowing a = flowing_of(s, model, i);
+    const Jump jump = jumps ? jump_of(s, model, i, 1) : NO_JUMP;
     position_of(s, i, how, x);
     approach(ahead, 0, plan, &picked, j, x, how);
     for (size_t b = 0; b < picked.n; b++) {
         approach(ahead, b + 1, plan, &picked, j, x, how);
+        double lacks[LANES];
+        if (jumps) jumps_of(&jump, s, j + b * LANES, lacks);
         fetch_rest(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = near_pair(&ahead[b % 2], &block, l, plan, NEEDS, how);
+            Pair pair = near_pair(&ahead[b % 2], &block, l, plan, NEEDS, how);
+            if (jumps) pair.jump = lacks[l];
             const double inverse = flowing_inverse(&a, &pair);
             r[b][l] = pair.r;
             add_product(&shepard, l, pair.W, pair.V, how);
@@ -37,6 +43,12 @@ INLINE void interfacial_density_fused(const RowPlan *plan, Particles *s, size_t 
     for (int d = 0; d < how.dim; d++) s->concentration[d][i] = lanes_sum(&crowd[d]);
     volume_continuity_end(s, i, &flow);
     dissipation_end(s, model, i, &dissipated);
+}
+
+INLINE void interfacial_density_fused(const RowPlan *plan, Particles *s, size_t i, How how)
+{
+    if (plan->model->tense && plan->nb->has[i] & LIST_OTHERS) density_of(plan, s, i, how, true);
+    else density_of(plan, s, i, how, false);
 }
 FUSED_FUNCTIONS(interfacial_density_fused)
 

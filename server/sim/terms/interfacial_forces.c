@@ -38,7 +38,7 @@ INLINE void interfacial_forces_of(const RowPlan *plan, Particles *s, size_t i, H
     }
     pressure_end(s, i, push, how);
     if (viscous) viscosity_end(s, i, drag, how);
-    gradient_end(s, i, &moments, slope, 0, how);
+    gradient_end(s, i, &moments, slope, model->own_gradients > 0 ? least_moments(how) : 0, how);
     shifting_end(&c, s, model, i, &carried, how);
 }
 

@@ -2,8 +2,9 @@
 /* Density of P2 and how particles lie, for those beside walls, and normals of those beside another fluid. */
 #include "sim/fused.h"
 #include "sim/terms/continuity.h"
+#include "sim/terms/interface_normal.h"
+#include "sim/terms/jump.h"
 #include "sim/terms/push.h"
-#include "sim/terms/tension.h"
 #include "sim/terms/terms.h"
 
 INLINE void density_beside(const RowPlan *plan, Particles *s, size_t i, How how)
@@ -17,13 +18,18 @@ INLINE void density_beside(const RowPlan *plan, Particles *s, size_t i, How how)
     const Model *model = plan->model;
     const Picked picked = pick_neighbours(plan, i, j);
     const Flowing a = flowing_of(s, model, i);
+    const bool jumps = model->tense && plan->nb->has[i] & LIST_OTHERS;
+    const Jump jump = jumps ? jump_of(s, model, i, 1) : NO_JUMP;
     position_of(s, i, how, x);
     for (size_t b = 0; b < picked.n_fluid; b++) {
         const double *beyond = beyond_reach(plan, &picked, b);
+        double lacks[LANES] = {0};
+        if (jumps) jumps_of(&jump, s, j + b * LANES, lacks);
         fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
+            pair.jump = lacks[l];
             const double inverse = flowing_inverse(&a, &pair);
             r[b][l] = pair.r;
             add_product(&shepard, l, pair.W, pair.V, how);

@@ -5,6 +5,7 @@
  *   velocity   L P = -1/2 sum_j A_ij (v_j - v_i)/2 . x_ij,     v_i -= 1/m_i sum_j A_ij P_ij x_ij,            p = P/dt
  *   density    L P = -1/2 (V_i - V_0),                         x_i -= 1/m_i sum_j A_ij (P_ij - P_i + P_0 + P_ref) x_ij
  *   P_ij = (rho_i P_j + rho_j P_i) / (rho_i + rho_j);  P_0: P_i, but from 0 to 0.2 rho h^2
+ * Of the velocity's system and correction P_j is P_j + dt J_ij across an interface with tension (jump.h).
  * A wall particle is an unknown too, of the density of the fluids that are there (wall_density), through which nothing flows:
  *   sum_i c_iw (P_w - P_i - (rho_i + rho_w)/2 dt (g - a_w) . (x_w - x_i)) = 0
  * so L stays symmetric, and one fluid at rest on a lattice is exact. Pairs of fluid and wall at the rim of the kernel are left out of all sums with
@@ -13,6 +14,7 @@
  * of the velocity's correction. */
 #include "sim/mirrors.h"
 #include "sim/solve/solve.h"
+#include "sim/terms/jump.h"
 #include "sim/terms/matrix_row.h"
 #include "sim/terms/terms.h"
 #include "sim/terms/wall_power.h"
@@ -210,14 +212,31 @@ INLINE double risen(const Row *row, const Block *b, const Particles *s, const Mo
     return sum;
 }
 
+/* sum_j c_ij dt J_ij of a block of fluid, by the entries that are in the matrix. */
+INLINE double raised(const Row *row, const Block *b, const Particles *s, const Model *model, const Jump *jump)
+{
+    const double V = particles_volume(s, model, row->i);
+    const uint32_t *j = row_j(row, b);
+    double inverse[MNS_MAX_FLUIDS], by[LANES], lacks[LANES], sum = 0;
+    inverse_sums(model, s->phase[row->i], false, inverse);
+    inverses(s, model, s->phase[row->i], inverse, j, false, false, by);
+    jumps_of(jump, s, j, lacks);
+    for (int l = 0; l < LANES; l++) sum += (double)(float)(facing(V, b->V[l], b->F[l]) * by[l]) * lacks[l];
+    return sum;
+}
+
 INLINE void divergence_row(const Row *row, Particles *s, const Model *model, How how)
 {
     const size_t i = row->i;
     double above = 0;
     const double V = particles_volume(s, model, i);
+    const bool jumps = row->mixed && model->tense;
+    const Jump jump = jumps ? jump_of(s, model, i, model->dt) : NO_JUMP;
     double v[3];
     Lanes sum = {0};
     for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i * s->v_step];
+    for (const Block *b = row->block; b < row->block + row->n_fluid && jumps; b++)
+        above += raised(row, b, s, model, &jump);
     for (const Block *b = row->block; b < row->block + row->n; b++) {
         double its[3][LANES];
         gather_velocities(row, b, s, how, its);
@@ -233,8 +252,8 @@ INLINE void divergence_row(const Row *row, Particles *s, const Model *model, How
 }
 ROW_FUNCTIONS(divergence_row)
 
-/* 1/m_i sum_j A_ij (times (P_ij - P_i) + base) x_ij: with times P_i as the base it is opposite for the two of a pair. rises: do images have
- * another pressure? */
+/* 1/m_i sum_j A_ij (times (P_ij - P_i) + base) x_ij: with times P_i as the base it is opposite for the two of a pair. rises: is it of the velocity, whose pressures
+ * jump, and are others at images? */
 INLINE void push(const Row *row, const Particles *s, const Model *model, bool unit, bool rises, double times,
                  double base, How how, double ret[3])
 {
@@ -242,6 +261,8 @@ INLINE void push(const Row *row, const Particles *s, const Model *model, bool un
     const unsigned mine = s->phase[i];
     const double V = particles_volume(s, model, i), rho = weight_of(model, mine, unit), *P = s->system->x,
                  P_i = times * P[i];
+    const bool jumps = rises && row->mixed && model->tense;
+    const Jump jump = jumps ? jump_of(s, model, i, model->dt) : NO_JUMP;
     double inverse[MNS_MAX_FLUIDS];
     Lanes sum[3] = {0};
     inverse_sums(model, mine, unit, inverse);
@@ -252,6 +273,11 @@ INLINE void push(const Row *row, const Particles *s, const Model *model, bool un
         double by[LANES], P_ij[LANES], its[LANES];
         inverses(s, model, mine, inverse, j, wall, unit, by);
         for (int l = 0; l < LANES; l++) its[l] = times * P[j[l]];
+        if (jumps && !wall) {
+            double lacks[LANES];
+            jumps_of(&jump, s, j, lacks);
+            for (int l = 0; l < LANES; l++) its[l] += lacks[l];
+        }
         if (rises && are_images(row, b)) {
             double rise[LANES];
             image_rises(row, b, s, model, how, rise);
@@ -372,7 +398,7 @@ const Term velocity_divergence = {
     .source = "P4 eq. 32 as differences",
     .equation = "(div v)_i V_i = sum_j A_ij (v_j - v_i)/2 . x_ij",
     .on = ON_FLUID,
-    .needs = NEED_F | NEED_V | NEED_STATE,
+    .needs = NEED_F | NEED_V | NEED_STATE | NEED_OTHERS,
     .row = ROW_TABLE(divergence_row),
 };
 
@@ -381,7 +407,7 @@ const Term velocity_correction = {
     .source = "P4 eq. 24, 35",
     .equation = "v_i -= 1/m_i sum_j A_ij P_ij x_ij",
     .on = ON_FLUID,
-    .needs = NEED_F | NEED_STATE,
+    .needs = NEED_F | NEED_STATE | NEED_OTHERS,
     .writes = FIELD(V),
     .row = ROW_TABLE(velocity_correction_row),
 };

@@ -32,7 +32,7 @@ INLINE void pressure_pair(const Pushed *a, const Model *model, const Pair *pair,
                           int l, Lanes sum[3], Weights weights)
 {
     const double t = average_tilt(model, a->z, pair, 1 / (a->z + pair->z)), P = pair->p * pair->shepard;
-    double mine = (1 + t) * a->P, its = (1 - t) * P;
+    double mine = (1 + t) * a->P, its = (1 - t) * (P + pair->jump * pair->shepard);
     if (repels) {
         mine += repulsion * fabs(a->P);
         its += repulsion * fabs(P);

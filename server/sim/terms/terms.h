@@ -28,14 +28,13 @@ extern const Term transport_stress; /* transport.c: of the neighbours' advection
 /* P1 */
 extern const Term gas_dissipation;  /* gas.c */
 extern const Term pressure_force;   /* pressure_force.c: weighted by the product of volumes */
-extern const Term interface_normal; /* tension.c */
-extern const Term surface_tension;  /* tension.c */
+extern const Term interface_normal; /* interface_normal.c */
+extern const Term raw_curvature, mean_curvature, next_mean, sharp_curvature; /* curvature.c */
 
 /* P2 */
 extern const Term volume_continuity;     /* continuity.c: of volumes */
 extern const Term volume_pressure_force; /* pressure_force.c: weighted by the squares of volumes */
-extern const Term corrected_normal;      /* tension.c: with corrected gradients */
-extern const Term corrected_tension;
+extern const Term corrected_normal;      /* interface_normal.c: with corrected gradients */
 extern const Term radial_viscosity;      /* radial_viscosity.c: along the line of a pair */
 extern const Term radial_friction;       /* radial_viscosity.c: of walls without slip */
 extern const Term concentration;         /* shifting.c: gradient of the sum of W V */
@@ -50,12 +49,11 @@ extern const Term density_matrix; /* projection.c: systems for the pressure */
 extern const Term density_wall_matrix;
 extern const Term velocity_matrix;
 extern const Term velocity_wall_matrix;
-extern const Term velocity_divergence;  /* projection.c: from differences */
-extern const Term density_correction;   /* projection.c: of positions */
-extern const Term velocity_correction;  /* projection.c */
-extern const Term surface_vector;       /* surface_stress.c: gradient of colours */
-extern const Term surface_stress;       /* surface_stress.c: its divergence */
-extern const Term transposed_viscosity; /* transposed_viscosity.c: grad mu . grad v^T */
+extern const Term velocity_divergence;             /* projection.c: from differences */
+extern const Term density_correction;              /* projection.c: of positions */
+extern const Term velocity_correction;             /* projection.c */
+extern const Term raw_curvature_first, sharp_mean; /* curvature.c: for one mean less */
+extern const Term transposed_viscosity;            /* transposed_viscosity.c: grad mu . grad v^T */
 
 /* P5 */
 extern const Term truncation;        /* difference_shape.c: truncation tensor and offset vector */
@@ -71,7 +69,7 @@ extern const Term divtau_diffusion;
 extern const Term conservative_diffusion;
 extern const Term sph_diffusion;
 extern const Term colour_gradient; /* colour_gradient.c */
-extern const Term colour_tension;  /* colour_gradient.c */
+extern const Term colour_curvature, mean_colour_curvature; /* colour_gradient.c */
 extern const Term even_spacing;    /* spacing.c: shift, and what the shifted carry */
 extern const Local even_position;  /* spacing.c */
 
@@ -98,8 +96,11 @@ extern const Fusion dissipation_shape_beside; /* dissipation_beside.c */
 extern const Fusion dissipation_rates_beside;
 extern const Fusion dissipation_gas_rates_beside;
 extern const Fusion interfacial_density; /* interfacial_density.c */
-extern const Fusion no_interface;        /* tension.c: no normal inside a fluid */
-extern const Fusion interfacial_forces;  /* interfacial_forces.c */
+extern const Fusion no_interface;        /* interface_normal.c: no normal inside a fluid */
+extern const Fusion no_raw_curvature, no_mean_curvature, no_next_mean,
+    no_sharp_curvature; /* curvature.c: nor a curvature */
+extern const Fusion no_raw_curvature_first, no_sharp_mean;
+extern const Fusion interfacial_forces; /* interfacial_forces.c */
 extern const Fusion interfacial_viscous_forces;
 extern const Fusion interfacial_density_beside; /* interfacial_shape_beside.c */
 extern const Fusion interfacial_normal;
