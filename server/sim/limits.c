@@ -86,30 +86,18 @@ static double radial_viscous(const MnsSim *sim)
     return viscous_by(sim, 0.085);
 }
 
-/* By the mean density of two fluids or the least. */
-static double tension_by(const MnsSim *sim, bool by_least)
+/* Waves of the interface move both fluids. */
+static double tension(const MnsSim *sim)
 {
     const Model *model = &sim->model;
     double least = INFINITY;
     for (size_t a = 0; a < model->n_phases; a++)
         for (size_t b = 0; b < a; b++) {
-            const double rho_a = model->phase[a].rho0, rho_b = model->phase[b].rho0, h = model->kernel.h;
-            const double rho = by_least ? fmin(rho_a, rho_b) : 0.5 * (rho_a + rho_b);
+            const double rho = 0.5 * (model->phase[a].rho0 + model->phase[b].rho0), h = model->kernel.h;
             if (model->tension[a][b] > 0)
                 least = fmin(least, 0.25 * sqrt(rho * h * h * h / (2 * M_PI * model->tension[a][b])));
         }
     return least;
-}
-
-/* Waves of the interface move both fluids. */
-static double tension(const MnsSim *sim)
-{
-    return tension_by(sim, false);
-}
-
-static double incompressible_tension(const MnsSim *sim)
-{
-    return tension_by(sim, true);
 }
 
 static double incompressible_viscous(const MnsSim *sim)
@@ -212,14 +200,6 @@ const Limit mixture_viscous_limit = {
     .equation = "dt <= 0.25 h^2 rho / mu,  of each fluid",
     .entries = "viscosity, density, resolution",
     .of = mixture_viscous,
-};
-
-const Limit incompressible_tension_limit = {
-    .name = "surface tension",
-    .source = "P4 eq. 39",
-    .equation = "dt <= 0.25 sqrt(rho h^3 / (2 pi sigma)),  rho the smaller of the two",
-    .entries = "interfaces, density, resolution",
-    .of = incompressible_tension,
 };
 
 const Limit tension_limit = {

@@ -6,8 +6,7 @@
 #include "sim/scheme.h"
 
 extern const Limit acoustic_limit, body_force_limit, change_limit, viscous_limit, radial_viscous_limit, tension_limit,
-    interface_limit, flow_limit, incompressible_viscous_limit, incompressible_tension_limit, mixture_viscous_limit,
-    dissipation_limit;
+    interface_limit, flow_limit, incompressible_viscous_limit, mixture_viscous_limit, dissipation_limit;
 
 /* Length of the next step: the least that the scheme's limits allow, and which of them that is; NULL if you do not ask. */
 double limits_dt(const MnsSim *sim, const Limit **ret_limit);

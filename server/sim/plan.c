@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a run is going to take, by the length of its steps: what would never end, or fill any disk, is refused before it
  * begins, and what is allowed but hardly meant is said. */
-#include "sim/bodies.h"
 #include "sim/limits.h"
 #include "sim/probes/probes.h"
 #include "sim/sim.h"
-#include "sim/state.h"
+#include "sim/sounds.h"
 #include <math.h>
 #include <omp.h>
 #include <stdarg.h>
@@ -171,112 +170,6 @@ static void warn_probes_outside(MnsSim *sim)
     }
 }
 
-/* What the equations of state of the fluids have to carry, fluid by fluid. */
-typedef struct Loads {
-    double low[MNS_MAX_FLUIDS], high[MNS_MAX_FLUIDS];   /* densities at the start [kg/m^3] */
-    double top[MNS_MAX_FLUIDS], bottom[MNS_MAX_FLUIDS]; /* how far along gravity they reach [m] */
-    size_t count[MNS_MAX_FLUIDS];                       /* of their particles */
-} Loads;
-
-static void find_loads(const MnsSim *sim, double g, Loads *loads)
-{
-    const Model *model = &sim->model;
-    double low[MNS_MAX_FLUIDS], high[MNS_MAX_FLUIDS], top[MNS_MAX_FLUIDS], bottom[MNS_MAX_FLUIDS];
-    size_t count[MNS_MAX_FLUIDS] = {0};
-    for (size_t k = 0; k < MNS_MAX_FLUIDS; k++) {
-        low[k] = top[k] = INFINITY;
-        high[k] = bottom[k] = -INFINITY;
-    }
-#pragma omp parallel for num_threads(sim->threads) reduction(min : low, top) reduction(max : high, bottom) \
-    reduction(+ : count)
-    for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
-        const unsigned k = sim->s.phase[i];
-        double depth = 0;
-        for (int d = 0; d < model->dim && g > 0; d++) depth += model->gravity[d] / g * sim->s.x[d][i * sim->s.x_step];
-        low[k] = fmin(low[k], sim->s.rho[i]);
-        high[k] = fmax(high[k], sim->s.rho[i]);
-        top[k] = fmin(top[k], depth);
-        bottom[k] = fmax(bottom[k], depth);
-        count[k]++;
-    }
-    memcpy(loads->low, low, sizeof low);
-    memcpy(loads->high, high, sizeof high);
-    memcpy(loads->top, top, sizeof top);
-    memcpy(loads->bottom, bottom, sizeof bottom);
-    memcpy(loads->count, count, sizeof count);
-}
-
-/* The greatest sigma / R that a fluid may come under [Pa], and the R of it [m]. What starts otherwise than as drops and bubbles at
- * rest is thought of as a single one, within whatever there is more of: if it is several, they are smaller. */
-static double find_capillary(const MnsSim *sim, size_t k, const Loads *loads, double *R)
-{
-    *R = sim->drops[k].largest;
-    if (*R > 0) return sim->drops[k].capillary;
-    double tension = 0;
-    for (size_t m = 0; m < sim->model.n_phases; m++)
-        if (loads->count[m] > loads->count[k]) tension = fmax(tension, sim->model.tension[k][m]);
-    *R = bodies_radius(&sim->model, loads->count[k]);
-    return *R > 0 ? tension / *R : 0;
-}
-
-/* The speed of sound with which the pressure that now belongs to rho would belong to a density `allowed` times that of reference:
- * at the same density, pressure is as c^2. */
-static double speed_for(const Phase *phase, double rho, double allowed)
-{
-    const double p0 = state_pressure(phase, phase->rho0);
-    return phase->c * sqrt((state_pressure(phase, rho) - p0) / (state_pressure(phase, allowed * phase->rho0) - p0));
-}
-
-/* Two digits, and no less than it is. */
-static double rounded_up(double value)
-{
-    const double digit = pow(10, floor(log10(value)) - 1);
-    return ceil(value / digit * (1 - 1e-12)) * digit;
-}
-
-static const double DENSITY_DEVIATION = 0.1; /* at the start, beyond which it is said */
-
-/* The speed of sound must keep a fluid nearly as dense as it is, whatever presses on it: ten times the speeds that weight and
- * surface tension can give it, and more if the pressure of the start asks for that. */
-static void warn_sound(MnsSim *sim, size_t k, double g, const Loads *loads)
-{
-    const Phase *phase = &sim->model.phase[k];
-    double R;
-    const double capillary = find_capillary(sim, k, loads, &R);
-    const bool drops = sim->drops[k].largest > 0;
-    const double height = drops ? 2 * R : loads->bottom[k] - loads->top[k] + sim->model.dx;
-    const double weight = 10 * sqrt(g * height), tension = 10 * sqrt(capillary / phase->rho0);
-    const bool heavy = weight > tension;
-    const double most = loads->high[k] / phase->rho0 - 1, least = 1 - loads->low[k] / phase->rho0;
-    double enough = fmax(weight, tension);
-    if (most > DENSITY_DEVIATION) enough = fmax(enough, speed_for(phase, loads->high[k], 1 + DENSITY_DEVIATION));
-    if (least > DENSITY_DEVIATION) enough = fmax(enough, speed_for(phase, loads->low[k], 1 - DENSITY_DEVIATION));
-    if (phase->c >= 0.99 * enough) return; /* two digits are as many as people give */
-    enough = rounded_up(enough);
-    if (fmax(most, least) > DENSITY_DEVIATION)
-        plan_warn(sim,
-                  "fluids[%zu].sound_speed: with %g m/s the pressure at the start makes %.60s %.0f %% %s than its "
-                  "reference; %g m/s would be enough",
-                  k, phase->c, sim->c->fluids[k].name, 100 * fmax(most, least), most > least ? "denser" : "thinner",
-                  enough);
-    else
-        plan_warn(
-            sim,
-            "fluids[%zu].sound_speed: %g m/s is less than ten times sqrt(%s) of %.60s, %g m %s: it may be compressed; "
-            "%g m/s would be enough",
-            k, phase->c, heavy ? "g H" : "sigma/(rho R)", sim->c->fluids[k].name, heavy ? height : 2 * R,
-            heavy && !drops ? "high" : "across", enough);
-}
-
-static void warn_sounds(MnsSim *sim)
-{
-    Loads loads;
-    double g2 = 0;
-    for (int d = 0; d < sim->model.dim; d++) g2 += sim->model.gravity[d] * sim->model.gravity[d];
-    find_loads(sim, sqrt(g2), &loads);
-    for (size_t k = 0; k < sim->model.n_phases; k++) warn_sound(sim, k, sqrt(g2), &loads);
-}
-
 void plan_look_at_gradients(MnsSim *sim)
 {
     if (sim->model.corrects_gradients && !sim->model.filled)
@@ -296,24 +189,6 @@ void plan_look_at_averages(MnsSim *sim)
                   "scheme.%s.pair_average: the heaviest fluid is %.3g times as dense as the lightest, and arithmetic "
                   "averages burst a gas above %g, even at rest; take density",
                   sim->scheme->name, ratio, most);
-}
-
-/* Of the tension between two fluids whose densities are so unlike that the scheme does not hold a drop at rest by it. */
-static void warn_tension(MnsSim *sim)
-{
-    const Model *model = &sim->model;
-    const double most = sim->scheme->tension_ratio;
-    for (size_t a = 0; a < model->n_phases && most > 0; a++)
-        for (size_t b = 0; b < a; b++) {
-            const double rho_a = model->phase[a].rho0, rho_b = model->phase[b].rho0;
-            const double ratio = fmax(rho_a, rho_b) / fmin(rho_a, rho_b);
-            if (model->tension[a][b] > 0 && ratio > most)
-                plan_warn(sim,
-                          "interfaces: %.60s is %.3g times as dense as %.60s, and the tension of the scheme %s holds "
-                          "no drop at rest above %g; take interfacial, dissipation or differences",
-                          sim->c->fluids[rho_a > rho_b ? a : b].name, ratio, sim->c->fluids[rho_a > rho_b ? b : a].name,
-                          sim->scheme->name, most);
-        }
 }
 
 /* Of particles that stand for other volumes than a cell, where numbers of particles are evened out. */
@@ -337,14 +212,13 @@ static void warn_displacement(MnsSim *sim)
 
 void plan_look(MnsSim *sim)
 {
-    warn_tension(sim);
     if (sim->scheme->corrects_density && !sim->resumed) warn_displacement(sim);
     plan_look_at_gradients(sim);
     plan_look_at_averages(sim);
     warn_open_sides(sim);
     warn_probes_outside(sim);
     warn_ignored(sim);
-    if (!sim->resumed) warn_sounds(sim);
+    if (!sim->resumed) sounds_look(sim);
 
     const MnsOutput *output = &sim->c->output;
     const double dt = limits_dt(sim, NULL);

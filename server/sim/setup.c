@@ -38,21 +38,6 @@ static void set_geometry(Model *model, const MnsCase *c)
     model->radial_scale = radial_viscosity_scale(&model->kernel, model->dim, model->cell);
 }
 
-/* What each of two fluids has of their tension: half, or of three its own part of all. */
-static void share_tension(Model *model)
-{
-    const size_t n = model->n_phases;
-    double all = 0;
-    for (size_t a = 0; a < n; a++)
-        for (size_t b = 0; b < a; b++) all += model->tension[a][b];
-    for (size_t a = 0; a < n; a++)
-        for (size_t b = 0; b < n; b++) {
-            double mine = 0; /* of its tensions, to both others */
-            for (size_t k = 0; k < n; k++) mine += model->tension[a][k];
-            model->tension_share[a][b] = a == b ? 0 : n == 3 ? mine - 0.5 * all : 0.5 * model->tension[a][b];
-        }
-}
-
 void setup_options(MnsSim *sim, const MnsCase *c)
 {
     Model *model = &sim->model;

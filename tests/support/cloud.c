@@ -54,7 +54,8 @@ static void set_model(Model *model, const CloudSetup *setup)
         .shifting = 2,
         .shifts_along_interfaces = true,
         .tense = true,
-        .tension = {{0, 0.7}, {0.7, 0}}};
+        .tension = {{0, 0.7}, {0.7, 0}},
+        .tension_share = {{0, 0.35}, {0.35, 0}}};
     if (setup->flowing) model->phase[1].summation = false;
     for (int d = 0; d < setup->dim; d++) {
         model->cell[d] = setup->dx;

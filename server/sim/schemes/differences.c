@@ -80,7 +80,7 @@ const Scheme scheme_differences = {
     .title = "generalized finite differences for two incompressible fluids",
     .source = "P5: Joubert, Wilke and Pizette",
     .integrator = &single_projection,
-    .limits = {&flow_limit, &body_force_limit, &mixture_viscous_limit, &incompressible_tension_limit, &change_limit},
+    .limits = {&flow_limit, &body_force_limit, &mixture_viscous_limit, &tension_limit, &change_limit},
     .rates =
         {
             [PASS_CONTINUED] = {"walls", .terms = {&continued_start}},

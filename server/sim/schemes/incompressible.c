@@ -71,8 +71,7 @@ const Scheme scheme_incompressible = {
     .title = "incompressible SPH, projected twice",
     .source = "P4: Hu and Adams 2007",
     .integrator = &double_projection,
-    .limits = {&flow_limit, &body_force_limit, &incompressible_viscous_limit, &incompressible_tension_limit,
-               &change_limit},
+    .limits = {&flow_limit, &body_force_limit, &incompressible_viscous_limit, &tension_limit, &change_limit},
     .rates =
         {
             [PASS_NUMBER] = {"number density", .terms = {&number_density, &wall_density}, .after = {&volume_of_number},
@@ -99,7 +98,6 @@ const Scheme scheme_incompressible = {
     .symmetric = true,
     .corrects_density = true,
     .floors_mirror = true,
-    .tension_ratio = 10,
     .check = incompressible_check,
     .options = incompressible_options,
 };

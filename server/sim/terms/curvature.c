@@ -13,6 +13,20 @@
 #include "sim/terms/terms.h"
 #include <math.h>
 
+void share_tension(Model *model)
+{
+    const size_t n = model->n_phases;
+    double all = 0;
+    for (size_t a = 0; a < n; a++)
+        for (size_t b = 0; b < a; b++) all += model->tension[a][b];
+    for (size_t a = 0; a < n; a++)
+        for (size_t b = 0; b < n; b++) {
+            double mine = 0; /* of its tensions, to both others */
+            for (size_t k = 0; k < n; k++) mine += model->tension[a][k];
+            model->tension_share[a][b] = a == b ? 0 : n == 3 ? mine - 0.5 * all : 0.5 * model->tension[a][b];
+        }
+}
+
 INLINE bool sees_two_others(const Row *row, const Particles *s)
 {
     const unsigned mine = s->phase[row->i];

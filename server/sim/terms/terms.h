@@ -68,10 +68,10 @@ extern const Term harmonic_diffusion;    /* momentum_diffusion.c */
 extern const Term divtau_diffusion;
 extern const Term conservative_diffusion;
 extern const Term sph_diffusion;
-extern const Term colour_gradient; /* colour_gradient.c */
+extern const Term colour_gradient;                         /* colour_gradient.c */
 extern const Term colour_curvature, mean_colour_curvature; /* colour_gradient.c */
-extern const Term even_spacing;    /* spacing.c: shift, and what the shifted carry */
-extern const Local even_position;  /* spacing.c */
+extern const Term even_spacing;                            /* spacing.c: shift, and what the shifted carry */
+extern const Local even_position;                          /* spacing.c */
 
 /* What walls that move put into the fluid: no part of a step, but of the account of energy (energy.h). */
 extern const Term product_power, squares_power,
@@ -162,6 +162,9 @@ static inline bool is_viscous_between(const Model *model)
 /* 1 / K, K = sum_j V_j (-F) y^2 r^2/(r^2 + 0.01 h^2) over the lattice with these spacings, mean over directions: 1 for a
  * perfect kernel. */
 double viscosity_scale(const Kernel *kernel, int dim, const double spacing[3]);
+
+/* What each of two fluids has of their tension: half, or of three its own part of all (jump.h). */
+void share_tension(Model *model);
 
 /* S of radial_viscosity.c [m^-2]. */
 double radial_viscosity_scale(const Kernel *kernel, int dim, const double spacing[3]);

@@ -3,7 +3,9 @@
  * height of a fluid particle above the tangent plane there:
  *   what the wall holds    u_w = u_0 - d g,  g = sum_f W (u_f - u_0) y / sum_f W y^2     all of u without slip, with slip u . n
  *   what glides            u_w = sum_f W u_f / sum_f W
- * The first is exact for all linear fields that keep u_0 on the surface; a mean mirrored at it is not, as it is that of fluid nearer to the
+ *   in the divergence      u_w = u_0                                                     in place of the first, without slip
+ * As u = g(x) y makes v = -g' y^2/2 beside what it sticks to, the velocity towards the wall is even in y and not odd: continued as the first line has it, its
+ * divergence would not be 0 (a lid's cavity is 5 % off by that). The first is exact for all linear fields that keep u_0 on the surface; a mean mirrored at it is not, as it is that of fluid nearer to the
  * surface the deeper the particle is (schemes/differences.md). */
 #include "sim/terms/differences.h"
 #include "sim/terms/terms.h"
@@ -16,7 +18,8 @@ INLINE void continue_velocity(const Row *row, Particles *s, const Model *model, 
 {
     const size_t i = row->i, wall = i - particles_fluid(s);
     const WallState *body = &model->wall[s->phase[i] - model->n_phases];
-    const bool unforced = moves == MOVES_UNFORCED, sticks = body->no_slip && !(unforced && body->has_belt);
+    const bool unforced = moves == MOVES_UNFORCED, settles = body->no_slip && unforced,
+               sticks = body->no_slip && !(settles && body->has_belt);
     const double dt = unforced ? model->dt : 0, share = unforced ? model->differences.share : 1;
     double n[3], u_0[3], depth2 = 0;
     for (int d = 0; d < how.dim; d++) {
@@ -48,7 +51,7 @@ INLINE void continue_velocity(const Row *row, Particles *s, const Model *model, 
     const double all = lanes_sum(&weight), square = lanes_sum(&height2);
     double held[3] = {0}, glides[3] = {0}, along = 0;
     for (int d = 0; d < how.dim && all > 0 && square > 0; d++) {
-        held[d] = -depth2 * lanes_sum(&rise[d]) / square;
+        held[d] = settles ? 0 : -depth2 * lanes_sum(&rise[d]) / square;
         glides[d] = lanes_sum(&sum[d]) / all;
     }
     for (int d = 0; d < how.dim; d++) along += depth2 > 0 ? (held[d] - glides[d]) * n[d] / depth2 : 0;
