@@ -5,12 +5,13 @@
 #include "sim/terms/terms.h"
 #include "sim/terms/transport.h"
 
-/* stressed: some neighbour has a transport stress. */
+/* stressed: of a fluid that is spread, and feels where it comes to. */
 INLINE void forces(const RowPlan *plan, Particles *s, size_t i, How how, const uint32_t *j, const Picked *picked,
                    bool stressed)
 {
-    const unsigned needs = NEED_F | NEED_V | NEED_STATE | (stressed ? NEED_FLUX : 0);
+    const unsigned needs = NEED_F | NEED_V | NEED_STATE;
     const Side a = side_of(s, plan->model, i, how);
+    const Moved moved = moved_of(s, plan->model, i, how);
     Lanes push[3] = {0}, spread[3] = {0}, stress[3] = {0};
     double x[3];
     Block block;
@@ -23,30 +24,31 @@ INLINE void forces(const RowPlan *plan, Particles *s, size_t i, How how, const u
             const Pair pair = fetched_pair(&block, l, beyond, x, plan, needs, how);
             riemann_momentum_fluid(&a, &pair, how, l, push);
             background_pair(&pair, how, l, spread);
-            if (stressed) transport_stress_pair(&pair, how, l, stress);
+            if (stressed) transport_stress_pair(&moved, &pair, how, l, stress);
         }
     }
     for (size_t b = picked->n_fluid; b < picked->n; b++) {
         const uint32_t *wall = j + b * LANES;
         const double *beyond = beyond_reach(plan, picked, b);
-        fetch_block(&block, wall, &plan->nb->bundles, needs & ~(unsigned)NEED_FLUX, how);
+        fetch_block(&block, wall, &plan->nb->bundles, needs, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, needs & ~(unsigned)NEED_FLUX, how);
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, needs, how);
             riemann_momentum_wall(&a, &pair, side_wall_pressure(&a, wall[l]), how, l, push);
             background_pair(&pair, how, l, spread);
         }
     }
     riemann_momentum_end(s, i, push, how);
     background_end(s, plan->model, i, spread, how);
-    if (stressed) transport_stress_end(s, plan->model, i, stress, how);
+    if (stressed) transport_stress_end(s, i, stress, how);
 }
 
 INLINE void riemann_forces_fused(const RowPlan *plan, Particles *s, size_t i, How how)
 {
     uint32_t j[PICKED_MAX];
     const Picked picked = pick_neighbours(plan, i, j);
-    if (picked.summed && plan->model->transport_stress) forces(plan, s, i, how, j, &picked, true);
+    if (plan->model->transport_stress && plan->model->phase[s->phase[i]].p_b > 0)
+        forces(plan, s, i, how, j, &picked, true);
     else forces(plan, s, i, how, j, &picked, false);
 }
 INTERLEAVED_FUNCTIONS(riemann_forces_fused)

@@ -76,7 +76,6 @@ extern const Local even_position;                          /* spacing.c */
 /* What walls that move put into the fluid: no part of a step, but of the account of energy (energy.h). */
 extern const Term product_power, squares_power,
     riemann_power;                                       /* wall_power.c: of P1, P2 and P3, by the pressure force */
-extern const Term transport_power;                       /* wall_power.c: of P3, by the stress of what is spread */
 extern const Term friction_power, radial_friction_power; /* wall_power.c: by the wall friction */
 extern const Term corrected_power;                       /* corrected.c */
 extern const Term surface_power;                         /* wall_power.c: of P5 */
@@ -129,12 +128,12 @@ static inline bool is_shifted(const Model *model)
     return model->shifting > 0;
 }
 
-/* Has a fluid of summed density a transport stress? */
+/* Is a fluid spread, and feels where it comes to? */
 static inline bool is_transported(const Model *model)
 {
     if (!model->transport_stress) return false;
     for (size_t k = 0; k < model->n_phases; k++)
-        if (model->phase[k].summation) return true;
+        if (model->phase[k].p_b > 0) return true;
     return false;
 }
 

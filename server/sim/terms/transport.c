@@ -18,36 +18,35 @@ ROW_FUNCTIONS(background_row)
 
 INLINE void transport_stress_row(const Row *row, Particles *s, const Model *model, How how)
 {
-    (void)model;
-    if (!row->summed) return;
+    const Moved a = moved_of(s, model, row->i, how);
     Lanes sum[3] = {0};
     for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
-            transport_stress_pair(&pair, how, l, sum);
+            transport_stress_pair(&a, &pair, how, l, sum);
         }
-    transport_stress_end(s, model, row->i, sum, how);
+    transport_stress_end(s, row->i, sum, how);
 }
 ROW_FUNCTIONS(transport_stress_row)
 
 const Term background = {
     .name = "background pressure",
     .source = "P3 eq. 11, 12",
-    .equation = "b_i = -2 p_b / rho_i sum_j V_j grad_i W;  m_i dv_i/dt += sum_j V_i V_j A_i . grad_i W",
+    .equation = "b_i = -2 p_b / rho_i sum_j V_j grad_i W",
     .on = ON_FLUID,
     .needs = NEED_F | NEED_STATE,
-    .writes = FIELD(A) | FIELD(B),
+    .writes = FIELD(B),
     .row = ROW_TABLE(background_row),
 };
 
 const Term transport_stress = {
     .name = "transport stress",
-    .source = "P3 eq. 12",
-    .equation = "m_i dv_i/dt += sum_j V_i V_j A_j . grad_i W,  A = rho v (x) w",
+    .source = "P3 eq. 12 without its drag",
+    .equation = "dv_i/dt += sum_j V_j (v_j - v_i) w_i . grad_i W,  w = dt/2 b",
     .on = ON_FLUID,
     .needed = is_transported,
-    .needs = NEED_F | NEED_V | NEED_FLUX,
+    .needs = NEED_F | NEED_V | NEED_STATE,
     .writes = FIELD(A),
     .row = ROW_TABLE(transport_stress_row),
 };

@@ -132,9 +132,9 @@ INLINE void wall_velocity_row(const Row *row, Particles *s, const Model *model, 
 ROW_FUNCTIONS(wall_velocity_row)
 
 /* What a wall shows: along its surface the fluid's velocity, or that turned round; along the normal, from sum_f grad_w W V_f, turned round or none. */
-typedef enum Mirrored { TURNED_ROUND, GLIDING, GLIDING_ALONE } Mirrored;
+typedef enum Shows { TURNED_ROUND, GLIDING, GLIDING_ALONE } Shows;
 
-INLINE void mirror(const Row *row, Particles *s, const double about[3], Mirrored how_so, How how)
+INLINE void mirror(const Row *row, Particles *s, const double about[3], Shows shows, How how)
 {
     const size_t i = row->i, wall = i - particles_fluid(s);
     Lanes weight = {0}, sum[3] = {0}, towards[3] = {0};
@@ -157,9 +157,9 @@ INLINE void mirror(const Row *row, Particles *s, const double about[3], Mirrored
         n2 += n[d] * n[d];
     }
     for (int d = 0; d < how.dim; d++) into += n2 > 0 ? (about[d] - v[d]) * n[d] / n2 : 0;
-    const double times = how_so == GLIDING ? 2 : 1;
+    const double times = shows == GLIDING ? 2 : 1;
     for (int d = 0; d < how.dim; d++)
-        s->v_wall[d][wall] = how_so == TURNED_ROUND ? 2 * about[d] - v[d] : v[d] + times * into * n[d];
+        s->v_wall[d][wall] = shows == TURNED_ROUND ? 2 * about[d] - v[d] : v[d] + times * into * n[d];
 }
 
 INLINE void mirrored_velocity_row(const Row *row, Particles *s, const Model *model, How how)

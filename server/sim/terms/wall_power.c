@@ -77,27 +77,6 @@ INLINE void riemann_power_row(const Row *row, Particles *s, const Model *model, 
 }
 ROW_FUNCTIONS(riemann_power_row)
 
-/* Of V_i V_j A_i . grad_i W, as walls have no stress of their own. */
-INLINE void transport_power_row(const Row *row, Particles *s, const Model *model, How how)
-{
-    const size_t i = row->i;
-    if (!model->phase[s->phase[i]].summation) return;
-    const double c = particles_volume(s, model, i) * s->rho[i] * 0.5 * model->dt;
-    Lanes power = {0};
-    for (const Block *b = row->block + row->n_fluid; b < row->block + row->n; b++) {
-        Lanes force[3] = {0};
-        for (int l = 0; l < LANES; l++) {
-            const Pair pair = block_pair(b, l, how);
-            double along_w = 0;
-            for (int d = 0; d < how.dim; d++) along_w += s->b[d][i] * pair.x[d];
-            for (int d = 0; d < how.dim; d++) force[d].of[l] = c * pair.V * pair.F * along_w * s->v[d][i * s->v_step];
-        }
-        add_wall_power(force, row, b, s, model, how, &power);
-    }
-    s->power[i] += lanes_sum(&power);
-}
-ROW_FUNCTIONS(transport_power_row)
-
 /* radial: the viscosity acts along the line of the pair. */
 INLINE void work_of_friction(const Row *row, Particles *s, const Model *model, How how, bool radial)
 {
@@ -143,8 +122,6 @@ NORMAL_POWER(surface_power, "power of walls", "schemes/differences.md", "-sum_w 
              NULL, NEED_F);
 NORMAL_POWER(riemann_power, "power of walls", "P3 eq. 9", "sum_w f_iw . v_w, f of the Riemann momentum", NULL,
              NEED_F | NEED_STATE);
-NORMAL_POWER(transport_power, "power of the transport stress", "P3 eq. 12", "sum_w V_i V_w A_i . grad_i W . v_w",
-             is_transported, NEED_F | NEED_STATE);
 SURFACE_POWER(friction_power, "power of friction", "P1 eq. 10", "sum_w f_iw . v_w, f of the wall friction",
               is_viscous_between, NEED_F | NEED_V | NEED_STATE);
 SURFACE_POWER(radial_friction_power, "power of friction", "P2 eq. 25, without 1/r^2",
