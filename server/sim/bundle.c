@@ -7,17 +7,6 @@
 
 enum { CHUNK = 512 };
 
-/* m_j w_j, the mass times the advection velocity w = dt/2 b of a particle with a stress. */
-static void flux(const Particles *s, const Model *model, int d, size_t first, size_t n, double *restrict out)
-{
-    double half[UINT8_MAX + 1] = {0}; /* by index of fluid or wall */
-    for (size_t k = 0; k < model->n_phases; k++)
-        if (model->transport_stress && model->phase[k].summation) half[k] = 0.5 * model->dt;
-    const double *restrict m = s->m + first, *restrict b = s->b[d] + first;
-    const uint8_t *restrict phase = s->phase + first;
-    for (size_t i = 0; i < n; i++) out[i] = m[i] * half[phase[i]] * b[i];
-}
-
 /* 1 / Gamma, 0 of walls, which have none. */
 static void inverse_shepard(const Particles *s, const Model *model, int d, size_t first, size_t n, double *restrict out)
 {
@@ -59,10 +48,6 @@ typedef struct Quantity {
     {                                                                                                                  \
         F_##id, d, NULL, FIELD(id), guests                                                                             \
     }
-#define FLUX(d)                                                                                                        \
-    {                                                                                                                  \
-        F_B, d, flux, FIELD(B) | FIELD(M), 0                                                                           \
-    }
 static const Quantity QUANTITIES[CARRIED_END] = {
     [CARRIED_X] = IS(X, 0),
     IS(X, 1),
@@ -80,18 +65,12 @@ static const Quantity QUANTITIES[CARRIED_END] = {
     [CARRIED_NORMAL] = IS(NORMAL, 0),
     IS(NORMAL, 1),
     IS(NORMAL, 2),
-    [CARRIED_FLUX] = FLUX(0),
-    FLUX(1),
-    FLUX(2),
 };
 
 /* Which quantity is at a place of the layout; CARRIED_NOTHING if none is. */
 static int quantity_at(const Bundles *b, int k, int c)
 {
-    const int what = BUNDLE_LAYOUT[b->dim - 2][k][c];
-    for (int d = 0; d < b->dim && b->fluxes; d++)
-        if (what == carried_flux(b->dim, d)) return CARRIED_FLUX + d;
-    return what;
+    return BUNDLE_LAYOUT[b->dim - 2][k][c];
 }
 
 static void drop(Bundles *b, int k)
@@ -152,15 +131,6 @@ Fields bundles_fields(const Bundles *b, unsigned needs)
     for (int k = 0; k < BUNDLES; k++)
         for (int c = 0; c < 4 && bundle_meets(b->dim, k) & needs; c++) fields |= QUANTITIES[quantity_at(b, k, c)].of;
     return fields;
-}
-
-/* Fluxes or what else is in their places, as these needs have it. */
-static void choose_fluxes(Bundles *b, unsigned needs)
-{
-    const bool fluxes = needs & NEED_FLUX || (b->fluxes && !(needs & (NEED_NORMAL | NEED_GRADIENT | NEED_SHEPARD)));
-    if (fluxes == b->fluxes) return;
-    b->fluxes = fluxes;
-    for (int d = 0; d < b->dim; d++) b->stale[fluxes ? CARRIED_FLUX + d : carried_flux(b->dim, d)] = ON_ALL;
 }
 
 static const double *column(const Particles *s, const Model *model, int what, size_t first, size_t n, double *room)
@@ -227,9 +197,8 @@ static Packing packing_of(const Bundles *b, const Particles *s, int k, int g)
     unsigned empty = 0;
     for (int c = 0; c < 4; c++) {
         const int what = quantity_at(b, k, c);
-        const bool unmoved = what >= CARRIED_FLUX && g != GROUP_SUMMATION && !b->had_others; /* 0 for ever */
         const bool there = what != CARRIED_NOTHING && is_there(s, &QUANTITIES[what]);
-        packing.what[c] = there && !unmoved ? what : CARRIED_NOTHING;
+        packing.what[c] = there ? what : CARRIED_NOTHING;
         if (lives_here(s, what)) continue;
         if (packing.what[c] == CARRIED_NOTHING) empty |= 1u << c;
         else if (b->stale[what] >> g & 1) packing.places |= 1u << c;
@@ -259,13 +228,11 @@ static bool is_stale(const Bundles *b, const Particles *s, int k)
 void bundles_refresh(Bundles *b, const Particles *s, const Model *model, unsigned needs, int threads)
 {
     bool wanted[BUNDLES], any = false;
-    choose_fluxes(b, needs);
     for (int k = 0; k < BUNDLES; k++) {
         wanted[k] = b->data[k] && bundle_meets(b->dim, k) & needs && is_stale(b, s, k);
         any = any || wanted[k];
     }
     if (!any) return;
-    b->had_others = b->had_others || (!b->fluxes && s->fields & (FIELD(NORMAL) | FIELD(GRADIENT) | FIELD(SHEPARD)));
 #pragma omp parallel num_threads(threads)
     for (int k = 0; k < BUNDLES; k++)
         for (int g = 0; g < GROUPS && wanted[k]; g++) pack_group(b, k, s, model, g);

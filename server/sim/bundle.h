@@ -14,13 +14,12 @@ enum {
     NEED_F = 2,         /* its slope                         */
     NEED_V = 4,         /* the neighbour's velocity          */
     NEED_STATE = 8,     /* its pressure, volume, impedance   */
-    NEED_FLUX = 16,     /* its mass times advection velocity */
-    NEED_SHEPARD = 32,  /* the inverse of its sum of W V */
-    NEED_GRADIENT = 64, /* its pressure gradient     */
-    NEED_NORMAL = 128,  /* its interface normal      */
-    NEED_OTHERS = 256,  /* whether it is of another fluid */
-    NEED_BEND = 512,    /* how the kernel's slope changes */
-    NEED_ALL = 1023
+    NEED_SHEPARD = 16,  /* the inverse of its sum of W V */
+    NEED_GRADIENT = 32, /* its pressure gradient     */
+    NEED_NORMAL = 64,   /* its interface normal      */
+    NEED_OTHERS = 128,  /* whether it is of another fluid */
+    NEED_BEND = 256,    /* how the kernel's slope changes */
+    NEED_ALL = 511
 };
 
 /* Quantities, each of a member of Block (row.h) and of a row of the table in bundle.c. */
@@ -34,14 +33,12 @@ enum {
     CARRIED_GRADIENT,                      /* pressure gradient                                   */
     CARRIED_NORMAL = CARRIED_GRADIENT + 3, /* interface normal                                    */
     CARRIED_NOTHING = CARRIED_NORMAL + 3,
-    CARRIED_FLUX, /* m_j w_j, w = dt/2 b; 0 where there is no stress     */
-    CARRIED_END = CARRIED_FLUX + 3
+    CARRIED_END
 };
 
 /* THE layout, [dim - 2][bundle][quantity]: what changes together is together, where that takes no bundle more. Known when rows are
- * compiled, as looking up where to put each quantity would cost a tenth of a step. Fluxes are where other schemes have
- * something else: see carried_flux(). And normals and gradients are, as far as may be, where nothing is that is asked for while they are
- * found, as then they need no other place (home.h). */
+ * compiled, as looking up where to put each quantity would cost a tenth of a step. Normals and gradients are, as far as may be, where nothing is that is asked for while they are found, as
+ * then they need no other place (home.h). */
 enum { BUNDLES = 4 };
 static const uint8_t BUNDLE_LAYOUT[2][BUNDLES][4] = {
     {{CARRIED_X, CARRIED_X + 1, CARRIED_V, CARRIED_V + 1},
@@ -53,13 +50,6 @@ static const uint8_t BUNDLE_LAYOUT[2][BUNDLES][4] = {
      {CARRIED_P, CARRIED_VOLUME, CARRIED_Z, CARRIED_SHEPARD},
      {CARRIED_GRADIENT, CARRIED_NORMAL, CARRIED_NORMAL + 1, CARRIED_NORMAL + 2}},
 };
-
-/* In whose place component d of a flux is, where fluxes are asked for: of what no scheme with fluxes has. */
-static inline __attribute__((always_inline)) int carried_flux(int dim, int d)
-{
-    if (dim == 2) return CARRIED_NORMAL + d;
-    return d < 2 ? CARRIED_GRADIENT + 1 + d : CARRIED_SHEPARD;
-}
 
 /* The needs that bundle k has something for; all need positions. */
 static inline __attribute__((always_inline)) unsigned bundle_meets(int dim, int k)
@@ -82,18 +72,13 @@ static inline __attribute__((always_inline)) unsigned bundle_meets(int dim, int 
                                         NEED_NORMAL,
                                         [CARRIED_NOTHING] = 0};
     unsigned needs = 0;
-    for (int q = 0; q < 4; q++) {
-        const int what = BUNDLE_LAYOUT[dim - 2][k][q];
-        needs |= NEED_FOR[what];
-        for (int d = 0; d < dim; d++) needs |= what == carried_flux(dim, d) ? NEED_FLUX : 0;
-    }
+    for (int q = 0; q < 4; q++) needs |= NEED_FOR[BUNDLE_LAYOUT[dim - 2][k][q]];
     return needs;
 }
 
 typedef struct Bundles {
     int dim;
     double (*data[BUNDLES])[4];  /* [n]; NULL: the scheme does not need it */
-    bool fluxes, had_others;     /* are there fluxes in their places? Was there ever something else? */
     unsigned stale[CARRIED_END]; /* groups in which what a quantity is made of has changed since, as bits */
 } Bundles;
 

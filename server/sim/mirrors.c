@@ -360,12 +360,8 @@ INLINE void note_images(Growing *g, size_t first, size_t last, bool own, How how
 /* Turn component d of what is needed of the neighbours. */
 INLINE void turn(Block *b, int d, const double keeps[LANES], unsigned needs, How how)
 {
-    double *flux = FLUX_OF(b, d, how.dim); /* where others have gradients and normals */
 #pragma omp simd
     for (int l = 0; l < LANES; l++) b->v[d][l] *= keeps[l];
-    if (needs & NEED_FLUX)
-#pragma omp simd
-        for (int l = 0; l < LANES; l++) flux[l] *= keeps[l];
     if (needs & NEED_GRADIENT)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) b->gradient[d][l] *= keeps[l];
@@ -422,7 +418,7 @@ INLINE size_t fill_images(Growing *g, size_t first, How how)
     const size_t used = g->n;
     while (g->n % LANES) g->n = note(row, g->n, 0, OWN_IMAGE, row->j[g->n - 1]);
     Block *const end = row->block + g->n / LANES;
-    const unsigned needs = row_needs(row, plan);
+    const unsigned needs = plan->needs;
     for (Block *b = row->block + first; b < end; b++) {
         fill_image_block(b, g, needs, how);
         if (row->mixed) find_others(plan->s->phase, plan->s->phase[row->i], row_j(row, b), b->other);
@@ -468,7 +464,7 @@ INLINE size_t append_walls(Growing *g, const uint32_t *j, size_t n, How how)
     memcpy(row->j + g->n, j, n * sizeof *j);
     const size_t end = row->n_fluid + fill_up(row->j + g->n, n);
     assert(end <= ROW_BLOCKS);
-    const unsigned needs = row_needs(row, g->plan);
+    const unsigned needs = g->plan->needs;
     for (size_t b = row->n_fluid; b < end; b++)
         fill_block(row->block + b, row->j + b * LANES, g->plan, needs, g->x, how);
     hide(row->block + end - 1, n, 2 * g->plan->model->kernel.support);

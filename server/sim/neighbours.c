@@ -104,10 +104,8 @@ static uint8_t kinds(const Neighbours *nb, const Particles *s, size_t i, bool im
     unsigned others = 0;
     if (nb->tells_others && i < particles_fluid(s))
         for (size_t k = 0; k < fluid; k++) others |= (unsigned)(s->phase[list[k]] ^ s->phase[i]);
-    const bool summed = (fluid > 0 && list[fluid - 1] >= s->begin[GROUP_SUMMATION]) ||
-                        (mirrored && i >= s->begin[GROUP_SUMMATION] && i < particles_fluid(s)); /* its own image */
     return (uint8_t)((nb->end[i][END_WALLS] > fluid ? LIST_WALLS : 0) | (others ? LIST_OTHERS : 0) |
-                     (images ? LIST_IMAGES : 0) | (summed ? LIST_SUMMED : 0) | (mirrored ? LIST_MIRRORS : 0));
+                     (images ? LIST_IMAGES : 0) | (mirrored ? LIST_MIRRORS : 0));
 }
 
 /* What went wrong in a search: no memory, or the smallest id of the particles with too many neighbours. */

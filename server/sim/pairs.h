@@ -66,7 +66,6 @@ INLINE void fetch_block(Block *block, const uint32_t *j, const Bundles *bundles,
 typedef struct Picked {
     size_t fluid, walls;
     size_t n_fluid, n;
-    bool summed; /* is any of them of summed density? */
 } Picked;
 
 /* Fill up the last block of n neighbours with one of them; returns how many blocks. */
@@ -93,7 +92,7 @@ INLINE Picked pick_neighbours(const RowPlan *plan, size_t i, uint32_t *j)
     const uint16_t *end = plan->nb->end[i];
     const uint8_t *marks = neighbours_marks(plan->nb, i);
     const size_t fluid = end[END_FLUID], walls = end[END_WALLS] - fluid;
-    Picked picked = {.summed = plan->nb->has[i] & LIST_SUMMED};
+    Picked picked = {0};
     picked.fluid = pick(plan, list, fluid, marks, j);
     picked.n_fluid = fill_up(j, picked.fluid);
     j += picked.n_fluid * LANES;
@@ -134,12 +133,6 @@ INLINE bool find_others(const uint8_t *phase, uint8_t mine, const uint32_t *j, d
 INLINE double nearest(const Model *model, double x, int d, How how)
 {
     return how.periodic ? x - model->period[d] * __builtin_rint(x * model->frequency[d]) : x;
-}
-
-/* What is needed of a row's pairs: no flux where none is summed. */
-INLINE unsigned row_needs(const Row *row, const RowPlan *plan)
-{
-    return row->summed ? plan->needs : plan->needs & ~(unsigned)NEED_FLUX;
 }
 
 /* r2: squares of the block's distances. */

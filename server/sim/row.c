@@ -6,7 +6,7 @@
 INLINE void fill_blocks(Row *row, const RowPlan *plan, How how)
 {
     const size_t filled = plan->nb->has[row->i] & LIST_MIRRORS ? row->n_fluid : row->n;
-    const unsigned needs = row_needs(row, plan);
+    const unsigned needs = plan->needs;
     double x[3] = {0, 0, 0};
     for (int d = 0; d < how.dim; d++) x[d] = plan->s->x[d][row->i * plan->s->x_step];
     for (size_t b = 0; b < filled; b++) fill_block(&row->block[b], row->j + b * LANES, plan, needs, x, how);
@@ -50,7 +50,6 @@ INLINE void build(Row *row, const RowPlan *plan, size_t i, How how)
     const Model *model = plan->model;
     const Picked picked = plan->pairs == ROW_WALLS ? pick_walls(plan, i, row->j) : pick_neighbours(plan, i, row->j);
     row->i = i;
-    row->summed = picked.summed;
     row->n_fluid = picked.n_fluid;
     row->n = picked.n;
     row->n_own = row->n_fluid;

@@ -27,14 +27,9 @@ typedef struct Block {
     double other[LANES];                 /* 1 if j is of another fluid, else 0; of mixed rows */
 } Block;
 
-/* Component d of m_j w_j [kg m/s], 0 without a stress: it is in the place that carried_flux() says. */
-#define FLUX_OF(block, d, dim)                                                                                         \
-    ((dim) == 2 ? (block)->normal[d] : (d) < 2 ? (block)->gradient[(d) + 1] : (block)->shepard)
-
 typedef struct Row {
     size_t i;          /* the particle                                */
     size_t n_fluid, n; /* blocks [0, n_fluid) are fluid, [n_fluid, n) walls */
-    bool summed;       /* is any of them of summed density?           */
     bool mixed;        /* is any of another fluid? With NEED_OTHERS */
     /* Blocks [n_own, n_fluid) and [n_walls, n) are images in mirrors of those before them (mirrors.h). */
     size_t n_own, n_walls;
@@ -153,7 +148,7 @@ INLINE void add_product(Lanes *sum, int l, double a, double b, How how)
 
 /* One pair. What a loop does not use costs it nothing. */
 typedef struct Pair {
-    double x[3], r, W, F, bend, v[3], p, V, z, q[3], shepard, gradient[3], normal[3], other; /* as in Block */
+    double x[3], r, W, F, bend, v[3], p, V, z, shepard, gradient[3], normal[3], other; /* as in Block */
     double jump; /* what its pressure lacks as seen across an interface (terms/jump.h) [Pa] */
 } Pair;
 
@@ -171,7 +166,6 @@ INLINE Pair block_pair(const Block *b, int l, How how)
     for (int d = 0; d < how.dim; d++) {
         pair.x[d] = b->x[d][l];
         pair.v[d] = b->v[d][l];
-        pair.q[d] = FLUX_OF(b, d, how.dim)[l];
         pair.gradient[d] = b->gradient[d][l];
         pair.normal[d] = b->normal[d][l];
     }

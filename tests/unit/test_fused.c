@@ -178,7 +178,7 @@ static Cloud *mixed_cloud(const Way *way)
     cloud->model.density_average = 0.7;
     cloud->model.tense = way->tense;
     cloud->model.has_gas = cloud->model.phase[1].fills = way->gas;
-    cloud->model.own_gradients = way->own && way->walls ? 1 : 0;
+    cloud->model.own_gradients = way->own && (way->walls || way->tense) ? 1 : 0;
     cloud->model.viscous = !way->gas || way->tense; /* the others are for viscous fluids alone */
     for (size_t k = 0; k < 2; k++) cloud->model.phase[k].mu *= cloud->model.viscous ? 1 : 0;
     cloud->model.radial = true;
@@ -188,6 +188,7 @@ static Cloud *mixed_cloud(const Way *way)
     for (size_t i = 0; i < s->n; i++) {
         s->shepard[i] = 1 + 0.1 * cloud_noise(&seed);
         s->rate[i] = 0;
+        s->curvature[i] = 5 * cloud_noise(&seed);
         for (int d = 0; d < way->dim; d++) {
             s->gradient[d][i] = 500 * cloud_noise(&seed);
             s->concentration[d][i] = 3 * cloud_noise(&seed);
@@ -274,7 +275,7 @@ static void check_ways(const Pass *from, const Fusion *fusion)
                                  .tense = bits & 8,
                                  .marked = bits & 16,
                                  .gas = has_term(fusion->terms, &gas_dissipation),
-                                 .own = has_term(fusion->terms, &shepard_sum), /* of P1 */
+                                 .own = has_term(fusion->terms, &pressure_gradient),
                                  .level = (Level)level};
                 check_kinds(from, fusion, &way);
             }
@@ -302,17 +303,7 @@ static void assert_same_pair(Pair a, const Pair *b, bool beyond)
         if (!(x[k] == y[k])) fail_msg("%g and %g at %zu of a pair", x[k], y[k], k);
 }
 
-/* A pair of a row has what is in the place of arrows as both. */
-static Pair of_needs(Pair pair, unsigned needs)
-{
-    for (int d = 0; d < 3; d++) {
-        if (!(needs & NEED_FLUX)) pair.q[d] = 0;
-        if (!(needs & NEED_NORMAL)) pair.normal[d] = 0;
-    }
-    return pair;
-}
-
-/* Pairs of a row, those that were fetched, and those of blocks that were approached; returns whether any carries a flux or a normal. */
+/* Pairs of a row, those that were fetched, and those of blocks that were approached; returns whether any carries a normal. */
 static bool compare_pairs(const RowPlan *plan, const Row *row, How how)
 {
     uint32_t j[PICKED_MAX];
@@ -328,23 +319,21 @@ static bool compare_pairs(const RowPlan *plan, const Row *row, How how)
         fetch_block(&block, j + b * LANES, &plan->nb->bundles, plan->needs, how);
         fetch_rest(&rest, j + b * LANES, &plan->nb->bundles, plan->needs, how);
         for (int l = 0; l < LANES; l++) {
-            const Pair laid = of_needs(block_pair(&row->block[b], l, how), plan->needs),
+            const Pair laid = block_pair(&row->block[b], l, how),
                        fetched = fetched_pair(&block, l, beyond, x, plan, plan->needs, how),
                        near = near_pair(&ahead[b % 2], &rest, l, plan, plan->needs, how);
             assert_same_pair(fetched, &laid, beyond[l] > 0);
             assert_same_pair(near, &laid, beyond[l] > 0);
-            carries |= fabs(near.q[0]) > 0 || fabs(near.normal[0]) > 0;
+            carries |= fabs(near.normal[0]) > 0;
         }
     }
     return carries;
 }
 
-/* With fluxes or with normals, which have one place. A row has fluxes only where some neighbour is of summed density. */
 static void pairs_are_the_same_however_they_are_come_by(void **state)
 {
     (void)state;
     static Row row;
-    static const unsigned forms[] = {NEED_ALL & ~NEED_NORMAL, NEED_ALL & ~NEED_FLUX, NEED_ALL & ~NEED_NORMAL};
     for (int dim = 2; dim <= 3; dim++) {
         Cloud *cloud = stirred(dim, MNS_QUINTIC_SPLINE, true);
         Particles *s = &cloud->s;
@@ -357,17 +346,15 @@ static void pairs_are_the_same_however_they_are_come_by(void **state)
                 s->normal[d][i] = cloud_noise(&seed);
             }
         particles_changed(s, ON_ALL, ALL_FIELDS);
-        for (size_t k = 0; k < sizeof forms / sizeof *forms; k++) {
-            bool carries = false;
-            neighbours_refresh(&cloud->nb, s, &cloud->model, forms[k]);
-            const RowPlan plan = row_plan(&cloud->nb, s, &cloud->model, forms[k], ROW_LISTED);
-            const How how = {dim, BASE_FUSES, fetch_quads, true, kernel_shape_of(cloud->model.kernel.type)};
-            for (size_t i = 0; i < particles_fluid(s); i++) {
-                row_build(&row, &plan, i);
-                if (row.summed) carries |= compare_pairs(&plan, &row, how);
-            }
-            assert_true(carries);
+        bool carries = false;
+        neighbours_refresh(&cloud->nb, s, &cloud->model, NEED_ALL);
+        const RowPlan plan = row_plan(&cloud->nb, s, &cloud->model, NEED_ALL, ROW_LISTED);
+        const How how = {dim, BASE_FUSES, fetch_quads, true, kernel_shape_of(cloud->model.kernel.type)};
+        for (size_t i = 0; i < particles_fluid(s); i++) {
+            row_build(&row, &plan, i);
+            carries |= compare_pairs(&plan, &row, how);
         }
+        assert_true(carries);
         cloud_free(cloud);
     }
 }
@@ -377,33 +364,30 @@ static void bundles_are_what_fields_are_after_any_change(void **state)
 {
     (void)state;
     for (int dim = 2; dim <= 3; dim++)
-        for (int f = 0; f < FIELDS_END; f++)
-            for (unsigned without = NEED_FLUX; without != 0; without = without == NEED_FLUX ? NEED_NORMAL : 0) {
-                const unsigned needs = NEED_ALL & ~without;
-                Cloud *cloud = stirred(dim, MNS_QUINTIC_SPLINE, true);
-                Particles *s = &cloud->s;
-                uint64_t seed = 9;
-                Bundles fresh;
-                assert_true(bundles_init(&fresh, s->n, dim, NEED_ALL, 1));
-                neighbours_refresh(&cloud->nb, s, &cloud->model, NEED_ALL & ~(without ^ (NEED_FLUX | NEED_NORMAL)));
-                neighbours_refresh(&cloud->nb, s, &cloud->model, needs);
-                for (int d = 0; d < dim && mns_fields()[f].type == MNS_F64; d++) {
-                    double *array = particles_field(s, f, d);
-                    if (WALL_FIELDS >> f & 1) continue; /* of walls alone */
-                    for (size_t i = s->begin[1]; array && i < s->begin[2]; i++) array[i] = 1 + cloud_noise(&seed);
-                }
-                particles_changed(s, ON_SUMMATION, UINT64_C(1) << f);
-                neighbours_refresh(&cloud->nb, s, &cloud->model, needs);
-                bundles_refresh(&fresh, s, &cloud->model, needs, 1);
-                for (int k = 0; k < (dim == 3 ? 4 : 3); k++)
-                    for (size_t i = 0; i < s->n; i++)
-                        for (int c = 0; c < 4; c++)
-                            if (!(fresh.data[k][i][c] == cloud->nb.bundles.data[k][i][c]))
-                                fail_msg("%s: %g, not %g, at %d of bundle %d", mns_fields()[f].name,
-                                         cloud->nb.bundles.data[k][i][c], fresh.data[k][i][c], c, k);
-                bundles_done(&fresh);
-                cloud_free(cloud);
+        for (int f = 0; f < FIELDS_END; f++) {
+            Cloud *cloud = stirred(dim, MNS_QUINTIC_SPLINE, true);
+            Particles *s = &cloud->s;
+            uint64_t seed = 9;
+            Bundles fresh;
+            assert_true(bundles_init(&fresh, s->n, dim, NEED_ALL, 1));
+            neighbours_refresh(&cloud->nb, s, &cloud->model, NEED_ALL);
+            for (int d = 0; d < dim && mns_fields()[f].type == MNS_F64; d++) {
+                double *array = particles_field(s, f, d);
+                if (WALL_FIELDS >> f & 1) continue; /* of walls alone */
+                for (size_t i = s->begin[1]; array && i < s->begin[2]; i++) array[i] = 1 + cloud_noise(&seed);
             }
+            particles_changed(s, ON_SUMMATION, UINT64_C(1) << f);
+            neighbours_refresh(&cloud->nb, s, &cloud->model, NEED_ALL);
+            bundles_refresh(&fresh, s, &cloud->model, NEED_ALL, 1);
+            for (int k = 0; k < (dim == 3 ? 4 : 3); k++)
+                for (size_t i = 0; i < s->n; i++)
+                    for (int c = 0; c < 4; c++)
+                        if (!(fresh.data[k][i][c] == cloud->nb.bundles.data[k][i][c]))
+                            fail_msg("%s: %g, not %g, at %d of bundle %d", mns_fields()[f].name,
+                                     cloud->nb.bundles.data[k][i][c], fresh.data[k][i][c], c, k);
+            bundles_done(&fresh);
+            cloud_free(cloud);
+        }
 }
 
 /* --- what is taken --------------------------------------------------------------------------------------------------- */

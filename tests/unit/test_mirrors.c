@@ -315,11 +315,13 @@ static void terms_of_incompressible_find_half_of_the_whole(void **state)
             check(&both, &velocity_correction, 1e-10);
             check(&both, &wall_velocity, 1e-12);
             assert_same_velocities_in_walls(&both, "wall velocity");
-            check(&both, &surface_vector, 1e-10);
+            check(&both, &corrected_normal, 1e-10);
+            check(&both, &raw_curvature_first, 1e-9);
+            check(&both, &next_mean, 1e-9);
+            check(&both, &sharp_mean, 1e-9);
             check(&both, &viscosity, 1e-10);
             check(&both, &transposed_viscosity, 1e-10);
             check(&both, &wall_friction, 1e-10);
-            check(&both, &surface_stress, 1e-10);
             check(&both, &density_correction, 1e-10);
             both_done(&both);
         }
@@ -328,8 +330,8 @@ static void terms_of_incompressible_find_half_of_the_whole(void **state)
 static void terms_of_differences_find_half_of_the_whole(void **state)
 {
     (void)state;
-    static const Term *const rates[] = {&harmonic_diffusion, &divtau_diffusion, &conservative_diffusion, &sph_diffusion,
-                                        &colour_tension};
+    static const Term *const rates[] = {&harmonic_diffusion, &divtau_diffusion, &conservative_diffusion,
+                                        &sph_diffusion};
     static const MnsDiffusion diffusions[] = {MNS_DIFFUSION_HARMONIC, MNS_DIFFUSION_DIVTAU, MNS_DIFFUSION_CONSERVATIVE,
                                               MNS_DIFFUSION_SPH};
     for (int dim = 2; dim <= 3; dim++)
@@ -344,8 +346,10 @@ static void terms_of_differences_find_half_of_the_whole(void **state)
             check(&both, &continued_velocity, 1e-12);
             assert_same_velocities_in_walls(&both, "continued velocity");
             check(&both, &colour_gradient, 1e-10);
-            for (int k = 0; k < 5; k++) {
-                both.whole->model.differences.diffusion = both.part->model.differences.diffusion = diffusions[k % 4];
+            check(&both, &colour_curvature, 1e-9);
+            check(&both, &mean_colour_curvature, 1e-9);
+            for (int k = 0; k < 4; k++) {
+                both.whole->model.differences.diffusion = both.part->model.differences.diffusion = diffusions[k];
                 check(&both, rates[k], 1e-9);
             }
             check(&both, &even_spacing, 1e-9);
@@ -387,11 +391,11 @@ static void terms_with_sound_find_half_of_the_whole(void **state)
 {
     (void)state;
     static const Term *const terms[] = {
-        &shepard_sum,         &concentration,  &pressure_gradient,     &continuity,       &volume_continuity,
-        &density_dissipation, &pressure_force, &volume_pressure_force, &gas_dissipation,  &viscosity,
-        &radial_viscosity,    &wall_friction,  &interface_normal,      &surface_tension,  &corrected_normal,
-        &corrected_tension,   &number_density, &riemann_density,       &riemann_momentum, &background,
-        &transport_stress};
+        &shepard_sum,         &concentration,   &pressure_gradient,     &continuity,      &volume_continuity,
+        &density_dissipation, &pressure_force,  &volume_pressure_force, &gas_dissipation, &viscosity,
+        &radial_viscosity,    &wall_friction,   &interface_normal,      &raw_curvature,   &mean_curvature,
+        &next_mean,           &sharp_curvature, &corrected_normal,      &number_density,  &riemann_density,
+        &riemann_momentum,    &background,      &transport_stress};
     for (int dim = 2; dim <= 3; dim++)
         for (int corner = 0; corner < 2; corner++) {
             Both both = both_of(dim, corner, 1, 0);

@@ -55,12 +55,7 @@ static void check_pair(const Cloud *cloud, const Row *row, size_t k)
     assert_close(b->W[l], pair.W, 1e-11);
     assert_close(b->F[l], pair.F, 1e-9);
     assert_true(b->V[l] == cloud_volume(cloud, j) && b->p[l] == s->p[j] && b->z[l] == cloud_impedance(cloud, j));
-    const bool carries = group_of(s, j) == GROUP_SUMMATION;
-    for (int d = 0; d < s->dim; d++) {
-        assert_true(b->v[d][l] == s->v[d][j]);
-        const double q = carries ? s->m[j] * 0.5 * cloud->model.dt * s->b[d][j] : 0;
-        if (row->summed) assert_close(FLUX_OF(b, d, s->dim)[l], q, 1e-15 * fabs(q));
-    }
+    for (int d = 0; d < s->dim; d++) assert_true(b->v[d][l] == s->v[d][j]);
 }
 
 static void every_pair_in_reach_is_there_once_and_right(void **state)
@@ -73,10 +68,7 @@ static void every_pair_in_reach_is_there_once_and_right(void **state)
         Cloud *cloud = drifted(dim, periodic, kernels[k / 32]);
         Particles *s = &cloud->s;
         const double reach = cloud->model.kernel.support;
-        uint64_t seed = 5;
         cloud_stir(cloud, 3);
-        for (int d = 0; d < dim; d++)
-            for (size_t i = 0; i < s->n; i++) s->b[d][i] = 800 * cloud_noise(&seed);
         for (size_t i = 0; i < s->n; i++) {
             Row row;
             row_of(cloud, i, &row, ROW_LISTED);
@@ -96,15 +88,12 @@ static void every_pair_in_reach_is_there_once_and_right(void **state)
                 }
             }
             if (pairs == ROW_MARKED) assert_true(out_of_reach <= 2 * (LANES - 1)); /* padding, no more */
-            bool summed = false;
             for (size_t j = 0; j < s->n; j++) {
                 const double r = cloud_pair(cloud, i, j).r;
                 const bool both_walls = i >= particles_fluid(s) && j >= particles_fluid(s);
                 if (fabs(r - reach) < 1e-12) continue;
                 assert_int_equal(found[j], i != j && !both_walls && r < reach);
-                summed = summed || (found[j] && group_of(s, j) == GROUP_SUMMATION);
             }
-            if (summed) assert_true(row.summed);
         }
         cloud_free(cloud);
     }
@@ -152,7 +141,7 @@ static void levels_give_the_same_bits(void **state)
                     row_of(cloud, i, &a, (RowPairs)pairs);
                     cloud->model.level = best;
                     row_of(cloud, i, &b, (RowPairs)pairs);
-                    assert_true(a.n == b.n && a.n_fluid == b.n_fluid && a.summed == b.summed);
+                    assert_true(a.n == b.n && a.n_fluid == b.n_fluid);
                     assert_memory_equal(a.j, b.j, a.n * LANES * sizeof *a.j);
                     for (size_t k = 0; k < a.n; k++) {
                         const size_t used = dim == 3 ? sizeof(Block) : offsetof(Block, normal[2]);

@@ -161,7 +161,6 @@ const Row *row_with_images(const Row *row, const Particles *s, const Model *mode
     if (n == 0) return row;
     Growing images = {room, row->n_fluid * LANES, model->kernel.support, s->dim};
     room->i = row->i;
-    room->summed = row->summed;
     room->mixed = true;
     memcpy(room->j, row->j, images.n * sizeof *row->j);
     memcpy(room->block, row->block, row->n_fluid * sizeof *row->block);
