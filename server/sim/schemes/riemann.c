@@ -7,6 +7,7 @@
 #include "sim/limits.h"
 #include "sim/locals/locals.h"
 #include "sim/terms/terms.h"
+#include <math.h>
 
 /* A gas gets the summed density that keeps it from opening voids. Between liquids, even oil and mercury, continuity is ten times
  * as accurate at rest. */
@@ -31,6 +32,9 @@ static double background_factor(const Model *model, const MnsRiemann *options, b
     if (!summation && !model->filled) return 0;
     return !summation && any_summed(model) ? options->heavy_background_pressure : options->background_pressure;
 }
+
+/* A step moves particles by dt^2 p_b: more than at this factor of the acoustic step, and those of a filled space are thrown about by it. */
+static const double SPREAD_UP_TO = 0.25;
 
 /* A Laplacian is wrong at a free surface, and where viscosities differ; what acts along the line of a pair needs three rows of neighbours for a flow along
  * them, and lets 2 % less through a channel with two. */
@@ -64,11 +68,13 @@ static void riemann_options(Model *model, const MnsCase *c)
     model->radial = acts_along_pairs(model);
     model->transport_stress = c->scheme.riemann.transport_stress;
     model->guard = c->scheme.riemann.guard * model->dx;
+    const double longer = fmax(1, model->cfl / SPREAD_UP_TO);
     for (size_t k = 0; k < model->n_phases; k++) model->phase[k].summation = is_summed(model, &c->fluids[k]);
     for (size_t k = 0; k < model->n_phases; k++) {
         Phase *phase = &model->phase[k];
         const double factor = background_factor(model, &c->scheme.riemann, phase->summation);
-        phase->p_b = factor * phase->rho0 * phase->c * model->c_max; /* over dt ~ h/c_max: as fast as its own sound */
+        /* over dt ~ h/c_max: as fast as its own sound */
+        phase->p_b = factor * phase->rho0 * phase->c * model->c_max / (longer * longer);
     }
 }
 
