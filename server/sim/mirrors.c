@@ -358,7 +358,7 @@ INLINE void note_images(Growing *g, size_t first, size_t last, bool own, How how
 /* --- what they are like --- */
 
 /* Turn component d of what is needed of the neighbours. */
-INLINE void turn(Block *b, int d, const double keeps[LANES], unsigned needs, How how)
+INLINE void turn(Block *b, int d, const double keeps[LANES], unsigned needs)
 {
 #pragma omp simd
     for (int l = 0; l < LANES; l++) b->v[d][l] *= keeps[l];
@@ -371,7 +371,7 @@ INLINE void turn(Block *b, int d, const double keeps[LANES], unsigned needs, How
 }
 
 /* From positions in direction d to differences to them, as apart() and rows have them. */
-INLINE void reflect(Block *b, int d, const uint8_t turned[LANES], const Growing *g, unsigned needs, How how)
+INLINE void reflect(Block *b, int d, const uint8_t turned[LANES], const Growing *g, unsigned needs)
 {
     const Model *model = g->plan->model;
     const double x = g->x[d], lower = model->min[d], upper = model->max[d];
@@ -385,7 +385,7 @@ INLINE void reflect(Block *b, int d, const uint8_t turned[LANES], const Growing 
         keeps[l] = sides == 0 ? 1 : -1;
         b->x[d][l] = (x - at) - keeps[l] * (b->x[d][l] - at);
     }
-    turn(b, d, keeps, needs, how);
+    turn(b, d, keeps, needs);
 }
 
 INLINE void fill_image_block(Block *b, const Growing *g, unsigned needs, How how)
@@ -395,7 +395,7 @@ INLINE void fill_image_block(Block *b, const Growing *g, unsigned needs, How how
     double r2[LANES];
     fetch_block(b, g->row->j + first, &plan->nb->bundles, needs, how);
     for (int d = 0; d < how.dim; d++)
-        if (g->near >> 2 * d & 3) reflect(b, d, g->row->turned + first, g, needs, how);
+        if (g->near >> 2 * d & 3) reflect(b, d, g->row->turned + first, g, needs);
         else
 #pragma omp simd
             for (int l = 0; l < LANES; l++) b->x[d][l] = nearest(plan->model, g->x[d] - b->x[d][l], d, how);

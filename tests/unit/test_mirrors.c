@@ -159,7 +159,7 @@ static double *const *result(Cloud *cloud, int k, int *ret_components, bool *ret
     static const struct {
         int components; /* 0: as many as dimensions */
         bool walls;
-    } table[RESULTS] = {{0, false}, {0, false}, {0, false}, {0, false}, {0, false}, {0, false}, {0, false},
+    } table[RESULTS] = {{0, false}, {0, false}, {0, false}, {1, false}, {0, false}, {0, false}, {0, false},
                         {0, false}, {1, false}, {1, true},  {1, true},  {1, true},  {1, true},  {0, false},
                         {0, false}, {0, false}, {0, false}, {1, false}, {1, true}};
     *ret_components = table[k].components ? table[k].components : s->dim;
@@ -169,7 +169,7 @@ static double *const *result(Cloud *cloud, int k, int *ret_components, bool *ret
     case 0: return s->a;
     case 1: return s->v;
     case 2: return s->x;
-    case 3: return s->surface;
+    case 3: one[0] = s->curvature; return one;
     case 4: return s->normal;
     case 5: return s->colour_gradient;
     case 6: return s->correction;

@@ -35,9 +35,11 @@ static Cloud *stirred(int dim, bool closed)
         cloud->model.gravity[d] = -1 - d;
         for (size_t i = 0; i < cloud->s.n; i++) {
             cloud->s.b[d][i] = 300 * cloud_noise(&seed);
+            cloud->s.curvature[i] = 3 * cloud_noise(&seed);
+            cloud->s.curvature_step[i] = 3 * cloud_noise(&seed);
+            cloud->s.interface[i] = 0.1 + 0.05 * cloud_noise(&seed);
             cloud->s.a[d][i] = 3 * cloud_noise(&seed);
             cloud->s.normal[d][i] = d == (int)(i % 2) ? 0.6 : d < 2 ? 0.8 : 0;
-            cloud->s.surface[d][i] = 1e-3 * cloud_noise(&seed);
             cloud->s.concentration[d][i] = 5 * cloud_noise(&seed);
             cloud->s.gradient[d][i] = 9e3 * cloud_noise(&seed);
             cloud->s.correction[d][i] = 2 + cloud_noise(&seed);

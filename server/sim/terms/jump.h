@@ -20,7 +20,7 @@ static const Jump NO_JUMP;
 /* scale: 1, or dt where pressures are impulses. */
 INLINE Jump jump_of(const Particles *s, const Model *model, size_t i, double scale)
 {
-    Jump jump;
+    Jump jump = {{0}, {0}};
     const unsigned mine = s->phase[i];
     for (unsigned k = 0; k < model->n_phases; k++) {
         jump.mine[k] = scale * model->tension_share[mine][k] * s->curvature[i];
