@@ -255,7 +255,7 @@ static void beside_a_gas_no_difference_grows(void **state)
                 Cloud *cloud = cloud_new(
                     &(CloudSetup){.dim = dim, .dx = 0.1, .n = {3, 1, 1}, .flowing = true, .owner = two_of_water});
                 Particles *s = &cloud->s;
-                cloud->model.own_gradients = gas;
+                cloud->model.has_gas = gas;
                 s->p[0] = 0;
                 s->p[1] = 100;
                 for (int i = 0; i < 2; i++) s->gradient[0][i] = (steep ? 2 : 0.5) * 100 / (s->x[0][1] - s->x[0][0]);

@@ -114,6 +114,7 @@ static void assert_declared(const Term *term, const Local *local, int dim)
         Cloud *cloud = stirred(dim, k % 2);
         stored = cloud->s.fields;
         cloud->model.differences.diffusion = (MnsDiffusion)(k / 2);
+        cloud->model.radial = k & 2;
         cloud->model.has_gas = cloud->model.phase[1].fills = k >= 4;
         char *before = copy_of(&cloud->s);
         const Pass pass = {"alone", .terms = {term}};

@@ -149,7 +149,7 @@ static void a_linear_flow_is_found_where_particles_come_to(void **state)
     static const double slope[3][3] = {{0.3, -2, 0.5}, {1, -0.3, 0.2}, {0.7, 0.4, 0.6}}, w[3] = {0.2, -0.1, 0.05};
     for (int dim = 2; dim <= 3; dim++) {
         Cloud *cloud =
-            cloud_new(&(CloudSetup){.dim = dim, .dx = 0.1, .n = {9, 9, 9}, .calibrated = true, .owner = all_air});
+            cloud_new(&(CloudSetup){.dim = dim, .dx = 0.1, .n = {13, 13, 13}, .calibrated = true, .owner = all_air});
         Particles *s = &cloud->s;
         size_t seen = 0;
         for (size_t i = 0; i < s->n; i++)
