@@ -87,10 +87,10 @@ INLINE void raw_curvature_first_row(const Row *row, Particles *s, const Model *m
 }
 ROW_FUNCTIONS(raw_curvature_first_row)
 
+/* Of mixed rows. */
 INLINE double mean_of(const Row *row, const Particles *s, const Model *model, const double *kappa)
 {
     Row room;
-    if (!row->mixed) return 0;
     const Row *seen = row_with_images(row, s, model, &room);
     Mean mean = mean_of_own(s, model, row->i, kernel_at_zero(&model->kernel), kappa);
     for (const Block *b = seen->block; b < seen->block + seen->n_fluid; b++)
@@ -101,14 +101,14 @@ INLINE double mean_of(const Row *row, const Particles *s, const Model *model, co
 INLINE void mean_curvature_row(const Row *row, Particles *s, const Model *model, How how)
 {
     (void)how;
-    s->curvature[row->i] = mean_of(row, s, model, s->curvature_step);
+    if (row->mixed) s->curvature[row->i] = mean_of(row, s, model, s->curvature_step);
 }
 ROW_FUNCTIONS(mean_curvature_row)
 
 INLINE void next_mean_row(const Row *row, Particles *s, const Model *model, How how)
 {
     (void)how;
-    s->curvature_step[row->i] = mean_of(row, s, model, s->curvature);
+    if (row->mixed) s->curvature_step[row->i] = mean_of(row, s, model, s->curvature);
 }
 ROW_FUNCTIONS(next_mean_row)
 
@@ -116,6 +116,7 @@ INLINE void sharp_curvature_row(const Row *row, Particles *s, const Model *model
 {
     (void)how;
     const double twice = s->curvature_step[row->i];
+    if (!row->mixed) return;
     s->curvature[row->i] += SHARPNESS * (twice - mean_of(row, s, model, s->curvature_step));
 }
 ROW_FUNCTIONS(sharp_curvature_row)
@@ -124,6 +125,7 @@ INLINE void sharp_mean_row(const Row *row, Particles *s, const Model *model, How
 {
     (void)how;
     const double once = s->curvature_step[row->i];
+    if (!row->mixed) return;
     s->curvature[row->i] = once + SHARPNESS * (once - mean_of(row, s, model, s->curvature_step));
 }
 ROW_FUNCTIONS(sharp_mean_row)
