@@ -59,7 +59,7 @@ CASES = {
     "bubble3d-single-printed": Case(bubbles.bubble3d_single_printed, 0, 8),
     "bubble3d-single-printed-coarse": Case(bubbles.bubble3d_single_printed_coarse, 0, 0.07),
     "bubble3d-single-quarter": Case(bubbles.bubble3d_single_quarter, 0, 0.4),
-    "bubble3d-double": Case(bubbles.bubble3d_double, 230, 31),
+    "bubble3d-double": Case(bubbles.bubble3d_double, 590, 31),
     "bubble3d-double-half": Case(bubbles.bubble3d_double_half, 0, 0.8),
     "rayleigh-taylor3d": Case(interfaces.rayleigh_taylor3d, 300, 1300),
     "rayleigh-taylor3d-quarter": Case(interfaces.rayleigh_taylor3d_quarter, 0, 0.9),

@@ -219,8 +219,8 @@ def score_double(case: str, r: Run, full: bool) -> Iterator[Metric]:
 
 
 def bubble3d_double(paper: bool) -> Iterator[Metric]:
-    """P1 4.2.2; reduced, half of the box, at one resolution that is coarse and until they begin to draw near."""
-    case, sizes = "bubble3d-double", (5, 10) if paper else (3,)
+    """P1 4.2.2; reduced, half of the box, at one resolution and until they begin to draw near."""
+    case, sizes = "bubble3d-double", (5, 10) if paper else (4,)
     part = ["end_time=0.2"] if paper else ["end_time=0.104", *HALF]
     runs = [run(case, f"resolution={n}", *part) for n in sizes]
     yield from score_double(case, runs[-1], paper)
