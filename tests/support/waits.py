@@ -69,7 +69,7 @@ def main() -> None:
     if os.fork():
         os.wait()
         os.execvp(command[0], command)
-    if os.fork():  # so that it is nobody's child, and the command does not wait for it
+    if os.fork():  # a second time: the watcher must not be a child of the command, which may wait for all its children
         os._exit(0)
     os.setsid()
     for stream in range(3):
