@@ -3,6 +3,7 @@
  * begins, and what is allowed but hardly meant is said. */
 #include "sim/bodies.h"
 #include "sim/limits.h"
+#include "sim/mirror_planes.h"
 #include "sim/probes/probes.h"
 #include "sim/sim.h"
 #include "sim/state.h"
@@ -342,6 +343,7 @@ void plan_look(MnsSim *sim)
     plan_look_at_gradients(sim);
     plan_look_at_averages(sim);
     warn_open_sides(sim);
+    mirror_planes_warn(sim);
     warn_probes_outside(sim);
     warn_ignored(sim);
     if (!sim->resumed) warn_sounds(sim);
