@@ -124,7 +124,7 @@ static bool is_beside(const MnsSim *sim, const bool *these, size_t i)
 }
 
 /* Of the scheme's powers those that are not zero; returns what they need. */
-static unsigned find_acting(const MnsSim *sim, const bool *moves, const Term *acting[static PASS_TERMS_MAX])
+static unsigned find_acting(const MnsSim *sim, const bool *moves, const Term *acting[static POWER_TERMS_MAX + 1])
 {
     const Model *model = &sim->model;
     bool motion = false;
@@ -149,7 +149,7 @@ static void find_power(MnsSim *sim)
         moves[w] = wall->v[0] != 0 || wall->v[1] != 0 || wall->v[2] != 0;
         acts[w] = moves[w] || wall->has_belt;
     }
-    const Term *acting[PASS_TERMS_MAX];
+    const Term *acting[POWER_TERMS_MAX + 1];
     const unsigned needs = find_acting(sim, moves, acting);
     neighbours_refresh(&sim->nb, s, &sim->model, needs);
     const RowPlan plan = row_plan(&sim->nb, s, &sim->model, needs, ROW_WALLS);

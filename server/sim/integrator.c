@@ -196,6 +196,7 @@ void integrator_renew(MnsSim *sim)
     integrator_rates(sim, sim->scheme->given);
     model->dt = dt;
     model->lag = lag;
+    if (sim->scheme->integrator->renew) sim->scheme->integrator->renew(sim);
 }
 
 MnsStatus integrator_restart(MnsSim *sim, MnsError *error)

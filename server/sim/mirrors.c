@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Sides of the domain that mirror the fluid: which they are, and images in them. */
+/* Images of the fluid in mirrors. */
 #include "sim/mirrors.h"
 #include "sim/pairs.h"
 #include "sim/sim.h"
@@ -7,109 +7,6 @@
 #include <math.h>
 
 enum { SIDES = 6, LOWER_SIDES = 0x15 };
-
-/* Of a spacing: how near to a side of the domain the surface of a wall has to be. */
-static const double FLUSH = 1e-3;
-
-/* --- which sides are mirrors ------------------------------------------------------------------------------------------------ */
-
-static bool slips_and_stays(const MnsSim *sim, size_t wall)
-{
-    const WallState *state = &sim->model.wall[wall];
-    return !state->no_slip && !state->has_belt && sim->c->walls[wall].motion.kind == MNS_STILL;
-}
-
-/* Is a place inside of a wall, and of none that is no mirror? */
-static bool is_backed(const MnsSim *sim, const double x[3])
-{
-    bool any = false;
-    for (size_t k = 0; k < sim->model.n_walls; k++) {
-        if (!(shape_distance(&sim->solid[k], x) < 0)) continue;
-        if (!slips_and_stays(sim, k)) return false;
-        any = true;
-    }
-    return any;
-}
-
-static bool is_open(const MnsSim *sim, const double x[3])
-{
-    for (size_t k = 0; k < sim->model.n_walls; k++)
-        if (shape_distance(&sim->solid[k], x) < 0) return false;
-    return true;
-}
-
-/* By what lies just behind each cell of the lattice that is beside it; and somewhere there is room before it. */
-static bool is_mirror(const MnsSim *sim, int side)
-{
-    const Model *model = &sim->model;
-    const int d = side / 2, e = (d + 1) % model->dim, f = model->dim == 3 ? (d + 2) % 3 : e;
-    const double at = side % 2 ? model->max[d] : model->min[d], behind = (side % 2 ? 1 : -1) * FLUSH * model->dx;
-    size_t n[3] = {1, 1, 1};
-    for (int k = 0; k < model->dim; k++) n[k] = (size_t)lround((model->max[k] - model->min[k]) / model->cell[k]);
-    bool open = false;
-    if (model->period[d] > 0) return false;
-    for (size_t b = 0; b < (f == e ? 1 : n[f]); b++)
-        for (size_t a = 0; a < n[e]; a++) {
-            double x[3] = {0, 0, 0};
-            x[f] = model->min[f] + ((double)b + 0.5) * model->cell[f];
-            x[e] = model->min[e] + ((double)a + 0.5) * model->cell[e];
-            x[d] = at + behind;
-            if (!is_backed(sim, x)) return false;
-            x[d] = at - behind;
-            open = open || is_open(sim, x);
-        }
-    return open;
-}
-
-/* Has gravity no part along d, ever? */
-static bool is_weightless(const Formula *gravity)
-{
-    const double t = 0;
-    return formula_is_constant(gravity) && formula_eval(gravity, &t) == 0;
-}
-
-static bool any_slips(const MnsSim *sim)
-{
-    for (size_t k = 0; k < sim->model.n_walls; k++)
-        if (slips_and_stays(sim, k)) return true;
-    return false;
-}
-
-/* Does a row have room for all listed neighbours on a lattice and a tenth denser, where these mirrors meet: fluid, images of the rest of the ball, and
- * the wall particles that these stand for? */
-static bool have_room_in_corners(const Model *model, unsigned mirrors)
-{
-    const double reach = model->kernel.support + model->skin, pi = acos(-1),
-                 ball = model->dim == 2 ? pi * reach * reach : 4 * pi / 3 * reach * reach * reach;
-    double fluid = 1;
-    for (int d = 0; d < model->dim; d++) fluid *= mirrors >> 2 * d & 3 ? 0.5 : 1;
-    return 1.1 * (2 - fluid) * ball / model->cell_volume <= ROW_MAX;
-}
-
-unsigned mirrors_find(const MnsSim *sim, Formula *const gravity[3])
-{
-    const Model *model = &sim->model;
-    unsigned mirrors = 0;
-    for (int side = 0; side < 2 * model->dim && any_slips(sim); side++)
-        if ((sim->scheme->floors_mirror || is_weightless(gravity[side / 2])) && is_mirror(sim, side))
-            mirrors |= 1u << side;
-    for (int d = 0; d < model->dim; d++)
-        if ((mirrors >> 2 * d & 3) == 3 && model->max[d] - model->min[d] < model->kernel.support)
-            mirrors &= ~(3u << 2 * d);
-    return have_room_in_corners(model, mirrors) ? mirrors : 0;
-}
-
-bool mirrors_have(const Model *model, const Face *face)
-{
-    if (!model->mirrors) return false;
-    for (int d = 0; d < model->dim; d++) {
-        const int side = face->normal[d] > 0 ? 2 * d : 2 * d + 1;
-        const double at = face->point[d] + model->wall[face->wall].x[d];
-        if (!(model->mirrors >> side & 1) || !(fabs(face->normal[d]) > 1 - 1e-9)) continue;
-        if (fabs(model_inside(model, side, at)) < FLUSH * model->dx) return true;
-    }
-    return false;
-}
 
 /* --- who is near them ------------------------------------------------------------------------------------------------------- */
 
@@ -374,7 +271,7 @@ INLINE void turn(Block *b, int d, const double keeps[LANES], unsigned needs)
 INLINE void reflect(Block *b, int d, const uint8_t turned[LANES], const Growing *g, unsigned needs)
 {
     const Model *model = g->plan->model;
-    const double x = g->x[d], lower = model->min[d], upper = model->max[d];
+    const double x = g->x[d], lower = model->mirror_at[2 * d], upper = model->mirror_at[2 * d + 1];
     double keeps[LANES];
     uint64_t all; /* a byte each */
     memcpy(&all, turned, sizeof all);

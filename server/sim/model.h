@@ -62,7 +62,8 @@ typedef struct Model {
     int dim;
     double dx, cell[3], cell_volume; /* nominal and fitted spacing [m]; volume of a lattice cell, V_0 [m^dim] */
     double min[3], max[3];           /* domain [m] */
-    unsigned mirrors;                /* sides of the domain that mirror the fluid, a bit each (mirrors.h) */
+    unsigned mirrors;                /* planes that mirror the fluid, a bit each (mirrors.h) */
+    double mirror_at[6];             /* where they are: sides of the domain, or further in [m] */
     double period[3], frequency[3];  /* length of a periodic direction and its inverse; 0 where not periodic */
     bool periodic;                   /* in any direction */
     Kernel kernel;
@@ -109,10 +110,10 @@ static inline bool model_is_gas(const Model *model, double density)
     return density < GAS_DENSITY * model->rho_max;
 }
 
-/* How far a coordinate is on the inner side of a side of the domain [m]: sides 2 d and 2 d + 1 are the lower and the upper one in direction d. */
+/* How far a coordinate is before a mirror [m]: 2 d and 2 d + 1 are the lower and the upper one in direction d. */
 static inline double model_inside(const Model *model, int side, double x)
 {
-    return side % 2 ? model->max[side / 2] - x : x - model->min[side / 2];
+    return side % 2 ? model->mirror_at[side] - x : x - model->mirror_at[side];
 }
 
 /* x_i - x_j along direction d, to the nearest image. */

@@ -2,6 +2,7 @@
 /* What a run is going to take, by the length of its steps: what would never end, or fill any disk, is refused before it
  * begins, and what is allowed but hardly meant is said. */
 #include "sim/limits.h"
+#include "sim/mirror_planes.h"
 #include "sim/probes/probes.h"
 #include "sim/sim.h"
 #include "sim/sounds.h"
@@ -216,6 +217,7 @@ void plan_look(MnsSim *sim)
     plan_look_at_gradients(sim);
     plan_look_at_averages(sim);
     warn_open_sides(sim);
+    mirror_planes_warn(sim);
     warn_probes_outside(sim);
     warn_ignored(sim);
     if (!sim->resumed) sounds_look(sim);

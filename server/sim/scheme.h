@@ -77,9 +77,10 @@ typedef struct Pass {
 typedef struct Integrator {
     const char *name, *source, *equation;
     MnsStatus (*step)(MnsSim *, double t, double dt, MnsError *error); /* of length dt, to t */
-    Fields works;                                                      /* room it needs within a step */
-    bool halfway;                                                      /* it asks for walls half-way too */
-    bool staggered; /* its rates are of velocities of half a step before the positions */
+    void (*renew)(MnsSim *); /* what else is new, after the rates, under another gravity or other options; or NULL */
+    Fields works;            /* room it needs within a step */
+    bool halfway;            /* it asks for walls half-way too */
+    bool staggered;          /* its rates are of velocities of half a step before the positions */
 } Integrator;
 
 /* A bound of the time step; INFINITY where it does not bind. */

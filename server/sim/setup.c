@@ -2,7 +2,7 @@
 /* From the case to the model: what is fixed, what can be steered, and what follows the time. */
 #include "sim/belts.h"
 #include "sim/gravity.h"
-#include "sim/mirrors.h"
+#include "sim/mirror_planes.h"
 #include "sim/motion.h"
 #include "sim/probes/probes.h"
 #include "sim/terms/terms.h"
@@ -142,7 +142,10 @@ MnsStatus setup_model(MnsSim *sim, MnsError *error)
         if (!status) shape_repeat(&sim->solid[k], sim->model.period);
     }
     if (!status) status = find_faces(sim, error);
-    if (!status) sim->model.mirrors = mirrors_find(sim, sim->gravity);
+    if (!status) {
+        mirror_planes_place(sim);
+        sim->model.mirrors = mirror_planes_find(sim, sim->gravity);
+    }
     for (size_t k = 0; k < c->n_probes && !status; k++)
         if (probe_kind(&c->probes[k])->uses & PROBE_FORMULA)
             status = formula_team_init(&sim->probe_formula[k], sim->threads, c->probes[k].formula, XYZT, constants.list,

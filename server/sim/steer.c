@@ -6,7 +6,7 @@
 #include "sim/gravity.h"
 #include "sim/home.h"
 #include "sim/integrator.h"
-#include "sim/mirrors.h"
+#include "sim/mirror_planes.h"
 #include "sim/motion.h"
 #include <math.h>
 #include <stdio.h>
@@ -250,7 +250,7 @@ MnsStatus mns_sim_steer(MnsSim *sim, const MnsCase *c, MnsError *error)
     if (!status && !home_leave(&sim->s, sim->threads))
         status = mns_fail(error, MNS_E_MEMORY, "no memory for %zu particles", sim->s.n);
     if (!status) status = add_fields(sim, c, error);
-    const unsigned mirrors = status ? before.mirrors : mirrors_find(sim, gravity);
+    const unsigned mirrors = status ? before.mirrors : mirror_planes_find(sim, gravity);
     const bool rebuilds = !status && (threads != sim->threads || mirrors != before.mirrors);
     if (rebuilds) status = build_lists(sim, c, threads, mirrors, &lists, error);
     if (status) {

@@ -3,7 +3,7 @@
 # check.sh [check|ci|nightly]: run the tests, after the build. A test is of `check` unless its file says otherwise: a line "Run by: make check
 # CI=1", or "Run by: make nightly", among its first. Each level has what the ones before it have. Prints a line for each group, all output of what
 # failed, and at the end one line: N passed, N failed. Single tests are counted where a program tells of them (TAP, unittest). With TIMES=1 it
-# prints before that what each file took, and for how much of it it waited.
+# prints before that what each file took, for how much of it it waited, and what for (waits.py).
 set -eu
 cd "$(dirname "$0")/../.."
 BUILD=${BUILD:-build}
@@ -66,9 +66,10 @@ note() {
 
 # within SECONDS NAME LOG COMMAND...: run it, with what it says in the log, and note how long it took.
 within() {
-    local limit=$1 name=$2 said=$3 status=0 TIMEFORMAT='%R %U %S'
+    local limit=$1 name=$2 said=$3 status=0 watched=() TIMEFORMAT='%R %U %S'
     shift 3
-    { time timeout --kill-after=10 "$limit" "$@" >"$said" 2>&1 </dev/null; } 2>"$said.time" || status=$?
+    if [ -n "${TIMES:-}" ]; then watched=(tests/support/waits.py "$scratch/waits.${name//\//-}"); fi
+    { time timeout --kill-after=10 "$limit" "${watched[@]}" "$@" >"$said" 2>&1 </dev/null; } 2>"$said.time" || status=$?
     echo "$(tail -n 1 "$said.time") $name" >>"$scratch/times"
     return "$status"
 }
@@ -188,14 +189,20 @@ fuzzing() {
     run tests "fuzz targets" 600 env BUILD="$BUILD/fuzz" tests/support/fuzz.sh 240 1000000
 }
 
-# What took longest first.
+# What took longest first. Waits are told of those that waited for a tenth of a second or more: a sample is not taken more often.
 told_times() {
-    echo "seconds  of them waited  file"
-    sort -rn "$scratch/times" | awk '{
+    sleep 0.3 # who watches has a last look
+    echo "seconds  of them waited  file: waited for"
+    sort -rn "$scratch/times" | awk -v waits="$scratch/waits." '{
         name = $0
         sub(/^[^ ]+ [^ ]+ [^ ]+ /, "", name)
+        file = name
+        gsub("/", "-", file)
         waited = $1 - $2 - $3
-        printf "%7.1f  %14.1f  %s\n", $1, (waited > 0 ? waited : 0), name
+        what = ""
+        if (waited > 0.1 && (getline what < (waits file)) > 0 && what != "") what = ": " what
+        close(waits file)
+        printf "%7.1f  %14.1f  %s%s\n", $1, (waited > 0 ? waited : 0), name, what
     }'
 }
 

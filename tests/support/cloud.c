@@ -59,7 +59,7 @@ static void set_model(Model *model, const CloudSetup *setup)
     if (setup->flowing) model->phase[1].summation = false;
     for (int d = 0; d < setup->dim; d++) {
         model->cell[d] = setup->dx;
-        model->max[d] = setup->dx * (double)setup->n[d];
+        model->max[d] = model->mirror_at[2 * d + 1] = setup->dx * (double)setup->n[d];
         if (!setup->periodic[d]) continue;
         model->period[d] = model->max[d];
         model->frequency[d] = 1 / model->period[d];

@@ -108,11 +108,62 @@ static void a_tank_carries_what_fills_it_without_delay(void **state)
     }
 }
 
+/* Between the particles beside the floor and those beside the lid [Pa]. */
+static double head(const MnsSim *sim)
+{
+    double low = 0, high = 0;
+    size_t n = 0;
+    for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
+        const double y = sim->s.x[1][i * sim->s.x_step], p = sim->s.p[i * sim->s.p_step];
+        n += y < 0.05;
+        low += y < 0.05 ? p : 0;
+        high += y > 0.95 ? p : 0;
+    }
+    return (low - high) / (double)n;
+}
+
+/* However soon the run is stopped again. And what shows it moves nothing. */
+static void a_gravity_that_is_set_shows_in_a_step_cut_short(void **state)
+{
+    (void)state;
+    for (size_t q = 0; q < sizeof SCHEMES / sizeof *SCHEMES; q++)
+        for (double share = 1e-3; share <= 1; share *= 10) {
+            MnsCase *c[2];
+            for (int k = 0; k < 2; k++) {
+                c[k] = stirred(SCHEMES[q], PLACE_TANK);
+                for (int d = 0; d < 2; d++) case_set_text(&c[k]->fluids[0].velocity[d], "0");
+                case_set_text(&c[k]->gravity[1], k ? "-3" : "-1");
+            }
+            MnsSim *sim = sim_of(c[0]);
+            step_until(sim, 1e-5);
+            assert_close(head(sim), 950, 10);
+            sim_steps(sim, 5);
+            assert_close(head(sim), 950, 10);
+            double *x = malloc(sim->s.n * sizeof *x), *v = malloc(sim->s.n * sizeof *v);
+            assert_true(x && v);
+            for (size_t i = 0; i < sim->s.n; i++) {
+                x[i] = sim->s.x[1][i * sim->s.x_step];
+                v[i] = sim->s.v[1][i * sim->s.v_step];
+            }
+            assert_int_equal(mns_sim_steer(sim, c[1], NULL), MNS_OK);
+            for (size_t i = 0; i < sim->s.n; i++)
+                assert_true(sim->s.x[1][i * sim->s.x_step] == x[i] && sim->s.v[1][i * sim->s.v_step] == v[i]);
+            step_until(sim, mns_sim_progress(sim).t + share * mns_sim_progress(sim).dt);
+            const double now = head(sim);
+            if (!(fabs(now - 2850) <= 30)) fail_msg("%s, a step of %g: %g Pa of 2850", SCHEMES[q], share, now);
+            free(x);
+            free(v);
+            mns_sim_free(sim);
+            for (int k = 0; k < 2; k++) mns_case_free(c[k]);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_pressure_of_a_step_cut_short_is_that_of_the_flow),
         cmocka_unit_test(a_tank_carries_what_fills_it_without_delay),
+        cmocka_unit_test(a_gravity_that_is_set_shows_in_a_step_cut_short),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

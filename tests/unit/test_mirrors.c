@@ -3,6 +3,7 @@
  * off, in corners and beside other walls too. Systems stay symmetric to the last bit, a fluid at rest over a mirror has the pressure of its
  * depth, and which sides of a domain are mirrors is told by what covers them. */
 #include "sim/locals/locals.h"
+#include "sim/mirror_planes.h"
 #include "sim/mirrors.h"
 #include "sim/terms/differences.h"
 #include "sim/terms/terms.h"
@@ -124,9 +125,9 @@ static Both both_of(int dim, bool corner, double smoothing, double skin)
         model->gravity[2] = dim == 3 ? -9.81 : 0;
         if (!corner) model->gravity[1] = -9.81;
         if (k) {
-            model->max[0] = before() * DX;
+            model->max[0] = model->mirror_at[1] = before() * DX;
             model->mirrors = in_channel ? 3 : 2;
-            if (corner) model->max[1] = HIGH * DX;
+            if (corner) model->max[1] = model->mirror_at[3] = HIGH * DX;
             if (corner) model->mirrors |= 8;
         }
         set_fields(cloud, k, corner);
@@ -550,7 +551,7 @@ static void more_images_than_a_row_has_room_for_are_refused(void **state)
     cloud_free(cloud);
 }
 
-/* Walls of (0.05, 0.15, 0.25) m, and the side of the domain somewhere among them: what is up to half a skin behind it may be before it when lists are
+/* Walls of (0.05, 0.15, 0.25) m, and the mirror somewhere among them: what is up to half a skin behind it may be before it when lists are
  * built again. */
 static void walls_that_may_come_from_behind_a_mirror_stay_in_lists(void **state)
 {
@@ -569,7 +570,7 @@ static void walls_that_may_come_from_behind_a_mirror_stay_in_lists(void **state)
             uint32_t list[27];
             size_t kept = 0;
             for (size_t q = 0; q < walls; q++) list[q] = (uint32_t)(fluid + q);
-            cloud->model.min[0] = rows[k].side;
+            cloud->model.mirror_at[0] = rows[k].side;
             cloud->model.mirrors = mirrored ? 1 : 0;
             const size_t n = mirrors_thin(&cloud->model, s, list, walls);
             assert_int_equal(n, mirrored ? 9 * rows[k].columns : walls);
@@ -638,12 +639,24 @@ static void on_another_floor(MnsCase *c)
     cut_off(c, false);
 }
 
-/* It goes on behind the side, within the tank's own wall. */
-static void with_a_sticky_step(MnsCase *c)
+static void with_a_step(MnsCase *c, double height)
 {
     case_add_wall(c, "step");
     c->walls[1].no_slip = true;
-    case_put_part(c->dim, &c->walls[1].shape, (MnsPart){.primitive = MNS_BOX, .a = {0.3, -1, 0}, .b = {0.6, 0.3, 1}});
+    case_put_part(c->dim, &c->walls[1].shape,
+                  (MnsPart){.primitive = MNS_BOX, .a = {0.3, -1, 0}, .b = {0.6, height, 1}});
+}
+
+/* It goes on behind the side, within the tank's own wall, where no fluid sees it. */
+static void with_a_sticky_step(MnsCase *c)
+{
+    with_a_step(c, 0.3);
+}
+
+static void with_a_moving_step(MnsCase *c)
+{
+    with_a_step(c, 0.3);
+    c->walls[1].motion = (MnsMotion){.kind = MNS_SINE, .amplitude = {0.01, 0, 0}, .frequency = 1};
 }
 
 /* Half of a side is sticky. */
@@ -675,12 +688,31 @@ static void shrunk(MnsCase *c)
     c->walls[0].shape.parts[0].a[0] = 0.1;
 }
 
+/* Not by whole cells. */
+static void shrunk_a_little(MnsCase *c)
+{
+    c->walls[0].shape.parts[0].a[0] = 0.11;
+}
+
+static void shrunk_above(MnsCase *c)
+{
+    c->walls[0].shape.parts[0].b[1] = 0.7;
+}
+
+/* The floor goes on behind the sides. */
+static void in_a_wide_domain(MnsCase *c)
+{
+    shrunk(c);
+    on_a_sticky_floor(c);
+    c->walls[1].shape.parts[0].a[1] = 0.2;
+}
+
 static void endless(MnsCase *c)
 {
     c->periodic[0] = true;
 }
 
-static void sides_that_a_still_wall_covers_and_along_which_fluid_slips_are_mirrors(void **state)
+static void planes_that_a_still_wall_covers_and_along_which_fluid_slips_are_mirrors(void **state)
 {
     (void)state;
     static const struct {
@@ -690,11 +722,15 @@ static void sides_that_a_still_wall_covers_and_along_which_fluid_slips_are_mirro
                 {sticky, 0},
                 {moving, 0},
                 {on_a_sticky_floor, 11},
-                {with_a_sticky_step, 11},
+                {with_a_sticky_step, 15},
+                {with_a_moving_step, 11},
                 {on_another_floor, 15},
                 {on_two_floors, 11},
                 {with_a_post, 15},
-                {shrunk, 14},
+                {shrunk, 15},
+                {shrunk_above, 15},
+                {shrunk_a_little, 14},
+                {in_a_wide_domain, 11},
                 {endless, 12}};
     static const char *const schemes[] = {"incompressible", "differences", "interfacial"};
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++)
@@ -706,6 +742,57 @@ static void sides_that_a_still_wall_covers_and_along_which_fluid_slips_are_mirro
                 fail_msg("row %zu, %s: mirrors are %u", k, schemes[scheme], sim->model.mirrors);
             sim_done(sim, c);
         }
+}
+
+static bool warns_of_slip(const MnsSim *sim)
+{
+    for (size_t k = 0; mns_sim_warning(sim, k); k++)
+        if (strstr(mns_sim_warning(sim, k), "walls[0].slip: the face of tank")) return true;
+    return false;
+}
+
+static void with_oil_below(MnsCase *c)
+{
+    case_add_fluid(c, "oil", 0.9, 10);
+    c->fluids[1].viscosity = 0.01;
+    case_put_part(c->dim, &c->fluids[1].shape, (MnsPart){.primitive = MNS_BOX, .a = {-1, -1, -1}, .b = {2, 0.5, 2}});
+}
+
+static void faces_that_stand_as_planes_of_symmetry_and_are_none_are_warned_of(void **state)
+{
+    (void)state;
+    static const struct {
+        Change *change;
+        const char *scheme;
+        bool oil, warns;
+    } rows[] = {{as_it_is, "incompressible", true, false},
+                {shrunk, "incompressible", true, false},
+                {shrunk_a_little, "incompressible", true, true},
+                {shrunk_a_little, "differences", true, true},
+                {shrunk_a_little, "incompressible", false, false},
+                {sticky, "incompressible", true, false},
+                {moving, "differences", true, false},
+                {on_two_floors, "differences", true, true},
+                {as_it_is, "riemann", true, false},
+                {with_a_post, "incompressible", true, false}};
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        MnsCase *c = tank(2, rows[k].scheme);
+        if (rows[k].oil) with_oil_below(c);
+        rows[k].change(c);
+        MnsSim *sim = sim_of(c);
+        if (warns_of_slip(sim) != rows[k].warns) fail_msg("row %zu", k);
+        sim_done(sim, c);
+    }
+    MnsCase *c = tank(2, "dissipation"); /* along what gravity acts across, nothing is a plane of symmetry */
+    with_oil_below(c);
+    shrunk_a_little(c);
+    for (int k = 0; k < 2; k++) {
+        case_set_text(&c->gravity[0], k ? "0" : "0.3");
+        MnsSim *sim = sim_of(c);
+        assert_int_equal(warns_of_slip(sim), k);
+        mns_sim_free(sim);
+    }
+    mns_case_free(c);
 }
 
 /* With sound an image has the pressure of whose it is: only what gravity never acts across is a mirror, also of a gravity that is set later. */
@@ -756,9 +843,9 @@ static void faces_that_lie_in_a_mirror_are_told_from_others(void **state)
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
         model->wall[0].x[0] = rows[k].moved;
         model->mirrors = 1 | 8; /* the lower side along x, the upper one along y */
-        if (mirrors_have(model, &rows[k].face) != rows[k].mirrors) fail_msg("face %zu", k);
+        if (mirror_planes_have(model, &rows[k].face) != rows[k].mirrors) fail_msg("face %zu", k);
         model->mirrors = 0;
-        assert_false(mirrors_have(model, &rows[k].face));
+        assert_false(mirror_planes_have(model, &rows[k].face));
     }
     cloud_free(cloud);
 }
@@ -854,7 +941,8 @@ int main(void)
         cmocka_unit_test(a_fluid_at_rest_in_a_corner_of_mirrors_has_the_pressure_of_its_depth),
         cmocka_unit_test(more_images_than_a_row_has_room_for_are_refused),
         cmocka_unit_test(walls_that_may_come_from_behind_a_mirror_stay_in_lists),
-        cmocka_unit_test(sides_that_a_still_wall_covers_and_along_which_fluid_slips_are_mirrors),
+        cmocka_unit_test(planes_that_a_still_wall_covers_and_along_which_fluid_slips_are_mirrors),
+        cmocka_unit_test(faces_that_stand_as_planes_of_symmetry_and_are_none_are_warned_of),
         cmocka_unit_test(sides_across_gravity_are_no_mirrors_with_sound),
         cmocka_unit_test(faces_that_lie_in_a_mirror_are_told_from_others),
         cmocka_unit_test(each_particle_between_mirrors_has_the_neighbours_of_an_endless_lattice),

@@ -9,9 +9,11 @@
 #include "sim/integrator.h"
 #include "sim/integrators/integrators.h"
 #include "sim/integrators/pressure.h"
+#include "sim/limits.h"
 #include "sim/terms/terms.h"
 #include <math.h>
 #include <omp.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Of which something is kept from one solve to the next. */
@@ -163,12 +165,13 @@ static void finish(MnsSim *sim, double dt)
     }
     particles_changed(s, ON_FLUID, FIELD(V));
     /* The step before and density corrections leave some divergence. A short step removes it in less time, so its pressure is too high by 1/share. Weighted
-     * by share^2 that error vanishes with the step, and the pressure before is of nearly the same time. */
-    const double share = pressure_share(sim, dt);
+     * by share^2 that error vanishes with the step, and the pressure before, if there is one, is of nearly the same time. */
+    const double share = sim->progress.step > 0 ? pressure_share(sim, dt) : 1;
     pressure_keep(sim, dt, share * share);
 }
 
-static MnsStatus correct_velocity(MnsSim *sim, double dt, const double gravity[3], MnsError *error)
+/* gravity: that is in the accelerations. */
+static MnsStatus project(MnsSim *sim, double dt, const double gravity[3], MnsError *error)
 {
     const PressureGoal goal = {"velocity", "tolerance", sim->model.projection.tolerance};
     SolveReport report;
@@ -185,7 +188,6 @@ static MnsStatus correct_velocity(MnsSim *sim, double dt, const double gravity[3
     if (status) return status; /* what was not found corrects nothing */
     gauge(sim);
     integrator_pass(sim, PASS_VELOCITY_CORRECTION);
-    finish(sim, dt);
     return MNS_OK;
 }
 
@@ -200,8 +202,9 @@ static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
     sim->progress.guarded += integrator_walls(sim, t, dt, 0);
     integrator_clock(sim, TIMER_DRIFT, start);
     MnsStatus status = correct_density(sim, error);
-    if (!status) status = correct_velocity(sim, dt, gravity, error);
+    if (!status) status = project(sim, dt, gravity, error);
     if (status) return status;
+    finish(sim, dt);
     const bool well = integrator_look(sim);
     /* The first of the rates is done again by a restart, and shall have the rounding that it has then. */
     particles_changed(&sim->s, ON_ALL, FIELD(X));
@@ -209,9 +212,47 @@ static MnsStatus step(MnsSim *sim, double t, double dt, MnsError *error)
     return well ? MNS_OK : fault_particle(sim, error);
 }
 
+/* The velocities of the fluid, to be given back. */
+static double *copy_velocities(const Particles *s)
+{
+    const size_t n = particles_fluid(s);
+    double *copy = malloc((n + 1) * (size_t)s->dim * sizeof *copy);
+    for (int d = 0; copy && d < s->dim; d++)
+        for (size_t i = 0; i < n; i++) copy[(size_t)d * n + i] = s->v[d][i * s->v_step];
+    return copy;
+}
+
+static void give_back_velocities(Particles *s, double *copy)
+{
+    const size_t n = particles_fluid(s);
+    for (int d = 0; d < s->dim; d++)
+        for (size_t i = 0; i < n; i++) s->v[d][i * s->v_step] = copy[(size_t)d * n + i];
+    particles_changed(s, ON_FLUID, FIELD(V));
+    free(copy);
+}
+
+/* The pressure at once, by a whole step in which nothing moves: a step that is cut short shows only a part of what is new. Where it is not found, that has to do.
+ * The first step of all shows its own. */
+static void renew(MnsSim *sim)
+{
+    const Solved solved = sim->solved;
+    const double before = sim->model.dt, dt = limits_dt(sim, NULL);
+    double *copy = sim->progress.step > 0 && isfinite(dt) && dt > 0 ? copy_velocities(&sim->s) : NULL;
+    MnsError why;
+    if (!copy) return;
+    sim->model.dt = dt;
+    integrator_pass(sim, PASS_NUMBER);
+    if (!project(sim, dt, sim->model.gravity, &why)) pressure_keep(sim, dt, 1);
+    give_back_velocities(&sim->s, copy);
+    sim->model.dt = before;
+    sim->solved = solved;
+    integrator_pass(sim, PASS_RATES);
+}
+
 const Integrator double_projection = {
     .name = "two projections",
     .source = "P4 2.1",
     .equation = "x += dt (v + dt/2 a);  density corrections;  v += dt a - dt grad p/rho;  rates",
     .step = step,
+    .renew = renew,
 };

@@ -5,7 +5,7 @@
  *   x_i - x_j' = x_ij + 2 (a - e . x_ij) e,   n_j' = n_j - 2 (e . n_j) e,   e normal of the wall, a = e . (x_i - x_wall)
  * An interface that meets a wall then does so at 90 degrees. Walls that are not flat have no images. */
 #include "sim/terms/images.h"
-#include "sim/mirrors.h"
+#include "sim/mirror_planes.h"
 #include <math.h>
 #include <string.h>
 
@@ -63,7 +63,7 @@ static int find_mirrors(const Row *row, const Particles *s, const Model *model, 
             mirror.away += face->normal[d] * model_nearest(model, d, x);
         }
         if (mirror.away < 0 || mirror.away > model->kernel.support) continue;
-        if (mirrors_have(model, face)) continue; /* its images are in the row */
+        if (mirror_planes_have(model, face)) continue; /* its images are in the row */
         if (is_wall(row, &mirror, dim, model->dx)) n = add_mirror(ret, n, &mirror, dim);
     }
     return n;

@@ -37,7 +37,7 @@ INLINE void add_surface_power(const Lanes force[3], const Particles *s, const Ro
     add_power(force, v, how, power);
 }
 
-/* A term of it: of forces along the normal, which take walls that move, or along surfaces, which may move by themselves. */
+/* A term of it: by the velocity of the walls themselves, which is 0 where only their surfaces move, or by that of their surfaces. */
 #define NORMAL_POWER(term, what, of, eq, when, pairs)  POWER(term, what, of, eq, when, pairs, true)
 #define SURFACE_POWER(term, what, of, eq, when, pairs) POWER(term, what, of, eq, when, pairs, false)
 #define POWER(term, what, of, eq, when, pairs, normal)                                                                 \

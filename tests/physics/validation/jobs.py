@@ -57,7 +57,7 @@ class Programs:
         with self.lock:
             self.over = True
             for program in self.running:
-                if program.returncode is None:  # terminate() would reap it before the thread that waits for it
+                if program.returncode is None:  # not terminate(): it collects the exit status that the waiting thread needs
                     with suppress(ProcessLookupError):  # it has just been reaped
                         os.kill(program.pid, signal.SIGTERM)
 

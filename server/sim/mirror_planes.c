@@ -1,0 +1,201 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Which planes mirror the fluid. */
+#include "sim/mirror_planes.h"
+#include "sim/sim.h"
+#include <math.h>
+
+/* Of a spacing: how near to a border between cells of the lattice the surface of a wall has to be. */
+static const double FLUSH = 1e-3;
+
+static bool slips_and_stays(const MnsSim *sim, size_t wall)
+{
+    const WallState *state = &sim->model.wall[wall];
+    return !state->no_slip && !state->has_belt && sim->c->walls[wall].motion.kind == MNS_STILL;
+}
+
+/* Is a place inside of a wall, and of none that is no mirror? */
+static bool is_backed(const MnsSim *sim, const double x[3])
+{
+    bool any = false;
+    for (size_t k = 0; k < sim->model.n_walls; k++) {
+        if (!(shape_distance(&sim->solid[k], x) < 0)) continue;
+        if (!slips_and_stays(sim, k)) return false;
+        any = true;
+    }
+    return any;
+}
+
+/* Is a place inside of a wall that stays? */
+static bool is_solid(const MnsSim *sim, const double x[3])
+{
+    for (size_t k = 0; k < sim->model.n_walls; k++)
+        if (sim->c->walls[k].motion.kind == MNS_STILL && shape_distance(&sim->solid[k], x) < 0) return true;
+    return false;
+}
+
+static bool is_open(const MnsSim *sim, const double x[3])
+{
+    for (size_t k = 0; k < sim->model.n_walls; k++)
+        if (shape_distance(&sim->solid[k], x) < 0) return false;
+    return true;
+}
+
+/* Cells of the lattice along each direction of the domain. */
+static void count_cells(const Model *model, size_t n[3])
+{
+    for (int d = 0; d < 3; d++)
+        n[d] = d < model->dim ? (size_t)lround((model->max[d] - model->min[d]) / model->cell[d]) : 1;
+}
+
+/* The middle of cell k of n of a layer across direction d, at a coordinate along it. */
+static void place_in_layer(const Model *model, const size_t n[3], int d, size_t k, double at, double x[3])
+{
+    const int e = (d + 1) % 3, f = (d + 2) % 3;
+    const size_t of[2] = {k % n[e], k / n[e]};
+    x[d] = at;
+    x[e] = e < model->dim ? model->min[e] + ((double)of[0] + 0.5) * model->cell[e] : 0;
+    x[f] = f < model->dim ? model->min[f] + ((double)of[1] + 0.5) * model->cell[f] : 0;
+}
+
+/* Is a layer of the lattice nothing but walls that stay? */
+static bool is_solid_layer(const MnsSim *sim, const size_t n[3], int d, double at)
+{
+    const size_t cells = n[0] * n[1] * n[2] / n[d];
+    for (size_t k = 0; k < cells; k++) {
+        double x[3];
+        place_in_layer(&sim->model, n, d, k, at, x);
+        if (!is_solid(sim, x)) return false;
+    }
+    return true;
+}
+
+/* The side of the domain, or further in if there is nothing but walls before that. */
+void mirror_planes_place(MnsSim *sim)
+{
+    Model *model = &sim->model;
+    size_t n[3];
+    count_cells(model, n);
+    for (int side = 0; side < 2 * model->dim; side++) {
+        const int d = side / 2;
+        const double first = side % 2 ? model->max[d] : model->min[d],
+                     cell = side % 2 ? -model->cell[d] : model->cell[d];
+        size_t k = 0;
+        while (k < n[d] && is_solid_layer(sim, n, d, first + ((double)k + 0.5) * cell)) k++;
+        model->mirror_at[side] = k < n[d] ? first + (double)k * cell : first;
+    }
+}
+
+/* By what lies just behind each cell of the lattice that is beside it, unless a wall is in it that goes on behind; and somewhere there is room before it. */
+static bool is_mirror(const MnsSim *sim, int side)
+{
+    const Model *model = &sim->model;
+    const int d = side / 2;
+    const double at = model->mirror_at[side], behind = (side % 2 ? 1 : -1) * FLUSH * model->dx;
+    size_t n[3];
+    bool open = false;
+    if (model->period[d] > 0) return false;
+    count_cells(model, n);
+    const size_t cells = n[0] * n[1] * n[2] / n[d];
+    for (size_t k = 0; k < cells; k++) {
+        double x[3];
+        place_in_layer(model, n, d, k, at - behind, x);
+        const bool solid = is_solid(sim, x);
+        open = open || is_open(sim, x);
+        x[d] = at + behind;
+        if (!solid && !is_backed(sim, x)) return false;
+    }
+    return open;
+}
+
+/* Has gravity no part along d, ever? */
+static bool is_weightless(const Formula *gravity)
+{
+    const double t = 0;
+    return formula_is_constant(gravity) && formula_eval(gravity, &t) == 0;
+}
+
+static bool any_slips(const MnsSim *sim)
+{
+    for (size_t k = 0; k < sim->model.n_walls; k++)
+        if (slips_and_stays(sim, k)) return true;
+    return false;
+}
+
+/* Does a row have room for all listed neighbours on a lattice and a tenth denser, where these mirrors meet: fluid, images of the rest of the ball, and
+ * the wall particles that these stand for? */
+static bool have_room_in_corners(const Model *model, unsigned mirrors)
+{
+    const double reach = model->kernel.support + model->skin, pi = acos(-1),
+                 ball = model->dim == 2 ? pi * reach * reach : 4 * pi / 3 * reach * reach * reach;
+    double fluid = 1;
+    for (int d = 0; d < model->dim; d++) fluid *= mirrors >> 2 * d & 3 ? 0.5 : 1;
+    return 1.1 * (2 - fluid) * ball / model->cell_volume <= ROW_MAX;
+}
+
+unsigned mirror_planes_find(const MnsSim *sim, Formula *const gravity[3])
+{
+    const Model *model = &sim->model;
+    unsigned mirrors = 0;
+    for (int side = 0; side < 2 * model->dim && any_slips(sim); side++)
+        if ((sim->scheme->floors_mirror || is_weightless(gravity[side / 2])) && is_mirror(sim, side))
+            mirrors |= 1u << side;
+    for (int d = 0; d < model->dim; d++)
+        if ((mirrors >> 2 * d & 3) == 3 &&
+            model->mirror_at[2 * d + 1] - model->mirror_at[2 * d] < model->kernel.support)
+            mirrors &= ~(3u << 2 * d);
+    return have_room_in_corners(model, mirrors) ? mirrors : 0;
+}
+
+bool mirror_planes_have(const Model *model, const Face *face)
+{
+    if (!model->mirrors) return false;
+    for (int d = 0; d < model->dim; d++) {
+        const int side = face->normal[d] > 0 ? 2 * d : 2 * d + 1;
+        const double at = face->point[d] + model->wall[face->wall].x[d];
+        if (!(model->mirrors >> side & 1) || !(fabs(face->normal[d]) > 1 - 1e-9)) continue;
+        if (fabs(model_inside(model, side, at)) < FLUSH * model->dx) return true;
+    }
+    return false;
+}
+
+/* Is a face one that mirrors nothing, but stands as a plane of symmetry does? */
+static bool may_be_taken_for_one(const MnsSim *sim, const Face *face)
+{
+    bool weighs = false;
+    if (!slips_and_stays(sim, face->wall) || mirror_planes_have(&sim->model, face)) return false;
+    for (int d = 0; d < sim->model.dim; d++)
+        weighs = weighs || (fabs(face->normal[d]) > 1e-9 && !is_weightless(sim->gravity[d]));
+    return sim->scheme->floors_mirror || !weighs;
+}
+
+/* Does fluid begin beside a face? */
+static bool is_wet(const MnsSim *sim, const Face *face)
+{
+    const Particles *s = &sim->s;
+    const double near = 1.5 * sim->model.dx;
+    bool wet = false;
+#pragma omp parallel for schedule(static) reduction(|| : wet) num_threads(sim->threads)
+    for (size_t i = 0; i < particles_fluid(s); i++) {
+        double x[3] = {0, 0, 0}, away = 0;
+        for (int d = 0; d < s->dim; d++) {
+            x[d] = s->x[d][i * s->x_step];
+            away += face->normal[d] * (x[d] - face->point[d]);
+        }
+        wet = wet || (away > 0 && away < near && shape_distance(&sim->solid[face->wall], x) < near);
+    }
+    return wet;
+}
+
+void mirror_planes_warn(MnsSim *sim)
+{
+    for (size_t q = 0; sim->model.n_phases > 1 && q < sim->model.n_faces; q++) {
+        const Face *face = &sim->face[q];
+        if (!may_be_taken_for_one(sim, face) || !is_wet(sim, face)) continue;
+        plan_warn(
+            sim,
+            "walls[%zu].slip: the face of %.60s around (%.4g, %.4g, %.4g) m is no plane of symmetry: where an "
+            "interface meets it, speeds are up to 8 %% off. One is a face that covers a side of the domain, or all "
+            "that is open of a border between cells of the lattice: end the domain there",
+            face->wall, sim->c->walls[face->wall].name, face->point[0], face->point[1], face->point[2]);
+    }
+}
