@@ -131,6 +131,7 @@ static void walls_give_by_their_forces_what_a_tank_gives_by_momentum(void **stat
             work[alike] = sim->progress.energy.work;
             sim_done(sim, c);
         }
+        print_message("%s: by forces %.9g J, by momentum %.9g\n", SCHEMES[q], work[0], work[1]);
         if (!(fabs(work[0] - work[1]) <= allowed[q] * fabs(work[1])))
             fail_msg("%s: by forces %.9g J, by momentum %.9g", SCHEMES[q], work[0], work[1]);
     }

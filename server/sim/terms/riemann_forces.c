@@ -15,6 +15,8 @@ INLINE void forces(const RowPlan *plan, Particles *s, size_t i, How how, const u
     Lanes push[3] = {0}, spread[3] = {0}, stress[3] = {0};
     double x[3];
     Block block;
+    Marks other;
+    if (stressed) mark_others(plan, i, j, picked, &other);
     position_of(s, i, how, x);
     for (size_t b = 0; b < picked->n_fluid; b++) {
         const double *beyond = beyond_reach(plan, picked, b);
@@ -24,7 +26,7 @@ INLINE void forces(const RowPlan *plan, Particles *s, size_t i, How how, const u
             const Pair pair = fetched_pair(&block, l, beyond, x, plan, needs, how);
             riemann_momentum_fluid(&a, &pair, how, l, push);
             background_pair(&pair, how, l, spread);
-            if (stressed) transport_stress_pair(&moved, &pair, how, l, stress);
+            if (stressed) transport_stress_pair(&moved, &pair, other.of[b][l], how, l, stress);
         }
     }
     for (size_t b = picked->n_fluid; b < picked->n; b++) {

@@ -25,7 +25,7 @@ INLINE void transport_stress_row(const Row *row, Particles *s, const Model *mode
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
-            transport_stress_pair(&a, &pair, how, l, sum);
+            transport_stress_pair(&a, &pair, row->mixed ? pair.other : 0, how, l, sum);
         }
     transport_stress_end(s, row->i, sum, how);
 }
@@ -47,7 +47,7 @@ const Term transport_stress = {
     .equation = "dv_i/dt += sum_j V_j (v_j - v_i) w_i . grad_i W,  w = dt/2 b",
     .on = ON_FLUID,
     .needed = is_transported,
-    .needs = NEED_F | NEED_V | NEED_STATE,
+    .needs = NEED_F | NEED_V | NEED_STATE | NEED_OTHERS,
     .writes = FIELD(A),
     .row = ROW_TABLE(transport_stress_row),
 };

@@ -39,9 +39,10 @@ INLINE Moved moved_of(const Particles *s, const Model *model, size_t i, How how)
     return a;
 }
 
-INLINE void transport_stress_pair(const Moved *a, const Pair *pair, How how, int l, Lanes sum[3])
+/* other: 1 of another fluid, which may glide along this one: what it does at an interface is no gradient. */
+INLINE void transport_stress_pair(const Moved *a, const Pair *pair, double other, How how, int l, Lanes sum[3])
 {
-    const double c = pair->V * pair->F * DOT(a->w, pair->x, how);
+    const double c = (1 - other) * pair->V * pair->F * DOT(a->w, pair->x, how);
     for (int d = 0; d < how.dim; d++) add_product(&sum[d], l, c, pair->v[d] - a->v[d], how);
 }
 
