@@ -246,7 +246,7 @@ static void renew(MnsSim *sim)
     give_back_velocities(&sim->s, copy);
     sim->model.dt = before;
     sim->solved = solved;
-    integrator_pass(sim, PASS_RATES);
+    integrator_derive(sim);
 }
 
 const Integrator double_projection = {
