@@ -146,6 +146,28 @@ static void a_void_is_told(void **state)
     }
 }
 
+/* What is deep in a solid is none, of which a ball in the middle of a tank has much. */
+static void a_thick_solid_is_no_void(void **state)
+{
+    (void)state;
+    MnsCase *c = case_blank(2, 32);
+    c->scheme.name = "riemann";
+    case_add_fluid(c, "water", 1000, 20);
+    for (int k = 0; k < 2; k++) {
+        case_add_wall(c, k ? "ball" : "tank");
+        MnsPart *part = case_add_part(&c->walls[k].shape, k ? MNS_BALL : MNS_BOX);
+        part->outside = !k;
+        part->radius = 0.3;
+        part->a[0] = part->a[1] = 0.5 * k;
+        part->b[0] = part->b[1] = 1;
+    }
+    MnsSim *sim = sim_in_arrays(c);
+    assert_true(sim->model.filled);
+    look(sim);
+    assert_int_equal(warnings(sim, "coverage:"), 0);
+    sim_done(sim, c);
+}
+
 /* Though the case has left no room for more to warn of. */
 static void it_is_told_after_all_that_there_was_to_warn_of(void **state)
 {
@@ -172,6 +194,7 @@ int main(void)
         cmocka_unit_test(a_tank_that_moves_loses_nothing),
         cmocka_unit_test(what_a_plate_carries_out_is_told),
         cmocka_unit_test(a_void_is_told),
+        cmocka_unit_test(a_thick_solid_is_no_void),
         cmocka_unit_test(it_is_told_after_all_that_there_was_to_warn_of),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -412,6 +412,62 @@ static void coverage_reaches_to_the_walls_of_a_filled_domain(void **state)
     }
 }
 
+/* Thick solids have particles a support deep: a drum's outside, a ball in the middle, what is behind a slope. */
+static void coverage_leaves_out_what_is_in_walls(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 6; k++) {
+        MnsCase *c = case_blank(2, 20);
+        put_point(c->max, 2, 2, 0);
+        case_add_fluid(c, "water", 2, 10);
+        case_add_wall(c, "drum");
+        MnsPart *part = case_add_part(&c->walls[0].shape, k % 3 ? MNS_BOX : MNS_BALL);
+        part->outside = true;
+        put_point(part->a, k % 3 ? 0 : 1, k % 3 ? 0 : 1, 0);
+        put_point(part->b, 2, 2, 0);
+        part->radius = 0.8;
+        if (k % 3) {
+            case_add_wall(c, "in its way");
+            part = case_add_part(&c->walls[1].shape, k % 3 == 1 ? MNS_BALL : MNS_HALF_SPACE);
+            put_point(part->a, 1, 1, 0);
+            put_point(part->b, 1, 1, 0);
+            part->radius = 0.5;
+        }
+        case_add_probe(c, MNS_PROBE_COVERAGE);
+        MnsSim *sim = sim_in_arrays(c);
+        for (size_t i = 0; i < sim->s.n && k >= 3; i++)
+            if (hypot(sim->s.x[0][i] - 1.35, sim->s.x[1][i] - 1.5) < 2 * 0.05) sim->s.m[i] = 0;
+        if (k < 3) assert_close(mns_sim_probe(sim, 0), 1, 1e-3);
+        else assert_true(mns_sim_probe(sim, 0) < 0.3);
+        sim_done(sim, c);
+    }
+}
+
+/* As are points that a wall has come to: of a tank that has moved by half of the domain. */
+static void coverage_goes_by_where_walls_are_now(void **state)
+{
+    (void)state;
+    static MnsMotionPoint way[2] = {{.t = 0, .v = {2}}, {.t = 1, .x = {2}, .v = {2}}};
+    MnsCase *c = case_blank(2, 16);
+    c->scheme.name = "riemann";
+    case_add_fluid(c, "water", 1000, 20);
+    case_set_text(&c->fluids[0].velocity[0], "2");
+    case_add_wall(c, "tank");
+    for (int side = 0; side < 4; side++) {
+        MnsPart *part = case_add_part(&c->walls[0].shape, MNS_HALF_SPACE);
+        put_point(part->a, side / 2, side / 2, 0);
+        part->b[side % 2] = side / 2 ? -1 : 1;
+    }
+    c->walls[0].motion = (MnsMotion){.kind = MNS_TABLE, .n = 2, .points = way};
+    case_add_probe(c, MNS_PROBE_COVERAGE);
+    MnsSim *sim = sim_in_arrays(c);
+    while (mns_sim_progress(sim).t < 0.25) assert_int_equal(mns_sim_step(sim, 0.25, NULL), MNS_OK);
+    assert_close(sim->model.wall[0].x[0], 0.5, 1e-9);
+    assert_true(mns_sim_probe(sim, 0) > 0.9);
+    c->walls[0].motion = (MnsMotion){.kind = MNS_STILL};
+    sim_done(sim, c);
+}
+
 static void escaped_particles_are_counted_in_the_tank_s_coordinates(void **state)
 {
     (void)state;
@@ -708,6 +764,8 @@ int main(void)
         cmocka_unit_test(coverage_of_a_lattice_is_its_sum_and_a_void_is_seen),
         cmocka_unit_test(coverage_may_be_of_a_part_of_the_domain),
         cmocka_unit_test(coverage_reaches_to_the_walls_of_a_filled_domain),
+        cmocka_unit_test(coverage_leaves_out_what_is_in_walls),
+        cmocka_unit_test(coverage_goes_by_where_walls_are_now),
         cmocka_unit_test(escaped_particles_are_counted_in_the_tank_s_coordinates),
         cmocka_unit_test(extremum_finds_the_one_particle),
         cmocka_unit_test(extremum_of_a_field_that_the_scheme_does_not_have_is_refused),
