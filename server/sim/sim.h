@@ -32,6 +32,12 @@ typedef struct Belts {
     double (*along)[6]; /* [n] */
 } Belts;
 
+/* Which sides of the domain walls close (sides.h). */
+typedef struct Sides {
+    size_t leader[MNS_MAX_WALLS];   /* the first wall that moves as this one does */
+    unsigned closed[MNS_MAX_WALLS]; /* sides, a bit each, by those that move as a leader does */
+} Sides;
+
 /* What the energy account compares the next step with: sums of the fluid's mass, and of what gravity acts on of it, times position and velocity; velocity of the first
  * wall. */
 typedef struct Before {
@@ -63,6 +69,7 @@ struct MnsSim {
     Shape solid[MNS_MAX_WALLS];         /* where the case puts the walls */
     Face *face;                         /* of all of them, as far as they are flat */
     Belts belts;                        /* of walls whose surface has a velocity of its own */
+    Sides sides;
     FormulaTeam probe_formula[MNS_MAX_PROBES];
     struct {
         double largest, capillary; /* radius of the largest [m]; greatest sigma / R [Pa] */
