@@ -121,18 +121,19 @@ static bool is_vessel(const MnsSim *sim, size_t leader)
     return open <= 1;
 }
 
-/* The farthest out that anything takes a side, and not less than to where it is, unless a vessel does. */
+/* The farthest out that anything takes a side. Unless a vessel does, or fluids fill the domain, so that there is no way around a wall, not less than to where it is. */
 static double farthest(const MnsSim *sim, int side, bool any_vessel)
 {
     const int d = side / 2, sign = side % 2 ? 1 : -1;
-    double out = any_vessel ? -INFINITY : 0;
+    const bool filled = sim->model.filled;
+    double out = any_vessel || filled ? -INFINITY : 0;
     for (size_t k = 0; k < sim->model.n_walls; k++) {
         if (sim->sides.leader[k] != k) continue;
         const double moved = sign * sim->model.wall[k].x[d];
         if (sim->sides.closed[k] >> side & 1) out = fmax(out, moved);
-        else if (is_vessel(sim, k)) out = fmax(out, fmax(0, moved));
+        else if (!filled && is_vessel(sim, k)) out = fmax(out, fmax(0, moved));
     }
-    return sign * out;
+    return out > -INFINITY ? sign * out : 0;
 }
 
 int sides_now(const MnsSim *sim, double ret_min[3], double ret_max[3])

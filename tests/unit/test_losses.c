@@ -241,6 +241,37 @@ static void a_thick_solid_is_no_void(void **state)
     sim_done(sim, c);
 }
 
+/* Nor is what a piston that is a slab has left behind. */
+static void behind_a_piston_is_no_void(void **state)
+{
+    (void)state;
+    static MnsMotionPoint way[2] = {{.t = 0, .v = {1}}, {.t = 1, .x = {1}, .v = {1}}};
+    MnsCase *c = case_blank(2, 16);
+    c->scheme.name = "riemann";
+    case_add_fluid(c, "water", 1000, 20);
+    case_add_wall(c, "piston");
+    MnsPart *part = case_add_part(&c->walls[0].shape, MNS_BOX);
+    part->a[0] = part->a[1] = -0.25;
+    part->b[1] = 1.25;
+    c->walls[0].motion = (MnsMotion){.kind = MNS_TABLE, .n = 2, .points = way};
+    for (int side = 1; side < 4; side++) add_side(c, AS_WALLS, side);
+    MnsSim *sim = sim_in_arrays(c);
+    assert_true(sim->model.filled);
+    sim->model.wall[0].x[0] = 0.5;
+    for (size_t i = 0; i < sim->s.n; i++) {
+        double *x = &sim->s.x[0][i];
+        if (i < particles_fluid(&sim->s)) *x = 0.5 + 0.5 * *x;
+        else if (sim->s.phase[i] == 1) *x += 0.5;
+    }
+    particles_changed(&sim->s, ON_ALL, FIELD(X));
+    assert_int_equal(integrator_lists(sim, NULL), MNS_OK);
+    look(sim);
+    assert_int_equal(warnings(sim, "coverage:"), 0);
+    assert_int_equal(warnings(sim, "domain: after"), 0);
+    c->walls[0].motion = (MnsMotion){.kind = MNS_STILL};
+    sim_done(sim, c);
+}
+
 /* Though the case has left no room for more to warn of. */
 static void it_is_told_after_all_that_there_was_to_warn_of(void **state)
 {
@@ -269,6 +300,7 @@ int main(void)
         cmocka_unit_test(what_a_plate_carries_out_is_told),
         cmocka_unit_test(a_void_is_told),
         cmocka_unit_test(a_thick_solid_is_no_void),
+        cmocka_unit_test(behind_a_piston_is_no_void),
         cmocka_unit_test(it_is_told_after_all_that_there_was_to_warn_of),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
