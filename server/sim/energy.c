@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "sim/energy.h"
 #include "base/array.h"
+#include "sim/limits.h"
 #include "sim/motion.h"
 #include "sim/terms/images.h"
 #include <math.h>
@@ -18,19 +19,22 @@ static const double AREA = 0.01;
 /* What is allowed unless a scheme says otherwise, over the largest of kinetic energy and change of potential energy. */
 static const double MOST = 0.01;
 
-/* Sums over the fluid: energies [J] and sum rho c^2 V [J]; power of walls [W]; momentum [kg m/s]; of what gravity acts on its mass [kg], and that times position and
- * velocity. */
+/* Sums over the fluid: energies [J] and sum rho c^2 V [J]; power of walls [W]; volume at rest [m^dim]; of what gravity acts on its mass [kg] and, to tell how
+ * unlike fluids are, its mass times its density; momentum [kg m/s]; of what gravity acts on its momentum and mass times position; volume times position. */
 enum {
     KINETIC,
     ELASTIC,
     SURFACE,
     STIFFNESS,
     BY_WALLS,
+    VOLUME,
     WEIGHT,
+    UNLIKE,
     MOMENTUM,
     FALL = MOMENTUM + 3,
     MOMENT = FALL + 3,
-    SUMS = MOMENT + 3
+    MIDDLE = MOMENT + 3,
+    SUMS = MIDDLE + 3
 };
 
 _Static_assert((int)SUMS <= (int)SIM_SUMS, "room for partial sums");
@@ -95,19 +99,22 @@ static void add_particle(const MnsSim *sim, Surroundings *around, size_t i, Exte
 {
     const Particles *s = &sim->s;
     const Phase *phase = &sim->model.phase[s->phase[i]];
-    const double m = s->m[i], weight = m * (1 - sim->model.differences.buoyancy / phase->rho0);
+    const double m = s->m[i], V = m / phase->rho0, pulled = phase->rho0 - sim->model.differences.buoyancy;
     double v2 = 0;
     for (int d = 0; d < s->dim; d++) {
-        const double v = s->v[d][i * s->v_step];
-        sums[MOMENT + d] += weight * s->x[d][i * s->x_step];
-        sums[FALL + d] += weight * v;
+        const double v = s->v[d][i * s->v_step], x = s->x[d][i * s->x_step];
+        sums[MIDDLE + d] += V * x;
+        sums[MOMENT + d] += V * pulled * x;
+        sums[FALL + d] += V * pulled * v;
         sums[MOMENTUM + d] += m * v;
         v2 += v * v;
     }
-    sums[WEIGHT] += weight;
+    sums[VOLUME] += V;
+    sums[WEIGHT] += V * pulled;
+    sums[UNLIKE] += V * pulled * pulled;
     sums[KINETIC] += 0.5 * m * v2;
     if (extent == OF_MOTION) return;
-    const double c = sim->scheme->projects ? sim->model.projection.speed : phase->c;
+    const double c = sim->scheme->projects ? limits_expected_speed(&sim->model) : phase->c;
     sums[STIFFNESS] += m * c * c;
     if (!sim->scheme->projects) sums[ELASTIC] += m * elastic(phase, s->rho[i], s->p[i * s->p_step]);
     if (sim->model.tense && (!sim->nb.tells_others || sim->nb.has[i] & LIST_OTHERS)) add_surface(sim, around, i, sums);
@@ -166,8 +173,28 @@ static void find_power(MnsSim *sim)
     }
 }
 
+/* Of fluids that are not compressed and fill a space to its walls, the density that all have in common has nowhere to fall: what moves particles and no
+ * fluid, as what corrects number densities does, shall not pass for energy. 0: it may fall. */
+static double common_density(const MnsSim *sim, const double sums[static SUMS])
+{
+    return sim->scheme->projects && sim->model.closed ? sums[WEIGHT] / sums[VOLUME] : 0;
+}
+
+/* By which walls that all move alike have taken the middle of all fluids along. */
+static double taken(const MnsSim *sim, const double sums[static SUMS], int d)
+{
+    return sim->model.n_walls ? sums[VOLUME] * sim->model.wall[0].x[d] : 0;
+}
+
+static void take_out_common(const MnsSim *sim, double sums[static SUMS])
+{
+    const double common = common_density(sim, sums);
+    for (int d = 0; d < sim->model.dim && common != 0; d++)
+        sums[MOMENT + d] += common * (sim->progress.energy.middle[d] + taken(sim, sums, d) - sums[MIDDLE + d]);
+}
+
 /* Block by block, so that the number of threads changes no bit. */
-static void find_sums(MnsSim *sim, Extent extent, double ret[static SUMS])
+static void add_up(MnsSim *sim, Extent extent, double ret[static SUMS])
 {
     const unsigned needs = NEED_F | (sim->scheme->projects ? 0 : NEED_STATE | NEED_OTHERS); /* of surfaces */
     if (sim->s.power) find_power(sim);
@@ -192,6 +219,12 @@ static void find_sums(MnsSim *sim, Extent extent, double ret[static SUMS])
         for (int k = 0; k < SUMS; k++) ret[k] += partial[b][k];
 }
 
+static void find_sums(MnsSim *sim, Extent extent, double ret[static SUMS])
+{
+    add_up(sim, extent, ret);
+    if (extent != OF_WALLS) take_out_common(sim, ret);
+}
+
 /* Where a direction is periodic there is no potential: what gravity does along it is work. */
 static double potential(const MnsSim *sim, const double sums[static SUMS])
 {
@@ -199,6 +232,25 @@ static double potential(const MnsSim *sim, const double sums[static SUMS])
     for (int d = 0; d < sim->model.dim; d++)
         if (sim->model.period[d] == 0) gx += sim->progress.energy.gravity[d] * sums[MOMENT + d];
     return -gx;
+}
+
+/* Number densities are kept within a tolerance, and so positions within that part of a spacing. Of what pulls strongest it counts once; of gravity that changes,
+ * each time, as work may be off to the same side in every step, but only of what fluids do not have in common. */
+static void add_doubt(MnsSim *sim, const double sums[static SUMS])
+{
+    const Model *model = &sim->model;
+    MnsEnergy *account = &sim->progress.energy;
+    const double off = model->projection.density_tolerance * model->dx, mean = common_density(sim, sums) * sums[VOLUME],
+                 apart = sqrt(fmax(sums[VOLUME] * sums[UNLIKE] - mean * mean, 0));
+    double g2 = 0, change2 = 0;
+    for (int d = 0; d < model->dim; d++) {
+        const double g = model->period[d] > 0 ? 0 : model->gravity[d];
+        const double change = model->period[d] > 0 ? 0 : g - account->gravity[d];
+        g2 += g * g;
+        change2 += change * change;
+    }
+    account->misplaced = fmax(account->misplaced, off * sqrt(g2) * fabs(sums[WEIGHT]));
+    account->lifted += off * sqrt(change2) * apart;
 }
 
 static double whole_energy(const MnsSim *sim, const double sums[static SUMS])
@@ -255,8 +307,12 @@ void energy_begin(MnsSim *sim)
         plan_tell(sim, "energy: no memory for its account: what a scheme makes of nothing would not be noticed");
         return;
     }
-    if (!goes_on) memcpy(account->gravity, sim->model.gravity, sizeof account->gravity);
-    find_sums(sim, OF_ALL, sums);
+    add_up(sim, OF_ALL, sums);
+    if (!goes_on) {
+        memcpy(account->gravity, sim->model.gravity, sizeof account->gravity);
+        for (int d = 0; d < 3; d++) account->middle[d] = sums[MIDDLE + d] - taken(sim, sums, d);
+    }
+    take_out_common(sim, sums);
     keep(sim, sums);
     if (goes_on) return;
     account->known = true;
@@ -295,7 +351,8 @@ static void look(MnsSim *sim, const double sums[static SUMS])
     const double made = whole_energy(sim, sums) - account->start - account->work,
                  change = fabs(potential(sim, sums) - account->potential);
     account->scale = fmax(account->scale, fmax(sums[KINETIC], change));
-    if (made > SILENT * sums[STIFFNESS] + AREA * sums[SURFACE]) account->excess = fmax(account->excess, made);
+    const double noise = SILENT * sums[STIFFNESS] + AREA * sums[SURFACE] + account->misplaced + account->lifted;
+    if (made > noise) account->excess = fmax(account->excess, made);
     const double most = sim->scheme->energy_excess > 0 ? sim->scheme->energy_excess : MOST,
                  excess = mns_sim_energy_excess(sim);
     if (!(excess > most) || sim->told.energy) return;
@@ -317,6 +374,7 @@ void energy_step(MnsSim *sim)
     if (!whole && !driven && !sim->s.power) return;
     double sums[SUMS];
     find_sums(sim, whole ? OF_ALL : driven ? OF_MOTION : OF_WALLS, sums);
+    if (whole || driven) add_doubt(sim, sums);
     if (driven || sim->s.power) add_work(sim, sums);
     if (whole || driven) keep(sim, sums);
     if (whole) look(sim, sums);

@@ -11,7 +11,7 @@
 
 enum { SIM_TIMERS_MAX = SCHEME_PASSES_MAX + 6, SIM_WARNINGS_MAX = 16, SIM_TOLD_MAX = 8 };
 enum { SIM_BLOCK = 4096 }; /* particles that are summed up by one thread */
-enum { SIM_SUMS = 15 };    /* at most at once */
+enum { SIM_SUMS = 20 };    /* at most at once */
 enum { TIMER_NEIGHBOURS, TIMER_DRIFT, TIMER_KICK, TIMER_REST, TIMER_PASSES };
 
 /* How the projections of the last step went. */
