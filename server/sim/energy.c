@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "sim/energy.h"
 #include "base/array.h"
+#include "sim/areas.h"
 #include "sim/limits.h"
 #include "sim/motion.h"
-#include "sim/terms/images.h"
 #include <math.h>
 #include <string.h>
 
@@ -13,8 +13,9 @@ enum { EVERY = 40 };
 /* Below this part of sum rho c^2 V nothing is said: at rest a scheme's noise is all the energy there is. */
 static const double SILENT = 1e-6;
 
-/* To which the area of an interface is known: particles that only change places change it by as much. */
-static const double AREA = 0.01;
+/* To which the area of an interface is known: particles that only change places change it by a fifth of that, and corners as sharp as spacings, which are seen as
+ * round, by nearly all. */
+static const double AREA = 0.03;
 
 /* What is allowed unless a scheme says otherwise, over the largest of kinetic energy and change of potential energy. */
 static const double MOST = 0.01;
@@ -54,37 +55,6 @@ static double elastic(const Phase *phase, double rho, double p)
     return c2 / gamma * ((power - 1) / (gamma - 1) + 1 / r - 1) + background;
 }
 
-/* What a thread that looks at surfaces has. */
-typedef struct Surroundings {
-    RowPlan plan;
-    Row row, with_images;
-} Surroundings;
-
-/* sigma V |grad C| for each other fluid, of which the sum over particles is sigma times the area. Beside mirrors rows have images; flat walls at which fluids
- * stick mirror interfaces under P1 and P2 (terms/images.h), and under the others an area that ends there is a little short. */
-static void add_surface(const MnsSim *sim, Surroundings *around, size_t i, double sums[static SUMS])
-{
-    const Particles *s = &sim->s;
-    const Model *model = &sim->model;
-    const unsigned mine = s->phase[i];
-    double slope[MNS_MAX_FLUIDS][3] = {{0}};
-    row_build(&around->row, &around->plan, i);
-    const Row *seen =
-        sim->scheme->projects ? &around->row : row_with_images(&around->row, s, model, &around->with_images);
-    for (const Block *b = seen->block; b < seen->block + seen->n_fluid; b++)
-        for (int l = 0; l < LANES; l++) {
-            const size_t j = row_j(seen, b)[l];
-            const unsigned its = s->phase[j];
-            const double c = its != mine ? particles_volume(s, model, j) * b->F[l] : 0;
-            for (int d = 0; d < s->dim; d++) slope[its][d] += c * b->x[d][l];
-        }
-    const double V = particles_volume(s, model, i);
-    for (size_t k = 0; k < model->n_phases; k++) {
-        const double *g = slope[k], size = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-        sums[SURFACE] += model->tension[mine][k] * V * size;
-    }
-}
-
 /* What of the sums is found: the power of walls; also kinetic energy and what gravity acts on; also elastic energies and those of surfaces. */
 typedef enum Extent { OF_WALLS, OF_MOTION, OF_ALL } Extent;
 
@@ -95,7 +65,7 @@ static double sum_of(const double *values, size_t first, size_t last)
     return sum;
 }
 
-static void add_particle(const MnsSim *sim, Surroundings *around, size_t i, Extent extent, double sums[static SUMS])
+static void add_particle(const MnsSim *sim, size_t i, Extent extent, double sums[static SUMS])
 {
     const Particles *s = &sim->s;
     const Phase *phase = &sim->model.phase[s->phase[i]];
@@ -117,7 +87,6 @@ static void add_particle(const MnsSim *sim, Surroundings *around, size_t i, Exte
     const double c = sim->scheme->projects ? limits_expected_speed(&sim->model) : phase->c;
     sums[STIFFNESS] += m * c * c;
     if (!sim->scheme->projects) sums[ELASTIC] += m * elastic(phase, s->rho[i], s->p[i * s->p_step]);
-    if (sim->model.tense && (!sim->nb.tells_others || sim->nb.has[i] & LIST_OTHERS)) add_surface(sim, around, i, sums);
 }
 
 /* Is one of these walls listed for i? these: [walls] */
@@ -173,11 +142,17 @@ static void find_power(MnsSim *sim)
     }
 }
 
-/* Of fluids that are not compressed and fill a space to its walls, the density that all have in common has nowhere to fall: what moves particles and no
+/* Do fluids that are not compressed fill a space to its walls, which all move alike? */
+static bool is_full(const MnsSim *sim)
+{
+    return sim->scheme->projects && sim->model.closed;
+}
+
+/* Of such fluids the density that all have in common has nowhere to fall: what moves particles and no
  * fluid, as what corrects number densities does, shall not pass for energy. 0: it may fall. */
 static double common_density(const MnsSim *sim, const double sums[static SUMS])
 {
-    return sim->scheme->projects && sim->model.closed ? sums[WEIGHT] / sums[VOLUME] : 0;
+    return is_full(sim) ? sums[WEIGHT] / sums[VOLUME] : 0;
 }
 
 /* By which walls that all move alike have taken the middle of all fluids along. */
@@ -196,27 +171,22 @@ static void take_out_common(const MnsSim *sim, double sums[static SUMS])
 /* Block by block, so that the number of threads changes no bit. */
 static void add_up(MnsSim *sim, Extent extent, double ret[static SUMS])
 {
-    const unsigned needs = NEED_F | (sim->scheme->projects ? 0 : NEED_STATE | NEED_OTHERS); /* of surfaces */
     if (sim->s.power) find_power(sim);
-    if (extent == OF_ALL && sim->model.tense) neighbours_refresh(&sim->nb, &sim->s, &sim->model, needs);
+    const double surface = extent == OF_ALL && sim->model.tense ? areas_energy(sim) : 0;
     const size_t n = particles_fluid(&sim->s), blocks = sim_blocks(n);
     double(*partial)[SUMS] = (double(*)[SUMS])sim->partial;
-#pragma omp parallel num_threads(sim->threads)
-    {
-        Surroundings around; /* no zeros: its rows are larger than what there is to do where only walls are asked for */
-        around.plan = row_plan(&sim->nb, &sim->s, &sim->model, needs, ROW_LISTED);
-#pragma omp for schedule(static)
-        for (size_t b = 0; b < blocks; b++) {
-            double sums[SUMS] = {0};
-            const size_t first = b * SIM_BLOCK, last = first + SIM_BLOCK < n ? first + SIM_BLOCK : n;
-            if (sim->s.power) sums[BY_WALLS] = sum_of(sim->s.power, first, last);
-            for (size_t i = first; extent != OF_WALLS && i < last; i++) add_particle(sim, &around, i, extent, sums);
-            memcpy(partial[b], sums, sizeof sums);
-        }
+#pragma omp parallel for schedule(static) num_threads(sim->threads)
+    for (size_t b = 0; b < blocks; b++) {
+        double sums[SUMS] = {0};
+        const size_t first = b * SIM_BLOCK, last = first + SIM_BLOCK < n ? first + SIM_BLOCK : n;
+        if (sim->s.power) sums[BY_WALLS] = sum_of(sim->s.power, first, last);
+        for (size_t i = first; extent != OF_WALLS && i < last; i++) add_particle(sim, i, extent, sums);
+        memcpy(partial[b], sums, sizeof sums);
     }
     memset(ret, 0, SUMS * sizeof *ret);
     for (size_t b = 0; b < blocks; b++)
         for (int k = 0; k < SUMS; k++) ret[k] += partial[b][k];
+    ret[SURFACE] = surface;
 }
 
 static void find_sums(MnsSim *sim, Extent extent, double ret[static SUMS])
