@@ -371,6 +371,35 @@ static void what_is_made_of_nothing_is_told(void **state)
     }
 }
 
+static int crowding_after(const char *scheme, double down)
+{
+    MnsCase *c = water(scheme, 1);
+    add_plate(c, "floor", -9, 0);
+    add_plate(c, "roof", 1, 9);
+    MnsSim *sim = sim_of(c);
+    for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
+        double *y = &sim->s.x[1][i * sim->s.x_step];
+        *y -= 0.5 * M_PI * down * sin(M_PI * *y);
+    }
+    particles_changed(&sim->s, ON_FLUID, FIELD(X));
+    int told = 0;
+    const char *text;
+    for (sim->progress.step = 40; sim->progress.step <= 80; sim->progress.step += 40) energy_step(sim);
+    for (size_t k = 0; (text = mns_sim_warning(sim, k)); k++) told += strncmp(text, "crowding:", 9) == 0;
+    sim_done(sim, c);
+    return told;
+}
+
+/* Once, of what cannot be pressed together: in a full tank its middle stays. */
+static void a_middle_that_sinks_is_told(void **state)
+{
+    (void)state;
+    for (size_t q = 0; q < ALL; q++) {
+        assert_int_equal(crowding_after(SCHEMES[q], 0.008), 0);
+        assert_int_equal(crowding_after(SCHEMES[q], 0.012), q >= 3);
+    }
+}
+
 /* The account is looked at in the end, however few steps there are. */
 static void what_is_made_in_a_short_run_is_told(void **state)
 {
@@ -486,6 +515,7 @@ int main(void)
         cmocka_unit_test(an_elliptic_drop_that_becomes_round_makes_nothing),
         cmocka_unit_test(a_restart_goes_on_with_the_account),
         cmocka_unit_test(what_is_made_of_nothing_is_told),
+        cmocka_unit_test(a_middle_that_sinks_is_told),
         cmocka_unit_test(what_is_made_in_a_short_run_is_told),
         cmocka_unit_test(a_shift_out_of_the_free_surface_is_told),
         cmocka_unit_test(an_account_is_the_same_for_any_number_of_threads),
