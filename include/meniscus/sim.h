@@ -71,6 +71,10 @@ typedef struct MnsEnergy {
     double power;       /* of walls, at the end of the last step [W] */
     double potential;   /* potential energy at the start, by the gravity of now [J]                                 */
     double gravity[3];  /* that the potential energy is by [m/s^2]                                                  */
+    double misplaced;   /* to which potential energy is known, at most so far, as positions are not exact [J]       */
+    double lifted;      /* to which the work of gravity that changes is known, for the same reason [J]              */
+    double middle
+        [3]; /* sum of the fluids' volumes times positions at the start, in the frame of the first wall [m^(dim + 1)] */
 } MnsEnergy;
 
 typedef struct MnsProgress {

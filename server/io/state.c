@@ -22,9 +22,10 @@ static const char *const real_names[REAL] = {"spacing", "t", "dt", "dt_first"};
 
 /* The account of energy, in the order in which it is hashed. */
 static const char account_group[] = "/energy";
-enum { ACCOUNT = 9 };
-static const char *const account_names[ACCOUNT] = {"start", "work",      "excess",    "scale",    "potential",
-                                                   "power", "gravity_x", "gravity_y", "gravity_z"};
+enum { ACCOUNT = 14 };
+static const char *const account_names[ACCOUNT] = {"start",  "work",      "excess",    "scale",     "potential",
+                                                   "power",  "gravity_x", "gravity_y", "gravity_z", "misplaced",
+                                                   "lifted", "middle_x",  "middle_y",  "middle_z"};
 
 static int components(const MnsFieldInfo *field, int dim)
 {
@@ -58,8 +59,9 @@ static void put_scalars(H5 *h, const MnsCapture *state)
 
 static void put_account(H5 *h, const MnsEnergy *e)
 {
-    const double of[ACCOUNT] = {e->start, e->work,       e->excess,     e->scale,     e->potential,
-                                e->power, e->gravity[0], e->gravity[1], e->gravity[2]};
+    const double of[ACCOUNT] = {e->start,  e->work,       e->excess,     e->scale,      e->potential,
+                                e->power,  e->gravity[0], e->gravity[1], e->gravity[2], e->misplaced,
+                                e->lifted, e->middle[0],  e->middle[1],  e->middle[2]};
     const uint64_t hash = XXH64(of, sizeof of, 0);
     h5_make_group(h, account_group);
     for (int k = 0; k < ACCOUNT; k++) h5_mark(h, account_group, account_names[k], H5T_NATIVE_DOUBLE, 0, &of[k]);
@@ -120,7 +122,10 @@ static MnsEnergy get_account(H5 *h)
                        .scale = of[3],
                        .potential = of[4],
                        .power = of[5],
-                       .gravity = {of[6], of[7], of[8]}};
+                       .gravity = {of[6], of[7], of[8]},
+                       .misplaced = of[9],
+                       .lifted = of[10],
+                       .middle = {of[11], of[12], of[13]}};
 }
 
 /* Which fields the file holds: none that this program does not know. Whether they are what the scheme goes on from is for those to

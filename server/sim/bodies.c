@@ -41,7 +41,8 @@ static void note_mirrors(Search *s, const LatticeRun *run, const double x[3])
     for (int side = 0; side < 2 * model->dim; side++) {
         const int d = side / 2;
         const double at = side == 1 ? x[0] + (run->n - 1) * spacing[0] : x[d];
-        if (model->mirrors >> side & 1 && model_inside(model, side, at) < spacing[d]) s->body->mirrors |= 1u << side;
+        if (model->mirrors >> side & 1 && model_before_mirror(model, side, at) < spacing[d])
+            s->body->mirrors |= 1u << side;
     }
 }
 

@@ -7,6 +7,7 @@
 #include "sim/fluid_sum.h"
 #include "sim/making.h"
 #include "sim/motion.h"
+#include "sim/sides.h"
 #include "sim/solid.h"
 #include "sim/start.h"
 #include <math.h>
@@ -228,6 +229,7 @@ static MnsStatus populate(MnsSim *sim, Lattice *lattice, const Constants *consta
     Filling filling = {.sim = sim, .lattice = lattice, .displacement = &displacement};
     if (!status) status = fill(&filling, error);
     if (!status) status = belts_init(sim, error);
+    if (!status) status = sides_find(sim, lattice, error);
     if (!status && displacement.moves) status = keep_volume(sim, error);
     if (!status && !sim->resumed) status = start_init(starts, sim, lattice, constants, error);
     filling.starts = starts;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "sim/energy.h"
 #include "base/array.h"
+#include "sim/areas.h"
+#include "sim/limits.h"
 #include "sim/motion.h"
-#include "sim/terms/images.h"
 #include <math.h>
 #include <string.h>
 
@@ -12,25 +13,32 @@ enum { EVERY = 40 };
 /* Below this part of sum rho c^2 V nothing is said: at rest a scheme's noise is all the energy there is. */
 static const double SILENT = 1e-6;
 
-/* To which the area of an interface is known: particles that only change places change it by as much. */
-static const double AREA = 0.01;
+/* To which the area of an interface is known: particles that only change places change it by a fifth of that, and corners as sharp as spacings, which are seen as
+ * round, by nearly all. */
+static const double AREA = 0.03;
+
+/* Of the domain, by which the middle of what fills it may be off: a hundredth is a gap of a fiftieth on one side. */
+static const double OFF_MIDDLE = 0.01;
 
 /* What is allowed unless a scheme says otherwise, over the largest of kinetic energy and change of potential energy. */
 static const double MOST = 0.01;
 
-/* Sums over the fluid: energies [J] and sum rho c^2 V [J]; power of walls [W]; momentum [kg m/s]; of what gravity acts on its mass [kg], and that times position and
- * velocity. */
+/* Sums over the fluid: energies [J] and sum rho c^2 V [J]; power of walls [W]; volume at rest [m^dim]; of what gravity acts on its mass [kg] and, to tell how
+ * unlike fluids are, its mass times its density; momentum [kg m/s]; of what gravity acts on its momentum and mass times position; volume times position. */
 enum {
     KINETIC,
     ELASTIC,
     SURFACE,
     STIFFNESS,
     BY_WALLS,
+    VOLUME,
     WEIGHT,
+    UNLIKE,
     MOMENTUM,
     FALL = MOMENTUM + 3,
     MOMENT = FALL + 3,
-    SUMS = MOMENT + 3
+    MIDDLE = MOMENT + 3,
+    SUMS = MIDDLE + 3
 };
 
 _Static_assert((int)SUMS <= (int)SIM_SUMS, "room for partial sums");
@@ -50,37 +58,6 @@ static double elastic(const Phase *phase, double rho, double p)
     return c2 / gamma * ((power - 1) / (gamma - 1) + 1 / r - 1) + background;
 }
 
-/* What a thread that looks at surfaces has. */
-typedef struct Surroundings {
-    RowPlan plan;
-    Row row, with_images;
-} Surroundings;
-
-/* sigma V |grad C| for each other fluid, of which the sum over particles is sigma times the area. Beside mirrors rows have images; flat walls at which fluids
- * stick mirror interfaces under P1 and P2 (terms/images.h), and under the others an area that ends there is a little short. */
-static void add_surface(const MnsSim *sim, Surroundings *around, size_t i, double sums[static SUMS])
-{
-    const Particles *s = &sim->s;
-    const Model *model = &sim->model;
-    const unsigned mine = s->phase[i];
-    double slope[MNS_MAX_FLUIDS][3] = {{0}};
-    row_build(&around->row, &around->plan, i);
-    const Row *seen =
-        sim->scheme->projects ? &around->row : row_with_images(&around->row, s, model, &around->with_images);
-    for (const Block *b = seen->block; b < seen->block + seen->n_fluid; b++)
-        for (int l = 0; l < LANES; l++) {
-            const size_t j = row_j(seen, b)[l];
-            const unsigned its = s->phase[j];
-            const double c = its != mine ? particles_volume(s, model, j) * b->F[l] : 0;
-            for (int d = 0; d < s->dim; d++) slope[its][d] += c * b->x[d][l];
-        }
-    const double V = particles_volume(s, model, i);
-    for (size_t k = 0; k < model->n_phases; k++) {
-        const double *g = slope[k], size = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-        sums[SURFACE] += model->tension[mine][k] * V * size;
-    }
-}
-
 /* What of the sums is found: the power of walls; also kinetic energy and what gravity acts on; also elastic energies and those of surfaces. */
 typedef enum Extent { OF_WALLS, OF_MOTION, OF_ALL } Extent;
 
@@ -91,26 +68,28 @@ static double sum_of(const double *values, size_t first, size_t last)
     return sum;
 }
 
-static void add_particle(const MnsSim *sim, Surroundings *around, size_t i, Extent extent, double sums[static SUMS])
+static void add_particle(const MnsSim *sim, size_t i, Extent extent, double sums[static SUMS])
 {
     const Particles *s = &sim->s;
     const Phase *phase = &sim->model.phase[s->phase[i]];
-    const double m = s->m[i], weight = m * (1 - sim->model.differences.buoyancy / phase->rho0);
+    const double m = s->m[i], V = m / phase->rho0, pulled = phase->rho0 - sim->model.differences.buoyancy;
     double v2 = 0;
     for (int d = 0; d < s->dim; d++) {
-        const double v = s->v[d][i * s->v_step];
-        sums[MOMENT + d] += weight * s->x[d][i * s->x_step];
-        sums[FALL + d] += weight * v;
+        const double v = s->v[d][i * s->v_step], x = s->x[d][i * s->x_step];
+        sums[MIDDLE + d] += V * x;
+        sums[MOMENT + d] += V * pulled * x;
+        sums[FALL + d] += V * pulled * v;
         sums[MOMENTUM + d] += m * v;
         v2 += v * v;
     }
-    sums[WEIGHT] += weight;
+    sums[VOLUME] += V;
+    sums[WEIGHT] += V * pulled;
+    sums[UNLIKE] += V * pulled * pulled;
     sums[KINETIC] += 0.5 * m * v2;
     if (extent == OF_MOTION) return;
-    const double c = sim->scheme->projects ? sim->model.projection.speed : phase->c;
+    const double c = sim->scheme->projects ? limits_expected_speed(&sim->model) : phase->c;
     sums[STIFFNESS] += m * c * c;
     if (!sim->scheme->projects) sums[ELASTIC] += m * elastic(phase, s->rho[i], s->p[i * s->p_step]);
-    if (sim->model.tense && (!sim->nb.tells_others || sim->nb.has[i] & LIST_OTHERS)) add_surface(sim, around, i, sums);
 }
 
 /* Is one of these walls listed for i? these: [walls] */
@@ -166,30 +145,57 @@ static void find_power(MnsSim *sim)
     }
 }
 
-/* Block by block, so that the number of threads changes no bit. */
-static void find_sums(MnsSim *sim, Extent extent, double ret[static SUMS])
+/* Do fluids that are not compressed fill a space to its walls, which all move alike? */
+static bool is_full(const MnsSim *sim)
 {
-    const unsigned needs = NEED_F | (sim->scheme->projects ? 0 : NEED_STATE | NEED_OTHERS); /* of surfaces */
+    return sim->scheme->projects && sim->model.closed;
+}
+
+/* Of such fluids the density that all have in common has nowhere to fall: what moves particles and no
+ * fluid, as what corrects number densities does, shall not pass for energy. 0: it may fall. */
+static double common_density(const MnsSim *sim, const double sums[static SUMS])
+{
+    return is_full(sim) ? sums[WEIGHT] / sums[VOLUME] : 0;
+}
+
+/* By which walls that all move alike have taken the middle of all fluids along. */
+static double taken(const MnsSim *sim, const double sums[static SUMS], int d)
+{
+    return sim->model.n_walls ? sums[VOLUME] * sim->model.wall[0].x[d] : 0;
+}
+
+static void take_out_common(const MnsSim *sim, double sums[static SUMS])
+{
+    const double common = common_density(sim, sums);
+    for (int d = 0; d < sim->model.dim && common != 0; d++)
+        sums[MOMENT + d] += common * (sim->progress.energy.middle[d] + taken(sim, sums, d) - sums[MIDDLE + d]);
+}
+
+/* Block by block, so that the number of threads changes no bit. */
+static void add_up(MnsSim *sim, Extent extent, double ret[static SUMS])
+{
     if (sim->s.power) find_power(sim);
-    if (extent == OF_ALL && sim->model.tense) neighbours_refresh(&sim->nb, &sim->s, &sim->model, needs);
+    const double surface = extent == OF_ALL && sim->model.tense ? areas_energy(sim) : 0;
     const size_t n = particles_fluid(&sim->s), blocks = sim_blocks(n);
     double(*partial)[SUMS] = (double(*)[SUMS])sim->partial;
-#pragma omp parallel num_threads(sim->threads)
-    {
-        Surroundings around; /* no zeros: its rows are larger than what there is to do where only walls are asked for */
-        around.plan = row_plan(&sim->nb, &sim->s, &sim->model, needs, ROW_LISTED);
-#pragma omp for schedule(static)
-        for (size_t b = 0; b < blocks; b++) {
-            double sums[SUMS] = {0};
-            const size_t first = b * SIM_BLOCK, last = first + SIM_BLOCK < n ? first + SIM_BLOCK : n;
-            if (sim->s.power) sums[BY_WALLS] = sum_of(sim->s.power, first, last);
-            for (size_t i = first; extent != OF_WALLS && i < last; i++) add_particle(sim, &around, i, extent, sums);
-            memcpy(partial[b], sums, sizeof sums);
-        }
+#pragma omp parallel for schedule(static) num_threads(sim->threads)
+    for (size_t b = 0; b < blocks; b++) {
+        double sums[SUMS] = {0};
+        const size_t first = b * SIM_BLOCK, last = first + SIM_BLOCK < n ? first + SIM_BLOCK : n;
+        if (sim->s.power) sums[BY_WALLS] = sum_of(sim->s.power, first, last);
+        for (size_t i = first; extent != OF_WALLS && i < last; i++) add_particle(sim, i, extent, sums);
+        memcpy(partial[b], sums, sizeof sums);
     }
     memset(ret, 0, SUMS * sizeof *ret);
     for (size_t b = 0; b < blocks; b++)
         for (int k = 0; k < SUMS; k++) ret[k] += partial[b][k];
+    ret[SURFACE] = surface;
+}
+
+static void find_sums(MnsSim *sim, Extent extent, double ret[static SUMS])
+{
+    add_up(sim, extent, ret);
+    if (extent != OF_WALLS) take_out_common(sim, ret);
 }
 
 /* Where a direction is periodic there is no potential: what gravity does along it is work. */
@@ -199,6 +205,25 @@ static double potential(const MnsSim *sim, const double sums[static SUMS])
     for (int d = 0; d < sim->model.dim; d++)
         if (sim->model.period[d] == 0) gx += sim->progress.energy.gravity[d] * sums[MOMENT + d];
     return -gx;
+}
+
+/* Number densities are kept within a tolerance, and so positions within that part of a spacing. Of what pulls strongest it counts once; of gravity that changes,
+ * each time, as work may be off to the same side in every step, but only of what fluids do not have in common. */
+static void add_doubt(MnsSim *sim, const double sums[static SUMS])
+{
+    const Model *model = &sim->model;
+    MnsEnergy *account = &sim->progress.energy;
+    const double off = model->projection.density_tolerance * model->dx, mean = common_density(sim, sums) * sums[VOLUME],
+                 apart = sqrt(fmax(sums[VOLUME] * sums[UNLIKE] - mean * mean, 0));
+    double g2 = 0, change2 = 0;
+    for (int d = 0; d < model->dim; d++) {
+        const double g = model->period[d] > 0 ? 0 : model->gravity[d];
+        const double change = model->period[d] > 0 ? 0 : g - account->gravity[d];
+        g2 += g * g;
+        change2 += change * change;
+    }
+    account->misplaced = fmax(account->misplaced, off * sqrt(g2) * fabs(sums[WEIGHT]));
+    account->lifted += off * sqrt(change2) * apart;
 }
 
 static double whole_energy(const MnsSim *sim, const double sums[static SUMS])
@@ -255,8 +280,12 @@ void energy_begin(MnsSim *sim)
         plan_tell(sim, "energy: no memory for its account: what a scheme makes of nothing would not be noticed");
         return;
     }
-    if (!goes_on) memcpy(account->gravity, sim->model.gravity, sizeof account->gravity);
-    find_sums(sim, OF_ALL, sums);
+    add_up(sim, OF_ALL, sums);
+    if (!goes_on) {
+        memcpy(account->gravity, sim->model.gravity, sizeof account->gravity);
+        for (int d = 0; d < 3; d++) account->middle[d] = sums[MIDDLE + d] - taken(sim, sums, d);
+    }
+    take_out_common(sim, sums);
     keep(sim, sums);
     if (goes_on) return;
     account->known = true;
@@ -295,7 +324,8 @@ static void look(MnsSim *sim, const double sums[static SUMS])
     const double made = whole_energy(sim, sums) - account->start - account->work,
                  change = fabs(potential(sim, sums) - account->potential);
     account->scale = fmax(account->scale, fmax(sums[KINETIC], change));
-    if (made > SILENT * sums[STIFFNESS] + AREA * sums[SURFACE]) account->excess = fmax(account->excess, made);
+    const double noise = SILENT * sums[STIFFNESS] + AREA * sums[SURFACE] + account->misplaced + account->lifted;
+    if (made > noise) account->excess = fmax(account->excess, made);
     const double most = sim->scheme->energy_excess > 0 ? sim->scheme->energy_excess : MOST,
                  excess = mns_sim_energy_excess(sim);
     if (!(excess > most) || sim->told.energy) return;
@@ -308,6 +338,27 @@ static void look(MnsSim *sim, const double sums[static SUMS])
         (unsigned long long)sim->progress.step, account->excess, 100 * excess, 100 * most);
 }
 
+/* Fluids that fill a space have their middle where that has it, each volume counted alike: else particles crowd on one side, which what projects velocities need not
+ * notice, and potential energy goes with them. */
+static void look_at_middle(MnsSim *sim, const double sums[static SUMS])
+{
+    const Model *model = &sim->model;
+    if (!is_full(sim) || sim->told.crowded) return;
+    for (int d = 0; d < model->dim; d++) {
+        const double due = sim->progress.energy.middle[d] + taken(sim, sums, d),
+                     off = (sums[MIDDLE + d] - due) / sums[VOLUME] / (model->max[d] - model->min[d]);
+        if (model->period[d] > 0 || !(fabs(off) > OFF_MIDDLE)) continue;
+        sim->told.crowded = true;
+        plan_tell(
+            sim,
+            "crowding: after step %llu the middle of all fluids is off by %.2g %% of the domain along %c, allowed: "
+            "%g %%, though they fill it: particles are closer to each other on one side. What keeps them evenly "
+            "apart is too weak: see shifting_strength of differences, density_tolerance of incompressible",
+            (unsigned long long)sim->progress.step, 100 * off, "xyz"[d], 100 * OFF_MIDDLE);
+        return;
+    }
+}
+
 void energy_step(MnsSim *sim)
 {
     MnsEnergy *account = &sim->progress.energy;
@@ -317,9 +368,11 @@ void energy_step(MnsSim *sim)
     if (!whole && !driven && !sim->s.power) return;
     double sums[SUMS];
     find_sums(sim, whole ? OF_ALL : driven ? OF_MOTION : OF_WALLS, sums);
+    if (whole || driven) add_doubt(sim, sums);
     if (driven || sim->s.power) add_work(sim, sums);
     if (whole || driven) keep(sim, sums);
     if (whole) look(sim, sums);
+    if (whole) look_at_middle(sim, sums);
 }
 
 double energy_of(MnsSim *sim)

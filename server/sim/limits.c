@@ -25,14 +25,19 @@ static double acoustic(const MnsSim *sim)
     return sim->model.cfl * sim->model.kernel.h / (sim->model.c_max + speed(sim));
 }
 
+double limits_expected_speed(const Model *model)
+{
+    double gh = 0;
+    if (model->projection.speed >= 0) return model->projection.speed;
+    for (int d = 0; d < model->dim; d++) gh += fabs(model->gravity[d]) * (model->max[d] - model->min[d]);
+    return sqrt(gh);
+}
+
 /* Faster than what the flow is doing now, as the correction of densities has a speed of its own. */
 static double flow(const MnsSim *sim)
 {
     const Model *model = &sim->model;
-    double expected = model->projection.speed, gh = 0;
-    for (int d = 0; d < model->dim; d++) gh += fabs(model->gravity[d]) * (model->max[d] - model->min[d]);
-    if (expected < 0) expected = sqrt(gh);
-    const double fastest = expected + speed(sim);
+    const double fastest = limits_expected_speed(model) + speed(sim);
     return fastest > 0 ? model->cfl * model->kernel.h / fastest : INFINITY;
 }
 

@@ -1,51 +1,47 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "sim/losses.h"
-#include "sim/motion.h"
 #include "sim/probes/probes.h"
-#include <math.h>
+#include "sim/sides.h"
+#include "sim/solid.h"
 
 enum { EVERY = 300 }; /* steps it is looked at, and at the end: the coverage takes as long as one */
 
 static const double LEAST_COVERED = 0.3; /* sum of W V; of a domain that fluids fill */
 static const double MOST_ESCAPED = 0.01; /* of all fluid particles */
 
-/* Does a wall take the domain along, as a tank does? A plate that carries fluid out does not. */
-static bool is_tank(const MnsSim *sim, int wall)
+/* Outside of the domain, or so deep in a wall that it went through its surface? */
+static double is_lost(const Measure *m, size_t i)
 {
-    const MnsShape *shape = &sim->c->walls[wall].shape;
-    return motion_of_all(sim->c) || (shape->n > 0 && shape->parts[0].outside);
-}
-
-/* The domain at rest, or taken along by a tank: where fewest have escaped. */
-static double fewest_escaped(const MnsSim *sim, MnsProbe *ret_frame)
-{
-    double fewest = INFINITY;
-    const int n = (int)sim->model.n_walls;
-    for (int k = 0; k <= n && fewest > 0; k++) {
-        const MnsProbe frame = {.fluid = -1, .wall = k < n ? k : -1};
-        if (k < n && !is_tank(sim, k)) continue;
-        Measure m = {.sim = sim, .probe = &frame, .threads = sim->threads};
-        const double escaped = probe_escaped(&m);
-        if (escaped < fewest) *ret_frame = frame;
-        fewest = fmin(fewest, escaped);
+    const Particles *s = &m->sim->s;
+    double x[3] = {0, 0, 0};
+    for (int d = 0; d < s->dim; d++) {
+        x[d] = s->x[d][i * s->x_step];
+        if (!(x[d] >= m->probe->min[d] && x[d] <= m->probe->max[d])) return 1;
     }
-    return fewest;
+    return solid_distance_now(m->sim, x) < -m->sim->model.dx;
 }
 
 void losses_step(MnsSim *sim)
 {
-    MnsProbe frame = {.fluid = -1, .wall = -1};
+    MnsProbe domain = {.fluid = -1};
     if (sim->progress.step % EVERY && !(sim->progress.t >= sim->c->end_time)) return;
-    const double escaped = fewest_escaped(sim, &frame), n = (double)particles_fluid(&sim->s);
+    domain.wall = sides_now(sim, domain.min, domain.max);
+    Measure m = {.sim = sim, .probe = &domain, .threads = sim->threads};
+    const double escaped = measure_sum(&m, is_lost), n = (double)particles_fluid(&sim->s);
     if (escaped > MOST_ESCAPED * n && !sim->told.escaped) {
         sim->told.escaped = true;
-        plan_tell(sim,
-                  "domain: after step %llu %.0f of %.0f fluid particles are outside of it. Close its sides by walls, "
-                  "or widen it",
-                  (unsigned long long)sim->progress.step, escaped, n);
+        plan_tell(
+            sim,
+            "domain: after step %llu %.0f of %.0f fluid particles are outside of it or deep in walls. Close its sides "
+            "by walls, widen it, or take smaller steps",
+            (unsigned long long)sim->progress.step, escaped, n);
     }
     if (!sim->model.filled || sim->told.bare) return;
-    Measure m = {.sim = sim, .probe = &frame, .threads = sim->threads};
+    domain.within = true;
+    for (int d = 0; d < sim->model.dim; d++) {
+        domain.min[d] -= measure_shift(&m, d);
+        domain.max[d] -= measure_shift(&m, d);
+    }
     const double covered = probe_coverage(&m);
     if (!(covered < LEAST_COVERED)) return;
     sim->told.bare = true;

@@ -153,7 +153,7 @@ bool mirror_planes_have(const Model *model, const Face *face)
         const int side = face->normal[d] > 0 ? 2 * d : 2 * d + 1;
         const double at = face->point[d] + model->wall[face->wall].x[d];
         if (!(model->mirrors >> side & 1) || !(fabs(face->normal[d]) > 1 - 1e-9)) continue;
-        if (fabs(model_inside(model, side, at)) < FLUSH * model->dx) return true;
+        if (fabs(model_before_mirror(model, side, at)) < FLUSH * model->dx) return true;
     }
     return false;
 }

@@ -14,7 +14,8 @@ bool mirrors_hide(const Model *model, const Particles *s, size_t i)
 {
     if (!model->mirrors || i < particles_fluid(s)) return false;
     for (int side = 0; side < SIDES; side++)
-        if (model->mirrors >> side & 1 && model_inside(model, side, s->x[side / 2][i * s->x_step]) < 0) return true;
+        if (model->mirrors >> side & 1 && model_before_mirror(model, side, s->x[side / 2][i * s->x_step]) < 0)
+            return true;
     return false;
 }
 
@@ -23,7 +24,7 @@ static unsigned near_to(const Model *model, const double x[3], double distance)
 {
     unsigned near = 0;
     for (int side = 0; side < SIDES; side++)
-        if (model->mirrors >> side & 1 && model_inside(model, side, x[side / 2]) < distance) near |= 1u << side;
+        if (model->mirrors >> side & 1 && model_before_mirror(model, side, x[side / 2]) < distance) near |= 1u << side;
     return near;
 }
 
@@ -37,7 +38,7 @@ static bool is_image(unsigned these)
 static double apart(const Model *model, unsigned these, int d, double x_i, double x_j)
 {
     const int side = these >> 2 * d & 1 ? 2 * d : 2 * d + 1;
-    const double sum = model_inside(model, side, x_i) + model_inside(model, side, x_j);
+    const double sum = model_before_mirror(model, side, x_i) + model_before_mirror(model, side, x_j);
     return side % 2 ? -sum : sum;
 }
 
@@ -164,7 +165,7 @@ INLINE bool reaches(const Growing *g, unsigned these, const Block *from, size_t 
 INLINE bool is_inside(const Model *model, unsigned these, const double x[3])
 {
     for (int side = 0; side < SIDES; side++)
-        if (these >> side & 1 && !(model_inside(model, side, x[side / 2]) > 0)) return false;
+        if (these >> side & 1 && !(model_before_mirror(model, side, x[side / 2]) > 0)) return false;
     return true;
 }
 
@@ -178,7 +179,7 @@ INLINE Way way_of(const Model *model, unsigned these, const double x[3])
     Way way = {{0, 0, 0}, {1, 1, 1}};
     for (unsigned left = these; left; left &= left - 1) {
         const int side = __builtin_ctz(left);
-        const double away = 2 * model_inside(model, side, x[side / 2]);
+        const double away = 2 * model_before_mirror(model, side, x[side / 2]);
         way.by[side / 2] = side % 2 ? -away : away;
         way.keeps[side / 2] = -1;
     }
@@ -334,7 +335,7 @@ INLINE void measure_before(double r[LANES], const Block *b, const Growing *g)
     memcpy(r, b->r, sizeof b->r);
     for (unsigned left = g->near; left; left &= left - 1) {
         const int side = __builtin_ctz(left), d = side / 2;
-        const double inside = model_inside(model, side, g->x[d]), sign = side % 2 ? 1 : -1;
+        const double inside = model_before_mirror(model, side, g->x[d]), sign = side % 2 ? 1 : -1;
 #pragma omp simd
         for (int l = 0; l < LANES; l++) r[l] = inside + sign * b->x[d][l] < 0 ? far : r[l];
     }

@@ -110,8 +110,14 @@ static inline bool model_is_gas(const Model *model, double density)
     return density < GAS_DENSITY * model->rho_max;
 }
 
-/* How far a coordinate is before a mirror [m]: 2 d and 2 d + 1 are the lower and the upper one in direction d. */
+/* How far a coordinate is on the inner side of a side of the domain [m]: sides 2 d and 2 d + 1 are the lower and the upper one in direction d. */
 static inline double model_inside(const Model *model, int side, double x)
+{
+    return side % 2 ? model->max[side / 2] - x : x - model->min[side / 2];
+}
+
+/* How far a coordinate is before the plane that may be a mirror there [m]. */
+static inline double model_before_mirror(const Model *model, int side, double x)
 {
     return side % 2 ? model->mirror_at[side] - x : x - model->mirror_at[side];
 }

@@ -66,7 +66,7 @@ INLINE double image_moved(const Row *row, const Block *block, int l, const Parti
     const unsigned sides = row->turned[pair] >> 2 * d & 3;
     const double x = s->x[d][row->j[pair] * s->x_step];
     if (!sides) return 0;
-    return sides & 1 ? -2 * model_inside(model, 2 * d, x) : 2 * model_inside(model, 2 * d + 1, x);
+    return sides & 1 ? -2 * model_before_mirror(model, 2 * d, x) : 2 * model_before_mirror(model, 2 * d + 1, x);
 }
 
 /* Of eight neighbours: what is given for each fluid. */

@@ -2,6 +2,7 @@
 /* Kernel averages at points.                                                                                    P3 eq. 21 */
 #include "sim/sample.h"
 #include "sim/shown.h"
+#include "sim/solid.h"
 #include <math.h>
 
 _Static_assert(EVERY_FLUID >> (MNS_MAX_FLUIDS - 1) == 1, "a bit for each fluid");
@@ -10,7 +11,6 @@ _Static_assert(EVERY_FLUID >> (MNS_MAX_FLUIDS - 1) == 1, "a bit for each fluid")
 typedef struct Around {
     double wall[3], spread[3][3]; /* over walls: sum of W V r, of W V r r */
     double fluid[3], one[3];      /* sum of W V r over all fluids, over those asked for */
-    double cell, point;           /* parts of a cell and of a point's surroundings that are in walls */
 } Around;
 
 typedef struct Sampler {
@@ -53,17 +53,6 @@ static void measure(const Sampler *q, size_t first, size_t n, double *restrict r
     }
 }
 
-enum { HARDLY = 100 }; /* so many times wider than what is looked at of a point are cells */
-
-/* Part of a box around the point, a part of a cell wide, that is in the cell around a particle: that is what a wall is made of. */
-static double overlap(const Model *model, const double r[3], double width)
-{
-    double all = 1;
-    for (int d = 0; d < model->dim; d++)
-        all *= fmin(1, fmax(0, (0.5 * (1 + width) - fabs(r[d]) / model->cell[d]) / width));
-    return all;
-}
-
 /* What a particle adds to the moments. */
 static void look_around(const Sampler *q, size_t j, double weight)
 {
@@ -78,8 +67,6 @@ static void look_around(const Sampler *q, size_t j, double weight)
         if (one) around->one[d] += weight * r[d];
     }
     if (!wall) return;
-    around->cell += overlap(model, r, 1);
-    around->point += overlap(model, r, 1.0 / HARDLY);
     for (int d = 0; d < s->dim; d++)
         for (int e = 0; e <= d; e++) around->spread[d][e] += weight * r[d] * r[e];
 }
@@ -220,7 +207,10 @@ Share sample_share(const MnsSim *sim, const double x[3], unsigned fluids)
     Sampler q = {.sim = sim, .x = {x[0], x[1], x[2]}, .kernel = sim->model.kernel, .fluids = fluids, .around = &around};
     visit_cells(&q);
     const PointSums sums = q.sums;
-    Share share = {.open = 1 - (sums.all - sums.fluid), .beside = 1 - around.cell, .solid = around.point > 1 - 1e-6};
+    const double away = solid_distance_now(sim, x);
+    Share share = {.open = 1 - (sums.all - sums.fluid),
+                   .beside = fmin(1, fmax(0, 0.5 + away / sim->model.dx)),
+                   .solid = solid_covers(sim, x, away)};
     if (!(sums.fluid > NOTHING_NEAR)) return share;
     double a = 1, b[3] = {0, 0, 0}, fluid, one;
     if (share.open < 1) correct(&q, fmax(share.open, sums.fluid), &a, b);

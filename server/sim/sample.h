@@ -20,8 +20,9 @@ typedef struct Share {
     double among;  /* of them in all fluids; 0 where there is none */
     double filled; /* of all fluids in what is no wall, as it comes: about 1 within them */
     double open;   /* of all that is no wall */
-    double beside; /* of what is no wall in a cell of the lattice around the point: a half where a flat wall begins */
-    bool solid;    /* the point is inside a wall, as it was placed, and not where one begins */
+    double
+        beside; /* 0 half a spacing deep in a wall, as its shape says, a half on its surface, 1 half a spacing off it */
+    bool solid; /* the point is inside a wall's shape, and not on its surface */
 } Share;
 
 enum { EVERY_FLUID = 0xffff }; /* or a bit for each fluid; sample.c asserts that there is room for all */

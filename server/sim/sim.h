@@ -11,7 +11,7 @@
 
 enum { SIM_TIMERS_MAX = SCHEME_PASSES_MAX + 6, SIM_WARNINGS_MAX = 16, SIM_TOLD_MAX = 8 };
 enum { SIM_BLOCK = 4096 }; /* particles that are summed up by one thread */
-enum { SIM_SUMS = 15 };    /* at most at once */
+enum { SIM_SUMS = 20 };    /* at most at once */
 enum { TIMER_NEIGHBOURS, TIMER_DRIFT, TIMER_KICK, TIMER_REST, TIMER_PASSES };
 
 /* How the projections of the last step went. */
@@ -31,6 +31,12 @@ typedef struct Belts {
     uint32_t *id;       /* [n] of the particle, rising */
     double (*along)[6]; /* [n] */
 } Belts;
+
+/* Which sides of the domain walls close (sides.h). */
+typedef struct Sides {
+    size_t leader[MNS_MAX_WALLS];   /* the first wall that moves as this one does */
+    unsigned closed[MNS_MAX_WALLS]; /* sides, a bit each, by those that move as a leader does */
+} Sides;
 
 /* What the energy account compares the next step with: sums of the fluid's mass, and of what gravity acts on of it, times position and velocity; velocity of the first
  * wall. */
@@ -63,6 +69,7 @@ struct MnsSim {
     Shape solid[MNS_MAX_WALLS];         /* where the case puts the walls */
     Face *face;                         /* of all of them, as far as they are flat */
     Belts belts;                        /* of walls whose surface has a velocity of its own */
+    Sides sides;
     FormulaTeam probe_formula[MNS_MAX_PROBES];
     struct {
         double largest, capillary; /* radius of the largest [m]; greatest sigma / R [Pa] */
@@ -71,9 +78,9 @@ struct MnsSim {
     double *partial; /* [sim_blocks(fluid) * SIM_SUMS] work space of sums over the fluid */
     Before before;
     struct {
-        bool energy, escaped, bare; /* too much; too many; places without fluid */
-    } told;                         /* by warnings as it goes */
-    System system;                  /* for the pressure, of schemes that project */
+        bool energy, escaped, bare, crowded; /* too much; too many; places without fluid; more on one side */
+    } told;                                  /* by warnings as it goes */
+    System system;                           /* for the pressure, of schemes that project */
     Solved solved;
     const char *solver;   /* the method by which the last system was solved; NULL: none was yet */
     uint64_t uncorrected; /* steps after which a number density was off by more than its tolerance */

@@ -9,9 +9,10 @@
 #include <stdio.h>
 
 /* In spacings. */
-static const double LEAST_STEP = 1e-4; /* of a ray; what is thinner is not seen */
-static const double ROOM_FROM = 0.4;   /* behind a wall, where it is looked for */
-static const double ROOM_TO = 1.5;     /* a row of the lattice is nearer, wherever the wall lies in it */
+static const double ON_SURFACE = 0.005; /* rounding of walls that have moved is less */
+static const double LEAST_STEP = 1e-4;  /* of a ray; what is thinner is not seen */
+static const double ROOM_FROM = 0.4;    /* behind a wall, where it is looked for */
+static const double ROOM_TO = 1.5;      /* a row of the lattice is nearer, wherever the wall lies in it */
 static const double TIP =
     0.86602540378443865; /* cosine of 30 degrees: sides that meet at more are a tip, as long as it is thick */
 
@@ -26,6 +27,35 @@ double solid_distance(const MnsSim *sim, const double x[3], size_t *ret_wall)
         *ret_wall = k;
     }
     return least;
+}
+
+double solid_distance_now(const MnsSim *sim, const double x[3])
+{
+    const Model *model = &sim->model;
+    double least = INFINITY;
+    for (size_t k = 0; k < model->n_walls; k++) {
+        double then[3] = {0, 0, 0}; /* where the case puts the wall, and its particles, which is within the domain */
+        for (int d = 0; d < model->dim; d++) {
+            then[d] = x[d] - model->wall[k].x[d];
+            if (model->period[d] > 0)
+                then[d] -= model->period[d] * floor((then[d] - model->min[d]) * model->frequency[d]);
+        }
+        least = fmin(least, shape_distance(&sim->solid[k], then));
+    }
+    return least;
+}
+
+bool solid_covers(const MnsSim *sim, const double x[3], double away)
+{
+    const Model *model = &sim->model;
+    const double near = ON_SURFACE * model->dx;
+    if (fabs(away) > 2 * near) return away < 0;
+    for (int corner = 0; corner < 1 << model->dim; corner++) {
+        double y[3] = {x[0], x[1], x[2]};
+        for (int d = 0; d < model->dim; d++) y[d] += corner >> d & 1 ? near : -near;
+        if (solid_distance_now(sim, y) > 1e-6 * model->dx) return false;
+    }
+    return true;
 }
 
 bool solid_leaves_room(const MnsSim *sim, const double x[3])

@@ -8,6 +8,12 @@
 /* Distance from the nearest wall, negative inside of any [m], and which it is; INFINITY where there are no walls. */
 double solid_distance(const MnsSim *sim, const double x[3], size_t *ret_wall);
 
+/* The same where the walls are now: by their shapes, as particles of a sloping wall are a staircase, and hollow deep inside. */
+double solid_distance_now(const MnsSim *sim, const double x[3]);
+
+/* Is x, `away` from the walls where they are now, inside of them? On a surface it is not, and where two walls touch it is. */
+bool solid_covers(const MnsSim *sim, const double x[3], double away);
+
 /* Is x in the domain, beyond periodic sides too, and in no wall? */
 bool solid_leaves_room(const MnsSim *sim, const double x[3]);
 

@@ -5,6 +5,7 @@
 #include "sim/terms/terms.h"
 #include "tests/support/check.h"
 #include "tests/support/sims.h"
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -229,6 +230,30 @@ static void gravity_that_is_set_gives_what_potential_energy_gains(void **state)
     }
 }
 
+/* However it changes. What keeps number densities moves particles by a part of a spacing, again and again, and no water. */
+static void still_water_says_nothing_of_gravity(void **state)
+{
+    (void)state;
+    static const char *const pulls[] = {"-2 + cos(80*t)", "-1 + 1e-3*cos(10*t)", "-10 + 5*cos(30*t)"};
+    for (size_t q = 0; q < ALL; q++)
+        for (int k = 0; k < 6; k++) {
+            const bool two = k >= 3, projects = q >= 3;
+            if (k % 3 == 2 && !projects) continue; /* it would be pressed together */
+            MnsCase *c = water(SCHEMES[q], two ? 0.5 : 1);
+            c->fluids[0].viscosity = 1;
+            c->scheme.incompressible.reference_speed = c->scheme.differences.reference_speed = -1;
+            if (two) case_add_fluid(c, "oil", 700, 20);
+            for (size_t f = 0; f < c->n_fluids; f++) case_set_text(&c->fluids[f].pressure, "hydrostatic");
+            add_plate(c, "floor", -9, 0);
+            add_plate(c, "roof", 1, 9);
+            case_set_text(&c->gravity[1], pulls[k % 3]);
+            MnsSim *sim = sim_of(c);
+            run(sim, projects ? 1.5 : 0.2);
+            if (!(mns_sim_energy_excess(sim) == 0)) fail_msg("%s, %d: %g", SCHEMES[q], k, mns_sim_energy_excess(sim));
+            sim_done(sim, c);
+        }
+}
+
 static double energy_of_layers(const char *scheme, int sides, bool tense)
 {
     MnsCase *c = water(scheme, 0.5);
@@ -260,6 +285,33 @@ static void an_interface_has_its_tension_for_each_area(void **state)
         }
 }
 
+/* Whose particles leave the lattice, so that what is beside the interface lies otherwise than at first: of five times less or more than the liquid around it. */
+static void an_elliptic_drop_that_becomes_round_makes_nothing(void **state)
+{
+    (void)state;
+    for (size_t q = 1; q < ALL; q++) /* riemann has none */
+        for (int heavy = 0; heavy < 2; heavy++) {
+            MnsCase *c = case_blank(2, 12);
+            c->scheme.name = SCHEMES[q];
+            c->scheme.smoothing = strcmp(SCHEMES[q], "interfacial") == 0 ? 1.6 : 1.3;
+            c->min[0] = c->min[1] = -1.25;
+            c->max[0] = c->max[1] = 1.25;
+            case_add_fluid(c, "liquid", heavy ? 1 : 5, 20);
+            case_add_fluid(c, "drop", heavy ? 5 : 1, 20);
+            c->fluids[0].viscosity = 0.06 * c->fluids[0].density;
+            c->fluids[1].viscosity = 0.06 * c->fluids[1].density;
+            case_set_text(&c->fluids[1].pressure, "laplace");
+            case_set_text(&case_add_part(&c->fluids[1].shape, MNS_FORMULA)->formula, "(x/0.9)^2 + (y/0.55)^2 < 1");
+            c->tension[0][1] = c->tension[1][0] = 2;
+            c->periodic[0] = c->periodic[1] = true;
+            MnsSim *sim = sim_of(c);
+            run(sim, 0.3);
+            if (!(mns_sim_energy_excess(sim) == 0))
+                fail_msg("%s, %d: %g", SCHEMES[q], heavy, mns_sim_energy_excess(sim));
+            sim_done(sim, c);
+        }
+}
+
 static void a_restart_goes_on_with_the_account(void **state)
 {
     (void)state;
@@ -277,7 +329,8 @@ static void a_restart_goes_on_with_the_account(void **state)
         const MnsEnergy *a = &sim->progress.energy, *b = &again->progress.energy;
         assert_int_equal(a->known, b->known);
         assert_true(a->start == b->start && a->work == b->work && a->scale == b->scale && a->excess == b->excess &&
-                    a->potential == b->potential && a->power == b->power);
+                    a->potential == b->potential && a->power == b->power && a->lifted == b->lifted &&
+                    a->misplaced == b->misplaced);
         mns_sim_free(again);
         sim_done(sim, c);
     }
@@ -316,6 +369,35 @@ static void what_is_made_of_nothing_is_told(void **state)
         for (size_t k = 0; (text = mns_sim_warning(sim, k)); k++) told += strncmp(text, "energy:", 7) == 0;
         assert_int_equal(told, 1);
         sim_done(sim, c);
+    }
+}
+
+static int crowding_after(const char *scheme, double down)
+{
+    MnsCase *c = water(scheme, 1);
+    add_plate(c, "floor", -9, 0);
+    add_plate(c, "roof", 1, 9);
+    MnsSim *sim = sim_of(c);
+    for (size_t i = 0; i < particles_fluid(&sim->s); i++) {
+        double *y = &sim->s.x[1][i * sim->s.x_step];
+        *y -= 0.5 * M_PI * down * sin(M_PI * *y);
+    }
+    particles_changed(&sim->s, ON_FLUID, FIELD(X));
+    int told = 0;
+    const char *text;
+    for (sim->progress.step = 40; sim->progress.step <= 80; sim->progress.step += 40) energy_step(sim);
+    for (size_t k = 0; (text = mns_sim_warning(sim, k)); k++) told += strncmp(text, "crowding:", 9) == 0;
+    sim_done(sim, c);
+    return told;
+}
+
+/* Once, of what cannot be pressed together: in a full tank its middle stays. */
+static void a_middle_that_sinks_is_told(void **state)
+{
+    (void)state;
+    for (size_t q = 0; q < ALL; q++) {
+        assert_int_equal(crowding_after(SCHEMES[q], 0.008), 0);
+        assert_int_equal(crowding_after(SCHEMES[q], 0.012), q >= 3);
     }
 }
 
@@ -429,9 +511,12 @@ int main(void)
         cmocka_unit_test(a_lid_that_comes_down_gives_what_is_elastic),
         cmocka_unit_test(gravity_that_grows_gives_what_potential_energy_loses),
         cmocka_unit_test(gravity_that_is_set_gives_what_potential_energy_gains),
+        cmocka_unit_test(still_water_says_nothing_of_gravity),
         cmocka_unit_test(an_interface_has_its_tension_for_each_area),
+        cmocka_unit_test(an_elliptic_drop_that_becomes_round_makes_nothing),
         cmocka_unit_test(a_restart_goes_on_with_the_account),
         cmocka_unit_test(what_is_made_of_nothing_is_told),
+        cmocka_unit_test(a_middle_that_sinks_is_told),
         cmocka_unit_test(what_is_made_in_a_short_run_is_told),
         cmocka_unit_test(a_shift_out_of_the_free_surface_is_told),
         cmocka_unit_test(an_account_is_the_same_for_any_number_of_threads),

@@ -99,6 +99,79 @@ static void a_tank_that_moves_loses_nothing(void **state)
     }
 }
 
+/* A tank 1 x 1 with water half-way up, told as the outside of a box, as half-spaces, as a wall each, as slabs, as a box with a hole, or without a lid. */
+enum { AS_OUTSIDE, AS_HALF_SPACES, AS_WALLS, AS_SLABS, AS_HOLE, AS_OPEN, TELLINGS };
+
+static void add_side(MnsCase *c, int telling, int side)
+{
+    const int d = side / 2, upper = side % 2;
+    const size_t wall = telling == AS_WALLS ? c->n_walls : 0;
+    if (wall == c->n_walls) case_add_wall(c, "side");
+    MnsPart *part = case_add_part(&c->walls[wall].shape, telling == AS_SLABS ? MNS_BOX : MNS_HALF_SPACE);
+    part->a[d] = upper;
+    part->b[d] = upper ? -1 : 1;
+    if (telling != AS_SLABS) return;
+    part->a[d] = upper ? 1 : -0.25;
+    part->b[d] = upper ? 1.25 : 0;
+    part->a[1 - d] = -0.25;
+    part->b[1 - d] = 1.25;
+}
+
+static void tell(MnsCase *c, int telling)
+{
+    if (telling == AS_OUTSIDE || telling == AS_HOLE) {
+        case_add_wall(c, "tank");
+        MnsPart *part = case_add_part(&c->walls[0].shape, MNS_BOX);
+        if (telling == AS_HOLE) {
+            part->a[0] = part->a[1] = -1;
+            part->b[0] = part->b[1] = 2;
+            part = case_add_part(&c->walls[0].shape, MNS_BOX);
+            part->operation = MNS_SUBTRACT;
+        } else part->outside = true;
+        part->b[0] = part->b[1] = 1;
+        return;
+    }
+    for (int side = 0; side < (telling == AS_OPEN ? 3 : 4); side++) add_side(c, telling, side);
+}
+
+/* Eight particles leave through the floor, or into the post, or none does. The post does not move as the tank does, so that the tank has to be found. */
+static void one_tank_told_in_six_ways_is_one_tank(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 6 * TELLINGS; k++) {
+        static MnsMotionPoint way[2] = {{.t = 0, .v = {1}}, {.t = 1, .x = {1}, .v = {1}}};
+        const int telling = k / 6, lost = k % 3, wider = k / 3 % 2;
+        MnsCase *c = case_blank(2, 16);
+        c->scheme.name = "riemann";
+        for (int d = 0; d < 2 && (wider || telling == AS_SLABS); d++) {
+            c->min[d] = -0.25;
+            c->max[d] = 1.25;
+        }
+        case_add_fluid(c, "water", 1000, 20);
+        MnsPart *pool = case_add_part(&c->fluids[0].shape, MNS_BOX);
+        pool->b[0] = 1;
+        pool->b[1] = 0.5;
+        tell(c, telling);
+        const size_t n = c->n_walls;
+        for (size_t w = 0; w < n; w++) c->walls[w].motion = (MnsMotion){.kind = MNS_TABLE, .n = 2, .points = way};
+        case_add_wall(c, "post");
+        MnsPart *post = case_add_part(&c->walls[n].shape, MNS_BOX);
+        post->a[0] = post->a[1] = 0.6875;
+        post->b[0] = post->b[1] = 0.9375;
+        MnsSim *sim = sim_in_arrays(c);
+        for (size_t w = 0; w < n; w++) sim->model.wall[w].x[0] = 0.5;
+        for (size_t i = 0; i < sim->s.n; i++) sim->s.x[0][i] += 0.5;
+        for (size_t i = 0; i < 8 && lost; i++) {
+            sim->s.x[0][i] = 0.8;
+            sim->s.x[1][i] = lost == 1 ? -0.5 : 0.8;
+        }
+        look(sim);
+        assert_int_equal(warnings(sim, "domain: after"), lost > 0);
+        for (size_t w = 0; w < n; w++) c->walls[w].motion = (MnsMotion){.kind = MNS_STILL};
+        sim_done(sim, c);
+    }
+}
+
 /* Though all of it is where the domain would be if the plate took it along. */
 static void what_a_plate_carries_out_is_told(void **state)
 {
@@ -146,6 +219,59 @@ static void a_void_is_told(void **state)
     }
 }
 
+/* What is deep in a solid is none, of which a ball in the middle of a tank has much. */
+static void a_thick_solid_is_no_void(void **state)
+{
+    (void)state;
+    MnsCase *c = case_blank(2, 32);
+    c->scheme.name = "riemann";
+    case_add_fluid(c, "water", 1000, 20);
+    for (int k = 0; k < 2; k++) {
+        case_add_wall(c, k ? "ball" : "tank");
+        MnsPart *part = case_add_part(&c->walls[k].shape, k ? MNS_BALL : MNS_BOX);
+        part->outside = !k;
+        part->radius = 0.3;
+        part->a[0] = part->a[1] = 0.5 * k;
+        part->b[0] = part->b[1] = 1;
+    }
+    MnsSim *sim = sim_in_arrays(c);
+    assert_true(sim->model.filled);
+    look(sim);
+    assert_int_equal(warnings(sim, "coverage:"), 0);
+    sim_done(sim, c);
+}
+
+/* Nor is what a piston that is a slab has left behind. */
+static void behind_a_piston_is_no_void(void **state)
+{
+    (void)state;
+    static MnsMotionPoint way[2] = {{.t = 0, .v = {1}}, {.t = 1, .x = {1}, .v = {1}}};
+    MnsCase *c = case_blank(2, 16);
+    c->scheme.name = "riemann";
+    case_add_fluid(c, "water", 1000, 20);
+    case_add_wall(c, "piston");
+    MnsPart *part = case_add_part(&c->walls[0].shape, MNS_BOX);
+    part->a[0] = part->a[1] = -0.25;
+    part->b[1] = 1.25;
+    c->walls[0].motion = (MnsMotion){.kind = MNS_TABLE, .n = 2, .points = way};
+    for (int side = 1; side < 4; side++) add_side(c, AS_WALLS, side);
+    MnsSim *sim = sim_in_arrays(c);
+    assert_true(sim->model.filled);
+    sim->model.wall[0].x[0] = 0.5;
+    for (size_t i = 0; i < sim->s.n; i++) {
+        double *x = &sim->s.x[0][i];
+        if (i < particles_fluid(&sim->s)) *x = 0.5 + 0.5 * *x;
+        else if (sim->s.phase[i] == 1) *x += 0.5;
+    }
+    particles_changed(&sim->s, ON_ALL, FIELD(X));
+    assert_int_equal(integrator_lists(sim, NULL), MNS_OK);
+    look(sim);
+    assert_int_equal(warnings(sim, "coverage:"), 0);
+    assert_int_equal(warnings(sim, "domain: after"), 0);
+    c->walls[0].motion = (MnsMotion){.kind = MNS_STILL};
+    sim_done(sim, c);
+}
+
 /* Though the case has left no room for more to warn of. */
 static void it_is_told_after_all_that_there_was_to_warn_of(void **state)
 {
@@ -170,8 +296,11 @@ int main(void)
         cmocka_unit_test(more_than_one_in_a_hundred_outside_is_told),
         cmocka_unit_test(what_is_outside_at_the_end_is_told),
         cmocka_unit_test(a_tank_that_moves_loses_nothing),
+        cmocka_unit_test(one_tank_told_in_six_ways_is_one_tank),
         cmocka_unit_test(what_a_plate_carries_out_is_told),
         cmocka_unit_test(a_void_is_told),
+        cmocka_unit_test(a_thick_solid_is_no_void),
+        cmocka_unit_test(behind_a_piston_is_no_void),
         cmocka_unit_test(it_is_told_after_all_that_there_was_to_warn_of),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -163,6 +163,12 @@ static const double LINES_X[] = {0.31, 0, 0.01, 0.025, 0.05, 0.58, 0.599, 0.7, 0
                     LINES_Z[] = {0.3, 0.02, 0.6};
 enum { ALONG_X = sizeof LINES_X / sizeof *LINES_X, ALONG_Z = sizeof LINES_Z / sizeof *LINES_Z };
 
+static const struct {
+    MnsKernel kernel;
+    double smoothing;
+} kernels[] = {{MNS_WENDLAND_C2, 1.3}, {MNS_TRUNCATED_GAUSSIAN, 1.1}, {MNS_QUINTIC_SPLINE, 1}, {MNS_WENDLAND_C2, 1.6}};
+enum { KERNELS = sizeof kernels / sizeof *kernels };
+
 static void check_lines(MnsCase *c, bool oil, double slope)
 {
     for (int k = 0; k < 3 * ALONG_X * (c->dim == 3 ? ALONG_Z : 1); k++) {
@@ -185,17 +191,72 @@ static void check_lines(MnsCase *c, bool oil, double slope)
 static void heights_and_elevations_are_right_beside_walls_and_in_corners(void **state)
 {
     (void)state;
-    static const struct {
-        MnsKernel kernel;
-        double smoothing;
-    } kernels[] = {
-        {MNS_WENDLAND_C2, 1.3}, {MNS_TRUNCATED_GAUSSIAN, 1.1}, {MNS_QUINTIC_SPLINE, 1}, {MNS_WENDLAND_C2, 1.6}};
-    for (int k = 0; k < 4; k++)
+    for (int k = 0; k < KERNELS; k++)
         for (int dim = 2; dim <= 3; dim++)
             for (int oil = 0; oil < 2; oil++)
                 for (int steep = 0; steep < 3; steep++)
                     check_lines(sloping(kernels[k].kernel, kernels[k].smoothing, dim, oil, 0.2 * steep), oil,
                                 0.2 * steep);
+}
+
+/* Water 0.5 high in a tank, on a beach that rises from its floor, or under a roof that comes down into the water, at an angle and at a part of a spacing. */
+static MnsCase *inclined(int dim, bool roof, double angle, double part)
+{
+    const int up = dim - 1;
+    MnsCase *c = case_blank(dim, 20);
+    put_point(c->max, 1, dim == 3 ? 0.3 : 1, 1);
+    case_add_fluid(c, "water", 2, 10);
+    MnsPart *shape = case_add_part(&c->fluids[0].shape, MNS_BOX);
+    put_point(shape->b, 1, dim == 3 ? 0.3 : 0.5, 0.5);
+    case_add_wall(c, "tank");
+    shape = case_add_part(&c->walls[0].shape, MNS_BOX);
+    shape->outside = true;
+    for (int d = 0; d < 3; d++) shape->b[d] = c->max[d];
+    shape = case_add_part(&c->walls[0].shape, MNS_HALF_SPACE);
+    shape->a[0] = (roof ? 0.1 : 0.3) + part * 0.05;
+    shape->a[up] = roof ? 0.75 : 0;
+    shape->b[0] = -tan(angle);
+    shape->b[up] = roof ? -1 : 1;
+    return c;
+}
+
+static void check_inclined(MnsCase *c, bool roof, double angle, double part)
+{
+    enum { LINES = 41 };
+    for (int k = 0; k < 2 * LINES; k++) {
+        MnsProbe *probe = case_add_probe(c, k < LINES ? MNS_PROBE_HEIGHT : MNS_PROBE_ELEVATION);
+        probe->axis = c->dim - 1;
+        probe->fluid = k < LINES ? 0 : -1;
+        probe->least = true;
+        put_point(probe->at, k % LINES / (LINES - 1.0), c->dim == 3 ? 0.11 : 0, 0);
+    }
+    MnsSim *sim = sim_in_arrays(c);
+    for (size_t k = 0; k < LINES; k++) {
+        const double x = c->probes[k].at[0];
+        const double beach = fmax(0, tan(angle) * (x - 0.3 - 0.05 * part)),
+                     under = 0.75 - tan(angle) * (x - 0.1 - 0.05 * part);
+        const double depth = fmax(0, roof ? fmin(0.5, under) : 0.5 - beach);
+        if (roof && under > 0.5 && under < 0.5 + 0.05) continue; /* no point of the lattice is in so thin a gap */
+        assert_close(mns_sim_probe(sim, k), depth, 0.5 * 0.05);
+        if (!roof && depth > 0.05) assert_close(mns_sim_probe(sim, k + LINES), 0.5, 0.5 * 0.05);
+    }
+    sim_done(sim, c);
+}
+
+/* The particles of the wall are a staircase, up to one and a half spacings off its surface upwards and downwards. */
+static void heights_are_right_on_inclined_walls(void **state)
+{
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int roof = 0; roof < 2; roof++)
+            for (int angle = 15; angle <= 60; angle += 15)
+                for (int part = 0; part < (dim == 3 ? 1 : 4); part++)
+                    for (int k = 0; k < (dim == 3 ? 1 : KERNELS); k++) {
+                        MnsCase *c = inclined(dim, roof, angle * M_PI / 180, 0.25 * part);
+                        c->scheme.kernel = kernels[k].kernel;
+                        c->scheme.smoothing = kernels[k].smoothing;
+                        check_inclined(c, roof, angle * M_PI / 180, 0.25 * part);
+                    }
 }
 
 static void height_may_be_along_any_axis(void **state)
@@ -349,6 +410,62 @@ static void coverage_reaches_to_the_walls_of_a_filled_domain(void **state)
         else assert_close(mns_sim_probe(sim, 0), 1, 0.001); /* its sides may be open */
         sim_done(sim, c);
     }
+}
+
+/* Thick solids have particles a support deep: a drum's outside, a ball in the middle, what is behind a slope. */
+static void coverage_leaves_out_what_is_in_walls(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 6; k++) {
+        MnsCase *c = case_blank(2, 20);
+        put_point(c->max, 2, 2, 0);
+        case_add_fluid(c, "water", 2, 10);
+        case_add_wall(c, "drum");
+        MnsPart *part = case_add_part(&c->walls[0].shape, k % 3 ? MNS_BOX : MNS_BALL);
+        part->outside = true;
+        put_point(part->a, k % 3 ? 0 : 1, k % 3 ? 0 : 1, 0);
+        put_point(part->b, 2, 2, 0);
+        part->radius = 0.8;
+        if (k % 3) {
+            case_add_wall(c, "in its way");
+            part = case_add_part(&c->walls[1].shape, k % 3 == 1 ? MNS_BALL : MNS_HALF_SPACE);
+            put_point(part->a, 1, 1, 0);
+            put_point(part->b, 1, 1, 0);
+            part->radius = 0.5;
+        }
+        case_add_probe(c, MNS_PROBE_COVERAGE);
+        MnsSim *sim = sim_in_arrays(c);
+        for (size_t i = 0; i < sim->s.n && k >= 3; i++)
+            if (hypot(sim->s.x[0][i] - 1.35, sim->s.x[1][i] - 1.5) < 2 * 0.05) sim->s.m[i] = 0;
+        if (k < 3) assert_close(mns_sim_probe(sim, 0), 1, 1e-3);
+        else assert_true(mns_sim_probe(sim, 0) < 0.3);
+        sim_done(sim, c);
+    }
+}
+
+/* As are points that a wall has come to: of a tank that has moved by half of the domain. */
+static void coverage_goes_by_where_walls_are_now(void **state)
+{
+    (void)state;
+    static MnsMotionPoint way[2] = {{.t = 0, .v = {2}}, {.t = 1, .x = {2}, .v = {2}}};
+    MnsCase *c = case_blank(2, 16);
+    c->scheme.name = "riemann";
+    case_add_fluid(c, "water", 1000, 20);
+    case_set_text(&c->fluids[0].velocity[0], "2");
+    case_add_wall(c, "tank");
+    for (int side = 0; side < 4; side++) {
+        MnsPart *part = case_add_part(&c->walls[0].shape, MNS_HALF_SPACE);
+        put_point(part->a, side / 2, side / 2, 0);
+        part->b[side % 2] = side / 2 ? -1 : 1;
+    }
+    c->walls[0].motion = (MnsMotion){.kind = MNS_TABLE, .n = 2, .points = way};
+    case_add_probe(c, MNS_PROBE_COVERAGE);
+    MnsSim *sim = sim_in_arrays(c);
+    while (mns_sim_progress(sim).t < 0.25) assert_int_equal(mns_sim_step(sim, 0.25, NULL), MNS_OK);
+    assert_close(sim->model.wall[0].x[0], 0.5, 1e-9);
+    assert_true(mns_sim_probe(sim, 0) > 0.9);
+    c->walls[0].motion = (MnsMotion){.kind = MNS_STILL};
+    sim_done(sim, c);
 }
 
 static void escaped_particles_are_counted_in_the_tank_s_coordinates(void **state)
@@ -640,12 +757,15 @@ int main(void)
         cmocka_unit_test(pressure_where_no_fluid_is_is_no_number),
         cmocka_unit_test(height_is_that_of_the_column),
         cmocka_unit_test(heights_and_elevations_are_right_beside_walls_and_in_corners),
+        cmocka_unit_test(heights_are_right_on_inclined_walls),
         cmocka_unit_test(height_may_be_along_any_axis),
         cmocka_unit_test(front_is_half_a_spacing_beyond_the_last_particle),
         cmocka_unit_test(bodies_have_the_mass_energy_and_momentum_of_their_density_and_speed),
         cmocka_unit_test(coverage_of_a_lattice_is_its_sum_and_a_void_is_seen),
         cmocka_unit_test(coverage_may_be_of_a_part_of_the_domain),
         cmocka_unit_test(coverage_reaches_to_the_walls_of_a_filled_domain),
+        cmocka_unit_test(coverage_leaves_out_what_is_in_walls),
+        cmocka_unit_test(coverage_goes_by_where_walls_are_now),
         cmocka_unit_test(escaped_particles_are_counted_in_the_tank_s_coordinates),
         cmocka_unit_test(extremum_finds_the_one_particle),
         cmocka_unit_test(extremum_of_a_field_that_the_scheme_does_not_have_is_refused),

@@ -106,10 +106,10 @@ static void elevation_may_be_along_any_axis_and_moves_with_its_wall(void **state
     MnsProbe *sideways = add_gauge(c, 2, 0, true);
     sideways->axis = 0;
     put_point(sideways->at, 0, 0.8, 0);
-    add_gauge(c, 0, 0.2 - 0.5, false)->wall = 0;
+    add_gauge(c, 0, 0.2 + 0.5, false)->wall = 0;
     MnsSim *sim = sim_in_arrays(c);
     assert_close(mns_sim_probe(sim, 0), 0.3, 0.02 * DX); /* of the drop */
-    sim->model.wall[0].x[0] = 0.5;
+    sim->model.wall[0].x[0] = -0.5;
     assert_close(mns_sim_probe(sim, 1), 0.9, 0.02 * DX);
     sim_done(sim, c);
 }
@@ -448,6 +448,27 @@ static void extent_ends_at_walls(void **state)
     sim_done(sim, c);
 }
 
+/* Wherever in a cell of the lattice they stand: their particles stand up to half a spacing from there. */
+static void extent_ends_at_walls_off_the_lattice(void **state)
+{
+    (void)state;
+    for (int part = 1; part < 8; part++) {
+        MnsCase *c = layers(2);
+        MnsPart *tank = &c->walls[0].shape.parts[0];
+        tank->a[0] = tank->a[1] = part * DX / 8;
+        tank->b[0] = 1 - part * DX / 8;
+        for (int k = 0; k < 3; k++) {
+            MnsProbe *probe = add_of_body(c, MNS_PROBE_EXTENT);
+            probe->axis = k / 2;
+            probe->least = k != 1;
+        }
+        MnsSim *sim = sim_in_arrays(c);
+        const double ends[3] = {tank->a[0], tank->b[0], tank->a[1]};
+        for (size_t k = 0; k < 3; k++) assert_close(mns_sim_probe(sim, k), ends[k], 0.05 * DX);
+        sim_done(sim, c);
+    }
+}
+
 /* A layer of one row on the floor, and a few particles in a corner. */
 static void extent_ends_at_walls_in_corners_too(void **state)
 {
@@ -587,6 +608,7 @@ int main(void)
         cmocka_unit_test(extent_leaves_out_what_is_alone_or_outside_its_box),
         cmocka_unit_test(extent_is_the_farthest_end_above_all_particles),
         cmocka_unit_test(extent_ends_at_walls),
+        cmocka_unit_test(extent_ends_at_walls_off_the_lattice),
         cmocka_unit_test(extent_ends_at_walls_in_corners_too),
         cmocka_unit_test(velocity_is_the_mean_by_mass_and_volume_the_sum),
         cmocka_unit_test(pressure_jump_is_that_between_what_is_away_from_the_surface),

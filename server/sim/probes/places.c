@@ -2,6 +2,7 @@
 /* Probes that look at places: averages by the kernel at points that are no particles. */
 #include "sim/probes/probes.h"
 #include "sim/sample.h"
+#include "sim/solid.h"
 #include <math.h>
 
 double probe_pressure(Measure *m)
@@ -49,12 +50,25 @@ double probe_height(Measure *m)
     return depth;
 }
 
-/* Smallest sum of W V over the points of the domain's fitted lattice; where a part of the domain is empty, over those a
- * kernel's support away from its sides, as a side need not be a wall. */
+/* Is there to be fluid at a point of the lattice? In a wall, where that is now, there is not; nor need there be at sides of a domain of which a part is empty, as
+ * they may be open. x: moved with the probe's wall. */
+static bool is_wanted(const Measure *m, const double x[3])
+{
+    const Model *model = &m->sim->model;
+    const MnsProbe *probe = m->probe;
+    for (int d = 0; d < model->dim; d++) {
+        const double at = x[d] - measure_shift(m, d);
+        const double rim = model->filled || model->period[d] > 0 ? 0 : model->kernel.support;
+        if (at < model->min[d] + rim || at > model->max[d] - rim) return false;
+        if (probe->within && (at < probe->min[d] || at > probe->max[d])) return false;
+    }
+    return !solid_covers(m->sim, x, solid_distance_now(m->sim, x));
+}
+
+/* Smallest sum of W V over the points of the domain's fitted lattice at which there is to be fluid. */
 double probe_coverage(Measure *m)
 {
     const MnsSim *sim = m->sim;
-    const MnsProbe *probe = m->probe;
     const Model *model = &sim->model;
     size_t n[3] = {1, 1, 1};
     double spacing[3] = {0, 0, 0}, least = INFINITY;
@@ -63,15 +77,9 @@ double probe_coverage(Measure *m)
     for (size_t k = 0; k < n[0] * n[1] * n[2]; k++) {
         const size_t index[3] = {k % n[0], k / n[0] % n[1], k / n[0] / n[1]};
         double x[3] = {0, 0, 0};
-        bool wanted = true;
-        for (int d = 0; d < model->dim; d++) {
-            x[d] = model->min[d] + ((double)index[d] + 0.5) * spacing[d];
-            const double rim = model->filled || model->period[d] > 0 ? 0 : model->kernel.support;
-            wanted = wanted && x[d] >= model->min[d] + rim && x[d] <= model->max[d] - rim &&
-                     (!probe->within || (x[d] >= probe->min[d] && x[d] <= probe->max[d]));
-            x[d] += measure_shift(m, d);
-        }
-        if (!wanted) continue;
+        for (int d = 0; d < model->dim; d++)
+            x[d] = model->min[d] + ((double)index[d] + 0.5) * spacing[d] + measure_shift(m, d);
+        if (!is_wanted(m, x)) continue;
         const double all = sample_point(sim, x, 0, EVERY_FLUID, NULL, 0).all;
         least = all < least ? all : least;
     }
