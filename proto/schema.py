@@ -118,7 +118,7 @@ class Entry:
 class Schema:
     def __init__(self, file):
         self.comments = {tuple(l.path): l.leading_comments for l in file.source_code_info.location}
-        self.enums = {e.name: e for e in file.enum_type}
+        self.enums = {e.name: e for e in [*file.enum_type, *(e for m in file.message_type for e in m.enum_type)]}
         self.package = file.package
         notes = {e.name: split_comment(e.name, self.comments.get((5, k), ""))[1].get("note", "") for k, e in enumerate(file.enum_type)}
         self.messages = []

@@ -76,12 +76,15 @@ typedef struct MnsWall {
 
 typedef enum MnsKernel { MNS_WENDLAND_C2, MNS_TRUNCATED_GAUSSIAN, MNS_QUINTIC_SPLINE } MnsKernel;
 
+typedef enum MnsReconstruction { MNS_RECONSTRUCTION_NONE, MNS_RECONSTRUCTION_VELOCITY } MnsReconstruction;
+
 /* P3 */
 typedef struct MnsRiemann {
     double limiter;                                        /* slope in beta = min(slope max(U_L - U_R, 0), c) */
     double background_pressure, heavy_background_pressure; /* of the transport velocity, over rho c^2 */
     double guard;                                          /* distance kept from walls, over dx; 0: none */
     bool transport_stress;                                 /* eq. 12 */
+    MnsReconstruction reconstruction;                      /* of what is dissipated */
 } MnsRiemann;
 
 typedef enum MnsPairAverage { MNS_AVERAGE_ARITHMETIC, MNS_AVERAGE_DENSITY } MnsPairAverage;

@@ -145,7 +145,7 @@ const void *mns_sim_field(const MnsSim *sim, int field, int d);
 
 /* --- captures ---------------------------------------------------------------------------------------------------------- */
 
-enum { MNS_MAX_FIELDS = 32 };
+enum { MNS_MAX_FIELDS = 40 };
 
 /** A copy of fields at one step boundary. Nobody changes it once it is made, so any thread may read it. */
 typedef struct MnsCapture {

@@ -197,12 +197,17 @@ static void translate_riemann(const Meniscus__Riemann *given, MnsSchemeOptions *
 {
     const Meniscus__Riemann defaults = MENISCUS__RIEMANN__INIT;
     const Meniscus__Riemann *r = given ? given : &defaults;
+    static const MnsReconstruction reconstructions[] = {
+        [MENISCUS__RIEMANN__RECONSTRUCTION__NONE] = MNS_RECONSTRUCTION_NONE,
+        [MENISCUS__RIEMANN__RECONSTRUCTION__VELOCITY] = MNS_RECONSTRUCTION_VELOCITY,
+    };
     ret->name = "riemann";
     ret->riemann = (MnsRiemann){.limiter = r->limiter,
                                 .background_pressure = r->background_pressure,
                                 .heavy_background_pressure = r->heavy_background_pressure,
                                 .guard = r->guard,
-                                .transport_stress = r->transport_stress};
+                                .transport_stress = r->transport_stress,
+                                .reconstruction = reconstructions[r->reconstruction]};
 }
 
 static const MnsPairAverage PAIR_AVERAGES[] = {

@@ -37,16 +37,17 @@ typedef struct Quantity {
     int d;
     void (*make)(const Particles *, const Model *, int d, size_t first, size_t n, double *out); /* NULL: the field */
     Fields of;
-    Fields guests; /* fields of schemes that have not this one, component d of which may be at home in its place */
+    FieldId instead; /* of schemes that have not the field; the same: none is */
+    Fields guests;   /* fields of schemes that have not this one, component d of which may be at home in its place */
 } Quantity;
 
 #define IS(id, d)                                                                                                      \
     {                                                                                                                  \
-        F_##id, d, NULL, FIELD(id), 0                                                                                  \
+        F_##id, d, NULL, FIELD(id), F_##id, 0                                                                          \
     }
-#define IS_OR(id, d, guests)                                                                                           \
+#define IS_OR(id, d, other, guests)                                                                                    \
     {                                                                                                                  \
-        F_##id, d, NULL, FIELD(id), guests                                                                             \
+        F_##id, d, NULL, FIELD(id) | FIELD(other), F_##other, guests                                                   \
     }
 static const Quantity QUANTITIES[CARRIED_END] = {
     [CARRIED_X] = IS(X, 0),
@@ -56,16 +57,26 @@ static const Quantity QUANTITIES[CARRIED_END] = {
     IS(V, 1),
     IS(V, 2),
     [CARRIED_P] = IS(P, 0),
-    [CARRIED_VOLUME] = {F_VOL, 0, volume, FIELD(M) | FIELD(RHO), 0},
-    [CARRIED_Z] = {F_Z, 0, impedance, FIELD(RHO), 0},
-    [CARRIED_SHEPARD] = {F_SHEPARD, 0, inverse_shepard, FIELD(SHEPARD), 0},
-    [CARRIED_GRADIENT] = IS_OR(GRADIENT, 0, FIELD(OFFSET)),
-    IS_OR(GRADIENT, 1, FIELD(OFFSET)),
-    IS_OR(GRADIENT, 2, FIELD(OFFSET)),
-    [CARRIED_NORMAL] = IS(NORMAL, 0),
-    IS(NORMAL, 1),
-    IS(NORMAL, 2),
+    [CARRIED_VOLUME] = {F_VOL, 0, volume, FIELD(M) | FIELD(RHO), F_VOL, 0},
+    [CARRIED_Z] = {F_Z, 0, impedance, FIELD(RHO), F_Z, 0},
+    [CARRIED_SHEPARD] = {F_SHEPARD, 0, inverse_shepard, FIELD(SHEPARD), F_SHEPARD, 0},
+    [CARRIED_GRADIENT] = IS_OR(GRADIENT, 0, STRAIN, FIELD(OFFSET)),
+    IS_OR(GRADIENT, 1, STRAIN, FIELD(OFFSET)),
+    IS_OR(GRADIENT, 2, STRAIN, FIELD(OFFSET)),
+    [CARRIED_NORMAL] = IS_OR(NORMAL, 0, STRAIN_OFF, 0),
+    IS_OR(NORMAL, 1, STRAIN_OFF, 0),
+    IS_OR(NORMAL, 2, STRAIN_OFF, 0),
 };
+
+static bool has(const Particles *s, FieldId field, int d)
+{
+    return s->made >> field & 1 || particles_field(s, (int)field, d);
+}
+
+static bool is_there(const Particles *s, const Quantity *q)
+{
+    return has(s, q->field, q->d) || has(s, q->instead, q->d);
+}
 
 /* Which quantity is at a place of the layout; CARRIED_NOTHING if none is. */
 static int quantity_at(const Bundles *b, int k, int c)
@@ -136,7 +147,8 @@ Fields bundles_fields(const Bundles *b, unsigned needs)
 static const double *column(const Particles *s, const Model *model, int what, size_t first, size_t n, double *room)
 {
     const Quantity *q = &QUANTITIES[what];
-    if (!q->make) return (const double *)particles_field(s, q->field, q->d) + first;
+    if (!q->make)
+        return (const double *)particles_field(s, (int)(has(s, q->field, q->d) ? q->field : q->instead), q->d) + first;
     q->make(s, model, q->d, first, n, room);
     return room;
 }
@@ -184,11 +196,6 @@ static Fields residents(int what)
 static bool lives_here(const Particles *s, int what)
 {
     return s->housed & residents(what);
-}
-
-static bool is_there(const Particles *s, const Quantity *q)
-{
-    return s->made >> q->field & 1 || particles_field(s, q->field, q->d);
 }
 
 static Packing packing_of(const Bundles *b, const Particles *s, int k, int g)

@@ -19,7 +19,8 @@ enum {
     NEED_NORMAL = 64,   /* its interface normal      */
     NEED_OTHERS = 128,  /* whether it is of another fluid */
     NEED_BEND = 256,    /* how the kernel's slope changes */
-    NEED_ALL = 511
+    NEED_STRAIN = 512,  /* its rate of strain, where others have gradients and normals */
+    NEED_ALL = 1023
 };
 
 /* Quantities, each of a member of Block (row.h) and of a row of the table in bundle.c. */
@@ -30,8 +31,8 @@ enum {
     CARRIED_VOLUME,                        /* volume                                              */
     CARRIED_Z,                             /* impedance rho c                                     */
     CARRIED_SHEPARD,                       /* 1 / sum of W V                                      */
-    CARRIED_GRADIENT,                      /* pressure gradient                                   */
-    CARRIED_NORMAL = CARRIED_GRADIENT + 3, /* interface normal                                    */
+    CARRIED_GRADIENT,                      /* pressure gradient; or rate of strain, diagonal      */
+    CARRIED_NORMAL = CARRIED_GRADIENT + 3, /* interface normal; or rate of strain, xy, xz, yz     */
     CARRIED_NOTHING = CARRIED_NORMAL + 3,
     CARRIED_END
 };
@@ -64,12 +65,12 @@ static inline __attribute__((always_inline)) unsigned bundle_meets(int dim, int 
                                         NEED_STATE,
                                         NEED_STATE,
                                         [CARRIED_SHEPARD] = NEED_SHEPARD,
-                                        [CARRIED_GRADIENT] = NEED_GRADIENT,
-                                        NEED_GRADIENT,
-                                        NEED_GRADIENT,
-                                        [CARRIED_NORMAL] = NEED_NORMAL,
-                                        NEED_NORMAL,
-                                        NEED_NORMAL,
+                                        [CARRIED_GRADIENT] = NEED_GRADIENT | NEED_STRAIN,
+                                        NEED_GRADIENT | NEED_STRAIN,
+                                        NEED_GRADIENT | NEED_STRAIN,
+                                        [CARRIED_NORMAL] = NEED_NORMAL | NEED_STRAIN,
+                                        NEED_NORMAL | NEED_STRAIN,
+                                        NEED_NORMAL | NEED_STRAIN,
                                         [CARRIED_NOTHING] = 0};
     unsigned needs = 0;
     for (int q = 0; q < 4; q++) needs |= NEED_FOR[BUNDLE_LAYOUT[dim - 2][k][q]];

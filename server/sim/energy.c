@@ -231,13 +231,14 @@ static double whole_energy(const MnsSim *sim, const double sums[static SUMS])
     return sums[KINETIC] + sums[ELASTIC] + sums[SURFACE] + potential(sim, sums);
 }
 
-/* If all walls move alike and there is no belt, their force is the rate at which the momentum of the fluid changes, and no sum over pairs is needed. */
+/* If all walls move alike and there is no belt, their force is the rate at which the momentum of the fluid changes, and no sum over pairs is needed; but where
+ * particles go elsewhere than their momentum does. */
 bool energy_needs_power(const MnsSim *sim)
 {
     const MnsCase *c = sim->c;
     for (size_t k = 0; k < c->n_walls; k++)
         if (sim->model.wall[k].has_belt) return true;
-    return !motion_of_all(c);
+    return !motion_of_all(c) || (sim->model.transport_stress && c->n_walls > 0 && c->walls[0].motion.kind != MNS_STILL);
 }
 
 /* Room for the power of walls, where that has to be found by their forces; false: no memory, and no account. */

@@ -42,6 +42,9 @@
     ROW(CORRECTION, "correction", "1", "of the kernel's gradient or of differences, diagonal of the matrix", 3,        \
         MNS_F64, correction)                                                                                           \
     ROW(CORRECTION_OFF, "correction_off", "1", "the rest of it: xy, xz, yz", 3, MNS_F64, correction_off)               \
+    ROW(STRAIN, "strain_rate", "1/s", "rate of strain of its own fluid, diagonal of the matrix; 0 in gases", 3,        \
+        MNS_F64, strain)                                                                                               \
+    ROW(STRAIN_OFF, "strain_rate_off", "1/s", "the rest of it: xy, xz, yz", 3, MNS_F64, strain_off)                    \
     ROW(OFFSET, "offset", "1/m", "offset vector: where a particle's neighbours lie on average, corrected (P5 eq. 11)", \
         3, MNS_F64, offset)                                                                                            \
     ROW(LAPLACIAN, "laplacian_scale", "m^(dim-2)", "2 dim over the sum of r^2 of the neighbours, weighted (P5 eq. 9)", \

@@ -39,8 +39,8 @@ INLINE Pair with_rest(Pair pair, const Block *first, const Block *rest, int l, c
 {
     for (int d = 0; d < how.dim; d++) {
         if (needs & NEED_V) pair.v[d] = (bundle_has(how.dim, 0, CARRIED_V + d) ? first : rest)->v[d][l];
-        if (needs & NEED_GRADIENT) pair.gradient[d] = rest->gradient[d][l];
-        if (needs & NEED_NORMAL) pair.normal[d] = rest->normal[d][l];
+        if (needs & (NEED_GRADIENT | NEED_STRAIN)) pair.gradient[d] = rest->gradient[d][l];
+        if (needs & (NEED_NORMAL | NEED_STRAIN)) pair.normal[d] = rest->normal[d][l];
     }
     if (needs & (NEED_W | NEED_F | NEED_BEND)) {
         const KernelValue value = how.kernel(&plan->kernel, pair.r, DOT(pair.x, pair.x, how), how.fma);

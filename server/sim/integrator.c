@@ -193,7 +193,7 @@ void integrator_renew(MnsSim *sim)
     if (!(sim->scheme->state & FIELD(A))) return;
     model->dt = model->lag = 0;
     particles_changed(&sim->s, ON_ALL, ALL_FIELDS); /* with the rounding that is the same after a restart */
-    integrator_rates(sim, sim->scheme->given);
+    integrator_rates(sim, sim->scheme->renews_given ? 0 : sim->scheme->given);
     model->dt = dt;
     model->lag = lag;
     if (sim->scheme->integrator->renew) sim->scheme->integrator->renew(sim);

@@ -266,6 +266,10 @@ INLINE void turn(Block *b, int d, const double keeps[LANES], unsigned needs)
     if (needs & NEED_NORMAL)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) b->normal[d][l] *= keeps[l];
+    for (int k = 0; k < 3 && needs & NEED_STRAIN; k++) /* xy, xz, yz */
+        if (k != 2 - d)
+#pragma omp simd
+            for (int l = 0; l < LANES; l++) b->normal[k][l] *= keeps[l];
 }
 
 /* From positions in direction d to differences to them, as apart() and rows have them. */

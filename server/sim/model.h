@@ -73,17 +73,18 @@ typedef struct Model {
     Phase phase[MNS_MAX_FLUIDS];
     WallState wall[MNS_MAX_WALLS];
     size_t n_faces;
-    const Face *face;                  /* [n_faces] of all walls, as far as they are flat; borrowed */
-    double c_max, rho_max, rho_min;    /* of the fluids */
-    bool viscous;                      /* any fluid */
-    bool radial;                       /* viscosity acts along the line of a pair */
-    double viscous_scale;              /* of the viscous sum, so that it is exact on the lattice */
-    double radial_scale;               /* of that along the line of a pair [m^-2] */
-    bool filled;                       /* at the start, no place was without fluid or wall, and no side open */
-    bool closed;                       /* and never will be, as all walls move as one */
-    bool transport_stress;             /* option of the scheme */
-    double t, dt;                      /* end of the current step [s], its length [s] */
-    double lag;                        /* of velocities behind positions, where rates are found [s] */
+    const Face *face;               /* [n_faces] of all walls, as far as they are flat; borrowed */
+    double c_max, rho_max, rho_min; /* of the fluids */
+    bool viscous;                   /* any fluid */
+    bool radial;                    /* viscosity acts along the line of a pair */
+    double viscous_scale;           /* of the viscous sum, so that it is exact on the lattice */
+    double radial_scale;            /* of that along the line of a pair [m^-2] */
+    bool filled;                    /* at the start, no place was without fluid or wall, and no side open */
+    bool closed;                    /* and never will be, as all walls move as one */
+    bool transport_stress;          /* option of the scheme */
+    bool reconstructs; /* of the velocities of a pair only what is left beside their linear part is dissipated */
+    double t, dt;      /* end of the current step [s], its length [s] */
+    double lag;        /* of velocities behind positions, where rates are found [s] */
     double gravity[3], gravity_now[3]; /* mean over the step, by which fluid is pushed; at t [m/s^2] */
     double cfl, limiter, guard;        /* options of the scheme; guard in [m] */
     double density_average;            /* 1: pairs are averaged by density; 0: arithmetically */

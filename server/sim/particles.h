@@ -25,6 +25,7 @@ typedef struct Particles {
     double *shepard;                                    /* sum of W V */
     double *gradient[3], *normal[3], *concentration[3]; /* of the pressure; of the interface, 0 away from it */
     double *curvature, *curvature_step, *interface;     /* of the interface in reach (terms/curvature.c) */
+    double *strain[3], *strain_off[3];                  /* rates of strain: xx, yy, zz; xy, xz, yz */
     double *correction[3], *correction_off[3]; /* of the kernel's gradient or of differences: xx, yy, zz; xy, xz, yz */
     double *offset[3], *laplacian;             /* of differences (terms/differences.h) */
     double *colour, *colour_gradient[3];       /* of what is around: share of the first fluid */

@@ -67,6 +67,7 @@ static void riemann_options(Model *model, const MnsCase *c)
     model->limiter = c->scheme.riemann.limiter;
     model->radial = acts_along_pairs(model);
     model->transport_stress = c->scheme.riemann.transport_stress;
+    model->reconstructs = c->scheme.riemann.reconstruction == MNS_RECONSTRUCTION_VELOCITY;
     model->guard = c->scheme.riemann.guard * model->dx;
     const double longer = fmax(1, model->cfl / SPREAD_UP_TO);
     for (size_t k = 0; k < model->n_phases; k++) model->phase[k].summation = is_summed(model, &c->fluids[k]);
@@ -87,18 +88,19 @@ const Scheme scheme_riemann = {
     .limits = {&acoustic_limit, &body_force_limit, &viscous_limit, &change_limit},
     .rates =
         {
-            {"density", .terms = {&number_density, &riemann_density},
+            {"density", .terms = {&number_density, &riemann_density, &strain_rate},
              .after = {&advance_density, &summed_density, &closed_volume, &linear_pressure},
              .fusions = {&number_density_alone, &riemann_density_alone}},
             {"walls", .terms = {&wall_pressure, &wall_velocity}},
             {"forces", .before = {&body_force},
-             .terms = {&riemann_momentum, &transport_stress, &background, &viscosity, &wall_friction, &radial_viscosity,
-                       &radial_friction},
-             .fusions = {&riemann_forces}},
+             .terms = {&riemann_momentum, &reconstructed_momentum, &transport_stress, &background, &viscosity,
+                       &wall_friction, &radial_viscosity, &radial_friction},
+             .fusions = {&riemann_forces, &reconstructed_forces}},
         },
     .power = {&riemann_power, &friction_power, &radial_friction_power},
     .state = FIELD(ID) | FIELD(PHASE) | FIELD(X) | FIELD(V) | FIELD(RHO) | FIELD(M) | FIELD(A) | FIELD(B) | FIELD(REF),
     .given = 1,
+    .renews_given = true,
     .derive = &linear_pressure,
     .derived_passes = {1, 2},
     .check = riemann_check,

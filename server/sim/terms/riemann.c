@@ -2,6 +2,7 @@
 /* Density and momentum by the Riemann problem of pairs, as terms. */
 #include "sim/terms/riemann.h"
 #include "sim/fused.h"
+#include "sim/terms/strain.h"
 #include "sim/terms/terms.h"
 
 INLINE void riemann_density_row(const Row *row, Particles *s, const Model *model, How how)
@@ -27,17 +28,21 @@ INLINE void riemann_density_row(const Row *row, Particles *s, const Model *model
 }
 ROW_FUNCTIONS(riemann_density_row)
 
-INLINE void riemann_density_fused(const RowPlan *plan, Particles *s, size_t i, How how)
+/* strains: the rate of strain too. */
+INLINE void density(const RowPlan *plan, Particles *s, size_t i, bool strains, How how)
 {
     enum { NEEDS = NEED_F | NEED_BEND | NEED_V | NEED_STATE };
     uint32_t j[PICKED_MAX];
     _Alignas(64) double r[ROW_BLOCKS][LANES];
     double x[3];
-    Lanes sum = {0};
+    Lanes sum = {0}, slope[3][3] = {0};
+    Moments moments = {0};
+    Marks other;
     Block block;
     const Picked picked = pick_neighbours(plan, i, j);
     const Side a = side_of(s, plan->model, i, how);
     position_of(s, i, how, x);
+    if (strains) mark_others(plan, i, j, &picked, &other);
     for (size_t b = 0; b < picked.n_fluid; b++) {
         const double *beyond = beyond_reach(plan, &picked, b);
         fetch_block(&block, j + b * LANES, &plan->nb->bundles, NEEDS, how);
@@ -46,6 +51,9 @@ INLINE void riemann_density_fused(const RowPlan *plan, Particles *s, size_t i, H
             const Pair pair = fetched_pair(&block, l, beyond, x, plan, NEEDS, how);
             r[b][l] = pair.r;
             riemann_density_fluid(&a, &pair, how, l, &sum);
+            if (!strains) continue;
+            moments_pair(&moments, &pair, 1 - other.of[b][l], how, l);
+            strain_pair(a.v, &pair, 1 - other.of[b][l], how, l, slope);
         }
     }
     for (size_t b = picked.n_fluid; b < picked.n; b++) {
@@ -61,19 +69,29 @@ INLINE void riemann_density_fused(const RowPlan *plan, Particles *s, size_t i, H
     }
     note_reach(plan, i, &picked, r[0], LANES);
     riemann_density_end(&a, s, i, &sum);
+    if (strains) strain_end(s, i, &moments, slope, how);
+}
+
+INLINE void riemann_density_fused(const RowPlan *plan, Particles *s, size_t i, How how)
+{
+    if (plan->model->reconstructs && !model_is_gas(plan->model, plan->model->phase[s->phase[i]].rho0))
+        density(plan, s, i, true, how);
+    else density(plan, s, i, false, how);
 }
 INTERLEAVED_FUNCTIONS(riemann_density_fused)
 
-INLINE void riemann_momentum_row(const Row *row, Particles *s, const Model *model, How how)
+INLINE void momentum(const Row *row, Particles *s, const Model *model, bool reconstructs, How how)
 {
     const Side a = side_of(s, model, row->i, how);
+    const Strain strain = reconstructs ? strain_of(s, row->i, how) : (Strain){{0}, {0}};
     const Block *const walls = row->block + row->n_fluid, *const end = row->block + row->n;
     Lanes sum[3] = {0};
     for (const Block *b = row->block; b < walls; b++)
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = block_pair(b, l, how);
-            riemann_momentum_fluid(&a, &pair, how, l, sum);
+            const double smooth = reconstructs ? strained_closing(&strain, &pair, how) : 0;
+            riemann_momentum_fluid(&a, &pair, smooth, how, l, sum);
         }
     for (const Block *b = walls; b < end; b++) {
         const uint32_t *j = row_j(row, b);
@@ -85,7 +103,28 @@ INLINE void riemann_momentum_row(const Row *row, Particles *s, const Model *mode
     }
     riemann_momentum_end(s, row->i, sum, how);
 }
+
+INLINE void riemann_momentum_row(const Row *row, Particles *s, const Model *model, How how)
+{
+    momentum(row, s, model, false, how);
+}
 ROW_FUNCTIONS(riemann_momentum_row)
+
+INLINE void reconstructed_momentum_row(const Row *row, Particles *s, const Model *model, How how)
+{
+    momentum(row, s, model, true, how);
+}
+ROW_FUNCTIONS(reconstructed_momentum_row)
+
+static bool reconstructs(const Model *model)
+{
+    return model->reconstructs;
+}
+
+static bool does_not_reconstruct(const Model *model)
+{
+    return !model->reconstructs;
+}
 
 const Term riemann_density = {
     .name = "Riemann continuity",
@@ -101,13 +140,26 @@ const Term riemann_momentum = {
     .source = "P3 eq. 6, 9, 10, 13",
     .equation = "m_i dv_i/dt = -2 sum_j V_i V_j p* grad_i W",
     .on = ON_FLUID,
+    .needed = does_not_reconstruct,
     .needs = NEED_F | NEED_V | NEED_STATE,
     .writes = FIELD(A),
     .row = ROW_TABLE(riemann_momentum_row),
 };
 
+const Term reconstructed_momentum = {
+    .name = "Riemann momentum",
+    .source = "P3 eq. 6, 9, 10, 13, dU beside its linear part",
+    .equation = "m_i dv_i/dt = -2 sum_j V_i V_j p* grad_i W",
+    .on = ON_FLUID,
+    .needed = reconstructs,
+    .needs = NEED_F | NEED_V | NEED_STATE | NEED_STRAIN,
+    .writes = FIELD(A),
+    .row = ROW_TABLE(reconstructed_momentum_row),
+};
+
 const Fusion riemann_density_alone = {
     .terms = {&riemann_density},
+    .also = {&strain_rate},
     .notes = true,
     .row = FUSED_TABLE(riemann_density_fused),
 };

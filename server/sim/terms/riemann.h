@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The two-phase Riemann problem along the line between two particles, with acoustic impedances z = rho c.   P3 eq. 6-10, 13
  *   p* = (z_i p_j + z_j p_i) / (z_i + z_j) + z_i z_j / (z_i + z_j) min(s dU+ / c, 1) dU,   dU = (v_i - v_j) . e,  e: i to j
+ * Where velocities are reconstructed dU is what is left beside the part that is linear around both, never less than 0 nor more than dU (strain.h).
  *   v* = (z_i v_i + z_j v_j) / (z_i + z_j) + (p_i - p_j) / (z_i + z_j) e
  * With one speed of sound for all fluids these are P3's equations; the light fluid feels the heavy one as a moving wall. In the
  * limiter c is the greatest of all fluids.
@@ -82,10 +83,11 @@ INLINE void add_push(const Side *a, const Pair *pair, double p_star, How how, in
     add_along(pair, a->V * pair->V * p_star * pair->F, how, l, sum);
 }
 
-INLINE void riemann_momentum_fluid(const Side *a, const Pair *pair, How how, int l, Lanes sum[3])
+/* smooth: what of the pair's opening is not dissipated, 0 or less [m^2/s]. */
+INLINE void riemann_momentum_fluid(const Side *a, const Pair *pair, double smooth, How how, int l, Lanes sum[3])
 {
     const double zj = pair->z, r = pair->r + a->tiny, z = a->z + zj, inverse = 1 / (r * z); /* one quotient for two */
-    const double closing = positive(-opening(a, pair, how) * (inverse * z));
+    const double closing = positive((smooth - opening(a, pair, how)) * (inverse * z));
     const double limited = a->steepness * closing < 1 ? a->steepness * closing : 1;
     const double p_star = mul_add(a->z * zj, limited * closing, a->z * pair->p + zj * a->p, how.fma);
     add_push(a, pair, p_star * (inverse * r), how, l, sum);

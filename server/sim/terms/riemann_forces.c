@@ -2,14 +2,16 @@
 /* All forces of P3 between fluids without viscosity, in one function. */
 #include "sim/fused.h"
 #include "sim/terms/riemann.h"
+#include "sim/terms/strain.h"
 #include "sim/terms/terms.h"
 #include "sim/terms/transport.h"
 
 /* stressed: of a fluid that is spread, and feels where it comes to. */
 INLINE void forces(const RowPlan *plan, Particles *s, size_t i, How how, const uint32_t *j, const Picked *picked,
-                   bool stressed)
+                   bool stressed, bool reconstructs)
 {
-    const unsigned needs = NEED_F | NEED_V | NEED_STATE;
+    const unsigned wall_needs = NEED_F | NEED_V | NEED_STATE, needs = wall_needs | (reconstructs ? NEED_STRAIN : 0);
+    const Strain strain = reconstructs ? strain_of(s, i, how) : (Strain){{0}, {0}};
     const Side a = side_of(s, plan->model, i, how);
     const Moved moved = moved_of(s, plan->model, i, how);
     Lanes push[3] = {0}, spread[3] = {0}, stress[3] = {0};
@@ -24,7 +26,8 @@ INLINE void forces(const RowPlan *plan, Particles *s, size_t i, How how, const u
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
             const Pair pair = fetched_pair(&block, l, beyond, x, plan, needs, how);
-            riemann_momentum_fluid(&a, &pair, how, l, push);
+            const double smooth = reconstructs ? strained_closing(&strain, &pair, how) : 0;
+            riemann_momentum_fluid(&a, &pair, smooth, how, l, push);
             background_pair(&pair, how, l, spread);
             if (stressed) transport_stress_pair(&moved, &pair, other.of[b][l], how, l, stress);
         }
@@ -32,10 +35,10 @@ INLINE void forces(const RowPlan *plan, Particles *s, size_t i, How how, const u
     for (size_t b = picked->n_fluid; b < picked->n; b++) {
         const uint32_t *wall = j + b * LANES;
         const double *beyond = beyond_reach(plan, picked, b);
-        fetch_block(&block, wall, &plan->nb->bundles, needs, how);
+        fetch_block(&block, wall, &plan->nb->bundles, wall_needs, how);
 #pragma omp simd
         for (int l = 0; l < LANES; l++) {
-            const Pair pair = fetched_pair(&block, l, beyond, x, plan, needs, how);
+            const Pair pair = fetched_pair(&block, l, beyond, x, plan, wall_needs, how);
             riemann_momentum_wall(&a, &pair, side_wall_pressure(&a, wall[l]), how, l, push);
             background_pair(&pair, how, l, spread);
         }
@@ -45,15 +48,32 @@ INLINE void forces(const RowPlan *plan, Particles *s, size_t i, How how, const u
     if (stressed) transport_stress_end(s, i, stress, how);
 }
 
-INLINE void riemann_forces_fused(const RowPlan *plan, Particles *s, size_t i, How how)
+INLINE void any_forces(const RowPlan *plan, Particles *s, size_t i, bool reconstructs, How how)
 {
     uint32_t j[PICKED_MAX];
     const Picked picked = pick_neighbours(plan, i, j);
     if (plan->model->transport_stress && plan->model->phase[s->phase[i]].p_b > 0)
-        forces(plan, s, i, how, j, &picked, true);
-    else forces(plan, s, i, how, j, &picked, false);
+        forces(plan, s, i, how, j, &picked, true, reconstructs);
+    else forces(plan, s, i, how, j, &picked, false, reconstructs);
+}
+
+INLINE void riemann_forces_fused(const RowPlan *plan, Particles *s, size_t i, How how)
+{
+    any_forces(plan, s, i, false, how);
 }
 INTERLEAVED_FUNCTIONS(riemann_forces_fused)
+
+INLINE void reconstructed_forces_fused(const RowPlan *plan, Particles *s, size_t i, How how)
+{
+    any_forces(plan, s, i, true, how);
+}
+INTERLEAVED_FUNCTIONS(reconstructed_forces_fused)
+
+const Fusion reconstructed_forces = {
+    .terms = {&reconstructed_momentum, &background},
+    .also = {&transport_stress},
+    .row = FUSED_TABLE(reconstructed_forces_fused),
+};
 
 const Fusion riemann_forces = {
     .terms = {&riemann_momentum, &background},

@@ -19,11 +19,13 @@ extern const Term corrected_continuity; /* corrected.c: of densities, with corre
 extern const Term corrected_pressure_force;
 
 /* P3 */
-extern const Term number_density;   /* number_density.c: sum of W */
-extern const Term riemann_density;  /* riemann.c: continuity with the Riemann velocity */
-extern const Term riemann_momentum; /* riemann.c: pressure force with the Riemann pressure */
-extern const Term background;       /* transport.c: advection acceleration and its stress */
-extern const Term transport_stress; /* transport.c: of the neighbours' advection velocity */
+extern const Term number_density;         /* number_density.c: sum of W */
+extern const Term riemann_density;        /* riemann.c: continuity with the Riemann velocity */
+extern const Term strain_rate;            /* strain.c: what of velocities is linear around a particle */
+extern const Term reconstructed_momentum; /* riemann.c: the same, of what is left beside that */
+extern const Term riemann_momentum;       /* riemann.c: pressure force with the Riemann pressure */
+extern const Term background;             /* transport.c: advection acceleration and its stress */
+extern const Term transport_stress;       /* transport.c: of the neighbours' advection velocity */
 
 /* P1 */
 extern const Term gas_dissipation;  /* gas.c */
@@ -103,10 +105,10 @@ extern const Fusion interfacial_forces; /* interfacial_forces.c */
 extern const Fusion interfacial_viscous_forces;
 extern const Fusion interfacial_density_beside; /* interfacial_shape_beside.c */
 extern const Fusion interfacial_normal;
-extern const Fusion interfacial_forces_beside; /* interfacial_beside.c */
-extern const Fusion number_density_alone;      /* number_density.c */
-extern const Fusion riemann_density_alone;     /* riemann.c */
-extern const Fusion riemann_forces;            /* riemann_forces.c */
+extern const Fusion interfacial_forces_beside;            /* interfacial_beside.c */
+extern const Fusion number_density_alone;                 /* number_density.c */
+extern const Fusion riemann_density_alone;                /* riemann.c */
+extern const Fusion riemann_forces, reconstructed_forces; /* riemann_forces.c */
 
 static inline bool plain_gradients(const Model *model)
 {

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Rates of strain, beside which P3 dissipates. */
+#include "sim/terms/strain.h"
+#include "sim/terms/terms.h"
+
+static bool reconstructs(const Model *model)
+{
+    return model->reconstructs;
+}
+
+/* Of summed density, and so of a gas, there is none. */
+INLINE void strain_row(const Row *row, Particles *s, const Model *model, How how)
+{
+    const size_t i = row->i;
+    double v[3];
+    Moments moments = {0};
+    Lanes sum[3][3] = {0};
+    if (model_is_gas(model, model->phase[s->phase[i]].rho0)) return;
+    for (int d = 0; d < how.dim; d++) v[d] = s->v[d][i * s->v_step];
+    for (const Block *b = row->block; b < row->block + row->n_fluid; b++)
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) {
+            const Pair pair = block_pair(b, l, how);
+            const double counts = row->mixed ? 1 - pair.other : 1;
+            moments_pair(&moments, &pair, counts, how, l);
+            strain_pair(v, &pair, counts, how, l, sum);
+        }
+    strain_end(s, i, &moments, sum, how);
+}
+ROW_FUNCTIONS(strain_row)
+
+const Term strain_rate = {
+    .name = "strain rate",
+    .source = "schemes/riemann.md",
+    .equation = "D_i = sym(M_i sum_j V_j grad_i W (x) (v_j - v_i)) over its own fluid",
+    .on = ON_CONTINUITY,
+    .needed = reconstructs,
+    .needs = NEED_F | NEED_V | NEED_STATE | NEED_OTHERS,
+    .writes = FIELD(STRAIN) | FIELD(STRAIN_OFF),
+    .row = ROW_TABLE(strain_row),
+};

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What of a pair's velocities P3's dissipation leaves alone: the part that is linear around both particles.
+ *   D_i = sym(M_i sum_j V_j grad_i W (x) (v_j - v_i))   over its own fluid, M of it; 0 of a gas, which keeps all of its dissipation
+ *   (v_i - v_j) . x_ij of that part: x_ij . (D_i + D_j)/2 . x_ij
+ * D is symmetric in i and j, so forces stay opposite. Only what closes is dissipated, and of that never more than there is. */
+#ifndef SIM_TERMS_STRAIN_H
+#define SIM_TERMS_STRAIN_H
+
+#include "sim/terms/moments.h"
+
+/* Of sum_j V_j grad_i W (x) (v_j - v_i). */
+INLINE void strain_pair(const double v[3], const Pair *pair, double counts, How how, int l, Lanes sum[3][3])
+{
+    const double c = counts * pair->V * pair->F;
+    for (int e = 0; e < how.dim; e++) {
+        const double u = c * (pair->v[e] - v[e]);
+        for (int d = 0; d < how.dim; d++) add_product(&sum[e][d], l, u, pair->x[d], how);
+    }
+}
+
+INLINE void strain_end(Particles *s, size_t i, const Moments *moments, const Lanes sum[3][3], How how)
+{
+    const Correction M = moments_inverse(moments, how);
+    double g[3][3] = {{0}}; /* of component e along d */
+    for (int e = 0; e < how.dim; e++) correct(&M, sum[e], how, g[e]);
+    for (int d = 0; d < how.dim; d++) s->strain[d][i] = g[d][d];
+    s->strain_off[0][i] = 0.5 * (g[0][1] + g[1][0]);
+    if (how.dim == 3) {
+        s->strain_off[1][i] = 0.5 * (g[0][2] + g[2][0]);
+        s->strain_off[2][i] = 0.5 * (g[1][2] + g[2][1]);
+    }
+}
+
+/* What is fixed in the pairs of one particle. */
+typedef struct Strain {
+    double diagonal[3], off[3];
+} Strain;
+
+INLINE Strain strain_of(const Particles *s, size_t i, How how)
+{
+    Strain a = {{0}, {0}};
+    for (int d = 0; d < how.dim; d++) {
+        a.diagonal[d] = s->strain[d][i];
+        if (how.dim == 3 || d == 0) a.off[d] = s->strain_off[d][i];
+    }
+    return a;
+}
+
+/* x_ij . (D_i + D_j)/2 . x_ij as far as it closes: 0 or less [m^2/s] */
+INLINE double strained_closing(const Strain *a, const Pair *pair, How how)
+{
+    const double *x = pair->x;
+    double sum = 2 * (a->off[0] + pair->normal[0]) * x[0] * x[1];
+    for (int d = 0; d < how.dim; d++) sum += (a->diagonal[d] + pair->gradient[d]) * x[d] * x[d];
+    if (how.dim == 3) sum += 2 * ((a->off[1] + pair->normal[1]) * x[0] + (a->off[2] + pair->normal[2]) * x[1]) * x[2];
+    return sum < 0 ? 0.5 * sum : 0;
+}
+
+#endif
