@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "sim/losses.h"
+#include "sim/mirror_planes.h"
 #include "sim/probes/probes.h"
 #include "sim/sides.h"
 #include "sim/solid.h"
@@ -25,6 +26,7 @@ void losses_step(MnsSim *sim)
 {
     MnsProbe domain = {.fluid = -1};
     if (sim->progress.step % EVERY && !(sim->progress.t >= sim->c->end_time)) return;
+    mirror_planes_look(sim);
     domain.wall = sides_now(sim, domain.min, domain.max);
     Measure m = {.sim = sim, .probe = &domain, .threads = sim->threads};
     const double escaped = measure_sum(&m, is_lost), n = (double)particles_fluid(&sim->s);

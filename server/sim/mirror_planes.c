@@ -158,44 +158,71 @@ bool mirror_planes_have(const Model *model, const Face *face)
     return false;
 }
 
-/* Is a face one that mirrors nothing, but stands as a plane of symmetry does? */
+/* Does a wall move along d? */
+static bool moves(const MnsMotion *motion, int d)
+{
+    if (motion->kind == MNS_STILL) return false;
+    if (motion->kind != MNS_TABLE) return motion->amplitude[d] != 0;
+    for (size_t k = 0; k < motion->n; k++)
+        if (motion->points[k].x[d] != motion->points[0].x[d] || motion->points[k].v[d] != 0) return true;
+    return false;
+}
+
+/* Is there an acceleration across a face, by gravity or by how its wall moves? */
+static bool is_pushed(const MnsSim *sim, const Face *face)
+{
+    const MnsMotion *motion = &sim->c->walls[face->wall].motion;
+    double across = 0, size = 0;
+    for (int d = 0; d < sim->model.dim; d++) {
+        const double n = face->normal[d], t = 0;
+        if (!(fabs(n) > 1e-9)) continue;
+        if (moves(motion, d) || !formula_is_constant(sim->gravity[d])) return true;
+        across += n * formula_eval(sim->gravity[d], &t);
+        size += fabs(n * formula_eval(sim->gravity[d], &t));
+    }
+    return fabs(across) > 1e-9 * size;
+}
+
+/* Does a face mirror nothing, but stand as a plane of symmetry does? */
 static bool may_be_taken_for_one(const MnsSim *sim, const Face *face)
 {
-    bool weighs = false;
-    if (!slips_and_stays(sim, face->wall) || mirror_planes_have(&sim->model, face)) return false;
-    for (int d = 0; d < sim->model.dim; d++)
-        weighs = weighs || (fabs(face->normal[d]) > 1e-9 && !is_weightless(sim->gravity[d]));
-    return sim->scheme->floors_mirror || !weighs;
+    const WallState *wall = &sim->model.wall[face->wall];
+    return !wall->no_slip && !wall->has_belt && !mirror_planes_have(&sim->model, face) &&
+           (sim->scheme->floors_mirror || !is_pushed(sim, face));
 }
 
-/* Does fluid begin beside a face? */
-static bool is_wet(const MnsSim *sim, const Face *face)
+/* Is there more than one fluid beside a face? */
+static bool is_met(const MnsSim *sim, const Face *face)
 {
     const Particles *s = &sim->s;
+    const WallState *wall = &sim->model.wall[face->wall];
     const double near = 1.5 * sim->model.dx;
-    bool wet = false;
-#pragma omp parallel for schedule(static) reduction(|| : wet) num_threads(sim->threads)
+    unsigned fluids = 0;
+#pragma omp parallel for schedule(static) reduction(| : fluids) num_threads(sim->threads)
     for (size_t i = 0; i < particles_fluid(s); i++) {
-        double x[3] = {0, 0, 0}, away = 0;
+        double then[3] = {0, 0, 0}, away = 0; /* where the case puts the wall */
         for (int d = 0; d < s->dim; d++) {
-            x[d] = s->x[d][i * s->x_step];
-            away += face->normal[d] * (x[d] - face->point[d]);
+            then[d] = s->x[d][i * s->x_step] - wall->x[d];
+            away += face->normal[d] * (then[d] - face->point[d]);
         }
-        wet = wet || (away > 0 && away < near && shape_distance(&sim->solid[face->wall], x) < near);
+        if (away > 0 && away < near && shape_distance(&sim->solid[face->wall], then) < near)
+            fluids |= 1u << s->phase[i];
     }
-    return wet;
+    return fluids & (fluids - 1);
 }
 
-void mirror_planes_warn(MnsSim *sim)
+void mirror_planes_look(MnsSim *sim)
 {
-    for (size_t q = 0; sim->model.n_phases > 1 && q < sim->model.n_faces; q++) {
+    for (size_t q = 0; sim->model.n_phases > 1 && q < sim->model.n_faces && !sim->told.cut; q++) {
         const Face *face = &sim->face[q];
-        if (!may_be_taken_for_one(sim, face) || !is_wet(sim, face)) continue;
-        plan_warn(
+        if (!may_be_taken_for_one(sim, face) || !is_met(sim, face)) continue;
+        sim->told.cut = true;
+        plan_tell(
             sim,
-            "walls[%zu].slip: the face of %.60s around (%.4g, %.4g, %.4g) m is no plane of symmetry: where an "
-            "interface meets it, speeds are up to 8 %% off. One is a face that covers a side of the domain, or all "
-            "that is open of a border between cells of the lattice: end the domain there",
+            "walls[%zu].slip: an interface meets the face of %.60s around (%.4g, %.4g, %.4g) m, which is no plane "
+            "of symmetry: speeds are up to 12 %% off. One is a face that stands still and covers a side of the "
+            "domain, or all that is open of a border between cells of the lattice: end the domain there, and "
+            "shake a tank by gravity",
             face->wall, sim->c->walls[face->wall].name, face->point[0], face->point[1], face->point[2]);
     }
 }

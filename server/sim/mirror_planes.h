@@ -21,7 +21,7 @@ unsigned mirror_planes_find(const MnsSim *sim, Formula *const gravity[3]);
 /* Does a flat face of a wall lie in a mirror? */
 bool mirror_planes_have(const Model *model, const Face *face);
 
-/* Warn of faces along which several fluids slip that stand as planes of symmetry do, and are no mirrors. */
-void mirror_planes_warn(MnsSim *sim);
+/* Tell of the first face that several fluids slip along and that stands as a plane of symmetry does, but is no mirror. */
+void mirror_planes_look(MnsSim *sim);
 
 #endif

@@ -217,7 +217,7 @@ void plan_look(MnsSim *sim)
     plan_look_at_gradients(sim);
     plan_look_at_averages(sim);
     warn_open_sides(sim);
-    mirror_planes_warn(sim);
+    mirror_planes_look(sim);
     warn_probes_outside(sim);
     warn_ignored(sim);
     if (!sim->resumed) sounds_look(sim);

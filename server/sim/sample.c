@@ -227,6 +227,36 @@ Share sample_share(const MnsSim *sim, const double x[3], unsigned fluids)
     return share;
 }
 
+/* Across the line, away from what the nearest wall is within a distance; a floor stays where it is. */
+static void leave_wall(const MnsSim *sim, int up, double distance, double x[3])
+{
+    static const double STEEP = 0.25; /* square of the sine of 30 degrees */
+    const double step = 0.01 * sim->model.dx, away = solid_distance_now(sim, x);
+    double slope[3] = {0, 0, 0}, square = 0;
+    if (!(away < distance)) return;
+    for (int d = 0; d < sim->s.dim; d++) {
+        double low[3] = {x[0], x[1], x[2]}, high[3] = {x[0], x[1], x[2]};
+        if (d == up) continue;
+        low[d] -= step;
+        high[d] += step;
+        slope[d] = (solid_distance_now(sim, high) - solid_distance_now(sim, low)) / (2 * step);
+        square += slope[d] * slope[d];
+    }
+    if (!(square > STEEP)) return;
+    for (int d = 0; d < sim->s.dim; d++) x[d] += slope[d] * (distance - away) / square;
+}
+
+Share sample_share_along(const MnsSim *sim, int up, const double x[3], unsigned fluids)
+{
+    const double away = solid_distance_now(sim, x), distance = 0.4 * sim->model.dx;
+    double before[3] = {x[0], x[1], x[2]};
+    const bool solid = solid_covers(sim, x, away);
+    for (int d = 1; d < sim->s.dim && !solid; d++) leave_wall(sim, up, distance, before); /* of a corner both */
+    Share share = sample_share(sim, before, fluids);
+    share.solid = solid;
+    return share;
+}
+
 void mns_sim_sample(const MnsSim *sim, int field, int d, size_t n, const double (*points)[3], double *values)
 {
     const MnsFieldInfo *info = &mns_fields()[field];

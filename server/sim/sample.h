@@ -29,6 +29,9 @@ enum { EVERY_FLUID = 0xffff }; /* or a bit for each fluid; sample.c asserts that
 
 Share sample_share(const MnsSim *sim, const double x[3], unsigned fluids);
 
+/* Of a line along direction `up`: on a wall's surface what is there is that of two fifths of a spacing before it, as particles that run along the wall may have left it. */
+Share sample_share_along(const MnsSim *sim, int up, const double x[3], unsigned fluids);
+
 /* f: components of a field, or NULL; components: 1, or dim to take the magnitude of f[0..dim); fluids: those of `one`.
  * radius: support of the kernel [m], 0 for the scheme's. */
 PointSums sample_point(const MnsSim *sim, const double x[3], double radius, unsigned fluids, const ShownView *f,

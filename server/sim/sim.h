@@ -78,9 +78,10 @@ struct MnsSim {
     double *partial; /* [sim_blocks(fluid) * SIM_SUMS] work space of sums over the fluid */
     Before before;
     struct {
-        bool energy, escaped, bare, crowded; /* too much; too many; places without fluid; more on one side */
-    } told;                                  /* by warnings as it goes */
-    System system;                           /* for the pressure, of schemes that project */
+        bool energy, escaped, bare, crowded,
+            cut; /* too much; too many; places without fluid; more on one side; interfaces by faces that do not mirror */
+    } told;      /* by warnings as it goes */
+    System system; /* for the pressure, of schemes that project */
     Solved solved;
     const char *solver;   /* the method by which the last system was solved; NULL: none was yet */
     uint64_t uncorrected; /* steps after which a number density was off by more than its tolerance */

@@ -121,6 +121,21 @@ end_time: 0.01
 probes: [{name: wall, height: {fluid: water, at: [X]}}, {name: open, height: {fluid: water, at: ["X + 1"]}}]
 """
 # A strip that leans, as its mirror image does.
+COLUMN = """
+dimensions: 2
+resolution: 20
+domain: {min: [0, 0], max: [3, 1.2]}
+gravity: [0, -1]
+fluids: [{name: liquid, density: 1000, sound_speed: 20, pressure: hydrostatic, shape: [{box: {min: [0, 0], max: [0.5, 1]}}]}]
+walls: [{name: tank, shape: [{outside: true, box: {min: [0, 0], max: [3, 1.2]}}]}]
+scheme: SCHEME
+end_time: 1
+probes:
+  - {name: wall, height: {fluid: liquid, at: [0]}}
+  - {name: near, height: {fluid: liquid, at: [0.01]}}
+  - {name: open, height: {fluid: liquid, at: [0.05]}}
+output: {probe_interval: 0.1}
+"""
 STRIP = """
 dimensions: 2
 resolution: 20
@@ -242,6 +257,14 @@ class Places(RightAnswer):
             p = self.probes(self.still(0, 0.5, scheme))
             for name in ("wall", "open"):
                 self.assertLess(abs(p[name] - 0.5).max(), 0.5 * 0.05, (scheme, name))
+
+    def test_water_that_falls_along_a_wall_is_as_high_there(self) -> None:
+        """Its first column of particles is up to 0.84 spacings from the wall."""
+        for scheme in ("riemann", "dissipation", "interfacial") if at_length() else ("riemann",):
+            p = self.probes(COLUMN.replace("SCHEME", scheme))
+            self.assertLess(p["open"].min(), 0.7)
+            for name in ("wall", "near"):
+                self.assertLess(abs(p[name] - p["open"]).max(), 0.5 * 0.05, (scheme, name))
 
 
 class Shifting(RightAnswer):

@@ -746,10 +746,27 @@ static void planes_that_a_still_wall_covers_and_along_which_fluid_slips_are_mirr
         }
 }
 
+/* Along the sides, which the interface meets. */
+static void moving_along(MnsCase *c)
+{
+    c->walls[0].motion = (MnsMotion){.kind = MNS_SINE, .amplitude = {0, 0.01, 0}, .frequency = 1};
+    case_set_text(&c->gravity[0], "0");
+}
+
+/* Gravity is along it. */
+static void oblique(MnsCase *c)
+{
+    MnsPart *half = case_add_part(&c->walls[0].shape, MNS_HALF_SPACE);
+    half->a[0] = 0.9;
+    half->b[0] = half->b[1] = 1;
+    case_set_text(&c->gravity[0], "0.3");
+    case_set_text(&c->gravity[1], "-0.3");
+}
+
 static bool warns_of_slip(const MnsSim *sim)
 {
     for (size_t k = 0; mns_sim_warning(sim, k); k++)
-        if (strstr(mns_sim_warning(sim, k), "walls[0].slip: the face of tank")) return true;
+        if (strstr(mns_sim_warning(sim, k), "walls[0].slip: an interface meets the face of tank")) return true;
     return false;
 }
 
@@ -773,10 +790,14 @@ static void faces_that_stand_as_planes_of_symmetry_and_are_none_are_warned_of(vo
                 {shrunk_a_little, "differences", true, true},
                 {shrunk_a_little, "incompressible", false, false},
                 {sticky, "incompressible", true, false},
-                {moving, "differences", true, false},
-                {on_two_floors, "differences", true, true},
+                {moving, "differences", true, true},
+                {on_two_floors, "differences", true, false},
                 {as_it_is, "riemann", true, false},
-                {with_a_post, "incompressible", true, false}};
+                {with_a_post, "incompressible", true, false},
+                {moving, "interfacial", true, false},
+                {moving_along, "interfacial", true, true},
+                {oblique, "interfacial", true, true},
+                {oblique, "riemann", false, false}};
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
         MnsCase *c = tank(2, rows[k].scheme);
         if (rows[k].oil) with_oil_below(c);

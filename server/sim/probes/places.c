@@ -43,7 +43,7 @@ double probe_height(Measure *m)
     for (int d = 0; d < model->dim; d++) x[d] = m->probe->at[d] + measure_shift(m, d);
     for (int k = 0; k < n; k++) {
         x[up] = low + (k + 0.5) * step;
-        const Share share = sample_share(m->sim, x, measure_fluids(m));
+        const Share share = sample_share_along(m->sim, up, x, measure_fluids(m));
         depth += step * ((is_filled(&share) ? share.among : 0) + beyond_midway(&before, &share));
         before = share;
     }

@@ -21,7 +21,7 @@ double probe_elevation(Measure *m)
     for (int d = 0; d < model->dim; d++) x[d] = m->probe->at[d] + measure_shift(m, d);
     for (int k = 0; k <= n; k++) {
         x[up] = low + k * length / n;
-        const Share share = sample_share(m->sim, x, measure_fluids(m));
+        const Share share = sample_share_along(m->sim, up, x, measure_fluids(m));
         if (share.solid) continue;
         if (before >= 0.5 && share.fluid < 0.5) found = fallen(last, x[up] - last, before, share.fluid);
         if (found == found && m->probe->least) break;

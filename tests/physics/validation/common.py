@@ -20,10 +20,14 @@ def hygiene(case: str, r: Run, void: bool = True) -> Iterator[Metric]:
         if name.startswith("mass_"):
             m = r.probes[name]
             yield Metric(case, f"{name}: largest change", float(np.max(np.abs(m - m[0])) / m[0]), high=1e-13)
-    if (excess := r.summary.get("energy_excess")) is not None:  # null: the run has no energy account
-        yield Metric(case, "energy made of nothing, over the largest of kinetic energy and change of potential energy", excess, high=0.01)
+    yield from energy(case, r)
     if void:
         yield Metric(case, "smallest sum of W V", float(np.nanmin(r.probes["coverage"])), low=0.75)
+
+
+def energy(case: str, r: Run, where: str = "") -> Iterator[Metric]:
+    if (excess := r.summary.get("energy_excess")) is not None:  # null: the run has no energy account
+        yield Metric(case, f"{where}energy made of nothing, over the largest of kinetic energy and change of potential energy", excess, high=0.01)
 
 
 def converges(case: str, what: str, coarse: float, fine: float, exact: float = 0) -> Metric:

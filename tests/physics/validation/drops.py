@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from validation.common import converges, hygiene
+from validation.common import converges, energy, hygiene
 from validation.metrics import Metric
 from validation.runs import Run, Snapshot, attempt, run
 from validation.series import extremum, peaks, row, table
@@ -167,4 +167,5 @@ def static_drop2d(_: bool) -> Iterator[Metric]:
     for n, r in zip(sizes, stirred, strict=True):
         yield from score_drift(case, r, n)
     yield converges(case, "in disorder, momentum", *(drift(r) for r in stirred))
+    yield from energy(case, runs[0], f"at l/{sizes[0]}, as it ships: ")
     yield from hygiene(case, runs[-1])
