@@ -139,10 +139,9 @@ unsigned mirror_planes_find(const MnsSim *sim, Formula *const gravity[3])
     for (int side = 0; side < 2 * model->dim && any_slips(sim); side++)
         if ((sim->scheme->floors_mirror || is_weightless(gravity[side / 2])) && is_mirror(sim, side))
             mirrors |= 1u << side;
-    for (int d = 0; d < model->dim; d++)
-        if ((mirrors >> 2 * d & 3) == 3 &&
-            model->mirror_at[2 * d + 1] - model->mirror_at[2 * d] < model->kernel.support)
-            mirrors &= ~(3u << 2 * d);
+    for (int side = 0; side < 2 * model->dim; side += 2)
+        if ((mirrors >> side & 3) == 3 && model->mirror_at[side + 1] - model->mirror_at[side] < model->kernel.support)
+            mirrors &= ~(3u << side);
     return have_room_in_corners(model, mirrors) ? mirrors : 0;
 }
 
