@@ -185,9 +185,10 @@ static void moving_along(MnsCase *c)
 static void oblique(MnsCase *c)
 {
     MnsPart *half = case_add_part(&c->walls[0].shape, MNS_HALF_SPACE);
-    half->a[0] = 0.9;
-    half->b[0] = half->b[1] = 1;
-    case_set_text(&c->gravity[0], "0.3");
+    half->a[0] = 0.1;
+    half->b[0] = 1;
+    half->b[1] = -1;
+    case_set_text(&c->gravity[0], "-0.3");
     case_set_text(&c->gravity[1], "-0.3");
 }
 

@@ -123,9 +123,10 @@ static Both both_of(int dim, bool corner, double smoothing, double skin)
         model->gravity[2] = dim == 3 ? -9.81 : 0;
         if (!corner) model->gravity[1] = -9.81;
         if (k) {
-            model->max[0] = model->mirror_at[1] = before() * DX;
+            model->mirror_at[1] = before() * DX; /* the domain reaches farther */
             model->mirrors = in_channel ? 3 : 2;
-            if (corner) model->max[1] = model->mirror_at[3] = HIGH * DX;
+            if (corner) model->mirror_at[3] = HIGH * DX;
+            model->min[0] -= in_channel ? BEHIND * DX : 0;
             if (corner) model->mirrors |= 8;
         }
         set_fields(cloud, k, corner);
